@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// Makes kernel text: a kernel with a config becomes a variant.
+//
+// A kernel is kernels/NAME.cl (or NAME.cl.in, a template) and its card
+// kernels/NAME.lua, which says what may vary and which values are valid. The
+// same kernel, config and limits give the same bytes on every machine.
+#ifndef GEN_H
+#define GEN_H
+
+#include "runtime/base/error.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+// All kernels that can be generated, with a private Lua state that has no io,
+// no os, and a memory and an instruction limit. Not for two threads at once.
+typedef struct gen gen;
+
+// kernel_dir: a folder with the kernels, cards and common.clh, or NULL for the
+// carried ones.
+gen *gen_open(const char *kernel_dir, duet_error *err);
+void gen_close(gen *g);
+
+// What of a device decides which configs are valid.
+typedef struct gen_limits {
+    uint32_t max_group;
+    uint64_t local_bytes;
+    bool fp64;
+    bool cpu;
+} gen_limits;
+
+// One parameter of a config.
+typedef struct gen_setting {
+    const char *name;
+    int64_t value;
+} gen_setting;
+
+typedef struct gen_variant {
+    char name[160];    // "candidates_rows.DIMS3.WG128.BUF512"
+    char sha256[65];   // of the text, lower-case hex
+    char *text;        // OpenCL C; owned, given back by gen_variant_free
+    uint32_t group;    // work-group size that the card asks for
+    uint32_t per_item; // work-units (objects, pairs, cells) one work-item does
+} gen_variant;
+
+// Parameters that settings leaves out take the card's default, which may
+// depend on limits. BUILD_FAILED with file:line where the card or template is
+// wrong, BAD_ARGUMENT where a parameter or value is unknown or the config is
+// not valid: the line says what would be.
+bool gen_make(gen *g, const char *kernel, const gen_setting *settings, uint32_t n_settings,
+              const gen_limits *limits, gen_variant *variant, duet_error *err);
+void gen_variant_free(gen_variant *variant);
+
+// The kernels there are: NULL past the end.
+const char *gen_kernel(const gen *g, uint32_t i);
+
+// What a kernel lets vary. The strings and values are the gen's.
+typedef struct gen_param {
+    const char *name;
+    const char *about; // one line of the card
+    int64_t fallback;  // the value where none is set
+    const int64_t *values;
+    uint32_t n_values;
+} gen_param;
+
+bool gen_params(gen *g, const char *kernel, const gen_limits *limits, const gen_param **params,
+                uint32_t *n_params, duet_error *err);
+
+// Valid configs are numbered 0 .. count-1 in mixed radix order, the last
+// parameter fastest. config must hold n_params settings.
+bool gen_count(gen *g, const char *kernel, const gen_limits *limits, uint64_t *count,
+               duet_error *err);
+bool gen_config(gen *g, const char *kernel, const gen_limits *limits, uint64_t index,
+                gen_setting *config, duet_error *err);
+
+#endif

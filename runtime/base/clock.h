@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+// Time, of the steady kind for durations and of the calendar for records.
+#ifndef BASE_CLOCK_H
+#define BASE_CLOCK_H
+
+#include <stdint.h>
+
+uint64_t clock_steady_ns(void);  // since some fixed moment; never goes back
+int64_t clock_calendar_ns(void); // since 1970-01-01 UTC
+
+#endif

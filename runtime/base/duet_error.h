@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// What went wrong, as a value that the caller owns.
+//
+// Makers return a pointer or NULL and doers return bool; both take a
+// duet_error last. NULL is allowed there. The first failure is kept, so one
+// error can be passed through several calls and read once at the end.
+#ifndef DUET_ERROR_H
+#define DUET_ERROR_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define DUET_API __attribute__((visibility("default")))
+#else
+#define DUET_API
+#endif
+
+// name, what it means in general
+#define DUET_STATUS_LIST(X)                                                         \
+    X(OK, "no error")                                                               \
+    X(BAD_ARGUMENT, "an argument of the call is out of its range")                  \
+    X(BAD_INPUT, "an input file or its data is malformed")                          \
+    X(NOT_FOUND, "a file, device, kernel or name does not exist")                   \
+    X(NO_DEVICE, "there is no OpenCL device to work on")                            \
+    X(BUILD_FAILED, "a kernel does not generate or compile")                        \
+    X(DEVICE_FAILED, "an OpenCL call failed")                                       \
+    X(NO_MEMORY, "host or device memory does not suffice")                          \
+    X(TOO_MANY, "a count is above what can be held")                                \
+    X(CELL_TOO_SMALL, "the cell edge is below the largest object")                  \
+    X(BAD_OBJECT, "an object's pose is not a number, negative or without rotation") \
+    X(WRONG_RESULT, "a verified result differs from the reference")                 \
+    X(STORE_FAILED, "the profile store cannot be read or written")                  \
+    X(INTERRUPTED, "stopped by the user")                                           \
+    X(IO_FAILED, "a file cannot be read or written")
+
+typedef enum duet_status {
+#define X(name, text) DUET_##name,
+    DUET_STATUS_LIST(X)
+#undef X
+} duet_status;
+
+typedef struct duet_error {
+    duet_status status;
+    int cl_code;    // the OpenCL code where a device failed, else 0
+    char text[480]; // one English line: what, where, what would be right
+} duet_error;
+
+// "BUILD_FAILED" for DUET_BUILD_FAILED; "UNKNOWN" outside the list.
+DUET_API const char *duet_status_name(duet_status status);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

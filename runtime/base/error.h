@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// How code of ours fills a duet_error: once, with one line.
+#ifndef BASE_ERROR_H
+#define BASE_ERROR_H
+
+#include "duet_error.h"
+
+#include <stdbool.h>
+
+// Fills err unless it is NULL or holds an earlier failure; returns false, so
+// that a failing function can end with it. A line break in the text becomes
+// "; " and what does not fit is cut.
+bool error_set(duet_error *err, duet_status status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+// The same for a failed OpenCL call: appends the code's name.
+bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+// "CL_OUT_OF_RESOURCES" for -5; "CL error" outside the list.
+const char *error_cl_name(int cl_code);
+
+#endif

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: MIT
+// Duet: collisions among boxes, found by two OpenCL devices together.
+//
+// Owners are opaque pointers with one _close or _destroy. Makers return a
+// pointer or NULL and doers return bool; both take a duet_error last (NULL
+// allowed). A def is filled by its duet_default_..._def() first. Two worlds in
+// two threads are independent; one world belongs to one thread at a time.
+//
+// Units are the caller's (metres, say); floats are IEEE single; ids are the
+// objects' places in the input, from 0. Sets are closed: touching collides.
+#ifndef DUET_H
+#define DUET_H
+
+#include "duet_error.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+DUET_API const char *duet_version(void); // "1.0.0"
+
+// ---------------------------------------------------------------- objects
+
+// An oriented box. The rotation is M(q)/|q|^2, so any quaternion but zero is
+// legal. In 2D centre[2], half[2], rotation[0] and rotation[1] are not read.
+typedef struct duet_pose {
+    float centre[3];
+    float half[3];     // half extents, >= 0
+    float rotation[4]; // quaternion x y z w
+} duet_pose;
+
+// An axis-aligned box. In 2D lower[2] and upper[2] are not read.
+typedef struct duet_bounds {
+    float lower[3];
+    float upper[3]; // >= lower
+} duet_bounds;
+
+// A confirmed collision, a < b.
+typedef struct duet_pair {
+    uint32_t a;
+    uint32_t b;
+} duet_pair;
+
+// The sum over pairs that every variant, device and share must agree on: see
+// duet_result_hash. Independent of the pairs' order.
+DUET_API uint64_t duet_pairs_hash(const duet_pair *pairs, uint64_t n);
+
+// ---------------------------------------------------------------- devices
+
+typedef enum duet_device_kind {
+    DUET_KIND_CPU,
+    DUET_KIND_GPU,
+    DUET_KIND_ACCELERATOR
+} duet_device_kind;
+
+typedef struct duet_device_info {
+    char selector[64]; // "pocl:0", "nvidia:1"; a part of a CPU is "pocl:0[0-1]"
+    char platform[128];
+    char platform_version[128];
+    char name[256];
+    char vendor[128];
+    char driver[128];
+    char cl_version[128];
+    duet_device_kind kind;
+    uint32_t units; // compute units
+    uint32_t clock_mhz;
+    uint32_t max_group; // work-items in a work-group
+    uint64_t global_bytes;
+    uint64_t local_bytes;
+    uint64_t max_buffer_bytes;
+    bool host_memory; // works on host memory without copies
+    bool fp64;        // has double
+    bool can_cut;     // its units can be cut into parts with [first-last]
+} duet_device_info;
+
+typedef struct duet_device_list duet_device_list;
+
+// All root devices of all platforms. A list may be empty; NULL only where
+// memory runs out.
+DUET_API duet_device_list *duet_device_list_open(duet_error *err);
+DUET_API void duet_device_list_close(duet_device_list *list);
+DUET_API uint32_t duet_device_list_count(const duet_device_list *list);
+DUET_API const duet_device_info *duet_device_list_at(const duet_device_list *list, uint32_t i);
+
+// An ordered device pair. A takes the share, B the rest.
+typedef struct duet_device_pair duet_device_pair;
+
+typedef struct duet_device_pair_def {
+    const char *a;          // selector; NULL for both: a CPU as A and the fastest GPU as
+    const char *b;          // B, or else the two halves of the only CPU
+    const char *kernel_dir; // reads kernels from this folder instead of the carried ones
+    const char *cache_dir;  // keeps built programs here; NULL: no cache of ours
+    int cookie;
+} duet_device_pair_def;
+
+// kernel_dir and cache_dir from DUET_KERNEL_DIR and DUET_CACHE.
+DUET_API duet_device_pair_def duet_default_device_pair_def(void);
+
+// NO_DEVICE where there is none, NOT_FOUND for an unknown selector: the line
+// lists what is there. Worlds made on the pair must be destroyed before it.
+DUET_API duet_device_pair *duet_device_pair_open(const duet_device_pair_def *def, duet_error *err);
+DUET_API void duet_device_pair_close(duet_device_pair *pair);
+DUET_API const duet_device_info *duet_device_pair_info(const duet_device_pair *pair,
+                                                       int device); // 0: A, 1: B
+
+// ---------------------------------------------------------------- scenes
+
+typedef enum duet_shape {
+    DUET_SHAPE_POSES, // oriented boxes
+    DUET_SHAPE_BOUNDS // axis-aligned boxes, given by their corners
+} duet_shape;
+
+// Objects with the world they live in, as read from a file.
+typedef struct duet_scene duet_scene;
+
+typedef struct duet_scene_info {
+    const char *name; // of the file or the scene's own; the scene's
+    uint32_t dims;    // 2 or 3
+    duet_shape shape;
+    uint32_t n;
+    bool rotated;    // some object has a rotation other than the identity
+    float cell;      // cell edge asked for; 0: chosen from the objects
+    bool cell_fixed; // refuse rather than widen a cell that is too small
+    bool has_world;  // lower and upper are given
+    float lower[3];
+    float upper[3];
+} duet_scene_info;
+
+// A scene's parameter set from outside, for Lua scenes: "n" = "1000".
+typedef struct duet_setting {
+    const char *name;
+    const char *value; // a number, true, false, or else a string
+} duet_setting;
+
+// Reads .lua, .npy, or numbers as text (.csv, .txt, any other ending); the
+// number of columns says what a row is (docs/formats.md). Values that are not
+// finite, negative extents and zero quaternions are refused with their place.
+DUET_API duet_scene *duet_scene_load(const char *path, const duet_setting *settings,
+                                     uint32_t n_settings, duet_error *err);
+// Copies n objects. dims is 2 or 3.
+DUET_API duet_scene *duet_scene_from_poses(const duet_pose *poses, uint32_t n, uint32_t dims,
+                                           duet_error *err);
+DUET_API duet_scene *duet_scene_from_bounds(const duet_bounds *bounds, uint32_t n, uint32_t dims,
+                                            duet_error *err);
+DUET_API void duet_scene_destroy(duet_scene *scene);
+DUET_API const duet_scene_info *duet_scene_describe(const duet_scene *scene);
+DUET_API const duet_pose *duet_scene_poses(const duet_scene *scene);    // [n], or NULL
+DUET_API const duet_bounds *duet_scene_bounds(const duet_scene *scene); // [n], or NULL
+
+// ---------------------------------------------------------------- plans
+
+#define DUET_SHARE_ONE 65536u
+
+typedef enum duet_mode {
+    DUET_MODE_SHARED, // B builds the grid and A receives it (the paper, section 4.1)
+    DUET_MODE_OWN     // each device builds the grid from its own poses
+} duet_mode;
+
+DUET_API const char *duet_mode_name(duet_mode mode); // "shared"
+
+// How a step is to be done: what a tuner chooses and a profile stores.
+typedef struct duet_plan {
+    uint32_t share; // A's part of the objects, out of DUET_SHARE_ONE; r in the paper
+    duet_mode mode;
+    char variant_a[96]; // "rows", or with settings: "rows sort=radix"
+    char variant_b[96];
+} duet_plan;
+
+// What is done on this device pair where nothing was measured: both variants
+// "rows", own grids, and a share by units between parts of one CPU, else 0.
+DUET_API duet_plan duet_default_plan(const duet_device_pair *pair);
+
+// ---------------------------------------------------------------- worlds
+
+// Objects on a device pair, stepped again and again.
+typedef struct duet_world duet_world;
+
+typedef struct duet_world_def {
+    duet_device_pair *pair; // borrowed
+    duet_plan plan;
+    uint32_t dims; // 2 or 3
+    duet_shape shape;
+    bool rotated;    // false promises identity rotations: fewer axes are tested
+    float cell;      // cell edge; 0: the largest extent found
+    bool cell_fixed; // CELL_TOO_SMALL instead of widening
+    bool has_world;  // lower and upper are given; objects outside are still found
+    float lower[3];
+    float upper[3];
+    bool keep_bad;      // leave bad objects out and count them, instead of BAD_OBJECT
+    uint64_t max_pairs; // TOO_MANY above it; 0: as memory allows
+    int cookie;
+} duet_world_def;
+
+DUET_API duet_world_def duet_default_world_def(void);
+// A def with the scene's dims, shape, cell and world.
+DUET_API duet_world_def duet_scene_world_def(const duet_scene *scene, duet_device_pair *pair);
+
+DUET_API duet_world *duet_world_create(const duet_world_def *def, duet_error *err);
+DUET_API void duet_world_destroy(duet_world *world);
+
+// Copies n poses (shape POSES) or bounds (shape BOUNDS) into the world.
+DUET_API bool duet_world_set_poses(duet_world *world, const duet_pose *poses, uint32_t n,
+                                   duet_error *err);
+DUET_API bool duet_world_set_bounds(duet_world *world, const duet_bounds *bounds, uint32_t n,
+                                    duet_error *err);
+DUET_API bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err);
+
+// Room for n poses in memory that the devices read without a copy of ours.
+// Valid until the next map, set or destroy; write, then step.
+DUET_API duet_pose *duet_world_map_poses(duet_world *world, uint32_t n, duet_error *err);
+
+DUET_API bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err);
+DUET_API const duet_plan *duet_world_plan(const duet_world *world);
+
+// ---------------------------------------------------------------- results
+
+// Where a step's time went: one kernel or transfer on one device.
+typedef struct duet_stage {
+    const char *name; // "hash", "sort", ... ; static
+    int device;       // 0: A, 1: B
+    double ms;        // from OpenCL events; a host stage from the clock
+    bool transfer;
+} duet_stage;
+
+typedef struct duet_span {
+    const duet_pair *pairs;
+    uint64_t n;
+} duet_span;
+
+// What a step found. Its memory is the world's and lasts until the next step.
+typedef struct duet_result {
+    uint32_t objects;
+    uint32_t bad;       // objects left out (keep_bad)
+    uint32_t first_bad; // the least id among them
+    uint64_t candidates;
+    uint64_t pairs;
+    duet_span spans[2];  // A's pairs and B's (the paper, section 4.2)
+    uint64_t undecided;  // pairs that float left open and the host decided
+    double total_ms;     // wall clock, poses in to pairs on the host
+    double device_ms[2]; // wall clock of each device's part
+    const duet_stage *stages;
+    uint32_t n_stages;
+    uint64_t bytes[2]; // memory held on each device
+    uint32_t cells[3]; // the grid
+    float cell;        // its least edge
+    bool cell_widened; // the edge asked for was below the largest object
+    uint32_t runs;     // 1, or more where a buffer had to grow
+} duet_result;
+
+// Finds all pairs among the world's objects.
+//
+// BAD_OBJECT names the first object that is NaN, infinite, negative or without
+// rotation; CELL_TOO_SMALL names edge and extent (cell_fixed only); TOO_MANY
+// names the count; BUILD_FAILED the kernel. After a failure the world can be
+// stepped again.
+DUET_API bool duet_world_step(duet_world *world, duet_result *result, duet_error *err);
+
+// Pair i of both spans, i < result->pairs.
+DUET_API duet_pair duet_result_pair(const duet_result *result, uint64_t i);
+
+// The pair hash: for each pair k = a << 32 | b; k *= 0x9E3779B97F4A7C15;
+// k ^= k >> 29; k *= 0xBF58476D1CE4E5B9; k ^= k >> 32; summed modulo 2^64.
+DUET_API uint64_t duet_result_hash(const duet_result *result);
+
+// ---------------------------------------------------------------- reference
+
+// The plain-C twin: all pairs of the scene, exactly. The caller frees *pairs
+// with duet_free; they are ascending.
+DUET_API bool duet_reference(const duet_scene *scene, duet_pair **pairs, uint64_t *n,
+                             duet_error *err);
+
+// true where the exact boxes share a point.
+DUET_API bool duet_poses_collide(const duet_pose *a, const duet_pose *b, uint32_t dims);
+
+DUET_API void duet_free(void *memory);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

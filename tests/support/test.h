@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// What every test includes: CMocka in the order it needs, seeds, small helps.
+#ifndef TESTS_TEST_H
+#define TESTS_TEST_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+// DUET_TEST_SEED where set, else a fixed one; printed, so that a failing run
+// can be repeated.
+uint64_t test_seed(void);
+
+// Fails the test with the error's line where a call did not succeed.
+#define assert_ok(call, err)                                                                       \
+    do {                                                                                           \
+        if (!(call))                                                                               \
+            fail_msg("%s: %s %s", #call, duet_status_name((err).status), (err).text);              \
+    } while (0)
+
+#endif
