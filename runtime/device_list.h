@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// The root devices that OpenCL offers to this process.
+//
+// OpenCL is asked once and by one thread: PoCL 3.1 crashes where two threads
+// make the first call together.
+#ifndef RUNTIME_DEVICE_LIST_H
+#define RUNTIME_DEVICE_LIST_H
+
+#include "runtime/duet.h"
+
+#include <CL/cl.h>
+
+typedef struct device_root {
+    cl_device_id id;
+    duet_device_info info;
+} device_root;
+
+// All root devices, platform after platform; they last as long as the process.
+// NO_DEVICE where there is none.
+bool device_list_roots(const device_root **roots, uint32_t *n, duet_error *err);
+
+#endif
