@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: MIT
+#include "support/test.h"
+
+#include "tuner/replay.h"
+#include "tuner/strategy.h"
+
+#include <math.h>
+#include <string.h>
+
+// Runs a strategy to its end on a model and gives its pick.
+static uint32_t pick_of(const char *name, const replay_model *model, rng *r, uint32_t *launches,
+                        double *cost)
+{
+    search s;
+    duet_error err = {0};
+    uint64_t cost_ns;
+    assert_ok(search_begin(&s, name, NULL, &err), err);
+    assert_ok(replay_run(&s, model, r, &cost_ns, &err), err);
+    uint32_t share = search_pick(&s);
+    if (launches)
+        *launches = s.n;
+    if (cost)
+        *cost = (double)cost_ns / (double)replay_best(model).total_ns;
+    search_end(&s);
+    return share;
+}
+
+// What is known of figure 12 in exact arithmetic: T(r) = max(K r, 1 - r).
+typedef struct fig12_row {
+    double ratio;
+    double share;        // after 13 launches
+    double off_percent;  // above the best total
+    double lost_percent; // of the gain over the faster device
+    double cost;         // of all launches, in best totals
+} fig12_row;
+
+static const fig12_row fig12_table[] = {
+    {3, .2500, 0.0, 0, 17.7},    {5, .1250, 5.0, 25, 21.3},     {10, .0625, 3.1, 31, 30.0},
+    {20, .03125, 1.7, 34, 48.9}, {50, .015625, 0.4, 20, 107.5},
+};
+
+static void fig12_gives_the_table_of_the_paper_in_exact_arithmetic(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof fig12_table / sizeof *fig12_table; ++i) {
+        const fig12_row *row = &fig12_table[i];
+        replay_model model = {.ratio = row->ratio};
+        uint32_t launches;
+        double cost;
+        uint32_t share = pick_of("fig12", &model, NULL, &launches, &cost);
+        double off = replay_off(&model, share);
+        double best = row->ratio / (row->ratio + 1);
+        double lost = best * off / (1 - best);
+        assert_int_equal(launches, 13);
+        assert_int_equal(share, (uint32_t)(row->share * SEARCH_ONE));
+        assert_true(fabs(100 * off - row->off_percent) < 0.06);
+        assert_true(fabs(100 * lost - row->lost_percent) < 0.6);
+        assert_true(fabs(cost - row->cost) < 0.06);
+    }
+}
+
+static void fig12_never_comes_nearer_with_more_launches(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof fig12_table / sizeof *fig12_table; ++i) {
+        replay_model model = {.ratio = fig12_table[i].ratio};
+        search_options options = search_default_options();
+        options.launches = 1003;
+        search s;
+        duet_error err = {0};
+        assert_ok(search_begin(&s, "fig12", &options, &err), err);
+        assert_ok(replay_run(&s, &model, NULL, NULL, &err), err);
+        assert_int_equal(search_pick(&s), (uint32_t)(fig12_table[i].share * SEARCH_ONE));
+        search_end(&s);
+    }
+}
+
+// Speed ratios evenly over the logarithm of 1 to 64.
+enum { N_RATIOS = 1000 };
+
+static double ratio_at(uint32_t i)
+{
+    return pow(64, (i + 0.5) / N_RATIOS);
+}
+
+static void fig12_loses_the_best_share_for_92_percent_of_speed_ratios(void **state)
+{
+    (void)state;
+    uint32_t lost = 0, far = 0;
+    double sum = 0;
+    for (uint32_t i = 0; i < N_RATIOS; ++i) {
+        replay_model model = {.ratio = ratio_at(i)};
+        search s;
+        duet_error err = {0};
+        uint32_t low, high;
+        assert_ok(search_begin(&s, "fig12", NULL, &err), err);
+        assert_ok(replay_run(&s, &model, NULL, NULL, &err), err);
+        search_bracket(&s, &low, &high);
+        double best = SEARCH_ONE / (model.ratio + 1);
+        double off = replay_off(&model, search_pick(&s));
+        lost += best < low || best > high;
+        far += off > 0.05;
+        sum += off;
+        search_end(&s);
+    }
+    assert_in_range(lost, 915, 935);
+    assert_in_range(far, 110, 130);
+    assert_true(fabs(100 * sum / N_RATIOS - 2.1) < 0.1);
+}
+
+static void without_noise_bisect_golden_and_grid_find_the_best_share(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        double off;
+    } within[] = {{"bisect", 0.002}, {"golden", 0.01}, {"grid", 0.04}};
+    for (uint32_t i = 0; i < N_RATIOS; i += 10) {
+        replay_model model = {.ratio = ratio_at(i), .overhead = {0.02, 0.01}};
+        for (size_t k = 0; k < sizeof within / sizeof *within; ++k) {
+            uint32_t share = pick_of(within[k].name, &model, NULL, NULL, NULL);
+            assert_true(replay_off(&model, share) < within[k].off);
+        }
+    }
+}
+
+// A's time rises with the share and B's falls, by random steps between rows.
+enum { N_ROWS = 33 };
+
+static replay_model monotone_model(replay_row *rows, rng *r)
+{
+    uint64_t a = 0, b = 0;
+    double slope_a = exp(rng_between(r, 0, 4)), slope_b = exp(rng_between(r, 0, 4));
+    for (uint32_t i = 0; i < N_ROWS; ++i) {
+        rows[i] = (replay_row){.share = i * (SEARCH_ONE / (N_ROWS - 1)), .a_ns = a};
+        a += 1000 + (uint64_t)(1e6 * slope_a * rng_unit(r));
+    }
+    for (uint32_t i = N_ROWS; i-- > 0;) {
+        rows[i].b_ns = b;
+        b += 1000 + (uint64_t)(1e6 * slope_b * rng_unit(r));
+    }
+    return (replay_model){.rows = rows, .n_rows = N_ROWS};
+}
+
+static void the_bracket_holds_the_best_share_at_every_step(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"bisect"};
+    rng r = rng_seed(test_seed());
+    for (int round = 0; round < 400; ++round) {
+        replay_row rows[N_ROWS];
+        replay_model model = monotone_model(rows, &r);
+        uint32_t best = replay_best(&model).share;
+        search s;
+        duet_error err = {0};
+        assert_ok(search_begin(&s, names[0], NULL, &err), err);
+        for (search_next next; search_ask(&s, &next, &err) && !next.done;) {
+            uint32_t low, high;
+            search_sample sample = replay_launch(&model, next.share, NULL);
+            assert_ok(search_tell(&s, &sample, &err), err);
+            search_bracket(&s, &low, &high);
+            assert_true(low <= best && best <= high);
+        }
+        search_end(&s);
+    }
+}
+
+// Goes through JSON after every launch when `stops` is set.
+static uint32_t run_with_stops(const char *name, const replay_model *model, bool stops,
+                               uint64_t seed, uint32_t *launches)
+{
+    search s;
+    duet_error err = {0};
+    rng r = rng_seed(seed);
+    assert_ok(search_begin(&s, name, NULL, &err), err);
+    for (search_next next; search_ask(&s, &next, &err) && !next.done;) {
+        search_sample sample = replay_launch(model, next.share, &r);
+        assert_ok(search_tell(&s, &sample, &err), err);
+        if (!stops)
+            continue;
+        text json = {0};
+        search_to_json(&s, &json);
+        search_end(&s);
+        assert_ok(search_from_json(&s, text_chars(&json), &err), err);
+        text_free(&json);
+    }
+    uint32_t share = search_pick(&s);
+    *launches = s.n;
+    search_end(&s);
+    return share;
+}
+
+static void a_resumed_search_ends_as_an_uninterrupted_one(void **state)
+{
+    (void)state;
+    uint64_t seed = test_seed();
+    replay_model model = {.ratio = 7, .overhead = {0.1, 0.05}, .sigma = 0.05};
+    for (uint32_t i = 0; strategies[i]; ++i) {
+        uint32_t n_whole, n_stopped;
+        uint32_t whole = run_with_stops(strategies[i]->name, &model, false, seed, &n_whole);
+        uint32_t stopped = run_with_stops(strategies[i]->name, &model, true, seed, &n_stopped);
+        assert_int_equal(whole, stopped);
+        assert_int_equal(n_whole, n_stopped);
+    }
+}
+
+static void a_search_state_that_no_search_wrote_is_refused(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {
+        "",
+        "[]",
+        "{}",
+        "{\"strategy\":\"fig12\",\"samples\":[]}",
+        "{\"strategy\":\"bisect\",\"launches\":0,\"quantum\":1,\"points\":1,\"rounds\":1,"
+        "\"probe_cost\":3,\"samples\":[[70000,1,1,1]]}",
+        "{\"strategy\":\"nosuch\",\"launches\":0,\"quantum\":1,\"points\":1,\"rounds\":1,"
+        "\"probe_cost\":3,\"samples\":[]}",
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
+        search s;
+        duet_error err = {0};
+        assert_false(search_from_json(&s, texts[i], &err));
+        assert_true(err.status == DUET_BAD_INPUT || err.status == DUET_NOT_FOUND);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fig12_gives_the_table_of_the_paper_in_exact_arithmetic),
+        cmocka_unit_test(fig12_never_comes_nearer_with_more_launches),
+        cmocka_unit_test(fig12_loses_the_best_share_for_92_percent_of_speed_ratios),
+        cmocka_unit_test(without_noise_bisect_golden_and_grid_find_the_best_share),
+        cmocka_unit_test(the_bracket_holds_the_best_share_at_every_step),
+        cmocka_unit_test(a_resumed_search_ends_as_an_uninterrupted_one),
+        cmocka_unit_test(a_search_state_that_no_search_wrote_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "tuner/replay.h"
+
+#include <math.h>
+
+#define WHOLE_NS 1e7 // B's time for the whole work
+
+static double stepped(double part, uint32_t waves)
+{
+    return waves ? ceil(part * waves) / waves : part;
+}
+
+static void invent(const replay_model *model, uint32_t share, double ns[2])
+{
+    double part = share / (double)SEARCH_ONE;
+    bool both = share > 0 && share < SEARCH_ONE;
+    ns[0] = share > 0 ? model->ratio * stepped(part, model->waves[0]) : 0;
+    ns[1] = share < SEARCH_ONE ? stepped(1 - part, model->waves[1]) : 0;
+    for (int device = 0; device < 2; ++device) {
+        if (both)
+            ns[device] = ns[device] * (1 + model->interference) + model->overhead[device];
+        ns[device] *= WHOLE_NS;
+    }
+}
+
+static double between(uint64_t from, uint64_t to, double part)
+{
+    return (double)from + part * ((double)to - (double)from);
+}
+
+static void look_up(const replay_model *model, uint32_t share, double ns[2])
+{
+    const replay_row *rows = model->rows;
+    uint32_t i = 1;
+    while (i + 1 < model->n_rows && rows[i].share < share)
+        ++i;
+    double part = ((double)share - rows[i - 1].share) / (rows[i].share - rows[i - 1].share);
+    ns[0] = between(rows[i - 1].a_ns, rows[i].a_ns, part);
+    ns[1] = between(rows[i - 1].b_ns, rows[i].b_ns, part);
+}
+
+static double disturbed(const replay_model *model, double ns, rng *r)
+{
+    double factor = 1 + model->sigma * rng_normal(r);
+    if (factor < 0.5)
+        factor = 0.5;
+    if (rng_unit(r) < model->spike_chance)
+        factor *= rng_between(r, 1.2, model->spike_most);
+    return ns * factor;
+}
+
+search_sample replay_launch(const replay_model *model, uint32_t share, rng *r)
+{
+    double ns[2];
+    if (model->rows)
+        look_up(model, share, ns);
+    else
+        invent(model, share, ns);
+    for (int device = 0; device < 2 && r; ++device)
+        ns[device] = disturbed(model, ns[device], r);
+    return (search_sample){
+        .share = share,
+        .total_ns = (uint64_t)(fmax(ns[0], ns[1]) + 0.5),
+        .a_ns = (uint64_t)(ns[0] + 0.5),
+        .b_ns = (uint64_t)(ns[1] + 0.5),
+    };
+}
+
+search_sample replay_best(const replay_model *model)
+{
+    search_sample best = replay_launch(model, 0, NULL);
+    for (uint32_t share = 1; share <= SEARCH_ONE; ++share) {
+        search_sample at = replay_launch(model, share, NULL);
+        if (at.total_ns < best.total_ns)
+            best = at;
+    }
+    return best;
+}
+
+bool replay_run(search *s, const replay_model *model, rng *r, uint64_t *cost_ns, duet_error *err)
+{
+    uint64_t cost = 0;
+    bool ok = true;
+    for (search_next next; (ok = search_ask(s, &next, err)) && !next.done;) {
+        search_sample sample = replay_launch(model, next.share, r);
+        cost += sample.total_ns;
+        ok = search_tell(s, &sample, err);
+        if (!ok)
+            break;
+    }
+    if (cost_ns)
+        *cost_ns = cost;
+    return ok;
+}
+
+double replay_off(const replay_model *model, uint32_t share)
+{
+    double best = (double)replay_best(model).total_ns;
+    return (double)replay_launch(model, share, NULL).total_ns / best - 1;
+}

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// A device pair that is only arithmetic: strategies run on it in microseconds.
+//
+// Times are an invented cost function's or a recorded table's, with noise and
+// spikes where asked for, and the same for the same seed on every machine.
+#ifndef TUNER_REPLAY_H
+#define TUNER_REPLAY_H
+
+#include "runtime/base/rng.h"
+#include "tuner/search.h"
+
+// One row of a recorded table, or a launch without noise.
+typedef search_sample replay_row;
+
+// Times are in units of B's time for the whole work, 10 ms.
+typedef struct replay_model {
+    double ratio;           // A is so many times slower than B
+    double overhead[2];     // what taking part costs each device when both do
+    uint32_t waves[2];      // each device's work goes in so many equal steps; 0: smoothly
+    double interference;    // each device is slower by this part while the other works
+    double sigma;           // noise of each device's time, as a part of it
+    double spike_chance;    // a launch's device time is disturbed with this chance
+    double spike_most;      // and then takes up to so many times as long, at least 1.2
+    const replay_row *rows; // recorded instead of invented, ascending by share
+    uint32_t n_rows;
+} replay_model;
+
+// One launch at a share. rng NULL: without noise.
+search_sample replay_launch(const replay_model *model, uint32_t share, rng *r);
+
+// The share with the least total without noise, and that total.
+search_sample replay_best(const replay_model *model);
+
+// Asks and measures until the search is done. cost_ns, unless NULL, takes the
+// sum of all totals.
+bool replay_run(search *s, const replay_model *model, rng *r, uint64_t *cost_ns, duet_error *err);
+
+// How much longer a share takes than the best one: 0.02 is 2 %.
+double replay_off(const replay_model *model, uint32_t share);
+
+#endif

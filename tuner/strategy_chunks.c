@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// Follows the work instead of settling: every launch is a chunk of it.
+//
+// For irregular scenes a fixed share has a ceiling, since what an object costs
+// moves with the scene. Here each chunk is shared by the speeds of the chunks
+// just before it, the latest counting most. A first small share for A keeps a
+// slow device from making the first chunk dear (Kaleem et al., PACT 2014), and
+// a share at most doubles from one chunk to the next, so that one mistaken
+// time does not throw it. It ends when the launches do; the pick is the share
+// that it would use next.
+#include "tuner/strategy.h"
+
+enum { FIRST_SHARE = SEARCH_ONE / 16, MEMORY = 2 };
+
+// Work per nanosecond, a running mean over about MEMORY + 1 chunks.
+static void follow(double *speed, uint32_t work, uint64_t ns)
+{
+    if (work == 0 || ns == 0)
+        return;
+    double seen = (double)work / (double)ns;
+    *speed = *speed > 0 ? *speed + (seen - *speed) / MEMORY : seen;
+}
+
+// Both devices keep a part, however small, or their speed would be forgotten.
+static uint32_t limit_move(uint32_t wanted, uint32_t last, uint32_t quantum)
+{
+    uint32_t rest = SEARCH_ONE - last;
+    uint32_t low = rest < SEARCH_ONE / 2 ? SEARCH_ONE - 2 * rest : quantum;
+    uint32_t high = last < SEARCH_ONE / 2 ? 2 * last : SEARCH_ONE - quantum;
+    low = low > quantum ? low : quantum;
+    high = high < SEARCH_ONE - quantum ? high : SEARCH_ONE - quantum;
+    return wanted < low ? low : wanted > high ? high : wanted;
+}
+
+static uint32_t next_share(const search *s)
+{
+    double a = 0, b = 0;
+    for (uint32_t i = 0; i < s->n; ++i) {
+        follow(&a, s->samples[i].share, s->samples[i].a_ns);
+        follow(&b, SEARCH_ONE - s->samples[i].share, s->samples[i].b_ns);
+    }
+    if (!(a > 0 && b > 0))
+        return s->options.has_start ? s->options.start : FIRST_SHARE;
+    uint32_t wanted = (uint32_t)(SEARCH_ONE * (a / (a + b)) + 0.5);
+    return limit_move(wanted, s->samples[s->n - 1].share, s->options.quantum);
+}
+
+static bool ask(const search *s, search_next *next, duet_error *err)
+{
+    (void)err;
+    *next = (search_next){.share = next_share(s)};
+    return true;
+}
+
+const strategy strategy_chunks = {
+    .name = "chunks",
+    .about = "shares each launch by the speeds of the last ones; never settles",
+    .launches = 16,
+    .ask = ask,
+    .pick = next_share,
+};
