@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// A private Lua state for text that a person wrote: cards, templates, scene
+// files, tune files. It can compute and nothing else: no files, no processes,
+// no clock, no bytecode, no metatables, no coroutines, no pcall; bounded
+// memory, instructions and time; the same result on every run.
+#ifndef GEN_SCRIPT_H
+#define GEN_SCRIPT_H
+
+#include "runtime/base/error.h"
+
+#include <lua.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct script script;
+
+typedef struct script_limits {
+    size_t memory_bytes;   // of the whole state
+    uint64_t instructions; // of one script_call or script_run
+    double seconds;        // of one too: few instructions can move many bytes
+} script_limits;
+
+script_limits script_default_limits(void); // 64 MiB, 100 million, 10 s
+
+// limits may be NULL for the default ones. NULL with NO_MEMORY.
+script *script_open(const script_limits *limits, duet_error *err);
+void script_close(script *s);
+
+// For pushing arguments and reading results. Whatever may raise or allocate
+// there (lua_newtable, lua_pushstring, luaL_check...) belongs in a C function
+// called through script_call: outside of one an error ends the process.
+// lua_pushcfunction and lua_pushlightuserdata do neither.
+lua_State *script_lua(script *s);
+
+// Loads the text of a chunk and leaves it as a function on the stack. name is
+// what messages call it: a file's path. BAD_INPUT with name:line.
+bool script_load(script *s, const char *name, const char *chars, size_t n, duet_error *err);
+
+// Calls the function that lies under its n_args arguments; they give way to
+// n_results results (or LUA_MULTRET), or to nothing on failure. BAD_INPUT with
+// file:line where the script raises an error or passes a limit.
+bool script_call(script *s, int n_args, int n_results, duet_error *err);
+
+// Both of the above, without arguments.
+bool script_run(script *s, const char *name, const char *chars, size_t n, int n_results,
+                duet_error *err);
+bool script_run_file(script *s, const char *path, int n_results, duet_error *err);
+
+// The line of the chunk loaded last that gives `field` a value (field = ...),
+// where there is exactly one; 0 otherwise. name: the chunk's.
+int script_field_line(lua_State *L, const char *field, const char **name);
+
+// Takes from what the running call has left; raises an error where that is not
+// enough. For C functions whose work a script can choose.
+void script_spend(lua_State *L, uint64_t instructions);
+
+#endif

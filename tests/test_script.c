@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: MIT
+#include "support/test.h"
+
+#include "gen/script.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const script_limits tight = {.memory_bytes = 4 << 20, .instructions = 2000000, .seconds = 5};
+
+static bool run(script *s, const char *chars, int n_results, duet_error *err)
+{
+    return script_run(s, "card.lua", chars, strlen(chars), n_results, err);
+}
+
+// Runs a chunk that must fail with one line that holds `why`, and then one
+// that must still work.
+static void refuse(script *s, const char *chars, const char *why)
+{
+    duet_error err = {0};
+    if (run(s, chars, 0, &err))
+        fail_msg("%s: was not refused", chars);
+    if (err.status != DUET_BAD_INPUT || !strstr(err.text, why) || strchr(err.text, '\n'))
+        fail_msg("%s: %s %s, wanted %s", chars, duet_status_name(err.status), err.text, why);
+    assert_int_equal(lua_gettop(script_lua(s)), 0);
+    err = (duet_error){0};
+    assert_ok(run(s, "return 1 + 1", 1, &err), err);
+    assert_int_equal(lua_tointeger(script_lua(s), -1), 2);
+    lua_pop(script_lua(s), 1);
+}
+
+static void refuse_each(const script_limits *limits, const char *const *chunks, size_t n,
+                        const char *why)
+{
+    for (size_t i = 0; i < n; ++i) {
+        duet_error err = {0};
+        script *s = script_open(limits, &err);
+        assert_ok(s, err);
+        refuse(s, chunks[i], why);
+        script_close(s);
+    }
+}
+
+#define REFUSE_EACH(limits, chunks, why) \
+    refuse_each(limits, chunks, sizeof(chunks) / sizeof(chunks)[0], why)
+
+static void results_are_left_on_the_stack(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    script *s = script_open(NULL, &err);
+    assert_ok(s, err);
+    assert_ok(run(s, "return 'a', math.maxinteger", 2, &err), err);
+    assert_string_equal(lua_tostring(script_lua(s), 1), "a");
+    assert_int_equal(lua_tointeger(script_lua(s), 2), INT64_MAX);
+    script_close(s);
+}
+
+static void an_endless_script_ends_with_its_line(void **state)
+{
+    (void)state;
+    static const char *const chunks[] = {
+        "\nwhile true do end",
+        "\nrepeat until false",
+        "\n::again:: goto again",
+        "\nfor i = 1, math.huge do end",
+        "\nfor i = 1, math.maxinteger do local t = i * 2 end",
+        "\nlocal function f() return f() end return f()",
+        "\ntable.sort({ 3, 2, 1, 4 }, function() while true do end end)",
+        "\n(('x'):rep(10)):gsub('x', function() while true do end end)",
+        "\ntable.move({}, 1, math.maxinteger - 1, 2)",
+    };
+    REFUSE_EACH(&tight, chunks, "card.lua:2: runs for more than the 2000000 instructions");
+}
+
+static void a_greedy_script_ends_at_its_memory(void **state)
+{
+    (void)state;
+    static const char *const chunks[] = {
+        "local s = ('x'):rep(1 << 30)",
+        "local s = 'x' while true do s = s .. s end",
+        "local t = {} for i = 1, math.huge do t[i] = i end",
+        "local t = {} while true do t = { t, {}, {} } end",
+        "return (('x'):rep(1e6):gsub('x', ('y'):rep(1e6)))",
+        "return table.concat({ ('x'):rep(2e6), ('y'):rep(2e6), ('z'):rep(2e6) })",
+        "return string.pack('!16 c1000000000', '')",
+        "local s = ('f(){}'):rep(1e6)",
+    };
+    REFUSE_EACH(&tight, chunks, "card.lua: needs more than the 4096 KiB of memory");
+}
+
+static void a_pattern_that_would_never_end_is_refused(void **state)
+{
+    (void)state;
+    static const char *const chunks[] = {
+        "return ('a'):rep(1e5):find(('.-'):rep(10) .. 'b')",
+        "return ('a'):rep(1e5):match(('a*'):rep(20) .. 'b')",
+        "return ('a'):rep(1e5):gsub('[a-z]+[^%]]+b', '')",
+        "return ('('):rep(1e5):gmatch('%b()')()",
+        "return ('a'):rep(99):match(('a?'):rep(60) .. ('a'):rep(60))",
+    };
+    REFUSE_EACH(&tight, chunks, "card.lua:1: the pattern could take too long");
+}
+
+static void ordinary_patterns_pass(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    script *s = script_open(NULL, &err);
+    assert_ok(s, err);
+    assert_ok(run(s,
+                  "local n = 0\n"
+                  "for row in ('a line of text\\n'):rep(3000):gmatch('(.-)\\n') do n = n + 1 end\n"
+                  "assert(n == 3000)\n"
+                  "local k, v = ('  width = 12 '):match('^%s*([%w_]+)%s*=%s*(.-)%s*$')\n"
+                  "assert(k == 'width' and v == '12')\n"
+                  "assert((('.*-+?'):rep(100)):find('.*-+?', 1, true) == 1)\n"
+                  "assert((''):rep(1e15) == '')",
+                  0, &err),
+              err);
+    script_close(s);
+}
+
+static void deep_recursion_is_an_error_and_no_crash(void **state)
+{
+    (void)state;
+    static const char *const chunks[] = {
+        "local function f() return 1 + f() end f()",
+        "local function f(s) return (s:gsub('.', f)) end f('x')",
+        "local function f() table.sort({ 1, 2 }, f) end f()",
+    };
+    script_limits roomy = script_default_limits();
+    roomy.memory_bytes = (size_t)256 << 20;
+    REFUSE_EACH(&roomy, chunks, "overflow");
+}
+
+static void deep_nesting_of_the_text_is_an_error(void **state)
+{
+    (void)state;
+    static char nested[20000];
+    memset(nested, '(', sizeof nested - 1);
+    const char *chunk = nested;
+    refuse_each(&tight, &chunk, 1, "overflow");
+}
+
+static void an_error_of_any_kind_is_one_line_with_a_place(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    script *s = script_open(&tight, &err);
+    assert_ok(s, err);
+    refuse(s, "\n\nerror('wrong')", "card.lua:3: wrong");
+    refuse(s, "\n\nerror('two\\nlines')", "card.lua:3: two lines");
+    refuse(s, "error('no level', 0)", "card.lua: no level");
+    refuse(s, "error()", "card.lua: raises a nil as its error");
+    refuse(s, "error({})", "card.lua: raises a table as its error");
+    refuse(s, "\nassert(1 == 2)", "card.lua:2: assertion failed");
+    refuse(s, "\nassert(nil, 'WG too large')", "card.lua:2: WG too large");
+    refuse(s, "\nreturn ('x'):rep({})", "card.lua:2: bad argument #1 to 'rep'");
+    refuse(s, "\nlocal x = nil + 1", "card.lua:2: attempt to perform arithmetic");
+    refuse(s, "\nreturn {,}", "card.lua:2: unexpected symbol near ','");
+    refuse(s, "return 'never closed", "card.lua:1: unfinished string");
+    refuse(s, "\x1bLua", "card.lua: attempt to load a binary chunk");
+    refuse(s, "\nfor k in pairs({ [{}] = 1 }) do end", "card.lua:2: pairs: a key is a table");
+    refuse(s, "\nmath.randomseed()", "card.lua:2: bad argument #1 to 'randomseed'");
+    script_close(s);
+}
+
+static void a_long_path_is_named_whole(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    script *s = script_open(NULL, &err);
+    assert_ok(s, err);
+    const char *path = "some/folder/whose/name/goes/on/and/on/until/it/is/longer/than/sixty/x.lua";
+    assert_false(script_run(s, path, "\nerror('here')", 14, 0, &err));
+    char wanted[200];
+    snprintf(wanted, sizeof wanted, "%s:2: here", path);
+    assert_string_equal(err.text, wanted);
+    script_close(s);
+}
+
+static void nothing_dangerous_is_within_reach(void **state)
+{
+    (void)state;
+    static const char *const names[] = {
+        "io",       "os",           "package",      "debug",  "require", "coroutine",      "load",
+        "loadfile", "loadstring",   "dofile",       "print",  "warn",    "collectgarbage", "pcall",
+        "xpcall",   "setmetatable", "getmetatable", "rawget", "rawset",  "rawequal",       "rawlen",
+        "next",     "_G",           "string.dump"};
+    duet_error err = {0};
+    script *s = script_open(NULL, &err);
+    assert_ok(s, err);
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        char chunk[100];
+        snprintf(chunk, sizeof chunk, "return %s == nil", names[i]);
+        assert_ok(run(s, chunk, 1, &err), err);
+        if (!lua_toboolean(script_lua(s), -1))
+            fail_msg("a script finds %s", names[i]);
+        lua_pop(script_lua(s), 1);
+    }
+    script_close(s);
+}
+
+// What one state answers, a second one answers too.
+static void every_run_gives_the_same(void **state)
+{
+    (void)state;
+    static const char chunk[] =
+        "local t = { 3, 1, 2, [0.5] = 'half', [true] = 'yes', [false] = 'no' }\n"
+        "for i = 1, 200 do t['k' .. math.random(1e6)] = i end\n"
+        "local out = {}\n"
+        "for k, v in pairs(t) do out[#out + 1] = tostring(k) .. '=' .. v end\n"
+        "return table.concat(out, ',')";
+    duet_error err = {0};
+    script *a = script_open(NULL, &err);
+    script *b = script_open(NULL, &err);
+    assert_ok(a && b, err);
+    assert_ok(run(a, chunk, 1, &err) && run(b, chunk, 1, &err), err);
+    const char *said = lua_tostring(script_lua(a), -1);
+    assert_string_equal(said, lua_tostring(script_lua(b), -1));
+    assert_int_equal(strncmp(said, "0.5=half,1=3,2=1,3=2,k", 22), 0);
+    assert_non_null(strstr(said, "false=no,true=yes"));
+    script_close(a);
+    script_close(b);
+}
+
+// Each call may take the whole limit; a script cannot use up the next one's.
+static void limits_begin_again_with_each_call(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    script *s = script_open(&tight, &err);
+    assert_ok(s, err);
+    for (int i = 0; i < 5; ++i)
+        assert_ok(run(s, "for i = 1, 900000 do end", 0, &err), err);
+    refuse(s, "for i = 1, 9000000 do end", "instructions");
+    script_close(s);
+}
+
+static void few_instructions_that_move_many_bytes_end_in_time(void **state)
+{
+    (void)state;
+    script_limits limits = {
+        .memory_bytes = 64 << 20, .instructions = (uint64_t)1 << 60, .seconds = 0.2};
+    duet_error err = {0};
+    script *s = script_open(&limits, &err);
+    assert_ok(s, err);
+    refuse(s, "local s = ('x'):rep(1e6) for i = 1, 1e9 do local t = s:reverse() end",
+           "card.lua:1: runs for more than the 0.2 seconds");
+    script_close(s);
+}
+
+static void too_little_memory_for_a_state_is_an_error(void **state)
+{
+    (void)state;
+    for (size_t bytes = 0; bytes < 40000; bytes += 1000) {
+        script_limits limits = {.memory_bytes = bytes, .instructions = 1000000, .seconds = 5};
+        duet_error err = {0};
+        script *s = script_open(&limits, &err);
+        assert_true(s || err.status != DUET_OK);
+        script_close(s);
+    }
+}
+
+static void a_missing_file_is_named(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    script *s = script_open(NULL, &err);
+    assert_ok(s, err);
+    assert_false(script_run_file(s, "no/such.lua", 0, &err));
+    assert_int_equal(err.status, DUET_NOT_FOUND);
+    assert_non_null(strstr(err.text, "no/such.lua"));
+    script_close(s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(results_are_left_on_the_stack),
+        cmocka_unit_test(an_endless_script_ends_with_its_line),
+        cmocka_unit_test(a_greedy_script_ends_at_its_memory),
+        cmocka_unit_test(a_pattern_that_would_never_end_is_refused),
+        cmocka_unit_test(ordinary_patterns_pass),
+        cmocka_unit_test(deep_recursion_is_an_error_and_no_crash),
+        cmocka_unit_test(deep_nesting_of_the_text_is_an_error),
+        cmocka_unit_test(an_error_of_any_kind_is_one_line_with_a_place),
+        cmocka_unit_test(a_long_path_is_named_whole),
+        cmocka_unit_test(nothing_dangerous_is_within_reach),
+        cmocka_unit_test(every_run_gives_the_same),
+        cmocka_unit_test(limits_begin_again_with_each_call),
+        cmocka_unit_test(few_instructions_that_move_many_bytes_end_in_time),
+        cmocka_unit_test(too_little_memory_for_a_state_is_an_error),
+        cmocka_unit_test(a_missing_file_is_named),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
