@@ -6,7 +6,6 @@
 #include "runtime/base/clock.h"
 #include "runtime/base/text.h"
 
-#include <ctype.h>
 #include <lauxlib.h>
 #include <stdlib.h>
 #include <string.h>
@@ -109,9 +108,11 @@ static void end_limits(script *s)
 
 // ---------------------------------------------------------------- errors
 
-// "...:12:..."
-static bool has_line(const char *message)
+// "name: ..." or "...:12:..."
+static bool has_place(const char *message, const text *name)
 {
+    if (strncmp(message, name->chars, name->length) == 0 && message[name->length] == ':')
+        return true;
     for (const char *at = strchr(message, ':'); at; at = strchr(at + 1, ':')) {
         size_t digits = strspn(at + 1, "0123456789");
         if (digits > 0 && at[1 + digits] == ':')
@@ -146,7 +147,7 @@ static bool fail(script *s, int lua_status, duet_error *err)
                   luaL_typename(s->lua, -1));
     else if (rest)
         error_set(err, DUET_BAD_INPUT, "%s%s", name, rest);
-    else if (has_line(message))
+    else if (has_place(message, &s->name))
         error_set(err, DUET_BAD_INPUT, "%s", message);
     else
         error_set(err, DUET_BAD_INPUT, "%s: %s", name, message);
@@ -242,38 +243,9 @@ bool script_run_file(script *s, const char *path, int n_results, duet_error *err
     return ok;
 }
 
-// ---------------------------------------------------------------- lines
-
-static bool is_word(char c)
-{
-    return isalnum((unsigned char)c) || c == '_';
-}
-
-// "field =" at this place, and not "field ==" or "subfield ="
-static bool gives_value(const char *source, const char *at, size_t length)
-{
-    if (at > source && is_word(at[-1]))
-        return false;
-    const char *after = at + length;
-    after += strspn(after, "\"']"); // ["field"] =
-    after += strspn(after, " \t\r\n");
-    return after[0] == '=' && after[1] != '=';
-}
-
-int script_field_line(lua_State *L, const char *field, const char **name)
+const char *script_chunk(lua_State *L, const char **name)
 {
     const script *s = script_of(L);
-    const char *source = text_chars(&s->source);
     *name = text_chars(&s->name);
-    int found = 0, line = 0, n_lines = 1;
-    const char *counted = source;
-    for (const char *at = strstr(source, field); at; at = strstr(at + 1, field)) {
-        if (!*field || !gives_value(source, at, strlen(field)))
-            continue;
-        for (; counted < at; ++counted)
-            n_lines += *counted == '\n';
-        line = n_lines;
-        ++found;
-    }
-    return found == 1 ? line : 0;
+    return text_chars(&s->source);
 }

@@ -47,9 +47,8 @@ bool script_run(script *s, const char *name, const char *chars, size_t n, int n_
                 duet_error *err);
 bool script_run_file(script *s, const char *path, int n_results, duet_error *err);
 
-// The line of the chunk loaded last that gives `field` a value (field = ...),
-// where there is exactly one; 0 otherwise. name: the chunk's.
-int script_field_line(lua_State *L, const char *field, const char **name);
+// The text of the chunk loaded last, and its name, until the next is loaded.
+const char *script_chunk(lua_State *L, const char **name);
 
 // Takes from what the running call has left; raises an error where that is not
 // enough. For C functions whose work a script can choose.
