@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// A session: one search for one workload on one pair, and how it is resumed.
+//
+// A session that was killed or stopped is taken up again by the next process
+// that wants the same; each trial is written with the search's state in one
+// transaction, so a kill loses at most the trial that was being measured.
+#ifndef PROFILES_SESSION_H
+#define PROFILES_SESSION_H
+
+#include "profiles/device.h"
+
+#define PROFILE_ID 33 // 32 hex digits and a NUL
+
+typedef struct profile_session {
+    int64_t pair_id;
+    int64_t workload_id;
+    const char *kernels;   // sha256 of all kernel text that the workload needs
+    const char *strategy;  // "balance"
+    const char *objective; // "time"
+    const char *options;   // a JSON object: budget and what else decides the result; NULL: {}
+    uint64_t seed;
+    const char *script;       // text of the tune.lua; NULL: none
+    const char *tool_version; // "1.0.0"
+    double load;              // of the machine at the start, by its run queue
+    double timer_ns;          // resolution of the clock that measured
+} profile_session;
+
+typedef enum profile_claim {
+    PROFILE_CLAIM_NONE,    // nothing to take up
+    PROFILE_CLAIM_RESUMED, // it is ours: measure on
+    PROFILE_CLAIM_BUSY     // a living process has it
+} profile_claim;
+
+typedef struct profile_resumed {
+    profile_claim claim;
+    char id[PROFILE_ID];
+    text search_state; // JSON; empty where none was saved
+    uint32_t trials;
+    int64_t pid; // whose it is, where BUSY
+} profile_resumed;
+
+// Starts a session, this process being its owner.
+bool profile_session_begin(store *s, const profile_session *session, char id[PROFILE_ID],
+                           duet_error *err);
+
+// Takes up the latest unfinished session with the same pair, workload,
+// kernels, strategy, objective, options and seed, if its owner has gone.
+bool profile_session_resume(store *s, const profile_session *session, profile_resumed *resumed,
+                            duet_error *err);
+void profile_resumed_free(profile_resumed *resumed);
+
+// Keeps the search's state, a JSON object, and shows that the owner lives.
+bool profile_session_save(store *s, const char *id, const char *search_state, duet_error *err);
+
+// how: "complete", "stopped" (to be resumed) or "failed". A complete session's
+// trials enter the fits of its devices.
+bool profile_session_end(store *s, const char *id, const char *how, duet_error *err);
+
+#endif
