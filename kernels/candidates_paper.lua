@@ -1,0 +1,13 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "the paper's search: all cells around, through ids, one atomic a pair",
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "WG", values = { 1, 32, 64, 128, 256 }, default = 64, about = "work-items a group" },
+  },
+  valid = function(p, limits)
+    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = 1 } end,
+}

@@ -1,0 +1,19 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "half the neighbourhood in merged rows, objects in cell order",
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "IDS", values = { 0, 1 }, default = 0, about = "what a pair names: 0 places in cell order, 1 ids" },
+    { "WG", values = { 1, 32, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
+      about = "work-items a group" },
+    { "BUF", values = { 256, 512, 1024 }, default = 512, about = "pairs a group collects" },
+    { "PER_ITEM", values = { 1, 2, 4, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
+      about = "objects a work-item" },
+  },
+  valid = function(p, limits)
+    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
+    if p.BUF * 8 + 64 > limits.local_bytes then return false, "BUF above the device's local memory" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

@@ -1,0 +1,21 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "separating axis test of the candidates",
+  uses = { "object.clh", "sat.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "SHAPE", values = { 0 }, default = 0, about = "poses: bounds need no test" },
+    { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
+    { "SORTED", values = { 0, 1 }, default = 1, about = "where a box is read: 0 by id, 1 in cell order" },
+    { "WG", values = { 1, 32, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 2, 4, 256 }, default = function(limits) return limits.cpu and 256 or 2 end,
+      about = "candidates a work-item tests between two flushes" },
+  },
+  valid = function(p, limits)
+    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
+    if p.WG * p.PER_ITEM * 8 + 64 > limits.local_bytes then return false, "pairs above the device's local memory" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

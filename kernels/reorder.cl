@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// Moves the objects into cell order, so that what is searched together lies
+// together.
+//
+//   ids    [n]          sorted by cell
+//   bounds [n][2]       lower xyz and the id, upper xyz and the cell
+//   boxes  [n][3]       centre xyz and the id, half extents, rotation (poses)
+__kernel void reorder(__global const float *restrict objects, __global const uint *restrict ids,
+                      uint from, uint n, float4 lower, float4 per_cell, int4 cells, uint n_cells,
+                      float4 limit, __global float4 *restrict sorted_bounds,
+#if SHAPE == SHAPE_POSES
+                      __global float4 *restrict sorted_boxes,
+#endif
+                      volatile __global uint *restrict counters)
+{
+    uint first = from + get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    for (uint i = first; i < last; ++i) {
+        uint id = ids[i];
+        object o = object_at(objects, id);
+        bounds b = no_bounds();
+        uint key = n_cells;
+        if (!object_is_bad(o)) {
+            b = object_bounds(o);
+            key = cell_key(object_centre(o), lower, per_cell, cells);
+            check_extent(o, limit, counters);
+        }
+        b.lower.w = as_float(id);
+        b.upper.w = as_float(key);
+        sorted_bounds[2 * (size_t)i] = b.lower;
+        sorted_bounds[2 * (size_t)i + 1] = b.upper;
+#if SHAPE == SHAPE_POSES
+        o.centre.w = as_float(id);
+        sorted_boxes[3 * (size_t)i] = o.centre;
+        sorted_boxes[3 * (size_t)i + 1] = o.halves;
+        sorted_boxes[3 * (size_t)i + 2] = o.rotation;
+#endif
+    }
+}
