@@ -15,10 +15,10 @@
 uint64_t test_seed(void);
 
 // Fails the test with the error's line where a call did not succeed.
-#define assert_ok(call, err)                                                                       \
-    do {                                                                                           \
-        if (!(call))                                                                               \
-            fail_msg("%s: %s %s", #call, duet_status_name((err).status), (err).text);              \
+#define assert_ok(call, err)                                                          \
+    do {                                                                              \
+        if (!(call))                                                                  \
+            fail_msg("%s: %s %s", #call, duet_status_name((err).status), (err).text); \
     } while (0)
 
 #endif

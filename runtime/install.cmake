@@ -1,0 +1,36 @@
+# libduet.a, libduet.so, and what an application needs to find them:
+# find_package(duet) and pkg-config. Installed paths are relative to where the
+# files lie, so that an installed tree may be moved.
+include(CMakePackageConfigHelpers)
+
+add_library(duet_static STATIC $<TARGET_OBJECTS:duet_objects>)
+add_library(duet_shared SHARED $<TARGET_OBJECTS:duet_objects>)
+set_target_properties(duet_shared PROPERTIES OUTPUT_NAME duet EXPORT_NAME duet
+  VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
+set_target_properties(duet_static PROPERTIES OUTPUT_NAME duet EXPORT_NAME static)
+foreach(library duet_static duet_shared)
+  target_link_libraries(${library} PRIVATE ${duet_needs} $<BUILD_INTERFACE:duet_options>)
+  target_include_directories(${library} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+endforeach()
+
+set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/duet)
+set(pc_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+file(RELATIVE_PATH pc_to_prefix /${pc_dir} /)
+configure_package_config_file(runtime/duet-config.cmake.in duet-config.cmake
+  INSTALL_DESTINATION ${config_dir})
+write_basic_package_version_file(duet-config-version.cmake COMPATIBILITY SameMajorVersion)
+configure_file(runtime/duet.pc.in duet.pc @ONLY)
+
+file(GLOB public_headers CONFIGURE_DEPENDS runtime/duet.h runtime/base/duet_error.h
+  profiles/duet_*.h tuner/duet_*.h lua/duet_*.h)
+install(TARGETS duet)
+install(TARGETS duet_shared EXPORT duet)
+install(TARGETS duet_static EXPORT duet-static)
+install(FILES ${public_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/duet)
+install(DIRECTORY lua/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/duet OPTIONAL)
+install(EXPORT duet NAMESPACE duet:: FILE duet-targets.cmake DESTINATION ${config_dir})
+install(EXPORT duet-static NAMESPACE duet:: FILE duet-static-targets.cmake
+  DESTINATION ${config_dir})
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/duet-config.cmake
+  ${CMAKE_CURRENT_BINARY_DIR}/duet-config-version.cmake DESTINATION ${config_dir})
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/duet.pc DESTINATION ${pc_dir})

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/duet.h"
+
+const char *duet_version(void)
+{
+    return DUET_VERSION;
+}

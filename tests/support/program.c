@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L
+#include "support/program.h"
+
+#include "support/test.h"
+
+#include "runtime/base/text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static char *take_file(const char *path)
+{
+    text t = {0};
+    duet_error err = {0};
+    assert_ok(text_read_file(&t, path, &err), err);
+    remove(path);
+    return t.chars;
+}
+
+static program run(const char *variables, const char *format, va_list args)
+{
+    const char *path = getenv("DUET_PROGRAM");
+    if (!path)
+        fail_msg("DUET_PROGRAM is not set; ctest sets it");
+    char arguments[2048];
+    char out[64];
+    char err[64];
+    text command = {0};
+    vsnprintf(arguments, sizeof arguments, format, args);
+    snprintf(out, sizeof out, "program.%ld.out", (long)getpid());
+    snprintf(err, sizeof err, "program.%ld.err", (long)getpid());
+    text_add(&command, "{ %s '%s' %s ; } >%s 2>%s", variables, path, arguments, out, err);
+    int status = system(text_chars(&command));
+    text_free(&command);
+    return (program){
+        .exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1,
+        .out = take_file(out),
+        .err = take_file(err),
+    };
+}
+
+program program_run(const char *arguments, ...)
+{
+    va_list args;
+    va_start(args, arguments);
+    program p = run("", arguments, args);
+    va_end(args);
+    return p;
+}
+
+program program_run_with(const char *variables, const char *arguments, ...)
+{
+    va_list args;
+    va_start(args, arguments);
+    program p = run(variables, arguments, args);
+    va_end(args);
+    return p;
+}
+
+void program_free(program *p)
+{
+    free(p->out);
+    free(p->err);
+    *p = (program){0};
+}
+
+void program_assert_refused(program *p, int exit_code, const char *says)
+{
+    size_t length = strlen(p->err);
+    bool one_line = length > 0 && strchr(p->err, '\n') == p->err + length - 1;
+    if (p->exit_code != exit_code || !one_line || *p->out || !strstr(p->err, says))
+        fail_msg("exit %d for %d, '%s' for a line with '%s', stdout '%.200s'", p->exit_code,
+                 exit_code, p->err, says, p->out);
+    program_free(p);
+}

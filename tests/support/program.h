@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// Runs the program `duet` as a person would, and holds what it printed.
+#ifndef TESTS_PROGRAM_H
+#define TESTS_PROGRAM_H
+
+typedef struct program {
+    int exit_code; // -1 where a signal ended it
+    char *out;
+    char *err;
+} program;
+
+// arguments is a shell's text: "run scene.lua --n 10". The environment's
+// DUET_PROGRAM says where the program is.
+program program_run(const char *arguments, ...) __attribute__((format(printf, 1, 2)));
+
+// The same with the environment's variables set before: "OCL_ICD_VENDORS=none".
+program program_run_with(const char *variables, const char *arguments, ...)
+    __attribute__((format(printf, 2, 3)));
+void program_free(program *p);
+
+// Fails the test unless the program ended so, with nothing on stdout and one
+// line on stderr that says it.
+void program_assert_refused(program *p, int exit_code, const char *says);
+
+#endif

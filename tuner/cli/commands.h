@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: MIT
+// The subcommands of `duet`: each is one file and one row of the table in
+// main.c. argv[0] is the subcommand's name; the exit status comes back.
+#ifndef CLI_COMMANDS_H
+#define CLI_COMMANDS_H
+
+int command_devices(int argc, char **argv);
+
+#endif

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+// Ctrl-C: long work asks between two steps whether to stop, so that what was
+// done so far is kept. A second Ctrl-C ends the program at once.
+#ifndef CLI_INTERRUPT_H
+#define CLI_INTERRUPT_H
+
+#include "duet_error.h"
+
+#include <stdbool.h>
+
+void interrupt_watch(void);
+bool interrupt_asked(void);
+
+// false with INTERRUPTED once Ctrl-C was pressed.
+bool interrupt_check(duet_error *err);
+
+#endif

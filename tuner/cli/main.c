@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// The program `duet`: finds the subcommand and ends with its exit status,
+// which is 0 where it did what was asked, 1 where that failed, and 2 where the
+// command line was wrong.
+#define _POSIX_C_SOURCE 200809L
+#include "runtime/duet.h"
+#include "tuner/cli/commands.h"
+#include "tuner/cli/interrupt.h"
+#include "tuner/cli/say.h"
+
+#include <locale.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+static const struct {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *about;
+} commands[] = {
+    {"devices", command_devices, "what OpenCL offers here, and the selectors for --pair"},
+};
+
+enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
+
+static void print_help(void)
+{
+    printf("duet %s: collisions among boxes, found by two OpenCL devices together\n\n"
+           "duet SUBCOMMAND [arguments]\n\n",
+           duet_version());
+    for (int i = 0; i < N_COMMANDS; ++i)
+        printf("  %-10s %s\n", commands[i].name, commands[i].about);
+    printf("\n'duet SUBCOMMAND --help' lists its options.\n\n"
+           "DUET_PROFILE     the profile file\n"
+           "DUET_KERNEL_DIR  a folder to read kernels from instead of the carried ones\n"
+           "DUET_CACHE       a folder to keep built kernels in\n");
+}
+
+static int run(int argc, char **argv)
+{
+    if (argc < 2) {
+        fprintf(stderr, "duet: a subcommand is missing; 'duet --help' lists them\n");
+        return EXIT_WRONG;
+    }
+    const char *name = argv[1];
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
+        print_help();
+        return EXIT_OK;
+    }
+    if (strcmp(name, "--version") == 0) {
+        printf("duet %s\n", duet_version());
+        return EXIT_OK;
+    }
+    for (int i = 0; i < N_COMMANDS; ++i)
+        if (strcmp(name, commands[i].name) == 0)
+            return commands[i].run(argc - 1, argv + 1);
+    fprintf(stderr, "duet: there is no subcommand '%s'; 'duet --help' lists those there are\n",
+            name);
+    return EXIT_WRONG;
+}
+
+int main(int argc, char **argv)
+{
+    setlocale(LC_CTYPE, ""); // only to know whether bars may be drawn finely
+    signal(SIGPIPE, SIG_IGN);
+    interrupt_watch();
+    int status = run(argc, argv);
+    bool written = say_finish();
+    return status == EXIT_OK && !written ? EXIT_FAILED : status;
+}
