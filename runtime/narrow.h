@@ -2,8 +2,10 @@
 // Whether two boxes share a point, decided on the host and never wrongly.
 //
 // The devices test pairs in float with a derived error bound; what the bound
-// leaves open comes here: double with its own bound, then exact rationals.
-// Sets are closed: touching collides.
+// leaves open comes here: double with its own bound, then exact integers.
+// Sets are closed: touching collides. docs/accuracy.md derives the bounds.
+//
+// Every answer is the same for (a, b) and (b, a) and for q and -q.
 #ifndef RUNTIME_NARROW_H
 #define RUNTIME_NARROW_H
 
@@ -12,9 +14,12 @@
 typedef enum narrow_verdict { NARROW_SEPARATED, NARROW_COLLIDING, NARROW_UNDECIDED } narrow_verdict;
 
 // 15 axes (equation 3; in 2D: 4) in double with the bound of docs/accuracy.md.
+// Boxes whose rotations are both the identity are always decided, and poses
+// that hold a NaN, an infinity or a zero quaternion never.
 narrow_verdict narrow_double(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
-// The exact answer by rational arithmetic. Slow; never undecided.
+// The exact answer by integer arithmetic, some microseconds. A pose that is no
+// box (not finite, a negative extent, a zero quaternion) collides with nothing.
 bool narrow_exact(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
 // narrow_double, then narrow_exact where that is undecided.
@@ -22,5 +27,11 @@ bool narrow_decide(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
 // Axis-aligned boxes by their corners: float comparisons are exact.
 bool narrow_bounds(const duet_bounds *a, const duet_bounds *b, uint32_t dims);
+
+// Finite, no negative extent, a rotation: the components that dims reads.
+bool narrow_is_box(const duet_pose *pose, uint32_t dims);
+
+// A 2D pose as the 3D one that lies in the plane z = 0; a 3D pose as it is.
+duet_pose narrow_flat(const duet_pose *pose, uint32_t dims);
 
 #endif

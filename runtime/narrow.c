@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT
+// Separating axes in double.
+//
+// For each axis L the gap |t.L| - (ra + rb) comes with an error of at most
+// `slack`; a gap above it separates, and gaps all below minus it collide.
+//
+// Nearly parallel edges make a cross axis of nearly no length, whose gap says
+// nothing. Such an axis is not needed where the other axes overlap by more
+// than the tilt between the edges can take away (docs/accuracy.md, "Nearly
+// parallel edges").
+#include "runtime/narrow.h"
+
+#include <math.h>
+
+#define UNIT 0x1p-53    // of rounding, in double
+#define SLACK_FACTOR 64 // docs/accuracy.md, "The bound"
+#define PARALLEL 0.5    // edges with a smaller tilt count as nearly parallel
+
+static const int next[3] = {1, 2, 0};
+static const int last[3] = {2, 0, 1};
+
+typedef struct box {
+    double half[3];
+    double axis[3][3]; // axis[i]: the direction of edge i
+    double norm;       // |q|^2
+} box;
+
+static void set_rotation(box *b, double x, double y, double z, double w)
+{
+    b->norm = (w * w + x * x) + (y * y + z * z);
+    double scale = 1.0 / b->norm;
+    double twice = 2.0 * scale;
+    b->axis[0][0] = scale * ((w * w + x * x) - (y * y + z * z));
+    b->axis[0][1] = twice * (x * y + w * z);
+    b->axis[0][2] = twice * (x * z - w * y);
+    b->axis[1][0] = twice * (x * y - w * z);
+    b->axis[1][1] = scale * ((w * w + y * y) - (x * x + z * z));
+    b->axis[1][2] = twice * (y * z + w * x);
+    b->axis[2][0] = twice * (x * z + w * y);
+    b->axis[2][1] = twice * (y * z - w * x);
+    b->axis[2][2] = scale * ((w * w + z * z) - (x * x + y * y));
+}
+
+static box box_of_pose(const duet_pose *pose)
+{
+    const float *q = pose->rotation;
+    box b = {.half = {pose->half[0], pose->half[1], pose->half[2]}};
+    set_rotation(&b, q[0], q[1], q[2], q[3]);
+    return b;
+}
+
+static double dot(const double u[3], const double v[3])
+{
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+}
+
+// What is known of the gaps of the axes seen so far.
+typedef struct gaps {
+    double slack;    // bounds the error of each gap
+    double greatest; // of all axes
+    double needed;   // greatest of the axes that are not between nearly parallel edges
+    double tilt;     // greatest between nearly parallel edges whose axis decides nothing
+} gaps;
+
+static void add_face(gaps *g, double gap)
+{
+    g->greatest = fmax(g->greatest, gap);
+    g->needed = fmax(g->needed, gap);
+}
+
+static void add_edges(gaps *g, double gap, double tilt)
+{
+    g->greatest = fmax(g->greatest, gap);
+    if (tilt >= PARALLEL)
+        g->needed = fmax(g->needed, gap);
+    else if (gap >= -g->slack)
+        g->tilt = fmax(g->tilt, tilt);
+}
+
+// Two boxes as the axes see them: everything in a's and b's own directions.
+typedef struct view {
+    double a[3], b[3];   // half extents
+    double ta[3], tb[3]; // from a's centre to b's, along a's axes and along b's
+    double c[3][3];      // cosines between a's axis i and b's axis j
+} view;
+
+static view view_of(const box *a, const box *b, const double t[3])
+{
+    view v;
+    for (int i = 0; i < 3; ++i) {
+        v.a[i] = a->half[i];
+        v.b[i] = b->half[i];
+        v.ta[i] = dot(a->axis[i], t);
+        v.tb[i] = dot(b->axis[i], t);
+        for (int j = 0; j < 3; ++j)
+            v.c[i][j] = dot(a->axis[i], b->axis[j]);
+    }
+    return v;
+}
+
+static void add_faces(gaps *g, const view *v, int dims)
+{
+    const double(*c)[3] = v->c;
+    for (int i = 0; i < dims; ++i) {
+        double rb = v->b[0] * fabs(c[i][0]) + v->b[1] * fabs(c[i][1]) + v->b[2] * fabs(c[i][2]);
+        double ra = v->a[0] * fabs(c[0][i]) + v->a[1] * fabs(c[1][i]) + v->a[2] * fabs(c[2][i]);
+        add_face(g, fabs(v->ta[i]) - (v->a[i] + rb));
+        add_face(g, fabs(v->tb[i]) - (v->b[i] + ra));
+    }
+}
+
+static void add_cross_axes(gaps *g, const view *v)
+{
+    const double(*c)[3] = v->c;
+    for (int i = 0; i < 3; ++i) {
+        int i1 = next[i], i2 = last[i];
+        for (int j = 0; j < 3; ++j) {
+            int j1 = next[j], j2 = last[j];
+            double ra = v->a[i1] * fabs(c[i2][j]) + v->a[i2] * fabs(c[i1][j]);
+            double rb = v->b[j1] * fabs(c[i][j2]) + v->b[j2] * fabs(c[i][j1]);
+            double distance = fabs(v->ta[i2] * c[i1][j] - v->ta[i1] * c[i2][j]);
+            add_edges(g, distance - (ra + rb), fabs(c[i][j1]) + fabs(c[i][j2]));
+        }
+    }
+}
+
+static double largest(const double v[3])
+{
+    return fmax(v[0], fmax(v[1], v[2]));
+}
+
+static narrow_verdict verdict_of(const gaps *g, const view *v)
+{
+    if (g->greatest > g->slack)
+        return NARROW_SEPARATED;
+    double lost = fmin(largest(v->a), largest(v->b)) * g->tilt;
+    return g->needed + lost < -g->slack ? NARROW_COLLIDING : NARROW_UNDECIDED;
+}
+
+static bool has_no_rotation(const duet_pose *pose)
+{
+    const float *q = pose->rotation;
+    return q[0] == 0 && q[1] == 0 && q[2] == 0;
+}
+
+// A sum of two doubles as its rounding and what that left over.
+typedef struct sum {
+    double high, low;
+} sum;
+
+static sum exact_sum(double x, double y)
+{
+    double high = x + y;
+    double part = high - x;
+    return (sum){high, (x - (high - part)) + (y - part)};
+}
+
+// Without rotation an axis needs two sums of two floats, which high and low
+// hold exactly, and rounding keeps order: so comparing highs, then lows, is exact.
+static narrow_verdict compare_upright(const duet_pose *a, const duet_pose *b, int dims)
+{
+    for (int i = 0; i < dims; ++i) {
+        sum t = exact_sum(b->centre[i], -(double)a->centre[i]);
+        sum reach = exact_sum(a->half[i], b->half[i]);
+        if (t.high < 0)
+            t = (sum){-t.high, -t.low};
+        if (t.high > reach.high || (t.high == reach.high && t.low > reach.low))
+            return NARROW_SEPARATED;
+    }
+    return NARROW_COLLIDING;
+}
+
+static double sum_of_sizes(const double t[3], const double a[3], const double b[3])
+{
+    double size = 0;
+    for (int i = 0; i < 3; ++i)
+        size += fabs(t[i]) + fabs(a[i]) + fabs(b[i]);
+    return size;
+}
+
+static narrow_verdict test_boxes(const duet_pose *pose_a, const duet_pose *pose_b, int dims)
+{
+    box a = box_of_pose(pose_a), b = box_of_pose(pose_b);
+    double t[3];
+    for (int i = 0; i < 3; ++i)
+        t[i] = (double)pose_b->centre[i] - pose_a->centre[i];
+    double size = sum_of_sizes(t, a.half, b.half);
+    if (!(size < INFINITY && a.norm > 0 && a.norm < INFINITY && b.norm > 0 && b.norm < INFINITY))
+        return NARROW_UNDECIDED;
+    if (has_no_rotation(pose_a) && has_no_rotation(pose_b))
+        return compare_upright(pose_a, pose_b, dims);
+
+    view v = view_of(&a, &b, t);
+    gaps g = {SLACK_FACTOR * UNIT * size, -INFINITY, -INFINITY, 0};
+    add_faces(&g, &v, dims);
+    if (dims == 3 && g.greatest <= g.slack)
+        add_cross_axes(&g, &v);
+    return verdict_of(&g, &v);
+}
+
+duet_pose narrow_flat(const duet_pose *pose, uint32_t dims)
+{
+    duet_pose flat = *pose;
+    if (dims == 2)
+        flat.centre[2] = flat.half[2] = flat.rotation[0] = flat.rotation[1] = 0;
+    return flat;
+}
+
+bool narrow_is_box(const duet_pose *pose, uint32_t dims)
+{
+    duet_pose p = narrow_flat(pose, dims);
+    bool turned = false;
+    for (int i = 0; i < 4; ++i) {
+        if (!isfinite(p.rotation[i]))
+            return false;
+        turned = turned || p.rotation[i] != 0;
+    }
+    for (int i = 0; i < 3; ++i)
+        if (!isfinite(p.centre[i]) || !isfinite(p.half[i]) || p.half[i] < 0)
+            return false;
+    return turned;
+}
+
+narrow_verdict narrow_double(const duet_pose *a, const duet_pose *b, uint32_t dims)
+{
+    duet_pose p = narrow_flat(a, dims), q = narrow_flat(b, dims);
+    return test_boxes(&p, &q, (int)dims);
+}
+
+bool narrow_decide(const duet_pose *a, const duet_pose *b, uint32_t dims)
+{
+    narrow_verdict verdict = narrow_double(a, b, dims);
+    if (verdict == NARROW_UNDECIDED)
+        return narrow_exact(a, b, dims);
+    return verdict == NARROW_COLLIDING;
+}
+
+bool narrow_bounds(const duet_bounds *a, const duet_bounds *b, uint32_t dims)
+{
+    for (uint32_t i = 0; i < dims; ++i)
+        if (a->upper[i] < b->lower[i] || b->upper[i] < a->lower[i])
+            return false;
+    return true;
+}
+
+bool duet_poses_collide(const duet_pose *a, const duet_pose *b, uint32_t dims)
+{
+    return narrow_is_box(a, dims) && narrow_is_box(b, dims) && narrow_decide(a, b, dims);
+}
