@@ -16,7 +16,7 @@ typedef struct arguments {
 } arguments;
 
 static const option options[] = {
-    {.name = "json", OPTION_FLAG, offsetof(arguments, json), .help = "print one JSON object"},
+    OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
 

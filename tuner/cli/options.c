@@ -19,14 +19,6 @@ static const option *find_name(const command_line *line, const char *name, size_
     return NULL;
 }
 
-static const option *find_letter(const command_line *line, char letter)
-{
-    for (const option *o = line->options; o->name; ++o)
-        if (o->letter && o->letter == letter)
-            return o;
-    return NULL;
-}
-
 static bool read_number(const char *text, double *number)
 {
     char *end = NULL;
@@ -68,7 +60,7 @@ bool options_read_share(const char *text, uint32_t *share)
 static bool refuse_range(const command_line *line, const option *o, const char *text,
                          const char *what)
 {
-    if (o->most > o->least)
+    if (o->most > 0)
         say_wrong(line->name, "--%s '%s': give %s from %.10g to %.10g", o->name, text, what,
                   o->least, o->most);
     else
@@ -79,7 +71,23 @@ static bool refuse_range(const command_line *line, const option *o, const char *
 
 static bool is_within(const option *o, double value)
 {
-    return value >= o->least && (o->most <= o->least || value <= o->most);
+    return value >= o->least && (o->most == 0 || value <= o->most);
+}
+
+static bool add_setting(const command_line *line, const option *o, const char *text,
+                        option_list *list)
+{
+    const char *equals = strchr(text, '=');
+    if (!equals || equals == text) {
+        say_wrong(line->name, "--%s '%s': give a name and a value, as seed=7", o->name, text);
+        return false;
+    }
+    if (list->n == OPTION_LIST_MOST) {
+        say_wrong(line->name, "--%s is given more than %d times", o->name, OPTION_LIST_MOST);
+        return false;
+    }
+    list->items[list->n++] = text;
+    return true;
 }
 
 static bool set_value(const command_line *line, const option *o, const char *text, void *args)
@@ -88,32 +96,25 @@ static bool set_value(const command_line *line, const option *o, const char *tex
     double number = 0;
     uint64_t count = 0;
     switch (o->kind) {
-    case OPTION_FLAG:
+    case KIND_FLAG:
         *(bool *)at = true;
         return true;
-    case OPTION_TEXT:
+    case KIND_TEXT:
         *(const char **)at = text;
         return true;
-    case OPTION_LIST: {
-        option_list *list = at;
-        if (list->n == OPTION_LIST_MOST) {
-            say_wrong(line->name, "--%s is given more than %d times", o->name, OPTION_LIST_MOST);
-            return false;
-        }
-        list->items[list->n++] = text;
-        return true;
-    }
-    case OPTION_COUNT:
+    case KIND_SETTINGS:
+        return add_setting(line, o, text, at);
+    case KIND_COUNT:
         if (!read_count(text, &count) || !is_within(o, (double)count))
             return refuse_range(line, o, text, "a whole number");
         *(uint64_t *)at = count;
         return true;
-    case OPTION_NUMBER:
+    case KIND_NUMBER:
         if (!read_number(text, &number) || !is_within(o, number))
             return refuse_range(line, o, text, "a number");
         *(double *)at = number;
         return true;
-    case OPTION_SHARE:
+    case KIND_SHARE:
         if (!options_read_share(text, at)) {
             say_wrong(line->name, "--%s '%s': give a part from 0 to 1, as 0.25 or 1/4", o->name,
                       text);
@@ -124,15 +125,12 @@ static bool set_value(const command_line *line, const option *o, const char *tex
     return false;
 }
 
-static void print_row(char letter, const char *name, const char *value, const char *help)
+static void print_row(const char *name, const char *value, const char *help)
 {
     char left[64];
-    char short_form[5] = "    ";
-    if (letter)
-        snprintf(short_form, sizeof short_form, "-%c, ", letter);
-    snprintf(left, sizeof left, "%s--%s%s%s", short_form, name, value ? " " : "",
+    snprintf(left, sizeof left, "%s%s%s%s", name[1] ? "--" : "-", name, value ? " " : "",
              value ? value : "");
-    printf("  %-26s %s\n", left, help);
+    printf("  %-18s %s\n", left, help);
 }
 
 static void print_help(const command_line *line)
@@ -140,8 +138,8 @@ static void print_help(const command_line *line)
     printf("duet %s%s%s [options]\n%s\n\n", line->name, *line->operands ? " " : "", line->operands,
            line->about);
     for (const option *o = line->options; o->name; ++o)
-        print_row(o->letter, o->name, o->value, o->help);
-    print_row(0, "help", NULL, "this text");
+        print_row(o->name, o->value, o->help);
+    print_row("help", NULL, "this text");
 }
 
 // What one argument asks for: an option with or without its value in it.
@@ -154,15 +152,12 @@ typedef struct asked {
 static bool recognise(const command_line *line, const char *argument, asked *a)
 {
     *a = (asked){0};
-    if (argument[1] == '-') {
-        const char *name = argument + 2;
-        size_t length = strcspn(name, "=");
-        a->help = length == 4 && memcmp(name, "help", 4) == 0;
+    const char *name = argument + (argument[1] == '-' ? 2 : 1);
+    size_t length = strcspn(name, "=");
+    if (argument[1] == '-' || length == 1) {
         a->option = find_name(line, name, length);
         a->value = name[length] == '=' ? name + length + 1 : NULL;
-    } else if (argument[2] == '\0') {
-        a->help = argument[1] == 'h' && !find_letter(line, 'h');
-        a->option = find_letter(line, argument[1]);
+        a->help = !a->option && (strcmp(name, "help") == 0 || strcmp(name, "h") == 0);
     }
     if (a->option || a->help)
         return true;
@@ -177,11 +172,11 @@ static bool take_option(const command_line *line, const asked *a, int argc, char
 {
     const option *o = a->option;
     const char *value = a->value;
-    if (o->kind == OPTION_FLAG && value) {
+    if (o->kind == KIND_FLAG && value) {
         say_wrong(line->name, "--%s takes no value", o->name);
         return false;
     }
-    if (o->kind != OPTION_FLAG && !value) {
+    if (o->kind != KIND_FLAG && !value) {
         if (*i + 1 >= argc) {
             say_wrong(line->name, "--%s needs a value: --%s %s", o->name, o->name, o->value);
             return false;

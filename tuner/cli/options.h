@@ -2,8 +2,8 @@
 // The command line of a subcommand, as a table: parsing, checking and --help
 // are made from the same rows.
 //
-// "--name value", "--name=value" and, where a row has a letter, "-x value"; a
-// lone "--" ends the options. --help belongs to every subcommand.
+// "--name value" and "--name=value"; a name of one letter may have one dash, as
+// "-n 10". A lone "--" ends the options. --help belongs to every subcommand.
 #ifndef CLI_OPTIONS_H
 #define CLI_OPTIONS_H
 
@@ -12,12 +12,12 @@
 #include <stdint.h>
 
 typedef enum option_kind {
-    OPTION_FLAG,   // bool
-    OPTION_TEXT,   // const char *
-    OPTION_LIST,   // option_list: may be given again and again
-    OPTION_COUNT,  // uint64_t, a whole number from least to most
-    OPTION_NUMBER, // double, from least to most
-    OPTION_SHARE   // uint32_t out of DUET_SHARE_ONE, from "0.25" or "1/4"
+    KIND_FLAG,     // bool
+    KIND_TEXT,     // const char *
+    KIND_SETTINGS, // option_list of "name=value"; may be given again and again
+    KIND_COUNT,    // uint64_t, a whole number from least to most
+    KIND_NUMBER,   // double, from least to most
+    KIND_SHARE     // uint32_t out of DUET_SHARE_ONE, from "0.25" or "1/4"
 } option_kind;
 
 enum { OPTION_LIST_MOST = 64 };
@@ -33,9 +33,26 @@ typedef struct option {
     size_t at;         // offset of its value in the arguments' struct
     const char *value; // what --help calls the value; NULL for a flag
     const char *help;  // one line; names the default
-    double least, most;
-    char letter; // or 0
+    double least;
+    double most; // 0: no end
 } option;
+
+// Rows of a table whose values go into a struct named arguments, which each
+// subcommand has; as is what --help calls the value.
+#define OPTION_ROW(name_, kind_, member, as, about, from, to)                               \
+    {                                                                                       \
+        .name = (name_), .kind = (kind_), .at = offsetof(arguments, member), .value = (as), \
+        .help = (about), .least = (from), .most = (to)                                      \
+    }
+#define OPTION_FLAG(name, member, about) OPTION_ROW(name, KIND_FLAG, member, NULL, about, 0, 0)
+#define OPTION_TEXT(name, member, as, about) OPTION_ROW(name, KIND_TEXT, member, as, about, 0, 0)
+#define OPTION_SETTINGS(name, member, as, about) \
+    OPTION_ROW(name, KIND_SETTINGS, member, as, about, 0, 0)
+#define OPTION_SHARE(name, member, as, about) OPTION_ROW(name, KIND_SHARE, member, as, about, 0, 0)
+#define OPTION_COUNT(name, member, as, about, from, to) \
+    OPTION_ROW(name, KIND_COUNT, member, as, about, from, to)
+#define OPTION_NUMBER(name, member, as, about, from, to) \
+    OPTION_ROW(name, KIND_NUMBER, member, as, about, from, to)
 
 // A subcommand's whole command line.
 typedef struct command_line {

@@ -11,7 +11,8 @@ struct cJSON;
 
 enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_WRONG = 2 };
 
-// "duet: LINE" on stderr. Returns EXIT_FAILED.
+// "duet: LINE" on stderr. Returns EXIT_FAILED, or EXIT_WRONG for BAD_ARGUMENT:
+// what the library finds wrong with a value came from the command line.
 int say_failed(const duet_error *err);
 
 // "duet COMMAND: LINE" on stderr. Returns EXIT_WRONG.
