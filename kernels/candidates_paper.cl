@@ -7,7 +7,7 @@
 //   ids    [n]       objects in that order
 //   starts [n_cells] first of each cell, or NONE
 //   boxes  [n][2]    bounds by id
-//   found  [room]    pairs of ids
+//   found  [room]    pairs of ids; the answer itself with IDS
 #define NONE 0xffffffffu
 
 static inline bool bounds_overlap(float4 lower_a, float4 upper_a, float4 lower_b, float4 upper_b)
@@ -24,7 +24,7 @@ __kernel void candidates_paper(__global const uint *restrict keys, __global cons
                                __global const uint *restrict starts,
                                __global const float4 *restrict boxes, uint n, uint first, uint last,
                                int4 cells, uint n_cells, __global uint2 *restrict found, uint room,
-                               volatile __global uint *restrict counter)
+                               volatile __global uint *restrict counters)
 {
     uint i = first + get_global_id(0);
     if (i >= last || keys[i] >= n_cells)
@@ -49,7 +49,7 @@ __kernel void candidates_paper(__global const uint *restrict keys, __global cons
                     uint other = ids[j];
                     if (bounds_overlap(lower, upper, boxes[2 * (size_t)other],
                                        boxes[2 * (size_t)other + 1])) {
-                        uint slot = reserve(counter, 1);
+                        uint slot = reserve(counters + (IDS ? COUNT_PAIRS : COUNT_CANDIDATES), 1);
                         if (slot < room)
                             found[slot] = ordered(id, other);
                     }

@@ -107,12 +107,12 @@ static inline void flush(pair_sink *sink, __local uint *base)
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
 candidates_rows(__global const float4 *restrict bounds, __global const uint *restrict starts,
                 uint first, uint last, int4 cells, uint n_cells, __global uint2 *restrict found,
-                uint room, volatile __global uint *restrict counter)
+                uint room, volatile __global uint *restrict counters)
 {
     __local uint2 pairs[BUF];
     __local uint used;
     __local uint base;
-    pair_sink sink = {pairs, &used, found, room, counter};
+    pair_sink sink = {pairs, &used, found, room, counters + (IDS ? COUNT_PAIRS : COUNT_CANDIDATES)};
     if (get_local_id(0) == 0)
         used = 0;
     barrier(CLK_LOCAL_MEM_FENCE);

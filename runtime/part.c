@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/part.h"
+
+#include "runtime/base/error.h"
+#include "runtime/device_pair.h"
+
+#include <string.h>
+
+bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
+{
+    *p = (part){.device = &pair->devices[side], .devices = pair->devices};
+    p->gen = gen_open(pair->kernel_dir, err);
+    p->programs = p->gen ? program_set_open(p->device, p->gen, pair->cache_dir, err) : NULL;
+    bool ok = p->programs &&
+              buffer_reserve(&p->counters, p->device, PART_COUNTERS * sizeof(uint32_t), err);
+    if (!ok)
+        part_close(p);
+    return ok;
+}
+
+void part_close(part *p)
+{
+    timeline_clear(&p->times);
+    buffer *buffers[] = {&p->objects,    &p->keys,  &p->ids,       &p->keys_spare, &p->ids_spare,
+                         &p->starts,     &p->sums,  &p->tiles,     &p->bounds,     &p->boxes,
+                         &p->candidates, &p->pairs, &p->undecided, &p->counters};
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i)
+        buffer_release(buffers[i]);
+    host_block_release(&p->fetched);
+    host_block_release(&p->sent);
+    program_set_close(p->programs);
+    gen_close(p->gen);
+    *p = (part){0};
+}
+
+// ---------------------------------------------------------------- kernels
+
+// What the scene and the stage decide, before the variant's own settings.
+typedef struct choice {
+    const char *name;
+    int64_t value;
+} choice;
+
+enum { MAX_SETTINGS = 24 };
+
+static const gen_param *find_param(const gen_param *params, uint32_t n, const char *name)
+{
+    for (uint32_t i = 0; i < n; ++i)
+        if (strcmp(params[i].name, name) == 0)
+            return &params[i];
+    return NULL;
+}
+
+// Those of the choices and the variant's settings that the kernel's card has.
+static bool gather_settings(part *p, const char *name, const choice *choices, uint32_t n_choices,
+                            gen_setting settings[MAX_SETTINGS], uint32_t *n_settings,
+                            duet_error *err)
+{
+    const gen_param *params = NULL;
+    uint32_t n_params = 0;
+    gen_limits limits = program_set_limits(p->programs);
+    if (!gen_params(p->gen, name, &limits, &params, &n_params, err))
+        return false;
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < n_choices; ++i)
+        if (find_param(params, n_params, choices[i].name))
+            settings[n++] = (gen_setting){choices[i].name, choices[i].value};
+    for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
+        bool meant =
+            !p->variant.settings[i].kernel[0] || strcmp(p->variant.settings[i].kernel, name) == 0;
+        if (meant && find_param(params, n_params, p->variant.settings[i].name)) {
+            settings[n++] =
+                (gen_setting){p->variant.settings[i].name, p->variant.settings[i].value};
+            p->variant.settings[i].used = true;
+        }
+    }
+    *n_settings = n;
+    return true;
+}
+
+static kernel *get_kernel(part *p, const char *name, const char *entry, const choice *choices,
+                          uint32_t n_choices, duet_error *err)
+{
+    gen_setting settings[MAX_SETTINGS];
+    uint32_t n = 0;
+    if (!gather_settings(p, name, choices, n_choices, settings, &n, err))
+        return NULL;
+    return program_set_kernel(p->programs, name, entry, settings, n, err);
+}
+
+static bool all_settings_used(const part *p, duet_error *err)
+{
+    for (uint32_t i = 0; i < p->variant.n_settings; ++i)
+        if (!p->variant.settings[i].used)
+            return error_set(
+                err, DUET_BAD_ARGUMENT, "variant: no kernel that it runs has a parameter '%s%s%s'",
+                p->variant.settings[i].kernel, p->variant.settings[i].kernel[0] ? "." : "",
+                p->variant.settings[i].name);
+    return true;
+}
+
+bool part_prepare(part *p, const char *variant_text, const part_task *task, duet_error *err)
+{
+    if (!variant_parse(&p->variant, variant_text, err))
+        return false;
+    bool rows = p->variant.search == SEARCH_ROWS;
+    bool counting = p->variant.sort == SORT_COUNTING;
+    bool poses = task->shape == DUET_SHAPE_POSES;
+    const choice choices[] = {
+        {"DIMS", task->dims}, {"SHAPE", task->shape}, {"ROTATED", poses && task->rotated},
+        {"RANK", counting},   {"SORTED", rows},       {"IDS", !poses},
+    };
+    const uint32_t n = sizeof choices / sizeof choices[0];
+    const struct {
+        kernel **at;
+        bool wanted;
+        const char *name;
+        const char *entry;
+    } list[] = {
+        {&p->kernels.hash, true, "hash", "hash"},
+        {&p->kernels.scan_sums, true, "scan", "scan_sums"},
+        {&p->kernels.scan_tops, true, "scan", "scan_tops"},
+        {&p->kernels.scan_blocks, true, "scan", "scan_blocks"},
+        {&p->kernels.scatter, counting, "scatter", "scatter"},
+        {&p->kernels.radix_count, !counting, "radix", "radix_count"},
+        {&p->kernels.radix_move, !counting, "radix", "radix_move"},
+        {&p->kernels.starts, !counting, "cell_start", rows ? "row_start" : "cell_start"},
+        {&p->kernels.place, true, rows ? "reorder" : "bounds", rows ? "reorder" : "find_bounds"},
+        {&p->kernels.candidates, true, rows ? "candidates_rows" : "candidates_paper",
+         rows ? "candidates_rows" : "candidates_paper"},
+        {&p->kernels.narrow, poses, "narrow", "narrow"},
+    };
+    p->kernels = (part_kernels){0};
+    for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i) {
+        if (!list[i].wanted)
+            continue;
+        *list[i].at = get_kernel(p, list[i].name, list[i].entry, choices, n, err);
+        if (!*list[i].at)
+            return false;
+    }
+    if (p->kernels.radix_count)
+        p->kernels.radix_bits = (uint32_t)kernel_param(p->kernels.radix_count, "BITS");
+    return all_settings_used(p, err);
+}
+
+// ---------------------------------------------------------------- a step
+
+bool part_begin(part *p, const part_task *task, duet_error *err)
+{
+    timeline_begin(&p->times, p->device);
+    p->span = (duet_span){0};
+    p->n_candidates = p->n_undecided = 0;
+    p->runs = 0;
+    p->wall_ms = 0.0;
+    memset(p->counts, 0, sizeof p->counts);
+    size_t bytes =
+        task->n * (task->shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds));
+    if (bytes == 0)
+        return true;
+    bool ok = p->device->info.host_memory
+                  ? buffer_borrow(&p->objects, p->device, (void *)task->objects, bytes, err)
+                  : buffer_reserve(&p->objects, p->device, bytes, err);
+    return ok && timeline_fill(&p->times, "clear", &p->counters, 0, 0, PART_COUNTERS, err) &&
+           timeline_write(&p->times, "send objects", &p->objects, task->objects, bytes, err);
+}
+
+bool part_read_counters(part *p, duet_error *err)
+{
+    return timeline_read(&p->times, "fetch pairs", &p->counters, p->counts, sizeof p->counts, err);
+}
+
+uint64_t part_count(const part *p, int counter)
+{
+    return (uint64_t)p->counts[counter + 1] << 32 | p->counts[counter];
+}
+
+uint32_t part_bad(const part *p)
+{
+    return p->counts[COUNT_BAD];
+}
+
+uint32_t part_first_bad(const part *p)
+{
+    return ~p->counts[FIRST_BAD];
+}
+
+float part_widest(const part *p)
+{
+    float widest = 0.0f;
+    memcpy(&widest, &p->counts[WIDEST], sizeof widest);
+    return widest;
+}
+
+uint64_t part_bytes(const part *p)
+{
+    const buffer *buffers[] = {&p->objects,   &p->keys,    &p->ids,        &p->keys_spare,
+                               &p->ids_spare, &p->starts,  &p->sums,       &p->tiles,
+                               &p->bounds,    &p->boxes,   &p->candidates, &p->pairs,
+                               &p->undecided, &p->counters};
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i)
+        bytes += buffers[i]->bytes;
+    return bytes;
+}

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+// One device's part of a step: its kernels, its memory, its grid, its search.
+//
+// A part is driven by one thread at a time. Sorting and searching follow its
+// variant; where the objects are cut between the parts is decided outside.
+#ifndef RUNTIME_PART_H
+#define RUNTIME_PART_H
+
+#include "runtime/grid.h"
+#include "runtime/timeline.h"
+#include "runtime/variant.h"
+
+// What both parts are told about the objects.
+typedef struct part_task {
+    uint32_t dims;
+    duet_shape shape;
+    bool rotated;
+    uint32_t n;
+    const void *objects; // [n] poses or bounds on the host
+    grid grid;
+    uint64_t max_pairs;
+} part_task;
+
+typedef struct part_kernels {
+    kernel *hash;
+    kernel *scan_sums, *scan_tops, *scan_blocks;
+    kernel *scatter;
+    kernel *radix_count, *radix_move;
+    uint32_t radix_bits; // a pass
+    kernel *starts;
+    kernel *place; // bounds by id (paper), or everything into cell order (rows)
+    kernel *candidates;
+    kernel *narrow; // NULL where the candidates are the pairs
+} part_kernels;
+
+enum { PART_COUNTERS = 16 };
+
+typedef struct part {
+    const device *device;
+    const device *devices; // the device pair, for host memory
+    gen *gen;
+    program_set *programs;
+    variant variant;
+    part_kernels kernels;
+    timeline times;
+
+    buffer objects;
+    buffer keys, ids;             // of the objects; in cell order once sorted
+    buffer keys_spare, ids_spare; // the other half of the radix sort; keys_spare also the ranks
+    buffer starts;                // first of each cell
+    buffer sums;                  // of blocks, while scanning
+    buffer tiles;                 // digits a tile, while sorting
+    buffer bounds;                // [n][2], by id or in cell order
+    buffer boxes;                 // [n][3], in cell order
+    buffer candidates, pairs, undecided;
+    buffer counters;
+
+    uint32_t counts[PART_COUNTERS]; // the counters as read last
+    host_block fetched;             // pairs on the host, where the device has memory of its own
+    host_block sent;                // grid on its way to the other part
+    duet_span span;
+    uint64_t n_candidates, n_undecided;
+    uint32_t runs; // searches, more than one where a buffer had to grow
+    double wall_ms;
+} part;
+
+bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err);
+void part_close(part *p);
+
+// Generates and builds what the variant needs for such objects.
+bool part_prepare(part *p, const char *variant_text, const part_task *task, duet_error *err);
+
+// Starts a step: clears counters and times, hands the objects over.
+bool part_begin(part *p, const part_task *task, duet_error *err);
+
+// Builds the whole grid from the objects.
+bool part_build_grid(part *p, const part_task *task, duet_error *err);
+
+// Gives the grid that `from` built to `to` (the paper, section 4.1): the sender
+// brings it to the host, the receiver takes it and makes what it lacks.
+bool part_send_grid(part *from, part *to, const part_task *task, duet_error *err);
+bool part_receive_grid(part *to, part *from, const part_task *task, duet_error *err);
+
+// Finds the pairs of objects first .. last - 1 in cell order with those that
+// come after them, and brings them to the host.
+bool part_search(part *p, const part_task *task, uint32_t first, uint32_t last, duet_error *err);
+
+// Bad objects and widest extent that did not fit, once a search or grid was
+// finished.
+uint32_t part_bad(const part *p);
+uint32_t part_first_bad(const part *p);
+float part_widest(const part *p); // 0: all fit
+
+uint64_t part_bytes(const part *p); // memory held on the device
+
+// Counters, as in kernels/common.clh.
+enum {
+    COUNT_CANDIDATES = 0,
+    COUNT_PAIRS = 2,
+    COUNT_UNDECIDED = 4,
+    COUNT_BAD = 6,
+    FIRST_BAD = 7,
+    WIDEST = 8
+};
+
+uint64_t part_count(const part *p, int counter);
+
+// Reads the counters, which waits for all that was launched.
+bool part_read_counters(part *p, duet_error *err);
+
+#endif

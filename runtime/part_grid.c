@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+// Building the grid on one device, and giving it to the other.
+#include "runtime/part.h"
+
+#include "runtime/base/error.h"
+
+// Exclusive prefix sum of n words, in place.
+static bool scan(part *p, const char *stage, buffer *values, uint32_t n, duet_error *err)
+{
+    uint32_t block = p->kernels.scan_sums->group * p->kernels.scan_sums->per_item;
+    uint32_t n_blocks = (n + block - 1) / block;
+    if (!buffer_reserve(&p->sums, p->device, n_blocks * sizeof(uint32_t), err))
+        return false;
+    kernel_arg sums[] = {ARG_BUFFER(*values), ARG(n), ARG_BUFFER(p->sums)};
+    kernel_arg tops[] = {ARG_BUFFER(p->sums), ARG(n_blocks)};
+    kernel_arg blocks[] = {ARG_BUFFER(*values), ARG(n), ARG_BUFFER(p->sums)};
+    return timeline_launch(&p->times, stage, p->kernels.scan_sums, n, sums, 3, err) &&
+           timeline_launch(&p->times, stage, p->kernels.scan_tops, 1, tops, 2, err) &&
+           timeline_launch(&p->times, stage, p->kernels.scan_blocks, n, blocks, 3, err);
+}
+
+static bool run_hash(part *p, const part_task *task, duet_error *err)
+{
+    const grid *g = &task->grid;
+    cl_int4 cells = {{(cl_int)g->cells[0], (cl_int)g->cells[1], (cl_int)g->cells[2], 0}};
+    bool rank = p->variant.sort == SORT_COUNTING;
+    kernel_arg args[10] = {ARG_BUFFER(p->objects), ARG(task->n), ARG(g->lower),
+                           ARG(g->per_cell),       ARG(cells),   ARG(g->n_cells),
+                           ARG_BUFFER(p->keys)};
+    uint32_t n_args = 7;
+    if (rank) {
+        args[n_args++] = ARG_BUFFER(p->starts);
+        args[n_args++] = ARG_BUFFER(p->keys_spare);
+    }
+    args[n_args++] = ARG_BUFFER(p->counters);
+    return timeline_launch(&p->times, "hash", p->kernels.hash, task->n, args, n_args, err);
+}
+
+// The keys count into starts, and the ranks tell them apart.
+static bool counting_sort(part *p, const part_task *task, duet_error *err)
+{
+    uint32_t n_starts = task->grid.n_cells + 2;
+    kernel_arg args[] = {ARG_BUFFER(p->keys), ARG_BUFFER(p->keys_spare), ARG(task->n),
+                         ARG_BUFFER(p->starts), ARG_BUFFER(p->ids)};
+    return timeline_fill(&p->times, "sort", &p->starts, 0, 0, n_starts, err) &&
+           run_hash(p, task, err) && scan(p, "sort", &p->starts, n_starts, err) &&
+           timeline_launch(&p->times, "sort", p->kernels.scatter, task->n, args, 5, err);
+}
+
+static void swap(buffer *a, buffer *b)
+{
+    buffer other = *a;
+    *a = *b;
+    *b = other;
+}
+
+static bool radix_pass(part *p, const part_task *task, uint32_t shift, duet_error *err)
+{
+    uint32_t tile = p->kernels.radix_count->group * p->kernels.radix_count->per_item;
+    uint32_t n_tiles = (task->n + tile - 1) / tile;
+    uint32_t n_counts = n_tiles << p->kernels.radix_bits;
+    uint32_t first_pass = shift == 0;
+    if (!buffer_reserve(&p->tiles, p->device, n_counts * sizeof(uint32_t), err))
+        return false;
+    kernel_arg count[] = {ARG_BUFFER(p->keys), ARG(task->n), ARG(shift), ARG_BUFFER(p->tiles)};
+    kernel_arg move[] = {ARG_BUFFER(p->keys),
+                         ARG_BUFFER(p->ids),
+                         ARG(task->n),
+                         ARG(shift),
+                         ARG(first_pass),
+                         ARG_BUFFER(p->tiles),
+                         ARG_BUFFER(p->keys_spare),
+                         ARG_BUFFER(p->ids_spare)};
+    bool ok = timeline_launch(&p->times, "sort", p->kernels.radix_count, task->n, count, 4, err) &&
+              scan(p, "sort", &p->tiles, n_counts, err) &&
+              timeline_launch(&p->times, "sort", p->kernels.radix_move, task->n, move, 8, err);
+    swap(&p->keys, &p->keys_spare);
+    swap(&p->ids, &p->ids_spare);
+    return ok;
+}
+
+static bool find_starts(part *p, const part_task *task, duet_error *err)
+{
+    kernel_arg args[4] = {ARG_BUFFER(p->keys), ARG(task->n)};
+    if (p->variant.search == SEARCH_PAPER) {
+        args[2] = ARG_BUFFER(p->starts);
+        return timeline_fill(&p->times, "cell start", &p->starts, UINT32_MAX, 0,
+                             task->grid.n_cells + 1, err) &&
+               timeline_launch(&p->times, "cell start", p->kernels.starts, task->n, args, 3, err);
+    }
+    args[2] = ARG(task->grid.n_cells);
+    args[3] = ARG_BUFFER(p->starts);
+    return timeline_launch(&p->times, "cell start", p->kernels.starts, (uint64_t)task->n + 1, args,
+                           4, err);
+}
+
+static bool radix_sort(part *p, const part_task *task, duet_error *err)
+{
+    bool ok = run_hash(p, task, err);
+    for (uint32_t shift = 0; ok && shift < task->grid.key_bits; shift += p->kernels.radix_bits)
+        ok = radix_pass(p, task, shift, err);
+    return ok && find_starts(p, task, err);
+}
+
+// The paper's kernels read bounds by id.
+static bool place_by_id(part *p, const part_task *task, duet_error *err)
+{
+    kernel_arg args[] = {ARG_BUFFER(p->objects), ARG(task->n), ARG(task->grid.limit),
+                         ARG_BUFFER(p->bounds), ARG_BUFFER(p->counters)};
+    return timeline_launch(&p->times, "bounds", p->kernels.place, task->n, args, 5, err);
+}
+
+static bool place_in_cell_order(part *p, const part_task *task, duet_error *err)
+{
+    const grid *g = &task->grid;
+    cl_int4 cells = {{(cl_int)g->cells[0], (cl_int)g->cells[1], (cl_int)g->cells[2], 0}};
+    uint32_t from = 0;
+    kernel_arg args[13] = {
+        ARG_BUFFER(p->objects), ARG_BUFFER(p->ids),   ARG(from),  ARG(task->n),
+        ARG(g->lower),          ARG(g->per_cell),     ARG(cells), ARG(g->n_cells),
+        ARG(g->limit),          ARG_BUFFER(p->bounds)};
+    uint32_t n_args = 10;
+    if (task->shape == DUET_SHAPE_POSES)
+        args[n_args++] = ARG_BUFFER(p->boxes);
+    args[n_args++] = ARG_BUFFER(p->counters);
+    return timeline_launch(&p->times, "reorder", p->kernels.place, task->n, args, n_args, err);
+}
+
+static bool place(part *p, const part_task *task, duet_error *err)
+{
+    return p->variant.search == SEARCH_ROWS ? place_in_cell_order(p, task, err)
+                                            : place_by_id(p, task, err);
+}
+
+static bool reserve_places(part *p, const part_task *task, duet_error *err)
+{
+    size_t n = task->n;
+    bool boxes = p->variant.search == SEARCH_ROWS && task->shape == DUET_SHAPE_POSES;
+    return buffer_reserve(&p->bounds, p->device, n * 2 * sizeof(cl_float4), err) &&
+           (!boxes || buffer_reserve(&p->boxes, p->device, n * 3 * sizeof(cl_float4), err));
+}
+
+static bool reserve_grid(part *p, const part_task *task, duet_error *err)
+{
+    size_t words = task->n * sizeof(uint32_t);
+    return buffer_reserve(&p->keys, p->device, words, err) &&
+           buffer_reserve(&p->keys_spare, p->device, words, err) &&
+           buffer_reserve(&p->ids, p->device, words, err) &&
+           (p->variant.sort == SORT_COUNTING ||
+            buffer_reserve(&p->ids_spare, p->device, words, err)) &&
+           buffer_reserve(&p->starts, p->device,
+                          ((size_t)task->grid.n_cells + 2) * sizeof(uint32_t), err) &&
+           reserve_places(p, task, err);
+}
+
+bool part_build_grid(part *p, const part_task *task, duet_error *err)
+{
+    if (!reserve_grid(p, task, err))
+        return false;
+    bool ok =
+        p->variant.sort == SORT_COUNTING ? counting_sort(p, task, err) : radix_sort(p, task, err);
+    return ok && place(p, task, err);
+}
+
+// ---------------------------------------------------------------- sending
+
+// The state of the world that a search needs (section 4.1): the sorted hash
+// table and the cell start array. rows needs of the table only the ids.
+typedef struct grid_piece {
+    buffer *from;
+    buffer *to;
+    size_t bytes;
+} grid_piece;
+
+enum { PIECES = 3 };
+
+static int grid_pieces(part *from, part *to, const part_task *task, grid_piece pieces[PIECES])
+{
+    size_t words = task->n * sizeof(uint32_t);
+    size_t starts = ((size_t)task->grid.n_cells + 2) * sizeof(uint32_t);
+    pieces[0] = (grid_piece){&from->ids, &to->ids, words};
+    pieces[1] = (grid_piece){&from->starts, &to->starts, starts};
+    pieces[2] = (grid_piece){&from->keys, &to->keys, words};
+    return from->variant.search == SEARCH_PAPER ? 3 : 2;
+}
+
+bool part_send_grid(part *from, part *to, const part_task *task, duet_error *err)
+{
+    grid_piece pieces[PIECES];
+    int n = grid_pieces(from, to, task, pieces);
+    size_t total = 0;
+    for (int i = 0; i < n; ++i)
+        total += pieces[i].bytes;
+    if (!from->device->info.host_memory &&
+        !host_block_reserve(&from->sent, from->devices, total, err))
+        return false;
+    char *at = from->sent.bytes;
+    for (int i = 0; i < n; ++i) {
+        void *host = pieces[i].from->host ? pieces[i].from->host : at;
+        if (!timeline_read(&from->times, "send grid", pieces[i].from, host, pieces[i].bytes, err))
+            return false;
+        at = pieces[i].from->host ? at : at + pieces[i].bytes;
+    }
+    return true;
+}
+
+static bool receive_piece(part *to, grid_piece piece, void *host, duet_error *err)
+{
+    bool ok = to->device->info.host_memory
+                  ? buffer_borrow(piece.to, to->device, host, piece.bytes, err)
+                  : buffer_reserve(piece.to, to->device, piece.bytes, err);
+    return ok && timeline_write(&to->times, "receive grid", piece.to, host, piece.bytes, err);
+}
+
+// Where both work on host memory the bounds and boxes are there already.
+static bool borrow_places(part *to, const part *from, const part_task *task, duet_error *err)
+{
+    size_t bounds = task->n * 2 * sizeof(cl_float4);
+    size_t boxes = task->n * 3 * sizeof(cl_float4);
+    bool ok = buffer_borrow(&to->bounds, to->device, from->bounds.host, bounds, err) &&
+              timeline_write(&to->times, "receive grid", &to->bounds, to->bounds.host, bounds, err);
+    if (ok && from->boxes.host)
+        ok = buffer_borrow(&to->boxes, to->device, from->boxes.host, boxes, err) &&
+             timeline_write(&to->times, "receive grid", &to->boxes, to->boxes.host, boxes, err);
+    return ok;
+}
+
+bool part_receive_grid(part *to, part *from, const part_task *task, duet_error *err)
+{
+    grid_piece pieces[PIECES];
+    int n = grid_pieces(from, to, task, pieces);
+    char *at = from->sent.bytes;
+    for (int i = 0; i < n; ++i) {
+        void *host = pieces[i].from->host ? pieces[i].from->host : at;
+        if (!receive_piece(to, pieces[i], host, err))
+            return false;
+        at = pieces[i].from->host ? at : at + pieces[i].bytes;
+    }
+    if (to->device->info.host_memory && from->device->info.host_memory)
+        return borrow_places(to, from, task, err);
+    return reserve_places(to, task, err) && place(to, task, err);
+}

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+// Finding the pairs of one device's objects, and bringing them to the host.
+#include "runtime/part.h"
+
+#include "runtime/base/clock.h"
+#include "runtime/base/error.h"
+#include "runtime/narrow.h"
+
+#include <stdlib.h>
+
+enum { SMALLEST_ROOM = 1024 };
+
+// Pairs that fit a buffer; the kernels count rooms in 32 bits.
+static uint32_t room_of(const buffer *b)
+{
+    size_t room = b->bytes / sizeof(duet_pair);
+    return room > UINT32_MAX ? UINT32_MAX : (uint32_t)room;
+}
+
+static bool reserve_room(part *p, buffer *b, uint64_t pairs, duet_error *err)
+{
+    if (pairs > UINT32_MAX)
+        return error_set(err, DUET_TOO_MANY,
+                         "%s: %llu pairs, more than the %u that one device can list",
+                         p->device->info.selector, (unsigned long long)pairs, UINT32_MAX);
+    if (pairs < SMALLEST_ROOM)
+        pairs = SMALLEST_ROOM;
+    return buffer_reserve(b, p->device, (size_t)pairs * sizeof(duet_pair), err);
+}
+
+static bool run_rows(part *p, const part_task *task, uint32_t first, uint32_t last, buffer *found,
+                     duet_error *err)
+{
+    const grid *g = &task->grid;
+    cl_int4 cells = {{(cl_int)g->cells[0], (cl_int)g->cells[1], (cl_int)g->cells[2], 0}};
+    uint32_t room = room_of(found);
+    kernel_arg args[] = {ARG_BUFFER(p->bounds),
+                         ARG_BUFFER(p->starts),
+                         ARG(first),
+                         ARG(last),
+                         ARG(cells),
+                         ARG(g->n_cells),
+                         ARG_BUFFER(*found),
+                         ARG(room),
+                         ARG_BUFFER(p->counters)};
+    return timeline_launch(&p->times, "candidates", p->kernels.candidates, last - first, args, 9,
+                           err);
+}
+
+static bool run_paper(part *p, const part_task *task, uint32_t first, uint32_t last, buffer *found,
+                      duet_error *err)
+{
+    const grid *g = &task->grid;
+    cl_int4 cells = {{(cl_int)g->cells[0], (cl_int)g->cells[1], (cl_int)g->cells[2], 0}};
+    uint32_t room = room_of(found);
+    kernel_arg args[] = {ARG_BUFFER(p->keys),
+                         ARG_BUFFER(p->ids),
+                         ARG_BUFFER(p->starts),
+                         ARG_BUFFER(p->bounds),
+                         ARG(task->n),
+                         ARG(first),
+                         ARG(last),
+                         ARG(cells),
+                         ARG(g->n_cells),
+                         ARG_BUFFER(*found),
+                         ARG(room),
+                         ARG_BUFFER(p->counters)};
+    return timeline_launch(&p->times, "candidates", p->kernels.candidates, last - first, args, 12,
+                           err);
+}
+
+static bool run_narrow(part *p, uint64_t work, duet_error *err)
+{
+    uint32_t candidate_room = room_of(&p->candidates);
+    uint32_t room = room_of(&p->pairs);
+    uint32_t undecided_room = room_of(&p->undecided);
+    buffer *boxes = p->variant.search == SEARCH_ROWS ? &p->boxes : &p->objects;
+    kernel_arg args[] = {ARG_BUFFER(*boxes),  ARG_BUFFER(p->candidates),
+                         ARG(candidate_room), ARG_BUFFER(p->pairs),
+                         ARG(room),           ARG_BUFFER(p->undecided),
+                         ARG(undecided_room), ARG_BUFFER(p->counters)};
+    return timeline_launch(&p->times, "narrow", p->kernels.narrow, work, args, 8, err);
+}
+
+static bool run_candidates(part *p, const part_task *task, uint32_t first, uint32_t last,
+                           duet_error *err)
+{
+    buffer *found = p->kernels.narrow ? &p->candidates : &p->pairs;
+    return p->variant.search == SEARCH_ROWS ? run_rows(p, task, first, last, found, err)
+                                            : run_paper(p, task, first, last, found, err);
+}
+
+// Candidates are not counted on the host before they are tested: the narrow
+// kernel reads their number itself, and enough work-items for the last step's
+// number are sent.
+static uint64_t narrow_work(const part *p, uint32_t objects)
+{
+    uint64_t room = room_of(&p->candidates);
+    uint64_t expected = 2 * (uint64_t)objects + SMALLEST_ROOM;
+    return expected < room ? expected : room;
+}
+
+// True where all that was found has its place; else makes more.
+static bool everything_fits(part *p, bool *fits, duet_error *err)
+{
+    struct {
+        buffer *list;
+        uint64_t found;
+    } lists[] = {
+        {&p->candidates, part_count(p, COUNT_CANDIDATES)},
+        {&p->undecided, part_count(p, COUNT_UNDECIDED)},
+        // undecided pairs may join the pairs
+        {&p->pairs, part_count(p, COUNT_PAIRS) + part_count(p, COUNT_UNDECIDED)},
+    };
+    *fits = true;
+    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; ++i) {
+        uint64_t found = lists[i].found;
+        if (found == 0 || found <= room_of(lists[i].list))
+            continue;
+        *fits = false;
+        if (!reserve_room(p, lists[i].list, found + found / 16, err))
+            return false;
+    }
+    return true;
+}
+
+static bool search_once(part *p, const part_task *task, uint32_t first, uint32_t last,
+                        duet_error *err)
+{
+    ++p->runs;
+    bool ok = timeline_fill(&p->times, "clear", &p->counters, 0, 0, COUNT_BAD, err) &&
+              run_candidates(p, task, first, last, err);
+    if (ok && p->kernels.narrow)
+        ok = run_narrow(p, narrow_work(p, last - first), err);
+    return ok && part_read_counters(p, err);
+}
+
+static bool under_limit(const part *p, const part_task *task, duet_error *err)
+{
+    uint64_t pairs = part_count(p, COUNT_PAIRS);
+    if (task->max_pairs && pairs > task->max_pairs)
+        return error_set(err, DUET_TOO_MANY, "%llu pairs on %s, and the world allows %llu",
+                         (unsigned long long)pairs, p->device->info.selector,
+                         (unsigned long long)task->max_pairs);
+    return true;
+}
+
+// Brings the pairs to the host, with room behind them for the undecided.
+static bool fetch_pairs(part *p, duet_pair **pairs, duet_error *err)
+{
+    uint64_t n = part_count(p, COUNT_PAIRS);
+    size_t room = (size_t)(n + part_count(p, COUNT_UNDECIDED)) * sizeof(duet_pair);
+    if (p->pairs.host) {
+        *pairs = p->pairs.host;
+    } else {
+        if (!host_block_reserve(&p->fetched, p->devices, room, err))
+            return false;
+        *pairs = p->fetched.bytes;
+    }
+    return timeline_read(&p->times, "fetch pairs", &p->pairs, *pairs, (size_t)n * sizeof(duet_pair),
+                         err);
+}
+
+// Decides on the host what float left open, and appends the colliding.
+static bool decide_rest(part *p, const part_task *task, duet_pair *pairs, uint64_t *n,
+                        duet_error *err)
+{
+    p->n_undecided = part_count(p, COUNT_UNDECIDED);
+    if (p->n_undecided == 0)
+        return true;
+    size_t bytes = (size_t)p->n_undecided * sizeof(duet_pair);
+    duet_pair *open = p->undecided.host ? p->undecided.host : malloc(bytes);
+    if (!open)
+        return error_set(err, DUET_NO_MEMORY, "no host memory for %zu bytes", bytes);
+    bool ok = timeline_read(&p->times, "fetch pairs", &p->undecided, open, bytes, err);
+    uint64_t begun = clock_steady_ns();
+    const duet_pose *poses = task->objects;
+    for (uint64_t i = 0; ok && i < p->n_undecided; ++i)
+        if (narrow_decide(&poses[open[i].a], &poses[open[i].b], task->dims))
+            pairs[(*n)++] = open[i];
+    timeline_add_host(&p->times, "decide", (double)(clock_steady_ns() - begun) * 1e-6);
+    if (!p->undecided.host)
+        free(open);
+    return ok;
+}
+
+static bool reserve_first(part *p, uint32_t objects, duet_error *err)
+{
+    uint64_t guess = objects;
+    bool ok = p->pairs.mem || reserve_room(p, &p->pairs, guess, err);
+    if (p->kernels.narrow)
+        ok = ok && (p->candidates.mem || reserve_room(p, &p->candidates, 2 * guess, err)) &&
+             (p->undecided.mem || reserve_room(p, &p->undecided, guess / 64, err));
+    return ok;
+}
+
+bool part_search(part *p, const part_task *task, uint32_t first, uint32_t last, duet_error *err)
+{
+    if (first >= last)
+        return part_read_counters(p, err) && timeline_finish(&p->times, err);
+    bool ok = reserve_first(p, last - first, err);
+    bool fits = false;
+    while (ok && !fits)
+        ok = search_once(p, task, first, last, err) && under_limit(p, task, err) &&
+             everything_fits(p, &fits, err);
+    duet_pair *pairs = NULL;
+    uint64_t n = ok ? part_count(p, COUNT_PAIRS) : 0;
+    ok = ok && fetch_pairs(p, &pairs, err) && decide_rest(p, task, pairs, &n, err) &&
+         timeline_finish(&p->times, err);
+    if (!ok)
+        return false;
+    p->span = (duet_span){pairs, n};
+    p->n_candidates = part_count(p, p->kernels.narrow ? COUNT_CANDIDATES : COUNT_PAIRS);
+    return true;
+}

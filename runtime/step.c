@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT
+// A step: fit the grid, let both devices find the pairs of their objects at
+// the same time, and hand out what they found.
+//
+// A takes the first share of the objects in cell order and B the rest. Each
+// pair is found from its first object, so no pair is found twice and none is
+// lost between the parts.
+#include "runtime/world.h"
+
+#include "runtime/base/clock.h"
+#include "runtime/base/error.h"
+
+#include <math.h>
+
+// Grids are fitted again where the number of objects has changed this much.
+enum { REFIT_FACTOR = 2 };
+
+// A second widening would mean that objects grew while the step ran.
+enum { MOST_FITS = 3 };
+
+static double ms_since(uint64_t begun)
+{
+    return (double)(clock_steady_ns() - begun) * 1e-6;
+}
+
+// ---------------------------------------------------------------- the grid
+
+static bool fit_grid(duet_world *world, duet_error *err)
+{
+    const duet_world_def *def = &world->def;
+    const void *objects = world->objects.bytes;
+    grid_needs needs = def->shape == DUET_SHAPE_POSES
+                           ? grid_needs_of_poses(objects, world->n, def->dims)
+                           : grid_needs_of_bounds(objects, world->n, def->dims);
+    bool too_small = def->cell > 0.0f && needs.widest > def->cell;
+    if (too_small && def->cell_fixed)
+        return error_set(err, DUET_CELL_TOO_SMALL,
+                         "the cell edge %g is below the extent %.9g of object %u; right would be a "
+                         "cell at least that wide",
+                         def->cell, needs.widest, needs.widest_id);
+    double lower[3];
+    double upper[3];
+    for (int k = 0; k < 3; ++k) {
+        lower[k] = def->has_world ? def->lower[k] : needs.lower[k];
+        upper[k] = def->has_world ? def->upper[k] : needs.upper[k];
+    }
+    world->cell_widened = too_small;
+    world->grid = grid_fit(lower, upper, fmax(def->cell, needs.widest), world->n, def->dims);
+    world->fitted = true;
+    world->fitted_n = world->n;
+    return true;
+}
+
+static bool needs_fit(const duet_world *world)
+{
+    uint64_t n = world->n;
+    return !world->fitted || n > REFIT_FACTOR * (uint64_t)world->fitted_n ||
+           REFIT_FACTOR * n < world->fitted_n;
+}
+
+static part_task describe_task(const duet_world *world)
+{
+    return (part_task){
+        .dims = world->def.dims,
+        .shape = world->def.shape,
+        .rotated = world->def.rotated,
+        .n = world->n,
+        .objects = world->objects.bytes,
+        .grid = world->grid,
+        .max_pairs = world->def.max_pairs,
+    };
+}
+
+// ---------------------------------------------------------------- parts
+
+// What one part does, possibly in the worker's thread.
+typedef struct job {
+    part *part;
+    part *grid_from; // NULL: builds its own
+    const part_task *task;
+    uint32_t first;
+    uint32_t last;
+    bool ok;
+    duet_error err;
+} job;
+
+static void run_job(void *arg)
+{
+    job *j = arg;
+    uint64_t begun = clock_steady_ns();
+    if (j->grid_from)
+        j->ok = part_receive_grid(j->part, j->grid_from, j->task, &j->err);
+    else
+        j->ok = part_begin(j->part, j->task, &j->err) && part_build_grid(j->part, j->task, &j->err);
+    j->ok = j->ok && part_search(j->part, j->task, j->first, j->last, &j->err);
+    j->part->wall_ms += ms_since(begun);
+}
+
+static bool run_own(duet_world *world, job jobs[2])
+{
+    bool use[2] = {jobs[0].first < jobs[0].last, jobs[1].first < jobs[1].last};
+    if (use[0] && use[1])
+        worker_start(world->worker, run_job, &jobs[0]);
+    else if (use[0])
+        run_job(&jobs[0]);
+    if (use[1])
+        run_job(&jobs[1]);
+    if (use[0] && use[1])
+        worker_wait(world->worker);
+    return (!use[0] || jobs[0].ok) && (!use[1] || jobs[1].ok);
+}
+
+// Figure 11: B builds the grid and sends it; then both search.
+static bool run_shared(duet_world *world, job jobs[2])
+{
+    job *a = &jobs[0];
+    job *b = &jobs[1];
+    uint64_t begun = clock_steady_ns();
+    b->ok = part_begin(b->part, b->task, &b->err) && part_begin(a->part, a->task, &b->err) &&
+            part_build_grid(b->part, b->task, &b->err) &&
+            part_send_grid(b->part, a->part, b->task, &b->err);
+    b->part->wall_ms = ms_since(begun);
+    if (!b->ok)
+        return false;
+    a->grid_from = b->part;
+    worker_start(world->worker, run_job, a);
+    begun = clock_steady_ns();
+    b->ok = part_search(b->part, b->task, b->first, b->last, &b->err);
+    b->part->wall_ms += ms_since(begun);
+    worker_wait(world->worker);
+    return a->ok && b->ok;
+}
+
+static bool prepare(duet_world *world, const part_task *task, const bool use[2], duet_error *err)
+{
+    const char *variants[2] = {world->def.plan.variant_a, world->def.plan.variant_b};
+    for (int side = 0; side < 2; ++side) {
+        if (!use[side] || world->prepared[side])
+            continue;
+        if (!part_prepare(&world->parts[side], variants[side], task, err))
+            return false;
+        world->prepared[side] = true;
+    }
+    return true;
+}
+
+static void forget_last_step(duet_world *world)
+{
+    for (int side = 0; side < 2; ++side) {
+        timeline_begin(&world->parts[side].times, world->parts[side].device);
+        world->parts[side].span = (duet_span){0};
+        world->parts[side].n_candidates = world->parts[side].n_undecided = 0;
+        world->parts[side].runs = 0;
+        world->parts[side].wall_ms = 0.0;
+        for (int i = 0; i < PART_COUNTERS; ++i)
+            world->parts[side].counts[i] = 0;
+    }
+}
+
+static bool run_parts(duet_world *world, duet_error *err)
+{
+    part_task task = describe_task(world);
+    const duet_plan *plan = &world->def.plan;
+    uint32_t cut = (uint32_t)((uint64_t)task.n * plan->share / DUET_SHARE_ONE);
+    bool shared = plan->mode == DUET_MODE_SHARED && cut > 0;
+    const bool use[2] = {cut > 0, shared || cut < task.n};
+    job jobs[2] = {{.part = &world->parts[0], .task = &task, .first = 0, .last = cut},
+                   {.part = &world->parts[1], .task = &task, .first = cut, .last = task.n}};
+    forget_last_step(world);
+    if (!prepare(world, &task, use, err))
+        return false;
+    bool ok = shared ? run_shared(world, jobs) : run_own(world, jobs);
+    for (int side = 0; side < 2 && !ok; ++side) {
+        timeline_clear(&world->parts[side].times);
+        if (jobs[side].err.status != DUET_OK && err && err->status == DUET_OK)
+            *err = jobs[side].err;
+    }
+    return ok;
+}
+
+// ---------------------------------------------------------------- result
+
+static uint32_t largest(uint32_t a, uint32_t b)
+{
+    return a > b ? a : b;
+}
+
+// Both parts see the same objects, or one of them saw none.
+static bool check_bad(const duet_world *world, duet_error *err)
+{
+    const part *seen = &world->parts[part_bad(&world->parts[0]) ? 0 : 1];
+    if (part_bad(seen) == 0 || world->def.keep_bad)
+        return true;
+    return error_set(err, DUET_BAD_OBJECT,
+                     "object %u of %u is not a number, infinite, negative or without rotation "
+                     "(%u such objects)",
+                     part_first_bad(seen), world->n, part_bad(seen));
+}
+
+static void fill_result(duet_world *world, duet_result *result)
+{
+    const part *a = &world->parts[0];
+    const part *b = &world->parts[1];
+    const part *seen = part_bad(a) ? a : b;
+    *result = (duet_result){
+        .objects = world->n,
+        .bad = part_bad(seen),
+        .first_bad = part_bad(seen) ? part_first_bad(seen) : 0,
+        .candidates = a->n_candidates + b->n_candidates,
+        .pairs = a->span.n + b->span.n,
+        .spans = {a->span, b->span},
+        .undecided = a->n_undecided + b->n_undecided,
+        .device_ms = {a->wall_ms, b->wall_ms},
+        .bytes = {part_bytes(a), part_bytes(b)},
+        .cells = {world->grid.cells[0], world->grid.cells[1], world->grid.cells[2]},
+        .cell = world->grid.edge,
+        .cell_widened = world->cell_widened,
+        .runs = largest(a->runs, b->runs),
+        .stages = world->stages,
+    };
+    for (int side = 0; side < 2; ++side) {
+        const timeline *t = &world->parts[side].times;
+        for (int i = 0; i < t->n_stages; ++i) {
+            world->stages[result->n_stages] = t->stages[i];
+            world->stages[result->n_stages++].device = side;
+        }
+    }
+}
+
+bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
+{
+    uint64_t begun = clock_steady_ns();
+    bool fits = world->n == 0;
+    if (fits)
+        forget_last_step(world);
+    for (int fit = 0; !fits; ++fit) {
+        if (needs_fit(world) && !fit_grid(world, err))
+            return false;
+        if (!run_parts(world, err))
+            return false;
+        float widest = fmaxf(part_widest(&world->parts[0]), part_widest(&world->parts[1]));
+        fits = !(widest > 0.0f);
+        world->fitted = fits;
+        if (!fits && fit == MOST_FITS)
+            return error_set(err, DUET_CELL_TOO_SMALL,
+                             "an object's extent of %g does not fit a cell of %g", widest,
+                             world->grid.edge);
+    }
+    if (!check_bad(world, err))
+        return false;
+    fill_result(world, result);
+    result->total_ms = ms_since(begun);
+    return true;
+}

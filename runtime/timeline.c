@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/timeline.h"
+
+#include "runtime/base/error.h"
+
+#include <assert.h>
+#include <string.h>
+
+void timeline_begin(timeline *t, const device *d)
+{
+    timeline_clear(t);
+    t->device = d;
+    t->n_stages = 0;
+}
+
+static int stage_index(timeline *t, const char *name, bool transfer)
+{
+    for (int i = 0; i < t->n_stages; ++i)
+        if (strcmp(t->stages[i].name, name) == 0)
+            return i;
+    assert(t->n_stages < TIMELINE_STAGES);
+    t->stages[t->n_stages] = (duet_stage){.name = name, .transfer = transfer};
+    return t->n_stages++;
+}
+
+static void release_event(cl_event event)
+{
+    clReleaseEvent(event);
+    device_object_gone();
+}
+
+// Waits for the queue once the list is full, so that any number fits.
+static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event event,
+                       duet_error *err)
+{
+    device_object_made();
+    if (t->n_events == TIMELINE_EVENTS && !timeline_finish(t, err)) {
+        release_event(event);
+        return false;
+    }
+    t->events[t->n_events].stage = stage_index(t, stage, transfer);
+    t->events[t->n_events].event = event;
+    ++t->n_events;
+    return true;
+}
+
+static bool set_args(const kernel *k, const kernel_arg *args, uint32_t n_args, const device *d,
+                     duet_error *err)
+{
+    for (uint32_t i = 0; i < n_args; ++i) {
+        cl_int code = clSetKernelArg(k->cl, i, args[i].size, args[i].value);
+        if (code != CL_SUCCESS)
+            return error_set_cl(err, code, "%s on %s: argument %u", k->name, d->info.selector, i);
+    }
+    return true;
+}
+
+bool timeline_launch(timeline *t, const char *stage, const kernel *k, uint64_t work,
+                     const kernel_arg *args, uint32_t n_args, duet_error *err)
+{
+    if (work == 0)
+        return true;
+    if (!set_args(k, args, n_args, t->device, err))
+        return false;
+    uint64_t per_group = (uint64_t)k->group * k->per_item;
+    size_t group = k->group;
+    size_t global = (size_t)((work + per_group - 1) / per_group) * group;
+    cl_event event = NULL;
+    cl_int code =
+        clEnqueueNDRangeKernel(t->device->queue, k->cl, 1, NULL, &global, &group, 0, NULL, &event);
+    if (code != CL_SUCCESS)
+        return error_set_cl(err, code, "%s on %s: launch", k->name, t->device->info.selector);
+    return keep_event(t, stage, false, event, err);
+}
+
+bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, size_t from,
+                   size_t to, duet_error *err)
+{
+    if (from == to)
+        return true;
+    cl_event event = NULL;
+    cl_int code =
+        clEnqueueFillBuffer(t->device->queue, b->mem, &value, sizeof value, from * sizeof value,
+                            (to - from) * sizeof value, 0, NULL, &event);
+    if (code != CL_SUCCESS)
+        return error_set_cl(err, code, "%s: filling a buffer", t->device->info.selector);
+    return keep_event(t, stage, false, event, err);
+}
+
+// Hands wrapped host memory from one side to the other without moving it.
+static bool hand_over(timeline *t, buffer *b, cl_map_flags flags, size_t bytes, duet_error *err)
+{
+    cl_int code = CL_SUCCESS;
+    void *seen = clEnqueueMapBuffer(t->device->queue, b->mem, CL_TRUE, flags, 0, bytes, 0, NULL,
+                                    NULL, &code);
+    if (seen)
+        code = clEnqueueUnmapMemObject(t->device->queue, b->mem, seen, 0, NULL, NULL);
+    return code == CL_SUCCESS ||
+           error_set_cl(err, code, "%s: mapping %zu bytes", t->device->info.selector, bytes);
+}
+
+bool timeline_write(timeline *t, const char *stage, buffer *b, const void *from, size_t bytes,
+                    duet_error *err)
+{
+    if (bytes == 0)
+        return true;
+    if (b->host == from)
+        return hand_over(t, b, CL_MAP_WRITE, bytes, err);
+    cl_event event = NULL;
+    cl_int code =
+        clEnqueueWriteBuffer(t->device->queue, b->mem, CL_FALSE, 0, bytes, from, 0, NULL, &event);
+    if (code != CL_SUCCESS)
+        return error_set_cl(err, code, "%s: sending %zu bytes", t->device->info.selector, bytes);
+    return keep_event(t, stage, true, event, err);
+}
+
+bool timeline_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
+                   duet_error *err)
+{
+    if (bytes == 0)
+        return true;
+    if (b->host == to)
+        return hand_over(t, b, CL_MAP_READ, bytes, err);
+    cl_event event = NULL;
+    cl_int code =
+        clEnqueueReadBuffer(t->device->queue, b->mem, CL_TRUE, 0, bytes, to, 0, NULL, &event);
+    if (code != CL_SUCCESS)
+        return error_set_cl(err, code, "%s: fetching %zu bytes", t->device->info.selector, bytes);
+    return keep_event(t, stage, true, event, err);
+}
+
+bool timeline_flush(timeline *t, duet_error *err)
+{
+    cl_int code = clFlush(t->device->queue);
+    return code == CL_SUCCESS || error_set_cl(err, code, "%s: flush", t->device->info.selector);
+}
+
+static double event_ms(cl_event event)
+{
+    cl_ulong start = 0;
+    cl_ulong end = 0;
+    clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof start, &start, NULL);
+    clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_END, sizeof end, &end, NULL);
+    return end > start ? (double)(end - start) * 1e-6 : 0.0;
+}
+
+bool timeline_finish(timeline *t, duet_error *err)
+{
+    cl_int code = clFinish(t->device->queue);
+    for (int i = 0; i < t->n_events && code == CL_SUCCESS; ++i) {
+        cl_int state = CL_COMPLETE;
+        clGetEventInfo(t->events[i].event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof state, &state,
+                       NULL);
+        if (state < 0)
+            code = state;
+        else
+            t->stages[t->events[i].stage].ms += event_ms(t->events[i].event);
+    }
+    timeline_clear(t);
+    return code == CL_SUCCESS ||
+           error_set_cl(err, code, "%s: running the step", t->device->info.selector);
+}
+
+void timeline_add_host(timeline *t, const char *stage, double ms)
+{
+    t->stages[stage_index(t, stage, false)].ms += ms;
+}
+
+void timeline_clear(timeline *t)
+{
+    if (t->n_events > 0)
+        clFinish(t->device->queue);
+    for (int i = 0; i < t->n_events; ++i)
+        release_event(t->events[i].event);
+    t->n_events = 0;
+}

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L
+#include "runtime/variant.h"
+
+#include "runtime/base/error.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool take_search(variant *v, const char *word, duet_error *err)
+{
+    if (strcmp(word, "rows") == 0) {
+        v->search = SEARCH_ROWS;
+        v->sort = SORT_COUNTING;
+    } else if (strcmp(word, "paper") == 0) {
+        v->search = SEARCH_PAPER;
+        v->sort = SORT_RADIX;
+    } else {
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "variant '%s': there is none of that name; there are rows and paper",
+                         word);
+    }
+    return true;
+}
+
+static bool take_sort(variant *v, const char *value, duet_error *err)
+{
+    if (strcmp(value, "counting") == 0 && v->search != SEARCH_PAPER)
+        v->sort = SORT_COUNTING;
+    else if (strcmp(value, "radix") == 0)
+        v->sort = SORT_RADIX;
+    else
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "variant: sort=%s is not possible; right would be sort=radix%s", value,
+                         v->search == SEARCH_PAPER ? "" : " or sort=counting");
+    return true;
+}
+
+static bool take_setting(variant *v, char *word, duet_error *err)
+{
+    char *equals = strchr(word, '=');
+    if (!equals || equals == word || !equals[1])
+        return error_set(err, DUET_BAD_ARGUMENT, "variant: '%s' is not NAME=VALUE", word);
+    *equals = '\0';
+    const char *value = equals + 1;
+    if (strcmp(word, "sort") == 0)
+        return take_sort(v, value, err);
+    char *end = NULL;
+    long long number = strtoll(value, &end, 0);
+    if (*end)
+        return error_set(err, DUET_BAD_ARGUMENT, "variant: %s=%s: the value is not a whole number",
+                         word, value);
+    if (v->n_settings == VARIANT_SETTINGS)
+        return error_set(err, DUET_BAD_ARGUMENT, "variant: more than %d settings",
+                         VARIANT_SETTINGS);
+    char *dot = strchr(word, '.');
+    if (dot)
+        *dot = '\0';
+    snprintf(v->settings[v->n_settings].kernel, sizeof v->settings[0].kernel, "%s",
+             dot ? word : "");
+    snprintf(v->settings[v->n_settings].name, sizeof v->settings[0].name, "%s",
+             dot ? dot + 1 : word);
+    v->settings[v->n_settings].value = number;
+    ++v->n_settings;
+    return true;
+}
+
+bool variant_parse(variant *v, const char *text, duet_error *err)
+{
+    *v = (variant){0};
+    char words[sizeof(((duet_plan *)0)->variant_a)];
+    if (snprintf(words, sizeof words, "%s", text) >= (int)sizeof words)
+        return error_set(err, DUET_BAD_ARGUMENT, "variant: longer than %zu characters",
+                         sizeof words - 1);
+    char *rest = NULL;
+    char *word = strtok_r(words, " ,", &rest);
+    bool ok = take_search(v, word ? word : "", err);
+    while (ok && (word = strtok_r(NULL, " ,", &rest)))
+        ok = take_setting(v, word, err);
+    return ok;
+}

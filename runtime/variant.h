@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// What a variant's text asks for: "rows", "paper", "rows sort=radix BUF=512".
+//
+// The first word names the search. sort=counting or radix; every other NAME=V
+// sets a parameter of each kernel whose card has it, or of one kernel as
+// KERNEL.NAME=V.
+#ifndef RUNTIME_VARIANT_H
+#define RUNTIME_VARIANT_H
+
+#include "runtime/duet.h"
+
+typedef enum variant_search { SEARCH_ROWS, SEARCH_PAPER } variant_search;
+
+typedef enum variant_sort { SORT_COUNTING, SORT_RADIX } variant_sort;
+
+enum { VARIANT_SETTINGS = 8 };
+
+typedef struct variant {
+    variant_search search;
+    variant_sort sort;
+    struct {
+        char kernel[32]; // empty: every kernel that has the parameter
+        char name[24];
+        int64_t value;
+        bool used; // some kernel had it
+    } settings[VARIANT_SETTINGS];
+    uint32_t n_settings;
+} variant;
+
+// BAD_ARGUMENT names the word that is wrong and what would be right.
+bool variant_parse(variant *v, const char *text, duet_error *err);
+
+#endif

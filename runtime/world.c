@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/world.h"
+
+#include "runtime/base/error.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COOKIE = 0x0d0e7002 };
+
+const char *duet_mode_name(duet_mode mode)
+{
+    switch (mode) {
+    case DUET_MODE_SHARED:
+        return "shared";
+    case DUET_MODE_OWN:
+        return "own";
+    }
+    return "unknown";
+}
+
+// Parts of one CPU, or two equal devices, do work in proportion to their units;
+// how unequal ones compare is not known before it is measured.
+static uint32_t default_share(const duet_device_info *a, const duet_device_info *b)
+{
+    if (a->kind != b->kind || strcmp(a->name, b->name) != 0)
+        return 0;
+    uint64_t units = (uint64_t)a->units + b->units;
+    return units ? (uint32_t)(DUET_SHARE_ONE * (uint64_t)a->units / units) : 0;
+}
+
+duet_plan duet_default_plan(const duet_device_pair *pair)
+{
+    duet_plan plan = {.mode = DUET_MODE_OWN, .variant_a = "rows", .variant_b = "rows"};
+    if (pair)
+        plan.share = default_share(&pair->devices[0].info, &pair->devices[1].info);
+    return plan;
+}
+
+duet_world_def duet_default_world_def(void)
+{
+    return (duet_world_def){
+        .plan = duet_default_plan(NULL), .dims = 3, .rotated = true, .cookie = COOKIE};
+}
+
+// ---------------------------------------------------------------- checks
+
+static bool check_world_box(const duet_world_def *def, duet_error *err)
+{
+    for (uint32_t k = 0; def->has_world && k < def->dims; ++k)
+        if (!isfinite(def->lower[k]) || !isfinite(def->upper[k]) || def->lower[k] > def->upper[k])
+            return error_set(err, DUET_BAD_ARGUMENT,
+                             "the world's %c runs from %g to %g; right would be finite and rising",
+                             "xyz"[k], def -> lower[k], def -> upper[k]);
+    return true;
+}
+
+static bool check_def(const duet_world_def *def, duet_error *err)
+{
+    if (!def || def->cookie != COOKIE)
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "the world's def does not come from duet_default_world_def");
+    if (!def->pair)
+        return error_set(err, DUET_BAD_ARGUMENT, "the world's def has no device pair");
+    if (def->dims != 2 && def->dims != 3)
+        return error_set(err, DUET_BAD_ARGUMENT, "dims is %u; right would be 2 or 3", def->dims);
+    if (def->shape != DUET_SHAPE_POSES && def->shape != DUET_SHAPE_BOUNDS)
+        return error_set(err, DUET_BAD_ARGUMENT, "shape is neither POSES nor BOUNDS");
+    if (!(def->cell >= 0.0f) || !isfinite(def->cell))
+        return error_set(err, DUET_BAD_ARGUMENT, "cell is %g; right would be 0 or an edge above 0",
+                         def->cell);
+    return check_world_box(def, err);
+}
+
+static bool check_plan(const duet_plan *plan, duet_error *err)
+{
+    variant a;
+    variant b;
+    if (plan->share > DUET_SHARE_ONE)
+        return error_set(err, DUET_BAD_ARGUMENT, "share is %u of %u; right would be at most all",
+                         plan->share, DUET_SHARE_ONE);
+    if (plan->mode != DUET_MODE_SHARED && plan->mode != DUET_MODE_OWN)
+        return error_set(err, DUET_BAD_ARGUMENT, "mode is %d; right would be shared or own",
+                         (int)plan->mode);
+    if (!variant_parse(&a, plan->variant_a, err) || !variant_parse(&b, plan->variant_b, err))
+        return false;
+    if (plan->mode == DUET_MODE_SHARED && a.search != b.search)
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "mode shared: A cannot search B's grid as '%s' where B does '%s'; right "
+                         "would be the same search, or mode own",
+                         plan->variant_a, plan->variant_b);
+    return true;
+}
+
+// ---------------------------------------------------------------- owner
+
+duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
+{
+    if (!check_def(def, err) || !check_plan(&def->plan, err))
+        return NULL;
+    duet_world *world = calloc(1, sizeof *world);
+    if (!world) {
+        error_set(err, DUET_NO_MEMORY, "no memory for a world");
+        return NULL;
+    }
+    world->def = *def;
+    world->worker = worker_open(err);
+    bool ok = world->worker && part_open(&world->parts[0], def->pair, 0, err) &&
+              part_open(&world->parts[1], def->pair, 1, err);
+    if (!ok) {
+        duet_world_destroy(world);
+        return NULL;
+    }
+    return world;
+}
+
+void duet_world_destroy(duet_world *world)
+{
+    if (!world)
+        return;
+    worker_close(world->worker);
+    part_close(&world->parts[0]);
+    part_close(&world->parts[1]);
+    host_block_release(&world->objects);
+    free(world);
+}
+
+bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err)
+{
+    if (!check_plan(plan, err))
+        return false;
+    world->prepared[0] &= strcmp(plan->variant_a, world->def.plan.variant_a) == 0;
+    world->prepared[1] &= strcmp(plan->variant_b, world->def.plan.variant_b) == 0;
+    world->def.plan = *plan;
+    return true;
+}
+
+const duet_plan *duet_world_plan(const duet_world *world)
+{
+    return &world->def.plan;
+}
+
+// ---------------------------------------------------------------- objects
+
+static void *map_objects(duet_world *world, duet_shape shape, uint32_t n, duet_error *err)
+{
+    static const char *const names[] = {"poses", "bounds"};
+    if (world->def.shape != shape) {
+        error_set(err, DUET_BAD_ARGUMENT, "the world was made for %s, not for %s",
+                  names[world->def.shape], names[shape]);
+        return NULL;
+    }
+    if (n > UINT32_MAX - 2) {
+        error_set(err, DUET_TOO_MANY, "%u objects; a world holds at most %u", n, UINT32_MAX - 2);
+        return NULL;
+    }
+    size_t size = shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds);
+    if (!host_block_reserve(&world->objects, world->def.pair->devices, n * size, err))
+        return NULL;
+    world->n = n;
+    return world->objects.bytes;
+}
+
+duet_pose *duet_world_map_poses(duet_world *world, uint32_t n, duet_error *err)
+{
+    return map_objects(world, DUET_SHAPE_POSES, n, err);
+}
+
+bool duet_world_set_poses(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
+{
+    duet_pose *to = map_objects(world, DUET_SHAPE_POSES, n, err);
+    if (to && n > 0)
+        memcpy(to, poses, n * sizeof *poses);
+    return to;
+}
+
+bool duet_world_set_bounds(duet_world *world, const duet_bounds *bounds, uint32_t n,
+                           duet_error *err)
+{
+    duet_bounds *to = map_objects(world, DUET_SHAPE_BOUNDS, n, err);
+    if (to && n > 0)
+        memcpy(to, bounds, n * sizeof *bounds);
+    return to;
+}
+
+bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err)
+{
+    const duet_scene_info *info = duet_scene_describe(scene);
+    if (info->dims != world->def.dims)
+        return error_set(err, DUET_BAD_ARGUMENT, "the scene %s has %u dimensions, the world %u",
+                         info->name, info->dims, world->def.dims);
+    world->fitted = false;
+    return info->shape == DUET_SHAPE_POSES
+               ? duet_world_set_poses(world, duet_scene_poses(scene), info->n, err)
+               : duet_world_set_bounds(world, duet_scene_bounds(scene), info->n, err);
+}
