@@ -1,0 +1,30 @@
+-- SPDX-License-Identifier: MIT
+-- The scene that the paper measures: n unit cubes, uniform in a world of
+-- 200 x 200 x 200, each with a random rotation. For comparing with the paper
+-- and with other programs, and as the scene that figures are quoted for.
+
+local p = parameters {
+  n = 1000000,
+  seed = 1,
+  world = 200.0, -- its edge; grow it by the cube root of n for one density
+  rotated = true, -- false: all cubes stay parallel to the axes
+  euler = false, -- uniform Euler angles, as in the paper, not uniform rotations
+}
+
+local random = random(p.seed)
+
+local function rotation()
+  if not p.rotated then return 0, 0, 0, 1 end
+  if p.euler then return euler(random.angle(), random.angle(), random.angle()) end
+  return random.quaternion()
+end
+
+for _ = 1, p.n do
+  local x, y, z = random.uniform(0, p.world), random.uniform(0, p.world), random.uniform(0, p.world)
+  add(x, y, z, 0.5, 0.5, 0.5, rotation())
+end
+
+return {
+  dims = 3,
+  world = { lower = { 0, 0, 0 }, upper = { p.world, p.world, p.world } },
+}

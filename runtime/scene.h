@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// Objects and their world while a reader fills them.
+//
+// Readers (text, npy, Lua) hand over rows of numbers in double. What a row may
+// hold is checked here and nowhere else, so that a bad object is refused in
+// the same words from every kind of file.
+#ifndef RUNTIME_SCENE_H
+#define RUNTIME_SCENE_H
+
+#include "runtime/duet.h"
+
+#define SCENE_MAX_OBJECTS 4294967294u // 2^32-2
+#define SCENE_MAX_COLUMNS 10
+#define SCENE_COLUMNS "4, 5, 6 or 10" // the counts that scene_set_columns takes
+
+struct duet_scene {
+    duet_scene_info info;
+    char *name;       // info.name
+    uint32_t columns; // of a row; 0: none was read yet
+    void *objects;    // duet_pose or duet_bounds, as info.shape says
+    uint64_t room;    // objects that fit
+};
+
+// Where a row comes from, for messages: "path:line: ", "path: " for line 0,
+// nothing for path NULL.
+typedef struct scene_place {
+    const char *path;
+    uint64_t line;
+} scene_place;
+
+// Decides what a row is, before the first one: 4, 5, 6 or 10 numbers
+// (docs/formats.md). False with BAD_INPUT for another count, or for one that
+// differs from an earlier call's.
+bool scene_set_columns(duet_scene *scene, uint32_t columns, scene_place place, duet_error *err);
+
+// Room for n objects; a row that finds none makes some by itself.
+bool scene_reserve(duet_scene *scene, uint64_t n, duet_error *err);
+
+// Adds the next object. False with BAD_OBJECT, naming place, object and number.
+bool scene_add_row(duet_scene *scene, const double *row, scene_place place, duet_error *err);
+
+bool scene_set_name(duet_scene *scene, const char *name, size_t length, duet_error *err);
+
+// The readers: each adds a file's objects to an empty scene.
+bool scene_read_text(duet_scene *scene, const char *path, duet_error *err);
+bool scene_read_npy(duet_scene *scene, const char *path, duet_error *err);
+bool scene_read_lua(duet_scene *scene, const char *path, const duet_setting *settings,
+                    uint32_t n_settings, duet_error *err);
+
+#endif

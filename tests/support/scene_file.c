@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#include "support/scene_file.h"
+#include "support/test.h"
+
+#include "runtime/base/text.h"
+
+#include <stdio.h>
+#include <string.h>
+
+duet_scene *scene_from_bytes(const char *name, const void *bytes, size_t n,
+                             const duet_setting *settings, uint32_t n_settings, duet_error *err)
+{
+    duet_error io = {0};
+    assert_ok(text_write_file(name, bytes, n, &io), io);
+    duet_scene *scene = duet_scene_load(name, settings, n_settings, err);
+    remove(name);
+    return scene;
+}
+
+duet_scene *scene_from_text(const char *name, const char *chars, duet_error *err)
+{
+    return scene_from_bytes(name, chars, strlen(chars), NULL, 0, err);
+}
+
+void scene_assert_refused(const char *name, const char *chars, duet_status status, const char *says)
+{
+    duet_error err = {0};
+    duet_scene *scene = scene_from_text(name, chars, &err);
+    if (scene || err.status != status || !strstr(err.text, says))
+        fail_msg("'%s' gives %s '%s', not '%s'", chars, duet_status_name(err.status), err.text,
+                 says);
+}
