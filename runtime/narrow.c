@@ -12,9 +12,8 @@
 
 #include <math.h>
 
-#define UNIT 0x1p-53    // of rounding, in double
-#define SLACK_FACTOR 64 // docs/accuracy.md, "The bound"
-#define PARALLEL 0.5    // edges with a smaller tilt count as nearly parallel
+#define SLACK (NARROW_SLACK * 0x1p-53)
+#define PARALLEL 0.5 // edges with a smaller tilt count as nearly parallel
 
 static const int next[3] = {1, 2, 0};
 static const int last[3] = {2, 0, 1};
@@ -191,7 +190,7 @@ static narrow_verdict test_boxes(const duet_pose *pose_a, const duet_pose *pose_
         return compare_upright(pose_a, pose_b, dims);
 
     view v = view_of(&a, &b, t);
-    gaps g = {SLACK_FACTOR * UNIT * size, -INFINITY, -INFINITY, 0};
+    gaps g = {SLACK * size, -INFINITY, -INFINITY, 0};
     add_faces(&g, &v, dims);
     if (dims == 3 && g.greatest <= g.slack)
         add_cross_axes(&g, &v);

@@ -13,10 +13,19 @@
 
 typedef enum narrow_verdict { NARROW_SEPARATED, NARROW_COLLIDING, NARROW_UNDECIDED } narrow_verdict;
 
+// The error of an axis's gap is below NARROW_SLACK * u * (|t|_1 + all extents),
+// with u the unit of rounding: docs/accuracy.md, line by line.
+#define NARROW_SLACK 48
+
 // 15 axes (equation 3; in 2D: 4) in double with the bound of docs/accuracy.md.
 // Boxes whose rotations are both the identity are always decided, and poses
 // that hold a NaN, an infinity or a zero quaternion never.
 narrow_verdict narrow_double(const duet_pose *a, const duet_pose *b, uint32_t dims);
+
+// What the devices compute in float, operation for operation (kernels/sat.clh),
+// with its bound. rotated false takes both rotations for the identity; it is
+// then undecided only where a distance is above 2^100.
+narrow_verdict narrow_float(const duet_pose *a, const duet_pose *b, uint32_t dims, bool rotated);
 
 // The exact answer by integer arithmetic, some microseconds. A pose that is no
 // box (not finite, a negative extent, a zero quaternion) collides with nothing.

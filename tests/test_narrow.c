@@ -59,6 +59,22 @@ static void double_never_contradicts_exact(void **state)
     }
 }
 
+static void float_leaves_few_ordinary_pairs_undecided_and_never_errs(void **state)
+{
+    (void)state;
+    enum { N = 200000 };
+    rng r = rng_seed(test_seed());
+    int undecided = 0;
+    for (int i = 0; i < N; ++i) {
+        duet_pose a = random_box(&r, 2), b = random_box(&r, 2);
+        narrow_verdict verdict = narrow_float(&a, &b, 3, true);
+        undecided += verdict == NARROW_UNDECIDED;
+        if (verdict != NARROW_UNDECIDED)
+            assert_int_equal(verdict == NARROW_COLLIDING, narrow_decide(&a, &b, 3));
+    }
+    assert_in_range(undecided, 0, N / 10000);
+}
+
 static void a_pose_that_is_no_box_collides_with_nothing(void **state)
 {
     (void)state;
@@ -81,6 +97,7 @@ int main(void)
         cmocka_unit_test(identical_boxes_collide),
         cmocka_unit_test(touching_cubes_collide_and_one_ulp_apart_do_not),
         cmocka_unit_test(double_never_contradicts_exact),
+        cmocka_unit_test(float_leaves_few_ordinary_pairs_undecided_and_never_errs),
         cmocka_unit_test(a_pose_that_is_no_box_collides_with_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
