@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// duet_bench NAME [--n N] [--runs K] [--seed S] [--verify]
+#include "bench.h"
+
+#include "runtime/base/error.h"
+#include "runtime/reference.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const struct {
+    const char *name;
+    bench_run *run;
+    const char *about;
+} benches[] = {
+#ifdef BENCH_AVX2
+    {"limit", bench_limit, "the AVX2 program alone, stage by stage"},
+#endif
+};
+
+enum { N_BENCHES = sizeof benches / sizeof benches[0] };
+
+static uint64_t spans_hash(const duet_span *spans, uint32_t n_spans, uint64_t *n_pairs)
+{
+    uint64_t hash = 0;
+    *n_pairs = 0;
+    for (uint32_t i = 0; i < n_spans; ++i) {
+        hash += duet_pairs_hash(spans[i].pairs, spans[i].n);
+        *n_pairs += spans[i].n;
+    }
+    return hash;
+}
+
+bool bench_verify(const duet_pose *poses, uint32_t n, const duet_span *spans, uint32_t n_spans,
+                  duet_error *err)
+{
+    reference_objects objects = {.dims = 3, .shape = DUET_SHAPE_POSES, .n = n, .poses = poses};
+    reference_found found = {0};
+    if (!reference_find(&objects, REFERENCE_COLUMNS, &found, err))
+        return false;
+    uint64_t n_pairs;
+    uint64_t hash = spans_hash(spans, n_spans, &n_pairs);
+    uint64_t expected = duet_pairs_hash(found.pairs, found.n);
+    duet_free(found.pairs);
+    if (n_pairs != found.n || hash != expected)
+        return error_set(err, DUET_WRONG_RESULT,
+                         "%" PRIu64 " pairs with hash %016" PRIx64 ", the reference finds %" PRIu64
+                         " with %016" PRIx64,
+                         n_pairs, hash, found.n, expected);
+    printf("verified: %" PRIu64 " pairs, hash %016" PRIx64 "\n", n_pairs, hash);
+    return true;
+}
+
+static int usage(void)
+{
+    fprintf(stderr, "usage: duet_bench NAME [--n N] [--runs K] [--seed S] [--verify]\n");
+    for (int i = 0; i < N_BENCHES; ++i)
+        fprintf(stderr, "  %-8s %s\n", benches[i].name, benches[i].about);
+    return 2;
+}
+
+// A whole number of at least `least`; false for anything else.
+static bool read_number(const char *text, uint64_t least, uint64_t most, uint64_t *number)
+{
+    char *end = NULL;
+    *number = text ? strtoull(text, &end, 10) : 0;
+    return text && *text >= '0' && *text <= '9' && !*end && *number >= least && *number <= most;
+}
+
+static bool read_options(char **words, bench_options *options)
+{
+    for (; *words; ++words) {
+        uint64_t number = 0;
+        if (strcmp(*words, "--verify") == 0) {
+            options->verify = true;
+        } else if (strcmp(*words, "--n") == 0 && read_number(words[1], 1, 1u << 26, &number)) {
+            options->n = (uint32_t)number;
+            ++words;
+        } else if (strcmp(*words, "--runs") == 0 &&
+                   read_number(words[1], 1, SERIES_ROOM, &number)) {
+            options->runs = (uint32_t)number;
+            ++words;
+        } else if (strcmp(*words, "--seed") == 0 && read_number(words[1], 0, UINT64_MAX, &number)) {
+            options->seed = number;
+            ++words;
+        } else {
+            return false;
+        }
+    }
+    return true;
+}
+
+int main(int argc, char **argv)
+{
+    bench_options options = {.runs = 21, .seed = 1};
+    if (argc < 2 || !read_options(argv + 2, &options))
+        return usage();
+    for (int i = 0; i < N_BENCHES; ++i) {
+        if (strcmp(argv[1], benches[i].name) != 0)
+            continue;
+        duet_error err = {0};
+        if (benches[i].run(&options, &err))
+            return 0;
+        fprintf(stderr, "duet_bench %s: %s\n", argv[1], err.text);
+        return 1;
+    }
+    return usage();
+}

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// What the benchmarks share.
+//
+// A ratio is taken of medians over runs that alternate: what disturbs one side
+// disturbs the other too. Each line says how many processors the runs really
+// had, for a figure of two threads on one processor says nothing of two.
+#ifndef BENCH_BENCH_H
+#define BENCH_BENCH_H
+
+#include "paper_scene.h"
+#include "runtime/duet.h"
+#include "series.h"
+
+typedef struct bench_options {
+    uint32_t n;    // objects; 0: the benchmark's own number
+    uint32_t runs; // of each side
+    uint64_t seed;
+    bool verify; // compare with the reference first
+} bench_options;
+
+// One benchmark: prints its figures, or fails with a line.
+typedef bool bench_run(const bench_options *options, duet_error *err);
+
+bench_run bench_limit;
+
+// Whether spans hold exactly the pairs that the reference finds.
+bool bench_verify(const duet_pose *poses, uint32_t n, const duet_span *spans, uint32_t n_spans,
+                  duet_error *err);
+
+#endif
