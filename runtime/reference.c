@@ -14,7 +14,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { MAX_LEVELS = 512 };
+enum { EACH_WITH_EACH_LIMIT = 2000, MAX_LEVELS = 512 };
 
 typedef struct bounds {
     double lower[3], upper[3];
@@ -302,6 +302,21 @@ bool reference_find(const reference_objects *objects, reference_way way, referen
     }
     if (found->n > 0)
         qsort(found->pairs, found->n, sizeof *found->pairs, compare_pairs);
+    return true;
+}
+
+bool duet_reference(const duet_scene *scene, duet_pair **pairs, uint64_t *n, duet_error *err)
+{
+    const duet_scene_info *info = duet_scene_describe(scene);
+    reference_objects objects = {info->dims, info->shape, info->n, duet_scene_poses(scene),
+                                 duet_scene_bounds(scene)};
+    reference_way way =
+        info->n <= EACH_WITH_EACH_LIMIT ? REFERENCE_EACH_WITH_EACH : REFERENCE_COLUMNS;
+    reference_found found;
+    if (!reference_find(&objects, way, &found, err))
+        return false;
+    *pairs = found.pairs;
+    *n = found.n;
     return true;
 }
 

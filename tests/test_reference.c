@@ -181,12 +181,34 @@ static void none_one_and_two_objects_are_scenes_too(void **state)
         }
 }
 
+static void a_scene_gives_the_pairs_of_its_objects(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    crowd *c = make_crowd(even, 3, DUET_SHAPE_POSES, &r);
+    duet_error err = {0};
+    duet_scene *scene = duet_scene_from_poses(c->poses, N, 3, &err);
+    assert_ok(scene != NULL, err);
+    reference_found found;
+    duet_pair *pairs;
+    uint64_t n;
+    assert_ok(reference_find(&c->objects, REFERENCE_COLUMNS, &found, &err), err);
+    assert_ok(duet_reference(scene, &pairs, &n, &err), err);
+    assert_int_equal(n, found.n);
+    assert_memory_equal(pairs, found.pairs, n * sizeof *pairs);
+    duet_free(pairs);
+    duet_free(found.pairs);
+    duet_scene_destroy(scene);
+    free(c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(columns_find_what_each_with_each_finds),
         cmocka_unit_test(pairs_ascend),
         cmocka_unit_test(all_neighbours_on_a_lattice_touch),
+        cmocka_unit_test(a_scene_gives_the_pairs_of_its_objects),
         cmocka_unit_test(none_one_and_two_objects_are_scenes_too),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
