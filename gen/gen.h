@@ -61,13 +61,19 @@ typedef struct gen_param {
     int64_t fallback;  // the value where none is set
     const int64_t *values;
     uint32_t n_values;
+    bool is_range;       // any value from least to most may be set; values, if
+    int64_t least, most; // there are some, are those that configs are made of
 } gen_param;
 
 bool gen_params(gen *g, const char *kernel, const gen_limits *limits, const gen_param **params,
                 uint32_t *n_params, duet_error *err);
 
+// The line of a card that says what its kernel does.
+bool gen_about(gen *g, const char *kernel, const char **about, duet_error *err);
+
 // Valid configs are numbered 0 .. count-1 in mixed radix order, the last
-// parameter fastest. config must hold n_params settings.
+// parameter fastest; a range without values stays at its fallback. config must
+// hold n_params settings.
 bool gen_count(gen *g, const char *kernel, const gen_limits *limits, uint64_t *count,
                duet_error *err);
 bool gen_config(gen *g, const char *kernel, const gen_limits *limits, uint64_t index,

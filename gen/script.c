@@ -138,19 +138,20 @@ static bool fail(script *s, int lua_status, duet_error *err)
     const char *name = text_chars(&s->name);
     bool is_text = lua_type(s->lua, -1) == LUA_TSTRING;
     const char *message = is_text ? lua_tostring(s->lua, -1) : "";
+    duet_status status = s->limits.failure ? s->limits.failure : DUET_BAD_INPUT;
     const char *rest = after_cut_name(message, &s->name);
     if (lua_status == LUA_ERRMEM)
-        error_set(err, DUET_BAD_INPUT, "%s: needs more than the %zu KiB of memory it may take",
-                  name, s->limits.memory_bytes >> 10);
+        error_set(err, status, "%s: needs more than the %zu KiB of memory it may take", name,
+                  s->limits.memory_bytes >> 10);
     else if (!is_text)
-        error_set(err, DUET_BAD_INPUT, "%s: raises a %s as its error, not a line of text", name,
+        error_set(err, status, "%s: raises a %s as its error, not a line of text", name,
                   luaL_typename(s->lua, -1));
     else if (rest)
-        error_set(err, DUET_BAD_INPUT, "%s%s", name, rest);
+        error_set(err, status, "%s%s", name, rest);
     else if (has_place(message, &s->name))
-        error_set(err, DUET_BAD_INPUT, "%s", message);
+        error_set(err, status, "%s", message);
     else
-        error_set(err, DUET_BAD_INPUT, "%s: %s", name, message);
+        error_set(err, status, "%s: %s", name, message);
     lua_pop(s->lua, 1);
     return false;
 }

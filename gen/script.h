@@ -19,6 +19,7 @@ typedef struct script_limits {
     size_t memory_bytes;   // of the whole state
     uint64_t instructions; // of one script_call or script_run
     double seconds;        // of one too: few instructions can move many bytes
+    duet_status failure;   // what a script's error is; 0: BAD_INPUT
 } script_limits;
 
 script_limits script_default_limits(void); // 64 MiB, 100 million, 10 s
@@ -34,12 +35,12 @@ void script_close(script *s);
 lua_State *script_lua(script *s);
 
 // Loads the text of a chunk and leaves it as a function on the stack. name is
-// what messages call it: a file's path. BAD_INPUT with name:line.
+// what messages call it: a file's path. limits.failure with name:line.
 bool script_load(script *s, const char *name, const char *chars, size_t n, duet_error *err);
 
 // Calls the function that lies under its n_args arguments; they give way to
-// n_results results (or LUA_MULTRET), or to nothing on failure. BAD_INPUT with
-// file:line where the script raises an error or passes a limit.
+// n_results results (or LUA_MULTRET), or to nothing on failure: limits.failure
+// with file:line where the script raises an error or passes a limit.
 bool script_call(script *s, int n_args, int n_results, duet_error *err);
 
 // Both of the above, without arguments.

@@ -1,0 +1,420 @@
+// SPDX-License-Identifier: MIT
+// Reads a card once and asks its functions later. A config reaches them as a
+// table with a field for each parameter.
+#include "gen/card.h"
+#include "gen/field.h"
+#include "gen/script.h"
+
+#include <inttypes.h>
+#include <lauxlib.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_CONFIGS (UINT64_C(1) << 20)
+
+// ---------------------------------------------------------------- reading
+
+static char *copy_string(lua_State *L, const char *chars)
+{
+    size_t bytes = strlen(chars) + 1;
+    char *copy = malloc(bytes);
+    if (!copy)
+        luaL_error(L, "no memory");
+    return memcpy(copy, chars, bytes);
+}
+
+static bool is_param_name(const char *name)
+{
+    bool begins = *name >= 'A' && *name <= 'Z';
+    return begins && strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_") == strlen(name);
+}
+
+static gen_param *find_param(card *c, const char *name)
+{
+    for (uint32_t i = 0; i < c->n_params; ++i)
+        if (strcmp(c->params[i].name, name) == 0)
+            return &c->params[i];
+    return NULL;
+}
+
+// The name at [1] of the table on top.
+static void read_param_name(lua_State *L, card *c, gen_param *param)
+{
+    const char *name = lua_rawgeti(L, -1, 1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
+    if (!is_param_name(name))
+        field_raise(L, "params", "parameter %u begins with '%s', not with its NAME in capitals",
+                    c->n_params + 1, name);
+    if (find_param(c, name))
+        field_raise(L, "params", "parameter %s is there twice", name);
+    param->name = copy_string(L, name);
+    lua_pop(L, 1);
+    lua_pushnil(L);
+    lua_rawseti(L, -2, 1); // so that only named fields are left
+}
+
+static void read_value(lua_State *L, gen_param *param, int64_t *values)
+{
+    int whole = 0;
+    int64_t value = lua_tointegerx(L, -1, &whole);
+    if (!whole || lua_type(L, -1) != LUA_TNUMBER)
+        field_raise(L, NULL, "%s: value %u is not a whole number", param->name,
+                    param->n_values + 1);
+    for (uint32_t i = 0; i < param->n_values; ++i)
+        if (values[i] == value)
+            field_raise(L, NULL, "%s: value %" PRId64 " is there twice", param->name, value);
+    values[param->n_values++] = value;
+}
+
+static void read_values(lua_State *L, gen_param *param)
+{
+    if (!field_push(L, -1, "values", LUA_TTABLE))
+        return;
+    lua_Unsigned n = lua_rawlen(L, -1);
+    if (n == 0 || n > 1000)
+        field_raise(L, NULL, "%s: values has %d of them, not 1 to 1000", param->name, (int)n);
+    int64_t *values = malloc(n * sizeof *values);
+    if (!values)
+        luaL_error(L, "no memory");
+    param->values = values;
+    for (lua_Unsigned i = 1; i <= n; ++i) {
+        lua_rawgeti(L, -1, (lua_Integer)i);
+        read_value(L, param, values);
+        lua_pop(L, 1);
+    }
+    lua_pop(L, 1);
+}
+
+static void read_range(lua_State *L, gen_param *param)
+{
+    param->least = field_integer(L, -1, "min", INT64_MIN);
+    param->most = field_integer(L, -1, "max", INT64_MAX);
+    param->is_range = param->least != INT64_MIN || param->most != INT64_MAX;
+    if (param->least > param->most)
+        field_raise(L, NULL, "%s: min %" PRId64 " is above max %" PRId64, param->name, param->least,
+                    param->most);
+    if (!param->is_range && param->n_values == 0)
+        field_raise(L, NULL, "%s: neither values nor min and max say what it can be", param->name);
+}
+
+static bool has_value(const gen_param *param, int64_t value)
+{
+    if (param->is_range)
+        return value >= param->least && value <= param->most;
+    for (uint32_t i = 0; i < param->n_values; ++i)
+        if (param->values[i] == value)
+            return true;
+    return false;
+}
+
+// A number is checked here, a function when it is asked.
+static void read_fallback(lua_State *L, gen_param *param)
+{
+    if (lua_getfield(L, -1, "default") != LUA_TFUNCTION) {
+        lua_Integer first = param->n_values > 0 ? param->values[0] : param->least;
+        param->fallback = field_integer(L, -2, "default", first);
+        if (!has_value(param, param->fallback))
+            field_raise(L, NULL, "%s: its default %" PRId64 " is none of its values", param->name,
+                        param->fallback);
+    }
+    lua_pop(L, 1);
+}
+
+static void read_param(lua_State *L, card *c)
+{
+    static const char *const names[] = {"values", "min", "max", "default", "about", NULL};
+    gen_param *param = &c->params[c->n_params];
+    if (lua_type(L, -1) != LUA_TTABLE)
+        field_raise(L, "params", "parameter %u is a %s, not a table", c->n_params + 1,
+                    luaL_typename(L, -1));
+    read_param_name(L, c, param);
+    ++c->n_params;
+    field_only(L, -1, param->name, names);
+    read_values(L, param);
+    read_range(L, param);
+    read_fallback(L, param);
+    param->about = copy_string(L, field_string(L, -1, "about", ""));
+}
+
+static void read_params(lua_State *L, card *c)
+{
+    if (!field_push(L, 1, "params", LUA_TTABLE))
+        field_raise(L, NULL, "the card has no params");
+    lua_Unsigned n = lua_rawlen(L, -1);
+    if (n > CARD_MAX_PARAMS)
+        field_raise(L, "params", "%d parameters, at most %d", (int)n, CARD_MAX_PARAMS);
+    for (lua_Unsigned i = 1; i <= n; ++i) {
+        lua_rawgeti(L, -1, (lua_Integer)i);
+        read_param(L, c);
+        lua_pop(L, 1);
+    }
+    lua_pop(L, 1);
+    if (card_size(c) > MAX_CONFIGS)
+        field_raise(L, "params", "more than %" PRIu64 " configs: leave values out", MAX_CONFIGS);
+}
+
+// A file beside the card, never one elsewhere.
+static bool is_file_name(const char *name, size_t length)
+{
+    return length > 0 && length < 48 && *name != '.' &&
+           strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789_.") == length;
+}
+
+static void read_names(lua_State *L, const char *field, card_names *names)
+{
+    if (!field_push(L, 1, field, LUA_TTABLE))
+        return;
+    for (lua_Integer i = 1; lua_rawgeti(L, -1, i) != LUA_TNIL; ++i, lua_pop(L, 1)) {
+        size_t length = 0;
+        const char *name = lua_tolstring(L, -1, &length);
+        if (!name || !is_file_name(name, length) || names->n == CARD_MAX_NAMES)
+            field_raise(L, field, "%s has at most %d names of files, in small letters", field,
+                        CARD_MAX_NAMES);
+        memcpy(names->at[names->n++], name, length + 1);
+    }
+    lua_pop(L, 2);
+}
+
+static void want_function(lua_State *L, const char *name)
+{
+    if (field_push(L, 1, name, LUA_TFUNCTION))
+        lua_pop(L, 1);
+    else if (strcmp(name, "launch") == 0)
+        field_raise(L, NULL, "the card has no launch function");
+}
+
+// [1] what the card returned, [2] the card to fill
+static int read_card(lua_State *L)
+{
+    static const char *const names[] = {"about", "params", "valid", "launch", "uses", "emit", NULL};
+    card *c = lua_touserdata(L, 2);
+    if (lua_type(L, 1) != LUA_TTABLE)
+        field_raise(L, NULL, "the card returns a %s, not a table", luaL_typename(L, 1));
+    field_only(L, 1, "the card", names);
+    c->about = copy_string(L, field_string(L, 1, "about", ""));
+    read_params(L, c);
+    read_names(L, "uses", &c->uses);
+    read_names(L, "emit", &c->emit);
+    want_function(L, "valid");
+    want_function(L, "launch");
+    lua_pushvalue(L, 1);
+    c->table = luaL_ref(L, LUA_REGISTRYINDEX);
+    return 0;
+}
+
+bool card_open(card *c, const char *kernel, const char *path, const text *chars, duet_error *err)
+{
+    script_limits limits = script_default_limits();
+    limits.failure = DUET_BUILD_FAILED;
+    *c = (card){.kernel = kernel};
+    c->script = script_open(&limits, err);
+    bool ok = c->script && script_run(c->script, path, chars->chars, chars->length, 1, err);
+    if (ok) {
+        lua_State *L = script_lua(c->script);
+        lua_pushcfunction(L, read_card);
+        lua_insert(L, 1);
+        lua_pushlightuserdata(L, c);
+        ok = script_call(c->script, 2, 0, err);
+    }
+    if (!ok)
+        card_close(c);
+    return ok;
+}
+
+void card_close(card *c)
+{
+    for (uint32_t i = 0; i < CARD_MAX_PARAMS; ++i) {
+        free((void *)c->params[i].name);
+        free((void *)c->params[i].about);
+        free((void *)c->params[i].values);
+    }
+    free(c->about);
+    script_close(c->script);
+    *c = (card){0};
+}
+
+// ---------------------------------------------------------------- asking
+
+// What a C function in the state is to do, and what came of it.
+typedef struct question {
+    card *card;
+    const gen_limits *limits;
+    const gen_setting *config;
+    card_launch launch;
+    bool is_valid;
+    char reason[200];
+} question;
+
+static void push_limits(lua_State *L, const gen_limits *limits)
+{
+    lua_createtable(L, 0, 4);
+    lua_pushinteger(L, limits->max_group);
+    lua_setfield(L, -2, "max_group");
+    lua_pushinteger(L, limits->local_bytes > INT64_MAX ? INT64_MAX : (int64_t)limits->local_bytes);
+    lua_setfield(L, -2, "local_bytes");
+    lua_pushboolean(L, limits->fp64);
+    lua_setfield(L, -2, "fp64");
+    lua_pushboolean(L, limits->cpu);
+    lua_setfield(L, -2, "cpu");
+}
+
+static void push_config(lua_State *L, const question *q)
+{
+    lua_createtable(L, 0, (int)q->card->n_params);
+    for (uint32_t i = 0; i < q->card->n_params; ++i) {
+        lua_pushinteger(L, q->config[i].value);
+        lua_setfield(L, -2, q->config[i].name);
+    }
+}
+
+// valid(p, limits), where the card has it. The table is at [2].
+static void ask_valid(lua_State *L, question *q)
+{
+    q->is_valid = true;
+    if (lua_getfield(L, 2, "valid") == LUA_TFUNCTION) {
+        push_config(L, q);
+        push_limits(L, q->limits);
+        lua_call(L, 2, 2);
+        q->is_valid = lua_toboolean(L, -2);
+        const char *reason = lua_tostring(L, -1);
+        snprintf(q->reason, sizeof q->reason, "%s", reason ? reason : "its card says so");
+    }
+    lua_settop(L, 2);
+}
+
+static uint32_t launch_field(lua_State *L, const char *name)
+{
+    lua_getfield(L, -1, name);
+    int whole = 0;
+    lua_Integer value = lua_tointegerx(L, -1, &whole);
+    if (!whole || value < 1 || value > INT32_MAX)
+        luaL_error(L, "launch gives no %s of 1 or more", name);
+    lua_pop(L, 1);
+    return (uint32_t)value;
+}
+
+// launch(p). A group above the device's limit is never valid.
+static void ask_launch(lua_State *L, question *q)
+{
+    lua_getfield(L, 2, "launch");
+    push_config(L, q);
+    lua_call(L, 1, 1);
+    if (lua_type(L, -1) != LUA_TTABLE)
+        luaL_error(L, "launch gives a %s, not { group = ..., per_item = ... }",
+                   luaL_typename(L, -1));
+    q->launch.group = launch_field(L, "group");
+    q->launch.per_item = launch_field(L, "per_item");
+    q->is_valid = q->launch.group <= q->limits->max_group;
+    snprintf(q->reason, sizeof q->reason, "a group of %" PRIu32 " is above the device's %" PRIu32,
+             q->launch.group, q->limits->max_group);
+}
+
+// [1] the question
+static int check(lua_State *L)
+{
+    question *q = lua_touserdata(L, 1);
+    lua_rawgeti(L, LUA_REGISTRYINDEX, q->card->table);
+    ask_valid(L, q);
+    if (q->is_valid)
+        ask_launch(L, q);
+    return 0;
+}
+
+static bool ask(lua_CFunction function, question *q, duet_error *err)
+{
+    lua_State *L = script_lua(q->card->script);
+    lua_pushcfunction(L, function);
+    lua_pushlightuserdata(L, q);
+    return script_call(q->card->script, 1, 0, err);
+}
+
+bool card_check(card *c, const gen_limits *limits, const gen_setting *config, card_launch *launch,
+                duet_error *err)
+{
+    question q = {.card = c, .limits = limits, .config = config};
+    if (!ask(check, &q, err))
+        return false;
+    *launch = q.launch;
+    return q.is_valid ||
+           error_set(err, DUET_BAD_ARGUMENT, "%s: not a valid config: %s", c->kernel, q.reason);
+}
+
+// The parameter's default(limits), where it is a function. Its table is on top.
+static void ask_fallback(lua_State *L, const question *q, gen_param *param)
+{
+    if (lua_getfield(L, -1, "default") == LUA_TFUNCTION) {
+        push_limits(L, q->limits);
+        lua_call(L, 1, 1);
+        int whole = 0;
+        param->fallback = lua_tointegerx(L, -1, &whole);
+        if (!whole || !has_value(param, param->fallback))
+            luaL_error(L, "%s: its default is %s, none of its values", param->name,
+                       luaL_tolstring(L, -1, NULL));
+    }
+    lua_pop(L, 1);
+}
+
+// [1] the question
+static int fall_back(lua_State *L)
+{
+    question *q = lua_touserdata(L, 1);
+    lua_rawgeti(L, LUA_REGISTRYINDEX, q->card->table);
+    lua_getfield(L, -1, "params");
+    for (uint32_t i = 0; i < q->card->n_params; ++i) {
+        lua_geti(L, -1, (lua_Integer)i + 1);
+        ask_fallback(L, q, &q->card->params[i]);
+        lua_pop(L, 1);
+    }
+    return 0;
+}
+
+bool card_set_fallbacks(card *c, const gen_limits *limits, duet_error *err)
+{
+    question q = {.card = c, .limits = limits};
+    return ask(fall_back, &q, err);
+}
+
+// ---------------------------------------------------------------- values
+
+bool card_allows(const card *c, const gen_param *param, int64_t value, duet_error *err)
+{
+    if (has_value(param, value))
+        return true;
+    if (param->is_range)
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "%s: %s=%" PRId64 " is not in %" PRId64 " .. %" PRId64, c->kernel,
+                         param->name, value, param->least, param->most);
+    text all = {0};
+    for (uint32_t i = 0; i < param->n_values; ++i)
+        text_add(&all, "%s%" PRId64, i > 0 ? ", " : "", param->values[i]);
+    error_set(err, DUET_BAD_ARGUMENT, "%s: %s=%" PRId64 " is not one of %s", c->kernel, param->name,
+              value, text_chars(&all));
+    text_free(&all);
+    return false;
+}
+
+// A range without values does not vary by itself.
+static uint32_t radix(const gen_param *param)
+{
+    return param->n_values > 0 ? param->n_values : 1;
+}
+
+uint64_t card_size(const card *c)
+{
+    uint64_t size = 1;
+    for (uint32_t i = 0; i < c->n_params && size <= MAX_CONFIGS; ++i)
+        size *= radix(&c->params[i]);
+    return size;
+}
+
+void card_config(const card *c, uint64_t index, gen_setting *config)
+{
+    for (uint32_t i = c->n_params; i-- > 0;) {
+        const gen_param *param = &c->params[i];
+        uint32_t digit = (uint32_t)(index % radix(param));
+        index /= radix(param);
+        config[i].name = param->name;
+        config[i].value = param->n_values > 0 ? param->values[digit] : param->fallback;
+    }
+}

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// A card (NAME.lua): what a kernel lets vary, which configs are valid, how a
+// config is launched.
+//
+// Each card has a Lua state of its own, so that none can disturb another. A
+// card that is wrong is BUILD_FAILED with file:line.
+#ifndef GEN_CARD_H
+#define GEN_CARD_H
+
+#include "gen/gen.h"
+#include "runtime/base/text.h"
+
+#define CARD_MAX_PARAMS 32
+#define CARD_MAX_NAMES 8
+
+// Names of files that a card asks for.
+typedef struct card_names {
+    char at[CARD_MAX_NAMES][48];
+    uint32_t n;
+} card_names;
+
+typedef struct card {
+    struct script *script;
+    int table;          // the card's own, in the script's registry
+    const char *kernel; // borrowed
+    char *about;
+    gen_param params[CARD_MAX_PARAMS];
+    uint32_t n_params;
+    card_names uses; // headers, "object.clh"
+    card_names emit; // modules of gen/emit, "stencil"
+} card;
+
+typedef struct card_launch {
+    uint32_t group;
+    uint32_t per_item;
+} card_launch;
+
+bool card_open(card *c, const char *kernel, const char *path, const text *chars, duet_error *err);
+void card_close(card *c);
+
+// Fills in what each parameter is where it is not set; it may depend on limits.
+bool card_set_fallbacks(card *c, const gen_limits *limits, duet_error *err);
+
+// BAD_ARGUMENT where the parameter has no such value; the line says which.
+bool card_allows(const card *c, const gen_param *param, int64_t value, duet_error *err);
+
+// BAD_ARGUMENT with the card's reason where the config is not valid.
+bool card_check(card *c, const gen_limits *limits, const gen_setting *config, card_launch *launch,
+                duet_error *err);
+
+// All configs, valid or not, in mixed radix: the last parameter fastest.
+uint64_t card_size(const card *c);
+void card_config(const card *c, uint64_t index, gen_setting *config);
+
+#endif

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: MIT
+// A variant's text is its config as #defines, the headers its card asks for,
+// and the kernel itself. A kernel's files are read when it is first asked for,
+// so that a broken one does not stop the others.
+#define _POSIX_C_SOURCE 200809L
+#include "gen/gen.h"
+#include "gen/kernel.h"
+#include "runtime/base/blob.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <inttypes.h>
+#include <sha256.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct gen {
+    char *dir; // NULL: what is carried
+    kernel *kernels;
+    uint32_t n_kernels;
+};
+
+// ---------------------------------------------------------------- the list
+
+static bool add_kernel(gen *g, const char *name, size_t length, duet_error *err)
+{
+    kernel *grown = realloc(g->kernels, (g->n_kernels + 1) * sizeof *grown);
+    if (!grown)
+        return error_set(err, DUET_NO_MEMORY, "the list of kernels: no memory");
+    g->kernels = grown;
+    kernel *k = &grown[g->n_kernels];
+    if (length >= sizeof k->name)
+        return error_set(err, DUET_BAD_ARGUMENT, "%s: a kernel's name has at most %zu letters",
+                         name, sizeof k->name - 1);
+    *k = (kernel){0};
+    memcpy(k->name, name, length);
+    ++g->n_kernels;
+    return true;
+}
+
+// The length of NAME in "NAME.lua"; 0 where it is no card.
+static size_t card_length(const char *file)
+{
+    size_t length = strlen(file);
+    bool is_card = length > 4 && file[0] != '.' && strcmp(file + length - 4, ".lua") == 0;
+    return is_card ? length - 4 : 0;
+}
+
+static bool list_carried(gen *g, duet_error *err)
+{
+    bool ok = true;
+    for (const blob *b = blobs; ok && b->path; ++b)
+        if (strncmp(b->path, "kernels/", 8) == 0 && card_length(b->path + 8) > 0)
+            ok = add_kernel(g, b->path + 8, card_length(b->path + 8), err);
+    return ok;
+}
+
+static bool list_dir(gen *g, duet_error *err)
+{
+    DIR *dir = opendir(g->dir);
+    if (!dir)
+        return error_set(err, DUET_NOT_FOUND, "kernel folder %s: %s", g->dir, strerror(errno));
+    bool ok = true;
+    for (struct dirent *entry; ok && (entry = readdir(dir));)
+        if (card_length(entry->d_name) > 0)
+            ok = add_kernel(g, entry->d_name, card_length(entry->d_name), err);
+    closedir(dir);
+    if (ok && g->n_kernels == 0)
+        ok = error_set(err, DUET_NOT_FOUND, "kernel folder %s: no card (*.lua) in it", g->dir);
+    return ok;
+}
+
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(((const kernel *)a)->name, ((const kernel *)b)->name);
+}
+
+gen *gen_open(const char *kernel_dir, duet_error *err)
+{
+    gen *g = calloc(1, sizeof *g);
+    bool ok = g;
+    if (ok && kernel_dir)
+        ok = (g->dir = strdup(kernel_dir));
+    if (!ok)
+        error_set(err, DUET_NO_MEMORY, "the generator: no memory");
+    ok = ok && (kernel_dir ? list_dir(g, err) : list_carried(g, err));
+    if (!ok) {
+        gen_close(g);
+        return NULL;
+    }
+    if (g->n_kernels > 1)
+        qsort(g->kernels, g->n_kernels, sizeof *g->kernels, compare_names);
+    return g;
+}
+
+void gen_close(gen *g)
+{
+    if (!g)
+        return;
+    for (uint32_t i = 0; i < g->n_kernels; ++i)
+        kernel_forget(&g->kernels[i]);
+    free(g->kernels);
+    free(g->dir);
+    free(g);
+}
+
+const char *gen_kernel(const gen *g, uint32_t i)
+{
+    return i < g->n_kernels ? g->kernels[i].name : NULL;
+}
+
+static kernel *find_kernel(gen *g, const char *name, duet_error *err)
+{
+    for (uint32_t i = 0; i < g->n_kernels; ++i) {
+        kernel *k = &g->kernels[i];
+        if (strcmp(k->name, name) == 0)
+            return k->is_read || kernel_read(k, g->dir, err) ? k : NULL;
+    }
+    text all = {0};
+    for (uint32_t i = 0; i < g->n_kernels; ++i)
+        text_add(&all, "%s%s", i > 0 ? ", " : "", g->kernels[i].name);
+    error_set(err, DUET_NOT_FOUND, "no kernel '%s': there are %s", name, text_chars(&all));
+    text_free(&all);
+    return NULL;
+}
+
+// ---------------------------------------------------------------- variants
+
+static bool set_param(const card *c, const gen_setting *setting, gen_setting *config,
+                      duet_error *err)
+{
+    for (uint32_t i = 0; i < c->n_params; ++i) {
+        if (strcmp(c->params[i].name, setting->name) != 0)
+            continue;
+        config[i].value = setting->value;
+        return card_allows(c, &c->params[i], setting->value, err);
+    }
+    text all = {0};
+    for (uint32_t i = 0; i < c->n_params; ++i)
+        text_add(&all, "%s%s", i > 0 ? ", " : "", c->params[i].name);
+    error_set(err, DUET_BAD_ARGUMENT, "%s: no parameter '%s': there are %s", c->kernel,
+              setting->name, text_chars(&all));
+    text_free(&all);
+    return false;
+}
+
+static bool fill_config(card *c, const gen_setting *settings, uint32_t n, const gen_limits *limits,
+                        gen_setting *config, duet_error *err)
+{
+    bool ok = card_set_fallbacks(c, limits, err);
+    for (uint32_t i = 0; ok && i < c->n_params; ++i)
+        config[i] = (gen_setting){c->params[i].name, c->params[i].fallback};
+    for (uint32_t i = 0; ok && i < n; ++i)
+        ok = set_param(c, &settings[i], config, err);
+    return ok;
+}
+
+// What varies, in the card's order; a range is the scene's and not named.
+static bool name_variant(const card *c, const gen_setting *config, gen_variant *v, duet_error *err)
+{
+    text name = {0};
+    text_add(&name, "%s", c->kernel);
+    for (uint32_t i = 0; i < c->n_params; ++i)
+        if (c->params[i].n_values > 1)
+            text_add(&name, ".%s%" PRId64, config[i].name, config[i].value);
+    bool ok = text_ok(&name, err);
+    if (ok && name.length >= sizeof v->name)
+        ok = error_set(err, DUET_BUILD_FAILED, "%s: a variant's name has at most %zu letters",
+                       name.chars, sizeof v->name - 1);
+    if (ok)
+        memcpy(v->name, name.chars, name.length + 1);
+    text_free(&name);
+    return ok;
+}
+
+static void add_prelude(const card *c, const gen_setting *config, const char *name, text *out)
+{
+    text_add(out, "// %s\n", name);
+    for (uint32_t i = 0; i < c->n_params; ++i) {
+        bool negative = config[i].value < 0;
+        text_add(out, negative ? "#define %s (%" PRId64 ")\n" : "#define %s %" PRId64 "\n",
+                 config[i].name, config[i].value);
+    }
+}
+
+static bool add_kernel_text(const kernel *k, const gen_setting *config, text *out, duet_error *err)
+{
+    text_add_bytes(out, k->headers.chars, k->headers.length);
+    if (k->template)
+        return template_expand(k->template, config, k->card.n_params, out, err);
+    text_add_bytes(out, k->body.chars, k->body.length);
+    return text_ok(out, err);
+}
+
+bool gen_make(gen *g, const char *name, const gen_setting *settings, uint32_t n_settings,
+              const gen_limits *limits, gen_variant *variant, duet_error *err)
+{
+    *variant = (gen_variant){0};
+    kernel *k = find_kernel(g, name, err);
+    if (!k)
+        return false;
+    gen_setting config[CARD_MAX_PARAMS];
+    card_launch launch = {0};
+    text out = {0};
+    bool ok = fill_config(&k->card, settings, n_settings, limits, config, err);
+    ok = ok && card_check(&k->card, limits, config, &launch, err);
+    ok = ok && name_variant(&k->card, config, variant, err);
+    if (ok) {
+        add_prelude(&k->card, config, variant->name, &out);
+        ok = add_kernel_text(k, config, &out, err);
+    }
+    if (!ok) {
+        text_free(&out);
+        *variant = (gen_variant){0};
+        return false;
+    }
+    SHA256Data((const uint8_t *)out.chars, out.length, variant->sha256);
+    variant->text = out.chars;
+    variant->group = launch.group;
+    variant->per_item = launch.per_item;
+    return true;
+}
+
+void gen_variant_free(gen_variant *variant)
+{
+    free(variant->text);
+    *variant = (gen_variant){0};
+}
+
+// ---------------------------------------------------------------- what varies
+
+bool gen_about(gen *g, const char *name, const char **about, duet_error *err)
+{
+    const kernel *k = find_kernel(g, name, err);
+    if (k)
+        *about = k->card.about;
+    return k;
+}
+
+bool gen_params(gen *g, const char *name, const gen_limits *limits, const gen_param **params,
+                uint32_t *n_params, duet_error *err)
+{
+    kernel *k = find_kernel(g, name, err);
+    if (!k || !card_set_fallbacks(&k->card, limits, err))
+        return false;
+    *params = k->card.params;
+    *n_params = k->card.n_params;
+    return true;
+}
+
+bool gen_count(gen *g, const char *name, const gen_limits *limits, uint64_t *count, duet_error *err)
+{
+    kernel *k = find_kernel(g, name, err);
+    return k && space_count(&k->space, &k->card, limits, count, err);
+}
+
+bool gen_config(gen *g, const char *name, const gen_limits *limits, uint64_t index,
+                gen_setting *config, duet_error *err)
+{
+    kernel *k = find_kernel(g, name, err);
+    return k && space_config(&k->space, &k->card, limits, index, config, err);
+}

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L
+#include "gen/kernel.h"
+#include "runtime/base/blob.h"
+
+#include <stdio.h>
+#include <unistd.h>
+
+// ---------------------------------------------------------------- files
+
+static void file_path(const char *dir, const char *file, text *path)
+{
+    text_add(path, "%s/%s", dir ? dir : "kernels", file);
+}
+
+static bool file_exists(const char *dir, const char *file)
+{
+    text path = {0};
+    file_path(dir, file, &path);
+    bool exists = dir ? access(text_chars(&path), F_OK) == 0 : blob_find(text_chars(&path)) != NULL;
+    text_free(&path);
+    return exists;
+}
+
+// Appends a file of the kernels' folder.
+static bool read_file(const char *dir, const char *file, text *chars, duet_error *err)
+{
+    text path = {0};
+    file_path(dir, file, &path);
+    bool ok = text_ok(&path, err);
+    const blob *b = ok && !dir ? blob_find(path.chars) : NULL;
+    if (b)
+        text_add_bytes(chars, b->bytes, b->length);
+    else if (ok && dir)
+        ok = text_read_file(chars, path.chars, err);
+    else if (ok)
+        ok = error_set(err, DUET_NOT_FOUND, "%s: there is no such file", path.chars);
+    text_free(&path);
+    return ok && text_ok(chars, err);
+}
+
+// The name does not depend on the folder, so that equal kernels have equal
+// text wherever they were read from.
+static bool add_file(const char *dir, const char *file, text *out, duet_error *err)
+{
+    text_add(out, "#line 1 \"kernels/%s\"\n", file);
+    bool ok = read_file(dir, file, out, err);
+    if (ok && out->chars[out->length - 1] != '\n')
+        text_add(out, "\n");
+    return ok && text_ok(out, err);
+}
+
+// ---------------------------------------------------------------- parts
+
+void kernel_forget(kernel *k)
+{
+    if (k->is_read)
+        card_close(&k->card);
+    space_free(&k->space);
+    text_free(&k->headers);
+    text_free(&k->body);
+    template_close(k->template);
+    k->template = NULL;
+    k->is_read = false;
+}
+
+static bool read_card(const char *dir, kernel *k, duet_error *err)
+{
+    char file[64];
+    snprintf(file, sizeof file, "%s.lua", k->name);
+    text path = {0}, chars = {0};
+    file_path(dir, file, &path);
+    bool ok = text_ok(&path, err) && read_file(dir, file, &chars, err);
+    ok = ok && card_open(&k->card, k->name, path.chars, &chars, err);
+    k->is_read = ok;
+    text_free(&path);
+    text_free(&chars);
+    return ok;
+}
+
+static bool read_headers(const char *dir, kernel *k, duet_error *err)
+{
+    bool ok = add_file(dir, "common.clh", &k->headers, err);
+    for (uint32_t i = 0; ok && i < k->card.uses.n; ++i)
+        ok = add_file(dir, k->card.uses.at[i], &k->headers, err);
+    return ok;
+}
+
+static bool read_template(const char *dir, kernel *k, const char *file, duet_error *err)
+{
+    text path = {0}, chars = {0}, line_name = {0};
+    file_path(dir, file, &path);
+    text_add(&line_name, "kernels/%s", file);
+    bool ok = text_ok(&path, err) && text_ok(&line_name, err) && read_file(dir, file, &chars, err);
+    if (ok)
+        k->template = template_open(&chars, path.chars, line_name.chars, &k->card.emit, err);
+    text_free(&path);
+    text_free(&chars);
+    text_free(&line_name);
+    return k->template;
+}
+
+static bool read_body(const char *dir, kernel *k, duet_error *err)
+{
+    char plain[64], shaped[64];
+    snprintf(plain, sizeof plain, "%s.cl", k->name);
+    snprintf(shaped, sizeof shaped, "%s.cl.in", k->name);
+    if (!file_exists(dir, shaped))
+        return add_file(dir, plain, &k->body, err);
+    if (file_exists(dir, plain))
+        return error_set(err, DUET_BUILD_FAILED, "%s/%s stands beside %s: keep one of them",
+                         dir ? dir : "kernels", plain, shaped);
+    return read_template(dir, k, shaped, err);
+}
+
+bool kernel_read(kernel *k, const char *dir, duet_error *err)
+{
+    bool ok = read_card(dir, k, err);
+    ok = ok && read_headers(dir, k, err);
+    ok = ok && read_body(dir, k, err);
+    if (!ok)
+        kernel_forget(k);
+    return ok;
+}

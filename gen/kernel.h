@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// What is read of a kernel: its card, the headers that it uses, and its text
+// or template. From the carried files, or from a folder and nowhere else.
+#ifndef GEN_KERNEL_H
+#define GEN_KERNEL_H
+
+#include "gen/card.h"
+#include "gen/space.h"
+#include "gen/template.h"
+
+typedef struct kernel {
+    char name[48];
+    bool is_read;
+    card card;
+    space space;
+    text headers;       // common.clh and what the card uses, with #lines
+    text body;          // of a .cl, with its #line
+    template *template; // of a .cl.in, else NULL
+} kernel;
+
+// Reads NAME.lua, common.clh, NAME.cl or NAME.cl.in; dir NULL: carried ones.
+// Every file that is missing is NOT_FOUND with its path.
+bool kernel_read(kernel *k, const char *dir, duet_error *err);
+void kernel_forget(kernel *k);
+
+#endif
