@@ -287,13 +287,11 @@ bool scene_add_row(duet_scene *scene, const double *row, scene_place place, duet
 
 bool scene_set_columns(duet_scene *scene, uint32_t columns, scene_place place, duet_error *err)
 {
-    if (columns == scene->columns)
-        return true;
-    if (scene->columns != 0)
+    const layout *l = find_layout(columns);
+    if (scene->columns != 0 && columns != scene->columns)
         return error_set(err, DUET_BAD_INPUT,
                          "%sobject %u has %u numbers, where those before it have %u",
                          name_place(place).chars, scene->info.n, columns, scene->columns);
-    const layout *l = find_layout(columns);
     if (!l)
         return error_set(err, DUET_BAD_INPUT,
                          "%sobject %u has %u numbers; it must have " SCENE_COLUMNS,
@@ -464,4 +462,21 @@ const duet_pose *duet_scene_poses(const duet_scene *scene)
 const duet_bounds *duet_scene_bounds(const duet_scene *scene)
 {
     return scene->info.shape == DUET_SHAPE_BOUNDS ? scene->objects : NULL;
+}
+
+duet_world_def duet_scene_world_def(const duet_scene *scene, duet_device_pair *pair)
+{
+    const duet_scene_info *info = &scene->info;
+    duet_world_def def = duet_default_world_def();
+    def.pair = pair;
+    def.plan = duet_default_plan(pair);
+    def.dims = info->dims;
+    def.shape = info->shape;
+    def.rotated = info->rotated;
+    def.cell = info->cell;
+    def.cell_fixed = info->cell_fixed;
+    def.has_world = info->has_world;
+    memcpy(def.lower, info->lower, sizeof def.lower);
+    memcpy(def.upper, info->upper, sizeof def.upper);
+    return def;
 }

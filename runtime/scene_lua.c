@@ -14,7 +14,7 @@
 // Enough for tens of millions of objects by add, or a million in a list; an
 // endless loop ends within seconds.
 static const script_limits limits = {
-    .memory_bytes = (size_t)512 << 20, .instructions = 2000000000, .seconds = 30};
+    .memory_bytes = (size_t)512 << 20, .instructions = 1000000000, .seconds = 30};
 
 static const struct {
     const char *name;
@@ -99,8 +99,8 @@ static void read_world(lua_State *L, scene_reading *reading)
     read_corner(L, "lower", info->dims, info->lower);
     read_corner(L, "upper", info->dims, info->upper);
     for (uint32_t i = 0; i < info->dims; ++i)
-        if (info->lower[i] >= info->upper[i])
-            field_raise(L, "world", "world's lower must be below its upper, on every axis");
+        if (info->lower[i] > info->upper[i])
+            field_raise(L, "world", "world's lower is above its upper");
     info->has_world = true;
     lua_pop(L, 1);
 }

@@ -12,7 +12,7 @@
 
 // What an add costs of a script's instructions, so that an endless loop of them
 // ends before memory does.
-#define ADD_INSTRUCTIONS 40
+#define ADD_INSTRUCTIONS 20
 
 // The named parts that an object can have, and how many numbers each takes.
 typedef enum part_id { CENTRE, HALF, ROTATION, EULER, ANGLE, LOWER, UPPER, N_PARTS } part_id;

@@ -11,7 +11,7 @@ local p = parameters {
 }
 
 local random = random(p.seed)
-local edge = 18 * p.n ^ (1 / 3) -- of the world; a cube has some three neighbours
+local edge = 18 * math.max(1, p.n) ^ (1 / 3) -- of the world; a cube has some three neighbours
 
 local function rotation()
   if not p.rotated then return 0, 0, 0, 1 end
@@ -26,5 +26,5 @@ end
 
 return {
   dims = 3,
-  world = p.n > 0 and { lower = { 0, 0, 0 }, upper = { edge, edge, edge } } or nil,
+  world = { lower = { 0, 0, 0 }, upper = { edge, edge, edge } },
 }
