@@ -34,6 +34,12 @@ static void a_scene_says_its_world_and_cell(void **state)
     assert_true(info->has_world && info->cell_fixed && info->cell == 1.5f);
     assert_true(info->lower[0] == -1 && info->lower[1] == -2);
     assert_true(info->upper[0] == 3 && info->upper[1] == 4);
+    duet_world_def def = duet_scene_world_def(scene, NULL);
+    assert_int_equal(def.dims, 2);
+    assert_int_equal(def.shape, DUET_SHAPE_BOUNDS);
+    assert_true(def.has_world && def.cell_fixed && def.cell == 1.5f && !def.rotated);
+    assert_memory_equal(def.lower, info->lower, sizeof def.lower);
+    assert_memory_equal(def.upper, info->upper, sizeof def.upper);
     duet_scene_destroy(scene);
 }
 
