@@ -2,6 +2,7 @@
 #include "runtime/program.h"
 
 #include "runtime/base/error.h"
+#include "runtime/cache.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -105,7 +106,8 @@ static bool fail_with_log(const program_set *set, cl_program cl, const char *nam
                      length ? length : 22, length ? from : "the compiler is silent");
 }
 
-static bool build(const program_set *set, program *p, const gen_variant *variant, duet_error *err)
+static bool build_source(const program_set *set, program *p, const gen_variant *variant,
+                         duet_error *err)
 {
     const char *source = variant->text;
     cl_int code = CL_SUCCESS;
@@ -115,6 +117,59 @@ static bool build(const program_set *set, program *p, const gen_variant *variant
     device_object_made();
     code = clBuildProgram(p->cl, 1, &set->device->id, build_options, NULL, NULL);
     return code == CL_SUCCESS || fail_with_log(set, p->cl, variant->name, err);
+}
+
+// A driver may refuse a binary that it made itself, after an update say; the
+// source is built then.
+static bool build_binary(const program_set *set, program *p, const text *binary)
+{
+    const unsigned char *bytes = (const unsigned char *)binary->chars;
+    cl_int status = CL_SUCCESS, code = CL_SUCCESS;
+    cl_program cl = clCreateProgramWithBinary(set->device->context, 1, &set->device->id,
+                                              &binary->length, &bytes, &status, &code);
+    if (!cl)
+        return false;
+    if (status != CL_SUCCESS ||
+        clBuildProgram(cl, 1, &set->device->id, build_options, NULL, NULL) != CL_SUCCESS) {
+        clReleaseProgram(cl);
+        return false;
+    }
+    device_object_made();
+    p->cl = cl;
+    return true;
+}
+
+static bool build_kept(const program_set *set, program *p, const char *key)
+{
+    text binary = {0};
+    bool built = cache_get(set->cache_dir, key, &binary) && build_binary(set, p, &binary);
+    text_free(&binary);
+    return built;
+}
+
+static void keep_binary(const program_set *set, const program *p, const char *key)
+{
+    size_t n = 0;
+    if (clGetProgramInfo(p->cl, CL_PROGRAM_BINARY_SIZES, sizeof n, &n, NULL) != CL_SUCCESS || !n)
+        return;
+    unsigned char *bytes = malloc(n);
+    if (bytes && clGetProgramInfo(p->cl, CL_PROGRAM_BINARIES, sizeof bytes, &bytes, NULL) == 0)
+        cache_put(set->cache_dir, key, (const char *)bytes, n);
+    free(bytes);
+}
+
+static bool build(const program_set *set, program *p, const gen_variant *variant, duet_error *err)
+{
+    if (!set->cache_dir)
+        return build_source(set, p, variant, err);
+    char key[65];
+    cache_key(variant->text, build_options, &set->device->info, key);
+    if (build_kept(set, p, key))
+        return true;
+    if (!build_source(set, p, variant, err))
+        return false;
+    keep_binary(set, p, key);
+    return true;
 }
 
 static program *find_or_build(program_set *set, const gen_variant *variant, duet_error *err)

@@ -3,6 +3,7 @@
 #include "runtime/base/text.h"
 
 #include <errno.h>
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -92,10 +93,17 @@ bool text_read_file(text *t, const char *path, duet_error *err)
     return ok && text_ok(t, err);
 }
 
+// Beside the path, and another one for each writer of this machine.
+static void add_part_path(text *t, const char *path)
+{
+    static atomic_uint writes;
+    text_add(t, "%s.%ld.%u.part", path, (long)getpid(), atomic_fetch_add(&writes, 1));
+}
+
 bool text_write_file(const char *path, const char *bytes, size_t n, duet_error *err)
 {
     text beside = {0};
-    text_add(&beside, "%s.%ld.part", path, (long)getpid());
+    add_part_path(&beside, path);
     bool ok = text_ok(&beside, err);
     FILE *file = ok ? fopen(beside.chars, "wb") : NULL;
     if (ok && !file)
