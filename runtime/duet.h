@@ -160,7 +160,7 @@ typedef enum duet_mode {
     DUET_MODE_OWN     // each device builds the grid from its own poses
 } duet_mode;
 
-DUET_API const char *duet_mode_name(duet_mode mode); // "shared"
+DUET_API const char *duet_mode_name(duet_mode mode); // "shared"; NULL outside
 
 // How a step is to be done: what a tuner chooses and a profile stores.
 typedef struct duet_plan {

@@ -17,7 +17,7 @@ const char *duet_mode_name(duet_mode mode)
     case DUET_MODE_OWN:
         return "own";
     }
-    return "unknown";
+    return NULL;
 }
 
 // Parts of one CPU, or two equal devices, do work in proportion to their units;
@@ -182,4 +182,16 @@ bool duet_world_set_bounds(duet_world *world, const duet_bounds *bounds, uint32_
     if (to && n > 0)
         memcpy(to, bounds, n * sizeof *bounds);
     return to;
+}
+
+bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err)
+{
+    const duet_scene_info *info = duet_scene_describe(scene);
+    if (info->dims != world->def.dims)
+        return error_set(err, DUET_BAD_ARGUMENT, "the scene %s has %u dimensions, the world %u",
+                         info->name, info->dims, world->def.dims);
+    world->fitted = false;
+    return info->shape == DUET_SHAPE_POSES
+               ? duet_world_set_poses(world, duet_scene_poses(scene), info->n, err)
+               : duet_world_set_bounds(world, duet_scene_bounds(scene), info->n, err);
 }

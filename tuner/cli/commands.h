@@ -5,5 +5,6 @@
 #define CLI_COMMANDS_H
 
 int command_devices(int argc, char **argv);
+int command_run(int argc, char **argv);
 
 #endif

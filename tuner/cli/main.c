@@ -19,6 +19,7 @@ static const struct {
     const char *about;
 } commands[] = {
     {"devices", command_devices, "what OpenCL offers here, and the selectors for --pair"},
+    {"run", command_run, "all pairs of a scene, and where the time went"},
 };
 
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };

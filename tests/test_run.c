@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: MIT
+// duet run, as a person calls it.
+#define _POSIX_C_SOURCE 200809L
+#include "support/program.h"
+#include "support/test.h"
+
+#include "runtime/base/text.h"
+#include "runtime/duet.h"
+
+#include <cjson/cJSON.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define SCENE "test_run.scene.lua"
+#define DATA "test_run.data"
+
+// 400 boxes, drawn with the scene's own seed.
+static const char scene_text[] =
+    "local p = parameters { n = 400, seed = 1 }\n"
+    "local random = random(p.seed)\n"
+    "for _ = 1, p.n do\n"
+    "  local x, y, z = random.uniform(0, 8), random.uniform(0, 8), random.uniform(0, 8)\n"
+    "  add(x, y, z, 0.5, 0.5, 0.5, random.quaternion())\n"
+    "end\n"
+    "return { dims = 3 }\n";
+
+static void write_file(const char *path, const char *content)
+{
+    duet_error err = {0};
+    assert_ok(text_write_file(path, content, strlen(content), &err), err);
+}
+
+static int make_scene(void **state)
+{
+    (void)state;
+    write_file(SCENE, scene_text);
+    return 0;
+}
+
+static int remove_files(void **state)
+{
+    (void)state;
+    remove(SCENE);
+    remove(DATA);
+    remove("test_run.csv");
+    return 0;
+}
+
+static cJSON *run_json(const char *arguments)
+{
+    program p = program_run("run --json %s", arguments);
+    if (p.exit_code != 0)
+        fail_msg("run --json %s: %s", arguments, p.err);
+    assert_string_equal(p.err, "");
+    const char *end = NULL;
+    cJSON *o = cJSON_ParseWithOpts(p.out, &end, false);
+    assert_true(cJSON_IsObject(o));
+    assert_string_equal(end, "\n");
+    program_free(&p);
+    return o;
+}
+
+static double number_of(const cJSON *o, const char *key)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, key);
+    if (!cJSON_IsNumber(item))
+        fail_msg("no number '%s'", key);
+    return item->valuedouble;
+}
+
+static const char *string_of(const cJSON *o, const char *key)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, key);
+    if (!cJSON_IsString(item))
+        fail_msg("no string '%s'", key);
+    return item->valuestring;
+}
+
+static void json_has_what_a_script_needs(void **state)
+{
+    (void)state;
+    cJSON *o = run_json(SCENE " --share 1/4 --mode own --variant rows --repeat 3 --check");
+    assert_int_equal(number_of(o, "objects"), 400);
+    assert_int_equal(number_of(o, "dims"), 3);
+    assert_true(number_of(o, "candidates") >= number_of(o, "pairs"));
+    assert_true(number_of(o, "pairs") > 0);
+    assert_int_equal(strlen(string_of(o, "hash")), 16);
+    assert_true(number_of(o, "share") == 0.25);
+    assert_string_equal(string_of(o, "mode"), "own");
+    assert_string_equal(string_of(o, "variant"), "rows");
+    assert_non_null(strchr(string_of(o, "pair"), ','));
+    assert_true(number_of(o, "total_ms") > 0);
+    assert_int_equal(number_of(o, "repeat"), 3);
+    assert_true(number_of(o, "bytes_a") > 0 && number_of(o, "bytes_b") > 0);
+    const cJSON *check = cJSON_GetObjectItemCaseSensitive(o, "check");
+    assert_true(cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(check, "right")));
+    const cJSON *stages = cJSON_GetObjectItemCaseSensitive(o, "stages");
+    assert_true(cJSON_GetArraySize(stages) > 0);
+    const cJSON *stage = NULL;
+    cJSON_ArrayForEach(stage, stages)
+    {
+        assert_true(*string_of(stage, "name") != '\0');
+        assert_true(strcmp(string_of(stage, "device"), "A") == 0 ||
+                    strcmp(string_of(stage, "device"), "B") == 0);
+        assert_true(number_of(stage, "ms") >= 0);
+    }
+    cJSON_Delete(o);
+}
+
+static void share_is_a_decimal_or_a_fraction(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *given;
+        double share;
+    } shares[] = {{"0", 0},
+                  {"1", 1},
+                  {"0.5", 0.5},
+                  {"1/65536", 1.0 / 65536},
+                  {"3/4", 0.75},
+                  {"65536/65536", 1},
+                  {"1e-1", 6554.0 / 65536}};
+    for (size_t i = 0; i < sizeof shares / sizeof shares[0]; ++i) {
+        char arguments[128];
+        snprintf(arguments, sizeof arguments, SCENE " --n 20 --repeat 1 --share %s",
+                 shares[i].given);
+        cJSON *o = run_json(arguments);
+        assert_true(number_of(o, "share") == shares[i].share);
+        cJSON_Delete(o);
+    }
+}
+
+static void n_and_seed_choose_the_scene(void **state)
+{
+    (void)state;
+    cJSON *a = run_json(SCENE " --n 300 --seed 5 --repeat 1");
+    cJSON *b = run_json(SCENE " --set n=300 --set seed=5 --repeat 1");
+    cJSON *c = run_json(SCENE " -n 300 --seed=6 --repeat 1");
+    assert_int_equal(number_of(a, "objects"), 300);
+    assert_string_equal(string_of(a, "hash"), string_of(b, "hash"));
+    assert_string_not_equal(string_of(a, "hash"), string_of(c, "hash"));
+    cJSON_Delete(a);
+    cJSON_Delete(b);
+    cJSON_Delete(c);
+}
+
+// Also for none, one and two objects.
+static void any_number_of_objects_gives_the_references_pairs(void **state)
+{
+    (void)state;
+    static const int counts[] = {0, 1, 2, 3, 1000};
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
+        program p = program_run("run %s --n %d --repeat 1 --check", SCENE, counts[i]);
+        if (p.exit_code != 0 || !strstr(p.out, "as the plain C reference"))
+            fail_msg("%d objects: %s %s", counts[i], p.out, p.err);
+        program_free(&p);
+    }
+}
+
+static void the_pairs_file_holds_each_pair_once_ascending(void **state)
+{
+    (void)state;
+    cJSON *o = run_json(SCENE " --pairs test_run.csv --repeat 1 --share 0.5");
+    text t = {0};
+    duet_error err = {0};
+    assert_ok(text_read_file(&t, "test_run.csv", &err), err);
+    uint64_t n = 0;
+    uint64_t last = 0;
+    duet_pair *pairs = calloc(t.length, sizeof *pairs);
+    for (char *line = strtok(t.chars, "\n"); line; line = strtok(NULL, "\n")) {
+        duet_pair *pair = &pairs[n];
+        assert_int_equal(sscanf(line, "%" SCNu32 ",%" SCNu32, &pair->a, &pair->b), 2);
+        assert_true(pair->a < pair->b);
+        uint64_t key = (uint64_t)pair->a << 32 | pair->b;
+        assert_true(n == 0 || key > last);
+        last = key;
+        ++n;
+    }
+    assert_int_equal(n, number_of(o, "pairs"));
+    char hash[17];
+    snprintf(hash, sizeof hash, "%016" PRIx64, duet_pairs_hash(pairs, n));
+    assert_string_equal(hash, string_of(o, "hash"));
+    free(pairs);
+    text_free(&t);
+    cJSON_Delete(o);
+}
+
+static void text_names_devices_stages_and_pairs(void **state)
+{
+    (void)state;
+    program p = program_run("run %s --repeat 2", SCENE);
+    assert_int_equal(p.exit_code, 0);
+    static const char *const says[] = {"400", "A ms", "B ms", "candidates", "hash", "median of 2"};
+    for (size_t i = 0; i < sizeof says / sizeof says[0]; ++i)
+        if (!strstr(p.out, says[i]))
+            fail_msg("'%s' is missing in\n%s", says[i], p.out);
+    program_free(&p);
+}
+
+static void wrong_usage_is_one_line_and_exit_2(void **state)
+{
+    (void)state;
+    static const char *const wrong[][2] = {
+        {"run", "SCENE|FILE is missing"},
+        {"run a.lua b.lua", "'b.lua' is one argument too many"},
+        {"run " SCENE " --share 1.5", "--share '1.5': give a part from 0 to 1"},
+        {"run " SCENE " --share -0.1", "--share '-0.1'"},
+        {"run " SCENE " --share nan", "--share 'nan'"},
+        {"run " SCENE " --share 1/0", "--share '1/0'"},
+        {"run " SCENE " --share ''", "--share ''"},
+        {"run " SCENE " --share", "--share needs a value"},
+        {"run " SCENE " --repeat 0", "--repeat '0': give a whole number from 1"},
+        {"run " SCENE " --repeat 1x", "--repeat '1x'"},
+        {"run " SCENE " --n -1", "--n '-1'"},
+        {"run " SCENE " --n 99999999999999999999", "--n '99999999999999999999'"},
+        {"run " SCENE " --set n", "--set 'n'"},
+        {"run " SCENE " --mode both", "--mode 'both': the modes are "},
+        {"run " SCENE " --variant abacus", "abacus"},
+        {"run " SCENE " --pair pocl:0", "--pair 'pocl:0': give two selectors"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        program p = program_run("%s", wrong[i][0]);
+        program_assert_refused(&p, 2, wrong[i][1]);
+    }
+}
+
+static void bad_input_is_one_line_and_exit_1(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *content;
+        const char *says;
+    } bad[] = {
+        {"0 0 0 1 1 1 1\n", DATA ":1"},       {"0 0 0 1 1 1\n0 0 nan 1 1 1\n", DATA ":2"},
+        {"0 0 0 1 1 inf\n", DATA ":1"},       {"0 0 0 1 1 -1\n", DATA ":1"},
+        {"0 0 0 1 1 1 0 0 0 0\n", DATA ":1"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        write_file(DATA, bad[i].content);
+        program p = program_run("run %s", DATA);
+        program_assert_refused(&p, 1, bad[i].says);
+    }
+    program p = program_run("run no/such/scene.lua");
+    program_assert_refused(&p, 1, "no/such/scene.lua");
+    p = program_run("run %s --set abacus=1", SCENE);
+    program_assert_refused(&p, 1, "abacus");
+    p = program_run("run %s --pair abacus:0,abacus:1", SCENE);
+    program_assert_refused(&p, 1, "no device 'abacus:0'");
+    p = program_run_with("OCL_ICD_VENDORS=no/such/folder", "run %s", SCENE);
+    program_assert_refused(&p, 1, "apt install pocl-opencl-icd");
+    p = program_run_with("DUET_KERNEL_DIR=no/such/folder", "run %s", SCENE);
+    program_assert_refused(&p, 1, "no/such/folder");
+}
+
+static void what_cannot_be_written_is_not_half_written(void **state)
+{
+    (void)state;
+    program p = program_run("run %s --repeat 1 --pairs no/such/folder/pairs.csv", SCENE);
+    program_assert_refused(&p, 1, "no/such/folder/pairs.csv");
+    p = program_run("run %s --repeat 1 --json >/dev/full", SCENE);
+    program_assert_refused(&p, 1, "No space left on device");
+}
+
+// On a slow machine nothing may have been timed yet, which is said in the same
+// line.
+static void ctrl_c_shows_what_was_timed(void **state)
+{
+    (void)state;
+    program p = program_run_with("timeout --preserve-status -s INT 2",
+                                 "run %s --repeat 100000 --json", SCENE);
+    assert_int_equal(p.exit_code, 1);
+    assert_string_equal(p.err, "duet: stopped\n");
+    if (*p.out) {
+        cJSON *o = cJSON_Parse(p.out);
+        assert_true(number_of(o, "repeat") > 0 && number_of(o, "repeat") < 100000);
+        cJSON_Delete(o);
+    }
+    program_free(&p);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(json_has_what_a_script_needs),
+        cmocka_unit_test(share_is_a_decimal_or_a_fraction),
+        cmocka_unit_test(n_and_seed_choose_the_scene),
+        cmocka_unit_test(any_number_of_objects_gives_the_references_pairs),
+        cmocka_unit_test(the_pairs_file_holds_each_pair_once_ascending),
+        cmocka_unit_test(text_names_devices_stages_and_pairs),
+        cmocka_unit_test(wrong_usage_is_one_line_and_exit_2),
+        cmocka_unit_test(bad_input_is_one_line_and_exit_1),
+        cmocka_unit_test(what_cannot_be_written_is_not_half_written),
+        cmocka_unit_test(ctrl_c_shows_what_was_timed),
+    };
+    return cmocka_run_group_tests(tests, make_scene, remove_files);
+}

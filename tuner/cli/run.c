@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+// duet run: finds all pairs of a scene on two devices and says where the time
+// went.
+//
+// The first step warms up; of the others the one with the median time is
+// shown, so that its stages belong together.
+#include "runtime/base/error.h"
+#include "runtime/base/text.h"
+#include "runtime/duet.h"
+#include "tuner/cli/commands.h"
+#include "tuner/cli/inputs.h"
+#include "tuner/cli/interrupt.h"
+#include "tuner/cli/options.h"
+#include "tuner/cli/run_report.h"
+#include "tuner/cli/say.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct arguments {
+    scene_options scene;
+    plan_options plan;
+    const char *pair;
+    uint64_t repeat;
+    const char *pairs_path;
+    bool check;
+    bool json;
+} arguments;
+
+static const option options[] = {
+    SCENE_OPTION_ROWS(scene),
+    PAIR_OPTION_ROW(pair),
+    PLAN_OPTION_ROWS(plan),
+    OPTION_COUNT("repeat", repeat, "K", "steps that are timed, after one to warm up (5)", 1,
+                 100000),
+    OPTION_TEXT("pairs", pairs_path, "OUT.csv", "write the pairs, a line each, ascending"),
+    OPTION_FLAG("check", check, "compare the pairs with the plain C reference"),
+    OPTION_FLAG("json", json, "print one JSON object"),
+    {0},
+};
+
+static const command_line line = {
+    .name = "run",
+    .operands = "SCENE|FILE",
+    .least_operands = 1,
+    .most_operands = 1,
+    .about =
+        "Finds all pairs of boxes that collide, on two devices, and says where the time went.\n"
+        "A scene is a Lua file; a file is .npy, or numbers as text.",
+    .options = options,
+};
+
+static int by_ids(const void *a, const void *b)
+{
+    const duet_pair *x = a;
+    const duet_pair *y = b;
+    if (x->a != y->a)
+        return x->a < y->a ? -1 : 1;
+    return (x->b > y->b) - (x->b < y->b);
+}
+
+// A copy of the result's pairs, ascending; the caller frees it.
+static duet_pair *sorted_pairs(const duet_result *result, duet_error *err)
+{
+    duet_pair *pairs = calloc(result->pairs + 1, sizeof *pairs);
+    if (!pairs) {
+        error_set(err, DUET_NO_MEMORY, "%" PRIu64 " pairs: no memory", result->pairs);
+        return NULL;
+    }
+    for (uint64_t i = 0; i < result->pairs; ++i)
+        pairs[i] = duet_result_pair(result, i);
+    qsort(pairs, result->pairs, sizeof *pairs, by_ids);
+    return pairs;
+}
+
+static bool write_pairs(const char *path, const duet_pair *pairs, uint64_t n, duet_error *err)
+{
+    text lines = {0};
+    for (uint64_t i = 0; i < n; ++i)
+        text_add(&lines, "%" PRIu32 ",%" PRIu32 "\n", pairs[i].a, pairs[i].b);
+    bool ok = text_ok(&lines, err);
+    ok = ok && text_write_file(path, text_chars(&lines), lines.length, err);
+    text_free(&lines);
+    return ok;
+}
+
+static bool compare(const duet_scene *scene, const duet_pair *pairs, uint64_t n, verdict *v,
+                    duet_error *err)
+{
+    duet_pair *expected = NULL;
+    if (!duet_reference(scene, &expected, &v->reference, err))
+        return false;
+    uint64_t i = 0;
+    uint64_t j = 0;
+    while (i < n || j < v->reference) {
+        int order = 0;
+        if (i < n && j < v->reference)
+            order = by_ids(&pairs[i], &expected[j]);
+        else
+            order = i < n ? -1 : 1;
+        v->extra += order < 0;
+        v->missing += order > 0;
+        i += order <= 0;
+        j += order >= 0;
+    }
+    duet_free(expected);
+    return true;
+}
+
+static bool use_pairs(const arguments *args, const duet_scene *scene, const duet_result *result,
+                      verdict *v, duet_error *err)
+{
+    v->asked = args->check;
+    if (!args->check && !args->pairs_path)
+        return true;
+    duet_pair *pairs = sorted_pairs(result, err);
+    bool ok = pairs != NULL;
+    if (ok && args->pairs_path)
+        ok = write_pairs(args->pairs_path, pairs, result->pairs, err);
+    if (ok && args->check)
+        ok = compare(scene, pairs, result->pairs, v, err);
+    free(pairs);
+    return ok;
+}
+
+static duet_world *make_world(const duet_scene *scene, duet_device_pair *pair,
+                              const plan_options *plan, duet_error *err)
+{
+    duet_world_def def = duet_scene_world_def(scene, pair);
+    if (!inputs_change_plan(plan, &def.plan, err))
+        return NULL;
+    duet_world *world = duet_world_create(&def, err);
+    if (world && !duet_world_set_scene(world, scene, err)) {
+        duet_world_destroy(world);
+        world = NULL;
+    }
+    return world;
+}
+
+// The world is stepped, its pairs are used, and all of it is told.
+static bool run_world(const arguments *args, const duet_scene *scene, const duet_device_pair *pair,
+                      duet_world *world, duet_error *err)
+{
+    timed t = {0};
+    run_report r = {.scene = duet_scene_describe(scene),
+                    .pair = pair,
+                    .plan = duet_world_plan(world),
+                    .timed = &t};
+    bool ok = timed_run(&t, world, (uint32_t)args->repeat, err);
+    ok = ok && use_pairs(args, scene, &t.last, &r.verdict, err);
+    if (ok && args->json)
+        ok = run_report_json(&r, err);
+    else if (ok)
+        run_report_text(&r);
+    if (ok && !verdict_is_right(&r.verdict))
+        ok = error_set(err, DUET_WRONG_RESULT, "%s: the pairs differ from the reference's",
+                       r.scene->name);
+    timed_free(&t);
+    return ok && interrupt_check(err);
+}
+
+static bool run(const arguments *args, const char *path, duet_error *err)
+{
+    duet_device_pair *pair = inputs_open_pair(args->pair, err);
+    duet_scene *scene = pair ? inputs_load_scene(path, &args->scene, err) : NULL;
+    duet_world *world = scene ? make_world(scene, pair, &args->plan, err) : NULL;
+    bool ok = world && run_world(args, scene, pair, world, err);
+    duet_world_destroy(world);
+    duet_scene_destroy(scene);
+    duet_device_pair_close(pair);
+    return ok;
+}
+
+int command_run(int argc, char **argv)
+{
+    arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .plan = PLAN_OPTIONS_DEFAULT, .repeat = 5};
+    char **operands = NULL;
+    int n_operands = 0;
+    int exit_code = EXIT_OK;
+    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
+        return exit_code;
+    duet_error err = {0};
+    return run(&args, operands[0], &err) ? EXIT_OK : say_failed(&err);
+}

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// A world stepped again and again, with the times of each step.
+#ifndef CLI_TIMED_H
+#define CLI_TIMED_H
+
+#include "runtime/duet.h"
+
+// One timed step, with stages of its own.
+typedef struct timed_step {
+    double total_ms;
+    double device_ms[2];
+    duet_stage *stages;
+    uint32_t n_stages;
+} timed_step;
+
+typedef struct timed {
+    timed_step *steps; // by time, least first
+    uint32_t n;
+    duet_result last; // pairs and counts
+    uint64_t hash;
+} timed;
+
+// Steps the world once to warm up and then repeat times. Ctrl-C ends it with
+// what was timed until then; INTERRUPTED where that is nothing. WRONG_RESULT
+// where two steps found different pairs.
+bool timed_run(timed *t, duet_world *world, uint32_t repeat, duet_error *err);
+void timed_free(timed *t);
+
+// The step with the median time; of an even number the lesser.
+const timed_step *timed_median(const timed *t);
+
+#endif
