@@ -11,7 +11,7 @@ local p = parameters {
 }
 
 local random = random(p.seed)
-local edge = 18 * math.max(1, p.n) ^ (1 / 3) -- of the world; a cube has some three neighbours
+local edge = 24 * math.max(1, p.n) ^ (1 / 3) -- of the world: four candidates a cube
 
 local function rotation()
   if not p.rotated then return 0, 0, 0, 1 end
