@@ -171,23 +171,53 @@ CREATE TABLE profile (
 CREATE UNIQUE INDEX profile_live ON profile (workload_id, pair_id, objective, kernels, level)
   WHERE live = 1;
 
--- The time of one device's part: what sizes never measured are told from.
--- Its form is in fit.h.
+-- Every measured time of one device's part, or of a device that did it all.
+CREATE VIEW part AS
+  SELECT pair.env_a AS env_id, w.family, s.kernels, s.host,
+         CASE t.mode WHEN 'shared' THEN 'a' ELSE 'part' END AS role,
+         t.mode, t.level, t.variant_a AS variant,
+         w.n, w.n * (t.share / 65536.0) AS own, w.occ_mean AS occupancy, t.a_ns AS time_ns
+    FROM workload w JOIN session s ON s.workload_id = w.id
+    JOIN pair ON pair.id = s.pair_id JOIN trial t ON t.session_id = s.id
+   WHERE t.outcome = 'ok' AND t.share BETWEEN 1 AND 65535 AND t.a_ns > 0
+  UNION ALL
+  SELECT pair.env_b, w.family, s.kernels, s.host,
+         CASE t.mode WHEN 'shared' THEN 'b' ELSE 'part' END,
+         t.mode, t.level, t.variant_b,
+         w.n, w.n * (1 - t.share / 65536.0), w.occ_mean, t.b_ns
+    FROM workload w JOIN session s ON s.workload_id = w.id
+    JOIN pair ON pair.id = s.pair_id JOIN trial t ON t.session_id = s.id
+   WHERE t.outcome = 'ok' AND t.share BETWEEN 1 AND 65535 AND t.b_ns > 0
+  UNION ALL
+  SELECT iif(t.share = 0, pair.env_b, pair.env_a), w.family, s.kernels, s.host, 'alone',
+         '', t.level, iif(t.share = 0, t.variant_b, t.variant_a),
+         w.n, w.n, w.occ_mean, t.median_ns
+    FROM workload w JOIN session s ON s.workload_id = w.id
+    JOIN pair ON pair.id = s.pair_id JOIN trial t ON t.session_id = s.id
+   WHERE t.outcome = 'ok' AND t.share IN (0, 65536);
+
+-- What the parts' times follow, so that sizes never measured can be told:
+-- time = base + each * n + own * w + crowd * w * occupancy, in ns, for a device
+-- that does w of n objects.
 CREATE TABLE fit (
-  env_id    INTEGER NOT NULL REFERENCES env (id),
-  family    TEXT NOT NULL,
-  kernels   TEXT NOT NULL,
-  host      TEXT NOT NULL,               -- never of two machines at once
-  role      TEXT NOT NULL CHECK (role IN ('a', 'b', 'alone')),
-  mode      TEXT NOT NULL,
-  level     TEXT NOT NULL,
-  variant   TEXT NOT NULL,
-  model     BLOB NOT NULL,               -- coefficients and their covariance
-  n_points  INTEGER NOT NULL,
-  n_min     INTEGER NOT NULL,            -- workload sizes measured
-  n_max     INTEGER NOT NULL,
-  residual  REAL NOT NULL,               -- relative
-  fitted_ns INTEGER NOT NULL,
+  env_id     INTEGER NOT NULL REFERENCES env (id),
+  family     TEXT NOT NULL,
+  kernels    TEXT NOT NULL,
+  host       TEXT NOT NULL,              -- never of two machines at once
+  role       TEXT NOT NULL CHECK (role IN ('a', 'b', 'part', 'alone')),
+  mode       TEXT NOT NULL,
+  level      TEXT NOT NULL,
+  variant    TEXT NOT NULL,
+  base       REAL NOT NULL,
+  each       REAL NOT NULL,
+  own        REAL NOT NULL,
+  crowd      REAL NOT NULL,
+  covariance TEXT NOT NULL,              -- of these four, by rows, 16 numbers
+  residual   REAL NOT NULL,              -- relative, one standard deviation
+  points     INTEGER NOT NULL,
+  n_min      INTEGER NOT NULL,           -- sizes measured
+  n_max      INTEGER NOT NULL,
+  fitted_ns  INTEGER NOT NULL,
   PRIMARY KEY (env_id, family, kernels, host, role, mode, level, variant)
 ) STRICT, WITHOUT ROWID;
 

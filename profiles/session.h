@@ -39,6 +39,9 @@ typedef struct profile_resumed {
     int64_t pid; // whose it is, where BUSY
 } profile_resumed;
 
+// 128 random bits as hex: the same row in every store.
+bool profile_new_id(char id[PROFILE_ID], duet_error *err);
+
 // Starts a session, this process being its owner.
 bool profile_session_begin(store *s, const profile_session *session, char id[PROFILE_ID],
                            duet_error *err);

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: MIT
+// Times span decades, so the relative error is what is made small: each
+// equation is divided by its time. Columns are scaled to a mean square of one,
+// and each coefficient is held, as if by one more measurement, to be 0 +- 1 in
+// that scale: no part of a time is far above the whole of it. That decides
+// little where there are measurements, and keeps the rest within bounds.
+#include "profiles/fit.h"
+
+#include "profiles/sql.h"
+#include "runtime/base/clock.h"
+
+#include <float.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+
+#define MIN_POINTS 3
+#define LEAST_RESIDUAL 0.01 // medians of one machine differ that much from hour to hour
+
+static void fill_terms(const fit_point *p, double terms[FIT_TERMS])
+{
+    terms[0] = 1;
+    terms[1] = p->n;
+    terms[2] = p->own;
+    terms[3] = p->own * p->occupancy;
+}
+
+// The inverse of a symmetric positive definite matrix, in place, by
+// Gauss-Jordan elimination.
+static void invert(double m[FIT_TERMS][FIT_TERMS])
+{
+    for (int k = 0; k < FIT_TERMS; ++k) {
+        double pivot = m[k][k];
+        m[k][k] = 1;
+        for (int j = 0; j < FIT_TERMS; ++j)
+            m[k][j] /= pivot;
+        for (int i = 0; i < FIT_TERMS; ++i) {
+            if (i == k)
+                continue;
+            double factor = m[i][k];
+            m[i][k] = 0;
+            for (int j = 0; j < FIT_TERMS; ++j)
+                m[i][j] -= factor * m[k][j];
+        }
+    }
+}
+
+typedef struct equations {
+    double scale[FIT_TERMS];
+    double gram[FIT_TERMS][FIT_TERMS];
+    double right[FIT_TERMS];
+} equations;
+
+static void add_up(const fit_point *points, uint32_t n_points, equations *e)
+{
+    *e = (equations){0};
+    double terms[FIT_TERMS];
+    for (uint32_t p = 0; p < n_points; ++p) {
+        fill_terms(&points[p], terms);
+        for (int i = 0; i < FIT_TERMS; ++i)
+            e->scale[i] += pow(terms[i] / points[p].time_ns, 2) / n_points;
+    }
+    for (int i = 0; i < FIT_TERMS; ++i)
+        e->scale[i] = e->scale[i] > 0 ? sqrt(e->scale[i]) : 1;
+    for (uint32_t p = 0; p < n_points; ++p) {
+        fill_terms(&points[p], terms);
+        for (int i = 0; i < FIT_TERMS; ++i) {
+            double row = terms[i] / points[p].time_ns / e->scale[i];
+            e->right[i] += row;
+            for (int j = 0; j < FIT_TERMS; ++j)
+                e->gram[i][j] += row * terms[j] / points[p].time_ns / e->scale[j];
+        }
+    }
+}
+
+// Coefficients and covariance for a given relative noise.
+static void solve(const equations *e, double noise, fit *f)
+{
+    double inverse[FIT_TERMS][FIT_TERMS];
+    for (int i = 0; i < FIT_TERMS; ++i)
+        for (int j = 0; j < FIT_TERMS; ++j)
+            inverse[i][j] = e->gram[i][j] + (i == j ? noise * noise : 0);
+    invert(inverse);
+    for (int i = 0; i < FIT_TERMS; ++i) {
+        f->terms[i] = 0;
+        for (int j = 0; j < FIT_TERMS; ++j) {
+            f->terms[i] += inverse[i][j] * e->right[j] / e->scale[i];
+            f->covariance[i][j] = noise * noise * inverse[i][j] / (e->scale[i] * e->scale[j]);
+        }
+    }
+}
+
+static double sum_terms(const fit *f, const fit_point *p)
+{
+    double terms[FIT_TERMS];
+    double sum = 0;
+    fill_terms(p, terms);
+    for (int i = 0; i < FIT_TERMS; ++i)
+        sum += f->terms[i] * terms[i];
+    return sum;
+}
+
+// Of the points, as if half of the coefficients were decided by them.
+static double relative_residual(const fit *f, const fit_point *points, uint32_t n_points)
+{
+    double sum = 0;
+    for (uint32_t p = 0; p < n_points; ++p)
+        sum += pow(sum_terms(f, &points[p]) / points[p].time_ns - 1, 2);
+    return fmax(LEAST_RESIDUAL, sqrt(sum / (n_points - FIT_TERMS / 2)));
+}
+
+bool fit_make(const fit_point *points, uint32_t n_points, fit *f)
+{
+    if (n_points < MIN_POINTS)
+        return false;
+    equations e;
+    add_up(points, n_points, &e);
+    *f = (fit){.residual = LEAST_RESIDUAL, .points = n_points, .n_min = DBL_MAX};
+    solve(&e, f->residual, f);
+    f->residual = relative_residual(f, points, n_points);
+    solve(&e, f->residual, f);
+    for (uint32_t p = 0; p < n_points; ++p) {
+        f->n_min = fmin(f->n_min, points[p].n);
+        f->n_max = fmax(f->n_max, points[p].n);
+    }
+    return true;
+}
+
+fit_time fit_predict(const fit *f, double n, double own, double occupancy)
+{
+    fit_point p = {.n = n, .own = own, .occupancy = occupancy};
+    double terms[FIT_TERMS];
+    fill_terms(&p, terms);
+    fit_time t = {.ns = sum_terms(f, &p)};
+    double variance = pow(f->residual * t.ns, 2);
+    for (int i = 0; i < FIT_TERMS; ++i)
+        for (int j = 0; j < FIT_TERMS; ++j)
+            variance += f->covariance[i][j] * terms[i] * terms[j];
+    t.sd_ns = sqrt(variance);
+    return t;
+}
+
+// ----------------------------------------------------------------- in the store
+
+#define FIT_KEY "env_id, family, kernels, host, role, mode, level, variant"
+
+typedef struct point_list {
+    fit_point *points;
+    uint32_t n;
+    uint32_t room;
+} point_list;
+
+static bool add_point(point_list *list, fit_point point, duet_error *err)
+{
+    if (list->n == list->room) {
+        uint32_t room = list->room ? 2 * list->room : 64;
+        fit_point *points = realloc(list->points, room * sizeof *points);
+        if (!points)
+            return error_set(err, DUET_NO_MEMORY, "%u points of a fit: no memory", room);
+        list->points = points;
+        list->room = room;
+    }
+    list->points[list->n++] = point;
+    return true;
+}
+
+// Binds the eight columns of a fit's key, as `key` gives them.
+static void bind_key(sql *q, const sql *key)
+{
+    sql_int(q, sql_get_int(key, 0));
+    for (int i = 1; i < 8; ++i)
+        sql_text(q, sql_get_text(key, i));
+}
+
+static bool read_points(store *s, const sql *key, point_list *list, duet_error *err)
+{
+    sql q = sql_make(s,
+                     "SELECT n, own, occupancy, time_ns FROM part WHERE env_id = ? AND family = ? "
+                     "AND kernels = ? AND host = ? AND role = ? AND mode = ? AND level = ? AND "
+                     "variant = ?",
+                     err);
+    bind_key(&q, key);
+    list->n = 0;
+    bool ok = true;
+    while (ok && sql_row(&q))
+        ok = add_point(list,
+                       (fit_point){sql_get_real(&q, 0), sql_get_real(&q, 1), sql_get_real(&q, 2),
+                                   sql_get_real(&q, 3)},
+                       err);
+    return sql_close(&q) && ok;
+}
+
+static bool write_fit(store *s, const sql *key, const fit *f, duet_error *err)
+{
+    text covariance = {0};
+    for (int i = 0; i < FIT_TERMS; ++i)
+        for (int j = 0; j < FIT_TERMS; ++j)
+            text_add(&covariance, i + j == 0 ? "%.17g" : " %.17g", f->covariance[i][j]);
+    sql q = sql_make(s,
+                     "INSERT OR REPLACE INTO fit (" FIT_KEY ", " FIT_COLUMNS ", fitted_ns) "
+                     "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                     err);
+    bind_key(&q, key);
+    for (int i = 0; i < FIT_TERMS; ++i)
+        sql_real(&q, f->terms[i]);
+    sql_text(&q, text_chars(&covariance));
+    sql_real(&q, f->residual);
+    sql_int(&q, f->points);
+    sql_int(&q, (int64_t)f->n_min);
+    sql_int(&q, (int64_t)f->n_max);
+    sql_int(&q, clock_calendar_ns());
+    bool ok = sql_run(&q) && text_ok(&covariance, err);
+    text_free(&covariance);
+    return ok;
+}
+
+// Makes the fit for each key that the query gives.
+static bool make_fits(store *s, sql *keys, duet_error *err)
+{
+    point_list list = {0};
+    bool ok = true;
+    while (ok && sql_row(keys)) {
+        fit f;
+        ok = read_points(s, keys, &list, err);
+        if (ok && fit_make(list.points, list.n, &f))
+            ok = write_fit(s, keys, &f, err);
+    }
+    free(list.points);
+    return sql_close(keys) && ok;
+}
+
+bool fit_session(store *s, const char *session, duet_error *err)
+{
+    sql keys = sql_make(s,
+                        "SELECT DISTINCT p.env_id, p.family, p.kernels, p.host, p.role, p.mode, "
+                        "p.level, p.variant FROM session JOIN workload w ON w.id = workload_id "
+                        "JOIN pair ON pair.id = pair_id JOIN part p ON p.family = w.family "
+                        "AND p.env_id IN (env_a, env_b) AND p.kernels = session.kernels "
+                        "AND p.host = session.host WHERE session.id = ?",
+                        err);
+    sql_text(&keys, session);
+    return make_fits(s, &keys, err);
+}
+
+bool fit_all(store *s, duet_error *err)
+{
+    sql keys = sql_make(s, "SELECT DISTINCT " FIT_KEY " FROM part", err);
+    return make_fits(s, &keys, err);
+}
+
+bool fit_read(const sql *q, int column, fit *f)
+{
+    *f = (fit){.residual = sql_get_real(q, column + 5),
+               .points = (uint32_t)sql_get_int(q, column + 6),
+               .n_min = sql_get_real(q, column + 7),
+               .n_max = sql_get_real(q, column + 8)};
+    const char *at = sql_get_text(q, column + 4);
+    for (int i = 0; at && i < FIT_TERMS; ++i) {
+        f->terms[i] = sql_get_real(q, column + i);
+        for (int j = 0; j < FIT_TERMS; ++j) {
+            char *end = NULL;
+            f->covariance[i][j] = strtod(at, &end);
+            if (end == at)
+                return false;
+            at = end;
+        }
+    }
+    return at != NULL;
+}

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// The time of one device's part as a function of the workload's size.
+//
+//     time = base + each * n + own * w + crowd * w * occupancy
+//
+// for a device that does w of n objects: what it costs to begin, what is done
+// for every object by each device, what is done for its own, and what grows
+// with how many share a cell. Where the measurements leave a term open, the
+// covariance says so, and predictions that depend on it come with a wide
+// interval.
+#ifndef PROFILES_FIT_H
+#define PROFILES_FIT_H
+
+#include "profiles/trial.h"
+
+#define FIT_TERMS 4
+
+typedef struct fit_point {
+    double n;
+    double own; // objects that the device does
+    double occupancy;
+    double time_ns;
+} fit_point;
+
+typedef struct fit {
+    double terms[FIT_TERMS];
+    double covariance[FIT_TERMS][FIT_TERMS];
+    double residual; // relative, one standard deviation
+    uint32_t points;
+    double n_min;
+    double n_max;
+} fit;
+
+typedef struct fit_time {
+    double ns;
+    double sd_ns; // of the prediction, noise of a measurement included
+} fit_time;
+
+// Least squares of relative errors. False where there are too few points.
+bool fit_make(const fit_point *points, uint32_t n_points, fit *f);
+fit_time fit_predict(const fit *f, double n, double own, double occupancy);
+
+// Makes the fits of the session's devices and family again, or those of all.
+bool fit_session(store *s, const char *session, duet_error *err);
+bool fit_all(store *s, duet_error *err);
+
+// The columns that make a fit, and the reading of them from `column` on. False
+// where a hand-written row's covariance is not 16 numbers.
+#define FIT_COLUMNS "base, each, own, crowd, covariance, residual, points, n_min, n_max"
+struct sql;
+bool fit_read(const struct sql *q, int column, fit *f);
+
+#endif

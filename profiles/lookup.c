@@ -1,0 +1,449 @@
+// SPDX-License-Identifier: MIT
+// The ladder: a table of rungs, tried from the best grade down.
+#define _POSIX_C_SOURCE 200809L
+#include "profiles/lookup.h"
+
+#include "profiles/forecast.h"
+#include "profiles/sql.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+// A prediction that is less certain than this (one standard deviation of a
+// step's time, relative) is no ground to divide the work on.
+#define MOST_DOUBT 0.2
+
+#define SIZE_SLACK 1.1 // a size that is a tenth outside of those measured is within them
+
+const char *profile_grade_name(profile_grade grade)
+{
+    static const char *const names[] = {"exact",       "other driver", "interpolated",
+                                        "transferred", "stale",        "default"};
+    return names[grade];
+}
+
+profile_request profile_default_request(void)
+{
+    profile_request request = {
+        .objective = "time",
+        .max_missed_rate = INFINITY,
+        .max_false_rate = INFINITY,
+    };
+    profile_host(request.host);
+    return request;
+}
+
+// A request with its keys, on its way down.
+typedef struct look {
+    store *s;
+    const profile_request *request;
+    char env[2][PROFILE_SHA];
+    char seat[2][PROFILE_SHA];
+    char workload[PROFILE_SHA];
+    text family; // of the workload
+    profile_found *found;
+    text *why; // NULL: nobody asks
+    duet_error *err;
+} look;
+
+static bool prepare(look *l)
+{
+    const profile_pair *pair = l->request->pair;
+    profile_env_key(&pair->a, l->env[0]);
+    profile_env_key(&pair->b, l->env[1]);
+    profile_env_seat(&pair->a, l->seat[0]);
+    profile_env_seat(&pair->b, l->seat[1]);
+    profile_workload_family(l->request->workload, &l->family);
+    return profile_workload_key(l->request->workload, l->workload, l->err) &&
+           text_ok(&l->family, l->err);
+}
+
+// ---------------------------------------------------------- rungs that are rows
+
+#define ROW                                                                                        \
+    "SELECT p.share, p.mode, p.level, p.variant_a, p.variant_b, p.median_ns, p.gain, p.gain_low, " \
+    "p.gain_high, p.verdict, p.created_ns, coalesce(p.session_id, ''), p.origin, "                 \
+    "coalesce((SELECT host FROM session WHERE id = p.session_id), '') FROM profile p "             \
+    "WHERE p.live = 1 AND p.workload_id = (SELECT id FROM workload WHERE key = ?1) "               \
+    "AND p.objective = ?2 AND p.missed_rate <= ?3 AND p.false_rate <= ?4 "
+
+#define SAME_PAIR                                                                             \
+    "AND p.pair_id = (SELECT id FROM pair WHERE env_a = (SELECT id FROM env WHERE key = ?5) " \
+    "AND env_b = (SELECT id FROM env WHERE key = ?6)) "
+
+#define SAME_SEATS                                                                         \
+    "AND p.pair_id IN (SELECT pair.id FROM env a JOIN pair ON env_a = a.id JOIN env b ON " \
+    "env_b = b.id WHERE a.seat = ?5 AND b.seat = ?6) "
+
+static const char exact_query[] = ROW SAME_PAIR "AND p.kernels = ?7 ORDER BY p.median_ns LIMIT 1";
+
+static const char other_driver_query[] =
+    ROW SAME_SEATS "AND p.kernels = ?7 ORDER BY p.created_ns DESC LIMIT 1";
+
+static const char stale_query[] =
+    ROW SAME_SEATS "AND p.kernels <> ?7 ORDER BY p.created_ns DESC LIMIT 1";
+
+// An accuracy without limit is above every rate that is stored.
+static double limit(double rate)
+{
+    return isfinite(rate) ? rate : 1e300;
+}
+
+static void take_row(look *l, const sql *q)
+{
+    profile_found *found = l->found;
+    found->plan.share = (uint32_t)sql_get_int(q, 0);
+    sql_copy(found->plan.mode, sizeof found->plan.mode, sql_get_text(q, 1));
+    sql_copy(found->plan.level, sizeof found->plan.level, sql_get_text(q, 2));
+    sql_copy(found->plan.variant_a, sizeof found->plan.variant_a, sql_get_text(q, 3));
+    sql_copy(found->plan.variant_b, sizeof found->plan.variant_b, sql_get_text(q, 4));
+    found->share_low = found->share_high = found->plan.share;
+    found->median_ns = sql_get_real(q, 5);
+    found->gain = sql_get_real(q, 6);
+    found->gain_low = sql_get_real(q, 7);
+    found->gain_high = sql_get_real(q, 8);
+    sql_copy(found->verdict, sizeof found->verdict, sql_get_text(q, 9));
+    found->created_ns = sql_get_int(q, 10);
+    sql_copy(found->session, sizeof found->session, sql_get_text(q, 11));
+}
+
+static void tell_row(look *l, const sql *q)
+{
+    if (!l->why)
+        return;
+    char when[32] = "";
+    time_t seconds = (time_t)(l->found->created_ns / 1000000000);
+    struct tm parts;
+    if (gmtime_r(&seconds, &parts))
+        strftime(when, sizeof when, "%Y-%m-%d %H:%M UTC", &parts);
+    const char *host = sql_get_text(q, 13);
+    const char *where = strcmp(host, l->request->host) == 0 ? "this machine"
+                        : *host                             ? "another machine with such devices"
+                                                            : "an unknown machine";
+    text_add(l->why, "yes: %s on %s, %s%s%s", sql_get_text(q, 12), when, where,
+             l->found->session[0] ? ", session " : "", l->found->session);
+}
+
+static bool find_row(look *l, const char *query, char key[2][PROFILE_SHA], bool *held)
+{
+    sql q = sql_make(l->s, query, l->err);
+    sql_text(&q, l->workload);
+    sql_text(&q, l->request->objective);
+    sql_real(&q, limit(l->request->max_missed_rate));
+    sql_real(&q, limit(l->request->max_false_rate));
+    sql_text(&q, key[0]);
+    sql_text(&q, key[1]);
+    sql_text(&q, l->request->kernels);
+    *held = sql_row(&q);
+    if (*held) {
+        take_row(l, &q);
+        tell_row(l, &q);
+    }
+    return sql_close(&q);
+}
+
+// Which of what an exact profile needs is not there.
+static bool tell_what_is_missing(look *l)
+{
+    static const struct {
+        const char *query;
+        const char *missing;
+    } steps[] = {
+        {"SELECT count(*) FROM env WHERE key = ?5", "device A was never measured with this driver"},
+        {"SELECT count(*) FROM env WHERE key = ?6", "device B was never measured with this driver"},
+        {"SELECT count(*) FROM workload WHERE key = ?1", "no such workload was ever measured"},
+        {"SELECT count(*) FROM profile p WHERE p.live = 1 AND "
+         "p.workload_id = (SELECT id FROM workload WHERE key = ?1) " SAME_PAIR,
+         "this workload was never measured on these two devices"},
+        {"SELECT count(*) FROM profile p WHERE p.live = 1 AND p.kernels = ?7 AND "
+         "p.workload_id = (SELECT id FROM workload WHERE key = ?1) " SAME_PAIR,
+         "the kernels changed since it was measured"},
+        {"SELECT count(*) FROM profile p WHERE p.live = 1 AND p.kernels = ?7 AND p.objective = ?2 "
+         "AND p.workload_id = (SELECT id FROM workload WHERE key = ?1) " SAME_PAIR,
+         "it was measured for another objective"},
+    };
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; ++i) {
+        sql q = sql_make(l->s, steps[i].query, l->err);
+        int n = sqlite3_bind_parameter_count(q.stmt);
+        const char *values[] = {l->workload, l->request->objective, NULL, NULL, l->env[0],
+                                l->env[1],   l->request->kernels};
+        for (int k = 0; k < n; ++k)
+            sql_text(&q, values[k]);
+        bool there = sql_row(&q) && sql_get_int(&q, 0) > 0;
+        if (!sql_close(&q))
+            return false;
+        if (!there) {
+            text_add(l->why, "no: %s", steps[i].missing);
+            return true;
+        }
+    }
+    text_add(l->why, "no: what was measured misses or invents more pairs than allowed");
+    return true;
+}
+
+static bool look_exact(look *l, bool *held)
+{
+    if (!find_row(l, exact_query, l->env, held))
+        return false;
+    return *held || !l->why || tell_what_is_missing(l);
+}
+
+static bool look_other_driver(look *l, bool *held)
+{
+    bool ok = find_row(l, other_driver_query, l->seat, held);
+    if (ok && !*held && l->why)
+        text_add(l->why, "no: nor under another version of a driver");
+    return ok;
+}
+
+static bool look_stale(look *l, bool *held)
+{
+    bool ok = find_row(l, stale_query, l->seat, held);
+    if (ok && !*held && l->why)
+        text_add(l->why, "no: nor with other kernels");
+    return ok;
+}
+
+// ---------------------------------------------------------- rungs that are fits
+
+static uint32_t share_of(double r)
+{
+    return (uint32_t)lround(fmin(1, fmax(0, r)) * PROFILE_SHARE_ONE);
+}
+
+// A gain that might be none is not taken: the single device does the work.
+static void take_forecast(look *l, const forecast *f)
+{
+    profile_found *found = l->found;
+    double ratio = f->one.ns / f->both.ns;
+    double sd = ratio * hypot(f->doubt, f->one.sd_ns / f->one.ns);
+    bool faster = ratio - 2 * sd > 1;
+    *found = (profile_found){.plan = f->plan};
+    found->share_low = share_of(f->share - 2 * f->share_sd);
+    found->share_high = share_of(f->share + 2 * f->share_sd);
+    found->plan.share = faster ? share_of(f->share) : f->a_is_best ? PROFILE_SHARE_ONE : 0;
+    found->median_ns = faster ? f->both.ns : f->one.ns;
+    if (faster) {
+        found->gain = ratio - 1;
+        found->gain_low = ratio - 2 * sd - 1;
+        found->gain_high = ratio + 2 * sd - 1;
+    }
+    sql_copy(found->verdict, sizeof found->verdict, faster ? "faster" : "same");
+}
+
+static void tell_forecast(look *l, const forecast *f)
+{
+    if (l->why)
+        text_add(l->why,
+                 "yes: %u times of %.0f to %.0f objects say %.4g ms +- %.1f %% by both at share "
+                 "%.4f +- %.4f, %.4g ms by one",
+                 f->points, f->n_min, f->n_max, f->both.ns * 1e-6, 100 * f->doubt, f->share,
+                 f->share_sd, f->one.ns * 1e-6);
+}
+
+static void tell_doubt(look *l, const forecast *f)
+{
+    if (l->why)
+        text_add(l->why, "no: what is known of %.0f to %.0f objects leaves %.0f %% of doubt",
+                 f->n_min, f->n_max, 100 * f->doubt);
+}
+
+// The plan of this pair's live profile of the size nearest to the one asked for.
+static bool nearest_plan(look *l, profile_plan *plan, bool *found)
+{
+    sql q =
+        sql_make(l->s,
+                 "SELECT p.mode, p.level, p.variant_a, p.variant_b FROM workload w JOIN "
+                 "profile p ON p.workload_id = w.id WHERE w.family = ?8 AND p.live = 1 "
+                 "AND p.objective = ?2 AND p.missed_rate <= ?3 AND p.false_rate <= ?4 " SAME_PAIR
+                 "AND p.kernels = ?7 "
+                 "ORDER BY abs(w.n - ?1), p.median_ns LIMIT 1",
+                 l->err);
+    sql_int(&q, (int64_t)l->request->workload->n);
+    sql_text(&q, l->request->objective);
+    sql_real(&q, limit(l->request->max_missed_rate));
+    sql_real(&q, limit(l->request->max_false_rate));
+    sql_text(&q, l->env[0]);
+    sql_text(&q, l->env[1]);
+    sql_text(&q, l->request->kernels);
+    sql_text(&q, text_chars(&l->family));
+    *found = sql_row(&q);
+    if (*found) {
+        sql_copy(plan->mode, sizeof plan->mode, sql_get_text(&q, 0));
+        sql_copy(plan->level, sizeof plan->level, sql_get_text(&q, 1));
+        sql_copy(plan->variant_a, sizeof plan->variant_a, sql_get_text(&q, 2));
+        sql_copy(plan->variant_b, sizeof plan->variant_b, sql_get_text(&q, 3));
+    }
+    return sql_close(&q);
+}
+
+static bool forecast_best_of(look *l, const profile_plan *plan, forecast *f, bool *found)
+{
+    forecast_ask ask = {
+        .env_a = l->env[0],
+        .env_b = l->env[1],
+        .family = text_chars(&l->family),
+        .kernels = l->request->kernels,
+        .host = l->request->host,
+        .n = (double)l->request->workload->n,
+        .occupancy = l->request->workload->occ_mean,
+        .plan = plan,
+    };
+    return forecast_best(l->s, &ask, f, found, l->err);
+}
+
+static bool refuse(look *l, const char *reason)
+{
+    if (l->why)
+        text_add(l->why, "no: %s", reason);
+    return true;
+}
+
+static bool look_interpolated(look *l, bool *held)
+{
+    profile_plan plan = {0};
+    forecast f;
+    bool found = false;
+    if (!nearest_plan(l, &plan, &found))
+        return false;
+    if (!found)
+        return refuse(l, "no like workload was measured on these two devices");
+    if (!forecast_best_of(l, &plan, &f, &found))
+        return false;
+    if (!found)
+        return refuse(l, "like workloads were measured, but too few shares to predict others");
+    double n = (double)l->request->workload->n;
+    if (n * SIZE_SLACK < f.n_min || n > f.n_max * SIZE_SLACK)
+        return refuse(l, "the size is beyond those measured");
+    *held = f.doubt <= MOST_DOUBT;
+    if (!*held) {
+        tell_doubt(l, &f);
+        return true;
+    }
+    take_forecast(l, &f);
+    tell_forecast(l, &f);
+    return true;
+}
+
+static bool look_transferred(look *l, bool *held)
+{
+    // Fits know times and not how many pairs were missed.
+    if (isfinite(l->request->max_missed_rate) || isfinite(l->request->max_false_rate) ||
+        strcmp(l->request->workload->level, "auto") == 0)
+        return refuse(l, "accuracy is asked for, which times of other sizes say nothing about");
+    forecast f;
+    bool found = false;
+    if (!forecast_best_of(l, NULL, &f, &found))
+        return false;
+    if (!found)
+        return refuse(l, "one of the devices was never measured on a like workload");
+    *held = f.doubt <= MOST_DOUBT;
+    if (!*held) {
+        tell_doubt(l, &f);
+        return true;
+    }
+    take_forecast(l, &f);
+    tell_forecast(l, &f);
+    return true;
+}
+
+// -------------------------------------------------------------------- the ladder
+
+static const struct {
+    profile_grade grade;
+    bool (*look)(look *l, bool *held);
+} rungs[] = {
+    {PROFILE_EXACT, look_exact},
+    {PROFILE_OTHER_DRIVER, look_other_driver},
+    {PROFILE_INTERPOLATED, look_interpolated},
+    {PROFILE_TRANSFERRED, look_transferred},
+    {PROFILE_STALE, look_stale},
+};
+
+static bool climb_down(look *l)
+{
+    for (size_t i = 0; i < sizeof rungs / sizeof rungs[0]; ++i) {
+        bool held = false;
+        if (l->why)
+            text_add(l->why, "  %-12s ", profile_grade_name(rungs[i].grade));
+        if (!rungs[i].look(l, &held))
+            return false;
+        if (l->why)
+            text_add(l->why, "\n");
+        if (held) {
+            l->found->grade = rungs[i].grade;
+            return true;
+        }
+    }
+    return true;
+}
+
+bool profile_lookup(store *s, const profile_request *request, profile_found *found, text *why,
+                    duet_error *err)
+{
+    *found = (profile_found){.grade = PROFILE_DEFAULT};
+    look l = {.s = s, .request = request, .found = found, .why = why, .err = err};
+    bool ok = prepare(&l) && climb_down(&l);
+    if (!ok)
+        *found = (profile_found){.grade = PROFILE_DEFAULT};
+    text_free(&l.family);
+    return ok && (!why || text_ok(why, err));
+}
+
+// ---------------------------------------------------------- an application's start
+
+static bool look_once(const char *path, const profile_request *request, profile_found *found,
+                      text *why, bool *disturbed, duet_error *err)
+{
+    *found = (profile_found){.grade = PROFILE_DEFAULT};
+    store *s = store_open_look(path, err);
+    bool ok = s && profile_lookup(s, request, found, why, err);
+    *disturbed = s && !store_undisturbed(s);
+    store_close(s);
+    return ok;
+}
+
+// A writer that came in between may have shown half of its work, so the look
+// is taken again; then it is seen to write, and read in step with it.
+static bool look_in_file(const char *path, const profile_request *request, profile_found *found,
+                         text *why, duet_error *err)
+{
+    enum { MAX_LOOKS = 3 };
+    for (int i = 0;; ++i) {
+        text told = {0};
+        duet_error failure = {0};
+        bool disturbed = false;
+        bool ok = look_once(path, request, found, why ? &told : NULL, &disturbed, &failure);
+        bool final = !disturbed || i == MAX_LOOKS;
+        if (final && !ok)
+            error_set(err, failure.status, "%s", failure.text);
+        if (final && why)
+            text_add(why, "%s%s%s", ok ? path : failure.text, ok ? ":\n" : "\n", text_chars(&told));
+        text_free(&told);
+        if (final)
+            return ok;
+    }
+}
+
+bool profile_lookup_files(const char *user_path, const char *system_path,
+                          const profile_request *request, profile_found *found, text *why,
+                          duet_error *err)
+{
+    const char *paths[] = {user_path, system_path};
+    bool ok = true;
+    *found = (profile_found){.grade = PROFILE_DEFAULT};
+    for (int i = 0; i < 2 && found->grade != PROFILE_EXACT; ++i) {
+        profile_found here;
+        duet_error failure = {0};
+        if (!paths[i])
+            continue;
+        if (!look_in_file(paths[i], request, &here, why, &failure) &&
+            failure.status != DUET_NOT_FOUND)
+            ok = error_set(err, failure.status, "%s", failure.text);
+        if (here.grade < found->grade)
+            *found = here;
+    }
+    return ok && (!why || text_ok(why, err));
+}

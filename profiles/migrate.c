@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+// The versions of the file: made fresh, or brought up from an older one.
+//
+// All upgrades of a file are one transaction, and before it the whole file is
+// copied beside itself, so that one can go back to the older Duet.
+#define _POSIX_C_SOURCE 200809L
+#include "profiles/sql.h"
+
+#include "runtime/base/blob.h"
+
+#include <assert.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <unistd.h>
+
+const char *const migrate_upgrades[] = {NULL};
+
+static bool set_version(store *s, int64_t version, duet_error *err)
+{
+    char pragma[64];
+    snprintf(pragma, sizeof pragma, "PRAGMA user_version = %" PRId64, version);
+    return sql_script(s, pragma, err);
+}
+
+bool migrate_create(store *s, duet_error *err)
+{
+    const blob *schema = blob_find("profiles/schema.sql");
+    assert(schema);
+    if (!store_begin(s, err))
+        return false;
+    int64_t version = 0; // another process may have made it while this one waited
+    bool ok = sql_number(s, "PRAGMA user_version", &version, err);
+    if (ok && version == 0) {
+        char pragma[64];
+        snprintf(pragma, sizeof pragma, "PRAGMA application_id = %d", STORE_APPLICATION);
+        ok = sql_script(s, schema->bytes, err) && sql_script(s, pragma, err) &&
+             set_version(s, STORE_VERSION, err);
+    }
+    return store_end(s, ok, err);
+}
+
+// The first name of PATH.v1, PATH.v1.1, PATH.v1.2 ... that is free.
+static bool free_name(const store *s, int64_t version, text *name, duet_error *err)
+{
+    text_add(name, "%s.v%" PRId64, s->path, version);
+    for (int i = 1; text_ok(name, err) && access(text_chars(name), F_OK) == 0; ++i) {
+        text_free(name);
+        text_add(name, "%s.v%" PRId64 ".%d", s->path, version, i);
+    }
+    return text_ok(name, err);
+}
+
+static bool copy_pages(store *from, store *to, duet_error *err)
+{
+    sqlite3_backup *backup = sqlite3_backup_init(to->db, "main", from->db, "main");
+    if (backup) {
+        sqlite3_backup_step(backup, -1);
+        sqlite3_backup_finish(backup);
+    }
+    int code = sqlite3_errcode(to->db);
+    return code == SQLITE_OK || sql_fail(to, code, err);
+}
+
+// Reads through a connection of its own: SQLite refuses to copy from one that
+// holds the write lock, which is what keeps others out meanwhile.
+static bool copy_file(const store *s, const char *name, duet_error *err)
+{
+    store from = {.path = s->path};
+    store to = {.path = (char *)name};
+    int code = sqlite3_open_v2(s->path, &from.db, SQLITE_OPEN_READONLY, NULL);
+    bool ok = code == SQLITE_OK || sql_fail(&from, code, err);
+    if (ok) {
+        code = sqlite3_open(name, &to.db);
+        ok = (code == SQLITE_OK || sql_fail(&to, code, err)) && copy_pages(&from, &to, err);
+    }
+    sqlite3_close(to.db);
+    sqlite3_close(from.db);
+    if (!ok)
+        unlink(name);
+    return ok;
+}
+
+static bool run_upgrades(store *s, const char *const *upgrades, int64_t from, int64_t to,
+                         duet_error *err)
+{
+    char detail[64];
+    snprintf(detail, sizeof detail, "from version %" PRId64 " to %" PRId64, from, to);
+    bool ok = true;
+    for (int64_t version = from; ok && version < to; ++version)
+        ok = sql_script(s, upgrades[version - 1], err);
+    return ok && set_version(s, to, err) && store_audit(s, "upgrade", detail, err);
+}
+
+bool migrate_upgrade(store *s, const char *const *upgrades, duet_error *err)
+{
+    int64_t newest = 1;
+    while (upgrades[newest - 1])
+        ++newest;
+    if (!store_begin(s, err))
+        return false;
+    text copy = {0};
+    int64_t version = 0; // another process may have upgraded it while this one waited
+    bool ok = sql_number(s, "PRAGMA user_version", &version, err);
+    if (ok && version < newest) {
+        ok = free_name(s, version, &copy, err) && copy_file(s, text_chars(&copy), err) &&
+             run_upgrades(s, upgrades, version, newest, err);
+        if (ok)
+            text_add(&s->note, "%s: upgraded from version %" PRId64 "; the file as it was is %s",
+                     s->path, version, text_chars(&copy));
+    }
+    text_free(&copy);
+    return store_end(s, ok, err);
+}

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT
+// A session's owner is the process that measures it. Whether that still lives
+// is asked of the system on the same machine, by number and start time, since
+// numbers are used again; on another machine the heartbeat must do.
+#define _DEFAULT_SOURCE
+#define _POSIX_C_SOURCE 200809L
+#include "profiles/session.h"
+
+#include "profiles/fit.h"
+#include "profiles/json.h"
+#include "profiles/sql.h"
+#include "runtime/base/clock.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <unistd.h>
+
+#define SILENT_NS 600000000000 // ten minutes without a heartbeat: another machine's owner has gone
+
+bool profile_new_id(char id[PROFILE_ID], duet_error *err)
+{
+    uint8_t bytes[16];
+    if (getentropy(bytes, sizeof bytes) != 0)
+        return error_set(err, DUET_IO_FAILED, "random bytes: %s", strerror(errno));
+    for (size_t i = 0; i < sizeof bytes; ++i)
+        snprintf(id + 2 * i, 3, "%02x", bytes[i]);
+    return true;
+}
+
+// When the process was started, in the kernel's ticks; 0 where it is not known.
+static int64_t process_start(int64_t pid)
+{
+    char path[64];
+    snprintf(path, sizeof path, "/proc/%" PRId64 "/stat", pid);
+    text t = {0};
+    int64_t start = 0;
+    // The name, in brackets, may hold anything; the start is the 20th field after it.
+    if (text_read_file(&t, path, NULL)) {
+        const char *at = strrchr(t.chars, ')');
+        for (int i = 0; at && i < 20; ++i)
+            at = strchr(at + 1, ' ');
+        start = at ? strtoll(at, NULL, 10) : 0;
+    }
+    text_free(&t);
+    return start;
+}
+
+static bool owner_lives(const char *host, int64_t pid, int64_t pid_start, int64_t heartbeat_ns)
+{
+    char here[PROFILE_SHA];
+    profile_host(here);
+    if (strcmp(host, here) != 0)
+        return heartbeat_ns + SILENT_NS > clock_calendar_ns();
+    if (kill((pid_t)pid, 0) != 0 && errno == ESRCH)
+        return false;
+    return process_start(pid) == pid_start;
+}
+
+static bool put_script(store *s, const char *script, char key[PROFILE_SHA], duet_error *err)
+{
+    profile_sha(script, strlen(script), key);
+    sql q = sql_make(s, "INSERT INTO script (key, body) VALUES (?, ?) ON CONFLICT (key) DO NOTHING",
+                     err);
+    sql_text(&q, key);
+    sql_text(&q, script);
+    return sql_run(&q);
+}
+
+static const char *options_of(const profile_session *session)
+{
+    return session->options ? session->options : "{}";
+}
+
+static bool insert(store *s, const profile_session *session, const char *id, const char *script,
+                   duet_error *err)
+{
+    char host[PROFILE_SHA];
+    profile_host(host);
+    int64_t now = clock_calendar_ns();
+    sql q = sql_make(
+        s,
+        "INSERT INTO session (id, state, pair_id, workload_id, kernels, strategy, objective, "
+        "options, seed, script, tool_version, host, pid, pid_start, load, timer_ns, started_ns, "
+        "heartbeat_ns) VALUES (?, 'running', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        err);
+    sql_text(&q, id);
+    sql_int(&q, session->pair_id);
+    sql_int(&q, session->workload_id);
+    sql_text(&q, session->kernels);
+    sql_text(&q, session->strategy);
+    sql_text(&q, session->objective);
+    sql_text(&q, options_of(session));
+    sql_int(&q, (int64_t)session->seed);
+    sql_text(&q, script);
+    sql_text(&q, session->tool_version);
+    sql_text(&q, host);
+    sql_int(&q, getpid());
+    sql_int(&q, process_start(getpid()));
+    sql_real(&q, session->load);
+    sql_real(&q, session->timer_ns);
+    sql_int(&q, now);
+    sql_int(&q, now);
+    return sql_run(&q);
+}
+
+bool profile_session_begin(store *s, const profile_session *session, char id[PROFILE_ID],
+                           duet_error *err)
+{
+    if (!json_check_object("a session's options", options_of(session), err) ||
+        !profile_new_id(id, err) || !store_begin(s, err))
+        return false;
+    char script[PROFILE_SHA];
+    bool ok = !session->script || put_script(s, session->script, script, err);
+    ok = ok && insert(s, session, id, session->script ? script : NULL, err);
+    return store_end(s, ok, err);
+}
+
+// The latest one that is not at its end and asks for the same.
+static bool find_unfinished(store *s, const profile_session *session, profile_resumed *resumed,
+                            duet_error *err)
+{
+    sql q = sql_make(
+        s,
+        "SELECT id, state, host, pid, pid_start, heartbeat_ns, coalesce(search_state, ''), "
+        "(SELECT count(*) FROM trial WHERE session_id = session.id) FROM session "
+        "WHERE workload_id = ? AND pair_id = ? AND kernels = ? AND strategy = ? AND objective = ? "
+        "AND options = ? AND seed = ? AND state IN ('running', 'stopped') "
+        "ORDER BY started_ns DESC LIMIT 1",
+        err);
+    sql_int(&q, session->workload_id);
+    sql_int(&q, session->pair_id);
+    sql_text(&q, session->kernels);
+    sql_text(&q, session->strategy);
+    sql_text(&q, session->objective);
+    sql_text(&q, options_of(session));
+    sql_int(&q, (int64_t)session->seed);
+    if (sql_row(&q)) {
+        sql_copy(resumed->id, sizeof resumed->id, sql_get_text(&q, 0));
+        resumed->pid = sql_get_int(&q, 3);
+        bool running = strcmp(sql_get_text(&q, 1), "running") == 0;
+        bool lives = running && owner_lives(sql_get_text(&q, 2), resumed->pid, sql_get_int(&q, 4),
+                                            sql_get_int(&q, 5));
+        resumed->claim = lives ? PROFILE_CLAIM_BUSY : PROFILE_CLAIM_RESUMED;
+        text_add(&resumed->search_state, "%s", sql_get_text(&q, 6));
+        resumed->trials = (uint32_t)sql_get_int(&q, 7);
+    }
+    return sql_close(&q) && text_ok(&resumed->search_state, err);
+}
+
+static bool become_owner(store *s, const char *id, duet_error *err)
+{
+    char host[PROFILE_SHA];
+    profile_host(host);
+    sql q = sql_make(s,
+                     "UPDATE session SET state = 'running', host = ?, pid = ?, pid_start = ?, "
+                     "heartbeat_ns = ?, resumed = resumed + 1, ended_ns = NULL WHERE id = ?",
+                     err);
+    sql_text(&q, host);
+    sql_int(&q, getpid());
+    sql_int(&q, process_start(getpid()));
+    sql_int(&q, clock_calendar_ns());
+    sql_text(&q, id);
+    return sql_run(&q);
+}
+
+bool profile_session_resume(store *s, const profile_session *session, profile_resumed *resumed,
+                            duet_error *err)
+{
+    *resumed = (profile_resumed){0};
+    // Found and taken in one transaction, so that two processes never take one session.
+    if (!store_begin(s, err))
+        return false;
+    bool ok = find_unfinished(s, session, resumed, err);
+    if (ok && resumed->claim == PROFILE_CLAIM_RESUMED)
+        ok = become_owner(s, resumed->id, err);
+    return store_end(s, ok, err);
+}
+
+void profile_resumed_free(profile_resumed *resumed)
+{
+    text_free(&resumed->search_state);
+}
+
+bool profile_session_save(store *s, const char *id, const char *search_state, duet_error *err)
+{
+    if (search_state && !json_check_object("a search's state", search_state, err))
+        return false;
+    if (!store_begin(s, err))
+        return false;
+    sql q = sql_make(s,
+                     "UPDATE session SET search_state = coalesce(?, search_state), "
+                     "heartbeat_ns = ? WHERE id = ?",
+                     err);
+    sql_text(&q, search_state);
+    sql_int(&q, clock_calendar_ns());
+    sql_text(&q, id);
+    bool ok = sql_run(&q);
+    if (ok && sqlite3_changes(s->db) == 0)
+        ok = error_set(err, DUET_STORE_FAILED, "%s: has no session %s; it was removed meanwhile",
+                       s->path, id);
+    return store_end(s, ok, err);
+}
+
+bool profile_session_end(store *s, const char *id, const char *how, duet_error *err)
+{
+    if (!store_begin(s, err))
+        return false;
+    int64_t now = clock_calendar_ns();
+    sql q = sql_make(s, "UPDATE session SET state = ?, heartbeat_ns = ?, ended_ns = ? WHERE id = ?",
+                     err);
+    sql_text(&q, how);
+    sql_int(&q, now);
+    sql_int(&q, now);
+    sql_text(&q, id);
+    bool ok = sql_run(&q);
+    if (ok && strcmp(how, "complete") == 0)
+        ok = fit_session(s, id, err);
+    return store_end(s, ok, err);
+}

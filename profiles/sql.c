@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+// Statements, and what SQLite's refusals mean to a user.
+#define _POSIX_C_SOURCE 200809L
+#include "profiles/sql.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+
+static bool disk_is_full(int code, int system_code)
+{
+    if ((code & 0xff) == SQLITE_FULL)
+        return true;
+    return (code & 0xff) == SQLITE_IOERR &&
+           (system_code == ENOSPC || system_code == EFBIG || system_code == EDQUOT);
+}
+
+bool sql_fail(const store *s, int code, duet_error *err)
+{
+    // SQLite keeps the system's code for most failures, and not for those of a COMMIT.
+    int last = errno;
+    int system_code = sqlite3_system_errno(s->db) ? sqlite3_system_errno(s->db) : last;
+    if (disk_is_full(code, system_code))
+        return error_set(err, DUET_STORE_FAILED,
+                         "%s: the disk is full: this step was undone and all before it is kept; "
+                         "free space and run the command again",
+                         s->path);
+    switch (code & 0xff) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+        return error_set(err, DUET_STORE_FAILED,
+                         "%s: another process keeps it locked; try again when that is done",
+                         s->path);
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+        return error_set(err, DUET_STORE_FAILED,
+                         "%s: the file or its folder cannot be written; give yourself the right "
+                         "to, or name another file with DUET_PROFILE",
+                         s->path);
+    case SQLITE_CANTOPEN:
+        return error_set(err, DUET_STORE_FAILED, "%s: cannot be opened: %s", s->path,
+                         system_code ? strerror(system_code) : sqlite3_errmsg(s->db));
+    case SQLITE_NOTADB:
+        return error_set(err, DUET_STORE_FAILED,
+                         "%s: is not a profile store and was left as it is; move it away or name "
+                         "another file with DUET_PROFILE",
+                         s->path);
+    case SQLITE_CORRUPT:
+        return error_set(err, DUET_STORE_FAILED,
+                         "%s: the file is damaged and was left as it is; bring back a copy, or "
+                         "move it away to begin a fresh one",
+                         s->path);
+    case SQLITE_IOERR:
+        return error_set(err, DUET_STORE_FAILED, "%s: reading or writing it failed: %s", s->path,
+                         system_code ? strerror(system_code) : sqlite3_errmsg(s->db));
+    case SQLITE_NOMEM:
+        return error_set(err, DUET_NO_MEMORY, "%s: no memory to read it", s->path);
+    default:
+        return error_set(err, DUET_STORE_FAILED, "%s: %s", s->path, sqlite3_errmsg(s->db));
+    }
+}
+
+static void check(sql *q, int code)
+{
+    if (q->failed || code == SQLITE_OK)
+        return;
+    q->failed = true;
+    sql_fail(q->s, code, q->err);
+}
+
+sql sql_make(store *s, const char *statement, duet_error *err)
+{
+    sql q = {.s = s, .err = err};
+    check(&q, sqlite3_prepare_v2(s->db, statement, -1, &q.stmt, NULL));
+    return q;
+}
+
+void sql_text(sql *q, const char *value)
+{
+    ++q->bound;
+    if (!q->failed)
+        check(q, sqlite3_bind_text(q->stmt, q->bound, value, -1, SQLITE_STATIC));
+}
+
+void sql_int(sql *q, int64_t value)
+{
+    ++q->bound;
+    if (!q->failed)
+        check(q, sqlite3_bind_int64(q->stmt, q->bound, value));
+}
+
+void sql_real(sql *q, double value)
+{
+    ++q->bound;
+    if (q->failed)
+        return;
+    check(q, isfinite(value) ? sqlite3_bind_double(q->stmt, q->bound, value)
+                             : sqlite3_bind_null(q->stmt, q->bound));
+}
+
+void sql_bytes(sql *q, const void *bytes, int n)
+{
+    ++q->bound;
+    if (!q->failed)
+        check(q, sqlite3_bind_blob(q->stmt, q->bound, bytes, n, SQLITE_STATIC));
+}
+
+bool sql_row(sql *q)
+{
+    if (q->failed)
+        return false;
+    int code = sqlite3_step(q->stmt);
+    if (code == SQLITE_ROW)
+        return true;
+    if (code != SQLITE_DONE)
+        check(q, code);
+    return false;
+}
+
+void sql_again(sql *q)
+{
+    q->bound = 0;
+    if (!q->failed)
+        sqlite3_reset(q->stmt);
+}
+
+bool sql_close(sql *q)
+{
+    sqlite3_finalize(q->stmt);
+    q->stmt = NULL;
+    return !q->failed;
+}
+
+bool sql_run(sql *q)
+{
+    while (sql_row(q))
+        ;
+    return sql_close(q);
+}
+
+int64_t sql_get_int(const sql *q, int column)
+{
+    return sqlite3_column_int64(q->stmt, column);
+}
+
+double sql_get_real(const sql *q, int column)
+{
+    return sqlite3_column_double(q->stmt, column);
+}
+
+const char *sql_get_text(const sql *q, int column)
+{
+    return (const char *)sqlite3_column_text(q->stmt, column);
+}
+
+bool sql_script(store *s, const char *statements, duet_error *err)
+{
+    int code = sqlite3_exec(s->db, statements, NULL, NULL, NULL);
+    return code == SQLITE_OK || sql_fail(s, code, err);
+}
+
+bool sql_number(store *s, const char *query, int64_t *number, duet_error *err)
+{
+    sql q = sql_make(s, query, err);
+    *number = sql_row(&q) ? sql_get_int(&q, 0) : 0;
+    return sql_close(&q);
+}
+
+bool sql_find(store *s, const char *query, const char *key, int64_t *id, duet_error *err)
+{
+    sql q = sql_make(s, query, err);
+    sql_text(&q, key);
+    *id = sql_row(&q) ? sql_get_int(&q, 0) : 0;
+    return sql_close(&q);
+}
+
+void sql_copy(char *to, size_t size, const char *from)
+{
+    size_t length = from ? strnlen(from, size - 1) : 0;
+    if (length > 0)
+        memcpy(to, from, length);
+    to[length] = '\0';
+}

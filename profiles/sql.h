@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// Statements on an open store. Internal to this room.
+//
+// A statement remembers its first failure and is harmless afterwards, so that
+// it is checked once, when it is closed:
+//
+//     sql q = sql_make(s, "SELECT id FROM env WHERE key = ?", err);
+//     sql_text(&q, key);
+//     if (sql_row(&q))
+//         id = sql_get_int(&q, 0);
+//     return sql_close(&q);
+#ifndef PROFILES_SQL_H
+#define PROFILES_SQL_H
+
+#include "profiles/store.h"
+
+#include <sqlite3.h>
+#include <sys/stat.h>
+
+struct store {
+    sqlite3 *db;
+    char *path;
+    text note;
+    bool writable;
+    uint32_t depth;   // of nested transactions
+    bool broken;      // one inside failed: the outermost undoes all
+    struct stat seen; // the file when it was opened for a look
+    bool quiet;       // and nobody else had it open for writing
+};
+
+typedef struct sql {
+    store *s;
+    sqlite3_stmt *stmt;
+    duet_error *err;
+    int bound; // parameters so far
+    bool failed;
+} sql;
+
+sql sql_make(store *s, const char *statement, duet_error *err);
+void sql_text(sql *q, const char *value); // NULL is bound as NULL; must live until sql_close
+void sql_int(sql *q, int64_t value);
+void sql_real(sql *q, double value); // NULL where not finite
+void sql_bytes(sql *q, const void *bytes, int n);
+bool sql_row(sql *q);   // false at the end and after a failure
+void sql_again(sql *q); // to bind and run once more
+bool sql_run(sql *q);   // to the end, and closes it
+bool sql_close(sql *q);
+
+int64_t sql_get_int(const sql *q, int column);
+double sql_get_real(const sql *q, int column);
+const char *sql_get_text(const sql *q, int column); // NULL where NULL; until the next row
+
+// Runs a text of statements that give no rows.
+bool sql_script(store *s, const char *statements, duet_error *err);
+
+// The one number that a query gives; 0 where it gives none.
+bool sql_number(store *s, const char *query, int64_t *number, duet_error *err);
+
+// The id that a query with one text parameter gives; 0 where it gives none.
+bool sql_find(store *s, const char *query, const char *key, int64_t *id, duet_error *err);
+
+// Says in one line why SQLite refused: which file, and what would help.
+bool sql_fail(const store *s, int code, duet_error *err);
+
+// Copies at most size-1 bytes; what is stored was checked to fit when it came in.
+void sql_copy(char *to, size_t size, const char *from);
+
+void profile_sha(const char *chars, size_t n, char key[65]);
+
+// One row in the audit table.
+bool store_audit(store *s, const char *what, const char *detail, duet_error *err);
+
+// Opens for one look-up of a moment. Where nobody is writing, not even
+// SQLite's side files are touched; whatever was read then counts only if
+// store_undisturbed afterwards.
+store *store_open_look(const char *path, duet_error *err);
+bool store_undisturbed(const store *s);
+
+// "wal" where processes on one host share the file, "delete" on network file
+// systems, whose memory is not shared; by statfs's f_type.
+const char *store_journal(unsigned long file_system);
+
+// The store's version, and what makes each older version the next: upgrades
+// end with NULL, and the first is for a file of version 1.
+#define STORE_VERSION 1
+#define STORE_APPLICATION 0x44554554 // "DUET"
+
+bool migrate_create(store *s, duet_error *err);
+bool migrate_upgrade(store *s, const char *const *upgrades, duet_error *err);
+extern const char *const migrate_upgrades[];
+
+#endif

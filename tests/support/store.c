@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+#define _GNU_SOURCE
+#include "support/store.h"
+
+#include "profiles/sql.h"
+#include "support/test.h"
+
+#include <ftw.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+test_folder test_folder_make(void)
+{
+    test_folder folder;
+    snprintf(folder.path, sizeof folder.path, "test_store.XXXXXX");
+    assert_non_null(mkdtemp(folder.path));
+    snprintf(folder.store, sizeof folder.store, "%s/profiles.db", folder.path);
+    return folder;
+}
+
+static int remove_one(const char *path, const struct stat *info, int type, struct FTW *at)
+{
+    (void)info;
+    (void)type;
+    (void)at;
+    return remove(path);
+}
+
+void test_folder_remove(const test_folder *folder)
+{
+    nftw(folder->path, remove_one, 8, FTW_DEPTH | FTW_PHYS);
+}
+
+profile_pair test_pair(void)
+{
+    return (profile_pair){
+        .a = {.device = {.kind = "cpu",
+                         .vendor = "AuthenticAMD",
+                         .name = "pthread-AMD EPYC 7763 64-Core Processor",
+                         .units = 2,
+                         .max_group = 4096,
+                         .local_bytes = 524288,
+                         .global_bytes = 8589934592},
+              .platform = "Portable Computing Language",
+              .platform_version = "OpenCL 3.0 PoCL 3.1",
+              .driver = "3.1",
+              .cl_version = "OpenCL 3.0",
+              .part = "0-0",
+              .part_units = 1},
+        .b = {.device = {.kind = "gpu",
+                         .vendor = "NVIDIA Corporation",
+                         .name = "NVIDIA H200",
+                         .units = 132,
+                         .max_group = 1024,
+                         .local_bytes = 49152,
+                         .global_bytes = 150000000000},
+              .platform = "NVIDIA CUDA",
+              .platform_version = "OpenCL 3.0 CUDA 12.4",
+              .driver = "550.54",
+              .cl_version = "OpenCL 3.0"},
+    };
+}
+
+profile_workload test_workload(uint64_t n)
+{
+    uint32_t edge = (uint32_t)lround(cbrt((double)n / 0.66));
+    return (profile_workload){
+        .dims = 3,
+        .n = n,
+        .cells = {edge, edge, edge},
+        .cell = sqrt(3),
+        .occ_mean = 0.66,
+        .occ_p99 = 3,
+        .size_ratio = 1,
+        .shape = "poses",
+        .rotated = true,
+        .level = "certified",
+        .name = "paper",
+    };
+}
+
+profile_session test_session(int64_t pair_id, int64_t workload_id)
+{
+    return (profile_session){
+        .pair_id = pair_id,
+        .workload_id = workload_id,
+        .kernels = TEST_KERNELS,
+        .strategy = "balance",
+        .objective = "time",
+        .options = "{\"launches\":16}",
+        .seed = 1,
+        .script = "return { n = 1000 }",
+        .tool_version = "1.0.0",
+        .load = 0.5,
+        .timer_ns = 30,
+    };
+}
+
+profile_plan test_plan(double share)
+{
+    return (profile_plan){
+        .share = (uint32_t)lround(share * PROFILE_SHARE_ONE),
+        .mode = "own",
+        .level = "certified",
+        .variant_a = "rows",
+        .variant_b = "rows sort=radix",
+    };
+}
+
+profile_request test_request(const profile_pair *pair, const profile_workload *workload)
+{
+    profile_request request = profile_default_request();
+    request.pair = pair;
+    request.workload = workload;
+    request.kernels = TEST_KERNELS;
+    return request;
+}
+
+double test_time(int device, uint64_t n, double share)
+{
+    double part = device == 0 ? share : 1 - share;
+    double per_object = device == 0 ? 50 : 10;
+    return part == 0 ? 0 : 50000 + 1.0 * (double)n + per_object * part * (double)n;
+}
+
+profile_trial test_trial(uint64_t n, double share, profile_sample *samples, uint32_t n_samples)
+{
+    double a = test_time(0, n, share);
+    double b = test_time(1, n, share);
+    double total = fmax(a, b);
+    for (uint32_t i = 0; i < n_samples; ++i)
+        samples[i] = (profile_sample){
+            .total_ns = (int64_t)total + i,
+            .a_ns = (int64_t)a,
+            .b_ns = (int64_t)b,
+            .transfer_ns = 100,
+            .flags = i == 0 ? PROFILE_SAMPLE_WARM_UP : 0,
+            .at_ns = 1763710000000000000 + i,
+        };
+    return (profile_trial){
+        .plan = test_plan(share),
+        .outcome = "ok",
+        .build_ms = 12.5,
+        .median_ns = total,
+        .mad_ns = 1,
+        .low_ns = total * 0.99,
+        .high_ns = total * 1.01,
+        .a_ns = a,
+        .b_ns = b,
+        .terms = "{\"T_CPU1\":1.5}",
+        .samples = samples,
+        .n_samples = n_samples,
+    };
+}
+
+void test_tune(store *s, const profile_pair *pair, const profile_workload *workload)
+{
+    duet_error err = {0};
+    int64_t pair_id = 0;
+    int64_t workload_id = 0;
+    assert_ok(profile_pair_put(s, pair, &pair_id, &err), err);
+    assert_ok(profile_workload_put(s, workload, &workload_id, &err), err);
+    profile_session session = test_session(pair_id, workload_id);
+    char id[PROFILE_ID];
+    assert_ok(profile_session_begin(s, &session, id, &err), err);
+    int64_t number = 0;
+    for (int i = 0; i <= 8; ++i) {
+        profile_sample samples[4];
+        profile_trial trial = test_trial(workload->n, i / 8.0, samples, 4);
+        assert_ok(profile_trial_add(s, id, &trial, "{\"at\":1}", &number, &err), err);
+    }
+    profile_row row = {
+        .pair_id = pair_id,
+        .workload_id = workload_id,
+        .kernels = TEST_KERNELS,
+        .objective = "time",
+        .plan = test_plan(1 / 8.0),
+        .median_ns = fmax(test_time(0, workload->n, 1 / 8.0), test_time(1, workload->n, 1 / 8.0)),
+        .gain = 0.12,
+        .gain_low = 0.1,
+        .gain_high = 0.14,
+        .verdict = "faster",
+        .origin = "measured",
+        .session = id,
+        .trial_number = 1,
+    };
+    row.low_ns = row.median_ns * 0.99;
+    row.high_ns = row.median_ns * 1.01;
+    assert_ok(profile_put(s, &row, "tuned again", &err), err);
+    assert_ok(profile_session_end(s, id, "complete", &err), err);
+}
+
+int64_t test_count(store *s, const char *table)
+{
+    char query[256];
+    duet_error err = {0};
+    int64_t n = 0;
+    snprintf(query, sizeof query, "SELECT count(*) FROM %s", table);
+    assert_ok(sql_number(s, query, &n, &err), err);
+    return n;
+}

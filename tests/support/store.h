@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// Stores for tests: a folder of its own, and rows that look like real ones.
+#ifndef TESTS_STORE_H
+#define TESTS_STORE_H
+
+#include "profiles/lookup.h"
+
+#define TEST_KERNELS "5b1d0c0ffee00000000000000000000000000000000000000000000000000001"
+
+// A fresh folder, and a path in it; removed with all it holds by
+// test_folder_remove. The strings live as long as the struct.
+typedef struct test_folder {
+    char path[64];
+    char store[96]; // PATH/profiles.db, not made yet
+} test_folder;
+
+test_folder test_folder_make(void);
+void test_folder_remove(const test_folder *folder);
+
+profile_pair test_pair(void);               // a CPU part as A and a GPU as B
+profile_workload test_workload(uint64_t n); // at constant density
+profile_session test_session(int64_t pair_id, int64_t workload_id);
+profile_plan test_plan(double share);
+profile_request test_request(const profile_pair *pair, const profile_workload *workload);
+
+// A trial at `share` with `n_samples` launches about what the two devices of
+// test_time take; `samples` holds them.
+profile_trial test_trial(uint64_t n, double share, profile_sample *samples, uint32_t n_samples);
+
+// What a device takes for its part of n objects: affine, A five times slower.
+double test_time(int device, uint64_t n, double share);
+
+// A whole session of nine shares, 0 and 1 among them, with its profile.
+void test_tune(store *s, const profile_pair *pair, const profile_workload *workload);
+
+int64_t test_count(store *s, const char *table);
+
+#endif
