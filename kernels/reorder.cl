@@ -15,25 +15,33 @@ __kernel void reorder(__global const float *restrict objects, __global const uin
 {
     uint first = from + get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
-    for (uint i = first; i < last; ++i) {
-        uint id = ids[i];
-        object o = object_at(objects, id);
-        bounds b = no_bounds();
-        uint key = n_cells;
-        if (!object_is_bad(o)) {
-            b = object_bounds(o);
-            key = cell_key(object_centre(o), lower, per_cell, cells);
-            check_extent(o, limit, counters);
-        }
-        b.lower.w = as_float(id);
-        b.upper.w = as_float(key);
-        sorted_bounds[2 * (size_t)i] = b.lower;
-        sorted_bounds[2 * (size_t)i + 1] = b.upper;
+    for (uint base = first; base < last; base += BATCH) {
+        // All reads of a batch are under way before the first is needed.
+        object batch[BATCH];
+        uint size = min(last - base, (uint)BATCH);
+        for (uint k = 0; k < size; ++k)
+            batch[k] = object_at(objects, ids[base + k]);
+        for (uint k = 0; k < size; ++k) {
+            uint id = ids[base + k];
+            size_t i = base + k;
+            object o = batch[k];
+            bounds b = no_bounds();
+            uint key = n_cells;
+            if (!object_is_bad(o)) {
+                b = object_bounds(o);
+                key = cell_key(object_centre(o), lower, per_cell, cells);
+                check_extent(o, limit, counters);
+            }
+            b.lower.w = as_float(id);
+            b.upper.w = as_float(key);
+            sorted_bounds[2 * i] = b.lower;
+            sorted_bounds[2 * i + 1] = b.upper;
 #if SHAPE == SHAPE_POSES
-        o.centre.w = as_float(id);
-        sorted_boxes[3 * (size_t)i] = o.centre;
-        sorted_boxes[3 * (size_t)i + 1] = o.halves;
-        sorted_boxes[3 * (size_t)i + 2] = o.rotation;
+            o.centre.w = as_float(id);
+            sorted_boxes[3 * i] = o.centre;
+            sorted_boxes[3 * i + 1] = o.halves;
+            sorted_boxes[3 * i + 2] = o.rotation;
 #endif
+        }
     }
 }

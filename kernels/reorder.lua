@@ -10,6 +10,8 @@ return {
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
       about = "objects a work-item" },
+    { "BATCH", values = { 1, 16 }, default = function(limits) return limits.cpu and 16 or 1 end,
+      about = "objects read ahead" },
   },
   valid = function(p, limits)
     if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
