@@ -5,6 +5,7 @@
 #include "tuner/strategy.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 // Runs a strategy to its end on a model and gives its pick.
@@ -145,7 +146,7 @@ static replay_model monotone_model(replay_row *rows, rng *r)
 static void the_bracket_holds_the_best_share_at_every_step(void **state)
 {
     (void)state;
-    static const char *const names[] = {"bisect"};
+    static const char *const names[] = {"bisect", "balance"};
     rng r = rng_seed(test_seed());
     for (int round = 0; round < 400; ++round) {
         replay_row rows[N_ROWS];
@@ -153,7 +154,7 @@ static void the_bracket_holds_the_best_share_at_every_step(void **state)
         uint32_t best = replay_best(&model).share;
         search s;
         duet_error err = {0};
-        assert_ok(search_begin(&s, names[0], NULL, &err), err);
+        assert_ok(search_begin(&s, names[round % 2], NULL, &err), err);
         for (search_next next; search_ask(&s, &next, &err) && !next.done;) {
             uint32_t low, high;
             search_sample sample = replay_launch(&model, next.share, NULL);
@@ -163,6 +164,145 @@ static void the_bracket_holds_the_best_share_at_every_step(void **state)
         }
         search_end(&s);
     }
+}
+
+// Pure max(K r, 1 - r) where overhead is 0; `mirrored` makes A the faster one.
+static replay_model affine_model(uint32_t i, double overhead, bool mirrored)
+{
+    double ratio = mirrored ? 1 / ratio_at(i) : ratio_at(i);
+    double part = overhead * ratio / (ratio + 1);
+    return (replay_model){.ratio = ratio, .overhead = {part, 0.7 * part}};
+}
+
+static void balance_is_within_1_percent_in_9_launches_without_noise(void **state)
+{
+    (void)state;
+    search_options nine = search_default_options();
+    nine.launches = 9;
+    for (uint32_t i = 0; i < 6 * N_RATIOS; i += 7) {
+        replay_model model = affine_model(i / 6, 0.07 * (i % 3), i % 2);
+        search s;
+        duet_error err = {0};
+        assert_ok(search_begin(&s, "balance", &nine, &err), err);
+        assert_ok(replay_run(&s, &model, NULL, NULL, &err), err);
+        assert_true(replay_off(&model, search_pick(&s)) <= 0.01);
+        search_end(&s);
+    }
+}
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void balance_is_within_3_percent_on_average_in_16_noisy_launches(void **state)
+{
+    (void)state;
+    enum { N_PAIRS = 300 };
+    double mean = 0, p95 = 0;
+    rng r = rng_seed(test_seed());
+    search_options sixteen = search_default_options();
+    sixteen.launches = 16;
+    for (int family = REPLAY_AFFINE; family <= REPLAY_INTERF; ++family) {
+        double off[N_PAIRS];
+        for (uint32_t i = 0; i < N_PAIRS; ++i) {
+            replay_model model = replay_invent((replay_family)family, i % 2, &r);
+            model.sigma = 0.05;
+            model.spike_chance = 0.05;
+            model.spike_most = 3;
+            search s;
+            duet_error err = {0};
+            assert_ok(search_begin(&s, "balance", &sixteen, &err), err);
+            assert_ok(replay_run(&s, &model, &r, NULL, &err), err);
+            off[i] = replay_off(&model, search_pick(&s));
+            mean += off[i] / (3 * N_PAIRS);
+            search_end(&s);
+        }
+        qsort(off, N_PAIRS, sizeof *off, by_value);
+        p95 += off[N_PAIRS * 95 / 100] / 3;
+    }
+    print_message("mean %.2f %%, 95th percentile %.2f %%\n", 100 * mean, 100 * p95);
+    assert_true(mean <= 0.03);
+    assert_true(p95 <= 0.09);
+}
+
+static void balance_never_launches_at_a_share_that_is_dear(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < N_RATIOS; i += 3) {
+        replay_model model = affine_model(i, 0.1, false);
+        double alone = (double)replay_launch(&model, 0, NULL).total_ns;
+        double most = fmax(3.2, model.ratio / 16 + 0.2);
+        uint64_t cost;
+        search s;
+        duet_error err = {0};
+        assert_ok(search_begin(&s, "balance", NULL, &err), err);
+        assert_ok(replay_run(&s, &model, NULL, &cost, &err), err);
+        for (uint32_t k = 0; k < s.n; ++k) {
+            assert_true((double)s.samples[k].total_ns <= most * alone);
+            assert_true(s.samples[k].share < SEARCH_ONE || model.ratio < 1.5);
+        }
+        assert_true((double)cost <= (16 + model.ratio / 16) * alone);
+        search_end(&s);
+    }
+}
+
+// Two cores shared by both devices: no gain at all and two dips (tuning.md).
+static void balance_keeps_one_device_where_sharing_only_costs(void **state)
+{
+    (void)state;
+    static const replay_row rows[] = {
+        {0, 0, 0, 27100000},
+        {64, 0, 3000000, 27500000},
+        {20316, 0, 27000000, 27800000},
+        {32768, 0, 34800000, 30000000},
+        {36864, 0, 29400000, 28000000},
+        {65536, 0, 51300000, 0},
+    };
+    replay_model model = {.rows = rows, .n_rows = sizeof rows / sizeof *rows};
+    uint32_t launches;
+    assert_int_equal(pick_of("balance", &model, NULL, &launches, NULL), 0);
+    assert_in_range(launches, 3, 32);
+}
+
+static void a_neighbours_share_is_the_first_probe(void **state)
+{
+    (void)state;
+    search_options options = search_default_options();
+    options.has_start = true;
+    options.start = SEARCH_ONE / 11;
+    replay_model model = {.ratio = 10};
+    search s;
+    duet_error err = {0};
+    uint64_t cost;
+    assert_ok(search_begin(&s, "balance", &options, &err), err);
+    assert_ok(replay_run(&s, &model, NULL, &cost, &err), err);
+    assert_int_equal(s.samples[1].share, options.start);
+    assert_true(s.n <= 6);
+    assert_true(replay_off(&model, search_pick(&s)) < 0.005);
+    search_end(&s);
+}
+
+static void chunks_follow_a_device_that_slows_down(void **state)
+{
+    (void)state;
+    search_options endless = search_default_options();
+    endless.launches = 1000;
+    replay_model fast = {.ratio = 1}, slow = {.ratio = 5};
+    search s;
+    duet_error err = {0};
+    assert_ok(search_begin(&s, "chunks", &endless, &err), err);
+    for (int i = 0; i < 30; ++i) {
+        const replay_model *model = i < 15 ? &fast : &slow;
+        search_next next;
+        assert_ok(search_ask(&s, &next, &err), err);
+        search_sample sample = replay_launch(model, next.share, NULL);
+        assert_ok(search_tell(&s, &sample, &err), err);
+        if (i == 14 || i == 29)
+            assert_true(replay_off(model, search_pick(&s)) < 0.02);
+    }
+    search_end(&s);
 }
 
 // Goes through JSON after every launch when `stops` is set.
@@ -233,6 +373,12 @@ int main(void)
         cmocka_unit_test(fig12_loses_the_best_share_for_92_percent_of_speed_ratios),
         cmocka_unit_test(without_noise_bisect_golden_and_grid_find_the_best_share),
         cmocka_unit_test(the_bracket_holds_the_best_share_at_every_step),
+        cmocka_unit_test(balance_is_within_1_percent_in_9_launches_without_noise),
+        cmocka_unit_test(balance_is_within_3_percent_on_average_in_16_noisy_launches),
+        cmocka_unit_test(balance_never_launches_at_a_share_that_is_dear),
+        cmocka_unit_test(balance_keeps_one_device_where_sharing_only_costs),
+        cmocka_unit_test(a_neighbours_share_is_the_first_probe),
+        cmocka_unit_test(chunks_follow_a_device_that_slows_down),
         cmocka_unit_test(a_resumed_search_ends_as_an_uninterrupted_one),
         cmocka_unit_test(a_search_state_that_no_search_wrote_is_refused),
     };

@@ -23,6 +23,23 @@ static void invent(const replay_model *model, uint32_t share, double ns[2])
     }
 }
 
+replay_model replay_invent(replay_family family, bool mirrored, rng *r)
+{
+    replay_model model = {.ratio = pow(64, rng_unit(r))};
+    if (mirrored)
+        model.ratio = 1 / model.ratio;
+    double best = model.ratio / (model.ratio + 1);
+    model.overhead[0] = best * rng_between(r, 0, 0.15);
+    model.overhead[1] = best * rng_between(r, 0, 0.15);
+    if (family == REPLAY_STEPS) {
+        model.waves[0] = 16 + rng_below(r, 49);
+        model.waves[1] = 8 + rng_below(r, 25);
+    } else if (family == REPLAY_INTERF) {
+        model.interference = rng_between(r, 0, 0.25);
+    }
+    return model;
+}
+
 static double between(uint64_t from, uint64_t to, double part)
 {
     return (double)from + part * ((double)to - (double)from);

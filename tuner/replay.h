@@ -25,6 +25,17 @@ typedef struct replay_model {
     uint32_t n_rows;
 } replay_model;
 
+// Families of invented models; each draws a speed ratio of 1 to 64, even over
+// its logarithm, and overheads of up to 15 % of the best total.
+typedef enum replay_family {
+    REPLAY_AFFINE,
+    REPLAY_STEPS, // B in 8 to 32 waves, A in 16 to 64
+    REPLAY_INTERF // each slows the other by up to 25 %
+} replay_family;
+
+// mirrored: A is the faster one. Without noise; set sigma and spikes after.
+replay_model replay_invent(replay_family family, bool mirrored, rng *r);
+
 // One launch at a share. rng NULL: without noise.
 search_sample replay_launch(const replay_model *model, uint32_t share, rng *r);
 

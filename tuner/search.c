@@ -10,7 +10,7 @@
 
 search_options search_default_options(void)
 {
-    return (search_options){.quantum = 64, .points = 32, .rounds = 3, .probe_cost = 3.0};
+    return (search_options){.quantum = 8, .points = 32, .rounds = 3, .probe_cost = 3.0};
 }
 
 static bool fail_unknown(const char *name, duet_error *err)

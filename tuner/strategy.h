@@ -21,6 +21,7 @@ extern const strategy *const strategies[]; // ends with NULL; the first is the d
 
 const strategy *strategy_find(const char *name); // NULL where there is none
 
+extern const strategy strategy_balance;
 extern const strategy strategy_bisect;
 extern const strategy strategy_chunks;
 extern const strategy strategy_fig12;

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+// Prints how near each strategy comes to the best share, and at what cost, on
+// invented device pairs: the table of docs/tuning.md.
+//
+//   replay_table [pairs a row] [seed]
+#include "tuner/replay.h"
+#include "tuner/strategy.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { MOST_PAIRS = 10000 };
+
+typedef struct noise {
+    const char *name;
+    double sigma;
+    double spike_chance;
+} noise;
+
+static const noise noises[] = {
+    {"none", 0, 0},
+    {"2 %", 0.02, 0},
+    {"5 % + spikes", 0.05, 0.05},
+    {"15 % + spikes", 0.15, 0.10},
+};
+
+static const char *const families[] = {"affine", "steps", "interf"};
+
+typedef struct row {
+    double launches;
+    double cost;
+    double slower; // part of the pairs that end slower than the better device
+    double off[MOST_PAIRS];
+} row;
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double single(const replay_model *model)
+{
+    uint64_t a = replay_launch(model, SEARCH_ONE, NULL).total_ns;
+    uint64_t b = replay_launch(model, 0, NULL).total_ns;
+    return (double)(a < b ? a : b);
+}
+
+static bool run_pair(const char *name, const replay_model *model, rng *r, uint32_t i, row *out,
+                     duet_error *err)
+{
+    search s;
+    uint64_t cost;
+    bool ok = search_begin(&s, name, NULL, err) && replay_run(&s, model, r, &cost, err);
+    if (ok) {
+        double best = (double)replay_best(model).total_ns;
+        double picked = (double)replay_launch(model, search_pick(&s), NULL).total_ns;
+        out->off[i] = picked / best - 1;
+        out->launches += s.n;
+        out->cost += (double)cost / best;
+        out->slower += picked > 1.001 * single(model);
+    }
+    search_end(&s);
+    return ok;
+}
+
+static void print_row(const char *family, const noise *n, const char *name, row *out,
+                      uint32_t pairs)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < pairs; ++i)
+        sum += out->off[i];
+    qsort(out->off, pairs, sizeof *out->off, by_value);
+    printf("| %-6s | %-13s | %-8s | %8.1f | %6.2f %% | %5.1f %% | %5.1f | %4.1f %% |\n", family,
+           n->name, name, out->launches / pairs, 100 * sum / pairs,
+           100 * out->off[pairs * 95 / 100], out->cost / pairs, 100 * out->slower / pairs);
+}
+
+static bool print_family(replay_family family, const noise *n, uint32_t pairs, uint64_t seed,
+                         duet_error *err)
+{
+    static row out;
+    for (uint32_t k = 0; strategies[k]; ++k) {
+        rng r = rng_seed(seed);
+        out = (row){0};
+        for (uint32_t i = 0; i < pairs; ++i) {
+            replay_model model = replay_invent(family, false, &r);
+            model.sigma = n->sigma;
+            model.spike_chance = n->spike_chance;
+            model.spike_most = 3;
+            rng launches = rng_seed(rng_next(&r));
+            if (!run_pair(strategies[k]->name, &model, &launches, i, &out, err))
+                return false;
+        }
+        print_row(families[family], n, strategies[k]->name, &out, pairs);
+    }
+    return true;
+}
+
+int main(int argc, char **argv)
+{
+    uint32_t pairs = argc > 1 ? (uint32_t)strtoul(argv[1], NULL, 10) : 300;
+    uint64_t seed = argc > 2 ? strtoull(argv[2], NULL, 10) : 20261121;
+    duet_error err = {0};
+    bool ok = pairs > 0 && pairs <= MOST_PAIRS;
+    printf(
+        "| model  | noise         | strategy | launches | mean off | p95 off | cost  | slower |\n"
+        "|--------|---------------|----------|----------|----------|---------|-------|--------|\n");
+    for (size_t i = 0; ok && i < sizeof noises / sizeof *noises; ++i) {
+        for (int family = REPLAY_AFFINE; ok && family <= REPLAY_INTERF; ++family)
+            ok = print_family((replay_family)family, &noises[i], pairs, seed, &err);
+    }
+    if (!ok)
+        fprintf(stderr, "replay_table: %s\n", err.text[0] ? err.text : "1 to 10000 pairs");
+    return ok ? 0 : 1;
+}

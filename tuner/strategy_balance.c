@@ -1,0 +1,439 @@
+// SPDX-License-Identifier: MIT
+// The default: balances two straight lines, one a device, inside a bracket.
+//
+// Share 0 is the baseline and a small share the first probe. From there each
+// device's time is a line over its work, fitted so that disturbed launches
+// count little, and the next share is where the lines cross, kept inside the
+// bracket that the sign of A's time minus B's proves. Once a share near the
+// crossing took what the lines say, it is raced against the baselines and its
+// neighbours, in turn, and those that are clearly slower drop out. Where the
+// lines do not come true the shares of a coarse grid are raced instead.
+//
+// The dear end, where the slow device does everything, is only approached by
+// shares that the line of that device says are cheap enough.
+#include "tuner/stats.h"
+#include "tuner/strategy.h"
+
+#include <math.h>
+
+enum {
+    FIRST_SHARE = SEARCH_ONE / 16, // large against overheads, and 16 times cheaper than all
+    MOST_REFINED = 7,              // launches until the lines must have come true
+    MOST_RACED = 16,               // launches in all, where they did
+    SURVEY = 8,                    // intervals of the coarse grid, where they did not
+    MOST_RIVALS = 5,
+    MOST_REPEATS = 64,
+};
+
+static const double NOISE = 0.05;     // assumed of one time, before any was seen twice
+static const double OVERHEAD = 0.15;  // assumed at most of a device's part, of all the work
+static const double NEAR = 0.4;       // log of a / b beyond which a sample says little of the root
+static const double SURE = 3;         // deviations that decide a sign
+static const double CLOSE = 0.005;    // a share this near to the best needs no nearer one
+static const double NEIGHBOUR = 0.04; // a neighbour is expected to be slower by this
+static const double LINE_SAMPLES = 2; // the lines count as so many samples at a share
+static const double EQUAL = 0.002;    // repeats this near to each other show no noise
+static const double WORTH_ALONE = 1.15; // A alone is measured where it may take so much of B alone
+
+// A device's time for a part of the work, over B's time for all of it.
+typedef struct line {
+    double at_zero;
+    double slope;
+} line;
+
+// What the first n samples say.
+typedef struct model {
+    line lines[2];
+    double noise;      // deviation of a time from its line, as a part of it
+    uint32_t low;      // the root of A's time minus B's lies
+    uint32_t high;     // between these, by proven signs
+    uint32_t crossing; // the next share to try
+} model;
+
+static double part_of(uint32_t share, int device)
+{
+    return (device == 0 ? share : SEARCH_ONE - share) / (double)SEARCH_ONE;
+}
+
+static double unit_ns(const search *s)
+{
+    return (double)s->samples[0].total_ns;
+}
+
+static double time_of(const search *s, uint32_t i, int device)
+{
+    const search_sample *at = &s->samples[i];
+    return (double)(device == 0 ? at->a_ns : at->b_ns) / unit_ns(s);
+}
+
+static double line_at(const line *l, double part)
+{
+    return l->at_zero + l->slope * part;
+}
+
+static double expected_total(const model *m, uint32_t share)
+{
+    return fmax(line_at(&m->lines[0], part_of(share, 0)), line_at(&m->lines[1], part_of(share, 1)));
+}
+
+static bool both_took_part(const search_sample *at)
+{
+    return at->a_ns > 0 && at->b_ns > 0;
+}
+
+// The lines need to be right where they cross: a sample that was far out of
+// balance counts little, and one of a single device next to nothing.
+static double nearness(const search_sample *at)
+{
+    if (!both_took_part(at))
+        return 0.02;
+    double out = log((double)at->a_ns / (double)at->b_ns) / NEAR;
+    return 0.02 + 1 / (1 + out * out);
+}
+
+// ---------------------------------------------------------------- lines
+
+// Weighted least squares with relative errors. The assumption that no work
+// takes no time, give or take an overhead, counts as one sample: it is what
+// makes a line of a single probe.
+static line fit_weighted(const search *s, uint32_t n, int device, const double *weights)
+{
+    double w = 1 / (OVERHEAD * OVERHEAD), wx = 0, wxx = 0, wy = 0, wxy = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        double x = part_of(s->samples[i].share, device), y = time_of(s, i, device);
+        w += weights[i];
+        wx += weights[i] * x;
+        wxx += weights[i] * x * x;
+        wy += weights[i] * y;
+        wxy += weights[i] * x * y;
+    }
+    if (!(wxx > 0))
+        return (line){0};
+    double through_zero = wxy / wxx;
+    line l = {.slope = (w * wxy - wx * wy) / (w * wxx - wx * wx)};
+    l.slope = fmax(l.slope, 0.1 * through_zero);
+    l.at_zero = (wy - l.slope * wx) / w;
+    return l.at_zero < 0 ? (line){.slope = through_zero} : l;
+}
+
+// Huber's weights, iterated: a disturbed launch pulls no harder than one that
+// is 1.5 deviations off.
+static line fit_line(const search *s, uint32_t n, int device)
+{
+    double weights[MOST_REPEATS];
+    line l = {0};
+    for (int pass = 0; pass < 6; ++pass) {
+        for (uint32_t i = 0; i < n; ++i) {
+            double time = time_of(s, i, device);
+            double expected = line_at(&l, part_of(s->samples[i].share, device));
+            double off = pass ? fabs(time / expected - 1) / NOISE : 0;
+            weights[i] = time > 0 ? nearness(&s->samples[i]) / pow(NOISE * time, 2) : 0;
+            weights[i] *= off > 1.5 ? 1.5 / off : 1;
+        }
+        l = fit_weighted(s, n, device, weights);
+    }
+    return l;
+}
+
+// From the residuals, with the assumed noise as one of them; a spike counts
+// as 20 %, so that one does not hide everything else.
+static double find_noise(const search *s, uint32_t n, const line lines[2])
+{
+    double sum = NOISE * NOISE, count = 1;
+    for (uint32_t i = 0; i < n; ++i) {
+        double near = nearness(&s->samples[i]);
+        for (int device = 0; device < 2; ++device) {
+            double time = time_of(s, i, device);
+            if (time == 0)
+                continue;
+            double off = log(time / line_at(&lines[device], part_of(s->samples[i].share, device)));
+            sum += near * fmin(off * off, 0.2 * 0.2);
+            count += near;
+        }
+    }
+    return sqrt(sum / count);
+}
+
+// ---------------------------------------------------------------- bracket
+
+// The sign of A's time minus B's at a share, by all its samples; 0: not sure.
+static int sign_at(const search *s, uint32_t n, uint32_t share, double noise)
+{
+    double differences[MOST_REPEATS];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        const search_sample *at = &s->samples[i];
+        if (at->share == share && both_took_part(at))
+            differences[count++] = log((double)at->a_ns / (double)at->b_ns);
+    }
+    return count ? stats_sign(differences, count, noise * sqrt(2), SURE) : 0;
+}
+
+static void find_bracket(const search *s, uint32_t n, model *m)
+{
+    m->low = 0;
+    m->high = SEARCH_ONE;
+    for (uint32_t i = 0; i < n; ++i) {
+        uint32_t share = s->samples[i].share;
+        int sign = sign_at(s, n, share, m->noise);
+        if (sign < 0 && share > m->low)
+            m->low = share;
+        if (sign > 0 && share < m->high)
+            m->high = share;
+    }
+}
+
+// A multiple of the quantum that leaves both devices some work.
+static uint32_t to_share(const search *s, double part)
+{
+    double quanta = floor(part * SEARCH_ONE / s->options.quantum + 0.5);
+    uint32_t most = (SEARCH_ONE - 1) / s->options.quantum;
+    return s->options.quantum * (uint32_t)fmin(fmax(quanta, 1), most);
+}
+
+// Where A is expected to take no longer than the dearest launch allowed.
+static double affordable(const search *s, const model *m, double part)
+{
+    const line *a = &m->lines[0];
+    return fmin(part, fmax(0, (s->options.probe_cost - a->at_zero) / a->slope));
+}
+
+static uint32_t find_crossing(const search *s, const model *m)
+{
+    const line *a = &m->lines[0], *b = &m->lines[1];
+    double part = (b->at_zero + b->slope - a->at_zero) / (a->slope + b->slope);
+    double low = part_of(m->low, 0), high = part_of(m->high, 0);
+    if (part < low || part > high)
+        part = (low + high) / 2;
+    return to_share(s, affordable(s, m, part));
+}
+
+static model look(const search *s, uint32_t n)
+{
+    model m;
+    n = n < MOST_REPEATS ? n : MOST_REPEATS;
+    for (int device = 0; device < 2; ++device)
+        m.lines[device] = fit_line(s, n, device);
+    m.noise = find_noise(s, n, m.lines);
+    find_bracket(s, n, &m);
+    m.crossing = find_crossing(s, &m);
+    return m;
+}
+
+// ---------------------------------------------------------------- race
+
+// What enters the race: the first `refined` samples have led to it.
+typedef struct field {
+    uint32_t refined;
+    bool surveyed; // the lines did not come true
+    uint32_t rivals[SURVEY + 1];
+    uint32_t n;
+} field;
+
+// A share that both had a part in, that the lines call as good as the
+// crossing, and that took what they say.
+static bool came_true(const search *s, uint32_t i, const model *m)
+{
+    const search_sample *at = &s->samples[i];
+    if (!both_took_part(at))
+        return false;
+    double expected = expected_total(m, at->share);
+    double off = fabs((double)at->total_ns / unit_ns(s) / expected - 1);
+    return at->share == m->crossing ||
+           (expected < (1 + CLOSE) * expected_total(m, m->crossing) && off < CLOSE + 2 * m->noise);
+}
+
+static void enter(field *f, uint32_t share)
+{
+    for (uint32_t i = 0; i < f->n; ++i) {
+        if (f->rivals[i] == share)
+            return;
+    }
+    f->rivals[f->n++] = share;
+}
+
+static bool worth_alone(const model *m)
+{
+    return line_at(&m->lines[0], 1) < WORTH_ALONE;
+}
+
+static void enter_neighbours(const search *s, const model *m, uint32_t best, field *f)
+{
+    double part = part_of(best, 0), step = NEIGHBOUR * expected_total(m, best);
+    enter(f, best);
+    enter(f, 0);
+    if (worth_alone(m))
+        enter(f, SEARCH_ONE);
+    enter(f, to_share(s, part - step / m->lines[1].slope));
+    enter(f, to_share(s, part + step / m->lines[0].slope));
+}
+
+static void enter_grid(const search *s, const model *m, field *f)
+{
+    f->surveyed = true;
+    enter(f, 0);
+    if (worth_alone(m))
+        enter(f, SEARCH_ONE);
+    for (uint32_t k = 1; k < SURVEY; ++k) {
+        double part = k / (double)SURVEY;
+        if (affordable(s, m, part) == part)
+            enter(f, to_share(s, part));
+    }
+}
+
+// False while shares are still being refined; next is then the one to try.
+static bool find_field(const search *s, field *f, uint32_t *next)
+{
+    model m = {0};
+    *f = (field){0};
+    for (uint32_t n = 2; n <= s->n; ++n) {
+        m = look(s, n);
+        f->refined = n;
+        for (uint32_t i = n; i-- > 0;) {
+            if (came_true(s, i, &m)) {
+                enter_neighbours(s, &m, s->samples[i].share, f);
+                return true;
+            }
+        }
+        if (n == MOST_REFINED) {
+            enter_grid(s, &m, f);
+            return true;
+        }
+    }
+    *next = m.crossing;
+    return false;
+}
+
+static uint32_t gather(const search *s, uint32_t from, uint32_t share, double *totals)
+{
+    uint32_t n = 0;
+    for (uint32_t i = from; i < s->n && n < MOST_REPEATS; ++i) {
+        if (s->samples[i].share == share)
+            totals[n++] = (double)s->samples[i].total_ns / unit_ns(s);
+    }
+    return n;
+}
+
+typedef struct estimate {
+    double total;
+    uint32_t n; // samples behind it
+} estimate;
+
+// The median, drawn to the lines as if they were a few samples more: the least
+// of several noisy medians is too good to be true. A device alone is another
+// path, and after a survey the lines are known to be wrong.
+static estimate estimate_total(const search *s, const model *m, uint32_t share, bool surveyed)
+{
+    double totals[MOST_REPEATS];
+    estimate e = {.n = gather(s, 0, share, totals)};
+    double median = e.n ? stats_median(totals, e.n) : 0;
+    bool alone = share == 0 || share == SEARCH_ONE;
+    double drawn = alone || surveyed ? 0 : LINE_SAMPLES;
+    if (e.n + drawn > 0)
+        e.total = (e.n * median + drawn * expected_total(m, share)) / (e.n + drawn);
+    return e;
+}
+
+// All repeats agree: one time of each rival is all there is to know.
+static bool is_quiet(const search *s)
+{
+    uint32_t repeats = 0;
+    for (uint32_t i = 1; i < s->n; ++i) {
+        const search_sample *first = search_at(s, s->samples[i].share);
+        double off = (double)s->samples[i].total_ns / (double)first->total_ns - 1;
+        if (fabs(off) > EQUAL)
+            return false;
+        repeats += first != &s->samples[i];
+    }
+    return repeats >= 2;
+}
+
+// The rival to measure next: of those that may still win, the one measured
+// least in the race. None where only the leader is left.
+static search_next race(const search *s, const field *f)
+{
+    model m = look(s, s->n);
+    bool quiet = is_quiet(s);
+    double noise = quiet ? EQUAL / 2 : m.noise;
+    estimate seen[SURVEY + 1];
+    uint32_t leader = f->n;
+    for (uint32_t i = 0; i < f->n; ++i) {
+        seen[i] = estimate_total(s, &m, f->rivals[i], f->surveyed);
+        if (seen[i].n && (leader == f->n || seen[i].total < seen[leader].total))
+            leader = i;
+    }
+    uint32_t alive = 0, fewest = UINT32_MAX;
+    search_next next = {.done = true};
+    for (uint32_t i = 0; i < f->n; ++i) {
+        double totals[MOST_REPEATS];
+        double width = 2 * noise * sqrt(1.0 / fmax(seen[i].n, 1) + 1.0 / seen[leader].n);
+        if (i != leader && seen[i].total > seen[leader].total * (1 + width))
+            continue;
+        uint32_t raced = gather(s, f->refined, f->rivals[i], totals);
+        ++alive;
+        if (raced < fewest) {
+            fewest = raced;
+            next.share = f->rivals[i];
+        }
+    }
+    next.done = s->n > f->refined && (alive <= 1 || (quiet && fewest > 0));
+    return next;
+}
+
+// ---------------------------------------------------------------- strategy
+
+static uint32_t first_share(const search *s)
+{
+    bool near = s->options.has_start && s->options.start > 0 && s->options.start < SEARCH_ONE;
+    return near ? s->options.start : FIRST_SHARE;
+}
+
+static bool ask(const search *s, search_next *next, duet_error *err)
+{
+    (void)err;
+    *next = (search_next){.share = s->n == 0 ? 0 : first_share(s)};
+    field f;
+    if (s->n < 2 || !find_field(s, &f, &next->share))
+        return true;
+    *next = race(s, &f);
+    next->done = next->done || (!f.surveyed && s->n >= MOST_RACED);
+    return true;
+}
+
+static uint32_t pick(const search *s)
+{
+    field f;
+    uint32_t next;
+    if (s->n < 2)
+        return 0;
+    find_field(s, &f, &next);
+    model m = look(s, s->n);
+    uint32_t best = 0;
+    double least = INFINITY;
+    for (uint32_t i = 0; i < s->n; ++i) {
+        estimate e = estimate_total(s, &m, s->samples[i].share, f.surveyed);
+        if (e.total < least) {
+            least = e.total;
+            best = s->samples[i].share;
+        }
+    }
+    return best;
+}
+
+static void bracket(const search *s, uint32_t *low, uint32_t *high)
+{
+    if (s->n < 2)
+        return;
+    model m = look(s, s->n);
+    *low = m.low;
+    *high = m.high;
+}
+
+const strategy strategy_balance = {
+    .name = "balance",
+    .about = "balances a line for each device inside a bracket, then races the rivals",
+    .launches = 2 * MOST_RACED,
+    .ask = ask,
+    .pick = pick,
+    .bracket = bracket,
+};
