@@ -18,6 +18,7 @@ static const struct {
 #ifdef BENCH_AVX2
     {"limit", bench_limit, "the AVX2 program alone, stage by stage"},
 #endif
+    {"strategies", bench_strategies, "searches for the share on invented device pairs"},
 };
 
 enum { N_BENCHES = sizeof benches / sizeof benches[0] };
@@ -57,7 +58,7 @@ static int usage(void)
 {
     fprintf(stderr, "usage: duet_bench NAME [--n N] [--runs K] [--seed S] [--verify]\n");
     for (int i = 0; i < N_BENCHES; ++i)
-        fprintf(stderr, "  %-8s %s\n", benches[i].name, benches[i].about);
+        fprintf(stderr, "  %-10s %s\n", benches[i].name, benches[i].about);
     return 2;
 }
 

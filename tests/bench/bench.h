@@ -22,6 +22,7 @@ typedef struct bench_options {
 typedef bool bench_run(const bench_options *options, duet_error *err);
 
 bench_run bench_limit;
+bench_run bench_strategies;
 
 // Whether spans hold exactly the pairs that the reference finds.
 bool bench_verify(const duet_pose *poses, uint32_t n, const duet_span *spans, uint32_t n_spans,

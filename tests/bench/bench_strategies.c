@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Prints how near each strategy comes to the best share, and at what cost, on
-// invented device pairs: the table of docs/tuning.md.
-//
-//   replay_table [pairs a row] [seed]
+// invented device pairs: the table of docs/tuning.md. --n is the device pairs
+// a row.
+#include "bench.h"
+
+#include "runtime/base/error.h"
 #include "tuner/replay.h"
 #include "tuner/strategy.h"
 
@@ -97,20 +99,21 @@ static bool print_family(replay_family family, const noise *n, uint32_t pairs, u
     return true;
 }
 
-int main(int argc, char **argv)
+bool bench_strategies(const bench_options *options, duet_error *err)
 {
-    uint32_t pairs = argc > 1 ? (uint32_t)strtoul(argv[1], NULL, 10) : 300;
-    uint64_t seed = argc > 2 ? strtoull(argv[2], NULL, 10) : 20261121;
-    duet_error err = {0};
-    bool ok = pairs > 0 && pairs <= MOST_PAIRS;
-    printf(
-        "| model  | noise         | strategy | launches | mean off | p95 off | cost  | slower |\n"
-        "|--------|---------------|----------|----------|----------|---------|-------|--------|\n");
+    uint32_t pairs = options->n ? options->n : 300;
+    bool ok = pairs <= MOST_PAIRS ||
+              error_set(err, DUET_BAD_ARGUMENT, "--n %u: at most %d device pairs a row", pairs,
+                        MOST_PAIRS);
+    if (ok)
+        printf(
+            "| model  | noise         | strategy | launches | mean off | p95 off | cost  | slower "
+            "|\n"
+            "|--------|---------------|----------|----------|----------|---------|-------|--------"
+            "|\n");
     for (size_t i = 0; ok && i < sizeof noises / sizeof *noises; ++i) {
         for (int family = REPLAY_AFFINE; ok && family <= REPLAY_INTERF; ++family)
-            ok = print_family((replay_family)family, &noises[i], pairs, seed, &err);
+            ok = print_family((replay_family)family, &noises[i], pairs, options->seed, err);
     }
-    if (!ok)
-        fprintf(stderr, "replay_table: %s\n", err.text[0] ? err.text : "1 to 10000 pairs");
-    return ok ? 0 : 1;
+    return ok;
 }
