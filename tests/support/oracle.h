@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+// The truth about two boxes by another road than separating axes: a point p is
+// sought that meets all twelve inequalities of both boxes, by Fourier-Motzkin
+// elimination of its coordinates, in exact integers.
+#ifndef TESTS_ORACLE_H
+#define TESTS_ORACLE_H
+
+#include "runtime/duet.h"
+
+// Sound boxes only.
+bool oracle_collide(const duet_pose *a, const duet_pose *b, uint32_t dims);
+
+#endif
