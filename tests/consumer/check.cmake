@@ -1,0 +1,44 @@
+# Installs the library into a folder of the build tree, builds the consumer
+# against it, and runs it.
+#
+#   BUILD     the build tree of Duet
+#   CONSUMER  this folder
+#   HELLO     the program's text
+set(prefix ${BUILD}/consumer/installed)
+set(built ${BUILD}/consumer/built)
+
+function(run)
+  execute_process(COMMAND ${ARGV} RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE out)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "${ARGV}: ${status}\n${out}")
+  endif()
+  set(out "${out}" PARENT_SCOPE)
+endfunction()
+
+file(REMOVE_RECURSE ${prefix} ${built})
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+
+file(GLOB_RECURSE pc ${prefix}/duet.pc)
+get_filename_component(pc_dir ${pc} DIRECTORY)
+set(ENV{PKG_CONFIG_PATH} ${pc_dir})
+run(${CMAKE_COMMAND} -S ${CONSUMER} -B ${built} -G Ninja -DCMAKE_PREFIX_PATH=${prefix}
+  -DHELLO=${HELLO} -DCMAKE_C_FLAGS=-Werror)
+run(${CMAKE_COMMAND} --build ${built})
+
+set(ENV{LD_LIBRARY_PATH} ${pc_dir}/..)
+foreach(way with_shared with_static with_pkg_config)
+  run(${built}/${way})
+  if(NOT out STREQUAL "0 and 1 collide\n")
+    message(FATAL_ERROR "${way} says '${out}', not '0 and 1 collide'")
+  endif()
+endforeach()
+run(${prefix}/bin/duet --version)
+
+# Only the API can be seen from outside.
+run(nm -D --defined-only ${pc_dir}/../libduet.so)
+string(REGEX MATCHALL "[A-Za-z_][A-Za-z0-9_]*\n" symbols "${out}")
+foreach(symbol IN LISTS symbols)
+  if(NOT symbol MATCHES "^(duet_|luaopen_duet)")
+    message(FATAL_ERROR "libduet.so shows '${symbol}', which is not of the API")
+  endif()
+endforeach()
