@@ -44,11 +44,10 @@ __kernel void candidates_paper(__global const uint *restrict keys, __global cons
                 if (start == NONE)
                     continue;
                 for (uint j = start; j < n && keys[j] == cell; ++j) {
-                    if (j <= i) // found from the other side
-                        continue;
                     uint other = ids[j];
-                    if (bounds_overlap(lower, upper, boxes[2 * (size_t)other],
-                                       boxes[2 * (size_t)other + 1])) {
+                    bool overlap = bounds_overlap(lower, upper, boxes[2 * (size_t)other],
+                                                  boxes[2 * (size_t)other + 1]);
+                    if (overlap && i < j) { // the other side finds it too
                         uint slot = reserve(counters + (IDS ? COUNT_PAIRS : COUNT_CANDIDATES), 1);
                         if (slot < room)
                             found[slot] = ordered(id, other);
