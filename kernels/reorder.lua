@@ -1,11 +1,12 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "objects and their bounds into cell order",
-  uses = { "object.clh" },
+  uses = { "lanes.clh", "object.clh", "grid.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
+    { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,

@@ -1,18 +1,10 @@
-// candidates_rows.DIMS2.IDS0.WG1.BUF512.PER_ITEM256
-#define DIMS 2
-#define IDS 0
-#define WG 1
-#define BUF 512
-#define PER_ITEM 256
-#line 1 "kernels/common.clh"
-#line 1 "kernels/candidates_rows.cl.in"
 // SPDX-License-Identifier: MIT
 // Pairs whose bounds overlap, from objects in cell order.
 //
 // Each pair is found from the object that comes first in that order, so half
 // the neighbourhood is enough, and three cells side by side in x are one range:
-// what follows in the own row, and the rows that gen/emit/stencil.lua gives, one
-// in 2D and four in 3D. Pairs collect in local memory; one atomic takes room for many.
+// what follows in the own row, the row above in y, and in 3D three rows in the
+// next layer. Pairs collect in local memory; one atomic takes room for many.
 //
 //   bounds [n][2]        lower xyz and the id, upper xyz and the cell
 //   starts [n_cells + 1] first of each cell; an empty one begins with the next
@@ -75,18 +67,24 @@ static inline void search_rows(pair_sink *sink, __global const float4 *bounds,
     uint x = key % nx;
     uint left = x > 0 ? 1 : 0;
     uint right = x + 1 < nx ? 1 : 0;
-#line 71 "kernels/candidates_rows.cl.in"
-    uint ny = (uint)cells.y;
-    uint row_y = nx;
-    uint y = key / row_y;
-#line 75 "kernels/candidates_rows.cl.in"
     search_range(sink, bounds, i, i + 1, starts[key + right + 1], lower, upper);
-#line 77 "kernels/candidates_rows.cl.in"
+
+    uint ny = (uint)cells.y;
+    uint y = key / nx % ny;
     if (y + 1 < ny) {
-        uint at = key + row_y;
-        search_range(sink, bounds, i, starts[at - left], starts[at + right + 1], lower, upper);
+        uint above = key + nx;
+        search_range(sink, bounds, i, starts[above - left], starts[above + right + 1], lower, upper);
     }
-#line 82 "kernels/candidates_rows.cl.in"
+#if DIMS == 3
+    uint layer = nx * ny;
+    if (key / layer + 1 < (uint)cells.z) {
+        uint next = key + layer;
+        for (int dy = y > 0 ? -1 : 0; dy <= (y + 1 < ny ? 1 : 0); ++dy) {
+            uint row = next + (uint)(dy * (int)nx);
+            search_range(sink, bounds, i, starts[row - left], starts[row + right + 1], lower, upper);
+        }
+    }
+#endif
 }
 
 // Moves what the group collected to global memory.
