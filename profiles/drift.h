@@ -4,7 +4,7 @@
 #ifndef PROFILES_DRIFT_H
 #define PROFILES_DRIFT_H
 
-#include "profiles/lookup.h"
+#include "profiles/store.h"
 
 typedef struct profile_drift {
     uint64_t n;
@@ -18,10 +18,8 @@ typedef struct profile_drift {
 // starts from a zeroed drift. Needs no store and allocates nothing.
 bool profile_drift_update(profile_drift *drift, double measured_ns, double expected_ns);
 
-// Kept beside the live profile of the request's exact key; NOT_FOUND without one.
-bool profile_drift_save(store *s, const profile_request *request, const profile_drift *drift,
-                        duet_error *err);
-bool profile_drift_load(store *s, const profile_request *request, profile_drift *drift,
-                        duet_error *err);
+// Kept beside a profile, named by its uid; zeroed where none was kept.
+bool profile_drift_save(store *s, const char *uid, const profile_drift *drift, duet_error *err);
+bool profile_drift_load(store *s, const char *uid, profile_drift *drift, duet_error *err);
 
 #endif

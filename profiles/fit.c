@@ -14,8 +14,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define MIN_POINTS 3
-#define LEAST_RESIDUAL 0.01 // medians of one machine differ that much from hour to hour
+// The noise of medians before anything is known, as if from so many of them.
+#define USUAL_RESIDUAL 0.03
+#define USUAL_POINTS 4
 
 static void fill_terms(const fit_point *p, double terms[FIT_TERMS])
 {
@@ -100,22 +101,20 @@ static double sum_terms(const fit *f, const fit_point *p)
     return sum;
 }
 
-// Of the points, as if half of the coefficients were decided by them.
+// About half of the coefficients are decided by the points, and not the prior.
 static double relative_residual(const fit *f, const fit_point *points, uint32_t n_points)
 {
-    double sum = 0;
+    double sum = USUAL_POINTS * USUAL_RESIDUAL * USUAL_RESIDUAL;
     for (uint32_t p = 0; p < n_points; ++p)
         sum += pow(sum_terms(f, &points[p]) / points[p].time_ns - 1, 2);
-    return fmax(LEAST_RESIDUAL, sqrt(sum / (n_points - FIT_TERMS / 2)));
+    return sqrt(sum / (USUAL_POINTS + fmax(0, n_points - FIT_TERMS / 2.0)));
 }
 
-bool fit_make(const fit_point *points, uint32_t n_points, fit *f)
+void fit_make(const fit_point *points, uint32_t n_points, fit *f)
 {
-    if (n_points < MIN_POINTS)
-        return false;
     equations e;
     add_up(points, n_points, &e);
-    *f = (fit){.residual = LEAST_RESIDUAL, .points = n_points, .n_min = DBL_MAX};
+    *f = (fit){.residual = USUAL_RESIDUAL, .points = n_points, .n_min = DBL_MAX};
     solve(&e, f->residual, f);
     f->residual = relative_residual(f, points, n_points);
     solve(&e, f->residual, f);
@@ -123,7 +122,6 @@ bool fit_make(const fit_point *points, uint32_t n_points, fit *f)
         f->n_min = fmin(f->n_min, points[p].n);
         f->n_max = fmax(f->n_max, points[p].n);
     }
-    return true;
 }
 
 fit_time fit_predict(const fit *f, double n, double own, double occupancy)
@@ -222,8 +220,10 @@ static bool make_fits(store *s, sql *keys, duet_error *err)
     while (ok && sql_row(keys)) {
         fit f;
         ok = read_points(s, keys, &list, err);
-        if (ok && fit_make(list.points, list.n, &f))
+        if (ok) {
+            fit_make(list.points, list.n, &f);
             ok = write_fit(s, keys, &f, err);
+        }
     }
     free(list.points);
     return sql_close(keys) && ok;

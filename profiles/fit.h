@@ -36,8 +36,8 @@ typedef struct fit_time {
     double sd_ns; // of the prediction, noise of a measurement included
 } fit_time;
 
-// Least squares of relative errors. False where there are too few points.
-bool fit_make(const fit_point *points, uint32_t n_points, fit *f);
+// Least squares of relative errors; n_points > 0.
+void fit_make(const fit_point *points, uint32_t n_points, fit *f);
 fit_time fit_predict(const fit *f, double n, double own, double occupancy);
 
 // Makes the fits of the session's devices and family again, or those of all.

@@ -65,7 +65,7 @@ static bool prepare(look *l)
 #define ROW                                                                                        \
     "SELECT p.share, p.mode, p.level, p.variant_a, p.variant_b, p.median_ns, p.gain, p.gain_low, " \
     "p.gain_high, p.verdict, p.created_ns, coalesce(p.session_id, ''), p.origin, "                 \
-    "coalesce((SELECT host FROM session WHERE id = p.session_id), '') FROM profile p "             \
+    "coalesce((SELECT host FROM session WHERE id = p.session_id), ''), p.uid FROM profile p "      \
     "WHERE p.live = 1 AND p.workload_id = (SELECT id FROM workload WHERE key = ?1) "               \
     "AND p.objective = ?2 AND p.missed_rate <= ?3 AND p.false_rate <= ?4 "
 
@@ -107,6 +107,7 @@ static void take_row(look *l, const sql *q)
     sql_copy(found->verdict, sizeof found->verdict, sql_get_text(q, 9));
     found->created_ns = sql_get_int(q, 10);
     sql_copy(found->session, sizeof found->session, sql_get_text(q, 11));
+    sql_copy(found->uid, sizeof found->uid, sql_get_text(q, 14));
 }
 
 static void tell_row(look *l, const sql *q)
@@ -122,7 +123,7 @@ static void tell_row(look *l, const sql *q)
     const char *where = strcmp(host, l->request->host) == 0 ? "this machine"
                         : *host                             ? "another machine with such devices"
                                                             : "an unknown machine";
-    text_add(l->why, "yes: %s on %s, %s%s%s", sql_get_text(q, 12), when, where,
+    text_add(l->why, "yes: %s %s on %s%s%s", sql_get_text(q, 12), when, where,
              l->found->session[0] ? ", session " : "", l->found->session);
 }
 

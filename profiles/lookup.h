@@ -46,6 +46,7 @@ typedef struct profile_found {
     char verdict[16];
     int64_t created_ns; // calendar; 0 where predicted
     char session[PROFILE_ID];
+    char uid[PROFILE_ID]; // of the profile; empty where predicted
 } profile_found;
 
 // Looks in one store. found is always filled; why, unless NULL, takes one line

@@ -65,9 +65,10 @@ CREATE INDEX workload_near ON workload (family, n);
 
 -- The text of a tune.lua, once for all its sessions.
 CREATE TABLE script (
-  key  TEXT PRIMARY KEY,                 -- sha256 of the text
+  id   INTEGER PRIMARY KEY,
+  key  TEXT NOT NULL UNIQUE,             -- sha256 of the text
   body TEXT NOT NULL
-) STRICT, WITHOUT ROWID;
+) STRICT;
 
 -- One search for one workload on one pair.
 CREATE TABLE session (

@@ -193,6 +193,29 @@ void test_tune(store *s, const profile_pair *pair, const profile_workload *workl
     assert_ok(profile_session_end(s, id, "complete", &err), err);
 }
 
+void test_fill(store *s, uint32_t n)
+{
+    duet_error err = {0};
+    profile_pair pair = test_pair();
+    profile_row row = {
+        .kernels = TEST_KERNELS,
+        .objective = "time",
+        .plan = test_plan(0),
+        .verdict = "same",
+        .origin = "manual",
+        .trial_number = -1,
+    };
+    assert_ok(store_begin(s, &err), err);
+    assert_ok(profile_pair_put(s, &pair, &row.pair_id, &err), err);
+    for (uint32_t i = 0; i < n; ++i) {
+        profile_workload workload = test_workload(1000 + i);
+        row.plan.share = i;
+        assert_ok(profile_workload_put(s, &workload, &row.workload_id, &err), err);
+        assert_ok(profile_put(s, &row, "filled again", &err), err);
+    }
+    assert_ok(store_end(s, true, &err), err);
+}
+
 int64_t test_count(store *s, const char *table)
 {
     char query[256];

@@ -33,6 +33,10 @@ double test_time(int device, uint64_t n, double share);
 // A whole session of nine shares, 0 and 1 among them, with its profile.
 void test_tune(store *s, const profile_pair *pair, const profile_workload *workload);
 
+// n profiles of the test's pair, for workloads of 1000 + i objects, with the
+// share i out of 65536.
+void test_fill(store *s, uint32_t n);
+
 int64_t test_count(store *s, const char *table);
 
 #endif

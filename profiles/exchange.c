@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: MIT
+// Rows become lines and lines rows by the statements of exchange.sql, one pair
+// for each table. SQLite's own JSON reads and writes them, so that whole
+// numbers stay whole, and its constraints judge what comes in.
+#define _POSIX_C_SOURCE 200809L
+#include "profiles/exchange.h"
+
+#include "profiles/fit.h"
+#include "profiles/keys.h"
+#include "profiles/sql.h"
+#include "runtime/base/blob.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+// In the order in which they point at each other.
+typedef struct line_type {
+    const char *name; // of its table too
+    bool has_key;     // made from its other fields
+    bool has_parts;   // rows of another table within the line
+} line_type;
+
+static const line_type types[] = {
+    {"device", true, false},   {"env", true, false},      {"pair", false, false},
+    {"workload", true, false}, {"script", true, false},   {"session", false, false},
+    {"trial", false, true},    {"profile", false, false},
+};
+
+enum { N_TYPES = sizeof types / sizeof types[0] };
+
+// A part of exchange.sql, "--@device out" say, from its next line on.
+static void add_part(text *t, const line_type *type, const char *part)
+{
+    char mark[64];
+    const blob *b = blob_find("profiles/exchange.sql");
+    snprintf(mark, sizeof mark, "--@%s %s\n", type->name, part);
+    const char *from = b ? strstr(b->bytes, mark) : NULL;
+    assert(from);
+    from += strlen(mark);
+    const char *to = strstr(from, "--@");
+    text_add_bytes(t, from, to ? (size_t)(to - from) : strlen(from));
+}
+
+// ----------------------------------------------------------------------------- out
+
+typedef bool line_sink(void *context, const char *line, duet_error *err);
+
+static bool send_type(store *s, const line_type *type, line_sink *sink, void *context,
+                      duet_error *err)
+{
+    text query = {0};
+    add_part(&query, type, "out");
+    bool ok = text_ok(&query, err);
+    sql q = sql_make(s, text_chars(&query), err);
+    while (ok && sql_row(&q))
+        ok = sink(context, sql_get_text(&q, 0), err);
+    text_free(&query);
+    return sql_close(&q) && ok;
+}
+
+// In one read transaction, so that a tuner at work cannot tear it.
+static bool send_lines(store *s, line_sink *sink, void *context, duet_error *err)
+{
+    char head[96];
+    snprintf(head, sizeof head, "{\"type\":\"store\",\"version\":%d}", STORE_VERSION);
+    if (!sql_script(s, "BEGIN", err))
+        return false;
+    bool ok = sink(context, head, err);
+    for (int i = 0; ok && i < N_TYPES; ++i)
+        ok = send_type(s, &types[i], sink, context, err);
+    return sql_script(s, "COMMIT", ok ? err : NULL) && ok;
+}
+
+static bool write_line(void *context, const char *line, duet_error *err)
+{
+    FILE *out = context;
+    return fprintf(out, "%s\n", line) > 0 ||
+           error_set(err, DUET_IO_FAILED, "the export cannot be written: %s", strerror(errno));
+}
+
+bool profile_export(store *s, FILE *out, duet_error *err)
+{
+    if (!send_lines(s, write_line, out, err))
+        return false;
+    return fflush(out) == 0 ||
+           error_set(err, DUET_IO_FAILED, "the export cannot be written: %s", strerror(errno));
+}
+
+// ------------------------------------------------------------------------------ in
+
+typedef struct import {
+    store *s;
+    const char *name; // of the file, for messages
+    uint64_t line;
+    profile_import_counts *counts;
+} import;
+
+static bool bad_line(const import *in, duet_error *err, const char *what, const char *which)
+{
+    return error_set(err, DUET_BAD_INPUT, "%s:%" PRIu64 ": %s%s", in->name, in->line, what, which);
+}
+
+// What a constraint that a line broke means to who wrote the line.
+static bool explain(const import *in, int code, duet_error *err)
+{
+    static const char missing[] = "NOT NULL constraint failed: ";
+    if ((code & 0xff) != SQLITE_CONSTRAINT && (code & 0xff) != SQLITE_MISMATCH &&
+        (code & 0xff) != SQLITE_ERROR)
+        return sql_fail(in->s, code, err);
+    const char *message = sqlite3_errmsg(in->s->db);
+    if (strncmp(message, missing, sizeof missing - 1) != 0)
+        return bad_line(in, err, message, "");
+    const char *column = strchr(message + sizeof missing - 1, '.') + 1;
+    size_t length = strlen(column);
+    if (length > 3 && strcmp(column + length - 3, "_id") == 0)
+        return bad_line(in, err, "needs a row that is neither above it nor in the store, by ",
+                        column);
+    return bad_line(in, err, "a field is missing or not known: ", column);
+}
+
+static sql parse(const import *in, const char *query, const char *line, duet_error *err)
+{
+    sql q = sql_make(in->s, query, err);
+    sql_text(&q, line);
+    return q;
+}
+
+static const line_type *type_named(const char *name)
+{
+    for (int i = 0; i < N_TYPES; ++i)
+        if (strcmp(types[i].name, name) == 0)
+            return &types[i];
+    return NULL;
+}
+
+static bool check_head(const import *in, const sql *q, duet_error *err)
+{
+    return sql_get_int(q, 1) <= STORE_VERSION ||
+           bad_line(in, err, "comes from a newer Duet, which this one cannot read", "");
+}
+
+// The line's type; NULL for the first line, which is no row.
+static bool find_type(const import *in, const char *line, const line_type **type, duet_error *err)
+{
+    sql q = parse(in,
+                  "SELECT coalesce(json_extract(?1, '$.type'), '(none)'), "
+                  "json_extract(?1, '$.version') "
+                  "WHERE json_valid(?1) AND json_type(?1) = 'object'",
+                  line, err);
+    *type = NULL;
+    bool ok = sql_row(&q) || bad_line(in, err, "is not a JSON object", "");
+    if (ok) {
+        const char *name = sql_get_text(&q, 0);
+        *type = type_named(name);
+        if (strcmp(name, "store") == 0)
+            ok = check_head(in, &q, err);
+        else if (!*type)
+            ok = bad_line(in, err,
+                          "its type is none of store, device, env, pair, workload, script, "
+                          "session, trial, profile: ",
+                          name);
+    }
+    return sql_close(&q) && ok;
+}
+
+static bool check_fields(const import *in, const line_type *type, const char *line, duet_error *err)
+{
+    text fields = {0};
+    text_add(&fields, " ");
+    add_part(&fields, type, "fields");
+    sql q = parse(in,
+                  "SELECT key FROM json_each(?1) GROUP BY key HAVING count(*) > 1 "
+                  "OR instr(replace(?2, char(10), ' '), ' ' || key || ' ') = 0",
+                  line, err);
+    sql_text(&q, text_chars(&fields));
+    bool known = !sql_row(&q) || bad_line(in, err, "has an unknown or repeated field: ", sql_get_text(&q, 0));
+    bool ok = sql_close(&q) && text_ok(&fields, err);
+    text_free(&fields);
+    return ok && known;
+}
+
+// Runs a part of exchange.sql on the line; id is parameter 2, where it has one.
+static bool run(const import *in, const line_type *type, const char *part, const char *line,
+                int64_t id, duet_error *err)
+{
+    text statement = {0};
+    add_part(&statement, type, part);
+    bool ok = text_ok(&statement, err);
+    sqlite3_stmt *stmt = NULL;
+    int code = sqlite3_prepare_v2(in->s->db, text_chars(&statement), -1, &stmt, NULL);
+    if (ok && code == SQLITE_OK) {
+        sqlite3_bind_text(stmt, 1, line, -1, SQLITE_STATIC);
+        if (sqlite3_bind_parameter_count(stmt) > 1)
+            sqlite3_bind_int64(stmt, 2, id);
+        code = sqlite3_step(stmt);
+    }
+    ok = ok && (code == SQLITE_DONE || explain(in, code, err));
+    sqlite3_finalize(stmt);
+    text_free(&statement);
+    return ok;
+}
+
+static bool take_row(const import *in, const line_type *type, const char *line, duet_error *err)
+{
+    if (!run(in, type, "in", line, 0, err))
+        return false;
+    if (sqlite3_changes(in->s->db) == 0) {
+        ++in->counts->known;
+        return true;
+    }
+    ++in->counts->added;
+    int64_t id = sqlite3_last_insert_rowid(in->s->db);
+    bool right = true;
+    if (type->has_key && !key_check(in->s, type->name, id, &right, err))
+        return false;
+    if (!right)
+        return bad_line(in, err, "its key is not that of its fields", "");
+    return !type->has_parts || run(in, type, "parts", line, id, err);
+}
+
+static bool take_line(void *context, const char *line, duet_error *err)
+{
+    import *in = context;
+    ++in->line;
+    if (line[strspn(line, " \t\r\n")] == '\0')
+        return true;
+    const line_type *type = NULL;
+    return find_type(in, line, &type, err) &&
+           (!type || (check_fields(in, type, line, err) && take_row(in, type, line, err)));
+}
+
+static bool take_file(import *in, FILE *file, duet_error *err)
+{
+    char *line = NULL;
+    size_t room = 0;
+    ssize_t n = 0;
+    bool ok = true;
+    while (ok && (n = getline(&line, &room, file)) >= 0)
+        ok = strlen(line) == (size_t)n ? take_line(in, line, err)
+                                       : (++in->line, bad_line(in, err, "has a NUL byte", ""));
+    if (ok && ferror(file))
+        ok = error_set(err, DUET_IO_FAILED, "%s: cannot be read: %s", in->name, strerror(errno));
+    free(line);
+    return ok;
+}
+
+static bool finish(const import *in, const char *what, duet_error *err)
+{
+    text detail = {0};
+    text_add(&detail, "%" PRIu64 " rows added, %" PRIu64 " known", in->counts->added,
+             in->counts->known);
+    bool ok = fit_all(in->s, err) && text_ok(&detail, err) &&
+              store_audit(in->s, what, text_chars(&detail), err);
+    text_free(&detail);
+    return ok;
+}
+
+bool profile_import(store *s, FILE *file, const char *name, profile_import_counts *counts,
+                    duet_error *err)
+{
+    *counts = (profile_import_counts){0};
+import in = {.s = s, .name = name, .counts = counts };
+    if (!store_begin(s, err))
+        return false;
+    bool ok = take_file(&in, file, err) && finish(&in, "import", err);
+    return store_end(s, ok, err);
+}
+
+bool profile_merge(store *s, const char *other_path, profile_import_counts *counts, duet_error *err)
+{
+    *counts = (profile_import_counts){0};
+    struct stat own;
+    struct stat theirs;
+    if (stat(s->path, &own) == 0 && stat(other_path, &theirs) == 0 && own.st_ino == theirs.st_ino &&
+        own.st_dev == theirs.st_dev)
+        return error_set(err, DUET_BAD_ARGUMENT, "%s: is the store itself; name another one",
+                         other_path);
+    store *other = store_open(other_path, STORE_READ, err);
+    if (!other)
+        return false;
+import in = {.s = s, .name = other_path, .counts = counts };
+    bool ok = store_begin(s, err);
+    if (ok) {
+        ok = send_lines(other, take_line, &in, err) && finish(&in, "merge", err);
+        ok = store_end(s, ok, err);
+    }
+    store_close(other);
+    return ok;
+}
