@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "half the neighbourhood in merged rows, objects in cell order",
+  emit = { "stencil" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "IDS", values = { 0, 1 }, default = 0, about = "what a pair names: 0 places in cell order, 1 ids" },

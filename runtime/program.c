@@ -32,6 +32,16 @@ struct program_set {
     program *first;
 };
 
+gen_limits program_limits(const duet_device_info *info)
+{
+    return (gen_limits){
+        .max_group = info->max_group,
+        .local_bytes = info->local_bytes,
+        .fp64 = info->fp64,
+        .cpu = info->kind == DUET_KIND_CPU,
+    };
+}
+
 program_set *program_set_open(const device *d, gen *g, const char *cache_dir, duet_error *err)
 {
     program_set *set = calloc(1, sizeof *set);
@@ -42,12 +52,7 @@ program_set *program_set_open(const device *d, gen *g, const char *cache_dir, du
     set->device = d;
     set->gen = g;
     set->cache_dir = cache_dir;
-    set->limits = (gen_limits){
-        .max_group = d->info.max_group,
-        .local_bytes = d->info.local_bytes,
-        .fp64 = d->info.fp64,
-        .cpu = d->info.kind == DUET_KIND_CPU,
-    };
+    set->limits = program_limits(&d->info);
     return set;
 }
 
@@ -226,4 +231,18 @@ kernel *program_set_kernel(program_set *set, const char *kernel_name, const char
     kernel *k = p ? find_or_create(set, p, entry, &variant, err) : NULL;
     gen_variant_free(&variant);
     return k;
+}
+
+bool program_set_check(program_set *set, const char *kernel_name, const gen_setting *settings,
+                       uint32_t n_settings, duet_error *err)
+{
+    gen_variant variant = {0};
+    program *p = calloc(1, sizeof *p);
+    bool ok = p || error_set(err, DUET_NO_MEMORY, "no memory for the program %s", kernel_name);
+    ok = ok && gen_make(set->gen, kernel_name, settings, n_settings, &set->limits, &variant, err) &&
+         build(set, p, &variant, err);
+    if (p)
+        free_program(p);
+    gen_variant_free(&variant);
+    return ok;
 }

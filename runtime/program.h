@@ -18,6 +18,9 @@ typedef struct kernel {
 // than one value for it.
 int64_t kernel_param(const kernel *k, const char *param);
 
+// What of a device its variants depend on.
+gen_limits program_limits(const duet_device_info *info);
+
 typedef struct program_set program_set;
 
 // Borrows the device and the gen, which are not shared with another thread
@@ -30,5 +33,9 @@ gen_limits program_set_limits(const program_set *set);
 // BUILD_FAILED names the variant, the device and the compiler's first line.
 kernel *program_set_kernel(program_set *set, const char *kernel_name, const char *entry,
                            const gen_setting *settings, uint32_t n_settings, duet_error *err);
+
+// Builds the variant and keeps nothing: whether the device's compiler takes it.
+bool program_set_check(program_set *set, const char *kernel_name, const gen_setting *settings,
+                       uint32_t n_settings, duet_error *err);
 
 #endif

@@ -66,15 +66,6 @@ stats_interval stats_median_interval(const double *values, uint32_t n, double le
     return (stats_interval){sorted[cut], sorted[n - 1 - cut], 1 - 2 * chance_below(cut + 1, n)};
 }
 
-stats_interval stats_ratio_interval(const double *a, const double *b, uint32_t n, double level)
-{
-    double ratios[STATS_MOST];
-    assert(n > 0 && n <= STATS_MOST);
-    for (uint32_t i = 0; i < n; ++i)
-        ratios[i] = a[i] / b[i];
-    return stats_median_interval(ratios, n, level);
-}
-
 int stats_sign(const double *d, uint32_t n, double sigma, double width)
 {
     double median = stats_median(d, n);

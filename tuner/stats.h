@@ -34,10 +34,6 @@ uint32_t stats_mark_outliers(const double *values, uint32_t n, bool *marks);
 // and the level that they give.
 stats_interval stats_median_interval(const double *values, uint32_t n, double level);
 
-// The interval of the median of a[i] / b[i]: both measured in turn, so that
-// what disturbed one round disturbed both sides of it.
-stats_interval stats_ratio_interval(const double *a, const double *b, uint32_t n, double level);
-
 // Sequential test for the sign of what differences scatter about. Returns -1
 // or 1 once the median of d lies further from 0 than `width` deviations of a
 // mean of n, else 0: not decided by these n. sigma is a single one's deviation.

@@ -38,13 +38,29 @@ local function cell(offset)
   return sum
 end
 
--- The rows after a cell's own, in cell order. Each has the C expressions
--- inside and cell, over y ny row_y and so on: coordinate, number of cells, and
--- how far apart in the order two neighbours along that axis are.
+-- The axes above x, lowest first. at is the C expression of a cell's coordinate
+-- along it, over its key; row, of how far apart in cell order two neighbours
+-- along it are. n, at and row of an axis called y are named ny, y and row_y.
+function stencil.axes(dims)
+  local list, row = {}, "nx"
+  for i = 1, dims - 1 do
+    local name = axes[i]
+    local at = ("key / row_%s"):format(name)
+    if i < dims - 1 then at = ("%s %% n%s"):format(at, name) end
+    list[i] = { name = name, row = row, at = at }
+    row = ("row_%s * n%s"):format(name, name)
+  end
+  return list
+end
+
+-- The rows after a cell's own, in cell order: inside is the C condition that
+-- the row is in the grid, cell the key of its cell at the same x.
 function stencil.rows(dims)
   local offset, rows = {}, {}
   for i = 1, dims - 1 do offset[i] = 0 end
-  while next_offset(offset) do rows[#rows + 1] = { inside = inside(offset), cell = cell(offset) } end
+  while next_offset(offset) do
+    rows[#rows + 1] = { inside = inside(offset), cell = cell(offset) }
+  end
   return rows
 end
 

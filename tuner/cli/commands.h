@@ -6,5 +6,6 @@
 
 int command_devices(int argc, char **argv);
 int command_run(int argc, char **argv);
+int command_source(int argc, char **argv);
 
 #endif

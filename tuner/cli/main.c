@@ -20,6 +20,7 @@ static const struct {
 } commands[] = {
     {"devices", command_devices, "what OpenCL offers here, and the selectors for --pair"},
     {"run", command_run, "all pairs of a scene, and where the time went"},
+    {"source", command_source, "the exact text of a kernel, and what it lets vary"},
 };
 
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };

@@ -1,0 +1,65 @@
+// candidates_paper.DIMS2.IDS0.WG64
+#define DIMS 2
+#define IDS 0
+#define WG 64
+#line 1 "kernels/common.clh"
+#line 1 "kernels/candidates_paper.cl"
+// SPDX-License-Identifier: MIT
+// The paper's search (section 2.3): each work-item takes one object and walks
+// the 27 (9 in 2D) cells around it through the cell start array, reads bounds
+// through the sorted ids, and takes one atomic a pair.
+//
+//   keys   [n]       sorted cells
+//   ids    [n]       objects in that order
+//   starts [n_cells] first of each cell, or NONE
+//   boxes  [n][2]    bounds by id
+//   found  [room]    pairs of ids; the answer itself with IDS
+#define NONE 0xffffffffu
+
+static inline bool bounds_overlap(float4 lower_a, float4 upper_a, float4 lower_b, float4 upper_b)
+{
+    bool overlap = lower_a.x <= upper_b.x && lower_b.x <= upper_a.x && lower_a.y <= upper_b.y &&
+                   lower_b.y <= upper_a.y;
+#if DIMS == 3
+    overlap = overlap && lower_a.z <= upper_b.z && lower_b.z <= upper_a.z;
+#endif
+    return overlap;
+}
+
+__kernel void candidates_paper(__global const uint *restrict keys, __global const uint *restrict ids,
+                               __global const uint *restrict starts,
+                               __global const float4 *restrict boxes, uint n, uint first, uint last,
+                               int4 cells, uint n_cells, __global uint2 *restrict found, uint room,
+                               volatile __global uint *restrict counters)
+{
+    uint i = first + get_global_id(0);
+    if (i >= last || keys[i] >= n_cells)
+        return;
+    uint id = ids[i];
+    float4 lower = boxes[2 * (size_t)id];
+    float4 upper = boxes[2 * (size_t)id + 1];
+    uint row = keys[i] / (uint)cells.x;
+    int x = (int)(keys[i] % (uint)cells.x);
+    int y = (int)(row % (uint)cells.y);
+    int z = (int)(row / (uint)cells.y);
+    for (int cz = max(z - 1, 0); cz <= min(z + 1, cells.z - 1); ++cz) {
+        for (int cy = max(y - 1, 0); cy <= min(y + 1, cells.y - 1); ++cy) {
+            for (int cx = max(x - 1, 0); cx <= min(x + 1, cells.x - 1); ++cx) {
+                uint cell = ((uint)cz * (uint)cells.y + (uint)cy) * (uint)cells.x + (uint)cx;
+                uint start = starts[cell];
+                if (start == NONE)
+                    continue;
+                for (uint j = start; j < n && keys[j] == cell; ++j) {
+                    uint other = ids[j];
+                    bool overlap = bounds_overlap(lower, upper, boxes[2 * (size_t)other],
+                                                  boxes[2 * (size_t)other + 1]);
+                    if (overlap && i < j) { // the other side finds it too
+                        uint slot = reserve(counters + (IDS ? COUNT_PAIRS : COUNT_CANDIDATES), 1);
+                        if (slot < room)
+                            found[slot] = ordered(id, other);
+                    }
+                }
+            }
+        }
+    }
+}

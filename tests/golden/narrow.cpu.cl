@@ -1,0 +1,83 @@
+// narrow.DIMS2.ROTATED1.SORTED1.WG1.PER_ITEM256
+#define DIMS 2
+#define SHAPE 0
+#define ROTATED 1
+#define SORTED 1
+#define WG 1
+#define PER_ITEM 256
+#line 1 "kernels/common.clh"
+#line 1 "kernels/object.clh"
+#line 1 "kernels/sat.clh"
+#line 1 "kernels/narrow.cl"
+// SPDX-License-Identifier: MIT
+// Candidates to pairs (section 3): colliding ones by id, and those that float
+// cannot decide to a list of their own for the host.
+//
+//   boxes      SORTED 1: [n][3] in cell order, centre.w the id
+//              SORTED 0: the objects as they came, read by id
+//   candidates [*count] pairs of places (SORTED 1) or ids (SORTED 0)
+//   pairs      [room]   ids
+//   undecided  [undecided_room] ids
+#if SORTED
+#define STORED float4
+static inline box box_at(__global const float4 *boxes, uint place, uint *id)
+{
+    box b;
+    b.centre = boxes[3 * (size_t)place];
+    b.halves = boxes[3 * (size_t)place + 1];
+    b.rotation = boxes[3 * (size_t)place + 2];
+    *id = as_uint(b.centre.w);
+    return b;
+}
+#else
+#define STORED float
+static inline box box_at(__global const float *objects, uint place, uint *id)
+{
+    object o = object_at(objects, place);
+    box b;
+    b.centre = o.centre;
+    b.halves = o.halves;
+    b.rotation = o.rotation;
+    *id = place;
+    return b;
+}
+#endif
+
+__kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
+narrow(__global const STORED *restrict boxes, __global const uint2 *restrict candidates, uint candidate_room,
+       __global uint2 *restrict pairs, uint room, __global uint2 *restrict undecided, uint undecided_room,
+       volatile __global uint *restrict counters)
+{
+    __local uint2 collected[WG * PER_ITEM];
+    __local uint used;
+    __local uint base;
+    uint n = counters[COUNT_CANDIDATES + 1] ? candidate_room : min(counters[COUNT_CANDIDATES], candidate_room);
+    uint tile = WG * PER_ITEM;
+    for (uint from = get_group_id(0) * tile; from < n; from += get_num_groups(0) * tile) {
+        if (get_local_id(0) == 0)
+            used = 0;
+        barrier(CLK_LOCAL_MEM_FENCE);
+        for (uint k = from + get_local_id(0); k < min(from + tile, n); k += WG) {
+            uint2 candidate = candidates[k];
+            uint id_a, id_b;
+            box a = box_at(boxes, candidate.x, &id_a);
+            box b = box_at(boxes, candidate.y, &id_b);
+            int v = verdict(a, b);
+            if (v == COLLIDING) {
+                collected[atomic_inc(&used)] = ordered(id_a, id_b);
+            } else if (v == UNDECIDED) {
+                uint to = reserve(counters + COUNT_UNDECIDED, 1);
+                if (to < undecided_room)
+                    undecided[to] = ordered(id_a, id_b);
+            }
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+        if (get_local_id(0) == 0)
+            base = reserve(counters + COUNT_PAIRS, used);
+        barrier(CLK_LOCAL_MEM_FENCE);
+        for (uint k = get_local_id(0); k < used; k += WG)
+            if (base + k < room)
+                pairs[base + k] = collected[k];
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+}

@@ -1,0 +1,18 @@
+// scatter.WG1.PER_ITEM1024
+#define WG 1
+#define PER_ITEM 1024
+#line 1 "kernels/common.clh"
+#line 1 "kernels/scatter.cl"
+// SPDX-License-Identifier: MIT
+// The last step of the counting sort: each id to its place.
+//
+//   starts [n_cells + 1] exclusive sums of the counts
+//   ids    [n]           in cell order
+__kernel void scatter(__global const uint *restrict keys, __global const uint *restrict ranks,
+                      uint n, __global const uint *restrict starts, __global uint *restrict ids)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    for (uint id = first; id < last; ++id)
+        ids[starts[keys[id]] + ranks[id]] = id;
+}

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "tuner/race.h"
+
+#include <assert.h>
+
+race_options race_default_options(void)
+{
+    return (race_options){.least_rounds = 8, .most_rounds = 20, .level = 0.99};
+}
+
+const char *race_verdict_name(race_verdict verdict)
+{
+    static const char *const names[] = {"faster", "same", "slower", "ambiguous"};
+    return names[verdict];
+}
+
+race race_begin(uint32_t n, const race_options *options)
+{
+    assert(n > 0 && n <= RACE_RIVALS);
+    race r = {.options = options ? *options : race_default_options(), .n = n};
+    assert(r.options.least_rounds > 0 && r.options.most_rounds <= RACE_ROUNDS);
+    return r;
+}
+
+// Rivals that are in have run this round or the one before it.
+static uint32_t fewest_rounds(const race *r)
+{
+    uint32_t fewest = RACE_ROUNDS;
+    for (uint32_t i = 0; i < r->n; ++i) {
+        if (!r->rivals[i].out && r->rivals[i].rounds < fewest)
+            fewest = r->rivals[i].rounds;
+    }
+    return fewest;
+}
+
+bool race_alone(const race *r)
+{
+    uint32_t in = 0;
+    for (uint32_t i = 0; i < r->n; ++i)
+        in += !r->rivals[i].out;
+    return in <= 1;
+}
+
+bool race_next(const race *r, uint32_t *rival)
+{
+    uint32_t round = fewest_rounds(r);
+    bool decided = race_alone(r) && round >= r->options.least_rounds;
+    if (decided || round >= r->options.most_rounds)
+        return false;
+    for (uint32_t i = 0; i < r->n; ++i) {
+        *rival = (i + round) % r->n;
+        if (!r->rivals[*rival].out && r->rivals[*rival].rounds == round)
+            return true;
+    }
+    return false;
+}
+
+double race_median(const race *r, uint32_t rival)
+{
+    return stats_median(r->rivals[rival].ns, r->rivals[rival].rounds);
+}
+
+uint32_t race_leader(const race *r)
+{
+    uint32_t leader = r->n;
+    for (uint32_t i = 0; i < r->n; ++i) {
+        if (r->rivals[i].out || r->rivals[i].rounds == 0)
+            continue;
+        if (leader == r->n || race_median(r, i) < race_median(r, leader))
+            leader = i;
+    }
+    return leader;
+}
+
+static bool round_is_over(const race *r)
+{
+    uint32_t round = fewest_rounds(r);
+    for (uint32_t i = 0; i < r->n; ++i) {
+        if (!r->rivals[i].out && r->rivals[i].rounds != round)
+            return false;
+    }
+    return round >= r->options.least_rounds;
+}
+
+static void drop_slower(race *r)
+{
+    uint32_t leader = race_leader(r);
+    for (uint32_t i = 0; i < r->n; ++i) {
+        if (i != leader && !r->rivals[i].out)
+            r->rivals[i].out = race_compare(r, leader, i).verdict == RACE_FASTER;
+    }
+}
+
+void race_add(race *r, uint32_t rival, double ns)
+{
+    assert(rival < r->n && r->rivals[rival].rounds < RACE_ROUNDS);
+    r->rivals[rival].ns[r->rivals[rival].rounds++] = ns;
+    if (round_is_over(r))
+        drop_slower(r);
+}
+
+void race_drop(race *r, uint32_t rival)
+{
+    r->rivals[rival].out = true;
+}
+
+static race_verdict judge(stats_interval in, double level)
+{
+    if (in.level < level)
+        return RACE_AMBIGUOUS;
+    if (in.low > 1)
+        return RACE_FASTER;
+    return in.high < 1 ? RACE_SLOWER : RACE_SAME;
+}
+
+race_gain race_compare(const race *r, uint32_t rival, uint32_t other)
+{
+    const double *own = r->rivals[rival].ns, *others = r->rivals[other].ns;
+    uint32_t n = r->rivals[rival].rounds < r->rivals[other].rounds ? r->rivals[rival].rounds
+                                                                   : r->rivals[other].rounds;
+    double ratios[RACE_ROUNDS];
+    for (uint32_t i = 0; i < n; ++i)
+        ratios[i] = others[i] / own[i];
+    race_gain gain = {.ratio = stats_median(ratios, n)};
+    gain.interval = stats_median_interval(ratios, n, r->options.level);
+    gain.verdict = judge(gain.interval, r->options.level);
+    return gain;
+}

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// A race between plans: measured in turn, round by round, until the interval
+// of the ratio to the leader says who is slower.
+//
+// Samples are only ever compared with those of the same round, so that a slow
+// minute falls on all rivals alike. Who goes first changes with the round.
+#ifndef TUNER_RACE_H
+#define TUNER_RACE_H
+
+#include "tuner/stats.h"
+
+enum { RACE_RIVALS = 32, RACE_ROUNDS = 64 };
+
+typedef struct race_options {
+    uint32_t least_rounds; // before anyone drops out
+    uint32_t most_rounds;  // up to RACE_ROUNDS
+    double level;          // confidence of the intervals
+} race_options;
+
+// 8 rounds are the fewest from which 99 % can be had: all on one side.
+race_options race_default_options(void);
+
+typedef struct race {
+    race_options options;
+    uint32_t n; // rivals
+    struct {
+        bool out;
+        uint32_t rounds;
+        double ns[RACE_ROUNDS];
+    } rivals[RACE_RIVALS];
+} race;
+
+typedef enum race_verdict {
+    RACE_FASTER,
+    RACE_SAME, // the interval holds 1: all rounds did not tell them apart
+    RACE_SLOWER,
+    RACE_AMBIGUOUS // too few rounds for an interval of that confidence
+} race_verdict;
+
+const char *race_verdict_name(race_verdict verdict); // "faster"
+
+// How many times faster a rival is than another.
+typedef struct race_gain {
+    race_verdict verdict;
+    double ratio; // 1.25: a quarter faster
+    stats_interval interval;
+} race_gain;
+
+race race_begin(uint32_t n, const race_options *options); // NULL: the default ones
+
+// The rival to measure next; false where the race is over.
+bool race_next(const race *r, uint32_t *rival);
+
+// Adds a rival's time for the round. After the last of a round, rivals that
+// are clearly slower than the leader are out.
+void race_add(race *r, uint32_t rival, double ns);
+
+// A rival that cannot run at all.
+void race_drop(race *r, uint32_t rival);
+
+bool race_alone(const race *r); // one rival is left, or none
+
+// The rival still in with the least median; n where all are out.
+uint32_t race_leader(const race *r);
+
+double race_median(const race *r, uint32_t rival);
+
+// Compares over the rounds that both ran; at least one.
+race_gain race_compare(const race *r, uint32_t rival, uint32_t other);
+
+#endif
