@@ -2,10 +2,13 @@
 #define DIMS 2
 #define SHAPE 0
 #define ROTATED 1
+#define LANES 1
 #define WG 1
 #define PER_ITEM 1024
 #line 1 "kernels/common.clh"
+#line 1 "kernels/lanes.clh"
 #line 1 "kernels/object.clh"
+#line 1 "kernels/grid.clh"
 #line 1 "kernels/bounds.cl"
 // SPDX-License-Identifier: MIT
 // The bounds of each object in the order of the input, as the paper's kernels
@@ -19,13 +22,13 @@ __kernel void find_bounds(__global const float *restrict objects, uint n, float4
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
-        object o = object_at(objects, id);
-        bounds b = no_bounds();
-        if (!object_is_bad(o)) {
-            b = object_bounds(o);
-            check_extent(o, limit, counters);
-        }
-        boxes[2 * (size_t)id] = b.lower;
-        boxes[2 * (size_t)id + 1] = b.upper;
+        uint ids[1] = {id};
+        object o = object_at(objects, ids);
+        mask bad = object_is_bad(&o);
+        bounds b = object_bounds(&o);
+        clear_bounds(&b, bad);
+        check_extent(&o, bad, limit, counters);
+        boxes[2 * (size_t)id] = (float4)(b.lower[0], b.lower[1], b.lower[2], 0.0f);
+        boxes[2 * (size_t)id + 1] = (float4)(b.upper[0], b.upper[1], b.upper[2], 0.0f);
     }
 }

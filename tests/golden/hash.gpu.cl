@@ -1,12 +1,15 @@
-// hash.DIMS3.SHAPE0.ROTATED1.RANK1.WG256.PER_ITEM1
+// hash.DIMS3.SHAPE0.ROTATED1.RANK1.LANES1.WG256.PER_ITEM1
 #define DIMS 3
 #define SHAPE 0
 #define ROTATED 1
 #define RANK 1
+#define LANES 1
 #define WG 256
 #define PER_ITEM 1
 #line 1 "kernels/common.clh"
+#line 1 "kernels/lanes.clh"
 #line 1 "kernels/object.clh"
+#line 1 "kernels/grid.clh"
 #line 1 "kernels/hash.cl"
 // SPDX-License-Identifier: MIT
 // The cell of each object (equation 2), and with RANK its place among those
@@ -23,20 +26,24 @@ __kernel void hash(__global const float *restrict objects, uint n, float4 lower,
 #endif
                    volatile __global uint *restrict counters)
 {
+    grid g = {lower, per_cell, cells};
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
-    for (uint id = first; id < last; ++id) {
-        object o = object_at(objects, id);
-        uint key = n_cells;
-        if (!object_is_bad(o)) {
-            key = cell_key(object_centre(o), lower, per_cell, cells);
-        } else {
-            atomic_inc(counters + COUNT_BAD);
-            atomic_max(counters + FIRST_BAD, ~id);
-        }
-        keys[id] = key;
+    for (uint from = first; from < last; from += LANES) {
+        uint ids[LANES], found[LANES];
+        for (uint k = 0; k < LANES; ++k)
+            ids[k] = min(from + k, last - 1);
+        object o = object_at(objects, ids);
+        spread(object_key(&o, object_is_bad(&o), g, n_cells), found);
+        for (uint k = 0; k < LANES && from + k < last; ++k) {
+            keys[from + k] = found[k];
 #if RANK
-        ranks[id] = atomic_inc(counts + key);
+            ranks[from + k] = atomic_inc(counts + found[k]);
 #endif
+            if (found[k] == n_cells) {
+                atomic_inc(counters + COUNT_BAD);
+                atomic_max(counters + FIRST_BAD, ~ids[k]);
+            }
+        }
     }
 }

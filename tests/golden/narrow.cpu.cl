@@ -3,9 +3,11 @@
 #define SHAPE 0
 #define ROTATED 1
 #define SORTED 1
+#define LANES 1
 #define WG 1
 #define PER_ITEM 256
 #line 1 "kernels/common.clh"
+#line 1 "kernels/lanes.clh"
 #line 1 "kernels/object.clh"
 #line 1 "kernels/sat.clh"
 #line 1 "kernels/narrow.cl"
@@ -22,24 +24,23 @@
 #define STORED float4
 static inline box box_at(__global const float4 *boxes, uint place, uint *id)
 {
-    box b;
-    b.centre = boxes[3 * (size_t)place];
-    b.halves = boxes[3 * (size_t)place + 1];
-    b.rotation = boxes[3 * (size_t)place + 2];
-    *id = as_uint(b.centre.w);
-    return b;
+    float4 centre = boxes[3 * (size_t)place];
+    float4 halves = boxes[3 * (size_t)place + 1];
+    float4 rotation = boxes[3 * (size_t)place + 2];
+    object o = {{centre.x, centre.y, centre.z},
+                {halves.x, halves.y, halves.z},
+                {rotation.x, rotation.y, rotation.z, rotation.w}};
+    *id = as_uint(centre.w);
+    return box_of(&o);
 }
 #else
 #define STORED float
 static inline box box_at(__global const float *objects, uint place, uint *id)
 {
-    object o = object_at(objects, place);
-    box b;
-    b.centre = o.centre;
-    b.halves = o.halves;
-    b.rotation = o.rotation;
+    uint ids[1] = {place};
+    object o = object_at(objects, ids);
     *id = place;
-    return b;
+    return box_of(&o);
 }
 #endif
 
@@ -62,10 +63,10 @@ narrow(__global const STORED *restrict boxes, __global const uint2 *restrict can
             uint id_a, id_b;
             box a = box_at(boxes, candidate.x, &id_a);
             box b = box_at(boxes, candidate.y, &id_b);
-            int v = verdict(a, b);
-            if (v == COLLIDING) {
+            verdicts v = verdict(&a, &b);
+            if (v.colliding) {
                 collected[atomic_inc(&used)] = ordered(id_a, id_b);
-            } else if (v == UNDECIDED) {
+            } else if (!v.separated) {
                 uint to = reserve(counters + COUNT_UNDECIDED, 1);
                 if (to < undecided_room)
                     undecided[to] = ordered(id_a, id_b);

@@ -2,11 +2,14 @@
 #define DIMS 3
 #define SHAPE 0
 #define ROTATED 1
+#define LANES 1
 #define WG 256
 #define PER_ITEM 1
 #define BATCH 1
 #line 1 "kernels/common.clh"
+#line 1 "kernels/lanes.clh"
 #line 1 "kernels/object.clh"
+#line 1 "kernels/grid.clh"
 #line 1 "kernels/reorder.cl"
 // SPDX-License-Identifier: MIT
 // Moves the objects into cell order, so that what is searched together lies
@@ -23,34 +26,32 @@ __kernel void reorder(__global const float *restrict objects, __global const uin
 #endif
                       volatile __global uint *restrict counters)
 {
+    grid g = {lower, per_cell, cells};
     uint first = from + get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint base = first; base < last; base += BATCH) {
         // All reads of a batch are under way before the first is needed.
         object batch[BATCH];
         uint size = min(last - base, (uint)BATCH);
-        for (uint k = 0; k < size; ++k)
-            batch[k] = object_at(objects, ids[base + k]);
+        for (uint k = 0; k < size; ++k) {
+            uint id[1] = {ids[base + k]};
+            batch[k] = object_at(objects, id);
+        }
         for (uint k = 0; k < size; ++k) {
             uint id = ids[base + k];
             size_t i = base + k;
             object o = batch[k];
-            bounds b = no_bounds();
-            uint key = n_cells;
-            if (!object_is_bad(o)) {
-                b = object_bounds(o);
-                key = cell_key(object_centre(o), lower, per_cell, cells);
-                check_extent(o, limit, counters);
-            }
-            b.lower.w = as_float(id);
-            b.upper.w = as_float(key);
-            sorted_bounds[2 * i] = b.lower;
-            sorted_bounds[2 * i + 1] = b.upper;
+            mask bad = object_is_bad(&o);
+            bounds b = object_bounds(&o);
+            clear_bounds(&b, bad);
+            uint key = object_key(&o, bad, g, n_cells);
+            check_extent(&o, bad, limit, counters);
+            sorted_bounds[2 * i] = (float4)(b.lower[0], b.lower[1], b.lower[2], as_float(id));
+            sorted_bounds[2 * i + 1] = (float4)(b.upper[0], b.upper[1], b.upper[2], as_float(key));
 #if SHAPE == SHAPE_POSES
-            o.centre.w = as_float(id);
-            sorted_boxes[3 * i] = o.centre;
-            sorted_boxes[3 * i + 1] = o.halves;
-            sorted_boxes[3 * i + 2] = o.rotation;
+            sorted_boxes[3 * i] = (float4)(o.centre[0], o.centre[1], o.centre[2], as_float(id));
+            sorted_boxes[3 * i + 1] = (float4)(o.halves[0], o.halves[1], o.halves[2], 0.0f);
+            sorted_boxes[3 * i + 2] = (float4)(o.rotation[0], o.rotation[1], o.rotation[2], o.rotation[3]);
 #endif
         }
     }
