@@ -4,6 +4,7 @@
 #include "support/test.h"
 
 #include "gen/gen.h"
+#include "runtime/base/rng.h"
 #include "runtime/base/text.h"
 
 #include <inttypes.h>
@@ -432,6 +433,34 @@ static void a_folder_is_never_mixed_with_carried_files(void **state)
     rmdir(folder);
 }
 
+// ------------------------------------------------------- damage
+
+static void damage(char *chars, rng *r)
+{
+    static const char odd[] = "{}()[]\"'=,.-#%@\n\0\x1b 0fe";
+    size_t n = strlen(chars);
+    for (uint32_t i = rng_below(r, 3) + 1; i > 0; --i)
+        chars[rng_below(r, (uint32_t)n)] = odd[rng_below(r, sizeof odd - 1)];
+}
+
+// A card and a template with a few wrong characters make a variant or one line
+// that says why not.
+static void damage_is_an_error_or_a_variant(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    for (int i = 0; i < 400; ++i) {
+        char card[] = CARD("{ 'A', values = { 1, 2 }, default = function(l) return 1 end }",
+                           "emit = { 'stencil' }, valid = function(p) return p.A > 0 end,");
+        char body[] = "int a;\n//@ for i = 1, 3 do\nint @{(A + i) .. 'x'};\n//@ end\n";
+        damage(i % 2 ? card : body, &r);
+        duet_error err = make_with(card, "k.cl.in", body);
+        if (err.status != DUET_OK && err.status != DUET_BUILD_FAILED)
+            fail_msg("%s %s\n%s%s", duet_status_name(err.status), err.text, card, body);
+        assert_null(strchr(err.text, '\n'));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -448,6 +477,7 @@ int main(void)
         cmocka_unit_test(a_broken_template_is_told_with_its_line),
         cmocka_unit_test(a_template_without_lua_comes_out_as_it_went_in),
         cmocka_unit_test(a_broken_kernel_does_not_stop_the_others),
+        cmocka_unit_test(damage_is_an_error_or_a_variant),
         cmocka_unit_test(a_folder_is_never_mixed_with_carried_files),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -18,6 +18,7 @@ static const struct {
 #ifdef BENCH_AVX2
     {"limit", bench_limit, "the AVX2 program alone, stage by stage"},
 #endif
+    {"generate", bench_generate, "the text of each kernel, and its number of configs"},
     {"strategies", bench_strategies, "searches for the share on invented device pairs"},
 };
 

@@ -21,6 +21,7 @@ typedef struct bench_options {
 // One benchmark: prints its figures, or fails with a line.
 typedef bool bench_run(const bench_options *options, duet_error *err);
 
+bench_run bench_generate;
 bench_run bench_limit;
 bench_run bench_strategies;
 
