@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "profiles/json.h"
 
-#include <cJSON.h>
+#include <cjson/cJSON.h>
 
 bool json_check_object(const char *what, const char *chars, duet_error *err)
 {

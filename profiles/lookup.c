@@ -42,11 +42,24 @@ typedef struct look {
     char env[2][PROFILE_SHA];
     char seat[2][PROFILE_SHA];
     char workload[PROFILE_SHA];
-    text family; // of the workload
+    int64_t pair_id; // 0 where these devices were never measured together
+    text family;     // of the workload
     profile_found *found;
     text *why; // NULL: nobody asks
     duet_error *err;
 } look;
+
+static bool find_pair(look *l)
+{
+    sql q = sql_make(l->s,
+                     "SELECT id FROM pair WHERE env_a = (SELECT id FROM env WHERE key = ?) "
+                     "AND env_b = (SELECT id FROM env WHERE key = ?)",
+                     l->err);
+    sql_text(&q, l->env[0]);
+    sql_text(&q, l->env[1]);
+    l->pair_id = sql_row(&q) ? sql_get_int(&q, 0) : 0;
+    return sql_close(&q);
+}
 
 static bool prepare(look *l)
 {
@@ -57,7 +70,7 @@ static bool prepare(look *l)
     profile_env_seat(&pair->b, l->seat[1]);
     profile_workload_family(l->request->workload, &l->family);
     return profile_workload_key(l->request->workload, l->workload, l->err) &&
-           text_ok(&l->family, l->err);
+           text_ok(&l->family, l->err) && find_pair(l);
 }
 
 // ---------------------------------------------------------- rungs that are rows
@@ -69,21 +82,16 @@ static bool prepare(look *l)
     "WHERE p.live = 1 AND p.workload_id = (SELECT id FROM workload WHERE key = ?1) "               \
     "AND p.objective = ?2 AND p.missed_rate <= ?3 AND p.false_rate <= ?4 "
 
-#define SAME_PAIR                                                                             \
-    "AND p.pair_id = (SELECT id FROM pair WHERE env_a = (SELECT id FROM env WHERE key = ?5) " \
-    "AND env_b = (SELECT id FROM env WHERE key = ?6)) "
-
 #define SAME_SEATS                                                                         \
     "AND p.pair_id IN (SELECT pair.id FROM env a JOIN pair ON env_a = a.id JOIN env b ON " \
-    "env_b = b.id WHERE a.seat = ?5 AND b.seat = ?6) "
+    "env_b = b.id WHERE a.seat = ?6 AND b.seat = ?7) ORDER BY p.created_ns DESC LIMIT 1"
 
-static const char exact_query[] = ROW SAME_PAIR "AND p.kernels = ?7 ORDER BY p.median_ns LIMIT 1";
+static const char exact_query[] =
+    ROW "AND p.kernels = ?5 AND p.pair_id = ?6 ORDER BY p.median_ns LIMIT 1";
 
-static const char other_driver_query[] =
-    ROW SAME_SEATS "AND p.kernels = ?7 ORDER BY p.created_ns DESC LIMIT 1";
+static const char other_driver_query[] = ROW "AND p.kernels = ?5 " SAME_SEATS;
 
-static const char stale_query[] =
-    ROW SAME_SEATS "AND p.kernels <> ?7 ORDER BY p.created_ns DESC LIMIT 1";
+static const char stale_query[] = ROW "AND p.kernels <> ?5 " SAME_SEATS;
 
 // An accuracy without limit is above every rate that is stored.
 static double limit(double rate)
@@ -127,84 +135,109 @@ static void tell_row(look *l, const sql *q)
              l->found->session[0] ? ", session " : "", l->found->session);
 }
 
-static bool find_row(look *l, const char *query, char key[2][PROFILE_SHA], bool *held)
+// A query on rows with what all of them ask for bound.
+static sql ask_rows(look *l, const char *query)
 {
     sql q = sql_make(l->s, query, l->err);
     sql_text(&q, l->workload);
     sql_text(&q, l->request->objective);
     sql_real(&q, limit(l->request->max_missed_rate));
     sql_real(&q, limit(l->request->max_false_rate));
-    sql_text(&q, key[0]);
-    sql_text(&q, key[1]);
     sql_text(&q, l->request->kernels);
-    *held = sql_row(&q);
+    return q;
+}
+
+static bool close_row(look *l, sql *q, bool *held)
+{
+    *held = sql_row(q);
     if (*held) {
-        take_row(l, &q);
-        tell_row(l, &q);
+        take_row(l, q);
+        tell_row(l, q);
     }
-    return sql_close(&q);
+    return sql_close(q);
+}
+
+static bool find_by_seats(look *l, const char *query, bool *held)
+{
+    sql q = ask_rows(l, query);
+    sql_text(&q, l->seat[0]);
+    sql_text(&q, l->seat[1]);
+    return close_row(l, &q, held);
+}
+
+static bool refuse(look *l, const char *reason)
+{
+    if (l->why)
+        text_add(l->why, "no: %s", reason);
+    return true;
+}
+
+// As many of the six as the query asks for.
+static void bind_question(const look *l, sql *q)
+{
+    const char *const texts[] = {l->env[0],   l->env[1],           NULL,
+                                 l->workload, l->request->kernels, l->request->objective};
+    int n = sqlite3_bind_parameter_count(q->stmt);
+    for (int i = 0; i < n; ++i) {
+        if (texts[i])
+            sql_text(q, texts[i]);
+        else
+            sql_int(q, l->pair_id);
+    }
 }
 
 // Which of what an exact profile needs is not there.
 static bool tell_what_is_missing(look *l)
 {
+#define LIVE "SELECT 1 FROM workload w JOIN profile p ON p.workload_id = w.id AND p.live = 1 "
     static const struct {
         const char *query;
         const char *missing;
     } steps[] = {
-        {"SELECT count(*) FROM env WHERE key = ?5", "device A was never measured with this driver"},
-        {"SELECT count(*) FROM env WHERE key = ?6", "device B was never measured with this driver"},
-        {"SELECT count(*) FROM workload WHERE key = ?1", "no such workload was ever measured"},
-        {"SELECT count(*) FROM profile p WHERE p.live = 1 AND "
-         "p.workload_id = (SELECT id FROM workload WHERE key = ?1) " SAME_PAIR,
+        {"SELECT 1 FROM env WHERE key = ?1", "device A was never measured with this driver"},
+        {"SELECT 1 FROM env WHERE key = ?2", "device B was never measured with this driver"},
+        {"SELECT 1 WHERE ?3 <> 0", "these two devices were never measured together"},
+        {"SELECT 1 FROM workload WHERE key = ?4", "no such workload was ever measured"},
+        {LIVE "WHERE w.key = ?4 AND p.pair_id = ?3",
          "this workload was never measured on these two devices"},
-        {"SELECT count(*) FROM profile p WHERE p.live = 1 AND p.kernels = ?7 AND "
-         "p.workload_id = (SELECT id FROM workload WHERE key = ?1) " SAME_PAIR,
+        {LIVE "WHERE w.key = ?4 AND p.pair_id = ?3 AND p.kernels = ?5",
          "the kernels changed since it was measured"},
-        {"SELECT count(*) FROM profile p WHERE p.live = 1 AND p.kernels = ?7 AND p.objective = ?2 "
-         "AND p.workload_id = (SELECT id FROM workload WHERE key = ?1) " SAME_PAIR,
+        {LIVE "WHERE w.key = ?4 AND p.pair_id = ?3 AND p.kernels = ?5 AND p.objective = ?6",
          "it was measured for another objective"},
     };
+#undef LIVE
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; ++i) {
         sql q = sql_make(l->s, steps[i].query, l->err);
-        int n = sqlite3_bind_parameter_count(q.stmt);
-        const char *values[] = {l->workload, l->request->objective, NULL, NULL, l->env[0],
-                                l->env[1],   l->request->kernels};
-        for (int k = 0; k < n; ++k)
-            sql_text(&q, values[k]);
-        bool there = sql_row(&q) && sql_get_int(&q, 0) > 0;
+        bind_question(l, &q);
+        bool there = sql_row(&q);
         if (!sql_close(&q))
             return false;
-        if (!there) {
-            text_add(l->why, "no: %s", steps[i].missing);
-            return true;
-        }
+        if (!there)
+            return refuse(l, steps[i].missing);
     }
-    text_add(l->why, "no: what was measured misses or invents more pairs than allowed");
-    return true;
+    return refuse(l, "what was measured misses or invents more pairs than allowed");
 }
 
 static bool look_exact(look *l, bool *held)
 {
-    if (!find_row(l, exact_query, l->env, held))
-        return false;
+    if (l->pair_id != 0) {
+        sql q = ask_rows(l, exact_query);
+        sql_int(&q, l->pair_id);
+        if (!close_row(l, &q, held))
+            return false;
+    }
     return *held || !l->why || tell_what_is_missing(l);
 }
 
 static bool look_other_driver(look *l, bool *held)
 {
-    bool ok = find_row(l, other_driver_query, l->seat, held);
-    if (ok && !*held && l->why)
-        text_add(l->why, "no: nor under another version of a driver");
-    return ok;
+    return find_by_seats(l, other_driver_query, held) &&
+           (*held || refuse(l, "nor under another version of a driver"));
 }
 
 static bool look_stale(look *l, bool *held)
 {
-    bool ok = find_row(l, stale_query, l->seat, held);
-    if (ok && !*held && l->why)
-        text_add(l->why, "no: nor with other kernels");
-    return ok;
+    return find_by_seats(l, stale_query, held) && (*held || refuse(l, "nor with other kernels"));
 }
 
 // ---------------------------------------------------------- rungs that are fits
@@ -251,33 +284,50 @@ static void tell_doubt(look *l, const forecast *f)
                  f->n_min, f->n_max, 100 * f->doubt);
 }
 
-// The plan of this pair's live profile of the size nearest to the one asked for.
-static bool nearest_plan(look *l, profile_plan *plan, bool *found)
+// The plan of this pair's live profile whose size is the nearest from above or
+// from below; n is 0 where there is none.
+static bool nearest_plan(look *l, const char *query, profile_plan *plan, double *n)
 {
-    sql q =
-        sql_make(l->s,
-                 "SELECT p.mode, p.level, p.variant_a, p.variant_b FROM workload w JOIN "
-                 "profile p ON p.workload_id = w.id WHERE w.family = ?8 AND p.live = 1 "
-                 "AND p.objective = ?2 AND p.missed_rate <= ?3 AND p.false_rate <= ?4 " SAME_PAIR
-                 "AND p.kernels = ?7 "
-                 "ORDER BY abs(w.n - ?1), p.median_ns LIMIT 1",
-                 l->err);
-    sql_int(&q, (int64_t)l->request->workload->n);
+    sql q = sql_make(l->s, query, l->err);
+    sql_text(&q, text_chars(&l->family));
     sql_text(&q, l->request->objective);
     sql_real(&q, limit(l->request->max_missed_rate));
     sql_real(&q, limit(l->request->max_false_rate));
-    sql_text(&q, l->env[0]);
-    sql_text(&q, l->env[1]);
     sql_text(&q, l->request->kernels);
-    sql_text(&q, text_chars(&l->family));
-    *found = sql_row(&q);
-    if (*found) {
-        sql_copy(plan->mode, sizeof plan->mode, sql_get_text(&q, 0));
-        sql_copy(plan->level, sizeof plan->level, sql_get_text(&q, 1));
-        sql_copy(plan->variant_a, sizeof plan->variant_a, sql_get_text(&q, 2));
-        sql_copy(plan->variant_b, sizeof plan->variant_b, sql_get_text(&q, 3));
+    sql_int(&q, l->pair_id);
+    sql_int(&q, (int64_t)l->request->workload->n);
+    *n = 0;
+    if (sql_row(&q)) {
+        *n = sql_get_real(&q, 0);
+        sql_copy(plan->mode, sizeof plan->mode, sql_get_text(&q, 1));
+        sql_copy(plan->level, sizeof plan->level, sql_get_text(&q, 2));
+        sql_copy(plan->variant_a, sizeof plan->variant_a, sql_get_text(&q, 3));
+        sql_copy(plan->variant_b, sizeof plan->variant_b, sql_get_text(&q, 4));
     }
     return sql_close(&q);
+}
+
+#define NEIGHBOUR                                                                                 \
+    "SELECT w.n, p.mode, p.level, p.variant_a, p.variant_b FROM workload w CROSS JOIN profile p " \
+    "ON p.workload_id = w.id WHERE w.family = ?1 AND p.live = 1 AND p.objective = ?2 "            \
+    "AND p.missed_rate <= ?3 AND p.false_rate <= ?4 AND p.kernels = ?5 AND p.pair_id = ?6 "
+
+static bool find_neighbour(look *l, profile_plan *plan, bool *found)
+{
+    profile_plan above = {0};
+    double n = (double)l->request->workload->n;
+    double n_above = 0;
+    double n_below = 0;
+    *found = false;
+    if (l->pair_id == 0)
+        return true;
+    if (!nearest_plan(l, NEIGHBOUR "AND w.n >= ?7 ORDER BY w.n LIMIT 1", &above, &n_above) ||
+        !nearest_plan(l, NEIGHBOUR "AND w.n < ?7 ORDER BY w.n DESC LIMIT 1", plan, &n_below))
+        return false;
+    if (n_above > 0 && (n_below <= 0 || n_above / n < n / n_below))
+        *plan = above;
+    *found = n_above > 0 || n_below > 0;
+    return true;
 }
 
 static bool forecast_best_of(look *l, const profile_plan *plan, forecast *f, bool *found)
@@ -295,19 +345,12 @@ static bool forecast_best_of(look *l, const profile_plan *plan, forecast *f, boo
     return forecast_best(l->s, &ask, f, found, l->err);
 }
 
-static bool refuse(look *l, const char *reason)
-{
-    if (l->why)
-        text_add(l->why, "no: %s", reason);
-    return true;
-}
-
 static bool look_interpolated(look *l, bool *held)
 {
     profile_plan plan = {0};
     forecast f;
     bool found = false;
-    if (!nearest_plan(l, &plan, &found))
+    if (!find_neighbour(l, &plan, &found))
         return false;
     if (!found)
         return refuse(l, "no like workload was measured on these two devices");

@@ -19,6 +19,7 @@ static const struct {
     {"limit", bench_limit, "the AVX2 program alone, stage by stage"},
 #endif
     {"generate", bench_generate, "the text of each kernel, and its number of configs"},
+    {"lookup", bench_lookup, "opening the profile store and looking up, with --n profiles in it"},
     {"strategies", bench_strategies, "searches for the share on invented device pairs"},
 };
 

@@ -23,6 +23,7 @@ typedef bool bench_run(const bench_options *options, duet_error *err);
 
 bench_run bench_generate;
 bench_run bench_limit;
+bench_run bench_lookup;
 bench_run bench_strategies;
 
 // Whether spans hold exactly the pairs that the reference finds.
