@@ -1,235 +1,14 @@
 // SPDX-License-Identifier: MIT
-// What an object may be, whoever brings it.
-//
-// Numbers arrive in double and are rounded to the nearest float once, after
-// the checks, so that a negative extent too small for float is still refused.
+// The owner of objects and their world, and the makers that fill one.
 #define _POSIX_C_SOURCE 200809L
 #include "runtime/scene.h"
 
 #include "runtime/base/error.h"
+#include "runtime/scene_row.h"
 
-#include <float.h>
 #include <locale.h>
-#include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-typedef enum column_kind {
-    COORDINATE,
-    HALF,    // >= 0
-    ANGLE,   // radians; not stored, so it may be any finite double
-    ROTATION // part of a quaternion; scaled before it is stored
-} column_kind;
-
-typedef struct column {
-    const char *name;
-    column_kind kind;
-} column;
-
-// A kind of row, and how one becomes an object.
-typedef struct layout {
-    uint32_t n;
-    uint32_t dims;
-    duet_shape shape;
-    column columns[SCENE_MAX_COLUMNS];
-    void (*store)(const double *row, void *object);
-} layout;
-
-static void store_bounds_2d(const double *row, void *object)
-{
-    *(duet_bounds *)object = (duet_bounds){
-        .lower = {(float)row[0], (float)row[1]},
-        .upper = {(float)row[2], (float)row[3]},
-    };
-}
-
-static void store_bounds_3d(const double *row, void *object)
-{
-    *(duet_bounds *)object = (duet_bounds){
-        .lower = {(float)row[0], (float)row[1], (float)row[2]},
-        .upper = {(float)row[3], (float)row[4], (float)row[5]},
-    };
-}
-
-// A quaternion's length does not count, but kernels square it in float. One
-// that is very short or long is brought to a length near 1 by a power of two,
-// which leaves its rotation exactly as it is.
-static void store_rotation(double x, double y, double z, double w, duet_pose *pose)
-{
-    double greatest = fmax(fmax(fabs(x), fabs(y)), fmax(fabs(z), fabs(w)));
-    int exponent = 0;
-    frexp(greatest, &exponent);
-    int shift = exponent < -32 || exponent > 32 ? -exponent : 0;
-    const double q[4] = {x, y, z, w};
-    for (int i = 0; i < 4; ++i)
-        pose->rotation[i] = (float)ldexp(q[i], shift);
-}
-
-static void store_pose_2d(const double *row, void *object)
-{
-    duet_pose *pose = object;
-    *pose = (duet_pose){
-        .centre = {(float)row[0], (float)row[1]},
-        .half = {(float)row[2], (float)row[3]},
-    };
-    store_rotation(0, 0, row[4], row[5], pose);
-}
-
-static void store_box_2d(const double *row, void *object)
-{
-    const double turn = row[4] / 2;
-    store_pose_2d((const double[6]){row[0], row[1], row[2], row[3], sin(turn), cos(turn)}, object);
-}
-
-static void store_pose_3d(const double *row, void *object)
-{
-    duet_pose *pose = object;
-    *pose = (duet_pose){
-        .centre = {(float)row[0], (float)row[1], (float)row[2]},
-        .half = {(float)row[3], (float)row[4], (float)row[5]},
-    };
-    store_rotation(row[6], row[7], row[8], row[9], pose);
-}
-
-// The rows that files have. No two have the same number of columns.
-static const layout layouts[] = {
-    {4,
-     2,
-     DUET_SHAPE_BOUNDS,
-     {{"min x", COORDINATE}, {"min y", COORDINATE}, {"max x", COORDINATE}, {"max y", COORDINATE}},
-     store_bounds_2d},
-    {5,
-     2,
-     DUET_SHAPE_POSES,
-     {{"cx", COORDINATE}, {"cy", COORDINATE}, {"hx", HALF}, {"hy", HALF}, {"angle", ANGLE}},
-     store_box_2d},
-    {6,
-     3,
-     DUET_SHAPE_BOUNDS,
-     {{"min x", COORDINATE},
-      {"min y", COORDINATE},
-      {"min z", COORDINATE},
-      {"max x", COORDINATE},
-      {"max y", COORDINATE},
-      {"max z", COORDINATE}},
-     store_bounds_3d},
-    {10,
-     3,
-     DUET_SHAPE_POSES,
-     {{"cx", COORDINATE},
-      {"cy", COORDINATE},
-      {"cz", COORDINATE},
-      {"hx", HALF},
-      {"hy", HALF},
-      {"hz", HALF},
-      {"qx", ROTATION},
-      {"qy", ROTATION},
-      {"qz", ROTATION},
-      {"qw", ROTATION}},
-     store_pose_3d},
-};
-
-// What duet_scene_from_poses makes of a pose in 2D; in no file.
-static const layout pose_2d = {6,
-                               2,
-                               DUET_SHAPE_POSES,
-                               {{"cx", COORDINATE},
-                                {"cy", COORDINATE},
-                                {"hx", HALF},
-                                {"hy", HALF},
-                                {"qz", ROTATION},
-                                {"qw", ROTATION}},
-                               store_pose_2d};
-
-static const layout *find_layout(uint32_t columns)
-{
-    for (size_t i = 0; i < sizeof layouts / sizeof layouts[0]; ++i)
-        if (layouts[i].n == columns)
-            return &layouts[i];
-    return NULL;
-}
-
-// ------------------------------------------------------------------ checks
-
-typedef struct place_text {
-    char chars[320];
-} place_text;
-
-static place_text name_place(scene_place place)
-{
-    place_text t = {""};
-    if (place.path && place.line > 0)
-        snprintf(t.chars, sizeof t.chars, "%s:%llu: ", place.path, (unsigned long long)place.line);
-    else if (place.path)
-        snprintf(t.chars, sizeof t.chars, "%s: ", place.path);
-    return t;
-}
-
-static bool refuse(const duet_scene *scene, scene_place place, duet_error *err, const char *format,
-                   ...) __attribute__((format(printf, 4, 5)));
-
-// BAD_OBJECT with the object's place and id before what is wrong.
-static bool refuse(const duet_scene *scene, scene_place place, duet_error *err, const char *format,
-                   ...)
-{
-    char what[128];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(what, sizeof what, format, args);
-    va_end(args);
-    return error_set(err, DUET_BAD_OBJECT, "%sobject %u: %s", name_place(place).chars,
-                     scene->info.n, what);
-}
-
-static bool check_number(const duet_scene *scene, const column *c, double value, scene_place place,
-                         duet_error *err)
-{
-    if (!isfinite(value))
-        return refuse(scene, place, err, "%s is %g; every number must be finite", c->name, value);
-    bool stored_as_given = c->kind == COORDINATE || c->kind == HALF;
-    if (stored_as_given && !isfinite((float)value))
-        return refuse(scene, place, err, "%s = %g does not fit a 32-bit float (at most %g)",
-                      c->name, value, (double)FLT_MAX);
-    if (c->kind == HALF && value < 0)
-        return refuse(scene, place, err, "%s = %g is negative; a half extent is 0 or more", c->name,
-                      value);
-    return true;
-}
-
-static bool check_corners(const duet_scene *scene, const layout *l, const double *row,
-                          scene_place place, duet_error *err)
-{
-    for (uint32_t i = 0; i < l->dims; ++i)
-        if (row[i] > row[i + l->dims])
-            return refuse(scene, place, err, "%s = %g is above %s = %g", l->columns[i].name, row[i],
-                          l->columns[i + l->dims].name, row[i + l->dims]);
-    return true;
-}
-
-static bool check_rotation(const duet_scene *scene, const layout *l, const double *row,
-                           scene_place place, duet_error *err)
-{
-    bool has_rotation = false;
-    for (uint32_t i = 0; i < l->n; ++i) {
-        if (l->columns[i].kind == ROTATION && row[i] != 0)
-            return true;
-        has_rotation = has_rotation || l->columns[i].kind == ROTATION;
-    }
-    return !has_rotation ||
-           refuse(scene, place, err, "the quaternion is zero; 0 0 0 1 is no rotation");
-}
-
-static bool check_row(const duet_scene *scene, const layout *l, const double *row,
-                      scene_place place, duet_error *err)
-{
-    for (uint32_t i = 0; i < l->n; ++i)
-        if (!check_number(scene, &l->columns[i], row[i], place, err))
-            return false;
-    return l->shape == DUET_SHAPE_BOUNDS ? check_corners(scene, l, row, place, err)
-                                         : check_rotation(scene, l, row, place, err);
-}
 
 // ----------------------------------------------------------------- filling
 
@@ -265,10 +44,10 @@ static bool reserve_one_more(duet_scene *scene, duet_error *err)
     return scene_reserve(scene, n > doubled ? n : doubled, err);
 }
 
-static bool add(duet_scene *scene, const layout *l, const double *row, scene_place place,
+static bool add(duet_scene *scene, const scene_layout *l, const double *row, scene_place place,
                 duet_error *err)
 {
-    if (!check_row(scene, l, row, place, err) || !reserve_one_more(scene, err))
+    if (!scene_row_check(l, row, scene->info.n, place, err) || !reserve_one_more(scene, err))
         return false;
     void *object = (char *)scene->objects + scene->info.n * object_size(scene);
     l->store(row, object);
@@ -282,20 +61,20 @@ static bool add(duet_scene *scene, const layout *l, const double *row, scene_pla
 
 bool scene_add_row(duet_scene *scene, const double *row, scene_place place, duet_error *err)
 {
-    return add(scene, find_layout(scene->columns), row, place, err);
+    return add(scene, scene_layout_find(scene->columns), row, place, err);
 }
 
 bool scene_set_columns(duet_scene *scene, uint32_t columns, scene_place place, duet_error *err)
 {
-    const layout *l = find_layout(columns);
+    const scene_layout *l = scene_layout_find(columns);
     if (scene->columns != 0 && columns != scene->columns)
         return error_set(err, DUET_BAD_INPUT,
                          "%sobject %u has %u numbers, where those before it have %u",
-                         name_place(place).chars, scene->info.n, columns, scene->columns);
+                         scene_place_name(place).chars, scene->info.n, columns, scene->columns);
     if (!l)
         return error_set(err, DUET_BAD_INPUT,
                          "%sobject %u has %u numbers; it must have " SCENE_COLUMNS,
-                         name_place(place).chars, scene->info.n, columns);
+                         scene_place_name(place).chars, scene->info.n, columns);
     scene->columns = columns;
     scene->info.dims = l->dims;
     scene->info.shape = l->shape;
@@ -372,6 +151,10 @@ static bool read_file(duet_scene *scene, const char *path, const duet_setting *s
 duet_scene *duet_scene_load(const char *path, const duet_setting *settings, uint32_t n_settings,
                             duet_error *err)
 {
+    if (!path || (n_settings > 0 && !settings)) {
+        error_set(err, DUET_BAD_ARGUMENT, "a scene is loaded without a path or its settings");
+        return NULL;
+    }
     // Numbers have a decimal point whatever the application's language.
     locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
     duet_scene *scene = plain ? scene_new(err) : NULL;
@@ -388,8 +171,13 @@ duet_scene *duet_scene_load(const char *path, const duet_setting *settings, uint
     return keep_if(ok, scene);
 }
 
-static duet_scene *start_copy(duet_shape shape, uint32_t n, uint32_t dims, duet_error *err)
+static duet_scene *start_copy(duet_shape shape, const void *objects, uint32_t n, uint32_t dims,
+                              duet_error *err)
 {
+    if (n > 0 && !objects) {
+        error_set(err, DUET_BAD_ARGUMENT, "%u objects, but no memory that holds them", n);
+        return NULL;
+    }
     if (dims != 2 && dims != 3) {
         error_set(err, DUET_BAD_ARGUMENT, "dims is %u; it must be 2 or 3", dims);
         return NULL;
@@ -407,8 +195,8 @@ static duet_scene *start_copy(duet_shape shape, uint32_t n, uint32_t dims, duet_
 duet_scene *duet_scene_from_poses(const duet_pose *poses, uint32_t n, uint32_t dims,
                                   duet_error *err)
 {
-    duet_scene *scene = start_copy(DUET_SHAPE_POSES, n, dims, err);
-    const layout *l = dims == 2 ? &pose_2d : find_layout(10);
+    duet_scene *scene = start_copy(DUET_SHAPE_POSES, poses, n, dims, err);
+    const scene_layout *l = dims == 2 ? &scene_layout_pose_2d : scene_layout_find(10);
     bool ok = scene != NULL;
     for (uint32_t i = 0; ok && i < n; ++i) {
         const float *c = poses[i].centre;
@@ -424,8 +212,8 @@ duet_scene *duet_scene_from_poses(const duet_pose *poses, uint32_t n, uint32_t d
 duet_scene *duet_scene_from_bounds(const duet_bounds *bounds, uint32_t n, uint32_t dims,
                                    duet_error *err)
 {
-    duet_scene *scene = start_copy(DUET_SHAPE_BOUNDS, n, dims, err);
-    const layout *l = find_layout(2 * dims);
+    duet_scene *scene = start_copy(DUET_SHAPE_BOUNDS, bounds, n, dims, err);
+    const scene_layout *l = scene_layout_find(2 * dims);
     bool ok = scene != NULL;
     for (uint32_t i = 0; ok && i < n; ++i) {
         double row[6];

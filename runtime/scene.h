@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: MIT
 // Objects and their world while a reader fills them.
 //
-// Readers (text, npy, Lua) hand over rows of numbers in double. What a row may
-// hold is checked here and nowhere else, so that a bad object is refused in
-// the same words from every kind of file.
+// Readers (text, npy, Lua) hand over rows of numbers in double. They are checked
+// on their way in and nowhere else, so that a bad object is refused in the same
+// words from every kind of file.
 #ifndef RUNTIME_SCENE_H
 #define RUNTIME_SCENE_H
 
 #include "runtime/duet.h"
+#include "runtime/scene_row.h"
 
 #define SCENE_MAX_OBJECTS 4294967294u // 2^32-2
-#define SCENE_MAX_COLUMNS 10
-#define SCENE_COLUMNS "4, 5, 6 or 10" // the counts that scene_set_columns takes
 
 struct duet_scene {
     duet_scene_info info;
@@ -20,13 +19,6 @@ struct duet_scene {
     void *objects;    // duet_pose or duet_bounds, as info.shape says
     uint64_t room;    // objects that fit
 };
-
-// Where a row comes from, for messages: "path:line: ", "path: " for line 0,
-// nothing for path NULL.
-typedef struct scene_place {
-    const char *path;
-    uint64_t line;
-} scene_place;
 
 // Decides what a row is, before the first one: 4, 5, 6 or 10 numbers
 // (docs/formats.md). False with BAD_INPUT for another count, or for one that

@@ -89,7 +89,7 @@ static int refuse(lua_State *L, const scene_reading *reading, const char *field,
 {
     lua_Debug caller;
     if (lua_getstack(L, 1, &caller))
-        return luaL_error(L, "object %d: %s", (int)reading->scene->info.n, what);
+        return luaL_error(L, "object %I: %s", (LUAI_UACINT)reading->scene->info.n, what);
     return field_raise(L, field, "object %u: %s", reading->scene->info.n, what);
 }
 

@@ -66,6 +66,17 @@ static void dims_other_than_2_and_3_are_refused(void **state)
     assert_null(duet_scene_from_bounds(NULL, 0, 0, NULL));
 }
 
+static void missing_memory_and_paths_are_refused(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    assert_null(duet_scene_from_poses(NULL, 1, 3, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_null(duet_scene_from_bounds(NULL, 1, 3, NULL));
+    assert_null(duet_scene_load(NULL, NULL, 0, NULL));
+    duet_scene_destroy(NULL);
+}
+
 static void none_and_one_and_two_objects_make_a_scene(void **state)
 {
     (void)state;
@@ -185,6 +196,7 @@ int main(void)
         cmocka_unit_test(a_bad_pose_is_refused_by_its_id),
         cmocka_unit_test(bad_bounds_are_refused_by_their_id),
         cmocka_unit_test(dims_other_than_2_and_3_are_refused),
+        cmocka_unit_test(missing_memory_and_paths_are_refused),
         cmocka_unit_test(none_and_one_and_two_objects_make_a_scene),
         cmocka_unit_test(what_2d_does_not_read_is_zero_in_the_scene),
         cmocka_unit_test(a_scene_is_rotated_where_a_vector_part_is_not_zero),
