@@ -200,7 +200,7 @@ bool gen_make(gen *g, const char *name, const gen_setting *settings, uint32_t n_
     kernel *k = find_kernel(g, name, err);
     if (!k)
         return false;
-    gen_setting config[CARD_MAX_PARAMS];
+    gen_setting config[CARD_MAX_PARAMS] = {{NULL, 0}};
     card_launch launch = {0};
     text out = {0};
     bool ok = fill_config(&k->card, settings, n_settings, limits, config, err);

@@ -46,21 +46,29 @@ static bool walk_block(card *c, const gen_limits *limits, uint64_t block, uint64
     return ok;
 }
 
-static bool count_blocks(space *s, card *c, const gen_limits *limits, duet_error *err)
+static bool fill_blocks(space *s, card *c, const gen_limits *limits, duet_error *err)
 {
     gen_setting config[CARD_MAX_PARAMS];
-    space_free(s);
-    bool ok = card_set_fallbacks(c, limits, err);
-    uint64_t n_blocks = (card_size(c) + BLOCK - 1) / BLOCK;
-    uint64_t *before = ok ? calloc(n_blocks + 1, sizeof *before) : NULL;
-    if (ok && !before)
-        ok = error_set(err, DUET_NO_MEMORY, "%s: no memory to count configs", c->kernel);
-    for (uint64_t i = 0; ok && i < n_blocks; ++i) {
+    bool ok = true;
+    for (uint64_t i = 0; ok && i < s->n_blocks; ++i) {
         uint64_t n = 0;
         ok = walk_block(c, limits, i, BLOCK, config, &n, err);
-        before[i + 1] = before[i] + n;
+        s->before[i + 1] = s->before[i] + n;
     }
-    *s = (space){.limits = *limits, .before = before, .n_blocks = n_blocks};
+    return ok;
+}
+
+static bool count_blocks(space *s, card *c, const gen_limits *limits, duet_error *err)
+{
+    space_free(s);
+    if (!card_set_fallbacks(c, limits, err))
+        return false;
+    s->limits = *limits;
+    s->n_blocks = (card_size(c) + BLOCK - 1) / BLOCK;
+    s->before = calloc(s->n_blocks + 1, sizeof *s->before);
+    bool ok =
+        s->before || error_set(err, DUET_NO_MEMORY, "%s: no memory to count configs", c->kernel);
+    ok = ok && fill_blocks(s, c, limits, err);
     if (!ok)
         space_free(s);
     return ok;
