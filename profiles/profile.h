@@ -18,7 +18,7 @@ typedef struct profile_row {
     double gain; // over the best single device: 0.25 is a quarter faster
     double gain_low;
     double gain_high;
-    const char *verdict;  // "faster", "same" or "slower" than the best single device
+    const char *verdict;  // "faster", "same", "slower" than the best single device, or "ambiguous"
     double missed_rate;   // pairs missed, by true pairs, as measured; 0: none
     double false_rate;    // pairs reported in excess, by true pairs
     const char *origin;   // "measured", "online" or "manual"

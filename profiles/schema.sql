@@ -157,7 +157,8 @@ CREATE TABLE profile (
   gain        REAL NOT NULL,             -- over the best single device
   gain_low    REAL NOT NULL,
   gain_high   REAL NOT NULL,
-  verdict     TEXT NOT NULL CHECK (verdict IN ('faster', 'same', 'slower')),
+  verdict     TEXT NOT NULL
+              CHECK (verdict IN ('faster', 'same', 'slower', 'ambiguous')),
   missed_rate REAL NOT NULL,             -- pairs missed, by true pairs
   false_rate  REAL NOT NULL,             -- pairs in excess, by true pairs
   origin      TEXT NOT NULL CHECK (origin IN ('measured', 'online', 'manual')),
