@@ -16,11 +16,18 @@ typedef struct selector_pair {
     char b[80];
 } selector_pair;
 
+// An empty variable is as if it were not set.
+static const char *variable(const char *name)
+{
+    const char *value = getenv(name);
+    return value && *value ? value : NULL;
+}
+
 duet_device_pair_def duet_default_device_pair_def(void)
 {
     return (duet_device_pair_def){
-        .kernel_dir = getenv("DUET_KERNEL_DIR"),
-        .cache_dir = getenv("DUET_CACHE"),
+        .kernel_dir = variable("DUET_KERNEL_DIR"),
+        .cache_dir = variable("DUET_CACHE"),
         .cookie = COOKIE,
     };
 }

@@ -124,6 +124,18 @@ static void kernels_are_listed_with_what_varies(void **state)
     program_free(&p);
 }
 
+static void a_folder_replaces_the_carried_kernels(void **state)
+{
+    (void)state;
+    program p = program_run_with("DUET_KERNEL_DIR=", "source scan"); // as if not set
+    assert_int_equal(p.exit_code, 0);
+    program_free(&p);
+    p = program_run_with(data_dir, "source scan");
+    program_assert_refused(&p, 1, "no kernel 'scan': there are plain, shaped");
+    p = program_run_with("DUET_KERNEL_DIR=no/such", "source scan");
+    program_assert_refused(&p, 1, "kernel folder no/such: No such file or directory");
+}
+
 static void every_config_of_a_small_space_is_compiled(void **state)
 {
     (void)state;
@@ -205,6 +217,7 @@ int main(void)
         cmocka_unit_test(a_device_decides_defaults),
         cmocka_unit_test(a_scene_decides_what_is_compiled_in),
         cmocka_unit_test(kernels_are_listed_with_what_varies),
+        cmocka_unit_test(a_folder_replaces_the_carried_kernels),
         cmocka_unit_test(every_config_of_a_small_space_is_compiled),
         cmocka_unit_test(what_does_not_compile_is_told_with_our_file_and_line),
         cmocka_unit_test(wrong_usage_is_one_line),
