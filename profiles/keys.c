@@ -113,8 +113,9 @@ static const struct {
 bool key_check(store *s, const char *table, int64_t id, bool *right, duet_error *err)
 {
     size_t k = 0;
-    while (strcmp(kinds[k].table, table) != 0)
-        assert(++k < sizeof kinds / sizeof kinds[0]);
+    while (k < sizeof kinds / sizeof kinds[0] && strcmp(kinds[k].table, table) != 0)
+        ++k;
+    assert(k < sizeof kinds / sizeof kinds[0]);
     sql q = sql_make(s, kinds[k].query, err);
     sql_int(&q, id);
     duet_error wrong = {0}; // a field that cannot be is a wrong row and no failure
