@@ -35,9 +35,9 @@ static void add_words(text *t, const char *words)
 
 static void add_kind(text *t, const profile_workload *w)
 {
-    text_add(t, "%uD %s%s, level %s, effects ", w->dims, w->shape, w->rotated ? " rotated" : "",
+    text_add(t, "%uD %s%s, level %s, effects: ", w->dims, w->shape, w->rotated ? " rotated" : "",
              w->level);
-    add_words(t, w->effects);
+    add_words(t, w->effects && *w->effects ? w->effects : "none");
 }
 
 // Two significant digits of a count.

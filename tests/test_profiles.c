@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: MIT
+// duet profiles, as a person calls it.
+#define _POSIX_C_SOURCE 200809L
+#include "profiles/sql.h"
+#include "support/program.h"
+#include "support/store.h"
+#include "support/test.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+// A store with two profiles, one of them replaced once.
+static test_folder make_store(void)
+{
+    test_folder folder = test_folder_make();
+    duet_error err = {0};
+    store *s = store_open(folder.store, STORE_WRITE, &err);
+    assert_ok(s, err);
+    profile_pair pair = test_pair();
+    profile_workload small = test_workload(1000);
+    profile_workload large = test_workload(250000);
+    test_tune(s, &pair, &small);
+    test_tune(s, &pair, &large);
+    test_tune(s, &pair, &large);
+    store_close(s);
+    return folder;
+}
+
+static program run_on(const test_folder *folder, const char *arguments)
+{
+    char variables[160];
+    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder->store);
+    return program_run_with(variables, "profiles %s", arguments);
+}
+
+static cJSON *run_json(const test_folder *folder, const char *arguments)
+{
+    program p = run_on(folder, arguments);
+    if (p.exit_code != 0)
+        fail_msg("profiles %s: %s", arguments, p.err);
+    assert_string_equal(p.err, "");
+    const char *end = NULL;
+    cJSON *o = cJSON_ParseWithOpts(p.out, &end, false);
+    assert_true(cJSON_IsObject(o));
+    assert_string_equal(end, "\n");
+    program_free(&p);
+    return o;
+}
+
+static double number_of(const cJSON *o, const char *key)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, key);
+    if (!cJSON_IsNumber(item))
+        fail_msg("no number '%s'", key);
+    return item->valuedouble;
+}
+
+static const char *string_of(const cJSON *o, const char *key)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, key);
+    if (!cJSON_IsString(item))
+        fail_msg("no string '%s'", key);
+    return item->valuestring;
+}
+
+static const cJSON *array_of(const cJSON *o, const char *key, int n)
+{
+    const cJSON *array = cJSON_GetObjectItemCaseSensitive(o, key);
+    assert_true(cJSON_IsArray(array));
+    assert_int_equal(cJSON_GetArraySize(array), n);
+    return array;
+}
+
+static void assert_prints(const test_folder *folder, const char *arguments, const char *says)
+{
+    program p = run_on(folder, arguments);
+    assert_string_equal(p.err, "");
+    assert_int_equal(p.exit_code, 0);
+    if (!strstr(p.out, says))
+        fail_msg("profiles %s does not say '%s':\n%s", arguments, says, p.out);
+    program_free(&p);
+}
+
+static void assert_refused(const test_folder *folder, const char *arguments, int code,
+                           const char *says)
+{
+    program p = run_on(folder, arguments);
+    program_assert_refused(&p, code, says);
+}
+
+static void list_shows_what_an_application_would_load(void **state)
+{
+    (void)state;
+    test_folder folder = make_store();
+    cJSON *o = run_json(&folder, "list --json");
+    const cJSON *profiles = array_of(o, "profiles", 2);
+    const cJSON *large = cJSON_GetArrayItem(profiles, 1);
+    assert_int_equal(number_of(large, "objects"), 250000);
+    assert_true(number_of(large, "share") == 0.125);
+    assert_true(number_of(large, "gain") == 0.12);
+    assert_string_equal(string_of(large, "verdict"), "faster");
+    assert_string_equal(string_of(large, "mode"), "own");
+    assert_string_equal(string_of(cJSON_GetObjectItemCaseSensitive(large, "b"), "name"),
+                        "NVIDIA H200");
+    cJSON_Delete(o);
+    o = run_json(&folder, "list --dead --json");
+    array_of(o, "profiles", 3);
+    cJSON_Delete(o);
+    assert_prints(&folder, "list", "A: pthread-AMD EPYC 7763 64-Core Processor [0-0], driver 3.1");
+    assert_prints(&folder, "list", "250 000");
+    assert_prints(&folder, "list --dead", "tuned again");
+    test_folder_remove(&folder);
+}
+
+static void show_gives_a_profile_with_its_trials(void **state)
+{
+    (void)state;
+    test_folder folder = make_store();
+    cJSON *all = run_json(&folder, "list --json");
+    const cJSON *first = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(all, "profiles"), 0);
+    char arguments[96];
+    snprintf(arguments, sizeof arguments, "show %.12s --json", string_of(first, "uid"));
+    cJSON *o = run_json(&folder, arguments);
+    const cJSON *trials = array_of(o, "trials", 9);
+    assert_string_equal(string_of(o, "uid"), string_of(first, "uid"));
+    assert_true(number_of(cJSON_GetArrayItem(trials, 8), "share") == 1);
+    const cJSON *session = cJSON_GetObjectItemCaseSensitive(o, "session");
+    assert_string_equal(string_of(session, "strategy"), "balance");
+    assert_string_equal(string_of(session, "script"), "return { n = 1000 }");
+    assert_int_equal(number_of(session, "launches"), 27);
+    snprintf(arguments, sizeof arguments, "show %.12s", string_of(first, "uid"));
+    assert_prints(&folder, arguments, "gain      +12.0 % (+10.0 to +14.0)");
+    assert_prints(&folder, arguments, "search    balance, seed 1, 9 trials, 27 launches");
+    cJSON_Delete(o);
+    cJSON_Delete(all);
+    assert_refused(&folder, "show zz", 1, "no profile begins with 'zz'");
+    assert_refused(&folder, "show ''", 2, "3 profiles begin with ''");
+    test_folder_remove(&folder);
+}
+
+static void rows_go_out_and_into_another_store(void **state)
+{
+    (void)state;
+    test_folder folder = make_store();
+    test_folder other = test_folder_make();
+    char arguments[160];
+    snprintf(arguments, sizeof arguments, "export %s/rows.jsonl", folder.path);
+    program p = run_on(&folder, arguments);
+    assert_int_equal(p.exit_code, 0);
+    assert_string_equal(p.out, "");
+    program_free(&p);
+    snprintf(arguments, sizeof arguments, "import %s/rows.jsonl --json", folder.path);
+    cJSON *o = run_json(&other, arguments);
+    assert_int_equal(number_of(o, "known"), 0);
+    double added = number_of(o, "added");
+    cJSON_Delete(o);
+    snprintf(arguments, sizeof arguments, "merge %s --json", folder.store);
+    o = run_json(&other, arguments);
+    assert_int_equal(number_of(o, "added"), 0);
+    assert_true(number_of(o, "known") == added);
+    cJSON_Delete(o);
+    snprintf(arguments, sizeof arguments, "export | cmp - %s/rows.jsonl", folder.path);
+    p = run_on(&other, arguments);
+    assert_int_equal(p.exit_code, 0);
+    program_free(&p);
+    test_folder_remove(&folder);
+    test_folder_remove(&other);
+}
+
+static void a_bad_line_is_named_and_the_store_untouched(void **state)
+{
+    (void)state;
+    test_folder folder = make_store();
+    test_folder other = test_folder_make();
+    char arguments[256];
+    snprintf(arguments, sizeof arguments,
+             "export | sed '4s/\"type\"/\"tpye\"/' >%s/rows.jsonl; true", folder.path);
+    program p = run_on(&folder, arguments);
+    program_free(&p);
+    snprintf(arguments, sizeof arguments, "import %s/rows.jsonl", folder.path);
+    char says[128];
+    snprintf(says, sizeof says, "%s/rows.jsonl:4: its type is none of", folder.path);
+    assert_refused(&other, arguments, 1, says);
+    cJSON *o = run_json(&other, "list --json");
+    array_of(o, "profiles", 0);
+    cJSON_Delete(o);
+    test_folder_remove(&folder);
+    test_folder_remove(&other);
+}
+
+static void prune_and_check_say_what_they_found(void **state)
+{
+    (void)state;
+    test_folder folder = make_store();
+    cJSON *o = run_json(&folder, "prune --samples 1 --dead --json");
+    assert_int_equal(number_of(o, "samples"), 27 * 3);
+    assert_int_equal(number_of(o, "profiles"), 1);
+    cJSON_Delete(o);
+    assert_prints(&folder, "prune", "0 launches and 0 profiles forgotten");
+    o = run_json(&folder, "check --json");
+    array_of(o, "problems", 0);
+    cJSON_Delete(o);
+    assert_prints(&folder, "check", "sound");
+    duet_error err = {0};
+    store *s = store_open(folder.store, STORE_WRITE, &err);
+    assert_ok(s && sql_script(s, "UPDATE device SET units = 7", &err), err);
+    store_close(s);
+    program p = run_on(&folder, "check");
+    assert_int_equal(p.exit_code, 1);
+    assert_non_null(strstr(p.out, "its key is not that of its fields"));
+    assert_non_null(strstr(p.err, "rows are not sound"));
+    program_free(&p);
+    test_folder_remove(&folder);
+}
+
+static void what_is_wrong_is_said_in_one_line(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    assert_refused(&folder, "", 2, "what to do is missing: give one of list, show,");
+    assert_refused(&folder, "juggle", 2, "there is no 'juggle': give one of list, show,");
+    assert_refused(&folder, "list extra", 2, "'extra' is one argument too many");
+    assert_refused(&folder, "import", 2, "FILE|- is missing");
+    assert_refused(&folder, "prune --samples -1", 2, "--samples");
+    assert_refused(&folder, "list", 1, "there is no profile store; duet tune makes one");
+    assert_refused(&folder, "import no/such.jsonl", 1, "no/such.jsonl: No such file");
+    duet_error err = {0};
+    assert_ok(text_write_file(folder.store, "rubbish", 7, &err), err);
+    assert_refused(&folder, "list", 1, "is not a profile store and was left as it is");
+    assert_refused(&folder, "prune", 1, "is not a profile store and was left as it is");
+    test_folder_remove(&folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(list_shows_what_an_application_would_load),
+        cmocka_unit_test(show_gives_a_profile_with_its_trials),
+        cmocka_unit_test(rows_go_out_and_into_another_store),
+        cmocka_unit_test(a_bad_line_is_named_and_the_store_untouched),
+        cmocka_unit_test(prune_and_check_say_what_they_found),
+        cmocka_unit_test(what_is_wrong_is_said_in_one_line),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

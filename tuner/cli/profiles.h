@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// The verbs of `duet profiles`. argv[0] is "profiles VERB"; the exit status
+// comes back.
+#ifndef CLI_PROFILES_H
+#define CLI_PROFILES_H
+
+#include "profiles/store.h"
+
+int profiles_list(int argc, char **argv);
+int profiles_show(int argc, char **argv);
+
+// Opens the store at path, or the user's where that is NULL, and tells on
+// stderr what should be known of it.
+store *profiles_open(const char *path, store_access access, duet_error *err);
+
+// "2026-11-21 08:17", UTC; empty for 0.
+typedef struct profiles_date {
+    char chars[32];
+} profiles_date;
+
+profiles_date profiles_when(int64_t calendar_ns);
+
+#define PROFILE_OPTION_ROW(member) \
+    OPTION_TEXT("profile", member, "FILE", "the store (DUET_PROFILE, or the user's own)")
+
+#endif
