@@ -4,18 +4,18 @@
 //
 //   objects [n]    poses or bounds
 //   boxes   [n][2] lower and upper corner, rounded outward
-__kernel void find_bounds(__global const float *restrict objects, uint n, float4 limit,
-                          __global float4 *restrict boxes, volatile __global uint *restrict counters)
+__kernel void find_bounds(__global const float *restrict objects, uint n, __constant const grid_level *levels,
+                          uint n_levels, __global float4 *restrict boxes, volatile __global uint *restrict counters)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         uint ids[1] = {id};
         object o = object_at(objects, ids);
-        mask bad = object_is_bad(&o);
+        if (object_is_bad(&o))
+            continue;
         bounds b = object_bounds(&o);
-        clear_bounds(&b, bad);
-        check_extent(&o, bad, limit, counters);
+        check_extent(&o, levels, n_levels, counters);
         boxes[2 * (size_t)id] = (float4)(b.lower[0], b.lower[1], b.lower[2], 0.0f);
         boxes[2 * (size_t)id + 1] = (float4)(b.upper[0], b.upper[1], b.upper[2], 0.0f);
     }

@@ -6,6 +6,8 @@ return {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
+    { "GRID", values = { 0 }, default = 0, about = "0 dense" },
+    { "LEVELS", values = { 0 }, default = 0, about = "one size of cells" },
     { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
       about = "work-items a group" },

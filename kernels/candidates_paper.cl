@@ -5,7 +5,7 @@
 //
 //   keys   [n]       sorted cells
 //   ids    [n]       objects in that order
-//   starts [n_cells] first of each cell, or NONE
+//   starts [n_own_cells] first of each cell from key_from, or NONE
 //   boxes  [n][2]    bounds by id
 //   found  [room]    pairs of ids; the answer itself with IDS
 #define NONE 0xffffffffu
@@ -23,23 +23,26 @@ static inline bool bounds_overlap(float4 lower_a, float4 upper_a, float4 lower_b
 __kernel void candidates_paper(__global const uint *restrict keys, __global const uint *restrict ids,
                                __global const uint *restrict starts,
                                __global const float4 *restrict boxes, uint n, uint first, uint last,
-                               int4 cells, uint n_cells, __global uint2 *restrict found, uint room,
-                               volatile __global uint *restrict counters)
+                               int4 cells, uint key_from, uint n_home_cells, uint n_own_cells,
+                               __global uint2 *restrict found, uint room, volatile __global uint *restrict counters)
 {
     uint i = first + get_global_id(0);
-    if (i >= last || keys[i] >= n_cells)
+    if (i >= min(last, n) || keys[i] >= n_home_cells)
         return;
     uint id = ids[i];
     float4 lower = boxes[2 * (size_t)id];
     float4 upper = boxes[2 * (size_t)id + 1];
-    uint row = keys[i] / (uint)cells.x;
-    int x = (int)(keys[i] % (uint)cells.x);
+    uint key = keys[i] + key_from;
+    uint row = key / (uint)cells.x;
+    int x = (int)(key % (uint)cells.x);
     int y = (int)(row % (uint)cells.y);
     int z = (int)(row / (uint)cells.y);
     for (int cz = max(z - 1, 0); cz <= min(z + 1, cells.z - 1); ++cz) {
         for (int cy = max(y - 1, 0); cy <= min(y + 1, cells.y - 1); ++cy) {
             for (int cx = max(x - 1, 0); cx <= min(x + 1, cells.x - 1); ++cx) {
-                uint cell = ((uint)cz * (uint)cells.y + (uint)cy) * (uint)cells.x + (uint)cx;
+                uint cell = ((uint)cz * (uint)cells.y + (uint)cy) * (uint)cells.x + (uint)cx - key_from;
+                if (cell >= n_own_cells) // the other device's, and found from there
+                    continue;
                 uint start = starts[cell];
                 if (start == NONE)
                     continue;

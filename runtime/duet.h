@@ -157,7 +157,8 @@ DUET_API const duet_bounds *duet_scene_bounds(const duet_scene *scene); // [n], 
 
 typedef enum duet_mode {
     DUET_MODE_SHARED, // B builds the grid and A receives it (the paper, section 4.1)
-    DUET_MODE_OWN     // each device builds the grid from its own poses
+    DUET_MODE_OWN,    // each device builds the whole grid from its own poses
+    DUET_MODE_SLAB    // each device builds only its slab of the grid and the ghost rows ahead
 } duet_mode;
 
 DUET_API const char *duet_mode_name(duet_mode mode); // "shared"; NULL outside
@@ -210,7 +211,8 @@ DUET_API bool duet_world_set_bounds(duet_world *world, const duet_bounds *bounds
 DUET_API bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err);
 
 // Room for n poses in memory that the devices read without a copy of ours.
-// Valid until the next map, set or destroy; write, then step.
+// Valid until the next map, set or destroy: map, write, then step. Objects that
+// were neither set nor mapped since the last step are not sent again.
 DUET_API duet_pose *duet_world_map_poses(duet_world *world, uint32_t n, duet_error *err);
 
 DUET_API bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err);
@@ -245,8 +247,10 @@ typedef struct duet_result {
     const duet_stage *stages;
     uint32_t n_stages;
     uint64_t bytes[2]; // memory held on each device
-    uint32_t cells[3]; // the grid
-    float cell;        // its least edge
+    uint32_t cells[3]; // of the grid's finest level
+    float cell;        // their least edge
+    uint32_t levels;   // sizes of cells
+    bool hashed;       // cells share a table's entries, as in a sparse world
     bool cell_widened; // the edge asked for was below the largest object
     uint32_t runs;     // 1, or more where a buffer had to grow
 } duet_result;

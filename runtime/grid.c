@@ -1,138 +1,311 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/grid.h"
 
+#include "runtime/base/error.h"
+
 #include <math.h>
-#include <stdbool.h>
+#include <stdlib.h>
 
 // Dense cell starts cost four bytes a cell; four cells an object keep them
 // below a tenth of what an object itself takes.
 static const double cells_per_object = 4.0;
-static const double most_along = 65536.0;
+static const double most_dense_along = 0x1p16;
+static const double most_hashed_along = 0x1p30;
 
-static grid_needs no_needs(void)
-{
-    return (grid_needs){
-        .lower = {INFINITY, INFINITY, INFINITY},
-        .upper = {-INFINITY, -INFINITY, -INFINITY},
-    };
-}
+// A row of cells costs about as much to look up as this many objects to test.
+static const double row_cost = 4.0;
 
-static void add_needs(grid_needs *needs, const double centre[3], double widest, uint32_t id,
-                      uint32_t dims)
-{
-    for (uint32_t k = 0; k < dims; ++k) {
-        needs->lower[k] = fmin(needs->lower[k], centre[k]);
-        needs->upper[k] = fmax(needs->upper[k], centre[k]);
-    }
-    if (widest > needs->widest) {
-        needs->widest = widest;
-        needs->widest_id = id;
-    }
-}
-
-// The widest extent of the rotated box: rows of |M(q)| / |q|^2 times the half
-// extents, twice.
-static double widest_of_pose(const duet_pose *p, uint32_t dims)
-{
-    double x = dims == 3 ? p->rotation[0] : 0.0;
-    double y = dims == 3 ? p->rotation[1] : 0.0;
-    double z = p->rotation[2];
-    double w = p->rotation[3];
-    double hx = p->half[0];
-    double hy = p->half[1];
-    double hz = dims == 3 ? p->half[2] : 0.0;
-    double scale = 2.0 / (x * x + y * y + z * z + w * w);
-    double rx = fabs(w * w + x * x - y * y - z * z) * hx + 2.0 * fabs(x * y - w * z) * hy +
-                2.0 * fabs(x * z + w * y) * hz;
-    double ry = 2.0 * fabs(x * y + w * z) * hx + fabs(w * w - x * x + y * y - z * z) * hy +
-                2.0 * fabs(y * z - w * x) * hz;
-    double rz = 2.0 * fabs(x * z - w * y) * hx + 2.0 * fabs(y * z + w * x) * hy +
-                fabs(w * w - x * x - y * y + z * z) * hz;
-    double widest = fmax(rx, ry);
-    return scale * (dims == 3 ? fmax(widest, rz) : widest);
-}
-
-grid_needs grid_needs_of_poses(const duet_pose *poses, uint32_t n, uint32_t dims)
-{
-    grid_needs needs = no_needs();
-    for (uint32_t id = 0; id < n; ++id) {
-        const duet_pose *p = &poses[id];
-        double centre[3] = {p->centre[0], p->centre[1], dims == 3 ? p->centre[2] : 0.0};
-        double widest = widest_of_pose(p, dims);
-        if (isfinite(centre[0] + centre[1] + centre[2] + widest))
-            add_needs(&needs, centre, widest, id, dims);
-    }
-    return needs;
-}
-
-grid_needs grid_needs_of_bounds(const duet_bounds *bounds, uint32_t n, uint32_t dims)
-{
-    grid_needs needs = no_needs();
-    for (uint32_t id = 0; id < n; ++id) {
-        const duet_bounds *b = &bounds[id];
-        double centre[3] = {0.0, 0.0, 0.0};
-        double widest = 0.0;
-        for (uint32_t k = 0; k < dims; ++k) {
-            centre[k] = 0.5 * ((double)b->lower[k] + (double)b->upper[k]);
-            widest = fmax(widest, (double)b->upper[k] - (double)b->lower[k]);
-        }
-        if (isfinite(centre[0] + centre[1] + centre[2] + widest))
-            add_needs(&needs, centre, widest, id, dims);
-    }
-    return needs;
-}
+// From this many others in an object's own cell on, a hashed grid with its
+// finer cells is the better one.
+static const double crowded = 8.0;
 
 static double margin(double cells)
 {
     return 1.0 + 0x1p-16 + cells * 0x1p-21;
 }
 
-// As many cells as hold the edge with its margin.
-static double count_along(double length, double edge)
+// ---------------------------------------------------------------- levels
+
+// One level on the way to a grid: how many objects, and how wide they are.
+typedef struct size_class {
+    double n;
+    double widest;
+} size_class;
+
+typedef struct size_classes {
+    size_class at[GRID_OCTAVES]; // finest first
+    uint32_t n;
+} size_classes;
+
+// Tests and look-ups of all objects, were they spread evenly over the volume.
+static double estimate_cost(const size_classes *classes, double volume, uint32_t dims)
 {
-    double most = edge > 0.0 ? fmin(length / edge, most_along) : most_along;
-    double cells = edge > 0.0 ? floor(length / (edge * margin(most))) : most_along;
-    return fmax(1.0, fmin(cells, most_along));
+    double rows = dims == 3 ? 5.0 : 2.0;
+    double cost = 0.0;
+    for (uint32_t l = 0; l < classes->n; ++l) {
+        const size_class *own = &classes->at[l];
+        double around = pow(3.0 * own->widest, dims) / 2.0;
+        double tests = fmin(own->n * around / volume, own->n);
+        double each = rows * row_cost + tests;
+        for (uint32_t m = l + 1; m < classes->n; ++m) {
+            const size_class *coarse = &classes->at[m];
+            double reach = pow(own->widest + 2.0 * coarse->widest, dims);
+            each += rows * row_cost + fmin(coarse->n * reach / volume, coarse->n);
+        }
+        cost += own->n * each;
+    }
+    return cost;
 }
 
-// Widens the edge until the cells are few enough.
-static void choose_cells(grid *g, const double length[3], double edge, double most, uint32_t dims)
+// Joins class i with the one after it.
+static size_classes joined(const size_classes *classes, uint32_t i)
+{
+    size_classes fewer = *classes;
+    fewer.at[i + 1].n += fewer.at[i].n;
+    for (uint32_t k = i; k + 1 < fewer.n; ++k)
+        fewer.at[k] = fewer.at[k + 1];
+    --fewer.n;
+    return fewer;
+}
+
+// Starts from a level an octave and joins neighbours while that costs less, or
+// while there are too many.
+static void choose_levels(size_classes *classes, double volume, uint32_t dims)
+{
+    double cost = estimate_cost(classes, volume, dims);
+    for (;;) {
+        size_classes best = *classes;
+        double best_cost = classes->n > GRID_LEVELS ? INFINITY : cost;
+        for (uint32_t i = 0; i + 1 < classes->n; ++i) {
+            size_classes fewer = joined(classes, i);
+            double fewer_cost = estimate_cost(&fewer, volume, dims);
+            if (fewer_cost <= best_cost) {
+                best = fewer;
+                best_cost = fewer_cost;
+            }
+        }
+        if (best.n == classes->n)
+            return;
+        *classes = best;
+        cost = best_cost;
+    }
+}
+
+static void classify(size_classes *classes, const grid_needs *needs)
+{
+    classes->n = 0;
+    for (uint32_t k = 0; k < GRID_OCTAVES; ++k)
+        if (needs->octave_n[k] > 0)
+            classes->at[classes->n++] = (size_class){needs->octave_n[k], needs->octave_widest[k]};
+}
+
+// ---------------------------------------------------------------- cells
+
+// As many cells as hold the edge with its margin.
+static double count_along(double length, double edge, double most)
+{
+    if (!(edge > 0.0))
+        return length > 0.0 ? most : 1.0;
+    double about = fmin(length / edge, most);
+    return fmax(1.0, fmin(floor(length / (edge * margin(about))), most));
+}
+
+static double count_cells(const double length[3], double edge)
+{
+    double total = 1.0;
+    for (int k = 0; k < 3; ++k)
+        total *= count_along(length[k], edge, most_dense_along);
+    return total;
+}
+
+// Widens the level with the most cells until all levels together have few
+// enough; one that has become as wide as the next takes its objects over.
+static void limit_cells(double edges[], uint32_t *n_levels, const double length[3], double most)
 {
     for (;;) {
-        double total = 1.0;
-        for (uint32_t k = 0; k < 3; ++k) {
-            double along = k < dims ? count_along(length[k], edge) : 1.0;
-            g->cells[k] = (uint32_t)along;
-            total *= along;
+        double total = 0.0;
+        double largest = -1.0;
+        uint32_t widen = 0;
+        for (uint32_t l = 0; l < *n_levels; ++l) {
+            double cells = count_cells(length, edges[l]);
+            total += cells;
+            if (cells > largest) {
+                largest = cells;
+                widen = l;
+            }
         }
-        if (total <= most) {
-            g->n_cells = (uint32_t)total;
+        if (total <= most)
             return;
+        double longest = fmax(length[0], fmax(length[1], length[2]));
+        edges[widen] = fmax(edges[widen] * 1.05, longest / most_dense_along);
+        while (widen + 1 < *n_levels && edges[widen] >= edges[widen + 1]) {
+            for (uint32_t l = widen + 1; l + 1 < *n_levels; ++l)
+                edges[l] = edges[l + 1];
+            --*n_levels;
         }
-        double longest = fmax(length[0], fmax(length[1], dims == 3 ? length[2] : 0.0));
-        edge = fmax(edge * 1.1, longest / most_along);
     }
 }
 
-grid grid_fit(const double lower[3], const double upper[3], double edge, uint32_t n, uint32_t dims)
+static grid_level make_level(const double lower[3], const double length[3], double edge, bool dense,
+                             uint32_t dims)
 {
-    grid g = {.n_cells = 1, .cells = {1, 1, 1}};
-    double length[3] = {0.0, 0.0, 0.0};
-    for (uint32_t k = 0; k < dims; ++k)
-        length[k] = upper[k] > lower[k] ? upper[k] - lower[k] : 0.0;
-    double most = fmin(cells_per_object * n + 64.0, 0x1p31);
-    choose_cells(&g, length, edge, most, dims);
-    g.edge = INFINITY;
+    grid_level level = {.cells = {{1, 1, 1, 0}}};
     for (uint32_t k = 0; k < dims; ++k) {
-        double along = fmax(length[k] / g.cells[k], edge * margin(g.cells[k]));
+        double most = dense ? most_dense_along : most_hashed_along;
+        double cells = count_along(length[k], edge, most);
+        double slack = dense ? margin(cells) : margin(0.0);
+        double along = fmax(length[k] / cells, edge * slack);
         if (!(along > 0.0)) // points in one place
             along = 1.0;
-        g.lower.s[k] = length[k] > 0.0 || isfinite(lower[k]) ? (float)lower[k] : 0.0f;
-        g.per_cell.s[k] = (float)(1.0 / along);
-        g.limit.s[k] = g.cells[k] == 1 ? INFINITY : (float)(along / margin(g.cells[k]));
-        g.edge = fminf(g.edge, (float)along);
+        level.cells.s[k] = (cl_int)cells;
+        level.lower.s[k] = (cl_float)lower[k];
+        level.per_cell.s[k] = (cl_float)(1.0 / along);
+        level.limit.s[k] = cells == 1.0 ? INFINITY : (cl_float)(along / slack);
     }
-    while (g.key_bits < 32 && g.n_cells >> g.key_bits)
-        ++g.key_bits;
+    return level;
+}
+
+static float least_edge(const grid_level *level, uint32_t dims)
+{
+    float edge = INFINITY;
+    for (uint32_t k = 0; k < dims; ++k)
+        edge = fminf(edge, 1.0f / level->per_cell.s[k]);
+    return edge;
+}
+
+static void set_key_bits(grid *g)
+{
+    g->key_bits = 0;
+    while (g->key_bits < 32 && g->n_cells >> g->key_bits)
+        ++g->key_bits;
+}
+
+static grid make_dense(const double lower[3], const double length[3], const size_classes *classes,
+                       uint32_t n, uint32_t dims)
+{
+    double edges[GRID_LEVELS];
+    grid g = {.kind = GRID_DENSE, .n_levels = classes->n};
+    for (uint32_t l = 0; l < g.n_levels; ++l)
+        edges[l] = classes->at[l].widest;
+    limit_cells(edges, &g.n_levels, length, fmin(cells_per_object * n + 64.0, 0x1p31));
+    for (uint32_t l = 0; l < g.n_levels; ++l) {
+        g.levels[l] = make_level(lower, length, edges[l], true, dims);
+        const cl_int *cells = g.levels[l].cells.s;
+        g.levels[l].cells.s[3] = (cl_int)g.n_cells;
+        g.n_cells += (uint32_t)cells[0] * (uint32_t)cells[1] * (uint32_t)cells[2];
+    }
+    g.edge = least_edge(&g.levels[0], dims);
+    set_key_bits(&g);
     return g;
+}
+
+static grid make_hashed(const double lower[3], const double length[3], const size_classes *classes,
+                        uint32_t n, uint32_t dims)
+{
+    grid g = {.kind = GRID_HASHED, .n_levels = classes->n, .n_cells = 1024};
+    while (g.n_cells < 0x80000000u && g.n_cells < 2 * (uint64_t)n)
+        g.n_cells *= 2;
+    for (uint32_t l = 0; l < g.n_levels; ++l)
+        g.levels[l] = make_level(lower, length, classes->at[l].widest, false, dims);
+    g.edge = least_edge(&g.levels[0], dims);
+    set_key_bits(&g);
+    return g;
+}
+
+// ---------------------------------------------------------------- crowds
+
+uint32_t grid_rows(const grid *g)
+{
+    return g->n_cells / (uint32_t)g->levels[0].cells.s[0];
+}
+
+static uint32_t cell_along(double at, float lower, float per_cell, cl_int cells)
+{
+    float cell = floorf(((float)at - lower) * per_cell);
+    return (uint32_t)fminf(fmaxf(cell, 0.0f), (float)(cells - 1));
+}
+
+uint32_t grid_row_of(const grid *g, const void *objects, duet_shape shape, uint32_t id,
+                     uint32_t dims)
+{
+    const grid_level *level = &g->levels[0];
+    double centre[3];
+    grid_centre_of(centre, objects, shape, id, dims);
+    uint32_t y = cell_along(centre[1], level->lower.s[1], level->per_cell.s[1], level->cells.s[1]);
+    uint32_t z = dims == 3 ? cell_along(centre[2], level->lower.s[2], level->per_cell.s[2],
+                                        level->cells.s[2])
+                           : 0;
+    return z * (uint32_t)level->cells.s[1] + y;
+}
+
+// The mean number of others in an object's cell of the finest level.
+static bool count_crowd(double *others, const grid *g, const void *objects, duet_shape shape,
+                        uint32_t n, uint32_t dims, duet_error *err)
+{
+    const grid_level *level = &g->levels[0];
+    uint32_t nx = (uint32_t)level->cells.s[0];
+    size_t cells = (size_t)nx * (uint32_t)level->cells.s[1] * (uint32_t)level->cells.s[2];
+    uint32_t *counts = calloc(cells, sizeof *counts);
+    if (!counts)
+        return error_set(err, DUET_NO_MEMORY, "no host memory to count %zu cells", cells);
+    for (uint32_t id = 0; id < n; ++id) {
+        double centre[3];
+        grid_centre_of(centre, objects, shape, id, dims);
+        uint32_t x = cell_along(centre[0], level->lower.s[0], level->per_cell.s[0], (cl_int)nx);
+        ++counts[(size_t)grid_row_of(g, objects, shape, id, dims) * nx + x];
+    }
+    double pairs = 0.0;
+    for (size_t c = 0; c < cells; ++c)
+        pairs += (double)counts[c] * ((double)counts[c] - 1.0);
+    free(counts);
+    *others = pairs / n;
+    return true;
+}
+
+// ---------------------------------------------------------------- fit
+
+// Where the grid lies. Nothing there: a point at the origin.
+static void place_world(double lower[3], double length[3], const grid_needs *needs,
+                        const grid_wish *wish, uint32_t dims)
+{
+    for (uint32_t k = 0; k < 3; ++k) {
+        double from = wish->has_world ? wish->lower[k] : needs->lower[k];
+        double to = wish->has_world ? wish->upper[k] : needs->upper[k];
+        bool there = k < dims && from <= to;
+        lower[k] = there ? from : 0.0;
+        length[k] = there ? to - from : 0.0;
+    }
+}
+
+bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const void *objects,
+              duet_shape shape, uint32_t n, uint32_t dims, duet_error *err)
+{
+    double lower[3];
+    double length[3];
+    place_world(lower, length, needs, wish, dims);
+    size_classes classes;
+    classify(&classes, needs);
+    if (wish->uniform || wish->edge > 0.0 || classes.n == 0) {
+        classes.at[0] = (size_class){n, fmax(wish->edge, needs->widest)};
+        classes.n = 1;
+    } else {
+        double volume = 1.0;
+        for (uint32_t k = 0; k < dims; ++k)
+            volume *= fmax(length[k], needs->widest);
+        choose_levels(&classes, volume, dims);
+    }
+    if (wish->hashed) {
+        *g = make_hashed(lower, length, &classes, n, dims);
+        return true;
+    }
+    *g = make_dense(lower, length, &classes, n, dims);
+    bool coarser = g->n_levels < classes.n || (double)g->edge > 2.0 * classes.at[0].widest;
+    double others = 0.0;
+    if (!coarser || wish->dense)
+        return true;
+    if (!count_crowd(&others, g, objects, shape, n, dims, err))
+        return false;
+    if (others > crowded)
+        *g = make_hashed(lower, length, &classes, n, dims);
+    return true;
 }

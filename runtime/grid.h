@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: MIT
-// The uniform grid's geometry: where it lies, how many cells, how wide.
+// The grid's geometry: where it lies, its levels, their cells.
 //
-// Objects meet in neighbouring cells only if no object is wider than a cell.
-// Cell coordinates are computed in float, which can misplace a centre by
-// u * cells (u = 2^-24) twice over; the edge is therefore wider than the
-// widest object by the margin 2^-16 + cells * 2^-21, and an axis has at most
-// 65 536 cells. Objects outside the grid count to its border cells.
+// Two objects of one level meet in neighbouring cells only if neither is wider
+// than a cell. A dense grid has an entry for every cell, level after level. A
+// hashed one scatters the cells of all levels over a table of about two
+// entries an object, so that worlds of any size take memory for the objects
+// alone. Objects outside a dense grid count to its border cells.
+//
+// Dense cell coordinates are computed in float, which can misplace a centre by
+// u * cells (u = 2^-24) twice over: the edge is wider than the widest object by
+// the margin 2^-16 + cells * 2^-21, and an axis has at most 65 536 cells.
+// Hashed ones are computed in double, and an axis has at most 2^30 cells.
 #ifndef RUNTIME_GRID_H
 #define RUNTIME_GRID_H
 
@@ -13,29 +18,69 @@
 
 #include <CL/cl.h>
 
-typedef struct grid {
-    uint32_t cells[3]; // 1 in z in 2D
-    uint32_t n_cells;
+typedef enum grid_kind { GRID_DENSE, GRID_HASHED } grid_kind;
+
+enum { GRID_LEVELS = 16 };
+
+// As kernels/grid.clh has it.
+typedef struct grid_level {
     cl_float4 lower;
     cl_float4 per_cell; // 1 / edge
     cl_float4 limit;    // an extent above it does not fit: the edge less its margin
-    float edge;         // the least over the axes
-    uint32_t key_bits;  // of n_cells, the key of objects that are left out
+    cl_int4 cells;      // w: the key of the level's first cell
+} grid_level;
+
+typedef struct grid {
+    grid_kind kind;
+    uint32_t n_levels; // finest first
+    grid_level levels[GRID_LEVELS];
+    uint32_t n_cells;  // of all levels, or entries of the table, a power of two
+    uint32_t key_bits; // of n_cells, the key of objects that are left out
+    float edge;        // the least of any level
 } grid;
 
-// What the objects need: bad ones are not counted.
+enum { GRID_OCTAVES = 300 };
+
+// What the objects need. Bad ones are not counted.
 typedef struct grid_needs {
     double lower[3]; // of the centres
     double upper[3];
-    double widest;      // the largest extent of any bounds
+    double widest;      // the largest extent of any object's bounds
     uint32_t widest_id; // whose it is
+    // By octave of the extent: how many objects, and the largest extent.
+    uint32_t octave_n[GRID_OCTAVES];
+    double octave_widest[GRID_OCTAVES];
 } grid_needs;
 
-grid_needs grid_needs_of_poses(const duet_pose *poses, uint32_t n, uint32_t dims);
-grid_needs grid_needs_of_bounds(const duet_bounds *bounds, uint32_t n, uint32_t dims);
+void grid_needs_of(grid_needs *needs, const void *objects, duet_shape shape, uint32_t n,
+                   uint32_t dims);
 
-// Cells of at least `edge` (and never below the widest object) over the box
-// lower .. upper, but no more of them than memory for n objects allows.
-grid grid_fit(const double lower[3], const double upper[3], double edge, uint32_t n, uint32_t dims);
+// The centre that decides an object's cell; z is 0 in 2D.
+void grid_centre_of(double centre[3], const void *objects, duet_shape shape, uint32_t id,
+                    uint32_t dims);
+
+// How a grid is to be made; zero where that is open.
+typedef struct grid_wish {
+    bool has_world;
+    double lower[3]; // of the world
+    double upper[3];
+    double edge;  // of the cells at least; one level then
+    bool uniform; // one level, whatever the sizes
+    bool dense;   // never hashed
+    bool hashed;  // always hashed
+} grid_wish;
+
+// The grid for these objects. Dense unless so many objects would share cells
+// that a hashed one is far better. Memory for counting them may run out.
+bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const void *objects,
+              duet_shape shape, uint32_t n, uint32_t dims, duet_error *err);
+
+// How many rows of cells a dense grid of one level has; in key order each row
+// is cells[0] keys long.
+uint32_t grid_rows(const grid *g);
+
+// The row of an object, in a dense grid of one level.
+uint32_t grid_row_of(const grid *g, const void *objects, duet_shape shape, uint32_t id,
+                     uint32_t dims);
 
 #endif

@@ -12,7 +12,8 @@ bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
     p->gen = gen_open(pair->kernel_dir, err);
     p->programs = p->gen ? program_set_open(p->device, p->gen, pair->cache_dir, err) : NULL;
     bool ok = p->programs &&
-              buffer_reserve(&p->counters, p->device, PART_COUNTERS * sizeof(uint32_t), err);
+              buffer_reserve(&p->counters, p->device, PART_COUNTERS * sizeof(uint32_t), err) &&
+              buffer_reserve(&p->levels, p->device, sizeof((grid *)0)->levels, err);
     if (!ok)
         part_close(p);
     return ok;
@@ -23,7 +24,7 @@ void part_close(part *p)
     timeline_clear(&p->times);
     buffer *buffers[] = {&p->objects,    &p->keys,  &p->ids,       &p->keys_spare, &p->ids_spare,
                          &p->starts,     &p->sums,  &p->tiles,     &p->bounds,     &p->boxes,
-                         &p->candidates, &p->pairs, &p->undecided, &p->counters};
+                         &p->candidates, &p->pairs, &p->undecided, &p->counters,   &p->levels};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i)
         buffer_release(buffers[i]);
     host_block_release(&p->fetched);
@@ -107,8 +108,14 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
     bool counting = p->variant.sort == SORT_COUNTING;
     bool poses = task->shape == DUET_SHAPE_POSES;
     const choice choices[] = {
-        {"DIMS", task->dims}, {"SHAPE", task->shape}, {"ROTATED", poses && task->rotated},
-        {"RANK", counting},   {"SORTED", rows},       {"IDS", !poses},
+        {"DIMS", task->dims},
+        {"SHAPE", task->shape},
+        {"ROTATED", poses && task->rotated},
+        {"RANK", counting},
+        {"SORTED", rows},
+        {"IDS", !poses},
+        {"GRID", task->grid.kind},
+        {"LEVELS", task->grid.n_levels > 1},
     };
     const uint32_t n = sizeof choices / sizeof choices[0];
     const struct {
@@ -145,6 +152,18 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
 
 // ---------------------------------------------------------------- a step
 
+// Objects that the device has already are not sent again.
+static bool send_objects(part *p, const part_task *task, size_t bytes, duet_error *err)
+{
+    bool ok = p->device->info.host_memory
+                  ? buffer_borrow(&p->objects, p->device, (void *)task->objects, bytes, err)
+                  : buffer_reserve(&p->objects, p->device, bytes, err);
+    if (ok && p->objects_version != task->objects_version)
+        ok = timeline_write(&p->times, "send objects", &p->objects, task->objects, bytes, err);
+    p->objects_version = ok ? task->objects_version : 0;
+    return ok;
+}
+
 bool part_begin(part *p, const part_task *task, duet_error *err)
 {
     timeline_begin(&p->times, p->device);
@@ -157,11 +176,10 @@ bool part_begin(part *p, const part_task *task, duet_error *err)
         task->n * (task->shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds));
     if (bytes == 0)
         return true;
-    bool ok = p->device->info.host_memory
-                  ? buffer_borrow(&p->objects, p->device, (void *)task->objects, bytes, err)
-                  : buffer_reserve(&p->objects, p->device, bytes, err);
-    return ok && timeline_fill(&p->times, "clear", &p->counters, 0, 0, PART_COUNTERS, err) &&
-           timeline_write(&p->times, "send objects", &p->objects, task->objects, bytes, err);
+    return send_objects(p, task, bytes, err) &&
+           timeline_fill(&p->times, "clear", &p->counters, 0, 0, PART_COUNTERS, err) &&
+           timeline_write(&p->times, "clear", &p->levels, task->grid.levels,
+                          task->grid.n_levels * sizeof task->grid.levels[0], err);
 }
 
 bool part_read_counters(part *p, duet_error *err)
@@ -193,10 +211,10 @@ float part_widest(const part *p)
 
 uint64_t part_bytes(const part *p)
 {
-    const buffer *buffers[] = {&p->objects,   &p->keys,    &p->ids,        &p->keys_spare,
-                               &p->ids_spare, &p->starts,  &p->sums,       &p->tiles,
-                               &p->bounds,    &p->boxes,   &p->candidates, &p->pairs,
-                               &p->undecided, &p->counters};
+    const buffer *buffers[] = {&p->objects,   &p->keys,     &p->ids,        &p->keys_spare,
+                               &p->ids_spare, &p->starts,   &p->sums,       &p->tiles,
+                               &p->bounds,    &p->boxes,    &p->candidates, &p->pairs,
+                               &p->undecided, &p->counters, &p->levels};
     uint64_t bytes = 0;
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i)
         bytes += buffers[i]->bytes;

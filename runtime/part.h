@@ -16,10 +16,21 @@ typedef struct part_task {
     duet_shape shape;
     bool rotated;
     uint32_t n;
-    const void *objects; // [n] poses or bounds on the host
+    const void *objects;      // [n] poses or bounds on the host
+    uint64_t objects_version; // changes with the objects' content
     grid grid;
     uint64_t max_pairs;
 } part_task;
+
+// Which of the objects a part deals with. Its grid has the keys from key_from
+// to key_to; of those it searches around the ones up to home_to, and of the
+// sorted objects first .. last - 1. A whole grid has all keys; a slab the home
+// keys and as many more as a neighbour can be ahead.
+typedef struct part_range {
+    uint32_t key_from, home_to, key_to;
+    uint32_t first, last;
+    uint32_t expected; // about how many objects its grid gets
+} part_range;
 
 typedef struct part_kernels {
     kernel *hash;
@@ -45,6 +56,8 @@ typedef struct part {
     timeline times;
 
     buffer objects;
+    uint64_t objects_version;     // of what was sent last
+    buffer levels;                // the grid's
     buffer keys, ids;             // of the objects; in cell order once sorted
     buffer keys_spare, ids_spare; // the other half of the radix sort; keys_spare also the ranks
     buffer starts;                // first of each cell
@@ -73,17 +86,21 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
 // Starts a step: clears counters and times, hands the objects over.
 bool part_begin(part *p, const part_task *task, duet_error *err);
 
-// Builds the whole grid from the objects.
-bool part_build_grid(part *p, const part_task *task, duet_error *err);
+// Builds the grid of the range from the objects.
+bool part_build_grid(part *p, const part_task *task, const part_range *range, duet_error *err);
 
 // Gives the grid that `from` built to `to` (the paper, section 4.1): the sender
 // brings it to the host, the receiver takes it and makes what it lacks.
 bool part_send_grid(part *from, part *to, const part_task *task, duet_error *err);
-bool part_receive_grid(part *to, part *from, const part_task *task, duet_error *err);
+bool part_receive_grid(part *to, part *from, const part_task *task, const part_range *range,
+                       duet_error *err);
 
-// Finds the pairs of objects first .. last - 1 in cell order with those that
-// come after them, and brings them to the host.
-bool part_search(part *p, const part_task *task, uint32_t first, uint32_t last, duet_error *err);
+// Finds the pairs of the range's objects with those that come after them in
+// cell order, and brings them to the host. *placed is false where the grid had
+// more objects than there was room for; there is more room afterwards, and the
+// grid must be built again.
+bool part_search(part *p, const part_task *task, const part_range *range, bool *placed,
+                 duet_error *err);
 
 // Bad objects and widest extent that did not fit, once a search or grid was
 // finished.
@@ -100,7 +117,8 @@ enum {
     COUNT_UNDECIDED = 4,
     COUNT_BAD = 6,
     FIRST_BAD = 7,
-    WIDEST = 8
+    WIDEST = 8,
+    COUNT_PLACED = 9
 };
 
 uint64_t part_count(const part *p, int counter);

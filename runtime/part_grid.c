@@ -4,6 +4,13 @@
 
 #include "runtime/base/error.h"
 
+static uint32_t own_cells(const part_range *range)
+{
+    return range->key_to - range->key_from;
+}
+
+// ---------------------------------------------------------------- sorting
+
 // Exclusive prefix sum of n words, in place.
 static bool scan(part *p, const char *stage, buffer *values, uint32_t n, duet_error *err)
 {
@@ -19,16 +26,14 @@ static bool scan(part *p, const char *stage, buffer *values, uint32_t n, duet_er
            timeline_launch(&p->times, stage, p->kernels.scan_blocks, n, blocks, 3, err);
 }
 
-static bool run_hash(part *p, const part_task *task, duet_error *err)
+static bool run_hash(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     const grid *g = &task->grid;
-    cl_int4 cells = {{(cl_int)g->cells[0], (cl_int)g->cells[1], (cl_int)g->cells[2], 0}};
-    bool rank = p->variant.sort == SORT_COUNTING;
-    kernel_arg args[10] = {ARG_BUFFER(p->objects), ARG(task->n), ARG(g->lower),
-                           ARG(g->per_cell),       ARG(cells),   ARG(g->n_cells),
-                           ARG_BUFFER(p->keys)};
-    uint32_t n_args = 7;
-    if (rank) {
+    kernel_arg args[11] = {ARG_BUFFER(p->objects), ARG(task->n),       ARG_BUFFER(p->levels),
+                           ARG(g->n_levels),       ARG(g->n_cells),    ARG(range->key_from),
+                           ARG(range->key_to),     ARG_BUFFER(p->keys)};
+    uint32_t n_args = 8;
+    if (p->variant.sort == SORT_COUNTING) {
         args[n_args++] = ARG_BUFFER(p->starts);
         args[n_args++] = ARG_BUFFER(p->keys_spare);
     }
@@ -37,13 +42,13 @@ static bool run_hash(part *p, const part_task *task, duet_error *err)
 }
 
 // The keys count into starts, and the ranks tell them apart.
-static bool counting_sort(part *p, const part_task *task, duet_error *err)
+static bool counting_sort(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
-    uint32_t n_starts = task->grid.n_cells + 2;
+    uint32_t n_starts = own_cells(range) + 1;
     kernel_arg args[] = {ARG_BUFFER(p->keys), ARG_BUFFER(p->keys_spare), ARG(task->n),
                          ARG_BUFFER(p->starts), ARG_BUFFER(p->ids)};
     return timeline_fill(&p->times, "sort", &p->starts, 0, 0, n_starts, err) &&
-           run_hash(p, task, err) && scan(p, "sort", &p->starts, n_starts, err) &&
+           run_hash(p, task, range, err) && scan(p, "sort", &p->starts, n_starts, err) &&
            timeline_launch(&p->times, "sort", p->kernels.scatter, task->n, args, 5, err);
 }
 
@@ -79,68 +84,80 @@ static bool radix_pass(part *p, const part_task *task, uint32_t shift, duet_erro
     return ok;
 }
 
-static bool find_starts(part *p, const part_task *task, duet_error *err)
+static bool find_starts(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
-    kernel_arg args[4] = {ARG_BUFFER(p->keys), ARG(task->n)};
-    if (p->variant.search == SEARCH_PAPER) {
-        args[2] = ARG_BUFFER(p->starts);
-        return timeline_fill(&p->times, "cell start", &p->starts, UINT32_MAX, 0,
-                             task->grid.n_cells + 1, err) &&
-               timeline_launch(&p->times, "cell start", p->kernels.starts, task->n, args, 3, err);
-    }
-    args[2] = ARG(task->grid.n_cells);
-    args[3] = ARG_BUFFER(p->starts);
-    return timeline_launch(&p->times, "cell start", p->kernels.starts, (uint64_t)task->n + 1, args,
-                           4, err);
+    bool paper = p->variant.search == SEARCH_PAPER;
+    uint32_t n_cells = own_cells(range);
+    uint64_t work = task->n + (paper ? UINT64_C(0) : UINT64_C(1));
+    kernel_arg args[] = {ARG_BUFFER(p->keys), ARG(task->n), ARG(n_cells), ARG_BUFFER(p->starts)};
+    if (paper && !timeline_fill(&p->times, "cell start", &p->starts, UINT32_MAX, 0, n_cells, err))
+        return false;
+    return timeline_launch(&p->times, "cell start", p->kernels.starts, work, args, 4, err);
 }
 
-static bool radix_sort(part *p, const part_task *task, duet_error *err)
+// Objects that are not in the grid have all bits set, so they come last.
+static bool radix_sort(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
-    bool ok = run_hash(p, task, err);
+    bool ok = run_hash(p, task, range, err);
     for (uint32_t shift = 0; ok && shift < task->grid.key_bits; shift += p->kernels.radix_bits)
         ok = radix_pass(p, task, shift, err);
-    return ok && find_starts(p, task, err);
+    return ok && find_starts(p, task, range, err);
 }
+
+// ---------------------------------------------------------------- placing
 
 // The paper's kernels read bounds by id.
 static bool place_by_id(part *p, const part_task *task, duet_error *err)
 {
-    kernel_arg args[] = {ARG_BUFFER(p->objects), ARG(task->n), ARG(task->grid.limit),
-                         ARG_BUFFER(p->bounds), ARG_BUFFER(p->counters)};
-    return timeline_launch(&p->times, "bounds", p->kernels.place, task->n, args, 5, err);
+    kernel_arg args[] = {ARG_BUFFER(p->objects),   ARG(task->n),          ARG_BUFFER(p->levels),
+                         ARG(task->grid.n_levels), ARG_BUFFER(p->bounds), ARG_BUFFER(p->counters)};
+    return timeline_launch(&p->times, "bounds", p->kernels.place, task->n, args, 6, err);
 }
 
-static bool place_in_cell_order(part *p, const part_task *task, duet_error *err)
+// Objects for which bounds and boxes have room.
+static uint32_t place_room(const part *p)
 {
-    const grid *g = &task->grid;
-    cl_int4 cells = {{(cl_int)g->cells[0], (cl_int)g->cells[1], (cl_int)g->cells[2], 0}};
-    uint32_t from = 0;
-    kernel_arg args[13] = {
-        ARG_BUFFER(p->objects), ARG_BUFFER(p->ids),   ARG(from),  ARG(task->n),
-        ARG(g->lower),          ARG(g->per_cell),     ARG(cells), ARG(g->n_cells),
-        ARG(g->limit),          ARG_BUFFER(p->bounds)};
-    uint32_t n_args = 10;
+    size_t room = p->bounds.bytes / (2 * sizeof(cl_float4));
+    return room > UINT32_MAX ? UINT32_MAX : (uint32_t)room;
+}
+
+static bool place_in_cell_order(part *p, const part_task *task, const part_range *range,
+                                duet_error *err)
+{
+    uint32_t n_cells = own_cells(range);
+    uint32_t room = place_room(p);
+    uint32_t work = room < task->n ? room : task->n;
+    kernel_arg args[11] = {ARG_BUFFER(p->objects),
+                           ARG_BUFFER(p->ids),
+                           ARG_BUFFER(p->starts),
+                           ARG(n_cells),
+                           ARG(room),
+                           ARG_BUFFER(p->levels),
+                           ARG(task->grid.n_levels),
+                           ARG_BUFFER(p->bounds)};
+    uint32_t n_args = 8;
     if (task->shape == DUET_SHAPE_POSES)
         args[n_args++] = ARG_BUFFER(p->boxes);
     args[n_args++] = ARG_BUFFER(p->counters);
-    return timeline_launch(&p->times, "reorder", p->kernels.place, task->n, args, n_args, err);
+    return timeline_launch(&p->times, "reorder", p->kernels.place, work, args, n_args, err);
 }
 
-static bool place(part *p, const part_task *task, duet_error *err)
+static bool place(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
-    return p->variant.search == SEARCH_ROWS ? place_in_cell_order(p, task, err)
+    return p->variant.search == SEARCH_ROWS ? place_in_cell_order(p, task, range, err)
                                             : place_by_id(p, task, err);
 }
 
-static bool reserve_places(part *p, const part_task *task, duet_error *err)
+static bool reserve_places(part *p, const part_task *task, size_t n, duet_error *err)
 {
-    size_t n = task->n;
-    bool boxes = p->variant.search == SEARCH_ROWS && task->shape == DUET_SHAPE_POSES;
-    return buffer_reserve(&p->bounds, p->device, n * 2 * sizeof(cl_float4), err) &&
-           (!boxes || buffer_reserve(&p->boxes, p->device, n * 3 * sizeof(cl_float4), err));
+    bool rows = p->variant.search == SEARCH_ROWS;
+    size_t places = rows ? n : task->n;
+    return buffer_reserve(&p->bounds, p->device, places * 2 * sizeof(cl_float4), err) &&
+           (!rows || task->shape != DUET_SHAPE_POSES ||
+            buffer_reserve(&p->boxes, p->device, places * 3 * sizeof(cl_float4), err));
 }
 
-static bool reserve_grid(part *p, const part_task *task, duet_error *err)
+static bool reserve_grid(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     size_t words = task->n * sizeof(uint32_t);
     return buffer_reserve(&p->keys, p->device, words, err) &&
@@ -148,18 +165,18 @@ static bool reserve_grid(part *p, const part_task *task, duet_error *err)
            buffer_reserve(&p->ids, p->device, words, err) &&
            (p->variant.sort == SORT_COUNTING ||
             buffer_reserve(&p->ids_spare, p->device, words, err)) &&
-           buffer_reserve(&p->starts, p->device,
-                          ((size_t)task->grid.n_cells + 2) * sizeof(uint32_t), err) &&
-           reserve_places(p, task, err);
+           buffer_reserve(&p->starts, p->device, ((size_t)own_cells(range) + 1) * sizeof(uint32_t),
+                          err) &&
+           reserve_places(p, task, range->expected, err);
 }
 
-bool part_build_grid(part *p, const part_task *task, duet_error *err)
+bool part_build_grid(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
-    if (!reserve_grid(p, task, err))
+    if (!reserve_grid(p, task, range, err))
         return false;
-    bool ok =
-        p->variant.sort == SORT_COUNTING ? counting_sort(p, task, err) : radix_sort(p, task, err);
-    return ok && place(p, task, err);
+    bool ok = p->variant.sort == SORT_COUNTING ? counting_sort(p, task, range, err)
+                                               : radix_sort(p, task, range, err);
+    return ok && place(p, task, range, err);
 }
 
 // ---------------------------------------------------------------- sending
@@ -177,7 +194,7 @@ enum { PIECES = 3 };
 static int grid_pieces(part *from, part *to, const part_task *task, grid_piece pieces[PIECES])
 {
     size_t words = task->n * sizeof(uint32_t);
-    size_t starts = ((size_t)task->grid.n_cells + 2) * sizeof(uint32_t);
+    size_t starts = ((size_t)task->grid.n_cells + 1) * sizeof(uint32_t);
     pieces[0] = (grid_piece){&from->ids, &to->ids, words};
     pieces[1] = (grid_piece){&from->starts, &to->starts, starts};
     pieces[2] = (grid_piece){&from->keys, &to->keys, words};
@@ -225,7 +242,8 @@ static bool borrow_places(part *to, const part *from, const part_task *task, due
     return ok;
 }
 
-bool part_receive_grid(part *to, part *from, const part_task *task, duet_error *err)
+bool part_receive_grid(part *to, part *from, const part_task *task, const part_range *range,
+                       duet_error *err)
 {
     grid_piece pieces[PIECES];
     int n = grid_pieces(from, to, task, pieces);
@@ -238,5 +256,5 @@ bool part_receive_grid(part *to, part *from, const part_task *task, duet_error *
     }
     if (to->device->info.host_memory && from->device->info.host_memory)
         return borrow_places(to, from, task, err);
-    return reserve_places(to, task, err) && place(to, task, err);
+    return reserve_places(to, task, task->n, err) && place(to, task, range, err);
 }

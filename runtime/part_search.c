@@ -28,45 +28,63 @@ static bool reserve_room(part *p, buffer *b, uint64_t pairs, duet_error *err)
     return buffer_reserve(b, p->device, (size_t)pairs * sizeof(duet_pair), err);
 }
 
-static bool run_rows(part *p, const part_task *task, uint32_t first, uint32_t last, buffer *found,
+static uint32_t smaller(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+// Objects around which to search, at most.
+static uint32_t search_work(const part_task *task, const part_range *range)
+{
+    return smaller(range->last, smaller(range->expected, task->n)) - range->first;
+}
+
+static bool run_rows(part *p, const part_task *task, const part_range *range, buffer *found,
                      duet_error *err)
 {
     const grid *g = &task->grid;
-    cl_int4 cells = {{(cl_int)g->cells[0], (cl_int)g->cells[1], (cl_int)g->cells[2], 0}};
+    uint32_t n_home = range->home_to - range->key_from;
     uint32_t room = room_of(found);
-    kernel_arg args[] = {ARG_BUFFER(p->bounds),
-                         ARG_BUFFER(p->starts),
-                         ARG(first),
-                         ARG(last),
-                         ARG(cells),
-                         ARG(g->n_cells),
-                         ARG_BUFFER(*found),
-                         ARG(room),
-                         ARG_BUFFER(p->counters)};
-    return timeline_launch(&p->times, "candidates", p->kernels.candidates, last - first, args, 9,
-                           err);
+    uint32_t last = smaller(range->last, range->expected);
+    kernel_arg args[13] = {ARG_BUFFER(p->bounds)};
+    uint32_t n_args = 1;
+    if (task->shape == DUET_SHAPE_POSES)
+        args[n_args++] = ARG_BUFFER(p->boxes);
+    const kernel_arg rest[] = {ARG_BUFFER(p->starts),  ARG_BUFFER(p->levels),
+                               ARG(g->n_levels),       ARG(g->n_cells),
+                               ARG(range->key_from),   ARG(n_home),
+                               ARG(range->first),      ARG(last),
+                               ARG_BUFFER(*found),     ARG(room),
+                               ARG_BUFFER(p->counters)};
+    for (size_t i = 0; i < sizeof rest / sizeof rest[0]; ++i)
+        args[n_args++] = rest[i];
+    return timeline_launch(&p->times, "candidates", p->kernels.candidates, search_work(task, range),
+                           args, n_args, err);
 }
 
-static bool run_paper(part *p, const part_task *task, uint32_t first, uint32_t last, buffer *found,
+static bool run_paper(part *p, const part_task *task, const part_range *range, buffer *found,
                       duet_error *err)
 {
-    const grid *g = &task->grid;
-    cl_int4 cells = {{(cl_int)g->cells[0], (cl_int)g->cells[1], (cl_int)g->cells[2], 0}};
+    cl_int4 cells = task->grid.levels[0].cells;
+    uint32_t n_home = range->home_to - range->key_from;
+    uint32_t n_own = range->key_to - range->key_from;
     uint32_t room = room_of(found);
     kernel_arg args[] = {ARG_BUFFER(p->keys),
                          ARG_BUFFER(p->ids),
                          ARG_BUFFER(p->starts),
                          ARG_BUFFER(p->bounds),
                          ARG(task->n),
-                         ARG(first),
-                         ARG(last),
+                         ARG(range->first),
+                         ARG(range->last),
                          ARG(cells),
-                         ARG(g->n_cells),
+                         ARG(range->key_from),
+                         ARG(n_home),
+                         ARG(n_own),
                          ARG_BUFFER(*found),
                          ARG(room),
                          ARG_BUFFER(p->counters)};
-    return timeline_launch(&p->times, "candidates", p->kernels.candidates, last - first, args, 12,
-                           err);
+    return timeline_launch(&p->times, "candidates", p->kernels.candidates, search_work(task, range),
+                           args, 14, err);
 }
 
 static bool run_narrow(part *p, uint64_t work, duet_error *err)
@@ -82,12 +100,11 @@ static bool run_narrow(part *p, uint64_t work, duet_error *err)
     return timeline_launch(&p->times, "narrow", p->kernels.narrow, work, args, 8, err);
 }
 
-static bool run_candidates(part *p, const part_task *task, uint32_t first, uint32_t last,
-                           duet_error *err)
+static bool run_candidates(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     buffer *found = p->kernels.narrow ? &p->candidates : &p->pairs;
-    return p->variant.search == SEARCH_ROWS ? run_rows(p, task, first, last, found, err)
-                                            : run_paper(p, task, first, last, found, err);
+    return p->variant.search == SEARCH_ROWS ? run_rows(p, task, range, found, err)
+                                            : run_paper(p, task, range, found, err);
 }
 
 // Candidates are not counted on the host before they are tested: the narrow
@@ -124,14 +141,13 @@ static bool everything_fits(part *p, bool *fits, duet_error *err)
     return true;
 }
 
-static bool search_once(part *p, const part_task *task, uint32_t first, uint32_t last,
-                        duet_error *err)
+static bool search_once(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     ++p->runs;
     bool ok = timeline_fill(&p->times, "clear", &p->counters, 0, 0, COUNT_BAD, err) &&
-              run_candidates(p, task, first, last, err);
+              run_candidates(p, task, range, err);
     if (ok && p->kernels.narrow)
-        ok = run_narrow(p, narrow_work(p, last - first), err);
+        ok = run_narrow(p, narrow_work(p, search_work(task, range)), err);
     return ok && part_read_counters(p, err);
 }
 
@@ -194,18 +210,24 @@ static bool reserve_first(part *p, uint32_t objects, duet_error *err)
     return ok;
 }
 
-bool part_search(part *p, const part_task *task, uint32_t first, uint32_t last, duet_error *err)
+bool part_search(part *p, const part_task *task, const part_range *range, bool *placed,
+                 duet_error *err)
 {
-    if (first >= last)
+    *placed = true;
+    if (range->first >= range->last)
         return part_read_counters(p, err) && timeline_finish(&p->times, err);
-    bool ok = reserve_first(p, last - first, err);
+    bool ok = reserve_first(p, search_work(task, range), err);
     bool fits = false;
-    while (ok && !fits)
-        ok = search_once(p, task, first, last, err) && under_limit(p, task, err) &&
-             everything_fits(p, &fits, err);
+    while (ok && !fits && *placed) {
+        ok = search_once(p, task, range, err) && under_limit(p, task, err);
+        *placed = p->counts[COUNT_PLACED] <= range->expected;
+        ok = ok && (!*placed || everything_fits(p, &fits, err));
+    }
+    if (!ok || !*placed)
+        return ok;
     duet_pair *pairs = NULL;
-    uint64_t n = ok ? part_count(p, COUNT_PAIRS) : 0;
-    ok = ok && fetch_pairs(p, &pairs, err) && decide_rest(p, task, pairs, &n, err) &&
+    uint64_t n = part_count(p, COUNT_PAIRS);
+    ok = fetch_pairs(p, &pairs, err) && decide_rest(p, task, pairs, &n, err) &&
          timeline_finish(&p->times, err);
     if (!ok)
         return false;

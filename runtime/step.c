@@ -29,25 +29,28 @@ static bool fit_grid(duet_world *world, duet_error *err)
 {
     const duet_world_def *def = &world->def;
     const void *objects = world->objects.bytes;
-    grid_needs needs = def->shape == DUET_SHAPE_POSES
-                           ? grid_needs_of_poses(objects, world->n, def->dims)
-                           : grid_needs_of_bounds(objects, world->n, def->dims);
+    grid_needs needs;
+    grid_needs_of(&needs, objects, def->shape, world->n, def->dims);
     bool too_small = def->cell > 0.0f && needs.widest > def->cell;
     if (too_small && def->cell_fixed)
         return error_set(err, DUET_CELL_TOO_SMALL,
                          "the cell edge %g is below the extent %.9g of object %u; right would be a "
                          "cell at least that wide",
                          def->cell, needs.widest, needs.widest_id);
-    double lower[3];
-    double upper[3];
+    grid_wish wish = world->wish;
+    wish.has_world = def->has_world;
+    wish.edge = def->cell;
     for (int k = 0; k < 3; ++k) {
-        lower[k] = def->has_world ? def->lower[k] : needs.lower[k];
-        upper[k] = def->has_world ? def->upper[k] : needs.upper[k];
+        wish.lower[k] = def->lower[k];
+        wish.upper[k] = def->upper[k];
     }
+    if (!grid_fit(&world->grid, &needs, &wish, objects, def->shape, world->n, def->dims, err))
+        return false;
     world->cell_widened = too_small;
-    world->grid = grid_fit(lower, upper, fmax(def->cell, needs.widest), world->n, def->dims);
     world->fitted = true;
     world->fitted_n = world->n;
+    world->split_stale = true;
+    world->prepared[0] = world->prepared[1] = false;
     return true;
 }
 
@@ -66,6 +69,7 @@ static part_task describe_task(const duet_world *world)
         .rotated = world->def.rotated,
         .n = world->n,
         .objects = world->objects.bytes,
+        .objects_version = world->objects_version,
         .grid = world->grid,
         .max_pairs = world->def.max_pairs,
     };
@@ -78,8 +82,8 @@ typedef struct job {
     part *part;
     part *grid_from; // NULL: builds its own
     const part_task *task;
-    uint32_t first;
-    uint32_t last;
+    part_range range;
+    bool placed; // the grid had room for its objects
     bool ok;
     duet_error err;
 } job;
@@ -89,16 +93,23 @@ static void run_job(void *arg)
     job *j = arg;
     uint64_t begun = clock_steady_ns();
     if (j->grid_from)
-        j->ok = part_receive_grid(j->part, j->grid_from, j->task, &j->err);
+        j->ok = part_receive_grid(j->part, j->grid_from, j->task, &j->range, &j->err);
     else
-        j->ok = part_begin(j->part, j->task, &j->err) && part_build_grid(j->part, j->task, &j->err);
-    j->ok = j->ok && part_search(j->part, j->task, j->first, j->last, &j->err);
+        j->ok = part_begin(j->part, j->task, &j->err) &&
+                part_build_grid(j->part, j->task, &j->range, &j->err);
+    j->ok = j->ok && part_search(j->part, j->task, &j->range, &j->placed, &j->err);
     j->part->wall_ms += ms_since(begun);
 }
 
+static bool has_work(const job *j)
+{
+    return j->range.first < j->range.last;
+}
+
+// Own grids, whole ones or slabs.
 static bool run_own(duet_world *world, job jobs[2])
 {
-    bool use[2] = {jobs[0].first < jobs[0].last, jobs[1].first < jobs[1].last};
+    bool use[2] = {has_work(&jobs[0]), has_work(&jobs[1])};
     if (use[0] && use[1])
         worker_start(world->worker, run_job, &jobs[0]);
     else if (use[0])
@@ -117,7 +128,7 @@ static bool run_shared(duet_world *world, job jobs[2])
     job *b = &jobs[1];
     uint64_t begun = clock_steady_ns();
     b->ok = part_begin(b->part, b->task, &b->err) && part_begin(a->part, a->task, &b->err) &&
-            part_build_grid(b->part, b->task, &b->err) &&
+            part_build_grid(b->part, b->task, &b->range, &b->err) &&
             part_send_grid(b->part, a->part, b->task, &b->err);
     b->part->wall_ms = ms_since(begun);
     if (!b->ok)
@@ -125,7 +136,7 @@ static bool run_shared(duet_world *world, job jobs[2])
     a->grid_from = b->part;
     worker_start(world->worker, run_job, a);
     begun = clock_steady_ns();
-    b->ok = part_search(b->part, b->task, b->first, b->last, &b->err);
+    b->ok = part_search(b->part, b->task, &b->range, &b->placed, &b->err);
     b->part->wall_ms += ms_since(begun);
     worker_wait(world->worker);
     return a->ok && b->ok;
@@ -157,16 +168,40 @@ static void forget_last_step(duet_world *world)
     }
 }
 
-static bool run_parts(duet_world *world, duet_error *err)
+// Which objects each part searches around: parts of one sorted order, or slabs.
+static bool divide(duet_world *world, const part_task *task, part_range ranges[2], duet_error *err)
+{
+    uint32_t share = world->def.plan.share;
+    if (world->def.plan.mode == DUET_MODE_SLAB) {
+        if (world->split_stale && !split_count(&world->split, task, err))
+            return false;
+        world->split_stale = false;
+        split_cut(&world->split, task, share, ranges);
+        return true;
+    }
+    uint32_t n_cells = task->grid.n_cells;
+    uint32_t cut = (uint32_t)((uint64_t)task->n * share / DUET_SHARE_ONE);
+    part_range whole = {.home_to = n_cells, .key_to = n_cells, .expected = task->n};
+    ranges[0] = ranges[1] = whole;
+    ranges[0].last = ranges[1].first = cut;
+    ranges[1].last = task->n;
+    return true;
+}
+
+// *placed is false where a slab had more objects than it had room for.
+static bool run_parts(duet_world *world, bool *placed, duet_error *err)
 {
     part_task task = describe_task(world);
-    const duet_plan *plan = &world->def.plan;
-    uint32_t cut = (uint32_t)((uint64_t)task.n * plan->share / DUET_SHARE_ONE);
-    bool shared = plan->mode == DUET_MODE_SHARED && cut > 0;
-    const bool use[2] = {cut > 0, shared || cut < task.n};
-    job jobs[2] = {{.part = &world->parts[0], .task = &task, .first = 0, .last = cut},
-                   {.part = &world->parts[1], .task = &task, .first = cut, .last = task.n}};
+    part_range ranges[2];
     forget_last_step(world);
+    if (!divide(world, &task, ranges, err))
+        return false;
+    job jobs[2];
+    for (int side = 0; side < 2; ++side)
+        jobs[side] = (job){
+            .part = &world->parts[side], .task = &task, .range = ranges[side], .placed = true};
+    bool shared = world->def.plan.mode == DUET_MODE_SHARED && has_work(&jobs[0]);
+    const bool use[2] = {has_work(&jobs[0]), shared || has_work(&jobs[1])};
     if (!prepare(world, &task, use, err))
         return false;
     bool ok = shared ? run_shared(world, jobs) : run_own(world, jobs);
@@ -175,6 +210,7 @@ static bool run_parts(duet_world *world, duet_error *err)
         if (jobs[side].err.status != DUET_OK && err && err->status == DUET_OK)
             *err = jobs[side].err;
     }
+    *placed = jobs[0].placed && jobs[1].placed;
     return ok;
 }
 
@@ -202,6 +238,7 @@ static void fill_result(duet_world *world, duet_result *result)
     const part *a = &world->parts[0];
     const part *b = &world->parts[1];
     const part *seen = part_bad(a) ? a : b;
+    const grid_level *finest = &world->grid.levels[0];
     *result = (duet_result){
         .objects = world->n,
         .bad = part_bad(seen),
@@ -212,7 +249,10 @@ static void fill_result(duet_world *world, duet_result *result)
         .undecided = a->n_undecided + b->n_undecided,
         .device_ms = {a->wall_ms, b->wall_ms},
         .bytes = {part_bytes(a), part_bytes(b)},
-        .cells = {world->grid.cells[0], world->grid.cells[1], world->grid.cells[2]},
+        .cells = {(uint32_t)finest->cells.s[0], (uint32_t)finest->cells.s[1],
+                  (uint32_t)finest->cells.s[2]},
+        .levels = world->grid.n_levels,
+        .hashed = world->grid.kind == GRID_HASHED,
         .cell = world->grid.edge,
         .cell_widened = world->cell_widened,
         .runs = largest(a->runs, b->runs),
@@ -236,11 +276,13 @@ bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
     for (int fit = 0; !fits; ++fit) {
         if (needs_fit(world) && !fit_grid(world, err))
             return false;
-        if (!run_parts(world, err))
+        bool placed = true;
+        if (!run_parts(world, &placed, err))
             return false;
         float widest = fmaxf(part_widest(&world->parts[0]), part_widest(&world->parts[1]));
-        fits = !(widest > 0.0f);
-        world->fitted = fits;
+        world->fitted = !(widest > 0.0f);
+        world->split_stale = !placed;
+        fits = world->fitted && placed;
         if (!fits && fit == MOST_FITS)
             return error_set(err, DUET_CELL_TOO_SMALL,
                              "an object's extent of %g does not fit a cell of %g", widest,

@@ -37,6 +37,21 @@ static bool take_sort(variant *v, const char *value, duet_error *err)
     return true;
 }
 
+static bool take_grid(variant *v, const char *value, duet_error *err)
+{
+    static const char *const names[] = {"auto", "uniform", "dense", "hashed"};
+    for (int i = 0; i < 4; ++i) {
+        if (strcmp(value, names[i]) == 0) {
+            v->grid = (variant_grid)i;
+            return true;
+        }
+    }
+    return error_set(err, DUET_BAD_ARGUMENT,
+                     "variant: grid=%s is not possible; right would be auto, uniform, dense or "
+                     "hashed",
+                     value);
+}
+
 static bool take_setting(variant *v, char *word, duet_error *err)
 {
     char *equals = strchr(word, '=');
@@ -46,6 +61,8 @@ static bool take_setting(variant *v, char *word, duet_error *err)
     const char *value = equals + 1;
     if (strcmp(word, "sort") == 0)
         return take_sort(v, value, err);
+    if (strcmp(word, "grid") == 0)
+        return take_grid(v, value, err);
     char *end = NULL;
     long long number = strtoll(value, &end, 0);
     if (*end)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // What a variant's text asks for: "rows", "paper", "rows sort=radix BUF=512".
 //
-// The first word names the search. sort=counting or radix; every other NAME=V
-// sets a parameter of each kernel whose card has it, or of one kernel as
-// KERNEL.NAME=V.
+// The first word names the search. sort is counting or radix, grid is auto,
+// uniform, dense or hashed; every other NAME=V sets a parameter of each kernel whose card has it,
+// or of one kernel as KERNEL.NAME=V.
 #ifndef RUNTIME_VARIANT_H
 #define RUNTIME_VARIANT_H
 
@@ -13,11 +13,19 @@ typedef enum variant_search { SEARCH_ROWS, SEARCH_PAPER } variant_search;
 
 typedef enum variant_sort { SORT_COUNTING, SORT_RADIX } variant_sort;
 
+typedef enum variant_grid {
+    VARIANT_GRID_AUTO,
+    VARIANT_GRID_UNIFORM, // dense, one size of cells
+    VARIANT_GRID_DENSE,   // sizes of cells as the objects have
+    VARIANT_GRID_HASHED
+} variant_grid;
+
 enum { VARIANT_SETTINGS = 8 };
 
 typedef struct variant {
     variant_search search;
     variant_sort sort;
+    variant_grid grid;
     struct {
         char kernel[32]; // empty: every kernel that has the parameter
         char name[24];

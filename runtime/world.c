@@ -16,6 +16,8 @@ const char *duet_mode_name(duet_mode mode)
         return "shared";
     case DUET_MODE_OWN:
         return "own";
+    case DUET_MODE_SLAB:
+        return "slab";
     }
     return NULL;
 }
@@ -73,15 +75,35 @@ static bool check_def(const duet_world_def *def, duet_error *err)
     return check_world_box(def, err);
 }
 
-static bool check_plan(const duet_plan *plan, duet_error *err)
+// The grid that both variants can search.
+static bool find_wish(grid_wish *wish, const duet_plan *plan, const variant *a, const variant *b,
+                      duet_error *err)
+{
+    bool paper = a->search == SEARCH_PAPER || b->search == SEARCH_PAPER;
+    bool slab = plan->mode == DUET_MODE_SLAB;
+    wish->hashed = a->grid == VARIANT_GRID_HASHED || b->grid == VARIANT_GRID_HASHED;
+    wish->uniform =
+        paper || slab || a->grid == VARIANT_GRID_UNIFORM || b->grid == VARIANT_GRID_UNIFORM;
+    wish->dense = paper || slab || a->grid == VARIANT_GRID_DENSE || b->grid == VARIANT_GRID_DENSE;
+    if (wish->hashed && (wish->dense || wish->uniform))
+        return error_set(
+            err, DUET_BAD_ARGUMENT,
+            "a hashed grid suits neither the paper's search nor slabs nor another grid "
+            "on the other device ('%s', '%s', mode %s)",
+            plan->variant_a, plan->variant_b, duet_mode_name(plan->mode));
+    return true;
+}
+
+static bool check_plan(grid_wish *wish, const duet_plan *plan, duet_error *err)
 {
     variant a;
     variant b;
+    *wish = (grid_wish){0};
     if (plan->share > DUET_SHARE_ONE)
         return error_set(err, DUET_BAD_ARGUMENT, "share is %u of %u; right would be at most all",
                          plan->share, DUET_SHARE_ONE);
-    if (plan->mode != DUET_MODE_SHARED && plan->mode != DUET_MODE_OWN)
-        return error_set(err, DUET_BAD_ARGUMENT, "mode is %d; right would be shared or own",
+    if (plan->mode < DUET_MODE_SHARED || plan->mode > DUET_MODE_SLAB)
+        return error_set(err, DUET_BAD_ARGUMENT, "mode is %d; right would be shared, own or slab",
                          (int)plan->mode);
     if (!variant_parse(&a, plan->variant_a, err) || !variant_parse(&b, plan->variant_b, err))
         return false;
@@ -90,14 +112,15 @@ static bool check_plan(const duet_plan *plan, duet_error *err)
                          "mode shared: A cannot search B's grid as '%s' where B does '%s'; right "
                          "would be the same search, or mode own",
                          plan->variant_a, plan->variant_b);
-    return true;
+    return find_wish(wish, plan, &a, &b, err);
 }
 
 // ---------------------------------------------------------------- owner
 
 duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
 {
-    if (!check_def(def, err) || !check_plan(&def->plan, err))
+    grid_wish wish;
+    if (!check_def(def, err) || !check_plan(&wish, &def->plan, err))
         return NULL;
     duet_world *world = calloc(1, sizeof *world);
     if (!world) {
@@ -105,6 +128,7 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
         return NULL;
     }
     world->def = *def;
+    world->wish = wish;
     world->worker = worker_open(err);
     bool ok = world->worker && part_open(&world->parts[0], def->pair, 0, err) &&
               part_open(&world->parts[1], def->pair, 1, err);
@@ -123,13 +147,18 @@ void duet_world_destroy(duet_world *world)
     part_close(&world->parts[0]);
     part_close(&world->parts[1]);
     host_block_release(&world->objects);
+    split_free(&world->split);
     free(world);
 }
 
 bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err)
 {
-    if (!check_plan(plan, err))
+    grid_wish wish;
+    if (!check_plan(&wish, plan, err))
         return false;
+    world->fitted &= wish.uniform == world->wish.uniform && wish.dense == world->wish.dense &&
+                     wish.hashed == world->wish.hashed;
+    world->wish = wish;
     world->prepared[0] &= strcmp(plan->variant_a, world->def.plan.variant_a) == 0;
     world->prepared[1] &= strcmp(plan->variant_b, world->def.plan.variant_b) == 0;
     world->def.plan = *plan;
@@ -159,6 +188,7 @@ static void *map_objects(duet_world *world, duet_shape shape, uint32_t n, duet_e
     if (!host_block_reserve(&world->objects, world->def.pair->devices, n * size, err))
         return NULL;
     world->n = n;
+    ++world->objects_version;
     return world->objects.bytes;
 }
 

@@ -5,6 +5,7 @@
 
 #include "runtime/device_pair.h"
 #include "runtime/part.h"
+#include "runtime/split.h"
 #include "runtime/worker.h"
 
 struct duet_world {
@@ -13,10 +14,14 @@ struct duet_world {
     worker *worker;     // drives A while the caller's thread drives B
     host_block objects; // [n] poses or bounds
     uint32_t n;
-    bool prepared[2]; // the part's kernels are those of the plan
+    uint64_t objects_version;
+    bool prepared[2]; // the part's kernels are those of the plan and the grid
     bool fitted;      // the grid is that of these objects
     uint32_t fitted_n;
+    grid_wish wish; // of the plan
     grid grid;
+    split split; // of these objects, where slabs are searched
+    bool split_stale;
     bool cell_widened;
     duet_stage stages[2 * TIMELINE_STAGES]; // of the last step
 };

@@ -29,37 +29,22 @@ local function inside(offset)
   return table.concat(tests, " && ")
 end
 
--- "key - row_y + row_z": the cell of the row at the same x.
-local function cell(offset)
-  local sum = "key"
-  for i, step in ipairs(offset) do
-    if step ~= 0 then sum = ("%s %s row_%s"):format(sum, step < 0 and "-" or "+", axes[i]) end
-  end
-  return sum
+-- "y - 1": where the row is along one axis.
+local function along(axis, step)
+  if step == 0 then return axis end
+  return ("%s %s 1"):format(axis, step < 0 and "-" or "+")
 end
 
--- The axes above x, lowest first. at is the C expression of a cell's coordinate
--- along it, over its key; row, of how far apart in cell order two neighbours
--- along it are. n, at and row of an axis called y are named ny, y and row_y.
-function stencil.axes(dims)
-  local list, row = {}, "nx"
-  for i = 1, dims - 1 do
-    local name = axes[i]
-    local at = ("key / row_%s"):format(name)
-    if i < dims - 1 then at = ("%s %% n%s"):format(at, name) end
-    list[i] = { name = name, row = row, at = at }
-    row = ("row_%s * n%s"):format(name, name)
-  end
-  return list
-end
-
--- The rows after a cell's own, in cell order: inside is the C condition that
--- the row is in the grid, cell the key of its cell at the same x.
+-- The rows after a cell's own, in cell order. Each has the C expressions
+-- inside, y and z (the latter "0" in 2D), over y ny z nz: coordinates of the
+-- cell, and how many there are.
 function stencil.rows(dims)
   local offset, rows = {}, {}
   for i = 1, dims - 1 do offset[i] = 0 end
   while next_offset(offset) do
-    rows[#rows + 1] = { inside = inside(offset), cell = cell(offset) }
+    local row = { inside = inside(offset), y = "0", z = "0" }
+    for i, step in ipairs(offset) do row[axes[i]] = along(axes[i], step) end
+    rows[#rows + 1] = row
   end
   return rows
 end

@@ -1,22 +1,32 @@
-// candidates_rows.DIMS3.IDS0.WG128.BUF512.PER_ITEM1
+// candidates_rows.DIMS3.SHAPE0.GRID0.LEVELS0.IDS0.WG128.BUF512.PER_ITEM1
 #define DIMS 3
+#define SHAPE 0
+#define GRID 0
+#define LEVELS 0
+#define LANES 1
 #define IDS 0
 #define WG 128
 #define BUF 512
 #define PER_ITEM 1
 #line 1 "kernels/common.clh"
+#line 1 "kernels/lanes.clh"
+#line 1 "kernels/object.clh"
+#line 1 "kernels/grid.clh"
 #line 1 "kernels/candidates_rows.cl.in"
 // SPDX-License-Identifier: MIT
 // Pairs whose bounds overlap, from objects in cell order.
 //
-// Each pair is found from the object that comes first in that order, so half
-// the neighbourhood is enough, and three cells side by side in x are one range:
-// what follows in the own row, and the rows that gen/emit/stencil.lua gives, one
-// in 2D and four in 3D. Pairs collect in local memory; one atomic takes room for many.
+// Within a level each pair is found from the object that comes first in that
+// order, so half the neighbourhood is enough, and three cells side by side in x
+// are one range: what follows in the own row, and the rows that
+// gen/emit/stencil.lua gives, one in 2D and four in 3D. Pairs of two levels are
+// found from the finer one. Pairs collect in local memory; one atomic takes room
+// for many.
 //
-//   bounds [n][2]        lower xyz and the id, upper xyz and the cell
-//   starts [n_cells + 1] first of each cell; an empty one begins with the next
-//   found  [room]        pairs of places (IDS 0) or of ids (IDS 1)
+//   bounds [n][2]            lower xyz and the id, upper xyz and the level
+//   boxes  [n][3]            centre xyz first (poses)
+//   starts [n_own_cells + 1] first of each cell from key_from on
+//   found  [room]            pairs of places (IDS 0) or of ids (IDS 1)
 static inline bool bounds_overlap(float4 lower_a, float4 upper_a, float4 lower_b, float4 upper_b)
 {
     int4 apart = (lower_a > upper_b) | (lower_b > upper_a);
@@ -26,6 +36,8 @@ static inline bool bounds_overlap(float4 lower_a, float4 upper_a, float4 lower_b
     return !any(apart.xy);
 #endif
 }
+
+// ------------------------------------------------------------ pairs
 
 typedef struct {
     __local uint2 *pairs;
@@ -47,67 +59,6 @@ static inline void add_pair(pair_sink *sink, uint2 pair)
     }
 }
 
-static inline void search_range(pair_sink *sink, __global const float4 *bounds, uint i, uint from,
-                                uint to, float4 lower, float4 upper)
-{
-    for (uint j = from; j < to; ++j) {
-        float4 other_lower = bounds[2 * (size_t)j];
-        float4 other_upper = bounds[2 * (size_t)j + 1];
-        if (bounds_overlap(lower, upper, other_lower, other_upper)) {
-#if IDS
-            add_pair(sink, ordered(as_uint(lower.w), as_uint(other_lower.w)));
-#else
-            add_pair(sink, (uint2)(i, j));
-#endif
-        }
-    }
-}
-
-static inline void search_rows(pair_sink *sink, __global const float4 *bounds,
-                               __global const uint *starts, uint i, int4 cells, uint n_cells)
-{
-    float4 lower = bounds[2 * (size_t)i];
-    float4 upper = bounds[2 * (size_t)i + 1];
-    uint key = as_uint(upper.w);
-    if (key >= n_cells)
-        return;
-    uint nx = (uint)cells.x;
-    uint x = key % nx;
-    uint left = x > 0 ? 1 : 0;
-    uint right = x + 1 < nx ? 1 : 0;
-#line 71 "kernels/candidates_rows.cl.in"
-    uint ny = (uint)cells.y;
-    uint row_y = nx;
-    uint y = key / row_y % ny;
-#line 71 "kernels/candidates_rows.cl.in"
-    uint nz = (uint)cells.z;
-    uint row_z = row_y * ny;
-    uint z = key / row_z;
-#line 75 "kernels/candidates_rows.cl.in"
-    search_range(sink, bounds, i, i + 1, starts[key + right + 1], lower, upper);
-#line 77 "kernels/candidates_rows.cl.in"
-    if (y + 1 < ny) {
-        uint at = key + row_y;
-        search_range(sink, bounds, i, starts[at - left], starts[at + right + 1], lower, upper);
-    }
-#line 77 "kernels/candidates_rows.cl.in"
-    if (y > 0 && z + 1 < nz) {
-        uint at = key - row_y + row_z;
-        search_range(sink, bounds, i, starts[at - left], starts[at + right + 1], lower, upper);
-    }
-#line 77 "kernels/candidates_rows.cl.in"
-    if (z + 1 < nz) {
-        uint at = key + row_z;
-        search_range(sink, bounds, i, starts[at - left], starts[at + right + 1], lower, upper);
-    }
-#line 77 "kernels/candidates_rows.cl.in"
-    if (y + 1 < ny && z + 1 < nz) {
-        uint at = key + row_y + row_z;
-        search_range(sink, bounds, i, starts[at - left], starts[at + right + 1], lower, upper);
-    }
-#line 82 "kernels/candidates_rows.cl.in"
-}
-
 // Moves what the group collected to global memory.
 static inline void flush(pair_sink *sink, __local uint *base)
 {
@@ -125,23 +76,212 @@ static inline void flush(pair_sink *sink, __local uint *base)
     }
 }
 
+// ------------------------------------------------------------ search
+
+// The sorted objects, and how to find those of a cell.
+typedef struct {
+    __global const float4 *bounds;
+#if SHAPE == SHAPE_POSES
+    __global const float4 *boxes;
+#endif
+    __global const uint *starts;
+    __constant const grid_level *levels;
+    uint n_levels;
+    uint key_from;
+    uint n_cells; // entries of a hashed grid
+} sorted;
+
+// Whose neighbours are sought.
+typedef struct {
+    uint place;
+    float4 lower;
+    float4 upper;
+} seeker;
+
+// Cells side by side.
+typedef struct {
+    uint level;
+    uint y, z;
+    uint left, right;
+} row;
+
+static inline void set_centre(const sorted *in, uint place, float centre[3])
+{
+#if SHAPE == SHAPE_POSES
+    float4 at = in->boxes[3 * (size_t)place];
+    centre[0] = at.x;
+    centre[1] = at.y;
+    centre[2] = at.z;
+#else
+    float4 lower = in->bounds[2 * (size_t)place], upper = in->bounds[2 * (size_t)place + 1];
+    object o = {{lower.x, lower.y, lower.z}, {upper.x, upper.y, upper.z}};
+    object_centre(&o, centre);
+#endif
+}
+
+// In a hashed grid other cells share the entries of those that are meant.
+static inline bool is_in(const sorted *in, uint place, float4 upper, const row *cells)
+{
+#if GRID == GRID_HASHED
+    if (as_uint(upper.w) != cells->level)
+        return false;
+    float centre[3];
+    uint cell[3];
+    set_centre(in, place, centre);
+    cell_of(centre, in->levels + cells->level, cell);
+    return cell[0] >= cells->left && cell[0] <= cells->right && cell[1] == cells->y && cell[2] == cells->z;
+#else
+    return true;
+#endif
+}
+
+static inline void search_range(pair_sink *sink, const sorted *in, const seeker *me, const row *cells, uint from,
+                                uint to)
+{
+    for (uint place = from; place < to; ++place) {
+        float4 lower = in->bounds[2 * (size_t)place];
+        float4 upper = in->bounds[2 * (size_t)place + 1];
+        if (bounds_overlap(me->lower, me->upper, lower, upper) && is_in(in, place, upper, cells)) {
+#if IDS
+            add_pair(sink, ordered(as_uint(me->lower.w), as_uint(lower.w)));
+#else
+            add_pair(sink, (uint2)(me->place, place));
+#endif
+        }
+    }
+}
+
+static inline void search_row(pair_sink *sink, const sorted *in, const seeker *me, const row *cells)
+{
+    uint key = row_key(cells->y, cells->z, in->levels + cells->level, cells->level) - in->key_from;
+    uint first = key + cells->left, last = key + cells->right;
+#if GRID == GRID_HASHED
+    first &= in->n_cells - 1;
+    last &= in->n_cells - 1;
+    if (first > last) { // the row goes on at the table's begin
+        search_range(sink, in, me, cells, in->starts[first], in->starts[in->n_cells]);
+        first = 0;
+    }
+#endif
+    search_range(sink, in, me, cells, in->starts[first], in->starts[last + 1]);
+}
+
+// What follows in the own cell and the one to its right.
+static inline void search_own_row(pair_sink *sink, const sorted *in, const seeker *me, const row *cells)
+{
+    uint key = row_key(cells->y, cells->z, in->levels + cells->level, cells->level) - in->key_from;
+#if GRID == GRID_HASHED
+    uint own = (key + cells->left) & (in->n_cells - 1);
+    row rest = *cells;
+    rest.right = cells->left;
+    search_range(sink, in, me, &rest, me->place + 1, in->starts[own + 1]);
+    rest.left = rest.right = cells->right;
+    if (cells->left < cells->right)
+        search_row(sink, in, me, &rest);
+#else
+    search_range(sink, in, me, cells, me->place + 1, in->starts[key + cells->right + 1]);
+#endif
+}
+
+static inline void search_level(pair_sink *sink, const sorted *in, const seeker *me, uint level)
+{
+    __constant const grid_level *grid = in->levels + level;
+    float centre[3];
+    uint cell[3];
+    set_centre(in, me->place, centre);
+    cell_of(centre, grid, cell);
+    uint x = cell[0], y = cell[1], z = cell[2];
+    uint nx = (uint)grid->cells.x, ny = (uint)grid->cells.y, nz = (uint)grid->cells.z;
+    row cells = {level, y, z, x, x + 1 < nx ? x + 1 : x};
+    search_own_row(sink, in, me, &cells);
+    cells.left = x > 0 ? x - 1 : 0;
+#line 184 "kernels/candidates_rows.cl.in"
+    if (y + 1 < ny) {
+        cells.y = y + 1;
+        cells.z = z;
+        search_row(sink, in, me, &cells);
+    }
+#line 184 "kernels/candidates_rows.cl.in"
+    if (y > 0 && z + 1 < nz) {
+        cells.y = y - 1;
+        cells.z = z + 1;
+        search_row(sink, in, me, &cells);
+    }
+#line 184 "kernels/candidates_rows.cl.in"
+    if (z + 1 < nz) {
+        cells.y = y;
+        cells.z = z + 1;
+        search_row(sink, in, me, &cells);
+    }
+#line 184 "kernels/candidates_rows.cl.in"
+    if (y + 1 < ny && z + 1 < nz) {
+        cells.y = y + 1;
+        cells.z = z + 1;
+        search_row(sink, in, me, &cells);
+    }
+#line 190 "kernels/candidates_rows.cl.in"
+}
+
+#if LEVELS
+// Objects of a coarser level reach at most half a limit beyond their centre, so
+// all that could meet this one lie in the cells that it covers, widened by that.
+static inline void search_coarser(pair_sink *sink, const sorted *in, const seeker *me, uint level)
+{
+    __constant const grid_level *grid = in->levels + level;
+    row cells = {level, 0, 0, 0, 0};
+    cells.left = cell_along(fma(grid->limit.x, -0.5f, me->lower.x), grid->lower.x, grid->per_cell.x, grid->cells.x);
+    cells.right = cell_along(fma(grid->limit.x, 0.5f, me->upper.x), grid->lower.x, grid->per_cell.x, grid->cells.x);
+    uint y_from = cell_along(fma(grid->limit.y, -0.5f, me->lower.y), grid->lower.y, grid->per_cell.y, grid->cells.y);
+    uint y_to = cell_along(fma(grid->limit.y, 0.5f, me->upper.y), grid->lower.y, grid->per_cell.y, grid->cells.y);
+    uint z_from = 0, z_to = 0;
+#if DIMS == 3
+    z_from = cell_along(fma(grid->limit.z, -0.5f, me->lower.z), grid->lower.z, grid->per_cell.z, grid->cells.z);
+    z_to = cell_along(fma(grid->limit.z, 0.5f, me->upper.z), grid->lower.z, grid->per_cell.z, grid->cells.z);
+#endif
+    for (cells.z = z_from; cells.z <= z_to; ++cells.z)
+        for (cells.y = y_from; cells.y <= y_to; ++cells.y)
+            search_row(sink, in, me, &cells);
+}
+#endif
+
+static inline void search_around(pair_sink *sink, const sorted *in, uint place)
+{
+    seeker me = {place, in->bounds[2 * (size_t)place], in->bounds[2 * (size_t)place + 1]};
+    uint level = LEVELS ? as_uint(me.upper.w) : 0;
+    search_level(sink, in, &me, level);
+#if LEVELS
+    while (++level < in->n_levels)
+        search_coarser(sink, in, &me, level);
+#endif
+}
+
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
-candidates_rows(__global const float4 *restrict bounds, __global const uint *restrict starts,
-                uint first, uint last, int4 cells, uint n_cells, __global uint2 *restrict found,
-                uint room, volatile __global uint *restrict counters)
+candidates_rows(__global const float4 *restrict bounds,
+#if SHAPE == SHAPE_POSES
+                __global const float4 *restrict boxes,
+#endif
+                __global const uint *restrict starts, __constant const grid_level *levels, uint n_levels,
+                uint n_cells, uint key_from, uint n_home_cells, uint first, uint last,
+                __global uint2 *restrict found, uint room, volatile __global uint *restrict counters)
 {
     __local uint2 pairs[BUF];
     __local uint used;
     __local uint base;
     pair_sink sink = {pairs, &used, found, room, counters + (IDS ? COUNT_PAIRS : COUNT_CANDIDATES)};
+#if SHAPE == SHAPE_POSES
+    sorted in = {bounds, boxes, starts, levels, n_levels, key_from, n_cells};
+#else
+    sorted in = {bounds, starts, levels, n_levels, key_from, n_cells};
+#endif
     if (get_local_id(0) == 0)
         used = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
+    uint end = min(last, starts[n_home_cells]);
     uint tile = first + get_group_id(0) * WG * PER_ITEM;
     for (uint round = 0; round < PER_ITEM; ++round) {
-        uint i = tile + round * WG + get_local_id(0);
-        if (i < last)
-            search_rows(&sink, bounds, starts, i, cells, n_cells);
+        uint place = tile + round * WG + get_local_id(0);
+        if (place < end)
+            search_around(&sink, &in, place);
         barrier(CLK_LOCAL_MEM_FENCE);
         if (used > BUF / 2 || round + 1 == PER_ITEM)
             flush(&sink, &base);

@@ -1,7 +1,9 @@
-// hash.DIMS3.SHAPE0.ROTATED1.RANK1.LANES1.WG256.PER_ITEM1
+// hash.DIMS3.SHAPE0.ROTATED1.GRID0.LEVELS0.RANK1.LANES1.WG256.PER_ITEM1
 #define DIMS 3
 #define SHAPE 0
 #define ROTATED 1
+#define GRID 0
+#define LEVELS 0
 #define RANK 1
 #define LANES 1
 #define WG 256
@@ -15,35 +17,43 @@
 // The cell of each object (equation 2), and with RANK its place among those
 // that came to the cell before it, for the counting sort.
 //
-//   objects  [n]          poses or bounds
-//   keys     [n]          cell; a bad object gets the cell after the last
-//   counts   [n_cells + 1] zeroed before; objects a cell (RANK)
-//   ranks    [n]          (RANK)
-__kernel void hash(__global const float *restrict objects, uint n, float4 lower, float4 per_cell,
-                   int4 cells, uint n_cells, __global uint *restrict keys,
+// Only keys from key_from to key_to are of interest, the others' objects belong
+// to the other device; keys are written relative to key_from.
+//
+//   objects  [n]  poses or bounds
+//   levels   [n_levels]
+//   keys     [n]  NOWHERE for an object that is bad or elsewhere
+//   counts   [key_to - key_from] zeroed before; objects a cell (RANK)
+//   ranks    [n]  (RANK)
+__kernel void hash(__global const float *restrict objects, uint n, __constant const grid_level *levels, uint n_levels,
+                   uint n_cells, uint key_from, uint key_to, __global uint *restrict keys,
 #if RANK
                    volatile __global uint *restrict counts, __global uint *restrict ranks,
 #endif
                    volatile __global uint *restrict counters)
 {
-    grid g = {lower, per_cell, cells};
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint from = first; from < last; from += LANES) {
-        uint ids[LANES], found[LANES];
+        uint ids[LANES], found[LANES], bad[LANES];
         for (uint k = 0; k < LANES; ++k)
             ids[k] = min(from + k, last - 1);
         object o = object_at(objects, ids);
-        spread(object_key(&o, object_is_bad(&o), g, n_cells), found);
+        spread(object_key(&o, levels, n_levels, n_cells), found);
+        mask is_bad = object_is_bad(&o);
+        spread(as_word(is_bad), bad);
         for (uint k = 0; k < LANES && from + k < last; ++k) {
-            keys[from + k] = found[k];
-#if RANK
-            ranks[from + k] = atomic_inc(counts + found[k]);
-#endif
-            if (found[k] == n_cells) {
+            uint key = NOWHERE;
+            if (bad[k]) {
                 atomic_inc(counters + COUNT_BAD);
                 atomic_max(counters + FIRST_BAD, ~ids[k]);
+            } else if (found[k] >= key_from && found[k] < key_to) {
+                key = found[k] - key_from;
+#if RANK
+                ranks[from + k] = atomic_inc(counts + key);
+#endif
             }
+            keys[from + k] = key;
         }
     }
 }

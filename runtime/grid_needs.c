@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// What the objects ask of a grid: where they are, and how wide.
+#include "runtime/grid.h"
+
+#include <math.h>
+#include <string.h>
+
+// The octave of an extent, 2^-150 .. 2^149; points share the lowest.
+static uint32_t octave_of(double extent)
+{
+    int exponent = 0;
+    frexp(extent, &exponent);
+    if (!(extent > 0.0) || exponent < -GRID_OCTAVES / 2)
+        exponent = -GRID_OCTAVES / 2;
+    if (exponent >= GRID_OCTAVES / 2)
+        exponent = GRID_OCTAVES / 2 - 1;
+    return (uint32_t)(exponent + GRID_OCTAVES / 2);
+}
+
+static void add(grid_needs *needs, const double centre[3], double widest, uint32_t id)
+{
+    for (int k = 0; k < 3; ++k) {
+        needs->lower[k] = fmin(needs->lower[k], centre[k]);
+        needs->upper[k] = fmax(needs->upper[k], centre[k]);
+    }
+    if (widest > needs->widest) {
+        needs->widest = widest;
+        needs->widest_id = id;
+    }
+    uint32_t octave = octave_of(widest);
+    ++needs->octave_n[octave];
+    needs->octave_widest[octave] = fmax(needs->octave_widest[octave], widest);
+}
+
+// The widest extent of the rotated box: rows of |M(q)| / |q|^2 times the half
+// extents, twice.
+static double widest_of_pose(const duet_pose *p, uint32_t dims)
+{
+    double x = dims == 3 ? p->rotation[0] : 0.0;
+    double y = dims == 3 ? p->rotation[1] : 0.0;
+    double z = p->rotation[2];
+    double w = p->rotation[3];
+    double hx = p->half[0];
+    double hy = p->half[1];
+    double hz = dims == 3 ? p->half[2] : 0.0;
+    double scale = 2.0 / (x * x + y * y + z * z + w * w);
+    double rx = fabs(w * w + x * x - y * y - z * z) * hx + 2.0 * fabs(x * y - w * z) * hy +
+                2.0 * fabs(x * z + w * y) * hz;
+    double ry = 2.0 * fabs(x * y + w * z) * hx + fabs(w * w - x * x + y * y - z * z) * hy +
+                2.0 * fabs(y * z - w * x) * hz;
+    double rz = 2.0 * fabs(x * z - w * y) * hx + 2.0 * fabs(y * z + w * x) * hy +
+                fabs(w * w - x * x - y * y + z * z) * hz;
+    double widest = fmax(rx, ry);
+    return scale * (dims == 3 ? fmax(widest, rz) : widest);
+}
+
+static double widest_of_bounds(const duet_bounds *b, uint32_t dims)
+{
+    double widest = 0.0;
+    for (uint32_t k = 0; k < dims; ++k)
+        widest = fmax(widest, (double)b->upper[k] - (double)b->lower[k]);
+    return widest;
+}
+
+void grid_centre_of(double centre[3], const void *objects, duet_shape shape, uint32_t id,
+                    uint32_t dims)
+{
+    centre[2] = 0.0;
+    for (uint32_t k = 0; k < dims; ++k) {
+        if (shape == DUET_SHAPE_POSES) {
+            centre[k] = ((const duet_pose *)objects)[id].centre[k];
+        } else {
+            const duet_bounds *b = &((const duet_bounds *)objects)[id];
+            centre[k] = 0.5 * ((double)b->lower[k] + (double)b->upper[k]);
+        }
+    }
+}
+
+void grid_needs_of(grid_needs *needs, const void *objects, duet_shape shape, uint32_t n,
+                   uint32_t dims)
+{
+    memset(needs, 0, sizeof *needs);
+    for (int k = 0; k < 3; ++k) {
+        needs->lower[k] = INFINITY;
+        needs->upper[k] = -INFINITY;
+    }
+    for (uint32_t id = 0; id < n; ++id) {
+        double centre[3];
+        grid_centre_of(centre, objects, shape, id, dims);
+        double widest = shape == DUET_SHAPE_POSES
+                            ? widest_of_pose(&((const duet_pose *)objects)[id], dims)
+                            : widest_of_bounds(&((const duet_bounds *)objects)[id], dims);
+        if (isfinite(centre[0] + centre[1] + centre[2] + widest) && widest >= 0.0)
+            add(needs, centre, widest, id);
+    }
+}
