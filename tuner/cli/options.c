@@ -128,8 +128,10 @@ static bool set_value(const command_line *line, const option *o, const char *tex
 static void print_row(const char *name, const char *value, const char *help)
 {
     char left[64];
-    snprintf(left, sizeof left, "%s%s%s%s", name[1] ? "--" : "-", name, value ? " " : "",
-             value ? value : "");
+    char letter[8] = "";
+    if (strlen(name) == 1)
+        snprintf(letter, sizeof letter, "-%s, ", name);
+    snprintf(left, sizeof left, "%s--%s%s%s", letter, name, value ? " " : "", value ? value : "");
     printf("  %-18s %s\n", left, help);
 }
 
