@@ -234,6 +234,39 @@ static void what_is_wrong_is_said_in_one_line(void **state)
     test_folder_remove(&folder);
 }
 
+// The queries that docs/store.md shows, each run on a store.
+static void every_query_of_the_documentation_works(void **state)
+{
+    (void)state;
+    test_folder folder = make_store();
+    duet_error err = {0};
+    store *s = store_open(folder.store, STORE_READ, &err);
+    assert_ok(s, err);
+    text path = {0};
+    text doc = {0};
+    text_add(&path, "%s/../../docs/store.md", getenv("DUET_TEST_DATA"));
+    assert_ok(text_read_file(&doc, text_chars(&path), &err), err);
+    int n = 0;
+    for (char *at = doc.chars; (at = strstr(at, "```sql\n")); ++n) {
+        at += strlen("```sql\n");
+        char *end = strstr(at, "```");
+        assert_non_null(end);
+        *end = '\0';
+        sql q = sql_make(s, at, &err);
+        bool some = sql_row(&q);
+        assert_ok(sql_close(&q), err);
+        // All trials of the store worked and its workloads are small.
+        if (!some && !strstr(at, "outcome <> 'ok'") && !strstr(at, "w.n = 1000000"))
+            fail_msg("no row for %s", at);
+        at = end + 1;
+    }
+    assert_true(n >= 5);
+    text_free(&path);
+    text_free(&doc);
+    store_close(s);
+    test_folder_remove(&folder);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -243,6 +276,7 @@ int main(void)
         cmocka_unit_test(a_bad_line_is_named_and_the_store_untouched),
         cmocka_unit_test(prune_and_check_say_what_they_found),
         cmocka_unit_test(what_is_wrong_is_said_in_one_line),
+        cmocka_unit_test(every_query_of_the_documentation_works),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
