@@ -24,6 +24,7 @@ typedef struct arguments {
     plan_options plan;
     const char *pair;
     uint64_t repeat;
+    bool resident;
     const char *pairs_path;
     bool check;
     bool json;
@@ -35,6 +36,7 @@ static const option options[] = {
     PLAN_OPTION_ROWS(plan),
     OPTION_COUNT("repeat", repeat, "K", "steps that are timed, after one to warm up (5)", 1,
                  100000),
+    OPTION_FLAG("resident", resident, "leave the objects on the devices between the steps"),
     OPTION_TEXT("pairs", pairs_path, "OUT.csv", "write the pairs, a line each, ascending"),
     OPTION_FLAG("check", check, "compare the pairs with the plain C reference"),
     OPTION_FLAG("json", json, "print one JSON object"),
@@ -131,12 +133,7 @@ static duet_world *make_world(const duet_scene *scene, duet_device_pair *pair,
     duet_world_def def = duet_scene_world_def(scene, pair);
     if (!inputs_change_plan(plan, &def.plan, err))
         return NULL;
-    duet_world *world = duet_world_create(&def, err);
-    if (world && !duet_world_set_scene(world, scene, err)) {
-        duet_world_destroy(world);
-        world = NULL;
-    }
-    return world;
+    return duet_world_create(&def, err);
 }
 
 // The world is stepped, its pairs are used, and all of it is told.
@@ -147,8 +144,9 @@ static bool run_world(const arguments *args, const duet_scene *scene, const duet
     run_report r = {.scene = duet_scene_describe(scene),
                     .pair = pair,
                     .plan = duet_world_plan(world),
-                    .timed = &t};
-    bool ok = timed_run(&t, world, (uint32_t)args->repeat, err);
+                    .timed = &t,
+                    .resident = args->resident};
+    bool ok = timed_run(&t, world, scene, (uint32_t)args->repeat, args->resident, err);
     ok = ok && use_pairs(args, scene, &t.last, &r.verdict, err);
     if (ok && args->json)
         ok = run_report_json(&r, err);

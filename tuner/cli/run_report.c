@@ -16,16 +16,22 @@ bool verdict_is_right(const verdict *v)
 
 // ---------------------------------------------------------------- as text
 
-static void print_scene(const duet_scene_info *info, const duet_result *r)
+static void print_scene(const duet_scene_info *info)
 {
     const char *kind = info->shape == DUET_SHAPE_BOUNDS ? "axis-aligned boxes"
                        : info->rotated                  ? "rotated boxes"
                                                         : "boxes";
     printf("%s: %s %s, %uD\n", info->name, table_count(info->n).chars, kind, info->dims);
+}
+
+static void print_grid(const duet_scene_info *info, const duet_result *r)
+{
     printf("%u x %u", r->cells[0], r->cells[1]);
     if (info->dims == 3)
         printf(" x %u", r->cells[2]);
-    printf(" cells of edge %.6g", (double)r->cell);
+    printf("%s cells of edge %.6g", r->hashed ? " hashed" : "", (double)r->cell);
+    if (r->levels > 1)
+        printf(" and coarser, %u levels", r->levels);
     if (r->cell_widened)
         printf(", widened from %.6g to hold the largest box", (double)info->cell);
     putchar('\n');
@@ -200,6 +206,8 @@ static void add_counts(cJSON *o, const duet_scene_info *info, const timed *m)
     for (uint32_t i = 0; i < info->dims; ++i)
         cJSON_AddItemToArray(cells, cJSON_CreateNumber(r->cells[i]));
     cJSON_AddNumberToObject(o, "cell", (double)r->cell);
+    cJSON_AddNumberToObject(o, "levels", r->levels);
+    cJSON_AddBoolToObject(o, "hashed", r->hashed);
     cJSON_AddBoolToObject(o, "cell_widened", r->cell_widened);
     cJSON_AddNumberToObject(o, "bytes_a", (double)r->bytes[0]);
     cJSON_AddNumberToObject(o, "bytes_b", (double)r->bytes[1]);
@@ -230,7 +238,8 @@ static void add_verdict(cJSON *o, const verdict *v)
 
 void run_report_text(const run_report *r)
 {
-    print_scene(r->scene, &r->timed->last);
+    print_scene(r->scene);
+    print_grid(r->scene, &r->timed->last);
     print_devices(r->pair, r->plan);
     print_stages(timed_median(r->timed));
     print_totals(r->timed);
@@ -243,6 +252,7 @@ bool run_report_json(const run_report *r, duet_error *err)
     cJSON *o = cJSON_CreateObject();
     add_counts(o, r->scene, r->timed);
     add_plan(o, r->pair, r->plan);
+    cJSON_AddBoolToObject(o, "resident", r->resident);
     add_times(o, r->timed);
     if (r->verdict.asked)
         add_verdict(o, &r->verdict);

@@ -20,6 +20,7 @@ typedef struct run_report {
     const duet_device_pair *pair;
     const duet_plan *plan;
     const timed *timed;
+    bool resident;
     verdict verdict;
 } run_report;
 

@@ -30,19 +30,33 @@ static int by_time(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-bool timed_run(timed *t, duet_world *world, uint32_t repeat, duet_error *err)
+static bool hand_over(duet_world *world, const duet_scene *scene, duet_error *err)
+{
+    const duet_scene_info *info = duet_scene_describe(scene);
+    if (info->shape == DUET_SHAPE_POSES)
+        return duet_world_set_poses(world, duet_scene_poses(scene), info->n, err);
+    return duet_world_set_bounds(world, duet_scene_bounds(scene), info->n, err);
+}
+
+static bool check_hash(const timed *t, duet_error *err)
+{
+    return duet_result_hash(&t->last) == t->hash ||
+           error_set(err, DUET_WRONG_RESULT, "step %u found other pairs than the first", t->n);
+}
+
+bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t repeat, bool resident,
+               duet_error *err)
 {
     t->steps = calloc(repeat, sizeof *t->steps);
     if (!t->steps)
         return error_set(err, DUET_NO_MEMORY, "the times of %u steps: no memory", repeat);
-    bool ok = duet_world_step(world, &t->last, err);
+    bool ok = duet_world_set_scene(world, scene, err) && duet_world_step(world, &t->last, err);
     t->hash = ok ? duet_result_hash(&t->last) : 0;
     progress p = progress_begin("step", repeat);
     while (ok && t->n < repeat && !interrupt_asked()) {
-        ok = duet_world_step(world, &t->last, err) && keep_step(t, &t->last, err);
-        if (ok && duet_result_hash(&t->last) != t->hash)
-            ok =
-                error_set(err, DUET_WRONG_RESULT, "step %u found other pairs than the first", t->n);
+        ok = resident || hand_over(world, scene, err);
+        ok = ok && duet_world_step(world, &t->last, err);
+        ok = ok && keep_step(t, &t->last, err) && check_hash(t, err);
         progress_show(&p, t->n);
     }
     progress_end(&p);
