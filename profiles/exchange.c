@@ -15,6 +15,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 // In the order in which they point at each other.
 typedef struct line_type {
@@ -176,7 +177,8 @@ static bool check_fields(const import *in, const line_type *type, const char *li
                   "OR instr(replace(?2, char(10), ' '), ' ' || key || ' ') = 0",
                   line, err);
     sql_text(&q, text_chars(&fields));
-    bool known = !sql_row(&q) || bad_line(in, err, "has an unknown or repeated field: ", sql_get_text(&q, 0));
+    bool known = !sql_row(&q) ||
+                 bad_line(in, err, "has an unknown or repeated field: ", sql_get_text(&q, 0));
     bool ok = sql_close(&q) && text_ok(&fields, err);
     text_free(&fields);
     return ok && known;

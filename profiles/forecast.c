@@ -162,3 +162,26 @@ bool forecast_best(store *s, const forecast_ask *ask, forecast *best, bool *foun
     free(lists[1].fits);
     return ok;
 }
+
+static uint32_t share_of(double r)
+{
+    return (uint32_t)lround(fmin(1, fmax(0, r)) * PROFILE_SHARE_ONE);
+}
+
+void forecast_take(const forecast *f, profile_found *found)
+{
+    double ratio = f->one.ns / f->both.ns;
+    double sd = ratio * hypot(f->doubt, f->one.sd_ns / f->one.ns);
+    bool faster = ratio - 2 * sd > 1;
+    *found = (profile_found){.plan = f->plan};
+    found->share_low = share_of(f->share - 2 * f->share_sd);
+    found->share_high = share_of(f->share + 2 * f->share_sd);
+    found->plan.share = faster ? share_of(f->share) : f->a_is_best ? PROFILE_SHARE_ONE : 0;
+    found->median_ns = faster ? f->both.ns : f->one.ns;
+    if (faster) {
+        found->gain = ratio - 1;
+        found->gain_low = ratio - 2 * sd - 1;
+        found->gain_high = ratio + 2 * sd - 1;
+    }
+    sql_copy(found->verdict, sizeof found->verdict, faster ? "faster" : "same");
+}

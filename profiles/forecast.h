@@ -5,6 +5,7 @@
 #define PROFILES_FORECAST_H
 
 #include "profiles/fit.h"
+#include "profiles/lookup.h"
 
 typedef struct forecast_ask {
     const char *env_a; // keys
@@ -34,5 +35,9 @@ typedef struct forecast {
 // The quickest plan, what was measured on the host asked for before others.
 // Both devices' fits are always of one machine.
 bool forecast_best(store *s, const forecast_ask *ask, forecast *best, bool *found, duet_error *err);
+
+// The plan that follows from it. A gain that might be none is not taken: the
+// better single device does all the work.
+void forecast_take(const forecast *f, profile_found *found);
 
 #endif

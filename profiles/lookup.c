@@ -242,31 +242,6 @@ static bool look_stale(look *l, bool *held)
 
 // ---------------------------------------------------------- rungs that are fits
 
-static uint32_t share_of(double r)
-{
-    return (uint32_t)lround(fmin(1, fmax(0, r)) * PROFILE_SHARE_ONE);
-}
-
-// A gain that might be none is not taken: the single device does the work.
-static void take_forecast(look *l, const forecast *f)
-{
-    profile_found *found = l->found;
-    double ratio = f->one.ns / f->both.ns;
-    double sd = ratio * hypot(f->doubt, f->one.sd_ns / f->one.ns);
-    bool faster = ratio - 2 * sd > 1;
-    *found = (profile_found){.plan = f->plan};
-    found->share_low = share_of(f->share - 2 * f->share_sd);
-    found->share_high = share_of(f->share + 2 * f->share_sd);
-    found->plan.share = faster ? share_of(f->share) : f->a_is_best ? PROFILE_SHARE_ONE : 0;
-    found->median_ns = faster ? f->both.ns : f->one.ns;
-    if (faster) {
-        found->gain = ratio - 1;
-        found->gain_low = ratio - 2 * sd - 1;
-        found->gain_high = ratio + 2 * sd - 1;
-    }
-    sql_copy(found->verdict, sizeof found->verdict, faster ? "faster" : "same");
-}
-
 static void tell_forecast(look *l, const forecast *f)
 {
     if (l->why)
@@ -366,7 +341,7 @@ static bool look_interpolated(look *l, bool *held)
         tell_doubt(l, &f);
         return true;
     }
-    take_forecast(l, &f);
+    forecast_take(&f, l->found);
     tell_forecast(l, &f);
     return true;
 }
@@ -388,7 +363,7 @@ static bool look_transferred(look *l, bool *held)
         tell_doubt(l, &f);
         return true;
     }
-    take_forecast(l, &f);
+    forecast_take(&f, l->found);
     tell_forecast(l, &f);
     return true;
 }
@@ -433,61 +408,5 @@ bool profile_lookup(store *s, const profile_request *request, profile_found *fou
     if (!ok)
         *found = (profile_found){.grade = PROFILE_DEFAULT};
     text_free(&l.family);
-    return ok && (!why || text_ok(why, err));
-}
-
-// ---------------------------------------------------------- an application's start
-
-static bool look_once(const char *path, const profile_request *request, profile_found *found,
-                      text *why, bool *disturbed, duet_error *err)
-{
-    *found = (profile_found){.grade = PROFILE_DEFAULT};
-    store *s = store_open_look(path, err);
-    bool ok = s && profile_lookup(s, request, found, why, err);
-    *disturbed = s && !store_undisturbed(s);
-    store_close(s);
-    return ok;
-}
-
-// A writer that came in between may have shown half of its work, so the look
-// is taken again; then it is seen to write, and read in step with it.
-static bool look_in_file(const char *path, const profile_request *request, profile_found *found,
-                         text *why, duet_error *err)
-{
-    enum { MAX_LOOKS = 3 };
-    for (int i = 0;; ++i) {
-        text told = {0};
-        duet_error failure = {0};
-        bool disturbed = false;
-        bool ok = look_once(path, request, found, why ? &told : NULL, &disturbed, &failure);
-        bool final = !disturbed || i == MAX_LOOKS;
-        if (final && !ok)
-            error_set(err, failure.status, "%s", failure.text);
-        if (final && why)
-            text_add(why, "%s%s%s", ok ? path : failure.text, ok ? ":\n" : "\n", text_chars(&told));
-        text_free(&told);
-        if (final)
-            return ok;
-    }
-}
-
-bool profile_lookup_files(const char *user_path, const char *system_path,
-                          const profile_request *request, profile_found *found, text *why,
-                          duet_error *err)
-{
-    const char *paths[] = {user_path, system_path};
-    bool ok = true;
-    *found = (profile_found){.grade = PROFILE_DEFAULT};
-    for (int i = 0; i < 2 && found->grade != PROFILE_EXACT; ++i) {
-        profile_found here;
-        duet_error failure = {0};
-        if (!paths[i])
-            continue;
-        if (!look_in_file(paths[i], request, &here, why, &failure) &&
-            failure.status != DUET_NOT_FOUND)
-            ok = error_set(err, failure.status, "%s", failure.text);
-        if (here.grade < found->grade)
-            *found = here;
-    }
     return ok && (!why || text_ok(why, err));
 }

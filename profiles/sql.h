@@ -12,20 +12,19 @@
 #ifndef PROFILES_SQL_H
 #define PROFILES_SQL_H
 
+#include "profiles/quiet.h"
 #include "profiles/store.h"
 
 #include <sqlite3.h>
-#include <sys/stat.h>
 
 struct store {
     sqlite3 *db;
     char *path;
     text note;
     bool writable;
-    uint32_t depth;   // of nested transactions
-    bool broken;      // one inside failed: the outermost undoes all
-    struct stat seen; // the file when it was opened for a look
-    bool quiet;       // and nobody else had it open for writing
+    uint32_t depth; // of nested transactions
+    bool broken;    // one inside failed: the outermost undoes all
+    quiet quiet;    // as it was opened for a look
 };
 
 typedef struct sql {
@@ -69,6 +68,14 @@ void profile_sha(const char *chars, size_t n, char key[65]);
 
 // One row in the audit table.
 bool store_audit(store *s, const char *what, const char *detail, duet_error *err);
+
+// Refuses what can be no store: a folder, or a file that is no database. Makes
+// the folders of one to be written.
+bool admit_path(const char *path, store_access access, duet_error *err);
+
+// Of an open database: makes or upgrades the file where it is to be written,
+// and refuses it where it is none of ours.
+bool admit_store(store *s, duet_error *err);
 
 // Opens for one look-up of a moment. Where nobody is writing, not even
 // SQLite's side files are touched; whatever was read then counts only if

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Opens the store, and refuses with one line what is not ours to open.
+// Opens and closes the store, and its transactions.
 //
 // The file is in WAL mode, so that look-ups go on while a tuner writes; on a
 // network file system, where WAL would lose data, it keeps a rollback journal.
@@ -11,8 +11,6 @@
 #include "runtime/base/clock.h"
 
 #include <assert.h>
-#include <errno.h>
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,61 +18,7 @@
 #include <unistd.h>
 
 #define BUSY_MS 5000
-#define LOOK_BUSY_MS 50     // an application's start waits no longer
-#define SETTLED_NS 50000000 // file times tick more coarsely than files are written
-
-// ------------------------------------------------------------ what lies there
-
-static bool make_folders(const char *path, duet_error *err)
-{
-    text folder = {0};
-    text_add(&folder, "%s", path);
-    bool ok = text_ok(&folder, err);
-    for (char *at = ok ? strchr(folder.chars + 1, '/') : NULL; ok && at; at = strchr(at + 1, '/')) {
-        *at = '\0';
-        if (mkdir(folder.chars, 0755) != 0 && errno != EEXIST)
-            ok = error_set(err, DUET_STORE_FAILED, "%s: its folder %s cannot be made: %s", path,
-                           folder.chars, strerror(errno));
-        *at = '/';
-    }
-    text_free(&folder);
-    return ok;
-}
-
-// A file that does not begin like SQLite's must never reach it: SQLite takes a
-// short one for an empty database.
-static bool check_head(const char *path, duet_error *err)
-{
-    static const char magic[16] = "SQLite format 3";
-    char head[sizeof magic] = {0};
-    FILE *file = fopen(path, "rb");
-    if (!file)
-        return error_set(err, DUET_STORE_FAILED, "%s: cannot be read: %s", path, strerror(errno));
-    size_t n = fread(head, 1, sizeof head, file);
-    fclose(file);
-    if (n == 0 || memcmp(head, magic, sizeof magic) == 0)
-        return true;
-    return error_set(err, DUET_STORE_FAILED,
-                     "%s: is not a profile store and was left as it is; move it away or name "
-                     "another file with DUET_PROFILE",
-                     path);
-}
-
-static bool check_path(const char *path, store_access access, duet_error *err)
-{
-    struct stat info;
-    if (stat(path, &info) == 0)
-        return S_ISDIR(info.st_mode)
-                   ? error_set(err, DUET_STORE_FAILED,
-                               "%s: is a folder; a profile store is a file in it", path)
-                   : check_head(path, err);
-    if (errno != ENOENT)
-        return error_set(err, DUET_STORE_FAILED, "%s: %s", path, strerror(errno));
-    if (access == STORE_WRITE)
-        return make_folders(path, err);
-    return error_set(err, DUET_NOT_FOUND, "%s: there is no profile store; duet tune makes one",
-                     path);
-}
+#define LOOK_BUSY_MS 50 // an application's start waits no longer
 
 // ------------------------------------------------------------------ connection
 
@@ -103,66 +47,6 @@ static bool open_connection(store *s, const char *name, int flags, int busy_ms, 
     sqlite3_db_config(s->db, SQLITE_DBCONFIG_ENABLE_FKEY, 1, NULL);
     sqlite3_db_config(s->db, SQLITE_DBCONFIG_DEFENSIVE, 1, NULL);
     return true;
-}
-
-typedef enum identity { IS_EMPTY, IS_FOREIGN, IS_OLDER, IS_OURS, IS_NEWER } identity;
-
-static bool identify(store *s, identity *is, int64_t *version, duet_error *err)
-{
-    int64_t application = 0;
-    int64_t objects = 0;
-    if (!sql_number(s, "PRAGMA application_id", &application, err) ||
-        !sql_number(s, "PRAGMA user_version", version, err) ||
-        !sql_number(s, "SELECT count(*) FROM sqlite_schema", &objects, err))
-        return false;
-    if (application == STORE_APPLICATION && *version > 0)
-        *is = *version > STORE_VERSION ? IS_NEWER : *version < STORE_VERSION ? IS_OLDER : IS_OURS;
-    else
-        *is = application == 0 && *version == 0 && objects == 0 ? IS_EMPTY : IS_FOREIGN;
-    return true;
-}
-
-static bool open_newer(store *s, int64_t version, duet_error *err)
-{
-    s->writable = false;
-    text_add(&s->note,
-             "%s: was written by a newer Duet (version %" PRId64 ", this one knows %d); it is "
-             "only read",
-             s->path, version, STORE_VERSION);
-    return sql_script(s, "PRAGMA query_only = ON", err);
-}
-
-// Makes or upgrades the file where that is asked for; refuses it where it is
-// none of ours.
-static bool admit(store *s, duet_error *err)
-{
-    identity is = IS_FOREIGN;
-    int64_t version = 0;
-    if (!identify(s, &is, &version, err))
-        return false;
-    switch (is) {
-    case IS_OURS:
-        return true;
-    case IS_NEWER:
-        return open_newer(s, version, err);
-    case IS_EMPTY:
-        return s->writable
-                   ? migrate_create(s, err)
-                   : error_set(err, DUET_NOT_FOUND,
-                               "%s: there is nothing in it yet; duet tune fills it", s->path);
-    case IS_OLDER:
-        return s->writable ? migrate_upgrade(s, migrate_upgrades, err)
-                           : error_set(err, DUET_STORE_FAILED,
-                                       "%s: is of the older version %" PRId64
-                                       "; duet tune upgrades it and keeps a copy",
-                                       s->path, version);
-    case IS_FOREIGN:
-        break;
-    }
-    return error_set(err, DUET_STORE_FAILED,
-                     "%s: is another program's SQLite file and was left as it is; name another "
-                     "file with DUET_PROFILE",
-                     s->path);
 }
 
 const char *store_journal(unsigned long file_system)
@@ -221,26 +105,95 @@ static bool open_for_writing(store *s, duet_error *err)
     s->writable = true;
     if (sqlite3_db_readonly(s->db, "main") == 1)
         return sql_fail(s, SQLITE_READONLY, err);
-    return admit(s, err) && (!s->writable || choose_journal(s, err));
+    return admit_store(s, err) && (!s->writable || choose_journal(s, err));
 }
 
+static bool open_resting(store *s, int busy_ms, duet_error *err)
+{
+    text name = {0};
+    quiet_name(s->path, &name);
+    bool ok = text_ok(&name, err) &&
+              open_connection(s, name.chars, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, busy_ms, err);
+    text_free(&name);
+    return ok;
+}
+
+static bool can_make_files_beside(const char *path)
+{
+    char *folder = strdup(path);
+    char *slash = folder ? strrchr(folder, '/') : NULL;
+    if (slash)
+        slash[slash == folder] = '\0';
+    bool can = folder && access(slash ? folder : ".", W_OK) == 0;
+    free(folder);
+    return can;
+}
+
+// Where it may, SQLite is let clear its side files away at the end, which it
+// does only for a connection that could write.
 static bool open_for_reading(store *s, duet_error *err)
 {
-    return open_connection(s, s->path, SQLITE_OPEN_READONLY, BUSY_MS, err) && admit(s, err);
+    if (!can_make_files_beside(s->path) && quiet_look(s->path).holds)
+        return open_resting(s, BUSY_MS, err) && admit_store(s, err);
+    return open_connection(s, s->path, SQLITE_OPEN_READWRITE, BUSY_MS, err) &&
+           admit_store(s, err) && sql_script(s, "PRAGMA query_only = ON", err);
+}
+
+static bool open_for_look(store *s, duet_error *err)
+{
+    s->quiet = quiet_look(s->path);
+    return (s->quiet.holds
+                ? open_resting(s, LOOK_BUSY_MS, err)
+                : open_connection(s, s->path, SQLITE_OPEN_READONLY, LOOK_BUSY_MS, err)) &&
+           admit_store(s, err);
+}
+
+static store *open_store(const char *path, store_access access,
+                         bool (*open)(store *s, duet_error *err), duet_error *err)
+{
+    store *s = admit_path(path, access, err) ? make(path, err) : NULL;
+    if (s && open(s, err) && text_ok(&s->note, err))
+        return s;
+    store_close(s);
+    return NULL;
+}
+
+// Makes a store beside its place and puts it there whole, so that nobody meets
+// a file in the making. Where that fails, or another process was quicker, there
+// is nothing to say: the store is opened next, and made in place if need be.
+static void make_whole(const char *path)
+{
+    text beside = {0};
+    text_add(&beside, "%s.%ld.new", path, (long)getpid());
+    store *s = text_ok(&beside, NULL)
+                   ? open_store(beside.chars, STORE_WRITE, open_for_writing, NULL)
+                   : NULL;
+    if (s) {
+        store_close(s);
+        link(beside.chars, path);
+        unlink(beside.chars);
+    }
+    text_free(&beside);
 }
 
 store *store_open(const char *path, store_access access, duet_error *err)
 {
-    if (!check_path(path, access, err))
-        return NULL;
-    store *s = make(path, err);
-    if (!s)
-        return NULL;
-    bool ok = access == STORE_WRITE ? open_for_writing(s, err) : open_for_reading(s, err);
-    if (ok && text_ok(&s->note, err))
-        return s;
-    store_close(s);
-    return NULL;
+    if (access == STORE_READ)
+        return open_store(path, access, open_for_reading, err);
+    struct stat info;
+    if (admit_path(path, access, err) && stat(path, &info) != 0)
+        make_whole(path);
+    return open_store(path, access, open_for_writing, err);
+}
+
+store *store_open_look(const char *path, duet_error *err)
+{
+    return open_store(path, STORE_READ, open_for_look, err);
+}
+
+bool store_undisturbed(const store *s)
+{
+    return !s->quiet.holds || quiet_still(s->path, &s->quiet);
 }
 
 void store_close(store *s)
@@ -267,72 +220,6 @@ bool store_writable(const store *s)
 const char *store_note(const store *s)
 {
     return s->note.length > 0 ? text_chars(&s->note) : NULL;
-}
-
-// ------------------------------------------------------------------- a look-up
-
-// Bytes in a side file; 0 where there is none.
-static int64_t side_bytes(const char *path, const char *ending)
-{
-    text name = {0};
-    struct stat info;
-    text_add(&name, "%s%s", path, ending);
-    bool there = stat(text_chars(&name), &info) == 0;
-    text_free(&name);
-    return there ? (int64_t)info.st_size : 0;
-}
-
-static int64_t changed_ns(const struct stat *info)
-{
-    return (int64_t)info->st_mtim.tv_sec * 1000000000 + info->st_mtim.tv_nsec;
-}
-
-static bool nobody_writes(const char *path, struct stat *seen)
-{
-    return stat(path, seen) == 0 && side_bytes(path, "-wal") == 0 &&
-           side_bytes(path, "-journal") == 0 && changed_ns(seen) + SETTLED_NS < clock_calendar_ns();
-}
-
-bool store_undisturbed(const store *s)
-{
-    struct stat info;
-    return !s->quiet ||
-           (nobody_writes(s->path, &info) && info.st_ino == s->seen.st_ino &&
-            info.st_size == s->seen.st_size && changed_ns(&info) == changed_ns(&s->seen));
-}
-
-// An immutable file is read without locks and side files.
-static void immutable_name(const char *path, text *name)
-{
-    text_add(name, "file:");
-    for (const char *c = path; *c; ++c)
-        text_add(name, strchr("%?#", *c) ? "%%%02X" : "%c", (unsigned char)*c);
-    text_add(name, "?immutable=1");
-}
-
-store *store_open_look(const char *path, duet_error *err)
-{
-    if (!check_path(path, STORE_READ, err))
-        return NULL;
-    store *s = make(path, err);
-    if (!s)
-        return NULL;
-    text name = {0};
-    s->quiet = nobody_writes(path, &s->seen);
-    if (s->quiet)
-        immutable_name(path, &name);
-    else
-        text_add(&name, "%s", path);
-    bool ok = text_ok(&name, err) &&
-              open_connection(s, text_chars(&name),
-                              SQLITE_OPEN_READONLY | (s->quiet ? SQLITE_OPEN_URI : 0), LOOK_BUSY_MS,
-                              err) &&
-              admit(s, err);
-    text_free(&name);
-    if (ok)
-        return s;
-    store_close(s);
-    return NULL;
 }
 
 // ---------------------------------------------------------------- transactions

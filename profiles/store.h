@@ -16,7 +16,7 @@
 typedef struct store store;
 
 typedef enum store_access {
-    STORE_READ, // the file must exist and is not changed
+    STORE_READ, // the file must exist, and no row of it changes
     STORE_WRITE // makes folders and file where they do not exist, and upgrades an older file
 } store_access;
 

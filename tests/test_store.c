@@ -194,11 +194,13 @@ static void another_programs_database_is_left_as_it_is(void **state)
     }
 }
 
-static void a_folder_is_no_store(void **state)
+static void a_folder_and_a_pipe_are_no_store(void **state)
 {
     (void)state;
     test_folder folder = test_folder_make();
     assert_non_null(strstr(refusal(folder.path, STORE_WRITE).text, "is a folder"));
+    assert_int_equal(mkfifo(folder.store, 0600), 0);
+    assert_non_null(strstr(refusal(folder.store, STORE_READ).text, "a device or a pipe"));
     test_folder_remove(&folder);
 }
 
@@ -393,6 +395,9 @@ static void write_without_rights(const test_folder *folder)
     store *s = store_open(folder->store, STORE_WRITE, &err);
     expect(!s && strstr(err.text, "cannot be written"), "a read-only file is named", &err);
     err = (duet_error){0};
+    s = store_open(folder->store, STORE_READ, &err);
+    expect(s, "a read-only file is read", &err);
+    store_close(s);
     profile_pair pair = test_pair();
     profile_workload workload = test_workload(1000);
     profile_request request = test_request(&pair, &workload);
@@ -431,6 +436,22 @@ static void make_without_rights(const test_folder *folder)
     err = (duet_error){0};
     expect(!store_open(folder->store, STORE_WRITE, &err) && strstr(err.text, folder->store),
            "a file that cannot be made is named", &err);
+}
+
+static void reading_leaves_no_file_behind(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    store_close(open_ok(folder.store, STORE_WRITE));
+    store *s = open_ok(folder.store, STORE_READ);
+    assert_int_equal(test_count(s, "profile"), 0);
+    duet_error err = {0};
+    assert_false(sql_script(s, "DELETE FROM profile", &err));
+    store_close(s);
+    char side[128];
+    snprintf(side, sizeof side, "%s-shm", folder.store);
+    assert_int_not_equal(access(side, F_OK), 0);
+    test_folder_remove(&folder);
 }
 
 static void a_read_only_folder_is_named(void **state)
@@ -866,7 +887,7 @@ int main(void)
         cmocka_unit_test(network_file_systems_keep_a_rollback_journal),
         cmocka_unit_test(a_file_that_is_no_database_is_left_as_it_is),
         cmocka_unit_test(another_programs_database_is_left_as_it_is),
-        cmocka_unit_test(a_folder_is_no_store),
+        cmocka_unit_test(a_folder_and_a_pipe_are_no_store),
         cmocka_unit_test(a_truncated_store_is_reported_and_kept),
         cmocka_unit_test(a_damaged_store_never_crashes_a_look_up),
         cmocka_unit_test(a_newer_store_is_read_and_not_written),
@@ -874,6 +895,7 @@ int main(void)
         cmocka_unit_test(an_upgrade_that_fails_changes_nothing),
         cmocka_unit_test(two_upgrades_keep_two_copies),
         cmocka_unit_test(a_read_only_store_is_looked_up_in_and_not_tuned_into),
+        cmocka_unit_test(reading_leaves_no_file_behind),
         cmocka_unit_test(a_read_only_folder_is_named),
         cmocka_unit_test(a_full_disk_loses_only_what_did_not_fit),
         cmocka_unit_test(a_failure_inside_undoes_the_whole_transaction),

@@ -129,7 +129,7 @@ static void write_rows(const char *path, int who)
 }
 
 // Looks up until the workload that four writers share has its profile. What is
-// seen is whole, and never a failure.
+// seen is whole; on a machine that is busy enough a look-up may give up waiting.
 static void read_rows(const char *path, int who)
 {
     (void)who;
@@ -139,8 +139,9 @@ static void read_rows(const char *path, int who)
     for (int i = 0; i < 3000; ++i) {
         profile_found found;
         duet_error err = {0};
-        must(profile_lookup_files(path, NULL, &request, &found, NULL, &err), "a look-up ends well",
-             &err);
+        must(profile_lookup_files(path, NULL, &request, &found, NULL, &err) ||
+                 (found.grade == PROFILE_DEFAULT && strstr(err.text, "keeps it locked")),
+             "a look-up ends well", &err);
         if (found.grade == PROFILE_EXACT) {
             must(found.plan.share == 8192 && found.median_ns == 2, "the row is whole", &err);
             return;
