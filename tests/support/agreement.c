@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include "support/agreement.h"
+
+#include "support/hard_pairs.h"
+#include "support/test.h"
+
+#include "runtime/reference.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { EACH_WITH_EACH_LIMIT = 2000 };
+
+static const char *const variants[] = {"rows", "rows sort=radix", "paper"};
+static const uint32_t shares[] = {0, 1, DUET_SHARE_ONE / 2, DUET_SHARE_ONE};
+
+typedef struct check {
+    const duet_world_def *def;
+    const void *objects;
+    uint32_t n;
+    reference_found truth;
+    uint64_t candidates; // of the first plan
+} check;
+
+static int compare_pairs(const void *left, const void *right)
+{
+    const duet_pair *p = left, *q = right;
+    if (p->a != q->a)
+        return p->a < q->a ? -1 : 1;
+    return (p->b > q->b) - (p->b < q->b);
+}
+
+static duet_pair *sorted_pairs(const duet_result *result)
+{
+    duet_pair *pairs = malloc((result->pairs + 1) * sizeof *pairs);
+    assert_non_null(pairs);
+    for (uint64_t i = 0; i < result->pairs; ++i)
+        pairs[i] = duet_result_pair(result, i);
+    if (result->pairs > 0)
+        qsort(pairs, result->pairs, sizeof *pairs, compare_pairs);
+    return pairs;
+}
+
+static void print_objects(const check *c, duet_pair pair)
+{
+    if (c->def->shape != DUET_SHAPE_POSES)
+        return;
+    const duet_pose *poses = c->objects;
+    hard_pair both = {poses[pair.a], poses[pair.b]};
+    hard_pair_print(&both, c->def->dims);
+}
+
+static void fail_at(const check *c, const duet_plan *plan, const char *what, duet_pair pair)
+{
+    print_objects(c, pair);
+    fail_msg("%s %s, share %" PRIu32 ": pair %" PRIu32 " %" PRIu32 " is %s",
+             duet_mode_name(plan->mode), plan->variant_a, plan->share, pair.a, pair.b, what);
+}
+
+static void compare(const check *c, const duet_plan *plan, const duet_result *result)
+{
+    duet_pair *found = sorted_pairs(result);
+    const duet_pair *truth = c->truth.pairs;
+    uint64_t i = 0;
+    while (i < result->pairs && i < c->truth.n && compare_pairs(&found[i], &truth[i]) == 0)
+        ++i;
+    bool missed = i < c->truth.n && (i == result->pairs || compare_pairs(&found[i], &truth[i]) > 0);
+    if (missed)
+        fail_at(c, plan, "missed", truth[i]);
+    if (i < result->pairs)
+        fail_at(c, plan,
+                i > 0 && compare_pairs(&found[i], &found[i - 1]) == 0 ? "found twice"
+                                                                      : "no collision",
+                found[i]);
+    free(found);
+}
+
+static void step(check *c, duet_world *world, const duet_plan *plan)
+{
+    duet_error err = {0};
+    duet_result result;
+    assert_ok(duet_world_set_plan(world, plan, &err), err);
+    assert_ok(duet_world_step(world, &result, &err), err);
+    compare(c, plan, &result);
+    assert_int_equal(duet_result_hash(&result), duet_pairs_hash(c->truth.pairs, c->truth.n));
+    if (c->candidates == UINT64_MAX)
+        c->candidates = result.candidates;
+    assert_int_equal(result.candidates, c->candidates);
+    assert_true(result.candidates >= c->truth.candidates); // bounds in float are wider
+}
+
+static void step_all_plans(check *c, duet_world *world)
+{
+    for (int mode = DUET_MODE_SHARED; mode <= DUET_MODE_OWN; ++mode)
+        for (size_t v = 0; v < sizeof variants / sizeof *variants; ++v)
+            for (size_t s = 0; s < sizeof shares / sizeof *shares; ++s) {
+                duet_plan plan = {.share = shares[s], .mode = (duet_mode)mode};
+                strcpy(plan.variant_a, variants[v]);
+                strcpy(plan.variant_b, variants[v]);
+                step(c, world, &plan);
+            }
+}
+
+uint64_t agreement_check(const duet_world_def *def, const void *objects, uint32_t n)
+{
+    bool poses = def->shape == DUET_SHAPE_POSES;
+    reference_objects all = {def->dims, def->shape, n, poses ? objects : NULL,
+                             poses ? NULL : objects};
+    check c = {.def = def, .objects = objects, .n = n, .candidates = UINT64_MAX};
+    duet_error err = {0};
+    assert_ok(reference_find(
+                  &all, n <= EACH_WITH_EACH_LIMIT ? REFERENCE_EACH_WITH_EACH : REFERENCE_COLUMNS,
+                  &c.truth, &err),
+              err);
+    duet_world *world = duet_world_create(def, &err);
+    assert_ok(world != NULL, err);
+    assert_ok(poses ? duet_world_set_poses(world, objects, n, &err)
+                    : duet_world_set_bounds(world, objects, n, &err),
+              err);
+    step_all_plans(&c, world);
+    duet_world_destroy(world);
+    duet_free(c.truth.pairs);
+    return c.truth.n;
+}

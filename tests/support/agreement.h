@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+// The one property: whatever the plan, a world on a device pair finds the
+// pairs that the reference finds.
+#ifndef TESTS_AGREEMENT_H
+#define TESTS_AGREEMENT_H
+
+#include "runtime/duet.h"
+
+// Steps n objects (poses or bounds, as def->shape says) under every plan of
+// both modes, all searches and sorts, and shares from nothing to all, and
+// fails with the first pair that differs. Returns the number of pairs.
+uint64_t agreement_check(const duet_world_def *def, const void *objects, uint32_t n);
+
+#endif
