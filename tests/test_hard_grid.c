@@ -23,6 +23,7 @@ static int open_devices(void **state)
     (void)state;
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
+    def.cache_dir = "test_hard_grid.cache"; // many worlds, few kernels
     devices = duet_device_pair_open(&def, &err);
     assert_ok(devices != NULL, err);
     return 0;
@@ -248,8 +249,8 @@ static void all_objects_in_one_place_make_all_pairs(void **state)
     (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of(3);
-    const uint32_t counts[] = {257, 1025, 2000};
-    for (size_t i = 0; i < 3; ++i) {
+    const uint32_t counts[] = {257, 1025};
+    for (size_t i = 0; i < 2; ++i) {
         scatter(counts[i], &r, 0, 1e-3, 0.5);
         uint64_t all = (uint64_t)counts[i] * (counts[i] - 1) / 2;
         assert_int_equal(agreement_check(&def, poses, counts[i]), all);
