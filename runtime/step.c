@@ -281,7 +281,7 @@ bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
             return false;
         float widest = fmaxf(part_widest(&world->parts[0]), part_widest(&world->parts[1]));
         world->fitted = !(widest > 0.0f);
-        world->split_stale = !placed;
+        world->split_stale |= !placed;
         fits = world->fitted && placed;
         if (!fits && fit == MOST_FITS)
             return error_set(err, DUET_CELL_TOO_SMALL,

@@ -7,7 +7,7 @@
 #include "runtime/duet.h"
 
 // Steps n objects (poses or bounds, as def->shape says) under every plan of
-// both modes, all searches and sorts, and shares from nothing to all, and
+// all modes, searches, sorts and grids, with shares from nothing to all, and
 // fails with the first pair that differs. Returns the number of pairs.
 uint64_t agreement_check(const duet_world_def *def, const void *objects, uint32_t n);
 
