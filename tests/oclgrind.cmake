@@ -1,21 +1,33 @@
-# Runs small scenes under Oclgrind, which reports data races, accesses out of
-# bounds and wrong calls of OpenCL. Its interpreter lacks what LLVM's inlining
-# leaves behind, so kernels are built without optimisation.
+# Small scenes on a device pair of two platforms: one is Oclgrind's simulator,
+# which reports data races, accesses out of bounds and wrong calls of OpenCL.
+# Its interpreter lacks what LLVM's inlining leaves behind, so it builds
+# kernels without optimisation.
 #
 #   PROGRAM  duet
 #   SCENES   lua/scenes
-set(oclgrind oclgrind --build-options -cl-opt-disable --data-races --check-api)
-set(small --n 150 --set world=9 --repeat 1 --check)
+#   ICD      Oclgrind's driver
+#   FOLDER   where to list the drivers
+file(REMOVE_RECURSE ${FOLDER})
+file(GLOB drivers /etc/OpenCL/vendors/*.icd)
+file(COPY ${drivers} DESTINATION ${FOLDER})
+file(WRITE ${FOLDER}/oclgrind.icd "${ICD}\n")
+set(ENV{OCL_ICD_VENDORS} ${FOLDER})
+set(ENV{OCLGRIND_BUILD_OPTIONS} -cl-opt-disable)
+set(ENV{OCLGRIND_DATA_RACES} 1)
+set(ENV{OCLGRIND_CHECK_API} 1)
 
-# One device does all: Oclgrind stops where two run at once.
+set(small --n 150 --repeat 1 --check)
 foreach(case
-    "paper.lua --variant rows --share 1"
-    "paper.lua --variant paper --share 1 --mode shared"
-    "paper.lua --variant rows --share 1 --mode shared --set rotated=false"
-    "paper2d.lua --variant rows --share 0"
-    "paper2d.lua --variant paper --share 1")
+    "paper.lua --set world=9 --pair pocl:0,oclgrind:0 --share 0.5"
+    "paper.lua --set world=9 --pair pocl:0,oclgrind:0 --share 0.3 --mode shared --set rotated=false"
+    "paper.lua --set world=9 --pair oclgrind:0,pocl:0 --share 0.6 --mode shared"
+    "paper.lua --set world=9 --pair oclgrind:0,pocl:0 --share 0.5 --mode slab"
+    "paper.lua --set world=9 --pair pocl:0,oclgrind:0 --share 0.5 --mode shared --variant paper"
+    "paper2d.lua --set world=9 --pair pocl:0,oclgrind:0 --share 0.5"
+    "paper2d.lua --set world=9 --pair oclgrind:0,pocl:0 --share 0.5 --variant paper"
+    "mixed.lua --pair pocl:0,oclgrind:0 --share 0.2")
   separate_arguments(arguments UNIX_COMMAND "${case}")
-  execute_process(COMMAND ${oclgrind} ${PROGRAM} run ${SCENES}/${arguments} ${small}
+  execute_process(COMMAND ${PROGRAM} run ${SCENES}/${arguments} ${small}
     RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE err)
   if(NOT status EQUAL 0 OR NOT err STREQUAL "" OR NOT out MATCHES "as the plain C reference")
     message(FATAL_ERROR "${case}: ${status}\n${err}\n${out}")

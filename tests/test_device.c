@@ -111,20 +111,22 @@ static void devices_of_a_pair_have_contexts_and_queues_of_their_own(void **state
     duet_device_pair_close(pair);
 }
 
-// Where there is a GPU the pair is a CPU and the GPU, else the CPU's halves
-// hold all its units between them.
+// Where there is a GPU the pair is a CPU and the GPU; else it is one CPU, in
+// halves that hold all its units between them, or twice where it has one.
 static void without_selectors_a_whole_machine_is_chosen(void **state)
 {
     (void)state;
-    const duet_device_info *cpu = cuttable_cpu();
     duet_error err = {0};
     duet_device_pair *pair = open_pair(NULL, NULL, &err);
     assert_ok(pair, err);
-    const duet_device_info *a = duet_device_pair_info(pair, 0);
-    const duet_device_info *b = duet_device_pair_info(pair, 1);
-    assert_int_equal(a->kind, DUET_KIND_CPU);
-    if (b->kind == DUET_KIND_CPU)
-        assert_int_equal(a->units + b->units, cpu->units);
+    const device *a = &pair->devices[0];
+    const device *b = &pair->devices[1];
+    assert_int_equal(a->info.kind, DUET_KIND_CPU);
+    assert_int_equal(a->owns_part, b->owns_part);
+    if (a->owns_part)
+        assert_int_equal(a->info.units + b->info.units, cuttable_cpu()->units);
+    else if (b->info.kind == DUET_KIND_CPU)
+        assert_string_equal(a->info.selector, b->info.selector);
     duet_device_pair_close(pair);
 }
 

@@ -53,6 +53,8 @@ static void print_devices(const duet_device_pair *pair, const duet_plan *plan)
     printf("grids: %s\n\n", duet_mode_name(plan->mode));
 }
 
+enum { NOBODY = -1 };
+
 // Time that one device spent on stages of that name.
 static double stage_ms(const timed_step *step, const char *name, int device)
 {
@@ -71,12 +73,21 @@ static double all_stages_ms(const timed_step *step, int device)
     return ms;
 }
 
-static bool is_first_of_name(const timed_step *step, uint32_t i)
+// Whether the device has a stage of that name among the step's first n.
+static bool has_stage(const timed_step *step, uint32_t n, const char *name, int device)
 {
-    for (uint32_t j = 0; j < i; ++j)
-        if (strcmp(step->stages[j].name, step->stages[i].name) == 0)
-            return false;
-    return true;
+    for (uint32_t i = 0; i < n; ++i)
+        if (step->stages[i].device == device && strcmp(step->stages[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+static uint32_t count_stages(const timed_step *step, int device)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < step->n_stages; ++i)
+        n += step->stages[i].device == device;
+    return n;
 }
 
 static void print_stage(table *t, const timed_step *step, const char *name)
@@ -97,15 +108,27 @@ static void print_stage(table *t, const timed_step *step, const char *name)
     }
 }
 
+static void print_stages_of(table *t, const timed_step *step, int device, int passed_over)
+{
+    for (uint32_t i = 0; i < step->n_stages; ++i) {
+        const duet_stage *stage = &step->stages[i];
+        if (stage->device == device && !has_stage(step, i, stage->name, device) &&
+            !has_stage(step, step->n_stages, stage->name, passed_over))
+            print_stage(t, step, stage->name);
+    }
+}
+
+// In the order of the device that went through more stages, then what only the
+// other did.
 static void print_stages(const timed_step *step)
 {
     table t = table_begin("lrrlrrl");
     static const char *const heads[] = {"", "A ms", "%", "                ", "B ms", "%", ""};
     for (int i = 0; i < 7; ++i)
         table_cell(&t, "%s", heads[i]);
-    for (uint32_t i = 0; i < step->n_stages; ++i)
-        if (is_first_of_name(step, i))
-            print_stage(&t, step, step->stages[i].name);
+    int fuller = count_stages(step, 1) > count_stages(step, 0);
+    print_stages_of(&t, step, fuller, NOBODY);
+    print_stages_of(&t, step, 1 - fuller, fuller);
     table_cell(&t, "together");
     for (int device = 0; device < 2; ++device) {
         table_cell(&t, "%.3f", all_stages_ms(step, device));
