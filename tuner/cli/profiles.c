@@ -280,6 +280,7 @@ static const struct {
 } verbs[] = {
     {"list", profiles_list, "the profiles there are"},
     {"show", profiles_show, "one of them, with its trials and where it comes from"},
+    {"why", profiles_why, "which profile a scene would get here, and on which grounds"},
     {"export", run_export, "the store as JSON lines"},
     {"import", run_import, "takes such lines in"},
     {"merge", run_merge, "takes the rows of another store in"},

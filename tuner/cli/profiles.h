@@ -8,6 +8,7 @@
 
 int profiles_list(int argc, char **argv);
 int profiles_show(int argc, char **argv);
+int profiles_why(int argc, char **argv);
 
 // Opens the store at path, or the user's where that is NULL, and tells on
 // stderr what should be known of it.

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+// A world as the profile store knows it, and what an application then gets.
+#define _POSIX_C_SOURCE 200809L
+#include "support/program.h"
+#include "support/store.h"
+#include "support/test.h"
+
+#include "runtime/base/rng.h"
+#include "runtime/profiled.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct fixture {
+    duet_device_pair *pair;
+    duet_world *world;
+} fixture;
+
+// n unit cubes in a world of 20^3, drawn with the seed; one is `giant` wide.
+static fixture make_world(uint32_t n, uint64_t seed, float giant, const char *words)
+{
+    duet_error err = {0};
+    fixture f = {0};
+    rng r = rng_seed(seed);
+    duet_pose *poses = calloc(n, sizeof *poses);
+    assert_non_null(poses);
+    for (uint32_t i = 0; i < n; ++i) {
+        poses[i] = (duet_pose){.half = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
+        for (int k = 0; k < 3; ++k)
+            poses[i].centre[k] = (float)rng_between(&r, 0, 20);
+    }
+    if (giant > 0)
+        poses[n / 2].half[0] = giant / 2;
+    duet_device_pair_def pair_def = duet_default_device_pair_def();
+    f.pair = duet_device_pair_open(&pair_def, &err);
+    assert_ok(f.pair, err);
+    duet_world_def def = duet_default_world_def();
+    def.pair = f.pair;
+    def.dims = 3;
+    def.plan = duet_default_plan(f.pair);
+    strcpy(def.plan.variant_a, words);
+    strcpy(def.plan.variant_b, words);
+    def.has_world = true;
+    for (int k = 0; k < 3; ++k)
+        def.upper[k] = 20;
+    f.world = duet_world_create(&def, &err);
+    assert_ok(f.world, err);
+    assert_ok(duet_world_set_poses(f.world, poses, n, &err), err);
+    free(poses);
+    return f;
+}
+
+static void drop_world(fixture *f)
+{
+    duet_world_destroy(f->world);
+    duet_device_pair_close(f->pair);
+}
+
+static profiled describe(const fixture *f)
+{
+    profiled p;
+    duet_error err = {0};
+    assert_ok(profiled_world(f->world, &p, &err), err);
+    return p;
+}
+
+static void key_of(const fixture *f, char key[PROFILE_SHA])
+{
+    duet_error err = {0};
+    profiled p = describe(f);
+    assert_ok(profile_workload_key(&p.workload, key, &err), err);
+}
+
+static void a_worlds_numbers_are_those_of_its_scene(void **state)
+{
+    (void)state;
+    fixture f = make_world(16000, test_seed(), 0, "rows");
+    profiled p = describe(&f);
+    assert_int_equal(p.workload.n, 16000);
+    assert_int_equal(p.workload.dims, 3);
+    assert_in_range(p.workload.cells[0], 19, 20);
+    assert_true(p.workload.occ_mean > 1.9 && p.workload.occ_mean < 2.5);
+    assert_true(p.workload.occ_p99 >= 5 && p.workload.occ_p99 <= 9); // Poisson of mean 2
+    assert_true(p.workload.size_ratio == 1);
+    assert_string_equal(p.workload.shape, "poses");
+    assert_string_equal(p.pair.a.device.kind, "cpu");
+    assert_int_equal(strlen(p.kernels), 64);
+    drop_world(&f);
+}
+
+static void the_workload_is_the_scenes_and_not_the_draws_or_the_plans(void **state)
+{
+    (void)state;
+    uint64_t seed = test_seed();
+    fixture a = make_world(16000, seed, 0, "rows");
+    fixture b = make_world(16000, seed + 1, 0, "rows grid=hashed");
+    fixture c = make_world(16000, seed, 16, "rows");
+    char keys[3][PROFILE_SHA];
+    key_of(&a, keys[0]);
+    key_of(&b, keys[1]);
+    key_of(&c, keys[2]);
+    assert_string_equal(keys[0], keys[1]);
+    assert_string_not_equal(keys[0], keys[2]); // a giant among them
+    profiled p = describe(&c);
+    assert_true(p.workload.size_ratio == 16);
+    drop_world(&a);
+    drop_world(&b);
+    drop_world(&c);
+}
+
+static void a_world_without_objects_is_refused(void **state)
+{
+    (void)state;
+    fixture f = make_world(1, 1, 0, "rows");
+    profiled p;
+    duet_error err = {0};
+    assert_ok(duet_world_set_poses(f.world, NULL, 0, &err), err);
+    assert_false(profiled_world(f.world, &p, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    drop_world(&f);
+}
+
+static void a_plan_survives_being_stored(void **state)
+{
+    (void)state;
+    duet_plan plan = {.share = 12345, .mode = DUET_MODE_OWN};
+    strcpy(plan.variant_a, "rows sort=radix");
+    strcpy(plan.variant_b, "paper");
+    profile_plan stored = profiled_write_plan(&plan);
+    duet_plan back;
+    duet_error err = {0};
+    assert_ok(profiled_read_plan(&stored, &back, &err), err);
+    assert_int_equal(back.share, plan.share);
+    assert_int_equal(back.mode, plan.mode);
+    assert_string_equal(back.variant_a, plan.variant_a);
+    assert_string_equal(back.variant_b, plan.variant_b);
+    strcpy(stored.mode, "sideways");
+    assert_false(profiled_read_plan(&stored, &back, &err));
+    assert_non_null(strstr(err.text, "sideways"));
+}
+
+// ------------------------------------------------------------- duet profiles why
+
+#define SCENE "test_profiled.scene.lua"
+
+static const char scene_text[] = "local random = random(3)\n"
+                                 "for _ = 1, 500 do\n"
+                                 "  add(random.uniform(0, 20), random.uniform(0, 20), "
+                                 "random.uniform(0, 20), 0.5, 0.5, 0.5, 0, 0, 0, 1)\n"
+                                 "end\n"
+                                 "return { dims = 3 }\n";
+
+// Puts a profile for the scene into the store, as a tuner would.
+static void put_profile(const char *path, const char *scene_path)
+{
+    duet_error err = {0};
+    duet_device_pair_def pair_def = duet_default_device_pair_def();
+    duet_device_pair *pair = duet_device_pair_open(&pair_def, &err);
+    assert_ok(pair, err);
+    duet_scene *scene = duet_scene_load(scene_path, NULL, 0, &err);
+    assert_ok(scene, err);
+    duet_world_def def = duet_scene_world_def(scene, pair);
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world && duet_world_set_scene(world, scene, &err), err);
+    profiled p;
+    assert_ok(profiled_world(world, &p, &err), err);
+    store *s = store_open(path, STORE_WRITE, &err);
+    assert_ok(s, err);
+    profile_row row = {
+        .kernels = p.kernels,
+        .objective = "time",
+        .plan = test_plan(0.375),
+        .median_ns = 2e6,
+        .low_ns = 1e6,
+        .high_ns = 3e6,
+        .gain = 0.5,
+        .verdict = "faster",
+        .origin = "manual",
+        .trial_number = -1,
+    };
+    assert_ok(profile_pair_put(s, &p.pair, &row.pair_id, &err), err);
+    assert_ok(profile_workload_put(s, &p.workload, &row.workload_id, &err), err);
+    assert_ok(profile_put(s, &row, "put again", &err), err);
+    store_close(s);
+    duet_world_destroy(world);
+    duet_scene_destroy(scene);
+    duet_device_pair_close(pair);
+}
+
+static cJSON *ask_why(const char *path)
+{
+    program p = program_run("profiles why %s --profile %s --json", SCENE, path);
+    assert_string_equal(p.err, "");
+    assert_int_equal(p.exit_code, 0);
+    cJSON *o = cJSON_Parse(p.out);
+    assert_true(cJSON_IsObject(o));
+    program_free(&p);
+    return o;
+}
+
+static void assert_why(const cJSON *o, const char *grade, const char *says)
+{
+    assert_string_equal(cJSON_GetObjectItemCaseSensitive(o, "grade")->valuestring, grade);
+    const cJSON *line = NULL;
+    bool said = false;
+    cJSON_ArrayForEach(line, cJSON_GetObjectItemCaseSensitive(o, "why"))
+    {
+        said |= strstr(line->valuestring, says) != NULL;
+    }
+    if (!said)
+        fail_msg("nothing says '%s'", says);
+}
+
+static void why_names_the_plan_and_its_grounds(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    duet_error err = {0};
+    assert_ok(text_write_file(SCENE, scene_text, strlen(scene_text), &err), err);
+    cJSON *o = ask_why(folder.store);
+    assert_why(o, "default", "there is no profile store");
+    cJSON_Delete(o);
+    put_profile(folder.store, SCENE);
+    o = ask_why(folder.store);
+    assert_why(o, "exact", "yes: manual 20");
+    assert_true(cJSON_GetObjectItemCaseSensitive(o, "share")->valuedouble == 0.375);
+    assert_string_equal(cJSON_GetObjectItemCaseSensitive(o, "variant_b")->valuestring,
+                        "rows sort=radix");
+    cJSON_Delete(o);
+    program p = program_run("profiles why %s --profile %s", SCENE, folder.store);
+    assert_int_equal(p.exit_code, 0);
+    assert_non_null(strstr(p.out, "exact: share 0.3750, mode own, A rows, B rows sort=radix"));
+    program_free(&p);
+    remove(SCENE);
+    test_folder_remove(&folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_worlds_numbers_are_those_of_its_scene),
+        cmocka_unit_test(the_workload_is_the_scenes_and_not_the_draws_or_the_plans),
+        cmocka_unit_test(a_world_without_objects_is_refused),
+        cmocka_unit_test(a_plan_survives_being_stored),
+        cmocka_unit_test(why_names_the_plan_and_its_grounds),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
