@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// Poses, bounds and pairs in bulk: n rows of numbers in one block of memory,
+// the script's own or a view of a scene's or a world's. Places are from 0.
+#ifndef LUA_ARRAY_H
+#define LUA_ARRAY_H
+
+#include "runtime/duet.h"
+
+#include <lua.h>
+#include <stdbool.h>
+
+typedef enum array_kind { ARRAY_POSES, ARRAY_BOUNDS, ARRAY_PAIRS } array_kind;
+
+typedef struct array {
+    array_kind kind;
+    void *rows; // duet_pose, duet_bounds or duet_pair
+    uint64_t n;
+    bool owned;            // rows are given back by duet_free
+    bool fixed;            // must not be written
+    const uint64_t *epoch; // of the owner, the uservalue: a view holds while it is epoch_made
+    uint64_t epoch_made;
+} array;
+
+void array_open(lua_State *L); // adds duet.poses, duet.bounds, duet.pairs to the module at -1
+
+// Pushes an array with zeroed rows of its own.
+array *array_push(lua_State *L, array_kind kind, uint64_t n);
+
+// Pushes an empty one for rows that C made: fill rows, n and owned.
+array *array_push_empty(lua_State *L, array_kind kind);
+
+// Pushes a view of rows that the userdata at owner_index has.
+array *array_push_view(lua_State *L, array_kind kind, void *rows, uint64_t n, int owner_index,
+                       const uint64_t *epoch);
+
+// The rows at index: an array, a string of packed rows, a table of rows or of
+// numbers; the latter become an array, which takes their place at index.
+const array *array_check(lua_State *L, int index, array_kind kind);
+
+// A pair hash as 16 hex digits.
+void array_push_hash(lua_State *L, uint64_t hash);
+
+#endif

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#include "lua/class.h"
+
+#include <string.h>
+
+// object.name: a field's value, else the method; a misspelt name is an error.
+static int find_member(lua_State *L)
+{
+    const lua_class *c = lua_touserdata(L, lua_upvalueindex(1));
+    const char *name = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : "";
+    luaL_checkudata(L, 1, c->name);
+    lua_pushvalue(L, 2);
+    if (lua_rawget(L, lua_upvalueindex(2)) != LUA_TNIL)
+        return 1;
+    const member *m = c->members ? member_find(c->members, name) : NULL;
+    if (!m)
+        return luaL_error(L, "%s has no '%s'", c->name, luaL_tolstring(L, 2, NULL));
+    member_push(L, m, c->struct_of(L));
+    return 1;
+}
+
+void class_open(lua_State *L, const lua_class *c)
+{
+    if (!luaL_newmetatable(L, c->name)) {
+        lua_pop(L, 1);
+        return;
+    }
+    if (c->metas)
+        luaL_setfuncs(L, c->metas, 0);
+    lua_pushlightuserdata(L, (void *)c);
+    lua_newtable(L);
+    luaL_setfuncs(L, c->methods, 0);
+    lua_getfield(L, -1, "close");
+    lua_pushvalue(L, -1);
+    lua_setfield(L, -5, "__gc");
+    lua_setfield(L, -4, "__close");
+    lua_pushcclosure(L, find_member, 2);
+    lua_setfield(L, -2, "__index");
+    lua_pushstring(L, c->name); // what getmetatable gives: scripts see no more of it
+    lua_setfield(L, -2, "__metatable");
+    lua_pop(L, 1);
+}
+
+void *class_push(lua_State *L, const lua_class *c, size_t bytes)
+{
+    void *object = lua_newuserdatauv(L, bytes, 1);
+    memset(object, 0, bytes);
+    luaL_setmetatable(L, c->name);
+    return object;
+}
+
+int class_push_failure(lua_State *L, const duet_error *err)
+{
+    lua_pushnil(L);
+    lua_pushstring(L, err->text);
+    lua_pushstring(L, duet_status_name(err->status));
+    return 3;
+}
+
+int class_push_done(lua_State *L, bool ok, const duet_error *err)
+{
+    if (!ok)
+        return class_push_failure(L, err);
+    lua_pushboolean(L, true);
+    return 1;
+}

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+// duet.device_pair: two devices that share the work.
+#include "lua/nouns.h"
+#include "lua/policy.h"
+
+static int pair_close(lua_State *L);
+static int pair_device(lua_State *L);
+static int pair_plan(lua_State *L);
+
+static const luaL_Reg methods[] = {{"close", pair_close},
+                                   {"device", pair_device},
+                                   {"plan", pair_plan},
+                                   {"world", world_create_lua},
+                                   {NULL, NULL}};
+static const lua_class pair_class = {.name = "duet.device_pair", .methods = methods};
+
+static const member def_members[] = {
+    MEMBER(member_string, duet_device_pair_def, a),
+    MEMBER(member_string, duet_device_pair_def, b),
+    MEMBER(member_string, duet_device_pair_def, kernel_dir),
+    MEMBER(member_string, duet_device_pair_def, cache_dir),
+    {0},
+};
+
+// The box counts as a user until the script closes it: its pair is then gone
+// from the script's view, and truly closed with the last world.
+typedef struct script_box {
+    device_pair_box box;
+    bool closed;
+} script_box;
+
+static script_box *check_any(lua_State *L, int index)
+{
+    return luaL_checkudata(L, index, pair_class.name);
+}
+
+device_pair_box *device_pair_check(lua_State *L, int index)
+{
+    script_box *s = check_any(L, index);
+    luaL_argcheck(L, !s->closed, index, "the device pair is closed");
+    return &s->box;
+}
+
+void device_pair_let_go(device_pair_box *box)
+{
+    if (--box->users > 0)
+        return;
+    duet_device_pair_close(box->pair);
+    box->pair = NULL;
+}
+
+static int pair_close(lua_State *L)
+{
+    script_box *s = check_any(L, 1);
+    if (!s->closed)
+        device_pair_let_go(&s->box);
+    s->closed = true;
+    return 0;
+}
+
+static int pair_open(lua_State *L)
+{
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    const char *const kernel_dir = def.kernel_dir;
+    const char *const cache_dir = def.cache_dir;
+    member_read_table(L, 1, "a device pair", def_members, &def);
+    if (def.kernel_dir != kernel_dir || def.cache_dir != cache_dir)
+        policy_check_trusted(L, "choosing kernel_dir or cache_dir");
+    script_box *s = class_push(L, &pair_class, sizeof *s);
+    s->closed = true;
+    s->box.pair = duet_device_pair_open(&def, &err);
+    if (!s->box.pair)
+        return class_push_failure(L, &err);
+    s->closed = false;
+    s->box.users = 1;
+    return 1;
+}
+
+// "A" or "B"
+static int pair_device(lua_State *L)
+{
+    static const char *const names[] = {"A", "B", NULL};
+    const device_pair_box *box = device_pair_check(L, 1);
+    int device = luaL_checkoption(L, 2, NULL, names);
+    member_push_table(L, device_members, duet_device_pair_info(box->pair, device));
+    return 1;
+}
+
+static int pair_plan(lua_State *L)
+{
+    duet_plan plan = duet_default_plan(device_pair_check(L, 1)->pair);
+    member_plan.push(L, NULL, &plan);
+    return 1;
+}
+
+void device_pair_open_lua(lua_State *L)
+{
+    static const luaL_Reg functions[] = {{"device_pair", pair_open}, {NULL, NULL}};
+    class_open(L, &pair_class);
+    luaL_setfuncs(L, functions, 0);
+}

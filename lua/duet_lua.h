@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// Duet from Lua 5.4: `require "duet"` calls luaopen_duet in duet.so; a program
+// with a Lua state of its own calls it through luaL_requiref. docs/lua.md is
+// the guide, lua/definitions/duet.lua the list of all names for editors.
+#ifndef DUET_LUA_H
+#define DUET_LUA_H
+
+#include "duet_error.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct lua_State;
+
+// Leaves the module's table on the stack.
+DUET_API int luaopen_duet(struct lua_State *L);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

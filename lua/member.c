@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: MIT
+#include "lua/member.h"
+
+#include "runtime/duet.h"
+
+#include <lauxlib.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+int member_refuse(lua_State *L, const member *m, const char *wanted)
+{
+    if (lua_type(L, -1) == LUA_TNUMBER)
+        return luaL_error(L, "field '%s': %s, not %s", m->name, luaL_tolstring(L, -1, NULL),
+                          wanted);
+    return luaL_error(L, "field '%s': a %s, not %s", m->name, luaL_typename(L, -1), wanted);
+}
+
+// ---------------------------------------------------------------- texts
+
+// A number would become a string of the stack's alone, which does not last.
+static void read_string(lua_State *L, const member *m, void *at)
+{
+    if (lua_type(L, -1) != LUA_TSTRING)
+        member_refuse(L, m, "a string");
+    *(const char **)at = lua_tostring(L, -1);
+}
+
+static void push_string(lua_State *L, const member *m, const void *at)
+{
+    (void)m;
+    lua_pushstring(L, *(const char *const *)at);
+}
+
+static void read_chars(lua_State *L, const member *m, void *at)
+{
+    size_t length = 0;
+    if (lua_type(L, -1) != LUA_TSTRING)
+        member_refuse(L, m, "a string");
+    const char *chars = lua_tolstring(L, -1, &length);
+    if (length >= m->size)
+        luaL_error(L, "field '%s': %d characters, and %d are the most", m->name, (int)length,
+                   (int)m->size - 1);
+    memcpy(at, chars, length + 1);
+}
+
+static void push_chars(lua_State *L, const member *m, const void *at)
+{
+    (void)m;
+    lua_pushstring(L, at);
+}
+
+// Raises an error that lists the names.
+static void refuse_name(lua_State *L, const member *m, const char *name)
+{
+    luaL_Buffer known;
+    luaL_buffinit(L, &known);
+    for (int i = 0; m->name_of(i); ++i) {
+        luaL_addstring(&known, i ? ", " : "");
+        luaL_addstring(&known, m->name_of(i));
+    }
+    luaL_pushresult(&known);
+    luaL_error(L, "field '%s': '%s' is none of %s", m->name, name, lua_tostring(L, -1));
+}
+
+static void read_enum(lua_State *L, const member *m, void *at)
+{
+    const char *name = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : luaL_typename(L, -1);
+    int value = 0;
+    while (m->name_of(value) && strcmp(name, m->name_of(value)) != 0)
+        ++value;
+    if (!m->name_of(value))
+        refuse_name(L, m, name);
+    memcpy(at, &value, sizeof value); // an enum of ours is an int
+}
+
+static void push_enum(lua_State *L, const member *m, const void *at)
+{
+    int value = 0;
+    memcpy(&value, at, sizeof value);
+    lua_pushstring(L, m->name_of(value));
+}
+
+// ---------------------------------------------------------------- numbers
+
+static void read_bool(lua_State *L, const member *m, void *at)
+{
+    if (!lua_isboolean(L, -1))
+        member_refuse(L, m, "true or false");
+    *(bool *)at = lua_toboolean(L, -1);
+}
+
+static void push_bool(lua_State *L, const member *m, const void *at)
+{
+    (void)m;
+    lua_pushboolean(L, *(const bool *)at);
+}
+
+static void read_count(lua_State *L, const member *m, void *at)
+{
+    int is_whole = 0;
+    lua_Integer value = lua_tointegerx(L, -1, &is_whole);
+    bool fits = m->size == 8 || value <= UINT32_MAX;
+    if (lua_type(L, -1) != LUA_TNUMBER || !is_whole || value < 0 || !fits)
+        member_refuse(L, m, "a whole number from 0");
+    if (m->size == 8)
+        *(uint64_t *)at = (uint64_t)value;
+    else
+        *(uint32_t *)at = (uint32_t)value;
+}
+
+static void push_count(lua_State *L, const member *m, const void *at)
+{
+    if (m->size == 8)
+        lua_pushinteger(L, (lua_Integer) * (const uint64_t *)at);
+    else
+        lua_pushinteger(L, *(const uint32_t *)at);
+}
+
+static void push_int(lua_State *L, const member *m, const void *at)
+{
+    if (m->size == 8)
+        lua_pushinteger(L, *(const int64_t *)at);
+    else
+        lua_pushinteger(L, *(const int32_t *)at);
+}
+
+static void read_share(lua_State *L, const member *m, void *at)
+{
+    lua_Number share = lua_type(L, -1) == LUA_TNUMBER ? lua_tonumber(L, -1) : -1;
+    if (!(share >= 0 && share <= 1))
+        member_refuse(L, m, "a part from 0 to 1");
+    *(uint32_t *)at = (uint32_t)lround(share * DUET_SHARE_ONE);
+}
+
+static void push_share(lua_State *L, const member *m, const void *at)
+{
+    (void)m;
+    lua_pushnumber(L, (lua_Number) * (const uint32_t *)at / DUET_SHARE_ONE);
+}
+
+static lua_Number take_number(lua_State *L, const member *m)
+{
+    if (lua_type(L, -1) != LUA_TNUMBER)
+        member_refuse(L, m, "a number");
+    return lua_tonumber(L, -1);
+}
+
+// One number, or a table of two (in 2D) or of as many as there are.
+static void read_float(lua_State *L, const member *m, void *at)
+{
+    size_t n = m->size / sizeof(float);
+    if (n == 1) {
+        *(float *)at = (float)take_number(L, m);
+        return;
+    }
+    lua_Unsigned given = lua_istable(L, -1) ? lua_rawlen(L, -1) : 0;
+    if (given != n && given != 2)
+        member_refuse(L, m, "{ x, y, z } (in 2D { x, y })");
+    memset(at, 0, m->size);
+    for (lua_Unsigned i = 0; i < given; ++i) {
+        lua_rawgeti(L, -1, (lua_Integer)i + 1);
+        ((float *)at)[i] = (float)take_number(L, m);
+        lua_pop(L, 1);
+    }
+}
+
+// What several members of one type become: a sequence, or the one value.
+#define PUSH_SEVERAL(name, type, push_one)                          \
+    static void name(lua_State *L, const member *m, const void *at) \
+    {                                                               \
+        size_t n = m->size / sizeof(type);                          \
+        if (n == 1) {                                               \
+            push_one(L, *(const type *)at);                         \
+            return;                                                 \
+        }                                                           \
+        lua_createtable(L, (int)n, 0);                              \
+        for (size_t i = 0; i < n; ++i) {                            \
+            push_one(L, ((const type *)at)[i]);                     \
+            lua_rawseti(L, -2, (lua_Integer)i + 1);                 \
+        }                                                           \
+    }
+
+static void push_size(lua_State *L, uint64_t value)
+{
+    lua_pushinteger(L, (lua_Integer)value);
+}
+
+PUSH_SEVERAL(push_float, float, lua_pushnumber)
+PUSH_SEVERAL(push_double, double, lua_pushnumber)
+PUSH_SEVERAL(push_counts, uint32_t, lua_pushinteger)
+PUSH_SEVERAL(push_sizes, uint64_t, push_size)
+
+static void read_double(lua_State *L, const member *m, void *at)
+{
+    *(double *)at = take_number(L, m);
+}
+
+const member_type member_string = {read_string, push_string};
+const member_type member_chars = {read_chars, push_chars};
+const member_type member_bool = {read_bool, push_bool};
+const member_type member_count = {read_count, push_count};
+const member_type member_int = {NULL, push_int};
+const member_type member_float = {read_float, push_float};
+const member_type member_double = {read_double, push_double};
+const member_type member_counts = {NULL, push_counts};
+const member_type member_sizes = {NULL, push_sizes};
+const member_type member_share = {read_share, push_share};
+const member_type member_enum = {read_enum, push_enum};
+
+// ---------------------------------------------------------------- tables
+
+const member *member_find(const member *members, const char *name)
+{
+    for (const member *f = members; f->name; ++f)
+        if (strcmp(f->name, name) == 0)
+            return f;
+    return NULL;
+}
+
+// Raises; the key is at -2.
+static void refuse_key(lua_State *L, const char *what, const member *members)
+{
+    const char *key = luaL_tolstring(L, -2, NULL);
+    luaL_Buffer known;
+    luaL_buffinit(L, &known);
+    for (const member *f = members; f->name; ++f) {
+        luaL_addstring(&known, f == members ? "" : ", ");
+        luaL_addstring(&known, f->name);
+    }
+    luaL_pushresult(&known);
+    luaL_error(L, "%s has no field '%s'; its fields are %s", what, key, lua_tostring(L, -1));
+}
+
+void member_read_table(lua_State *L, int index, const char *what, const member *members, void *to)
+{
+    if (lua_isnoneornil(L, index))
+        return;
+    index = lua_absindex(L, index);
+    luaL_checktype(L, index, LUA_TTABLE);
+    luaL_checkstack(L, 8, "too many tables in tables");
+    for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
+        bool named = lua_type(L, -2) == LUA_TSTRING;
+        const member *f = named ? member_find(members, lua_tostring(L, -2)) : NULL;
+        if (!f)
+            refuse_key(L, what, members);
+        else
+            f->type->read(L, f, (char *)to + f->offset);
+    }
+}
+
+void member_push(lua_State *L, const member *m, const void *from)
+{
+    m->type->push(L, m, (const char *)from + m->offset);
+}
+
+void member_push_table(lua_State *L, const member *members, const void *from)
+{
+    lua_newtable(L);
+    for (const member *f = members; f->name; ++f) {
+        member_push(L, f, from);
+        lua_setfield(L, -2, f->name);
+    }
+}

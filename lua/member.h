@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// The members of a C struct, as a table of rows: from it a Lua table is read
+// into the struct, and the struct told to Lua.
+#ifndef LUA_MEMBER_H
+#define LUA_MEMBER_H
+
+#include <lua.h>
+#include <stddef.h>
+
+typedef struct member member;
+
+// read takes the value on top of the stack, or raises an error; push pushes
+// one. Either may be missing where the other is all that is used.
+typedef struct member_type {
+    void (*read)(lua_State *L, const member *m, void *at);
+    void (*push)(lua_State *L, const member *m, const void *at);
+} member_type;
+
+struct member {
+    const char *name;
+    const member_type *type;
+    size_t offset;
+    size_t size;                       // of the member
+    const char *(*name_of)(int value); // of an enum: NULL past the last
+};
+
+// A row for a member of a struct; the table of rows ends with {0}.
+#define MEMBER(type_, struct_, member)                                          \
+    {                                                                           \
+        .name = #member, .type = &(type_), .offset = offsetof(struct_, member), \
+        .size = sizeof((struct_ *)0)->member                                    \
+    }
+#define MEMBER_ENUM(struct_, member, name_of_)                                      \
+    {                                                                               \
+        .name = #member, .type = &member_enum, .offset = offsetof(struct_, member), \
+        .size = sizeof((struct_ *)0)->member, .name_of = (name_of_)                 \
+    }
+
+extern const member_type member_string; // const char *; the table's, so only read by a call
+extern const member_type member_chars;  // char[size]
+extern const member_type member_bool;   // bool
+extern const member_type member_count;  // uint32_t or uint64_t
+extern const member_type member_int;    // int32_t or int64_t
+extern const member_type member_float;  // float, or several: { x, y, z }
+extern const member_type member_double; // double, or several
+extern const member_type member_counts; // several uint32_t
+extern const member_type member_sizes;  // several uint64_t
+extern const member_type member_share;  // uint32_t out of DUET_SHARE_ONE, as 0 to 1
+extern const member_type member_enum;   // an enum, by its name
+
+// Copies the table at index into the struct; nil or none leaves it as it is. A
+// key that is no field is an error that lists the fields, so that a misspelt
+// name is not passed over in silence. `what` is what messages call the table.
+void member_read_table(lua_State *L, int index, const char *what, const member *members, void *to);
+
+// Pushes a table with all fields of the struct.
+void member_push_table(lua_State *L, const member *members, const void *from);
+
+// NULL where there is none of that name.
+const member *member_find(const member *members, const char *name);
+void member_push(lua_State *L, const member *m, const void *from);
+
+// For read functions: "field 'n': a string, not a whole number".
+int member_refuse(lua_State *L, const member *m, const char *wanted);
+
+#endif

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// The files of this room to each other: each adds its functions to the
+// module's table, which is at -1, and lends what others need of its objects.
+#ifndef LUA_NOUNS_H
+#define LUA_NOUNS_H
+
+#include "lua/array.h"
+#include "lua/class.h"
+#include "lua/member.h"
+
+#include "runtime/duet.h"
+
+void device_open_lua(lua_State *L);
+void device_pair_open_lua(lua_State *L);
+void scene_open_lua(lua_State *L);
+void world_open_lua(lua_State *L);
+void result_open_lua(lua_State *L);
+void plan_open_lua(lua_State *L);
+
+extern const member device_members[]; // of duet_device_info
+extern const member_type member_plan; // a duet_plan as a table
+const char *shape_name(int shape);
+
+// A device pair stays open until its last user has gone.
+typedef struct device_pair_box {
+    duet_device_pair *pair;
+    uint32_t users; // worlds made on it, and the script until it closes it
+} device_pair_box;
+
+device_pair_box *device_pair_check(lua_State *L, int index);
+void device_pair_let_go(device_pair_box *box);
+
+// The method device_pair:world; with the pair's other methods.
+int world_create_lua(lua_State *L);
+
+typedef struct world_box {
+    duet_world *world;
+    device_pair_box *pair; // the uservalue's
+    uint64_t steps;        // results of earlier ones no longer hold
+    uint64_t maps;         // so with mapped poses
+} world_box;
+
+world_box *world_check(lua_State *L, int index);
+
+duet_scene *scene_check(lua_State *L, int index);
+
+// Pushes the result of the world at index.
+void result_push(lua_State *L, int world_index, const duet_result *result);
+
+#endif

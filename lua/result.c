@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+// What a step found. The pairs stay in the world's memory: a result holds
+// until the world's next step, and result:copy() for ever.
+#include "lua/nouns.h"
+
+typedef struct result_box {
+    duet_result result;
+    const world_box *world; // the uservalue's
+    uint64_t step;
+} result_box;
+
+static const lua_class result_class;
+
+static const member result_members[] = {
+    MEMBER(member_count, duet_result, objects),
+    MEMBER(member_count, duet_result, bad),
+    MEMBER(member_count, duet_result, first_bad),
+    MEMBER(member_count, duet_result, candidates),
+    MEMBER(member_count, duet_result, undecided),
+    MEMBER(member_double, duet_result, total_ms),
+    MEMBER(member_double, duet_result, device_ms),
+    MEMBER(member_sizes, duet_result, bytes),
+    MEMBER(member_counts, duet_result, cells),
+    MEMBER(member_float, duet_result, cell),
+    MEMBER(member_bool, duet_result, cell_widened),
+    MEMBER(member_count, duet_result, runs),
+    {0},
+};
+
+static const char *device_letter(int value)
+{
+    static const char *const names[] = {"A", "B"};
+    return value < 2 ? names[value] : NULL;
+}
+
+static const member stage_members[] = {
+    MEMBER(member_string, duet_stage, name),
+    MEMBER_ENUM(duet_stage, device, device_letter),
+    MEMBER(member_double, duet_stage, ms),
+    MEMBER(member_bool, duet_stage, transfer),
+    {0},
+};
+
+void result_push(lua_State *L, int world_index, const duet_result *result)
+{
+    world_index = lua_absindex(L, world_index);
+    result_box *box = class_push(L, &result_class, sizeof *box);
+    lua_pushvalue(L, world_index);
+    lua_setiuservalue(L, -2, 1);
+    box->result = *result;
+    box->world = world_check(L, world_index);
+    box->step = box->world->steps;
+}
+
+static void check_step(lua_State *L, const result_box *box)
+{
+    luaL_argcheck(L, box->world, 1, "the result is closed");
+    luaL_argcheck(L, box->world->world, 1, "the result's world is closed");
+    luaL_argcheck(L, box->world->steps == box->step, 1,
+                  "the world was stepped again: a result holds until then");
+}
+
+static const duet_result *check_result(lua_State *L)
+{
+    const result_box *box = luaL_checkudata(L, 1, result_class.name);
+    check_step(L, box);
+    return &box->result;
+}
+
+static const void *struct_of(lua_State *L)
+{
+    return check_result(L);
+}
+
+static int result_length(lua_State *L)
+{
+    lua_pushinteger(L, (lua_Integer)check_result(L)->pairs);
+    return 1;
+}
+
+static int result_pair(lua_State *L)
+{
+    const duet_result *result = check_result(L);
+    lua_Integer i = luaL_checkinteger(L, 2);
+    luaL_argcheck(L, i >= 0 && (uint64_t)i < result->pairs, 2, "a place below #result, from 0");
+    duet_pair pair = duet_result_pair(result, (uint64_t)i);
+    lua_pushinteger(L, pair.a);
+    lua_pushinteger(L, pair.b);
+    return 2;
+}
+
+// The next pair; upvalues: the result, the place.
+static int next_pair(lua_State *L)
+{
+    const result_box *box = lua_touserdata(L, lua_upvalueindex(1));
+    lua_Integer i = lua_tointeger(L, lua_upvalueindex(2));
+    check_step(L, box);
+    if ((uint64_t)i >= box->result.pairs)
+        return 0;
+    lua_pushinteger(L, i + 1);
+    lua_replace(L, lua_upvalueindex(2));
+    duet_pair pair = duet_result_pair(&box->result, (uint64_t)i);
+    lua_pushinteger(L, pair.a);
+    lua_pushinteger(L, pair.b);
+    return 2;
+}
+
+static int result_pairs(lua_State *L)
+{
+    check_result(L);
+    lua_pushvalue(L, 1);
+    lua_pushinteger(L, 0);
+    lua_pushcclosure(L, next_pair, 2);
+    return 1;
+}
+
+static int result_copy(lua_State *L)
+{
+    const duet_result *result = check_result(L);
+    array *a = array_push(L, ARRAY_PAIRS, result->pairs);
+    duet_pair *to = a->rows;
+    for (uint64_t i = 0; i < result->pairs; ++i)
+        to[i] = duet_result_pair(result, i);
+    return 1;
+}
+
+static int result_stages(lua_State *L)
+{
+    const duet_result *result = check_result(L);
+    lua_createtable(L, (int)result->n_stages, 0);
+    for (uint32_t i = 0; i < result->n_stages; ++i) {
+        member_push_table(L, stage_members, &result->stages[i]);
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    }
+    return 1;
+}
+
+static int result_hash(lua_State *L)
+{
+    array_push_hash(L, duet_result_hash(check_result(L)));
+    return 1;
+}
+
+static int result_close(lua_State *L)
+{
+    result_box *box = luaL_checkudata(L, 1, result_class.name);
+    box->world = NULL;
+    return 0;
+}
+
+static const luaL_Reg methods[] = {{"pair", result_pair}, {"pairs", result_pairs},
+                                   {"copy", result_copy}, {"stages", result_stages},
+                                   {"hash", result_hash}, {"close", result_close},
+                                   {NULL, NULL}};
+static const luaL_Reg metas[] = {{"__len", result_length}, {NULL, NULL}};
+static const lua_class result_class = {.name = "duet.result",
+                                       .methods = methods,
+                                       .metas = metas,
+                                       .members = result_members,
+                                       .struct_of = struct_of};
+
+void result_open_lua(lua_State *L)
+{
+    class_open(L, &result_class);
+}

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+// duet.scene: objects with the world they live in, from a file or from rows.
+#include "lua/nouns.h"
+#include "lua/policy.h"
+
+#include <string.h>
+
+typedef struct scene_box {
+    duet_scene *scene;
+    uint64_t closings; // views of the objects hold while it is 0
+} scene_box;
+
+const char *shape_name(int value)
+{
+    static const char *const names[] = {"poses", "bounds"};
+    return value < 2 ? names[value] : NULL;
+}
+
+static const lua_class scene_class;
+
+static const member info_members[] = {
+    MEMBER(member_string, duet_scene_info, name),
+    MEMBER(member_count, duet_scene_info, dims),
+    MEMBER_ENUM(duet_scene_info, shape, shape_name),
+    MEMBER(member_count, duet_scene_info, n),
+    MEMBER(member_bool, duet_scene_info, rotated),
+    MEMBER(member_float, duet_scene_info, cell),
+    MEMBER(member_bool, duet_scene_info, cell_fixed),
+    MEMBER(member_bool, duet_scene_info, has_world),
+    MEMBER(member_float, duet_scene_info, lower),
+    MEMBER(member_float, duet_scene_info, upper),
+    {0},
+};
+
+static scene_box *check_box(lua_State *L, int index)
+{
+    scene_box *box = luaL_checkudata(L, index, scene_class.name);
+    luaL_argcheck(L, box->scene, index, "the scene is closed");
+    return box;
+}
+
+duet_scene *scene_check(lua_State *L, int index)
+{
+    return check_box(L, index)->scene;
+}
+
+static const void *info_of(lua_State *L)
+{
+    return duet_scene_describe(scene_check(L, 1));
+}
+
+// ---------------------------------------------------------------- making
+
+// { n = 1000, rotated = false } -> names and values as text, kept by a table
+// that is left on the stack.
+static const duet_setting *read_settings(lua_State *L, int index, uint32_t *n)
+{
+    *n = 0;
+    if (lua_isnoneornil(L, index))
+        return NULL;
+    luaL_checktype(L, index, LUA_TTABLE);
+    for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1))
+        ++*n;
+    duet_setting *settings = lua_newuserdatauv(L, (*n + 1) * sizeof *settings, 0);
+    lua_newtable(L);
+    uint32_t i = 0;
+    for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1), ++i) {
+        if (lua_type(L, -2) != LUA_TSTRING)
+            luaL_error(L, "the settings of a scene are names with values");
+        settings[i].name = lua_tostring(L, -2);
+        settings[i].value = luaL_tolstring(L, -1, NULL);
+        lua_rawseti(L, -4, (lua_Integer)i + 1);
+    }
+    return settings;
+}
+
+static int scene_load(lua_State *L)
+{
+    duet_error err = {0};
+    uint32_t n = 0;
+    const char *path = luaL_checkstring(L, 1);
+    const duet_setting *settings = read_settings(L, 2, &n);
+    policy_check_read(L, path);
+    scene_box *box = class_push(L, &scene_class, sizeof *box);
+    box->scene = duet_scene_load(path, settings, n, &err);
+    return box->scene ? 1 : class_push_failure(L, &err);
+}
+
+// duet.scene(path, settings), or duet.scene(poses or bounds, dims)
+static int scene_make(lua_State *L)
+{
+    duet_error err = {0};
+    if (!lua_isuserdata(L, 1))
+        return scene_load(L);
+    lua_Integer dims = luaL_optinteger(L, 2, 3);
+    luaL_argcheck(L, dims == 2 || dims == 3, 2, "2 or 3 dimensions");
+    bool by_corners = luaL_testudata(L, 1, "duet.bounds");
+    const array *a = array_check(L, 1, by_corners ? ARRAY_BOUNDS : ARRAY_POSES);
+    luaL_argcheck(L, a->n <= UINT32_MAX, 1, "more than 2^32 - 1 objects");
+    uint32_t n = (uint32_t)a->n;
+    scene_box *box = class_push(L, &scene_class, sizeof *box);
+    if (by_corners)
+        box->scene = duet_scene_from_bounds(a->rows, n, (uint32_t)dims, &err);
+    else
+        box->scene = duet_scene_from_poses(a->rows, n, (uint32_t)dims, &err);
+    return box->scene ? 1 : class_push_failure(L, &err);
+}
+
+static int scene_close(lua_State *L)
+{
+    scene_box *box = luaL_checkudata(L, 1, scene_class.name);
+    duet_scene_destroy(box->scene);
+    box->scene = NULL;
+    box->closings = 1;
+    return 0;
+}
+
+// ---------------------------------------------------------------- reading
+
+// A view of the scene's memory, or nil where its objects are of the other shape.
+static int push_rows(lua_State *L, array_kind kind, const void *rows)
+{
+    scene_box *box = check_box(L, 1);
+    if (!rows) {
+        lua_pushnil(L);
+        return 1;
+    }
+    array *a = array_push_view(L, kind, (void *)rows, duet_scene_describe(box->scene)->n, 1,
+                               &box->closings);
+    a->fixed = true;
+    return 1;
+}
+
+static int scene_poses(lua_State *L)
+{
+    return push_rows(L, ARRAY_POSES, duet_scene_poses(scene_check(L, 1)));
+}
+
+static int scene_bounds(lua_State *L)
+{
+    return push_rows(L, ARRAY_BOUNDS, duet_scene_bounds(scene_check(L, 1)));
+}
+
+static int scene_reference(lua_State *L)
+{
+    duet_error err = {0};
+    const duet_scene *scene = scene_check(L, 1);
+    array *found = array_push_empty(L, ARRAY_PAIRS);
+    duet_pair *pairs = NULL;
+    if (!duet_reference(scene, &pairs, &found->n, &err))
+        return class_push_failure(L, &err);
+    found->rows = pairs;
+    found->owned = true;
+    return 1;
+}
+
+static int scene_length(lua_State *L)
+{
+    lua_pushinteger(L, duet_scene_describe(scene_check(L, 1))->n);
+    return 1;
+}
+
+static const luaL_Reg methods[] = {{"close", scene_close},
+                                   {"poses", scene_poses},
+                                   {"bounds", scene_bounds},
+                                   {"reference", scene_reference},
+                                   {NULL, NULL}};
+static const luaL_Reg metas[] = {{"__len", scene_length}, {NULL, NULL}};
+static const lua_class scene_class = {.name = "duet.scene",
+                                      .methods = methods,
+                                      .metas = metas,
+                                      .members = info_members,
+                                      .struct_of = info_of};
+
+void scene_open_lua(lua_State *L)
+{
+    static const luaL_Reg functions[] = {{"scene", scene_make}, {NULL, NULL}};
+    class_open(L, &scene_class);
+    luaL_setfuncs(L, functions, 0);
+}

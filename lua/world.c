@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+// device_pair:world: objects on two devices, stepped again and again.
+#include "lua/nouns.h"
+
+static const lua_class world_class;
+
+static const member def_members[] = {
+    MEMBER(member_plan, duet_world_def, plan),
+    MEMBER(member_count, duet_world_def, dims),
+    MEMBER_ENUM(duet_world_def, shape, shape_name),
+    MEMBER(member_bool, duet_world_def, rotated),
+    MEMBER(member_float, duet_world_def, cell),
+    MEMBER(member_bool, duet_world_def, cell_fixed),
+    MEMBER(member_float, duet_world_def, lower),
+    MEMBER(member_float, duet_world_def, upper),
+    MEMBER(member_bool, duet_world_def, keep_bad),
+    MEMBER(member_count, duet_world_def, max_pairs),
+    {0},
+};
+
+world_box *world_check(lua_State *L, int index)
+{
+    world_box *box = luaL_checkudata(L, index, world_class.name);
+    luaL_argcheck(L, box->world, index, "the world is closed");
+    return box;
+}
+
+// ---------------------------------------------------------------- making
+
+static bool has_field(lua_State *L, int index, const char *name)
+{
+    bool is_there = lua_getfield(L, index, name) != LUA_TNIL;
+    lua_pop(L, 1);
+    return is_there;
+}
+
+static duet_world_def read_def(lua_State *L, duet_device_pair *pair, const duet_scene *scene,
+                               int index)
+{
+    duet_world_def def = scene ? duet_scene_world_def(scene, pair) : duet_default_world_def();
+    def.pair = pair;
+    if (!scene)
+        def.plan = duet_default_plan(pair);
+    if (lua_isnoneornil(L, index))
+        return def;
+    member_read_table(L, index, "a world", def_members, &def);
+    bool lower = has_field(L, index, "lower");
+    bool upper = has_field(L, index, "upper");
+    if (lower != upper)
+        luaL_error(L, "a world has both corners, lower and upper, or neither");
+    def.has_world = def.has_world || lower;
+    return def;
+}
+
+// device_pair:world(def), or device_pair:world(scene, def): with the scene's
+// objects, and its settings where def says nothing else.
+int world_create_lua(lua_State *L)
+{
+    duet_error err = {0};
+    device_pair_box *pair = device_pair_check(L, 1);
+    const duet_scene *scene = lua_isuserdata(L, 2) ? scene_check(L, 2) : NULL;
+    duet_world_def def = read_def(L, pair->pair, scene, scene ? 3 : 2);
+    world_box *box = class_push(L, &world_class, sizeof *box);
+    lua_pushvalue(L, 1);
+    lua_setiuservalue(L, -2, 1);
+    box->world = duet_world_create(&def, &err);
+    if (!box->world)
+        return class_push_failure(L, &err);
+    box->pair = pair;
+    ++pair->users;
+    if (scene && !duet_world_set_scene(box->world, scene, &err))
+        return class_push_failure(L, &err);
+    return 1;
+}
+
+static int world_close(lua_State *L)
+{
+    world_box *box = luaL_checkudata(L, 1, world_class.name);
+    if (!box->world)
+        return 0;
+    duet_world_destroy(box->world);
+    box->world = NULL;
+    ++box->steps;
+    ++box->maps;
+    device_pair_let_go(box->pair);
+    return 0;
+}
+
+// ---------------------------------------------------------------- objects
+
+static uint32_t check_number(lua_State *L, int index, const array *a)
+{
+    luaL_argcheck(L, a->n <= UINT32_MAX, index, "more than 2^32 - 1 objects");
+    return (uint32_t)a->n;
+}
+
+static int world_set_poses(lua_State *L)
+{
+    duet_error err = {0};
+    world_box *box = world_check(L, 1);
+    const array *a = array_check(L, 2, ARRAY_POSES);
+    bool ok = duet_world_set_poses(box->world, a->rows, check_number(L, 2, a), &err);
+    ++box->maps;
+    return class_push_done(L, ok, &err);
+}
+
+static int world_set_bounds(lua_State *L)
+{
+    duet_error err = {0};
+    world_box *box = world_check(L, 1);
+    const array *a = array_check(L, 2, ARRAY_BOUNDS);
+    bool ok = duet_world_set_bounds(box->world, a->rows, check_number(L, 2, a), &err);
+    ++box->maps;
+    return class_push_done(L, ok, &err);
+}
+
+static int world_set_scene(lua_State *L)
+{
+    duet_error err = {0};
+    world_box *box = world_check(L, 1);
+    bool ok = duet_world_set_scene(box->world, scene_check(L, 2), &err);
+    ++box->maps;
+    return class_push_done(L, ok, &err);
+}
+
+static int world_map_poses(lua_State *L)
+{
+    duet_error err = {0};
+    world_box *box = world_check(L, 1);
+    lua_Integer n = luaL_checkinteger(L, 2);
+    luaL_argcheck(L, n >= 0 && n <= UINT32_MAX, 2, "a number of objects from 0 to 2^32 - 1");
+    ++box->maps;
+    duet_pose *poses = duet_world_map_poses(box->world, (uint32_t)n, &err);
+    if (!poses)
+        return class_push_failure(L, &err);
+    array_push_view(L, ARRAY_POSES, poses, (uint64_t)n, 1, &box->maps);
+    return 1;
+}
+
+// ---------------------------------------------------------------- stepping
+
+static int world_plan(lua_State *L)
+{
+    member_plan.push(L, NULL, duet_world_plan(world_check(L, 1)->world));
+    return 1;
+}
+
+// What the table leaves out stays as it is.
+static int world_set_plan(lua_State *L)
+{
+    duet_error err = {0};
+    static const member argument = {.name = "plan"};
+    world_box *box = world_check(L, 1);
+    duet_plan plan = *duet_world_plan(box->world);
+    lua_settop(L, 2);
+    member_plan.read(L, &argument, &plan);
+    return class_push_done(L, duet_world_set_plan(box->world, &plan, &err), &err);
+}
+
+static int world_step(lua_State *L)
+{
+    duet_error err = {0};
+    duet_result result = {0};
+    world_box *box = world_check(L, 1);
+    ++box->steps;
+    if (!duet_world_step(box->world, &result, &err))
+        return class_push_failure(L, &err);
+    result_push(L, 1, &result);
+    return 1;
+}
+
+static const luaL_Reg methods[] = {{"close", world_close},
+                                   {"set_poses", world_set_poses},
+                                   {"set_bounds", world_set_bounds},
+                                   {"set_scene", world_set_scene},
+                                   {"map_poses", world_map_poses},
+                                   {"plan", world_plan},
+                                   {"set_plan", world_set_plan},
+                                   {"step", world_step},
+                                   {NULL, NULL}};
+static const lua_class world_class = {.name = "duet.world", .methods = methods};
+
+void world_open_lua(lua_State *L)
+{
+    class_open(L, &world_class);
+}
