@@ -1,0 +1,171 @@
+-- SPDX-License-Identifier: MIT
+-- Every name of the Lua API, once: definitions/duet.lua is made from this list
+-- by define.lua, and tests hold it against the module and the C headers.
+--
+-- A row is { name, parameters, results, about, c = names of the C API that it
+-- stands for }. A parameter is "name: type" or "name?: type"; a result with
+-- fails = true may be nil, message, "STATUS" instead. "Class:method" is a
+-- method, "Class.field" a value that is read from an object or a table.
+
+local api = {}
+
+api.classes = {
+  { "duet.Device", "A table: one device as OpenCL presents it." },
+  { "duet.Plan", "A table: how a step is to be done." },
+  { "duet.Stage", "A table: one kernel or transfer of a step." },
+  { "duet.DevicePair", "An ordered device pair: A takes the share, B the rest." },
+  { "duet.Poses", "Oriented boxes: rows of centre xyz, half extents xyz, quaternion xyzw." },
+  { "duet.Bounds", "Axis-aligned boxes: rows of lower xyz, upper xyz." },
+  { "duet.Pairs", "Collisions: rows of two ids a < b, from 0." },
+  { "duet.Scene", "Objects with the world they live in." },
+  { "duet.World", "Objects on a device pair, stepped again and again." },
+  { "duet.Result", "What a step found; holds until the world's next step." },
+}
+
+-- What stands for C names that no single Lua name does.
+api.others = {
+  ["the third result of a failed call"] = { "duet_status_name" },
+  ["the garbage collector"] = { "duet_free" },
+  ["fields that a table leaves out"] = {
+    "duet_default_device_pair_def", "duet_default_world_def",
+  },
+  ["require \"duet\""] = { "luaopen_duet" },
+}
+
+api.names = {
+  { "duet.version", "string", "\"1.0.0\"", c = "duet_version" },
+  { "duet.devices", {}, "duet.Device[]", "All root devices of all platforms.", fails = true,
+    c = { "duet_device_list_open", "duet_device_list_close", "duet_device_list_count",
+          "duet_device_list_at" } },
+  { "duet.device_pair", { "def?: { a?: string, b?: string, kernel_dir?: string, cache_dir?: string }" },
+    "duet.DevicePair", "Opens two devices by their selectors; the default pair without.",
+    fails = true, c = "duet_device_pair_open" },
+  { "duet.scene", { "from: string|duet.Poses|duet.Bounds", "settings?: table|integer" }, "duet.Scene",
+    "Loads a scene from a file, with settings for a Lua scene; or copies rows, with dims 2 or 3.",
+    fails = true,
+    c = { "duet_scene_load", "duet_scene_from_poses", "duet_scene_from_bounds" } },
+  { "duet.poses", { "from: integer|string|number[]|number[][]" }, "duet.Poses",
+    "Room for so many poses, or a copy of packed float32, of numbers, or of rows of numbers." },
+  { "duet.bounds", { "from: integer|string|number[]|number[][]" }, "duet.Bounds",
+    "The same for bounds." },
+  { "duet.pairs", { "from: integer|string|integer[]|integer[][]" }, "duet.Pairs",
+    "The same for pairs of ids, as packed uint32." },
+  { "duet.modes", {}, "string[]", "The modes that a plan can have.", c = "duet_mode_name" },
+
+  { "duet.DevicePair:device", { "which: \"A\"|\"B\"" }, "duet.Device", "One of the two devices.",
+    c = "duet_device_pair_info" },
+  { "duet.DevicePair:plan", {}, "duet.Plan", "What is done here where nothing was measured.",
+    c = "duet_default_plan" },
+  { "duet.DevicePair:world", { "scene?: duet.Scene|table", "def?: table" }, "duet.World",
+    "A world by a def { plan, dims, shape, rotated, cell, cell_fixed, lower, upper, keep_bad, " ..
+    "max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.",
+    fails = true, c = { "duet_world_create", "duet_scene_world_def" } },
+  { "duet.DevicePair:close", {}, nil, "Worlds made on it stay until they are closed.",
+    c = "duet_device_pair_close" },
+
+  { "duet.Scene:poses", {}, "duet.Poses?", "A view of the objects; nil where they are bounds.",
+    c = "duet_scene_poses" },
+  { "duet.Scene:bounds", {}, "duet.Bounds?", "A view of the objects; nil where they are poses.",
+    c = "duet_scene_bounds" },
+  { "duet.Scene:reference", {}, "duet.Pairs", "All pairs, exactly, by the plain C twin; ascending.",
+    fails = true, c = "duet_reference" },
+  { "duet.Scene:close", {}, nil, "Gives the objects back.", c = "duet_scene_destroy" },
+  { "duet.Scene.name", "string", "of the file or the scene's own", c = "duet_scene_describe" },
+  { "duet.Scene.dims", "integer", "2 or 3" },
+  { "duet.Scene.shape", "\"poses\"|\"bounds\"", "what its rows are" },
+  { "duet.Scene.n", "integer", "objects; also #scene" },
+  { "duet.Scene.rotated", "boolean", "some object has a rotation" },
+  { "duet.Scene.cell", "number", "cell edge asked for; 0: chosen from the objects" },
+  { "duet.Scene.cell_fixed", "boolean", "a cell that is too small is refused" },
+  { "duet.Scene.has_world", "boolean", "lower and upper were given" },
+  { "duet.Scene.lower", "number[]", "of the world" },
+  { "duet.Scene.upper", "number[]", "of the world" },
+
+  { "duet.World:set_poses", { "poses: duet.Poses|string|number[]|number[][]" }, "true",
+    "Copies the objects in.", fails = true, c = "duet_world_set_poses" },
+  { "duet.World:set_bounds", { "bounds: duet.Bounds|string|number[]|number[][]" }, "true",
+    "Copies the objects in.", fails = true, c = "duet_world_set_bounds" },
+  { "duet.World:set_scene", { "scene: duet.Scene" }, "true", "Copies the scene's objects in.",
+    fails = true, c = "duet_world_set_scene" },
+  { "duet.World:map_poses", { "n: integer" }, "duet.Poses",
+    "Room for n poses that the devices read without a copy; until the next map, set or close.",
+    fails = true, c = "duet_world_map_poses" },
+  { "duet.World:plan", {}, "duet.Plan", "The plan of the next step.", c = "duet_world_plan" },
+  { "duet.World:set_plan", { "plan: duet.Plan" }, "true", "What the table leaves out stays.",
+    fails = true, c = "duet_world_set_plan" },
+  { "duet.World:step", {}, "duet.Result", "Finds all pairs.", fails = true, c = "duet_world_step" },
+  { "duet.World:close", {}, nil, "Gives the devices' memory back.", c = "duet_world_destroy" },
+
+  { "duet.Result:pairs", {}, "fun(): integer, integer", "for a, b in result:pairs() do" },
+  { "duet.Result:pair", { "place: integer" }, "integer, integer", "The pair at a place from 0.",
+    c = "duet_result_pair" },
+  { "duet.Result:copy", {}, "duet.Pairs", "The pairs in memory of their own." },
+  { "duet.Result:stages", {}, "duet.Stage[]", "Where the time went." },
+  { "duet.Result:hash", {}, "string", "The pair hash, 16 hex digits.", c = "duet_result_hash" },
+  { "duet.Result:close", {}, nil, "Forgets the world." },
+  { "duet.Result.objects", "integer", "in the step" },
+  { "duet.Result.bad", "integer", "objects left out (keep_bad)" },
+  { "duet.Result.first_bad", "integer", "the least id among them" },
+  { "duet.Result.candidates", "integer", "pairs whose bounds overlap" },
+  { "duet.Result.undecided", "integer", "pairs that float left open and the host decided" },
+  { "duet.Result.total_ms", "number", "wall clock, poses in to pairs on the host" },
+  { "duet.Result.device_ms", "number[]", "of A and of B" },
+  { "duet.Result.bytes", "integer[]", "memory held on A and on B" },
+  { "duet.Result.cells", "integer[]", "the grid" },
+  { "duet.Result.cell", "number", "its least edge" },
+  { "duet.Result.cell_widened", "boolean", "the edge asked for was below the largest object" },
+  { "duet.Result.runs", "integer", "1, or more where a buffer had to grow" },
+
+  { "duet.Pairs:hash", {}, "string", "The pair hash, 16 hex digits.", c = "duet_pairs_hash" },
+  { "duet.Poses:collide", { "a: integer", "b: integer", "dims?: integer" }, "boolean",
+    "Whether the exact boxes of two rows share a point.", c = "duet_poses_collide" },
+
+  { "duet.Device.selector", "string", "\"pocl:0\"; a part of a CPU is \"pocl:0[0-1]\"" },
+  { "duet.Device.platform", "string", "" },
+  { "duet.Device.platform_version", "string", "" },
+  { "duet.Device.name", "string", "" },
+  { "duet.Device.vendor", "string", "" },
+  { "duet.Device.driver", "string", "" },
+  { "duet.Device.cl_version", "string", "" },
+  { "duet.Device.kind", "\"CPU\"|\"GPU\"|\"accelerator\"", "" },
+  { "duet.Device.units", "integer", "compute units" },
+  { "duet.Device.clock_mhz", "integer", "" },
+  { "duet.Device.max_group", "integer", "work-items in a work-group" },
+  { "duet.Device.global_bytes", "integer", "" },
+  { "duet.Device.local_bytes", "integer", "" },
+  { "duet.Device.max_buffer_bytes", "integer", "" },
+  { "duet.Device.host_memory", "boolean", "works on host memory without copies" },
+  { "duet.Device.fp64", "boolean", "has double" },
+  { "duet.Device.can_cut", "boolean", "its units can be cut into parts with [first-last]" },
+
+  { "duet.Plan.share", "number", "A's part of the work, 0 to 1, in steps of 1/65536" },
+  { "duet.Plan.mode", "string", "how grids are built: one of duet.modes()" },
+  { "duet.Plan.variant_a", "string", "A's kernels: \"rows\", or with settings: \"rows sort=radix\"" },
+  { "duet.Plan.variant_b", "string", "B's kernels" },
+
+  { "duet.Stage.name", "string", "\"hash\", \"sort\" ..." },
+  { "duet.Stage.device", "\"A\"|\"B\"", "" },
+  { "duet.Stage.ms", "number", "from OpenCL events; a host stage from the clock" },
+  { "duet.Stage.transfer", "boolean", "" },
+}
+
+-- Poses, bounds and pairs are read and written alike.
+for class, numbers in pairs { Poses = 10, Bounds = 6, Pairs = 2 } do
+  local number = class == "Pairs" and "integer" or "number"
+  local row = (number .. ", "):rep(numbers):sub(1, -3)
+  for _, name in ipairs {
+    { ":get", { "place: integer" }, row, "The row at a place from 0." },
+    { ":set", { "place: integer", "...: " .. number }, nil, ("Writes a row: %d numbers."):format(numbers) },
+    { ":each", {}, "fun(): integer, " .. row, "for place, ... in it:each() do" },
+    { ":bytes", {}, "string", "All rows packed, four bytes a number." },
+    { ":close", {}, nil, "Gives the memory back." },
+  } do
+    name[1] = "duet." .. class .. name[1]
+    table.insert(api.names, name)
+  end
+end
+
+-- In one order, whatever pairs did above.
+table.sort(api.names, function(a, b) return a[1] < b[1] end)
+
+return api

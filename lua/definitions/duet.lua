@@ -1,0 +1,319 @@
+---@meta duet
+-- Made from api.lua by define.lua; do not edit.
+
+--- A table: one device as OpenCL presents it.
+---@class duet.Device
+---@field can_cut boolean its units can be cut into parts with [first-last]
+---@field cl_version string
+---@field clock_mhz integer
+---@field driver string
+---@field fp64 boolean has double
+---@field global_bytes integer
+---@field host_memory boolean works on host memory without copies
+---@field kind "CPU"|"GPU"|"accelerator"
+---@field local_bytes integer
+---@field max_buffer_bytes integer
+---@field max_group integer work-items in a work-group
+---@field name string
+---@field platform string
+---@field platform_version string
+---@field selector string "pocl:0"; a part of a CPU is "pocl:0[0-1]"
+---@field units integer compute units
+---@field vendor string
+local Device = {}
+
+--- A table: how a step is to be done.
+---@class duet.Plan
+---@field mode string how grids are built: one of duet.modes()
+---@field share number A's part of the work, 0 to 1, in steps of 1/65536
+---@field variant_a string A's kernels: "rows", or with settings: "rows sort=radix"
+---@field variant_b string B's kernels
+local Plan = {}
+
+--- A table: one kernel or transfer of a step.
+---@class duet.Stage
+---@field device "A"|"B"
+---@field ms number from OpenCL events; a host stage from the clock
+---@field name string "hash", "sort" ...
+---@field transfer boolean
+local Stage = {}
+
+--- An ordered device pair: A takes the share, B the rest.
+---@class duet.DevicePair
+local DevicePair = {}
+
+--- Oriented boxes: rows of centre xyz, half extents xyz, quaternion xyzw.
+---@class duet.Poses
+local Poses = {}
+
+--- Axis-aligned boxes: rows of lower xyz, upper xyz.
+---@class duet.Bounds
+local Bounds = {}
+
+--- Collisions: rows of two ids a < b, from 0.
+---@class duet.Pairs
+local Pairs = {}
+
+--- Objects with the world they live in.
+---@class duet.Scene
+---@field cell number cell edge asked for; 0: chosen from the objects
+---@field cell_fixed boolean a cell that is too small is refused
+---@field dims integer 2 or 3
+---@field has_world boolean lower and upper were given
+---@field lower number[] of the world
+---@field n integer objects; also #scene
+---@field name string of the file or the scene's own
+---@field rotated boolean some object has a rotation
+---@field shape "poses"|"bounds" what its rows are
+---@field upper number[] of the world
+local Scene = {}
+
+--- Objects on a device pair, stepped again and again.
+---@class duet.World
+local World = {}
+
+--- What a step found; holds until the world's next step.
+---@class duet.Result
+---@field bad integer objects left out (keep_bad)
+---@field bytes integer[] memory held on A and on B
+---@field candidates integer pairs whose bounds overlap
+---@field cell number its least edge
+---@field cell_widened boolean the edge asked for was below the largest object
+---@field cells integer[] the grid
+---@field device_ms number[] of A and of B
+---@field first_bad integer the least id among them
+---@field objects integer in the step
+---@field runs integer 1, or more where a buffer had to grow
+---@field total_ms number wall clock, poses in to pairs on the host
+---@field undecided integer pairs that float left open and the host decided
+local Result = {}
+
+--- Collisions among boxes, found by two OpenCL devices together.
+---@class duet
+---@field version string "1.0.0"
+local duet = {}
+
+--- All rows packed, four bytes a number.
+---@return string
+function Bounds:bytes() end
+
+--- Gives the memory back.
+function Bounds:close() end
+
+--- for place, ... in it:each() do
+---@return fun(): integer, number, number, number, number, number, number
+function Bounds:each() end
+
+--- The row at a place from 0.
+---@param place integer
+---@return number, number, number, number, number, number
+function Bounds:get(place) end
+
+--- Writes a row: 6 numbers.
+---@param place integer
+---@param ... number
+function Bounds:set(place, ...) end
+
+--- Worlds made on it stay until they are closed.
+function DevicePair:close() end
+
+--- One of the two devices.
+---@param which "A"|"B"
+---@return duet.Device
+function DevicePair:device(which) end
+
+--- What is done here where nothing was measured.
+---@return duet.Plan
+function DevicePair:plan() end
+
+--- A world by a def { plan, dims, shape, rotated, cell, cell_fixed, lower, upper, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.
+---@param scene? duet.Scene|table
+---@param def? table
+---@return duet.World?
+---@return string? message
+---@return string? status
+function DevicePair:world(scene, def) end
+
+--- All rows packed, four bytes a number.
+---@return string
+function Pairs:bytes() end
+
+--- Gives the memory back.
+function Pairs:close() end
+
+--- for place, ... in it:each() do
+---@return fun(): integer, integer, integer
+function Pairs:each() end
+
+--- The row at a place from 0.
+---@param place integer
+---@return integer, integer
+function Pairs:get(place) end
+
+--- The pair hash, 16 hex digits.
+---@return string
+function Pairs:hash() end
+
+--- Writes a row: 2 numbers.
+---@param place integer
+---@param ... integer
+function Pairs:set(place, ...) end
+
+--- All rows packed, four bytes a number.
+---@return string
+function Poses:bytes() end
+
+--- Gives the memory back.
+function Poses:close() end
+
+--- Whether the exact boxes of two rows share a point.
+---@param a integer
+---@param b integer
+---@param dims? integer
+---@return boolean
+function Poses:collide(a, b, dims) end
+
+--- for place, ... in it:each() do
+---@return fun(): integer, number, number, number, number, number, number, number, number, number, number
+function Poses:each() end
+
+--- The row at a place from 0.
+---@param place integer
+---@return number, number, number, number, number, number, number, number, number, number
+function Poses:get(place) end
+
+--- Writes a row: 10 numbers.
+---@param place integer
+---@param ... number
+function Poses:set(place, ...) end
+
+--- Forgets the world.
+function Result:close() end
+
+--- The pairs in memory of their own.
+---@return duet.Pairs
+function Result:copy() end
+
+--- The pair hash, 16 hex digits.
+---@return string
+function Result:hash() end
+
+--- The pair at a place from 0.
+---@param place integer
+---@return integer, integer
+function Result:pair(place) end
+
+--- for a, b in result:pairs() do
+---@return fun(): integer, integer
+function Result:pairs() end
+
+--- Where the time went.
+---@return duet.Stage[]
+function Result:stages() end
+
+--- A view of the objects; nil where they are poses.
+---@return duet.Bounds?
+function Scene:bounds() end
+
+--- Gives the objects back.
+function Scene:close() end
+
+--- A view of the objects; nil where they are bounds.
+---@return duet.Poses?
+function Scene:poses() end
+
+--- All pairs, exactly, by the plain C twin; ascending.
+---@return duet.Pairs?
+---@return string? message
+---@return string? status
+function Scene:reference() end
+
+--- Gives the devices' memory back.
+function World:close() end
+
+--- Room for n poses that the devices read without a copy; until the next map, set or close.
+---@param n integer
+---@return duet.Poses?
+---@return string? message
+---@return string? status
+function World:map_poses(n) end
+
+--- The plan of the next step.
+---@return duet.Plan
+function World:plan() end
+
+--- Copies the objects in.
+---@param bounds duet.Bounds|string|number[]|number[][]
+---@return true?
+---@return string? message
+---@return string? status
+function World:set_bounds(bounds) end
+
+--- What the table leaves out stays.
+---@param plan duet.Plan
+---@return true?
+---@return string? message
+---@return string? status
+function World:set_plan(plan) end
+
+--- Copies the objects in.
+---@param poses duet.Poses|string|number[]|number[][]
+---@return true?
+---@return string? message
+---@return string? status
+function World:set_poses(poses) end
+
+--- Copies the scene's objects in.
+---@param scene duet.Scene
+---@return true?
+---@return string? message
+---@return string? status
+function World:set_scene(scene) end
+
+--- Finds all pairs.
+---@return duet.Result?
+---@return string? message
+---@return string? status
+function World:step() end
+
+--- The same for bounds.
+---@param from integer|string|number[]|number[][]
+---@return duet.Bounds
+function duet.bounds(from) end
+
+--- Opens two devices by their selectors; the default pair without.
+---@param def? { a?: string, b?: string, kernel_dir?: string, cache_dir?: string }
+---@return duet.DevicePair?
+---@return string? message
+---@return string? status
+function duet.device_pair(def) end
+
+--- All root devices of all platforms.
+---@return duet.Device[]?
+---@return string? message
+---@return string? status
+function duet.devices() end
+
+--- The modes that a plan can have.
+---@return string[]
+function duet.modes() end
+
+--- The same for pairs of ids, as packed uint32.
+---@param from integer|string|integer[]|integer[][]
+---@return duet.Pairs
+function duet.pairs(from) end
+
+--- Room for so many poses, or a copy of packed float32, of numbers, or of rows of numbers.
+---@param from integer|string|number[]|number[][]
+---@return duet.Poses
+function duet.poses(from) end
+
+--- Loads a scene from a file, with settings for a Lua scene; or copies rows, with dims 2 or 3.
+---@param from string|duet.Poses|duet.Bounds
+---@param settings? table|integer
+---@return duet.Scene?
+---@return string? message
+---@return string? status
+function duet.scene(from, settings) end
+
+return duet

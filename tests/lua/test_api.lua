@@ -1,0 +1,117 @@
+-- SPDX-License-Identifier: MIT
+-- The list of all names, the module, the C headers and the editors'
+-- definitions say the same.
+local duet = require "duet"
+local facts = require "facts"
+
+local api = dofile(facts.root .. "/lua/api.lua")
+
+-- The names that a header declares with DUET_API.
+local function add_c_names(path, names)
+  local text = facts.read_file(path):gsub("//[^\n]*", "")
+  for declaration in text:gmatch "\nDUET_API([^;]*);" do
+    names[declaration:match "([%w_]+)%s*%("] = path
+  end
+end
+
+local function c_names()
+  local names = {}
+  local headers <close> = assert(io.popen("cd '" .. facts.root .. "' && ls " ..
+    "runtime/duet.h runtime/base/duet_error.h */duet_*.h"))
+  for header in headers:lines() do add_c_names(facts.root .. "/" .. header, names) end
+  return names
+end
+
+local function partners()
+  local names = {}
+  for _, row in ipairs(api.names) do
+    for _, c in ipairs(type(row.c) == "table" and row.c or { row.c }) do names[c] = row[1] end
+  end
+  for by, list in pairs(api.others) do
+    for _, c in ipairs(list) do names[c] = by end
+  end
+  return names
+end
+
+facts.holds("every name of the C API has a partner in Lua", function()
+  local known = partners()
+  for name, path in pairs(c_names()) do
+    assert(known[name], path .. ": " .. name .. " has no row with it in lua/api.lua")
+  end
+end)
+
+facts.holds("the list names nothing that C lacks", function()
+  local known = c_names()
+  for name, by in pairs(partners()) do
+    assert(known[name], by .. " stands for " .. name .. ", which no header declares")
+  end
+end)
+
+local function in_list(name)
+  for _, row in ipairs(api.names) do
+    if row[1] == name then return row end
+  end
+  error(name .. " is not in lua/api.lua", 2)
+end
+
+facts.holds("what the module has is in the list", function()
+  for name in pairs(duet) do in_list("duet." .. name) end
+end)
+
+-- "duet.DevicePair" -> the methods of "duet.device_pair"
+local function methods_of(class)
+  local name = class:gsub("^duet%.", ""):gsub("(%l)(%u)", "%1_%2"):lower()
+  local metatable = debug.getregistry()["duet." .. name]
+  if not metatable then return nil end
+  local _, methods = debug.getupvalue(metatable.__index, 2)
+  return methods
+end
+
+facts.holds("what an object can do is in the list", function()
+  for _, class in ipairs(api.classes) do
+    for name in pairs(methods_of(class[1]) or {}) do in_list(class[1] .. ":" .. name) end
+  end
+end)
+
+facts.holds("every function of the list is there", function()
+  for _, row in ipairs(api.names) do
+    local class, method = row[1]:match "^(duet%.%u%w*):([%w_]+)$"
+    local name = row[1]:match "^duet%.(%l[%w_]*)$"
+    if class then assert(methods_of(class)[method], row[1]) end
+    if name then assert(duet[name] ~= nil, row[1]) end
+  end
+end)
+
+local function check_fields(class, object)
+  for _, row in ipairs(api.names) do
+    local field = row[1]:match("^duet%." .. class .. "%.([%w_]+)$")
+    if field then assert(object[field] ~= nil, row[1] .. " is nil") end
+  end
+  if type(object) == "table" then
+    for field in pairs(object) do in_list("duet." .. class .. "." .. field) end
+  end
+end
+
+facts.holds("every field of the list is there, and no other", function()
+  local pair <close> = assert(duet.device_pair())
+  local scene <close> = assert(duet.scene(facts.root .. "/lua/scenes/paper.lua", { n = 50, world = 9 }))
+  local world <close> = assert(pair:world(scene))
+  local result = assert(world:step())
+  check_fields("Device", duet.devices()[1])
+  check_fields("Plan", pair:plan())
+  check_fields("Scene", scene)
+  check_fields("Result", result)
+  check_fields("Stage", result:stages()[1])
+end)
+
+facts.holds("the editors' definitions are those that define.lua makes", function()
+  local made <close> = assert(io.popen(("lua5.4 '%s/lua/define.lua' '%s/lua/api.lua'"):format(facts.root, facts.root)))
+  assert(made:read "a" == facts.read_file(facts.root .. "/lua/definitions/duet.lua"),
+    "run: lua5.4 lua/define.lua lua/api.lua >lua/definitions/duet.lua")
+end)
+
+facts.holds("the definitions are Lua", function()
+  assert(loadfile(facts.root .. "/lua/definitions/duet.lua"))
+end)
+
+facts.finish()

@@ -1,0 +1,213 @@
+-- SPDX-License-Identifier: MIT
+-- Device pairs, scenes, worlds, results and arrays, as a script has them.
+local duet = require "duet"
+local facts = require "facts"
+
+local equal, holds, raises, refused = facts.equal, facts.holds, facts.raises, facts.refused
+local paper = facts.root .. "/lua/scenes/paper.lua"
+
+local pair <close> = assert(duet.device_pair())
+local scene <close> = assert(duet.scene(paper, { n = 2000, world = 20 }))
+local expected = scene:reference():hash()
+
+-- Two unit cubes that overlap and one that is far away.
+local three = duet.poses {
+  { 0, 0, 0, 0.5, 0.5, 0.5, 0, 0, 0, 1 },
+  { 0.7, 0, 0, 0.5, 0.5, 0.5, 0, 0, 0, 1 },
+  { 9, 9, 9, 0.5, 0.5, 0.5, 0, 0, 0, 1 },
+}
+
+holds("any share and mode gives the reference's pairs", function()
+  local world <close> = assert(pair:world(scene))
+  for _, mode in ipairs(duet.modes()) do
+    for _, share in ipairs { 0, 0.25, 1 } do
+      assert(world:set_plan { share = share, mode = mode })
+      equal(world:plan().share, share)
+      equal(assert(world:step()):hash(), expected)
+    end
+  end
+end)
+
+holds("all ways to read a result give the same pairs", function()
+  local world <close> = assert(pair:world(scene, { plan = { share = 0.5 } }))
+  local result = assert(world:step())
+  local copy, n, bytes = result:copy(), 0, {}
+  for a, b in result:pairs() do
+    local pair_a, pair_b = result:pair(n)
+    local copy_a, copy_b = copy:get(n)
+    assert(a == pair_a and b == pair_b and a == copy_a and b == copy_b and a < b)
+    n = n + 1
+    bytes[n] = string.pack("<I4I4", a, b)
+  end
+  equal(n, #result)
+  equal(n, #copy)
+  equal(table.concat(bytes), copy:bytes())
+  equal(copy:hash(), expected)
+  equal(duet.pairs(copy:bytes()):hash(), expected)
+end)
+
+holds("iterating makes no garbage for a pair", function()
+  local world <close> = assert(pair:world(scene))
+  local result = assert(world:step())
+  collectgarbage()
+  collectgarbage "stop"
+  local before, n = collectgarbage "count", 0
+  for _ in result:pairs() do n = n + 1 end
+  local after = collectgarbage "count"
+  collectgarbage "restart"
+  assert(n > 1000 and (after - before) * 1024 < 1000, after - before)
+end)
+
+holds("objects come as an array, as rows, as numbers, packed, or in the world's own memory", function()
+  local world <close> = assert(pair:world { dims = 3 })
+  local rows, numbers = {}, {}
+  for place = 0, #three - 1 do
+    rows[#rows + 1] = { three:get(place) }
+    table.move(rows[#rows], 1, 10, #numbers + 1, numbers)
+  end
+  for _, given in ipairs { three, rows, numbers, three:bytes() } do
+    assert(world:set_poses(given))
+    local result = assert(world:step())
+    equal(#result, 1)
+    equal(table.concat({ result:pair(0) }, " "), "0 1")
+  end
+  local mapped = assert(world:map_poses(3))
+  for place, row in ipairs(rows) do mapped:set(place - 1, table.unpack(row)) end
+  equal(#assert(world:step()), 1)
+end)
+
+holds("bounds and 2D work too", function()
+  local world <close> = assert(pair:world { dims = 2, shape = "bounds" })
+  assert(world:set_bounds { { 0, 0, 0, 1, 1, 0 }, { 1, 1, 0, 2, 2, 0 }, { 3, 3, 0, 4, 4, 0 } })
+  local result = assert(world:step())
+  equal(#result, 1) -- touching collides
+  local flat <close> = assert(duet.scene(duet.bounds { 0, 0, 0, 1, 1, 0 }, 2))
+  equal(flat.dims, 2)
+  equal(flat.shape, "bounds")
+  equal(flat:poses(), nil)
+  equal(flat:bounds():get(0), 0)
+end)
+
+holds("each gives every place once", function()
+  local places = {}
+  for place, x in three:each() do places[#places + 1] = place .. ":" .. x end
+  equal(table.concat(places, " "), "0:0.0 1:" .. three:get(1) .. " 2:9.0")
+end)
+
+holds("the exact test of two boxes is there", function()
+  equal(three:collide(0, 1), true)
+  equal(three:collide(0, 2), false)
+end)
+
+-- ---------------------------------------------------------------- failures
+
+holds("a failure is nil, one line and the status", function()
+  refused("NOT_FOUND", "nowhere.lua", duet.scene, "nowhere.lua")
+  refused("NOT_FOUND", "nvidia:77", duet.device_pair, { a = "nvidia:77", b = "nvidia:77" })
+  refused("BAD_ARGUMENT", "there is none of that name", pair.world, pair, { plan = { variant_a = "none" } })
+  local bad = duet.poses { 0, 0, 0, 1, 1, 1, 0, 0, 0, 0 }
+  refused("BAD_OBJECT", "object 0", duet.scene, bad, 3)
+  local world <close> = assert(pair:world { dims = 3 })
+  assert(world:set_poses(three))
+  refused("BAD_ARGUMENT", "none", world.set_plan, world, { variant_b = "none" })
+  equal(#assert(world:step()), 1)
+end)
+
+holds("a field that is not there is an error that lists those there are", function()
+  raises("a device pair has no field 'A'; its fields are a, b, kernel_dir, cache_dir", duet.device_pair, { A = "x" })
+  raises("a world has no field 'dim'", pair.world, pair, { dim = 3 })
+  raises("a plan has no field 'ratio'", pair.world, pair, { plan = { ratio = 1 } })
+  raises("duet.scene has no 'number'", function() return scene.number end)
+end)
+
+holds("a value of the wrong kind is an error that says what would be right", function()
+  raises("field 'share': 1.5, not a part from 0 to 1", pair.world, pair, { plan = { share = 1.5 } })
+  raises("field 'share'", pair.world, pair, { plan = { share = 0 / 0 } })
+  raises("'fast' is none of shared, own", pair.world, pair, { plan = { mode = "fast" } })
+  raises("field 'dims': -1, not a whole number from 0", pair.world, pair, { dims = -1 })
+  raises("field 'rotated': a number, not true or false", pair.world, pair, { rotated = 1 })
+  raises("field 'lower': a number", pair.world, pair, { lower = 1 })
+  raises("both corners", pair.world, pair, { lower = { 0, 0, 0 } })
+  raises("field 'a': a number, not a string", duet.device_pair, { a = 1 })
+  raises("95 are the most", pair.world, pair, { plan = { variant_a = ("x"):rep(200) } })
+  raises("duet.poses from 7 numbers: a row has 10", duet.poses, { 1, 2, 3, 4, 5, 6, 7 })
+  raises("duet.poses from 3 bytes", duet.poses, "abc")
+  raises("row 1: 2 numbers, and a row has 10", duet.poses, { { three:get(0) }, { 1, 2 } })
+  raises("column 2: a nil, not a number", function() three:set(0, 1, nil, 3, 4, 5, 6, 7, 8, 9, 10) end)
+  raises("an id is a whole number", duet.pairs, { 1, -2 })
+  raises("a count from 0", duet.poses, -1)
+  raises("place 3 of 3 rows", three.get, three, 3)
+  raises("place -1", three.get, three, -1)
+  raises("cannot be changed", function() scene:poses():set(0, three:get(0)) end)
+  raises("duet.poses expected", pair:world({ dims = 3 }).set_poses, pair:world { dims = 3 }, duet.bounds(1))
+end)
+
+holds("what is closed is refused, and closing again is nothing", function()
+  local other = assert(duet.device_pair())
+  local world = assert(other:world { dims = 3 })
+  assert(world:set_poses(three))
+  local result = assert(world:step())
+  local mapped = assert(world:map_poses(1))
+  other:close()
+  other:close()
+  raises("the device pair is closed", other.plan, other)
+  equal(#assert(world:step()), 0) -- the devices stay while a world does
+  raises("the world was stepped again", result.hash, result)
+  result = assert(world:step())
+  world:close()
+  world:close()
+  raises("the world is closed", world.step, world)
+  raises("the result's world is closed", result.pair, result, 0)
+  raises("the result's world is closed", function() return #result end)
+  raises("given back", mapped.get, mapped, 0)
+  local box = assert(duet.scene(three, 3))
+  local view = box:poses()
+  box:close()
+  raises("the scene is closed", box.poses, box)
+  raises("given back", view.get, view, 0)
+  local array = duet.poses(2)
+  array:close()
+  raises("the array is closed", array.get, array, 0)
+end)
+
+holds("a loop over a result ends with an error where the world is stepped in it", function()
+  local world <close> = assert(pair:world(scene))
+  raises("the world was stepped again", function()
+    for _ in assert(world:step()):pairs() do assert(world:step()) end
+  end)
+end)
+
+holds("mapped memory is the script's until the next map or set", function()
+  local world <close> = assert(pair:world { dims = 3 })
+  local first = assert(world:map_poses(3))
+  assert(world:map_poses(2))
+  raises("given back", first.get, first, 0)
+end)
+
+holds("a method of one kind refuses an object of another", function()
+  raises("duet.world expected", pair:world({ dims = 3 }).step, scene)
+  raises("duet.device_pair expected", pair.world, scene)
+  raises("duet.scene expected", scene.reference, pair)
+  raises("duet.poses, duet.bounds or duet.pairs expected", three.get, pair, 0)
+end)
+
+holds("children keep their parents, in any order of collection", function()
+  for _ = 1, 3 do
+    local result = (function()
+      local own = assert(duet.device_pair())
+      local world = assert(own:world { dims = 3 })
+      assert(world:set_poses(three))
+      return assert(world:step())
+    end)()
+    collectgarbage()
+    collectgarbage()
+    equal(#result, 1)
+    result = nil -- luacheck: ignore
+    collectgarbage()
+  end
+  local view = assert(duet.scene(three, 3)):poses()
+  collectgarbage()
+  equal(view:get(2), 9)
+end)
+
+facts.finish()
