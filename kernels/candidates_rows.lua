@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "half the neighbourhood in merged rows, objects in cell order",
-  uses = { "lanes.clh", "object.clh", "grid.clh" },
+  uses = { "lanes.clh", "object.clh", "grid.clh", "sat.clh", "boxes.clh" },
   emit = { "stencil" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
@@ -9,6 +9,9 @@ return {
     { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
+    { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
+    { "SORTED", values = { 1 }, default = 1, about = "boxes are read in cell order" },
+    { "FUSED", values = { 0, 1 }, default = 0, about = "1: candidates are tested where they are found" },
     { "IDS", values = { 0, 1 }, default = 0, about = "what a pair names: 0 places in cell order, 1 ids" },
     { "WG", values = { 1, 32, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
       about = "work-items a group" },
@@ -18,7 +21,9 @@ return {
   },
   valid = function(p, limits)
     if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
-    if p.BUF * 8 + 64 > limits.local_bytes then return false, "BUF above the device's local memory" end
+    if p.BUF * 16 + 64 > limits.local_bytes then return false, "BUF above the device's local memory" end
+    if p.SHAPE == 1 and p.FUSED == 1 then return false, "bounds need no test" end
+    if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
     return true
   end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,

@@ -1,16 +1,16 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "separating axis test of the candidates",
-  uses = { "lanes.clh", "object.clh", "sat.clh" },
+  uses = { "lanes.clh", "object.clh", "sat.clh", "boxes.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0 }, default = 0, about = "poses: bounds need no test" },
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
     { "SORTED", values = { 0, 1 }, default = 1, about = "where a box is read: 0 by id, 1 in cell order" },
     { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
-    { "WG", values = { 1, 32, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
+    { "WG", values = { 1, 32, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
       about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 2, 4, 256 }, default = function(limits) return limits.cpu and 256 or 2 end,
+    { "PER_ITEM", values = { 1, 2, 4, 256 }, default = function(limits) return limits.cpu and 256 or 4 end,
       about = "candidates a work-item tests between two flushes" },
   },
   valid = function(p, limits)

@@ -1,23 +1,64 @@
 // SPDX-License-Identifier: MIT
 // Moves the objects into cell order, so that what is searched together lies
-// together. What is not in the grid comes last in that order and stays away.
+// together. What is not in the grid has no place.
 //
-//   ids    [n]        sorted by cell
-//   starts [n_own_cells + 1] the last one: how many are in the grid
-//   bounds [room][2]  lower xyz and the id, upper xyz and the level
-//   boxes  [room][3]  centre xyz and the id, half extents, rotation (poses)
-__kernel void reorder(__global const float *restrict objects, __global const uint *restrict ids,
-                      __global const uint *restrict starts, uint n_own_cells, uint room,
+// FROM_IDS 1 reads the objects by the sorted ids, all over the input, and writes
+// them one after the other; 0 reads one after the other and writes each to its
+// place, which its cell's start and its rank there give.
+//
+//   ids    [n]               sorted by cell (FROM_IDS 1)
+//   keys   [n]               cell, or NOWHERE (FROM_IDS 0)
+//   ranks  [n]               (FROM_IDS 0)
+//   starts [n_own_cells + 1] first of each cell; the last one: how many are in the grid
+//   bounds [room][2]         lower xyz and the id, upper xyz and the level
+//   boxes  [room][3]         centre xyz and the id, half extents, rotation (poses)
+typedef struct {
+    __constant const grid_level *levels;
+    uint n_levels;
+    __global float4 *bounds;
+#if SHAPE == SHAPE_POSES
+    __global float4 *boxes;
+#endif
+    volatile __global uint *counters;
+} order;
+
+static inline void put(const order *to, size_t place, const object *o, uint id)
+{
+    bounds b = object_bounds(o);
+    uint level = level_of(o, to->levels, to->n_levels);
+    check_extent(o, to->levels, to->n_levels, to->counters);
+    to->bounds[2 * place] = (float4)(b.lower[0], b.lower[1], b.lower[2], as_float(id));
+    to->bounds[2 * place + 1] = (float4)(b.upper[0], b.upper[1], b.upper[2], as_float(level));
+#if SHAPE == SHAPE_POSES
+    to->boxes[3 * place] = (float4)(o->centre[0], o->centre[1], o->centre[2], as_float(id));
+    to->boxes[3 * place + 1] = (float4)(o->halves[0], o->halves[1], o->halves[2], 0.0f);
+    to->boxes[3 * place + 2] = (float4)(o->rotation[0], o->rotation[1], o->rotation[2], o->rotation[3]);
+#endif
+}
+
+__kernel void reorder(__global const float *restrict objects,
+#if FROM_IDS
+                      __global const uint *restrict ids,
+#else
+                      __global const uint *restrict keys, __global const uint *restrict ranks,
+#endif
+                      uint n, __global const uint *restrict starts, uint n_own_cells, uint room,
                       __constant const grid_level *levels, uint n_levels, __global float4 *restrict sorted_bounds,
 #if SHAPE == SHAPE_POSES
                       __global float4 *restrict sorted_boxes,
 #endif
                       volatile __global uint *restrict counters)
 {
+#if SHAPE == SHAPE_POSES
+    order to = {levels, n_levels, sorted_bounds, sorted_boxes, counters};
+#else
+    order to = {levels, n_levels, sorted_bounds, counters};
+#endif
     uint placed = starts[n_own_cells];
     if (get_global_id(0) == 0)
         counters[COUNT_PLACED] = placed;
     uint first = get_global_id(0) * PER_ITEM;
+#if FROM_IDS
     uint last = min(min(first + PER_ITEM, placed), room);
     for (uint base = first; base < last; base += BATCH) {
         // All reads of a batch are under way before the first is needed.
@@ -27,20 +68,19 @@ __kernel void reorder(__global const float *restrict objects, __global const uin
             uint id[1] = {ids[base + k]};
             batch[k] = object_at(objects, id);
         }
-        for (uint k = 0; k < size; ++k) {
-            float id = as_float(ids[base + k]);
-            size_t i = base + k;
-            object o = batch[k];
-            bounds b = object_bounds(&o);
-            uint level = level_of(&o, levels, n_levels);
-            check_extent(&o, levels, n_levels, counters);
-            sorted_bounds[2 * i] = (float4)(b.lower[0], b.lower[1], b.lower[2], id);
-            sorted_bounds[2 * i + 1] = (float4)(b.upper[0], b.upper[1], b.upper[2], as_float(level));
-#if SHAPE == SHAPE_POSES
-            sorted_boxes[3 * i] = (float4)(o.centre[0], o.centre[1], o.centre[2], id);
-            sorted_boxes[3 * i + 1] = (float4)(o.halves[0], o.halves[1], o.halves[2], 0.0f);
-            sorted_boxes[3 * i + 2] = (float4)(o.rotation[0], o.rotation[1], o.rotation[2], o.rotation[3]);
-#endif
+        for (uint k = 0; k < size; ++k)
+            put(&to, base + k, &batch[k], ids[base + k]);
+    }
+#else
+    uint last = min(first + PER_ITEM, n);
+    for (uint id = first; id < last; ++id) {
+        uint key = keys[id];
+        uint place = key == NOWHERE ? room : starts[key] + ranks[id];
+        if (place < room) {
+            uint one[1] = {id};
+            object o = object_at(objects, one);
+            put(&to, place, &o, id);
         }
     }
+#endif
 }

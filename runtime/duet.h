@@ -210,10 +210,12 @@ DUET_API bool duet_world_set_bounds(duet_world *world, const duet_bounds *bounds
                                     duet_error *err);
 DUET_API bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err);
 
-// Room for n poses in memory that the devices read without a copy of ours.
-// Valid until the next map, set or destroy: map, write, then step. Objects that
-// were neither set nor mapped since the last step are not sent again.
+// Room for n poses in memory that the devices read without a copy of ours; for
+// the same n it keeps what it held. Valid until the next map, set or destroy:
+// map, write, then step. Objects that were neither set nor mapped since the last
+// step are not sent again.
 DUET_API duet_pose *duet_world_map_poses(duet_world *world, uint32_t n, duet_error *err);
+DUET_API duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_error *err);
 
 DUET_API bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err);
 DUET_API const duet_plan *duet_world_plan(const duet_world *world);
@@ -244,6 +246,7 @@ typedef struct duet_result {
     uint64_t undecided;  // pairs that float left open and the host decided
     double total_ms;     // wall clock, poses in to pairs on the host
     double device_ms[2]; // wall clock of each device's part
+    double kernel_ms[2]; // from the begin of its first kernel to the end of its last
     const duet_stage *stages;
     uint32_t n_stages;
     uint64_t bytes[2]; // memory held on each device

@@ -36,23 +36,41 @@ void part_close(part *p)
 
 // ---------------------------------------------------------------- kernels
 
-// What the scene and the stage decide, before the variant's own settings.
+// What the scene and the stage decide. A choice that is open may be set otherwise
+// by the variant.
 typedef struct choice {
     const char *name;
     int64_t value;
+    bool open;
 } choice;
 
 enum { MAX_SETTINGS = 24 };
 
-static const gen_param *find_param(const gen_param *params, uint32_t n, const char *name)
+static bool is_meant(const variant *v, uint32_t i, const char *kernel_name)
 {
-    for (uint32_t i = 0; i < n; ++i)
-        if (strcmp(params[i].name, name) == 0)
-            return &params[i];
-    return NULL;
+    return !v->settings[i].kernel[0] || strcmp(v->settings[i].kernel, kernel_name) == 0;
 }
 
-// Those of the choices and the variant's settings that the kernel's card has.
+static bool set_by_variant(part *p, const char *kernel_name, const choice *choices,
+                           uint32_t n_choices, gen_setting *setting, duet_error *err)
+{
+    for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
+        if (!is_meant(&p->variant, i, kernel_name) ||
+            strcmp(p->variant.settings[i].name, setting->name) != 0)
+            continue;
+        for (uint32_t k = 0; k < n_choices; ++k)
+            if (strcmp(choices[k].name, setting->name) == 0 && !choices[k].open)
+                return error_set(err, DUET_BAD_ARGUMENT,
+                                 "variant: %s is what the scene decides, and cannot be set",
+                                 setting->name);
+        setting->value = p->variant.settings[i].value;
+        p->variant.settings[i].used = true;
+    }
+    return true;
+}
+
+// Every parameter of the kernel's card that the scene, the stage or the variant
+// sets; the others keep the card's own value.
 static bool gather_settings(part *p, const char *name, const choice *choices, uint32_t n_choices,
                             gen_setting settings[MAX_SETTINGS], uint32_t *n_settings,
                             duet_error *err)
@@ -62,20 +80,15 @@ static bool gather_settings(part *p, const char *name, const choice *choices, ui
     gen_limits limits = program_set_limits(p->programs);
     if (!gen_params(p->gen, name, &limits, &params, &n_params, err))
         return false;
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < n_choices; ++i)
-        if (find_param(params, n_params, choices[i].name))
-            settings[n++] = (gen_setting){choices[i].name, choices[i].value};
-    for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
-        bool meant =
-            !p->variant.settings[i].kernel[0] || strcmp(p->variant.settings[i].kernel, name) == 0;
-        if (meant && find_param(params, n_params, p->variant.settings[i].name)) {
-            settings[n++] =
-                (gen_setting){p->variant.settings[i].name, p->variant.settings[i].value};
-            p->variant.settings[i].used = true;
-        }
+    *n_settings = n_params < MAX_SETTINGS ? n_params : MAX_SETTINGS;
+    for (uint32_t i = 0; i < *n_settings; ++i) {
+        settings[i] = (gen_setting){params[i].name, params[i].fallback};
+        for (uint32_t k = 0; k < n_choices; ++k)
+            if (strcmp(choices[k].name, params[i].name) == 0)
+                settings[i].value = choices[k].value;
+        if (!set_by_variant(p, name, choices, n_choices, &settings[i], err))
+            return false;
     }
-    *n_settings = n;
     return true;
 }
 
@@ -108,14 +121,17 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
     bool counting = p->variant.sort == SORT_COUNTING;
     bool poses = task->shape == DUET_SHAPE_POSES;
     const choice choices[] = {
-        {"DIMS", task->dims},
-        {"SHAPE", task->shape},
-        {"ROTATED", poses && task->rotated},
-        {"RANK", counting},
-        {"SORTED", rows},
-        {"IDS", !poses},
-        {"GRID", task->grid.kind},
-        {"LEVELS", task->grid.n_levels > 1},
+        {"DIMS", task->dims, false},
+        {"SHAPE", task->shape, false},
+        {"ROTATED", poses && task->rotated, false},
+        {"RANK", counting, false},
+        {"SORTED", rows, false},
+        {"IDS", !poses, false},
+        {"GRID", task->grid.kind, false},
+        {"LEVELS", task->grid.n_levels > 1, false},
+        {"FROM_IDS", !counting || task->shared || p->device->info.kind == DUET_KIND_CPU,
+         counting && !task->shared},
+        {"FUSED", poses && p->device->info.kind != DUET_KIND_CPU, true},
     };
     const uint32_t n = sizeof choices / sizeof choices[0];
     const struct {
@@ -145,6 +161,8 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         if (!*list[i].at)
             return false;
     }
+    p->kernels.from_ids = kernel_param(p->kernels.place, "FROM_IDS") == 1;
+    p->kernels.fused = kernel_param(p->kernels.candidates, "FUSED") == 1;
     if (p->kernels.radix_count)
         p->kernels.radix_bits = (uint32_t)kernel_param(p->kernels.radix_count, "BITS");
     return all_settings_used(p, err);

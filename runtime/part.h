@@ -12,6 +12,7 @@
 
 // What both parts are told about the objects.
 typedef struct part_task {
+    bool shared; // the grid is for both parts
     uint32_t dims;
     duet_shape shape;
     bool rotated;
@@ -42,6 +43,8 @@ typedef struct part_kernels {
     kernel *place; // bounds by id (paper), or everything into cell order (rows)
     kernel *candidates;
     kernel *narrow; // NULL where the candidates are the pairs
+    bool fused;     // candidates are tested where they are found
+    bool from_ids;  // objects reach cell order by their sorted ids
 } part_kernels;
 
 enum { PART_COUNTERS = 16 };
@@ -115,10 +118,11 @@ enum {
     COUNT_CANDIDATES = 0,
     COUNT_PAIRS = 2,
     COUNT_UNDECIDED = 4,
-    COUNT_BAD = 6,
-    FIRST_BAD = 7,
-    WIDEST = 8,
-    COUNT_PLACED = 9
+    COUNT_TESTED = 6,
+    COUNT_BAD = 8, // from here on a search leaves them as the grid set them
+    FIRST_BAD = 9,
+    WIDEST = 10,
+    COUNT_PLACED = 11
 };
 
 uint64_t part_count(const part *p, int counter);

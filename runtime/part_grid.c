@@ -49,7 +49,8 @@ static bool counting_sort(part *p, const part_task *task, const part_range *rang
                          ARG_BUFFER(p->starts), ARG_BUFFER(p->ids)};
     return timeline_fill(&p->times, "sort", &p->starts, 0, 0, n_starts, err) &&
            run_hash(p, task, range, err) && scan(p, "sort", &p->starts, n_starts, err) &&
-           timeline_launch(&p->times, "sort", p->kernels.scatter, task->n, args, 5, err);
+           (!p->kernels.from_ids ||
+            timeline_launch(&p->times, "sort", p->kernels.scatter, task->n, args, 5, err));
 }
 
 static void swap(buffer *a, buffer *b)
@@ -126,16 +127,17 @@ static bool place_in_cell_order(part *p, const part_task *task, const part_range
 {
     uint32_t n_cells = own_cells(range);
     uint32_t room = place_room(p);
-    uint32_t work = room < task->n ? room : task->n;
-    kernel_arg args[11] = {ARG_BUFFER(p->objects),
-                           ARG_BUFFER(p->ids),
-                           ARG_BUFFER(p->starts),
-                           ARG(n_cells),
-                           ARG(room),
-                           ARG_BUFFER(p->levels),
-                           ARG(task->grid.n_levels),
-                           ARG_BUFFER(p->bounds)};
-    uint32_t n_args = 8;
+    uint32_t work = p->kernels.from_ids && room < task->n ? room : task->n;
+    kernel_arg args[13] = {ARG_BUFFER(p->objects)};
+    uint32_t n_args = 1;
+    args[n_args++] = p->kernels.from_ids ? ARG_BUFFER(p->ids) : ARG_BUFFER(p->keys);
+    if (!p->kernels.from_ids)
+        args[n_args++] = ARG_BUFFER(p->keys_spare);
+    const kernel_arg where[] = {
+        ARG(task->n),          ARG_BUFFER(p->starts),    ARG(n_cells),         ARG(room),
+        ARG_BUFFER(p->levels), ARG(task->grid.n_levels), ARG_BUFFER(p->bounds)};
+    for (size_t i = 0; i < sizeof where / sizeof where[0]; ++i)
+        args[n_args++] = where[i];
     if (task->shape == DUET_SHAPE_POSES)
         args[n_args++] = ARG_BUFFER(p->boxes);
     args[n_args++] = ARG_BUFFER(p->counters);
@@ -162,7 +164,7 @@ static bool reserve_grid(part *p, const part_task *task, const part_range *range
     size_t words = task->n * sizeof(uint32_t);
     return buffer_reserve(&p->keys, p->device, words, err) &&
            buffer_reserve(&p->keys_spare, p->device, words, err) &&
-           buffer_reserve(&p->ids, p->device, words, err) &&
+           (!p->kernels.from_ids || buffer_reserve(&p->ids, p->device, words, err)) &&
            (p->variant.sort == SORT_COUNTING ||
             buffer_reserve(&p->ids_spare, p->device, words, err)) &&
            buffer_reserve(&p->starts, p->device, ((size_t)own_cells(range) + 1) * sizeof(uint32_t),

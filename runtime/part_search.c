@@ -46,18 +46,26 @@ static bool run_rows(part *p, const part_task *task, const part_range *range, bu
     uint32_t n_home = range->home_to - range->key_from;
     uint32_t room = room_of(found);
     uint32_t last = smaller(range->last, range->expected);
-    kernel_arg args[13] = {ARG_BUFFER(p->bounds)};
+    uint32_t pair_room = room_of(&p->pairs);
+    uint32_t undecided_room = room_of(&p->undecided);
+    kernel_arg args[20] = {ARG_BUFFER(p->bounds)};
     uint32_t n_args = 1;
     if (task->shape == DUET_SHAPE_POSES)
         args[n_args++] = ARG_BUFFER(p->boxes);
-    const kernel_arg rest[] = {ARG_BUFFER(p->starts),  ARG_BUFFER(p->levels),
-                               ARG(g->n_levels),       ARG(g->n_cells),
-                               ARG(range->key_from),   ARG(n_home),
-                               ARG(range->first),      ARG(last),
-                               ARG_BUFFER(*found),     ARG(room),
-                               ARG_BUFFER(p->counters)};
-    for (size_t i = 0; i < sizeof rest / sizeof rest[0]; ++i)
-        args[n_args++] = rest[i];
+    const kernel_arg search[] = {ARG_BUFFER(p->starts), ARG_BUFFER(p->levels),
+                                 ARG(g->n_levels),      ARG(g->n_cells),
+                                 ARG(range->key_from),  ARG(n_home),
+                                 ARG(range->first),     ARG(last),
+                                 ARG_BUFFER(*found),    ARG(room)};
+    for (size_t i = 0; i < sizeof search / sizeof search[0]; ++i)
+        args[n_args++] = search[i];
+    if (p->kernels.fused) {
+        args[n_args++] = ARG_BUFFER(p->pairs);
+        args[n_args++] = ARG(pair_room);
+        args[n_args++] = ARG_BUFFER(p->undecided);
+        args[n_args++] = ARG(undecided_room);
+    }
+    args[n_args++] = ARG_BUFFER(p->counters);
     return timeline_launch(&p->times, "candidates", p->kernels.candidates, search_work(task, range),
                            args, n_args, err);
 }
@@ -141,14 +149,27 @@ static bool everything_fits(part *p, bool *fits, duet_error *err)
     return true;
 }
 
+// Where candidates are tested as they are found, the narrow kernel gets what a
+// group had no room for, which is mostly nothing.
+static bool test_listed(part *p, const part_task *task, const part_range *range, duet_error *err)
+{
+    if (!p->kernels.narrow)
+        return part_read_counters(p, err);
+    if (!p->kernels.fused)
+        return run_narrow(p, narrow_work(p, search_work(task, range)), err) &&
+               part_read_counters(p, err);
+    if (!part_read_counters(p, err))
+        return false;
+    uint64_t listed = part_count(p, COUNT_CANDIDATES);
+    return listed == 0 || listed > room_of(&p->candidates) ||
+           (run_narrow(p, listed, err) && part_read_counters(p, err));
+}
+
 static bool search_once(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     ++p->runs;
-    bool ok = timeline_fill(&p->times, "clear", &p->counters, 0, 0, COUNT_BAD, err) &&
-              run_candidates(p, task, range, err);
-    if (ok && p->kernels.narrow)
-        ok = run_narrow(p, narrow_work(p, search_work(task, range)), err);
-    return ok && part_read_counters(p, err);
+    return timeline_fill(&p->times, "clear", &p->counters, 0, 0, COUNT_BAD, err) &&
+           run_candidates(p, task, range, err) && test_listed(p, task, range, err);
 }
 
 static bool under_limit(const part *p, const part_task *task, duet_error *err)
@@ -205,7 +226,9 @@ static bool reserve_first(part *p, uint32_t objects, duet_error *err)
     uint64_t guess = objects;
     bool ok = p->pairs.mem || reserve_room(p, &p->pairs, guess, err);
     if (p->kernels.narrow)
-        ok = ok && (p->candidates.mem || reserve_room(p, &p->candidates, 2 * guess, err)) &&
+        ok = ok &&
+             (p->candidates.mem ||
+              reserve_room(p, &p->candidates, p->kernels.fused ? guess / 64 : 2 * guess, err)) &&
              (p->undecided.mem || reserve_room(p, &p->undecided, guess / 64, err));
     return ok;
 }
@@ -232,6 +255,8 @@ bool part_search(part *p, const part_task *task, const part_range *range, bool *
     if (!ok)
         return false;
     p->span = (duet_span){pairs, n};
-    p->n_candidates = part_count(p, p->kernels.narrow ? COUNT_CANDIDATES : COUNT_PAIRS);
+    p->n_candidates = p->kernels.narrow
+                          ? part_count(p, COUNT_CANDIDATES) + part_count(p, COUNT_TESTED)
+                          : part_count(p, COUNT_PAIRS);
     return true;
 }

@@ -64,6 +64,7 @@ static bool needs_fit(const duet_world *world)
 static part_task describe_task(const duet_world *world)
 {
     return (part_task){
+        .shared = world->def.plan.mode == DUET_MODE_SHARED,
         .dims = world->def.dims,
         .shape = world->def.shape,
         .rotated = world->def.rotated,
@@ -233,6 +234,11 @@ static bool check_bad(const duet_world *world, duet_error *err)
                      part_first_bad(seen), world->n, part_bad(seen));
 }
 
+static double kernel_ms(const part *p)
+{
+    return (double)(p->times.last_end - p->times.first_begin) * 1e-6;
+}
+
 static void fill_result(duet_world *world, duet_result *result)
 {
     const part *a = &world->parts[0];
@@ -248,6 +254,7 @@ static void fill_result(duet_world *world, duet_result *result)
         .spans = {a->span, b->span},
         .undecided = a->n_undecided + b->n_undecided,
         .device_ms = {a->wall_ms, b->wall_ms},
+        .kernel_ms = {kernel_ms(a), kernel_ms(b)},
         .bytes = {part_bytes(a), part_bytes(b)},
         .cells = {(uint32_t)finest->cells.s[0], (uint32_t)finest->cells.s[1],
                   (uint32_t)finest->cells.s[2]},

@@ -11,6 +11,7 @@ void timeline_begin(timeline *t, const device *d)
     timeline_clear(t);
     t->device = d;
     t->n_stages = 0;
+    t->first_begin = t->last_end = 0;
 }
 
 static int stage_index(timeline *t, const char *name, bool transfer)
@@ -135,13 +136,21 @@ bool timeline_flush(timeline *t, duet_error *err)
     return code == CL_SUCCESS || error_set_cl(err, code, "%s: flush", t->device->info.selector);
 }
 
-static double event_ms(cl_event event)
+static void add_event(timeline *t, duet_stage *stage, cl_event event)
 {
-    cl_ulong start = 0;
+    cl_ulong begin = 0;
     cl_ulong end = 0;
-    clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof start, &start, NULL);
+    clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof begin, &begin, NULL);
     clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_END, sizeof end, &end, NULL);
-    return end > start ? (double)(end - start) * 1e-6 : 0.0;
+    if (end <= begin)
+        return;
+    stage->ms += (double)(end - begin) * 1e-6;
+    if (stage->transfer)
+        return;
+    if (t->first_begin == 0 || begin < t->first_begin)
+        t->first_begin = begin;
+    if (end > t->last_end)
+        t->last_end = end;
 }
 
 bool timeline_finish(timeline *t, duet_error *err)
@@ -154,7 +163,7 @@ bool timeline_finish(timeline *t, duet_error *err)
         if (state < 0)
             code = state;
         else
-            t->stages[t->events[i].stage].ms += event_ms(t->events[i].event);
+            add_event(t, &t->stages[t->events[i].stage], t->events[i].event);
     }
     timeline_clear(t);
     return code == CL_SUCCESS ||

@@ -17,6 +17,8 @@ typedef struct timeline {
     int n_events;
     duet_stage stages[TIMELINE_STAGES]; // in order of first appearance
     int n_stages;
+    cl_ulong first_begin; // of the kernels, on the device's clock; 0: none ran
+    cl_ulong last_end;
 } timeline;
 
 // Forgets the last step. side is 0 for A, 1 for B.

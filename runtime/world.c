@@ -159,6 +159,8 @@ bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *e
     world->fitted &= wish.uniform == world->wish.uniform && wish.dense == world->wish.dense &&
                      wish.hashed == world->wish.hashed;
     world->wish = wish;
+    if ((plan->mode == DUET_MODE_SHARED) != (world->def.plan.mode == DUET_MODE_SHARED))
+        world->prepared[0] = world->prepared[1] = false;
     world->prepared[0] &= strcmp(plan->variant_a, world->def.plan.variant_a) == 0;
     world->prepared[1] &= strcmp(plan->variant_b, world->def.plan.variant_b) == 0;
     world->def.plan = *plan;
@@ -190,6 +192,11 @@ static void *map_objects(duet_world *world, duet_shape shape, uint32_t n, duet_e
     world->n = n;
     ++world->objects_version;
     return world->objects.bytes;
+}
+
+duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_error *err)
+{
+    return map_objects(world, DUET_SHAPE_BOUNDS, n, err);
 }
 
 duet_pose *duet_world_map_poses(duet_world *world, uint32_t n, duet_error *err)

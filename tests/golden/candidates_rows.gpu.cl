@@ -1,9 +1,12 @@
-// candidates_rows.DIMS3.SHAPE0.GRID0.LEVELS0.IDS0.WG128.BUF512.PER_ITEM1
+// candidates_rows.DIMS3.SHAPE0.GRID0.LEVELS0.ROTATED1.FUSED0.IDS0.WG128.BUF512.PER_ITEM1
 #define DIMS 3
 #define SHAPE 0
 #define GRID 0
 #define LEVELS 0
 #define LANES 1
+#define ROTATED 1
+#define SORTED 1
+#define FUSED 0
 #define IDS 0
 #define WG 128
 #define BUF 512
@@ -12,6 +15,8 @@
 #line 1 "kernels/lanes.clh"
 #line 1 "kernels/object.clh"
 #line 1 "kernels/grid.clh"
+#line 1 "kernels/sat.clh"
+#line 1 "kernels/boxes.clh"
 #line 1 "kernels/candidates_rows.cl.in"
 // SPDX-License-Identifier: MIT
 // Pairs whose bounds overlap, from objects in cell order.
@@ -21,7 +26,8 @@
 // are one range: what follows in the own row, and the rows that
 // gen/emit/stencil.lua gives, one in 2D and four in 3D. Pairs of two levels are
 // found from the finer one. Pairs collect in local memory; one atomic takes room
-// for many.
+// for many. With FUSED the group tests them there, and only what did not fit is
+// listed for the narrow kernel.
 //
 //   bounds [n][2]            lower xyz and the id, upper xyz and the level
 //   boxes  [n][3]            centre xyz first (poses)
@@ -39,42 +45,97 @@ static inline bool bounds_overlap(float4 lower_a, float4 upper_a, float4 lower_b
 
 // ------------------------------------------------------------ pairs
 
+// What a group has found and not yet given away.
 typedef struct {
     __local uint2 *pairs;
     volatile __local uint *used;
-    __global uint2 *found;
+    __local uint *base;
+    __global uint2 *found; // where candidates are listed
     uint room;
-    volatile __global uint *counter;
+    volatile __global uint *counters;
 } pair_sink;
+
+#define COUNT_FOUND (IDS ? COUNT_PAIRS : COUNT_CANDIDATES)
 
 static inline void add_pair(pair_sink *sink, uint2 pair)
 {
     uint slot = atomic_inc(sink->used);
     if (slot < BUF) {
         sink->pairs[slot] = pair;
-    } else { // the buffer is full until the next flush
-        uint to = reserve(sink->counter, 1);
+    } else { // the buffer is full until the group gives it away
+        uint to = reserve(sink->counters + COUNT_FOUND, 1);
         if (to < sink->room)
             sink->found[to] = pair;
     }
 }
 
-// Moves what the group collected to global memory.
-static inline void flush(pair_sink *sink, __local uint *base)
+// Moves n pairs from local memory to a list; one atomic takes room for all.
+static inline void list_pairs(const pair_sink *sink, __local const uint2 *pairs, uint n, __global uint2 *list,
+                              uint room, volatile __global uint *counter)
+{
+    if (get_local_id(0) == 0)
+        *sink->base = reserve(counter, n);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint k = get_local_id(0); k < n; k += WG) {
+        uint to = *sink->base + k;
+        if (to < room)
+            list[to] = pairs[k];
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+#if FUSED
+// What a group does with its candidates where it found them.
+typedef struct {
+    __global const float4 *boxes;
+    __local uint2 *colliding;
+    volatile __local uint *n_colliding;
+    __global uint2 *pairs;
+    uint room;
+    __global uint2 *undecided;
+    uint undecided_room;
+} tester;
+
+static inline void test_pair(const tester *to, uint2 candidate, volatile __global uint *counters)
+{
+    uint id_a, id_b;
+    box a = box_at(to->boxes, candidate.x, &id_a);
+    box b = box_at(to->boxes, candidate.y, &id_b);
+    verdicts v = verdict(&a, &b);
+    if (v.colliding) {
+        to->colliding[atomic_inc(to->n_colliding)] = ordered(id_a, id_b);
+    } else if (!v.separated) {
+        uint slot = reserve(counters + COUNT_UNDECIDED, 1);
+        if (slot < to->undecided_room)
+            to->undecided[slot] = ordered(id_a, id_b);
+    }
+}
+
+static inline void give_away(pair_sink *sink, const tester *to)
+{
+    uint n = min(*sink->used, (uint)BUF);
+    if (get_local_id(0) == 0)
+        *to->n_colliding = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint k = get_local_id(0); k < n; k += WG)
+        test_pair(to, sink->pairs[k], sink->counters);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) == 0) {
+        reserve(sink->counters + COUNT_TESTED, n);
+        *sink->used = 0;
+    }
+    list_pairs(sink, to->colliding, *to->n_colliding, to->pairs, to->room, sink->counters + COUNT_PAIRS);
+}
+#else
+static inline void give_away(pair_sink *sink)
 {
     uint n = min(*sink->used, (uint)BUF);
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (get_local_id(0) == 0) {
-        *base = reserve(sink->counter, n);
+    if (get_local_id(0) == 0)
         *sink->used = 0;
-    }
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint k = get_local_id(0); k < n; k += WG) {
-        uint to = *base + k;
-        if (to < sink->room)
-            sink->found[to] = sink->pairs[k];
-    }
+    list_pairs(sink, sink->pairs, n, sink->found, sink->room, sink->counters + COUNT_FOUND);
 }
+#endif
 
 // ------------------------------------------------------------ search
 
@@ -195,31 +256,31 @@ static inline void search_level(pair_sink *sink, const sorted *in, const seeker 
     row cells = {level, y, z, x, x + 1 < nx ? x + 1 : x};
     search_own_row(sink, in, me, &cells);
     cells.left = x > 0 ? x - 1 : 0;
-#line 184 "kernels/candidates_rows.cl.in"
+#line 240 "kernels/candidates_rows.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
         cells.z = z;
         search_row(sink, in, me, &cells);
     }
-#line 184 "kernels/candidates_rows.cl.in"
+#line 240 "kernels/candidates_rows.cl.in"
     if (y > 0 && z + 1 < nz) {
         cells.y = y - 1;
         cells.z = z + 1;
         search_row(sink, in, me, &cells);
     }
-#line 184 "kernels/candidates_rows.cl.in"
+#line 240 "kernels/candidates_rows.cl.in"
     if (z + 1 < nz) {
         cells.y = y;
         cells.z = z + 1;
         search_row(sink, in, me, &cells);
     }
-#line 184 "kernels/candidates_rows.cl.in"
+#line 240 "kernels/candidates_rows.cl.in"
     if (y + 1 < ny && z + 1 < nz) {
         cells.y = y + 1;
         cells.z = z + 1;
         search_row(sink, in, me, &cells);
     }
-#line 190 "kernels/candidates_rows.cl.in"
+#line 246 "kernels/candidates_rows.cl.in"
 }
 
 #if LEVELS
@@ -262,12 +323,22 @@ candidates_rows(__global const float4 *restrict bounds,
 #endif
                 __global const uint *restrict starts, __constant const grid_level *levels, uint n_levels,
                 uint n_cells, uint key_from, uint n_home_cells, uint first, uint last,
-                __global uint2 *restrict found, uint room, volatile __global uint *restrict counters)
+                __global uint2 *restrict found, uint room,
+#if FUSED
+                __global uint2 *restrict pairs, uint pair_room, __global uint2 *restrict undecided,
+                uint undecided_room,
+#endif
+                volatile __global uint *restrict counters)
 {
-    __local uint2 pairs[BUF];
+    __local uint2 collected[BUF];
     __local uint used;
     __local uint base;
-    pair_sink sink = {pairs, &used, found, room, counters + (IDS ? COUNT_PAIRS : COUNT_CANDIDATES)};
+    pair_sink sink = {collected, &used, &base, found, room, counters};
+#if FUSED
+    __local uint2 colliding[BUF];
+    __local uint n_colliding;
+    tester to = {boxes, colliding, &n_colliding, pairs, pair_room, undecided, undecided_room};
+#endif
 #if SHAPE == SHAPE_POSES
     sorted in = {bounds, boxes, starts, levels, n_levels, key_from, n_cells};
 #else
@@ -284,7 +355,11 @@ candidates_rows(__global const float4 *restrict bounds,
             search_around(&sink, &in, place);
         barrier(CLK_LOCAL_MEM_FENCE);
         if (used > BUF / 2 || round + 1 == PER_ITEM)
-            flush(&sink, &base);
+#if FUSED
+            give_away(&sink, &to);
+#else
+            give_away(&sink);
+#endif
         barrier(CLK_LOCAL_MEM_FENCE);
     }
 }

@@ -1,15 +1,16 @@
-// narrow.DIMS3.ROTATED1.SORTED1.WG128.PER_ITEM2
+// narrow.DIMS3.ROTATED1.SORTED1.WG256.PER_ITEM4
 #define DIMS 3
 #define SHAPE 0
 #define ROTATED 1
 #define SORTED 1
 #define LANES 1
-#define WG 128
-#define PER_ITEM 2
+#define WG 256
+#define PER_ITEM 4
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
 #line 1 "kernels/object.clh"
 #line 1 "kernels/sat.clh"
+#line 1 "kernels/boxes.clh"
 #line 1 "kernels/narrow.cl"
 // SPDX-License-Identifier: MIT
 // Candidates to pairs (section 3): colliding ones by id, and those that float
@@ -20,30 +21,6 @@
 //   candidates [*count] pairs of places (SORTED 1) or ids (SORTED 0)
 //   pairs      [room]   ids
 //   undecided  [undecided_room] ids
-#if SORTED
-#define STORED float4
-static inline box box_at(__global const float4 *boxes, uint place, uint *id)
-{
-    float4 centre = boxes[3 * (size_t)place];
-    float4 halves = boxes[3 * (size_t)place + 1];
-    float4 rotation = boxes[3 * (size_t)place + 2];
-    object o = {{centre.x, centre.y, centre.z},
-                {halves.x, halves.y, halves.z},
-                {rotation.x, rotation.y, rotation.z, rotation.w}};
-    *id = as_uint(centre.w);
-    return box_of(&o);
-}
-#else
-#define STORED float
-static inline box box_at(__global const float *objects, uint place, uint *id)
-{
-    uint ids[1] = {place};
-    object o = object_at(objects, ids);
-    *id = place;
-    return box_of(&o);
-}
-#endif
-
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
 narrow(__global const STORED *restrict boxes, __global const uint2 *restrict candidates, uint candidate_room,
        __global uint2 *restrict pairs, uint room, __global uint2 *restrict undecided, uint undecided_room,
