@@ -220,6 +220,40 @@ DUET_API duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_
 DUET_API bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err);
 DUET_API const duet_plan *duet_world_plan(const duet_world *world);
 
+// ---------------------------------------------------------------- profiles
+
+// How good the grounds of a plan are, best first; docs/store.md says more.
+typedef enum duet_grade {
+    DUET_GRADE_EXACT,        // measured on these devices, drivers and kernels, for such objects
+    DUET_GRADE_OTHER_DRIVER, // the same, under another version of a driver
+    DUET_GRADE_INTERPOLATED, // between sizes that were measured on this pair
+    DUET_GRADE_TRANSFERRED,  // from what each of the devices took elsewhere
+    DUET_GRADE_STALE,        // measured with other kernels: not used
+    DUET_GRADE_DEFAULT       // nothing is known
+} duet_grade;
+
+DUET_API const char *duet_grade_name(duet_grade grade); // "other driver"; NULL outside
+
+// What a store of profiles knows of a world.
+typedef struct duet_profile {
+    duet_grade grade;
+    duet_plan plan; // the world's after the call
+    double step_ms; // by that plan; predicted, unless measured. 0 from STALE on, as what follows
+    double gain;    // over the best single device: 0.25 is a quarter faster
+    double gain_low;
+    double gain_high;
+    char verdict[16];   // "faster", "same", "slower", "ambiguous"; empty from STALE on
+    int64_t measured_s; // since 1970, UTC; 0: predicted
+} duet_profile;
+
+// Gives the world the best plan that is known for its objects, which must be
+// set. path is the store; NULL is the user's (DUET_PROFILE) and under it the
+// system's. Nothing is written, and no file need be there. On failure (a store
+// that cannot be read) the plan is still that of whatever could be, or as it
+// was: an application may go on.
+DUET_API bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *profile,
+                                      duet_error *err);
+
 // ---------------------------------------------------------------- results
 
 // Where a step's time went: one kernel or transfer on one device.

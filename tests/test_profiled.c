@@ -141,35 +141,18 @@ static void a_plan_survives_being_stored(void **state)
     assert_non_null(strstr(err.text, "sideways"));
 }
 
-// ------------------------------------------------------------- duet profiles why
+// ------------------------------------------------------------ an application's start
 
-#define SCENE "test_profiled.scene.lua"
-
-static const char scene_text[] = "local random = random(3)\n"
-                                 "for _ = 1, 500 do\n"
-                                 "  add(random.uniform(0, 20), random.uniform(0, 20), "
-                                 "random.uniform(0, 20), 0.5, 0.5, 0.5, 0, 0, 0, 1)\n"
-                                 "end\n"
-                                 "return { dims = 3 }\n";
-
-// Puts a profile for the scene into the store, as a tuner would.
-static void put_profile(const char *path, const char *scene_path)
+// Puts a profile for the world into the store, as a tuner would.
+static void put_for(const char *path, const duet_world *world, const char *kernels)
 {
     duet_error err = {0};
-    duet_device_pair_def pair_def = duet_default_device_pair_def();
-    duet_device_pair *pair = duet_device_pair_open(&pair_def, &err);
-    assert_ok(pair, err);
-    duet_scene *scene = duet_scene_load(scene_path, NULL, 0, &err);
-    assert_ok(scene, err);
-    duet_world_def def = duet_scene_world_def(scene, pair);
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world && duet_world_set_scene(world, scene, &err), err);
     profiled p;
     assert_ok(profiled_world(world, &p, &err), err);
     store *s = store_open(path, STORE_WRITE, &err);
     assert_ok(s, err);
     profile_row row = {
-        .kernels = p.kernels,
+        .kernels = kernels ? kernels : p.kernels,
         .objective = "time",
         .plan = test_plan(0.375),
         .median_ns = 2e6,
@@ -184,6 +167,78 @@ static void put_profile(const char *path, const char *scene_path)
     assert_ok(profile_workload_put(s, &p.workload, &row.workload_id, &err), err);
     assert_ok(profile_put(s, &row, "put again", &err), err);
     store_close(s);
+}
+
+static void a_world_takes_its_profile_and_finds_the_same_pairs(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    fixture f = make_world(3000, test_seed(), 0, "rows");
+    duet_error err = {0};
+    duet_result result;
+    assert_ok(duet_world_step(f.world, &result, &err), err);
+    uint64_t hash = duet_result_hash(&result);
+    put_for(folder.store, f.world, NULL);
+    duet_profile profile;
+    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    assert_int_equal(profile.grade, DUET_GRADE_EXACT);
+    assert_string_equal(duet_grade_name(profile.grade), "exact");
+    assert_int_equal(duet_world_plan(f.world)->share, 3 * DUET_SHARE_ONE / 8);
+    assert_string_equal(duet_world_plan(f.world)->variant_b, "rows sort=radix");
+    assert_true(profile.step_ms == 2 && profile.gain == 0.5 && profile.measured_s > 0);
+    assert_ok(duet_world_step(f.world, &result, &err), err);
+    assert_true(duet_result_hash(&result) == hash);
+    drop_world(&f);
+    test_folder_remove(&folder);
+}
+
+static void without_a_profile_the_plan_stays(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    fixture f = make_world(3000, test_seed(), 0, "rows");
+    duet_plan before = *duet_world_plan(f.world);
+    duet_error err = {0};
+    duet_profile profile;
+    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
+    put_for(folder.store, f.world, "of other kernels");
+    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    assert_int_equal(profile.grade, DUET_GRADE_STALE);
+    assert_memory_equal(&profile.plan, &before, sizeof before);
+    assert_memory_equal(duet_world_plan(f.world), &before, sizeof before);
+    assert_ok(text_write_file(folder.store, "rubbish", 7, &err), err);
+    assert_false(duet_world_load_profile(f.world, folder.store, &profile, &err));
+    assert_int_equal(err.status, DUET_STORE_FAILED);
+    assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
+    assert_memory_equal(duet_world_plan(f.world), &before, sizeof before);
+    drop_world(&f);
+    test_folder_remove(&folder);
+}
+
+// ------------------------------------------------------------- duet profiles why
+
+#define SCENE "test_profiled.scene.lua"
+
+static const char scene_text[] = "local random = random(3)\n"
+                                 "for _ = 1, 500 do\n"
+                                 "  add(random.uniform(0, 20), random.uniform(0, 20), "
+                                 "random.uniform(0, 20), 0.5, 0.5, 0.5, 0, 0, 0, 1)\n"
+                                 "end\n"
+                                 "return { dims = 3 }\n";
+
+static void put_for_scene(const char *path)
+{
+    duet_error err = {0};
+    duet_device_pair_def pair_def = duet_default_device_pair_def();
+    duet_device_pair *pair = duet_device_pair_open(&pair_def, &err);
+    assert_ok(pair, err);
+    duet_scene *scene = duet_scene_load(SCENE, NULL, 0, &err);
+    assert_ok(scene, err);
+    duet_world_def def = duet_scene_world_def(scene, pair);
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world && duet_world_set_scene(world, scene, &err), err);
+    put_for(path, world, NULL);
     duet_world_destroy(world);
     duet_scene_destroy(scene);
     duet_device_pair_close(pair);
@@ -222,7 +277,7 @@ static void why_names_the_plan_and_its_grounds(void **state)
     cJSON *o = ask_why(folder.store);
     assert_why(o, "default", "there is no profile store");
     cJSON_Delete(o);
-    put_profile(folder.store, SCENE);
+    put_for_scene(folder.store);
     o = ask_why(folder.store);
     assert_why(o, "exact", "yes: manual 20");
     assert_true(cJSON_GetObjectItemCaseSensitive(o, "share")->valuedouble == 0.375);
@@ -244,6 +299,8 @@ int main(void)
         cmocka_unit_test(the_workload_is_the_scenes_and_not_the_draws_or_the_plans),
         cmocka_unit_test(a_world_without_objects_is_refused),
         cmocka_unit_test(a_plan_survives_being_stored),
+        cmocka_unit_test(a_world_takes_its_profile_and_finds_the_same_pairs),
+        cmocka_unit_test(without_a_profile_the_plan_stays),
         cmocka_unit_test(why_names_the_plan_and_its_grounds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// What an application does at its start: finds the plan that was measured for
+// such objects on such devices, and gives it to its world.
+#include "runtime/profiled.h"
+
+#include "runtime/base/error.h"
+
+#include <string.h>
+
+_Static_assert((int)DUET_GRADE_EXACT == PROFILE_EXACT && (int)DUET_GRADE_STALE == PROFILE_STALE &&
+                   (int)DUET_GRADE_DEFAULT == PROFILE_DEFAULT,
+               "the public ladder is the store's");
+
+const char *duet_grade_name(duet_grade grade)
+{
+    return (unsigned)grade <= DUET_GRADE_DEFAULT ? profile_grade_name((profile_grade)grade) : NULL;
+}
+
+static bool look(const char *path, const profile_request *request, profile_found *found,
+                 duet_error *err)
+{
+    text user = {0};
+    text system = {0};
+    // Without a place for a user's store there may still be a system's.
+    const char *first = path;
+    if (!path && store_user_path(&user, NULL))
+        first = text_chars(&user);
+    const char *second = !path && store_system_path(&system) ? text_chars(&system) : NULL;
+    bool ok = profile_lookup_files(first, second, request, found, NULL, err);
+    text_free(&user);
+    text_free(&system);
+    return ok;
+}
+
+static bool use(duet_world *world, const profile_found *found, duet_profile *profile,
+                duet_error *err)
+{
+    profile->grade = (duet_grade)found->grade;
+    if (profile->grade >= DUET_GRADE_STALE)
+        return true;
+    duet_plan plan;
+    if (!profiled_read_plan(&found->plan, &plan, err) || !duet_world_set_plan(world, &plan, err)) {
+        profile->grade = DUET_GRADE_DEFAULT;
+        return false;
+    }
+    profile->plan = plan;
+    profile->step_ms = found->median_ns * 1e-6;
+    profile->gain = found->gain;
+    profile->gain_low = found->gain_low;
+    profile->gain_high = found->gain_high;
+    memcpy(profile->verdict, found->verdict, sizeof profile->verdict);
+    profile->measured_s = found->created_ns / 1000000000;
+    return true;
+}
+
+bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *profile,
+                             duet_error *err)
+{
+    if (!world || !profile)
+        return error_set(err, DUET_BAD_ARGUMENT, "a profile is loaded for a world, into a struct");
+    *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT, .plan = *duet_world_plan(world)};
+    profiled asked;
+    profile_found found;
+    if (!profiled_world(world, &asked, err))
+        return false;
+    profile_request request = profiled_request(&asked);
+    bool ok = look(path, &request, &found, err);
+    return use(world, &found, profile, err) && ok;
+}
