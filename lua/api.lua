@@ -12,6 +12,7 @@ local api = {}
 api.classes = {
   { "duet.Device", "A table: one device as OpenCL presents it." },
   { "duet.Plan", "A table: how a step is to be done." },
+  { "duet.Profile", "A table: what a store of profiles knows of a world." },
   { "duet.Stage", "A table: one kernel or transfer of a step." },
   { "duet.DevicePair", "An ordered device pair: A takes the share, B the rest." },
   { "duet.Poses", "Oriented boxes: rows of centre xyz, half extents xyz, quaternion xyzw." },
@@ -93,6 +94,9 @@ api.names = {
   { "duet.World:plan", {}, "duet.Plan", "The plan of the next step.", c = "duet_world_plan" },
   { "duet.World:set_plan", { "plan: duet.Plan" }, "true", "What the table leaves out stays.",
     fails = true, c = "duet_world_set_plan" },
+  { "duet.World:load_profile", { "path?: string" }, "duet.Profile",
+    "Takes the best plan that a store of profiles knows for the objects; the user's store without a path.",
+    fails = true, c = { "duet_world_load_profile", "duet_grade_name" } },
   { "duet.World:step", {}, "duet.Result", "Finds all pairs.", fails = true, c = "duet_world_step" },
   { "duet.World:close", {}, nil, "Gives the devices' memory back.", c = "duet_world_destroy" },
 
@@ -142,6 +146,15 @@ api.names = {
   { "duet.Plan.mode", "string", "how grids are built: one of duet.modes()" },
   { "duet.Plan.variant_a", "string", "A's kernels: \"rows\", or with settings: \"rows sort=radix\"" },
   { "duet.Plan.variant_b", "string", "B's kernels" },
+
+  { "duet.Profile.grade", "string", "\"exact\", \"other driver\", \"interpolated\", \"transferred\", \"stale\", \"default\"" },
+  { "duet.Profile.plan", "duet.Plan", "the world's, from the call on" },
+  { "duet.Profile.step_ms", "number", "by that plan; 0 where nothing is known" },
+  { "duet.Profile.gain", "number", "over the best single device: 0.25 is a quarter faster" },
+  { "duet.Profile.gain_low", "number", "" },
+  { "duet.Profile.gain_high", "number", "" },
+  { "duet.Profile.verdict", "string", "\"faster\", \"same\", \"slower\", \"ambiguous\"; empty where nothing is known" },
+  { "duet.Profile.measured_s", "integer", "since 1970, UTC; 0: predicted" },
 
   { "duet.Stage.name", "string", "\"hash\", \"sort\" ..." },
   { "duet.Stage.device", "\"A\"|\"B\"", "" },

@@ -42,6 +42,9 @@ typedef struct world_box {
 
 world_box *world_check(lua_State *L, int index);
 
+// The method world:load_profile; with the world's other methods.
+int world_load_profile_lua(lua_State *L);
+
 duet_scene *scene_check(lua_State *L, int index);
 
 // Pushes the result of the world at index.

@@ -176,6 +176,7 @@ static const luaL_Reg methods[] = {{"close", world_close},
                                    {"map_poses", world_map_poses},
                                    {"plan", world_plan},
                                    {"set_plan", world_set_plan},
+                                   {"load_profile", world_load_profile_lua},
                                    {"step", world_step},
                                    {NULL, NULL}};
 static const lua_class world_class = {.name = "duet.world", .methods = methods};

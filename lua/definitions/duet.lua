@@ -30,6 +30,18 @@ local Device = {}
 ---@field variant_b string B's kernels
 local Plan = {}
 
+--- A table: what a store of profiles knows of a world.
+---@class duet.Profile
+---@field gain number over the best single device: 0.25 is a quarter faster
+---@field gain_high number
+---@field gain_low number
+---@field grade string "exact", "other driver", "interpolated", "transferred", "stale", "default"
+---@field measured_s integer since 1970, UTC; 0: predicted
+---@field plan duet.Plan the world's, from the call on
+---@field step_ms number by that plan; 0 where nothing is known
+---@field verdict string "faster", "same", "slower", "ambiguous"; empty where nothing is known
+local Profile = {}
+
 --- A table: one kernel or transfer of a step.
 ---@class duet.Stage
 ---@field device "A"|"B"
@@ -230,6 +242,13 @@ function Scene:reference() end
 
 --- Gives the devices' memory back.
 function World:close() end
+
+--- Takes the best plan that a store of profiles knows for the objects; the user's store without a path.
+---@param path? string
+---@return duet.Profile?
+---@return string? message
+---@return string? status
+function World:load_profile(path) end
 
 --- Room for n poses that the devices read without a copy; until the next map, set or close.
 ---@param n integer
