@@ -129,8 +129,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         {"IDS", !poses, false},
         {"GRID", task->grid.kind, false},
         {"LEVELS", task->grid.n_levels > 1, false},
-        {"FROM_IDS", !counting || task->shared || p->device->info.kind == DUET_KIND_CPU,
-         counting && !task->shared},
+        {"FROM_IDS", 1, counting && !task->shared},
         {"FUSED", poses && p->device->info.kind != DUET_KIND_CPU, true},
     };
     const uint32_t n = sizeof choices / sizeof choices[0];
@@ -161,7 +160,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         if (!*list[i].at)
             return false;
     }
-    p->kernels.from_ids = kernel_param(p->kernels.place, "FROM_IDS") == 1;
+    p->kernels.from_ids = !rows || kernel_param(p->kernels.place, "FROM_IDS") == 1;
     p->kernels.fused = kernel_param(p->kernels.candidates, "FUSED") == 1;
     if (p->kernels.radix_count)
         p->kernels.radix_bits = (uint32_t)kernel_param(p->kernels.radix_count, "BITS");

@@ -165,10 +165,11 @@ static bool test_listed(part *p, const part_task *task, const part_range *range,
            (run_narrow(p, listed, err) && part_read_counters(p, err));
 }
 
+// The first search finds its counters as the step cleared them.
 static bool search_once(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
-    ++p->runs;
-    return timeline_fill(&p->times, "clear", &p->counters, 0, 0, COUNT_BAD, err) &&
+    return (p->runs++ == 0 ||
+            timeline_fill(&p->times, "clear", &p->counters, 0, 0, COUNT_BAD, err)) &&
            run_candidates(p, task, range, err) && test_listed(p, task, range, err);
 }
 
@@ -182,42 +183,56 @@ static bool under_limit(const part *p, const part_task *task, duet_error *err)
     return true;
 }
 
-// Brings the pairs to the host, with room behind them for the undecided.
-static bool fetch_pairs(part *p, duet_pair **pairs, duet_error *err)
+// Where pairs come to lie on the host, with room behind them for the undecided.
+static bool reserve_span(part *p, duet_pair **pairs, duet_error *err)
 {
-    uint64_t n = part_count(p, COUNT_PAIRS);
-    size_t room = (size_t)(n + part_count(p, COUNT_UNDECIDED)) * sizeof(duet_pair);
-    if (p->pairs.host) {
-        *pairs = p->pairs.host;
-    } else {
-        if (!host_block_reserve(&p->fetched, p->devices, room, err))
-            return false;
-        *pairs = p->fetched.bytes;
-    }
-    return timeline_read(&p->times, "fetch pairs", &p->pairs, *pairs, (size_t)n * sizeof(duet_pair),
-                         err);
+    uint64_t most = part_count(p, COUNT_PAIRS) + part_count(p, COUNT_UNDECIDED);
+    *pairs = p->pairs.host;
+    if (*pairs)
+        return true;
+    bool ok = host_block_reserve(&p->fetched, p->devices, (size_t)most * sizeof(duet_pair), err);
+    *pairs = p->fetched.bytes;
+    return ok;
 }
 
-// Decides on the host what float left open, and appends the colliding.
-static bool decide_rest(part *p, const part_task *task, duet_pair *pairs, uint64_t *n,
-                        duet_error *err)
+// Decides on the host what float left open, and writes the colliding behind the
+// n pairs of the device.
+static void decide(part *p, const part_task *task, const duet_pair *open, duet_pair *pairs,
+                   uint64_t *n)
 {
-    p->n_undecided = part_count(p, COUNT_UNDECIDED);
-    if (p->n_undecided == 0)
-        return true;
-    size_t bytes = (size_t)p->n_undecided * sizeof(duet_pair);
-    duet_pair *open = p->undecided.host ? p->undecided.host : malloc(bytes);
-    if (!open)
-        return error_set(err, DUET_NO_MEMORY, "no host memory for %zu bytes", bytes);
-    bool ok = timeline_read(&p->times, "fetch pairs", &p->undecided, open, bytes, err);
     uint64_t begun = clock_steady_ns();
     const duet_pose *poses = task->objects;
-    for (uint64_t i = 0; ok && i < p->n_undecided; ++i)
+    for (uint64_t i = 0; i < p->n_undecided; ++i)
         if (narrow_decide(&poses[open[i].a], &poses[open[i].b], task->dims))
             pairs[(*n)++] = open[i];
-    timeline_add_host(&p->times, "decide", (double)(clock_steady_ns() - begun) * 1e-6);
+    if (p->n_undecided > 0)
+        timeline_add_host(&p->times, "decide", (double)(clock_steady_ns() - begun) * 1e-6);
+}
+
+// The undecided come first, so that they are decided while the pairs travel.
+static bool fetch_span(part *p, const part_task *task, duet_error *err)
+{
+    duet_pair *pairs = NULL;
+    uint64_t n = part_count(p, COUNT_PAIRS);
+    p->n_undecided = part_count(p, COUNT_UNDECIDED);
+    size_t bytes = (size_t)p->n_undecided * sizeof(duet_pair);
+    duet_pair *open = p->undecided.host ? p->undecided.host : malloc(bytes + 1);
+    if (!open)
+        return error_set(err, DUET_NO_MEMORY, "no host memory for %zu bytes", bytes);
+    cl_event opened = NULL;
+    cl_event arrived = NULL;
+    bool ok =
+        reserve_span(p, &pairs, err) &&
+        timeline_start_read(&p->times, "fetch pairs", &p->undecided, open, bytes, &opened, err) &&
+        timeline_start_read(&p->times, "fetch pairs", &p->pairs, pairs,
+                            (size_t)n * sizeof(duet_pair), &arrived, err) &&
+        timeline_wait(&p->times, opened, err);
+    if (ok)
+        decide(p, task, open, pairs, &n);
+    ok = timeline_finish(&p->times, err) && ok;
     if (!p->undecided.host)
         free(open);
+    p->span = ok ? (duet_span){pairs, n} : (duet_span){0};
     return ok;
 }
 
@@ -248,15 +263,8 @@ bool part_search(part *p, const part_task *task, const part_range *range, bool *
     }
     if (!ok || !*placed)
         return ok;
-    duet_pair *pairs = NULL;
-    uint64_t n = part_count(p, COUNT_PAIRS);
-    ok = fetch_pairs(p, &pairs, err) && decide_rest(p, task, pairs, &n, err) &&
-         timeline_finish(&p->times, err);
-    if (!ok)
-        return false;
-    p->span = (duet_span){pairs, n};
     p->n_candidates = p->kernels.narrow
                           ? part_count(p, COUNT_CANDIDATES) + part_count(p, COUNT_TESTED)
                           : part_count(p, COUNT_PAIRS);
-    return true;
+    return fetch_span(p, task, err);
 }

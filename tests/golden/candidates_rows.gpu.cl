@@ -180,7 +180,8 @@ static inline void set_centre(const sorted *in, uint place, float centre[3])
 #endif
 }
 
-// In a hashed grid other cells share the entries of those that are meant.
+// In a hashed grid other cells share the entries of those that are meant; in a
+// dense one the cells need not be known.
 static inline bool is_in(const sorted *in, uint place, float4 upper, const row *cells)
 {
 #if GRID == GRID_HASHED
@@ -227,11 +228,11 @@ static inline void search_row(pair_sink *sink, const sorted *in, const seeker *m
     search_range(sink, in, me, cells, in->starts[first], in->starts[last + 1]);
 }
 
+#if GRID == GRID_HASHED
 // What follows in the own cell and the one to its right.
 static inline void search_own_row(pair_sink *sink, const sorted *in, const seeker *me, const row *cells)
 {
-    uint key = row_key(cells->y, cells->z, in->levels + cells->level, cells->level) - in->key_from;
-#if GRID == GRID_HASHED
+    uint key = row_key(cells->y, cells->z, in->levels + cells->level, cells->level);
     uint own = (key + cells->left) & (in->n_cells - 1);
     row rest = *cells;
     rest.right = cells->left;
@@ -239,10 +240,8 @@ static inline void search_own_row(pair_sink *sink, const sorted *in, const seeke
     rest.left = rest.right = cells->right;
     if (cells->left < cells->right)
         search_row(sink, in, me, &rest);
-#else
-    search_range(sink, in, me, cells, me->place + 1, in->starts[key + cells->right + 1]);
-#endif
 }
+#endif
 
 static inline void search_level(pair_sink *sink, const sorted *in, const seeker *me, uint level)
 {
@@ -253,34 +252,80 @@ static inline void search_level(pair_sink *sink, const sorted *in, const seeker 
     cell_of(centre, grid, cell);
     uint x = cell[0], y = cell[1], z = cell[2];
     uint nx = (uint)grid->cells.x, ny = (uint)grid->cells.y, nz = (uint)grid->cells.z;
-    row cells = {level, y, z, x, x + 1 < nx ? x + 1 : x};
+    uint left = x > 0 ? x - 1 : 0, right = x + 1 < nx ? x + 1 : x;
+#if GRID == GRID_HASHED
+    row cells = {level, y, z, x, right};
     search_own_row(sink, in, me, &cells);
-    cells.left = x > 0 ? x - 1 : 0;
-#line 240 "kernels/candidates_rows.cl.in"
+    cells.left = left;
+#line 241 "kernels/candidates_rows.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
         cells.z = z;
         search_row(sink, in, me, &cells);
     }
-#line 240 "kernels/candidates_rows.cl.in"
+#line 241 "kernels/candidates_rows.cl.in"
     if (y > 0 && z + 1 < nz) {
         cells.y = y - 1;
         cells.z = z + 1;
         search_row(sink, in, me, &cells);
     }
-#line 240 "kernels/candidates_rows.cl.in"
+#line 241 "kernels/candidates_rows.cl.in"
     if (z + 1 < nz) {
         cells.y = y;
         cells.z = z + 1;
         search_row(sink, in, me, &cells);
     }
-#line 240 "kernels/candidates_rows.cl.in"
+#line 241 "kernels/candidates_rows.cl.in"
     if (y + 1 < ny && z + 1 < nz) {
         cells.y = y + 1;
         cells.z = z + 1;
         search_row(sink, in, me, &cells);
     }
-#line 246 "kernels/candidates_rows.cl.in"
+#line 247 "kernels/candidates_rows.cl.in"
+#else
+    // All look-ups are under way before the first range is searched.
+    uint key = row_key(y, z, grid, level) - in->key_from;
+    uint own_to = in->starts[key + right + 1];
+#line 252 "kernels/candidates_rows.cl.in"
+    uint from_1 = 0, to_1 = 0;
+    if (y + 1 < ny) {
+        key = row_key(y + 1, z, grid, level) - in->key_from;
+        from_1 = in->starts[key + left];
+        to_1 = in->starts[key + right + 1];
+    }
+#line 252 "kernels/candidates_rows.cl.in"
+    uint from_2 = 0, to_2 = 0;
+    if (y > 0 && z + 1 < nz) {
+        key = row_key(y - 1, z + 1, grid, level) - in->key_from;
+        from_2 = in->starts[key + left];
+        to_2 = in->starts[key + right + 1];
+    }
+#line 252 "kernels/candidates_rows.cl.in"
+    uint from_3 = 0, to_3 = 0;
+    if (z + 1 < nz) {
+        key = row_key(y, z + 1, grid, level) - in->key_from;
+        from_3 = in->starts[key + left];
+        to_3 = in->starts[key + right + 1];
+    }
+#line 252 "kernels/candidates_rows.cl.in"
+    uint from_4 = 0, to_4 = 0;
+    if (y + 1 < ny && z + 1 < nz) {
+        key = row_key(y + 1, z + 1, grid, level) - in->key_from;
+        from_4 = in->starts[key + left];
+        to_4 = in->starts[key + right + 1];
+    }
+#line 259 "kernels/candidates_rows.cl.in"
+    search_range(sink, in, me, 0, me->place + 1, own_to);
+#line 261 "kernels/candidates_rows.cl.in"
+    search_range(sink, in, me, 0, from_1, to_1);
+#line 261 "kernels/candidates_rows.cl.in"
+    search_range(sink, in, me, 0, from_2, to_2);
+#line 261 "kernels/candidates_rows.cl.in"
+    search_range(sink, in, me, 0, from_3, to_3);
+#line 261 "kernels/candidates_rows.cl.in"
+    search_range(sink, in, me, 0, from_4, to_4);
+#line 263 "kernels/candidates_rows.cl.in"
+#endif
 }
 
 #if LEVELS

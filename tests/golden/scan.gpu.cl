@@ -1,6 +1,6 @@
-// scan.WG256.PER_ITEM8
+// scan.WG256.PER_ITEM4
 #define WG 256
-#define PER_ITEM 8
+#define PER_ITEM 4
 #line 1 "kernels/common.clh"
 #line 1 "kernels/scan.cl"
 // SPDX-License-Identifier: MIT

@@ -241,6 +241,8 @@ static void add_times(cJSON *o, const timed *m)
     const timed_step *median = timed_median(m);
     cJSON_AddNumberToObject(o, "repeat", m->n);
     cJSON_AddNumberToObject(o, "total_ms", median->total_ms);
+    cJSON_AddNumberToObject(o, "kernel_ms_a", median->kernel_ms[0]);
+    cJSON_AddNumberToObject(o, "kernel_ms_b", median->kernel_ms[1]);
     cJSON_AddNumberToObject(o, "least_ms", m->steps[0].total_ms);
     cJSON_AddNumberToObject(o, "most_ms", m->steps[m->n - 1].total_ms);
     cJSON_AddNumberToObject(o, "a_ms", median->device_ms[0]);

@@ -6,6 +6,7 @@
 #include "tuner/cli/progress.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static bool keep_step(timed *t, const duet_result *result, duet_error *err)
 {
@@ -17,6 +18,7 @@ static bool keep_step(timed *t, const duet_result *result, duet_error *err)
         step->stages[i] = result->stages[i];
     step->n_stages = result->n_stages;
     step->total_ms = result->total_ms;
+    memcpy(step->kernel_ms, result->kernel_ms, sizeof step->kernel_ms);
     step->device_ms[0] = result->device_ms[0];
     step->device_ms[1] = result->device_ms[1];
     ++t->n;

@@ -9,6 +9,7 @@
 typedef struct timed_step {
     double total_ms;
     double device_ms[2];
+    double kernel_ms[2];
     duet_stage *stages;
     uint32_t n_stages;
 } timed_step;
