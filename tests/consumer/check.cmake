@@ -32,6 +32,10 @@ foreach(way with_shared with_static with_pkg_config)
     message(FATAL_ERROR "${way} says '${out}', not '0 and 1 collide'")
   endif()
 endforeach()
+run(${built}/game_loop)
+if(NOT out MATCHES "^plan: [a-z ]+, share [0-9.]+\n300 frames, [0-9]+ ns, [1-9][0-9]* collisions\n$")
+  message(FATAL_ERROR "game_loop says '${out}'")
+endif()
 run(${prefix}/bin/duet --version)
 
 # Only the API can be seen from outside.
