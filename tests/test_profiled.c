@@ -268,7 +268,7 @@ static void assert_why(const cJSON *o, const char *grade, const char *says)
         fail_msg("nothing says '%s'", says);
 }
 
-static void why_names_the_plan_and_its_grounds(void **state)
+static void why_names_the_plan_and_run_uses_it(void **state)
 {
     (void)state;
     test_folder folder = test_folder_make();
@@ -284,7 +284,20 @@ static void why_names_the_plan_and_its_grounds(void **state)
     assert_string_equal(cJSON_GetObjectItemCaseSensitive(o, "variant_b")->valuestring,
                         "rows sort=radix");
     cJSON_Delete(o);
-    program p = program_run("profiles why %s --profile %s", SCENE, folder.store);
+    char variables[160];
+    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
+    program p = program_run_with(variables, "run %s --repeat 1", SCENE);
+    assert_int_equal(p.exit_code, 0);
+    assert_non_null(strstr(p.out, "plan: from the profile, exact; faster than one device"));
+    program_free(&p);
+    p = program_run_with(variables, "run %s --repeat 1 --json --check", SCENE);
+    assert_non_null(strstr(p.out, "0.375"));
+    assert_non_null(strstr(p.out, "\"exact\""));
+    program_free(&p);
+    p = program_run_with(variables, "run %s --repeat 1 --share 1/2", SCENE);
+    assert_non_null(strstr(p.out, "plan: as given"));
+    program_free(&p);
+    p = program_run("profiles why %s --profile %s", SCENE, folder.store);
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "exact: share 0.3750, mode own, A rows, B rows sort=radix"));
     program_free(&p);
@@ -301,7 +314,7 @@ int main(void)
         cmocka_unit_test(a_plan_survives_being_stored),
         cmocka_unit_test(a_world_takes_its_profile_and_finds_the_same_pairs),
         cmocka_unit_test(without_a_profile_the_plan_stays),
-        cmocka_unit_test(why_names_the_plan_and_its_grounds),
+        cmocka_unit_test(why_names_the_plan_and_run_uses_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

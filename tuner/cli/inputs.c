@@ -99,6 +99,12 @@ static bool change_variant(const char *variant, char to[96], duet_error *err)
     return true;
 }
 
+bool inputs_plan_given(const plan_options *options)
+{
+    return options->share != UINT32_MAX || options->mode || options->variant ||
+           options->variants[0] || options->variants[1];
+}
+
 bool inputs_change_plan(const plan_options *options, duet_plan *plan, duet_error *err)
 {
     if (options->share != UINT32_MAX)

@@ -136,6 +136,23 @@ static duet_world *make_world(const duet_scene *scene, duet_device_pair *pair,
     return duet_world_create(&def, err);
 }
 
+// A plan that was given is kept; else the world gets the one that was measured.
+// A store that cannot be read is told of, and the default plan does.
+static bool choose_plan(const arguments *args, const duet_scene *scene, duet_world *world,
+                        run_report *r, duet_error *err)
+{
+    r->plan_given = inputs_plan_given(&args->plan);
+    r->profile.grade = DUET_GRADE_DEFAULT;
+    if (r->plan_given || duet_scene_describe(scene)->n == 0)
+        return true;
+    if (!duet_world_set_scene(world, scene, err))
+        return false;
+    duet_error failure = {0};
+    if (!duet_world_load_profile(world, NULL, &r->profile, &failure))
+        say_failed(&failure);
+    return true;
+}
+
 // The world is stepped, its pairs are used, and all of it is told.
 static bool run_world(const arguments *args, const duet_scene *scene, const duet_device_pair *pair,
                       duet_world *world, duet_error *err)
@@ -146,7 +163,8 @@ static bool run_world(const arguments *args, const duet_scene *scene, const duet
                     .plan = duet_world_plan(world),
                     .timed = &t,
                     .resident = args->resident};
-    bool ok = timed_run(&t, world, scene, (uint32_t)args->repeat, args->resident, err);
+    bool ok = choose_plan(args, scene, world, &r, err);
+    ok = ok && timed_run(&t, world, scene, (uint32_t)args->repeat, args->resident, err);
     ok = ok && use_pairs(args, scene, &t.last, &r.verdict, err);
     if (ok && args->json)
         ok = run_report_json(&r, err);

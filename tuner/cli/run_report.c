@@ -50,7 +50,23 @@ static void print_devices(const duet_device_pair *pair, const duet_plan *plan)
         table_cell(&t, "of the work, kernels '%s'", i == 0 ? plan->variant_a : plan->variant_b);
     }
     table_print(&t, stdout);
-    printf("grids: %s\n\n", duet_mode_name(plan->mode));
+    printf("grids: %s\n", duet_mode_name(plan->mode));
+}
+
+static void print_profile(const run_report *r)
+{
+    const duet_profile *p = &r->profile;
+    if (r->plan_given)
+        printf("plan: as given\n\n");
+    else if (p->grade == DUET_GRADE_STALE)
+        printf("plan: the default, since the kernels changed after it was measured; 'duet tune' "
+               "measures again\n\n");
+    else if (p->grade == DUET_GRADE_DEFAULT)
+        printf("plan: the default; 'duet tune' measures a better one\n\n");
+    else
+        printf("plan: from the profile, %s; %s than one device, by %+.1f %% (%+.1f to %+.1f)\n\n",
+               duet_grade_name(p->grade), p->verdict, 100 * p->gain, 100 * p->gain_low,
+               100 * p->gain_high);
 }
 
 enum { NOBODY = -1 };
@@ -266,6 +282,7 @@ void run_report_text(const run_report *r)
     print_scene(r->scene);
     print_grid(r->scene, &r->timed->last);
     print_devices(r->pair, r->plan);
+    print_profile(r);
     print_stages(timed_median(r->timed));
     print_totals(r->timed);
     if (r->verdict.asked)
@@ -277,6 +294,8 @@ bool run_report_json(const run_report *r, duet_error *err)
     cJSON *o = cJSON_CreateObject();
     add_counts(o, r->scene, r->timed);
     add_plan(o, r->pair, r->plan);
+    cJSON_AddStringToObject(o, "profile",
+                            r->plan_given ? "given" : duet_grade_name(r->profile.grade));
     cJSON_AddBoolToObject(o, "resident", r->resident);
     add_times(o, r->timed);
     if (r->verdict.asked)
