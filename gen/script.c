@@ -20,6 +20,7 @@ struct script {
     uint64_t instructions_left; // of the running call
     uint64_t deadline_ns;
     int depth;   // calls inside calls; the outermost one sets the limits
+    int line;    // where memory ran out last; 0: outside of any script
     text name;   // of the chunk loaded last
     text source; // its text
 };
@@ -32,6 +33,23 @@ script_limits script_default_limits(void)
 
 // ---------------------------------------------------------------- limits
 
+// The innermost line of a script. Lua says none itself where memory ran out;
+// neither call here allocates.
+static int find_line(lua_State *L)
+{
+    lua_Debug ar;
+    for (int level = 0; lua_getstack(L, level, &ar); ++level)
+        if (lua_getinfo(L, "l", &ar) && ar.currentline > 0)
+            return ar.currentline;
+    return 0;
+}
+
+static void *refuse_memory(script *s)
+{
+    s->line = s->lua ? find_line(s->lua) : 0;
+    return NULL;
+}
+
 static void *allocate(void *data, void *at, size_t old_bytes, size_t bytes)
 {
     script *s = data;
@@ -43,7 +61,7 @@ static void *allocate(void *data, void *at, size_t old_bytes, size_t bytes)
         return NULL;
     }
     if (bytes > old_bytes && bytes - old_bytes > s->limits.memory_bytes - s->used_bytes)
-        return NULL;
+        return refuse_memory(s);
     void *moved = realloc(at, bytes);
     if (!moved)
         return NULL;
@@ -87,6 +105,9 @@ void script_spend(lua_State *L, uint64_t instructions)
 static void on_count(lua_State *L, lua_Debug *ar)
 {
     (void)ar;
+    const script_limits *limits = &script_of(L)->limits;
+    if (limits->stopped && limits->stopped())
+        luaL_error(L, "stopped");
     if (!spend(script_of(L), HOOK_INSTRUCTIONS))
         raise_limit(L, 0);
 }
@@ -141,8 +162,8 @@ static bool fail(script *s, int lua_status, duet_error *err)
     duet_status status = s->limits.failure ? s->limits.failure : DUET_BAD_INPUT;
     const char *rest = after_cut_name(message, &s->name);
     if (lua_status == LUA_ERRMEM)
-        error_set(err, status, "%s: needs more than the %zu KiB of memory it may take", name,
-                  s->limits.memory_bytes >> 10);
+        error_set(err, status, "%s:%d: needs more than the %zu KiB of memory it may take", name,
+                  s->line, s->limits.memory_bytes >> 10);
     else if (!is_text)
         error_set(err, status, "%s: raises a %s as its error, not a line of text", name,
                   luaL_typename(s->lua, -1));

@@ -20,6 +20,7 @@ typedef struct script_limits {
     uint64_t instructions; // of one script_call or script_run
     double seconds;        // of one too: few instructions can move many bytes
     duet_status failure;   // what a script's error is; 0: BAD_INPUT
+    bool (*stopped)(void); // asked now and then: true ends the call. NULL: never
 } script_limits;
 
 script_limits script_default_limits(void); // 64 MiB, 100 million, 10 s

@@ -305,6 +305,13 @@ void array_push_hash(lua_State *L, uint64_t hash)
     lua_pushstring(L, digits);
 }
 
+static int array_tostring(lua_State *L)
+{
+    const array *a = check_self(L);
+    lua_pushfstring(L, "%s of %I rows", classes[a->kind].name, (LUAI_UACINT)a->n);
+    return 1;
+}
+
 static int pairs_hash(lua_State *L)
 {
     const array *a = array_check(L, 1, ARRAY_PAIRS);
@@ -345,7 +352,8 @@ static int array_close(lua_State *L)
 static const luaL_Reg poses_methods[] = {EVERY_KIND, {"collide", poses_collide}, {NULL, NULL}};
 static const luaL_Reg bounds_methods[] = {EVERY_KIND, {NULL, NULL}};
 static const luaL_Reg pairs_methods[] = {EVERY_KIND, {"hash", pairs_hash}, {NULL, NULL}};
-static const luaL_Reg metas[] = {{"__len", array_length}, {NULL, NULL}};
+static const luaL_Reg metas[] = {
+    {"__len", array_length}, {"__tostring", array_tostring}, {NULL, NULL}};
 
 static const lua_class classes[] = {
     [ARRAY_POSES] = {.name = "duet.poses", .methods = poses_methods, .metas = metas},

@@ -19,12 +19,70 @@ static int find_member(lua_State *L)
     return 1;
 }
 
+// Puts a text in the place of the value on top; { 1, 2, 3 } for a vector.
+static void push_text(lua_State *L)
+{
+    if (!lua_istable(L, -1)) {
+        luaL_tolstring(L, -1, NULL);
+        lua_remove(L, -2);
+        return;
+    }
+    lua_pushliteral(L, "{ ");
+    for (lua_Unsigned i = 1; i <= lua_rawlen(L, -2); ++i) {
+        lua_pushstring(L, i > 1 ? ", " : "");
+        lua_rawgeti(L, -3, (lua_Integer)i);
+        lua_concat(L, 3);
+    }
+    lua_pushliteral(L, " }");
+    lua_concat(L, 2);
+    lua_remove(L, -2);
+}
+
+// name = value, ... of the object at 1; raises where it is closed.
+static int describe(lua_State *L)
+{
+    const lua_class *c = lua_touserdata(L, lua_upvalueindex(1));
+    const void *from = c->struct_of(L);
+    luaL_Buffer line;
+    luaL_buffinit(L, &line);
+    for (const member *m = c->members; m->name; ++m) {
+        luaL_addstring(&line, m == c->members ? "" : ", ");
+        luaL_addstring(&line, m->name);
+        luaL_addstring(&line, " = ");
+        member_push(L, m, from);
+        push_text(L);
+        luaL_addvalue(&line);
+    }
+    luaL_pushresult(&line);
+    return 1;
+}
+
+// "duet.scene { name = paper, n = 1000 }"
+static int class_tostring(lua_State *L)
+{
+    const lua_class *c = lua_touserdata(L, lua_upvalueindex(1));
+    luaL_checkudata(L, 1, c->name);
+    lua_pushvalue(L, lua_upvalueindex(1));
+    lua_pushcclosure(L, describe, 1);
+    lua_pushvalue(L, 1);
+    if (!c->members)
+        lua_pushfstring(L, "%s: %p", c->name, lua_topointer(L, 1));
+    else if (lua_pcall(L, 1, 1, 0) == LUA_OK)
+        lua_pushfstring(L, "%s { %s }", c->name, lua_tostring(L, -1));
+    else
+        lua_pushfstring(L, "%s (closed)", c->name);
+    return 1;
+}
+
 void class_open(lua_State *L, const lua_class *c)
 {
     if (!luaL_newmetatable(L, c->name)) {
         lua_pop(L, 1);
         return;
     }
+    lua_pushlightuserdata(L, (void *)c);
+    lua_pushcclosure(L, class_tostring, 1);
+    lua_setfield(L, -2, "__tostring");
     if (c->metas)
         luaL_setfuncs(L, c->metas, 0);
     lua_pushlightuserdata(L, (void *)c);

@@ -86,7 +86,7 @@ static void a_greedy_script_ends_at_its_memory(void **state)
         "return string.pack('!16 c1000000000', '')",
         "local s = ('f(){}'):rep(1e6)",
     };
-    REFUSE_EACH(&tight, chunks, "card.lua: needs more than the 4096 KiB of memory");
+    REFUSE_EACH(&tight, chunks, "card.lua:1: needs more than the 4096 KiB of memory");
 }
 
 static void a_pattern_that_would_never_end_is_refused(void **state)

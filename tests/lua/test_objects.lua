@@ -210,4 +210,13 @@ holds("children keep their parents, in any order of collection", function()
   equal(view:get(2), 9)
 end)
 
+holds("an object says what it is", function()
+  local small = assert(duet.scene(paper, { n = 3, world = 5 }))
+  assert(tostring(small):find("duet.scene { name = paper, dims = 3, ", 1, true))
+  assert(tostring(small):find("upper = { 5.0, 5.0, 5.0 }", 1, true))
+  small:close()
+  equal(tostring(small), "duet.scene (closed)")
+  equal(tostring(three), "duet.poses of 3 rows")
+end)
+
 facts.finish()

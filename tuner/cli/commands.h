@@ -5,6 +5,7 @@
 #define CLI_COMMANDS_H
 
 int command_devices(int argc, char **argv);
+int command_lua(int argc, char **argv);
 int command_profiles(int argc, char **argv);
 int command_run(int argc, char **argv);
 int command_source(int argc, char **argv);

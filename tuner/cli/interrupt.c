@@ -39,6 +39,11 @@ bool interrupt_asked(void)
     return asked != 0;
 }
 
+void interrupt_forget(void)
+{
+    asked = 0;
+}
+
 bool interrupt_check(duet_error *err)
 {
     return !asked || error_set(err, DUET_INTERRUPTED, "stopped");

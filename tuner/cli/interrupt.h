@@ -10,6 +10,7 @@
 
 void interrupt_watch(void);
 bool interrupt_asked(void);
+void interrupt_forget(void); // what was asked so far: for a person who goes on typing
 
 // false with INTERRUPTED once Ctrl-C was pressed.
 bool interrupt_check(duet_error *err);

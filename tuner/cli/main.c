@@ -19,6 +19,7 @@ static const struct {
     const char *about;
 } commands[] = {
     {"devices", command_devices, "what OpenCL offers here, and the selectors for --pair"},
+    {"lua", command_lua, "scripts that use all of this, and a prompt to try it at"},
     {"profiles", command_profiles, "what was measured, and what applications load"},
     {"run", command_run, "all pairs of a scene, and where the time went"},
     {"source", command_source, "the exact text of a kernel, and what it lets vary"},

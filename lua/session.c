@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: MIT
+#include "lua/session.h"
+
+#include "duet_lua.h"
+#include "gen/script.h"
+#include "lua/policy.h"
+#include "runtime/base/blob.h"
+#include "runtime/base/text.h"
+
+#include <lauxlib.h>
+#include <lualib.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// How often a trusted script is asked whether to stop, in instructions.
+#define HOOK_INSTRUCTIONS 10000
+
+struct session {
+    session_def def;
+    script *script; // NULL where trusted
+    lua_State *lua; // the script's, or one of its own
+};
+
+// In the registry: the function that prints what was typed.
+static const char show_key = 0;
+
+session_def session_default_def(void)
+{
+    return (session_def){.memory_bytes = (size_t)256 << 20, .seconds = 60};
+}
+
+// ---------------------------------------------------------------- calls
+
+// Makes a line of the error value and takes it off the stack.
+static bool fail(session *s, duet_error *err)
+{
+    const char *message = lua_tostring(s->lua, -1);
+    error_set(err, DUET_BAD_INPUT, "%s", message ? message : "an error that is not a text");
+    lua_pop(s->lua, 1);
+    return false;
+}
+
+static bool load(session *s, const char *name, const char *chars, size_t n, duet_error *err)
+{
+    if (s->script)
+        return script_load(s->script, name, chars, n, err);
+    text at_name = {0}; // "@path" is how Lua knows a file from a text
+    text_add(&at_name, "@%s", name);
+    bool ok = text_ok(&at_name, err);
+    ok = ok && (luaL_loadbufferx(s->lua, chars, n, at_name.chars, "t") == LUA_OK || fail(s, err));
+    text_free(&at_name);
+    return ok;
+}
+
+static bool call(session *s, int n_arguments, int n_results, duet_error *err)
+{
+    if (s->script)
+        return script_call(s->script, n_arguments, n_results, err);
+    return lua_pcall(s->lua, n_arguments, n_results, 0) == LUA_OK || fail(s, err);
+}
+
+static void on_count(lua_State *L, lua_Debug *ar)
+{
+    (void)ar;
+    const session *s = *(session **)lua_getextraspace(L);
+    if (s->def.stopped())
+        luaL_error(L, "stopped");
+}
+
+// ---------------------------------------------------------------- globals
+
+static int print(lua_State *L)
+{
+    for (int i = 1, n = lua_gettop(L); i <= n; ++i) {
+        size_t length = 0;
+        const char *chars = luaL_tolstring(L, i, &length);
+        fwrite(i > 1 ? "\t" : "", 1, i > 1, stdout);
+        fwrite(chars, 1, length, stdout);
+        lua_pop(L, 1);
+    }
+    fputc('\n', stdout);
+    return 0;
+}
+
+// Without --trust there is no other module.
+static int require(lua_State *L)
+{
+    if (strcmp(luaL_checkstring(L, 1), "duet") != 0)
+        return luaL_error(L, "require '%s': without --trust there is only 'duet'",
+                          lua_tostring(L, 1));
+    lua_getglobal(L, "duet");
+    return 1;
+}
+
+static void set_arg(lua_State *L, const session_def *def)
+{
+    lua_newtable(L);
+    for (int i = 0; i < def->n_arguments; ++i) {
+        lua_pushstring(L, def->arguments[i]);
+        lua_rawseti(L, -2, i);
+    }
+    lua_setglobal(L, "arg");
+}
+
+static void load_show(lua_State *L)
+{
+    const blob *b = blob_find("lua/show.lua");
+    if (luaL_loadbufferx(L, b->bytes, b->length, "@lua/show.lua", "t") != LUA_OK)
+        lua_error(L);
+    lua_call(L, 0, 1);
+    lua_rawsetp(L, LUA_REGISTRYINDEX, &show_key);
+}
+
+// A C function: fills the globals of the session at 1.
+static int prepare(lua_State *L)
+{
+    const session *s = lua_touserdata(L, 1);
+    if (s->script) {
+        lua_register(L, "print", print);
+        lua_register(L, "require", require);
+        lua_pushcfunction(L, luaopen_duet);
+        lua_call(L, 0, 1);
+        lua_setglobal(L, "duet");
+        policy_restrict(L, s->def.arguments, s->def.n_arguments);
+    } else {
+        luaL_openlibs(L);
+        luaL_requiref(L, "duet", luaopen_duet, 1);
+    }
+    set_arg(L, &s->def);
+    load_show(L);
+    return 0;
+}
+
+// ---------------------------------------------------------------- sessions
+
+static bool open_state(session *s, duet_error *err)
+{
+    if (s->def.trusted) {
+        s->lua = luaL_newstate();
+        if (!s->lua)
+            return error_set(err, DUET_NO_MEMORY, "a Lua state: no memory");
+        *(session **)lua_getextraspace(s->lua) = s;
+        if (s->def.stopped)
+            lua_sethook(s->lua, on_count, LUA_MASKCOUNT, HOOK_INSTRUCTIONS);
+        return true;
+    }
+    script_limits limits = script_default_limits();
+    limits.memory_bytes = s->def.memory_bytes;
+    limits.seconds = s->def.seconds;
+    limits.instructions = UINT64_MAX / 2; // the seconds count
+    limits.stopped = s->def.stopped;
+    s->script = script_open(&limits, err);
+    s->lua = s->script ? script_lua(s->script) : NULL;
+    return s->script != NULL;
+}
+
+session *session_open(const session_def *def, duet_error *err)
+{
+    session *s = calloc(1, sizeof *s);
+    if (!s) {
+        error_set(err, DUET_NO_MEMORY, "a Lua state: no memory");
+        return NULL;
+    }
+    s->def = *def;
+    bool ok = open_state(s, err);
+    if (ok) {
+        lua_pushcfunction(s->lua, prepare);
+        lua_pushlightuserdata(s->lua, s);
+        ok = call(s, 1, 0, err);
+    }
+    if (!ok) {
+        session_close(s);
+        return NULL;
+    }
+    return s;
+}
+
+void session_close(session *s)
+{
+    if (!s)
+        return;
+    if (s->script)
+        script_close(s->script);
+    else if (s->lua)
+        lua_close(s->lua);
+    free(s);
+}
+
+bool session_run_text(session *s, const char *name, const char *chars, duet_error *err)
+{
+    return load(s, name, chars, strlen(chars), err) && call(s, 0, 0, err);
+}
+
+bool session_run_file(session *s, const char *path, duet_error *err)
+{
+    text chars = {0};
+    bool ok = text_read_file(&chars, path, err);
+    if (ok && chars.length > 0 && chars.chars[0] == '#')
+        memcpy(chars.chars, "--", chars.length > 1 ? 2 : 1);
+    ok = ok && load(s, path, chars.chars, chars.length, err) && call(s, 0, 0, err);
+    text_free(&chars);
+    return ok;
+}
+
+// ---------------------------------------------------------------- typing
+
+static bool is_beginning(const duet_error *err)
+{
+    const char *end = "near <eof>";
+    size_t length = strlen(err->text);
+    return length >= strlen(end) && strcmp(err->text + length - strlen(end), end) == 0;
+}
+
+// An expression is tried first, since most of what is typed is one.
+static bool load_typed(session *s, const char *chars, bool *more, duet_error *err)
+{
+    duet_error why = {0};
+    text expression = {0};
+    text_add(&expression, "return %s", chars);
+    bool ok = text_ok(&expression, err);
+    if (ok && !load(s, "typed", expression.chars, expression.length, &why)) {
+        why = (duet_error){0};
+        ok = load(s, "typed", chars, strlen(chars), &why);
+        *more = !ok && is_beginning(&why);
+        if (!ok && !*more)
+            *err = why;
+    }
+    text_free(&expression);
+    return ok;
+}
+
+// show(results...) under the results of a call, the number of which varies.
+static bool show_results(session *s, int top, duet_error *err)
+{
+    int n = lua_gettop(s->lua) - top;
+    if (n == 0)
+        return true;
+    lua_rawgetp(s->lua, LUA_REGISTRYINDEX, &show_key);
+    lua_insert(s->lua, top + 1);
+    return call(s, n, 0, err);
+}
+
+bool session_enter(session *s, const char *chars, bool *more, duet_error *err)
+{
+    *more = false;
+    int top = lua_gettop(s->lua);
+    if (!load_typed(s, chars, more, err))
+        return *more;
+    return call(s, 0, LUA_MULTRET, err) && show_results(s, top, err);
+}

@@ -1,0 +1,124 @@
+-- SPDX-License-Identifier: MIT
+-- Prints values so that a person can read them: tables in order, on one line
+-- where they fit, and a list of records as columns. Gives back the function
+-- that prints; it needs no more of Lua than an untrusted script has.
+
+local WIDTH <const> = 100
+local DEEPEST <const> = 6
+
+local kinds = { number = 1, string = 2, boolean = 3 }
+
+local function comes_before(a, b)
+  local kind_a, kind_b = kinds[type(a)] or 4, kinds[type(b)] or 4
+  if kind_a ~= kind_b then return kind_a < kind_b end
+  if kind_a <= 2 then return a < b end
+  return tostring(a) < tostring(b)
+end
+
+local function keys_of(t)
+  local keys = {}
+  for key in pairs(t) do keys[#keys + 1] = key end
+  table.sort(keys, comes_before)
+  return keys
+end
+
+local function scalar(value)
+  if type(value) == "string" then return (("%q"):format(value):gsub("\\\n", "\\n")) end
+  if math.type(value) == "float" then return ("%.6g"):format(value) end
+  return tostring(value)
+end
+
+-- "name = " or "[7] = "; nothing for a sequence's own places.
+local function label(key, n)
+  if math.type(key) == "integer" and key >= 1 and key <= n then return "" end
+  if type(key) == "string" and key:find "^[%a_][%w_]*$" then return key .. " = " end
+  return "[" .. scalar(key) .. "] = "
+end
+
+local describe
+
+local function describe_table(t, indent, above)
+  if above[t] then return "{ ... }" end -- itself, further up
+  if #above >= DEEPEST then return "{ more }" end
+  above[t] = true
+  above[#above + 1] = t
+  local parts, length, n = {}, 4, #t
+  for _, key in ipairs(keys_of(t)) do
+    local part = label(key, n) .. describe(t[key], indent .. "  ", above)
+    parts[#parts + 1] = part
+    length = length + #part + 2
+    if part:find "\n" then length = WIDTH + 1 end
+  end
+  above[#above] = nil
+  above[t] = nil
+  if #parts == 0 then return "{}" end
+  if length + #indent <= WIDTH then return "{ " .. table.concat(parts, ", ") .. " }" end
+  return "{\n  " .. indent .. table.concat(parts, ",\n  " .. indent) .. "\n" .. indent .. "}"
+end
+
+function describe(value, indent, above)
+  if type(value) == "table" then return describe_table(value, indent, above) end
+  return scalar(value)
+end
+
+-- ---------------------------------------------------------------- records
+
+-- The columns of a list of tables with names for scalars; nil for all else.
+local function columns_of(list)
+  local seen, names = {}, {}
+  if #list < 2 or #keys_of(list) ~= #list then return nil end
+  for _, record in ipairs(list) do
+    if type(record) ~= "table" then return nil end
+    for _, key in ipairs(keys_of(record)) do
+      if type(key) ~= "string" or type(record[key]) == "table" then return nil end
+      if not seen[key] then names[#names + 1] = key end
+      seen[key] = true
+    end
+  end
+  return #names > 0 and names or nil
+end
+
+local function cell(value)
+  if value == nil then return "" end
+  return type(value) == "string" and value or scalar(value)
+end
+
+local function describe_records(list, names)
+  local widths, lines, total = {}, {}, 0
+  for i, name in ipairs(names) do
+    widths[i] = utf8.len(name)
+    for _, record in ipairs(list) do
+      widths[i] = math.max(widths[i], utf8.len(cell(record[name])) or 0)
+    end
+    total = total + widths[i] + 2
+  end
+  if total > 2 * WIDTH then return nil end
+  local function line(value_of)
+    local cells = {}
+    for i, name in ipairs(names) do
+      local value = value_of(name)
+      local text = cell(value)
+      local space = (" "):rep(widths[i] - (utf8.len(text) or 0))
+      cells[i] = type(value) == "number" and space .. text or text .. space
+    end
+    lines[#lines + 1] = (table.concat(cells, "  "):gsub("%s+$", ""))
+  end
+  line(function(name) return name end)
+  for _, record in ipairs(list) do
+    line(function(name) return record[name] end)
+  end
+  return table.concat(lines, "\n")
+end
+
+local function show(value)
+  if type(value) == "string" then return value end
+  if type(value) ~= "table" then return scalar(value) end
+  local names = columns_of(value)
+  return names and describe_records(value, names) or describe(value, "", {})
+end
+
+return function(...)
+  local texts = {}
+  for i = 1, select("#", ...) do texts[i] = show((select(i, ...))) end
+  print(table.concat(texts, "\t"))
+end

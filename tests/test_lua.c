@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+// duet lua, as a person calls it, and what a hostile script can do with it.
+#include "support/program.h"
+#include "support/test.h"
+
+#include "runtime/base/text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SCRIPT "test_lua.script.lua"
+
+static void write_script(const char *content)
+{
+    duet_error err = {0};
+    assert_ok(text_write_file(SCRIPT, content, strlen(content), &err), err);
+}
+
+static int remove_files(void **state)
+{
+    (void)state;
+    remove(SCRIPT);
+    remove("test_lua.out");
+    return 0;
+}
+
+static void assert_prints(const char *arguments, const char *output)
+{
+    program p = program_run("%s", arguments);
+    if (p.exit_code != 0)
+        fail_msg("%s: %s", arguments, p.err);
+    assert_string_equal(p.out, output);
+    assert_string_equal(p.err, "");
+    program_free(&p);
+}
+
+static void text_file_and_arguments_run(void **state)
+{
+    (void)state;
+    assert_prints("lua -e 'print(1 + 1, duet.version)'", "2\t1.0.0\n");
+    write_script("#!/usr/bin/env duet\nprint(arg[0], #arg, arg[1], require 'duet' == duet)\n");
+    assert_prints("lua -e 'x = 1' " SCRIPT " --json b", SCRIPT "\t2\t--json\ttrue\n");
+}
+
+static void trust_gives_the_whole_language(void **state)
+{
+    (void)state;
+    assert_prints("lua --trust -e 'io.write(type(os.time), type(load), type(pcall))'",
+                  "functionfunctionfunction");
+    assert_prints("lua -e 'print(io, os, load, dofile, pcall, debug, package, coroutine)'",
+                  "nil\tnil\tnil\tnil\tnil\tnil\tnil\tnil\n");
+}
+
+static void what_is_typed_is_run_and_shown(void **state)
+{
+    (void)state;
+    write_script("x = { 3, 4, name = 'a b' }\n"
+                 "x\n"
+                 "function twice(n)\n"
+                 "  return 2 * n\n"
+                 "end\n"
+                 "twice(21), 'text'\n"
+                 "{ { n = 1, s = 'a' }, { n = 100, s = 'b' } }\n");
+    assert_prints("lua -i <" SCRIPT,
+                  "{ 3, 4, name = \"a b\" }\n42\ttext\nn    s\n  1  a\n100  b\n");
+}
+
+static void a_step_can_be_made_without_trust(void **state)
+{
+    (void)state;
+    write_script("local pair <close> = assert(duet.device_pair())\n"
+                 "local world <close> = assert(pair:world { dims = 3 })\n"
+                 "assert(world:set_poses { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1,\n"
+                 "                         1, 0, 0, 1, 1, 1, 0, 0, 0, 1 })\n"
+                 "for a, b in assert(world:step()):pairs() do print(a, b) end\n");
+    assert_prints("lua " SCRIPT, "0\t1\n");
+}
+
+// ---------------------------------------------------------------- refusals
+
+static void assert_refused(const char *arguments, int exit_code, const char *says)
+{
+    program p = program_run("%s", arguments);
+    program_assert_refused(&p, exit_code, says);
+}
+
+static void a_wrong_command_line_is_refused(void **state)
+{
+    (void)state;
+    assert_refused("lua", 2, "nothing to run");
+    assert_refused("lua nowhere.lua", 1, "nowhere.lua: No such file");
+    assert_refused("lua -e 'x x'", 1, "-e:1: syntax error near 'x'");
+    assert_refused("lua --trust -e 'x x'", 1, "-e:1: syntax error near 'x'");
+    assert_refused("lua --trust -e 'error {}'", 1, "an error that is not a text");
+}
+
+static void a_hostile_script_ends_with_its_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *script;
+        const char *says;
+    } cases[] = {
+        {"\nwhile true do end", ":2: runs for more than the 0.5 seconds"},
+        {"\nlocal t = {}\nfor i = 1, 1e9 do t[i] = { i } end", ":3: needs more than the 16384 KiB"},
+        {"local s = 'x'\n\nfor i = 1, 60 do s = s .. s end", ":3: needs more than the 16384 KiB"},
+        {"print(('x'):rep(1 << 60))", ":1: resulting string too large"},
+        {"print(('x'):rep(1 << 30))", ":1: needs more than the 16384 KiB"},
+        {"\nlocal function f() return 1 + f() end\nf()", ":2: needs more than the 16384 KiB"},
+        {"('x'):rep(30000):find(('.-'):rep(30) .. 'y')", ":1: the pattern could take too long"},
+        {"setmetatable({}, { __gc = function() while true do end end })", ":1: attempt to call"},
+        {"getmetatable('').__index = nil", ":1: attempt to call"},
+        {"string.rep = nil\nprint(('x'):dump())", ":2: attempt to call"},
+        {"require 'os'", ":1: require 'os': without --trust"},
+        {"duet.poses(1 << 40)", ":1: needs more than the 16384 KiB"},
+        {"duet.poses(1 << 62)", ":1: duet.poses of"},
+        {"duet.scene('/etc/passwd')", ":1: '/etc/passwd' is not below the current folder"},
+        {"duet.scene('../x.csv')", ":1: '../x.csv' is not below"},
+        {"duet.scene('x/../../x.csv')", ":1: 'x/../../x.csv' is not below"},
+        {"duet.device_pair { kernel_dir = '.' }", ":1: choosing kernel_dir or cache_dir needs"},
+        {"duet.device_pair { cache_dir = '.' }", ":1: choosing kernel_dir or cache_dir needs"},
+        {"local p = duet.poses(1)\np.get(duet)", ":2: bad argument #1 to 'get'"},
+        {"local p = duet.poses(1)\np:close()\np:get(0)",
+         ":3: calling 'get' on bad self (the array is closed)"},
+        {"\33Lua", ": attempt to load a binary chunk"},
+        {"error(setmetatable)", ": raises a nil as its error"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char says[160];
+        snprintf(says, sizeof says, SCRIPT "%s", cases[i].says);
+        write_script(cases[i].script);
+        assert_refused("lua --seconds 0.5 --memory 16 " SCRIPT, 1, says);
+    }
+}
+
+static void a_file_named_on_the_command_line_can_be_read(void **state)
+{
+    (void)state;
+    char path[512];
+    snprintf(path, sizeof path, "lua /dev/stdin '%s/paper.lua' <" SCRIPT,
+             getenv("DUET_TEST_SCENES"));
+    write_script("print(#assert(duet.scene(arg[1], { n = 7 })))\n");
+    assert_prints(path, "7\n");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(text_file_and_arguments_run),
+        cmocka_unit_test(trust_gives_the_whole_language),
+        cmocka_unit_test(what_is_typed_is_run_and_shown),
+        cmocka_unit_test(a_step_can_be_made_without_trust),
+        cmocka_unit_test(a_wrong_command_line_is_refused),
+        cmocka_unit_test(a_hostile_script_ends_with_its_line),
+        cmocka_unit_test(a_file_named_on_the_command_line_can_be_read),
+    };
+    return cmocka_run_group_tests(tests, NULL, remove_files);
+}
