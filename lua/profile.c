@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // world:load_profile: the plan that is known for a world's objects.
 #include "lua/nouns.h"
+#include "lua/policy.h"
 
 static const char *grade_name(int grade)
 {
@@ -25,6 +26,8 @@ int world_load_profile_lua(lua_State *L)
     duet_profile profile;
     world_box *box = world_check(L, 1);
     const char *path = luaL_optstring(L, 2, NULL);
+    if (path)
+        policy_check_read(L, path);
     if (!duet_world_load_profile(box->world, path, &profile, &err))
         return class_push_failure(L, &err);
     member_push_table(L, profile_members, &profile);

@@ -123,17 +123,37 @@ static int world_set_scene(lua_State *L)
     return class_push_done(L, ok, &err);
 }
 
+// Views of memory that was mapped before no longer hold: what is written there
+// after a step is not sent to the devices.
+static uint32_t begin_map(lua_State *L, world_box *box)
+{
+    lua_Integer n = luaL_checkinteger(L, 2);
+    luaL_argcheck(L, n >= 0 && n <= UINT32_MAX, 2, "a number of objects from 0 to 2^32 - 1");
+    ++box->maps;
+    return (uint32_t)n;
+}
+
 static int world_map_poses(lua_State *L)
 {
     duet_error err = {0};
     world_box *box = world_check(L, 1);
-    lua_Integer n = luaL_checkinteger(L, 2);
-    luaL_argcheck(L, n >= 0 && n <= UINT32_MAX, 2, "a number of objects from 0 to 2^32 - 1");
-    ++box->maps;
-    duet_pose *poses = duet_world_map_poses(box->world, (uint32_t)n, &err);
+    uint32_t n = begin_map(L, box);
+    duet_pose *poses = duet_world_map_poses(box->world, n, &err);
     if (!poses)
         return class_push_failure(L, &err);
-    array_push_view(L, ARRAY_POSES, poses, (uint64_t)n, 1, &box->maps);
+    array_push_view(L, ARRAY_POSES, poses, n, 1, &box->maps);
+    return 1;
+}
+
+static int world_map_bounds(lua_State *L)
+{
+    duet_error err = {0};
+    world_box *box = world_check(L, 1);
+    uint32_t n = begin_map(L, box);
+    duet_bounds *bounds = duet_world_map_bounds(box->world, n, &err);
+    if (!bounds)
+        return class_push_failure(L, &err);
+    array_push_view(L, ARRAY_BOUNDS, bounds, n, 1, &box->maps);
     return 1;
 }
 
@@ -163,6 +183,7 @@ static int world_step(lua_State *L)
     duet_result result = {0};
     world_box *box = world_check(L, 1);
     ++box->steps;
+    ++box->maps;
     if (!duet_world_step(box->world, &result, &err))
         return class_push_failure(L, &err);
     result_push(L, 1, &result);
@@ -174,6 +195,7 @@ static const luaL_Reg methods[] = {{"close", world_close},
                                    {"set_bounds", world_set_bounds},
                                    {"set_scene", world_set_scene},
                                    {"map_poses", world_map_poses},
+                                   {"map_bounds", world_map_bounds},
                                    {"plan", world_plan},
                                    {"set_plan", world_set_plan},
                                    {"load_profile", world_load_profile_lua},

@@ -94,6 +94,7 @@ local World = {}
 ---@field cells integer[] the grid
 ---@field device_ms number[] of A and of B
 ---@field first_bad integer the least id among them
+---@field kernel_ms number[] of A and of B, from the first kernel to the last one's end
 ---@field objects integer in the step
 ---@field runs integer 1, or more where a buffer had to grow
 ---@field total_ms number wall clock, poses in to pairs on the host
@@ -250,7 +251,14 @@ function World:close() end
 ---@return string? status
 function World:load_profile(path) end
 
---- Room for n poses that the devices read without a copy; until the next map, set or close.
+--- The same for bounds.
+---@param n integer
+---@return duet.Bounds?
+---@return string? message
+---@return string? status
+function World:map_bounds(n) end
+
+--- Room for n poses that the devices read without a copy: map, write, then step.
 ---@param n integer
 ---@return duet.Poses?
 ---@return string? message

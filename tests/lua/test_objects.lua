@@ -81,6 +81,10 @@ holds("bounds and 2D work too", function()
   assert(world:set_bounds { { 0, 0, 0, 1, 1, 0 }, { 1, 1, 0, 2, 2, 0 }, { 3, 3, 0, 4, 4, 0 } })
   local result = assert(world:step())
   equal(#result, 1) -- touching collides
+  local mapped = assert(world:map_bounds(2))
+  mapped:set(0, 0, 0, 0, 1, 1, 0)
+  mapped:set(1, 5, 5, 0, 6, 6, 0)
+  equal(#assert(world:step()), 0)
   local flat <close> = assert(duet.scene(duet.bounds { 0, 0, 0, 1, 1, 0 }, 2))
   equal(flat.dims, 2)
   equal(flat.shape, "bounds")
@@ -177,11 +181,14 @@ holds("a loop over a result ends with an error where the world is stepped in it"
   end)
 end)
 
-holds("mapped memory is the script's until the next map or set", function()
+holds("mapped memory is the script's until the next map, set or step", function()
   local world <close> = assert(pair:world { dims = 3 })
   local first = assert(world:map_poses(3))
   assert(world:map_poses(2))
   raises("given back", first.get, first, 0)
+  local third = assert(world:map_poses(3))
+  assert(world:step())
+  raises("given back", third.set, third, 0, three:get(0)) -- it would not be sent
 end)
 
 holds("a method of one kind refuses an object of another", function()
