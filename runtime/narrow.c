@@ -177,20 +177,32 @@ static double sum_of_sizes(const double t[3], const double a[3], const double b[
     return size;
 }
 
-static narrow_verdict test_boxes(const duet_pose *pose_a, const duet_pose *pose_b, int dims)
-{
-    box a = box_of_pose(pose_a), b = box_of_pose(pose_b);
+// What is known before the axes are tried.
+typedef struct approach {
+    box a, b;
     double t[3];
-    for (int i = 0; i < 3; ++i)
-        t[i] = (double)pose_b->centre[i] - pose_a->centre[i];
-    double size = sum_of_sizes(t, a.half, b.half);
-    if (!(size < INFINITY && a.norm > 0 && a.norm < INFINITY && b.norm > 0 && b.norm < INFINITY))
-        return NARROW_UNDECIDED;
-    if (has_no_rotation(pose_a) && has_no_rotation(pose_b))
-        return compare_upright(pose_a, pose_b, dims);
+    double size; // |t|_1 and all extents
+} approach;
 
-    view v = view_of(&a, &b, t);
-    gaps g = {SLACK * size, -INFINITY, -INFINITY, 0};
+static approach approach_of(const duet_pose *pose_a, const duet_pose *pose_b)
+{
+    approach p = {.a = box_of_pose(pose_a), .b = box_of_pose(pose_b)};
+    for (int i = 0; i < 3; ++i)
+        p.t[i] = (double)pose_b->centre[i] - pose_a->centre[i];
+    p.size = sum_of_sizes(p.t, p.a.half, p.b.half);
+    return p;
+}
+
+static bool is_finite(const approach *p)
+{
+    return p->size < INFINITY && p->a.norm > 0 && p->a.norm < INFINITY && p->b.norm > 0 &&
+           p->b.norm < INFINITY;
+}
+
+static narrow_verdict test_axes(const approach *p, int dims)
+{
+    view v = view_of(&p->a, &p->b, p->t);
+    gaps g = {SLACK * p->size, -INFINITY, -INFINITY, 0};
     add_faces(&g, &v, dims);
     if (dims == 3 && g.greatest <= g.slack)
         add_cross_axes(&g, &v);
@@ -220,10 +232,27 @@ bool narrow_is_box(const duet_pose *pose, uint32_t dims)
     return turned;
 }
 
-narrow_verdict narrow_double(const duet_pose *a, const duet_pose *b, uint32_t dims)
+narrow_verdict narrow_double(const duet_pose *pose_a, const duet_pose *pose_b, uint32_t dims)
 {
-    duet_pose p = narrow_flat(a, dims), q = narrow_flat(b, dims);
-    return test_boxes(&p, &q, (int)dims);
+    duet_pose a = narrow_flat(pose_a, dims), b = narrow_flat(pose_b, dims);
+    approach p = approach_of(&a, &b);
+    if (!is_finite(&p))
+        return NARROW_UNDECIDED;
+    if (has_no_rotation(&a) && has_no_rotation(&b))
+        return compare_upright(&a, &b, (int)dims);
+    return test_axes(&p, (int)dims);
+}
+
+double narrow_gap(const duet_pose *pose_a, const duet_pose *pose_b, uint32_t dims)
+{
+    duet_pose a = narrow_flat(pose_a, dims), b = narrow_flat(pose_b, dims);
+    approach p = approach_of(&a, &b);
+    view v = view_of(&p.a, &p.b, p.t);
+    gaps g = {0, -INFINITY, -INFINITY, 0};
+    add_faces(&g, &v, (int)dims);
+    if (dims == 3)
+        add_cross_axes(&g, &v);
+    return g.greatest;
 }
 
 bool narrow_decide(const duet_pose *a, const duet_pose *b, uint32_t dims)

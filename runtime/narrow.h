@@ -27,6 +27,11 @@ narrow_verdict narrow_double(const duet_pose *a, const duet_pose *b, uint32_t di
 // then undecided only where a distance is above 2^100.
 narrow_verdict narrow_float(const duet_pose *a, const duet_pose *b, uint32_t dims, bool rotated);
 
+// The greatest gap along the 15 (4) axes in double: above 0 it separates the
+// boxes, up to its error of NARROW_SLACK * 2^-53 * (|t|_1 + all extents). An
+// axis across two edges has the length of the sine between them.
+double narrow_gap(const duet_pose *a, const duet_pose *b, uint32_t dims);
+
 // The exact answer by integer arithmetic, some microseconds. A pose that is no
 // box (not finite, a negative extent, a zero quaternion) collides with nothing.
 bool narrow_exact(const duet_pose *a, const duet_pose *b, uint32_t dims);

@@ -32,7 +32,8 @@
 //   bounds [n][2]            lower xyz and the id, upper xyz and the level
 //   boxes  [n][3]            centre xyz first (poses)
 //   starts [n_own_cells + 1] first of each cell from key_from on
-//   found  [room]            pairs of places (IDS 0) or of ids (IDS 1)
+//   found  [room]            pairs of places (IDS 0) or of ids (IDS 1), least id
+//                            first: float may see (a, b) other than (b, a)
 static inline bool bounds_overlap(float4 lower_a, float4 upper_a, float4 lower_b, float4 upper_b)
 {
     int4 apart = (lower_a > upper_b) | (lower_b > upper_a);
@@ -207,7 +208,8 @@ static inline void search_range(pair_sink *sink, const sorted *in, const seeker 
 #if IDS
             add_pair(sink, ordered(as_uint(me->lower.w), as_uint(lower.w)));
 #else
-            add_pair(sink, (uint2)(me->place, place));
+            uint2 pair = (uint2)(me->place, place);
+            add_pair(sink, as_uint(me->lower.w) < as_uint(lower.w) ? pair : pair.yx);
 #endif
         }
     }
@@ -257,74 +259,74 @@ static inline void search_level(pair_sink *sink, const sorted *in, const seeker 
     row cells = {level, y, z, x, right};
     search_own_row(sink, in, me, &cells);
     cells.left = left;
-#line 241 "kernels/candidates_rows.cl.in"
+#line 243 "kernels/candidates_rows.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
         cells.z = z;
         search_row(sink, in, me, &cells);
     }
-#line 241 "kernels/candidates_rows.cl.in"
+#line 243 "kernels/candidates_rows.cl.in"
     if (y > 0 && z + 1 < nz) {
         cells.y = y - 1;
         cells.z = z + 1;
         search_row(sink, in, me, &cells);
     }
-#line 241 "kernels/candidates_rows.cl.in"
+#line 243 "kernels/candidates_rows.cl.in"
     if (z + 1 < nz) {
         cells.y = y;
         cells.z = z + 1;
         search_row(sink, in, me, &cells);
     }
-#line 241 "kernels/candidates_rows.cl.in"
+#line 243 "kernels/candidates_rows.cl.in"
     if (y + 1 < ny && z + 1 < nz) {
         cells.y = y + 1;
         cells.z = z + 1;
         search_row(sink, in, me, &cells);
     }
-#line 247 "kernels/candidates_rows.cl.in"
+#line 249 "kernels/candidates_rows.cl.in"
 #else
     // All look-ups are under way before the first range is searched.
     uint key = row_key(y, z, grid, level) - in->key_from;
     uint own_to = in->starts[key + right + 1];
-#line 252 "kernels/candidates_rows.cl.in"
+#line 254 "kernels/candidates_rows.cl.in"
     uint from_1 = 0, to_1 = 0;
     if (y + 1 < ny) {
         key = row_key(y + 1, z, grid, level) - in->key_from;
         from_1 = in->starts[key + left];
         to_1 = in->starts[key + right + 1];
     }
-#line 252 "kernels/candidates_rows.cl.in"
+#line 254 "kernels/candidates_rows.cl.in"
     uint from_2 = 0, to_2 = 0;
     if (y > 0 && z + 1 < nz) {
         key = row_key(y - 1, z + 1, grid, level) - in->key_from;
         from_2 = in->starts[key + left];
         to_2 = in->starts[key + right + 1];
     }
-#line 252 "kernels/candidates_rows.cl.in"
+#line 254 "kernels/candidates_rows.cl.in"
     uint from_3 = 0, to_3 = 0;
     if (z + 1 < nz) {
         key = row_key(y, z + 1, grid, level) - in->key_from;
         from_3 = in->starts[key + left];
         to_3 = in->starts[key + right + 1];
     }
-#line 252 "kernels/candidates_rows.cl.in"
+#line 254 "kernels/candidates_rows.cl.in"
     uint from_4 = 0, to_4 = 0;
     if (y + 1 < ny && z + 1 < nz) {
         key = row_key(y + 1, z + 1, grid, level) - in->key_from;
         from_4 = in->starts[key + left];
         to_4 = in->starts[key + right + 1];
     }
-#line 259 "kernels/candidates_rows.cl.in"
+#line 261 "kernels/candidates_rows.cl.in"
     search_range(sink, in, me, 0, me->place + 1, own_to);
-#line 261 "kernels/candidates_rows.cl.in"
-    search_range(sink, in, me, 0, from_1, to_1);
-#line 261 "kernels/candidates_rows.cl.in"
-    search_range(sink, in, me, 0, from_2, to_2);
-#line 261 "kernels/candidates_rows.cl.in"
-    search_range(sink, in, me, 0, from_3, to_3);
-#line 261 "kernels/candidates_rows.cl.in"
-    search_range(sink, in, me, 0, from_4, to_4);
 #line 263 "kernels/candidates_rows.cl.in"
+    search_range(sink, in, me, 0, from_1, to_1);
+#line 263 "kernels/candidates_rows.cl.in"
+    search_range(sink, in, me, 0, from_2, to_2);
+#line 263 "kernels/candidates_rows.cl.in"
+    search_range(sink, in, me, 0, from_3, to_3);
+#line 263 "kernels/candidates_rows.cl.in"
+    search_range(sink, in, me, 0, from_4, to_4);
+#line 265 "kernels/candidates_rows.cl.in"
 #endif
 }
 

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Two boxes seen from each other, in float, operation for operation as the
+// devices compute it (kernels/object.clh, kernels/sat.clh).
+//
+// Products reach a sum only through fma and nothing is divided, so that every
+// device that rounds as IEEE asks has the same bits. Sound boxes only.
+#ifndef RUNTIME_MEETING_H
+#define RUNTIME_MEETING_H
+
+#include "runtime/duet.h"
+
+typedef struct meeting {
+    int dims;
+    float a[3], b[3];   // half extents
+    float ta[3], tb[3]; // the way from a to b along a's edges and along b's
+    float c[3][3];      // 3D: cosines between edge i of a and edge j of b
+    float size_c[3][3]; // without their signs
+    float size;         // |t|_1 and all extents
+    bool trusted;       // size is where the bound of docs/accuracy.md holds
+} meeting;
+
+meeting meeting_of(const duet_pose *a, const duet_pose *b, uint32_t dims);
+
+// The greatest gap along the faces' axes, and the gap along the product of
+// edge i of a and edge j of b.
+float meeting_face_gap(const meeting *m);
+float meeting_edge_gap(const meeting *m, int i, int j);
+
+// Bounds that contain the box. rotated false takes its rotation for the identity.
+duet_bounds meeting_bounds(const duet_pose *pose, uint32_t dims, bool rotated);
+
+// Whether the bounding spheres may share a point; they are rounded outward.
+bool meeting_spheres(const duet_pose *a, const duet_pose *b, uint32_t dims);
+
+#endif

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+// Each level's promise on hard pairs.
+#include "support/test.h"
+
+#include "support/hard_pairs.h"
+
+#include "runtime/level.h"
+#include "runtime/meeting.h"
+#include "runtime/narrow.h"
+
+#include <math.h>
+
+enum { PAIRS = 600 };
+
+// |t|_1 and all half extents.
+static double size_of(const hard_pair *p, uint32_t dims)
+{
+    double size = 0;
+    for (uint32_t i = 0; i < dims; ++i)
+        size += fabs((double)p->b.centre[i] - p->a.centre[i]) + p->a.half[i] + p->b.half[i];
+    return size;
+}
+
+static bool promise_holds(level l, const hard_pair *p, uint32_t dims)
+{
+    const level_info *info = level_describe(l);
+    bool truth = narrow_exact(&p->a, &p->b, dims);
+    bool found = level_collide(l, &p->a, &p->b, dims, true);
+    double size = size_of(p, dims);
+    if (found == truth)
+        return true;
+    if (size < 0x1p-70 || size > 0x1p100)
+        return truth ? info->missed > 0 : info->added > 0;
+    double gap = narrow_gap(&p->a, &p->b, dims);
+    double rounding = NARROW_SLACK * 0x1p-53 * size;
+    if (truth)
+        return info->missed > 0 && gap > -info->missed * size - rounding;
+    return info->added > 0 && gap <= info->added * size + rounding;
+}
+
+static void each_level_keeps_its_promise_on_hard_pairs(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    for (const hard_class *c = hard_classes; c->name; ++c)
+        for (int i = 0; i < PAIRS; ++i) {
+            uint32_t dims = i % 4 == 3 ? 2 : 3;
+            hard_pair pair = c->make(&r, dims);
+            for (int l = 0; l < LEVEL_COUNT; ++l)
+                if (!promise_holds((level)l, &pair, dims)) {
+                    hard_pair_print(&pair, dims);
+                    fail_msg("%s on pair %d of '%s'", level_describe((level)l)->name, i, c->name);
+                }
+        }
+}
+
+static duet_pose random_box(rng *r, double spread)
+{
+    duet_pose pose;
+    for (int i = 0; i < 3; ++i) {
+        pose.centre[i] = (float)rng_between(r, 0, spread);
+        pose.half[i] = (float)rng_between(r, 0.1, 1);
+    }
+    for (int i = 0; i < 4; ++i)
+        pose.rotation[i] = (float)rng_normal(r);
+    return pose;
+}
+
+// Each level reports no less than a better one, but for rounding.
+static void better_levels_report_fewer_random_pairs(void **state)
+{
+    (void)state;
+    static const level ladder[] = {LEVEL_AABB, LEVEL_SAT6, LEVEL_SAT15, LEVEL_CERTIFIED};
+    enum { N = 20000, STEPS = sizeof ladder / sizeof *ladder };
+    rng r = rng_seed(test_seed());
+    int found[LEVEL_COUNT] = {0};
+    for (int i = 0; i < N; ++i) {
+        duet_pose a = random_box(&r, 3), b = random_box(&r, 3);
+        for (int l = 0; l < LEVEL_COUNT; ++l)
+            found[l] += level_collide((level)l, &a, &b, 3, true);
+    }
+    for (int l = 0; l < LEVEL_COUNT; ++l)
+        print_message("%-10s %d of %d\n", level_describe((level)l)->name, found[l], N);
+    for (int i = 1; i < STEPS; ++i)
+        assert_true(found[ladder[i]] <= found[ladder[i - 1]]);
+    assert_true(found[LEVEL_SAT6] > found[LEVEL_CERTIFIED]);
+    assert_true(found[LEVEL_SPHERE] > found[LEVEL_CERTIFIED]);
+    assert_in_range(found[LEVEL_SAT15], found[LEVEL_CERTIFIED], found[LEVEL_CERTIFIED] + 2);
+    assert_int_equal(found[LEVEL_DOUBLE], found[LEVEL_CERTIFIED]);
+}
+
+// A plate across axis k, as wide as anything.
+static duet_pose plate_at(int k, float at)
+{
+    duet_pose plate = {{0}, {1e30f, 1e30f, 1e30f}, {0, 0, 0, 1}};
+    plate.centre[k] = at;
+    plate.half[k] = 0;
+    return plate;
+}
+
+static void bounds_contain_their_box(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    for (const hard_class *c = hard_classes; c->name; ++c)
+        for (int i = 0; i < 200; ++i) {
+            uint32_t dims = 2 + (uint32_t)i % 2;
+            duet_pose box = c->make(&r, dims).b;
+            duet_bounds own = meeting_bounds(&box, dims, true);
+            for (uint32_t k = 0; k < dims; ++k) {
+                duet_pose above = plate_at((int)k, nextafterf(own.upper[k], INFINITY));
+                duet_pose below = plate_at((int)k, nextafterf(own.lower[k], -INFINITY));
+                assert_false(narrow_decide(&box, &above, dims));
+                assert_false(narrow_decide(&box, &below, dims));
+            }
+        }
+}
+
+static void names_name_levels(void **state)
+{
+    (void)state;
+    for (int l = 0; l < LEVEL_COUNT; ++l)
+        assert_int_equal(level_named(level_describe((level)l)->name), l);
+    assert_int_equal(level_named("sat"), LEVEL_COUNT);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_level_keeps_its_promise_on_hard_pairs),
+        cmocka_unit_test(better_levels_report_fewer_random_pairs),
+        cmocka_unit_test(bounds_contain_their_box),
+        cmocka_unit_test(names_name_levels),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
