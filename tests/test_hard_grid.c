@@ -558,14 +558,14 @@ static void crowds_of_hard_pairs_are_decided_as_the_reference_does(void **state)
     rng r = rng_seed(test_seed());
     for (const hard_class *c = hard_classes; c->name; ++c)
         for (uint32_t dims = 2; dims <= 3; ++dims) {
-            for (uint32_t i = 0; i < 120; i += 2) {
+            for (uint32_t i = 0; i < 60; i += 2) {
                 hard_pair pair = c->make(&r, dims);
                 poses[i] = pair.a;
                 poses[i + 1] = pair.b;
             }
             print_message("%s, %uD\n", c->name, dims);
             duet_world_def def = def_of(dims);
-            assert_true(agreement_check(&def, poses, 120) > 0);
+            assert_true(agreement_check(&def, poses, 60) > 0);
         }
 }
 

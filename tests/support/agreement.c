@@ -14,21 +14,26 @@
 
 enum { EACH_WITH_EACH_LIMIT = 2000 };
 
+// The kernel of a GPU, with groups that share their work.
+#define FUSED "rows candidates_rows.FUSED=1 candidates_rows.WG=64 candidates_rows.PER_ITEM=1"
+
 // What a plan may be: hashed grids have no rows to cut slabs from.
 static const struct {
     duet_mode mode;
     const char *variant;
+    bool poses_only;
 } ways[] = {
-    {DUET_MODE_SHARED, "rows"},
-    {DUET_MODE_SHARED, "rows sort=radix grid=uniform"},
-    {DUET_MODE_SHARED, "rows grid=hashed"},
-    {DUET_MODE_SHARED, "paper"},
-    {DUET_MODE_OWN, "rows"},
-    {DUET_MODE_OWN, "rows grid=dense"},
-    {DUET_MODE_OWN, "rows sort=radix grid=hashed"},
-    {DUET_MODE_OWN, "paper"},
-    {DUET_MODE_SLAB, "rows"},
-    {DUET_MODE_SLAB, "paper"},
+    {DUET_MODE_SHARED, "rows", false},
+    {DUET_MODE_SHARED, "rows sort=radix grid=uniform", false},
+    {DUET_MODE_SHARED, "rows grid=hashed", false},
+    {DUET_MODE_SHARED, "paper", false},
+    {DUET_MODE_OWN, "rows", false},
+    {DUET_MODE_OWN, "rows grid=dense", false},
+    {DUET_MODE_OWN, "rows sort=radix grid=hashed", false},
+    {DUET_MODE_OWN, "paper", false},
+    {DUET_MODE_OWN, FUSED, true},
+    {DUET_MODE_SLAB, "rows", false},
+    {DUET_MODE_SLAB, "paper", false},
 };
 static const uint32_t shares[] = {0, 1, DUET_SHARE_ONE / 2, DUET_SHARE_ONE};
 
@@ -108,8 +113,11 @@ static void step(check *c, duet_world *world, const duet_plan *plan)
 
 static void step_all_plans(check *c, duet_world *world)
 {
+    bool poses = c->def->shape == DUET_SHAPE_POSES;
     for (size_t w = 0; w < sizeof ways / sizeof *ways; ++w)
         for (size_t s = 0; s < sizeof shares / sizeof *shares; ++s) {
+            if (ways[w].poses_only && !poses)
+                continue;
             duet_plan plan = {.share = shares[s], .mode = ways[w].mode};
             strcpy(plan.variant_a, ways[w].variant);
             strcpy(plan.variant_b, ways[w].variant);
