@@ -44,7 +44,7 @@ bool race_alone(const race *r)
 bool race_next(const race *r, uint32_t *rival)
 {
     uint32_t round = fewest_rounds(r);
-    bool decided = race_alone(r) && round >= r->options.least_rounds;
+    bool decided = race_alone(r) && round > 0;
     if (decided || round >= r->options.most_rounds)
         return false;
     for (uint32_t i = 0; i < r->n; ++i) {

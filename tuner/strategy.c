@@ -4,13 +4,8 @@
 #include <string.h>
 
 const strategy *const strategies[] = {
-    &strategy_balance,
-    &strategy_fig12,
-    &strategy_bisect,
-    &strategy_golden,
-    &strategy_grid,
-    &strategy_chunks,
-    NULL,
+    &strategy_balance, &strategy_fig12,  &strategy_bisect, &strategy_golden,
+    &strategy_grid,    &strategy_chunks, &strategy_lua,    NULL,
 };
 
 const strategy *strategy_find(const char *name)

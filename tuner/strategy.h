@@ -27,6 +27,7 @@ extern const strategy strategy_chunks;
 extern const strategy strategy_fig12;
 extern const strategy strategy_golden;
 extern const strategy strategy_grid;
+extern const strategy strategy_lua;
 
 // The pick of strategies that trust single samples: the fastest one's share.
 uint32_t strategy_pick_fastest(const search *s);

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: MIT
+// The whole tuning on devices that are only arithmetic.
+#include "support/test.h"
+
+#include "tuner/race.h"
+#include "tuner/replay.h"
+#include "tuner/tune.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { RIGHT = 4711 };
+
+// A replay model behind the face of a machine. Variant "slow" takes thrice the
+// time, "wrong" finds other pairs, "broken" does not build.
+typedef struct fake {
+    replay_model model;
+    rng random;
+    uint32_t launches;
+    uint32_t stop_after; // trials; 0: never
+    uint32_t recorded;
+} fake;
+
+static bool launch_fake(void *context, const duet_plan *plan, measure_launch *launch,
+                        duet_error *err)
+{
+    fake *f = context;
+    ++f->launches;
+    bool a = plan->share > 0, b = plan->share < DUET_SHARE_ONE;
+    if ((a && strcmp(plan->variant_a, "broken") == 0) ||
+        (b && strcmp(plan->variant_b, "broken") == 0)) {
+        if (err) {
+            err->status = DUET_BUILD_FAILED;
+            strcpy(err->text, "broken does not build");
+        }
+        return false;
+    }
+    replay_model model = f->model;
+    model.ratio *= strcmp(plan->variant_a, "slow") == 0 ? 3 : 1;
+    if (plan->mode == DUET_MODE_SHARED)
+        model.overhead[0] += 0.2;
+    search_sample s = replay_launch(&model, plan->share, &f->random);
+    double slow_b = b && strcmp(plan->variant_b, "slow") == 0 ? 3 : 1;
+    launch->a_ns = (int64_t)s.a_ns;
+    launch->b_ns = (int64_t)(slow_b * (double)s.b_ns);
+    launch->total_ns = launch->a_ns > launch->b_ns ? launch->a_ns : launch->b_ns;
+    bool wrong = (a && strcmp(plan->variant_a, "wrong") == 0) ||
+                 (b && strcmp(plan->variant_b, "wrong") == 0);
+    launch->hash = wrong ? 1 : RIGHT;
+    return true;
+}
+
+static bool watch_fake(void *context, const duet_tune_progress *progress)
+{
+    const fake *f = context;
+    return f->stop_after == 0 || progress->remembered || progress->trials % f->stop_after != 0;
+}
+
+static duet_tune_def fake_def(fake *f)
+{
+    static const char *const one[] = {"rows"};
+    return (duet_tune_def){
+        .strategy = "balance",
+        .variants = one,
+        .n_variants = 1,
+        .repeats = 3,
+        .watch = watch_fake,
+        .watch_context = f,
+    };
+}
+
+static tune_task fake_task(fake *f, const duet_tune_def *def)
+{
+    return (tune_task){
+        .def = def,
+        .machine = {.context = f, .launch = launch_fake, .hash = RIGHT},
+        .plan = {.mode = DUET_MODE_OWN, .variant_a = "rows", .variant_b = "rows"},
+        .least_share = 8,
+    };
+}
+
+static duet_tune_outcome tune_fake(fake *f, const duet_tune_def *def)
+{
+    duet_tune_outcome outcome;
+    tune_task task = fake_task(f, def);
+    tape state = {0};
+    duet_error err = {0};
+    assert_ok(tune_run(&task, &state, &outcome, &err), err);
+    tape_free(&state);
+    return outcome;
+}
+
+static void two_equal_halves_are_shared_evenly_and_gain(void **state)
+{
+    (void)state;
+    fake f = {.model = {.ratio = 1, .overhead = {0.02, 0.02}, .sigma = 0.02},
+              .random = rng_seed(test_seed())};
+    duet_tune_def def = fake_def(&f);
+    duet_tune_outcome outcome = tune_fake(&f, &def);
+    assert_string_equal(outcome.verdict, "faster");
+    assert_true(fabs(outcome.plan.share / 65536.0 - 0.5) < 0.05);
+    assert_int_equal(outcome.plan.mode, DUET_MODE_OWN);
+    assert_true(outcome.gain > 0.6 && outcome.gain_low > 0.6 && outcome.gain_high < 1.1);
+    assert_int_equal(outcome.launches, f.launches);
+}
+
+static void sharing_that_only_costs_chooses_the_better_single_device(void **state)
+{
+    (void)state;
+    static const double ratios[] = {20, 0.05};
+    for (int i = 0; i < 2; ++i) {
+        double best = ratios[i] / (ratios[i] + 1);
+        fake f = {
+            .model = {.ratio = ratios[i], .overhead = {0.4 * best, 0.4 * best}, .sigma = 0.02},
+            .random = rng_seed(test_seed())};
+        duet_tune_def def = fake_def(&f);
+        duet_tune_outcome outcome = tune_fake(&f, &def);
+        assert_string_not_equal(outcome.verdict, "faster");
+        assert_int_equal(outcome.plan.share, i == 0 ? 0 : DUET_SHARE_ONE);
+    }
+}
+
+static void the_tuned_plan_is_never_slower_than_a_single_device(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    for (int i = 0; i < 200; ++i) {
+        fake f = {.model = replay_invent((replay_family)(i % 3), i % 2, &r), .random = r};
+        f.model.sigma = 0.03;
+        f.model.spike_chance = 0.03;
+        f.model.spike_most = 3;
+        duet_tune_def def = fake_def(&f);
+        duet_tune_outcome outcome = tune_fake(&f, &def);
+        double single = fmin((double)replay_launch(&f.model, 0, NULL).total_ns,
+                             (double)replay_launch(&f.model, SEARCH_ONE, NULL).total_ns);
+        double tuned = (double)replay_launch(&f.model, outcome.plan.share, NULL).total_ns;
+        assert_true(tuned <= 1.01 * single);
+    }
+}
+
+static void each_device_gets_its_best_variant(void **state)
+{
+    (void)state;
+    static const char *const variants[] = {"slow", "broken", "rows", "wrong"};
+    fake f = {.model = {.ratio = 4, .sigma = 0.02}, .random = rng_seed(test_seed())};
+    duet_tune_def def = fake_def(&f);
+    def.variants = variants;
+    def.n_variants = 4;
+    duet_tune_outcome outcome = tune_fake(&f, &def);
+    assert_string_equal(outcome.plan.variant_a, "rows");
+    assert_string_equal(outcome.plan.variant_b, "rows");
+    assert_true(fabs(outcome.plan.share / 65536.0 - 0.2) < 0.03);
+}
+
+static void a_default_that_finds_wrong_pairs_ends_the_tuning(void **state)
+{
+    (void)state;
+    static const char *const wrong[] = {"wrong"};
+    fake f = {.model = {.ratio = 4}};
+    duet_tune_def def = fake_def(&f);
+    def.variants = wrong;
+    tune_task task = fake_task(&f, &def);
+    strcpy(task.plan.variant_a, "wrong");
+    strcpy(task.plan.variant_b, "wrong");
+    tape kept = {0};
+    duet_tune_outcome outcome;
+    duet_error err = {0};
+    assert_false(tune_run(&task, &kept, &outcome, &err));
+    assert_int_equal(err.status, DUET_WRONG_RESULT);
+    assert_non_null(strstr(err.text, "pair hash 0000000000000001"));
+    assert_int_equal(f.launches, 1);
+    tape_free(&kept);
+}
+
+static void nothing_that_builds_is_said_with_its_reason(void **state)
+{
+    (void)state;
+    static const char *const broken[] = {"broken"};
+    fake f = {.model = {.ratio = 4}};
+    duet_tune_def def = fake_def(&f);
+    def.variants = broken;
+    tune_task task = fake_task(&f, &def);
+    tape kept = {0};
+    duet_tune_outcome outcome;
+    duet_error err = {0};
+    assert_false(tune_run(&task, &kept, &outcome, &err));
+    assert_int_equal(err.status, DUET_BUILD_FAILED);
+    assert_non_null(strstr(err.text, "broken does not build"));
+    tape_free(&kept);
+}
+
+static void assert_same(const duet_tune_outcome *a, const duet_tune_outcome *b)
+{
+    assert_int_equal(a->plan.share, b->plan.share);
+    assert_int_equal(a->best.share, b->best.share);
+    assert_true(a->gain == b->gain && a->gain_low == b->gain_low);
+    assert_string_equal(a->verdict, b->verdict);
+    assert_int_equal(a->launches, b->launches);
+}
+
+// Stopped after every few trials, and taken up from JSON each time.
+static void a_resumed_tuning_ends_as_an_uninterrupted_one(void **state)
+{
+    (void)state;
+    uint64_t seed = test_seed();
+    fake whole = {.model = {.ratio = 6, .overhead = {0.1, 0.05}, .sigma = 0.04},
+                  .random = rng_seed(seed)};
+    duet_tune_def def = fake_def(&whole);
+    duet_tune_outcome expected = tune_fake(&whole, &def);
+    for (uint32_t stop = 1; stop <= 7; stop += 3) {
+        fake f = {.model = whole.model, .random = rng_seed(seed), .stop_after = stop};
+        def.watch_context = &f;
+        tune_task task = fake_task(&f, &def);
+        tape kept = {0};
+        duet_tune_outcome outcome;
+        duet_error err = {0};
+        uint32_t stops = 0;
+        while (!tune_run(&task, &kept, &outcome, &err)) {
+            assert_int_equal(err.status, DUET_INTERRUPTED);
+            err = (duet_error){0};
+            text json = {0};
+            tape_to_json(&kept, &json);
+            tape_free(&kept);
+            assert_ok(tape_from_json(&kept, text_chars(&json), &err), err);
+            text_free(&json);
+            assert_true(++stops < 500);
+        }
+        assert_same(&outcome, &expected);
+        assert_int_equal(f.launches, whole.launches);
+        tape_free(&kept);
+    }
+}
+
+static void a_budget_ends_the_search_and_leaves_room_for_a_verdict(void **state)
+{
+    (void)state;
+    fake f = {.model = {.ratio = 3, .sigma = 0.02}, .random = rng_seed(test_seed())};
+    duet_tune_def def = fake_def(&f);
+    def.budget_trials = 40;
+    duet_tune_outcome outcome = tune_fake(&f, &def);
+    assert_in_range(outcome.trials, 10, 40);
+    assert_true(outcome.step_ms > 0);
+    def.budget_trials = 4;
+    outcome = tune_fake(&f, &def);
+    assert_in_range(outcome.trials, 1, 4);
+    assert_string_equal(outcome.verdict, "ambiguous");
+    assert_int_equal(outcome.plan.share, 0);
+}
+
+static void a_start_from_a_neighbour_saves_trials(void **state)
+{
+    (void)state;
+    fake f = {.model = {.ratio = 9, .overhead = {0.05, 0.05}}};
+    duet_tune_def def = fake_def(&f);
+    tune_task task = fake_task(&f, &def);
+    task.has_start = true;
+    task.start = SEARCH_ONE / 10;
+    tape kept = {0};
+    duet_tune_outcome outcome;
+    duet_error err = {0};
+    assert_ok(tune_run(&task, &kept, &outcome, &err), err);
+    assert_int_equal(kept.entries[1].plan.share, task.start);
+    tape_free(&kept);
+}
+
+static void a_tape_of_another_tuning_is_forgotten_where_it_differs(void **state)
+{
+    (void)state;
+    fake f = {.model = {.ratio = 3, .sigma = 0.02}, .random = rng_seed(test_seed())};
+    duet_tune_def def = fake_def(&f);
+    tune_task task = fake_task(&f, &def);
+    tape kept = {0};
+    duet_tune_outcome outcome;
+    duet_error err = {0};
+    assert_ok(tune_run(&task, &kept, &outcome, &err), err);
+    kept.entries[2].plan.share += 5;
+    uint32_t before = f.launches;
+    assert_ok(tune_run(&task, &kept, &outcome, &err), err);
+    assert_int_equal(f.launches - before, 4 * (kept.n - 2));
+    tape_free(&kept);
+}
+
+static void a_measurement_keeps_the_warm_up_and_marks_outliers(void **state)
+{
+    (void)state;
+    fake f = {.model = {.ratio = 3, .sigma = 0.01, .spike_chance = 0.2, .spike_most = 9},
+              .random = rng_seed(test_seed())};
+    measure_machine machine = {.context = &f, .launch = launch_fake, .hash = RIGHT};
+    duet_plan plan = {.share = 16384, .variant_a = "rows", .variant_b = "rows"};
+    measurement m = measure_plan(&machine, &plan, 20);
+    assert_string_equal(m.outcome, "ok");
+    assert_int_equal(m.n_samples, 21);
+    assert_int_equal(m.samples[0].flags, PROFILE_SAMPLE_WARM_UP);
+    uint32_t marked = 0;
+    for (uint32_t i = 1; i < m.n_samples; ++i)
+        marked += m.samples[i].flags == PROFILE_SAMPLE_OUTLIER;
+    assert_int_equal(marked, m.outliers);
+    assert_true(m.outliers > 0);
+    assert_true(m.low_ns <= m.median_ns && m.median_ns <= m.high_ns);
+    assert_true((double)m.samples[m.typical].total_ns <= m.median_ns);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(two_equal_halves_are_shared_evenly_and_gain),
+        cmocka_unit_test(sharing_that_only_costs_chooses_the_better_single_device),
+        cmocka_unit_test(the_tuned_plan_is_never_slower_than_a_single_device),
+        cmocka_unit_test(each_device_gets_its_best_variant),
+        cmocka_unit_test(a_default_that_finds_wrong_pairs_ends_the_tuning),
+        cmocka_unit_test(nothing_that_builds_is_said_with_its_reason),
+        cmocka_unit_test(a_resumed_tuning_ends_as_an_uninterrupted_one),
+        cmocka_unit_test(a_budget_ends_the_search_and_leaves_room_for_a_verdict),
+        cmocka_unit_test(a_start_from_a_neighbour_saves_trials),
+        cmocka_unit_test(a_tape_of_another_tuning_is_forgotten_where_it_differs),
+        cmocka_unit_test(a_measurement_keeps_the_warm_up_and_marks_outliers),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

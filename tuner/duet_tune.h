@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// Finds how two devices share a scene's work best, and keeps it in a store.
+#ifndef DUET_TUNE_H
+#define DUET_TUNE_H
+
+#include "duet.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// Told after each trial.
+typedef struct duet_tune_progress {
+    const char *stage; // "variant of B", "share", "verdict"
+    const duet_plan *plan;
+    double ms;       // of the trial; 0 where the plan did not run
+    uint32_t trials; // so far
+    uint32_t launches;
+    double seconds;
+    bool remembered; // from an interrupted session, not measured again
+} duet_tune_progress;
+
+// false stops the tuning: INTERRUPTED, and the same call resumes it.
+typedef bool duet_tune_watch(void *context, const duet_tune_progress *progress);
+
+typedef struct duet_tune_def {
+    duet_device_pair *pair;      // borrowed
+    const duet_scene *scene;     // borrowed
+    const char *store;           // profile file; NULL: the user's (DUET_PROFILE)
+    bool keep;                   // false: uses no store at all
+    bool fresh;                  // measures again what is finished
+    const char *strategy;        // "balance"; duet_strategy lists them
+    const char *strategy_lua;    // of "lua": text of a script that returns a function
+    const char *const *variants; // to choose from, for each device
+    uint32_t n_variants;         // 0: the default list
+    const duet_mode *modes;
+    uint32_t n_modes;       // 0: all
+    double budget_seconds;  // 0: no limit
+    uint32_t budget_trials; // 0: no limit
+    uint32_t repeats;       // launches of a trial, after one to warm up; 0: 3
+    uint64_t seed;
+    const char *script; // text of the tune.lua, kept with the session; may be NULL
+    duet_tune_watch *watch;
+    void *watch_context;
+    int cookie;
+} duet_tune_def;
+
+DUET_API duet_tune_def duet_default_tune_def(void);
+
+// The strategies there are, the default first: NULL past the end.
+DUET_API const char *duet_strategy(uint32_t i);
+DUET_API const char *duet_strategy_about(uint32_t i);
+
+// The terms of equations 4 to 6 in milliseconds, A in the CPU's place and B in
+// the GPU's. T_1, the hash and the sort, is before them. docs/tuning.md says
+// which stage counts to which.
+typedef struct duet_tune_terms {
+    double t1;
+    double cpu1;      // A's search, in own grids with A's grid
+    double cpu2;      // A's narrow phase
+    double gpu1;      // cell start
+    double gpu2;      // B's search
+    double gpu3;      // B's narrow phase
+    double bus1;      // grid, from B
+    double bus2;      // grid, to A
+    double bus3;      // pairs, to the host
+    double imbalance; // what is left of equation 4, as part of its longer side
+} duet_tune_terms;
+
+typedef struct duet_tune_outcome {
+    duet_plan plan; // to use
+    duet_plan best; // the best that shares the work; taken only where it is faster
+    uint32_t objects;
+    double gain; // of the best plan over the better single device: 0.25 is a quarter faster
+    double gain_low;
+    double gain_high;
+    char verdict[16];   // of the best plan: "faster", "same", "slower" or "ambiguous"
+    double step_ms;     // by the plan to use, the median
+    double step_low_ms; // and its interval
+    double step_high_ms;
+    double single_ms;      // by the better single device
+    duet_tune_terms terms; // of the best plan; zero where it was not measured here
+    uint32_t trials;
+    uint32_t launches; // all, of interrupted sessions too
+    double seconds;
+    bool known;   // finished before: nothing was measured
+    bool resumed; // continued an interrupted session
+} duet_tune_outcome;
+
+// Chooses each device's variant, then mode and share, then races the result
+// against the single devices. NOT_FOUND for an unknown strategy; WRONG_RESULT
+// where a plan of the default variant does not give the reference's pairs.
+DUET_API bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "tuner/measure.h"
+
+#include "runtime/base/clock.h"
+#include "runtime/base/error.h"
+#include "tuner/stats.h"
+#include "tuner/terms.h"
+
+#include <assert.h>
+#include <inttypes.h>
+
+static int64_t to_ns(double ms)
+{
+    return (int64_t)(ms * 1e6 + 0.5);
+}
+
+static bool step_world(void *context, const duet_plan *plan, measure_launch *launch,
+                       duet_error *err)
+{
+    duet_world *world = context;
+    duet_result result;
+    if (!duet_world_set_plan(world, plan, err) || !duet_world_step(world, &result, err))
+        return false;
+    *launch = (measure_launch){
+        .total_ns = to_ns(result.total_ms),
+        .a_ns = plan->share > 0 ? to_ns(result.device_ms[0]) : 0,
+        .b_ns = plan->share < DUET_SHARE_ONE ? to_ns(result.device_ms[1]) : 0,
+        .hash = duet_result_hash(&result),
+        .terms = terms_of(&result, plan),
+    };
+    for (uint32_t i = 0; i < result.n_stages; ++i)
+        launch->transfer_ns += result.stages[i].transfer ? to_ns(result.stages[i].ms) : 0;
+    return true;
+}
+
+measure_machine measure_world(duet_world *world, uint64_t hash)
+{
+    return (measure_machine){.context = world, .launch = step_world, .hash = hash};
+}
+
+static const char *outcome_of(const duet_error *err)
+{
+    switch (err->status) {
+    case DUET_OK:
+        return "ok";
+    case DUET_BUILD_FAILED:
+        return "build";
+    case DUET_WRONG_RESULT:
+        return "wrong";
+    default:
+        return "launch";
+    }
+}
+
+static bool launch_once(const measure_machine *machine, const duet_plan *plan, uint32_t flags,
+                        measure_launch *launch, profile_sample *sample, duet_error *err)
+{
+    if (!machine->launch(machine->context, plan, launch, err))
+        return false;
+    if (launch->hash != machine->hash)
+        return error_set(err, DUET_WRONG_RESULT, "pair hash %016" PRIx64 " instead of %016" PRIx64,
+                         launch->hash, machine->hash);
+    *sample = (profile_sample){
+        .total_ns = launch->total_ns,
+        .a_ns = launch->a_ns,
+        .b_ns = launch->b_ns,
+        .transfer_ns = launch->transfer_ns,
+        .flags = flags,
+        .at_ns = clock_calendar_ns(),
+    };
+    return true;
+}
+
+// Statistics over all counted launches; outliers are marked and stay in.
+static void summarize(measurement *m, const measure_launch *launches)
+{
+    double totals[MEASURE_REPEATS];
+    bool marks[MEASURE_REPEATS];
+    uint32_t n = m->n_samples - 1;
+    for (uint32_t i = 0; i < n; ++i)
+        totals[i] = (double)m->samples[1 + i].total_ns;
+    m->outliers = stats_mark_outliers(totals, n, marks);
+    m->median_ns = stats_median(totals, n);
+    m->mad_ns = stats_mad(totals, n);
+    stats_interval in = stats_median_interval(totals, n, 0.95);
+    m->low_ns = in.low;
+    m->high_ns = in.high;
+    uint32_t typical = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        if (marks[i])
+            m->samples[1 + i].flags |= PROFILE_SAMPLE_OUTLIER;
+        bool nearer = totals[i] <= m->median_ns && totals[i] > totals[typical];
+        if (nearer || totals[typical] > m->median_ns)
+            typical = i;
+    }
+    m->typical = 1 + typical;
+    m->terms = launches[m->typical].terms;
+}
+
+measurement measure_plan(const measure_machine *machine, const duet_plan *plan, uint32_t repeats)
+{
+    assert(repeats > 0 && repeats <= MEASURE_REPEATS);
+    measurement m = {0};
+    measure_launch launches[1 + MEASURE_REPEATS];
+    duet_error *err = &m.failure;
+    uint64_t begun = clock_steady_ns();
+    for (bool ok = true; ok && m.n_samples <= repeats; m.n_samples += ok)
+        ok = launch_once(machine, plan, m.n_samples ? 0 : PROFILE_SAMPLE_WARM_UP,
+                         &launches[m.n_samples], &m.samples[m.n_samples], err);
+    m.spent_ns = clock_steady_ns() - begun;
+    m.outcome = outcome_of(err);
+    if (err->status == DUET_OK)
+        summarize(&m, launches);
+    return m;
+}

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// Measures a plan: verified before any time counts, warmed up, every launch
+// kept.
+#ifndef TUNER_MEASURE_H
+#define TUNER_MEASURE_H
+
+#include "profiles/trial.h"
+#include "tuner/duet_tune.h"
+
+enum { MEASURE_REPEATS = 32 };
+
+// What one step of a machine took and found.
+typedef struct measure_launch {
+    int64_t total_ns;
+    int64_t a_ns;
+    int64_t b_ns;
+    int64_t transfer_ns;
+    uint64_t hash; // of its pairs
+    duet_tune_terms terms;
+} measure_launch;
+
+// What plans are measured on: a world, or arithmetic in tests.
+typedef struct measure_machine {
+    void *context;
+    bool (*launch)(void *context, const duet_plan *plan, measure_launch *launch, duet_error *err);
+    uint64_t hash; // of the right pairs
+} measure_machine;
+
+// The machine that steps a world.
+measure_machine measure_world(duet_world *world, uint64_t hash);
+
+typedef struct measurement {
+    const char *outcome;                         // as a profile_trial's
+    duet_error failure;                          // why the outcome is not "ok"
+    profile_sample samples[1 + MEASURE_REPEATS]; // the first is the warm-up
+    uint32_t n_samples;
+    uint32_t outliers;
+    double median_ns;
+    double mad_ns;
+    double low_ns;
+    double high_ns;
+    uint32_t typical;      // the sample with the median time, the lower one of two
+    duet_tune_terms terms; // of that sample
+    uint64_t spent_ns;     // by the clock, builds included
+} measurement;
+
+// One launch to warm up and verify, then `repeats`. A plan that does not
+// build, run or find the right pairs is a measurement whose outcome says so.
+measurement measure_plan(const measure_machine *machine, const duet_plan *plan, uint32_t repeats);
+
+#endif

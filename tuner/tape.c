@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#include "tuner/tape.h"
+
+#include <cjson/cJSON.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+void tape_free(tape *t)
+{
+    free(t->entries);
+    *t = (tape){0};
+}
+
+bool tape_add(tape *t, const tape_entry *entry, duet_error *err)
+{
+    if (t->n == t->capacity) {
+        uint32_t capacity = t->capacity ? 2 * t->capacity : 64;
+        tape_entry *grown = realloc(t->entries, capacity * sizeof *grown);
+        if (!grown)
+            return error_set(err, DUET_NO_MEMORY, "a tuning of %" PRIu32 " trials: no memory",
+                             t->n + 1);
+        t->entries = grown;
+        t->capacity = capacity;
+    }
+    t->entries[t->n++] = *entry;
+    return true;
+}
+
+static bool same_plan(const duet_plan *a, const duet_plan *b)
+{
+    return a->share == b->share && a->mode == b->mode && strcmp(a->variant_a, b->variant_a) == 0 &&
+           strcmp(a->variant_b, b->variant_b) == 0;
+}
+
+const tape_entry *tape_play(tape *t, const duet_plan *plan)
+{
+    if (t->played == t->n)
+        return NULL;
+    const tape_entry *entry = &t->entries[t->played];
+    if (!same_plan(&entry->plan, plan)) {
+        t->n = t->played;
+        return NULL;
+    }
+    ++t->played;
+    return entry;
+}
+
+// ---------------------------------------------------------------- JSON
+
+// Variants are words, names and numbers: nothing that JSON would escape.
+void tape_to_json(const tape *t, text *json)
+{
+    text_add(json, "{\"tape\":[");
+    for (uint32_t i = 0; i < t->n; ++i) {
+        const tape_entry *e = &t->entries[i];
+        text_add(json, "%s[%" PRIu32 ",%d,\"%s\",\"%s\",", i ? "," : "", e->plan.share,
+                 (int)e->plan.mode, e->plan.variant_a, e->plan.variant_b);
+        text_add(json, "%d,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",", e->usable, e->sample.total_ns,
+                 e->sample.a_ns, e->sample.b_ns);
+        text_add(json, "%" PRIu32 ",%" PRIu64 "]", e->launches, e->spent_ns);
+    }
+    text_add(json, "]}");
+}
+
+// Reads the row's next item and steps on; at is NULL past the end.
+static bool next_number(const cJSON **at, double most, uint64_t *number)
+{
+    bool ok = cJSON_IsNumber(*at) && (*at)->valuedouble >= 0 && (*at)->valuedouble <= most;
+    *number = ok ? (uint64_t)(*at)->valuedouble : 0;
+    *at = *at ? (*at)->next : NULL;
+    return ok;
+}
+
+static bool next_variant(const cJSON **at, char variant[96])
+{
+    bool ok = cJSON_IsString(*at) && strlen((*at)->valuestring) < 96;
+    if (ok)
+        strcpy(variant, (*at)->valuestring);
+    *at = *at ? (*at)->next : NULL;
+    return ok;
+}
+
+static bool read_entry(const cJSON *row, tape_entry *e)
+{
+    uint64_t share, mode, usable, launches;
+    const cJSON *at = row->child;
+    bool ok = next_number(&at, DUET_SHARE_ONE, &share) && next_number(&at, 255, &mode) &&
+              next_variant(&at, e->plan.variant_a) && next_variant(&at, e->plan.variant_b) &&
+              next_number(&at, 1, &usable) && next_number(&at, 0x1p53, &e->sample.total_ns) &&
+              next_number(&at, 0x1p53, &e->sample.a_ns) &&
+              next_number(&at, 0x1p53, &e->sample.b_ns) &&
+              next_number(&at, UINT32_MAX, &launches) && next_number(&at, 0x1p53, &e->spent_ns);
+    e->plan.share = e->sample.share = (uint32_t)share;
+    e->plan.mode = (duet_mode)mode;
+    e->usable = usable;
+    e->launches = (uint32_t)launches;
+    return ok && !at;
+}
+
+static bool read_tape(const cJSON *rows, tape *t, duet_error *err)
+{
+    const cJSON *row;
+    if (!cJSON_IsArray(rows))
+        return error_set(err, DUET_BAD_INPUT, "search state: not one that a tuning wrote");
+    cJSON_ArrayForEach(row, rows)
+    {
+        tape_entry entry = {0};
+        if (!read_entry(row, &entry))
+            return error_set(err, DUET_BAD_INPUT, "search state: trial %" PRIu32 " is malformed",
+                             t->n);
+        if (!tape_add(t, &entry, err))
+            return false;
+    }
+    return true;
+}
+
+bool tape_from_json(tape *t, const char *json, duet_error *err)
+{
+    *t = (tape){0};
+    cJSON *root = cJSON_Parse(json);
+    bool ok = read_tape(cJSON_GetObjectItemCaseSensitive(root, "tape"), t, err);
+    cJSON_Delete(root);
+    if (!ok)
+        tape_free(t);
+    return ok;
+}

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// One tuning: what is measured next, until it is known how to share the work.
+//
+// Knows neither devices nor the store: plans are measured by a machine, and
+// what was measured is handed to a recorder.
+#ifndef TUNER_TUNE_H
+#define TUNER_TUNE_H
+
+#include "tuner/measure.h"
+#include "tuner/tape.h"
+
+typedef struct tune_recorder {
+    void *context;
+    // Keeps a trial with the state after it. NULL: nothing is kept.
+    bool (*trial)(void *context, const duet_plan *plan, const measurement *m, const tape *state,
+                  duet_error *err);
+} tune_recorder;
+
+typedef struct tune_task {
+    const duet_tune_def *def; // what to choose from, budget, strategy, watch
+    measure_machine machine;
+    tune_recorder recorder;
+    duet_plan plan; // its variants are the defaults that must work
+    bool has_start; // a share that is likely near the best
+    uint32_t start;
+    void *script;         // of the strategy "lua"
+    uint32_t least_share; // shares nearer than this are the same
+} tune_task;
+
+// state is empty, or an interrupted tuning's. After INTERRUPTED it can be
+// handed in again. Fills all of outcome but known, resumed and objects.
+bool tune_run(const tune_task *task, tape *state, duet_tune_outcome *outcome, duet_error *err);
+
+#endif
