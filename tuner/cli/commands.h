@@ -9,5 +9,6 @@ int command_lua(int argc, char **argv);
 int command_profiles(int argc, char **argv);
 int command_run(int argc, char **argv);
 int command_source(int argc, char **argv);
+int command_tune(int argc, char **argv);
 
 #endif

@@ -22,6 +22,7 @@ static const struct {
     {"lua", command_lua, "scripts that use all of this, and a prompt to try it at"},
     {"profiles", command_profiles, "what was measured, and what applications load"},
     {"run", command_run, "all pairs of a scene, and where the time went"},
+    {"tune", command_tune, "how two devices share a scene's work best, and keeps it"},
     {"source", command_source, "the exact text of a kernel, and what it lets vary"},
 };
 

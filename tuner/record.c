@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+#define _DEFAULT_SOURCE
+#include "tuner/record.h"
+
+#include "runtime/profiled.h"
+#include "tuner/terms.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static bool check_writable(const record *r, duet_error *err)
+{
+    if (store_writable(r->store))
+        return true;
+    const char *note = store_note(r->store);
+    return error_set(err, DUET_STORE_FAILED, "%s: cannot be written%s%s", store_path(r->store),
+                     note ? ": " : "", note ? note : "");
+}
+
+bool record_open(record *r, const char *path, const profile_request *request, duet_error *err)
+{
+    *r = (record){.request = *request, .last_trial = -1};
+    text user = {0};
+    bool ok = path || store_user_path(&user, err);
+    r->store = ok ? store_open(path ? path : text_chars(&user), STORE_WRITE, err) : NULL;
+    text_free(&user);
+    ok = r->store && check_writable(r, err) &&
+         profile_pair_put(r->store, request->pair, &r->pair_id, err) &&
+         profile_workload_put(r->store, request->workload, &r->workload_id, err);
+    if (!ok)
+        record_close(r);
+    return ok;
+}
+
+void record_close(record *r)
+{
+    store_close(r->store);
+    r->store = NULL;
+}
+
+bool record_known(record *r, profile_found *found, duet_error *err)
+{
+    return profile_lookup(r->store, &r->request, found, NULL, err);
+}
+
+// ---------------------------------------------------------------- session
+
+// Whatever decides what the tuning measures: another budget is another session.
+static void write_options(const duet_tune_def *def, text *json)
+{
+    text_add(json, "{\"seconds\":%.17g,\"trials\":%" PRIu32 ",\"repeats\":%" PRIu32,
+             def->budget_seconds, def->budget_trials, def->repeats);
+    text_add(json, ",\"variants\":[");
+    for (uint32_t i = 0; i < def->n_variants; ++i)
+        text_add(json, "%s\"%s\"", i ? "," : "", def->variants[i]);
+    text_add(json, "],\"modes\":[");
+    for (uint32_t i = 0; i < def->n_modes; ++i)
+        text_add(json, "%s\"%s\"", i ? "," : "", duet_mode_name(def->modes[i]));
+    text_add(json, "]}");
+}
+
+static double timer_resolution(void)
+{
+    struct timespec ts = {0};
+    clock_getres(CLOCK_MONOTONIC, &ts);
+    return (double)ts.tv_sec * 1e9 + (double)ts.tv_nsec;
+}
+
+static double machine_load(void)
+{
+    double load;
+    return getloadavg(&load, 1) == 1 ? load : 0;
+}
+
+static bool take_up(record *r, const profile_session *session, tape *state, bool *resumed,
+                    duet_error *err)
+{
+    profile_resumed found = {0};
+    if (!profile_session_resume(r->store, session, &found, err))
+        return false;
+    bool ok = true;
+    if (found.claim == PROFILE_CLAIM_BUSY)
+        ok = error_set(err, DUET_STORE_FAILED,
+                       "%s: process %" PRId64 " is tuning this workload; wait for it or stop it",
+                       store_path(r->store), found.pid);
+    *resumed = found.claim == PROFILE_CLAIM_RESUMED;
+    if (*resumed) {
+        memcpy(r->session, found.id, sizeof r->session);
+        r->last_trial = (int64_t)found.trials - 1;
+    }
+    if (*resumed && found.search_state.length > 0)
+        ok = tape_from_json(state, text_chars(&found.search_state), err);
+    profile_resumed_free(&found);
+    return ok;
+}
+
+bool record_begin(record *r, const duet_tune_def *def, tape *state, bool *resumed, duet_error *err)
+{
+    text options = {0};
+    write_options(def, &options);
+    profile_session session = {
+        .pair_id = r->pair_id,
+        .workload_id = r->workload_id,
+        .kernels = r->request.kernels,
+        .strategy = def->strategy,
+        .objective = r->request.objective,
+        .options = text_chars(&options),
+        .seed = def->seed,
+        .script = def->strategy_lua ? def->strategy_lua : def->script,
+        .tool_version = duet_version(),
+        .load = machine_load(),
+        .timer_ns = timer_resolution(),
+    };
+    bool ok = text_ok(&options, err) && take_up(r, &session, state, resumed, err);
+    if (ok && !*resumed)
+        ok = profile_session_begin(r->store, &session, r->session, err);
+    text_free(&options);
+    return ok;
+}
+
+// ---------------------------------------------------------------- trial
+
+static bool keep_trial(void *context, const duet_plan *plan, const measurement *m,
+                       const tape *state, duet_error *err)
+{
+    record *r = context;
+    text json = {0}, terms = {0};
+    bool ran = m->failure.status == DUET_OK;
+    const profile_sample *typical = &m->samples[m->typical];
+    tape_to_json(state, &json);
+    terms_to_json(&m->terms, &terms);
+    profile_trial trial = {
+        .plan = profiled_write_plan(plan),
+        .outcome = m->outcome,
+        .reason = ran ? NULL : m->failure.text,
+        .outliers = m->outliers,
+        .median_ns = m->median_ns,
+        .mad_ns = m->mad_ns,
+        .low_ns = m->low_ns,
+        .high_ns = m->high_ns,
+        .a_ns = ran ? (double)typical->a_ns : 0,
+        .b_ns = ran ? (double)typical->b_ns : 0,
+        .terms = ran ? text_chars(&terms) : NULL,
+        .samples = m->samples,
+        .n_samples = m->n_samples,
+    };
+    bool ok =
+        text_ok(&json, err) && text_ok(&terms, err) &&
+        profile_trial_add(r->store, r->session, &trial, text_chars(&json), &r->last_trial, err);
+    text_free(&json);
+    text_free(&terms);
+    return ok;
+}
+
+tune_recorder record_recorder(record *r)
+{
+    return (tune_recorder){.context = r, .trial = keep_trial};
+}
+
+// ---------------------------------------------------------------- profile
+
+// The store has no word for "ambiguous": what is not told apart is the same.
+static const char *stored_verdict(const char *verdict)
+{
+    return strcmp(verdict, "ambiguous") == 0 ? "same" : verdict;
+}
+
+static bool put_profile(record *r, const duet_tune_outcome *o, duet_error *err)
+{
+    profile_row row = {
+        .pair_id = r->pair_id,
+        .workload_id = r->workload_id,
+        .kernels = r->request.kernels,
+        .objective = r->request.objective,
+        .plan = profiled_write_plan(&o->plan),
+        .median_ns = o->step_ms * 1e6,
+        .low_ns = o->step_low_ms * 1e6,
+        .high_ns = o->step_high_ms * 1e6,
+        .gain = o->gain,
+        .gain_low = o->gain_low,
+        .gain_high = o->gain_high,
+        .verdict = stored_verdict(o->verdict),
+        .origin = "measured",
+        .session = r->session,
+        .trial_number = r->last_trial,
+    };
+    return profile_put(r->store, &row, "tuned again", err);
+}
+
+bool record_end(record *r, const char *how, const duet_tune_outcome *outcome, duet_error *err)
+{
+    bool ok = strcmp(how, "complete") != 0 || put_profile(r, outcome, err);
+    return profile_session_end(r->store, r->session, ok ? how : "failed", err) && ok;
+}

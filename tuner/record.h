@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// A tuning's way into the profile store: its session, trials and profile.
+#ifndef TUNER_RECORD_H
+#define TUNER_RECORD_H
+
+#include "profiles/lookup.h"
+#include "tuner/tune.h"
+
+typedef struct record {
+    store *store;
+    profile_request request; // which devices, workload and kernels
+    char session[PROFILE_ID];
+    int64_t pair_id;
+    int64_t workload_id;
+    int64_t last_trial; // number of the last one added
+} record;
+
+// Opens the store (path NULL: the user's) for writing. STORE_FAILED where it
+// cannot be written, with what the store says of it.
+bool record_open(record *r, const char *path, const profile_request *request, duet_error *err);
+void record_close(record *r);
+
+// What the store already knows. exact: nothing needs to be measured.
+bool record_known(record *r, profile_found *found, duet_error *err);
+
+// Takes up an interrupted session of the same tuning, whose tape is then
+// filled, or begins one. STORE_FAILED where a living process has it.
+bool record_begin(record *r, const duet_tune_def *def, tape *state, bool *resumed, duet_error *err);
+
+tune_recorder record_recorder(record *r);
+
+// how: "complete", "stopped" or "failed". A complete one leaves its profile.
+bool record_end(record *r, const char *how, const duet_tune_outcome *outcome, duet_error *err);
+
+#endif
