@@ -5,17 +5,20 @@
 
 #define WHOLE_NS 1e7 // B's time for the whole work
 
-static double stepped(double part, uint32_t waves)
+// A device's time for a part of the work, by its own time for all of it.
+static double time_of_part(const replay_model *model, int device, double part)
 {
-    return waves ? ceil(part * waves) / waves : part;
+    uint32_t waves = model->waves[device];
+    double stepped = waves ? ceil(part * waves) / waves : part;
+    return part > 0 ? model->fixed[device] + (1 - model->fixed[device]) * stepped : 0;
 }
 
 static void invent(const replay_model *model, uint32_t share, double ns[2])
 {
     double part = share / (double)SEARCH_ONE;
     bool both = share > 0 && share < SEARCH_ONE;
-    ns[0] = share > 0 ? model->ratio * stepped(part, model->waves[0]) : 0;
-    ns[1] = share < SEARCH_ONE ? stepped(1 - part, model->waves[1]) : 0;
+    ns[0] = model->ratio * time_of_part(model, 0, part);
+    ns[1] = time_of_part(model, 1, 1 - part);
     for (int device = 0; device < 2; ++device) {
         if (both)
             ns[device] = ns[device] * (1 + model->interference) + model->overhead[device];
@@ -25,7 +28,7 @@ static void invent(const replay_model *model, uint32_t share, double ns[2])
 
 replay_model replay_invent(replay_family family, bool mirrored, rng *r)
 {
-    replay_model model = {.ratio = pow(64, rng_unit(r))};
+    replay_model model = {.ratio = pow(family == REPLAY_FIXED ? 4 : 64, rng_unit(r))};
     if (mirrored)
         model.ratio = 1 / model.ratio;
     double best = model.ratio / (model.ratio + 1);
@@ -36,6 +39,9 @@ replay_model replay_invent(replay_family family, bool mirrored, rng *r)
         model.waves[1] = 8 + rng_below(r, 25);
     } else if (family == REPLAY_INTERF) {
         model.interference = rng_between(r, 0, 0.25);
+    } else if (family == REPLAY_FIXED) {
+        model.fixed[0] = rng_between(r, 0.2, 0.6);
+        model.fixed[1] = rng_between(r, 0.2, 0.6);
     }
     return model;
 }

@@ -15,6 +15,7 @@ typedef search_sample replay_row;
 // Times are in units of B's time for the whole work, 10 ms.
 typedef struct replay_model {
     double ratio;           // A is so many times slower than B
+    double fixed[2];        // part of its time that does not shrink with its work
     double overhead[2];     // what taking part costs each device when both do
     uint32_t waves[2];      // each device's work goes in so many equal steps; 0: smoothly
     double interference;    // each device is slower by this part while the other works
@@ -29,8 +30,9 @@ typedef struct replay_model {
 // its logarithm, and overheads of up to 15 % of the best total.
 typedef enum replay_family {
     REPLAY_AFFINE,
-    REPLAY_STEPS, // B in 8 to 32 waves, A in 16 to 64
-    REPLAY_INTERF // each slows the other by up to 25 %
+    REPLAY_STEPS,  // B in 8 to 32 waves, A in 16 to 64
+    REPLAY_INTERF, // each slows the other by up to 25 %
+    REPLAY_FIXED   // 20 to 60 % of each device's time is a grid that it builds in any case
 } replay_family;
 
 // mirrored: A is the faster one. Without noise; set sigma and spikes after.

@@ -7,7 +7,9 @@
 // slow device from making the first chunk dear (Kaleem et al., PACT 2014), and
 // a share at most doubles from one chunk to the next, so that one mistaken
 // time does not throw it. It ends when the launches do; the pick is the share
-// that it would use next.
+// that it would use next, unless the last chunks took longer than the first,
+// which B did alone.
+#include "tuner/stats.h"
 #include "tuner/strategy.h"
 
 enum { FIRST_SHARE = SEARCH_ONE / 16, MEMORY = 2 };
@@ -35,7 +37,7 @@ static uint32_t limit_move(uint32_t wanted, uint32_t last, uint32_t quantum)
 static uint32_t next_share(const search *s)
 {
     double a = 0, b = 0;
-    for (uint32_t i = 0; i < s->n; ++i) {
+    for (uint32_t i = 1; i < s->n; ++i) {
         follow(&a, s->samples[i].share, s->samples[i].a_ns);
         follow(&b, SEARCH_ONE - s->samples[i].share, s->samples[i].b_ns);
     }
@@ -48,8 +50,19 @@ static uint32_t next_share(const search *s)
 static bool ask(const search *s, search_next *next, duet_error *err)
 {
     (void)err;
-    *next = (search_next){.share = next_share(s)};
+    *next = (search_next){.share = s->n == 0 ? 0 : next_share(s)};
     return true;
+}
+
+static uint32_t pick(const search *s)
+{
+    enum { LAST = 5 };
+    double totals[LAST];
+    uint32_t n = s->n > LAST ? LAST : s->n - 1;
+    for (uint32_t i = 0; i < n; ++i)
+        totals[i] = (double)s->samples[s->n - 1 - i].total_ns;
+    bool worth_it = n > 0 && stats_median(totals, n) < (double)s->samples[0].total_ns;
+    return worth_it ? next_share(s) : 0;
 }
 
 const strategy strategy_chunks = {
@@ -57,5 +70,5 @@ const strategy strategy_chunks = {
     .about = "shares each launch by the speeds of the last ones; never settles",
     .launches = 16,
     .ask = ask,
-    .pick = next_share,
+    .pick = pick,
 };
