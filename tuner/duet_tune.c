@@ -154,18 +154,20 @@ static uint32_t least_share(uint32_t n)
 static bool run(holdings *h, const profile_found *near, duet_tune_outcome *outcome, duet_error *err)
 {
     uint64_t hash;
+    const duet_scene_info *info = duet_scene_describe(h->def.scene);
+    measure_world world = {.world = h->world, .shape = info->shape, .n = info->n};
     if (!find_right_hash(h->def.scene, &hash, err))
         return false;
     bool guessed = near->grade == PROFILE_INTERPOLATED || near->grade == PROFILE_TRANSFERRED ||
                    near->grade == PROFILE_OTHER_DRIVER || near->grade == PROFILE_STALE;
     tune_task task = {
         .def = &h->def,
-        .machine = measure_world(h->world, hash),
+        .machine = measure_world_machine(&world, hash),
         .plan = *duet_world_plan(h->world),
         .has_start = guessed,
         .start = near->plan.share,
         .script = h->script,
-        .least_share = least_share(duet_scene_describe(h->def.scene)->n),
+        .least_share = least_share(info->n),
     };
     if (h->record.store)
         task.recorder = record_recorder(&h->record);

@@ -30,12 +30,20 @@ static double head_start_ms(const duet_result *result, const duet_plan *plan)
     return ms;
 }
 
+// Mapped memory keeps what it holds and counts as written.
+static bool hand_over_objects(const measure_world *at, duet_error *err)
+{
+    return at->shape == DUET_SHAPE_POSES ? duet_world_map_poses(at->world, at->n, err) != NULL
+                                         : duet_world_map_bounds(at->world, at->n, err) != NULL;
+}
+
 static bool step_world(void *context, const duet_plan *plan, measure_launch *launch,
                        duet_error *err)
 {
-    duet_world *world = context;
+    const measure_world *at = context;
     duet_result result;
-    if (!duet_world_set_plan(world, plan, err) || !duet_world_step(world, &result, err))
+    if (!duet_world_set_plan(at->world, plan, err) || !hand_over_objects(at, err) ||
+        !duet_world_step(at->world, &result, err))
         return false;
     *launch = (measure_launch){
         .total_ns = to_ns(result.total_ms),
@@ -49,7 +57,7 @@ static bool step_world(void *context, const duet_plan *plan, measure_launch *lau
     return true;
 }
 
-measure_machine measure_world(duet_world *world, uint64_t hash)
+measure_machine measure_world_machine(measure_world *world, uint64_t hash)
 {
     return (measure_machine){.context = world, .launch = step_world, .hash = hash};
 }

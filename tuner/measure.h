@@ -26,8 +26,16 @@ typedef struct measure_machine {
     uint64_t hash; // of the right pairs
 } measure_machine;
 
-// The machine that steps a world.
-measure_machine measure_world(duet_world *world, uint64_t hash);
+// A world with n objects in it, as an application has it: each step gets the
+// objects afresh.
+typedef struct measure_world {
+    duet_world *world;
+    duet_shape shape;
+    uint32_t n;
+} measure_world;
+
+// The machine that steps a world, which must live as long as the machine.
+measure_machine measure_world_machine(measure_world *world, uint64_t hash);
 
 typedef struct measurement {
     const char *outcome;                         // as a profile_trial's

@@ -161,12 +161,6 @@ tune_recorder record_recorder(record *r)
 
 // ---------------------------------------------------------------- profile
 
-// The store has no word for "ambiguous": what is not told apart is the same.
-static const char *stored_verdict(const char *verdict)
-{
-    return strcmp(verdict, "ambiguous") == 0 ? "same" : verdict;
-}
-
 static bool put_profile(record *r, const duet_tune_outcome *o, duet_error *err)
 {
     profile_row row = {
@@ -181,7 +175,7 @@ static bool put_profile(record *r, const duet_tune_outcome *o, duet_error *err)
         .gain = o->gain,
         .gain_low = o->gain_low,
         .gain_high = o->gain_high,
-        .verdict = stored_verdict(o->verdict),
+        .verdict = o->verdict,
         .origin = "measured",
         .session = r->session,
         .trial_number = r->last_trial,

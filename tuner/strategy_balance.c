@@ -26,7 +26,7 @@ enum {
 };
 
 static const double NOISE = 0.05;     // assumed of one time, before any was seen twice
-static const double OVERHEAD = 0.5;  // assumed at most of a device's part, of all the work
+static const double OVERHEAD = 0.5;   // assumed at most of a device's part, of all the work
 static const double NEAR = 0.4;       // log of a / b beyond which a sample says little of the root
 static const double SURE = 3;         // deviations that decide a sign
 static const double CLOSE = 0.005;    // a share this near to the best needs no nearer one
