@@ -12,6 +12,8 @@ return {
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
     { "SORTED", values = { 1 }, default = 1, about = "boxes are read in cell order" },
     { "FUSED", values = { 0, 1 }, default = 0, about = "1: candidates are tested where they are found" },
+    { "JOINED", values = { 0, 1 }, default = function(limits) return limits.cpu and 0 or 1 end,
+      about = "1: one loop over all ranges around a cell" },
     { "IDS", values = { 0, 1 }, default = 0, about = "what a pair names: 0 places in cell order, 1 ids" },
     { "WG", values = { 1, 32, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
       about = "work-items a group" },

@@ -29,22 +29,35 @@ static inline uint group_scan(uint value, __local uint *shared_sums, uint *total
 #endif
 }
 
+// Four at a time: n and first are multiples of four as long as PER_ITEM is, but
+// for the end.
 static inline uint sum_of(__global const uint *values, uint first, uint n)
 {
     uint sum = 0;
-    for (uint i = 0; i < PER_ITEM; ++i)
-        if (first + i < n)
-            sum += values[first + i];
+    if (first + PER_ITEM <= n) {
+        __global const uint4 *fours = (__global const uint4 *)(values + first);
+        for (uint i = 0; i < PER_ITEM / 4; ++i)
+            sum += fours[i].x + fours[i].y + fours[i].z + fours[i].w;
+    } else {
+        for (uint i = first; i < n; ++i)
+            sum += values[i];
+    }
     return sum;
+}
+
+// The sum of one value a work-item over the group, for all of it.
+static inline uint group_sum(uint value, __local uint *shared_sums)
+{
+    uint total;
+    group_scan(value, shared_sums, &total);
+    return total;
 }
 
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
 scan_sums(__global const uint *restrict values, uint n, __global uint *restrict sums)
 {
     __local uint shared_sums[WG];
-    uint first = get_global_id(0) * PER_ITEM;
-    uint total;
-    group_scan(sum_of(values, first, n), shared_sums, &total);
+    uint total = group_sum(sum_of(values, get_global_id(0) * PER_ITEM, n), shared_sums);
     if (get_local_id(0) == 0)
         sums[get_group_id(0)] = total;
 }
@@ -64,19 +77,31 @@ scan_tops(__global uint *restrict sums, uint n_blocks)
     }
 }
 
+// What comes before this block: scanned already (tops 1), or to be added up
+// here, which spares a launch where the blocks are few.
+static inline uint before_block(__global const uint *sums, uint tops, __local uint *shared_sums)
+{
+    uint block = get_group_id(0);
+    if (tops)
+        return sums[block];
+    uint sum = 0;
+    for (uint i = get_local_id(0); i < block; i += WG)
+        sum += sums[i];
+    return group_sum(sum, shared_sums);
+}
+
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
-scan_blocks(__global uint *restrict values, uint n, __global const uint *restrict sums)
+scan_blocks(__global uint *restrict values, uint n, __global const uint *restrict sums, uint tops)
 {
     __local uint shared_sums[WG];
     uint first = get_global_id(0) * PER_ITEM;
     uint total;
-    uint running = group_scan(sum_of(values, first, n), shared_sums, &total);
-    running += sums[get_group_id(0)];
-    for (uint i = 0; i < PER_ITEM; ++i) {
-        if (first + i < n) {
-            uint value = values[first + i];
-            values[first + i] = running;
-            running += value;
-        }
+    uint running = before_block(sums, tops, shared_sums);
+    running += group_scan(sum_of(values, first, n), shared_sums, &total);
+    uint last = min(first + PER_ITEM, n);
+    for (uint i = first; i < last; ++i) {
+        uint value = values[i];
+        values[i] = running;
+        running += value;
     }
 }

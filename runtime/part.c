@@ -139,6 +139,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         const char *name;
         const char *entry;
     } list[] = {
+        {&p->kernels.clear, true, "clear", "clear"},
         {&p->kernels.hash, true, "hash", "hash"},
         {&p->kernels.scan_sums, true, "scan", "scan_sums"},
         {&p->kernels.scan_tops, true, "scan", "scan_tops"},
@@ -181,6 +182,16 @@ static bool send_objects(part *p, const part_task *task, size_t bytes, duet_erro
     return ok;
 }
 
+static bool send_levels(part *p, const part_task *task, duet_error *err)
+{
+    if (p->levels_version == task->grid_version)
+        return true;
+    bool ok = timeline_write(&p->times, "send objects", &p->levels, task->grid.levels,
+                             task->grid.n_levels * sizeof task->grid.levels[0], err);
+    p->levels_version = ok ? task->grid_version : 0;
+    return ok;
+}
+
 bool part_begin(part *p, const part_task *task, duet_error *err)
 {
     timeline_begin(&p->times, p->device);
@@ -193,10 +204,7 @@ bool part_begin(part *p, const part_task *task, duet_error *err)
         task->n * (task->shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds));
     if (bytes == 0)
         return true;
-    return send_objects(p, task, bytes, err) &&
-           timeline_fill(&p->times, "clear", &p->counters, 0, 0, PART_COUNTERS, err) &&
-           timeline_write(&p->times, "clear", &p->levels, task->grid.levels,
-                          task->grid.n_levels * sizeof task->grid.levels[0], err);
+    return send_objects(p, task, bytes, err) && send_levels(p, task, err);
 }
 
 bool part_read_counters(part *p, duet_error *err)

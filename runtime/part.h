@@ -20,6 +20,7 @@ typedef struct part_task {
     const void *objects;      // [n] poses or bounds on the host
     uint64_t objects_version; // changes with the objects' content
     grid grid;
+    uint64_t grid_version; // changes with the grid
     uint64_t max_pairs;
 } part_task;
 
@@ -34,6 +35,7 @@ typedef struct part_range {
 } part_range;
 
 typedef struct part_kernels {
+    kernel *clear;
     kernel *hash;
     kernel *scan_sums, *scan_tops, *scan_blocks;
     kernel *scatter;
@@ -61,6 +63,7 @@ typedef struct part {
     buffer objects;
     uint64_t objects_version;     // of what was sent last
     buffer levels;                // the grid's
+    uint64_t levels_version;      // of what was sent last
     buffer keys, ids;             // of the objects; in cell order once sorted
     buffer keys_spare, ids_spare; // the other half of the radix sort; keys_spare also the ranks
     buffer starts;                // first of each cell

@@ -9,7 +9,21 @@ static uint32_t own_cells(const part_range *range)
     return range->key_to - range->key_from;
 }
 
+// Zeroes the counters, and with them n_starts words of the starts.
+static bool clear(part *p, uint32_t n_starts, duet_error *err)
+{
+    uint32_t n_counters = PART_COUNTERS;
+    buffer *starts = n_starts > 0 ? &p->starts : &p->counters;
+    kernel_arg args[] = {ARG_BUFFER(p->counters), ARG(n_counters), ARG_BUFFER(*starts),
+                         ARG(n_starts)};
+    uint32_t work = n_starts > n_counters ? n_starts : n_counters;
+    return timeline_launch(&p->times, "clear", p->kernels.clear, work, args, 4, err);
+}
+
 // ---------------------------------------------------------------- sorting
+
+// Up to so many blocks each adds up those before it by itself.
+enum { MOST_ADDED_BLOCKS = 2048 };
 
 // Exclusive prefix sum of n words, in place.
 static bool scan(part *p, const char *stage, buffer *values, uint32_t n, duet_error *err)
@@ -20,10 +34,12 @@ static bool scan(part *p, const char *stage, buffer *values, uint32_t n, duet_er
         return false;
     kernel_arg sums[] = {ARG_BUFFER(*values), ARG(n), ARG_BUFFER(p->sums)};
     kernel_arg tops[] = {ARG_BUFFER(p->sums), ARG(n_blocks)};
-    kernel_arg blocks[] = {ARG_BUFFER(*values), ARG(n), ARG_BUFFER(p->sums)};
+    uint32_t use_tops = n_blocks > MOST_ADDED_BLOCKS;
+    kernel_arg blocks[] = {ARG_BUFFER(*values), ARG(n), ARG_BUFFER(p->sums), ARG(use_tops)};
     return timeline_launch(&p->times, stage, p->kernels.scan_sums, n, sums, 3, err) &&
-           timeline_launch(&p->times, stage, p->kernels.scan_tops, 1, tops, 2, err) &&
-           timeline_launch(&p->times, stage, p->kernels.scan_blocks, n, blocks, 3, err);
+           (!use_tops ||
+            timeline_launch(&p->times, stage, p->kernels.scan_tops, 1, tops, 2, err)) &&
+           timeline_launch(&p->times, stage, p->kernels.scan_blocks, n, blocks, 4, err);
 }
 
 static bool run_hash(part *p, const part_task *task, const part_range *range, duet_error *err)
@@ -47,8 +63,7 @@ static bool counting_sort(part *p, const part_task *task, const part_range *rang
     uint32_t n_starts = own_cells(range) + 1;
     kernel_arg args[] = {ARG_BUFFER(p->keys), ARG_BUFFER(p->keys_spare), ARG(task->n),
                          ARG_BUFFER(p->starts), ARG_BUFFER(p->ids)};
-    return timeline_fill(&p->times, "sort", &p->starts, 0, 0, n_starts, err) &&
-           run_hash(p, task, range, err) && scan(p, "sort", &p->starts, n_starts, err) &&
+    return run_hash(p, task, range, err) && scan(p, "sort", &p->starts, n_starts, err) &&
            (!p->kernels.from_ids ||
             timeline_launch(&p->times, "sort", p->kernels.scatter, task->n, args, 5, err));
 }
@@ -174,10 +189,10 @@ static bool reserve_grid(part *p, const part_task *task, const part_range *range
 
 bool part_build_grid(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
-    if (!reserve_grid(p, task, range, err))
+    bool counting = p->variant.sort == SORT_COUNTING;
+    if (!reserve_grid(p, task, range, err) || !clear(p, counting ? own_cells(range) + 1 : 0, err))
         return false;
-    bool ok = p->variant.sort == SORT_COUNTING ? counting_sort(p, task, range, err)
-                                               : radix_sort(p, task, range, err);
+    bool ok = counting ? counting_sort(p, task, range, err) : radix_sort(p, task, range, err);
     return ok && place(p, task, range, err);
 }
 
@@ -250,6 +265,8 @@ bool part_receive_grid(part *to, part *from, const part_task *task, const part_r
     grid_piece pieces[PIECES];
     int n = grid_pieces(from, to, task, pieces);
     char *at = from->sent.bytes;
+    if (!clear(to, 0, err))
+        return false;
     for (int i = 0; i < n; ++i) {
         void *host = pieces[i].from->host ? pieces[i].from->host : at;
         if (!receive_piece(to, pieces[i], host, err))

@@ -209,7 +209,9 @@ static void decide(part *p, const part_task *task, const duet_pair *open, duet_p
         timeline_add_host(&p->times, "decide", (double)(clock_steady_ns() - begun) * 1e-6);
 }
 
-// The undecided come first, so that they are decided while the pairs travel.
+// The pairs travel while the undecided ones are decided. A read that waits ends
+// it, for such a read spins: waiting for the queue or an event instead was
+// measured to take 0.15 ms longer on a GPU.
 static bool fetch_span(part *p, const part_task *task, duet_error *err)
 {
     duet_pair *pairs = NULL;
@@ -219,17 +221,13 @@ static bool fetch_span(part *p, const part_task *task, duet_error *err)
     duet_pair *open = p->undecided.host ? p->undecided.host : malloc(bytes + 1);
     if (!open)
         return error_set(err, DUET_NO_MEMORY, "no host memory for %zu bytes", bytes);
-    cl_event opened = NULL;
-    cl_event arrived = NULL;
-    bool ok =
-        reserve_span(p, &pairs, err) &&
-        timeline_start_read(&p->times, "fetch pairs", &p->undecided, open, bytes, &opened, err) &&
-        timeline_start_read(&p->times, "fetch pairs", &p->pairs, pairs,
-                            (size_t)n * sizeof(duet_pair), &arrived, err) &&
-        timeline_wait(&p->times, opened, err);
+    bool ok = reserve_span(p, &pairs, err) &&
+              timeline_read(&p->times, "fetch pairs", &p->undecided, open, bytes, err) &&
+              timeline_start_read(&p->times, "fetch pairs", &p->pairs, pairs,
+                                  (size_t)n * sizeof(duet_pair), err);
     if (ok)
         decide(p, task, open, pairs, &n);
-    ok = timeline_finish(&p->times, err) && ok;
+    ok = ok && part_read_counters(p, err) && timeline_finish(&p->times, err);
     if (!p->undecided.host)
         free(open);
     p->span = ok ? (duet_span){pairs, n} : (duet_span){0};

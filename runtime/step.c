@@ -50,6 +50,7 @@ static bool fit_grid(duet_world *world, duet_error *err)
     world->fitted = true;
     world->fitted_n = world->n;
     world->split_stale = true;
+    ++world->grid_version;
     world->prepared[0] = world->prepared[1] = false;
     return true;
 }
@@ -72,6 +73,7 @@ static part_task describe_task(const duet_world *world)
         .objects = world->objects.bytes,
         .objects_version = world->objects_version,
         .grid = world->grid,
+        .grid_version = world->grid_version,
         .max_pairs = world->def.max_pairs,
     };
 }

@@ -115,33 +115,31 @@ bool timeline_write(timeline *t, const char *stage, buffer *b, const void *from,
     return keep_event(t, stage, true, event, err);
 }
 
-bool timeline_start_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
-                         cl_event *done, duet_error *err)
+static bool enqueue_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
+                         cl_bool wait, duet_error *err)
 {
-    *done = NULL;
     if (bytes == 0)
         return true;
     if (b->host == to)
         return hand_over(t, b, CL_MAP_READ, bytes, err);
+    cl_event event = NULL;
     cl_int code =
-        clEnqueueReadBuffer(t->device->queue, b->mem, CL_FALSE, 0, bytes, to, 0, NULL, done);
+        clEnqueueReadBuffer(t->device->queue, b->mem, wait, 0, bytes, to, 0, NULL, &event);
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "%s: fetching %zu bytes", t->device->info.selector, bytes);
-    return keep_event(t, stage, true, *done, err);
-}
-
-bool timeline_wait(timeline *t, cl_event done, duet_error *err)
-{
-    cl_int code = done ? clWaitForEvents(1, &done) : CL_SUCCESS;
-    return code == CL_SUCCESS ||
-           error_set_cl(err, code, "%s: waiting for a transfer", t->device->info.selector);
+    return keep_event(t, stage, true, event, err);
 }
 
 bool timeline_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
                    duet_error *err)
 {
-    cl_event done = NULL;
-    return timeline_start_read(t, stage, b, to, bytes, &done, err) && timeline_wait(t, done, err);
+    return enqueue_read(t, stage, b, to, bytes, CL_TRUE, err);
+}
+
+bool timeline_start_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
+                         duet_error *err)
+{
+    return enqueue_read(t, stage, b, to, bytes, CL_FALSE, err) && timeline_flush(t, err);
 }
 
 bool timeline_flush(timeline *t, duet_error *err)

@@ -50,11 +50,10 @@ bool timeline_write(timeline *t, const char *stage, buffer *b, const void *from,
 bool timeline_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
                    duet_error *err);
 
-// The same without waiting. *done is the timeline's until it finishes, and NULL
-// where the bytes are there already.
+// The same without waiting: the bytes are there once a later read has waited, or
+// the timeline has finished.
 bool timeline_start_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
-                         cl_event *done, duet_error *err);
-bool timeline_wait(timeline *t, cl_event done, duet_error *err);
+                         duet_error *err);
 
 bool timeline_flush(timeline *t, duet_error *err);
 bool timeline_finish(timeline *t, duet_error *err); // waits and reads the times

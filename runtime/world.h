@@ -20,6 +20,7 @@ struct duet_world {
     uint32_t fitted_n;
     grid_wish wish; // of the plan
     grid grid;
+    uint64_t grid_version;
     split split; // of these objects, where slabs are searched
     bool split_stale;
     bool cell_widened;

@@ -1,4 +1,4 @@
-// candidates_rows.DIMS2.SHAPE0.GRID0.LEVELS0.ROTATED1.FUSED0.IDS0.WG1.BUF512.PER_ITEM256
+// candidates_rows.DIMS2.SHAPE0.GRID0.LEVELS0.ROTATED1.FUSED0.JOINED0.IDS0.WG1.BUF512.PER_ITEM256
 #define DIMS 2
 #define SHAPE 0
 #define GRID 0
@@ -7,6 +7,7 @@
 #define ROTATED 1
 #define SORTED 1
 #define FUSED 0
+#define JOINED 0
 #define IDS 0
 #define WG 1
 #define BUF 512
@@ -269,19 +270,36 @@ static inline void search_level(pair_sink *sink, const sorted *in, const seeker 
 #else
     // All look-ups are under way before the first range is searched.
     uint key = row_key(y, z, grid, level) - in->key_from;
-    uint own_to = in->starts[key + right + 1];
-#line 254 "kernels/candidates_rows.cl.in"
+    uint from_0 = me->place + 1, to_0 = in->starts[key + right + 1];
+#line 255 "kernels/candidates_rows.cl.in"
     uint from_1 = 0, to_1 = 0;
     if (y + 1 < ny) {
         key = row_key(y + 1, 0, grid, level) - in->key_from;
         from_1 = in->starts[key + left];
         to_1 = in->starts[key + right + 1];
     }
-#line 261 "kernels/candidates_rows.cl.in"
-    search_range(sink, in, me, 0, me->place + 1, own_to);
-#line 263 "kernels/candidates_rows.cl.in"
+#line 262 "kernels/candidates_rows.cl.in"
+#if JOINED
+    // One loop over all ranges: lanes that run in step wait for the longest sum,
+    // not for the longest of each.
+    uint shift_0 = from_0, end_0 = to_0 - from_0;
+#line 267 "kernels/candidates_rows.cl.in"
+    uint shift_1 = from_1 - end_0, end_1 = end_0 + to_1 - from_1;
+#line 269 "kernels/candidates_rows.cl.in"
+    for (uint k = 0; k < end_1; ++k) {
+        uint shift = shift_0;
+#line 272 "kernels/candidates_rows.cl.in"
+        shift = k >= end_0 ? shift_1 : shift;
+#line 274 "kernels/candidates_rows.cl.in"
+        search_range(sink, in, me, 0, k + shift, k + shift + 1);
+    }
+#else
+#line 278 "kernels/candidates_rows.cl.in"
+    search_range(sink, in, me, 0, from_0, to_0);
+#line 278 "kernels/candidates_rows.cl.in"
     search_range(sink, in, me, 0, from_1, to_1);
-#line 265 "kernels/candidates_rows.cl.in"
+#line 280 "kernels/candidates_rows.cl.in"
+#endif
 #endif
 }
 

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+// Zeroes the counters, and of the counting sort the objects a cell, at once.
+//
+//   counters [n_counters]
+//   starts   [n_starts]
+__kernel void clear(__global uint *restrict counters, uint n_counters, __global uint *restrict starts, uint n_starts)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    for (uint i = first; i < min(first + PER_ITEM, n_counters); ++i)
+        counters[i] = 0;
+    for (uint i = first; i < min(first + PER_ITEM, n_starts); ++i)
+        starts[i] = 0;
+}
