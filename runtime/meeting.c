@@ -85,15 +85,15 @@ static void set_axes(float axis[3][3], const float q[4])
 
 // Half the extent along each axis of the world, never too small: an entry of
 // the rotation is off by at most 9 u, the sums by 4 u, and 64 u are added.
-static void set_reach(float reach[3], const duet_pose *box, int dims, bool rotated)
+static void set_reach(float reach[3], const duet_pose *box, bool rotated)
 {
     const float *half = box->half;
     float axis[3][3];
     set_axes(axis, box->rotation);
     float sum = half[0] + half[1] + half[2];
-    for (int k = 0; k < dims; ++k) {
+    for (int k = 0; k < 3; ++k) {
         float r = fabsf(axis[0][k]) * half[0];
-        for (int i = 1; i < dims; ++i)
+        for (int i = 1; i < 3; ++i)
             r = fmaf(fabsf(axis[i][k]), half[i], r);
         reach[k] = rotated ? fmaf(sum, 0x1p-18f, r) : half[k];
     }
@@ -104,7 +104,7 @@ duet_bounds meeting_bounds(const duet_pose *pose, uint32_t dims, bool rotated)
     duet_pose box = load(pose, dims);
     duet_bounds b = {{0}, {0}};
     float reach[3];
-    set_reach(reach, &box, (int)dims, rotated);
+    set_reach(reach, &box, rotated);
     for (uint32_t k = 0; k < dims; ++k) {
         float lower = box.centre[k] - reach[k];
         float upper = box.centre[k] + reach[k];

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: MIT
 // All pairs of a scene on one core.
 //
-// Objects are put into levels by size, a level's edge being the power of two
-// at or above its objects' extents, and each level into columns along x of
+// Objects are put into classes by size, a class's edge being the power of two
+// at or above its objects' extents, and each class into columns along x of
 // that edge. An object then meets its equals and all larger ones: of each
-// level three by three columns, in each a run along x.
+// class three by three columns, in each a run along x.
 #include "runtime/reference.h"
 
 #include "runtime/base/error.h"
+#include "runtime/meeting.h"
 #include "runtime/narrow.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 
-enum { EACH_WITH_EACH_LIMIT = 2000, MAX_LEVELS = 512 };
+enum { EACH_WITH_EACH_LIMIT = 2000, MAX_CLASSES = 512 };
 
 typedef struct bounds {
     double lower[3], upper[3];
@@ -22,14 +23,14 @@ typedef struct bounds {
 
 typedef struct entry {
     bounds box;
-    double z, y; // the column of its centre, in edges of its level
-    double edge; // of its level
+    double z, y; // the column of its centre, in edges of its class
+    double edge; // of its class
     uint32_t id;
 } entry;
 
 typedef struct finder {
     const reference_objects *objects;
-    entry *entries; // where columns are used: by level, column and lower x
+    entry *entries; // where columns are used: by class, column and lower x
     reference_found *found;
     uint64_t room;
     duet_error *err;
@@ -70,16 +71,25 @@ static bounds bounds_of_pose(const duet_pose *pose, uint32_t dims)
     return b;
 }
 
-static bounds bounds_of(const reference_objects *objects, uint32_t id)
+static bounds bounds_of_corners(const duet_bounds *corners, uint32_t dims)
 {
-    if (objects->shape == DUET_SHAPE_POSES)
-        return bounds_of_pose(&objects->poses[id], objects->dims);
     bounds b = {{0}, {0}};
-    for (uint32_t i = 0; i < objects->dims; ++i) {
-        b.lower[i] = objects->bounds[id].lower[i];
-        b.upper[i] = objects->bounds[id].upper[i];
+    for (uint32_t i = 0; i < dims; ++i) {
+        b.lower[i] = corners->lower[i];
+        b.upper[i] = corners->upper[i];
     }
     return b;
+}
+
+static bounds bounds_of(const reference_objects *objects, uint32_t id)
+{
+    uint32_t dims = objects->dims;
+    if (objects->shape == DUET_SHAPE_BOUNDS)
+        return bounds_of_corners(&objects->bounds[id], dims);
+    if (objects->level == LEVEL_CERTIFIED)
+        return bounds_of_pose(&objects->poses[id], dims);
+    duet_bounds in_float = meeting_bounds(&objects->poses[id], dims, objects->rotated);
+    return bounds_of_corners(&in_float, dims);
 }
 
 static bool overlap(const bounds *a, const bounds *b)
@@ -103,22 +113,28 @@ static bool add_pair(finder *f, uint32_t a, uint32_t b)
         f->found->pairs = pairs;
         f->room = room;
     }
-    f->found->pairs[f->found->n++] = (duet_pair){a < b ? a : b, a < b ? b : a};
+    f->found->pairs[f->found->n++] = (duet_pair){a, b};
     return true;
 }
 
+// a < b: in float the order may count.
 static bool collide(const reference_objects *o, uint32_t a, uint32_t b)
 {
-    return o->shape == DUET_SHAPE_POSES ? narrow_decide(&o->poses[a], &o->poses[b], o->dims)
-                                        : narrow_bounds(&o->bounds[a], &o->bounds[b], o->dims);
+    if (o->shape == DUET_SHAPE_BOUNDS)
+        return narrow_bounds(&o->bounds[a], &o->bounds[b], o->dims);
+    if (o->level == LEVEL_CERTIFIED)
+        return narrow_decide(&o->poses[a], &o->poses[b], o->dims);
+    return level_collide(o->level, &o->poses[a], &o->poses[b], o->dims, o->rotated);
 }
 
-static bool test_pair(finder *f, const entry *a, const entry *b)
+static bool test_pair(finder *f, const entry *one, const entry *other)
 {
-    if (!overlap(&a->box, &b->box))
+    if (!overlap(&one->box, &other->box))
         return true;
     ++f->found->candidates;
-    return !collide(f->objects, a->id, b->id) || add_pair(f, a->id, b->id);
+    uint32_t a = one->id < other->id ? one->id : other->id;
+    uint32_t b = one->id < other->id ? other->id : one->id;
+    return !collide(f->objects, a, b) || add_pair(f, a, b);
 }
 
 static int compare_pairs(const void *left, const void *right)
@@ -154,10 +170,10 @@ static double column_after(double column)
     return fmax(column + 1, nextafter(column, INFINITY));
 }
 
-static void enter_level(entry *e)
+static void enter_class(entry *e)
 {
     const bounds *b = &e->box;
-    double extent = 0x1p-160; // so that points have a level too
+    double extent = 0x1p-160; // so that points have a class too
     for (int i = 0; i < 3; ++i)
         extent = fmax(extent, b->upper[i] - b->lower[i]);
     int power;
@@ -215,26 +231,29 @@ static bool meet_column(finder *f, const entry *e, size_t from, size_t to, doubl
     return true;
 }
 
-// The entries from..to are of one level, at or above e's. Those that meet e
+// The entries from..to are of one class, at or above e's. Those that meet e
 // have their centres at most half an edge outside its bounds, and rounding
 // keeps that order.
-static bool meet_level(finder *f, const entry *e, size_t from, size_t to)
+static bool meet_class(finder *f, const entry *e, size_t from, size_t to)
 {
     double edge = f->entries[from].edge;
     double last_z = column_of(e->box.upper[2] + edge / 2, edge);
     double last_y = column_of(e->box.upper[1] + edge / 2, edge);
     double z = column_of(e->box.lower[2] - edge / 2, edge);
-    for (; z <= last_z; z = column_after(z)) {
+    while (z <= last_z) {
         double y = column_of(e->box.lower[1] - edge / 2, edge);
-        for (; y <= last_y; y = column_after(y))
+        while (y <= last_y) {
             if (!meet_column(f, e, from, to, z, y))
                 return false;
+            y = column_after(y);
+        }
+        z = column_after(z);
     }
     return true;
 }
 
-// Where each level's entries end.
-static int mark_levels(const finder *f, size_t ends[MAX_LEVELS])
+// Where each class's entries end.
+static int mark_classes(const finder *f, size_t ends[MAX_CLASSES])
 {
     int n = 0;
     for (size_t i = 1; i <= f->objects->n; ++i)
@@ -243,30 +262,30 @@ static int mark_levels(const finder *f, size_t ends[MAX_LEVELS])
     return n;
 }
 
-static bool meet_levels(finder *f, size_t self, const size_t *ends, int level, int n_levels)
+static bool meet_classes(finder *f, size_t self, const size_t *ends, int class, int n_classes)
 {
     size_t from = self + 1;
-    for (; level < n_levels; ++level) {
-        if (from < ends[level] && !meet_level(f, &f->entries[self], from, ends[level]))
+    for (; class < n_classes; ++class) {
+        if (from < ends[class] && !meet_class(f, &f->entries[self], from, ends[class]))
             return false;
-        from = ends[level];
+        from = ends[class];
     }
     return true;
 }
 
 static bool find_by_columns(finder *f)
 {
-    size_t ends[MAX_LEVELS];
+    size_t ends[MAX_CLASSES];
     size_t n = f->objects->n;
     for (size_t i = 0; i < n; ++i)
-        enter_level(&f->entries[i]);
+        enter_class(&f->entries[i]);
     qsort(f->entries, n, sizeof *f->entries, compare_entries);
-    int n_levels = mark_levels(f, ends);
-    int level = 0;
+    int n_classes = mark_classes(f, ends);
+    int class = 0;
     for (size_t i = 0; i < n; ++i) {
-        if (i == ends[level])
-            ++level;
-        if (!meet_levels(f, i, ends, level, n_levels))
+        if (i == ends[class])
+            ++class;
+        if (!meet_classes(f, i, ends, class, n_classes))
             return false;
     }
     return true;
@@ -308,8 +327,13 @@ bool reference_find(const reference_objects *objects, reference_way way, referen
 bool duet_reference(const duet_scene *scene, duet_pair **pairs, uint64_t *n, duet_error *err)
 {
     const duet_scene_info *info = duet_scene_describe(scene);
-    reference_objects objects = {info->dims, info->shape, info->n, duet_scene_poses(scene),
-                                 duet_scene_bounds(scene)};
+    reference_objects objects = {
+        .dims = info->dims,
+        .shape = info->shape,
+        .n = info->n,
+        .poses = duet_scene_poses(scene),
+        .bounds = duet_scene_bounds(scene),
+    };
     reference_way way =
         info->n <= EACH_WITH_EACH_LIMIT ? REFERENCE_EACH_WITH_EACH : REFERENCE_COLUMNS;
     reference_found found;

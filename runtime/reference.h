@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The plain-C twin of the pipeline: slow, simple and never wrong. It shares
-// nothing with the devices' side but the exact test of two boxes.
+// nothing with the devices' side but the exact test of two boxes. Levels other
+// than certified are what the devices' arithmetic makes them, and so is their set.
 #ifndef RUNTIME_REFERENCE_H
 #define RUNTIME_REFERENCE_H
 
-#include "runtime/duet.h"
+#include "runtime/level.h"
 
 // Objects as the caller holds them; one of poses and bounds, as shape says.
 typedef struct reference_objects {
@@ -13,6 +14,8 @@ typedef struct reference_objects {
     uint32_t n;
     const duet_pose *poses;
     const duet_bounds *bounds;
+    level level;  // of poses; by default certified
+    bool rotated; // for other levels: false promises identity rotations
 } reference_objects;
 
 typedef enum reference_way {
@@ -24,7 +27,7 @@ typedef enum reference_way {
 typedef struct reference_found {
     duet_pair *pairs; // given back by duet_free
     uint64_t n;
-    uint64_t candidates; // pairs whose bounds, in double, overlap
+    uint64_t candidates; // pairs whose bounds overlap: in double, or as the level has them
 } reference_found;
 
 // False with NO_MEMORY. Objects must be sound boxes, as a scene's are.

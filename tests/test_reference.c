@@ -93,7 +93,8 @@ static crowd *make_crowd(maker make, uint32_t dims, duet_shape shape, rng *r)
 {
     crowd *c = calloc(1, sizeof *c);
     assert_non_null(c);
-    c->objects = (reference_objects){dims, shape, N, c->poses, c->bounds};
+    c->objects = (reference_objects){
+        .dims = dims, .shape = shape, .n = N, .poses = c->poses, .bounds = c->bounds};
     for (uint32_t i = 0; i < N; ++i) {
         c->poses[i] = make(r, i);
         for (int k = 0; k < 3; ++k) {
@@ -127,6 +128,29 @@ static void columns_find_what_each_with_each_finds(void **state)
         assert_same(&each, &columns);
         duet_free(each.pairs);
         duet_free(columns.pairs);
+        free(c);
+    }
+}
+
+static void each_level_has_its_set_however_it_is_found(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    for (int l = 0; l < LEVEL_COUNT; ++l) {
+        crowd *c = make_crowd(of_mixed_size, 3, DUET_SHAPE_POSES, &r);
+        c->objects.level = (level)l;
+        c->objects.rotated = true;
+        reference_found each, columns, exact;
+        duet_error err = {0};
+        assert_ok(reference_find(&c->objects, REFERENCE_EACH_WITH_EACH, &each, &err), err);
+        assert_ok(reference_find(&c->objects, REFERENCE_COLUMNS, &columns, &err), err);
+        c->objects.level = LEVEL_CERTIFIED;
+        assert_ok(reference_find(&c->objects, REFERENCE_COLUMNS, &exact, &err), err);
+        assert_same(&each, &columns);
+        assert_true(l == LEVEL_AABB ? each.n == each.candidates : each.n >= exact.n);
+        duet_free(each.pairs);
+        duet_free(columns.pairs);
+        duet_free(exact.pairs);
         free(c);
     }
 }
@@ -172,7 +196,7 @@ static void none_one_and_two_objects_are_scenes_too(void **state)
     duet_pose two[] = {box_at(0, 0, 0, 0.5), box_at(1, 1, 1, 0.5)};
     for (uint32_t n = 0; n <= 2; ++n)
         for (int way = REFERENCE_EACH_WITH_EACH; way <= REFERENCE_COLUMNS; ++way) {
-            reference_objects objects = {3, DUET_SHAPE_POSES, n, two, NULL};
+            reference_objects objects = {.dims = 3, .n = n, .poses = two};
             reference_found found;
             duet_error err = {0};
             assert_ok(reference_find(&objects, (reference_way)way, &found, &err), err);
@@ -206,6 +230,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(columns_find_what_each_with_each_finds),
+        cmocka_unit_test(each_level_has_its_set_however_it_is_found),
         cmocka_unit_test(pairs_ascend),
         cmocka_unit_test(all_neighbours_on_a_lattice_touch),
         cmocka_unit_test(a_scene_gives_the_pairs_of_its_objects),

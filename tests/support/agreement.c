@@ -156,8 +156,13 @@ static void count_as_devices_do(check *c)
 uint64_t agreement_check(const duet_world_def *def, const void *objects, uint32_t n)
 {
     bool poses = def->shape == DUET_SHAPE_POSES;
-    reference_objects all = {def->dims, def->shape, n, poses ? objects : NULL,
-                             poses ? NULL : objects};
+    reference_objects all = {
+        .dims = def->dims,
+        .shape = def->shape,
+        .n = n,
+        .poses = poses ? objects : NULL,
+        .bounds = poses ? NULL : objects,
+    };
     check c = {.def = def, .objects = objects, .n = n};
     duet_error err = {0};
     assert_ok(reference_find(
