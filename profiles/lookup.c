@@ -6,7 +6,6 @@
 #include "profiles/forecast.h"
 #include "profiles/sql.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 #include <time.h>
@@ -242,21 +241,22 @@ static bool look_stale(look *l, bool *held)
 
 // ---------------------------------------------------------- rungs that are fits
 
-static void tell_forecast(look *l, const forecast *f)
+// Takes the forecast where it is certain enough.
+static bool use_forecast(look *l, const forecast *f, bool *held)
 {
-    if (l->why)
+    *held = f->doubt <= MOST_DOUBT;
+    if (*held)
+        forecast_take(f, l->found);
+    if (l->why && *held)
         text_add(l->why,
                  "yes: %u times of %.0f to %.0f objects say %.4g ms +- %.1f %% by both at share "
                  "%.4f +- %.4f, %.4g ms by one",
                  f->points, f->n_min, f->n_max, f->both.ns * 1e-6, 100 * f->doubt, f->share,
                  f->share_sd, f->one.ns * 1e-6);
-}
-
-static void tell_doubt(look *l, const forecast *f)
-{
-    if (l->why)
+    else if (l->why)
         text_add(l->why, "no: what is known of %.0f to %.0f objects leaves %.0f %% of doubt",
                  f->n_min, f->n_max, 100 * f->doubt);
+    return true;
 }
 
 // The plan of this pair's live profile whose size is the nearest from above or
@@ -336,14 +336,7 @@ static bool look_interpolated(look *l, bool *held)
     double n = (double)l->request->workload->n;
     if (n * SIZE_SLACK < f.n_min || n > f.n_max * SIZE_SLACK)
         return refuse(l, "the size is beyond those measured");
-    *held = f.doubt <= MOST_DOUBT;
-    if (!*held) {
-        tell_doubt(l, &f);
-        return true;
-    }
-    forecast_take(&f, l->found);
-    tell_forecast(l, &f);
-    return true;
+    return use_forecast(l, &f, held);
 }
 
 static bool look_transferred(look *l, bool *held)
@@ -358,14 +351,7 @@ static bool look_transferred(look *l, bool *held)
         return false;
     if (!found)
         return refuse(l, "one of the devices was never measured on a like workload");
-    *held = f.doubt <= MOST_DOUBT;
-    if (!*held) {
-        tell_doubt(l, &f);
-        return true;
-    }
-    forecast_take(&f, l->found);
-    tell_forecast(l, &f);
-    return true;
+    return use_forecast(l, &f, held);
 }
 
 // -------------------------------------------------------------------- the ladder
