@@ -8,8 +8,9 @@ foreach(path IN LISTS FILES)
   string(REGEX REPLACE "([0-9a-f][0-9a-f])" "'\\\\x\\1'," bytes "${hex}")
   string(REPLACE "x0a'," "x0a',\n  " bytes "${bytes}") # a row for each line of the file
   string(APPEND arrays "static const char blob_${n}[] = {\n  ${bytes}0};\n")
-  string(APPEND table "  {\"${path}\", blob_${n}, sizeof blob_${n} - 1},\n")
+  file(SHA256 "${ROOT}/${path}" sha256)
+  string(APPEND table "  {\"${path}\", blob_${n}, sizeof blob_${n} - 1, \"${sha256}\"},\n")
   math(EXPR n "${n} + 1")
 endforeach()
 file(WRITE "${OUT}" "// Written by gen/embed.cmake; do not edit.\n#include \"runtime/base/blob.h\"\n\n${arrays}
-const blob blobs[] = {\n${table}  {0, 0, 0},\n};\n")
+const blob blobs[] = {\n${table}  {0, 0, 0, 0},\n};\n")

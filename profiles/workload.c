@@ -40,28 +40,28 @@ static void add_kind(text *t, const profile_workload *w)
     add_words(t, w->effects && *w->effects ? w->effects : "none");
 }
 
-// Two significant digits of a count.
-static uint64_t rounded(uint64_t n)
+// To the nearest of `steps` in an octave, so that two draws seldom differ.
+static double rounded(double x, int steps)
 {
-    uint64_t unit = 1;
-    while (n / unit >= 100)
-        unit *= 10;
-    return (n + unit / 2) / unit * unit;
+    return x > 0 ? exp2(round(steps * log2(x)) / steps) : 0;
 }
 
 void profile_workload_text(const profile_workload *w, text *t)
 {
+    enum { FINE = 4, COARSE = 1 };
     add_kind(t, w);
-    text_add(t, "; n %" PRIu64 "; cells %" PRIu64 " %" PRIu64 " %" PRIu64, w->n,
-             rounded(w->cells[0]), rounded(w->cells[1]), w->dims == 3 ? rounded(w->cells[2]) : 1);
-    text_add(t, "; cell %.2g; occupancy %.2g to %.2g; sizes %.2g", w->cell, w->occ_mean, w->occ_p99,
-             w->size_ratio);
+    text_add(t, "; n %" PRIu64 "; cells", w->n);
+    for (uint32_t k = 0; k < w->dims; ++k)
+        text_add(t, " %.3g", rounded(w->cells[k], FINE));
+    text_add(t, " of %.3g; occupancy %.3g to %.3g; sizes 1:%.3g", rounded(w->cell, FINE),
+             rounded(w->occ_mean, FINE), rounded(w->occ_p99, COARSE),
+             rounded(w->size_ratio, COARSE));
 }
 
 void profile_workload_family(const profile_workload *w, text *t)
 {
     add_kind(t, w);
-    text_add(t, "; sizes 2^%d", (int)lround(log2(w->size_ratio)));
+    text_add(t, "; sizes 1:%.3g", rounded(w->size_ratio, 1));
 }
 
 static bool check_fields(const profile_workload *w, duet_error *err)

@@ -21,7 +21,7 @@ typedef struct profile_workload {
 } profile_workload;
 
 // The text that the key is made of. What is measured from the objects is
-// rounded to two digits, so that two draws of one scene are one workload.
+// rounded to parts of an octave, so that two draws of one scene are one workload.
 void profile_workload_text(const profile_workload *w, text *t);
 
 // What workloads of different size must share to be neighbours.

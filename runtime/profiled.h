@@ -14,7 +14,7 @@ typedef struct profiled {
     char kernels[PROFILE_SHA]; // of all kernel text
 } profiled;
 
-// Looks at every object once or twice. BAD_ARGUMENT for a world without objects.
+// Looks at every object. BAD_ARGUMENT for a world without objects.
 bool profiled_world(const duet_world *world, profiled *p, duet_error *err);
 
 // p must live as long as the request is used.

@@ -328,6 +328,15 @@ static void an_older_store_is_copied_and_upgraded(void **state)
     test_folder_remove(&folder);
 }
 
+static void each_version_but_the_last_has_an_upgrade(void **state)
+{
+    (void)state;
+    int n = 0;
+    while (migrate_upgrades[n])
+        ++n;
+    assert_int_equal(n + 1, STORE_VERSION);
+}
+
 static void an_upgrade_that_fails_changes_nothing(void **state)
 {
     (void)state;
@@ -892,6 +901,7 @@ int main(void)
         cmocka_unit_test(a_damaged_store_never_crashes_a_look_up),
         cmocka_unit_test(a_newer_store_is_read_and_not_written),
         cmocka_unit_test(an_older_store_is_copied_and_upgraded),
+        cmocka_unit_test(each_version_but_the_last_has_an_upgrade),
         cmocka_unit_test(an_upgrade_that_fails_changes_nothing),
         cmocka_unit_test(two_upgrades_keep_two_copies),
         cmocka_unit_test(a_read_only_store_is_looked_up_in_and_not_tuned_into),

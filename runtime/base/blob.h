@@ -10,6 +10,7 @@ typedef struct blob {
     const char *path;  // as in the source tree, "kernels/narrow.cl"
     const char *bytes; // followed by a NUL
     size_t length;
+    const char *sha256; // of the bytes, lower-case hex
 } blob;
 
 extern const blob blobs[]; // ends with a NULL path
