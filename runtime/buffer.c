@@ -1,16 +1,30 @@
 // SPDX-License-Identifier: MIT
+#define _DEFAULT_SOURCE
 #include "runtime/buffer.h"
 
 #include "runtime/base/error.h"
 
 #include <stdlib.h>
+#include <sys/mman.h>
 
-enum { ALIGNMENT = 4096, SMALLEST = 4096 };
+enum { ALIGNMENT = 4096, SMALLEST = 4096, LARGE_PAGE = 1 << 21 };
 
-// aligned_alloc wants a multiple of the alignment.
-static size_t rounded(size_t bytes)
+static size_t rounded(size_t bytes, size_t to)
 {
-    return (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    return (bytes + to - 1) / to * to;
+}
+
+// Large pages where there are any: objects are read and placed at random, and
+// small pages' translations would be missed as often as the cache.
+static void *allocate(size_t bytes)
+{
+    if (bytes < LARGE_PAGE)
+        return aligned_alloc(ALIGNMENT, rounded(bytes, ALIGNMENT));
+    size_t whole = rounded(bytes, LARGE_PAGE);
+    void *memory = aligned_alloc(LARGE_PAGE, whole);
+    if (memory)
+        madvise(memory, whole, MADV_HUGEPAGE);
+    return memory;
 }
 
 static bool no_memory(duet_error *err, const device *d, size_t bytes)
@@ -33,7 +47,7 @@ static bool wrap(buffer *b, const device *d, duet_error *err)
 static bool create(buffer *b, const device *d, duet_error *err)
 {
     if (d->info.host_memory) {
-        b->host = aligned_alloc(ALIGNMENT, b->bytes);
+        b->host = allocate(b->bytes);
         return b->host ? wrap(b, d, err) : no_memory(err, d, b->bytes);
     }
     cl_int code = CL_SUCCESS;
@@ -52,7 +66,7 @@ bool buffer_reserve(buffer *b, const device *d, size_t bytes, duet_error *err)
     if (bytes > d->info.max_buffer_bytes)
         return error_set(err, DUET_NO_MEMORY, "%s: %zu bytes wanted, a buffer holds at most %llu",
                          d->info.selector, bytes, (unsigned long long)d->info.max_buffer_bytes);
-    b->bytes = rounded(bytes < SMALLEST ? SMALLEST : bytes);
+    b->bytes = rounded(bytes < SMALLEST ? SMALLEST : bytes, ALIGNMENT);
     bool ok = create(b, d, err);
     if (!ok)
         buffer_release(b);
@@ -103,12 +117,12 @@ bool host_block_reserve(host_block *h, const device devices[2], size_t size, due
     if (h->bytes && h->size >= size)
         return true;
     host_block_release(h);
-    size = rounded(size < SMALLEST ? SMALLEST : size);
+    size = rounded(size < SMALLEST ? SMALLEST : size, ALIGNMENT);
     for (int i = 1; i >= 0 && !h->bytes; --i)
         if (!devices[i].info.host_memory)
             lock_block(h, &devices[i], size);
     if (!h->bytes)
-        h->bytes = aligned_alloc(ALIGNMENT, size);
+        h->bytes = allocate(size);
     if (!h->bytes)
         return error_set(err, DUET_NO_MEMORY, "no host memory for %zu bytes", size);
     h->size = size;

@@ -117,7 +117,20 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
 {
     if (!variant_parse(&p->variant, variant_text, err))
         return false;
-    bool rows = p->variant.search == SEARCH_ROWS;
+    static const struct {
+        const char *starts;
+        const char *place[2]; // kernel and its entry
+        const char *candidates;
+        bool in_cell_order;
+        bool tests; // candidates are tested where they are found
+    } searches[] = {
+        [SEARCH_ROWS] = {"row_start", {"reorder", "reorder"}, "candidates_rows", true, false},
+        [SEARCH_LANES] =
+            {"row_start", {"reorder_lanes", "reorder_lanes"}, "search_lanes", true, true},
+        [SEARCH_PAPER] =
+            {"cell_start", {"bounds", "find_bounds"}, "candidates_paper", false, false},
+    };
+    const int search = p->variant.search;
     bool counting = p->variant.sort == SORT_COUNTING;
     bool poses = task->shape == DUET_SHAPE_POSES;
     const choice choices[] = {
@@ -125,7 +138,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         {"SHAPE", task->shape, false},
         {"ROTATED", poses && task->rotated, false},
         {"RANK", counting, false},
-        {"SORTED", rows, false},
+        {"SORTED", searches[search].in_cell_order, false},
         {"IDS", !poses, false},
         {"GRID", task->grid.kind, false},
         {"LEVELS", task->grid.n_levels > 1, false},
@@ -147,11 +160,10 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         {&p->kernels.scatter, counting, "scatter", "scatter"},
         {&p->kernels.radix_count, !counting, "radix", "radix_count"},
         {&p->kernels.radix_move, !counting, "radix", "radix_move"},
-        {&p->kernels.starts, !counting, "cell_start", rows ? "row_start" : "cell_start"},
-        {&p->kernels.place, true, rows ? "reorder" : "bounds", rows ? "reorder" : "find_bounds"},
-        {&p->kernels.candidates, true, rows ? "candidates_rows" : "candidates_paper",
-         rows ? "candidates_rows" : "candidates_paper"},
-        {&p->kernels.narrow, poses, "narrow", "narrow"},
+        {&p->kernels.starts, !counting, "cell_start", searches[search].starts},
+        {&p->kernels.place, true, searches[search].place[0], searches[search].place[1]},
+        {&p->kernels.candidates, true, searches[search].candidates, searches[search].candidates},
+        {&p->kernels.narrow, poses && !searches[search].tests, "narrow", "narrow"},
     };
     p->kernels = (part_kernels){0};
     for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i) {
@@ -161,7 +173,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         if (!*list[i].at)
             return false;
     }
-    p->kernels.from_ids = !rows || kernel_param(p->kernels.place, "FROM_IDS") == 1;
+    p->kernels.from_ids = search != SEARCH_ROWS || kernel_param(p->kernels.place, "FROM_IDS") == 1;
     p->kernels.fused = kernel_param(p->kernels.candidates, "FUSED") == 1;
     if (p->kernels.radix_count)
         p->kernels.radix_bits = (uint32_t)kernel_param(p->kernels.radix_count, "BITS");

@@ -42,9 +42,9 @@ typedef struct part_kernels {
     kernel *radix_count, *radix_move;
     uint32_t radix_bits; // a pass
     kernel *starts;
-    kernel *place; // bounds by id (paper), or everything into cell order (rows)
+    kernel *place; // bounds by id (paper), or everything into cell order (rows, lanes)
     kernel *candidates;
-    kernel *narrow; // NULL where the candidates are the pairs
+    kernel *narrow; // NULL where the candidates' kernel finds pairs
     bool fused;     // candidates are tested where they are found
     bool from_ids;  // objects reach cell order by their sorted ids
 } part_kernels;
@@ -69,8 +69,9 @@ typedef struct part {
     buffer starts;                // first of each cell
     buffer sums;                  // of blocks, while scanning
     buffer tiles;                 // digits a tile, while sorting
-    buffer bounds;                // [n][2], by id or in cell order
-    buffer boxes;                 // [n][3], in cell order
+    buffer bounds;                // [n][2], by id or in cell order; lanes: by columns
+    buffer boxes;                 // [n][3], in cell order; lanes: rows of numbers
+    uint32_t place_room;          // objects that have a place in both
     buffer candidates, pairs, undecided;
     buffer counters;
 

@@ -130,29 +130,27 @@ static bool place_by_id(part *p, const part_task *task, duet_error *err)
     return timeline_launch(&p->times, "bounds", p->kernels.place, task->n, args, 6, err);
 }
 
-// Objects for which bounds and boxes have room.
-static uint32_t place_room(const part *p)
-{
-    size_t room = p->bounds.bytes / (2 * sizeof(cl_float4));
-    return room > UINT32_MAX ? UINT32_MAX : (uint32_t)room;
-}
-
 static bool place_in_cell_order(part *p, const part_task *task, const part_range *range,
                                 duet_error *err)
 {
     uint32_t n_cells = own_cells(range);
-    uint32_t room = place_room(p);
-    uint32_t work = p->kernels.from_ids && room < task->n ? room : task->n;
-    kernel_arg args[13] = {ARG_BUFFER(p->objects)};
+    bool from_ids = p->kernels.from_ids;
+    uint32_t room = p->place_room;
+    uint32_t work = from_ids && room < task->n ? room : task->n;
+    kernel_arg args[15] = {ARG_BUFFER(p->objects)};
     uint32_t n_args = 1;
-    args[n_args++] = p->kernels.from_ids ? ARG_BUFFER(p->ids) : ARG_BUFFER(p->keys);
-    if (!p->kernels.from_ids)
+    args[n_args++] = from_ids ? ARG_BUFFER(p->ids) : ARG_BUFFER(p->keys);
+    if (!from_ids)
         args[n_args++] = ARG_BUFFER(p->keys_spare);
-    const kernel_arg where[] = {
-        ARG(task->n),          ARG_BUFFER(p->starts),    ARG(n_cells),         ARG(room),
-        ARG_BUFFER(p->levels), ARG(task->grid.n_levels), ARG_BUFFER(p->bounds)};
+    const kernel_arg where[] = {ARG(task->n), ARG_BUFFER(p->starts), ARG(n_cells),
+                                ARG(room),    ARG_BUFFER(p->levels), ARG(task->grid.n_levels)};
     for (size_t i = 0; i < sizeof where / sizeof where[0]; ++i)
         args[n_args++] = where[i];
+    if (p->variant.search == SEARCH_LANES) {
+        args[n_args++] = ARG(task->grid.n_cells);
+        args[n_args++] = ARG(range->key_from);
+    }
+    args[n_args++] = ARG_BUFFER(p->bounds);
     if (task->shape == DUET_SHAPE_POSES)
         args[n_args++] = ARG_BUFFER(p->boxes);
     args[n_args++] = ARG_BUFFER(p->counters);
@@ -161,17 +159,39 @@ static bool place_in_cell_order(part *p, const part_task *task, const part_range
 
 static bool place(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
-    return p->variant.search == SEARCH_ROWS ? place_in_cell_order(p, task, range, err)
-                                            : place_by_id(p, task, err);
+    return p->variant.search == SEARCH_PAPER ? place_by_id(p, task, err)
+                                             : place_in_cell_order(p, task, range, err);
+}
+
+typedef struct place_bytes {
+    size_t bounds;
+    size_t boxes;
+} place_bytes;
+
+// Bounds and boxes of n objects as the search reads them. Columns of lanes run
+// past n, for whole vectors are read and written there.
+static place_bytes bytes_of_places(const part *p, const part_task *task, size_t n)
+{
+    enum { LANES = 8 };
+    bool poses = task->shape == DUET_SHAPE_POSES;
+    if (p->variant.search == SEARCH_LANES) {
+        size_t column = (n + 2 * LANES - 1) / LANES * LANES;
+        size_t words = task->rotated && task->dims == 3 ? 16 : 8;
+        return (place_bytes){.bounds = column * (2 * task->dims + 1) * sizeof(float),
+                             .boxes = poses ? column * words * sizeof(float) : 0};
+    }
+    bool boxes = poses && p->variant.search == SEARCH_ROWS;
+    return (place_bytes){.bounds = n * 2 * sizeof(cl_float4),
+                         .boxes = boxes ? n * 3 * sizeof(cl_float4) : 0};
 }
 
 static bool reserve_places(part *p, const part_task *task, size_t n, duet_error *err)
 {
-    bool rows = p->variant.search == SEARCH_ROWS;
-    size_t places = rows ? n : task->n;
-    return buffer_reserve(&p->bounds, p->device, places * 2 * sizeof(cl_float4), err) &&
-           (!rows || task->shape != DUET_SHAPE_POSES ||
-            buffer_reserve(&p->boxes, p->device, places * 3 * sizeof(cl_float4), err));
+    size_t places = p->variant.search == SEARCH_PAPER ? task->n : n;
+    place_bytes bytes = bytes_of_places(p, task, places);
+    p->place_room = (uint32_t)places;
+    return buffer_reserve(&p->bounds, p->device, bytes.bounds, err) &&
+           (bytes.boxes == 0 || buffer_reserve(&p->boxes, p->device, bytes.boxes, err));
 }
 
 static bool reserve_grid(part *p, const part_task *task, const part_range *range, duet_error *err)
@@ -249,13 +269,15 @@ static bool receive_piece(part *to, grid_piece piece, void *host, duet_error *er
 // Where both work on host memory the bounds and boxes are there already.
 static bool borrow_places(part *to, const part *from, const part_task *task, duet_error *err)
 {
-    size_t bounds = task->n * 2 * sizeof(cl_float4);
-    size_t boxes = task->n * 3 * sizeof(cl_float4);
-    bool ok = buffer_borrow(&to->bounds, to->device, from->bounds.host, bounds, err) &&
-              timeline_write(&to->times, "receive grid", &to->bounds, to->bounds.host, bounds, err);
-    if (ok && from->boxes.host)
-        ok = buffer_borrow(&to->boxes, to->device, from->boxes.host, boxes, err) &&
-             timeline_write(&to->times, "receive grid", &to->boxes, to->boxes.host, boxes, err);
+    place_bytes bytes = bytes_of_places(from, task, from->place_room);
+    to->place_room = from->place_room;
+    bool ok =
+        buffer_borrow(&to->bounds, to->device, from->bounds.host, bytes.bounds, err) &&
+        timeline_write(&to->times, "receive grid", &to->bounds, to->bounds.host, bytes.bounds, err);
+    if (ok && bytes.boxes)
+        ok = buffer_borrow(&to->boxes, to->device, from->boxes.host, bytes.boxes, err) &&
+             timeline_write(&to->times, "receive grid", &to->boxes, to->boxes.host, bytes.boxes,
+                            err);
     return ok;
 }
 

@@ -70,6 +70,40 @@ static bool run_rows(part *p, const part_task *task, const part_range *range, bu
                            args, n_args, err);
 }
 
+// Candidates are tested where they are found.
+static bool run_lanes(part *p, const part_task *task, const part_range *range, duet_error *err)
+{
+    const grid *g = &task->grid;
+    bool poses = task->shape == DUET_SHAPE_POSES;
+    uint32_t n_home = range->home_to - range->key_from;
+    uint32_t n_own = range->key_to - range->key_from;
+    uint32_t last = smaller(range->last, range->expected);
+    uint32_t room = room_of(&p->pairs);
+    uint32_t undecided_room = room_of(&p->undecided);
+    kernel_arg args[17] = {ARG_BUFFER(p->bounds),
+                           ARG(p->place_room),
+                           poses ? ARG_BUFFER(p->boxes) : ARG_BUFFER(p->ids),
+                           ARG_BUFFER(p->starts),
+                           ARG_BUFFER(p->levels),
+                           ARG(g->n_levels),
+                           ARG(g->n_cells),
+                           ARG(range->key_from),
+                           ARG(n_home),
+                           ARG(n_own),
+                           ARG(range->first),
+                           ARG(last),
+                           ARG_BUFFER(p->pairs),
+                           ARG(room)};
+    uint32_t n_args = 14;
+    if (poses) {
+        args[n_args++] = ARG_BUFFER(p->undecided);
+        args[n_args++] = ARG(undecided_room);
+    }
+    args[n_args++] = ARG_BUFFER(p->counters);
+    return timeline_launch(&p->times, "search", p->kernels.candidates, search_work(task, range),
+                           args, n_args, err);
+}
+
 static bool run_paper(part *p, const part_task *task, const part_range *range, buffer *found,
                       duet_error *err)
 {
@@ -100,7 +134,7 @@ static bool run_narrow(part *p, uint64_t work, duet_error *err)
     uint32_t candidate_room = room_of(&p->candidates);
     uint32_t room = room_of(&p->pairs);
     uint32_t undecided_room = room_of(&p->undecided);
-    buffer *boxes = p->variant.search == SEARCH_ROWS ? &p->boxes : &p->objects;
+    buffer *boxes = p->variant.search == SEARCH_PAPER ? &p->objects : &p->boxes;
     kernel_arg args[] = {ARG_BUFFER(*boxes),  ARG_BUFFER(p->candidates),
                          ARG(candidate_room), ARG_BUFFER(p->pairs),
                          ARG(room),           ARG_BUFFER(p->undecided),
@@ -111,8 +145,15 @@ static bool run_narrow(part *p, uint64_t work, duet_error *err)
 static bool run_candidates(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     buffer *found = p->kernels.narrow ? &p->candidates : &p->pairs;
-    return p->variant.search == SEARCH_ROWS ? run_rows(p, task, range, found, err)
-                                            : run_paper(p, task, range, found, err);
+    switch (p->variant.search) {
+    case SEARCH_ROWS:
+        return run_rows(p, task, range, found, err);
+    case SEARCH_LANES:
+        return run_lanes(p, task, range, err);
+    case SEARCH_PAPER:
+        break;
+    }
+    return run_paper(p, task, range, found, err);
 }
 
 // Candidates are not counted on the host before they are tested: the narrow
@@ -234,15 +275,16 @@ static bool fetch_span(part *p, const part_task *task, duet_error *err)
     return ok;
 }
 
-static bool reserve_first(part *p, uint32_t objects, duet_error *err)
+static bool reserve_first(part *p, const part_task *task, uint32_t objects, duet_error *err)
 {
     uint64_t guess = objects;
     bool ok = p->pairs.mem || reserve_room(p, &p->pairs, guess, err);
+    if (task->shape == DUET_SHAPE_POSES)
+        ok = ok && (p->undecided.mem || reserve_room(p, &p->undecided, guess / 64, err));
     if (p->kernels.narrow)
-        ok = ok &&
-             (p->candidates.mem ||
-              reserve_room(p, &p->candidates, p->kernels.fused ? guess / 64 : 2 * guess, err)) &&
-             (p->undecided.mem || reserve_room(p, &p->undecided, guess / 64, err));
+        ok =
+            ok && (p->candidates.mem ||
+                   reserve_room(p, &p->candidates, p->kernels.fused ? guess / 64 : 2 * guess, err));
     return ok;
 }
 
@@ -252,7 +294,7 @@ bool part_search(part *p, const part_task *task, const part_range *range, bool *
     *placed = true;
     if (range->first >= range->last)
         return part_read_counters(p, err) && timeline_finish(&p->times, err);
-    bool ok = reserve_first(p, search_work(task, range), err);
+    bool ok = reserve_first(p, task, search_work(task, range), err);
     bool fits = false;
     while (ok && !fits && *placed) {
         ok = search_once(p, task, range, err) && under_limit(p, task, err);
@@ -261,7 +303,7 @@ bool part_search(part *p, const part_task *task, const part_range *range, bool *
     }
     if (!ok || !*placed)
         return ok;
-    p->n_candidates = p->kernels.narrow
+    p->n_candidates = task->shape == DUET_SHAPE_POSES
                           ? part_count(p, COUNT_CANDIDATES) + part_count(p, COUNT_TESTED)
                           : part_count(p, COUNT_PAIRS);
     return fetch_span(p, task, err);

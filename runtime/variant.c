@@ -10,18 +10,25 @@
 
 static bool take_search(variant *v, const char *word, duet_error *err)
 {
-    if (strcmp(word, "rows") == 0) {
-        v->search = SEARCH_ROWS;
-        v->sort = SORT_COUNTING;
-    } else if (strcmp(word, "paper") == 0) {
-        v->search = SEARCH_PAPER;
-        v->sort = SORT_RADIX;
-    } else {
-        return error_set(err, DUET_BAD_ARGUMENT,
-                         "variant '%s': there is none of that name; there are rows and paper",
-                         word);
+    static const struct {
+        const char *name;
+        variant_search search;
+        variant_sort sort;
+    } searches[] = {
+        {"rows", SEARCH_ROWS, SORT_COUNTING},
+        {"lanes", SEARCH_LANES, SORT_COUNTING},
+        {"paper", SEARCH_PAPER, SORT_RADIX},
+    };
+    for (size_t i = 0; i < sizeof searches / sizeof searches[0]; ++i) {
+        if (strcmp(word, searches[i].name) != 0)
+            continue;
+        v->search = searches[i].search;
+        v->sort = searches[i].sort;
+        return true;
     }
-    return true;
+    return error_set(err, DUET_BAD_ARGUMENT,
+                     "variant '%s': there is none of that name; there are rows, lanes and paper",
+                     word);
 }
 
 static bool take_sort(variant *v, const char *value, duet_error *err)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a variant's text asks for: "rows", "paper", "rows sort=radix BUF=512".
+// What a variant's text asks for: "rows", "lanes", "paper", "rows sort=radix
+// BUF=512".
 //
 // The first word names the search. sort is counting or radix, grid is auto,
 // uniform, dense or hashed; every other NAME=V sets a parameter of each kernel whose card has it,
@@ -9,7 +10,9 @@
 
 #include "runtime/duet.h"
 
-typedef enum variant_search { SEARCH_ROWS, SEARCH_PAPER } variant_search;
+// rows: a pair a work-item, as GPUs like it; lanes: eight side by side in a
+// work-item, as CPUs do; paper: section 2.3 of the paper.
+typedef enum variant_search { SEARCH_ROWS, SEARCH_LANES, SEARCH_PAPER } variant_search;
 
 typedef enum variant_sort { SORT_COUNTING, SORT_RADIX } variant_sort;
 

@@ -32,11 +32,20 @@ static uint32_t default_share(const duet_device_info *a, const duet_device_info 
     return units ? (uint32_t)(DUET_SHARE_ONE * (uint64_t)a->units / units) : 0;
 }
 
+static const char *default_variant(const duet_device_info *info)
+{
+    return info->kind == DUET_KIND_CPU ? "lanes" : "rows";
+}
+
 duet_plan duet_default_plan(const duet_device_pair *pair)
 {
     duet_plan plan = {.mode = DUET_MODE_OWN, .variant_a = "rows", .variant_b = "rows"};
-    if (pair)
-        plan.share = default_share(&pair->devices[0].info, &pair->devices[1].info);
+    if (!pair)
+        return plan;
+    const duet_device_info *a = &pair->devices[0].info, *b = &pair->devices[1].info;
+    plan.share = default_share(a, b);
+    strcpy(plan.variant_a, default_variant(a));
+    strcpy(plan.variant_b, default_variant(b));
     return plan;
 }
 

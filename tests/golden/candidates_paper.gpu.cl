@@ -26,15 +26,12 @@ static inline bool bounds_overlap(float4 lower_a, float4 upper_a, float4 lower_b
     return overlap;
 }
 
-__kernel void candidates_paper(__global const uint *restrict keys, __global const uint *restrict ids,
-                               __global const uint *restrict starts,
-                               __global const float4 *restrict boxes, uint n, uint first, uint last,
-                               int4 cells, uint key_from, uint n_home_cells, uint n_own_cells,
-                               __global uint2 *restrict found, uint room, volatile __global uint *restrict counters)
+// The pairs of place i with those that come after it.
+static inline void search_cells(__global const uint *keys, __global const uint *ids, __global const uint *starts,
+                                __global const float4 *boxes, uint n, uint i, int4 cells, uint key_from,
+                                uint n_own_cells, __global uint2 *found, uint room,
+                                volatile __global uint *counter)
 {
-    uint i = first + get_global_id(0);
-    if (i >= min(last, n) || keys[i] >= n_home_cells)
-        return;
     uint id = ids[i];
     float4 lower = boxes[2 * (size_t)id];
     float4 upper = boxes[2 * (size_t)id + 1];
@@ -57,7 +54,7 @@ __kernel void candidates_paper(__global const uint *restrict keys, __global cons
                     bool overlap = bounds_overlap(lower, upper, boxes[2 * (size_t)other],
                                                   boxes[2 * (size_t)other + 1]);
                     if (overlap && i < j) { // the other side finds it too
-                        uint slot = reserve(counters + (IDS ? COUNT_PAIRS : COUNT_CANDIDATES), 1);
+                        uint slot = reserve(counter, 1);
                         if (slot < room)
                             found[slot] = ordered(id, other);
                     }
@@ -65,4 +62,25 @@ __kernel void candidates_paper(__global const uint *restrict keys, __global cons
             }
         }
     }
+}
+
+// Where the cell of place i begins: parts that each sorted for themselves agree
+// on it, though not on the order inside a cell.
+static inline uint cell_begin(__global const uint *keys, __global const uint *starts, uint i, uint n,
+                              uint n_own_cells)
+{
+    return i < n && keys[i] < n_own_cells ? starts[keys[i]] : i;
+}
+
+__kernel void candidates_paper(__global const uint *restrict keys, __global const uint *restrict ids,
+                               __global const uint *restrict starts,
+                               __global const float4 *restrict boxes, uint n, uint first, uint last,
+                               int4 cells, uint key_from, uint n_home_cells, uint n_own_cells,
+                               __global uint2 *restrict found, uint room, volatile __global uint *restrict counters)
+{
+    volatile __global uint *counter = counters + (IDS ? COUNT_PAIRS : COUNT_CANDIDATES);
+    uint end = min(cell_begin(keys, starts, last, n, n_own_cells), n);
+    uint i = cell_begin(keys, starts, first, n, n_own_cells) + get_global_id(0);
+    for (; i < end && keys[i] < n_home_cells; i += get_global_size(0))
+        search_cells(keys, ids, starts, boxes, n, i, cells, key_from, n_own_cells, found, room, counter);
 }

@@ -393,6 +393,18 @@ static inline void search_around(pair_sink *sink, const sorted *in, uint place)
 #endif
 }
 
+// Where the entry of a place begins: parts that each sorted for themselves
+// agree on it, though not on the order inside a cell.
+static inline uint entry_begin(const sorted *in, uint place, uint end)
+{
+    if (place >= end)
+        return end;
+    uint level = as_uint(in->bounds[2 * (size_t)place + 1].w);
+    float centre[3];
+    set_centre(in, place, centre);
+    return in->starts[key_in(centre, in->levels + level, level, in->n_cells) - in->key_from];
+}
+
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
 candidates_rows(__global const float4 *restrict bounds,
 #if SHAPE == SHAPE_POSES
@@ -424,19 +436,22 @@ candidates_rows(__global const float4 *restrict bounds,
     if (get_local_id(0) == 0)
         used = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
-    uint end = min(last, starts[n_home_cells]);
-    uint tile = first + get_group_id(0) * WG * PER_ITEM;
-    for (uint round = 0; round < PER_ITEM; ++round) {
-        uint place = tile + round * WG + get_local_id(0);
-        if (place < end)
-            search_around(&sink, &in, place);
-        barrier(CLK_LOCAL_MEM_FENCE);
-        if (used > BUF / 2 || round + 1 == PER_ITEM)
+    uint home = starts[n_home_cells];
+    uint end = entry_begin(&in, last, home);
+    uint tile = entry_begin(&in, first, home) + get_group_id(0) * WG * PER_ITEM;
+    for (; tile < end; tile += get_num_groups(0) * WG * PER_ITEM) {
+        for (uint round = 0; round < PER_ITEM; ++round) {
+            uint place = tile + round * WG + get_local_id(0);
+            if (place < end)
+                search_around(&sink, &in, place);
+            barrier(CLK_LOCAL_MEM_FENCE);
+            if (used > BUF / 2 || round + 1 == PER_ITEM)
 #if FUSED
-            give_away(&sink, &to);
+                give_away(&sink, &to);
 #else
-            give_away(&sink);
+                give_away(&sink);
 #endif
-        barrier(CLK_LOCAL_MEM_FENCE);
+            barrier(CLK_LOCAL_MEM_FENCE);
+        }
     }
 }

@@ -1,0 +1,25 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "half the neighbourhood in merged rows and the axis test, eight at a time",
+  uses = { "lanes.clh", "object.clh", "grid.clh", "sat.clh", "box_rows.clh", "corners.clh" },
+  emit = { "stencil" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
+    { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
+    { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
+    { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
+    { "LANES", values = { 8 }, default = 8, about = "objects side by side in a work-item" },
+    { "WG", values = { 1 }, default = 1, about = "work-items a group" },
+    { "BUF", values = { 256, 512, 1024, 2048 }, default = 512, about = "candidates that wait for the axis test" },
+    { "AHEAD", values = { 0, 16, 32, 64 }, default = function(limits) return limits.cpu and 32 or 0 end,
+      about = "boxes asked for before they are needed" },
+    { "PER_ITEM", values = { 256, 1024, 4096 }, default = 1024, about = "objects a work-item" },
+  },
+  valid = function(p, limits)
+    if p.AHEAD > 0 and not limits.cpu then return false, "AHEAD is for CPUs" end
+    if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

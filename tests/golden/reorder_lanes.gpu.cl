@@ -1,0 +1,82 @@
+// reorder_lanes.DIMS3.SHAPE0.ROTATED1.GRID0.LEVELS0.AHEAD0.PER_ITEM1024
+#define DIMS 3
+#define SHAPE 0
+#define ROTATED 1
+#define GRID 0
+#define LEVELS 0
+#define LANES 8
+#define WG 1
+#define AHEAD 0
+#define PER_ITEM 1024
+#line 1 "kernels/common.clh"
+#line 1 "kernels/lanes.clh"
+#line 1 "kernels/object.clh"
+#line 1 "kernels/grid.clh"
+#line 1 "kernels/sat.clh"
+#line 1 "kernels/box_rows.clh"
+#line 1 "kernels/corners.clh"
+#line 1 "kernels/reorder_lanes.cl"
+// SPDX-License-Identifier: MIT
+// Moves the objects into cell order as a search over lanes reads them. What is
+// not in the grid comes last in that order and stays away.
+//
+//   ids    [n]  sorted by cell
+//   starts [n_own_cells + 1] the last one: how many are in the grid
+//   bounds [2 DIMS + 1][COLUMN(room)]
+//   boxes  [COLUMN(room)][BOX_WORDS] (poses)
+
+// Places past the end are the last one again.
+static inline void ids_from(__global const uint *ids, uint place, uint end, uint to[LANES])
+{
+    for (uint k = 0; k < LANES; ++k)
+        to[k] = ids[min(place + k, end - 1)];
+}
+
+static inline void store_bounds(__global float *columns, size_t column, uint place, const bounds *b, word where)
+{
+#pragma unroll
+    for (int k = 0; k < DIMS; ++k) {
+        vstore8(b->lower[k], 0, columns + k * column + place);
+        vstore8(b->upper[k], 0, columns + (DIMS + k) * column + place);
+    }
+    vstore8(as_real(where), 0, columns + 2 * DIMS * column + place);
+}
+
+__kernel void reorder_lanes(__global const float *restrict objects, __global const uint *restrict ids, uint n,
+                            __global const uint *restrict starts, uint n_own_cells, uint room,
+                            __constant const grid_level *levels, uint n_levels, uint n_cells, uint key_from,
+                            __global float *restrict sorted_bounds,
+#if SHAPE == SHAPE_POSES
+                            __global float *restrict sorted_boxes,
+#endif
+                            volatile __global uint *restrict counters)
+{
+    uint placed = starts[n_own_cells];
+    if (get_global_id(0) == 0)
+        counters[COUNT_PLACED] = placed;
+    uint end = min(placed, room);
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, end);
+    for (uint place = first; place < last; place += LANES) {
+        uint sources[LANES];
+#if AHEAD
+        ids_from(ids, place + AHEAD, end, sources);
+        for (uint k = 0; k < LANES; ++k)
+            ask_for(objects + (size_t)sources[k] * OBJECT_WIDTH);
+#endif
+        ids_from(ids, place, end, sources);
+        object o = object_at(objects, sources);
+        bounds b = object_bounds(&o);
+        check_extent(&o, levels, n_levels, counters);
+#if ENTRIES
+        word where = object_key(&o, levels, n_levels, n_cells) - key_from;
+#else
+        word where = level_of(&o, levels, n_levels);
+#endif
+        store_bounds(sorted_bounds, COLUMN(room), place, &b, where);
+#if SHAPE == SHAPE_POSES
+        box stored = box_of(&o);
+        store_boxes(sorted_boxes, place, &stored, vload8(0, sources));
+#endif
+    }
+}

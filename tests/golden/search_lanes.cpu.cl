@@ -1,0 +1,510 @@
+// search_lanes.DIMS2.SHAPE0.ROTATED1.GRID0.LEVELS0.BUF512.AHEAD32.PER_ITEM1024
+#define DIMS 2
+#define SHAPE 0
+#define ROTATED 1
+#define GRID 0
+#define LEVELS 0
+#define LANES 8
+#define WG 1
+#define BUF 512
+#define AHEAD 32
+#define PER_ITEM 1024
+#line 1 "kernels/common.clh"
+#line 1 "kernels/lanes.clh"
+#line 1 "kernels/object.clh"
+#line 1 "kernels/grid.clh"
+#line 1 "kernels/sat.clh"
+#line 1 "kernels/box_rows.clh"
+#line 1 "kernels/corners.clh"
+#line 1 "kernels/search_lanes.cl.in"
+// SPDX-License-Identifier: MIT
+// Objects in cell order to pairs, eight at a time.
+//
+// What is to be found, and from which of two objects, is as in
+// candidates_rows.cl.in. Ranges of places collect until there are several, for
+// most are shorter than a vector; the overlapping ones wait in private memory
+// until there are enough of them, and are tested there. Nothing is atomic but
+// the taking of room for many pairs at once.
+//
+//   bounds    as reorder_lanes leaves them
+//   starts    [n_own_cells + 1] first of each cell from key_from on
+//   boxes     as reorder_lanes leaves them, or ids [n] for bounds
+//   pairs     [room]           ids
+//   undecided [undecided_room] ids (poses)
+#if ENTRIES
+#define RANGES 2
+#define USED_RANGES(r) RANGES
+#else
+#define RANGES 8
+#define USED_RANGES(r) (r)->n
+#endif
+#define ROUND (RANGES * LANES) // most candidates that come at once
+#define WAITING_ROOM (BUF + ROUND + AHEAD + LANES)
+
+// Cells side by side.
+typedef struct {
+    uint level;
+    uint y, z;
+    uint left, right;
+} row;
+
+// Whose neighbours are sought.
+typedef struct {
+    uint place;
+    float lower[DIMS];
+    float upper[DIMS];
+} seeker;
+
+// Places that may hold neighbours.
+typedef struct {
+    uint n;
+    uint from[RANGES];
+    uint to[RANGES];
+#if GRID == GRID_HASHED
+    row cells[RANGES];
+#endif
+} ranges;
+
+typedef struct {
+    __global const float *bounds;
+    size_t column;
+    __global const uint *where;
+    __global const uint *starts;
+#if SHAPE == SHAPE_POSES
+    __global const float *boxes;
+#else
+    __global const uint *ids;
+#endif
+    __constant const grid_level *levels;
+    uint n_levels;
+    uint n_cells;
+    uint key_from;
+    uint n_own_cells;
+} sorted;
+
+typedef struct {
+    uint2 *waiting; // candidates: places, or ids for bounds
+    uint n_waiting;
+    uint n_tested;
+    __global uint2 *pairs;
+    uint room;
+#if SHAPE == SHAPE_POSES
+    __global uint2 *undecided;
+    uint undecided_room;
+#endif
+    volatile __global uint *counters;
+} search;
+
+// ------------------------------------------------------------ pairs
+
+static inline void write_pairs(search *s, const uint2 *found, uint n)
+{
+    uint to = reserve(s->counters + COUNT_PAIRS, n);
+    for (uint k = 0; k < n; ++k)
+        if (to + k < s->room)
+            s->pairs[to + k] = found[k];
+}
+
+#if SHAPE == SHAPE_POSES
+
+static inline void leave_open(search *s, ulong lanes, const uint *a, const uint *b)
+{
+    for (; lanes; lanes &= lanes - 1) {
+        uint k = (63 - (uint)clz(lanes & -lanes)) / 8;
+        uint to = reserve(s->counters + COUNT_UNDECIDED, 1);
+        if (to < s->undecided_room)
+            s->undecided[to] = ordered(a[k], b[k]);
+    }
+}
+
+// Tests the first n of those waiting. The store is unconditional: whether a
+// candidate collides is a coin's toss.
+static inline void test_waiting(search *s, const sorted *in, uint n)
+{
+    uint2 found[BUF + ROUND + LANES];
+    uint n_found = 0;
+    for (uint i = 0; i < n; i += LANES) {
+        uint first[LANES], second[LANES], a[LANES], b[LANES];
+#pragma unroll
+        for (uint k = 0; k < LANES; ++k) {
+#if AHEAD
+            ask_for(in->boxes + (size_t)s->waiting[i + AHEAD + k].y * BOX_WORDS);
+#endif
+            first[k] = s->waiting[i + k].x;
+            second[k] = s->waiting[i + k].y;
+        }
+        word ids_a, ids_b;
+        box box_a = load_boxes(in->boxes, first, &ids_a);
+        box box_b = load_boxes(in->boxes, second, &ids_b);
+        verdicts v = verdict(&box_a, &box_b);
+        ulong wanted = first_lanes(n - i);
+        ulong hits = lane_bits(v.colliding) & wanted;
+        ulong open = ~lane_bits(v.colliding | v.separated) & wanted;
+        spread(min(ids_a, ids_b), a);
+        spread(max(ids_a, ids_b), b);
+#pragma unroll
+        for (uint k = 0; k < LANES; ++k) {
+            found[n_found] = (uint2)(a[k], b[k]);
+            n_found += (uint)(hits >> 8 * k) & 1;
+        }
+        if (open)
+            leave_open(s, open, a, b);
+    }
+    write_pairs(s, found, n_found);
+}
+
+#else
+
+// Candidates of bounds are pairs.
+static inline void test_waiting(search *s, const sorted *in, uint n)
+{
+    write_pairs(s, s->waiting, n);
+}
+
+#endif
+
+// Tests whole eights and keeps the rest waiting.
+static inline void test_eights(search *s, const sorted *in)
+{
+    uint n = s->n_waiting / LANES * LANES;
+    test_waiting(s, in, n);
+    for (uint k = n; k < s->n_waiting; ++k)
+        s->waiting[k - n] = s->waiting[k];
+    s->n_tested += n;
+    s->n_waiting -= n;
+}
+
+static inline void test_rest(search *s, const sorted *in)
+{
+    test_waiting(s, in, s->n_waiting);
+    s->n_tested += s->n_waiting;
+    s->n_waiting = 0;
+}
+
+// ------------------------------------------------------------ candidates
+
+// An object's centre, in every lane.
+static inline void set_centre(const sorted *in, uint place, real centre[3])
+{
+#if SHAPE == SHAPE_POSES
+    __global const float *box = in->boxes + (size_t)place * BOX_WORDS;
+    for (int k = 0; k < 3; ++k)
+        centre[k] = ALL(k < DIMS ? box[k] : 0.0f);
+#else
+    object o;
+    for (int k = 0; k < 3; ++k) {
+        o.lower[k] = ALL(k < DIMS ? in->bounds[k * in->column + place] : 0.0f);
+        o.upper[k] = ALL(k < DIMS ? in->bounds[(DIMS + k) * in->column + place] : 0.0f);
+    }
+    object_centre(&o, centre);
+#endif
+}
+
+// In a hashed grid other cells share the entries of those that are meant.
+static inline bool is_in(const sorted *in, uint place, const ranges *r, uint range)
+{
+#if GRID == GRID_HASHED
+    const row *cells = r->cells + range;
+    if (in->where[place] != cells->level)
+        return false;
+    real centre[3];
+    word cell[3];
+    set_centre(in, place, centre);
+    cell_of(centre, in->levels + cells->level, cell);
+    uint x = cell[0].s0;
+    return x >= cells->left && x <= cells->right && cell[1].s0 == cells->y && cell[2].s0 == cells->z;
+#else
+    return true;
+#endif
+}
+
+// Bit 8 k + r: lane k of range r overlaps.
+static inline ulong overlapping(const sorted *in, const seeker *me, const ranges *r)
+{
+    ulong bits = 0;
+#if ENTRIES
+#pragma unroll
+#endif
+    for (uint range = 0; range < USED_RANGES(r); ++range) {
+        __global const float *at = in->bounds + r->from[range];
+        mask m = (mask)(-1);
+#pragma unroll
+        for (int k = 0; k < DIMS; ++k) {
+            m &= vload8(0, at + k * in->column) <= me->upper[k];
+            m &= vload8(0, at + (DIMS + k) * in->column) >= me->lower[k];
+        }
+        bits |= (lane_bits(m) & first_lanes(r->to[range] - r->from[range])) << range;
+    }
+    return bits;
+}
+
+// Moves each range to its next eight places; false once all are at their end.
+static inline bool next_places(ranges *r)
+{
+    bool more = false;
+#if ENTRIES
+#pragma unroll
+#endif
+    for (uint range = 0; range < USED_RANGES(r); ++range) {
+        r->from[range] = min(r->from[range] + LANES, r->to[range]);
+        more |= r->from[range] < r->to[range];
+    }
+    return more;
+}
+
+static inline void search_ranges(search *s, const sorted *in, const seeker *me, ranges *r)
+{
+    do {
+        ulong bits = overlapping(in, me, r);
+        while (bits) {
+            uint bit = 63 - (uint)clz(bits);
+            bits ^= 1ul << bit;
+            uint place = r->from[bit % 8] + bit / 8;
+            if (!is_in(in, place, r, bit % 8))
+                continue;
+#if SHAPE == SHAPE_POSES
+            s->waiting[s->n_waiting++] = (uint2)(me->place, place);
+#else
+            s->waiting[s->n_waiting++] = ordered(in->ids[me->place], in->ids[place]);
+#endif
+        }
+        if (s->n_waiting > BUF)
+            test_eights(s, in);
+    } while (next_places(r));
+}
+
+// ------------------------------------------------------------ neighbours
+
+#if ENTRIES
+
+// The entry that an object belongs to.
+static inline uint entry_of(const sorted *in, uint place)
+{
+    return in->where[place];
+}
+
+// What follows in the own row, and the rows after it, by their entries alone.
+//
+// A grid of three cells or more along x and y needs no border case: a row that
+// leaves the grid there goes on in one so far away that nothing overlaps, and
+// no cell comes twice. Behind the last layer there is nothing.
+static inline void search_around(search *s, const sorted *in, const seeker *me)
+{
+    uint entry = in->where[me->place];
+    uint nx = (uint)in->levels->cells.x, ny = (uint)in->levels->cells.y, nz = (uint)in->levels->cells.z;
+    uint x = 1, y = 0, z = 0;
+    if (nx < 3) {
+        uint key = entry + in->key_from;
+        x = key % nx;
+        y = key / nx % ny;
+        z = key / nx / ny;
+    }
+    uint left = x > 0 ? 1 : 0;
+    uint right = x + 1 < nx ? 1 : 0;
+    ranges r = {.n = RANGES};
+    r.from[0] = me->place + 1;
+    r.to[0] = in->starts[min(entry + right + 1, in->n_own_cells)];
+#line 289 "kernels/search_lanes.cl.in"
+    {
+        uint at = entry + ((0 - z) * ny + (y + 1 - y)) * nx;
+        bool inside = y + 1 < ny;
+        r.from[1] = in->starts[inside ? min(at - left, in->n_own_cells) : in->n_own_cells];
+        r.to[1] = in->starts[inside ? min(at + right + 1, in->n_own_cells) : in->n_own_cells];
+    }
+#line 296 "kernels/search_lanes.cl.in"
+    search_ranges(s, in, me, &r);
+}
+
+#else
+
+static inline uint entry_of(const sorted *in, uint place)
+{
+    uint level = in->where[place];
+    real centre[3];
+    set_centre(in, place, centre);
+    return key_in(centre, in->levels + level, level, in->n_cells).s0 - in->key_from;
+}
+
+static inline void add_range(search *s, const sorted *in, const seeker *me, ranges *r, const row *cells, uint from,
+                             uint to)
+{
+    if (from >= to)
+        return;
+    r->from[r->n] = from;
+    r->to[r->n] = to;
+#if GRID == GRID_HASHED
+    r->cells[r->n] = *cells;
+#endif
+    if (++r->n == RANGES) {
+        search_ranges(s, in, me, r);
+        r->n = 0;
+    }
+}
+
+static inline uint row_entry(const sorted *in, const row *cells)
+{
+    return row_key((word)(cells->y), (word)(cells->z), in->levels + cells->level, cells->level).s0 - in->key_from;
+}
+
+static inline void add_row(search *s, const sorted *in, const seeker *me, ranges *r, const row *cells)
+{
+    uint entry = row_entry(in, cells);
+    uint first = entry + cells->left, last = entry + cells->right;
+#if GRID == GRID_HASHED
+    first &= in->n_cells - 1;
+    last &= in->n_cells - 1;
+    if (first > last) { // the row goes on at the table's begin
+        add_range(s, in, me, r, cells, in->starts[first], in->starts[in->n_cells]);
+        first = 0;
+    }
+#endif
+    add_range(s, in, me, r, cells, in->starts[first], in->starts[last + 1]);
+}
+
+// What follows in the own cell and the one to its right.
+static inline void add_own_row(search *s, const sorted *in, const seeker *me, ranges *r, const row *cells)
+{
+    uint entry = row_entry(in, cells);
+#if GRID == GRID_HASHED
+    uint own = (entry + cells->left) & (in->n_cells - 1);
+    row rest = *cells;
+    rest.right = cells->left;
+    add_range(s, in, me, r, &rest, me->place + 1, in->starts[own + 1]);
+    rest.left = rest.right = cells->right;
+    if (cells->left < cells->right)
+        add_row(s, in, me, r, &rest);
+#else
+    add_range(s, in, me, r, cells, me->place + 1, in->starts[entry + cells->right + 1]);
+#endif
+}
+
+static inline void add_level(search *s, const sorted *in, const seeker *me, ranges *r, uint level)
+{
+    __constant const grid_level *grid = in->levels + level;
+    real centre[3];
+    word cell[3];
+    set_centre(in, me->place, centre);
+    cell_of(centre, grid, cell);
+    uint x = cell[0].s0, y = cell[1].s0, z = cell[2].s0;
+    uint nx = (uint)grid->cells.x, ny = (uint)grid->cells.y, nz = (uint)grid->cells.z;
+    row cells = {level, y, z, x, x + 1 < nx ? x + 1 : x};
+    add_own_row(s, in, me, r, &cells);
+    cells.left = x > 0 ? x - 1 : 0;
+#line 375 "kernels/search_lanes.cl.in"
+    if (y + 1 < ny) {
+        cells.y = y + 1;
+        cells.z = 0;
+        add_row(s, in, me, r, &cells);
+    }
+#line 381 "kernels/search_lanes.cl.in"
+}
+
+#if LEVELS
+
+// Objects of a coarser level reach at most half a limit beyond their centre, so
+// all that could meet this one lie in the cells that it covers, widened by that.
+static inline void cells_along(float lower, float upper, float limit, float from, float per_cell, int n, uint *first,
+                               uint *last)
+{
+    *first = cell_along(ALL(fma(limit, -0.5f, lower)), from, per_cell, n).s0;
+    *last = cell_along(ALL(fma(limit, 0.5f, upper)), from, per_cell, n).s0;
+}
+
+static inline void add_coarser(search *s, const sorted *in, const seeker *me, ranges *r, uint level)
+{
+    __constant const grid_level *grid = in->levels + level;
+    row cells = {level, 0, 0, 0, 0};
+    uint y_from, y_to, z_from = 0, z_to = 0;
+    cells_along(me->lower[0], me->upper[0], grid->limit.x, grid->lower.x, grid->per_cell.x, grid->cells.x,
+                &cells.left, &cells.right);
+    cells_along(me->lower[1], me->upper[1], grid->limit.y, grid->lower.y, grid->per_cell.y, grid->cells.y, &y_from,
+                &y_to);
+#if DIMS == 3
+    cells_along(me->lower[2], me->upper[2], grid->limit.z, grid->lower.z, grid->per_cell.z, grid->cells.z, &z_from,
+                &z_to);
+#endif
+    for (cells.z = z_from; cells.z <= z_to; ++cells.z)
+        for (cells.y = y_from; cells.y <= y_to; ++cells.y)
+            add_row(s, in, me, r, &cells);
+}
+
+#endif
+
+static inline void search_around(search *s, const sorted *in, const seeker *me)
+{
+    ranges r = {.n = 0};
+    uint level = LEVELS ? in->where[me->place] : 0;
+    add_level(s, in, me, &r, level);
+#if LEVELS
+    while (++level < in->n_levels)
+        add_coarser(s, in, me, &r, level);
+#endif
+    search_ranges(s, in, me, &r);
+}
+
+#endif
+
+static inline seeker seeker_at(const sorted *in, uint place)
+{
+    seeker me = {.place = place};
+#pragma unroll
+    for (int k = 0; k < DIMS; ++k) {
+        me.lower[k] = in->bounds[k * in->column + place];
+        me.upper[k] = in->bounds[(DIMS + k) * in->column + place];
+    }
+    return me;
+}
+
+// Where the entry of a place begins: parts that each sorted for themselves
+// agree on it, though not on the order inside a cell.
+static inline uint entry_begin(const sorted *in, uint place, uint end)
+{
+    return place < end ? in->starts[entry_of(in, place)] : end;
+}
+
+__kernel void search_lanes(__global const float *restrict bounds, uint column_room,
+#if SHAPE == SHAPE_POSES
+                           __global const float *restrict boxes,
+#else
+                           __global const uint *restrict ids,
+#endif
+                           __global const uint *restrict starts, __constant const grid_level *levels, uint n_levels,
+                           uint n_cells, uint key_from, uint n_home_cells, uint n_own_cells, uint first, uint last,
+                           __global uint2 *restrict pairs, uint room,
+#if SHAPE == SHAPE_POSES
+                           __global uint2 *restrict undecided, uint undecided_room,
+#endif
+                           volatile __global uint *restrict counters)
+{
+    size_t column = COLUMN(column_room);
+    sorted in = {bounds, column, (__global const uint *)bounds + 2 * DIMS * column, starts,
+#if SHAPE == SHAPE_POSES
+                 boxes,
+#else
+                 ids,
+#endif
+                 levels, n_levels, n_cells, key_from, n_own_cells};
+    if (starts[n_own_cells] > column_room)
+        return; // objects without a place: the grid is built again with more room
+    uint2 waiting[WAITING_ROOM];
+    for (uint k = 0; k < WAITING_ROOM; ++k)
+        waiting[k] = (uint2)(0, 0); // what lies behind the last one is read
+    search s = {waiting, 0, 0, pairs, room,
+#if SHAPE == SHAPE_POSES
+                undecided, undecided_room,
+#endif
+                counters};
+    uint home = starts[n_home_cells];
+    uint end = entry_begin(&in, last, home);
+    uint tile = entry_begin(&in, first, home) + get_global_id(0) * PER_ITEM;
+    for (; tile < end; tile += get_global_size(0) * PER_ITEM) {
+        for (uint place = tile; place < min(tile + PER_ITEM, end); ++place) {
+            seeker me = seeker_at(&in, place);
+            search_around(&s, &in, &me);
+        }
+    }
+    test_rest(&s, &in);
+#if SHAPE == SHAPE_POSES
+    reserve(counters + COUNT_TESTED, s.n_tested);
+#endif
+}
