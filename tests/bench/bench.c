@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// duet_bench NAME [--n N] [--runs K] [--seed S] [--verify]
+// duet_bench NAME [--n N] [--runs K] [--seed S] [--device D] [--pair A,B] [--verify]
 #include "bench.h"
 
 #include "runtime/base/error.h"
@@ -15,6 +15,10 @@ static const struct {
     bench_run *run;
     const char *about;
 } benches[] = {
+    {"candidates", bench_candidates, "merged rows against the paper's search, on one device"},
+    {"share", bench_share, "two devices against the better one, each way to split"},
+    {"step", bench_step, "a whole step against the AVX2 program and the paper's kernels"},
+    {"growth", bench_growth, "time an object, up to --n objects"},
 #ifdef BENCH_AVX2
     {"limit", bench_limit, "the AVX2 program alone, stage by stage"},
 #endif
@@ -24,6 +28,14 @@ static const struct {
 };
 
 enum { N_BENCHES = sizeof benches / sizeof benches[0] };
+
+duet_pose *bench_poses(uint32_t n, const bench_options *options, duet_error *err)
+{
+    duet_pose *poses = paper_poses(n, options->seed);
+    if (!poses)
+        error_set(err, DUET_NO_MEMORY, "no memory for %u objects", n);
+    return poses;
+}
 
 static uint64_t spans_hash(const duet_span *spans, uint32_t n_spans, uint64_t *n_pairs)
 {
@@ -58,7 +70,8 @@ bool bench_verify(const duet_pose *poses, uint32_t n, const duet_span *spans, ui
 
 static int usage(void)
 {
-    fprintf(stderr, "usage: duet_bench NAME [--n N] [--runs K] [--seed S] [--verify]\n");
+    fprintf(stderr, "usage: duet_bench NAME [--n N] [--runs K] [--seed S] [--device D] "
+                    "[--pair A,B] [--verify]\n");
     for (int i = 0; i < N_BENCHES; ++i)
         fprintf(stderr, "  %-10s %s\n", benches[i].name, benches[i].about);
     return 2;
@@ -72,32 +85,56 @@ static bool read_number(const char *text, uint64_t least, uint64_t most, uint64_
     return text && *text >= '0' && *text <= '9' && !*end && *number >= least && *number <= most;
 }
 
+static bool read_pair(char *text, bench_options *options)
+{
+    char *comma = text ? strchr(text, ',') : NULL;
+    if (!comma)
+        return false;
+    *comma = '\0';
+    options->device_a = text;
+    options->device_b = comma + 1;
+    return true;
+}
+
+// --name and its value; false where either is wrong.
+static bool read_option(const char *name, char *value, bench_options *options)
+{
+    uint64_t number = 0;
+    if (strcmp(name, "--pair") == 0)
+        return read_pair(value, options);
+    if (strcmp(name, "--device") == 0) {
+        options->device = value;
+        return value != NULL;
+    }
+    if (strcmp(name, "--seed") == 0)
+        return read_number(value, 0, UINT64_MAX, &options->seed);
+    if (strcmp(name, "--n") == 0 && read_number(value, 1, 1u << 26, &number)) {
+        options->n = (uint32_t)number;
+        return true;
+    }
+    if (strcmp(name, "--runs") == 0 && read_number(value, 1, SERIES_ROOM, &number)) {
+        options->runs = (uint32_t)number;
+        return true;
+    }
+    return false;
+}
+
 static bool read_options(char **words, bench_options *options)
 {
     for (; *words; ++words) {
-        uint64_t number = 0;
-        if (strcmp(*words, "--verify") == 0) {
+        if (strcmp(*words, "--verify") == 0)
             options->verify = true;
-        } else if (strcmp(*words, "--n") == 0 && read_number(words[1], 1, 1u << 26, &number)) {
-            options->n = (uint32_t)number;
+        else if (read_option(words[0], words[1], options))
             ++words;
-        } else if (strcmp(*words, "--runs") == 0 &&
-                   read_number(words[1], 1, SERIES_ROOM, &number)) {
-            options->runs = (uint32_t)number;
-            ++words;
-        } else if (strcmp(*words, "--seed") == 0 && read_number(words[1], 0, UINT64_MAX, &number)) {
-            options->seed = number;
-            ++words;
-        } else {
+        else
             return false;
-        }
     }
     return true;
 }
 
 int main(int argc, char **argv)
 {
-    bench_options options = {.runs = 21, .seed = 1};
+    bench_options options = {.device = "pocl:0", .runs = 21, .seed = 1};
     if (argc < 2 || !read_options(argv + 2, &options))
         return usage();
     for (int i = 0; i < N_BENCHES; ++i) {

@@ -12,6 +12,9 @@
 #include "series.h"
 
 typedef struct bench_options {
+    const char *device;   // selector of the one device
+    const char *device_a; // selectors of two; NULL: the default device pair
+    const char *device_b;
     uint32_t n;    // objects; 0: the benchmark's own number
     uint32_t runs; // of each side
     uint64_t seed;
@@ -21,10 +24,17 @@ typedef struct bench_options {
 // One benchmark: prints its figures, or fails with a line.
 typedef bool bench_run(const bench_options *options, duet_error *err);
 
+bench_run bench_candidates;
 bench_run bench_generate;
+bench_run bench_growth;
 bench_run bench_limit;
 bench_run bench_lookup;
+bench_run bench_share;
+bench_run bench_step;
 bench_run bench_strategies;
+
+// The paper's scene with n objects; given back by free.
+duet_pose *bench_poses(uint32_t n, const bench_options *options, duet_error *err);
 
 // Whether spans hold exactly the pairs that the reference finds.
 bool bench_verify(const duet_pose *poses, uint32_t n, const duet_span *spans, uint32_t n_spans,

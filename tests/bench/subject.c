@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "subject.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -13,26 +14,29 @@ static double process_cpu_ms(void)
     return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
 }
 
-bool subject_open(subject *s, const char *device_a, const char *device_b, uint32_t share,
-                  const char *variant, const duet_pose *poses, uint32_t n, float cell,
-                  duet_error *err)
+static duet_plan plan_of(const subject_def *def)
 {
-    *s = (subject){0};
+    duet_plan plan = {.share = def->share, .mode = def->mode};
+    snprintf(plan.variant_a, sizeof plan.variant_a, "%s", def->variant);
+    snprintf(plan.variant_b, sizeof plan.variant_b, "%s", def->variant);
+    return plan;
+}
+
+bool subject_open(subject *s, const subject_def *def, duet_error *err)
+{
+    *s = (subject){.def = *def};
     duet_device_pair_def pair_def = duet_default_device_pair_def();
-    pair_def.a = device_a;
-    pair_def.b = device_b;
+    pair_def.a = def->device_a;
+    pair_def.b = def->device_b;
     s->pair = duet_device_pair_open(&pair_def, err);
     if (!s->pair)
         return false;
-    duet_world_def def = duet_default_world_def();
-    def.pair = s->pair;
-    def.plan = duet_default_plan(s->pair);
-    def.plan.share = share;
-    snprintf(def.plan.variant_a, sizeof def.plan.variant_a, "%s", variant);
-    snprintf(def.plan.variant_b, sizeof def.plan.variant_b, "%s", variant);
-    def.cell = cell;
-    s->world = duet_world_create(&def, err);
-    if (s->world && duet_world_set_poses(s->world, poses, n, err))
+    duet_world_def world_def = duet_default_world_def();
+    world_def.pair = s->pair;
+    world_def.plan = plan_of(def);
+    s->world = duet_world_create(&world_def, err);
+    if (s->world && duet_world_set_poses(s->world, def->poses, def->n, err) &&
+        duet_world_step(s->world, &s->last, err))
         return true;
     subject_close(s);
     return false;
@@ -46,34 +50,46 @@ void subject_close(subject *s)
     s->pair = NULL;
 }
 
-static series *stage_series(subject *s, const char *name)
+static int find_stage(subject *s, const char *name)
 {
     for (uint32_t i = 0; i < s->n_stages; ++i)
         if (strcmp(s->stages[i].name, name) == 0)
-            return &s->stages[i].ms;
+            return (int)i;
     if (s->n_stages == SUBJECT_STAGES)
-        return NULL;
+        return -1;
     s->stages[s->n_stages].name = name;
-    return &s->stages[s->n_stages++].ms;
+    return (int)s->n_stages++;
 }
 
-// A stage's time on one device may come in several rows.
+// A stage comes once for each device.
 static void keep_stages(subject *s)
 {
     double sums[SUBJECT_STAGES] = {0};
     for (uint32_t i = 0; i < s->last.n_stages; ++i) {
-        series *kept = stage_series(s, s->last.stages[i].name);
-        for (uint32_t k = 0; k < s->n_stages; ++k)
-            if (kept == &s->stages[k].ms)
-                sums[k] += s->last.stages[i].ms;
+        int stage = find_stage(s, s->last.stages[i].name);
+        if (stage >= 0)
+            sums[stage] += s->last.stages[i].ms;
     }
     for (uint32_t k = 0; k < s->n_stages; ++k)
         series_add(&s->stages[k].ms, sums[k]);
 }
 
-bool subject_warm_up(subject *s, duet_error *err)
+static bool comes_after_grid(const char *stage)
 {
-    return duet_world_step(s->world, &s->last, err);
+    static const char *const names[] = {"candidates", "narrow", "search", "fetch pairs", "decide"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i)
+        if (strcmp(stage, names[i]) == 0)
+            return true;
+    return false;
+}
+
+static double search_ms(const duet_result *result)
+{
+    double ms[2] = {0};
+    for (uint32_t i = 0; i < result->n_stages; ++i)
+        if (comes_after_grid(result->stages[i].name))
+            ms[result->stages[i].device] += result->stages[i].ms;
+    return fmax(ms[0], ms[1]);
 }
 
 bool subject_step(subject *s, duet_error *err)
@@ -82,15 +98,38 @@ bool subject_step(subject *s, duet_error *err)
     if (!duet_world_step(s->world, &s->last, err))
         return false;
     series_add(&s->total, s->last.total_ms);
+    series_add(&s->searching, search_ms(&s->last));
     series_add(&s->processors, (process_cpu_ms() - cpu_begun) / s->last.total_ms);
     keep_stages(s);
     return true;
 }
 
-void subject_print(const subject *s, const char *name)
+bool subjects_step(subject *subjects, uint32_t n, uint32_t runs, duet_error *err)
 {
-    printf("%-24s %9.2f %9.2f %6.2f\n", name, series_median(&s->total), series_least(&s->total),
-           series_median(&s->processors));
+    for (uint32_t run = 0; run < runs; ++run)
+        for (uint32_t i = 0; i < n; ++i)
+            if (!subject_step(&subjects[i], err))
+                return false;
+    return true;
+}
+
+const series *subject_stage(const subject *s, const char *name)
+{
+    for (uint32_t i = 0; i < s->n_stages; ++i)
+        if (strcmp(s->stages[i].name, name) == 0)
+            return &s->stages[i].ms;
+    return NULL;
+}
+
+void subject_print_head(void)
+{
+    printf("%-24s %9s %9s %10s\n", "ms", "median", "least", "processors");
+}
+
+void subject_print(const subject *s)
+{
+    printf("%-24s %9.2f %9.2f %10.2f\n", s->def.name, series_median(&s->total),
+           series_least(&s->total), series_median(&s->processors));
 }
 
 void subject_print_stages(const subject *s)

@@ -8,11 +8,24 @@
 
 enum { SUBJECT_STAGES = 16 };
 
+typedef struct subject_def {
+    const char *name;
+    const char *device_a; // selectors; NULL for both: the default device pair
+    const char *device_b;
+    const char *variant; // of both devices
+    duet_mode mode;
+    uint32_t share; // as in a plan
+    const duet_pose *poses;
+    uint32_t n;
+} subject_def;
+
 typedef struct subject {
+    subject_def def;
     duet_device_pair *pair;
     duet_world *world;
     duet_result last; // of the last step; its memory is the world's
     series total;     // wall clock of a step, ms
+    series searching; // the longer of the devices' times after the grid, ms
     series processors;
     struct {
         const char *name;
@@ -21,20 +34,22 @@ typedef struct subject {
     uint32_t n_stages;
 } subject;
 
-// The poses stay the caller's. variant is for both devices; share as in a plan.
-bool subject_open(subject *s, const char *device_a, const char *device_b, uint32_t share,
-                  const char *variant, const duet_pose *poses, uint32_t n, float cell,
-                  duet_error *err);
+// The poses stay the caller's. Steps once, so that kernels are built and memory
+// is in place.
+bool subject_open(subject *s, const subject_def *def, duet_error *err);
 void subject_close(subject *s);
 
 // Steps once and keeps the times; false where the step fails.
 bool subject_step(subject *s, duet_error *err);
 
-// Steps once without keeping the times, so that kernels are built and memory
-// is in place.
-bool subject_warm_up(subject *s, duet_error *err);
+// Steps each of them in turn, so many times.
+bool subjects_step(subject *subjects, uint32_t n, uint32_t runs, duet_error *err);
 
-void subject_print(const subject *s, const char *name); // one line: total and processors
+// The stage's samples; NULL where the subject has no such stage.
+const series *subject_stage(const subject *s, const char *name);
+
+void subject_print_head(void);
+void subject_print(const subject *s); // one line
 void subject_print_stages(const subject *s);
 
 #endif
