@@ -48,6 +48,17 @@ static box box_of_pose(const duet_pose *pose)
     return b;
 }
 
+// fmax and fmin are calls, for the sake of NaN, which does not come here.
+static double larger(double x, double y)
+{
+    return x > y ? x : y;
+}
+
+static double smaller(double x, double y)
+{
+    return x < y ? x : y;
+}
+
 static double dot(const double u[3], const double v[3])
 {
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
@@ -63,17 +74,17 @@ typedef struct gaps {
 
 static void add_face(gaps *g, double gap)
 {
-    g->greatest = fmax(g->greatest, gap);
-    g->needed = fmax(g->needed, gap);
+    g->greatest = larger(g->greatest, gap);
+    g->needed = larger(g->needed, gap);
 }
 
 static void add_edges(gaps *g, double gap, double tilt)
 {
-    g->greatest = fmax(g->greatest, gap);
+    g->greatest = larger(g->greatest, gap);
     if (tilt >= PARALLEL)
-        g->needed = fmax(g->needed, gap);
+        g->needed = larger(g->needed, gap);
     else if (gap >= -g->slack)
-        g->tilt = fmax(g->tilt, tilt);
+        g->tilt = larger(g->tilt, tilt);
 }
 
 // Two boxes as the axes see them: everything in a's and b's own directions.
@@ -125,21 +136,39 @@ static void add_cross_axes(gaps *g, const view *v)
 
 static double largest(const double v[3])
 {
-    return fmax(v[0], fmax(v[1], v[2]));
+    return larger(v[0], larger(v[1], v[2]));
 }
 
 static narrow_verdict verdict_of(const gaps *g, const view *v)
 {
     if (g->greatest > g->slack)
         return NARROW_SEPARATED;
-    double lost = fmin(largest(v->a), largest(v->b)) * g->tilt;
+    double lost = smaller(largest(v->a), largest(v->b)) * g->tilt;
     return g->needed + lost < -g->slack ? NARROW_COLLIDING : NARROW_UNDECIDED;
 }
 
-static bool has_no_rotation(const duet_pose *pose)
+// Whether a rotation turns axes into axes: then those of the quaternion's parts
+// that are not 0 are of one size, and there are one, two or four of them.
+static bool keeps_axes(const duet_pose *pose)
 {
     const float *q = pose->rotation;
-    return q[0] == 0 && q[1] == 0 && q[2] == 0;
+    float size = fmaxf(fmaxf(fabsf(q[0]), fabsf(q[1])), fmaxf(fabsf(q[2]), fabsf(q[3])));
+    int n = 0;
+    for (int i = 0; i < 4; ++i) {
+        if (q[i] != 0 && fabsf(q[i]) != size)
+            return false;
+        n += q[i] != 0;
+    }
+    return n == 1 || n == 2 || n == 4;
+}
+
+// The extent along axis k of the world of a box whose rotation keeps axes.
+static double half_along(const box *b, int k)
+{
+    int edge = 0;
+    while (edge < 2 && fabs(b->axis[edge][k]) < 0.5)
+        ++edge;
+    return b->half[edge];
 }
 
 // A sum of two doubles as its rounding and what that left over.
@@ -152,21 +181,6 @@ static sum exact_sum(double x, double y)
     double high = x + y;
     double part = high - x;
     return (sum){high, (x - (high - part)) + (y - part)};
-}
-
-// Without rotation an axis needs two sums of two floats, which high and low
-// hold exactly, and rounding keeps order: so comparing highs, then lows, is exact.
-static narrow_verdict compare_upright(const duet_pose *a, const duet_pose *b, int dims)
-{
-    for (int i = 0; i < dims; ++i) {
-        sum t = exact_sum(b->centre[i], -(double)a->centre[i]);
-        sum reach = exact_sum(a->half[i], b->half[i]);
-        if (t.high < 0)
-            t = (sum){-t.high, -t.low};
-        if (t.high > reach.high || (t.high == reach.high && t.low > reach.low))
-            return NARROW_SEPARATED;
-    }
-    return NARROW_COLLIDING;
 }
 
 static double sum_of_sizes(const double t[3], const double a[3], const double b[3])
@@ -197,6 +211,23 @@ static bool is_finite(const approach *p)
 {
     return p->size < INFINITY && p->a.norm > 0 && p->a.norm < INFINITY && p->b.norm > 0 &&
            p->b.norm < INFINITY;
+}
+
+// Boxes along the world's axes need two sums of two floats an axis, which high
+// and low hold exactly, and rounding keeps order: so comparing highs, then lows,
+// is exact.
+static narrow_verdict compare_upright(const duet_pose *a, const duet_pose *b, const approach *p,
+                                      int dims)
+{
+    for (int i = 0; i < dims; ++i) {
+        sum t = exact_sum(b->centre[i], -(double)a->centre[i]);
+        sum reach = exact_sum(half_along(&p->a, i), half_along(&p->b, i));
+        if (t.high < 0)
+            t = (sum){-t.high, -t.low};
+        if (t.high > reach.high || (t.high == reach.high && t.low > reach.low))
+            return NARROW_SEPARATED;
+    }
+    return NARROW_COLLIDING;
 }
 
 static narrow_verdict test_axes(const approach *p, int dims)
@@ -238,8 +269,8 @@ narrow_verdict narrow_double(const duet_pose *pose_a, const duet_pose *pose_b, u
     approach p = approach_of(&a, &b);
     if (!is_finite(&p))
         return NARROW_UNDECIDED;
-    if (has_no_rotation(&a) && has_no_rotation(&b))
-        return compare_upright(&a, &b, (int)dims);
+    if (keeps_axes(&a) && keeps_axes(&b))
+        return compare_upright(&a, &b, &p, (int)dims);
     return test_axes(&p, (int)dims);
 }
 

@@ -18,8 +18,8 @@ typedef enum narrow_verdict { NARROW_SEPARATED, NARROW_COLLIDING, NARROW_UNDECID
 #define NARROW_SLACK 48
 
 // 15 axes (equation 3; in 2D: 4) in double with the bound of docs/accuracy.md.
-// Boxes whose rotations are both the identity are always decided, and poses
-// that hold a NaN, an infinity or a zero quaternion never.
+// Boxes along the world's axes, turned by quarters or not at all, are always
+// decided, and poses that hold a NaN, an infinity or a zero quaternion never.
 narrow_verdict narrow_double(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
 // What the devices compute in float, operation for operation (kernels/sat.clh),

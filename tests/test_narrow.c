@@ -126,6 +126,36 @@ static void boxes_without_rotation_are_decided_exactly_in_float(void **state)
     for_hard_pairs(1000, upright_float_is_exact);
 }
 
+// The 48 quaternions that turn axes into axes: parts of one size or 0.
+static void quarter_turns_are_decided_exactly_in_double(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    int turns = 0;
+    for (int code = 0; code < 81; ++code) {
+        duet_pose a = cube_at(0, 0, 0), b = a;
+        int n = 0;
+        for (int i = 0, rest = code; i < 4; ++i, rest /= 3) {
+            a.rotation[i] = 0.7f * (float)(rest % 3 - 1);
+            n += rest % 3 != 1;
+        }
+        if (n == 0 || n == 3)
+            continue;
+        ++turns;
+        for (int round = 0; round < 50; ++round) {
+            for (int i = 0; i < 3; ++i) {
+                a.half[i] = (float)rng_below(&r, 4);
+                b.half[i] = (float)rng_below(&r, 4);
+                b.centre[i] = (float)rng_below(&r, 7);
+            }
+            b.centre[0] = nextafterf(b.centre[0], (float)round - 25);
+            assert_int_equal(narrow_double(&a, &b, 3),
+                             narrow_exact(&a, &b, 3) ? NARROW_COLLIDING : NARROW_SEPARATED);
+        }
+    }
+    assert_int_equal(turns, 48);
+}
+
 static void float_leaves_few_ordinary_pairs_undecided(void **state)
 {
     (void)state;
@@ -361,6 +391,7 @@ int main(void)
         cmocka_unit_test(hard_pairs_are_hard),
         cmocka_unit_test(float_and_double_never_contradict_exact),
         cmocka_unit_test(boxes_without_rotation_are_decided_exactly_in_float),
+        cmocka_unit_test(quarter_turns_are_decided_exactly_in_double),
         cmocka_unit_test(float_leaves_few_ordinary_pairs_undecided),
         cmocka_unit_test(float_leaves_few_nearly_parallel_pairs_undecided),
         cmocka_unit_test(a_b_and_b_a_and_q_and_minus_q_agree),
