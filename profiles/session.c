@@ -32,7 +32,8 @@ bool profile_new_id(char id[PROFILE_ID], duet_error *err)
     return true;
 }
 
-// When the process was started, in the kernel's ticks; 0 where it is not known.
+// When the process was started, in the kernel's ticks; 0 where it is not known,
+// or where it ended and only waits for its parent.
 static int64_t process_start(int64_t pid)
 {
     char path[64];
@@ -42,6 +43,8 @@ static int64_t process_start(int64_t pid)
     // The name, in brackets, may hold anything; the start is the 20th field after it.
     if (text_read_file(&t, path, NULL)) {
         const char *at = strrchr(t.chars, ')');
+        if (at && (strncmp(at, ") Z", 3) == 0 || strncmp(at, ") X", 3) == 0))
+            at = NULL;
         for (int i = 0; at && i < 20; ++i)
             at = strchr(at + 1, ' ');
         start = at ? strtoll(at, NULL, 10) : 0;

@@ -9,16 +9,26 @@
 // The script's function stays at the bottom of its stack.
 enum { FUNCTION = 1 };
 
+// what the script returned -> the function in it
+static int find_function(lua_State *L)
+{
+    if (lua_istable(L, 1))
+        lua_getfield(L, 1, "strategy");
+    return 1;
+}
+
 script *strategy_lua_open(const char *name, const char *chars, duet_error *err)
 {
     script *s = script_open(NULL, err);
     if (!s)
         return NULL;
-    bool ok = script_run(s, name, chars, strlen(chars), 1, err);
-    if (ok && !lua_isfunction(script_lua(s), FUNCTION))
+    lua_State *L = script_lua(s);
+    lua_pushcfunction(L, find_function);
+    bool ok = script_run(s, name, chars, strlen(chars), 1, err) && script_call(s, 1, 1, err);
+    if (ok && !lua_isfunction(L, FUNCTION))
         ok = error_set(err, DUET_BAD_INPUT,
-                       "%s: returns a %s; right would be a function of the history", name,
-                       luaL_typename(script_lua(s), FUNCTION));
+                       "%s: the strategy is a %s; right would be a function of the history", name,
+                       luaL_typename(L, FUNCTION));
     if (!ok) {
         script_close(s);
         return NULL;

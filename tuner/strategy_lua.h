@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The script behind the strategy "lua".
 //
-// Its text returns a function from the history to the next share:
+// Its text returns a function from the history to the next share, or a table
+// whose field "strategy" is one, as a tune file does:
 //
 //     return function(history)
 //       local last = history[#history] -- {share =, total =, a =, b =}, times in ms

@@ -11,15 +11,17 @@
 #include "tuner/cli/options.h"
 #include "tuner/cli/say.h"
 #include "tuner/cli/tune_report.h"
+#include "tuner/tune_config.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_NUMBERS = 64, MOST_VARIANTS = 32 };
+enum { MOST_NUMBERS = 64 };
 
 typedef struct arguments {
     scene_options scene;
+    const char *config;
     const char *numbers;
     const char *pair;
     const char *strategy;
@@ -34,6 +36,7 @@ typedef struct arguments {
 } arguments;
 
 static const option options[] = {
+    OPTION_TEXT("config", config, "FILE", "a tune.lua: workloads, strategy, budget, variants"),
     OPTION_TEXT("n", numbers, "LIST", "numbers of objects, with commas between them"),
     OPTION_COUNT("seed", scene.seed, "S", "seed of the scene's random numbers", 0, UINT32_MAX),
     OPTION_SETTINGS("set", scene.settings, "K=V", "any other parameter of the scene"),
@@ -57,47 +60,48 @@ static const option options[] = {
 
 static const command_line line = {
     .name = "tune",
-    .operands = "SCENE|FILE",
-    .least_operands = 1,
+    .operands = "[SCENE|FILE]",
+    .least_operands = 0,
     .most_operands = 1,
     .about = "Finds the kernels, the mode and the share with which two devices do a scene's work\n"
-             "best, and keeps them in the profile file for 'duet run' and for applications.",
+             "best, and keeps them in the profile file for 'duet run' and for applications.\n"
+             "With --config the scenes are those of the file, and options go before its fields.",
     .options = options,
 };
 
 // ---------------------------------------------------------------- lists
 
 // "1000,2000" as numbers.
-static bool read_numbers(const char *list, uint64_t *numbers, uint32_t *n, duet_error *err)
+static bool read_numbers(const char *list, int64_t *numbers, uint32_t *n, duet_error *err)
 {
     *n = 0;
-    for (const char *at = list; *at;) {
+    for (const char *at = list; *at || *n == 0;) {
         char *end;
         uint64_t number = strtoull(at, &end, 10);
-        bool is_number = end > at && *at >= '0' && *at <= '9' && number <= UINT32_MAX;
+        bool is_number = *at >= '0' && *at <= '9' && number <= UINT32_MAX;
         if (!is_number || (*end != ',' && *end != '\0') || (*end == ',' && !end[1]) ||
             *n == MOST_NUMBERS)
             return error_set(err, DUET_BAD_ARGUMENT,
                              "--n '%s': give up to %d numbers with commas between them, as "
                              "250000,500000",
                              list, MOST_NUMBERS);
-        numbers[(*n)++] = number;
+        numbers[(*n)++] = (int64_t)number;
         at = *end == ',' ? end + 1 : end;
     }
     return true;
 }
 
 // Cuts a copy of the list at its commas; a variant may hold spaces.
-static bool cut_variants(text *copy, const char *list, const char **variants, uint32_t *n,
-                         duet_error *err)
+static bool cut_variants(tune_config *config, const char *list, duet_error *err)
 {
-    text_add(copy, "%s", list);
-    if (!text_ok(copy, err))
+    config->n_variants = 0;
+    text_add(&config->list, "%s", list);
+    if (!text_ok(&config->list, err))
         return false;
-    for (char *at = copy->chars; at; ++*n) {
-        if (*n == MOST_VARIANTS)
-            return error_set(err, DUET_BAD_ARGUMENT, "--variants: at most %d", MOST_VARIANTS);
-        variants[*n] = at;
+    for (char *at = config->list.chars; at;) {
+        if (config->n_variants == CONFIG_VARIANTS)
+            return error_set(err, DUET_BAD_ARGUMENT, "--variants: at most %d", CONFIG_VARIANTS);
+        config->variants[config->n_variants++] = at;
         at = strchr(at, ',');
         if (at)
             *at++ = '\0';
@@ -105,73 +109,127 @@ static bool cut_variants(text *copy, const char *list, const char **variants, ui
     return true;
 }
 
-// ---------------------------------------------------------------- workloads
+// ---------------------------------------------------------------- config
 
-static bool tune_workload(const arguments *args, const char *path, duet_tune_def *def,
-                          tune_report *report, duet_error *err)
+static bool add_scene(const arguments *args, const char *path, tune_config *config, duet_error *err)
 {
-    duet_tune_outcome outcome;
-    duet_scene *scene = inputs_load_scene(path, &args->scene, err);
-    if (!scene)
-        return false;
-    def->scene = scene;
-    tune_report_workload(report, duet_scene_describe(scene));
-    bool ok = duet_tune_run(def, &outcome, err);
-    if (ok)
-        tune_report_add(report, &outcome);
-    duet_scene_destroy(scene);
-    return ok;
-}
-
-static bool tune_workloads(arguments *args, const char *path, duet_tune_def *def,
-                           tune_report *report, duet_error *err)
-{
-    uint64_t numbers[MOST_NUMBERS] = {UINT64_MAX};
+    int64_t numbers[MOST_NUMBERS] = {-1};
     uint32_t n = 1;
     if (args->numbers && !read_numbers(args->numbers, numbers, &n, err))
         return false;
-    bool ok = true;
-    for (uint32_t i = 0; ok && i < n; ++i) {
-        args->scene.n = numbers[i];
-        ok = tune_workload(args, path, def, report, err);
-    }
-    return ok;
+    config->n_workloads = n;
+    for (uint32_t i = 0; i < n; ++i)
+        config->workloads[i] = (config_workload){.scene = path, .n = numbers[i]};
+    return true;
 }
 
-static bool fill_def(const arguments *args, duet_tune_def *def, text *script, text *variants,
-                     const char **cut, duet_error *err)
+static bool check_operands(const arguments *args, const char *path, duet_error *err)
 {
-    def->store = args->store;
-    def->fresh = args->fresh;
-    def->budget_seconds = args->budget_seconds;
-    def->budget_trials = (uint32_t)args->budget_trials;
-    def->repeats = (uint32_t)args->repeats;
-    def->strategy = args->strategy ? args->strategy : def->strategy;
-    def->variants = cut;
-    if (args->strategy_path) {
-        def->strategy = "lua";
-        if (!text_read_file(script, args->strategy_path, err))
-            return false;
-        def->strategy_lua = text_chars(script);
+    if (!path == !args->config)
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "tune: give a scene, or a tune file with --config");
+    if (args->config && args->numbers)
+        return error_set(err, DUET_BAD_ARGUMENT, "--n: with --config the file says how many");
+    return true;
+}
+
+// From the tune file, or for the one scene; then what options say.
+static bool make_config(arguments *args, const char *path, tune_config *config, duet_error *err)
+{
+    if (!check_operands(args, path, err))
+        return false;
+    if (args->config ? !tune_config_load(config, args->config, err)
+                     : !add_scene(args, path, config, err))
+        return false;
+    if (args->strategy) {
+        config->strategy = args->strategy;
+        config->strategy_lua = NULL;
     }
-    return !args->variants || cut_variants(variants, args->variants, cut, &def->n_variants, err);
+    if (args->strategy_path) {
+        config->strategy = "lua";
+        text_free(&config->text);
+        if (!text_read_file(&config->text, args->strategy_path, err))
+            return false;
+        config->strategy_lua = text_chars(&config->text);
+    }
+    config->pair = args->pair ? args->pair : config->pair;
+    config->budget_seconds =
+        args->budget_seconds > 0 ? args->budget_seconds : config->budget_seconds;
+    config->budget_trials =
+        args->budget_trials > 0 ? (uint32_t)args->budget_trials : config->budget_trials;
+    config->repeats = args->repeats > 0 ? (uint32_t)args->repeats : config->repeats;
+    return !args->variants || cut_variants(config, args->variants, err);
+}
+
+static duet_tune_def make_def(const arguments *args, const tune_config *config, tune_report *report)
+{
+    duet_tune_def def = duet_default_tune_def();
+    def.store = args->store;
+    def.fresh = args->fresh;
+    def.strategy = config->strategy ? config->strategy : def.strategy;
+    def.strategy_lua = config->strategy_lua;
+    def.script = args->config ? text_chars(&config->text) : NULL;
+    def.variants = config->variants;
+    def.n_variants = config->n_variants;
+    def.modes = config->modes;
+    def.n_modes = config->n_modes;
+    def.budget_seconds = config->budget_seconds;
+    def.budget_trials = config->budget_trials;
+    def.repeats = config->repeats;
+    def.seed = config->seed;
+    def.watch = tune_report_watch;
+    def.watch_context = report;
+    return def;
+}
+
+// ---------------------------------------------------------------- workloads
+
+static duet_scene *load_scene(const arguments *args, const config_workload *w, duet_error *err)
+{
+    scene_options scene = args->scene;
+    scene.n = w->n < 0 ? UINT64_MAX : (uint64_t)w->n;
+    for (uint32_t i = 0; i < w->n_settings && scene.settings.n < OPTION_LIST_MOST; ++i)
+        scene.settings.items[scene.settings.n++] = w->settings[i];
+    return inputs_load_scene(w->scene, &scene, err);
+}
+
+static bool tune_workload(duet_tune_def *def, const duet_scene *scene, tune_report *report,
+                          duet_error *err)
+{
+    duet_tune_outcome outcome;
+    def->scene = scene;
+    tune_report_workload(report, duet_scene_describe(scene));
+    if (!duet_tune_run(def, &outcome, err))
+        return false;
+    tune_report_add(report, &outcome);
+    return true;
+}
+
+static bool tune_workloads(const arguments *args, const tune_config *config, tune_report *report,
+                           duet_error *err)
+{
+    duet_tune_def def = make_def(args, config, report);
+    def.pair = inputs_open_pair(config->pair, err);
+    bool ok = def.pair;
+    for (uint32_t i = 0; ok && i < config->n_workloads; ++i) {
+        duet_scene *scene = load_scene(args, &config->workloads[i], err);
+        ok = scene && tune_workload(&def, scene, report, err);
+        duet_scene_destroy(scene);
+    }
+    duet_device_pair_close(def.pair);
+    return ok;
 }
 
 static bool tune(arguments *args, const char *path, duet_error *err)
 {
-    const char *cut[MOST_VARIANTS];
-    text script = {0}, variants = {0};
+    tune_config *config = calloc(1, sizeof *config);
+    if (!config)
+        return error_set(err, DUET_NO_MEMORY, "no memory for a tuning");
     tune_report report = tune_report_begin(args->json);
-    duet_tune_def def = duet_default_tune_def();
-    def.watch = tune_report_watch;
-    def.watch_context = &report;
-    bool ok = fill_def(args, &def, &script, &variants, cut, err);
-    def.pair = ok ? inputs_open_pair(args->pair, err) : NULL;
-    ok = def.pair && tune_workloads(args, path, &def, &report, err);
-    ok = tune_report_end(&report, ok ? err : NULL) && ok;
-    duet_device_pair_close(def.pair);
-    text_free(&script);
-    text_free(&variants);
+    bool ok = make_config(args, path, config, err) && tune_workloads(args, config, &report, err);
+    ok = tune_report_end(&report, ok, ok ? err : NULL) && ok;
+    tune_config_free(config);
+    free(config);
     return ok;
 }
 
@@ -184,5 +242,5 @@ int command_tune(int argc, char **argv)
     if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
         return exit_code;
     duet_error err = {0};
-    return tune(&args, operands[0], &err) ? EXIT_OK : say_failed(&err);
+    return tune(&args, n_operands > 0 ? operands[0] : NULL, &err) ? EXIT_OK : say_failed(&err);
 }

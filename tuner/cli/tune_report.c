@@ -131,15 +131,15 @@ static void print_table(const cJSON *workloads)
     table_print(&t, stdout);
 }
 
-bool tune_report_end(tune_report *r, duet_error *err)
+bool tune_report_end(tune_report *r, bool ok, duet_error *err)
 {
     clear_line(r);
-    if (r->json) {
+    if (r->json && ok) {
         cJSON *o = cJSON_CreateObject();
         cJSON_AddItemToObject(o, "workloads", r->workloads);
         return say_json(o, err);
     }
-    if (cJSON_GetArraySize(r->workloads) > 0)
+    if (!r->json && cJSON_GetArraySize(r->workloads) > 0)
         print_table(r->workloads);
     cJSON_Delete(r->workloads);
     return true;

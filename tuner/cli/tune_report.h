@@ -23,7 +23,8 @@ bool tune_report_watch(void *report, const duet_tune_progress *progress);
 
 void tune_report_add(tune_report *r, const duet_tune_outcome *outcome);
 
-// Prints the table, or the object; also of what was done before a failure.
-bool tune_report_end(tune_report *r, duet_error *err);
+// Prints the table, or the object. After a failure only the table, of what was
+// done before.
+bool tune_report_end(tune_report *r, bool ok, duet_error *err);
 
 #endif

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// A tune.lua: what to tune, and how. docs/tuning.md lists the fields.
+#ifndef TUNER_TUNE_CONFIG_H
+#define TUNER_TUNE_CONFIG_H
+
+#include "gen/script.h"
+#include "runtime/base/text.h"
+#include "tuner/duet_tune.h"
+
+enum { CONFIG_WORKLOADS = 256, CONFIG_SETTINGS = 16, CONFIG_VARIANTS = 32, CONFIG_MODES = 8 };
+
+// One scene at one size.
+typedef struct config_workload {
+    const char *scene;                     // a path, from the tune file's folder unless absolute
+    int64_t n;                             // objects; -1: as the scene has them
+    const char *settings[CONFIG_SETTINGS]; // "name=value"
+    uint32_t n_settings;
+} config_workload;
+
+typedef struct tune_config {
+    config_workload workloads[CONFIG_WORKLOADS];
+    uint32_t n_workloads;
+    const char *pair; // "A,B", or NULL
+    const char *strategy;
+    const char *strategy_lua; // the file's text, where strategy is a function
+    const char *variants[CONFIG_VARIANTS];
+    uint32_t n_variants;
+    duet_mode modes[CONFIG_MODES];
+    uint32_t n_modes;
+    double budget_seconds;
+    uint32_t budget_trials;
+    uint32_t repeats;
+    uint64_t seed;
+    script *script; // keeps the strings
+    text text;      // of the file
+    text list;      // of variants that a caller gave as one text
+} tune_config;
+
+// BAD_INPUT with file:line for a field that is wrong or that there is not.
+bool tune_config_load(tune_config *config, const char *path, duet_error *err);
+void tune_config_free(tune_config *config);
+
+#endif
