@@ -4,6 +4,10 @@
 // and each coefficient is held, as if by one more measurement, to be 0 +- 1 in
 // that scale: no part of a time is far above the whole of it. That decides
 // little where there are measurements, and keeps the rest within bounds.
+//
+// A busy machine disturbs many times, some of them tenfold. So the sum of
+// absolute errors is made least first, which heeds the greater part of the
+// times; what is then far off is left out, and the rest is fitted by squares.
 #include "profiles/fit.h"
 
 #include "profiles/sql.h"
@@ -17,6 +21,10 @@
 // The noise of medians before anything is known, as if from so many of them.
 #define USUAL_RESIDUAL 0.03
 #define USUAL_POINTS 4
+
+#define ROUNDS 20        // of reweighting, for the least absolute errors
+#define SMALL_ERROR 0.01 // counts like its square: no weight is above one
+#define FAR_OFF 3        // deviations
 
 static void fill_terms(const fit_point *p, double terms[FIT_TERMS])
 {
@@ -52,6 +60,7 @@ typedef struct equations {
     double right[FIT_TERMS];
 } equations;
 
+// Each point with its weight.
 static void add_up(const fit_point *points, uint32_t n_points, equations *e)
 {
     *e = (equations){0};
@@ -67,6 +76,7 @@ static void add_up(const fit_point *points, uint32_t n_points, equations *e)
         fill_terms(&points[p], terms);
         for (int i = 0; i < FIT_TERMS; ++i) {
             double row = terms[i] / points[p].time_ns / e->scale[i];
+            row *= points[p].weight;
             e->right[i] += row;
             for (int j = 0; j < FIT_TERMS; ++j)
                 e->gram[i][j] += row * terms[j] / points[p].time_ns / e->scale[j];
@@ -101,22 +111,65 @@ static double sum_terms(const fit *f, const fit_point *p)
     return sum;
 }
 
-// About half of the coefficients are decided by the points, and not the prior.
-static double relative_residual(const fit *f, const fit_point *points, uint32_t n_points)
+static double error_of(const fit *f, const fit_point *p)
 {
-    double sum = USUAL_POINTS * USUAL_RESIDUAL * USUAL_RESIDUAL;
-    for (uint32_t p = 0; p < n_points; ++p)
-        sum += pow(sum_terms(f, &points[p]) / points[p].time_ns - 1, 2);
-    return sqrt(sum / (USUAL_POINTS + fmax(0, n_points - FIT_TERMS / 2.0)));
+    return fabs(sum_terms(f, p) / p->time_ns - 1);
 }
 
-void fit_make(const fit_point *points, uint32_t n_points, fit *f)
+// The median of the errors, to within a millionth of the greatest.
+static double median_error(const fit *f, const fit_point *points, uint32_t n_points)
+{
+    double low = 0;
+    double high = 0;
+    for (uint32_t p = 0; p < n_points; ++p)
+        high = fmax(high, error_of(f, &points[p]));
+    for (int i = 0; i < 20; ++i) {
+        double middle = (low + high) / 2;
+        uint32_t below = 0;
+        for (uint32_t p = 0; p < n_points; ++p)
+            below += error_of(f, &points[p]) <= middle;
+        *(2 * below > n_points ? &high : &low) = middle;
+    }
+    return high;
+}
+
+static void fit_least_absolute(fit_point *points, uint32_t n_points, fit *f)
 {
     equations e;
+    for (uint32_t p = 0; p < n_points; ++p)
+        points[p].weight = 1;
+    for (int i = 0; i < ROUNDS; ++i) {
+        add_up(points, n_points, &e);
+        solve(&e, USUAL_RESIDUAL, f);
+        for (uint32_t p = 0; p < n_points; ++p)
+            points[p].weight = SMALL_ERROR / fmax(SMALL_ERROR, error_of(f, &points[p]));
+    }
+}
+
+// Leaves out what is far off. The noise of the rest, of which about half of
+// the coefficients are decided, the prior deciding the others.
+static double leave_out(fit_point *points, uint32_t n_points, const fit *f)
+{
+    const double to_deviation = 1.4826; // from a median of absolute errors
+    double most = FAR_OFF * fmax(SMALL_ERROR, to_deviation * median_error(f, points, n_points));
+    double sum = USUAL_POINTS * USUAL_RESIDUAL * USUAL_RESIDUAL;
+    double n = 0;
+    for (uint32_t p = 0; p < n_points; ++p) {
+        double error = error_of(f, &points[p]);
+        points[p].weight = error <= most;
+        n += points[p].weight;
+        sum += points[p].weight * error * error;
+    }
+    return sqrt(sum / (USUAL_POINTS + fmax(0, n - FIT_TERMS / 2.0)));
+}
+
+void fit_make(fit_point *points, uint32_t n_points, fit *f)
+{
+    equations e;
+    *f = (fit){.points = n_points, .n_min = DBL_MAX};
+    fit_least_absolute(points, n_points, f);
+    f->residual = leave_out(points, n_points, f);
     add_up(points, n_points, &e);
-    *f = (fit){.residual = USUAL_RESIDUAL, .points = n_points, .n_min = DBL_MAX};
-    solve(&e, f->residual, f);
-    f->residual = relative_residual(f, points, n_points);
     solve(&e, f->residual, f);
     for (uint32_t p = 0; p < n_points; ++p) {
         f->n_min = fmin(f->n_min, points[p].n);
@@ -182,8 +235,10 @@ static bool read_points(store *s, const sql *key, point_list *list, duet_error *
     bool ok = true;
     while (ok && sql_row(&q))
         ok = add_point(list,
-                       (fit_point){sql_get_real(&q, 0), sql_get_real(&q, 1), sql_get_real(&q, 2),
-                                   sql_get_real(&q, 3)},
+                       (fit_point){.n = sql_get_real(&q, 0),
+                                   .own = sql_get_real(&q, 1),
+                                   .occupancy = sql_get_real(&q, 2),
+                                   .time_ns = sql_get_real(&q, 3)},
                        err);
     return sql_close(&q) && ok;
 }

@@ -20,6 +20,7 @@ typedef struct fit_point {
     double own; // objects that the device does
     double occupancy;
     double time_ns;
+    double weight; // fit_make's
 } fit_point;
 
 typedef struct fit {
@@ -36,8 +37,9 @@ typedef struct fit_time {
     double sd_ns; // of the prediction, noise of a measurement included
 } fit_time;
 
-// Least squares of relative errors; n_points > 0.
-void fit_make(const fit_point *points, uint32_t n_points, fit *f);
+// Least squares of relative errors, without times that were disturbed;
+// n_points > 0.
+void fit_make(fit_point *points, uint32_t n_points, fit *f);
 fit_time fit_predict(const fit *f, double n, double own, double occupancy);
 
 // Makes the fits of the session's devices and family again, or those of all.

@@ -139,6 +139,13 @@ static bool same_work(const profile_plan *a, const profile_plan *b)
            strcmp(a->variant_a, b->variant_a) == 0 && strcmp(a->variant_b, b->variant_b) == 0;
 }
 
+// Of many plans, the one that looks quickest is likely one that little is known
+// of; so the slow end of the interval decides.
+static double cautious_ns(const forecast *f)
+{
+    return f->both.ns * (1 + 2 * f->doubt);
+}
+
 bool forecast_best(store *s, const forecast_ask *ask, forecast *best, bool *found, duet_error *err)
 {
     fit_list lists[2] = {0};
@@ -152,7 +159,8 @@ bool forecast_best(store *s, const forecast_ask *ask, forecast *best, bool *foun
                 !make_forecast(ask, lists, &lists[0].fits[i], &lists[1].fits[j], &f) ||
                 (ask->plan && !same_work(ask->plan, &f.plan)))
                 continue;
-            if (*found && (f.here != best->here ? best->here : f.both.ns >= best->both.ns))
+            if (*found &&
+                (f.here != best->here ? best->here : cautious_ns(&f) >= cautious_ns(best)))
                 continue;
             *best = f;
             *found = true;

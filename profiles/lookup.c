@@ -14,7 +14,8 @@
 // step's time, relative) is no ground to divide the work on.
 #define MOST_DOUBT 0.2
 
-#define SIZE_SLACK 1.1 // a size that is a tenth outside of those measured is within them
+#define SIZE_SLACK 1.1   // a size within a tenth of one that was measured is next to it
+#define CROWD_SLACK 1.25 // and so is a crowding within a quarter
 
 const char *profile_grade_name(profile_grade grade)
 {
@@ -74,11 +75,14 @@ static bool prepare(look *l)
 
 // ---------------------------------------------------------- rungs that are rows
 
-#define ROW                                                                                        \
-    "SELECT p.share, p.mode, p.level, p.variant_a, p.variant_b, p.median_ns, p.gain, p.gain_low, " \
-    "p.gain_high, p.verdict, p.created_ns, coalesce(p.session_id, ''), p.origin, "                 \
-    "coalesce((SELECT host FROM session WHERE id = p.session_id), ''), p.uid FROM profile p "      \
-    "WHERE p.live = 1 AND p.workload_id = (SELECT id FROM workload WHERE key = ?1) "               \
+#define COLUMNS                                                                             \
+    "p.share, p.mode, p.level, p.variant_a, p.variant_b, p.median_ns, p.gain, p.gain_low, " \
+    "p.gain_high, p.verdict, p.created_ns, coalesce(p.session_id, ''), p.uid, p.origin, "   \
+    "coalesce((SELECT host FROM session WHERE id = p.session_id), '')"
+
+#define ROW                                                                          \
+    "SELECT " COLUMNS " FROM profile p "                                             \
+    "WHERE p.live = 1 AND p.workload_id = (SELECT id FROM workload WHERE key = ?1) " \
     "AND p.objective = ?2 AND p.missed_rate <= ?3 AND p.false_rate <= ?4 "
 
 #define SAME_SEATS                                                                         \
@@ -98,23 +102,23 @@ static double limit(double rate)
     return isfinite(rate) ? rate : 1e300;
 }
 
-static void take_row(look *l, const sql *q)
+static profile_found read_row(const sql *q)
 {
-    profile_found *found = l->found;
-    found->plan.share = (uint32_t)sql_get_int(q, 0);
-    sql_copy(found->plan.mode, sizeof found->plan.mode, sql_get_text(q, 1));
-    sql_copy(found->plan.level, sizeof found->plan.level, sql_get_text(q, 2));
-    sql_copy(found->plan.variant_a, sizeof found->plan.variant_a, sql_get_text(q, 3));
-    sql_copy(found->plan.variant_b, sizeof found->plan.variant_b, sql_get_text(q, 4));
-    found->share_low = found->share_high = found->plan.share;
-    found->median_ns = sql_get_real(q, 5);
-    found->gain = sql_get_real(q, 6);
-    found->gain_low = sql_get_real(q, 7);
-    found->gain_high = sql_get_real(q, 8);
-    sql_copy(found->verdict, sizeof found->verdict, sql_get_text(q, 9));
-    found->created_ns = sql_get_int(q, 10);
-    sql_copy(found->session, sizeof found->session, sql_get_text(q, 11));
-    sql_copy(found->uid, sizeof found->uid, sql_get_text(q, 14));
+    profile_found found = {.plan.share = (uint32_t)sql_get_int(q, 0),
+                           .median_ns = sql_get_real(q, 5),
+                           .gain = sql_get_real(q, 6),
+                           .gain_low = sql_get_real(q, 7),
+                           .gain_high = sql_get_real(q, 8),
+                           .created_ns = sql_get_int(q, 10)};
+    found.share_low = found.share_high = found.plan.share;
+    sql_copy(found.plan.mode, sizeof found.plan.mode, sql_get_text(q, 1));
+    sql_copy(found.plan.level, sizeof found.plan.level, sql_get_text(q, 2));
+    sql_copy(found.plan.variant_a, sizeof found.plan.variant_a, sql_get_text(q, 3));
+    sql_copy(found.plan.variant_b, sizeof found.plan.variant_b, sql_get_text(q, 4));
+    sql_copy(found.verdict, sizeof found.verdict, sql_get_text(q, 9));
+    sql_copy(found.session, sizeof found.session, sql_get_text(q, 11));
+    sql_copy(found.uid, sizeof found.uid, sql_get_text(q, 12));
+    return found;
 }
 
 static void tell_row(look *l, const sql *q)
@@ -126,11 +130,11 @@ static void tell_row(look *l, const sql *q)
     struct tm parts;
     if (gmtime_r(&seconds, &parts))
         strftime(when, sizeof when, "%Y-%m-%d %H:%M UTC", &parts);
-    const char *host = sql_get_text(q, 13);
+    const char *host = sql_get_text(q, 14);
     const char *where = strcmp(host, l->request->host) == 0 ? "this machine"
                         : *host                             ? "another machine with such devices"
                                                             : "an unknown machine";
-    text_add(l->why, "yes: %s %s on %s%s%s", sql_get_text(q, 12), when, where,
+    text_add(l->why, "yes: %s %s on %s%s%s", sql_get_text(q, 13), when, where,
              l->found->session[0] ? ", session " : "", l->found->session);
 }
 
@@ -150,7 +154,7 @@ static bool close_row(look *l, sql *q, bool *held)
 {
     *held = sql_row(q);
     if (*held) {
-        take_row(l, q);
+        *l->found = read_row(q);
         tell_row(l, q);
     }
     return sql_close(q);
@@ -259,9 +263,19 @@ static bool use_forecast(look *l, const forecast *f, bool *held)
     return true;
 }
 
-// The plan of this pair's live profile whose size is the nearest from above or
-// from below; n is 0 where there is none.
-static bool nearest_plan(look *l, const char *query, profile_plan *plan, double *n)
+// A live profile of this pair for a workload of another size.
+typedef struct neighbour {
+    double n; // 0: there is none
+    double occupancy;
+    profile_found found;
+} neighbour;
+
+#define NEIGHBOUR                                                                               \
+    "SELECT " COLUMNS ", w.n, w.occ_mean FROM workload w CROSS JOIN profile p "                 \
+    "ON p.workload_id = w.id WHERE w.family = ?1 AND p.objective = ?2 AND p.missed_rate <= ?3 " \
+    "AND p.false_rate <= ?4 AND p.kernels = ?5 AND p.pair_id = ?6 AND p.live = 1 "
+
+static bool find_one(look *l, const char *query, neighbour *near)
 {
     sql q = sql_make(l->s, query, l->err);
     sql_text(&q, text_chars(&l->family));
@@ -271,37 +285,45 @@ static bool nearest_plan(look *l, const char *query, profile_plan *plan, double 
     sql_text(&q, l->request->kernels);
     sql_int(&q, l->pair_id);
     sql_int(&q, (int64_t)l->request->workload->n);
-    *n = 0;
-    if (sql_row(&q)) {
-        *n = sql_get_real(&q, 0);
-        sql_copy(plan->mode, sizeof plan->mode, sql_get_text(&q, 1));
-        sql_copy(plan->level, sizeof plan->level, sql_get_text(&q, 2));
-        sql_copy(plan->variant_a, sizeof plan->variant_a, sql_get_text(&q, 3));
-        sql_copy(plan->variant_b, sizeof plan->variant_b, sql_get_text(&q, 4));
-    }
+    *near = (neighbour){0};
+    if (sql_row(&q))
+        *near = (neighbour){sql_get_real(&q, 15), sql_get_real(&q, 16), read_row(&q)};
     return sql_close(&q);
 }
 
-#define NEIGHBOUR                                                                                 \
-    "SELECT w.n, p.mode, p.level, p.variant_a, p.variant_b FROM workload w CROSS JOIN profile p " \
-    "ON p.workload_id = w.id WHERE w.family = ?1 AND p.live = 1 AND p.objective = ?2 "            \
-    "AND p.missed_rate <= ?3 AND p.false_rate <= ?4 AND p.kernels = ?5 AND p.pair_id = ?6 "
-
-static bool find_neighbour(look *l, profile_plan *plan, bool *found)
+// The one whose size is the nearest, by ratio.
+static bool find_neighbour(look *l, neighbour *near)
 {
-    profile_plan above = {0};
+    neighbour above;
     double n = (double)l->request->workload->n;
-    double n_above = 0;
-    double n_below = 0;
-    *found = false;
+    *near = (neighbour){0};
     if (l->pair_id == 0)
         return true;
-    if (!nearest_plan(l, NEIGHBOUR "AND w.n >= ?7 ORDER BY w.n LIMIT 1", &above, &n_above) ||
-        !nearest_plan(l, NEIGHBOUR "AND w.n < ?7 ORDER BY w.n DESC LIMIT 1", plan, &n_below))
+    if (!find_one(l, NEIGHBOUR "AND w.n >= ?7 ORDER BY w.n LIMIT 1", &above) ||
+        !find_one(l, NEIGHBOUR "AND w.n < ?7 ORDER BY w.n DESC LIMIT 1", near))
         return false;
-    if (n_above > 0 && (n_below <= 0 || n_above / n < n / n_below))
-        *plan = above;
-    *found = n_above > 0 || n_below > 0;
+    if (above.n > 0 && (near->n <= 0 || above.n / n < n / near->n))
+        *near = above;
+    return true;
+}
+
+static bool is_about(double a, double b, double slack)
+{
+    return a <= b * slack && b <= a * slack;
+}
+
+// What was measured for almost such a workload is better than what fits say.
+static bool use_neighbour(look *l, const neighbour *near)
+{
+    profile_found *found = l->found;
+    double n = (double)l->request->workload->n;
+    *found = near->found;
+    found->median_ns *= n / near->n;
+    found->share_low = (uint32_t)(found->plan.share / SIZE_SLACK);
+    found->share_high = (uint32_t)fmin(found->plan.share * SIZE_SLACK, PROFILE_SHARE_ONE);
+    if (l->why)
+        text_add(l->why, "yes: %.0f objects were measured, which is next to it%s%s", near->n,
+                 found->session[0] ? ", session " : "", found->session);
     return true;
 }
 
@@ -322,18 +344,24 @@ static bool forecast_best_of(look *l, const profile_plan *plan, forecast *f, boo
 
 static bool look_interpolated(look *l, bool *held)
 {
-    profile_plan plan = {0};
+    neighbour near;
     forecast f;
     bool found = false;
-    if (!find_neighbour(l, &plan, &found))
+    double n = (double)l->request->workload->n;
+    if (!find_neighbour(l, &near))
         return false;
-    if (!found)
+    if (near.n <= 0)
         return refuse(l, "no like workload was measured on these two devices");
-    if (!forecast_best_of(l, &plan, &f, &found))
+    *held = is_about(near.n, n, SIZE_SLACK) &&
+            is_about(near.occupancy, l->request->workload->occ_mean, CROWD_SLACK);
+    if (*held)
+        return use_neighbour(l, &near);
+    // Where one device did it all, the plan says nothing of how they would share.
+    bool shared = near.found.plan.share > 0 && near.found.plan.share < PROFILE_SHARE_ONE;
+    if (!forecast_best_of(l, shared ? &near.found.plan : NULL, &f, &found))
         return false;
     if (!found)
         return refuse(l, "like workloads were measured, but too few shares to predict others");
-    double n = (double)l->request->workload->n;
     if (n * SIZE_SLACK < f.n_min || n > f.n_max * SIZE_SLACK)
         return refuse(l, "the size is beyond those measured");
     return use_forecast(l, &f, held);

@@ -13,7 +13,7 @@
 typedef enum profile_grade {
     PROFILE_EXACT,        // measured on these devices, drivers, kernels and workload
     PROFILE_OTHER_DRIVER, // the same, under another version of a driver
-    PROFILE_INTERPOLATED, // from this pair's time fits, within the sizes measured
+    PROFILE_INTERPOLATED, // of this pair: next to a size measured, or between by time fits
     PROFILE_TRANSFERRED,  // from each device's fits: never measured together, or beyond the sizes
     PROFILE_STALE,        // the kernels changed since: only a place to start a search from
     PROFILE_DEFAULT       // nothing is known; the plan is not set

@@ -166,6 +166,39 @@ static void a_size_between_two_is_interpolated(void **state)
     close_fixture(&f);
 }
 
+static void a_size_next_to_one_that_was_measured_takes_its_plan(void **state)
+{
+    (void)state;
+    fixture f = open_fixture();
+    tune(&f, 100000);
+    profile_found found = look_for(&f, &f.pair, 104000);
+    profile_found measured = look_for(&f, &f.pair, 100000);
+    assert_int_equal(found.grade, PROFILE_INTERPOLATED);
+    assert_int_equal(found.plan.share, measured.plan.share);
+    assert_true(found.gain == measured.gain);
+    assert_true(fabs(found.median_ns / measured.median_ns - 1.04) < 1e-9);
+    profile_workload crowded = test_workload(104000);
+    crowded.occ_mean *= 2; // as many, but elsewhere
+    profile_request request = test_request(&f.pair, &crowded);
+    assert_string_equal(look(f.s, &request).uid, "");
+    close_fixture(&f);
+}
+
+// The pair was measured and one device was the best choice: its fits still say
+// how the two would share another size.
+static void a_tie_does_not_hide_what_was_measured(void **state)
+{
+    (void)state;
+    fixture f = open_fixture();
+    tune(&f, 100000);
+    tune(&f, 400000);
+    change(&f, "UPDATE profile SET share = 0, mode = 'shared', verdict = 'same'");
+    profile_found found = look_for(&f, &f.pair, 200000);
+    assert_int_equal(found.grade, PROFILE_INTERPOLATED);
+    assert_true(found.plan.share > 0);
+    close_fixture(&f);
+}
+
 static void a_size_far_beyond_those_measured_is_a_guess_at_most(void **state)
 {
     (void)state;
@@ -329,12 +362,35 @@ static void a_fit_finds_the_times_it_was_made_from(void **state)
     assert_true(fabs(f.terms[2] - 20) < 3 && fabs(f.terms[3] - 8) < 2);
 }
 
+// A third of the times is disturbed, by up to the tenfold.
+static void a_fit_heeds_no_disturbed_times(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    for (int round = 0; round < 50; ++round) {
+        fit_point points[45];
+        for (int i = 0; i < 45; ++i) {
+            double own = 1e6 * rng_between(&r, 0.1, 0.9);
+            points[i] = (fit_point){.n = 1e6, .own = own, .occupancy = 0.66};
+            points[i].time_ns = (1e6 + 30 * own) * exp(0.02 * rng_normal(&r));
+            if (i % 3 == 0)
+                points[i].time_ns *= rng_between(&r, 1, 10);
+        }
+        fit f;
+        fit_make(points, 45, &f);
+        assert_true(f.residual < 0.1);
+        fit_time t = fit_predict(&f, 1e6, 5e5, 0.66);
+        assert_true(fabs(t.ns / 16e6 - 1) < 0.04);
+    }
+}
+
 static void a_fit_knows_what_it_does_not_know(void **state)
 {
     (void)state;
     fit_point points[9]; // of one size and one occupancy
     for (int i = 0; i < 9; ++i)
-        points[i] = (fit_point){1e6, 1e6 * (i + 1) / 10, 0.66, 1e6 + 30 * 1e5 * (i + 1)};
+        points[i] = (fit_point){
+            .n = 1e6, .own = 1e5 * (i + 1), .occupancy = 0.66, .time_ns = 1e6 + 3e6 * (i + 1)};
     fit f;
     fit_make(points, 9, &f);
     fit_time here = fit_predict(&f, 1e6, 3.3e5, 0.66);
@@ -599,6 +655,8 @@ int main(void)
         cmocka_unit_test(another_driver_is_said),
         cmocka_unit_test(another_devices_row_is_never_handed_out),
         cmocka_unit_test(a_size_between_two_is_interpolated),
+        cmocka_unit_test(a_size_next_to_one_that_was_measured_takes_its_plan),
+        cmocka_unit_test(a_tie_does_not_hide_what_was_measured),
         cmocka_unit_test(a_size_far_beyond_those_measured_is_a_guess_at_most),
         cmocka_unit_test(devices_measured_apart_are_transferred),
         cmocka_unit_test(fits_of_two_machines_are_not_joined),
@@ -607,6 +665,7 @@ int main(void)
         cmocka_unit_test(more_accuracy_than_was_given_is_not_served),
         cmocka_unit_test(a_budget_takes_the_quickest_level_that_meets_it),
         cmocka_unit_test(a_fit_finds_the_times_it_was_made_from),
+        cmocka_unit_test(a_fit_heeds_no_disturbed_times),
         cmocka_unit_test(a_fit_knows_what_it_does_not_know),
         cmocka_unit_test(a_look_up_leaves_no_trace),
         cmocka_unit_test(a_look_up_sees_what_a_tuner_at_work_has_stored),

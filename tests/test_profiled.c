@@ -289,7 +289,7 @@ static void why_names_the_plan_and_run_uses_it(void **state)
     snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
     program p = program_run_with(variables, "run %s --repeat 1", SCENE);
     assert_int_equal(p.exit_code, 0);
-    assert_non_null(strstr(p.out, "plan: from the profile, exact; faster than one device"));
+    assert_non_null(strstr(p.out, "plan: from the profile, exact; +50.0 %"));
     program_free(&p);
     p = program_run_with(variables, "run %s --repeat 1 --json --check", SCENE);
     assert_non_null(strstr(p.out, "0.375"));

@@ -64,9 +64,9 @@ static void print_profile(const run_report *r)
     else if (p->grade == DUET_GRADE_DEFAULT)
         printf("plan: the default; 'duet tune' measures a better one\n\n");
     else
-        printf("plan: from the profile, %s; %s than one device, by %+.1f %% (%+.1f to %+.1f)\n\n",
-               duet_grade_name(p->grade), p->verdict, 100 * p->gain, 100 * p->gain_low,
-               100 * p->gain_high);
+        printf("plan: from the profile, %s; %+.1f %% (%+.1f to %+.1f) over one device: %s\n\n",
+               duet_grade_name(p->grade), 100 * p->gain, 100 * p->gain_low, 100 * p->gain_high,
+               p->verdict);
 }
 
 enum { NOBODY = -1 };
