@@ -20,6 +20,7 @@ static const struct {
 } commands[] = {
     {"devices", command_devices, "what OpenCL offers here, and the selectors for --pair"},
     {"lua", command_lua, "scripts that use all of this, and a prompt to try it at"},
+    {"picture", command_picture, "a drawing of a scene, its cells and its pairs"},
     {"profiles", command_profiles, "what was measured, and what applications load"},
     {"run", command_run, "all pairs of a scene, and where the time went"},
     {"tune", command_tune, "how two devices share a scene's work best, and keeps it"},
