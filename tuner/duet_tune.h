@@ -92,6 +92,33 @@ typedef struct duet_tune_outcome {
 // where a plan of the default variant does not give the reference's pairs.
 DUET_API bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_error *err);
 
+// ---------------------------------------------------------------- on line
+
+// Keeps a world's share near its best while frames go by.
+typedef struct duet_online duet_online;
+
+typedef struct duet_online_def {
+    duet_world *world; // borrowed; begins with the plan that it has
+    double most_extra; // a frame may be expected to take so much longer for a trial: 0.1
+    bool keep;         // stores at the close what was learned
+    const char *store; // in this file; NULL: the user's (DUET_PROFILE)
+    int cookie;
+} duet_online_def;
+
+DUET_API duet_online_def duet_default_online_def(void);
+DUET_API duet_online *duet_online_open(const duet_online_def *def, duet_error *err);
+
+// In the place of duet_world_step. Once frames take other times than they did,
+// or one device waits for the other, the next few move the share a little. A
+// plan of a single device stays as it is. Nothing is read or written.
+DUET_API bool duet_online_step(duet_online *online, duet_result *result, duet_error *err);
+
+// How often the share was tuned again.
+DUET_API uint32_t duet_online_tunings(const duet_online *online);
+
+// false where it was to be kept and could not be; it is closed all the same.
+DUET_API bool duet_online_close(duet_online *online, duet_error *err);
+
 #ifdef __cplusplus
 }
 #endif

@@ -30,6 +30,17 @@ static double head_start_ms(const duet_result *result, const duet_plan *plan)
     return ms;
 }
 
+search_sample measure_sample(const duet_result *result, const duet_plan *plan)
+{
+    bool a = plan->share > 0, b = plan->share < DUET_SHARE_ONE;
+    return (search_sample){
+        .share = plan->share,
+        .total_ns = (uint64_t)to_ns(result->total_ms),
+        .a_ns = a ? (uint64_t)to_ns(result->device_ms[0] + head_start_ms(result, plan)) : 0,
+        .b_ns = b ? (uint64_t)to_ns(result->device_ms[1]) : 0,
+    };
+}
+
 // Mapped memory keeps what it holds and counts as written.
 static bool hand_over_objects(const measure_world *at, duet_error *err)
 {
@@ -45,10 +56,11 @@ static bool step_world(void *context, const duet_plan *plan, measure_launch *lau
     if (!duet_world_set_plan(at->world, plan, err) || !hand_over_objects(at, err) ||
         !duet_world_step(at->world, &result, err))
         return false;
+    search_sample sample = measure_sample(&result, plan);
     *launch = (measure_launch){
-        .total_ns = to_ns(result.total_ms),
-        .a_ns = plan->share > 0 ? to_ns(result.device_ms[0] + head_start_ms(&result, plan)) : 0,
-        .b_ns = plan->share < DUET_SHARE_ONE ? to_ns(result.device_ms[1]) : 0,
+        .total_ns = (int64_t)sample.total_ns,
+        .a_ns = (int64_t)sample.a_ns,
+        .b_ns = (int64_t)sample.b_ns,
         .hash = duet_result_hash(&result),
         .terms = terms_of(&result, plan),
     };

@@ -6,6 +6,7 @@
 
 #include "profiles/trial.h"
 #include "tuner/duet_tune.h"
+#include "tuner/search.h"
 
 enum { MEASURE_REPEATS = 32 };
 
@@ -36,6 +37,9 @@ typedef struct measure_world {
 
 // The machine that steps a world, which must live as long as the machine.
 measure_machine measure_world_machine(measure_world *world, uint64_t hash);
+
+// A step's times as strategies want them: each device's from the step's begin.
+search_sample measure_sample(const duet_result *result, const duet_plan *plan);
 
 typedef struct measurement {
     const char *outcome;                         // as a profile_trial's

@@ -188,3 +188,43 @@ bool record_end(record *r, const char *how, const duet_tune_outcome *outcome, du
     bool ok = strcmp(how, "complete") != 0 || put_profile(r, outcome, err);
     return profile_session_end(r->store, r->session, ok ? how : "failed", err) && ok;
 }
+
+// What sharing gains was not measured again: the profile before says it, or
+// nobody does.
+bool record_online(record *r, const duet_plan *plan, double step_ns, duet_error *err)
+{
+    profile_found before;
+    profile_session session = {
+        .pair_id = r->pair_id,
+        .workload_id = r->workload_id,
+        .kernels = r->request.kernels,
+        .strategy = "chunks",
+        .objective = r->request.objective,
+        .tool_version = duet_version(),
+        .load = machine_load(),
+        .timer_ns = timer_resolution(),
+    };
+    if (!record_known(r, &before, err) ||
+        !profile_session_begin(r->store, &session, r->session, err))
+        return false;
+    bool known = before.grade == PROFILE_EXACT;
+    profile_row row = {
+        .pair_id = r->pair_id,
+        .workload_id = r->workload_id,
+        .kernels = r->request.kernels,
+        .objective = r->request.objective,
+        .plan = profiled_write_plan(plan),
+        .median_ns = step_ns,
+        .low_ns = step_ns,
+        .high_ns = step_ns,
+        .gain = known ? before.gain : 0,
+        .gain_low = known ? before.gain_low : 0,
+        .gain_high = known ? before.gain_high : 0,
+        .verdict = known ? before.verdict : "ambiguous",
+        .origin = "online",
+        .session = r->session,
+        .trial_number = -1,
+    };
+    bool ok = profile_put(r->store, &row, "tuned on line", err);
+    return profile_session_end(r->store, r->session, ok ? "complete" : "failed", err) && ok;
+}

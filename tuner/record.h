@@ -32,4 +32,7 @@ tune_recorder record_recorder(record *r);
 // how: "complete", "stopped" or "failed". A complete one leaves its profile.
 bool record_end(record *r, const char *how, const duet_tune_outcome *outcome, duet_error *err);
 
+// Keeps a plan that was found while an application ran.
+bool record_online(record *r, const duet_plan *plan, double step_ns, duet_error *err);
+
 #endif

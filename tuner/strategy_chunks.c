@@ -8,7 +8,7 @@
 // a share at most doubles from one chunk to the next, so that one mistaken
 // time does not throw it. It ends when the launches do; the pick is the share
 // that it would use next, unless the last chunks took longer than the first,
-// which B did alone.
+// which B does alone.
 #include "tuner/stats.h"
 #include "tuner/strategy.h"
 
@@ -62,7 +62,7 @@ static uint32_t pick(const search *s)
     for (uint32_t i = 0; i < n; ++i)
         totals[i] = (double)s->samples[s->n - 1 - i].total_ns;
     bool worth_it = n > 0 && stats_median(totals, n) < (double)s->samples[0].total_ns;
-    return worth_it ? next_share(s) : 0;
+    return worth_it ? next_share(s) : s->samples[0].share;
 }
 
 const strategy strategy_chunks = {
