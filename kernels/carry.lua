@@ -1,0 +1,22 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "contacts taken over into new rows",
+  uses = { "flags.clh", "contact.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "SPIN", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push" },
+    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: and rub" },
+    { "EVENTS", values = { 0, 1 }, default = 0, about = "1: tells of contacts that begin and end" },
+    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
+      about = "objects, pairs or contacts a work-item" },
+  },
+  valid = function(p, limits)
+    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
+    if p.FRICTION == 1 and p.RESPONSE == 0 then return false, "FRICTION without RESPONSE" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

@@ -1,0 +1,31 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "the manifold of each pair that may touch",
+  uses = { "motion.clh", "flags.clh", "contact.clh", "box_contact.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
+    { "ROTATED", values = { 0, 1 }, default = 0, about = "1: orientation matters" },
+    { "SPIN", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "BOUNDS", values = { 0, 1 }, default = 0, about = "1: walls" },
+    { "RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push" },
+    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: and rub" },
+    { "FAST", values = { 0, 1 }, default = 0, about = "1: what is met on the way is touched" },
+    { "SLEEP", values = { 0, 1 }, default = 0, about = "1: what rests is left out" },
+    { "EVENTS", values = { 0, 1 }, default = 0, about = "1: tells of contacts that begin and end" },
+    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
+      about = "objects, pairs or contacts a work-item" },
+  },
+  valid = function(p, limits)
+    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
+    if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
+    if p.SPIN == 1 and p.ROTATED == 0 then return false, "what turns is rotated" end
+    if p.FRICTION == 1 and p.RESPONSE == 0 then return false, "FRICTION without RESPONSE" end
+    if p.FAST == 1 and p.RESPONSE == 0 then return false, "FAST without RESPONSE" end
+    if p.SLEEP == 1 and p.RESPONSE == 0 then return false, "SLEEP without RESPONSE" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

@@ -1,0 +1,22 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "bounds of objects that move",
+  uses = { "motion.clh", "flags.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
+    { "ROTATED", values = { 0, 1 }, default = 0, about = "1: orientation matters" },
+    { "FAST", values = { 0, 1 }, default = 0, about = "1: what is met on the way is touched" },
+    { "SKIN", values = { 0, 1 }, default = 0, about = "1: rows last until something leaves its skin" },
+    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
+      about = "objects, pairs or contacts a work-item" },
+  },
+  valid = function(p, limits)
+    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
+    if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

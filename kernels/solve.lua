@@ -1,0 +1,20 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "contacts of a colour, pushed apart",
+  uses = { "contact.clh", "box_contact.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "SPIN", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: and rub" },
+    { "RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
+    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
+      about = "objects, pairs or contacts a work-item" },
+  },
+  valid = function(p, limits)
+    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

@@ -1,0 +1,43 @@
+// carry.DIMS3.SPIN0.RESPONSE0.FRICTION0.EVENTS0.WG64.PER_ITEM1
+#define DIMS 3
+#define SPIN 0
+#define RESPONSE 0
+#define FRICTION 0
+#define EVENTS 0
+#define WG 64
+#define PER_ITEM 1
+#line 1 "kernels/common.clh"
+#line 1 "kernels/flags.clh"
+#line 1 "kernels/contact.clh"
+#line 1 "kernels/carry.cl.in"
+// SPDX-License-Identifier: MIT
+// Contacts taken over into new rows: records and colours of those that are
+// still pairs. The others are forgotten.
+//
+//   starts, others  the new rows
+__kernel void carry(__global const uint2 *restrict old_links, __global const float *restrict old_contacts, uint n_old,
+#line 13 "kernels/carry.cl.in"
+                    __global const uint *restrict starts, __global const uint *restrict others,
+                    __global float *restrict contacts)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n_old);
+    for (uint i = first; i < last; ++i) {
+        uint2 link = old_links[i];
+        uint low = starts[link.x], high = starts[link.x + 1], end = high;
+        while (low < high) {
+            uint middle = low + (high - low) / 2;
+            if (others[middle] < link.y)
+                low = middle + 1;
+            else
+                high = middle;
+        }
+        __global const float *old = old_contacts + (size_t)i * RECORD;
+        if (low < end && others[low] == link.y) {
+            for (int k = 0; k < RECORD; ++k)
+                contacts[(size_t)low * RECORD + k] = old[k];
+#line 35 "kernels/carry.cl.in"
+        }
+#line 43 "kernels/carry.cl.in"
+    }
+}

@@ -1,0 +1,57 @@
+// doze.DIMS2.DOUBLE0.SPIN0.FRICTION0.WG1.PER_ITEM1024
+#define DIMS 2
+#define DOUBLE 0
+#define SPIN 0
+#define FRICTION 0
+#define RESPONSE 1
+#define WG 1
+#define PER_ITEM 1024
+#line 1 "kernels/common.clh"
+#line 1 "kernels/motion.clh"
+#line 1 "kernels/contact.clh"
+#line 1 "kernels/doze.cl.in"
+// SPDX-License-Identifier: MIT
+// Who sleeps: an object that has been at rest for long, among others that have.
+// One that moves wakes what it touches, and those what they touch.
+//
+//   rests   [n] seconds at rest
+//   asleep  [n]
+static inline float least_rest(float least, uint id, uint n, __global const float *rests,
+                               __global const real4 *velocities
+#line 12 "kernels/doze.cl.in"
+)
+{
+    if (id >= n)
+        return least;
+    real4 velocity = velocities[id];
+    if (velocity.w > 0)
+        return fmin(least, rests[id]);
+    real fastest = dot_product(velocity, velocity);
+#line 23 "kernels/doze.cl.in"
+    return fastest > 0 ? 0.0f : least;
+}
+
+__kernel void doze(__global const uint2 *restrict links, __global const float *restrict contacts,
+                   __global const uint *restrict starts, __global const uint *restrict return_starts,
+                   __global const uint *restrict returns, uint n, __global const float *restrict rests,
+                   __global const real4 *restrict velocities,
+#line 33 "kernels/doze.cl.in"
+                   float sleep_after, __global uint *restrict asleep)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    for (uint id = first; id < last; ++id) {
+        float least = rests[id];
+        for (uint i = starts[id]; i < starts[id + 1]; ++i)
+            if (as_uint(contacts[(size_t)i * RECORD + AT_COUNT]) > 0)
+                least = least_rest(least, links[i].y, n, rests, velocities
+#line 45 "kernels/doze.cl.in"
+                );
+        for (uint k = return_starts[id]; k < return_starts[id + 1]; ++k)
+            if (as_uint(contacts[(size_t)returns[k] * RECORD + AT_COUNT]) > 0)
+                least = least_rest(least, links[returns[k]].x, n, rests, velocities
+#line 52 "kernels/doze.cl.in"
+                );
+        asleep[id] = least >= sleep_after ? 1 : 0;
+    }
+}
