@@ -217,6 +217,8 @@ DUET_API bool duet_world_set_scene(duet_world *world, const duet_scene *scene, d
 DUET_API duet_pose *duet_world_map_poses(duet_world *world, uint32_t n, duet_error *err);
 DUET_API duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_error *err);
 
+DUET_API duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_error *err);
+
 DUET_API bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err);
 DUET_API const duet_plan *duet_world_plan(const duet_world *world);
 
@@ -306,6 +308,183 @@ DUET_API duet_pair duet_result_pair(const duet_result *result, uint64_t i);
 // The pair hash: for each pair k = a << 32 | b; k *= 0x9E3779B97F4A7C15;
 // k ^= k >> 29; k *= 0xBF58476D1CE4E5B9; k ^= k >> 32; summed modulo 2^64.
 DUET_API uint64_t duet_result_hash(const duet_result *result);
+
+// ---------------------------------------------------------------- motion
+
+// What a scene can call for. A motion runs those that its objects and its def
+// call for and nothing else: docs/effects.md says by what each is called for.
+typedef enum duet_effect {
+    DUET_EFFECT_ROTATION = 1u << 0,  // orientation matters
+    DUET_EFFECT_MOTION = 1u << 1,    // objects have velocities
+    DUET_EFFECT_SPIN = 1u << 2,      // and turn
+    DUET_EFFECT_GRAVITY = 1u << 3,   // uniform, or towards a point
+    DUET_EFFECT_DRAG = 1u << 4,      // velocities decay
+    DUET_EFFECT_BOUNDS = 1u << 5,    // walls, or a world that repeats itself
+    DUET_EFFECT_CONTACT = 1u << 6,   // where objects touch
+    DUET_EFFECT_RESPONSE = 1u << 7,  // contacts push, and bounce
+    DUET_EFFECT_FRICTION = 1u << 8,  // and rub
+    DUET_EFFECT_FAST = 1u << 9,      // what is met on the way is not passed through
+    DUET_EFFECT_FILTER = 1u << 10,   // groups and masks
+    DUET_EFFECT_SLEEP = 1u << 11,    // what rests leaves the work
+    DUET_EFFECT_SKIN = 1u << 12,     // the grid lasts until something leaves its skin
+    DUET_EFFECT_EVENTS = 1u << 13,   // contacts that begin and end are told
+    DUET_EFFECT_ALL = (1u << 14) - 1
+} duet_effect;
+
+DUET_API const char *duet_effect_name(uint32_t effect); // one bit: "rotation"; NULL for others
+
+// What an object is besides its pose.
+typedef struct duet_body {
+    float velocity[3]; // of the centre, a second
+    float spin[3];     // angular velocity, radians a second, along the world's axes
+    float mass;        // 0: nothing changes its velocity
+    float restitution; // what of an impact's speed comes back, 0 .. 1
+    float friction;    // >= 0; a contact has the geometric mean of its two objects'
+    uint32_t group;    // two objects can touch where each one's group has a bit
+    uint32_t mask;     // of the other's mask
+    bool upright;      // never turned by others
+} duet_body;
+
+DUET_API duet_body duet_default_body(void); // at rest, mass 1, friction 0, all groups
+
+// Where an object is and how it moves. In 2D only z of rotation and spin count.
+typedef struct duet_state {
+    double centre[3];
+    double rotation[4]; // of length 1
+    double velocity[3];
+    double spin[3];
+} duet_state;
+
+typedef enum duet_edge {
+    DUET_EDGE_NONE,
+    DUET_EDGE_WALLS,   // lower and upper are walls
+    DUET_EDGE_PERIODIC // what leaves on one side comes in on the other
+} duet_edge;
+
+typedef enum duet_integrator {
+    DUET_EULER,  // semi-implicit, first order
+    DUET_VERLET, // second order, symmetric; without response
+    DUET_YOSHIDA // fourth order, symmetric; without response
+} duet_integrator;
+
+typedef struct duet_motion_def {
+    duet_device_pair *pair; // borrowed; B holds the state, both find pairs
+    duet_plan plan;         // how pairs are found
+    uint32_t dims;          // 2 or 3
+    uint32_t wants;         // effects asked for besides those that the objects call for
+    bool doubles;           // the state is in double
+    double origin[3];       // where the poses' 0 lies; far away needs doubles
+    double gravity[3];      // an acceleration
+    double attraction;      // not 0: attraction / distance^2 towards the point `centre`
+    double centre[3];
+    double drag; // a velocity falls by the factor e in 1 / drag seconds
+    duet_edge edge;
+    double lower[3]; // the world's box
+    double upper[3];
+    double dt;
+    uint32_t substeps;
+    duet_integrator integrator;
+    double skin;         // > 0: how far bounds are grown so that the grid lasts
+    double slop;         // contacts are kept to 4 slops apart; 0: from the objects' sizes
+    double push_speed;   // greatest speed at which overlap is resolved
+    double bounce_speed; // impacts below it do not bounce
+    double sleep_speed;  // slower than that for sleep_after seconds: may sleep
+    double sleep_after;
+    int cookie;
+} duet_motion_def;
+
+DUET_API duet_motion_def duet_default_motion_def(void); // 60 steps a second, 4 substeps
+
+// Objects that move.
+typedef struct duet_motion duet_motion;
+
+// Copies n poses and bodies (NULL: duet_default_body each). BAD_ARGUMENT names
+// the field of the def, BAD_OBJECT the object, that is wrong and what would be
+// right.
+DUET_API duet_motion *duet_motion_create(const duet_motion_def *def, const duet_pose *poses,
+                                         const duet_body *bodies, uint32_t n, duet_error *err);
+DUET_API void duet_motion_destroy(duet_motion *motion);
+
+// A contact that began or ended, a < b; a wall 2 k or 2 k + 1, the lower or
+// upper one of axis k, is object n + 2 k or n + 2 k + 1.
+typedef struct duet_event {
+    uint32_t a;
+    uint32_t b;
+    bool begins;
+} duet_event;
+
+// What a step did. Its memory is the motion's and lasts until the next step.
+typedef struct duet_motion_result {
+    uint64_t step;     // steps since the start
+    double time;       // step * dt
+    uint64_t pairs;    // that may touch
+    uint64_t contacts; // that push
+    uint32_t colours;  // rounds of a solution
+    bool rebuilt;      // pairs were searched in this step
+    const duet_event *events;
+    uint64_t n_events;
+    double total_ms;
+    const duet_stage *stages; // named by effect
+    uint32_t n_stages;
+} duet_motion_result;
+
+// Advances all objects by dt.
+DUET_API bool duet_motion_advance(duet_motion *motion, duet_motion_result *result,
+                                  duet_error *err);
+
+DUET_API uint32_t duet_motion_effects(const duet_motion *motion); // bits of duet_effect
+DUET_API uint32_t duet_motion_count(const duet_motion *motion);
+
+// Copies the state of all objects to states [n].
+DUET_API bool duet_motion_read(duet_motion *motion, duet_state *states, duet_error *err);
+
+// A sum over the state's bits, equal on all devices, at any share and in any
+// split mode.
+DUET_API bool duet_motion_hash(duet_motion *motion, uint64_t *hash, duet_error *err);
+
+typedef struct duet_energy {
+    double kinetic; // of objects with a mass
+    double turning; // of their spin
+    double potential;
+    double momentum[3];
+    double angular[3]; // momentum about the origin
+} duet_energy;
+
+DUET_API bool duet_motion_energy(duet_motion *motion, duet_energy *energy, duet_error *err);
+
+// Where two objects touched in the last step.
+typedef struct duet_contact {
+    uint32_t a, b;   // b may be a wall, as in duet_event
+    float normal[3]; // from a to b
+    uint32_t n;      // points, 1 .. 4
+    struct {
+        float arm[3]; // from a's centre
+        float gap;    // below 0: depth
+        float push;   // impulse along the normal in the last substep (response)
+    } points[4];
+} duet_contact;
+
+// Copies those contacts; the caller frees *contacts with duet_free. They are
+// ascending.
+DUET_API bool duet_motion_contacts(duet_motion *motion, duet_contact **contacts, uint64_t *n,
+                                   duet_error *err);
+
+// A motion as a file: advanced after loading, it goes on bit for bit as the
+// saved one does. Objects, bodies and def must be those of the saved motion.
+DUET_API bool duet_motion_save(duet_motion *motion, const char *path, duet_error *err);
+DUET_API bool duet_motion_load(duet_motion *motion, const char *path, duet_error *err);
+
+// One effect of a motion, as duet explain shows it.
+typedef struct duet_effect_info {
+    const char *name;
+    bool active;
+    const char *called_by; // what calls for it, or would
+    const char *kernels;   // those that have code for it
+    uint32_t bytes;        // of state an object, on B
+} duet_effect_info;
+
+// Effect i, NULL past the last.
+DUET_API bool duet_motion_explain(const duet_motion *motion, uint32_t i, duet_effect_info *info);
 
 // ---------------------------------------------------------------- reference
 

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: MIT
+// A time step: the launches that its effects call for, in order.
+//
+// Without response each object flies free, and where it then touches is looked
+// at afterwards. With response the contacts of the step's beginning are solved
+// in substeps.
+#include "runtime/motion_args.h"
+
+#include "runtime/base/clock.h"
+#include "runtime/base/error.h"
+
+#include <math.h>
+#include <string.h>
+
+// ---------------------------------------------------------------- free flight
+
+// The parts of a substep: one, or of Yoshida's order 4 two outer ones and one
+// between them that goes back.
+static void part_times(const duet_motion *m, double times[2])
+{
+    double h = m->def.dt / m->def.substeps;
+    double root = cbrt(2.0);
+    bool parted = m->def.integrator == DUET_YOSHIDA;
+    times[0] = parted ? h / (2.0 - root) : h;
+    times[1] = parted ? -h * root / (2.0 - root) : 0.0;
+}
+
+static void add_gravity(motion_args *a, bool real)
+{
+    const duet_motion_def *d = &a->motion->def;
+    const double *at = d->attraction != 0.0 ? d->centre : d->gravity;
+    void (*add)(motion_args *, double, double, double, double) =
+        real ? args_real4 : args_float4;
+    add(a, at[0], at[1], d->dims == 3 ? at[2] : 0.0, d->attraction);
+}
+
+static void add_box(motion_args *a)
+{
+    const duet_motion_def *d = &a->motion->def;
+    bool any = d->edge != DUET_EDGE_NONE;
+    const double far = 1e30;
+    args_real4(a, any ? d->lower[0] : -far, any ? d->lower[1] : -far, any ? d->lower[2] : -far, 0);
+    args_real4(a, any ? d->upper[0] : far, any ? d->upper[1] : far, any ? d->upper[2] : far, 0);
+}
+
+static bool fly(duet_motion *m, duet_error *err)
+{
+    double times[2];
+    part_times(m, times);
+    bool spin = motion_has(m, DUET_EFFECT_SPIN);
+    bool walls = motion_has(m, DUET_EFFECT_BOUNDS) && m->def.edge != DUET_EDGE_PERIODIC;
+    motion_args a = args_begin(m);
+    args_buffer(&a, CENTRES);
+    args_buffer(&a, VELOCITIES);
+    args_buffer_for(&a, DUET_EFFECT_SPIN, ROTATIONS);
+    args_buffer_for(&a, DUET_EFFECT_SPIN, SPINS);
+    if (spin && m->facts.uneven)
+        args_buffer(&a, INERTIAS);
+    if (motion_has(m, DUET_EFFECT_GRAVITY))
+        add_gravity(&a, true);
+    if (motion_has(m, DUET_EFFECT_DRAG)) {
+        double half = m->def.integrator == DUET_EULER ? 1.0 : 0.5; // drag comes once, or twice
+        args_real4(&a, exp(-m->def.drag * half * times[0]), exp(-m->def.drag * half * times[1]),
+                   0.0, 0.0);
+    }
+    if (motion_has(m, DUET_EFFECT_BOUNDS))
+        add_box(&a);
+    if (walls) {
+        args_buffer(&a, HALVES);
+        if (motion_has(m, DUET_EFFECT_ROTATION) && !spin)
+            args_buffer(&a, ROTATIONS);
+    }
+    args_real4(&a, times[0], times[1], 0.0, 0.0);
+    args_uint(&a, m->def.substeps);
+    args_uint(&a, m->n);
+    return args_launch(&a, "motion", m->kernels.integrate, m->n, err);
+}
+
+// ---------------------------------------------------------------- response
+
+static bool doze(duet_motion *m, duet_error *err)
+{
+    if (!motion_has(m, DUET_EFFECT_SLEEP) || !m->has_rows)
+        return true;
+    motion_args a = args_begin(m);
+    args_buffer(&a, LINKS);
+    args_buffer(&a, CONTACTS);
+    args_buffer(&a, STARTS);
+    args_buffer(&a, RETURN_STARTS);
+    args_buffer(&a, RETURNS);
+    args_uint(&a, m->n);
+    args_buffer(&a, RESTS);
+    args_buffer(&a, VELOCITIES);
+    args_buffer_for(&a, DUET_EFFECT_SPIN, SPINS);
+    args_float(&a, m->def.sleep_after);
+    args_buffer(&a, ASLEEP);
+    return args_launch(&a, "sleep", m->kernels.doze, m->n, err);
+}
+
+static bool begin_bodies(duet_motion *m, duet_error *err)
+{
+    motion_args a = args_begin(m);
+    args_buffer(&a, VELOCITIES);
+    args_buffer_for(&a, DUET_EFFECT_SPIN, ROTATIONS);
+    args_buffer_for(&a, DUET_EFFECT_SPIN, SPINS);
+    args_buffer_for(&a, DUET_EFFECT_SPIN, INERTIAS);
+    args_buffer_for(&a, DUET_EFFECT_SLEEP, ASLEEP);
+    args_uint(&a, m->n);
+    args_buffer(&a, BODIES);
+    return args_launch(&a, "motion", m->kernels.body_begin, (uint64_t)m->n + MOTION_WALLS, err);
+}
+
+static bool kick(duet_motion *m, double h, duet_error *err)
+{
+    motion_args a = args_begin(m);
+    args_buffer(&a, BODIES);
+    args_uint(&a, m->n);
+    if (motion_has(m, DUET_EFFECT_GRAVITY)) {
+        add_gravity(&a, false);
+        if (m->def.attraction != 0.0)
+            args_buffer(&a, CENTRES);
+    }
+    if (motion_has(m, DUET_EFFECT_DRAG))
+        args_float(&a, exp(-m->def.drag * h));
+    args_buffer(&a, STARTS);
+    args_buffer(&a, RETURN_STARTS);
+    args_buffer(&a, RETURNS);
+    args_buffer(&a, SHOVES);
+    args_float(&a, h);
+    return args_launch(&a, "motion", m->kernels.body_kick, m->n, err);
+}
+
+static bool drift(duet_motion *m, double h, duet_error *err)
+{
+    motion_args a = args_begin(m);
+    args_buffer(&a, BODIES);
+    args_uint(&a, m->n);
+    if (motion_has(m, DUET_EFFECT_SPIN) && m->facts.uneven) {
+        args_buffer(&a, ROTATIONS);
+        args_buffer(&a, INERTIAS);
+    }
+    args_float(&a, h);
+    return args_launch(&a, "motion", m->kernels.body_drift, m->n, err);
+}
+
+static bool finish_bodies(duet_motion *m, duet_error *err)
+{
+    motion_args a = args_begin(m);
+    args_buffer(&a, BODIES);
+    args_uint(&a, m->n);
+    args_buffer(&a, CENTRES);
+    args_buffer_for(&a, DUET_EFFECT_SPIN, ROTATIONS);
+    args_buffer_for(&a, DUET_EFFECT_SPIN, SPINS);
+    if (motion_has(m, DUET_EFFECT_SLEEP)) {
+        args_buffer(&a, ASLEEP);
+        args_buffer(&a, RESTS);
+        args_buffer(&a, HALVES);
+        args_float(&a, m->def.dt);
+        args_float(&a, m->def.sleep_speed);
+    }
+    args_buffer(&a, VELOCITIES);
+    return args_launch(&a, "motion", m->kernels.body_finish, m->n, err);
+}
+
+// A damped spring, implicitly: how fast overlap is pushed out per depth, what
+// part of the mass answers, and what part of the push decays. It is as stiff
+// as substeps can follow.
+static void add_spring(motion_args *a, double h, double hertz)
+{
+    const double damping = 10.0;
+    double omega = 2.0 * 3.14159265358979323846 * hertz;
+    double stiff = 2.0 * damping + h * omega;
+    double soft = h * omega * stiff;
+    double part = 1.0 / (1.0 + soft);
+    args_float4(a, omega / stiff, soft * part, part, a->motion->def.push_speed);
+}
+
+static void add_pass(motion_args *a, uint32_t colour)
+{
+    const duet_motion *m = a->motion;
+    uint32_t first = m->colour_starts[colour];
+    args_buffer(a, LINKS);
+    args_buffer(a, LIST);
+    args_uint(a, first);
+    args_uint(a, m->colour_starts[colour + 1] - first);
+    args_buffer(a, CONTACTS);
+    args_buffer(a, BODIES);
+}
+
+static bool solve_colour(duet_motion *m, uint32_t colour, uint32_t soft, double h, duet_error *err)
+{
+    double hertz = fmin(30.0, 0.25 / h);
+    uint32_t count = m->colour_starts[colour + 1] - m->colour_starts[colour];
+    bool in_order = colour == COLOUR_OVERFLOW;
+    motion_args a = args_begin(m);
+    add_pass(&a, colour);
+    args_buffer(&a, SHOVES);
+    args_uint(&a, soft);
+    args_float(&a, 1.0 / h);
+    add_spring(&a, h, hertz);
+    add_spring(&a, h, 2.0 * hertz);
+    return args_launch(&a, "response", in_order ? m->kernels.solve_in_order : m->kernels.solve,
+                       in_order && count > 0 ? 1 : count, err);
+}
+
+static bool solve(duet_motion *m, uint32_t soft, double h, duet_error *err)
+{
+    bool ok = true;
+    for (uint32_t colour = 0; ok && colour <= COLOUR_OVERFLOW; ++colour)
+        ok = solve_colour(m, colour, soft, h, err);
+    return ok;
+}
+
+static bool bounce(duet_motion *m, duet_error *err)
+{
+    bool ok = true;
+    for (uint32_t colour = 0; ok && m->facts.bouncing && colour <= COLOUR_OVERFLOW; ++colour) {
+        uint32_t count = m->colour_starts[colour + 1] - m->colour_starts[colour];
+        bool in_order = colour == COLOUR_OVERFLOW;
+        motion_args a = args_begin(m);
+        add_pass(&a, colour);
+        args_float(&a, m->def.bounce_speed);
+        ok = args_launch(&a, "response", in_order ? m->kernels.bounce_in_order : m->kernels.bounce,
+                         in_order && count > 0 ? 1 : count, err);
+    }
+    return ok;
+}
+
+static bool respond(duet_motion *m, duet_error *err)
+{
+    double h = m->def.dt / m->def.substeps;
+    bool ok = doze(m, err) && motion_find_rows(m, err) && begin_bodies(m, err) &&
+              motion_touch(m, err) && motion_colour(m, err);
+    for (uint32_t k = 0; ok && k < m->def.substeps; ++k)
+        ok = kick(m, h, err) && solve(m, 1, h, err) && drift(m, h, err) && solve(m, 0, h, err);
+    return ok && bounce(m, err) && finish_bodies(m, err);
+}
+
+// ---------------------------------------------------------------- a step
+
+static bool run_effects(duet_motion *m, duet_error *err)
+{
+    if (m->n == 0 || m->def.dt == 0.0)
+        return true;
+    if (motion_has(m, DUET_EFFECT_RESPONSE))
+        return respond(m, err);
+    if (motion_has(m, DUET_EFFECT_MOTION) && !fly(m, err))
+        return false;
+    return !motion_has(m, DUET_EFFECT_CONTACT) ||
+           (motion_find_rows(m, err) && motion_touch(m, err));
+}
+
+static void fill_result(duet_motion *m, duet_motion_result *result)
+{
+    *result = (duet_motion_result){
+        .step = m->step,
+        .time = (double)m->step * m->def.dt,
+        .pairs = m->n_pairs,
+        .contacts = m->colour_starts[COLOUR_OVERFLOW + 1],
+        .colours = m->n_colours,
+        .rebuilt = m->rebuilt,
+        .stages = m->times.stages,
+        .n_stages = (uint32_t)m->times.n_stages,
+    };
+}
+
+bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error *err)
+{
+    uint64_t begun = clock_steady_ns();
+    timeline_begin(&m->times, m->device);
+    m->rebuilt = false;
+    bool ok = motion_clear_flags(m, err) && run_effects(m, err) && timeline_finish(&m->times, err);
+    if (!ok)
+        return false;
+    ++m->step;
+    fill_result(m, result);
+    result->total_ms = (double)(clock_steady_ns() - begun) * 1e-6;
+    return true;
+}

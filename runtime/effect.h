@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// The table of effects, and which of them a scene calls for.
+#ifndef RUNTIME_EFFECT_H
+#define RUNTIME_EFFECT_H
+
+#include "runtime/duet.h"
+
+// What the objects and the def say that calls for effects.
+typedef struct effect_facts {
+    bool rotated;  // some rotation is not the identity
+    bool moving;   // some velocity is not 0
+    bool turning;  // some spin is not 0
+    bool massive;  // something has a mass
+    bool turnable; // and something of that can be turned by others
+    bool uneven;   // some inertia is not the same along all axes
+    bool bouncing; // some restitution is not 0
+    bool rough;    // some friction is not 0
+    bool filtered; // some group or mask is not all
+    double reach;  // the most that something moves in a step, in its least half extents
+} effect_facts;
+
+effect_facts effect_facts_of(const duet_motion_def *def, const duet_pose *poses,
+                             const duet_body *bodies, uint32_t n);
+
+// The effects that facts and def call for, and all that those need.
+uint32_t effect_infer(const duet_motion_def *def, const effect_facts *facts);
+
+// A row of the table; NULL past the last.
+typedef struct effect_row {
+    uint32_t effect;
+    const char *name;
+    uint32_t needs;        // effects that come with it
+    const char *called_by; // what calls for it
+    const char *word;      // is in no kernel's text without it
+    const char *kernels;
+} effect_row;
+
+const effect_row *effect_at(uint32_t i);
+
+#endif

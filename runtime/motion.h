@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// A motion's insides, for the files that make up its step.
+//
+// B holds the state from step to step and solves; pairs are found by both
+// devices, by a world of the objects' bounds.
+#ifndef RUNTIME_MOTION_H
+#define RUNTIME_MOTION_H
+
+#include "runtime/device_pair.h"
+#include "runtime/effect.h"
+#include "runtime/timeline.h"
+
+enum { MOTION_WALLS = 6 };
+
+// Colours of contacts, as in kernels/colour.cl.in.
+enum { COLOUR_OVERFLOW = 31, COLOUR_NONE = 33, COLOURS = 34, COLOUR_BITS = 6 };
+
+// Words that kernels set and the host reads, as in kernels/flags.clh.
+enum { FLAG_MOVED, FLAG_UNCOLOURED, FLAG_RECOLOURED, FLAG_EVENTS, FLAGS };
+
+// What B holds. Which buffers there are follows from the effects.
+typedef enum motion_buffer {
+    CENTRES, // by object
+    VELOCITIES,
+    ROTATIONS,
+    SPINS,
+    INERTIAS,
+    HALVES,
+    BOUNCES,
+    FRICTIONS,
+    FILTERS,
+    RESTS,
+    ASLEEP,
+    BODIES,
+    BOXES,
+    STARTS,
+    RETURN_STARTS,
+    USED,
+    CHOICES,
+    PAIRS, // by pair of A, while rows are made
+    OTHERS, // by contact
+    LINKS,
+    RETURNS,
+    CONTACTS,
+    COLOUR_OF,
+    SHOVES,
+    OLD_LINKS,
+    OLD_CONTACTS,
+    OLD_COLOURS,
+    LIST, // contacts by colour
+    LIST_KEYS,
+    LIST_SPARE,
+    LIST_KEYS_SPARE,
+    COLOUR_STARTS,
+    EVENTS,
+    FLAG_WORDS,
+    SUMS,
+    TILES,
+    MOTION_BUFFERS
+} motion_buffer;
+
+typedef struct motion_kernels {
+    kernel *integrate;
+    kernel *enclose, *left_skin;
+    kernel *row_pairs, *row_walls, *row_sort, *row_returns, *carry;
+    kernel *contact;
+    kernel *doze;
+    kernel *body_begin, *body_kick, *body_drift, *body_finish;
+    kernel *colour_mark, *colour_choose, *colour_take;
+    kernel *solve, *solve_in_order, *bounce, *bounce_in_order;
+    kernel *scan_sums, *scan_tops, *scan_blocks;
+    kernel *radix_count, *radix_move, *row_start;
+} motion_kernels;
+
+// How long the records of kernels/contact.clh are, in floats; bodies and
+// shoves in vectors of four.
+typedef struct motion_layout {
+    uint32_t head, part, points, record;
+    uint32_t body, shove;
+    uint32_t of_push; // in a part
+} motion_layout;
+
+struct duet_motion {
+    duet_motion_def def;
+    uint32_t effects;
+    effect_facts facts;
+    uint32_t n;
+    duet_pose *poses;  // as given
+    duet_body *bodies; // as given
+    const device *device;
+    gen *gen;
+    program_set *programs;
+    motion_kernels kernels;
+    motion_layout layout;
+    timeline times;
+    buffer buffers[MOTION_BUFFERS];
+    duet_world *world; // of bounds; NULL without contact
+    double margin;     // contacts are kept to that far apart
+    uint64_t step;
+    uint32_t n_contacts; // in rows
+    uint32_t n_returns;
+    uint32_t colour_starts[COLOURS + 1];
+    uint32_t n_colours; // that are not empty
+    uint64_t n_pairs;
+    bool has_rows;
+    bool rebuilt;
+    uint32_t flags[FLAGS];
+    duet_event *events;
+    uint64_t event_room;
+    uint64_t n_events;
+};
+
+static inline bool motion_has(const duet_motion *m, uint32_t effect)
+{
+    return m->effects & effect;
+}
+
+// Generates and builds what the effects need.
+bool motion_prepare(duet_motion *m, duet_error *err);
+
+// Puts poses and bodies into B's buffers, and 0 into what they lack.
+bool motion_reset(duet_motion *m, duet_error *err);
+
+// 32-bit words of state that an object has in a buffer; 0: not by object, or
+// not called for.
+uint32_t motion_words(const duet_motion *m, motion_buffer which);
+
+// Where objects may touch: pairs to rows, rows to contacts, contacts to colours.
+bool motion_find_rows(duet_motion *m, duet_error *err);
+bool motion_touch(duet_motion *m, duet_error *err);
+bool motion_colour(duet_motion *m, duet_error *err);
+
+// Exclusive sum of n words in place.
+bool motion_scan(duet_motion *m, const char *stage, motion_buffer which, uint32_t n,
+                 duet_error *err);
+
+// Contacts of one colour after the other into LIST, with colour_starts.
+bool motion_sort_colours(duet_motion *m, duet_error *err);
+
+// Reads the flags, which waits for all that was launched.
+bool motion_read_flags(duet_motion *m, duet_error *err);
+bool motion_clear_flags(duet_motion *m, duet_error *err);
+
+// Room for n elements of `size` bytes in a buffer.
+bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err);
+
+bool motion_fetch_events(duet_motion *m, duet_error *err);
+
+#endif

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+// Contacts into colours, and the list that goes colour by colour.
+#include "runtime/motion_args.h"
+
+#include "runtime/base/error.h"
+
+#include <string.h>
+
+// Rounds that are sent before the host looks whether any contact still waits.
+enum { ROUNDS_AT_ONCE = 4 };
+
+// ---------------------------------------------------------------- sorting
+
+bool motion_scan(duet_motion *m, const char *stage, motion_buffer which, uint32_t n,
+                 duet_error *err)
+{
+    const kernel *k = m->kernels.scan_sums;
+    uint32_t block = k->group * k->per_item;
+    uint32_t n_blocks = (n + block - 1) / block;
+    motion_args sums = args_begin(m);
+    args_buffer(&sums, which);
+    args_uint(&sums, n);
+    args_buffer(&sums, SUMS);
+    motion_args tops = args_begin(m);
+    args_buffer(&tops, SUMS);
+    args_uint(&tops, n_blocks);
+    if (!motion_reserve(m, SUMS, n_blocks, sizeof(uint32_t), err))
+        return false;
+    return args_launch(&sums, stage, m->kernels.scan_sums, n, err) &&
+           args_launch(&tops, stage, m->kernels.scan_tops, 1, err) &&
+           args_launch(&sums, stage, m->kernels.scan_blocks, n, err);
+}
+
+static bool sort_pass(duet_motion *m, motion_buffer keys, uint32_t shift, duet_error *err)
+{
+    const kernel *k = m->kernels.radix_count;
+    uint32_t tile = k->group * k->per_item;
+    uint32_t n_tiles = (m->n_contacts + tile - 1) / tile;
+    uint32_t n_counts = n_tiles << kernel_param(k, "BITS");
+    if (!motion_reserve(m, TILES, n_counts, sizeof(uint32_t), err))
+        return false;
+    motion_args count = args_begin(m);
+    args_buffer(&count, keys);
+    args_uint(&count, m->n_contacts);
+    args_uint(&count, shift);
+    args_buffer(&count, TILES);
+    motion_args move = args_begin(m);
+    args_buffer(&move, keys);
+    args_buffer(&move, LIST);
+    args_uint(&move, m->n_contacts);
+    args_uint(&move, shift);
+    args_uint(&move, shift == 0);
+    args_buffer(&move, TILES);
+    args_buffer(&move, LIST_KEYS_SPARE);
+    args_buffer(&move, LIST_SPARE);
+    bool ok = args_launch(&count, "colour", m->kernels.radix_count, m->n_contacts, err) &&
+              motion_scan(m, "colour", TILES, n_counts, err) &&
+              args_launch(&move, "colour", m->kernels.radix_move, m->n_contacts, err);
+    buffer list = m->buffers[LIST];
+    m->buffers[LIST] = m->buffers[LIST_SPARE];
+    m->buffers[LIST_SPARE] = list;
+    list = m->buffers[LIST_KEYS];
+    m->buffers[LIST_KEYS] = m->buffers[LIST_KEYS_SPARE];
+    m->buffers[LIST_KEYS_SPARE] = list;
+    return ok;
+}
+
+static bool reserve_lists(duet_motion *m, duet_error *err)
+{
+    static const motion_buffer lists[] = {LIST, LIST_SPARE, LIST_KEYS, LIST_KEYS_SPARE};
+    bool ok = motion_reserve(m, COLOUR_STARTS, COLOURS + 1, sizeof(uint32_t), err);
+    for (size_t i = 0; ok && i < sizeof lists / sizeof lists[0]; ++i)
+        ok = motion_reserve(m, lists[i], (uint64_t)m->n_contacts + 1, sizeof(uint32_t), err);
+    return ok;
+}
+
+static bool read_starts(duet_motion *m, duet_error *err)
+{
+    motion_args a = args_begin(m);
+    args_buffer(&a, LIST_KEYS);
+    args_uint(&a, m->n_contacts);
+    args_uint(&a, COLOURS);
+    args_buffer(&a, COLOUR_STARTS);
+    bool ok = args_launch(&a, "colour", m->kernels.row_start, (uint64_t)m->n_contacts + 1, err) &&
+              timeline_read(&m->times, "colour", &m->buffers[COLOUR_STARTS], m->colour_starts,
+                            sizeof m->colour_starts, err);
+    m->n_colours = 0;
+    for (uint32_t c = 0; ok && c <= COLOUR_OVERFLOW; ++c)
+        m->n_colours += m->colour_starts[c] < m->colour_starts[c + 1];
+    return ok;
+}
+
+bool motion_sort_colours(duet_motion *m, duet_error *err)
+{
+    memset(m->colour_starts, 0, sizeof m->colour_starts);
+    m->n_colours = 0;
+    if (m->n_contacts == 0)
+        return true;
+    uint32_t bits = (uint32_t)kernel_param(m->kernels.radix_count, "BITS");
+    bool ok = reserve_lists(m, err);
+    for (uint32_t shift = 0; ok && shift < COLOUR_BITS; shift += bits)
+        ok = sort_pass(m, shift == 0 ? COLOUR_OF : LIST_KEYS, shift, err);
+    return ok && read_starts(m, err);
+}
+
+// ---------------------------------------------------------------- colours
+
+static bool mark(duet_motion *m, duet_error *err)
+{
+    motion_args a = args_begin(m);
+    args_buffer(&a, LINKS);
+    args_buffer(&a, CONTACTS);
+    args_uint(&a, m->n_contacts);
+    args_uint(&a, m->n);
+    args_buffer(&a, BODIES);
+    args_buffer(&a, COLOUR_OF);
+    args_buffer(&a, FLAG_WORDS);
+    return args_launch(&a, "colour", m->kernels.colour_mark, m->n_contacts, err) &&
+           motion_read_flags(m, err);
+}
+
+static bool run_round(duet_motion *m, duet_error *err)
+{
+    motion_args choose = args_begin(m);
+    args_buffer(&choose, LINKS);
+    args_buffer(&choose, COLOUR_OF);
+    args_buffer(&choose, STARTS);
+    args_buffer(&choose, RETURN_STARTS);
+    args_buffer(&choose, RETURNS);
+    args_uint(&choose, m->n);
+    args_buffer(&choose, USED);
+    args_buffer(&choose, CHOICES);
+    motion_args take = args_begin(m);
+    args_buffer(&take, LINKS);
+    args_uint(&take, m->n);
+    args_buffer(&take, VELOCITIES);
+    args_buffer(&take, USED);
+    args_buffer(&take, CHOICES);
+    args_buffer(&take, COLOUR_OF);
+    args_buffer(&take, FLAG_WORDS);
+    return args_launch(&choose, "colour", m->kernels.colour_choose, m->n, err) &&
+           args_launch(&take, "colour", m->kernels.colour_take, m->n, err);
+}
+
+// Each round colours at least the contact of greatest rank, so rounds end.
+bool motion_colour(duet_motion *m, duet_error *err)
+{
+    bool ok = mark(m, err);
+    while (ok && m->flags[FLAG_UNCOLOURED] > 0) {
+        for (int i = 0; ok && i < ROUNDS_AT_ONCE; ++i)
+            ok = run_round(m, err);
+        ok = ok && motion_read_flags(m, err);
+    }
+    if (ok && (m->rebuilt || m->flags[FLAG_RECOLOURED]))
+        ok = motion_sort_colours(m, err);
+    return ok;
+}

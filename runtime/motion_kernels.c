@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+// Which kernels a motion runs, and with which parameters.
+#include "runtime/motion.h"
+
+#include "runtime/base/error.h"
+
+#include <string.h>
+
+enum { N_CHOICES = 14 };
+
+static const gen_param *find_param(const gen_param *params, uint32_t n, const char *name)
+{
+    for (uint32_t i = 0; i < n; ++i)
+        if (strcmp(params[i].name, name) == 0)
+            return &params[i];
+    return NULL;
+}
+
+static int64_t has(const duet_motion *m, uint32_t effect)
+{
+    return motion_has(m, effect) ? 1 : 0;
+}
+
+static int64_t gravity_kind(const duet_motion *m)
+{
+    return !motion_has(m, DUET_EFFECT_GRAVITY) ? 0 : m->def.attraction != 0.0 ? 2 : 1;
+}
+
+// With response, walls are contacts and nothing is left to a free flight.
+static int64_t edge_kind(const duet_motion *m)
+{
+    return !motion_has(m, DUET_EFFECT_BOUNDS) ? 0 : m->def.edge == DUET_EDGE_PERIODIC ? 2 : 1;
+}
+
+static int64_t order_of(duet_integrator integrator)
+{
+    static const int64_t orders[] = {[DUET_EULER] = 1, [DUET_VERLET] = 2, [DUET_YOSHIDA] = 4};
+    return orders[integrator];
+}
+
+// All that the cards of these kernels can have.
+static void choose(const duet_motion *m, gen_setting all[N_CHOICES])
+{
+    int64_t gyro = motion_has(m, DUET_EFFECT_SPIN) && m->facts.uneven;
+    const gen_setting choices[N_CHOICES] = {
+        {"DIMS", m->def.dims},
+        {"DOUBLE", m->def.doubles},
+        {"ROTATED", has(m, DUET_EFFECT_ROTATION)},
+        {"SPIN", has(m, DUET_EFFECT_SPIN)},
+        {"GYRO", gyro},
+        {"GRAVITY", gravity_kind(m)},
+        {"DRAG", has(m, DUET_EFFECT_DRAG)},
+        {"BOUNDS", edge_kind(m)},
+        {"RESPONSE", has(m, DUET_EFFECT_RESPONSE)},
+        {"FRICTION", has(m, DUET_EFFECT_FRICTION)},
+        {"FAST", has(m, DUET_EFFECT_FAST)},
+        {"FILTER", has(m, DUET_EFFECT_FILTER)},
+        {"SLEEP", has(m, DUET_EFFECT_SLEEP)},
+        {"EVENTS", has(m, DUET_EFFECT_EVENTS)},
+    };
+    memcpy(all, choices, sizeof choices);
+}
+
+// Those of the choices that the kernel's card has.
+static bool gather(duet_motion *m, const char *name, gen_setting settings[], uint32_t *n,
+                   duet_error *err)
+{
+    gen_setting all[N_CHOICES];
+    const gen_param *params = NULL;
+    uint32_t n_params = 0;
+    gen_limits limits = program_set_limits(m->programs);
+    choose(m, all);
+    if (!gen_params(m->gen, name, &limits, &params, &n_params, err))
+        return false;
+    *n = 0;
+    for (int i = 0; i < N_CHOICES; ++i)
+        if (find_param(params, n_params, all[i].name))
+            settings[(*n)++] = all[i];
+    if (find_param(params, n_params, "SKIN"))
+        settings[(*n)++] = (gen_setting){"SKIN", has(m, DUET_EFFECT_SKIN)};
+    if (find_param(params, n_params, "ORDER"))
+        settings[(*n)++] = (gen_setting){"ORDER", order_of(m->def.integrator)};
+    return true;
+}
+
+static bool get(duet_motion *m, kernel **at, const char *name, const char *entry, duet_error *err)
+{
+    gen_setting settings[N_CHOICES + 2];
+    uint32_t n = 0;
+    if (!gather(m, name, settings, &n, err))
+        return false;
+    *at = program_set_kernel(m->programs, name, entry, settings, n, err);
+    return *at;
+}
+
+// As kernels/contact.clh has them.
+static motion_layout lay_out(const duet_motion *m)
+{
+    bool response = motion_has(m, DUET_EFFECT_RESPONSE);
+    bool spin = motion_has(m, DUET_EFFECT_SPIN);
+    bool friction = motion_has(m, DUET_EFFECT_FRICTION);
+    bool flat = m->def.dims == 2;
+    motion_layout l = {.of_push = 4};
+    l.head = (response ? 6 : 5) + (friction ? (flat ? 1 : 4) : 0);
+    l.part = (response ? 8 : 4) + (response && spin ? 3 : 0) + (friction ? (flat ? 2 : 4) : 0);
+    l.points = response && !spin ? 1 : flat ? 2 : 4;
+    l.record = l.head + l.points * l.part;
+    l.body = spin ? 5 : 2;
+    l.shove = spin ? 3 : 1;
+    return l;
+}
+
+bool motion_prepare(duet_motion *m, duet_error *err)
+{
+    motion_kernels *k = &m->kernels;
+    bool contact = motion_has(m, DUET_EFFECT_CONTACT);
+    bool response = motion_has(m, DUET_EFFECT_RESPONSE);
+    bool flight = motion_has(m, DUET_EFFECT_MOTION) && !response;
+    bool walls = contact && edge_kind(m) == 1;
+    const struct {
+        kernel **at;
+        bool wanted;
+        const char *name;
+        const char *entry;
+    } list[] = {
+        {&k->integrate, flight, "integrate", "integrate"},
+        {&k->enclose, contact, "enclose", "enclose"},
+        {&k->left_skin, motion_has(m, DUET_EFFECT_SKIN), "enclose", "left_skin"},
+        {&k->row_pairs, contact, "rows", "row_pairs"},
+        {&k->row_walls, walls, "rows", "row_walls"},
+        {&k->row_sort, contact, "rows", "row_sort"},
+        {&k->row_returns, contact, "rows", "row_returns"},
+        {&k->carry, contact, "carry", "carry"},
+        {&k->contact, contact, "contact", "contact"},
+        {&k->doze, motion_has(m, DUET_EFFECT_SLEEP), "doze", "doze"},
+        {&k->body_begin, response, "body", "body_begin"},
+        {&k->body_kick, response, "body", "body_kick"},
+        {&k->body_drift, response, "body", "body_drift"},
+        {&k->body_finish, response, "body", "body_finish"},
+        {&k->colour_mark, response, "colour", "colour_mark"},
+        {&k->colour_choose, response, "colour", "colour_choose"},
+        {&k->colour_take, response, "colour", "colour_take"},
+        {&k->solve, response, "solve", "solve"},
+        {&k->solve_in_order, response, "solve", "solve_in_order"},
+        {&k->bounce, response, "solve", "bounce"},
+        {&k->bounce_in_order, response, "solve", "bounce_in_order"},
+        {&k->scan_sums, contact, "scan", "scan_sums"},
+        {&k->scan_tops, contact, "scan", "scan_tops"},
+        {&k->scan_blocks, contact, "scan", "scan_blocks"},
+        {&k->radix_count, response, "radix", "radix_count"},
+        {&k->radix_move, response, "radix", "radix_move"},
+        {&k->row_start, response, "cell_start", "row_start"},
+    };
+    m->layout = lay_out(m);
+    for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i)
+        if (list[i].wanted && !get(m, list[i].at, list[i].name, list[i].entry, err))
+            return false;
+    return true;
+}
