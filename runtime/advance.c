@@ -29,8 +29,7 @@ static void add_gravity(motion_args *a, bool real)
 {
     const duet_motion_def *d = &a->motion->def;
     const double *at = d->attraction != 0.0 ? d->centre : d->gravity;
-    void (*add)(motion_args *, double, double, double, double) =
-        real ? args_real4 : args_float4;
+    void (*add)(motion_args *, double, double, double, double) = real ? args_real4 : args_float4;
     add(a, at[0], at[1], d->dims == 3 ? at[2] : 0.0, d->attraction);
 }
 
@@ -163,8 +162,7 @@ static bool finish_bodies(duet_motion *m, duet_error *err)
 }
 
 // A damped spring, implicitly: how fast overlap is pushed out per depth, what
-// part of the mass answers, and what part of the push decays. It is as stiff
-// as substeps can follow.
+// part of the mass answers, and what part of the push decays.
 static void add_spring(motion_args *a, double h, double hertz)
 {
     const double damping = 10.0;
@@ -189,7 +187,7 @@ static void add_pass(motion_args *a, uint32_t colour)
 
 static bool solve_colour(duet_motion *m, uint32_t colour, uint32_t soft, double h, duet_error *err)
 {
-    double hertz = fmin(30.0, 0.25 / h);
+    double hertz = 0.25 / h; // four substeps a swing, as fast as they can follow
     uint32_t count = m->colour_starts[colour + 1] - m->colour_starts[colour];
     bool in_order = colour == COLOUR_OVERFLOW;
     motion_args a = args_begin(m);
@@ -199,6 +197,7 @@ static bool solve_colour(duet_motion *m, uint32_t colour, uint32_t soft, double 
     args_float(&a, 1.0 / h);
     add_spring(&a, h, hertz);
     add_spring(&a, h, 2.0 * hertz);
+    args_float(&a, m->margin / MOTION_SLOPS);
     return args_launch(&a, "response", in_order ? m->kernels.solve_in_order : m->kernels.solve,
                        in_order && count > 0 ? 1 : count, err);
 }
@@ -240,8 +239,10 @@ static bool respond(duet_motion *m, duet_error *err)
 
 static bool run_effects(duet_motion *m, duet_error *err)
 {
-    if (m->n == 0 || m->def.dt == 0.0)
+    if (m->n == 0 || m->def.dt == 0.0 || m->effects == 0)
         return true;
+    if (!motion_clear_flags(m, err))
+        return false;
     if (motion_has(m, DUET_EFFECT_RESPONSE))
         return respond(m, err);
     if (motion_has(m, DUET_EFFECT_MOTION) && !fly(m, err))
@@ -269,7 +270,7 @@ bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error 
     uint64_t begun = clock_steady_ns();
     timeline_begin(&m->times, m->device);
     m->rebuilt = false;
-    bool ok = motion_clear_flags(m, err) && run_effects(m, err) && timeline_finish(&m->times, err);
+    bool ok = run_effects(m, err) && timeline_finish(&m->times, err);
     if (!ok)
         return false;
     ++m->step;

@@ -20,8 +20,7 @@ static const effect_row rows[] = {
     {DUET_EFFECT_BOUNDS, "bounds", DUET_EFFECT_MOTION, "walls or a periodic world, and motion",
      "wall", "integrate, rows, contact"},
     {DUET_EFFECT_SPIN, "spin", DUET_EFFECT_ROTATION | DUET_EFFECT_MOTION,
-     "a spin, or response for an object that may turn", "spin",
-     "integrate, body, contact, solve"},
+     "a spin, or response for an object that may turn", "spin", "integrate, body, contact, solve"},
     {DUET_EFFECT_ROTATION, "rotation", 0, "a rotation that is not the identity, or spin",
      "rotations", "integrate, enclose, contact"},
     {DUET_EFFECT_FRICTION, "friction", DUET_EFFECT_RESPONSE, "a friction", "grip",
@@ -29,8 +28,8 @@ static const effect_row rows[] = {
     {DUET_EFFECT_FAST, "fast", DUET_EFFECT_RESPONSE,
      "something that moves more than half its least half extent in a step", "swept",
      "enclose, contact"},
-    {DUET_EFFECT_FILTER, "filter", DUET_EFFECT_CONTACT, "a group or mask that is not all",
-     "filter", "rows"},
+    {DUET_EFFECT_FILTER, "filter", DUET_EFFECT_CONTACT, "a group or mask that is not all", "filter",
+     "rows"},
     {DUET_EFFECT_SLEEP, "sleep", DUET_EFFECT_RESPONSE, "wants", "asleep", "doze, body, contact"},
     {DUET_EFFECT_SKIN, "skin", DUET_EFFECT_CONTACT, "a skin above 0", "left_skin", "enclose"},
 };
@@ -148,8 +147,8 @@ static bool is_called(uint32_t effect, const duet_motion_def *def, const effect_
 // Without a mass nothing is pushed, whatever is asked for.
 static uint32_t possible(uint32_t effects, const effect_facts *f)
 {
-    const uint32_t pushed = DUET_EFFECT_RESPONSE | DUET_EFFECT_FRICTION | DUET_EFFECT_FAST |
-                            DUET_EFFECT_SLEEP;
+    const uint32_t pushed =
+        DUET_EFFECT_RESPONSE | DUET_EFFECT_FRICTION | DUET_EFFECT_FAST | DUET_EFFECT_SLEEP;
     return f->massive ? effects : effects & ~pushed;
 }
 

@@ -9,9 +9,6 @@
 
 enum { COOKIE = 0x0d0e7003 };
 
-// Contacts are kept while a gap is below this many slops.
-static const double slops_of_margin = 4.0;
-
 // A slop is this part of the objects' mean least extent.
 static const double slop_of_extent = 0.005;
 
@@ -62,8 +59,8 @@ static bool check_numbers(const duet_motion_def *def, duet_error *err)
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i)
         if (!is_between(numbers[i].value, numbers[i].least, 1e30))
-            return error_set(err, DUET_BAD_ARGUMENT, "%s is %g; right would be %s",
-                             numbers[i].name, numbers[i].value, numbers[i].right);
+            return error_set(err, DUET_BAD_ARGUMENT, "%s is %g; right would be %s", numbers[i].name,
+                             numbers[i].value, numbers[i].right);
     for (int k = 0; k < 3; ++k)
         if (!isfinite(def->gravity[k]) || !isfinite(def->centre[k]) || !isfinite(def->origin[k]))
             return error_set(err, DUET_BAD_ARGUMENT,
@@ -212,20 +209,19 @@ static bool open_device(duet_motion *m, duet_error *err)
     m->device = &m->def.pair->devices[1];
     timeline_begin(&m->times, m->device);
     m->gen = gen_open(m->def.pair->kernel_dir, err);
-    m->programs =
-        m->gen ? program_set_open(m->device, m->gen, m->def.pair->cache_dir, err) : NULL;
+    m->programs = m->gen ? program_set_open(m->device, m->gen, m->def.pair->cache_dir, err) : NULL;
     return m->programs;
 }
 
-static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
-                        uint32_t n, duet_error *err)
+static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_body *bodies, uint32_t n,
+                        duet_error *err)
 {
     if (!copy_objects(m, poses, bodies, n, err))
         return false;
     m->facts = effect_facts_of(&m->def, m->poses, m->bodies, n);
     m->effects = effect_infer(&m->def, &m->facts);
     double slop = m->def.slop > 0.0 ? m->def.slop : slop_of_extent * mean_least_extent(m);
-    m->margin = slops_of_margin * slop;
+    m->margin = MOTION_SLOPS * slop;
     return check_effects(m, err) && open_world(m, err) && open_device(m, err) &&
            motion_prepare(m, err) && motion_reset(m, err);
 }

@@ -12,6 +12,9 @@
 
 enum { MOTION_WALLS = 6 };
 
+// Contacts are kept while a gap is below this many slops.
+enum { MOTION_SLOPS = 4 };
+
 // Colours of contacts, as in kernels/colour.cl.in.
 enum { COLOUR_OVERFLOW = 31, COLOUR_NONE = 33, COLOURS = 34, COLOUR_BITS = 6 };
 
@@ -37,7 +40,7 @@ typedef enum motion_buffer {
     RETURN_STARTS,
     USED,
     CHOICES,
-    PAIRS, // by pair of A, while rows are made
+    PAIRS,  // by pair of A, while rows are made
     OTHERS, // by contact
     LINKS,
     RETURNS,

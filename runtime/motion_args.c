@@ -64,8 +64,7 @@ void args_real4(motion_args *a, double x, double y, double z, double w)
 }
 
 // The values moved with the list, if it did: they are pointed to only here.
-bool args_launch(motion_args *a, const char *stage, const kernel *k, uint64_t work,
-                 duet_error *err)
+bool args_launch(motion_args *a, const char *stage, const kernel *k, uint64_t work, duet_error *err)
 {
     for (uint32_t i = 0; i < a->n; ++i)
         if (!a->at[i].value)

@@ -102,7 +102,7 @@ static motion_layout lay_out(const duet_motion *m)
     bool flat = m->def.dims == 2;
     motion_layout l = {.of_push = 4};
     l.head = (response ? 6 : 5) + (friction ? (flat ? 1 : 4) : 0);
-    l.part = (response ? 8 : 4) + (response && spin ? 3 : 0) + (friction ? (flat ? 2 : 4) : 0);
+    l.part = (response ? 9 : 4) + (response && spin ? 3 : 0) + (friction ? (flat ? 2 : 4) : 0);
     l.points = response && !spin ? 1 : flat ? 2 : 4;
     l.record = l.head + l.points * l.part;
     l.body = spin ? 5 : 2;

@@ -51,8 +51,7 @@ static bool skin_holds(duet_motion *m, bool *holds, duet_error *err)
     motion_args a = args_begin(m);
     add_shape(&a, 0.5 * m->margin);
     args_buffer(&a, FLAG_WORDS);
-    bool ok = args_launch(&a, "skin", m->kernels.left_skin, m->n, err) &&
-              motion_read_flags(m, err);
+    bool ok = args_launch(&a, "skin", m->kernels.left_skin, m->n, err) && motion_read_flags(m, err);
     *holds = !m->flags[FLAG_MOVED];
     return ok;
 }
@@ -107,8 +106,8 @@ static bool put_walls(duet_motion *m, uint32_t fill, duet_error *err)
 
 static bool put_all(duet_motion *m, const duet_result *result, uint32_t fill, duet_error *err)
 {
-    return put_pairs(m, result->spans[0], fill, err) &&
-           put_pairs(m, result->spans[1], fill, err) && put_walls(m, fill, err);
+    return put_pairs(m, result->spans[0], fill, err) && put_pairs(m, result->spans[1], fill, err) &&
+           put_walls(m, fill, err);
 }
 
 static bool sort_rows(duet_motion *m, motion_buffer starts, motion_buffer values, duet_error *err)

@@ -174,9 +174,9 @@ bool motion_reset(duet_motion *m, duet_error *err)
         motion_buffer which;
         entry (*of)(const duet_motion *, uint32_t);
     } sent[] = {
-        {CENTRES, centre_of},     {VELOCITIES, velocity_of}, {ROTATIONS, rotation_of},
-        {SPINS, spin_of},         {INERTIAS, inertia_of},    {HALVES, half_of},
-        {BOUNCES, bounce_of},     {FRICTIONS, friction_of},
+        {CENTRES, centre_of}, {VELOCITIES, velocity_of}, {ROTATIONS, rotation_of},
+        {SPINS, spin_of},     {INERTIAS, inertia_of},    {HALVES, half_of},
+        {BOUNCES, bounce_of}, {FRICTIONS, friction_of},
     };
     bool ok = reserve_all(m, err);
     for (size_t i = 0; ok && i < sizeof sent / sizeof sent[0]; ++i) {

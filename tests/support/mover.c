@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "support/mover.h"
+#include "support/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static duet_device_pair *pair;
+
+int mover_open_pair(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    pair = duet_device_pair_open(&def, &err);
+    assert_ok(pair, err);
+    return 0;
+}
+
+int mover_close_pair(void **state)
+{
+    (void)state;
+    duet_device_pair_close(pair);
+    return 0;
+}
+
+duet_device_pair *mover_pair(void)
+{
+    return pair;
+}
+
+mover *mover_new(uint32_t dims)
+{
+    mover *m = calloc(1, sizeof *m);
+    assert_non_null(m);
+    m->def = duet_default_motion_def();
+    m->def.pair = pair;
+    m->def.plan = duet_default_plan(pair);
+    m->def.dims = dims;
+    return m;
+}
+
+void mover_restart(mover *m)
+{
+    duet_motion_destroy(m->motion);
+    m->motion = NULL;
+}
+
+void mover_free(mover *m)
+{
+    mover_restart(m);
+    free(m);
+}
+
+uint32_t mover_add(mover *m, double x, double y, double z, double hx, double hy, double hz)
+{
+    assert_true(m->n < MOVER_MOST);
+    m->poses[m->n] = (duet_pose){.centre = {(float)x, (float)y, (float)z},
+                                 .half = {(float)hx, (float)hy, (float)hz},
+                                 .rotation = {0, 0, 0, 1}};
+    m->bodies[m->n] = duet_default_body();
+    return m->n++;
+}
+
+uint32_t mover_add_cube(mover *m, double x, double y, double z, double edge)
+{
+    return mover_add(m, x, y, z, edge / 2, edge / 2, edge / 2);
+}
+
+void mover_turn(mover *m, uint32_t id, double x, double y, double z, double angle)
+{
+    double scale = sin(angle / 2) / sqrt(x * x + y * y + z * z);
+    float *q = m->poses[id].rotation;
+    q[0] = (float)(x * scale);
+    q[1] = (float)(y * scale);
+    q[2] = (float)(z * scale);
+    q[3] = (float)cos(angle / 2);
+}
+
+static void make(mover *m)
+{
+    duet_error err = {0};
+    if (m->motion)
+        return;
+    m->motion = duet_motion_create(&m->def, m->poses, m->bodies, m->n, &err);
+    assert_ok(m->motion, err);
+}
+
+void mover_run(mover *m, uint32_t steps)
+{
+    duet_error err = {0};
+    make(m);
+    for (uint32_t i = 0; i < steps; ++i)
+        assert_ok(duet_motion_advance(m->motion, &m->last, &err), err);
+    assert_ok(duet_motion_read(m->motion, m->states, &err), err);
+}
+
+duet_energy mover_energy(mover *m)
+{
+    duet_error err = {0};
+    duet_energy energy;
+    make(m);
+    assert_ok(duet_motion_energy(m->motion, &energy, &err), err);
+    return energy;
+}
+
+double mover_total(mover *m)
+{
+    duet_energy e = mover_energy(m);
+    return e.kinetic + e.turning + e.potential;
+}
+
+uint64_t mover_hash(mover *m)
+{
+    duet_error err = {0};
+    uint64_t hash = 0;
+    make(m);
+    assert_ok(duet_motion_hash(m->motion, &hash, &err), err);
+    return hash;
+}

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// Motions for tests: a def, objects that are added, and what became of them.
+#ifndef TESTS_MOVER_H
+#define TESTS_MOVER_H
+
+#include "runtime/duet.h"
+
+enum { MOVER_MOST = 4096 };
+
+typedef struct mover {
+    duet_motion_def def;
+    duet_pose poses[MOVER_MOST];
+    duet_body bodies[MOVER_MOST];
+    uint32_t n;
+    duet_motion *motion;
+    duet_motion_result last;
+    duet_state states[MOVER_MOST]; // as mover_run left them
+} mover;
+
+// One device pair for all tests of a program: group setup and teardown.
+int mover_open_pair(void **state);
+int mover_close_pair(void **state);
+duet_device_pair *mover_pair(void);
+
+// An empty mover, in 2D or 3D; the caller frees it with mover_free.
+mover *mover_new(uint32_t dims);
+void mover_free(mover *m);
+
+// Adds a box at rest and returns its place; its body may be changed until the
+// first step.
+uint32_t mover_add(mover *m, double x, double y, double z, double hx, double hy, double hz);
+uint32_t mover_add_cube(mover *m, double x, double y, double z, double edge);
+void mover_turn(mover *m, uint32_t id, double x, double y, double z, double angle);
+
+// Makes the motion, if there is none, advances it and reads the states.
+void mover_run(mover *m, uint32_t steps);
+void mover_restart(mover *m); // forgets the motion
+duet_energy mover_energy(mover *m);
+uint64_t mover_hash(mover *m);
+double mover_total(mover *m); // energy of all kinds
+
+// CMocka compares floats.
+#define assert_close(a, b, bound)                                                           \
+    do {                                                                                    \
+        double is_ = (a), right_ = (b);                                                     \
+        if (!(is_ - right_ <= (bound) && right_ - is_ <= (bound)))                          \
+            fail_msg("%s is %.17g, not %.17g within %g", #a, is_, right_, (double)(bound)); \
+    } while (0)
+
+#endif

@@ -1,0 +1,469 @@
+// SPDX-License-Identifier: MIT
+// Contacts that push: stacks, ratios of masses, bullets, bounces, friction.
+#include "support/mover.h"
+#include "support/test.h"
+
+#include "runtime/device.h"
+
+#include <math.h>
+#include <string.h>
+
+// A floor whose top is at height 0, and gravity.
+static uint32_t add_floor(mover *m, double half)
+{
+    uint32_t k = m->def.dims - 1;
+    m->def.gravity[k] = -9.81;
+    m->def.wants |= DUET_EFFECT_RESPONSE;
+    uint32_t id = mover_add(m, 0, 0, 0, half, half, half);
+    m->poses[id].half[k] = 0.5f;
+    m->poses[id].centre[k] = -0.5f;
+    m->bodies[id].mass = 0.0f;
+    m->bodies[id].friction = 0.6f;
+    return id;
+}
+
+static uint32_t add_rough_cube(mover *m, double x, double y, double z)
+{
+    uint32_t id = mover_add_cube(m, x, y, z, 1);
+    m->bodies[id].friction = 0.6f;
+    return id;
+}
+
+static double speed_of(const duet_state *s)
+{
+    const double *v = s->velocity;
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+static void assert_all_finite(const mover *m)
+{
+    const double *numbers = (const double *)m->states;
+    for (size_t i = 0; i < m->n * sizeof m->states[0] / sizeof(double); ++i)
+        assert_true(isfinite(numbers[i]));
+}
+
+// ---------------------------------------------------------------- stacks
+
+// Boxes on each other for a minute; a tall stack wants more substeps
+// (docs/effects.md).
+static void assert_stack_stands(uint32_t dims, uint32_t height, uint32_t substeps, double x,
+                                bool doubles)
+{
+    mover *m = mover_new(dims);
+    m->def.substeps = substeps;
+    m->def.doubles = doubles;
+    m->def.origin[0] = x;
+    add_floor(m, 5);
+    for (uint32_t i = 0; i < height; ++i)
+        add_rough_cube(m, 0, dims == 2 ? i + 0.5 : 0, i + 0.5);
+    for (int second = 0; second < 60; ++second)
+        mover_run(m, 60);
+    for (uint32_t i = 1; i <= height; ++i) {
+        const double *c = m->states[i].centre;
+        double sideways = hypot(c[0] - x, dims == 3 ? c[1] : 0.0);
+        if (!(sideways < 0.01) || !(fabs(c[dims - 1] - (i - 0.5)) < 0.15 * i))
+            fail_msg("box %u of %u is at %g %g %g", i, height, c[0], c[1], c[2]);
+        assert_true(speed_of(&m->states[i]) < 0.02);
+    }
+    mover_free(m);
+}
+
+static void stacks_stand_for_a_minute(void **state)
+{
+    (void)state;
+    assert_stack_stands(3, 10, 4, 0, false);
+    assert_stack_stands(3, 20, 8, 0, false);
+    assert_stack_stands(3, 40, 16, 0, false);
+    assert_stack_stands(2, 10, 4, 0, false);
+    assert_stack_stands(2, 20, 8, 0, false);
+}
+
+static void stacks_stand_far_away_in_doubles(void **state)
+{
+    (void)state;
+    assert_stack_stands(3, 10, 4, 1e4, true);
+    assert_stack_stands(3, 10, 4, 1e6, true);
+    assert_stack_stands(3, 10, 4, 1e7, true);
+}
+
+// ---------------------------------------------------------------- masses
+
+static void heavy_boxes_rest_on_light_ones(void **state)
+{
+    (void)state;
+    static const struct {
+        float ratio;
+        uint32_t substeps; // docs/effects.md has what is stable
+        double depth;      // of the edge
+    } cases[] = {{1, 4, 0.02}, {100, 8, 0.1}, {1e4f, 32, 0.1}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        mover *m = mover_new(3);
+        m->def.substeps = cases[i].substeps;
+        add_floor(m, 5);
+        add_rough_cube(m, 0, 0, 0.5);
+        uint32_t heavy = add_rough_cube(m, 0, 0, 1.5);
+        m->bodies[heavy].mass = cases[i].ratio;
+        mover_run(m, 600);
+        assert_all_finite(m);
+        double height = m->states[heavy].centre[2];
+        if (!(height > 1.5 - cases[i].depth) || !(height < 1.6))
+            fail_msg("at a ratio of %g the heavy box is at %g", cases[i].ratio, height);
+        mover_free(m);
+    }
+}
+
+static void what_has_no_mass_stays(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    uint32_t floor = add_floor(m, 5);
+    uint32_t other = mover_add_cube(m, 0, 0, 0.2, 1); // into the floor
+    m->bodies[other].mass = 0.0f;
+    add_rough_cube(m, 0, 0, 1.5);
+    mover_run(m, 120);
+    assert_close(m->states[floor].centre[2], -0.5, 0.0);
+    assert_close(m->states[other].centre[2], (double)0.2f, 0.0);
+    assert_int_equal(m->last.contacts, 1);
+    mover_free(m);
+}
+
+// ---------------------------------------------------------------- bullets
+
+static double shoot(double speed, double dt, uint32_t wants, double angle)
+{
+    mover *m = mover_new(3);
+    m->def.dt = dt;
+    m->def.wants = DUET_EFFECT_RESPONSE | wants;
+    uint32_t wall = mover_add(m, 10, 0, 0, 0.05, 2000, 2000);
+    m->bodies[wall].mass = 0.0f;
+    uint32_t bullet = mover_add_cube(m, 0.013, 0, 0, 0.1);
+    m->bodies[bullet].velocity[0] = (float)(speed * cos(angle));
+    m->bodies[bullet].velocity[1] = (float)(speed * sin(angle));
+    double furthest = -1e30;
+    for (int step = 0; step < 60; ++step) {
+        mover_run(m, 1);
+        furthest = fmax(furthest, m->states[bullet].centre[0]);
+    }
+    assert_all_finite(m);
+    mover_free(m);
+    return furthest;
+}
+
+static void bullets_do_not_pass_a_wall(void **state)
+{
+    (void)state;
+    static const double speeds[] = {200, 2000};
+    static const double times[] = {1.0 / 60, 1.0 / 240};
+    for (int i = 0; i < 2; ++i)
+        for (int j = 0; j < 2; ++j)
+            for (int turned = 0; turned < 2; ++turned) {
+                double furthest = shoot(speeds[i], times[j], 0, turned * 0.5);
+                if (!(furthest < 10.0))
+                    fail_msg("at %g m/s and dt %g the bullet comes to %g", speeds[i], times[j],
+                             furthest);
+            }
+}
+
+// A slow one is not asked about: 0.4 of a half extent a step is in reach of a
+// contact's margin or of its depth.
+static void slow_boxes_need_no_sweep(void **state)
+{
+    (void)state;
+    assert_true(shoot(0.4 * 0.05 * 60, 1.0 / 60, 0, 0) < 10.0);
+}
+
+static void a_bullet_that_misses_is_not_held(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_RESPONSE;
+    uint32_t wall = mover_add(m, 10, 0, 0, 0.05, 1, 1);
+    m->bodies[wall].mass = 0.0f;
+    uint32_t bullet = mover_add_cube(m, 0, 1.2, 0, 0.1);
+    m->bodies[bullet].velocity[0] = 2000.0f;
+    mover_run(m, 6);
+    assert_true(duet_motion_effects(m->motion) & DUET_EFFECT_FAST);
+    assert_close(m->states[bullet].velocity[0], 2000.0, 1e-9);
+    assert_close(m->states[bullet].centre[0], 200.0, 1e-2);
+    mover_free(m);
+}
+
+// ---------------------------------------------------------------- overlap
+
+static void deep_overlap_is_left_without_a_shot(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_RESPONSE;
+    uint32_t a = mover_add_cube(m, 0, 0, 0, 1);
+    uint32_t b = mover_add_cube(m, 0.3, 0.1, 0.05, 1);
+    double fastest = 0.0;
+    for (int step = 0; step < 120; ++step) {
+        mover_run(m, 1);
+        fastest = fmax(fastest, fmax(speed_of(&m->states[a]), speed_of(&m->states[b])));
+    }
+    double apart = m->states[b].centre[0] - m->states[a].centre[0];
+    assert_true(apart > 0.97);
+    assert_true(fastest <= m->def.push_speed);
+    mover_free(m);
+}
+
+static void boxes_in_one_place_give_no_nan(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_RESPONSE;
+    for (int i = 0; i < 5; ++i)
+        mover_add_cube(m, 0, 0, 0, 1);
+    mover_add(m, 0, 0, 0, 0, 0, 0);
+    mover_add(m, 0, 0, 0, 1, 0, 0);
+    mover_add(m, 0, 0, 0, 1, 1, 0);
+    mover_run(m, 120);
+    assert_all_finite(m);
+    mover_free(m);
+}
+
+// ---------------------------------------------------------------- bounces
+
+static void an_elastic_ball_keeps_its_energy(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.edge = DUET_EDGE_WALLS;
+    for (int k = 0; k < 3; ++k)
+        m->def.upper[k] = 10.0;
+    m->def.bounce_speed = 0.0;
+    uint32_t ball = mover_add_cube(m, 5, 5, 5, 0.5);
+    m->bodies[ball].restitution = 1.0f;
+    m->bodies[ball].upright = true;
+    m->bodies[ball].velocity[0] = 30.0f;
+    m->bodies[ball].velocity[1] = 17.0f;
+    double before = mover_energy(m).kinetic;
+    mover_run(m, 60 * 300); // about 1 500 bounces
+    assert_close(mover_energy(m).kinetic / before, 1.0, 1e-5);
+    mover_free(m);
+}
+
+static void a_falling_elastic_ball_gains_nothing(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    add_floor(m, 5);
+    m->bodies[0].restitution = 1.0f;
+    uint32_t ball = mover_add_cube(m, 0, 0, 2.5, 1);
+    m->bodies[ball].upright = true;
+    double before = mover_total(m);
+    for (int i = 0; i < 60; ++i) {
+        mover_run(m, 60);
+        assert_true(mover_total(m) < before * 1.03);
+    }
+    mover_free(m);
+}
+
+static void an_inelastic_ball_comes_to_rest(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    add_floor(m, 5);
+    uint32_t ball = mover_add_cube(m, 0, 0, 3, 1);
+    mover_run(m, 180);
+    assert_true(speed_of(&m->states[ball]) < 1e-3);
+    assert_close(m->states[ball].centre[2], 0.5, 0.01);
+    mover_free(m);
+}
+
+// Equal boxes in a row without gravity: the last one takes the speed.
+static void a_cradle_hands_the_speed_on(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.bounce_speed = 0.0;
+    for (int i = 0; i < 5; ++i) {
+        uint32_t id = mover_add_cube(m, i == 0 ? -3 : 1.2 * i, 0, 0, 1);
+        m->bodies[id].restitution = 1.0f;
+        m->bodies[id].upright = true;
+    }
+    m->bodies[0].velocity[0] = 2.0f;
+    mover_run(m, 300);
+    assert_close(mover_energy(m).momentum[0], 2.0, 2e-6);
+    assert_close(mover_energy(m).kinetic, 2.0, 1e-4);
+    assert_close(m->states[4].velocity[0], 2.0, 1e-4);
+    mover_free(m);
+}
+
+static void momentum_is_kept_in_a_collision(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_RESPONSE;
+    for (int i = 0; i < 3; ++i) {
+        uint32_t id = mover_add_cube(m, 1.5 * i, 0.3 * i, 0.2 * i, 1);
+        mover_turn(m, id, 1, 2, i, 0.3 * i);
+        m->bodies[id].velocity[0] = 2.0f - 2.0f * (float)i;
+        m->bodies[id].friction = 0.5f;
+        m->bodies[id].restitution = 0.3f;
+        m->bodies[id].mass = 1.0f + (float)i;
+    }
+    duet_energy before = mover_energy(m);
+    mover_run(m, 120);
+    duet_energy after = mover_energy(m);
+    assert_true(after.kinetic + after.turning < before.kinetic);
+    for (int k = 0; k < 3; ++k)
+        assert_close(after.momentum[k], before.momentum[k], 1e-5);
+    mover_free(m);
+}
+
+// ---------------------------------------------------------------- friction
+
+// A box on a slope of half a radian, for two seconds: how far it slid.
+static double slide(uint32_t dims, double friction)
+{
+    mover *m = mover_new(dims);
+    double slope = 0.5;
+    uint32_t up = dims - 1;
+    m->def.wants = DUET_EFFECT_RESPONSE;
+    m->def.gravity[0] = 9.81 * sin(slope); // the slope is level, and gravity leans
+    m->def.gravity[up] = -9.81 * cos(slope);
+    uint32_t floor = mover_add(m, 0, 0, 0, 50, dims == 2 ? 0.5 : 50, 0.5);
+    m->poses[floor].centre[up] = -0.5f;
+    m->bodies[floor].mass = 0.0f;
+    m->bodies[floor].friction = (float)friction;
+    uint32_t box = mover_add(m, 0, dims == 2 ? 0.25 : 0, 0.25, 0.5, dims == 2 ? 0.25 : 0.5, 0.25);
+    m->bodies[box].friction = (float)friction;
+    mover_run(m, 120);
+    double way = m->states[box].centre[0];
+    mover_free(m);
+    return way;
+}
+
+static void friction_holds_up_to_its_angle(void **state)
+{
+    (void)state;
+    for (uint32_t dims = 2; dims <= 3; ++dims) {
+        assert_true(fabs(slide(dims, 1.02 * tan(0.5))) < 0.02);
+        assert_true(slide(dims, 0.98 * tan(0.5)) > 0.1);
+        double expected = 0.5 * 9.81 * (sin(0.5) - 0.3 * cos(0.5)) * 4.0;
+        assert_close(slide(dims, 0.3) / expected, 1.0, 0.02);
+    }
+}
+
+static void a_box_slides_over_a_seam(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    add_floor(m, 2);
+    uint32_t next = mover_add(m, 4, 0, -0.5, 2, 2, 0.5);
+    m->bodies[next].mass = 0.0f;
+    for (uint32_t id = 0; id < m->n; ++id)
+        m->bodies[id].friction = 0.0f;
+    uint32_t box = mover_add_cube(m, 0, 0, 0.5, 1);
+    m->bodies[box].velocity[0] = 3.0f;
+    for (int step = 0; step < 90; ++step) {
+        mover_run(m, 1);
+        assert_true(fabs(m->states[box].velocity[2]) < 0.02 || step < 10);
+    }
+    assert_close(m->states[box].velocity[0], 3.0, 0.01);
+    assert_true(m->states[box].centre[0] > 4.0);
+    mover_free(m);
+}
+
+// ---------------------------------------------------------------- the same
+
+static void add_pile(mover *m, uint32_t n)
+{
+    m->def.gravity[2] = -9.81;
+    m->def.edge = DUET_EDGE_WALLS;
+    m->def.upper[0] = m->def.upper[1] = 6.0;
+    m->def.upper[2] = 40.0;
+    for (uint32_t i = 0; i < n; ++i) {
+        uint32_t id = mover_add(m, 0.7 + 1.1 * (i % 5), 0.7 + 1.1 * (i / 5 % 5), 1 + 1.2 * (i / 25),
+                                0.4, 0.3 + 0.02 * (i % 7), 0.5);
+        mover_turn(m, id, 1, i % 3, i % 5, 0.1 * (i % 60));
+        m->bodies[id].friction = 0.5f;
+        m->bodies[id].restitution = 0.2f;
+    }
+}
+
+// The state is equal bit for bit, however the search for pairs is shared.
+static void the_share_changes_nothing(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t share;
+        duet_mode mode;
+        double skin;
+    } ways[] = {
+        {0, DUET_MODE_OWN, 0},
+        {DUET_SHARE_ONE, DUET_MODE_OWN, 0},
+        {DUET_SHARE_ONE / 3, DUET_MODE_SHARED, 0},
+        {DUET_SHARE_ONE / 2, DUET_MODE_SLAB, 0},
+        {DUET_SHARE_ONE / 2, DUET_MODE_OWN, 0.2},
+    };
+    uint64_t expected[3] = {0};
+    for (size_t i = 0; i < sizeof ways / sizeof ways[0]; ++i) {
+        mover *m = mover_new(3);
+        m->def.plan.share = ways[i].share;
+        m->def.plan.mode = ways[i].mode;
+        m->def.skin = ways[i].skin;
+        add_pile(m, 150);
+        for (int k = 0; k < 3; ++k) {
+            mover_run(m, 60);
+            if (i == 0)
+                expected[k] = mover_hash(m);
+            assert_true(mover_hash(m) == expected[k]);
+        }
+        assert_all_finite(m);
+        mover_free(m);
+    }
+}
+
+static void a_pile_stays_between_its_walls(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    add_pile(m, 200);
+    double before = mover_total(m);
+    for (int k = 0; k < 6; ++k) {
+        mover_run(m, 60);
+        assert_true(mover_total(m) < before);
+        for (uint32_t id = 0; id < m->n; ++id)
+            for (int axis = 0; axis < 3; ++axis) {
+                assert_true(m->states[id].centre[axis] > m->def.lower[axis] + 0.2);
+                assert_true(m->states[id].centre[axis] < m->def.upper[axis] - 0.2);
+            }
+    }
+    assert_true(mover_energy(m).kinetic < 10.0);
+    mover_free(m);
+}
+
+static int nothing_is_left(void **state)
+{
+    mover_close_pair(state);
+    assert_int_equal(device_live_objects(), 0);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(stacks_stand_for_a_minute),
+        cmocka_unit_test(stacks_stand_far_away_in_doubles),
+        cmocka_unit_test(heavy_boxes_rest_on_light_ones),
+        cmocka_unit_test(what_has_no_mass_stays),
+        cmocka_unit_test(bullets_do_not_pass_a_wall),
+        cmocka_unit_test(slow_boxes_need_no_sweep),
+        cmocka_unit_test(a_bullet_that_misses_is_not_held),
+        cmocka_unit_test(deep_overlap_is_left_without_a_shot),
+        cmocka_unit_test(boxes_in_one_place_give_no_nan),
+        cmocka_unit_test(an_elastic_ball_keeps_its_energy),
+        cmocka_unit_test(a_falling_elastic_ball_gains_nothing),
+        cmocka_unit_test(an_inelastic_ball_comes_to_rest),
+        cmocka_unit_test(a_cradle_hands_the_speed_on),
+        cmocka_unit_test(momentum_is_kept_in_a_collision),
+        cmocka_unit_test(friction_holds_up_to_its_angle),
+        cmocka_unit_test(a_box_slides_over_a_seam),
+        cmocka_unit_test(the_share_changes_nothing),
+        cmocka_unit_test(a_pile_stays_between_its_walls),
+    };
+    return cmocka_run_group_tests(tests, mover_open_pair, nothing_is_left);
+}
