@@ -217,8 +217,6 @@ DUET_API bool duet_world_set_scene(duet_world *world, const duet_scene *scene, d
 DUET_API duet_pose *duet_world_map_poses(duet_world *world, uint32_t n, duet_error *err);
 DUET_API duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_error *err);
 
-DUET_API duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_error *err);
-
 DUET_API bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err);
 DUET_API const duet_plan *duet_world_plan(const duet_world *world);
 

@@ -213,11 +213,6 @@ duet_pose *duet_world_map_poses(duet_world *world, uint32_t n, duet_error *err)
     return map_objects(world, DUET_SHAPE_POSES, n, err);
 }
 
-duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_error *err)
-{
-    return map_objects(world, DUET_SHAPE_BOUNDS, n, err);
-}
-
 bool duet_world_set_poses(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
 {
     duet_pose *to = map_objects(world, DUET_SHAPE_POSES, n, err);
