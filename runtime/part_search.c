@@ -296,7 +296,8 @@ bool part_search(part *p, const part_task *task, const part_range *range, bool *
         return part_read_counters(p, err) && timeline_finish(&p->times, err);
     bool ok = reserve_first(p, task, search_work(task, range), err);
     bool fits = false;
-    while (ok && !fits && *placed) {
+    uint32_t extra = p->extra_searches;
+    while (ok && *placed && (!fits || extra-- > 0)) {
         ok = search_once(p, task, range, err) && under_limit(p, task, err);
         *placed = p->counts[COUNT_PLACED] <= range->expected;
         ok = ok && (!*placed || everything_fits(p, &fits, err));

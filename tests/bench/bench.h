@@ -32,6 +32,7 @@ bench_run bench_lookup;
 bench_run bench_share;
 bench_run bench_step;
 bench_run bench_strategies;
+bench_run bench_tune;
 
 // The paper's scene with n objects; given back by free.
 duet_pose *bench_poses(uint32_t n, const bench_options *options, duet_error *err);

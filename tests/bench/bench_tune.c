@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+// How near each strategy comes to the best share on two real devices, one of
+// which is slowed down by searching again and again. What the strategies chose
+// is then raced against an even grid of shares, all in turn.
+#include "bench.h"
+
+#include "runtime/base/error.h"
+#include "runtime/world.h"
+#include "tuner/measure.h"
+#include "tuner/race.h"
+#include "tuner/strategy.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { GRID = 16, ROUNDS = 7 };
+
+static const char *const names[] = {"balance", "fig12", "bisect", "golden", "chunks"};
+
+enum { N_NAMES = sizeof names / sizeof *names };
+
+typedef struct chosen {
+    uint32_t share;
+    uint32_t launches;
+    double ms; // that the search took
+} chosen;
+
+static duet_plan plan_at(uint32_t share)
+{
+    return (duet_plan){
+        .share = share, .mode = DUET_MODE_SLAB, .variant_a = "rows", .variant_b = "rows"};
+}
+
+static bool measure_share(const measure_machine *machine, uint32_t share, search_sample *sample,
+                          duet_error *err)
+{
+    duet_plan plan = plan_at(share);
+    measurement m = measure_plan(machine, &plan, 1);
+    if (m.failure.status != DUET_OK) {
+        *err = m.failure;
+        return false;
+    }
+    const profile_sample *at = &m.samples[m.typical];
+    *sample =
+        (search_sample){share, (uint64_t)at->total_ns, (uint64_t)at->a_ns, (uint64_t)at->b_ns};
+    return true;
+}
+
+static bool choose(const measure_machine *machine, const char *name, chosen *out, duet_error *err)
+{
+    search s;
+    search_next next = {0};
+    bool ok = search_begin(&s, name, NULL, err);
+    *out = (chosen){0};
+    while (ok && (ok = search_ask(&s, &next, err)) && !next.done) {
+        search_sample sample;
+        ok = measure_share(machine, next.share, &sample, err) && search_tell(&s, &sample, err);
+        out->ms += ok ? (double)sample.total_ns * 1e-6 : 0;
+    }
+    out->share = ok ? search_pick(&s) : 0;
+    out->launches = s.n;
+    search_end(&s);
+    return ok;
+}
+
+// Rivals: first the chosen shares, then the grid's.
+static bool race_all(const measure_machine *machine, const chosen *found, race *r, duet_error *err)
+{
+    race_options options = {.least_rounds = ROUNDS, .most_rounds = ROUNDS, .level = 0.99};
+    *r = race_begin(N_NAMES + GRID + 1, &options);
+    uint32_t rival;
+    while (race_next(r, &rival)) {
+        uint32_t share =
+            rival < N_NAMES ? found[rival].share : (rival - N_NAMES) * (DUET_SHARE_ONE / GRID);
+        search_sample sample;
+        if (!measure_share(machine, share, &sample, err))
+            return false;
+        race_add(r, rival, (double)sample.total_ns);
+    }
+    return true;
+}
+
+static void print_chosen(uint32_t slower, const chosen *found, const race *r)
+{
+    uint32_t best = 0;
+    for (uint32_t i = 1; i < r->n; ++i)
+        best = race_median(r, i) < race_median(r, best) ? i : best;
+    for (uint32_t i = 0; i < N_NAMES; ++i)
+        printf("| x%-5u | %-8s | %.4f | %8u | %7.0f ms | %8.3f ms | %5.1f %% |\n", slower, names[i],
+               found[i].share / (double)DUET_SHARE_ONE, found[i].launches, found[i].ms,
+               race_median(r, i) * 1e-6, 100 * (race_median(r, i) / race_median(r, best) - 1));
+}
+
+static bool compare(duet_world *world, const measure_machine *machine, uint32_t slower,
+                    duet_error *err)
+{
+    chosen found[N_NAMES];
+    race r;
+    world->parts[0].extra_searches = slower - 1;
+    for (uint32_t i = 0; i < N_NAMES; ++i) {
+        if (!choose(machine, names[i], &found[i], err))
+            return false;
+    }
+    if (!race_all(machine, found, &r, err))
+        return false;
+    print_chosen(slower, found, &r);
+    return true;
+}
+
+static bool run_world(duet_world *world, uint32_t n, duet_error *err)
+{
+    static const uint32_t slower[] = {1, 5, 10};
+    measure_world at = {.world = world, .shape = DUET_SHAPE_POSES, .n = n};
+    duet_plan whole = plan_at(0);
+    duet_result result;
+    if (!duet_world_set_plan(world, &whole, err) || !duet_world_step(world, &result, err))
+        return false;
+    measure_machine machine = measure_world_machine(&at, duet_result_hash(&result));
+    printf("| A is   | strategy | share  | launches | searching  | a step      | off     |\n"
+           "|--------|----------|--------|----------|------------|-------------|---------|\n");
+    bool ok = true;
+    for (size_t i = 0; ok && i < sizeof slower / sizeof *slower; ++i)
+        ok = compare(world, &machine, slower[i], err);
+    return ok;
+}
+
+bool bench_tune(const bench_options *options, duet_error *err)
+{
+    uint32_t n = options->n ? options->n : 50000;
+    duet_device_pair_def devices = duet_default_device_pair_def();
+    duet_device_pair *pair = duet_device_pair_open(&devices, err);
+    duet_pose *poses = pair ? paper_poses(n, options->seed) : NULL;
+    if (pair && !poses)
+        error_set(err, DUET_NO_MEMORY, "%u boxes: no memory", n);
+    duet_world_def def = duet_default_world_def();
+    def.pair = pair;
+    duet_world *world = poses ? duet_world_create(&def, err) : NULL;
+    bool ok = world && duet_world_set_poses(world, poses, n, err) && run_world(world, n, err);
+    duet_world_destroy(world);
+    free(poses);
+    duet_device_pair_close(pair);
+    return ok;
+}
