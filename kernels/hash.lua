@@ -9,7 +9,10 @@ return {
     { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "RANK", values = { 0, 1 }, default = 1, about = "count objects a cell, for the counting sort" },
-    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end, about = "objects side by side in a work-item" },
+    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
+      about = "objects side by side in a work-item" },
+    { "BATCH", values = { 1, 8, 64 }, default = function(limits) return limits.cpu and 64 or 1 end,
+      about = "objects whose cells are known before the first is counted" },
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
@@ -17,6 +20,8 @@ return {
   },
   valid = function(p, limits)
     if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
+    if p.BATCH % p.LANES ~= 0 then return false, "BATCH is not a multiple of LANES" end
+    if p.BATCH > p.LANES and not limits.cpu then return false, "BATCH above LANES is for CPUs" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
     return true
   end,

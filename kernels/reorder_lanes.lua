@@ -8,6 +8,7 @@ return {
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
     { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
+    { "ROOMY", values = { 0, 1 }, default = 0, about = "1: dense, one size, three cells or more along x and y" },
     { "LANES", values = { 8 }, default = 8, about = "objects side by side in a work-item" },
     { "WG", values = { 1 }, default = 1, about = "work-items a group" },
     { "AHEAD", values = { 0, 16, 32, 64 }, default = function(limits) return limits.cpu and 32 or 0 end,
@@ -16,6 +17,7 @@ return {
   },
   valid = function(p, limits)
     if p.AHEAD > 0 and not limits.cpu then return false, "AHEAD is for CPUs" end
+    if p.ROOMY == 1 and (p.GRID == 1 or p.LEVELS == 1) then return false, "ROOMY is for dense grids of one size" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
     return true
   end,

@@ -214,6 +214,12 @@ static grid make_hashed(const double lower[3], const double length[3], const siz
 
 // ---------------------------------------------------------------- crowds
 
+bool grid_is_roomy(const grid *g, uint32_t dims)
+{
+    const cl_int *cells = g->levels[0].cells.s;
+    return g->kind == GRID_DENSE && g->n_levels == 1 && cells[0] > 2 && (dims == 2 || cells[1] > 2);
+}
+
 uint32_t grid_rows(const grid *g)
 {
     return g->n_cells / (uint32_t)g->levels[0].cells.s[0];

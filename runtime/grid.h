@@ -75,6 +75,10 @@ typedef struct grid_wish {
 bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const void *objects,
               duet_shape shape, uint32_t n, uint32_t dims, duet_error *err);
 
+// Dense, of one level, and at least three cells wide along all axes but the
+// last: then no cell is near another on both ways round a row's end.
+bool grid_is_roomy(const grid *g, uint32_t dims);
+
 // How many rows of cells a dense grid of one level has; in key order each row
 // is cells[0] keys long.
 uint32_t grid_rows(const grid *g);

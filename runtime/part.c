@@ -142,6 +142,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         {"IDS", !poses, false},
         {"GRID", task->grid.kind, false},
         {"LEVELS", task->grid.n_levels > 1, false},
+        {"ROOMY", grid_is_roomy(&task->grid, task->dims), false},
         {"FROM_IDS", 1, counting && !task->shared},
         {"FUSED", poses && p->device->info.kind != DUET_KIND_CPU, true},
     };

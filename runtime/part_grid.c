@@ -9,6 +9,15 @@ static uint32_t own_cells(const part_range *range)
     return range->key_to - range->key_from;
 }
 
+// A search reads so many words behind the last one: nothing begins there.
+enum { STARTS_BEHIND = 3 };
+
+// The first place of each cell, then how many objects have one.
+static uint32_t count_starts(const part_range *range)
+{
+    return own_cells(range) + 1 + STARTS_BEHIND;
+}
+
 // Zeroes the counters, and with them n_starts words of the starts.
 static bool clear(part *p, uint32_t n_starts, duet_error *err)
 {
@@ -60,7 +69,7 @@ static bool run_hash(part *p, const part_task *task, const part_range *range, du
 // The keys count into starts, and the ranks tell them apart.
 static bool counting_sort(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
-    uint32_t n_starts = own_cells(range) + 1;
+    uint32_t n_starts = count_starts(range);
     kernel_arg args[] = {ARG_BUFFER(p->keys), ARG_BUFFER(p->keys_spare), ARG(task->n),
                          ARG_BUFFER(p->starts), ARG_BUFFER(p->ids)};
     return run_hash(p, task, range, err) && scan(p, "sort", &p->starts, n_starts, err) &&
@@ -103,7 +112,7 @@ static bool radix_pass(part *p, const part_task *task, uint32_t shift, duet_erro
 static bool find_starts(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     bool paper = p->variant.search == SEARCH_PAPER;
-    uint32_t n_cells = own_cells(range);
+    uint32_t n_cells = paper ? own_cells(range) : count_starts(range) - 1;
     uint64_t work = task->n + (paper ? UINT64_C(0) : UINT64_C(1));
     kernel_arg args[] = {ARG_BUFFER(p->keys), ARG(task->n), ARG(n_cells), ARG_BUFFER(p->starts)};
     if (paper && !timeline_fill(&p->times, "cell start", &p->starts, UINT32_MAX, 0, n_cells, err))
@@ -202,15 +211,14 @@ static bool reserve_grid(part *p, const part_task *task, const part_range *range
            (!p->kernels.from_ids || buffer_reserve(&p->ids, p->device, words, err)) &&
            (p->variant.sort == SORT_COUNTING ||
             buffer_reserve(&p->ids_spare, p->device, words, err)) &&
-           buffer_reserve(&p->starts, p->device, ((size_t)own_cells(range) + 1) * sizeof(uint32_t),
-                          err) &&
+           buffer_reserve(&p->starts, p->device, count_starts(range) * sizeof(uint32_t), err) &&
            reserve_places(p, task, range->expected, err);
 }
 
 bool part_build_grid(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     bool counting = p->variant.sort == SORT_COUNTING;
-    if (!reserve_grid(p, task, range, err) || !clear(p, counting ? own_cells(range) + 1 : 0, err))
+    if (!reserve_grid(p, task, range, err) || !clear(p, counting ? count_starts(range) : 0, err))
         return false;
     bool ok = counting ? counting_sort(p, task, range, err) : radix_sort(p, task, range, err);
     return ok && place(p, task, range, err);
@@ -231,7 +239,7 @@ enum { PIECES = 3 };
 static int grid_pieces(part *from, part *to, const part_task *task, grid_piece pieces[PIECES])
 {
     size_t words = task->n * sizeof(uint32_t);
-    size_t starts = ((size_t)task->grid.n_cells + 1) * sizeof(uint32_t);
+    size_t starts = ((size_t)task->grid.n_cells + 1 + STARTS_BEHIND) * sizeof(uint32_t);
     pieces[0] = (grid_piece){&from->ids, &to->ids, words};
     pieces[1] = (grid_piece){&from->starts, &to->starts, starts};
     pieces[2] = (grid_piece){&from->keys, &to->keys, words};

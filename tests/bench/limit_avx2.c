@@ -250,6 +250,16 @@ static bool take_chunk(limit *l, uint32_t *begin, uint32_t *end)
     return *begin < l->n;
 }
 
+// Half of the poses lie across two cache lines.
+static inline void ask_for_poses(const limit *l, uint32_t at)
+{
+    for (int i = 0; i < LANES; ++i) {
+        const char *pose = (const char *)&l->poses[l->order[at + (uint32_t)i]];
+        _mm_prefetch(pose, _MM_HINT_T0);
+        _mm_prefetch(pose + sizeof(duet_pose) - 1, _MM_HINT_T0);
+    }
+}
+
 // Arrays have room for whole eights; what lies past n is the object 0 again.
 static void reorder_objects(void *context, uint32_t worker)
 {
@@ -258,8 +268,7 @@ static void reorder_objects(void *context, uint32_t worker)
     uint32_t begin, end;
     while (take_chunk(l, &begin, &end)) {
         for (uint32_t at = begin; at < end; at += LANES) {
-            for (int i = 0; i < LANES; ++i)
-                _mm_prefetch((const char *)&l->poses[l->order[at + 4 * LANES + i]], _MM_HINT_T0);
+            ask_for_poses(l, at + 4 * LANES);
             poses8 p;
             __m256 axes[3][3];
             load_poses(l->poses, l->order + at, &p);

@@ -1,9 +1,10 @@
-// reorder_lanes.DIMS3.SHAPE0.ROTATED1.GRID0.LEVELS0.AHEAD0.PER_ITEM1024
+// reorder_lanes.DIMS3.SHAPE0.ROTATED1.GRID0.LEVELS0.ROOMY0.AHEAD0.PER_ITEM1024
 #define DIMS 3
 #define SHAPE 0
 #define ROTATED 1
 #define GRID 0
 #define LEVELS 0
+#define ROOMY 0
 #define LANES 8
 #define WG 1
 #define AHEAD 0
@@ -28,8 +29,12 @@
 // Places past the end are the last one again.
 static inline void ids_from(__global const uint *ids, uint place, uint end, uint to[LANES])
 {
-    for (uint k = 0; k < LANES; ++k)
-        to[k] = ids[min(place + k, end - 1)];
+    if (place + LANES <= end) {
+        spread(vload8(0, ids + place), to);
+    } else {
+        for (uint k = 0; k < LANES; ++k)
+            to[k] = ids[min(place + k, end - 1)];
+    }
 }
 
 static inline void store_bounds(__global float *columns, size_t column, uint place, const bounds *b, word where)
@@ -61,14 +66,17 @@ __kernel void reorder_lanes(__global const float *restrict objects, __global con
         uint sources[LANES];
 #if AHEAD
         ids_from(ids, place + AHEAD, end, sources);
-        for (uint k = 0; k < LANES; ++k)
-            ask_for(objects + (size_t)sources[k] * OBJECT_WIDTH);
+        for (uint k = 0; k < LANES; ++k) { // half of them lie across two cache lines
+            __global const float *from = objects + (size_t)sources[k] * OBJECT_WIDTH;
+            ask_for(from);
+            ask_for(from + OBJECT_WIDTH - 1);
+        }
 #endif
         ids_from(ids, place, end, sources);
         object o = object_at(objects, sources);
         bounds b = object_bounds(&o);
         check_extent(&o, levels, n_levels, counters);
-#if ENTRIES
+#if ROOMY
         word where = object_key(&o, levels, n_levels, n_cells) - key_from;
 #else
         word where = level_of(&o, levels, n_levels);

@@ -1,9 +1,10 @@
-// search_lanes.DIMS2.SHAPE0.ROTATED1.GRID0.LEVELS0.BUF512.AHEAD32.PER_ITEM1024
+// search_lanes.DIMS2.SHAPE0.ROTATED1.GRID0.LEVELS0.ROOMY0.BUF512.AHEAD32.PER_ITEM1024
 #define DIMS 2
 #define SHAPE 0
 #define ROTATED 1
 #define GRID 0
 #define LEVELS 0
+#define ROOMY 0
 #define LANES 8
 #define WG 1
 #define BUF 512
@@ -31,7 +32,7 @@
 //   boxes     as reorder_lanes leaves them, or ids [n] for bounds
 //   pairs     [room]           ids
 //   undecided [undecided_room] ids (poses)
-#if ENTRIES
+#if ROOMY
 #define RANGES 2
 #define USED_RANGES(r) RANGES
 #else
@@ -222,7 +223,7 @@ static inline bool is_in(const sorted *in, uint place, const ranges *r, uint ran
 static inline ulong overlapping(const sorted *in, const seeker *me, const ranges *r)
 {
     ulong bits = 0;
-#if ENTRIES
+#if ROOMY
 #pragma unroll
 #endif
     for (uint range = 0; range < USED_RANGES(r); ++range) {
@@ -242,7 +243,7 @@ static inline ulong overlapping(const sorted *in, const seeker *me, const ranges
 static inline bool next_places(ranges *r)
 {
     bool more = false;
-#if ENTRIES
+#if ROOMY
 #pragma unroll
 #endif
     for (uint range = 0; range < USED_RANGES(r); ++range) {
@@ -275,7 +276,7 @@ static inline void search_ranges(search *s, const sorted *in, const seeker *me, 
 
 // ------------------------------------------------------------ neighbours
 
-#if ENTRIES
+#if ROOMY
 
 // The entry that an object belongs to.
 static inline uint entry_of(const sorted *in, uint place)
@@ -283,35 +284,30 @@ static inline uint entry_of(const sorted *in, uint place)
     return in->where[place];
 }
 
+// The places of three cells side by side, the middle one given. Behind the last
+// entry of the grid there is nothing, and three more that say so.
+static inline void set_range(const sorted *in, ranges *r, uint i, uint middle)
+{
+    uint4 begins = vload4(0, in->starts + min(middle, in->n_own_cells + 1) - 1);
+    r->from[i] = begins.s0;
+    r->to[i] = begins.s3;
+}
+
 // What follows in the own row, and the rows after it, by their entries alone.
 //
-// A grid of three cells or more along x and y needs no border case: a row that
-// leaves the grid there goes on in one so far away that nothing overlaps, and
-// no cell comes twice. Behind the last layer there is nothing.
+// A roomy grid needs no border case: a row that leaves the grid goes on in one
+// so far away that nothing overlaps, and no cell comes twice.
 static inline void search_around(search *s, const sorted *in, const seeker *me)
 {
     uint entry = in->where[me->place];
-    uint nx = (uint)in->levels->cells.x, ny = (uint)in->levels->cells.y, nz = (uint)in->levels->cells.z;
-    uint x = 1, y = 0, z = 0;
-    if (nx < 3) {
-        uint key = entry + in->key_from;
-        x = key % nx;
-        y = key / nx % ny;
-        z = key / nx / ny;
-    }
-    uint left = x > 0 ? 1 : 0;
-    uint right = x + 1 < nx ? 1 : 0;
+    uint nx = (uint)in->levels->cells.x, ny = (uint)in->levels->cells.y;
     ranges r = {.n = RANGES};
     r.from[0] = me->place + 1;
-    r.to[0] = in->starts[min(entry + right + 1, in->n_own_cells)];
+    r.to[0] = in->starts[entry + 2];
+    const uint y = 0, z = 0; // relative to the own cell
 #line 289 "kernels/search_lanes.cl.in"
-    {
-        uint at = entry + ((0 - z) * ny + (y + 1 - y)) * nx;
-        bool inside = y + 1 < ny;
-        r.from[1] = in->starts[inside ? min(at - left, in->n_own_cells) : in->n_own_cells];
-        r.to[1] = in->starts[inside ? min(at + right + 1, in->n_own_cells) : in->n_own_cells];
-    }
-#line 296 "kernels/search_lanes.cl.in"
+    set_range(in, &r, 1, entry + ((0) * ny + (y + 1)) * nx);
+#line 291 "kernels/search_lanes.cl.in"
     search_ranges(s, in, me, &r);
 }
 
@@ -390,13 +386,13 @@ static inline void add_level(search *s, const sorted *in, const seeker *me, rang
     row cells = {level, y, z, x, x + 1 < nx ? x + 1 : x};
     add_own_row(s, in, me, r, &cells);
     cells.left = x > 0 ? x - 1 : 0;
-#line 375 "kernels/search_lanes.cl.in"
+#line 370 "kernels/search_lanes.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
         cells.z = 0;
         add_row(s, in, me, r, &cells);
     }
-#line 381 "kernels/search_lanes.cl.in"
+#line 376 "kernels/search_lanes.cl.in"
 }
 
 #if LEVELS
