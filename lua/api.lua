@@ -18,6 +18,8 @@ api.classes = {
   { "duet.Poses", "Oriented boxes: rows of centre xyz, half extents xyz, quaternion xyzw." },
   { "duet.Bounds", "Axis-aligned boxes: rows of lower xyz, upper xyz." },
   { "duet.Pairs", "Collisions: rows of two ids a < b, from 0." },
+  { "duet.Search", "A strategy that looks for the best share, asked and told by a script." },
+  { "duet.Strategy", "A table: a way to search." },
   { "duet.Scene", "Objects with the world they live in." },
   { "duet.World", "Objects on a device pair, stepped again and again." },
   { "duet.Result", "What a step found; holds until the world's next step." },
@@ -30,7 +32,9 @@ api.others = {
   ["fields that a table leaves out"] = {
     "duet_default_device_pair_def", "duet_default_world_def",
   },
-  ["require \"duet\""] = { "luaopen_duet" },
+  ["require"] = {
+    "luaopen_duet", "luaopen_duet_frame", "luaopen_duet_lab", "luaopen_duet_plot",
+  },
 }
 
 api.names = {
@@ -52,6 +56,18 @@ api.names = {
   { "duet.pairs", { "from: integer|string|integer[]|integer[][]" }, "duet.Pairs",
     "The same for pairs of ids, as packed uint32." },
   { "duet.modes", {}, "string[]", "The modes that a plan can have.", c = "duet_mode_name" },
+  { "duet.search", { "def?: { strategy?: string, launches?: integer, points?: integer, rounds?: integer, " ..
+    "quantum?: number, start?: number, probe_cost?: number }" }, "duet.Search",
+    "Begins a search for the share; the default strategy without.", fails = true },
+  { "duet.strategies", {}, "duet.Strategy[]", "The strategies there are, the default first." },
+  { "duet.Strategy.name", "string", "" },
+  { "duet.Strategy.about", "string", "what it does, in a line" },
+  { "duet.Search:ask", {}, "number?", "The share to measure next; nothing once the search is done.", fails = true },
+  { "duet.Search:tell", { "share: number", "total_ms: number", "a_ms: number", "b_ms: number" }, "true",
+    "What was measured there: wall-clock times of the step and of the devices.", fails = true },
+  { "duet.Search:pick", {}, "number", "The share to use after what was told so far." },
+  { "duet.Search:bracket", {}, "number, number", "Where the strategy believes the best share to lie." },
+  { "duet.Search:close", {}, nil, "Forgets the samples." },
 
   { "duet.DevicePair:device", { "which: \"A\"|\"B\"" }, "duet.Device", "One of the two devices.",
     c = "duet_device_pair_info" },

@@ -16,6 +16,8 @@ void scene_open_lua(lua_State *L);
 void world_open_lua(lua_State *L);
 void result_open_lua(lua_State *L);
 void plan_open_lua(lua_State *L);
+void search_open_lua(lua_State *L);
+void carried_open_lua(lua_State *L);
 
 extern const member device_members[]; // of duet_device_info
 extern const member_type member_plan; // a duet_plan as a table

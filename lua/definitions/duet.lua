@@ -66,6 +66,16 @@ local Bounds = {}
 ---@class duet.Pairs
 local Pairs = {}
 
+--- A strategy that looks for the best share, asked and told by a script.
+---@class duet.Search
+local Search = {}
+
+--- A table: a way to search.
+---@class duet.Strategy
+---@field about string what it does, in a line
+---@field name string
+local Strategy = {}
+
 --- Objects with the world they live in.
 ---@class duet.Scene
 ---@field cell number cell edge asked for; 0: chosen from the objects
@@ -241,6 +251,33 @@ function Scene:poses() end
 ---@return string? status
 function Scene:reference() end
 
+--- The share to measure next; nothing once the search is done.
+---@return number?
+---@return string? message
+---@return string? status
+function Search:ask() end
+
+--- Where the strategy believes the best share to lie.
+---@return number, number
+function Search:bracket() end
+
+--- Forgets the samples.
+function Search:close() end
+
+--- The share to use after what was told so far.
+---@return number
+function Search:pick() end
+
+--- What was measured there: wall-clock times of the step and of the devices.
+---@param share number
+---@param total_ms number
+---@param a_ms number
+---@param b_ms number
+---@return true?
+---@return string? message
+---@return string? status
+function Search:tell(share, total_ms, a_ms, b_ms) end
+
 --- Gives the devices' memory back.
 function World:close() end
 
@@ -342,5 +379,16 @@ function duet.poses(from) end
 ---@return string? message
 ---@return string? status
 function duet.scene(from, settings) end
+
+--- Begins a search for the share; the default strategy without.
+---@param def? { strategy?: string, launches?: integer, points?: integer, rounds?: integer, quantum?: number, start?: number, probe_cost?: number }
+---@return duet.Search?
+---@return string? message
+---@return string? status
+function duet.search(def) end
+
+--- The strategies there are, the default first.
+---@return duet.Strategy[]
+function duet.strategies() end
 
 return duet

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// The parts of the module that are written in Lua: require "duet.frame",
+// "duet.plot" and "duet.lab" find them inside the library.
+#include "duet_lua.h"
+
+#include "lua/nouns.h"
+#include "runtime/base/blob.h"
+
+// Leaves what the text returns on the stack.
+static int run_carried(lua_State *L, const char *path)
+{
+    const blob *b = blob_find(path);
+    lua_pushfstring(L, "@%s", path);
+    if (luaL_loadbufferx(L, b->bytes, b->length, lua_tostring(L, -1), "t") != LUA_OK)
+        return lua_error(L);
+    lua_call(L, 0, 1);
+    return 1;
+}
+
+int luaopen_duet_frame(lua_State *L)
+{
+    return run_carried(L, "lua/frame.lua");
+}
+
+int luaopen_duet_lab(lua_State *L)
+{
+    return run_carried(L, "lua/lab.lua");
+}
+
+int luaopen_duet_plot(lua_State *L)
+{
+    return run_carried(L, "lua/plot.lua");
+}
+
+void carried_open_lua(lua_State *L)
+{
+    static const luaL_Reg modules[] = {{"duet.frame", luaopen_duet_frame},
+                                       {"duet.lab", luaopen_duet_lab},
+                                       {"duet.plot", luaopen_duet_plot},
+                                       {NULL, NULL}};
+    luaL_getsubtable(L, LUA_REGISTRYINDEX, LUA_PRELOAD_TABLE);
+    luaL_setfuncs(L, modules, 0);
+    lua_pop(L, 1);
+}

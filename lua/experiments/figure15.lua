@@ -1,0 +1,37 @@
+-- SPDX-License-Identifier: MIT
+-- Figure 15 of the paper: how much faster the pair is at the tuned share than
+-- B alone, which is the paper's measure, and than the better device alone.
+-- Where no share is faster than B alone, the gain is 0 and the share too.
+local lab = require "duet.lab"
+
+local options = lab.options("Gain of sharing, by size (figure 15).", {
+  sizes = { 250000, 500000, 1000000, 2000000 },
+  world = 200.0,
+  variant = "rows",
+  mode = "own",
+  strategy = "balance",
+})
+
+local rows = lab.frame.new { "devices", "objects", "share", "gain over B %", "low", "high", "gain over the better %" }
+local over_b = {}
+
+for pair, devices in lab.each_pair(options) do
+  local plan = { mode = options.mode, variant_a = options.variant, variant_b = options.variant }
+  over_b[#over_b + 1] = { name = devices, points = {} }
+  for _, n in ipairs(options.sizes) do
+    local scene <close> = lab.paper_scene(options, n)
+    local a, b, both = table.unpack(lab.compare(pair, scene, plan, options))
+    local gain, low, high = lab.gain(b, both)
+    rows:add {
+      devices = devices, objects = n, share = both.plan.share,
+      ["gain over B %"] = 100 * gain, low = 100 * low, high = 100 * high,
+      ["gain over the better %"] = 100 * (lab.gain(a.ms < b.ms and a or b, both)),
+    }
+    table.insert(over_b[#over_b].points, { ("%.3g M"):format(n / 1e6), 100 * gain, 100 * low, 100 * high })
+  end
+end
+
+lab.finish(options, "figure15", rows, {
+  title = "How much faster A and B are than B alone",
+  x = "objects", y = "%", kind = "bars", series = over_b,
+})

@@ -1,0 +1,228 @@
+-- SPDX-License-Identifier: MIT
+-- What experiments share: their options, and times that can be compared.
+--
+-- Plans that are compared are stepped in turn, round by round, so that a slow
+-- minute falls on all of them alike; each step gets the objects anew.
+
+local duet = require "duet"
+local frame = require "duet.frame"
+local plot = require "duet.plot"
+
+local lab = {}
+
+-- ------------------------------------------------------------------ options
+
+local function fail(format, ...)
+  io.stderr:write(format:format(...), "\n")
+  os.exit(2, true)
+end
+
+-- "250000,1e6" -> { 250000, 1000000 }
+local function read_sizes(text)
+  local sizes = {}
+  for item in text:gmatch "[^,]+" do
+    local n = math.tointeger(tonumber(item))
+    if not n or n < 1 then fail("--sizes '%s': give whole numbers with commas, as 1000,2000", text) end
+    sizes[#sizes + 1] = n
+  end
+  return sizes
+end
+
+local function read_number(name, text)
+  return tonumber(text) or fail("--%s '%s': give a number", name, text)
+end
+
+local function read_count(name, text)
+  local n = math.tointeger(tonumber(text))
+  return n and n >= 1 and n or fail("--%s '%s': give a whole number from 1", name, text)
+end
+
+local function read_value(name, default, text)
+  if name == "sizes" then return read_sizes(text) end
+  if math.type(default) == "integer" then return read_count(name, text) end
+  if type(default) == "number" then return read_number(name, text) end
+  return text
+end
+
+local function print_help(defaults, about)
+  print(about .. "\n")
+  local names = {}
+  for name in pairs(defaults) do names[#names + 1] = name end
+  table.sort(names)
+  for _, name in ipairs(names) do
+    local value = defaults[name]
+    if type(value) == "table" then value = table.concat(value, ",") end
+    print(("  --%-10s %s"):format(name, value == "" and "(none)" or value))
+  end
+  os.exit(0, true)
+end
+
+-- Reads arg over the defaults: "--name value" or "--name=value". Options that
+-- every experiment has are out (a folder for what it writes), repeat (rounds),
+-- seed, and pair ("A,B", and more of them after semicolons).
+function lab.options(about, own)
+  local options = { out = ".", ["repeat"] = 9, seed = 1, pair = "" }
+  for name, value in pairs(own) do options[name] = value end
+  local i = 1
+  while arg[i] do
+    local name, value = arg[i]:match "^%-%-([%w_]+)=?(.*)$"
+    if name == "help" then print_help(options, about) end
+    if options[name or ""] == nil then fail("there is no option '%s'; --help lists those there are", arg[i]) end
+    if not arg[i]:find("=", 1, true) then
+      i = i + 1
+      value = arg[i] or fail("--%s needs a value", name)
+    end
+    options[name] = read_value(name, options[name], value)
+    i = i + 1
+  end
+  return options
+end
+
+-- The pairs that were asked for, each opened when its turn comes.
+function lab.each_pair(options)
+  local defs = {}
+  for a, b in options.pair:gmatch "([^,;]+),([^,;]+)" do defs[#defs + 1] = { a = a, b = b } end
+  if #defs == 0 then
+    if options.pair ~= "" then fail("--pair '%s': give two selectors with a comma, as pocl:0,nvidia:0", options.pair) end
+    defs[1] = {}
+  end
+  local i, pair = 0, nil
+  return function()
+    if pair then pair:close() end
+    i = i + 1
+    if not defs[i] then return nil end
+    pair = assert(duet.device_pair(defs[i]))
+    return pair, pair:device("A").selector .. "+" .. pair:device("B").selector
+  end
+end
+
+-- The paper's scene: n rotated unit cubes in a world of edge options.world.
+function lab.paper_scene(options, n)
+  local scenes = os.getenv "DUET_SCENES" or (arg[0]:match "^(.*/)" or "./") .. "../scenes"
+  return assert(duet.scene(scenes .. "/paper.lua",
+    { n = n, seed = options.seed, world = options.world, euler = options.euler == 1 }))
+end
+
+-- ------------------------------------------------------------------ times
+
+function lab.median(values)
+  local sorted = table.move(values, 1, #values, 1, {})
+  table.sort(sorted)
+  local half = #sorted // 2
+  return #sorted % 2 == 1 and sorted[half + 1] or (sorted[half] + sorted[half + 1]) / 2
+end
+
+-- The interval of the median between two order statistics that holds it with
+-- at least this confidence, by the binomial distribution; all values where
+-- they are too few.
+function lab.median_interval(values, level)
+  local sorted = table.move(values, 1, #values, 1, {})
+  table.sort(sorted)
+  local n, below, chance, rank = #sorted, 0, 0.5 ^ #sorted, 1
+  for k = 0, n // 2 - 1 do
+    below = below + chance -- that at most k values lie below the median
+    if 1 - 2 * below < (level or 0.95) then break end
+    rank = k + 1
+    chance = chance * (n - k) / (k + 1)
+  end
+  return sorted[rank], sorted[n + 1 - rank]
+end
+
+-- One step with a plan: the result, whose pairs must be those of the others.
+local function step(world, scene, plan)
+  assert(world:set_plan(plan))
+  assert(world:set_scene(scene))
+  return assert(world:step())
+end
+
+-- Steps each plan in turn, `rounds` times after one to warm up. For each plan:
+-- ms, low, high (the median's interval), and samples by round.
+function lab.race(world, scene, plans, rounds)
+  local results, hash = {}, nil
+  for i, plan in ipairs(plans) do
+    local found = step(world, scene, plan):hash()
+    assert(found == (hash or found), "two plans found different pairs")
+    hash, results[i] = found, { samples = {}, plan = plan }
+  end
+  for round = 1, rounds do
+    for turn = 1, #plans do
+      local i = (turn + round - 2) % #plans + 1
+      step(world, scene, plans[i]) -- another plan went before: buffers settle
+      results[i].samples[round] = step(world, scene, plans[i]).total_ms
+    end
+  end
+  for _, r in ipairs(results) do
+    r.ms = lab.median(r.samples)
+    r.low, r.high = lab.median_interval(r.samples)
+  end
+  return results
+end
+
+-- How much faster b is than a, round by round: 0.25 is a quarter. With the
+-- interval of that median.
+function lab.gain(a, b)
+  local gains = {}
+  for round, ms in ipairs(a.samples) do gains[round] = ms / b.samples[round] - 1 end
+  local low, high = lab.median_interval(gains)
+  return lab.median(gains), low, high
+end
+
+-- A plan with another share.
+function lab.with_share(plan, share)
+  return { share = share, mode = plan.mode, variant_a = plan.variant_a, variant_b = plan.variant_b }
+end
+
+-- Lets a strategy search; launch(share) gives total_ms, a_ms, b_ms. Returns its
+-- pick, and every launch as { share, total_ms }.
+function lab.search(def, launch)
+  local search <close> = assert(duet.search(def))
+  local path = {}
+  while true do
+    local share, message = search:ask()
+    if not share then return search:pick(), path, assert(not message, message) end
+    local total, a, b = launch(share)
+    path[#path + 1] = { share, total }
+    assert(search:tell(share, total, share > 0 and a or 0, share < 1 and b or 0))
+  end
+end
+
+-- A launch for lab.search on the world's devices: one step settles the buffers.
+function lab.launcher(world, scene, plan)
+  return function(share)
+    step(world, scene, lab.with_share(plan, share))
+    local result = step(world, scene, lab.with_share(plan, share))
+    return result.total_ms, result.device_ms[1], result.device_ms[2]
+  end
+end
+
+-- Each device alone and both at the tuned share: three entries of lab.race,
+-- the last with its share.
+function lab.compare(pair, scene, plan, options)
+  local world <close> = assert(pair:world(scene, { plan = plan }))
+  local share = lab.search({ strategy = options.strategy }, lab.launcher(world, scene, plan))
+  local plans = {}
+  for i, part in ipairs { 1, 0, share } do plans[i] = lab.with_share(plan, part) end
+  return lab.race(world, scene, plans, options["repeat"])
+end
+
+-- ------------------------------------------------------------------ results
+
+-- NAME.svg and NAME.png in the folder that was asked for, where there is gnuplot.
+function lab.picture(options, name, chart)
+  local ok, why = plot.draw(options.out .. "/" .. name, chart)
+  if not ok then io.stderr:write(why, "\n") end
+  return ok and (", %s.svg, %s.png"):format(name, name) or ""
+end
+
+-- Prints the rows, and writes NAME.csv, NAME.json and the picture.
+function lab.finish(options, name, rows, chart)
+  rows:print()
+  assert(rows:write(options.out .. "/" .. name))
+  local written = name .. ".csv, " .. name .. ".json"
+  if chart then written = written .. lab.picture(options, name, chart) end
+  print(("-> %s: %s\n"):format(options.out, written))
+end
+
+lab.frame = frame
+
+return lab

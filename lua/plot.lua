@@ -1,0 +1,163 @@
+-- SPDX-License-Identifier: MIT
+-- Pictures by gnuplot, as PATH.svg and PATH.png.
+--
+--   plot.draw("out/times", {
+--     title = "...", x = "objects", y = "ms", -- what the axes say
+--     kind = "lines",                         -- or "bars", "stack"
+--     log = "xy",                             -- axes in powers; "" without
+--     series = { { name = "A", points = { { 1000, 1.5 }, { 2000, 2.9 } } } },
+--   })
+--
+-- A point is { x, y } or { x, y, low, high } with an interval. Bars and stacks
+-- take the first series' x as names, which may be of several lines. A series
+-- may have its style, "lines", "points" or "both", and its colour.
+
+local plot = {}
+
+-- Okabe and Ito's colours, which most colour-blind people can tell apart.
+local colours = { "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#F0E442", "#555555" }
+
+local function quoted(text)
+  return '"' .. tostring(text):gsub('[\\"]', "\\%0"):gsub("\n", "\\n") .. '"'
+end
+
+local function number(value)
+  if value == nil or value ~= value then return "NaN" end
+  return ("%.9g"):format(value)
+end
+
+local function add(lines, format, ...)
+  lines[#lines + 1] = select("#", ...) > 0 and format:format(...) or format
+end
+
+-- ------------------------------------------------------------------ data
+
+local function add_points(lines, i, series)
+  add(lines, "$s%d << EOD", i)
+  for _, p in ipairs(series.points) do
+    add(lines, "%s %s %s %s", number(p[1]), number(p[2]), number(p[3] or p[2]), number(p[4] or p[2]))
+  end
+  add(lines, "EOD")
+end
+
+-- One row a name, one column a series.
+local function add_bars(lines, chart)
+  add(lines, "$bars << EOD")
+  for row, p in ipairs(chart.series[1].points) do
+    local cells = { quoted(p[1]) }
+    for _, series in ipairs(chart.series) do
+      local own = series.points[row] or {}
+      cells[#cells + 1] = number(own[2])
+      cells[#cells + 1] = number(own[3] or own[2])
+      cells[#cells + 1] = number(own[4] or own[2])
+    end
+    add(lines, table.concat(cells, " "))
+  end
+  add(lines, "EOD")
+end
+
+-- ------------------------------------------------------------------ commands
+
+local function has_intervals(chart)
+  for _, series in ipairs(chart.series) do
+    for _, p in ipairs(series.points) do
+      if p[3] then return true end
+    end
+  end
+  return false
+end
+
+local function bar_parts(chart)
+  local parts, errors = {}, has_intervals(chart) and chart.kind == "bars"
+  for i, series in ipairs(chart.series) do
+    local column = 3 * i - 1
+    local using = errors and ("%d:%d:%d:xtic(1)"):format(column, column + 1, column + 2) or ("%d:xtic(1)"):format(column)
+    parts[i] = ("$bars using %s title %s linecolor rgb %s"):format(using, quoted(series.name), quoted(series.colour or colours[(i - 1) % #colours + 1]))
+  end
+  return parts
+end
+
+local function line_parts(chart)
+  local parts = {}
+  for i, series in ipairs(chart.series) do
+    local colour = quoted(series.colour or colours[(i - 1) % #colours + 1])
+    local style = series.style or "both"
+    local with = ({ lines = "lines linewidth 2", points = "points pointtype 7 pointsize 0.8",
+      both = "linespoints linewidth 2 pointtype 7 pointsize 0.8" })[style]
+    parts[#parts + 1] = ("$s%d using 1:2 with %s linecolor rgb %s title %s"):format(i, with, colour, quoted(series.name))
+    if has_intervals { series = { series } } then
+      parts[#parts + 1] = ("$s%d using 1:2:3:4 with yerrorbars pointtype 0 linecolor rgb %s notitle"):format(i, colour)
+    end
+  end
+  return parts
+end
+
+local function add_style(lines, chart)
+  add(lines, "set title %s font ',14'", quoted(chart.title))
+  local _, breaks = tostring(chart.series[1].points[1][1]):gsub("\n", "") -- names may be of several lines
+  add(lines, "set xlabel %s offset 0,%d\nset ylabel %s", quoted(chart.x), -breaks, quoted(chart.y))
+  add(lines, "set border 3 linecolor rgb '#888888'\nset tics nomirror textcolor rgb '#333333'")
+  add(lines, "set grid ytics linecolor rgb '#dddddd' linetype 1")
+  add(lines, "set key outside right top vertical Left reverse samplen 1 spacing 1.3")
+  for axis in (chart.log or ""):gmatch "[xy]" do add(lines, "set logscale %s", axis) end
+  for axis, range in pairs { x = chart.xrange, y = chart.yrange } do
+    add(lines, "set %srange [%s:%s]", axis, range[1] or "*", range[2] or "*")
+  end
+  if chart.kind == "bars" then
+    add(lines, "set style data histograms\nset style fill solid 0.9 noborder\nset boxwidth 0.9")
+    add(lines, "set errorbars linecolor rgb '#444444'")
+    add(lines, "set style histogram %s", has_intervals(chart) and "errorbars gap 1.5 linewidth 1.2" or "clustered gap 1.5")
+  elseif chart.kind == "stack" then
+    add(lines, "set style data histograms\nset style fill solid 0.9 border rgb 'white'\nset boxwidth 0.65")
+    add(lines, "set style histogram rowstacked")
+  end
+  if chart.kind ~= "lines" then add(lines, "set xtics scale 0") end
+end
+
+-- The whole text that gnuplot is given.
+function plot.script(path, chart)
+  local lines = {}
+  if chart.kind == "lines" then
+    for i, series in ipairs(chart.series) do add_points(lines, i, series) end
+  else
+    add_bars(lines, chart)
+  end
+  add_style(lines, chart)
+  local parts = chart.kind == "lines" and line_parts(chart) or bar_parts(chart)
+  for _, form in ipairs {
+    { "svg", "svg size 860,520 dynamic font 'sans,12' background rgb 'white'" },
+    { "png", "pngcairo size 1290,780 font 'sans,14' background rgb 'white'" },
+  } do
+    add(lines, "set terminal %s", form[2])
+    add(lines, "set output %s", quoted(path .. "." .. form[1]))
+    add(lines, "plot %s", table.concat(parts, ", \\\n     "))
+  end
+  add(lines, "unset output")
+  return table.concat(lines, "\n") .. "\n"
+end
+
+local function run(script_path)
+  local program <close> = io.popen("gnuplot '" .. script_path .. "' 2>&1", "r")
+  local said = program:read "a"
+  local ok, _, code = program:close()
+  if ok then return true end
+  if code == 127 then return nil, "gnuplot is not installed, so there are no pictures (Debian: gnuplot-nox)" end
+  return nil, "gnuplot: " .. (said:match "[^\n]*line %d+:[^\n]*" or said:gsub("%s+", " "))
+end
+
+-- true, or nil and a line that says why there is no picture.
+function plot.draw(path, chart)
+  for _, series in ipairs(chart.series) do
+    if #series.points == 0 then return nil, path .. ": series '" .. series.name .. "' has no points" end
+  end
+  local script_path = os.tmpname()
+  local file <close>, message = io.open(script_path, "w")
+  if not file then return nil, message end
+  file:write(plot.script(path, chart))
+  file:close()
+  local ok, why = run(script_path)
+  os.remove(script_path)
+  return ok, why
+end
+
+return plot

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+// duet.search: a strategy's search for the share, asked and told by the script:
+// on devices, on recorded times, or on an invented cost function.
+#include "lua/nouns.h"
+
+#include "runtime/base/text.h"
+#include "tuner/search.h"
+#include "tuner/strategy.h"
+
+typedef struct search_box {
+    search search;
+    bool open;
+} search_box;
+
+static const lua_class search_class;
+
+typedef struct search_def {
+    const char *strategy;
+    search_options options;
+} search_def;
+
+#define OPTION(type_, member_)                                                               \
+    {                                                                                        \
+        .name = #member_, .type = &(type_), .offset = offsetof(search_def, options.member_), \
+        .size = sizeof((search_options *)0)->member_                                         \
+    }
+
+static const member def_members[] = {
+    MEMBER(member_string, search_def, strategy),
+    OPTION(member_count, launches),
+    OPTION(member_count, points),
+    OPTION(member_count, rounds),
+    OPTION(member_share, quantum),
+    OPTION(member_share, start),
+    OPTION(member_double, probe_cost),
+    {0},
+};
+
+static search *check_search(lua_State *L)
+{
+    search_box *box = luaL_checkudata(L, 1, search_class.name);
+    luaL_argcheck(L, box->open, 1, "the search is closed");
+    return &box->search;
+}
+
+static int search_open(lua_State *L)
+{
+    duet_error err = {0};
+    search_def def = {strategies[0]->name, search_default_options()};
+    member_read_table(L, 1, "a search", def_members, &def);
+    if (lua_istable(L, 1)) {
+        def.options.has_start = lua_getfield(L, 1, "start") != LUA_TNIL;
+        lua_pop(L, 1);
+    }
+    search_box *box = class_push(L, &search_class, sizeof *box);
+    box->open = search_begin(&box->search, def.strategy, &def.options, &err);
+    return box->open ? 1 : class_push_failure(L, &err);
+}
+
+static int search_close(lua_State *L)
+{
+    search_box *box = luaL_checkudata(L, 1, search_class.name);
+    if (box->open)
+        search_end(&box->search);
+    box->open = false;
+    return 0;
+}
+
+static void push_share(lua_State *L, uint32_t share)
+{
+    lua_pushnumber(L, (lua_Number)share / SEARCH_ONE);
+}
+
+// The share to measure next, or nothing once the search is done.
+static int search_ask_lua(lua_State *L)
+{
+    duet_error err = {0};
+    search_next next = {0};
+    if (!search_ask(check_search(L), &next, &err))
+        return class_push_failure(L, &err);
+    if (next.done)
+        return 0;
+    push_share(L, next.share);
+    return 1;
+}
+
+static uint64_t check_ns(lua_State *L, int index)
+{
+    lua_Number ms = luaL_checknumber(L, index);
+    luaL_argcheck(L, ms >= 0 && ms < 1e12, index, "milliseconds from 0");
+    return (uint64_t)(ms * 1e6);
+}
+
+// search:tell(share, total_ms, a_ms, b_ms)
+static int search_tell_lua(lua_State *L)
+{
+    duet_error err = {0};
+    search *s = check_search(L);
+    lua_Number share = luaL_checknumber(L, 2);
+    luaL_argcheck(L, share >= 0 && share <= 1, 2, "a part from 0 to 1");
+    search_sample sample = {
+        .share = (uint32_t)(share * SEARCH_ONE + 0.5),
+        .total_ns = check_ns(L, 3),
+        .a_ns = check_ns(L, 4),
+        .b_ns = check_ns(L, 5),
+    };
+    return class_push_done(L, search_tell(s, &sample, &err), &err);
+}
+
+static int search_pick_lua(lua_State *L)
+{
+    push_share(L, search_pick(check_search(L)));
+    return 1;
+}
+
+static int search_bracket_lua(lua_State *L)
+{
+    uint32_t low = 0;
+    uint32_t high = 0;
+    search_bracket(check_search(L), &low, &high);
+    push_share(L, low);
+    push_share(L, high);
+    return 2;
+}
+
+// { name = ..., about = ... } of each strategy, the default first.
+static int list_strategies(lua_State *L)
+{
+    lua_newtable(L);
+    for (int i = 0; strategies[i]; ++i) {
+        lua_createtable(L, 0, 2);
+        lua_pushstring(L, strategies[i]->name);
+        lua_setfield(L, -2, "name");
+        lua_pushstring(L, strategies[i]->about);
+        lua_setfield(L, -2, "about");
+        lua_rawseti(L, -2, i + 1);
+    }
+    return 1;
+}
+
+static const luaL_Reg methods[] = {{"ask", search_ask_lua},   {"tell", search_tell_lua},
+                                   {"pick", search_pick_lua}, {"bracket", search_bracket_lua},
+                                   {"close", search_close},   {NULL, NULL}};
+static const lua_class search_class = {.name = "duet.search", .methods = methods};
+
+void search_open_lua(lua_State *L)
+{
+    static const luaL_Reg functions[] = {
+        {"search", search_open}, {"strategies", list_strategies}, {NULL, NULL}};
+    class_open(L, &search_class);
+    luaL_setfuncs(L, functions, 0);
+}

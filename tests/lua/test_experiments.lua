@@ -1,0 +1,124 @@
+-- SPDX-License-Identifier: MIT
+-- Each experiment runs on a tiny scene and leaves a table, CSV, JSON and
+-- pictures; and the figures that do not depend on the machine are right.
+local facts = require "facts"
+
+local out = os.tmpname()
+os.remove(out)
+assert(os.execute("mkdir " .. out))
+
+-- What the experiment prints.
+local function run(name, options)
+  local lua = os.getenv "DUET_LUA" or "lua5.4"
+  local program <close> = assert(io.popen(("%s '%s/lua/experiments/%s.lua' --out %s %s 2>&1"):format(lua, facts.root, name, out, options)))
+  local printed = program:read "a"
+  assert(program:close(), name .. ": " .. printed)
+  return printed
+end
+
+-- { { column = text, ... }, ... }; no cell of ours has a comma in it.
+local function read_csv(name)
+  local rows, columns = {}, nil
+  for line in io.lines(out .. "/" .. name .. ".csv") do
+    local cells = {}
+    for cell in (line .. ","):gmatch "([^,]*)," do cells[#cells + 1] = cell end
+    if columns then
+      local row = {}
+      for i, column in ipairs(columns) do row[column] = cells[i] end
+      rows[#rows + 1] = row
+    end
+    columns = columns or cells
+  end
+  return rows
+end
+
+-- The rows, after all that an experiment leaves was found to have data.
+local function check_files(name)
+  local json = facts.read_file(out .. "/" .. name .. ".json")
+  assert(json:find "^%[\n  {" and json:find "}\n%]\n$" and not json:find "[:,]%s*,", json)
+  local svg = facts.read_file(out .. "/" .. name .. ".svg")
+  assert(svg:find "^<%?xml" and svg:find "</svg>%s*$", name .. ".svg is no SVG")
+  local png = facts.read_file(out .. "/" .. name .. ".png")
+  assert(png:find "^\x89PNG" and #png > 5000, name .. ".png is no picture")
+  return read_csv(name)
+end
+
+local function name_of(pattern)
+  local list <close> = assert(io.popen("ls " .. out))
+  for file in list:lines() do
+    local name = file:match("^(" .. pattern .. ")%.csv$")
+    if name then return name end
+  end
+  error("no file " .. pattern)
+end
+
+local tiny <const> = "--sizes 500,1000 --world 20 --repeat 2"
+
+facts.holds("table 2 adds up to 100 % in every row of ours", function()
+  run("table2", tiny)
+  local rows = check_files "table2"
+  facts.equal(#rows, 4)
+  for _, row in ipairs(rows) do
+    local sum = 0
+    for column, cell in pairs(row) do
+      if column:find "%%$" then sum = sum + tonumber(cell) end
+    end
+    assert(math.abs(sum - 100) < 1e-4, sum)
+    facts.equal(tonumber(row["other %"]), 0) -- every stage has a column
+  end
+end)
+
+facts.holds("figures 13 and 14 have each device alone and the pair", function()
+  run("figure13_14", tiny)
+  local rows = check_files(name_of "figure13_14.*")
+  facts.equal(#rows, 6)
+  for i, row in ipairs(rows) do
+    facts.equal(row.configuration, ({ "A alone", "B alone", "A and B" })[(i - 1) % 3 + 1])
+    assert(tonumber(row.low) <= tonumber(row.ms) and tonumber(row.ms) <= tonumber(row.high))
+  end
+end)
+
+facts.holds("figure 15 has a gain for each size", function()
+  run("figure15", tiny)
+  facts.equal(#check_files "figure15", 2)
+end)
+
+facts.holds("the paper's search loses the best share of a tenfold slower device, and balance does not", function()
+  run("figure12", "--sizes 500 --world 20 --points 2")
+  check_files "figure12.times10"
+  check_files "figure12.times5"
+  local fig12, balance = table.unpack(read_csv "figure12.times10")
+  facts.equal(fig12.share, "0.0625")
+  assert(tonumber(fig12["off %"]) > 2.5)
+  assert(tonumber(balance["off %"]) < 1)
+  assert(tonumber(balance["tuning ms"]) < tonumber(fig12["tuning ms"]))
+end)
+
+facts.holds("cells of the cube's edge miss 4.5 % of the pairs, and Duet refuses them", function()
+  local printed = run("cell_flaw", "--sizes 8000 --euler 1")
+  assert(printed:find("CELL_TOO_SMALL: the cell edge 1 is below the extent", 1, true), printed)
+  local rows = check_files "cell_flaw"
+  local missed = tonumber(rows[1]["missed %"])
+  assert(missed > 3.5 and missed < 5.5, missed)
+  facts.equal(tonumber(rows[#rows]["candidates missed"]), 0) -- of the widest cube's edge
+end)
+
+facts.holds("the slow kernel and the fast one are shared alike", function()
+  run("slow_kernel", tiny)
+  facts.equal(#check_files "slow_kernel", 6)
+end)
+
+facts.holds("a wrong option is refused with one line", function()
+  for options, says in pairs {
+    ["--size 3"] = "there is no option '--size'",
+    ["--sizes 1,x"] = "--sizes '1,x': give whole numbers",
+    ["--sizes"] = "--sizes needs a value",
+    ["--repeat 0"] = "--repeat '0': give a whole number from 1",
+    ["--pair x"] = "--pair 'x': give two selectors",
+  } do
+    facts.raises(says, run, "figure15", options)
+  end
+end)
+
+os.execute("rm -r " .. out)
+facts.finish()

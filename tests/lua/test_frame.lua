@@ -1,0 +1,50 @@
+-- SPDX-License-Identifier: MIT
+-- Tables as CSV and JSON, and the statistics of lab.
+local facts = require "facts"
+local frame = require "duet.frame"
+local lab = require "duet.lab"
+local plot = require "duet.plot"
+
+facts.holds("CSV and JSON keep what a row holds", function()
+  local f = frame.new { "name", "n", "ms" }
+  f:add { name = 'a "b", c\n', n = 3, ms = 0.1 }
+  f:add { n = -1, ms = 0 / 0 }
+  facts.equal(f:csv():sub(1, 34), 'name,n,ms\n"a ""b"", c\n",3,0.1\n,-1,')
+  facts.equal(f:json():match "^(.-)\n  {\"name\": null", '[\n  {"name": "a \\"b\\", c\\n", "n": 3, "ms": 0.1},')
+  assert(f:json():find('"ms": null', 1, true))
+  facts.raises("no column 'x'", f.add, f, { x = 1 })
+end)
+
+facts.holds("the median's interval holds it as often as it says", function()
+  facts.equal(lab.median { 3, 1, 2 }, 2)
+  facts.equal(lab.median { 4, 1, 2, 3 }, 2.5)
+  -- 9 values: ranks 2 and 8 hold the median with 1 - 2 (1 + 9) / 512 = 96.1 %
+  local low, high = lab.median_interval { 9, 8, 7, 6, 5, 4, 3, 2, 1 }
+  facts.equal(low .. " " .. high, "2 8")
+  low, high = lab.median_interval { 1, 2, 3 } -- too few: all of them
+  facts.equal(low .. " " .. high, "1 3")
+end)
+
+facts.holds("a gain is by round", function()
+  local a, b = { samples = { 10, 20, 30 } }, { samples = { 8, 16, 24 } }
+  facts.equal(lab.gain(a, b), 0.25)
+end)
+
+facts.holds("a picture that cannot be drawn is a line that says why", function()
+  local chart = { title = "t", x = "x", y = "y", kind = "lines", series = { { name = "s", points = { { 1, 2 } } } } }
+  local ok, why = plot.draw("/nowhere/picture", chart)
+  assert(not ok and not why:find "\n" and why:find "gnuplot", why)
+  chart.series[1].points = {}
+  ok, why = plot.draw("picture", chart)
+  assert(not ok and why:find "no points")
+end)
+
+facts.holds("a title may have any characters", function()
+  local base = os.tmpname()
+  local chart = { title = [[a "b" \c $d `e` 'f']], x = "x", y = "y", kind = "bars",
+    series = { { name = "s\"s", points = { { "n\"n", 2 } } } } }
+  assert(plot.draw(base, chart))
+  for _, ending in ipairs { "", ".svg", ".png" } do os.remove(base .. ending) end
+end)
+
+facts.finish()
