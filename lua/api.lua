@@ -20,6 +20,7 @@ api.classes = {
   { "duet.Pairs", "Collisions: rows of two ids a < b, from 0." },
   { "duet.Search", "A strategy that looks for the best share, asked and told by a script." },
   { "duet.Strategy", "A table: a way to search." },
+  { "duet.Tuning", "A table: what a tuning found." },
   { "duet.Scene", "Objects with the world they live in." },
   { "duet.World", "Objects on a device pair, stepped again and again." },
   { "duet.Result", "What a step found; holds until the world's next step." },
@@ -30,7 +31,7 @@ api.others = {
   ["the third result of a failed call"] = { "duet_status_name" },
   ["the garbage collector"] = { "duet_free" },
   ["fields that a table leaves out"] = {
-    "duet_default_device_pair_def", "duet_default_world_def",
+    "duet_default_device_pair_def", "duet_default_world_def", "duet_default_tune_def",
   },
   ["require"] = {
     "luaopen_duet", "luaopen_duet_frame", "luaopen_duet_lab", "luaopen_duet_plot",
@@ -59,7 +60,8 @@ api.names = {
   { "duet.search", { "def?: { strategy?: string, launches?: integer, points?: integer, rounds?: integer, " ..
     "quantum?: number, start?: number, probe_cost?: number }" }, "duet.Search",
     "Begins a search for the share; the default strategy without.", fails = true },
-  { "duet.strategies", {}, "duet.Strategy[]", "The strategies there are, the default first." },
+  { "duet.strategies", {}, "duet.Strategy[]", "The strategies there are, the default first.",
+    c = { "duet_strategy", "duet_strategy_about" } },
   { "duet.Strategy.name", "string", "" },
   { "duet.Strategy.about", "string", "what it does, in a line" },
   { "duet.Search:ask", {}, "number?", "The share to measure next; nothing once the search is done.", fails = true },
@@ -77,6 +79,29 @@ api.names = {
     "A world by a def { plan, dims, shape, rotated, cell, cell_fixed, lower, upper, keep_bad, " ..
     "max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.",
     fails = true, c = { "duet_world_create", "duet_scene_world_def" } },
+  { "duet.DevicePair:tune", { "scene: duet.Scene", "def?: table" }, "duet.Tuning",
+    "Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, " ..
+    "strategy, strategy_lua, variants, modes, budget_seconds, budget_trials, repeats, seed, script, watch }; " ..
+    "watch(progress) is called after each trial and stops the tuning with false.",
+    fails = true, c = "duet_tune_run" },
+  { "duet.Tuning.plan", "duet.Plan", "to use" },
+  { "duet.Tuning.best", "duet.Plan", "the best that shares the work; taken only where it is faster" },
+  { "duet.Tuning.objects", "integer", "" },
+  { "duet.Tuning.gain", "number", "of the best plan over the better single device: 0.25 is a quarter faster" },
+  { "duet.Tuning.gain_low", "number", "" },
+  { "duet.Tuning.gain_high", "number", "" },
+  { "duet.Tuning.verdict", "string", "of the best plan: \"faster\", \"same\", \"slower\", \"ambiguous\"" },
+  { "duet.Tuning.step_ms", "number", "by the plan to use, the median" },
+  { "duet.Tuning.step_low_ms", "number", "" },
+  { "duet.Tuning.step_high_ms", "number", "" },
+  { "duet.Tuning.single_ms", "number", "by the better single device" },
+  { "duet.Tuning.terms", "table<string, number>", "of equations 4 to 6: t1, cpu1, cpu2, gpu1 ... bus3, imbalance" },
+  { "duet.Tuning.trials", "integer", "" },
+  { "duet.Tuning.launches", "integer", "all, of interrupted sessions too" },
+  { "duet.Tuning.seconds", "number", "" },
+  { "duet.Tuning.known", "boolean", "finished before: nothing was measured" },
+  { "duet.Tuning.resumed", "boolean", "continued an interrupted session" },
+
   { "duet.DevicePair:close", {}, nil, "Worlds made on it stay until they are closed.",
     c = "duet_device_pair_close" },
 

@@ -167,6 +167,14 @@ function lab.gain(a, b)
   return lab.median(gains), low, high
 end
 
+-- The pair's default plan in a mode, with kernels where they are named.
+function lab.plan(pair, mode, variant)
+  local plan = pair:plan()
+  plan.mode = mode
+  if variant ~= "" then plan.variant_a, plan.variant_b = variant, variant end
+  return plan
+end
+
 -- A plan with another share.
 function lab.with_share(plan, share)
   return { share = share, mode = plan.mode, variant_a = plan.variant_a, variant_b = plan.variant_b }

@@ -18,6 +18,7 @@ int luaopen_duet(lua_State *L)
     world_open_lua(L);
     result_open_lua(L);
     search_open_lua(L);
+    tune_open_lua(L);
     carried_open_lua(L);
     return 1;
 }

@@ -17,6 +17,7 @@ void world_open_lua(lua_State *L);
 void result_open_lua(lua_State *L);
 void plan_open_lua(lua_State *L);
 void search_open_lua(lua_State *L);
+void tune_open_lua(lua_State *L);
 void carried_open_lua(lua_State *L);
 
 extern const member device_members[]; // of duet_device_info
@@ -32,8 +33,9 @@ typedef struct device_pair_box {
 device_pair_box *device_pair_check(lua_State *L, int index);
 void device_pair_let_go(device_pair_box *box);
 
-// The method device_pair:world; with the pair's other methods.
+// The methods device_pair:world and :tune; with the pair's other methods.
 int world_create_lua(lua_State *L);
+int device_pair_tune_lua(lua_State *L);
 
 typedef struct world_box {
     duet_world *world;

@@ -123,21 +123,6 @@ static int search_bracket_lua(lua_State *L)
     return 2;
 }
 
-// { name = ..., about = ... } of each strategy, the default first.
-static int list_strategies(lua_State *L)
-{
-    lua_newtable(L);
-    for (int i = 0; strategies[i]; ++i) {
-        lua_createtable(L, 0, 2);
-        lua_pushstring(L, strategies[i]->name);
-        lua_setfield(L, -2, "name");
-        lua_pushstring(L, strategies[i]->about);
-        lua_setfield(L, -2, "about");
-        lua_rawseti(L, -2, i + 1);
-    }
-    return 1;
-}
-
 static const luaL_Reg methods[] = {{"ask", search_ask_lua},   {"tell", search_tell_lua},
                                    {"pick", search_pick_lua}, {"bracket", search_bracket_lua},
                                    {"close", search_close},   {NULL, NULL}};
@@ -145,8 +130,7 @@ static const lua_class search_class = {.name = "duet.search", .methods = methods
 
 void search_open_lua(lua_State *L)
 {
-    static const luaL_Reg functions[] = {
-        {"search", search_open}, {"strategies", list_strategies}, {NULL, NULL}};
+    static const luaL_Reg functions[] = {{"search", search_open}, {NULL, NULL}};
     class_open(L, &search_class);
     luaL_setfuncs(L, functions, 0);
 }

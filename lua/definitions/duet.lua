@@ -76,6 +76,27 @@ local Search = {}
 ---@field name string
 local Strategy = {}
 
+--- A table: what a tuning found.
+---@class duet.Tuning
+---@field best duet.Plan the best that shares the work; taken only where it is faster
+---@field gain number of the best plan over the better single device: 0.25 is a quarter faster
+---@field gain_high number
+---@field gain_low number
+---@field known boolean finished before: nothing was measured
+---@field launches integer all, of interrupted sessions too
+---@field objects integer
+---@field plan duet.Plan to use
+---@field resumed boolean continued an interrupted session
+---@field seconds number
+---@field single_ms number by the better single device
+---@field step_high_ms number
+---@field step_low_ms number
+---@field step_ms number by the plan to use, the median
+---@field terms table<string, number> of equations 4 to 6: t1, cpu1, cpu2, gpu1 ... bus3, imbalance
+---@field trials integer
+---@field verdict string of the best plan: "faster", "same", "slower", "ambiguous"
+local Tuning = {}
+
 --- Objects with the world they live in.
 ---@class duet.Scene
 ---@field cell number cell edge asked for; 0: chosen from the objects
@@ -148,6 +169,14 @@ function DevicePair:device(which) end
 --- What is done here where nothing was measured.
 ---@return duet.Plan
 function DevicePair:plan() end
+
+--- Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, strategy, strategy_lua, variants, modes, budget_seconds, budget_trials, repeats, seed, script, watch }; watch(progress) is called after each trial and stops the tuning with false.
+---@param scene duet.Scene
+---@param def? table
+---@return duet.Tuning?
+---@return string? message
+---@return string? status
+function DevicePair:tune(scene, def) end
 
 --- A world by a def { plan, dims, shape, rotated, cell, cell_fixed, lower, upper, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.
 ---@param scene? duet.Scene|table

@@ -12,7 +12,7 @@ local lab = require "duet.lab"
 local options = lab.options("The path of the search for the share (figure 12).", {
   sizes = { 250000 },
   world = 200.0,
-  variant = "rows",
+  variant = "", -- kernels of both; without one, each device's default
   mode = "own",
   launches = 10, -- of fig12, as in the paper
   points = 16, -- intervals of the measured curve
@@ -102,7 +102,7 @@ end
 for pair, devices in lab.each_pair(options) do
   for _, n in ipairs(options.sizes) do
     local scene <close> = lab.paper_scene(options, n)
-    local plan = { mode = options.mode, variant_a = options.variant, variant_b = options.variant }
+    local plan = lab.plan(pair, options.mode, options.variant)
     local world <close> = assert(pair:world(scene, { plan = plan }))
     local launch = lab.launcher(world, scene, plan)
     launch(0.5) -- builds what is not built

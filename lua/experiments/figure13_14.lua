@@ -6,7 +6,7 @@ local lab = require "duet.lab"
 local options = lab.options("Times by configuration and size (figures 13 and 14).", {
   sizes = { 250000, 500000, 1000000, 2000000 },
   world = 200.0,
-  variant = "rows",
+  variant = "", -- kernels of both; without one, each device's default
   mode = "own",
   strategy = "balance",
 })
@@ -18,7 +18,7 @@ local function size_name(n)
 end
 
 for pair, devices in lab.each_pair(options) do
-  local plan = { mode = options.mode, variant_a = options.variant, variant_b = options.variant }
+  local plan = lab.plan(pair, options.mode, options.variant)
   local series = { { name = "A alone", points = {} }, { name = "B alone", points = {} }, { name = "A and B", points = {} } }
   for _, n in ipairs(options.sizes) do
     local scene <close> = lab.paper_scene(options, n)

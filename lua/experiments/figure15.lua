@@ -7,7 +7,7 @@ local lab = require "duet.lab"
 local options = lab.options("Gain of sharing, by size (figure 15).", {
   sizes = { 250000, 500000, 1000000, 2000000 },
   world = 200.0,
-  variant = "rows",
+  variant = "", -- kernels of both; without one, each device's default
   mode = "own",
   strategy = "balance",
 })
@@ -16,7 +16,7 @@ local rows = lab.frame.new { "devices", "objects", "share", "gain over B %", "lo
 local over_b = {}
 
 for pair, devices in lab.each_pair(options) do
-  local plan = { mode = options.mode, variant_a = options.variant, variant_b = options.variant }
+  local plan = lab.plan(pair, options.mode, options.variant)
   over_b[#over_b + 1] = { name = devices, points = {} }
   for _, n in ipairs(options.sizes) do
     local scene <close> = lab.paper_scene(options, n)

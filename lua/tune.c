@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: MIT
+// device_pair:tune: finds how the two share a scene's work best.
+#include "lua/nouns.h"
+#include "lua/policy.h"
+
+#include "duet_tune.h"
+
+#include <string.h>
+
+// A list of names in a table, kept alive by it; { "rows", "paper" }.
+typedef struct name_list {
+    const char *names[32];
+    uint32_t n;
+} name_list;
+
+static void read_names(lua_State *L, const member *m, void *at)
+{
+    name_list *list = at;
+    lua_Unsigned n = lua_istable(L, -1) ? lua_rawlen(L, -1) : 0;
+    if (n < 1 || n > sizeof list->names / sizeof list->names[0])
+        member_refuse(L, m, "a list of 1 to 32 names");
+    for (list->n = 0; list->n < n; ++list->n) {
+        lua_rawgeti(L, -1, (lua_Integer)list->n + 1);
+        if (lua_type(L, -1) != LUA_TSTRING)
+            member_refuse(L, m, "a list of names");
+        list->names[list->n] = lua_tostring(L, -1);
+        lua_pop(L, 1);
+    }
+}
+
+static const member_type member_names = {read_names, NULL};
+
+// The function stays in the def's table and is called from there.
+static void read_watch(lua_State *L, const member *m, void *at)
+{
+    if (!lua_isfunction(L, -1))
+        member_refuse(L, m, "a function");
+    *(bool *)at = true;
+}
+
+static const member_type member_watch = {read_watch, NULL};
+
+// What a script says; the rest of the C def follows from it.
+typedef struct tune_def {
+    duet_tune_def def;
+    name_list variants;
+    name_list modes;
+    bool watch;
+} tune_def;
+
+#define OPTION(type_, member_)                                                         \
+    {                                                                                  \
+        .name = #member_, .type = &(type_), .offset = offsetof(tune_def, def.member_), \
+        .size = sizeof((duet_tune_def *)0)->member_                                    \
+    }
+
+static const member def_members[] = {
+    OPTION(member_string, store),
+    OPTION(member_bool, keep),
+    OPTION(member_bool, fresh),
+    OPTION(member_string, strategy),
+    OPTION(member_string, strategy_lua),
+    MEMBER(member_names, tune_def, variants),
+    MEMBER(member_names, tune_def, modes),
+    OPTION(member_double, budget_seconds),
+    OPTION(member_count, budget_trials),
+    OPTION(member_count, repeats),
+    OPTION(member_count, seed),
+    OPTION(member_string, script),
+    MEMBER(member_watch, tune_def, watch),
+    {0},
+};
+
+static const member terms_members[] = {
+    MEMBER(member_double, duet_tune_terms, t1),
+    MEMBER(member_double, duet_tune_terms, cpu1),
+    MEMBER(member_double, duet_tune_terms, cpu2),
+    MEMBER(member_double, duet_tune_terms, gpu1),
+    MEMBER(member_double, duet_tune_terms, gpu2),
+    MEMBER(member_double, duet_tune_terms, gpu3),
+    MEMBER(member_double, duet_tune_terms, bus1),
+    MEMBER(member_double, duet_tune_terms, bus2),
+    MEMBER(member_double, duet_tune_terms, bus3),
+    MEMBER(member_double, duet_tune_terms, imbalance),
+    {0},
+};
+
+static void push_terms(lua_State *L, const member *m, const void *at)
+{
+    (void)m;
+    member_push_table(L, terms_members, at);
+}
+
+static const member_type member_terms = {NULL, push_terms};
+
+static const member outcome_members[] = {
+    MEMBER(member_plan, duet_tune_outcome, plan),
+    MEMBER(member_plan, duet_tune_outcome, best),
+    MEMBER(member_count, duet_tune_outcome, objects),
+    MEMBER(member_double, duet_tune_outcome, gain),
+    MEMBER(member_double, duet_tune_outcome, gain_low),
+    MEMBER(member_double, duet_tune_outcome, gain_high),
+    MEMBER(member_chars, duet_tune_outcome, verdict),
+    MEMBER(member_double, duet_tune_outcome, step_ms),
+    MEMBER(member_double, duet_tune_outcome, step_low_ms),
+    MEMBER(member_double, duet_tune_outcome, step_high_ms),
+    MEMBER(member_double, duet_tune_outcome, single_ms),
+    MEMBER(member_terms, duet_tune_outcome, terms),
+    MEMBER(member_count, duet_tune_outcome, trials),
+    MEMBER(member_count, duet_tune_outcome, launches),
+    MEMBER(member_double, duet_tune_outcome, seconds),
+    MEMBER(member_bool, duet_tune_outcome, known),
+    MEMBER(member_bool, duet_tune_outcome, resumed),
+    {0},
+};
+
+static const member progress_members[] = {
+    MEMBER(member_string, duet_tune_progress, stage),
+    MEMBER(member_double, duet_tune_progress, ms),
+    MEMBER(member_count, duet_tune_progress, trials),
+    MEMBER(member_count, duet_tune_progress, launches),
+    MEMBER(member_double, duet_tune_progress, seconds),
+    MEMBER(member_bool, duet_tune_progress, remembered),
+    {0},
+};
+
+// ---------------------------------------------------------------- watching
+
+typedef struct watcher {
+    lua_State *lua;
+    int function; // where on the stack it is
+    bool failed;  // its error is on top of the stack
+} watcher;
+
+// function, progress -> what it says
+static int call_watch(lua_State *L)
+{
+    const duet_tune_progress *progress = lua_touserdata(L, 2);
+    lua_pushvalue(L, 1);
+    member_push_table(L, progress_members, progress);
+    member_plan.push(L, NULL, progress->plan);
+    lua_setfield(L, -2, "plan");
+    lua_call(L, 1, 1);
+    return 1;
+}
+
+// An error in the function stops the tuning, and is raised once that is over.
+static bool watch(void *context, const duet_tune_progress *progress)
+{
+    watcher *w = context;
+    lua_pushcfunction(w->lua, call_watch);
+    lua_pushvalue(w->lua, w->function);
+    lua_pushlightuserdata(w->lua, (void *)progress);
+    w->failed = lua_pcall(w->lua, 2, 1, 0) != LUA_OK;
+    if (w->failed)
+        return false;
+    bool stop = lua_isboolean(w->lua, -1) && !lua_toboolean(w->lua, -1);
+    lua_pop(w->lua, 1);
+    return !stop;
+}
+
+// ---------------------------------------------------------------- tuning
+
+static duet_mode find_mode(lua_State *L, const char *name)
+{
+    for (int mode = 0; duet_mode_name((duet_mode)mode); ++mode)
+        if (strcmp(duet_mode_name((duet_mode)mode), name) == 0)
+            return (duet_mode)mode;
+    luaL_error(L, "field 'modes': there is no mode '%s'; duet.modes() lists them", name);
+    return DUET_MODE_SHARED;
+}
+
+static void check_policy(lua_State *L, const duet_tune_def *def)
+{
+    if (def->keep)
+        policy_check_trusted(L, "keeping a profile (or else keep = false)");
+    else if (def->store)
+        policy_check_read(L, def->store);
+}
+
+// device_pair:tune(scene, def)
+int device_pair_tune_lua(lua_State *L)
+{
+    duet_error err = {0};
+    duet_tune_outcome outcome = {0};
+    duet_mode modes[32];
+    tune_def t = {.def = duet_default_tune_def()};
+    t.def.pair = device_pair_check(L, 1)->pair;
+    t.def.scene = scene_check(L, 2);
+    lua_settop(L, 3);
+    member_read_table(L, 3, "a tuning", def_members, &t);
+    check_policy(L, &t.def);
+    t.def.variants = t.variants.names;
+    t.def.n_variants = t.variants.n;
+    for (t.def.n_modes = 0; t.def.n_modes < t.modes.n; ++t.def.n_modes)
+        modes[t.def.n_modes] = find_mode(L, t.modes.names[t.def.n_modes]);
+    t.def.modes = modes;
+    watcher w = {L, 4, false};
+    if (t.watch) {
+        lua_getfield(L, 3, "watch");
+        t.def.watch = watch;
+        t.def.watch_context = &w;
+    }
+    luaL_checkstack(L, 4, "no room for a watcher");
+    bool ok = duet_tune_run(&t.def, &outcome, &err);
+    if (w.failed)
+        return lua_error(L);
+    if (!ok)
+        return class_push_failure(L, &err);
+    member_push_table(L, outcome_members, &outcome);
+    return 1;
+}
+
+// { name = ..., about = ... } of each strategy, the default first.
+static int list_strategies(lua_State *L)
+{
+    lua_newtable(L);
+    for (uint32_t i = 0; duet_strategy(i); ++i) {
+        lua_createtable(L, 0, 2);
+        lua_pushstring(L, duet_strategy(i));
+        lua_setfield(L, -2, "name");
+        lua_pushstring(L, duet_strategy_about(i));
+        lua_setfield(L, -2, "about");
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    }
+    return 1;
+}
+
+void tune_open_lua(lua_State *L)
+{
+    static const luaL_Reg functions[] = {{"strategies", list_strategies}, {NULL, NULL}};
+    luaL_setfuncs(L, functions, 0);
+}

@@ -1,0 +1,101 @@
+-- SPDX-License-Identifier: MIT
+-- Searches for the share and whole tunings, from Lua.
+local duet = require "duet"
+local facts = require "facts"
+
+local equal, holds, raises, refused = facts.equal, facts.holds, facts.raises, facts.refused
+local pair <close> = assert(duet.device_pair())
+local scene <close> = assert(duet.scene(facts.root .. "/lua/scenes/paper.lua", { n = 300, world = 11 }))
+
+-- What is quick: one variant, one mode, one launch a trial.
+local function quick(more)
+  local def = { keep = false, repeats = 1, variants = { "rows" }, modes = { "own" } }
+  for name, value in pairs(more or {}) do def[name] = value end
+  return def
+end
+
+-- A is `ratio` times slower than B.
+local function search_on(ratio, def)
+  local search <close> = assert(duet.search(def))
+  local path = {}
+  for share in search.ask, search do
+    local a, b = ratio * share, 1 - share
+    assert(search:tell(share, math.max(a, b), a, b))
+    path[#path + 1] = share
+  end
+  return search:pick(), path
+end
+
+holds("the paper's search goes the printed way", function()
+  local pick, path = search_on(10, { strategy = "fig12", launches = 6 })
+  equal(table.concat(path, " "), "1.0 0.0 0.5 0.25 0.125 0.0625")
+  equal(pick, 0.0625)
+end)
+
+holds("balance finds the best share of any ratio", function()
+  for _, ratio in ipairs { 0.1, 1, 3, 10, 40 } do
+    local pick = search_on(ratio)
+    local best = 1 / (1 + ratio)
+    assert(math.abs(math.max(ratio * pick, 1 - pick) / (ratio * best) - 1) < 0.01, ratio)
+  end
+end)
+
+holds("a search refuses what makes no sense", function()
+  refused("NOT_FOUND", "balance", duet.search, { strategy = "none" })
+  raises("a search has no field 'name'", duet.search, { name = "fig12" })
+  local search = assert(duet.search())
+  raises("a part from 0 to 1", search.tell, search, 2, 1, 1, 1)
+  raises("milliseconds from 0", search.tell, search, 0, -1, 1, 1)
+  raises("milliseconds from 0", search.tell, search, 0, 0 / 0, 1, 1)
+  search:close()
+  raises("the search is closed", search.ask, search)
+end)
+
+holds("a tuning gives a plan that finds the reference's pairs", function()
+  local stages = {}
+  local found = assert(pair:tune(scene, quick { watch = function(progress)
+    stages[#stages + 1] = progress.stage
+    assert(progress.plan.mode == "own" and progress.launches >= 1)
+  end }))
+  assert(#stages > 0)
+  equal(found.objects, 300)
+  assert(found.gain_low <= found.gain and found.gain <= found.gain_high)
+  local world <close> = assert(pair:world(scene, { plan = found.plan }))
+  equal(assert(world:step()):hash(), scene:reference():hash())
+end)
+
+holds("a watcher can stop a tuning, and its error comes through", function()
+  refused("INTERRUPTED", "", pair.tune, pair, scene, quick { watch = function() return false end })
+  raises("enough of it", pair.tune, pair, scene, quick { watch = function() error "enough of it" end })
+end)
+
+holds("a strategy can be a Lua function, as text", function()
+  local found = assert(pair:tune(scene, quick { strategy = "lua",
+    strategy_lua = "return function(history) if #history < 3 then return #history / 2 end end" }))
+  equal(found.verdict ~= "", true)
+  refused("BAD_INPUT", "", pair.tune, pair, scene, quick { strategy = "lua", strategy_lua = "return 1" })
+end)
+
+holds("a tuning that is kept is known the next time, and a world takes its plan", function()
+  local store = os.tmpname()
+  os.remove(store)
+  local first = assert(pair:tune(scene, quick { keep = true, store = store }))
+  local second = assert(pair:tune(scene, quick { keep = true, store = store }))
+  equal(first.known, false)
+  equal(second.known, true)
+  local world <close> = assert(pair:world(scene))
+  equal(assert(world:load_profile(store)).plan.share, first.plan.share)
+  for _, ending in ipairs { "", "-wal", "-shm" } do os.remove(store .. ending) end
+end)
+
+holds("a tuning refuses what makes no sense", function()
+  raises("a tuning has no field 'budget'", pair.tune, pair, scene, { budget = 1 })
+  raises("there is no mode 'fast'", pair.tune, pair, scene, { modes = { "fast" } })
+  raises("a list of 1 to 32 names", pair.tune, pair, scene, { variants = {} })
+  raises("a list of names", pair.tune, pair, scene, { variants = { 1 } })
+  raises("1, not a function", pair.tune, pair, scene, { watch = 1 })
+  refused("NOT_FOUND", "", pair.tune, pair, scene, quick { strategy = "none" })
+  raises("duet.scene expected", pair.tune, pair, {})
+end)
+
+facts.finish()
