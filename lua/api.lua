@@ -23,6 +23,7 @@ api.classes = {
   { "duet.Tuning", "A table: what a tuning found." },
   { "duet.Scene", "Objects with the world they live in." },
   { "duet.World", "Objects on a device pair, stepped again and again." },
+  { "duet.Online", "Keeps a world's share near its best while frames go by." },
   { "duet.Result", "What a step found; holds until the world's next step." },
 }
 
@@ -32,6 +33,7 @@ api.others = {
   ["the garbage collector"] = { "duet_free" },
   ["fields that a table leaves out"] = {
     "duet_default_device_pair_def", "duet_default_world_def", "duet_default_tune_def",
+    "duet_default_online_def",
   },
   ["require"] = {
     "luaopen_duet", "luaopen_duet_frame", "luaopen_duet_lab", "luaopen_duet_plot",
@@ -141,6 +143,12 @@ api.names = {
     "Takes the best plan that a store of profiles knows for the objects; the user's store without a path.",
     fails = true, c = { "duet_world_load_profile", "duet_grade_name" } },
   { "duet.World:step", {}, "duet.Result", "Finds all pairs.", fails = true, c = "duet_world_step" },
+  { "duet.World:online", { "def?: { most_extra?: number, keep?: boolean, store?: string }" }, "duet.Online",
+    "Begins to watch the frames' times.", fails = true, c = "duet_online_open" },
+  { "duet.Online:step", {}, "duet.Result", "In the place of world:step.", fails = true, c = "duet_online_step" },
+  { "duet.Online:tunings", {}, "integer", "How often the share was tuned again.", c = "duet_online_tunings" },
+  { "duet.Online:close", {}, "true", "Stores what was learned, where that was asked for.", fails = true,
+    c = "duet_online_close" },
   { "duet.World:close", {}, nil, "Gives the devices' memory back.", c = "duet_world_destroy" },
 
   { "duet.Result:pairs", {}, "fun(): integer, integer", "for a, b in result:pairs() do" },

@@ -19,6 +19,7 @@ int luaopen_duet(lua_State *L)
     result_open_lua(L);
     search_open_lua(L);
     tune_open_lua(L);
+    online_open_lua(L);
     carried_open_lua(L);
     return 1;
 }

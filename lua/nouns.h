@@ -18,6 +18,7 @@ void result_open_lua(lua_State *L);
 void plan_open_lua(lua_State *L);
 void search_open_lua(lua_State *L);
 void tune_open_lua(lua_State *L);
+void online_open_lua(lua_State *L);
 void carried_open_lua(lua_State *L);
 
 extern const member device_members[]; // of duet_device_info
@@ -42,12 +43,14 @@ typedef struct world_box {
     device_pair_box *pair; // the uservalue's
     uint64_t steps;        // results of earlier ones no longer hold
     uint64_t maps;         // so with mapped poses
+    uint32_t onlines;      // online shares that step it
 } world_box;
 
 world_box *world_check(lua_State *L, int index);
 
-// The method world:load_profile; with the world's other methods.
+// The methods world:load_profile and :online; with the world's other methods.
 int world_load_profile_lua(lua_State *L);
+int world_online_lua(lua_State *L);
 
 duet_scene *scene_check(lua_State *L, int index);
 

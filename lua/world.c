@@ -78,6 +78,7 @@ static int world_close(lua_State *L)
     world_box *box = luaL_checkudata(L, 1, world_class.name);
     if (!box->world)
         return 0;
+    luaL_argcheck(L, box->onlines == 0, 1, "an online share steps the world: close that first");
     duet_world_destroy(box->world);
     box->world = NULL;
     ++box->steps;
@@ -199,6 +200,7 @@ static const luaL_Reg methods[] = {{"close", world_close},
                                    {"plan", world_plan},
                                    {"set_plan", world_set_plan},
                                    {"load_profile", world_load_profile_lua},
+                                   {"online", world_online_lua},
                                    {"step", world_step},
                                    {NULL, NULL}};
 static const lua_class world_class = {.name = "duet.world", .methods = methods};

@@ -115,6 +115,10 @@ local Scene = {}
 ---@class duet.World
 local World = {}
 
+--- Keeps a world's share near its best while frames go by.
+---@class duet.Online
+local Online = {}
+
 --- What a step found; holds until the world's next step.
 ---@class duet.Result
 ---@field bad integer objects left out (keep_bad)
@@ -185,6 +189,22 @@ function DevicePair:tune(scene, def) end
 ---@return string? message
 ---@return string? status
 function DevicePair:world(scene, def) end
+
+--- Stores what was learned, where that was asked for.
+---@return true?
+---@return string? message
+---@return string? status
+function Online:close() end
+
+--- In the place of world:step.
+---@return duet.Result?
+---@return string? message
+---@return string? status
+function Online:step() end
+
+--- How often the share was tuned again.
+---@return integer
+function Online:tunings() end
 
 --- All rows packed, four bytes a number.
 ---@return string
@@ -330,6 +350,13 @@ function World:map_bounds(n) end
 ---@return string? message
 ---@return string? status
 function World:map_poses(n) end
+
+--- Begins to watch the frames' times.
+---@param def? { most_extra?: number, keep?: boolean, store?: string }
+---@return duet.Online?
+---@return string? message
+---@return string? status
+function World:online(def) end
 
 --- The plan of the next step.
 ---@return duet.Plan

@@ -88,6 +88,20 @@ holds("a tuning that is kept is known the next time, and a world takes its plan"
   for _, ending in ipairs { "", "-wal", "-shm" } do os.remove(store .. ending) end
 end)
 
+holds("an online share gives the same pairs, and outlives no world", function()
+  local world <close> = assert(pair:world(scene, { plan = { share = 0.5 } }))
+  local online <close> = assert(world:online { keep = false })
+  for _ = 1, 5 do
+    assert(world:set_scene(scene))
+    equal(assert(online:step()):hash(), scene:reference():hash())
+  end
+  equal(math.type(online:tunings()), "integer")
+  raises("an online share steps the world", world.close, world)
+  equal(online:close(), true)
+  equal(online:close(), true)
+  raises("the online share is closed", online.step, online)
+end)
+
 holds("a tuning refuses what makes no sense", function()
   raises("a tuning has no field 'budget'", pair.tune, pair, scene, { budget = 1 })
   raises("there is no mode 'fast'", pair.tune, pair, scene, { modes = { "fast" } })
