@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
 // A scene as a Lua file: it adds objects while it runs, and returns a table
 // with what else there is to say.
+#define _POSIX_C_SOURCE 200809L
 #include "runtime/scene_lua.h"
 
 #include "gen/field.h"
 #include "gen/script.h"
+#include "runtime/base/blob.h"
 #include "runtime/base/error.h"
 
 #include <lauxlib.h>
 #include <math.h>
 #include <string.h>
+#include <unistd.h>
 
 // Enough for tens of millions of objects by add, or a million in a list; an
 // endless loop ends within seconds.
@@ -148,6 +151,15 @@ static int read_result(lua_State *L)
     return 0;
 }
 
+// The scenes that come with Duet are there under their names in the source tree
+// also where that is not.
+static bool run_scene(script *s, const char *path, duet_error *err)
+{
+    const blob *carried = access(path, F_OK) == 0 ? NULL : blob_find(path);
+    return carried ? script_run(s, path, carried->bytes, carried->length, 1, err)
+                   : script_run_file(s, path, 1, err);
+}
+
 bool scene_read_lua(duet_scene *scene, const char *path, const duet_setting *settings,
                     uint32_t n_settings, duet_error *err)
 {
@@ -160,7 +172,7 @@ bool scene_read_lua(duet_scene *scene, const char *path, const duet_setting *set
     lua_pushlightuserdata(L, &reading);
     bool ok = script_call(s, 1, 0, err);
     lua_pushcfunction(L, read_result);
-    ok = ok && script_run_file(s, path, 1, err);
+    ok = ok && run_scene(s, path, err);
     lua_pushlightuserdata(L, &reading);
     ok = ok && script_call(s, 2, 0, err);
     script_close(s);

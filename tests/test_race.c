@@ -159,6 +159,21 @@ static void a_rival_that_cannot_run_leaves_the_others_racing(void **state)
     assert_int_equal(race_leader(&r), 3);
 }
 
+static void times_measured_apart_are_told_by_both_intervals(void **state)
+{
+    (void)state;
+    const double slow[] = {20, 21, 22, 20.5, 21.5, 22.5, 23};
+    const double fast[] = {10, 10.5, 11, 11.5, 12, 10.2, 10.8};
+    race_gain gain = race_compare_apart(fast, 7, slow, 7, 0.95);
+    assert_int_equal(gain.verdict, RACE_FASTER);
+    assert_true(gain.ratio == 21.5 / 10.8);
+    assert_true(gain.interval.low == 20 / 12.0 && gain.interval.high == 23 / 10.0);
+    assert_true(gain.interval.level >= 0.95);
+    assert_int_equal(race_compare_apart(slow, 7, fast, 7, 0.95).verdict, RACE_SLOWER);
+    assert_int_equal(race_compare_apart(slow, 7, slow, 7, 0.95).verdict, RACE_SAME);
+    assert_int_equal(race_compare_apart(fast, 6, slow, 6, 0.95).verdict, RACE_AMBIGUOUS);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -172,6 +187,7 @@ int main(void)
         cmocka_unit_test(a_clear_loser_drops_out_early),
         cmocka_unit_test(too_few_rounds_are_called_ambiguous),
         cmocka_unit_test(a_rival_that_cannot_run_leaves_the_others_racing),
+        cmocka_unit_test(times_measured_apart_are_told_by_both_intervals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -126,3 +126,18 @@ race_gain race_compare(const race *r, uint32_t rival, uint32_t other)
     gain.verdict = judge(gain.interval, r->options.level);
     return gain;
 }
+
+race_gain race_compare_apart(const double *own, uint32_t n_own, const double *others,
+                             uint32_t n_others, double level)
+{
+    // Both hold at once with `level` where each misses half as often.
+    double each = 1 - (1 - level) / 2;
+    stats_interval mine = stats_median_interval(own, n_own, each);
+    stats_interval theirs = stats_median_interval(others, n_others, each);
+    race_gain gain = {.ratio = stats_median(others, n_others) / stats_median(own, n_own)};
+    gain.interval = (stats_interval){.low = theirs.low / mine.high,
+                                     .high = theirs.high / mine.low,
+                                     .level = mine.level + theirs.level - 1};
+    gain.verdict = judge(gain.interval, level);
+    return gain;
+}

@@ -68,4 +68,10 @@ double race_median(const race *r, uint32_t rival);
 // Compares over the rounds that both ran; at least one.
 race_gain race_compare(const race *r, uint32_t rival, uint32_t other);
 
+// Compares times that were measured apart, at another time or place: the
+// interval is as wide as those of both medians together, and a machine that
+// was slower for another reason is not told from a slower program.
+race_gain race_compare_apart(const double *own, uint32_t n_own, const double *others,
+                             uint32_t n_others, double level);
+
 #endif
