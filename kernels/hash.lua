@@ -9,6 +9,7 @@ return {
     { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "RANK", values = { 0, 1 }, default = 1, about = "count objects a cell, for the counting sort" },
+    { "PACKED", values = { 0, 1 }, default = 0, about = "1: objects of one slab, with their ids" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "objects side by side in a work-item" },
     { "BATCH", values = { 1, 8, 64 }, default = function(limits) return limits.cpu and 64 or 1 end,

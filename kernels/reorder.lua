@@ -9,6 +9,7 @@ return {
     { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "FROM_IDS", values = { 0, 1 }, default = 1, about = "1: gathers by sorted ids, 0: scatters by cell and rank" },
+    { "PACKED", values = { 0, 1 }, default = 0, about = "1: objects of one slab, with their ids" },
     { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
       about = "work-items a group" },

@@ -112,13 +112,14 @@ static bool lock_block(host_block *h, const device *d, size_t size)
     return h->bytes;
 }
 
-bool host_block_reserve(host_block *h, const device devices[2], size_t size, duet_error *err)
+bool host_block_reserve(host_block *h, const device devices[], int n_devices, size_t size,
+                        duet_error *err)
 {
     if (h->bytes && h->size >= size)
         return true;
     host_block_release(h);
     size = rounded(size < SMALLEST ? SMALLEST : size, ALIGNMENT);
-    for (int i = 1; i >= 0 && !h->bytes; --i)
+    for (int i = n_devices - 1; i >= 0 && !h->bytes; --i)
         if (!devices[i].info.host_memory)
             lock_block(h, &devices[i], size);
     if (!h->bytes)

@@ -24,8 +24,8 @@ bool buffer_borrow(buffer *b, const device *d, void *host, size_t bytes, duet_er
 
 void buffer_release(buffer *b);
 
-// Host memory that devices of a pair read and write fast: page-locked by the
-// first device that copies, else plain and aligned.
+// Host memory that devices read and write fast: page-locked by the last of them
+// that copies, else plain and aligned.
 typedef struct host_block {
     void *bytes;
     size_t size;
@@ -33,7 +33,8 @@ typedef struct host_block {
     cl_mem mem;
 } host_block;
 
-bool host_block_reserve(host_block *h, const device devices[2], size_t size, duet_error *err);
+bool host_block_reserve(host_block *h, const device devices[], int n_devices, size_t size,
+                        duet_error *err);
 void host_block_release(host_block *h);
 
 #endif

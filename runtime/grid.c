@@ -225,21 +225,16 @@ uint32_t grid_rows(const grid *g)
     return g->n_cells / (uint32_t)g->levels[0].cells.s[0];
 }
 
-static uint32_t cell_along(double at, float lower, float per_cell, cl_int cells)
-{
-    float cell = floorf(((float)at - lower) * per_cell);
-    return (uint32_t)fminf(fmaxf(cell, 0.0f), (float)(cells - 1));
-}
-
 uint32_t grid_row_of(const grid *g, const void *objects, duet_shape shape, uint32_t id,
                      uint32_t dims)
 {
     const grid_level *level = &g->levels[0];
     double centre[3];
     grid_centre_of(centre, objects, shape, id, dims);
-    uint32_t y = cell_along(centre[1], level->lower.s[1], level->per_cell.s[1], level->cells.s[1]);
-    uint32_t z = dims == 3 ? cell_along(centre[2], level->lower.s[2], level->per_cell.s[2],
-                                        level->cells.s[2])
+    uint32_t y = grid_cell_along((float)centre[1], level->lower.s[1], level->per_cell.s[1],
+                                 level->cells.s[1]);
+    uint32_t z = dims == 3 ? grid_cell_along((float)centre[2], level->lower.s[2],
+                                             level->per_cell.s[2], level->cells.s[2])
                            : 0;
     return z * (uint32_t)level->cells.s[1] + y;
 }
@@ -257,7 +252,8 @@ static bool count_crowd(double *others, const grid *g, const void *objects, duet
     for (uint32_t id = 0; id < n; ++id) {
         double centre[3];
         grid_centre_of(centre, objects, shape, id, dims);
-        uint32_t x = cell_along(centre[0], level->lower.s[0], level->per_cell.s[0], (cl_int)nx);
+        uint32_t x =
+            grid_cell_along((float)centre[0], level->lower.s[0], level->per_cell.s[0], (cl_int)nx);
         ++counts[(size_t)grid_row_of(g, objects, shape, id, dims) * nx + x];
     }
     double pairs = 0.0;

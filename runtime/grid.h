@@ -83,6 +83,16 @@ bool grid_is_roomy(const grid *g, uint32_t dims);
 // is cells[0] keys long.
 uint32_t grid_rows(const grid *g);
 
+// A coordinate's cell along one axis of a dense grid, in the kernels' own float
+// arithmetic: what is not a number lies in the first.
+static inline uint32_t grid_cell_along(float at, float lower, float per_cell, cl_int cells)
+{
+    float last = (float)(cells - 1);
+    float cell = (at - lower) * per_cell;
+    cell = cell > 0.0f ? cell : 0.0f;
+    return (uint32_t)(int32_t)(cell < last ? cell : last);
+}
+
 // The row of an object, in a dense grid of one level.
 uint32_t grid_row_of(const grid *g, const void *objects, duet_shape shape, uint32_t id,
                      uint32_t dims);

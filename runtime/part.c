@@ -22,9 +22,10 @@ bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
 void part_close(part *p)
 {
     timeline_clear(&p->times);
-    buffer *buffers[] = {&p->objects,    &p->keys,  &p->ids,       &p->keys_spare, &p->ids_spare,
-                         &p->starts,     &p->sums,  &p->tiles,     &p->bounds,     &p->boxes,
-                         &p->candidates, &p->pairs, &p->undecided, &p->counters,   &p->levels};
+    buffer *buffers[] = {&p->objects,    &p->names,     &p->keys,     &p->ids,
+                         &p->keys_spare, &p->ids_spare, &p->starts,   &p->sums,
+                         &p->tiles,      &p->bounds,    &p->boxes,    &p->candidates,
+                         &p->pairs,      &p->undecided, &p->counters, &p->levels};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i)
         buffer_release(buffers[i]);
     host_block_release(&p->fetched);
@@ -143,6 +144,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         {"GRID", task->grid.kind, false},
         {"LEVELS", task->grid.n_levels > 1, false},
         {"ROOMY", grid_is_roomy(&task->grid, task->dims), false},
+        {"PACKED", task->packed, false},
         {"FROM_IDS", 1, counting && !task->shared},
         {"FUSED", poses && p->device->info.kind != DUET_KIND_CPU, true},
     };
@@ -175,6 +177,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
             return false;
     }
     p->kernels.from_ids = search != SEARCH_ROWS || kernel_param(p->kernels.place, "FROM_IDS") == 1;
+    p->kernels.packed = task->packed;
     p->kernels.fused = kernel_param(p->kernels.candidates, "FUSED") == 1;
     if (p->kernels.radix_count)
         p->kernels.radix_bits = (uint32_t)kernel_param(p->kernels.radix_count, "BITS");
@@ -186,6 +189,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
 // Objects that the device has already are not sent again.
 static bool send_objects(part *p, const part_task *task, size_t bytes, duet_error *err)
 {
+    p->packed.objects_version = 0;
     bool ok = p->device->info.host_memory
                   ? buffer_borrow(&p->objects, p->device, (void *)task->objects, bytes, err)
                   : buffer_reserve(&p->objects, p->device, bytes, err);
@@ -217,7 +221,7 @@ bool part_begin(part *p, const part_task *task, duet_error *err)
         task->n * (task->shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds));
     if (bytes == 0)
         return true;
-    return send_objects(p, task, bytes, err) && send_levels(p, task, err);
+    return (task->packed || send_objects(p, task, bytes, err)) && send_levels(p, task, err);
 }
 
 bool part_read_counters(part *p, duet_error *err)
@@ -249,10 +253,10 @@ float part_widest(const part *p)
 
 uint64_t part_bytes(const part *p)
 {
-    const buffer *buffers[] = {&p->objects,   &p->keys,     &p->ids,        &p->keys_spare,
-                               &p->ids_spare, &p->starts,   &p->sums,       &p->tiles,
-                               &p->bounds,    &p->boxes,    &p->candidates, &p->pairs,
-                               &p->undecided, &p->counters, &p->levels};
+    const buffer *buffers[] = {&p->objects,    &p->names,     &p->keys,     &p->ids,
+                               &p->keys_spare, &p->ids_spare, &p->starts,   &p->sums,
+                               &p->tiles,      &p->bounds,    &p->boxes,    &p->candidates,
+                               &p->pairs,      &p->undecided, &p->counters, &p->levels};
     uint64_t bytes = 0;
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i)
         bytes += buffers[i]->bytes;

@@ -13,11 +13,12 @@
 // What both parts are told about the objects.
 typedef struct part_task {
     bool shared; // the grid is for both parts
+    bool packed; // the part is sent the objects of its slab, with their ids
     uint32_t dims;
     duet_shape shape;
     bool rotated;
-    uint32_t n;
-    const void *objects;      // [n] poses or bounds on the host
+    uint32_t n;               // that the part is sent
+    const void *objects;      // [all] poses or bounds on the host
     uint64_t objects_version; // changes with the objects' content
     grid grid;
     uint64_t grid_version; // changes with the grid
@@ -31,7 +32,8 @@ typedef struct part_task {
 typedef struct part_range {
     uint32_t key_from, home_to, key_to;
     uint32_t first, last;
-    uint32_t expected; // about how many objects its grid gets
+    uint32_t expected;                        // about how many objects its grid gets
+    uint32_t expected_homes, expected_ghosts; // of a slab, likewise
 } part_range;
 
 typedef struct part_kernels {
@@ -47,6 +49,7 @@ typedef struct part_kernels {
     kernel *narrow; // NULL where the candidates' kernel finds pairs
     bool fused;     // candidates are tested where they are found
     bool from_ids;  // objects reach cell order by their sorted ids
+    bool packed;    // objects have names
 } part_kernels;
 
 enum { PART_COUNTERS = 16 };
@@ -61,7 +64,13 @@ typedef struct part {
     timeline times;
 
     buffer objects;
-    uint64_t objects_version;     // of what was sent last
+    uint64_t objects_version; // of what was sent last
+    buffer names;             // of packed objects: their ids
+    struct {
+        uint64_t objects_version, grid_version; // of what was sent last; 0: nothing
+        uint32_t key_from, key_to;
+        uint32_t n, n_homes;
+    } packed;
     buffer levels;                // the grid's
     uint64_t levels_version;      // of what was sent last
     buffer keys, ids;             // of the objects; in cell order once sorted
@@ -91,7 +100,8 @@ void part_close(part *p);
 // Generates and builds what the variant needs for such objects.
 bool part_prepare(part *p, const char *variant_text, const part_task *task, duet_error *err);
 
-// Starts a step: clears counters and times, hands the objects over.
+// Starts a step: clears counters and times, hands the objects over, unless they
+// are packed.
 bool part_begin(part *p, const part_task *task, duet_error *err);
 
 // Builds the grid of the range from the objects.

@@ -54,10 +54,16 @@ static bool scan(part *p, const char *stage, buffer *values, uint32_t n, duet_er
 static bool run_hash(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     const grid *g = &task->grid;
-    kernel_arg args[11] = {ARG_BUFFER(p->objects), ARG(task->n),       ARG_BUFFER(p->levels),
-                           ARG(g->n_levels),       ARG(g->n_cells),    ARG(range->key_from),
-                           ARG(range->key_to),     ARG_BUFFER(p->keys)};
-    uint32_t n_args = 8;
+    kernel_arg args[13] = {ARG_BUFFER(p->objects), ARG(task->n)};
+    uint32_t n_args = 2;
+    if (p->kernels.packed) {
+        args[n_args++] = ARG_BUFFER(p->names);
+        args[n_args++] = ARG(p->packed.n_homes);
+    }
+    const kernel_arg keys[] = {ARG_BUFFER(p->levels), ARG(g->n_levels),   ARG(g->n_cells),
+                               ARG(range->key_from),  ARG(range->key_to), ARG_BUFFER(p->keys)};
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i)
+        args[n_args++] = keys[i];
     if (p->variant.sort == SORT_COUNTING) {
         args[n_args++] = ARG_BUFFER(p->starts);
         args[n_args++] = ARG_BUFFER(p->keys_spare);
@@ -146,8 +152,10 @@ static bool place_in_cell_order(part *p, const part_task *task, const part_range
     bool from_ids = p->kernels.from_ids;
     uint32_t room = p->place_room;
     uint32_t work = from_ids && room < task->n ? room : task->n;
-    kernel_arg args[15] = {ARG_BUFFER(p->objects)};
+    kernel_arg args[16] = {ARG_BUFFER(p->objects)};
     uint32_t n_args = 1;
+    if (p->kernels.packed)
+        args[n_args++] = ARG_BUFFER(p->names);
     args[n_args++] = from_ids ? ARG_BUFFER(p->ids) : ARG_BUFFER(p->keys);
     if (!from_ids)
         args[n_args++] = ARG_BUFFER(p->keys_spare);
@@ -254,7 +262,7 @@ bool part_send_grid(part *from, part *to, const part_task *task, duet_error *err
     for (int i = 0; i < n; ++i)
         total += pieces[i].bytes;
     if (!from->device->info.host_memory &&
-        !host_block_reserve(&from->sent, from->devices, total, err))
+        !host_block_reserve(&from->sent, from->devices, 2, total, err))
         return false;
     char *at = from->sent.bytes;
     for (int i = 0; i < n; ++i) {

@@ -231,7 +231,7 @@ static bool reserve_span(part *p, duet_pair **pairs, duet_error *err)
     *pairs = p->pairs.host;
     if (*pairs)
         return true;
-    bool ok = host_block_reserve(&p->fetched, p->devices, (size_t)most * sizeof(duet_pair), err);
+    bool ok = host_block_reserve(&p->fetched, p->device, 1, (size_t)most * sizeof(duet_pair), err);
     *pairs = p->fetched.bytes;
     return ok;
 }

@@ -76,6 +76,8 @@ static part_range slab(const split *s, const part_task *task, uint32_t from, uin
         .key_to = ghost_to * nx,
         .last = UINT32_MAX,
         .expected = with_room(count(s, from, ghost_to), task->n),
+        .expected_homes = with_room(count(s, from, to), task->n),
+        .expected_ghosts = with_room(count(s, to, ghost_to), task->n),
     };
 }
 

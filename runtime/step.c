@@ -18,6 +18,9 @@ enum { REFIT_FACTOR = 2 };
 // A second widening would mean that objects grew while the step ran.
 enum { MOST_FITS = 3 };
 
+// Packing must keep one object in so many from a device.
+enum { LEAST_LEFT_OUT = 16 };
+
 static double ms_since(uint64_t begun)
 {
     return (double)(clock_steady_ns() - begun) * 1e-6;
@@ -80,27 +83,35 @@ static part_task describe_task(const duet_world *world)
 
 // ---------------------------------------------------------------- parts
 
-// What one part does, possibly in the worker's thread.
+// What one part does, possibly in the driver's thread.
 typedef struct job {
     part *part;
     part *grid_from; // NULL: builds its own
-    const part_task *task;
+    pack *pack;      // that its objects come from, where they are packed
+    int side;
+    part_task task;
     part_range range;
     bool placed; // the grid had room for its objects
     bool ok;
     duet_error err;
 } job;
 
+static bool build_own_grid(job *j)
+{
+    return part_begin(j->part, &j->task, &j->err) &&
+           (!j->task.packed || part_receive_slab(j->part, j->pack, j->side, &j->task, &j->range,
+                                                 &j->placed, &j->err)) &&
+           (!j->placed || part_build_grid(j->part, &j->task, &j->range, &j->err));
+}
+
 static void run_job(void *arg)
 {
     job *j = arg;
     uint64_t begun = clock_steady_ns();
-    if (j->grid_from)
-        j->ok = part_receive_grid(j->part, j->grid_from, j->task, &j->range, &j->err);
-    else
-        j->ok = part_begin(j->part, j->task, &j->err) &&
-                part_build_grid(j->part, j->task, &j->range, &j->err);
-    j->ok = j->ok && part_search(j->part, j->task, &j->range, &j->placed, &j->err);
+    j->ok = j->grid_from ? part_receive_grid(j->part, j->grid_from, &j->task, &j->range, &j->err)
+                         : build_own_grid(j);
+    if (j->ok && j->placed)
+        j->ok = part_search(j->part, &j->task, &j->range, &j->placed, &j->err);
     j->part->wall_ms += ms_since(begun);
 }
 
@@ -109,18 +120,40 @@ static bool has_work(const job *j)
     return j->range.first < j->range.last;
 }
 
+// An object's slab is known only once its row is, so that each device's part of
+// the objects is packed by all threads that there are.
+static bool start_packing(duet_world *world, const job jobs[2], bool *packing, duet_error *err)
+{
+    bool wanted[2];
+    for (int side = 0; side < 2; ++side)
+        wanted[side] = jobs[side].task.packed &&
+                       !part_has_slab(jobs[side].part, &jobs[side].task, &jobs[side].range);
+    const part_range ranges[2] = {jobs[0].range, jobs[1].range};
+    *packing = false;
+    if (!pack_begin(&world->pack, &jobs[0].task, ranges, wanted, jobs[0].part->devices, err))
+        return false;
+    if (!wanted[0] && !wanted[1])
+        return true;
+    if (!world->packers)
+        world->packers = crew_open(pack_threads(), err);
+    *packing = world->packers;
+    if (*packing)
+        crew_start(world->packers, pack_blocks, &world->pack);
+    return *packing;
+}
+
 // Own grids, whole ones or slabs.
 static bool run_own(duet_world *world, job jobs[2])
 {
     bool use[2] = {has_work(&jobs[0]), has_work(&jobs[1])};
     if (use[0] && use[1])
-        worker_start(world->worker, run_job, &jobs[0]);
+        crew_start(world->driver, run_job, &jobs[0]);
     else if (use[0])
         run_job(&jobs[0]);
     if (use[1])
         run_job(&jobs[1]);
     if (use[0] && use[1])
-        worker_wait(world->worker);
+        crew_wait(world->driver);
     return (!use[0] || jobs[0].ok) && (!use[1] || jobs[1].ok);
 }
 
@@ -130,28 +163,41 @@ static bool run_shared(duet_world *world, job jobs[2])
     job *a = &jobs[0];
     job *b = &jobs[1];
     uint64_t begun = clock_steady_ns();
-    b->ok = part_begin(b->part, b->task, &b->err) && part_begin(a->part, a->task, &b->err) &&
-            part_build_grid(b->part, b->task, &b->range, &b->err) &&
-            part_send_grid(b->part, a->part, b->task, &b->err);
+    b->ok = part_begin(b->part, &b->task, &b->err) && part_begin(a->part, &a->task, &b->err) &&
+            part_build_grid(b->part, &b->task, &b->range, &b->err) &&
+            part_send_grid(b->part, a->part, &b->task, &b->err);
     b->part->wall_ms = ms_since(begun);
     if (!b->ok)
         return false;
     a->grid_from = b->part;
-    worker_start(world->worker, run_job, a);
+    crew_start(world->driver, run_job, a);
     begun = clock_steady_ns();
-    b->ok = part_search(b->part, b->task, &b->range, &b->placed, &b->err);
+    b->ok = part_search(b->part, &b->task, &b->range, &b->placed, &b->err);
     b->part->wall_ms += ms_since(begun);
-    worker_wait(world->worker);
+    crew_wait(world->driver);
     return a->ok && b->ok;
 }
 
-static bool prepare(duet_world *world, const part_task *task, const bool use[2], duet_error *err)
+static bool run_slabs(duet_world *world, job jobs[2], duet_error *err)
+{
+    bool packing = false;
+    if (!start_packing(world, jobs, &packing, err))
+        return false;
+    bool ok = run_own(world, jobs);
+    if (packing)
+        crew_wait(world->packers);
+    return ok;
+}
+
+static bool prepare(duet_world *world, const job jobs[2], const bool use[2], duet_error *err)
 {
     const char *variants[2] = {world->def.plan.variant_a, world->def.plan.variant_b};
     for (int side = 0; side < 2; ++side) {
-        if (!use[side] || world->prepared[side])
+        const part_task *task = &jobs[side].task;
+        part *p = &world->parts[side];
+        if (!use[side] || (world->prepared[side] && p->kernels.packed == task->packed))
             continue;
-        if (!part_prepare(&world->parts[side], variants[side], task, err))
+        if (!part_prepare(p, variants[side], task, err))
             return false;
         world->prepared[side] = true;
     }
@@ -191,6 +237,18 @@ static bool divide(duet_world *world, const part_task *task, part_range ranges[2
     return true;
 }
 
+// A device that copies is sent its slab alone where that leaves out enough to
+// pay for packing. The paper's kernels want every object by its id.
+static bool pays_to_pack(const duet_world *world, int side, const part_range ranges[2])
+{
+    const char *variants[2] = {world->def.plan.variant_a, world->def.plan.variant_b};
+    variant v;
+    return world->def.plan.mode == DUET_MODE_SLAB && world->n >= world->pack_from &&
+           !world->parts[side].device->info.host_memory && ranges[0].last > 0 &&
+           ranges[1].last > 0 && ranges[side].expected <= world->n - world->n / LEAST_LEFT_OUT &&
+           variant_parse(&v, variants[side], NULL) && v.search == SEARCH_ROWS;
+}
+
 // *placed is false where a slab had more objects than it had room for.
 static bool run_parts(duet_world *world, bool *placed, duet_error *err)
 {
@@ -200,14 +258,20 @@ static bool run_parts(duet_world *world, bool *placed, duet_error *err)
     if (!divide(world, &task, ranges, err))
         return false;
     job jobs[2];
-    for (int side = 0; side < 2; ++side)
-        jobs[side] = (job){
-            .part = &world->parts[side], .task = &task, .range = ranges[side], .placed = true};
+    for (int side = 0; side < 2; ++side) {
+        jobs[side] = (job){.part = &world->parts[side],
+                           .pack = &world->pack,
+                           .side = side,
+                           .task = task,
+                           .range = ranges[side],
+                           .placed = true};
+        jobs[side].task.packed = pays_to_pack(world, side, ranges);
+    }
     bool shared = world->def.plan.mode == DUET_MODE_SHARED && has_work(&jobs[0]);
     const bool use[2] = {has_work(&jobs[0]), shared || has_work(&jobs[1])};
-    if (!prepare(world, &task, use, err))
+    if (!prepare(world, jobs, use, err))
         return false;
-    bool ok = shared ? run_shared(world, jobs) : run_own(world, jobs);
+    bool ok = shared ? run_shared(world, jobs) : run_slabs(world, jobs, err);
     for (int side = 0; side < 2 && !ok; ++side) {
         timeline_clear(&world->parts[side].times);
         if (jobs[side].err.status != DUET_OK && err && err->status == DUET_OK)
@@ -224,16 +288,30 @@ static uint32_t largest(uint32_t a, uint32_t b)
     return a > b ? a : b;
 }
 
-// Both parts see the same objects, or one of them saw none.
+static uint32_t smallest(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+// A part sees all objects, or none, or where they are packed those that the
+// other does not.
+static uint32_t count_bad(const part *a, const part *b)
+{
+    return a->kernels.packed && b->kernels.packed ? part_bad(a) + part_bad(b)
+                                                  : largest(part_bad(a), part_bad(b));
+}
+
 static bool check_bad(const duet_world *world, duet_error *err)
 {
-    const part *seen = &world->parts[part_bad(&world->parts[0]) ? 0 : 1];
-    if (part_bad(seen) == 0 || world->def.keep_bad)
+    const part *a = &world->parts[0];
+    const part *b = &world->parts[1];
+    uint32_t bad = count_bad(a, b);
+    if (bad == 0 || world->def.keep_bad)
         return true;
     return error_set(err, DUET_BAD_OBJECT,
                      "object %u of %u is not a number, infinite, negative or without rotation "
                      "(%u such objects)",
-                     part_first_bad(seen), world->n, part_bad(seen));
+                     smallest(part_first_bad(a), part_first_bad(b)), world->n, bad);
 }
 
 static double kernel_ms(const part *p)
@@ -245,12 +323,12 @@ static void fill_result(duet_world *world, duet_result *result)
 {
     const part *a = &world->parts[0];
     const part *b = &world->parts[1];
-    const part *seen = part_bad(a) ? a : b;
+    uint32_t bad = count_bad(a, b);
     const grid_level *finest = &world->grid.levels[0];
     *result = (duet_result){
         .objects = world->n,
-        .bad = part_bad(seen),
-        .first_bad = part_bad(seen) ? part_first_bad(seen) : 0,
+        .bad = bad,
+        .first_bad = bad ? smallest(part_first_bad(a), part_first_bad(b)) : 0,
         .candidates = a->n_candidates + b->n_candidates,
         .pairs = a->span.n + b->span.n,
         .spans = {a->span, b->span},

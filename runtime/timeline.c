@@ -105,11 +105,18 @@ bool timeline_write(timeline *t, const char *stage, buffer *b, const void *from,
 {
     if (bytes == 0)
         return true;
-    if (b->host == from)
-        return hand_over(t, b, CL_MAP_WRITE, bytes, err);
+    return b->host == from ? hand_over(t, b, CL_MAP_WRITE, bytes, err)
+                           : timeline_write_at(t, stage, b, 0, from, bytes, err);
+}
+
+bool timeline_write_at(timeline *t, const char *stage, buffer *b, size_t at, const void *from,
+                       size_t bytes, duet_error *err)
+{
+    if (bytes == 0)
+        return true;
     cl_event event = NULL;
     cl_int code =
-        clEnqueueWriteBuffer(t->device->queue, b->mem, CL_FALSE, 0, bytes, from, 0, NULL, &event);
+        clEnqueueWriteBuffer(t->device->queue, b->mem, CL_FALSE, at, bytes, from, 0, NULL, &event);
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "%s: sending %zu bytes", t->device->info.selector, bytes);
     return keep_event(t, stage, true, event, err);

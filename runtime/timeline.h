@@ -47,6 +47,8 @@ bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, si
 // on return, a write may still be under way.
 bool timeline_write(timeline *t, const char *stage, buffer *b, const void *from, size_t bytes,
                     duet_error *err);
+bool timeline_write_at(timeline *t, const char *stage, buffer *b, size_t at, const void *from,
+                       size_t bytes, duet_error *err); // always copies, to byte `at`
 bool timeline_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
                    duet_error *err);
 

@@ -9,6 +9,9 @@
 
 enum { COOKIE = 0x0d0e7002 };
 
+// Waking the threads that pack takes as long as sending some 100 000 objects.
+enum { PACK_FROM = 1 << 18 };
+
 const char *duet_mode_name(duet_mode mode)
 {
     switch (mode) {
@@ -137,9 +140,10 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
         return NULL;
     }
     world->def = *def;
+    world->pack_from = PACK_FROM;
     world->wish = wish;
-    world->worker = worker_open(err);
-    bool ok = world->worker && part_open(&world->parts[0], def->pair, 0, err) &&
+    world->driver = crew_open(1, err);
+    bool ok = world->driver && part_open(&world->parts[0], def->pair, 0, err) &&
               part_open(&world->parts[1], def->pair, 1, err);
     if (!ok) {
         duet_world_destroy(world);
@@ -152,10 +156,12 @@ void duet_world_destroy(duet_world *world)
 {
     if (!world)
         return;
-    worker_close(world->worker);
+    crew_close(world->driver);
+    crew_close(world->packers);
     part_close(&world->parts[0]);
     part_close(&world->parts[1]);
     host_block_release(&world->objects);
+    pack_release(&world->pack);
     split_free(&world->split);
     free(world);
 }
@@ -196,7 +202,7 @@ static void *map_objects(duet_world *world, duet_shape shape, uint32_t n, duet_e
         return NULL;
     }
     size_t size = shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds);
-    if (!host_block_reserve(&world->objects, world->def.pair->devices, n * size, err))
+    if (!host_block_reserve(&world->objects, world->def.pair->devices, 2, n * size, err))
         return NULL;
     world->n = n;
     ++world->objects_version;

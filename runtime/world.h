@@ -3,15 +3,19 @@
 #ifndef RUNTIME_WORLD_H
 #define RUNTIME_WORLD_H
 
+#include "runtime/crew.h"
 #include "runtime/device_pair.h"
+#include "runtime/pack.h"
 #include "runtime/part.h"
 #include "runtime/split.h"
-#include "runtime/worker.h"
 
 struct duet_world {
     duet_world_def def;
-    part parts[2];      // A, B
-    worker *worker;     // drives A while the caller's thread drives B
+    part parts[2]; // A, B
+    crew *driver;  // drives A while the caller's thread drives B
+    crew *packers; // help the drivers to pack; NULL before the first time
+    pack pack;
+    uint32_t pack_from; // so many objects at least make packing worth while
     host_block objects; // [n] poses or bounds
     uint32_t n;
     uint64_t objects_version;

@@ -1,10 +1,11 @@
-// hash.DIMS2.SHAPE0.ROTATED1.GRID0.LEVELS0.RANK1.LANES8.BATCH64.WG1.PER_ITEM1024
+// hash.DIMS2.SHAPE0.ROTATED1.GRID0.LEVELS0.RANK1.PACKED0.LANES8.BATCH64.WG1.PER_ITEM1024
 #define DIMS 2
 #define SHAPE 0
 #define ROTATED 1
 #define GRID 0
 #define LEVELS 0
 #define RANK 1
+#define PACKED 0
 #define LANES 8
 #define BATCH 64
 #define WG 1
@@ -22,6 +23,8 @@
 // to the other device; keys are written relative to key_from.
 //
 //   objects  [n]  poses or bounds
+//   names    [n]  their ids; the bad ones among the first n_homes are this
+//                 device's to report (PACKED)
 //   levels   [n_levels]
 //   keys     [n]  NOWHERE for an object that is bad or elsewhere
 //   counts   [key_to - key_from] zeroed before; objects a cell (RANK)
@@ -29,21 +32,37 @@
 //
 // BATCH keys are known before the first is counted, so that a CPU can ask for
 // all their counts at once: they lie all over the grid.
-static inline void report_bad(mask bad, uint id, uint last, volatile __global uint *counters)
+typedef struct {
+    volatile __global uint *counters;
+#if PACKED
+    __global const uint *names;
+    uint n_homes;
+#endif
+} reporter;
+
+static inline void report_bad(mask bad, uint first, uint last, const reporter *to)
 {
     uint is_bad[LANES];
     spread(as_word(bad), is_bad);
-    for (uint k = 0; k < LANES && id + k < last; ++k) {
+#if PACKED
+    last = min(last, to->n_homes);
+#endif
+    for (uint k = 0; k < LANES && first + k < last; ++k) {
         if (is_bad[k]) {
-            atomic_inc(counters + COUNT_BAD);
-            atomic_max(counters + FIRST_BAD, ~(id + k));
+#if PACKED
+            uint id = to->names[first + k];
+#else
+            uint id = first + k;
+#endif
+            atomic_inc(to->counters + COUNT_BAD);
+            atomic_max(to->counters + FIRST_BAD, ~id);
         }
     }
 }
 
 // The keys of objects id .. id + LANES - 1; past the end the last one's again.
 static inline word keys_of(__global const float *objects, uint id, uint last, __constant const grid_level *levels,
-                           uint n_levels, uint n_cells, uint key_from, uint key_to, volatile __global uint *counters)
+                           uint n_levels, uint n_cells, uint key_from, uint key_to, const reporter *to)
 {
     uint ids[LANES];
     for (uint k = 0; k < LANES; ++k)
@@ -52,25 +71,34 @@ static inline word keys_of(__global const float *objects, uint id, uint last, __
     word key = object_key(&o, levels, n_levels, n_cells);
     mask bad = object_is_bad(&o);
     if (any_lane(bad))
-        report_bad(bad, id, last, counters);
+        report_bad(bad, id, last, to);
     mask elsewhere = bad | (key < (word)(key_from)) | (key >= (word)(key_to));
     return select(key - key_from, (word)(NOWHERE), elsewhere);
 }
 
-__kernel void hash(__global const float *restrict objects, uint n, __constant const grid_level *levels, uint n_levels,
-                   uint n_cells, uint key_from, uint key_to, __global uint *restrict keys,
+__kernel void hash(__global const float *restrict objects, uint n,
+#if PACKED
+                   __global const uint *restrict names, uint n_homes,
+#endif
+                   __constant const grid_level *levels, uint n_levels, uint n_cells, uint key_from,
+                   uint key_to, __global uint *restrict keys,
 #if RANK
                    volatile __global uint *restrict counts, __global uint *restrict ranks,
 #endif
                    volatile __global uint *restrict counters)
 {
+#if PACKED
+    reporter to = {counters, names, n_homes};
+#else
+    reporter to = {counters};
+#endif
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint from = first; from < last; from += BATCH) {
         uint found[BATCH];
         uint size = min(last - from, (uint)BATCH);
         for (uint i = 0; i < size; i += LANES) {
-            word key = keys_of(objects, from + i, last, levels, n_levels, n_cells, key_from, key_to, counters);
+            word key = keys_of(objects, from + i, last, levels, n_levels, n_cells, key_from, key_to, &to);
             spread(key, found + i);
 #if RANK && BATCH > 1
             for (uint k = i; k < i + LANES; ++k)

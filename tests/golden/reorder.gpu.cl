@@ -1,10 +1,11 @@
-// reorder.DIMS3.SHAPE0.ROTATED1.GRID0.LEVELS0.FROM_IDS1.WG256.PER_ITEM1.BATCH1
+// reorder.DIMS3.SHAPE0.ROTATED1.GRID0.LEVELS0.FROM_IDS1.PACKED0.WG256.PER_ITEM1.BATCH1
 #define DIMS 3
 #define SHAPE 0
 #define ROTATED 1
 #define GRID 0
 #define LEVELS 0
 #define FROM_IDS 1
+#define PACKED 0
 #define LANES 1
 #define WG 256
 #define PER_ITEM 1
@@ -22,6 +23,7 @@
 // them one after the other; 0 reads one after the other and writes each to its
 // place, which its cell's start and its rank there give.
 //
+//   names  [n]               ids of the objects, where they are not all (PACKED)
 //   ids    [n]               sorted by cell (FROM_IDS 1)
 //   keys   [n]               cell, or NOWHERE (FROM_IDS 0)
 //   ranks  [n]               (FROM_IDS 0)
@@ -52,7 +54,16 @@ static inline void put(const order *to, size_t place, const object *o, uint id)
 #endif
 }
 
+#if PACKED
+#define ID_OF(object) names[object]
+#else
+#define ID_OF(object) (object)
+#endif
+
 __kernel void reorder(__global const float *restrict objects,
+#if PACKED
+                      __global const uint *restrict names,
+#endif
 #if FROM_IDS
                       __global const uint *restrict ids,
 #else
@@ -85,7 +96,7 @@ __kernel void reorder(__global const float *restrict objects,
             batch[k] = object_at(objects, id);
         }
         for (uint k = 0; k < size; ++k)
-            put(&to, base + k, &batch[k], ids[base + k]);
+            put(&to, base + k, &batch[k], ID_OF(ids[base + k]));
     }
 #else
     uint last = min(first + PER_ITEM, n);
@@ -95,7 +106,7 @@ __kernel void reorder(__global const float *restrict objects,
         if (place < room) {
             uint one[1] = {id};
             object o = object_at(objects, one);
-            put(&to, place, &o, id);
+            put(&to, place, &o, ID_OF(id));
         }
     }
 #endif
