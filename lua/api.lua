@@ -21,6 +21,13 @@ api.classes = {
   { "duet.Search", "A strategy that looks for the best share, asked and told by a script." },
   { "duet.Strategy", "A table: a way to search." },
   { "duet.Tuning", "A table: what a tuning found." },
+  { "duet.Bodies", "What objects are besides: rows of velocity xyz, spin xyz, mass, restitution, friction, group, mask, upright." },
+  { "duet.States", "Where objects are and how they move: rows of centre xyz, rotation xyzw, velocity xyz, spin xyz." },
+  { "duet.Contacts", "Where objects touch: rows of a, b, normal xyz, n, and four times arm xyz, gap, push." },
+  { "duet.Motion", "Objects that move." },
+  { "duet.MotionResult", "What a motion's step did; holds until the next." },
+  { "duet.Energy", "A table: energies and momenta of a motion." },
+  { "duet.Effect", "A table: one effect of a motion, and what calls for it." },
   { "duet.Scene", "Objects with the world they live in." },
   { "duet.World", "Objects on a device pair, stepped again and again." },
   { "duet.Online", "Keeps a world's share near its best while frames go by." },
@@ -33,7 +40,7 @@ api.others = {
   ["the garbage collector"] = { "duet_free" },
   ["fields that a table leaves out"] = {
     "duet_default_device_pair_def", "duet_default_world_def", "duet_default_tune_def",
-    "duet_default_online_def",
+    "duet_default_online_def", "duet_default_motion_def", "duet_default_body",
   },
   ["require"] = {
     "luaopen_duet", "luaopen_duet_frame", "luaopen_duet_lab", "luaopen_duet_plot",
@@ -52,12 +59,6 @@ api.names = {
     "Loads a scene from a file, with settings for a Lua scene; or copies rows, with dims 2 or 3.",
     fails = true,
     c = { "duet_scene_load", "duet_scene_from_poses", "duet_scene_from_bounds" } },
-  { "duet.poses", { "from: integer|string|number[]|number[][]" }, "duet.Poses",
-    "Room for so many poses, or a copy of packed float32, of numbers, or of rows of numbers." },
-  { "duet.bounds", { "from: integer|string|number[]|number[][]" }, "duet.Bounds",
-    "The same for bounds." },
-  { "duet.pairs", { "from: integer|string|integer[]|integer[][]" }, "duet.Pairs",
-    "The same for pairs of ids, as packed uint32." },
   { "duet.modes", {}, "string[]", "The modes that a plan can have.", c = "duet_mode_name" },
   { "duet.search", { "def?: { strategy?: string, launches?: integer, points?: integer, rounds?: integer, " ..
     "quantum?: number, start?: number, probe_cost?: number }" }, "duet.Search",
@@ -176,6 +177,52 @@ api.names = {
   { "duet.Poses:collide", { "a: integer", "b: integer", "dims?: integer" }, "boolean",
     "Whether the exact boxes of two rows share a point.", c = "duet_poses_collide" },
 
+  { "duet.effects", {}, "string[]", "All that a scene can call for.", c = "duet_effect_name" },
+  { "duet.DevicePair:motion", { "poses: duet.Poses|string|any[]", "bodies?: duet.Bodies|string|any[]", "def?: table" },
+    "duet.Motion", "Objects that move, by a def { plan, dims, wants, doubles, origin, gravity, attraction, centre, drag, " ..
+    "edge, lower, upper, dt, substeps, integrator, skin, slop, push_speed, bounce_speed, sleep_speed, sleep_after }; " ..
+    "wants is a list of effects, edge none, walls or periodic, integrator euler, verlet or yoshida.",
+    fails = true, c = "duet_motion_create" },
+  { "duet.Motion:advance", {}, "duet.MotionResult", "Advances all objects by dt.", fails = true,
+    c = "duet_motion_advance" },
+  { "duet.Motion:effects", {}, "string[]", "Those that run. #motion is the number of objects.",
+    c = { "duet_motion_effects", "duet_motion_count" } },
+  { "duet.Motion:read", { "into?: duet.States" }, "duet.States", "The state of all objects.", fails = true,
+    c = "duet_motion_read" },
+  { "duet.Motion:hash", {}, "string", "A sum over the state's bits, the same at any share.", fails = true,
+    c = "duet_motion_hash" },
+  { "duet.Motion:energy", {}, "duet.Energy", "Energies and momenta.", fails = true, c = "duet_motion_energy" },
+  { "duet.Motion:contacts", {}, "duet.Contacts", "Where objects touched in the last step; ascending.", fails = true,
+    c = "duet_motion_contacts" },
+  { "duet.Motion:save", { "path: string" }, "true", "Writes the motion to a file.", fails = true,
+    c = "duet_motion_save" },
+  { "duet.Motion:load", { "path: string" }, "true", "Goes on from there bit for bit.", fails = true,
+    c = "duet_motion_load" },
+  { "duet.Motion:explain", {}, "duet.Effect[]", "Every effect, and what calls for it, or would.",
+    c = "duet_motion_explain" },
+  { "duet.Motion:close", {}, nil, "Gives the devices' memory back.", c = "duet_motion_destroy" },
+  { "duet.MotionResult:events", {}, "fun(): integer, integer, boolean", "for a, b, begins in result:events() do" },
+  { "duet.MotionResult:stages", {}, "duet.Stage[]", "Where the time went, by effect." },
+  { "duet.MotionResult:close", {}, nil, "Forgets the motion." },
+  { "duet.MotionResult.step", "integer", "steps since the start" },
+  { "duet.MotionResult.time", "number", "step * dt" },
+  { "duet.MotionResult.pairs", "integer", "that may touch" },
+  { "duet.MotionResult.contacts", "integer", "that push" },
+  { "duet.MotionResult.colours", "integer", "rounds of a solution" },
+  { "duet.MotionResult.rebuilt", "boolean", "pairs were searched in this step" },
+  { "duet.MotionResult.n_events", "integer", "contacts that began or ended" },
+  { "duet.MotionResult.total_ms", "number", "" },
+  { "duet.Energy.kinetic", "number", "of objects with a mass" },
+  { "duet.Energy.turning", "number", "of their spin" },
+  { "duet.Energy.potential", "number", "" },
+  { "duet.Energy.momentum", "number[]", "" },
+  { "duet.Energy.angular", "number[]", "momentum about the origin" },
+  { "duet.Effect.name", "string", "" },
+  { "duet.Effect.active", "boolean", "" },
+  { "duet.Effect.called_by", "string", "what calls for it, or would" },
+  { "duet.Effect.kernels", "string", "those that have code for it" },
+  { "duet.Effect.bytes", "integer", "of state an object, on B" },
+
   { "duet.Device.selector", "string", "\"pocl:0\"; a part of a CPU is \"pocl:0[0-1]\"" },
   { "duet.Device.platform", "string", "" },
   { "duet.Device.platform_version", "string", "" },
@@ -214,18 +261,30 @@ api.names = {
   { "duet.Stage.transfer", "boolean", "" },
 }
 
--- Poses, bounds and pairs are read and written alike.
-for class, numbers in pairs { Poses = 10, Bounds = 6, Pairs = 2 } do
-  local number = class == "Pairs" and "integer" or "number"
-  local row = (number .. ", "):rep(numbers):sub(1, -3)
+-- Arrays are made, read and written alike; a letter says what a column is.
+local letters = { f = "number", d = "number", I = "integer", B = "boolean" }
+
+for class, columns in pairs {
+  Poses = ("f"):rep(10),
+  Bounds = ("f"):rep(6),
+  Pairs = "II",
+  Bodies = ("f"):rep(9) .. "IIB",
+  States = ("d"):rep(13),
+  Contacts = "IIfffI" .. ("f"):rep(20),
+} do
+  local types = {}
+  for letter in columns:gmatch "." do types[#types + 1] = letters[letter] end
+  local row = table.concat(types, ", ")
   for _, name in ipairs {
-    { ":get", { "place: integer" }, row, "The row at a place from 0." },
-    { ":set", { "place: integer", "...: " .. number }, nil, ("Writes a row: %d numbers."):format(numbers) },
-    { ":each", {}, "fun(): integer, " .. row, "for place, ... in it:each() do" },
-    { ":bytes", {}, "string", "All rows packed, four bytes a number." },
-    { ":close", {}, nil, "Gives the memory back." },
+    { "." .. class:lower(), { "from: integer|string|any[]" }, "duet." .. class,
+      "Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows." },
+    { "." .. class .. ":get", { "place: integer" }, row, "The row at a place from 0." },
+    { "." .. class .. ":set", { "place: integer", "...: any" }, nil, ("Writes a row: %d values."):format(#columns) },
+    { "." .. class .. ":each", {}, "fun(): integer, " .. row, "for place, ... in it:each() do" },
+    { "." .. class .. ":bytes", {}, "string", "All rows as they lie in memory, packed." },
+    { "." .. class .. ":close", {}, nil, "Gives the memory back." },
   } do
-    name[1] = "duet." .. class .. name[1]
+    name[1] = "duet" .. name[1]
     table.insert(api.names, name)
   end
 end

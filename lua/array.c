@@ -4,26 +4,47 @@
 #include "lua/class.h"
 
 #include <inttypes.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
-_Static_assert(sizeof(duet_pose) == 10 * sizeof(float), "a pose is ten floats");
-_Static_assert(sizeof(duet_bounds) == 6 * sizeof(float), "bounds are six floats");
-_Static_assert(sizeof(duet_pair) == 2 * sizeof(uint32_t), "a pair is two ids");
+static const lua_class classes[ARRAY_KINDS];
 
-static const lua_class classes[3];
+// A row is a C struct; columns has a letter for each of its members in order:
+// f float, d double, I uint32_t, B bool.
+static const struct {
+    const char *columns;
+    size_t bytes;
+} layouts[] = {
+    [ARRAY_POSES] = {"ffffffffff", sizeof(duet_pose)},
+    [ARRAY_BOUNDS] = {"ffffff", sizeof(duet_bounds)},
+    [ARRAY_PAIRS] = {"II", sizeof(duet_pair)},
+    [ARRAY_BODIES] = {"fffffffffIIB", sizeof(duet_body)},
+    [ARRAY_STATES] = {"ddddddddddddd", sizeof(duet_state)},
+    [ARRAY_CONTACTS] = {"IIfffIffffffffffffffffffff", sizeof(duet_contact)},
+};
 
-// Numbers in a row, all of four bytes.
-static const int columns[] = {[ARRAY_POSES] = 10, [ARRAY_BOUNDS] = 6, [ARRAY_PAIRS] = 2};
+_Static_assert(offsetof(duet_pose, rotation[3]) == 9 * 4, "a pose is ten floats");
+_Static_assert(offsetof(duet_bounds, upper[2]) == 5 * 4, "bounds are six floats");
+_Static_assert(offsetof(duet_body, upright) == 11 * 4, "eleven numbers, then upright");
+_Static_assert(offsetof(duet_state, spin[2]) == 12 * 8, "a state is thirteen doubles");
+_Static_assert(offsetof(duet_contact, points[3].push) == 25 * 4, "all of four bytes");
 
-static size_t row_bytes(const array *a)
+static int width_of(const array *a)
 {
-    return (size_t)columns[a->kind] * 4;
+    return (int)strlen(layouts[a->kind].columns);
 }
 
 static void *row_at(const array *a, uint64_t i)
 {
-    return (char *)a->rows + i * row_bytes(a);
+    return (char *)a->rows + i * layouts[a->kind].bytes;
+}
+
+// All members but the last are of one size.
+static void *column_at(const array *a, uint64_t i, int column)
+{
+    size_t bytes = layouts[a->kind].columns[0] == 'd' ? 8 : 4;
+    return (char *)row_at(a, i) + (size_t)column * bytes;
 }
 
 // ---------------------------------------------------------------- making
@@ -37,10 +58,10 @@ array *array_push_empty(lua_State *L, array_kind kind)
 
 array *array_push(lua_State *L, array_kind kind, uint64_t n)
 {
-    uint64_t most = (SIZE_MAX / 2 - sizeof(array)) / ((uint64_t)columns[kind] * 4);
+    uint64_t most = (SIZE_MAX / 2 - sizeof(array)) / layouts[kind].bytes;
     if (n > most)
         luaL_error(L, "%s of %I rows: too many", classes[kind].name, (LUAI_UACINT)n);
-    array *a = class_push(L, &classes[kind], sizeof *a + n * (size_t)columns[kind] * 4);
+    array *a = class_push(L, &classes[kind], sizeof *a + n * layouts[kind].bytes);
     a->kind = kind;
     a->rows = a + 1;
     a->n = n;
@@ -61,29 +82,55 @@ array *array_push_view(lua_State *L, array_kind kind, void *rows, uint64_t n, in
     return a;
 }
 
-// Writes the number on top of the stack into a row's column, and pops it.
-static void take_column(lua_State *L, const array *a, uint64_t i, int column)
+// Raises an error about the value on top of the stack.
+static void refuse_value(lua_State *L, const array *a, uint64_t i, int column, const char *wanted)
+{
+    luaL_error(L, "%s: row %I, column %d: %s, not %s", classes[a->kind].name, (LUAI_UACINT)i,
+               column + 1, luaL_tolstring(L, -1, NULL), wanted);
+}
+
+static void take_whole(lua_State *L, const array *a, uint64_t i, int column)
+{
+    int is_whole = 0;
+    lua_Integer value = lua_tointegerx(L, -1, &is_whole);
+    if (!is_whole || value < 0 || value > UINT32_MAX)
+        refuse_value(L, a, i, column, "a whole number from 0 to 2^32 - 1");
+    *(uint32_t *)column_at(a, i, column) = (uint32_t)value;
+}
+
+static void take_number(lua_State *L, const array *a, uint64_t i, int column, bool is_double)
 {
     int is_number = 0;
-    if (a->kind == ARRAY_PAIRS) {
-        lua_Integer id = lua_tointegerx(L, -1, &is_number);
-        if (!is_number || id < 0 || id > UINT32_MAX)
-            luaL_error(L, "%s: row %I: an id is a whole number from 0", classes[a->kind].name,
-                       (LUAI_UACINT)i);
-        ((uint32_t *)row_at(a, i))[column] = (uint32_t)id;
-    } else {
-        lua_Number number = lua_tonumberx(L, -1, &is_number);
-        if (!is_number)
-            luaL_error(L, "%s: row %I, column %d: a %s, not a number", classes[a->kind].name,
-                       (LUAI_UACINT)i, column + 1, luaL_typename(L, -1));
-        ((float *)row_at(a, i))[column] = (float)number;
+    lua_Number value = lua_tonumberx(L, -1, &is_number);
+    if (!is_number)
+        refuse_value(L, a, i, column, "a number");
+    if (is_double)
+        *(double *)column_at(a, i, column) = value;
+    else
+        *(float *)column_at(a, i, column) = (float)value;
+}
+
+// Writes the value on top of the stack into a row's column, and pops it.
+static void take_column(lua_State *L, const array *a, uint64_t i, int column)
+{
+    switch (layouts[a->kind].columns[column]) {
+    case 'I':
+        take_whole(L, a, i, column);
+        break;
+    case 'B':
+        if (!lua_isboolean(L, -1))
+            refuse_value(L, a, i, column, "true or false");
+        *(bool *)column_at(a, i, column) = lua_toboolean(L, -1);
+        break;
+    default:
+        take_number(L, a, i, column, layouts[a->kind].columns[column] == 'd');
     }
     lua_pop(L, 1);
 }
 
 static void read_row(lua_State *L, int index, const array *a, uint64_t i)
 {
-    int width = columns[a->kind];
+    int width = width_of(a);
     lua_Unsigned given = lua_istable(L, index) ? lua_rawlen(L, index) : 0;
     if (given != (lua_Unsigned)width)
         luaL_error(L, "%s: row %I: %I numbers, and a row has %d", classes[a->kind].name,
@@ -108,10 +155,10 @@ static void push_from_rows(lua_State *L, int index, array_kind kind)
 static void push_from_numbers(lua_State *L, int index, array_kind kind)
 {
     lua_Unsigned numbers = lua_rawlen(L, index);
-    lua_Unsigned width = (lua_Unsigned)columns[kind];
+    lua_Unsigned width = strlen(layouts[kind].columns);
     if (numbers % width != 0)
         luaL_error(L, "%s from %I numbers: a row has %d", classes[kind].name, (LUAI_UACINT)numbers,
-                   columns[kind]);
+                   (int)width);
     array *a = array_push(L, kind, numbers / width);
     for (lua_Unsigned i = 0; i < numbers; ++i) {
         lua_rawgeti(L, index, (lua_Integer)i + 1);
@@ -123,7 +170,7 @@ static void push_from_bytes(lua_State *L, int index, array_kind kind)
 {
     size_t length = 0;
     const char *bytes = lua_tolstring(L, index, &length);
-    size_t width = (size_t)columns[kind] * 4;
+    size_t width = layouts[kind].bytes;
     if (length % width != 0)
         luaL_error(L, "%s from %I bytes: a row has %d", classes[kind].name, (LUAI_UACINT)length,
                    (int)width);
@@ -146,17 +193,21 @@ static void push_from_value(lua_State *L, int index, array_kind kind)
         push_from_numbers(L, index, kind);
 }
 
-// n rows: boxes without size at the origin, not turned.
+// n rows: boxes without size at the origin, not turned; bodies at rest.
 static void push_blank(lua_State *L, array_kind kind, lua_Integer n)
 {
     luaL_argcheck(L, n >= 0, 1, "a count from 0");
     array *a = array_push(L, kind, (uint64_t)n);
     for (uint64_t i = 0; kind == ARRAY_POSES && i < a->n; ++i)
         ((duet_pose *)a->rows)[i].rotation[3] = 1;
+    for (uint64_t i = 0; kind == ARRAY_BODIES && i < a->n; ++i)
+        ((duet_body *)a->rows)[i] = duet_default_body();
 }
 
-static int make(lua_State *L, array_kind kind)
+// duet.poses(n), (rows), (numbers), (bytes); the upvalue is the kind.
+static int make(lua_State *L)
 {
+    array_kind kind = (array_kind)lua_tointeger(L, lua_upvalueindex(1));
     if (lua_type(L, 1) == LUA_TNUMBER)
         push_blank(L, kind, luaL_checkinteger(L, 1));
     else
@@ -164,26 +215,11 @@ static int make(lua_State *L, array_kind kind)
     return 1;
 }
 
-static int make_poses(lua_State *L)
-{
-    return make(L, ARRAY_POSES);
-}
-
-static int make_bounds(lua_State *L)
-{
-    return make(L, ARRAY_BOUNDS);
-}
-
-static int make_pairs(lua_State *L)
-{
-    return make(L, ARRAY_PAIRS);
-}
-
 // ---------------------------------------------------------------- reading
 
 static array *test_array(lua_State *L, int index)
 {
-    for (int kind = 0; kind < 3; ++kind) {
+    for (int kind = 0; kind < ARRAY_KINDS; ++kind) {
         array *a = luaL_testudata(L, index, classes[kind].name);
         if (a)
             return a;
@@ -202,7 +238,7 @@ static array *check_self(lua_State *L)
 {
     array *a = test_array(L, 1);
     if (!a)
-        luaL_typeerror(L, 1, "duet.poses, duet.bounds or duet.pairs");
+        luaL_typeerror(L, 1, "duet.poses or another array");
     check_alive(L, 1, a);
     return a;
 }
@@ -229,15 +265,31 @@ static uint64_t check_place(lua_State *L, int index, const array *a)
     return (uint64_t)i;
 }
 
+static void push_column(lua_State *L, const array *a, uint64_t i, int column)
+{
+    const void *at = column_at(a, i, column);
+    switch (layouts[a->kind].columns[column]) {
+    case 'I':
+        lua_pushinteger(L, *(const uint32_t *)at);
+        break;
+    case 'B':
+        lua_pushboolean(L, *(const bool *)at);
+        break;
+    case 'd':
+        lua_pushnumber(L, *(const double *)at);
+        break;
+    default:
+        lua_pushnumber(L, *(const float *)at);
+    }
+}
+
 static int push_row(lua_State *L, const array *a, uint64_t i)
 {
-    for (int column = 0; column < columns[a->kind]; ++column) {
-        if (a->kind == ARRAY_PAIRS)
-            lua_pushinteger(L, ((const uint32_t *)row_at(a, i))[column]);
-        else
-            lua_pushnumber(L, ((const float *)row_at(a, i))[column]);
-    }
-    return columns[a->kind];
+    int width = width_of(a);
+    luaL_checkstack(L, width, "no room for a row");
+    for (int column = 0; column < width; ++column)
+        push_column(L, a, i, column);
+    return width;
 }
 
 static int array_get(lua_State *L)
@@ -250,7 +302,7 @@ static int array_set(lua_State *L)
 {
     const array *a = check_self(L);
     uint64_t i = check_place(L, 2, a);
-    int width = columns[a->kind];
+    int width = width_of(a);
     luaL_argcheck(L, !a->fixed, 1, "the objects of a scene cannot be changed");
     if (lua_gettop(L) != width + 2)
         return luaL_error(L, "%s: row %I: %d numbers, and a row has %d", classes[a->kind].name,
@@ -288,7 +340,7 @@ static int array_each(lua_State *L)
 static int array_bytes(lua_State *L)
 {
     const array *a = check_self(L);
-    lua_pushlstring(L, a->rows ? a->rows : "", a->n * row_bytes(a));
+    lua_pushlstring(L, a->rows ? a->rows : "", a->n * layouts[a->kind].bytes);
     return 1;
 }
 
@@ -334,7 +386,7 @@ static int array_close(lua_State *L)
 {
     array *a = test_array(L, 1);
     if (!a)
-        return luaL_typeerror(L, 1, "duet.poses, duet.bounds or duet.pairs");
+        return luaL_typeerror(L, 1, "duet.poses or another array");
     if (a->owned)
         duet_free(a->rows);
     a->owned = false;
@@ -350,22 +402,26 @@ static int array_close(lua_State *L)
     }
 
 static const luaL_Reg poses_methods[] = {EVERY_KIND, {"collide", poses_collide}, {NULL, NULL}};
-static const luaL_Reg bounds_methods[] = {EVERY_KIND, {NULL, NULL}};
 static const luaL_Reg pairs_methods[] = {EVERY_KIND, {"hash", pairs_hash}, {NULL, NULL}};
+static const luaL_Reg methods[] = {EVERY_KIND, {NULL, NULL}};
 static const luaL_Reg metas[] = {
     {"__len", array_length}, {"__tostring", array_tostring}, {NULL, NULL}};
 
 static const lua_class classes[] = {
     [ARRAY_POSES] = {.name = "duet.poses", .methods = poses_methods, .metas = metas},
-    [ARRAY_BOUNDS] = {.name = "duet.bounds", .methods = bounds_methods, .metas = metas},
+    [ARRAY_BOUNDS] = {.name = "duet.bounds", .methods = methods, .metas = metas},
     [ARRAY_PAIRS] = {.name = "duet.pairs", .methods = pairs_methods, .metas = metas},
+    [ARRAY_BODIES] = {.name = "duet.bodies", .methods = methods, .metas = metas},
+    [ARRAY_STATES] = {.name = "duet.states", .methods = methods, .metas = metas},
+    [ARRAY_CONTACTS] = {.name = "duet.contacts", .methods = methods, .metas = metas},
 };
 
 void array_open(lua_State *L)
 {
-    static const luaL_Reg makers[] = {
-        {"poses", make_poses}, {"bounds", make_bounds}, {"pairs", make_pairs}, {NULL, NULL}};
-    for (int kind = 0; kind < 3; ++kind)
+    for (int kind = 0; kind < ARRAY_KINDS; ++kind) {
         class_open(L, &classes[kind]);
-    luaL_setfuncs(L, makers, 0);
+        lua_pushinteger(L, kind);
+        lua_pushcclosure(L, make, 1);
+        lua_setfield(L, -2, classes[kind].name + sizeof "duet." - 1);
+    }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Poses, bounds and pairs in bulk: n rows of numbers in one block of memory,
-// the script's own or a view of a scene's or a world's. Places are from 0.
+// Poses, bounds, pairs and what else comes in bulk: n rows of numbers in one
+// block of memory, the script's own or a view of a scene's or a world's. Places
+// are from 0.
 #ifndef LUA_ARRAY_H
 #define LUA_ARRAY_H
 
@@ -9,11 +10,19 @@
 #include <lua.h>
 #include <stdbool.h>
 
-typedef enum array_kind { ARRAY_POSES, ARRAY_BOUNDS, ARRAY_PAIRS } array_kind;
+typedef enum array_kind {
+    ARRAY_POSES,
+    ARRAY_BOUNDS,
+    ARRAY_PAIRS,
+    ARRAY_BODIES,
+    ARRAY_STATES,
+    ARRAY_CONTACTS,
+    ARRAY_KINDS
+} array_kind;
 
 typedef struct array {
     array_kind kind;
-    void *rows; // duet_pose, duet_bounds or duet_pair
+    void *rows; // duet_pose, duet_bounds ...
     uint64_t n;
     bool owned;            // rows are given back by duet_free
     bool fixed;            // must not be written
@@ -21,7 +30,7 @@ typedef struct array {
     uint64_t epoch_made;
 } array;
 
-void array_open(lua_State *L); // adds duet.poses, duet.bounds, duet.pairs to the module at -1
+void array_open(lua_State *L); // adds duet.poses ... to the module at -1
 
 // Pushes an array with zeroed rows of its own.
 array *array_push(lua_State *L, array_kind kind, uint64_t n);

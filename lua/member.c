@@ -146,23 +146,42 @@ static lua_Number take_number(lua_State *L, const member *m)
     return lua_tonumber(L, -1);
 }
 
-// One number, or a table of two (in 2D) or of as many as there are.
-static void read_float(lua_State *L, const member *m, void *at)
+// Puts number i of floats or of doubles, as bytes says.
+static void set_number(void *at, size_t i, lua_Number value, size_t bytes)
 {
-    size_t n = m->size / sizeof(float);
+    if (bytes == sizeof(double))
+        ((double *)at)[i] = value;
+    else
+        ((float *)at)[i] = (float)value;
+}
+
+// One number, or a table of two (in 2D) or of as many as there are.
+static void read_numbers(lua_State *L, const member *m, void *at, size_t bytes)
+{
+    size_t n = m->size / bytes;
     if (n == 1) {
-        *(float *)at = (float)take_number(L, m);
+        set_number(at, 0, take_number(L, m), bytes);
         return;
     }
     lua_Unsigned given = lua_istable(L, -1) ? lua_rawlen(L, -1) : 0;
     if (given != n && given != 2)
         member_refuse(L, m, "{ x, y, z } (in 2D { x, y })");
     memset(at, 0, m->size);
-    for (lua_Unsigned i = 0; i < given; ++i) {
+    for (size_t i = 0; i < given; ++i) {
         lua_rawgeti(L, -1, (lua_Integer)i + 1);
-        ((float *)at)[i] = (float)take_number(L, m);
+        set_number(at, i, take_number(L, m), bytes);
         lua_pop(L, 1);
     }
+}
+
+static void read_float(lua_State *L, const member *m, void *at)
+{
+    read_numbers(L, m, at, sizeof(float));
+}
+
+static void read_double(lua_State *L, const member *m, void *at)
+{
+    read_numbers(L, m, at, sizeof(double));
 }
 
 // What several members of one type become: a sequence, or the one value.
@@ -190,11 +209,6 @@ PUSH_SEVERAL(push_float, float, lua_pushnumber)
 PUSH_SEVERAL(push_double, double, lua_pushnumber)
 PUSH_SEVERAL(push_counts, uint32_t, lua_pushinteger)
 PUSH_SEVERAL(push_sizes, uint64_t, push_size)
-
-static void read_double(lua_State *L, const member *m, void *at)
-{
-    *(double *)at = take_number(L, m);
-}
 
 const member_type member_string = {read_string, push_string};
 const member_type member_chars = {read_chars, push_chars};

@@ -20,6 +20,7 @@ int luaopen_duet(lua_State *L)
     search_open_lua(L);
     tune_open_lua(L);
     online_open_lua(L);
+    motion_open_lua(L);
     carried_open_lua(L);
     return 1;
 }

@@ -19,6 +19,7 @@ void plan_open_lua(lua_State *L);
 void search_open_lua(lua_State *L);
 void tune_open_lua(lua_State *L);
 void online_open_lua(lua_State *L);
+void motion_open_lua(lua_State *L);
 void carried_open_lua(lua_State *L);
 
 extern const member device_members[]; // of duet_device_info
@@ -34,9 +35,10 @@ typedef struct device_pair_box {
 device_pair_box *device_pair_check(lua_State *L, int index);
 void device_pair_let_go(device_pair_box *box);
 
-// The methods device_pair:world and :tune; with the pair's other methods.
+// The methods device_pair:world, :tune and :motion; with the pair's other methods.
 int world_create_lua(lua_State *L);
 int device_pair_tune_lua(lua_State *L);
+int motion_create_lua(lua_State *L);
 
 typedef struct world_box {
     duet_world *world;
@@ -53,6 +55,9 @@ int world_load_profile_lua(lua_State *L);
 int world_online_lua(lua_State *L);
 
 duet_scene *scene_check(lua_State *L, int index);
+
+// Pushes a list of tables, one a stage.
+void stages_push(lua_State *L, const duet_stage *stages, uint32_t n);
 
 // Pushes the result of the world at index.
 void result_push(lua_State *L, int world_index, const duet_result *result);

@@ -118,14 +118,19 @@ static int result_copy(lua_State *L)
     return 1;
 }
 
+void stages_push(lua_State *L, const duet_stage *stages, uint32_t n)
+{
+    lua_createtable(L, (int)n, 0);
+    for (uint32_t i = 0; i < n; ++i) {
+        member_push_table(L, stage_members, &stages[i]);
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    }
+}
+
 static int result_stages(lua_State *L)
 {
     const duet_result *result = check_result(L);
-    lua_createtable(L, (int)result->n_stages, 0);
-    for (uint32_t i = 0; i < result->n_stages; ++i) {
-        member_push_table(L, stage_members, &result->stages[i]);
-        lua_rawseti(L, -2, (lua_Integer)i + 1);
-    }
+    stages_push(L, result->stages, result->n_stages);
     return 1;
 }
 

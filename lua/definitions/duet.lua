@@ -97,6 +97,52 @@ local Strategy = {}
 ---@field verdict string of the best plan: "faster", "same", "slower", "ambiguous"
 local Tuning = {}
 
+--- What objects are besides: rows of velocity xyz, spin xyz, mass, restitution, friction, group, mask, upright.
+---@class duet.Bodies
+local Bodies = {}
+
+--- Where objects are and how they move: rows of centre xyz, rotation xyzw, velocity xyz, spin xyz.
+---@class duet.States
+local States = {}
+
+--- Where objects touch: rows of a, b, normal xyz, n, and four times arm xyz, gap, push.
+---@class duet.Contacts
+local Contacts = {}
+
+--- Objects that move.
+---@class duet.Motion
+local Motion = {}
+
+--- What a motion's step did; holds until the next.
+---@class duet.MotionResult
+---@field colours integer rounds of a solution
+---@field contacts integer that push
+---@field n_events integer contacts that began or ended
+---@field pairs integer that may touch
+---@field rebuilt boolean pairs were searched in this step
+---@field step integer steps since the start
+---@field time number step * dt
+---@field total_ms number
+local MotionResult = {}
+
+--- A table: energies and momenta of a motion.
+---@class duet.Energy
+---@field angular number[] momentum about the origin
+---@field kinetic number of objects with a mass
+---@field momentum number[]
+---@field potential number
+---@field turning number of their spin
+local Energy = {}
+
+--- A table: one effect of a motion, and what calls for it.
+---@class duet.Effect
+---@field active boolean
+---@field bytes integer of state an object, on B
+---@field called_by string what calls for it, or would
+---@field kernels string those that have code for it
+---@field name string
+local Effect = {}
+
 --- Objects with the world they live in.
 ---@class duet.Scene
 ---@field cell number cell edge asked for; 0: chosen from the objects
@@ -141,7 +187,28 @@ local Result = {}
 ---@field version string "1.0.0"
 local duet = {}
 
---- All rows packed, four bytes a number.
+--- All rows as they lie in memory, packed.
+---@return string
+function Bodies:bytes() end
+
+--- Gives the memory back.
+function Bodies:close() end
+
+--- for place, ... in it:each() do
+---@return fun(): integer, number, number, number, number, number, number, number, number, number, integer, integer, boolean
+function Bodies:each() end
+
+--- The row at a place from 0.
+---@param place integer
+---@return number, number, number, number, number, number, number, number, number, integer, integer, boolean
+function Bodies:get(place) end
+
+--- Writes a row: 12 values.
+---@param place integer
+---@param ... any
+function Bodies:set(place, ...) end
+
+--- All rows as they lie in memory, packed.
 ---@return string
 function Bounds:bytes() end
 
@@ -157,10 +224,31 @@ function Bounds:each() end
 ---@return number, number, number, number, number, number
 function Bounds:get(place) end
 
---- Writes a row: 6 numbers.
+--- Writes a row: 6 values.
 ---@param place integer
----@param ... number
+---@param ... any
 function Bounds:set(place, ...) end
+
+--- All rows as they lie in memory, packed.
+---@return string
+function Contacts:bytes() end
+
+--- Gives the memory back.
+function Contacts:close() end
+
+--- for place, ... in it:each() do
+---@return fun(): integer, integer, integer, number, number, number, integer, number, number, number, number, number, number, number, number, number, number, number, number, number, number, number, number, number, number, number, number
+function Contacts:each() end
+
+--- The row at a place from 0.
+---@param place integer
+---@return integer, integer, number, number, number, integer, number, number, number, number, number, number, number, number, number, number, number, number, number, number, number, number, number, number, number, number
+function Contacts:get(place) end
+
+--- Writes a row: 26 values.
+---@param place integer
+---@param ... any
+function Contacts:set(place, ...) end
 
 --- Worlds made on it stay until they are closed.
 function DevicePair:close() end
@@ -169,6 +257,15 @@ function DevicePair:close() end
 ---@param which "A"|"B"
 ---@return duet.Device
 function DevicePair:device(which) end
+
+--- Objects that move, by a def { plan, dims, wants, doubles, origin, gravity, attraction, centre, drag, edge, lower, upper, dt, substeps, integrator, skin, slop, push_speed, bounce_speed, sleep_speed, sleep_after }; wants is a list of effects, edge none, walls or periodic, integrator euler, verlet or yoshida.
+---@param poses duet.Poses|string|any[]
+---@param bodies? duet.Bodies|string|any[]
+---@param def? table
+---@return duet.Motion?
+---@return string? message
+---@return string? status
+function DevicePair:motion(poses, bodies, def) end
 
 --- What is done here where nothing was measured.
 ---@return duet.Plan
@@ -190,6 +287,73 @@ function DevicePair:tune(scene, def) end
 ---@return string? status
 function DevicePair:world(scene, def) end
 
+--- Advances all objects by dt.
+---@return duet.MotionResult?
+---@return string? message
+---@return string? status
+function Motion:advance() end
+
+--- Gives the devices' memory back.
+function Motion:close() end
+
+--- Where objects touched in the last step; ascending.
+---@return duet.Contacts?
+---@return string? message
+---@return string? status
+function Motion:contacts() end
+
+--- Those that run. #motion is the number of objects.
+---@return string[]
+function Motion:effects() end
+
+--- Energies and momenta.
+---@return duet.Energy?
+---@return string? message
+---@return string? status
+function Motion:energy() end
+
+--- Every effect, and what calls for it, or would.
+---@return duet.Effect[]
+function Motion:explain() end
+
+--- A sum over the state's bits, the same at any share.
+---@return string?
+---@return string? message
+---@return string? status
+function Motion:hash() end
+
+--- Goes on from there bit for bit.
+---@param path string
+---@return true?
+---@return string? message
+---@return string? status
+function Motion:load(path) end
+
+--- The state of all objects.
+---@param into? duet.States
+---@return duet.States?
+---@return string? message
+---@return string? status
+function Motion:read(into) end
+
+--- Writes the motion to a file.
+---@param path string
+---@return true?
+---@return string? message
+---@return string? status
+function Motion:save(path) end
+
+--- Forgets the motion.
+function MotionResult:close() end
+
+--- for a, b, begins in result:events() do
+---@return fun(): integer, integer, boolean
+function MotionResult:events() end
+
+--- Where the time went, by effect.
+---@return duet.Stage[]
+function MotionResult:stages() end
+
 --- Stores what was learned, where that was asked for.
 ---@return true?
 ---@return string? message
@@ -206,7 +370,7 @@ function Online:step() end
 ---@return integer
 function Online:tunings() end
 
---- All rows packed, four bytes a number.
+--- All rows as they lie in memory, packed.
 ---@return string
 function Pairs:bytes() end
 
@@ -226,12 +390,12 @@ function Pairs:get(place) end
 ---@return string
 function Pairs:hash() end
 
---- Writes a row: 2 numbers.
+--- Writes a row: 2 values.
 ---@param place integer
----@param ... integer
+---@param ... any
 function Pairs:set(place, ...) end
 
---- All rows packed, four bytes a number.
+--- All rows as they lie in memory, packed.
 ---@return string
 function Poses:bytes() end
 
@@ -254,9 +418,9 @@ function Poses:each() end
 ---@return number, number, number, number, number, number, number, number, number, number
 function Poses:get(place) end
 
---- Writes a row: 10 numbers.
+--- Writes a row: 10 values.
 ---@param place integer
----@param ... number
+---@param ... any
 function Poses:set(place, ...) end
 
 --- Forgets the world.
@@ -327,6 +491,27 @@ function Search:pick() end
 ---@return string? status
 function Search:tell(share, total_ms, a_ms, b_ms) end
 
+--- All rows as they lie in memory, packed.
+---@return string
+function States:bytes() end
+
+--- Gives the memory back.
+function States:close() end
+
+--- for place, ... in it:each() do
+---@return fun(): integer, number, number, number, number, number, number, number, number, number, number, number, number, number
+function States:each() end
+
+--- The row at a place from 0.
+---@param place integer
+---@return number, number, number, number, number, number, number, number, number, number, number, number, number
+function States:get(place) end
+
+--- Writes a row: 13 values.
+---@param place integer
+---@param ... any
+function States:set(place, ...) end
+
 --- Gives the devices' memory back.
 function World:close() end
 
@@ -396,10 +581,20 @@ function World:set_scene(scene) end
 ---@return string? status
 function World:step() end
 
---- The same for bounds.
----@param from integer|string|number[]|number[][]
+--- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+---@param from integer|string|any[]
+---@return duet.Bodies
+function duet.bodies(from) end
+
+--- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+---@param from integer|string|any[]
 ---@return duet.Bounds
 function duet.bounds(from) end
+
+--- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+---@param from integer|string|any[]
+---@return duet.Contacts
+function duet.contacts(from) end
 
 --- Opens two devices by their selectors; the default pair without.
 ---@param def? { a?: string, b?: string, kernel_dir?: string, cache_dir?: string }
@@ -414,17 +609,21 @@ function duet.device_pair(def) end
 ---@return string? status
 function duet.devices() end
 
+--- All that a scene can call for.
+---@return string[]
+function duet.effects() end
+
 --- The modes that a plan can have.
 ---@return string[]
 function duet.modes() end
 
---- The same for pairs of ids, as packed uint32.
----@param from integer|string|integer[]|integer[][]
+--- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+---@param from integer|string|any[]
 ---@return duet.Pairs
 function duet.pairs(from) end
 
---- Room for so many poses, or a copy of packed float32, of numbers, or of rows of numbers.
----@param from integer|string|number[]|number[][]
+--- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+---@param from integer|string|any[]
 ---@return duet.Poses
 function duet.poses(from) end
 
@@ -442,6 +641,11 @@ function duet.scene(from, settings) end
 ---@return string? message
 ---@return string? status
 function duet.search(def) end
+
+--- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+---@param from integer|string|any[]
+---@return duet.States
+function duet.states(from) end
 
 --- The strategies there are, the default first.
 ---@return duet.Strategy[]

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: MIT
+// device_pair:motion: objects that move, and push each other where they touch.
+#include "lua/nouns.h"
+
+#include <string.h>
+
+typedef struct motion_box {
+    duet_motion *motion;
+    device_pair_box *pair; // the uservalue's
+    uint64_t steps;        // results of earlier ones no longer hold
+} motion_box;
+
+static const lua_class motion_class;
+
+// ---------------------------------------------------------------- effects
+
+// The effects' names, one bit after the other; NULL past the last.
+static const char *effect_at(uint32_t i)
+{
+    return i < 32 ? duet_effect_name(1u << i) : NULL;
+}
+
+static void push_effects(lua_State *L, uint32_t effects)
+{
+    lua_newtable(L);
+    for (uint32_t i = 0; effect_at(i); ++i) {
+        if (!(effects & 1u << i))
+            continue;
+        lua_pushstring(L, effect_at(i));
+        lua_rawseti(L, -2, (lua_Integer)lua_rawlen(L, -2) + 1);
+    }
+}
+
+static int list_effects(lua_State *L)
+{
+    push_effects(L, DUET_EFFECT_ALL);
+    return 1;
+}
+
+// { "events", "sleep" } -> bits
+static void read_effects(lua_State *L, const member *m, void *at)
+{
+    uint32_t *effects = at;
+    if (!lua_istable(L, -1))
+        member_refuse(L, m, "a list of effects' names");
+    for (lua_Unsigned n = lua_rawlen(L, -1), k = 1; k <= n; ++k) {
+        uint32_t i = 0;
+        lua_rawgeti(L, -1, (lua_Integer)k);
+        const char *name = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "?";
+        while (effect_at(i) && strcmp(effect_at(i), name) != 0)
+            ++i;
+        if (!effect_at(i))
+            luaL_error(L, "field '%s': there is no effect '%s'; duet.effects() lists them", m->name,
+                       name);
+        *effects |= 1u << i;
+        lua_pop(L, 1);
+    }
+}
+
+static const member_type member_effects = {read_effects, NULL};
+
+// ---------------------------------------------------------------- making
+
+static const char *edge_name(int edge)
+{
+    static const char *const names[] = {"none", "walls", "periodic"};
+    return edge < 3 ? names[edge] : NULL;
+}
+
+static const char *integrator_name(int integrator)
+{
+    static const char *const names[] = {"euler", "verlet", "yoshida"};
+    return integrator < 3 ? names[integrator] : NULL;
+}
+
+static const member def_members[] = {
+    MEMBER(member_plan, duet_motion_def, plan),
+    MEMBER(member_count, duet_motion_def, dims),
+    MEMBER(member_effects, duet_motion_def, wants),
+    MEMBER(member_bool, duet_motion_def, doubles),
+    MEMBER(member_double, duet_motion_def, origin),
+    MEMBER(member_double, duet_motion_def, gravity),
+    MEMBER(member_double, duet_motion_def, attraction),
+    MEMBER(member_double, duet_motion_def, centre),
+    MEMBER(member_double, duet_motion_def, drag),
+    MEMBER_ENUM(duet_motion_def, edge, edge_name),
+    MEMBER(member_double, duet_motion_def, lower),
+    MEMBER(member_double, duet_motion_def, upper),
+    MEMBER(member_double, duet_motion_def, dt),
+    MEMBER(member_count, duet_motion_def, substeps),
+    MEMBER_ENUM(duet_motion_def, integrator, integrator_name),
+    MEMBER(member_double, duet_motion_def, skin),
+    MEMBER(member_double, duet_motion_def, slop),
+    MEMBER(member_double, duet_motion_def, push_speed),
+    MEMBER(member_double, duet_motion_def, bounce_speed),
+    MEMBER(member_double, duet_motion_def, sleep_speed),
+    MEMBER(member_double, duet_motion_def, sleep_after),
+    {0},
+};
+
+// device_pair:motion(poses, bodies, def); without bodies all are at rest.
+int motion_create_lua(lua_State *L)
+{
+    duet_error err = {0};
+    lua_settop(L, 4);
+    device_pair_box *pair = device_pair_check(L, 1);
+    const array *poses = array_check(L, 2, ARRAY_POSES);
+    const array *bodies = lua_isnil(L, 3) ? NULL : array_check(L, 3, ARRAY_BODIES);
+    luaL_argcheck(L, poses->n <= UINT32_MAX, 2, "more than 2^32 - 1 objects");
+    luaL_argcheck(L, !bodies || bodies->n == poses->n, 3, "as many bodies as poses");
+    duet_motion_def def = duet_default_motion_def();
+    def.pair = pair->pair;
+    def.plan = duet_default_plan(pair->pair);
+    member_read_table(L, 4, "a motion", def_members, &def);
+    motion_box *box = class_push(L, &motion_class, sizeof *box);
+    lua_pushvalue(L, 1);
+    lua_setiuservalue(L, -2, 1);
+    box->motion = duet_motion_create(&def, poses->rows, bodies ? bodies->rows : NULL,
+                                     (uint32_t)poses->n, &err);
+    if (!box->motion)
+        return class_push_failure(L, &err);
+    box->pair = pair;
+    ++pair->users;
+    return 1;
+}
+
+static motion_box *check_box(lua_State *L)
+{
+    motion_box *box = luaL_checkudata(L, 1, motion_class.name);
+    luaL_argcheck(L, box->motion, 1, "the motion is closed");
+    return box;
+}
+
+static duet_motion *check_motion(lua_State *L)
+{
+    return check_box(L)->motion;
+}
+
+static int motion_close(lua_State *L)
+{
+    motion_box *box = luaL_checkudata(L, 1, motion_class.name);
+    if (!box->motion)
+        return 0;
+    duet_motion_destroy(box->motion);
+    box->motion = NULL;
+    ++box->steps;
+    device_pair_let_go(box->pair);
+    return 0;
+}
+
+// ---------------------------------------------------------------- steps
+
+typedef struct step_box {
+    duet_motion_result result;
+    const motion_box *motion; // the uservalue's
+    uint64_t step;
+} step_box;
+
+static const member step_members[] = {
+    MEMBER(member_count, duet_motion_result, step),
+    MEMBER(member_double, duet_motion_result, time),
+    MEMBER(member_count, duet_motion_result, pairs),
+    MEMBER(member_count, duet_motion_result, contacts),
+    MEMBER(member_count, duet_motion_result, colours),
+    MEMBER(member_bool, duet_motion_result, rebuilt),
+    MEMBER(member_count, duet_motion_result, n_events),
+    MEMBER(member_double, duet_motion_result, total_ms),
+    {0},
+};
+
+static void check_step(lua_State *L, const step_box *box)
+{
+    luaL_argcheck(L, box->motion, 1, "the result is closed");
+    luaL_argcheck(L, box->motion->motion && box->motion->steps == box->step, 1,
+                  "the motion went on: a result holds until then");
+}
+
+static const void *step_struct(lua_State *L)
+{
+    const step_box *box = luaL_checkudata(L, 1, "duet.motion_result");
+    check_step(L, box);
+    return &box->result;
+}
+
+static int step_stages(lua_State *L)
+{
+    const duet_motion_result *result = step_struct(L);
+    stages_push(L, result->stages, result->n_stages);
+    return 1;
+}
+
+// The next event; upvalues: the result, the place.
+static int next_event(lua_State *L)
+{
+    const step_box *box = lua_touserdata(L, lua_upvalueindex(1));
+    lua_Integer i = lua_tointeger(L, lua_upvalueindex(2));
+    check_step(L, box);
+    if ((uint64_t)i >= box->result.n_events)
+        return 0;
+    lua_pushinteger(L, i + 1);
+    lua_replace(L, lua_upvalueindex(2));
+    const duet_event *event = &box->result.events[i];
+    lua_pushinteger(L, event->a);
+    lua_pushinteger(L, event->b);
+    lua_pushboolean(L, event->begins);
+    return 3;
+}
+
+static int step_events(lua_State *L)
+{
+    step_struct(L);
+    lua_pushvalue(L, 1);
+    lua_pushinteger(L, 0);
+    lua_pushcclosure(L, next_event, 2);
+    return 1;
+}
+
+static int step_close(lua_State *L)
+{
+    step_box *box = luaL_checkudata(L, 1, "duet.motion_result");
+    box->motion = NULL;
+    return 0;
+}
+
+static const luaL_Reg step_methods[] = {
+    {"stages", step_stages}, {"events", step_events}, {"close", step_close}, {NULL, NULL}};
+static const lua_class step_class = {.name = "duet.motion_result",
+                                     .methods = step_methods,
+                                     .members = step_members,
+                                     .struct_of = step_struct};
+
+static int motion_advance(lua_State *L)
+{
+    duet_error err = {0};
+    motion_box *motion = check_box(L);
+    step_box *box = class_push(L, &step_class, sizeof *box);
+    ++motion->steps;
+    if (!duet_motion_advance(motion->motion, &box->result, &err))
+        return class_push_failure(L, &err);
+    lua_pushvalue(L, 1);
+    lua_setiuservalue(L, -2, 1);
+    box->motion = motion;
+    box->step = motion->steps;
+    return 1;
+}
+
+// ---------------------------------------------------------------- state
+
+static int motion_effects(lua_State *L)
+{
+    push_effects(L, duet_motion_effects(check_motion(L)));
+    return 1;
+}
+
+static int motion_length(lua_State *L)
+{
+    lua_pushinteger(L, duet_motion_count(check_motion(L)));
+    return 1;
+}
+
+// motion:read() or, into an array that is there, motion:read(states)
+static int motion_read(lua_State *L)
+{
+    duet_error err = {0};
+    duet_motion *motion = check_motion(L);
+    uint32_t n = duet_motion_count(motion);
+    if (lua_isnoneornil(L, 2))
+        array_push(L, ARRAY_STATES, n);
+    else
+        lua_settop(L, 2);
+    const array *states = array_check(L, -1, ARRAY_STATES);
+    luaL_argcheck(L, states->n == n, 2, "an array of #motion states");
+    return duet_motion_read(motion, states->rows, &err) ? 1 : class_push_failure(L, &err);
+}
+
+static int motion_hash(lua_State *L)
+{
+    duet_error err = {0};
+    uint64_t hash = 0;
+    if (!duet_motion_hash(check_motion(L), &hash, &err))
+        return class_push_failure(L, &err);
+    array_push_hash(L, hash);
+    return 1;
+}
+
+static const member energy_members[] = {
+    MEMBER(member_double, duet_energy, kinetic),   MEMBER(member_double, duet_energy, turning),
+    MEMBER(member_double, duet_energy, potential), MEMBER(member_double, duet_energy, momentum),
+    MEMBER(member_double, duet_energy, angular),   {0},
+};
+
+static int motion_energy(lua_State *L)
+{
+    duet_error err = {0};
+    duet_energy energy = {0};
+    if (!duet_motion_energy(check_motion(L), &energy, &err))
+        return class_push_failure(L, &err);
+    member_push_table(L, energy_members, &energy);
+    return 1;
+}
+
+static int motion_contacts(lua_State *L)
+{
+    duet_error err = {0};
+    duet_motion *motion = check_motion(L);
+    array *found = array_push_empty(L, ARRAY_CONTACTS);
+    duet_contact *contacts = NULL;
+    if (!duet_motion_contacts(motion, &contacts, &found->n, &err))
+        return class_push_failure(L, &err);
+    found->rows = contacts;
+    found->owned = true;
+    return 1;
+}
+
+static const luaL_Reg methods[] = {{"advance", motion_advance}, {"effects", motion_effects},
+                                   {"read", motion_read},       {"hash", motion_hash},
+                                   {"energy", motion_energy},   {"contacts", motion_contacts},
+
+                                   {"close", motion_close},     {NULL, NULL}};
+static const luaL_Reg metas[] = {{"__len", motion_length}, {NULL, NULL}};
+static const lua_class motion_class = {.name = "duet.motion", .methods = methods, .metas = metas};
+
+void motion_open_lua(lua_State *L)
+{
+    static const luaL_Reg functions[] = {{"effects", list_effects}, {NULL, NULL}};
+    class_open(L, &motion_class);
+    class_open(L, &step_class);
+    luaL_setfuncs(L, functions, 0);
+}

@@ -1,0 +1,101 @@
+-- SPDX-License-Identifier: MIT
+-- Objects that move, as a script has them.
+local duet = require "duet"
+local facts = require "facts"
+
+local equal, holds, raises, refused = facts.equal, facts.holds, facts.raises, facts.refused
+local pair <close> = assert(duet.device_pair())
+
+-- One unit cube that falls, and a floor that does not move.
+local poses = duet.poses {
+  { 0, 0, 2, 0.5, 0.5, 0.5, 0, 0, 0, 1 },
+  { 0, 0, -1, 5, 5, 1, 0, 0, 0, 1 },
+}
+local mask <const> = 0xffffffff
+local bodies = duet.bodies {
+  { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, false },
+  { 0, 0, 0, 0, 0, 0, 0, 0, 0.5, 1, mask, false },
+}
+local falling <const> = { gravity = { 0, 0, -10 }, wants = { "response", "events" } }
+
+holds("what is not said about a body is its default", function()
+  local body = { duet.bodies(1):get(0) }
+  equal(#body, 12)
+  equal(body[7], 1) -- mass
+  equal(body[11], mask)
+  equal(body[12], false)
+end)
+
+holds("a cube falls, and comes to rest on the floor", function()
+  local motion <close> = assert(pair:motion(poses, bodies, falling))
+  equal(#motion, 2)
+  local begun = {}
+  for _ = 1, 90 do
+    local result = assert(motion:advance())
+    for a, b, begins in result:events() do
+      if begins then begun[a .. " " .. b] = true end
+    end
+  end
+  assert(begun["0 1"])
+  local _, _, z = assert(motion:read()):get(0)
+  assert(math.abs(z - 0.5) < 0.02, z)
+  local a, b, _, _, normal_z, n = assert(motion:contacts()):get(0)
+  assert(a == 0 and b == 1 and normal_z == -1 and n == 4)
+  assert(motion:energy().kinetic < 1e-3)
+end)
+
+holds("a motion that was saved goes on bit for bit", function()
+  local path = os.tmpname()
+  local motion <close> = assert(pair:motion(poses, bodies, falling))
+  for _ = 1, 10 do assert(motion:advance()) end
+  assert(motion:save(path))
+  for _ = 1, 10 do assert(motion:advance()) end
+  local again <close> = assert(pair:motion(poses, bodies, falling))
+  assert(again:load(path))
+  for _ = 1, 10 do assert(again:advance()) end
+  equal(motion:hash(), again:hash())
+  os.remove(path)
+end)
+
+holds("only the effects run that the objects or the def call for", function()
+  local still <close> = assert(pair:motion(poses))
+  local moving <close> = assert(pair:motion(poses, bodies, falling))
+  local function has(motion, name)
+    return (" " .. table.concat(motion:effects(), " ") .. " "):find(" " .. name .. " ", 1, true) ~= nil
+  end
+  equal(has(still, "gravity"), false)
+  equal(has(moving, "gravity"), true)
+  equal(#moving:explain(), #duet.effects())
+end)
+
+holds("states can be read into an array that is there", function()
+  local motion <close> = assert(pair:motion(poses, bodies, falling))
+  local states = duet.states(2)
+  equal(motion:read(states), states)
+  equal(select(3, states:get(0)), 2)
+  raises("an array of #motion states", motion.read, motion, duet.states(3))
+end)
+
+holds("a motion refuses what makes no sense", function()
+  raises("a motion has no field 'gravitation'", pair.motion, pair, poses, nil, { gravitation = 1 })
+  raises("there is no effect 'magic'; duet.effects() lists them", pair.motion, pair, poses, nil, { wants = { "magic" } })
+  raises("'sphere' is none of none, walls, periodic", pair.motion, pair, poses, nil, { edge = "sphere" })
+  raises("as many bodies as poses", pair.motion, pair, poses, duet.bodies(1))
+  raises("column 12: 1, not true or false", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, 1 } })
+  raises("column 10: -1, not a whole number", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, -1, mask, false } })
+  refused("BAD_ARGUMENT", "substeps is 0", pair.motion, pair, poses, nil, { substeps = 0 })
+  refused("BAD_OBJECT", "", pair.motion, pair, { 0, 0, 0, -1, 1, 1, 0, 0, 0, 1 })
+end)
+
+holds("what is closed is refused", function()
+  local motion = assert(pair:motion(poses, bodies, falling))
+  local first = assert(motion:advance())
+  local second = assert(motion:advance())
+  raises("the motion went on", function() return first.time end)
+  motion:close()
+  motion:close()
+  raises("the motion went on", second.events, second)
+  raises("the motion is closed", motion.advance, motion)
+end)
+
+facts.finish()
