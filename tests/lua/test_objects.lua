@@ -138,7 +138,7 @@ holds("a value of the wrong kind is an error that says what would be right", fun
   raises("duet.poses from 3 bytes", duet.poses, "abc")
   raises("row 1: 2 numbers, and a row has 10", duet.poses, { { three:get(0) }, { 1, 2 } })
   raises("column 2: nil, not a number", function() three:set(0, 1, nil, 3, 4, 5, 6, 7, 8, 9, 10) end)
-  raises("an id is a whole number", duet.pairs, { 1, -2 })
+  raises("row 0, column 2: -2, not a whole number from 0", duet.pairs, { 1, -2 })
   raises("a count from 0", duet.poses, -1)
   raises("place 3 of 3 rows", three.get, three, 3)
   raises("place -1", three.get, three, -1)
