@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "half the neighbourhood in merged rows and the axis test, eight at a time",
-  uses = { "lanes.clh", "object.clh", "grid.clh", "sat.clh", "box_rows.clh", "corners.clh" },
+  uses = { "lanes.clh", "object.clh", "grid.clh", "sat.clh", "box_rows.clh", "collide.clh",
+    "corners.clh" },
   emit = { "stencil" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
@@ -10,6 +11,7 @@ return {
     { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "ROOMY", values = { 0, 1 }, default = 0, about = "1: dense, one size, three cells or more along x and y" },
+    { "FUSED", values = { 0, 1 }, default = 1, about = "1: candidates are tested where they are found" },
     { "LANES", values = { 8 }, default = 8, about = "objects side by side in a work-item" },
     { "WG", values = { 1 }, default = 1, about = "work-items a group" },
     { "BUF", values = { 256, 512, 1024, 2048 }, default = 512, about = "candidates that wait for the axis test" },
@@ -20,6 +22,7 @@ return {
   valid = function(p, limits)
     if p.AHEAD > 0 and not limits.cpu then return false, "AHEAD is for CPUs" end
     if p.ROOMY == 1 and (p.GRID == 1 or p.LEVELS == 1) then return false, "ROOMY is for dense grids of one size" end
+    if p.SHAPE == 1 and p.FUSED == 1 then return false, "bounds need no test" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
     return true
   end,

@@ -122,14 +122,14 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         const char *starts;
         const char *place[2]; // kernel and its entry
         const char *candidates;
+        const char *narrow;
         bool in_cell_order;
-        bool tests; // candidates are tested where they are found
     } searches[] = {
-        [SEARCH_ROWS] = {"row_start", {"reorder", "reorder"}, "candidates_rows", true, false},
+        [SEARCH_ROWS] = {"row_start", {"reorder", "reorder"}, "candidates_rows", "narrow", true},
         [SEARCH_LANES] =
-            {"row_start", {"reorder_lanes", "reorder_lanes"}, "search_lanes", true, true},
+            {"row_start", {"reorder_lanes", "reorder_lanes"}, "search_lanes", "narrow_lanes", true},
         [SEARCH_PAPER] =
-            {"cell_start", {"bounds", "find_bounds"}, "candidates_paper", false, false},
+            {"cell_start", {"bounds", "find_bounds"}, "candidates_paper", "narrow", false},
     };
     const int search = p->variant.search;
     bool counting = p->variant.sort == SORT_COUNTING;
@@ -146,7 +146,8 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         {"ROOMY", grid_is_roomy(&task->grid, task->dims), false},
         {"PACKED", task->packed, false},
         {"FROM_IDS", 1, counting && !task->shared},
-        {"FUSED", poses && p->device->info.kind != DUET_KIND_CPU, true},
+        {"FUSED", poses && (search == SEARCH_LANES || p->device->info.kind != DUET_KIND_CPU),
+         poses},
     };
     const uint32_t n = sizeof choices / sizeof choices[0];
     const struct {
@@ -166,7 +167,6 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         {&p->kernels.starts, !counting, "cell_start", searches[search].starts},
         {&p->kernels.place, true, searches[search].place[0], searches[search].place[1]},
         {&p->kernels.candidates, true, searches[search].candidates, searches[search].candidates},
-        {&p->kernels.narrow, poses && !searches[search].tests, "narrow", "narrow"},
     };
     p->kernels = (part_kernels){0};
     for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i) {
@@ -179,6 +179,13 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
     p->kernels.from_ids = search != SEARCH_ROWS || kernel_param(p->kernels.place, "FROM_IDS") == 1;
     p->kernels.packed = task->packed;
     p->kernels.fused = kernel_param(p->kernels.candidates, "FUSED") == 1;
+    // Fused rows leave to narrow what their buffers cannot hold, lanes nothing.
+    if (poses && !(p->kernels.fused && search == SEARCH_LANES)) {
+        const char *narrow = searches[search].narrow;
+        p->kernels.narrow = get_kernel(p, narrow, narrow, choices, n, err);
+        if (!p->kernels.narrow)
+            return false;
+    }
     if (p->kernels.radix_count)
         p->kernels.radix_bits = (uint32_t)kernel_param(p->kernels.radix_count, "BITS");
     return all_settings_used(p, err);

@@ -70,15 +70,15 @@ static bool run_rows(part *p, const part_task *task, const part_range *range, bu
                            args, n_args, err);
 }
 
-// Candidates are tested where they are found.
-static bool run_lanes(part *p, const part_task *task, const part_range *range, duet_error *err)
+static bool run_lanes(part *p, const part_task *task, const part_range *range, buffer *found,
+                      duet_error *err)
 {
     const grid *g = &task->grid;
     bool poses = task->shape == DUET_SHAPE_POSES;
     uint32_t n_home = range->home_to - range->key_from;
     uint32_t n_own = range->key_to - range->key_from;
     uint32_t last = smaller(range->last, range->expected);
-    uint32_t room = room_of(&p->pairs);
+    uint32_t room = room_of(found);
     uint32_t undecided_room = room_of(&p->undecided);
     kernel_arg args[17] = {ARG_BUFFER(p->bounds),
                            ARG(p->place_room),
@@ -92,16 +92,17 @@ static bool run_lanes(part *p, const part_task *task, const part_range *range, d
                            ARG(n_own),
                            ARG(range->first),
                            ARG(last),
-                           ARG_BUFFER(p->pairs),
+                           ARG_BUFFER(*found),
                            ARG(room)};
     uint32_t n_args = 14;
-    if (poses) {
+    if (p->kernels.fused) {
         args[n_args++] = ARG_BUFFER(p->undecided);
         args[n_args++] = ARG(undecided_room);
     }
     args[n_args++] = ARG_BUFFER(p->counters);
-    return timeline_launch(&p->times, "search", p->kernels.candidates, search_work(task, range),
-                           args, n_args, err);
+    const char *stage = p->kernels.fused ? "search" : "candidates";
+    return timeline_launch(&p->times, stage, p->kernels.candidates, search_work(task, range), args,
+                           n_args, err);
 }
 
 static bool run_paper(part *p, const part_task *task, const part_range *range, buffer *found,
@@ -149,7 +150,7 @@ static bool run_candidates(part *p, const part_task *task, const part_range *ran
     case SEARCH_ROWS:
         return run_rows(p, task, range, found, err);
     case SEARCH_LANES:
-        return run_lanes(p, task, range, err);
+        return run_lanes(p, task, range, found, err);
     case SEARCH_PAPER:
         break;
     }

@@ -159,6 +159,15 @@ static void lanes_find_the_references_pairs(void **state)
     try_search("lanes");
 }
 
+static void listed_candidates_give_the_same_pairs(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    static crowd c = {.shape = DUET_SHAPE_POSES, .rotated = true};
+    for (c.dims = 2; c.dims <= 3; ++c.dims)
+        try_crowds("lanes FUSED=0", &c, &r);
+}
+
 static void rows_find_the_references_pairs(void **state)
 {
     (void)state;
@@ -213,6 +222,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lanes_find_the_references_pairs),
+        cmocka_unit_test(listed_candidates_give_the_same_pairs),
         cmocka_unit_test(rows_find_the_references_pairs),
         cmocka_unit_test(the_papers_search_finds_the_references_pairs),
         cmocka_unit_test(lanes_find_pairs_of_all_sizes),

@@ -2,8 +2,8 @@
 // What the benchmarks share.
 //
 // A ratio is taken of medians over runs that alternate: what disturbs one side
-// disturbs the other too. Each line says how many processors the runs really
-// had, for a figure of two threads on one processor says nothing of two.
+// disturbs the other too. CPU time stands beside it, for a figure of two threads
+// that shared one processor says nothing of two.
 #ifndef BENCH_BENCH_H
 #define BENCH_BENCH_H
 

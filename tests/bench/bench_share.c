@@ -29,14 +29,13 @@ static void print(const subject subjects[N])
                                series_median(&subjects[ALONE_B].searching));
     double step_alone =
         fmin(series_median(&subjects[ALONE_A].total), series_median(&subjects[ALONE_B].total));
-    printf("%u objects\n%-24s %9s %9s %9s %9s %10s\n", subjects[0].def.n, "ms", "search",
-           "to alone", "step", "to alone", "processors");
+    printf("%u objects\n%-24s %9s %9s %9s %9s %9s\n", subjects[0].def.n, "ms", "search", "to alone",
+           "step", "to alone", "CPU time");
     for (int i = 0; i < N; ++i) {
         double search = series_median(&subjects[i].searching);
         double step = series_median(&subjects[i].total);
-        printf("%-24s %9.2f %9.2f %9.2f %9.2f %10.2f\n", splits[i].name, search,
-               search / search_alone, step, step / step_alone,
-               series_median(&subjects[i].processors));
+        printf("%-24s %9.2f %9.2f %9.2f %9.2f %9.2f\n", splits[i].name, search,
+               search / search_alone, step, step / step_alone, series_median(&subjects[i].cpu));
     }
     printf("wanted: search at most 0.62 of the better device alone; slab's step 0.58\n");
 }

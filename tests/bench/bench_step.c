@@ -22,7 +22,7 @@ typedef struct limit_side {
     limit *limit;
 #endif
     series total;
-    series processors;
+    series cpu;
 } limit_side;
 
 #ifdef BENCH_AVX2
@@ -40,7 +40,7 @@ static bool limit_side_step(limit_side *side, const duet_pose *poses, duet_error
     if (!limit_run(side->limit, poses, &times))
         return error_set(err, DUET_TOO_MANY, "more pairs than the AVX2 program has room for");
     series_add(&side->total, times.total);
-    series_add(&side->processors, times.processors);
+    series_add(&side->cpu, times.processors * times.total);
     return true;
 }
 
@@ -73,20 +73,21 @@ static void limit_side_close(limit_side *side)
 static void print(const limit_side *side, const subject subjects[N])
 {
     double lanes = series_median(&subjects[LANES].total);
+    double lanes_cpu = series_median(&subjects[LANES].cpu);
     printf("%u objects, bounds to confirmed pairs in host memory\n", subjects[0].def.n);
     subject_print_head();
     if (side->total.n)
-        printf("%-24s %9.2f %9.2f %10.2f\n", "AVX2 program", series_median(&side->total),
-               series_least(&side->total), series_median(&side->processors));
+        subject_print_times("AVX2 program", &side->total, &side->cpu);
     for (int i = 0; i < N; ++i) {
         subject_print(&subjects[i]);
         subject_print_stages(&subjects[i]);
     }
     if (side->total.n)
-        printf("lanes takes %.2f of the AVX2 program's time; wanted: 1.6\n",
-               lanes / series_median(&side->total));
-    printf("lanes is %.1f times as fast as paper; wanted: 30\n",
-           series_median(&subjects[PAPER].total) / lanes);
+        printf("lanes takes %.2f of the AVX2 program's time (CPU time: %.2f); wanted: 1.6\n",
+               lanes / series_median(&side->total), lanes_cpu / series_median(&side->cpu));
+    printf("lanes is %.1f times as fast as paper (CPU time: %.1f); wanted: 30\n",
+           series_median(&subjects[PAPER].total) / lanes,
+           series_median(&subjects[PAPER].cpu) / lanes_cpu);
 }
 
 bool bench_step(const bench_options *options, duet_error *err)

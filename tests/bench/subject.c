@@ -99,7 +99,7 @@ bool subject_step(subject *s, duet_error *err)
         return false;
     series_add(&s->total, s->last.total_ms);
     series_add(&s->searching, search_ms(&s->last));
-    series_add(&s->processors, (process_cpu_ms() - cpu_begun) / s->last.total_ms);
+    series_add(&s->cpu, process_cpu_ms() - cpu_begun);
     keep_stages(s);
     return true;
 }
@@ -123,13 +123,18 @@ const series *subject_stage(const subject *s, const char *name)
 
 void subject_print_head(void)
 {
-    printf("%-24s %9s %9s %10s\n", "ms", "median", "least", "processors");
+    printf("%-24s %9s %9s %9s %10s\n", "ms", "median", "least", "CPU time", "processors");
+}
+
+void subject_print_times(const char *name, const series *wall, const series *cpu)
+{
+    double ms = series_median(wall), cpu_ms = series_median(cpu);
+    printf("%-24s %9.2f %9.2f %9.2f %10.2f\n", name, ms, series_least(wall), cpu_ms, cpu_ms / ms);
 }
 
 void subject_print(const subject *s)
 {
-    printf("%-24s %9.2f %9.2f %10.2f\n", s->def.name, series_median(&s->total),
-           series_least(&s->total), series_median(&s->processors));
+    subject_print_times(s->def.name, &s->total, &s->cpu);
 }
 
 void subject_print_stages(const subject *s)

@@ -26,7 +26,7 @@ typedef struct subject {
     duet_result last; // of the last step; its memory is the world's
     series total;     // wall clock of a step, ms
     series searching; // the longer of the devices' times after the grid, ms
-    series processors;
+    series cpu;       // CPU time of all threads, ms
     struct {
         const char *name;
         series ms; // both devices together
@@ -48,8 +48,10 @@ bool subjects_step(subject *subjects, uint32_t n, uint32_t runs, duet_error *err
 // The stage's samples; NULL where the subject has no such stage.
 const series *subject_stage(const subject *s, const char *name);
 
+// One line: wall clock, CPU time and their ratio, the processors.
 void subject_print_head(void);
-void subject_print(const subject *s); // one line
+void subject_print(const subject *s);
+void subject_print_times(const char *name, const series *wall, const series *cpu);
 void subject_print_stages(const subject *s);
 
 #endif

@@ -1,10 +1,11 @@
-// search_lanes.DIMS3.SHAPE0.ROTATED1.GRID0.LEVELS0.ROOMY0.BUF512.AHEAD0.PER_ITEM1024
+// search_lanes.DIMS3.SHAPE0.ROTATED1.GRID0.LEVELS0.ROOMY0.FUSED1.BUF512.AHEAD0.PER_ITEM1024
 #define DIMS 3
 #define SHAPE 0
 #define ROTATED 1
 #define GRID 0
 #define LEVELS 0
 #define ROOMY 0
+#define FUSED 1
 #define LANES 8
 #define WG 1
 #define BUF 512
@@ -16,6 +17,7 @@
 #line 1 "kernels/grid.clh"
 #line 1 "kernels/sat.clh"
 #line 1 "kernels/box_rows.clh"
+#line 1 "kernels/collide.clh"
 #line 1 "kernels/corners.clh"
 #line 1 "kernels/search_lanes.cl.in"
 // SPDX-License-Identifier: MIT
@@ -24,14 +26,15 @@
 // What is to be found, and from which of two objects, is as in
 // candidates_rows.cl.in. Ranges of places collect until there are several, for
 // most are shorter than a vector; the overlapping ones wait in private memory
-// until there are enough of them, and are tested there. Nothing is atomic but
-// the taking of room for many pairs at once.
+// until there are enough of them, and are tested there (FUSED) or listed.
+// Nothing is atomic but the taking of room for many pairs at once.
 //
 //   bounds    as reorder_lanes leaves them
 //   starts    [n_own_cells + 1] first of each cell from key_from on
 //   boxes     as reorder_lanes leaves them, or ids [n] for bounds
-//   pairs     [room]           ids
-//   undecided [undecided_room] ids (poses)
+//   found     [room]           FUSED: pairs by id; else candidates, which are
+//                              places, or for bounds ids
+//   undecided [undecided_room] ids (FUSED)
 #if ROOMY
 #define RANGES 5
 #define USED_RANGES(r) RANGES
@@ -87,99 +90,37 @@ typedef struct {
     uint2 *waiting; // candidates: places, or ids for bounds
     uint n_waiting;
     uint n_tested;
-    __global uint2 *pairs;
+#if FUSED
+    collider to;
+#else
+    __global uint2 *found;
     uint room;
-#if SHAPE == SHAPE_POSES
-    __global uint2 *undecided;
-    uint undecided_room;
+    volatile __global uint *counter;
 #endif
-    volatile __global uint *counters;
 } search;
 
 // ------------------------------------------------------------ pairs
 
-static inline void write_pairs(search *s, const uint2 *found, uint n)
+// Tests the first n of those waiting, or lists them.
+static inline void give_away(search *s, uint n)
 {
-    uint to = reserve(s->counters + COUNT_PAIRS, n);
-    for (uint k = 0; k < n; ++k)
-        if (to + k < s->room)
-            s->pairs[to + k] = found[k];
-}
-
-#if SHAPE == SHAPE_POSES
-
-static inline void leave_open(search *s, ulong lanes, const uint *a, const uint *b)
-{
-    for (; lanes; lanes &= lanes - 1) {
-        uint k = (63 - (uint)clz(lanes & -lanes)) / 8;
-        uint to = reserve(s->counters + COUNT_UNDECIDED, 1);
-        if (to < s->undecided_room)
-            s->undecided[to] = ordered(a[k], b[k]);
-    }
-}
-
-// Tests the first n of those waiting. The store is unconditional: whether a
-// candidate collides is a coin's toss.
-static inline void test_waiting(search *s, const sorted *in, uint n)
-{
+#if FUSED
     uint2 found[BUF + ROUND + LANES];
-    uint n_found = 0;
-    for (uint i = 0; i < n; i += LANES) {
-        uint first[LANES], second[LANES], a[LANES], b[LANES];
-#pragma unroll
-        for (uint k = 0; k < LANES; ++k) {
-#if AHEAD
-            ask_for(in->boxes + (size_t)s->waiting[i + AHEAD + k].y * BOX_WORDS);
-#endif
-            first[k] = s->waiting[i + k].x;
-            second[k] = s->waiting[i + k].y;
-        }
-        word ids_a, ids_b;
-        box box_a = load_boxes(in->boxes, first, &ids_a);
-        box box_b = load_boxes(in->boxes, second, &ids_b);
-        verdicts v = verdict(&box_a, &box_b);
-        ulong wanted = first_lanes(n - i);
-        ulong hits = lane_bits(v.colliding) & wanted;
-        ulong open = ~lane_bits(v.colliding | v.separated) & wanted;
-        spread(min(ids_a, ids_b), a);
-        spread(max(ids_a, ids_b), b);
-#pragma unroll
-        for (uint k = 0; k < LANES; ++k) {
-            found[n_found] = (uint2)(a[k], b[k]);
-            n_found += (uint)(hits >> 8 * k) & 1;
-        }
-        if (open)
-            leave_open(s, open, a, b);
-    }
-    write_pairs(s, found, n_found);
-}
-
+    collide(&s->to, s->waiting, n, found);
+    s->n_tested += n;
 #else
-
-// Candidates of bounds are pairs.
-static inline void test_waiting(search *s, const sorted *in, uint n)
-{
-    write_pairs(s, s->waiting, n);
+    write_list(s->found, s->room, s->counter, s->waiting, n);
+#endif
 }
 
-#endif
-
-// Tests whole eights and keeps the rest waiting.
-static inline void test_eights(search *s, const sorted *in)
+// Whole eights only; the rest go on waiting.
+static inline void give_away_eights(search *s)
 {
     uint n = s->n_waiting / LANES * LANES;
-    test_waiting(s, in, n);
+    give_away(s, n);
     for (uint k = n; k < s->n_waiting; ++k)
         s->waiting[k - n] = s->waiting[k];
-    s->n_tested += n;
     s->n_waiting -= n;
-}
-
-static inline void test_rest(search *s, const sorted *in)
-{
-    test_waiting(s, in, s->n_waiting);
-    s->n_tested += s->n_waiting;
-    s->n_waiting = 0;
 }
 
 // ------------------------------------------------------------ candidates
@@ -270,7 +211,7 @@ static inline void search_ranges(search *s, const sorted *in, const seeker *me, 
 #endif
         }
         if (s->n_waiting > BUF)
-            test_eights(s, in);
+            give_away_eights(s);
     } while (next_places(r));
 }
 
@@ -305,15 +246,15 @@ static inline void search_around(search *s, const sorted *in, const seeker *me)
     r.from[0] = me->place + 1;
     r.to[0] = in->starts[entry + 2];
     const uint y = 0, z = 0; // relative to the own cell
-#line 289 "kernels/search_lanes.cl.in"
+#line 228 "kernels/search_lanes.cl.in"
     set_range(in, &r, 1, entry + ((z) * ny + (y + 1)) * nx);
-#line 289 "kernels/search_lanes.cl.in"
+#line 228 "kernels/search_lanes.cl.in"
     set_range(in, &r, 2, entry + ((z + 1) * ny + (y - 1)) * nx);
-#line 289 "kernels/search_lanes.cl.in"
+#line 228 "kernels/search_lanes.cl.in"
     set_range(in, &r, 3, entry + ((z + 1) * ny + (y)) * nx);
-#line 289 "kernels/search_lanes.cl.in"
+#line 228 "kernels/search_lanes.cl.in"
     set_range(in, &r, 4, entry + ((z + 1) * ny + (y + 1)) * nx);
-#line 291 "kernels/search_lanes.cl.in"
+#line 230 "kernels/search_lanes.cl.in"
     search_ranges(s, in, me, &r);
 }
 
@@ -392,31 +333,31 @@ static inline void add_level(search *s, const sorted *in, const seeker *me, rang
     row cells = {level, y, z, x, x + 1 < nx ? x + 1 : x};
     add_own_row(s, in, me, r, &cells);
     cells.left = x > 0 ? x - 1 : 0;
-#line 370 "kernels/search_lanes.cl.in"
+#line 309 "kernels/search_lanes.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
         cells.z = z;
         add_row(s, in, me, r, &cells);
     }
-#line 370 "kernels/search_lanes.cl.in"
+#line 309 "kernels/search_lanes.cl.in"
     if (y > 0 && z + 1 < nz) {
         cells.y = y - 1;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 370 "kernels/search_lanes.cl.in"
+#line 309 "kernels/search_lanes.cl.in"
     if (z + 1 < nz) {
         cells.y = y;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 370 "kernels/search_lanes.cl.in"
+#line 309 "kernels/search_lanes.cl.in"
     if (y + 1 < ny && z + 1 < nz) {
         cells.y = y + 1;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 376 "kernels/search_lanes.cl.in"
+#line 315 "kernels/search_lanes.cl.in"
 }
 
 #if LEVELS
@@ -490,8 +431,8 @@ __kernel void search_lanes(__global const float *restrict bounds, uint column_ro
 #endif
                            __global const uint *restrict starts, __constant const grid_level *levels, uint n_levels,
                            uint n_cells, uint key_from, uint n_home_cells, uint n_own_cells, uint first, uint last,
-                           __global uint2 *restrict pairs, uint room,
-#if SHAPE == SHAPE_POSES
+                           __global uint2 *restrict found, uint room,
+#if FUSED
                            __global uint2 *restrict undecided, uint undecided_room,
 #endif
                            volatile __global uint *restrict counters)
@@ -509,11 +450,11 @@ __kernel void search_lanes(__global const float *restrict bounds, uint column_ro
     uint2 waiting[WAITING_ROOM];
     for (uint k = 0; k < WAITING_ROOM; ++k)
         waiting[k] = (uint2)(0, 0); // what lies behind the last one is read
-    search s = {waiting, 0, 0, pairs, room,
-#if SHAPE == SHAPE_POSES
-                undecided, undecided_room,
+#if FUSED
+    search s = {waiting, 0, 0, {boxes, found, room, undecided, undecided_room, counters}};
+#else
+    search s = {waiting, 0, 0, found, room, counters + (SHAPE == SHAPE_POSES ? COUNT_CANDIDATES : COUNT_PAIRS)};
 #endif
-                counters};
     uint home = starts[n_home_cells];
     uint end = entry_begin(&in, last, home);
     uint tile = entry_begin(&in, first, home) + get_global_id(0) * PER_ITEM;
@@ -523,8 +464,8 @@ __kernel void search_lanes(__global const float *restrict bounds, uint column_ro
             search_around(&s, &in, &me);
         }
     }
-    test_rest(&s, &in);
-#if SHAPE == SHAPE_POSES
+    give_away(&s, s.n_waiting);
+#if FUSED
     reserve(counters + COUNT_TESTED, s.n_tested);
 #endif
 }

@@ -1,0 +1,20 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "separating axis test of listed candidates, eight at a time",
+  uses = { "lanes.clh", "object.clh", "sat.clh", "box_rows.clh", "collide.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "SHAPE", values = { 0 }, default = 0, about = "poses: bounds need no test" },
+    { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
+    { "LANES", values = { 8 }, default = 8, about = "pairs side by side in a work-item" },
+    { "WG", values = { 1 }, default = 1, about = "work-items a group" },
+    { "AHEAD", values = { 0, 16, 32, 64 }, default = function(limits) return limits.cpu and 32 or 0 end,
+      about = "boxes asked for before they are needed" },
+    { "PER_ITEM", values = { 256, 512, 1024 }, default = 512, about = "candidates a work-item tests at once" },
+  },
+  valid = function(p, limits)
+    if p.AHEAD > 0 and not limits.cpu then return false, "AHEAD is for CPUs" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}
