@@ -34,7 +34,9 @@ static const struct {
     {DUET_MODE_SLAB, "rows"},
     {DUET_MODE_SLAB, "paper"},
 };
-static const uint32_t shares[] = {0, 1, DUET_SHARE_ONE / 2, DUET_SHARE_ONE};
+
+// Each way is tried with one of these and with halves.
+static const uint32_t shares[] = {0, 1, DUET_SHARE_ONE};
 
 typedef struct check {
     const duet_world_def *def;
@@ -116,8 +118,9 @@ static void step(check *c, duet_world *world, const duet_plan *plan)
 static void step_all_plans(check *c, duet_world *world)
 {
     for (size_t w = 0; w < sizeof ways / sizeof *ways; ++w)
-        for (size_t s = 0; s < sizeof shares / sizeof *shares; ++s) {
-            duet_plan plan = {.share = shares[s], .mode = ways[w].mode};
+        for (int halves = 0; halves < 2; ++halves) {
+            duet_plan plan = {.mode = ways[w].mode};
+            plan.share = halves ? DUET_SHARE_ONE / 2 : shares[w % 3];
             strcpy(plan.variant_a, ways[w].variant);
             strcpy(plan.variant_b, ways[w].variant);
             step(c, world, &plan);
