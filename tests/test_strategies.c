@@ -305,6 +305,35 @@ static void chunks_follow_a_device_that_slows_down(void **state)
     search_end(&s);
 }
 
+// Times that make no sense lead to no share outside the range, and to an end.
+static void senseless_times_do_no_harm(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    for (uint32_t i = 0; i < 500; ++i) {
+        search s;
+        search_next next;
+        duet_error err = {0};
+        uint32_t low, high;
+        const strategy *of = strategies[i % 6];
+        if (of == &strategy_lua)
+            continue;
+        assert_ok(search_begin(&s, of->name, NULL, &err), err);
+        while (search_ask(&s, &next, &err) && !next.done) {
+            uint64_t ns[3];
+            for (int k = 0; k < 3; ++k)
+                ns[k] = rng_below(&r, 3) ? rng_next(&r) >> rng_below(&r, 32) : 0;
+            assert_true(next.share <= SEARCH_ONE);
+            search_sample sample = {next.share, ns[0], ns[1], ns[2]};
+            assert_ok(search_tell(&s, &sample, &err), err);
+            search_bracket(&s, &low, &high);
+            assert_true(s.n < 1000 && search_pick(&s) <= SEARCH_ONE);
+        }
+        assert_int_equal(err.status, DUET_OK);
+        search_end(&s);
+    }
+}
+
 // Goes through JSON after every launch when `stops` is set.
 static uint32_t run_with_stops(const char *name, const replay_model *model, bool stops,
                                uint64_t seed, uint32_t *launches)
@@ -379,6 +408,7 @@ int main(void)
         cmocka_unit_test(balance_keeps_one_device_where_sharing_only_costs),
         cmocka_unit_test(a_neighbours_share_is_the_first_probe),
         cmocka_unit_test(chunks_follow_a_device_that_slows_down),
+        cmocka_unit_test(senseless_times_do_no_harm),
         cmocka_unit_test(a_resumed_search_ends_as_an_uninterrupted_one),
         cmocka_unit_test(a_search_state_that_no_search_wrote_is_refused),
     };

@@ -102,6 +102,12 @@ const search_sample *search_at(const search *s, uint32_t share)
     return NULL;
 }
 
+uint32_t search_first_share(const search *s)
+{
+    bool near = s->options.has_start && s->options.start > 0 && s->options.start < SEARCH_ONE;
+    return near ? s->options.start : SEARCH_ONE / 16;
+}
+
 void search_to_json(const search *s, text *json)
 {
     const search_options *o = &s->options;

@@ -78,4 +78,8 @@ bool search_from_json(search *s, const char *json, duet_error *err);
 const search_sample *search_fastest(const search *s);            // least total; NULL before any
 const search_sample *search_at(const search *s, uint32_t share); // first there; NULL for none
 
+// The first share that both take part in: the neighbour's, or 1/16, which is
+// large against overheads and 16 times cheaper than all.
+uint32_t search_first_share(const search *s);
+
 #endif

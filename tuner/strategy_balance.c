@@ -17,12 +17,10 @@
 #include <math.h>
 
 enum {
-    FIRST_SHARE = SEARCH_ONE / 16, // large against overheads, and 16 times cheaper than all
-    MOST_REFINED = 7,              // launches until the lines must have come true
-    MOST_RACED = 16,               // launches in all, where they did
-    SURVEY = 8,                    // intervals of the coarse grid, where they did not
-    MOST_RIVALS = 5,
-    MOST_REPEATS = 64,
+    MOST_REFINED = 7,  // launches until the lines must have come true
+    MOST_RACED = 16,   // launches in all, where they did
+    SURVEY = 8,        // intervals of the coarse grid, where they did not
+    MOST_REPEATS = 64, // samples that are looked at
 };
 
 static const double NOISE = 0.05;     // assumed of one time, before any was seen twice
@@ -57,7 +55,7 @@ static double part_of(uint32_t share, int device)
 
 static double unit_ns(const search *s)
 {
-    return (double)s->samples[0].total_ns;
+    return fmax((double)s->samples[0].total_ns, 1);
 }
 
 static double time_of(const search *s, uint32_t i, int device)
@@ -382,16 +380,10 @@ static search_next race(const search *s, const field *f)
 
 // ---------------------------------------------------------------- strategy
 
-static uint32_t first_share(const search *s)
-{
-    bool near = s->options.has_start && s->options.start > 0 && s->options.start < SEARCH_ONE;
-    return near ? s->options.start : FIRST_SHARE;
-}
-
 static bool ask(const search *s, search_next *next, duet_error *err)
 {
     (void)err;
-    *next = (search_next){.share = s->n == 0 ? 0 : first_share(s)};
+    *next = (search_next){.share = s->n == 0 ? 0 : search_first_share(s)};
     field f;
     if (s->n < 2 || !find_field(s, &f, &next->share))
         return true;

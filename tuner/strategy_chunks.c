@@ -12,7 +12,7 @@
 #include "tuner/stats.h"
 #include "tuner/strategy.h"
 
-enum { FIRST_SHARE = SEARCH_ONE / 16, MEMORY = 2 };
+enum { MEMORY = 2 };
 
 // Work per nanosecond, a running mean over about MEMORY + 1 chunks.
 static void follow(double *speed, uint32_t work, uint64_t ns)
@@ -42,7 +42,7 @@ static uint32_t next_share(const search *s)
         follow(&b, SEARCH_ONE - s->samples[i].share, s->samples[i].b_ns);
     }
     if (!(a > 0 && b > 0))
-        return s->options.has_start ? s->options.start : FIRST_SHARE;
+        return search_first_share(s);
     uint32_t wanted = (uint32_t)(SEARCH_ONE * (a / (a + b)) + 0.5);
     return limit_move(wanted, s->samples[s->n - 1].share, s->options.quantum);
 }
