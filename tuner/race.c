@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/race.h"
 
+#include "runtime/base/rng.h"
+
 #include <assert.h>
 
 race_options race_default_options(void)
@@ -41,18 +43,27 @@ bool race_alone(const race *r)
     return in <= 1;
 }
 
+// Where a rival comes in a round; the same each time it is asked.
+static uint32_t turn_of(uint32_t rival, uint32_t round)
+{
+    rng r = rng_seed((uint64_t)round << 32 | rival);
+    return rng_next(&r);
+}
+
 bool race_next(const race *r, uint32_t *rival)
 {
     uint32_t round = fewest_rounds(r);
     bool decided = race_alone(r) && round > 0;
     if (decided || round >= r->options.most_rounds)
         return false;
+    *rival = r->n;
     for (uint32_t i = 0; i < r->n; ++i) {
-        *rival = (i + round) % r->n;
-        if (!r->rivals[*rival].out && r->rivals[*rival].rounds == round)
-            return true;
+        if (r->rivals[i].out || r->rivals[i].rounds != round)
+            continue;
+        if (*rival == r->n || turn_of(i, round) < turn_of(*rival, round))
+            *rival = i;
     }
-    return false;
+    return *rival < r->n;
 }
 
 double race_median(const race *r, uint32_t rival)

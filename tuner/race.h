@@ -3,7 +3,9 @@
 // of the ratio to the leader says who is slower.
 //
 // Samples are only ever compared with those of the same round, so that a slow
-// minute falls on all rivals alike. Who goes first changes with the round.
+// minute falls on all rivals alike. Each round has an order of its own: what
+// one plan leaves in caches and clocks is then not always found by the same
+// other.
 #ifndef TUNER_RACE_H
 #define TUNER_RACE_H
 
