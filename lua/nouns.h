@@ -20,6 +20,7 @@ void search_open_lua(lua_State *L);
 void tune_open_lua(lua_State *L);
 void online_open_lua(lua_State *L);
 void motion_open_lua(lua_State *L);
+void source_open_lua(lua_State *L);
 void carried_open_lua(lua_State *L);
 
 extern const member device_members[]; // of duet_device_info

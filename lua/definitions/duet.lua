@@ -109,6 +109,23 @@ local States = {}
 ---@class duet.Contacts
 local Contacts = {}
 
+--- A table: a kernel and its card.
+---@class duet.Kernel
+---@field about string what it does
+---@field configs integer valid ones
+---@field name string
+---@field params table[] { name, about, default, values }
+local Kernel = {}
+
+--- A table: the text of a variant.
+---@class duet.Source
+---@field group integer work-items in a group
+---@field name string of the variant
+---@field per_item integer work that one item does
+---@field sha256 string of the text
+---@field text string OpenCL C
+local Source = {}
+
 --- Objects that move.
 ---@class duet.Motion
 local Motion = {}
@@ -613,6 +630,13 @@ function duet.devices() end
 ---@return string[]
 function duet.effects() end
 
+--- The kernels, and what their cards let vary on a device of these limits.
+---@param limits? { max_group?: integer, local_bytes?: integer, fp64?: boolean, cpu?: boolean }
+---@return duet.Kernel[]?
+---@return string? message
+---@return string? status
+function duet.kernels(limits) end
+
 --- The modes that a plan can have.
 ---@return string[]
 function duet.modes() end
@@ -641,6 +665,15 @@ function duet.scene(from, settings) end
 ---@return string? message
 ---@return string? status
 function duet.search(def) end
+
+--- The exact text of a kernel with a config; what is not set takes the card's default.
+---@param kernel string
+---@param settings? table<string, integer>
+---@param limits? table
+---@return duet.Source?
+---@return string? message
+---@return string? status
+function duet.source(kernel, settings, limits) end
 
 --- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
 ---@param from integer|string|any[]
