@@ -1,0 +1,61 @@
+-- SPDX-License-Identifier: MIT
+-- docs/lua.md tells the truth: its Lua blocks print what stands under them, and
+-- its commands do what they say.
+local facts = require "facts"
+
+local guide = facts.read_file(facts.root .. "/docs/lua.md")
+local lua = os.getenv "DUET_LUA" or "lua5.4"
+
+local function run(command)
+  local program <close> = assert(io.popen("cd '" .. facts.root .. "' && { " .. command .. " ; } 2>&1"))
+  local printed = program:read "a"
+  return printed, program:close()
+end
+
+local function write_file(path, text)
+  local file <close> = assert(io.open(path, "w"))
+  file:write(text)
+end
+
+facts.holds("every Lua block prints what stands under it", function()
+  local path, n = os.tmpname(), 0
+  for block, says in guide:gmatch "```lua\n(.-)```\n\n```text\n(.-)```" do
+    write_file(path, block)
+    local printed = run(lua .. " " .. path)
+    facts.equal(printed, says)
+    n = n + 1
+  end
+  os.remove(path)
+  local _, blocks = guide:gsub("```lua\n", "")
+  facts.equal(n, blocks)
+end)
+
+facts.holds("every command of an experiment runs", function()
+  local out = os.tmpname()
+  os.remove(out)
+  assert(os.execute("mkdir " .. out))
+  local n = 0
+  for command in guide:gmatch "\nduet (lua %-%-trust lua/experiments[^#\n]*)" do
+    local printed, ok = run(("'%s' %s --repeat 1 --out %s"):format(os.getenv "DUET_PROGRAM", command, out))
+    assert(ok, command .. ": " .. printed)
+    n = n + 1
+  end
+  facts.equal(n, 6)
+  os.execute("rm -r " .. out)
+end)
+
+facts.holds("what figure 12 is said to find is what it finds", function()
+  local ms, off = guide:match "after (%d+) ms\nof tuning, and `balance` at ([%d.]+) %%"
+  local out = os.tmpname()
+  os.remove(out)
+  assert(os.execute("mkdir " .. out))
+  run(("%s lua/experiments/figure12.lua --ratios 10 --sizes 100 --points 2 --out %s"):format(lua, out))
+  local csv = facts.read_file(out .. "/figure12.times10.csv")
+  local tuning = csv:match "fig12,.-,([%d.]+)\n"
+  local balance_off = csv:match "balance,[^\n]*,([%d.]+),[%d.]+\n"
+  facts.equal(("%.0f"):format(tuning), ms)
+  facts.equal(("%.1f"):format(balance_off), off)
+  os.execute("rm -r " .. out)
+end)
+
+facts.finish()
