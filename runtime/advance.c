@@ -251,6 +251,12 @@ static bool run_effects(duet_motion *m, duet_error *err)
            (motion_find_rows(m, err) && motion_touch(m, err));
 }
 
+static bool fetch_events(duet_motion *m, duet_error *err)
+{
+    bool any = motion_has(m, DUET_EFFECT_EVENTS) && m->n > 0 && m->def.dt > 0.0;
+    return !any || (motion_read_flags(m, err) && motion_fetch_events(m, err));
+}
+
 static void fill_result(duet_motion *m, duet_motion_result *result)
 {
     *result = (duet_motion_result){
@@ -260,6 +266,8 @@ static void fill_result(duet_motion *m, duet_motion_result *result)
         .contacts = m->colour_starts[COLOUR_OVERFLOW + 1],
         .colours = m->n_colours,
         .rebuilt = m->rebuilt,
+        .events = m->events,
+        .n_events = m->n_events,
         .stages = m->times.stages,
         .n_stages = (uint32_t)m->times.n_stages,
     };
@@ -270,7 +278,8 @@ bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error 
     uint64_t begun = clock_steady_ns();
     timeline_begin(&m->times, m->device);
     m->rebuilt = false;
-    bool ok = run_effects(m, err) && timeline_finish(&m->times, err);
+    m->n_events = 0;
+    bool ok = run_effects(m, err) && fetch_events(m, err) && timeline_finish(&m->times, err);
     if (!ok)
         return false;
     ++m->step;

@@ -15,7 +15,7 @@ static const effect_row rows[] = {
      "integrate, or body"},
     {DUET_EFFECT_GRAVITY, "gravity", DUET_EFFECT_MOTION, "gravity or attraction, and a mass",
      "gravity", "integrate, body"},
-    {DUET_EFFECT_DRAG, "drag", DUET_EFFECT_MOTION, "drag, and a mass that moves", "keep",
+    {DUET_EFFECT_DRAG, "drag", DUET_EFFECT_MOTION, "drag, and a mass that moves", "drag",
      "integrate, body"},
     {DUET_EFFECT_BOUNDS, "bounds", DUET_EFFECT_MOTION, "walls or a periodic world, and motion",
      "wall", "integrate, rows, contact"},

@@ -106,6 +106,7 @@ struct duet_motion {
     uint32_t n_colours; // that are not empty
     uint64_t n_pairs;
     bool has_rows;
+    bool list_stale; // the list by colour is not that of the contacts
     bool rebuilt;
     uint32_t flags[FLAGS];
     duet_event *events;
@@ -136,9 +137,6 @@ bool motion_colour(duet_motion *m, duet_error *err);
 // Exclusive sum of n words in place.
 bool motion_scan(duet_motion *m, const char *stage, motion_buffer which, uint32_t n,
                  duet_error *err);
-
-// Contacts of one colour after the other into LIST, with colour_starts.
-bool motion_sort_colours(duet_motion *m, duet_error *err);
 
 // Reads the flags, which waits for all that was launched.
 bool motion_read_flags(duet_motion *m, duet_error *err);

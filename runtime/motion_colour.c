@@ -24,11 +24,13 @@ bool motion_scan(duet_motion *m, const char *stage, motion_buffer which, uint32_
     motion_args tops = args_begin(m);
     args_buffer(&tops, SUMS);
     args_uint(&tops, n_blocks);
+    motion_args blocks = sums;
+    args_uint(&blocks, true);
     if (!motion_reserve(m, SUMS, n_blocks, sizeof(uint32_t), err))
         return false;
     return args_launch(&sums, stage, m->kernels.scan_sums, n, err) &&
            args_launch(&tops, stage, m->kernels.scan_tops, 1, err) &&
-           args_launch(&sums, stage, m->kernels.scan_blocks, n, err);
+           args_launch(&blocks, stage, m->kernels.scan_blocks, n, err);
 }
 
 static bool sort_pass(duet_motion *m, motion_buffer keys, uint32_t shift, duet_error *err)
@@ -90,7 +92,8 @@ static bool read_starts(duet_motion *m, duet_error *err)
     return ok;
 }
 
-bool motion_sort_colours(duet_motion *m, duet_error *err)
+// Contacts of one colour after the other into LIST.
+static bool sort_colours(duet_motion *m, duet_error *err)
 {
     memset(m->colour_starts, 0, sizeof m->colour_starts);
     m->n_colours = 0;
@@ -151,7 +154,9 @@ bool motion_colour(duet_motion *m, duet_error *err)
             ok = run_round(m, err);
         ok = ok && motion_read_flags(m, err);
     }
-    if (ok && (m->rebuilt || m->flags[FLAG_RECOLOURED]))
-        ok = motion_sort_colours(m, err);
-    return ok;
+    m->list_stale = m->list_stale || m->rebuilt || m->flags[FLAG_RECOLOURED];
+    if (!ok || !m->list_stale)
+        return ok;
+    m->list_stale = !sort_colours(m, err);
+    return !m->list_stale;
 }

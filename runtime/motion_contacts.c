@@ -68,7 +68,9 @@ static int by_ids(const void *a, const void *b)
     const duet_event *y = b;
     if (x->a != y->a)
         return x->a < y->a ? -1 : 1;
-    return (x->b > y->b) - (x->b < y->b);
+    if (x->b != y->b)
+        return x->b < y->b ? -1 : 1;
+    return y->begins - x->begins; // one that did both began first
 }
 
 static duet_event event_of(const uint32_t words[4])

@@ -197,6 +197,14 @@ static bool empty_contacts(duet_motion *m, duet_error *err)
     return ok;
 }
 
+// As many as can begin and end: devices cannot ask for more room.
+static bool reserve_events(duet_motion *m, uint32_t n_old, duet_error *err)
+{
+    m->event_room = (uint64_t)m->n_contacts + 2 * (uint64_t)n_old + 1;
+    return !motion_has(m, DUET_EFFECT_EVENTS) ||
+           motion_reserve(m, EVENTS, m->event_room, 4 * sizeof(uint32_t), err);
+}
+
 static bool carry(duet_motion *m, uint32_t n_old, duet_error *err)
 {
     motion_args a = args_begin(m);
@@ -229,7 +237,7 @@ static bool make_rows(duet_motion *m, duet_error *err)
     m->has_rows = true;
     return enclose(m, err) && find_pairs(m, &result, err) && count_rows(m, &result, err) &&
            fill_rows(m, &result, err) && fill_returns(m, err) && empty_contacts(m, err) &&
-           carry(m, n_old, err);
+           reserve_events(m, n_old, err) && carry(m, n_old, err);
 }
 
 bool motion_find_rows(duet_motion *m, duet_error *err)

@@ -15,8 +15,10 @@
 // still pairs. The others are forgotten.
 //
 //   starts, others  the new rows
+#line 25 "kernels/carry.cl.in"
+
 __kernel void carry(__global const uint2 *restrict old_links, __global const float *restrict old_contacts, uint n_old,
-#line 13 "kernels/carry.cl.in"
+#line 33 "kernels/carry.cl.in"
                     __global const uint *restrict starts, __global const uint *restrict others,
                     __global float *restrict contacts)
 {
@@ -36,8 +38,8 @@ __kernel void carry(__global const uint2 *restrict old_links, __global const flo
         if (low < end && others[low] == link.y) {
             for (int k = 0; k < RECORD; ++k)
                 contacts[(size_t)low * RECORD + k] = old[k];
-#line 35 "kernels/carry.cl.in"
+#line 55 "kernels/carry.cl.in"
         }
-#line 43 "kernels/carry.cl.in"
+#line 69 "kernels/carry.cl.in"
     }
 }

@@ -20,32 +20,45 @@
 // three of those with Yoshida's times, the middle one backward.
 //
 //   times  a substep's length, and of ORDER 4 the outer and the inner part
-//   keeps  what of a velocity is left after each, or after half of it (ORDER > 1)
-#line 26 "kernels/integrate.cl.in"
+//   drags  what of a velocity is left after each, or after half of it (ORDER > 1)
+#line 20 "kernels/integrate.cl.in"
 
 typedef struct {
     real4 centre;
     real4 velocity; // w: inverse mass
+#line 25 "kernels/integrate.cl.in"
+    real4 moved; // since the step began, as a solved step has it
 #line 38 "kernels/integrate.cl.in"
 } body;
-#line 47 "kernels/integrate.cl.in"
+#line 53 "kernels/integrate.cl.in"
 
 static inline void move(body *b, real time)
 {
-    b->centre = add_scaled(b->centre, time, (real4)(b->velocity.xyz, 0));
+#line 57 "kernels/integrate.cl.in"
+    b->moved = add_scaled(b->moved, time, (real4)(b->velocity.xyz, 0));
+#line 61 "kernels/integrate.cl.in"
 }
-#line 77 "kernels/integrate.cl.in"
+#line 98 "kernels/integrate.cl.in"
 
-static inline void advance(body *b, real4 gravity, real time, real keep)
+static inline void advance(body *b,
+#line 106 "kernels/integrate.cl.in"
+                           real time)
 {
-#line 87 "kernels/integrate.cl.in"
+#line 115 "kernels/integrate.cl.in"
     move(b, time);
-#line 110 "kernels/integrate.cl.in"
+#line 138 "kernels/integrate.cl.in"
 }
-#line 135 "kernels/integrate.cl.in"
+#line 140 "kernels/integrate.cl.in"
+
+static inline void arrive(body *b)
+{
+    b->centre.xyz += b->moved.xyz;
+#line 147 "kernels/integrate.cl.in"
+}
+#line 173 "kernels/integrate.cl.in"
 
 __kernel void integrate(__global real4 *restrict centres, __global real4 *restrict velocities,
-#line 158 "kernels/integrate.cl.in"
+#line 196 "kernels/integrate.cl.in"
                         real4 times, uint substeps, uint n)
 {
     uint first = get_global_id(0) * PER_ITEM;
@@ -54,18 +67,21 @@ __kernel void integrate(__global real4 *restrict centres, __global real4 *restri
         body b;
         b.centre = centres[id];
         b.velocity = velocities[id];
-#line 176 "kernels/integrate.cl.in"
-        const real4 gravity = (real4)(0);
-#line 179 "kernels/integrate.cl.in"
-        const real4 keeps = (real4)(1);
-#line 181 "kernels/integrate.cl.in"
+#line 205 "kernels/integrate.cl.in"
+        b.moved = (real4)(0);
+#line 219 "kernels/integrate.cl.in"
         for (uint k = 0; k < substeps; ++k) {
-#line 186 "kernels/integrate.cl.in"
-            advance(&b, gravity, times.x, keeps.x);
+#line 222 "kernels/integrate.cl.in"
+            advance(&b,
+#line 229 "kernels/integrate.cl.in"
+                    times.x);
+#line 231 "kernels/integrate.cl.in"
         }
-#line 209 "kernels/integrate.cl.in"
+#line 233 "kernels/integrate.cl.in"
+        arrive(&b);
+#line 256 "kernels/integrate.cl.in"
         centres[id] = b.centre;
         velocities[id] = b.velocity;
-#line 215 "kernels/integrate.cl.in"
+#line 262 "kernels/integrate.cl.in"
     }
 }

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+// A motion as a file: what it is, and all that its next step reads. A sum at
+// the end tells a damaged file.
+#include "runtime/motion.h"
+
+#include "runtime/base/error.h"
+#include "runtime/base/text.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct header {
+    char magic[16];
+    uint32_t n;
+    uint32_t dims;
+    uint32_t doubles;
+    uint32_t effects;
+    uint32_t record;
+    uint32_t n_contacts;
+    uint32_t has_rows;
+    uint32_t pad;
+    uint64_t step;
+    uint64_t n_pairs;
+} header;
+
+static const char magic[16] = "duet motion 1\n";
+
+// By object first, then by contact. Rows are kept for those that sleep and for
+// skins.
+static const motion_buffer kept[] = {CENTRES, VELOCITIES, ROTATIONS, SPINS,         RESTS,
+                                     ASLEEP,  BOXES,      STARTS,    RETURN_STARTS, RETURNS,
+                                     LINKS,   OTHERS,     CONTACTS,  COLOUR_OF};
+
+enum { N_KEPT = sizeof kept / sizeof kept[0] };
+
+// Bytes of a buffer that count; 0 where the motion has none.
+static size_t bytes_of(const duet_motion *m, motion_buffer which, uint32_t n_contacts)
+{
+    size_t rows = motion_has(m, DUET_EFFECT_CONTACT) ? n_contacts : 0;
+    size_t word = sizeof(uint32_t);
+    switch (which) {
+    case RETURNS:
+    case OTHERS:
+        return rows * word;
+    case LINKS:
+        return rows * 2 * word;
+    case CONTACTS:
+        return rows * m->layout.record * word;
+    case COLOUR_OF:
+        return motion_has(m, DUET_EFFECT_RESPONSE) ? rows * word : 0;
+    default:
+        return ((size_t)m->n + 1) * motion_words(m, which) * word;
+    }
+}
+
+static header header_of(const duet_motion *m)
+{
+    header h = {.n = m->n,
+                .dims = m->def.dims,
+                .doubles = m->def.doubles,
+                .effects = m->effects,
+                .record = m->layout.record,
+                .n_contacts = m->n_contacts,
+                .has_rows = m->has_rows,
+                .step = m->step,
+                .n_pairs = m->n_pairs};
+    memcpy(h.magic, magic, sizeof magic);
+    return h;
+}
+
+static uint64_t sum_of(const char *bytes, size_t n)
+{
+    uint64_t sum = UINT64_C(0xcbf29ce484222325);
+    for (size_t i = 0; i < n; ++i)
+        sum = (sum ^ (unsigned char)bytes[i]) * UINT64_C(0x100000001b3);
+    return sum;
+}
+
+// ---------------------------------------------------------------- saving
+
+static bool add_buffer(duet_motion *m, motion_buffer which, text *file, duet_error *err)
+{
+    size_t bytes = bytes_of(m, which, m->n_contacts);
+    if (bytes == 0)
+        return true;
+    char *host = malloc(bytes);
+    if (!host)
+        return error_set(err, DUET_NO_MEMORY, "no memory for %zu bytes", bytes);
+    cl_int code = clEnqueueReadBuffer(m->device->queue, m->buffers[which].mem, CL_TRUE, 0, bytes,
+                                      host, 0, NULL, NULL);
+    if (code == CL_SUCCESS)
+        text_add_bytes(file, host, bytes);
+    free(host);
+    return code == CL_SUCCESS ||
+           error_set_cl(err, code, "%s: fetching %zu bytes", m->device->info.selector, bytes);
+}
+
+bool duet_motion_save(duet_motion *m, const char *path, duet_error *err)
+{
+    text file = {0};
+    header h = header_of(m);
+    text_add_bytes(&file, (const char *)&h, sizeof h);
+    bool ok = timeline_finish(&m->times, err);
+    for (int i = 0; ok && i < N_KEPT; ++i)
+        ok = add_buffer(m, kept[i], &file, err);
+    ok = ok && text_ok(&file, err);
+    if (ok) {
+        uint64_t sum = sum_of(file.chars, file.length);
+        text_add_bytes(&file, (const char *)&sum, sizeof sum);
+        ok = text_ok(&file, err) && text_write_file(path, file.chars, file.length, err);
+    }
+    text_free(&file);
+    return ok;
+}
+
+// ---------------------------------------------------------------- loading
+
+static bool check_header(const duet_motion *m, const header *h, const char *path, duet_error *err)
+{
+    const struct {
+        const char *what;
+        uint32_t file;
+        uint32_t motion;
+    } same[] = {
+        {"objects", h->n, m->n},
+        {"dimensions", h->dims, m->def.dims},
+        {"doubles", h->doubles, m->def.doubles},
+        {"effects", h->effects, m->effects},
+        {"floats a contact", h->record, m->layout.record},
+    };
+    for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i)
+        if (same[i].file != same[i].motion)
+            return error_set(err, DUET_BAD_INPUT, "%s: %s: %u in the file, %u in the motion", path,
+                             same[i].what, same[i].file, same[i].motion);
+    return true;
+}
+
+static bool check_file(const duet_motion *m, const text *file, const char *path, header *h,
+                       duet_error *err)
+{
+    uint64_t sum = 0;
+    size_t whole = sizeof *h + sizeof sum;
+    if (file->length < whole || memcmp(file->chars, magic, sizeof magic) != 0)
+        return error_set(err, DUET_BAD_INPUT, "%s: not a saved motion", path);
+    memcpy(h, file->chars, sizeof *h);
+    memcpy(&sum, file->chars + file->length - sizeof sum, sizeof sum);
+    if (!check_header(m, h, path, err))
+        return false;
+    for (int i = 0; i < N_KEPT; ++i)
+        whole += bytes_of(m, kept[i], h->n_contacts);
+    if (file->length != whole || sum != sum_of(file->chars, file->length - sizeof sum))
+        return error_set(err, DUET_BAD_INPUT, "%s: the saved motion is cut short or damaged", path);
+    return true;
+}
+
+static bool put_buffer(duet_motion *m, motion_buffer which, size_t bytes, const char *from,
+                       duet_error *err)
+{
+    if (bytes == 0)
+        return true;
+    if (!motion_reserve(m, which, bytes, 1, err))
+        return false;
+    cl_int code = clEnqueueWriteBuffer(m->device->queue, m->buffers[which].mem, CL_TRUE, 0, bytes,
+                                       from, 0, NULL, NULL);
+    return code == CL_SUCCESS ||
+           error_set_cl(err, code, "%s: sending %zu bytes", m->device->info.selector, bytes);
+}
+
+static bool put_all(duet_motion *m, const text *file, const header *h, duet_error *err)
+{
+    const char *at = file->chars + sizeof *h;
+    bool ok = true;
+    for (int i = 0; ok && i < N_KEPT; ++i) {
+        size_t bytes = bytes_of(m, kept[i], h->n_contacts);
+        ok = put_buffer(m, kept[i], bytes, at, err);
+        at += bytes;
+    }
+    if (ok && motion_has(m, DUET_EFFECT_RESPONSE))
+        ok = motion_reserve(m, SHOVES, ((uint64_t)h->n_contacts + 1) * 4 * m->layout.shove,
+                            sizeof(float), err);
+    if (ok && motion_has(m, DUET_EFFECT_EVENTS)) {
+        m->event_room = (uint64_t)h->n_contacts + 1;
+        ok = motion_reserve(m, EVENTS, m->event_room, 4 * sizeof(uint32_t), err);
+    }
+    return ok;
+}
+
+bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
+{
+    text file = {0};
+    header h;
+    bool ok = text_read_file(&file, path, err) && check_file(m, &file, path, &h, err) &&
+              timeline_finish(&m->times, err) && put_all(m, &file, &h, err);
+    text_free(&file);
+    if (!ok)
+        return false;
+    m->step = h.step;
+    m->n_contacts = h.n_contacts;
+    m->n_pairs = h.n_pairs;
+    m->has_rows = h.has_rows;
+    m->list_stale = true;
+    return true;
+}
