@@ -1,0 +1,15 @@
+# `cpack -G DEB` makes one Debian package of what `cmake --install` installs. It
+# needs dpkg-dev, which finds out what the package depends on.
+set(CPACK_PACKAGE_NAME duet)
+set(CPACK_PACKAGE_VENDOR "The Duet authors")
+set(CPACK_PACKAGE_CONTACT "The Duet authors <duet@example.org>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_GENERATOR DEB)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "pocl-opencl-icd | opencl-icd, gnuplot-nox")
+include(CPack)

@@ -1,0 +1,81 @@
+-- SPDX-License-Identifier: MIT
+-- Runs the commands of the documents, each block of them in a fresh folder and
+-- on few objects:
+--
+--   duet lua --trust docs.lua PROGRAM ROOT FOLDER FILE...
+--
+-- A block that cannot be run in a test has a comment above it that says why:
+-- <!-- not run: it needs a GPU -->
+
+local program, root, folder = table.unpack(arg, 1, 3)
+local few = "400"
+
+-- Files that the documents speak of.
+local examples = {
+  ["boxes.csv"] = "0,0,0,1,1,1\n0.5,0.5,0.5,2,2,2\n5,5,5,6,6,6\n",
+  ["script.lua"] = "print(#arg)\n",
+  ["scene.lua"] = 'local p = parameters { n = 10 }\nfor i = 1, p.n do add(i / 2, 0, 0, 0.5, 0.5, 0.5, 0, 0, 0, 1) end\nreturn { dims = 3 }\n',
+}
+
+-- Every block of shell commands in a document, with its line.
+local function blocks(path)
+  local found, block, skipped = {}, nil, false
+  local number = 0
+  for line in assert(io.lines(path)) do
+    number = number + 1
+    if block and line:match("^```") then
+      found[#found + 1] = block
+      block = nil
+    elseif block then
+      block.commands[#block.commands + 1] = line
+    elseif line:match("^```sh") then
+      block = { line = number, commands = {}, skipped = skipped }
+    end
+    skipped = line:match("^<!%-%- not run: ") ~= nil
+  end
+  return found
+end
+
+-- The same command, done in a moment.
+local function small(line)
+  line = line:gsub("(%-%-?n[ =])[%d,]+", "%1" .. few)
+  line = line:gsub("(%-%-sizes )[%d,]+", "%1" .. few)
+  line = line:gsub("%-%-pair [^ ]+", "")
+  line = line:gsub("^duet bench", "duet bench --quick --repeat 2")
+  local scene = line:match("^duet %a+ [^#]*%.lua") and not line:match("^duet lua")
+  if scene and not line:match("%-%-?n[ =]") and not line:match("%-%-config") then
+    line = line:gsub("%.lua", ".lua -n " .. few, 1)
+  end
+  return line
+end
+
+local function run(block)
+  local script = { "set -euo pipefail\n" }
+  for _, line in ipairs(block.commands) do script[#script + 1] = small(line) .. "\n" end
+  os.execute(("rm -rf '%s' && mkdir -p '%s' && ln -s '%s/lua' '%s/examples' '%s'"):format(
+    folder, folder, root, root, folder))
+  examples["block.sh"] = table.concat(script)
+  for name, text in pairs(examples) do
+    local file = assert(io.open(folder .. "/" .. name, "w"))
+    file:write(text)
+    file:close()
+  end
+  return os.execute(("cd '%s' && PATH=\"%s:$PATH\" DUET_PROFILE='%s/profiles.db' bash block.sh >out 2>err </dev/null")
+    :format(folder, program:match("^(.*)/"), folder))
+end
+
+local failed, n = 0, 0
+for i = 4, #arg do
+  for _, block in ipairs(blocks(arg[i])) do
+    if not block.skipped then
+      n = n + 1
+      if not run(block) then
+        failed = failed + 1
+        local file <close> = assert(io.open(folder .. "/err"))
+        io.stderr:write(("%s:%d: %s\n"):format(arg[i], block.line, file:read("a")))
+      end
+    end
+  end
+end
+print(n .. " blocks, " .. failed .. " failed")
+if failed > 0 or n == 0 then os.exit(1) end

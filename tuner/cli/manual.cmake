@@ -1,0 +1,16 @@
+# Man pages and the completion for bash, written by the program itself once it
+# is built.
+set(manual_dir ${CMAKE_CURRENT_BINARY_DIR}/manual)
+add_custom_command(
+  OUTPUT ${manual_dir}/duet.bash
+  COMMAND ${CMAKE_COMMAND} -E rm -rf ${manual_dir}
+  COMMAND ${CMAKE_COMMAND} -E make_directory ${manual_dir}
+  COMMAND duet lua --trust ${CMAKE_CURRENT_LIST_DIR}/manual.lua $<TARGET_FILE:duet>
+          ${PROJECT_VERSION} ${manual_dir}
+  DEPENDS duet ${CMAKE_CURRENT_LIST_DIR}/manual.lua
+  VERBATIM)
+add_custom_target(manual ALL DEPENDS ${manual_dir}/duet.bash)
+install(DIRECTORY ${manual_dir}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1
+  FILES_MATCHING PATTERN "*.1")
+install(FILES ${manual_dir}/duet.bash RENAME duet
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
