@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How near each strategy comes to the best share on two real devices, one of
+// How near each strategy comes to the best share on two halves of a CPU, one of
 // which is slowed down by searching again and again. What the strategies chose
 // is then raced against an even grid of shares, all in turn.
 #include "bench.h"
@@ -124,11 +124,33 @@ static bool run_world(duet_world *world, uint32_t n, duet_error *err)
     return ok;
 }
 
+// The two halves of the first CPU that can be cut.
+static duet_device_pair *open_halves(duet_error *err)
+{
+    duet_device_list *list = duet_device_list_open(err);
+    duet_device_pair_def def = duet_default_device_pair_def();
+    char halves[2][96] = {"", ""};
+    for (uint32_t i = 0; list && i < duet_device_list_count(list) && !halves[0][0]; ++i) {
+        const duet_device_info *d = duet_device_list_at(list, i);
+        if (d->kind != DUET_KIND_CPU || !d->can_cut || d->units < 2)
+            continue;
+        snprintf(halves[0], sizeof halves[0], "%s[0-%u]", d->selector, d->units / 2 - 1);
+        snprintf(halves[1], sizeof halves[1], "%s[%u-%u]", d->selector, d->units / 2,
+                 d->units / 2 * 2 - 1);
+    }
+    duet_device_list_close(list);
+    def.a = halves[0];
+    def.b = halves[1];
+    if (halves[0][0])
+        return duet_device_pair_open(&def, err);
+    error_set(err, DUET_NO_DEVICE, "there is no CPU that can be cut in two");
+    return NULL;
+}
+
 bool bench_tune(const bench_options *options, duet_error *err)
 {
     uint32_t n = options->n ? options->n : 50000;
-    duet_device_pair_def devices = duet_default_device_pair_def();
-    duet_device_pair *pair = duet_device_pair_open(&devices, err);
+    duet_device_pair *pair = open_halves(err);
     duet_pose *poses = pair ? paper_poses(n, options->seed) : NULL;
     if (pair && !poses)
         error_set(err, DUET_NO_MEMORY, "%u boxes: no memory", n);
