@@ -193,7 +193,7 @@ static bool run_race(tuning *t, field *f, const race_options *options, bool of_a
 
 // ---------------------------------------------------------------- variants
 
-static const char *const default_variants[] = {"rows", "rows sort=radix", "paper"};
+static const char *const default_variants[] = {"rows", "lanes", "rows sort=radix", "paper"};
 
 static const char *variant_at(const duet_tune_def *def, uint32_t i)
 {

@@ -47,7 +47,7 @@ static const option options[] = {
     OPTION_TEXT("strategy-lua", strategy_path, "FILE",
                 "a script that returns a function from the history to the next share"),
     OPTION_TEXT("variants", variants, "LIST",
-                "kernels to choose from, with commas between them (rows,rows sort=radix,paper)"),
+                "kernels to choose from, with commas between them (rows,lanes,rows sort=radix,paper)"),
     OPTION_NUMBER("budget", budget_seconds, "SECONDS", "time for each workload (no limit)", 0, 0),
     OPTION_COUNT("trials", budget_trials, "K", "trials for each workload (no limit)", 1,
                  UINT32_MAX),

@@ -8,6 +8,7 @@
 #include "tuner/cli/table.h"
 
 #include <cjson/cJSON.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -66,6 +67,14 @@ static void add_terms(cJSON *o, const duet_tune_terms *t)
         cJSON_AddNumberToObject(terms, rows[i].name, rows[i].value);
 }
 
+// Steps after which the time that tuning took is won back; 0 where it is not,
+// or where it was not measured here.
+static double break_even(const duet_tune_outcome *o)
+{
+    double won_ms = o->single_ms - o->step_ms;
+    return won_ms > 0 ? ceil(o->seconds * 1e3 / won_ms) : 0;
+}
+
 void tune_report_add(tune_report *r, const duet_tune_outcome *o)
 {
     char variant[200];
@@ -84,6 +93,7 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o)
     cJSON_AddNumberToObject(row, "step_ms", o->step_ms);
     cJSON_AddNumberToObject(row, "launches", o->launches);
     cJSON_AddNumberToObject(row, "seconds", o->seconds);
+    cJSON_AddNumberToObject(row, "break_even_steps", break_even(o));
     cJSON_AddBoolToObject(row, "resumed", o->known || o->resumed);
     add_terms(row, &o->terms);
     cJSON_AddItemToArray(r->workloads, row);
