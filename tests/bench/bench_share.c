@@ -23,19 +23,45 @@ static const struct {
     [SLAB] = {"slab, share 0.5", DUET_MODE_SLAB, DUET_SHARE_ONE / 2},
 };
 
+// What the better one of the devices takes alone.
+static double alone(const subject subjects[N], double (*value)(const subject *))
+{
+    return fmin(value(&subjects[ALONE_A]), value(&subjects[ALONE_B]));
+}
+
+static double search_median(const subject *s)
+{
+    return series_median(&s->searching);
+}
+
+static double step_median(const subject *s)
+{
+    return series_median(&s->total);
+}
+
+static double step_least(const subject *s)
+{
+    return series_least(&s->total);
+}
+
 static void print(const subject subjects[N])
 {
-    double search_alone = fmin(series_median(&subjects[ALONE_A].searching),
-                               series_median(&subjects[ALONE_B].searching));
-    double step_alone =
-        fmin(series_median(&subjects[ALONE_A].total), series_median(&subjects[ALONE_B].total));
-    printf("%u objects\n%-24s %9s %9s %9s %9s %9s\n", subjects[0].def.n, "ms", "search", "to alone",
-           "step", "to alone", "CPU time");
+    static const struct {
+        const char *name;
+        double (*value)(const subject *);
+    } columns[] = {{"search", search_median}, {"step", step_median}, {"least step", step_least}};
+    enum { N_COLUMNS = sizeof columns / sizeof columns[0] };
+    printf("%u objects\n%-20s", subjects[0].def.n, "ms");
+    for (int c = 0; c < N_COLUMNS; ++c)
+        printf(" %10s %8s", columns[c].name, "to alone");
+    printf(" %10s\n", "CPU time");
     for (int i = 0; i < N; ++i) {
-        double search = series_median(&subjects[i].searching);
-        double step = series_median(&subjects[i].total);
-        printf("%-24s %9.2f %9.2f %9.2f %9.2f %9.2f\n", splits[i].name, search,
-               search / search_alone, step, step / step_alone, series_median(&subjects[i].cpu));
+        printf("%-20s", splits[i].name);
+        for (int c = 0; c < N_COLUMNS; ++c) {
+            double ms = columns[c].value(&subjects[i]);
+            printf(" %10.2f %8.2f", ms, ms / alone(subjects, columns[c].value));
+        }
+        printf(" %10.2f\n", series_median(&subjects[i].cpu));
     }
     printf("wanted: search at most 0.62 of the better device alone; slab's step 0.58\n");
 }
