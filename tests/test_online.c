@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "support/test.h"
 
+#include "runtime/profiled.h"
 #include "tuner/online.h"
+#include "tuner/record.h"
 #include "tuner/replay.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define STORE "test_online.db"
 
 // Frames by a model; gives the longest, in units of what the share that was
 // kept before would take.
@@ -80,6 +86,102 @@ static void a_plan_of_one_device_stays(void **state)
     online_end(&o);
 }
 
+// ---------------------------------------------------------------- on a world
+
+enum { BOXES = 500 };
+
+typedef struct fixture {
+    duet_device_pair *pair;
+    duet_world *world;
+} fixture;
+
+static void remove_store(void)
+{
+    static const char *const files[] = {STORE, STORE "-wal", STORE "-shm"};
+    for (size_t i = 0; i < sizeof files / sizeof *files; ++i)
+        remove(files[i]);
+}
+
+static void make_world(fixture *f)
+{
+    duet_error err = {0};
+    duet_device_pair_def devices = duet_default_device_pair_def();
+    duet_world_def def = duet_default_world_def();
+    assert_ok((f->pair = duet_device_pair_open(&devices, &err)), err);
+    def.pair = f->pair;
+    def.plan.share = DUET_SHARE_ONE / 2;
+    assert_ok((f->world = duet_world_create(&def, &err)), err);
+    rng r = rng_seed(test_seed());
+    duet_pose *poses = duet_world_map_poses(f->world, BOXES, &err);
+    assert_non_null(poses);
+    for (int i = 0; i < BOXES; ++i) {
+        poses[i] = (duet_pose){.half = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
+        for (int k = 0; k < 3; ++k)
+            poses[i].centre[k] = (float)rng_between(&r, 0, 8);
+    }
+}
+
+static void destroy_world(fixture *f)
+{
+    duet_world_destroy(f->world);
+    duet_device_pair_close(f->pair);
+}
+
+static void steps_find_the_same_pairs_while_the_share_is_watched(void **state)
+{
+    (void)state;
+    fixture f;
+    duet_error err = {0};
+    duet_result plain, watched;
+    make_world(&f);
+    assert_ok(duet_world_step(f.world, &plain, &err), err);
+    uint64_t hash = duet_result_hash(&plain);
+    duet_online_def def = duet_default_online_def();
+    def.world = f.world;
+    duet_online *watching = duet_online_open(&def, &err);
+    assert_non_null(watching);
+    for (int i = 0; i < 100; ++i) {
+        assert_ok(duet_online_step(watching, &watched, &err), err);
+        assert_true(duet_result_hash(&watched) == hash);
+    }
+    assert_ok(duet_online_close(watching, &err), err);
+    destroy_world(&f);
+}
+
+static void what_was_learned_is_loaded_at_the_next_start(void **state)
+{
+    (void)state;
+    fixture f;
+    profiled known;
+    record r;
+    duet_profile profile;
+    duet_error err = {0};
+    remove_store();
+    make_world(&f);
+    assert_ok(profiled_world(f.world, &known, &err), err);
+    profile_request request = profiled_request(&known);
+    duet_plan plan = *duet_world_plan(f.world);
+    plan.share = 12345;
+    assert_ok(record_open(&r, STORE, &request, &err), err);
+    assert_ok(record_online(&r, &plan, 2e6, &err), err);
+    record_close(&r);
+    assert_ok(duet_world_load_profile(f.world, STORE, &profile, &err), err);
+    assert_int_equal(profile.grade, DUET_GRADE_EXACT);
+    assert_int_equal(duet_world_plan(f.world)->share, 12345);
+    assert_string_equal(profile.verdict, "ambiguous");
+    destroy_world(&f);
+    remove_store();
+}
+
+static void a_def_that_is_no_def_is_refused(void **state)
+{
+    (void)state;
+    duet_online_def zero = {0};
+    duet_error err = {0};
+    assert_null(duet_online_open(&zero, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -87,6 +189,9 @@ int main(void)
         cmocka_unit_test(a_steady_machine_is_seldom_tuned_again),
         cmocka_unit_test(a_trial_costs_no_more_than_was_allowed),
         cmocka_unit_test(a_plan_of_one_device_stays),
+        cmocka_unit_test(steps_find_the_same_pairs_while_the_share_is_watched),
+        cmocka_unit_test(what_was_learned_is_loaded_at_the_next_start),
+        cmocka_unit_test(a_def_that_is_no_def_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
