@@ -128,11 +128,22 @@ function lab.median_interval(values, level)
   return sorted[rank], sorted[n + 1 - rank]
 end
 
--- One step with a plan: the result, whose pairs must be those of the others.
-local function step(world, scene, plan)
-  assert(world:set_plan(plan))
-  assert(world:set_scene(scene))
+-- One step, for which the objects are handed over anew, as an application does.
+-- (world:set_scene would have the grid fitted again as well.)
+function lab.step(world, scene)
+  if scene.shape == "poses" then
+    assert(world:set_poses(scene:poses()))
+  else
+    assert(world:set_bounds(scene:bounds()))
+  end
   return assert(world:step())
+end
+
+-- A step by another plan than the last, which buffers have to settle to first.
+local function step_with(world, scene, plan)
+  assert(world:set_plan(plan))
+  lab.step(world, scene)
+  return lab.step(world, scene)
 end
 
 -- Steps each plan in turn, `rounds` times after one to warm up. For each plan:
@@ -140,15 +151,14 @@ end
 function lab.race(world, scene, plans, rounds)
   local results, hash = {}, nil
   for i, plan in ipairs(plans) do
-    local found = step(world, scene, plan):hash()
+    local found = step_with(world, scene, plan):hash()
     assert(found == (hash or found), "two plans found different pairs")
     hash, results[i] = found, { samples = {}, plan = plan }
   end
   for round = 1, rounds do
     for turn = 1, #plans do
       local i = (turn + round - 2) % #plans + 1
-      step(world, scene, plans[i]) -- another plan went before: buffers settle
-      results[i].samples[round] = step(world, scene, plans[i]).total_ms
+      results[i].samples[round] = step_with(world, scene, plans[i]).total_ms
     end
   end
   for _, r in ipairs(results) do
@@ -194,11 +204,10 @@ function lab.search(def, launch)
   end
 end
 
--- A launch for lab.search on the world's devices: one step settles the buffers.
+-- A launch for lab.search on the world's devices.
 function lab.launcher(world, scene, plan)
   return function(share)
-    step(world, scene, lab.with_share(plan, share))
-    local result = step(world, scene, lab.with_share(plan, share))
+    local result = step_with(world, scene, lab.with_share(plan, share))
     return result.total_ms, result.device_ms[1], result.device_ms[2]
   end
 end

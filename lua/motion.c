@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // device_pair:motion: objects that move, and push each other where they touch.
 #include "lua/nouns.h"
+#include "lua/policy.h"
 
 #include <string.h>
 
@@ -312,11 +313,58 @@ static int motion_contacts(lua_State *L)
     return 1;
 }
 
-static const luaL_Reg methods[] = {{"advance", motion_advance}, {"effects", motion_effects},
-                                   {"read", motion_read},       {"hash", motion_hash},
-                                   {"energy", motion_energy},   {"contacts", motion_contacts},
+static int motion_save(lua_State *L)
+{
+    duet_error err = {0};
+    duet_motion *motion = check_motion(L);
+    const char *path = luaL_checkstring(L, 2);
+    policy_check_trusted(L, "saving a motion");
+    return class_push_done(L, duet_motion_save(motion, path, &err), &err);
+}
 
-                                   {"close", motion_close},     {NULL, NULL}};
+static int motion_load(lua_State *L)
+{
+    duet_error err = {0};
+    motion_box *box = check_box(L);
+    const char *path = luaL_checkstring(L, 2);
+    policy_check_read(L, path);
+    ++box->steps;
+    return class_push_done(L, duet_motion_load(box->motion, path, &err), &err);
+}
+
+static const member effect_members[] = {
+    MEMBER(member_string, duet_effect_info, name),
+    MEMBER(member_bool, duet_effect_info, active),
+    MEMBER(member_string, duet_effect_info, called_by),
+    MEMBER(member_string, duet_effect_info, kernels),
+    MEMBER(member_count, duet_effect_info, bytes),
+    {0},
+};
+
+// One table an effect.
+static int motion_explain(lua_State *L)
+{
+    duet_effect_info info = {0};
+    const duet_motion *motion = check_motion(L);
+    lua_newtable(L);
+    for (uint32_t i = 0; duet_motion_explain(motion, i, &info); ++i) {
+        member_push_table(L, effect_members, &info);
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    }
+    return 1;
+}
+
+static const luaL_Reg methods[] = {{"advance", motion_advance},
+                                   {"effects", motion_effects},
+                                   {"read", motion_read},
+                                   {"hash", motion_hash},
+                                   {"energy", motion_energy},
+                                   {"contacts", motion_contacts},
+                                   {"save", motion_save},
+                                   {"load", motion_load},
+                                   {"explain", motion_explain},
+                                   {"close", motion_close},
+                                   {NULL, NULL}};
 static const luaL_Reg metas[] = {{"__len", motion_length}, {NULL, NULL}};
 static const lua_class motion_class = {.name = "duet.motion", .methods = methods, .metas = metas};
 
