@@ -99,26 +99,25 @@ static void a_workload_is_tuned_once_and_known_ever_after(void **state)
     cJSON_Delete(fresh);
 }
 
-// Killed at several moments; what was measured before each stays measured.
-static void a_killed_tuning_is_taken_up_again(void **state)
+// Stopped at several moments, by kill -9 and by Ctrl-C; what was measured
+// before each stays measured.
+static void a_stopped_tuning_is_taken_up_again(void **state)
 {
     (void)state;
-    static const char *const moments[] = {"0.3", "0.5", "0.7"};
+    static const char *const stops[] = {"KILL 0.3", "INT 0.4", "KILL 0.5", "KILL 0.6", "INT 0.7"};
     const char *duet = getenv("DUET_PROGRAM");
     assert_non_null(duet);
-    for (size_t i = 0; i < sizeof moments / sizeof *moments; ++i) {
+    for (size_t i = 0; i < sizeof stops / sizeof *stops; ++i) {
         text command = {0};
-        text_add(&command,
-                 "timeout -s KILL %s '%s' tune " QUICK "--repeat 32 " SCENE " >/dev/null 2>&1",
-                 moments[i], duet);
+        text_add(&command, "timeout -s %s '%s' tune " QUICK "--repeat 32 " SCENE " >/dev/null 2>&1",
+                 stops[i], duet);
         int status = system(text_chars(&command));
-        (void)status; // killed, or finished before on a fast machine
+        (void)status; // stopped, or finished before on a fast machine
         text_free(&command);
     }
     const cJSON *rows;
     cJSON *root = tune_json(QUICK "--repeat 32 " SCENE, &rows);
-    const cJSON *row = cJSON_GetArrayItem(rows, 0);
-    assert_true(is_true(row, "resumed"));
+    assert_true(is_true(cJSON_GetArrayItem(rows, 0), "resumed"));
     cJSON_Delete(root);
 }
 
@@ -206,7 +205,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(a_workload_is_tuned_once_and_known_ever_after, begin_afresh),
-        cmocka_unit_test_setup(a_killed_tuning_is_taken_up_again, begin_afresh),
+        cmocka_unit_test_setup(a_stopped_tuning_is_taken_up_again, begin_afresh),
         cmocka_unit_test_setup(a_budget_of_trials_is_kept, begin_afresh),
         cmocka_unit_test_setup(a_tune_file_sweeps_with_a_strategy_of_its_own, begin_afresh),
         cmocka_unit_test_setup(what_is_wrong_on_the_command_line_is_one_line, begin_afresh),

@@ -7,7 +7,8 @@
 // bracket that the sign of A's time minus B's proves. Once a share near the
 // crossing took what the lines say, it is raced against the baselines and its
 // neighbours, in turn, and those that are clearly slower drop out. Where the
-// lines do not come true the shares of a coarse grid are raced instead.
+// lines do not come true the shares of a coarse grid are raced instead; where
+// they cross far above B's time alone, only the single devices are left.
 //
 // The dear end, where the slow device does everything, is only approached by
 // shares that the line of that device says are cheap enough.
@@ -17,7 +18,8 @@
 #include <math.h>
 
 enum {
-    MOST_REFINED = 7,  // launches until the lines must have come true
+    LEAST_REFINED = 4, // launches until the lines may say that sharing only costs
+    MOST_REFINED = 7,  // launches until they must have come true
     MOST_RACED = 16,   // launches in all, where they did
     SURVEY = 8,        // intervals of the coarse grid, where they did not
     MOST_REPEATS = 64, // samples that are looked at
@@ -31,6 +33,7 @@ static const double CLOSE = 0.005;    // a share this near to the best needs no 
 static const double NEIGHBOUR = 0.04; // a neighbour is expected to be slower by this
 static const double LINE_SAMPLES = 2; // the lines count as so many samples at a share
 static const double EQUAL = 0.002;    // repeats this near to each other show no noise
+static const double VAIN = 1.5;       // a crossing this far above B alone ends the search
 static const double WORTH_ALONE = 1.15; // A alone is measured where it may take so much of B alone
 
 // A device's time for a part of the work, over B's time for all of it.
@@ -250,18 +253,18 @@ static void enter(field *f, uint32_t share)
     f->rivals[f->n++] = share;
 }
 
-static bool worth_alone(const model *m)
+static void enter_alone(const model *m, field *f)
 {
-    return line_at(&m->lines[0], 1) < WORTH_ALONE;
+    enter(f, 0);
+    if (line_at(&m->lines[0], 1) < WORTH_ALONE)
+        enter(f, SEARCH_ONE);
 }
 
 static void enter_neighbours(const search *s, const model *m, uint32_t best, field *f)
 {
     double part = part_of(best, 0), step = NEIGHBOUR * expected_total(m, best);
     enter(f, best);
-    enter(f, 0);
-    if (worth_alone(m))
-        enter(f, SEARCH_ONE);
+    enter_alone(m, f);
     enter(f, to_share(s, part - step / m->lines[1].slope));
     enter(f, to_share(s, part + step / m->lines[0].slope));
 }
@@ -269,9 +272,7 @@ static void enter_neighbours(const search *s, const model *m, uint32_t best, fie
 static void enter_grid(const search *s, const model *m, field *f)
 {
     f->surveyed = true;
-    enter(f, 0);
-    if (worth_alone(m))
-        enter(f, SEARCH_ONE);
+    enter_alone(m, f);
     for (uint32_t k = 1; k < SURVEY; ++k) {
         double part = k / (double)SURVEY;
         if (affordable(s, m, part) == part)
@@ -292,6 +293,10 @@ static bool find_field(const search *s, field *f, uint32_t *next)
                 enter_neighbours(s, &m, s->samples[i].share, f);
                 return true;
             }
+        }
+        if (n >= LEAST_REFINED && expected_total(&m, m.crossing) > VAIN) {
+            enter_alone(&m, f);
+            return true;
         }
         if (n == MOST_REFINED) {
             enter_grid(s, &m, f);

@@ -162,17 +162,20 @@ static void enter(field *f, duet_plan plan)
         f->plans[f->n++] = plan;
 }
 
-// A variant so much slower in its first round is not worth a second.
-static bool is_hopeless(const race *r, uint32_t rival, double ns)
+// What is so much slower is not worth another round.
+static void drop_hopeless(race *r)
 {
     uint32_t leader = race_leader(r);
-    return r->rivals[rival].rounds == 0 && leader < r->n && ns > HOPELESS * race_median(r, leader);
+    for (uint32_t i = 0; i < r->n && leader < r->n; ++i) {
+        if (r->rivals[i].rounds > 0 && race_median(r, i) > HOPELESS * race_median(r, leader))
+            race_drop(r, i);
+    }
 }
 
 // Races until it is decided or the stage's part of the budget is spent. A
 // trial's time is the total, or A's own where that is what is chosen.
-static bool run_race(tuning *t, field *f, const race_options *options, bool of_a,
-                     bool drop_hopeless, duet_error *err)
+static bool run_race(tuning *t, field *f, const race_options *options, bool of_a, bool quick,
+                     duet_error *err)
 {
     uint32_t rival;
     f->race = race_begin(f->n, options);
@@ -181,11 +184,12 @@ static bool run_race(tuning *t, field *f, const race_options *options, bool of_a
         if (!run_trial(t, &f->plans[rival], &got, err))
             return false;
         double ns = (double)(of_a ? got.sample.a_ns : got.sample.total_ns);
-        bool drop = !got.usable || (drop_hopeless && is_hopeless(&f->race, rival, ns));
         if (got.usable)
             race_add(&f->race, rival, ns);
-        if (drop)
+        else
             race_drop(&f->race, rival);
+        if (quick)
+            drop_hopeless(&f->race);
         f->terms[rival] = got.terms;
     }
     return true;
