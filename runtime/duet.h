@@ -167,7 +167,7 @@ DUET_API const char *duet_mode_name(duet_mode mode); // "shared"; NULL outside
 typedef struct duet_plan {
     uint32_t share; // A's part of the objects, out of DUET_SHARE_ONE; r in the paper
     duet_mode mode;
-    char variant_a[96]; // "rows", "lanes" or "paper", or with settings: "rows sort=radix"
+    char variant_a[96]; // "rows", "lanes", "items" or "paper", or with settings: "rows sort=radix"
     char variant_b[96];
 } duet_plan;
 
@@ -312,20 +312,20 @@ DUET_API uint64_t duet_result_hash(const duet_result *result);
 // What a scene can call for. A motion runs those that its objects and its def
 // call for and nothing else: docs/effects.md says by what each is called for.
 typedef enum duet_effect {
-    DUET_EFFECT_ROTATION = 1u << 0,  // orientation matters
-    DUET_EFFECT_MOTION = 1u << 1,    // objects have velocities
-    DUET_EFFECT_SPIN = 1u << 2,      // and turn
-    DUET_EFFECT_GRAVITY = 1u << 3,   // uniform, or towards a point
-    DUET_EFFECT_DRAG = 1u << 4,      // velocities decay
-    DUET_EFFECT_BOUNDS = 1u << 5,    // walls, or a world that repeats itself
-    DUET_EFFECT_CONTACT = 1u << 6,   // where objects touch
-    DUET_EFFECT_RESPONSE = 1u << 7,  // contacts push, and bounce
-    DUET_EFFECT_FRICTION = 1u << 8,  // and rub
-    DUET_EFFECT_FAST = 1u << 9,      // what is met on the way is not passed through
-    DUET_EFFECT_FILTER = 1u << 10,   // groups and masks
-    DUET_EFFECT_SLEEP = 1u << 11,    // what rests leaves the work
-    DUET_EFFECT_SKIN = 1u << 12,     // the grid lasts until something leaves its skin
-    DUET_EFFECT_EVENTS = 1u << 13,   // contacts that begin and end are told
+    DUET_EFFECT_ROTATION = 1u << 0, // orientation matters
+    DUET_EFFECT_MOTION = 1u << 1,   // objects have velocities
+    DUET_EFFECT_SPIN = 1u << 2,     // and turn
+    DUET_EFFECT_GRAVITY = 1u << 3,  // uniform, or towards a point
+    DUET_EFFECT_DRAG = 1u << 4,     // velocities decay
+    DUET_EFFECT_BOUNDS = 1u << 5,   // walls, or a world that repeats itself
+    DUET_EFFECT_CONTACT = 1u << 6,  // where objects touch
+    DUET_EFFECT_RESPONSE = 1u << 7, // contacts push, and bounce
+    DUET_EFFECT_FRICTION = 1u << 8, // and rub
+    DUET_EFFECT_FAST = 1u << 9,     // what is met on the way is not passed through
+    DUET_EFFECT_FILTER = 1u << 10,  // groups and masks
+    DUET_EFFECT_SLEEP = 1u << 11,   // what rests leaves the work
+    DUET_EFFECT_SKIN = 1u << 12,    // the grid lasts until something leaves its skin
+    DUET_EFFECT_EVENTS = 1u << 13,  // contacts that begin and end are told
     DUET_EFFECT_ALL = (1u << 14) - 1
 } duet_effect;
 
@@ -427,8 +427,7 @@ typedef struct duet_motion_result {
 } duet_motion_result;
 
 // Advances all objects by dt.
-DUET_API bool duet_motion_advance(duet_motion *motion, duet_motion_result *result,
-                                  duet_error *err);
+DUET_API bool duet_motion_advance(duet_motion *motion, duet_motion_result *result, duet_error *err);
 
 DUET_API uint32_t duet_motion_effects(const duet_motion *motion); // bits of duet_effect
 DUET_API uint32_t duet_motion_count(const duet_motion *motion);

@@ -116,7 +116,7 @@ static bool all_settings_used(const part *p, duet_error *err)
 
 bool part_prepare(part *p, const char *variant_text, const part_task *task, duet_error *err)
 {
-    if (!variant_parse(&p->variant, variant_text, err))
+    if (!variant_parse(&p->variant, variant_text, &p->device->info, err))
         return false;
     static const struct {
         const char *starts;
@@ -125,7 +125,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         const char *narrow;
         bool in_cell_order;
     } searches[] = {
-        [SEARCH_ROWS] = {"row_start", {"reorder", "reorder"}, "candidates_rows", "narrow", true},
+        [SEARCH_ITEMS] = {"row_start", {"reorder", "reorder"}, "candidates_rows", "narrow", true},
         [SEARCH_LANES] =
             {"row_start", {"reorder_lanes", "reorder_lanes"}, "search_lanes", "narrow_lanes", true},
         [SEARCH_PAPER] =
@@ -146,8 +146,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         {"ROOMY", grid_is_roomy(&task->grid, task->dims), false},
         {"PACKED", task->packed, false},
         {"FROM_IDS", 1, counting && !task->shared},
-        {"FUSED", poses && (search == SEARCH_LANES || p->device->info.kind != DUET_KIND_CPU),
-         poses},
+        {"FUSED", poses && p->variant.fused, poses},
     };
     const uint32_t n = sizeof choices / sizeof choices[0];
     const struct {
@@ -176,7 +175,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         if (!*list[i].at)
             return false;
     }
-    p->kernels.from_ids = search != SEARCH_ROWS || kernel_param(p->kernels.place, "FROM_IDS") == 1;
+    p->kernels.from_ids = search != SEARCH_ITEMS || kernel_param(p->kernels.place, "FROM_IDS") == 1;
     p->kernels.packed = task->packed;
     p->kernels.fused = kernel_param(p->kernels.candidates, "FUSED") == 1;
     // Fused rows leave to narrow what their buffers cannot hold, lanes nothing.

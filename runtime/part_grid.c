@@ -197,7 +197,7 @@ static place_bytes bytes_of_places(const part *p, const part_task *task, size_t 
         return (place_bytes){.bounds = column * (2 * task->dims + 1) * sizeof(float),
                              .boxes = poses ? column * words * sizeof(float) : 0};
     }
-    bool boxes = poses && p->variant.search == SEARCH_ROWS;
+    bool boxes = poses && p->variant.search == SEARCH_ITEMS;
     return (place_bytes){.bounds = n * 2 * sizeof(cl_float4),
                          .boxes = boxes ? n * 3 * sizeof(cl_float4) : 0};
 }
@@ -311,7 +311,8 @@ bool part_receive_grid(part *to, part *from, const part_task *task, const part_r
             return false;
         at = pieces[i].from->host ? at : at + pieces[i].bytes;
     }
-    if (to->device->info.host_memory && from->device->info.host_memory)
+    if (to->variant.search == from->variant.search && to->device->info.host_memory &&
+        from->device->info.host_memory)
         return borrow_places(to, from, task, err);
     return reserve_places(to, task, task->n, err) && place(to, task, range, err);
 }

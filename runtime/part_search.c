@@ -147,7 +147,7 @@ static bool run_candidates(part *p, const part_task *task, const part_range *ran
 {
     buffer *found = p->kernels.narrow ? &p->candidates : &p->pairs;
     switch (p->variant.search) {
-    case SEARCH_ROWS:
+    case SEARCH_ITEMS:
         return run_rows(p, task, range, found, err);
     case SEARCH_LANES:
         return run_lanes(p, task, range, found, err);

@@ -246,7 +246,8 @@ static bool pays_to_pack(const duet_world *world, int side, const part_range ran
     return world->def.plan.mode == DUET_MODE_SLAB && world->n >= world->pack_from &&
            !world->parts[side].device->info.host_memory && ranges[0].last > 0 &&
            ranges[1].last > 0 && ranges[side].expected <= world->n - world->n / LEAST_LEFT_OUT &&
-           variant_parse(&v, variants[side], NULL) && v.search == SEARCH_ROWS;
+           variant_parse(&v, variants[side], &world->parts[side].device->info, NULL) &&
+           v.search == SEARCH_ITEMS;
 }
 
 // *placed is false where a slab had more objects than it had room for.

@@ -8,27 +8,32 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool take_search(variant *v, const char *word, duet_error *err)
+// On a CPU rows lists its candidates first, so that finding and testing them
+// have times of their own; lanes does both at once.
+static bool take_search(variant *v, const char *word, bool cpu, duet_error *err)
 {
-    static const struct {
+    const struct {
         const char *name;
         variant_search search;
         variant_sort sort;
+        bool fused;
     } searches[] = {
-        {"rows", SEARCH_ROWS, SORT_COUNTING},
-        {"lanes", SEARCH_LANES, SORT_COUNTING},
-        {"paper", SEARCH_PAPER, SORT_RADIX},
+        {"rows", cpu ? SEARCH_LANES : SEARCH_ITEMS, SORT_COUNTING, !cpu},
+        {"lanes", SEARCH_LANES, SORT_COUNTING, true},
+        {"items", SEARCH_ITEMS, SORT_COUNTING, !cpu},
+        {"paper", SEARCH_PAPER, SORT_RADIX, false},
     };
     for (size_t i = 0; i < sizeof searches / sizeof searches[0]; ++i) {
         if (strcmp(word, searches[i].name) != 0)
             continue;
         v->search = searches[i].search;
         v->sort = searches[i].sort;
+        v->fused = searches[i].fused;
         return true;
     }
-    return error_set(err, DUET_BAD_ARGUMENT,
-                     "variant '%s': there is none of that name; there are rows, lanes and paper",
-                     word);
+    return error_set(
+        err, DUET_BAD_ARGUMENT,
+        "variant '%s': there is none of that name; there are rows, lanes, items and paper", word);
 }
 
 static bool take_sort(variant *v, const char *value, duet_error *err)
@@ -90,7 +95,7 @@ static bool take_setting(variant *v, char *word, duet_error *err)
     return true;
 }
 
-bool variant_parse(variant *v, const char *text, duet_error *err)
+bool variant_parse(variant *v, const char *text, const duet_device_info *device, duet_error *err)
 {
     *v = (variant){0};
     char words[sizeof(((duet_plan *)0)->variant_a)];
@@ -99,7 +104,7 @@ bool variant_parse(variant *v, const char *text, duet_error *err)
                          sizeof words - 1);
     char *rest = NULL;
     char *word = strtok_r(words, " ,", &rest);
-    bool ok = take_search(v, word ? word : "", err);
+    bool ok = take_search(v, word ? word : "", device->kind == DUET_KIND_CPU, err);
     while (ok && (word = strtok_r(NULL, " ,", &rest)))
         ok = take_setting(v, word, err);
     return ok;

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: MIT
-// What a variant's text asks for: "rows", "lanes", "paper", "rows sort=radix
-// BUF=512".
+// What a variant's text asks for: "rows", "lanes", "items", "paper", "rows
+// sort=radix BUF=512".
 //
-// The first word names the search. sort is counting or radix, grid is auto,
-// uniform, dense or hashed; every other NAME=V sets a parameter of each kernel whose card has it,
-// or of one kernel as KERNEL.NAME=V.
+// The first word names the search. rows is the one over merged rows in the
+// shape that suits the device, lanes on a CPU and items elsewhere. sort is counting or radix, grid
+// is auto, uniform, dense or hashed; every other NAME=V sets a parameter of each kernel whose card
+// has it, or of one kernel as KERNEL.NAME=V.
 #ifndef RUNTIME_VARIANT_H
 #define RUNTIME_VARIANT_H
 
 #include "runtime/duet.h"
 
-// rows: a pair a work-item, as GPUs like it; lanes: eight side by side in a
+// items: an object a work-item, as GPUs like it; lanes: eight side by side in a
 // work-item, as CPUs do; paper: section 2.3 of the paper.
-typedef enum variant_search { SEARCH_ROWS, SEARCH_LANES, SEARCH_PAPER } variant_search;
+typedef enum variant_search { SEARCH_ITEMS, SEARCH_LANES, SEARCH_PAPER } variant_search;
 
 typedef enum variant_sort { SORT_COUNTING, SORT_RADIX } variant_sort;
 
@@ -29,6 +30,7 @@ typedef struct variant {
     variant_search search;
     variant_sort sort;
     variant_grid grid;
+    bool fused; // candidates are tested where they are found, unless it is set otherwise
     struct {
         char kernel[32]; // empty: every kernel that has the parameter
         char name[24];
@@ -39,6 +41,6 @@ typedef struct variant {
 } variant;
 
 // BAD_ARGUMENT names the word that is wrong and what would be right.
-bool variant_parse(variant *v, const char *text, duet_error *err);
+bool variant_parse(variant *v, const char *text, const duet_device_info *device, duet_error *err);
 
 #endif

@@ -106,7 +106,8 @@ static bool find_wish(grid_wish *wish, const duet_plan *plan, const variant *a, 
     return true;
 }
 
-static bool check_plan(grid_wish *wish, const duet_plan *plan, duet_error *err)
+static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_device_pair *pair,
+                       duet_error *err)
 {
     variant a;
     variant b;
@@ -117,9 +118,10 @@ static bool check_plan(grid_wish *wish, const duet_plan *plan, duet_error *err)
     if (plan->mode < DUET_MODE_SHARED || plan->mode > DUET_MODE_SLAB)
         return error_set(err, DUET_BAD_ARGUMENT, "mode is %d; right would be shared, own or slab",
                          (int)plan->mode);
-    if (!variant_parse(&a, plan->variant_a, err) || !variant_parse(&b, plan->variant_b, err))
+    if (!variant_parse(&a, plan->variant_a, &pair->devices[0].info, err) ||
+        !variant_parse(&b, plan->variant_b, &pair->devices[1].info, err))
         return false;
-    if (plan->mode == DUET_MODE_SHARED && a.search != b.search)
+    if (plan->mode == DUET_MODE_SHARED && (a.search == SEARCH_PAPER) != (b.search == SEARCH_PAPER))
         return error_set(err, DUET_BAD_ARGUMENT,
                          "mode shared: A cannot search B's grid as '%s' where B does '%s'; right "
                          "would be the same search, or mode own",
@@ -132,7 +134,7 @@ static bool check_plan(grid_wish *wish, const duet_plan *plan, duet_error *err)
 duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
 {
     grid_wish wish;
-    if (!check_def(def, err) || !check_plan(&wish, &def->plan, err))
+    if (!check_def(def, err) || !check_plan(&wish, &def->plan, def->pair, err))
         return NULL;
     duet_world *world = calloc(1, sizeof *world);
     if (!world) {
@@ -169,7 +171,7 @@ void duet_world_destroy(duet_world *world)
 bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err)
 {
     grid_wish wish;
-    if (!check_plan(&wish, plan, err))
+    if (!check_plan(&wish, plan, world->def.pair, err))
         return false;
     world->fitted &= wish.uniform == world->wish.uniform && wish.dense == world->wish.dense &&
                      wish.hashed == world->wish.hashed;

@@ -172,6 +172,7 @@ static void rows_find_the_references_pairs(void **state)
 {
     (void)state;
     try_search("rows");
+    try_search("items");
 }
 
 static void the_papers_search_finds_the_references_pairs(void **state)
@@ -204,7 +205,7 @@ static void lanes_find_pairs_of_all_sizes(void **state)
 static void parts_agree_where_a_cell_is_cut(void **state)
 {
     (void)state;
-    static const char *const searches[] = {"rows", "lanes", "paper"};
+    static const char *const searches[] = {"items", "lanes", "paper"};
     rng r = rng_seed(test_seed());
     static crowd c = {.dims = 3, .shape = DUET_SHAPE_POSES, .rotated = true, .n = MOST};
     duet_device_pair *pair = open_pair("pocl:0", "pocl:0");

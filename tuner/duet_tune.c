@@ -54,7 +54,7 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
                          def->n_variants, RACE_RIVALS);
     for (uint32_t i = 0; i < def->n_variants; ++i) {
         variant v;
-        if (!variant_parse(&v, def->variants[i], err))
+        if (!variant_parse(&v, def->variants[i], duet_device_pair_info(def->pair, 0), err))
             return false;
     }
     return check_strategy(def->strategy, err);

@@ -20,18 +20,18 @@ static const struct {
     const char *variant;
 } ways[] = {
     {DUET_MODE_SHARED, "rows"},
-    {DUET_MODE_SHARED, "rows sort=radix grid=uniform"},
-    {DUET_MODE_SHARED, "rows grid=hashed"},
+    {DUET_MODE_SHARED, "items sort=radix grid=uniform"},
+    {DUET_MODE_SHARED, "items grid=hashed"},
     {DUET_MODE_SHARED, "paper"},
-    {DUET_MODE_OWN, "rows"},
+    {DUET_MODE_OWN, "items"},
     {DUET_MODE_OWN, "rows grid=dense"},
-    {DUET_MODE_OWN, "rows sort=radix grid=hashed"},
+    {DUET_MODE_OWN, "items FUSED=1 sort=radix grid=hashed"},
     {DUET_MODE_OWN, "paper"},
     {DUET_MODE_OWN, "lanes"},
     {DUET_MODE_OWN, "lanes grid=hashed"},
     {DUET_MODE_SHARED, "lanes sort=radix"},
     {DUET_MODE_SLAB, "lanes"},
-    {DUET_MODE_SLAB, "rows"},
+    {DUET_MODE_SLAB, "items FUSED=1"},
     {DUET_MODE_SLAB, "paper"},
 };
 
