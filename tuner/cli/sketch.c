@@ -99,14 +99,13 @@ static int by_distance(const void *a, const void *b)
     return (x->id > y->id) - (x->id < y->id);
 }
 
-static int by_id(const void *a, const void *b)
+// How near a centre is to the eye of the 3D view; in 2D no box hides another.
+static double nearness(const double centre[3], uint32_t dims)
 {
-    const near *x = a;
-    const near *y = b;
-    return (x->id > y->id) - (x->id < y->id);
+    return dims == 3 ? centre[0] + centre[1] + centre[2] : 0;
 }
 
-// Puts the nearest s->n of all first, in the order of the input.
+// Puts the s->n nearest to the focus first, those farthest from the eye leading.
 static void choose(const sketch *s, const duet_scene *scene, uint32_t focus, near *all)
 {
     double middle[3];
@@ -119,7 +118,12 @@ static void choose(const sketch *s, const duet_scene *scene, uint32_t focus, nea
             all[id].distance = fmax(all[id].distance, fabs(centre[k] - middle[k]));
     }
     qsort(all, s->info->n, sizeof *all, by_distance);
-    qsort(all, s->n, sizeof *all, by_id);
+    for (uint32_t i = 0; i < s->n; ++i) {
+        double centre[3];
+        centre_of(scene, all[i].id, centre);
+        all[i].distance = nearness(centre, s->info->dims);
+    }
+    qsort(all, s->n, sizeof *all, by_distance);
 }
 
 static void take_boxes(sketch *s, const duet_scene *scene, const near *chosen, uint32_t *places)

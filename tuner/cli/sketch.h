@@ -16,7 +16,7 @@ typedef struct sketch {
 
     // What is drawn.
     uint32_t n;
-    duet_pose *boxes;
+    duet_pose *boxes; // from far to near
     bool *colliding;
     extent part;      // of the drawn boxes
     duet_pair *links; // pairs among them, by place in boxes

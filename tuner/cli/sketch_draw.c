@@ -7,7 +7,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 static const colour black = {0.13, 0.14, 0.16, 1};
 static const colour grey = {0.42, 0.45, 0.50, 1};
@@ -53,41 +52,10 @@ static void draw_cells(const view *v, canvas *c, const grid *g)
 
 // ---------------------------------------------------------------- boxes
 
-typedef struct depth {
-    double nearness;
-    uint32_t place;
-} depth;
-
-static int by_nearness(const void *a, const void *b)
-{
-    const depth *x = a;
-    const depth *y = b;
-    if (x->nearness != y->nearness)
-        return x->nearness < y->nearness ? -1 : 1;
-    return (x->place > y->place) - (x->place < y->place);
-}
-
-static depth depth_of(const sketch *s, uint32_t place)
-{
-    const float *centre = s->boxes[place].centre;
-    depth d = {.place = place};
-    if (s->info->dims == 3)
-        d.nearness = (double)centre[0] + (double)centre[1] + (double)centre[2];
-    return d;
-}
-
 static void draw_boxes(const sketch *s, const view *v, canvas *c)
 {
-    depth *order = calloc(s->n + 1U, sizeof *order);
-    for (uint32_t i = 0; order && i < s->n; ++i)
-        order[i] = depth_of(s, i);
-    if (order)
-        qsort(order, s->n, sizeof *order, by_nearness);
-    for (uint32_t i = 0; order && i < s->n; ++i) {
-        uint32_t place = order[i].place;
-        view_box(v, c, &s->boxes[place], s->colliding[place] ? &collides : &alone);
-    }
-    free(order);
+    for (uint32_t i = 0; i < s->n; ++i)
+        view_box(v, c, &s->boxes[i], s->colliding[i] ? &collides : &alone);
 }
 
 static point centre_on(const sketch *s, const view *v, uint32_t place)
