@@ -9,8 +9,14 @@
 // Objects that a thread takes at once: with their rows they stay in its cache.
 enum { BLOCK = 1024 };
 
-// A chunk below this many objects takes longer to launch than to travel.
-enum { SMALLEST_CHUNK = 8 * BLOCK };
+// Of 1.3 MB: it travels for 24 microseconds, a launch takes some two.
+enum { LEAST_CHUNK = 32 * BLOCK };
+
+// Waking the threads takes as long as sending some 100 000 objects.
+enum { LEAST_OBJECTS = 1 << 18 };
+
+// Chunks under way at a time: one travels, one waits to, the others fill.
+enum { SLOTS = 6 };
 
 // More only wait for the same memory.
 enum { MOST_THREADS = 30 };
@@ -29,28 +35,53 @@ static size_t object_bytes(duet_shape shape)
     return shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds);
 }
 
-static bool begin_stream(pack_stream *s, uint32_t room, size_t bytes, const device *to,
-                         duet_error *err)
+void pack_open(pack *p)
 {
-    uint32_t chunk = (room + PACK_CHUNKS - 1) / PACK_CHUNKS;
+    p->least_objects = LEAST_OBJECTS;
+    p->least_chunk = LEAST_CHUNK;
+}
+
+static uint32_t divide_up(uint32_t n, uint32_t by)
+{
+    return n / by + (n % by > 0);
+}
+
+static bool begin_stream(pack_stream *s, uint32_t room, uint32_t least_chunk, uint32_t most_slots,
+                         size_t bytes, const device *to, duet_error *err)
+{
     s->room = room;
-    s->chunk = chunk < SMALLEST_CHUNK ? SMALLEST_CHUNK : chunk;
+    s->chunk = divide_up(room, PACK_CHUNKS);
+    s->chunk = s->chunk < least_chunk ? least_chunk : s->chunk;
+    s->n_slots = divide_up(room, s->chunk);
+    s->n_slots = s->n_slots < most_slots ? s->n_slots : most_slots;
     atomic_init(&s->taken, 0);
+    atomic_init(&s->sent, 0);
     for (int i = 0; i < PACK_CHUNKS; ++i)
         atomic_init(&s->filled[i], 0);
-    return host_block_reserve(&s->objects, to, 1, room * bytes, err) &&
+    return host_block_reserve(&s->objects, to, 1, (size_t)s->n_slots * s->chunk * bytes, err) &&
            host_block_reserve(&s->names, to, 1, room * sizeof(uint32_t), err);
+}
+
+// Ghosts are sent last, behind the homes, and all have their place until then.
+static bool begin_slab(pack *p, pack_slab *slab, const part_range *range, const device *to,
+                       duet_error *err)
+{
+    size_t bytes = object_bytes(p->task.shape);
+    return begin_stream(&slab->homes, range->expected_homes, p->least_chunk, SLOTS, bytes, to,
+                        err) &&
+           begin_stream(&slab->ghosts, range->expected_ghosts, p->least_chunk, PACK_CHUNKS, bytes,
+                        to, err);
 }
 
 bool pack_begin(pack *p, const part_task *task, const part_range ranges[2], const bool wanted[2],
                 const device devices[2], duet_error *err)
 {
     uint32_t nx = (uint32_t)task->grid.levels[0].cells.s[0];
-    size_t bytes = object_bytes(task->shape);
     p->task = *task;
     p->n_blocks = (uint32_t)(((uint64_t)task->n + BLOCK - 1) / BLOCK);
     atomic_init(&p->begun, 0);
     atomic_init(&p->done, 0);
+    atomic_init(&p->abandoned, false);
     for (int side = 0; side < 2; ++side) {
         pack_slab *slab = &p->slabs[side];
         const part_range *range = &ranges[side];
@@ -58,15 +89,13 @@ bool pack_begin(pack *p, const part_task *task, const part_range ranges[2], cons
         slab->row_from = range->key_from / nx;
         slab->row_home_to = range->home_to / nx;
         slab->row_to = range->key_to / nx;
-        const device *to = &devices[side];
-        if (wanted[side] && !(begin_stream(&slab->homes, range->expected_homes, bytes, to, err) &&
-                              begin_stream(&slab->ghosts, range->expected_ghosts, bytes, to, err)))
+        if (wanted[side] && !begin_slab(p, slab, range, &devices[side], err))
             return false;
     }
     return true;
 }
 
-void pack_release(pack *p)
+void pack_close(pack *p)
 {
     for (int side = 0; side < 2; ++side) {
         pack_stream *streams[] = {&p->slabs[side].homes, &p->slabs[side].ghosts};
@@ -139,54 +168,59 @@ static uint32_t pick(uint16_t picked[BLOCK], const uint32_t *rows, uint32_t n, u
     return n_picked;
 }
 
-static void copy_objects(pack_stream *s, const part_task *task, uint32_t to, uint32_t first,
+static void copy_objects(const pack_stream *s, const part_task *task, uint32_t to, uint32_t first,
                          const uint16_t *picked, uint32_t n)
 {
+    size_t at = to % (s->n_slots * s->chunk);
     if (task->shape == DUET_SHAPE_POSES) {
-        duet_pose *out = (duet_pose *)s->objects.bytes + to;
+        duet_pose *out = (duet_pose *)s->objects.bytes + at;
         const duet_pose *in = (const duet_pose *)task->objects + first;
         for (uint32_t i = 0; i < n; ++i)
             out[i] = in[picked[i]];
     } else {
-        duet_bounds *out = (duet_bounds *)s->objects.bytes + to;
+        duet_bounds *out = (duet_bounds *)s->objects.bytes + at;
         const duet_bounds *in = (const duet_bounds *)task->objects + first;
         for (uint32_t i = 0; i < n; ++i)
             out[i] = in[picked[i]];
     }
-}
-
-// Counts places [from, to) as written, chunk by chunk.
-static void mark_filled(pack_stream *s, uint32_t from, uint32_t to)
-{
-    while (from < to) {
-        uint32_t chunk = from / s->chunk;
-        uint64_t end = (uint64_t)(chunk + 1) * s->chunk;
-        uint32_t here = (end < to ? (uint32_t)end : to) - from;
-        atomic_fetch_add_explicit(&s->filled[chunk], here, memory_order_release);
-        from += here;
-    }
-}
-
-static void gather(pack_stream *s, const part_task *task, uint32_t first, const uint16_t *picked,
-                   uint32_t n)
-{
-    uint32_t to = atomic_fetch_add_explicit(&s->taken, n, memory_order_relaxed);
-    if (n == 0 || (uint64_t)to + n > s->room)
-        return;
-    copy_objects(s, task, to, first, picked, n);
     uint32_t *names = (uint32_t *)s->names.bytes + to;
     for (uint32_t i = 0; i < n; ++i)
         names[i] = first + picked[i];
-    mark_filled(s, to, to + n);
 }
 
-bool pack_block(pack *p)
+// False where the slot will not be free any more. Who waits for a chunk has
+// written all that it took of those before it, so that they can be sent.
+static bool wait_for_slot(pack *p, pack_stream *s, uint32_t chunk)
 {
-    if (atomic_load_explicit(&p->begun, memory_order_relaxed) >= p->n_blocks)
-        return false;
-    uint32_t block = atomic_fetch_add_explicit(&p->begun, 1, memory_order_relaxed);
-    if (block >= p->n_blocks)
-        return false;
+    while (chunk >= atomic_load_explicit(&s->sent, memory_order_acquire) + s->n_slots) {
+        if (pack_is_abandoned(p))
+            return false;
+        sched_yield();
+    }
+    return true;
+}
+
+static void gather(pack *p, pack_stream *s, uint32_t first, const uint16_t *picked, uint32_t n)
+{
+    uint32_t to = atomic_fetch_add_explicit(&s->taken, n, memory_order_relaxed);
+    if ((uint64_t)to + n > s->room)
+        return;
+    while (n > 0) {
+        uint32_t chunk = to / s->chunk;
+        uint32_t left = s->chunk - to % s->chunk;
+        uint32_t here = n < left ? n : left;
+        if (!wait_for_slot(p, s, chunk))
+            return;
+        copy_objects(s, &p->task, to, first, picked, here);
+        atomic_fetch_add_explicit(&s->filled[chunk], here, memory_order_release);
+        to += here;
+        picked += here;
+        n -= here;
+    }
+}
+
+static void pack_block(pack *p, uint32_t block)
+{
     uint32_t rows[BLOCK];
     uint16_t picked[BLOCK];
     uint32_t first = block * BLOCK;
@@ -197,18 +231,19 @@ bool pack_block(pack *p)
         if (!slab->wanted)
             continue;
         uint32_t n_homes = pick(picked, rows, n, slab->row_from, slab->row_home_to);
-        gather(&slab->homes, &p->task, first, picked, n_homes);
+        gather(p, &slab->homes, first, picked, n_homes);
         uint32_t n_ghosts = pick(picked, rows, n, slab->row_home_to, slab->row_to);
-        gather(&slab->ghosts, &p->task, first, picked, n_ghosts);
+        gather(p, &slab->ghosts, first, picked, n_ghosts);
     }
     atomic_fetch_add_explicit(&p->done, 1, memory_order_release);
-    return true;
 }
 
 void pack_blocks(void *arg)
 {
-    while (pack_block(arg))
-        ;
+    pack *p = arg;
+    uint32_t block = 0;
+    while ((block = atomic_fetch_add_explicit(&p->begun, 1, memory_order_relaxed)) < p->n_blocks)
+        pack_block(p, block);
 }
 
 bool pack_is_done(pack *p)
@@ -220,4 +255,14 @@ bool pack_chunk_is_full(pack_stream *s, uint32_t chunk)
 {
     return chunk < PACK_CHUNKS &&
            atomic_load_explicit(&s->filled[chunk], memory_order_acquire) == s->chunk;
+}
+
+void pack_abandon(pack *p)
+{
+    atomic_store(&p->abandoned, true);
+}
+
+bool pack_is_abandoned(pack *p)
+{
+    return atomic_load(&p->abandoned);
 }

@@ -5,7 +5,9 @@
 // Threads take blocks of objects as they come and put each object where its
 // slab is gathered, an object of a ghost row in both. What is gathered has no
 // gaps and is sent chunk by chunk while later blocks are still sorted out, so
-// a step waits for the slower of the two and not for their sum.
+// a step waits for the slower of the two and not for their sum. A chunk's memory
+// is written again once it was sent, so that it stays in the caches: memory is
+// then only read, and once.
 #ifndef RUNTIME_PACK_H
 #define RUNTIME_PACK_H
 
@@ -13,16 +15,18 @@
 
 #include <stdatomic.h>
 
-enum { PACK_CHUNKS = 32 };
+enum { PACK_CHUNKS = 128 };
 
 // Objects on their way to one device, in the order in which they were found.
 typedef struct pack_stream {
-    host_block objects; // [room]
+    host_block objects; // [n_slots][chunk]
     host_block names;   // [room] their ids
     uint32_t room;
     uint32_t chunk;                  // objects in each but the last
+    uint32_t n_slots;                // chunk i lies in slot i % n_slots
     atomic_uint taken;               // places given away; above room: some were not written
     atomic_uint filled[PACK_CHUNKS]; // objects written to each chunk
+    atomic_uint sent;                // chunks whose slots may be written again
 } pack_stream;
 
 // What one device is sent. The kernels know the homes by coming first.
@@ -34,24 +38,30 @@ typedef struct pack_slab {
 } pack_slab;
 
 typedef struct pack {
+    uint32_t least_objects; // so many make packing worth while
+    uint32_t least_chunk;   // objects
     part_task task;
     uint32_t n_blocks;
     atomic_uint begun; // blocks
     atomic_uint done;
+    atomic_bool abandoned; // a device sends no more; what is packed is lost
     pack_slab slabs[2];
 } pack;
+
+void pack_open(pack *p);
+void pack_close(pack *p);
 
 // Makes room for the slabs that are wanted; devices are the pair.
 bool pack_begin(pack *p, const part_task *task, const part_range ranges[2], const bool wanted[2],
                 const device devices[2], duet_error *err);
-void pack_release(pack *p);
 
-// Sorts out a block of objects. False where none was left. Any number of
-// threads may do so.
-bool pack_block(pack *p);
-void pack_blocks(void *pack); // all that are left
+// Sorts out blocks of objects until none is left. Any number of threads may do
+// so, other than those that send: it waits for chunks to be sent.
+void pack_blocks(void *pack);
 
 bool pack_is_done(pack *p);
+void pack_abandon(pack *p); // lets those who wait go, whatever they had to write
+bool pack_is_abandoned(pack *p);
 
 // The chunk is whole and all of it written.
 bool pack_chunk_is_full(pack_stream *s, uint32_t chunk);

@@ -110,7 +110,9 @@ static void run_job(void *arg)
     uint64_t begun = clock_steady_ns();
     j->ok = j->grid_from ? part_receive_grid(j->part, j->grid_from, &j->task, &j->range, &j->err)
                          : build_own_grid(j);
-    if (j->ok && j->placed)
+    if (!j->ok)
+        pack_abandon(j->pack);
+    else if (j->placed)
         j->ok = part_search(j->part, &j->task, &j->range, &j->placed, &j->err);
     j->part->wall_ms += ms_since(begun);
 }
@@ -243,7 +245,7 @@ static bool pays_to_pack(const duet_world *world, int side, const part_range ran
 {
     const char *variants[2] = {world->def.plan.variant_a, world->def.plan.variant_b};
     variant v;
-    return world->def.plan.mode == DUET_MODE_SLAB && world->n >= world->pack_from &&
+    return world->def.plan.mode == DUET_MODE_SLAB && world->n >= world->pack.least_objects &&
            !world->parts[side].device->info.host_memory && ranges[0].last > 0 &&
            ranges[1].last > 0 && ranges[side].expected <= world->n - world->n / LEAST_LEFT_OUT &&
            variant_parse(&v, variants[side], &world->parts[side].device->info, NULL) &&

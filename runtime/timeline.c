@@ -149,6 +149,19 @@ bool timeline_start_read(timeline *t, const char *stage, buffer *b, void *to, si
     return enqueue_read(t, stage, b, to, bytes, CL_FALSE, err) && timeline_flush(t, err);
 }
 
+cl_event timeline_last_event(const timeline *t)
+{
+    return t->n_events > 0 ? t->events[t->n_events - 1].event : NULL;
+}
+
+// A command that failed is over too; finishing tells.
+bool timeline_is_over(cl_event event)
+{
+    cl_int state = CL_COMPLETE;
+    clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof state, &state, NULL);
+    return state <= CL_COMPLETE;
+}
+
 bool timeline_flush(timeline *t, duet_error *err)
 {
     cl_int code = clFlush(t->device->queue);

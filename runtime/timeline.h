@@ -57,6 +57,10 @@ bool timeline_read(timeline *t, const char *stage, buffer *b, void *to, size_t b
 bool timeline_start_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
                          duet_error *err);
 
+// Of what was sent to the queue last; the timeline's until it finishes.
+cl_event timeline_last_event(const timeline *t);
+bool timeline_is_over(cl_event event); // does not wait
+
 bool timeline_flush(timeline *t, duet_error *err);
 bool timeline_finish(timeline *t, duet_error *err); // waits and reads the times
 

@@ -9,9 +9,6 @@
 
 enum { COOKIE = 0x0d0e7002 };
 
-// Waking the threads that pack takes as long as sending some 100 000 objects.
-enum { PACK_FROM = 1 << 18 };
-
 const char *duet_mode_name(duet_mode mode)
 {
     switch (mode) {
@@ -142,7 +139,7 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
         return NULL;
     }
     world->def = *def;
-    world->pack_from = PACK_FROM;
+    pack_open(&world->pack);
     world->wish = wish;
     world->driver = crew_open(1, err);
     bool ok = world->driver && part_open(&world->parts[0], def->pair, 0, err) &&
@@ -163,7 +160,7 @@ void duet_world_destroy(duet_world *world)
     part_close(&world->parts[0]);
     part_close(&world->parts[1]);
     host_block_release(&world->objects);
-    pack_release(&world->pack);
+    pack_close(&world->pack);
     split_free(&world->split);
     free(world);
 }

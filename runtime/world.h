@@ -13,9 +13,8 @@ struct duet_world {
     duet_world_def def;
     part parts[2]; // A, B
     crew *driver;  // drives A while the caller's thread drives B
-    crew *packers; // help the drivers to pack; NULL before the first time
+    crew *packers; // pack while the drivers send; NULL before the first time
     pack pack;
-    uint32_t pack_from; // so many objects at least make packing worth while
     host_block objects; // [n] poses or bounds
     uint32_t n;
     uint64_t objects_version;

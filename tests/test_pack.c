@@ -93,13 +93,14 @@ static const uint32_t shares[] = {0, 1, DUET_SHARE_ONE * 3 / 10, DUET_SHARE_ONE 
                                   DUET_SHARE_ONE};
 enum { SHARES = sizeof shares / sizeof *shares };
 
-// Packs however few objects there are.
+// Packs however few objects there are, in more chunks than there are slots.
 static duet_world *make_world(const duet_world_def *def)
 {
     duet_error err = {0};
     duet_world *world = duet_world_create(def, &err);
     assert_ok(world != NULL, err);
-    world->pack_from = 0;
+    world->pack.least_objects = 0;
+    world->pack.least_chunk = 64;
     return world;
 }
 
@@ -380,6 +381,32 @@ static void a_bad_object_that_is_packed_is_refused_by_its_id(void **state)
     duet_world_destroy(world);
 }
 
+static void a_device_without_room_fails_the_step_and_not_the_next(void **state)
+{
+    (void)state;
+    enum { N = 5003 };
+    duet_error err = {0};
+    duet_result result;
+    rng r = {test_seed()};
+    set_memory(false, false);
+    fill_poses(&r, N, 3);
+    for (int side = 0; side < 2; ++side) {
+        duet_world_def def = world_def(3, "rows");
+        duet_world *world = make_world(&def);
+        uint64_t *most = &devices->devices[side].info.max_buffer_bytes;
+        uint64_t before = *most;
+        assert_ok(duet_world_set_poses(world, poses, N, &err), err);
+        *most = 8192;
+        assert_false(duet_world_step(world, &result, &err));
+        assert_int_equal(err.status, DUET_NO_MEMORY);
+        *most = before;
+        result = step(world);
+        assert_int_equal(duet_result_hash(&result), poses_hash(N, 3));
+        duet_world_destroy(world);
+        err = (duet_error){0};
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -392,6 +419,7 @@ int main(void)
         cmocka_unit_test(objects_outside_the_world_are_found),
         cmocka_unit_test(objects_that_stay_are_neither_packed_nor_sent_again),
         cmocka_unit_test(bad_objects_are_counted_once_and_the_first_is_named),
+        cmocka_unit_test(a_device_without_room_fails_the_step_and_not_the_next),
         cmocka_unit_test(a_bad_object_that_is_packed_is_refused_by_its_id),
     };
     return cmocka_run_group_tests(tests, open_devices, close_devices);
