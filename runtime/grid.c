@@ -19,6 +19,10 @@ static const double row_cost = 4.0;
 // finer cells is the better one.
 static const double crowded = 8.0;
 
+// The devices' bounds are wider than the boxes by a share below 3 * 2^-18
+// (kernels/object.clh, set_reach).
+static const double devices_widen = 1.0 + 0x1p-16;
+
 static double margin(double cells)
 {
     return 1.0 + 0x1p-16 + cells * 0x1p-21;
@@ -96,7 +100,8 @@ static void classify(size_classes *classes, const grid_needs *needs)
     classes->n = 0;
     for (uint32_t k = 0; k < GRID_OCTAVES; ++k)
         if (needs->octave_n[k] > 0)
-            classes->at[classes->n++] = (size_class){needs->octave_n[k], needs->octave_widest[k]};
+            classes->at[classes->n++] =
+                (size_class){needs->octave_n[k], needs->octave_widest[k] * devices_widen};
 }
 
 // ---------------------------------------------------------------- cells
@@ -288,7 +293,7 @@ bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const voi
     size_classes classes;
     classify(&classes, needs);
     if (wish->uniform || wish->edge > 0.0 || classes.n == 0) {
-        classes.at[0] = (size_class){n, fmax(wish->edge, needs->widest)};
+        classes.at[0] = (size_class){n, fmax(wish->edge, needs->widest * devices_widen)};
         classes.n = 1;
     } else {
         double volume = 1.0;

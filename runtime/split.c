@@ -70,14 +70,17 @@ static part_range slab(const split *s, const part_task *task, uint32_t from, uin
     if (from == to)
         return (part_range){0};
     uint32_t nx = (uint32_t)task->grid.levels[0].cells.s[0];
+    uint32_t homes = with_room(count(s, from, to), task->n);
+    uint32_t ghosts = with_room(count(s, to, ghost_to), task->n);
+    uint64_t both = (uint64_t)homes + ghosts;
     return (part_range){
         .key_from = from * nx,
         .home_to = to * nx,
         .key_to = ghost_to * nx,
         .last = UINT32_MAX,
-        .expected = with_room(count(s, from, ghost_to), task->n),
-        .expected_homes = with_room(count(s, from, to), task->n),
-        .expected_ghosts = with_room(count(s, to, ghost_to), task->n),
+        .expected = both < task->n ? (uint32_t)both : task->n,
+        .expected_homes = homes,
+        .expected_ghosts = ghosts,
     };
 }
 

@@ -569,9 +569,35 @@ static void crowds_of_hard_pairs_are_decided_as_the_reference_does(void **state)
         }
 }
 
+// The devices' bounds are a little wider than the boxes, and a world may be just
+// as long as its cells.
+static void cells_that_fit_the_world_tightly_hold_their_objects(void **state)
+{
+    (void)state;
+    enum { N = 101, ROUNDS = 40 };
+    duet_error err = {0};
+    duet_world_def def = def_of(2);
+    double edge = sqrt(2.0) * (1.0 + 0x1p-16 + 100 * 0x1p-21);
+    for (int round = 0; round < ROUNDS; ++round) {
+        double step = edge * (1.0 + (round - 4) * 0x1p-21);
+        for (int i = 0; i < N; ++i) {
+            poses[i] = box_at(i * step, 0, 0, 0.5);
+            poses[i].rotation[2] = 0.38268343f; // 45 degrees
+            poses[i].rotation[3] = 0.92387953f;
+        }
+        duet_world *world = duet_world_create(&def, &err);
+        duet_result result;
+        assert_ok(world != NULL, err);
+        assert_ok(duet_world_set_poses(world, poses, N, &err), err);
+        assert_ok(duet_world_step(world, &result, &err), err);
+        duet_world_destroy(world);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(cells_that_fit_the_world_tightly_hold_their_objects),
         cmocka_unit_test(centres_on_cell_borders_meet_all_neighbours),
         cmocka_unit_test(objects_on_and_an_ulp_beyond_the_world_s_faces_are_found),
         cmocka_unit_test(negative_coordinates_are_rounded_down),
