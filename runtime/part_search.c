@@ -289,19 +289,32 @@ static bool reserve_first(part *p, const part_task *task, uint32_t objects, duet
     return ok;
 }
 
+// A grid with less room than there are objects may have got more than it holds,
+// and its starts then lead out of it.
+static bool check_placed(part *p, const part_task *task, const part_range *range, bool *placed,
+                         duet_error *err)
+{
+    *placed = true;
+    if (range->expected >= task->n)
+        return true;
+    bool ok = part_read_counters(p, err);
+    *placed = p->counts[COUNT_PLACED] <= range->expected;
+    return ok;
+}
+
 bool part_search(part *p, const part_task *task, const part_range *range, bool *placed,
                  duet_error *err)
 {
     *placed = true;
     if (range->first >= range->last)
         return part_read_counters(p, err) && timeline_finish(&p->times, err);
-    bool ok = reserve_first(p, task, search_work(task, range), err);
+    bool ok = check_placed(p, task, range, placed, err) &&
+              reserve_first(p, task, search_work(task, range), err);
     bool fits = false;
     uint32_t extra = p->extra_searches;
     while (ok && *placed && (!fits || extra-- > 0)) {
-        ok = search_once(p, task, range, err) && under_limit(p, task, err);
-        *placed = p->counts[COUNT_PLACED] <= range->expected;
-        ok = ok && (!*placed || everything_fits(p, &fits, err));
+        ok = search_once(p, task, range, err) && under_limit(p, task, err) &&
+             everything_fits(p, &fits, err);
     }
     if (!ok || !*placed)
         return ok;
