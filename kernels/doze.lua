@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "who sleeps",
-  uses = { "motion.clh", "contact.clh" },
+  uses = { "motion.clh", "flags.clh", "contact.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },

@@ -79,8 +79,6 @@ static bool fly(duet_motion *m, duet_error *err)
 
 static bool doze(duet_motion *m, duet_error *err)
 {
-    if (!motion_has(m, DUET_EFFECT_SLEEP) || !m->has_rows)
-        return true;
     motion_args a = args_begin(m);
     args_buffer(&a, LINKS);
     args_buffer(&a, CONTACTS);
@@ -93,6 +91,7 @@ static bool doze(duet_motion *m, duet_error *err)
     args_buffer_for(&a, DUET_EFFECT_SPIN, SPINS);
     args_float(&a, m->def.sleep_after);
     args_buffer(&a, ASLEEP);
+    args_buffer(&a, FLAG_WORDS);
     return args_launch(&a, "sleep", m->kernels.doze, m->n, err);
 }
 
@@ -107,6 +106,19 @@ static bool begin_bodies(duet_motion *m, duet_error *err)
     args_uint(&a, m->n);
     args_buffer(&a, BODIES);
     return args_launch(&a, "motion", m->kernels.body_begin, (uint64_t)m->n + MOTION_WALLS, err);
+}
+
+// Bodies and where they touch. What is woken by a touch has its mass again
+// before it is pushed.
+static bool touch(duet_motion *m, duet_error *err)
+{
+    if (!begin_bodies(m, err) || !motion_touch(m, err))
+        return false;
+    if (!motion_has(m, DUET_EFFECT_SLEEP))
+        return true;
+    if (!doze(m, err) || !motion_read_flags(m, err))
+        return false;
+    return !m->flags[FLAG_DOZED] || (begin_bodies(m, err) && motion_touch(m, err));
 }
 
 static bool kick(duet_motion *m, double h, duet_error *err)
@@ -228,8 +240,7 @@ static bool bounce(duet_motion *m, duet_error *err)
 static bool respond(duet_motion *m, duet_error *err)
 {
     double h = m->def.dt / m->def.substeps;
-    bool ok = doze(m, err) && motion_find_rows(m, err) && begin_bodies(m, err) &&
-              motion_touch(m, err) && motion_colour(m, err);
+    bool ok = motion_find_rows(m, err) && touch(m, err) && motion_colour(m, err);
     for (uint32_t k = 0; ok && k < m->def.substeps; ++k)
         ok = kick(m, h, err) && solve(m, 1, h, err) && drift(m, h, err) && solve(m, 0, h, err);
     return ok && bounce(m, err) && finish_bodies(m, err);

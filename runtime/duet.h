@@ -396,6 +396,11 @@ DUET_API duet_motion_def duet_default_motion_def(void); // 60 steps a second, 4 
 // Objects that move.
 typedef struct duet_motion duet_motion;
 
+// A def with what the scene says of motion, and its objects' bodies: [n], or
+// NULL where nothing is said of any.
+DUET_API duet_motion_def duet_scene_motion_def(const duet_scene *scene, duet_device_pair *pair);
+DUET_API const duet_body *duet_scene_bodies(const duet_scene *scene);
+
 // Copies n poses and bodies (NULL: duet_default_body each). BAD_ARGUMENT names
 // the field of the def, BAD_OBJECT the object, that is wrong and what would be
 // right.

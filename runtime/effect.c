@@ -21,7 +21,7 @@ static const effect_row rows[] = {
      "wall", "integrate, rows, contact"},
     {DUET_EFFECT_SPIN, "spin", DUET_EFFECT_ROTATION | DUET_EFFECT_MOTION,
      "a spin, or response for an object that may turn", "spin", "integrate, body, contact, solve"},
-    {DUET_EFFECT_ROTATION, "rotation", 0, "a rotation that is not the identity, or spin",
+    {DUET_EFFECT_ROTATION, "rotation", 0, "a rotation that is not the identity, with motion or contact; or spin",
      "rotations", "integrate, enclose, contact"},
     {DUET_EFFECT_FRICTION, "friction", DUET_EFFECT_RESPONSE, "a friction", "grip",
      "contact, solve"},
@@ -130,7 +130,7 @@ static bool is_called(uint32_t effect, const duet_motion_def *def, const effect_
     case DUET_EFFECT_SPIN:
         return f->turning || (pushes && f->turnable);
     case DUET_EFFECT_ROTATION:
-        return f->rotated;
+        return (moves || (so_far & DUET_EFFECT_CONTACT)) && f->rotated;
     case DUET_EFFECT_FRICTION:
         return pushes && f->rough;
     case DUET_EFFECT_FAST:

@@ -19,7 +19,7 @@ enum { MOTION_SLOPS = 4 };
 enum { COLOUR_OVERFLOW = 31, COLOUR_NONE = 33, COLOURS = 34, COLOUR_BITS = 6 };
 
 // Words that kernels set and the host reads, as in kernels/flags.clh.
-enum { FLAG_MOVED, FLAG_UNCOLOURED, FLAG_RECOLOURED, FLAG_EVENTS, FLAGS };
+enum { FLAG_MOVED, FLAG_UNCOLOURED, FLAG_RECOLOURED, FLAG_EVENTS, FLAG_DOZED, FLAGS };
 
 // What B holds. Which buffers there are follows from the effects.
 typedef enum motion_buffer {

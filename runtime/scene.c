@@ -106,6 +106,8 @@ static duet_scene *scene_new(duet_error *err)
     }
     scene->info.dims = 3;
     scene->info.shape = DUET_SHAPE_POSES;
+    scene->motion = duet_default_motion_def();
+    scene->body = duet_default_body();
     return scene;
 }
 
@@ -232,6 +234,8 @@ void duet_scene_destroy(duet_scene *scene)
         return;
     free(scene->objects);
     free(scene->name);
+    free(scene->given);
+    free(scene->bodies);
     free(scene);
 }
 

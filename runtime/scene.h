@@ -18,6 +18,14 @@ struct duet_scene {
     uint32_t columns; // of a row; 0: none was read yet
     void *objects;    // duet_pose or duet_bounds, as info.shape says
     uint64_t room;    // objects that fit
+
+    duet_motion_def motion; // as far as the scene says it
+    duet_body body;         // of objects that have none of their own
+    bool has_body;
+    struct scene_body *given; // bodies of single objects, as far as given
+    uint32_t n_given;
+    uint32_t given_room;
+    duet_body *bodies; // [n], or NULL where nothing is said of any
 };
 
 // Decides what a row is, before the first one: 4, 5, 6 or 10 numbers

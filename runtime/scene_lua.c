@@ -2,7 +2,7 @@
 // A scene as a Lua file: it adds objects while it runs, and returns a table
 // with what else there is to say.
 #define _POSIX_C_SOURCE 200809L
-#include "runtime/scene_lua.h"
+#include "runtime/scene_motion.h"
 
 #include "gen/field.h"
 #include "gen/script.h"
@@ -127,9 +127,27 @@ static const struct {
     const char *name;
     void (*read)(lua_State *L, scene_reading *reading);
 } fields[] = {
-    {"name", read_name},   {"objects", read_objects}, {"dims", read_dims},
-    {"world", read_world}, {"cell", read_cell},       {"cell_fixed", read_cell_fixed},
+    {"name", read_name},
+    {"objects", read_objects},
+    {"dims", read_dims},
+    {"world", read_world},
+    {"cell", read_cell},
+    {"cell_fixed", read_cell_fixed},
+    {"body", scene_read_body},
+    {"gravity", scene_read_gravity},
+    {"attraction", scene_read_attraction},
+    {"bounds", scene_read_bounds},
+    {"wants", scene_read_wants},
+    {"integrator", scene_read_integrator},
+    {"dt", scene_read_motion_numbers},
 };
+
+// Fields that others above read along with theirs.
+static const char *const more_names[] = {"origin",     "drag",         "skin",        "slop",
+                                         "push_speed", "bounce_speed", "sleep_speed", "sleep_after",
+                                         "substeps",   "doubles"};
+
+#define N_MORE (sizeof more_names / sizeof more_names[0])
 
 #define N_FIELDS (sizeof fields / sizeof fields[0])
 
@@ -142,12 +160,16 @@ static int read_result(lua_State *L)
     if (reading->n_settings > 0 && !reading->declared)
         return field_raise(L, NULL, "no parameter '%s'; the scene declares none",
                            reading->settings[0].name);
-    const char *names[N_FIELDS + 1] = {NULL};
+    const char *names[N_FIELDS + N_MORE + 1] = {NULL};
     for (size_t i = 0; i < N_FIELDS; ++i)
         names[i] = fields[i].name;
+    for (size_t i = 0; i < N_MORE; ++i)
+        names[N_FIELDS + i] = more_names[i];
     field_only(L, 1, "a scene", names);
     for (size_t i = 0; i < N_FIELDS; ++i)
         fields[i].read(L, reading);
+    if (!scene_fill_bodies(reading->scene, reading->err))
+        return luaL_error(L, "no memory");
     return 0;
 }
 

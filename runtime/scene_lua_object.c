@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // One object as a scene's script writes it, made into a row.
-#include "runtime/scene_lua.h"
+#include "runtime/scene_motion.h"
 
 #include "gen/field.h"
 #include "gen/script.h"
@@ -105,8 +105,10 @@ static part_id find_part(lua_State *L, const scene_reading *reading, const char 
     for (int id = 0; id < N_PARTS; ++id)
         if (strcmp(parts[id].name, name) == 0)
             return (part_id)id;
-    const char *what = lua_pushfstring(
-        L, "no field '%s'; it has angle, centre, euler, half, lower, rotation, upper", name);
+    const char *what = lua_pushfstring(L,
+                                       "no field '%s'; it has angle, centre, euler, half, lower, "
+                                       "rotation, upper; " SCENE_BODY_NAMES,
+                                       name);
     refuse(L, reading, name, what);
     return N_PARTS;
 }
@@ -172,11 +174,13 @@ static row join_parts(const part *p)
 }
 
 // The table on top of the stack, {centre = {...}, half = {...}, ...}.
-static row read_parts(lua_State *L, const scene_reading *reading)
+static row read_parts(lua_State *L, const scene_reading *reading, scene_body *body)
 {
     part given[N_PARTS] = {{.n = 0}};
     for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
         const char *name = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "?";
+        if (scene_read_body_field(L, name, body))
+            continue;
         part_id id = find_part(L, reading, name);
         given[id] = read_part(L, reading, id);
     }
@@ -229,8 +233,11 @@ void scene_add_table(lua_State *L, scene_reading *reading)
     if (!lua_istable(L, -1))
         refuse(L, reading, NULL, "it must be a table");
     bool is_list = lua_rawlen(L, -1) > 0;
-    row r = is_list ? read_list(L, reading) : read_parts(L, reading);
+    scene_body body = {.given = 0};
+    row r = is_list ? read_list(L, reading) : read_parts(L, reading, &body);
     add_row(L, reading, &r);
+    if (body.given && !scene_keep_body(reading->scene, &body, reading->err))
+        luaL_error(L, "object %d: no memory", (int)reading->scene->info.n);
 }
 
 int scene_word_add(lua_State *L)

@@ -8,6 +8,7 @@
 #define PER_ITEM 1
 #line 1 "kernels/common.clh"
 #line 1 "kernels/motion.clh"
+#line 1 "kernels/flags.clh"
 #line 1 "kernels/contact.clh"
 #line 1 "kernels/doze.cl.in"
 // SPDX-License-Identifier: MIT
@@ -36,7 +37,7 @@ __kernel void doze(__global const uint2 *restrict links, __global const float *r
                    __global const uint *restrict returns, uint n, __global const float *restrict rests,
                    __global const real4 *restrict velocities,
 #line 33 "kernels/doze.cl.in"
-                   float sleep_after, __global uint *restrict asleep)
+                   float sleep_after, __global uint *restrict asleep, volatile __global uint *restrict flags)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
@@ -52,6 +53,9 @@ __kernel void doze(__global const uint2 *restrict links, __global const float *r
                 least = least_rest(least, links[returns[k]].x, n, rests, velocities
 #line 52 "kernels/doze.cl.in"
                 );
-        asleep[id] = least >= sleep_after ? 1 : 0;
+        uint sleeps = least >= sleep_after ? 1 : 0;
+        if (sleeps != asleep[id])
+            atomic_or(flags + FLAG_DOZED, 1u);
+        asleep[id] = sleeps;
     }
 }

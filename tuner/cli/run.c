@@ -11,6 +11,7 @@
 #include "tuner/cli/inputs.h"
 #include "tuner/cli/interrupt.h"
 #include "tuner/cli/options.h"
+#include "tuner/cli/run_motion.h"
 #include "tuner/cli/run_report.h"
 #include "tuner/cli/say.h"
 
@@ -24,6 +25,7 @@ typedef struct arguments {
     plan_options plan;
     const char *pair;
     uint64_t repeat;
+    run_motion_options motion;
     bool resident;
     const char *pairs_path;
     bool check;
@@ -37,6 +39,10 @@ static const option options[] = {
     OPTION_COUNT("repeat", repeat, "K", "steps that are timed, after one to warm up (5)", 1,
                  100000),
     OPTION_FLAG("resident", resident, "leave the objects on the devices between the steps"),
+    OPTION_COUNT("steps", motion.steps, "K", "advance a scene that moves by K steps instead", 1,
+                 1000000000),
+    OPTION_TEXT("picture", motion.picture, "F.png", "draw the last of the steps"),
+    OPTION_TEXT("frames", motion.frames, "DIR", "draw 30 pictures a second of the scene"),
     OPTION_TEXT("pairs", pairs_path, "OUT.csv", "write the pairs, a line each, ascending"),
     OPTION_FLAG("check", check, "compare the pairs with the plain C reference"),
     OPTION_FLAG("json", json, "print one JSON object"),
@@ -181,8 +187,13 @@ static bool run(const arguments *args, const char *path, duet_error *err)
 {
     duet_device_pair *pair = inputs_open_pair(args->pair, err);
     duet_scene *scene = pair ? inputs_load_scene(path, &args->scene, err) : NULL;
-    duet_world *world = scene ? make_world(scene, pair, &args->plan, err) : NULL;
-    bool ok = world && run_world(args, scene, pair, world, err);
+    bool moves = args->motion.steps > 0;
+    duet_world *world = scene && !moves ? make_world(scene, pair, &args->plan, err) : NULL;
+    bool ok = false;
+    if (scene && moves)
+        ok = run_motion(&args->motion, scene, pair, &args->plan, err);
+    else
+        ok = world && run_world(args, scene, pair, world, err);
     duet_world_destroy(world);
     duet_scene_destroy(scene);
     duet_device_pair_close(pair);
@@ -198,5 +209,8 @@ int command_run(int argc, char **argv)
     if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
         return exit_code;
     duet_error err = {0};
+    args.motion.json = args.json;
+    if (!args.motion.steps && (args.motion.picture || args.motion.frames))
+        return say_wrong("run", "--picture and --frames draw a scene that moves; give --steps K");
     return run(&args, operands[0], &err) ? EXIT_OK : say_failed(&err);
 }

@@ -1,0 +1,43 @@
+-- SPDX-License-Identifier: MIT
+-- Boxes that fall onto a floor between walls and pile up, all of them turning,
+-- rubbing and bouncing a little. For `duet run --steps`.
+
+local p = parameters {
+  n = 100000,
+  seed = 1,
+  friction = 0.5,
+  restitution = 0.1,
+  sleep = true, -- what rests leaves the work
+}
+
+local random = random(p.seed)
+local side = math.max(4, math.ceil((p.n / 8) ^ (1 / 3) * 2)) -- a column twice as wide as deep
+local apart = 1.3
+local per_layer = side * side
+
+for i = 0, p.n - 1 do
+  local layer, place = i // per_layer, i % per_layer
+  add {
+    centre = {
+      (place % side + 0.5) * apart + random.uniform(-0.1, 0.1),
+      (place // side + 0.5) * apart + random.uniform(-0.1, 0.1),
+      1 + layer * apart,
+    },
+    half = { random.uniform(0.25, 0.45), random.uniform(0.25, 0.45), random.uniform(0.25, 0.45) },
+    rotation = { random.quaternion() },
+  }
+end
+
+local layers = (p.n + per_layer - 1) // per_layer
+local wants = { "response" }
+if p.sleep then wants[2] = "sleep" end
+
+return {
+  dims = 3,
+  world = { lower = { 0, 0, 0 }, upper = { side * apart, side * apart, 2 + layers * apart } },
+  bounds = "walls",
+  gravity = { 0, 0, -9.81 },
+  body = { friction = p.friction, restitution = p.restitution },
+  wants = wants,
+  skin = 0.05,
+}
