@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "half the neighbourhood in merged rows, objects in cell order",
-  uses = { "lanes.clh", "object.clh", "grid.clh", "sat.clh", "boxes.clh" },
+  uses = { "lanes.clh", "object.clh", "grid.clh", "sat.clh", "sat_double.clh", "boxes.clh" },
   emit = { "stencil" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
@@ -10,6 +10,8 @@ return {
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
+    { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
+      about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
     { "SORTED", values = { 1 }, default = 1, about = "boxes are read in cell order" },
     { "FUSED", values = { 0, 1 }, default = 0, about = "1: candidates are tested where they are found" },
     { "JOINED", values = { 0, 1 }, default = function(limits) return limits.cpu and 0 or 1 end,
@@ -24,8 +26,9 @@ return {
   valid = function(p, limits)
     if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
     if p.BUF * 16 + 64 > limits.local_bytes then return false, "BUF above the device's local memory" end
-    if p.SHAPE == 1 and p.FUSED == 1 then return false, "bounds need no test" end
+    if (p.SHAPE == 1 or p.ACCURACY == 1) and p.FUSED == 1 then return false, "bounds need no test" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
+    if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
     return true
   end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,

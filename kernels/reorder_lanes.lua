@@ -1,11 +1,13 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "objects and their bounds into cell order, for a search over lanes",
-  uses = { "lanes.clh", "object.clh", "grid.clh", "sat.clh", "box_rows.clh", "corners.clh" },
+  uses = { "lanes.clh", "object.clh", "grid.clh", "sat.clh", "sat_double.clh", "box_rows.clh", "corners.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
+    { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
+      about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
     { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "ROOMY", values = { 0, 1 }, default = 0, about = "1: dense, one size, three cells or more along x and y" },
@@ -19,6 +21,7 @@ return {
     if p.AHEAD > 0 and not limits.cpu then return false, "AHEAD is for CPUs" end
     if p.ROOMY == 1 and (p.GRID == 1 or p.LEVELS == 1) then return false, "ROOMY is for dense grids of one size" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
+    if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
     return true
   end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,

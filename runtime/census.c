@@ -162,6 +162,6 @@ profile_workload census(const duet_world *world)
         .size_ratio = e.widest > e.narrowest ? e.widest / e.narrowest : 1,
         .shape = poses ? "poses" : "bounds",
         .rotated = poses && def->rotated,
-        .level = "certified",
+        .level = duet_level_describe(def->level)->name,
     };
 }

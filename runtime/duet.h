@@ -107,6 +107,38 @@ DUET_API void duet_device_pair_close(duet_device_pair *pair);
 DUET_API const duet_device_info *duet_device_pair_info(const duet_device_pair *pair,
                                                        int device); // 0: A, 1: B
 
+// ---------------------------------------------------------------- levels
+
+// Levels of accuracy: what may be taken for a collision, and what may be missed.
+// Every level starts from the pairs whose bounds, rounded outward, overlap, and
+// finds the same pairs on every device, at every share and in every grid.
+typedef enum duet_level {
+    DUET_LEVEL_CERTIFIED, // the default: never wrong
+    DUET_LEVEL_AABB,      // the bounds alone: misses none
+    DUET_LEVEL_SPHERE,    // bounding spheres: misses none
+    DUET_LEVEL_SAT6,      // the faces' axes: misses none
+    DUET_LEVEL_SAT15,     // 15 axes in float as textbooks have it: wrong both ways, within bounds
+    DUET_LEVEL_DOUBLE     // 15 axes in double (the devices must have it): the same, far closer
+} duet_level;
+
+#define DUET_LEVELS 6
+
+// What a level promises for boxes of which |t|_1 and all half extents add up to
+// S, 2^-70 <= S <= 2^100. A gap is the greatest of the 15 axes (4 in 2D), where
+// an axis across two edges has the length of the sine between them. Where
+// nothing is rotated all levels but aabb and sphere are exact.
+typedef struct duet_level_info {
+    const char *name;
+    const char *about; // what is tested
+    double missed;     // a colliding pair is missed only where its gap is above -missed * S
+    double added;      // a separated one is reported only where it is at most added * S
+} duet_level_info;
+
+DUET_API const duet_level_info *duet_level_describe(duet_level level); // NULL outside
+
+// False where no level is called that.
+DUET_API bool duet_level_named(const char *name, duet_level *level);
+
 // ---------------------------------------------------------------- scenes
 
 typedef enum duet_shape {
@@ -185,10 +217,11 @@ typedef struct duet_world_def {
     duet_plan plan;
     uint32_t dims; // 2 or 3
     duet_shape shape;
-    bool rotated;    // false promises identity rotations: fewer axes are tested
-    float cell;      // cell edge; 0: the largest extent found
-    bool cell_fixed; // CELL_TOO_SMALL instead of widening
-    bool has_world;  // lower and upper are given; objects outside are still found
+    duet_level level; // of accuracy, for poses; bounds are exact
+    bool rotated;     // false promises identity rotations: fewer axes are tested
+    float cell;       // cell edge; 0: the largest extent found
+    bool cell_fixed;  // CELL_TOO_SMALL instead of widening
+    bool has_world;   // lower and upper are given; objects outside are still found
     float lower[3];
     float upper[3];
     bool keep_bad;      // leave bad objects out and count them, instead of BAD_OBJECT
@@ -219,6 +252,9 @@ DUET_API duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_
 
 DUET_API bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err);
 DUET_API const duet_plan *duet_world_plan(const duet_world *world);
+
+// From the next step on.
+DUET_API bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err);
 
 // ---------------------------------------------------------------- profiles
 
@@ -495,8 +531,16 @@ DUET_API bool duet_motion_explain(const duet_motion *motion, uint32_t i, duet_ef
 DUET_API bool duet_reference(const duet_scene *scene, duet_pair **pairs, uint64_t *n,
                              duet_error *err);
 
+// What a level of accuracy finds in the scene, operation for operation.
+DUET_API bool duet_reference_at(const duet_scene *scene, duet_level level, duet_pair **pairs,
+                                uint64_t *n, duet_error *err);
+
 // true where the exact boxes share a point.
 DUET_API bool duet_poses_collide(const duet_pose *a, const duet_pose *b, uint32_t dims);
+
+// How far two boxes are apart along the best of the 15 (4) axes, each of length
+// one, in double; below 0 it is how deep they are in each other.
+DUET_API double duet_poses_gap(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
 DUET_API void duet_free(void *memory);
 

@@ -46,47 +46,51 @@ static bool test_in_double(const duet_pose *a, const duet_pose *b, uint32_t dims
 #define SLACK_IN_DOUBLE (NARROW_SLACK * 0x1p-53)
 
 static const struct {
-    level_info info;
+    duet_level_info info;
     level_test test;
-} levels[LEVEL_COUNT] = {
-    [LEVEL_CERTIFIED] = {{"certified", "float with an error bound, then double, then integers", 0,
-                          0},
-                         narrow_decide},
-    [LEVEL_AABB] = {{"aabb", "bounds, in float", 0, INFINITY}, all_collide},
-    [LEVEL_SPHERE] = {{"sphere", "bounding spheres, in float", 0, INFINITY}, meeting_spheres},
-    [LEVEL_SAT6] = {{"sat6", "axes of faces, in float with an error bound", 0, INFINITY},
-                    test_faces},
-    [LEVEL_SAT15] = {{"sat15", "15 axes in float, with 1e-6 added to cosines", SLACK,
-                      SLACK + TEXTBOOK_EPSILON},
-                     test_as_the_textbook},
-    [LEVEL_DOUBLE] = {{"double", "15 axes in double", SLACK_IN_DOUBLE, SLACK_IN_DOUBLE},
-                      test_in_double},
+} levels[DUET_LEVELS] = {
+    [DUET_LEVEL_CERTIFIED] = {{"certified", "float with an error bound, then double, then integers",
+                               0, 0},
+                              narrow_decide},
+    [DUET_LEVEL_AABB] = {{"aabb", "bounds, in float", 0, INFINITY}, all_collide},
+    [DUET_LEVEL_SPHERE] = {{"sphere", "bounding spheres, in float", 0, INFINITY}, meeting_spheres},
+    [DUET_LEVEL_SAT6] = {{"sat6", "axes of faces, in float with an error bound", 0, INFINITY},
+                         test_faces},
+    [DUET_LEVEL_SAT15] = {{"sat15", "15 axes in float, with 1e-6 added to cosines", SLACK,
+                           SLACK + TEXTBOOK_EPSILON},
+                          test_as_the_textbook},
+    [DUET_LEVEL_DOUBLE] = {{"double", "15 axes in double", SLACK_IN_DOUBLE, SLACK_IN_DOUBLE},
+                           test_in_double},
 };
 
-const level_info *level_describe(level l)
+const duet_level_info *duet_level_describe(duet_level level)
 {
-    return &levels[l].info;
+    return level >= 0 && level < DUET_LEVELS ? &levels[level].info : NULL;
 }
 
-level level_named(const char *name)
+bool duet_level_named(const char *name, duet_level *level)
 {
-    int l = 0;
-    while (l < LEVEL_COUNT && strcmp(levels[l].info.name, name) != 0)
-        ++l;
-    return (level)l;
+    for (int l = 0; l < DUET_LEVELS; ++l) {
+        if (strcmp(levels[l].info.name, name) != 0)
+            continue;
+        *level = (duet_level)l;
+        return true;
+    }
+    return false;
 }
 
-static bool is_exact_when_upright(level l)
+bool level_tests_upright(duet_level level)
 {
-    return l != LEVEL_AABB && l != LEVEL_SPHERE;
+    return level == DUET_LEVEL_AABB || level == DUET_LEVEL_SPHERE;
 }
 
-bool level_collide(level l, const duet_pose *a, const duet_pose *b, uint32_t dims, bool rotated)
+bool level_collide(duet_level level, const duet_pose *a, const duet_pose *b, uint32_t dims,
+                   bool rotated)
 {
     duet_bounds bounds_a = meeting_bounds(a, dims, rotated);
     duet_bounds bounds_b = meeting_bounds(b, dims, rotated);
     if (!narrow_bounds(&bounds_a, &bounds_b, dims))
         return false;
-    return !rotated && is_exact_when_upright(l) ? narrow_decide(a, b, dims)
-                                                : levels[l].test(a, b, dims);
+    return rotated || level_tests_upright(level) ? levels[level].test(a, b, dims)
+                                                 : narrow_decide(a, b, dims);
 }

@@ -119,19 +119,24 @@ static void add_faces(gaps *g, const view *v, int dims)
     }
 }
 
-static void add_cross_axes(gaps *g, const view *v)
+// Along the product of edge i of a and edge j of b, as long as the sine between.
+static double edge_gap(const view *v, int i, int j)
 {
     const double(*c)[3] = v->c;
-    for (int i = 0; i < 3; ++i) {
-        int i1 = next[i], i2 = last[i];
+    int i1 = next[i], i2 = last[i], j1 = next[j], j2 = last[j];
+    double ra = v->a[i1] * fabs(c[i2][j]) + v->a[i2] * fabs(c[i1][j]);
+    double rb = v->b[j1] * fabs(c[i][j2]) + v->b[j2] * fabs(c[i][j1]);
+    double distance = fabs(v->ta[i2] * c[i1][j] - v->ta[i1] * c[i2][j]);
+    return distance - (ra + rb);
+}
+
+static void add_cross_axes(gaps *g, const view *v)
+{
+    for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
-            int j1 = next[j], j2 = last[j];
-            double ra = v->a[i1] * fabs(c[i2][j]) + v->a[i2] * fabs(c[i1][j]);
-            double rb = v->b[j1] * fabs(c[i][j2]) + v->b[j2] * fabs(c[i][j1]);
-            double distance = fabs(v->ta[i2] * c[i1][j] - v->ta[i1] * c[i2][j]);
-            add_edges(g, distance - (ra + rb), fabs(c[i][j1]) + fabs(c[i][j2]));
+            double tilt = fabs(v->c[i][next[j]]) + fabs(v->c[i][last[j]]);
+            add_edges(g, edge_gap(v, i, j), tilt);
         }
-    }
 }
 
 static double largest(const double v[3])
@@ -283,6 +288,26 @@ double narrow_gap(const duet_pose *pose_a, const duet_pose *pose_b, uint32_t dim
     add_faces(&g, &v, (int)dims);
     if (dims == 3)
         add_cross_axes(&g, &v);
+    return g.greatest;
+}
+
+// Edges nearer to parallel than this show in double no direction of their own,
+// and what the faces show is as good.
+#define LEAST_SINE 1e-7
+
+double duet_poses_gap(const duet_pose *pose_a, const duet_pose *pose_b, uint32_t dims)
+{
+    duet_pose a = narrow_flat(pose_a, dims), b = narrow_flat(pose_b, dims);
+    approach p = approach_of(&a, &b);
+    view v = view_of(&p.a, &p.b, p.t);
+    gaps g = {0, -INFINITY, -INFINITY, 0};
+    add_faces(&g, &v, (int)dims);
+    for (int i = 0; dims == 3 && i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            double sine = hypot(v.c[next[i]][j], v.c[last[i]][j]);
+            if (sine > LEAST_SINE)
+                g.greatest = larger(g.greatest, edge_gap(&v, i, j) / sine);
+        }
     return g.greatest;
 }
 

@@ -3,6 +3,7 @@
 
 #include "runtime/base/error.h"
 #include "runtime/device_pair.h"
+#include "runtime/level.h"
 
 #include <string.h>
 
@@ -114,6 +115,14 @@ static bool all_settings_used(const part *p, duet_error *err)
     return true;
 }
 
+// Where nothing is rotated most levels are one.
+static duet_level level_of(const part_task *task)
+{
+    bool differs =
+        task->shape == DUET_SHAPE_POSES && (task->rotated || level_tests_upright(task->level));
+    return differs ? task->level : DUET_LEVEL_CERTIFIED;
+}
+
 bool part_prepare(part *p, const char *variant_text, const part_task *task, duet_error *err)
 {
     if (!variant_parse(&p->variant, variant_text, &p->device->info, err))
@@ -134,19 +143,22 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
     const int search = p->variant.search;
     bool counting = p->variant.sort == SORT_COUNTING;
     bool poses = task->shape == DUET_SHAPE_POSES;
+    duet_level level = level_of(task);
+    bool tested = poses && level != DUET_LEVEL_AABB;
     const choice choices[] = {
         {"DIMS", task->dims, false},
         {"SHAPE", task->shape, false},
         {"ROTATED", poses && task->rotated, false},
         {"RANK", counting, false},
         {"SORTED", searches[search].in_cell_order, false},
-        {"IDS", !poses, false},
+        {"IDS", !tested, false},
+        {"ACCURACY", level, false},
         {"GRID", task->grid.kind, false},
         {"LEVELS", task->grid.n_levels > 1, false},
         {"ROOMY", grid_is_roomy(&task->grid, task->dims), false},
         {"PACKED", task->packed, false},
         {"FROM_IDS", 1, counting && !task->shared},
-        {"FUSED", poses && p->variant.fused, poses},
+        {"FUSED", tested && p->variant.fused, tested},
     };
     const uint32_t n = sizeof choices / sizeof choices[0];
     const struct {
@@ -177,9 +189,10 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
     }
     p->kernels.from_ids = search != SEARCH_ITEMS || kernel_param(p->kernels.place, "FROM_IDS") == 1;
     p->kernels.packed = task->packed;
+    p->kernels.listed = !tested;
     p->kernels.fused = kernel_param(p->kernels.candidates, "FUSED") == 1;
     // Fused rows leave to narrow what their buffers cannot hold, lanes nothing.
-    if (poses && !(p->kernels.fused && search == SEARCH_LANES)) {
+    if (tested && !(p->kernels.fused && search == SEARCH_LANES)) {
         const char *narrow = searches[search].narrow;
         p->kernels.narrow = get_kernel(p, narrow, narrow, choices, n, err);
         if (!p->kernels.narrow)

@@ -17,6 +17,7 @@ typedef struct part_task {
     uint32_t dims;
     duet_shape shape;
     bool rotated;
+    duet_level level; // of accuracy, for poses
     uint32_t n;               // that the part is sent
     const void *objects;      // [all] poses or bounds on the host
     uint64_t objects_version; // changes with the objects' content
@@ -48,6 +49,7 @@ typedef struct part_kernels {
     kernel *candidates;
     kernel *narrow; // NULL where the candidates' kernel finds pairs
     bool fused;     // candidates are tested where they are found
+    bool listed;    // what overlaps is a pair, without a test
     bool from_ids;  // objects reach cell order by their sorted ids
     bool packed;    // objects have names
 } part_kernels;

@@ -318,8 +318,8 @@ bool part_search(part *p, const part_task *task, const part_range *range, bool *
     }
     if (!ok || !*placed)
         return ok;
-    p->n_candidates = task->shape == DUET_SHAPE_POSES
-                          ? part_count(p, COUNT_CANDIDATES) + part_count(p, COUNT_TESTED)
-                          : part_count(p, COUNT_PAIRS);
+    p->n_candidates = p->kernels.listed
+                          ? part_count(p, COUNT_PAIRS)
+                          : part_count(p, COUNT_CANDIDATES) + part_count(p, COUNT_TESTED);
     return fetch_span(p, task, err);
 }

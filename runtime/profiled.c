@@ -144,9 +144,10 @@ bool profiled_read_plan(const profile_plan *stored, duet_plan *plan, duet_error 
                      stored->mode);
 }
 
-profile_plan profiled_write_plan(const duet_plan *plan)
+profile_plan profiled_write_plan(const duet_plan *plan, const char *level)
 {
-    profile_plan stored = {.share = plan->share, .level = "certified"};
+    profile_plan stored = {.share = plan->share};
+    strncpy(stored.level, level, sizeof stored.level - 1);
     strncpy(stored.mode, duet_mode_name(plan->mode), sizeof stored.mode - 1);
     memcpy(stored.variant_a, plan->variant_a, sizeof stored.variant_a);
     memcpy(stored.variant_b, plan->variant_b, sizeof stored.variant_b);

@@ -20,8 +20,9 @@ bool profiled_world(const duet_world *world, profiled *p, duet_error *err);
 // p must live as long as the request is used.
 profile_request profiled_request(const profiled *p);
 
-// A stored plan, and one to store. BAD_INPUT for a mode that there is not.
+// A stored plan, and one to store, measured at that level of accuracy. BAD_INPUT
+// for a mode that there is not.
 bool profiled_read_plan(const profile_plan *stored, duet_plan *plan, duet_error *err);
-profile_plan profiled_write_plan(const duet_plan *plan);
+profile_plan profiled_write_plan(const duet_plan *plan, const char *level);
 
 #endif

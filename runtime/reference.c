@@ -86,7 +86,7 @@ static bounds bounds_of(const reference_objects *objects, uint32_t id)
     uint32_t dims = objects->dims;
     if (objects->shape == DUET_SHAPE_BOUNDS)
         return bounds_of_corners(&objects->bounds[id], dims);
-    if (objects->level == LEVEL_CERTIFIED)
+    if (objects->level == DUET_LEVEL_CERTIFIED)
         return bounds_of_pose(&objects->poses[id], dims);
     duet_bounds in_float = meeting_bounds(&objects->poses[id], dims, objects->rotated);
     return bounds_of_corners(&in_float, dims);
@@ -122,7 +122,7 @@ static bool collide(const reference_objects *o, uint32_t a, uint32_t b)
 {
     if (o->shape == DUET_SHAPE_BOUNDS)
         return narrow_bounds(&o->bounds[a], &o->bounds[b], o->dims);
-    if (o->level == LEVEL_CERTIFIED)
+    if (o->level == DUET_LEVEL_CERTIFIED)
         return narrow_decide(&o->poses[a], &o->poses[b], o->dims);
     return level_collide(o->level, &o->poses[a], &o->poses[b], o->dims, o->rotated);
 }
@@ -326,6 +326,15 @@ bool reference_find(const reference_objects *objects, reference_way way, referen
 
 bool duet_reference(const duet_scene *scene, duet_pair **pairs, uint64_t *n, duet_error *err)
 {
+    return duet_reference_at(scene, DUET_LEVEL_CERTIFIED, pairs, n, err);
+}
+
+bool duet_reference_at(const duet_scene *scene, duet_level level, duet_pair **pairs, uint64_t *n,
+                       duet_error *err)
+{
+    if (!duet_level_describe(level))
+        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; right would be a duet_level",
+                         (int)level);
     const duet_scene_info *info = duet_scene_describe(scene);
     reference_objects objects = {
         .dims = info->dims,
@@ -333,6 +342,8 @@ bool duet_reference(const duet_scene *scene, duet_pair **pairs, uint64_t *n, due
         .n = info->n,
         .poses = duet_scene_poses(scene),
         .bounds = duet_scene_bounds(scene),
+        .level = level,
+        .rotated = info->rotated,
     };
     reference_way way =
         info->n <= EACH_WITH_EACH_LIMIT ? REFERENCE_EACH_WITH_EACH : REFERENCE_COLUMNS;

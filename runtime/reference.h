@@ -14,8 +14,8 @@ typedef struct reference_objects {
     uint32_t n;
     const duet_pose *poses;
     const duet_bounds *bounds;
-    level level;  // of poses; by default certified
-    bool rotated; // for other levels: false promises identity rotations
+    duet_level level; // of poses; by default certified
+    bool rotated;     // for other levels: false promises identity rotations
 } reference_objects;
 
 typedef enum reference_way {

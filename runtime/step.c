@@ -72,6 +72,7 @@ static part_task describe_task(const duet_world *world)
         .dims = world->def.dims,
         .shape = world->def.shape,
         .rotated = world->def.rotated,
+        .level = world->def.level,
         .n = world->n,
         .objects = world->objects.bytes,
         .objects_version = world->objects_version,

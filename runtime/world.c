@@ -78,6 +78,9 @@ static bool check_def(const duet_world_def *def, duet_error *err)
         return error_set(err, DUET_BAD_ARGUMENT, "dims is %u; right would be 2 or 3", def->dims);
     if (def->shape != DUET_SHAPE_POSES && def->shape != DUET_SHAPE_BOUNDS)
         return error_set(err, DUET_BAD_ARGUMENT, "shape is neither POSES nor BOUNDS");
+    if (!duet_level_describe(def->level))
+        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; right would be a duet_level",
+                         (int)def->level);
     if (!(def->cell >= 0.0f) || !isfinite(def->cell))
         return error_set(err, DUET_BAD_ARGUMENT, "cell is %g; right would be 0 or an edge above 0",
                          def->cell);
@@ -184,6 +187,18 @@ bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *e
 const duet_plan *duet_world_plan(const duet_world *world)
 {
     return &world->def.plan;
+}
+
+bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err)
+{
+    duet_world_def def = world->def;
+    def.level = level;
+    if (!check_def(&def, err))
+        return false;
+    if (level != world->def.level)
+        world->prepared[0] = world->prepared[1] = false;
+    world->def.level = level;
+    return true;
 }
 
 // ---------------------------------------------------------------- objects

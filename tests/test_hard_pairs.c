@@ -196,9 +196,9 @@ enum { N_CASES = sizeof cases / sizeof *cases };
 
 static void keep_promises(const hard_pair *pair, uint32_t dims)
 {
-    for (int l = 0; l < LEVEL_COUNT; ++l) {
-        const level_info *info = level_describe((level)l);
-        bool answer = level_collide((level)l, &pair->a, &pair->b, dims, true);
+    for (int l = 0; l < DUET_LEVELS; ++l) {
+        const duet_level_info *info = duet_level_describe((duet_level)l);
+        bool answer = level_collide((duet_level)l, &pair->a, &pair->b, dims, true);
         if (!promise_allows(info->missed, info->added, pair, dims, answer)) {
             hard_pair_print(pair, dims);
             fail_msg("level %s breaks its promise", info->name);

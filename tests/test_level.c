@@ -13,9 +13,9 @@
 
 enum { PAIRS = 10000 }; // of each of 21 classes
 
-static bool promise_holds(level l, const hard_pair *p, uint32_t dims)
+static bool promise_holds(duet_level l, const hard_pair *p, uint32_t dims)
 {
-    const level_info *info = level_describe(l);
+    const duet_level_info *info = duet_level_describe(l);
     bool answer = level_collide(l, &p->a, &p->b, dims, true);
     return promise_allows(info->missed, info->added, p, dims, answer);
 }
@@ -28,10 +28,11 @@ static void each_level_keeps_its_promise_on_hard_pairs(void **state)
         for (int i = 0; i < PAIRS; ++i) {
             uint32_t dims = i % 4 == 3 ? 2 : 3;
             hard_pair pair = c->make(&r, dims);
-            for (int l = 0; l < LEVEL_COUNT; ++l)
-                if (!promise_holds((level)l, &pair, dims)) {
+            for (int l = 0; l < DUET_LEVELS; ++l)
+                if (!promise_holds((duet_level)l, &pair, dims)) {
                     hard_pair_print(&pair, dims);
-                    fail_msg("%s on pair %d of '%s'", level_describe((level)l)->name, i, c->name);
+                    fail_msg("%s on pair %d of '%s'", duet_level_describe((duet_level)l)->name, i,
+                             c->name);
                 }
         }
 }
@@ -52,23 +53,25 @@ static duet_pose random_box(rng *r, double spread)
 static void better_levels_report_fewer_random_pairs(void **state)
 {
     (void)state;
-    static const level ladder[] = {LEVEL_AABB, LEVEL_SAT6, LEVEL_SAT15, LEVEL_CERTIFIED};
+    static const duet_level ladder[] = {DUET_LEVEL_AABB, DUET_LEVEL_SAT6, DUET_LEVEL_SAT15,
+                                        DUET_LEVEL_CERTIFIED};
     enum { N = 20000, STEPS = sizeof ladder / sizeof *ladder };
     rng r = rng_seed(test_seed());
-    int found[LEVEL_COUNT] = {0};
+    int found[DUET_LEVELS] = {0};
     for (int i = 0; i < N; ++i) {
         duet_pose a = random_box(&r, 3), b = random_box(&r, 3);
-        for (int l = 0; l < LEVEL_COUNT; ++l)
-            found[l] += level_collide((level)l, &a, &b, 3, true);
+        for (int l = 0; l < DUET_LEVELS; ++l)
+            found[l] += level_collide((duet_level)l, &a, &b, 3, true);
     }
-    for (int l = 0; l < LEVEL_COUNT; ++l)
-        print_message("%-10s %d of %d\n", level_describe((level)l)->name, found[l], N);
+    for (int l = 0; l < DUET_LEVELS; ++l)
+        print_message("%-10s %d of %d\n", duet_level_describe((duet_level)l)->name, found[l], N);
     for (int i = 1; i < STEPS; ++i)
         assert_true(found[ladder[i]] <= found[ladder[i - 1]]);
-    assert_true(found[LEVEL_SAT6] > found[LEVEL_CERTIFIED]);
-    assert_true(found[LEVEL_SPHERE] > found[LEVEL_CERTIFIED]);
-    assert_in_range(found[LEVEL_SAT15], found[LEVEL_CERTIFIED], found[LEVEL_CERTIFIED] + 2);
-    assert_int_equal(found[LEVEL_DOUBLE], found[LEVEL_CERTIFIED]);
+    assert_true(found[DUET_LEVEL_SAT6] > found[DUET_LEVEL_CERTIFIED]);
+    assert_true(found[DUET_LEVEL_SPHERE] > found[DUET_LEVEL_CERTIFIED]);
+    assert_in_range(found[DUET_LEVEL_SAT15], found[DUET_LEVEL_CERTIFIED],
+                    found[DUET_LEVEL_CERTIFIED] + 2);
+    assert_int_equal(found[DUET_LEVEL_DOUBLE], found[DUET_LEVEL_CERTIFIED]);
 }
 
 // A plate across axis k, as wide as anything.
@@ -101,9 +104,13 @@ static void bounds_contain_their_box(void **state)
 static void names_name_levels(void **state)
 {
     (void)state;
-    for (int l = 0; l < LEVEL_COUNT; ++l)
-        assert_int_equal(level_named(level_describe((level)l)->name), l);
-    assert_int_equal(level_named("sat"), LEVEL_COUNT);
+    duet_level found;
+    for (int l = 0; l < DUET_LEVELS; ++l) {
+        assert_true(duet_level_named(duet_level_describe((duet_level)l)->name, &found));
+        assert_int_equal(found, l);
+    }
+    assert_false(duet_level_named("sat", &found));
+    assert_null(duet_level_describe(DUET_LEVELS));
 }
 
 int main(void)

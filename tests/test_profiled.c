@@ -129,7 +129,7 @@ static void a_plan_survives_being_stored(void **state)
     duet_plan plan = {.share = 12345, .mode = DUET_MODE_OWN};
     strcpy(plan.variant_a, "rows sort=radix");
     strcpy(plan.variant_b, "paper");
-    profile_plan stored = profiled_write_plan(&plan);
+    profile_plan stored = profiled_write_plan(&plan, "sat15");
     duet_plan back;
     duet_error err = {0};
     assert_ok(profiled_read_plan(&stored, &back, &err), err);

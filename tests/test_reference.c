@@ -136,18 +136,18 @@ static void each_level_has_its_set_however_it_is_found(void **state)
 {
     (void)state;
     rng r = rng_seed(test_seed());
-    for (int l = 0; l < LEVEL_COUNT; ++l) {
+    for (int l = 0; l < DUET_LEVELS; ++l) {
         crowd *c = make_crowd(of_mixed_size, 3, DUET_SHAPE_POSES, &r);
-        c->objects.level = (level)l;
+        c->objects.level = (duet_level)l;
         c->objects.rotated = true;
         reference_found each, columns, exact;
         duet_error err = {0};
         assert_ok(reference_find(&c->objects, REFERENCE_EACH_WITH_EACH, &each, &err), err);
         assert_ok(reference_find(&c->objects, REFERENCE_COLUMNS, &columns, &err), err);
-        c->objects.level = LEVEL_CERTIFIED;
+        c->objects.level = DUET_LEVEL_CERTIFIED;
         assert_ok(reference_find(&c->objects, REFERENCE_COLUMNS, &exact, &err), err);
         assert_same(&each, &columns);
-        assert_true(l == LEVEL_AABB ? each.n == each.candidates : each.n >= exact.n);
+        assert_true(l == DUET_LEVEL_AABB ? each.n == each.candidates : each.n >= exact.n);
         duet_free(each.pairs);
         duet_free(columns.pairs);
         duet_free(exact.pairs);

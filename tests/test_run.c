@@ -281,6 +281,33 @@ static void ctrl_c_shows_what_was_timed(void **state)
     program_free(&p);
 }
 
+static void a_level_is_compared_with_its_own_reference(void **state)
+{
+    (void)state;
+    double found[DUET_LEVELS];
+    for (int l = 0; l < DUET_LEVELS; ++l) {
+        const char *name = duet_level_describe((duet_level)l)->name;
+        char arguments[80];
+        snprintf(arguments, sizeof arguments, SCENE " --check --repeat 1 --level %s", name);
+        cJSON *o = run_json(arguments);
+        assert_string_equal(string_of(o, "level"), name);
+        found[l] = number_of(o, "pairs");
+        cJSON_Delete(o);
+    }
+    assert_true(found[DUET_LEVEL_AABB] > found[DUET_LEVEL_SAT6]);
+    assert_true(found[DUET_LEVEL_SAT6] > found[DUET_LEVEL_CERTIFIED]);
+}
+
+static void a_level_of_no_name_is_refused_with_those_there_are(void **state)
+{
+    (void)state;
+    program p = program_run("run --level gjk " SCENE);
+    assert_int_equal(p.exit_code, 2);
+    assert_string_equal(p.err, "duet: --level 'gjk': the levels are certified, aabb, sphere, sat6, "
+                               "sat15, double\n");
+    program_free(&p);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -294,6 +321,8 @@ int main(void)
         cmocka_unit_test(bad_input_is_one_line_and_exit_1),
         cmocka_unit_test(what_cannot_be_written_is_not_half_written),
         cmocka_unit_test(ctrl_c_shows_what_was_timed),
+        cmocka_unit_test(a_level_is_compared_with_its_own_reference),
+        cmocka_unit_test(a_level_of_no_name_is_refused_with_those_there_are),
     };
     return cmocka_run_group_tests(tests, make_scene, remove_files);
 }

@@ -83,6 +83,7 @@ static void let_go(holdings *h)
 static bool make_world(holdings *h, duet_error *err)
 {
     duet_world_def def = duet_scene_world_def(h->def.scene, h->def.pair);
+    def.level = h->def.level;
     h->world = duet_world_create(&def, err);
     return h->world && duet_world_set_scene(h->world, h->def.scene, err);
 }
@@ -133,11 +134,12 @@ static bool tell_known(const profile_found *found, duet_tune_outcome *outcome, d
 }
 
 // The pairs that every plan must find.
-static bool find_right_hash(const duet_scene *scene, uint64_t *hash, duet_error *err)
+static bool find_right_hash(const duet_scene *scene, duet_level level, uint64_t *hash,
+                            duet_error *err)
 {
     duet_pair *pairs;
     uint64_t n;
-    if (!duet_reference(scene, &pairs, &n, err))
+    if (!duet_reference_at(scene, level, &pairs, &n, err))
         return false;
     *hash = duet_pairs_hash(pairs, n);
     duet_free(pairs);
@@ -156,7 +158,7 @@ static bool run(holdings *h, const profile_found *near, duet_tune_outcome *outco
     uint64_t hash;
     const duet_scene_info *info = duet_scene_describe(h->def.scene);
     measure_world world = {.world = h->world, .shape = info->shape, .n = info->n};
-    if (!find_right_hash(h->def.scene, &hash, err))
+    if (!find_right_hash(h->def.scene, h->def.level, &hash, err))
         return false;
     bool guessed = near->grade == PROFILE_INTERPOLATED || near->grade == PROFILE_TRANSFERRED ||
                    near->grade == PROFILE_OTHER_DRIVER || near->grade == PROFILE_STALE;

@@ -26,6 +26,7 @@ typedef bool duet_tune_watch(void *context, const duet_tune_progress *progress);
 typedef struct duet_tune_def {
     duet_device_pair *pair;      // borrowed
     const duet_scene *scene;     // borrowed
+    duet_level level;            // of accuracy that the world is to have
     const char *store;           // profile file; NULL: the user's (DUET_PROFILE)
     bool keep;                   // false: uses no store at all
     bool fresh;                  // measures again what is finished

@@ -1,10 +1,11 @@
-// candidates_rows.DIMS3.SHAPE0.GRID0.LEVELS0.ROTATED1.FUSED0.JOINED1.IDS0.WG128.BUF512.PER_ITEM1
+// candidates_rows.DIMS3.SHAPE0.GRID0.LEVELS0.ROTATED1.ACCURACY0.FUSED0.JOINED1.IDS0.WG128.BUF512.PER_ITEM1
 #define DIMS 3
 #define SHAPE 0
 #define GRID 0
 #define LEVELS 0
 #define LANES 1
 #define ROTATED 1
+#define ACCURACY 0
 #define SORTED 1
 #define FUSED 0
 #define JOINED 1
@@ -17,6 +18,7 @@
 #line 1 "kernels/object.clh"
 #line 1 "kernels/grid.clh"
 #line 1 "kernels/sat.clh"
+#line 1 "kernels/sat_double.clh"
 #line 1 "kernels/boxes.clh"
 #line 1 "kernels/candidates_rows.cl.in"
 // SPDX-License-Identifier: MIT
@@ -116,16 +118,16 @@ static inline void test_pair(const tester *to, uint2 candidate, volatile __globa
 static inline void give_away(pair_sink *sink, const tester *to)
 {
     uint n = min(*sink->used, (uint)BUF);
-    if (get_local_id(0) == 0)
+    if (get_local_id(0) == 0) { // behind the loop PoCL 3.1 would count nothing
         *to->n_colliding = 0;
+        reserve(sink->counters + COUNT_TESTED, n);
+    }
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint k = get_local_id(0); k < n; k += WG)
         test_pair(to, sink->pairs[k], sink->counters);
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (get_local_id(0) == 0) {
-        reserve(sink->counters + COUNT_TESTED, n);
+    if (get_local_id(0) == 0)
         *sink->used = 0;
-    }
     list_pairs(sink, to->colliding, *to->n_colliding, to->pairs, to->room, sink->counters + COUNT_PAIRS);
 }
 #else

@@ -1,7 +1,8 @@
-// narrow.DIMS2.ROTATED1.SORTED1.WG1.PER_ITEM256
+// narrow.DIMS2.ROTATED1.ACCURACY0.SORTED1.WG1.PER_ITEM256
 #define DIMS 2
 #define SHAPE 0
 #define ROTATED 1
+#define ACCURACY 0
 #define SORTED 1
 #define LANES 1
 #define WG 1
@@ -10,6 +11,7 @@
 #line 1 "kernels/lanes.clh"
 #line 1 "kernels/object.clh"
 #line 1 "kernels/sat.clh"
+#line 1 "kernels/sat_double.clh"
 #line 1 "kernels/boxes.clh"
 #line 1 "kernels/narrow.cl"
 // SPDX-License-Identifier: MIT

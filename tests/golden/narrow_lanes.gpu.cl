@@ -1,7 +1,8 @@
-// narrow_lanes.DIMS3.ROTATED1.AHEAD0.PER_ITEM512
+// narrow_lanes.DIMS3.ROTATED1.ACCURACY0.AHEAD0.PER_ITEM512
 #define DIMS 3
 #define SHAPE 0
 #define ROTATED 1
+#define ACCURACY 0
 #define LANES 8
 #define WG 1
 #define AHEAD 0
@@ -10,6 +11,7 @@
 #line 1 "kernels/lanes.clh"
 #line 1 "kernels/object.clh"
 #line 1 "kernels/sat.clh"
+#line 1 "kernels/sat_double.clh"
 #line 1 "kernels/box_rows.clh"
 #line 1 "kernels/collide.clh"
 #line 1 "kernels/narrow_lanes.cl"

@@ -1,7 +1,8 @@
-// reorder_lanes.DIMS3.SHAPE0.ROTATED1.GRID0.LEVELS0.ROOMY0.AHEAD0.PER_ITEM1024
+// reorder_lanes.DIMS3.SHAPE0.ROTATED1.ACCURACY0.GRID0.LEVELS0.ROOMY0.AHEAD0.PER_ITEM1024
 #define DIMS 3
 #define SHAPE 0
 #define ROTATED 1
+#define ACCURACY 0
 #define GRID 0
 #define LEVELS 0
 #define ROOMY 0
@@ -14,6 +15,7 @@
 #line 1 "kernels/object.clh"
 #line 1 "kernels/grid.clh"
 #line 1 "kernels/sat.clh"
+#line 1 "kernels/sat_double.clh"
 #line 1 "kernels/box_rows.clh"
 #line 1 "kernels/corners.clh"
 #line 1 "kernels/reorder_lanes.cl"

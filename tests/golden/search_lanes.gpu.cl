@@ -1,7 +1,8 @@
-// search_lanes.DIMS3.SHAPE0.ROTATED1.GRID0.LEVELS0.ROOMY0.FUSED1.BUF512.AHEAD0.PER_ITEM1024
+// search_lanes.DIMS3.SHAPE0.ROTATED1.ACCURACY0.GRID0.LEVELS0.ROOMY0.FUSED1.BUF512.AHEAD0.PER_ITEM1024
 #define DIMS 3
 #define SHAPE 0
 #define ROTATED 1
+#define ACCURACY 0
 #define GRID 0
 #define LEVELS 0
 #define ROOMY 0
@@ -16,6 +17,7 @@
 #line 1 "kernels/object.clh"
 #line 1 "kernels/grid.clh"
 #line 1 "kernels/sat.clh"
+#line 1 "kernels/sat_double.clh"
 #line 1 "kernels/box_rows.clh"
 #line 1 "kernels/collide.clh"
 #line 1 "kernels/corners.clh"
@@ -42,6 +44,7 @@
 #define RANGES 8
 #define USED_RANGES(r) (r)->n
 #endif
+#define LISTS_PAIRS (SHAPE == SHAPE_BOUNDS || ACCURACY == AABB) // overlapping bounds are the answer
 #define ROUND (RANGES * LANES) // most candidates that come at once
 #define WAITING_ROOM (BUF + ROUND + AHEAD + LANES)
 
@@ -204,8 +207,10 @@ static inline void search_ranges(search *s, const sorted *in, const seeker *me, 
             uint place = r->from[bit % 8] + bit / 8;
             if (!is_in(in, place, r, bit % 8))
                 continue;
-#if SHAPE == SHAPE_POSES
+#if SHAPE == SHAPE_POSES && ACCURACY != AABB
             s->waiting[s->n_waiting++] = (uint2)(me->place, place);
+#elif SHAPE == SHAPE_POSES
+            s->waiting[s->n_waiting++] = ordered(id_at(in->boxes, me->place), id_at(in->boxes, place));
 #else
             s->waiting[s->n_waiting++] = ordered(in->ids[me->place], in->ids[place]);
 #endif
@@ -246,15 +251,15 @@ static inline void search_around(search *s, const sorted *in, const seeker *me)
     r.from[0] = me->place + 1;
     r.to[0] = in->starts[entry + 2];
     const uint y = 0, z = 0; // relative to the own cell
-#line 228 "kernels/search_lanes.cl.in"
+#line 231 "kernels/search_lanes.cl.in"
     set_range(in, &r, 1, entry + ((z) * ny + (y + 1)) * nx);
-#line 228 "kernels/search_lanes.cl.in"
+#line 231 "kernels/search_lanes.cl.in"
     set_range(in, &r, 2, entry + ((z + 1) * ny + (y - 1)) * nx);
-#line 228 "kernels/search_lanes.cl.in"
+#line 231 "kernels/search_lanes.cl.in"
     set_range(in, &r, 3, entry + ((z + 1) * ny + (y)) * nx);
-#line 228 "kernels/search_lanes.cl.in"
+#line 231 "kernels/search_lanes.cl.in"
     set_range(in, &r, 4, entry + ((z + 1) * ny + (y + 1)) * nx);
-#line 230 "kernels/search_lanes.cl.in"
+#line 233 "kernels/search_lanes.cl.in"
     search_ranges(s, in, me, &r);
 }
 
@@ -333,31 +338,31 @@ static inline void add_level(search *s, const sorted *in, const seeker *me, rang
     row cells = {level, y, z, x, x + 1 < nx ? x + 1 : x};
     add_own_row(s, in, me, r, &cells);
     cells.left = x > 0 ? x - 1 : 0;
-#line 309 "kernels/search_lanes.cl.in"
+#line 312 "kernels/search_lanes.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
         cells.z = z;
         add_row(s, in, me, r, &cells);
     }
-#line 309 "kernels/search_lanes.cl.in"
+#line 312 "kernels/search_lanes.cl.in"
     if (y > 0 && z + 1 < nz) {
         cells.y = y - 1;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 309 "kernels/search_lanes.cl.in"
+#line 312 "kernels/search_lanes.cl.in"
     if (z + 1 < nz) {
         cells.y = y;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 309 "kernels/search_lanes.cl.in"
+#line 312 "kernels/search_lanes.cl.in"
     if (y + 1 < ny && z + 1 < nz) {
         cells.y = y + 1;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 315 "kernels/search_lanes.cl.in"
+#line 318 "kernels/search_lanes.cl.in"
 }
 
 #if LEVELS
@@ -453,7 +458,7 @@ __kernel void search_lanes(__global const float *restrict bounds, uint column_ro
 #if FUSED
     search s = {waiting, 0, 0, {boxes, found, room, undecided, undecided_room, counters}};
 #else
-    search s = {waiting, 0, 0, found, room, counters + (SHAPE == SHAPE_POSES ? COUNT_CANDIDATES : COUNT_PAIRS)};
+    search s = {waiting, 0, 0, found, room, counters + (LISTS_PAIRS ? COUNT_PAIRS : COUNT_CANDIDATES)};
 #endif
     uint home = starts[n_home_cells];
     uint end = entry_begin(&in, last, home);

@@ -88,6 +88,19 @@ static bool change_mode(const char *name, duet_mode *mode, duet_error *err)
     return false;
 }
 
+bool inputs_read_level(const char *name, duet_level *level, duet_error *err)
+{
+    text known = {0};
+    *level = DUET_LEVEL_CERTIFIED;
+    if (!name || duet_level_named(name, level))
+        return true;
+    for (int l = 0; l < DUET_LEVELS; ++l)
+        text_add(&known, "%s%s", l ? ", " : "", duet_level_describe((duet_level)l)->name);
+    error_set(err, DUET_BAD_ARGUMENT, "--level '%s': the levels are %s", name, text_chars(&known));
+    text_free(&known);
+    return false;
+}
+
 static bool change_variant(const char *variant, char to[96], duet_error *err)
 {
     if (!variant)

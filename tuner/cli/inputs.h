@@ -49,6 +49,13 @@ typedef struct plan_options {
         OPTION_TEXT("variant-a", member.variants[0], "V", "kernels of A"),                   \
         OPTION_TEXT("variant-b", member.variants[1], "V", "kernels of B")
 
+#define LEVEL_OPTION_ROW(member)      \
+    OPTION_TEXT("level", member, "L", \
+                "of accuracy: certified (the default), aabb, sphere, sat6, sat15 or double")
+
+// NULL: certified. BAD_ARGUMENT for a name that no level has.
+bool inputs_read_level(const char *name, duet_level *level, duet_error *err);
+
 // NULL selectors: the default pair.
 duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err);
 duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err);

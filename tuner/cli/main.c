@@ -18,6 +18,7 @@ static const struct {
     int (*run)(int argc, char **argv);
     const char *about;
 } commands[] = {
+    {"accuracy", command_accuracy, "what each level of accuracy costs, and gets wrong"},
     {"bench", command_bench, "a standard set of measurements, compared with earlier ones"},
     {"devices", command_devices, "what OpenCL offers here, and the selectors for --pair"},
     {"lua", command_lua, "scripts that use all of this, and a prompt to try it at"},

@@ -11,6 +11,7 @@
 #include "tuner/cli/inputs.h"
 #include "tuner/cli/interrupt.h"
 #include "tuner/cli/options.h"
+#include "tuner/cli/pair_list.h"
 #include "tuner/cli/run_motion.h"
 #include "tuner/cli/run_report.h"
 #include "tuner/cli/say.h"
@@ -23,6 +24,8 @@
 typedef struct arguments {
     scene_options scene;
     plan_options plan;
+    const char *level_name;
+    duet_level level;
     const char *pair;
     uint64_t repeat;
     run_motion_options motion;
@@ -36,6 +39,7 @@ static const option options[] = {
     SCENE_OPTION_ROWS(scene),
     PAIR_OPTION_ROW(pair),
     PLAN_OPTION_ROWS(plan),
+    LEVEL_OPTION_ROW(level_name),
     OPTION_COUNT("repeat", repeat, "K", "steps that are timed, after one to warm up (5)", 1,
                  100000),
     OPTION_FLAG("resident", resident, "leave the objects on the devices between the steps"),
@@ -60,29 +64,6 @@ static const command_line line = {
     .options = options,
 };
 
-static int by_ids(const void *a, const void *b)
-{
-    const duet_pair *x = a;
-    const duet_pair *y = b;
-    if (x->a != y->a)
-        return x->a < y->a ? -1 : 1;
-    return (x->b > y->b) - (x->b < y->b);
-}
-
-// A copy of the result's pairs, ascending; the caller frees it.
-static duet_pair *sorted_pairs(const duet_result *result, duet_error *err)
-{
-    duet_pair *pairs = calloc(result->pairs + 1, sizeof *pairs);
-    if (!pairs) {
-        error_set(err, DUET_NO_MEMORY, "%" PRIu64 " pairs: no memory", result->pairs);
-        return NULL;
-    }
-    for (uint64_t i = 0; i < result->pairs; ++i)
-        pairs[i] = duet_result_pair(result, i);
-    qsort(pairs, result->pairs, sizeof *pairs, by_ids);
-    return pairs;
-}
-
 static bool write_pairs(const char *path, const duet_pair *pairs, uint64_t n, duet_error *err)
 {
     text lines = {0};
@@ -94,18 +75,18 @@ static bool write_pairs(const char *path, const duet_pair *pairs, uint64_t n, du
     return ok;
 }
 
-static bool compare(const duet_scene *scene, const duet_pair *pairs, uint64_t n, verdict *v,
-                    duet_error *err)
+static bool compare(const duet_scene *scene, duet_level level, const duet_pair *pairs, uint64_t n,
+                    verdict *v, duet_error *err)
 {
     duet_pair *expected = NULL;
-    if (!duet_reference(scene, &expected, &v->reference, err))
+    if (!duet_reference_at(scene, level, &expected, &v->reference, err))
         return false;
     uint64_t i = 0;
     uint64_t j = 0;
     while (i < n || j < v->reference) {
         int order = 0;
         if (i < n && j < v->reference)
-            order = by_ids(&pairs[i], &expected[j]);
+            order = pair_list_order(&pairs[i], &expected[j]);
         else
             order = i < n ? -1 : 1;
         v->extra += order < 0;
@@ -123,21 +104,22 @@ static bool use_pairs(const arguments *args, const duet_scene *scene, const duet
     v->asked = args->check;
     if (!args->check && !args->pairs_path)
         return true;
-    duet_pair *pairs = sorted_pairs(result, err);
+    duet_pair *pairs = pair_list_sorted(result, err);
     bool ok = pairs != NULL;
     if (ok && args->pairs_path)
         ok = write_pairs(args->pairs_path, pairs, result->pairs, err);
     if (ok && args->check)
-        ok = compare(scene, pairs, result->pairs, v, err);
+        ok = compare(scene, args->level, pairs, result->pairs, v, err);
     free(pairs);
     return ok;
 }
 
-static duet_world *make_world(const duet_scene *scene, duet_device_pair *pair,
-                              const plan_options *plan, duet_error *err)
+static duet_world *make_world(const arguments *args, const duet_scene *scene,
+                              duet_device_pair *pair, duet_error *err)
 {
     duet_world_def def = duet_scene_world_def(scene, pair);
-    if (!inputs_change_plan(plan, &def.plan, err))
+    def.level = args->level;
+    if (!inputs_change_plan(&args->plan, &def.plan, err))
         return NULL;
     return duet_world_create(&def, err);
 }
@@ -167,6 +149,7 @@ static bool run_world(const arguments *args, const duet_scene *scene, const duet
     run_report r = {.scene = duet_scene_describe(scene),
                     .pair = pair,
                     .plan = duet_world_plan(world),
+                    .level = duet_level_describe(args->level)->name,
                     .timed = &t,
                     .resident = args->resident};
     bool ok = choose_plan(args, scene, world, &r, err);
@@ -188,7 +171,7 @@ static bool run(const arguments *args, const char *path, duet_error *err)
     duet_device_pair *pair = inputs_open_pair(args->pair, err);
     duet_scene *scene = pair ? inputs_load_scene(path, &args->scene, err) : NULL;
     bool moves = args->motion.steps > 0;
-    duet_world *world = scene && !moves ? make_world(scene, pair, &args->plan, err) : NULL;
+    duet_world *world = scene && !moves ? make_world(args, scene, pair, err) : NULL;
     bool ok = false;
     if (scene && moves)
         ok = run_motion(&args->motion, scene, pair, &args->plan, err);
@@ -212,5 +195,7 @@ int command_run(int argc, char **argv)
     args.motion.json = args.json;
     if (!args.motion.steps && (args.motion.picture || args.motion.frames))
         return say_wrong("run", "--picture and --frames draw a scene that moves; give --steps K");
-    return run(&args, operands[0], &err) ? EXIT_OK : say_failed(&err);
+    bool ok =
+        inputs_read_level(args.level_name, &args.level, &err) && run(&args, operands[0], &err);
+    return ok ? EXIT_OK : say_failed(&err);
 }

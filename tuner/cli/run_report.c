@@ -155,7 +155,7 @@ static void print_stages(const timed_step *step)
     putchar('\n');
 }
 
-static void print_totals(const timed *m)
+static void print_totals(const timed *m, const char *level)
 {
     const duet_result *r = &m->last;
     const timed_step *median = timed_median(m);
@@ -165,7 +165,7 @@ static void print_totals(const timed *m)
     table_cell(&t, "pairs whose bounds overlap");
     table_cell(&t, "pairs");
     table_cell(&t, "%s", table_count(r->pairs).chars);
-    table_cell(&t, "collide; hash %016" PRIx64, m->hash);
+    table_cell(&t, "collide, at level %s; hash %016" PRIx64, level, m->hash);
     if (r->undecided > 0) {
         table_cell(&t, "undecided");
         table_cell(&t, "%s", table_count(r->undecided).chars);
@@ -284,7 +284,7 @@ void run_report_text(const run_report *r)
     print_devices(r->pair, r->plan);
     print_profile(r);
     print_stages(timed_median(r->timed));
-    print_totals(r->timed);
+    print_totals(r->timed, r->level);
     if (r->verdict.asked)
         print_verdict(&r->verdict);
 }
@@ -294,6 +294,7 @@ bool run_report_json(const run_report *r, duet_error *err)
     cJSON *o = cJSON_CreateObject();
     add_counts(o, r->scene, r->timed);
     add_plan(o, r->pair, r->plan);
+    cJSON_AddStringToObject(o, "level", r->level);
     cJSON_AddStringToObject(o, "profile",
                             r->plan_given ? "given" : duet_grade_name(r->profile.grade));
     cJSON_AddBoolToObject(o, "resident", r->resident);

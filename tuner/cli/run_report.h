@@ -19,6 +19,7 @@ typedef struct run_report {
     const duet_scene_info *scene;
     const duet_device_pair *pair;
     const duet_plan *plan;
+    const char *level;    // of accuracy
     bool plan_given;      // on the command line
     duet_profile profile; // what the plan comes from, unless it was given
     const timed *timed;

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+#include "tuner/cli/prices_report.h"
+
+#include "runtime/base/text.h"
+#include "tuner/cli/say.h"
+#include "tuner/cli/table.h"
+
+#include <cjson/cJSON.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+
+enum { BAR = 20 };
+
+static const char *name_of(const price *row)
+{
+    return duet_level_describe(row->level)->name;
+}
+
+static double undecided_share(const price *row)
+{
+    return row->candidates ? (double)row->undecided / (double)row->candidates : 0;
+}
+
+// ---------------------------------------------------------------- as text
+
+static double slowest_ms(const prices *p, int device)
+{
+    double ms = 0;
+    for (uint32_t i = 0; i < p->n; ++i)
+        if (p->rows[i].device == device)
+            ms = fmax(ms, p->rows[i].step_ms);
+    return ms;
+}
+
+static void distance_cell(table *t, uint64_t n, double distance)
+{
+    if (n == 0)
+        table_cell(t, "-");
+    else
+        table_cell(t, "%.2g", distance);
+}
+
+static void print_row(table *t, const price *row, double slowest)
+{
+    table_cell(t, "%s", row->front ? "*" : " ");
+    table_cell(t, "%s", name_of(row));
+    table_cell(t, "%.3f", row->step_ms);
+    table_cell(t, "%.2f", row->relative);
+    table_cell(t, "%s", table_bar(row->step_ms / slowest, BAR).chars);
+    table_cell(t, "%s", table_count(row->missed).chars);
+    table_cell(t, "%s", table_count(row->added).chars);
+    distance_cell(t, row->missed, row->deepest_missed);
+    distance_cell(t, row->added, row->widest_added);
+    table_cell(t, "%.2g %%", 100 * undecided_share(row));
+}
+
+static void print_device(const prices_report *r, int device)
+{
+    static const char *const heads[] = {" ",      "level", "ms a step", "/ sat15", " ",
+                                        "missed", "false", "deepest",   "widest",  "undecided"};
+    const duet_device_info *info = duet_device_pair_info(r->pair, device);
+    printf("\n%c %s, %s, alone\n", "AB"[device], info -> selector, info -> name);
+    table t = table_begin("llrrlrrrrr");
+    for (size_t i = 0; i < sizeof heads / sizeof *heads; ++i)
+        table_cell(&t, "%s", heads[i]);
+    double slowest = slowest_ms(r->prices, device);
+    for (uint32_t i = 0; i < r->prices->n; ++i)
+        if (r->prices->rows[i].device == device)
+            print_row(&t, &r->prices->rows[i], slowest);
+    table_print(&t, stdout);
+}
+
+void prices_report_text(const prices_report *r)
+{
+    printf("%s: %s objects, ", r->scene->name, table_count(r->scene->n).chars);
+    printf("%s pairs collide; median of %u steps\n", table_count(r->prices->truth).chars,
+           r->prices->rounds);
+    print_device(r, 0);
+    print_device(r, 1);
+    printf("\n* nothing is both faster and more right. missed: pairs that collide; false: that do "
+           "not.\ndeepest: overlap of the worst missed; widest: gap of the worst false one, in the "
+           "scene's unit.\n");
+}
+
+// ---------------------------------------------------------------- as data
+
+static cJSON *row_json(const price *row)
+{
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "level", name_of(row));
+    cJSON_AddStringToObject(o, "device", row->device == 0 ? "A" : "B");
+    cJSON_AddNumberToObject(o, "step_ms", row->step_ms);
+    cJSON_AddNumberToObject(o, "relative", row->relative);
+    cJSON_AddNumberToObject(o, "pairs", (double)row->pairs);
+    cJSON_AddNumberToObject(o, "missed", (double)row->missed);
+    cJSON_AddNumberToObject(o, "false", (double)row->added);
+    cJSON_AddNumberToObject(o, "deepest_missed", row->deepest_missed);
+    cJSON_AddNumberToObject(o, "widest_false", row->widest_added);
+    cJSON_AddNumberToObject(o, "undecided_share", undecided_share(row));
+    cJSON_AddBoolToObject(o, "front", row->front);
+    return o;
+}
+
+bool prices_report_json(const prices_report *r, duet_error *err)
+{
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "scene", r->scene->name);
+    cJSON_AddNumberToObject(o, "objects", r->scene->n);
+    cJSON_AddNumberToObject(o, "pairs", (double)r->prices->truth);
+    cJSON_AddStringToObject(o, "a", duet_device_pair_info(r->pair, 0)->selector);
+    cJSON_AddStringToObject(o, "b", duet_device_pair_info(r->pair, 1)->selector);
+    cJSON_AddNumberToObject(o, "rounds", r->prices->rounds);
+    cJSON *levels = cJSON_AddArrayToObject(o, "levels");
+    for (uint32_t i = 0; i < r->prices->n; ++i)
+        cJSON_AddItemToArray(levels, row_json(&r->prices->rows[i]));
+    return say_json(o, err);
+}
+
+bool prices_report_csv(const prices_report *r, const char *path, duet_error *err)
+{
+    text lines = {0};
+    text_add(&lines, "device,level,step_ms,relative,pairs,missed,false,deepest_missed,"
+                     "widest_false,undecided_share,front\n");
+    for (uint32_t i = 0; i < r->prices->n; ++i) {
+        const price *row = &r->prices->rows[i];
+        text_add(&lines, "%s,%s,%.9g,%.9g,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%.9g,%.9g,%.9g,%d\n",
+                 duet_device_pair_info(r->pair, row->device)->selector, name_of(row), row->step_ms,
+                 row->relative, row->pairs, row->missed, row->added, row->deepest_missed,
+                 row->widest_added, undecided_share(row), row->front);
+    }
+    bool ok = text_ok(&lines, err) && text_write_file(path, text_chars(&lines), lines.length, err);
+    text_free(&lines);
+    return ok;
+}
