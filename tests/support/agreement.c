@@ -43,6 +43,7 @@ typedef struct check {
     const void *objects;
     uint32_t n;
     reference_found truth;
+    uint64_t hash;       // of the truth
     uint64_t candidates; // as the devices' bounds have it
     uint64_t undecided;  // as the devices' arithmetic leaves it
 } check;
@@ -82,7 +83,7 @@ static void fail_at(const check *c, const duet_plan *plan, const char *what, due
              duet_mode_name(plan->mode), plan->variant_a, plan->share, pair.a, pair.b, what);
 }
 
-static void compare(const check *c, const duet_plan *plan, const duet_result *result)
+static void find_difference(const check *c, const duet_plan *plan, const duet_result *result)
 {
     duet_pair *found = sorted_pairs(result);
     const duet_pair *truth = c->truth.pairs;
@@ -97,7 +98,7 @@ static void compare(const check *c, const duet_plan *plan, const duet_result *re
                 i > 0 && compare_pairs(&found[i], &found[i - 1]) == 0 ? "found twice"
                                                                       : "no collision",
                 found[i]);
-    free(found);
+    fail_msg("the hash of equal pairs differs");
 }
 
 static void step(check *c, duet_world *world, const duet_plan *plan)
@@ -106,8 +107,8 @@ static void step(check *c, duet_world *world, const duet_plan *plan)
     duet_result result;
     assert_ok(duet_world_set_plan(world, plan, &err), err);
     assert_ok(duet_world_step(world, &result, &err), err);
-    compare(c, plan, &result);
-    assert_int_equal(duet_result_hash(&result), duet_pairs_hash(c->truth.pairs, c->truth.n));
+    if (result.pairs != c->truth.n || duet_result_hash(&result) != c->hash)
+        find_difference(c, plan, &result);
     if (result.candidates != c->candidates || result.undecided != c->undecided)
         fail_msg("%s %s, share %" PRIu32 ": %" PRIu64 " candidates and %" PRIu64
                  " undecided; right would be %" PRIu64 " and %" PRIu64,
@@ -119,6 +120,8 @@ static void step_all_plans(check *c, duet_world *world)
 {
     for (size_t w = 0; w < sizeof ways / sizeof *ways; ++w)
         for (int halves = 0; halves < 2; ++halves) {
+            if (c->def->shape == DUET_SHAPE_BOUNDS && strstr(ways[w].variant, "FUSED"))
+                continue; // bounds need no test
             duet_plan plan = {.mode = ways[w].mode};
             plan.share = halves ? DUET_SHARE_ONE / 2 : shares[w % 3];
             strcpy(plan.variant_a, ways[w].variant);
@@ -171,6 +174,7 @@ uint64_t agreement_check(const duet_world_def *def, const void *objects, uint32_
                   &all, n <= EACH_WITH_EACH_LIMIT ? REFERENCE_EACH_WITH_EACH : REFERENCE_COLUMNS,
                   &c.truth, &err),
               err);
+    c.hash = duet_pairs_hash(c.truth.pairs, c.truth.n);
     count_as_devices_do(&c);
     duet_world *world = duet_world_create(def, &err);
     assert_ok(world != NULL, err);
