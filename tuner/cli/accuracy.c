@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // duet accuracy: what each level of accuracy costs in time on each device, and
 // what it gets wrong.
+#include "tuner/cli/canvas.h"
 #include "tuner/cli/commands.h"
 #include "tuner/cli/inputs.h"
 #include "tuner/cli/options.h"
@@ -47,10 +48,19 @@ static bool tell(const arguments *args, const prices_report *r, duet_error *err)
     return ok;
 }
 
+// A plot that cannot be is told of before minutes are spent on it.
+static bool check_plot(const char *path, duet_error *err)
+{
+    canvas *c = path ? canvas_open(path, 1, 1, err) : NULL;
+    bool ok = !path || c;
+    canvas_close(c, false, NULL);
+    return ok;
+}
+
 static bool run(const arguments *args, const char *path, duet_error *err)
 {
     prices p;
-    duet_device_pair *pair = inputs_open_pair(args->pair, err);
+    duet_device_pair *pair = check_plot(args->plot, err) ? inputs_open_pair(args->pair, err) : NULL;
     duet_scene *scene = pair ? inputs_load_scene(path, &args->scene, err) : NULL;
     bool ok = scene && prices_measure(&p, pair, scene, (uint32_t)args->repeat, err);
     if (ok) {
