@@ -220,9 +220,10 @@ static bool load_typed(session *s, const char *chars, bool *more, duet_error *er
     text_add(&expression, "return %s", chars);
     bool ok = text_ok(&expression, err);
     if (ok && !load(s, "typed", expression.chars, expression.length, &why)) {
+        bool begins_expression = is_beginning(&why);
         why = (duet_error){0};
         ok = load(s, "typed", chars, strlen(chars), &why);
-        *more = !ok && is_beginning(&why);
+        *more = !ok && (begins_expression || is_beginning(&why));
         if (!ok && !*more)
             *err = why;
     }

@@ -75,6 +75,9 @@ local function columns_of(list)
       seen[key] = true
     end
   end
+  for i, name in ipairs(names) do
+    if name == "name" then table.insert(names, 1, table.remove(names, i)) end
+  end
   return #names > 0 and names or nil
 end
 

@@ -60,10 +60,13 @@ static void what_is_typed_is_run_and_shown(void **state)
                  "function twice(n)\n"
                  "  return 2 * n\n"
                  "end\n"
-                 "twice(21), 'text'\n"
+                 "twice(\n"
+                 "  21), 'text'\n"
+                 "40 +\n"
+                 "2\n"
                  "{ { n = 1, s = 'a' }, { n = 100, s = 'b' } }\n");
     assert_prints("lua -i <" SCRIPT,
-                  "{ 3, 4, name = \"a b\" }\n42\ttext\nn    s\n  1  a\n100  b\n");
+                  "{ 3, 4, name = \"a b\" }\n42\ttext\n42\nn    s\n  1  a\n100  b\n");
 }
 
 static void a_step_can_be_made_without_trust(void **state)
