@@ -193,11 +193,14 @@ api.names = {
   { "duet.Source.group", "integer", "work-items in a group" },
   { "duet.Source.per_item", "integer", "work that one item does" },
   { "duet.effects", {}, "string[]", "All that a scene can call for.", c = "duet_effect_name" },
-  { "duet.DevicePair:motion", { "poses: duet.Poses|string|any[]", "bodies?: duet.Bodies|string|any[]", "def?: table" },
-    "duet.Motion", "Objects that move, by a def { plan, dims, wants, doubles, origin, gravity, attraction, centre, drag, " ..
+  { "duet.Scene:bodies", {}, "duet.Bodies?", "A view of what the scene says of motion; nil where that is nothing.",
+    c = "duet_scene_bodies" },
+  { "duet.DevicePair:motion", { "objects: duet.Scene|duet.Poses|string|any[]", "bodies?: duet.Bodies|string|any[]|table",
+    "def?: table" },
+    "duet.Motion", "Objects that move: of a scene, with def second, or poses with bodies. A def { plan, dims, wants, doubles, origin, gravity, attraction, centre, drag, " ..
     "edge, lower, upper, dt, substeps, integrator, skin, slop, push_speed, bounce_speed, sleep_speed, sleep_after }; " ..
     "wants is a list of effects, edge none, walls or periodic, integrator euler, verlet or yoshida.",
-    fails = true, c = "duet_motion_create" },
+    fails = true, c = { "duet_motion_create", "duet_scene_motion_def" } },
   { "duet.Motion:advance", {}, "duet.MotionResult", "Advances all objects by dt.", fails = true,
     c = "duet_motion_advance" },
   { "duet.Motion:effects", {}, "string[]", "Those that run. #motion is the number of objects.",

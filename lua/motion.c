@@ -99,25 +99,55 @@ static const member def_members[] = {
     {0},
 };
 
-// device_pair:motion(poses, bodies, def); without bodies all are at rest.
+// What a motion is made of.
+typedef struct motion_objects {
+    duet_motion_def def;
+    const duet_pose *poses;
+    const duet_body *bodies; // NULL: all at rest
+    uint32_t n;
+} motion_objects;
+
+static motion_objects objects_of_scene(lua_State *L, const duet_scene *scene,
+                                       duet_device_pair *pair)
+{
+    motion_objects o = {.def = duet_scene_motion_def(scene, pair),
+                        .poses = duet_scene_poses(scene),
+                        .bodies = duet_scene_bodies(scene),
+                        .n = duet_scene_describe(scene)->n};
+    luaL_argcheck(L, o.poses || o.n == 0, 2, "a scene of poses: bounds do not move");
+    return o;
+}
+
+static motion_objects objects_of_arrays(lua_State *L, duet_device_pair *pair)
+{
+    const array *poses = array_check(L, 2, ARRAY_POSES);
+    const array *bodies = lua_isnil(L, 3) ? NULL : array_check(L, 3, ARRAY_BODIES);
+    luaL_argcheck(L, poses->n <= UINT32_MAX, 2, "more than 2^32 - 1 objects");
+    luaL_argcheck(L, !bodies || bodies->n == poses->n, 3, "as many bodies as poses");
+    motion_objects o = {.def = duet_default_motion_def(),
+                        .poses = poses->rows,
+                        .bodies = bodies ? bodies->rows : NULL,
+                        .n = (uint32_t)poses->n};
+    o.def.pair = pair;
+    o.def.plan = duet_default_plan(pair);
+    return o;
+}
+
+// device_pair:motion(scene, def), or (poses, bodies, def); without bodies all
+// are at rest.
 int motion_create_lua(lua_State *L)
 {
     duet_error err = {0};
     lua_settop(L, 4);
     device_pair_box *pair = device_pair_check(L, 1);
-    const array *poses = array_check(L, 2, ARRAY_POSES);
-    const array *bodies = lua_isnil(L, 3) ? NULL : array_check(L, 3, ARRAY_BODIES);
-    luaL_argcheck(L, poses->n <= UINT32_MAX, 2, "more than 2^32 - 1 objects");
-    luaL_argcheck(L, !bodies || bodies->n == poses->n, 3, "as many bodies as poses");
-    duet_motion_def def = duet_default_motion_def();
-    def.pair = pair->pair;
-    def.plan = duet_default_plan(pair->pair);
-    member_read_table(L, 4, "a motion", def_members, &def);
+    bool of_scene = luaL_testudata(L, 2, "duet.scene");
+    motion_objects o = of_scene ? objects_of_scene(L, scene_check(L, 2), pair->pair)
+                                : objects_of_arrays(L, pair->pair);
+    member_read_table(L, of_scene ? 3 : 4, "a motion", def_members, &o.def);
     motion_box *box = class_push(L, &motion_class, sizeof *box);
     lua_pushvalue(L, 1);
     lua_setiuservalue(L, -2, 1);
-    box->motion = duet_motion_create(&def, poses->rows, bodies ? bodies->rows : NULL,
-                                     (uint32_t)poses->n, &err);
+    box->motion = duet_motion_create(&o.def, o.poses, o.bodies, o.n, &err);
     if (!box->motion)
         return class_push_failure(L, &err);
     box->pair = pair;

@@ -117,7 +117,7 @@ static int scene_close(lua_State *L)
 
 // ---------------------------------------------------------------- reading
 
-// A view of the scene's memory, or nil where its objects are of the other shape.
+// A view of the scene's memory, or nil where it has no such rows.
 static int push_rows(lua_State *L, array_kind kind, const void *rows)
 {
     scene_box *box = check_box(L, 1);
@@ -141,6 +141,11 @@ static int scene_bounds(lua_State *L)
     return push_rows(L, ARRAY_BOUNDS, duet_scene_bounds(scene_check(L, 1)));
 }
 
+static int scene_bodies(lua_State *L)
+{
+    return push_rows(L, ARRAY_BODIES, duet_scene_bodies(scene_check(L, 1)));
+}
+
 static int scene_reference(lua_State *L)
 {
     duet_error err = {0};
@@ -160,11 +165,9 @@ static int scene_length(lua_State *L)
     return 1;
 }
 
-static const luaL_Reg methods[] = {{"close", scene_close},
-                                   {"poses", scene_poses},
-                                   {"bounds", scene_bounds},
-                                   {"reference", scene_reference},
-                                   {NULL, NULL}};
+static const luaL_Reg methods[] = {{"close", scene_close},         {"poses", scene_poses},
+                                   {"bounds", scene_bounds},       {"bodies", scene_bodies},
+                                   {"reference", scene_reference}, {NULL, NULL}};
 static const luaL_Reg metas[] = {{"__len", scene_length}, {NULL, NULL}};
 static const lua_class scene_class = {.name = "duet.scene",
                                       .methods = methods,

@@ -275,14 +275,14 @@ function DevicePair:close() end
 ---@return duet.Device
 function DevicePair:device(which) end
 
---- Objects that move, by a def { plan, dims, wants, doubles, origin, gravity, attraction, centre, drag, edge, lower, upper, dt, substeps, integrator, skin, slop, push_speed, bounce_speed, sleep_speed, sleep_after }; wants is a list of effects, edge none, walls or periodic, integrator euler, verlet or yoshida.
----@param poses duet.Poses|string|any[]
----@param bodies? duet.Bodies|string|any[]
+--- Objects that move: of a scene, with def second, or poses with bodies. A def { plan, dims, wants, doubles, origin, gravity, attraction, centre, drag, edge, lower, upper, dt, substeps, integrator, skin, slop, push_speed, bounce_speed, sleep_speed, sleep_after }; wants is a list of effects, edge none, walls or periodic, integrator euler, verlet or yoshida.
+---@param objects duet.Scene|duet.Poses|string|any[]
+---@param bodies? duet.Bodies|string|any[]|table
 ---@param def? table
 ---@return duet.Motion?
 ---@return string? message
 ---@return string? status
-function DevicePair:motion(poses, bodies, def) end
+function DevicePair:motion(objects, bodies, def) end
 
 --- What is done here where nothing was measured.
 ---@return duet.Plan
@@ -463,6 +463,10 @@ function Result:pairs() end
 --- Where the time went.
 ---@return duet.Stage[]
 function Result:stages() end
+
+--- A view of what the scene says of motion; nil where that is nothing.
+---@return duet.Bodies?
+function Scene:bodies() end
 
 --- A view of the objects; nil where they are poses.
 ---@return duet.Bounds?
