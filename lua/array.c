@@ -371,14 +371,32 @@ static int pairs_hash(lua_State *L)
     return 1;
 }
 
-static int poses_collide(lua_State *L)
+// (poses, a, b, dims) of the calling method -> two rows and the dimensions
+static uint32_t check_two(lua_State *L, const duet_pose **first, const duet_pose **second)
 {
     const array *a = array_check(L, 1, ARRAY_POSES);
-    const duet_pose *first = row_at(a, check_place(L, 2, a));
-    const duet_pose *second = row_at(a, check_place(L, 3, a));
+    *first = row_at(a, check_place(L, 2, a));
+    *second = row_at(a, check_place(L, 3, a));
     lua_Integer dims = luaL_optinteger(L, 4, 3);
     luaL_argcheck(L, dims == 2 || dims == 3, 4, "2 or 3 dimensions");
-    lua_pushboolean(L, duet_poses_collide(first, second, (uint32_t)dims));
+    return (uint32_t)dims;
+}
+
+static int poses_collide(lua_State *L)
+{
+    const duet_pose *first = NULL;
+    const duet_pose *second = NULL;
+    uint32_t dims = check_two(L, &first, &second);
+    lua_pushboolean(L, duet_poses_collide(first, second, dims));
+    return 1;
+}
+
+static int poses_gap(lua_State *L)
+{
+    const duet_pose *first = NULL;
+    const duet_pose *second = NULL;
+    uint32_t dims = check_two(L, &first, &second);
+    lua_pushnumber(L, duet_poses_gap(first, second, dims));
     return 1;
 }
 
@@ -401,7 +419,8 @@ static int array_close(lua_State *L)
         "close", array_close                                                              \
     }
 
-static const luaL_Reg poses_methods[] = {EVERY_KIND, {"collide", poses_collide}, {NULL, NULL}};
+static const luaL_Reg poses_methods[] = {
+    EVERY_KIND, {"collide", poses_collide}, {"gap", poses_gap}, {NULL, NULL}};
 static const luaL_Reg pairs_methods[] = {EVERY_KIND, {"hash", pairs_hash}, {NULL, NULL}};
 static const luaL_Reg methods[] = {EVERY_KIND, {NULL, NULL}};
 static const luaL_Reg metas[] = {

@@ -21,11 +21,14 @@ void tune_open_lua(lua_State *L);
 void online_open_lua(lua_State *L);
 void motion_open_lua(lua_State *L);
 void source_open_lua(lua_State *L);
+void level_open_lua(lua_State *L);
 void carried_open_lua(lua_State *L);
 
 extern const member device_members[]; // of duet_device_info
 extern const member_type member_plan; // a duet_plan as a table
 const char *shape_name(int shape);
+const char *level_name(int level);
+duet_level level_check(lua_State *L, int index);
 
 // A device pair stays open until its last user has gone.
 typedef struct device_pair_box {

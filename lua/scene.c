@@ -146,13 +146,17 @@ static int scene_bodies(lua_State *L)
     return push_rows(L, ARRAY_BODIES, duet_scene_bodies(scene_check(L, 1)));
 }
 
+// scene:reference(), or scene:reference(level)
 static int scene_reference(lua_State *L)
 {
     duet_error err = {0};
     const duet_scene *scene = scene_check(L, 1);
+    bool exact = lua_isnoneornil(L, 2);
+    duet_level level = exact ? DUET_LEVEL_CERTIFIED : level_check(L, 2);
     array *found = array_push_empty(L, ARRAY_PAIRS);
     duet_pair *pairs = NULL;
-    if (!duet_reference(scene, &pairs, &found->n, &err))
+    if (exact ? !duet_reference(scene, &pairs, &found->n, &err)
+              : !duet_reference_at(scene, level, &pairs, &found->n, &err))
         return class_push_failure(L, &err);
     found->rows = pairs;
     found->owned = true;

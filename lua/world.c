@@ -5,17 +5,12 @@
 static const lua_class world_class;
 
 static const member def_members[] = {
-    MEMBER(member_plan, duet_world_def, plan),
-    MEMBER(member_count, duet_world_def, dims),
-    MEMBER_ENUM(duet_world_def, shape, shape_name),
-    MEMBER(member_bool, duet_world_def, rotated),
-    MEMBER(member_float, duet_world_def, cell),
-    MEMBER(member_bool, duet_world_def, cell_fixed),
-    MEMBER(member_float, duet_world_def, lower),
-    MEMBER(member_float, duet_world_def, upper),
-    MEMBER(member_bool, duet_world_def, keep_bad),
-    MEMBER(member_count, duet_world_def, max_pairs),
-    {0},
+    MEMBER(member_plan, duet_world_def, plan),       MEMBER(member_count, duet_world_def, dims),
+    MEMBER_ENUM(duet_world_def, shape, shape_name),  MEMBER_ENUM(duet_world_def, level, level_name),
+    MEMBER(member_bool, duet_world_def, rotated),    MEMBER(member_float, duet_world_def, cell),
+    MEMBER(member_bool, duet_world_def, cell_fixed), MEMBER(member_float, duet_world_def, lower),
+    MEMBER(member_float, duet_world_def, upper),     MEMBER(member_bool, duet_world_def, keep_bad),
+    MEMBER(member_count, duet_world_def, max_pairs), {0},
 };
 
 world_box *world_check(lua_State *L, int index)
@@ -178,6 +173,13 @@ static int world_set_plan(lua_State *L)
     return class_push_done(L, duet_world_set_plan(box->world, &plan, &err), &err);
 }
 
+static int world_set_level(lua_State *L)
+{
+    duet_error err = {0};
+    world_box *box = world_check(L, 1);
+    return class_push_done(L, duet_world_set_level(box->world, level_check(L, 2), &err), &err);
+}
+
 static int world_step(lua_State *L)
 {
     duet_error err = {0};
@@ -201,6 +203,7 @@ static const luaL_Reg methods[] = {{"close", world_close},
                                    {"set_plan", world_set_plan},
                                    {"load_profile", world_load_profile_lua},
                                    {"online", world_online_lua},
+                                   {"set_level", world_set_level},
                                    {"step", world_step},
                                    {NULL, NULL}};
 static const lua_class world_class = {.name = "duet.world", .methods = methods};

@@ -126,6 +126,14 @@ local Kernel = {}
 ---@field text string OpenCL C
 local Source = {}
 
+--- A table: a level of accuracy.
+---@class duet.Level
+---@field about string what is tested
+---@field added number how far apart what is added may be
+---@field missed number how deep, as part of the sizes, a collision may be that is missed
+---@field name string
+local Level = {}
+
 --- Objects that move.
 ---@class duet.Motion
 local Motion = {}
@@ -296,7 +304,7 @@ function DevicePair:plan() end
 ---@return string? status
 function DevicePair:tune(scene, def) end
 
---- A world by a def { plan, dims, shape, rotated, cell, cell_fixed, lower, upper, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.
+--- A world by a def { plan, dims, shape, level, rotated, cell, cell_fixed, lower, upper, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.
 ---@param scene? duet.Scene|table
 ---@param def? table
 ---@return duet.World?
@@ -430,6 +438,13 @@ function Poses:collide(a, b, dims) end
 ---@return fun(): integer, number, number, number, number, number, number, number, number, number, number
 function Poses:each() end
 
+--- How far two rows are apart along the best axis; below 0, how deep in each other.
+---@param a integer
+---@param b integer
+---@param dims? integer
+---@return number
+function Poses:gap(a, b, dims) end
+
 --- The row at a place from 0.
 ---@param place integer
 ---@return number, number, number, number, number, number, number, number, number, number
@@ -479,11 +494,12 @@ function Scene:close() end
 ---@return duet.Poses?
 function Scene:poses() end
 
---- All pairs, exactly, by the plain C twin; ascending.
+--- All pairs, exactly, by the plain C twin; or what a level finds. Ascending.
+---@param level? string
 ---@return duet.Pairs?
 ---@return string? message
 ---@return string? status
-function Scene:reference() end
+function Scene:reference(level) end
 
 --- The share to measure next; nothing once the search is done.
 ---@return number?
@@ -575,6 +591,13 @@ function World:plan() end
 ---@return string? status
 function World:set_bounds(bounds) end
 
+--- What is taken for a collision, from the next step on.
+---@param level string
+---@return true?
+---@return string? message
+---@return string? status
+function World:set_level(level) end
+
 --- What the table leaves out stays.
 ---@param plan duet.Plan
 ---@return true?
@@ -640,6 +663,10 @@ function duet.effects() end
 ---@return string? message
 ---@return string? status
 function duet.kernels(limits) end
+
+--- Levels of accuracy, the default first.
+---@return duet.Level[]
+function duet.levels() end
 
 --- The modes that a plan can have.
 ---@return string[]

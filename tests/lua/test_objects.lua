@@ -28,6 +28,22 @@ holds("any share and mode gives the reference's pairs", function()
   end
 end)
 
+holds("a level that misses none finds at least the reference's pairs", function()
+  local world <close> = assert(pair:world(scene, { level = "aabb" }))
+  local n = #scene:reference()
+  local result = assert(world:step())
+  equal(#result, result.candidates)
+  assert(#result > n)
+  for _, level in ipairs(duet.levels()) do
+    assert(world:set_level(level.name))
+    local found = #assert(world:step())
+    assert(level.missed > 0 or found >= n, level.name)
+    equal(found, #scene:reference(level.name))
+  end
+  raises("there is no level 'exact'; duet.levels() lists them", world.set_level, world, "exact")
+  raises("'exact' is none of certified, aabb", pair.world, pair, { level = "exact" })
+end)
+
 holds("all ways to read a result give the same pairs", function()
   local world <close> = assert(pair:world(scene, { plan = { share = 0.5 } }))
   local result = assert(world:step())
@@ -101,6 +117,7 @@ end)
 holds("the exact test of two boxes is there", function()
   equal(three:collide(0, 1), true)
   equal(three:collide(0, 2), false)
+  assert(three:gap(0, 1) < 0 and three:gap(0, 2) > 7)
 end)
 
 -- ---------------------------------------------------------------- failures

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// Levels of accuracy, by their names.
+#include "lua/nouns.h"
+
+const char *level_name(int level)
+{
+    const duet_level_info *info = duet_level_describe((duet_level)level);
+    return info ? info->name : NULL;
+}
+
+static const member level_members[] = {
+    MEMBER(member_string, duet_level_info, name),
+    MEMBER(member_string, duet_level_info, about),
+    MEMBER(member_double, duet_level_info, missed),
+    MEMBER(member_double, duet_level_info, added),
+    {0},
+};
+
+duet_level level_check(lua_State *L, int index)
+{
+    duet_level level = DUET_LEVEL_CERTIFIED;
+    const char *name = luaL_checkstring(L, index);
+    if (!duet_level_named(name, &level))
+        luaL_argerror(L, index,
+                      lua_pushfstring(L, "there is no level '%s'; duet.levels() lists them", name));
+    return level;
+}
+
+// One table a level, the default first.
+static int list_levels(lua_State *L)
+{
+    lua_newtable(L);
+    for (int level = 0; level_name(level); ++level) {
+        member_push_table(L, level_members, duet_level_describe((duet_level)level));
+        lua_rawseti(L, -2, level + 1);
+    }
+    return 1;
+}
+
+void level_open_lua(lua_State *L)
+{
+    static const luaL_Reg functions[] = {{"levels", list_levels}, {NULL, NULL}};
+    luaL_setfuncs(L, functions, 0);
+}
