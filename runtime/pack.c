@@ -12,9 +12,6 @@ enum { BLOCK = 1024 };
 // Of 1.3 MB: it travels for 24 microseconds, a launch takes some two.
 enum { LEAST_CHUNK = 32 * BLOCK };
 
-// Waking the threads takes as long as sending some 100 000 objects.
-enum { LEAST_OBJECTS = 1 << 18 };
-
 // Chunks under way at a time: one travels, one waits to, the others fill.
 enum { SLOTS = 6 };
 
@@ -37,7 +34,6 @@ static size_t object_bytes(duet_shape shape)
 
 void pack_open(pack *p)
 {
-    p->least_objects = LEAST_OBJECTS;
     p->least_chunk = LEAST_CHUNK;
 }
 

@@ -38,7 +38,6 @@ typedef struct pack_slab {
 } pack_slab;
 
 typedef struct pack {
-    uint32_t least_objects; // so many make packing worth while
     uint32_t least_chunk;   // objects
     part_task task;
     uint32_t n_blocks;

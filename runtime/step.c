@@ -246,11 +246,11 @@ static bool pays_to_pack(const duet_world *world, int side, const part_range ran
 {
     const char *variants[2] = {world->def.plan.variant_a, world->def.plan.variant_b};
     variant v;
-    return world->def.plan.mode == DUET_MODE_SLAB && world->n >= world->pack.least_objects &&
-           !world->parts[side].device->info.host_memory && ranges[0].last > 0 &&
-           ranges[1].last > 0 && ranges[side].expected <= world->n - world->n / LEAST_LEFT_OUT &&
+    return world->def.plan.mode == DUET_MODE_SLAB && !world->parts[side].device->info.host_memory &&
+           ranges[0].last > 0 && ranges[1].last > 0 &&
+           ranges[side].expected <= world->n - world->n / LEAST_LEFT_OUT &&
            variant_parse(&v, variants[side], &world->parts[side].device->info, NULL) &&
-           v.search == SEARCH_ITEMS;
+           v.search == SEARCH_ITEMS && v.packed;
 }
 
 // *placed is false where a slab had more objects than it had room for.

@@ -64,6 +64,14 @@ static bool take_grid(variant *v, const char *value, duet_error *err)
                      value);
 }
 
+static bool take_send(variant *v, const char *value, duet_error *err)
+{
+    v->packed = strcmp(value, "packed") == 0;
+    return v->packed || strcmp(value, "all") == 0 ||
+           error_set(err, DUET_BAD_ARGUMENT,
+                     "variant: send=%s is not possible; right would be all or packed", value);
+}
+
 static bool take_setting(variant *v, char *word, duet_error *err)
 {
     char *equals = strchr(word, '=');
@@ -75,6 +83,8 @@ static bool take_setting(variant *v, char *word, duet_error *err)
         return take_sort(v, value, err);
     if (strcmp(word, "grid") == 0)
         return take_grid(v, value, err);
+    if (strcmp(word, "send") == 0)
+        return take_send(v, value, err);
     char *end = NULL;
     long long number = strtoll(value, &end, 0);
     if (*end)

@@ -3,9 +3,11 @@
 // sort=radix BUF=512".
 //
 // The first word names the search. rows is the one over merged rows in the
-// shape that suits the device, lanes on a CPU and items elsewhere. sort is counting or radix, grid
-// is auto, uniform, dense or hashed; every other NAME=V sets a parameter of each kernel whose card
-// has it, or of one kernel as KERNEL.NAME=V.
+// shape that suits the device, lanes on a CPU and items elsewhere. sort is
+// counting or radix; grid is auto, uniform, dense or hashed; send is all or
+// packed (only what the device's slab needs, in mode slab: worth it where the
+// bus is slow, docs/performance.md). Every other NAME=V sets a parameter of each
+// kernel whose card has it, or of one kernel as KERNEL.NAME=V.
 #ifndef RUNTIME_VARIANT_H
 #define RUNTIME_VARIANT_H
 
@@ -30,7 +32,8 @@ typedef struct variant {
     variant_search search;
     variant_sort sort;
     variant_grid grid;
-    bool fused; // candidates are tested where they are found, unless it is set otherwise
+    bool packed; // a device with memory of its own is sent only its slab's objects
+    bool fused;  // candidates are tested where they are found, unless it is set otherwise
     struct {
         char kernel[32]; // empty: every kernel that has the parameter
         char name[24];

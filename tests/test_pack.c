@@ -93,13 +93,12 @@ static const uint32_t shares[] = {0, 1, DUET_SHARE_ONE * 3 / 10, DUET_SHARE_ONE 
                                   DUET_SHARE_ONE};
 enum { SHARES = sizeof shares / sizeof *shares };
 
-// Packs however few objects there are, in more chunks than there are slots.
+// Packs in more chunks than there are slots.
 static duet_world *make_world(const duet_world_def *def)
 {
     duet_error err = {0};
     duet_world *world = duet_world_create(def, &err);
     assert_ok(world != NULL, err);
-    world->pack.least_objects = 0;
     world->pack.least_chunk = 64;
     return world;
 }
@@ -167,7 +166,7 @@ static void any_share_and_number_gives_the_reference_pairs(void **state)
     rng r = {test_seed()};
     set_memory(false, false);
     for (uint32_t dims = 2; dims <= 3; ++dims) {
-        duet_world_def def = world_def(dims, "items");
+        duet_world_def def = world_def(dims, "items send=packed");
         duet_world *world = make_world(&def);
         for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
             fill_poses(&r, numbers[i], dims);
@@ -185,8 +184,10 @@ static void any_share_and_number_gives_the_reference_pairs(void **state)
 static void every_sort_takes_packed_objects(void **state)
 {
     (void)state;
-    static const char *const variants[] = {"items sort=radix", "items FROM_IDS=0", "items FROM_IDS=1",
-                                           "items hash.LANES=1 hash.WG=64 hash.PER_ITEM=1", "paper"};
+    static const char *const variants[] = {
+        "items send=packed sort=radix", "items send=packed FROM_IDS=0",
+        "items send=packed FROM_IDS=1", "items send=packed hash.LANES=1 hash.WG=64 hash.PER_ITEM=1",
+        "items send=all"};
     enum { N = 2003 };
     rng r = {test_seed()};
     set_memory(false, false);
@@ -197,7 +198,7 @@ static void every_sort_takes_packed_objects(void **state)
         duet_world *world = make_world(&def);
         duet_result result = step_poses(world, N);
         assert_int_equal(duet_result_hash(&result), truth);
-        assert_int_equal(was_packed(&result, 0), strcmp(variants[v], "paper") != 0);
+        assert_int_equal(was_packed(&result, 0), strcmp(variants[v], "items send=all") != 0);
         duet_world_destroy(world);
     }
 }
@@ -211,7 +212,7 @@ static void bounds_are_packed_too(void **state)
     set_memory(false, false);
     fill_bounds(&r, N);
     uint64_t truth = reference_hash(duet_scene_from_bounds(bounds, N, 3, NULL));
-    duet_world_def def = world_def(3, "items");
+    duet_world_def def = world_def(3, "items send=packed");
     def.shape = DUET_SHAPE_BOUNDS;
     def.rotated = false;
     duet_world *world = make_world(&def);
@@ -231,7 +232,7 @@ static void each_device_is_sent_its_slab_alone(void **state)
     rng r = {test_seed()};
     set_memory(false, false);
     fill_poses(&r, N, 3);
-    duet_world_def def = world_def(3, "items");
+    duet_world_def def = world_def(3, "items send=packed");
     duet_world *world = make_world(&def);
     duet_result result = step_poses(world, N);
     assert_true(was_packed(&result, 0) && was_packed(&result, 1));
@@ -252,7 +253,7 @@ static void a_device_on_host_memory_borrows_all_beside_one_that_is_sent_its_slab
     uint64_t truth = poses_hash(N, 3);
     for (int copies = 0; copies < 2; ++copies) {
         set_memory(copies != 0, copies != 1);
-        duet_world_def def = world_def(3, "items");
+        duet_world_def def = world_def(3, "items send=packed");
         duet_world *world = make_world(&def);
         duet_result result = step_poses(world, N);
         assert_int_equal(duet_result_hash(&result), truth);
@@ -268,7 +269,7 @@ static void objects_that_move_between_steps_are_found(void **state)
     rng r = {test_seed()};
     set_memory(false, false);
     fill_poses(&r, N, 3);
-    duet_world_def def = world_def(3, "items");
+    duet_world_def def = world_def(3, "items send=packed");
     duet_world *world = make_world(&def);
     for (int k = 0; k < STEPS; ++k) {
         duet_result result = step_poses(world, N);
@@ -288,7 +289,7 @@ static void objects_outside_the_world_are_found(void **state)
     set_memory(false, false);
     for (uint32_t i = 0; i < N; ++i)
         poses[i] = random_pose(&r, -12.0, 24.0);
-    duet_world_def def = world_def(3, "items");
+    duet_world_def def = world_def(3, "items send=packed");
     def.has_world = true;
     for (int k = 0; k < 3; ++k)
         def.upper[k] = 16.0f;
@@ -309,7 +310,7 @@ static void objects_that_stay_are_neither_packed_nor_sent_again(void **state)
     rng r = {test_seed()};
     set_memory(false, false);
     fill_poses(&r, N, 3);
-    duet_world_def def = world_def(3, "items");
+    duet_world_def def = world_def(3, "items send=packed");
     duet_world *world = make_world(&def);
     duet_result first = step_poses(world, N);
     uint64_t truth = duet_result_hash(&first);
@@ -347,7 +348,7 @@ static void bad_objects_are_counted_once_and_the_first_is_named(void **state)
     fill_poses(&r, N, 3);
     uint32_t n_bad = spoil(&r, N);
     uint32_t first = N - 1 - (n_bad - 1) * (N / n_bad);
-    duet_world_def def = world_def(3, "items");
+    duet_world_def def = world_def(3, "items send=packed");
     def.keep_bad = true;
     duet_world *world = make_world(&def);
     uint64_t truth = 0;
@@ -372,7 +373,7 @@ static void a_bad_object_that_is_packed_is_refused_by_its_id(void **state)
     set_memory(false, false);
     fill_poses(&r, N, 3);
     poses[1234].half[1] = -1.0f;
-    duet_world_def def = world_def(3, "items");
+    duet_world_def def = world_def(3, "items send=packed");
     duet_world *world = make_world(&def);
     assert_ok(duet_world_set_poses(world, poses, N, &err), err);
     assert_false(duet_world_step(world, &result, &err));
