@@ -24,7 +24,8 @@ local columns = {
   { "SAT", { "narrow", "decide" } },
   { "pairs with SAT", { "search" } },
   { "transfer", { "fetch pairs" } },
-  { "upload", { "send objects", "send grid", "receive grid" } },
+  { "upload", { "pack", "send objects", "send grid", "receive grid" } },
+  { "other", {} },
 }
 
 local printed = { -- the paper, system 1, an RX 570
@@ -59,7 +60,7 @@ local function percentages(stages)
   for i in ipairs(columns) do sums[i] = 0 end
   for _, stage in ipairs(stages) do
     if stage.device == "B" then
-      local i = assert(column_of[stage.name], stage.name)
+      local i = column_of[stage.name] or #columns
       sums[i] = sums[i] + stage.ms
       total = total + stage.ms
     end

@@ -64,6 +64,7 @@ facts.holds("table 2 adds up to 100 % in every row of ours", function()
       if column:find "%%$" then sum = sum + tonumber(cell) end
     end
     assert(math.abs(sum - 100) < 1e-4, sum)
+    facts.equal(tonumber(row["other %"]), 0) -- every stage has its column
   end
 end)
 
