@@ -15,7 +15,7 @@
 local plot = {}
 
 -- Okabe and Ito's colours, which most colour-blind people can tell apart.
-local colours = { "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#F0E442", "#555555" }
+local colours = { "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#F0E442", "#555555", "#8B5A2B", "#AAAAAA" }
 
 local function quoted(text)
   return '"' .. tostring(text):gsub('[\\"]', "\\%0"):gsub("\n", "\\n") .. '"'
