@@ -6,21 +6,23 @@
 #include "runtime/base/error.h"
 
 #include <signal.h>
+#include <stdatomic.h>
 #include <stddef.h>
+#include <stdint.h>
 
-// timeout(1) sends its signal twice within microseconds; a person does not.
+// timeout(1) sends its signal twice within microseconds, and two threads may
+// then be in the handler at once; a person is slower.
 enum { LEAST_NS_APART = 200000000 };
 
-static volatile sig_atomic_t asked;
-static volatile uint64_t asked_ns; // written and read by the handler alone
+static _Atomic uint64_t asked_ns; // 0: not asked
 
 static void note(int number)
 {
     uint64_t now = clock_steady_ns();
-    if (!asked) {
-        asked = 1;
-        asked_ns = now;
-    } else if (now - asked_ns > LEAST_NS_APART) {
+    uint64_t first = 0;
+    if (atomic_compare_exchange_strong(&asked_ns, &first, now))
+        return;
+    if (now > first && now - first > LEAST_NS_APART) {
         signal(number, SIG_DFL);
         raise(number);
     }
@@ -36,15 +38,15 @@ void interrupt_watch(void)
 
 bool interrupt_asked(void)
 {
-    return asked != 0;
+    return atomic_load(&asked_ns) != 0;
 }
 
 void interrupt_forget(void)
 {
-    asked = 0;
+    atomic_store(&asked_ns, 0);
 }
 
 bool interrupt_check(duet_error *err)
 {
-    return !asked || error_set(err, DUET_INTERRUPTED, "stopped");
+    return !interrupt_asked() || error_set(err, DUET_INTERRUPTED, "stopped");
 }
