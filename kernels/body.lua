@@ -16,7 +16,6 @@ return {
       about = "objects, pairs or contacts a work-item" },
   },
   valid = function(p, limits)
-    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     if p.GYRO == 1 and p.SPIN == 0 then return false, "GYRO without SPIN" end
     return true

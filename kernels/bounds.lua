@@ -14,8 +14,7 @@ return {
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
       about = "objects a work-item" },
   },
-  valid = function(p, limits)
-    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
+  valid = function(p)
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
     return true
   end,

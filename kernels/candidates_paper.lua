@@ -6,9 +6,5 @@ return {
     { "IDS", values = { 0, 1 }, default = 0, about = "1: the candidates are the answer" },
     { "WG", values = { 1, 32, 64, 128, 256 }, default = 64, about = "work-items a group" },
   },
-  valid = function(p, limits)
-    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
-    return true
-  end,
   launch = function(p) return { group = p.WG, per_item = 1 } end,
 }

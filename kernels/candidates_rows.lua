@@ -24,7 +24,6 @@ return {
       about = "objects a work-item" },
   },
   valid = function(p, limits)
-    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
     if p.BUF * 16 + 64 > limits.local_bytes then return false, "BUF above the device's local memory" end
     if (p.SHAPE == 1 or p.ACCURACY == 1) and p.FUSED == 1 then return false, "bounds need no test" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end

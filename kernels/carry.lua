@@ -13,8 +13,7 @@ return {
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
       about = "objects, pairs or contacts a work-item" },
   },
-  valid = function(p, limits)
-    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
+  valid = function(p)
     if p.FRICTION == 1 and p.RESPONSE == 0 then return false, "FRICTION without RESPONSE" end
     return true
   end,

@@ -19,7 +19,6 @@ return {
       about = "objects, pairs or contacts a work-item" },
   },
   valid = function(p, limits)
-    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     if p.SPIN == 1 and p.ROTATED == 0 then return false, "what turns is rotated" end
     if p.FRICTION == 1 and p.RESPONSE == 0 then return false, "FRICTION without RESPONSE" end

@@ -20,7 +20,6 @@ return {
       about = "objects a work-item" },
   },
   valid = function(p, limits)
-    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
     if p.BATCH % p.LANES ~= 0 then return false, "BATCH is not a multiple of LANES" end
     if p.BATCH > p.LANES and not limits.cpu then return false, "BATCH above LANES is for CPUs" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end

@@ -16,7 +16,6 @@ return {
       about = "candidates a work-item tests between two flushes" },
   },
   valid = function(p, limits)
-    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
     if p.WG * p.PER_ITEM * 8 + 64 > limits.local_bytes then return false, "pairs above the device's local memory" end
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
     return true

@@ -10,7 +10,6 @@ return {
       about = "consecutive elements a work-item" },
   },
   valid = function(p, limits)
-    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
     if (1 << p.BITS) * p.WG * 4 > limits.local_bytes then return false, "counts above the device's local memory" end
     return true
   end,

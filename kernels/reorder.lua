@@ -18,8 +18,7 @@ return {
     { "BATCH", values = { 1, 16 }, default = function(limits) return limits.cpu and 16 or 1 end,
       about = "objects read ahead" },
   },
-  valid = function(p, limits)
-    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
+  valid = function(p)
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
     return true
   end,

@@ -7,9 +7,5 @@ return {
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
       about = "objects a work-item" },
   },
-  valid = function(p, limits)
-    if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
-    return true
-  end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }
