@@ -228,7 +228,7 @@ static bool send_levels(part *p, const part_task *task, duet_error *err)
     return ok;
 }
 
-bool part_begin(part *p, const part_task *task, duet_error *err)
+void part_forget(part *p)
 {
     timeline_begin(&p->times, p->device);
     p->span = (duet_span){0};
@@ -236,6 +236,10 @@ bool part_begin(part *p, const part_task *task, duet_error *err)
     p->runs = 0;
     p->wall_ms = 0.0;
     memset(p->counts, 0, sizeof p->counts);
+}
+
+bool part_begin(part *p, const part_task *task, duet_error *err)
+{
     size_t bytes =
         task->n * (task->shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds));
     if (bytes == 0)

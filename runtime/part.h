@@ -17,7 +17,7 @@ typedef struct part_task {
     uint32_t dims;
     duet_shape shape;
     bool rotated;
-    duet_level level; // of accuracy, for poses
+    duet_level level;         // of accuracy, for poses
     uint32_t n;               // that the part is sent
     const void *objects;      // [all] poses or bounds on the host
     uint64_t objects_version; // changes with the objects' content
@@ -102,8 +102,11 @@ void part_close(part *p);
 // Generates and builds what the variant needs for such objects.
 bool part_prepare(part *p, const char *variant_text, const part_task *task, duet_error *err);
 
-// Starts a step: clears counters and times, hands the objects over, unless they
-// are packed.
+// Forgets what the last step found, counted and took.
+void part_forget(part *p);
+
+// Starts a step: hands the objects over, unless they are packed, and the grid's
+// levels.
 bool part_begin(part *p, const part_task *task, duet_error *err);
 
 // Builds the grid of the range from the objects.

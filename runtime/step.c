@@ -209,15 +209,8 @@ static bool prepare(duet_world *world, const job jobs[2], const bool use[2], due
 
 static void forget_last_step(duet_world *world)
 {
-    for (int side = 0; side < 2; ++side) {
-        timeline_begin(&world->parts[side].times, world->parts[side].device);
-        world->parts[side].span = (duet_span){0};
-        world->parts[side].n_candidates = world->parts[side].n_undecided = 0;
-        world->parts[side].runs = 0;
-        world->parts[side].wall_ms = 0.0;
-        for (int i = 0; i < PART_COUNTERS; ++i)
-            world->parts[side].counts[i] = 0;
-    }
+    for (int side = 0; side < 2; ++side)
+        part_forget(&world->parts[side]);
 }
 
 // Which objects each part searches around: parts of one sorted order, or slabs.
