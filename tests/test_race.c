@@ -98,6 +98,31 @@ static void equal_plans_are_called_the_same(void **state)
     assert_true(same >= 95);
 }
 
+static void a_quiet_tie_ends_with_the_least_rounds(void **state)
+{
+    (void)state;
+    race r = race_begin(3, NULL);
+    uint32_t rival;
+    while (race_next(&r, &rival))
+        race_add(&r, rival, 1e7 * (1 + 0.004 * ((rival + r.rivals[rival].rounds) % 3)));
+    for (uint32_t i = 0; i < 3; ++i) {
+        assert_false(r.rivals[i].out);
+        assert_int_equal(r.rivals[i].rounds, r.options.least_rounds);
+        assert_int_equal(race_compare(&r, i, 0).verdict, RACE_SAME);
+    }
+}
+
+// Its interval holds 1 and more than the margin: it may yet win.
+static void a_rival_that_may_be_much_faster_is_raced_on(void **state)
+{
+    (void)state;
+    race r = race_begin(2, NULL);
+    uint32_t rival;
+    while (race_next(&r, &rival))
+        race_add(&r, rival, rival == 0 ? 1e7 : r.rivals[1].rounds % 8 == 0 ? 1.01e7 : 0.9e7);
+    assert_true(r.rivals[0].rounds > r.options.least_rounds);
+}
+
 static void a_plan_that_is_a_tenth_faster_wins_even_if_the_machine_slows_down(void **state)
 {
     (void)state;
@@ -183,6 +208,8 @@ int main(void)
         cmocka_unit_test(an_interval_of_95_percent_holds_the_median_that_often),
         cmocka_unit_test(a_sign_is_decided_once_it_is_sure),
         cmocka_unit_test(equal_plans_are_called_the_same),
+        cmocka_unit_test(a_quiet_tie_ends_with_the_least_rounds),
+        cmocka_unit_test(a_rival_that_may_be_much_faster_is_raced_on),
         cmocka_unit_test(a_plan_that_is_a_tenth_faster_wins_even_if_the_machine_slows_down),
         cmocka_unit_test(a_clear_loser_drops_out_early),
         cmocka_unit_test(too_few_rounds_are_called_ambiguous),

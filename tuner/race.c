@@ -7,7 +7,7 @@
 
 race_options race_default_options(void)
 {
-    return (race_options){.least_rounds = 8, .most_rounds = 20, .level = 0.99};
+    return (race_options){.least_rounds = 8, .most_rounds = 20, .level = 0.99, .margin = 0.03};
 }
 
 const char *race_verdict_name(race_verdict verdict)
@@ -43,6 +43,34 @@ bool race_alone(const race *r)
     return in <= 1;
 }
 
+static bool round_is_over(const race *r)
+{
+    uint32_t round = fewest_rounds(r);
+    for (uint32_t i = 0; i < r->n; ++i) {
+        if (!r->rivals[i].out && r->rivals[i].rounds != round)
+            return false;
+    }
+    return round >= r->options.least_rounds;
+}
+
+// Which of them is chosen makes no difference that is worth a launch.
+static bool all_are_as_good(const race *r)
+{
+    uint32_t leader = race_leader(r);
+    if (r->options.margin <= 0 || !round_is_over(r))
+        return false;
+    for (uint32_t i = 0; i < r->n; ++i) {
+        if (i == leader || r->rivals[i].out)
+            continue;
+        race_gain gain = race_compare(r, leader, i);
+        double most = 1 + r->options.margin;
+        if (gain.verdict == RACE_AMBIGUOUS || gain.interval.high > most ||
+            gain.interval.low * most < 1)
+            return false;
+    }
+    return true;
+}
+
 // Where a rival comes in a round; the same each time it is asked.
 static uint32_t turn_of(uint32_t rival, uint32_t round)
 {
@@ -53,7 +81,7 @@ static uint32_t turn_of(uint32_t rival, uint32_t round)
 bool race_next(const race *r, uint32_t *rival)
 {
     uint32_t round = fewest_rounds(r);
-    bool decided = race_alone(r) && round > 0;
+    bool decided = round > 0 && (race_alone(r) || all_are_as_good(r));
     if (decided || round >= r->options.most_rounds)
         return false;
     *rival = r->n;
@@ -81,16 +109,6 @@ uint32_t race_leader(const race *r)
             leader = i;
     }
     return leader;
-}
-
-static bool round_is_over(const race *r)
-{
-    uint32_t round = fewest_rounds(r);
-    for (uint32_t i = 0; i < r->n; ++i) {
-        if (!r->rivals[i].out && r->rivals[i].rounds != round)
-            return false;
-    }
-    return round >= r->options.least_rounds;
 }
 
 static void drop_slower(race *r)

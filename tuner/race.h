@@ -17,9 +17,11 @@ typedef struct race_options {
     uint32_t least_rounds; // before anyone drops out
     uint32_t most_rounds;  // up to RACE_ROUNDS
     double level;          // confidence of the intervals
+    double margin;         // rivals this near to each other are as good; 0: none are
 } race_options;
 
-// 8 rounds are the fewest from which 99 % can be had: all on one side.
+// 8 rounds are the fewest from which 99 % can be had: all on one side. What is
+// within 3 % is not worth more of them.
 race_options race_default_options(void);
 
 typedef struct race {
@@ -34,7 +36,7 @@ typedef struct race {
 
 typedef enum race_verdict {
     RACE_FASTER,
-    RACE_SAME, // the interval holds 1: all rounds did not tell them apart
+    RACE_SAME, // the interval holds 1: within the margin, or all rounds did not tell them apart
     RACE_SLOWER,
     RACE_AMBIGUOUS // too few rounds for an interval of that confidence
 } race_verdict;
@@ -50,7 +52,8 @@ typedef struct race_gain {
 
 race race_begin(uint32_t n, const race_options *options); // NULL: the default ones
 
-// The rival to measure next; false where the race is over.
+// The rival to measure next; false where the race is over: one rival is left,
+// all that are left are as good as the leader, or the rounds are used up.
 bool race_next(const race *r, uint32_t *rival);
 
 // Adds a rival's time for the round. After the last of a round, rivals that
