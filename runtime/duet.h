@@ -343,6 +343,45 @@ DUET_API duet_pair duet_result_pair(const duet_result *result, uint64_t i);
 // k ^= k >> 29; k *= 0xBF58476D1CE4E5B9; k ^= k >> 32; summed modulo 2^64.
 DUET_API uint64_t duet_result_hash(const duet_result *result);
 
+// ---------------------------------------------------------------- narrow phase alone
+
+// Tests pairs that the caller brings as a step tests its candidates, on a
+// device pair, again and again.
+typedef struct duet_test duet_test;
+
+typedef struct duet_test_def {
+    duet_device_pair *pair; // borrowed
+    uint32_t share;         // A's part of the pairs, out of DUET_SHARE_ONE; 0: B alone
+    duet_level level;       // of accuracy
+    uint32_t dims;          // 2 or 3
+    int cookie;
+} duet_test_def;
+
+DUET_API duet_test_def duet_default_test_def(void);
+
+typedef struct duet_test_result {
+    uint64_t colliding;
+    uint64_t undecided;  // that float left open and the host decided
+    double total_ms;     // wall clock
+    double device_ms[2]; // of each device's part
+} duet_test_result;
+
+// Builds the kernels that it needs.
+DUET_API duet_test *duet_test_open(const duet_test_def *def, duet_error *err);
+DUET_API void duet_test_close(duet_test *test);
+
+// Tests n pairs; pair i is poses[2 i] and poses[2 i + 1].
+//
+//   verdicts [n] 0 separated, 1 colliding; the same for (a, b) and (b, a)
+//   gaps     [n] duet_poses_gap of each, on the host; NULL: not wanted
+//
+// A verdict depends on its two poses alone, as if both were rotated. BAD_OBJECT
+// names the first pair with a pose that is NaN, infinite, negative or without
+// rotation; verdicts and gaps are then not to be used.
+DUET_API bool duet_test_pairs(duet_test *test, const duet_pose *poses, uint64_t n,
+                              uint8_t *verdicts, double *gaps, duet_test_result *result,
+                              duet_error *err);
+
 // ---------------------------------------------------------------- motion
 
 // What a scene can call for. A motion runs those that its objects and its def

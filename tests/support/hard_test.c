@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#include "support/hard_test.h"
+
+#include "support/hard_pairs.h"
+#include "support/promise.h"
+#include "support/test.h"
+
+#include "runtime/level.h"
+#include "runtime/narrow.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct crowd {
+    duet_device_pair *devices;
+    uint32_t dims;
+    uint64_t n;
+    int each;             // of a class
+    duet_pose *poses;     // [2 n]
+    duet_pose *exchanged; // second pose first
+    duet_pose *negated;   // -q for q
+    bool *truth;          // [n]
+    uint8_t *verdicts;    // of B alone
+    uint8_t *others;
+} crowd;
+
+static void *room_for(uint64_t n, size_t size)
+{
+    void *room = calloc(n, size);
+    assert_non_null(room);
+    return room;
+}
+
+static duet_pose with_minus_q(duet_pose pose)
+{
+    for (int i = 0; i < 4; ++i)
+        pose.rotation[i] = -pose.rotation[i];
+    return pose;
+}
+
+static void add_pair(crowd *c, uint64_t i, const hard_pair *pair)
+{
+    c->poses[2 * i] = c->exchanged[2 * i + 1] = pair->a;
+    c->poses[2 * i + 1] = c->exchanged[2 * i] = pair->b;
+    c->negated[2 * i] = with_minus_q(pair->a);
+    c->negated[2 * i + 1] = pair->b;
+    c->truth[i] = narrow_exact(&pair->a, &pair->b, c->dims);
+}
+
+static void gather(crowd *c)
+{
+    uint64_t n_classes = 0;
+    while (hard_classes[n_classes].name)
+        ++n_classes;
+    c->n = n_classes * (uint64_t)c->each;
+    c->poses = room_for(2 * c->n, sizeof *c->poses);
+    c->exchanged = room_for(2 * c->n, sizeof *c->poses);
+    c->negated = room_for(2 * c->n, sizeof *c->poses);
+    c->truth = room_for(c->n, sizeof *c->truth);
+    c->verdicts = room_for(c->n, sizeof *c->verdicts);
+    c->others = room_for(c->n, sizeof *c->others);
+    rng r = rng_seed(test_seed() + c->dims);
+    for (uint64_t i = 0; i < c->n; ++i) {
+        hard_pair pair = hard_classes[i / (uint64_t)c->each].make(&r, c->dims);
+        add_pair(c, i, &pair);
+    }
+}
+
+static void let_go(crowd *c)
+{
+    void *const rooms[] = {c->poses, c->exchanged, c->negated, c->truth, c->verdicts, c->others};
+    for (size_t i = 0; i < sizeof rooms / sizeof *rooms; ++i)
+        free(rooms[i]);
+}
+
+// ------------------------------------------------------------ asking
+
+void hard_test_verdicts(duet_device_pair *devices, duet_level level, uint32_t dims, uint32_t share,
+                        const duet_pose *poses, uint64_t n, uint8_t *verdicts,
+                        duet_test_result *result)
+{
+    duet_error err = {0};
+    duet_test_result ignored;
+    duet_test_def def = duet_default_test_def();
+    def.pair = devices;
+    def.share = share;
+    def.level = level;
+    def.dims = dims;
+    duet_test *test = duet_test_open(&def, &err);
+    assert_ok(test, err);
+    assert_ok(duet_test_pairs(test, poses, n, verdicts, NULL, result ? result : &ignored, &err),
+              err);
+    duet_test_close(test);
+}
+
+// ------------------------------------------------------------ judging
+
+static void fail_at(const crowd *c, duet_level level, uint64_t i, const char *what)
+{
+    hard_pair pair = {c->poses[2 * i], c->poses[2 * i + 1]};
+    hard_pair_print(&pair, c->dims);
+    fail_msg("level %s, '%s': verdict %d %s", duet_level_describe(level)->name,
+             hard_classes[i / (uint64_t)c->each].name, c->verdicts[i], what);
+}
+
+static bool comes_first(const duet_pose *a, const duet_pose *b, uint32_t dims)
+{
+    for (uint32_t k = 0; k < dims; ++k)
+        if (a->centre[k] != b->centre[k])
+            return a->centre[k] < b->centre[k];
+    return true;
+}
+
+static bool specified(duet_level level, const hard_pair *p, uint32_t dims)
+{
+    return comes_first(&p->a, &p->b, dims) ? level_collide(level, &p->a, &p->b, dims, true)
+                                           : level_collide(level, &p->b, &p->a, dims, true);
+}
+
+static void judge(const crowd *c, duet_level level)
+{
+    const duet_level_info *info = duet_level_describe(level);
+    for (uint64_t i = 0; i < c->n; ++i) {
+        hard_pair pair = {c->poses[2 * i], c->poses[2 * i + 1]};
+        bool answer = c->verdicts[i];
+        if (answer != c->truth[i] &&
+            !promise_allows(info->missed, info->added, &pair, c->dims, answer))
+            fail_at(c, level, i, "breaks the level's promise");
+        if (answer != specified(level, &pair, c->dims))
+            fail_at(c, level, i, "is not what the specification says");
+    }
+}
+
+static void compare(crowd *c, duet_level level, uint32_t share, const duet_pose *poses,
+                    const char *how)
+{
+    hard_test_verdicts(c->devices, level, c->dims, share, poses, c->n, c->others, NULL);
+    for (uint64_t i = 0; i < c->n; ++i)
+        if (c->others[i] != c->verdicts[i])
+            fail_at(c, level, i, how);
+}
+
+void hard_test_run(duet_device_pair *devices, uint32_t dims, int each)
+{
+    crowd c = {.devices = devices, .dims = dims, .each = each};
+    gather(&c);
+    for (int l = 0; l < DUET_LEVELS; ++l) {
+        duet_level level = (duet_level)l;
+        hard_test_verdicts(devices, level, dims, 0, c.poses, c.n, c.verdicts, NULL);
+        judge(&c, level);
+        compare(&c, level, DUET_SHARE_ONE, c.poses, "is another on A");
+        compare(&c, level, DUET_SHARE_ONE / 3, c.exchanged, "is another with the poses exchanged");
+        compare(&c, level, 2 * (DUET_SHARE_ONE / 3), c.negated, "is another for -q");
+    }
+    print_message("%" PRIu64 " pairs in %uD\n", c.n, dims);
+    let_go(&c);
+}

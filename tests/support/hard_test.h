@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// Hard pairs through the narrow phase alone, on both devices.
+#ifndef TESTS_HARD_TEST_H
+#define TESTS_HARD_TEST_H
+
+#include "runtime/duet.h"
+
+// Tests so many pairs of each hard class at every level, on A, on B and on both
+// at once, as they are, exchanged, and with -q for q. Each verdict must be what
+// the level promises, what its specification in C says, and everywhere the same;
+// else a line is printed that repeats the pair, and the test fails.
+void hard_test_run(duet_device_pair *devices, uint32_t dims, int each);
+
+// One level's verdicts of n pairs; A has the share.
+void hard_test_verdicts(duet_device_pair *devices, duet_level level, uint32_t dims, uint32_t share,
+                        const duet_pose *poses, uint64_t n, uint8_t *verdicts,
+                        duet_test_result *result);
+
+#endif
