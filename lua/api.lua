@@ -24,6 +24,10 @@ api.classes = {
   { "duet.Bodies", "What objects are besides: rows of velocity xyz, spin xyz, mass, restitution, friction, group, mask, upright." },
   { "duet.States", "Where objects are and how they move: rows of centre xyz, rotation xyzw, velocity xyz, spin xyz." },
   { "duet.Contacts", "Where objects touch: rows of a, b, normal xyz, n, and four times arm xyz, gap, push." },
+  { "duet.Test", "The narrow phase alone: tests pairs that the script brings." },
+  { "duet.Verdicts", "Rows of one number: 0 separated, 1 colliding." },
+  { "duet.Gaps", "Rows of one number: how far apart two poses are; below 0, how deep in each other." },
+  { "duet.TestResult", "A table: what a test found and took." },
   { "duet.Kernel", "A table: a kernel and its card." },
   { "duet.Source", "A table: the text of a variant." },
   { "duet.Level", "A table: a level of accuracy." },
@@ -43,7 +47,7 @@ api.others = {
   ["the garbage collector"] = { "duet_free" },
   ["fields that a table leaves out"] = {
     "duet_default_device_pair_def", "duet_default_world_def", "duet_default_tune_def",
-    "duet_default_online_def", "duet_default_motion_def", "duet_default_body",
+    "duet_default_online_def", "duet_default_motion_def", "duet_default_body", "duet_default_test_def",
   },
   ["require"] = {
     "luaopen_duet", "luaopen_duet_frame", "luaopen_duet_lab", "luaopen_duet_plot",
@@ -191,6 +195,18 @@ api.names = {
   { "duet.Poses:gap", { "a: integer", "b: integer", "dims?: integer" }, "number",
     "How far two rows are apart along the best axis; below 0, how deep in each other.", c = "duet_poses_gap" },
 
+  { "duet.DevicePair:test", { "def?: { level?: string, share?: number, dims?: integer }" }, "duet.Test",
+    "Readies both devices to test pairs at a level; A has the share, of the default plan where none is given.",
+    fails = true, c = "duet_test_open" },
+  { "duet.Test:pairs", { "poses: duet.Poses|string|number[]|number[][]", "with_gaps?: boolean" },
+    "duet.Verdicts, duet.TestResult, duet.Gaps?", "Tests rows 0 and 1, 2 and 3 ... with each other.",
+    fails = true, c = "duet_test_pairs" },
+  { "duet.Test:close", {}, nil, "Gives the devices' memory back.", c = "duet_test_close" },
+  { "duet.TestResult.colliding", "integer", "pairs" },
+  { "duet.TestResult.undecided", "integer", "pairs that float left open and the host decided" },
+  { "duet.TestResult.total_ms", "number", "wall clock" },
+  { "duet.TestResult.device_ms", "number[]", "of A and of B" },
+
   { "duet.kernels", { "limits?: { max_group?: integer, local_bytes?: integer, fp64?: boolean, cpu?: boolean }" },
     "duet.Kernel[]", "The kernels, and what their cards let vary on a device of these limits.", fails = true },
   { "duet.source", { "kernel: string", "settings?: table<string, integer>", "limits?: table" }, "duet.Source",
@@ -292,7 +308,7 @@ api.names = {
 }
 
 -- Arrays are made, read and written alike; a letter says what a column is.
-local letters = { f = "number", d = "number", I = "integer", B = "boolean" }
+local letters = { f = "number", d = "number", I = "integer", C = "integer", B = "boolean" }
 
 for class, columns in pairs {
   Poses = ("f"):rep(10),
@@ -301,6 +317,8 @@ for class, columns in pairs {
   Bodies = ("f"):rep(9) .. "IIB",
   States = ("d"):rep(13),
   Contacts = "IIfffI" .. ("f"):rep(20),
+  Verdicts = "C",
+  Gaps = "d",
 } do
   local types = {}
   for letter in columns:gmatch "." do types[#types + 1] = letters[letter] end

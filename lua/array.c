@@ -11,7 +11,7 @@
 static const lua_class classes[ARRAY_KINDS];
 
 // A row is a C struct; columns has a letter for each of its members in order:
-// f float, d double, I uint32_t, B bool.
+// f float, d double, I uint32_t, C uint8_t, B bool.
 static const struct {
     const char *columns;
     size_t bytes;
@@ -22,6 +22,8 @@ static const struct {
     [ARRAY_BODIES] = {"fffffffffIIB", sizeof(duet_body)},
     [ARRAY_STATES] = {"ddddddddddddd", sizeof(duet_state)},
     [ARRAY_CONTACTS] = {"IIfffIffffffffffffffffffff", sizeof(duet_contact)},
+    [ARRAY_VERDICTS] = {"C", sizeof(uint8_t)},
+    [ARRAY_GAPS] = {"d", sizeof(double)},
 };
 
 _Static_assert(offsetof(duet_pose, rotation[3]) == 9 * 4, "a pose is ten floats");
@@ -89,13 +91,14 @@ static void refuse_value(lua_State *L, const array *a, uint64_t i, int column, c
                column + 1, luaL_tolstring(L, -1, NULL), wanted);
 }
 
-static void take_whole(lua_State *L, const array *a, uint64_t i, int column)
+static lua_Integer take_whole(lua_State *L, const array *a, uint64_t i, int column,
+                              lua_Integer most, const char *wanted)
 {
     int is_whole = 0;
     lua_Integer value = lua_tointegerx(L, -1, &is_whole);
-    if (!is_whole || value < 0 || value > UINT32_MAX)
-        refuse_value(L, a, i, column, "a whole number from 0 to 2^32 - 1");
-    *(uint32_t *)column_at(a, i, column) = (uint32_t)value;
+    if (!is_whole || value < 0 || value > most)
+        refuse_value(L, a, i, column, wanted);
+    return value;
 }
 
 static void take_number(lua_State *L, const array *a, uint64_t i, int column, bool is_double)
@@ -115,7 +118,12 @@ static void take_column(lua_State *L, const array *a, uint64_t i, int column)
 {
     switch (layouts[a->kind].columns[column]) {
     case 'I':
-        take_whole(L, a, i, column);
+        *(uint32_t *)column_at(a, i, column) =
+            (uint32_t)take_whole(L, a, i, column, UINT32_MAX, "a whole number from 0 to 2^32 - 1");
+        break;
+    case 'C':
+        *(uint8_t *)column_at(a, i, column) =
+            (uint8_t)take_whole(L, a, i, column, UINT8_MAX, "a whole number from 0 to 255");
         break;
     case 'B':
         if (!lua_isboolean(L, -1))
@@ -271,6 +279,9 @@ static void push_column(lua_State *L, const array *a, uint64_t i, int column)
     switch (layouts[a->kind].columns[column]) {
     case 'I':
         lua_pushinteger(L, *(const uint32_t *)at);
+        break;
+    case 'C':
+        lua_pushinteger(L, *(const uint8_t *)at);
         break;
     case 'B':
         lua_pushboolean(L, *(const bool *)at);
@@ -433,6 +444,8 @@ static const lua_class classes[] = {
     [ARRAY_BODIES] = {.name = "duet.bodies", .methods = methods, .metas = metas},
     [ARRAY_STATES] = {.name = "duet.states", .methods = methods, .metas = metas},
     [ARRAY_CONTACTS] = {.name = "duet.contacts", .methods = methods, .metas = metas},
+    [ARRAY_VERDICTS] = {.name = "duet.verdicts", .methods = methods, .metas = metas},
+    [ARRAY_GAPS] = {.name = "duet.gaps", .methods = methods, .metas = metas},
 };
 
 void array_open(lua_State *L)

@@ -17,6 +17,8 @@ typedef enum array_kind {
     ARRAY_BODIES,
     ARRAY_STATES,
     ARRAY_CONTACTS,
+    ARRAY_VERDICTS,
+    ARRAY_GAPS,
     ARRAY_KINDS
 } array_kind;
 

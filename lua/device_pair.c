@@ -7,13 +7,10 @@ static int pair_close(lua_State *L);
 static int pair_device(lua_State *L);
 static int pair_plan(lua_State *L);
 
-static const luaL_Reg methods[] = {{"close", pair_close},
-                                   {"device", pair_device},
-                                   {"plan", pair_plan},
-                                   {"tune", device_pair_tune_lua},
-                                   {"motion", motion_create_lua},
-                                   {"world", world_create_lua},
-                                   {NULL, NULL}};
+static const luaL_Reg methods[] = {{"close", pair_close},         {"device", pair_device},
+                                   {"plan", pair_plan},           {"tune", device_pair_tune_lua},
+                                   {"motion", motion_create_lua}, {"test", test_open_from_lua},
+                                   {"world", world_create_lua},   {NULL, NULL}};
 static const lua_class pair_class = {.name = "duet.device_pair", .methods = methods};
 
 static const member def_members[] = {

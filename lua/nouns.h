@@ -22,6 +22,7 @@ void online_open_lua(lua_State *L);
 void motion_open_lua(lua_State *L);
 void source_open_lua(lua_State *L);
 void level_open_lua(lua_State *L);
+void test_open_lua(lua_State *L);
 void carried_open_lua(lua_State *L);
 
 extern const member device_members[]; // of duet_device_info
@@ -39,10 +40,11 @@ typedef struct device_pair_box {
 device_pair_box *device_pair_check(lua_State *L, int index);
 void device_pair_let_go(device_pair_box *box);
 
-// The methods device_pair:world, :tune and :motion; with the pair's other methods.
+// The methods device_pair:world, :tune, :motion and :test; with the pair's other methods.
 int world_create_lua(lua_State *L);
 int device_pair_tune_lua(lua_State *L);
 int motion_create_lua(lua_State *L);
+int test_open_from_lua(lua_State *L);
 
 typedef struct world_box {
     duet_world *world;

@@ -109,6 +109,26 @@ local States = {}
 ---@class duet.Contacts
 local Contacts = {}
 
+--- The narrow phase alone: tests pairs that the script brings.
+---@class duet.Test
+local Test = {}
+
+--- Rows of one number: 0 separated, 1 colliding.
+---@class duet.Verdicts
+local Verdicts = {}
+
+--- Rows of one number: how far apart two poses are; below 0, how deep in each other.
+---@class duet.Gaps
+local Gaps = {}
+
+--- A table: what a test found and took.
+---@class duet.TestResult
+---@field colliding integer pairs
+---@field device_ms number[] of A and of B
+---@field total_ms number wall clock
+---@field undecided integer pairs that float left open and the host decided
+local TestResult = {}
+
 --- A table: a kernel and its card.
 ---@class duet.Kernel
 ---@field about string what it does
@@ -296,6 +316,13 @@ function DevicePair:motion(objects, bodies, def) end
 ---@return duet.Plan
 function DevicePair:plan() end
 
+--- Readies both devices to test pairs at a level; A has the share, of the default plan where none is given.
+---@param def? { level?: string, share?: number, dims?: integer }
+---@return duet.Test?
+---@return string? message
+---@return string? status
+function DevicePair:test(def) end
+
 --- Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, strategy, strategy_lua, variants, modes, budget_seconds, budget_trials, repeats, seed, script, watch }; watch(progress) is called after each trial and stops the tuning with false.
 ---@param scene duet.Scene
 ---@param def? table
@@ -311,6 +338,27 @@ function DevicePair:tune(scene, def) end
 ---@return string? message
 ---@return string? status
 function DevicePair:world(scene, def) end
+
+--- All rows as they lie in memory, packed.
+---@return string
+function Gaps:bytes() end
+
+--- Gives the memory back.
+function Gaps:close() end
+
+--- for place, ... in it:each() do
+---@return fun(): integer, number
+function Gaps:each() end
+
+--- The row at a place from 0.
+---@param place integer
+---@return number
+function Gaps:get(place) end
+
+--- Writes a row: 1 values.
+---@param place integer
+---@param ... any
+function Gaps:set(place, ...) end
 
 --- Advances all objects by dt.
 ---@return duet.MotionResult?
@@ -550,6 +598,38 @@ function States:get(place) end
 function States:set(place, ...) end
 
 --- Gives the devices' memory back.
+function Test:close() end
+
+--- Tests rows 0 and 1, 2 and 3 ... with each other.
+---@param poses duet.Poses|string|number[]|number[][]
+---@param with_gaps? boolean
+---@return duet.Verdicts, duet.TestResult, duet.Gaps?
+---@return string? message
+---@return string? status
+function Test:pairs(poses, with_gaps) end
+
+--- All rows as they lie in memory, packed.
+---@return string
+function Verdicts:bytes() end
+
+--- Gives the memory back.
+function Verdicts:close() end
+
+--- for place, ... in it:each() do
+---@return fun(): integer, integer
+function Verdicts:each() end
+
+--- The row at a place from 0.
+---@param place integer
+---@return integer
+function Verdicts:get(place) end
+
+--- Writes a row: 1 values.
+---@param place integer
+---@param ... any
+function Verdicts:set(place, ...) end
+
+--- Gives the devices' memory back.
 function World:close() end
 
 --- Takes the best plan that a store of profiles knows for the objects; the user's store without a path.
@@ -657,6 +737,11 @@ function duet.devices() end
 ---@return string[]
 function duet.effects() end
 
+--- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+---@param from integer|string|any[]
+---@return duet.Gaps
+function duet.gaps(from) end
+
 --- The kernels, and what their cards let vary on a device of these limits.
 ---@param limits? { max_group?: integer, local_bytes?: integer, fp64?: boolean, cpu?: boolean }
 ---@return duet.Kernel[]?
@@ -714,5 +799,10 @@ function duet.states(from) end
 --- The strategies there are, the default first.
 ---@return duet.Strategy[]
 function duet.strategies() end
+
+--- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+---@param from integer|string|any[]
+---@return duet.Verdicts
+function duet.verdicts(from) end
 
 return duet
