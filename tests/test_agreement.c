@@ -21,7 +21,7 @@ static const char *const searches[] = {
     "lanes search_lanes.FUSED=0",
     "items",
     "paper",
-    "items candidates_rows.FUSED=1 candidates_rows.WG=64 candidates_rows.PER_ITEM=1",
+    "items candidates_rows.FUSED=1 candidates_rows.WG=64 candidates_rows.PER_ITEM=4",
 };
 
 static const uint32_t shares[] = {0, DUET_SHARE_ONE / 3, DUET_SHARE_ONE};
