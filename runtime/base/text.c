@@ -100,10 +100,21 @@ static void add_part_path(text *t, const char *path)
     text_add(t, "%s.%ld.%u.part", path, (long)getpid(), atomic_fetch_add(&writes, 1));
 }
 
+// A device, a pipe and the like are written as they are; a file is whole at once.
+static bool is_replaced(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) != 0 || S_ISREG(info.st_mode);
+}
+
 bool text_write_file(const char *path, const char *bytes, size_t n, duet_error *err)
 {
+    bool replace = is_replaced(path);
     text beside = {0};
-    add_part_path(&beside, path);
+    if (replace)
+        add_part_path(&beside, path);
+    else
+        text_add(&beside, "%s", path);
     bool ok = text_ok(&beside, err);
     FILE *file = ok ? fopen(beside.chars, "wb") : NULL;
     if (ok && !file)
@@ -111,11 +122,11 @@ bool text_write_file(const char *path, const char *bytes, size_t n, duet_error *
     if (file) {
         ok = fwrite(bytes, 1, n, file) == n;
         ok = (fclose(file) == 0) && ok;
-        ok = ok && rename(beside.chars, path) == 0;
-        if (!ok) {
+        ok = ok && (!replace || rename(beside.chars, path) == 0);
+        if (!ok)
             error_set(err, DUET_IO_FAILED, "%s: cannot be written: %s", path, strerror(errno));
+        if (!ok && replace)
             remove(beside.chars);
-        }
     }
     text_free(&beside);
     return ok;
