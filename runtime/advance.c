@@ -252,14 +252,14 @@ static bool run_effects(duet_motion *m, duet_error *err)
 {
     if (m->n == 0 || m->def.dt == 0.0 || m->effects == 0)
         return true;
-    if (!motion_clear_flags(m, err))
+    bool contact = motion_has(m, DUET_EFFECT_CONTACT);
+    if (contact && !motion_clear_flags(m, err))
         return false;
     if (motion_has(m, DUET_EFFECT_RESPONSE))
         return respond(m, err);
     if (motion_has(m, DUET_EFFECT_MOTION) && !fly(m, err))
         return false;
-    return !motion_has(m, DUET_EFFECT_CONTACT) ||
-           (motion_find_rows(m, err) && motion_touch(m, err));
+    return !contact || (motion_find_rows(m, err) && motion_touch(m, err));
 }
 
 static bool fetch_events(duet_motion *m, duet_error *err)

@@ -156,7 +156,8 @@ static bool send_filters(duet_motion *m, duet_error *err)
 
 static bool reserve_all(duet_motion *m, duet_error *err)
 {
-    bool ok = motion_reserve(m, FLAG_WORDS, FLAGS, sizeof(uint32_t), err);
+    bool ok = !motion_has(m, DUET_EFFECT_CONTACT) ||
+              motion_reserve(m, FLAG_WORDS, FLAGS, sizeof(uint32_t), err);
     for (int which = 0; ok && which < MOTION_BUFFERS; ++which) {
         uint32_t words = motion_words(m, (motion_buffer)which);
         if (words == 0)

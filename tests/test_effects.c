@@ -295,10 +295,10 @@ static void buffers_are_those_that_are_called_for(void **state)
     } owned[] = {
         {DUET_EFFECT_ROTATION, ROTATIONS}, {DUET_EFFECT_SPIN, SPINS},
         {DUET_EFFECT_SPIN, INERTIAS},      {DUET_EFFECT_CONTACT, BOXES},
-        {DUET_EFFECT_CONTACT, CONTACTS},   {DUET_EFFECT_RESPONSE, BODIES},
-        {DUET_EFFECT_RESPONSE, SHOVES},    {DUET_EFFECT_FRICTION, FRICTIONS},
-        {DUET_EFFECT_FILTER, FILTERS},     {DUET_EFFECT_SLEEP, ASLEEP},
-        {DUET_EFFECT_EVENTS, EVENTS},
+        {DUET_EFFECT_CONTACT, CONTACTS},   {DUET_EFFECT_CONTACT, FLAG_WORDS},
+        {DUET_EFFECT_RESPONSE, BODIES},    {DUET_EFFECT_RESPONSE, SHOVES},
+        {DUET_EFFECT_FRICTION, FRICTIONS}, {DUET_EFFECT_FILTER, FILTERS},
+        {DUET_EFFECT_SLEEP, ASLEEP},       {DUET_EFFECT_EVENTS, EVENTS},
     };
     for (int i = 0; i < N_EFFECTS; ++i) {
         mover *m = make_scene(with_needs(effects[i]));
@@ -322,12 +322,14 @@ static void kernels_are_those_that_are_called_for(void **state)
     cl_uint n_args = 0;
     clGetKernelInfo(only.integrate->cl, CL_KERNEL_NUM_ARGS, sizeof n_args, &n_args, NULL);
     assert_int_equal(n_args, 5); // centres, velocities, times, substeps, n
+    assert_int_equal(m->last.n_stages, 1);
     mover_free(m);
     m = mover_new(3);
     mover_add_cube(m, 0, 0, 0, 1);
     mover_run(m, 1);
     only.integrate = NULL;
     assert_memory_equal(&m->motion->kernels, &only, sizeof only);
+    assert_int_equal(m->last.n_stages, 0);
     mover_free(m);
 }
 
