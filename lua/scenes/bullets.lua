@@ -24,7 +24,7 @@ for i = 1, p.n // 10 do
     mass = 0.3,
   }
 end
-add { centre = { 0, 0, -0.5 }, half = { 30, wide / 2 + 8, 0.5 }, mass = 0 }
+add { centre = { 0, 0, -0.5 }, half = { wide, wide / 2 + 4, 0.5 }, mass = 0 }
 
 return {
   dims = 3,

@@ -9,11 +9,13 @@
 #include "tuner/cli/table.h"
 
 #include <cjson/cJSON.h>
+#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 enum { STAGES_MOST = 32, ROWS_TOLD = 10, FRAMES_A_SECOND = 30 };
 
@@ -25,7 +27,7 @@ typedef struct moved {
     duet_motion *motion;
     duet_motion_result last;
     duet_state *states;
-    snapshot_view view;
+    snapshot look;
     uint64_t done;
     uint64_t frames;
     double total_ms;
@@ -49,13 +51,6 @@ static void add_stage(moved *r, const duet_stage *stage)
     r->stages[i].ms += stage->ms;
 }
 
-static bool draw(moved *r, const char *path, duet_error *err)
-{
-    return duet_motion_read(r->motion, r->states, err) &&
-           snapshot_write(path, &r->view, duet_scene_poses(r->scene), duet_scene_bodies(r->scene),
-                          r->states, duet_motion_count(r->motion), err);
-}
-
 // A frame where its time has come.
 static bool draw_frame(moved *r, duet_error *err)
 {
@@ -66,7 +61,22 @@ static bool draw_frame(moved *r, duet_error *err)
     int n = snprintf(path, sizeof path, "%s/%05" PRIu64 ".png", r->options->frames, r->frames++);
     if (n < 0 || (size_t)n >= sizeof path)
         return error_set(err, DUET_BAD_ARGUMENT, "--frames: the folder's name is too long");
-    return draw(r, path, err);
+    return duet_motion_read(r->motion, r->states, err) &&
+           snapshot_frame(&r->look, path, r->states, err);
+}
+
+static bool draw_picture(moved *r, duet_error *err)
+{
+    return !r->options->picture ||
+           (duet_motion_read(r->motion, r->states, err) &&
+            snapshot_picture(&r->look, r->options->picture, r->states, err));
+}
+
+static bool make_folder(const char *path, duet_error *err)
+{
+    return !path || mkdir(path, 0777) == 0 || errno == EEXIST ||
+           error_set(err, DUET_IO_FAILED, "--frames: the folder %s cannot be made: %s", path,
+                     strerror(errno));
 }
 
 static bool tell_step(moved *r, duet_error *err)
@@ -122,7 +132,7 @@ static double mean_ms(const moved *r)
     return r->done > 1 ? r->total_ms / (double)(r->done - 1) : 0.0;
 }
 
-static void tell_times(const moved *r, uint64_t hash)
+static void tell_times(const moved *r)
 {
     table t = table_begin("lrrl");
     static const char *const heads[] = {"", "ms a step", "%", ""};
@@ -136,10 +146,19 @@ static void tell_times(const moved *r, uint64_t hash)
         table_cell(&t, "%.1f", mean > 0 ? 100 * ms / mean : 0.0);
         table_cell(&t, "%s", table_bar(mean > 0 ? ms / mean : 0.0, 24).chars);
     }
-    putchar('\n');
     table_print(&t, stdout);
-    printf("\n%.3f ms a step, the slowest %.3f: %.4g steps a second\nstate hash %016" PRIx64 "\n",
-           mean, r->slowest_ms, mean > 0 ? 1e3 / mean : 0.0, hash);
+    printf("\n%.3f ms a step, the slowest %.3f: %.4g steps a second\n", mean, r->slowest_ms,
+           mean > 0 ? 1e3 / mean : 0.0);
+}
+
+static void tell_end(const moved *r, uint64_t hash)
+{
+    putchar('\n');
+    if (r->n_stages > 0)
+        tell_times(r);
+    else if (duet_motion_effects(r->motion) == 0)
+        printf("nothing is called for, so that a step launches nothing\n");
+    printf("state hash %016" PRIx64 "\n", hash);
 }
 
 static bool tell_json(moved *r, uint64_t hash, duet_error *err)
@@ -190,13 +209,13 @@ static bool open(moved *r, duet_device_pair *pair, const plan_options *plan, due
         return error_set(err, DUET_NO_MEMORY, "%u states: no memory", info->n);
     if (!r->motion || !duet_motion_read(r->motion, r->states, err))
         return false;
-    r->view = snapshot_view_of(&r->def, poses, r->states, info->n);
-    return true;
+    return snapshot_begin(&r->look, &r->def, r->scene, r->states, err);
 }
 
 static bool run(moved *r, duet_error *err)
 {
-    bool ok = draw_frame(r, err);
+    // The picture is drawn at the start too: where it cannot be written, that is told at once.
+    bool ok = make_folder(r->options->frames, err) && draw_frame(r, err) && draw_picture(r, err);
     progress p = progress_begin("step", r->options->steps);
     while (ok && r->done < r->options->steps && !interrupt_asked()) {
         ok = step(r, err);
@@ -204,13 +223,11 @@ static bool run(moved *r, duet_error *err)
     }
     progress_end(&p);
     uint64_t hash = 0;
-    ok = ok && duet_motion_hash(r->motion, &hash, err);
-    if (ok && r->options->picture)
-        ok = draw(r, r->options->picture, err);
+    ok = ok && duet_motion_hash(r->motion, &hash, err) && draw_picture(r, err);
     if (ok && r->options->json)
         return tell_json(r, hash, err);
     if (ok)
-        tell_times(r, hash);
+        tell_end(r, hash);
     return ok && interrupt_check(err);
 }
 
@@ -222,6 +239,7 @@ bool run_motion(const run_motion_options *options, const duet_scene *scene, duet
     if (ok)
         tell_begin(&r);
     ok = ok && run(&r, err);
+    snapshot_end(&r.look);
     duet_motion_destroy(r.motion);
     free(r.states);
     return ok;

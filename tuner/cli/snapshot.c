@@ -1,217 +1,308 @@
 // SPDX-License-Identifier: MIT
-// Faces are filled line by line, the nearest one kept (a depth buffer), seen
-// from above and aside without perspective; in 2D from straight above.
 #include "tuner/cli/snapshot.h"
 
 #include "runtime/base/error.h"
+#include "tuner/cli/raster.h"
 
 #include <math.h>
-#include <png.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 960, HEIGHT = 720, ROW = 3 * WIDTH };
+enum { WIDTH = 960, HEIGHT = 720 };
+enum { EDGE = 200 }; // one in so many objects may lie outside, on either side
 
-typedef struct spot {
-    double x, y, z; // pixels, and nearness
-} spot;
+static const tint paper = {0.97, 0.97, 0.97};
+static const tint ground = {0.88, 0.88, 0.86};
+static const tint massless = {0.72, 0.73, 0.74};
+static const tint shot = {0.88, 0.10, 0.14};
 
-typedef struct frame {
-    unsigned char *pixels; // [HEIGHT][WIDTH][3]
-    float *nearest;        // [HEIGHT][WIDTH]
+// ---------------------------------------------------------------- what is seen
+
+static int by_number(const void *x, const void *y)
+{
+    double a = *(const double *)x, b = *(const double *)y;
+    return (a > b) - (a < b);
+}
+
+// All objects along an axis but a few on either side, and but what was shot.
+static bool find_extent(const snapshot *s, const duet_state *states, uint32_t axis, double *lower,
+                        double *upper, duet_error *err)
+{
+    const duet_pose *poses = duet_scene_poses(s->scene);
+    double *lowers = malloc(2 * ((size_t)s->n + 1) * sizeof *lowers);
+    if (!lowers)
+        return error_set(err, DUET_NO_MEMORY, "no memory for a picture of %u objects", s->n);
+    double *uppers = lowers + s->n;
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < s->n; ++i) {
+        const float *h = poses[i].half;
+        double reach = fmax(h[0], fmax(h[1], s->def->dims == 3 ? h[2] : 0.0));
+        if (s->is_shot[i])
+            continue;
+        lowers[n] = states[i].centre[axis] - reach;
+        uppers[n++] = states[i].centre[axis] + reach;
+    }
+    qsort(lowers, n, sizeof *lowers, by_number);
+    qsort(uppers, n, sizeof *uppers, by_number);
+    *lower = n > 0 ? lowers[n / EDGE] : 0.0;
+    *upper = n > 0 ? uppers[n - 1 - n / EDGE] : 0.0;
+    free(lowers);
+    return true;
+}
+
+// Walls stay in view, but not the empty space below a high ceiling.
+static bool find_part(const snapshot *s, const duet_state *states, double lower[3], double upper[3],
+                      duet_error *err)
+{
+    const duet_motion_def *d = s->def;
+    for (uint32_t k = 0; k < d->dims; ++k) {
+        if (!find_extent(s, states, k, &lower[k], &upper[k], err))
+            return false;
+        if (d->edge == DUET_EDGE_NONE)
+            continue;
+        lower[k] = fmin(lower[k], d->lower[k]);
+        if (k < 2)
+            upper[k] = fmax(upper[k], d->upper[k]);
+    }
+    return true;
+}
+
+// ---------------------------------------------------------------- colours
+
+// From blue over green to amber.
+static tint tint_at(double part)
+{
+    static const tint scale[] = {
+        {0.19, 0.30, 0.55}, {0.17, 0.53, 0.64}, {0.42, 0.68, 0.48}, {0.93, 0.74, 0.33}};
+    const int last = (int)(sizeof scale / sizeof *scale) - 1;
+    double at = last * fmin(1.0, fmax(0.0, part));
+    int i = at >= last ? last - 1 : (int)at;
+    double t = at - i;
+    const tint *a = &scale[i], *b = &scale[i + 1];
+    return (tint){a->red + t * (b->red - a->red), a->green + t * (b->green - a->green),
+                  a->blue + t * (b->blue - a->blue)};
+}
+
+static tint lit(tint t, double light)
+{
+    return (tint){light * t.red, light * t.green, light * t.blue};
+}
+
+// Where an object began: how high, or how far from what attracts.
+static double place_of(const duet_motion_def *d, const duet_state *s)
+{
+    if (d->attraction == 0.0)
+        return s->centre[d->dims - 1];
+    double z = d->dims == 3 ? s->centre[2] - d->centre[2] : 0.0;
+    return hypot(hypot(s->centre[0] - d->centre[0], s->centre[1] - d->centre[1]), z);
+}
+
+// Neighbours differ a little, so that one is told from the other.
+static double brightness_of(uint32_t id)
+{
+    return 0.86 + 0.28 * fmod(id * 0.618033988749895, 1.0);
+}
+
+static void colour_objects(snapshot *s, const duet_state *start)
+{
+    const duet_body *bodies = duet_scene_bodies(s->scene);
+    double least = INFINITY, most = -INFINITY;
+    for (uint32_t i = 0; i < s->n; ++i) {
+        double place = place_of(s->def, &start[i]);
+        least = fmin(least, place);
+        most = fmax(most, place);
+    }
+    for (uint32_t i = 0; i < s->n; ++i) {
+        double part = (place_of(s->def, &start[i]) - least) / fmax(most - least, 1e-300);
+        bool fixed = bodies && !(bodies[i].mass > 0.0f);
+        s->colours[i] = fixed           ? massless
+                        : s->is_shot[i] ? shot
+                                        : lit(tint_at(part), brightness_of(i));
+    }
+}
+
+// What calls for the effect `fast`: more than half its least half extent a step.
+static bool moves_fast(const duet_motion_def *d, const duet_pose *p, const duet_state *s)
+{
+    double speed = hypot(s->velocity[0], s->velocity[1]);
+    double least = fmin(p->half[0], p->half[1]);
+    if (d->dims == 3) {
+        speed = hypot(speed, s->velocity[2]);
+        least = fmin(least, p->half[2]);
+    }
+    return speed * d->dt > 0.5 * least;
+}
+
+// Where all are that fast, as on orbits, none was shot.
+static void find_shot(snapshot *s, const duet_state *start)
+{
+    const duet_pose *poses = duet_scene_poses(s->scene);
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < s->n; ++i) {
+        s->is_shot[i] = moves_fast(s->def, &poses[i], &start[i]);
+        n += s->is_shot[i];
+    }
+    if (n > s->n / 2)
+        memset(s->is_shot, 0, s->n * sizeof *s->is_shot);
+}
+
+bool snapshot_begin(snapshot *s, const duet_motion_def *def, const duet_scene *scene,
+                    const duet_state *start, duet_error *err)
+{
+    *s = (snapshot){.def = def, .scene = scene, .n = duet_scene_describe(scene)->n};
+    s->colours = calloc((size_t)s->n + 1, sizeof *s->colours);
+    s->is_shot = calloc((size_t)s->n + 1, sizeof *s->is_shot);
+    if (!s->colours || !s->is_shot)
+        return error_set(err, DUET_NO_MEMORY, "no memory for a picture of %u objects", s->n);
+    find_shot(s, start);
+    colour_objects(s, start);
+    return find_part(s, start, s->lower, s->upper, err);
+}
+
+void snapshot_end(snapshot *s)
+{
+    free(s->colours);
+    free(s->is_shot);
+}
+
+// ---------------------------------------------------------------- the eye
+
+typedef struct eye {
+    raster *on;
     double right[3], up[3], near[3];
     double scale;
     double middle[3];
-} frame;
-
-// ---------------------------------------------------------------- the view
-
-static void grow(snapshot_view *v, const double at[3], double reach)
-{
-    for (int k = 0; k < 3; ++k) {
-        v->lower[k] = fmin(v->lower[k], at[k] - reach);
-        v->upper[k] = fmax(v->upper[k], at[k] + reach);
-    }
-}
-
-snapshot_view snapshot_view_of(const duet_motion_def *def, const duet_pose *poses,
-                               const duet_state *states, uint32_t n)
-{
-    snapshot_view v = {.dims = def->dims,
-                       .lower = {INFINITY, INFINITY, INFINITY},
-                       .upper = {-INFINITY, -INFINITY, -INFINITY}};
-    for (uint32_t i = 0; i < n; ++i) {
-        const float *h = poses[i].half;
-        grow(&v, states[i].centre, fmax(h[0], fmax(h[1], def->dims == 3 ? h[2] : 0.0)));
-    }
-    if (def->edge != DUET_EDGE_NONE) {
-        grow(&v, def->lower, 0.0);
-        double top[3] = {def->upper[0], def->upper[1], n > 0 ? v.upper[2] : def->upper[2]};
-        grow(&v, top, 0.0);
-    }
-    return v;
-}
-
-static void normalise(double v[3])
-{
-    double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    for (int k = 0; k < 3; ++k)
-        v[k] /= length;
-}
+} eye;
 
 static double dot(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static void aim(frame *c, const snapshot_view *v)
+static void put_unit(double to[3], const double v[3])
+{
+    double length = sqrt(dot(v, v));
+    for (int k = 0; k < 3; ++k)
+        to[k] = v[k] / length;
+}
+
+static eye aim(raster *on, uint32_t dims, const double lower[3], const double upper[3])
 {
     static const double views[2][3][3] = {
         {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
         {{0.8, 0.6, 0}, {-0.27, 0.36, 0.9}, {0.54, -0.72, 0.45}},
     };
-    const double(*view)[3] = views[v->dims == 3];
-    memcpy(c->right, view[0], sizeof c->right);
-    memcpy(c->up, view[1], sizeof c->up);
-    memcpy(c->near, view[2], sizeof c->near);
-    normalise(c->right);
-    normalise(c->up);
-    normalise(c->near);
+    eye e = {.on = on};
+    put_unit(e.right, views[dims == 3][0]);
+    put_unit(e.up, views[dims == 3][1]);
+    put_unit(e.near, views[dims == 3][2]);
     double wide = 1e-9, high = 1e-9;
-    for (uint32_t k = 0; k < v->dims; ++k) {
-        double length = v->upper[k] - v->lower[k];
-        c->middle[k] = 0.5 * (v->upper[k] + v->lower[k]);
-        wide += fabs(c->right[k]) * length;
-        high += fabs(c->up[k]) * length;
+    for (uint32_t k = 0; k < dims; ++k) {
+        e.middle[k] = 0.5 * (lower[k] + upper[k]);
+        wide += fabs(e.right[k]) * (upper[k] - lower[k]);
+        high += fabs(e.up[k]) * (upper[k] - lower[k]);
     }
-    c->scale = 0.95 * fmin(WIDTH / wide, HEIGHT / high);
+    e.scale = 0.9 * fmin(WIDTH / wide, HEIGHT / high);
+    return e;
 }
 
-static spot project(const frame *c, const double at[3])
+static spot project(const eye *e, const double at[3])
 {
-    double d[3] = {at[0] - c->middle[0], at[1] - c->middle[1], at[2] - c->middle[2]};
-    return (spot){0.5 * WIDTH + c->scale * dot(d, c->right),
-                  0.5 * HEIGHT - c->scale * dot(d, c->up), dot(d, c->near)};
+    double d[3] = {at[0] - e->middle[0], at[1] - e->middle[1], at[2] - e->middle[2]};
+    return (spot){0.5 * WIDTH + e->scale * dot(d, e->right),
+                  0.5 * HEIGHT - e->scale * dot(d, e->up), dot(d, e->near)};
 }
 
-// ---------------------------------------------------------------- filling
+// ---------------------------------------------------------------- boxes
 
-static double edge(spot a, spot b, double x, double y)
-{
-    return (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
-}
+typedef struct block {
+    double centre[3];
+    double axis[3][3];
+    double half[3];
+} block;
 
-static void fill_triangle(frame *c, spot a, spot b, spot d, const double colour[3])
+static block block_of(const duet_pose *pose, const duet_state *state, uint32_t dims)
 {
-    double area = edge(a, b, d.x, d.y);
-    if (fabs(area) < 1e-12)
-        return;
-    int x0 = (int)fmax(0, floor(fmin(a.x, fmin(b.x, d.x))));
-    int x1 = (int)fmin(WIDTH - 1, ceil(fmax(a.x, fmax(b.x, d.x))));
-    int y0 = (int)fmax(0, floor(fmin(a.y, fmin(b.y, d.y))));
-    int y1 = (int)fmin(HEIGHT - 1, ceil(fmax(a.y, fmax(b.y, d.y))));
-    for (int y = y0; y <= y1; ++y) {
-        for (int x = x0; x <= x1; ++x) {
-            double u = edge(b, d, x, y) / area, v = edge(d, a, x, y) / area;
-            double w = 1.0 - u - v;
-            float z = (float)(u * a.z + v * b.z + w * d.z);
-            size_t at = (size_t)y * WIDTH + (size_t)x;
-            if (u < 0 || v < 0 || w < 0 || z <= c->nearest[at])
-                continue;
-            c->nearest[at] = z;
-            for (int k = 0; k < 3; ++k)
-                c->pixels[3 * at + (size_t)k] = (unsigned char)(255.0 * fmin(1.0, colour[k]));
-        }
-    }
-}
-
-static void axes_of(const double q[4], double axis[3][3])
-{
+    const double *q = state->rotation;
     double x = q[0], y = q[1], z = q[2], w = q[3];
-    const double rows[3][3] = {
-        {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
-        {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
-        {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)},
+    bool deep = dims == 3;
+    return (block){
+        {state->centre[0], state->centre[1], deep ? state->centre[2] : 0.0},
+        {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+         {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+         {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}},
+        {pose->half[0], pose->half[1], deep ? pose->half[2] : 0.0},
     };
-    memcpy(axis, rows, sizeof rows);
-}
-
-// Colours far apart for neighbours, by the golden angle.
-static void colour_of(uint32_t id, bool heavy, double colour[3])
-{
-    double hue = 6.283185307 * fmod(id * 0.618033988749895, 1.0);
-    for (int k = 0; k < 3; ++k)
-        colour[k] = heavy ? 0.62 + 0.33 * cos(hue - 2.0943951 * k) : 0.55;
 }
 
 // One of the faces across axis k, where it is turned to the eye.
-static void fill_face(frame *c, const double centre[3], double axis[3][3], const float half[3],
-                      int k, double side, const double colour[3])
+static void draw_face(const eye *e, const block *b, int k, double side, tint colour)
 {
-    int u = (k + 1) % 3, v = (k + 2) % 3;
-    double facing = side * dot(axis[k], c->near);
-    if (facing <= 0)
-        return;
     static const double light[3] = {0.35, -0.45, 0.82};
-    double bright = 0.45 + 0.55 * fmax(0.0, side * dot(axis[k], light));
-    double shade[3] = {bright * colour[0], bright * colour[1], bright * colour[2]};
+    if (side * dot(b->axis[k], e->near) <= 0)
+        return;
+    int u = (k + 1) % 3, v = (k + 2) % 3;
     spot corners[4];
     for (int i = 0; i < 4; ++i) {
         double su = i == 0 || i == 3 ? 1 : -1, sv = i < 2 ? 1 : -1;
         double at[3];
         for (int j = 0; j < 3; ++j)
-            at[j] = centre[j] + side * half[k] * axis[k][j] + su * half[u] * axis[u][j] +
-                    sv * half[v] * axis[v][j];
-        corners[i] = project(c, at);
+            at[j] = b->centre[j] + side * b->half[k] * b->axis[k][j] +
+                    su * b->half[u] * b->axis[u][j] + sv * b->half[v] * b->axis[v][j];
+        corners[i] = project(e, at);
     }
-    fill_triangle(c, corners[0], corners[1], corners[2], shade);
-    fill_triangle(c, corners[0], corners[2], corners[3], shade);
+    tint shade = lit(colour, 0.45 + 0.6 * fmax(0.0, side * dot(b->axis[k], light)));
+    const spot other[3] = {corners[0], corners[2], corners[3]};
+    raster_triangle(e->on, corners, shade);
+    raster_triangle(e->on, other, shade);
 }
 
-static void fill_box(frame *c, const duet_pose *pose, const duet_state *state, uint32_t dims,
-                     const double colour[3])
+static void draw_block(const eye *e, const block *b, uint32_t dims, tint colour)
 {
-    double axis[3][3];
-    double centre[3] = {state->centre[0], state->centre[1], dims == 3 ? state->centre[2] : 0.0};
-    float half[3] = {pose->half[0], pose->half[1], dims == 3 ? pose->half[2] : 0.0f};
-    axes_of(state->rotation, axis);
     for (int k = dims == 3 ? 0 : 2; k < 3; ++k) {
-        fill_face(c, centre, axis, half, k, 1.0, colour);
-        fill_face(c, centre, axis, half, k, -1.0, colour);
+        draw_face(e, b, k, 1.0, colour);
+        draw_face(e, b, k, -1.0, colour);
     }
 }
 
-// ---------------------------------------------------------------- the file
-
-static bool write_png(const char *path, const unsigned char *pixels, duet_error *err)
+// The floor of a world with walls; in 2D what they enclose.
+static void draw_ground(const eye *e, const duet_motion_def *d)
 {
-    png_image image = {
-        .version = PNG_IMAGE_VERSION, .width = WIDTH, .height = HEIGHT, .format = PNG_FORMAT_RGB};
-    bool ok = png_image_write_to_file(&image, path, 0, pixels, ROW, NULL);
-    return ok || error_set(err, DUET_IO_FAILED, "%s: %s", path, image.message);
+    block b = {.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    for (int k = 0; k < 2; ++k) {
+        b.centre[k] = 0.5 * (d->lower[k] + d->upper[k]);
+        b.half[k] = 0.5 * (d->upper[k] - d->lower[k]);
+    }
+    b.centre[2] = d->dims == 3 ? d->lower[2] : -1.0;
+    if (d->edge != DUET_EDGE_NONE)
+        draw_face(e, &b, 2, 1.0, ground);
 }
 
-bool snapshot_write(const char *path, const snapshot_view *view, const duet_pose *poses,
-                    const duet_body *bodies, const duet_state *states, uint32_t n, duet_error *err)
+static bool draw(const snapshot *s, const char *path, const duet_state *states,
+                 const double lower[3], const double upper[3], duet_error *err)
 {
-    frame c = {.pixels = malloc((size_t)HEIGHT * ROW),
-               .nearest = malloc((size_t)HEIGHT * WIDTH * sizeof(float))};
-    bool ok = c.pixels && c.nearest;
-    if (!ok)
-        error_set(err, DUET_NO_MEMORY, "%s: no memory for a picture", path);
-    if (ok) {
-        memset(c.pixels, 0xf7, (size_t)HEIGHT * ROW);
-        for (size_t i = 0; i < (size_t)HEIGHT * WIDTH; ++i)
-            c.nearest[i] = -INFINITY;
-        aim(&c, view);
-        for (uint32_t i = 0; i < n; ++i) {
-            double colour[3];
-            colour_of(i, !bodies || bodies[i].mass > 0.0f, colour);
-            fill_box(&c, &poses[i], &states[i], view->dims, colour);
-        }
-        ok = write_png(path, c.pixels, err);
+    raster *on = raster_open(path, WIDTH, HEIGHT, paper, err);
+    if (!on)
+        return false;
+    uint32_t dims = s->def->dims;
+    const duet_pose *poses = duet_scene_poses(s->scene);
+    eye e = aim(on, dims, lower, upper);
+    draw_ground(&e, s->def);
+    for (uint32_t i = 0; i < s->n; ++i) {
+        block b = block_of(&poses[i], &states[i], dims);
+        draw_block(&e, &b, dims, s->colours[i]);
     }
-    free(c.pixels);
-    free(c.nearest);
-    return ok;
+    return raster_close(on, true, err);
+}
+
+bool snapshot_frame(const snapshot *s, const char *path, const duet_state *states, duet_error *err)
+{
+    return draw(s, path, states, s->lower, s->upper, err);
+}
+
+bool snapshot_picture(const snapshot *s, const char *path, const duet_state *states,
+                      duet_error *err)
+{
+    double lower[3] = {0}, upper[3] = {0};
+    return find_part(s, states, lower, upper, err) && draw(s, path, states, lower, upper, err);
 }

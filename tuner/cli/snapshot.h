@@ -1,24 +1,32 @@
 // SPDX-License-Identifier: MIT
-// Boxes drawn to a PNG file.
+// A scene that moves, drawn to PNG files: in 3D from above and aside without
+// perspective, in 2D from straight above.
 #ifndef CLI_SNAPSHOT_H
 #define CLI_SNAPSHOT_H
 
 #include "runtime/duet.h"
 
-// What is looked at: the corners of a box that stays in view.
-typedef struct snapshot_view {
-    uint32_t dims;
-    double lower[3];
+typedef struct snapshot {
+    const duet_motion_def *def;
+    const duet_scene *scene;
+    uint32_t n;
+    struct tint *colours; // [n]
+    bool *is_shot;        // [n]
+    double lower[3];      // what all frames show
     double upper[3];
-} snapshot_view;
+} snapshot;
 
-// A view that holds all objects, and the walls where there are some.
-snapshot_view snapshot_view_of(const duet_motion_def *def, const duet_pose *poses,
-                               const duet_state *states, uint32_t n);
+// How a scene is drawn follows from its start: colours say where an object then
+// was, which shows how they mix; what was shot is red, what has no mass grey.
+// def and scene are borrowed.
+bool snapshot_begin(snapshot *s, const duet_motion_def *def, const duet_scene *scene,
+                    const duet_state *start, duet_error *err);
+void snapshot_end(snapshot *s);
 
-// Draws n boxes, turned and shaded; colours tell them apart, and what has no
-// mass is grey.
-bool snapshot_write(const char *path, const snapshot_view *view, const duet_pose *poses,
-                    const duet_body *bodies, const duet_state *states, uint32_t n, duet_error *err);
+// One of many pictures, which all show the same part of space; or one by itself,
+// which shows where the objects are. The few outermost may lie outside.
+bool snapshot_frame(const snapshot *s, const char *path, const duet_state *states, duet_error *err);
+bool snapshot_picture(const snapshot *s, const char *path, const duet_state *states,
+                      duet_error *err);
 
 #endif
