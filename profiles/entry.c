@@ -9,7 +9,8 @@ static const char query[] =
     "da.name, a.part, a.driver, a.platform_version, db.name, b.part, b.driver, "
     "b.platform_version, w.name, w.dims, w.n, w.family, "
     "p.pair_id, p.workload_id, p.kernels, p.objective, p.share, p.median_ns, p.low_ns, p.high_ns, "
-    "p.gain, p.gain_low, p.gain_high, p.verdict, p.missed_rate, p.false_rate, p.origin, "
+    "p.gain, p.gain_low, p.gain_high, p.verdict, p.missed_rate, p.false_rate, "
+    "coalesce(p.true_pairs, -1), p.single_ns, p.best_share, p.best_mode, p.terms, p.origin, "
     "p.mode, p.level, p.variant_a, p.variant_b, "
     "s.id, s.state, s.strategy, s.options, script.body, s.tool_version, s.host, s.seed, s.resumed, "
     "(SELECT count(*) FROM trial WHERE session_id = s.id), "
@@ -67,6 +68,11 @@ static void read_row(reader *r, profile_row *row)
     row->verdict = next_text(r);
     row->missed_rate = next_real(r);
     row->false_rate = next_real(r);
+    row->true_pairs = next_int(r);
+    row->single_ns = next_real(r);
+    row->best_share = (uint32_t)next_int(r);
+    row->best_mode = next_text(r);
+    row->terms = next_text(r);
     row->origin = next_text(r);
     sql_copy(row->plan.mode, sizeof row->plan.mode, next_text(r));
     sql_copy(row->plan.level, sizeof row->plan.level, next_text(r));

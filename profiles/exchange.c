@@ -25,9 +25,9 @@ typedef struct line_type {
 } line_type;
 
 static const line_type types[] = {
-    {"device", true, false},   {"env", true, false},      {"pair", false, false},
-    {"workload", true, false}, {"script", true, false},   {"session", false, false},
-    {"trial", false, true},    {"profile", false, false},
+    {"device", true, false},   {"env", true, false},    {"pair", false, false},
+    {"workload", true, false}, {"price", false, false}, {"script", true, false},
+    {"session", false, false}, {"trial", false, true},  {"profile", false, false},
 };
 
 enum { N_TYPES = sizeof types / sizeof types[0] };
@@ -160,8 +160,8 @@ static bool find_type(const import *in, const char *line, const line_type **type
             ok = check_head(in, &q, err);
         else if (!*type)
             ok = bad_line(in, err,
-                          "its type is none of store, device, env, pair, workload, script, "
-                          "session, trial, profile: ",
+                          "its type is none of store, device, env, pair, workload, price, "
+                          "script, session, trial, profile: ",
                           name);
     }
     return sql_close(&q) && ok;

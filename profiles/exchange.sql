@@ -69,6 +69,28 @@ SELECT ?1 ->> 'key', ?1 ->> 'family', ?1 ->> 'name', ?1 ->> 'dims', ?1 ->> 'n', 
        ?1 ->> 'size_ratio', ?1 ->> 'shape', ?1 ->> 'rotated', ?1 ->> 'effects', ?1 ->> 'level'
     ON CONFLICT DO NOTHING
 
+--@price fields
+type a b workload kernels level step_ns true_pairs missed invented created_ns
+
+--@price out
+SELECT json_object('type', 'price', 'a', a.key, 'b', b.key, 'workload', workload.key,
+                   'kernels', kernels, 'level', p.level, 'step_ns', step_ns,
+                   'true_pairs', true_pairs, 'missed', missed, 'invented', invented,
+                   'created_ns', created_ns)
+  FROM price p JOIN workload ON workload.id = workload_id JOIN pair ON pair.id = pair_id
+  JOIN env a ON a.id = env_a JOIN env b ON b.id = env_b
+ ORDER BY workload.key, a.key, b.key, kernels, p.level
+
+--@price in
+INSERT INTO price (pair_id, workload_id, kernels, level, step_ns, true_pairs, missed, invented,
+                   created_ns)
+SELECT (SELECT id FROM pair WHERE env_a = (SELECT id FROM env WHERE key = ?1 ->> 'a')
+                              AND env_b = (SELECT id FROM env WHERE key = ?1 ->> 'b')),
+       (SELECT id FROM workload WHERE key = ?1 ->> 'workload'),
+       ?1 ->> 'kernels', ?1 ->> 'level', ?1 ->> 'step_ns', ?1 ->> 'true_pairs', ?1 ->> 'missed',
+       ?1 ->> 'invented', ?1 ->> 'created_ns'
+    ON CONFLICT DO NOTHING
+
 --@script fields
 type key body
 
@@ -172,8 +194,8 @@ SELECT ?2, value ->> 0, value ->> 1, value ->> 2, value ->> 3, value ->> 4, valu
 
 --@profile fields
 type uid a b workload kernels objective level share mode variant_a variant_b median_ns low_ns
-high_ns gain gain_low gain_high verdict missed_rate false_rate origin session trial created_ns live
-dead_reason
+high_ns gain gain_low gain_high verdict missed_rate false_rate true_pairs single_ns best_share
+best_mode terms origin session trial created_ns live dead_reason
 
 --@profile out
 SELECT json_object('type', 'profile', 'uid', uid, 'a', a.key, 'b', b.key,
@@ -182,7 +204,9 @@ SELECT json_object('type', 'profile', 'uid', uid, 'a', a.key, 'b', b.key,
                    'variant_b', variant_b, 'median_ns', median_ns, 'low_ns', low_ns,
                    'high_ns', high_ns, 'gain', gain, 'gain_low', gain_low,
                    'gain_high', gain_high, 'verdict', verdict, 'missed_rate', missed_rate,
-                   'false_rate', false_rate, 'origin', origin, 'session', session_id,
+                   'false_rate', false_rate, 'true_pairs', true_pairs,
+                   'single_ns', single_ns, 'best_share', best_share, 'best_mode', best_mode,
+                   'terms', json(terms), 'origin', origin, 'session', session_id,
                    'trial', trial, 'created_ns', created_ns, 'live', live,
                    'dead_reason', dead_reason)
   FROM profile p JOIN workload ON workload.id = workload_id JOIN pair ON pair.id = pair_id
@@ -193,8 +217,8 @@ SELECT json_object('type', 'profile', 'uid', uid, 'a', a.key, 'b', b.key,
 --@profile in
 INSERT INTO profile (uid, pair_id, workload_id, kernels, objective, level, share, mode, variant_a,
                      variant_b, median_ns, low_ns, high_ns, gain, gain_low, gain_high, verdict,
-                     missed_rate, false_rate, origin, session_id, trial, created_ns, live,
-                     dead_reason)
+                     missed_rate, false_rate, true_pairs, single_ns, best_share, best_mode, terms,
+                     origin, session_id, trial, created_ns, live, dead_reason)
   WITH place (pair_id, workload_id) AS (SELECT
          (SELECT id FROM pair WHERE env_a = (SELECT id FROM env WHERE key = ?1 ->> 'a')
                                 AND env_b = (SELECT id FROM env WHERE key = ?1 ->> 'b')),
@@ -206,6 +230,8 @@ SELECT ?1 ->> 'uid', place.pair_id, place.workload_id, ?1 ->> 'kernels', ?1 ->> 
        ?1 ->> 'level', ?1 ->> 'share', ?1 ->> 'mode', ?1 ->> 'variant_a', ?1 ->> 'variant_b',
        ?1 ->> 'median_ns', ?1 ->> 'low_ns', ?1 ->> 'high_ns', ?1 ->> 'gain', ?1 ->> 'gain_low',
        ?1 ->> 'gain_high', ?1 ->> 'verdict', ?1 ->> 'missed_rate', ?1 ->> 'false_rate',
+       ?1 ->> 'true_pairs', ?1 ->> 'single_ns', ?1 ->> 'best_share', ?1 ->> 'best_mode',
+       ?1 ->> 'terms',
        ?1 ->> 'origin', ?1 ->> 'session', ?1 ->> 'trial', ?1 ->> 'created_ns',
        iif(own.there, 0, ?1 ->> 'live'),
        iif(own.there AND ?1 ->> 'live', 'the store had one of its own', ?1 ->> 'dead_reason')

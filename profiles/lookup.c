@@ -35,10 +35,11 @@ profile_request profile_default_request(void)
     return request;
 }
 
-// A request with its keys, on its way down.
+// A request at one level, with its keys, on its way down.
 typedef struct look {
     store *s;
     const profile_request *request;
+    profile_workload at; // the request's, at that level
     char env[2][PROFILE_SHA];
     char seat[2][PROFILE_SHA];
     char workload[PROFILE_SHA];
@@ -68,22 +69,39 @@ static bool prepare(look *l)
     profile_env_key(&pair->b, l->env[1]);
     profile_env_seat(&pair->a, l->seat[0]);
     profile_env_seat(&pair->b, l->seat[1]);
-    profile_workload_family(l->request->workload, &l->family);
-    return profile_workload_key(l->request->workload, l->workload, l->err) &&
-           text_ok(&l->family, l->err) && find_pair(l);
+    return find_pair(l);
+}
+
+static bool turn_to_level(look *l, const char *level)
+{
+    l->at = *l->request->workload;
+    l->at.level = level;
+    text_free(&l->family);
+    profile_workload_family(&l->at, &l->family);
+    return profile_workload_key(&l->at, l->workload, l->err) && text_ok(&l->family, l->err);
 }
 
 // ---------------------------------------------------------- rungs that are rows
 
-#define COLUMNS                                                                             \
-    "p.share, p.mode, p.level, p.variant_a, p.variant_b, p.median_ns, p.gain, p.gain_low, " \
-    "p.gain_high, p.verdict, p.created_ns, coalesce(p.session_id, ''), p.uid, p.origin, "   \
-    "coalesce((SELECT host FROM session WHERE id = p.session_id), '')"
+#define COLUMNS                                                                                \
+    "p.share, p.mode, p.level, p.variant_a, p.variant_b, p.median_ns, p.gain, p.gain_low, "    \
+    "p.gain_high, p.verdict, p.created_ns, coalesce(p.session_id, ''), p.uid, p.origin, "      \
+    "coalesce((SELECT host FROM session WHERE id = p.session_id), ''), p.low_ns, "             \
+    "p.high_ns, p.single_ns, coalesce(p.best_share, p.share), coalesce(p.best_mode, p.mode), " \
+    "coalesce(p.terms, ''), p.missed_rate, p.false_rate, coalesce(p.true_pairs, -1)"
+
+enum { N_COLUMNS = 24 };
+
+// Rates that nobody measured are above every limit; certified has none.
+#define WITHIN(rate, most)                                                                  \
+    "(" most " > 1e299 OR ((p.true_pairs IS NOT NULL OR p.level = 'certified') AND p." rate \
+    " <= " most "))"
+#define ACCURATE "AND " WITHIN("missed_rate", "?3") " AND " WITHIN("false_rate", "?4") " "
 
 #define ROW                                                                          \
     "SELECT " COLUMNS " FROM profile p "                                             \
     "WHERE p.live = 1 AND p.workload_id = (SELECT id FROM workload WHERE key = ?1) " \
-    "AND p.objective = ?2 AND p.missed_rate <= ?3 AND p.false_rate <= ?4 "
+    "AND p.objective = ?2 " ACCURATE
 
 #define SAME_SEATS                                                                         \
     "AND p.pair_id IN (SELECT pair.id FROM env a JOIN pair ON env_a = a.id JOIN env b ON " \
@@ -109,7 +127,14 @@ static profile_found read_row(const sql *q)
                            .gain = sql_get_real(q, 6),
                            .gain_low = sql_get_real(q, 7),
                            .gain_high = sql_get_real(q, 8),
-                           .created_ns = sql_get_int(q, 10)};
+                           .created_ns = sql_get_int(q, 10),
+                           .low_ns = sql_get_real(q, 15),
+                           .high_ns = sql_get_real(q, 16),
+                           .single_ns = sql_get_real(q, 17),
+                           .best_share = (uint32_t)sql_get_int(q, 18),
+                           .missed_rate = sql_get_real(q, 21),
+                           .false_rate = sql_get_real(q, 22),
+                           .true_pairs = sql_get_int(q, 23)};
     found.share_low = found.share_high = found.plan.share;
     sql_copy(found.plan.mode, sizeof found.plan.mode, sql_get_text(q, 1));
     sql_copy(found.plan.level, sizeof found.plan.level, sql_get_text(q, 2));
@@ -118,6 +143,8 @@ static profile_found read_row(const sql *q)
     sql_copy(found.verdict, sizeof found.verdict, sql_get_text(q, 9));
     sql_copy(found.session, sizeof found.session, sql_get_text(q, 11));
     sql_copy(found.uid, sizeof found.uid, sql_get_text(q, 12));
+    sql_copy(found.best_mode, sizeof found.best_mode, sql_get_text(q, 19));
+    sql_copy(found.terms, sizeof found.terms, sql_get_text(q, 20));
     return found;
 }
 
@@ -189,6 +216,27 @@ static void bind_question(const look *l, sql *q)
     }
 }
 
+// What the profile that is there gets wrong.
+static bool tell_inaccuracy(look *l)
+{
+    sql q = sql_make(l->s,
+                     "SELECT p.missed_rate, p.false_rate, coalesce(p.true_pairs, -1) "
+                     "FROM workload w JOIN profile p ON p.workload_id = w.id AND p.live = 1 "
+                     "WHERE w.key = ? AND p.pair_id = ? AND p.kernels = ? AND p.objective = ?",
+                     l->err);
+    sql_text(&q, l->workload);
+    sql_int(&q, l->pair_id);
+    sql_text(&q, l->request->kernels);
+    sql_text(&q, l->request->objective);
+    if (sql_row(&q) && sql_get_int(&q, 2) < 0)
+        refuse(l, "how many pairs it misses or invents was not measured");
+    else if (l->why)
+        text_add(l->why, "no: it misses %.3g and invents %.3g of the true pairs, above %.3g or %.3g",
+                 sql_get_real(&q, 0), sql_get_real(&q, 1), l->request->max_missed_rate,
+                 l->request->max_false_rate);
+    return sql_close(&q);
+}
+
 // Which of what an exact profile needs is not there.
 static bool tell_what_is_missing(look *l)
 {
@@ -218,7 +266,7 @@ static bool tell_what_is_missing(look *l)
         if (!there)
             return refuse(l, steps[i].missing);
     }
-    return refuse(l, "what was measured misses or invents more pairs than allowed");
+    return tell_inaccuracy(l);
 }
 
 static bool look_exact(look *l, bool *held)
@@ -270,10 +318,10 @@ typedef struct neighbour {
     profile_found found;
 } neighbour;
 
-#define NEIGHBOUR                                                                               \
-    "SELECT " COLUMNS ", w.n, w.occ_mean FROM workload w CROSS JOIN profile p "                 \
-    "ON p.workload_id = w.id WHERE w.family = ?1 AND p.objective = ?2 AND p.missed_rate <= ?3 " \
-    "AND p.false_rate <= ?4 AND p.kernels = ?5 AND p.pair_id = ?6 AND p.live = 1 "
+#define NEIGHBOUR                                                                \
+    "SELECT " COLUMNS ", w.n, w.occ_mean FROM workload w CROSS JOIN profile p "  \
+    "ON p.workload_id = w.id WHERE w.family = ?1 AND p.objective = ?2 " ACCURATE \
+    "AND p.kernels = ?5 AND p.pair_id = ?6 AND p.live = 1 "
 
 static bool find_one(look *l, const char *query, neighbour *near)
 {
@@ -284,10 +332,11 @@ static bool find_one(look *l, const char *query, neighbour *near)
     sql_real(&q, limit(l->request->max_false_rate));
     sql_text(&q, l->request->kernels);
     sql_int(&q, l->pair_id);
-    sql_int(&q, (int64_t)l->request->workload->n);
+    sql_int(&q, (int64_t)l->at.n);
     *near = (neighbour){0};
     if (sql_row(&q))
-        *near = (neighbour){sql_get_real(&q, 15), sql_get_real(&q, 16), read_row(&q)};
+        *near =
+            (neighbour){sql_get_real(&q, N_COLUMNS), sql_get_real(&q, N_COLUMNS + 1), read_row(&q)};
     return sql_close(&q);
 }
 
@@ -295,7 +344,7 @@ static bool find_one(look *l, const char *query, neighbour *near)
 static bool find_neighbour(look *l, neighbour *near)
 {
     neighbour above;
-    double n = (double)l->request->workload->n;
+    double n = (double)l->at.n;
     *near = (neighbour){0};
     if (l->pair_id == 0)
         return true;
@@ -316,9 +365,12 @@ static bool is_about(double a, double b, double slack)
 static bool use_neighbour(look *l, const neighbour *near)
 {
     profile_found *found = l->found;
-    double n = (double)l->request->workload->n;
+    double n = (double)l->at.n;
     *found = near->found;
     found->median_ns *= n / near->n;
+    found->low_ns *= n / near->n;
+    found->high_ns *= n / near->n;
+    found->single_ns *= n / near->n;
     found->share_low = (uint32_t)(found->plan.share / SIZE_SLACK);
     found->share_high = (uint32_t)fmin(found->plan.share * SIZE_SLACK, PROFILE_SHARE_ONE);
     if (l->why)
@@ -335,8 +387,8 @@ static bool forecast_best_of(look *l, const profile_plan *plan, forecast *f, boo
         .family = text_chars(&l->family),
         .kernels = l->request->kernels,
         .host = l->request->host,
-        .n = (double)l->request->workload->n,
-        .occupancy = l->request->workload->occ_mean,
+        .n = (double)l->at.n,
+        .occupancy = l->at.occ_mean,
         .plan = plan,
     };
     return forecast_best(l->s, &ask, f, found, l->err);
@@ -347,13 +399,13 @@ static bool look_interpolated(look *l, bool *held)
     neighbour near;
     forecast f;
     bool found = false;
-    double n = (double)l->request->workload->n;
+    double n = (double)l->at.n;
     if (!find_neighbour(l, &near))
         return false;
     if (near.n <= 0)
         return refuse(l, "no like workload was measured on these two devices");
-    *held = is_about(near.n, n, SIZE_SLACK) &&
-            is_about(near.occupancy, l->request->workload->occ_mean, CROWD_SLACK);
+    *held =
+        is_about(near.n, n, SIZE_SLACK) && is_about(near.occupancy, l->at.occ_mean, CROWD_SLACK);
     if (*held)
         return use_neighbour(l, &near);
     // Where one device did it all, the plan says nothing of how they would share.
@@ -370,8 +422,7 @@ static bool look_interpolated(look *l, bool *held)
 static bool look_transferred(look *l, bool *held)
 {
     // Fits know times and not how many pairs were missed.
-    if (isfinite(l->request->max_missed_rate) || isfinite(l->request->max_false_rate) ||
-        strcmp(l->request->workload->level, "auto") == 0)
+    if (isfinite(l->request->max_missed_rate) || isfinite(l->request->max_false_rate))
         return refuse(l, "accuracy is asked for, which times of other sizes say nothing about");
     forecast f;
     bool found = false;
@@ -413,12 +464,39 @@ static bool climb_down(look *l)
     return true;
 }
 
+static bool is_better(const profile_found *a, const profile_found *b)
+{
+    return a->grade != b->grade ? a->grade < b->grade
+                                : a->grade != PROFILE_DEFAULT && a->median_ns < b->median_ns;
+}
+
+// The best that any of the levels has.
+static bool try_levels(look *l, profile_found *best)
+{
+    const profile_request *request = l->request;
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < request->n_levels; ++i) {
+        profile_found found = {.grade = PROFILE_DEFAULT};
+        l->found = &found;
+        if (l->why)
+            text_add(l->why, " level %s\n", request->levels[i]);
+        ok = turn_to_level(l, request->levels[i]) && climb_down(l);
+        if (ok && is_better(&found, best))
+            *best = found;
+    }
+    return ok;
+}
+
 bool profile_lookup(store *s, const profile_request *request, profile_found *found, text *why,
                     duet_error *err)
 {
     *found = (profile_found){.grade = PROFILE_DEFAULT};
     look l = {.s = s, .request = request, .found = found, .why = why, .err = err};
-    bool ok = prepare(&l) && climb_down(&l);
+    bool ok = prepare(&l);
+    if (ok && request->n_levels > 0)
+        ok = try_levels(&l, found);
+    else if (ok)
+        ok = turn_to_level(&l, request->workload->level) && climb_down(&l);
     if (!ok)
         *found = (profile_found){.grade = PROFILE_DEFAULT};
     text_free(&l.family);

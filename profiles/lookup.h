@@ -4,6 +4,11 @@
 // The ladder goes from what was measured here to what is a guess, and the
 // grade says where it ended. No row of other devices is ever handed out as if
 // it were these devices' own.
+//
+// Who asks for a level of accuracy gets what was measured at that level, and
+// nothing else. Who asks for an accuracy gets, of the levels that were measured
+// to be within it, the best founded and then the fastest; certified is within
+// any. So no profile ever brings less than was asked for.
 #ifndef PROFILES_LOOKUP_H
 #define PROFILES_LOOKUP_H
 
@@ -26,7 +31,9 @@ typedef struct profile_request {
     const profile_workload *workload;
     const char *kernels;
     const char *objective;
-    double max_missed_rate; // accuracy asked for; a profile that gave less is passed over
+    const char *const *levels; // that will do where an accuracy is asked for
+    uint32_t n_levels;         // 0: the workload's own level is asked for
+    double max_missed_rate;    // accuracy asked for; a profile that gave less is passed over
     double max_false_rate;
     char host[PROFILE_SHA]; // fits of this machine come before those of others
 } profile_request;
@@ -40,10 +47,19 @@ typedef struct profile_found {
     uint32_t share_low; // where the best share may lie: equal to the share where it was measured
     uint32_t share_high;
     double median_ns; // of a step; predicted where not measured
+    double low_ns;    // its interval; 0 where predicted, as what is not said below
+    double high_ns;
+    double single_ns; // by the best single device; 0 where not known
     double gain;      // over the best single device
     double gain_low;
     double gain_high;
     char verdict[16];
+    uint32_t best_share; // of the best plan that shares the work, which the gain is of
+    char best_mode[16];
+    char terms[512];    // its equations 4 to 6, as JSON; empty where not known
+    double missed_rate; // by true pairs, as measured at that level
+    double false_rate;
+    int64_t true_pairs; // -1: the rates were not measured
     int64_t created_ns; // calendar; 0 where predicted
     char session[PROFILE_ID];
     char uid[PROFILE_ID]; // of the profile; empty where predicted

@@ -13,7 +13,27 @@
 #include <stdio.h>
 #include <unistd.h>
 
-const char *const migrate_upgrades[] = {NULL};
+const char *const migrate_upgrades[] = {
+    // 2: what levels of accuracy find and cost; what a profile's gain is of.
+    "CREATE TABLE price ("
+    "  pair_id INTEGER NOT NULL REFERENCES pair (id),"
+    "  workload_id INTEGER NOT NULL REFERENCES workload (id),"
+    "  kernels TEXT NOT NULL,"
+    "  level TEXT NOT NULL,"
+    "  step_ns REAL NOT NULL CHECK (step_ns > 0),"
+    "  true_pairs INTEGER NOT NULL CHECK (true_pairs >= 0),"
+    "  missed INTEGER NOT NULL CHECK (missed BETWEEN 0 AND true_pairs),"
+    "  invented INTEGER NOT NULL CHECK (invented >= 0),"
+    "  created_ns INTEGER NOT NULL,"
+    "  PRIMARY KEY (pair_id, workload_id, kernels, level)"
+    ") STRICT, WITHOUT ROWID;"
+    "ALTER TABLE profile ADD COLUMN true_pairs INTEGER;"
+    "ALTER TABLE profile ADD COLUMN single_ns REAL;"
+    "ALTER TABLE profile ADD COLUMN best_share INTEGER CHECK (best_share BETWEEN 0 AND 65536);"
+    "ALTER TABLE profile ADD COLUMN best_mode TEXT CHECK (best_mode IN ('shared', 'own', 'slab'));"
+    "ALTER TABLE profile ADD COLUMN terms TEXT CHECK (terms GLOB '{*}');",
+    NULL,
+};
 
 static bool set_version(store *s, int64_t version, duet_error *err)
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "profiles/profile.h"
 
+#include "profiles/json.h"
 #include "profiles/sql.h"
 #include "runtime/base/clock.h"
 
@@ -25,9 +26,10 @@ static bool insert(store *s, const profile_row *row, const char *uid, duet_error
         s,
         "INSERT INTO profile (uid, pair_id, workload_id, kernels, objective, level, share, mode, "
         "variant_a, variant_b, median_ns, low_ns, high_ns, gain, gain_low, gain_high, verdict, "
-        "missed_rate, false_rate, origin, session_id, trial, created_ns, live) "
-        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
-        "nullif(?, -1), ?, 1)",
+        "missed_rate, false_rate, true_pairs, single_ns, best_share, best_mode, terms, origin, "
+        "session_id, trial, created_ns, live) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, nullif(?, -1), "
+        "nullif(?, 0.0), ?, ?, ?, ?, ?, nullif(?, -1), ?, 1)",
         err);
     sql_text(&q, uid);
     sql_int(&q, row->pair_id);
@@ -48,6 +50,11 @@ static bool insert(store *s, const profile_row *row, const char *uid, duet_error
     sql_text(&q, row->verdict);
     sql_real(&q, row->missed_rate);
     sql_real(&q, row->false_rate);
+    sql_int(&q, row->true_pairs);
+    sql_real(&q, row->single_ns);
+    sql_int(&q, row->best_mode ? row->best_share : row->plan.share);
+    sql_text(&q, row->best_mode ? row->best_mode : row->plan.mode);
+    sql_text(&q, row->terms);
     sql_text(&q, row->origin);
     sql_text(&q, row->session);
     sql_int(&q, row->trial_number);
@@ -58,6 +65,8 @@ static bool insert(store *s, const profile_row *row, const char *uid, duet_error
 bool profile_put(store *s, const profile_row *row, const char *reason, duet_error *err)
 {
     char uid[PROFILE_ID];
+    if (row->terms && !json_check_object("a profile's terms", row->terms, err))
+        return false;
     if (!profile_new_id(uid, err) || !store_begin(s, err))
         return false;
     bool ok = retire_live(s, row, reason, err);

@@ -18,12 +18,17 @@ typedef struct profile_row {
     double gain; // over the best single device: 0.25 is a quarter faster
     double gain_low;
     double gain_high;
-    const char *verdict;  // "faster", "same", "slower" than the best single device, or "ambiguous"
-    double missed_rate;   // pairs missed, by true pairs, as measured; 0: none
-    double false_rate;    // pairs reported in excess, by true pairs
-    const char *origin;   // "measured", "online" or "manual"
-    const char *session;  // NULL only for "manual"
-    int64_t trial_number; // of that session, the plan's trial; -1: none
+    const char *verdict;   // "faster", "same", "slower" than the best single device, or "ambiguous"
+    double missed_rate;    // pairs missed, by true pairs, as measured; 0: none
+    double false_rate;     // pairs reported in excess, by true pairs
+    int64_t true_pairs;    // that the rates are of; -1: they were not measured
+    double single_ns;      // a step by the best single device; 0: not known
+    uint32_t best_share;   // of the best plan that shares the work, which the gain is of
+    const char *best_mode; // NULL: the plan is that one
+    const char *terms;     // of the best plan, a JSON object as a trial's; NULL: not known
+    const char *origin;    // "measured", "online" or "manual"
+    const char *session;   // NULL only for "manual"
+    int64_t trial_number;  // of that session, the plan's trial; -1: none
 } profile_row;
 
 // Makes it the live profile of its pair, workload, kernels, objective and

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- The profile store, schema 1. Needs SQLite 3.37 for STRICT.
+-- The profile store, schema 2. Needs SQLite 3.37 for STRICT.
 -- Times end in _ns and are nanoseconds: INTEGER for moments since 1970 and for
 -- single launches, REAL for statistics. Shares are integers out of 65536.
 
@@ -96,6 +96,20 @@ CREATE TABLE session (
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX session_search ON session (workload_id, pair_id, kernels, started_ns);
 
+-- What each level of accuracy finds on a workload, and what a step takes at it.
+CREATE TABLE price (
+  pair_id     INTEGER NOT NULL REFERENCES pair (id),
+  workload_id INTEGER NOT NULL REFERENCES workload (id), -- of level 'auto'
+  kernels     TEXT NOT NULL,
+  level       TEXT NOT NULL,
+  step_ns     REAL NOT NULL CHECK (step_ns > 0),
+  true_pairs  INTEGER NOT NULL CHECK (true_pairs >= 0),
+  missed      INTEGER NOT NULL CHECK (missed BETWEEN 0 AND true_pairs),
+  invented    INTEGER NOT NULL CHECK (invented >= 0),
+  created_ns  INTEGER NOT NULL,
+  PRIMARY KEY (pair_id, workload_id, kernels, level)
+) STRICT, WITHOUT ROWID;
+
 -- One plan, measured.
 CREATE TABLE trial (
   id         INTEGER PRIMARY KEY,
@@ -167,6 +181,11 @@ CREATE TABLE profile (
   created_ns  INTEGER NOT NULL,
   live        INTEGER NOT NULL CHECK (live IN (0, 1)),
   dead_reason TEXT,
+  true_pairs  INTEGER,                   -- that the rates are of; NULL: they were not measured
+  single_ns   REAL,                      -- a step by the best single device
+  best_share  INTEGER CHECK (best_share BETWEEN 0 AND 65536), -- of the plan that the gain is of
+  best_mode   TEXT CHECK (best_mode IN ('shared', 'own', 'slab')),
+  terms       TEXT CHECK (terms GLOB '{*}'),                  -- and its equations 4 to 6
   CHECK (origin = 'manual' OR session_id IS NOT NULL),
   CHECK ((live = 1) = (dead_reason IS NULL))
 ) STRICT;

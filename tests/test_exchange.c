@@ -4,6 +4,7 @@
 
 #include "profiles/drift.h"
 #include "profiles/exchange.h"
+#include "profiles/price.h"
 #include "profiles/sql.h"
 #include "profiles/upkeep.h"
 #include "runtime/base/rng.h"
@@ -68,17 +69,36 @@ static void tune_one(store *s, uint64_t n)
     test_tune(s, &pair, &workload);
 }
 
+// A price list, and all that a profile can have.
+static void price_one(store *s)
+{
+    duet_error err = {0};
+    profile_workload workload = test_workload(1000);
+    workload.level = "auto";
+    profile_price_key key = {.pair_id = 1, .kernels = TEST_KERNELS};
+    const profile_price prices[] = {{"certified", 2e6, 70, 0, 0}, {"sat15", 1.9e6, 70, 3, 9}};
+    assert_ok(profile_workload_put(s, &workload, &key.workload_id, &err), err);
+    assert_ok(profile_prices_put(s, &key, prices, 2, &err), err);
+    assert_ok(sql_script(s,
+                         "UPDATE profile SET true_pairs = 70, single_ns = 3e6, best_share = 9, "
+                         "best_mode = 'slab', terms = '{\"T_1\":1.5}'",
+                         &err),
+              err);
+}
+
 static void what_went_out_comes_in_as_it_was(void **state)
 {
     (void)state;
     two_stores two = open_two();
     tune_one(two.s, 1000);
     tune_one(two.s, 2000);
+    price_one(two.s);
+    duet_error err = {0};
     char *lines = lines_of(two.s);
     profile_import_counts counts;
-    duet_error err = {0};
     assert_ok(import_lines(two.other, lines, &counts, &err), err);
     assert_int_equal(counts.known, 0);
+    assert_int_equal(test_count(two.other, "price WHERE missed = 3 AND invented = 9"), 1);
     char *back = lines_of(two.other);
     assert_string_equal(back, lines);
     assert_int_equal(test_count(two.other, "fit"), test_count(two.s, "fit"));
@@ -167,7 +187,7 @@ static void one_bad_line_refuses_the_file_and_is_named(void **state)
         {"\"driver\":\"3.1\"", "\"driver\":\"3.2\"", "key"},
         {"\"n\":1000,", "\"n\":1001,", "key"},
         {"\"uid\":", "\"kernels\":7,\"uid\":", "kernels"},
-        {"\"type\":\"store\",\"version\":1", "\"type\":\"store\",\"version\":2", "newer"},
+        {"\"type\":\"store\",\"version\":2", "\"type\":\"store\",\"version\":3", "newer"},
     };
     two_stores two = open_two();
     tune_one(two.s, 1000);

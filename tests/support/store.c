@@ -34,6 +34,32 @@ void test_folder_remove(const test_folder *folder)
     nftw(folder->path, remove_one, 8, FTW_DEPTH | FTW_PHYS);
 }
 
+store *test_store_open(const char *path, store_access access)
+{
+    duet_error err = {0};
+    store *s = store_open(path, access, &err);
+    assert_ok(s, err);
+    return s;
+}
+
+duet_error test_store_refusal(const char *path, store_access access)
+{
+    duet_error err = {0};
+    assert_null(store_open(path, access, &err));
+    assert_int_not_equal(err.status, DUET_OK);
+    assert_non_null(strstr(err.text, path));
+    assert_null(strchr(err.text, '\n'));
+    return err;
+}
+
+void test_store_run(const char *path, const char *statements)
+{
+    sqlite3 *db = NULL;
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    assert_int_equal(sqlite3_exec(db, statements, NULL, NULL, NULL), SQLITE_OK);
+    sqlite3_close(db);
+}
+
 profile_pair test_pair(void)
 {
     return (profile_pair){

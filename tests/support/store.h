@@ -17,6 +17,10 @@ typedef struct test_folder {
 test_folder test_folder_make(void);
 void test_folder_remove(const test_folder *folder);
 
+store *test_store_open(const char *path, store_access access);
+duet_error test_store_refusal(const char *path, store_access access); // the line must be one
+void test_store_run(const char *path, const char *statements);        // past the store's own code
+
 profile_pair test_pair(void);               // a CPU part as A and a GPU as B
 profile_workload test_workload(uint64_t n); // at constant density
 profile_session test_session(int64_t pair_id, int64_t workload_id);

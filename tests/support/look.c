@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#include "support/look.h"
+
+#include "profiles/sql.h"
+#include "support/test.h"
+
+look_fixture look_open(void)
+{
+    look_fixture f = {.folder = test_folder_make(), .pair = test_pair()};
+    f.s = test_store_open(f.folder.store, STORE_WRITE);
+    return f;
+}
+
+void look_close(look_fixture *f)
+{
+    store_close(f->s);
+    test_folder_remove(&f->folder);
+}
+
+void look_tune(look_fixture *f, uint64_t n)
+{
+    profile_workload workload = test_workload(n);
+    test_tune(f->s, &f->pair, &workload);
+}
+
+void look_change(look_fixture *f, const char *statements)
+{
+    duet_error err = {0};
+    assert_ok(sql_script(f->s, statements, &err), err);
+}
+
+profile_found look_up(store *s, const profile_request *request)
+{
+    profile_found found;
+    duet_error err = {0};
+    text why = {0};
+    assert_ok(profile_lookup(s, request, &found, &why, &err), err);
+    text_free(&why);
+    return found;
+}
+
+profile_found look_for(look_fixture *f, const profile_pair *pair, uint64_t n)
+{
+    profile_workload workload = test_workload(n);
+    profile_request request = test_request(pair, &workload);
+    return look_up(f->s, &request);
+}

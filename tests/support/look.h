@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// Look-ups for tests: an open store to tune into and to look up in.
+#ifndef TESTS_LOOK_H
+#define TESTS_LOOK_H
+
+#include "support/store.h"
+
+typedef struct look_fixture {
+    test_folder folder;
+    store *s;
+    profile_pair pair;
+} look_fixture;
+
+look_fixture look_open(void);
+void look_close(look_fixture *f);
+
+void look_tune(look_fixture *f, uint64_t n); // a session for the test's workload of n objects
+void look_change(look_fixture *f, const char *statements);
+
+profile_found look_up(store *s, const profile_request *request);
+profile_found look_for(look_fixture *f, const profile_pair *pair, uint64_t n);
+
+#endif

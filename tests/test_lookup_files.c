@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: MIT
+// An application looks into two files and leaves no trace, says why, and goes by
+// an index.
+#define _GNU_SOURCE
+#include "support/test.h"
+
+#include "profiles/sql.h"
+#include "support/look.h"
+
+#include <dirent.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+// ------------------------------------------------------------------------ two files
+
+static int count_entries(const char *path)
+{
+    DIR *dir = opendir(path);
+    assert_non_null(dir);
+    int n = 0;
+    while (readdir(dir))
+        ++n;
+    closedir(dir);
+    return n;
+}
+
+static void a_look_up_leaves_no_trace(void **state)
+{
+    (void)state;
+    look_fixture f = look_open();
+    look_tune(&f, 100000);
+    store_close(f.s);
+    duet_error err = {0};
+    text before = {0};
+    text after = {0};
+    assert_ok(text_read_file(&before, f.folder.store, &err), err);
+    usleep(100000); // until the file counts as settled
+    int entries = count_entries(f.folder.path);
+    profile_workload workload = test_workload(100000);
+    profile_request request = test_request(&f.pair, &workload);
+    profile_found found;
+    assert_ok(profile_lookup_files(f.folder.store, NULL, &request, &found, NULL, &err), err);
+    assert_int_equal(found.grade, PROFILE_EXACT);
+    assert_int_equal(count_entries(f.folder.path), entries);
+    assert_ok(text_read_file(&after, f.folder.store, &err), err);
+    assert_int_equal(after.length, before.length);
+    assert_memory_equal(after.chars, before.chars, before.length);
+    text_free(&before);
+    text_free(&after);
+    f.s = NULL;
+    look_close(&f);
+}
+
+static void a_look_up_sees_what_a_tuner_at_work_has_stored(void **state)
+{
+    (void)state;
+    look_fixture f = look_open();
+    look_tune(&f, 100000); // still open: the rows are in the side file
+    profile_workload workload = test_workload(100000);
+    profile_request request = test_request(&f.pair, &workload);
+    profile_found found;
+    duet_error err = {0};
+    assert_ok(profile_lookup_files(f.folder.store, NULL, &request, &found, NULL, &err), err);
+    assert_int_equal(found.grade, PROFILE_EXACT);
+    look_close(&f);
+}
+
+static void missing_files_give_the_default_without_failure(void **state)
+{
+    (void)state;
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    profile_request request = test_request(&pair, &workload);
+    profile_found found;
+    duet_error err = {0};
+    text why = {0};
+    assert_ok(profile_lookup_files("no/such.db", "nor/this.db", &request, &found, &why, &err), err);
+    assert_int_equal(found.grade, PROFILE_DEFAULT);
+    assert_non_null(strstr(text_chars(&why), "no/such.db"));
+    assert_non_null(strstr(text_chars(&why), "nor/this.db"));
+    text_free(&why);
+}
+
+static void the_users_row_comes_before_the_systems(void **state)
+{
+    (void)state;
+    look_fixture user = look_open();
+    look_fixture system = look_open();
+    look_tune(&user, 100000);
+    look_tune(&system, 100000);
+    look_tune(&system, 700000);
+    look_change(&system, "UPDATE profile SET share = 1");
+    profile_workload workload = test_workload(100000);
+    profile_request request = test_request(&user.pair, &workload);
+    profile_found found;
+    duet_error err = {0};
+    assert_ok(
+        profile_lookup_files(user.folder.store, system.folder.store, &request, &found, NULL, &err),
+        err);
+    assert_int_equal(found.plan.share, 8192);
+    workload = test_workload(700000);
+    assert_ok(
+        profile_lookup_files(user.folder.store, system.folder.store, &request, &found, NULL, &err),
+        err);
+    assert_int_equal(found.grade, PROFILE_EXACT);
+    assert_int_equal(found.plan.share, 1);
+    look_close(&user);
+    look_close(&system);
+}
+
+static void a_broken_user_file_leaves_the_systems(void **state)
+{
+    (void)state;
+    look_fixture user = look_open();
+    look_fixture system = look_open();
+    look_tune(&system, 100000);
+    store_close(user.s);
+    user.s = NULL;
+    duet_error err = {0};
+    assert_ok(text_write_file(user.folder.store, "rubbish", 7, &err), err);
+    profile_workload workload = test_workload(100000);
+    profile_request request = test_request(&user.pair, &workload);
+    profile_found found;
+    assert_false(
+        profile_lookup_files(user.folder.store, system.folder.store, &request, &found, NULL, &err));
+    assert_non_null(strstr(err.text, user.folder.store));
+    assert_int_equal(found.grade, PROFILE_EXACT);
+    look_close(&user);
+    look_close(&system);
+}
+
+// ------------------------------------------------------------------------------ why
+
+static void assert_why(store *s, const profile_request *request, const char *says)
+{
+    profile_found found;
+    duet_error err = {0};
+    text why = {0};
+    assert_ok(profile_lookup(s, request, &found, &why, &err), err);
+    if (!strstr(text_chars(&why), says))
+        fail_msg("'%s' is not in:\n%s", says, text_chars(&why));
+    text_free(&why);
+}
+
+static void why_says_what_is_missing(void **state)
+{
+    (void)state;
+    look_fixture f = look_open();
+    profile_workload workload = test_workload(100000);
+    profile_request request = test_request(&f.pair, &workload);
+    assert_why(f.s, &request, "exact        no: device A was never measured");
+    look_tune(&f, 100000);
+    assert_why(f.s, &request, "exact        yes: measured 20");
+    assert_why(f.s, &request, "on this machine");
+    request.kernels = "another";
+    assert_why(f.s, &request, "exact        no: the kernels changed since");
+    assert_why(f.s, &request, "stale        yes: ");
+    request.kernels = TEST_KERNELS;
+    request.objective = "energy";
+    assert_why(f.s, &request, "measured for another objective");
+    request.objective = "time";
+    request.max_missed_rate = -1;
+    assert_why(f.s, &request, "no: it misses 0 and invents 0 of the true pairs, above -1 or inf");
+    request.max_missed_rate = INFINITY;
+    workload = test_workload(300000);
+    assert_why(f.s, &request, "exact        no: no such workload");
+    profile_pair pair = f.pair;
+    pair.a.part = "0-1";
+    request.pair = &pair;
+    assert_why(f.s, &request, "transferred  no: one of the devices was never measured");
+    look_close(&f);
+}
+
+static void why_says_when_the_row_is_of_another_machine(void **state)
+{
+    (void)state;
+    look_fixture f = look_open();
+    look_tune(&f, 100000);
+    look_change(&f, "UPDATE session SET host = 'elsewhere'");
+    profile_workload workload = test_workload(100000);
+    profile_request request = test_request(&f.pair, &workload);
+    assert_why(f.s, &request, "another machine with such devices");
+    look_close(&f);
+}
+
+// ---------------------------------------------------------------------------- speed
+
+typedef struct statements {
+    char *texts[32];
+    int n;
+} statements;
+
+static int keep_statement(unsigned kind, void *context, void *stmt, void *unused)
+{
+    (void)kind;
+    (void)unused;
+    statements *kept = context;
+    assert_in_range(kept->n, 0, 31);
+    kept->texts[kept->n++] = strdup(sqlite3_sql(stmt));
+    return 0;
+}
+
+// How SQLite goes about a statement, a line for each table.
+static void explain(store *s, const char *statement, text *plan)
+{
+    text query = {0};
+    duet_error err = {0};
+    text_add(&query, "EXPLAIN QUERY PLAN %s", statement);
+    sql q = sql_make(s, text_chars(&query), &err);
+    while (sql_row(&q))
+        text_add(plan, "%s\n", sql_get_text(&q, 3));
+    assert_ok(sql_close(&q), err);
+    text_free(&query);
+}
+
+// No rung may read a table from end to end, however many profiles there are.
+static void every_look_up_goes_by_an_index(void **state)
+{
+    (void)state;
+    look_fixture f = look_open();
+    test_fill(f.s, 100);
+    statements kept = {0};
+    sqlite3_trace_v2(f.s->db, SQLITE_TRACE_STMT, keep_statement, &kept);
+    profile_workload workload = test_workload(7);
+    profile_request request = test_request(&f.pair, &workload);
+    profile_found found;
+    duet_error err = {0};
+    assert_ok(profile_lookup(f.s, &request, &found, NULL, &err), err);
+    sqlite3_trace_v2(f.s->db, 0, NULL, NULL);
+    assert_int_equal(found.grade, PROFILE_DEFAULT); // so that all rungs were tried
+    assert_in_range(kept.n, 6, 32);
+    text plan = {0};
+    for (int i = 0; i < kept.n; ++i) {
+        explain(f.s, kept.texts[i], &plan);
+        free(kept.texts[i]);
+    }
+    assert_non_null(strstr(text_chars(&plan), "USING INDEX profile_live"));
+    if (strstr(text_chars(&plan), "SCAN"))
+        fail_msg("%s", text_chars(&plan));
+    text_free(&plan);
+    look_close(&f);
+}
+
+static void one_of_ten_thousand_is_found(void **state)
+{
+    (void)state;
+    look_fixture f = look_open();
+    test_fill(f.s, 10000);
+    assert_int_equal(test_count(f.s, "profile WHERE live = 1"), 10000);
+    for (uint32_t i = 0; i < 10000; i += 1111) {
+        profile_workload workload = test_workload(1000 + i);
+        profile_request request = test_request(&f.pair, &workload);
+        profile_found found = look_up(f.s, &request);
+        assert_int_equal(found.grade, PROFILE_EXACT);
+        assert_int_equal(found.plan.share, i);
+    }
+    look_close(&f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_look_up_leaves_no_trace),
+        cmocka_unit_test(a_look_up_sees_what_a_tuner_at_work_has_stored),
+        cmocka_unit_test(missing_files_give_the_default_without_failure),
+        cmocka_unit_test(the_users_row_comes_before_the_systems),
+        cmocka_unit_test(a_broken_user_file_leaves_the_systems),
+        cmocka_unit_test(why_says_what_is_missing),
+        cmocka_unit_test(why_says_when_the_row_is_of_another_machine),
+        cmocka_unit_test(every_look_up_goes_by_an_index),
+        cmocka_unit_test(one_of_ten_thousand_is_found),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+// A search that was stopped, and who may take it up.
+#define _GNU_SOURCE
+#include "support/test.h"
+
+#include "profiles/sql.h"
+#include "support/store.h"
+
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+// ----------------------------------------------------------------------- sessions
+
+static void a_stopped_session_is_resumed_with_its_state(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    store *s = test_store_open(folder.store, STORE_WRITE);
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    test_tune(s, &pair, &workload);
+    duet_error err = {0};
+    profile_session session = test_session(1, 1);
+    profile_resumed resumed;
+    assert_ok(profile_session_resume(s, &session, &resumed, &err), err);
+    assert_int_equal(resumed.claim, PROFILE_CLAIM_NONE); // the tuned one is complete
+    profile_resumed_free(&resumed);
+    char id[PROFILE_ID];
+    assert_ok(profile_session_begin(s, &session, id, &err), err);
+    profile_sample samples[2];
+    profile_trial trial = test_trial(1000, 0.5, samples, 2);
+    int64_t number = 0;
+    assert_ok(profile_trial_add(s, id, &trial, "{\"low\":0.25}", &number, &err), err);
+    assert_ok(profile_session_resume(s, &session, &resumed, &err), err);
+    assert_int_equal(resumed.claim, PROFILE_CLAIM_BUSY); // this process lives
+    assert_int_equal(resumed.pid, getpid());
+    profile_resumed_free(&resumed);
+    assert_ok(profile_session_end(s, id, "stopped", &err), err);
+    assert_ok(profile_session_resume(s, &session, &resumed, &err), err);
+    assert_int_equal(resumed.claim, PROFILE_CLAIM_RESUMED);
+    assert_string_equal(resumed.id, id);
+    assert_string_equal(text_chars(&resumed.search_state), "{\"low\":0.25}");
+    assert_int_equal(resumed.trials, 1);
+    profile_resumed_free(&resumed);
+    store_close(s);
+    test_folder_remove(&folder);
+}
+
+static void another_search_is_not_resumed(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    store *s = test_store_open(folder.store, STORE_WRITE);
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    test_tune(s, &pair, &workload);
+    duet_error err = {0};
+    profile_session session = test_session(1, 1);
+    char id[PROFILE_ID];
+    assert_ok(profile_session_begin(s, &session, id, &err), err);
+    assert_ok(profile_session_end(s, id, "stopped", &err), err);
+    profile_session others[5] = {session, session, session, session, session};
+    others[0].strategy = "golden";
+    others[1].kernels = "changed";
+    others[2].seed = 2;
+    others[3].options = "{\"launches\":17}";
+    others[4].objective = "energy";
+    for (int i = 0; i < 5; ++i) {
+        profile_resumed resumed;
+        assert_ok(profile_session_resume(s, &others[i], &resumed, &err), err);
+        assert_int_equal(resumed.claim, PROFILE_CLAIM_NONE);
+        profile_resumed_free(&resumed);
+    }
+    store_close(s);
+    test_folder_remove(&folder);
+}
+
+static void a_dead_owners_session_is_resumed(void **state)
+{
+    (void)state;
+    static const char *const owners[] = {
+        "UPDATE session SET pid_start = pid_start + 1",            // the number went to another
+        "UPDATE session SET pid = 999999999",                      // no such process
+        "UPDATE session SET host = 'elsewhere', heartbeat_ns = 1", // long silent
+    };
+    for (size_t i = 0; i < sizeof owners / sizeof owners[0]; ++i) {
+        test_folder folder = test_folder_make();
+        store *s = test_store_open(folder.store, STORE_WRITE);
+        profile_pair pair = test_pair();
+        profile_workload workload = test_workload(1000);
+        test_tune(s, &pair, &workload);
+        duet_error err = {0};
+        profile_session session = test_session(1, 1);
+        char id[PROFILE_ID];
+        assert_ok(profile_session_begin(s, &session, id, &err), err);
+        assert_ok(sql_script(s, owners[i], &err), err);
+        profile_resumed resumed;
+        assert_ok(profile_session_resume(s, &session, &resumed, &err), err);
+        assert_int_equal(resumed.claim, PROFILE_CLAIM_RESUMED);
+        assert_string_equal(resumed.id, id);
+        profile_resumed_free(&resumed);
+        store_close(s);
+        test_folder_remove(&folder);
+    }
+}
+
+static void a_silent_owner_elsewhere_is_given_ten_minutes(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    store *s = test_store_open(folder.store, STORE_WRITE);
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    test_tune(s, &pair, &workload);
+    duet_error err = {0};
+    profile_session session = test_session(1, 1);
+    char id[PROFILE_ID];
+    assert_ok(profile_session_begin(s, &session, id, &err), err);
+    assert_ok(sql_script(s, "UPDATE session SET host = 'elsewhere', pid = 999999999", &err), err);
+    profile_resumed resumed;
+    assert_ok(profile_session_resume(s, &session, &resumed, &err), err);
+    assert_int_equal(resumed.claim, PROFILE_CLAIM_BUSY);
+    profile_resumed_free(&resumed);
+    store_close(s);
+    test_folder_remove(&folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_stopped_session_is_resumed_with_its_state),
+        cmocka_unit_test(another_search_is_not_resumed),
+        cmocka_unit_test(a_dead_owners_session_is_resumed),
+        cmocka_unit_test(a_silent_owner_elsewhere_is_given_ten_minutes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
