@@ -66,6 +66,9 @@ api.names = {
     "Loads a scene from a file, with settings for a Lua scene; or copies rows, with dims 2 or 3.",
     fails = true,
     c = { "duet_scene_load", "duet_scene_from_poses", "duet_scene_from_bounds" } },
+  { "duet.load_pairs", { "path: string" }, "duet.Scene",
+    "Reads pairs for duet.Test:pairs, two poses a row; rows 0 and 1 of its poses are the first pair.", fails = true,
+    c = "duet_scene_load_pairs" },
   { "duet.modes", {}, "string[]", "The modes that a plan can have.", c = "duet_mode_name" },
   { "duet.search", { "def?: { strategy?: string, launches?: integer, points?: integer, rounds?: integer, " ..
     "quantum?: number, start?: number, probe_cost?: number }" }, "duet.Search",

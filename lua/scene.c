@@ -106,6 +106,17 @@ static int scene_make(lua_State *L)
     return box->scene ? 1 : class_push_failure(L, &err);
 }
 
+// duet.load_pairs(path)
+static int scene_load_pairs(lua_State *L)
+{
+    duet_error err = {0};
+    const char *path = luaL_checkstring(L, 1);
+    policy_check_read(L, path);
+    scene_box *box = class_push(L, &scene_class, sizeof *box);
+    box->scene = duet_scene_load_pairs(path, &err);
+    return box->scene ? 1 : class_push_failure(L, &err);
+}
+
 static int scene_close(lua_State *L)
 {
     scene_box *box = luaL_checkudata(L, 1, scene_class.name);
@@ -181,7 +192,8 @@ static const lua_class scene_class = {.name = "duet.scene",
 
 void scene_open_lua(lua_State *L)
 {
-    static const luaL_Reg functions[] = {{"scene", scene_make}, {NULL, NULL}};
+    static const luaL_Reg functions[] = {
+        {"scene", scene_make}, {"load_pairs", scene_load_pairs}, {NULL, NULL}};
     class_open(L, &scene_class);
     luaL_setfuncs(L, functions, 0);
 }

@@ -173,6 +173,9 @@ typedef struct duet_setting {
 // finite, negative extents and zero quaternions are refused with their place.
 DUET_API duet_scene *duet_scene_load(const char *path, const duet_setting *settings,
                                      uint32_t n_settings, duet_error *err);
+// Reads pairs for duet_test_pairs, .npy or text: two poses a row, 20 numbers or in
+// 2D 10. Objects 2 i and 2 i + 1 are row i's.
+DUET_API duet_scene *duet_scene_load_pairs(const char *path, duet_error *err);
 // Copies n objects. dims is 2 or 3.
 DUET_API duet_scene *duet_scene_from_poses(const duet_pose *poses, uint32_t n, uint32_t dims,
                                            duet_error *err);

@@ -59,22 +59,47 @@ static bool add(duet_scene *scene, const scene_layout *l, const double *row, sce
     return true;
 }
 
+static const scene_layout *layout_of(const duet_scene *scene, uint32_t columns)
+{
+    const scene_layout *l = scene_layout_find(columns / scene->per_row);
+    bool whole = columns % scene->per_row == 0;
+    bool pairs_are_poses = scene->per_row == 1 || (l && l->shape == DUET_SHAPE_POSES);
+    return whole && pairs_are_poses ? l : NULL;
+}
+
+bool scene_columns_fit(const duet_scene *scene, uint64_t columns)
+{
+    return columns <= SCENE_MAX_NUMBERS && layout_of(scene, (uint32_t)columns);
+}
+
+const char *scene_columns_right(const duet_scene *scene)
+{
+    return scene->per_row == 1 ? "4, 5, 6 or 10" : "20, or 10 in 2D";
+}
+
 bool scene_add_row(duet_scene *scene, const double *row, scene_place place, duet_error *err)
 {
-    return add(scene, scene_layout_find(scene->columns), row, place, err);
+    const scene_layout *l = layout_of(scene, scene->columns);
+    place.in_pairs = scene->per_row == 2;
+    for (uint32_t i = 0; i < scene->per_row; ++i)
+        if (!add(scene, l, row + i * l->n, place, err))
+            return false;
+    return true;
 }
 
 bool scene_set_columns(duet_scene *scene, uint32_t columns, scene_place place, duet_error *err)
 {
-    const scene_layout *l = scene_layout_find(columns);
+    const scene_layout *l = layout_of(scene, columns);
+    const char *what = scene->per_row == 1 ? "object" : "pair";
+    uint32_t i = scene->info.n / scene->per_row;
     if (scene->columns != 0 && columns != scene->columns)
         return error_set(err, DUET_BAD_INPUT,
-                         "%sobject %u has %u numbers, where those before it have %u",
-                         scene_place_name(place).chars, scene->info.n, columns, scene->columns);
+                         "%s%s %u has %u numbers, where those before it have %u",
+                         scene_place_name(place).chars, what, i, columns, scene->columns);
     if (!l)
-        return error_set(err, DUET_BAD_INPUT,
-                         "%sobject %u has %u numbers; it must have " SCENE_COLUMNS,
-                         scene_place_name(place).chars, scene->info.n, columns);
+        return error_set(err, DUET_BAD_INPUT, "%s%s %u has %u numbers; it must have %s",
+                         scene_place_name(place).chars, what, i, columns,
+                         scene_columns_right(scene));
     scene->columns = columns;
     scene->info.dims = l->dims;
     scene->info.shape = l->shape;
@@ -106,6 +131,7 @@ static duet_scene *scene_new(duet_error *err)
     }
     scene->info.dims = 3;
     scene->info.shape = DUET_SHAPE_POSES;
+    scene->per_row = 1;
     scene->motion = duet_default_motion_def();
     scene->body = duet_default_body();
     return scene;
@@ -150,18 +176,15 @@ static bool read_file(duet_scene *scene, const char *path, const duet_setting *s
                                     : scene_read_text(scene, path, err);
 }
 
-duet_scene *duet_scene_load(const char *path, const duet_setting *settings, uint32_t n_settings,
-                            duet_error *err)
+static duet_scene *load(const char *path, uint32_t per_row, const duet_setting *settings,
+                        uint32_t n_settings, duet_error *err)
 {
-    if (!path || (n_settings > 0 && !settings)) {
-        error_set(err, DUET_BAD_ARGUMENT, "a scene is loaded without a path or its settings");
-        return NULL;
-    }
     // Numbers have a decimal point whatever the application's language.
     locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
     duet_scene *scene = plain ? scene_new(err) : NULL;
     bool ok = scene && name_after_file(scene, path, err) && scene_reserve(scene, 1, err);
     if (ok) {
+        scene->per_row = per_row;
         locale_t before = uselocale(plain);
         ok = read_file(scene, path, settings, n_settings, err);
         uselocale(before);
@@ -171,6 +194,24 @@ duet_scene *duet_scene_load(const char *path, const duet_setting *settings, uint
     else
         error_set(err, DUET_NO_MEMORY, "%s: no memory", path);
     return keep_if(ok, scene);
+}
+
+duet_scene *duet_scene_load(const char *path, const duet_setting *settings, uint32_t n_settings,
+                            duet_error *err)
+{
+    if (path && (n_settings == 0 || settings))
+        return load(path, 1, settings, n_settings, err);
+    error_set(err, DUET_BAD_ARGUMENT, "a scene is loaded without a path or its settings");
+    return NULL;
+}
+
+duet_scene *duet_scene_load_pairs(const char *path, duet_error *err)
+{
+    if (path && !has_ending(path, ".lua"))
+        return load(path, 2, NULL, 0, err);
+    error_set(err, DUET_BAD_ARGUMENT, "%s: pairs are read from .npy or text",
+              path ? path : "no path");
+    return NULL;
 }
 
 static duet_scene *start_copy(duet_shape shape, const void *objects, uint32_t n, uint32_t dims,

@@ -16,6 +16,7 @@ struct duet_scene {
     duet_scene_info info;
     char *name;       // info.name
     uint32_t columns; // of a row; 0: none was read yet
+    uint32_t per_row; // objects in a row: 1, or 2 in a file of pairs
     void *objects;    // duet_pose or duet_bounds, as info.shape says
     uint64_t room;    // objects that fit
 
@@ -28,15 +29,19 @@ struct duet_scene {
     duet_body *bodies; // [n], or NULL where nothing is said of any
 };
 
-// Decides what a row is, before the first one: 4, 5, 6 or 10 numbers
-// (docs/formats.md). False with BAD_INPUT for another count, or for one that
-// differs from an earlier call's.
+// Decides what a row is, before the first one (docs/formats.md). False with
+// BAD_INPUT for a count of numbers that no row has, or for one that differs from
+// an earlier call's.
 bool scene_set_columns(duet_scene *scene, uint32_t columns, scene_place place, duet_error *err);
 
 // Room for n objects; a row that finds none makes some by itself.
 bool scene_reserve(duet_scene *scene, uint64_t n, duet_error *err);
 
-// Adds the next object. False with BAD_OBJECT, naming place, object and number.
+// Whether rows may have so many numbers, and which may, for messages.
+bool scene_columns_fit(const duet_scene *scene, uint64_t columns);
+const char *scene_columns_right(const duet_scene *scene);
+
+// Adds the next object, or two. False with BAD_OBJECT, naming place, object and number.
 bool scene_add_row(duet_scene *scene, const double *row, scene_place place, duet_error *err);
 
 bool scene_set_name(duet_scene *scene, const char *name, size_t length, duet_error *err);

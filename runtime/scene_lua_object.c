@@ -214,7 +214,7 @@ static scene_place place_of(lua_State *L, const scene_reading *reading)
     lua_Debug frame;
     bool runs = lua_getstack(L, 1, &frame) && lua_getinfo(L, "l", &frame);
     uint64_t line = runs && frame.currentline > 0 ? (uint64_t)frame.currentline : 0;
-    return (scene_place){reading->path, line};
+    return (scene_place){.path = reading->path, .line = line};
 }
 
 static void add_row(lua_State *L, scene_reading *reading, const row *r)

@@ -195,17 +195,18 @@ static bool cut_parts(npy *file, const unsigned char *bytes, size_t length, duet
     return true;
 }
 
-static bool check_size(const npy *file, duet_error *err)
+static bool check_size(const npy *file, const duet_scene *scene, duet_error *err)
 {
     uint64_t n = file->shape[0];
     uint64_t columns = file->shape[1];
-    if (columns != 4 && columns != 5 && columns != 6 && columns != 10)
+    if (!scene_columns_fit(scene, columns))
         return error_set(err, DUET_BAD_INPUT,
-                         "%s: the shape is (%llu, %llu); the second number must be " SCENE_COLUMNS,
-                         file->path, (unsigned long long)n, (unsigned long long)columns);
-    if (n > SCENE_MAX_OBJECTS)
+                         "%s: the shape is (%llu, %llu); the second number must be %s", file->path,
+                         (unsigned long long)n, (unsigned long long)columns,
+                         scene_columns_right(scene));
+    if (n > SCENE_MAX_OBJECTS / scene->per_row)
         return error_set(err, DUET_TOO_MANY, "%s: %llu objects; a scene holds at most %u",
-                         file->path, (unsigned long long)n, SCENE_MAX_OBJECTS);
+                         file->path, (unsigned long long)n * scene->per_row, SCENE_MAX_OBJECTS);
     uint64_t wanted = n * columns * file->item_bytes;
     if (file->data_length != wanted)
         return error_set(err, DUET_BAD_INPUT,
@@ -240,11 +241,11 @@ static bool add_objects(duet_scene *scene, const npy *file, duet_error *err)
 {
     uint64_t n = file->shape[0];
     uint64_t columns = file->shape[1];
-    scene_place place = {file->path, 0};
-    bool ok =
-        scene_set_columns(scene, (uint32_t)columns, place, err) && scene_reserve(scene, n, err);
+    scene_place place = {.path = file->path};
+    bool ok = scene_set_columns(scene, (uint32_t)columns, place, err) &&
+              scene_reserve(scene, n * scene->per_row, err);
     for (uint64_t i = 0; ok && i < n; ++i) {
-        double row[SCENE_MAX_COLUMNS];
+        double row[SCENE_MAX_NUMBERS];
         for (uint64_t k = 0; k < columns; ++k)
             row[k] = read_item(file, file->fortran_order ? k * n + i : i * columns + k);
         ok = scene_add_row(scene, row, place, err);
@@ -259,7 +260,7 @@ bool scene_read_npy(duet_scene *scene, const char *path, duet_error *err)
     bool ok = text_read_file(&bytes, path, err);
     ok = ok && cut_parts(&file, (const unsigned char *)text_chars(&bytes), bytes.length, err);
     ok = ok && read_header(&file, err);
-    ok = ok && check_size(&file, err);
+    ok = ok && check_size(&file, scene, err);
     ok = ok && add_objects(scene, &file, err);
     text_free(&bytes);
     return ok;

@@ -11,6 +11,7 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 static void store_bounds_2d(const double *row, void *object)
 {
@@ -145,6 +146,19 @@ scene_place_text scene_place_name(scene_place place)
     return t;
 }
 
+scene_place_text scene_place_object(scene_place place, uint32_t id)
+{
+    scene_place_text t = scene_place_name(place);
+    size_t length = strlen(t.chars);
+    char *rest = t.chars + length;
+    if (place.in_pairs)
+        snprintf(rest, sizeof t.chars - length, "pair %u, %s pose", id / 2,
+                 id % 2 ? "second" : "first");
+    else
+        snprintf(rest, sizeof t.chars - length, "object %u", id);
+    return t;
+}
+
 static bool refuse(uint32_t id, scene_place place, duet_error *err, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
@@ -156,8 +170,7 @@ static bool refuse(uint32_t id, scene_place place, duet_error *err, const char *
     va_start(args, format);
     vsnprintf(what, sizeof what, format, args);
     va_end(args);
-    return error_set(err, DUET_BAD_OBJECT, "%sobject %u: %s", scene_place_name(place).chars, id,
-                     what);
+    return error_set(err, DUET_BAD_OBJECT, "%s: %s", scene_place_object(place, id).chars, what);
 }
 
 static bool check_number(const scene_column *c, double value, uint32_t id, scene_place place,

@@ -5,14 +5,16 @@
 
 #include "runtime/duet.h"
 
-#define SCENE_MAX_COLUMNS 10
-#define SCENE_COLUMNS "4, 5, 6 or 10" // the numbers of columns that files have
+#define SCENE_MAX_COLUMNS 10 // of an object
+#define SCENE_MAX_NUMBERS 20 // of a row: two poses in a file of pairs
 
 // Where a row comes from, for messages: "path:line: ", "path: " for line 0,
-// nothing for path NULL.
+// nothing for path NULL. Objects 2 i and 2 i + 1 of a file of pairs are called
+// the poses of pair i.
 typedef struct scene_place {
     const char *path;
     uint64_t line;
+    bool in_pairs;
 } scene_place;
 
 typedef struct scene_place_text {
@@ -20,6 +22,9 @@ typedef struct scene_place_text {
 } scene_place_text;
 
 scene_place_text scene_place_name(scene_place place);
+
+// "boxes.csv:17: object 14", "pairs.npy: pair 3, second pose"
+scene_place_text scene_place_object(scene_place place, uint32_t id);
 
 typedef enum column_kind {
     COLUMN_COORDINATE,

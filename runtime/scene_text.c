@@ -14,7 +14,7 @@
 
 // A line's numbers; n counts also those that do not fit.
 typedef struct numbers {
-    double value[SCENE_MAX_COLUMNS];
+    double value[SCENE_MAX_NUMBERS];
     uint32_t n;
 } numbers;
 
@@ -72,7 +72,7 @@ static bool read_numbers(const char *line, scene_place place, numbers *row, duet
         double value = 0;
         if (ends_line(*at) || !read_number(at, &value))
             return refuse_field(at, row->n + 1, place, err);
-        if (row->n < SCENE_MAX_COLUMNS)
+        if (row->n < SCENE_MAX_NUMBERS)
             row->value[row->n] = value;
         ++row->n;
         at = skip_blanks(field_end(at));
@@ -112,7 +112,7 @@ static bool read_line(duet_scene *scene, const char *line, scene_place place, du
 static bool read_lines(duet_scene *scene, const char *path, const char *at, duet_error *err)
 {
     bool may_be_header = true;
-    for (scene_place place = {path, 1}; *at; ++place.line) {
+    for (scene_place place = {.path = path, .line = 1}; *at; ++place.line) {
         bool blank = ends_line(*skip_blanks(at));
         bool header = may_be_header && !blank && is_header(at);
         if (!blank && !header && !read_line(scene, at, place, err))

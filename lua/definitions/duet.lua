@@ -753,6 +753,13 @@ function duet.kernels(limits) end
 ---@return duet.Level[]
 function duet.levels() end
 
+--- Reads pairs for duet.Test:pairs, two poses a row; rows 0 and 1 of its poses are the first pair.
+---@param path string
+---@return duet.Scene?
+---@return string? message
+---@return string? status
+function duet.load_pairs(path) end
+
 --- The modes that a plan can have.
 ---@return string[]
 function duet.modes() end
