@@ -29,6 +29,7 @@ static const struct {
     {"run", command_run, "all pairs of a scene, and where the time went"},
     {"tune", command_tune, "how two devices share a scene's work best, and keeps it"},
     {"source", command_source, "the exact text of a kernel, and what it lets vary"},
+    {"test", command_test, "pairs of boxes from a file, each colliding or separated"},
 };
 
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
