@@ -11,6 +11,8 @@
 #include <string.h>
 
 #define SCENE "test_accuracy.scene.lua"
+#define ORBIT "test_accuracy.orbit.lua"
+#define STACK "test_accuracy.stack.lua"
 #define PLOT "test_accuracy.svg"
 #define TABLE "test_accuracy.csv"
 
@@ -23,11 +25,30 @@ static const char scene_text[] =
     "end\n"
     "return { dims = 3 }\n";
 
+static const char orbit_text[] =
+    "for i = 1, 20 do\n"
+    "  add { centre = { i, 0 }, half = { 0.1, 0.1 }, velocity = { 0, 10 / math.sqrt(i) } }\n"
+    "end\n"
+    "return { dims = 2, attraction = { centre = { 0, 0 }, strength = 100 }, substeps = 1,\n"
+    "  integrator = 'verlet', doubles = true, wants = { 'contact' } }\n";
+
+static const char stack_text[] =
+    "for i = 0, 3 do add { centre = { 0, 0, i * 1.1 + 0.6 }, half = { 0.5, 0.5, 0.5 } } end\n"
+    "add { centre = { 0, 0, -0.5 }, half = { 5, 5, 0.5 }, mass = 0 }\n"
+    "return { dims = 3, gravity = { 0, 0, -10 }, wants = { 'response' } }\n";
+
+static void write_file(const char *path, const char *content)
+{
+    duet_error err = {0};
+    assert_ok(text_write_file(path, content, strlen(content), &err), err);
+}
+
 static int make_scene(void **state)
 {
     (void)state;
-    duet_error err = {0};
-    assert_ok(text_write_file(SCENE, scene_text, strlen(scene_text), &err), err);
+    write_file(SCENE, scene_text);
+    write_file(ORBIT, orbit_text);
+    write_file(STACK, stack_text);
     return 0;
 }
 
@@ -35,6 +56,8 @@ static int remove_files(void **state)
 {
     (void)state;
     remove(SCENE);
+    remove(ORBIT);
+    remove(STACK);
     remove(PLOT);
     remove(TABLE);
     return 0;
@@ -114,12 +137,106 @@ static void a_plot_of_another_kind_is_refused(void **state)
     program_free(&p);
 }
 
+// ---------------------------------------------------------------- what moves
+
+static cJSON *measure(const char *arguments)
+{
+    program p = program_run("accuracy --json %s", arguments);
+    if (p.exit_code != 0)
+        fail_msg("accuracy %s: %s", arguments, p.err);
+    cJSON *o = cJSON_Parse(p.out);
+    assert_non_null(o);
+    program_free(&p);
+    return o;
+}
+
+// The error of a row of free flight.
+static double error_at(const cJSON *paces, const char *integrator, double per_second)
+{
+    const cJSON *row;
+    cJSON_ArrayForEach(row, paces)
+    {
+        double dt = number_of(row, "dt");
+        const char *name = cJSON_GetObjectItemCaseSensitive(row, "integrator")->valuestring;
+        if (strcmp(name, integrator) == 0 && dt * per_second > 0.99 && dt * per_second < 1.01)
+            return number_of(row, "error");
+    }
+    fail_msg("no row of %s at dt 1/%g", integrator, per_second);
+    return 0;
+}
+
+static int count_true(const cJSON *rows, const char *key)
+{
+    int n = 0;
+    const cJSON *row;
+    cJSON_ArrayForEach(row, rows) n += cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(row, key));
+    return n;
+}
+
+// Errors shrink with dt as the integrator's order has it.
+static void flights_compare_integrators(void **state)
+{
+    (void)state;
+    cJSON *o = measure("--csv " TABLE " --plot " PLOT " " ORBIT);
+    const cJSON *paces = cJSON_GetObjectItemCaseSensitive(o, "paces");
+    assert_int_equal(cJSON_GetArraySize(paces), 12);
+    static const struct {
+        const char *integrator;
+        double factor; // of the error from dt 1/60 to 1/120
+    } orders[] = {{"euler", 2}, {"verlet", 4}, {"yoshida", 16}};
+    for (int i = 0; i < 3; ++i) {
+        double factor =
+            error_at(paces, orders[i].integrator, 60) / error_at(paces, orders[i].integrator, 120);
+        if (!(factor > 0.8 * orders[i].factor && factor < 1.3 * orders[i].factor))
+            fail_msg("%s: half the dt has a factor of %g", orders[i].integrator, factor);
+    }
+    assert_int_equal(count_true(paces, "own"), 1);
+    assert_true(count_true(paces, "front") > 0);
+    assert_int_equal(count_true(paces, "finite"), 12);
+    cJSON_Delete(o);
+}
+
+static void contacts_compare_dt_and_substeps(void **state)
+{
+    (void)state;
+    cJSON *o = measure("--time 0.5 " STACK);
+    const cJSON *paces = cJSON_GetObjectItemCaseSensitive(o, "paces");
+    assert_int_equal(cJSON_GetArraySize(paces), 16);
+    assert_int_equal(count_true(paces, "own"), 1);
+    assert_int_equal(count_true(paces, "finite"), 16);
+    double coarse = number_of(cJSON_GetArrayItem(paces, 0), "depth");
+    double fine = number_of(cJSON_GetArrayItem(paces, 15), "depth");
+    assert_true(coarse > fine && fine > 0);
+    cJSON_Delete(o);
+}
+
+static void a_limit_ends_it_after_a_pace(void **state)
+{
+    (void)state;
+    program p = program_run("accuracy --limit 0 --time 0.1 " STACK);
+    assert_int_equal(p.exit_code, 0);
+    assert_non_null(strstr(p.out, "15 dearer ones were not begun"));
+    program_free(&p);
+}
+
+static void still_asks_for_levels_of_what_moves(void **state)
+{
+    (void)state;
+    cJSON *o = measure("--still --repeat 1 " STACK);
+    assert_non_null(cJSON_GetObjectItemCaseSensitive(o, "levels"));
+    cJSON_Delete(o);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_levels_price_is_told_for_each_device),
         cmocka_unit_test(the_table_and_the_plot_name_every_level),
         cmocka_unit_test(a_plot_of_another_kind_is_refused),
+        cmocka_unit_test(flights_compare_integrators),
+        cmocka_unit_test(contacts_compare_dt_and_substeps),
+        cmocka_unit_test(a_limit_ends_it_after_a_pace),
+        cmocka_unit_test(still_asks_for_levels_of_what_moves),
     };
     return cmocka_run_group_tests(tests, make_scene, remove_files);
 }

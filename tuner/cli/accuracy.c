@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-// duet accuracy: what each level of accuracy costs in time on each device, and
-// what it gets wrong.
+// duet accuracy: what accuracy costs in time. Of a scene that moves: each pace,
+// and how far the scene comes from where it should; of poses: each level of
+// accuracy on each device, and what it gets wrong.
 #include "tuner/cli/canvas.h"
 #include "tuner/cli/commands.h"
 #include "tuner/cli/inputs.h"
 #include "tuner/cli/options.h"
+#include "tuner/cli/paces_report.h"
 #include "tuner/cli/prices_report.h"
 #include "tuner/cli/say.h"
 
@@ -12,6 +14,9 @@ typedef struct arguments {
     scene_options scene;
     const char *pair;
     uint64_t repeat;
+    double time;
+    double limit;
+    bool still;
     const char *csv;
     const char *plot;
     bool json;
@@ -22,6 +27,9 @@ static const option options[] = {
     PAIR_OPTION_ROW(pair),
     OPTION_COUNT("repeat", repeat, "K", "timed steps of each level and device, in turn (9)", 1,
                  PRICES_ROUNDS),
+    OPTION_FLAG("still", still, "levels of accuracy also of a scene that moves, as it begins"),
+    OPTION_NUMBER("time", time, "S", "seconds of a scene that moves, for each pace (1)", 1e-6, 1e6),
+    OPTION_NUMBER("limit", limit, "S", "begin no other pace after S seconds (120)", 0, 1e6),
     OPTION_TEXT("csv", csv, "OUT.csv", "write the table, a line each"),
     OPTION_TEXT("plot", plot, "OUT.svg", "draw it, as .svg or .png"),
     OPTION_FLAG("json", json, "print one JSON object"),
@@ -33,11 +41,14 @@ static const command_line line = {
     .operands = "SCENE|FILE",
     .least_operands = 1,
     .most_operands = 1,
-    .about = "Measures what each level of accuracy costs in time, and what it gets wrong.",
+    .about = "Measures what accuracy costs in time. A scene that moves: dt and substeps (in free\n"
+             "flight the integrator) against how far it comes from a much finer run, how its\n"
+             "energy drifts and how deep contacts get. One that does not: each level of\n"
+             "accuracy, and what it gets wrong.",
     .options = options,
 };
 
-static bool tell(const arguments *args, const prices_report *r, duet_error *err)
+static bool tell_prices(const arguments *args, const prices_report *r, duet_error *err)
 {
     bool ok = !args->csv || prices_report_csv(r, args->csv, err);
     ok = ok && (!args->plot || prices_report_plot(r, args->plot, err));
@@ -46,6 +57,35 @@ static bool tell(const arguments *args, const prices_report *r, duet_error *err)
     if (ok)
         prices_report_text(r);
     return ok;
+}
+
+static bool tell_paces(const arguments *args, const paces_report *r, duet_error *err)
+{
+    bool ok = !args->csv || paces_report_csv(r, args->csv, err);
+    ok = ok && (!args->plot || paces_report_plot(r, args->plot, err));
+    if (ok && args->json)
+        return paces_report_json(r, err);
+    if (ok)
+        paces_report_text(r);
+    return ok;
+}
+
+static bool run_levels(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
+                       duet_error *err)
+{
+    prices p;
+    prices_report r = {duet_scene_describe(scene), pair, &p};
+    return prices_measure(&p, pair, scene, (uint32_t)args->repeat, err) &&
+           tell_prices(args, &r, err);
+}
+
+static bool run_paces(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
+                      duet_error *err)
+{
+    paces p;
+    paces_report r = {duet_scene_describe(scene), pair, &p};
+    return paces_measure(&p, pair, scene, args->time, args->limit, err) &&
+           tell_paces(args, &r, err);
 }
 
 // A plot that cannot be is told of before minutes are spent on it.
@@ -59,14 +99,11 @@ static bool check_plot(const char *path, duet_error *err)
 
 static bool run(const arguments *args, const char *path, duet_error *err)
 {
-    prices p;
     duet_device_pair *pair = check_plot(args->plot, err) ? inputs_open_pair(args->pair, err) : NULL;
     duet_scene *scene = pair ? inputs_load_scene(path, &args->scene, err) : NULL;
-    bool ok = scene && prices_measure(&p, pair, scene, (uint32_t)args->repeat, err);
-    if (ok) {
-        prices_report r = {duet_scene_describe(scene), pair, &p};
-        ok = tell(args, &r, err);
-    }
+    bool moves = false;
+    bool ok = scene && (args->still || paces_has(pair, scene, &moves, err));
+    ok = ok && (moves ? run_paces : run_levels)(args, pair, scene, err);
     duet_scene_destroy(scene);
     duet_device_pair_close(pair);
     return ok;
@@ -74,7 +111,7 @@ static bool run(const arguments *args, const char *path, duet_error *err)
 
 int command_accuracy(int argc, char **argv)
 {
-    arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .repeat = 9};
+    arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .repeat = 9, .time = 1, .limit = 120};
     char **operands = NULL;
     int n_operands = 0;
     int exit_code = EXIT_OK;
