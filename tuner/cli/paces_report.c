@@ -93,7 +93,7 @@ void paces_report_text(const paces_report *r)
     const paces *p = r->paces;
     printf("%s: %s objects, %.3g s of the scene, on %s\n", r->scene->name,
            table_count(r->scene->n).chars, p->time, duet_device_pair_info(r->pair, 1)->selector);
-    printf("reference: dt 1/%.4g, %u substeps, %s: %.1f ms a second, gain %.2g %%\n\n",
+    printf("reference: dt 1/%.4g, substeps %u, %s: %.1f ms a second, gain %.2g %%\n\n",
            1 / p->reference.dt, p->reference.substeps, pace_integrator(&p->reference),
            p->reference.ms, 100 * p->reference.gain);
     table t = table_begin("lrrlrlrlrrr");
