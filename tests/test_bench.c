@@ -40,8 +40,9 @@ static int measure(void **state)
     return 0;
 }
 
-// The results with all times multiplied, as if of an earlier Duet.
-static void write_old(double factor)
+// The results with all times multiplied, as if of an earlier Duet, while other
+// programs had that part of the processors.
+static void write_old(double factor, double others)
 {
     cJSON *o = read_json(OUT);
     cJSON *one;
@@ -49,6 +50,8 @@ static void write_old(double factor)
     cJSON_ArrayForEach(one, cJSON_GetObjectItem(o, "cases"))
         cJSON_ArrayForEach(item, cJSON_GetObjectItem(one, "samples_ms"))
             cJSON_SetNumberValue(item, item->valuedouble * factor);
+    cJSON_ArrayForEach(one, cJSON_GetObjectItem(o, "cases"))
+        cJSON_SetNumberValue(cJSON_GetObjectItem(one, "others"), others);
     char *chars = cJSON_Print(o);
     write_text(OLD, chars);
     cJSON_free(chars);
@@ -92,17 +95,48 @@ static void results_hold_every_sample_and_the_devices(void **state)
 static void a_thousandfold_difference_is_seen_and_few_samples_are_ambiguous(void **state)
 {
     (void)state;
-    write_old(1000);
+    write_old(1000, 0);
     assert_verdicts("--repeat 7", "faster");
     assert_verdicts("--repeat 2", "ambiguous");
-    write_old(0.001);
+    write_old(0.001, 0);
     assert_verdicts("--repeat 7", "slower");
+}
+
+static void what_other_programs_may_be_to_blame_for_is_ambiguous(void **state)
+{
+    (void)state;
+    write_old(1000, 0.99);
+    assert_verdicts("--repeat 7", "ambiguous");
+}
+
+static void the_whole_set_prices_levels_and_effects(void **state)
+{
+    (void)state;
+    cJSON *o = read_json(OUT);
+    const cJSON *levels = cJSON_GetObjectItem(cJSON_GetObjectItem(o, "accuracy")->child, "levels");
+    assert_true(cJSON_GetArraySize(levels) >= 2 * 5);
+    cJSON_Delete(o);
+    program p = program_run("bench --quick --scene falling --json");
+    if (p.exit_code != 0)
+        fail_msg("%s", p.err);
+    o = cJSON_Parse(p.out);
+    program_free(&p);
+    const cJSON *effects = cJSON_GetObjectItem(cJSON_GetObjectItem(o, "effects")->child, "effects");
+    const cJSON *one;
+    cJSON_ArrayForEach(one, effects)
+    {
+        const char *name = cJSON_GetObjectItem(one, "effect")->valuestring;
+        bool alone = strcmp(name, "response") == 0 || strcmp(name, "friction") == 0;
+        if (alone != (alone && cJSON_GetObjectItem(one, "ms")))
+            fail_msg("'%s' has no time", name);
+    }
+    cJSON_Delete(o);
 }
 
 static void text_says_what_it_was_compared_with(void **state)
 {
     (void)state;
-    write_old(1000);
+    write_old(1000, 0);
     program p = program_run(BENCH "--repeat 7 --against " OLD);
     assert_int_equal(p.exit_code, 0);
     static const char *const says[] = {"paper, 3 000 objects, 3D", "sort=radix", "slab", "before",
@@ -154,6 +188,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(results_hold_every_sample_and_the_devices),
         cmocka_unit_test(a_thousandfold_difference_is_seen_and_few_samples_are_ambiguous),
+        cmocka_unit_test(what_other_programs_may_be_to_blame_for_is_ambiguous),
+        cmocka_unit_test(the_whole_set_prices_levels_and_effects),
         cmocka_unit_test(text_says_what_it_was_compared_with),
         cmocka_unit_test(what_is_no_result_is_refused_in_one_line),
     };

@@ -12,6 +12,8 @@
 
 #define PAGE "test_report.html"
 #define RESULTS "test_report.json"
+#define LEVELS "test_report.levels.json"
+#define EFFECTS "test_report.effects.json"
 
 static test_folder folder;
 
@@ -38,7 +40,18 @@ static int make_store(void **state)
         "{\"name\":\"hash\",\"device\":\"B\",\"ms\":0.5}]},"
         "{\"scene\":\"s\",\"objects\":9,\"share\":1,\"mode\":\"own\",\"variant_a\":\"rows\","
         "\"variant_b\":\"rows\",\"failed\":\"it did not build\"}]}";
+    static const char levels[] =
+        "{\"type\":\"duet accuracy\",\"scene\":\"s\",\"objects\":9,\"pairs\":5,\"a\":\"x:0\","
+        "\"b\":\"x:1\",\"levels\":[{\"level\":\"aabb\",\"device\":\"A\",\"step_ms\":1.5,"
+        "\"relative\":0.75,\"missed\":0,\"false\":1234,\"front\":true}]}";
+    static const char effects[] =
+        "{\"type\":\"duet explain\",\"scene\":\"s\",\"objects\":9,\"steps\":3,\"step_ms\":2.5,"
+        "\"effects\":[{\"effect\":\"gravity\",\"active\":true,\"called_by\":\"gravity\","
+        "\"bytes\":0,\"ms\":0.375},{\"effect\":\"drag\",\"active\":false,"
+        "\"called_by\":\"drag\",\"bytes\":0}]}";
     assert_ok(text_write_file(RESULTS, results, strlen(results), &err), err);
+    assert_ok(text_write_file(LEVELS, levels, strlen(levels), &err), err);
+    assert_ok(text_write_file(EFFECTS, effects, strlen(effects), &err), err);
     return 0;
 }
 
@@ -48,6 +61,8 @@ static int remove_files(void **state)
     test_folder_remove(&folder);
     remove(PAGE);
     remove(RESULTS);
+    remove(LEVELS);
+    remove(EFFECTS);
     return 0;
 }
 
@@ -55,7 +70,9 @@ static text make_page(void)
 {
     text page = {0};
     duet_error err = {0};
-    program p = program_run("report --profile %s -o " PAGE " " RESULTS " " RESULTS, folder.store);
+    program p =
+        program_run("report --profile %s -o " PAGE " " RESULTS " " RESULTS " " LEVELS " " EFFECTS,
+                    folder.store);
     if (p.exit_code != 0)
         fail_msg("%s", p.err);
     program_free(&p);
@@ -73,10 +90,15 @@ static void the_page_shows_profile_search_stages_and_history(void **state)
                                       "hash: 1.250 ms",
                                       "stroke-dasharray",
                                       "first",
-                                      "<h2>Standard set: history</h2>"};
+                                      "<h2>Standard set: history</h2>",
+                                      "1 234",
+                                      "1.5 ms  0.75×",
+                                      "2.500 ms a step with all of them",
+                                      "0.375 ms"};
     for (size_t i = 0; i < sizeof has / sizeof has[0]; ++i)
         if (!strstr(page.chars, has[i]))
             fail_msg("'%s' is not on the page", has[i]);
+    assert_null(strstr(page.chars, ">drag<"));
     text_free(&page);
 }
 
@@ -107,6 +129,14 @@ static void what_cannot_be_read_or_written_is_one_line(void **state)
     program_assert_refused(&p, 1, "no/such.db");
     p = program_run("report -o " PAGE " no/such.json");
     program_assert_refused(&p, 1, "no/such.json");
+    p = program_run("report -o " PAGE " %s", folder.store);
+    program_assert_refused(&p, 1, "not JSON");
+    duet_error err = {0};
+    static const char unmeasured[] = "{\"type\":\"duet explain\",\"scene\":\"s\",\"objects\":1,"
+                                     "\"steps\":0,\"effects\":[]}";
+    assert_ok(text_write_file(PAGE, unmeasured, strlen(unmeasured), &err), err);
+    p = program_run("report -o x.html " PAGE);
+    program_assert_refused(&p, 1, PAGE ": no times; 'duet explain --measure' takes them");
     p = program_run("report --profile %s -o no/such/folder.html", folder.store);
     program_assert_refused(&p, 1, "no/such/folder.html");
 }

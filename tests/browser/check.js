@@ -20,6 +20,22 @@ for (const chart of charts) {
       wrong.push(`'${name}': ${part.tagName} '${part.textContent}' lies outside`)
   }
 }
+function overlap(one, other) {
+  const a = one.getBoundingClientRect(), b = other.getBoundingClientRect()
+  return Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 &&
+         Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 4
+}
+for (const chart of charts) {
+  const texts = [...chart.querySelectorAll('text')]
+  texts.forEach((text, i) => texts.slice(i + 1).forEach(other => {
+    if (overlap(text, other))
+      wrong.push(`'${text.textContent}' runs into '${other.textContent}'`)
+  }))
+}
 if (charts.length === 0)
   wrong.push('there is no chart')
+const headings = [...document.querySelectorAll('h2')].map(h => h.textContent)
+for (const heading of ['Searches', 'Accuracy against time', 'What effects cost', 'Standard set: shares'])
+  if (!headings.includes(heading))
+    wrong.push(`there is no '${heading}'`)
 parent.postMessage(`${innerWidth} wide: ${wrong.length ? wrong.join('; ') : charts.length + ' charts are right'}`, '*')

@@ -53,7 +53,7 @@ static bool tell_prices(const arguments *args, const prices_report *r, duet_erro
     bool ok = !args->csv || prices_report_csv(r, args->csv, err);
     ok = ok && (!args->plot || prices_report_plot(r, args->plot, err));
     if (ok && args->json)
-        return prices_report_json(r, err);
+        return say_json(prices_report_json(r), err);
     if (ok)
         prices_report_text(r);
     return ok;

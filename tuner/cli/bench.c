@@ -7,9 +7,13 @@
 #include "tuner/cli/bench_report.h"
 #include "tuner/cli/bench_set.h"
 #include "tuner/cli/commands.h"
+#include "tuner/cli/costs_report.h"
 #include "tuner/cli/inputs.h"
 #include "tuner/cli/interrupt.h"
+#include "tuner/cli/others.h"
+#include "tuner/cli/prices_report.h"
 #include "tuner/cli/say.h"
+#include "tuner/cli/table.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -26,7 +30,8 @@ typedef struct arguments {
 
 static const option options[] = {
     PAIR_OPTION_ROW(pair),
-    OPTION_TEXT("scene", scene, "NAME", "only this one: paper, paper2d, clustered, mixed, planes"),
+    OPTION_TEXT("scene", scene, "NAME",
+                "only this one: paper, paper2d, clustered, mixed, planes, falling"),
     OPTION_TEXT("out", out, "FILE.json", "keep the results, with all samples"),
     OPTION_TEXT("against", against, "OLD.json", "compare with results that were kept"),
     OPTION_COUNT("repeat", repeat, "K", "steps of each plan, after one to warm up (9)", 1,
@@ -39,8 +44,9 @@ static const option options[] = {
 static const command_line line = {
     .name = "bench",
     .operands = "",
-    .about = "Measures a standard set: five scenes, each device alone, shares in between, the\n"
-             "modes and the kernels. With --against says what became faster or slower.",
+    .about = "Measures a standard set: on five scenes each device alone, shares in between, the\n"
+             "modes and the kernels; the levels of accuracy; on a sixth what each effect costs.\n"
+             "With --against says what became faster or slower.",
     .options = options,
 };
 
@@ -92,11 +98,13 @@ static bool measure(bench *b, duet_world *world, const duet_scene *scene, const 
     const duet_scene_info *info = duet_scene_describe(scene);
     duet_error failure = {0};
     timed t = {0};
+    others before = others_look();
     bool ok = duet_world_set_plan(world, plan, &failure) &&
               timed_run(&t, world, scene, (uint32_t)b->args->repeat, false, &failure) &&
               check_pairs(&t, hash, info, plan, &failure);
     if (ok)
-        bench_add(b->results, info, plan, &t, NULL);
+        cJSON_AddNumberToObject(bench_add(b->results, info, plan, &t, NULL), "others",
+                                others_part(&before));
     else
         ok = keep_failure(b, info, plan, &failure, err);
     timed_free(&t);
@@ -118,13 +126,59 @@ static bool measure_plans(bench *b, const bench_scene *which, const duet_scene *
     return ok;
 }
 
+// What was measured of the plans is told even where one failed.
+static bool compare_plans(bench *b, const bench_scene *which, const duet_scene *scene,
+                          duet_error *err)
+{
+    bool ok = measure_plans(b, which, scene, err);
+    bench_compare(b->results, b->before);
+    if (!b->args->json)
+        bench_print_scene(b->results, duet_scene_describe(scene)->name, b->before);
+    return ok;
+}
+
+static bool measure_levels(bench *b, const duet_scene *scene, duet_error *err)
+{
+    prices p;
+    uint32_t rounds = b->args->repeat < PRICES_ROUNDS ? (uint32_t)b->args->repeat : PRICES_ROUNDS;
+    if (!prices_measure(&p, b->pair, scene, rounds, err))
+        return false;
+    prices_report r = {duet_scene_describe(scene), b->pair, &p};
+    cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "accuracy"), prices_report_json(&r));
+    if (!b->args->json) {
+        prices_report_text(&r);
+        putchar('\n');
+    }
+    return true;
+}
+
+static bool measure_effects(bench *b, const duet_scene *scene, duet_error *err)
+{
+    enum { STEPS = 20, QUICK_STEPS = 3 };
+    costs c;
+    const duet_scene_info *info = duet_scene_describe(scene);
+    if (!costs_measure(&c, b->pair, scene, b->args->quick ? QUICK_STEPS : STEPS, err))
+        return false;
+    cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "effects"),
+                         costs_report_json(&c, info, b->pair));
+    if (!b->args->json) {
+        printf("%s, %s objects that move\n", info->name, table_count(info->n).chars);
+        costs_report_text(&c);
+        putchar('\n');
+    }
+    return true;
+}
+
 static bool measure_scene(bench *b, const bench_scene *which, duet_error *err)
 {
     duet_scene *scene = load_scene(which, b->args->quick, err);
-    bool ok = scene && measure_plans(b, which, scene, err);
-    bench_compare(b->results, b->before);
-    if (scene && !b->args->json)
-        bench_print_scene(b->results, duet_scene_describe(scene)->name, b->before);
+    bool ok = scene;
+    if (which->moves)
+        ok = ok && measure_effects(b, scene, err);
+    else
+        ok = ok && compare_plans(b, which, scene, err);
+    if (which->levels)
+        ok = ok && measure_levels(b, scene, err);
     duet_scene_destroy(scene);
     return ok;
 }
@@ -159,8 +213,8 @@ static bool measure_scenes(bench *b, duet_error *err)
         ok = measure_scene(b, s, err);
     }
     return ok && (any || error_set(err, DUET_BAD_ARGUMENT,
-                                   "--scene '%s': the set has paper, paper2d, clustered, mixed "
-                                   "and planes",
+                                   "--scene '%s': the set has paper, paper2d, clustered, mixed, "
+                                   "planes and falling",
                                    b->args->scene));
 }
 

@@ -2,7 +2,8 @@
 #include "tuner/cli/bench_file.h"
 
 #include "runtime/base/error.h"
-#include "runtime/base/text.h"
+#include "tuner/cli/costs_report.h"
+#include "tuner/cli/prices_report.h"
 #include "tuner/stats.h"
 
 #include <inttypes.h>
@@ -11,7 +12,6 @@
 #include <string.h>
 #include <time.h>
 
-#define TYPE "duet bench"
 enum { VERSION = 1 };
 static const double level = 0.95; // of the intervals that are written
 
@@ -28,7 +28,7 @@ static void add_time(cJSON *o)
 cJSON *bench_begin(const duet_device_pair *pair, bool quick)
 {
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "type", TYPE);
+    cJSON_AddStringToObject(o, "type", BENCH_TYPE);
     cJSON_AddNumberToObject(o, "version", VERSION);
     cJSON_AddStringToObject(o, "duet", duet_version());
     add_time(o);
@@ -45,6 +45,8 @@ cJSON *bench_begin(const duet_device_pair *pair, bool quick)
         cJSON_AddItemToArray(devices, device);
     }
     cJSON_AddArrayToObject(o, "cases");
+    cJSON_AddArrayToObject(o, "accuracy");
+    cJSON_AddArrayToObject(o, "effects");
     return o;
 }
 
@@ -103,23 +105,11 @@ cJSON *bench_add(cJSON *results, const duet_scene_info *scene, const duet_plan *
 
 // ---------------------------------------------------------------- reading
 
-double bench_number(const cJSON *o, const char *name)
-{
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, name);
-    return cJSON_IsNumber(item) ? item->valuedouble : 0;
-}
-
-const char *bench_string(const cJSON *o, const char *name)
-{
-    const char *string = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(o, name));
-    return string ? string : "";
-}
-
 uint32_t bench_samples(const cJSON *one, double samples[BENCH_SAMPLES_MOST])
 {
     uint32_t n = 0;
     const cJSON *item;
-    cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(one, "samples_ms"))
+    cJSON_ArrayForEach(item, json_list(one, "samples_ms"))
     {
         if (n < BENCH_SAMPLES_MOST)
             samples[n++] = item->valuedouble;
@@ -127,15 +117,7 @@ uint32_t bench_samples(const cJSON *one, double samples[BENCH_SAMPLES_MOST])
     return n;
 }
 
-typedef cJSON_bool is_kind(const cJSON *item);
-
-typedef struct required {
-    const char *name;
-    is_kind *is;
-    const char *what;
-} required;
-
-static const required of_any[] = {
+static const json_field of_any[] = {
     {"scene", cJSON_IsString, "a string"},
     {"objects", cJSON_IsNumber, "a number"},
     {"share", cJSON_IsNumber, "a number"},
@@ -144,7 +126,7 @@ static const required of_any[] = {
     {"variant_b", cJSON_IsString, "a string"},
     {0},
 };
-static const required of_measured[] = {
+static const json_field of_measured[] = {
     {"hash", cJSON_IsString, "a string"},
     {"median_ms", cJSON_IsNumber, "a number"},
     {"low_ms", cJSON_IsNumber, "a number"},
@@ -156,69 +138,66 @@ static const required of_measured[] = {
     {0},
 };
 
-static bool check_fields(const cJSON *one, int number, const required *rows, const char *path,
-                         duet_error *err)
+static bool check_samples(const cJSON *one, const char *where, duet_error *err)
 {
-    for (const required *row = rows; row->name; ++row)
-        if (!row->is(cJSON_GetObjectItemCaseSensitive(one, row->name)))
-            return error_set(err, DUET_BAD_INPUT, "%s: case %d: '%s' is not %s", path, number,
-                             row->name, row->what);
-    return true;
-}
-
-static bool check_samples(const cJSON *one, int number, const char *path, duet_error *err)
-{
-    const cJSON *samples = cJSON_GetObjectItemCaseSensitive(one, "samples_ms");
+    const cJSON *samples = json_list(one, "samples_ms");
     int n = cJSON_GetArraySize(samples);
     bool ok = n > 0 && n <= BENCH_SAMPLES_MOST;
     const cJSON *item;
     cJSON_ArrayForEach(item, samples) ok = ok && cJSON_IsNumber(item) && item->valuedouble > 0;
-    return ok ||
-           error_set(err, DUET_BAD_INPUT, "%s: case %d: 'samples_ms' is not 1 to %d times above 0",
-                     path, number, BENCH_SAMPLES_MOST);
+    return ok || error_set(err, DUET_BAD_INPUT, "%s: 'samples_ms' is not 1 to %d times above 0",
+                           where, BENCH_SAMPLES_MOST);
 }
 
-static bool check_case(const cJSON *one, int number, const char *path, duet_error *err)
+static bool check_case(const cJSON *one, const char *where, duet_error *err)
 {
-    if (!check_fields(one, number, of_any, path, err))
+    if (!json_require(one, of_any, where, err))
         return false;
-    if (*bench_string(one, "failed"))
-        return true;
-    return check_fields(one, number, of_measured, path, err) &&
-           check_samples(one, number, path, err);
+    return *json_string(one, "failed") ||
+           (json_require(one, of_measured, where, err) && check_samples(one, where, err));
 }
 
-static bool check_results(const cJSON *o, const char *path, duet_error *err)
+static bool check_cases(const cJSON *cases, const char *path, duet_error *err)
 {
-    if (strcmp(bench_string(o, "type"), TYPE) != 0)
-        return error_set(err, DUET_BAD_INPUT, "%s: no results of 'duet bench --out'", path);
-    if (bench_number(o, "version") != VERSION)
-        return error_set(err, DUET_BAD_INPUT, "%s: results of version %g; this Duet reads %d", path,
-                         bench_number(o, "version"), VERSION);
-    const cJSON *cases = cJSON_GetObjectItemCaseSensitive(o, "cases");
-    const cJSON *devices = cJSON_GetObjectItemCaseSensitive(o, "devices");
-    if (!cJSON_IsArray(cases) || cJSON_GetArraySize(devices) != 2)
-        return error_set(err, DUET_BAD_INPUT, "%s: 'cases' or the two 'devices' are missing", path);
     int number = 0;
     const cJSON *one;
     cJSON_ArrayForEach(one, cases)
     {
-        if (!check_case(one, number++, path, err))
+        char where[512];
+        snprintf(where, sizeof where, "%.400s: case %d", path, number++);
+        if (!check_case(one, where, err))
             return false;
     }
     return true;
 }
 
+static bool check_parts(const cJSON *o, const char *path, duet_error *err)
+{
+    bool ok = true;
+    const cJSON *one;
+    cJSON_ArrayForEach(one, json_list(o, "accuracy")) ok =
+        ok && prices_report_check(one, path, err);
+    cJSON_ArrayForEach(one, json_list(o, "effects")) ok = ok && costs_report_check(one, path, err);
+    return ok;
+}
+
+bool bench_check(const cJSON *o, const char *path, duet_error *err)
+{
+    if (strcmp(json_string(o, "type"), BENCH_TYPE) != 0)
+        return error_set(err, DUET_BAD_INPUT, "%s: no results of 'duet bench --out'", path);
+    if (json_number(o, "version") != VERSION)
+        return error_set(err, DUET_BAD_INPUT, "%s: results of version %g; this Duet reads %d", path,
+                         json_number(o, "version"), VERSION);
+    const cJSON *cases = json_list(o, "cases");
+    if (!cases || cJSON_GetArraySize(json_list(o, "devices")) != 2)
+        return error_set(err, DUET_BAD_INPUT, "%s: 'cases' or the two 'devices' are missing", path);
+    return check_cases(cases, path, err) && check_parts(o, path, err);
+}
+
 cJSON *bench_read(const char *path, duet_error *err)
 {
-    text chars = {0};
-    if (!text_read_file(&chars, path, err))
-        return NULL;
-    cJSON *o = cJSON_Parse(text_chars(&chars));
-    text_free(&chars);
-    bool ok =
-        o ? check_results(o, path, err) : error_set(err, DUET_BAD_INPUT, "%s: not JSON", path);
-    if (ok)
+    cJSON *o = json_read(path, err);
+    if (o && bench_check(o, path, err))
         return o;
     cJSON_Delete(o);
     return NULL;
@@ -228,10 +207,10 @@ static bool is_same(const cJSON *a, const cJSON *b)
 {
     static const char *const strings[] = {"scene", "mode", "variant_a", "variant_b"};
     for (size_t i = 0; i < sizeof strings / sizeof *strings; ++i)
-        if (strcmp(bench_string(a, strings[i]), bench_string(b, strings[i])) != 0)
+        if (strcmp(json_string(a, strings[i]), json_string(b, strings[i])) != 0)
             return false;
-    return bench_number(a, "objects") == bench_number(b, "objects") &&
-           fabs(bench_number(a, "share") - bench_number(b, "share")) < 1e-9;
+    return json_number(a, "objects") == json_number(b, "objects") &&
+           fabs(json_number(a, "share") - json_number(b, "share")) < 1e-9;
 }
 
 const cJSON *bench_find(const cJSON *results, const cJSON *like)
@@ -239,7 +218,7 @@ const cJSON *bench_find(const cJSON *results, const cJSON *like)
     const cJSON *one;
     cJSON_ArrayForEach(one, cJSON_GetObjectItemCaseSensitive(results, "cases"))
     {
-        if (is_same(one, like) && !*bench_string(one, "failed"))
+        if (is_same(one, like) && !*json_string(one, "failed"))
             return one;
     }
     return NULL;

@@ -4,9 +4,8 @@
 #ifndef CLI_BENCH_FILE_H
 #define CLI_BENCH_FILE_H
 
+#include "tuner/cli/json.h"
 #include "tuner/cli/timed.h"
-
-#include <cjson/cJSON.h>
 
 enum { BENCH_SAMPLES_MOST = 512 };
 
@@ -16,15 +15,14 @@ cJSON *bench_begin(const duet_device_pair *pair, bool quick);
 cJSON *bench_add(cJSON *results, const duet_scene_info *scene, const duet_plan *plan,
                  const timed *t, const duet_error *failure);
 
+#define BENCH_TYPE "duet bench"
+
 // BAD_INPUT names the file, the case and the field that is not as it must be.
+bool bench_check(const cJSON *o, const char *path, duet_error *err);
 cJSON *bench_read(const char *path, duet_error *err);
 
 // The case that was measured on the same scene by the same plan, or NULL.
 const cJSON *bench_find(const cJSON *results, const cJSON *like);
-
-// Of results or cases that bench_read or bench_begin gave: 0, "" where missing.
-double bench_number(const cJSON *o, const char *name);
-const char *bench_string(const cJSON *o, const char *name);
 
 // samples_ms of a case; returns how many.
 uint32_t bench_samples(const cJSON *one, double samples[BENCH_SAMPLES_MOST]);

@@ -4,6 +4,7 @@
 #include "tuner/cli/table.h"
 #include "tuner/race.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -11,14 +12,33 @@ static const double level = 0.95;
 
 static const char *const fields[] = {"against_ms", "ratio", "ratio_low", "ratio_high", "verdict"};
 
+// The least part of a time that the case would have taken on a machine of its
+// own. Squared, for a step also waits for the slower of its threads.
+static double least_of(const cJSON *one)
+{
+    double own = 1 - json_number(one, "others");
+    return own * own;
+}
+
+// What other programs may be to blame for is neither faster nor slower.
+static race_gain doubt(race_gain gain, const cJSON *one, const cJSON *before)
+{
+    bool decided = gain.verdict == RACE_FASTER || gain.verdict == RACE_SLOWER;
+    gain.interval.low *= least_of(before);
+    gain.interval.high /= fmax(least_of(one), 1e-6);
+    if (decided && gain.interval.low <= 1 && gain.interval.high >= 1)
+        gain.verdict = RACE_AMBIGUOUS;
+    return gain;
+}
+
 static void compare_case(cJSON *one, const cJSON *before)
 {
     double own[BENCH_SAMPLES_MOST];
     double others[BENCH_SAMPLES_MOST];
     uint32_t n_own = bench_samples(one, own);
     uint32_t n_others = bench_samples(before, others);
-    race_gain gain = race_compare_apart(own, n_own, others, n_others, level);
-    cJSON_AddNumberToObject(one, fields[0], bench_number(before, "median_ms"));
+    race_gain gain = doubt(race_compare_apart(own, n_own, others, n_others, level), one, before);
+    cJSON_AddNumberToObject(one, fields[0], json_number(before, "median_ms"));
     cJSON_AddNumberToObject(one, fields[1], gain.ratio);
     cJSON_AddNumberToObject(one, fields[2], gain.interval.low);
     cJSON_AddNumberToObject(one, fields[3], gain.interval.high);
@@ -28,10 +48,10 @@ static void compare_case(cJSON *one, const cJSON *before)
 void bench_compare(cJSON *results, const cJSON *before)
 {
     cJSON *one;
-    cJSON_ArrayForEach(one, cJSON_GetObjectItemCaseSensitive(results, "cases"))
+    cJSON_ArrayForEach(one, json_list(results, "cases"))
     {
         const cJSON *earlier = bench_find(before, one);
-        if (earlier && !*bench_string(one, "failed") && !*bench_string(one, "verdict"))
+        if (earlier && !*json_string(one, "failed") && !*json_string(one, "verdict"))
             compare_case(one, earlier);
     }
 }
@@ -48,37 +68,37 @@ static void heads(table *t, bool compared)
 
 static void kernels_cell(table *t, const cJSON *one)
 {
-    const char *a = bench_string(one, "variant_a");
-    const char *b = bench_string(one, "variant_b");
+    const char *a = json_string(one, "variant_a");
+    const char *b = json_string(one, "variant_b");
     bool same = strcmp(a, b) == 0;
     table_cell(t, "%s%s%s", a, same ? "" : " | ", same ? "" : b);
 }
 
 static void comparison_cells(table *t, const cJSON *one)
 {
-    if (!*bench_string(one, "verdict")) {
+    if (!*json_string(one, "verdict")) {
         for (int i = 0; i < 4; ++i)
             table_cell(t, "-");
         table_cell(t, "new");
         return;
     }
-    table_cell(t, "%.3f", bench_number(one, "against_ms"));
+    table_cell(t, "%.3f", json_number(one, "against_ms"));
     for (int i = 1; i < 4; ++i)
-        table_cell(t, "%.3f", bench_number(one, fields[i]));
-    table_cell(t, "%s", bench_string(one, "verdict"));
+        table_cell(t, "%.3f", json_number(one, fields[i]));
+    table_cell(t, "%s", json_string(one, "verdict"));
 }
 
 static void case_row(table *t, const cJSON *one, bool compared)
 {
     static const char *const times[] = {"median_ms", "low_ms", "high_ms", "a_ms", "b_ms"};
-    table_cell(t, "%.2f", bench_number(one, "share"));
-    table_cell(t, "%s", bench_string(one, "mode"));
+    table_cell(t, "%.2f", json_number(one, "share"));
+    table_cell(t, "%s", json_string(one, "mode"));
     kernels_cell(t, one);
     for (int i = 0; i < 5; ++i) {
-        if (*bench_string(one, "failed"))
+        if (*json_string(one, "failed"))
             table_cell(t, i == 0 ? "failed" : "-");
         else
-            table_cell(t, "%.3f", bench_number(one, times[i]));
+            table_cell(t, "%.3f", json_number(one, times[i]));
     }
     if (compared)
         comparison_cells(t, one);
@@ -89,14 +109,14 @@ void bench_print_scene(const cJSON *results, const char *scene, const cJSON *bef
     table t = table_begin(before ? "rllrrrrrrrrrl" : "rllrrrrr");
     bool begun = false;
     const cJSON *one;
-    cJSON_ArrayForEach(one, cJSON_GetObjectItemCaseSensitive(results, "cases"))
+    cJSON_ArrayForEach(one, json_list(results, "cases"))
     {
-        if (strcmp(bench_string(one, "scene"), scene) != 0)
+        if (strcmp(json_string(one, "scene"), scene) != 0)
             continue;
         if (!begun) {
             printf("%s, %s objects, %.0fD\n", scene,
-                   table_count((uint64_t)bench_number(one, "objects")).chars,
-                   bench_number(one, "dims"));
+                   table_count((uint64_t)json_number(one, "objects")).chars,
+                   json_number(one, "dims"));
             heads(&t, before != NULL);
         }
         begun = true;
@@ -107,19 +127,35 @@ void bench_print_scene(const cJSON *results, const char *scene, const cJSON *bef
     fflush(stdout);
 }
 
+static double mean_others(const cJSON *results)
+{
+    double sum = 0;
+    int n = 0;
+    const cJSON *one;
+    cJSON_ArrayForEach(one, json_list(results, "cases"))
+    {
+        sum += json_number(one, "others");
+        n += !*json_string(one, "failed");
+    }
+    return n > 0 ? sum / n : 0;
+}
+
 void bench_print_verdicts(const cJSON *results, const cJSON *before)
 {
     uint32_t counts[RACE_AMBIGUOUS + 1] = {0};
     const cJSON *one;
     if (!before)
         return;
-    cJSON_ArrayForEach(one, cJSON_GetObjectItemCaseSensitive(results, "cases"))
+    cJSON_ArrayForEach(one, json_list(results, "cases"))
     {
         for (int v = 0; v <= RACE_AMBIGUOUS; ++v)
-            counts[v] += strcmp(bench_string(one, "verdict"), race_verdict_name(v)) == 0;
+            counts[v] += strcmp(json_string(one, "verdict"), race_verdict_name(v)) == 0;
     }
-    printf("against %s:", bench_string(before, "time"));
+    printf("against %s:", json_string(before, "time"));
     for (int v = 0; v <= RACE_AMBIGUOUS; ++v)
         printf("%s %u %s", v ? "," : "", counts[v], race_verdict_name((race_verdict)v));
     printf(" (intervals of %.0f %%)\n", 100 * level);
+    printf("other programs used %.0f %% of the processors, and then %.0f %%; what they may be to "
+           "blame for is ambiguous\n",
+           100 * mean_others(results), 100 * mean_others(before));
 }

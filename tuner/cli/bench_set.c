@@ -6,11 +6,12 @@
 
 const bench_scene bench_scenes[] = {
     // The density is that of a million objects in the paper's world.
-    {"paper", "250000", "3000", "126", "29", false},
-    {"paper2d", "250000", "3000", "1000", "110", false},
-    {"clustered", "100000", "3000", NULL, NULL, false},
-    {"mixed", "100000", "3000", NULL, NULL, true},
-    {"planes", "100000", "3000", NULL, NULL, false},
+    {.name = "paper", "250000", "3000", "126", "29", .levels = true},
+    {.name = "paper2d", "250000", "3000", "1000", "110"},
+    {.name = "clustered", "100000", "3000"},
+    {.name = "mixed", "100000", "3000", .mixed = true},
+    {.name = "planes", "100000", "3000"},
+    {.name = "falling", "20000", "200", .moves = true},
     {0},
 };
 

@@ -11,7 +11,9 @@ typedef struct bench_scene {
     const char *quick_n;
     const char *world; // edge of the world; NULL: the scene's own
     const char *quick_world;
-    bool mixed; // sizes: plans that need one size of cells are left out
+    bool mixed;  // sizes: plans that need one size of cells are left out
+    bool levels; // of accuracy are measured too
+    bool moves;  // its effects' costs are measured, and nothing else
 } bench_scene;
 
 extern const bench_scene bench_scenes[]; // ends with a NULL name

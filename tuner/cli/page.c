@@ -30,7 +30,8 @@ static const char style[] =
     ".key i{display:inline-block;width:.8em;height:.8em;margin-right:.3em;border-radius:2px}\n"
     "svg{display:block;width:100%;height:auto;margin-top:6px}\n"
     "svg text{fill:var(--dim);font:11px system-ui,sans-serif}\n"
-    "svg .axis{stroke:var(--line)}svg polyline{fill:none;stroke-width:2}\n";
+    "svg .name{fill:var(--ink)}svg .axis{stroke:var(--line)}svg "
+    "polyline{fill:none;stroke-width:2}\n";
 
 void page_words(text *page, const char *format, ...)
 {

@@ -2,10 +2,8 @@
 #include "tuner/cli/prices_report.h"
 
 #include "runtime/base/text.h"
-#include "tuner/cli/say.h"
 #include "tuner/cli/table.h"
 
-#include <cjson/cJSON.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -102,9 +100,10 @@ static cJSON *row_json(const price *row)
     return o;
 }
 
-bool prices_report_json(const prices_report *r, duet_error *err)
+cJSON *prices_report_json(const prices_report *r)
 {
     cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "type", PRICES_TYPE);
     cJSON_AddStringToObject(o, "scene", r->scene->name);
     cJSON_AddNumberToObject(o, "objects", r->scene->n);
     cJSON_AddNumberToObject(o, "pairs", (double)r->prices->truth);
@@ -114,7 +113,31 @@ bool prices_report_json(const prices_report *r, duet_error *err)
     cJSON *levels = cJSON_AddArrayToObject(o, "levels");
     for (uint32_t i = 0; i < r->prices->n; ++i)
         cJSON_AddItemToArray(levels, row_json(&r->prices->rows[i]));
-    return say_json(o, err);
+    return o;
+}
+
+bool prices_report_check(const cJSON *o, const char *path, duet_error *err)
+{
+    static const json_field whole[] = {
+        {"scene", cJSON_IsString, "a string"},
+        {"objects", cJSON_IsNumber, "a number"},
+        {"pairs", cJSON_IsNumber, "a number"},
+        {"a", cJSON_IsString, "a string"},
+        {"b", cJSON_IsString, "a string"},
+        {"levels", cJSON_IsArray, "a list"},
+        {0},
+    };
+    static const json_field row[] = {
+        {"level", cJSON_IsString, "a string"},
+        {"device", cJSON_IsString, "a string"},
+        {"step_ms", cJSON_IsNumber, "a number"},
+        {"relative", cJSON_IsNumber, "a number"},
+        {"missed", cJSON_IsNumber, "a number"},
+        {"false", cJSON_IsNumber, "a number"},
+        {0},
+    };
+    return json_require(o, whole, path, err) &&
+           json_require_each(json_list(o, "levels"), row, path, "level", err);
 }
 
 bool prices_report_csv(const prices_report *r, const char *path, duet_error *err)

@@ -3,6 +3,7 @@
 #ifndef CLI_PRICES_REPORT_H
 #define CLI_PRICES_REPORT_H
 
+#include "tuner/cli/json.h"
 #include "tuner/cli/prices.h"
 
 typedef struct prices_report {
@@ -12,10 +13,15 @@ typedef struct prices_report {
 } prices_report;
 
 void prices_report_text(const prices_report *r);
-bool prices_report_json(const prices_report *r, duet_error *err);
+cJSON *prices_report_json(const prices_report *r);
 bool prices_report_csv(const prices_report *r, const char *path, duet_error *err);
 
 // A .svg or .png: for each device time and wrong pairs side by side.
 bool prices_report_plot(const prices_report *r, const char *path, duet_error *err);
+
+#define PRICES_TYPE "duet accuracy"
+
+// BAD_INPUT where an object that is called that is none of ours.
+bool prices_report_check(const cJSON *o, const char *path, duet_error *err);
 
 #endif

@@ -5,12 +5,15 @@
 
 #include "runtime/base/error.h"
 #include "tuner/cli/commands.h"
+#include "tuner/cli/costs_report.h"
 #include "tuner/cli/options.h"
 #include "tuner/cli/page.h"
+#include "tuner/cli/prices_report.h"
 #include "tuner/cli/profiles.h"
 #include "tuner/cli/say.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <time.h>
 
 enum { RESULTS_MOST = 64 };
@@ -30,17 +33,80 @@ static const command_line line = {
     .name = "report",
     .operands = "[RESULTS.json...]",
     .most_operands = RESULTS_MOST,
-    .about = "Makes one HTML page of the profile store and of results that 'duet bench --out'\n"
-             "kept, the earliest first: profiles, searches, stages, history.",
+    .about =
+        "Makes one HTML page of the profile store and of results of 'duet bench --out', the\n"
+        "earliest first, 'duet accuracy --json' and 'duet explain --measure --json': profiles,\n"
+        "searches, accuracy against time, what effects cost, stages, history.",
     .options = options,
 };
 
-static bool read_results(cJSON **results, char **paths, int n, duet_error *err)
+// What the files hold; a scene's prices are the latest, in place of earlier ones.
+typedef struct results {
+    cJSON *files[RESULTS_MOST];
+    cJSON *bench[RESULTS_MOST]; // the earliest first
+    const cJSON *levels[RESULTS_MOST];
+    const cJSON *effects[RESULTS_MOST];
+    uint32_t n_files;
+    uint32_t n_bench;
+    uint32_t n_levels;
+    uint32_t n_effects;
+} results;
+
+static bool is_same_subject(const cJSON *x, const cJSON *y)
+{
+    static const char *const names[] = {"scene", "a", "b"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
+        if (strcmp(json_string(x, names[i]), json_string(y, names[i])) != 0)
+            return false;
+    return json_number(x, "objects") == json_number(y, "objects");
+}
+
+static void keep_latest(const cJSON **list, uint32_t *n, const cJSON *one)
+{
+    uint32_t i = 0;
+    while (i < *n && !is_same_subject(list[i], one))
+        ++i;
+    if (i == RESULTS_MOST)
+        return;
+    list[i] = one;
+    *n += i == *n;
+}
+
+static void keep_bench(results *r, cJSON *o)
+{
+    const cJSON *one;
+    r->bench[r->n_bench++] = o;
+    cJSON_ArrayForEach(one, json_list(o, "accuracy")) keep_latest(r->levels, &r->n_levels, one);
+    cJSON_ArrayForEach(one, json_list(o, "effects")) keep_latest(r->effects, &r->n_effects, one);
+}
+
+static bool keep_file(results *r, cJSON *o, const char *path, duet_error *err)
+{
+    const char *type = json_string(o, "type");
+    r->files[r->n_files++] = o;
+    if (strcmp(type, PRICES_TYPE) == 0) {
+        keep_latest(r->levels, &r->n_levels, o);
+        return prices_report_check(o, path, err);
+    }
+    if (strcmp(type, COSTS_TYPE) == 0) {
+        keep_latest(r->effects, &r->n_effects, o);
+        return costs_report_check(o, path, err);
+    }
+    if (strcmp(type, BENCH_TYPE) != 0)
+        return error_set(err, DUET_BAD_INPUT,
+                         "%s: no results of 'duet bench --out', 'duet accuracy --json' or 'duet "
+                         "explain --measure --json'",
+                         path);
+    keep_bench(r, o);
+    return bench_check(o, path, err);
+}
+
+static bool read_results(results *r, char **paths, int n, duet_error *err)
 {
     bool ok = true;
     for (int i = 0; ok && i < n; ++i) {
-        results[i] = bench_read(paths[i], err);
-        ok = results[i] != NULL;
+        cJSON *o = json_read(paths[i], err);
+        ok = o && keep_file(r, o, paths[i], err);
     }
     return ok;
 }
@@ -61,7 +127,7 @@ static bool add_store(text *page, const char *path, bool needed, duet_error *err
     return ok;
 }
 
-static bool write_page(const arguments *args, cJSON *const *results, uint32_t n, duet_error *err)
+static bool write_page(const arguments *args, const results *r, duet_error *err)
 {
     char when[40];
     text page = {0};
@@ -69,9 +135,13 @@ static bool write_page(const arguments *args, cJSON *const *results, uint32_t n,
     strftime(when, sizeof when, "%Y-%m-%d %H:%M UTC", gmtime(&now));
     page_begin(&page, "Duet: what was measured");
     page_paragraph(&page, "Made %s by Duet %s.", when, duet_version());
-    bool ok = add_store(&page, args->store, n == 0, err);
-    if (n > 0)
-        report_bench(&page, results, n);
+    bool ok = add_store(&page, args->store, r->n_files == 0, err);
+    if (r->n_levels > 0)
+        report_levels(&page, r->levels, r->n_levels);
+    if (r->n_effects > 0)
+        report_effects(&page, r->effects, r->n_effects);
+    if (r->n_bench > 0)
+        report_bench(&page, r->bench, r->n_bench);
     page_end(&page);
     ok = ok && text_ok(&page, err);
     ok = ok && text_write_file(args->out, text_chars(&page), page.length, err);
@@ -81,11 +151,10 @@ static bool write_page(const arguments *args, cJSON *const *results, uint32_t n,
 
 static bool report(const arguments *args, char **paths, int n, duet_error *err)
 {
-    cJSON *results[RESULTS_MOST] = {NULL};
-    bool ok = read_results(results, paths, n, err);
-    ok = ok && write_page(args, results, (uint32_t)n, err);
-    for (int i = 0; i < n; ++i)
-        cJSON_Delete(results[i]);
+    results r = {.n_files = 0};
+    bool ok = read_results(&r, paths, n, err) && write_page(args, &r, err);
+    for (uint32_t i = 0; i < r.n_files; ++i)
+        cJSON_Delete(r.files[i]);
     return ok;
 }
 

@@ -14,4 +14,9 @@ bool report_store(text *page, store *s, duet_error *err);
 // results come first.
 void report_bench(text *page, cJSON *const *results, uint32_t n);
 
+// What levels of accuracy and effects cost: results of `duet accuracy` and of
+// `duet explain --measure`.
+void report_levels(text *page, const cJSON *const *results, uint32_t n);
+void report_effects(text *page, const cJSON *const *results, uint32_t n);
+
 #endif

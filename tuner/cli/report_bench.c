@@ -19,7 +19,7 @@ static const cJSON *cases_of(const cJSON *results)
 
 static bool is_measured(const cJSON *one)
 {
-    return !*bench_string(one, "failed");
+    return !*json_string(one, "failed");
 }
 
 // The first case of its scene, among the measured.
@@ -31,7 +31,7 @@ static bool is_first_of_scene(const cJSON *results, const cJSON *one)
         if (other == one)
             return is_measured(one);
         if (is_measured(other) &&
-            strcmp(bench_string(other, "scene"), bench_string(one, "scene")) == 0)
+            strcmp(json_string(other, "scene"), json_string(one, "scene")) == 0)
             return false;
     }
     return false;
@@ -39,20 +39,20 @@ static bool is_first_of_scene(const cJSON *results, const cJSON *one)
 
 static void scene_words(const cJSON *one, char words[128])
 {
-    snprintf(words, 128, "%.60s, %.40s objects", bench_string(one, "scene"),
-             table_count((uint64_t)bench_number(one, "objects")).chars);
+    snprintf(words, 128, "%.60s, %.40s objects", json_string(one, "scene"),
+             table_count((uint64_t)json_number(one, "objects")).chars);
 }
 
 static bool same(const cJSON *a, const cJSON *b, const char *field)
 {
-    return strcmp(bench_string(a, field), bench_string(b, field)) == 0;
+    return strcmp(json_string(a, field), json_string(b, field)) == 0;
 }
 
 // ---------------------------------------------------------------- shares
 
 static chart_point point_of(const cJSON *one, const char *field)
 {
-    chart_point p = {.x = bench_number(one, "share"), .y = bench_number(one, field)};
+    chart_point p = {.x = json_number(one, "share"), .y = json_number(one, field)};
     snprintf(p.says, sizeof p.says, "share %.2f: %.3f ms", p.x, p.y);
     return p;
 }
@@ -108,7 +108,7 @@ static stage_names find_stages(const cJSON *results)
     cJSON_ArrayForEach(one, cases_of(results))
         cJSON_ArrayForEach(stage, cJSON_GetObjectItemCaseSensitive(one, "stages"))
     {
-        const char *name = bench_string(stage, "name");
+        const char *name = json_string(stage, "name");
         if (found.n < STAGES_MOST && colour_of(&found, name) == found.n)
             found.names[found.n++] = name;
     }
@@ -120,7 +120,7 @@ static double device_ms(const cJSON *one, const char *device)
     double ms = 0;
     const cJSON *stage;
     cJSON_ArrayForEach(stage, cJSON_GetObjectItemCaseSensitive(one, "stages")) ms +=
-        strcmp(bench_string(stage, "device"), device) == 0 ? bench_number(stage, "ms") : 0;
+        strcmp(json_string(stage, "device"), device) == 0 ? json_number(stage, "ms") : 0;
     return ms;
 }
 
@@ -133,27 +133,27 @@ static void draw_device(chart_bars *bars, const cJSON *one, const char *device,
     const cJSON *stage;
     cJSON_ArrayForEach(stage, cJSON_GetObjectItemCaseSensitive(one, "stages"))
     {
-        uint32_t colour = colour_of(names, bench_string(stage, "name"));
+        uint32_t colour = colour_of(names, json_string(stage, "name"));
         uint32_t i = 0;
-        if (strcmp(bench_string(stage, "device"), device) != 0)
+        if (strcmp(json_string(stage, "device"), device) != 0)
             continue;
         while (i < n && parts[i].colour != colour)
             ++i;
         n += i == n;
-        parts[i].name = bench_string(stage, "name");
+        parts[i].name = json_string(stage, "name");
         parts[i].colour = colour;
-        parts[i].value += bench_number(stage, "ms");
+        parts[i].value += json_number(stage, "ms");
     }
     chart_bar(bars, device, parts, n);
 }
 
 static void case_words(const cJSON *one, char words[160])
 {
-    const char *b = bench_string(one, "variant_b");
-    bool both = strcmp(bench_string(one, "variant_a"), b) == 0;
-    snprintf(words, 160, "share %.2f, %s, %.40s%s%.40s: %.3f ms", bench_number(one, "share"),
-             bench_string(one, "mode"), bench_string(one, "variant_a"), both ? "" : " | ",
-             both ? "" : b, bench_number(one, "median_ms"));
+    const char *b = json_string(one, "variant_b");
+    bool both = strcmp(json_string(one, "variant_a"), b) == 0;
+    snprintf(words, 160, "share %.2f, %s, %.40s%s%.40s: %.3f ms", json_number(one, "share"),
+             json_string(one, "mode"), json_string(one, "variant_a"), both ? "" : " | ",
+             both ? "" : b, json_number(one, "median_ms"));
 }
 
 static void draw_stages(text *page, const cJSON *results, const cJSON *first,
@@ -209,17 +209,17 @@ static void draw_history(text *page, cJSON *const *results, uint32_t n, const cJ
         cJSON_ArrayForEach(one, cases_of(results[i]))
         {
             bool alike = is_measured(one) && same(one, first, "scene") &&
-                         bench_number(one, "objects") == bench_number(first, "objects");
+                         json_number(one, "objects") == json_number(first, "objects");
             if (alike &&
-                (!best || bench_number(one, "median_ms") < bench_number(best, "median_ms")))
+                (!best || json_number(one, "median_ms") < json_number(best, "median_ms")))
                 best = one;
         }
         if (!best)
             continue;
         chart_point *p = &points[n_points++];
-        *p = (chart_point){.x = i + 1, .y = bench_number(best, "median_ms")};
+        *p = (chart_point){.x = i + 1, .y = json_number(best, "median_ms")};
         snprintf(p->says, sizeof p->says, "%.30s, Duet %.20s: %.3f ms",
-                 bench_string(results[i], "time"), bench_string(results[i], "duet"), p->y);
+                 json_string(results[i], "time"), json_string(results[i], "duet"), p->y);
     }
     scene_words(first, title);
     chart c = {.title = title,
@@ -239,8 +239,8 @@ static void add_devices(text *page, const cJSON *results)
     char letter = 'A';
     cJSON_ArrayForEach(device, cJSON_GetObjectItemCaseSensitive(results, "devices"))
         page_paragraph(page, "%c: %s, %s, driver %s, %s", letter++,
-                       bench_string(device, "selector"), bench_string(device, "name"),
-                       bench_string(device, "driver"), bench_string(device, "platform"));
+                       json_string(device, "selector"), json_string(device, "name"),
+                       json_string(device, "driver"), json_string(device, "platform"));
 }
 
 void report_bench(text *page, cJSON *const *results, uint32_t n)
@@ -250,8 +250,8 @@ void report_bench(text *page, cJSON *const *results, uint32_t n)
     const cJSON *one;
 
     page_section(page, "Standard set: shares");
-    page_paragraph(page, "Measured %s by Duet %s.", bench_string(latest, "time"),
-                   bench_string(latest, "duet"));
+    page_paragraph(page, "Measured %s by Duet %s.", json_string(latest, "time"),
+                   json_string(latest, "duet"));
     add_devices(page, latest);
     page_charts(page);
     cJSON_ArrayForEach(one, cases_of(latest)) if (is_first_of_scene(latest, one))

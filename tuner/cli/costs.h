@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// Which effects a scene calls for, and what each costs.
+//
+// An effect's time is what a step takes more than one of the same scene with
+// what calls for it taken away; the two step in turn.
+#ifndef CLI_COSTS_H
+#define CLI_COSTS_H
+
+#include "runtime/duet.h"
+
+enum { COSTS_MOST = 32 };
+
+typedef struct cost {
+    duet_effect_info info;
+    bool measured; // false too where other effects call for this one as well
+    double ms;     // a step; noise can take it below 0
+} cost;
+
+typedef struct costs {
+    cost rows[COSTS_MOST]; // in the order of duet_motion_explain
+    uint32_t n;
+    uint64_t steps; // of each run; 0: nothing was measured
+    double step_ms; // with all effects
+} costs;
+
+// steps 0 tells the effects and measures nothing.
+bool costs_measure(costs *c, duet_device_pair *pair, const duet_scene *scene, uint64_t steps,
+                   duet_error *err);
+
+#endif

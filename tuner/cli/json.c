@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "tuner/cli/json.h"
+
+#include "runtime/base/error.h"
+#include "runtime/base/text.h"
+
+#include <stdio.h>
+
+cJSON *json_read(const char *path, duet_error *err)
+{
+    text chars = {0};
+    if (!text_read_file(&chars, path, err))
+        return NULL;
+    cJSON *o = cJSON_Parse(text_chars(&chars));
+    text_free(&chars);
+    if (!o)
+        error_set(err, DUET_BAD_INPUT, "%s: not JSON", path);
+    return o;
+}
+
+bool json_require(const cJSON *o, const json_field *fields, const char *where, duet_error *err)
+{
+    for (const json_field *f = fields; f->name; ++f)
+        if (!f->is(cJSON_GetObjectItemCaseSensitive(o, f->name)))
+            return error_set(err, DUET_BAD_INPUT, "%s: '%s' is not %s", where, f->name, f->what);
+    return true;
+}
+
+bool json_require_each(const cJSON *list, const json_field *fields, const char *path,
+                       const char *what, duet_error *err)
+{
+    int number = 0;
+    const cJSON *one;
+    cJSON_ArrayForEach(one, list)
+    {
+        char where[512];
+        snprintf(where, sizeof where, "%.400s: %s %d", path, what, number++);
+        if (!json_require(one, fields, where, err))
+            return false;
+    }
+    return true;
+}
+
+double json_number(const cJSON *o, const char *name)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, name);
+    return cJSON_IsNumber(item) ? item->valuedouble : 0;
+}
+
+const char *json_string(const cJSON *o, const char *name)
+{
+    const char *string = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(o, name));
+    return string ? string : "";
+}
+
+bool json_true(const cJSON *o, const char *name)
+{
+    return cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(o, name));
+}
+
+const cJSON *json_list(const cJSON *o, const char *name)
+{
+    const cJSON *list = cJSON_GetObjectItemCaseSensitive(o, name);
+    return cJSON_IsArray(list) ? list : NULL;
+}

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// JSON that the program wrote once and reads again: results of bench, accuracy
+// and explain.
+#ifndef CLI_JSON_H
+#define CLI_JSON_H
+
+#include "duet_error.h"
+
+#include <cjson/cJSON.h>
+#include <stdbool.h>
+
+// A whole file; BAD_INPUT where it is no JSON.
+cJSON *json_read(const char *path, duet_error *err);
+
+// A field that must be there; a table of them ends with {0}.
+typedef struct json_field {
+    const char *name;
+    cJSON_bool (*is)(const cJSON *item);
+    const char *what; // "a number"
+} json_field;
+
+// BAD_INPUT with "WHERE: 'name' is not a number".
+bool json_require(const cJSON *o, const json_field *fields, const char *where, duet_error *err);
+
+// The same of each object of a list, where WHERE is "PATH: WHAT NUMBER".
+bool json_require_each(const cJSON *list, const json_field *fields, const char *path,
+                       const char *what, duet_error *err);
+
+// 0, "" and false where the field is missing or of another kind.
+double json_number(const cJSON *o, const char *name);
+const char *json_string(const cJSON *o, const char *name);
+bool json_true(const cJSON *o, const char *name);
+
+// Of a list under that name: what cJSON_ArrayForEach goes over.
+const cJSON *json_list(const cJSON *o, const char *name);
+
+#endif
