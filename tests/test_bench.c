@@ -105,7 +105,7 @@ static void a_thousandfold_difference_is_seen_and_few_samples_are_ambiguous(void
 static void what_other_programs_may_be_to_blame_for_is_ambiguous(void **state)
 {
     (void)state;
-    write_old(1000, 0.99);
+    write_old(100, 0.99);
     assert_verdicts("--repeat 7", "ambiguous");
 }
 

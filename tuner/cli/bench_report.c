@@ -16,7 +16,7 @@ static const char *const fields[] = {"against_ms", "ratio", "ratio_low", "ratio_
 // own. Squared, for a step also waits for the slower of its threads.
 static double least_of(const cJSON *one)
 {
-    double own = 1 - json_number(one, "others");
+    double own = fmax(1 - json_number(one, "others"), 0.05);
     return own * own;
 }
 
@@ -25,7 +25,7 @@ static race_gain doubt(race_gain gain, const cJSON *one, const cJSON *before)
 {
     bool decided = gain.verdict == RACE_FASTER || gain.verdict == RACE_SLOWER;
     gain.interval.low *= least_of(before);
-    gain.interval.high /= fmax(least_of(one), 1e-6);
+    gain.interval.high /= least_of(one);
     if (decided && gain.interval.low <= 1 && gain.interval.high >= 1)
         gain.verdict = RACE_AMBIGUOUS;
     return gain;
