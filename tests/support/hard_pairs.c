@@ -446,9 +446,26 @@ static void print_pose(const char *name, const duet_pose *p)
                   p->rotation[0], p->rotation[1], p->rotation[2], p->rotation[3]);
 }
 
+static void print_numbers(const float *numbers, int n)
+{
+    for (int i = 0; i < n; ++i)
+        print_message("%.9g ", numbers[i]);
+}
+
+static void print_row(const duet_pose *p)
+{
+    print_numbers(p->centre, 3);
+    print_numbers(p->half, 3);
+    print_numbers(p->rotation, 4);
+}
+
 void hard_pair_print(const hard_pair *pair, uint32_t dims)
 {
     print_pose("a", &pair->a);
     print_pose("b", &pair->b);
-    print_message("dims %u\n", dims);
+    print_message("dims %u\nfor duet test, in 3D: ", dims);
+    duet_pose a = narrow_flat(&pair->a, dims), b = narrow_flat(&pair->b, dims);
+    print_row(&a);
+    print_row(&b);
+    print_message("\n");
 }
