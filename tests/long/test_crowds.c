@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+// More objects in a cell than 16 bits count, and more pairs than 31 and 32 bits
+// do. The pairs themselves, 17 and 34 GB, are not kept: devices count on where a
+// list has no room, and a step that may not keep them says how many they are.
+#include "support/test.h"
+
+#include "runtime/base/rng.h"
+#include "runtime/duet.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static duet_device_pair *devices;
+
+static int open_devices(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    devices = duet_device_pair_open(&def, &err);
+    assert_ok(devices, err);
+    return 0;
+}
+
+static int close_devices(void **state)
+{
+    (void)state;
+    duet_device_pair_close(devices);
+    return 0;
+}
+
+// Upright cubes in one cell of edge 1.
+static duet_world *open_world(duet_pose *poses, uint32_t n, float half, uint64_t max_pairs)
+{
+    duet_error err = {0};
+    rng r = rng_seed(test_seed());
+    for (uint32_t i = 0; i < n; ++i) {
+        poses[i] = (duet_pose){{0}, {half, half, half}, {0, 0, 0, 1}};
+        for (int k = 0; k < 3; ++k)
+            poses[i].centre[k] = (float)rng_between(&r, 10.25, 10.75);
+    }
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    def.plan = duet_default_plan(devices);
+    def.rotated = false;
+    def.cell = 1;
+    def.has_world = true;
+    memcpy(def.upper, (float[]){20, 20, 20}, sizeof def.upper);
+    def.max_pairs = max_pairs;
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world, err);
+    assert_ok(duet_world_set_poses(world, poses, n, &err), err);
+    return world;
+}
+
+static duet_pose *room_for(uint32_t n)
+{
+    duet_pose *poses = malloc(n * sizeof *poses);
+    assert_non_null(poses);
+    return poses;
+}
+
+static void none_of_65537_objects_in_a_cell_is_missed(void **state)
+{
+    (void)state;
+    enum { N = 65537 };
+    static const char *const variants[] = {"rows", "items"};
+    duet_error err = {0};
+    duet_result result;
+    duet_pose *poses = room_for(N);
+    duet_world *world = open_world(poses, N, 0.002f, 0);
+    duet_scene *scene = duet_scene_from_poses(poses, N, 3, &err);
+    assert_ok(scene, err);
+    duet_pair *pairs = NULL;
+    uint64_t n_pairs = 0;
+    assert_ok(duet_reference(scene, &pairs, &n_pairs, &err), err);
+    uint64_t hash = duet_pairs_hash(pairs, n_pairs);
+    for (int v = 0; v < 2; ++v) {
+        duet_plan plan = *duet_world_plan(world);
+        strcpy(plan.variant_a, variants[v]);
+        strcpy(plan.variant_b, variants[v]);
+        assert_ok(duet_world_set_plan(world, &plan, &err), err);
+        assert_ok(duet_world_step(world, &result, &err), err);
+        assert_true(result.cell >= 1);
+        assert_true(n_pairs > 1000 && result.pairs == n_pairs);
+        assert_true(duet_result_hash(&result) == hash);
+    }
+    duet_free(pairs);
+    duet_scene_destroy(scene);
+    duet_world_destroy(world);
+    free(poses);
+}
+
+// All n objects overlap each other, and B alone counts the pairs.
+static void expect_too_many(uint32_t n, uint64_t max_pairs, const char *says)
+{
+    duet_error err = {0};
+    duet_result result;
+    duet_pose *poses = room_for(n);
+    duet_world *world = open_world(poses, n, 0.4f, max_pairs);
+    duet_plan plan = *duet_world_plan(world);
+    plan.share = 0;
+    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+    assert_false(duet_world_step(world, &result, &err));
+    assert_int_equal(err.status, DUET_TOO_MANY);
+    if (!strstr(err.text, says))
+        fail_msg("%s; it should say %s", err.text, says);
+    duet_world_destroy(world);
+    free(poses);
+}
+
+static void more_pairs_than_31_bits_count_are_counted(void **state)
+{
+    (void)state;
+    expect_too_many(65537, 1000000, "2147516416 pairs on "); // 65537 * 65536 / 2
+}
+
+static void more_pairs_than_32_bits_count_are_counted(void **state)
+{
+    (void)state;
+    expect_too_many(92683, 1000000, "4295022903 pairs on "); // 92683 * 92682 / 2
+    expect_too_many(92683, 0, "pairs, more than the 4294967295 that one device can list");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(none_of_65537_objects_in_a_cell_is_missed),
+        cmocka_unit_test(more_pairs_than_31_bits_count_are_counted),
+        cmocka_unit_test(more_pairs_than_32_bits_count_are_counted),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}
