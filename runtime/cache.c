@@ -84,6 +84,14 @@ bool cache_get(const char *dir, const char key[65], text *binary)
     return found;
 }
 
+// A link, which may lead anywhere, makes room for the entry.
+static void remove_link(const char *path)
+{
+    struct stat info;
+    if (lstat(path, &info) == 0 && S_ISLNK(info.st_mode))
+        unlink(path);
+}
+
 bool cache_put(const char *dir, const char key[65], const char *bytes, size_t n)
 {
     text path = {0}, entry = {0};
@@ -91,6 +99,8 @@ bool cache_put(const char *dir, const char key[65], const char *bytes, size_t n)
     add_line(&entry, key, bytes, n);
     text_add_bytes(&entry, bytes, n);
     mkdir(dir, 0700);
+    if (!path.failed)
+        remove_link(path.chars);
     bool kept = !path.failed && !entry.failed &&
                 text_write_file(path.chars, entry.chars, entry.length, NULL);
     text_free(&path);
