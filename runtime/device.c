@@ -153,14 +153,17 @@ static bool make_queue(device *d, duet_error *err)
 bool device_open(device *d, const char *selector, duet_error *err)
 {
     *d = (device){0};
-    if (choose_id(d, selector, err) && make_queue(d, err))
+    if (choose_id(d, selector, err) && make_queue(d, err)) {
+        d->built = shelf_open();
         return true;
+    }
     device_close(d);
     return false;
 }
 
 void device_close(device *d)
 {
+    shelf_close(d->built);
     if (d->queue) {
         clReleaseCommandQueue(d->queue);
         device_object_gone();

@@ -8,6 +8,7 @@
 #define RUNTIME_DEVICE_H
 
 #include "runtime/duet.h"
+#include "runtime/shelf.h"
 
 #include <CL/cl.h>
 
@@ -17,6 +18,7 @@ typedef struct device {
     cl_command_queue queue; // in order, with profiling
     duet_device_info info;
     bool owns_part; // id is a part that we cut off
+    shelf *built;
 } device;
 
 // Opens what a selector names: "pocl:0", or units 2 to 3 of it: "pocl:0[2-3]".

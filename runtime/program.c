@@ -187,9 +187,13 @@ static program *find_or_build(program_set *set, const gen_variant *variant, duet
         error_set(err, DUET_NO_MEMORY, "no memory for the program %s", variant->name);
         return NULL;
     }
-    if (!build(set, p, variant, err)) {
-        free_program(p);
-        return NULL;
+    p->cl = shelf_take(set->device->built, variant->sha256);
+    if (!p->cl) {
+        if (!build(set, p, variant, err)) {
+            free_program(p);
+            return NULL;
+        }
+        shelf_put(set->device->built, variant->sha256, p->cl);
     }
     memcpy(p->sha256, variant->sha256, sizeof p->sha256);
     p->next = set->first;

@@ -210,8 +210,7 @@ static void threads_and_processes_may_share_a_folder(void **state)
 
 // ------------------------------------------------------- with a device
 
-// Builds a small kernel through the cache and says whether that worked.
-static void build_one(device *d)
+static void build_on(const device *d)
 {
     duet_error err = {0};
     gen *g = gen_open(NULL, &err);
@@ -221,6 +220,16 @@ static void build_one(device *d)
     assert_ok(program_set_kernel(set, "cell_start", "cell_start", NULL, 0, &err), err);
     program_set_close(set);
     gen_close(g);
+}
+
+// Builds a small kernel through the cache, as a program that begins does.
+static void build_one(void)
+{
+    duet_error err = {0};
+    device d;
+    assert_ok(device_open(&d, "pocl:0", &err), err);
+    build_on(&d);
+    device_close(&d);
 }
 
 // The one entry of the folder.
@@ -240,15 +249,13 @@ static void a_program_is_built_from_its_entry_or_else_again(void **state)
 {
     (void)state;
     duet_error err = {0};
-    device d;
-    assert_ok(device_open(&d, "pocl:0", &err), err);
     char path[160];
     text entry = {0}, again = {0};
-    build_one(&d);
+    build_one();
     only_entry(&entry, path, &err);
     struct stat before, after;
     assert_int_equal(stat(path, &before), 0);
-    build_one(&d);
+    build_one();
     assert_int_equal(stat(path, &after), 0);
     assert_int_equal(before.st_ino, after.st_ino); // not built and kept once more
 
@@ -259,15 +266,34 @@ static void a_program_is_built_from_its_entry_or_else_again(void **state)
     found_key[64] = '\0';
     memset(entry.chars + begin, 7, entry.length - begin);
     assert_true(cache_put(dir, found_key, entry.chars + begin, entry.length - begin));
-    build_one(&d);
+    build_one();
     only_entry(&again, path, &err);
     assert_int_not_equal(again.chars[begin], 7);
 
     assert_int_equal(chmod(path, 0), 0);
     assert_int_equal(chmod(dir, 0500), 0);
-    build_one(&d);
+    build_one();
     text_free(&entry);
     text_free(&again);
+    assert_int_equal(device_live_objects(), 0);
+}
+
+// On an open device a program is not even looked for in the folder again, nor
+// does it go with the world that had it built.
+static void a_device_keeps_what_was_built_last(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    device d;
+    char path[160];
+    text entry = {0};
+    assert_ok(device_open(&d, "pocl:0", &err), err);
+    build_on(&d);
+    only_entry(&entry, path, &err);
+    remove(path);
+    build_on(&d);
+    assert_int_not_equal(access(path, F_OK), 0);
+    text_free(&entry);
     device_close(&d);
     assert_int_equal(device_live_objects(), 0);
 }
@@ -285,6 +311,7 @@ int main(void)
         cmocka_unit_test(each_part_of_the_key_counts),
         IN_A_FOLDER(threads_and_processes_may_share_a_folder),
         IN_A_FOLDER(a_program_is_built_from_its_entry_or_else_again),
+        IN_A_FOLDER(a_device_keeps_what_was_built_last),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/shelf.h"
+
+#include "runtime/device.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+// More than a world and a motion with every effect have together.
+enum { PLACES = 64 };
+
+struct shelf {
+    pthread_mutex_t lock;
+    unsigned next; // whose turn it is to be replaced
+    struct {
+        char sha256[65];
+        cl_program program;
+    } places[PLACES];
+};
+
+static cl_program retained(cl_program program)
+{
+    clRetainProgram(program);
+    device_object_made();
+    return program;
+}
+
+static void release(cl_program program)
+{
+    if (!program)
+        return;
+    clReleaseProgram(program);
+    device_object_gone();
+}
+
+shelf *shelf_open(void)
+{
+    shelf *s = calloc(1, sizeof *s);
+    if (s)
+        pthread_mutex_init(&s->lock, NULL);
+    return s;
+}
+
+void shelf_close(shelf *s)
+{
+    for (int i = 0; s && i < PLACES; ++i)
+        release(s->places[i].program);
+    if (s)
+        pthread_mutex_destroy(&s->lock);
+    free(s);
+}
+
+cl_program shelf_take(shelf *s, const char sha256[65])
+{
+    cl_program found = NULL;
+    if (!s)
+        return NULL;
+    pthread_mutex_lock(&s->lock);
+    for (int i = 0; i < PLACES && !found; ++i)
+        if (s->places[i].program && strcmp(s->places[i].sha256, sha256) == 0)
+            found = retained(s->places[i].program);
+    pthread_mutex_unlock(&s->lock);
+    return found;
+}
+
+void shelf_put(shelf *s, const char sha256[65], cl_program program)
+{
+    if (!s)
+        return;
+    pthread_mutex_lock(&s->lock);
+    unsigned i = s->next++ % PLACES;
+    release(s->places[i].program);
+    memcpy(s->places[i].sha256, sha256, sizeof s->places[i].sha256);
+    s->places[i].program = retained(program);
+    pthread_mutex_unlock(&s->lock);
+}
