@@ -3,7 +3,7 @@
 --
 --   plot.draw("out/times", {
 --     title = "...", x = "objects", y = "ms", -- what the axes say
---     kind = "lines",                         -- or "bars", "stack"
+--     kind = "lines",                         -- or "bars", "stack", "map"
 --     log = "xy",                             -- axes in powers; "" without
 --     series = { { name = "A", points = { { 1000, 1.5 }, { 2000, 2.9 } } } },
 --   })
@@ -11,6 +11,10 @@
 -- A point is { x, y } or { x, y, low, high } with an interval. Bars and stacks
 -- take the first series' x as names, which may be of several lines. A series
 -- may have its style, "lines", "points" or "both", and its colour.
+--
+-- A kind "map" has no series but `columns` and `rows`, which are names, and
+-- values[row][column], a number or false; each cell is coloured by its number
+-- (by its logarithm where log has z) and says it, or what `nothing` says.
 
 local plot = {}
 
@@ -56,6 +60,18 @@ local function add_bars(lines, chart)
   add(lines, "EOD")
 end
 
+-- A line a cell: column, row, number, what is written in it.
+local function add_cells(lines, chart)
+  add(lines, "$map << EOD")
+  for row in ipairs(chart.rows) do
+    for column in ipairs(chart.columns) do
+      local value = chart.values[row][column]
+      add(lines, "%d %d %s %s", column - 1, row - 1, number(value or nil), quoted(value and ("%.4g"):format(value) or chart.nothing or ""))
+    end
+  end
+  add(lines, "EOD")
+end
+
 -- ------------------------------------------------------------------ commands
 
 local function has_intervals(chart)
@@ -92,7 +108,30 @@ local function line_parts(chart)
   return parts
 end
 
+local function map_parts()
+  return { "$map using 1:2:3 with image pixels", "$map using 1:2:4 with labels textcolor rgb '#222222'" }
+end
+
+local function named_tics(axis, names)
+  local tics = {}
+  for i, name in ipairs(names) do tics[i] = ("%s %d"):format(quoted(name), i - 1) end
+  return ("set %stics (%s)"):format(axis, table.concat(tics, ", "))
+end
+
+-- Cells from light to dark, so that the words in them can be read.
+local function add_map_style(lines, chart)
+  add(lines, "set title %s font ',14'\nset xlabel %s\nset ylabel %s", quoted(chart.title), quoted(chart.x), quoted(chart.y))
+  add(lines, named_tics("x", chart.columns))
+  add(lines, named_tics("y", chart.rows))
+  add(lines, "set tics scale 0\nset border 0\nunset key\nunset colorbox")
+  add(lines, "set xrange [-0.5:%g]\nset yrange [-0.5:%g]", #chart.columns - 0.5, #chart.rows - 0.5)
+  add(lines, "set object 1 rectangle from graph 0,0 to graph 1,1 behind fillcolor rgb '#d9d9d9' fillstyle solid noborder")
+  add(lines, "set palette defined (0 '#e8f4f0', 0.35 '#8fc9c0', 0.7 '#56a0c4', 1 '#e6a04a')")
+  if (chart.log or ""):find "z" then add(lines, "set logscale cb") end
+end
+
 local function add_style(lines, chart)
+  if chart.kind == "map" then return add_map_style(lines, chart) end
   add(lines, "set title %s font ',14'", quoted(chart.title))
   local _, breaks = tostring(chart.series[1].points[1][1]):gsub("\n", "") -- names may be of several lines
   add(lines, "set xlabel %s offset 0,%d\nset ylabel %s", quoted(chart.x), -breaks, quoted(chart.y))
@@ -117,13 +156,15 @@ end
 -- The whole text that gnuplot is given.
 function plot.script(path, chart)
   local lines = {}
-  if chart.kind == "lines" then
+  if chart.kind == "map" then
+    add_cells(lines, chart)
+  elseif chart.kind == "lines" then
     for i, series in ipairs(chart.series) do add_points(lines, i, series) end
   else
     add_bars(lines, chart)
   end
   add_style(lines, chart)
-  local parts = chart.kind == "lines" and line_parts(chart) or bar_parts(chart)
+  local parts = (chart.kind == "map" and map_parts or chart.kind == "lines" and line_parts or bar_parts)(chart)
   for _, form in ipairs {
     { "svg", "svg size 860,520 dynamic font 'sans,12' background rgb 'white'" },
     { "png", "pngcairo size 1290,780 font 'sans,14' background rgb 'white'" },
@@ -147,7 +188,7 @@ end
 
 -- true, or nil and a line that says why there is no picture.
 function plot.draw(path, chart)
-  for _, series in ipairs(chart.series) do
+  for _, series in ipairs(chart.series or {}) do
     if #series.points == 0 then return nil, path .. ": series '" .. series.name .. "' has no points" end
   end
   local script_path = os.tmpname()

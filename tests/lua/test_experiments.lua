@@ -108,6 +108,18 @@ facts.holds("the slow kernel and the fast one are shared alike", function()
   facts.equal(#check_files "slow_kernel", 6)
 end)
 
+facts.holds("a heavy box rests on a light one where substeps are enough for their ratio", function()
+  run("phase", "--seconds 1.4 --most 4 --finest 30")
+  local rows = check_files "phase"
+  facts.equal(#rows, 22) -- two dt's and eleven ratios
+  for _, row in ipairs(rows) do
+    facts.equal(row.holds, tonumber(row.substeps) > 0 and "yes" or "no")
+    local ratio = tonumber(row["mass ratio"])
+    if ratio == 1 then facts.equal(row.holds, "yes") end
+    if ratio >= 30000 then facts.equal(row.holds, "no") end
+  end
+end)
+
 facts.holds("a wrong option is refused with one line", function()
   for options, says in pairs {
     ["--size 3"] = "there is no option '--size'",
