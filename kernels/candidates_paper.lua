@@ -4,7 +4,14 @@ return {
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "IDS", values = { 0, 1 }, default = 0, about = "1: the candidates are the answer" },
+    { "CELLS_X", min = 0, max = 65536, default = 0, about = "cells along x that are compiled in; 0: read" },
+    { "CELLS_Y", min = 0, max = 65536, default = 0, about = "along y" },
+    { "CELLS_Z", min = 0, max = 65536, default = 0, about = "along z" },
     { "WG", values = { 1, 32, 64, 128, 256 }, default = 64, about = "work-items a group" },
   },
+  valid = function(p)
+    if (p.CELLS_X == 0) ~= (p.CELLS_Y == 0) or (p.CELLS_X == 0) ~= (p.CELLS_Z == 0) then return false, "CELLS_X, CELLS_Y and CELLS_Z go together" end
+    return true
+  end,
   launch = function(p) return { group = p.WG, per_item = 1 } end,
 }

@@ -17,6 +17,9 @@ return {
     { "JOINED", values = { 0, 1 }, default = function(limits) return limits.cpu and 0 or 1 end,
       about = "1: one loop over all ranges around a cell" },
     { "IDS", values = { 0, 1 }, default = 0, about = "what a pair names: 0 places in cell order, 1 ids" },
+    { "CELLS_X", min = 0, max = 65536, default = 0, about = "cells along x that are compiled in; 0: read" },
+    { "CELLS_Y", min = 0, max = 65536, default = 0, about = "along y" },
+    { "CELLS_Z", min = 0, max = 65536, default = 0, about = "along z" },
     { "WG", values = { 1, 32, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
       about = "work-items a group" },
     { "BUF", values = { 256, 512, 1024 }, default = 512, about = "pairs a group collects" },
@@ -28,6 +31,8 @@ return {
     if (p.SHAPE == 1 or p.ACCURACY == 1) and p.FUSED == 1 then return false, "bounds need no test" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
+    if (p.CELLS_X == 0) ~= (p.CELLS_Y == 0) or (p.CELLS_X == 0) ~= (p.CELLS_Z == 0) then return false, "CELLS_X, CELLS_Y and CELLS_Z go together" end
+    if p.CELLS_X > 0 and (p.GRID == 1 or p.LEVELS == 1) then return false, "CELLS_X is for dense grids of one size" end
     return true
   end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,

@@ -12,6 +12,9 @@ return {
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "ROOMY", values = { 0, 1 }, default = 0, about = "1: dense, one size, three cells or more along x and y" },
     { "LANES", values = { 8 }, default = 8, about = "objects side by side in a work-item" },
+    { "CELLS_X", min = 0, max = 65536, default = 0, about = "cells along x that are compiled in; 0: read" },
+    { "CELLS_Y", min = 0, max = 65536, default = 0, about = "along y" },
+    { "CELLS_Z", min = 0, max = 65536, default = 0, about = "along z" },
     { "WG", values = { 1 }, default = 1, about = "work-items a group" },
     { "AHEAD", values = { 0, 16, 32, 64 }, default = function(limits) return limits.cpu and 32 or 0 end,
       about = "objects asked for before they are needed" },
@@ -22,6 +25,8 @@ return {
     if p.ROOMY == 1 and (p.GRID == 1 or p.LEVELS == 1) then return false, "ROOMY is for dense grids of one size" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
+    if (p.CELLS_X == 0) ~= (p.CELLS_Y == 0) or (p.CELLS_X == 0) ~= (p.CELLS_Z == 0) then return false, "CELLS_X, CELLS_Y and CELLS_Z go together" end
+    if p.CELLS_X > 0 and (p.GRID == 1 or p.LEVELS == 1) then return false, "CELLS_X is for dense grids of one size" end
     return true
   end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,

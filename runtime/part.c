@@ -123,6 +123,15 @@ static duet_level level_of(const part_task *task)
     return differs ? task->level : DUET_LEVEL_CERTIFIED;
 }
 
+// The cells that kernels have compiled in, or none: a grid whose cells change is
+// read, so that objects that move never make the kernels be built again.
+static cl_int4 compiled_cells(const part *p, const part_task *task)
+{
+    bool fixed = p->variant.fixed && !task->cells_vary && task->grid.kind == GRID_DENSE &&
+                 task->grid.n_levels == 1;
+    return fixed ? task->grid.levels[0].cells : (cl_int4){{0}};
+}
+
 bool part_prepare(part *p, const char *variant_text, const part_task *task, duet_error *err)
 {
     if (!variant_parse(&p->variant, variant_text, &p->device->info, err))
@@ -145,6 +154,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
     bool poses = task->shape == DUET_SHAPE_POSES;
     duet_level level = level_of(task);
     bool tested = poses && level != DUET_LEVEL_AABB;
+    cl_int4 cells = compiled_cells(p, task);
     const choice choices[] = {
         {"DIMS", task->dims, false},
         {"SHAPE", task->shape, false},
@@ -156,6 +166,9 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         {"GRID", task->grid.kind, false},
         {"LEVELS", task->grid.n_levels > 1, false},
         {"ROOMY", grid_is_roomy(&task->grid, task->dims), false},
+        {"CELLS_X", cells.s[0], false},
+        {"CELLS_Y", cells.s[1], false},
+        {"CELLS_Z", cells.s[2], false},
         {"PACKED", task->packed, false},
         {"FROM_IDS", 1, counting && !task->shared},
         {"FUSED", tested && p->variant.fused, tested},

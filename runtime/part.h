@@ -23,6 +23,7 @@ typedef struct part_task {
     uint64_t objects_version; // changes with the objects' content
     grid grid;
     uint64_t grid_version; // changes with the grid
+    bool cells_vary;       // the grid had other cells before
     uint64_t max_pairs;
 } part_task;
 

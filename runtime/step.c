@@ -11,6 +11,7 @@
 #include "runtime/base/error.h"
 
 #include <math.h>
+#include <string.h>
 
 // Grids are fitted again where the number of objects has changed this much.
 enum { REFIT_FACTOR = 2 };
@@ -47,8 +48,11 @@ static bool fit_grid(duet_world *world, duet_error *err)
         wish.lower[k] = def->lower[k];
         wish.upper[k] = def->upper[k];
     }
+    const cl_int4 before = world->grid.levels[0].cells;
     if (!grid_fit(&world->grid, &needs, &wish, objects, def->shape, world->n, def->dims, err))
         return false;
+    const cl_int4 cells = world->grid.levels[0].cells;
+    world->cells_vary |= before.s[0] > 0 && memcmp(&before, &cells, sizeof cells) != 0;
     world->cell_widened = too_small;
     world->fitted = true;
     world->fitted_n = world->n;
@@ -78,6 +82,7 @@ static part_task describe_task(const duet_world *world)
         .objects_version = world->objects_version,
         .grid = world->grid,
         .grid_version = world->grid_version,
+        .cells_vary = world->cells_vary,
         .max_pairs = world->def.max_pairs,
     };
 }

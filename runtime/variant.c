@@ -72,6 +72,14 @@ static bool take_send(variant *v, const char *value, duet_error *err)
                      "variant: send=%s is not possible; right would be all or packed", value);
 }
 
+static bool take_cells(variant *v, const char *value, duet_error *err)
+{
+    v->fixed = strcmp(value, "fixed") == 0;
+    return v->fixed || strcmp(value, "free") == 0 ||
+           error_set(err, DUET_BAD_ARGUMENT,
+                     "variant: cells=%s is not possible; right would be free or fixed", value);
+}
+
 static bool take_setting(variant *v, char *word, duet_error *err)
 {
     char *equals = strchr(word, '=');
@@ -85,6 +93,8 @@ static bool take_setting(variant *v, char *word, duet_error *err)
         return take_grid(v, value, err);
     if (strcmp(word, "send") == 0)
         return take_send(v, value, err);
+    if (strcmp(word, "cells") == 0)
+        return take_cells(v, value, err);
     char *end = NULL;
     long long number = strtoll(value, &end, 0);
     if (*end)

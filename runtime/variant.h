@@ -6,7 +6,8 @@
 // shape that suits the device, lanes on a CPU and items elsewhere. sort is
 // counting or radix; grid is auto, uniform, dense or hashed; send is all or
 // packed (only what the device's slab needs, in mode slab: worth it where the
-// bus is slow, docs/performance.md). Every other NAME=V sets a parameter of each
+// bus is slow, docs/performance.md); cells is free or fixed (compiled in, for as
+// long as a dense grid's stay the same). Every other NAME=V sets a parameter of each
 // kernel whose card has it, or of one kernel as KERNEL.NAME=V.
 #ifndef RUNTIME_VARIANT_H
 #define RUNTIME_VARIANT_H
@@ -32,6 +33,7 @@ typedef struct variant {
     variant_search search;
     variant_sort sort;
     variant_grid grid;
+    bool fixed;  // the grid's cells are compiled in
     bool packed; // a device with memory of its own is sent only its slab's objects
     bool fused;  // candidates are tested where they are found, unless it is set otherwise
     struct {

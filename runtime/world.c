@@ -168,13 +168,21 @@ void duet_world_destroy(duet_world *world)
     free(world);
 }
 
+// The next step fits another one, which is no change of this one.
+static void forget_grid(duet_world *world)
+{
+    world->fitted = world->cells_vary = false;
+    world->grid = (grid){0};
+}
+
 bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err)
 {
     grid_wish wish;
     if (!check_plan(&wish, plan, world->def.pair, err))
         return false;
-    world->fitted &= wish.uniform == world->wish.uniform && wish.dense == world->wish.dense &&
-                     wish.hashed == world->wish.hashed;
+    if (wish.uniform != world->wish.uniform || wish.dense != world->wish.dense ||
+        wish.hashed != world->wish.hashed)
+        forget_grid(world);
     world->wish = wish;
     if ((plan->mode == DUET_MODE_SHARED) != (world->def.plan.mode == DUET_MODE_SHARED))
         world->prepared[0] = world->prepared[1] = false;
@@ -256,7 +264,7 @@ bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error
     if (info->dims != world->def.dims)
         return error_set(err, DUET_BAD_ARGUMENT, "the scene %s has %u dimensions, the world %u",
                          info->name, info->dims, world->def.dims);
-    world->fitted = false;
+    forget_grid(world);
     return info->shape == DUET_SHAPE_POSES
                ? duet_world_set_poses(world, duet_scene_poses(scene), info->n, err)
                : duet_world_set_bounds(world, duet_scene_bounds(scene), info->n, err);

@@ -24,7 +24,8 @@ struct duet_world {
     grid_wish wish; // of the plan
     grid grid;
     uint64_t grid_version;
-    split split; // of these objects, where slabs are searched
+    bool cells_vary; // with the objects: the plan's grid had other cells before
+    split split;     // of these objects, where slabs are searched
     bool split_stale;
     bool cell_widened;
     duet_stage stages[2 * TIMELINE_STAGES]; // of the last step

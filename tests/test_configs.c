@@ -128,6 +128,7 @@ typedef struct scene {
     bool rotated;
     duet_level level;
     bool hashed, levels, roomy, packed;
+    bool fixed; // its cells are compiled in
     uint32_t n;
     duet_pose poses[OBJECTS];
     duet_bounds bounds[OBJECTS];
@@ -178,6 +179,7 @@ static void make_scene(scene *s, const config *c, rng *r)
     s->shape = (duet_shape)value_of(c, "SHAPE", bounds);
     s->rotated = s->shape == DUET_SHAPE_POSES && value_of(c, "ROTATED", rng_below(r, 2));
     s->roomy = value_of(c, "ROOMY", s->hashed || s->levels || rng_below(r, 4));
+    s->fixed = !s->hashed && !s->levels && !s->packed && rng_below(r, 2);
     s->n = s->packed ? OBJECTS : s->levels ? FEW : 1 + rng_below(r, FEW);
     fill(s, r);
 }
@@ -229,6 +231,9 @@ static void write_variant(char *words, size_t room, const config *c, const scene
         text_add(&t, " grid=%s", s->hashed ? "hashed" : s->levels ? "dense" : "uniform");
     for (uint32_t i = 0; i < c->n; ++i)
         add_setting(&t, c, i);
+    static const char fixed[] = " cells=fixed";
+    if (s->fixed && t.length + sizeof fixed <= room)
+        text_add(&t, "%s", fixed);
     assert_true(t.length < room);
     memcpy(words, t.chars, t.length + 1);
     text_free(&t);

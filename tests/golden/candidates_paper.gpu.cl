@@ -1,6 +1,9 @@
 // candidates_paper.DIMS3.IDS0.WG64
 #define DIMS 3
 #define IDS 0
+#define CELLS_X 0
+#define CELLS_Y 0
+#define CELLS_Z 0
 #define WG 64
 #line 1 "kernels/common.clh"
 #line 1 "kernels/candidates_paper.cl"
@@ -13,6 +16,7 @@
 //   ids    [n]       objects in that order
 //   starts [n_own_cells] first of each cell from key_from, or NONE
 //   boxes  [n][2]    bounds by id
+//   cells            along each axis; not read where CELLS_X compiles them in
 //   found  [room]    pairs of ids; the answer itself with IDS
 #define NONE 0xffffffffu
 
@@ -78,6 +82,9 @@ __kernel void candidates_paper(__global const uint *restrict keys, __global cons
                                int4 cells, uint key_from, uint n_home_cells, uint n_own_cells,
                                __global uint2 *restrict found, uint room, volatile __global uint *restrict counters)
 {
+#if CELLS_X
+    cells = (int4)(CELLS_X, CELLS_Y, CELLS_Z, 0);
+#endif
     volatile __global uint *counter = counters + (IDS ? COUNT_PAIRS : COUNT_CANDIDATES);
     uint end = min(cell_begin(keys, starts, last, n, n_own_cells), n);
     uint i = cell_begin(keys, starts, first, n, n_own_cells) + get_global_id(0);

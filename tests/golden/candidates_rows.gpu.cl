@@ -10,6 +10,9 @@
 #define FUSED 0
 #define JOINED 1
 #define IDS 0
+#define CELLS_X 0
+#define CELLS_Y 0
+#define CELLS_Z 0
 #define WG 128
 #define BUF 512
 #define PER_ITEM 1
@@ -257,108 +260,109 @@ static inline void search_level(pair_sink *sink, const sorted *in, const seeker 
     set_centre(in, me->place, centre);
     cell_of(centre, grid, cell);
     uint x = cell[0], y = cell[1], z = cell[2];
-    uint nx = (uint)grid->cells.x, ny = (uint)grid->cells.y, nz = (uint)grid->cells.z;
+    int4 n = cells_of(grid);
+    uint nx = (uint)n.x, ny = (uint)n.y, nz = (uint)n.z;
     uint left = x > 0 ? x - 1 : 0, right = x + 1 < nx ? x + 1 : x;
 #if GRID == GRID_HASHED
     row cells = {level, y, z, x, right};
     search_own_row(sink, in, me, &cells);
     cells.left = left;
-#line 244 "kernels/candidates_rows.cl.in"
+#line 245 "kernels/candidates_rows.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
         cells.z = z;
         search_row(sink, in, me, &cells);
     }
-#line 244 "kernels/candidates_rows.cl.in"
+#line 245 "kernels/candidates_rows.cl.in"
     if (y > 0 && z + 1 < nz) {
         cells.y = y - 1;
         cells.z = z + 1;
         search_row(sink, in, me, &cells);
     }
-#line 244 "kernels/candidates_rows.cl.in"
+#line 245 "kernels/candidates_rows.cl.in"
     if (z + 1 < nz) {
         cells.y = y;
         cells.z = z + 1;
         search_row(sink, in, me, &cells);
     }
-#line 244 "kernels/candidates_rows.cl.in"
+#line 245 "kernels/candidates_rows.cl.in"
     if (y + 1 < ny && z + 1 < nz) {
         cells.y = y + 1;
         cells.z = z + 1;
         search_row(sink, in, me, &cells);
     }
-#line 250 "kernels/candidates_rows.cl.in"
+#line 251 "kernels/candidates_rows.cl.in"
 #else
     // All look-ups are under way before the first range is searched.
     uint key = row_key(y, z, grid, level) - in->key_from;
     uint from_0 = me->place + 1, to_0 = in->starts[key + right + 1];
-#line 256 "kernels/candidates_rows.cl.in"
+#line 257 "kernels/candidates_rows.cl.in"
     uint from_1 = 0, to_1 = 0;
     if (y + 1 < ny) {
         key = row_key(y + 1, z, grid, level) - in->key_from;
         from_1 = in->starts[key + left];
         to_1 = in->starts[key + right + 1];
     }
-#line 256 "kernels/candidates_rows.cl.in"
+#line 257 "kernels/candidates_rows.cl.in"
     uint from_2 = 0, to_2 = 0;
     if (y > 0 && z + 1 < nz) {
         key = row_key(y - 1, z + 1, grid, level) - in->key_from;
         from_2 = in->starts[key + left];
         to_2 = in->starts[key + right + 1];
     }
-#line 256 "kernels/candidates_rows.cl.in"
+#line 257 "kernels/candidates_rows.cl.in"
     uint from_3 = 0, to_3 = 0;
     if (z + 1 < nz) {
         key = row_key(y, z + 1, grid, level) - in->key_from;
         from_3 = in->starts[key + left];
         to_3 = in->starts[key + right + 1];
     }
-#line 256 "kernels/candidates_rows.cl.in"
+#line 257 "kernels/candidates_rows.cl.in"
     uint from_4 = 0, to_4 = 0;
     if (y + 1 < ny && z + 1 < nz) {
         key = row_key(y + 1, z + 1, grid, level) - in->key_from;
         from_4 = in->starts[key + left];
         to_4 = in->starts[key + right + 1];
     }
-#line 263 "kernels/candidates_rows.cl.in"
+#line 264 "kernels/candidates_rows.cl.in"
 #if JOINED
     // One loop over all ranges: lanes that run in step wait for the longest sum,
     // not for the longest of each.
     uint shift_0 = from_0, end_0 = to_0 - from_0;
-#line 268 "kernels/candidates_rows.cl.in"
+#line 269 "kernels/candidates_rows.cl.in"
     uint shift_1 = from_1 - end_0, end_1 = end_0 + to_1 - from_1;
-#line 268 "kernels/candidates_rows.cl.in"
+#line 269 "kernels/candidates_rows.cl.in"
     uint shift_2 = from_2 - end_1, end_2 = end_1 + to_2 - from_2;
-#line 268 "kernels/candidates_rows.cl.in"
+#line 269 "kernels/candidates_rows.cl.in"
     uint shift_3 = from_3 - end_2, end_3 = end_2 + to_3 - from_3;
-#line 268 "kernels/candidates_rows.cl.in"
+#line 269 "kernels/candidates_rows.cl.in"
     uint shift_4 = from_4 - end_3, end_4 = end_3 + to_4 - from_4;
-#line 270 "kernels/candidates_rows.cl.in"
+#line 271 "kernels/candidates_rows.cl.in"
     for (uint k = 0; k < end_4; ++k) {
         uint shift = shift_0;
-#line 273 "kernels/candidates_rows.cl.in"
+#line 274 "kernels/candidates_rows.cl.in"
         shift = k >= end_0 ? shift_1 : shift;
-#line 273 "kernels/candidates_rows.cl.in"
+#line 274 "kernels/candidates_rows.cl.in"
         shift = k >= end_1 ? shift_2 : shift;
-#line 273 "kernels/candidates_rows.cl.in"
+#line 274 "kernels/candidates_rows.cl.in"
         shift = k >= end_2 ? shift_3 : shift;
-#line 273 "kernels/candidates_rows.cl.in"
+#line 274 "kernels/candidates_rows.cl.in"
         shift = k >= end_3 ? shift_4 : shift;
-#line 275 "kernels/candidates_rows.cl.in"
+#line 276 "kernels/candidates_rows.cl.in"
         search_range(sink, in, me, 0, k + shift, k + shift + 1);
     }
 #else
-#line 279 "kernels/candidates_rows.cl.in"
+#line 280 "kernels/candidates_rows.cl.in"
     search_range(sink, in, me, 0, from_0, to_0);
-#line 279 "kernels/candidates_rows.cl.in"
+#line 280 "kernels/candidates_rows.cl.in"
     search_range(sink, in, me, 0, from_1, to_1);
-#line 279 "kernels/candidates_rows.cl.in"
+#line 280 "kernels/candidates_rows.cl.in"
     search_range(sink, in, me, 0, from_2, to_2);
-#line 279 "kernels/candidates_rows.cl.in"
+#line 280 "kernels/candidates_rows.cl.in"
     search_range(sink, in, me, 0, from_3, to_3);
-#line 279 "kernels/candidates_rows.cl.in"
+#line 280 "kernels/candidates_rows.cl.in"
     search_range(sink, in, me, 0, from_4, to_4);
-#line 281 "kernels/candidates_rows.cl.in"
+#line 282 "kernels/candidates_rows.cl.in"
 #endif
 #endif
 }

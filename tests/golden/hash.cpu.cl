@@ -8,6 +8,9 @@
 #define PACKED 0
 #define LANES 8
 #define BATCH 64
+#define CELLS_X 0
+#define CELLS_Y 0
+#define CELLS_Z 0
 #define WG 1
 #define PER_ITEM 1024
 #line 1 "kernels/common.clh"

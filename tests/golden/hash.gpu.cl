@@ -8,6 +8,9 @@
 #define PACKED 0
 #define LANES 1
 #define BATCH 1
+#define CELLS_X 0
+#define CELLS_Y 0
+#define CELLS_Z 0
 #define WG 256
 #define PER_ITEM 1
 #line 1 "kernels/common.clh"

@@ -7,6 +7,9 @@
 #define LEVELS 0
 #define ROOMY 0
 #define LANES 8
+#define CELLS_X 0
+#define CELLS_Y 0
+#define CELLS_Z 0
 #define WG 1
 #define AHEAD 32
 #define PER_ITEM 1024
