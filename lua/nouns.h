@@ -22,6 +22,7 @@ void online_open_lua(lua_State *L);
 void motion_open_lua(lua_State *L);
 void source_open_lua(lua_State *L);
 void level_open_lua(lua_State *L);
+void profiles_open_lua(lua_State *L);
 void test_open_lua(lua_State *L);
 void carried_open_lua(lua_State *L);
 
@@ -56,8 +57,9 @@ typedef struct world_box {
 
 world_box *world_check(lua_State *L, int index);
 
-// The methods world:load_profile and :online; with the world's other methods.
+// The methods world:load_profile, :explain_profile and :online; with the world's other methods.
 int world_load_profile_lua(lua_State *L);
+int world_explain_profile_lua(lua_State *L);
 int world_online_lua(lua_State *L);
 
 duet_scene *scene_check(lua_State *L, int index);

@@ -90,6 +90,24 @@ bool profile_export(store *s, FILE *out, duet_error *err)
            error_set(err, DUET_IO_FAILED, "the export cannot be written: %s", strerror(errno));
 }
 
+// Beside its place and renamed there, so that no one ever sees half of it.
+bool profile_export_file(store *s, const char *path, duet_error *err)
+{
+    text beside = {0};
+    text_add(&beside, "%s.part", path);
+    FILE *out = text_ok(&beside, err) ? fopen(text_chars(&beside), "w") : NULL;
+    bool ok = out && profile_export(s, out, err);
+    bool closed = !out || fclose(out) == 0;
+    ok = ok && closed && rename(text_chars(&beside), path) == 0;
+    if (!ok) {
+        error_set(err, DUET_IO_FAILED, "%s: cannot be written: %s", path, strerror(errno));
+        if (out)
+            remove(text_chars(&beside));
+    }
+    text_free(&beside);
+    return ok;
+}
+
 // ------------------------------------------------------------------------------ in
 
 typedef struct import {

@@ -293,6 +293,11 @@ typedef struct duet_profile {
 DUET_API bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *profile,
                                       duet_error *err);
 
+// Why: a line for each ground that was looked for, from the best down, and what
+// came of it. The caller frees *why with duet_free. The world stays as it is.
+DUET_API bool duet_world_explain_profile(duet_world *world, const char *path, char **why,
+                                         duet_error *err);
+
 // ---------------------------------------------------------------- results
 
 // Where a step's time went: one kernel or transfer on one device.

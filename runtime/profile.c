@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What an application does at its start: finds the plan that was measured for
 // such objects on such devices, and gives it to its world.
+#define _POSIX_C_SOURCE 200809L // strdup
 #include "runtime/profiled.h"
 
 #include "runtime/base/error.h"
@@ -16,7 +17,7 @@ const char *duet_grade_name(duet_grade grade)
     return (unsigned)grade <= DUET_GRADE_DEFAULT ? profile_grade_name((profile_grade)grade) : NULL;
 }
 
-static bool look(const char *path, const profile_request *request, profile_found *found,
+static bool look(const char *path, const profile_request *request, profile_found *found, text *why,
                  duet_error *err)
 {
     text user = {0};
@@ -26,7 +27,7 @@ static bool look(const char *path, const profile_request *request, profile_found
     if (!path && store_user_path(&user, NULL))
         first = text_chars(&user);
     const char *second = !path && store_system_path(&system) ? text_chars(&system) : NULL;
-    bool ok = profile_lookup_files(first, second, request, found, NULL, err);
+    bool ok = profile_lookup_files(first, second, request, found, why, err);
     text_free(&user);
     text_free(&system);
     return ok;
@@ -64,6 +65,23 @@ bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *
     if (!profiled_world(world, &asked, err))
         return false;
     profile_request request = profiled_request(&asked);
-    bool ok = look(path, &request, &found, err);
+    bool ok = look(path, &request, &found, NULL, err);
     return use(world, &found, profile, err) && ok;
+}
+
+bool duet_world_explain_profile(duet_world *world, const char *path, char **why, duet_error *err)
+{
+    if (!world || !why)
+        return error_set(err, DUET_BAD_ARGUMENT, "a profile is explained for a world, as a text");
+    profiled asked;
+    profile_found found;
+    text lines = {0};
+    *why = NULL;
+    if (!profiled_world(world, &asked, err))
+        return false;
+    profile_request request = profiled_request(&asked);
+    bool ok = look(path, &request, &found, &lines, err) && text_ok(&lines, err);
+    *why = ok ? strdup(text_chars(&lines)) : NULL;
+    text_free(&lines);
+    return ok && (*why || error_set(err, DUET_NO_MEMORY, "the grounds of a profile: no memory"));
 }

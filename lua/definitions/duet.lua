@@ -42,6 +42,57 @@ local Plan = {}
 ---@field verdict string "faster", "same", "slower", "ambiguous"; empty where nothing is known
 local Profile = {}
 
+--- A table: one profile of a store.
+---@class duet.StoredProfile
+---@field a duet.StoredDevice
+---@field b duet.StoredDevice
+---@field dims integer
+---@field false_rate number
+---@field gain number over the best single device: 0.25 is a quarter faster
+---@field gain_high number
+---@field gain_low number
+---@field high_ms number
+---@field level string of accuracy
+---@field low_ms number its interval
+---@field measured_s integer since 1970, UTC
+---@field missed_rate number of the pairs that collide
+---@field mode string
+---@field objects integer
+---@field origin string "measured", "online" or "manual"
+---@field replaced string why it serves no more; empty: it is live
+---@field scene string empty: not known
+---@field session string empty: put in by hand
+---@field share number A's part, 0 to 1
+---@field step_ms number the median
+---@field uid string its first digits name it
+---@field variant_a string
+---@field variant_b string
+---@field verdict string "faster", "same", "slower", "ambiguous"
+local StoredProfile = {}
+
+--- A table: a device as a store knows it.
+---@class duet.StoredDevice
+---@field driver string
+---@field name string
+---@field part string "0-3" of a CPU; empty: the whole device
+local StoredDevice = {}
+
+--- A table: a plan that was measured on the way to a profile.
+---@class duet.StoredTrial
+---@field a_ms number A's part of it
+---@field b_ms number and B's
+---@field high_ms number
+---@field low_ms number its interval
+---@field mode string
+---@field outcome string "ok", "build", "launch", "wrong", "timeout" or "pruned"
+---@field reason string where not ok
+---@field samples integer
+---@field share number A's part, 0 to 1
+---@field step_ms number the median; 0 unless ok, as those below
+---@field variant_a string
+---@field variant_b string
+local StoredTrial = {}
+
 --- A table: one kernel or transfer of a step.
 ---@class duet.Stage
 ---@field device "A"|"B"
@@ -632,6 +683,13 @@ function Verdicts:set(place, ...) end
 --- Gives the devices' memory back.
 function World:close() end
 
+--- Why a store of profiles has what it has for the objects: a line for each ground, from the best down.
+---@param path? string
+---@return string?
+---@return string? message
+---@return string? status
+function World:explain_profile(path) end
+
 --- Takes the best plan that a store of profiles knows for the objects; the user's store without a path.
 ---@param path? string
 ---@return duet.Profile?
@@ -737,10 +795,26 @@ function duet.devices() end
 ---@return string[]
 function duet.effects() end
 
+--- Writes all rows of a store to a file, as JSON lines.
+---@param file string
+---@param path? string
+---@return true?
+---@return string? message
+---@return string? status
+function duet.export_profiles(file, path) end
+
 --- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
 ---@param from integer|string|any[]
 ---@return duet.Gaps
 function duet.gaps(from) end
+
+--- Takes such a file's rows in, all or none: how many were added, and how many known.
+---@param file string
+---@param path? string
+---@return integer, integer?
+---@return string? message
+---@return string? status
+function duet.import_profiles(file, path) end
 
 --- The kernels, and what their cards let vary on a device of these limits.
 ---@param limits? { max_group?: integer, local_bytes?: integer, fp64?: boolean, cpu?: boolean }
@@ -773,6 +847,22 @@ function duet.pairs(from) end
 ---@param from integer|string|any[]
 ---@return duet.Poses
 function duet.poses(from) end
+
+--- The trials of the profile that is named by its uid's first digits.
+---@param uid string
+---@param path? string
+---@return duet.StoredTrial[]?
+---@return string? message
+---@return string? status
+function duet.profile_trials(uid, path) end
+
+--- The profiles of a store, the user's without a path; those that were replaced come last.
+---@param path? string
+---@param replaced_too? boolean
+---@return duet.StoredProfile[]?
+---@return string? message
+---@return string? status
+function duet.profiles(path, replaced_too) end
 
 --- Loads a scene from a file, with settings for a Lua scene; or copies rows, with dims 2 or 3.
 ---@param from string|duet.Poses|duet.Bounds

@@ -78,28 +78,10 @@ static const command_line export_line = {
     .options = export_options,
 };
 
-// Beside its place and renamed there, so that no one ever sees half of it.
-static bool export_to(store *s, const char *path, duet_error *err)
-{
-    text beside = {0};
-    text_add(&beside, "%s.part", path);
-    FILE *out = text_ok(&beside, err) ? fopen(text_chars(&beside), "w") : NULL;
-    bool ok = out && profile_export(s, out, err);
-    bool closed = !out || fclose(out) == 0;
-    ok = ok && closed && rename(text_chars(&beside), path) == 0;
-    if (!ok) {
-        error_set(err, DUET_IO_FAILED, "%s: cannot be written: %s", path, strerror(errno));
-        if (out)
-            remove(text_chars(&beside));
-    }
-    text_free(&beside);
-    return ok;
-}
-
 static bool export_rows(store *s, const arguments *args, const char *path, duet_error *err)
 {
     (void)args;
-    return path ? export_to(s, path, err) : profile_export(s, stdout, err);
+    return path ? profile_export_file(s, path, err) : profile_export(s, stdout, err);
 }
 
 static int run_export(int argc, char **argv)

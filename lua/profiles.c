@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+// What is in a store of profiles: duet.profiles and what goes with it.
+#include "lua/nouns.h"
+#include "lua/policy.h"
+#include "profiles/duet_profiles.h"
+
+static const member device_parts[] = {
+    MEMBER(member_chars, duet_stored_device, name),
+    MEMBER(member_chars, duet_stored_device, part),
+    MEMBER(member_chars, duet_stored_device, driver),
+    {0},
+};
+
+static void push_device(lua_State *L, const member *m, const void *at)
+{
+    (void)m;
+    member_push_table(L, device_parts, at);
+}
+
+static const member_type member_device = {.push = push_device};
+
+static const member profile_members[] = {
+    MEMBER(member_chars, duet_stored_profile, uid),
+    MEMBER(member_chars, duet_stored_profile, replaced),
+    MEMBER(member_chars, duet_stored_profile, scene),
+    MEMBER(member_count, duet_stored_profile, dims),
+    MEMBER(member_count, duet_stored_profile, objects),
+    MEMBER(member_device, duet_stored_profile, a),
+    MEMBER(member_device, duet_stored_profile, b),
+    MEMBER(member_share, duet_stored_profile, share),
+    MEMBER(member_chars, duet_stored_profile, mode),
+    MEMBER(member_chars, duet_stored_profile, variant_a),
+    MEMBER(member_chars, duet_stored_profile, variant_b),
+    MEMBER(member_chars, duet_stored_profile, level),
+    MEMBER(member_double, duet_stored_profile, step_ms),
+    MEMBER(member_double, duet_stored_profile, low_ms),
+    MEMBER(member_double, duet_stored_profile, high_ms),
+    MEMBER(member_double, duet_stored_profile, gain),
+    MEMBER(member_double, duet_stored_profile, gain_low),
+    MEMBER(member_double, duet_stored_profile, gain_high),
+    MEMBER(member_chars, duet_stored_profile, verdict),
+    MEMBER(member_double, duet_stored_profile, missed_rate),
+    MEMBER(member_double, duet_stored_profile, false_rate),
+    MEMBER(member_chars, duet_stored_profile, origin),
+    MEMBER(member_chars, duet_stored_profile, session),
+    MEMBER(member_int, duet_stored_profile, measured_s),
+    {0},
+};
+
+static const member trial_members[] = {
+    MEMBER(member_share, duet_stored_trial, share),
+    MEMBER(member_chars, duet_stored_trial, mode),
+    MEMBER(member_chars, duet_stored_trial, variant_a),
+    MEMBER(member_chars, duet_stored_trial, variant_b),
+    MEMBER(member_count, duet_stored_trial, samples),
+    MEMBER(member_double, duet_stored_trial, step_ms),
+    MEMBER(member_double, duet_stored_trial, low_ms),
+    MEMBER(member_double, duet_stored_trial, high_ms),
+    MEMBER(member_double, duet_stored_trial, a_ms),
+    MEMBER(member_double, duet_stored_trial, b_ms),
+    MEMBER(member_chars, duet_stored_trial, outcome),
+    MEMBER(member_chars, duet_stored_trial, reason),
+    {0},
+};
+
+// A store to read; nil is the user's.
+static const char *check_store(lua_State *L, int index)
+{
+    const char *path = luaL_optstring(L, index, NULL);
+    if (path)
+        policy_check_read(L, path);
+    return path;
+}
+
+// These userdata are only there to be collected where an error is raised.
+static int list_close(lua_State *L)
+{
+    duet_profile_list **list = luaL_checkudata(L, 1, "duet.profile_list");
+    duet_profile_list_close(*list);
+    *list = NULL;
+    return 0;
+}
+
+static const luaL_Reg list_methods[] = {{"close", list_close}, {NULL, NULL}};
+static const lua_class list_class = {.name = "duet.profile_list", .methods = list_methods};
+
+static int memory_close(lua_State *L)
+{
+    void **memory = luaL_checkudata(L, 1, "duet.memory");
+    duet_free(*memory);
+    *memory = NULL;
+    return 0;
+}
+
+static const luaL_Reg memory_methods[] = {{"close", memory_close}, {NULL, NULL}};
+static const lua_class memory_class = {.name = "duet.memory", .methods = memory_methods};
+
+// duet.profiles(path, replaced_too)
+static int profiles(lua_State *L)
+{
+    duet_error err = {0};
+    const char *path = check_store(L, 1);
+    bool replaced_too = lua_toboolean(L, 2);
+    duet_profile_list **list = class_push(L, &list_class, sizeof(duet_profile_list *));
+    *list = duet_profile_list_open(path, replaced_too, &err);
+    if (!*list)
+        return class_push_failure(L, &err);
+    lua_newtable(L);
+    for (uint32_t i = 0; i < duet_profile_list_count(*list); ++i) {
+        member_push_table(L, profile_members, duet_profile_list_at(*list, i));
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    }
+    return 1;
+}
+
+// duet.profile_trials(uid, path)
+static int profile_trials(lua_State *L)
+{
+    duet_error err = {0};
+    duet_stored_trial *trials = NULL;
+    uint32_t n = 0;
+    const char *uid = luaL_checkstring(L, 1);
+    const char *path = check_store(L, 2);
+    void **memory = class_push(L, &memory_class, sizeof(void *));
+    if (!duet_profile_trials(path, uid, &trials, &n, &err))
+        return class_push_failure(L, &err);
+    *memory = trials;
+    lua_newtable(L);
+    for (uint32_t i = 0; i < n; ++i) {
+        member_push_table(L, trial_members, &trials[i]);
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    }
+    return 1;
+}
+
+// duet.export_profiles(file, path)
+static int export_profiles(lua_State *L)
+{
+    duet_error err = {0};
+    const char *file = luaL_checkstring(L, 1);
+    const char *path = luaL_optstring(L, 2, NULL);
+    policy_check_trusted(L, "duet.export_profiles");
+    return class_push_done(L, duet_profiles_export(path, file, &err), &err);
+}
+
+// duet.import_profiles(file, path) -> added, known
+static int import_profiles(lua_State *L)
+{
+    duet_error err = {0};
+    duet_import_counts counts = {0};
+    const char *file = luaL_checkstring(L, 1);
+    const char *path = luaL_optstring(L, 2, NULL);
+    policy_check_trusted(L, "duet.import_profiles");
+    if (!duet_profiles_import(path, file, &counts, &err))
+        return class_push_failure(L, &err);
+    lua_pushinteger(L, (lua_Integer)counts.added);
+    lua_pushinteger(L, (lua_Integer)counts.known);
+    return 2;
+}
+
+// world:explain_profile(path)
+int world_explain_profile_lua(lua_State *L)
+{
+    duet_error err = {0};
+    char *why = NULL;
+    world_box *box = world_check(L, 1);
+    const char *path = check_store(L, 2);
+    void **memory = class_push(L, &memory_class, sizeof(void *));
+    if (!duet_world_explain_profile(box->world, path, &why, &err))
+        return class_push_failure(L, &err);
+    *memory = why;
+    lua_pushstring(L, why);
+    return 1;
+}
+
+void profiles_open_lua(lua_State *L)
+{
+    static const luaL_Reg functions[] = {{"profiles", profiles},
+                                         {"profile_trials", profile_trials},
+                                         {"export_profiles", export_profiles},
+                                         {"import_profiles", import_profiles},
+                                         {NULL, NULL}};
+    class_open(L, &list_class);
+    class_open(L, &memory_class);
+    luaL_setfuncs(L, functions, 0);
+}
