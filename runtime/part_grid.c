@@ -56,12 +56,11 @@ static bool run_hash(part *p, const part_task *task, const part_range *range, du
     const grid *g = &task->grid;
     kernel_arg args[13] = {ARG_BUFFER(p->objects), ARG(task->n)};
     uint32_t n_args = 2;
-    if (p->kernels.packed) {
+    if (p->kernels.packed)
         args[n_args++] = ARG_BUFFER(p->names);
-        args[n_args++] = ARG(p->packed.n_homes);
-    }
-    const kernel_arg keys[] = {ARG_BUFFER(p->levels), ARG(g->n_levels),   ARG(g->n_cells),
-                               ARG(range->key_from),  ARG(range->key_to), ARG_BUFFER(p->keys)};
+    const kernel_arg keys[] = {ARG_BUFFER(p->levels), ARG(g->n_levels),    ARG(g->n_cells),
+                               ARG(range->key_from),  ARG(range->home_to), ARG(range->key_to),
+                               ARG_BUFFER(p->keys)};
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i)
         args[n_args++] = keys[i];
     if (p->variant.sort == SORT_COUNTING) {

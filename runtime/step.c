@@ -295,19 +295,20 @@ static uint32_t smallest(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
-// A part sees all objects, or none, or where they are packed those that the
-// other does not.
-static uint32_t count_bad(const part *a, const part *b)
+// A part reports the bad objects of its home: slabs have no home in common, whole
+// grids are each other's.
+static uint32_t count_bad(const duet_world *world)
 {
-    return a->kernels.packed && b->kernels.packed ? part_bad(a) + part_bad(b)
-                                                  : largest(part_bad(a), part_bad(b));
+    uint32_t a = part_bad(&world->parts[0]);
+    uint32_t b = part_bad(&world->parts[1]);
+    return world->def.plan.mode == DUET_MODE_SLAB ? a + b : largest(a, b);
 }
 
 static bool check_bad(const duet_world *world, duet_error *err)
 {
     const part *a = &world->parts[0];
     const part *b = &world->parts[1];
-    uint32_t bad = count_bad(a, b);
+    uint32_t bad = count_bad(world);
     if (bad == 0 || world->def.keep_bad)
         return true;
     return error_set(err, DUET_BAD_OBJECT,
@@ -325,7 +326,7 @@ static void fill_result(duet_world *world, duet_result *result)
 {
     const part *a = &world->parts[0];
     const part *b = &world->parts[1];
-    uint32_t bad = count_bad(a, b);
+    uint32_t bad = count_bad(world);
     const grid_level *finest = &world->grid.levels[0];
     *result = (duet_result){
         .objects = world->n,

@@ -23,97 +23,129 @@
 // that came to the cell before it, for the counting sort.
 //
 // Only keys from key_from to key_to are of interest, the others' objects belong
-// to the other device; keys are written relative to key_from.
+// to the other device; keys are written relative to key_from. Bad objects are
+// reported by the device in whose keys, up to key_home_to, they would be: each
+// object by one.
 //
 //   objects  [n]  poses or bounds
-//   names    [n]  their ids; the bad ones among the first n_homes are this
-//                 device's to report (PACKED)
+//   names    [n]  their ids, where they are not all (PACKED)
 //   levels   [n_levels]
 //   keys     [n]  NOWHERE for an object that is bad or elsewhere
 //   counts   [key_to - key_from] zeroed before; objects a cell (RANK)
 //   ranks    [n]  (RANK)
 //
 // BATCH keys are known before the first is counted, so that a CPU can ask for
-// all their counts at once: they lie all over the grid.
+// all their counts at once: they lie all over the grid. What is not in the grid
+// is passed over without a branch: in a slab that is any half of the objects.
 typedef struct {
-    volatile __global uint *counters;
+    __global const float *objects;
 #if PACKED
     __global const uint *names;
-    uint n_homes;
 #endif
-} reporter;
+    __constant const grid_level *levels;
+    uint n_levels;
+    uint n_cells;
+    uint key_from, key_home_to, key_to;
+    volatile __global uint *counters;
+} hashing;
 
-static inline void report_bad(mask bad, uint first, uint last, const reporter *to)
+static inline void report_bad(const hashing *h, mask bad, const uint ids[LANES], uint n)
 {
     uint is_bad[LANES];
     spread(as_word(bad), is_bad);
-#if PACKED
-    last = min(last, to->n_homes);
-#endif
-    for (uint k = 0; k < LANES && first + k < last; ++k) {
+    for (uint k = 0; k < LANES && k < n; ++k) {
         if (is_bad[k]) {
 #if PACKED
-            uint id = to->names[first + k];
+            uint id = h->names[ids[k]];
 #else
-            uint id = first + k;
+            uint id = ids[k];
 #endif
-            atomic_inc(to->counters + COUNT_BAD);
-            atomic_max(to->counters + FIRST_BAD, ~id);
+            atomic_inc(h->counters + COUNT_BAD);
+            atomic_max(h->counters + FIRST_BAD, ~id);
         }
     }
 }
 
 // The keys of objects id .. id + LANES - 1; past the end the last one's again.
-static inline word keys_of(__global const float *objects, uint id, uint last, __constant const grid_level *levels,
-                           uint n_levels, uint n_cells, uint key_from, uint key_to, const reporter *to)
+static inline word keys_of(const hashing *h, uint id, uint last)
 {
     uint ids[LANES];
     for (uint k = 0; k < LANES; ++k)
         ids[k] = min(id + k, last - 1);
-    object o = object_at(objects, ids);
-    word key = object_key(&o, levels, n_levels, n_cells);
+    object o = object_at(h->objects, ids);
+    word key = object_key(&o, h->levels, h->n_levels, h->n_cells);
     mask bad = object_is_bad(&o);
+    mask before = key < (word)(h->key_from);
     if (any_lane(bad))
-        report_bad(bad, id, last, to);
-    mask elsewhere = bad | (key < (word)(key_from)) | (key >= (word)(key_to));
-    return select(key - key_from, (word)(NOWHERE), elsewhere);
+        report_bad(h, bad & ~before & (key < (word)(h->key_home_to)), ids, last - id);
+    mask elsewhere = bad | before | (key >= (word)(h->key_to));
+    return select(key - h->key_from, (word)(NOWHERE), elsewhere);
 }
+
+#if BATCH > 1
+
+// Adds those of the first n keys from place on that are in this grid.
+static inline uint pick(word key, uint n, uint place, uint n_picked, uint picked[BATCH + LANES])
+{
+#if LANES == 1
+    picked[n_picked] = place;
+    return n_picked + (key != NOWHERE);
+#else
+    ulong here = lane_bits(key != (word)(NOWHERE)) & first_lanes(n);
+    ulong before = here * 0x0101010101010100ul; // byte k: how many lanes before k
+#pragma unroll
+    for (uint k = 0; k < LANES; ++k)
+        picked[n_picked + (uint)(before >> 8 * k & 0xff)] = place + k;
+    return n_picked + (uint)(here * 0x0101010101010101ul >> 56);
+#endif
+}
+
+#endif
 
 __kernel void hash(__global const float *restrict objects, uint n,
 #if PACKED
-                   __global const uint *restrict names, uint n_homes,
+                   __global const uint *restrict names,
 #endif
-                   __constant const grid_level *levels, uint n_levels, uint n_cells, uint key_from,
+                   __constant const grid_level *levels, uint n_levels, uint n_cells, uint key_from, uint key_home_to,
                    uint key_to, __global uint *restrict keys,
 #if RANK
                    volatile __global uint *restrict counts, __global uint *restrict ranks,
 #endif
                    volatile __global uint *restrict counters)
 {
+    hashing h = {objects,
 #if PACKED
-    reporter to = {counters, names, n_homes};
-#else
-    reporter to = {counters};
+                 names,
 #endif
+                 levels, n_levels, n_cells, key_from, key_home_to, key_to, counters};
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint from = first; from < last; from += BATCH) {
         uint found[BATCH];
         uint size = min(last - from, (uint)BATCH);
+#if RANK && BATCH > 1
+        uint picked[BATCH + LANES], n_picked = 0;
+#endif
         for (uint i = 0; i < size; i += LANES) {
-            word key = keys_of(objects, from + i, last, levels, n_levels, n_cells, key_from, key_to, &to);
+            word key = keys_of(&h, from + i, last);
             spread(key, found + i);
 #if RANK && BATCH > 1
+            n_picked = pick(key, size - i, i, n_picked, picked);
             for (uint k = i; k < i + LANES; ++k)
                 ask_for(counts + (found[k] == NOWHERE ? 0 : found[k]));
 #endif
         }
-        for (uint k = 0; k < size; ++k) {
+        for (uint k = 0; k < size; ++k)
             keys[from + k] = found[k];
-#if RANK
-            if (found[k] != NOWHERE)
-                ranks[from + k] = atomic_inc(counts + found[k]);
+#if RANK && BATCH > 1
+        // Atomics wait for the stores before them, so the ranks are stored later.
+        for (uint k = 0; k < n_picked; ++k)
+            found[picked[k]] = atomic_inc(counts + found[picked[k]]);
+        for (uint k = 0; k < size; ++k)
+            ranks[from + k] = found[k];
+#elif RANK
+        if (found[0] != NOWHERE)
+            ranks[from] = atomic_inc(counts + found[0]);
 #endif
-        }
     }
 }
