@@ -136,24 +136,30 @@ static bool choose_id(device *d, const char *selector, duet_error *err)
     return true;
 }
 
-static bool make_queue(device *d, duet_error *err)
+static bool make_queue(cl_command_queue *queue, const device *d, duet_error *err)
 {
     cl_int code = CL_SUCCESS;
-    d->context = clCreateContext(NULL, 1, &d->id, NULL, NULL, &code);
-    if (code != CL_SUCCESS)
-        return error_set_cl(err, code, "making a context on %s", d->info.selector);
-    device_object_made();
-    d->queue = clCreateCommandQueue(d->context, d->id, CL_QUEUE_PROFILING_ENABLE, &code);
+    *queue = clCreateCommandQueue(d->context, d->id, CL_QUEUE_PROFILING_ENABLE, &code);
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "making a queue on %s", d->info.selector);
     device_object_made();
     return true;
 }
 
+static bool make_queues(device *d, duet_error *err)
+{
+    cl_int code = CL_SUCCESS;
+    d->context = clCreateContext(NULL, 1, &d->id, NULL, NULL, &code);
+    if (code != CL_SUCCESS)
+        return error_set_cl(err, code, "making a context on %s", d->info.selector);
+    device_object_made();
+    return make_queue(&d->queue, d, err) && make_queue(&d->beside, d, err);
+}
+
 bool device_open(device *d, const char *selector, duet_error *err)
 {
     *d = (device){0};
-    if (choose_id(d, selector, err) && make_queue(d, err)) {
+    if (choose_id(d, selector, err) && make_queues(d, err)) {
         d->built = shelf_open();
         return true;
     }
@@ -164,9 +170,12 @@ bool device_open(device *d, const char *selector, duet_error *err)
 void device_close(device *d)
 {
     shelf_close(d->built);
-    if (d->queue) {
-        clReleaseCommandQueue(d->queue);
-        device_object_gone();
+    cl_command_queue queues[] = {d->queue, d->beside};
+    for (int i = 0; i < 2; ++i) {
+        if (queues[i]) {
+            clReleaseCommandQueue(queues[i]);
+            device_object_gone();
+        }
     }
     if (d->context) {
         clReleaseContext(d->context);

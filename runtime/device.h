@@ -15,7 +15,8 @@
 typedef struct device {
     cl_device_id id;
     cl_context context;
-    cl_command_queue queue; // in order, with profiling
+    cl_command_queue queue;  // in order, with profiling
+    cl_command_queue beside; // the same, for what is sent while kernels run
     duet_device_info info;
     bool owns_part; // id is a part that we cut off
     shelf *built;

@@ -12,8 +12,9 @@
 
 // What both parts are told about the objects.
 typedef struct part_task {
-    bool shared; // the grid is for both parts
-    bool packed; // the part is sent the objects of its slab, with their ids
+    bool shared;   // the grid is for both parts
+    bool receives; // the grid comes from the other part
+    bool packed;   // the part is sent the objects of its slab, with their ids
     uint32_t dims;
     duet_shape shape;
     bool rotated;
@@ -37,6 +38,14 @@ typedef struct part_range {
     uint32_t expected;                        // about how many objects its grid gets
     uint32_t expected_homes, expected_ghosts; // of a slab, likewise
 } part_range;
+
+// Objects that travel together: those from the chunk before it up to `to`.
+typedef struct part_chunk {
+    uint32_t to;
+    cl_event sent; // the timeline's
+} part_chunk;
+
+enum { PART_CHUNKS = 8 };
 
 typedef struct part_kernels {
     kernel *clear;
@@ -68,7 +77,10 @@ typedef struct part {
 
     buffer objects;
     uint64_t objects_version; // of what was sent last
-    buffer names;             // of packed objects: their ids
+    uint32_t least_chunk;     // objects
+    part_chunk chunks[PART_CHUNKS];
+    uint32_t n_chunks; // under way; 0 where the objects are there
+    buffer names;      // of packed objects: their ids
     struct {
         uint64_t objects_version, grid_version; // of what was sent last; 0: nothing
         uint32_t key_from, key_to;
@@ -89,6 +101,8 @@ typedef struct part {
 
     uint32_t counts[PART_COUNTERS]; // the counters as read last
     host_block fetched;             // pairs on the host, where the device has memory of its own
+    uint64_t pairs_ahead;           // of them, sent before their number was known
+    host_block news;                // what is sent ahead besides them
     host_block sent;                // grid on its way to the other part
     duet_span span;
     uint64_t n_candidates, n_undecided;
@@ -150,5 +164,12 @@ uint64_t part_count(const part *p, int counter);
 
 // Reads the counters, which waits for all that was launched.
 bool part_read_counters(part *p, duet_error *err);
+
+// The same behind a search, whose pairs may be on their way already.
+bool part_hear(part *p, duet_error *err);
+
+// Brings the pairs of the last search to the host, as the part's span, with
+// those of the undecided ones that collide. Ends the step's timeline.
+bool part_fetch(part *p, const part_task *task, duet_error *err);
 
 #endif

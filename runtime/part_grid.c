@@ -51,10 +51,12 @@ static bool scan(part *p, const char *stage, buffer *values, uint32_t n, duet_er
            timeline_launch(&p->times, stage, p->kernels.scan_blocks, n, blocks, 4, err);
 }
 
-static bool run_hash(part *p, const part_task *task, const part_range *range, duet_error *err)
+// Hashes the objects up to `to`, once they were sent.
+static bool hash_chunk(part *p, const part_task *task, const part_range *range, uint32_t from,
+                       uint32_t to, cl_event sent, duet_error *err)
 {
     const grid *g = &task->grid;
-    kernel_arg args[13] = {ARG_BUFFER(p->objects), ARG(task->n)};
+    kernel_arg args[13] = {ARG_BUFFER(p->objects), ARG(to)};
     uint32_t n_args = 2;
     if (p->kernels.packed)
         args[n_args++] = ARG_BUFFER(p->names);
@@ -68,7 +70,20 @@ static bool run_hash(part *p, const part_task *task, const part_range *range, du
         args[n_args++] = ARG_BUFFER(p->keys_spare);
     }
     args[n_args++] = ARG_BUFFER(p->counters);
-    return timeline_launch(&p->times, "hash", p->kernels.hash, task->n, args, n_args, err);
+    return timeline_launch_after(&p->times, "hash", p->kernels.hash, from, to, sent, args, n_args,
+                                 err);
+}
+
+// The only kernel that needs no more of the objects than have come so far.
+static bool run_hash(part *p, const part_task *task, const part_range *range, duet_error *err)
+{
+    uint32_t from = 0;
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < p->n_chunks; ++i) {
+        ok = hash_chunk(p, task, range, from, p->chunks[i].to, p->chunks[i].sent, err);
+        from = p->chunks[i].to;
+    }
+    return ok && hash_chunk(p, task, range, from, task->n, NULL, err);
 }
 
 // The keys count into starts, and the ranks tell them apart.

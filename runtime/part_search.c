@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Finding the pairs of one device's objects, and bringing them to the host.
+// Finding the pairs of one device's objects.
 #include "runtime/part.h"
 
-#include "runtime/base/clock.h"
 #include "runtime/base/error.h"
-#include "runtime/narrow.h"
-
-#include <stdlib.h>
 
 enum { SMALLEST_ROOM = 1024 };
 
@@ -196,15 +192,14 @@ static bool everything_fits(part *p, bool *fits, duet_error *err)
 static bool test_listed(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     if (!p->kernels.narrow)
-        return part_read_counters(p, err);
+        return part_hear(p, err);
     if (!p->kernels.fused)
-        return run_narrow(p, narrow_work(p, search_work(task, range)), err) &&
-               part_read_counters(p, err);
-    if (!part_read_counters(p, err))
+        return run_narrow(p, narrow_work(p, search_work(task, range)), err) && part_hear(p, err);
+    if (!part_hear(p, err))
         return false;
     uint64_t listed = part_count(p, COUNT_CANDIDATES);
     return listed == 0 || listed > room_of(&p->candidates) ||
-           (run_narrow(p, listed, err) && part_read_counters(p, err));
+           (run_narrow(p, listed, err) && part_hear(p, err));
 }
 
 // The first search finds its counters as the step cleared them.
@@ -225,57 +220,6 @@ static bool under_limit(const part *p, const part_task *task, duet_error *err)
     return true;
 }
 
-// Where pairs come to lie on the host, with room behind them for the undecided.
-static bool reserve_span(part *p, duet_pair **pairs, duet_error *err)
-{
-    uint64_t most = part_count(p, COUNT_PAIRS) + part_count(p, COUNT_UNDECIDED);
-    *pairs = p->pairs.host;
-    if (*pairs)
-        return true;
-    bool ok = host_block_reserve(&p->fetched, p->device, 1, (size_t)most * sizeof(duet_pair), err);
-    *pairs = p->fetched.bytes;
-    return ok;
-}
-
-// Decides on the host what float left open, and writes the colliding behind the
-// n pairs of the device.
-static void decide(part *p, const part_task *task, const duet_pair *open, duet_pair *pairs,
-                   uint64_t *n)
-{
-    uint64_t begun = clock_steady_ns();
-    const duet_pose *poses = task->objects;
-    for (uint64_t i = 0; i < p->n_undecided; ++i)
-        if (narrow_decide(&poses[open[i].a], &poses[open[i].b], task->dims))
-            pairs[(*n)++] = open[i];
-    if (p->n_undecided > 0)
-        timeline_add_host(&p->times, "decide", (double)(clock_steady_ns() - begun) * 1e-6);
-}
-
-// The pairs travel while the undecided ones are decided. A read that waits ends
-// it, for such a read spins: waiting for the queue or an event instead was
-// measured to take 0.15 ms longer on a GPU.
-static bool fetch_span(part *p, const part_task *task, duet_error *err)
-{
-    duet_pair *pairs = NULL;
-    uint64_t n = part_count(p, COUNT_PAIRS);
-    p->n_undecided = part_count(p, COUNT_UNDECIDED);
-    size_t bytes = (size_t)p->n_undecided * sizeof(duet_pair);
-    duet_pair *open = p->undecided.host ? p->undecided.host : malloc(bytes + 1);
-    if (!open)
-        return error_set(err, DUET_NO_MEMORY, "no host memory for %zu bytes", bytes);
-    bool ok = reserve_span(p, &pairs, err) &&
-              timeline_read(&p->times, "fetch pairs", &p->undecided, open, bytes, err) &&
-              timeline_start_read(&p->times, "fetch pairs", &p->pairs, pairs,
-                                  (size_t)n * sizeof(duet_pair), err);
-    if (ok)
-        decide(p, task, open, pairs, &n);
-    ok = ok && part_read_counters(p, err) && timeline_finish(&p->times, err);
-    if (!p->undecided.host)
-        free(open);
-    p->span = ok ? (duet_span){pairs, n} : (duet_span){0};
-    return ok;
-}
-
 static bool reserve_first(part *p, const part_task *task, uint32_t objects, duet_error *err)
 {
     uint64_t guess = objects;
@@ -290,12 +234,13 @@ static bool reserve_first(part *p, const part_task *task, uint32_t objects, duet
 }
 
 // A grid with less room than there are objects may have got more than it holds,
-// and its starts then lead out of it.
+// and its starts then lead out of it. Lanes see that for themselves and find
+// nothing, so that nobody waits for the answer between grid and search.
 static bool check_placed(part *p, const part_task *task, const part_range *range, bool *placed,
                          duet_error *err)
 {
     *placed = true;
-    if (range->expected >= task->n)
+    if (range->expected >= task->n || p->variant.search == SEARCH_LANES)
         return true;
     bool ok = part_read_counters(p, err);
     *placed = p->counts[COUNT_PLACED] <= range->expected;
@@ -315,11 +260,12 @@ bool part_search(part *p, const part_task *task, const part_range *range, bool *
     while (ok && *placed && (!fits || extra-- > 0)) {
         ok = search_once(p, task, range, err) && under_limit(p, task, err) &&
              everything_fits(p, &fits, err);
+        *placed = p->counts[COUNT_PLACED] <= range->expected;
     }
     if (!ok || !*placed)
         return ok;
     p->n_candidates = p->kernels.listed
                           ? part_count(p, COUNT_PAIRS)
                           : part_count(p, COUNT_CANDIDATES) + part_count(p, COUNT_TESTED);
-    return fetch_span(p, task, err);
+    return part_fetch(p, task, err);
 }

@@ -170,6 +170,7 @@ static bool run_shared(duet_world *world, job jobs[2])
 {
     job *a = &jobs[0];
     job *b = &jobs[1];
+    a->task.receives = true;
     uint64_t begun = clock_steady_ns();
     b->ok = part_begin(b->part, &b->task, &b->err) && part_begin(a->part, &a->task, &b->err) &&
             part_build_grid(b->part, &b->task, &b->range, &b->err) &&
@@ -248,7 +249,7 @@ static bool pays_to_pack(const duet_world *world, int side, const part_range ran
            ranges[0].last > 0 && ranges[1].last > 0 &&
            ranges[side].expected <= world->n - world->n / LEAST_LEFT_OUT &&
            variant_parse(&v, variants[side], &world->parts[side].device->info, NULL) &&
-           v.search == SEARCH_ITEMS && v.packed;
+           v.search == SEARCH_ITEMS && v.send == SEND_PACKED;
 }
 
 // *placed is false where a slab had more objects than it had room for.

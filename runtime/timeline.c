@@ -4,6 +4,7 @@
 #include "runtime/base/error.h"
 
 #include <assert.h>
+#include <sched.h>
 #include <string.h>
 
 void timeline_begin(timeline *t, const device *d)
@@ -59,16 +60,24 @@ static bool set_args(const kernel *k, const kernel_arg *args, uint32_t n_args, c
 bool timeline_launch(timeline *t, const char *stage, const kernel *k, uint64_t work,
                      const kernel_arg *args, uint32_t n_args, duet_error *err)
 {
-    if (work == 0)
+    return timeline_launch_after(t, stage, k, 0, work, NULL, args, n_args, err);
+}
+
+bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint64_t from,
+                           uint64_t to, cl_event after, const kernel_arg *args, uint32_t n_args,
+                           duet_error *err)
+{
+    if (from == to)
         return true;
     if (!set_args(k, args, n_args, t->device, err))
         return false;
     uint64_t per_group = (uint64_t)k->group * k->per_item;
     size_t group = k->group;
-    size_t global = (size_t)((work + per_group - 1) / per_group) * group;
+    size_t first = (size_t)(from / k->per_item);
+    size_t global = (size_t)((to - from + per_group - 1) / per_group) * group;
     cl_event event = NULL;
-    cl_int code =
-        clEnqueueNDRangeKernel(t->device->queue, k->cl, 1, NULL, &global, &group, 0, NULL, &event);
+    cl_int code = clEnqueueNDRangeKernel(t->device->queue, k->cl, 1, &first, &global, &group,
+                                         after ? 1 : 0, after ? &after : NULL, &event);
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "%s on %s: launch", k->name, t->device->info.selector);
     return keep_event(t, stage, false, event, err);
@@ -122,8 +131,23 @@ bool timeline_write_at(timeline *t, const char *stage, buffer *b, size_t at, con
     return keep_event(t, stage, true, event, err);
 }
 
-static bool enqueue_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
-                         cl_bool wait, duet_error *err)
+bool timeline_write_beside(timeline *t, const char *stage, buffer *b, size_t at, const void *from,
+                           size_t bytes, duet_error *err)
+{
+    cl_event event = NULL;
+    cl_int code =
+        clEnqueueWriteBuffer(t->device->beside, b->mem, CL_FALSE, at, bytes, from, 0, NULL, &event);
+    if (code == CL_SUCCESS)
+        code = clFlush(t->device->beside);
+    t->beside = true;
+    if (event && !keep_event(t, stage, true, event, err))
+        return false;
+    return code == CL_SUCCESS ||
+           error_set_cl(err, code, "%s: sending %zu bytes", t->device->info.selector, bytes);
+}
+
+static bool enqueue_read(timeline *t, const char *stage, buffer *b, size_t at, void *to,
+                         size_t bytes, cl_bool wait, duet_error *err)
 {
     if (bytes == 0)
         return true;
@@ -131,7 +155,7 @@ static bool enqueue_read(timeline *t, const char *stage, buffer *b, void *to, si
         return hand_over(t, b, CL_MAP_READ, bytes, err);
     cl_event event = NULL;
     cl_int code =
-        clEnqueueReadBuffer(t->device->queue, b->mem, wait, 0, bytes, to, 0, NULL, &event);
+        clEnqueueReadBuffer(t->device->queue, b->mem, wait, at, bytes, to, 0, NULL, &event);
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "%s: fetching %zu bytes", t->device->info.selector, bytes);
     return keep_event(t, stage, true, event, err);
@@ -140,13 +164,13 @@ static bool enqueue_read(timeline *t, const char *stage, buffer *b, void *to, si
 bool timeline_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
                    duet_error *err)
 {
-    return enqueue_read(t, stage, b, to, bytes, CL_TRUE, err);
+    return enqueue_read(t, stage, b, 0, to, bytes, CL_TRUE, err);
 }
 
-bool timeline_start_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
-                         duet_error *err)
+bool timeline_start_read(timeline *t, const char *stage, buffer *b, size_t at, void *to,
+                         size_t bytes, duet_error *err)
 {
-    return enqueue_read(t, stage, b, to, bytes, CL_FALSE, err) && timeline_flush(t, err);
+    return enqueue_read(t, stage, b, at, to, bytes, CL_FALSE, err) && timeline_flush(t, err);
 }
 
 cl_event timeline_last_event(const timeline *t)
@@ -160,6 +184,12 @@ bool timeline_is_over(cl_event event)
     cl_int state = CL_COMPLETE;
     clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof state, &state, NULL);
     return state <= CL_COMPLETE;
+}
+
+void timeline_spin(cl_event event)
+{
+    while (!timeline_is_over(event))
+        sched_yield();
 }
 
 bool timeline_flush(timeline *t, duet_error *err)
@@ -185,9 +215,23 @@ static void add_event(timeline *t, duet_stage *stage, cl_event event)
         t->last_end = end;
 }
 
-bool timeline_finish(timeline *t, duet_error *err)
+static cl_int finish_queues(timeline *t)
 {
     cl_int code = clFinish(t->device->queue);
+    if (t->beside && code == CL_SUCCESS)
+        code = clFinish(t->device->beside);
+    t->beside = false;
+    return code;
+}
+
+bool timeline_finish(timeline *t, duet_error *err)
+{
+    if (t->n_events > 0 && !t->device->info.host_memory) {
+        if (!timeline_flush(t, err))
+            return false;
+        timeline_spin(timeline_last_event(t));
+    }
+    cl_int code = finish_queues(t);
     for (int i = 0; i < t->n_events && code == CL_SUCCESS; ++i) {
         cl_int state = CL_COMPLETE;
         clGetEventInfo(t->events[i].event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof state, &state,
@@ -210,7 +254,7 @@ void timeline_add_host(timeline *t, const char *stage, double ms)
 void timeline_clear(timeline *t)
 {
     if (t->n_events > 0)
-        clFinish(t->device->queue);
+        finish_queues(t);
     for (int i = 0; i < t->n_events; ++i)
         release_event(t->events[i].event);
     t->n_events = 0;

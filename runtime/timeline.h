@@ -19,6 +19,7 @@ typedef struct timeline {
     int n_stages;
     cl_ulong first_begin; // of the kernels, on the device's clock; 0: none ran
     cl_ulong last_end;
+    bool beside; // something was written beside the kernels
 } timeline;
 
 // Forgets the last step. side is 0 for A, 1 for B.
@@ -37,6 +38,12 @@ typedef struct kernel_arg {
 bool timeline_launch(timeline *t, const char *stage, const kernel *k, uint64_t work,
                      const kernel_arg *args, uint32_t n_args, duet_error *err);
 
+// The same over [from, to) of them, once `after` is over (NULL: at once). from
+// is a multiple of what a group takes.
+bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint64_t from,
+                           uint64_t to, cl_event after, const kernel_arg *args, uint32_t n_args,
+                           duet_error *err);
+
 // Sets words [from, to) of a buffer to a value.
 bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, size_t from,
                    size_t to, duet_error *err);
@@ -52,14 +59,23 @@ bool timeline_write_at(timeline *t, const char *stage, buffer *b, size_t at, con
 bool timeline_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
                    duet_error *err);
 
-// The same without waiting: the bytes are there once a later read has waited, or
-// the timeline has finished.
-bool timeline_start_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
-                         duet_error *err);
+// Copies to byte `at` beside the kernels, which do not wait for it unless they
+// are launched after its event. Nothing else may use the buffer's bytes meanwhile.
+bool timeline_write_beside(timeline *t, const char *stage, buffer *b, size_t at, const void *from,
+                           size_t bytes, duet_error *err);
+
+// Reads from byte `at` without waiting: the bytes are there once a later read has
+// waited, or the timeline has finished.
+bool timeline_start_read(timeline *t, const char *stage, buffer *b, size_t at, void *to,
+                         size_t bytes, duet_error *err);
 
 // Of what was sent to the queue last; the timeline's until it finishes.
 cl_event timeline_last_event(const timeline *t);
 bool timeline_is_over(cl_event event); // does not wait
+
+// Waits for a flushed event without sleeping: waiting for the queue or the event
+// instead was measured to take 0.15 ms longer on a GPU.
+void timeline_spin(cl_event event);
 
 bool timeline_flush(timeline *t, duet_error *err);
 bool timeline_finish(timeline *t, duet_error *err); // waits and reads the times

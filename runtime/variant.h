@@ -4,11 +4,13 @@
 //
 // The first word names the search. rows is the one over merged rows in the
 // shape that suits the device, lanes on a CPU and items elsewhere. sort is
-// counting or radix; grid is auto, uniform, dense or hashed; send is all or
-// packed (only what the device's slab needs, in mode slab: worth it where the
-// bus is slow, docs/performance.md); cells is free or fixed (compiled in, for as
-// long as a dense grid's stay the same). Every other NAME=V sets a parameter of each
-// kernel whose card has it, or of one kernel as KERNEL.NAME=V.
+// counting or radix; grid is auto, uniform, dense or hashed; cells is free or
+// fixed (compiled in, for as long as a dense grid's stay the same). send says how
+// a device with memory of its own gets the objects: chunks, which are hashed while
+// the next travels, all at once, or packed (only what the device's slab needs, in
+// mode slab: worth it where the bus is slow, docs/performance.md). Every other
+// NAME=V sets a parameter of each kernel whose card has it, or of one kernel as
+// KERNEL.NAME=V.
 #ifndef RUNTIME_VARIANT_H
 #define RUNTIME_VARIANT_H
 
@@ -27,15 +29,17 @@ typedef enum variant_grid {
     VARIANT_GRID_HASHED
 } variant_grid;
 
+typedef enum variant_send { SEND_CHUNKS, SEND_ALL, SEND_PACKED } variant_send;
+
 enum { VARIANT_SETTINGS = 8 };
 
 typedef struct variant {
     variant_search search;
     variant_sort sort;
     variant_grid grid;
-    bool fixed;  // the grid's cells are compiled in
-    bool packed; // a device with memory of its own is sent only its slab's objects
-    bool fused;  // candidates are tested where they are found, unless it is set otherwise
+    variant_send send;
+    bool fixed; // the grid's cells are compiled in
+    bool fused; // candidates are tested where they are found, unless it is set otherwise
     struct {
         char kernel[32]; // empty: every kernel that has the parameter
         char name[24];
