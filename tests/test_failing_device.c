@@ -7,7 +7,7 @@
 #include "support/test.h"
 
 #include "runtime/base/rng.h"
-#include "runtime/device.h"
+#include "runtime/device_pair.h"
 #include "runtime/duet.h"
 
 #include <dlfcn.h>
@@ -213,20 +213,36 @@ static bool survives(duet_world *world, call c, int k)
     return true;
 }
 
+static void fail_each_command(duet_mode mode, call last)
+{
+    duet_world *world = open_world(mode);
+    assert_right(world, DUET_SHARE_ONE / 2);
+    for (int c = LAUNCH; c <= (int)last; ++c) {
+        int k = 0;
+        while (survives(world, (call)c, k))
+            ++k;
+        print_message("%s: %d %s\n", duet_mode_name(mode), k, calls[c].name);
+    }
+    duet_world_destroy(world);
+}
+
 static void a_failing_command_is_told_and_the_next_step_is_right(void **state)
 {
     (void)state;
-    for (duet_mode mode = DUET_MODE_SHARED; mode <= DUET_MODE_SLAB; ++mode) {
-        duet_world *world = open_world(mode);
-        assert_right(world, DUET_SHARE_ONE / 2);
-        for (int c = LAUNCH; c <= MAP; ++c) {
-            int k = 0;
-            while (survives(world, (call)c, k))
-                ++k;
-            print_message("%s: %d %s\n", duet_mode_name(mode), k, calls[c].name);
-        }
-        duet_world_destroy(world);
-    }
+    for (duet_mode mode = DUET_MODE_SHARED; mode <= DUET_MODE_SLAB; ++mode)
+        fail_each_command(mode, MAP);
+}
+
+// As if the CPU's parts had memory of their own, which all is copied to and from.
+static void so_it_is_where_everything_is_copied(void **state)
+{
+    (void)state;
+    for (int side = 0; side < 2; ++side)
+        devices->devices[side].info.host_memory = false;
+    fail_each_command(DUET_MODE_OWN, WRITE);
+    fail_each_command(DUET_MODE_SLAB, WRITE);
+    for (int side = 0; side < 2; ++side)
+        devices->devices[side].info.host_memory = true;
 }
 
 // Of the many buffers and kernels a sample.
@@ -275,6 +291,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_failing_command_is_told_and_the_next_step_is_right),
+        cmocka_unit_test(so_it_is_where_everything_is_copied),
         cmocka_unit_test(a_failing_first_step_is_told_and_the_next_one_is_right),
         cmocka_unit_test(a_test_of_pairs_survives_as_well),
     };
