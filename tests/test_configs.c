@@ -180,7 +180,8 @@ static void make_scene(scene *s, const config *c, rng *r)
     s->rotated = s->shape == DUET_SHAPE_POSES && value_of(c, "ROTATED", rng_below(r, 2));
     s->roomy = value_of(c, "ROOMY", s->hashed || s->levels || rng_below(r, 4));
     s->fixed = !s->hashed && !s->levels && !s->packed && rng_below(r, 2);
-    s->n = s->packed ? OBJECTS : s->levels ? FEW : 1 + rng_below(r, FEW);
+    bool of_many = s->levels || value_of(c, "ROOMY", 0);
+    s->n = s->packed ? OBJECTS : of_many ? FEW : 1 + rng_below(r, FEW);
     fill(s, r);
 }
 

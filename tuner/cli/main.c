@@ -25,7 +25,7 @@ static const struct {
     {"picture", command_picture, "a drawing of a scene, its cells and its pairs"},
     {"profiles", command_profiles, "what was measured, and what applications load"},
     {"report", command_report, "one page for a browser with all that was measured"},
-    {"explain", command_explain, "which effects a scene calls for, and what each costs"},
+    {"explain", command_explain, "which effects or kernels a scene calls for, and what each costs"},
     {"run", command_run, "all pairs of a scene, and where the time went"},
     {"tune", command_tune, "how two devices share a scene's work best, and keeps it"},
     {"source", command_source, "the exact text of a kernel, and what it lets vary"},

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+// duet explain of still scenes, as a person calls it.
+#include "support/program.h"
+#include "support/test.h"
+
+#include <cjson/cJSON.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// What is told of device B, which does all the work.
+static cJSON *explain(const char *arguments)
+{
+    program p = program_run("explain %s --share 0 --json", arguments);
+    if (p.exit_code != 0)
+        fail_msg("%s", p.err);
+    cJSON *o = cJSON_Parse(p.out);
+    assert_non_null(o);
+    cJSON *search = cJSON_GetObjectItemCaseSensitive(o, "search");
+    assert_int_equal(cJSON_GetArraySize(search), 1);
+    cJSON *b = cJSON_DetachItemFromArray(search, 0);
+    cJSON_Delete(o);
+    program_free(&p);
+    return b;
+}
+
+static const char *string_of(const cJSON *o, const char *name)
+{
+    const char *chars = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(o, name));
+    assert_non_null(chars);
+    return chars;
+}
+
+static int value_of(const cJSON *b, const char *parameter)
+{
+    const cJSON *fact = NULL;
+    cJSON_ArrayForEach(fact, cJSON_GetObjectItemCaseSensitive(b, "facts"))
+    {
+        if (strcmp(string_of(fact, "parameter"), parameter) == 0)
+            return (int)cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(fact, "value"));
+    }
+    fail_msg("nothing is told of %s", parameter);
+    return -1;
+}
+
+// The kernel of that name, and that it is told once.
+static const cJSON *kernel_of(const cJSON *b, const char *name)
+{
+    const cJSON *found = NULL;
+    const cJSON *k = NULL;
+    size_t length = strlen(name);
+    cJSON_ArrayForEach(k, cJSON_GetObjectItemCaseSensitive(b, "kernels"))
+    {
+        const char *its = string_of(k, "name");
+        if (strncmp(its, name, length) != 0 || (its[length] && its[length] != '.'))
+            continue;
+        assert_null(found);
+        found = k;
+    }
+    assert_non_null(found);
+    return found;
+}
+
+static bool runs(const cJSON *b, const char *name)
+{
+    return cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(kernel_of(b, name), "runs"));
+}
+
+static const char *scene(const char *file)
+{
+    static char path[512];
+    snprintf(path, sizeof path, "%s/%s", getenv("DUET_TEST_SCENES"), file);
+    return path;
+}
+
+static cJSON *explain_paper(const char *options)
+{
+    char arguments[768];
+    snprintf(arguments, sizeof arguments, "%s --n 500 %s", scene("paper.lua"), options);
+    return explain(arguments);
+}
+
+static void the_kernels_of_each_search_run_and_the_others_are_left_out(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *words;
+        const char *run[6];
+        const char *left_out[6];
+    } searches[] = {
+        {"lanes",
+         {"scatter", "reorder_lanes", "search_lanes"},
+         {"radix", "cell_start", "bounds", "candidates_rows", "narrow", "narrow_lanes"}},
+        {"items sort=radix",
+         {"radix", "cell_start", "reorder", "candidates_rows", "narrow"},
+         {"scatter", "reorder_lanes", "search_lanes", "candidates_paper", "narrow_lanes"}},
+        {"items FROM_IDS=0", {"reorder", "candidates_rows"}, {"scatter", "radix"}},
+        {"paper",
+         {"radix", "cell_start", "bounds", "candidates_paper", "narrow"},
+         {"scatter", "reorder", "search_lanes"}},
+    };
+    for (size_t s = 0; s < sizeof searches / sizeof *searches; ++s) {
+        char options[64];
+        snprintf(options, sizeof options, "--variant '%s'", searches[s].words);
+        cJSON *b = explain_paper(options);
+        for (int i = 0; i < 6 && searches[s].run[i]; ++i)
+            assert_true(runs(b, searches[s].run[i]));
+        for (int i = 0; i < 6 && searches[s].left_out[i]; ++i)
+            assert_false(runs(b, searches[s].left_out[i]));
+        assert_true(runs(b, "clear") && runs(b, "hash") && runs(b, "scan"));
+        cJSON_Delete(b);
+    }
+}
+
+static void properties_of_the_scene_are_told_by_their_parameter(void **state)
+{
+    (void)state;
+    cJSON *b = explain_paper("");
+    assert_int_equal(value_of(b, "DIMS"), 3);
+    assert_int_equal(value_of(b, "SHAPE"), 0);
+    assert_int_equal(value_of(b, "ROTATED"), 1);
+    assert_int_equal(value_of(b, "ACCURACY"), 0);
+    assert_int_equal(value_of(b, "LEVELS"), 0);
+    cJSON_Delete(b);
+    b = explain_paper("--level sat6 --variant 'items grid=hashed'");
+    assert_int_equal(value_of(b, "ACCURACY"), 3);
+    assert_int_equal(value_of(b, "GRID"), 1);
+    cJSON_Delete(b);
+}
+
+static void bounds_that_overlap_are_the_answer(void **state)
+{
+    (void)state;
+    cJSON *b = explain_paper("--level aabb");
+    assert_false(runs(b, "narrow_lanes"));
+    assert_string_equal(string_of(kernel_of(b, "narrow_lanes"), "why"),
+                        "bounds that overlap are the answer");
+    cJSON_Delete(b);
+}
+
+static void a_still_scene_is_told_as_text(void **state)
+{
+    (void)state;
+    program p = program_run("explain %s --n 500 --share 0 --variant lanes", scene("paper.lua"));
+    assert_int_equal(p.exit_code, 0);
+    assert_non_null(strstr(p.out, "ROTATED=1"));
+    assert_non_null(strstr(p.out, "\nruns "));
+    assert_non_null(strstr(p.out, "\nleft out  "));
+    program_free(&p);
+}
+
+static void a_scene_that_moves_is_told_by_its_effects(void **state)
+{
+    (void)state;
+    program p = program_run("explain %s --n 50", scene("falling.lua"));
+    assert_int_equal(p.exit_code, 0);
+    assert_non_null(strstr(p.out, "gravity"));
+    assert_null(strstr(p.out, "search_lanes"));
+    program_free(&p);
+}
+
+static void what_is_wrong_with_a_plan_is_one_line(void **state)
+{
+    (void)state;
+    program p = program_run("explain %s --n 50 --variant abacus", scene("paper.lua"));
+    program_assert_refused(&p, 2, "variant 'abacus': there is none of that name");
+    p = program_run("explain %s --n 50 --level best", scene("paper.lua"));
+    program_assert_refused(&p, 2, "best");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_kernels_of_each_search_run_and_the_others_are_left_out),
+        cmocka_unit_test(properties_of_the_scene_are_told_by_their_parameter),
+        cmocka_unit_test(bounds_that_overlap_are_the_answer),
+        cmocka_unit_test(a_still_scene_is_told_as_text),
+        cmocka_unit_test(a_scene_that_moves_is_told_by_its_effects),
+        cmocka_unit_test(what_is_wrong_with_a_plan_is_one_line),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
