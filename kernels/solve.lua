@@ -1,16 +1,24 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "contacts of a colour, pushed apart",
-  uses = { "contact.clh", "box_contact.clh" },
+  uses = { "lanes.clh", "vector.clh", "contact.clh", "constraint.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SPIN", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "FRICTION", values = { 0, 1 }, default = 0, about = "1: and rub" },
     { "RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
+    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
+      about = "contacts side by side in a work-item" },
+    { "BLOCK", values = { 8, 32 }, default = function(limits) return limits.cpu and 8 or 32 end,
+      about = "contacts that are neighbours in memory" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
-      about = "objects, pairs or contacts a work-item" },
+      about = "contacts a work-item" },
   },
+  valid = function(p)
+    if p.LANES == 8 and p.BLOCK ~= 8 then return false, "lanes are blocks" end
+    return true
+  end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

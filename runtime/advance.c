@@ -81,7 +81,7 @@ static bool doze(duet_motion *m, duet_error *err)
 {
     motion_args a = args_begin(m);
     args_buffer(&a, LINKS);
-    args_buffer(&a, CONTACTS);
+    args_buffer(&a, TOUCHES);
     args_buffer(&a, STARTS);
     args_buffer(&a, RETURN_STARTS);
     args_buffer(&a, RETURNS);
@@ -112,13 +112,13 @@ static bool begin_bodies(duet_motion *m, duet_error *err)
 // before it is pushed.
 static bool touch(duet_motion *m, duet_error *err)
 {
-    if (!begin_bodies(m, err) || !motion_touch(m, err))
+    if (!begin_bodies(m, err) || !motion_touch(m, false, err))
         return false;
     if (!motion_has(m, DUET_EFFECT_SLEEP))
         return true;
     if (!doze(m, err) || !motion_read_flags(m, err))
         return false;
-    return !m->flags[FLAG_DOZED] || (begin_bodies(m, err) && motion_touch(m, err));
+    return !m->flags[FLAG_DOZED] || (begin_bodies(m, err) && motion_touch(m, true, err));
 }
 
 static bool kick(duet_motion *m, double h, duet_error *err)
@@ -133,10 +133,6 @@ static bool kick(duet_motion *m, double h, duet_error *err)
     }
     if (motion_has(m, DUET_EFFECT_DRAG))
         args_float(&a, exp(-m->def.drag * h));
-    args_buffer(&a, STARTS);
-    args_buffer(&a, RETURN_STARTS);
-    args_buffer(&a, RETURNS);
-    args_buffer(&a, SHOVES);
     args_float(&a, h);
     return args_launch(&a, "motion", m->kernels.body_kick, m->n, err);
 }
@@ -185,33 +181,88 @@ static void add_spring(motion_args *a, double h, double hertz)
     args_float4(a, omega / stiff, soft * part, part, a->motion->def.push_speed);
 }
 
-static void add_pass(motion_args *a, uint32_t colour)
+// Where the colour's contacts are in blocks, and how many a work-item takes: all
+// of those that found no colour.
+static void add_slots(motion_args *a, uint32_t colour, const kernel *k)
 {
-    const duet_motion *m = a->motion;
-    uint32_t first = m->colour_starts[colour];
-    args_buffer(a, LINKS);
-    args_buffer(a, LIST);
-    args_uint(a, first);
-    args_uint(a, m->colour_starts[colour + 1] - first);
-    args_buffer(a, CONTACTS);
-    args_buffer(a, BODIES);
+    const colour_span *span = &a->motion->colours[colour];
+    bool in_order = colour == COLOUR_OVERFLOW;
+    args_uint(a, span->slot);
+    args_uint(a, in_order ? span->count : k->per_item);
+    args_uint(a, in_order ? a->motion->layout.block : 1);
+    args_buffer(a, BLOCKS);
+}
+
+static bool launch_colour(motion_args *a, uint32_t colour, const kernel *k, duet_error *err)
+{
+    uint32_t count = a->motion->colours[colour].count;
+    bool in_order = colour == COLOUR_OVERFLOW;
+    return args_launch(a, "response", k, in_order && count > 0 ? 1 : count, err);
+}
+
+static bool prepare_colour(duet_motion *m, uint32_t colour, duet_error *err)
+{
+    const colour_span *span = &m->colours[colour];
+    motion_args a = args_begin(m);
+    args_buffer(&a, LINKS);
+    args_buffer(&a, TOUCHES);
+    args_buffer(&a, CONTACTS);
+    args_buffer(&a, BOUNCES);
+    args_buffer_for(&a, DUET_EFFECT_FRICTION, FRICTIONS);
+    args_uint(&a, m->n);
+    args_buffer(&a, LIST);
+    args_uint(&a, span->first);
+    args_uint(&a, span->count);
+    add_slots(&a, colour, m->kernels.prepare);
+    args_buffer(&a, BODIES);
+    return launch_colour(&a, colour, m->kernels.prepare, err);
 }
 
 static bool solve_colour(duet_motion *m, uint32_t colour, uint32_t soft, double h, duet_error *err)
 {
     double hertz = 0.25 / h; // four substeps a swing, as fast as they can follow
-    uint32_t count = m->colour_starts[colour + 1] - m->colour_starts[colour];
-    bool in_order = colour == COLOUR_OVERFLOW;
     motion_args a = args_begin(m);
-    add_pass(&a, colour);
-    args_buffer(&a, SHOVES);
+    args_uint(&a, m->colours[colour].count);
+    add_slots(&a, colour, m->kernels.solve);
+    args_buffer(&a, BODIES);
     args_uint(&a, soft);
     args_float(&a, 1.0 / h);
     add_spring(&a, h, hertz);
     add_spring(&a, h, 2.0 * hertz);
     args_float(&a, m->margin / MOTION_SLOPS);
-    return args_launch(&a, "response", in_order ? m->kernels.solve_in_order : m->kernels.solve,
-                       in_order && count > 0 ? 1 : count, err);
+    return launch_colour(&a, colour, m->kernels.solve, err);
+}
+
+static bool bounce_colour(duet_motion *m, uint32_t colour, duet_error *err)
+{
+    motion_args a = args_begin(m);
+    args_uint(&a, m->colours[colour].count);
+    add_slots(&a, colour, m->kernels.bounce);
+    args_buffer(&a, BODIES);
+    args_float(&a, m->def.bounce_speed);
+    return launch_colour(&a, colour, m->kernels.bounce, err);
+}
+
+static bool store_colour(duet_motion *m, uint32_t colour, duet_error *err)
+{
+    const colour_span *span = &m->colours[colour];
+    motion_args a = args_begin(m);
+    args_buffer(&a, TOUCHES);
+    args_buffer(&a, LIST);
+    args_uint(&a, span->first);
+    args_uint(&a, span->count);
+    add_slots(&a, colour, m->kernels.store);
+    args_buffer(&a, CONTACTS);
+    return launch_colour(&a, colour, m->kernels.store, err);
+}
+
+static bool for_colours(duet_motion *m, bool (*run)(duet_motion *, uint32_t, duet_error *),
+                        duet_error *err)
+{
+    bool ok = true;
+    for (uint32_t colour = 0; ok && colour <= COLOUR_OVERFLOW; ++colour)
+        ok = run(m, colour, err);
+    return ok;
 }
 
 static bool solve(duet_motion *m, uint32_t soft, double h, duet_error *err)
@@ -222,28 +273,15 @@ static bool solve(duet_motion *m, uint32_t soft, double h, duet_error *err)
     return ok;
 }
 
-static bool bounce(duet_motion *m, duet_error *err)
-{
-    bool ok = true;
-    for (uint32_t colour = 0; ok && m->facts.bouncing && colour <= COLOUR_OVERFLOW; ++colour) {
-        uint32_t count = m->colour_starts[colour + 1] - m->colour_starts[colour];
-        bool in_order = colour == COLOUR_OVERFLOW;
-        motion_args a = args_begin(m);
-        add_pass(&a, colour);
-        args_float(&a, m->def.bounce_speed);
-        ok = args_launch(&a, "response", in_order ? m->kernels.bounce_in_order : m->kernels.bounce,
-                         in_order && count > 0 ? 1 : count, err);
-    }
-    return ok;
-}
-
 static bool respond(duet_motion *m, duet_error *err)
 {
     double h = m->def.dt / m->def.substeps;
-    bool ok = motion_find_rows(m, err) && touch(m, err) && motion_colour(m, err);
+    bool ok = motion_find_rows(m, err) && touch(m, err) && motion_colour(m, err) &&
+              for_colours(m, prepare_colour, err);
     for (uint32_t k = 0; ok && k < m->def.substeps; ++k)
         ok = kick(m, h, err) && solve(m, 1, h, err) && drift(m, h, err) && solve(m, 0, h, err);
-    return ok && bounce(m, err) && finish_bodies(m, err);
+    ok = ok && (!m->facts.bouncing || for_colours(m, bounce_colour, err));
+    return ok && for_colours(m, store_colour, err) && finish_bodies(m, err);
 }
 
 // ---------------------------------------------------------------- a step
@@ -259,7 +297,7 @@ static bool run_effects(duet_motion *m, duet_error *err)
         return respond(m, err);
     if (motion_has(m, DUET_EFFECT_MOTION) && !fly(m, err))
         return false;
-    return !contact || (motion_find_rows(m, err) && motion_touch(m, err));
+    return !contact || (motion_find_rows(m, err) && motion_touch(m, false, err));
 }
 
 static bool fetch_events(duet_motion *m, duet_error *err)
@@ -274,7 +312,7 @@ static void fill_result(duet_motion *m, duet_motion_result *result)
         .step = m->step,
         .time = (double)m->step * m->def.dt,
         .pairs = m->n_pairs,
-        .contacts = m->colour_starts[COLOUR_OVERFLOW + 1],
+        .contacts = m->n_pushing,
         .colours = m->n_colours,
         .rebuilt = m->rebuilt,
         .events = m->events,

@@ -7,7 +7,7 @@
 // An effect stands after those that it can be called for by.
 static const effect_row rows[] = {
     {DUET_EFFECT_RESPONSE, "response", DUET_EFFECT_CONTACT | DUET_EFFECT_MOTION,
-     "a restitution or a friction, or wants", "shove", "contact, solve, body, colour, carry"},
+     "a restitution or a friction, or wants", "pushes", "contact, prepare, solve, body, colour, carry"},
     {DUET_EFFECT_EVENTS, "events", DUET_EFFECT_CONTACT, "wants", "events", "contact, carry"},
     {DUET_EFFECT_CONTACT, "contact", 0, "response, or wants", NULL,
      "enclose, rows, contact, carry"},

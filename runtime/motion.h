@@ -16,7 +16,10 @@ enum { MOTION_WALLS = 6 };
 enum { MOTION_SLOPS = 4 };
 
 // Colours of contacts, as in kernels/colour.cl.in.
-enum { COLOUR_OVERFLOW = 31, COLOUR_NONE = 33, COLOURS = 34, COLOUR_BITS = 6 };
+enum { COLOUR_OVERFLOW = 31, COLOUR_NONE = 33, COLOURS = 34 };
+
+// Keys that contacts are sorted by: several of a colour.
+enum { COLOUR_KEYS = 4, KEYS = COLOURS * COLOUR_KEYS, KEY_BITS = 8 };
 
 // Words that kernels set and the host reads, as in kernels/flags.clh.
 enum { FLAG_MOVED, FLAG_UNCOLOURED, FLAG_RECOLOURED, FLAG_EVENTS, FLAG_DOZED, FLAGS };
@@ -45,16 +48,18 @@ typedef enum motion_buffer {
     LINKS,
     RETURNS,
     CONTACTS,
+    TOUCHES,
     COLOUR_OF,
-    SHOVES,
     OLD_LINKS,
     OLD_CONTACTS,
+    OLD_TOUCHES,
     OLD_COLOURS,
     LIST, // contacts by colour
     LIST_KEYS,
     LIST_SPARE,
     LIST_KEYS_SPARE,
     COLOUR_STARTS,
+    BLOCKS, // contacts by colour while they are solved
     EVENTS,
     FLAG_WORDS,
     SUMS,
@@ -69,19 +74,28 @@ typedef struct motion_kernels {
     kernel *contact;
     kernel *doze;
     kernel *body_begin, *body_kick, *body_drift, *body_finish;
-    kernel *colour_mark, *colour_choose, *colour_take;
-    kernel *solve, *solve_in_order, *bounce, *bounce_in_order;
+    kernel *colour_mark, *colour_choose, *colour_take, *colour_key;
+    kernel *prepare, *store;
+    kernel *solve, *bounce;
     kernel *scan_sums, *scan_tops, *scan_blocks;
     kernel *radix_count, *radix_move, *row_start;
 } motion_kernels;
 
-// How long the records of kernels/contact.clh are, in floats; bodies and
-// shoves in vectors of four.
+// How long the records of kernels/contact.clh and constraint.clh are, in
+// floats; bodies in vectors of four.
 typedef struct motion_layout {
     uint32_t head, part, points, record;
-    uint32_t body, shove;
-    uint32_t of_push; // in a part
+    uint32_t body;
+    uint32_t of_push;           // in a part
+    uint32_t constraint, block; // a block is so many constraints
 } motion_layout;
+
+// Contacts of one colour: where in the list, and where in blocks.
+typedef struct colour_span {
+    uint32_t first;
+    uint32_t count;
+    uint32_t slot;
+} colour_span;
 
 struct duet_motion {
     duet_motion_def def;
@@ -102,8 +116,10 @@ struct duet_motion {
     uint64_t step;
     uint32_t n_contacts; // in rows
     uint32_t n_returns;
-    uint32_t colour_starts[COLOURS + 1];
+    colour_span colours[COLOUR_OVERFLOW + 1];
     uint32_t n_colours; // that are not empty
+    uint32_t n_pushing; // contacts of all colours
+    uint32_t n_blocks;
     uint64_t n_pairs;
     bool has_rows;
     bool list_stale; // the list by colour is not that of the contacts
@@ -131,7 +147,7 @@ uint32_t motion_words(const duet_motion *m, motion_buffer which);
 
 // Where objects may touch: pairs to rows, rows to contacts, contacts to colours.
 bool motion_find_rows(duet_motion *m, duet_error *err);
-bool motion_touch(duet_motion *m, duet_error *err);
+bool motion_touch(duet_motion *m, bool woken, duet_error *err); // woken: only what just woke
 bool motion_colour(duet_motion *m, duet_error *err);
 
 // Exclusive sum of n words in place.

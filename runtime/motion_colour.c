@@ -33,7 +33,7 @@ bool motion_scan(duet_motion *m, const char *stage, motion_buffer which, uint32_
            args_launch(&blocks, stage, m->kernels.scan_blocks, n, err);
 }
 
-static bool sort_pass(duet_motion *m, motion_buffer keys, uint32_t shift, duet_error *err)
+static bool sort_pass(duet_motion *m, uint32_t shift, duet_error *err)
 {
     const kernel *k = m->kernels.radix_count;
     uint32_t tile = k->group * k->per_item;
@@ -42,12 +42,12 @@ static bool sort_pass(duet_motion *m, motion_buffer keys, uint32_t shift, duet_e
     if (!motion_reserve(m, TILES, n_counts, sizeof(uint32_t), err))
         return false;
     motion_args count = args_begin(m);
-    args_buffer(&count, keys);
+    args_buffer(&count, LIST_KEYS);
     args_uint(&count, m->n_contacts);
     args_uint(&count, shift);
     args_buffer(&count, TILES);
     motion_args move = args_begin(m);
-    args_buffer(&move, keys);
+    args_buffer(&move, LIST_KEYS);
     args_buffer(&move, LIST);
     args_uint(&move, m->n_contacts);
     args_uint(&move, shift);
@@ -70,40 +70,70 @@ static bool sort_pass(duet_motion *m, motion_buffer keys, uint32_t shift, duet_e
 static bool reserve_lists(duet_motion *m, duet_error *err)
 {
     static const motion_buffer lists[] = {LIST, LIST_SPARE, LIST_KEYS, LIST_KEYS_SPARE};
-    bool ok = motion_reserve(m, COLOUR_STARTS, COLOURS + 1, sizeof(uint32_t), err);
+    bool ok = motion_reserve(m, COLOUR_STARTS, KEYS + 1, sizeof(uint32_t), err);
     for (size_t i = 0; ok && i < sizeof lists / sizeof lists[0]; ++i)
         ok = motion_reserve(m, lists[i], (uint64_t)m->n_contacts + 1, sizeof(uint32_t), err);
     return ok;
 }
 
+// Where each colour's contacts are in the list, and in blocks: those of a colour
+// begin a block, and those of none have one each.
+static void lay_colours(duet_motion *m, const uint32_t starts[KEYS + 1])
+{
+    uint32_t block = m->layout.block, n_blocks = 0;
+    m->n_colours = 0;
+    for (uint32_t c = 0; c <= COLOUR_OVERFLOW; ++c) {
+        colour_span *span = &m->colours[c];
+        span->first = starts[c * COLOUR_KEYS];
+        span->count = starts[(c + 1) * COLOUR_KEYS] - span->first;
+        span->slot = n_blocks * block;
+        n_blocks += c == COLOUR_OVERFLOW ? span->count : (span->count + block - 1) / block;
+        m->n_colours += span->count > 0;
+    }
+    m->n_pushing = starts[(COLOUR_OVERFLOW + 1) * COLOUR_KEYS];
+    m->n_blocks = n_blocks;
+}
+
 static bool read_starts(duet_motion *m, duet_error *err)
 {
+    uint32_t starts[KEYS + 1];
     motion_args a = args_begin(m);
     args_buffer(&a, LIST_KEYS);
     args_uint(&a, m->n_contacts);
-    args_uint(&a, COLOURS);
+    args_uint(&a, KEYS);
     args_buffer(&a, COLOUR_STARTS);
-    bool ok = args_launch(&a, "colour", m->kernels.row_start, (uint64_t)m->n_contacts + 1, err) &&
-              timeline_read(&m->times, "colour", &m->buffers[COLOUR_STARTS], m->colour_starts,
-                            sizeof m->colour_starts, err);
-    m->n_colours = 0;
-    for (uint32_t c = 0; ok && c <= COLOUR_OVERFLOW; ++c)
-        m->n_colours += m->colour_starts[c] < m->colour_starts[c + 1];
+    bool ok =
+        args_launch(&a, "colour", m->kernels.row_start, (uint64_t)m->n_contacts + 1, err) &&
+        timeline_read(&m->times, "colour", &m->buffers[COLOUR_STARTS], starts, sizeof starts, err);
+    if (ok)
+        lay_colours(m, starts);
     return ok;
+}
+
+static bool put_keys(duet_motion *m, duet_error *err)
+{
+    motion_args a = args_begin(m);
+    args_buffer(&a, COLOUR_OF);
+    args_buffer(&a, TOUCHES);
+    args_uint(&a, m->n_contacts);
+    args_buffer(&a, LIST_KEYS);
+    return args_launch(&a, "colour", m->kernels.colour_key, m->n_contacts, err);
 }
 
 // Contacts of one colour after the other into LIST.
 static bool sort_colours(duet_motion *m, duet_error *err)
 {
-    memset(m->colour_starts, 0, sizeof m->colour_starts);
-    m->n_colours = 0;
+    const uint32_t none[KEYS + 1] = {0};
+    lay_colours(m, none);
     if (m->n_contacts == 0)
         return true;
     uint32_t bits = (uint32_t)kernel_param(m->kernels.radix_count, "BITS");
-    bool ok = reserve_lists(m, err);
-    for (uint32_t shift = 0; ok && shift < COLOUR_BITS; shift += bits)
-        ok = sort_pass(m, shift == 0 ? COLOUR_OF : LIST_KEYS, shift, err);
-    return ok && read_starts(m, err);
+    bool ok = reserve_lists(m, err) && put_keys(m, err);
+    for (uint32_t shift = 0; ok && shift < KEY_BITS; shift += bits)
+        ok = sort_pass(m, shift, err);
+    return ok && read_starts(m, err) &&
+           motion_reserve(m, BLOCKS, (uint64_t)m->n_blocks * m->layout.block,
+                          m->layout.constraint * sizeof(float), err);
 }
 
 // ---------------------------------------------------------------- colours
@@ -112,7 +142,7 @@ static bool mark(duet_motion *m, duet_error *err)
 {
     motion_args a = args_begin(m);
     args_buffer(&a, LINKS);
-    args_buffer(&a, CONTACTS);
+    args_buffer(&a, TOUCHES);
     args_uint(&a, m->n_contacts);
     args_uint(&a, m->n);
     args_buffer(&a, BODIES);

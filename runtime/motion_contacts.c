@@ -9,19 +9,16 @@
 
 // ---------------------------------------------------------------- contacts
 
-static uint32_t count_in(const float *record)
-{
-    uint32_t n;
-    memcpy(&n, &record[3], sizeof n); // AT_COUNT of kernels/contact.clh
-    return n;
-}
+// TOUCH_POINTS of kernels/contact.clh
+enum { POINTS_MASK = 7 };
 
-static duet_contact read_record(const duet_motion *m, const uint32_t link[2], const float *record)
+static duet_contact read_record(const duet_motion *m, const uint32_t link[2], uint32_t n,
+                                const float *record)
 {
     const motion_layout *l = &m->layout;
-    duet_contact c = {.a = link[0], .b = link[1], .n = count_in(record)};
+    duet_contact c = {.a = link[0], .b = link[1], .n = n};
     memcpy(c.normal, record, sizeof c.normal);
-    for (uint32_t k = 0; k < c.n; ++k) {
+    for (uint32_t k = 0; k < n; ++k) {
         const float *part = record + l->head + k * l->part;
         memcpy(c.points[k].arm, part, sizeof c.points[k].arm);
         c.points[k].gap = part[3];
@@ -40,19 +37,23 @@ bool duet_motion_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, 
     size_t count = m->n_contacts;
     size_t record = m->layout.record;
     uint32_t(*links)[2] = malloc(count * sizeof *links + 1);
+    uint32_t *touches = malloc(count * sizeof *touches + 1);
     float *records = malloc(count * record * sizeof *records + 1);
     duet_contact *found = malloc(count * sizeof *found + 1);
-    bool ok = links && records && found;
+    bool ok = links && touches && records && found;
     if (!ok)
         error_set(err, DUET_NO_MEMORY, "no memory for %zu contacts", count);
     ok = ok && fetch(m, LINKS, links, count * sizeof *links, err) &&
+         fetch(m, TOUCHES, touches, count * sizeof *touches, err) &&
          fetch(m, CONTACTS, records, count * record * sizeof *records, err) &&
          timeline_finish(&m->times, err);
     *n = 0;
     for (size_t i = 0; ok && i < count; ++i)
-        if (count_in(records + i * record) > 0)
-            found[(*n)++] = read_record(m, links[i], records + i * record);
+        if (touches[i] & POINTS_MASK)
+            found[(*n)++] =
+                read_record(m, links[i], touches[i] & POINTS_MASK, records + i * record);
     free(links);
+    free(touches);
     free(records);
     *contacts = ok ? found : NULL;
     if (!ok)

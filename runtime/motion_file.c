@@ -23,13 +23,13 @@ typedef struct header {
     uint64_t n_pairs;
 } header;
 
-static const char magic[16] = "duet motion 1\n";
+static const char magic[16] = "duet motion 2\n";
 
 // By object first, then by contact. Rows are kept for those that sleep and for
 // skins.
 static const motion_buffer kept[] = {CENTRES, VELOCITIES, ROTATIONS, SPINS,         RESTS,
                                      ASLEEP,  BOXES,      STARTS,    RETURN_STARTS, RETURNS,
-                                     LINKS,   OTHERS,     CONTACTS,  COLOUR_OF};
+                                     LINKS,   OTHERS,     CONTACTS,  TOUCHES,       COLOUR_OF};
 
 enum { N_KEPT = sizeof kept / sizeof kept[0] };
 
@@ -41,6 +41,7 @@ static size_t bytes_of(const duet_motion *m, motion_buffer which, uint32_t n_con
     switch (which) {
     case RETURNS:
     case OTHERS:
+    case TOUCHES:
         return rows * word;
     case LINKS:
         return rows * 2 * word;
@@ -175,9 +176,6 @@ static bool put_all(duet_motion *m, const text *file, const header *h, duet_erro
         ok = put_buffer(m, kept[i], bytes, at, err);
         at += bytes;
     }
-    if (ok && motion_has(m, DUET_EFFECT_RESPONSE))
-        ok = motion_reserve(m, SHOVES, ((uint64_t)h->n_contacts + 1) * 4 * m->layout.shove,
-                            sizeof(float), err);
     if (ok && motion_has(m, DUET_EFFECT_EVENTS)) {
         m->event_room = (uint64_t)h->n_contacts + 1;
         ok = motion_reserve(m, EVENTS, m->event_room, 4 * sizeof(uint32_t), err);

@@ -93,7 +93,7 @@ static bool get(duet_motion *m, kernel **at, const char *name, const char *entry
     return *at;
 }
 
-// As kernels/contact.clh has them.
+// As kernels/contact.clh and constraint.clh have them.
 static motion_layout lay_out(const duet_motion *m)
 {
     bool response = motion_has(m, DUET_EFFECT_RESPONSE);
@@ -101,12 +101,12 @@ static motion_layout lay_out(const duet_motion *m)
     bool friction = motion_has(m, DUET_EFFECT_FRICTION);
     bool flat = m->def.dims == 2;
     motion_layout l = {.of_push = 4};
-    l.head = (response ? 6 : 5) + (friction ? (flat ? 1 : 4) : 0);
-    l.part = (response ? 9 : 4) + (response && spin ? 3 : 0) + (friction ? (flat ? 2 : 4) : 0);
+    l.head = response ? 6 : 3;
+    l.part = (response ? 6 : 4) + (friction ? m->def.dims - 1 : 0);
     l.points = response && !spin ? 1 : flat ? 2 : 4;
     l.record = l.head + l.points * l.part;
-    l.body = spin ? 5 : 2;
-    l.shove = spin ? 3 : 1;
+    l.body = spin ? 8 : 4;
+    l.constraint = (friction ? 14 : 10) + l.points * (9 + (friction ? 2 * (m->def.dims - 1) : 0));
     return l;
 }
 
@@ -140,10 +140,11 @@ bool motion_prepare(duet_motion *m, duet_error *err)
         {&k->colour_mark, response, "colour", "colour_mark"},
         {&k->colour_choose, response, "colour", "colour_choose"},
         {&k->colour_take, response, "colour", "colour_take"},
+        {&k->colour_key, response, "colour", "colour_key"},
+        {&k->prepare, response, "prepare", "prepare"},
+        {&k->store, response, "prepare", "store"},
         {&k->solve, response, "solve", "solve"},
-        {&k->solve_in_order, response, "solve", "solve_in_order"},
         {&k->bounce, response, "solve", "bounce"},
-        {&k->bounce_in_order, response, "solve", "bounce_in_order"},
         {&k->scan_sums, contact, "scan", "scan_sums"},
         {&k->scan_tops, contact, "scan", "scan_tops"},
         {&k->scan_blocks, contact, "scan", "scan_blocks"},
@@ -155,5 +156,7 @@ bool motion_prepare(duet_motion *m, duet_error *err)
     for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i)
         if (list[i].wanted && !get(m, list[i].at, list[i].name, list[i].entry, err))
             return false;
+    if (response)
+        m->layout.block = (uint32_t)kernel_param(k->solve, "BLOCK");
     return true;
 }

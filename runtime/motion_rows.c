@@ -187,13 +187,12 @@ static bool empty_contacts(duet_motion *m, duet_error *err)
 {
     uint64_t n = (uint64_t)m->n_contacts + 1;
     bool ok = motion_reserve(m, CONTACTS, n * m->layout.record, sizeof(float), err) &&
-              timeline_fill(&m->times, "rows", &m->buffers[CONTACTS], 0, 0,
-                            (size_t)n * m->layout.record, err);
+              motion_reserve(m, TOUCHES, n, sizeof(uint32_t), err) &&
+              timeline_fill(&m->times, "rows", &m->buffers[TOUCHES], 0, 0, (size_t)n, err);
     if (ok && motion_has(m, DUET_EFFECT_RESPONSE))
         ok = motion_reserve(m, COLOUR_OF, n, sizeof(uint32_t), err) &&
              timeline_fill(&m->times, "rows", &m->buffers[COLOUR_OF], COLOUR_NONE, 0, (size_t)n,
-                           err) &&
-             motion_reserve(m, SHOVES, n * 4 * m->layout.shove, sizeof(float), err);
+                           err);
     return ok;
 }
 
@@ -209,6 +208,7 @@ static bool carry(duet_motion *m, uint32_t n_old, duet_error *err)
 {
     motion_args a = args_begin(m);
     args_buffer(&a, OLD_LINKS);
+    args_buffer(&a, OLD_TOUCHES);
     args_buffer(&a, OLD_CONTACTS);
     args_uint(&a, n_old);
     if (motion_has(m, DUET_EFFECT_RESPONSE)) {
@@ -222,6 +222,7 @@ static bool carry(duet_motion *m, uint32_t n_old, duet_error *err)
     }
     args_buffer(&a, STARTS);
     args_buffer(&a, OTHERS);
+    args_buffer(&a, TOUCHES);
     args_buffer(&a, CONTACTS);
     return args_launch(&a, "rows", m->kernels.carry, n_old, err);
 }
@@ -232,6 +233,7 @@ static bool make_rows(duet_motion *m, duet_error *err)
     uint32_t n_old = m->n_contacts;
     swap(m, LINKS, OLD_LINKS);
     swap(m, CONTACTS, OLD_CONTACTS);
+    swap(m, TOUCHES, OLD_TOUCHES);
     swap(m, COLOUR_OF, OLD_COLOURS);
     m->rebuilt = true;
     m->has_rows = true;
@@ -249,7 +251,7 @@ bool motion_find_rows(duet_motion *m, duet_error *err)
     return holds || make_rows(m, err);
 }
 
-bool motion_touch(duet_motion *m, duet_error *err)
+bool motion_touch(duet_motion *m, bool woken, duet_error *err)
 {
     motion_args a = args_begin(m);
     args_buffer(&a, LINKS);
@@ -260,13 +262,11 @@ bool motion_touch(duet_motion *m, duet_error *err)
     args_buffer_for(&a, DUET_EFFECT_ROTATION, ROTATIONS);
     if (motion_has(m, DUET_EFFECT_BOUNDS))
         add_walls(&a);
-    if (motion_has(m, DUET_EFFECT_RESPONSE)) {
-        args_buffer(&a, BODIES);
-        args_buffer(&a, BOUNCES);
-        args_buffer(&a, SHOVES);
+    args_buffer_for(&a, DUET_EFFECT_RESPONSE, BODIES);
+    if (motion_has(m, DUET_EFFECT_SLEEP)) {
+        args_buffer(&a, ASLEEP);
+        args_uint(&a, woken);
     }
-    args_buffer_for(&a, DUET_EFFECT_FRICTION, FRICTIONS);
-    args_buffer_for(&a, DUET_EFFECT_SLEEP, ASLEEP);
     if (motion_has(m, DUET_EFFECT_FAST))
         args_float(&a, m->def.dt);
     if (motion_has(m, DUET_EFFECT_EVENTS)) {
@@ -275,6 +275,7 @@ bool motion_touch(duet_motion *m, duet_error *err)
         args_buffer(&a, FLAG_WORDS);
     }
     args_float(&a, m->margin);
+    args_buffer(&a, TOUCHES);
     args_buffer(&a, CONTACTS);
     return args_launch(&a, "contact", m->kernels.contact, m->n_contacts, err);
 }

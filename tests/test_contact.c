@@ -3,7 +3,7 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "runtime/device.h"
+#include "runtime/device_pair.h"
 
 #include <math.h>
 #include <string.h>
@@ -417,6 +417,26 @@ static void the_share_changes_nothing(void **state)
     }
 }
 
+// A CPU solves eight contacts side by side and a GPU one a work-item.
+static void one_lane_gives_the_bits_of_eight(void **state)
+{
+    (void)state;
+    uint64_t hashes[2];
+    duet_device_info *info = &mover_pair()->devices[1].info;
+    duet_device_kind kind = info->kind;
+    for (int i = 0; i < 2; ++i) {
+        mover *m = mover_new(3);
+        add_pile(m, 100);
+        info->kind = i == 0 ? DUET_KIND_CPU : DUET_KIND_GPU;
+        mover_run(m, 90);
+        info->kind = kind;
+        assert_true(m->last.contacts > m->n);
+        hashes[i] = mover_hash(m);
+        mover_free(m);
+    }
+    assert_true(hashes[0] == hashes[1]);
+}
+
 static void a_pile_stays_between_its_walls(void **state)
 {
     (void)state;
@@ -463,6 +483,7 @@ int main(void)
         cmocka_unit_test(friction_holds_up_to_its_angle),
         cmocka_unit_test(a_box_slides_over_a_seam),
         cmocka_unit_test(the_share_changes_nothing),
+        cmocka_unit_test(one_lane_gives_the_bits_of_eight),
         cmocka_unit_test(a_pile_stays_between_its_walls),
     };
     return cmocka_run_group_tests(tests, mover_open_pair, nothing_is_left);

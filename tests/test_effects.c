@@ -221,7 +221,7 @@ static const struct {
     {"GRAVITY", "gravity", NULL},
     {"DRAG", "drag", NULL},
     {"BOUNDS", "wall", NULL},
-    {"RESPONSE", "shove", "FRICTION FAST SLEEP"},
+    {"RESPONSE", "pushes", "FRICTION FAST SLEEP"},
     {"FRICTION", "grip", NULL},
     {"FAST", "swept", NULL},
     {"FILTER", "filter", NULL},
@@ -296,7 +296,7 @@ static void buffers_are_those_that_are_called_for(void **state)
         {DUET_EFFECT_ROTATION, ROTATIONS}, {DUET_EFFECT_SPIN, SPINS},
         {DUET_EFFECT_SPIN, INERTIAS},      {DUET_EFFECT_CONTACT, BOXES},
         {DUET_EFFECT_CONTACT, CONTACTS},   {DUET_EFFECT_CONTACT, FLAG_WORDS},
-        {DUET_EFFECT_RESPONSE, BODIES},    {DUET_EFFECT_RESPONSE, SHOVES},
+        {DUET_EFFECT_RESPONSE, BODIES},    {DUET_EFFECT_RESPONSE, BLOCKS},
         {DUET_EFFECT_FRICTION, FRICTIONS}, {DUET_EFFECT_FILTER, FILTERS},
         {DUET_EFFECT_SLEEP, ASLEEP},       {DUET_EFFECT_EVENTS, EVENTS},
     };

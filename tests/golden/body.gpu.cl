@@ -18,11 +18,10 @@
 // in a substep, and back.
 //
 //   bodies [n + 6][BODY]  the last six are the walls
-//   starts, returns       the contacts of each object (rows.cl.in)
-#line 22 "kernels/body.cl.in"
+#line 21 "kernels/body.cl.in"
 
 __kernel void body_begin(__global const real4 *restrict velocities,
-#line 31 "kernels/body.cl.in"
+#line 30 "kernels/body.cl.in"
                          uint n, __global float4 *restrict bodies)
 {
     uint first = get_global_id(0) * PER_ITEM;
@@ -31,17 +30,16 @@ __kernel void body_begin(__global const real4 *restrict velocities,
         __global float4 *body = bodies + (size_t)id * BODY;
         bool wall = id >= n;
         body[BODY_VELOCITY] = wall ? (float4)(0.0f) : convert_float4(velocities[wall ? 0 : id]);
-        body[BODY_MOVED] = (float4)(0.0f);
-#line 59 "kernels/body.cl.in"
+        body[BODY_MOVED] = body[BODY_SHOVE] = (float4)(0.0f);
+#line 58 "kernels/body.cl.in"
     }
 }
 
 // Velocities of a substep: what pulls, and what the contacts pushed with in the
-// last one, gathered in their order.
+// last one.
 __kernel void body_kick(__global float4 *restrict bodies, uint n,
-#line 74 "kernels/body.cl.in"
-                        __global const uint *restrict starts, __global const uint *restrict return_starts,
-                        __global const uint *restrict returns, __global const float4 *restrict shoves, float h)
+#line 73 "kernels/body.cl.in"
+                        float h)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
@@ -51,24 +49,15 @@ __kernel void body_kick(__global float4 *restrict bodies, uint n,
         float mobility = velocity.w;
         if (!(mobility > 0.0f))
             continue;
-#line 96 "kernels/body.cl.in"
-        float4 push = (float4)(0.0f);
-#line 100 "kernels/body.cl.in"
-        for (uint i = starts[id]; i < starts[id + 1]; ++i) {
-            push -= shoves[(size_t)i * SHOVE];
-#line 105 "kernels/body.cl.in"
-        }
-        for (uint k = return_starts[id]; k < return_starts[id + 1]; ++k) {
-            push += shoves[(size_t)returns[k] * SHOVE];
-#line 111 "kernels/body.cl.in"
-        }
-        body[BODY_VELOCITY].xyz = add_float(velocity, mobility, push).xyz;
-#line 124 "kernels/body.cl.in"
+#line 94 "kernels/body.cl.in"
+        body[BODY_VELOCITY].xyz = add_float(velocity, mobility, body[BODY_SHOVE]).xyz;
+        body[BODY_SHOVE] = (float4)(0.0f);
+#line 108 "kernels/body.cl.in"
     }
 }
 
 __kernel void body_drift(__global float4 *restrict bodies, uint n,
-#line 131 "kernels/body.cl.in"
+#line 115 "kernels/body.cl.in"
                          float h)
 {
     uint first = get_global_id(0) * PER_ITEM;
@@ -76,23 +65,23 @@ __kernel void body_drift(__global float4 *restrict bodies, uint n,
     for (uint id = first; id < last; ++id) {
         __global float4 *body = bodies + (size_t)id * BODY;
         body[BODY_MOVED].xyz = add_float(body[BODY_MOVED], h, body[BODY_VELOCITY]).xyz;
-#line 155 "kernels/body.cl.in"
+#line 139 "kernels/body.cl.in"
     }
 }
 
 __kernel void body_finish(__global const float4 *restrict bodies, uint n, __global real4 *restrict centres,
-#line 166 "kernels/body.cl.in"
+#line 150 "kernels/body.cl.in"
                           __global real4 *restrict velocities)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         __global const float4 *body = bodies + (size_t)id * BODY;
-#line 181 "kernels/body.cl.in"
+#line 165 "kernels/body.cl.in"
         float4 velocity = body[BODY_VELOCITY];
         centres[id].xyz += convert_real4(body[BODY_MOVED]).xyz;
         velocities[id].xyz = convert_real4(velocity).xyz;
         float fastest = dot_float(velocity, velocity);
-#line 198 "kernels/body.cl.in"
+#line 182 "kernels/body.cl.in"
     }
 }

@@ -17,10 +17,11 @@
 //   starts, others  the new rows
 #line 25 "kernels/carry.cl.in"
 
-__kernel void carry(__global const uint2 *restrict old_links, __global const float *restrict old_contacts, uint n_old,
-#line 33 "kernels/carry.cl.in"
+__kernel void carry(__global const uint2 *restrict old_links, __global const uint *restrict old_touches,
+                    __global const float *restrict old_contacts, uint n_old,
+#line 34 "kernels/carry.cl.in"
                     __global const uint *restrict starts, __global const uint *restrict others,
-                    __global float *restrict contacts)
+                    __global uint *restrict touches, __global float *restrict contacts)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_old);
@@ -34,12 +35,14 @@ __kernel void carry(__global const uint2 *restrict old_links, __global const flo
             else
                 high = middle;
         }
+        uint touch = old_touches[i], n = touch & TOUCH_POINTS;
         __global const float *old = old_contacts + (size_t)i * RECORD;
         if (low < end && others[low] == link.y) {
-            for (int k = 0; k < RECORD; ++k)
+            touches[low] = touch;
+            for (uint k = 0; n > 0 && k < HEAD + n * PART; ++k)
                 contacts[(size_t)low * RECORD + k] = old[k];
-#line 55 "kernels/carry.cl.in"
+#line 58 "kernels/carry.cl.in"
         }
-#line 69 "kernels/carry.cl.in"
+#line 72 "kernels/carry.cl.in"
     }
 }

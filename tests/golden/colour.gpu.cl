@@ -26,6 +26,7 @@
 #define OVERFLOW 31u    // solved in order
 #define WAITS 32u
 #define NO_COLOUR 33u
+#define KEYS_EACH 4u // keys of a colour
 #define NONE 0xffffffffu
 
 static inline uint rank_of(uint2 link)
@@ -38,7 +39,7 @@ static inline uint rank_of(uint2 link)
 }
 
 // Contacts that begin or cease to push.
-__kernel void colour_mark(__global const uint2 *restrict links, __global const float *restrict contacts, uint n,
+__kernel void colour_mark(__global const uint2 *restrict links, __global const uint *restrict touches, uint n,
                           uint objects, __global const float4 *restrict bodies, __global uint *restrict colours,
                           volatile __global uint *restrict flags)
 {
@@ -47,8 +48,8 @@ __kernel void colour_mark(__global const uint2 *restrict links, __global const f
     uint waiting = 0, changed = 0;
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-        bool moves = bodies[(size_t)link.x * BODY].w > 0.0f || bodies[(size_t)link.y * BODY].w > 0.0f;
-        bool pushes = as_uint(contacts[(size_t)i * RECORD + AT_COUNT]) > 0 && moves;
+        bool pushes = (touches[i] & TOUCH_POINTS) && (bodies[(size_t)link.x * BODY + BODY_VELOCITY].w > 0.0f ||
+                                                      bodies[(size_t)link.y * BODY + BODY_VELOCITY].w > 0.0f);
         uint old = colours[i];
         uint colour = !pushes ? NO_COLOUR : old == NO_COLOUR ? WAITS : old;
         waiting += colour == WAITS;
@@ -120,4 +121,18 @@ __kernel void colour_take(__global const uint2 *restrict links, uint objects,
     }
     if (done)
         atomic_sub(flags + FLAG_UNCOLOURED, done);
+}
+
+// What contacts are sorted by: the colour, and within it most points first, so
+// that those side by side have as much to do. Those of OVERFLOW keep the order
+// of the rows.
+__kernel void colour_key(__global const uint *restrict colours, __global const uint *restrict touches, uint n,
+                         __global uint *restrict keys)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    for (uint i = first; i < last; ++i) {
+        uint colour = colours[i];
+        keys[i] = colour * KEYS_EACH + (colour <= LAST_COLOUR ? POINTS - (touches[i] & TOUCH_POINTS) : 0);
+    }
 }

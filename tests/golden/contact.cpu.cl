@@ -25,8 +25,8 @@
 //
 //   links    [n] owner and other; objects + k: wall k
 //   contacts [n] records (contact.clh)
+//   touches  [n] words
 //   bodies   [objects + 6][BODY]
-//   shoves   [n][SHOVE]
 #line 12 "kernels/contact.cl.in"
 
 static inline solid solid_at(float4 extents)
@@ -41,7 +41,7 @@ static inline solid solid_at(float4 extents)
     s.halves[2] = extents.z;
     return s;
 }
-#line 227 "kernels/contact.cl.in"
+#line 179 "kernels/contact.cl.in"
 
 static inline void keep_deepest(manifold *m)
 {
@@ -55,45 +55,44 @@ static inline void keep_deepest(manifold *m)
 
 __kernel void contact(__global const uint2 *restrict links, uint n, uint objects, __global const real4 *restrict centres,
                       __global const float4 *restrict halves,
-#line 262 "kernels/contact.cl.in"
-                      float margin, __global float *restrict contacts)
+#line 210 "kernels/contact.cl.in"
+                      float margin, __global uint *restrict touches, __global float *restrict contacts)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint i = first; i < last; ++i) {
         uint a = links[i].x, b = links[i].y;
         __global float *record = contacts + (size_t)i * RECORD;
-#line 284 "kernels/contact.cl.in"
+#line 232 "kernels/contact.cl.in"
         solid solid_a = solid_at(halves[a]);
-#line 286 "kernels/contact.cl.in"
+#line 234 "kernels/contact.cl.in"
         float4 d = (float4)(0.0f);
         manifold m;
         m.n = 0;
-#line 308 "kernels/contact.cl.in"
+#line 256 "kernels/contact.cl.in"
         {
-#line 312 "kernels/contact.cl.in"
+#line 260 "kernels/contact.cl.in"
             solid solid_b = solid_at(halves[b]);
-#line 314 "kernels/contact.cl.in"
+#line 262 "kernels/contact.cl.in"
             d = convert_float4(centres[b] - centres[a]);
             d.w = 0.0f;
-#line 317 "kernels/contact.cl.in"
+#line 265 "kernels/contact.cl.in"
             touch_boxes(&solid_a, &solid_b, d, margin, &m);
-#line 331 "kernels/contact.cl.in"
+#line 279 "kernels/contact.cl.in"
         }
-#line 342 "kernels/contact.cl.in"
+#line 290 "kernels/contact.cl.in"
         bool touching = false; // no gap, or pushed in the last step
-#line 359 "kernels/contact.cl.in"
+#line 297 "kernels/contact.cl.in"
+        put_float4(record + AT_NORMAL, m.normal);
         for (int k = 0; k < m.n; ++k) {
             __global float *part = record + HEAD + k * PART;
             float4 arm = m.point[k];
             put_float4(part + OF_ARM, arm);
             part[OF_GAP] = arm.w;
             touching = touching || arm.w <= 0.0f;
-#line 395 "kernels/contact.cl.in"
+#line 315 "kernels/contact.cl.in"
         }
-        put_float4(record + AT_NORMAL, m.normal);
-#line 405 "kernels/contact.cl.in"
-        record[AT_COUNT] = as_float((uint)m.n);
-        record[AT_TOUCHING] = as_float((uint)touching);
+#line 324 "kernels/contact.cl.in"
+        touches[i] = (uint)m.n | (touching ? TOUCH_MEETS : 0u);
     }
 }

@@ -16,7 +16,7 @@
 // One that moves wakes what it touches, and those what they touch.
 //
 //   rests   [n] seconds at rest
-//   asleep  [n]
+//   asleep  [n] SLEEPS, or what it did until now, WOKE
 static inline float least_rest(float least, uint id, uint n, __global const float *rests,
                                __global const real4 *velocities
 #line 12 "kernels/doze.cl.in"
@@ -32,7 +32,7 @@ static inline float least_rest(float least, uint id, uint n, __global const floa
     return fastest > 0 ? 0.0f : least;
 }
 
-__kernel void doze(__global const uint2 *restrict links, __global const float *restrict contacts,
+__kernel void doze(__global const uint2 *restrict links, __global const uint *restrict touches,
                    __global const uint *restrict starts, __global const uint *restrict return_starts,
                    __global const uint *restrict returns, uint n, __global const float *restrict rests,
                    __global const real4 *restrict velocities,
@@ -44,18 +44,18 @@ __kernel void doze(__global const uint2 *restrict links, __global const float *r
     for (uint id = first; id < last; ++id) {
         float least = rests[id];
         for (uint i = starts[id]; i < starts[id + 1]; ++i)
-            if (as_uint(contacts[(size_t)i * RECORD + AT_COUNT]) > 0)
+            if (touches[i] & TOUCH_POINTS)
                 least = least_rest(least, links[i].y, n, rests, velocities
 #line 45 "kernels/doze.cl.in"
                 );
         for (uint k = return_starts[id]; k < return_starts[id + 1]; ++k)
-            if (as_uint(contacts[(size_t)returns[k] * RECORD + AT_COUNT]) > 0)
+            if (touches[returns[k]] & TOUCH_POINTS)
                 least = least_rest(least, links[returns[k]].x, n, rests, velocities
 #line 52 "kernels/doze.cl.in"
                 );
-        uint sleeps = least >= sleep_after ? 1 : 0;
-        if (sleeps != asleep[id])
+        bool slept = asleep[id] & SLEEPS, sleeps = least >= sleep_after;
+        if (sleeps != slept)
             atomic_or(flags + FLAG_DOZED, 1u);
-        asleep[id] = sleeps;
+        asleep[id] = (sleeps ? SLEEPS : 0u) | (slept && !sleeps ? WOKE : 0u);
     }
 }
