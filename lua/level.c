@@ -16,6 +16,29 @@ static const member level_members[] = {
     {0},
 };
 
+static const member accuracy_members[] = {
+    MEMBER(member_double, duet_accuracy, missed),
+    MEMBER(member_double, duet_accuracy, false_rate),
+    {0},
+};
+
+// What the table leaves out is 0.
+static void read_accuracy(lua_State *L, const member *m, void *at)
+{
+    if (!lua_istable(L, -1))
+        member_refuse(L, m, "a table");
+    *(duet_accuracy *)at = (duet_accuracy){0};
+    member_read_table(L, -1, "an accuracy", accuracy_members, at);
+}
+
+static void push_accuracy(lua_State *L, const member *m, const void *at)
+{
+    (void)m;
+    member_push_table(L, accuracy_members, at);
+}
+
+const member_type member_accuracy = {read_accuracy, push_accuracy};
+
 duet_level level_check(lua_State *L, int index)
 {
     duet_level level = DUET_LEVEL_CERTIFIED;
@@ -37,8 +60,15 @@ static int list_levels(lua_State *L)
     return 1;
 }
 
+static int level_covers(lua_State *L)
+{
+    lua_pushboolean(L, duet_level_covers(level_check(L, 1), level_check(L, 2)));
+    return 1;
+}
+
 void level_open_lua(lua_State *L)
 {
-    static const luaL_Reg functions[] = {{"levels", list_levels}, {NULL, NULL}};
+    static const luaL_Reg functions[] = {
+        {"levels", list_levels}, {"level_covers", level_covers}, {NULL, NULL}};
     luaL_setfuncs(L, functions, 0);
 }

@@ -31,6 +31,7 @@ extern const member_type member_plan; // a duet_plan as a table
 const char *shape_name(int shape);
 const char *level_name(int level);
 duet_level level_check(lua_State *L, int index);
+extern const member_type member_accuracy; // a duet_accuracy as a table
 
 // A device pair stays open until its last user has gone.
 typedef struct device_pair_box {

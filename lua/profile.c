@@ -9,15 +9,12 @@ static const char *grade_name(int grade)
 }
 
 static const member profile_members[] = {
-    MEMBER_ENUM(duet_profile, grade, grade_name),
-    MEMBER(member_plan, duet_profile, plan),
-    MEMBER(member_double, duet_profile, step_ms),
-    MEMBER(member_double, duet_profile, gain),
-    MEMBER(member_double, duet_profile, gain_low),
-    MEMBER(member_double, duet_profile, gain_high),
-    MEMBER(member_chars, duet_profile, verdict),
-    MEMBER(member_int, duet_profile, measured_s),
-    {0},
+    MEMBER_ENUM(duet_profile, grade, grade_name),   MEMBER(member_plan, duet_profile, plan),
+    MEMBER_ENUM(duet_profile, level, level_name),   MEMBER(member_accuracy, duet_profile, accuracy),
+    MEMBER(member_count, duet_profile, true_pairs), MEMBER(member_double, duet_profile, step_ms),
+    MEMBER(member_double, duet_profile, gain),      MEMBER(member_double, duet_profile, gain_low),
+    MEMBER(member_double, duet_profile, gain_high), MEMBER(member_chars, duet_profile, verdict),
+    MEMBER(member_int, duet_profile, measured_s),   {0},
 };
 
 int world_load_profile_lua(lua_State *L)

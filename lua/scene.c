@@ -29,6 +29,9 @@ static const member info_members[] = {
     MEMBER(member_bool, duet_scene_info, has_world),
     MEMBER(member_float, duet_scene_info, lower),
     MEMBER(member_float, duet_scene_info, upper),
+    MEMBER_ENUM(duet_scene_info, level, level_name),
+    MEMBER(member_bool, duet_scene_info, has_accuracy),
+    MEMBER(member_accuracy, duet_scene_info, accuracy),
     {0},
 };
 

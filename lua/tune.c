@@ -30,6 +30,20 @@ static void read_names(lua_State *L, const member *m, void *at)
 
 static const member_type member_names = {read_names, NULL};
 
+// One name, or a list of them.
+static void read_levels(lua_State *L, const member *m, void *at)
+{
+    name_list *list = at;
+    if (lua_type(L, -1) != LUA_TSTRING) {
+        read_names(L, m, at);
+        return;
+    }
+    list->names[0] = lua_tostring(L, -1);
+    list->n = 1;
+}
+
+static const member_type member_levels = {read_levels, NULL};
+
 // The function stays in the def's table and is called from there.
 static void read_watch(lua_State *L, const member *m, void *at)
 {
@@ -45,6 +59,7 @@ typedef struct tune_def {
     duet_tune_def def;
     name_list variants;
     name_list modes;
+    name_list levels;
     bool watch;
 } tune_def;
 
@@ -67,6 +82,11 @@ static const member def_members[] = {
     OPTION(member_count, repeats),
     OPTION(member_count, seed),
     OPTION(member_string, script),
+    {.name = "level",
+     .type = &member_levels,
+     .offset = offsetof(tune_def, levels),
+     .size = sizeof(name_list)},
+    OPTION(member_accuracy, accuracy),
     MEMBER(member_watch, tune_def, watch),
     {0},
 };
@@ -97,6 +117,9 @@ static const member outcome_members[] = {
     MEMBER(member_plan, duet_tune_outcome, plan),
     MEMBER(member_plan, duet_tune_outcome, best),
     MEMBER(member_count, duet_tune_outcome, objects),
+    MEMBER_ENUM(duet_tune_outcome, level, level_name),
+    MEMBER(member_accuracy, duet_tune_outcome, accuracy),
+    MEMBER(member_count, duet_tune_outcome, true_pairs),
     MEMBER(member_double, duet_tune_outcome, gain),
     MEMBER(member_double, duet_tune_outcome, gain_low),
     MEMBER(member_double, duet_tune_outcome, gain_high),
@@ -170,6 +193,14 @@ static duet_mode find_mode(lua_State *L, const char *name)
     return DUET_MODE_SHARED;
 }
 
+static duet_level find_level(lua_State *L, const char *name)
+{
+    duet_level level = DUET_LEVEL_CERTIFIED;
+    if (!duet_level_named(name, &level))
+        luaL_error(L, "field 'level': there is no level '%s'; duet.levels() lists them", name);
+    return level;
+}
+
 static void check_policy(lua_State *L, const duet_tune_def *def)
 {
     if (def->keep)
@@ -184,6 +215,7 @@ int device_pair_tune_lua(lua_State *L)
     duet_error err = {0};
     duet_tune_outcome outcome = {0};
     duet_mode modes[32];
+    duet_level levels[32];
     tune_def t = {.def = duet_default_tune_def()};
     t.def.pair = device_pair_check(L, 1)->pair;
     t.def.scene = scene_check(L, 2);
@@ -195,6 +227,11 @@ int device_pair_tune_lua(lua_State *L)
     for (t.def.n_modes = 0; t.def.n_modes < t.modes.n; ++t.def.n_modes)
         modes[t.def.n_modes] = find_mode(L, t.modes.names[t.def.n_modes]);
     t.def.modes = modes;
+    for (t.def.n_levels = 0; t.def.n_levels < t.levels.n; ++t.def.n_levels)
+        levels[t.def.n_levels] = find_level(L, t.levels.names[t.def.n_levels]);
+    t.def.levels = levels;
+    t.def.has_accuracy = lua_istable(L, 3) && lua_getfield(L, 3, "accuracy") != LUA_TNIL;
+    lua_settop(L, 3);
     watcher w = {L, 4, false};
     if (t.watch) {
         lua_getfield(L, 3, "watch");

@@ -5,12 +5,19 @@
 static const lua_class world_class;
 
 static const member def_members[] = {
-    MEMBER(member_plan, duet_world_def, plan),       MEMBER(member_count, duet_world_def, dims),
-    MEMBER_ENUM(duet_world_def, shape, shape_name),  MEMBER_ENUM(duet_world_def, level, level_name),
-    MEMBER(member_bool, duet_world_def, rotated),    MEMBER(member_float, duet_world_def, cell),
-    MEMBER(member_bool, duet_world_def, cell_fixed), MEMBER(member_float, duet_world_def, lower),
-    MEMBER(member_float, duet_world_def, upper),     MEMBER(member_bool, duet_world_def, keep_bad),
-    MEMBER(member_count, duet_world_def, max_pairs), {0},
+    MEMBER(member_plan, duet_world_def, plan),
+    MEMBER(member_count, duet_world_def, dims),
+    MEMBER_ENUM(duet_world_def, shape, shape_name),
+    MEMBER_ENUM(duet_world_def, level, level_name),
+    MEMBER(member_bool, duet_world_def, rotated),
+    MEMBER(member_float, duet_world_def, cell),
+    MEMBER(member_bool, duet_world_def, cell_fixed),
+    MEMBER(member_float, duet_world_def, lower),
+    MEMBER(member_float, duet_world_def, upper),
+    MEMBER(member_bool, duet_world_def, keep_bad),
+    MEMBER(member_count, duet_world_def, max_pairs),
+    MEMBER(member_accuracy, duet_world_def, accuracy),
+    {0},
 };
 
 world_box *world_check(lua_State *L, int index)
@@ -44,6 +51,10 @@ static duet_world_def read_def(lua_State *L, duet_device_pair *pair, const duet_
     if (lower != upper)
         luaL_error(L, "a world has both corners, lower and upper, or neither");
     def.has_world = def.has_world || lower;
+    if (has_field(L, index, "accuracy"))
+        def.has_accuracy = true;
+    else if (has_field(L, index, "level"))
+        def.has_accuracy = false;
     return def;
 }
 
@@ -173,6 +184,12 @@ static int world_set_plan(lua_State *L)
     return class_push_done(L, duet_world_set_plan(box->world, &plan, &err), &err);
 }
 
+static int world_level(lua_State *L)
+{
+    lua_pushstring(L, level_name(duet_world_level(world_check(L, 1)->world)));
+    return 1;
+}
+
 static int world_set_level(lua_State *L)
 {
     duet_error err = {0};
@@ -205,6 +222,7 @@ static const luaL_Reg methods[] = {{"close", world_close},
                                    {"explain_profile", world_explain_profile_lua},
                                    {"online", world_online_lua},
                                    {"set_level", world_set_level},
+                                   {"level", world_level},
                                    {"step", world_step},
                                    {NULL, NULL}};
 static const lua_class world_class = {.name = "duet.world", .methods = methods};

@@ -231,7 +231,8 @@ static bool tell_inaccuracy(look *l)
     if (sql_row(&q) && sql_get_int(&q, 2) < 0)
         refuse(l, "how many pairs it misses or invents was not measured");
     else if (l->why)
-        text_add(l->why, "no: it misses %.3g and invents %.3g of the true pairs, above %.3g or %.3g",
+        text_add(l->why,
+                 "no: it misses %.3g and invents %.3g of the true pairs, above %.3g or %.3g",
                  sql_get_real(&q, 0), sql_get_real(&q, 1), l->request->max_missed_rate,
                  l->request->max_false_rate);
     return sql_close(&q);
@@ -394,6 +395,13 @@ static bool forecast_best_of(look *l, const profile_plan *plan, forecast *f, boo
     return forecast_best(l->s, &ask, f, found, l->err);
 }
 
+// Fits know times and not how many pairs were missed; certified misses none.
+static bool is_accurate_anywhere(const look *l)
+{
+    bool asked = isfinite(l->request->max_missed_rate) || isfinite(l->request->max_false_rate);
+    return !asked || strcmp(l->at.level, "certified") == 0;
+}
+
 static bool look_interpolated(look *l, bool *held)
 {
     neighbour near;
@@ -408,6 +416,8 @@ static bool look_interpolated(look *l, bool *held)
         is_about(near.n, n, SIZE_SLACK) && is_about(near.occupancy, l->at.occ_mean, CROWD_SLACK);
     if (*held)
         return use_neighbour(l, &near);
+    if (!is_accurate_anywhere(l))
+        return refuse(l, "accuracy is asked for, which times of other sizes say nothing about");
     // Where one device did it all, the plan says nothing of how they would share.
     bool shared = near.found.plan.share > 0 && near.found.plan.share < PROFILE_SHARE_ONE;
     if (!forecast_best_of(l, shared ? &near.found.plan : NULL, &f, &found))
@@ -421,8 +431,7 @@ static bool look_interpolated(look *l, bool *held)
 
 static bool look_transferred(look *l, bool *held)
 {
-    // Fits know times and not how many pairs were missed.
-    if (isfinite(l->request->max_missed_rate) || isfinite(l->request->max_false_rate))
+    if (!is_accurate_anywhere(l))
         return refuse(l, "accuracy is asked for, which times of other sizes say nothing about");
     forecast f;
     bool found = false;
@@ -470,21 +479,37 @@ static bool is_better(const profile_found *a, const profile_found *b)
                                 : a->grade != PROFILE_DEFAULT && a->median_ns < b->median_ns;
 }
 
+// Whether any workload like this was measured at this level.
+static bool is_measured(look *l, bool *measured)
+{
+    sql q = sql_make(l->s,
+                     "SELECT 1 FROM workload w JOIN profile p ON p.workload_id = w.id "
+                     "WHERE w.family = ? AND p.live = 1 LIMIT 1",
+                     l->err);
+    sql_text(&q, text_chars(&l->family));
+    *measured = sql_row(&q);
+    return sql_close(&q);
+}
+
 // The best that any of the levels has.
 static bool try_levels(look *l, profile_found *best)
 {
     const profile_request *request = l->request;
-    bool ok = true;
-    for (uint32_t i = 0; ok && i < request->n_levels; ++i) {
+    for (uint32_t i = 0; i < request->n_levels; ++i) {
         profile_found found = {.grade = PROFILE_DEFAULT};
+        bool measured = false;
         l->found = &found;
+        if (!turn_to_level(l, request->levels[i]) || !is_measured(l, &measured))
+            return false;
         if (l->why)
-            text_add(l->why, " level %s\n", request->levels[i]);
-        ok = turn_to_level(l, request->levels[i]) && climb_down(l);
-        if (ok && is_better(&found, best))
+            text_add(l->why, " level %s%s\n", request->levels[i],
+                     measured ? "" : ": no like workload was measured at it");
+        if (measured && !climb_down(l))
+            return false;
+        if (is_better(&found, best))
             *best = found;
     }
-    return ok;
+    return true;
 }
 
 bool profile_lookup(store *s, const profile_request *request, profile_found *found, text *why,

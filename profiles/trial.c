@@ -91,6 +91,23 @@ bool profile_trial_add(store *s, const char *session, const profile_trial *trial
     return store_end(s, ok, err);
 }
 
+bool profile_trial_find(store *s, const char *session, const profile_plan *plan, int64_t *number,
+                        duet_error *err)
+{
+    sql q =
+        sql_make(s,
+                 "SELECT coalesce(max(number), -1) FROM trial WHERE session_id = ? AND "
+                 "share = ? AND mode = ? AND variant_a = ? AND variant_b = ? AND outcome = 'ok'",
+                 err);
+    sql_text(&q, session);
+    sql_int(&q, plan->share);
+    sql_text(&q, plan->mode);
+    sql_text(&q, plan->variant_a);
+    sql_text(&q, plan->variant_b);
+    *number = sql_row(&q) ? sql_get_int(&q, 0) : -1;
+    return sql_close(&q);
+}
+
 // ------------------------------------------------------------------- reading
 
 typedef struct sample_list {

@@ -54,6 +54,10 @@ typedef struct profile_trial {
 bool profile_trial_add(store *s, const char *session, const profile_trial *trial,
                        const char *search_state, int64_t *number, duet_error *err);
 
+// The number of the session's last trial of that plan that ran; -1: none did.
+bool profile_trial_find(store *s, const char *session, const profile_plan *plan, int64_t *number,
+                        duet_error *err);
+
 // Called for each trial of a session in order; what trial points to is valid
 // in the call. False stops the walk.
 typedef bool profile_trial_visit(void *context, int64_t number, const profile_trial *trial);

@@ -139,6 +139,17 @@ DUET_API const duet_level_info *duet_level_describe(duet_level level); // NULL o
 // False where no level is called that.
 DUET_API bool duet_level_named(const char *name, duet_level *level);
 
+// Whether a level promises all that another does: certified does so for all,
+// aabb, sphere and sat6 for each other (none is missed), double for sat15.
+DUET_API bool duet_level_covers(duet_level level, duet_level other);
+
+// How much may be wrong, by the number of pairs that collide: 0.02 is two in a
+// hundred. Levels are measured for it on a workload; certified is within any.
+typedef struct duet_accuracy {
+    double missed;     // of those pairs, not found; 0 to 1
+    double false_rate; // found besides those pairs; >= 0
+} duet_accuracy;
+
 // ---------------------------------------------------------------- scenes
 
 typedef enum duet_shape {
@@ -160,6 +171,9 @@ typedef struct duet_scene_info {
     bool has_world;  // lower and upper are given
     float lower[3];
     float upper[3];
+    duet_level level;  // that the scene wants; certified where it says nothing
+    bool has_accuracy; // it leaves the level to a profile within accuracy
+    duet_accuracy accuracy;
 } duet_scene_info;
 
 // A scene's parameter set from outside, for Lua scenes: "n" = "1000".
@@ -221,10 +235,14 @@ typedef struct duet_world_def {
     uint32_t dims; // 2 or 3
     duet_shape shape;
     duet_level level; // of accuracy, for poses; bounds are exact
-    bool rotated;     // false promises identity rotations: fewer axes are tested
-    float cell;       // cell edge; 0: the largest extent found
-    bool cell_fixed;  // CELL_TOO_SMALL instead of widening
-    bool has_world;   // lower and upper are given; objects outside are still found
+    // With has_accuracy a profile may bring any level that was measured to be
+    // within accuracy; until then level holds. Without, level always holds.
+    bool has_accuracy;
+    duet_accuracy accuracy;
+    bool rotated;    // false promises identity rotations: fewer axes are tested
+    float cell;      // cell edge; 0: the largest extent found
+    bool cell_fixed; // CELL_TOO_SMALL instead of widening
+    bool has_world;  // lower and upper are given; objects outside are still found
     float lower[3];
     float upper[3];
     bool keep_bad;      // leave bad objects out and count them, instead of BAD_OBJECT
@@ -233,7 +251,7 @@ typedef struct duet_world_def {
 } duet_world_def;
 
 DUET_API duet_world_def duet_default_world_def(void);
-// A def with the scene's dims, shape, cell and world.
+// A def with the scene's dims, shape, cell, world, level and accuracy.
 DUET_API duet_world_def duet_scene_world_def(const duet_scene *scene, duet_device_pair *pair);
 
 DUET_API duet_world *duet_world_create(const duet_world_def *def, duet_error *err);
@@ -256,8 +274,9 @@ DUET_API duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_
 DUET_API bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err);
 DUET_API const duet_plan *duet_world_plan(const duet_world *world);
 
-// From the next step on.
+// From the next step on, and whatever profile is loaded later.
 DUET_API bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err);
+DUET_API duet_level duet_world_level(const duet_world *world);
 
 // ---------------------------------------------------------------- profiles
 
@@ -276,7 +295,10 @@ DUET_API const char *duet_grade_name(duet_grade grade); // "other driver"; NULL 
 // What a store of profiles knows of a world.
 typedef struct duet_profile {
     duet_grade grade;
-    duet_plan plan; // the world's after the call
+    duet_plan plan;         // the world's after the call
+    duet_level level;       // and its level
+    duet_accuracy accuracy; // of that level, as measured with the plan
+    uint64_t true_pairs;    // that it was measured on; 0: it was not
     double step_ms; // by that plan; predicted, unless measured. 0 from STALE on, as what follows
     double gain;    // over the best single device: 0.25 is a quarter faster
     double gain_low;
@@ -286,7 +308,11 @@ typedef struct duet_profile {
 } duet_profile;
 
 // Gives the world the best plan that is known for its objects, which must be
-// set. path is the store; NULL is the user's (DUET_PROFILE) and under it the
+// set. A world with a level gets what was measured at that level and keeps it.
+// One with has_accuracy gets, of the levels that were measured to be within its
+// accuracy, the best founded and then the fastest, and that level with it; where
+// there is none it keeps its own. So no profile ever brings less than was asked
+// for. path is the store; NULL is the user's (DUET_PROFILE) and under it the
 // system's. Nothing is written, and no file need be there. On failure (a store
 // that cannot be read) the plan is still that of whatever could be, or as it
 // was: an application may go on.

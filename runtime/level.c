@@ -79,6 +79,12 @@ bool duet_level_named(const char *name, duet_level *level)
     return false;
 }
 
+bool duet_level_covers(duet_level level, duet_level other)
+{
+    const duet_level_info *own = &levels[level].info, *others = &levels[other].info;
+    return own->missed <= others->missed && own->added <= others->added;
+}
+
 bool level_tests_upright(duet_level level)
 {
     return level == DUET_LEVEL_AABB || level == DUET_LEVEL_SPHERE;

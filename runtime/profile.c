@@ -40,11 +40,18 @@ static bool use(duet_world *world, const profile_found *found, duet_profile *pro
     if (profile->grade >= DUET_GRADE_STALE)
         return true;
     duet_plan plan;
-    if (!profiled_read_plan(&found->plan, &plan, err) || !duet_world_set_plan(world, &plan, err)) {
+    duet_level level;
+    if (!profiled_read_plan(&found->plan, &plan, err) ||
+        !profiled_read_level(found->plan.level, &level, err) ||
+        !duet_world_set_plan(world, &plan, err)) {
         profile->grade = DUET_GRADE_DEFAULT;
         return false;
     }
+    world_change_level(world, level);
     profile->plan = plan;
+    profile->level = level;
+    profile->accuracy = (duet_accuracy){found->missed_rate, found->false_rate};
+    profile->true_pairs = found->true_pairs > 0 ? (uint64_t)found->true_pairs : 0;
     profile->step_ms = found->median_ns * 1e-6;
     profile->gain = found->gain;
     profile->gain_low = found->gain_low;
@@ -59,7 +66,9 @@ bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *
 {
     if (!world || !profile)
         return error_set(err, DUET_BAD_ARGUMENT, "a profile is loaded for a world, into a struct");
-    *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT, .plan = *duet_world_plan(world)};
+    *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT,
+                              .plan = *duet_world_plan(world),
+                              .level = duet_world_level(world)};
     profiled asked;
     profile_found found;
     if (!profiled_world(world, &asked, err))

@@ -107,6 +107,14 @@ static bool hash_kernels(const char *dir, char kernels[PROFILE_SHA], duet_error 
 
 // ---------------------------------------------------------------- the whole
 
+static void ask_any_level(profiled *p, const duet_accuracy *accuracy)
+{
+    p->workload.level = PROFILED_ANY_LEVEL;
+    p->accuracy = *accuracy;
+    for (p->n_levels = 0; p->n_levels < DUET_LEVELS; ++p->n_levels)
+        p->levels[p->n_levels] = duet_level_describe((duet_level)p->n_levels)->name;
+}
+
 bool profiled_world(const duet_world *world, profiled *p, duet_error *err)
 {
     *p = (profiled){0};
@@ -118,7 +126,15 @@ bool profiled_world(const duet_world *world, profiled *p, duet_error *err)
     p->pair.a = describe_device(&devices[0], p->parts[0]);
     p->pair.b = describe_device(&devices[1], p->parts[1]);
     p->workload = census(world);
+    if (world->def.has_accuracy)
+        ask_any_level(p, &world->def.accuracy);
     return hash_kernels(world->def.pair->kernel_dir, p->kernels, err);
+}
+
+void profiled_settle(profiled *p, duet_level level)
+{
+    p->workload.level = duet_level_describe(level)->name;
+    p->n_levels = 0;
 }
 
 profile_request profiled_request(const profiled *p)
@@ -127,7 +143,19 @@ profile_request profiled_request(const profiled *p)
     request.pair = &p->pair;
     request.workload = &p->workload;
     request.kernels = p->kernels;
+    if (p->n_levels == 0)
+        return request;
+    request.levels = p->levels;
+    request.n_levels = p->n_levels;
+    request.max_missed_rate = p->accuracy.missed;
+    request.max_false_rate = p->accuracy.false_rate;
     return request;
+}
+
+bool profiled_read_level(const char *name, duet_level *level, duet_error *err)
+{
+    return duet_level_named(name, level) ||
+           error_set(err, DUET_BAD_INPUT, "the profile's level '%s' is not known here", name);
 }
 
 bool profiled_read_plan(const profile_plan *stored, duet_plan *plan, duet_error *err)

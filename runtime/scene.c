@@ -306,6 +306,9 @@ duet_world_def duet_scene_world_def(const duet_scene *scene, duet_device_pair *p
     def.dims = info->dims;
     def.shape = info->shape;
     def.rotated = info->rotated;
+    def.level = info->level;
+    def.has_accuracy = info->has_accuracy;
+    def.accuracy = info->accuracy;
     def.cell = info->cell;
     def.cell_fixed = info->cell_fixed;
     def.has_world = info->has_world;

@@ -6,6 +6,7 @@
 
 #include "gen/field.h"
 #include "gen/script.h"
+#include "runtime/accuracy.h"
 #include "runtime/base/blob.h"
 #include "runtime/base/error.h"
 
@@ -122,6 +123,19 @@ static void read_cell_fixed(lua_State *L, scene_reading *reading)
     reading->scene->info.cell_fixed = field_boolean(L, 1, "cell_fixed", false);
 }
 
+static void read_level(lua_State *L, scene_reading *reading)
+{
+    accuracy_read_level(L, 1, &reading->scene->info.level);
+}
+
+static void read_accuracy(lua_State *L, scene_reading *reading)
+{
+    duet_scene_info *info = &reading->scene->info;
+    info->has_accuracy = accuracy_read(L, 1, &info->accuracy);
+    if (info->has_accuracy && field_string(L, 1, "level", NULL))
+        field_raise(L, "accuracy", "a scene has a level, or an accuracy that one is chosen by");
+}
+
 // In this order: dims are checked against the objects, and world against dims.
 static const struct {
     const char *name;
@@ -133,6 +147,8 @@ static const struct {
     {"world", read_world},
     {"cell", read_cell},
     {"cell_fixed", read_cell_fixed},
+    {"level", read_level},
+    {"accuracy", read_accuracy},
     {"body", scene_read_body},
     {"gravity", scene_read_gravity},
     {"attraction", scene_read_attraction},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/world.h"
 
+#include "runtime/accuracy.h"
 #include "runtime/base/error.h"
 
 #include <math.h>
@@ -81,6 +82,8 @@ static bool check_def(const duet_world_def *def, duet_error *err)
     if (!duet_level_describe(def->level))
         return error_set(err, DUET_BAD_ARGUMENT, "level is %d; right would be a duet_level",
                          (int)def->level);
+    if (def->has_accuracy && !accuracy_check(&def->accuracy, "the world's", err))
+        return false;
     if (!(def->cell >= 0.0f) || !isfinite(def->cell))
         return error_set(err, DUET_BAD_ARGUMENT, "cell is %g; right would be 0 or an edge above 0",
                          def->cell);
@@ -199,14 +202,24 @@ const duet_plan *duet_world_plan(const duet_world *world)
 
 bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err)
 {
-    duet_world_def def = world->def;
-    def.level = level;
-    if (!check_def(&def, err))
-        return false;
+    if (!duet_level_describe(level))
+        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; right would be a duet_level",
+                         (int)level);
+    world_change_level(world, level);
+    world->def.has_accuracy = false;
+    return true;
+}
+
+void world_change_level(duet_world *world, duet_level level)
+{
     if (level != world->def.level)
         world->prepared[0] = world->prepared[1] = false;
     world->def.level = level;
-    return true;
+}
+
+duet_level duet_world_level(const duet_world *world)
+{
+    return world->def.level;
 }
 
 // ---------------------------------------------------------------- objects

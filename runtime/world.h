@@ -31,4 +31,7 @@ struct duet_world {
     duet_stage stages[2 * TIMELINE_STAGES]; // of the last step
 };
 
+// The level that a profile brings: the world still takes any within its accuracy.
+void world_change_level(duet_world *world, duet_level level);
+
 #endif

@@ -24,12 +24,6 @@ static cJSON *read_json(const char *path)
     return o;
 }
 
-static void write_text(const char *path, const char *chars)
-{
-    duet_error err = {0};
-    assert_ok(text_write_file(path, chars, strlen(chars), &err), err);
-}
-
 static int measure(void **state)
 {
     (void)state;
@@ -53,7 +47,7 @@ static void write_old(double factor, double others)
     cJSON_ArrayForEach(one, cJSON_GetObjectItem(o, "cases"))
         cJSON_SetNumberValue(cJSON_GetObjectItem(one, "others"), others);
     char *chars = cJSON_Print(o);
-    write_text(OLD, chars);
+    test_write_file(OLD, chars);
     cJSON_free(chars);
     cJSON_Delete(o);
 }
@@ -165,7 +159,7 @@ static void what_is_no_result_is_refused_in_one_line(void **state)
          OLD ": case 0: 'samples_ms' is not 1 to 512 times above 0"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
-        write_text(OLD, bad[i][0]);
+        test_write_file(OLD, bad[i][0]);
         program p = program_run(BENCH "--against " OLD);
         program_assert_refused(&p, 1, bad[i][1]);
     }

@@ -162,7 +162,7 @@ static void what_was_learned_is_loaded_at_the_next_start(void **state)
     profile_request request = profiled_request(&known);
     duet_plan plan = *duet_world_plan(f.world);
     plan.share = 12345;
-    assert_ok(record_open(&r, STORE, &request, &err), err);
+    assert_ok(record_open(&r, STORE, &err) && record_aim(&r, &request, &err), err);
     assert_ok(record_online(&r, &plan, 2e6, &err), err);
     record_close(&r);
     assert_ok(duet_world_load_profile(f.world, STORE, &profile, &err), err);

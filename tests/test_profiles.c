@@ -2,11 +2,10 @@
 // duet profiles, as a person calls it.
 #define _POSIX_C_SOURCE 200809L
 #include "profiles/sql.h"
-#include "support/program.h"
+#include "support/json.h"
 #include "support/store.h"
 #include "support/test.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,39 +38,7 @@ static program run_on(const test_folder *folder, const char *arguments)
 static cJSON *run_json(const test_folder *folder, const char *arguments)
 {
     program p = run_on(folder, arguments);
-    if (p.exit_code != 0)
-        fail_msg("profiles %s: %s", arguments, p.err);
-    assert_string_equal(p.err, "");
-    const char *end = NULL;
-    cJSON *o = cJSON_ParseWithOpts(p.out, &end, false);
-    assert_true(cJSON_IsObject(o));
-    assert_string_equal(end, "\n");
-    program_free(&p);
-    return o;
-}
-
-static double number_of(const cJSON *o, const char *key)
-{
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, key);
-    if (!cJSON_IsNumber(item))
-        fail_msg("no number '%s'", key);
-    return item->valuedouble;
-}
-
-static const char *string_of(const cJSON *o, const char *key)
-{
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, key);
-    if (!cJSON_IsString(item))
-        fail_msg("no string '%s'", key);
-    return item->valuestring;
-}
-
-static const cJSON *array_of(const cJSON *o, const char *key, int n)
-{
-    const cJSON *array = cJSON_GetObjectItemCaseSensitive(o, key);
-    assert_true(cJSON_IsArray(array));
-    assert_int_equal(cJSON_GetArraySize(array), n);
-    return array;
+    return json_of_program(&p);
 }
 
 static void assert_prints(const test_folder *folder, const char *arguments, const char *says)
@@ -96,18 +63,18 @@ static void list_shows_what_an_application_would_load(void **state)
     (void)state;
     test_folder folder = make_store();
     cJSON *o = run_json(&folder, "list --json");
-    const cJSON *profiles = array_of(o, "profiles", 2);
+    const cJSON *profiles = json_array(o, "profiles", 2);
     const cJSON *large = cJSON_GetArrayItem(profiles, 1);
-    assert_int_equal(number_of(large, "objects"), 250000);
-    assert_true(number_of(large, "share") == 0.125);
-    assert_true(number_of(large, "gain") == 0.12);
-    assert_string_equal(string_of(large, "verdict"), "faster");
-    assert_string_equal(string_of(large, "mode"), "own");
-    assert_string_equal(string_of(cJSON_GetObjectItemCaseSensitive(large, "b"), "name"),
+    assert_int_equal(json_number(large, "objects"), 250000);
+    assert_true(json_number(large, "share") == 0.125);
+    assert_true(json_number(large, "gain") == 0.12);
+    assert_string_equal(json_string(large, "verdict"), "faster");
+    assert_string_equal(json_string(large, "mode"), "own");
+    assert_string_equal(json_string(cJSON_GetObjectItemCaseSensitive(large, "b"), "name"),
                         "NVIDIA H200");
     cJSON_Delete(o);
     o = run_json(&folder, "list --dead --json");
-    array_of(o, "profiles", 3);
+    json_array(o, "profiles", 3);
     cJSON_Delete(o);
     assert_prints(&folder, "list", "A: pthread-AMD EPYC 7763 64-Core Processor [0-0], driver 3.1");
     assert_prints(&folder, "list", "250 000");
@@ -122,16 +89,16 @@ static void show_gives_a_profile_with_its_trials(void **state)
     cJSON *all = run_json(&folder, "list --json");
     const cJSON *first = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(all, "profiles"), 0);
     char arguments[96];
-    snprintf(arguments, sizeof arguments, "show %.12s --json", string_of(first, "uid"));
+    snprintf(arguments, sizeof arguments, "show %.12s --json", json_string(first, "uid"));
     cJSON *o = run_json(&folder, arguments);
-    const cJSON *trials = array_of(o, "trials", 9);
-    assert_string_equal(string_of(o, "uid"), string_of(first, "uid"));
-    assert_true(number_of(cJSON_GetArrayItem(trials, 8), "share") == 1);
+    const cJSON *trials = json_array(o, "trials", 9);
+    assert_string_equal(json_string(o, "uid"), json_string(first, "uid"));
+    assert_true(json_number(cJSON_GetArrayItem(trials, 8), "share") == 1);
     const cJSON *session = cJSON_GetObjectItemCaseSensitive(o, "session");
-    assert_string_equal(string_of(session, "strategy"), "balance");
-    assert_string_equal(string_of(session, "script"), "return { n = 1000 }");
-    assert_int_equal(number_of(session, "launches"), 27);
-    snprintf(arguments, sizeof arguments, "show %.12s", string_of(first, "uid"));
+    assert_string_equal(json_string(session, "strategy"), "balance");
+    assert_string_equal(json_string(session, "script"), "return { n = 1000 }");
+    assert_int_equal(json_number(session, "launches"), 27);
+    snprintf(arguments, sizeof arguments, "show %.12s", json_string(first, "uid"));
     assert_prints(&folder, arguments, "gain      +12.0 % (+10.0 to +14.0)");
     assert_prints(&folder, arguments, "search    balance, seed 1, 9 trials, 27 launches");
     cJSON_Delete(o);
@@ -154,13 +121,13 @@ static void rows_go_out_and_into_another_store(void **state)
     program_free(&p);
     snprintf(arguments, sizeof arguments, "import %s/rows.jsonl --json", folder.path);
     cJSON *o = run_json(&other, arguments);
-    assert_int_equal(number_of(o, "known"), 0);
-    double added = number_of(o, "added");
+    assert_int_equal(json_number(o, "known"), 0);
+    double added = json_number(o, "added");
     cJSON_Delete(o);
     snprintf(arguments, sizeof arguments, "merge %s --json", folder.store);
     o = run_json(&other, arguments);
-    assert_int_equal(number_of(o, "added"), 0);
-    assert_true(number_of(o, "known") == added);
+    assert_int_equal(json_number(o, "added"), 0);
+    assert_true(json_number(o, "known") == added);
     cJSON_Delete(o);
     snprintf(arguments, sizeof arguments, "export | cmp - %s/rows.jsonl", folder.path);
     p = run_on(&other, arguments);
@@ -185,7 +152,7 @@ static void a_bad_line_is_named_and_the_store_untouched(void **state)
     snprintf(says, sizeof says, "%s/rows.jsonl:4: its type is none of", folder.path);
     assert_refused(&other, arguments, 1, says);
     cJSON *o = run_json(&other, "list --json");
-    array_of(o, "profiles", 0);
+    json_array(o, "profiles", 0);
     cJSON_Delete(o);
     test_folder_remove(&folder);
     test_folder_remove(&other);
@@ -196,12 +163,12 @@ static void prune_and_check_say_what_they_found(void **state)
     (void)state;
     test_folder folder = make_store();
     cJSON *o = run_json(&folder, "prune --samples 1 --dead --json");
-    assert_int_equal(number_of(o, "samples"), 27 * 3);
-    assert_int_equal(number_of(o, "profiles"), 1);
+    assert_int_equal(json_number(o, "samples"), 27 * 3);
+    assert_int_equal(json_number(o, "profiles"), 1);
     cJSON_Delete(o);
     assert_prints(&folder, "prune", "0 launches and 0 profiles forgotten");
     o = run_json(&folder, "check --json");
-    array_of(o, "problems", 0);
+    json_array(o, "problems", 0);
     cJSON_Delete(o);
     assert_prints(&folder, "check", "sound");
     duet_error err = {0};

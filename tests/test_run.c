@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 // duet run, as a person calls it.
 #define _POSIX_C_SOURCE 200809L
-#include "support/program.h"
+#include "support/json.h"
 #include "support/test.h"
 
 #include "runtime/base/text.h"
 #include "runtime/duet.h"
 
-#include <cjson/cJSON.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -27,16 +26,10 @@ static const char scene_text[] =
     "end\n"
     "return { dims = 3 }\n";
 
-static void write_file(const char *path, const char *content)
-{
-    duet_error err = {0};
-    assert_ok(text_write_file(path, content, strlen(content), &err), err);
-}
-
 static int make_scene(void **state)
 {
     (void)state;
-    write_file(SCENE, scene_text);
+    test_write_file(SCENE, scene_text);
     return 0;
 }
 
@@ -52,49 +45,25 @@ static int remove_files(void **state)
 static cJSON *run_json(const char *arguments)
 {
     program p = program_run("run --json %s", arguments);
-    if (p.exit_code != 0)
-        fail_msg("run --json %s: %s", arguments, p.err);
-    assert_string_equal(p.err, "");
-    const char *end = NULL;
-    cJSON *o = cJSON_ParseWithOpts(p.out, &end, false);
-    assert_true(cJSON_IsObject(o));
-    assert_string_equal(end, "\n");
-    program_free(&p);
-    return o;
-}
-
-static double number_of(const cJSON *o, const char *key)
-{
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, key);
-    if (!cJSON_IsNumber(item))
-        fail_msg("no number '%s'", key);
-    return item->valuedouble;
-}
-
-static const char *string_of(const cJSON *o, const char *key)
-{
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, key);
-    if (!cJSON_IsString(item))
-        fail_msg("no string '%s'", key);
-    return item->valuestring;
+    return json_of_program(&p);
 }
 
 static void json_has_what_a_script_needs(void **state)
 {
     (void)state;
     cJSON *o = run_json(SCENE " --share 1/4 --mode own --variant rows --repeat 3 --check");
-    assert_int_equal(number_of(o, "objects"), 400);
-    assert_int_equal(number_of(o, "dims"), 3);
-    assert_true(number_of(o, "candidates") >= number_of(o, "pairs"));
-    assert_true(number_of(o, "pairs") > 0);
-    assert_int_equal(strlen(string_of(o, "hash")), 16);
-    assert_true(number_of(o, "share") == 0.25);
-    assert_string_equal(string_of(o, "mode"), "own");
-    assert_string_equal(string_of(o, "variant"), "rows");
-    assert_non_null(strchr(string_of(o, "pair"), ','));
-    assert_true(number_of(o, "total_ms") > 0);
-    assert_int_equal(number_of(o, "repeat"), 3);
-    assert_true(number_of(o, "bytes_a") > 0 && number_of(o, "bytes_b") > 0);
+    assert_int_equal(json_number(o, "objects"), 400);
+    assert_int_equal(json_number(o, "dims"), 3);
+    assert_true(json_number(o, "candidates") >= json_number(o, "pairs"));
+    assert_true(json_number(o, "pairs") > 0);
+    assert_int_equal(strlen(json_string(o, "hash")), 16);
+    assert_true(json_number(o, "share") == 0.25);
+    assert_string_equal(json_string(o, "mode"), "own");
+    assert_string_equal(json_string(o, "variant"), "rows");
+    assert_non_null(strchr(json_string(o, "pair"), ','));
+    assert_true(json_number(o, "total_ms") > 0);
+    assert_int_equal(json_number(o, "repeat"), 3);
+    assert_true(json_number(o, "bytes_a") > 0 && json_number(o, "bytes_b") > 0);
     const cJSON *check = cJSON_GetObjectItemCaseSensitive(o, "check");
     assert_true(cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(check, "right")));
     const cJSON *stages = cJSON_GetObjectItemCaseSensitive(o, "stages");
@@ -102,10 +71,10 @@ static void json_has_what_a_script_needs(void **state)
     const cJSON *stage = NULL;
     cJSON_ArrayForEach(stage, stages)
     {
-        assert_true(*string_of(stage, "name") != '\0');
-        assert_true(strcmp(string_of(stage, "device"), "A") == 0 ||
-                    strcmp(string_of(stage, "device"), "B") == 0);
-        assert_true(number_of(stage, "ms") >= 0);
+        assert_true(*json_string(stage, "name") != '\0');
+        assert_true(strcmp(json_string(stage, "device"), "A") == 0 ||
+                    strcmp(json_string(stage, "device"), "B") == 0);
+        assert_true(json_number(stage, "ms") >= 0);
     }
     cJSON_Delete(o);
 }
@@ -128,7 +97,7 @@ static void share_is_a_decimal_or_a_fraction(void **state)
         snprintf(arguments, sizeof arguments, SCENE " --n 20 --repeat 1 --share %s",
                  shares[i].given);
         cJSON *o = run_json(arguments);
-        assert_true(number_of(o, "share") == shares[i].share);
+        assert_true(json_number(o, "share") == shares[i].share);
         cJSON_Delete(o);
     }
 }
@@ -139,9 +108,9 @@ static void n_and_seed_choose_the_scene(void **state)
     cJSON *a = run_json(SCENE " --n 300 --seed 5 --repeat 1");
     cJSON *b = run_json(SCENE " --set n=300 --set seed=5 --repeat 1");
     cJSON *c = run_json(SCENE " -n 300 --seed=6 --repeat 1");
-    assert_int_equal(number_of(a, "objects"), 300);
-    assert_string_equal(string_of(a, "hash"), string_of(b, "hash"));
-    assert_string_not_equal(string_of(a, "hash"), string_of(c, "hash"));
+    assert_int_equal(json_number(a, "objects"), 300);
+    assert_string_equal(json_string(a, "hash"), json_string(b, "hash"));
+    assert_string_not_equal(json_string(a, "hash"), json_string(c, "hash"));
     cJSON_Delete(a);
     cJSON_Delete(b);
     cJSON_Delete(c);
@@ -179,10 +148,10 @@ static void the_pairs_file_holds_each_pair_once_ascending(void **state)
         last = key;
         ++n;
     }
-    assert_int_equal(n, number_of(o, "pairs"));
+    assert_int_equal(n, json_number(o, "pairs"));
     char hash[17];
     snprintf(hash, sizeof hash, "%016" PRIx64, duet_pairs_hash(pairs, n));
-    assert_string_equal(hash, string_of(o, "hash"));
+    assert_string_equal(hash, json_string(o, "hash"));
     free(pairs);
     text_free(&t);
     cJSON_Delete(o);
@@ -239,7 +208,7 @@ static void bad_input_is_one_line_and_exit_1(void **state)
         {"0 0 0 1 1 1 0 0 0 0\n", DATA ":1"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
-        write_file(DATA, bad[i].content);
+        test_write_file(DATA, bad[i].content);
         program p = program_run("run %s", DATA);
         program_assert_refused(&p, 1, bad[i].says);
     }
@@ -275,7 +244,7 @@ static void ctrl_c_shows_what_was_timed(void **state)
     assert_string_equal(p.err, "duet: stopped\n");
     if (*p.out) {
         cJSON *o = cJSON_Parse(p.out);
-        assert_true(number_of(o, "repeat") > 0 && number_of(o, "repeat") < 100000);
+        assert_true(json_number(o, "repeat") > 0 && json_number(o, "repeat") < 100000);
         cJSON_Delete(o);
     }
     program_free(&p);
@@ -290,8 +259,8 @@ static void a_level_is_compared_with_its_own_reference(void **state)
         char arguments[80];
         snprintf(arguments, sizeof arguments, SCENE " --check --repeat 1 --level %s", name);
         cJSON *o = run_json(arguments);
-        assert_string_equal(string_of(o, "level"), name);
-        found[l] = number_of(o, "pairs");
+        assert_string_equal(json_string(o, "level"), name);
+        found[l] = json_number(o, "pairs");
         cJSON_Delete(o);
     }
     assert_true(found[DUET_LEVEL_AABB] > found[DUET_LEVEL_SAT6]);

@@ -26,7 +26,8 @@ static void a_scene_says_its_world_and_cell(void **state)
     (void)state;
     duet_scene *scene = assert_scene(
         "return { name = 'shed', dims = 2, world = { lower = {-1, -2}, upper = {3, 4} },"
-        "         cell = 1.5, cell_fixed = true, objects = {{0, 0, 1, 1}} }");
+        "         cell = 1.5, cell_fixed = true, accuracy = { false_rate = 0.02 },"
+        "         objects = {{0, 0, 1, 1}} }");
     const duet_scene_info *info = duet_scene_describe(scene);
     assert_string_equal(info->name, "shed");
     assert_int_equal(info->dims, 2);
@@ -38,6 +39,8 @@ static void a_scene_says_its_world_and_cell(void **state)
     assert_int_equal(def.dims, 2);
     assert_int_equal(def.shape, DUET_SHAPE_BOUNDS);
     assert_true(def.has_world && def.cell_fixed && def.cell == 1.5f && !def.rotated);
+    assert_true(def.has_accuracy && def.accuracy.missed == 0 && def.accuracy.false_rate == 0.02);
+    assert_int_equal(def.level, DUET_LEVEL_CERTIFIED);
     assert_memory_equal(def.lower, info->lower, sizeof def.lower);
     assert_memory_equal(def.upper, info->upper, sizeof def.upper);
     duet_scene_destroy(scene);
@@ -187,6 +190,12 @@ static void a_wrong_scene_is_refused_with_its_place(void **state)
          ":2: dims is 3, but the objects have 2"},
         {"return { cell = -1 }", DUET_BAD_INPUT, ":1: cell is -1; it must be an edge above 0"},
         {"return { cell = 1e39 }", DUET_BAD_INPUT, ":1: cell is inf"},
+        {"return { level = 'best' }", DUET_BAD_INPUT, ":1: there is no level 'best': there are "},
+        {"return { accuracy = { false_rates = 1 } }", DUET_BAD_INPUT,
+         ":1: accuracy has no field 'false_rates'"},
+        {"return { accuracy = { missed = -1 } }", DUET_BAD_INPUT, ":1: missed is a part"},
+        {"return { level = 'sat6',\n accuracy = {} }", DUET_BAD_INPUT,
+         ":2: a scene has a level, or an accuracy"},
         {"return { cell_fixed = 1 }", DUET_BAD_INPUT, ":1: cell_fixed must be true or false"},
         {"return { name = {} }", DUET_BAD_INPUT, ":1: name must be a text"},
         {"return { world = { low = {} } }", DUET_BAD_INPUT, ":1: world has no field 'low'"},

@@ -47,6 +47,7 @@ static bool launch_fake(void *context, const duet_plan *plan, measure_launch *la
     launch->total_ns = launch->a_ns > launch->b_ns ? launch->a_ns : launch->b_ns;
     bool wrong = (a && strcmp(plan->variant_a, "wrong") == 0) ||
                  (b && strcmp(plan->variant_b, "wrong") == 0);
+    launch->terms.cpu1 = round(1e3 * (double)launch->total_ns * 1e-6) / 1e3;
     launch->hash = wrong ? 1 : RIGHT;
     return true;
 }
@@ -217,6 +218,7 @@ static void assert_same(const duet_tune_outcome *a, const duet_tune_outcome *b)
     assert_true(a->gain == b->gain && a->gain_low == b->gain_low);
     assert_string_equal(a->verdict, b->verdict);
     assert_int_equal(a->launches, b->launches);
+    assert_true(a->terms.cpu1 > 0 && a->terms.cpu1 == b->terms.cpu1);
 }
 
 // Stopped after every few trials, and taken up from JSON each time.

@@ -66,10 +66,11 @@ static bool keep(const duet_online *o, duet_error *err)
     plan.share = o->online.share;
     if (!profiled_world(o->def.world, &known, err))
         return false;
+    profiled_settle(&known, duet_world_level(o->def.world));
     profile_request request = profiled_request(&known);
-    if (!record_open(&r, o->def.store, &request, err))
+    if (!record_open(&r, o->def.store, err))
         return false;
-    bool ok = record_online(&r, &plan, o->online.total_ns, err);
+    bool ok = record_aim(&r, &request, err) && record_online(&r, &plan, o->online.total_ns, err);
     record_close(&r);
     return ok;
 }

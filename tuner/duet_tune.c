@@ -1,16 +1,24 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/duet_tune.h"
 
+#include "runtime/accuracy.h"
+#include "runtime/base/clock.h"
 #include "runtime/base/error.h"
 #include "runtime/profiled.h"
+#include "tuner/level_choice.h"
+#include "tuner/pair_list.h"
+#include "tuner/prices.h"
 #include "tuner/race.h"
 #include "tuner/record.h"
 #include "tuner/strategy.h"
 #include "tuner/strategy_lua.h"
+#include "tuner/terms.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 
-enum { COOKIE = 0x0d0e7003, REPEATS = 3, GROUP = 128 };
+enum { COOKIE = 0x0d0e7003, REPEATS = 3, GROUP = 128, PRICE_ROUNDS = 7 };
 
 duet_tune_def duet_default_tune_def(void)
 {
@@ -38,6 +46,18 @@ static bool check_strategy(const char *name, duet_error *err)
     return ok;
 }
 
+static bool check_levels(const duet_tune_def *def, duet_error *err)
+{
+    for (uint32_t i = 0; i < def->n_levels; ++i)
+        if (!duet_level_describe(def->levels[i]))
+            return error_set(err, DUET_BAD_ARGUMENT, "level is %d; right would be a duet_level",
+                             (int)def->levels[i]);
+    if (def->n_levels > 1 && !def->has_accuracy)
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "%u levels, but no accuracy that one of them is chosen by", def->n_levels);
+    return !def->has_accuracy || accuracy_check(&def->accuracy, "the tuning's", err);
+}
+
 static bool check_def(const duet_tune_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
@@ -57,7 +77,7 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
         if (!variant_parse(&v, def->variants[i], duet_device_pair_info(def->pair, 0), err))
             return false;
     }
-    return check_strategy(def->strategy, err);
+    return check_levels(def, err) && check_strategy(def->strategy, err);
 }
 
 // ---------------------------------------------------------------- a tuning
@@ -80,10 +100,14 @@ static void let_go(holdings *h)
     duet_world_destroy(h->world);
 }
 
+// The level is settled before anything is measured but levels.
 static bool make_world(holdings *h, duet_error *err)
 {
     duet_world_def def = duet_scene_world_def(h->def.scene, h->def.pair);
-    def.level = h->def.level;
+    if (h->def.n_levels > 0)
+        def.level = h->def.levels[0];
+    def.has_accuracy = h->def.has_accuracy;
+    def.accuracy = h->def.accuracy;
     h->world = duet_world_create(&def, err);
     return h->world && duet_world_set_scene(h->world, h->def.scene, err);
 }
@@ -96,21 +120,121 @@ static bool open_script(holdings *h, duet_error *err)
     return h->script;
 }
 
-static bool open_store(holdings *h, duet_error *err)
+static bool describe_world(holdings *h, duet_error *err)
 {
     if (!profiled_world(h->world, &h->profiled, err))
         return false;
     h->profiled.workload.name = duet_scene_describe(h->def.scene)->name;
-    profile_request request = profiled_request(&h->profiled);
-    return !h->def.keep || record_open(&h->record, h->def.store, &request, err);
+    return true;
+}
+
+// What is asked for in the def, or else by the scene.
+static duet_tune_def complete_def(const duet_tune_def *def)
+{
+    duet_tune_def whole = *def;
+    const duet_scene_info *scene = duet_scene_describe(def->scene);
+    whole.repeats = def->repeats ? def->repeats : REPEATS;
+    if (def->n_levels == 0 && !def->has_accuracy && scene->has_accuracy) {
+        whole.has_accuracy = true;
+        whole.accuracy = scene->accuracy;
+    }
+    return whole;
 }
 
 static bool prepare(holdings *h, const duet_tune_def *def, duet_error *err)
 {
-    h->def = *def;
-    h->def.repeats = def->repeats ? def->repeats : REPEATS;
-    return make_world(h, err) && open_script(h, err) && open_store(h, err);
+    h->def = complete_def(def);
+    return make_world(h, err) && open_script(h, err) && describe_world(h, err) &&
+           (!def->keep || record_open(&h->record, def->store, err));
 }
+
+// ---------------------------------------------------------------- the level
+
+typedef struct price_watching {
+    const holdings *h;
+    uint64_t begun_ns;
+} price_watching;
+
+static bool watch_prices(void *context, uint64_t done, uint64_t steps)
+{
+    const price_watching *w = context;
+    const duet_tune_def *def = &w->h->def;
+    (void)steps;
+    duet_tune_progress progress = {
+        .stage = "level",
+        .plan = duet_world_plan(w->h->world),
+        .launches = (uint32_t)done,
+        .seconds = (double)(clock_steady_ns() - w->begun_ns) * 1e-9,
+    };
+    return !def->watch || def->watch(def->watch_context, &progress);
+}
+
+static bool measure_prices(holdings *h, profile_price *stored, uint32_t *n, duet_error *err)
+{
+    price_watching w = {h, clock_steady_ns()};
+    prices_def def = {.pair = h->def.pair,
+                      .scene = h->def.scene,
+                      .rounds = PRICE_ROUNDS,
+                      .watch = watch_prices,
+                      .watch_context = &w};
+    prices p;
+    if (!prices_measure(&p, &def, err))
+        return false;
+    if (p.rounds < PRICE_ROUNDS)
+        return error_set(err, DUET_INTERRUPTED, "stopped while the levels were measured");
+    for (*n = 0; *n < p.n; ++*n) {
+        const price *row = &p.rows[*n];
+        stored[*n] = (profile_price){.step_ns = row->step_ms * 1e6,
+                                     .true_pairs = p.truth,
+                                     .missed = row->missed,
+                                     .invented = row->added};
+        snprintf(stored[*n].level, sizeof stored[*n].level, "%s",
+                 duet_level_describe(row->level)->name);
+    }
+    return true;
+}
+
+// From the store, or measured and kept there: once known, the list does for
+// every accuracy.
+static bool find_prices(holdings *h, profile_price *list, uint32_t *n, duet_error *err)
+{
+    *n = 0;
+    if (!h->record.store)
+        return measure_prices(h, list, n, err);
+    profile_request request = profiled_request(&h->profiled);
+    if (!record_aim(&h->record, &request, err) ||
+        (!h->def.fresh && !record_prices(&h->record, list, n, err)))
+        return false;
+    return *n > 0 ||
+           (measure_prices(h, list, n, err) && record_keep_prices(&h->record, list, *n, err));
+}
+
+static bool choose_level(holdings *h, duet_error *err)
+{
+    static const duet_level all[DUET_LEVELS] = {DUET_LEVEL_CERTIFIED, DUET_LEVEL_AABB,
+                                                DUET_LEVEL_SPHERE,    DUET_LEVEL_SAT6,
+                                                DUET_LEVEL_SAT15,     DUET_LEVEL_DOUBLE};
+    profile_price list[PROFILE_PRICES];
+    uint32_t n;
+    duet_level level;
+    bool any = h->def.n_levels == 0;
+    return find_prices(h, list, &n, err) &&
+           level_choose(list, n, any ? all : h->def.levels, any ? DUET_LEVELS : h->def.n_levels,
+                        &h->def.accuracy, &level, err) &&
+           duet_world_set_level(h->world, level, err);
+}
+
+// From here on the tuning is of one level.
+static bool settle_level(holdings *h, duet_error *err)
+{
+    if (h->def.has_accuracy && !choose_level(h, err))
+        return false;
+    profiled_settle(&h->profiled, duet_world_level(h->world));
+    profile_request request = profiled_request(&h->profiled);
+    return !h->record.store || record_aim(&h->record, &request, err);
+}
+
+// ---------------------------------------------------------------- measuring
 
 static bool is_finished(const profile_found *found)
 {
@@ -120,30 +244,58 @@ static bool is_finished(const profile_found *found)
 static bool tell_known(const profile_found *found, duet_tune_outcome *outcome, duet_error *err)
 {
     *outcome = (duet_tune_outcome){
+        .accuracy = {found->missed_rate, found->false_rate},
+        .true_pairs = found->true_pairs > 0 ? (uint64_t)found->true_pairs : 0,
         .gain = found->gain,
         .gain_low = found->gain_low,
         .gain_high = found->gain_high,
         .step_ms = found->median_ns * 1e-6,
+        .step_low_ms = found->low_ns * 1e-6,
+        .step_high_ms = found->high_ns * 1e-6,
+        .single_ms = found->single_ns * 1e-6,
         .known = true,
     };
     memcpy(outcome->verdict, found->verdict, sizeof outcome->verdict);
-    if (!profiled_read_plan(&found->plan, &outcome->plan, err))
+    cJSON *terms = cJSON_Parse(found->terms);
+    terms_from_json(terms, &outcome->terms);
+    cJSON_Delete(terms);
+    profile_plan best = found->plan;
+    best.share = found->best_share;
+    memcpy(best.mode, found->best_mode, sizeof best.mode);
+    return profiled_read_plan(&found->plan, &outcome->plan, err) &&
+           profiled_read_plan(&best, &outcome->best, err);
+}
+
+// What a level gets wrong, by the pairs that collide.
+static bool measure_accuracy(const duet_scene *scene, const duet_pair *pairs, uint64_t n,
+                             duet_tune_outcome *outcome, duet_error *err)
+{
+    duet_pair *truth;
+    pair_list_count wrong = {0};
+    if (!duet_reference(scene, &truth, &outcome->true_pairs, err))
         return false;
-    outcome->best = outcome->plan;
+    pair_list_compare(pairs, n, truth, outcome->true_pairs, pair_list_count_wrong, &wrong);
+    duet_free(truth);
+    double by = fmax((double)outcome->true_pairs, 1);
+    outcome->accuracy = (duet_accuracy){(double)wrong.missed / by, (double)wrong.added / by};
     return true;
 }
 
-// The pairs that every plan must find.
-static bool find_right_hash(const duet_scene *scene, duet_level level, uint64_t *hash,
-                            duet_error *err)
+// The pairs that every plan must find at the level, and how right they are.
+static bool find_right_pairs(const holdings *h, uint64_t *hash, duet_tune_outcome *outcome,
+                             duet_error *err)
 {
     duet_pair *pairs;
     uint64_t n;
-    if (!duet_reference_at(scene, level, &pairs, &n, err))
+    duet_level level = duet_world_level(h->world);
+    if (!duet_reference_at(h->def.scene, level, &pairs, &n, err))
         return false;
     *hash = duet_pairs_hash(pairs, n);
+    outcome->true_pairs = n; // by certified's promise
+    bool ok =
+        level == DUET_LEVEL_CERTIFIED || measure_accuracy(h->def.scene, pairs, n, outcome, err);
     duet_free(pairs);
-    return true;
+    return ok;
 }
 
 // The share of about one work-group.
@@ -158,7 +310,8 @@ static bool run(holdings *h, const profile_found *near, duet_tune_outcome *outco
     uint64_t hash;
     const duet_scene_info *info = duet_scene_describe(h->def.scene);
     measure_world world = {.world = h->world, .shape = info->shape, .n = info->n};
-    if (!find_right_hash(h->def.scene, h->def.level, &hash, err))
+    duet_tune_outcome right = {0};
+    if (!find_right_pairs(h, &hash, &right, err))
         return false;
     bool guessed = near->grade == PROFILE_INTERPOLATED || near->grade == PROFILE_TRANSFERRED ||
                    near->grade == PROFILE_OTHER_DRIVER || near->grade == PROFILE_STALE;
@@ -173,7 +326,10 @@ static bool run(holdings *h, const profile_found *near, duet_tune_outcome *outco
     };
     if (h->record.store)
         task.recorder = record_recorder(&h->record);
-    return tune_run(&task, &h->state, outcome, err);
+    bool ok = tune_run(&task, &h->state, outcome, err);
+    outcome->accuracy = right.accuracy;
+    outcome->true_pairs = right.true_pairs;
+    return ok;
 }
 
 // The session ends as the tuning did; an interrupted one can be resumed.
@@ -198,7 +354,7 @@ bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_er
     holdings h = {0};
     profile_found found = {.grade = PROFILE_DEFAULT};
     *outcome = (duet_tune_outcome){0};
-    bool ok = check_def(def, err) && prepare(&h, def, err);
+    bool ok = check_def(def, err) && prepare(&h, def, err) && settle_level(&h, err);
     if (ok && h.record.store)
         ok = record_known(&h.record, &found, err);
     if (ok && is_finished(&found) && !def->fresh)
@@ -207,8 +363,10 @@ bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_er
         ok = run_recorded(&h, &found, outcome, err);
     else if (ok)
         ok = run(&h, &found, outcome, err);
-    if (ok)
+    if (ok) {
         outcome->objects = duet_scene_describe(def->scene)->n;
+        outcome->level = duet_world_level(h.world);
+    }
     let_go(&h);
     return ok;
 }

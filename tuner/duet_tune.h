@@ -11,7 +11,7 @@ extern "C" {
 
 // Told after each trial.
 typedef struct duet_tune_progress {
-    const char *stage; // "variant of B", "share", "verdict"
+    const char *stage; // "level", "variant of B", "share", "verdict"
     const duet_plan *plan;
     double ms;       // of the trial; 0 where the plan did not run
     uint32_t trials; // so far
@@ -26,7 +26,6 @@ typedef bool duet_tune_watch(void *context, const duet_tune_progress *progress);
 typedef struct duet_tune_def {
     duet_device_pair *pair;      // borrowed
     const duet_scene *scene;     // borrowed
-    duet_level level;            // of accuracy that the world is to have
     const char *store;           // profile file; NULL: the user's (DUET_PROFILE)
     bool keep;                   // false: uses no store at all
     bool fresh;                  // measures again what is finished
@@ -35,7 +34,11 @@ typedef struct duet_tune_def {
     const char *const *variants; // to choose from, for each device
     uint32_t n_variants;         // 0: the default list
     const duet_mode *modes;
-    uint32_t n_modes;       // 0: all
+    uint32_t n_modes;         // 0: all
+    const duet_level *levels; // of accuracy; several only with has_accuracy
+    uint32_t n_levels;        // 0: as the scene says; with has_accuracy all
+    bool has_accuracy;        // chooses the quickest level that is within accuracy
+    duet_accuracy accuracy;
     double budget_seconds;  // 0: no limit
     uint32_t budget_trials; // 0: no limit
     uint32_t repeats;       // launches of a trial, after one to warm up; 0: 3
@@ -72,6 +75,9 @@ typedef struct duet_tune_outcome {
     duet_plan plan; // to use
     duet_plan best; // the best that shares the work; taken only where it is faster
     uint32_t objects;
+    duet_level level;       // that was tuned
+    duet_accuracy accuracy; // of that level, as measured on these objects
+    uint64_t true_pairs;    // that it was measured on; 0: it was not
     double gain; // of the best plan over the better single device: 0.25 is a quarter faster
     double gain_low;
     double gain_high;
@@ -80,7 +86,7 @@ typedef struct duet_tune_outcome {
     double step_low_ms; // and its interval
     double step_high_ms;
     double single_ms;      // by the better single device
-    duet_tune_terms terms; // of the best plan; zero where it was not measured here
+    duet_tune_terms terms; // of the best plan; zero where a store has none
     uint32_t trials;
     uint32_t launches; // all, of interrupted sessions too
     double seconds;
@@ -88,8 +94,9 @@ typedef struct duet_tune_outcome {
     bool resumed; // continued an interrupted session
 } duet_tune_outcome;
 
-// Chooses each device's variant, then mode and share, then races the result
-// against the single devices. NOT_FOUND for an unknown strategy; WRONG_RESULT
+// Chooses the level where an accuracy is asked for, each device's variant, then
+// mode and share, then races the result against the single devices. NOT_FOUND
+// for an unknown strategy, or where no level is within the accuracy; WRONG_RESULT
 // where a plan of the default variant does not give the reference's pairs.
 DUET_API bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_error *err);
 

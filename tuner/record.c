@@ -19,25 +19,47 @@ static bool check_writable(const record *r, duet_error *err)
                      note ? ": " : "", note ? note : "");
 }
 
-bool record_open(record *r, const char *path, const profile_request *request, duet_error *err)
+bool record_open(record *r, const char *path, duet_error *err)
 {
-    *r = (record){.request = *request, .last_trial = -1};
+    *r = (record){0};
     text user = {0};
     bool ok = path || store_user_path(&user, err);
     r->store = ok ? store_open(path ? path : text_chars(&user), STORE_WRITE, err) : NULL;
     text_free(&user);
-    ok = r->store && check_writable(r, err) &&
-         profile_pair_put(r->store, request->pair, &r->pair_id, err) &&
-         profile_workload_put(r->store, request->workload, &r->workload_id, err);
+    ok = r->store && check_writable(r, err);
     if (!ok)
         record_close(r);
     return ok;
+}
+
+bool record_aim(record *r, const profile_request *request, duet_error *err)
+{
+    r->request = *request;
+    return profile_pair_put(r->store, request->pair, &r->pair_id, err) &&
+           profile_workload_put(r->store, request->workload, &r->workload_id, err);
 }
 
 void record_close(record *r)
 {
     store_close(r->store);
     r->store = NULL;
+}
+
+static profile_price_key price_key(const record *r)
+{
+    return (profile_price_key){r->pair_id, r->workload_id, r->request.kernels};
+}
+
+bool record_prices(record *r, profile_price *prices, uint32_t *n, duet_error *err)
+{
+    profile_price_key key = price_key(r);
+    return profile_prices_get(r->store, &key, prices, n, err);
+}
+
+bool record_keep_prices(record *r, const profile_price *prices, uint32_t n, duet_error *err)
+{
+    profile_price_key key = price_key(r);
+    return profile_prices_put(r->store, &key, prices, n, err);
 }
 
 bool record_known(record *r, profile_found *found, duet_error *err)
@@ -86,10 +108,8 @@ static bool take_up(record *r, const profile_session *session, tape *state, bool
                        "%s: process %" PRId64 " is tuning this workload; wait for it or stop it",
                        store_path(r->store), found.pid);
     *resumed = found.claim == PROFILE_CLAIM_RESUMED;
-    if (*resumed) {
+    if (*resumed)
         memcpy(r->session, found.id, sizeof r->session);
-        r->last_trial = (int64_t)found.trials - 1;
-    }
     if (*resumed && found.search_state.length > 0)
         ok = tape_from_json(state, text_chars(&found.search_state), err);
     profile_resumed_free(&found);
@@ -129,6 +149,7 @@ static bool keep_trial(void *context, const duet_plan *plan, const measurement *
     text json = {0}, terms = {0};
     bool ran = m->failure.status == DUET_OK;
     const profile_sample *typical = &m->samples[m->typical];
+    int64_t number;
     tape_to_json(state, &json);
     terms_to_json(&m->terms, &terms);
     profile_trial trial = {
@@ -146,9 +167,8 @@ static bool keep_trial(void *context, const duet_plan *plan, const measurement *
         .samples = m->samples,
         .n_samples = m->n_samples,
     };
-    bool ok =
-        text_ok(&json, err) && text_ok(&terms, err) &&
-        profile_trial_add(r->store, r->session, &trial, text_chars(&json), &r->last_trial, err);
+    bool ok = text_ok(&json, err) && text_ok(&terms, err) &&
+              profile_trial_add(r->store, r->session, &trial, text_chars(&json), &number, err);
     text_free(&json);
     text_free(&terms);
     return ok;
@@ -163,6 +183,8 @@ tune_recorder record_recorder(record *r)
 
 static bool put_profile(record *r, const duet_tune_outcome *o, duet_error *err)
 {
+    text terms = {0};
+    terms_to_json(&o->terms, &terms);
     profile_row row = {
         .pair_id = r->pair_id,
         .workload_id = r->workload_id,
@@ -176,11 +198,21 @@ static bool put_profile(record *r, const duet_tune_outcome *o, duet_error *err)
         .gain_low = o->gain_low,
         .gain_high = o->gain_high,
         .verdict = o->verdict,
+        .missed_rate = o->accuracy.missed,
+        .false_rate = o->accuracy.false_rate,
+        .true_pairs = (int64_t)o->true_pairs,
+        .single_ns = o->single_ms * 1e6,
+        .best_share = o->best.share,
+        .best_mode = duet_mode_name(o->best.mode),
+        .terms = text_chars(&terms),
         .origin = "measured",
         .session = r->session,
-        .trial_number = r->last_trial,
     };
-    return profile_put(r->store, &row, "tuned again", err);
+    bool ok = text_ok(&terms, err) &&
+              profile_trial_find(r->store, r->session, &row.plan, &row.trial_number, err) &&
+              profile_put(r->store, &row, "tuned again", err);
+    text_free(&terms);
+    return ok;
 }
 
 bool record_end(record *r, const char *how, const duet_tune_outcome *outcome, duet_error *err)
@@ -221,6 +253,9 @@ bool record_online(record *r, const duet_plan *plan, double step_ns, duet_error 
         .gain_low = known ? before.gain_low : 0,
         .gain_high = known ? before.gain_high : 0,
         .verdict = known ? before.verdict : "ambiguous",
+        .missed_rate = known ? before.missed_rate : 0,
+        .false_rate = known ? before.false_rate : 0,
+        .true_pairs = known ? before.true_pairs : -1,
         .origin = "online",
         .session = r->session,
         .trial_number = -1,

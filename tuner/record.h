@@ -4,6 +4,7 @@
 #define TUNER_RECORD_H
 
 #include "profiles/lookup.h"
+#include "profiles/price.h"
 #include "tuner/tune.h"
 
 typedef struct record {
@@ -12,13 +13,19 @@ typedef struct record {
     char session[PROFILE_ID];
     int64_t pair_id;
     int64_t workload_id;
-    int64_t last_trial; // number of the last one added
 } record;
 
 // Opens the store (path NULL: the user's) for writing. STORE_FAILED where it
 // cannot be written, with what the store says of it.
-bool record_open(record *r, const char *path, const profile_request *request, duet_error *err);
+bool record_open(record *r, const char *path, duet_error *err);
+
+// What all that follows is about; may be another after each session.
+bool record_aim(record *r, const profile_request *request, duet_error *err);
 void record_close(record *r);
+
+// The price list of what is aimed at; n is 0 where the store has none.
+bool record_prices(record *r, profile_price *prices, uint32_t *n, duet_error *err);
+bool record_keep_prices(record *r, const profile_price *prices, uint32_t n, duet_error *err);
 
 // What the store already knows. exact: nothing needs to be measured.
 bool record_known(record *r, profile_found *found, duet_error *err);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/tape.h"
 
+#include "tuner/terms.h"
+
 #include <cjson/cJSON.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -58,7 +60,9 @@ void tape_to_json(const tape *t, text *json)
                  (int)e->plan.mode, e->plan.variant_a, e->plan.variant_b);
         text_add(json, "%d,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",", e->usable, e->sample.total_ns,
                  e->sample.a_ns, e->sample.b_ns);
-        text_add(json, "%" PRIu32 ",%" PRIu64 "]", e->launches, e->spent_ns);
+        text_add(json, "%" PRIu32 ",%" PRIu64 ",", e->launches, e->spent_ns);
+        terms_to_json(&e->terms, json);
+        text_add(json, "]");
     }
     text_add(json, "]}");
 }
@@ -83,7 +87,7 @@ static bool next_variant(const cJSON **at, char variant[96])
 
 static bool read_entry(const cJSON *row, tape_entry *e)
 {
-    uint64_t share, mode, usable, launches;
+    uint64_t share = 0, mode = 0, usable = 0, launches = 0;
     const cJSON *at = row->child;
     bool ok = next_number(&at, DUET_SHARE_ONE, &share) && next_number(&at, 255, &mode) &&
               next_variant(&at, e->plan.variant_a) && next_variant(&at, e->plan.variant_b) &&
@@ -95,7 +99,8 @@ static bool read_entry(const cJSON *row, tape_entry *e)
     e->plan.mode = (duet_mode)mode;
     e->usable = usable;
     e->launches = (uint32_t)launches;
-    return ok && !at;
+    terms_from_json(at, &e->terms); // a tape of the store's first version has none
+    return ok && (!at || !at->next);
 }
 
 static bool read_tape(const cJSON *rows, tape *t, duet_error *err)

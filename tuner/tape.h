@@ -13,8 +13,9 @@
 
 typedef struct tape_entry {
     duet_plan plan;
-    bool usable;          // it built, ran and found the right pairs
-    search_sample sample; // its typical launch
+    bool usable;           // it built, ran and found the right pairs
+    search_sample sample;  // its typical launch
+    duet_tune_terms terms; // of that one
     uint32_t launches;
     uint64_t spent_ns;
 } tape_entry;

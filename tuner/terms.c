@@ -49,10 +49,43 @@ duet_tune_terms terms_of(const duet_result *result, const duet_plan *plan)
     return terms;
 }
 
-void terms_to_json(const duet_tune_terms *t, text *json)
+const terms_field terms_fields[] = {
+    {"T_1", AT(t1)},
+    {"T_CPU1", AT(cpu1)},
+    {"T_CPU2", AT(cpu2)},
+    {"T_GPU1", AT(gpu1)},
+    {"T_GPU2", AT(gpu2)},
+    {"T_GPU3", AT(gpu3)},
+    {"T_BUS1", AT(bus1)},
+    {"T_BUS2", AT(bus2)},
+    {"T_BUS3", AT(bus3)},
+    {"imbalance", AT(imbalance)},
+    {NULL, 0},
+};
+
+static double *value_of(const terms_field *f, duet_tune_terms *terms)
 {
-    text_add(json, "{\"T_1\":%.6f,\"T_CPU1\":%.6f,\"T_CPU2\":%.6f,", t->t1, t->cpu1, t->cpu2);
-    text_add(json, "\"T_GPU1\":%.6f,\"T_GPU2\":%.6f,\"T_GPU3\":%.6f,", t->gpu1, t->gpu2, t->gpu3);
-    text_add(json, "\"T_BUS1\":%.6f,\"T_BUS2\":%.6f,\"T_BUS3\":%.6f,", t->bus1, t->bus2, t->bus3);
-    text_add(json, "\"imbalance\":%.6f}", t->imbalance);
+    return (double *)((char *)terms + f->at);
+}
+
+double terms_value(const terms_field *f, const duet_tune_terms *terms)
+{
+    return *(const double *)((const char *)terms + f->at);
+}
+
+void terms_to_json(const duet_tune_terms *terms, text *json)
+{
+    for (const terms_field *f = terms_fields; f->name; ++f)
+        text_add(json, "%c\"%s\":%.6f", f == terms_fields ? '{' : ',', f->name,
+                 terms_value(f, terms));
+    text_add(json, "}");
+}
+
+void terms_from_json(const cJSON *json, duet_tune_terms *terms)
+{
+    *terms = (duet_tune_terms){0};
+    for (const terms_field *f = terms_fields; f->name; ++f) {
+        const cJSON *number = cJSON_GetObjectItemCaseSensitive(json, f->name);
+        *value_of(f, terms) = cJSON_IsNumber(number) ? number->valuedouble : 0;
+    }
 }

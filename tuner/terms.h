@@ -6,9 +6,22 @@
 #include "runtime/base/text.h"
 #include "tuner/duet_tune.h"
 
+#include <cjson/cJSON.h>
+
 duet_tune_terms terms_of(const duet_result *result, const duet_plan *plan);
 
-// {"T_1":..,"T_CPU1":..,...,"imbalance":..}, milliseconds.
+// The terms by the names that the paper has for them; the last is {NULL}.
+typedef struct terms_field {
+    const char *name;
+    size_t at; // in duet_tune_terms
+} terms_field;
+
+extern const terms_field terms_fields[];
+double terms_value(const terms_field *field, const duet_tune_terms *terms);
+
+// {"T_1":..,"T_CPU1":..,...,"imbalance":..}, milliseconds. What is not there
+// comes back as 0, and NULL as all 0.
 void terms_to_json(const duet_tune_terms *terms, text *json);
+void terms_from_json(const cJSON *json, duet_tune_terms *terms);
 
 #endif

@@ -35,7 +35,7 @@ typedef struct tuning {
 typedef struct trial {
     bool usable;
     search_sample sample;
-    duet_tune_terms terms; // zero where it was remembered
+    duet_tune_terms terms;
 } trial;
 
 // ---------------------------------------------------------------- a trial
@@ -83,6 +83,7 @@ static tape_entry entry_of(const duet_plan *plan, const measurement *m)
         entry.sample.total_ns = (uint64_t)typical->total_ns;
         entry.sample.a_ns = (uint64_t)typical->a_ns;
         entry.sample.b_ns = (uint64_t)typical->b_ns;
+        entry.terms = m->terms;
     }
     return entry;
 }
@@ -106,8 +107,7 @@ static bool check_measured(tuning *t, const duet_plan *plan, const measurement *
     return true;
 }
 
-static bool measure_live(tuning *t, const duet_plan *plan, tape_entry *entry,
-                         duet_tune_terms *terms, duet_error *err)
+static bool measure_live(tuning *t, const duet_plan *plan, tape_entry *entry, duet_error *err)
 {
     const tune_task *task = t->task;
     measurement m = measure_plan(&task->machine, plan, task->def->repeats);
@@ -115,7 +115,6 @@ static bool measure_live(tuning *t, const duet_plan *plan, tape_entry *entry,
     if (!tape_add(t->state, entry, err))
         return false;
     ++t->state->played;
-    *terms = m.terms;
     const tune_recorder *recorder = &task->recorder;
     return (!recorder->trial || recorder->trial(recorder->context, plan, &m, t->state, err)) &&
            check_measured(t, plan, &m, err);
@@ -129,12 +128,13 @@ static bool run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *
     *out = (trial){0};
     if (kept)
         entry = *kept;
-    else if (!measure_live(t, plan, &entry, &out->terms, err))
+    else if (!measure_live(t, plan, &entry, err))
         return false;
     t->launches += entry.launches;
     t->spent_ns += entry.spent_ns;
     out->usable = entry.usable;
     out->sample = entry.sample;
+    out->terms = entry.terms;
     return tell_watcher(t, &entry, kept, err);
 }
 
@@ -148,7 +148,7 @@ static duet_plan plan_at(const tuning *t, uint32_t share, duet_mode mode)
 
 // ---------------------------------------------------------------- races
 
-// Plans in a race, with the terms of each one's last trial here.
+// Plans in a race, with the terms of each one's last trial.
 typedef struct field {
     duet_plan plans[RACE_RIVALS];
     duet_tune_terms terms[RACE_RIVALS];

@@ -2,6 +2,7 @@
 #include "tuner/tune_config.h"
 
 #include "gen/field.h"
+#include "runtime/accuracy.h"
 #include "tuner/strategy.h"
 
 #include <lauxlib.h>
@@ -155,6 +156,31 @@ static void read_modes(lua_State *L, tune_config *c)
     }
 }
 
+// level = "sat6", or a list of levels that accuracy chooses from.
+static void read_levels(lua_State *L, tune_config *c)
+{
+    const char *names[DUET_LEVELS];
+    lua_getfield(L, ROOT, "level");
+    bool is_list = lua_istable(L, -1);
+    c->n_levels = !lua_isnil(L, -1);
+    lua_pop(L, 1);
+    if (!is_list) {
+        accuracy_read_level(L, ROOT, &c->levels[0]);
+        return;
+    }
+    c->n_levels = read_list(L, "level", names, DUET_LEVELS);
+    for (uint32_t i = 0; i < c->n_levels; ++i)
+        if (!duet_level_named(names[i], &c->levels[i]))
+            field_raise(L, "level", "there is no level '%s'", names[i]);
+}
+
+static void read_accuracy(lua_State *L, tune_config *c)
+{
+    c->has_accuracy = accuracy_read(L, ROOT, &c->accuracy);
+    if (c->n_levels > 1 && !c->has_accuracy)
+        field_raise(L, "level", "several levels need an accuracy that one is chosen by");
+}
+
 static uint32_t read_count(lua_State *L, int table, const char *name, int64_t most)
 {
     int64_t count = field_integer(L, table, name, 0);
@@ -180,8 +206,9 @@ static void read_budget(lua_State *L, tune_config *c)
 // root, config -> the list that keeps strings
 static int read_config(lua_State *L)
 {
-    static const char *const names[] = {"workloads", "pair",    "strategy", "variants",  "modes",
-                                        "budget",    "repeats", "seed",     "objective", NULL};
+    static const char *const names[] = {"workloads", "pair",   "strategy", "variants",
+                                        "modes",     "budget", "repeats",  "seed",
+                                        "objective", "level",  "accuracy", NULL};
     tune_config *c = lua_touserdata(L, CONFIG);
     lua_newtable(L);
     if (!lua_istable(L, ROOT))
@@ -193,6 +220,8 @@ static int read_config(lua_State *L)
     read_strategy(L, c);
     read_modes(L, c);
     read_budget(L, c);
+    read_levels(L, c);
+    read_accuracy(L, c);
     c->n_variants = read_list(L, "variants", c->variants, CONFIG_VARIANTS);
     c->pair = field_string(L, ROOT, "pair", NULL);
     c->repeats = read_count(L, ROOT, "repeats", 32);

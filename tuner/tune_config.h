@@ -27,6 +27,10 @@ typedef struct tune_config {
     uint32_t n_variants;
     duet_mode modes[CONFIG_MODES];
     uint32_t n_modes;
+    duet_level levels[DUET_LEVELS]; // of accuracy; none: the scenes'
+    uint32_t n_levels;
+    bool has_accuracy;
+    duet_accuracy accuracy;
     double budget_seconds;
     uint32_t budget_trials;
     uint32_t repeats;

@@ -32,13 +32,16 @@ local Plan = {}
 
 --- A table: what a store of profiles knows of a world.
 ---@class duet.Profile
+---@field accuracy duet.Accuracy of that level, as measured with the plan
 ---@field gain number over the best single device: 0.25 is a quarter faster
 ---@field gain_high number
 ---@field gain_low number
 ---@field grade string "exact", "other driver", "interpolated", "transferred", "stale", "default"
+---@field level string of accuracy, the world's from the call on
 ---@field measured_s integer since 1970, UTC; 0: predicted
 ---@field plan duet.Plan the world's, from the call on
 ---@field step_ms number by that plan; 0 where nothing is known
+---@field true_pairs integer that it was measured on; 0: it was not
 ---@field verdict string "faster", "same", "slower", "ambiguous"; empty where nothing is known
 local Profile = {}
 
@@ -129,12 +132,14 @@ local Strategy = {}
 
 --- A table: what a tuning found.
 ---@class duet.Tuning
+---@field accuracy duet.Accuracy of that level, as measured
 ---@field best duet.Plan the best that shares the work; taken only where it is faster
 ---@field gain number of the best plan over the better single device: 0.25 is a quarter faster
 ---@field gain_high number
 ---@field gain_low number
 ---@field known boolean finished before: nothing was measured
 ---@field launches integer all, of interrupted sessions too
+---@field level string of accuracy, that was tuned
 ---@field objects integer
 ---@field plan duet.Plan to use
 ---@field resumed boolean continued an interrupted session
@@ -145,6 +150,7 @@ local Strategy = {}
 ---@field step_ms number by the plan to use, the median
 ---@field terms table<string, number> of equations 4 to 6: t1, cpu1, cpu2, gpu1 ... bus3, imbalance
 ---@field trials integer
+---@field true_pairs integer that it was measured on; 0: it was not
 ---@field verdict string of the best plan: "faster", "same", "slower", "ambiguous"
 local Tuning = {}
 
@@ -205,6 +211,12 @@ local Source = {}
 ---@field name string
 local Level = {}
 
+--- A table: how much may be wrong, by the number of pairs that collide.
+---@class duet.Accuracy
+---@field false_rate number found besides those pairs
+---@field missed number of those pairs, not found
+local Accuracy = {}
+
 --- Objects that move.
 ---@class duet.Motion
 local Motion = {}
@@ -241,10 +253,13 @@ local Effect = {}
 
 --- Objects with the world they live in.
 ---@class duet.Scene
+---@field accuracy duet.Accuracy
 ---@field cell number cell edge asked for; 0: chosen from the objects
 ---@field cell_fixed boolean a cell that is too small is refused
 ---@field dims integer 2 or 3
+---@field has_accuracy boolean it leaves the level to a profile within accuracy
 ---@field has_world boolean lower and upper were given
+---@field level string of accuracy, that the scene wants
 ---@field lower number[] of the world
 ---@field n integer objects; also #scene
 ---@field name string of the file or the scene's own
@@ -374,7 +389,7 @@ function DevicePair:plan() end
 ---@return string? status
 function DevicePair:test(def) end
 
---- Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, strategy, strategy_lua, variants, modes, budget_seconds, budget_trials, repeats, seed, script, watch }; watch(progress) is called after each trial and stops the tuning with false.
+--- Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, strategy, strategy_lua, variants, modes, level (a name, or a list), accuracy, budget_seconds, budget_trials, repeats, seed, script, watch }; watch(progress) is called after each trial and stops the tuning with false.
 ---@param scene duet.Scene
 ---@param def? table
 ---@return duet.Tuning?
@@ -382,7 +397,7 @@ function DevicePair:test(def) end
 ---@return string? status
 function DevicePair:tune(scene, def) end
 
---- A world by a def { plan, dims, shape, level, rotated, cell, cell_fixed, lower, upper, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.
+--- A world by a def { plan, dims, shape, level, accuracy, rotated, cell, cell_fixed, lower, upper, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.
 ---@param scene? duet.Scene|table
 ---@param def? table
 ---@return duet.World?
@@ -690,6 +705,10 @@ function World:close() end
 ---@return string? status
 function World:explain_profile(path) end
 
+--- Of accuracy, of the next step.
+---@return string
+function World:level() end
+
 --- Takes the best plan that a store of profiles knows for the objects; the user's store without a path.
 ---@param path? string
 ---@return duet.Profile?
@@ -822,6 +841,12 @@ function duet.import_profiles(file, path) end
 ---@return string? message
 ---@return string? status
 function duet.kernels(limits) end
+
+--- Whether the first promises all that the second does.
+---@param level string
+---@param other string
+---@return boolean
+function duet.level_covers(level, other) end
 
 --- Levels of accuracy, the default first.
 ---@return duet.Level[]

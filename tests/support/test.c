@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "support/test.h"
 
+#include "runtime/base/text.h"
+
 #include <inttypes.h>
 #include <stdlib.h>
+#include <string.h>
 
 uint64_t test_seed(void)
 {
@@ -10,4 +13,10 @@ uint64_t test_seed(void)
     uint64_t seed = given ? strtoull(given, NULL, 0) : 20261121;
     print_message("DUET_TEST_SEED=%" PRIu64 "\n", seed);
     return seed;
+}
+
+void test_write_file(const char *path, const char *content)
+{
+    duet_error err = {0};
+    assert_ok(text_write_file(path, content, strlen(content), &err), err);
 }

@@ -14,6 +14,8 @@
 // can be repeated.
 uint64_t test_seed(void);
 
+void test_write_file(const char *path, const char *content);
+
 // Fails the test with the error's line where a call did not succeed.
 #define assert_ok(call, err)                                                          \
     do {                                                                              \

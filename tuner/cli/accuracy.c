@@ -8,6 +8,7 @@
 #include "tuner/cli/options.h"
 #include "tuner/cli/paces_report.h"
 #include "tuner/cli/prices_report.h"
+#include "tuner/cli/prices_show.h"
 #include "tuner/cli/say.h"
 
 typedef struct arguments {
@@ -75,8 +76,7 @@ static bool run_levels(const arguments *args, duet_device_pair *pair, const duet
 {
     prices p;
     prices_report r = {duet_scene_describe(scene), pair, &p};
-    return prices_measure(&p, pair, scene, (uint32_t)args->repeat, err) &&
-           tell_prices(args, &r, err);
+    return prices_show(&p, pair, scene, (uint32_t)args->repeat, err) && tell_prices(args, &r, err);
 }
 
 static bool run_paces(const arguments *args, duet_device_pair *pair, const duet_scene *scene,

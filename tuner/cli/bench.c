@@ -12,6 +12,7 @@
 #include "tuner/cli/interrupt.h"
 #include "tuner/cli/others.h"
 #include "tuner/cli/prices_report.h"
+#include "tuner/cli/prices_show.h"
 #include "tuner/cli/say.h"
 #include "tuner/cli/table.h"
 
@@ -141,7 +142,7 @@ static bool measure_levels(bench *b, const duet_scene *scene, duet_error *err)
 {
     prices p;
     uint32_t rounds = b->args->repeat < PRICES_ROUNDS ? (uint32_t)b->args->repeat : PRICES_ROUNDS;
-    if (!prices_measure(&p, b->pair, scene, rounds, err))
+    if (!prices_show(&p, b->pair, scene, rounds, err))
         return false;
     prices_report r = {duet_scene_describe(scene), b->pair, &p};
     cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "accuracy"), prices_report_json(&r));

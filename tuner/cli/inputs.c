@@ -5,6 +5,7 @@
 #include "runtime/base/text.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -99,6 +100,31 @@ bool inputs_read_level(const char *name, duet_level *level, duet_error *err)
     error_set(err, DUET_BAD_ARGUMENT, "--level '%s': the levels are %s", name, text_chars(&known));
     text_free(&known);
     return false;
+}
+
+bool inputs_accuracy_given(const level_options *options, duet_accuracy *accuracy)
+{
+    *accuracy = (duet_accuracy){fmax(options->missed, 0), fmax(options->false_rate, 0)};
+    return options->missed >= 0 || options->false_rate >= 0;
+}
+
+bool inputs_change_level(const level_options *options, duet_world_def *def, duet_error *err)
+{
+    duet_accuracy accuracy;
+    bool given = inputs_accuracy_given(options, &accuracy);
+    if (given && options->level)
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "--level %s: give a level, or --missed and --false-rate that one is "
+                         "chosen by",
+                         options->level);
+    if (given) {
+        def->has_accuracy = true;
+        def->accuracy = accuracy;
+    }
+    if (!options->level)
+        return true;
+    def->has_accuracy = false;
+    return inputs_read_level(options->level, &def->level, err);
 }
 
 static bool change_variant(const char *variant, char to[96], duet_error *err)

@@ -49,12 +49,39 @@ typedef struct plan_options {
         OPTION_TEXT("variant-a", member.variants[0], "V", "kernels of A"),                   \
         OPTION_TEXT("variant-b", member.variants[1], "V", "kernels of B")
 
+// What a world is asked to find: as the scene says, or as these do.
+typedef struct level_options {
+    const char *level; // NULL: not given
+    double missed;     // below 0: not given
+    double false_rate;
+} level_options;
+
+#define LEVEL_OPTIONS_DEFAULT          \
+    {                                  \
+        .missed = -1, .false_rate = -1 \
+    }
+
 #define LEVEL_OPTION_ROW(member)      \
     OPTION_TEXT("level", member, "L", \
                 "of accuracy: certified (the default), aabb, sphere, sat6, sat15 or double")
+#define ACCURACY_OPTION_ROWS(member)                                                          \
+    OPTION_NUMBER("missed", member.missed, "R",                                               \
+                  "any level that misses at most this part of the pairs that collide", 0, 1), \
+        OPTION_NUMBER("false-rate", member.false_rate, "R",                                   \
+                      "and invents at most so many by each of them, as 0.02", 0, 0)
+#define SCENE_LEVEL_OPTION_ROWS(member)                                                       \
+    OPTION_TEXT("level", member.level, "L",                                                   \
+                "of accuracy: certified, aabb, sphere, sat6, sat15 or double (the scene's)"), \
+        ACCURACY_OPTION_ROWS(member)
 
 // NULL: certified. BAD_ARGUMENT for a name that no level has.
 bool inputs_read_level(const char *name, duet_level *level, duet_error *err);
+
+// Whether an accuracy was given; what of it was not is then 0.
+bool inputs_accuracy_given(const level_options *options, duet_accuracy *accuracy);
+
+// Puts what was given in the place of what the scene says.
+bool inputs_change_level(const level_options *options, duet_world_def *def, duet_error *err);
 
 // NULL selectors: the default pair.
 duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err);

@@ -4,7 +4,7 @@
 #define CLI_PRICES_REPORT_H
 
 #include "tuner/cli/json.h"
-#include "tuner/cli/prices.h"
+#include "tuner/prices.h"
 
 typedef struct prices_report {
     const duet_scene_info *scene;

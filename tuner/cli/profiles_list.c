@@ -74,8 +74,14 @@ static cJSON *entry_json(const profile_entry *e)
     cJSON_AddNumberToObject(o, "gain_low", e->row.gain_low);
     cJSON_AddNumberToObject(o, "gain_high", e->row.gain_high);
     cJSON_AddStringToObject(o, "verdict", e->row.verdict);
-    cJSON_AddNumberToObject(o, "missed_rate", e->row.missed_rate);
-    cJSON_AddNumberToObject(o, "false_rate", e->row.false_rate);
+    cJSON_AddNumberToObject(o, "single_ms", e->row.single_ns * 1e-6);
+    if (e->row.true_pairs >= 0) {
+        cJSON_AddNumberToObject(o, "missed_rate", e->row.missed_rate);
+        cJSON_AddNumberToObject(o, "false_rate", e->row.false_rate);
+        cJSON_AddNumberToObject(o, "true_pairs", (double)e->row.true_pairs);
+    }
+    if (e->row.terms)
+        cJSON_AddRawToObject(o, "terms", e->row.terms);
     cJSON_AddStringToObject(o, "objective", e->row.objective);
     cJSON_AddStringToObject(o, "origin", e->row.origin);
     cJSON_AddStringToObject(o, "kernels", e->row.kernels);
@@ -314,8 +320,13 @@ static void print_entry(const profile_entry *e)
            row->high_ns * 1e-6);
     printf("gain      %+.1f %% (%+.1f to %+.1f) over the best single device: %s\n", 100 * row->gain,
            100 * row->gain_low, 100 * row->gain_high, row->verdict);
-    printf("accuracy  of the true pairs %g are missed, %g invented\n", row->missed_rate,
-           row->false_rate);
+    if (row->true_pairs < 0)
+        printf("accuracy  was not measured\n");
+    else
+        printf("accuracy  by %s true pairs %g are missed, %g invented\n",
+               table_count((uint64_t)row->true_pairs).chars, row->missed_rate, row->false_rate);
+    if (row->terms)
+        printf("terms     %s\n", row->terms);
     printf("kernels   %s\n", row->kernels);
     print_session(e);
 }

@@ -13,6 +13,7 @@
 
 typedef struct arguments {
     scene_options scene;
+    level_options level;
     const char *pair;
     const char *store;
     bool json;
@@ -21,6 +22,7 @@ typedef struct arguments {
 static const option options[] = {
     SCENE_OPTION_ROWS(scene),
     PAIR_OPTION_ROW(pair),
+    SCENE_LEVEL_OPTION_ROWS(level),
     PROFILE_OPTION_ROW(store),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
@@ -88,6 +90,10 @@ static void print_text(const answer *a)
     printf("a step of %.4g ms, %+.1f %% (%+.1f to %+.1f) over the best single device: %s\n",
            found->median_ns * 1e-6, 100 * found->gain, 100 * found->gain_low,
            100 * found->gain_high, found->verdict);
+    if (found->true_pairs > 0)
+        printf("by %s pairs that collide level %s misses %.3g and invents %.3g\n",
+               table_count((uint64_t)found->true_pairs).chars, plan->level, found->missed_rate,
+               found->false_rate);
 }
 
 static void add_plan(cJSON *o, const answer *a)
@@ -117,6 +123,11 @@ static bool print_json(const answer *a, duet_error *err)
         cJSON_AddNumberToObject(o, "share_low", found->share_low / (double)PROFILE_SHARE_ONE);
         cJSON_AddNumberToObject(o, "share_high", found->share_high / (double)PROFILE_SHARE_ONE);
         cJSON_AddNumberToObject(o, "ms", found->median_ns * 1e-6);
+        if (found->true_pairs > 0) {
+            cJSON_AddNumberToObject(o, "missed_rate", found->missed_rate);
+            cJSON_AddNumberToObject(o, "false_rate", found->false_rate);
+            cJSON_AddNumberToObject(o, "true_pairs", (double)found->true_pairs);
+        }
         cJSON_AddNumberToObject(o, "gain", found->gain);
         cJSON_AddNumberToObject(o, "gain_low", found->gain_low);
         cJSON_AddNumberToObject(o, "gain_high", found->gain_high);
@@ -145,7 +156,7 @@ static bool run(const arguments *args, const char *path, duet_error *err)
     if (ok) {
         duet_world_def def = duet_scene_world_def(scene, pair);
         a.fallback = def.plan;
-        world = duet_world_create(&def, err);
+        world = inputs_change_level(&args->level, &def, err) ? duet_world_create(&def, err) : NULL;
         ok = world && duet_world_set_scene(world, scene, err) &&
              profiled_world(world, &a.asked, err) && look(args, &a, err);
     }
@@ -162,7 +173,7 @@ static bool run(const arguments *args, const char *path, duet_error *err)
 
 int profiles_why(int argc, char **argv)
 {
-    arguments args = {.scene = SCENE_OPTIONS_DEFAULT};
+    arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .level = LEVEL_OPTIONS_DEFAULT};
     char **operands = NULL;
     int n_operands = 0;
     int exit_code = EXIT_OK;

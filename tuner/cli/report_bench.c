@@ -210,8 +210,7 @@ static void draw_history(text *page, cJSON *const *results, uint32_t n, const cJ
         {
             bool alike = is_measured(one) && same(one, first, "scene") &&
                          json_number(one, "objects") == json_number(first, "objects");
-            if (alike &&
-                (!best || json_number(one, "median_ms") < json_number(best, "median_ms")))
+            if (alike && (!best || json_number(one, "median_ms") < json_number(best, "median_ms")))
                 best = one;
         }
         if (!best)
@@ -238,9 +237,9 @@ static void add_devices(text *page, const cJSON *results)
     const cJSON *device;
     char letter = 'A';
     cJSON_ArrayForEach(device, cJSON_GetObjectItemCaseSensitive(results, "devices"))
-        page_paragraph(page, "%c: %s, %s, driver %s, %s", letter++,
-                       json_string(device, "selector"), json_string(device, "name"),
-                       json_string(device, "driver"), json_string(device, "platform"));
+        page_paragraph(page, "%c: %s, %s, driver %s, %s", letter++, json_string(device, "selector"),
+                       json_string(device, "name"), json_string(device, "driver"),
+                       json_string(device, "platform"));
 }
 
 void report_bench(text *page, cJSON *const *results, uint32_t n)

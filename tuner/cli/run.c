@@ -11,10 +11,10 @@
 #include "tuner/cli/inputs.h"
 #include "tuner/cli/interrupt.h"
 #include "tuner/cli/options.h"
-#include "tuner/cli/pair_list.h"
 #include "tuner/cli/run_motion.h"
 #include "tuner/cli/run_report.h"
 #include "tuner/cli/say.h"
+#include "tuner/pair_list.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -24,8 +24,7 @@
 typedef struct arguments {
     scene_options scene;
     plan_options plan;
-    const char *level_name;
-    duet_level level;
+    level_options level;
     const char *pair;
     uint64_t repeat;
     run_motion_options motion;
@@ -39,7 +38,7 @@ static const option options[] = {
     SCENE_OPTION_ROWS(scene),
     PAIR_OPTION_ROW(pair),
     PLAN_OPTION_ROWS(plan),
-    LEVEL_OPTION_ROW(level_name),
+    SCENE_LEVEL_OPTION_ROWS(level),
     OPTION_COUNT("repeat", repeat, "K", "steps that are timed, after one to warm up (5)", 1,
                  100000),
     OPTION_FLAG("resident", resident, "leave the objects on the devices between the steps"),
@@ -81,25 +80,16 @@ static bool compare(const duet_scene *scene, duet_level level, const duet_pair *
     duet_pair *expected = NULL;
     if (!duet_reference_at(scene, level, &expected, &v->reference, err))
         return false;
-    uint64_t i = 0;
-    uint64_t j = 0;
-    while (i < n || j < v->reference) {
-        int order = 0;
-        if (i < n && j < v->reference)
-            order = pair_list_order(&pairs[i], &expected[j]);
-        else
-            order = i < n ? -1 : 1;
-        v->extra += order < 0;
-        v->missing += order > 0;
-        i += order <= 0;
-        j += order >= 0;
-    }
+    pair_list_count wrong = {0};
+    pair_list_compare(pairs, n, expected, v->reference, pair_list_count_wrong, &wrong);
+    v->extra = wrong.added;
+    v->missing = wrong.missed;
     duet_free(expected);
     return true;
 }
 
-static bool use_pairs(const arguments *args, const duet_scene *scene, const duet_result *result,
-                      verdict *v, duet_error *err)
+static bool use_pairs(const arguments *args, const duet_scene *scene, duet_level level,
+                      const duet_result *result, verdict *v, duet_error *err)
 {
     v->asked = args->check;
     if (!args->check && !args->pairs_path)
@@ -109,7 +99,7 @@ static bool use_pairs(const arguments *args, const duet_scene *scene, const duet
     if (ok && args->pairs_path)
         ok = write_pairs(args->pairs_path, pairs, result->pairs, err);
     if (ok && args->check)
-        ok = compare(scene, args->level, pairs, result->pairs, v, err);
+        ok = compare(scene, level, pairs, result->pairs, v, err);
     free(pairs);
     return ok;
 }
@@ -118,8 +108,8 @@ static duet_world *make_world(const arguments *args, const duet_scene *scene,
                               duet_device_pair *pair, duet_error *err)
 {
     duet_world_def def = duet_scene_world_def(scene, pair);
-    def.level = args->level;
-    if (!inputs_change_plan(&args->plan, &def.plan, err))
+    if (!inputs_change_level(&args->level, &def, err) ||
+        !inputs_change_plan(&args->plan, &def.plan, err))
         return NULL;
     return duet_world_create(&def, err);
 }
@@ -149,12 +139,13 @@ static bool run_world(const arguments *args, const duet_scene *scene, const duet
     run_report r = {.scene = duet_scene_describe(scene),
                     .pair = pair,
                     .plan = duet_world_plan(world),
-                    .level = duet_level_describe(args->level)->name,
                     .timed = &t,
                     .resident = args->resident};
     bool ok = choose_plan(args, scene, world, &r, err);
+    duet_level level = duet_world_level(world);
+    r.level = duet_level_describe(level)->name;
     ok = ok && timed_run(&t, world, scene, (uint32_t)args->repeat, args->resident, err);
-    ok = ok && use_pairs(args, scene, &t.last, &r.verdict, err);
+    ok = ok && use_pairs(args, scene, level, &t.last, &r.verdict, err);
     if (ok && args->json)
         ok = run_report_json(&r, err);
     else if (ok)
@@ -185,7 +176,10 @@ static bool run(const arguments *args, const char *path, duet_error *err)
 
 int command_run(int argc, char **argv)
 {
-    arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .plan = PLAN_OPTIONS_DEFAULT, .repeat = 5};
+    arguments args = {.scene = SCENE_OPTIONS_DEFAULT,
+                      .plan = PLAN_OPTIONS_DEFAULT,
+                      .level = LEVEL_OPTIONS_DEFAULT,
+                      .repeat = 5};
     char **operands = NULL;
     int n_operands = 0;
     int exit_code = EXIT_OK;
@@ -195,7 +189,5 @@ int command_run(int argc, char **argv)
     args.motion.json = args.json;
     if (!args.motion.steps && (args.motion.picture || args.motion.frames))
         return say_wrong("run", "--picture and --frames draw a scene that moves; give --steps K");
-    bool ok =
-        inputs_read_level(args.level_name, &args.level, &err) && run(&args, operands[0], &err);
-    return ok ? EXIT_OK : say_failed(&err);
+    return run(&args, operands[0], &err) ? EXIT_OK : say_failed(&err);
 }

@@ -14,6 +14,7 @@
 #include "tuner/tune_config.h"
 
 #include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,6 +28,7 @@ typedef struct arguments {
     const char *strategy;
     const char *strategy_path;
     const char *variants;
+    level_options level;
     double budget_seconds;
     uint64_t budget_trials;
     uint64_t repeats;
@@ -46,8 +48,12 @@ static const option options[] = {
         "how the share is searched: balance (default), fig12, bisect, golden, grid, chunks"),
     OPTION_TEXT("strategy-lua", strategy_path, "FILE",
                 "a script that returns a function from the history to the next share"),
-    OPTION_TEXT("variants", variants, "LIST",
-                "kernels to choose from, with commas between them (rows,lanes,rows sort=radix,paper)"),
+    OPTION_TEXT(
+        "variants", variants, "LIST",
+        "kernels to choose from, with commas between them (rows,lanes,rows sort=radix,paper)"),
+    OPTION_TEXT("level", level.level, "LIST",
+                "of accuracy, or several to choose from (the scene's; with these two, all)"),
+    ACCURACY_OPTION_ROWS(level),
     OPTION_NUMBER("budget", budget_seconds, "SECONDS", "time for each workload (no limit)", 0, 0),
     OPTION_COUNT("trials", budget_trials, "K", "trials for each workload (no limit)", 1,
                  UINT32_MAX),
@@ -109,6 +115,41 @@ static bool cut_variants(tune_config *config, const char *list, duet_error *err)
     return true;
 }
 
+// "sat6,sat15" as levels.
+static bool read_levels(const char *list, tune_config *config, duet_error *err)
+{
+    config->n_levels = 0;
+    for (const char *at = list; at;) {
+        char name[32];
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ","), at);
+        if (config->n_levels == DUET_LEVELS)
+            return error_set(err, DUET_BAD_ARGUMENT, "--level: at most %d levels", DUET_LEVELS);
+        if (!inputs_read_level(name, &config->levels[config->n_levels++], err))
+            return false;
+        const char *comma = strchr(at, ',');
+        at = comma ? comma + 1 : NULL;
+    }
+    return true;
+}
+
+// What is given on the command line is all that is asked for.
+static bool change_levels(const level_options *asked, tune_config *config, duet_error *err)
+{
+    duet_accuracy accuracy;
+    bool given = inputs_accuracy_given(asked, &accuracy);
+    if (!given && !asked->level)
+        return true;
+    config->n_levels = 0;
+    config->has_accuracy = given;
+    config->accuracy = accuracy;
+    if (asked->level && !read_levels(asked->level, config, err))
+        return false;
+    return config->n_levels < 2 || given ||
+           error_set(err, DUET_BAD_ARGUMENT,
+                     "--level %s: to choose one of several, give --missed or --false-rate",
+                     asked->level);
+}
+
 // ---------------------------------------------------------------- config
 
 static bool add_scene(const arguments *args, const char *path, tune_config *config, duet_error *err)
@@ -158,6 +199,8 @@ static bool make_config(arguments *args, const char *path, tune_config *config, 
     config->budget_trials =
         args->budget_trials > 0 ? (uint32_t)args->budget_trials : config->budget_trials;
     config->repeats = args->repeats > 0 ? (uint32_t)args->repeats : config->repeats;
+    if (!change_levels(&args->level, config, err))
+        return false;
     return !args->variants || cut_variants(config, args->variants, err);
 }
 
@@ -173,6 +216,10 @@ static duet_tune_def make_def(const arguments *args, const tune_config *config, 
     def.n_variants = config->n_variants;
     def.modes = config->modes;
     def.n_modes = config->n_modes;
+    def.levels = config->levels;
+    def.n_levels = config->n_levels;
+    def.has_accuracy = config->has_accuracy;
+    def.accuracy = config->accuracy;
     def.budget_seconds = config->budget_seconds;
     def.budget_trials = config->budget_trials;
     def.repeats = config->repeats;
@@ -235,7 +282,7 @@ static bool tune(arguments *args, const char *path, duet_error *err)
 
 int command_tune(int argc, char **argv)
 {
-    arguments args = {.scene = SCENE_OPTIONS_DEFAULT};
+    arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .level = LEVEL_OPTIONS_DEFAULT};
     char **operands = NULL;
     int n_operands = 0;
     int exit_code = EXIT_OK;

@@ -6,6 +6,7 @@
 #include "tuner/cli/interrupt.h"
 #include "tuner/cli/say.h"
 #include "tuner/cli/table.h"
+#include "tuner/terms.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -36,6 +37,11 @@ bool tune_report_watch(void *report, const duet_tune_progress *p)
     const tune_report *r = report;
     if (r->on_terminal) {
         clear_line(r);
+        if (p->trials == 0) {
+            fprintf(stderr, "%s: levels of accuracy; step %u, %.1f s", r->name, p->launches,
+                    p->seconds);
+            return !interrupt_asked();
+        }
         fprintf(stderr, "%s: %s %.4f, %s grids, %s|%s: %.3f ms; trial %u, %.1f s%s", r->name,
                 p->stage, p->plan->share / (double)DUET_SHARE_ONE, duet_mode_name(p->plan->mode),
                 p->plan->variant_a, p->plan->variant_b, p->ms, p->trials, p->seconds,
@@ -55,16 +61,8 @@ static void variant_of(const duet_plan *plan, char both[200])
 static void add_terms(cJSON *o, const duet_tune_terms *t)
 {
     cJSON *terms = cJSON_AddObjectToObject(o, "terms");
-    const struct {
-        const char *name;
-        double value;
-    } rows[] = {
-        {"T_1", t->t1},      {"T_CPU1", t->cpu1},         {"T_CPU2", t->cpu2}, {"T_GPU1", t->gpu1},
-        {"T_GPU2", t->gpu2}, {"T_GPU3", t->gpu3},         {"T_BUS1", t->bus1}, {"T_BUS2", t->bus2},
-        {"T_BUS3", t->bus3}, {"imbalance", t->imbalance},
-    };
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i)
-        cJSON_AddNumberToObject(terms, rows[i].name, rows[i].value);
+    for (const terms_field *f = terms_fields; f->name; ++f)
+        cJSON_AddNumberToObject(terms, f->name, terms_value(f, t));
 }
 
 // Steps after which the time that tuning took is won back; 0 where it is not,
@@ -82,6 +80,10 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o)
     variant_of(&o->plan, variant);
     cJSON_AddStringToObject(row, "workload", r->name);
     cJSON_AddNumberToObject(row, "objects", o->objects);
+    cJSON_AddStringToObject(row, "level", duet_level_describe(o->level)->name);
+    cJSON_AddNumberToObject(row, "missed_rate", o->accuracy.missed);
+    cJSON_AddNumberToObject(row, "false_rate", o->accuracy.false_rate);
+    cJSON_AddNumberToObject(row, "true_pairs", (double)o->true_pairs);
     cJSON_AddNumberToObject(row, "share", o->plan.share / (double)DUET_SHARE_ONE);
     cJSON_AddNumberToObject(row, "best_share", o->best.share / (double)DUET_SHARE_ONE);
     cJSON_AddStringToObject(row, "mode", duet_mode_name(o->plan.mode));
@@ -91,6 +93,7 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o)
     cJSON_AddNumberToObject(row, "gain_high", o->gain_high);
     cJSON_AddStringToObject(row, "verdict", o->verdict);
     cJSON_AddNumberToObject(row, "step_ms", o->step_ms);
+    cJSON_AddNumberToObject(row, "single_ms", o->single_ms);
     cJSON_AddNumberToObject(row, "launches", o->launches);
     cJSON_AddNumberToObject(row, "seconds", o->seconds);
     cJSON_AddNumberToObject(row, "break_even_steps", break_even(o));
@@ -113,18 +116,29 @@ static const char *string(const cJSON *row, const char *name)
     return cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(row, name));
 }
 
+// Certified needs no word: nothing of it is wrong.
+static void print_accuracy(const cJSON *row)
+{
+    if (strcmp(string(row, "level"), "certified") == 0)
+        return;
+    printf("%s: of %s pairs that collide '%s' misses %.3g %% and invents %.3g %%\n",
+           string(row, "workload"), table_count((uint64_t)number(row, "true_pairs")).chars,
+           string(row, "level"), 100 * number(row, "missed_rate"), 100 * number(row, "false_rate"));
+}
+
 static void print_table(const cJSON *workloads)
 {
-    static const char *const heads[] = {"workload", "share",    "mode",    "kernels",
-                                        "ms",       "gain",     "from",    "to",
-                                        "verdict",  "launches", "seconds", ""};
-    table t = table_begin("lrllrrrrlrrl");
+    static const char *const heads[] = {"workload", "level",   "share", "mode", "kernels",
+                                        "ms",       "gain",    "from",  "to",   "verdict",
+                                        "launches", "seconds", ""};
+    table t = table_begin("llrllrrrrlrrl");
     for (size_t i = 0; i < sizeof heads / sizeof *heads; ++i)
         table_cell(&t, "%s", heads[i]);
     const cJSON *row;
     cJSON_ArrayForEach(row, workloads)
     {
         table_cell(&t, "%s", string(row, "workload"));
+        table_cell(&t, "%s", string(row, "level"));
         table_cell(&t, "%.4f", number(row, "share"));
         table_cell(&t, "%s", string(row, "mode"));
         table_cell(&t, "%s", string(row, "variant"));
@@ -139,6 +153,7 @@ static void print_table(const cJSON *workloads)
                    cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(row, "resumed")) ? "known" : "");
     }
     table_print(&t, stdout);
+    cJSON_ArrayForEach(row, workloads) print_accuracy(row);
 }
 
 bool tune_report_end(tune_report *r, bool ok, duet_error *err)

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "tuner/cli/prices.h"
+#include "tuner/prices.h"
 
-#include "tuner/cli/interrupt.h"
-#include "tuner/cli/pair_list.h"
-#include "tuner/cli/progress.h"
+#include "runtime/base/error.h"
+#include "tuner/pair_list.h"
+#include "tuner/stats.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 // Cheapest to compute first.
 static const duet_level order[DUET_LEVELS] = {DUET_LEVEL_AABB,      DUET_LEVEL_SPHERE,
@@ -16,7 +15,9 @@ static const duet_level order[DUET_LEVELS] = {DUET_LEVEL_AABB,      DUET_LEVEL_S
 
 typedef struct survey {
     prices *prices;
+    const prices_def *def;
     const duet_scene *scene;
+    price *row; // that wrong pairs are counted for
     duet_world *world;
     duet_plan plan;
     duet_pair *truth;
@@ -26,8 +27,10 @@ typedef struct survey {
 
 // ---------------------------------------------------------------- right and wrong
 
-static void add_wrong(survey *s, price *row, duet_pair pair, bool missed)
+static void add_wrong(void *context, duet_pair pair, bool missed)
 {
+    survey *s = context;
+    price *row = s->row;
     const duet_pose *poses = duet_scene_poses(s->scene);
     double gap =
         poses ? duet_poses_gap(&poses[pair.a], &poses[pair.b], duet_scene_describe(s->scene)->dims)
@@ -46,16 +49,10 @@ static bool compare(survey *s, price *row, duet_error *err)
     duet_pair *found = pair_list_sorted(&s->result, err);
     if (!found)
         return false;
-    uint64_t i = 0, j = 0, n = s->result.pairs, n_truth = s->prices->truth;
-    while (i < n || j < n_truth) {
-        int ahead = i == n ? 1 : j == n_truth ? -1 : pair_list_order(&found[i], &s->truth[j]);
-        if (ahead != 0)
-            add_wrong(s, row, ahead < 0 ? found[i] : s->truth[j], ahead > 0);
-        i += ahead <= 0;
-        j += ahead >= 0;
-    }
+    s->row = row;
+    pair_list_compare(found, s->result.pairs, s->truth, s->prices->truth, add_wrong, s);
     free(found);
-    row->pairs = n;
+    row->pairs = s->result.pairs;
     row->candidates = s->result.candidates;
     row->undecided = s->result.undecided;
     return true;
@@ -80,7 +77,8 @@ static bool step(survey *s, duet_error *err)
 static bool visit(survey *s, uint32_t at, uint32_t round, duet_error *err)
 {
     price *row = &s->prices->rows[at];
-    s->plan.share = row->device == 0 ? DUET_SHARE_ONE : 0;
+    if (row->device != PRICES_BOTH)
+        s->plan.share = row->device == 0 ? DUET_SHARE_ONE : 0;
     bool ok = duet_world_set_level(s->world, row->level, err) &&
               duet_world_set_plan(s->world, &s->plan, err) && step(s, err);
     ok = ok && (round > 0 || compare(s, row, err)) && step(s, err);
@@ -88,36 +86,25 @@ static bool visit(survey *s, uint32_t at, uint32_t round, duet_error *err)
     return ok;
 }
 
-static bool run_rounds(survey *s, uint32_t rounds, duet_error *err)
+static bool run_rounds(survey *s, duet_error *err)
 {
+    const prices_def *def = s->def;
     prices *p = s->prices;
-    progress shown = progress_begin("step", (uint64_t)rounds * p->n);
-    bool ok = true;
-    while (ok && p->rounds < rounds && !interrupt_asked()) {
-        uint32_t at = 0;
-        for (; ok && at < p->n && !interrupt_asked(); ++at) {
-            ok = visit(s, at, p->rounds, err);
-            progress_show(&shown, (uint64_t)p->rounds * p->n + at + 1);
+    uint64_t steps = (uint64_t)def->rounds * p->n, done = 0;
+    bool more = true;
+    while (more && p->rounds < def->rounds) {
+        for (uint32_t at = 0; more && at < p->n; ++at) {
+            if (!visit(s, at, p->rounds, err))
+                return false;
+            more = !def->watch || def->watch(def->watch_context, ++done, steps);
         }
-        p->rounds += ok && at == p->n;
+        p->rounds += done == (uint64_t)(p->rounds + 1) * p->n;
     }
-    progress_end(&shown);
-    return ok && (p->rounds > 0 || interrupt_check(err));
+    return p->rounds > 0 ||
+           error_set(err, DUET_INTERRUPTED, "stopped before each level had a step");
 }
 
 // ---------------------------------------------------------------- prices
-
-static int by_number(const void *x, const void *y)
-{
-    double a = *(const double *)x, b = *(const double *)y;
-    return (a > b) - (a < b);
-}
-
-static double median(double *values, uint32_t n)
-{
-    qsort(values, n, sizeof *values, by_number);
-    return n % 2 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
-}
 
 static uint64_t wrong(const price *row)
 {
@@ -133,10 +120,10 @@ static bool beats(const price *a, const price *b)
 static void draw_conclusions(survey *s)
 {
     prices *p = s->prices;
-    double textbook[2] = {0};
+    double textbook[PRICES_BOTH + 1] = {0};
     for (uint32_t i = 0; i < p->n; ++i) {
         price *row = &p->rows[i];
-        row->step_ms = median(s->ms[i], p->rounds);
+        row->step_ms = stats_median(s->ms[i], p->rounds);
         if (row->level == DUET_LEVEL_SAT15)
             textbook[row->device] = row->step_ms;
     }
@@ -149,24 +136,31 @@ static void draw_conclusions(survey *s)
     }
 }
 
-static void list_rows(prices *p, const duet_device_pair *pair)
+static bool has_double(const prices_def *def, int device)
 {
-    for (int device = 0; device < 2; ++device)
-        for (int i = 0; i < DUET_LEVELS; ++i)
-            if (order[i] != DUET_LEVEL_DOUBLE || duet_device_pair_info(pair, device)->fp64)
-                p->rows[p->n++] = (price){.level = order[i], .device = device};
+    bool a = duet_device_pair_info(def->pair, 0)->fp64,
+         b = duet_device_pair_info(def->pair, 1)->fp64;
+    return device == PRICES_BOTH ? a && b : device == 0 ? a : b;
 }
 
-bool prices_measure(prices *p, duet_device_pair *pair, const duet_scene *scene, uint32_t rounds,
-                    duet_error *err)
+static void list_rows(prices *p, const prices_def *def, int device)
+{
+    for (int i = 0; i < DUET_LEVELS; ++i)
+        if (order[i] != DUET_LEVEL_DOUBLE || has_double(def, device))
+            p->rows[p->n++] = (price){.level = order[i], .device = device};
+}
+
+bool prices_measure(prices *p, const prices_def *def, duet_error *err)
 {
     *p = (prices){0};
-    list_rows(p, pair);
-    duet_world_def def = duet_scene_world_def(scene, pair);
-    survey s = {.prices = p, .scene = scene, .plan = def.plan};
-    s.world = duet_world_create(&def, err);
-    bool ok = s.world && duet_world_set_scene(s.world, scene, err) &&
-              duet_reference(scene, &s.truth, &p->truth, err) && run_rounds(&s, rounds, err);
+    if (def->alone)
+        list_rows(p, def, 0);
+    list_rows(p, def, def->alone ? 1 : PRICES_BOTH);
+    duet_world_def world = duet_scene_world_def(def->scene, def->pair);
+    survey s = {.prices = p, .def = def, .scene = def->scene, .plan = world.plan};
+    s.world = duet_world_create(&world, err);
+    bool ok = s.world && duet_world_set_scene(s.world, s.scene, err) &&
+              duet_reference(s.scene, &s.truth, &p->truth, err) && run_rounds(&s, err);
     if (ok)
         draw_conclusions(&s);
     duet_free(s.truth);

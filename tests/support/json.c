@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#include "support/json.h"
+
+#include "support/test.h"
+
+cJSON *json_of_program(program *p)
+{
+    if (p->exit_code != 0)
+        fail_msg("exit %d: %s", p->exit_code, p->err);
+    assert_string_equal(p->err, "");
+    const char *end = NULL;
+    cJSON *o = cJSON_ParseWithOpts(p->out, &end, false);
+    assert_true(cJSON_IsObject(o));
+    assert_string_equal(end, "\n");
+    program_free(p);
+    return o;
+}
+
+double json_number(const cJSON *o, const char *key)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, key);
+    if (!cJSON_IsNumber(item))
+        fail_msg("no number '%s'", key);
+    return item->valuedouble;
+}
+
+const char *json_string(const cJSON *o, const char *key)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, key);
+    if (!cJSON_IsString(item))
+        fail_msg("no string '%s'", key);
+    return item->valuestring;
+}
+
+bool json_true(const cJSON *o, const char *key)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, key);
+    if (!cJSON_IsBool(item))
+        fail_msg("no truth '%s'", key);
+    return cJSON_IsTrue(item);
+}
+
+const cJSON *json_array(const cJSON *o, const char *key, int n)
+{
+    const cJSON *array = cJSON_GetObjectItemCaseSensitive(o, key);
+    assert_true(cJSON_IsArray(array));
+    assert_int_equal(cJSON_GetArraySize(array), n);
+    return array;
+}

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// JSON that the program printed. Whatever is not there fails the test.
+#ifndef TESTS_JSON_H
+#define TESTS_JSON_H
+
+#include "support/program.h"
+
+#include <cjson/cJSON.h>
+#include <stdbool.h>
+
+// One object and nothing else, of a program that went well and said nothing on
+// stderr; gives the program back. The caller deletes the object.
+cJSON *json_of_program(program *p);
+
+double json_number(const cJSON *o, const char *key);
+const char *json_string(const cJSON *o, const char *key);
+bool json_true(const cJSON *o, const char *key); // and not false
+const cJSON *json_array(const cJSON *o, const char *key, int n);
+
+#endif

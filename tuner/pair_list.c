@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#include "tuner/pair_list.h"
+
+#include "runtime/base/error.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+
+// As qsort asks, by a and then b.
+static int order(const void *x, const void *y)
+{
+    const duet_pair *p = x;
+    const duet_pair *q = y;
+    if (p->a != q->a)
+        return p->a < q->a ? -1 : 1;
+    return (p->b > q->b) - (p->b < q->b);
+}
+
+duet_pair *pair_list_sorted(const duet_result *result, duet_error *err)
+{
+    duet_pair *pairs = calloc(result->pairs + 1, sizeof *pairs);
+    if (!pairs) {
+        error_set(err, DUET_NO_MEMORY, "%" PRIu64 " pairs: no memory", result->pairs);
+        return NULL;
+    }
+    for (uint64_t i = 0; i < result->pairs; ++i)
+        pairs[i] = duet_result_pair(result, i);
+    qsort(pairs, result->pairs, sizeof *pairs, order);
+    return pairs;
+}
+
+void pair_list_compare(const duet_pair *found, uint64_t n_found, const duet_pair *truth,
+                       uint64_t n_truth, pair_list_visit *visit, void *context)
+{
+    uint64_t i = 0, j = 0;
+    while (i < n_found || j < n_truth) {
+        int ahead = i == n_found ? 1 : j == n_truth ? -1 : order(&found[i], &truth[j]);
+        if (ahead != 0)
+            visit(context, ahead < 0 ? found[i] : truth[j], ahead > 0);
+        i += ahead <= 0;
+        j += ahead >= 0;
+    }
+}
+
+void pair_list_count_wrong(void *count, duet_pair pair, bool missed)
+{
+    pair_list_count *c = count;
+    (void)pair;
+    c->missed += missed;
+    c->added += !missed;
+}

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// A step's pairs in one ascending list, to be written or compared.
+#ifndef TUNER_PAIR_LIST_H
+#define TUNER_PAIR_LIST_H
+
+#include "runtime/duet.h"
+
+// The caller frees it.
+duet_pair *pair_list_sorted(const duet_result *result, duet_error *err);
+
+// Told of each pair that is in one list only: missed where it is in the second.
+typedef void pair_list_visit(void *context, duet_pair pair, bool missed);
+
+// Both ascending, as a reference is.
+void pair_list_compare(const duet_pair *found, uint64_t n_found, const duet_pair *truth,
+                       uint64_t n_truth, pair_list_visit *visit, void *context);
+
+// A visit that counts.
+typedef struct pair_list_count {
+    uint64_t missed;
+    uint64_t added;
+} pair_list_count;
+
+void pair_list_count_wrong(void *count, duet_pair pair, bool missed);
+
+#endif

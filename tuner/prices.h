@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// What each level of accuracy costs on each device of a pair, and what it gets
+// wrong on the same objects.
+#ifndef TUNER_PRICES_H
+#define TUNER_PRICES_H
+
+#include "runtime/duet.h"
+
+enum { PRICES_ROUNDS = 100, PRICES_BOTH = 2 };
+
+typedef struct price {
+    duet_level level;
+    int device;      // 0: A, 1: B, each alone; PRICES_BOTH: by the default plan
+    double step_ms;  // the median
+    double relative; // to sat15 there
+    uint64_t pairs;
+    uint64_t candidates;
+    uint64_t undecided;    // by float, left to the host
+    uint64_t missed;       // that collide
+    uint64_t added;        // that do not
+    double deepest_missed; // how deep the worst of those missed, the objects' unit
+    double widest_added;   // how far apart the worst of those added
+    bool front;            // nothing there is both faster and more right
+} price;
+
+typedef struct prices {
+    price rows[2 * DUET_LEVELS]; // by device, the cheapest to compute first
+    uint32_t n;
+    uint64_t truth;  // pairs that collide
+    uint32_t rounds; // that were timed
+} prices;
+
+// Told after each step; false ends it with the whole rounds until then.
+typedef bool prices_watch(void *context, uint64_t done, uint64_t steps);
+
+typedef struct prices_def {
+    duet_device_pair *pair;
+    const duet_scene *scene;
+    bool alone; // each device alone; else both by the default plan
+    uint32_t rounds;
+    prices_watch *watch;
+    void *watch_context;
+} prices_def;
+
+// Steps the scene at each level once a round, so that whatever disturbs one
+// disturbs all. Devices without double have no row for it. INTERRUPTED where
+// there is no whole round.
+bool prices_measure(prices *p, const prices_def *def, duet_error *err);
+
+#endif
