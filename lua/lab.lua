@@ -57,6 +57,13 @@ local function print_help(defaults, about)
   os.exit(0, true)
 end
 
+-- Before anything is measured, so that no hour's work ends without a place.
+local function make_folder(path)
+  if not os.execute("mkdir -p -- '" .. path:gsub("'", "'\\''") .. "' 2>/dev/null") then
+    fail("--out '%s': cannot be made", path)
+  end
+end
+
 -- Reads arg over the defaults: "--name value" or "--name=value". Options that
 -- every experiment has are out (a folder for what it writes), repeat (rounds),
 -- seed, and pair ("A,B", and more of them after semicolons).
@@ -75,6 +82,7 @@ function lab.options(about, own)
     options[name] = read_value(name, options[name], value)
     i = i + 1
   end
+  make_folder(options.out)
   return options
 end
 
