@@ -27,6 +27,7 @@ install(TARGETS duet)
 install(TARGETS duet_shared EXPORT duet)
 install(TARGETS duet_static EXPORT duet-static)
 install(FILES ${public_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/duet)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
 install(DIRECTORY lua/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/duet OPTIONAL)
 install(EXPORT duet NAMESPACE duet:: FILE duet-targets.cmake DESTINATION ${config_dir})
 install(EXPORT duet-static NAMESPACE duet:: FILE duet-static-targets.cmake
