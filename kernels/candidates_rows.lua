@@ -10,6 +10,8 @@ return {
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
+    { "ORIGIN", min = 0, max = 254, default = 0,
+      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
     { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
       about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
     { "SORTED", values = { 1 }, default = 1, about = "boxes are read in cell order" },

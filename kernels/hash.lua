@@ -6,6 +6,8 @@ return {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
+    { "ORIGIN", min = 0, max = 254, default = 0,
+      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
     { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "RANK", values = { 0, 1 }, default = 1, about = "count objects a cell, for the counting sort" },

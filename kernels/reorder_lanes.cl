@@ -4,7 +4,7 @@
 //
 //   ids    [n]  sorted by cell
 //   starts [n_own_cells + 1] the last one: how many are in the grid
-//   bounds [2 DIMS + 1][COLUMN(room)]
+//   bounds [2 DIMS + 1][COLUMN(room)], with ORIGIN DIMS more
 //   boxes  [COLUMN(room)][BOX_WORDS] (poses)
 
 // Places past the end are the last one again.
@@ -63,6 +63,10 @@ __kernel void reorder_lanes(__global const float *restrict objects, __global con
         word where = level_of(&o, levels, n_levels);
 #endif
         store_bounds(sorted_bounds, COLUMN(room), place, &b, where);
+#if ORIGIN
+        for (int k = 0; k < DIMS; ++k)
+            vstore8(as_real(o.cell[k]), 0, sorted_bounds + (2 * DIMS + 1 + k) * COLUMN(room) + place);
+#endif
 #if SHAPE == SHAPE_POSES
         box stored = box_of(&o);
         store_boxes(sorted_boxes, place, &stored, vload8(0, sources));

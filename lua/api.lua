@@ -53,6 +53,10 @@ api.others = {
     "duet_default_device_pair_def", "duet_default_world_def", "duet_default_tune_def",
     "duet_default_online_def", "duet_default_motion_def", "duet_default_body", "duet_default_test_def",
   },
+  ["a scene with origin = \"cell\""] = {
+    "duet_place", "duet_scene_from_placed", "duet_scene_placed", "duet_world_set_placed",
+    "duet_world_map_placed", "duet_placed_collide", "duet_placed_gap",
+  },
   ["require"] = {
     "luaopen_duet", "luaopen_duet_frame", "luaopen_duet_lab", "luaopen_duet_plot",
   },
@@ -138,7 +142,7 @@ api.names = {
   { "duet.DevicePair:close", {}, nil, "Worlds made on it stay until they are closed.",
     c = "duet_device_pair_close" },
 
-  { "duet.Scene:poses", {}, "duet.Poses?", "A view of the objects; nil where they are bounds.",
+  { "duet.Scene:poses", {}, "duet.Poses?", "A view of the objects; nil where they are bounds, or placed in origin cells.",
     c = "duet_scene_poses" },
   { "duet.Scene:bounds", {}, "duet.Bounds?", "A view of the objects; nil where they are poses.",
     c = "duet_scene_bounds" },
@@ -159,6 +163,7 @@ api.names = {
   { "duet.Scene.level", "string", "of accuracy, that the scene wants" },
   { "duet.Scene.has_accuracy", "boolean", "it leaves the level to a profile within accuracy" },
   { "duet.Scene.accuracy", "duet.Accuracy", "" },
+  { "duet.Scene.origin", "number", "edge of the origin cells that its objects are placed in; 0: none" },
 
   { "duet.World:set_poses", { "poses: duet.Poses|string|number[]|number[][]" }, "true",
     "Copies the objects in.", fails = true, c = "duet_world_set_poses" },

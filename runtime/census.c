@@ -3,6 +3,8 @@
 // matters. How they crowd is told from a sample, which takes no time.
 #include "runtime/census.h"
 
+#include "runtime/origin.h"
+
 #include <float.h>
 #include <math.h>
 
@@ -36,6 +38,17 @@ static float pose_extent(const duet_pose *p, bool rotated, uint32_t dims)
     return 2 * (rotated ? sqrtf(squares) : longest);
 }
 
+static void see_pose(extremes *e, const grid_objects *objects, uint32_t id, bool rotated)
+{
+    const duet_pose *pose = origin_pose(objects->rows, objects->origin, id);
+    double corner[3];
+    float centre[3];
+    origin_corner(corner, objects->rows, objects->origin, id);
+    for (int k = 0; k < 3; ++k)
+        centre[k] = (float)(corner[k] + pose->centre[k]);
+    see_object(e, centre, pose_extent(pose, rotated, objects->dims), objects->dims);
+}
+
 static void see_bounds(extremes *e, const duet_bounds *b, uint32_t dims)
 {
     float centre[3] = {0}, longest = 0;
@@ -53,12 +66,11 @@ static extremes see_all(const duet_world *world)
                   .upper = {-FLT_MAX, -FLT_MAX, -FLT_MAX},
                   .narrowest = FLT_MAX};
     const duet_world_def *def = &world->def;
-    const duet_pose *poses = world->objects.bytes;
+    grid_objects objects = world_objects(world);
     const duet_bounds *bounds = world->objects.bytes;
     for (uint32_t i = 0; i < world->n; ++i) {
         if (def->shape == DUET_SHAPE_POSES)
-            see_object(&e, poses[i].centre, pose_extent(&poses[i], def->rotated, def->dims),
-                       def->dims);
+            see_pose(&e, &objects, i, def->rotated);
         else
             see_bounds(&e, &bounds[i], def->dims);
     }
@@ -131,14 +143,14 @@ static double fullest_hundredth(const uint32_t *counts, uint32_t n)
 // Objects in a cell there, by a sample in coarser cells.
 static double crowding(const duet_world *world, const raster *fine)
 {
-    const duet_world_def *def = &world->def;
     uint32_t stride = 1 + (world->n - 1) / MOST_SAMPLED;
     uint32_t n = 1 + (world->n - 1) / stride;
     raster r = coarsen(*fine, fmax(1, n / SAMPLED_A_CELL));
     uint32_t counts[MOST_CELLS] = {0};
+    grid_objects objects = world_objects(world);
     for (uint64_t id = 0; id < world->n; id += stride) {
         double centre[3] = {0};
-        grid_centre_of(centre, world->objects.bytes, def->shape, (uint32_t)id, def->dims);
+        grid_centre_of(centre, &objects, (uint32_t)id);
         ++counts[cell_of(&r, centre)];
     }
     double coarse = count_cells(&r);

@@ -33,6 +33,20 @@ typedef struct duet_pose {
     float rotation[4]; // quaternion x y z w
 } duet_pose;
 
+// An oriented box however far from 0: along each axis its centre is at
+// cell * edge + pose.centre, the edge being a power of two that the scene or the
+// world states (origin). Offsets are kept to 2^-24 of an edge, so that precision
+// is the same everywhere up to 2^30 edges from 0.
+typedef struct duet_placed {
+    duet_pose pose;
+    int32_t cell[3];
+    int32_t unused;
+} duet_placed;
+
+// Sets cell and pose.centre to the position nearest to a centre. BAD_ARGUMENT
+// for another edge than a power of two, BAD_OBJECT beyond 2^30 edges.
+DUET_API bool duet_place(duet_placed *placed, const double centre[3], float edge, duet_error *err);
+
 // An axis-aligned box. In 2D lower[2] and upper[2] are not read.
 typedef struct duet_bounds {
     float lower[3];
@@ -174,6 +188,7 @@ typedef struct duet_scene_info {
     duet_level level;  // that the scene wants; certified where it says nothing
     bool has_accuracy; // it leaves the level to a profile within accuracy
     duet_accuracy accuracy;
+    float origin; // above 0: objects are placed poses, in origin cells of that edge
 } duet_scene_info;
 
 // A scene's parameter set from outside, for Lua scenes: "n" = "1000".
@@ -195,10 +210,13 @@ DUET_API duet_scene *duet_scene_from_poses(const duet_pose *poses, uint32_t n, u
                                            duet_error *err);
 DUET_API duet_scene *duet_scene_from_bounds(const duet_bounds *bounds, uint32_t n, uint32_t dims,
                                             duet_error *err);
+DUET_API duet_scene *duet_scene_from_placed(const duet_placed *placed, uint32_t n, uint32_t dims,
+                                            float origin, duet_error *err);
 DUET_API void duet_scene_destroy(duet_scene *scene);
 DUET_API const duet_scene_info *duet_scene_describe(const duet_scene *scene);
 DUET_API const duet_pose *duet_scene_poses(const duet_scene *scene);    // [n], or NULL
 DUET_API const duet_bounds *duet_scene_bounds(const duet_scene *scene); // [n], or NULL
+DUET_API const duet_placed *duet_scene_placed(const duet_scene *scene); // [n], or NULL
 
 // ---------------------------------------------------------------- plans
 
@@ -245,6 +263,7 @@ typedef struct duet_world_def {
     bool has_world;  // lower and upper are given; objects outside are still found
     float lower[3];
     float upper[3];
+    float origin;       // above 0: poses are placed, in origin cells of that edge, a power of two
     bool keep_bad;      // leave bad objects out and count them, instead of BAD_OBJECT
     uint64_t max_pairs; // TOO_MANY above it; 0: as memory allows
     int cookie;
@@ -257,10 +276,13 @@ DUET_API duet_world_def duet_scene_world_def(const duet_scene *scene, duet_devic
 DUET_API duet_world *duet_world_create(const duet_world_def *def, duet_error *err);
 DUET_API void duet_world_destroy(duet_world *world);
 
-// Copies n poses (shape POSES) or bounds (shape BOUNDS) into the world.
+// Copies n poses (shape POSES, placed where the world has an origin) or bounds
+// (shape BOUNDS) into the world.
 DUET_API bool duet_world_set_poses(duet_world *world, const duet_pose *poses, uint32_t n,
                                    duet_error *err);
 DUET_API bool duet_world_set_bounds(duet_world *world, const duet_bounds *bounds, uint32_t n,
+                                    duet_error *err);
+DUET_API bool duet_world_set_placed(duet_world *world, const duet_placed *placed, uint32_t n,
                                     duet_error *err);
 DUET_API bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err);
 
@@ -270,6 +292,10 @@ DUET_API bool duet_world_set_scene(duet_world *world, const duet_scene *scene, d
 // step are not sent again.
 DUET_API duet_pose *duet_world_map_poses(duet_world *world, uint32_t n, duet_error *err);
 DUET_API duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_error *err);
+
+// Offsets must be multiples of 2^-24 of an edge, from 0 up to below it, as
+// duet_place makes them: others are bad objects.
+DUET_API duet_placed *duet_world_map_placed(duet_world *world, uint32_t n, duet_error *err);
 
 DUET_API bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err);
 DUET_API const duet_plan *duet_world_plan(const duet_world *world);
@@ -614,6 +640,12 @@ DUET_API bool duet_poses_collide(const duet_pose *a, const duet_pose *b, uint32_
 // How far two boxes are apart along the best of the 15 (4) axes, each of length
 // one, in double; below 0 it is how deep they are in each other.
 DUET_API double duet_poses_gap(const duet_pose *a, const duet_pose *b, uint32_t dims);
+
+// The same for placed poses, in origin cells of that edge.
+DUET_API bool duet_placed_collide(const duet_placed *a, const duet_placed *b, float edge,
+                                  uint32_t dims);
+DUET_API double duet_placed_gap(const duet_placed *a, const duet_placed *b, float edge,
+                                uint32_t dims);
 
 DUET_API void duet_free(void *memory);
 

@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 // Dense cell starts cost four bytes a cell; four cells an object keep them
 // below a tenth of what an object itself takes.
@@ -151,8 +152,28 @@ static void limit_cells(double edges[], uint32_t *n_levels, const double length[
     }
 }
 
+// Without origin cells the corner is a coordinate; else it is one in its cell,
+// which is kept where the kernels look for it (kernels/grid.clh).
+static void set_corner(grid_level *level, uint32_t axis, double lower, float origin)
+{
+    cl_float *cells[] = {&level->lower.s[3], &level->per_cell.s[3], &level->limit.s[3]};
+    double cell = origin > 0.0f ? floor(lower / origin) : 0.0;
+    cell = fmax(-0x1p30 + 1, fmin(cell, 0x1p30 - 1));
+    cl_int whole = (cl_int)cell;
+    level->lower.s[axis] = (cl_float)(lower - cell * origin);
+    memcpy(cells[axis], &whole, sizeof whole);
+}
+
+double grid_corner(const grid_level *level, float origin, uint32_t axis)
+{
+    const cl_float *cells[] = {&level->lower.s[3], &level->per_cell.s[3], &level->limit.s[3]};
+    cl_int whole;
+    memcpy(&whole, cells[axis], sizeof whole);
+    return (double)whole * origin + (double)level->lower.s[axis];
+}
+
 static grid_level make_level(const double lower[3], const double length[3], double edge, bool dense,
-                             uint32_t dims)
+                             uint32_t dims, float origin)
 {
     grid_level level = {.cells = {{1, 1, 1, 0}}};
     for (uint32_t k = 0; k < dims; ++k) {
@@ -163,7 +184,7 @@ static grid_level make_level(const double lower[3], const double length[3], doub
         if (!(along > 0.0)) // points in one place
             along = 1.0;
         level.cells.s[k] = (cl_int)cells;
-        level.lower.s[k] = (cl_float)lower[k];
+        set_corner(&level, k, lower[k], origin);
         level.per_cell.s[k] = (cl_float)(1.0 / along);
         level.limit.s[k] = cells == 1.0 ? INFINITY : (cl_float)(along / slack);
     }
@@ -186,33 +207,33 @@ static void set_key_bits(grid *g)
 }
 
 static grid make_dense(const double lower[3], const double length[3], const size_classes *classes,
-                       uint32_t n, uint32_t dims)
+                       const grid_objects *o)
 {
     double edges[GRID_LEVELS];
     grid g = {.kind = GRID_DENSE, .n_levels = classes->n};
     for (uint32_t l = 0; l < g.n_levels; ++l)
         edges[l] = classes->at[l].widest;
-    limit_cells(edges, &g.n_levels, length, fmin(cells_per_object * n + 64.0, 0x1p31));
+    limit_cells(edges, &g.n_levels, length, fmin(cells_per_object * o->n + 64.0, 0x1p31));
     for (uint32_t l = 0; l < g.n_levels; ++l) {
-        g.levels[l] = make_level(lower, length, edges[l], true, dims);
+        g.levels[l] = make_level(lower, length, edges[l], true, o->dims, o->origin);
         const cl_int *cells = g.levels[l].cells.s;
         g.levels[l].cells.s[3] = (cl_int)g.n_cells;
         g.n_cells += (uint32_t)cells[0] * (uint32_t)cells[1] * (uint32_t)cells[2];
     }
-    g.edge = least_edge(&g.levels[0], dims);
+    g.edge = least_edge(&g.levels[0], o->dims);
     set_key_bits(&g);
     return g;
 }
 
 static grid make_hashed(const double lower[3], const double length[3], const size_classes *classes,
-                        uint32_t n, uint32_t dims)
+                        const grid_objects *o)
 {
     grid g = {.kind = GRID_HASHED, .n_levels = classes->n, .n_cells = 1024};
-    while (g.n_cells < 0x80000000u && g.n_cells < 2 * (uint64_t)n)
+    while (g.n_cells < 0x80000000u && g.n_cells < 2 * (uint64_t)o->n)
         g.n_cells *= 2;
     for (uint32_t l = 0; l < g.n_levels; ++l)
-        g.levels[l] = make_level(lower, length, classes->at[l].widest, false, dims);
-    g.edge = least_edge(&g.levels[0], dims);
+        g.levels[l] = make_level(lower, length, classes->at[l].widest, false, o->dims, o->origin);
+    g.edge = least_edge(&g.levels[0], o->dims);
     set_key_bits(&g);
     return g;
 }
@@ -230,23 +251,30 @@ uint32_t grid_rows(const grid *g)
     return g->n_cells / (uint32_t)g->levels[0].cells.s[0];
 }
 
-uint32_t grid_row_of(const grid *g, const void *objects, duet_shape shape, uint32_t id,
-                     uint32_t dims)
+// An object's cell along an axis, as the kernels have it but for rounding with
+// origin cells.
+static uint32_t cell_of(const grid_level *level, const grid_objects *objects, uint32_t id,
+                        uint32_t axis)
+{
+    double centre[3];
+    grid_centre_of(centre, objects, id);
+    float lower = level->lower.s[axis], per_cell = level->per_cell.s[axis];
+    cl_int cells = level->cells.s[axis];
+    if (objects->origin > 0.0f)
+        return grid_cell_along((float)(centre[axis] - grid_corner(level, objects->origin, axis)), 0,
+                               per_cell, cells);
+    return grid_cell_along((float)centre[axis], lower, per_cell, cells);
+}
+
+uint32_t grid_row_of(const grid *g, const grid_objects *objects, uint32_t id)
 {
     const grid_level *level = &g->levels[0];
-    double centre[3];
-    grid_centre_of(centre, objects, shape, id, dims);
-    uint32_t y = grid_cell_along((float)centre[1], level->lower.s[1], level->per_cell.s[1],
-                                 level->cells.s[1]);
-    uint32_t z = dims == 3 ? grid_cell_along((float)centre[2], level->lower.s[2],
-                                             level->per_cell.s[2], level->cells.s[2])
-                           : 0;
-    return z * (uint32_t)level->cells.s[1] + y;
+    uint32_t z = objects->dims == 3 ? cell_of(level, objects, id, 2) : 0;
+    return z * (uint32_t)level->cells.s[1] + cell_of(level, objects, id, 1);
 }
 
 // The mean number of others in an object's cell of the finest level.
-static bool count_crowd(double *others, const grid *g, const void *objects, duet_shape shape,
-                        uint32_t n, uint32_t dims, duet_error *err)
+static bool count_crowd(double *others, const grid *g, const grid_objects *objects, duet_error *err)
 {
     const grid_level *level = &g->levels[0];
     uint32_t nx = (uint32_t)level->cells.s[0];
@@ -254,18 +282,13 @@ static bool count_crowd(double *others, const grid *g, const void *objects, duet
     uint32_t *counts = calloc(cells, sizeof *counts);
     if (!counts)
         return error_set(err, DUET_NO_MEMORY, "no host memory to count %zu cells", cells);
-    for (uint32_t id = 0; id < n; ++id) {
-        double centre[3];
-        grid_centre_of(centre, objects, shape, id, dims);
-        uint32_t x =
-            grid_cell_along((float)centre[0], level->lower.s[0], level->per_cell.s[0], (cl_int)nx);
-        ++counts[(size_t)grid_row_of(g, objects, shape, id, dims) * nx + x];
-    }
+    for (uint32_t id = 0; id < objects->n; ++id)
+        ++counts[(size_t)grid_row_of(g, objects, id) * nx + cell_of(level, objects, id, 0)];
     double pairs = 0.0;
     for (size_t c = 0; c < cells; ++c)
         pairs += (double)counts[c] * ((double)counts[c] - 1.0);
     free(counts);
-    *others = pairs / n;
+    *others = pairs / objects->n;
     return true;
 }
 
@@ -284,16 +307,17 @@ static void place_world(double lower[3], double length[3], const grid_needs *nee
     }
 }
 
-bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const void *objects,
-              duet_shape shape, uint32_t n, uint32_t dims, duet_error *err)
+bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const grid_objects *objects,
+              duet_error *err)
 {
+    uint32_t dims = objects->dims;
     double lower[3];
     double length[3];
     place_world(lower, length, needs, wish, dims);
     size_classes classes;
     classify(&classes, needs);
     if (wish->uniform || wish->edge > 0.0 || classes.n == 0) {
-        classes.at[0] = (size_class){n, fmax(wish->edge, needs->widest * devices_widen)};
+        classes.at[0] = (size_class){objects->n, fmax(wish->edge, needs->widest * devices_widen)};
         classes.n = 1;
     } else {
         double volume = 1.0;
@@ -302,17 +326,17 @@ bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const voi
         choose_levels(&classes, volume, dims);
     }
     if (wish->hashed) {
-        *g = make_hashed(lower, length, &classes, n, dims);
+        *g = make_hashed(lower, length, &classes, objects);
         return true;
     }
-    *g = make_dense(lower, length, &classes, n, dims);
+    *g = make_dense(lower, length, &classes, objects);
     bool coarser = g->n_levels < classes.n || (double)g->edge > 2.0 * classes.at[0].widest;
     double others = 0.0;
     if (!coarser || wish->dense)
         return true;
-    if (!count_crowd(&others, g, objects, shape, n, dims, err))
+    if (!count_crowd(&others, g, objects, err))
         return false;
     if (others > crowded)
-        *g = make_hashed(lower, length, &classes, n, dims);
+        *g = make_hashed(lower, length, &classes, objects);
     return true;
 }

@@ -24,7 +24,7 @@ enum { GRID_LEVELS = 16 };
 
 // As kernels/grid.clh has it.
 typedef struct grid_level {
-    cl_float4 lower;
+    cl_float4 lower;    // with origin cells in one, whose xyz is in the last words of these three
     cl_float4 per_cell; // 1 / edge
     cl_float4 limit;    // an extent above it does not fit: the edge less its margin
     cl_int4 cells;      // w: the key of the level's first cell
@@ -52,12 +52,22 @@ typedef struct grid_needs {
     double octave_widest[GRID_OCTAVES];
 } grid_needs;
 
-void grid_needs_of(grid_needs *needs, const void *objects, duet_shape shape, uint32_t n,
-                   uint32_t dims);
+// What objects a grid is for: poses or bounds, or with an origin placed poses.
+typedef struct grid_objects {
+    const void *rows;
+    duet_shape shape;
+    float origin; // the edge of origin cells, or 0
+    uint32_t n;
+    uint32_t dims;
+} grid_objects;
+
+void grid_needs_of(grid_needs *needs, const grid_objects *objects);
 
 // The centre that decides an object's cell; z is 0 in 2D.
-void grid_centre_of(double centre[3], const void *objects, duet_shape shape, uint32_t id,
-                    uint32_t dims);
+void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id);
+
+// Where a level begins along an axis.
+double grid_corner(const grid_level *level, float origin, uint32_t axis);
 
 // How a grid is to be made; zero where that is open.
 typedef struct grid_wish {
@@ -72,8 +82,8 @@ typedef struct grid_wish {
 
 // The grid for these objects. Dense unless so many objects would share cells
 // that a hashed one is far better. Memory for counting them may run out.
-bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const void *objects,
-              duet_shape shape, uint32_t n, uint32_t dims, duet_error *err);
+bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const grid_objects *objects,
+              duet_error *err);
 
 // Dense, of one level, and at least three cells wide along all axes but the
 // last: then no cell is near another on both ways round a row's end.
@@ -94,7 +104,6 @@ static inline uint32_t grid_cell_along(float at, float lower, float per_cell, cl
 }
 
 // The row of an object, in a dense grid of one level.
-uint32_t grid_row_of(const grid *g, const void *objects, duet_shape shape, uint32_t id,
-                     uint32_t dims);
+uint32_t grid_row_of(const grid *g, const grid_objects *objects, uint32_t id);
 
 #endif

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What the objects ask of a grid: where they are, and how wide.
 #include "runtime/grid.h"
+#include "runtime/origin.h"
 
 #include <math.h>
 #include <string.h>
@@ -62,34 +63,40 @@ static double widest_of_bounds(const duet_bounds *b, uint32_t dims)
     return widest;
 }
 
-void grid_centre_of(double centre[3], const void *objects, duet_shape shape, uint32_t id,
-                    uint32_t dims)
+void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)
 {
+    double corner[3];
+    origin_corner(corner, objects->rows, objects->origin, id);
     centre[2] = 0.0;
-    for (uint32_t k = 0; k < dims; ++k) {
-        if (shape == DUET_SHAPE_POSES) {
-            centre[k] = ((const duet_pose *)objects)[id].centre[k];
+    for (uint32_t k = 0; k < objects->dims; ++k) {
+        if (objects->shape == DUET_SHAPE_POSES) {
+            const duet_pose *p = origin_pose(objects->rows, objects->origin, id);
+            centre[k] = corner[k] + (double)p->centre[k];
         } else {
-            const duet_bounds *b = &((const duet_bounds *)objects)[id];
+            const duet_bounds *b = &((const duet_bounds *)objects->rows)[id];
             centre[k] = 0.5 * ((double)b->lower[k] + (double)b->upper[k]);
         }
     }
 }
 
-void grid_needs_of(grid_needs *needs, const void *objects, duet_shape shape, uint32_t n,
-                   uint32_t dims)
+static double widest_of(const grid_objects *objects, uint32_t id)
+{
+    return objects->shape == DUET_SHAPE_POSES
+               ? widest_of_pose(origin_pose(objects->rows, objects->origin, id), objects->dims)
+               : widest_of_bounds(&((const duet_bounds *)objects->rows)[id], objects->dims);
+}
+
+void grid_needs_of(grid_needs *needs, const grid_objects *objects)
 {
     memset(needs, 0, sizeof *needs);
     for (int k = 0; k < 3; ++k) {
         needs->lower[k] = INFINITY;
         needs->upper[k] = -INFINITY;
     }
-    for (uint32_t id = 0; id < n; ++id) {
+    for (uint32_t id = 0; id < objects->n; ++id) {
         double centre[3];
-        grid_centre_of(centre, objects, shape, id, dims);
-        double widest = shape == DUET_SHAPE_POSES
-                            ? widest_of_pose(&((const duet_pose *)objects)[id], dims)
-                            : widest_of_bounds(&((const duet_bounds *)objects)[id], dims);
+        grid_centre_of(centre, objects, id);
+        double widest = widest_of(objects, id);
         if (isfinite(centre[0] + centre[1] + centre[2] + widest) && widest >= 0.0)
             add(needs, centre, widest, id);
     }

@@ -11,23 +11,26 @@
 // What the textbook adds to each cosine, lest nearly parallel edges separate.
 #define TEXTBOOK_EPSILON 1e-6f
 
-typedef bool (*level_test)(const duet_pose *a, const duet_pose *b, uint32_t dims);
+typedef bool (*level_test)(const duet_pose *a, const duet_pose *b, const double shift[3],
+                           uint32_t dims);
 
-static bool all_collide(const duet_pose *a, const duet_pose *b, uint32_t dims)
+static bool all_collide(const duet_pose *a, const duet_pose *b, const double shift[3],
+                        uint32_t dims)
 {
-    (void)a, (void)b, (void)dims;
+    (void)a, (void)b, (void)shift, (void)dims;
     return true;
 }
 
-static bool test_faces(const duet_pose *a, const duet_pose *b, uint32_t dims)
+static bool test_faces(const duet_pose *a, const duet_pose *b, const double shift[3], uint32_t dims)
 {
-    meeting m = meeting_of(a, b, dims);
+    meeting m = meeting_of(a, b, shift, dims);
     return !(m.trusted && meeting_face_gap(&m) > SLACK * m.size);
 }
 
-static bool test_as_the_textbook(const duet_pose *a, const duet_pose *b, uint32_t dims)
+static bool test_as_the_textbook(const duet_pose *a, const duet_pose *b, const double shift[3],
+                                 uint32_t dims)
 {
-    meeting m = meeting_of(a, b, dims);
+    meeting m = meeting_of(a, b, shift, dims);
     for (uint32_t i = 0; i < dims; ++i)
         for (uint32_t j = 0; j < dims; ++j)
             m.size_c[i][j] += TEXTBOOK_EPSILON;
@@ -38,9 +41,10 @@ static bool test_as_the_textbook(const duet_pose *a, const duet_pose *b, uint32_
     return !(m.trusted && gap > 0);
 }
 
-static bool test_in_double(const duet_pose *a, const duet_pose *b, uint32_t dims)
+static bool test_in_double(const duet_pose *a, const duet_pose *b, const double shift[3],
+                           uint32_t dims)
 {
-    return !(narrow_gap(a, b, dims) > 0);
+    return !(narrow_gap_apart(a, b, shift, dims) > 0);
 }
 
 #define SLACK_IN_DOUBLE (NARROW_SLACK * 0x1p-53)
@@ -51,7 +55,7 @@ static const struct {
 } levels[DUET_LEVELS] = {
     [DUET_LEVEL_CERTIFIED] = {{"certified", "float with an error bound, then double, then integers",
                                0, 0},
-                              narrow_decide},
+                              narrow_decide_apart},
     [DUET_LEVEL_AABB] = {{"aabb", "bounds, in float", 0, INFINITY}, all_collide},
     [DUET_LEVEL_SPHERE] = {{"sphere", "bounding spheres, in float", 0, INFINITY}, meeting_spheres},
     [DUET_LEVEL_SAT6] = {{"sat6", "axes of faces, in float with an error bound", 0, INFINITY},
@@ -90,13 +94,13 @@ bool level_tests_upright(duet_level level)
     return level == DUET_LEVEL_AABB || level == DUET_LEVEL_SPHERE;
 }
 
-bool level_collide(duet_level level, const duet_pose *a, const duet_pose *b, uint32_t dims,
-                   bool rotated)
+bool level_collide(duet_level level, const duet_pose *a, const duet_pose *b, const double shift[3],
+                   uint32_t dims, bool rotated)
 {
     duet_bounds bounds_a = meeting_bounds(a, dims, rotated);
     duet_bounds bounds_b = meeting_bounds(b, dims, rotated);
-    if (!narrow_bounds(&bounds_a, &bounds_b, dims))
+    if (!meeting_bounds_overlap(&bounds_a, &bounds_b, shift, dims))
         return false;
-    return rotated || level_tests_upright(level) ? levels[level].test(a, b, dims)
-                                                 : narrow_decide(a, b, dims);
+    return rotated || level_tests_upright(level) ? levels[level].test(a, b, shift, dims)
+                                                 : narrow_decide_apart(a, b, shift, dims);
 }

@@ -6,10 +6,11 @@
 
 #include "runtime/duet.h"
 
-// Whether the level takes the two for colliding. rotated false: both rotations
-// are the identity, and all levels but aabb and sphere are exact.
-bool level_collide(duet_level level, const duet_pose *a, const duet_pose *b, uint32_t dims,
-                   bool rotated);
+// Whether the level takes the two for colliding, b lying `shift` further than its
+// pose says (runtime/narrow.h). rotated false: both rotations are the identity, and
+// all levels but aabb and sphere are exact.
+bool level_collide(duet_level level, const duet_pose *a, const duet_pose *b, const double shift[3],
+                   uint32_t dims, bool rotated);
 
 // Whether the level differs from certified where nothing is rotated.
 bool level_tests_upright(duet_level level);

@@ -114,7 +114,26 @@ duet_bounds meeting_bounds(const duet_pose *pose, uint32_t dims, bool rotated)
     return b;
 }
 
+bool meeting_bounds_overlap(const duet_bounds *a, const duet_bounds *b, const double shift[3],
+                            uint32_t dims)
+{
+    for (uint32_t k = 0; k < dims; ++k)
+        if (a->lower[k] - b->upper[k] > (float)shift[k] ||
+            a->upper[k] - b->lower[k] < (float)shift[k])
+            return false;
+    return true;
+}
+
 // ------------------------------------------------------------ two boxes
+
+// From a's centre to b's, rounded once.
+static void set_way(float t[3], const duet_pose *a, const duet_pose *b, const double shift[3],
+                    uint32_t dims)
+{
+    t[2] = 0;
+    for (uint32_t i = 0; i < dims; ++i)
+        t[i] = (float)shift[i] + (b->centre[i] - a->centre[i]);
+}
 
 static bool is_trusted(float size)
 {
@@ -163,13 +182,14 @@ static void see_in_2d(meeting *m, const float t[3], const float qa[4], const flo
     m->tb[1] = fmaf(y, cos_b, -(x * sin_b));
 }
 
-meeting meeting_of(const duet_pose *pose_a, const duet_pose *pose_b, uint32_t dims)
+meeting meeting_of(const duet_pose *pose_a, const duet_pose *pose_b, const double shift[3],
+                   uint32_t dims)
 {
     duet_pose a = load(pose_a, dims), b = load(pose_b, dims);
     meeting m = {.dims = (int)dims};
     float t[3];
+    set_way(t, &a, &b, shift, dims);
     for (int i = 0; i < 3; ++i) {
-        t[i] = b.centre[i] - a.centre[i];
         m.a[i] = a.half[i];
         m.b[i] = b.half[i];
     }
@@ -211,12 +231,12 @@ static float root(float x)
     return x * y;
 }
 
-bool meeting_spheres(const duet_pose *pose_a, const duet_pose *pose_b, uint32_t dims)
+bool meeting_spheres(const duet_pose *pose_a, const duet_pose *pose_b, const double shift[3],
+                     uint32_t dims)
 {
     duet_pose a = narrow_flat(pose_a, dims), b = narrow_flat(pose_b, dims);
     float t[3];
-    for (int i = 0; i < 3; ++i)
-        t[i] = b.centre[i] - a.centre[i];
+    set_way(t, &a, &b, shift, dims);
     float size = sum_of_sizes(t, a.half, b.half);
     float reach = root(dot(a.half, a.half)) + root(dot(b.half, b.half));
     bool apart = dot(t, t) > reach * reach * (1.0f + 0x1p-18f);

@@ -19,7 +19,8 @@ typedef struct meeting {
     bool trusted;       // size is where the bound of docs/accuracy.md holds
 } meeting;
 
-meeting meeting_of(const duet_pose *a, const duet_pose *b, uint32_t dims);
+// b lies `shift` further than its pose says, as in runtime/narrow.h.
+meeting meeting_of(const duet_pose *a, const duet_pose *b, const double shift[3], uint32_t dims);
 
 // The greatest gap along the faces' axes, and the gap along the product of
 // edge i of a and edge j of b.
@@ -29,7 +30,11 @@ float meeting_edge_gap(const meeting *m, int i, int j);
 // Bounds that contain the box. rotated false takes its rotation for the identity.
 duet_bounds meeting_bounds(const duet_pose *pose, uint32_t dims, bool rotated);
 
+// Whether bounds overlap of which b's count from `shift` further on.
+bool meeting_bounds_overlap(const duet_bounds *a, const duet_bounds *b, const double shift[3],
+                            uint32_t dims);
+
 // Whether the bounding spheres may share a point; they are rounded outward.
-bool meeting_spheres(const duet_pose *a, const duet_pose *b, uint32_t dims);
+bool meeting_spheres(const duet_pose *a, const duet_pose *b, const double shift[3], uint32_t dims);
 
 #endif

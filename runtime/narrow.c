@@ -15,6 +15,8 @@
 #define SLACK (NARROW_SLACK * 0x1p-53)
 #define PARALLEL 0.5 // edges with a smaller tilt count as nearly parallel
 
+const double narrow_here[3] = {0, 0, 0};
+
 static const int next[3] = {1, 2, 0};
 static const int last[3] = {2, 0, 1};
 
@@ -203,11 +205,12 @@ typedef struct approach {
     double size; // |t|_1 and all extents
 } approach;
 
-static approach approach_of(const duet_pose *pose_a, const duet_pose *pose_b)
+static approach approach_of(const duet_pose *pose_a, const duet_pose *pose_b, const double shift[3],
+                            uint32_t dims)
 {
     approach p = {.a = box_of_pose(pose_a), .b = box_of_pose(pose_b)};
-    for (int i = 0; i < 3; ++i)
-        p.t[i] = (double)pose_b->centre[i] - pose_a->centre[i];
+    for (uint32_t i = 0; i < dims; ++i)
+        p.t[i] = ((double)pose_b->centre[i] - pose_a->centre[i]) + shift[i];
     p.size = sum_of_sizes(p.t, p.a.half, p.b.half);
     return p;
 }
@@ -218,14 +221,21 @@ static bool is_finite(const approach *p)
            p->b.norm < INFINITY;
 }
 
+// The way between the centres along an axis; a shift comes with a difference of
+// theirs that is exact.
+static sum exact_way(float from, float to, double shift)
+{
+    return shift == 0 ? exact_sum(to, -(double)from) : exact_sum((double)to - from, shift);
+}
+
 // Boxes along the world's axes need two sums of two floats an axis, which high
 // and low hold exactly, and rounding keeps order: so comparing highs, then lows,
 // is exact.
-static narrow_verdict compare_upright(const duet_pose *a, const duet_pose *b, const approach *p,
-                                      int dims)
+static narrow_verdict compare_upright(const duet_pose *a, const duet_pose *b, const double shift[3],
+                                      const approach *p, int dims)
 {
     for (int i = 0; i < dims; ++i) {
-        sum t = exact_sum(b->centre[i], -(double)a->centre[i]);
+        sum t = exact_way(a->centre[i], b->centre[i], shift[i]);
         sum reach = exact_sum(half_along(&p->a, i), half_along(&p->b, i));
         if (t.high < 0)
             t = (sum){-t.high, -t.low};
@@ -268,21 +278,33 @@ bool narrow_is_box(const duet_pose *pose, uint32_t dims)
     return turned;
 }
 
-narrow_verdict narrow_double(const duet_pose *pose_a, const duet_pose *pose_b, uint32_t dims)
+static narrow_verdict double_apart(const duet_pose *pose_a, const duet_pose *pose_b,
+                                   const double shift[3], uint32_t dims)
 {
     duet_pose a = narrow_flat(pose_a, dims), b = narrow_flat(pose_b, dims);
-    approach p = approach_of(&a, &b);
+    approach p = approach_of(&a, &b, shift, dims);
     if (!is_finite(&p))
         return NARROW_UNDECIDED;
     if (keeps_axes(&a) && keeps_axes(&b))
-        return compare_upright(&a, &b, &p, (int)dims);
+        return compare_upright(&a, &b, shift, &p, (int)dims);
     return test_axes(&p, (int)dims);
 }
 
-double narrow_gap(const duet_pose *pose_a, const duet_pose *pose_b, uint32_t dims)
+narrow_verdict narrow_double(const duet_pose *a, const duet_pose *b, uint32_t dims)
+{
+    return double_apart(a, b, narrow_here, dims);
+}
+
+double narrow_gap(const duet_pose *a, const duet_pose *b, uint32_t dims)
+{
+    return narrow_gap_apart(a, b, narrow_here, dims);
+}
+
+double narrow_gap_apart(const duet_pose *pose_a, const duet_pose *pose_b, const double shift[3],
+                        uint32_t dims)
 {
     duet_pose a = narrow_flat(pose_a, dims), b = narrow_flat(pose_b, dims);
-    approach p = approach_of(&a, &b);
+    approach p = approach_of(&a, &b, shift, dims);
     view v = view_of(&p.a, &p.b, p.t);
     gaps g = {0, -INFINITY, -INFINITY, 0};
     add_faces(&g, &v, (int)dims);
@@ -295,10 +317,16 @@ double narrow_gap(const duet_pose *pose_a, const duet_pose *pose_b, uint32_t dim
 // and what the faces show is as good.
 #define LEAST_SINE 1e-7
 
-double duet_poses_gap(const duet_pose *pose_a, const duet_pose *pose_b, uint32_t dims)
+double duet_poses_gap(const duet_pose *a, const duet_pose *b, uint32_t dims)
+{
+    return narrow_widest_gap(a, b, narrow_here, dims);
+}
+
+double narrow_widest_gap(const duet_pose *pose_a, const duet_pose *pose_b, const double shift[3],
+                         uint32_t dims)
 {
     duet_pose a = narrow_flat(pose_a, dims), b = narrow_flat(pose_b, dims);
-    approach p = approach_of(&a, &b);
+    approach p = approach_of(&a, &b, shift, dims);
     view v = view_of(&p.a, &p.b, p.t);
     gaps g = {0, -INFINITY, -INFINITY, 0};
     add_faces(&g, &v, (int)dims);
@@ -311,12 +339,18 @@ double duet_poses_gap(const duet_pose *pose_a, const duet_pose *pose_b, uint32_t
     return g.greatest;
 }
 
+bool narrow_decide_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
+                         uint32_t dims)
+{
+    narrow_verdict verdict = double_apart(a, b, shift, dims);
+    if (verdict == NARROW_UNDECIDED)
+        return narrow_exact_apart(a, b, shift, dims);
+    return verdict == NARROW_COLLIDING;
+}
+
 bool narrow_decide(const duet_pose *a, const duet_pose *b, uint32_t dims)
 {
-    narrow_verdict verdict = narrow_double(a, b, dims);
-    if (verdict == NARROW_UNDECIDED)
-        return narrow_exact(a, b, dims);
-    return verdict == NARROW_COLLIDING;
+    return narrow_decide_apart(a, b, narrow_here, dims);
 }
 
 bool narrow_bounds(const duet_bounds *a, const duet_bounds *b, uint32_t dims)

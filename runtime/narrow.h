@@ -39,6 +39,23 @@ bool narrow_exact(const duet_pose *a, const duet_pose *b, uint32_t dims);
 // narrow_double, then narrow_exact where that is undecided.
 bool narrow_decide(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
+// The same where b lies `shift` further than its pose says, as between origin
+// cells (runtime/origin.h): the difference of the poses' centres is then exact in
+// float. narrow_here is no shift.
+extern const double narrow_here[3];
+narrow_verdict narrow_float_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
+                                  uint32_t dims, bool rotated);
+bool narrow_decide_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
+                         uint32_t dims);
+double narrow_gap_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
+                        uint32_t dims);
+bool narrow_exact_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
+                        uint32_t dims);
+
+// duet_poses_gap, likewise.
+double narrow_widest_gap(const duet_pose *a, const duet_pose *b, const double shift[3],
+                         uint32_t dims);
+
 // Axis-aligned boxes by their corners: float comparisons are exact.
 bool narrow_bounds(const duet_bounds *a, const duet_bounds *b, uint32_t dims);
 

@@ -45,7 +45,7 @@ static int least_power(const float *values, int n, int so_far)
     return so_far;
 }
 
-static void set_integer(mpz_t out, float value, int power)
+static void set_integer(mpz_t out, double value, int power)
 {
     mpz_set_d(out, ldexp(value, -power));
 }
@@ -95,24 +95,39 @@ static void set_dot(mpz_t out, mpz_t u[3], mpz_t v[3])
     mpz_addmul(out, u[2], v[2]);
 }
 
-static void set_lengths(numbers *n, const duet_pose *a, const duet_pose *b)
+// A shift is a difference of cells, of 32 bits at most.
+static int least_power_of_shift(const double shift[3], int so_far)
+{
+    for (int i = 0; i < 3; ++i) {
+        int power;
+        frexp(shift[i], &power);
+        if (shift[i] != 0 && power - 32 < so_far)
+            so_far = power - 32;
+    }
+    return so_far;
+}
+
+static void set_lengths(numbers *n, const duet_pose *a, const duet_pose *b, const double shift[3])
 {
     int power = least_power(a->centre, 3, INT_MAX);
     power = least_power(b->centre, 3, power);
     power = least_power(a->half, 3, power);
     power = least_power(b->half, 3, power);
+    power = least_power_of_shift(shift, power);
     for (int i = 0; i < 3; ++i) {
         set_integer(n->t[i], b->centre[i], power);
         set_integer(n->term, a->centre[i], power);
         mpz_sub(n->t[i], n->t[i], n->term);
+        set_integer(n->term, shift[i], power);
+        mpz_add(n->t[i], n->t[i], n->term);
         set_integer(n->half_a[i], a->half[i], power);
         set_integer(n->half_b[i], b->half[i], power);
     }
 }
 
-static void set_numbers(numbers *n, const duet_pose *a, const duet_pose *b)
+static void set_numbers(numbers *n, const duet_pose *a, const duet_pose *b, const double shift[3])
 {
-    set_lengths(n, a, b);
+    set_lengths(n, a, b, shift);
     set_axes(n->axis_a, n->norm_a, n->q, a->rotation);
     set_axes(n->axis_b, n->norm_b, n->q, b->rotation);
     mpz_mul(n->norms, n->norm_a, n->norm_b);
@@ -169,14 +184,21 @@ static bool any_axis_separates(numbers *n)
 
 bool narrow_exact(const duet_pose *a, const duet_pose *b, uint32_t dims)
 {
+    return narrow_exact_apart(a, b, narrow_here, dims);
+}
+
+bool narrow_exact_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
+                        uint32_t dims)
+{
     if (!narrow_is_box(a, dims) || !narrow_is_box(b, dims))
         return false;
     duet_pose flat_a = narrow_flat(a, dims), flat_b = narrow_flat(b, dims);
+    const double flat_shift[3] = {shift[0], shift[1], dims == 3 ? shift[2] : 0};
     pool p;
     size_t n = sizeof p.all / sizeof *p.all;
     for (size_t i = 0; i < n; ++i)
         mpz_init(p.all[i]);
-    set_numbers(&p.of, &flat_a, &flat_b);
+    set_numbers(&p.of, &flat_a, &flat_b, flat_shift);
     bool separated = any_axis_separates(&p.of);
     for (size_t i = 0; i < n; ++i)
         mpz_clear(p.all[i]);

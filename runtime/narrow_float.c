@@ -40,12 +40,18 @@ static narrow_verdict test_meeting(const meeting *m)
 // Without rotation. What rounding leaves over of a sum of two floats is a float
 // too, and rounding keeps order: comparing the sums, then what is left over, is
 // exact. The device must have denormal numbers.
-static narrow_verdict test_upright(const duet_pose *a, const duet_pose *b, int dims)
+static narrow_verdict test_upright(const duet_pose *a, const duet_pose *b, const double shift[3],
+                                   int dims)
 {
     bool apart = false;
     bool trusted = true;
     for (int i = 0; i < dims; ++i) {
         float from = a->centre[i], to = b->centre[i];
+        if (shift[i] != 0) {
+            from = a->centre[i] - b->centre[i];
+            to = (float)shift[i];
+            trusted = trusted && (double)to == shift[i];
+        }
         float t = to - from;
         float part = t - to;
         float t_left = (to - (t - part)) + (-from - part);
@@ -64,10 +70,16 @@ static narrow_verdict test_upright(const duet_pose *a, const duet_pose *b, int d
 
 narrow_verdict narrow_float(const duet_pose *a, const duet_pose *b, uint32_t dims, bool rotated)
 {
+    return narrow_float_apart(a, b, narrow_here, dims, rotated);
+}
+
+narrow_verdict narrow_float_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
+                                  uint32_t dims, bool rotated)
+{
     if (!narrow_is_box(a, dims) || !narrow_is_box(b, dims))
         return NARROW_UNDECIDED; // the devices leave such objects out
     if (!rotated)
-        return test_upright(a, b, (int)dims);
-    meeting m = meeting_of(a, b, dims);
+        return test_upright(a, b, shift, (int)dims);
+    meeting m = meeting_of(a, b, shift, dims);
     return test_meeting(&m);
 }

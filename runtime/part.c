@@ -4,6 +4,7 @@
 #include "runtime/base/error.h"
 #include "runtime/device_pair.h"
 #include "runtime/level.h"
+#include "runtime/origin.h"
 
 #include <string.h>
 
@@ -160,9 +161,12 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
     duet_level level = level_of(task);
     bool tested = poses && level != DUET_LEVEL_AABB;
     cl_int4 cells = compiled_cells(p, task);
+    uint32_t origin_bits;
+    memcpy(&origin_bits, &task->origin, sizeof origin_bits);
     const choice choices[] = {
         {"DIMS", task->dims, false},
         {"SHAPE", task->shape, false},
+        {"ORIGIN", origin_bits >> 23, false},
         {"ROTATED", poses && task->rotated, false},
         {"RANK", counting, false},
         {"SORTED", searches[search].in_cell_order, false},
@@ -223,9 +227,9 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
 
 // ---------------------------------------------------------------- a step
 
-static size_t object_bytes(const part_task *task)
+grid_objects part_objects(const part_task *task)
 {
-    return task->shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds);
+    return (grid_objects){task->objects, task->shape, task->origin, task->n, task->dims};
 }
 
 // A chunk is whole groups of the kernel that takes them, the last one apart.
@@ -241,7 +245,7 @@ static uint32_t chunk_size(const part *p, uint32_t n)
 // All chunks are on their way at once, beside the kernels.
 static bool send_chunks(part *p, const part_task *task, duet_error *err)
 {
-    size_t bytes = object_bytes(task);
+    size_t bytes = origin_row_bytes(task->shape, task->origin);
     uint32_t size = chunk_size(p, task->n);
     for (uint32_t from = 0; from < task->n; from = p->chunks[p->n_chunks - 1].to) {
         uint32_t n = task->n - from < size ? task->n - from : size;
@@ -295,7 +299,7 @@ void part_forget(part *p)
 
 bool part_begin(part *p, const part_task *task, duet_error *err)
 {
-    size_t bytes = task->n * object_bytes(task);
+    size_t bytes = task->n * origin_row_bytes(task->shape, task->origin);
     p->n_chunks = 0;
     if (bytes == 0)
         return true;

@@ -17,6 +17,7 @@ typedef struct part_task {
     bool packed;   // the part is sent the objects of its slab, with their ids
     uint32_t dims;
     duet_shape shape;
+    float origin; // the edge of origin cells, where poses are placed, or 0
     bool rotated;
     duet_level level;         // of accuracy, for poses
     uint32_t n;               // that the part is sent
@@ -27,6 +28,8 @@ typedef struct part_task {
     bool cells_vary;       // the grid had other cells before
     uint64_t max_pairs;
 } part_task;
+
+grid_objects part_objects(const part_task *task);
 
 // Which of the objects a part deals with. Its grid has the keys from key_from
 // to key_to; of those it searches around the ones up to home_to, and of the

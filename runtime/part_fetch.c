@@ -9,6 +9,7 @@
 #include "runtime/base/clock.h"
 #include "runtime/base/error.h"
 #include "runtime/narrow.h"
+#include "runtime/origin.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -103,11 +104,15 @@ static bool fetch_open(part *p, const duet_pair **open, duet_pair *room, duet_er
 static uint64_t decide(part *p, const part_task *task, const duet_pair *open, duet_pair *colliding)
 {
     uint64_t begun = clock_steady_ns();
-    const duet_pose *poses = task->objects;
     uint64_t n = 0;
-    for (uint64_t i = 0; i < p->n_undecided; ++i)
-        if (narrow_decide(&poses[open[i].a], &poses[open[i].b], task->dims))
+    for (uint64_t i = 0; i < p->n_undecided; ++i) {
+        double shift[3];
+        const duet_pose *a = origin_pose(task->objects, task->origin, open[i].a);
+        const duet_pose *b = origin_pose(task->objects, task->origin, open[i].b);
+        origin_shift(shift, task->objects, task->origin, open[i].a, open[i].b);
+        if (narrow_decide_apart(a, b, shift, task->dims))
             colliding[n++] = open[i];
+    }
     if (p->n_undecided > 0)
         timeline_add_host(&p->times, "decide", (double)(clock_steady_ns() - begun) * 1e-6);
     return n;

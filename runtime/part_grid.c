@@ -205,15 +205,17 @@ static place_bytes bytes_of_places(const part *p, const part_task *task, size_t 
 {
     enum { LANES = 8 };
     bool poses = task->shape == DUET_SHAPE_POSES;
+    bool placed = task->origin > 0.0f;
     if (p->variant.search == SEARCH_LANES) {
         size_t column = (n + 2 * LANES - 1) / LANES * LANES;
-        size_t words = task->rotated && task->dims == 3 ? 16 : 8;
-        return (place_bytes){.bounds = column * (2 * task->dims + 1) * sizeof(float),
+        size_t words = (task->rotated && task->dims == 3 ? 16 : 8) + (placed ? 8 : 0);
+        size_t columns = 2 * task->dims + 1 + (placed ? task->dims : 0);
+        return (place_bytes){.bounds = column * columns * sizeof(float),
                              .boxes = poses ? column * words * sizeof(float) : 0};
     }
     bool boxes = poses && p->variant.search == SEARCH_ITEMS;
-    return (place_bytes){.bounds = n * 2 * sizeof(cl_float4),
-                         .boxes = boxes ? n * 3 * sizeof(cl_float4) : 0};
+    return (place_bytes){.bounds = n * (placed ? 3 : 2) * sizeof(cl_float4),
+                         .boxes = boxes ? n * (placed ? 4 : 3) * sizeof(cl_float4) : 0};
 }
 
 static bool reserve_places(part *p, const part_task *task, size_t n, duet_error *err)

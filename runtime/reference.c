@@ -10,6 +10,7 @@
 #include "runtime/base/error.h"
 #include "runtime/meeting.h"
 #include "runtime/narrow.h"
+#include "runtime/origin.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -81,15 +82,31 @@ static bounds bounds_of_corners(const duet_bounds *corners, uint32_t dims)
     return b;
 }
 
+// From the corner of its origin cell to 0, and not smaller.
+static bounds move_by(bounds b, const double corner[3])
+{
+    for (int i = 0; i < 3; ++i) {
+        b.lower[i] = nextafter(b.lower[i] + corner[i], -INFINITY);
+        b.upper[i] = nextafter(b.upper[i] + corner[i], INFINITY);
+    }
+    return b;
+}
+
 static bounds bounds_of(const reference_objects *objects, uint32_t id)
 {
     uint32_t dims = objects->dims;
     if (objects->shape == DUET_SHAPE_BOUNDS)
         return bounds_of_corners(&objects->bounds[id], dims);
-    if (objects->level == DUET_LEVEL_CERTIFIED)
-        return bounds_of_pose(&objects->poses[id], dims);
-    duet_bounds in_float = meeting_bounds(&objects->poses[id], dims, objects->rotated);
-    return bounds_of_corners(&in_float, dims);
+    const duet_pose *pose = origin_pose(objects->poses, objects->origin, id);
+    duet_bounds in_float = meeting_bounds(pose, dims, objects->rotated);
+    bounds b = objects->level == DUET_LEVEL_CERTIFIED ? bounds_of_pose(pose, dims)
+                                                      : bounds_of_corners(&in_float, dims);
+    if (objects->origin == 0)
+        return b;
+    double corner[3];
+    origin_corner(corner, objects->poses, objects->origin, id);
+    corner[2] = dims == 3 ? corner[2] : 0;
+    return move_by(b, corner);
 }
 
 static bool overlap(const bounds *a, const bounds *b)
@@ -122,9 +139,13 @@ static bool collide(const reference_objects *o, uint32_t a, uint32_t b)
 {
     if (o->shape == DUET_SHAPE_BOUNDS)
         return narrow_bounds(&o->bounds[a], &o->bounds[b], o->dims);
+    const duet_pose *pose_a = origin_pose(o->poses, o->origin, a);
+    const duet_pose *pose_b = origin_pose(o->poses, o->origin, b);
+    double shift[3];
+    origin_shift(shift, o->poses, o->origin, a, b);
     if (o->level == DUET_LEVEL_CERTIFIED)
-        return narrow_decide(&o->poses[a], &o->poses[b], o->dims);
-    return level_collide(o->level, &o->poses[a], &o->poses[b], o->dims, o->rotated);
+        return narrow_decide_apart(pose_a, pose_b, shift, o->dims);
+    return level_collide(o->level, pose_a, pose_b, shift, o->dims, o->rotated);
 }
 
 static bool test_pair(finder *f, const entry *one, const entry *other)
@@ -340,10 +361,11 @@ bool duet_reference_at(const duet_scene *scene, duet_level level, duet_pair **pa
         .dims = info->dims,
         .shape = info->shape,
         .n = info->n,
-        .poses = duet_scene_poses(scene),
+        .poses = info->origin > 0 ? &duet_scene_placed(scene)->pose : duet_scene_poses(scene),
         .bounds = duet_scene_bounds(scene),
         .level = level,
         .rotated = info->rotated,
+        .origin = info->origin,
     };
     reference_way way =
         info->n <= EACH_WITH_EACH_LIMIT ? REFERENCE_EACH_WITH_EACH : REFERENCE_COLUMNS;

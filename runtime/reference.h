@@ -12,10 +12,11 @@ typedef struct reference_objects {
     uint32_t dims;
     duet_shape shape;
     uint32_t n;
-    const duet_pose *poses;
+    const duet_pose *poses; // with an origin placed ones: duet_placed [n]
     const duet_bounds *bounds;
     duet_level level; // of poses; by default certified
     bool rotated;     // for other levels: false promises identity rotations
+    float origin;     // the edge of origin cells, or 0
 } reference_objects;
 
 typedef enum reference_way {

@@ -4,6 +4,7 @@
 #include "runtime/scene.h"
 
 #include "runtime/base/error.h"
+#include "runtime/origin.h"
 #include "runtime/scene_row.h"
 
 #include <locale.h>
@@ -14,7 +15,19 @@
 
 static size_t object_size(const duet_scene *scene)
 {
-    return scene->info.shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds);
+    return origin_row_bytes(scene->info.shape, scene->info.origin);
+}
+
+static bool reserve_centres(duet_scene *scene, uint64_t n, duet_error *err)
+{
+    if (!scene->keep_centres)
+        return true;
+    void *centres = realloc(scene->centres, n * sizeof *scene->centres);
+    if (!centres)
+        return error_set(err, DUET_NO_MEMORY, "%llu centres in double: no memory",
+                         (unsigned long long)n);
+    scene->centres = centres;
+    return true;
 }
 
 bool scene_reserve(duet_scene *scene, uint64_t n, duet_error *err)
@@ -29,6 +42,8 @@ bool scene_reserve(duet_scene *scene, uint64_t n, duet_error *err)
         return error_set(err, DUET_NO_MEMORY, "%llu objects of %zu bytes: no memory",
                          (unsigned long long)n, object_size(scene));
     scene->objects = objects;
+    if (!reserve_centres(scene, n, err))
+        return false;
     scene->room = n;
     return true;
 }
@@ -55,6 +70,9 @@ static bool add(duet_scene *scene, const scene_layout *l, const double *row, sce
         const float *q = ((const duet_pose *)object)->rotation;
         scene->info.rotated |= q[0] != 0 || q[1] != 0 || q[2] != 0;
     }
+    if (scene->keep_centres)
+        for (uint32_t k = 0; k < 3; ++k)
+            scene->centres[scene->info.n][k] = k < l->dims ? row[k] : 0.0;
     ++scene->info.n;
     return true;
 }
@@ -163,17 +181,51 @@ static bool has_ending(const char *path, const char *ending)
     return length >= n && strcmp(path + length - n, ending) == 0;
 }
 
-static bool read_file(duet_scene *scene, const char *path, const duet_setting *settings,
-                      uint32_t n_settings, duet_error *err)
+// What can be set of a file that is data alone: origin=cell, and the cells' edge.
+static bool read_origin(const char *path, const duet_setting *settings, uint32_t n_settings,
+                        double *edge, duet_error *err)
+{
+    bool wanted = false;
+    double given = 1.0;
+    for (uint32_t i = 0; i < n_settings; ++i) {
+        const duet_setting *s = &settings[i];
+        if (strcmp(s->name, "origin") == 0 && strcmp(s->value, "cell") == 0)
+            wanted = true;
+        else if (strcmp(s->name, "origin_edge") == 0)
+            given = strtod(s->value, NULL);
+        else
+            return error_set(err, DUET_BAD_ARGUMENT,
+                             "%s: '%s' is set, but only a .lua scene has parameters; of data "
+                             "origin=cell and origin_edge can be set",
+                             path, s->name);
+    }
+    *edge = wanted ? given : 0.0;
+    return true;
+}
+
+static bool read_objects(duet_scene *scene, const char *path, const duet_setting *settings,
+                         uint32_t n_settings, duet_error *err)
 {
     if (has_ending(path, ".lua"))
         return scene_read_lua(scene, path, settings, n_settings, err);
-    if (n_settings > 0)
-        return error_set(err, DUET_BAD_ARGUMENT,
-                         "%s: '%s' is set, but only a .lua scene has parameters", path,
-                         settings[0].name);
     return has_ending(path, ".npy") ? scene_read_npy(scene, path, err)
                                     : scene_read_text(scene, path, err);
+}
+
+// A script says only after its objects whether they are to be placed.
+static bool read_file(duet_scene *scene, const char *path, const duet_setting *settings,
+                      uint32_t n_settings, duet_error *err)
+{
+    bool lua = has_ending(path, ".lua");
+    double edge = 0.0;
+    if (!lua && !read_origin(path, settings, n_settings, &edge, err))
+        return false;
+    scene->keep_centres = lua || edge != 0.0;
+    bool ok = scene_reserve(scene, 1, err) &&
+              read_objects(scene, path, settings, n_settings, err) &&
+              (edge == 0.0 || scene_set_origin(scene, edge, err));
+    scene_forget_centres(scene);
+    return ok;
 }
 
 static duet_scene *load(const char *path, uint32_t per_row, const duet_setting *settings,
@@ -182,7 +234,7 @@ static duet_scene *load(const char *path, uint32_t per_row, const duet_setting *
     // Numbers have a decimal point whatever the application's language.
     locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
     duet_scene *scene = plain ? scene_new(err) : NULL;
-    bool ok = scene && name_after_file(scene, path, err) && scene_reserve(scene, 1, err);
+    bool ok = scene && name_after_file(scene, path, err);
     if (ok) {
         scene->per_row = per_row;
         locale_t before = uselocale(plain);
@@ -274,6 +326,7 @@ void duet_scene_destroy(duet_scene *scene)
     if (!scene)
         return;
     free(scene->objects);
+    free(scene->centres);
     free(scene->name);
     free(scene->given);
     free(scene->bodies);
@@ -289,7 +342,7 @@ const duet_scene_info *duet_scene_describe(const duet_scene *scene)
 
 const duet_pose *duet_scene_poses(const duet_scene *scene)
 {
-    return scene->info.shape == DUET_SHAPE_POSES ? scene->objects : NULL;
+    return scene->info.shape == DUET_SHAPE_POSES && scene->info.origin == 0 ? scene->objects : NULL;
 }
 
 const duet_bounds *duet_scene_bounds(const duet_scene *scene)
@@ -305,6 +358,7 @@ duet_world_def duet_scene_world_def(const duet_scene *scene, duet_device_pair *p
     def.plan = duet_default_plan(pair);
     def.dims = info->dims;
     def.shape = info->shape;
+    def.origin = info->origin;
     def.rotated = info->rotated;
     def.level = info->level;
     def.has_accuracy = info->has_accuracy;

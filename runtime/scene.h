@@ -17,8 +17,10 @@ struct duet_scene {
     char *name;       // info.name
     uint32_t columns; // of a row; 0: none was read yet
     uint32_t per_row; // objects in a row: 1, or 2 in a file of pairs
-    void *objects;    // duet_pose or duet_bounds, as info.shape says
-    uint64_t room;    // objects that fit
+    void *objects;    // duet_pose or duet_bounds, as info.shape says, or with an origin duet_placed
+    bool keep_centres;    // a reader that does not know yet whether it will be asked for an origin
+    double (*centres)[3]; // [n] poses' centres as they were read
+    uint64_t room;        // objects that fit
 
     duet_motion_def motion; // as far as the scene says it
     duet_body body;         // of objects that have none of their own
@@ -43,6 +45,11 @@ const char *scene_columns_right(const duet_scene *scene);
 
 // Adds the next object, or two. False with BAD_OBJECT, naming place, object and number.
 bool scene_add_row(duet_scene *scene, const double *row, scene_place place, duet_error *err);
+
+// Poses become placed ones in origin cells of that edge, by the centres that were
+// kept; to be called once, after the last object.
+bool scene_set_origin(duet_scene *scene, double edge, duet_error *err);
+void scene_forget_centres(duet_scene *scene);
 
 bool scene_set_name(duet_scene *scene, const char *name, size_t length, duet_error *err);
 

@@ -151,6 +151,7 @@ static const struct {
     {"accuracy", read_accuracy},
     {"body", scene_read_body},
     {"gravity", scene_read_gravity},
+    {"origin", scene_read_origin},
     {"attraction", scene_read_attraction},
     {"bounds", scene_read_bounds},
     {"wants", scene_read_wants},
@@ -159,9 +160,9 @@ static const struct {
 };
 
 // Fields that others above read along with theirs.
-static const char *const more_names[] = {"origin",     "drag",         "skin",        "slop",
-                                         "push_speed", "bounce_speed", "sleep_speed", "sleep_after",
-                                         "substeps",   "doubles"};
+static const char *const more_names[] = {
+    "origin_edge",  "drag",        "skin",        "slop",     "push_speed",
+    "bounce_speed", "sleep_speed", "sleep_after", "substeps", "doubles"};
 
 #define N_MORE (sizeof more_names / sizeof more_names[0])
 

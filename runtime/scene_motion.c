@@ -178,7 +178,24 @@ static void read_corner(lua_State *L, scene_reading *reading, const char *name, 
 void scene_read_gravity(lua_State *L, scene_reading *reading)
 {
     read_corner(L, reading, "gravity", reading->scene->motion.gravity);
-    read_corner(L, reading, "origin", reading->scene->motion.origin);
+}
+
+void scene_read_origin(lua_State *L, scene_reading *reading)
+{
+    lua_getfield(L, 1, "origin");
+    bool named = lua_type(L, -1) == LUA_TSTRING;
+    bool cells = named && strcmp(lua_tostring(L, -1), "cell") == 0;
+    lua_pop(L, 1);
+    if (named && !cells)
+        field_raise(L, "origin", "origin is '%s'; it must be \"cell\", or where the poses' 0 lies",
+                    field_string(L, 1, "origin", NULL));
+    if (!named)
+        read_corner(L, reading, "origin", reading->scene->motion.origin);
+    duet_error err = {0};
+    if (cells && !scene_set_origin(reading->scene, field_number(L, 1, "origin_edge", 1), &err)) {
+        error_set(reading->err, err.status, "%s", err.text);
+        luaL_error(L, "%s", err.text);
+    }
 }
 
 void scene_read_attraction(lua_State *L, scene_reading *reading)

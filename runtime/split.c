@@ -14,8 +14,9 @@ bool split_count(split *s, const part_task *task, duet_error *err)
     uint32_t *rows = calloc(n_rows, sizeof *rows);
     if (!rows)
         return error_set(err, DUET_NO_MEMORY, "no host memory to count %u rows of cells", n_rows);
+    grid_objects objects = part_objects(task);
     for (uint32_t id = 0; id < task->n; ++id)
-        ++rows[grid_row_of(&task->grid, task->objects, task->shape, id, task->dims)];
+        ++rows[grid_row_of(&task->grid, &objects, id)];
     free(s->rows);
     *s = (split){rows, n_rows};
     return true;

@@ -32,9 +32,9 @@ static double ms_since(uint64_t begun)
 static bool fit_grid(duet_world *world, duet_error *err)
 {
     const duet_world_def *def = &world->def;
-    const void *objects = world->objects.bytes;
+    grid_objects objects = world_objects(world);
     grid_needs needs;
-    grid_needs_of(&needs, objects, def->shape, world->n, def->dims);
+    grid_needs_of(&needs, &objects);
     bool too_small = def->cell > 0.0f && needs.widest > def->cell;
     if (too_small && def->cell_fixed)
         return error_set(err, DUET_CELL_TOO_SMALL,
@@ -49,7 +49,7 @@ static bool fit_grid(duet_world *world, duet_error *err)
         wish.upper[k] = def->upper[k];
     }
     const cl_int4 before = world->grid.levels[0].cells;
-    if (!grid_fit(&world->grid, &needs, &wish, objects, def->shape, world->n, def->dims, err))
+    if (!grid_fit(&world->grid, &needs, &wish, &objects, err))
         return false;
     const cl_int4 cells = world->grid.levels[0].cells;
     world->cells_vary |= before.s[0] > 0 && memcmp(&before, &cells, sizeof cells) != 0;
@@ -75,6 +75,7 @@ static part_task describe_task(const duet_world *world)
         .shared = world->def.plan.mode == DUET_MODE_SHARED,
         .dims = world->def.dims,
         .shape = world->def.shape,
+        .origin = world->def.origin,
         .rotated = world->def.rotated,
         .level = world->def.level,
         .n = world->n,
@@ -240,14 +241,15 @@ static bool divide(duet_world *world, const part_task *task, part_range ranges[2
 }
 
 // A device that copies is sent its slab alone where that leaves out enough to
-// pay for packing. The paper's kernels want every object by its id.
+// pay for packing. The paper's kernels want every object by its id, and placed
+// poses are not packed.
 static bool pays_to_pack(const duet_world *world, int side, const part_range ranges[2])
 {
     const char *variants[2] = {world->def.plan.variant_a, world->def.plan.variant_b};
     variant v;
-    return world->def.plan.mode == DUET_MODE_SLAB && !world->parts[side].device->info.host_memory &&
-           ranges[0].last > 0 && ranges[1].last > 0 &&
-           ranges[side].expected <= world->n - world->n / LEAST_LEFT_OUT &&
+    return world->def.plan.mode == DUET_MODE_SLAB && world->def.origin == 0.0f &&
+           !world->parts[side].device->info.host_memory && ranges[0].last > 0 &&
+           ranges[1].last > 0 && ranges[side].expected <= world->n - world->n / LEAST_LEFT_OUT &&
            variant_parse(&v, variants[side], &world->parts[side].device->info, NULL) &&
            v.search == SEARCH_ITEMS && v.send == SEND_PACKED;
 }

@@ -3,6 +3,7 @@
 
 #include "runtime/accuracy.h"
 #include "runtime/base/error.h"
+#include "runtime/origin.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -68,6 +69,18 @@ static bool check_world_box(const duet_world_def *def, duet_error *err)
     return true;
 }
 
+static bool check_origin(const duet_world_def *def, duet_error *err)
+{
+    if (!origin_is_edge(def->origin))
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "origin is %g; right would be 0, or as an origin cell's edge a power of "
+                         "two from 2^-100 to 2^100",
+                         (double)def->origin);
+    return def->origin == 0.0f || def->shape == DUET_SHAPE_POSES ||
+           error_set(err, DUET_BAD_ARGUMENT,
+                     "origin cells are for poses; right would be 0 for bounds");
+}
+
 static bool check_def(const duet_world_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
@@ -87,7 +100,7 @@ static bool check_def(const duet_world_def *def, duet_error *err)
     if (!(def->cell >= 0.0f) || !isfinite(def->cell))
         return error_set(err, DUET_BAD_ARGUMENT, "cell is %g; right would be 0 or an edge above 0",
                          def->cell);
-    return check_world_box(def, err);
+    return check_origin(def, err) && check_world_box(def, err);
 }
 
 // The grid that both variants can search.
@@ -110,7 +123,7 @@ static bool find_wish(grid_wish *wish, const duet_plan *plan, const variant *a, 
 }
 
 static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_device_pair *pair,
-                       duet_error *err)
+                       float origin, duet_error *err)
 {
     variant a;
     variant b;
@@ -124,6 +137,11 @@ static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_device
     if (!variant_parse(&a, plan->variant_a, &pair->devices[0].info, err) ||
         !variant_parse(&b, plan->variant_b, &pair->devices[1].info, err))
         return false;
+    if (origin > 0.0f && (a.search == SEARCH_PAPER || b.search == SEARCH_PAPER))
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "the paper's search knows no origin cells ('%s', '%s'); right would be "
+                         "rows, lanes or items",
+                         plan->variant_a, plan->variant_b);
     if (plan->mode == DUET_MODE_SHARED && (a.search == SEARCH_PAPER) != (b.search == SEARCH_PAPER))
         return error_set(err, DUET_BAD_ARGUMENT,
                          "mode shared: A cannot search B's grid as '%s' where B does '%s'; right "
@@ -137,7 +155,7 @@ static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_device
 duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
 {
     grid_wish wish;
-    if (!check_def(def, err) || !check_plan(&wish, &def->plan, def->pair, err))
+    if (!check_def(def, err) || !check_plan(&wish, &def->plan, def->pair, def->origin, err))
         return NULL;
     duet_world *world = calloc(1, sizeof *world);
     if (!world) {
@@ -181,7 +199,7 @@ static void forget_grid(duet_world *world)
 bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err)
 {
     grid_wish wish;
-    if (!check_plan(&wish, plan, world->def.pair, err))
+    if (!check_plan(&wish, plan, world->def.pair, world->def.origin, err))
         return false;
     if (wish.uniform != world->wish.uniform || wish.dense != world->wish.dense ||
         wish.hashed != world->wish.hashed)
@@ -224,19 +242,31 @@ duet_level duet_world_level(const duet_world *world)
 
 // ---------------------------------------------------------------- objects
 
-static void *map_objects(duet_world *world, duet_shape shape, uint32_t n, duet_error *err)
+grid_objects world_objects(const duet_world *world)
 {
-    static const char *const names[] = {"poses", "bounds"};
-    if (world->def.shape != shape) {
+    const duet_world_def *def = &world->def;
+    return (grid_objects){world->objects.bytes, def->shape, def->origin, world->n, def->dims};
+}
+
+static const char *name_of(duet_shape shape, bool placed)
+{
+    return shape == DUET_SHAPE_BOUNDS ? "bounds" : placed ? "placed poses" : "poses";
+}
+
+static void *map_objects(duet_world *world, duet_shape shape, bool placed, uint32_t n,
+                         duet_error *err)
+{
+    const duet_world_def *def = &world->def;
+    if (def->shape != shape || (def->origin > 0.0f) != placed) {
         error_set(err, DUET_BAD_ARGUMENT, "the world was made for %s, not for %s",
-                  names[world->def.shape], names[shape]);
+                  name_of(def->shape, def->origin > 0.0f), name_of(shape, placed));
         return NULL;
     }
     if (n > UINT32_MAX - 2) {
         error_set(err, DUET_TOO_MANY, "%u objects; a world holds at most %u", n, UINT32_MAX - 2);
         return NULL;
     }
-    size_t size = shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds);
+    size_t size = origin_row_bytes(shape, def->origin);
     if (!host_block_reserve(&world->objects, world->def.pair->devices, 2, n * size, err))
         return NULL;
     world->n = n;
@@ -246,17 +276,22 @@ static void *map_objects(duet_world *world, duet_shape shape, uint32_t n, duet_e
 
 duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_error *err)
 {
-    return map_objects(world, DUET_SHAPE_BOUNDS, n, err);
+    return map_objects(world, DUET_SHAPE_BOUNDS, false, n, err);
 }
 
 duet_pose *duet_world_map_poses(duet_world *world, uint32_t n, duet_error *err)
 {
-    return map_objects(world, DUET_SHAPE_POSES, n, err);
+    return map_objects(world, DUET_SHAPE_POSES, false, n, err);
+}
+
+duet_placed *duet_world_map_placed(duet_world *world, uint32_t n, duet_error *err)
+{
+    return map_objects(world, DUET_SHAPE_POSES, true, n, err);
 }
 
 bool duet_world_set_poses(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
 {
-    duet_pose *to = map_objects(world, DUET_SHAPE_POSES, n, err);
+    duet_pose *to = map_objects(world, DUET_SHAPE_POSES, false, n, err);
     if (to && n > 0)
         memcpy(to, poses, n * sizeof *poses);
     return to;
@@ -265,9 +300,21 @@ bool duet_world_set_poses(duet_world *world, const duet_pose *poses, uint32_t n,
 bool duet_world_set_bounds(duet_world *world, const duet_bounds *bounds, uint32_t n,
                            duet_error *err)
 {
-    duet_bounds *to = map_objects(world, DUET_SHAPE_BOUNDS, n, err);
+    duet_bounds *to = map_objects(world, DUET_SHAPE_BOUNDS, false, n, err);
     if (to && n > 0)
         memcpy(to, bounds, n * sizeof *bounds);
+    return to;
+}
+
+// An offset that is not a number is the step's to report.
+bool duet_world_set_placed(duet_world *world, const duet_placed *placed, uint32_t n,
+                           duet_error *err)
+{
+    duet_placed *to = map_objects(world, DUET_SHAPE_POSES, true, n, err);
+    for (uint32_t i = 0; to && i < n; ++i) {
+        to[i] = placed[i];
+        origin_settle(&to[i], world->def.origin);
+    }
     return to;
 }
 
@@ -277,7 +324,12 @@ bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error
     if (info->dims != world->def.dims)
         return error_set(err, DUET_BAD_ARGUMENT, "the scene %s has %u dimensions, the world %u",
                          info->name, info->dims, world->def.dims);
+    if (info->origin != world->def.origin)
+        return error_set(err, DUET_BAD_ARGUMENT, "the scene %s has the origin %g, the world %g",
+                         info->name, (double)info->origin, (double)world->def.origin);
     forget_grid(world);
+    if (info->origin > 0.0f)
+        return duet_world_set_placed(world, duet_scene_placed(scene), info->n, err);
     return info->shape == DUET_SHAPE_POSES
                ? duet_world_set_poses(world, duet_scene_poses(scene), info->n, err)
                : duet_world_set_bounds(world, duet_scene_bounds(scene), info->n, err);

@@ -34,4 +34,6 @@ struct duet_world {
 // The level that a profile brings: the world still takes any within its accuracy.
 void world_change_level(duet_world *world, duet_level level);
 
+grid_objects world_objects(const duet_world *world);
+
 #endif

@@ -28,7 +28,7 @@ static double error_of(const hard_pair *p, uint32_t dims)
 {
     if (!narrow_is_box(&p->a, dims) || !narrow_is_box(&p->b, dims))
         return 0;
-    meeting m = meeting_of(&p->a, &p->b, dims);
+    meeting m = meeting_of(&p->a, &p->b, narrow_here, dims);
     if (!m.trusted)
         return 0;
     return fabs(gap_in_float(&m) - narrow_gap(&p->a, &p->b, dims)) / (0x1p-24 * m.size);

@@ -198,7 +198,7 @@ static void keep_promises(const hard_pair *pair, uint32_t dims)
 {
     for (int l = 0; l < DUET_LEVELS; ++l) {
         const duet_level_info *info = duet_level_describe((duet_level)l);
-        bool answer = level_collide((duet_level)l, &pair->a, &pair->b, dims, true);
+        bool answer = level_collide((duet_level)l, &pair->a, &pair->b, narrow_here, dims, true);
         if (!promise_allows(info->missed, info->added, pair, dims, answer)) {
             hard_pair_print(pair, dims);
             fail_msg("level %s breaks its promise", info->name);

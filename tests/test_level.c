@@ -16,7 +16,7 @@ enum { PAIRS = 10000 }; // of each of 21 classes
 static bool promise_holds(duet_level l, const hard_pair *p, uint32_t dims)
 {
     const duet_level_info *info = duet_level_describe(l);
-    bool answer = level_collide(l, &p->a, &p->b, dims, true);
+    bool answer = level_collide(l, &p->a, &p->b, narrow_here, dims, true);
     return promise_allows(info->missed, info->added, p, dims, answer);
 }
 
@@ -61,7 +61,7 @@ static void better_levels_report_fewer_random_pairs(void **state)
     for (int i = 0; i < N; ++i) {
         duet_pose a = random_box(&r, 3), b = random_box(&r, 3);
         for (int l = 0; l < DUET_LEVELS; ++l)
-            found[l] += level_collide((duet_level)l, &a, &b, 3, true);
+            found[l] += level_collide((duet_level)l, &a, &b, narrow_here, 3, true);
     }
     for (int l = 0; l < DUET_LEVELS; ++l)
         print_message("%-10s %d of %d\n", duet_level_describe((duet_level)l)->name, found[l], N);

@@ -309,7 +309,8 @@ static bool run(holdings *h, const profile_found *near, duet_tune_outcome *outco
 {
     uint64_t hash;
     const duet_scene_info *info = duet_scene_describe(h->def.scene);
-    measure_world world = {.world = h->world, .shape = info->shape, .n = info->n};
+    measure_world world = {
+        .world = h->world, .shape = info->shape, .placed = info->origin > 0, .n = info->n};
     duet_tune_outcome right = {0};
     if (!find_right_pairs(h, &hash, &right, err))
         return false;

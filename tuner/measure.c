@@ -44,6 +44,8 @@ search_sample measure_sample(const duet_result *result, const duet_plan *plan)
 // Mapped memory keeps what it holds and counts as written.
 static bool hand_over_objects(const measure_world *at, duet_error *err)
 {
+    if (at->placed)
+        return duet_world_map_placed(at->world, at->n, err) != NULL;
     return at->shape == DUET_SHAPE_POSES ? duet_world_map_poses(at->world, at->n, err) != NULL
                                          : duet_world_map_bounds(at->world, at->n, err) != NULL;
 }

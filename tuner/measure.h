@@ -32,6 +32,7 @@ typedef struct measure_machine {
 typedef struct measure_world {
     duet_world *world;
     duet_shape shape;
+    bool placed; // poses in origin cells
     uint32_t n;
 } measure_world;
 

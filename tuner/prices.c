@@ -27,14 +27,21 @@ typedef struct survey {
 
 // ---------------------------------------------------------------- right and wrong
 
+static double gap_of(const duet_scene *scene, duet_pair pair)
+{
+    const duet_scene_info *info = duet_scene_describe(scene);
+    const duet_pose *poses = duet_scene_poses(scene);
+    const duet_placed *placed = duet_scene_placed(scene);
+    if (placed)
+        return duet_placed_gap(&placed[pair.a], &placed[pair.b], info->origin, info->dims);
+    return poses ? duet_poses_gap(&poses[pair.a], &poses[pair.b], info->dims) : 0;
+}
+
 static void add_wrong(void *context, duet_pair pair, bool missed)
 {
     survey *s = context;
     price *row = s->row;
-    const duet_pose *poses = duet_scene_poses(s->scene);
-    double gap =
-        poses ? duet_poses_gap(&poses[pair.a], &poses[pair.b], duet_scene_describe(s->scene)->dims)
-              : 0;
+    double gap = gap_of(s->scene, pair);
     if (missed) {
         ++row->missed;
         row->deepest_missed = fmax(row->deepest_missed, -gap);
@@ -64,6 +71,9 @@ static bool hand_over(survey *s, duet_error *err)
 {
     uint32_t n = duet_scene_describe(s->scene)->n;
     const duet_pose *poses = duet_scene_poses(s->scene);
+    const duet_placed *placed = duet_scene_placed(s->scene);
+    if (placed)
+        return duet_world_set_placed(s->world, placed, n, err);
     return poses ? duet_world_set_poses(s->world, poses, n, err)
                  : duet_world_set_bounds(s->world, duet_scene_bounds(s->scene), n, err);
 }

@@ -263,6 +263,7 @@ local Effect = {}
 ---@field lower number[] of the world
 ---@field n integer objects; also #scene
 ---@field name string of the file or the scene's own
+---@field origin number edge of the origin cells that its objects are placed in; 0: none
 ---@field rotated boolean some object has a rotation
 ---@field shape "poses"|"bounds" what its rows are
 ---@field upper number[] of the world
@@ -604,7 +605,7 @@ function Scene:bounds() end
 --- Gives the objects back.
 function Scene:close() end
 
---- A view of the objects; nil where they are bounds.
+--- A view of the objects; nil where they are bounds, or placed in origin cells.
 ---@return duet.Poses?
 function Scene:poses() end
 

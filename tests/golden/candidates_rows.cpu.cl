@@ -5,6 +5,7 @@
 #define LEVELS 0
 #define LANES 1
 #define ROTATED 1
+#define ORIGIN 0
 #define ACCURACY 0
 #define SORTED 1
 #define FUSED 0
@@ -35,14 +36,36 @@
 // for many. With FUSED the group tests them there, and only what did not fit is
 // listed for the narrow kernel.
 //
-//   bounds [n][2]            lower xyz and the id, upper xyz and the level
-//   boxes  [n][3]            centre xyz first (poses)
+//   bounds [n][BOUNDS_QUADS] lower xyz and the id, upper xyz and the level
+//   boxes  [n][BOX_QUADS]    centre xyz first (poses)
 //   starts [n_own_cells + 1] first of each cell from key_from on
 //   found  [room]            pairs of places (IDS 0) or of ids (IDS 1), least id
 //                            first: float may see (a, b) other than (b, a)
-static inline bool bounds_overlap(float4 lower_a, float4 upper_a, float4 lower_b, float4 upper_b)
+#if ORIGIN
+
+#define BOUNDS_QUADS 3
+
+// Bounds are each from their own cell. Rounding keeps order, so none that
+// overlap are apart, and a and b agree on it.
+static inline int4 bounds_apart(float4 lower_a, float4 upper_a, float4 lower_b, float4 upper_b, int4 cells)
 {
-    int4 apart = (lower_a > upper_b) | (lower_b > upper_a);
+    float4 shift = convert_float4(cells) * ORIGIN_EDGE;
+    return (lower_a - upper_b > shift) | (upper_a - lower_b < shift);
+}
+
+#else
+
+#define BOUNDS_QUADS 2
+
+static inline int4 bounds_apart(float4 lower_a, float4 upper_a, float4 lower_b, float4 upper_b)
+{
+    return (lower_a > upper_b) | (lower_b > upper_a);
+}
+
+#endif
+
+static inline bool none_of(int4 apart)
+{
 #if DIMS == 3
     return !any(apart.xyz);
 #else
@@ -165,6 +188,9 @@ typedef struct {
     uint place;
     float4 lower;
     float4 upper;
+#if ORIGIN
+    int4 cell;
+#endif
 } seeker;
 
 // Cells side by side.
@@ -174,10 +200,16 @@ typedef struct {
     uint left, right;
 } row;
 
-static inline void set_centre(const sorted *in, uint place, float centre[3])
+static inline void set_centre(const sorted *in, uint place, coord centre[3])
 {
-#if SHAPE == SHAPE_POSES
-    float4 at = in->boxes[3 * (size_t)place];
+#if ORIGIN
+    float4 at = in->boxes[BOX_QUADS * (size_t)place];
+    int4 cell = as_int4(in->boxes[BOX_QUADS * (size_t)place + 3]);
+    const float offset[3] = {at.x, at.y, at.z};
+    const int origin[3] = {cell.x, cell.y, cell.z};
+    coords_of(offset, origin, in->levels, centre);
+#elif SHAPE == SHAPE_POSES
+    float4 at = in->boxes[BOX_QUADS * (size_t)place];
     centre[0] = at.x;
     centre[1] = at.y;
     centre[2] = at.z;
@@ -195,7 +227,7 @@ static inline bool is_in(const sorted *in, uint place, float4 upper, const row *
 #if GRID == GRID_HASHED
     if (as_uint(upper.w) != cells->level)
         return false;
-    float centre[3];
+    coord centre[3];
     uint cell[3];
     set_centre(in, place, centre);
     cell_of(centre, in->levels + cells->level, cell);
@@ -209,9 +241,15 @@ static inline void search_range(pair_sink *sink, const sorted *in, const seeker 
                                 uint to)
 {
     for (uint place = from; place < to; ++place) {
-        float4 lower = in->bounds[2 * (size_t)place];
-        float4 upper = in->bounds[2 * (size_t)place + 1];
-        if (bounds_overlap(me->lower, me->upper, lower, upper) && is_in(in, place, upper, cells)) {
+        float4 lower = in->bounds[BOUNDS_QUADS * (size_t)place];
+        float4 upper = in->bounds[BOUNDS_QUADS * (size_t)place + 1];
+#if ORIGIN
+        int4 between = as_int4(in->bounds[BOUNDS_QUADS * (size_t)place + 2]) - me->cell;
+        int4 apart = bounds_apart(me->lower, me->upper, lower, upper, between);
+#else
+        int4 apart = bounds_apart(me->lower, me->upper, lower, upper);
+#endif
+        if (none_of(apart) && is_in(in, place, upper, cells)) {
 #if IDS
             add_pair(sink, ordered(as_uint(me->lower.w), as_uint(lower.w)));
 #else
@@ -255,7 +293,7 @@ static inline void search_own_row(pair_sink *sink, const sorted *in, const seeke
 static inline void search_level(pair_sink *sink, const sorted *in, const seeker *me, uint level)
 {
     __constant const grid_level *grid = in->levels + level;
-    float centre[3];
+    coord centre[3];
     uint cell[3];
     set_centre(in, me->place, centre);
     cell_of(centre, grid, cell);
@@ -267,64 +305,86 @@ static inline void search_level(pair_sink *sink, const sorted *in, const seeker 
     row cells = {level, y, z, x, right};
     search_own_row(sink, in, me, &cells);
     cells.left = left;
-#line 245 "kernels/candidates_rows.cl.in"
+#line 282 "kernels/candidates_rows.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
         cells.z = 0;
         search_row(sink, in, me, &cells);
     }
-#line 251 "kernels/candidates_rows.cl.in"
+#line 288 "kernels/candidates_rows.cl.in"
 #else
     // All look-ups are under way before the first range is searched.
     uint key = row_key(y, z, grid, level) - in->key_from;
     uint from_0 = me->place + 1, to_0 = in->starts[key + right + 1];
-#line 257 "kernels/candidates_rows.cl.in"
+#line 294 "kernels/candidates_rows.cl.in"
     uint from_1 = 0, to_1 = 0;
     if (y + 1 < ny) {
         key = row_key(y + 1, 0, grid, level) - in->key_from;
         from_1 = in->starts[key + left];
         to_1 = in->starts[key + right + 1];
     }
-#line 264 "kernels/candidates_rows.cl.in"
+#line 301 "kernels/candidates_rows.cl.in"
 #if JOINED
     // One loop over all ranges: lanes that run in step wait for the longest sum,
     // not for the longest of each.
     uint shift_0 = from_0, end_0 = to_0 - from_0;
-#line 269 "kernels/candidates_rows.cl.in"
+#line 306 "kernels/candidates_rows.cl.in"
     uint shift_1 = from_1 - end_0, end_1 = end_0 + to_1 - from_1;
-#line 271 "kernels/candidates_rows.cl.in"
+#line 308 "kernels/candidates_rows.cl.in"
     for (uint k = 0; k < end_1; ++k) {
         uint shift = shift_0;
-#line 274 "kernels/candidates_rows.cl.in"
+#line 311 "kernels/candidates_rows.cl.in"
         shift = k >= end_0 ? shift_1 : shift;
-#line 276 "kernels/candidates_rows.cl.in"
+#line 313 "kernels/candidates_rows.cl.in"
         search_range(sink, in, me, 0, k + shift, k + shift + 1);
     }
 #else
-#line 280 "kernels/candidates_rows.cl.in"
+#line 317 "kernels/candidates_rows.cl.in"
     search_range(sink, in, me, 0, from_0, to_0);
-#line 280 "kernels/candidates_rows.cl.in"
+#line 317 "kernels/candidates_rows.cl.in"
     search_range(sink, in, me, 0, from_1, to_1);
-#line 282 "kernels/candidates_rows.cl.in"
+#line 319 "kernels/candidates_rows.cl.in"
 #endif
 #endif
 }
 
 #if LEVELS
+static inline void set_corners(const sorted *in, const seeker *me, coord lower[3], coord upper[3])
+{
+    const float from[3] = {me->lower.x, me->lower.y, me->lower.z}, to[3] = {me->upper.x, me->upper.y, me->upper.z};
+#if ORIGIN
+    const int cell[3] = {me->cell.x, me->cell.y, me->cell.z};
+    coords_of(from, cell, in->levels, lower);
+    coords_of(to, cell, in->levels, upper);
+#else
+    for (int k = 0; k < 3; ++k) {
+        lower[k] = from[k];
+        upper[k] = to[k];
+    }
+#endif
+}
+
+static inline uint cell_beyond(coord at, float by, float lower, float per_cell, int cells)
+{
+    return cell_along(at + by, lower, per_cell, cells);
+}
+
 // Objects of a coarser level reach at most half a limit beyond their centre, so
 // all that could meet this one lie in the cells that it covers, widened by that.
 static inline void search_coarser(pair_sink *sink, const sorted *in, const seeker *me, uint level)
 {
     __constant const grid_level *grid = in->levels + level;
     row cells = {level, 0, 0, 0, 0};
-    cells.left = cell_along(fma(grid->limit.x, -0.5f, me->lower.x), grid->lower.x, grid->per_cell.x, grid->cells.x);
-    cells.right = cell_along(fma(grid->limit.x, 0.5f, me->upper.x), grid->lower.x, grid->per_cell.x, grid->cells.x);
-    uint y_from = cell_along(fma(grid->limit.y, -0.5f, me->lower.y), grid->lower.y, grid->per_cell.y, grid->cells.y);
-    uint y_to = cell_along(fma(grid->limit.y, 0.5f, me->upper.y), grid->lower.y, grid->per_cell.y, grid->cells.y);
+    coord lower[3], upper[3];
+    set_corners(in, me, lower, upper);
+    cells.left = cell_beyond(lower[0], -0.5f * grid->limit.x, LOWER(grid, x), grid->per_cell.x, grid->cells.x);
+    cells.right = cell_beyond(upper[0], 0.5f * grid->limit.x, LOWER(grid, x), grid->per_cell.x, grid->cells.x);
+    uint y_from = cell_beyond(lower[1], -0.5f * grid->limit.y, LOWER(grid, y), grid->per_cell.y, grid->cells.y);
+    uint y_to = cell_beyond(upper[1], 0.5f * grid->limit.y, LOWER(grid, y), grid->per_cell.y, grid->cells.y);
     uint z_from = 0, z_to = 0;
 #if DIMS == 3
-    z_from = cell_along(fma(grid->limit.z, -0.5f, me->lower.z), grid->lower.z, grid->per_cell.z, grid->cells.z);
-    z_to = cell_along(fma(grid->limit.z, 0.5f, me->upper.z), grid->lower.z, grid->per_cell.z, grid->cells.z);
+    z_from = cell_beyond(lower[2], -0.5f * grid->limit.z, LOWER(grid, z), grid->per_cell.z, grid->cells.z);
+    z_to = cell_beyond(upper[2], 0.5f * grid->limit.z, LOWER(grid, z), grid->per_cell.z, grid->cells.z);
 #endif
     for (cells.z = z_from; cells.z <= z_to; ++cells.z)
         for (cells.y = y_from; cells.y <= y_to; ++cells.y)
@@ -334,7 +394,10 @@ static inline void search_coarser(pair_sink *sink, const sorted *in, const seeke
 
 static inline void search_around(pair_sink *sink, const sorted *in, uint place)
 {
-    seeker me = {place, in->bounds[2 * (size_t)place], in->bounds[2 * (size_t)place + 1]};
+    seeker me = {place, in->bounds[BOUNDS_QUADS * (size_t)place], in->bounds[BOUNDS_QUADS * (size_t)place + 1]};
+#if ORIGIN
+    me.cell = as_int4(in->bounds[BOUNDS_QUADS * (size_t)place + 2]);
+#endif
     uint level = LEVELS ? as_uint(me.upper.w) : 0;
     search_level(sink, in, &me, level);
 #if LEVELS
@@ -349,8 +412,8 @@ static inline uint entry_begin(const sorted *in, uint place, uint end)
 {
     if (place >= end)
         return end;
-    uint level = as_uint(in->bounds[2 * (size_t)place + 1].w);
-    float centre[3];
+    uint level = as_uint(in->bounds[BOUNDS_QUADS * (size_t)place + 1].w);
+    coord centre[3];
     set_centre(in, place, centre);
     return in->starts[key_in(centre, in->levels + level, level, in->n_cells) - in->key_from];
 }

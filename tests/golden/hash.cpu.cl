@@ -2,6 +2,7 @@
 #define DIMS 2
 #define SHAPE 0
 #define ROTATED 1
+#define ORIGIN 0
 #define GRID 0
 #define LEVELS 0
 #define RANK 1

@@ -2,6 +2,7 @@
 #define DIMS 3
 #define SHAPE 0
 #define ROTATED 1
+#define ORIGIN 0
 #define ACCURACY 0
 #define SORTED 1
 #define LANES 1

@@ -2,6 +2,7 @@
 #define DIMS 3
 #define SHAPE 0
 #define ROTATED 1
+#define ORIGIN 0
 #define GRID 0
 #define LEVELS 0
 #define FROM_IDS 1
@@ -30,6 +31,11 @@
 //   starts [n_own_cells + 1] first of each cell; the last one: how many are in the grid
 //   bounds [room][2]         lower xyz and the id, upper xyz and the level
 //   boxes  [room][3]         centre xyz and the id, half extents, rotation (poses)
+//
+// With ORIGIN the rows of both end with the cell.
+#define BOUNDS_QUADS (ORIGIN ? 3 : 2)
+#define BOX_QUADS (ORIGIN ? 4 : 3)
+
 typedef struct {
     __constant const grid_level *levels;
     uint n_levels;
@@ -45,12 +51,17 @@ static inline void put(const order *to, size_t place, const object *o, uint id)
     bounds b = object_bounds(o);
     uint level = level_of(o, to->levels, to->n_levels);
     check_extent(o, to->levels, to->n_levels, to->counters);
-    to->bounds[2 * place] = (float4)(b.lower[0], b.lower[1], b.lower[2], as_float(id));
-    to->bounds[2 * place + 1] = (float4)(b.upper[0], b.upper[1], b.upper[2], as_float(level));
+    to->bounds[BOUNDS_QUADS * place] = (float4)(b.lower[0], b.lower[1], b.lower[2], as_float(id));
+    to->bounds[BOUNDS_QUADS * place + 1] = (float4)(b.upper[0], b.upper[1], b.upper[2], as_float(level));
 #if SHAPE == SHAPE_POSES
-    to->boxes[3 * place] = (float4)(o->centre[0], o->centre[1], o->centre[2], as_float(id));
-    to->boxes[3 * place + 1] = (float4)(o->halves[0], o->halves[1], o->halves[2], 0.0f);
-    to->boxes[3 * place + 2] = (float4)(o->rotation[0], o->rotation[1], o->rotation[2], o->rotation[3]);
+    to->boxes[BOX_QUADS * place] = (float4)(o->centre[0], o->centre[1], o->centre[2], as_float(id));
+    to->boxes[BOX_QUADS * place + 1] = (float4)(o->halves[0], o->halves[1], o->halves[2], 0.0f);
+    to->boxes[BOX_QUADS * place + 2] = (float4)(o->rotation[0], o->rotation[1], o->rotation[2], o->rotation[3]);
+#endif
+#if ORIGIN
+    float4 cell = as_float4((int4)(o->cell[0], o->cell[1], o->cell[2], 0));
+    to->bounds[BOUNDS_QUADS * place + 2] = cell;
+    to->boxes[BOX_QUADS * place + 3] = cell;
 #endif
 }
 

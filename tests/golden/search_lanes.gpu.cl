@@ -2,6 +2,7 @@
 #define DIMS 3
 #define SHAPE 0
 #define ROTATED 1
+#define ORIGIN 0
 #define ACCURACY 0
 #define GRID 0
 #define LEVELS 0
@@ -60,6 +61,9 @@ typedef struct {
     uint place;
     float lower[DIMS];
     float upper[DIMS];
+#if ORIGIN
+    int cell[DIMS];
+#endif
 } seeker;
 
 // Places that may hold neighbours.
@@ -129,9 +133,18 @@ static inline void give_away_eights(search *s)
 // ------------------------------------------------------------ candidates
 
 // An object's centre, in every lane.
-static inline void set_centre(const sorted *in, uint place, real centre[3])
+static inline void set_centre(const sorted *in, uint place, coord centre[3])
 {
-#if SHAPE == SHAPE_POSES
+#if ORIGIN
+    __global const float *box = in->boxes + (size_t)place * BOX_WORDS;
+    real offset[3];
+    whole cell[3];
+    for (int k = 0; k < 3; ++k) {
+        offset[k] = ALL(k < DIMS ? box[k] : 0.0f);
+        cell[k] = (whole)(k < DIMS ? as_int(box[CELL_WORD + k]) : 0);
+    }
+    coords_of(offset, cell, in->levels, centre);
+#elif SHAPE == SHAPE_POSES
     __global const float *box = in->boxes + (size_t)place * BOX_WORDS;
     for (int k = 0; k < 3; ++k)
         centre[k] = ALL(k < DIMS ? box[k] : 0.0f);
@@ -152,7 +165,7 @@ static inline bool is_in(const sorted *in, uint place, const ranges *r, uint ran
     const row *cells = r->cells + range;
     if (in->where[place] != cells->level)
         return false;
-    real centre[3];
+    coord centre[3];
     word cell[3];
     set_centre(in, place, centre);
     cell_of(centre, in->levels + cells->level, cell);
@@ -160,6 +173,20 @@ static inline bool is_in(const sorted *in, uint place, const ranges *r, uint ran
     return x >= cells->left && x <= cells->right && cell[1].s0 == cells->y && cell[2].s0 == cells->z;
 #else
     return true;
+#endif
+}
+
+// Which of eight places overlap along an axis. With ORIGIN bounds are each from
+// their own cell; rounding keeps order, so that none is lost.
+static inline mask overlap_along(const sorted *in, const seeker *me, __global const float *at, int k)
+{
+    real lower = vload8(0, at + k * in->column), upper = vload8(0, at + (DIMS + k) * in->column);
+#if ORIGIN
+    whole cells = as_whole(vload8(0, at + (2 * DIMS + 1 + k) * in->column)) - me->cell[k];
+    real shift = to_real(cells) * ORIGIN_EDGE;
+    return ~((me->lower[k] - upper > shift) | (me->upper[k] - lower < shift));
+#else
+    return (lower <= me->upper[k]) & (upper >= me->lower[k]);
 #endif
 }
 
@@ -174,10 +201,8 @@ static inline ulong overlapping(const sorted *in, const seeker *me, const ranges
         __global const float *at = in->bounds + r->from[range];
         mask m = (mask)(-1);
 #pragma unroll
-        for (int k = 0; k < DIMS; ++k) {
-            m &= vload8(0, at + k * in->column) <= me->upper[k];
-            m &= vload8(0, at + (DIMS + k) * in->column) >= me->lower[k];
-        }
+        for (int k = 0; k < DIMS; ++k)
+            m &= overlap_along(in, me, at, k);
         bits |= (lane_bits(m) & first_lanes(r->to[range] - r->from[range])) << range;
     }
     return bits;
@@ -251,15 +276,15 @@ static inline void search_around(search *s, const sorted *in, const seeker *me)
     r.from[0] = me->place + 1;
     r.to[0] = in->starts[entry + 2];
     const uint y = 0, z = 0; // relative to the own cell
-#line 231 "kernels/search_lanes.cl.in"
+#line 255 "kernels/search_lanes.cl.in"
     set_range(in, &r, 1, entry + ((z) * ny + (y + 1)) * nx);
-#line 231 "kernels/search_lanes.cl.in"
+#line 255 "kernels/search_lanes.cl.in"
     set_range(in, &r, 2, entry + ((z + 1) * ny + (y - 1)) * nx);
-#line 231 "kernels/search_lanes.cl.in"
+#line 255 "kernels/search_lanes.cl.in"
     set_range(in, &r, 3, entry + ((z + 1) * ny + (y)) * nx);
-#line 231 "kernels/search_lanes.cl.in"
+#line 255 "kernels/search_lanes.cl.in"
     set_range(in, &r, 4, entry + ((z + 1) * ny + (y + 1)) * nx);
-#line 233 "kernels/search_lanes.cl.in"
+#line 257 "kernels/search_lanes.cl.in"
     search_ranges(s, in, me, &r);
 }
 
@@ -268,7 +293,7 @@ static inline void search_around(search *s, const sorted *in, const seeker *me)
 static inline uint entry_of(const sorted *in, uint place)
 {
     uint level = in->where[place];
-    real centre[3];
+    coord centre[3];
     set_centre(in, place, centre);
     return key_in(centre, in->levels + level, level, in->n_cells).s0 - in->key_from;
 }
@@ -329,7 +354,7 @@ static inline void add_own_row(search *s, const sorted *in, const seeker *me, ra
 static inline void add_level(search *s, const sorted *in, const seeker *me, ranges *r, uint level)
 {
     __constant const grid_level *grid = in->levels + level;
-    real centre[3];
+    coord centre[3];
     word cell[3];
     set_centre(in, me->place, centre);
     cell_of(centre, grid, cell);
@@ -338,42 +363,62 @@ static inline void add_level(search *s, const sorted *in, const seeker *me, rang
     row cells = {level, y, z, x, x + 1 < nx ? x + 1 : x};
     add_own_row(s, in, me, r, &cells);
     cells.left = x > 0 ? x - 1 : 0;
-#line 312 "kernels/search_lanes.cl.in"
+#line 336 "kernels/search_lanes.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
         cells.z = z;
         add_row(s, in, me, r, &cells);
     }
-#line 312 "kernels/search_lanes.cl.in"
+#line 336 "kernels/search_lanes.cl.in"
     if (y > 0 && z + 1 < nz) {
         cells.y = y - 1;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 312 "kernels/search_lanes.cl.in"
+#line 336 "kernels/search_lanes.cl.in"
     if (z + 1 < nz) {
         cells.y = y;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 312 "kernels/search_lanes.cl.in"
+#line 336 "kernels/search_lanes.cl.in"
     if (y + 1 < ny && z + 1 < nz) {
         cells.y = y + 1;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 318 "kernels/search_lanes.cl.in"
+#line 342 "kernels/search_lanes.cl.in"
 }
 
 #if LEVELS
 
 // Objects of a coarser level reach at most half a limit beyond their centre, so
 // all that could meet this one lie in the cells that it covers, widened by that.
-static inline void cells_along(float lower, float upper, float limit, float from, float per_cell, int n, uint *first,
+static inline void cells_along(coord lower, coord upper, float limit, float from, float per_cell, int n, uint *first,
                                uint *last)
 {
-    *first = cell_along(ALL(fma(limit, -0.5f, lower)), from, per_cell, n).s0;
-    *last = cell_along(ALL(fma(limit, 0.5f, upper)), from, per_cell, n).s0;
+    *first = cell_along(lower - 0.5f * limit, from, per_cell, n).s0;
+    *last = cell_along(upper + 0.5f * limit, from, per_cell, n).s0;
+}
+
+static inline void set_corners(const sorted *in, const seeker *me, coord lower[3], coord upper[3])
+{
+#if ORIGIN
+    real from[3], to[3];
+    whole cell[3];
+    for (int k = 0; k < 3; ++k) {
+        from[k] = ALL(k < DIMS ? me->lower[k] : 0.0f);
+        to[k] = ALL(k < DIMS ? me->upper[k] : 0.0f);
+        cell[k] = (whole)(k < DIMS ? me->cell[k] : 0);
+    }
+    coords_of(from, cell, in->levels, lower);
+    coords_of(to, cell, in->levels, upper);
+#else
+    for (int k = 0; k < DIMS; ++k) {
+        lower[k] = ALL(me->lower[k]);
+        upper[k] = ALL(me->upper[k]);
+    }
+#endif
 }
 
 static inline void add_coarser(search *s, const sorted *in, const seeker *me, ranges *r, uint level)
@@ -381,13 +426,13 @@ static inline void add_coarser(search *s, const sorted *in, const seeker *me, ra
     __constant const grid_level *grid = in->levels + level;
     row cells = {level, 0, 0, 0, 0};
     uint y_from, y_to, z_from = 0, z_to = 0;
-    cells_along(me->lower[0], me->upper[0], grid->limit.x, grid->lower.x, grid->per_cell.x, grid->cells.x,
-                &cells.left, &cells.right);
-    cells_along(me->lower[1], me->upper[1], grid->limit.y, grid->lower.y, grid->per_cell.y, grid->cells.y, &y_from,
-                &y_to);
+    coord lower[3], upper[3];
+    set_corners(in, me, lower, upper);
+    cells_along(lower[0], upper[0], grid->limit.x, LOWER(grid, x), grid->per_cell.x, grid->cells.x, &cells.left,
+                &cells.right);
+    cells_along(lower[1], upper[1], grid->limit.y, LOWER(grid, y), grid->per_cell.y, grid->cells.y, &y_from, &y_to);
 #if DIMS == 3
-    cells_along(me->lower[2], me->upper[2], grid->limit.z, grid->lower.z, grid->per_cell.z, grid->cells.z, &z_from,
-                &z_to);
+    cells_along(lower[2], upper[2], grid->limit.z, LOWER(grid, z), grid->per_cell.z, grid->cells.z, &z_from, &z_to);
 #endif
     for (cells.z = z_from; cells.z <= z_to; ++cells.z)
         for (cells.y = y_from; cells.y <= y_to; ++cells.y)
@@ -417,6 +462,9 @@ static inline seeker seeker_at(const sorted *in, uint place)
     for (int k = 0; k < DIMS; ++k) {
         me.lower[k] = in->bounds[k * in->column + place];
         me.upper[k] = in->bounds[(DIMS + k) * in->column + place];
+#if ORIGIN
+        me.cell[k] = as_int(in->bounds[(2 * DIMS + 1 + k) * in->column + place]);
+#endif
     }
     return me;
 }

@@ -6,6 +6,7 @@
 
 #include "runtime/meeting.h"
 #include "runtime/narrow.h"
+#include "runtime/origin.h"
 #include "runtime/reference.h"
 
 #include <inttypes.h>
@@ -71,8 +72,8 @@ static void print_objects(const check *c, duet_pair pair)
 {
     if (c->def->shape != DUET_SHAPE_POSES)
         return;
-    const duet_pose *poses = c->objects;
-    hard_pair both = {poses[pair.a], poses[pair.b]};
+    hard_pair both = {*origin_pose(c->objects, c->def->origin, pair.a),
+                      *origin_pose(c->objects, c->def->origin, pair.b)};
     hard_pair_print(&both, c->def->dims);
 }
 
@@ -122,6 +123,8 @@ static void step_all_plans(check *c, duet_world *world)
         for (int halves = 0; halves < 2; ++halves) {
             if (c->def->shape == DUET_SHAPE_BOUNDS && strstr(ways[w].variant, "FUSED"))
                 continue; // bounds need no test
+            if (c->def->origin > 0 && strcmp(ways[w].variant, "paper") == 0)
+                continue; // which knows no origin cells
             duet_plan plan = {.mode = ways[w].mode};
             plan.share = halves ? DUET_SHARE_ONE / 2 : shares[w % 3];
             strcpy(plan.variant_a, ways[w].variant);
@@ -132,12 +135,16 @@ static void step_all_plans(check *c, duet_world *world)
 
 static void count_pose_pair(check *c, const duet_bounds *bounds, uint32_t a, uint32_t b)
 {
-    const duet_pose *poses = c->objects;
     const duet_world_def *def = c->def;
-    if (!narrow_bounds(&bounds[a], &bounds[b], def->dims))
+    double shift[3];
+    origin_shift(shift, c->objects, def->origin, a, b);
+    if (!meeting_bounds_overlap(&bounds[a], &bounds[b], shift, def->dims))
         return;
     ++c->candidates;
-    c->undecided += narrow_float(&poses[a], &poses[b], def->dims, def->rotated) == NARROW_UNDECIDED;
+    const duet_pose *pose_a = origin_pose(c->objects, def->origin, a);
+    const duet_pose *pose_b = origin_pose(c->objects, def->origin, b);
+    c->undecided +=
+        narrow_float_apart(pose_a, pose_b, shift, def->dims, def->rotated) == NARROW_UNDECIDED;
 }
 
 // What the devices should count, by the arithmetic that they should do.
@@ -147,15 +154,24 @@ static void count_as_devices_do(check *c)
         c->candidates = c->truth.n;
         return;
     }
-    const duet_pose *poses = c->objects;
     duet_bounds *bounds = malloc((c->n + 1) * sizeof *bounds);
     assert_non_null(bounds);
     for (uint32_t i = 0; i < c->n; ++i)
-        bounds[i] = meeting_bounds(&poses[i], c->def->dims, c->def->rotated);
+        bounds[i] = meeting_bounds(origin_pose(c->objects, c->def->origin, i), c->def->dims,
+                                   c->def->rotated);
     for (uint32_t a = 0; a < c->n; ++a)
         for (uint32_t b = a + 1; b < c->n; ++b)
             count_pose_pair(c, bounds, a, b);
     free(bounds);
+}
+
+static bool set_objects(duet_world *world, const duet_world_def *def, const void *objects,
+                        uint32_t n, duet_error *err)
+{
+    if (def->origin > 0)
+        return duet_world_set_placed(world, objects, n, err);
+    return def->shape == DUET_SHAPE_POSES ? duet_world_set_poses(world, objects, n, err)
+                                          : duet_world_set_bounds(world, objects, n, err);
 }
 
 uint64_t agreement_check(const duet_world_def *def, const void *objects, uint32_t n)
@@ -167,6 +183,7 @@ uint64_t agreement_check(const duet_world_def *def, const void *objects, uint32_
         .n = n,
         .poses = poses ? objects : NULL,
         .bounds = poses ? NULL : objects,
+        .origin = def->origin,
     };
     check c = {.def = def, .objects = objects, .n = n};
     duet_error err = {0};
@@ -178,9 +195,7 @@ uint64_t agreement_check(const duet_world_def *def, const void *objects, uint32_
     count_as_devices_do(&c);
     duet_world *world = duet_world_create(def, &err);
     assert_ok(world != NULL, err);
-    assert_ok(poses ? duet_world_set_poses(world, objects, n, &err)
-                    : duet_world_set_bounds(world, objects, n, &err),
-              err);
+    assert_ok(set_objects(world, def, objects, n, &err), err);
     step_all_plans(&c, world);
     duet_world_destroy(world);
     duet_free(c.truth.pairs);

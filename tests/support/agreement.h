@@ -6,8 +6,8 @@
 
 #include "runtime/duet.h"
 
-// Steps n objects (poses or bounds, as def->shape says) under every plan of
-// all modes, searches, sorts and grids, with shares from nothing to all, and
+// Steps n objects (poses or bounds, as def->shape says, or placed poses, as
+// def->origin does) under every plan of all modes, searches, sorts and grids, with shares from nothing to all, and
 // fails with the first pair that differs, or where the candidates or the pairs
 // left undecided are not those of the specification in C (runtime/meeting.h).
 // Returns the number of pairs.

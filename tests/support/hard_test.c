@@ -114,8 +114,9 @@ static bool comes_first(const duet_pose *a, const duet_pose *b, uint32_t dims)
 
 static bool specified(duet_level level, const hard_pair *p, uint32_t dims)
 {
-    return comes_first(&p->a, &p->b, dims) ? level_collide(level, &p->a, &p->b, dims, true)
-                                           : level_collide(level, &p->b, &p->a, dims, true);
+    return comes_first(&p->a, &p->b, dims)
+               ? level_collide(level, &p->a, &p->b, narrow_here, dims, true)
+               : level_collide(level, &p->b, &p->a, narrow_here, dims, true);
 }
 
 static void judge(const crowd *c, duet_level level)

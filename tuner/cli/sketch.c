@@ -2,6 +2,7 @@
 #include "tuner/cli/sketch.h"
 
 #include "runtime/base/error.h"
+#include "runtime/origin.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,16 +11,27 @@ enum { CROWD_MOST = 4000 };
 
 static const uint32_t NOT_DRAWN = UINT32_MAX;
 
-static const void *objects_of(const duet_scene *scene)
+static grid_objects objects_of(const duet_scene *scene)
 {
-    if (duet_scene_describe(scene)->shape == DUET_SHAPE_POSES)
-        return duet_scene_poses(scene);
-    return duet_scene_bounds(scene);
+    const duet_scene_info *info = duet_scene_describe(scene);
+    const void *rows = info->origin > 0                  ? (const void *)duet_scene_placed(scene)
+                       : info->shape == DUET_SHAPE_POSES ? (const void *)duet_scene_poses(scene)
+                                                         : duet_scene_bounds(scene);
+    return (grid_objects){rows, info->shape, info->origin, info->n, info->dims};
 }
 
-static duet_pose box_of(const duet_scene *scene, uint32_t id)
+static duet_pose box_of(const sketch *s, const duet_scene *scene, uint32_t id)
 {
-    if (duet_scene_describe(scene)->shape == DUET_SHAPE_POSES)
+    if (s->info->origin > 0) {
+        grid_objects objects = objects_of(scene);
+        duet_pose box = duet_scene_placed(scene)[id].pose;
+        double centre[3];
+        grid_centre_of(centre, &objects, id);
+        for (int k = 0; k < 3; ++k)
+            box.centre[k] = (float)(centre[k] - s->from[k]);
+        return box;
+    }
+    if (s->info->shape == DUET_SHAPE_POSES)
         return duet_scene_poses(scene)[id];
     const duet_bounds *b = &duet_scene_bounds(scene)[id];
     duet_pose box = {.rotation = {0, 0, 0, 1}};
@@ -30,10 +42,12 @@ static duet_pose box_of(const duet_scene *scene, uint32_t id)
     return box;
 }
 
-static void centre_of(const duet_scene *scene, uint32_t id, double centre[3])
+static void centre_of(const sketch *s, const duet_scene *scene, uint32_t id, double centre[3])
 {
-    const duet_scene_info *info = duet_scene_describe(scene);
-    grid_centre_of(centre, objects_of(scene), info->shape, id, info->dims);
+    grid_objects objects = objects_of(scene);
+    grid_centre_of(centre, &objects, id);
+    for (int k = 0; k < 3; ++k)
+        centre[k] -= s->from[k];
 }
 
 static void add_box(extent *e, const duet_pose *box, uint32_t dims)
@@ -45,13 +59,13 @@ static void add_box(extent *e, const duet_pose *box, uint32_t dims)
 
 // ---------------------------------------------------------------- the whole scene
 
-static void add_world(extent *e, const duet_scene_info *info)
+static void add_world(extent *e, const duet_scene_info *info, const double from[3])
 {
     double lower[3] = {0};
     double upper[3] = {0};
     for (uint32_t k = 0; k < info->dims; ++k) {
-        lower[k] = info->lower[k];
-        upper[k] = info->upper[k];
+        lower[k] = info->lower[k] - from[k];
+        upper[k] = info->upper[k] - from[k];
     }
     extent_add(e, lower);
     extent_add(e, upper);
@@ -66,20 +80,22 @@ static bool lay_grid(sketch *s, const duet_scene *scene, duet_error *err)
         wish.lower[k] = info->lower[k];
         wish.upper[k] = info->upper[k];
     }
-    grid_needs_of(&needs, objects_of(scene), info->shape, info->n, info->dims);
-    return grid_fit(&s->grid, &needs, &wish, objects_of(scene), info->shape, info->n, info->dims,
-                    err);
+    grid_objects objects = objects_of(scene);
+    grid_needs_of(&needs, &objects);
+    return grid_fit(&s->grid, &needs, &wish, &objects, err);
 }
 
 static bool look_at_all(sketch *s, const duet_scene *scene, duet_error *err)
 {
     s->whole = extent_empty();
+    if (s->info->n > 0)
+        origin_corner(s->from, objects_of(scene).rows, s->info->origin, 0);
     for (uint32_t id = 0; id < s->info->n; ++id) {
-        duet_pose box = box_of(scene, id);
+        duet_pose box = box_of(s, scene, id);
         add_box(&s->whole, &box, s->info->dims);
     }
     if (s->info->has_world)
-        add_world(&s->whole, s->info);
+        add_world(&s->whole, s->info, s->from);
     return lay_grid(s, scene, err);
 }
 
@@ -109,10 +125,10 @@ static double nearness(const double centre[3], uint32_t dims)
 static void choose(const sketch *s, const duet_scene *scene, uint32_t focus, near *all)
 {
     double middle[3];
-    centre_of(scene, focus, middle);
+    centre_of(s, scene, focus, middle);
     for (uint32_t id = 0; id < s->info->n; ++id) {
         double centre[3];
-        centre_of(scene, id, centre);
+        centre_of(s, scene, id, centre);
         all[id] = (near){.id = id};
         for (int k = 0; k < 3; ++k)
             all[id].distance = fmax(all[id].distance, fabs(centre[k] - middle[k]));
@@ -120,7 +136,7 @@ static void choose(const sketch *s, const duet_scene *scene, uint32_t focus, nea
     qsort(all, s->info->n, sizeof *all, by_distance);
     for (uint32_t i = 0; i < s->n; ++i) {
         double centre[3];
-        centre_of(scene, all[i].id, centre);
+        centre_of(s, scene, all[i].id, centre);
         all[i].distance = nearness(centre, s->info->dims);
     }
     qsort(all, s->n, sizeof *all, by_distance);
@@ -132,7 +148,7 @@ static void take_boxes(sketch *s, const duet_scene *scene, const near *chosen, u
         places[id] = NOT_DRAWN;
     s->part = extent_empty();
     for (uint32_t i = 0; i < s->n; ++i) {
-        s->boxes[i] = box_of(scene, chosen[i].id);
+        s->boxes[i] = box_of(s, scene, chosen[i].id);
         places[chosen[i].id] = i;
         add_box(&s->part, &s->boxes[i], s->info->dims);
     }
@@ -145,7 +161,7 @@ static void take_crowd(sketch *s, const duet_scene *scene)
         return;
     s->n_crowd = n < CROWD_MOST ? n : CROWD_MOST;
     for (uint32_t i = 0; i < s->n_crowd; ++i)
-        centre_of(scene, (uint32_t)((uint64_t)i * n / s->n_crowd), s->crowd[i]);
+        centre_of(s, scene, (uint32_t)((uint64_t)i * n / s->n_crowd), s->crowd[i]);
 }
 
 static void take_links(sketch *s, const duet_pair *pairs, const uint32_t *places, bool *collides)

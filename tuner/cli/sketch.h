@@ -10,7 +10,8 @@
 typedef struct sketch {
     const duet_scene_info *info; // of the scene
     grid grid;
-    extent whole; // all boxes, and the world where one is given
+    double from[3]; // what is drawn counts from there: with origin cells the first box's corner
+    extent whole;   // all boxes, and the world where one is given
     uint64_t n_pairs;
     uint32_t n_colliding; // boxes that are in some pair
 

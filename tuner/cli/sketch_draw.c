@@ -21,13 +21,13 @@ static const double words_px = 15;
 // ---------------------------------------------------------------- cells
 
 // Lines across axis `along`, in the plane where axis `still` is least.
-static void draw_lines(const view *v, canvas *c, const grid_level *level, int along, int across,
-                       double width)
+static void draw_lines(const view *v, canvas *c, const sketch *s, const grid_level *level,
+                       int along, int across, double width)
 {
     double edge = 1 / (double)level->per_cell.s[along];
-    double origin = (double)level->lower.s[along];
-    double from = ceil((v->shown.lower[along] - origin) / edge);
-    for (double at = origin + from * edge; at <= v->shown.upper[along]; at += edge) {
+    double corner = grid_corner(level, s->info->origin, (uint32_t)along) - s->from[along];
+    double from = ceil((v->shown.lower[along] - corner) / edge);
+    for (double at = corner + from * edge; at <= v->shown.upper[along]; at += edge) {
         double start[3] = {v->shown.lower[0], v->shown.lower[1], v->shown.lower[2]};
         start[along] = at;
         double end[3] = {start[0], start[1], start[2]};
@@ -37,8 +37,9 @@ static void draw_lines(const view *v, canvas *c, const grid_level *level, int al
 }
 
 // On the ground, in 3D on the two walls behind as well.
-static void draw_cells(const view *v, canvas *c, const grid *g)
+static void draw_cells(const view *v, canvas *c, const sketch *s)
 {
+    const grid *g = &s->grid;
     for (uint32_t l = 0; l < g->n_levels; ++l) {
         const grid_level *level = &g->levels[l];
         if (v->scale / (double)level->per_cell.s[0] < closest_px)
@@ -46,7 +47,7 @@ static void draw_cells(const view *v, canvas *c, const grid *g)
         for (uint32_t along = 0; along < v->dims; ++along)
             for (uint32_t across = 0; across < v->dims; ++across)
                 if (along != across)
-                    draw_lines(v, c, level, (int)along, (int)across, 1 + 0.8 * l);
+                    draw_lines(v, c, s, level, (int)along, (int)across, 1 + 0.8 * l);
     }
 }
 
@@ -141,7 +142,7 @@ void sketch_draw(const sketch *s, canvas *c, double width, double height)
     if (s->n > 0) {
         view v = view_fit(s->info->dims, shown, (point){margin, margin},
                           (point){width - margin, height - below});
-        draw_cells(&v, c, &s->grid);
+        draw_cells(&v, c, s);
         view_frame(&v, c, shown, grey);
         draw_boxes(s, &v, c);
         draw_links(s, &v, c);

@@ -95,10 +95,13 @@ static bool add_scene(gen *g, const char *name, const gen_limits *limits, const 
     if (!scene)
         return false;
     const duet_scene_info *info = duet_scene_describe(scene);
+    uint32_t origin_bits;
+    memcpy(&origin_bits, &info->origin, sizeof origin_bits);
     const gen_setting decided[] = {
         {"DIMS", info->dims},
         {"SHAPE", info->shape},
         {"ROTATED", info->shape == DUET_SHAPE_POSES && info->rotated},
+        {"ORIGIN", origin_bits >> 23},
     };
     for (size_t i = 0; i < sizeof decided / sizeof decided[0]; ++i)
         if (has_param(params, n, decided[i].name))

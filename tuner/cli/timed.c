@@ -35,6 +35,8 @@ static int by_time(const void *a, const void *b)
 static bool hand_over(duet_world *world, const duet_scene *scene, duet_error *err)
 {
     const duet_scene_info *info = duet_scene_describe(scene);
+    if (info->origin > 0)
+        return duet_world_set_placed(world, duet_scene_placed(scene), info->n, err);
     if (info->shape == DUET_SHAPE_POSES)
         return duet_world_set_poses(world, duet_scene_poses(scene), info->n, err);
     return duet_world_set_bounds(world, duet_scene_bounds(scene), info->n, err);

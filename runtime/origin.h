@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// Positions in cells, as precise far from 0 as near it.
+//
+// Along an axis a position is a whole number of quanta of 2^-24 of an edge, a
+// power of two: its cell has the upper bits, and its offset the lower 24, which a
+// float holds. So the difference of two offsets is exact, and that of two
+// positions is rounded once, wherever they are.
+#ifndef RUNTIME_ORIGIN_H
+#define RUNTIME_ORIGIN_H
+
+#include "runtime/duet.h"
+
+// 0, for none, or a power of two from 2^-100 to 2^100.
+bool origin_is_edge(float edge);
+
+// Brings each offset into its cell. False, and a centre that is not a number,
+// where that is beyond 2^30 cells.
+bool origin_settle(duet_placed *placed, float edge);
+
+// The nearest position to a centre; false as above.
+bool origin_place(duet_placed *placed, const double centre[3], float edge);
+
+// Rows of objects: poses or bounds, or with an edge above 0 placed poses.
+size_t origin_row_bytes(duet_shape shape, float edge);
+const duet_pose *origin_pose(const void *rows, float edge, uint32_t id);
+
+// A cell's corner, exactly; 0 without an edge.
+void origin_corner(double corner[3], const void *rows, float edge, uint32_t id);
+
+// From the cell of a to that of b, exactly; 0 without an edge.
+void origin_shift(double shift[3], const void *rows, float edge, uint32_t a, uint32_t b);
+
+#endif

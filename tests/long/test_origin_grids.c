@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// Boxes in origin cells in every mode, search, sort and grid, and at every level.
+#include "support/test.h"
+
+#include "support/agreement.h"
+
+#include "runtime/base/rng.h"
+#include "runtime/origin.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ROOM = 1000 };
+
+// Of the worlds' origin cells: boxes reach over many.
+#define EDGE 0.125f
+
+static duet_device_pair *devices;
+static duet_placed placed[ROOM];
+
+static int open_devices(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    def.cache_dir = "test_origin_grids.cache"; // many worlds, few kernels
+    devices = duet_device_pair_open(&def, &err);
+    assert_ok(devices != NULL, err);
+    return 0;
+}
+
+static int close_devices(void **state)
+{
+    (void)state;
+    duet_device_pair_close(devices);
+    return 0;
+}
+
+static duet_world_def def_of(uint32_t dims, bool rotated)
+{
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    def.dims = dims;
+    def.rotated = rotated;
+    def.origin = EDGE;
+    return def;
+}
+
+// n boxes about a place, of sizes up to `most` times the least.
+static void scatter(uint32_t from, uint32_t n, const double at[3], double side, double most,
+                    bool rotated, rng *r)
+{
+    for (uint32_t i = from; i < from + n; ++i) {
+        double centre[3];
+        placed[i] = (duet_placed){.pose.rotation = {0, 0, 0, 1}};
+        for (int k = 0; k < 3; ++k) {
+            centre[k] = at[k] + 0x1p-10 * floor(0x1p10 * rng_between(r, 0, side));
+            placed[i].pose.half[k] = (float)(0.5 * pow(most, rng_between(r, 0, 1)));
+        }
+        for (int k = 0; rotated && k < 4; ++k)
+            placed[i].pose.rotation[k] = (float)rng_normal(r);
+        assert_true(origin_place(&placed[i], centre, EDGE));
+    }
+}
+
+static uint64_t check_cloud(const duet_world_def *def, double at, double most, uint64_t seed)
+{
+    rng r = rng_seed(seed);
+    const double where[3] = {at, -at, at / 2};
+    scatter(0, 300, where, def->dims == 3 ? 6 : 14, most, def->rotated, &r);
+    return agreement_check(def, placed, 300);
+}
+
+static void a_cloud_far_away_has_the_pairs_of_the_one_at_0(void **state)
+{
+    (void)state;
+    uint64_t seed = test_seed();
+    const duet_world_def defs[] = {def_of(2, true), def_of(3, false), def_of(3, true)};
+    for (int i = 0; i < 3; ++i) {
+        uint64_t here = check_cloud(&defs[i], 0, 1, seed);
+        assert_true(here > 300);
+        assert_int_equal(check_cloud(&defs[i], 1e7, 1, seed), here);
+    }
+}
+
+static void boxes_of_many_sizes_far_away_are_all_found(void **state)
+{
+    (void)state;
+    uint64_t seed = test_seed();
+    duet_world_def def = def_of(3, true);
+    assert_int_equal(check_cloud(&def, -1e7, 40, seed), check_cloud(&def, 0, 40, seed));
+}
+
+static void clouds_at_both_ends_of_a_world_are_searched(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    duet_world_def def = def_of(3, true);
+    scatter(0, 200, (double[]){-1e7, 1e7, 0}, 5, 2, true, &r);
+    scatter(200, 200, (double[]){1e7, -1e7, 1e3}, 5, 2, true, &r);
+    assert_true(agreement_check(&def, placed, 400) > 200);
+    def.has_world = true; // one of them outside
+    for (int k = 0; k < 3; ++k) {
+        def.lower[k] = -1.5e7f;
+        def.upper[k] = 1e6f;
+    }
+    assert_true(agreement_check(&def, placed, 400) > 200);
+}
+
+static void every_level_finds_its_reference_s_pairs_far_away(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    scatter(0, 300, (double[]){1e7, -1e7, 3}, 6, 2, true, &r);
+    duet_error err = {0};
+    duet_scene *scene = duet_scene_from_placed(placed, 300, 3, EDGE, &err);
+    assert_ok(scene != NULL, err);
+    duet_world_def def = duet_scene_world_def(scene, devices);
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world && duet_world_set_scene(world, scene, &err), err);
+    const char *const variants[] = {"items", "lanes"};
+    for (int l = 0; l < DUET_LEVELS; ++l) {
+        duet_pair *pairs = NULL;
+        uint64_t n = 0;
+        duet_result result;
+        strcpy(def.plan.variant_a, variants[l % 2]);
+        strcpy(def.plan.variant_b, variants[l % 2]);
+        assert_ok(duet_reference_at(scene, (duet_level)l, &pairs, &n, &err), err);
+        assert_ok(duet_world_set_plan(world, &def.plan, &err), err);
+        assert_ok(duet_world_set_level(world, (duet_level)l, &err), err);
+        assert_ok(duet_world_step(world, &result, &err), err);
+        assert_int_equal(result.pairs, n);
+        assert_int_equal(duet_result_hash(&result), duet_pairs_hash(pairs, n));
+        duet_free(pairs);
+    }
+    duet_world_destroy(world);
+    duet_scene_destroy(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_cloud_far_away_has_the_pairs_of_the_one_at_0),
+        cmocka_unit_test(boxes_of_many_sizes_far_away_are_all_found),
+        cmocka_unit_test(clouds_at_both_ends_of_a_world_are_searched),
+        cmocka_unit_test(every_level_finds_its_reference_s_pairs_far_away),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}
