@@ -2,6 +2,8 @@
 #include "support/mover.h"
 #include "support/test.h"
 
+#include "runtime/device.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -21,6 +23,7 @@ int mover_close_pair(void **state)
 {
     (void)state;
     duet_device_pair_close(pair);
+    assert_int_equal(device_live_objects(), 0);
     return 0;
 }
 
@@ -102,6 +105,55 @@ duet_energy mover_energy(mover *m)
     make(m);
     assert_ok(duet_motion_energy(m->motion, &energy, &err), err);
     return energy;
+}
+
+double mover_speed(const mover *m, uint32_t id)
+{
+    const double *v = m->states[id].velocity;
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+void mover_assert_finite(const mover *m)
+{
+    const double *numbers = (const double *)m->states;
+    for (size_t i = 0; i < m->n * sizeof m->states[0] / sizeof(double); ++i)
+        if (!isfinite(numbers[i]))
+            fail_msg("number %zu of object %zu is not finite", i % 13, i / 13);
+}
+
+uint32_t mover_add_floor(mover *m, double half)
+{
+    uint32_t k = m->def.dims - 1;
+    m->def.gravity[k] = -9.81;
+    m->def.wants |= DUET_EFFECT_RESPONSE;
+    uint32_t id = mover_add(m, 0, 0, 0, half, half, half);
+    m->poses[id].half[k] = 0.5f;
+    m->poses[id].centre[k] = -0.5f;
+    m->bodies[id].mass = 0.0f;
+    m->bodies[id].friction = 0.6f;
+    return id;
+}
+
+uint32_t mover_add_rough_cube(mover *m, double x, double y, double z)
+{
+    uint32_t id = mover_add_cube(m, x, y, z, 1);
+    m->bodies[id].friction = 0.6f;
+    return id;
+}
+
+void mover_add_pile(mover *m, uint32_t n)
+{
+    m->def.gravity[2] = -9.81;
+    m->def.edge = DUET_EDGE_WALLS;
+    m->def.upper[0] = m->def.upper[1] = 6.0;
+    m->def.upper[2] = 40.0;
+    for (uint32_t i = 0; i < n; ++i) {
+        uint32_t id = mover_add(m, 0.7 + 1.1 * (i % 5), 0.7 + 1.1 * (i / 5 % 5), 1 + 1.2 * (i / 25),
+                                0.4, 0.3 + 0.02 * (i % 7), 0.5);
+        mover_turn(m, id, 1, i % 3, i % 5, 0.1 * (i % 60));
+        m->bodies[id].friction = 0.5f;
+        m->bodies[id].restitution = 0.2f;
+    }
 }
 
 double mover_total(mover *m)

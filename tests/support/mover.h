@@ -17,7 +17,8 @@ typedef struct mover {
     duet_state states[MOVER_MOST]; // as mover_run left them
 } mover;
 
-// One device pair for all tests of a program: group setup and teardown.
+// One device pair for all tests of a program: group setup, and teardown, which
+// asserts that no object of OpenCL is left.
 int mover_open_pair(void **state);
 int mover_close_pair(void **state);
 duet_device_pair *mover_pair(void);
@@ -32,12 +33,20 @@ uint32_t mover_add(mover *m, double x, double y, double z, double hx, double hy,
 uint32_t mover_add_cube(mover *m, double x, double y, double z, double edge);
 void mover_turn(mover *m, uint32_t id, double x, double y, double z, double angle);
 
+// A floor whose top is at height 0, and gravity; a unit cube that rubs; n boxes
+// of many shapes that fall between walls.
+uint32_t mover_add_floor(mover *m, double half);
+uint32_t mover_add_rough_cube(mover *m, double x, double y, double z);
+void mover_add_pile(mover *m, uint32_t n);
+
 // Makes the motion, if there is none, advances it and reads the states.
 void mover_run(mover *m, uint32_t steps);
 void mover_restart(mover *m); // forgets the motion
 duet_energy mover_energy(mover *m);
 uint64_t mover_hash(mover *m);
 double mover_total(mover *m); // energy of all kinds
+double mover_speed(const mover *m, uint32_t id);
+void mover_assert_finite(const mover *m); // what mover_run read
 
 // CMocka compares floats.
 #define assert_close(a, b, bound)                                                           \
