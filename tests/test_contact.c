@@ -333,6 +333,56 @@ static void a_box_slides_over_a_seam(void **state)
     mover_free(m);
 }
 
+// ---------------------------------------------------------------- sleep, events
+
+static void what_rests_sleeps_and_is_woken(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_RESPONSE | DUET_EFFECT_SLEEP;
+    m->def.gravity[2] = -9.81;
+    uint32_t floor = mover_add(m, 0, 0, -0.5, 20, 5, 0.5);
+    m->bodies[floor].mass = 0.0f;
+    for (int i = 0; i < 3; ++i)
+        mover_add_cube(m, 0, 0, i + 0.5, 1);
+    uint32_t ball = mover_add_cube(m, -15, 0, 1.5, 1);
+    m->bodies[ball].velocity[0] = 5.0f;
+    mover_run(m, 120);
+    assert_int_equal(m->last.contacts, 1); // only the ball's; the others sleep
+    uint64_t pairs = m->last.pairs;
+    double before = m->states[1].centre[0];
+    assert_true(pairs >= 3);
+    mover_run(m, 240);
+    assert_true(fabs(m->states[1].centre[0] - before) > 0.1);
+    mover_free(m);
+}
+
+static void events_begin_and_end(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_RESPONSE | DUET_EFFECT_EVENTS;
+    uint32_t a = mover_add_cube(m, 0, 0, 0, 1);
+    uint32_t b = mover_add_cube(m, 2, 0, 0, 1);
+    m->bodies[a].velocity[0] = 1.0f;
+    m->bodies[a].restitution = 1.0f;
+    m->def.bounce_speed = 0.0;
+    int begins = 0, ends = 0;
+    for (int step = 0; step < 180; ++step) {
+        mover_run(m, 1);
+        for (uint64_t i = 0; i < m->last.n_events; ++i) {
+            assert_int_equal(m->last.events[i].a, a);
+            assert_int_equal(m->last.events[i].b, b);
+            begins += m->last.events[i].begins;
+            ends += !m->last.events[i].begins;
+            assert_true(begins >= ends);
+        }
+    }
+    assert_int_equal(begins, 1);
+    assert_int_equal(ends, 1);
+    mover_free(m);
+}
+
 // ---------------------------------------------------------------- the same
 
 // The state is equal bit for bit, however the search for pairs is shared.
@@ -426,6 +476,8 @@ int main(void)
         cmocka_unit_test(momentum_is_kept_in_a_collision),
         cmocka_unit_test(friction_holds_up_to_its_angle),
         cmocka_unit_test(a_box_slides_over_a_seam),
+        cmocka_unit_test(what_rests_sleeps_and_is_woken),
+        cmocka_unit_test(events_begin_and_end),
         cmocka_unit_test(the_share_changes_nothing),
         cmocka_unit_test(one_lane_gives_the_bits_of_eight),
         cmocka_unit_test(a_pile_stays_between_its_walls),
