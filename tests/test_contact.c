@@ -427,7 +427,7 @@ static void one_lane_gives_the_bits_of_eight(void **state)
     duet_device_kind kind = info->kind;
     for (int i = 0; i < 2; ++i) {
         mover *m = mover_new(3);
-        add_pile(m, 100);
+        mover_add_pile(m, 100);
         info->kind = i == 0 ? DUET_KIND_CPU : DUET_KIND_GPU;
         mover_run(m, 90);
         info->kind = kind;
