@@ -106,8 +106,9 @@ static void devices_of_a_pair_have_contexts_and_queues_of_their_own(void **state
     assert_ok(pair, err);
     assert_ptr_not_equal(pair->devices[0].context, pair->devices[1].context);
     assert_ptr_not_equal(pair->devices[0].queue, pair->devices[1].queue);
+    assert_ptr_not_equal(pair->devices[0].queue, pair->devices[0].beside);
     assert_int_equal(device_live_objects(),
-                     4 + pair->devices[0].owns_part + pair->devices[1].owns_part);
+                     2 * 3 + pair->devices[0].owns_part + pair->devices[1].owns_part);
     duet_device_pair_close(pair);
 }
 
