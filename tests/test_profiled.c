@@ -9,6 +9,7 @@
 #include "runtime/profiled.h"
 
 #include <cjson/cJSON.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -164,6 +165,7 @@ static void put_for(const char *path, const duet_world *world, const char *kerne
         .origin = "manual",
         .trial_number = -1,
     };
+    snprintf(row.plan.level, sizeof row.plan.level, "%s", p.workload.level);
     assert_ok(profile_pair_put(s, &p.pair, &row.pair_id, &err), err);
     assert_ok(profile_workload_put(s, &p.workload, &row.workload_id, &err), err);
     assert_ok(profile_put(s, &row, "put again", &err), err);
@@ -191,6 +193,54 @@ static void a_world_takes_its_profile_and_finds_the_same_pairs(void **state)
     assert_true(duet_result_hash(&result) == hash);
     drop_world(&f);
     test_folder_remove(&folder);
+}
+
+// Stored at sat6 with two false pairs in a hundred.
+static void a_world_gets_no_less_than_it_asked_for(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    fixture f = make_world(3000, test_seed(), 0, "rows");
+    duet_error err = {0};
+    duet_profile profile;
+    assert_ok(duet_world_set_level(f.world, DUET_LEVEL_SAT6, &err), err);
+    put_for(folder.store, f.world, NULL);
+    test_store_run(folder.store, "UPDATE profile SET false_rate = 0.02, true_pairs = 100");
+    assert_ok(duet_world_set_level(f.world, DUET_LEVEL_CERTIFIED, &err), err);
+    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
+    f.world->def.has_accuracy = true;
+    f.world->def.accuracy = (duet_accuracy){0, 0.0199};
+    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
+    assert_int_equal(profile.level, DUET_LEVEL_CERTIFIED);
+    assert_int_equal(duet_world_level(f.world), DUET_LEVEL_CERTIFIED);
+    f.world->def.accuracy = (duet_accuracy){0, 0.02};
+    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    assert_int_equal(profile.grade, DUET_GRADE_EXACT);
+    assert_int_equal(profile.level, DUET_LEVEL_SAT6);
+    assert_int_equal(duet_world_level(f.world), DUET_LEVEL_SAT6);
+    assert_true(profile.accuracy.missed == 0 && profile.accuracy.false_rate == 0.02);
+    assert_int_equal(profile.true_pairs, 100);
+    drop_world(&f);
+    test_folder_remove(&folder);
+}
+
+static void an_accuracy_that_cannot_be_is_refused(void **state)
+{
+    (void)state;
+    fixture f = make_world(10, test_seed(), 0, "rows");
+    static const duet_accuracy bad[] = {{-0.1, 0}, {1.5, 0}, {0, -1}, {0, INFINITY}, {NAN, 0}};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        duet_world_def def = f.world->def;
+        duet_error err = {0};
+        def.has_accuracy = true;
+        def.accuracy = bad[i];
+        assert_null(duet_world_create(&def, &err));
+        assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+        assert_non_null(strstr(err.text, "the world's accuracy"));
+    }
+    drop_world(&f);
 }
 
 static void without_a_profile_the_plan_stays(void **state)
@@ -314,6 +364,8 @@ int main(void)
         cmocka_unit_test(a_world_without_objects_is_refused),
         cmocka_unit_test(a_plan_survives_being_stored),
         cmocka_unit_test(a_world_takes_its_profile_and_finds_the_same_pairs),
+        cmocka_unit_test(a_world_gets_no_less_than_it_asked_for),
+        cmocka_unit_test(an_accuracy_that_cannot_be_is_refused),
         cmocka_unit_test(without_a_profile_the_plan_stays),
         cmocka_unit_test(why_names_the_plan_and_run_uses_it),
     };
