@@ -5,6 +5,8 @@ return {
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
+    { "ORIGIN", min = 0, max = 254, default = 0,
+      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
     { "SPIN", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "GYRO", values = { 0, 1 }, default = 0, about = "1: some have no isotropic inertia" },
     { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
@@ -17,6 +19,7 @@ return {
   },
   valid = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
+    if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
     if p.GYRO == 1 and p.SPIN == 0 then return false, "GYRO without SPIN" end
     return true
   end,

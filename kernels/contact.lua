@@ -5,6 +5,8 @@ return {
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
+    { "ORIGIN", min = 0, max = 254, default = 0,
+      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
     { "ROTATED", values = { 0, 1 }, default = 0, about = "1: orientation matters" },
     { "SPIN", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "BOUNDS", values = { 0, 1 }, default = 0, about = "1: walls" },
@@ -20,6 +22,7 @@ return {
   },
   valid = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
+    if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
     if p.SPIN == 1 and p.ROTATED == 0 then return false, "what turns is rotated" end
     if p.FRICTION == 1 and p.RESPONSE == 0 then return false, "FRICTION without RESPONSE" end
     if p.FAST == 1 and p.RESPONSE == 0 then return false, "FAST without RESPONSE" end

@@ -142,7 +142,7 @@ api.names = {
   { "duet.DevicePair:close", {}, nil, "Worlds made on it stay until they are closed.",
     c = "duet_device_pair_close" },
 
-  { "duet.Scene:poses", {}, "duet.Poses?", "A view of the objects; nil where they are bounds, or placed in origin cells.",
+  { "duet.Scene:poses", {}, "duet.Poses?", "A view of the objects; nil where they are bounds; in origin cells centres are rounded.",
     c = "duet_scene_poses" },
   { "duet.Scene:bounds", {}, "duet.Bounds?", "A view of the objects; nil where they are poses.",
     c = "duet_scene_bounds" },
@@ -264,10 +264,10 @@ api.names = {
     c = "duet_scene_bodies" },
   { "duet.DevicePair:motion", { "objects: duet.Scene|duet.Poses|string|any[]", "bodies?: duet.Bodies|string|any[]|table",
     "def?: table" },
-    "duet.Motion", "Objects that move: of a scene, with def second, or poses with bodies. A def { plan, dims, wants, doubles, origin, gravity, attraction, centre, drag, " ..
+    "duet.Motion", "Objects that move: of a scene, with def second, or poses with bodies. A def { plan, dims, wants, doubles, origin, origin_edge, gravity, attraction, centre, drag, " ..
     "edge, lower, upper, dt, substeps, integrator, skin, slop, push_speed, bounce_speed, sleep_speed, sleep_after }; " ..
     "wants is a list of effects, edge none, walls or periodic, integrator euler, verlet or yoshida.",
-    fails = true, c = { "duet_motion_create", "duet_scene_motion_def" } },
+    fails = true, c = { "duet_motion_create", "duet_motion_create_scene", "duet_scene_motion_def" } },
   { "duet.Motion:advance", {}, "duet.MotionResult", "Advances all objects by dt.", fails = true,
     c = "duet_motion_advance" },
   { "duet.Motion:effects", {}, "string[]", "Those that run. #motion is the number of objects.",

@@ -80,6 +80,7 @@ static const member def_members[] = {
     MEMBER(member_effects, duet_motion_def, wants),
     MEMBER(member_bool, duet_motion_def, doubles),
     MEMBER(member_double, duet_motion_def, origin),
+    MEMBER(member_float, duet_motion_def, origin_edge),
     MEMBER(member_double, duet_motion_def, gravity),
     MEMBER(member_double, duet_motion_def, attraction),
     MEMBER(member_double, duet_motion_def, centre),
@@ -147,7 +148,8 @@ int motion_create_lua(lua_State *L)
     motion_box *box = class_push(L, &motion_class, sizeof *box);
     lua_pushvalue(L, 1);
     lua_setiuservalue(L, -2, 1);
-    box->motion = duet_motion_create(&o.def, o.poses, o.bodies, o.n, &err);
+    box->motion = of_scene ? duet_motion_create_scene(&o.def, scene_check(L, 2), NULL, &err)
+                           : duet_motion_create(&o.def, o.poses, o.bodies, o.n, &err);
     if (!box->motion)
         return class_push_failure(L, &err);
     box->pair = pair;

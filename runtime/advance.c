@@ -50,6 +50,7 @@ static bool fly(duet_motion *m, duet_error *err)
     bool walls = motion_has(m, DUET_EFFECT_BOUNDS) && m->def.edge != DUET_EDGE_PERIODIC;
     motion_args a = args_begin(m);
     args_buffer(&a, CENTRES);
+    args_cells(&a);
     args_buffer(&a, VELOCITIES);
     args_buffer_for(&a, DUET_EFFECT_SPIN, ROTATIONS);
     args_buffer_for(&a, DUET_EFFECT_SPIN, SPINS);
@@ -156,6 +157,7 @@ static bool finish_bodies(duet_motion *m, duet_error *err)
     args_buffer(&a, BODIES);
     args_uint(&a, m->n);
     args_buffer(&a, CENTRES);
+    args_cells(&a);
     args_buffer_for(&a, DUET_EFFECT_SPIN, ROTATIONS);
     args_buffer_for(&a, DUET_EFFECT_SPIN, SPINS);
     if (motion_has(m, DUET_EFFECT_SLEEP)) {

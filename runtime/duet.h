@@ -214,7 +214,8 @@ DUET_API duet_scene *duet_scene_from_placed(const duet_placed *placed, uint32_t 
                                             float origin, duet_error *err);
 DUET_API void duet_scene_destroy(duet_scene *scene);
 DUET_API const duet_scene_info *duet_scene_describe(const duet_scene *scene);
-DUET_API const duet_pose *duet_scene_poses(const duet_scene *scene);    // [n], or NULL
+DUET_API const duet_pose *duet_scene_poses(const duet_scene *scene);    // [n], or NULL; of placed
+                                                                        // ones rounded
 DUET_API const duet_bounds *duet_scene_bounds(const duet_scene *scene); // [n], or NULL
 DUET_API const duet_placed *duet_scene_placed(const duet_scene *scene); // [n], or NULL
 
@@ -506,7 +507,8 @@ typedef struct duet_motion_def {
     uint32_t dims;          // 2 or 3
     uint32_t wants;         // effects asked for besides those that the objects call for
     bool doubles;           // the state is in double
-    double origin[3];       // where the poses' 0 lies; far away needs doubles
+    double origin[3];       // where the poses' 0 lies; far away needs doubles, or origin cells
+    float origin_edge;      // above 0: the state is in origin cells of that edge, a power of two
     double gravity[3];      // an acceleration
     double attraction;      // not 0: attraction / distance^2 towards the point `centre`
     double centre[3];
@@ -541,6 +543,10 @@ DUET_API const duet_body *duet_scene_bodies(const duet_scene *scene);
 // right.
 DUET_API duet_motion *duet_motion_create(const duet_motion_def *def, const duet_pose *poses,
                                          const duet_body *bodies, uint32_t n, duet_error *err);
+// The same of a scene's objects, in its origin cells where it has some. bodies
+// NULL: those that the scene gives.
+DUET_API duet_motion *duet_motion_create_scene(const duet_motion_def *def, const duet_scene *scene,
+                                               const duet_body *bodies, duet_error *err);
 DUET_API void duet_motion_destroy(duet_motion *motion);
 
 // A contact that began or ended, a < b; a wall 2 k or 2 k + 1, the lower or

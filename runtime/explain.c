@@ -29,11 +29,24 @@ static uint32_t bytes_for(const duet_motion *m, uint32_t effect)
     return words * (uint32_t)sizeof(uint32_t);
 }
 
+// No effect, for it changes how positions are kept and nothing of what happens.
+static bool explain_origin(const duet_motion *m, duet_effect_info *info)
+{
+    *info = (duet_effect_info){
+        .name = "origin",
+        .active = m->cells && m->effects,
+        .called_by = "origin = \"cell\"",
+        .kernels = "integrate body enclose contact",
+        .bytes = motion_words(m, CELLS) * (uint32_t)sizeof(uint32_t),
+    };
+    return true;
+}
+
 bool duet_motion_explain(const duet_motion *m, uint32_t i, duet_effect_info *info)
 {
     const effect_row *row = effect_at(i);
     if (!row)
-        return false;
+        return i > 0 && effect_at(i - 1) && explain_origin(m, info);
     bool active = motion_has(m, row->effect);
     *info = (duet_effect_info){
         .name = row->name,

@@ -2,6 +2,7 @@
 #include "runtime/motion.h"
 
 #include "runtime/base/error.h"
+#include "runtime/origin.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -79,6 +80,25 @@ static bool check_edge(const duet_motion_def *def, duet_error *err)
     return true;
 }
 
+// What origin cells do not go with.
+static bool check_origin(const duet_motion_def *def, duet_error *err)
+{
+    if (!origin_is_edge(def->origin_edge))
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "origin_edge is %g; right would be 0, or a power of two from 2^-100 to "
+                         "2^100",
+                         (double)def->origin_edge);
+    if (def->origin_edge == 0.0f)
+        return true;
+    if (def->doubles)
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "origin cells are for a state in float; right would be doubles = false");
+    return (def->edge == DUET_EDGE_NONE && def->attraction == 0.0) ||
+           error_set(err, DUET_BAD_ARGUMENT,
+                     "walls, a periodic world and an attraction know no origin cells; right would "
+                     "be doubles without them");
+}
+
 static bool check_def(const duet_motion_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
@@ -96,7 +116,7 @@ static bool check_def(const duet_motion_def *def, duet_error *err)
     if (def->doubles && !def->pair->devices[1].info.fp64)
         return error_set(err, DUET_BAD_ARGUMENT, "%s has no double; right would be doubles = false",
                          def->pair->devices[1].info.selector);
-    return check_numbers(def, err) && check_edge(def, err);
+    return check_numbers(def, err) && check_edge(def, err) && check_origin(def, err);
 }
 
 // Effects that cannot be had together.
@@ -173,21 +193,47 @@ static double mean_least_extent(const duet_motion *m)
     return m->n > 0 ? sum / m->n : 0.0;
 }
 
-static bool copy_objects(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
-                         uint32_t n, duet_error *err)
+// Each centre into its origin cell: those of poses count from def.origin.
+static bool place_objects(duet_motion *m, const duet_placed *placed, duet_error *err)
+{
+    float edge = m->def.origin_edge;
+    if (edge == 0.0f)
+        return true;
+    m->cells = calloc((size_t)m->n + 1, sizeof *m->cells);
+    if (!m->cells)
+        return error_set(err, DUET_NO_MEMORY, "no memory for the cells of %u objects", m->n);
+    for (uint32_t id = 0; id < m->n; ++id) {
+        duet_placed p = placed ? placed[id] : (duet_placed){.pose = m->poses[id]};
+        double at[3];
+        for (int k = 0; k < 3; ++k)
+            at[k] = m->def.origin[k] + (double)p.pose.centre[k];
+        bool ok = placed ? origin_settle(&p, edge) : origin_place(&p, at, edge);
+        if (!ok)
+            return error_set(err, DUET_BAD_OBJECT,
+                             "object %u of %u is beyond 2^30 origin cells of edge %g", id, m->n,
+                             (double)edge);
+        m->poses[id] = p.pose;
+        for (uint32_t k = 0; k < m->def.dims; ++k)
+            m->cells[id].s[k] = p.cell[k];
+    }
+    return true;
+}
+
+static bool copy_objects(duet_motion *m, const duet_pose *poses, const duet_placed *placed,
+                         const duet_body *bodies, uint32_t n, duet_error *err)
 {
     m->n = n;
     m->poses = calloc((size_t)n + 1, sizeof *m->poses);
     m->bodies = calloc((size_t)n + 1, sizeof *m->bodies);
     if (!m->poses || !m->bodies)
         return error_set(err, DUET_NO_MEMORY, "no memory for %u objects that move", n);
-    if (n > 0)
-        memcpy(m->poses, poses, n * sizeof *poses);
+    for (uint32_t id = 0; id < n; ++id)
+        m->poses[id] = placed ? placed[id].pose : poses[id];
     if (n > 0 && bodies)
         memcpy(m->bodies, bodies, n * sizeof *bodies);
     for (uint32_t id = 0; id < n && !bodies; ++id)
         m->bodies[id] = duet_default_body();
-    return check_objects(m, err);
+    return check_objects(m, err) && place_objects(m, placed, err);
 }
 
 // Pairs are looked for among bounds, which the grid may place as it likes.
@@ -213,10 +259,10 @@ static bool open_device(duet_motion *m, duet_error *err)
     return m->programs;
 }
 
-static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_body *bodies, uint32_t n,
-                        duet_error *err)
+static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_placed *placed,
+                        const duet_body *bodies, uint32_t n, duet_error *err)
 {
-    if (!copy_objects(m, poses, bodies, n, err))
+    if (!copy_objects(m, poses, placed, bodies, n, err))
         return false;
     m->facts = effect_facts_of(&m->def, m->poses, m->bodies, n);
     m->effects = effect_infer(&m->def, &m->facts);
@@ -226,8 +272,9 @@ static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_body 
            motion_prepare(m, err) && motion_reset(m, err);
 }
 
-duet_motion *duet_motion_create(const duet_motion_def *def, const duet_pose *poses,
-                                const duet_body *bodies, uint32_t n, duet_error *err)
+static duet_motion *create(const duet_motion_def *def, const duet_pose *poses,
+                           const duet_placed *placed, const duet_body *bodies, uint32_t n,
+                           duet_error *err)
 {
     if (!check_def(def, err))
         return NULL;
@@ -237,11 +284,39 @@ duet_motion *duet_motion_create(const duet_motion_def *def, const duet_pose *pos
         return NULL;
     }
     m->def = *def;
-    if (!open_motion(m, poses, bodies, n, err)) {
+    if (!open_motion(m, poses, placed, bodies, n, err)) {
         duet_motion_destroy(m);
         return NULL;
     }
     return m;
+}
+
+duet_motion *duet_motion_create(const duet_motion_def *def, const duet_pose *poses,
+                                const duet_body *bodies, uint32_t n, duet_error *err)
+{
+    return create(def, poses, NULL, bodies, n, err);
+}
+
+duet_motion *duet_motion_create_scene(const duet_motion_def *def, const duet_scene *scene,
+                                      const duet_body *bodies, duet_error *err)
+{
+    const duet_scene_info *info = duet_scene_describe(scene);
+    const duet_pose *poses = duet_scene_poses(scene);
+    const duet_body *own = bodies ? bodies : duet_scene_bodies(scene);
+    if (!poses) {
+        error_set(err, DUET_BAD_ARGUMENT,
+                  "%s: its objects are corners, which do not move; right would be centres and half "
+                  "extents",
+                  info->name);
+        return NULL;
+    }
+    if (def && def->origin_edge != info->origin) {
+        error_set(err, DUET_BAD_ARGUMENT,
+                  "the scene %s has origin cells of edge %g, the motion's def of %g", info->name,
+                  (double)info->origin, (double)def->origin_edge);
+        return NULL;
+    }
+    return create(def, poses, duet_scene_placed(scene), own, info->n, err);
 }
 
 void duet_motion_destroy(duet_motion *m)
@@ -255,6 +330,7 @@ void duet_motion_destroy(duet_motion *m)
     program_set_close(m->programs);
     gen_close(m->gen);
     free(m->poses);
+    free(m->cells);
     free(m->bodies);
     free(m->events);
     free(m);

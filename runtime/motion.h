@@ -27,6 +27,7 @@ enum { FLAG_MOVED, FLAG_UNCOLOURED, FLAG_RECOLOURED, FLAG_EVENTS, FLAG_DOZED, FL
 // What B holds. Which buffers there are follows from the effects.
 typedef enum motion_buffer {
     CENTRES, // by object
+    CELLS,   // of centres, with an origin
     VELOCITIES,
     ROTATIONS,
     SPINS,
@@ -102,7 +103,8 @@ struct duet_motion {
     uint32_t effects;
     effect_facts facts;
     uint32_t n;
-    duet_pose *poses;  // as given
+    duet_pose *poses;  // as given; with an origin each centre is an offset in its cell
+    cl_int4 *cells;    // NULL without
     duet_body *bodies; // as given
     const device *device;
     gen *gen;

@@ -47,6 +47,17 @@ void args_float4(motion_args *a, double x, double y, double z, double w)
     add(a, sizeof(cl_float4))->f4 = (cl_float4){{(float)x, (float)y, (float)z, (float)w}};
 }
 
+void args_cells(motion_args *a)
+{
+    if (a->motion->cells)
+        args_buffer(a, CELLS);
+}
+
+void args_int4(motion_args *a, cl_int4 value)
+{
+    add(a, sizeof value)->i4 = value;
+}
+
 void args_real(motion_args *a, double value)
 {
     if (a->motion->def.doubles)

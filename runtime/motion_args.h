@@ -12,6 +12,7 @@ typedef union arg_value {
     cl_float f;
     cl_double d;
     cl_float4 f4;
+    cl_int4 i4;
     cl_double4 d4;
 } arg_value;
 
@@ -30,6 +31,9 @@ void args_memory(motion_args *a, const buffer *b);
 void args_uint(motion_args *a, uint32_t value);
 void args_float(motion_args *a, double value);
 void args_float4(motion_args *a, double x, double y, double z, double w);
+// The buffer of cells, with an origin.
+void args_cells(motion_args *a);
+void args_int4(motion_args *a, cl_int4 value);
 void args_real(motion_args *a, double value);
 void args_real4(motion_args *a, double x, double y, double z, double w);
 

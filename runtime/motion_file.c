@@ -18,7 +18,7 @@ typedef struct header {
     uint32_t record;
     uint32_t n_contacts;
     uint32_t has_rows;
-    uint32_t pad;
+    float origin_edge;
     uint64_t step;
     uint64_t n_pairs;
 } header;
@@ -27,9 +27,9 @@ static const char magic[16] = "duet motion 2\n";
 
 // By object first, then by contact. Rows are kept for those that sleep and for
 // skins.
-static const motion_buffer kept[] = {CENTRES, VELOCITIES, ROTATIONS, SPINS,         RESTS,
-                                     ASLEEP,  BOXES,      STARTS,    RETURN_STARTS, RETURNS,
-                                     LINKS,   OTHERS,     CONTACTS,  TOUCHES,       COLOUR_OF};
+static const motion_buffer kept[] = {CENTRES, CELLS,    VELOCITIES, ROTATIONS,     SPINS,   RESTS,
+                                     ASLEEP,  BOXES,    STARTS,     RETURN_STARTS, RETURNS, LINKS,
+                                     OTHERS,  CONTACTS, TOUCHES,    COLOUR_OF};
 
 enum { N_KEPT = sizeof kept / sizeof kept[0] };
 
@@ -63,6 +63,7 @@ static header header_of(const duet_motion *m)
                 .record = m->layout.record,
                 .n_contacts = m->n_contacts,
                 .has_rows = m->has_rows,
+                .origin_edge = m->def.origin_edge,
                 .step = m->step,
                 .n_pairs = m->n_pairs};
     memcpy(h.magic, magic, sizeof magic);
@@ -133,7 +134,9 @@ static bool check_header(const duet_motion *m, const header *h, const char *path
         if (same[i].file != same[i].motion)
             return error_set(err, DUET_BAD_INPUT, "%s: %s: %u in the file, %u in the motion", path,
                              same[i].what, same[i].file, same[i].motion);
-    return true;
+    return h->origin_edge == m->def.origin_edge ||
+           error_set(err, DUET_BAD_INPUT, "%s: origin_edge: %g in the file, %g in the motion", path,
+                     (double)h->origin_edge, (double)m->def.origin_edge);
 }
 
 static bool check_file(const duet_motion *m, const text *file, const char *path, header *h,

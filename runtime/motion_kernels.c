@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { N_CHOICES = 14 };
+enum { N_CHOICES = 15 };
 
 static const gen_param *find_param(const gen_param *params, uint32_t n, const char *name)
 {
@@ -42,9 +42,12 @@ static int64_t order_of(duet_integrator integrator)
 static void choose(const duet_motion *m, gen_setting all[N_CHOICES])
 {
     int64_t gyro = motion_has(m, DUET_EFFECT_SPIN) && m->facts.uneven;
+    uint32_t origin_bits;
+    memcpy(&origin_bits, &m->def.origin_edge, sizeof origin_bits);
     const gen_setting choices[N_CHOICES] = {
         {"DIMS", m->def.dims},
         {"DOUBLE", m->def.doubles},
+        {"ORIGIN", origin_bits >> 23},
         {"ROTATED", has(m, DUET_EFFECT_ROTATION)},
         {"SPIN", has(m, DUET_EFFECT_SPIN)},
         {"GYRO", gyro},

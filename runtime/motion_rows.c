@@ -25,6 +25,9 @@ static void add_shape(motion_args *a, double margin)
 {
     duet_motion *m = a->motion;
     args_buffer(a, CENTRES);
+    args_cells(a);
+    if (m->cells)
+        args_int4(a, m->cells[0]);
     args_buffer_for(a, DUET_EFFECT_ROTATION, ROTATIONS);
     if (motion_has(m, DUET_EFFECT_FAST)) {
         args_buffer(a, VELOCITIES);
@@ -258,6 +261,7 @@ bool motion_touch(duet_motion *m, bool woken, duet_error *err)
     args_uint(&a, m->n_contacts);
     args_uint(&a, m->n);
     args_buffer(&a, CENTRES);
+    args_cells(&a);
     args_buffer(&a, HALVES);
     args_buffer_for(&a, DUET_EFFECT_ROTATION, ROTATIONS);
     if (motion_has(m, DUET_EFFECT_BOUNDS))

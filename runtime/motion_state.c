@@ -35,6 +35,8 @@ static const struct {
 
 uint32_t motion_words(const duet_motion *m, motion_buffer which)
 {
+    if (which == CELLS)
+        return m->cells ? 4 : 0;
     if (which == BODIES)
         return motion_has(m, DUET_EFFECT_RESPONSE) ? 4 * m->layout.body : 0;
     if (by_object[which].effects && !motion_has(m, by_object[which].effects))
@@ -52,7 +54,8 @@ typedef struct entry {
 static entry centre_of(const duet_motion *m, uint32_t id)
 {
     const float *c = m->poses[id].centre;
-    const double *o = m->def.origin;
+    const double nowhere[3] = {0};
+    const double *o = m->cells ? nowhere : m->def.origin;
     return (entry){{o[0] + c[0], o[1] + c[1], m->def.dims == 3 ? o[2] + c[2] : 0.0}};
 }
 
@@ -189,6 +192,9 @@ bool motion_reset(duet_motion *m, duet_error *err)
         ok = send(m, which, sent[i].of, width, doubles, err);
     }
     ok = ok && (!motion_has(m, DUET_EFFECT_FILTER) || send_filters(m, err));
+    if (ok && m->cells)
+        ok = timeline_write(&m->times, "send", &m->buffers[CELLS], m->cells,
+                            m->n * sizeof *m->cells, err);
     return ok && timeline_finish(&m->times, err);
 }
 
@@ -219,6 +225,23 @@ static bool fetch(duet_motion *m, motion_buffer which,
     return ok;
 }
 
+// Centres were read as offsets.
+static bool add_cells(duet_motion *m, duet_state *states, duet_error *err)
+{
+    size_t bytes = (size_t)m->n * sizeof(cl_int4);
+    const buffer *b = &m->buffers[CELLS];
+    cl_int4 *host = b->host ? b->host : malloc(bytes + 1);
+    if (!host)
+        return error_set(err, DUET_NO_MEMORY, "no memory for %zu bytes", bytes);
+    bool ok = timeline_read(&m->times, "fetch", &m->buffers[CELLS], host, bytes, err);
+    for (uint32_t id = 0; ok && id < m->n; ++id)
+        for (uint32_t k = 0; k < m->def.dims; ++k)
+            states[id].centre[k] += (double)host[id].s[k] * m->def.origin_edge;
+    if (!b->host)
+        free(host);
+    return ok;
+}
+
 bool duet_motion_read(duet_motion *m, duet_state *states, duet_error *err)
 {
     static const struct {
@@ -243,6 +266,7 @@ bool duet_motion_read(duet_motion *m, duet_state *states, duet_error *err)
                    parts[i].numbers * sizeof(double));
     }
     free(entries);
+    ok = ok && (!m->cells || add_cells(m, states, err));
     return ok && timeline_finish(&m->times, err);
 }
 

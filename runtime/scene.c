@@ -327,6 +327,7 @@ void duet_scene_destroy(duet_scene *scene)
         return;
     free(scene->objects);
     free(scene->centres);
+    free(scene->rounded);
     free(scene->name);
     free(scene->given);
     free(scene->bodies);
@@ -342,7 +343,9 @@ const duet_scene_info *duet_scene_describe(const duet_scene *scene)
 
 const duet_pose *duet_scene_poses(const duet_scene *scene)
 {
-    return scene->info.shape == DUET_SHAPE_POSES && scene->info.origin == 0 ? scene->objects : NULL;
+    if (scene->info.origin > 0)
+        return scene->rounded;
+    return scene->info.shape == DUET_SHAPE_POSES ? scene->objects : NULL;
 }
 
 const duet_bounds *duet_scene_bounds(const duet_scene *scene)

@@ -18,6 +18,7 @@ struct duet_scene {
     uint32_t columns; // of a row; 0: none was read yet
     uint32_t per_row; // objects in a row: 1, or 2 in a file of pairs
     void *objects;    // duet_pose or duet_bounds, as info.shape says, or with an origin duet_placed
+    duet_pose *rounded; // with an origin: the poses with their centres rounded to float
     bool keep_centres;    // a reader that does not know yet whether it will be asked for an origin
     double (*centres)[3]; // [n] poses' centres as they were read
     uint64_t room;        // objects that fit

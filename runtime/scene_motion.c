@@ -311,5 +311,6 @@ duet_motion_def duet_scene_motion_def(const duet_scene *scene, duet_device_pair 
     def.pair = pair;
     def.plan = duet_default_plan(pair);
     def.dims = scene->info.dims;
+    def.origin_edge = scene->info.origin;
     return def;
 }

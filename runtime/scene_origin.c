@@ -36,7 +36,7 @@ static bool place_all(duet_scene *scene, const duet_placed *given, double edge, 
     duet_placed *placed = calloc(n > 0 ? n : 1, sizeof *placed);
     if (!placed)
         return error_set(err, DUET_NO_MEMORY, "%u placed poses: no memory", n);
-    const duet_pose *poses = scene->objects;
+    duet_pose *poses = scene->rounded = scene->objects;
     scene->objects = placed;
     bool ok = true;
     for (uint32_t i = 0; ok && i < n; ++i) {
@@ -45,9 +45,11 @@ static bool place_all(duet_scene *scene, const duet_placed *given, double edge, 
             placed[i].cell[k] = given[i].cell[k];
         ok = given ? origin_settle(&placed[i], (float)edge)
                    : origin_place(&placed[i], scene->centres[i], (float)edge);
+        for (uint32_t k = 0; given && k < scene->info.dims; ++k)
+            poses[i].centre[k] =
+                (float)((double)placed[i].cell[k] * edge + (double)placed[i].pose.centre[k]);
         ok = ok || refuse_far(scene, i, edge, err);
     }
-    free((void *)poses);
     scene->room = n > 0 ? n : 1;
     scene->info.origin = (float)edge;
     return ok;

@@ -370,7 +370,7 @@ function DevicePair:close() end
 ---@return duet.Device
 function DevicePair:device(which) end
 
---- Objects that move: of a scene, with def second, or poses with bodies. A def { plan, dims, wants, doubles, origin, gravity, attraction, centre, drag, edge, lower, upper, dt, substeps, integrator, skin, slop, push_speed, bounce_speed, sleep_speed, sleep_after }; wants is a list of effects, edge none, walls or periodic, integrator euler, verlet or yoshida.
+--- Objects that move: of a scene, with def second, or poses with bodies. A def { plan, dims, wants, doubles, origin, origin_edge, gravity, attraction, centre, drag, edge, lower, upper, dt, substeps, integrator, skin, slop, push_speed, bounce_speed, sleep_speed, sleep_after }; wants is a list of effects, edge none, walls or periodic, integrator euler, verlet or yoshida.
 ---@param objects duet.Scene|duet.Poses|string|any[]
 ---@param bodies? duet.Bodies|string|any[]|table
 ---@param def? table
@@ -605,7 +605,7 @@ function Scene:bounds() end
 --- Gives the objects back.
 function Scene:close() end
 
---- A view of the objects; nil where they are bounds, or placed in origin cells.
+--- A view of the objects; nil where they are bounds; in origin cells centres are rounded.
 ---@return duet.Poses?
 function Scene:poses() end
 

@@ -1,6 +1,7 @@
 // body.DIMS2.DOUBLE0.SPIN0.GYRO0.GRAVITY0.DRAG0.SLEEP0.WG1.PER_ITEM1024
 #define DIMS 2
 #define DOUBLE 0
+#define ORIGIN 0
 #define SPIN 0
 #define GYRO 0
 #define GRAVITY 0
@@ -70,18 +71,21 @@ __kernel void body_drift(__global float4 *restrict bodies, uint n,
 }
 
 __kernel void body_finish(__global const float4 *restrict bodies, uint n, __global real4 *restrict centres,
-#line 150 "kernels/body.cl.in"
+#line 153 "kernels/body.cl.in"
                           __global real4 *restrict velocities)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         __global const float4 *body = bodies + (size_t)id * BODY;
-#line 165 "kernels/body.cl.in"
+#line 168 "kernels/body.cl.in"
         float4 velocity = body[BODY_VELOCITY];
-        centres[id].xyz += convert_real4(body[BODY_MOVED]).xyz;
+        real4 centre = centres[id];
+        centre.xyz += convert_real4(body[BODY_MOVED]).xyz;
+#line 174 "kernels/body.cl.in"
+        centres[id] = centre;
         velocities[id].xyz = convert_real4(velocity).xyz;
         float fastest = dot_float(velocity, velocity);
-#line 182 "kernels/body.cl.in"
+#line 190 "kernels/body.cl.in"
     }
 }

@@ -1,6 +1,7 @@
 // contact.DIMS2.DOUBLE0.ROTATED0.SPIN0.BOUNDS0.RESPONSE0.FRICTION0.FAST0.SLEEP0.EVENTS0.WG1.PER_ITEM256
 #define DIMS 2
 #define DOUBLE 0
+#define ORIGIN 0
 #define ROTATED 0
 #define SPIN 0
 #define BOUNDS 0
@@ -54,8 +55,9 @@ static inline void keep_deepest(manifold *m)
 }
 
 __kernel void contact(__global const uint2 *restrict links, uint n, uint objects, __global const real4 *restrict centres,
+#line 194 "kernels/contact.cl.in"
                       __global const float4 *restrict halves,
-#line 210 "kernels/contact.cl.in"
+#line 213 "kernels/contact.cl.in"
                       float margin, __global uint *restrict touches, __global float *restrict contacts)
 {
     uint first = get_global_id(0) * PER_ITEM;
@@ -63,26 +65,27 @@ __kernel void contact(__global const uint2 *restrict links, uint n, uint objects
     for (uint i = first; i < last; ++i) {
         uint a = links[i].x, b = links[i].y;
         __global float *record = contacts + (size_t)i * RECORD;
-#line 232 "kernels/contact.cl.in"
+#line 235 "kernels/contact.cl.in"
         solid solid_a = solid_at(halves[a]);
-#line 234 "kernels/contact.cl.in"
+#line 237 "kernels/contact.cl.in"
         float4 d = (float4)(0.0f);
         manifold m;
         m.n = 0;
-#line 256 "kernels/contact.cl.in"
+#line 259 "kernels/contact.cl.in"
         {
-#line 260 "kernels/contact.cl.in"
+#line 263 "kernels/contact.cl.in"
             solid solid_b = solid_at(halves[b]);
-#line 262 "kernels/contact.cl.in"
+#line 268 "kernels/contact.cl.in"
             d = convert_float4(centres[b] - centres[a]);
+#line 270 "kernels/contact.cl.in"
             d.w = 0.0f;
-#line 265 "kernels/contact.cl.in"
+#line 272 "kernels/contact.cl.in"
             touch_boxes(&solid_a, &solid_b, d, margin, &m);
-#line 279 "kernels/contact.cl.in"
+#line 286 "kernels/contact.cl.in"
         }
-#line 290 "kernels/contact.cl.in"
-        bool touching = false; // no gap, or pushed in the last step
 #line 297 "kernels/contact.cl.in"
+        bool touching = false; // no gap, or pushed in the last step
+#line 304 "kernels/contact.cl.in"
         put_float4(record + AT_NORMAL, m.normal);
         for (int k = 0; k < m.n; ++k) {
             __global float *part = record + HEAD + k * PART;
@@ -90,9 +93,9 @@ __kernel void contact(__global const uint2 *restrict links, uint n, uint objects
             put_float4(part + OF_ARM, arm);
             part[OF_GAP] = arm.w;
             touching = touching || arm.w <= 0.0f;
-#line 315 "kernels/contact.cl.in"
+#line 322 "kernels/contact.cl.in"
         }
-#line 324 "kernels/contact.cl.in"
+#line 331 "kernels/contact.cl.in"
         touches[i] = (uint)m.n | (touching ? TOUCH_MEETS : 0u);
     }
 }

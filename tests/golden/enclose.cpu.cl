@@ -1,6 +1,7 @@
 // enclose.DIMS2.DOUBLE0.ROTATED0.FAST0.SKIN0.WG1.PER_ITEM1024
 #define DIMS 2
 #define DOUBLE 0
+#define ORIGIN 0
 #define ROTATED 0
 #define FAST 0
 #define SKIN 0
@@ -32,27 +33,28 @@ static inline float_bounds bounds_of(real4 centre, real4 reach)
 }
 
 static inline float_bounds object_bounds(uint id, real margin, __global const real4 *centres,
-#line 29 "kernels/enclose.cl.in"
+#line 32 "kernels/enclose.cl.in"
                                          __global const float4 *halves)
 {
-#line 34 "kernels/enclose.cl.in"
+#line 37 "kernels/enclose.cl.in"
     real4 reach = convert_real4(halves[id]);
-#line 36 "kernels/enclose.cl.in"
+#line 39 "kernels/enclose.cl.in"
     real4 centre = centres[id];
+#line 45 "kernels/enclose.cl.in"
     float_bounds b = bounds_of(centre, reach + margin);
-#line 44 "kernels/enclose.cl.in"
+#line 52 "kernels/enclose.cl.in"
     return b;
 }
 
 __kernel void enclose(__global const real4 *restrict centres,
-#line 54 "kernels/enclose.cl.in"
+#line 65 "kernels/enclose.cl.in"
                       __global const float4 *restrict halves, real margin, uint n, __global float *restrict boxes)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         float_bounds b = object_bounds(id, margin, centres,
-#line 66 "kernels/enclose.cl.in"
+#line 80 "kernels/enclose.cl.in"
                                        halves);
         vstore3(b.lower.xyz, 2 * (size_t)id, boxes);
         vstore3(b.upper.xyz, 2 * (size_t)id + 1, boxes);

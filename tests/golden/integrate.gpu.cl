@@ -1,6 +1,7 @@
 // integrate.DIMS3.DOUBLE0.ROTATED0.SPIN0.GYRO0.GRAVITY0.DRAG0.BOUNDS0.ORDER1.WG128.PER_ITEM1
 #define DIMS 3
 #define DOUBLE 0
+#define ORIGIN 0
 #define ROTATED 0
 #define SPIN 0
 #define GYRO 0
@@ -57,8 +58,10 @@ static inline void arrive(body *b)
 }
 #line 173 "kernels/integrate.cl.in"
 
-__kernel void integrate(__global real4 *restrict centres, __global real4 *restrict velocities,
-#line 196 "kernels/integrate.cl.in"
+__kernel void integrate(__global real4 *restrict centres,
+#line 178 "kernels/integrate.cl.in"
+                        __global real4 *restrict velocities,
+#line 200 "kernels/integrate.cl.in"
                         real4 times, uint substeps, uint n)
 {
     uint first = get_global_id(0) * PER_ITEM;
@@ -67,21 +70,21 @@ __kernel void integrate(__global real4 *restrict centres, __global real4 *restri
         body b;
         b.centre = centres[id];
         b.velocity = velocities[id];
-#line 205 "kernels/integrate.cl.in"
+#line 209 "kernels/integrate.cl.in"
         b.moved = (real4)(0);
-#line 219 "kernels/integrate.cl.in"
+#line 223 "kernels/integrate.cl.in"
         for (uint k = 0; k < substeps; ++k) {
-#line 222 "kernels/integrate.cl.in"
+#line 226 "kernels/integrate.cl.in"
             advance(&b,
-#line 229 "kernels/integrate.cl.in"
-                    times.x);
-#line 231 "kernels/integrate.cl.in"
-        }
 #line 233 "kernels/integrate.cl.in"
+                    times.x);
+#line 235 "kernels/integrate.cl.in"
+        }
+#line 237 "kernels/integrate.cl.in"
         arrive(&b);
-#line 256 "kernels/integrate.cl.in"
+#line 263 "kernels/integrate.cl.in"
         centres[id] = b.centre;
         velocities[id] = b.velocity;
-#line 262 "kernels/integrate.cl.in"
+#line 269 "kernels/integrate.cl.in"
     }
 }

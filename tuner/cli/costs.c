@@ -10,7 +10,7 @@
 // A scene's motion, which may be changed.
 typedef struct subject {
     duet_motion_def def;
-    const duet_pose *poses;
+    const duet_scene *scene;
     duet_body *bodies;
     uint32_t n;
 } subject;
@@ -30,6 +30,11 @@ static bool advance(duet_motion *m, double *ms, duet_error *err)
     return ok && interrupt_check(err);
 }
 
+static duet_motion *begin(const subject *s, duet_error *err)
+{
+    return duet_motion_create_scene(&s->def, s->scene, s->bodies, err);
+}
+
 // The median of the steps' times, after two to warm up. Beside another subject
 // it is the median of how many times as long the other's steps take: the two
 // step in turn, so that whatever slows one slows both.
@@ -40,9 +45,8 @@ static bool measure(const subject *s, const subject *beside, uint64_t steps, dou
     double *times = calloc(steps, sizeof *times);
     if (!times)
         return error_set(err, DUET_NO_MEMORY, "the times of steps: no memory");
-    duet_motion *m = duet_motion_create(&s->def, s->poses, s->bodies, s->n, err);
-    duet_motion *other =
-        beside ? duet_motion_create(&beside->def, beside->poses, beside->bodies, s->n, err) : NULL;
+    duet_motion *m = begin(s, err);
+    duet_motion *other = beside ? begin(beside, err) : NULL;
     bool ok = m && (other || !beside);
     for (uint64_t k = 0; ok && k < steps + WARM; ++k) {
         double own = 0, others = 0;
@@ -111,7 +115,7 @@ static bool measure_effect(const subject *whole, double whole_ms, cost *row, uin
         return error_set(err, DUET_NO_MEMORY, "%u bodies: no memory", s.n);
     memcpy(s.bodies, whole->bodies, s.n * sizeof *s.bodies);
     take_away(&s, effect);
-    duet_motion *m = duet_motion_create(&s.def, s.poses, s.bodies, s.n, err);
+    duet_motion *m = begin(&s, err);
     bool ok = m;
     double without = 1;
     row->measured = m && !(duet_motion_effects(m) & effect);
@@ -126,21 +130,17 @@ static bool measure_effects(costs *c, const subject *s, duet_error *err)
 {
     bool ok = measure(s, NULL, c->steps, &c->step_ms, err);
     for (uint32_t i = 0; ok && i < c->n; ++i)
-        ok = !c->rows[i].info.active || measure_effect(s, c->step_ms, &c->rows[i], c->steps, err);
+        ok = !c->rows[i].info.active || !effect_named(c->rows[i].info.name) ||
+             measure_effect(s, c->step_ms, &c->rows[i], c->steps, err);
     return ok;
 }
 
 static bool fill_subject(subject *s, const duet_scene *scene, duet_device_pair *pair,
                          duet_error *err)
 {
-    const duet_scene_info *info = duet_scene_describe(scene);
-    *s = (subject){
-        .def = duet_scene_motion_def(scene, pair), .poses = duet_scene_poses(scene), .n = info->n};
-    if (!s->poses)
-        return error_set(err, DUET_BAD_ARGUMENT,
-                         "%s: its objects are corners, which do not move; right would be centres "
-                         "and half extents",
-                         info->name);
+    *s = (subject){.def = duet_scene_motion_def(scene, pair),
+                   .scene = scene,
+                   .n = duet_scene_describe(scene)->n};
     s->bodies = malloc(s->n * sizeof *s->bodies + 1);
     if (!s->bodies)
         return error_set(err, DUET_NO_MEMORY, "%u bodies: no memory", s->n);
@@ -156,7 +156,7 @@ bool costs_measure(costs *c, duet_device_pair *pair, const duet_scene *scene, ui
     subject s = {.n = 0};
     *c = (costs){.steps = steps};
     bool ok = fill_subject(&s, scene, pair, err);
-    duet_motion *m = ok ? duet_motion_create(&s.def, s.poses, s.bodies, s.n, err) : NULL;
+    duet_motion *m = ok ? begin(&s, err) : NULL;
     while (m && c->n < COSTS_MOST && duet_motion_explain(m, c->n, &c->rows[c->n].info))
         ++c->n;
     duet_motion_destroy(m);

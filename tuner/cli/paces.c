@@ -52,8 +52,7 @@ static duet_motion *begin(const survey *s, const pace *row, bool doubles, duet_e
     def.substeps = row->substeps;
     def.integrator = row->integrator;
     def.doubles = doubles;
-    return duet_motion_create(&def, duet_scene_poses(s->scene), duet_scene_bodies(s->scene),
-                              duet_scene_describe(s->scene)->n, err);
+    return duet_motion_create_scene(&def, s->scene, NULL, err);
 }
 
 static bool sample_energy(run *r, duet_error *err)
@@ -282,12 +281,12 @@ static bool run_all(survey *s, double limit, duet_error *err)
 bool paces_has(duet_device_pair *pair, const duet_scene *scene, bool *moves, duet_error *err)
 {
     duet_motion_def def = duet_scene_motion_def(scene, pair);
-    const duet_pose *poses = duet_scene_poses(scene);
+    const duet_scene_info *info = duet_scene_describe(scene);
     *moves = false;
-    if (!poses || duet_scene_describe(scene)->n == 0)
+    // A trajectory is compared with one in double, which has no origin cells.
+    if (info->shape == DUET_SHAPE_BOUNDS || info->n == 0 || info->origin > 0)
         return true;
-    duet_motion *m = duet_motion_create(&def, poses, duet_scene_bodies(scene),
-                                        duet_scene_describe(scene)->n, err);
+    duet_motion *m = duet_motion_create_scene(&def, scene, NULL, err);
     *moves = m && (duet_motion_effects(m) & DUET_EFFECT_MOTION) && def.dt > 0.0;
     bool ok = m;
     duet_motion_destroy(m);
@@ -305,8 +304,7 @@ bool paces_measure(paces *p, duet_device_pair *pair, const duet_scene *scene, do
     p->time = (double)s.samples * sample;
     s.truth = calloc((size_t)n + 1, sizeof *s.truth);
     s.states = calloc((size_t)n + 1, sizeof *s.states);
-    duet_motion *m =
-        duet_motion_create(&s.def, duet_scene_poses(scene), duet_scene_bodies(scene), n, err);
+    duet_motion *m = duet_motion_create_scene(&s.def, scene, NULL, err);
     bool ok = m && ((s.truth && s.states) ||
                     error_set(err, DUET_NO_MEMORY, "no memory for the states of %u objects", n));
     if (ok)

@@ -194,16 +194,10 @@ static bool tell_json(moved *r, uint64_t hash, duet_error *err)
 static bool open(moved *r, duet_device_pair *pair, const plan_options *plan, duet_error *err)
 {
     const duet_scene_info *info = duet_scene_describe(r->scene);
-    const duet_pose *poses = duet_scene_poses(r->scene);
-    if (!poses)
-        return error_set(err, DUET_BAD_ARGUMENT,
-                         "%s: its objects are corners, which do not move; right would be centres "
-                         "and half extents",
-                         info->name);
     r->def = duet_scene_motion_def(r->scene, pair);
     if (!inputs_change_plan(plan, &r->def.plan, err))
         return false;
-    r->motion = duet_motion_create(&r->def, poses, duet_scene_bodies(r->scene), info->n, err);
+    r->motion = duet_motion_create_scene(&r->def, r->scene, NULL, err);
     r->states = calloc((size_t)info->n + 1, sizeof *r->states);
     if (r->motion && !r->states)
         return error_set(err, DUET_NO_MEMORY, "%u states: no memory", info->n);

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+// What moves in origin cells moves alike everywhere, bit for bit.
+#include "support/mover.h"
+#include "support/test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double far[3] = {1e7, -1e6, 1e4};
+
+static mover *mover_in_cells(uint32_t dims, const double at[3])
+{
+    mover *m = mover_new(dims);
+    m->def.origin_edge = 1;
+    memcpy(m->def.origin, at, sizeof m->def.origin);
+    m->def.gravity[dims - 1] = -9.81;
+    return m;
+}
+
+// A stack that is not quite straight, on a floor.
+static mover *stack_at(uint32_t dims, uint32_t height, const double at[3])
+{
+    mover *m = mover_in_cells(dims, at);
+    m->def.wants |= DUET_EFFECT_RESPONSE;
+    uint32_t up = dims - 1;
+    uint32_t ground = mover_add(m, 0, 0, 0, 5, 5, 5);
+    m->poses[ground].half[up] = 0.5f;
+    m->poses[ground].centre[up] = -0.5f;
+    m->bodies[ground].mass = 0;
+    m->bodies[ground].friction = 0.6f;
+    for (uint32_t i = 0; i < height; ++i) {
+        double lean = 0.01 * (i % 3), z = i + 0.52;
+        uint32_t id = mover_add_cube(m, lean, dims == 2 ? z : 0, dims == 2 ? 0 : z, 1);
+        m->bodies[id].friction = 0.6f;
+    }
+    return m;
+}
+
+// Boxes that fly, fall and turn over many cells.
+static mover *swarm_at(const double at[3], duet_integrator integrator)
+{
+    mover *m = mover_in_cells(3, at);
+    m->def.integrator = integrator;
+    m->def.drag = 0.1;
+    for (int i = 0; i < 20; ++i) {
+        uint32_t id = mover_add(m, 0.3 * i, -0.2 * i, 0.1 * i, 0.5, 0.25, 0.125);
+        for (int k = 0; k < 3; ++k) {
+            m->bodies[id].velocity[k] = (float)(i - 7 * k);
+            m->bodies[id].spin[k] = 0.3f * (float)(i - 5 * k);
+        }
+    }
+    return m;
+}
+
+static void assert_alike(const mover *here, const mover *there)
+{
+    for (uint32_t i = 0; i < here->n; ++i) {
+        duet_state s = there->states[i];
+        for (uint32_t k = 0; k < here->def.dims; ++k)
+            s.centre[k] -= there->def.origin[k] - here->def.origin[k];
+        assert_memory_equal(&s, &here->states[i], sizeof s);
+    }
+}
+
+static void check_stack(uint32_t dims, uint32_t height, uint32_t steps)
+{
+    const double here[3] = {0};
+    mover *near = stack_at(dims, height, here);
+    mover_run(near, steps);
+    for (uint32_t i = 1; i <= height; ++i)
+        assert_close(near->states[i].centre[dims - 1], i - 0.5, 0.05);
+    for (int k = 0; k < 3; ++k) {
+        const double at[3] = {far[k], -far[k], 0};
+        mover *m = stack_at(dims, height, at);
+        mover_run(m, steps);
+        assert_alike(near, m);
+        mover_free(m);
+    }
+    mover_free(near);
+}
+
+static void a_stack_far_away_ends_as_the_one_at_0(void **state)
+{
+    (void)state;
+    check_stack(3, 10, 200);
+    check_stack(2, 5, 100);
+}
+
+static void a_flight_far_away_is_the_one_at_0(void **state)
+{
+    (void)state;
+    const double here[3] = {0};
+    const duet_integrator integrators[] = {DUET_EULER, DUET_YOSHIDA};
+    for (int i = 0; i < 2; ++i) {
+        mover *near = swarm_at(here, integrators[i]), *m = swarm_at(far, integrators[i]);
+        mover_run(near, 120);
+        mover_run(m, 120);
+        assert_alike(near, m);
+        assert_true(fabs(m->states[19].centre[0] - far[0]) > 10); // it left its cell
+        mover_free(near);
+        mover_free(m);
+    }
+}
+
+// Without a rotation, a spin or a drag the way is known.
+static void a_fall_far_away_follows_its_parabola(void **state)
+{
+    (void)state;
+    mover *m = mover_in_cells(3, far);
+    m->def.integrator = DUET_VERLET;
+    uint32_t id = mover_add_cube(m, 0.5, 0.25, 0, 1);
+    m->bodies[id].velocity[0] = 3;
+    mover_run(m, 120);
+    assert_close(m->states[id].centre[0], far[0] + 0.5 + 6, 1e-4);
+    assert_close(m->states[id].centre[2], far[2] - 0.5 * 9.81 * 4, 1e-3);
+    assert_true(m->states[id].centre[1] == far[1] + 0.25);
+    mover_free(m);
+}
+
+static void a_loaded_motion_is_in_the_saved_one_s_cells(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    const char *path = "test_origin_motion.saved";
+    mover *saved = stack_at(3, 4, far), *loaded = stack_at(3, 4, far);
+    mover_run(saved, 30);
+    assert_ok(duet_motion_save(saved->motion, path, &err), err);
+    mover_run(loaded, 1);
+    assert_ok(duet_motion_load(loaded->motion, path, &err), err);
+    assert_true(mover_hash(saved) == mover_hash(loaded));
+    mover_run(saved, 30);
+    mover_run(loaded, 30);
+    assert_true(mover_hash(saved) == mover_hash(loaded));
+    mover_free(loaded);
+    loaded = stack_at(3, 4, far);
+    loaded->def.origin_edge = 2;
+    mover_run(loaded, 1);
+    assert_false(duet_motion_load(loaded->motion, path, &err));
+    mover_free(saved);
+    mover_free(loaded);
+    remove(path);
+}
+
+static void refuse(const mover *m, const char *words)
+{
+    duet_error err = {0};
+    assert_null(duet_motion_create(&m->def, m->poses, m->bodies, m->n, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    if (!strstr(err.text, words))
+        fail_msg("'%s' lacks '%s'", err.text, words);
+}
+
+static void a_motion_says_what_origin_cells_do_not_go_with(void **state)
+{
+    (void)state;
+    mover *m = stack_at(3, 1, far);
+    m->def.pair = mover_pair();
+    m->def.origin_edge = 0.3f;
+    refuse(m, "power of two");
+    m->def.origin_edge = 1;
+    m->def.doubles = true;
+    refuse(m, "doubles = false");
+    m->def.doubles = false;
+    m->def.attraction = 1;
+    refuse(m, "know no origin cells");
+    mover_free(m);
+}
+
+static void explain_names_the_cells_and_their_bytes(void **state)
+{
+    (void)state;
+    for (int with = 0; with < 2; ++with) {
+        mover *m = stack_at(3, 1, (double[]){0, 0, 0});
+        m->def.origin_edge = (float)with;
+        mover_run(m, 1);
+        duet_effect_info info;
+        bool found = false;
+        for (uint32_t i = 0; duet_motion_explain(m->motion, i, &info); ++i) {
+            if (strcmp(info.name, "origin") != 0)
+                continue;
+            found = true;
+            assert_int_equal(info.active, with);
+            assert_int_equal(info.bytes, with ? 16 : 0);
+        }
+        assert_true(found);
+        mover_free(m);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_stack_far_away_ends_as_the_one_at_0),
+        cmocka_unit_test(a_flight_far_away_is_the_one_at_0),
+        cmocka_unit_test(a_fall_far_away_follows_its_parabola),
+        cmocka_unit_test(a_loaded_motion_is_in_the_saved_one_s_cells),
+        cmocka_unit_test(a_motion_says_what_origin_cells_do_not_go_with),
+        cmocka_unit_test(explain_names_the_cells_and_their_bytes),
+    };
+    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
+}
