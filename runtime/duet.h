@@ -597,7 +597,7 @@ DUET_API bool duet_motion_energy(duet_motion *motion, duet_energy *energy, duet_
 
 // Where two objects touched in the last step.
 typedef struct duet_contact {
-    uint32_t a, b;   // b may be a wall, as in duet_event
+    uint32_t a, b;   // a has a mass; b may be below a, or a wall as in duet_event
     float normal[3]; // from a to b
     uint32_t n;      // points, 1 .. 4
     struct {

@@ -121,16 +121,17 @@ cl_int clBuildProgram(cl_program program, cl_uint n, const cl_device_id *devices
 
 enum { N = 1000 }; // so dense that a first step makes more room for pairs
 
-static duet_device_pair *devices;
+static duet_device_pair *devices;  // that keep what they built: many worlds, few kernels
+static duet_device_pair *builders; // that build each time
 static duet_pose poses[N];
 static uint64_t right; // the pairs' hash
 
-static duet_world *open_world(duet_mode mode)
+static duet_world *open_world(duet_device_pair *pair, duet_mode mode)
 {
     duet_error err = {0};
     duet_world_def def = duet_default_world_def();
-    def.pair = devices;
-    def.plan = duet_default_plan(devices);
+    def.pair = pair;
+    def.plan = duet_default_plan(pair);
     def.plan.mode = mode;
     def.plan.share = DUET_SHARE_ONE / 2;
     duet_world *world = duet_world_create(&def, &err);
@@ -146,6 +147,9 @@ static int open_devices(void **state)
     duet_device_pair_def def = duet_default_device_pair_def();
     for (int c = 0; c < CALLS; ++c)
         atomic_store(&left[c], -1);
+    builders = duet_device_pair_open(&def, &err);
+    assert_ok(builders, err);
+    def.cache_dir = "test_failing_device.cache";
     devices = duet_device_pair_open(&def, &err);
     assert_ok(devices, err);
     rng r = rng_seed(test_seed());
@@ -158,7 +162,7 @@ static int open_devices(void **state)
             }
         }
     duet_result result;
-    duet_world *world = open_world(DUET_MODE_OWN);
+    duet_world *world = open_world(devices, DUET_MODE_OWN);
     assert_ok(duet_world_step(world, &result, &err), err);
     right = duet_result_hash(&result);
     duet_world_destroy(world);
@@ -169,6 +173,7 @@ static int close_devices(void **state)
 {
     (void)state;
     duet_device_pair_close(devices);
+    duet_device_pair_close(builders);
     assert_int_equal(device_live_objects(), 0);
     return 0;
 }
@@ -215,7 +220,7 @@ static bool survives(duet_world *world, call c, int k)
 
 static void fail_each_command(duet_mode mode, call last)
 {
-    duet_world *world = open_world(mode);
+    duet_world *world = open_world(devices, mode);
     assert_right(world, DUET_SHARE_ONE / 2);
     for (int c = LAUNCH; c <= (int)last; ++c) {
         int k = 0;
@@ -253,7 +258,7 @@ static void a_failing_first_step_is_told_and_the_next_one_is_right(void **state)
     for (int c = WRITE; c <= BUILD; ++c) {
         bool reached = true;
         for (int k = 0; reached; k += strides[c]) {
-            duet_world *world = open_world(DUET_MODE_OWN);
+            duet_world *world = open_world(c == BUILD ? builders : devices, DUET_MODE_OWN);
             reached = survives(world, (call)c, k);
             assert_true(reached || k > 0);
             duet_world_destroy(world);

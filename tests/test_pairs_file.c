@@ -147,6 +147,8 @@ static void arrays_are_written_as_numpy_reads_them(void **state)
 
 // ------------------------------------------------------------ the program
 
+#define CACHED "DUET_CACHE=test_pairs.cache" // many runs, few kernels
+
 static double number_in(const cJSON *o, const char *name)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, name);
@@ -159,8 +161,8 @@ static void the_program_tests_a_file_at_every_level(void **state)
     (void)state;
     write_text("pairs.csv", TOUCHING APART TOUCHING);
     for (int l = 0; l < DUET_LEVELS; ++l) {
-        program p = program_run("test pairs.csv --json --share 1/3 --level %s",
-                                duet_level_describe((duet_level)l)->name);
+        program p = program_run_with(CACHED, "test pairs.csv --json --share 1/3 --level %s",
+                                     duet_level_describe((duet_level)l)->name);
         assert_string_equal(p.err, "");
         assert_int_equal(p.exit_code, 0);
         cJSON *o = cJSON_Parse(p.out);
@@ -191,7 +193,7 @@ static void the_program_writes_verdicts_and_gaps(void **state)
     write_text("pairs.csv", TOUCHING APART);
     static const char *const outs[] = {"verdicts.csv", "verdicts.npy"};
     for (int i = 0; i < 2; ++i) {
-        program p = program_run("test pairs.csv --gaps --out %s", outs[i]);
+        program p = program_run_with(CACHED, "test pairs.csv --gaps --out %s", outs[i]);
         assert_string_equal(p.err, "");
         assert_int_equal(p.exit_code, 0);
         program_free(&p);
