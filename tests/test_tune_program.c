@@ -81,9 +81,9 @@ static void the_terms_of_a_known_workload_are_those_that_were_measured(void **st
 {
     (void)state;
     const cJSON *rows;
-    cJSON *first = tune_json(QUICK SCENE, &rows);
+    cJSON *first = tune_json(QUICK "--trials 24 " SCENE, &rows);
     const cJSON *measured = cJSON_GetArrayItem(rows, 0);
-    cJSON *second = tune_json(QUICK SCENE, &rows);
+    cJSON *second = tune_json(QUICK "--trials 24 " SCENE, &rows);
     const cJSON *known = cJSON_GetArrayItem(rows, 0);
     static const char *const same[] = {"best_share", "gain", "gain_low", "gain_high", "single_ms"};
     for (size_t i = 0; i < sizeof same / sizeof *same; ++i)
@@ -106,7 +106,7 @@ static void an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more(void **s
 {
     (void)state;
     const cJSON *rows;
-    cJSON *root = tune_json(QUICK "--level sat6,aabb --false-rate 99 " SCENE, &rows);
+    cJSON *root = tune_json(QUICK "--trials 16 --level sat6,aabb --false-rate 99 " SCENE, &rows);
     const cJSON *row = cJSON_GetArrayItem(rows, 0);
     char level[16];
     snprintf(level, sizeof level, "%s", json_string(row, "level"));
@@ -115,7 +115,7 @@ static void an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more(void **s
     assert_true(json_number(row, "missed_rate") == 0 && false_rate > 0.01);
     assert_true(json_number(row, "true_pairs") > 100);
     cJSON_Delete(root);
-    root = tune_json(QUICK "--level sat6,aabb --false-rate 99 " SCENE, &rows);
+    root = tune_json(QUICK "--trials 16 --level sat6,aabb --false-rate 99 " SCENE, &rows);
     assert_true(json_true(cJSON_GetArrayItem(rows, 0), "resumed"));
     assert_string_equal(json_string(cJSON_GetArrayItem(rows, 0), "level"), level);
     cJSON_Delete(root);
