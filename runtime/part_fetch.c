@@ -32,9 +32,9 @@ static size_t smaller(size_t a, size_t b)
 static bool ask_ahead(part *p, cl_event *told, duet_error *err)
 {
     size_t open_bytes = smaller(p->undecided.bytes, sizeof((news *)0)->open);
-    size_t bytes = smaller(p->pairs.bytes, p->pairs_ahead * sizeof(duet_pair));
-    if (!host_block_reserve(&p->news, p->device, 1, sizeof(news), err) ||
-        !host_block_reserve(&p->fetched, p->device, 1, bytes, err))
+    size_t bytes = smaller(p->pairs_ahead * sizeof(duet_pair), p->fetched.size);
+    bytes = smaller(bytes, p->pairs.bytes);
+    if (!host_block_reserve(&p->news, p->device, 1, sizeof(news), err))
         return false;
     news *n = p->news.bytes;
     p->pairs_ahead = bytes / sizeof(duet_pair);
@@ -60,7 +60,8 @@ bool part_hear(part *p, duet_error *err)
 }
 
 // Where pairs come to lie on the host, with room behind them for the undecided.
-// A block that must grow loses what was sent ahead.
+// A block that must grow loses what was sent ahead, and locking its pages takes
+// longer than a step: it grows by more than it must.
 static bool reserve_span(part *p, duet_pair **pairs, duet_error *err)
 {
     uint64_t most = part_count(p, COUNT_PAIRS) + part_count(p, COUNT_UNDECIDED);
@@ -68,8 +69,10 @@ static bool reserve_span(part *p, duet_pair **pairs, duet_error *err)
     *pairs = p->pairs.host;
     if (*pairs)
         return true;
-    if (bytes > p->fetched.size)
+    if (bytes > p->fetched.size) {
         p->pairs_ahead = 0;
+        bytes += bytes / 16;
+    }
     bool ok = host_block_reserve(&p->fetched, p->device, 1, bytes, err);
     *pairs = p->fetched.bytes;
     return ok;
