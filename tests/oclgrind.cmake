@@ -17,6 +17,20 @@ set(ENV{OCLGRIND_DATA_RACES} 1)
 set(ENV{OCLGRIND_CHECK_API} 1)
 
 set(small --n 150 --repeat 1 --check)
+# Pairs alone: seven, so that a group is not full.
+file(WRITE ${FOLDER}/pairs.txt "")
+foreach(at 0 0.5 0.9 1 1.1 2 3)
+  file(APPEND ${FOLDER}/pairs.txt "0 0 0 .5 .5 .5 0 0 0 1  ${at} 0 0 .5 .5 .5 1 2 3 4\n")
+endforeach()
+foreach(level certified sat15 double)
+  execute_process(COMMAND ${PROGRAM} test ${FOLDER}/pairs.txt --level ${level}
+    --pair oclgrind:0,pocl:0 --share 0.8
+    RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE err)
+  if(NOT status EQUAL 0 OR NOT err STREQUAL "" OR NOT out MATCHES "5 colliding, 2 separated")
+    message(FATAL_ERROR "test --level ${level}: ${status}\n${err}\n${out}")
+  endif()
+endforeach()
+
 foreach(case
     "paper.lua --set world=9 --pair pocl:0,oclgrind:0 --share 0.5"
     "paper.lua --set world=9 --pair pocl:0,oclgrind:0 --share 0.3 --mode shared --set rotated=false"
