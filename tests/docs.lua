@@ -13,6 +13,7 @@ local few = "400"
 -- Files that the documents speak of.
 local examples = {
   ["boxes.csv"] = "0,0,0,1,1,1\n0.5,0.5,0.5,2,2,2\n5,5,5,6,6,6\n",
+  ["pairs.csv"] = "0,0,0,1,1,1,0,0,0,1,1,0,0,1,1,1,0,0,0,1\n",
   ["script.lua"] = "print(#arg)\n",
   ["scene.lua"] = 'local p = parameters { n = 10 }\nfor i = 1, p.n do add(i / 2, 0, 0, 0.5, 0.5, 0.5, 0, 0, 0, 1) end\nreturn { dims = 3 }\n',
 }
