@@ -348,9 +348,14 @@ uint32_t duet_motion_count(const duet_motion *m)
 
 // ---------------------------------------------------------------- buffers
 
+// What grows has room to grow on: fresh pages cost as much as what is put there.
 bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err)
 {
-    return buffer_reserve(&m->buffers[which], m->device, (size_t)n * size, err);
+    buffer *b = &m->buffers[which];
+    uint64_t bytes = n * size;
+    uint64_t roomy = bytes + bytes / 4;
+    bool grows = b->mem && b->bytes < bytes && roomy <= m->device->info.max_buffer_bytes;
+    return buffer_reserve(b, m->device, (size_t)(grows ? roomy : bytes), err);
 }
 
 bool motion_clear_flags(duet_motion *m, duet_error *err)

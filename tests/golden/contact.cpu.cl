@@ -71,21 +71,22 @@ __kernel void contact(__global const uint2 *restrict links, uint n, uint objects
         float4 d = (float4)(0.0f);
         manifold m;
         m.n = 0;
-#line 259 "kernels/contact.cl.in"
+        uint axis = touches[i] >> TOUCH_AXIS;
+#line 260 "kernels/contact.cl.in"
         {
-#line 263 "kernels/contact.cl.in"
+#line 264 "kernels/contact.cl.in"
             solid solid_b = solid_at(halves[b]);
-#line 268 "kernels/contact.cl.in"
+#line 269 "kernels/contact.cl.in"
             d = convert_float4(centres[b] - centres[a]);
-#line 270 "kernels/contact.cl.in"
+#line 271 "kernels/contact.cl.in"
             d.w = 0.0f;
-#line 272 "kernels/contact.cl.in"
-            touch_boxes(&solid_a, &solid_b, d, margin, &m);
-#line 286 "kernels/contact.cl.in"
+#line 273 "kernels/contact.cl.in"
+            touch_boxes(&solid_a, &solid_b, d, margin, &m, &axis);
+#line 288 "kernels/contact.cl.in"
         }
-#line 297 "kernels/contact.cl.in"
+#line 299 "kernels/contact.cl.in"
         bool touching = false; // no gap, or pushed in the last step
-#line 304 "kernels/contact.cl.in"
+#line 306 "kernels/contact.cl.in"
         put_float4(record + AT_NORMAL, m.normal);
         for (int k = 0; k < m.n; ++k) {
             __global float *part = record + HEAD + k * PART;
@@ -93,9 +94,9 @@ __kernel void contact(__global const uint2 *restrict links, uint n, uint objects
             put_float4(part + OF_ARM, arm);
             part[OF_GAP] = arm.w;
             touching = touching || arm.w <= 0.0f;
-#line 322 "kernels/contact.cl.in"
+#line 324 "kernels/contact.cl.in"
         }
-#line 331 "kernels/contact.cl.in"
-        touches[i] = (uint)m.n | (touching ? TOUCH_MEETS : 0u);
+#line 333 "kernels/contact.cl.in"
+        touches[i] = (uint)m.n | (touching ? TOUCH_MEETS : 0u) | axis << TOUCH_AXIS;
     }
 }

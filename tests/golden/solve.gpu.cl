@@ -118,14 +118,37 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
         leave_shoves(&p, constraint, bodies);
 }
 
+#if LANES > 1
+
+// Bodies are read at random: those of the next block are asked for in time.
+static inline void ask_for_bodies(__global const float *constraint, __global const float4 *bodies)
+{
+    for (int side = IN_OWNER; side <= IN_OTHER; ++side) {
+        uint ids[LANES];
+        spread(as_word(get(constraint, side)), ids);
+#pragma unroll
+        for (int k = 0; k < LANES; ++k) {
+            ask_for(bodies + (size_t)ids[k] * BODY);
+            ask_for(bodies + (size_t)ids[k] * BODY + BODY - 1);
+        }
+    }
+}
+#endif
+
 __kernel void solve(uint count, uint first_slot, uint each, uint apart, __global float *restrict blocks,
                     __global float4 *restrict bodies, uint soft, float per_h, float4 spring, float4 hard_spring,
                     float slop)
 {
     uint from = get_global_id(0) * each;
     uint to = min(from + each, count);
-    for (uint k = from; k < to; k += STRIDE(apart))
+    for (uint k = from; k < to; k += STRIDE(apart)) {
+#if LANES > 1
+        uint next = k + STRIDE(apart);
+        if (next < to)
+            ask_for_bodies(constraint_at(blocks, first_slot + next * apart), bodies);
+#endif
         solve_slots(constraint_at(blocks, first_slot + k * apart), bodies, soft, per_h, spring, hard_spring, slop);
+    }
 }
 
 // ------------------------------------------------------------ bouncing
