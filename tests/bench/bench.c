@@ -18,6 +18,7 @@ static const struct {
     {"candidates", bench_candidates, "merged rows against the paper's search, on one device"},
     {"share", bench_share, "two devices against the better one, each way to split"},
     {"step", bench_step, "a whole step against the AVX2 program and the paper's kernels"},
+    {"still", bench_still, "what effects cost a scene that calls for none"},
     {"growth", bench_growth, "time an object, up to --n objects"},
 #ifdef BENCH_AVX2
     {"limit", bench_limit, "the AVX2 program alone, stage by stage"},

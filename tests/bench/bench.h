@@ -31,6 +31,7 @@ bench_run bench_limit;
 bench_run bench_lookup;
 bench_run bench_share;
 bench_run bench_step;
+bench_run bench_still;
 bench_run bench_strategies;
 bench_run bench_tune;
 
