@@ -4,6 +4,7 @@
 #include "runtime/base/error.h"
 #include "tuner/cli/table.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 
 static void print_row(table *t, const costs *c, const cost *row)
@@ -32,7 +33,8 @@ void costs_report_text(const costs *c)
         print_row(&t, c, &c->rows[i]);
     table_print(&t, stdout);
     if (measured)
-        printf("\n%.3f ms a step with all of them\n", c->step_ms);
+        printf("\n%.3f ms a step with all of them, in steps 3 to %" PRIu64 " of the scene\n",
+               c->step_ms, c->steps + 2);
 }
 
 // ---------------------------------------------------------------- as data

@@ -103,7 +103,8 @@ void paces_report_text(const paces_report *r)
         print_row(&t, p, &p->rows[i]);
     table_print(&t, stdout);
     if (p->n < p->n_asked)
-        printf("\n%u dearer ones were not begun: the limit was reached.\n", p->n_asked - p->n);
+        printf("\n%u dearer ones were not begun: the limit, or Ctrl-C, came before.\n",
+               p->n_asked - p->n);
     printf(
         "\n* nothing is both faster and nearer to the reference; < the scene's own.\n"
         "error: root mean square distance of the centres from the reference's, by powers of ten;"
