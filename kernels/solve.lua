@@ -18,6 +18,7 @@ return {
   },
   valid = function(p)
     if p.LANES == 8 and p.BLOCK ~= 8 then return false, "lanes are blocks" end
+    if p.PER_ITEM % p.LANES ~= 0 then return false, "PER_ITEM is not a multiple of LANES" end
     return true
   end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,

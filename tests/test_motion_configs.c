@@ -22,7 +22,7 @@ static bool take_all;
 // ---------------------------------------------------------------- launches
 
 static const char *const names[] = {"integrate", "enclose", "rows",   "contact", "carry",
-                                    "doze",      "body",    "colour", "solve"};
+                                    "doze",      "body",    "colour", "prepare", "solve"};
 
 enum { KERNELS = sizeof names / sizeof *names };
 
@@ -74,10 +74,27 @@ static int64_t draw_value(const char *kernel_name, const char *param, rng *r)
     return 0;
 }
 
+static launch draw_launch(const char *kernel_name, rng *r)
+{
+    const gen_limits limits = {.max_group = 256, .local_bytes = 1 << 15, .fp64 = true, .cpu = true};
+    for (int again = 0; again < 100; ++again) {
+        duet_error err = {0};
+        gen_variant v;
+        launch l = {draw_value(kernel_name, "WG", r), draw_value(kernel_name, "PER_ITEM", r)};
+        const gen_setting settings[] = {{"WG", l.group}, {"PER_ITEM", l.per_item}};
+        if (gen_make(generator, kernel_name, settings, 2, &limits, &v, &err)) {
+            gen_variant_free(&v);
+            return l;
+        }
+    }
+    fail_msg("%s has no valid launch", kernel_name);
+    return (launch){0};
+}
+
 static void draw_launches(rng *r)
 {
     for (int i = 0; i < KERNELS; ++i)
-        launches[i] = (launch){draw_value(names[i], "WG", r), draw_value(names[i], "PER_ITEM", r)};
+        launches[i] = draw_launch(names[i], r);
 }
 
 static void tell_launches(char *chars, size_t room)
