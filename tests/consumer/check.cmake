@@ -38,6 +38,17 @@ if(NOT out MATCHES "^plan: [a-z ]+, share [0-9.]+\n300 frames, [0-9]+ ns, [1-9][
 endif()
 run(${prefix}/bin/duet --version)
 
+# pkg-config looks for what is required in private even for the shared library,
+# whose users need not have it.
+run(pkg-config --print-requires-private duet)
+if(NOT out STREQUAL "")
+  message(FATAL_ERROR "duet.pc asks every user for ${out}")
+endif()
+execute_process(COMMAND pkg-config --cflags --libs --static duet OUTPUT_VARIABLE flags)
+separate_arguments(flags UNIX_COMMAND "${flags}")
+run(cc ${HELLO} -o ${built}/with_static_flags ${flags})
+run(${built}/with_static_flags)
+
 # Only the API can be seen from outside.
 run(nm -D --defined-only ${pc_dir}/../libduet.so)
 string(REGEX MATCHALL "[A-Za-z_][A-Za-z0-9_]*\n" symbols "${out}")
