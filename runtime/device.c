@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L // nanosleep
 #include "runtime/device.h"
 
 #include "runtime/base/error.h"
@@ -12,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 static atomic_int live_objects;
 
@@ -167,12 +169,31 @@ bool device_open(device *d, const char *selector, duet_error *err)
     return false;
 }
 
+// A driver's thread lets go of a command, and with it of the queue, a moment
+// after the command is over. PoCL 3.1 reads the device then, which must not be
+// gone by that time. Bounded, for a driver may count otherwise.
+static void wait_until_alone(cl_command_queue queue)
+{
+    const struct timespec moment = {.tv_nsec = 50000};
+    cl_uint users = 1;
+    clFinish(queue);
+    for (int i = 0; i < 2000; ++i) {
+        if (clGetCommandQueueInfo(queue, CL_QUEUE_REFERENCE_COUNT, sizeof users, &users, NULL) !=
+                CL_SUCCESS ||
+            users <= 1)
+            return;
+        nanosleep(&moment, NULL);
+    }
+}
+
 void device_close(device *d)
 {
     shelf_close(d->built);
     cl_command_queue queues[] = {d->queue, d->beside};
     for (int i = 0; i < 2; ++i) {
         if (queues[i]) {
+            if (d->info.host_memory)
+                wait_until_alone(queues[i]);
             clReleaseCommandQueue(queues[i]);
             device_object_gone();
         }
