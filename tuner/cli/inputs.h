@@ -42,11 +42,12 @@ typedef struct plan_options {
     OPTION_TEXT("pair", member, "A,B", \
                 "two selectors of 'duet devices' (a CPU and a GPU, or a CPU's halves)")
 
-#define PLAN_OPTION_ROWS(member)                                                             \
-    OPTION_SHARE("share", member.share, "R", "A's part of the work, as 0.25 or 1/4"),        \
-        OPTION_TEXT("mode", member.mode, "M", "how grids are built: shared, own or slab"),   \
-        OPTION_TEXT("variant", member.variant, "V", "kernels of both devices: rows, paper"), \
-        OPTION_TEXT("variant-a", member.variants[0], "V", "kernels of A"),                   \
+#define PLAN_OPTION_ROWS(member)                                                           \
+    OPTION_SHARE("share", member.share, "R", "A's part of the work, as 0.25 or 1/4"),      \
+        OPTION_TEXT("mode", member.mode, "M", "how grids are built: shared, own or slab"), \
+        OPTION_TEXT("variant", member.variant, "V",                                        \
+                    "kernels of both devices: rows, lanes, items or paper"),               \
+        OPTION_TEXT("variant-a", member.variants[0], "V", "kernels of A"),                 \
         OPTION_TEXT("variant-b", member.variants[1], "V", "kernels of B")
 
 // What a world is asked to find: as the scene says, or as these do.

@@ -21,15 +21,15 @@ static const struct {
     {"accuracy", command_accuracy, "what each level of accuracy costs, and gets wrong"},
     {"bench", command_bench, "a standard set of measurements, compared with earlier ones"},
     {"devices", command_devices, "what OpenCL offers here, and the selectors for --pair"},
+    {"explain", command_explain, "which effects or kernels a scene calls for, and what each costs"},
     {"lua", command_lua, "scripts that use all of this, and a prompt to try it at"},
     {"picture", command_picture, "a drawing of a scene, its cells and its pairs"},
     {"profiles", command_profiles, "what was measured, and what applications load"},
     {"report", command_report, "one page for a browser with all that was measured"},
-    {"explain", command_explain, "which effects or kernels a scene calls for, and what each costs"},
     {"run", command_run, "all pairs of a scene, and where the time went"},
-    {"tune", command_tune, "how two devices share a scene's work best, and keeps it"},
     {"source", command_source, "the exact text of a kernel, and what it lets vary"},
     {"test", command_test, "pairs of boxes from a file, each colliding or separated"},
+    {"tune", command_tune, "how two devices share a scene's work best, and keeps it"},
 };
 
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
