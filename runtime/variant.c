@@ -67,7 +67,7 @@ static bool take_grid(variant *v, const char *value, duet_error *err)
 static bool take_send(variant *v, const char *value, duet_error *err)
 {
     static const char *const names[] = {
-        [SEND_CHUNKS] = "chunks", [SEND_ALL] = "all", [SEND_PACKED] = "packed"};
+        [SEND_ALL] = "all", [SEND_CHUNKS] = "chunks", [SEND_PACKED] = "packed"};
     for (int i = 0; i < 3; ++i) {
         if (strcmp(value, names[i]) == 0) {
             v->send = (variant_send)i;
@@ -75,7 +75,7 @@ static bool take_send(variant *v, const char *value, duet_error *err)
         }
     }
     return error_set(err, DUET_BAD_ARGUMENT,
-                     "variant: send=%s is not possible; right would be chunks, all or packed",
+                     "variant: send=%s is not possible; right would be all, chunks or packed",
                      value);
 }
 
@@ -124,7 +124,7 @@ static bool take_setting(variant *v, char *word, duet_error *err)
 
 bool variant_parse(variant *v, const char *text, const duet_device_info *device, duet_error *err)
 {
-    *v = (variant){.send = SEND_CHUNKS};
+    *v = (variant){.send = SEND_ALL};
     char words[sizeof(((duet_plan *)0)->variant_a)];
     if (snprintf(words, sizeof words, "%s", text) >= (int)sizeof words)
         return error_set(err, DUET_BAD_ARGUMENT, "variant: longer than %zu characters",

@@ -29,7 +29,7 @@ typedef enum variant_grid {
     VARIANT_GRID_HASHED
 } variant_grid;
 
-typedef enum variant_send { SEND_CHUNKS, SEND_ALL, SEND_PACKED } variant_send;
+typedef enum variant_send { SEND_ALL, SEND_CHUNKS, SEND_PACKED } variant_send;
 
 enum { VARIANT_SETTINGS = 8 };
 
