@@ -15,7 +15,7 @@
 #define SCENE "test_tune.scene.lua"
 #define STORE "test_tune.db"
 #define CONFIG "test_tune.tune.lua"
-#define QUICK "--variants rows --store " STORE " "
+#define QUICK "--variants rows --profile " STORE " "
 
 static const char scene_text[] =
     "local p = parameters { n = 2000, seed = 1 }\n"
@@ -210,7 +210,7 @@ static void a_tune_file_sweeps_with_a_strategy_of_its_own(void **state)
                             "  end,\n"
                             "}\n");
     const cJSON *rows;
-    cJSON *root = tune_json("--store " STORE " --config " CONFIG, &rows);
+    cJSON *root = tune_json("--profile " STORE " --config " CONFIG, &rows);
     assert_int_equal(cJSON_GetArraySize(rows), 2);
     assert_int_equal(json_number(cJSON_GetArrayItem(rows, 0), "objects"), 500);
     assert_int_equal(json_number(cJSON_GetArrayItem(rows, 1), "objects"), 600);
@@ -228,9 +228,9 @@ static void what_is_wrong_on_the_command_line_is_one_line(void **state)
         {"tune", 2, "give a scene"},
         {"tune " QUICK SCENE " --n 10,x", 2, "--n '10,x'"},
         {"tune " QUICK SCENE " --strategy guess", 1, "there are balance, fig12"},
-        {"tune --variants nonsense --store " STORE " " SCENE, 2, "nonsense"},
+        {"tune --variants nonsense --profile " STORE " " SCENE, 2, "nonsense"},
         {"tune " QUICK " no/such.lua", 1, "no/such.lua"},
-        {"tune --store " SCENE " " SCENE, 1, SCENE},
+        {"tune --profile " SCENE " " SCENE, 1, SCENE},
         {"tune " QUICK SCENE " --level gjk", 2, "--level 'gjk': the levels are"},
         {"tune " QUICK SCENE " --level sat6,", 2, "--level ''"},
         {"tune " QUICK SCENE " --level sat6,aabb", 2, "give --missed or --false-rate"},
