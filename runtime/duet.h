@@ -626,7 +626,7 @@ typedef struct duet_effect_info {
     uint32_t bytes;        // of state an object, on B
 } duet_effect_info;
 
-// Effect i, NULL past the last.
+// Effect i, and after the last one how positions are kept ("origin"); false past that.
 DUET_API bool duet_motion_explain(const duet_motion *motion, uint32_t i, duet_effect_info *info);
 
 // ---------------------------------------------------------------- reference

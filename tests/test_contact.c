@@ -29,6 +29,28 @@ static void stacks_stand_far_away_in_doubles(void **state)
     stack_assert_stands(&s, 20);
 }
 
+// Points of contact that left their corners for a step would kick it.
+static void a_stack_comes_to_rest(void **state)
+{
+    (void)state;
+    for (int doubles = 0; doubles < 2; ++doubles) {
+        mover *m = mover_new(3);
+        m->def.doubles = doubles;
+        m->def.substeps = 4;
+        mover_add_floor(m, 5);
+        for (uint32_t i = 0; i < 10; ++i)
+            mover_add_rough_cube(m, 0, 0, i + 0.5);
+        mover_run(m, 20 * 60);
+        for (uint32_t second = 0; second < 10; ++second) {
+            mover_run(m, 60);
+            for (uint32_t i = 1; i <= 10; ++i)
+                if (mover_speed(m, i) > 1e-4)
+                    fail_msg("box %u of 10 moves by %g after %u s", i, mover_speed(m, i), 21 + second);
+        }
+        mover_free(m);
+    }
+}
+
 // ---------------------------------------------------------------- masses
 
 static void heavy_boxes_rest_on_light_ones(void **state)
@@ -439,6 +461,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(stacks_stand),
         cmocka_unit_test(stacks_stand_far_away_in_doubles),
+        cmocka_unit_test(a_stack_comes_to_rest),
         cmocka_unit_test(heavy_boxes_rest_on_light_ones),
         cmocka_unit_test(what_has_no_mass_stays),
         cmocka_unit_test(bullets_do_not_pass_a_wall),

@@ -452,7 +452,7 @@ function Motion:effects() end
 ---@return string? status
 function Motion:energy() end
 
---- Every effect, and what calls for it, or would.
+--- Every effect, and what calls for it, or would; last, how positions are kept.
 ---@return duet.Effect[]
 function Motion:explain() end
 

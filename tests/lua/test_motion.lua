@@ -65,7 +65,10 @@ holds("only the effects run that the objects or the def call for", function()
   end
   equal(has(still, "gravity"), false)
   equal(has(moving, "gravity"), true)
-  equal(#moving:explain(), #duet.effects())
+  local lines = moving:explain()
+  equal(#lines, #duet.effects() + 1)
+  equal(lines[#lines].name, "origin")
+  equal(lines[#lines].active, false)
 end)
 
 holds("a scene that says how its objects move can be moved", function()
