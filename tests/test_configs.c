@@ -39,7 +39,6 @@ static int open_devices(void **state)
     (void)state;
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
-    def.cache_dir = "test_configs.cache"; // many worlds, and most of their kernels are the same
     devices = duet_device_pair_open(&def, &err);
     assert_ok(devices, err);
     generator = gen_open(NULL, &err);

@@ -19,7 +19,6 @@ static int open_devices(void **state)
     (void)state;
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
-    def.cache_dir = "test_pairs.cache"; // many tests, few kernels
     devices = duet_device_pair_open(&def, &err);
     assert_ok(devices, err);
     return 0;

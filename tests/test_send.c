@@ -20,7 +20,6 @@ static int open_devices(void **state)
     (void)state;
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
-    def.cache_dir = "test_send.cache";
     devices = duet_device_pair_open(&def, &err);
     assert_ok(devices != NULL, err);
     devices->devices[0].info.host_memory = devices->devices[1].info.host_memory = false;

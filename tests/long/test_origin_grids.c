@@ -23,7 +23,6 @@ static int open_devices(void **state)
     (void)state;
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
-    def.cache_dir = "test_origin_grids.cache"; // many worlds, few kernels
     devices = duet_device_pair_open(&def, &err);
     assert_ok(devices != NULL, err);
     return 0;

@@ -7,6 +7,8 @@ static void tall_stacks_stand_for_a_minute(void **state)
 {
     (void)state;
     static const stack stacks[] = {
+        {.dims = 3, .height = 10, .substeps = 4},
+        {.dims = 2, .height = 10, .substeps = 4},
         {.dims = 3, .height = 20, .substeps = 8},
         {.dims = 3, .height = 40, .substeps = 12},
         {.dims = 2, .height = 20, .substeps = 8},

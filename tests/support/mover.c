@@ -14,7 +14,6 @@ int mover_open_pair(void **state)
     (void)state;
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
-    def.cache_dir = "test_mover.cache"; // many motions, few kernels
     pair = duet_device_pair_open(&def, &err);
     assert_ok(pair, err);
     return 0;
