@@ -96,8 +96,8 @@ static void jitter(mover *m, rng *r)
         }
 }
 
-// Where more than four points would do, a hair decides which are kept: some 3 in a
-// hundred of these go from three points to four or back.
+// Where more than four points would do, a hair may decide which are kept, but not
+// where corners are among them: one in a thousand at most was seen to change.
 static void a_millionth_changes_few_manifolds(void **state)
 {
     (void)state;
@@ -114,7 +114,38 @@ static void a_millionth_changes_few_manifolds(void **state)
     }
     print_message("%u of %u contacts have another number of points\n", changed, touching);
     assert_true(touching > RESTING * 9 / 10);
-    assert_true(changed <= RESTING / 20);
+    assert_true(changed <= RESTING / 200);
+    mover_free(m);
+}
+
+// Boxes that lie flat over each other's edges but for half a degree: their
+// edges cross so flat that the crossing separates them as well as a face does.
+static mover *lying_boxes(rng *r)
+{
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_RESPONSE;
+    for (int i = 0; i < RESTING; ++i) {
+        double x = 10 * (i % 10), y = 10 * (i / 10 % 10), z = 10 * (i / 100);
+        uint32_t floor = mover_add(m, x, y, z, 1, 1, 0.5);
+        m->bodies[floor].mass = 0;
+        uint32_t box = mover_add(m, x + rng_between(r, -1.2, 1.2), y + rng_between(r, -0.5, 0.5),
+                                 z + 0.99, 0.5, 0.5, 0.5);
+        mover_turn(m, box, rng_between(r, -0.004, 0.004), rng_between(r, -0.004, 0.004), 1,
+                   rng_between(r, 0, 3));
+    }
+    return m;
+}
+
+static void edges_that_cross_flat_are_a_face(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    mover *m = lying_boxes(&r);
+    uint32_t counts[RESTING];
+    read_point_counts(m, counts);
+    for (int i = 0; i < RESTING; ++i)
+        if (counts[i] < 3)
+            fail_msg("box %d lies on %u points", i, counts[i]);
     mover_free(m);
 }
 
@@ -228,6 +259,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_resting_face_stays_a_face_under_noise),
         cmocka_unit_test(a_millionth_changes_few_manifolds),
+        cmocka_unit_test(edges_that_cross_flat_are_a_face),
         cmocka_unit_test(a_filter_leaves_exactly_the_contacts_it_lets_through),
         cmocka_unit_test(a_skin_misses_no_contact),
         cmocka_unit_test(an_object_that_leaps_out_of_its_skin_is_found_where_it_lands),
