@@ -45,7 +45,8 @@ static void a_stack_comes_to_rest(void **state)
             mover_run(m, 60);
             for (uint32_t i = 1; i <= 10; ++i)
                 if (mover_speed(m, i) > 1e-4)
-                    fail_msg("box %u of 10 moves by %g after %u s", i, mover_speed(m, i), 21 + second);
+                    fail_msg("box %u of 10 moves by %g after %u s", i, mover_speed(m, i),
+                             21 + second);
         }
         mover_free(m);
     }
