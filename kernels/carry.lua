@@ -7,6 +7,7 @@ return {
     { "SPIN", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push" },
     { "FRICTION", values = { 0, 1 }, default = 0, about = "1: and rub" },
+    { "SLEEP", values = { 0, 1 }, default = 0, about = "1: what rests is left out" },
     { "EVENTS", values = { 0, 1 }, default = 0, about = "1: tells of contacts that begin and end" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
@@ -15,6 +16,7 @@ return {
   },
   valid = function(p)
     if p.FRICTION == 1 and p.RESPONSE == 0 then return false, "FRICTION without RESPONSE" end
+    if p.SLEEP == 1 and p.RESPONSE == 0 then return false, "SLEEP without RESPONSE" end
     return true
   end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,

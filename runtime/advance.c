@@ -166,6 +166,7 @@ static bool finish_bodies(duet_motion *m, duet_error *err)
         args_buffer(&a, HALVES);
         args_float(&a, m->def.dt);
         args_float(&a, m->def.sleep_speed);
+        args_float(&a, m->def.sleep_after);
     }
     args_buffer(&a, VELOCITIES);
     return args_launch(&a, "motion", m->kernels.body_finish, m->n, err);

@@ -523,8 +523,8 @@ typedef struct duet_motion_def {
     double slop;         // contacts are kept to 4 slops apart; 0: from the objects' sizes
     double push_speed;   // greatest speed at which overlap is resolved
     double bounce_speed; // impacts below it do not bounce
-    double sleep_speed;  // slower than that for sleep_after seconds: may sleep
-    double sleep_after;
+    double sleep_speed;  // what is slower rests, and what is faster takes back twice the time
+    double sleep_after;  // seconds of rest: sleeps, if nothing that moves touches it
     int cookie;
 } duet_motion_def;
 

@@ -30,7 +30,7 @@ static const effect_row rows[] = {
      "enclose, contact"},
     {DUET_EFFECT_FILTER, "filter", DUET_EFFECT_CONTACT, "a group or mask that is not all", "filter",
      "rows"},
-    {DUET_EFFECT_SLEEP, "sleep", DUET_EFFECT_RESPONSE, "wants", "asleep", "doze, body, contact"},
+    {DUET_EFFECT_SLEEP, "sleep", DUET_EFFECT_RESPONSE, "wants", "asleep", "doze, body, contact, carry"},
     {DUET_EFFECT_SKIN, "skin", DUET_EFFECT_CONTACT, "a skin above 0", "left_skin", "enclose"},
 };
 

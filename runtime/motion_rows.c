@@ -223,6 +223,11 @@ static bool carry(duet_motion *m, uint32_t n_old, duet_error *err)
         args_uint(&a, (uint32_t)m->event_room);
         args_buffer(&a, FLAG_WORDS);
     }
+    if (motion_has(m, DUET_EFFECT_SLEEP)) {
+        args_buffer(&a, ASLEEP);
+        args_uint(&a, m->n);
+        args_buffer(&a, RESTS);
+    }
     args_buffer(&a, STARTS);
     args_buffer(&a, OTHERS);
     args_buffer(&a, TOUCHES);
@@ -270,6 +275,7 @@ bool motion_touch(duet_motion *m, bool woken, duet_error *err)
     if (motion_has(m, DUET_EFFECT_SLEEP)) {
         args_buffer(&a, ASLEEP);
         args_uint(&a, woken);
+        args_buffer(&a, RESTS);
     }
     if (motion_has(m, DUET_EFFECT_FAST))
         args_float(&a, m->def.dt);

@@ -357,6 +357,57 @@ static void what_rests_sleeps_and_is_woken(void **state)
     mover_free(m);
 }
 
+// The lower of two boxes that sleep is shot away, within one step further than
+// anything that touches the upper one.
+static void what_slept_on_a_box_that_is_gone_falls(void **state)
+{
+    (void)state;
+    for (int skin = 0; skin < 2; ++skin) {
+        mover *m = mover_new(3);
+        m->def.wants = DUET_EFFECT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_FAST;
+        m->def.gravity[2] = -9.81;
+        m->def.skin = skin * 0.05;
+        uint32_t floor = mover_add(m, 0, 0, -0.5, 300, 5, 0.5);
+        m->bodies[floor].mass = 0.0f;
+        mover_add_cube(m, 0, 0, 0.5, 1);
+        uint32_t upper = mover_add_cube(m, 0, 0, 1.5, 1);
+        uint32_t bullet = mover_add_cube(m, -250, 0, 0.5, 0.5);
+        m->bodies[bullet].mass = 100.0f;
+        m->bodies[bullet].velocity[0] = 240.0f;
+        mover_run(m, 55);
+        assert_int_equal(m->last.contacts, 1); // only the bullet's
+        mover_run(m, 65);
+        assert_close(m->states[upper].centre[2], 0.5, 0.02);
+        mover_free(m);
+    }
+}
+
+static bool hopping_box_sleeps(float speed)
+{
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_RESPONSE | DUET_EFFECT_SLEEP;
+    m->def.sleep_speed = 0.05;
+    m->def.bounce_speed = 0.0;
+    mover_add_floor(m, 5);
+    m->def.gravity[2] = -0.5;
+    uint32_t box = mover_add_cube(m, 0, 0, 0.5, 1);
+    m->bodies[box].restitution = 1.0f;
+    m->bodies[box].upright = true;
+    m->bodies[box].velocity[2] = speed;
+    mover_run(m, 120);
+    bool sleeps = mover_speed(m, box) == 0.0;
+    mover_free(m);
+    return sleeps;
+}
+
+// A box that hops, up to six fifths of the speed below which it rests, or to four times.
+static void what_is_mostly_slow_sleeps(void **state)
+{
+    (void)state;
+    assert_true(hopping_box_sleeps(0.06f));
+    assert_false(hopping_box_sleeps(0.2f));
+}
+
 static void events_begin_and_end(void **state)
 {
     (void)state;
@@ -478,6 +529,8 @@ int main(void)
         cmocka_unit_test(friction_holds_up_to_its_angle),
         cmocka_unit_test(a_box_slides_over_a_seam),
         cmocka_unit_test(what_rests_sleeps_and_is_woken),
+        cmocka_unit_test(what_slept_on_a_box_that_is_gone_falls),
+        cmocka_unit_test(what_is_mostly_slow_sleeps),
         cmocka_unit_test(events_begin_and_end),
         cmocka_unit_test(the_share_changes_nothing),
         cmocka_unit_test(one_lane_gives_the_bits_of_eight),

@@ -238,7 +238,8 @@ static void what_cannot_be_written_is_not_half_written(void **state)
 static void ctrl_c_shows_what_was_timed(void **state)
 {
     (void)state;
-    program p = program_run_with("timeout --preserve-status -s INT 2",
+    // in the foreground timeout(1) sends its signal once, as a person does
+    program p = program_run_with("timeout --foreground --preserve-status -s INT 2",
                                  "run %s --repeat 100000 --json", SCENE);
     assert_int_equal(p.exit_code, 1);
     assert_string_equal(p.err, "duet: stopped\n");

@@ -8,6 +8,7 @@ local p = parameters {
   friction = 0.5,
   restitution = 0.1,
   sleep = true, -- what rests leaves the work
+  sleep_speed = 0.15, -- what is slower rests; gravity gives 0.16 in a step
 }
 
 local random = random(p.seed)
@@ -40,4 +41,5 @@ return {
   body = { friction = p.friction, restitution = p.restitution },
   wants = wants,
   skin = 0.05,
+  sleep_speed = p.sleep_speed,
 }

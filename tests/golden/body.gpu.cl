@@ -70,22 +70,23 @@ __kernel void body_drift(__global float4 *restrict bodies, uint n,
     }
 }
 
-__kernel void body_finish(__global const float4 *restrict bodies, uint n, __global real4 *restrict centres,
 #line 153 "kernels/body.cl.in"
+__kernel void body_finish(__global const float4 *restrict bodies, uint n, __global real4 *restrict centres,
+#line 164 "kernels/body.cl.in"
                           __global real4 *restrict velocities)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         __global const float4 *body = bodies + (size_t)id * BODY;
-#line 168 "kernels/body.cl.in"
+#line 179 "kernels/body.cl.in"
         float4 velocity = body[BODY_VELOCITY];
         real4 centre = centres[id];
         centre.xyz += convert_real4(body[BODY_MOVED]).xyz;
-#line 174 "kernels/body.cl.in"
+#line 185 "kernels/body.cl.in"
         centres[id] = centre;
         velocities[id].xyz = convert_real4(velocity).xyz;
         float fastest = dot_float(velocity, velocity);
-#line 190 "kernels/body.cl.in"
+#line 200 "kernels/body.cl.in"
     }
 }

@@ -1,8 +1,9 @@
-// carry.DIMS2.SPIN0.RESPONSE0.FRICTION0.EVENTS0.WG1.PER_ITEM1024
+// carry.DIMS2.SPIN0.RESPONSE0.FRICTION0.SLEEP0.EVENTS0.WG1.PER_ITEM1024
 #define DIMS 2
 #define SPIN 0
 #define RESPONSE 0
 #define FRICTION 0
+#define SLEEP 0
 #define EVENTS 0
 #define WG 1
 #define PER_ITEM 1024
@@ -12,14 +13,14 @@
 #line 1 "kernels/carry.cl.in"
 // SPDX-License-Identifier: MIT
 // Contacts taken over into new rows: records and colours of those that are
-// still pairs. The others are forgotten.
+// still pairs. The others are forgotten, and what slept leaning on one wakes.
 //
 //   starts, others  the new rows
 #line 25 "kernels/carry.cl.in"
 
 __kernel void carry(__global const uint2 *restrict old_links, __global const uint *restrict old_touches,
                     __global const float *restrict old_contacts, uint n_old,
-#line 34 "kernels/carry.cl.in"
+#line 37 "kernels/carry.cl.in"
                     __global const uint *restrict starts, __global const uint *restrict others,
                     __global uint *restrict touches, __global float *restrict contacts)
 {
@@ -41,8 +42,8 @@ __kernel void carry(__global const uint2 *restrict old_links, __global const uin
             touches[low] = touch;
             for (uint k = 0; n > 0 && k < HEAD + n * PART; ++k)
                 contacts[(size_t)low * RECORD + k] = old[k];
-#line 58 "kernels/carry.cl.in"
+#line 61 "kernels/carry.cl.in"
         }
-#line 72 "kernels/carry.cl.in"
+#line 85 "kernels/carry.cl.in"
     }
 }

@@ -42,7 +42,7 @@ static inline solid solid_at(float4 extents)
     s.halves[2] = extents.z;
     return s;
 }
-#line 179 "kernels/contact.cl.in"
+#line 189 "kernels/contact.cl.in"
 
 static inline void keep_deepest(manifold *m)
 {
@@ -55,9 +55,9 @@ static inline void keep_deepest(manifold *m)
 }
 
 __kernel void contact(__global const uint2 *restrict links, uint n, uint objects, __global const real4 *restrict centres,
-#line 194 "kernels/contact.cl.in"
+#line 204 "kernels/contact.cl.in"
                       __global const float4 *restrict halves,
-#line 213 "kernels/contact.cl.in"
+#line 223 "kernels/contact.cl.in"
                       float margin, __global uint *restrict touches, __global float *restrict contacts)
 {
     uint first = get_global_id(0) * PER_ITEM;
@@ -65,28 +65,28 @@ __kernel void contact(__global const uint2 *restrict links, uint n, uint objects
     for (uint i = first; i < last; ++i) {
         uint a = links[i].x, b = links[i].y;
         __global float *record = contacts + (size_t)i * RECORD;
-#line 235 "kernels/contact.cl.in"
+#line 245 "kernels/contact.cl.in"
         solid solid_a = solid_at(halves[a]);
-#line 237 "kernels/contact.cl.in"
+#line 247 "kernels/contact.cl.in"
         float4 d = (float4)(0.0f);
         manifold m;
         m.n = 0;
         uint axis = touches[i] >> TOUCH_AXIS;
-#line 260 "kernels/contact.cl.in"
+#line 270 "kernels/contact.cl.in"
         {
-#line 264 "kernels/contact.cl.in"
+#line 274 "kernels/contact.cl.in"
             solid solid_b = solid_at(halves[b]);
-#line 269 "kernels/contact.cl.in"
+#line 279 "kernels/contact.cl.in"
             d = convert_float4(centres[b] - centres[a]);
-#line 271 "kernels/contact.cl.in"
+#line 281 "kernels/contact.cl.in"
             d.w = 0.0f;
-#line 273 "kernels/contact.cl.in"
+#line 283 "kernels/contact.cl.in"
             touch_boxes(&solid_a, &solid_b, d, margin, &m, &axis);
-#line 288 "kernels/contact.cl.in"
+#line 298 "kernels/contact.cl.in"
         }
-#line 299 "kernels/contact.cl.in"
+#line 309 "kernels/contact.cl.in"
         bool touching = false; // no gap, or pushed in the last step
-#line 306 "kernels/contact.cl.in"
+#line 324 "kernels/contact.cl.in"
         put_float4(record + AT_NORMAL, m.normal);
         for (int k = 0; k < m.n; ++k) {
             __global float *part = record + HEAD + k * PART;
@@ -94,9 +94,9 @@ __kernel void contact(__global const uint2 *restrict links, uint n, uint objects
             put_float4(part + OF_ARM, arm);
             part[OF_GAP] = arm.w;
             touching = touching || arm.w <= 0.0f;
-#line 324 "kernels/contact.cl.in"
+#line 342 "kernels/contact.cl.in"
         }
-#line 333 "kernels/contact.cl.in"
+#line 351 "kernels/contact.cl.in"
         touches[i] = (uint)m.n | (touching ? TOUCH_MEETS : 0u) | axis << TOUCH_AXIS;
     }
 }

@@ -12,14 +12,15 @@
 #line 1 "kernels/contact.clh"
 #line 1 "kernels/doze.cl.in"
 // SPDX-License-Identifier: MIT
-// Who sleeps: an object that has been at rest for long, among others that have.
-// One that moves wakes what it touches, and those what they touch.
+// Who sleeps: an object that has been at rest for long and that nothing touches
+// which moves. One that moves wakes what it touches, and those what they touch;
+// what lost something that pushed it was woken by having no rest.
 //
-//   rests   [n] seconds at rest
+//   rests   [n] seconds at rest, 0 for what moves
 //   asleep  [n] SLEEPS, or what it did until now, WOKE
 static inline float least_rest(float least, uint id, uint n, __global const float *rests,
                                __global const real4 *velocities
-#line 12 "kernels/doze.cl.in"
+#line 13 "kernels/doze.cl.in"
 )
 {
     if (id >= n)
@@ -28,7 +29,7 @@ static inline float least_rest(float least, uint id, uint n, __global const floa
     if (velocity.w > 0)
         return fmin(least, rests[id]);
     real fastest = dot_product(velocity, velocity);
-#line 23 "kernels/doze.cl.in"
+#line 24 "kernels/doze.cl.in"
     return fastest > 0 ? 0.0f : least;
 }
 
@@ -36,7 +37,7 @@ __kernel void doze(__global const uint2 *restrict links, __global const uint *re
                    __global const uint *restrict starts, __global const uint *restrict return_starts,
                    __global const uint *restrict returns, uint n, __global const float *restrict rests,
                    __global const real4 *restrict velocities,
-#line 33 "kernels/doze.cl.in"
+#line 34 "kernels/doze.cl.in"
                    float sleep_after, __global uint *restrict asleep, volatile __global uint *restrict flags)
 {
     uint first = get_global_id(0) * PER_ITEM;
@@ -46,14 +47,14 @@ __kernel void doze(__global const uint2 *restrict links, __global const uint *re
         for (uint i = starts[id]; i < starts[id + 1]; ++i)
             if (touches[i] & TOUCH_POINTS)
                 least = least_rest(least, links[i].y, n, rests, velocities
-#line 45 "kernels/doze.cl.in"
+#line 46 "kernels/doze.cl.in"
                 );
         for (uint k = return_starts[id]; k < return_starts[id + 1]; ++k)
             if (touches[returns[k]] & TOUCH_POINTS)
                 least = least_rest(least, links[returns[k]].x, n, rests, velocities
-#line 52 "kernels/doze.cl.in"
+#line 53 "kernels/doze.cl.in"
                 );
-        bool slept = asleep[id] & SLEEPS, sleeps = least >= sleep_after;
+        bool slept = asleep[id] & SLEEPS, sleeps = least > 0.0f && rests[id] >= sleep_after;
         if (sleeps != slept)
             atomic_or(flags + FLAG_DOZED, 1u);
         asleep[id] = (sleeps ? SLEEPS : 0u) | (slept && !sleeps ? WOKE : 0u);
