@@ -7,7 +7,8 @@
 // reported by the device in whose keys, up to key_home_to, they would be: each
 // object by one.
 //
-//   objects  [n]  poses or bounds
+//   objects  [n]  poses or bounds, or with APART transforms
+//   sizes    [n + 1] (APART)
 //   names    [n]  their ids, where they are not all (PACKED)
 //   levels   [n_levels]
 //   keys     [n]  NOWHERE for an object that is bad or elsewhere
@@ -18,7 +19,7 @@
 // all their counts at once: they lie all over the grid. What is not in the grid
 // is passed over without a branch: in a slab that is any half of the objects.
 typedef struct {
-    __global const float *objects;
+    object_rows objects;
 #if PACKED
     __global const uint *names;
 #endif
@@ -82,7 +83,11 @@ static inline uint pick(word key, uint n, uint place, uint n_picked, uint picked
 
 #endif
 
-__kernel void hash(__global const float *restrict objects, uint n,
+__kernel void hash(__global const float *restrict objects,
+#if APART
+                   __global const float *restrict sizes,
+#endif
+                   uint n,
 #if PACKED
                    __global const uint *restrict names,
 #endif
@@ -93,7 +98,12 @@ __kernel void hash(__global const float *restrict objects, uint n,
 #endif
                    volatile __global uint *restrict counters)
 {
-    hashing h = {objects,
+#if APART
+    object_rows rows = {objects, sizes};
+#else
+    object_rows rows = objects;
+#endif
+    hashing h = {rows,
 #if PACKED
                  names,
 #endif

@@ -6,6 +6,7 @@
 // them one after the other; 0 reads one after the other and writes each to its
 // place, which its cell's start and its rank there give.
 //
+//   sizes  [n + 1]           of the objects, where those are transforms (APART)
 //   names  [n]               ids of the objects, where they are not all (PACKED)
 //   ids    [n]               sorted by cell (FROM_IDS 1)
 //   keys   [n]               cell, or NOWHERE (FROM_IDS 0)
@@ -54,6 +55,9 @@ static inline void put(const order *to, size_t place, const object *o, uint id)
 #endif
 
 __kernel void reorder(__global const float *restrict objects,
+#if APART
+                      __global const float *restrict sizes,
+#endif
 #if PACKED
                       __global const uint *restrict names,
 #endif
@@ -74,6 +78,11 @@ __kernel void reorder(__global const float *restrict objects,
 #else
     order to = {levels, n_levels, sorted_bounds, counters};
 #endif
+#if APART
+    object_rows rows = {objects, sizes};
+#else
+    object_rows rows = objects;
+#endif
     uint placed = starts[n_own_cells];
     if (get_global_id(0) == 0)
         counters[COUNT_PLACED] = placed;
@@ -86,7 +95,7 @@ __kernel void reorder(__global const float *restrict objects,
         uint size = min(last - base, (uint)BATCH);
         for (uint k = 0; k < size; ++k) {
             uint id[1] = {ids[base + k]};
-            batch[k] = object_at(objects, id);
+            batch[k] = object_at(rows, id);
         }
         for (uint k = 0; k < size; ++k)
             put(&to, base + k, &batch[k], ID_OF(ids[base + k]));
@@ -98,7 +107,7 @@ __kernel void reorder(__global const float *restrict objects,
         uint place = key == NOWHERE ? room : starts[key] + ranks[id];
         if (place < room) {
             uint one[1] = {id};
-            object o = object_at(objects, one);
+            object o = object_at(rows, one);
             put(&to, place, &o, ID_OF(id));
         }
     }

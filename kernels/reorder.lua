@@ -8,6 +8,7 @@ return {
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+    { "APART", values = { 0, 1 }, default = 0, about = "1: poses are transforms, and their sizes apart" },
     { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "FROM_IDS", values = { 0, 1 }, default = 1, about = "1: gathers by sorted ids, 0: scatters by cell and rank" },
@@ -22,6 +23,8 @@ return {
   },
   valid = function(p)
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
+    if p.APART == 1 and (p.SHAPE == 1 or p.ORIGIN > 0) then return false, "only poses from 0 have their sizes apart" end
+    if p.APART == 1 and p.PACKED == 1 then return false, "what is packed is whole poses" end
     return true
   end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,

@@ -2,6 +2,7 @@
 // Moves the objects into cell order as a search over lanes reads them. What is
 // not in the grid comes last in that order and stays away.
 //
+//   sizes  [n + 1] of the objects, where those are transforms (APART)
 //   ids    [n]  sorted by cell
 //   starts [n_own_cells + 1] the last one: how many are in the grid
 //   bounds [2 DIMS + 1][COLUMN(room)], with ORIGIN DIMS more
@@ -28,7 +29,26 @@ static inline void store_bounds(__global float *columns, size_t column, uint pla
     vstore8(as_real(where), 0, columns + 2 * DIMS * column + place);
 }
 
-__kernel void reorder_lanes(__global const float *restrict objects, __global const uint *restrict ids, uint n,
+// Asks for the rows of objects: half of them lie across two cache lines.
+static inline void ask_for_rows(object_rows rows, const uint ids[LANES])
+{
+    for (uint k = 0; k < LANES; ++k) {
+#if APART
+        __global const float *from = rows.transforms + (size_t)ids[k] * OBJECT_STRIDE;
+        ask_for(rows.sizes + (size_t)ids[k] * 3);
+#else
+        __global const float *from = rows + (size_t)ids[k] * OBJECT_STRIDE;
+#endif
+        ask_for(from);
+        ask_for(from + OBJECT_STRIDE - 1);
+    }
+}
+
+__kernel void reorder_lanes(__global const float *restrict objects,
+#if APART
+                            __global const float *restrict sizes,
+#endif
+                            __global const uint *restrict ids, uint n,
                             __global const uint *restrict starts, uint n_own_cells, uint room,
                             __constant const grid_level *levels, uint n_levels, uint n_cells, uint key_from,
                             __global float *restrict sorted_bounds,
@@ -37,6 +57,11 @@ __kernel void reorder_lanes(__global const float *restrict objects, __global con
 #endif
                             volatile __global uint *restrict counters)
 {
+#if APART
+    object_rows rows = {objects, sizes};
+#else
+    object_rows rows = objects;
+#endif
     uint placed = starts[n_own_cells];
     if (get_global_id(0) == 0)
         counters[COUNT_PLACED] = placed;
@@ -47,14 +72,10 @@ __kernel void reorder_lanes(__global const float *restrict objects, __global con
         uint sources[LANES];
 #if AHEAD
         ids_from(ids, place + AHEAD, end, sources);
-        for (uint k = 0; k < LANES; ++k) { // half of them lie across two cache lines
-            __global const float *from = objects + (size_t)sources[k] * OBJECT_WIDTH;
-            ask_for(from);
-            ask_for(from + OBJECT_WIDTH - 1);
-        }
+        ask_for_rows(rows, sources);
 #endif
         ids_from(ids, place, end, sources);
-        object o = object_at(objects, sources);
+        object o = object_at(rows, sources);
         bounds b = object_bounds(&o);
         check_extent(&o, levels, n_levels, counters);
 #if ROOMY

@@ -40,7 +40,8 @@ static float pose_extent(const duet_pose *p, bool rotated, uint32_t dims)
 
 static void see_pose(extremes *e, const grid_objects *objects, uint32_t id, bool rotated)
 {
-    const duet_pose *pose = origin_pose(objects->rows, objects->origin, id);
+    duet_pose room;
+    const duet_pose *pose = grid_pose_of(objects, id, &room);
     double corner[3];
     float centre[3];
     origin_corner(corner, objects->rows, objects->origin, id);

@@ -33,6 +33,16 @@ typedef struct duet_pose {
     float rotation[4]; // quaternion x y z w
 } duet_pose;
 
+// Where a box is, apart from its size: what changes from step to step.
+typedef struct duet_transform {
+    float centre[3];
+    float rotation[4]; // as a pose's
+} duet_transform;
+
+typedef struct duet_size {
+    float half[3]; // half extents, >= 0
+} duet_size;
+
 // An oriented box however far from 0: along each axis its centre is at
 // cell * edge + pose.centre, the edge being a power of two that the scene or the
 // world states (origin). Offsets are kept to 2^-24 of an edge, so that precision
@@ -265,6 +275,7 @@ typedef struct duet_world_def {
     float lower[3];
     float upper[3];
     float origin;       // above 0: poses are placed, in origin cells of that edge, a power of two
+    bool sizes_apart;   // objects are transforms, and their sizes are set by themselves
     bool keep_bad;      // leave bad objects out and count them, instead of BAD_OBJECT
     uint64_t max_pairs; // TOO_MANY above it; 0: as memory allows
     int cookie;
@@ -297,6 +308,13 @@ DUET_API duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_
 // Offsets must be multiples of 2^-24 of an edge, from 0 up to below it, as
 // duet_place makes them: others are bad objects.
 DUET_API duet_placed *duet_world_map_placed(duet_world *world, uint32_t n, duet_error *err);
+
+// The same for a world with sizes_apart: transforms are what a step sends, 28 bytes
+// an object instead of 40, and half extents are sent again only once they were
+// mapped again. There must be as many of both when the world is stepped. Poses can
+// be set there too, and are taken apart.
+DUET_API duet_transform *duet_world_map_transforms(duet_world *world, uint32_t n, duet_error *err);
+DUET_API duet_size *duet_world_map_sizes(duet_world *world, uint32_t n, duet_error *err);
 
 DUET_API bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err);
 DUET_API const duet_plan *duet_world_plan(const duet_world *world);

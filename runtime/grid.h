@@ -52,14 +52,21 @@ typedef struct grid_needs {
     double octave_widest[GRID_OCTAVES];
 } grid_needs;
 
-// What objects a grid is for: poses or bounds, or with an origin placed poses.
+// What objects a grid is for: poses or bounds, with an origin placed poses, or
+// with sizes transforms.
 typedef struct grid_objects {
     const void *rows;
     duet_shape shape;
     float origin; // the edge of origin cells, or 0
     uint32_t n;
     uint32_t dims;
+    const duet_size *sizes; // that the rows are without, or NULL
 } grid_objects;
+
+size_t grid_row_bytes(const grid_objects *objects);
+
+// The pose of an object that has one; *room holds it where its size lies apart.
+const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *room);
 
 void grid_needs_of(grid_needs *needs, const grid_objects *objects);
 

@@ -63,6 +63,23 @@ static double widest_of_bounds(const duet_bounds *b, uint32_t dims)
     return widest;
 }
 
+size_t grid_row_bytes(const grid_objects *objects)
+{
+    return objects->sizes ? sizeof(duet_transform)
+                          : origin_row_bytes(objects->shape, objects->origin);
+}
+
+const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *room)
+{
+    if (!objects->sizes)
+        return origin_pose(objects->rows, objects->origin, id);
+    const duet_transform *t = &((const duet_transform *)objects->rows)[id];
+    memcpy(room->centre, t->centre, sizeof room->centre);
+    memcpy(room->half, objects->sizes[id].half, sizeof room->half);
+    memcpy(room->rotation, t->rotation, sizeof room->rotation);
+    return room;
+}
+
 void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)
 {
     double corner[3];
@@ -70,7 +87,8 @@ void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)
     centre[2] = 0.0;
     for (uint32_t k = 0; k < objects->dims; ++k) {
         if (objects->shape == DUET_SHAPE_POSES) {
-            const duet_pose *p = origin_pose(objects->rows, objects->origin, id);
+            duet_pose room;
+            const duet_pose *p = grid_pose_of(objects, id, &room);
             centre[k] = corner[k] + (double)p->centre[k];
         } else {
             const duet_bounds *b = &((const duet_bounds *)objects->rows)[id];
@@ -81,8 +99,9 @@ void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)
 
 static double widest_of(const grid_objects *objects, uint32_t id)
 {
+    duet_pose room;
     return objects->shape == DUET_SHAPE_POSES
-               ? widest_of_pose(origin_pose(objects->rows, objects->origin, id), objects->dims)
+               ? widest_of_pose(grid_pose_of(objects, id, &room), objects->dims)
                : widest_of_bounds(&((const duet_bounds *)objects->rows)[id], objects->dims);
 }
 

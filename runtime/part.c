@@ -28,10 +28,10 @@ bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
 void part_close(part *p)
 {
     timeline_clear(&p->times);
-    buffer *buffers[] = {&p->objects,    &p->names,     &p->keys,     &p->ids,
-                         &p->keys_spare, &p->ids_spare, &p->starts,   &p->sums,
-                         &p->tiles,      &p->bounds,    &p->boxes,    &p->candidates,
-                         &p->pairs,      &p->undecided, &p->counters, &p->levels};
+    buffer *buffers[] = {&p->objects,    &p->sizes,     &p->names,      &p->keys,  &p->ids,
+                         &p->keys_spare, &p->ids_spare, &p->starts,     &p->sums,  &p->tiles,
+                         &p->bounds,     &p->boxes,     &p->candidates, &p->pairs, &p->undecided,
+                         &p->counters,   &p->levels};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i)
         buffer_release(buffers[i]);
     host_block_release(&p->fetched);
@@ -167,6 +167,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         {"DIMS", task->dims, false},
         {"SHAPE", task->shape, false},
         {"ORIGIN", origin_bits >> 23, false},
+        {"APART", task->sizes != NULL, false},
         {"ROTATED", poses && task->rotated, false},
         {"RANK", counting, false},
         {"SORTED", searches[search].in_cell_order, false},
@@ -229,7 +230,8 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
 
 grid_objects part_objects(const part_task *task)
 {
-    return (grid_objects){task->objects, task->shape, task->origin, task->n, task->dims};
+    return (grid_objects){task->objects, task->shape, task->origin,
+                          task->n,       task->dims,  task->sizes};
 }
 
 // A chunk is whole groups of the kernel that takes them, the last one apart.
@@ -245,7 +247,8 @@ static uint32_t chunk_size(const part *p, uint32_t n)
 // All chunks are on their way at once, beside the kernels.
 static bool send_chunks(part *p, const part_task *task, duet_error *err)
 {
-    size_t bytes = origin_row_bytes(task->shape, task->origin);
+    grid_objects objects = part_objects(task);
+    size_t bytes = grid_row_bytes(&objects);
     uint32_t size = chunk_size(p, task->n);
     for (uint32_t from = 0; from < task->n; from = p->chunks[p->n_chunks - 1].to) {
         uint32_t n = task->n - from < size ? task->n - from : size;
@@ -277,6 +280,19 @@ static bool send_objects(part *p, const part_task *task, size_t bytes, duet_erro
     return ok;
 }
 
+static bool send_sizes(part *p, const part_task *task, duet_error *err)
+{
+    if (!task->sizes || p->sizes_version == task->sizes_version)
+        return true;
+    size_t bytes = ((size_t)task->n + 1) * sizeof *task->sizes;
+    bool ok = p->device->info.host_memory
+                  ? buffer_borrow(&p->sizes, p->device, (void *)task->sizes, bytes, err)
+                  : buffer_reserve(&p->sizes, p->device, bytes, err);
+    ok = ok && timeline_write(&p->times, "send objects", &p->sizes, task->sizes, bytes, err);
+    p->sizes_version = ok ? task->sizes_version : 0;
+    return ok;
+}
+
 static bool send_levels(part *p, const part_task *task, duet_error *err)
 {
     if (p->levels_version == task->grid_version)
@@ -299,11 +315,13 @@ void part_forget(part *p)
 
 bool part_begin(part *p, const part_task *task, duet_error *err)
 {
-    size_t bytes = task->n * origin_row_bytes(task->shape, task->origin);
+    grid_objects objects = part_objects(task);
+    size_t bytes = task->n * grid_row_bytes(&objects);
     p->n_chunks = 0;
     if (bytes == 0)
         return true;
-    return (task->packed || send_objects(p, task, bytes, err)) && send_levels(p, task, err);
+    return (task->packed || send_objects(p, task, bytes, err)) && send_sizes(p, task, err) &&
+           send_levels(p, task, err);
 }
 
 bool part_read_counters(part *p, duet_error *err)
@@ -335,10 +353,10 @@ float part_widest(const part *p)
 
 uint64_t part_bytes(const part *p)
 {
-    const buffer *buffers[] = {&p->objects,    &p->names,     &p->keys,     &p->ids,
-                               &p->keys_spare, &p->ids_spare, &p->starts,   &p->sums,
-                               &p->tiles,      &p->bounds,    &p->boxes,    &p->candidates,
-                               &p->pairs,      &p->undecided, &p->counters, &p->levels};
+    const buffer *buffers[] = {
+        &p->objects,    &p->sizes,  &p->names,     &p->keys,     &p->ids,    &p->keys_spare,
+        &p->ids_spare,  &p->starts, &p->sums,      &p->tiles,    &p->bounds, &p->boxes,
+        &p->candidates, &p->pairs,  &p->undecided, &p->counters, &p->levels};
     uint64_t bytes = 0;
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i)
         bytes += buffers[i]->bytes;

@@ -21,8 +21,10 @@ typedef struct part_task {
     bool rotated;
     duet_level level;         // of accuracy, for poses
     uint32_t n;               // that the part is sent
-    const void *objects;      // [all] poses or bounds on the host
+    const void *objects;      // [all] poses or bounds on the host, or transforms
     uint64_t objects_version; // changes with the objects' content
+    const duet_size *sizes;   // [all + 1] of transforms, or NULL
+    uint64_t sizes_version;   // changes with the sizes
     grid grid;
     uint64_t grid_version; // changes with the grid
     bool cells_vary;       // the grid had other cells before
@@ -80,6 +82,8 @@ typedef struct part {
 
     buffer objects;
     uint64_t objects_version; // of what was sent last
+    buffer sizes;             // where the objects are transforms
+    uint64_t sizes_version;   // of what was sent last
     uint32_t least_chunk;     // objects
     part_chunk chunks[PART_CHUNKS];
     uint32_t n_chunks; // under way; 0 where the objects are there

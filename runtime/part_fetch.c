@@ -56,7 +56,7 @@ bool part_hear(part *p, duet_error *err)
         return false;
     timeline_spin(told);
     memcpy(p->counts, ((news *)p->news.bytes)->counters, sizeof p->counts);
-    return true;
+    return timeline_collect_to(&p->times, told, err);
 }
 
 // Where pairs come to lie on the host, with room behind them for the undecided.
@@ -108,10 +108,12 @@ static uint64_t decide(part *p, const part_task *task, const duet_pair *open, du
 {
     uint64_t begun = clock_steady_ns();
     uint64_t n = 0;
+    grid_objects objects = part_objects(task);
     for (uint64_t i = 0; i < p->n_undecided; ++i) {
         double shift[3];
-        const duet_pose *a = origin_pose(task->objects, task->origin, open[i].a);
-        const duet_pose *b = origin_pose(task->objects, task->origin, open[i].b);
+        duet_pose room[2];
+        const duet_pose *a = grid_pose_of(&objects, open[i].a, &room[0]);
+        const duet_pose *b = grid_pose_of(&objects, open[i].b, &room[1]);
         origin_shift(shift, task->objects, task->origin, open[i].a, open[i].b);
         if (narrow_decide_apart(a, b, shift, task->dims))
             colliding[n++] = open[i];

@@ -56,8 +56,11 @@ static bool hash_chunk(part *p, const part_task *task, const part_range *range, 
                        uint32_t to, cl_event sent, duet_error *err)
 {
     const grid *g = &task->grid;
-    kernel_arg args[13] = {ARG_BUFFER(p->objects), ARG(to)};
-    uint32_t n_args = 2;
+    kernel_arg args[14] = {ARG_BUFFER(p->objects)};
+    uint32_t n_args = 1;
+    if (task->sizes)
+        args[n_args++] = ARG_BUFFER(p->sizes);
+    args[n_args++] = ARG(to);
     if (p->kernels.packed)
         args[n_args++] = ARG_BUFFER(p->names);
     const kernel_arg keys[] = {ARG_BUFFER(p->levels), ARG(g->n_levels),    ARG(g->n_cells),
@@ -166,8 +169,10 @@ static bool place_in_cell_order(part *p, const part_task *task, const part_range
     bool from_ids = p->kernels.from_ids;
     uint32_t room = p->place_room;
     uint32_t work = from_ids && room < task->n ? room : task->n;
-    kernel_arg args[16] = {ARG_BUFFER(p->objects)};
+    kernel_arg args[17] = {ARG_BUFFER(p->objects)};
     uint32_t n_args = 1;
+    if (task->sizes)
+        args[n_args++] = ARG_BUFFER(p->sizes);
     if (p->kernels.packed)
         args[n_args++] = ARG_BUFFER(p->names);
     args[n_args++] = from_ids ? ARG_BUFFER(p->ids) : ARG_BUFFER(p->keys);

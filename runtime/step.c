@@ -81,6 +81,8 @@ static part_task describe_task(const duet_world *world)
         .n = world->n,
         .objects = world->objects.bytes,
         .objects_version = world->objects_version,
+        .sizes = world->def.sizes_apart ? world->sizes.bytes : NULL,
+        .sizes_version = world->sizes_version,
         .grid = world->grid,
         .grid_version = world->grid_version,
         .cells_vary = world->cells_vary,
@@ -241,15 +243,16 @@ static bool divide(duet_world *world, const part_task *task, part_range ranges[2
 }
 
 // A device that copies is sent its slab alone where that leaves out enough to
-// pay for packing. The paper's kernels want every object by its id, and placed
-// poses are not packed.
+// pay for packing. The paper's kernels want every object by its id; placed poses
+// and transforms are not packed.
 static bool pays_to_pack(const duet_world *world, int side, const part_range ranges[2])
 {
     const char *variants[2] = {world->def.plan.variant_a, world->def.plan.variant_b};
     variant v;
     return world->def.plan.mode == DUET_MODE_SLAB && world->def.origin == 0.0f &&
-           !world->parts[side].device->info.host_memory && ranges[0].last > 0 &&
-           ranges[1].last > 0 && ranges[side].expected <= world->n - world->n / LEAST_LEFT_OUT &&
+           !world->def.sizes_apart && !world->parts[side].device->info.host_memory &&
+           ranges[0].last > 0 && ranges[1].last > 0 &&
+           ranges[side].expected <= world->n - world->n / LEAST_LEFT_OUT &&
            variant_parse(&v, variants[side], &world->parts[side].device->info, NULL) &&
            v.search == SEARCH_ITEMS && v.send == SEND_PACKED;
 }
@@ -360,10 +363,21 @@ static void fill_result(duet_world *world, duet_result *result)
     }
 }
 
+// Every object has a size, whichever of the two was set first.
+static bool check_sizes(const duet_world *world, duet_error *err)
+{
+    return !world->def.sizes_apart || world->n_sizes == world->n ||
+           error_set(err, DUET_BAD_ARGUMENT,
+                     "%u objects have a transform and %u a size; right would be as many", world->n,
+                     world->n_sizes);
+}
+
 bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
     bool fits = world->n == 0;
+    if (!check_sizes(world, err))
+        return false;
     if (fits)
         forget_last_step(world);
     for (int fit = 0; !fits; ++fit) {

@@ -224,6 +224,39 @@ static cl_int finish_queues(timeline *t)
     return code;
 }
 
+// Adds up and releases the first n events, which are over.
+static cl_int collect(timeline *t, int n)
+{
+    cl_int code = CL_SUCCESS;
+    for (int i = 0; i < n; ++i) {
+        cl_int state = CL_COMPLETE;
+        cl_event event = t->events[i].event;
+        clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof state, &state, NULL);
+        if (state < 0)
+            code = state;
+        else
+            add_event(t, &t->stages[t->events[i].stage], event);
+        release_event(event);
+    }
+    t->n_events -= n;
+    memmove(t->events, t->events + n, (size_t)t->n_events * sizeof t->events[0]);
+    return code;
+}
+
+static bool ran_well(const timeline *t, cl_int code, duet_error *err)
+{
+    return code == CL_SUCCESS ||
+           error_set_cl(err, code, "%s: running the step", t->device->info.selector);
+}
+
+bool timeline_collect_to(timeline *t, cl_event last, duet_error *err)
+{
+    int n = 0;
+    while (n < t->n_events && t->events[n].event != last)
+        ++n;
+    return n == t->n_events || ran_well(t, collect(t, n + 1), err);
+}
+
 bool timeline_finish(timeline *t, duet_error *err)
 {
     if (t->n_events > 0 && !t->device->info.host_memory) {
@@ -232,18 +265,10 @@ bool timeline_finish(timeline *t, duet_error *err)
         timeline_spin(timeline_last_event(t));
     }
     cl_int code = finish_queues(t);
-    for (int i = 0; i < t->n_events && code == CL_SUCCESS; ++i) {
-        cl_int state = CL_COMPLETE;
-        clGetEventInfo(t->events[i].event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof state, &state,
-                       NULL);
-        if (state < 0)
-            code = state;
-        else
-            add_event(t, &t->stages[t->events[i].stage], t->events[i].event);
-    }
+    if (code == CL_SUCCESS)
+        code = collect(t, t->n_events);
     timeline_clear(t);
-    return code == CL_SUCCESS ||
-           error_set_cl(err, code, "%s: running the step", t->device->info.selector);
+    return ran_well(t, code, err);
 }
 
 void timeline_add_host(timeline *t, const char *stage, double ms)

@@ -81,6 +81,15 @@ static bool check_origin(const duet_world_def *def, duet_error *err)
                      "origin cells are for poses; right would be 0 for bounds");
 }
 
+static bool check_sizes_apart(const duet_world_def *def, duet_error *err)
+{
+    bool plain = def->shape == DUET_SHAPE_POSES && def->origin == 0.0f;
+    return !def->sizes_apart || plain ||
+           error_set(err, DUET_BAD_ARGUMENT,
+                     "sizes_apart is for poses; right would be false for bounds and for placed "
+                     "poses");
+}
+
 static bool check_def(const duet_world_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
@@ -100,7 +109,7 @@ static bool check_def(const duet_world_def *def, duet_error *err)
     if (!(def->cell >= 0.0f) || !isfinite(def->cell))
         return error_set(err, DUET_BAD_ARGUMENT, "cell is %g; right would be 0 or an edge above 0",
                          def->cell);
-    return check_origin(def, err) && check_world_box(def, err);
+    return check_origin(def, err) && check_sizes_apart(def, err) && check_world_box(def, err);
 }
 
 // The grid that both variants can search.
@@ -122,8 +131,8 @@ static bool find_wish(grid_wish *wish, const duet_plan *plan, const variant *a, 
     return true;
 }
 
-static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_device_pair *pair,
-                       float origin, duet_error *err)
+static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_world_def *def,
+                       duet_error *err)
 {
     variant a;
     variant b;
@@ -134,14 +143,16 @@ static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_device
     if (plan->mode < DUET_MODE_SHARED || plan->mode > DUET_MODE_SLAB)
         return error_set(err, DUET_BAD_ARGUMENT, "mode is %d; right would be shared, own or slab",
                          (int)plan->mode);
-    if (!variant_parse(&a, plan->variant_a, &pair->devices[0].info, err) ||
-        !variant_parse(&b, plan->variant_b, &pair->devices[1].info, err))
+    if (!variant_parse(&a, plan->variant_a, &def->pair->devices[0].info, err) ||
+        !variant_parse(&b, plan->variant_b, &def->pair->devices[1].info, err))
         return false;
-    if (origin > 0.0f && (a.search == SEARCH_PAPER || b.search == SEARCH_PAPER))
+    bool paper = a.search == SEARCH_PAPER || b.search == SEARCH_PAPER;
+    if (paper && (def->origin > 0.0f || def->sizes_apart))
         return error_set(err, DUET_BAD_ARGUMENT,
-                         "the paper's search knows no origin cells ('%s', '%s'); right would be "
+                         "the paper's search knows no %s ('%s', '%s'); right would be "
                          "rows, lanes or items",
-                         plan->variant_a, plan->variant_b);
+                         def->sizes_apart ? "sizes apart" : "origin cells", plan->variant_a,
+                         plan->variant_b);
     if (plan->mode == DUET_MODE_SHARED && (a.search == SEARCH_PAPER) != (b.search == SEARCH_PAPER))
         return error_set(err, DUET_BAD_ARGUMENT,
                          "mode shared: A cannot search B's grid as '%s' where B does '%s'; right "
@@ -155,7 +166,7 @@ static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_device
 duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
 {
     grid_wish wish;
-    if (!check_def(def, err) || !check_plan(&wish, &def->plan, def->pair, def->origin, err))
+    if (!check_def(def, err) || !check_plan(&wish, &def->plan, def, err))
         return NULL;
     duet_world *world = calloc(1, sizeof *world);
     if (!world) {
@@ -184,6 +195,7 @@ void duet_world_destroy(duet_world *world)
     part_close(&world->parts[0]);
     part_close(&world->parts[1]);
     host_block_release(&world->objects);
+    host_block_release(&world->sizes);
     pack_close(&world->pack);
     split_free(&world->split);
     free(world);
@@ -199,7 +211,7 @@ static void forget_grid(duet_world *world)
 bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err)
 {
     grid_wish wish;
-    if (!check_plan(&wish, plan, world->def.pair, world->def.origin, err))
+    if (!check_plan(&wish, plan, &world->def, err))
         return false;
     if (wish.uniform != world->wish.uniform || wish.dense != world->wish.dense ||
         wish.hashed != world->wish.hashed)
@@ -245,29 +257,52 @@ duet_level duet_world_level(const duet_world *world)
 grid_objects world_objects(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
-    return (grid_objects){world->objects.bytes, def->shape, def->origin, world->n, def->dims};
+    return (grid_objects){
+        .rows = world->objects.bytes,
+        .shape = def->shape,
+        .origin = def->origin,
+        .n = world->n,
+        .dims = def->dims,
+        .sizes = def->sizes_apart ? world->sizes.bytes : NULL,
+    };
 }
 
-static const char *name_of(duet_shape shape, bool placed)
-{
-    return shape == DUET_SHAPE_BOUNDS ? "bounds" : placed ? "placed poses" : "poses";
-}
+// Rows of objects, by what a world was made for.
+typedef enum row_kind { ROWS_POSES, ROWS_BOUNDS, ROWS_PLACED, ROWS_TRANSFORMS } row_kind;
 
-static void *map_objects(duet_world *world, duet_shape shape, bool placed, uint32_t n,
-                         duet_error *err)
+static const struct {
+    const char *name;
+    size_t bytes;
+} rows_of[] = {
+    [ROWS_POSES] = {"poses", sizeof(duet_pose)},
+    [ROWS_BOUNDS] = {"bounds", sizeof(duet_bounds)},
+    [ROWS_PLACED] = {"placed poses", sizeof(duet_placed)},
+    [ROWS_TRANSFORMS] = {"transforms", sizeof(duet_transform)},
+};
+
+static row_kind rows_in(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
-    if (def->shape != shape || (def->origin > 0.0f) != placed) {
-        error_set(err, DUET_BAD_ARGUMENT, "the world was made for %s, not for %s",
-                  name_of(def->shape, def->origin > 0.0f), name_of(shape, placed));
-        return NULL;
-    }
-    if (n > UINT32_MAX - 2) {
-        error_set(err, DUET_TOO_MANY, "%u objects; a world holds at most %u", n, UINT32_MAX - 2);
-        return NULL;
-    }
-    size_t size = origin_row_bytes(shape, def->origin);
-    if (!host_block_reserve(&world->objects, world->def.pair->devices, 2, n * size, err))
+    if (def->shape == DUET_SHAPE_BOUNDS)
+        return ROWS_BOUNDS;
+    return def->origin > 0.0f ? ROWS_PLACED : def->sizes_apart ? ROWS_TRANSFORMS : ROWS_POSES;
+}
+
+static bool can_have(const duet_world *world, row_kind kind, uint32_t n, duet_error *err)
+{
+    row_kind right = rows_in(world);
+    if (kind != right)
+        return error_set(err, DUET_BAD_ARGUMENT, "the world was made for %s, not for %s",
+                         rows_of[right].name, rows_of[kind].name);
+    return n <= UINT32_MAX - 2 ||
+           error_set(err, DUET_TOO_MANY, "%u objects; a world holds at most %u", n, UINT32_MAX - 2);
+}
+
+static void *map_objects(duet_world *world, row_kind kind, uint32_t n, duet_error *err)
+{
+    if (!can_have(world, kind, n, err) ||
+        !host_block_reserve(&world->objects, world->def.pair->devices, 2, n * rows_of[kind].bytes,
+                            err))
         return NULL;
     world->n = n;
     ++world->objects_version;
@@ -276,22 +311,55 @@ static void *map_objects(duet_world *world, duet_shape shape, bool placed, uint3
 
 duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_error *err)
 {
-    return map_objects(world, DUET_SHAPE_BOUNDS, false, n, err);
+    return map_objects(world, ROWS_BOUNDS, n, err);
 }
 
 duet_pose *duet_world_map_poses(duet_world *world, uint32_t n, duet_error *err)
 {
-    return map_objects(world, DUET_SHAPE_POSES, false, n, err);
+    return map_objects(world, ROWS_POSES, n, err);
 }
 
 duet_placed *duet_world_map_placed(duet_world *world, uint32_t n, duet_error *err)
 {
-    return map_objects(world, DUET_SHAPE_POSES, true, n, err);
+    return map_objects(world, ROWS_PLACED, n, err);
+}
+
+duet_transform *duet_world_map_transforms(duet_world *world, uint32_t n, duet_error *err)
+{
+    return map_objects(world, ROWS_TRANSFORMS, n, err);
+}
+
+// The row behind the last belongs to none: a device may read four numbers at once.
+duet_size *duet_world_map_sizes(duet_world *world, uint32_t n, duet_error *err)
+{
+    if (!can_have(world, ROWS_TRANSFORMS, n, err) ||
+        !host_block_reserve(&world->sizes, world->def.pair->devices, 2,
+                            ((size_t)n + 1) * sizeof(duet_size), err))
+        return NULL;
+    duet_size *sizes = world->sizes.bytes;
+    sizes[n] = (duet_size){0};
+    world->n_sizes = n;
+    ++world->sizes_version;
+    return sizes;
+}
+
+static bool take_apart(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
+{
+    duet_transform *transforms = duet_world_map_transforms(world, n, err);
+    duet_size *sizes = transforms ? duet_world_map_sizes(world, n, err) : NULL;
+    for (uint32_t i = 0; sizes && i < n; ++i) {
+        memcpy(transforms[i].centre, poses[i].centre, sizeof poses->centre);
+        memcpy(transforms[i].rotation, poses[i].rotation, sizeof poses->rotation);
+        memcpy(sizes[i].half, poses[i].half, sizeof poses->half);
+    }
+    return sizes;
 }
 
 bool duet_world_set_poses(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
 {
-    duet_pose *to = map_objects(world, DUET_SHAPE_POSES, false, n, err);
+    if (world->def.sizes_apart)
+        return take_apart(world, poses, n, err);
+    duet_pose *to = map_objects(world, ROWS_POSES, n, err);
     if (to && n > 0)
         memcpy(to, poses, n * sizeof *poses);
     return to;
@@ -300,7 +368,7 @@ bool duet_world_set_poses(duet_world *world, const duet_pose *poses, uint32_t n,
 bool duet_world_set_bounds(duet_world *world, const duet_bounds *bounds, uint32_t n,
                            duet_error *err)
 {
-    duet_bounds *to = map_objects(world, DUET_SHAPE_BOUNDS, false, n, err);
+    duet_bounds *to = map_objects(world, ROWS_BOUNDS, n, err);
     if (to && n > 0)
         memcpy(to, bounds, n * sizeof *bounds);
     return to;
@@ -310,7 +378,7 @@ bool duet_world_set_bounds(duet_world *world, const duet_bounds *bounds, uint32_
 bool duet_world_set_placed(duet_world *world, const duet_placed *placed, uint32_t n,
                            duet_error *err)
 {
-    duet_placed *to = map_objects(world, DUET_SHAPE_POSES, true, n, err);
+    duet_placed *to = map_objects(world, ROWS_PLACED, n, err);
     for (uint32_t i = 0; to && i < n; ++i) {
         to[i] = placed[i];
         origin_settle(&to[i], world->def.origin);

@@ -15,9 +15,12 @@ struct duet_world {
     crew *driver;  // drives A while the caller's thread drives B
     crew *packers; // pack while the drivers send; NULL before the first time
     pack pack;
-    host_block objects; // [n] poses or bounds
+    host_block objects; // [n] poses or bounds, or transforms
     uint32_t n;
     uint64_t objects_version;
+    host_block sizes; // [n_sizes + 1] of transforms
+    uint32_t n_sizes;
+    uint64_t sizes_version;
     bool prepared[2]; // the part's kernels are those of the plan and the grid
     bool fitted;      // the grid is that of these objects
     uint32_t fitted_n;

@@ -99,7 +99,7 @@ static void a_millionfold_difference_is_seen_and_few_samples_are_ambiguous(void 
 static void what_other_programs_may_be_to_blame_for_is_ambiguous(void **state)
 {
     (void)state;
-    write_old(50, 0.99);
+    write_old(150, 0.99);
     assert_verdicts("--repeat 7", "ambiguous");
 }
 

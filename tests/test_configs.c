@@ -128,7 +128,7 @@ typedef struct scene {
     duet_shape shape;
     bool rotated;
     duet_level level;
-    bool hashed, levels, roomy, packed;
+    bool hashed, levels, roomy, packed, apart;
     bool fixed; // its cells are compiled in
     uint32_t n;
     duet_pose poses[OBJECTS];
@@ -175,6 +175,7 @@ static void make_scene(scene *s, const config *c, rng *r)
         .hashed = value_of(c, "GRID", 0),
         .levels = value_of(c, "LEVELS", 0),
         .packed = value_of(c, "PACKED", 0),
+        .apart = value_of(c, "APART", 0),
     };
     int64_t bounds = strcmp(c->kernel, "candidates_paper") == 0 ? value_of(c, "IDS", 0) : 0;
     s->shape = (duet_shape)value_of(c, "SHAPE", bounds);
@@ -192,7 +193,7 @@ static bool is_decided_by_scene(const char *name)
 {
     static const char *const decided[] = {"DIMS",   "SHAPE",  "ROTATED", "ACCURACY",
                                           "GRID",   "LEVELS", "ROOMY",   "RANK",
-                                          "SORTED", "IDS",    "PACKED"};
+                                          "SORTED", "IDS",    "PACKED",  "APART"};
     for (size_t i = 0; i < sizeof decided / sizeof *decided; ++i)
         if (strcmp(decided[i], name) == 0)
             return true;
@@ -267,6 +268,7 @@ static duet_world *open_world(const scene *s, const duet_plan *plan)
     def.shape = s->shape;
     def.rotated = s->rotated;
     def.level = s->level;
+    def.sizes_apart = s->apart;
     def.plan = *plan;
     for (int side = 0; side < 2; ++side)
         devices->devices[side].info.host_memory = !s->packed;

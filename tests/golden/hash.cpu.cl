@@ -1,8 +1,9 @@
-// hash.DIMS2.SHAPE0.ROTATED1.GRID0.LEVELS0.RANK1.PACKED0.LANES8.BATCH64.WG1.PER_ITEM1024
+// hash.DIMS2.SHAPE0.ROTATED1.APART0.GRID0.LEVELS0.RANK1.PACKED0.LANES8.BATCH64.WG1.PER_ITEM1024
 #define DIMS 2
 #define SHAPE 0
 #define ROTATED 1
 #define ORIGIN 0
+#define APART 0
 #define GRID 0
 #define LEVELS 0
 #define RANK 1
@@ -28,7 +29,8 @@
 // reported by the device in whose keys, up to key_home_to, they would be: each
 // object by one.
 //
-//   objects  [n]  poses or bounds
+//   objects  [n]  poses or bounds, or with APART transforms
+//   sizes    [n + 1] (APART)
 //   names    [n]  their ids, where they are not all (PACKED)
 //   levels   [n_levels]
 //   keys     [n]  NOWHERE for an object that is bad or elsewhere
@@ -39,7 +41,7 @@
 // all their counts at once: they lie all over the grid. What is not in the grid
 // is passed over without a branch: in a slab that is any half of the objects.
 typedef struct {
-    __global const float *objects;
+    object_rows objects;
 #if PACKED
     __global const uint *names;
 #endif
@@ -103,7 +105,11 @@ static inline uint pick(word key, uint n, uint place, uint n_picked, uint picked
 
 #endif
 
-__kernel void hash(__global const float *restrict objects, uint n,
+__kernel void hash(__global const float *restrict objects,
+#if APART
+                   __global const float *restrict sizes,
+#endif
+                   uint n,
 #if PACKED
                    __global const uint *restrict names,
 #endif
@@ -114,7 +120,12 @@ __kernel void hash(__global const float *restrict objects, uint n,
 #endif
                    volatile __global uint *restrict counters)
 {
-    hashing h = {objects,
+#if APART
+    object_rows rows = {objects, sizes};
+#else
+    object_rows rows = objects;
+#endif
+    hashing h = {rows,
 #if PACKED
                  names,
 #endif

@@ -1,8 +1,9 @@
-// reorder.DIMS3.SHAPE0.ROTATED1.GRID0.LEVELS0.FROM_IDS1.PACKED0.WG256.PER_ITEM1.BATCH1
+// reorder.DIMS3.SHAPE0.ROTATED1.APART0.GRID0.LEVELS0.FROM_IDS1.PACKED0.WG256.PER_ITEM1.BATCH1
 #define DIMS 3
 #define SHAPE 0
 #define ROTATED 1
 #define ORIGIN 0
+#define APART 0
 #define GRID 0
 #define LEVELS 0
 #define FROM_IDS 1
@@ -24,6 +25,7 @@
 // them one after the other; 0 reads one after the other and writes each to its
 // place, which its cell's start and its rank there give.
 //
+//   sizes  [n + 1]           of the objects, where those are transforms (APART)
 //   names  [n]               ids of the objects, where they are not all (PACKED)
 //   ids    [n]               sorted by cell (FROM_IDS 1)
 //   keys   [n]               cell, or NOWHERE (FROM_IDS 0)
@@ -72,6 +74,9 @@ static inline void put(const order *to, size_t place, const object *o, uint id)
 #endif
 
 __kernel void reorder(__global const float *restrict objects,
+#if APART
+                      __global const float *restrict sizes,
+#endif
 #if PACKED
                       __global const uint *restrict names,
 #endif
@@ -92,6 +97,11 @@ __kernel void reorder(__global const float *restrict objects,
 #else
     order to = {levels, n_levels, sorted_bounds, counters};
 #endif
+#if APART
+    object_rows rows = {objects, sizes};
+#else
+    object_rows rows = objects;
+#endif
     uint placed = starts[n_own_cells];
     if (get_global_id(0) == 0)
         counters[COUNT_PLACED] = placed;
@@ -104,7 +114,7 @@ __kernel void reorder(__global const float *restrict objects,
         uint size = min(last - base, (uint)BATCH);
         for (uint k = 0; k < size; ++k) {
             uint id[1] = {ids[base + k]};
-            batch[k] = object_at(objects, id);
+            batch[k] = object_at(rows, id);
         }
         for (uint k = 0; k < size; ++k)
             put(&to, base + k, &batch[k], ID_OF(ids[base + k]));
@@ -116,7 +126,7 @@ __kernel void reorder(__global const float *restrict objects,
         uint place = key == NOWHERE ? room : starts[key] + ranks[id];
         if (place < room) {
             uint one[1] = {id};
-            object o = object_at(objects, one);
+            object o = object_at(rows, one);
             put(&to, place, &o, ID_OF(id));
         }
     }

@@ -100,9 +100,10 @@ static bool measure(bench *b, duet_world *world, const duet_scene *scene, const 
     duet_error failure = {0};
     timed t = {0};
     others before = others_look();
-    bool ok = duet_world_set_plan(world, plan, &failure) &&
-              timed_run(&t, world, scene, (uint32_t)b->args->repeat, false, &failure) &&
-              check_pairs(&t, hash, info, plan, &failure);
+    bool ok =
+        duet_world_set_plan(world, plan, &failure) &&
+        timed_run(&t, world, scene, (uint32_t)b->args->repeat, TIMED_SENDS_OBJECTS, &failure) &&
+        check_pairs(&t, hash, info, plan, &failure);
     if (ok)
         cJSON_AddNumberToObject(bench_add(b->results, info, plan, &t, NULL), "others",
                                 others_part(&before));

@@ -29,6 +29,7 @@ typedef struct arguments {
     uint64_t repeat;
     run_motion_options motion;
     bool resident;
+    bool transforms;
     const char *pairs_path;
     bool check;
     bool json;
@@ -42,6 +43,7 @@ static const option options[] = {
     OPTION_COUNT("repeat", repeat, "K", "steps that are timed, after one to warm up (5)", 1,
                  100000),
     OPTION_FLAG("resident", resident, "leave the objects on the devices between the steps"),
+    OPTION_FLAG("transforms", transforms, "send no sizes again, only centres and rotations"),
     OPTION_COUNT("steps", motion.steps, "K", "advance a scene that moves by K steps instead", 1,
                  1000000000),
     OPTION_TEXT("picture", motion.picture, "F.png", "draw the last of the steps"),
@@ -111,6 +113,7 @@ static duet_world *make_world(const arguments *args, const duet_scene *scene,
     if (!inputs_change_level(&args->level, &def, err) ||
         !inputs_change_plan(&args->plan, &def.plan, err))
         return NULL;
+    def.sizes_apart = args->transforms;
     return duet_world_create(&def, err);
 }
 
@@ -131,6 +134,13 @@ static bool choose_plan(const arguments *args, const duet_scene *scene, duet_wor
     return true;
 }
 
+static timed_sends sends(const arguments *args)
+{
+    if (args->resident)
+        return TIMED_SENDS_NOTHING;
+    return args->transforms ? TIMED_SENDS_TRANSFORMS : TIMED_SENDS_OBJECTS;
+}
+
 // The world is stepped, its pairs are used, and all of it is told.
 static bool run_world(const arguments *args, const duet_scene *scene, const duet_device_pair *pair,
                       duet_world *world, duet_error *err)
@@ -140,11 +150,12 @@ static bool run_world(const arguments *args, const duet_scene *scene, const duet
                     .pair = pair,
                     .plan = duet_world_plan(world),
                     .timed = &t,
-                    .resident = args->resident};
+                    .resident = args->resident,
+                    .transforms = args->transforms};
     bool ok = choose_plan(args, scene, world, &r, err);
     duet_level level = duet_world_level(world);
     r.level = duet_level_describe(level)->name;
-    ok = ok && timed_run(&t, world, scene, (uint32_t)args->repeat, args->resident, err);
+    ok = ok && timed_run(&t, world, scene, (uint32_t)args->repeat, sends(args), err);
     ok = ok && use_pairs(args, scene, level, &t.last, &r.verdict, err);
     if (ok && args->json)
         ok = run_report_json(&r, err);

@@ -24,6 +24,7 @@ typedef struct run_report {
     duet_profile profile; // what the plan comes from, unless it was given
     const timed *timed;
     bool resident;
+    bool transforms; // sizes were not sent again
     verdict verdict;
 } run_report;
 

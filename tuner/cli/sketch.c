@@ -17,7 +17,11 @@ static grid_objects objects_of(const duet_scene *scene)
     const void *rows = info->origin > 0                  ? (const void *)duet_scene_placed(scene)
                        : info->shape == DUET_SHAPE_POSES ? (const void *)duet_scene_poses(scene)
                                                          : duet_scene_bounds(scene);
-    return (grid_objects){rows, info->shape, info->origin, info->n, info->dims};
+    return (grid_objects){.rows = rows,
+                          .shape = info->shape,
+                          .origin = info->origin,
+                          .n = info->n,
+                          .dims = info->dims};
 }
 
 static duet_pose box_of(const sketch *s, const duet_scene *scene, uint32_t id)

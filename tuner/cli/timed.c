@@ -32,8 +32,25 @@ static int by_time(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static bool hand_over(duet_world *world, const duet_scene *scene, duet_error *err)
+static bool hand_transforms(duet_world *world, const duet_scene *scene, duet_error *err)
 {
+    uint32_t n = duet_scene_describe(scene)->n;
+    const duet_pose *poses = duet_scene_poses(scene);
+    duet_transform *to = duet_world_map_transforms(world, n, err);
+    for (uint32_t i = 0; to && i < n; ++i) {
+        memcpy(to[i].centre, poses[i].centre, sizeof to->centre);
+        memcpy(to[i].rotation, poses[i].rotation, sizeof to->rotation);
+    }
+    return to;
+}
+
+static bool hand_over(duet_world *world, const duet_scene *scene, timed_sends sends,
+                      duet_error *err)
+{
+    if (sends == TIMED_SENDS_NOTHING)
+        return true;
+    if (sends == TIMED_SENDS_TRANSFORMS)
+        return hand_transforms(world, scene, err);
     const duet_scene_info *info = duet_scene_describe(scene);
     if (info->origin > 0)
         return duet_world_set_placed(world, duet_scene_placed(scene), info->n, err);
@@ -48,8 +65,8 @@ static bool check_hash(const timed *t, duet_error *err)
            error_set(err, DUET_WRONG_RESULT, "step %u found other pairs than the first", t->n);
 }
 
-bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t repeat, bool resident,
-               duet_error *err)
+bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t repeat,
+               timed_sends sends, duet_error *err)
 {
     t->steps = calloc(repeat, sizeof *t->steps);
     if (!t->steps)
@@ -58,7 +75,7 @@ bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t re
     t->hash = ok ? duet_result_hash(&t->last) : 0;
     progress p = progress_begin("step", repeat);
     while (ok && t->n < repeat && !interrupt_asked()) {
-        ok = resident || hand_over(world, scene, err);
+        ok = hand_over(world, scene, sends, err);
         ok = ok && duet_world_step(world, &t->last, err);
         ok = ok && keep_step(t, &t->last, err) && check_hash(t, err);
         progress_show(&p, t->n);

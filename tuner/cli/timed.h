@@ -21,13 +21,18 @@ typedef struct timed {
     uint64_t hash;
 } timed;
 
-// Steps the world once to warm up and then repeat times. Each step is handed
-// the scene's objects afresh, as a frame of a game would be, unless they are to
-// stay resident on the devices. Ctrl-C ends it with what was timed until then;
-// INTERRUPTED where that is nothing. WRONG_RESULT where two steps found
-// different pairs.
-bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t repeat, bool resident,
-               duet_error *err);
+// What each step is handed afresh, as a frame of a game would be.
+typedef enum timed_sends {
+    TIMED_SENDS_OBJECTS,
+    TIMED_SENDS_TRANSFORMS, // the world has its sizes apart
+    TIMED_SENDS_NOTHING     // objects stay resident on the devices
+} timed_sends;
+
+// Steps the world once to warm up and then repeat times. Ctrl-C ends it with what
+// was timed until then; INTERRUPTED where that is nothing. WRONG_RESULT where two
+// steps found different pairs.
+bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t repeat,
+               timed_sends sends, duet_error *err);
 void timed_free(timed *t);
 
 // The step with the median time; of an even number the lesser.
