@@ -18,6 +18,8 @@ static const struct {
 } layouts[] = {
     [ARRAY_POSES] = {"ffffffffff", sizeof(duet_pose)},
     [ARRAY_BOUNDS] = {"ffffff", sizeof(duet_bounds)},
+    [ARRAY_TRANSFORMS] = {"fffffff", sizeof(duet_transform)},
+    [ARRAY_SIZES] = {"fff", sizeof(duet_size)},
     [ARRAY_PAIRS] = {"II", sizeof(duet_pair)},
     [ARRAY_BODIES] = {"fffffffffIIB", sizeof(duet_body)},
     [ARRAY_STATES] = {"ddddddddddddd", sizeof(duet_state)},
@@ -28,6 +30,7 @@ static const struct {
 
 _Static_assert(offsetof(duet_pose, rotation[3]) == 9 * 4, "a pose is ten floats");
 _Static_assert(offsetof(duet_bounds, upper[2]) == 5 * 4, "bounds are six floats");
+_Static_assert(offsetof(duet_transform, rotation[3]) == 6 * 4, "a transform is seven floats");
 _Static_assert(offsetof(duet_body, upright) == 11 * 4, "eleven numbers, then upright");
 _Static_assert(offsetof(duet_state, spin[2]) == 12 * 8, "a state is thirteen doubles");
 _Static_assert(offsetof(duet_contact, points[3].push) == 25 * 4, "all of four bytes");
@@ -201,13 +204,16 @@ static void push_from_value(lua_State *L, int index, array_kind kind)
         push_from_numbers(L, index, kind);
 }
 
-// n rows: boxes without size at the origin, not turned; bodies at rest.
+// n rows: boxes without size and transforms at the origin, not turned; bodies at
+// rest.
 static void push_blank(lua_State *L, array_kind kind, lua_Integer n)
 {
     luaL_argcheck(L, n >= 0, 1, "a count from 0");
     array *a = array_push(L, kind, (uint64_t)n);
     for (uint64_t i = 0; kind == ARRAY_POSES && i < a->n; ++i)
         ((duet_pose *)a->rows)[i].rotation[3] = 1;
+    for (uint64_t i = 0; kind == ARRAY_TRANSFORMS && i < a->n; ++i)
+        ((duet_transform *)a->rows)[i].rotation[3] = 1;
     for (uint64_t i = 0; kind == ARRAY_BODIES && i < a->n; ++i)
         ((duet_body *)a->rows)[i] = duet_default_body();
 }
@@ -440,6 +446,8 @@ static const luaL_Reg metas[] = {
 static const lua_class classes[] = {
     [ARRAY_POSES] = {.name = "duet.poses", .methods = poses_methods, .metas = metas},
     [ARRAY_BOUNDS] = {.name = "duet.bounds", .methods = methods, .metas = metas},
+    [ARRAY_TRANSFORMS] = {.name = "duet.transforms", .methods = methods, .metas = metas},
+    [ARRAY_SIZES] = {.name = "duet.sizes", .methods = methods, .metas = metas},
     [ARRAY_PAIRS] = {.name = "duet.pairs", .methods = pairs_methods, .metas = metas},
     [ARRAY_BODIES] = {.name = "duet.bodies", .methods = methods, .metas = metas},
     [ARRAY_STATES] = {.name = "duet.states", .methods = methods, .metas = metas},

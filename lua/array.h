@@ -13,6 +13,8 @@
 typedef enum array_kind {
     ARRAY_POSES,
     ARRAY_BOUNDS,
+    ARRAY_TRANSFORMS,
+    ARRAY_SIZES,
     ARRAY_PAIRS,
     ARRAY_BODIES,
     ARRAY_STATES,

@@ -53,10 +53,12 @@ typedef struct world_box {
     device_pair_box *pair; // the uservalue's
     uint64_t steps;        // results of earlier ones no longer hold
     uint64_t maps;         // so with mapped poses
+    uint64_t size_maps;    // and sizes
     uint32_t onlines;      // online shares that step it
 } world_box;
 
 world_box *world_check(lua_State *L, int index);
+void world_forget_views(world_box *box); // objects mapped before are not sent again
 
 // The methods world:load_profile, :explain_profile and :online; with the world's other methods.
 int world_load_profile_lua(lua_State *L);

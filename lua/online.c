@@ -52,7 +52,7 @@ static int online_step(lua_State *L)
     duet_result result = {0};
     online_box *box = check_online(L);
     ++box->world->steps;
-    ++box->world->maps;
+    world_forget_views(box->world);
     if (!duet_online_step(box->online, &result, &err))
         return class_push_failure(L, &err);
     lua_getiuservalue(L, 1, 1);

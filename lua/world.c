@@ -14,6 +14,7 @@ static const member def_members[] = {
     MEMBER(member_bool, duet_world_def, cell_fixed),
     MEMBER(member_float, duet_world_def, lower),
     MEMBER(member_float, duet_world_def, upper),
+    MEMBER(member_bool, duet_world_def, sizes_apart),
     MEMBER(member_bool, duet_world_def, keep_bad),
     MEMBER(member_count, duet_world_def, max_pairs),
     MEMBER(member_accuracy, duet_world_def, accuracy),
@@ -25,6 +26,12 @@ world_box *world_check(lua_State *L, int index)
     world_box *box = luaL_checkudata(L, index, world_class.name);
     luaL_argcheck(L, box->world, index, "the world is closed");
     return box;
+}
+
+void world_forget_views(world_box *box)
+{
+    ++box->maps;
+    ++box->size_maps;
 }
 
 // ---------------------------------------------------------------- making
@@ -88,7 +95,7 @@ static int world_close(lua_State *L)
     duet_world_destroy(box->world);
     box->world = NULL;
     ++box->steps;
-    ++box->maps;
+    world_forget_views(box);
     device_pair_let_go(box->pair);
     return 0;
 }
@@ -107,7 +114,7 @@ static int world_set_poses(lua_State *L)
     world_box *box = world_check(L, 1);
     const array *a = array_check(L, 2, ARRAY_POSES);
     bool ok = duet_world_set_poses(box->world, a->rows, check_number(L, 2, a), &err);
-    ++box->maps;
+    world_forget_views(box);
     return class_push_done(L, ok, &err);
 }
 
@@ -117,7 +124,7 @@ static int world_set_bounds(lua_State *L)
     world_box *box = world_check(L, 1);
     const array *a = array_check(L, 2, ARRAY_BOUNDS);
     bool ok = duet_world_set_bounds(box->world, a->rows, check_number(L, 2, a), &err);
-    ++box->maps;
+    world_forget_views(box);
     return class_push_done(L, ok, &err);
 }
 
@@ -126,17 +133,17 @@ static int world_set_scene(lua_State *L)
     duet_error err = {0};
     world_box *box = world_check(L, 1);
     bool ok = duet_world_set_scene(box->world, scene_check(L, 2), &err);
-    ++box->maps;
+    world_forget_views(box);
     return class_push_done(L, ok, &err);
 }
 
 // Views of memory that was mapped before no longer hold: what is written there
 // after a step is not sent to the devices.
-static uint32_t begin_map(lua_State *L, world_box *box)
+static uint32_t begin_map(lua_State *L, uint64_t *maps)
 {
     lua_Integer n = luaL_checkinteger(L, 2);
     luaL_argcheck(L, n >= 0 && n <= UINT32_MAX, 2, "a number of objects from 0 to 2^32 - 1");
-    ++box->maps;
+    ++*maps;
     return (uint32_t)n;
 }
 
@@ -144,7 +151,7 @@ static int world_map_poses(lua_State *L)
 {
     duet_error err = {0};
     world_box *box = world_check(L, 1);
-    uint32_t n = begin_map(L, box);
+    uint32_t n = begin_map(L, &box->maps);
     duet_pose *poses = duet_world_map_poses(box->world, n, &err);
     if (!poses)
         return class_push_failure(L, &err);
@@ -156,11 +163,35 @@ static int world_map_bounds(lua_State *L)
 {
     duet_error err = {0};
     world_box *box = world_check(L, 1);
-    uint32_t n = begin_map(L, box);
+    uint32_t n = begin_map(L, &box->maps);
     duet_bounds *bounds = duet_world_map_bounds(box->world, n, &err);
     if (!bounds)
         return class_push_failure(L, &err);
     array_push_view(L, ARRAY_BOUNDS, bounds, n, 1, &box->maps);
+    return 1;
+}
+
+static int world_map_transforms(lua_State *L)
+{
+    duet_error err = {0};
+    world_box *box = world_check(L, 1);
+    uint32_t n = begin_map(L, &box->maps);
+    duet_transform *transforms = duet_world_map_transforms(box->world, n, &err);
+    if (!transforms)
+        return class_push_failure(L, &err);
+    array_push_view(L, ARRAY_TRANSFORMS, transforms, n, 1, &box->maps);
+    return 1;
+}
+
+static int world_map_sizes(lua_State *L)
+{
+    duet_error err = {0};
+    world_box *box = world_check(L, 1);
+    uint32_t n = begin_map(L, &box->size_maps);
+    duet_size *sizes = duet_world_map_sizes(box->world, n, &err);
+    if (!sizes)
+        return class_push_failure(L, &err);
+    array_push_view(L, ARRAY_SIZES, sizes, n, 1, &box->size_maps);
     return 1;
 }
 
@@ -203,7 +234,7 @@ static int world_step(lua_State *L)
     duet_result result = {0};
     world_box *box = world_check(L, 1);
     ++box->steps;
-    ++box->maps;
+    world_forget_views(box);
     if (!duet_world_step(box->world, &result, &err))
         return class_push_failure(L, &err);
     result_push(L, 1, &result);
@@ -216,6 +247,8 @@ static const luaL_Reg methods[] = {{"close", world_close},
                                    {"set_scene", world_set_scene},
                                    {"map_poses", world_map_poses},
                                    {"map_bounds", world_map_bounds},
+                                   {"map_transforms", world_map_transforms},
+                                   {"map_sizes", world_map_sizes},
                                    {"plan", world_plan},
                                    {"set_plan", world_set_plan},
                                    {"load_profile", world_load_profile_lua},

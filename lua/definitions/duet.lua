@@ -116,6 +116,14 @@ local Poses = {}
 ---@class duet.Bounds
 local Bounds = {}
 
+--- Where boxes are: rows of centre xyz, quaternion xyzw.
+---@class duet.Transforms
+local Transforms = {}
+
+--- How large boxes are: rows of half extents xyz.
+---@class duet.Sizes
+local Sizes = {}
+
 --- Collisions: rows of two ids a < b, from 0.
 ---@class duet.Pairs
 local Pairs = {}
@@ -398,7 +406,7 @@ function DevicePair:test(def) end
 ---@return string? status
 function DevicePair:tune(scene, def) end
 
---- A world by a def { plan, dims, shape, level, accuracy, rotated, cell, cell_fixed, lower, upper, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.
+--- A world by a def { plan, dims, shape, level, accuracy, rotated, cell, cell_fixed, lower, upper, sizes_apart, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.
 ---@param scene? duet.Scene|table
 ---@param def? table
 ---@return duet.World?
@@ -645,6 +653,27 @@ function Search:tell(share, total_ms, a_ms, b_ms) end
 
 --- All rows as they lie in memory, packed.
 ---@return string
+function Sizes:bytes() end
+
+--- Gives the memory back.
+function Sizes:close() end
+
+--- for place, ... in it:each() do
+---@return fun(): integer, number, number, number
+function Sizes:each() end
+
+--- The row at a place from 0.
+---@param place integer
+---@return number, number, number
+function Sizes:get(place) end
+
+--- Writes a row: 3 values.
+---@param place integer
+---@param ... any
+function Sizes:set(place, ...) end
+
+--- All rows as they lie in memory, packed.
+---@return string
 function States:bytes() end
 
 --- Gives the memory back.
@@ -674,6 +703,27 @@ function Test:close() end
 ---@return string? message
 ---@return string? status
 function Test:pairs(poses, with_gaps) end
+
+--- All rows as they lie in memory, packed.
+---@return string
+function Transforms:bytes() end
+
+--- Gives the memory back.
+function Transforms:close() end
+
+--- for place, ... in it:each() do
+---@return fun(): integer, number, number, number, number, number, number, number
+function Transforms:each() end
+
+--- The row at a place from 0.
+---@param place integer
+---@return number, number, number, number, number, number, number
+function Transforms:get(place) end
+
+--- Writes a row: 7 values.
+---@param place integer
+---@param ... any
+function Transforms:set(place, ...) end
 
 --- All rows as they lie in memory, packed.
 ---@return string
@@ -730,6 +780,20 @@ function World:map_bounds(n) end
 ---@return string? message
 ---@return string? status
 function World:map_poses(n) end
+
+--- Their sizes, which are sent again only once they were mapped again.
+---@param n integer
+---@return duet.Sizes?
+---@return string? message
+---@return string? status
+function World:map_sizes(n) end
+
+--- The same for a world with sizes_apart: what a step sends there.
+---@param n integer
+---@return duet.Transforms?
+---@return string? message
+---@return string? status
+function World:map_transforms(n) end
 
 --- Begins to watch the frames' times.
 ---@param def? { most_extra?: number, keep?: boolean, store?: string }
@@ -905,6 +969,11 @@ function duet.scene(from, settings) end
 ---@return string? status
 function duet.search(def) end
 
+--- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+---@param from integer|string|any[]
+---@return duet.Sizes
+function duet.sizes(from) end
+
 --- The exact text of a kernel with a config; what is not set takes the card's default.
 ---@param kernel string
 ---@param settings? table<string, integer>
@@ -922,6 +991,11 @@ function duet.states(from) end
 --- The strategies there are, the default first.
 ---@return duet.Strategy[]
 function duet.strategies() end
+
+--- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+---@param from integer|string|any[]
+---@return duet.Transforms
+function duet.transforms(from) end
 
 --- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
 ---@param from integer|string|any[]

@@ -108,6 +108,19 @@ holds("bounds and 2D work too", function()
   equal(flat:bounds():get(0), 0)
 end)
 
+holds("sizes apart from transforms have the same pairs", function()
+  local world <close> = assert(pair:world { sizes_apart = true })
+  local sizes = assert(world:map_sizes(#three))
+  local transforms = assert(world:map_transforms(#three))
+  for place, x, y, z, hx, hy, hz, qx, qy, qz, qw in three:each() do
+    sizes:set(place, hx, hy, hz)
+    transforms:set(place, x, y, z, qx, qy, qz, qw)
+  end
+  equal(table.concat({ assert(world:step()):pair(0) }, " "), "0 1")
+  equal(select(7, duet.transforms(1):get(0)), 1.0)
+  refused("BAD_ARGUMENT", "made for transforms, not for poses", world.map_poses, world, 1)
+end)
+
 holds("each gives every place once", function()
   local places = {}
   for place, x in three:each() do places[#places + 1] = place .. ":" .. x end
