@@ -153,7 +153,13 @@ __kernel void solve(uint count, uint first_slot, uint each, uint apart, __global
 
 // ------------------------------------------------------------ bouncing
 
-// Gives back, once a step, what the impact had of speed along the normal.
+// A push at one point speeds up the others too. With one turn, and pushes that only
+// add to what stopped the impact, they would leave faster than they came, and boxes
+// that tumble gain energy without end.
+#define BOUNCE_TURNS 8
+
+// Gives back, once a step, what the impact had of speed along the normal. A point
+// that is faster already gives up of what it was stopped with.
 static inline void bounce_slots(__global float *constraint, __global float4 *bodies, float least_speed)
 {
     word n = as_word(get(constraint, IN_POINTS));
@@ -173,12 +179,19 @@ static inline void bounce_slots(__global float *constraint, __global float4 *bod
         return;
     pair p;
     load_pair(&p, constraint, bodies);
-    for (int k = 0; k < p.most; ++k) {
-        __global const float *point = point_at(constraint, k);
-        vec arm = get_vec(point, BY_ARM);
-        real speed = vec_dot(velocity_between(&p, arm), p.normal);
-        real push = fmax(-get(point, BY_MASS) * fma(restitution, get(point, BY_SPEED), speed), 0.0f);
-        push_both(&p, arm, vec_times(select((real)(0.0f), push, wanted[k]), p.normal));
+    real pushes[POINTS] = {0};
+    int turns = p.most > 1 ? BOUNCE_TURNS : 1;
+    for (int turn = 0; turn < turns; ++turn) {
+        for (int k = 0; k < p.most; ++k) {
+            __global const float *point = point_at(constraint, k);
+            vec arm = get_vec(point, BY_ARM);
+            real speed = vec_dot(velocity_between(&p, arm), p.normal);
+            real more = -get(point, BY_MASS) * fma(restitution, get(point, BY_SPEED), speed);
+            mask asked = wanted[k] & ((p.n > 1u) | (mask)(turn == 0 ? -1 : 0));
+            real push = select(pushes[k], fmax(pushes[k] + more, -get(point, BY_MOST)), asked);
+            push_both(&p, arm, vec_times(push - pushes[k], p.normal));
+            pushes[k] = push;
+        }
     }
     keep_velocity(bodies, p.owner, &p.a);
     keep_velocity(bodies, p.other, &p.b);
