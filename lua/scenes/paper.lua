@@ -9,6 +9,8 @@ local p = parameters {
   world = 200.0, -- its edge; grow it by the cube root of n for one density
   rotated = true, -- false: all cubes stay parallel to the axes
   euler = false, -- uniform Euler angles, as in the paper, not uniform rotations
+  tiny = 0.0, -- part of the cubes that are a thousandth as wide
+  giants = 0, -- cubes as wide as the world, besides
 }
 
 local random = random(p.seed)
@@ -21,7 +23,12 @@ end
 
 for _ = 1, p.n do
   local x, y, z = random.uniform(0, p.world), random.uniform(0, p.world), random.uniform(0, p.world)
-  add(x, y, z, 0.5, 0.5, 0.5, rotation())
+  local half = p.tiny > 0 and random.uniform(0, 1) < p.tiny and 0.0005 or 0.5
+  add(x, y, z, half, half, half, rotation())
+end
+for _ = 1, p.giants do
+  local half = p.world / 2
+  add(half, half, half, half, half, half, 0, 0, 0, 1)
 end
 
 return {
