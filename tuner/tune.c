@@ -167,7 +167,7 @@ static void drop_hopeless(race *r)
 {
     uint32_t leader = race_leader(r);
     for (uint32_t i = 0; i < r->n && leader < r->n; ++i) {
-        if (r->rivals[i].rounds > 0 && race_median(r, i) > HOPELESS * race_median(r, leader))
+        if (r->rivals[i].rounds > 0 && race_compare(r, leader, i).ratio > HOPELESS)
             race_drop(r, i);
     }
 }
@@ -216,7 +216,8 @@ static void set_variant(duet_plan *plan, int device, const char *variant)
 // Races the variants of one device at a share; the best one enters the plan.
 static bool choose_variant(tuning *t, int device, uint32_t share, duet_error *err)
 {
-    static const race_options quick = {.least_rounds = 4, .most_rounds = 6, .level = 0.85};
+    static const race_options quick = {
+        .least_rounds = 4, .most_rounds = 6, .level = 0.85, .dropped = 1};
     field f = {0};
     const char *variant;
     for (uint32_t i = 0; (variant = variant_at(t->task->def, i)); ++i) {
@@ -400,17 +401,6 @@ static uint32_t enter_rivals(const tuning *t, const found *founds, uint32_t n, f
     return n_alone;
 }
 
-// Of rivals from .. to - 1 the one with the least median; to where none ran.
-static uint32_t best_of(const race *r, uint32_t from, uint32_t to)
-{
-    uint32_t best = to;
-    for (uint32_t i = from; i < to; ++i) {
-        if (r->rivals[i].rounds > 0 && (best == to || race_median(r, i) < race_median(r, best)))
-            best = i;
-    }
-    return best;
-}
-
 static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t shared,
                   duet_tune_outcome *outcome)
 {
@@ -446,7 +436,7 @@ static bool reach_verdict(tuning *t, const found *founds, uint32_t n, duet_tune_
     t->stage_end = VERDICT_END;
     if (!run_race(t, &f, NULL, false, false, err))
         return false;
-    uint32_t alone = best_of(&f.race, 0, n_alone);
+    uint32_t alone = race_best(&f.race, 0, n_alone);
     if (alone == n_alone && t->failure.status != DUET_OK) {
         if (err && err->status == DUET_OK)
             *err = t->failure;
@@ -457,7 +447,7 @@ static bool reach_verdict(tuning *t, const found *founds, uint32_t n, duet_tune_
                          "the budget ended before the devices were compared; right would be more "
                          "than %u trials or %.3g seconds",
                          t->state->played, (double)t->spent_ns * 1e-9);
-    judge(t, &f, alone, best_of(&f.race, n_alone, f.n), outcome);
+    judge(t, &f, alone, race_best(&f.race, n_alone, f.n), outcome);
     return true;
 }
 
