@@ -123,8 +123,9 @@ static const replay_row flat_rows[] = {
 };
 
 // As on a machine whose last cache other programs use: a device takes 1.45 times
-// as long for a while, now one, now the other, alone as together. Divided evenly
-// a step then takes 1 / 1.9 of a single device's in three rounds of four.
+// as long for a while, now one, now the other, alone as together; and every fourth
+// launch something takes its core away. Divided evenly a step takes 1 / 1.9 of a
+// single device's in three rounds of four.
 static void devices_that_are_slow_for_a_while_hide_neither_share_nor_gain(void **state)
 {
     (void)state;
@@ -132,7 +133,11 @@ static void devices_that_are_slow_for_a_while_hide_neither_share_nor_gain(void *
     int near = 0, gains = 0;
     rng random = rng_seed(test_seed());
     for (int i = 0; i < TIMES; ++i) {
-        fake f = {.model = {.ratio = 1, .overhead = {0.03, 0.03}, .sigma = 0.02},
+        fake f = {.model = {.ratio = 1,
+                            .overhead = {0.03, 0.03},
+                            .sigma = 0.02,
+                            .spike_chance = 0.25,
+                            .spike_most = 1.6},
                   .random = random,
                   .slowness = 1.45};
         duet_tune_def def = fake_def(&f);
@@ -143,7 +148,7 @@ static void devices_that_are_slow_for_a_while_hide_neither_share_nor_gain(void *
     }
     print_message("%d of %d shares near 0.5, %d gains of 60 %%\n", near, TIMES, gains);
     assert_true(near >= 0.9 * TIMES);
-    assert_true(gains >= 0.85 * TIMES);
+    assert_true(gains >= 0.8 * TIMES);
 }
 
 // The best of several plans that are all the same is one more of them, however

@@ -3,9 +3,11 @@
 //
 // First all rivals race, for the better single device and the best shared plan.
 // Then these two run against each other, and only that counts: samples from
-// which the best of several was chosen make it look better than it is. A slow
-// while of the machine falls on both, since a round is short: each runs once,
-// warmed up.
+// which the best of several was chosen make it look better than it is.
+//
+// A round is short, so that a slow while of the machine falls on all rivals
+// alike. What takes a core away for a moment hits two of them twice as often as
+// one: the quicker of two launches counts.
 #include "tuner/verdict.h"
 
 #include "runtime/base/error.h"
@@ -14,7 +16,10 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { LEAST_TRIALS = 8 }; // from which a device's undisturbed time is taken
+enum {
+    REPEATS = 2,      // at most, of which the quicker is typical
+    LEAST_TRIALS = 8, // from which a device's undisturbed time is taken
+};
 
 static const double CHOICE_END = 0.85, VERDICT_END = 1.0; // parts of the budget
 
@@ -120,7 +125,7 @@ static bool race_finalists(tuning *t, const duet_plan *alone, const duet_plan *s
                            duet_error *err)
 {
     static const race_options to_the_end = {
-        .least_rounds = 24, .most_rounds = 60, .level = 0.99, .dropped = INFINITY, .margin = 0.03};
+        .least_rounds = 14, .most_rounds = 40, .level = 0.99, .dropped = INFINITY, .margin = 0.03};
     duet_plan even;
     *f = (field){0};
     field_enter(f, *alone);
@@ -138,7 +143,7 @@ bool verdict_reach(tuning *t, const found *founds, uint32_t n, duet_tune_outcome
     uint32_t n_alone = enter_rivals(t, founds, n, &all);
     t->stage = "verdict";
     t->stage_end = CHOICE_END;
-    t->repeats = 1;
+    t->repeats = t->repeats < REPEATS ? t->repeats : REPEATS;
     if (!tuning_race(t, &all, NULL, false, false, err))
         return false;
     uint32_t alone = race_best(&all.race, 0, n_alone);
