@@ -289,33 +289,37 @@ duet_placed *duet_world_map_placed(duet_world *world, uint32_t n, duet_error *er
     return map_objects(world, DUET_SHAPE_POSES, true, n, err);
 }
 
+// The first objects are counted at once: who then asks for a profile need not
+// wait for that. An offset that is not a number is the step's to report.
+static bool set_objects(duet_world *world, duet_shape shape, bool placed, const void *rows,
+                        uint32_t n, duet_error *err)
+{
+    void *to = map_objects(world, shape, placed, n, err);
+    if (!to || n == 0)
+        return to;
+    memcpy(to, rows, n * origin_row_bytes(shape, world->def.origin));
+    for (uint32_t i = 0; placed && i < n; ++i)
+        origin_settle(&((duet_placed *)to)[i], world->def.origin);
+    if (world->objects_version == 1)
+        census_take(&world->census, world);
+    return true;
+}
+
 bool duet_world_set_poses(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
 {
-    duet_pose *to = map_objects(world, DUET_SHAPE_POSES, false, n, err);
-    if (to && n > 0)
-        memcpy(to, poses, n * sizeof *poses);
-    return to;
+    return set_objects(world, DUET_SHAPE_POSES, false, poses, n, err);
 }
 
 bool duet_world_set_bounds(duet_world *world, const duet_bounds *bounds, uint32_t n,
                            duet_error *err)
 {
-    duet_bounds *to = map_objects(world, DUET_SHAPE_BOUNDS, false, n, err);
-    if (to && n > 0)
-        memcpy(to, bounds, n * sizeof *bounds);
-    return to;
+    return set_objects(world, DUET_SHAPE_BOUNDS, false, bounds, n, err);
 }
 
-// An offset that is not a number is the step's to report.
 bool duet_world_set_placed(duet_world *world, const duet_placed *placed, uint32_t n,
                            duet_error *err)
 {
-    duet_placed *to = map_objects(world, DUET_SHAPE_POSES, true, n, err);
-    for (uint32_t i = 0; to && i < n; ++i) {
-        to[i] = placed[i];
-        origin_settle(&to[i], world->def.origin);
-    }
-    return to;
+    return set_objects(world, DUET_SHAPE_POSES, true, placed, n, err);
 }
 
 bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err)

@@ -3,6 +3,7 @@
 #ifndef RUNTIME_WORLD_H
 #define RUNTIME_WORLD_H
 
+#include "runtime/census.h"
 #include "runtime/crew.h"
 #include "runtime/device_pair.h"
 #include "runtime/pack.h"
@@ -18,6 +19,7 @@ struct duet_world {
     host_block objects; // [n] poses or bounds
     uint32_t n;
     uint64_t objects_version;
+    census census;    // of the objects that were set first
     bool prepared[2]; // the part's kernels are those of the plan and the grid
     bool fitted;      // the grid is that of these objects
     uint32_t fitted_n;

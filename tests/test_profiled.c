@@ -112,6 +112,27 @@ static void the_workload_is_the_scenes_and_not_the_draws_or_the_plans(void **sta
     drop_world(&c);
 }
 
+// The first objects are counted when they are set, all others when somebody asks.
+static void a_census_is_of_the_objects_that_a_world_has(void **state)
+{
+    (void)state;
+    enum { N = 16000 };
+    duet_error err = {0};
+    fixture f = make_world(N, test_seed(), 0, "rows");
+    profiled set = describe(&f);
+    duet_pose *poses = duet_world_map_poses(f.world, N, &err); // as they are
+    assert_ok(poses, err);
+    profiled mapped = describe(&f);
+    assert_memory_equal(&set.workload, &mapped.workload, sizeof set.workload);
+    poses[N / 3].half[1] = 4;
+    assert_true(describe(&f).workload.size_ratio == 8);
+    duet_pose one = poses[0];
+    assert_ok(duet_world_set_poses(f.world, &one, 1, &err), err);
+    assert_int_equal(describe(&f).workload.n, 1);
+    assert_true(describe(&f).workload.size_ratio == 1);
+    drop_world(&f);
+}
+
 static void a_world_without_objects_is_refused(void **state)
 {
     (void)state;
@@ -361,6 +382,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_worlds_numbers_are_those_of_its_scene),
         cmocka_unit_test(the_workload_is_the_scenes_and_not_the_draws_or_the_plans),
+        cmocka_unit_test(a_census_is_of_the_objects_that_a_world_has),
         cmocka_unit_test(a_world_without_objects_is_refused),
         cmocka_unit_test(a_plan_survives_being_stored),
         cmocka_unit_test(a_world_takes_its_profile_and_finds_the_same_pairs),
