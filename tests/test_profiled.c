@@ -360,7 +360,7 @@ static void why_names_the_plan_and_run_uses_it(void **state)
     snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
     program p = program_run_with(variables, "run %s --repeat 1", SCENE);
     assert_int_equal(p.exit_code, 0);
-    assert_non_null(strstr(p.out, "plan: from the profile, exact; +50.0 %"));
+    assert_non_null(strstr(p.out, "plan: from the profile, exact; +50.0 % (+0.0 to +0.0) over "));
     program_free(&p);
     p = program_run_with(variables, "run %s --repeat 1 --json --check", SCENE);
     assert_non_null(strstr(p.out, "0.375"));
@@ -372,6 +372,11 @@ static void why_names_the_plan_and_run_uses_it(void **state)
     p = program_run("profiles why %s --profile %s", SCENE, folder.store);
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "exact: share 0.3750, mode own, A rows, B rows sort=radix"));
+    program_free(&p);
+    test_store_run(folder.store, "UPDATE profile SET share = 0, verdict = 'same'");
+    p = program_run_with(variables, "run %s --repeat 1", SCENE);
+    assert_non_null(
+        strstr(p.out, "exact; one device alone; sharing gains +50.0 % (+0.0 to +0.0): same"));
     program_free(&p);
     remove(SCENE);
     test_folder_remove(&folder);
