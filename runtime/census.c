@@ -3,79 +3,107 @@
 // matters. How they crowd is told from a sample, which takes no time.
 #include "runtime/census.h"
 
+#include "profiles/workload.h"
 #include "runtime/origin.h"
+#include "runtime/world.h"
 
 #include <float.h>
 #include <math.h>
 
 enum { MOST_SAMPLED = 65536, SAMPLED_A_CELL = 16, MOST_CELLS = MOST_SAMPLED / SAMPLED_A_CELL };
 
-// Of all objects. What is not a number is passed over: no comparison holds.
-typedef struct extremes {
-    float lower[3]; // of the centres
-    float upper[3];
-    float widest;    // extents: diagonals of boxes that may be turned, else longest sides
-    float narrowest; // above 0
-} extremes;
-
-static void see_object(extremes *e, const float centre[3], float extent, uint32_t dims)
+static inline void widen(float *lower, float *upper, float at)
 {
-    for (uint32_t k = 0; k < dims; ++k) {
-        e->lower[k] = centre[k] < e->lower[k] ? centre[k] : e->lower[k];
-        e->upper[k] = centre[k] > e->upper[k] ? centre[k] : e->upper[k];
-    }
-    e->widest = extent > e->widest ? extent : e->widest;
-    e->narrowest = extent > 0 && extent < e->narrowest ? extent : e->narrowest;
+    *lower = at < *lower ? at : *lower;
+    *upper = at > *upper ? at : *upper;
 }
 
-static float pose_extent(const duet_pose *p, bool rotated, uint32_t dims)
+// Axis by axis, so that what is known so far stays in registers.
+static inline void see_object(census *c, float x, float y, float z, float size)
 {
-    float longest = 0, squares = 0;
-    for (uint32_t k = 0; k < dims; ++k) {
-        longest = p->half[k] > longest ? p->half[k] : longest;
-        squares += p->half[k] * p->half[k];
-    }
-    return 2 * (rotated ? sqrtf(squares) : longest);
+    widen(&c->lower[0], &c->upper[0], x);
+    widen(&c->lower[1], &c->upper[1], y);
+    widen(&c->lower[2], &c->upper[2], z);
+    c->widest = size > c->widest ? size : c->widest;
+    c->narrowest = size > 0 && size < c->narrowest ? size : c->narrowest;
 }
 
-static void see_pose(extremes *e, const grid_objects *objects, uint32_t id, bool rotated)
+static inline float larger(float a, float b)
 {
-    duet_pose room;
-    const duet_pose *pose = grid_pose_of(objects, id, &room);
-    double corner[3];
-    float centre[3];
-    origin_corner(corner, objects->rows, objects->origin, id);
-    for (int k = 0; k < 3; ++k)
-        centre[k] = (float)(corner[k] + pose->centre[k]);
-    see_object(e, centre, pose_extent(pose, rotated, objects->dims), objects->dims);
+    return a > b ? a : b;
 }
 
-static void see_bounds(extremes *e, const duet_bounds *b, uint32_t dims)
+static inline float size_of_pose(const duet_pose *p, const duet_world_def *def)
 {
-    float centre[3] = {0}, longest = 0;
-    for (uint32_t k = 0; k < dims; ++k) {
-        float side = b->upper[k] - b->lower[k];
-        centre[k] = b->lower[k] + side / 2;
-        longest = side > longest ? side : longest;
-    }
-    see_object(e, centre, longest, dims);
+    float x = p->half[0], y = p->half[1], z = def->dims == 3 ? p->half[2] : 0;
+    return def->rotated ? x * x + y * y + z * z : larger(larger(x, y), z);
 }
 
-static extremes see_all(const duet_world *world)
+static census see_poses(census c, const duet_world *world)
 {
-    extremes e = {.lower = {FLT_MAX, FLT_MAX, FLT_MAX},
-                  .upper = {-FLT_MAX, -FLT_MAX, -FLT_MAX},
-                  .narrowest = FLT_MAX};
-    const duet_world_def *def = &world->def;
+    const duet_pose *poses = world->objects.bytes;
+    for (const duet_pose *p = poses; p < poses + world->n; ++p)
+        see_object(&c, p->centre[0], p->centre[1], p->centre[2], size_of_pose(p, &world->def));
+    return c;
+}
+
+static census see_transforms(census c, const duet_world *world)
+{
     grid_objects objects = world_objects(world);
-    const duet_bounds *bounds = world->objects.bytes;
-    for (uint32_t i = 0; i < world->n; ++i) {
-        if (def->shape == DUET_SHAPE_POSES)
-            see_pose(&e, &objects, i, def->rotated);
-        else
-            see_bounds(&e, &bounds[i], def->dims);
+    for (uint32_t id = 0; id < world->n; ++id) {
+        duet_pose room;
+        const duet_pose *p = grid_pose_of(&objects, id, &room);
+        see_object(&c, p->centre[0], p->centre[1], p->centre[2], size_of_pose(p, &world->def));
     }
-    return e;
+    return c;
+}
+
+static census see_placed(census c, const duet_world *world)
+{
+    const duet_placed *placed = world->objects.bytes;
+    for (uint32_t id = 0; id < world->n; ++id) {
+        const duet_pose *p = &placed[id].pose;
+        double corner[3];
+        origin_corner(corner, placed, world->def.origin, id);
+        see_object(&c, (float)(corner[0] + p->centre[0]), (float)(corner[1] + p->centre[1]),
+                   (float)(corner[2] + p->centre[2]), size_of_pose(p, &world->def));
+    }
+    return c;
+}
+
+static census see_bounds(census c, const duet_world *world)
+{
+    const duet_bounds *bounds = world->objects.bytes;
+    for (const duet_bounds *b = bounds; b < bounds + world->n; ++b) {
+        float sides[3] = {0}, centre[3] = {0};
+        for (uint32_t k = 0; k < world->def.dims; ++k) {
+            sides[k] = b->upper[k] - b->lower[k];
+            centre[k] = b->lower[k] + sides[k] / 2;
+        }
+        see_object(&c, centre[0], centre[1], centre[2],
+                   larger(larger(sides[0], sides[1]), sides[2]));
+    }
+    return c;
+}
+
+static census see_all(const duet_world *world)
+{
+    const census nothing = {.lower = {FLT_MAX, FLT_MAX, FLT_MAX},
+                            .upper = {-FLT_MAX, -FLT_MAX, -FLT_MAX},
+                            .narrowest = FLT_MAX};
+    if (world->def.shape == DUET_SHAPE_BOUNDS)
+        return see_bounds(nothing, world);
+    if (world->def.sizes_apart)
+        return see_transforms(nothing, world);
+    return world->def.origin > 0 ? see_placed(nothing, world) : see_poses(nothing, world);
+}
+
+// Extents are diagonals of boxes that may be turned, else longest sides.
+static float extent_of(const duet_world_def *def, float size)
+{
+    if (def->shape == DUET_SHAPE_BOUNDS)
+        return size;
+    return 2 * (def->rotated ? sqrtf(size) : size);
 }
 
 // The cells that the scene asks for.
@@ -85,13 +113,13 @@ typedef struct raster {
     uint32_t cells[3];
 } raster;
 
-static raster lay_raster(const duet_world_def *def, const extremes *e)
+static raster lay_raster(const duet_world_def *def, const census *c)
 {
     raster r = {.cells = {1, 1, 1}};
-    double edge = fmax(def->cell, e->widest);
+    double edge = fmax(def->cell, extent_of(def, c->widest));
     for (uint32_t k = 0; k < def->dims; ++k) {
-        r.lower[k] = def->has_world ? def->lower[k] : e->lower[k];
-        double upper = def->has_world ? def->upper[k] : e->upper[k];
+        r.lower[k] = def->has_world ? def->lower[k] : c->lower[k];
+        double upper = def->has_world ? def->upper[k] : c->upper[k];
         double along = edge > 0 ? ceil((upper - r.lower[k]) / edge) : 1;
         r.edge[k] = edge;
         r.cells[k] = (uint32_t)fmin(fmax(along, 1), 0x1p30);
@@ -122,7 +150,9 @@ static uint32_t cell_of(const raster *r, const double centre[3])
     uint32_t cell = 0;
     for (int k = 3; k-- > 0;) {
         double along = r->edge[k] > 0 ? (centre[k] - r->lower[k]) / r->edge[k] : 0;
-        cell = cell * r->cells[k] + (along > 0 ? (uint32_t)fmin(along, r->cells[k] - 1.0) : 0);
+        uint32_t last = r->cells[k] - 1;
+        cell *= r->cells[k];
+        cell += along > 0 ? (uint32_t)(along < last ? along : last) : 0;
     }
     return cell;
 }
@@ -159,20 +189,31 @@ static double crowding(const duet_world *world, const raster *fine)
            (count_cells(fine) / coarse);
 }
 
-profile_workload census(const duet_world *world)
+void census_take(census *c, const duet_world *world)
+{
+    *c = see_all(world);
+    raster r = lay_raster(&world->def, c);
+    c->crowding = crowding(world, &r);
+    c->version = world->objects_version;
+}
+
+profile_workload census_of(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
-    extremes e = see_all(world);
-    raster r = lay_raster(def, &e);
+    census c = world->census;
+    if (c.version != world->objects_version || world->def.sizes_apart)
+        census_take(&c, world);
+    raster r = lay_raster(def, &c);
     bool poses = def->shape == DUET_SHAPE_POSES;
+    float widest = extent_of(def, c.widest), narrowest = extent_of(def, c.narrowest);
     return (profile_workload){
         .dims = def->dims,
         .n = world->n,
         .cells = {r.cells[0], r.cells[1], r.cells[2]},
         .cell = r.edge[0],
         .occ_mean = world->n / count_cells(&r),
-        .occ_p99 = crowding(world, &r),
-        .size_ratio = e.widest > e.narrowest ? e.widest / e.narrowest : 1,
+        .occ_p99 = c.crowding,
+        .size_ratio = widest > narrowest ? widest / narrowest : 1,
         .shape = poses ? "poses" : "bounds",
         .rotated = poses && def->rotated,
         .level = duet_level_describe(def->level)->name,

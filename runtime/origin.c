@@ -58,17 +58,6 @@ size_t origin_row_bytes(duet_shape shape, float edge)
     return edge > 0.0f ? sizeof(duet_placed) : sizeof(duet_pose);
 }
 
-const duet_pose *origin_pose(const void *rows, float edge, uint32_t id)
-{
-    return edge > 0.0f ? &((const duet_placed *)rows)[id].pose : &((const duet_pose *)rows)[id];
-}
-
-void origin_corner(double corner[3], const void *rows, float edge, uint32_t id)
-{
-    for (int k = 0; k < 3; ++k)
-        corner[k] = edge > 0.0f ? (double)((const duet_placed *)rows)[id].cell[k] * edge : 0.0;
-}
-
 static void set_shift(double shift[3], const duet_placed *a, const duet_placed *b, float edge)
 {
     for (int k = 0; k < 3; ++k)

@@ -22,10 +22,17 @@ bool origin_place(duet_placed *placed, const double centre[3], float edge);
 
 // Rows of objects: poses or bounds, or with an edge above 0 placed poses.
 size_t origin_row_bytes(duet_shape shape, float edge);
-const duet_pose *origin_pose(const void *rows, float edge, uint32_t id);
+static inline const duet_pose *origin_pose(const void *rows, float edge, uint32_t id)
+{
+    return edge > 0.0f ? &((const duet_placed *)rows)[id].pose : &((const duet_pose *)rows)[id];
+}
 
 // A cell's corner, exactly; 0 without an edge.
-void origin_corner(double corner[3], const void *rows, float edge, uint32_t id);
+static inline void origin_corner(double corner[3], const void *rows, float edge, uint32_t id)
+{
+    for (int k = 0; k < 3; ++k)
+        corner[k] = edge > 0.0f ? (double)((const duet_placed *)rows)[id].cell[k] * edge : 0.0;
+}
 
 // From the cell of a to that of b, exactly; 0 without an edge.
 void origin_shift(double shift[3], const void *rows, float edge, uint32_t a, uint32_t b);

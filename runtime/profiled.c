@@ -122,10 +122,12 @@ bool profiled_world(const duet_world *world, profiled *p, duet_error *err)
         return error_set(
             err, DUET_BAD_ARGUMENT,
             "a world without objects has no profile; right would be to set them first");
+    if (!world_check_sizes(world, err))
+        return false;
     const device *devices = world->def.pair->devices;
     p->pair.a = describe_device(&devices[0], p->parts[0]);
     p->pair.b = describe_device(&devices[1], p->parts[1]);
-    p->workload = census(world);
+    p->workload = census_of(world);
     if (world->def.has_accuracy)
         ask_any_level(p, &world->def.accuracy);
     return hash_kernels(world->def.pair->kernel_dir, p->kernels, err);

@@ -363,20 +363,11 @@ static void fill_result(duet_world *world, duet_result *result)
     }
 }
 
-// Every object has a size, whichever of the two was set first.
-static bool check_sizes(const duet_world *world, duet_error *err)
-{
-    return !world->def.sizes_apart || world->n_sizes == world->n ||
-           error_set(err, DUET_BAD_ARGUMENT,
-                     "%u objects have a transform and %u a size; right would be as many", world->n,
-                     world->n_sizes);
-}
-
 bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
     bool fits = world->n == 0;
-    if (!check_sizes(world, err))
+    if (!world_check_sizes(world, err))
         return false;
     if (fits)
         forget_last_step(world);

@@ -343,6 +343,14 @@ duet_size *duet_world_map_sizes(duet_world *world, uint32_t n, duet_error *err)
     return sizes;
 }
 
+bool world_check_sizes(const duet_world *world, duet_error *err)
+{
+    return !world->def.sizes_apart || world->n_sizes == world->n ||
+           error_set(err, DUET_BAD_ARGUMENT,
+                     "%u objects have a transform and %u a size; right would be as many", world->n,
+                     world->n_sizes);
+}
+
 static bool take_apart(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
 {
     duet_transform *transforms = duet_world_map_transforms(world, n, err);
@@ -355,35 +363,39 @@ static bool take_apart(duet_world *world, const duet_pose *poses, uint32_t n, du
     return sizes;
 }
 
+// The first objects are counted at once: who then asks for a profile need not
+// wait for that. An offset that is not a number is the step's to report.
+static bool set_objects(duet_world *world, row_kind kind, const void *rows, uint32_t n,
+                        duet_error *err)
+{
+    void *to = map_objects(world, kind, n, err);
+    if (!to || n == 0)
+        return to;
+    memcpy(to, rows, n * rows_of[kind].bytes);
+    for (uint32_t i = 0; kind == ROWS_PLACED && i < n; ++i)
+        origin_settle(&((duet_placed *)to)[i], world->def.origin);
+    if (world->objects_version == 1)
+        census_take(&world->census, world);
+    return true;
+}
+
 bool duet_world_set_poses(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
 {
     if (world->def.sizes_apart)
         return take_apart(world, poses, n, err);
-    duet_pose *to = map_objects(world, ROWS_POSES, n, err);
-    if (to && n > 0)
-        memcpy(to, poses, n * sizeof *poses);
-    return to;
+    return set_objects(world, ROWS_POSES, poses, n, err);
 }
 
 bool duet_world_set_bounds(duet_world *world, const duet_bounds *bounds, uint32_t n,
                            duet_error *err)
 {
-    duet_bounds *to = map_objects(world, ROWS_BOUNDS, n, err);
-    if (to && n > 0)
-        memcpy(to, bounds, n * sizeof *bounds);
-    return to;
+    return set_objects(world, ROWS_BOUNDS, bounds, n, err);
 }
 
-// An offset that is not a number is the step's to report.
 bool duet_world_set_placed(duet_world *world, const duet_placed *placed, uint32_t n,
                            duet_error *err)
 {
-    duet_placed *to = map_objects(world, ROWS_PLACED, n, err);
-    for (uint32_t i = 0; to && i < n; ++i) {
-        to[i] = placed[i];
-        origin_settle(&to[i], world->def.origin);
-    }
-    return to;
+    return set_objects(world, ROWS_PLACED, placed, n, err);
 }
 
 bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err)

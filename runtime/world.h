@@ -3,6 +3,7 @@
 #ifndef RUNTIME_WORLD_H
 #define RUNTIME_WORLD_H
 
+#include "runtime/census.h"
 #include "runtime/crew.h"
 #include "runtime/device_pair.h"
 #include "runtime/pack.h"
@@ -21,6 +22,7 @@ struct duet_world {
     host_block sizes; // [n_sizes + 1] of transforms
     uint32_t n_sizes;
     uint64_t sizes_version;
+    census census;    // of the objects that were set first
     bool prepared[2]; // the part's kernels are those of the plan and the grid
     bool fitted;      // the grid is that of these objects
     uint32_t fitted_n;
@@ -38,5 +40,8 @@ struct duet_world {
 void world_change_level(duet_world *world, duet_level level);
 
 grid_objects world_objects(const duet_world *world);
+
+// Whether every object has a size, whichever of the two was set first.
+bool world_check_sizes(const duet_world *world, duet_error *err);
 
 #endif

@@ -112,6 +112,27 @@ static void the_workload_is_the_scenes_and_not_the_draws_or_the_plans(void **sta
     drop_world(&c);
 }
 
+// The first objects are counted when they are set, all others when somebody asks.
+static void a_census_is_of_the_objects_that_a_world_has(void **state)
+{
+    (void)state;
+    enum { N = 16000 };
+    duet_error err = {0};
+    fixture f = make_world(N, test_seed(), 0, "rows");
+    profiled set = describe(&f);
+    duet_pose *poses = duet_world_map_poses(f.world, N, &err); // as they are
+    assert_ok(poses, err);
+    profiled mapped = describe(&f);
+    assert_memory_equal(&set.workload, &mapped.workload, sizeof set.workload);
+    poses[N / 3].half[1] = 4;
+    assert_true(describe(&f).workload.size_ratio == 8);
+    duet_pose one = poses[0];
+    assert_ok(duet_world_set_poses(f.world, &one, 1, &err), err);
+    assert_int_equal(describe(&f).workload.n, 1);
+    assert_true(describe(&f).workload.size_ratio == 1);
+    drop_world(&f);
+}
+
 static void a_world_without_objects_is_refused(void **state)
 {
     (void)state;
@@ -339,7 +360,7 @@ static void why_names_the_plan_and_run_uses_it(void **state)
     snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
     program p = program_run_with(variables, "run %s --repeat 1", SCENE);
     assert_int_equal(p.exit_code, 0);
-    assert_non_null(strstr(p.out, "plan: from the profile, exact; +50.0 %"));
+    assert_non_null(strstr(p.out, "plan: from the profile, exact; +50.0 % (+0.0 to +0.0) over "));
     program_free(&p);
     p = program_run_with(variables, "run %s --repeat 1 --json --check", SCENE);
     assert_non_null(strstr(p.out, "0.375"));
@@ -352,6 +373,11 @@ static void why_names_the_plan_and_run_uses_it(void **state)
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "exact: share 0.3750, mode own, A rows, B rows sort=radix"));
     program_free(&p);
+    test_store_run(folder.store, "UPDATE profile SET share = 0, verdict = 'same'");
+    p = program_run_with(variables, "run %s --repeat 1", SCENE);
+    assert_non_null(
+        strstr(p.out, "exact; one device alone; sharing gains +50.0 % (+0.0 to +0.0): same"));
+    program_free(&p);
     remove(SCENE);
     test_folder_remove(&folder);
 }
@@ -361,6 +387,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_worlds_numbers_are_those_of_its_scene),
         cmocka_unit_test(the_workload_is_the_scenes_and_not_the_draws_or_the_plans),
+        cmocka_unit_test(a_census_is_of_the_objects_that_a_world_has),
         cmocka_unit_test(a_world_without_objects_is_refused),
         cmocka_unit_test(a_plan_survives_being_stored),
         cmocka_unit_test(a_world_takes_its_profile_and_finds_the_same_pairs),

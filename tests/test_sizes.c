@@ -246,7 +246,14 @@ static void as_many_sizes_as_transforms(void **state)
     assert_int_equal(err.status, DUET_BAD_ARGUMENT);
     assert_string_equal(err.text, "10 objects have a transform and 0 a size; right would be as "
                                   "many");
+    duet_profile profile;
+    err = (duet_error){0};
+    assert_false(duet_world_load_profile(world, "test_sizes.none.db", &profile, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
     map_sizes(world, 10);
+    err = (duet_error){0};
+    assert_ok(duet_world_load_profile(world, "test_sizes.none.db", &profile, &err), err);
+    assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
     assert_step_is_the_reference(world, 10);
     duet_world_destroy(world);
 }

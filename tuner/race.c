@@ -4,10 +4,12 @@
 #include "runtime/base/rng.h"
 
 #include <assert.h>
+#include <math.h>
 
 race_options race_default_options(void)
 {
-    return (race_options){.least_rounds = 8, .most_rounds = 20, .level = 0.99, .margin = 0.03};
+    return (race_options){
+        .least_rounds = 8, .most_rounds = 20, .level = 0.99, .dropped = 1.03, .margin = 0.03};
 }
 
 const char *race_verdict_name(race_verdict verdict)
@@ -22,6 +24,29 @@ race race_begin(uint32_t n, const race_options *options)
     race r = {.options = options ? *options : race_default_options(), .n = n};
     assert(r.options.least_rounds > 0 && r.options.most_rounds <= RACE_ROUNDS);
     return r;
+}
+
+static race_verdict judge(stats_interval in, double level)
+{
+    if (in.level < level)
+        return RACE_AMBIGUOUS;
+    if (in.low > 1)
+        return RACE_FASTER;
+    return in.high < 1 ? RACE_SLOWER : RACE_SAME;
+}
+
+race_gain race_compare(const race *r, uint32_t rival, uint32_t other)
+{
+    const double *own = r->rivals[rival].ns, *others = r->rivals[other].ns;
+    uint32_t n = r->rivals[rival].rounds < r->rivals[other].rounds ? r->rivals[rival].rounds
+                                                                   : r->rivals[other].rounds;
+    double ratios[RACE_ROUNDS];
+    for (uint32_t i = 0; i < n; ++i)
+        ratios[i] = others[i] / own[i];
+    race_gain gain = {.ratio = stats_median(ratios, n)};
+    gain.interval = stats_median_interval(ratios, n, r->options.level);
+    gain.verdict = judge(gain.interval, r->options.level);
+    return gain;
 }
 
 // Rivals that are in have run this round or the one before it.
@@ -53,8 +78,9 @@ static bool round_is_over(const race *r)
     return round >= r->options.least_rounds;
 }
 
-// Which of them is chosen makes no difference that is worth a launch.
-static bool all_are_as_good(const race *r)
+// How far all are behind the leader: more launches would not tell anything worth
+// one.
+static bool all_are_known(const race *r)
 {
     uint32_t leader = race_leader(r);
     if (r->options.margin <= 0 || !round_is_over(r))
@@ -63,9 +89,8 @@ static bool all_are_as_good(const race *r)
         if (i == leader || r->rivals[i].out)
             continue;
         race_gain gain = race_compare(r, leader, i);
-        double most = 1 + r->options.margin;
-        if (gain.verdict == RACE_AMBIGUOUS || gain.interval.high > most ||
-            gain.interval.low * most < 1)
+        double widest = pow(1 + r->options.margin, 2);
+        if (gain.verdict == RACE_AMBIGUOUS || gain.interval.high > widest * gain.interval.low)
             return false;
     }
     return true;
@@ -81,7 +106,7 @@ static uint32_t turn_of(uint32_t rival, uint32_t round)
 bool race_next(const race *r, uint32_t *rival)
 {
     uint32_t round = fewest_rounds(r);
-    bool decided = round > 0 && (race_alone(r) || all_are_as_good(r));
+    bool decided = round > 0 && (race_alone(r) || all_are_known(r));
     if (decided || round >= r->options.most_rounds)
         return false;
     *rival = r->n;
@@ -99,24 +124,39 @@ double race_median(const race *r, uint32_t rival)
     return stats_median(r->rivals[rival].ns, r->rivals[rival].rounds);
 }
 
+static bool beats(const race *r, uint32_t rival, uint32_t other)
+{
+    return other == r->n || race_compare(r, rival, other).ratio > 1;
+}
+
 uint32_t race_leader(const race *r)
 {
     uint32_t leader = r->n;
     for (uint32_t i = 0; i < r->n; ++i) {
-        if (r->rivals[i].out || r->rivals[i].rounds == 0)
-            continue;
-        if (leader == r->n || race_median(r, i) < race_median(r, leader))
+        if (!r->rivals[i].out && r->rivals[i].rounds > 0 && beats(r, i, leader))
             leader = i;
     }
     return leader;
+}
+
+uint32_t race_best(const race *r, uint32_t from, uint32_t to)
+{
+    uint32_t best = r->n;
+    for (uint32_t i = from; i < to; ++i) {
+        if (r->rivals[i].rounds > 0 && beats(r, i, best))
+            best = i;
+    }
+    return best == r->n ? to : best;
 }
 
 static void drop_slower(race *r)
 {
     uint32_t leader = race_leader(r);
     for (uint32_t i = 0; i < r->n; ++i) {
-        if (i != leader && !r->rivals[i].out)
-            r->rivals[i].out = race_compare(r, leader, i).verdict == RACE_FASTER;
+        if (i == leader || r->rivals[i].out)
+            continue;
+        race_gain gain = race_compare(r, leader, i);
+        r->rivals[i].out = gain.verdict == RACE_FASTER && gain.interval.low > r->options.dropped;
     }
 }
 
@@ -131,29 +171,6 @@ void race_add(race *r, uint32_t rival, double ns)
 void race_drop(race *r, uint32_t rival)
 {
     r->rivals[rival].out = true;
-}
-
-static race_verdict judge(stats_interval in, double level)
-{
-    if (in.level < level)
-        return RACE_AMBIGUOUS;
-    if (in.low > 1)
-        return RACE_FASTER;
-    return in.high < 1 ? RACE_SLOWER : RACE_SAME;
-}
-
-race_gain race_compare(const race *r, uint32_t rival, uint32_t other)
-{
-    const double *own = r->rivals[rival].ns, *others = r->rivals[other].ns;
-    uint32_t n = r->rivals[rival].rounds < r->rivals[other].rounds ? r->rivals[rival].rounds
-                                                                   : r->rivals[other].rounds;
-    double ratios[RACE_ROUNDS];
-    for (uint32_t i = 0; i < n; ++i)
-        ratios[i] = others[i] / own[i];
-    race_gain gain = {.ratio = stats_median(ratios, n)};
-    gain.interval = stats_median_interval(ratios, n, r->options.level);
-    gain.verdict = judge(gain.interval, r->options.level);
-    return gain;
 }
 
 race_gain race_compare_apart(const double *own, uint32_t n_own, const double *others,

@@ -17,11 +17,13 @@ typedef struct race_options {
     uint32_t least_rounds; // before anyone drops out
     uint32_t most_rounds;  // up to RACE_ROUNDS
     double level;          // confidence of the intervals
-    double margin;         // rivals this near to each other are as good; 0: none are
+    double dropped;        // who surely takes so many times the leader's time drops out
+    double margin;         // the race ends once all ratios are known to it; 0: none is
 } race_options;
 
 // 8 rounds are the fewest from which 99 % can be had: all on one side. What is
-// within 3 % is not worth more of them.
+// within 3 % is not worth more of them, and nobody drops out for less: of equal
+// plans one is ahead by a little sooner or later, if asked after every round.
 race_options race_default_options(void);
 
 typedef struct race {
@@ -36,7 +38,7 @@ typedef struct race {
 
 typedef enum race_verdict {
     RACE_FASTER,
-    RACE_SAME, // the interval holds 1: within the margin, or all rounds did not tell them apart
+    RACE_SAME, // the interval holds 1
     RACE_SLOWER,
     RACE_AMBIGUOUS // too few rounds for an interval of that confidence
 } race_verdict;
@@ -52,8 +54,8 @@ typedef struct race_gain {
 
 race race_begin(uint32_t n, const race_options *options); // NULL: the default ones
 
-// The rival to measure next; false where the race is over: one rival is left,
-// all that are left are as good as the leader, or the rounds are used up.
+// The rival to measure next; false where the race is over: one rival is left, it
+// is known how far all are behind the leader, or the rounds are used up.
 bool race_next(const race *r, uint32_t *rival);
 
 // Adds a rival's time for the round. After the last of a round, rivals that
@@ -65,8 +67,12 @@ void race_drop(race *r, uint32_t rival);
 
 bool race_alone(const race *r); // one rival is left, or none
 
-// The rival still in with the least median; n where all are out.
+// The best rival still in; n where all are out.
 uint32_t race_leader(const race *r);
+
+// The best of rivals from .. to - 1, in or out: the one that is mostly faster
+// than another in the same round; to where none has run.
+uint32_t race_best(const race *r, uint32_t from, uint32_t to);
 
 double race_median(const race *r, uint32_t rival);
 

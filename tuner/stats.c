@@ -26,6 +26,13 @@ double stats_median(const double *values, uint32_t n)
     return (sorted[(n - 1) / 2] + sorted[n / 2]) / 2;
 }
 
+double stats_quartile(const double *values, uint32_t n)
+{
+    double sorted[STATS_MOST];
+    sort_into(sorted, values, n);
+    return sorted[n / 4];
+}
+
 double stats_mad(const double *values, uint32_t n)
 {
     double distances[STATS_MOST];

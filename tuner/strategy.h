@@ -11,6 +11,7 @@
 struct strategy {
     const char *name;
     const char *about;
+    bool evened;       // its share is evened out by what both devices take in the verdict
     uint32_t launches; // at most, where the options name no number; 0: no end of its own
     bool (*ask)(const search *s, search_next *next, duet_error *err);
     uint32_t (*pick)(const search *s);

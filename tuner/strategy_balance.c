@@ -429,6 +429,7 @@ static void bracket(const search *s, uint32_t *low, uint32_t *high)
 const strategy strategy_balance = {
     .name = "balance",
     .about = "balances a line for each device inside a bracket, then races the rivals",
+    .evened = true,
     .launches = 2 * MOST_RACED,
     .ask = ask,
     .pick = pick,

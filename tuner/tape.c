@@ -29,7 +29,7 @@ bool tape_add(tape *t, const tape_entry *entry, duet_error *err)
     return true;
 }
 
-static bool same_plan(const duet_plan *a, const duet_plan *b)
+bool tape_same_plan(const duet_plan *a, const duet_plan *b)
 {
     return a->share == b->share && a->mode == b->mode && strcmp(a->variant_a, b->variant_a) == 0 &&
            strcmp(a->variant_b, b->variant_b) == 0;
@@ -40,7 +40,7 @@ const tape_entry *tape_play(tape *t, const duet_plan *plan)
     if (t->played == t->n)
         return NULL;
     const tape_entry *entry = &t->entries[t->played];
-    if (!same_plan(&entry->plan, plan)) {
+    if (!tape_same_plan(&entry->plan, plan)) {
         t->n = t->played;
         return NULL;
     }

@@ -30,6 +30,8 @@ typedef struct tape {
 void tape_free(tape *t);
 bool tape_add(tape *t, const tape_entry *entry, duet_error *err);
 
+bool tape_same_plan(const duet_plan *a, const duet_plan *b);
+
 // The next entry to serve, if it is for this plan; NULL at the end. Where it is
 // for another plan something that decides has changed: the rest is forgotten.
 const tape_entry *tape_play(tape *t, const duet_plan *plan);

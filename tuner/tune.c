@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/tune.h"
 
-#include "runtime/base/error.h"
-#include "tuner/race.h"
 #include "tuner/search.h"
-#include "tuner/strategy.h"
-#include "tuner/strategy_lua.h"
+#include "tuner/verdict.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,187 +10,7 @@
 
 enum { MOST_MODES = 8 };
 
-// Parts of the budget that are used up when a stage must end.
-static const double VARIANTS_END = 0.35, SEARCH_END = 0.7, VERDICT_END = 1.0;
-
-static const double HOPELESS = 2.0;    // a variant this much slower is not measured again
-static const double WORTH_ALONE = 1.3; // A alone is raced where it may take so much of B alone
-
-typedef struct tuning {
-    const tune_task *task;
-    tape *state;
-    const char *stage;
-    double stage_end; // part of the budget
-    duet_plan plan;   // the variants chosen so far
-    uint32_t launches;
-    uint64_t spent_ns;
-    bool cut;           // the budget ended a search
-    duet_error failure; // of the first plan that did not run
-} tuning;
-
-// What a trial gave to decide from.
-typedef struct trial {
-    bool usable;
-    search_sample sample;
-    duet_tune_terms terms;
-} trial;
-
-// ---------------------------------------------------------------- a trial
-
-static bool within_budget(const tuning *t)
-{
-    const duet_tune_def *def = t->task->def;
-    bool in_time =
-        def->budget_seconds <= 0 || (double)t->spent_ns * 1e-9 < t->stage_end * def->budget_seconds;
-    bool in_trials =
-        def->budget_trials == 0 || t->state->played < t->stage_end * def->budget_trials;
-    return in_time && in_trials;
-}
-
-static bool tell_watcher(const tuning *t, const tape_entry *entry, bool remembered, duet_error *err)
-{
-    const duet_tune_def *def = t->task->def;
-    duet_tune_progress progress = {
-        .stage = t->stage,
-        .plan = &entry->plan,
-        .ms = (double)entry->sample.total_ns * 1e-6,
-        .trials = t->state->played,
-        .launches = t->launches,
-        .seconds = (double)t->spent_ns * 1e-9,
-        .remembered = remembered,
-    };
-    if (def->watch && !def->watch(def->watch_context, &progress))
-        return error_set(err, DUET_INTERRUPTED,
-                         "stopped after %u trials; the same command goes on from there",
-                         progress.trials);
-    return true;
-}
-
-static tape_entry entry_of(const duet_plan *plan, const measurement *m)
-{
-    const profile_sample *typical = &m->samples[m->typical];
-    tape_entry entry = {
-        .plan = *plan,
-        .usable = strcmp(m->outcome, "ok") == 0,
-        .sample = {.share = plan->share},
-        .launches = m->n_samples,
-        .spent_ns = m->spent_ns,
-    };
-    if (entry.usable) {
-        entry.sample.total_ns = (uint64_t)typical->total_ns;
-        entry.sample.a_ns = (uint64_t)typical->a_ns;
-        entry.sample.b_ns = (uint64_t)typical->b_ns;
-        entry.terms = m->terms;
-    }
-    return entry;
-}
-
-static bool has_default_variants(const tune_task *task, const duet_plan *plan)
-{
-    return strcmp(plan->variant_a, task->plan.variant_a) == 0 &&
-           strcmp(plan->variant_b, task->plan.variant_b) == 0;
-}
-
-// The default variants must be right; any other that is wrong is passed over.
-static bool check_measured(tuning *t, const duet_plan *plan, const measurement *m, duet_error *err)
-{
-    if (strcmp(m->outcome, "ok") == 0)
-        return true;
-    error_set(&t->failure, m->failure.status, "no plan runs: %s", m->failure.text);
-    if (strcmp(m->outcome, "wrong") == 0 && has_default_variants(t->task, plan))
-        return error_set(err, DUET_WRONG_RESULT, "share %u of %u, variants '%s' and '%s': %s",
-                         plan->share, DUET_SHARE_ONE, plan->variant_a, plan->variant_b,
-                         m->failure.text);
-    return true;
-}
-
-static bool measure_live(tuning *t, const duet_plan *plan, tape_entry *entry, duet_error *err)
-{
-    const tune_task *task = t->task;
-    measurement m = measure_plan(&task->machine, plan, task->def->repeats);
-    *entry = entry_of(plan, &m);
-    if (!tape_add(t->state, entry, err))
-        return false;
-    ++t->state->played;
-    const tune_recorder *recorder = &task->recorder;
-    return (!recorder->trial || recorder->trial(recorder->context, plan, &m, t->state, err)) &&
-           check_measured(t, plan, &m, err);
-}
-
-// From the tape, or else from the machine.
-static bool run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *err)
-{
-    const tape_entry *kept = tape_play(t->state, plan);
-    tape_entry entry;
-    *out = (trial){0};
-    if (kept)
-        entry = *kept;
-    else if (!measure_live(t, plan, &entry, err))
-        return false;
-    t->launches += entry.launches;
-    t->spent_ns += entry.spent_ns;
-    out->usable = entry.usable;
-    out->sample = entry.sample;
-    out->terms = entry.terms;
-    return tell_watcher(t, &entry, kept, err);
-}
-
-static duet_plan plan_at(const tuning *t, uint32_t share, duet_mode mode)
-{
-    duet_plan plan = t->plan;
-    plan.share = share;
-    plan.mode = mode;
-    return plan;
-}
-
-// ---------------------------------------------------------------- races
-
-// Plans in a race, with the terms of each one's last trial.
-typedef struct field {
-    duet_plan plans[RACE_RIVALS];
-    duet_tune_terms terms[RACE_RIVALS];
-    uint32_t n;
-    race race;
-} field;
-
-static void enter(field *f, duet_plan plan)
-{
-    if (f->n < RACE_RIVALS)
-        f->plans[f->n++] = plan;
-}
-
-// What is so much slower is not worth another round.
-static void drop_hopeless(race *r)
-{
-    uint32_t leader = race_leader(r);
-    for (uint32_t i = 0; i < r->n && leader < r->n; ++i) {
-        if (r->rivals[i].rounds > 0 && race_median(r, i) > HOPELESS * race_median(r, leader))
-            race_drop(r, i);
-    }
-}
-
-// Races until it is decided or the stage's part of the budget is spent. A
-// trial's time is the total, or A's own where that is what is chosen.
-static bool run_race(tuning *t, field *f, const race_options *options, bool of_a, bool quick,
-                     duet_error *err)
-{
-    uint32_t rival;
-    f->race = race_begin(f->n, options);
-    while (within_budget(t) && race_next(&f->race, &rival)) {
-        trial got;
-        if (!run_trial(t, &f->plans[rival], &got, err))
-            return false;
-        double ns = (double)(of_a ? got.sample.a_ns : got.sample.total_ns);
-        if (got.usable)
-            race_add(&f->race, rival, ns);
-        else
-            race_drop(&f->race, rival);
-        if (quick)
-            drop_hopeless(&f->race);
-        f->terms[rival] = got.terms;
-    }
-    return true;
-}
+static const double VARIANTS_END = 0.35, SEARCH_END = 0.7; // parts of the budget
 
 // ---------------------------------------------------------------- variants
 
@@ -216,15 +33,16 @@ static void set_variant(duet_plan *plan, int device, const char *variant)
 // Races the variants of one device at a share; the best one enters the plan.
 static bool choose_variant(tuning *t, int device, uint32_t share, duet_error *err)
 {
-    static const race_options quick = {.least_rounds = 4, .most_rounds = 6, .level = 0.85};
+    static const race_options quick = {
+        .least_rounds = 4, .most_rounds = 6, .level = 0.85, .dropped = 1};
     field f = {0};
     const char *variant;
     for (uint32_t i = 0; (variant = variant_at(t->task->def, i)); ++i) {
-        duet_plan plan = plan_at(t, share, DUET_MODE_OWN);
+        duet_plan plan = tuning_plan_at(t, share, DUET_MODE_OWN);
         set_variant(&plan, device, variant);
-        enter(&f, plan);
+        field_enter(&f, plan);
     }
-    if (!run_race(t, &f, &quick, device == 0, true, err))
+    if (!tuning_race(t, &f, &quick, device == 0, true, err))
         return false;
     uint32_t leader = race_leader(&f.race);
     if (leader < f.n)
@@ -238,10 +56,10 @@ static bool choose_variant(tuning *t, int device, uint32_t share, duet_error *er
 static bool find_share_of_a(tuning *t, uint32_t *share, duet_error *err)
 {
     trial whole, part;
-    duet_plan b_alone = plan_at(t, 0, DUET_MODE_OWN);
-    duet_plan probe = plan_at(t, DUET_SHARE_ONE / 16, DUET_MODE_OWN);
+    duet_plan b_alone = tuning_plan_at(t, 0, DUET_MODE_OWN);
+    duet_plan probe = tuning_plan_at(t, DUET_SHARE_ONE / 16, DUET_MODE_OWN);
     *share = probe.share;
-    if (!run_trial(t, &b_alone, &whole, err) || !run_trial(t, &probe, &part, err))
+    if (!tuning_run_trial(t, &b_alone, &whole, err) || !tuning_run_trial(t, &probe, &part, err))
         return false;
     if (whole.usable && part.usable && part.sample.a_ns > 0) {
         double fits = (double)whole.sample.total_ns / (double)part.sample.a_ns;
@@ -266,15 +84,6 @@ static bool choose_variants(tuning *t, duet_error *err)
 }
 
 // ---------------------------------------------------------------- share
-
-// What the search of one mode came to.
-typedef struct found {
-    duet_mode mode;
-    bool usable;
-    uint32_t share;
-    double a_alone_ns; // expected; INFINITY where nothing was seen of A
-    double b_alone_ns; // as measured first
-} found;
 
 // A's time for all the work, from the least and the largest part that it did.
 static double expect_a_alone(const search *s)
@@ -305,11 +114,11 @@ static bool run_search(tuning *t, search *s, duet_mode mode, bool *usable, duet_
         trial got;
         if (!search_ask(s, &next, err))
             return false;
-        t->cut |= !next.done && !within_budget(t);
+        t->cut |= !next.done && !tuning_within_budget(t);
         if (next.done || t->cut)
             return true;
-        duet_plan plan = plan_at(t, next.share, mode);
-        if (!run_trial(t, &plan, &got, err))
+        duet_plan plan = tuning_plan_at(t, next.share, mode);
+        if (!tuning_run_trial(t, &plan, &got, err))
             return false;
         got.sample.share = next.share;
         *usable = got.usable;
@@ -379,97 +188,14 @@ static bool search_modes(tuning *t, found founds[MOST_MODES], uint32_t *n, duet_
     return true;
 }
 
-// ---------------------------------------------------------------- verdict
-
-// The devices alone come first, then the best share of each mode.
-static uint32_t enter_rivals(const tuning *t, const found *founds, uint32_t n, field *f)
-{
-    double a_alone_ns = INFINITY, b_alone_ns = INFINITY;
-    for (uint32_t i = 0; i < n; ++i) {
-        a_alone_ns = fmin(a_alone_ns, founds[i].a_alone_ns);
-        b_alone_ns = fmin(b_alone_ns, founds[i].b_alone_ns);
-    }
-    enter(f, plan_at(t, 0, DUET_MODE_OWN));
-    if (a_alone_ns < WORTH_ALONE * b_alone_ns)
-        enter(f, plan_at(t, DUET_SHARE_ONE, DUET_MODE_OWN));
-    uint32_t n_alone = f->n;
-    for (uint32_t i = 0; i < n; ++i) {
-        if (founds[i].usable && founds[i].share > 0 && founds[i].share < DUET_SHARE_ONE)
-            enter(f, plan_at(t, founds[i].share, founds[i].mode));
-    }
-    return n_alone;
-}
-
-// Of rivals from .. to - 1 the one with the least median; to where none ran.
-static uint32_t best_of(const race *r, uint32_t from, uint32_t to)
-{
-    uint32_t best = to;
-    for (uint32_t i = from; i < to; ++i) {
-        if (r->rivals[i].rounds > 0 && (best == to || race_median(r, i) < race_median(r, best)))
-            best = i;
-    }
-    return best;
-}
-
-static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t shared,
-                  duet_tune_outcome *outcome)
-{
-    race_gain gain = {
-        .verdict = t->cut ? RACE_AMBIGUOUS : RACE_SAME, .ratio = 1, .interval = {1, 1, 1}};
-    uint32_t best = shared < f->n ? shared : alone;
-    if (best != alone)
-        gain = race_compare(&f->race, best, alone);
-    uint32_t use = gain.verdict == RACE_FASTER ? best : alone;
-    outcome->best = f->plans[best];
-    outcome->plan = f->plans[use];
-    outcome->terms = f->terms[best];
-    outcome->gain = gain.ratio - 1;
-    outcome->gain_low = gain.interval.low - 1;
-    outcome->gain_high = gain.interval.high - 1;
-    snprintf(outcome->verdict, sizeof outcome->verdict, "%s", race_verdict_name(gain.verdict));
-    stats_interval in =
-        stats_median_interval(f->race.rivals[use].ns, f->race.rivals[use].rounds, 0.95);
-    outcome->step_ms = race_median(&f->race, use) * 1e-6;
-    outcome->step_low_ms = in.low * 1e-6;
-    outcome->step_high_ms = in.high * 1e-6;
-    outcome->single_ms = race_median(&f->race, alone) * 1e-6;
-}
-
-// The best share against the better single device. What does not prove to be
-// faster is not used: tuned is never slower than one device.
-static bool reach_verdict(tuning *t, const found *founds, uint32_t n, duet_tune_outcome *outcome,
-                          duet_error *err)
-{
-    field f = {0};
-    uint32_t n_alone = enter_rivals(t, founds, n, &f);
-    t->stage = "verdict";
-    t->stage_end = VERDICT_END;
-    if (!run_race(t, &f, NULL, false, false, err))
-        return false;
-    uint32_t alone = best_of(&f.race, 0, n_alone);
-    if (alone == n_alone && t->failure.status != DUET_OK) {
-        if (err && err->status == DUET_OK)
-            *err = t->failure;
-        return false;
-    }
-    if (alone == n_alone)
-        return error_set(err, DUET_BAD_ARGUMENT,
-                         "the budget ended before the devices were compared; right would be more "
-                         "than %u trials or %.3g seconds",
-                         t->state->played, (double)t->spent_ns * 1e-9);
-    judge(t, &f, alone, best_of(&f.race, n_alone, f.n), outcome);
-    return true;
-}
-
 bool tune_run(const tune_task *task, tape *state, duet_tune_outcome *outcome, duet_error *err)
 {
-    tuning t = {.task = task, .state = state, .plan = task->plan};
+    tuning t = tuning_begin(task, state);
     found founds[MOST_MODES] = {0};
     uint32_t n = 0;
     *outcome = (duet_tune_outcome){0};
-    state->played = 0;
     bool ok = choose_variants(&t, err) && search_modes(&t, founds, &n, err) &&
-              reach_verdict(&t, founds, n, outcome, err);
+              verdict_reach(&t, founds, n, outcome, err);
     outcome->trials = state->played;
     outcome->launches = t.launches;
     outcome->seconds = (double)t.spent_ns * 1e-9;

@@ -3,13 +3,11 @@
 // looking up, with --n profiles in it, and telling what kind of world it has.
 #define _POSIX_C_SOURCE 200809L
 #include "bench.h"
-#include "paper_scene.h"
 
 #include "profiles/lookup.h"
 #include "runtime/base/clock.h"
 #include "runtime/base/error.h"
 #include "runtime/base/rng.h"
-#include "runtime/profiled.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -117,39 +115,68 @@ static bool measure_all(const char *path, uint32_t n, const bench_options *optio
     return ok;
 }
 
-static bool describe(duet_world *world, const duet_pose *poses, uint32_t n,
-                     const bench_options *options, duet_error *err)
+// A start: the world's first objects, then their profile; and the profile of
+// objects that were written again since.
+typedef struct start {
+    series set;
+    series load;
+    series load_again;
+} start;
+
+static double us_since(uint64_t begun)
 {
-    series us = {0};
-    bool ok = duet_world_set_poses(world, poses, n, err);
-    for (uint32_t i = 0; ok && i < options->runs; ++i) {
-        profiled p;
-        uint64_t start = clock_steady_ns();
-        ok = profiled_world(world, &p, err);
-        series_add(&us, (double)(clock_steady_ns() - start) * 1e-3);
-    }
-    if (ok)
-        printf("what kind of world %u boxes are, median of %u: %.0f us (least %.0f)\n", n, us.n,
-               series_median(&us), series_least(&us));
+    return (double)(clock_steady_ns() - begun) * 1e-3;
+}
+
+static bool load(duet_world *world, const char *path, series *us, duet_error *err)
+{
+    duet_profile profile;
+    uint64_t begun = clock_steady_ns();
+    bool ok = duet_world_load_profile(world, path, &profile, err);
+    series_add(us, us_since(begun));
     return ok;
 }
 
-static bool describe_worlds(const bench_options *options, duet_error *err)
+static bool start_once(duet_device_pair *pair, const char *path, const duet_pose *poses, uint32_t n,
+                       start *s, duet_error *err)
 {
-    static const uint32_t numbers[] = {20000, 250000, 1000000};
-    duet_device_pair_def pair_def = duet_default_device_pair_def();
-    duet_device_pair *pair = duet_device_pair_open(&pair_def, err);
     duet_world_def def = duet_default_world_def();
     def.pair = pair;
-    duet_world *world = pair ? duet_world_create(&def, err) : NULL;
-    bool ok = world;
-    for (size_t i = 0; ok && i < sizeof numbers / sizeof *numbers; ++i) {
-        duet_pose *poses = paper_poses(numbers[i], options->seed);
-        ok = poses ? describe(world, poses, numbers[i], options, err)
-                   : error_set(err, DUET_NO_MEMORY, "%u boxes: no memory", numbers[i]);
-        free(poses);
-    }
+    duet_world *world = duet_world_create(&def, err);
+    uint64_t begun = clock_steady_ns();
+    bool ok = world && duet_world_set_poses(world, poses, n, err);
+    series_add(&s->set, us_since(begun));
+    ok = ok && load(world, path, &s->load, err) && duet_world_map_poses(world, n, err) &&
+         load(world, path, &s->load_again, err);
     duet_world_destroy(world);
+    return ok;
+}
+
+static bool start_with(duet_device_pair *pair, const char *path, uint32_t n,
+                       const bench_options *options, duet_error *err)
+{
+    duet_pose *poses = bench_poses(n, options, err);
+    start s = {0};
+    bool ok = poses;
+    for (uint32_t i = 0; ok && i < options->runs; ++i)
+        ok = start_once(pair, path, poses, n, &s, err);
+    if (ok)
+        printf("%7u boxes, medians of %u: first set %.0f us (least %.0f), load %.0f us (least "
+               "%.0f), written again and load %.0f us (least %.0f)\n",
+               n, s.set.n, series_median(&s.set), series_least(&s.set), series_median(&s.load),
+               series_least(&s.load), series_median(&s.load_again), series_least(&s.load_again));
+    free(poses);
+    return ok;
+}
+
+static bool start_worlds(const char *path, const bench_options *options, duet_error *err)
+{
+    static const uint32_t numbers[] = {20000, 250000, 1000000};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    duet_device_pair *pair = duet_device_pair_open(&def, err);
+    bool ok = pair;
+    for (size_t i = 0; ok && i < sizeof numbers / sizeof *numbers; ++i)
+        ok = start_with(pair, path, numbers[i], options, err);
     duet_device_pair_close(pair);
     return ok;
 }
@@ -166,7 +193,7 @@ bool bench_lookup(const bench_options *options, duet_error *err)
     bool ok = s && fill(s, n, err);
     store_close(s);
     nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL); // until the file counts as settled
-    ok = ok && measure_all(path, n, options, err) && describe_worlds(options, err);
+    ok = ok && measure_all(path, n, options, err) && start_worlds(path, options, err);
     unlink(path);
     rmdir(folder);
     return ok;

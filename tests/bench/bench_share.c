@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Two devices against the better one of them, each way to split the work: the
-// search alone (the paper shares no more than that) and the whole step.
+// search alone (the paper shares no more than that) and the whole step. Beside
+// them, two worlds of half the objects, each stepped by its own thread on its own
+// device, show what there is to be had where nothing is shared but memory.
 #include "bench.h"
 
+#include "runtime/base/error.h"
 #include "subject.h"
+#include "workers.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -44,7 +48,55 @@ static double step_least(const subject *s)
     return series_least(&s->total);
 }
 
-static void print(const subject subjects[N])
+// ---------------------------------------------------------------- two halves
+
+typedef struct halves {
+    subject each[2];
+    workers *workers;
+    bool ok[2];
+    duet_error errs[2];
+    series total; // of the longer one
+} halves;
+
+static bool halves_open(halves *h, const subject_def *whole, duet_error *err)
+{
+    h->workers = workers_open(2);
+    bool ok = h->workers || error_set(err, DUET_NO_MEMORY, "no second thread");
+    for (int i = 0; ok && i < 2; ++i) {
+        subject_def def = *whole;
+        def.n = whole->n / 2;
+        def.share = i == 0 ? DUET_SHARE_ONE : 0;
+        ok = subject_open(&h->each[i], &def, err);
+    }
+    return ok;
+}
+
+static void halves_close(halves *h)
+{
+    for (int i = 0; i < 2; ++i)
+        subject_close(&h->each[i]);
+    workers_close(h->workers);
+}
+
+static void step_half(void *context, uint32_t worker)
+{
+    halves *h = context;
+    h->ok[worker] = subject_step(&h->each[worker], &h->errs[worker]);
+}
+
+static bool halves_step(halves *h, duet_error *err)
+{
+    workers_run(h->workers, step_half, h);
+    for (int i = 0; i < 2; ++i)
+        if (!h->ok[i])
+            return error_set(err, h->errs[i].status, "%s", h->errs[i].text);
+    series_add(&h->total, fmax(h->each[0].last.total_ms, h->each[1].last.total_ms));
+    return true;
+}
+
+// ---------------------------------------------------------------- all
+
+static void print(const subject subjects[N], const halves *h)
 {
     static const struct {
         const char *name;
@@ -63,6 +115,9 @@ static void print(const subject subjects[N])
         }
         printf(" %10.2f\n", series_median(&subjects[i].cpu));
     }
+    double median = series_median(&h->total), least = series_least(&h->total);
+    printf("%-20s %19s %10.2f %8.2f %10.2f %8.2f\n", "two worlds of half", "", median,
+           median / alone(subjects, step_median), least, least / alone(subjects, step_least));
     printf("wanted: search at most 0.62 of the better device alone; slab's step 0.58\n");
 }
 
@@ -71,6 +126,7 @@ bool bench_share(const bench_options *options, duet_error *err)
     uint32_t n = options->n ? options->n : 500000;
     duet_pose *poses = bench_poses(n, options, err);
     subject *subjects = calloc(N, sizeof *subjects);
+    halves h = {0};
     bool ok = poses && subjects;
     for (int i = 0; ok && i < N; ++i) {
         subject_def def = {.name = splits[i].name,
@@ -83,9 +139,12 @@ bool bench_share(const bench_options *options, duet_error *err)
                            .n = n};
         ok = subject_open(&subjects[i], &def, err);
     }
-    ok = ok && subjects_step(subjects, N, options->runs, err);
+    ok = ok && halves_open(&h, &subjects[OWN].def, err);
+    for (uint32_t run = 0; ok && run < options->runs; ++run)
+        ok = subjects_step(subjects, N, 1, err) && halves_step(&h, err);
     if (ok)
-        print(subjects);
+        print(subjects, &h);
+    halves_close(&h);
     for (int i = 0; subjects && i < N; ++i)
         subject_close(&subjects[i]);
     free(subjects);

@@ -10,6 +10,7 @@
 #include "tuner/race.h"
 #include "tuner/strategy.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -66,7 +67,8 @@ static bool choose(const measure_machine *machine, const char *name, chosen *out
 // Rivals: first the chosen shares, then the grid's.
 static bool race_all(const measure_machine *machine, const chosen *found, race *r, duet_error *err)
 {
-    race_options options = {.least_rounds = ROUNDS, .most_rounds = ROUNDS, .level = 0.99};
+    race_options options = {
+        .least_rounds = ROUNDS, .most_rounds = ROUNDS, .level = 0.99, .dropped = INFINITY};
     *r = race_begin(N_NAMES + GRID + 1, &options);
     uint32_t rival;
     while (race_next(r, &rival)) {

@@ -318,8 +318,9 @@ static void print_entry(const profile_entry *e)
            row->plan.mode, row->plan.variant_a, row->plan.variant_b, row->plan.level);
     printf("step      %.4f ms (%.4f to %.4f)\n", row->median_ns * 1e-6, row->low_ns * 1e-6,
            row->high_ns * 1e-6);
-    printf("gain      %+.1f %% (%+.1f to %+.1f) over the best single device: %s\n", 100 * row->gain,
-           100 * row->gain_low, 100 * row->gain_high, row->verdict);
+    printf(
+        "gain      %s\n",
+        table_gain(row->plan.share, row->gain, row->gain_low, row->gain_high, row->verdict).chars);
     if (row->true_pairs < 0)
         printf("accuracy  was not measured\n");
     else

@@ -87,9 +87,9 @@ static void print_text(const answer *a)
     }
     printf("share %.4f, mode %s, A %s, B %s, level %s\n", plan->share / (double)PROFILE_SHARE_ONE,
            plan->mode, plan->variant_a, plan->variant_b, plan->level);
-    printf("a step of %.4g ms, %+.1f %% (%+.1f to %+.1f) over the best single device: %s\n",
-           found->median_ns * 1e-6, 100 * found->gain, 100 * found->gain_low,
-           100 * found->gain_high, found->verdict);
+    printf("a step of %.4g ms, %s\n", found->median_ns * 1e-6,
+           table_gain(plan->share, found->gain, found->gain_low, found->gain_high, found->verdict)
+               .chars);
     if (found->true_pairs > 0)
         printf("by %s pairs that collide level %s misses %.3g and invents %.3g\n",
                table_count((uint64_t)found->true_pairs).chars, plan->level, found->missed_rate,

@@ -64,9 +64,8 @@ static void print_profile(const run_report *r)
     else if (p->grade == DUET_GRADE_DEFAULT)
         printf("plan: the default; 'duet tune' measures a better one\n\n");
     else
-        printf("plan: from the profile, %s; %+.1f %% (%+.1f to %+.1f) over one device: %s\n\n",
-               duet_grade_name(p->grade), 100 * p->gain, 100 * p->gain_low, 100 * p->gain_high,
-               p->verdict);
+        printf("plan: from the profile, %s; %s\n\n", duet_grade_name(p->grade),
+               table_gain(p->plan.share, p->gain, p->gain_low, p->gain_high, p->verdict).chars);
 }
 
 enum { NOBODY = -1 };

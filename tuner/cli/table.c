@@ -2,6 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tuner/cli/table.h"
 
+#include "runtime/duet.h"
+
 #include <langinfo.h>
 #include <stdarg.h>
 #include <string.h>
@@ -96,6 +98,16 @@ table_text table_bytes(uint64_t bytes)
     table_text t;
     snprintf(t.chars, sizeof t.chars, "%.*f %s", unit > 0 && size < 99.5 ? 1 : 0, size,
              units[unit]);
+    return t;
+}
+
+table_text table_gain(uint32_t share, double gain, double low, double high, const char *verdict)
+{
+    bool alone = share == 0 || share == DUET_SHARE_ONE;
+    table_text t;
+    snprintf(t.chars, sizeof t.chars, "%s%+.1f %% (%+.1f to %+.1f)%s: %s",
+             alone ? "one device alone; sharing gains " : "", 100 * gain, 100 * low, 100 * high,
+             alone ? "" : " over the best single device", verdict);
     return t;
 }
 

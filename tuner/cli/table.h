@@ -33,6 +33,10 @@ table_text table_count(uint64_t n);
 // "12.3 MB"
 table_text table_bytes(uint64_t bytes);
 
+// What a plan with that share gains; where one device does it all, what sharing
+// would gain, which is why it does.
+table_text table_gain(uint32_t share, double gain, double low, double high, const char *verdict);
+
 // A bar of at most width (<= 40) characters, as long as part (0..1) of it.
 table_text table_bar(double part, int width);
 
