@@ -250,7 +250,6 @@ static bool store_colour(duet_motion *m, uint32_t colour, duet_error *err)
 {
     const colour_span *span = &m->colours[colour];
     motion_args a = args_begin(m);
-    args_buffer(&a, TOUCHES);
     args_buffer(&a, LIST);
     args_uint(&a, span->first);
     args_uint(&a, span->count);
