@@ -148,7 +148,7 @@ static bool drift(duet_motion *m, double h, duet_error *err)
         args_buffer(&a, INERTIAS);
     }
     args_float(&a, h);
-    return args_launch(&a, "motion", m->kernels.body_drift, m->n, err);
+    return args_launch(&a, "motion", m->kernels.drift, m->n, err);
 }
 
 static bool finish_bodies(duet_motion *m, duet_error *err)

@@ -21,8 +21,8 @@ static bool take_all;
 
 // ---------------------------------------------------------------- launches
 
-static const char *const names[] = {"integrate", "enclose", "rows",   "contact", "carry",
-                                    "doze",      "body",    "colour", "prepare", "solve"};
+static const char *const names[] = {"integrate", "enclose", "rows",    "contact", "carry", "doze",
+                                    "body",      "colour",  "prepare", "solve",   "drift"};
 
 enum { KERNELS = sizeof names / sizeof *names };
 
