@@ -129,27 +129,27 @@ static inline void look_at_pair(const scene *s, uint i, uint2 link)
 #line 390 "kernels/contact.cl.in"
     keep(s, i, s->halves[link.x], d, &m, axis);
 }
-#line 435 "kernels/contact.cl.in"
+#line 444 "kernels/contact.cl.in"
 
 __kernel void contact(__global const uint2 *restrict links, uint n, uint objects, __global const real4 *restrict centres,
-#line 440 "kernels/contact.cl.in"
+#line 449 "kernels/contact.cl.in"
                       __global const float4 *restrict halves,
-#line 459 "kernels/contact.cl.in"
+#line 468 "kernels/contact.cl.in"
                       float margin, __global uint *restrict touches, __global float *restrict contacts)
 {
     scene s = {links, objects, centres,
-#line 465 "kernels/contact.cl.in"
+#line 474 "kernels/contact.cl.in"
                halves,
-#line 484 "kernels/contact.cl.in"
+#line 493 "kernels/contact.cl.in"
                margin, touches, contacts};
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
-#line 491 "kernels/contact.cl.in"
+#line 500 "kernels/contact.cl.in"
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-#line 504 "kernels/contact.cl.in"
-        look_at_pair(&s, i, link);
 #line 513 "kernels/contact.cl.in"
+        look_at_pair(&s, i, link);
+#line 522 "kernels/contact.cl.in"
     }
-#line 523 "kernels/contact.cl.in"
+#line 532 "kernels/contact.cl.in"
 }
