@@ -39,7 +39,7 @@ kernel *__wrap_program_set_kernel(program_set *set, const char *name, const char
 kernel *__real_program_set_kernel(program_set *set, const char *name, const char *entry,
                                   const gen_setting *settings, uint32_t n, duet_error *err);
 
-static const launch *launch_of(const char *name)
+static launch *launch_of(const char *name)
 {
     for (int i = 0; i < KERNELS; ++i)
         if (strcmp(names[i], name) == 0 && launches[i].group > 0)
@@ -100,6 +100,8 @@ static void draw_launches(rng *r)
 {
     for (int i = 0; i < KERNELS; ++i)
         launches[i] = draw_launch(names[i], r);
+    while (launch_of("prepare")->lanes < launch_of("solve")->lanes) // it fills the lanes solved
+        *launch_of("prepare") = draw_launch("prepare", r);
 }
 
 static void tell_launches(char *chars, size_t room)

@@ -32,19 +32,6 @@ typedef struct {
     uint objects;
 } source;
 
-// Eight numbers of each lane's record, from `at` on; the last may be of the next.
-static inline void load_record(__global const float *contacts, const uint places[LANES], uint at, real to[8])
-{
-#if LANES == 1
-    vstore8(vload8(0, contacts + (size_t)places[0] * RECORD + at), 0, to);
-#else
-#pragma unroll
-    for (int k = 0; k < 8; ++k)
-        to[k] = vload8(0, contacts + (size_t)places[k] * RECORD + at);
-    transpose(to);
-#endif
-}
-
 // What a lane has one number of; lanes that no contact is left for have no
 // points and are between walls.
 static inline void fill_lane(__global float *lane, const source *from, uint i, bool empty)
@@ -55,20 +42,20 @@ static inline void fill_lane(__global float *lane, const source *from, uint i, b
     lane[IN_OTHER * BLOCK] = as_float(empty ? from->objects : link.y);
     lane[IN_POINTS * BLOCK] = as_float(empty ? 0u : from->touches[i] & TOUCH_POINTS);
     lane[IN_BOUNCE * BLOCK] = fmax(from->bounces[link.x], from->bounces[partner]);
-#line 48 "kernels/prepare.cl.in"
+#line 35 "kernels/prepare.cl.in"
 }
 
 static inline void fill_point(__global float *point, const source *from, const uint places[LANES], int k, mask where)
 {
     const real zero = 0.0f;
-    real part[8];
-    load_record(from->contacts, places, HEAD + k * PART, part);
+    real part[8]; // or what follows it: there is one record more than contacts
+    load_eight(from->contacts, places, RECORD, HEAD + k * PART, part);
     put_vec(point, BY_ARM,
             (vec){select(zero, part[OF_ARM], where), select(zero, part[OF_ARM + 1], where),
                   select(zero, part[OF_ARM + 2], where)});
     put(point, BY_GAP, select(zero, part[OF_GAP], where));
     put(point, BY_PUSH, select(zero, part[OF_PUSH], where));
-#line 64 "kernels/prepare.cl.in"
+#line 51 "kernels/prepare.cl.in"
 }
 
 // The first n lanes are contacts.
@@ -80,7 +67,7 @@ static inline void fill_lanes(__global float *constraint, const source *from, __
         fill_lane(constraint + k, from, places[k], k >= n);
     }
     real head[8];
-    load_record(from->contacts, places, 0, head);
+    load_eight(from->contacts, places, RECORD, 0, head);
     put_vec(constraint, IN_NORMAL, (vec){head[AT_NORMAL], head[AT_NORMAL + 1], head[AT_NORMAL + 2]});
     put_vec(constraint, IN_APART, (vec){head[AT_APART], head[AT_APART + 1], head[AT_APART + 2]});
     word points = points_of(constraint);
@@ -88,7 +75,7 @@ static inline void fill_lanes(__global float *constraint, const source *from, __
     for (int k = 0; k < most; ++k)
         fill_point(point_at(constraint, k), from, places, k, points > (word)(uint)k);
 }
-#line 106 "kernels/prepare.cl.in"
+#line 93 "kernels/prepare.cl.in"
 
 static inline real mass_along(const pair *p, vec arm, vec direction, mask where)
 {
@@ -105,14 +92,14 @@ static inline void weigh(const pair *p, __global float *constraint, int k)
     put(point, BY_NOW, get(point, BY_GAP));
     put(point, BY_MOST, get(point, BY_PUSH));
     put(constraint, IN_SPEEDS + k, vec_dot(velocity_between(p, arm), p->normal));
-#line 128 "kernels/prepare.cl.in"
+#line 115 "kernels/prepare.cl.in"
 }
 
 static inline void prepare_lanes(__global float *constraint, const source *from, __global const uint *list, uint n,
                                  __global float4 *bodies)
 {
     fill_lanes(constraint, from, list, n);
-#line 137 "kernels/prepare.cl.in"
+#line 124 "kernels/prepare.cl.in"
     pair p;
     load_pair(&p, constraint, bodies);
     for (int k = 0; k < p.most; ++k)
@@ -145,13 +132,13 @@ static inline void ask_for_bodies(const source *from, __global const uint *list,
 
 __kernel void prepare(__global const uint2 *restrict links, __global const uint *restrict touches,
                       __global const float *restrict contacts, __global const float *restrict bounces,
-#line 172 "kernels/prepare.cl.in"
+#line 159 "kernels/prepare.cl.in"
                       uint objects, __global const uint *restrict list, uint first, uint count,
                       uint first_slot, uint each, uint apart, __global float *restrict blocks,
                       __global float4 *restrict bodies)
 {
     source from = {links, touches, contacts, bounces,
-#line 180 "kernels/prepare.cl.in"
+#line 167 "kernels/prepare.cl.in"
                    objects};
     uint begin = get_global_id(0) * each;
     uint end = min(begin + each, count);
@@ -183,7 +170,7 @@ __kernel void store(__global const uint *restrict list, uint first, uint count, 
             __global float *part = record + HEAD + p * PART;
             part[OF_PUSH] = point[BY_PUSH * BLOCK];
             part[OF_MOST] = point[BY_MOST * BLOCK];
-#line 215 "kernels/prepare.cl.in"
+#line 202 "kernels/prepare.cl.in"
         }
     }
 }
