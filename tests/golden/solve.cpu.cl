@@ -135,9 +135,10 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
 }
 
 #if LANES > 1
+#define BLOCKS_AHEAD 4
 
-// Blocks come from memory once a pass: the one after the next is asked for in
-// time, as many points of it as this one has, for neighbours have as many.
+// Blocks come from memory once a pass and are asked for in time, as many points
+// of one as this one has, for neighbours have as many.
 static inline void ask_for_block(__global const float *constraint, int points)
 {
     int words = (FIELDS + points * BY_FIELDS) * BLOCK;
@@ -169,9 +170,9 @@ __kernel void solve(uint count, uint first_slot, uint each, uint apart, __global
     uint to = min(from + each, count);
     for (uint k = from; k < to; k += STRIDE(apart)) {
 #if LANES > 1
-        uint next = k + STRIDE(apart), second = next + STRIDE(apart);
-        if (second < to)
-            ask_for_block(constraint_at(blocks, first_slot + second * apart),
+        uint next = k + STRIDE(apart), later = k + BLOCKS_AHEAD * STRIDE(apart);
+        if (later < to)
+            ask_for_block(constraint_at(blocks, first_slot + later * apart),
                           most_points(points_of(constraint_at(blocks, first_slot + k * apart))));
         if (next < to)
             ask_for_bodies(constraint_at(blocks, first_slot + next * apart), bodies, soft);
