@@ -129,27 +129,27 @@ static inline void look_at_pair(const scene *s, uint i, uint2 link)
 #line 390 "kernels/contact.cl.in"
     keep(s, i, s->halves[link.x], d, &m, axis);
 }
-#line 444 "kernels/contact.cl.in"
+#line 447 "kernels/contact.cl.in"
 
 __kernel void contact(__global const uint2 *restrict links, uint n, uint objects, __global const real4 *restrict centres,
-#line 449 "kernels/contact.cl.in"
+#line 452 "kernels/contact.cl.in"
                       __global const float4 *restrict halves,
-#line 468 "kernels/contact.cl.in"
+#line 471 "kernels/contact.cl.in"
                       float margin, __global uint *restrict touches, __global float *restrict contacts)
 {
     scene s = {links, objects, centres,
-#line 474 "kernels/contact.cl.in"
+#line 477 "kernels/contact.cl.in"
                halves,
-#line 493 "kernels/contact.cl.in"
+#line 496 "kernels/contact.cl.in"
                margin, touches, contacts};
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
-#line 500 "kernels/contact.cl.in"
+#line 503 "kernels/contact.cl.in"
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-#line 513 "kernels/contact.cl.in"
+#line 516 "kernels/contact.cl.in"
         look_at_pair(&s, i, link);
-#line 522 "kernels/contact.cl.in"
+#line 526 "kernels/contact.cl.in"
     }
-#line 532 "kernels/contact.cl.in"
+#line 536 "kernels/contact.cl.in"
 }
