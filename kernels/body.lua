@@ -8,7 +8,6 @@ return {
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
     { "SPIN", values = { 0, 1 }, default = 0, about = "1: objects turn" },
-    { "GYRO", values = { 0, 1 }, default = 0, about = "1: some have no isotropic inertia" },
     { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
     { "DRAG", values = { 0, 1 }, default = 0, about = "1: velocities decay" },
     { "SLEEP", values = { 0, 1 }, default = 0, about = "1: what rests is left out" },
@@ -20,7 +19,6 @@ return {
   valid = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
-    if p.GYRO == 1 and p.SPIN == 0 then return false, "GYRO without SPIN" end
     return true
   end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,

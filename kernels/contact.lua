@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "the manifold of each pair that may touch",
-  uses = { "motion.clh", "flags.clh", "contact.clh", "box_contact.clh" },
+  uses = { "motion.clh", "flags.clh", "contact.clh", "box_contact.clh", "box_lanes.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
@@ -15,6 +15,8 @@ return {
     { "FAST", values = { 0, 1 }, default = 0, about = "1: what is met on the way is touched" },
     { "SLEEP", values = { 0, 1 }, default = 0, about = "1: what rests is left out" },
     { "EVENTS", values = { 0, 1 }, default = 0, about = "1: tells of contacts that begin and end" },
+    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
+      about = "pairs side by side in a work-item, of turned boxes in float" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,

@@ -148,7 +148,7 @@ static bool drift(duet_motion *m, double h, duet_error *err)
         args_buffer(&a, INERTIAS);
     }
     args_float(&a, h);
-    return args_launch(&a, "motion", m->kernels.body_drift, m->n, err);
+    return args_launch(&a, "motion", m->kernels.drift, m->n, err);
 }
 
 static bool finish_bodies(duet_motion *m, duet_error *err)
@@ -250,7 +250,6 @@ static bool store_colour(duet_motion *m, uint32_t colour, duet_error *err)
 {
     const colour_span *span = &m->colours[colour];
     motion_args a = args_begin(m);
-    args_buffer(&a, TOUCHES);
     args_buffer(&a, LIST);
     args_uint(&a, span->first);
     args_uint(&a, span->count);

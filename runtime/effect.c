@@ -7,7 +7,8 @@
 // An effect stands after those that it can be called for by.
 static const effect_row rows[] = {
     {DUET_EFFECT_RESPONSE, "response", DUET_EFFECT_CONTACT | DUET_EFFECT_MOTION,
-     "a restitution or a friction, or wants", "pushes", "contact, prepare, solve, body, colour, carry"},
+     "a restitution or a friction, or wants", "pushes",
+     "contact, prepare, solve, body, drift, colour, carry"},
     {DUET_EFFECT_EVENTS, "events", DUET_EFFECT_CONTACT, "wants", "events", "contact, carry"},
     {DUET_EFFECT_CONTACT, "contact", 0, "response, or wants", NULL,
      "enclose, rows, contact, carry"},
@@ -20,9 +21,11 @@ static const effect_row rows[] = {
     {DUET_EFFECT_BOUNDS, "bounds", DUET_EFFECT_MOTION, "walls or a periodic world, and motion",
      "wall", "integrate, rows, contact"},
     {DUET_EFFECT_SPIN, "spin", DUET_EFFECT_ROTATION | DUET_EFFECT_MOTION,
-     "a spin, or response for an object that may turn", "spin", "integrate, body, contact, solve"},
-    {DUET_EFFECT_ROTATION, "rotation", 0, "a rotation that is not the identity, with motion or contact; or spin",
-     "rotations", "integrate, enclose, contact"},
+     "a spin, or response for an object that may turn", "spin",
+     "integrate, body, drift, contact, solve"},
+    {DUET_EFFECT_ROTATION, "rotation", 0,
+     "a rotation that is not the identity, with motion or contact; or spin", "rotations",
+     "integrate, enclose, contact"},
     {DUET_EFFECT_FRICTION, "friction", DUET_EFFECT_RESPONSE, "a friction", "grip",
      "contact, solve"},
     {DUET_EFFECT_FAST, "fast", DUET_EFFECT_RESPONSE,
@@ -30,7 +33,8 @@ static const effect_row rows[] = {
      "enclose, contact"},
     {DUET_EFFECT_FILTER, "filter", DUET_EFFECT_CONTACT, "a group or mask that is not all", "filter",
      "rows"},
-    {DUET_EFFECT_SLEEP, "sleep", DUET_EFFECT_RESPONSE, "wants", "asleep", "doze, body, contact, carry"},
+    {DUET_EFFECT_SLEEP, "sleep", DUET_EFFECT_RESPONSE, "wants", "asleep",
+     "doze, body, contact, carry"},
     {DUET_EFFECT_SKIN, "skin", DUET_EFFECT_CONTACT, "a skin above 0", "left_skin", "enclose"},
 };
 

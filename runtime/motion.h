@@ -74,7 +74,7 @@ typedef struct motion_kernels {
     kernel *row_pairs, *row_walls, *row_sort, *row_returns, *carry;
     kernel *contact;
     kernel *doze;
-    kernel *body_begin, *body_kick, *body_drift, *body_finish;
+    kernel *body_begin, *body_kick, *body_finish, *drift;
     kernel *colour_mark, *colour_choose, *colour_take, *colour_key;
     kernel *prepare, *store;
     kernel *solve, *bounce;

@@ -147,6 +147,7 @@ static bool mark(duet_motion *m, duet_error *err)
     args_uint(&a, m->n);
     args_buffer(&a, BODIES);
     args_buffer(&a, COLOUR_OF);
+    args_buffer(&a, CHOICES);
     args_buffer(&a, FLAG_WORDS);
     return args_launch(&a, "colour", m->kernels.colour_mark, m->n_contacts, err) &&
            motion_read_flags(m, err);

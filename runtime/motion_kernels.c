@@ -138,7 +138,7 @@ bool motion_prepare(duet_motion *m, duet_error *err)
         {&k->doze, motion_has(m, DUET_EFFECT_SLEEP), "doze", "doze"},
         {&k->body_begin, response, "body", "body_begin"},
         {&k->body_kick, response, "body", "body_kick"},
-        {&k->body_drift, response, "body", "body_drift"},
+        {&k->drift, response, "drift", "drift"},
         {&k->body_finish, response, "body", "body_finish"},
         {&k->colour_mark, response, "colour", "colour_mark"},
         {&k->colour_choose, response, "colour", "colour_choose"},

@@ -73,23 +73,41 @@ static bool find_pairs(duet_motion *m, duet_result *result, duet_error *err)
     return ok;
 }
 
-static bool put_pairs(duet_motion *m, duet_span span, uint32_t fill, duet_error *err)
+// Contacts that rows may have: pairs, and walls.
+static bool check_room(const duet_motion *m, uint64_t *most, duet_error *err)
 {
-    if (span.n == 0)
-        return true;
-    size_t bytes = (size_t)span.n * sizeof *span.pairs;
+    *most = m->n_pairs + (m->kernels.row_walls ? 6 * (uint64_t)m->n : 0);
+    return *most <= UINT32_MAX - 1 ||
+           error_set(err, DUET_TOO_MANY, "%llu pairs of bounds, and a motion holds %u",
+                     (unsigned long long)*most, UINT32_MAX - 1);
+}
+
+// What A and what B found, one behind the other.
+static bool send_pairs(duet_motion *m, const duet_result *result, duet_error *err)
+{
+    const size_t size = sizeof *result->spans[0].pairs;
+    bool ok = motion_reserve(m, PAIRS, m->n_pairs + 1, size, err);
+    size_t at = 0;
+    for (int i = 0; ok && i < 2; ++i) {
+        size_t bytes = (size_t)result->spans[i].n * size;
+        ok = timeline_write_at(&m->times, "rows", &m->buffers[PAIRS], at, result->spans[i].pairs,
+                               bytes, err);
+        at += bytes;
+    }
+    return ok;
+}
+
+static bool put_pairs(duet_motion *m, uint32_t fill, duet_error *err)
+{
     motion_args a = args_begin(m);
     args_buffer(&a, PAIRS);
-    args_uint(&a, (uint32_t)span.n);
+    args_uint(&a, (uint32_t)m->n_pairs);
     args_buffer(&a, VELOCITIES);
     args_buffer_for(&a, DUET_EFFECT_FILTER, FILTERS);
     args_uint(&a, fill);
     args_buffer(&a, STARTS);
     args_buffer(&a, OTHERS);
-    return motion_reserve(m, PAIRS, span.n, sizeof *span.pairs, err) &&
-           timeline_write(&m->times, "rows", &m->buffers[PAIRS], span.pairs, bytes, err) &&
-           args_launch(&a, "rows", m->kernels.row_pairs, span.n, err) &&
-           timeline_finish(&m->times, err);
+    return args_launch(&a, "rows", m->kernels.row_pairs, m->n_pairs, err);
 }
 
 static bool put_walls(duet_motion *m, uint32_t fill, duet_error *err)
@@ -107,10 +125,9 @@ static bool put_walls(duet_motion *m, uint32_t fill, duet_error *err)
     return args_launch(&a, "rows", m->kernels.row_walls, m->n, err);
 }
 
-static bool put_all(duet_motion *m, const duet_result *result, uint32_t fill, duet_error *err)
+static bool put_all(duet_motion *m, uint32_t fill, duet_error *err)
 {
-    return put_pairs(m, result->spans[0], fill, err) && put_pairs(m, result->spans[1], fill, err) &&
-           put_walls(m, fill, err);
+    return put_pairs(m, fill, err) && put_walls(m, fill, err);
 }
 
 static bool sort_rows(duet_motion *m, motion_buffer starts, motion_buffer values, duet_error *err)
@@ -131,24 +148,18 @@ static bool read_total(duet_motion *m, motion_buffer starts, uint32_t *total, du
            error_set_cl(err, code, "%s: reading a count", m->device->info.selector);
 }
 
-static bool count_rows(duet_motion *m, const duet_result *result, duet_error *err)
+static bool count_rows(duet_motion *m, duet_error *err)
 {
     size_t n_starts = (size_t)m->n + 1;
     return timeline_fill(&m->times, "rows", &m->buffers[STARTS], 0, 0, n_starts, err) &&
-           motion_reserve(m, OTHERS, 1, sizeof(uint32_t), err) && put_all(m, result, 0, err) &&
+           motion_reserve(m, OTHERS, 1, sizeof(uint32_t), err) && put_all(m, 0, err) &&
            motion_scan(m, "rows", STARTS, (uint32_t)n_starts, err);
 }
 
-// The number is that of the pairs less what is filtered, plus walls.
-static bool fill_rows(duet_motion *m, const duet_result *result, duet_error *err)
+static bool fill_rows(duet_motion *m, uint64_t most, duet_error *err)
 {
-    uint64_t most = result->pairs + (m->kernels.row_walls ? 6 * (uint64_t)m->n : 0);
-    if (most > UINT32_MAX - 1)
-        return error_set(err, DUET_TOO_MANY, "%llu pairs of bounds, and a motion holds %u",
-                         (unsigned long long)most, UINT32_MAX - 1);
-    return motion_reserve(m, OTHERS, most + 1, sizeof(uint32_t), err) &&
-           put_all(m, result, 1, err) && sort_rows(m, STARTS, OTHERS, err) &&
-           read_total(m, STARTS, &m->n_contacts, err);
+    return motion_reserve(m, OTHERS, most + 1, sizeof(uint32_t), err) && put_all(m, 1, err) &&
+           sort_rows(m, STARTS, OTHERS, err) && read_total(m, STARTS, &m->n_contacts, err);
 }
 
 static bool put_returns(duet_motion *m, uint32_t fill, duet_error *err)
@@ -238,6 +249,7 @@ static bool carry(duet_motion *m, uint32_t n_old, duet_error *err)
 static bool make_rows(duet_motion *m, duet_error *err)
 {
     duet_result result;
+    uint64_t most;
     uint32_t n_old = m->n_contacts;
     swap(m, LINKS, OLD_LINKS);
     swap(m, CONTACTS, OLD_CONTACTS);
@@ -245,9 +257,10 @@ static bool make_rows(duet_motion *m, duet_error *err)
     swap(m, COLOUR_OF, OLD_COLOURS);
     m->rebuilt = true;
     m->has_rows = true;
-    return enclose(m, err) && find_pairs(m, &result, err) && count_rows(m, &result, err) &&
-           fill_rows(m, &result, err) && fill_returns(m, err) && empty_contacts(m, err) &&
-           reserve_events(m, n_old, err) && carry(m, n_old, err);
+    return enclose(m, err) && find_pairs(m, &result, err) && check_room(m, &most, err) &&
+           send_pairs(m, &result, err) && count_rows(m, err) && fill_rows(m, most, err) &&
+           fill_returns(m, err) && empty_contacts(m, err) && reserve_events(m, n_old, err) &&
+           carry(m, n_old, err);
 }
 
 bool motion_find_rows(duet_motion *m, duet_error *err)

@@ -304,7 +304,7 @@ static void texts_have_no_word_of_what_is_left_out(void **state)
 {
     (void)state;
     static const char *const kernels[] = {"integrate", "enclose", "rows",  "contact", "solve",
-                                          "prepare",   "body",    "carry", "doze"};
+                                          "prepare",   "body",    "carry", "doze",    "drift"};
     const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};
     duet_error err = {0};
     gen *g = gen_open(NULL, &err);

@@ -21,13 +21,14 @@ static bool take_all;
 
 // ---------------------------------------------------------------- launches
 
-static const char *const names[] = {"integrate", "enclose", "rows",   "contact", "carry",
-                                    "doze",      "body",    "colour", "prepare", "solve"};
+static const char *const names[] = {"integrate", "enclose", "rows",    "contact", "carry", "doze",
+                                    "body",      "colour",  "prepare", "solve",   "drift"};
 
 enum { KERNELS = sizeof names / sizeof *names };
 
 typedef struct launch {
     int64_t group, per_item; // 0: the card's own
+    int64_t lanes;           // 0: it has none
 } launch;
 
 static launch launches[KERNELS];
@@ -38,7 +39,7 @@ kernel *__wrap_program_set_kernel(program_set *set, const char *name, const char
 kernel *__real_program_set_kernel(program_set *set, const char *name, const char *entry,
                                   const gen_setting *settings, uint32_t n, duet_error *err);
 
-static const launch *launch_of(const char *name)
+static launch *launch_of(const char *name)
 {
     for (int i = 0; i < KERNELS; ++i)
         if (strcmp(names[i], name) == 0 && launches[i].group > 0)
@@ -53,13 +54,16 @@ kernel *__wrap_program_set_kernel(program_set *set, const char *name, const char
     gen_setting all[MOST_PARAMS];
     if (!l)
         return __real_program_set_kernel(set, name, entry, settings, n, err);
-    assert_true(n + 2 <= MOST_PARAMS);
+    assert_true(n + 3 <= MOST_PARAMS);
     memcpy(all, settings, n * sizeof *all);
     all[n++] = (gen_setting){"WG", l->group};
     all[n++] = (gen_setting){"PER_ITEM", l->per_item};
+    if (l->lanes)
+        all[n++] = (gen_setting){"LANES", l->lanes};
     return __real_program_set_kernel(set, name, entry, all, n, err);
 }
 
+// One of the values of a parameter; 0 where the kernel has it not.
 static int64_t draw_value(const char *kernel_name, const char *param, rng *r)
 {
     duet_error err = {0};
@@ -70,7 +74,6 @@ static int64_t draw_value(const char *kernel_name, const char *param, rng *r)
     for (uint32_t i = 0; i < n; ++i)
         if (strcmp(params[i].name, param) == 0)
             return params[i].values[rng_below(r, params[i].n_values)];
-    fail_msg("%s has no %s", kernel_name, param);
     return 0;
 }
 
@@ -80,9 +83,11 @@ static launch draw_launch(const char *kernel_name, rng *r)
     for (int again = 0; again < 100; ++again) {
         duet_error err = {0};
         gen_variant v;
-        launch l = {draw_value(kernel_name, "WG", r), draw_value(kernel_name, "PER_ITEM", r)};
-        const gen_setting settings[] = {{"WG", l.group}, {"PER_ITEM", l.per_item}};
-        if (gen_make(generator, kernel_name, settings, 2, &limits, &v, &err)) {
+        launch l = {draw_value(kernel_name, "WG", r), draw_value(kernel_name, "PER_ITEM", r),
+                    draw_value(kernel_name, "LANES", r)};
+        const gen_setting settings[] = {
+            {"WG", l.group}, {"PER_ITEM", l.per_item}, {"LANES", l.lanes}};
+        if (gen_make(generator, kernel_name, settings, l.lanes ? 3 : 2, &limits, &v, &err)) {
             gen_variant_free(&v);
             return l;
         }
@@ -95,14 +100,17 @@ static void draw_launches(rng *r)
 {
     for (int i = 0; i < KERNELS; ++i)
         launches[i] = draw_launch(names[i], r);
+    while (launch_of("prepare")->lanes < launch_of("solve")->lanes) // it fills the lanes solved
+        *launch_of("prepare") = draw_launch("prepare", r);
 }
 
 static void tell_launches(char *chars, size_t room)
 {
     size_t n = 0;
     for (int i = 0; i < KERNELS && n < room; ++i)
-        n += (size_t)snprintf(chars + n, room - n, "%s WG=%d PER_ITEM=%d ", names[i],
-                              (int)launches[i].group, (int)launches[i].per_item);
+        n += (size_t)snprintf(chars + n, room - n, "%s WG=%d PER_ITEM=%d LANES=%d ", names[i],
+                              (int)launches[i].group, (int)launches[i].per_item,
+                              (int)launches[i].lanes);
 }
 
 // ---------------------------------------------------------------- scenes
@@ -151,7 +159,7 @@ static void try_launches(uint32_t dims, bool pushes, rng *r)
     memset(launches, 0, sizeof launches);
     uint64_t truth = run(dims, pushes, "the cards' launches");
     for (int i = 0; i < (take_all ? 24 : 1); ++i) {
-        char what[400];
+        char what[600];
         draw_launches(r);
         tell_launches(what, sizeof what);
         if (run(dims, pushes, what) != truth)

@@ -1,9 +1,8 @@
-// body.DIMS3.DOUBLE0.SPIN0.GYRO0.GRAVITY0.DRAG0.SLEEP0.WG64.PER_ITEM1
+// body.DIMS3.DOUBLE0.SPIN0.GRAVITY0.DRAG0.SLEEP0.WG64.PER_ITEM1
 #define DIMS 3
 #define DOUBLE 0
 #define ORIGIN 0
 #define SPIN 0
-#define GYRO 0
 #define GRAVITY 0
 #define DRAG 0
 #define SLEEP 0
@@ -15,7 +14,7 @@
 #line 1 "kernels/box_contact.clh"
 #line 1 "kernels/body.cl.in"
 // SPDX-License-Identifier: MIT
-// Objects while a step is solved: from their state to bodies, what moves them
+// Objects while a step is solved: from their state to bodies, what pulls them
 // in a substep, and back.
 //
 //   bodies [n + 6][BODY]  the last six are the walls
@@ -57,36 +56,23 @@ __kernel void body_kick(__global float4 *restrict bodies, uint n,
     }
 }
 
-__kernel void body_drift(__global float4 *restrict bodies, uint n,
-#line 115 "kernels/body.cl.in"
-                         float h)
-{
-    uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n);
-    for (uint id = first; id < last; ++id) {
-        __global float4 *body = bodies + (size_t)id * BODY;
-        body[BODY_MOVED].xyz = add_float(body[BODY_MOVED], h, body[BODY_VELOCITY]).xyz;
-#line 139 "kernels/body.cl.in"
-    }
-}
-
-#line 153 "kernels/body.cl.in"
+#line 122 "kernels/body.cl.in"
 __kernel void body_finish(__global const float4 *restrict bodies, uint n, __global real4 *restrict centres,
-#line 164 "kernels/body.cl.in"
+#line 133 "kernels/body.cl.in"
                           __global real4 *restrict velocities)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         __global const float4 *body = bodies + (size_t)id * BODY;
-#line 179 "kernels/body.cl.in"
+#line 148 "kernels/body.cl.in"
         float4 velocity = body[BODY_VELOCITY];
         real4 centre = centres[id];
         centre.xyz += convert_real4(body[BODY_MOVED]).xyz;
-#line 185 "kernels/body.cl.in"
+#line 154 "kernels/body.cl.in"
         centres[id] = centre;
         velocities[id].xyz = convert_real4(velocity).xyz;
         float fastest = dot_float(velocity, velocity);
-#line 200 "kernels/body.cl.in"
+#line 169 "kernels/body.cl.in"
     }
 }

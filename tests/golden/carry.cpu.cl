@@ -16,25 +16,45 @@
 // still pairs. The others are forgotten, and what slept leaning on one wakes.
 //
 //   starts, others  the new rows
-#line 25 "kernels/carry.cl.in"
+#define NO_ROW 0xffffffffu
+#define AHEAD 8 // contacts whose records are asked for in time
+#line 27 "kernels/carry.cl.in"
+
+// The first place from low on whose other is not below.
+static inline uint place_of(__global const uint *others, uint low, uint high, uint other)
+{
+    while (low < high) {
+        uint middle = low + (high - low) / 2;
+        if (others[middle] < other)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
 
 __kernel void carry(__global const uint2 *restrict old_links, __global const uint *restrict old_touches,
                     __global const float *restrict old_contacts, uint n_old,
-#line 37 "kernels/carry.cl.in"
+#line 52 "kernels/carry.cl.in"
                     __global const uint *restrict starts, __global const uint *restrict others,
                     __global uint *restrict touches, __global float *restrict contacts)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_old);
+    uint row = NO_ROW, low = 0, end = 0;
     for (uint i = first; i < last; ++i) {
         uint2 link = old_links[i];
-        uint low = starts[link.x], high = starts[link.x + 1], end = high;
-        while (low < high) {
-            uint middle = low + (high - low) / 2;
-            if (others[middle] < link.y)
-                low = middle + 1;
-            else
-                high = middle;
+        if (link.x != row) {
+            row = link.x;
+            end = starts[row + 1];
+            low = place_of(others, starts[row], end, link.y);
+        }
+        while (low < end && others[low] < link.y) // of one row they rise
+            ++low;
+        uint ahead = min(i + AHEAD, last - 1);
+        if (old_touches[ahead] & TOUCH_POINTS) {
+            ask_for(old_contacts + (size_t)ahead * RECORD);
+            ask_for(old_contacts + (size_t)ahead * RECORD + 16);
         }
         uint touch = old_touches[i], n = touch & TOUCH_POINTS;
         __global const float *old = old_contacts + (size_t)i * RECORD;
@@ -42,8 +62,8 @@ __kernel void carry(__global const uint2 *restrict old_links, __global const uin
             touches[low] = touch;
             for (uint k = 0; n > 0 && k < HEAD + n * PART; ++k)
                 contacts[(size_t)low * RECORD + k] = old[k];
-#line 61 "kernels/carry.cl.in"
+#line 81 "kernels/carry.cl.in"
         }
-#line 85 "kernels/carry.cl.in"
+#line 105 "kernels/carry.cl.in"
     }
 }

@@ -21,7 +21,7 @@
 //
 //   colours [n]  NO_COLOUR: pushes nothing; WAITS: to be coloured
 //   used    [objects] a bit for each colour taken
-//   choices [objects] the contact that the object points to
+//   choices [objects] the contact that the object points to; NONE: none waits
 #define LAST_COLOUR 30u // bits of used
 #define OVERFLOW 31u    // solved in order
 #define WAITS 32u
@@ -41,7 +41,7 @@ static inline uint rank_of(uint2 link)
 // Contacts that begin or cease to push.
 __kernel void colour_mark(__global const uint2 *restrict links, __global const uint *restrict touches, uint n,
                           uint objects, __global const float4 *restrict bodies, __global uint *restrict colours,
-                          volatile __global uint *restrict flags)
+                          volatile __global uint *restrict choices, volatile __global uint *restrict flags)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
@@ -52,9 +52,14 @@ __kernel void colour_mark(__global const uint2 *restrict links, __global const u
                                                       bodies[(size_t)link.y * BODY + BODY_VELOCITY].w > 0.0f);
         uint old = colours[i];
         uint colour = !pushes ? NO_COLOUR : old == NO_COLOUR ? WAITS : old;
-        waiting += colour == WAITS;
         changed |= colour != old;
         colours[i] = colour;
+        if (colour != WAITS)
+            continue;
+        ++waiting;
+        atomic_xchg(choices + link.x, i);
+        if (link.y < objects)
+            atomic_xchg(choices + link.y, i);
     }
     if (waiting)
         atomic_add(flags + FLAG_UNCOLOURED, waiting);
@@ -85,6 +90,8 @@ __kernel void colour_choose(__global const uint2 *restrict links, __global const
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, objects);
     for (uint id = first; id < last; ++id) {
+        if (choices[id] == NONE)
+            continue;
         uint taken = 0, best = NONE, best_rank = 0;
         for (uint i = starts[id]; i < starts[id + 1]; ++i)
             look_at(i, links, colours, &taken, &best, &best_rank);

@@ -1,4 +1,4 @@
-// contact.DIMS3.DOUBLE0.ROTATED0.SPIN0.BOUNDS0.RESPONSE0.FRICTION0.FAST0.SLEEP0.EVENTS0.WG64.PER_ITEM1
+// contact.DIMS3.DOUBLE0.ROTATED0.SPIN0.BOUNDS0.RESPONSE0.FRICTION0.FAST0.SLEEP0.EVENTS0.LANES1.WG64.PER_ITEM1
 #define DIMS 3
 #define DOUBLE 0
 #define ORIGIN 0
@@ -10,6 +10,7 @@
 #define FAST 0
 #define SLEEP 0
 #define EVENTS 0
+#define LANES 1
 #define WG 64
 #define PER_ITEM 1
 #line 1 "kernels/common.clh"
@@ -17,6 +18,7 @@
 #line 1 "kernels/flags.clh"
 #line 1 "kernels/contact.clh"
 #line 1 "kernels/box_contact.clh"
+#line 1 "kernels/box_lanes.clh"
 #line 1 "kernels/contact.cl.in"
 // SPDX-License-Identifier: MIT
 // The manifold of each pair that may touch, ready to be solved.
@@ -28,7 +30,7 @@
 //   contacts [n] records (contact.clh)
 //   touches  [n] words
 //   bodies   [objects + 6][BODY]
-#line 12 "kernels/contact.cl.in"
+#line 13 "kernels/contact.cl.in"
 
 static inline solid solid_at(float4 extents)
 {
@@ -36,13 +38,13 @@ static inline solid solid_at(float4 extents)
     s.axis[0] = (float4)(1, 0, 0, 0);
     s.axis[1] = (float4)(0, 1, 0, 0);
     s.axis[2] = (float4)(0, 0, 1, 0);
-#line 29 "kernels/contact.cl.in"
+#line 30 "kernels/contact.cl.in"
     s.halves[0] = extents.x;
     s.halves[1] = extents.y;
     s.halves[2] = extents.z;
     return s;
 }
-#line 189 "kernels/contact.cl.in"
+#line 180 "kernels/contact.cl.in"
 
 static inline void keep_deepest(manifold *m)
 {
@@ -54,49 +56,100 @@ static inline void keep_deepest(manifold *m)
     m->n = m->n > 0 ? 1 : 0;
 }
 
+// What a work-item reads and writes.
+typedef struct {
+    __global const uint2 *links;
+    uint objects;
+    __global const real4 *centres;
+#line 199 "kernels/contact.cl.in"
+    __global const float4 *halves;
+#line 222 "kernels/contact.cl.in"
+    float margin;
+    __global uint *touches;
+    __global float *contacts;
+} scene;
+
+static inline solid solid_of(const scene *s, uint id)
+{
+#line 232 "kernels/contact.cl.in"
+    return solid_at(s->halves[id]);
+#line 234 "kernels/contact.cl.in"
+}
+
+static inline float4 way_of(const scene *s, uint2 link)
+{
+#line 241 "kernels/contact.cl.in"
+    float4 d = convert_float4(s->centres[link.y] - s->centres[link.x]);
+#line 243 "kernels/contact.cl.in"
+    d.w = 0.0f;
+    return d;
+}
+#line 286 "kernels/contact.cl.in"
+
+// The points into the record; extents: the owner's half extents. True where
+// there is no gap, or what was pushed in the last step.
+static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extents, float4 d, manifold *m)
+{
+    __global float *record = s->contacts + (size_t)i * RECORD;
+    bool touching = false;
+#line 302 "kernels/contact.cl.in"
+    put_float4(record + AT_NORMAL, m->normal);
+    for (int k = 0; k < m->n; ++k) {
+        __global float *part = record + HEAD + k * PART;
+        float4 arm = m->point[k];
+        put_float4(part + OF_ARM, arm);
+        part[OF_GAP] = arm.w;
+        touching = touching || arm.w <= 0.0f;
+#line 320 "kernels/contact.cl.in"
+    }
+    return touching;
+}
+
+// axis: what separates those without points.
+static inline void keep(const scene *s, uint i, float4 extents, float4 d, manifold *m, uint axis)
+{
+    uint2 link = s->links[i];
+    uint old = s->touches[i];
+    bool touching = false;
+    if (m->n > 0)
+        touching = keep_points(s, i, link, extents, d, m);
+#line 344 "kernels/contact.cl.in"
+    s->touches[i] = (uint)m->n | (touching ? TOUCH_MEETS : 0u) | axis << TOUCH_AXIS;
+}
+#line 368 "kernels/contact.cl.in"
+
+static inline void look_at_pair(const scene *s, uint i, uint2 link)
+{
+    solid a = solid_of(s, link.x), b = solid_of(s, link.y);
+    float4 d = way_of(s, link);
+    uint axis = s->touches[i] >> TOUCH_AXIS;
+    manifold m;
+#line 376 "kernels/contact.cl.in"
+    touch_boxes(&a, &b, d, s->margin, &m, &axis);
+#line 390 "kernels/contact.cl.in"
+    keep(s, i, s->halves[link.x], d, &m, axis);
+}
+#line 447 "kernels/contact.cl.in"
+
 __kernel void contact(__global const uint2 *restrict links, uint n, uint objects, __global const real4 *restrict centres,
-#line 204 "kernels/contact.cl.in"
+#line 452 "kernels/contact.cl.in"
                       __global const float4 *restrict halves,
-#line 223 "kernels/contact.cl.in"
+#line 471 "kernels/contact.cl.in"
                       float margin, __global uint *restrict touches, __global float *restrict contacts)
 {
+    scene s = {links, objects, centres,
+#line 477 "kernels/contact.cl.in"
+               halves,
+#line 496 "kernels/contact.cl.in"
+               margin, touches, contacts};
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
+#line 503 "kernels/contact.cl.in"
     for (uint i = first; i < last; ++i) {
-        uint a = links[i].x, b = links[i].y;
-        __global float *record = contacts + (size_t)i * RECORD;
-#line 245 "kernels/contact.cl.in"
-        solid solid_a = solid_at(halves[a]);
-#line 247 "kernels/contact.cl.in"
-        float4 d = (float4)(0.0f);
-        manifold m;
-        m.n = 0;
-        uint axis = touches[i] >> TOUCH_AXIS;
-#line 270 "kernels/contact.cl.in"
-        {
-#line 274 "kernels/contact.cl.in"
-            solid solid_b = solid_at(halves[b]);
-#line 279 "kernels/contact.cl.in"
-            d = convert_float4(centres[b] - centres[a]);
-#line 281 "kernels/contact.cl.in"
-            d.w = 0.0f;
-#line 283 "kernels/contact.cl.in"
-            touch_boxes(&solid_a, &solid_b, d, margin, &m, &axis);
-#line 298 "kernels/contact.cl.in"
-        }
-#line 309 "kernels/contact.cl.in"
-        bool touching = false; // no gap, or pushed in the last step
-#line 324 "kernels/contact.cl.in"
-        put_float4(record + AT_NORMAL, m.normal);
-        for (int k = 0; k < m.n; ++k) {
-            __global float *part = record + HEAD + k * PART;
-            float4 arm = m.point[k];
-            put_float4(part + OF_ARM, arm);
-            part[OF_GAP] = arm.w;
-            touching = touching || arm.w <= 0.0f;
-#line 342 "kernels/contact.cl.in"
-        }
-#line 351 "kernels/contact.cl.in"
-        touches[i] = (uint)m.n | (touching ? TOUCH_MEETS : 0u) | axis << TOUCH_AXIS;
+        uint2 link = links[i];
+#line 516 "kernels/contact.cl.in"
+        look_at_pair(&s, i, link);
+#line 526 "kernels/contact.cl.in"
     }
+#line 536 "kernels/contact.cl.in"
 }

@@ -18,43 +18,57 @@
 //
 //   rests   [n] seconds at rest, 0 for what moves
 //   asleep  [n] SLEEPS, or what it did until now, WOKE
-static inline float least_rest(float least, uint id, uint n, __global const float *rests,
-                               __global const real4 *velocities
-#line 13 "kernels/doze.cl.in"
-)
+typedef struct {
+    __global const uint2 *links;
+    __global const uint *touches;
+    __global const uint *starts;
+    __global const uint *return_starts;
+    __global const uint *returns;
+    uint n;
+    __global const float *rests;
+    __global const real4 *velocities;
+#line 20 "kernels/doze.cl.in"
+} touched;
+
+static inline bool is_at_rest(const touched *t, uint id)
 {
-    if (id >= n)
-        return least;
-    real4 velocity = velocities[id];
+    if (id >= t->n)
+        return true;
+    real4 velocity = t->velocities[id];
     if (velocity.w > 0)
-        return fmin(least, rests[id]);
+        return t->rests[id] > 0.0f;
     real fastest = dot_product(velocity, velocity);
-#line 24 "kernels/doze.cl.in"
-    return fastest > 0 ? 0.0f : least;
+#line 33 "kernels/doze.cl.in"
+    return !(fastest > 0);
+}
+
+static inline bool touches_rest_only(const touched *t, uint id)
+{
+    bool only = true;
+    for (uint i = t->starts[id]; only && i < t->starts[id + 1]; ++i)
+        if (t->touches[i] & TOUCH_POINTS)
+            only = is_at_rest(t, t->links[i].y);
+    for (uint k = t->return_starts[id]; only && k < t->return_starts[id + 1]; ++k)
+        if (t->touches[t->returns[k]] & TOUCH_POINTS)
+            only = is_at_rest(t, t->links[t->returns[k]].x);
+    return only;
 }
 
 __kernel void doze(__global const uint2 *restrict links, __global const uint *restrict touches,
                    __global const uint *restrict starts, __global const uint *restrict return_starts,
                    __global const uint *restrict returns, uint n, __global const float *restrict rests,
                    __global const real4 *restrict velocities,
-#line 34 "kernels/doze.cl.in"
+#line 55 "kernels/doze.cl.in"
                    float sleep_after, __global uint *restrict asleep, volatile __global uint *restrict flags)
 {
+    const touched t = {links, touches, starts, return_starts, returns, n, rests, velocities,
+#line 61 "kernels/doze.cl.in"
+    };
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
-        float least = rests[id];
-        for (uint i = starts[id]; i < starts[id + 1]; ++i)
-            if (touches[i] & TOUCH_POINTS)
-                least = least_rest(least, links[i].y, n, rests, velocities
-#line 46 "kernels/doze.cl.in"
-                );
-        for (uint k = return_starts[id]; k < return_starts[id + 1]; ++k)
-            if (touches[returns[k]] & TOUCH_POINTS)
-                least = least_rest(least, links[returns[k]].x, n, rests, velocities
-#line 53 "kernels/doze.cl.in"
-                );
-        bool slept = asleep[id] & SLEEPS, sleeps = least > 0.0f && rests[id] >= sleep_after;
+        bool slept = asleep[id] & SLEEPS;
+        bool sleeps = rests[id] > 0.0f && rests[id] >= sleep_after && touches_rest_only(&t, id);
         if (sleeps != slept)
             atomic_or(flags + FLAG_DOZED, 1u);
         asleep[id] = (sleeps ? SLEEPS : 0u) | (slept && !sleeps ? WOKE : 0u);

@@ -39,29 +39,29 @@ static inline void move(body *b, real time)
     b->moved = add_scaled(b->moved, time, (real4)(b->velocity.xyz, 0));
 #line 61 "kernels/integrate.cl.in"
 }
-#line 98 "kernels/integrate.cl.in"
+#line 100 "kernels/integrate.cl.in"
 
 static inline void advance(body *b,
-#line 106 "kernels/integrate.cl.in"
+#line 108 "kernels/integrate.cl.in"
                            real time)
 {
-#line 115 "kernels/integrate.cl.in"
+#line 117 "kernels/integrate.cl.in"
     move(b, time);
-#line 138 "kernels/integrate.cl.in"
-}
 #line 140 "kernels/integrate.cl.in"
+}
+#line 142 "kernels/integrate.cl.in"
 
 static inline void arrive(body *b)
 {
     b->centre.xyz += b->moved.xyz;
-#line 147 "kernels/integrate.cl.in"
+#line 149 "kernels/integrate.cl.in"
 }
-#line 173 "kernels/integrate.cl.in"
+#line 175 "kernels/integrate.cl.in"
 
 __kernel void integrate(__global real4 *restrict centres,
-#line 178 "kernels/integrate.cl.in"
+#line 180 "kernels/integrate.cl.in"
                         __global real4 *restrict velocities,
-#line 200 "kernels/integrate.cl.in"
+#line 202 "kernels/integrate.cl.in"
                         real4 times, uint substeps, uint n)
 {
     uint first = get_global_id(0) * PER_ITEM;
@@ -70,21 +70,21 @@ __kernel void integrate(__global real4 *restrict centres,
         body b;
         b.centre = centres[id];
         b.velocity = velocities[id];
-#line 209 "kernels/integrate.cl.in"
+#line 211 "kernels/integrate.cl.in"
         b.moved = (real4)(0);
-#line 223 "kernels/integrate.cl.in"
+#line 225 "kernels/integrate.cl.in"
         for (uint k = 0; k < substeps; ++k) {
-#line 226 "kernels/integrate.cl.in"
+#line 228 "kernels/integrate.cl.in"
             advance(&b,
-#line 233 "kernels/integrate.cl.in"
-                    times.x);
 #line 235 "kernels/integrate.cl.in"
-        }
+                    times.x);
 #line 237 "kernels/integrate.cl.in"
+        }
+#line 239 "kernels/integrate.cl.in"
         arrive(&b);
-#line 263 "kernels/integrate.cl.in"
+#line 265 "kernels/integrate.cl.in"
         centres[id] = b.centre;
         velocities[id] = b.velocity;
-#line 269 "kernels/integrate.cl.in"
+#line 271 "kernels/integrate.cl.in"
     }
 }

@@ -39,12 +39,20 @@ typedef struct {
     mask impact; // closes faster than a slop in a substep
 } demand;
 
-static inline demand demand_of(const pair *p, __global const float *point, uint soft, float per_h, float4 spring,
+// The gap after a drift; the next substep begins with the same.
+static inline real find_gap(const pair *p, __global float *point, vec arm)
+{
+    vec way = vec_less(way_of(&p->b, vec_less(arm, p->apart)), way_of(&p->a, arm));
+    real gap = get(point, BY_GAP) + vec_dot(way, p->normal);
+    put(point, BY_NOW, gap);
+    return gap;
+}
+
+static inline demand demand_of(const pair *p, __global float *point, uint soft, float per_h, float4 spring,
                                float4 hard_spring, float slop)
 {
     vec arm = get_vec(point, BY_ARM);
-    vec way = vec_less(way_of(&p->b, vec_less(arm, p->apart)), way_of(&p->a, arm));
-    real gap = get(point, BY_GAP) + vec_dot(way, p->normal);
+    real gap = soft ? get(point, BY_NOW) : find_gap(p, point, arm);
     demand d;
     d.speed = select((real)(0.0f), gap * per_h, gap > 0.0f);
     d.weight = 1.0f;
@@ -77,13 +85,13 @@ static inline void press(pair *p, __global float *point, demand d, mask where)
     real speed = vec_dot(velocity_between(p, arm), p->normal);
     add_push(p, point, arm, fma(-get(point, BY_MASS) * d.weight, speed + d.speed, fma(-d.decay, old, old)), where);
 }
-#line 121 "kernels/solve.cl.in"
+#line 129 "kernels/solve.cl.in"
 
-// Where a push stopped an impact: once is enough.
+// A push that stopped an impact: once is enough.
 static inline void forget_impacts(__global float *point, mask stopped)
 {
     put(point, BY_PUSH, select(get(point, BY_PUSH), (real)(0.0f), stopped));
-#line 132 "kernels/solve.cl.in"
+#line 140 "kernels/solve.cl.in"
 }
 
 static inline void solve_slots(__global float *constraint, __global float4 *bodies, uint soft, float per_h,
@@ -91,27 +99,35 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
 {
     pair p;
     load_pair(&p, constraint, bodies);
-#line 144 "kernels/solve.cl.in"
+    if (!soft) {
+        load_turn(&p.a, bodies, p.owner);
+        load_turn(&p.b, bodies, p.other);
+    }
+#line 156 "kernels/solve.cl.in"
     demand demands[POINTS];
     mask stiff = p.n > 1u;
     for (int k = 0; k < p.most; ++k) {
         demands[k] = demand_of(&p, point_at(constraint, k), soft, per_h, spring, hard_spring, slop);
         stiff &= (demands[k].decay == 0.0f) | !has_point(&p, k);
     }
-#line 154 "kernels/solve.cl.in"
+#line 166 "kernels/solve.cl.in"
     for (int turn = 0; turn < p.most; ++turn) { // to and fro, so that no side is favoured
         int k = soft ? turn : p.most - 1 - turn;
         press(&p, point_at(constraint, k), demands[k], has_point(&p, k));
     }
+    word marks = p.n;
     for (int k = 0; k < p.most; ++k) {
         __global float *point = point_at(constraint, k);
         mask stopped = demands[k].impact & (get(point, BY_PUSH) > 0.0f);
-        if (!soft)
-            stopped |= get(point, BY_IMPACT) != 0.0f;
-        put(point, BY_IMPACT, select((real)(0.0f), (real)(1.0f), stopped));
-        if (!soft && any_lane(stopped))
-            forget_impacts(point, stopped);
+        marks |= select((word)(0u), (word)(IMPACT(k)), stopped);
+        if (!soft) {
+            stopped |= (p.marks & (word)(IMPACT(k))) != (word)(0u);
+            if (any_lane(stopped))
+                forget_impacts(point, stopped);
+        }
     }
+    if (soft && any_lane(marks != p.marks))
+        put(constraint, IN_POINTS, as_real(marks));
     keep_velocity(bodies, p.owner, &p.a);
     keep_velocity(bodies, p.other, &p.b);
     if (!soft)
@@ -119,9 +135,19 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
 }
 
 #if LANES > 1
+#define BLOCKS_AHEAD 4
+
+// Blocks come from memory once a pass and are asked for in time, as many points
+// of one as this one has, for neighbours have as many.
+static inline void ask_for_block(__global const float *constraint, int points)
+{
+    int words = (FIELDS + points * BY_FIELDS) * BLOCK;
+    for (int k = 0; k < words; k += 16)
+        ask_for(constraint + k);
+}
 
 // Bodies are read at random: those of the next block are asked for in time.
-static inline void ask_for_bodies(__global const float *constraint, __global const float4 *bodies)
+static inline void ask_for_bodies(__global const float *constraint, __global const float4 *bodies, uint soft)
 {
     for (int side = IN_OWNER; side <= IN_OTHER; ++side) {
         uint ids[LANES];
@@ -129,7 +155,8 @@ static inline void ask_for_bodies(__global const float *constraint, __global con
 #pragma unroll
         for (int k = 0; k < LANES; ++k) {
             ask_for(bodies + (size_t)ids[k] * BODY);
-            ask_for(bodies + (size_t)ids[k] * BODY + BODY - 1);
+            if (!soft)
+                ask_for(bodies + (size_t)ids[k] * BODY + BODY - 1);
         }
     }
 }
@@ -143,9 +170,12 @@ __kernel void solve(uint count, uint first_slot, uint each, uint apart, __global
     uint to = min(from + each, count);
     for (uint k = from; k < to; k += STRIDE(apart)) {
 #if LANES > 1
-        uint next = k + STRIDE(apart);
+        uint next = k + STRIDE(apart), later = k + BLOCKS_AHEAD * STRIDE(apart);
+        if (later < to)
+            ask_for_block(constraint_at(blocks, first_slot + later * apart),
+                          most_points(points_of(constraint_at(blocks, first_slot + k * apart))));
         if (next < to)
-            ask_for_bodies(constraint_at(blocks, first_slot + next * apart), bodies);
+            ask_for_bodies(constraint_at(blocks, first_slot + next * apart), bodies, soft);
 #endif
         solve_slots(constraint_at(blocks, first_slot + k * apart), bodies, soft, per_h, spring, hard_spring, slop);
     }
@@ -162,7 +192,7 @@ __kernel void solve(uint count, uint first_slot, uint each, uint apart, __global
 // that is faster already gives up of what it was stopped with.
 static inline void bounce_slots(__global float *constraint, __global float4 *bodies, float least_speed)
 {
-    word n = as_word(get(constraint, IN_POINTS));
+    word n = points_of(constraint);
     real restitution = get(constraint, IN_BOUNCE);
     mask wanted[POINTS];
     mask any_wanted = 0;
@@ -170,9 +200,9 @@ static inline void bounce_slots(__global float *constraint, __global float4 *bod
         wanted[k] = 0;
         if (!any_lane(n > (word)(uint)k))
             continue;
-        __global const float *point = point_at(constraint, k);
-        wanted[k] = (n > (word)(uint)k) & (restitution > 0.0f) & (get(point, BY_SPEED) <= -least_speed) &
-                    (get(point, BY_MOST) > 0.0f);
+        wanted[k] = (n > (word)(uint)k) & (restitution > 0.0f) & (get(constraint, IN_SPEEDS + k) <= -least_speed);
+        if (any_lane(wanted[k]))
+            wanted[k] &= get(point_at(constraint, k), BY_MOST) > 0.0f;
         any_wanted |= wanted[k];
     }
     if (!any_lane(any_wanted))
@@ -186,7 +216,7 @@ static inline void bounce_slots(__global float *constraint, __global float4 *bod
             __global const float *point = point_at(constraint, k);
             vec arm = get_vec(point, BY_ARM);
             real speed = vec_dot(velocity_between(&p, arm), p.normal);
-            real more = -get(point, BY_MASS) * fma(restitution, get(point, BY_SPEED), speed);
+            real more = -get(point, BY_MASS) * fma(restitution, get(constraint, IN_SPEEDS + k), speed);
             mask asked = wanted[k] & ((p.n > 1u) | (mask)(turn == 0 ? -1 : 0));
             real push = select(pushes[k], fmax(pushes[k] + more, -get(point, BY_MOST)), asked);
             push_both(&p, arm, vec_times(push - pushes[k], p.normal));
