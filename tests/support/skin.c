@@ -9,8 +9,10 @@
 
 enum { BOXES = 48, CHECK_EVERY = 10 };
 
-// Faces that meet by less than a slop do not touch: 0.5 % of the mean least extent.
-static double slop_of(const mover *m, const duet_pose *poses)
+// Faces that meet by less than a slop, 0.5 % of the mean least extent, do not touch,
+// and a face wins over edges that are less deep by half of one: what crosses there
+// may be somewhat deeper.
+static double depth_unseen(const mover *m, const duet_pose *poses)
 {
     double sum = 0;
     for (uint32_t i = 0; i < m->n; ++i) {
@@ -18,7 +20,8 @@ static double slop_of(const mover *m, const duet_pose *poses)
         double least = half[0] < half[1] ? half[0] : half[1];
         sum += m->def.dims == 3 && half[2] < least ? half[2] : least;
     }
-    return 0.005 * 2 * sum / m->n;
+    double slop = 0.005 * 2 * sum / m->n;
+    return 2 * slop;
 }
 
 // Whichever of the two comes first: one without mass is second.
@@ -36,12 +39,12 @@ void skin_assert_none_missed(mover *m, const duet_pose *poses)
     duet_error err = {0};
     duet_contact *contacts = NULL;
     uint64_t n = 0;
-    double slop = slop_of(m, poses);
+    double unseen = depth_unseen(m, poses);
     assert_ok(duet_motion_contacts(m->motion, &contacts, &n, &err), err);
     for (uint32_t a = 0; a < m->n; ++a)
         for (uint32_t b = a + 1; b < m->n; ++b)
             if ((m->bodies[a].mass > 0 || m->bodies[b].mass > 0) &&
-                duet_poses_gap(&poses[a], &poses[b], m->def.dims) < -slop &&
+                duet_poses_gap(&poses[a], &poses[b], m->def.dims) < -unseen &&
                 !has_contact(contacts, n, a, b))
                 fail_msg("step %d: objects %u and %u are missed", (int)m->last.step, a, b);
     duet_free(contacts);

@@ -6,11 +6,11 @@
 
 #include "support/mover.h"
 
-// Fails where a step misses a contact of two boxes that overlap by a slop, or where
+// Fails where a step misses a contact of two boxes that overlap by two slops, or where
 // the skin changes a bit of the state. The grid must have lasted now and then.
 void skin_run(uint32_t steps);
 
-// Fails where boxes that overlap by a slop in poses [n], other than two without mass,
+// Fails where boxes that overlap by two slops in poses [n], other than two without mass,
 // are not among the contacts of the last step.
 void skin_assert_none_missed(mover *m, const duet_pose *poses);
 
