@@ -332,7 +332,8 @@ static void a_budget_ends_the_search_and_leaves_room_for_a_verdict(void **state)
     duet_tune_outcome outcome = tune_fake(&f, &def);
     assert_in_range(outcome.trials, 10, 40);
     assert_true(outcome.step_ms > 0);
-    def.budget_trials = 4;
+    for (def.budget_trials = 40; def.budget_trials > 4; --def.budget_trials)
+        assert_in_range(tune_fake(&f, &def).trials, 1, def.budget_trials);
     outcome = tune_fake(&f, &def);
     assert_in_range(outcome.trials, 1, 4);
     assert_string_equal(outcome.verdict, "ambiguous");

@@ -21,7 +21,7 @@ enum {
     LEAST_TRIALS = 8, // from which a device's undisturbed time is taken
 };
 
-static const double CHOICE_END = 0.85, VERDICT_END = 1.0; // parts of the budget
+static const double VERDICT_END = 1.0; // of the budget
 
 static const double WORTH_ALONE = 1.3; // A alone is raced where it may take so much of B alone
 static const double UNEVEN = 1.03;     // a step that could be so much shorter is evened out
@@ -132,8 +132,15 @@ static bool race_finalists(tuning *t, const duet_plan *alone, const duet_plan *s
     field_enter(f, *shared);
     if (even_out(t, shared, &even))
         field_enter(f, even);
-    t->stage_end = VERDICT_END;
     return tuning_race(t, f, &to_the_end, false, false, err);
+}
+
+// The budget may have ended before or in this race: then the first one's samples
+// must do.
+static bool is_decided(const field *f, uint32_t best)
+{
+    return best < f->n && f->race.rivals[0].rounds > 0 &&
+           race_compare(&f->race, best, 0).verdict != RACE_AMBIGUOUS;
 }
 
 bool verdict_reach(tuning *t, const found *founds, uint32_t n, duet_tune_outcome *outcome,
@@ -142,7 +149,7 @@ bool verdict_reach(tuning *t, const found *founds, uint32_t n, duet_tune_outcome
     field all = {0}, finalists;
     uint32_t n_alone = enter_rivals(t, founds, n, &all);
     t->stage = "verdict";
-    t->stage_end = CHOICE_END;
+    t->stage_end = VERDICT_END;
     t->repeats = t->repeats < REPEATS ? t->repeats : REPEATS;
     if (!tuning_race(t, &all, NULL, false, false, err))
         return false;
@@ -157,7 +164,7 @@ bool verdict_reach(tuning *t, const found *founds, uint32_t n, duet_tune_outcome
     if (!race_finalists(t, &all.plans[alone], &all.plans[shared], &finalists, err))
         return false;
     uint32_t best = race_best(&finalists.race, 1, finalists.n);
-    if (best < finalists.n && finalists.race.rivals[0].rounds > 0)
+    if (is_decided(&finalists, best))
         judge(t, &finalists, 0, best, outcome);
     else
         judge(t, &all, alone, shared, outcome);
