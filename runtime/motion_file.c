@@ -162,7 +162,8 @@ static bool put_buffer(duet_motion *m, motion_buffer which, size_t bytes, const 
 {
     if (bytes == 0)
         return true;
-    if (!motion_reserve(m, which, bytes, 1, err))
+    size_t spare = m->layout.record * sizeof(float); // as rows that are made have it
+    if (!motion_reserve(m, which, bytes + spare, 1, err))
         return false;
     cl_int code = clEnqueueWriteBuffer(m->device->queue, m->buffers[which].mem, CL_TRUE, 0, bytes,
                                        from, 0, NULL, NULL);

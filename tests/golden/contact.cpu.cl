@@ -129,27 +129,27 @@ static inline void look_at_pair(const scene *s, uint i, uint2 link)
 #line 390 "kernels/contact.cl.in"
     keep(s, i, s->halves[link.x], d, &m, axis);
 }
-#line 447 "kernels/contact.cl.in"
+#line 448 "kernels/contact.cl.in"
 
 __kernel void contact(__global const uint2 *restrict links, uint n, uint objects, __global const real4 *restrict centres,
-#line 452 "kernels/contact.cl.in"
+#line 453 "kernels/contact.cl.in"
                       __global const float4 *restrict halves,
-#line 471 "kernels/contact.cl.in"
+#line 472 "kernels/contact.cl.in"
                       float margin, __global uint *restrict touches, __global float *restrict contacts)
 {
     scene s = {links, objects, centres,
-#line 477 "kernels/contact.cl.in"
+#line 478 "kernels/contact.cl.in"
                halves,
-#line 496 "kernels/contact.cl.in"
+#line 497 "kernels/contact.cl.in"
                margin, touches, contacts};
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
-#line 503 "kernels/contact.cl.in"
+#line 504 "kernels/contact.cl.in"
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-#line 516 "kernels/contact.cl.in"
+#line 517 "kernels/contact.cl.in"
         look_at_pair(&s, i, link);
-#line 526 "kernels/contact.cl.in"
+#line 527 "kernels/contact.cl.in"
     }
-#line 536 "kernels/contact.cl.in"
+#line 537 "kernels/contact.cl.in"
 }
