@@ -11,6 +11,7 @@
 enum { ROOM = 3000 };
 
 static duet_device_pair *devices;
+static bool have_host_memory[2];
 static duet_pose poses[ROOM];
 
 static int open_devices(void **state)
@@ -20,6 +21,8 @@ static int open_devices(void **state)
     duet_device_pair_def def = duet_default_device_pair_def();
     devices = duet_device_pair_open(&def, &err);
     assert_ok(devices != NULL, err);
+    for (int side = 0; side < 2; ++side)
+        have_host_memory[side] = devices->devices[side].info.host_memory;
     return 0;
 }
 
@@ -31,10 +34,12 @@ static int close_devices(void **state)
     return 0;
 }
 
-// Devices that work on host memory borrow what others are sent.
+// Devices that work on host memory borrow what others are sent; they can be told
+// that they do not.
 static void tell_of_memory(bool host)
 {
-    devices->devices[0].info.host_memory = devices->devices[1].info.host_memory = host;
+    for (int side = 0; side < 2; ++side)
+        devices->devices[side].info.host_memory = host && have_host_memory[side];
 }
 
 static void fill(rng *r, uint32_t n, uint32_t dims)
