@@ -63,11 +63,17 @@ kernel *__wrap_program_set_kernel(program_set *set, const char *name, const char
     return __real_program_set_kernel(set, name, entry, all, n, err);
 }
 
+// B holds the state.
+static gen_limits limits_of_b(void)
+{
+    return program_limits(duet_device_pair_info(mover_pair(), 1));
+}
+
 // One of the values of a parameter; 0 where the kernel has it not.
 static int64_t draw_value(const char *kernel_name, const char *param, rng *r)
 {
     duet_error err = {0};
-    const gen_limits limits = {.max_group = 256, .local_bytes = 1 << 15, .fp64 = true, .cpu = true};
+    const gen_limits limits = limits_of_b();
     const gen_param *params = NULL;
     uint32_t n = 0;
     assert_ok(gen_params(generator, kernel_name, &limits, &params, &n, &err), err);
@@ -79,7 +85,7 @@ static int64_t draw_value(const char *kernel_name, const char *param, rng *r)
 
 static launch draw_launch(const char *kernel_name, rng *r)
 {
-    const gen_limits limits = {.max_group = 256, .local_bytes = 1 << 15, .fp64 = true, .cpu = true};
+    const gen_limits limits = limits_of_b();
     for (int again = 0; again < 100; ++again) {
         duet_error err = {0};
         gen_variant v;
