@@ -147,16 +147,22 @@ static uint32_t begin_map(lua_State *L, uint64_t *maps)
     return (uint32_t)n;
 }
 
+static int end_map(lua_State *L, array_kind kind, void *rows, uint32_t n, const uint64_t *maps,
+                   const duet_error *err)
+{
+    if (!rows)
+        return class_push_failure(L, err);
+    array_push_view(L, kind, rows, n, 1, maps);
+    return 1;
+}
+
 static int world_map_poses(lua_State *L)
 {
     duet_error err = {0};
     world_box *box = world_check(L, 1);
     uint32_t n = begin_map(L, &box->maps);
-    duet_pose *poses = duet_world_map_poses(box->world, n, &err);
-    if (!poses)
-        return class_push_failure(L, &err);
-    array_push_view(L, ARRAY_POSES, poses, n, 1, &box->maps);
-    return 1;
+    void *rows = duet_world_map_poses(box->world, n, &err);
+    return end_map(L, ARRAY_POSES, rows, n, &box->maps, &err);
 }
 
 static int world_map_bounds(lua_State *L)
@@ -164,11 +170,8 @@ static int world_map_bounds(lua_State *L)
     duet_error err = {0};
     world_box *box = world_check(L, 1);
     uint32_t n = begin_map(L, &box->maps);
-    duet_bounds *bounds = duet_world_map_bounds(box->world, n, &err);
-    if (!bounds)
-        return class_push_failure(L, &err);
-    array_push_view(L, ARRAY_BOUNDS, bounds, n, 1, &box->maps);
-    return 1;
+    void *rows = duet_world_map_bounds(box->world, n, &err);
+    return end_map(L, ARRAY_BOUNDS, rows, n, &box->maps, &err);
 }
 
 static int world_map_transforms(lua_State *L)
@@ -176,11 +179,8 @@ static int world_map_transforms(lua_State *L)
     duet_error err = {0};
     world_box *box = world_check(L, 1);
     uint32_t n = begin_map(L, &box->maps);
-    duet_transform *transforms = duet_world_map_transforms(box->world, n, &err);
-    if (!transforms)
-        return class_push_failure(L, &err);
-    array_push_view(L, ARRAY_TRANSFORMS, transforms, n, 1, &box->maps);
-    return 1;
+    void *rows = duet_world_map_transforms(box->world, n, &err);
+    return end_map(L, ARRAY_TRANSFORMS, rows, n, &box->maps, &err);
 }
 
 static int world_map_sizes(lua_State *L)
@@ -188,11 +188,8 @@ static int world_map_sizes(lua_State *L)
     duet_error err = {0};
     world_box *box = world_check(L, 1);
     uint32_t n = begin_map(L, &box->size_maps);
-    duet_size *sizes = duet_world_map_sizes(box->world, n, &err);
-    if (!sizes)
-        return class_push_failure(L, &err);
-    array_push_view(L, ARRAY_SIZES, sizes, n, 1, &box->size_maps);
-    return 1;
+    void *rows = duet_world_map_sizes(box->world, n, &err);
+    return end_map(L, ARRAY_SIZES, rows, n, &box->size_maps, &err);
 }
 
 // ---------------------------------------------------------------- stepping

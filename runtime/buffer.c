@@ -85,6 +85,12 @@ bool buffer_borrow(buffer *b, const device *d, void *host, size_t bytes, duet_er
     return ok;
 }
 
+bool buffer_hold(buffer *b, const device *d, void *host, size_t bytes, duet_error *err)
+{
+    return d->info.host_memory ? buffer_borrow(b, d, host, bytes, err)
+                               : buffer_reserve(b, d, bytes, err);
+}
+
 void buffer_release(buffer *b)
 {
     if (b->mem) {

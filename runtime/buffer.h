@@ -22,6 +22,9 @@ bool buffer_reserve(buffer *b, const device *d, size_t bytes, duet_error *err);
 // device that works on host memory.
 bool buffer_borrow(buffer *b, const device *d, void *host, size_t bytes, duet_error *err);
 
+// Either, by what the device works on: host memory itself, or room for its bytes.
+bool buffer_hold(buffer *b, const device *d, void *host, size_t bytes, duet_error *err);
+
 void buffer_release(buffer *b);
 
 // Host memory that devices read and write fast: page-locked by the last of them

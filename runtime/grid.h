@@ -65,6 +65,9 @@ typedef struct grid_objects {
 
 size_t grid_row_bytes(const grid_objects *objects);
 
+// A pose without its size.
+duet_transform grid_transform_of(const duet_pose *pose);
+
 // The pose of an object that has one; *room holds it where its size lies apart.
 const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *room);
 

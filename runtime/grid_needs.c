@@ -83,6 +83,14 @@ size_t grid_row_bytes(const grid_objects *objects)
                           : origin_row_bytes(objects->shape, objects->origin);
 }
 
+duet_transform grid_transform_of(const duet_pose *pose)
+{
+    duet_transform t;
+    memcpy(t.centre, pose->centre, sizeof t.centre);
+    memcpy(t.rotation, pose->rotation, sizeof t.rotation);
+    return t;
+}
+
 const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *room)
 {
     if (!objects->sizes)
@@ -96,19 +104,19 @@ const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pos
 
 static inline void find_centre(double centre[3], const grid_objects *objects, uint32_t id)
 {
-    double corner[3];
-    origin_corner(corner, objects->rows, objects->origin, id);
     centre[2] = 0.0;
-    for (uint32_t k = 0; k < objects->dims; ++k) {
-        if (objects->shape == DUET_SHAPE_POSES) {
-            duet_pose room;
-            const duet_pose *p = grid_pose_of(objects, id, &room);
-            centre[k] = corner[k] + (double)p->centre[k];
-        } else {
-            const duet_bounds *b = &((const duet_bounds *)objects->rows)[id];
+    if (objects->shape == DUET_SHAPE_BOUNDS) {
+        const duet_bounds *b = &((const duet_bounds *)objects->rows)[id];
+        for (uint32_t k = 0; k < objects->dims; ++k)
             centre[k] = 0.5 * ((double)b->lower[k] + (double)b->upper[k]);
-        }
+        return;
     }
+    double corner[3];
+    duet_pose room;
+    const duet_pose *p = grid_pose_of(objects, id, &room);
+    origin_corner(corner, objects->rows, objects->origin, id);
+    for (uint32_t k = 0; k < objects->dims; ++k)
+        centre[k] = corner[k] + (double)p->centre[k];
 }
 
 void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)

@@ -297,10 +297,8 @@ bool part_send_grid(part *from, part *to, const part_task *task, duet_error *err
 
 static bool receive_piece(part *to, grid_piece piece, void *host, duet_error *err)
 {
-    bool ok = to->device->info.host_memory
-                  ? buffer_borrow(piece.to, to->device, host, piece.bytes, err)
-                  : buffer_reserve(piece.to, to->device, piece.bytes, err);
-    return ok && timeline_write(&to->times, "receive grid", piece.to, host, piece.bytes, err);
+    return buffer_hold(piece.to, to->device, host, piece.bytes, err) &&
+           timeline_write(&to->times, "receive grid", piece.to, host, piece.bytes, err);
 }
 
 // Where both work on host memory the bounds and boxes are there already.

@@ -356,8 +356,7 @@ static bool take_apart(duet_world *world, const duet_pose *poses, uint32_t n, du
     duet_transform *transforms = duet_world_map_transforms(world, n, err);
     duet_size *sizes = transforms ? duet_world_map_sizes(world, n, err) : NULL;
     for (uint32_t i = 0; sizes && i < n; ++i) {
-        memcpy(transforms[i].centre, poses[i].centre, sizeof poses->centre);
-        memcpy(transforms[i].rotation, poses[i].rotation, sizeof poses->rotation);
+        transforms[i] = grid_transform_of(&poses[i]);
         memcpy(sizes[i].half, poses[i].half, sizeof poses->half);
     }
     return sizes;

@@ -18,7 +18,7 @@
 //   starts, others  the new rows
 #define NO_ROW 0xffffffffu
 #define AHEAD 8 // contacts whose records are asked for in time
-#line 27 "kernels/carry.cl.in"
+#line 17 "kernels/carry.cl.in"
 
 // The first place from low on whose other is not below.
 static inline uint place_of(__global const uint *others, uint low, uint high, uint other)
@@ -35,7 +35,7 @@ static inline uint place_of(__global const uint *others, uint low, uint high, ui
 
 __kernel void carry(__global const uint2 *restrict old_links, __global const uint *restrict old_touches,
                     __global const float *restrict old_contacts, uint n_old,
-#line 52 "kernels/carry.cl.in"
+#line 42 "kernels/carry.cl.in"
                     __global const uint *restrict starts, __global const uint *restrict others,
                     __global uint *restrict touches, __global float *restrict contacts)
 {
@@ -62,8 +62,8 @@ __kernel void carry(__global const uint2 *restrict old_links, __global const uin
             touches[low] = touch;
             for (uint k = 0; n > 0 && k < HEAD + n * PART; ++k)
                 contacts[(size_t)low * RECORD + k] = old[k];
-#line 81 "kernels/carry.cl.in"
+#line 71 "kernels/carry.cl.in"
         }
-#line 105 "kernels/carry.cl.in"
+#line 91 "kernels/carry.cl.in"
     }
 }

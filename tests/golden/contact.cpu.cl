@@ -84,7 +84,7 @@ static inline float4 way_of(const scene *s, uint2 link)
     d.w = 0.0f;
     return d;
 }
-#line 286 "kernels/contact.cl.in"
+#line 272 "kernels/contact.cl.in"
 
 // The points into the record; extents: the owner's half extents. True where
 // there is no gap, or what was pushed in the last step.
@@ -92,7 +92,7 @@ static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extent
 {
     __global float *record = s->contacts + (size_t)i * RECORD;
     bool touching = false;
-#line 302 "kernels/contact.cl.in"
+#line 288 "kernels/contact.cl.in"
     put_float4(record + AT_NORMAL, m->normal);
     for (int k = 0; k < m->n; ++k) {
         __global float *part = record + HEAD + k * PART;
@@ -100,7 +100,7 @@ static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extent
         put_float4(part + OF_ARM, arm);
         part[OF_GAP] = arm.w;
         touching = touching || arm.w <= 0.0f;
-#line 320 "kernels/contact.cl.in"
+#line 306 "kernels/contact.cl.in"
     }
     return touching;
 }
@@ -113,10 +113,10 @@ static inline void keep(const scene *s, uint i, float4 extents, float4 d, manifo
     bool touching = false;
     if (m->n > 0)
         touching = keep_points(s, i, link, extents, d, m);
-#line 344 "kernels/contact.cl.in"
+#line 330 "kernels/contact.cl.in"
     s->touches[i] = (uint)m->n | (touching ? TOUCH_MEETS : 0u) | axis << TOUCH_AXIS;
 }
-#line 368 "kernels/contact.cl.in"
+#line 354 "kernels/contact.cl.in"
 
 static inline void look_at_pair(const scene *s, uint i, uint2 link)
 {
@@ -124,32 +124,32 @@ static inline void look_at_pair(const scene *s, uint i, uint2 link)
     float4 d = way_of(s, link);
     uint axis = s->touches[i] >> TOUCH_AXIS;
     manifold m;
-#line 376 "kernels/contact.cl.in"
+#line 362 "kernels/contact.cl.in"
     touch_boxes(&a, &b, d, s->margin, &m, &axis);
-#line 390 "kernels/contact.cl.in"
+#line 376 "kernels/contact.cl.in"
     keep(s, i, s->halves[link.x], d, &m, axis);
 }
-#line 448 "kernels/contact.cl.in"
+#line 434 "kernels/contact.cl.in"
 
 __kernel void contact(__global const uint2 *restrict links, uint n, uint objects, __global const real4 *restrict centres,
-#line 453 "kernels/contact.cl.in"
+#line 439 "kernels/contact.cl.in"
                       __global const float4 *restrict halves,
-#line 472 "kernels/contact.cl.in"
+#line 458 "kernels/contact.cl.in"
                       float margin, __global uint *restrict touches, __global float *restrict contacts)
 {
     scene s = {links, objects, centres,
-#line 478 "kernels/contact.cl.in"
+#line 464 "kernels/contact.cl.in"
                halves,
-#line 497 "kernels/contact.cl.in"
+#line 483 "kernels/contact.cl.in"
                margin, touches, contacts};
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
-#line 504 "kernels/contact.cl.in"
+#line 490 "kernels/contact.cl.in"
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-#line 517 "kernels/contact.cl.in"
+#line 503 "kernels/contact.cl.in"
         look_at_pair(&s, i, link);
-#line 527 "kernels/contact.cl.in"
+#line 513 "kernels/contact.cl.in"
     }
-#line 537 "kernels/contact.cl.in"
+#line 523 "kernels/contact.cl.in"
 }

@@ -2,6 +2,7 @@
 #include "tuner/cli/timed.h"
 
 #include "runtime/base/error.h"
+#include "runtime/grid.h"
 #include "tuner/cli/interrupt.h"
 #include "tuner/cli/progress.h"
 
@@ -37,10 +38,8 @@ static bool hand_transforms(duet_world *world, const duet_scene *scene, duet_err
     uint32_t n = duet_scene_describe(scene)->n;
     const duet_pose *poses = duet_scene_poses(scene);
     duet_transform *to = duet_world_map_transforms(world, n, err);
-    for (uint32_t i = 0; to && i < n; ++i) {
-        memcpy(to[i].centre, poses[i].centre, sizeof to->centre);
-        memcpy(to[i].rotation, poses[i].rotation, sizeof to->rotation);
-    }
+    for (uint32_t i = 0; to && i < n; ++i)
+        to[i] = grid_transform_of(&poses[i]);
     return to;
 }
 
