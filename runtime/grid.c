@@ -20,13 +20,17 @@ static const double row_cost = 4.0;
 // finer cells is the better one.
 static const double crowded = 8.0;
 
-// The devices' bounds are wider than the boxes by a share below 3 * 2^-18
+// The devices' reach is wider than the boxes' by a share below 3 * 2^-18
 // (kernels/object.clh, set_reach).
 static const double devices_widen = 1.0 + 0x1p-16;
 
-static double margin(double cells)
+// 1 / edge is a float.
+static const double least_edge_along = 0x1p-125;
+
+// What the edge of so many cells has above the widest object.
+static double margin(double cells, bool dense)
 {
-    return 1.0 + 0x1p-16 + cells * 0x1p-21;
+    return 1.0 + 0x1p-16 + (dense ? cells * 0x1p-21 : 0.0);
 }
 
 // ---------------------------------------------------------------- levels
@@ -96,6 +100,14 @@ static void choose_levels(size_classes *classes, double volume, uint32_t dims)
     }
 }
 
+static double widest_bounds(const grid_needs *needs)
+{
+    double widest = 0.0;
+    for (uint32_t k = 0; k < GRID_OCTAVES; ++k)
+        widest = fmax(widest, needs->octave_widest[k]);
+    return widest;
+}
+
 static void classify(size_classes *classes, const grid_needs *needs)
 {
     classes->n = 0;
@@ -108,19 +120,20 @@ static void classify(size_classes *classes, const grid_needs *needs)
 // ---------------------------------------------------------------- cells
 
 // As many cells as hold the edge with its margin.
-static double count_along(double length, double edge, double most)
+static double count_along(double length, double edge, bool dense)
 {
+    double most = dense ? most_dense_along : most_hashed_along;
     if (!(edge > 0.0))
         return length > 0.0 ? most : 1.0;
     double about = fmin(length / edge, most);
-    return fmax(1.0, fmin(floor(length / (edge * margin(about))), most));
+    return fmax(1.0, fmin(floor(length / (edge * margin(about, dense))), most));
 }
 
 static double count_cells(const double length[3], double edge)
 {
     double total = 1.0;
     for (int k = 0; k < 3; ++k)
-        total *= count_along(length[k], edge, most_dense_along);
+        total *= count_along(length[k], edge, true);
     return total;
 }
 
@@ -160,7 +173,10 @@ static void set_corner(grid_level *level, uint32_t axis, double lower, float ori
     double cell = origin > 0.0f ? floor(lower / origin) : 0.0;
     cell = fmax(-0x1p30 + 1, fmin(cell, 0x1p30 - 1));
     cl_int whole = (cl_int)cell;
-    level->lower.s[axis] = (cl_float)(lower - cell * origin);
+    double offset = lower - cell * origin;
+    if (origin > 0.0f) // whole quanta, so that its distance to any offset is a float
+        offset = floor(offset * (0x1p24 / origin)) * (origin * 0x1p-24);
+    level->lower.s[axis] = (cl_float)offset;
     memcpy(cells[axis], &whole, sizeof whole);
 }
 
@@ -177,12 +193,12 @@ static grid_level make_level(const double lower[3], const double length[3], doub
 {
     grid_level level = {.cells = {{1, 1, 1, 0}}};
     for (uint32_t k = 0; k < dims; ++k) {
-        double most = dense ? most_dense_along : most_hashed_along;
-        double cells = count_along(length[k], edge, most);
-        double slack = dense ? margin(cells) : margin(0.0);
+        double cells = count_along(length[k], edge, dense);
+        double slack = margin(cells, dense);
         double along = fmax(length[k] / cells, edge * slack);
-        if (!(along > 0.0)) // points in one place
+        if (along == 0.0) // points in one place
             along = 1.0;
+        along = fmax(along, least_edge_along);
         level.cells.s[k] = (cl_int)cells;
         set_corner(&level, k, lower[k], origin);
         level.per_cell.s[k] = (cl_float)(1.0 / along);
@@ -256,14 +272,14 @@ uint32_t grid_rows(const grid *g)
 static uint32_t cell_of(const grid_level *level, const grid_objects *objects, uint32_t id,
                         uint32_t axis)
 {
-    double centre[3];
-    grid_centre_of(centre, objects, id);
+    double point[3];
+    grid_point_of(point, objects, id);
     float lower = level->lower.s[axis], per_cell = level->per_cell.s[axis];
     cl_int cells = level->cells.s[axis];
     if (objects->origin > 0.0f)
-        return grid_cell_along((float)(centre[axis] - grid_corner(level, objects->origin, axis)), 0,
+        return grid_cell_along((float)(point[axis] - grid_corner(level, objects->origin, axis)), 0,
                                per_cell, cells);
-    return grid_cell_along((float)centre[axis], lower, per_cell, cells);
+    return grid_cell_along((float)point[axis], lower, per_cell, cells);
 }
 
 uint32_t grid_row_of(const grid *g, const grid_objects *objects, uint32_t id)
@@ -317,7 +333,7 @@ bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const gri
     size_classes classes;
     classify(&classes, needs);
     if (wish->uniform || wish->edge > 0.0 || classes.n == 0) {
-        classes.at[0] = (size_class){objects->n, fmax(wish->edge, needs->widest * devices_widen)};
+        classes.at[0] = (size_class){objects->n, fmax(wish->edge, widest_bounds(needs) * devices_widen)};
         classes.n = 1;
     } else {
         double volume = 1.0;

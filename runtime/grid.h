@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
 // The grid's geometry: where it lies, its levels, their cells.
 //
+// An object belongs to the cell of its point: a pose's centre, or the lower corner
+// of bounds. Both are numbers of the input, so that nothing is rounded on the way.
 // Two objects of one level meet in neighbouring cells only if neither is wider
 // than a cell. A dense grid has an entry for every cell, level after level. A
 // hashed one scatters the cells of all levels over a table of about two
 // entries an object, so that worlds of any size take memory for the objects
 // alone. Objects outside a dense grid count to its border cells.
 //
-// Dense cell coordinates are computed in float, which can misplace a centre by
-// u * cells (u = 2^-24) twice over: the edge is wider than the widest object by
-// the margin 2^-16 + cells * 2^-21, and an axis has at most 65 536 cells.
-// Hashed ones are computed in double, and an axis has at most 2^30 cells.
+// Dense cell coordinates are computed in float, which can misplace a point by
+// u * cells (u = 2^-24) three times over: the edge is wider than the widest object
+// by the margin 2^-16 + cells * 2^-21, and an axis has at most 65 536 cells.
+// Hashed ones are computed in double, and an axis has at most 2^30 cells. No edge
+// is below 2^-125, so that 1 / edge is a float. docs/accuracy.md has the proof.
 #ifndef RUNTIME_GRID_H
 #define RUNTIME_GRID_H
 
@@ -43,11 +46,12 @@ enum { GRID_OCTAVES = 300 };
 
 // What the objects need. Bad ones are not counted.
 typedef struct grid_needs {
-    double lower[3]; // of the centres
+    double lower[3]; // of the points that decide cells
     double upper[3];
-    double widest;      // the largest extent of any object's bounds
+    double widest;      // the largest extent of any object
     uint32_t widest_id; // whose it is
-    // By octave of the extent: how many objects, and the largest extent.
+    // By octave of the extent of the bounds that devices compute, which are wider
+    // by their rounding: how many objects, and the largest extent.
     uint32_t octave_n[GRID_OCTAVES];
     double octave_widest[GRID_OCTAVES];
 } grid_needs;
@@ -73,7 +77,8 @@ const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pos
 
 void grid_needs_of(grid_needs *needs, const grid_objects *objects);
 
-// The centre that decides an object's cell; z is 0 in 2D.
+// The point that decides an object's cell, and its centre; z is 0 in 2D.
+void grid_point_of(double point[3], const grid_objects *objects, uint32_t id);
 void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id);
 
 // Where a level begins along an axis.

@@ -32,19 +32,21 @@ static uint32_t octave_of(double extent)
     return (uint32_t)(exponent + GRID_OCTAVES / 2);
 }
 
-static void add(grid_needs *needs, const double centre[3], double widest, uint32_t id)
+static void add(grid_needs *needs, const double point[3], double widest, double rounding,
+                uint32_t id)
 {
     for (int k = 0; k < 3; ++k) {
-        needs->lower[k] = lesser(needs->lower[k], centre[k]);
-        needs->upper[k] = greater(needs->upper[k], centre[k]);
+        needs->lower[k] = lesser(needs->lower[k], point[k]);
+        needs->upper[k] = greater(needs->upper[k], point[k]);
     }
     if (widest > needs->widest) {
         needs->widest = widest;
         needs->widest_id = id;
     }
-    uint32_t octave = octave_of(widest);
+    double in_float = widest + rounding;
+    uint32_t octave = octave_of(in_float);
     ++needs->octave_n[octave];
-    needs->octave_widest[octave] = greater(needs->octave_widest[octave], widest);
+    needs->octave_widest[octave] = greater(needs->octave_widest[octave], in_float);
 }
 
 // The widest extent of the rotated box: rows of |M(q)| / |q|^2 times the half
@@ -102,13 +104,23 @@ const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pos
     return room;
 }
 
-static inline void find_centre(double centre[3], const grid_objects *objects, uint32_t id)
+// What the rounding of a device's bounds adds to an extent (kernels/object.clh,
+// object_extent): on either side three roundings of a corner and 2^-23 of it.
+static inline double rounding_of_pose(const duet_pose *p, const grid_objects *objects)
 {
-    centre[2] = 0.0;
+    double farthest = 0.0;
+    for (uint32_t k = 0; k < objects->dims; ++k)
+        farthest = greater(farthest, fabs((double)p->centre[k]));
+    return 0x1.8p-21 * farthest + 0x1p-23 * (double)objects->origin + 0x1p-123;
+}
+
+static inline void find_point(double point[3], const grid_objects *objects, uint32_t id)
+{
+    point[2] = 0.0;
     if (objects->shape == DUET_SHAPE_BOUNDS) {
         const duet_bounds *b = &((const duet_bounds *)objects->rows)[id];
         for (uint32_t k = 0; k < objects->dims; ++k)
-            centre[k] = 0.5 * ((double)b->lower[k] + (double)b->upper[k]);
+            point[k] = (double)b->lower[k];
         return;
     }
     double corner[3];
@@ -116,20 +128,33 @@ static inline void find_centre(double centre[3], const grid_objects *objects, ui
     const duet_pose *p = grid_pose_of(objects, id, &room);
     origin_corner(corner, objects->rows, objects->origin, id);
     for (uint32_t k = 0; k < objects->dims; ++k)
-        centre[k] = corner[k] + (double)p->centre[k];
+        point[k] = corner[k] + (double)p->centre[k];
+}
+
+void grid_point_of(double point[3], const grid_objects *objects, uint32_t id)
+{
+    find_point(point, objects, id);
 }
 
 void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)
 {
-    find_centre(centre, objects, id);
+    find_point(centre, objects, id);
+    if (objects->shape != DUET_SHAPE_BOUNDS)
+        return;
+    const duet_bounds *b = &((const duet_bounds *)objects->rows)[id];
+    for (uint32_t k = 0; k < objects->dims; ++k)
+        centre[k] = 0.5 * (centre[k] + (double)b->upper[k]);
 }
 
-static double widest_of(const grid_objects *objects, uint32_t id)
+static double widest_of(const grid_objects *objects, uint32_t id, double *rounding)
 {
     duet_pose room;
-    return objects->shape == DUET_SHAPE_POSES
-               ? widest_of_pose(grid_pose_of(objects, id, &room), objects->dims)
-               : widest_of_bounds(&((const duet_bounds *)objects->rows)[id], objects->dims);
+    *rounding = 0.0;
+    if (objects->shape == DUET_SHAPE_BOUNDS)
+        return widest_of_bounds(&((const duet_bounds *)objects->rows)[id], objects->dims);
+    const duet_pose *pose = grid_pose_of(objects, id, &room);
+    *rounding = rounding_of_pose(pose, objects);
+    return widest_of_pose(pose, objects->dims);
 }
 
 void grid_needs_of(grid_needs *needs, const grid_objects *objects)
@@ -140,10 +165,11 @@ void grid_needs_of(grid_needs *needs, const grid_objects *objects)
         needs->upper[k] = -INFINITY;
     }
     for (uint32_t id = 0; id < objects->n; ++id) {
-        double centre[3] = {0};
-        find_centre(centre, objects, id);
-        double widest = widest_of(objects, id);
-        if (isfinite(centre[0] + centre[1] + centre[2] + widest) && widest >= 0.0)
-            add(needs, centre, widest, id);
+        double point[3] = {0};
+        find_point(point, objects, id);
+        double rounding;
+        double widest = widest_of(objects, id, &rounding);
+        if (isfinite(point[0] + point[1] + point[2] + widest) && widest >= 0.0)
+            add(needs, point, widest, rounding, id);
     }
 }

@@ -2,7 +2,6 @@
 #define _GNU_SOURCE // sched_getaffinity
 #include "runtime/pack.h"
 
-#include <math.h>
 #include <sched.h>
 #include <string.h>
 
@@ -104,21 +103,19 @@ void pack_close(pack *p)
 
 // ---------------------------------------------------------------- rows
 
-static float centre_of_pose(const void *objects, uint32_t id, int axis)
+static float point_of_pose(const void *objects, uint32_t id, int axis)
 {
     return ((const duet_pose *)objects)[id].centre[axis];
 }
 
-// As kernels/object.clh has it, to the bit.
-static float centre_of_bounds(const void *objects, uint32_t id, int axis)
+static float point_of_bounds(const void *objects, uint32_t id, int axis)
 {
-    const duet_bounds *b = &((const duet_bounds *)objects)[id];
-    return fmaf(b->lower[axis], 0.5f, b->upper[axis] * 0.5f);
+    return ((const duet_bounds *)objects)[id].lower[axis];
 }
 
 // The cells of n objects along one axis; what is called is inlined, so that a
 // block takes as long as reading it.
-static inline void find_cells(uint32_t *cells, float (*centre_of)(const void *, uint32_t, int),
+static inline void find_cells(uint32_t *cells, float (*point_of)(const void *, uint32_t, int),
                               const part_task *task, uint32_t first, uint32_t n, int axis)
 {
     const grid_level *level = &task->grid.levels[0];
@@ -127,15 +124,15 @@ static inline void find_cells(uint32_t *cells, float (*centre_of)(const void *, 
     cl_int along = level->cells.s[axis];
     for (uint32_t k = 0; k < n; ++k)
         cells[k] =
-            grid_cell_along(centre_of(task->objects, first + k, axis), lower, per_cell, along);
+            grid_cell_along(point_of(task->objects, first + k, axis), lower, per_cell, along);
 }
 
 static void find_along(uint32_t *cells, const part_task *task, uint32_t first, uint32_t n, int axis)
 {
     if (task->shape == DUET_SHAPE_POSES)
-        find_cells(cells, centre_of_pose, task, first, n, axis);
+        find_cells(cells, point_of_pose, task, first, n, axis);
     else
-        find_cells(cells, centre_of_bounds, task, first, n, axis);
+        find_cells(cells, point_of_bounds, task, first, n, axis);
 }
 
 static void find_rows(uint32_t rows[BLOCK], const part_task *task, uint32_t first, uint32_t n)

@@ -200,23 +200,25 @@ typedef struct {
     uint left, right;
 } row;
 
-static inline void set_centre(const sorted *in, uint place, coord centre[3])
+// The point that decides an object's cell.
+static inline void set_point(const sorted *in, uint place, coord point[3])
 {
 #if ORIGIN
     float4 at = in->boxes[BOX_QUADS * (size_t)place];
     int4 cell = as_int4(in->boxes[BOX_QUADS * (size_t)place + 3]);
     const float offset[3] = {at.x, at.y, at.z};
     const int origin[3] = {cell.x, cell.y, cell.z};
-    coords_of(offset, origin, in->levels, centre);
+    coords_of(offset, origin, in->levels, point);
 #elif SHAPE == SHAPE_POSES
     float4 at = in->boxes[BOX_QUADS * (size_t)place];
-    centre[0] = at.x;
-    centre[1] = at.y;
-    centre[2] = at.z;
+    point[0] = at.x;
+    point[1] = at.y;
+    point[2] = at.z;
 #else
-    float4 lower = in->bounds[2 * (size_t)place], upper = in->bounds[2 * (size_t)place + 1];
-    object o = {{lower.x, lower.y, lower.z}, {upper.x, upper.y, upper.z}};
-    object_centre(&o, centre);
+    float4 at = in->bounds[2 * (size_t)place];
+    point[0] = at.x;
+    point[1] = at.y;
+    point[2] = at.z;
 #endif
 }
 
@@ -227,10 +229,10 @@ static inline bool is_in(const sorted *in, uint place, float4 upper, const row *
 #if GRID == GRID_HASHED
     if (as_uint(upper.w) != cells->level)
         return false;
-    coord centre[3];
+    coord point[3];
     uint cell[3];
-    set_centre(in, place, centre);
-    cell_of(centre, in->levels + cells->level, cell);
+    set_point(in, place, point);
+    cell_of(point, in->levels + cells->level, cell);
     return cell[0] >= cells->left && cell[0] <= cells->right && cell[1] == cells->y && cell[2] == cells->z;
 #else
     return true;
@@ -293,10 +295,10 @@ static inline void search_own_row(pair_sink *sink, const sorted *in, const seeke
 static inline void search_level(pair_sink *sink, const sorted *in, const seeker *me, uint level)
 {
     __constant const grid_level *grid = in->levels + level;
-    coord centre[3];
+    coord point[3];
     uint cell[3];
-    set_centre(in, me->place, centre);
-    cell_of(centre, grid, cell);
+    set_point(in, me->place, point);
+    cell_of(point, grid, cell);
     uint x = cell[0], y = cell[1], z = cell[2];
     int4 n = cells_of(grid);
     uint nx = (uint)n.x, ny = (uint)n.y, nz = (uint)n.z;
@@ -305,45 +307,45 @@ static inline void search_level(pair_sink *sink, const sorted *in, const seeker 
     row cells = {level, y, z, x, right};
     search_own_row(sink, in, me, &cells);
     cells.left = left;
-#line 282 "kernels/candidates_rows.cl.in"
+#line 284 "kernels/candidates_rows.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
         cells.z = 0;
         search_row(sink, in, me, &cells);
     }
-#line 288 "kernels/candidates_rows.cl.in"
+#line 290 "kernels/candidates_rows.cl.in"
 #else
     // All look-ups are under way before the first range is searched.
     uint key = row_key(y, z, grid, level) - in->key_from;
     uint from_0 = me->place + 1, to_0 = in->starts[key + right + 1];
-#line 294 "kernels/candidates_rows.cl.in"
+#line 296 "kernels/candidates_rows.cl.in"
     uint from_1 = 0, to_1 = 0;
     if (y + 1 < ny) {
         key = row_key(y + 1, 0, grid, level) - in->key_from;
         from_1 = in->starts[key + left];
         to_1 = in->starts[key + right + 1];
     }
-#line 301 "kernels/candidates_rows.cl.in"
+#line 303 "kernels/candidates_rows.cl.in"
 #if JOINED
     // One loop over all ranges: lanes that run in step wait for the longest sum,
     // not for the longest of each.
     uint shift_0 = from_0, end_0 = to_0 - from_0;
-#line 306 "kernels/candidates_rows.cl.in"
-    uint shift_1 = from_1 - end_0, end_1 = end_0 + to_1 - from_1;
 #line 308 "kernels/candidates_rows.cl.in"
+    uint shift_1 = from_1 - end_0, end_1 = end_0 + to_1 - from_1;
+#line 310 "kernels/candidates_rows.cl.in"
     for (uint k = 0; k < end_1; ++k) {
         uint shift = shift_0;
-#line 311 "kernels/candidates_rows.cl.in"
-        shift = k >= end_0 ? shift_1 : shift;
 #line 313 "kernels/candidates_rows.cl.in"
+        shift = k >= end_0 ? shift_1 : shift;
+#line 315 "kernels/candidates_rows.cl.in"
         search_range(sink, in, me, 0, k + shift, k + shift + 1);
     }
 #else
-#line 317 "kernels/candidates_rows.cl.in"
-    search_range(sink, in, me, 0, from_0, to_0);
-#line 317 "kernels/candidates_rows.cl.in"
-    search_range(sink, in, me, 0, from_1, to_1);
 #line 319 "kernels/candidates_rows.cl.in"
+    search_range(sink, in, me, 0, from_0, to_0);
+#line 319 "kernels/candidates_rows.cl.in"
+    search_range(sink, in, me, 0, from_1, to_1);
+#line 321 "kernels/candidates_rows.cl.in"
 #endif
 #endif
 }
@@ -364,27 +366,18 @@ static inline void set_corners(const sorted *in, const seeker *me, coord lower[3
 #endif
 }
 
-static inline uint cell_beyond(coord at, float by, float lower, float per_cell, int cells)
-{
-    return cell_along(at + by, lower, per_cell, cells);
-}
-
-// Objects of a coarser level reach at most half a limit beyond their centre, so
-// all that could meet this one lie in the cells that it covers, widened by that.
 static inline void search_coarser(pair_sink *sink, const sorted *in, const seeker *me, uint level)
 {
     __constant const grid_level *grid = in->levels + level;
     row cells = {level, 0, 0, 0, 0};
     coord lower[3], upper[3];
     set_corners(in, me, lower, upper);
-    cells.left = cell_beyond(lower[0], -0.5f * grid->limit.x, LOWER(grid, x), grid->per_cell.x, grid->cells.x);
-    cells.right = cell_beyond(upper[0], 0.5f * grid->limit.x, LOWER(grid, x), grid->per_cell.x, grid->cells.x);
-    uint y_from = cell_beyond(lower[1], -0.5f * grid->limit.y, LOWER(grid, y), grid->per_cell.y, grid->cells.y);
-    uint y_to = cell_beyond(upper[1], 0.5f * grid->limit.y, LOWER(grid, y), grid->per_cell.y, grid->cells.y);
-    uint z_from = 0, z_to = 0;
+    uint y_from, y_to, z_from = 0, z_to = 0;
+    cells_along(lower[0], upper[0], grid->limit.x, LOWER(grid, x), grid->per_cell.x, grid->cells.x, &cells.left,
+                &cells.right);
+    cells_along(lower[1], upper[1], grid->limit.y, LOWER(grid, y), grid->per_cell.y, grid->cells.y, &y_from, &y_to);
 #if DIMS == 3
-    z_from = cell_beyond(lower[2], -0.5f * grid->limit.z, LOWER(grid, z), grid->per_cell.z, grid->cells.z);
-    z_to = cell_beyond(upper[2], 0.5f * grid->limit.z, LOWER(grid, z), grid->per_cell.z, grid->cells.z);
+    cells_along(lower[2], upper[2], grid->limit.z, LOWER(grid, z), grid->per_cell.z, grid->cells.z, &z_from, &z_to);
 #endif
     for (cells.z = z_from; cells.z <= z_to; ++cells.z)
         for (cells.y = y_from; cells.y <= y_to; ++cells.y)
@@ -413,9 +406,9 @@ static inline uint entry_begin(const sorted *in, uint place, uint end)
     if (place >= end)
         return end;
     uint level = as_uint(in->bounds[BOUNDS_QUADS * (size_t)place + 1].w);
-    coord centre[3];
-    set_centre(in, place, centre);
-    return in->starts[key_in(centre, in->levels + level, level, in->n_cells) - in->key_from];
+    coord point[3];
+    set_point(in, place, point);
+    return in->starts[key_in(point, in->levels + level, level, in->n_cells) - in->key_from];
 }
 
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void

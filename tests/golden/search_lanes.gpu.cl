@@ -132,8 +132,8 @@ static inline void give_away_eights(search *s)
 
 // ------------------------------------------------------------ candidates
 
-// An object's centre, in every lane.
-static inline void set_centre(const sorted *in, uint place, coord centre[3])
+// The point that decides an object's cell, in every lane.
+static inline void set_point(const sorted *in, uint place, coord point[3])
 {
 #if ORIGIN
     __global const float *box = in->boxes + (size_t)place * BOX_WORDS;
@@ -143,18 +143,14 @@ static inline void set_centre(const sorted *in, uint place, coord centre[3])
         offset[k] = ALL(k < DIMS ? box[k] : 0.0f);
         cell[k] = (whole)(k < DIMS ? as_int(box[CELL_WORD + k]) : 0);
     }
-    coords_of(offset, cell, in->levels, centre);
+    coords_of(offset, cell, in->levels, point);
 #elif SHAPE == SHAPE_POSES
     __global const float *box = in->boxes + (size_t)place * BOX_WORDS;
     for (int k = 0; k < 3; ++k)
-        centre[k] = ALL(k < DIMS ? box[k] : 0.0f);
+        point[k] = ALL(k < DIMS ? box[k] : 0.0f);
 #else
-    object o;
-    for (int k = 0; k < 3; ++k) {
-        o.lower[k] = ALL(k < DIMS ? in->bounds[k * in->column + place] : 0.0f);
-        o.upper[k] = ALL(k < DIMS ? in->bounds[(DIMS + k) * in->column + place] : 0.0f);
-    }
-    object_centre(&o, centre);
+    for (int k = 0; k < 3; ++k)
+        point[k] = ALL(k < DIMS ? in->bounds[k * in->column + place] : 0.0f);
 #endif
 }
 
@@ -165,10 +161,10 @@ static inline bool is_in(const sorted *in, uint place, const ranges *r, uint ran
     const row *cells = r->cells + range;
     if (in->where[place] != cells->level)
         return false;
-    coord centre[3];
+    coord point[3];
     word cell[3];
-    set_centre(in, place, centre);
-    cell_of(centre, in->levels + cells->level, cell);
+    set_point(in, place, point);
+    cell_of(point, in->levels + cells->level, cell);
     uint x = cell[0].s0;
     return x >= cells->left && x <= cells->right && cell[1].s0 == cells->y && cell[2].s0 == cells->z;
 #else
@@ -276,15 +272,15 @@ static inline void search_around(search *s, const sorted *in, const seeker *me)
     r.from[0] = me->place + 1;
     r.to[0] = in->starts[entry + 2];
     const uint y = 0, z = 0; // relative to the own cell
-#line 255 "kernels/search_lanes.cl.in"
+#line 251 "kernels/search_lanes.cl.in"
     set_range(in, &r, 1, entry + ((z) * ny + (y + 1)) * nx);
-#line 255 "kernels/search_lanes.cl.in"
+#line 251 "kernels/search_lanes.cl.in"
     set_range(in, &r, 2, entry + ((z + 1) * ny + (y - 1)) * nx);
-#line 255 "kernels/search_lanes.cl.in"
+#line 251 "kernels/search_lanes.cl.in"
     set_range(in, &r, 3, entry + ((z + 1) * ny + (y)) * nx);
-#line 255 "kernels/search_lanes.cl.in"
+#line 251 "kernels/search_lanes.cl.in"
     set_range(in, &r, 4, entry + ((z + 1) * ny + (y + 1)) * nx);
-#line 257 "kernels/search_lanes.cl.in"
+#line 253 "kernels/search_lanes.cl.in"
     search_ranges(s, in, me, &r);
 }
 
@@ -293,9 +289,9 @@ static inline void search_around(search *s, const sorted *in, const seeker *me)
 static inline uint entry_of(const sorted *in, uint place)
 {
     uint level = in->where[place];
-    coord centre[3];
-    set_centre(in, place, centre);
-    return key_in(centre, in->levels + level, level, in->n_cells).s0 - in->key_from;
+    coord point[3];
+    set_point(in, place, point);
+    return key_in(point, in->levels + level, level, in->n_cells).s0 - in->key_from;
 }
 
 static inline void add_range(search *s, const sorted *in, const seeker *me, ranges *r, const row *cells, uint from,
@@ -354,52 +350,43 @@ static inline void add_own_row(search *s, const sorted *in, const seeker *me, ra
 static inline void add_level(search *s, const sorted *in, const seeker *me, ranges *r, uint level)
 {
     __constant const grid_level *grid = in->levels + level;
-    coord centre[3];
+    coord point[3];
     word cell[3];
-    set_centre(in, me->place, centre);
-    cell_of(centre, grid, cell);
+    set_point(in, me->place, point);
+    cell_of(point, grid, cell);
     uint x = cell[0].s0, y = cell[1].s0, z = cell[2].s0;
     uint nx = (uint)grid->cells.x, ny = (uint)grid->cells.y, nz = (uint)grid->cells.z;
     row cells = {level, y, z, x, x + 1 < nx ? x + 1 : x};
     add_own_row(s, in, me, r, &cells);
     cells.left = x > 0 ? x - 1 : 0;
-#line 336 "kernels/search_lanes.cl.in"
+#line 332 "kernels/search_lanes.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
         cells.z = z;
         add_row(s, in, me, r, &cells);
     }
-#line 336 "kernels/search_lanes.cl.in"
+#line 332 "kernels/search_lanes.cl.in"
     if (y > 0 && z + 1 < nz) {
         cells.y = y - 1;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 336 "kernels/search_lanes.cl.in"
+#line 332 "kernels/search_lanes.cl.in"
     if (z + 1 < nz) {
         cells.y = y;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 336 "kernels/search_lanes.cl.in"
+#line 332 "kernels/search_lanes.cl.in"
     if (y + 1 < ny && z + 1 < nz) {
         cells.y = y + 1;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 342 "kernels/search_lanes.cl.in"
+#line 338 "kernels/search_lanes.cl.in"
 }
 
 #if LEVELS
-
-// Objects of a coarser level reach at most half a limit beyond their centre, so
-// all that could meet this one lie in the cells that it covers, widened by that.
-static inline void cells_along(coord lower, coord upper, float limit, float from, float per_cell, int n, uint *first,
-                               uint *last)
-{
-    *first = cell_along(lower - 0.5f * limit, from, per_cell, n).s0;
-    *last = cell_along(upper + 0.5f * limit, from, per_cell, n).s0;
-}
 
 static inline void set_corners(const sorted *in, const seeker *me, coord lower[3], coord upper[3])
 {
