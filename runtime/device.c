@@ -6,6 +6,7 @@
 #include "runtime/base/text.h"
 #include "runtime/device_info.h"
 #include "runtime/device_list.h"
+#include "runtime/driver_copy.h"
 
 #include <assert.h>
 #include <ctype.h>
@@ -163,6 +164,8 @@ bool device_open(device *d, const char *selector, duet_error *err)
     *d = (device){0};
     if (choose_id(d, selector, err) && make_queues(d, err)) {
         d->built = shelf_open();
+        d->copy = driver_copy_take(&d->info);
+        d->opened = true;
         return true;
     }
     device_close(d);
@@ -206,5 +209,7 @@ void device_close(device *d)
         clReleaseDevice(d->id);
         device_object_gone();
     }
+    if (d->opened)
+        driver_copy_return(&d->info, d->copy);
     *d = (device){0};
 }

@@ -19,6 +19,8 @@ typedef struct device {
     cl_command_queue beside; // the same, for what is sent while kernels run
     duet_device_info info;
     bool owns_part; // id is a part that we cut off
+    bool opened;    // has a copy
+    uint32_t copy;  // of its programs (runtime/driver_copy.h)
     shelf *built;
 } device;
 

@@ -8,9 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Contraction is off in the kernels' text; nothing here may loosen it.
-static const char build_options[] = "-cl-std=CL1.2";
-
 enum { MAX_ENTRIES = 4 };
 
 typedef struct program {
@@ -29,8 +26,18 @@ struct program_set {
     gen *gen;
     const char *cache_dir;
     gen_limits limits;
+    char build_options[48];
     program *first;
 };
+
+// Contraction is off in the kernels' text; nothing here may loosen it.
+static void set_build_options(program_set *set)
+{
+    int n = snprintf(set->build_options, sizeof set->build_options, "-cl-std=CL1.2");
+    if (set->device->copy > 0) // no kernel reads it
+        snprintf(set->build_options + n, sizeof set->build_options - (size_t)n,
+                 " -D DUET_COPY=%u", set->device->copy);
+}
 
 gen_limits program_limits(const duet_device_info *info)
 {
@@ -53,6 +60,7 @@ program_set *program_set_open(const device *d, gen *g, const char *cache_dir, du
     set->gen = g;
     set->cache_dir = cache_dir;
     set->limits = program_limits(&d->info);
+    set_build_options(set);
     return set;
 }
 
@@ -120,7 +128,7 @@ static bool build_source(const program_set *set, program *p, const gen_variant *
     if (!p->cl)
         return error_set_cl(err, code, "%s on %s", variant->name, set->device->info.selector);
     device_object_made();
-    code = clBuildProgram(p->cl, 1, &set->device->id, build_options, NULL, NULL);
+    code = clBuildProgram(p->cl, 1, &set->device->id, set->build_options, NULL, NULL);
     return code == CL_SUCCESS || fail_with_log(set, p->cl, variant->name, err);
 }
 
@@ -135,7 +143,7 @@ static bool build_binary(const program_set *set, program *p, const text *binary)
     if (!cl)
         return false;
     if (status != CL_SUCCESS ||
-        clBuildProgram(cl, 1, &set->device->id, build_options, NULL, NULL) != CL_SUCCESS) {
+        clBuildProgram(cl, 1, &set->device->id, set->build_options, NULL, NULL) != CL_SUCCESS) {
         clReleaseProgram(cl);
         return false;
     }
@@ -168,7 +176,7 @@ static bool build(const program_set *set, program *p, const gen_variant *variant
     if (!set->cache_dir)
         return build_source(set, p, variant, err);
     char key[65];
-    cache_key(variant->text, build_options, &set->device->info, key);
+    cache_key(variant->text, set->build_options, &set->device->info, key);
     if (build_kept(set, p, key))
         return true;
     if (!build_source(set, p, variant, err))

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// Copies of programs for drivers that mix up equal ones.
+//
+// PoCL before 6.0 keeps loaded kernels of all contexts in one list. When a launch
+// ends it looks its kernel up there by the program's hash and the group's size
+// alone, although entries also differ by the launch's width and offset. Two
+// devices that launch one program over different ranges at once then release
+// each other's entries: the driver aborts, or unloads a kernel that still runs.
+// So no two open devices of such a driver have programs of one hash: the second
+// builds them with another definition. One device never has two launches under
+// way, because its queue runs them in order.
+#ifndef RUNTIME_DRIVER_COPY_H
+#define RUNTIME_DRIVER_COPY_H
+
+#include "runtime/duet.h"
+
+// Which copy of all programs an opened device builds: the least that no other
+// open device has, 0 first; always 0 where the driver needs none. To be given
+// back when the device closes.
+uint32_t driver_copy_take(const duet_device_info *info);
+void driver_copy_return(const duet_device_info *info, uint32_t copy);
+
+#endif
