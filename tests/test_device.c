@@ -4,6 +4,8 @@
 
 #include "runtime/device_list.h"
 #include "runtime/device_pair.h"
+#include "runtime/driver_copy.h"
+#include "runtime/program.h"
 
 #include <pthread.h>
 #include <stdio.h>
@@ -236,6 +238,74 @@ static void threads_may_open_pairs_together(void **state)
     }
 }
 
+// ------------------------------------------------------------ copies of programs
+
+static void a_driver_that_mixes_up_programs_gets_a_copy_a_device(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *platform, *driver;
+        bool mixes;
+    } cases[] = {
+        {"Portable Computing Language", "3.1+debian", true},
+        {"Portable Computing Language", "5.0+debian", true},
+        {"Portable Computing Language", "6.0+debian", false},
+        {"Portable Computing Language", "10.1", false},
+        {"NVIDIA CUDA", "3.1", false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        duet_device_info info = {0};
+        strcpy(info.platform, cases[i].platform);
+        strcpy(info.driver, cases[i].driver);
+        uint32_t first = driver_copy_take(&info), second = driver_copy_take(&info);
+        assert_int_equal(first, 0);
+        assert_int_equal(second, cases[i].mixes ? 1 : 0);
+        driver_copy_return(&info, first);
+        assert_int_equal(driver_copy_take(&info), 0);
+        driver_copy_return(&info, 0);
+        driver_copy_return(&info, second);
+    }
+}
+
+static void read_build_options(const char *selector, char options[128])
+{
+    duet_error err = {0};
+    gen *g = gen_open(NULL, &err);
+    device d;
+    assert_ok(g && device_open(&d, selector, &err), err);
+    program_set *set = program_set_open(&d, g, NULL, &err);
+    kernel *k = program_set_kernel(set, "clear", "clear", NULL, 0, &err);
+    assert_ok(k != NULL, err);
+    cl_program program = NULL;
+    clGetKernelInfo(k->cl, CL_KERNEL_PROGRAM, sizeof program, &program, NULL);
+    assert_int_equal(clGetProgramBuildInfo(program, d.id, CL_PROGRAM_BUILD_OPTIONS, 128, options,
+                                           NULL),
+                     CL_SUCCESS);
+    program_set_close(set);
+    device_close(&d);
+    gen_close(g);
+}
+
+static void no_two_open_devices_build_programs_of_one_hash_where_that_matters(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    const duet_device_info *cpu = cuttable_cpu();
+    duet_device_pair *pair = open_pair(cpu->selector, cpu->selector, &err);
+    assert_ok(pair != NULL, err);
+    char options[3][128];
+    read_build_options(cpu->selector, options[0]); // while two others are open
+    duet_device_pair_close(pair);
+    read_build_options(cpu->selector, options[1]);
+    read_build_options(cpu->selector, options[2]);
+    assert_string_equal(options[1], options[2]);
+    bool mixes = strncmp(cpu->selector, "pocl", 4) == 0 && strtol(cpu->driver, NULL, 10) < 6;
+    if (mixes)
+        assert_string_not_equal(options[0], options[1]);
+    else
+        assert_string_equal(options[0], options[1]);
+}
+
 int main(void)
 {
 #define FACT(name) cmocka_unit_test_teardown(name, no_object_is_left)
@@ -252,6 +322,8 @@ int main(void)
         FACT(a_failed_second_device_gives_the_first_back),
         FACT(half_a_pair_and_a_def_without_defaults_are_refused),
         FACT(folders_come_from_the_environment_and_are_copied),
+        FACT(a_driver_that_mixes_up_programs_gets_a_copy_a_device),
+        FACT(no_two_open_devices_build_programs_of_one_hash_where_that_matters),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
