@@ -9,6 +9,7 @@
 #include "profiles/keys.h"
 #include "profiles/sql.h"
 #include "runtime/base/blob.h"
+#include "runtime/base/output.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -75,37 +76,34 @@ static bool send_lines(store *s, line_sink *sink, void *context, duet_error *err
     return sql_script(s, "COMMIT", ok ? err : NULL) && ok;
 }
 
+typedef struct writing {
+    FILE *out;
+    const char *name; // of the file, for messages
+} writing;
+
+static bool write_failed(const writing *w, duet_error *err)
+{
+    return error_set(err, DUET_IO_FAILED, "%s: cannot be written: %s", w->name, strerror(errno));
+}
+
 static bool write_line(void *context, const char *line, duet_error *err)
 {
-    FILE *out = context;
-    return fprintf(out, "%s\n", line) > 0 ||
-           error_set(err, DUET_IO_FAILED, "the export cannot be written: %s", strerror(errno));
+    const writing *w = context;
+    return fprintf(w->out, "%s\n", line) > 0 || write_failed(w, err);
 }
 
-bool profile_export(store *s, FILE *out, duet_error *err)
+bool profile_export(store *s, FILE *out, const char *name, duet_error *err)
 {
-    if (!send_lines(s, write_line, out, err))
-        return false;
-    return fflush(out) == 0 ||
-           error_set(err, DUET_IO_FAILED, "the export cannot be written: %s", strerror(errno));
+    writing w = {out, name};
+    return send_lines(s, write_line, &w, err) && store_check_read(s, err) &&
+           (fflush(out) == 0 || write_failed(&w, err));
 }
 
-// Beside its place and renamed there, so that no one ever sees half of it.
 bool profile_export_file(store *s, const char *path, duet_error *err)
 {
-    text beside = {0};
-    text_add(&beside, "%s.part", path);
-    FILE *out = text_ok(&beside, err) ? fopen(text_chars(&beside), "w") : NULL;
-    bool ok = out && profile_export(s, out, err);
-    bool closed = !out || fclose(out) == 0;
-    ok = ok && closed && rename(text_chars(&beside), path) == 0;
-    if (!ok) {
-        error_set(err, DUET_IO_FAILED, "%s: cannot be written: %s", path, strerror(errno));
-        if (out)
-            remove(text_chars(&beside));
-    }
-    text_free(&beside);
-    return ok;
+    output o;
+    bool ok = output_open(&o, path, err) && profile_export(s, o.stream, path, err);
+    return output_close(&o, ok, err);
 }
 
 // ------------------------------------------------------------------------------ in
@@ -304,7 +302,8 @@ bool profile_merge(store *s, const char *other_path, profile_import_counts *coun
 import in = {.s = s, .name = other_path, .counts = counts };
     bool ok = store_begin(s, err);
     if (ok) {
-        ok = send_lines(other, take_line, &in, err) && finish(&in, "merge", err);
+        ok = send_lines(other, take_line, &in, err) && store_check_read(other, err) &&
+             finish(&in, "merge", err);
         ok = store_end(s, ok, err);
     }
     store_close(other);

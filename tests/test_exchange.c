@@ -47,7 +47,7 @@ static char *lines_of(store *s)
     size_t n = 0;
     duet_error err = {0};
     FILE *out = open_memstream(&lines, &n);
-    assert_ok(profile_export(s, out, &err), err);
+    assert_ok(profile_export(s, out, "an export", &err), err);
     fclose(out);
     return lines;
 }

@@ -243,7 +243,7 @@ int profiles_list(int argc, char **argv)
         return exit_code;
     duet_error err = {0};
     store *s = profiles_open(args.store, STORE_READ, &err);
-    bool ok = s && list(s, &args, &err);
+    bool ok = s && list(s, &args, &err) && store_check_read(s, &err);
     store_close(s);
     return ok ? EXIT_OK : say_failed(&err);
 }
@@ -407,7 +407,7 @@ int profiles_show(int argc, char **argv)
         return exit_code;
     duet_error err = {0};
     store *s = profiles_open(args.store, STORE_READ, &err);
-    bool ok = s && show(s, &args, operands[0], &err);
+    bool ok = s && show(s, &args, operands[0], &err) && store_check_read(s, &err);
     store_close(s);
     return ok ? EXIT_OK : say_failed(&err);
 }

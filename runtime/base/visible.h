@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// Text of strangers, from files, drivers and stores, made fit to be shown or
+// put into a document: no control character reaches a terminal, and nothing
+// that is not UTF-8 a file that promises it.
+#ifndef BASE_VISIBLE_H
+#define BASE_VISIBLE_H
+
+#include "runtime/base/text.h"
+
+// Bytes of the character at `at`, 1 to 4; 0 where there is no UTF-8 character.
+size_t utf8_length(const char *at);
+
+// Adds the bytes with control characters, and what is not UTF-8, as \x1b. Those
+// of `kept`, "\n" say, stay as they are.
+void visible_add(text *t, const char *chars, size_t n, const char *kept);
+
+// Adds the bytes with U+FFFD in place of each that belongs to no UTF-8 character.
+void visible_add_utf8(text *t, const char *chars, size_t n);
+
+#endif
