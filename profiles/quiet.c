@@ -53,14 +53,17 @@ bool quiet_has_side_file(const char *path)
     return has_side_file(path, "-wal") || has_side_file(path, "-journal");
 }
 
-void quiet_settle(const char *path)
+quiet quiet_wait(const char *path)
 {
     enum { WAIT_MS = 10, MAX_WAITS = SETTLED_NS / 1000000 / WAIT_MS + 1 };
+    quiet q = quiet_look(path);
     struct stat info;
-    for (int i = 0; i < MAX_WAITS && stat(path, &info) == 0 && !quiet_has_side_file(path) &&
-                    !quiet_look(path).holds;
-         ++i)
+    for (int i = 0;
+         !q.holds && i < MAX_WAITS && stat(path, &info) == 0 && !quiet_has_side_file(path); ++i) {
         nanosleep(&(struct timespec){.tv_nsec = WAIT_MS * 1000000}, NULL);
+        q = quiet_look(path);
+    }
+    return q;
 }
 
 bool quiet_unchanged(const char *path, const quiet *before)

@@ -18,8 +18,9 @@ quiet quiet_look(const char *path);
 // Whether it has rested since, so that what was read counts.
 bool quiet_still(const char *path, const quiet *before);
 
-// Waits for a file that was written a moment ago to count as one that rests.
-void quiet_settle(const char *path);
+// The same, but waits up to 60 ms for a file that was written a moment ago to
+// count as one that rests.
+quiet quiet_wait(const char *path);
 
 // Whether the file itself is as it was. What a writer has only in its side file
 // is no part of it.

@@ -136,8 +136,7 @@ static bool open_resting(store *s, int busy_ms, duet_error *err)
 // too; SQLite clears that away at the end where this user may write.
 static bool open_for_reading(store *s, duet_error *err)
 {
-    quiet_settle(s->file);
-    s->quiet = quiet_look(s->file);
+    s->quiet = quiet_wait(s->file);
     if (s->quiet.holds)
         return open_resting(s, BUSY_MS, err) && admit_store(s, err);
     return open_connection(s, SQLITE_OPEN_READWRITE, BUSY_MS, err) && admit_store(s, err) &&
@@ -146,7 +145,7 @@ static bool open_for_reading(store *s, duet_error *err)
 
 static bool open_for_look(store *s, duet_error *err)
 {
-    s->quiet = quiet_look(s->file);
+    s->quiet = quiet_wait(s->file);
     return (s->quiet.holds ? open_resting(s, LOOK_BUSY_MS, err)
                            : open_connection(s, SQLITE_OPEN_READONLY, LOOK_BUSY_MS, err)) &&
            admit_store(s, err);
