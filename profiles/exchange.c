@@ -10,8 +10,10 @@
 #include "profiles/sql.h"
 #include "runtime/base/blob.h"
 #include "runtime/base/output.h"
+#include "runtime/base/visible.h"
 
 #include <assert.h>
+#include <cjson/cJSON.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -23,12 +25,19 @@ typedef struct line_type {
     const char *name; // of its table too
     bool has_key;     // made from its other fields
     bool has_parts;   // rows of another table within the line
+    const char *objects[2]; // fields that are JSON objects, and kept as such
 } line_type;
 
 static const line_type types[] = {
-    {"device", true, false},   {"env", true, false},    {"pair", false, false},
-    {"workload", true, false}, {"price", false, false}, {"script", true, false},
-    {"session", false, false}, {"trial", false, true},  {"profile", false, false},
+    {"device", true, false, {NULL}},
+    {"env", true, false, {NULL}},
+    {"pair", false, false, {NULL}},
+    {"workload", true, false, {NULL}},
+    {"price", false, false, {NULL}},
+    {"script", true, false, {NULL}},
+    {"session", false, false, {"options", "search_state"}},
+    {"trial", false, true, {"terms"}},
+    {"profile", false, false, {"terms"}},
 };
 
 enum { N_TYPES = sizeof types / sizeof types[0] };
@@ -50,6 +59,18 @@ static void add_part(text *t, const line_type *type, const char *part)
 
 typedef bool line_sink(void *context, const char *line, duet_error *err);
 
+// A name in a store may be no UTF-8, which a line of JSON must be.
+static bool send_valid(const char *line, line_sink *sink, void *context, duet_error *err)
+{
+    if (utf8_is_valid(line))
+        return sink(context, line, err);
+    text valid = {0};
+    visible_add_utf8(&valid, line, strlen(line));
+    bool ok = text_ok(&valid, err) && sink(context, valid.chars, err);
+    text_free(&valid);
+    return ok;
+}
+
 static bool send_type(store *s, const line_type *type, line_sink *sink, void *context,
                       duet_error *err)
 {
@@ -58,7 +79,7 @@ static bool send_type(store *s, const line_type *type, line_sink *sink, void *co
     bool ok = text_ok(&query, err);
     sql q = sql_make(s, text_chars(&query), err);
     while (ok && sql_row(&q))
-        ok = sink(context, sql_get_text(&q, 0), err);
+        ok = send_valid(sql_get_text(&q, 0), sink, context, err);
     text_free(&query);
     return sql_close(&q) && ok;
 }
@@ -200,6 +221,28 @@ static bool check_fields(const import *in, const line_type *type, const char *li
     return ok && known;
 }
 
+// SQLite would take the text of a string for an object as well.
+static bool check_objects(const import *in, const line_type *type, const cJSON *row,
+                          duet_error *err)
+{
+    for (int i = 0; i < 2 && type->objects[i]; ++i) {
+        const cJSON *field = cJSON_GetObjectItemCaseSensitive(row, type->objects[i]);
+        if (field && !cJSON_IsNull(field) && !cJSON_IsObject(field))
+            return bad_line(in, err, "is not a JSON object: ", type->objects[i]);
+    }
+    return true;
+}
+
+// Two readers must agree on the line, so that what comes in can go out again.
+static bool check_json(const import *in, const line_type *type, const char *line, duet_error *err)
+{
+    cJSON *row = cJSON_ParseWithOpts(line, NULL, true);
+    bool ok = cJSON_IsObject(row) || bad_line(in, err, "is not a JSON object", "");
+    ok = ok && check_objects(in, type, row, err);
+    cJSON_Delete(row);
+    return ok;
+}
+
 // Runs a part of exchange.sql on the line; id is parameter 2, where it has one.
 static bool run(const import *in, const line_type *type, const char *part, const char *line,
                 int64_t id, duet_error *err)
@@ -245,9 +288,12 @@ static bool take_line(void *context, const char *line, duet_error *err)
     ++in->line;
     if (line[strspn(line, " \t\r\n")] == '\0')
         return true;
+    if (!utf8_is_valid(line))
+        return bad_line(in, err, "is not UTF-8", "");
     const line_type *type = NULL;
     return find_type(in, line, &type, err) &&
-           (!type || (check_fields(in, type, line, err) && take_row(in, type, line, err)));
+           (!type || (check_fields(in, type, line, err) && check_json(in, type, line, err) &&
+                      take_row(in, type, line, err)));
 }
 
 static bool take_file(import *in, FILE *file, duet_error *err)

@@ -39,6 +39,14 @@ size_t utf8_length(const char *at)
     return 0;
 }
 
+bool utf8_is_valid(const char *chars)
+{
+    size_t length = 1;
+    for (; *chars && length > 0; chars += length)
+        length = utf8_length(chars);
+    return length > 0;
+}
+
 // U+0000 to U+001F, U+007F and U+0080 to U+009F.
 static bool is_control(const char *at, size_t length)
 {

@@ -10,6 +10,8 @@
 // Bytes of the character at `at`, 1 to 4; 0 where there is no UTF-8 character.
 size_t utf8_length(const char *at);
 
+bool utf8_is_valid(const char *chars);
+
 // Adds the bytes with control characters, and what is not UTF-8, as \x1b. Those
 // of `kept`, "\n" say, stay as they are.
 void visible_add(text *t, const char *chars, size_t n, const char *kept);

@@ -2,20 +2,64 @@
 #include "tuner/cli/json.h"
 
 #include "runtime/base/error.h"
-#include "runtime/base/text.h"
+#include "runtime/base/visible.h"
 
 #include <stdio.h>
+#include <string.h>
 
 cJSON *json_read(const char *path, duet_error *err)
 {
     text chars = {0};
     if (!text_read_file(&chars, path, err))
         return NULL;
-    cJSON *o = cJSON_Parse(text_chars(&chars));
+    const char *end = NULL;
+    cJSON *o = cJSON_ParseWithOpts(text_chars(&chars), &end, true);
+    if (o && end != chars.chars + chars.length) { // a NUL, and what follows it
+        cJSON_Delete(o);
+        o = NULL;
+    }
     text_free(&chars);
     if (!o)
         error_set(err, DUET_BAD_INPUT, "%s: not JSON", path);
     return o;
+}
+
+// Beyond ASCII, and for DEL, there are only strings, where any character may be
+// written by its number.
+static void add_character(text *t, const char *at, size_t length)
+{
+    const unsigned char *u = (const unsigned char *)at;
+    if (length == 0)
+        text_add(t, "\xef\xbf\xbd");
+    else if (*u == 0x7f)
+        text_add(t, "\\u007f");
+    else if (*u == 0xc2 && u[1] < 0xa0)
+        text_add(t, "\\u00%02x", (unsigned)u[1]);
+    else
+        text_add_bytes(t, at, length);
+}
+
+bool json_write(const cJSON *o, text *t, duet_error *err)
+{
+    char *chars = cJSON_Print(o);
+    if (!chars)
+        return error_set(err, DUET_NO_MEMORY, "the JSON object: no memory");
+    for (const char *at = chars; *at;) {
+        size_t length = utf8_length(at);
+        add_character(t, at, length);
+        at += length > 0 ? length : 1;
+    }
+    cJSON_free(chars);
+    return text_ok(t, err);
+}
+
+void json_add_object(cJSON *o, const char *name, const char *chars)
+{
+    cJSON *object = chars ? cJSON_ParseWithOpts(chars, NULL, true) : NULL;
+    if (cJSON_IsObject(object))
+        cJSON_AddItemToObject(o, name, object);
+    else
+        cJSON_Delete(object);
 }
 
 bool json_require(const cJSON *o, const json_field *fields, const char *where, duet_error *err)

@@ -33,7 +33,7 @@ store *profiles_open(const char *path, store_access access, duet_error *err)
     store *s = ok ? store_open(path ? path : text_chars(&user), access, err) : NULL;
     text_free(&user);
     if (s && store_note(s))
-        fprintf(stderr, "duet: %s\n", store_note(s));
+        fprintf(stderr, "duet: %s\n", say_name(store_note(s)).chars);
     return s;
 }
 
@@ -220,7 +220,7 @@ static const command_line check_line = {
 static bool print_report(const arguments *args, const char *report, duet_error *err)
 {
     if (!args->json) {
-        fputs(*report ? report : "sound\n", stdout);
+        say_lines(*report ? report : "sound\n");
         return true;
     }
     cJSON *o = cJSON_CreateObject();
