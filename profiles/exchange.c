@@ -22,9 +22,9 @@
 
 // In the order in which they point at each other.
 typedef struct line_type {
-    const char *name; // of its table too
-    bool has_key;     // made from its other fields
-    bool has_parts;   // rows of another table within the line
+    const char *name;       // of its table too
+    bool has_key;           // made from its other fields
+    bool has_parts;         // rows of another table within the line
     const char *objects[2]; // fields that are JSON objects, and kept as such
 } line_type;
 
@@ -59,14 +59,12 @@ static void add_part(text *t, const line_type *type, const char *part)
 
 typedef bool line_sink(void *context, const char *line, duet_error *err);
 
-// A name in a store may be no UTF-8, which a line of JSON must be.
+// A name in a store may hold what a line of JSON must not.
 static bool send_valid(const char *line, line_sink *sink, void *context, duet_error *err)
 {
-    if (utf8_is_valid(line))
-        return sink(context, line, err);
     text valid = {0};
-    visible_add_utf8(&valid, line, strlen(line));
-    bool ok = text_ok(&valid, err) && sink(context, valid.chars, err);
+    visible_add_json(&valid, line);
+    bool ok = text_ok(&valid, err) && sink(context, text_chars(&valid), err);
     text_free(&valid);
     return ok;
 }

@@ -74,7 +74,8 @@ bool quiet_unchanged(const char *path, const quiet *before)
 
 void quiet_name(const char *path, text *uri)
 {
-    static const char plain[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789/._-";
+    static const char plain[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789/._-";
     text_add(uri, "file:%s", *path == '/' ? "//" : "./");
     for (const char *c = path; *c; ++c)
         text_add(uri, strchr(plain, *c) ? "%c" : "%%%02X", (unsigned char)*c);

@@ -133,8 +133,8 @@ static bool check_keys(store *s, const char *table, text *report, uint32_t *prob
     return sql_close(&q) && ok;
 }
 
-#define NO_OBJECT(column)                                                                  \
-    "CASE WHEN " column " IS NULL THEN 0 WHEN NOT json_valid(" column ") THEN 1 ELSE "     \
+#define NO_OBJECT(column)                                                              \
+    "CASE WHEN " column " IS NULL THEN 0 WHEN NOT json_valid(" column ") THEN 1 ELSE " \
     "json_type(" column ") <> 'object' END"
 
 static bool check_objects(store *s, text *report, uint32_t *problems, duet_error *err)
@@ -143,8 +143,7 @@ static bool check_objects(store *s, text *report, uint32_t *problems, duet_error
                        "SELECT id FROM session WHERE " NO_OBJECT("options") " OR " NO_OBJECT(
                            "search_state"),
                        "a session's options or state are no JSON object:", report, problems, err) &&
-           report_rows(s,
-                       "SELECT session_id, number FROM trial WHERE " NO_OBJECT("terms"),
+           report_rows(s, "SELECT session_id, number FROM trial WHERE " NO_OBJECT("terms"),
                        "a trial's terms are no JSON object:", report, problems, err) &&
            report_rows(s, "SELECT uid FROM profile WHERE " NO_OBJECT("terms"),
                        "a profile's terms are no JSON object:", report, problems, err);
@@ -165,6 +164,5 @@ bool profile_check(store *s, text *report, uint32_t *problems, duet_error *err)
                        "(SELECT 1 FROM trial t WHERE t.session_id = p.session_id AND "
                        "t.number = p.trial)",
                        "a profile's trial is not there:", report, problems, err) &&
-           check_objects(s, report, problems, err) &&
-           text_ok(report, err);
+           check_objects(s, report, problems, err) && text_ok(report, err);
 }

@@ -126,9 +126,22 @@ static void network_file_systems_keep_a_rollback_journal(void **state)
 
 // Names that mean something else to SQLite, to URIs or to a shell.
 static const char *const odd_names[] = {
-    ":memory:", "file:x.db", "file:x.db?mode=memory", "file::memory:?cache=shared",
-    "a?mode=ro.db", "50%41.db", "#.db", "a b.db", "it's \"it\".db", "new\nline.db",
-    "\xff\xfe\x80.db", "\\.db", "-.db", "x;y$(z).db", "%00.db", "\xc3\xa9.db",
+    ":memory:",
+    "file:x.db",
+    "file:x.db?mode=memory",
+    "file::memory:?cache=shared",
+    "a?mode=ro.db",
+    "50%41.db",
+    "#.db",
+    "a b.db",
+    "it's \"it\".db",
+    "new\nline.db",
+    "\xff\xfe\x80.db",
+    "\\.db",
+    "-.db",
+    "x;y$(z).db",
+    "%00.db",
+    "\xc3\xa9.db",
 };
 
 static void assert_is_a_store(const char *path)

@@ -76,14 +76,30 @@ void visible_add(text *t, const char *chars, size_t n, const char *kept)
     }
 }
 
-void visible_add_utf8(text *t, const char *chars, size_t n)
+static void add_json_character(text *t, const char *at, size_t length)
 {
-    for (size_t i = 0; i < n;) {
-        size_t length = length_within(chars + i, n - i);
-        if (length > 0)
-            text_add_bytes(t, chars + i, length);
-        else
-            text_add(t, "\xef\xbf\xbd");
-        i += length > 0 ? length : 1;
+    if (length == 0)
+        text_add(t, "\xef\xbf\xbd");
+    else if (is_control(at, length) && *at == 0x7f)
+        text_add(t, "\\u007f");
+    else if (is_control(at, length) && length == 2)
+        text_add(t, "\\u00%02x", (unsigned)(unsigned char)at[1]);
+    else
+        text_add_bytes(t, at, length);
+}
+
+// Beyond ASCII, and for DEL, there are only strings.
+void visible_add_json(text *t, const char *json)
+{
+    for (const char *at = json; *at;) {
+        const char *from = at;
+        while (*at && (unsigned char)*at < 0x7f)
+            ++at;
+        text_add_bytes(t, from, (size_t)(at - from));
+        if (!*at)
+            return;
+        size_t length = utf8_length(at);
+        add_json_character(t, at, length);
+        at += length > 0 ? length : 1;
     }
 }

@@ -16,7 +16,9 @@ bool utf8_is_valid(const char *chars);
 // of `kept`, "\n" say, stay as they are.
 void visible_add(text *t, const char *chars, size_t n, const char *kept);
 
-// Adds the bytes with U+FFFD in place of each that belongs to no UTF-8 character.
-void visible_add_utf8(text *t, const char *chars, size_t n);
+// Adds JSON whose strings may hold what is no UTF-8, which becomes U+FFFD, and
+// DEL and U+0080 to U+009F, which become \u007f and so on and so stay what they
+// are.
+void visible_add_json(text *t, const char *json);
 
 #endif

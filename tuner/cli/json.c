@@ -24,31 +24,12 @@ cJSON *json_read(const char *path, duet_error *err)
     return o;
 }
 
-// Beyond ASCII, and for DEL, there are only strings, where any character may be
-// written by its number.
-static void add_character(text *t, const char *at, size_t length)
-{
-    const unsigned char *u = (const unsigned char *)at;
-    if (length == 0)
-        text_add(t, "\xef\xbf\xbd");
-    else if (*u == 0x7f)
-        text_add(t, "\\u007f");
-    else if (*u == 0xc2 && u[1] < 0xa0)
-        text_add(t, "\\u00%02x", (unsigned)u[1]);
-    else
-        text_add_bytes(t, at, length);
-}
-
 bool json_write(const cJSON *o, text *t, duet_error *err)
 {
     char *chars = cJSON_Print(o);
     if (!chars)
         return error_set(err, DUET_NO_MEMORY, "the JSON object: no memory");
-    for (const char *at = chars; *at;) {
-        size_t length = utf8_length(at);
-        add_character(t, at, length);
-        at += length > 0 ? length : 1;
-    }
+    visible_add_json(t, chars);
     cJSON_free(chars);
     return text_ok(t, err);
 }

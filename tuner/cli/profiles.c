@@ -61,8 +61,8 @@ static int run_verb(const command_line *line, store_access access, verb_body *bo
         return exit_code;
     duet_error err = {0};
     store *s = profiles_open(args.store, access, &err);
-    bool ok = s && body(s, &args, n_operands > 0 ? operands[0] : NULL, &err) &&
-              store_check_read(s, &err);
+    bool ok =
+        s && body(s, &args, n_operands > 0 ? operands[0] : NULL, &err) && store_check_read(s, &err);
     store_close(s);
     return ok ? EXIT_OK : say_failed(&err);
 }

@@ -96,8 +96,7 @@ static void print_text(const answer *a)
     if (found->true_pairs > 0)
         printf("by %s pairs that collide level %s misses %.3g and invents %.3g\n",
                table_count((uint64_t)found->true_pairs).chars, say_name(plan->level).chars,
-               found->missed_rate,
-               found->false_rate);
+               found->missed_rate, found->false_rate);
 }
 
 static void add_plan(cJSON *o, const answer *a)
