@@ -176,8 +176,8 @@ static const char *const hostile[] = {
     "\x1b]0;owned\x07\x1b[2J",
     "\xff\xc3(\xe2\x82",
     "a\nb\tc",
-    "\xc2\x9b"
-    "31m",
+    ("\xc2\x9b"
+     "31m"),
     "</title><b>&\"\x7f",
 };
 
