@@ -24,6 +24,20 @@ function frame:add(row)
   self.rows[#self.rows + 1] = row
 end
 
+-- Each byte that belongs to no UTF-8 character as replace gives it.
+local function mend(text, replace)
+  local parts, at = {}, 1
+  while true do
+    local _, bad = utf8.len(text, at)
+    parts[#parts + 1] = text:sub(at, (bad or 0) - 1)
+    if not bad then return table.concat(parts) end
+    parts[#parts + 1] = replace(text:sub(bad, bad))
+    at = bad + 1
+  end
+end
+
+local function hex(c) return ("\\x%02x"):format(c:byte()) end
+
 local function spaced(digits)
   return (digits:reverse():gsub("(%d%d%d)", "%1 "):reverse():gsub("^ ", ""))
 end
@@ -35,7 +49,7 @@ local function shown(value)
   if type(value) == "number" then
     return ("%." .. (math.abs(value) >= 100 and 0 or math.abs(value) >= 1 and 2 or 4) .. "f"):format(value)
   end
-  return tostring(value)
+  return (mend(tostring(value):gsub("%c", hex), hex))
 end
 
 function frame:print()
@@ -87,7 +101,8 @@ local function json_value(value)
   if value == nil or value ~= value or value == math.huge or value == -math.huge then return "null" end
   if type(value) == "number" then return number_text(value) end
   if type(value) == "boolean" then return tostring(value) end
-  return '"' .. tostring(value):gsub('[%c"\\]', function(c)
+  local text = mend(tostring(value), function() return utf8.char(0xfffd) end)
+  return '"' .. text:gsub('[%c"\\]', function(c)
     return escapes[c] or ("\\u%04x"):format(c:byte())
   end) .. '"'
 end

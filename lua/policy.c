@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "lua/policy.h"
 
+#include "runtime/base/beneath.h"
+
 #include <lauxlib.h>
-#include <string.h>
 
 // In the registry: nil where all is allowed, else the set of named paths.
 static const char key = 0;
@@ -17,31 +18,19 @@ void policy_restrict(lua_State *L, const char *const *paths, int n_paths)
     lua_rawsetp(L, LUA_REGISTRYINDEX, &key);
 }
 
-static int is_below(const char *path)
-{
-    if (*path == '/')
-        return 0;
-    for (const char *part = path; part; part = strchr(part, '/')) {
-        part += *part == '/';
-        if (strncmp(part, "..", 2) == 0 && (part[2] == '/' || part[2] == '\0'))
-            return 0;
-    }
-    return 1;
-}
-
 void policy_check_read(lua_State *L, const char *path)
 {
     int allowed = 1;
     if (lua_rawgetp(L, LUA_REGISTRYINDEX, &key) != LUA_TNIL) {
         lua_getfield(L, -1, path);
-        allowed = lua_toboolean(L, -1) || is_below(path);
+        allowed = lua_toboolean(L, -1) || path_is_beneath(path);
         lua_pop(L, 1);
     }
     lua_pop(L, 1);
     if (!allowed)
         luaL_error(L,
-                   "'%s' is not below the current folder: name it on the command line, or give "
-                   "--trust",
+                   "'%s' is not below the current folder, or a link: name it on the command "
+                   "line, or give --trust",
                    path);
 }
 

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L
 #include "lua/session.h"
 
 #include "duet_lua.h"
 #include "gen/script.h"
 #include "lua/policy.h"
 #include "runtime/base/blob.h"
-#include "runtime/base/text.h"
+#include "runtime/base/visible.h"
 
 #include <lauxlib.h>
 #include <lualib.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 // How often a trusted script is asked whether to stop, in instructions.
 #define HOOK_INSTRUCTIONS 10000
@@ -70,13 +72,25 @@ static void on_count(lua_State *L, lua_Debug *ar)
 
 // ---------------------------------------------------------------- globals
 
+// What a script that nobody vouches for prints is not what a terminal obeys.
+static void print_chars(const char *chars, size_t n)
+{
+    text shown = {0};
+    if (isatty(STDOUT_FILENO))
+        visible_add(&shown, chars, n, "\n\t");
+    else
+        text_add_bytes(&shown, chars, n);
+    fwrite(text_chars(&shown), 1, shown.length, stdout);
+    text_free(&shown);
+}
+
 static int print(lua_State *L)
 {
     for (int i = 1, n = lua_gettop(L); i <= n; ++i) {
         size_t length = 0;
         const char *chars = luaL_tolstring(L, i, &length);
         fwrite(i > 1 ? "\t" : "", 1, i > 1, stdout);
-        fwrite(chars, 1, length, stdout);
+        print_chars(chars, length);
         lua_pop(L, 1);
     }
     fputc('\n', stdout);

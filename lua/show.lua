@@ -83,7 +83,8 @@ end
 
 local function cell(value)
   if value == nil then return "" end
-  return type(value) == "string" and value or scalar(value)
+  if type(value) ~= "string" then return scalar(value) end
+  return (value:gsub("%c", function(c) return ("\\x%02x"):format(c:byte()) end))
 end
 
 local function describe_records(list, names)

@@ -49,6 +49,8 @@ static bool check_head(const char *path, duet_error *err)
 bool admit_path(const char *path, store_access access, duet_error *err)
 {
     struct stat info;
+    if (!*path)
+        return error_set(err, DUET_STORE_FAILED, "the profile store's path is empty; name a file");
     if (stat(path, &info) == 0)
         return S_ISREG(info.st_mode)
                    ? check_head(path, err)

@@ -109,7 +109,7 @@ duet_profile_list *duet_profile_list_open(const char *path, bool replaced_too, d
     if (!s)
         return NULL;
     duet_profile_list *list = calloc(1, sizeof *list);
-    bool ok = list ? fill(list, s, NULL, replaced_too, err)
+    bool ok = list ? fill(list, s, NULL, replaced_too, err) && store_check_read(s, err)
                    : error_set(err, DUET_NO_MEMORY, "the profiles: no memory");
     store_close(s);
     if (ok)
@@ -201,7 +201,7 @@ bool duet_profile_trials(const char *path, const char *uid, duet_stored_trial **
         return error_set(err, DUET_BAD_ARGUMENT, "a uid, and where its trials go, are missing");
     trial_list list = {0};
     store *s = open_store(path, STORE_READ, err);
-    bool ok = s && read_trials(s, uid, &list, err);
+    bool ok = s && read_trials(s, uid, &list, err) && store_check_read(s, err);
     store_close(s);
     if (!ok) {
         free(list.items);

@@ -9,8 +9,11 @@
 #include "profiles/keys.h"
 #include "profiles/sql.h"
 #include "runtime/base/blob.h"
+#include "runtime/base/output.h"
+#include "runtime/base/visible.h"
 
 #include <assert.h>
+#include <cjson/cJSON.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -19,15 +22,22 @@
 
 // In the order in which they point at each other.
 typedef struct line_type {
-    const char *name; // of its table too
-    bool has_key;     // made from its other fields
-    bool has_parts;   // rows of another table within the line
+    const char *name;       // of its table too
+    bool has_key;           // made from its other fields
+    bool has_parts;         // rows of another table within the line
+    const char *objects[2]; // fields that are JSON objects, and kept as such
 } line_type;
 
 static const line_type types[] = {
-    {"device", true, false},   {"env", true, false},    {"pair", false, false},
-    {"workload", true, false}, {"price", false, false}, {"script", true, false},
-    {"session", false, false}, {"trial", false, true},  {"profile", false, false},
+    {"device", true, false, {NULL}},
+    {"env", true, false, {NULL}},
+    {"pair", false, false, {NULL}},
+    {"workload", true, false, {NULL}},
+    {"price", false, false, {NULL}},
+    {"script", true, false, {NULL}},
+    {"session", false, false, {"options", "search_state"}},
+    {"trial", false, true, {"terms"}},
+    {"profile", false, false, {"terms"}},
 };
 
 enum { N_TYPES = sizeof types / sizeof types[0] };
@@ -49,6 +59,16 @@ static void add_part(text *t, const line_type *type, const char *part)
 
 typedef bool line_sink(void *context, const char *line, duet_error *err);
 
+// A name in a store may hold what a line of JSON must not.
+static bool send_valid(const char *line, line_sink *sink, void *context, duet_error *err)
+{
+    text valid = {0};
+    visible_add_json(&valid, line);
+    bool ok = text_ok(&valid, err) && sink(context, text_chars(&valid), err);
+    text_free(&valid);
+    return ok;
+}
+
 static bool send_type(store *s, const line_type *type, line_sink *sink, void *context,
                       duet_error *err)
 {
@@ -57,7 +77,7 @@ static bool send_type(store *s, const line_type *type, line_sink *sink, void *co
     bool ok = text_ok(&query, err);
     sql q = sql_make(s, text_chars(&query), err);
     while (ok && sql_row(&q))
-        ok = sink(context, sql_get_text(&q, 0), err);
+        ok = send_valid(sql_get_text(&q, 0), sink, context, err);
     text_free(&query);
     return sql_close(&q) && ok;
 }
@@ -75,37 +95,34 @@ static bool send_lines(store *s, line_sink *sink, void *context, duet_error *err
     return sql_script(s, "COMMIT", ok ? err : NULL) && ok;
 }
 
+typedef struct writing {
+    FILE *out;
+    const char *name; // of the file, for messages
+} writing;
+
+static bool write_failed(const writing *w, duet_error *err)
+{
+    return error_set(err, DUET_IO_FAILED, "%s: cannot be written: %s", w->name, strerror(errno));
+}
+
 static bool write_line(void *context, const char *line, duet_error *err)
 {
-    FILE *out = context;
-    return fprintf(out, "%s\n", line) > 0 ||
-           error_set(err, DUET_IO_FAILED, "the export cannot be written: %s", strerror(errno));
+    const writing *w = context;
+    return fprintf(w->out, "%s\n", line) > 0 || write_failed(w, err);
 }
 
-bool profile_export(store *s, FILE *out, duet_error *err)
+bool profile_export(store *s, FILE *out, const char *name, duet_error *err)
 {
-    if (!send_lines(s, write_line, out, err))
-        return false;
-    return fflush(out) == 0 ||
-           error_set(err, DUET_IO_FAILED, "the export cannot be written: %s", strerror(errno));
+    writing w = {out, name};
+    return send_lines(s, write_line, &w, err) && store_check_read(s, err) &&
+           (fflush(out) == 0 || write_failed(&w, err));
 }
 
-// Beside its place and renamed there, so that no one ever sees half of it.
 bool profile_export_file(store *s, const char *path, duet_error *err)
 {
-    text beside = {0};
-    text_add(&beside, "%s.part", path);
-    FILE *out = text_ok(&beside, err) ? fopen(text_chars(&beside), "w") : NULL;
-    bool ok = out && profile_export(s, out, err);
-    bool closed = !out || fclose(out) == 0;
-    ok = ok && closed && rename(text_chars(&beside), path) == 0;
-    if (!ok) {
-        error_set(err, DUET_IO_FAILED, "%s: cannot be written: %s", path, strerror(errno));
-        if (out)
-            remove(text_chars(&beside));
-    }
-    text_free(&beside);
-    return ok;
+    output o;
+    bool ok = output_open(&o, path, err) && profile_export(s, o.stream, path, err);
+    return output_close(&o, ok, err);
 }
 
 // ------------------------------------------------------------------------------ in
@@ -202,6 +219,28 @@ static bool check_fields(const import *in, const line_type *type, const char *li
     return ok && known;
 }
 
+// SQLite would take the text of a string for an object as well.
+static bool check_objects(const import *in, const line_type *type, const cJSON *row,
+                          duet_error *err)
+{
+    for (int i = 0; i < 2 && type->objects[i]; ++i) {
+        const cJSON *field = cJSON_GetObjectItemCaseSensitive(row, type->objects[i]);
+        if (field && !cJSON_IsNull(field) && !cJSON_IsObject(field))
+            return bad_line(in, err, "is not a JSON object: ", type->objects[i]);
+    }
+    return true;
+}
+
+// Two readers must agree on the line, so that what comes in can go out again.
+static bool check_json(const import *in, const line_type *type, const char *line, duet_error *err)
+{
+    cJSON *row = cJSON_ParseWithOpts(line, NULL, true);
+    bool ok = cJSON_IsObject(row) || bad_line(in, err, "is not a JSON object", "");
+    ok = ok && check_objects(in, type, row, err);
+    cJSON_Delete(row);
+    return ok;
+}
+
 // Runs a part of exchange.sql on the line; id is parameter 2, where it has one.
 static bool run(const import *in, const line_type *type, const char *part, const char *line,
                 int64_t id, duet_error *err)
@@ -247,9 +286,12 @@ static bool take_line(void *context, const char *line, duet_error *err)
     ++in->line;
     if (line[strspn(line, " \t\r\n")] == '\0')
         return true;
+    if (!utf8_is_valid(line))
+        return bad_line(in, err, "is not UTF-8", "");
     const line_type *type = NULL;
     return find_type(in, line, &type, err) &&
-           (!type || (check_fields(in, type, line, err) && take_row(in, type, line, err)));
+           (!type || (check_fields(in, type, line, err) && check_json(in, type, line, err) &&
+                      take_row(in, type, line, err)));
 }
 
 static bool take_file(import *in, FILE *file, duet_error *err)
@@ -304,7 +346,8 @@ bool profile_merge(store *s, const char *other_path, profile_import_counts *coun
 import in = {.s = s, .name = other_path, .counts = counts };
     bool ok = store_begin(s, err);
     if (ok) {
-        ok = send_lines(other, take_line, &in, err) && finish(&in, "merge", err);
+        ok = send_lines(other, take_line, &in, err) && store_check_read(other, err) &&
+             finish(&in, "merge", err);
         ok = store_end(s, ok, err);
     }
     store_close(other);

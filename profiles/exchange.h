@@ -16,8 +16,9 @@ typedef struct profile_import_counts {
     uint64_t known; // were here already
 } profile_import_counts;
 
-// The whole store; docs/store.md describes the lines.
-bool profile_export(store *s, FILE *out, duet_error *err);
+// The whole store; docs/store.md describes the lines. `name` is what messages
+// call the file.
+bool profile_export(store *s, FILE *out, const char *name, duet_error *err);
 bool profile_export_file(store *s, const char *path, duet_error *err);
 
 // All rows or none. `name` is what messages call the file: BAD_INPUT with

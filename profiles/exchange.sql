@@ -2,6 +2,8 @@
 -- Rows as JSON lines and back: for each type of line a query that gives the
 -- lines, and a statement that makes a row of the line ?1. exchange.c takes the
 -- parts by their names after the @.
+-- A column that should hold an object but does not, in a store that somebody
+-- tampered with, goes out as none.
 -- The order is the one in which rows point at each other.
 
 --@device fields
@@ -107,10 +109,12 @@ pid_start resumed load timer_ns search_state started_ns heartbeat_ns ended_ns
 --@session out
 SELECT json_object('type', 'session', 'id', s.id, 'state', state, 'a', a.key, 'b', b.key,
                    'workload', workload.key, 'kernels', kernels, 'strategy', strategy,
-                   'objective', objective, 'options', json(options), 'seed', seed,
+                   'objective', objective, 'options', CASE WHEN json_valid(options) THEN CASE json_type(options) WHEN 'object' THEN json(options)
+                                    ELSE json('{}') END ELSE json('{}') END, 'seed', seed,
                    'script', script, 'tool_version', tool_version, 'host', host, 'pid', pid,
                    'pid_start', pid_start, 'resumed', resumed, 'load', load,
-                   'timer_ns', timer_ns, 'search_state', json(search_state),
+                   'timer_ns', timer_ns, 'search_state', CASE WHEN json_valid(search_state) THEN CASE json_type(search_state) WHEN 'object' THEN json(search_state)
+                                    END END,
                    'started_ns', started_ns, 'heartbeat_ns', heartbeat_ns, 'ended_ns', ended_ns)
   FROM session s JOIN workload ON workload.id = workload_id JOIN pair ON pair.id = pair_id
   JOIN env a ON a.id = env_a JOIN env b ON b.id = env_b ORDER BY started_ns, s.id
@@ -157,7 +161,8 @@ SELECT json_object(
            json_object('name', 'high', 'value', high_ns, 'unit', 'ns'),
            json_object('name', 'a', 'value', a_ns, 'unit', 'ns'),
            json_object('name', 'b', 'value', b_ns, 'unit', 'ns')), json_array()),
-         'objectives', json_array('median'), 'terms', json(terms),
+         'objectives', json_array('median'), 'terms', CASE WHEN json_valid(terms) THEN CASE json_type(terms) WHEN 'object' THEN json(terms)
+                                    END END,
          'samples', (SELECT json_group_array(json_array(number, total_ns, a_ns, b_ns, transfer_ns,
                                                         merge_ns, flags, at_ns))
                        FROM sample WHERE trial_id = trial.id))
@@ -206,7 +211,8 @@ SELECT json_object('type', 'profile', 'uid', uid, 'a', a.key, 'b', b.key,
                    'gain_high', gain_high, 'verdict', verdict, 'missed_rate', missed_rate,
                    'false_rate', false_rate, 'true_pairs', true_pairs,
                    'single_ns', single_ns, 'best_share', best_share, 'best_mode', best_mode,
-                   'terms', json(terms), 'origin', origin, 'session', session_id,
+                   'terms', CASE WHEN json_valid(terms) THEN CASE json_type(terms) WHEN 'object' THEN json(terms)
+                                    END END, 'origin', origin, 'session', session_id,
                    'trial', trial, 'created_ns', created_ns, 'live', live,
                    'dead_reason', dead_reason)
   FROM profile p JOIN workload ON workload.id = workload_id JOIN pair ON pair.id = pair_id

@@ -9,8 +9,11 @@
 #include "runtime/base/blob.h"
 
 #include <assert.h>
+#include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 const char *const migrate_upgrades[] = {
@@ -59,11 +62,21 @@ bool migrate_create(store *s, duet_error *err)
     return store_end(s, ok, err);
 }
 
-// The first name of PATH.v1, PATH.v1.1, PATH.v1.2 ... that is free.
+static bool take_name(const char *name)
+{
+    int file = open(name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644);
+    return file >= 0 && close(file) == 0;
+}
+
+// The first name of PATH.v1, PATH.v1.1, PATH.v1.2 ... that is free, which is
+// then an empty file.
 static bool free_name(const store *s, int64_t version, text *name, duet_error *err)
 {
     text_add(name, "%s.v%" PRId64, s->path, version);
-    for (int i = 1; text_ok(name, err) && access(text_chars(name), F_OK) == 0; ++i) {
+    for (int i = 1; text_ok(name, err) && !take_name(name->chars); ++i) {
+        if (errno != EEXIST)
+            return error_set(err, DUET_STORE_FAILED, "%s: cannot be made: %s", name->chars,
+                             strerror(errno));
         text_free(name);
         text_add(name, "%s.v%" PRId64 ".%d", s->path, version, i);
     }
@@ -81,18 +94,27 @@ static bool copy_pages(store *from, store *to, duet_error *err)
     return code == SQLITE_OK || sql_fail(to, code, err);
 }
 
+static bool open_plainly(store *s, int flags, duet_error *err)
+{
+    text name = {0};
+    store_file_name(s->path, &name);
+    bool ok = text_ok(&name, err);
+    if (ok) {
+        int code = sqlite3_open_v2(name.chars, &s->db, flags, NULL);
+        ok = code == SQLITE_OK || sql_fail(s, code, err);
+    }
+    text_free(&name);
+    return ok;
+}
+
 // Reads through a connection of its own: SQLite refuses to copy from one that
 // holds the write lock, which is what keeps others out meanwhile.
 static bool copy_file(const store *s, const char *name, duet_error *err)
 {
-    store from = {.path = s->path};
-    store to = {.path = (char *)name};
-    int code = sqlite3_open_v2(s->path, &from.db, SQLITE_OPEN_READONLY, NULL);
-    bool ok = code == SQLITE_OK || sql_fail(&from, code, err);
-    if (ok) {
-        code = sqlite3_open(name, &to.db);
-        ok = (code == SQLITE_OK || sql_fail(&to, code, err)) && copy_pages(&from, &to, err);
-    }
+    store from = {.path = s->path, .file = s->file};
+    store to = {.path = (char *)name, .file = (char *)name};
+    bool ok = open_plainly(&from, SQLITE_OPEN_READONLY, err) &&
+              open_plainly(&to, SQLITE_OPEN_READWRITE, err) && copy_pages(&from, &to, err);
     sqlite3_close(to.db);
     sqlite3_close(from.db);
     if (!ok)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where the store lies when nobody says.
-#include "profiles/store.h"
+// Where the store lies when nobody says, and how SQLite is told of a path.
+#include "profiles/sql.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -39,4 +39,10 @@ bool store_system_path(text *path)
     }
     text_free(path);
     return false;
+}
+
+// To SQLite a leading "file:" or ":" is no part of a name; after a slash it is.
+void store_file_name(const char *path, text *name)
+{
+    text_add(name, "%s%s", *path == '/' ? "" : "./", path);
 }

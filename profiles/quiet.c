@@ -9,6 +9,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #define SETTLED_NS 50000000
 
@@ -27,11 +28,16 @@ static int64_t changed_ns(const struct stat *info)
     return (int64_t)info->st_mtim.tv_sec * 1000000000 + info->st_mtim.tv_nsec;
 }
 
+static bool is_same(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino && a->st_size == b->st_size &&
+           changed_ns(a) == changed_ns(b);
+}
+
 quiet quiet_look(const char *path)
 {
     quiet q = {0};
-    q.holds = stat(path, &q.seen) == 0 && !has_side_file(path, "-wal") &&
-              !has_side_file(path, "-journal") &&
+    q.holds = stat(path, &q.seen) == 0 && !quiet_has_side_file(path) &&
               llabs(clock_calendar_ns() - changed_ns(&q.seen)) > SETTLED_NS;
     return q;
 }
@@ -39,15 +45,39 @@ quiet quiet_look(const char *path)
 bool quiet_still(const char *path, const quiet *before)
 {
     quiet after = quiet_look(path);
-    return before->holds && after.holds && after.seen.st_ino == before->seen.st_ino &&
-           after.seen.st_size == before->seen.st_size &&
-           changed_ns(&after.seen) == changed_ns(&before->seen);
+    return before->holds && after.holds && is_same(&before->seen, &after.seen);
+}
+
+bool quiet_has_side_file(const char *path)
+{
+    return has_side_file(path, "-wal") || has_side_file(path, "-journal");
+}
+
+quiet quiet_wait(const char *path)
+{
+    enum { WAIT_MS = 10, MAX_WAITS = SETTLED_NS / 1000000 / WAIT_MS + 1 };
+    quiet q = quiet_look(path);
+    struct stat info;
+    for (int i = 0;
+         !q.holds && i < MAX_WAITS && stat(path, &info) == 0 && !quiet_has_side_file(path); ++i) {
+        nanosleep(&(struct timespec){.tv_nsec = WAIT_MS * 1000000}, NULL);
+        q = quiet_look(path);
+    }
+    return q;
+}
+
+bool quiet_unchanged(const char *path, const quiet *before)
+{
+    quiet after = {0};
+    return !before->holds || (stat(path, &after.seen) == 0 && is_same(&before->seen, &after.seen));
 }
 
 void quiet_name(const char *path, text *uri)
 {
-    text_add(uri, "file:");
+    static const char plain[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789/._-";
+    text_add(uri, "file:%s", *path == '/' ? "//" : "./");
     for (const char *c = path; *c; ++c)
-        text_add(uri, strchr("%?#", *c) ? "%%%02X" : "%c", (unsigned char)*c);
+        text_add(uri, strchr(plain, *c) ? "%c" : "%%%02X", (unsigned char)*c);
     text_add(uri, "?immutable=1");
 }

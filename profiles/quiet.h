@@ -18,6 +18,17 @@ quiet quiet_look(const char *path);
 // Whether it has rested since, so that what was read counts.
 bool quiet_still(const char *path, const quiet *before);
 
+// The same, but waits up to 60 ms for a file that was written a moment ago to
+// count as one that rests.
+quiet quiet_wait(const char *path);
+
+// Whether the file itself is as it was. What a writer has only in its side file
+// is no part of it.
+bool quiet_unchanged(const char *path, const quiet *before);
+
+// Whether a writer is at work, or was killed: a side file holds something.
+bool quiet_has_side_file(const char *path);
+
 // The name by which SQLite reads the file as one that does not change.
 void quiet_name(const char *path, text *uri);
 

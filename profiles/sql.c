@@ -15,11 +15,24 @@ static bool disk_is_full(int code, int system_code)
            (system_code == ENOSPC || system_code == EFBIG || system_code == EDQUOT);
 }
 
+static bool is_left_half_done(const store *s, int code)
+{
+    return !s->writable && ((code & 0xff) == SQLITE_READONLY || (code & 0xff) == SQLITE_CANTOPEN) &&
+           s->file && quiet_has_side_file(s->file);
+}
+
 bool sql_fail(const store *s, int code, duet_error *err)
 {
     // SQLite keeps the system's code for most failures, and not for those of a COMMIT.
     int last = errno;
     int system_code = sqlite3_system_errno(s->db) ? sqlite3_system_errno(s->db) : last;
+    if (!store_check_read(s, err))
+        return false;
+    if (is_left_half_done(s, code))
+        return error_set(err, DUET_STORE_FAILED,
+                         "%s: a writer that is at work, or was killed, has rows in a file beside "
+                         "it, which this user may not write; let its owner open it once",
+                         s->path);
     if (disk_is_full(code, system_code))
         return error_set(err, DUET_STORE_FAILED,
                          "%s: the disk is full: this step was undone and all before it is kept; "

@@ -19,12 +19,13 @@
 
 struct store {
     sqlite3 *db;
-    char *path;
+    char *path; // for messages, and where it lies
+    char *file; // where it lies while it is being made; else the path
     text note;
     bool writable;
     uint32_t depth; // of nested transactions
     bool broken;    // one inside failed: the outermost undoes all
-    quiet quiet;    // as it was opened for a look
+    quiet quiet;    // as it was opened, where it is read without locks
 };
 
 typedef struct sql {
@@ -68,6 +69,9 @@ void profile_sha(const char *chars, size_t n, char key[65]);
 
 // One row in the audit table.
 bool store_audit(store *s, const char *what, const char *detail, duet_error *err);
+
+// How SQLite is told of a path: as the file of that name, whatever the name is.
+void store_file_name(const char *path, text *name);
 
 // Refuses what can be no store: a folder, or a file that is no database. Makes
 // the folders of one to be written.

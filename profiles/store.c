@@ -3,14 +3,16 @@
 //
 // The file is in WAL mode, so that look-ups go on while a tuner writes; on a
 // network file system, where WAL would lose data, it keeps a rollback journal.
-#define _DEFAULT_SOURCE
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE
 #include "profiles/store.h"
 
+#include "profiles/session.h"
 #include "profiles/sql.h"
 #include "runtime/base/clock.h"
 
 #include <assert.h>
+#include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,19 +24,21 @@
 
 // ------------------------------------------------------------------ connection
 
-static store *make(const char *path, duet_error *err)
+static store *make(const char *path, const char *file, duet_error *err)
 {
     store *s = calloc(1, sizeof *s);
-    if (s)
+    if (s) {
         s->path = strdup(path);
-    if (s && s->path)
+        s->file = strdup(file);
+    }
+    if (s && s->path && s->file)
         return s;
     store_close(s);
     error_set(err, DUET_NO_MEMORY, "%s: no memory to open it", path);
     return NULL;
 }
 
-static bool open_connection(store *s, const char *name, int flags, int busy_ms, duet_error *err)
+static bool connect(store *s, const char *name, int flags, int busy_ms, duet_error *err)
 {
     int code = sqlite3_open_v2(name, &s->db, flags | SQLITE_OPEN_NOMUTEX, NULL);
     if (!s->db)
@@ -47,6 +51,15 @@ static bool open_connection(store *s, const char *name, int flags, int busy_ms, 
     sqlite3_db_config(s->db, SQLITE_DBCONFIG_ENABLE_FKEY, 1, NULL);
     sqlite3_db_config(s->db, SQLITE_DBCONFIG_DEFENSIVE, 1, NULL);
     return true;
+}
+
+static bool open_connection(store *s, int flags, int busy_ms, duet_error *err)
+{
+    text name = {0};
+    store_file_name(s->file, &name);
+    bool ok = text_ok(&name, err) && connect(s, name.chars, flags, busy_ms, err);
+    text_free(&name);
+    return ok;
 }
 
 const char *store_journal(unsigned long file_system)
@@ -89,7 +102,7 @@ static bool choose_journal(store *s, duet_error *err)
 {
     struct statfs info;
     const char *mode =
-        statfs(s->path, &info) == 0 ? store_journal((unsigned long)info.f_type) : "wal";
+        statfs(s->file, &info) == 0 ? store_journal((unsigned long)info.f_type) : "wal";
     if (strcmp(mode, "wal") != 0 && s->note.length == 0)
         text_add(&s->note,
                  "%s: is on a network file system: processes wait for each other there; a local "
@@ -100,7 +113,7 @@ static bool choose_journal(store *s, duet_error *err)
 
 static bool open_for_writing(store *s, duet_error *err)
 {
-    if (!open_connection(s, s->path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, BUSY_MS, err))
+    if (!open_connection(s, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, BUSY_MS, err))
         return false;
     s->writable = true;
     if (sqlite3_db_readonly(s->db, "main") == 1)
@@ -111,69 +124,108 @@ static bool open_for_writing(store *s, duet_error *err)
 static bool open_resting(store *s, int busy_ms, duet_error *err)
 {
     text name = {0};
-    quiet_name(s->path, &name);
+    quiet_name(s->file, &name);
     bool ok = text_ok(&name, err) &&
-              open_connection(s, name.chars, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, busy_ms, err);
+              connect(s, name.chars, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, busy_ms, err);
     text_free(&name);
     return ok;
 }
 
-static bool can_make_files_beside(const char *path)
-{
-    char *folder = strdup(path);
-    char *slash = folder ? strrchr(folder, '/') : NULL;
-    if (slash)
-        slash[slash == folder] = '\0';
-    bool can = folder && access(slash ? folder : ".", W_OK) == 0;
-    free(folder);
-    return can;
-}
-
-// Where it may, SQLite is let clear its side files away at the end, which it
-// does only for a connection that could write.
+// A file that rests needs no lock, no side file, no room and no rights to be
+// read. Where a writer is at work, or was killed, its side file must be read
+// too; SQLite clears that away at the end where this user may write.
 static bool open_for_reading(store *s, duet_error *err)
 {
-    if (!can_make_files_beside(s->path) && quiet_look(s->path).holds)
+    s->quiet = quiet_wait(s->file);
+    if (s->quiet.holds)
         return open_resting(s, BUSY_MS, err) && admit_store(s, err);
-    return open_connection(s, s->path, SQLITE_OPEN_READWRITE, BUSY_MS, err) &&
-           admit_store(s, err) && sql_script(s, "PRAGMA query_only = ON", err);
+    return open_connection(s, SQLITE_OPEN_READWRITE, BUSY_MS, err) && admit_store(s, err) &&
+           sql_script(s, "PRAGMA query_only = ON", err);
 }
 
 static bool open_for_look(store *s, duet_error *err)
 {
-    s->quiet = quiet_look(s->path);
-    return (s->quiet.holds
-                ? open_resting(s, LOOK_BUSY_MS, err)
-                : open_connection(s, s->path, SQLITE_OPEN_READONLY, LOOK_BUSY_MS, err)) &&
+    s->quiet = quiet_wait(s->file);
+    return (s->quiet.holds ? open_resting(s, LOOK_BUSY_MS, err)
+                           : open_connection(s, SQLITE_OPEN_READONLY, LOOK_BUSY_MS, err)) &&
            admit_store(s, err);
 }
 
-static store *open_store(const char *path, store_access access,
-                         bool (*open)(store *s, duet_error *err), duet_error *err)
+typedef bool opening(store *s, duet_error *err);
+
+static store *open_file(const char *path, const char *file, opening *open, duet_error *err)
 {
-    store *s = admit_path(path, access, err) ? make(path, err) : NULL;
+    store *s = make(path, file, err);
     if (s && open(s, err) && text_ok(&s->note, err))
         return s;
     store_close(s);
     return NULL;
 }
 
+static store *open_store(const char *path, store_access access, opening *open, duet_error *err)
+{
+    return admit_path(path, access, err) ? open_file(path, path, open, err) : NULL;
+}
+
+// ---------------------------------------------------------------------- making
+
+static bool not_made(const char *path, duet_error *err)
+{
+    return error_set(err, DUET_STORE_FAILED, "%s: cannot be made: %s", path, strerror(errno));
+}
+
+// A name that nobody can guess, and an empty file there that is nobody else's.
+static bool begin_beside(const char *path, text *beside, duet_error *err)
+{
+    char id[PROFILE_ID];
+    if (!profile_new_id(id, err))
+        return false;
+    text_add(beside, "%s.%.16s.new", path, id);
+    if (!text_ok(beside, err))
+        return false;
+    int file = open(beside->chars, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644);
+    return file >= 0 ? close(file) == 0 : not_made(path, err);
+}
+
+// A file system without hard links may still rename; one that does neither
+// without taking another's place gets its file made where it lies.
+static bool put_in_place(const char *beside, const char *path, duet_error *err)
+{
+    if (link(beside, path) == 0 || errno == EEXIST)
+        return true;
+    if (renameat2(AT_FDCWD, beside, AT_FDCWD, path, RENAME_NOREPLACE) == 0 || errno == EEXIST ||
+        errno == EINVAL || errno == ENOSYS)
+        return true;
+    return not_made(path, err);
+}
+
+static void remove_all(const char *beside)
+{
+    static const char *const endings[] = {"", "-wal", "-shm", "-journal"};
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; ++i) {
+        text name = {0};
+        text_add(&name, "%s%s", beside, endings[i]);
+        if (text_ok(&name, NULL))
+            unlink(name.chars);
+        text_free(&name);
+    }
+}
+
 // Makes a store beside its place and puts it there whole, so that nobody meets
-// a file in the making. Where that fails, or another process was quicker, there
-// is nothing to say: the store is opened next, and made in place if need be.
-static void make_whole(const char *path)
+// a file in the making and a failure leaves none.
+static bool make_whole(const char *path, duet_error *err)
 {
     text beside = {0};
-    text_add(&beside, "%s.%ld.new", path, (long)getpid());
-    store *s = text_ok(&beside, NULL)
-                   ? open_store(beside.chars, STORE_WRITE, open_for_writing, NULL)
-                   : NULL;
-    if (s) {
+    bool ok = begin_beside(path, &beside, err);
+    if (ok) {
+        store *s = open_file(path, beside.chars, open_for_writing, err);
+        ok = s != NULL;
         store_close(s);
-        link(beside.chars, path);
-        unlink(beside.chars);
+        ok = ok && put_in_place(beside.chars, path, err);
+        remove_all(beside.chars);
     }
     text_free(&beside);
+    return ok;
 }
 
 store *store_open(const char *path, store_access access, duet_error *err)
@@ -181,8 +233,8 @@ store *store_open(const char *path, store_access access, duet_error *err)
     if (access == STORE_READ)
         return open_store(path, access, open_for_reading, err);
     struct stat info;
-    if (admit_path(path, access, err) && stat(path, &info) != 0)
-        make_whole(path);
+    if (!admit_path(path, access, err) || (stat(path, &info) != 0 && !make_whole(path, err)))
+        return NULL;
     return open_store(path, access, open_for_writing, err);
 }
 
@@ -191,9 +243,16 @@ store *store_open_look(const char *path, duet_error *err)
     return open_store(path, STORE_READ, open_for_look, err);
 }
 
+bool store_check_read(const store *s, duet_error *err)
+{
+    return quiet_unchanged(s->file, &s->quiet) ||
+           error_set(err, DUET_STORE_FAILED,
+                     "%s: was written while it was read; run the command again", s->path);
+}
+
 bool store_undisturbed(const store *s)
 {
-    return !s->quiet.holds || quiet_still(s->path, &s->quiet);
+    return !s->quiet.holds || quiet_still(s->file, &s->quiet);
 }
 
 void store_close(store *s)
@@ -204,6 +263,7 @@ void store_close(store *s)
     sqlite3_close(s->db);
     text_free(&s->note);
     free(s->path);
+    free(s->file);
     free(s);
 }
 

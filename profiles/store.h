@@ -16,7 +16,7 @@
 typedef struct store store;
 
 typedef enum store_access {
-    STORE_READ, // the file must exist, and no row of it changes
+    STORE_READ, // the file must exist, and nothing is written where no writer left it half-done
     STORE_WRITE // makes folders and file where they do not exist, and upgrades an older file
 } store_access;
 
@@ -25,6 +25,10 @@ typedef enum store_access {
 // a newer Duet opens for reading, whatever was asked: see store_note.
 store *store_open(const char *path, store_access access, duet_error *err);
 void store_close(store *s); // NULL allowed
+
+// Whether what was read since the store was opened belongs together: false with
+// a line where a file that is read without locks was written meanwhile.
+bool store_check_read(const store *s, duet_error *err);
 
 const char *store_path(const store *s);
 bool store_writable(const store *s);

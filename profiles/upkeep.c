@@ -3,9 +3,11 @@
 
 #include "profiles/keys.h"
 #include "profiles/sql.h"
+#include "runtime/base/visible.h"
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <string.h>
 
 // ------------------------------------------------------------------------- pruning
 
@@ -77,6 +79,12 @@ bool profile_prune(store *s, const profile_prune_def *def, profile_prune_counts 
 
 // ------------------------------------------------------------------------ checking
 
+static void add_word(text *report, const char *word)
+{
+    text_add(report, " ");
+    visible_add(report, word ? word : "-", word ? strlen(word) : 1, "");
+}
+
 // One line for each row that the query gives; its columns are joined.
 static bool report_rows(store *s, const char *query, const char *what, text *report,
                         uint32_t *problems, duet_error *err)
@@ -85,7 +93,7 @@ static bool report_rows(store *s, const char *query, const char *what, text *rep
     while (sql_row(&q)) {
         text_add(report, "%s", what);
         for (int i = 0; i < sqlite3_column_count(q.stmt); ++i)
-            text_add(report, " %s", sql_get_text(&q, i) ? sql_get_text(&q, i) : "-");
+            add_word(report, sql_get_text(&q, i));
         text_add(report, "\n");
         ++*problems;
     }
@@ -116,12 +124,29 @@ static bool check_keys(store *s, const char *table, text *report, uint32_t *prob
         bool right = false;
         ok = key_check(s, table, sql_get_int(&q, 0), &right, err);
         if (ok && !right) {
-            text_add(report, "%s %s: its key is not that of its fields\n", table,
-                     sql_get_text(&q, 1));
+            text_add(report, "%s", table);
+            add_word(report, sql_get_text(&q, 1));
+            text_add(report, ": its key is not that of its fields\n");
             ++*problems;
         }
     }
     return sql_close(&q) && ok;
+}
+
+#define NO_OBJECT(column)                                                              \
+    "CASE WHEN " column " IS NULL THEN 0 WHEN NOT json_valid(" column ") THEN 1 ELSE " \
+    "json_type(" column ") <> 'object' END"
+
+static bool check_objects(store *s, text *report, uint32_t *problems, duet_error *err)
+{
+    return report_rows(s,
+                       "SELECT id FROM session WHERE " NO_OBJECT("options") " OR " NO_OBJECT(
+                           "search_state"),
+                       "a session's options or state are no JSON object:", report, problems, err) &&
+           report_rows(s, "SELECT session_id, number FROM trial WHERE " NO_OBJECT("terms"),
+                       "a trial's terms are no JSON object:", report, problems, err) &&
+           report_rows(s, "SELECT uid FROM profile WHERE " NO_OBJECT("terms"),
+                       "a profile's terms are no JSON object:", report, problems, err);
 }
 
 bool profile_check(store *s, text *report, uint32_t *problems, duet_error *err)
@@ -139,5 +164,5 @@ bool profile_check(store *s, text *report, uint32_t *problems, duet_error *err)
                        "(SELECT 1 FROM trial t WHERE t.session_id = p.session_id AND "
                        "t.number = p.trial)",
                        "a profile's trial is not there:", report, problems, err) &&
-           text_ok(report, err);
+           check_objects(s, report, problems, err) && text_ok(report, err);
 }

@@ -3,8 +3,9 @@
 // options, device and driver.
 //
 // Whatever is in the folder, a program is right: a file that is cut, damaged,
-// another's or not a file is as if it were not there. Several processes and
-// threads may use one folder at once.
+// another user's, a link or not a file is as if it were not there, and so is
+// every file of a folder that another user owns or can write. Several processes
+// and threads may use one folder at once.
 #ifndef RUNTIME_CACHE_H
 #define RUNTIME_CACHE_H
 
@@ -14,6 +15,10 @@
 // The SHA-256 of everything that a binary depends on, in hex.
 void cache_key(const char *source, const char *build_options, const duet_device_info *device,
                char key[65]);
+
+// false, with a line, where the folder is there and kernels in it may come from
+// somebody else. One that is missing, or cannot be made or read, is no failure.
+bool cache_check(const char *dir, duet_error *err);
 
 // Puts the binary into an empty text; false where there is none that fits.
 bool cache_get(const char *dir, const char key[65], text *binary);

@@ -1,8 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/device_info.h"
 
+#include "runtime/base/visible.h"
+
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+static void keep_visible(char *to, size_t capacity, const char *from)
+{
+    text shown = {0};
+    visible_add(&shown, from, strlen(from), "");
+    snprintf(to, capacity, "%s", text_chars(&shown));
+    text_free(&shown);
+}
 
 // Cut to what fits, so that a long name is a short name and not a failure.
 static void read_text(cl_device_id id, cl_device_info what, char *to, size_t capacity)
@@ -13,10 +24,7 @@ static void read_text(cl_device_id id, cl_device_info what, char *to, size_t cap
         return;
     char *whole = calloc(1, size + 1);
     if (whole && clGetDeviceInfo(id, what, size, whole, NULL) == CL_SUCCESS) {
-        size_t length = strlen(whole);
-        size_t kept = length < capacity ? length : capacity - 1;
-        memcpy(to, whole, kept);
-        to[kept] = '\0';
+        keep_visible(to, capacity, whole);
     }
     free(whole);
 }
@@ -33,6 +41,8 @@ static void read_platform(cl_device_id id, duet_device_info *info)
     if (clGetPlatformInfo(platform, CL_PLATFORM_VERSION, sizeof info->platform_version - 1, version,
                           NULL))
         version[0] = '\0';
+    keep_visible(name, sizeof info->platform, name);
+    keep_visible(version, sizeof info->platform_version, version);
 }
 
 static uint32_t read_uint(cl_device_id id, cl_device_info what)

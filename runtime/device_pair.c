@@ -3,6 +3,7 @@
 #include "runtime/device_pair.h"
 
 #include "runtime/base/error.h"
+#include "runtime/cache.h"
 #include "runtime/device_list.h"
 
 #include <stdio.h>
@@ -132,6 +133,7 @@ duet_device_pair *duet_device_pair_open(const duet_device_pair_def *def, duet_er
     }
     bool ok = keep_folder(&pair->kernel_dir, def->kernel_dir, err);
     ok = ok && keep_folder(&pair->cache_dir, def->cache_dir, err);
+    ok = ok && (!pair->cache_dir || cache_check(pair->cache_dir, err));
     ok = ok && open_devices(pair, def, err);
     if (!ok) {
         duet_device_pair_close(pair);

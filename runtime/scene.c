@@ -4,6 +4,7 @@
 #include "runtime/scene.h"
 
 #include "runtime/base/error.h"
+#include "runtime/base/visible.h"
 #include "runtime/origin.h"
 #include "runtime/scene_row.h"
 
@@ -126,14 +127,16 @@ bool scene_set_columns(duet_scene *scene, uint32_t columns, scene_place place, d
 
 bool scene_set_name(duet_scene *scene, const char *name, size_t length, duet_error *err)
 {
-    char *copy = malloc(length + 1);
-    if (!copy)
-        return error_set(err, DUET_NO_MEMORY, "a scene's name: no memory");
-    memcpy(copy, name, length);
-    copy[length] = '\0';
+    text shown = {0};
+    visible_add(&shown, name, length, "");
+    text_add(&shown, "%s", ""); // a name of no characters has a place too
+    if (!text_ok(&shown, err)) {
+        text_free(&shown);
+        return false;
+    }
     free(scene->name);
-    scene->name = copy;
-    scene->info.name = copy;
+    scene->name = shown.chars;
+    scene->info.name = shown.chars;
     return true;
 }
 

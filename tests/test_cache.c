@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE
 #include "support/test.h"
 
 #include "runtime/cache.h"
 #include "runtime/device.h"
 #include "runtime/program.h"
 
+#include <fcntl.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -139,6 +141,177 @@ static void a_missing_folder_is_made_and_an_impossible_one_passed_over(void **st
     assert_false(cache_put("/dev/null/x", key, binary, sizeof binary));
     assert_false(cache_get("/dev/null/x", key, &found));
     assert_false(cache_put("no/such/folder", key, binary, sizeof binary));
+}
+
+// ------------------------------------------------------- with another user
+
+enum { OTHER_USER = 65534 };
+
+// Whether the test may act as another user; a line where it may not.
+static bool may_change_user(void)
+{
+    if (geteuid() != 0)
+        print_message("this test needs two users, so root: skipped\n");
+    return geteuid() == 0;
+}
+
+static void as_other(bool other)
+{
+    assert_int_equal(seteuid(other ? OTHER_USER : 0), 0);
+}
+
+static void assert_folder_refused(const char *says)
+{
+    duet_error err = {0};
+    assert_false(cache_check(dir, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    if (!strstr(err.text, says) || !strstr(err.text, dir))
+        fail_msg("'%s' for '%s' in %s", err.text, says, dir);
+    assert_kept(false);
+    assert_false(cache_put(dir, key, binary, sizeof binary));
+}
+
+static void a_folder_of_another_user_is_refused(void **state)
+{
+    (void)state;
+    if (!may_change_user())
+        skip();
+    assert_true(cache_check(dir, NULL));
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_int_equal(chmod(dir, 0755), 0);
+    as_other(true);
+    assert_folder_refused("belongs to another user"); // root's too, for a user
+    as_other(false);
+    assert_int_equal(chown(dir, OTHER_USER, (gid_t)-1), 0);
+    assert_folder_refused("belongs to another user"); // and a user's, for root
+}
+
+static void a_folder_that_others_can_write_is_refused(void **state)
+{
+    (void)state;
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_int_equal(chmod(dir, 0770), 0);
+    assert_folder_refused("can be written by other users");
+    assert_int_equal(chmod(dir, 0707), 0);
+    assert_folder_refused("can be written by other users");
+    assert_int_equal(chmod(dir, 0755), 0);
+    assert_kept(true);
+}
+
+static void a_link_to_a_folder_is_refused(void **state)
+{
+    (void)state;
+    char own[64];
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    memcpy(own, dir, sizeof own);
+    snprintf(dir, sizeof dir, "%.40s.link", own);
+    assert_int_equal(symlink(own, dir), 0);
+    assert_folder_refused("is a link");
+    assert_int_equal(remove(dir), 0);
+    memcpy(dir, own, sizeof dir);
+}
+
+static void a_pair_of_devices_does_not_open_on_such_a_folder(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    def.cache_dir = dir;
+    assert_int_equal(chmod(dir, 0777), 0);
+    assert_null(duet_device_pair_open(&def, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_non_null(strstr(err.text, dir));
+}
+
+static void an_entry_of_another_user_is_not_taken(void **state)
+{
+    (void)state;
+    char path[160];
+    entry_path(path);
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_int_equal(chmod(path, 0666), 0);
+    assert_kept(false);
+    assert_int_equal(chmod(path, 0644), 0);
+    assert_kept(true);
+    if (!may_change_user())
+        skip();
+    assert_int_equal(chown(path, OTHER_USER, (gid_t)-1), 0);
+    assert_kept(false);
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_kept(true);
+}
+
+// The name is now an own file, now a link to a file that only looks like one.
+static void flip(const char *path, const char *evil, const char *good)
+{
+    char next[192];
+    snprintf(next, sizeof next, "%s.next", path);
+    for (;;) {
+        if (symlink(evil, next) != 0 || rename(next, path) != 0)
+            _exit(1);
+        if (link(good, next) != 0 || rename(next, path) != 0)
+            _exit(1);
+    }
+}
+
+// Another user's entry with a right line: what reading through a link gives.
+static void make_evil(const char *path, const char *bytes)
+{
+    char own[64];
+    memcpy(own, dir, sizeof own);
+    snprintf(dir, sizeof dir, "%.40s/evil", own);
+    assert_true(cache_put(dir, key, bytes, sizeof binary));
+    char made[160];
+    entry_path(made);
+    assert_int_equal(rename(made, path), 0);
+    assert_int_equal(rmdir(dir), 0);
+    memcpy(dir, own, sizeof dir);
+}
+
+static void a_link_that_flips_while_it_is_read_gives_nobody_elses_code(void **state)
+{
+    (void)state;
+    char path[160], evil[160], good[160], evil_bytes[sizeof binary];
+    entry_path(path);
+    snprintf(evil, sizeof evil, "%s/evil.file", dir);
+    snprintf(good, sizeof good, "%s/good.file", dir);
+    memset(evil_bytes, 'E', sizeof evil_bytes);
+    make_evil(evil, evil_bytes);
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_int_equal(link(path, good), 0);
+    pid_t child = fork();
+    if (child == 0)
+        flip(path, "evil.file", good);
+    int n_found = 0, n_wrong = 0;
+    for (int i = 0; i < 50000; ++i) {
+        text found = {0};
+        bool got = cache_get(dir, key, &found);
+        n_found += got;
+        n_wrong += got && memcmp(found.chars, binary, sizeof binary) != 0;
+        text_free(&found);
+    }
+    kill(child, SIGKILL);
+    waitpid(child, NULL, 0);
+    print_message("%d of 50000 reads found the entry\n", n_found);
+    assert_int_equal(n_wrong, 0);
+    assert_true(n_found > 0);
+}
+
+// What a killed process left goes with the next entry, once it is old.
+static void what_was_left_half_written_is_cleared_away(void **state)
+{
+    (void)state;
+    char old[160], young[160];
+    snprintf(old, sizeof old, "%s/%s.bin.0123456789abcdef.part", dir, key);
+    snprintf(young, sizeof young, "%s/%s.bin.fedcba9876543210.part", dir, key);
+    test_write_file(old, "half");
+    test_write_file(young, "half");
+    const struct timespec times[2] = {{.tv_sec = 1000000000}, {.tv_sec = 1000000000}};
+    assert_int_equal(utimensat(AT_FDCWD, old, times, 0), 0);
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_int_not_equal(access(old, F_OK), 0);
+    assert_int_equal(access(young, F_OK), 0);
+    assert_kept(true);
 }
 
 static void each_part_of_the_key_counts(void **state)
@@ -308,6 +481,13 @@ int main(void)
         IN_A_FOLDER(an_entry_under_anothers_name_is_not_taken),
         IN_A_FOLDER(what_is_no_file_is_passed_over),
         IN_A_FOLDER(a_missing_folder_is_made_and_an_impossible_one_passed_over),
+        IN_A_FOLDER(a_folder_of_another_user_is_refused),
+        IN_A_FOLDER(a_folder_that_others_can_write_is_refused),
+        IN_A_FOLDER(a_link_to_a_folder_is_refused),
+        IN_A_FOLDER(a_pair_of_devices_does_not_open_on_such_a_folder),
+        IN_A_FOLDER(an_entry_of_another_user_is_not_taken),
+        IN_A_FOLDER(a_link_that_flips_while_it_is_read_gives_nobody_elses_code),
+        IN_A_FOLDER(what_was_left_half_written_is_cleared_away),
         cmocka_unit_test(each_part_of_the_key_counts),
         IN_A_FOLDER(threads_and_processes_may_share_a_folder),
         IN_A_FOLDER(a_program_is_built_from_its_entry_or_else_again),

@@ -47,7 +47,7 @@ static char *lines_of(store *s)
     size_t n = 0;
     duet_error err = {0};
     FILE *out = open_memstream(&lines, &n);
-    assert_ok(profile_export(s, out, &err), err);
+    assert_ok(profile_export(s, out, "an export", &err), err);
     fclose(out);
     return lines;
 }
@@ -148,7 +148,8 @@ static void rows_that_are_known_are_not_taken_twice(void **state)
 static void replace_once(char **lines, const char *from, const char *to)
 {
     char *at = strstr(*lines, from);
-    assert_non_null(at);
+    if (!at)
+        fail_msg("no line has %s", from);
     text t = {0};
     text_add_bytes(&t, *lines, (size_t)(at - *lines));
     text_add(&t, "%s%s", to, at + strlen(from));
@@ -187,6 +188,16 @@ static void one_bad_line_refuses_the_file_and_is_named(void **state)
         {"\"driver\":\"3.1\"", "\"driver\":\"3.2\"", "key"},
         {"\"n\":1000,", "\"n\":1001,", "key"},
         {"\"uid\":", "\"kernels\":7,\"uid\":", "kernels"},
+        {"\"options\":{", "\"options\":[{", "not a JSON object"},
+        {"\"options\":{\"launches\":16}", "\"options\":\"{\\\"x\\\":1},\\\"evil\\\":{}\"",
+         "JSON object: options"},
+        {"\"search_state\":{\"at\":1}", "\"search_state\":\"{} , {}\"", "search_state"},
+        {"\"terms\":null,\"origin\"",
+         "\"terms\":\"{\\\"x\\\":1},\\\"evil\\\":{\\\"a\\\":2}\",\"origin\"", "JSON object: terms"},
+        {"\"terms\":{\"T_CPU1\":1.5},\"samples\"", "\"terms\":\"{}\",\"samples\"",
+         "JSON object: terms"},
+        {"\"terms\":null,\"origin\"", "\"terms\":7,\"origin\"", "JSON object: terms"},
+        {"\"name\":\"", "\"name\":\"\xff", "not UTF-8"},
         {"\"type\":\"store\",\"version\":2", "\"type\":\"store\",\"version\":3", "newer"},
     };
     two_stores two = open_two();
@@ -208,6 +219,37 @@ static void one_bad_line_refuses_the_file_and_is_named(void **state)
         assert_int_equal(test_count(two.other, "audit"), 0);
         free(lines);
     }
+    close_two(&two);
+}
+
+// A store that somebody tampered with goes out without what is no object.
+static void a_poisoned_store_is_told_of_and_still_goes_out(void **state)
+{
+    (void)state;
+    two_stores two = open_two();
+    tune_one(two.s, 1000);
+    duet_error err = {0};
+    text report = {0};
+    uint32_t problems = 0;
+    assert_ok(sql_script(two.s,
+                         "UPDATE profile SET terms = '{\"x\":1},\"evil\":{\"a\":2}';"
+                         "UPDATE trial SET terms = '{broken}' WHERE number = 1;"
+                         "UPDATE trial SET terms = '{\"fine\":0.1}' WHERE number = 2;"
+                         "UPDATE session SET options = '{} , {}', search_state = '{\"a\":}'",
+                         &err),
+              err);
+    assert_ok(profile_check(two.s, &report, &problems, &err), err);
+    assert_int_equal(problems, 3);
+    assert_non_null(strstr(text_chars(&report), "a profile's terms are no JSON object"));
+    char *lines = lines_of(two.s);
+    assert_null(strstr(lines, "evil"));
+    assert_null(strstr(lines, "broken"));
+    assert_non_null(strstr(lines, "\"terms\":{\"fine\":0.1}"));
+    profile_import_counts counts;
+    assert_ok(import_lines(two.other, lines, &counts, &err), err);
+    assert_int_equal(test_count(two.other, "profile"), 1);
+    text_free(&report);
+    free(lines);
     close_two(&two);
 }
 
@@ -460,6 +502,7 @@ int main(void)
         cmocka_unit_test(numbers_of_full_length_survive),
         cmocka_unit_test(rows_that_are_known_are_not_taken_twice),
         cmocka_unit_test(one_bad_line_refuses_the_file_and_is_named),
+        cmocka_unit_test(a_poisoned_store_is_told_of_and_still_goes_out),
         cmocka_unit_test(a_row_whose_pair_is_nowhere_is_refused),
         cmocka_unit_test(spoilt_bytes_never_break_the_store),
         cmocka_unit_test(a_merge_keeps_two_machines_apart),

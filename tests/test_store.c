@@ -2,10 +2,12 @@
 #define _GNU_SOURCE
 #include "support/test.h"
 
+#include "profiles/exchange.h"
 #include "profiles/sql.h"
 #include "runtime/base/rng.h"
 #include "support/store.h"
 
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -118,6 +120,118 @@ static void network_file_systems_keep_a_rollback_journal(void **state)
     assert_string_equal(store_journal((unsigned long)(int32_t)0xff534d42), "delete");
     assert_string_equal(store_journal(0xef53), "wal");     // ext4
     assert_string_equal(store_journal(0x01021994), "wal"); // tmpfs
+}
+
+// ------------------------------------------------------------------------- paths
+
+// Names that mean something else to SQLite, to URIs or to a shell.
+static const char *const odd_names[] = {
+    ":memory:",
+    "file:x.db",
+    "file:x.db?mode=memory",
+    "file::memory:?cache=shared",
+    "a?mode=ro.db",
+    "50%41.db",
+    "#.db",
+    "a b.db",
+    "it's \"it\".db",
+    "new\nline.db",
+    "\xff\xfe\x80.db",
+    "\\.db",
+    "-.db",
+    "x;y$(z).db",
+    "%00.db",
+    "\xc3\xa9.db",
+};
+
+static void assert_is_a_store(const char *path)
+{
+    char head[16] = "";
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        fail_msg("there is no file '%s'", path);
+    size_t n = fread(head, 1, sizeof head, file);
+    fclose(file);
+    assert_int_equal(n, sizeof head);
+    assert_memory_equal(head, "SQLite format 3", 16);
+}
+
+static void take_a_store_through(const char *path)
+{
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    profile_request request = test_request(&pair, &workload);
+    profile_found found;
+    duet_error err = {0};
+    store *s = test_store_open(path, STORE_WRITE);
+    test_tune(s, &pair, &workload);
+    store_close(s);
+    assert_is_a_store(path);
+    s = test_store_open(path, STORE_READ); // waits until it rests
+    assert_int_equal(test_count(s, "profile"), 1);
+    store_close(s);
+    assert_ok(profile_lookup_files(path, NULL, &request, &found, NULL, &err), err);
+    assert_int_equal(found.grade, PROFILE_EXACT);
+    s = test_store_open("other.db", STORE_WRITE);
+    profile_import_counts counts;
+    assert_ok(profile_merge(s, path, &counts, &err), err);
+    assert_true(counts.added > 0);
+    store_close(s);
+    remove("other.db");
+}
+
+static int count_files(void)
+{
+    int n = 0;
+    DIR *names = opendir(".");
+    assert_non_null(names);
+    for (const struct dirent *e = readdir(names); e; e = readdir(names))
+        n += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
+    closedir(names);
+    return n;
+}
+
+// One file with exactly that name, in the folder one is in and by its whole path.
+static void a_path_names_that_very_file(void **state)
+{
+    (void)state;
+    char start[2048];
+    char whole[4096];
+    test_folder folder = test_folder_make();
+    assert_non_null(getcwd(start, sizeof start));
+    assert_int_equal(chdir(folder.path), 0);
+    for (size_t i = 0; i < sizeof odd_names / sizeof odd_names[0]; ++i) {
+        take_a_store_through(odd_names[i]);
+        assert_int_equal(count_files(), 1);
+        assert_int_equal(remove(odd_names[i]), 0);
+        snprintf(whole, sizeof whole, "//%s/%s/%s", start, folder.path, odd_names[i]);
+        take_a_store_through(whole);
+        assert_int_equal(count_files(), 1);
+        assert_int_equal(remove(odd_names[i]), 0);
+    }
+    assert_int_equal(chdir(start), 0);
+    test_folder_remove(&folder);
+}
+
+static void a_folder_called_file_leads_nowhere_else(void **state)
+{
+    (void)state;
+    char start[2048], whole[2200];
+    test_folder folder = test_folder_make();
+    store_close(test_store_open(folder.store, STORE_WRITE));
+    assert_non_null(getcwd(start, sizeof start));
+    assert_int_equal(chdir(folder.path), 0);
+    snprintf(whole, sizeof whole, "file:%s/%s", start, folder.store);
+    assert_int_equal(test_store_refusal(whole, STORE_READ).status, DUET_NOT_FOUND);
+    assert_int_equal(chdir(start), 0);
+    test_folder_remove(&folder);
+}
+
+static void an_empty_path_is_refused(void **state)
+{
+    (void)state;
+    assert_non_null(strstr(test_store_refusal("", STORE_WRITE).text, "path is empty"));
+    assert_non_null(strstr(test_store_refusal("", STORE_READ).text, "path is empty"));
 }
 
 // --------------------------------------------------------------- what is not ours
@@ -268,6 +382,9 @@ int main(void)
         cmocka_unit_test(a_missing_store_is_not_made_by_reading),
         cmocka_unit_test(an_empty_file_becomes_a_store_only_by_writing),
         cmocka_unit_test(network_file_systems_keep_a_rollback_journal),
+        cmocka_unit_test(a_path_names_that_very_file),
+        cmocka_unit_test(a_folder_called_file_leads_nowhere_else),
+        cmocka_unit_test(an_empty_path_is_refused),
         cmocka_unit_test(a_file_that_is_no_database_is_left_as_it_is),
         cmocka_unit_test(another_programs_database_is_left_as_it_is),
         cmocka_unit_test(a_folder_and_a_pipe_are_no_store),

@@ -3,14 +3,19 @@
 #define _GNU_SOURCE
 #include "support/test.h"
 
+#include "profiles/duet_profiles.h"
+#include "profiles/exchange.h"
 #include "profiles/sql.h"
+#include "profiles/upkeep.h"
 #include "support/store.h"
 
 #include <fcntl.h>
+#include <sched.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -164,6 +169,201 @@ static void a_full_disk_loses_only_what_did_not_fit(void **state)
     test_folder_remove(&folder);
 }
 
+// ------------------------------------------------------------------ what fails at once
+
+static void make_under_a_limit(const test_folder *folder)
+{
+    signal(SIGXFSZ, SIG_IGN);
+    for (rlim_t bytes = 0; bytes < 60000; bytes += 1777) {
+        struct rlimit limit = {bytes, RLIM_INFINITY};
+        setrlimit(RLIMIT_FSIZE, &limit);
+        duet_error err = {0};
+        store *s = store_open(folder->store, STORE_WRITE, &err);
+        expect(!s && strstr(err.text, folder->store) && strstr(err.text, "disk is full"),
+               "a store that does not fit is refused", &err);
+        expect(rmdir(folder->path) == 0 && mkdir(folder->path, 0755) == 0,
+               "nothing of it is left in the folder", &err);
+    }
+}
+
+static void a_store_that_does_not_fit_leaves_nothing(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    in_a_process(make_under_a_limit, &folder);
+    store_close(test_store_open(folder.store, STORE_WRITE));
+    test_folder_remove(&folder);
+}
+
+// Every means by which a store is read, on one that is not to be written.
+static void read_by_all_means(const test_folder *folder)
+{
+    duet_error err = {0};
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    profile_request request = test_request(&pair, &workload);
+    profile_found found;
+    expect(profile_lookup_files(folder->store, NULL, &request, &found, NULL, &err) &&
+               found.grade == PROFILE_EXACT,
+           "it is looked up in", &err);
+    store *s = store_open(folder->store, STORE_READ, &err);
+    expect(s, "it opens", &err);
+    int64_t n = 0;
+    expect(sql_number(s, "SELECT count(*) FROM profile", &n, &err) && n == 1, "it is read", &err);
+    text report = {0};
+    uint32_t problems = 0;
+    expect(profile_check(s, &report, &problems, &err) && problems == 0, "it is checked", &err);
+    text_free(&report);
+    expect(store_check_read(s, &err), "what was read counts", &err);
+    store_close(s);
+    duet_profile_list *list = duet_profile_list_open(folder->store, true, &err);
+    expect(duet_profile_list_count(list) == 1, "it is listed", &err);
+    duet_profile_list_close(list);
+}
+
+static void tune_one(const char *path)
+{
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    store *s = test_store_open(path, STORE_WRITE);
+    test_tune(s, &pair, &workload);
+    store_close(s);
+}
+
+static void fill_up(const char *path)
+{
+    static const char zeros[4096];
+    int file = open(path, O_WRONLY | O_CREAT, 0600);
+    size_t n = sizeof zeros;
+    while (n > 0)
+        if (write(file, zeros, n) <= 0)
+            n /= 2;
+    close(file);
+}
+
+// A file system of one megabyte, in a name space of this process alone.
+static bool mount_small(const char *path)
+{
+    bool mounted = geteuid() == 0 && unshare(CLONE_NEWNS) == 0 &&
+                   mount(NULL, "/", NULL, MS_REC | MS_PRIVATE, NULL) == 0 &&
+                   mount("tmpfs", path, "tmpfs", 0, "size=1m") == 0;
+    if (!mounted)
+        fprintf(stderr, "no file system can be mounted here: skipped\n");
+    return mounted;
+}
+
+static void read_on_a_full_disk(const test_folder *folder)
+{
+    if (!mount_small(folder->path))
+        return;
+    char filler[96];
+    snprintf(filler, sizeof filler, "%s/filler", folder->path);
+    tune_one(folder->store);
+    fill_up(filler);
+    read_by_all_means(folder);
+    duet_error err = {0};
+    char other[96];
+    snprintf(other, sizeof other, "%s/other.db", folder->path);
+    expect(!store_open(other, STORE_WRITE, &err) && strstr(err.text, "disk is full"),
+           "another store does not fit", &err);
+    expect(access(other, F_OK) != 0, "and is not there", &err);
+    expect(!profile_export_file(store_open(folder->store, STORE_READ, NULL), other, &err),
+           "an export does not fit", &err);
+    expect(access(other, F_OK) != 0, "and is not there either", &err);
+}
+
+static void a_full_disk_is_read(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    in_a_process(read_on_a_full_disk, &folder);
+    test_folder_remove(&folder);
+}
+
+static void read_as_another(const test_folder *folder)
+{
+    if (geteuid() == 0 && setuid(65534) != 0)
+        _exit(1);
+    read_by_all_means(folder);
+}
+
+// Not its owner, and in no way able to write: neither the file nor beside it.
+static void a_store_of_another_user_is_read(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    tune_one(folder.store);
+    chmod(folder.path, 0555);
+    usleep(100000); // until the file counts as settled
+    in_a_process(read_as_another, &folder);
+    chmod(folder.path, 0755);
+    test_folder_remove(&folder);
+}
+
+// Ends without closing: the rows are in the side file only.
+static void write_and_die(const test_folder *folder)
+{
+    duet_error err = {0};
+    store *s = store_open(folder->store, STORE_WRITE, &err);
+    expect(s && store_begin(s, &err) && store_audit(s, "killed", "after this", &err) &&
+               store_end(s, true, &err),
+           "it writes", &err);
+    _exit(0);
+}
+
+static int64_t count_killed(const test_folder *folder, duet_error *err)
+{
+    int64_t n = -1;
+    store *s = store_open(folder->store, STORE_READ, err);
+    if (s && !sql_number(s, "SELECT count(*) FROM audit WHERE what = 'killed'", &n, err))
+        n = -1;
+    store_close(s);
+    return n;
+}
+
+static void read_what_was_left_as_another(const test_folder *folder)
+{
+    duet_error err = {0};
+    char side[128];
+    if (geteuid() == 0 && setuid(65534) != 0)
+        _exit(1);
+    expect(count_killed(folder, &err) == 1, "the side file is read", &err);
+    snprintf(side, sizeof side, "%s-wal", folder->store);
+    expect(access(side, F_OK) == 0, "and stays", &err);
+}
+
+static void be_refused_what_was_left(const test_folder *folder)
+{
+    duet_error err = {0};
+    if (geteuid() == 0 && setuid(65534) != 0)
+        _exit(1);
+    expect(count_killed(folder, &err) < 0 && strstr(err.text, "let its owner open it once"),
+           "what cannot be read whole is refused", &err);
+}
+
+// Whoever may not write reads them too, or is told who must open it first; the
+// owner puts them into the file.
+static void rows_of_a_killed_writer_are_read_or_their_owner_is_named(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    char side[128];
+    snprintf(side, sizeof side, "%s-shm", folder.store);
+    tune_one(folder.store);
+    in_a_process(write_and_die, &folder);
+    chmod(folder.path, 0555);
+    in_a_process(read_what_was_left_as_another, &folder);
+    chmod(folder.path, 0755);
+    assert_int_equal(remove(side), 0); // the memory that readers share
+    chmod(folder.path, 0555);
+    in_a_process(be_refused_what_was_left, &folder);
+    chmod(folder.path, 0755);
+    duet_error err = {0};
+    assert_int_equal(count_killed(&folder, &err), 1);
+    assert_int_not_equal(access(side, F_OK), 0);
+    test_folder_remove(&folder);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -171,6 +371,10 @@ int main(void)
         cmocka_unit_test(reading_leaves_no_file_behind),
         cmocka_unit_test(a_read_only_folder_is_named),
         cmocka_unit_test(a_full_disk_loses_only_what_did_not_fit),
+        cmocka_unit_test(a_store_that_does_not_fit_leaves_nothing),
+        cmocka_unit_test(a_full_disk_is_read),
+        cmocka_unit_test(a_store_of_another_user_is_read),
+        cmocka_unit_test(rows_of_a_killed_writer_are_read_or_their_owner_is_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

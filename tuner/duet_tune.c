@@ -256,7 +256,7 @@ static bool tell_known(const profile_found *found, duet_tune_outcome *outcome, d
         .known = true,
     };
     memcpy(outcome->verdict, found->verdict, sizeof outcome->verdict);
-    cJSON *terms = cJSON_Parse(found->terms);
+    cJSON *terms = cJSON_ParseWithOpts(found->terms, NULL, true);
     terms_from_json(terms, &outcome->terms);
     cJSON_Delete(terms);
     profile_plan best = found->plan;

@@ -192,7 +192,7 @@ static bool read_search(const cJSON *root, search *s, duet_error *err)
 bool search_from_json(search *s, const char *json, duet_error *err)
 {
     *s = (search){0};
-    cJSON *root = cJSON_Parse(json);
+    cJSON *root = cJSON_ParseWithOpts(json, NULL, true);
     bool ok = read_search(root, s, err);
     cJSON_Delete(root);
     if (!ok)

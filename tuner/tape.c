@@ -123,7 +123,7 @@ static bool read_tape(const cJSON *rows, tape *t, duet_error *err)
 bool tape_from_json(tape *t, const char *json, duet_error *err)
 {
     *t = (tape){0};
-    cJSON *root = cJSON_Parse(json);
+    cJSON *root = cJSON_ParseWithOpts(json, NULL, true);
     bool ok = read_tape(cJSON_GetObjectItemCaseSensitive(root, "tape"), t, err);
     cJSON_Delete(root);
     if (!ok)

@@ -1,20 +1,44 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/base/error.h"
 
+#include "runtime/base/visible.h"
+
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
-// A compiler log has many lines; an error has one.
-static void join_lines(char *text)
+static void drop_cut_character(char *line)
 {
-    size_t length = strlen(text);
-    while (length > 0 && (text[length - 1] == '\n' || text[length - 1] == ' '))
-        text[--length] = '\0';
-    for (char *at = text; *at; ++at)
+    size_t length = strlen(line);
+    size_t begin = length;
+    while (begin > 0 && length - begin < 3 && ((unsigned char)line[begin - 1] & 0xc0) == 0x80)
+        --begin;
+    if (begin > 0 && (unsigned char)line[begin - 1] >= 0xc0 && utf8_length(line + begin - 1) == 0)
+        line[begin - 1] = '\0';
+}
+
+// A name of a stranger's file may hold what a terminal would obey.
+static void make_visible(char *line, size_t size)
+{
+    text shown = {0};
+    visible_add(&shown, line, strlen(line), "");
+    if (!shown.failed && shown.chars && strcmp(shown.chars, line) != 0)
+        snprintf(line, size, "%s", shown.chars);
+    text_free(&shown);
+}
+
+// A compiler log has many lines; an error has one.
+static void join_lines(char *line, size_t size)
+{
+    size_t length = strlen(line);
+    while (length > 0 && (line[length - 1] == '\n' || line[length - 1] == ' '))
+        line[--length] = '\0';
+    for (char *at = line; *at; ++at)
         if (*at == '\n' || *at == '\r' || *at == '\t')
             *at = ' ';
+    drop_cut_character(line);
+    make_visible(line, size);
 }
 
 static bool is_free(const duet_error *err)
@@ -30,7 +54,7 @@ bool error_set(duet_error *err, duet_status status, const char *format, ...)
     va_start(args, format);
     vsnprintf(err->text, sizeof err->text, format, args);
     va_end(args);
-    join_lines(err->text);
+    join_lines(err->text, sizeof err->text);
     err->status = status;
     err->cl_code = 0;
     return false;
@@ -44,7 +68,7 @@ bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
     va_start(args, format);
     vsnprintf(err->text, sizeof err->text, format, args);
     va_end(args);
-    join_lines(err->text);
+    join_lines(err->text, sizeof err->text);
     size_t used = strlen(err->text);
     snprintf(err->text + used, sizeof err->text - used, ": %s (%d)", error_cl_name(cl_code),
              cl_code);

@@ -2,14 +2,14 @@
 #define _POSIX_C_SOURCE 200809L
 #include "runtime/base/text.h"
 
+#include "runtime/base/output.h"
+
 #include <errno.h>
-#include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 static bool reserve(text *t, size_t more)
 {
@@ -93,41 +93,10 @@ bool text_read_file(text *t, const char *path, duet_error *err)
     return ok && text_ok(t, err);
 }
 
-// Beside the path, and another one for each writer of this machine.
-static void add_part_path(text *t, const char *path)
-{
-    static atomic_uint writes;
-    text_add(t, "%s.%ld.%u.part", path, (long)getpid(), atomic_fetch_add(&writes, 1));
-}
-
-// A device, a pipe and the like are written as they are; a file is whole at once.
-static bool is_replaced(const char *path)
-{
-    struct stat info;
-    return stat(path, &info) != 0 || S_ISREG(info.st_mode);
-}
-
 bool text_write_file(const char *path, const char *bytes, size_t n, duet_error *err)
 {
-    bool replace = is_replaced(path);
-    text beside = {0};
-    if (replace)
-        add_part_path(&beside, path);
-    else
-        text_add(&beside, "%s", path);
-    bool ok = text_ok(&beside, err);
-    FILE *file = ok ? fopen(beside.chars, "wb") : NULL;
-    if (ok && !file)
-        ok = error_set(err, DUET_IO_FAILED, "%s: cannot be written: %s", path, strerror(errno));
-    if (file) {
-        ok = fwrite(bytes, 1, n, file) == n;
-        ok = (fclose(file) == 0) && ok;
-        ok = ok && (!replace || rename(beside.chars, path) == 0);
-        if (!ok)
-            error_set(err, DUET_IO_FAILED, "%s: cannot be written: %s", path, strerror(errno));
-        if (!ok && replace)
-            remove(beside.chars);
-    }
-    text_free(&beside);
-    return ok;
+    output o;
+    if (output_open(&o, path, err))
+        fwrite(bytes, 1, n, o.stream); // a failure stays with the stream
+    return output_close(&o, true, err);
 }

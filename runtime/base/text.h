@@ -27,8 +27,7 @@ void text_free(text *t);
 // false with NOT_FOUND or IO_FAILED, naming the path.
 bool text_read_file(text *t, const char *path, duet_error *err);
 
-// Writes a whole file beside its place and renames it there, so that no one
-// ever sees half of it.
+// Writes a whole file, by output.h: all of it is there or nothing changes.
 bool text_write_file(const char *path, const char *bytes, size_t n, duet_error *err);
 
 #endif

@@ -15,6 +15,20 @@ facts.holds("CSV and JSON keep what a row holds", function()
   facts.raises("no column 'x'", f.add, f, { x = 1 })
 end)
 
+facts.holds("names that are no text of people do no harm", function()
+  local f = frame.new { "name" }
+  f:add { name = "\27[2J\xff\xc3\xa9\xe2\x82" }
+  f:add { name = "\xed\xa0\x80" }
+  assert(utf8.len(f:json()) and not f:json():find "\27")
+  assert(f:json():find('"\\u001b[2J\u{fffd}\u{e9}\u{fffd}\u{fffd}"', 1, true), f:json())
+  local printed, before = {}, print
+  print = function(line) printed[#printed + 1] = line end
+  f:print()
+  print = before
+  facts.equal(printed[2], "\\x1b[2J\\xff\u{e9}\\xe2\\x82")
+  facts.equal(printed[3], "\\xed\\xa0\\x80")
+end)
+
 facts.holds("the median's interval holds it as often as it says", function()
   facts.equal(lab.median { 3, 1, 2 }, 2)
   facts.equal(lab.median { 4, 1, 2, 3 }, 2.5)

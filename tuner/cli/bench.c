@@ -190,10 +190,10 @@ static bool finish(bench *b, duet_error *err)
 {
     bool ok = true;
     if (b->args->out) {
-        char *chars = cJSON_Print(b->results);
-        ok = chars ? text_write_file(b->args->out, chars, strlen(chars), err)
-                   : error_set(err, DUET_NO_MEMORY, "the results: no memory");
-        cJSON_free(chars);
+        text chars = {0};
+        ok = json_write(b->results, &chars, err) &&
+             text_write_file(b->args->out, chars.chars, chars.length, err);
+        text_free(&chars);
     }
     if (b->args->json) {
         ok = say_json(b->results, err) && ok;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/cli/bench_report.h"
 
+#include "tuner/cli/say.h"
 #include "tuner/cli/table.h"
 #include "tuner/race.h"
 
@@ -114,7 +115,7 @@ void bench_print_scene(const cJSON *results, const char *scene, const cJSON *bef
         if (strcmp(json_string(one, "scene"), scene) != 0)
             continue;
         if (!begun) {
-            printf("%s, %s objects, %.0fD\n", scene,
+            printf("%s, %s objects, %.0fD\n", say_name(scene).chars,
                    table_count((uint64_t)json_number(one, "objects")).chars,
                    json_number(one, "dims"));
             heads(&t, before != NULL);
@@ -151,7 +152,7 @@ void bench_print_verdicts(const cJSON *results, const cJSON *before)
         for (int v = 0; v <= RACE_AMBIGUOUS; ++v)
             counts[v] += strcmp(json_string(one, "verdict"), race_verdict_name(v)) == 0;
     }
-    printf("against %s:", json_string(before, "time"));
+    printf("against %s:", say_name(json_string(before, "time")).chars);
     for (int v = 0; v <= RACE_AMBIGUOUS; ++v)
         printf("%s %u %s", v ? "," : "", counts[v], race_verdict_name((race_verdict)v));
     printf(" (intervals of %.0f %%)\n", 100 * level);

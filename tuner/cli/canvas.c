@@ -5,6 +5,7 @@
 
 #include "runtime/base/error.h"
 #include "runtime/base/text.h"
+#include "runtime/base/visible.h"
 
 #include <cairo-svg.h>
 #include <math.h>
@@ -97,7 +98,10 @@ double canvas_words(canvas *c, point at, double size, colour ink, const char *wo
                            CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(c->cairo, size);
     cairo_move_to(c->cairo, at.x, at.y);
-    cairo_show_text(c->cairo, words);
+    text shown = {0}; // cairo draws nothing more after what is no UTF-8
+    visible_add(&shown, words, strlen(words), "");
+    cairo_show_text(c->cairo, text_chars(&shown));
+    text_free(&shown);
     cairo_get_current_point(c->cairo, &at.x, &at.y);
     return at.x;
 }

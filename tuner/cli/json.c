@@ -2,20 +2,45 @@
 #include "tuner/cli/json.h"
 
 #include "runtime/base/error.h"
-#include "runtime/base/text.h"
+#include "runtime/base/visible.h"
 
 #include <stdio.h>
+#include <string.h>
 
 cJSON *json_read(const char *path, duet_error *err)
 {
     text chars = {0};
     if (!text_read_file(&chars, path, err))
         return NULL;
-    cJSON *o = cJSON_Parse(text_chars(&chars));
+    const char *end = NULL;
+    cJSON *o = cJSON_ParseWithOpts(text_chars(&chars), &end, true);
+    if (o && end != chars.chars + chars.length) { // a NUL, and what follows it
+        cJSON_Delete(o);
+        o = NULL;
+    }
     text_free(&chars);
     if (!o)
         error_set(err, DUET_BAD_INPUT, "%s: not JSON", path);
     return o;
+}
+
+bool json_write(const cJSON *o, text *t, duet_error *err)
+{
+    char *chars = cJSON_Print(o);
+    if (!chars)
+        return error_set(err, DUET_NO_MEMORY, "the JSON object: no memory");
+    visible_add_json(t, chars);
+    cJSON_free(chars);
+    return text_ok(t, err);
+}
+
+void json_add_object(cJSON *o, const char *name, const char *chars)
+{
+    cJSON *object = chars ? cJSON_ParseWithOpts(chars, NULL, true) : NULL;
+    if (cJSON_IsObject(object))
+        cJSON_AddItemToObject(o, name, object);
+    else
+        cJSON_Delete(object);
 }
 
 bool json_require(const cJSON *o, const json_field *fields, const char *where, duet_error *err)

@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: MIT
 // JSON that the program wrote once and reads again: results of bench, accuracy
-// and explain.
+// and explain. And the one way in which it writes JSON.
 #ifndef CLI_JSON_H
 #define CLI_JSON_H
 
-#include "duet_error.h"
+#include "runtime/base/text.h"
 
 #include <cjson/cJSON.h>
 #include <stdbool.h>
 
 // A whole file; BAD_INPUT where it is no JSON.
 cJSON *json_read(const char *path, duet_error *err);
+
+// Adds the object's text, in UTF-8 and without control characters, whatever its
+// strings hold.
+bool json_write(const cJSON *o, text *t, duet_error *err);
+
+// Adds a field from an object's text; none where the text is not one object.
+void json_add_object(cJSON *o, const char *name, const char *chars);
 
 // A field that must be there; a table of them ends with {0}.
 typedef struct json_field {

@@ -72,8 +72,9 @@ static int run(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    setlocale(LC_CTYPE, ""); // only to know whether bars may be drawn finely
-    signal(SIGPIPE, SIG_IGN);
+    setlocale(LC_CTYPE, "");  // only to know whether bars may be drawn finely
+    signal(SIGPIPE, SIG_IGN); // a write that fails is told of by a line
+    signal(SIGXFSZ, SIG_IGN);
     interrupt_watch();
     int status = run(argc, argv);
     bool written = say_finish();

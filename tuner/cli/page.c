@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/cli/page.h"
 
+#include "runtime/base/visible.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -40,7 +42,9 @@ void page_words(text *page, const char *format, ...)
     va_start(args, format);
     vsnprintf(words, sizeof words, format, args);
     va_end(args);
-    for (const char *c = words; *c; ++c) {
+    text shown = {0};
+    visible_add(&shown, words, strlen(words), "\n\t");
+    for (const char *c = text_chars(&shown); *c; ++c) {
         static const char special[] = "&<>\"";
         static const char *const entities[] = {"&amp;", "&lt;", "&gt;", "&quot;"};
         const char *found = strchr(special, *c);
@@ -49,6 +53,7 @@ void page_words(text *page, const char *format, ...)
         else
             text_add_bytes(page, c, 1);
     }
+    text_free(&shown);
 }
 
 void page_begin(text *page, const char *title)

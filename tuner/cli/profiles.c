@@ -33,7 +33,7 @@ store *profiles_open(const char *path, store_access access, duet_error *err)
     store *s = ok ? store_open(path ? path : text_chars(&user), access, err) : NULL;
     text_free(&user);
     if (s && store_note(s))
-        fprintf(stderr, "duet: %s\n", store_note(s));
+        fprintf(stderr, "duet: %s\n", say_name(store_note(s)).chars);
     return s;
 }
 
@@ -61,7 +61,8 @@ static int run_verb(const command_line *line, store_access access, verb_body *bo
         return exit_code;
     duet_error err = {0};
     store *s = profiles_open(args.store, access, &err);
-    bool ok = s && body(s, &args, n_operands > 0 ? operands[0] : NULL, &err);
+    bool ok =
+        s && body(s, &args, n_operands > 0 ? operands[0] : NULL, &err) && store_check_read(s, &err);
     store_close(s);
     return ok ? EXIT_OK : say_failed(&err);
 }
@@ -81,7 +82,7 @@ static const command_line export_line = {
 static bool export_rows(store *s, const arguments *args, const char *path, duet_error *err)
 {
     (void)args;
-    return path ? profile_export_file(s, path, err) : profile_export(s, stdout, err);
+    return path ? profile_export_file(s, path, err) : profile_export(s, stdout, "stdout", err);
 }
 
 static int run_export(int argc, char **argv)
@@ -219,7 +220,7 @@ static const command_line check_line = {
 static bool print_report(const arguments *args, const char *report, duet_error *err)
 {
     if (!args->json) {
-        fputs(*report ? report : "sound\n", stdout);
+        say_lines(*report ? report : "sound\n");
         return true;
     }
     cJSON *o = cJSON_CreateObject();

@@ -3,6 +3,7 @@
 #include "profiles/entry.h"
 #include "runtime/base/error.h"
 #include "runtime/duet.h"
+#include "tuner/cli/json.h"
 #include "tuner/cli/options.h"
 #include "tuner/cli/profiles.h"
 #include "tuner/cli/say.h"
@@ -81,7 +82,7 @@ static cJSON *entry_json(const profile_entry *e)
         cJSON_AddNumberToObject(o, "true_pairs", (double)e->row.true_pairs);
     }
     if (e->row.terms)
-        cJSON_AddRawToObject(o, "terms", e->row.terms);
+        json_add_object(o, "terms", e->row.terms);
     cJSON_AddStringToObject(o, "objective", e->row.objective);
     cJSON_AddStringToObject(o, "origin", e->row.origin);
     cJSON_AddStringToObject(o, "kernels", e->row.kernels);
@@ -98,7 +99,7 @@ static void add_session(cJSON *o, const profile_entry_session *s)
     cJSON_AddStringToObject(session, "id", s->id);
     cJSON_AddStringToObject(session, "state", s->state);
     cJSON_AddStringToObject(session, "strategy", s->strategy);
-    cJSON_AddRawToObject(session, "options", s->options);
+    json_add_object(session, "options", s->options);
     if (s->script)
         cJSON_AddStringToObject(session, "script", s->script);
     cJSON_AddStringToObject(session, "tool_version", s->tool_version);
@@ -128,7 +129,7 @@ static bool add_trial(void *context, int64_t number, const profile_trial *trial)
     cJSON_AddNumberToObject(o, "a_ms", trial->a_ns * 1e-6);
     cJSON_AddNumberToObject(o, "b_ms", trial->b_ns * 1e-6);
     if (trial->terms)
-        cJSON_AddRawToObject(o, "terms", trial->terms);
+        json_add_object(o, "terms", trial->terms);
     return cJSON_AddItemToArray(context, o);
 }
 
@@ -159,8 +160,8 @@ typedef struct listing {
 
 static void print_device(const char *label, const profile_entry_device *d)
 {
-    printf("%s%s%s%s%s, driver %s\n", label, d->name, d->part ? " [" : "", d->part ? d->part : "",
-           d->part ? "]" : "", d->driver);
+    printf("%s%s%s%s%s, driver %s\n", label, say_name(d->name).chars, d->part ? " [" : "",
+           say_name(d->part).chars, d->part ? "]" : "", say_name(d->driver).chars);
 }
 
 static table begin_rows(void)
@@ -226,7 +227,7 @@ static bool list(store *s, const arguments *args, duet_error *err)
     if (!o && l.n > 0)
         table_print(&l.rows, stdout);
     else if (!o && ok)
-        printf("%s: no profiles yet; duet tune makes them\n", store_path(s));
+        printf("%s: no profiles yet; duet tune makes them\n", say_name(store_path(s)).chars);
     if (ok && o)
         return say_json(o, err);
     cJSON_Delete(o);
@@ -243,7 +244,7 @@ int profiles_list(int argc, char **argv)
         return exit_code;
     duet_error err = {0};
     store *s = profiles_open(args.store, STORE_READ, &err);
-    bool ok = s && list(s, &args, &err);
+    bool ok = s && list(s, &args, &err) && store_check_read(s, &err);
     store_close(s);
     return ok ? EXIT_OK : say_failed(&err);
 }
@@ -285,6 +286,13 @@ static bool add_trial_row(void *context, int64_t number, const profile_trial *tr
     return true;
 }
 
+static void print_lines(const char *label, const char *lines)
+{
+    printf("%s", label);
+    say_lines(lines);
+    printf("\n");
+}
+
 static void print_session(const profile_entry *e)
 {
     const profile_entry_session *s = &e->session;
@@ -292,43 +300,45 @@ static void print_session(const profile_entry *e)
         printf("session   none: put in by hand\n");
         return;
     }
-    printf("session   %s, %s, duet %s on %s machine, load %.2f, clock of %.0f ns\n", s->id,
-           s->state, s->tool_version, is_here(e) ? "this" : "another", s->load, s->timer_ns);
+    printf("session   %s, %s, duet %s on %s machine, load %.2f, clock of %.0f ns\n",
+           say_name(s->id).chars, say_name(s->state).chars, say_name(s->tool_version).chars,
+           is_here(e) ? "this" : "another", s->load, s->timer_ns);
     printf("search    %s, seed %" PRId64 ", %" PRId64 " trials, %" PRId64
            " launches, resumed %" PRId64 " times\n",
-           s->strategy, s->seed, s->trials, s->launches, s->resumed);
-    printf("options   %s\n", s->options);
+           say_name(s->strategy).chars, s->seed, s->trials, s->launches, s->resumed);
+    print_lines("options   ", s->options);
     printf("when      %s to %s UTC\n", profiles_when(s->started_ns).chars,
            or_none(profiles_when(s->ended_ns).chars));
     if (s->script)
-        printf("script\n%s\n", s->script);
+        print_lines("script\n", s->script);
 }
 
 static void print_entry(const profile_entry *e)
 {
     const profile_row *row = &e->row;
-    printf("profile   %s%s%s\n", e->uid, e->dead_reason ? ", dead: " : "",
-           e->dead_reason ? e->dead_reason : "");
+    printf("profile   %s%s%s\n", say_name(e->uid).chars, e->dead_reason ? ", dead: " : "",
+           say_name(e->dead_reason).chars);
     print_device("A         ", &e->a);
     print_device("B         ", &e->b);
-    printf("workload  %s, %s objects: %s\n", or_none(e->scene), table_count((uint64_t)e->n).chars,
-           e->family);
+    printf("workload  %s, %s objects: %s\n", say_name(or_none(e->scene)).chars,
+           table_count((uint64_t)e->n).chars, say_name(e->family).chars);
     printf("plan      share %.5f (%u of %d), mode %s, A %s, B %s, level %s\n",
            row->plan.share / (double)PROFILE_SHARE_ONE, row->plan.share, PROFILE_SHARE_ONE,
-           row->plan.mode, row->plan.variant_a, row->plan.variant_b, row->plan.level);
+           say_name(row->plan.mode).chars, say_name(row->plan.variant_a).chars,
+           say_name(row->plan.variant_b).chars, say_name(row->plan.level).chars);
     printf("step      %.4f ms (%.4f to %.4f)\n", row->median_ns * 1e-6, row->low_ns * 1e-6,
            row->high_ns * 1e-6);
-    printf(
-        "gain      %s\n",
-        table_gain(row->plan.share, row->gain, row->gain_low, row->gain_high, row->verdict).chars);
+    table_text gain =
+        table_gain(row->plan.share, row->gain, row->gain_low, row->gain_high, row->verdict);
+    printf("gain      %s\n", say_name(gain.chars).chars);
     if (row->true_pairs < 0)
         printf("accuracy  was not measured\n");
     else
         printf("accuracy  by %s true pairs %g are missed, %g invented\n",
                table_count((uint64_t)row->true_pairs).chars, row->missed_rate, row->false_rate);
     if (row->terms)
-        printf("terms     %s\n", row->terms);
-    printf("kernels   %s\n", row->kernels);
+        print_lines("terms     ", row->terms);
+    printf("kernels   %s\n", say_name(row->kernels).chars);
     print_session(e);
 }
 
@@ -407,7 +417,7 @@ int profiles_show(int argc, char **argv)
         return exit_code;
     duet_error err = {0};
     store *s = profiles_open(args.store, STORE_READ, &err);
-    bool ok = s && show(s, &args, operands[0], &err);
+    bool ok = s && show(s, &args, operands[0], &err) && store_check_read(s, &err);
     store_close(s);
     return ok ? EXIT_OK : say_failed(&err);
 }

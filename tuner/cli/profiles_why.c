@@ -73,11 +73,13 @@ static void print_text(const answer *a)
     const profile_plan *plan = &found->plan;
     text workload = {0};
     profile_workload_text(&a->asked.workload, &workload);
-    printf("workload  %s\n", text_chars(&workload));
+    printf("workload  %s\n", say_name(text_chars(&workload)).chars);
     text_free(&workload);
     print_device("A", &a->asked.pair.a);
     print_device("B", &a->asked.pair.b);
-    printf("\n%s\n", text_chars(&a->why));
+    printf("\n");
+    say_lines(text_chars(&a->why));
+    printf("\n");
     printf("%s: ", profile_grade_name(found->grade));
     if (found->grade == PROFILE_DEFAULT) {
         printf("share %.4f, mode %s, A %s, B %s, which nothing speaks for or against\n",
@@ -86,14 +88,15 @@ static void print_text(const answer *a)
         return;
     }
     printf("share %.4f, mode %s, A %s, B %s, level %s\n", plan->share / (double)PROFILE_SHARE_ONE,
-           plan->mode, plan->variant_a, plan->variant_b, plan->level);
-    printf("a step of %.4g ms, %s\n", found->median_ns * 1e-6,
-           table_gain(plan->share, found->gain, found->gain_low, found->gain_high, found->verdict)
-               .chars);
+           say_name(plan->mode).chars, say_name(plan->variant_a).chars,
+           say_name(plan->variant_b).chars, say_name(plan->level).chars);
+    table_text gain =
+        table_gain(plan->share, found->gain, found->gain_low, found->gain_high, found->verdict);
+    printf("a step of %.4g ms, %s\n", found->median_ns * 1e-6, say_name(gain.chars).chars);
     if (found->true_pairs > 0)
         printf("by %s pairs that collide level %s misses %.3g and invents %.3g\n",
-               table_count((uint64_t)found->true_pairs).chars, plan->level, found->missed_rate,
-               found->false_rate);
+               table_count((uint64_t)found->true_pairs).chars, say_name(plan->level).chars,
+               found->missed_rate, found->false_rate);
 }
 
 static void add_plan(cJSON *o, const answer *a)

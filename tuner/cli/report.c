@@ -122,7 +122,7 @@ static bool add_store(text *page, const char *path, bool needed, duet_error *err
     }
     if (!s)
         return error_set(err, failure.status, "%s", failure.text);
-    bool ok = report_store(page, s, err);
+    bool ok = report_store(page, s, err) && store_check_read(s, err);
     store_close(s);
     return ok;
 }

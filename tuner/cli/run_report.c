@@ -65,7 +65,9 @@ static void print_profile(const run_report *r)
         printf("plan: the default; 'duet tune' measures a better one\n\n");
     else
         printf("plan: from the profile, %s; %s\n\n", duet_grade_name(p->grade),
-               table_gain(p->plan.share, p->gain, p->gain_low, p->gain_high, p->verdict).chars);
+               say_name(
+                   table_gain(p->plan.share, p->gain, p->gain_low, p->gain_high, p->verdict).chars)
+                   .chars);
 }
 
 enum { NOBODY = -1 };

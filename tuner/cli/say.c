@@ -2,8 +2,9 @@
 #include "tuner/cli/say.h"
 
 #include "runtime/base/error.h"
+#include "runtime/base/visible.h"
+#include "tuner/cli/json.h"
 
-#include <cjson/cJSON.h>
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -29,13 +30,31 @@ int say_wrong(const char *command, const char *format, ...)
 
 bool say_json(cJSON *object, duet_error *err)
 {
-    char *text = cJSON_Print(object);
+    text chars = {0};
+    bool ok = json_write(object, &chars, err);
     cJSON_Delete(object);
-    if (!text)
-        return error_set(err, DUET_NO_MEMORY, "the JSON object: no memory");
-    puts(text);
-    cJSON_free(text);
-    return true;
+    if (ok)
+        puts(chars.chars);
+    text_free(&chars);
+    return ok;
+}
+
+said say_name(const char *name)
+{
+    said shown = {{0}};
+    text whole = {0};
+    visible_add(&whole, name ? name : "", name ? strlen(name) : 0, "");
+    snprintf(shown.chars, sizeof shown.chars, "%s", text_chars(&whole));
+    text_free(&whole);
+    return shown;
+}
+
+void say_lines(const char *lines)
+{
+    text shown = {0};
+    visible_add(&shown, lines, strlen(lines), "\n\t");
+    fputs(text_chars(&shown), stdout);
+    text_free(&shown);
 }
 
 bool say_finish(void)

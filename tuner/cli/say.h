@@ -21,6 +21,17 @@ int say_wrong(const char *command, const char *format, ...) __attribute__((forma
 // Prints the object on stdout and deletes it. false where memory ran out.
 bool say_json(struct cJSON *object, duet_error *err);
 
+// A name from a file, a store or a driver, on one line and without what a
+// terminal would obey; a very long one is cut. Nothing for NULL.
+typedef struct said {
+    char chars[512];
+} said;
+
+said say_name(const char *name);
+
+// Prints such a text, whose lines and tabs stay.
+void say_lines(const char *lines);
+
 // Writes out what stdout still holds. A full disk or a reader that went away
 // is a failure: false, and a line on stderr.
 bool say_finish(void);

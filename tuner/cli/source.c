@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // duet source: the exact text of a kernel, what it lets vary, and whether a
 // device's compiler takes all of it.
+#define _POSIX_C_SOURCE 200809L
 #include "runtime/base/error.h"
 #include "runtime/device.h"
 #include "runtime/duet.h"
@@ -16,6 +17,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef struct arguments {
     option_list settings;
@@ -130,6 +132,15 @@ static bool print_json(const gen_variant *v, duet_error *err)
     return say_json(o, err);
 }
 
+// To a file or a pipe as it is: its bytes are the variant's key.
+static void print_text(const char *source)
+{
+    if (isatty(STDOUT_FILENO))
+        say_lines(source);
+    else
+        fputs(source, stdout);
+}
+
 static bool print_source(gen *g, const char *name, const gen_limits *limits, const arguments *args,
                          duet_error *err)
 {
@@ -140,7 +151,7 @@ static bool print_source(gen *g, const char *name, const gen_limits *limits, con
     if (ok && args->json)
         ok = print_json(&v, err);
     else if (ok)
-        fputs(v.text, stdout);
+        print_text(v.text);
     gen_variant_free(&v);
     return ok;
 }

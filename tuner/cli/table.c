@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tuner/cli/table.h"
 
+#include "runtime/base/visible.h"
 #include "runtime/duet.h"
 
 #include <langinfo.h>
@@ -20,7 +21,8 @@ void table_cell(table *t, const char *format, ...)
     va_start(args, format);
     vsnprintf(cell, sizeof cell, format, args);
     va_end(args);
-    text_add_bytes(&t->cells, cell, strlen(cell) + 1);
+    visible_add(&t->cells, cell, strlen(cell), "");
+    text_add_bytes(&t->cells, "", 1);
     ++t->n_cells;
 }
 

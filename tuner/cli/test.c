@@ -146,8 +146,8 @@ static bool write_lines(const tested *t, const char *path, duet_error *err)
 static void tell(const tested *t)
 {
     double share = (double)t->def.share / DUET_SHARE_ONE;
-    printf("%s: %s pairs in %uD, level %s\n", t->path, table_count(t->n).chars, t->def.dims,
-           duet_level_describe(t->def.level)->name);
+    printf("%s: %s pairs in %uD, level %s\n", say_name(t->path).chars, table_count(t->n).chars,
+           t->def.dims, duet_level_describe(t->def.level)->name);
     printf("%s colliding, %s separated, %s left undecided by float\n",
            table_count(t->colliding).chars, table_count(t->n - t->colliding).chars,
            table_count(t->undecided).chars);

@@ -122,8 +122,9 @@ static void print_accuracy(const cJSON *row)
     if (strcmp(string(row, "level"), "certified") == 0)
         return;
     printf("%s: of %s pairs that collide '%s' misses %.3g %% and invents %.3g %%\n",
-           string(row, "workload"), table_count((uint64_t)number(row, "true_pairs")).chars,
-           string(row, "level"), 100 * number(row, "missed_rate"), 100 * number(row, "false_rate"));
+           say_name(string(row, "workload")).chars,
+           table_count((uint64_t)number(row, "true_pairs")).chars, string(row, "level"),
+           100 * number(row, "missed_rate"), 100 * number(row, "false_rate"));
 }
 
 static void print_table(const cJSON *workloads)
