@@ -74,6 +74,72 @@ static void better_levels_report_fewer_random_pairs(void **state)
     assert_int_equal(found[DUET_LEVEL_DOUBLE], found[DUET_LEVEL_CERTIFIED]);
 }
 
+// ------------------------------------------------------------ spheres
+
+static long double length(const float v[3], float from[3])
+{
+    long double sum = 0;
+    for (int i = 0; i < 3; ++i)
+        sum += ((long double)v[i] - from[i]) * ((long double)v[i] - from[i]);
+    return sqrtl(sum);
+}
+
+// A half extent about as large as 2^power, or much smaller, or 0.
+static float any_half(rng *r, int power)
+{
+    static const int smaller[] = {0, 0, 1, 12, 60};
+    return rng_below(r, 6) == 0
+               ? 0
+               : ldexpf((float)rng_between(r, 0.5, 1), power - smaller[rng_below(r, 5)]);
+}
+
+// Two boxes whose spheres are within 2^-12 to 2^-22 of touching.
+static hard_pair spheres_that_nearly_touch(rng *r, int power)
+{
+    static float origin[3];
+    hard_pair p = {{{0}, {0}, {0, 0, 0, 1}}, {{0}, {0}, {0, 0, 0, 1}}};
+    double way[3], norm = 0;
+    for (int i = 0; i < 3; ++i) {
+        p.a.half[i] = any_half(r, power);
+        p.b.half[i] = any_half(r, power);
+        way[i] = rng_below(r, 4) ? rng_normal(r) : 0;
+        norm += way[i] * way[i];
+    }
+    double reach = (double)(length(p.a.half, origin) + length(p.b.half, origin));
+    reach *= 1 + (rng_below(r, 2) ? 1 : -1) * pow(2, -rng_between(r, 12, 22));
+    for (int i = 0; i < 3; ++i)
+        p.b.centre[i] = norm > 0 ? (float)(way[i] / sqrt(norm) * reach) : 0;
+    return p;
+}
+
+// Neither misses spheres that touch nor reports what is 2^-18 of its reach apart, for
+// sizes from 2^-70 to 2^100.
+static void spheres_are_told_apart_in_the_whole_range(void **state)
+{
+    (void)state;
+    static float origin[3];
+    int n_apart = 0, n_near = 0;
+    rng r = rng_seed(test_seed());
+    for (int i = 0; i < 400000; ++i) {
+        hard_pair p = spheres_that_nearly_touch(&r, -74 + i % 176);
+        double size = promise_size(&p, 3);
+        bool collide = meeting_spheres(&p.a, &p.b, narrow_here, 3);
+        long double distance = length(p.b.centre, p.a.centre);
+        long double reach = length(p.a.half, origin) + length(p.b.half, origin);
+        bool known = size >= 0x1.00001p-70 && size <= 0x1.fffffp99;
+        bool wrong = collide ? known && distance > reach * (1 + 0x1p-18L) : distance <= reach;
+        if (wrong) {
+            hard_pair_print(&p, 3);
+            fail_msg("of size %a: %s, spheres %Lg apart and %Lg wide", size,
+                     collide ? "reported" : "missed", distance, reach);
+        }
+        n_apart += !collide;
+        n_near += distance > reach;
+    }
+    print_message("%d of %d told apart\n", n_apart, n_near);
+    assert_true(n_apart > n_near / 4);
+}
+
 // A plate across axis k, as wide as anything.
 static duet_pose plate_at(int k, float at)
 {
@@ -118,6 +184,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_level_keeps_its_promise_on_hard_pairs),
         cmocka_unit_test(better_levels_report_fewer_random_pairs),
+        cmocka_unit_test(spheres_are_told_apart_in_the_whole_range),
         cmocka_unit_test(bounds_contain_their_box),
         cmocka_unit_test(names_name_levels),
     };
