@@ -251,6 +251,11 @@ static float radius_of(const float half[3])
     return root(dot(scaled, scaled)) * power_of(greatest);
 }
 
+static bool is_beyond(const float t[3], float reach)
+{
+    return dot(t, t) > reach * reach * (1.0f + 0x1p-18f);
+}
+
 bool meeting_spheres(const duet_pose *pose_a, const duet_pose *pose_b, const double shift[3],
                      uint32_t dims)
 {
@@ -258,10 +263,13 @@ bool meeting_spheres(const duet_pose *pose_a, const duet_pose *pose_b, const dou
     float t[3];
     set_way(t, &a, &b, shift, dims);
     float size = sum_of_sizes(t, a.half, b.half);
-    float scale = inverse_power_of(size);
-    for (int k = 0; k < 3; ++k)
-        t[k] *= scale;
-    float reach = scale * (radius_of(a.half) + radius_of(b.half));
-    bool apart = dot(t, t) > reach * reach * (1.0f + 0x1p-18f);
+    float reach = radius_of(a.half) + radius_of(b.half);
+    bool apart = is_beyond(t, reach);
+    if (!(size >= 0x1p-40f && size <= 0x1p40f)) { // squares near 1
+        float scale = inverse_power_of(size);
+        for (int k = 0; k < 3; ++k)
+            t[k] *= scale;
+        apart = is_beyond(t, scale * reach);
+    }
     return !(apart && is_trusted(size));
 }
