@@ -256,6 +256,63 @@ static void a_falling_elastic_ball_gains_nothing(void **state)
     mover_free(m);
 }
 
+// The greatest height within so many steps.
+static double apex(mover *m, uint32_t id, int steps)
+{
+    double height = 0;
+    for (int i = 0; i < steps; ++i) {
+        mover_run(m, 1);
+        height = fmax(height, m->states[id].centre[2]);
+    }
+    return height;
+}
+
+// A cube that falls from so high, by so many substeps: what a bounce takes of its
+// height, as a mean of the bounces of some seconds.
+static double loss_of_a_bounce(double drop, uint32_t substeps, double *n)
+{
+    mover *m = mover_new(3);
+    mover_add_floor(m, 5);
+    m->bodies[0].restitution = 1.0f;
+    m->def.substeps = substeps;
+    uint32_t ball = mover_add_cube(m, 0, 0, 0.5 + drop, 1);
+    m->bodies[ball].upright = true;
+    double period = 2 * sqrt(2 * drop / -m->def.gravity[2]);
+    mover_run(m, 1200);
+    *n = floor(1200 * m->def.dt / period);
+    double left = (apex(m, ball, (int)(period / m->def.dt) + 2) - 0.5) / drop;
+    mover_free(m);
+    return 1 - pow(left, 1 / *n);
+}
+
+static void an_elastic_bounce_keeps_its_height(void **state)
+{
+    (void)state;
+    static const struct {
+        double drop;
+        uint32_t substeps;
+    } cases[] = {{2, 4}, {2, 1}, {2, 8}, {0.7, 4}, {5.3, 4}, {11, 2}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        double n, loss = loss_of_a_bounce(cases[i].drop, cases[i].substeps, &n);
+        print_message("%g m, %u substeps, %.0f bounces: %.5f of the height lost each time\n",
+                      cases[i].drop, cases[i].substeps, n, loss);
+        assert_close(loss, 0.0, 1e-3);
+    }
+}
+
+static void a_bounce_of_half_the_speed_keeps_a_quarter_of_the_height(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    mover_add_floor(m, 5);
+    uint32_t ball = mover_add_cube(m, 0, 0, 4.5, 1);
+    m->bodies[ball].restitution = 0.5f;
+    m->bodies[ball].upright = true;
+    mover_run(m, 60); // on the ground after 0.9 s, up again 0.45 s later
+    assert_close(apex(m, ball, 30) - 0.5, 1.0, 0.01);
+    mover_free(m);
+}
+
 static void an_inelastic_ball_comes_to_rest(void **state)
 {
     (void)state;
@@ -554,6 +611,8 @@ int main(void)
         cmocka_unit_test(an_elastic_ball_keeps_its_energy),
         cmocka_unit_test(tumbling_elastic_boxes_gain_nothing),
         cmocka_unit_test(a_falling_elastic_ball_gains_nothing),
+        cmocka_unit_test(an_elastic_bounce_keeps_its_height),
+        cmocka_unit_test(a_bounce_of_half_the_speed_keeps_a_quarter_of_the_height),
         cmocka_unit_test(an_inelastic_ball_comes_to_rest),
         cmocka_unit_test(a_cradle_hands_the_speed_on),
         cmocka_unit_test(momentum_is_kept_in_a_collision),
