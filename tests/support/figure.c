@@ -51,7 +51,9 @@ static const char *read_number(const char *at, double *value)
     return at;
 }
 
-// Whether the text at `at` reads like the pattern.
+enum { MOST = 16 };
+
+// Whether the text at `at` reads like the pattern, with n numbers.
 static bool reads_like(const char *at, const char *pattern, int n, double *out)
 {
     int found = 0;
@@ -90,14 +92,19 @@ void figures(const char *document, const char *pattern, int n, double *out)
 {
     char path[512];
     snprintf(path, sizeof path, "%s/../../docs/%s", getenv("DUET_TEST_SCENES"), document);
+    assert_true(n <= MOST);
     text t = {0};
     duet_error err = {0};
     assert_ok(text_read_file(&t, path, &err), err);
     join_lines(&t);
     int places = 0;
     for (const char *at = t.chars; *at; ++at) {
+        double found[MOST];
         bool within = at > t.chars && isdigit((unsigned char)at[-1]) && *pattern == '#';
-        places += !within && reads_like(at, pattern, n, out);
+        if (within || !reads_like(at, pattern, n, found))
+            continue;
+        memcpy(out, found, (size_t)n * sizeof *out);
+        ++places;
     }
     text_free(&t);
     if (places != 1)
