@@ -8,7 +8,7 @@ local program, docs, scenes, folder = table.unpack(arg, 1, 4)
 
 -- "997 484", "+40 %", "2.8e-6": the number, and half of what its last digit is worth.
 local function printed(cell)
-  local text = cell:gsub("%s*%%$", ""):gsub("(%d) (%d%d%d)", "%1%2"):gsub("^%+", "")
+  local text = cell:gsub("%s*%%$", ""):gsub("(%d) %f[%d]", "%1"):gsub("^%+", "")
   local value = tonumber(text)
   if not value then return nil end
   local digits, power = text:match("^%-?([%d%.]+)e?(.*)$")
