@@ -60,10 +60,11 @@ static void heavy_boxes_rest_on_light_ones(void **state)
 {
     (void)state;
     double f[6];
-    figures("effects.md",
-            "heavy on light, 1 : # and 1 : # | # and # substeps, less than a tenth of an edge deep; "
-            "with # substeps 1 : # sinks in",
-            6, f);
+    figures(
+        "effects.md",
+        "heavy on light, 1 : # and 1 : # | # and # substeps, less than a tenth of an edge deep; "
+        "with # substeps 1 : # sinks in",
+        6, f);
     const struct {
         double ratio, substeps, depth; // of the edge
     } cases[] = {{1, 4, 0.02}, {f[0], f[2], 0.1}, {f[1], f[3], 0.1}};
@@ -214,7 +215,7 @@ static void an_elastic_ball_keeps_its_energy(void **state)
     m->bodies[ball].velocity[1] = 17.0f;
     double before = mover_energy(m).kinetic;
     mover_run(m, 60 * 200); // about 1 000 bounces
-    double f[2]; // bounces, energy
+    double f[2];            // bounces, energy
     figures("effects.md", "elastic box between walls, # bounces | kinetic energy within #", 2, f);
     assert_true(f[0] == 1000);
     assert_close(mover_energy(m).kinetic / before, 1.0, f[1]);
@@ -241,11 +242,12 @@ static void tumbling_elastic_boxes_gain_nothing(void **state)
             m->bodies[id].velocity[k] = (float)rng_between(&r, -2, 2);
     }
     double before = mover_energy(m).kinetic; // nothing turns yet
-    double f[5]; // boxes, steps, gained, lost from and to, per cent
-    figures("effects.md",
-            "# elastic boxes that tumble between walls, # steps | never # % above their energy; # to "
-            "# % are lost",
-            5, f);
+    double f[5];                             // boxes, steps, gained, lost from and to, per cent
+    figures(
+        "effects.md",
+        "# elastic boxes that tumble between walls, # steps | never # % above their energy; # to "
+        "# % are lost",
+        5, f);
     assert_int_equal(m->n, (int)f[0]);
     mover_run(m, (uint32_t)f[1]);
     duet_energy after = mover_energy(m);
@@ -419,8 +421,8 @@ static void friction_holds_up_to_its_angle(void **state)
 {
     (void)state;
     double f[3];
-    figures("effects.md",
-            "holds at # tan, slides at # tan; sliding as the closed form within # %", 3, f);
+    figures("effects.md", "holds at # tan, slides at # tan; sliding as the closed form within # %",
+            3, f);
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         assert_true(fabs(slide(dims, f[0] * tan(0.5))) < 0.02);
         assert_true(slide(dims, f[1] * tan(0.5)) > 0.1);
