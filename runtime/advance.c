@@ -33,6 +33,17 @@ static void add_gravity(motion_args *a, bool real)
     add(a, at[0], at[1], d->dims == 3 ? at[2] : 0.0, d->attraction);
 }
 
+// What a substep adds to the velocity of all that falls, and 1 / its time. An
+// attraction, which differs from place to place, is left out.
+static void add_pull(motion_args *a)
+{
+    const duet_motion_def *d = &a->motion->def;
+    double h = d->dt / d->substeps;
+    double part = d->attraction != 0.0 ? 0.0 : h;
+    args_float4(a, part * d->gravity[0], part * d->gravity[1],
+                d->dims == 3 ? part * d->gravity[2] : 0.0, 1.0 / h);
+}
+
 static void add_box(motion_args *a)
 {
     const duet_motion_def *d = &a->motion->def;
@@ -242,6 +253,7 @@ static bool bounce_colour(duet_motion *m, uint32_t colour, duet_error *err)
     args_uint(&a, m->colours[colour].count);
     add_slots(&a, colour, m->kernels.bounce);
     args_buffer(&a, BODIES);
+    add_pull(&a);
     args_float(&a, m->def.bounce_speed);
     return launch_colour(&a, colour, m->kernels.bounce, err);
 }

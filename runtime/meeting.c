@@ -221,6 +221,17 @@ float meeting_edge_gap(const meeting *m, int i, int j)
 
 // ------------------------------------------------------------ spheres
 
+// The power of two of a size of 2^-126 or more, and 1 / it of 2^126 or less.
+static float power_of(float size)
+{
+    return float_of(bits_of(size) & 0x7F800000u);
+}
+
+static float inverse_power_of(float size)
+{
+    return float_of(0x7F000000u - (bits_of(size) & 0x7F800000u));
+}
+
 // sqrt(x) within 4 ulp, for x in 2^-100 .. 2^100, or 0; a device's own root may
 // be rounded in its own way.
 static float root(float x)
@@ -231,6 +242,20 @@ static float root(float x)
     return x * y;
 }
 
+// Half the diagonal, by squares near 1. Extents below 2^-126 count as 0.
+static float radius_of(const float half[3])
+{
+    float greatest = fmaxf(fmaxf(half[0], half[1]), half[2]);
+    float scale = inverse_power_of(greatest);
+    const float scaled[3] = {scale * half[0], scale * half[1], scale * half[2]};
+    return root(dot(scaled, scaled)) * power_of(greatest);
+}
+
+static bool is_beyond(const float t[3], float reach)
+{
+    return dot(t, t) > reach * reach * (1.0f + 0x1p-18f);
+}
+
 bool meeting_spheres(const duet_pose *pose_a, const duet_pose *pose_b, const double shift[3],
                      uint32_t dims)
 {
@@ -238,7 +263,13 @@ bool meeting_spheres(const duet_pose *pose_a, const duet_pose *pose_b, const dou
     float t[3];
     set_way(t, &a, &b, shift, dims);
     float size = sum_of_sizes(t, a.half, b.half);
-    float reach = root(dot(a.half, a.half)) + root(dot(b.half, b.half));
-    bool apart = dot(t, t) > reach * reach * (1.0f + 0x1p-18f);
-    return !(apart && size >= 0x1p-40f && size <= 0x1p40f);
+    float reach = radius_of(a.half) + radius_of(b.half);
+    bool apart = is_beyond(t, reach);
+    if (!(size >= 0x1p-40f && size <= 0x1p40f)) { // squares near 1
+        float scale = inverse_power_of(size);
+        for (int k = 0; k < 3; ++k)
+            t[k] *= scale;
+        apart = is_beyond(t, scale * reach);
+    }
+    return !(apart && is_trusted(size));
 }

@@ -29,16 +29,58 @@ static void store_bounds_3d(const double *row, void *object)
     };
 }
 
-// A quaternion's length does not count, but kernels square it in float. One
-// that is very short or long is brought to a length near 1 by a power of two,
-// which leaves its rotation exactly as it is.
+// Nearly every quaternion: floats hold it, and its squares, as it is.
+static bool is_ordinary(const double *q, int n)
+{
+    double greatest = 0;
+    bool held = true;
+    for (int i = 0; i < n; ++i) {
+        double size = fabs(q[i]);
+        greatest = size > greatest ? size : greatest;
+        held = held && (size == 0 || size >= FLT_MIN);
+    }
+    return held && greatest >= 0x1p-32 && greatest <= 0x1p32;
+}
+
+// Of the greatest part once it is rounded to a float's 24 bits, as frexp counts.
+static int exponent_of(const double *q, int n)
+{
+    double greatest = 0;
+    for (int i = 0; i < n; ++i)
+        greatest = fmax(greatest, fabs(q[i]));
+    int exponent, carry;
+    frexp((float)frexp(greatest, &exponent), &carry);
+    return exponent + carry;
+}
+
+// Whether a float has all its 24 bits for a part times 2^shift, or those there are.
+static bool keeps_part(double part, int shift)
+{
+    double scaled = ldexp(part, shift);
+    float kept = (float)scaled;
+    return (fabs(scaled) >= FLT_MIN && isfinite(kept)) || ldexp((double)kept, -shift) == part;
+}
+
+// The power of two by which a quaternion is multiplied: its length does not count,
+// but devices square it in float, so one that is very short or long is brought
+// near 1. Where that would take bits from a part it is made as long as floats are,
+// which leaves every quaternion of floats as it is.
+static int shift_of(const double q[4])
+{
+    if (is_ordinary(q, 4))
+        return 0;
+    int exponent = exponent_of(q, 4);
+    int shift = exponent < -32 || exponent > 32 ? -exponent : 0;
+    for (int i = 0; i < 4; ++i)
+        if (!keeps_part(q[i], shift))
+            return FLT_MAX_EXP - exponent;
+    return shift;
+}
+
 static void store_rotation(double x, double y, double z, double w, duet_pose *pose)
 {
-    double greatest = fmax(fmax(fabs(x), fabs(y)), fmax(fabs(z), fabs(w)));
-    int exponent = 0;
-    frexp(greatest, &exponent);
-    int shift = exponent < -32 || exponent > 32 ? -exponent : 0;
     const double q[4] = {x, y, z, w};
+    int shift = shift_of(q);
     for (int i = 0; i < 4; ++i)
         pose->rotation[i] = (float)ldexp(q[i], shift);
 }
@@ -198,17 +240,46 @@ static bool check_corners(const scene_layout *l, const double *row, uint32_t id,
     return true;
 }
 
+// The greatest ratio of two parts that floats hold, as a power of two, and the
+// half of the least float, which is rounded to 0.
+#define WIDEST_RATIO 276
+#define HALF_OF_LEAST 0x1p-150
+
+static bool check_quaternion(const scene_column *columns, const double *q, int n, uint32_t id,
+                             scene_place place, duet_error *err)
+{
+    if (is_ordinary(q, n))
+        return true;
+    int longest = FLT_MAX_EXP - exponent_of(q, n);
+    bool zero = true;
+    for (int i = 0; i < n; ++i) {
+        zero = zero && q[i] == 0;
+        if (q[i] != 0 && ldexp(fabs(q[i]), longest) <= HALF_OF_LEAST)
+            return refuse(id, place, err,
+                          "%s = %g vanishes beside the quaternion's greatest part; expected a "
+                          "ratio of at most %.0e",
+                          columns[i].name, q[i], ldexp(1, WIDEST_RATIO));
+    }
+    return !zero || refuse(id, place, err, "the quaternion is zero; 0 0 0 1 is no rotation");
+}
+
+// The half of an angle near 0 is its sine, beside a cosine of 1.
+static bool check_angle(double angle, uint32_t id, scene_place place, duet_error *err)
+{
+    double least = ldexp(1, 1 - WIDEST_RATIO);
+    return angle == 0 || fabs(angle) >= least ||
+           refuse(id, place, err, "angle = %g is too near 0; expected 0, or %.0e or more", angle,
+                  least);
+}
+
 static bool check_rotation(const scene_layout *l, const double *row, uint32_t id, scene_place place,
                            duet_error *err)
 {
-    bool has_rotation = false;
-    for (uint32_t i = 0; i < l->n; ++i) {
-        if (l->columns[i].kind == COLUMN_ROTATION && row[i] != 0)
-            return true;
-        has_rotation = has_rotation || l->columns[i].kind == COLUMN_ROTATION;
-    }
-    return !has_rotation ||
-           refuse(id, place, err, "the quaternion is zero; 0 0 0 1 is no rotation");
+    uint32_t from = 2 * l->dims; // after centre and half extents
+    return l->columns[from].kind == COLUMN_ANGLE
+               ? check_angle(row[from], id, place, err)
+               : check_quaternion(&l->columns[from], row + from, (int)(l->n - from), id, place,
+                                  err);
 }
 
 bool scene_row_check(const scene_layout *l, const double *row, uint32_t id, scene_place place,

@@ -188,9 +188,34 @@ __kernel void solve(uint count, uint first_slot, uint each, uint apart, __global
 // that tumble gain energy without end.
 #define BOUNCE_TURNS 8
 
+// The speed at which a point leaves that came at `speed` when the step began, and
+// was pulled along `way` since by `gain` a substep (below 0: closer). Velocities are
+// those of the middle of a substep, so half a gain lies between them and the place.
+static inline real speed_after(real speed, real restitution, real gain, real way)
+{
+    real half_gain = 0.5f * gain;
+    real came = -(speed + half_gain);
+    real square = fma(came, came, way);
+    real struck = square * inverse_root(square);
+    real more = way * inverse(struck + came); // 0 where nothing pulls, to the bit
+    real leaves = fma(restitution, came + more, -half_gain);
+    return select(-restitution * speed, leaves, (came > 0.0f) & (square > 0.0f) & (gain != 0.0f));
+}
+
+// What a substep pulls the two closer by, along the normal: nothing, where both
+// fall alike.
+static inline real gain_of(const pair *p, vec pull)
+{
+    const real zero = 0.0f, one = 1.0f;
+    real one_falls = select(zero, one, p->b.mobility > 0.0f) - select(zero, one, p->a.mobility > 0.0f);
+    return one_falls * vec_dot(pull, p->normal);
+}
+
 // Gives back, once a step, what the impact had of speed along the normal. A point
 // that is faster already gives up of what it was stopped with.
-static inline void bounce_slots(__global float *constraint, __global float4 *bodies, float least_speed)
+//
+//   pull  what a substep adds to the velocity of all that falls; w: 1 / its time
+static inline void bounce_slots(__global float *constraint, __global float4 *bodies, float4 pull, float least_speed)
 {
     word n = points_of(constraint);
     real restitution = get(constraint, IN_BOUNCE);
@@ -209,6 +234,14 @@ static inline void bounce_slots(__global float *constraint, __global float4 *bod
         return;
     pair p;
     load_pair(&p, constraint, bodies);
+    real gain = gain_of(&p, (vec){(real)(pull.x), (real)(pull.y), (real)(pull.z)});
+    real wanted_speed[POINTS];
+    for (int k = 0; k < p.most; ++k) {
+        __global const float *point = point_at(constraint, k);
+        real fallen = get(point, BY_GAP) - get(point, BY_NOW);
+        wanted_speed[k] =
+            speed_after(get(constraint, IN_SPEEDS + k), restitution, gain, -2.0f * pull.w * gain * fallen);
+    }
     real pushes[POINTS] = {0};
     int turns = p.most > 1 ? BOUNCE_TURNS : 1;
     for (int turn = 0; turn < turns; ++turn) {
@@ -216,7 +249,7 @@ static inline void bounce_slots(__global float *constraint, __global float4 *bod
             __global const float *point = point_at(constraint, k);
             vec arm = get_vec(point, BY_ARM);
             real speed = vec_dot(velocity_between(&p, arm), p.normal);
-            real more = -get(point, BY_MASS) * fma(restitution, get(constraint, IN_SPEEDS + k), speed);
+            real more = -get(point, BY_MASS) * (speed - wanted_speed[k]);
             mask asked = wanted[k] & ((p.n > 1u) | (mask)(turn == 0 ? -1 : 0));
             real push = select(pushes[k], fmax(pushes[k] + more, -get(point, BY_MOST)), asked);
             push_both(&p, arm, vec_times(push - pushes[k], p.normal));
@@ -228,10 +261,10 @@ static inline void bounce_slots(__global float *constraint, __global float4 *bod
 }
 
 __kernel void bounce(uint count, uint first_slot, uint each, uint apart, __global float *restrict blocks,
-                     __global float4 *restrict bodies, float least_speed)
+                     __global float4 *restrict bodies, float4 pull, float least_speed)
 {
     uint from = get_global_id(0) * each;
     uint to = min(from + each, count);
     for (uint k = from; k < to; k += STRIDE(apart))
-        bounce_slots(constraint_at(blocks, first_slot + k * apart), bodies, least_speed);
+        bounce_slots(constraint_at(blocks, first_slot + k * apart), bodies, pull, least_speed);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The narrow phase alone at full size: 210 000 hard pairs in 3D and as many in
+// The narrow phase alone at full size: 220 000 hard pairs in 3D and as many in
 // 2D at every level, and more pairs than 31 bits count.
 #define _GNU_SOURCE
 #include "support/test.h"

@@ -230,6 +230,24 @@ static hard_pair odd_quaternions(rng *r, uint32_t dims)
     return bring_to_contact(p, r, dims);
 }
 
+// Parts of any size that a float has: the least count for nothing in float, and
+// for everything where a needle's end touches a face.
+static hard_pair parts_far_apart(rng *r, uint32_t dims)
+{
+    hard_pair p = random_pair(r, dims, 0.3, 1);
+    bool needle = rng_below(r, 2);
+    if (needle)
+        p = (hard_pair){{{0}, {0.5f, 0.5f, dims == 3 ? 0.5f : 0}, {0, 0, 0, 1}},
+                        {{1}, {0.5f, 0, 0}, {0, 0, 0, 1}}};
+    for (int i = dims == 2 ? 2 : 0; i < 4; ++i)
+        if (!needle || rng_below(r, 3))
+            p.b.rotation[i] = ldexpf((float)rng_between(r, 1, 2) * (float)pick_sign(r),
+                                     (int)rng_below(r, 277) - 149);
+    if (p.b.rotation[2] == 0 && p.b.rotation[3] == 0)
+        p.b.rotation[3] = 1;
+    return needle ? p : bring_to_contact(p, r, dims);
+}
+
 static hard_pair nested(rng *r, uint32_t dims)
 {
     hard_pair p = random_pair(r, dims, 1e-3, 1e-1);
@@ -436,6 +454,7 @@ const hard_class hard_classes[] = {
     {"odd quaternions", odd_quaternions, false},
     {"nested", nested, true},
     {"identical", identical, true},
+    {"parts of a quaternion far apart", parts_far_apart, false},
     {NULL, NULL, false},
 };
 

@@ -3,6 +3,7 @@
 
 #include <gmp.h>
 #include <math.h>
+#include <string.h>
 
 // Twelve inequalities, at most 6 * 6 after one elimination, 18 * 18 after two.
 enum { MOST_ROWS = 324 };
@@ -32,10 +33,24 @@ static void close_rows(rows *r)
             mpz_clear(r->at[i].x[k]);
 }
 
-// Every float is a whole number of 2^-149.
-static void set_whole(mpz_t out, float value)
+// Every float is a whole number of 2^-149, every double one of 2^-1074.
+enum { FLOAT_GRAIN = 149, DOUBLE_GRAIN = 1074 };
+
+// A box of such whole numbers.
+typedef struct given_box {
+    double centre[3], half[3], rotation[4];
+    int grain;
+} given_box;
+
+static void set_whole(mpz_t out, double value, int grain)
 {
-    mpz_set_d(out, ldexp(value, 149));
+    int power;
+    mpz_set_d(out, ldexp(frexp(value, &power), 53));
+    power += grain - 53;
+    if (power >= 0)
+        mpz_mul_2exp(out, out, (mp_bitcnt_t)power);
+    else
+        mpz_tdiv_q_2exp(out, out, (mp_bitcnt_t)-power);
 }
 
 typedef struct quaternion {
@@ -68,7 +83,7 @@ static void multiply(quaternion *out, const quaternion *p, const quaternion *q)
 
 // The edge's direction, of length |q|^2: q e q*. Its real part, which is 0,
 // becomes |q|^2.
-static void set_edge(quaternion *out, const float rotation[4], int edge)
+static void set_edge(quaternion *out, const given_box *box, int edge)
 {
     quaternion q, conjugate, unit, half_way;
     open_quaternion(&q);
@@ -76,8 +91,8 @@ static void set_edge(quaternion *out, const float rotation[4], int edge)
     open_quaternion(&unit);
     open_quaternion(&half_way);
     for (int i = 0; i < 4; ++i) {
-        set_whole(q.v[i], rotation[i]);
-        set_whole(conjugate.v[i], i < 3 ? -rotation[i] : rotation[i]);
+        set_whole(q.v[i], box->rotation[i], box->grain);
+        set_whole(conjugate.v[i], i < 3 ? -box->rotation[i] : box->rotation[i], box->grain);
         mpz_set_si(unit.v[i], i == edge);
     }
     multiply(&half_way, &q, &unit);
@@ -92,33 +107,29 @@ static void set_edge(quaternion *out, const float rotation[4], int edge)
 }
 
 // sign * edge . (p - centre) <= half * |edge|
-static void add_side(rows *r, const quaternion *edge, int sign, const float centre[3], float half)
+static void add_side(rows *r, const quaternion *edge, int sign, const given_box *box, double half)
 {
     row *side = &r->at[r->n++];
     mpz_t whole;
     mpz_init(whole);
-    set_whole(whole, half);
+    set_whole(whole, half, box->grain);
     mpz_mul(side->x[3], whole, edge->v[3]);
     for (int i = 0; i < 3; ++i) {
         mpz_mul_si(side->x[i], edge->v[i], sign);
-        set_whole(whole, centre[i]);
+        set_whole(whole, box->centre[i], box->grain);
         mpz_addmul(side->x[3], whole, side->x[i]);
     }
     mpz_clear(whole);
 }
 
-static void add_box(rows *r, const duet_pose *pose, uint32_t dims)
+static void add_box(rows *r, const given_box *box)
 {
     quaternion edge;
     open_quaternion(&edge);
-    float rotation[4] = {dims == 2 ? 0 : pose->rotation[0], dims == 2 ? 0 : pose->rotation[1],
-                         pose->rotation[2], pose->rotation[3]};
-    float centre[3] = {pose->centre[0], pose->centre[1], dims == 2 ? 0 : pose->centre[2]};
     for (int i = 0; i < 3; ++i) {
-        set_edge(&edge, rotation, i);
-        float half = dims == 2 && i == 2 ? 0 : pose->half[i];
-        add_side(r, &edge, 1, centre, half);
-        add_side(r, &edge, -1, centre, half);
+        set_edge(&edge, box, i);
+        add_side(r, &edge, 1, box, box->half[i]);
+        add_side(r, &edge, -1, box, box->half[i]);
     }
     close_quaternion(&edge);
 }
@@ -167,17 +178,50 @@ static bool has_solution(const rows *r, int k)
     return solved;
 }
 
-bool oracle_collide(const duet_pose *a, const duet_pose *b, uint32_t dims)
+static bool collide(const given_box *a, const given_box *b)
 {
     rows all, fewer;
     open_rows(&all);
     open_rows(&fewer);
-    add_box(&all, a, dims);
-    add_box(&all, b, dims);
+    add_box(&all, a);
+    add_box(&all, b);
     eliminate(&all, 0, &fewer);
     eliminate(&fewer, 1, &all);
-    bool collide = has_solution(&all, 2);
+    bool found = has_solution(&all, 2);
     close_rows(&all);
     close_rows(&fewer);
-    return collide;
+    return found;
+}
+
+static given_box box_of_pose(const duet_pose *pose, uint32_t dims)
+{
+    given_box box = {.grain = FLOAT_GRAIN};
+    for (uint32_t i = 0; i < dims; ++i) {
+        box.centre[i] = pose->centre[i];
+        box.half[i] = pose->half[i];
+    }
+    for (uint32_t i = dims == 2 ? 2 : 0; i < 4; ++i)
+        box.rotation[i] = pose->rotation[i];
+    return box;
+}
+
+bool oracle_collide(const duet_pose *a, const duet_pose *b, uint32_t dims)
+{
+    given_box box_a = box_of_pose(a, dims), box_b = box_of_pose(b, dims);
+    return collide(&box_a, &box_b);
+}
+
+static given_box box_of_numbers(const double given[10])
+{
+    given_box box = {.grain = DOUBLE_GRAIN};
+    memcpy(box.centre, given, sizeof box.centre);
+    memcpy(box.half, given + 3, sizeof box.half);
+    memcpy(box.rotation, given + 6, sizeof box.rotation);
+    return box;
+}
+
+bool oracle_rows_collide(const double a[10], const double b[10])
+{
+    given_box box_a = box_of_numbers(a), box_b = box_of_numbers(b);
+    return collide(&box_a, &box_b);
 }

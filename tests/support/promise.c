@@ -9,7 +9,7 @@
 #define LEAST_SIZE 0x1p-70
 #define GREATEST_SIZE 0x1p100
 
-static double size_of(const hard_pair *p, uint32_t dims)
+double promise_size(const hard_pair *p, uint32_t dims)
 {
     double size = 0;
     for (uint32_t i = 0; i < dims; ++i)
@@ -25,7 +25,7 @@ bool promise_allows(double missed, double added, const hard_pair *pair, uint32_t
         return true;
     if (bound == 0)
         return false;
-    double size = size_of(pair, dims);
+    double size = promise_size(pair, dims);
     if (size < LEAST_SIZE || size > GREATEST_SIZE)
         return true;
     double gap = narrow_gap(&pair->a, &pair->b, dims);

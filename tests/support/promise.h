@@ -5,8 +5,11 @@
 
 #include "support/hard_pairs.h"
 
+// |t|_1 and all half extents.
+double promise_size(const hard_pair *pair, uint32_t dims);
+
 // Whether a level may give that answer for the pair: missed and added are the
-// level's bounds, in units of |t|_1 and all half extents.
+// level's bounds, in units of that size.
 bool promise_allows(double missed, double added, const hard_pair *pair, uint32_t dims, bool answer);
 
 #endif
