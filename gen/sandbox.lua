@@ -1,33 +1,80 @@
 -- SPDX-License-Identifier: MIT
 -- What makes a script give the same result on every run: pairs in order (Lua's
--- own order changes from run to run) and random numbers from a fixed seed.
+-- own order changes from run to run), a sort that does not look at the clock
+-- for its pivots, and random numbers from a fixed seed. What is written in Lua
+-- here is also held to a script's limits like the script itself.
 
+local key_before = ...
 local any_order = next
+local error, min, type = error, math.min, type
 next = nil
 
-local kinds = { number = 1, string = 2, boolean = 3 }
+local ordered = { number = true, string = true, boolean = true }
 
-local function comes_before(a, b)
-  local kind_a, kind_b = kinds[type(a)], kinds[type(b)]
-  if kind_a ~= kind_b then return kind_a < kind_b end
-  if kind_a == 3 then return b and not a end
-  return a < b
+local comparable = { number = true, string = true }
+
+local function less(a, b) return a < b end
+
+-- Merges the runs lower .. middle - 1 and middle .. upper - 1; of equals the
+-- first stays first.
+local function merge(from, to, lower, middle, upper, before)
+  local i, j = lower, middle
+  for k = lower, upper - 1 do
+    if i < middle and (j >= upper or not before(from[j], from[i])) then
+      to[k] = from[i]
+      i = i + 1
+    else
+      to[k] = from[j]
+      j = j + 1
+    end
+  end
+end
+
+-- Puts the n values of a list in order.
+local function sort(values, n, before)
+  local from, to, width = values, {}, 1
+  while width < n do
+    for lower = 1, n, 2 * width do
+      merge(from, to, lower, min(lower + width, n + 1), min(lower + 2 * width, n + 1), before)
+    end
+    from, to, width = to, from, 2 * width
+  end
+  return from
+end
+
+local function want(value, kind, place, name)
+  if type(value) ~= kind then
+    error(("bad argument #%d to '%s' (%s expected, got %s)"):format(place, name, kind, type(value)), 3)
+  end
+end
+
+-- Equal values stay in their order, whatever function compares.
+function table.sort(t, before)
+  want(t, "table", 1, "sort")
+  if before ~= nil then want(before, "function", 2, "sort") end
+  local values, n = {}, #t
+  for i = 1, n do
+    values[i] = t[i]
+    if not before and (type(t[i]) ~= type(t[1]) or not comparable[type(t[1])]) then
+      error(("sort: value %d is a %s, and the first a %s: they have no order"):format(i, type(t[i]), type(t[1])), 2)
+    end
+  end
+  local sorted = sort(values, n, before or less)
+  for i = 1, n do t[i] = sorted[i] end
 end
 
 -- Numbers, then strings, then false and true.
 function pairs(t)
-  if type(t) ~= "table" then
-    error("bad argument #1 to 'pairs' (table expected, got " .. type(t) .. ")", 2)
-  end
+  want(t, "table", 1, "pairs")
   local keys, n = {}, 0
   for key in any_order, t do
-    if not kinds[type(key)] then
+    if not ordered[type(key)] then
       error("pairs: a key is a " .. type(key) .. ", which has no order", 2)
     end
     n = n + 1
     keys[n] = key
   end
-  table.sort(keys, comes_before)
+  keys = sort(keys, n, key_before)
   local i = 0
   return function()
     i = i + 1

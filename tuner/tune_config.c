@@ -47,7 +47,7 @@ static void read_settings(lua_State *L, int table, config_workload *w)
         if (lua_type(L, -2) != LUA_TSTRING || w->n_settings == CONFIG_SETTINGS)
             field_raise(L, "set", "set is up to %d parameters of the scene, by name",
                         CONFIG_SETTINGS);
-        const char *value = luaL_tolstring(L, -1, NULL);
+        const char *value = script_tostring(L, -1, NULL);
         lua_pushfstring(L, "%s=%s", lua_tostring(L, -3), value);
         w->settings[w->n_settings++] = keep_string(L);
         lua_pop(L, 1);
