@@ -7,6 +7,7 @@
 #include "tuner/cli/commands.h"
 #include "tuner/cli/interrupt.h"
 #include "tuner/cli/say.h"
+#include "tuner/cli/watchdog.h"
 
 #include <locale.h>
 #include <signal.h>
@@ -75,6 +76,7 @@ int main(int argc, char **argv)
     setlocale(LC_CTYPE, ""); // only to know whether bars may be drawn finely
     signal(SIGPIPE, SIG_IGN);
     interrupt_watch();
+    watchdog_start();
     int status = run(argc, argv);
     bool written = say_finish();
     return status == EXIT_OK && !written ? EXIT_FAILED : status;
