@@ -206,7 +206,9 @@ static const char *match_again(matcher *m, const char *at, unsigned char digit)
     int i = digit - '1';
     if (i < 0 || i >= m->n || m->captures[i].length == OPEN)
         luaL_error(m->lua, "invalid capture index %%%d", i + 1);
-    size_t length = m->captures[i].length == POSITION ? 0 : (size_t)m->captures[i].length;
+    if (m->captures[i].length == POSITION)
+        return NULL; // a place is no text
+    size_t length = (size_t)m->captures[i].length;
     step(m, length / 8 + 1);
     bool same = (size_t)(m->text_end - at) >= length && memcmp(m->captures[i].at, at, length) == 0;
     return same ? at + length : NULL;

@@ -99,15 +99,6 @@ static int guard_rep(lua_State *L)
     return 1;
 }
 
-static int guard_move(lua_State *L)
-{
-    lua_Integer from = luaL_checkinteger(L, 2);
-    lua_Integer to = luaL_checkinteger(L, 3);
-    if (to >= from)
-        script_spend(L, (lua_Unsigned)to - (lua_Unsigned)from);
-    return pass_on(L);
-}
-
 static lua_Unsigned length_of(lua_State *L)
 {
     return lua_type(L, 1) == LUA_TTABLE ? lua_rawlen(L, 1) : 0;
@@ -195,29 +186,17 @@ static const struct {
     lua_CFunction guard;
     bool kind; // the guard's second upvalue
 } guards[] = {
-    {NULL, "select", guard_values, false},
-    {NULL, "tonumber", guard_text, false},
-    {NULL, "tostring", show, false},
-    {"math", "max", guard_values, false},
-    {"math", "min", guard_values, false},
-    {"math", "randomseed", guard_randomseed, false},
-    {"string", "byte", guard_values, false},
-    {"string", "char", guard_values, false},
-    {"string", "format", guard_format, false},
-    {"string", "pack", guard_text, false},
-    {"string", "packsize", guard_text, false},
-    {"string", "rep", guard_rep, false},
-    {"string", "unpack", guard_text, false},
-    {"table", "concat", guard_range, true},
-    {"table", "insert", guard_shift, false},
-    {"table", "move", guard_move, false},
-    {"table", "pack", guard_values, false},
-    {"table", "remove", guard_shift, true},
-    {"table", "unpack", guard_range, false},
-    {"utf8", "char", guard_values, false},
-    {"utf8", "codepoint", guard_values, false},
-    {"utf8", "len", guard_part, false},
-    {"utf8", "offset", guard_offset, false},
+    {NULL, "select", guard_values, false},     {NULL, "tonumber", guard_text, false},
+    {NULL, "tostring", show, false},           {"math", "max", guard_values, false},
+    {"math", "min", guard_values, false},      {"math", "randomseed", guard_randomseed, false},
+    {"string", "byte", guard_values, false},   {"string", "char", guard_values, false},
+    {"string", "format", guard_format, false}, {"string", "pack", guard_text, false},
+    {"string", "packsize", guard_text, false}, {"string", "rep", guard_rep, false},
+    {"string", "unpack", guard_text, false},   {"table", "concat", guard_range, true},
+    {"table", "insert", guard_shift, false},   {"table", "pack", guard_values, false},
+    {"table", "remove", guard_shift, true},    {"table", "unpack", guard_range, false},
+    {"utf8", "char", guard_values, false},     {"utf8", "codepoint", guard_values, false},
+    {"utf8", "len", guard_part, false},        {"utf8", "offset", guard_offset, false},
 };
 
 // Puts each guard in the place of its function, with that behind it.

@@ -7,6 +7,7 @@
 local key_before = ...
 local any_order = next
 local error, min, type = error, math.min, type
+local math_integer, math_most = math.tointeger, math.maxinteger
 next = nil
 
 local ordered = { number = true, string = true, boolean = true }
@@ -61,6 +62,35 @@ function table.sort(t, before)
   end
   local sorted = sort(values, n, before or less)
   for i = 1, n do t[i] = sorted[i] end
+end
+
+local function want_integer(value, place, name)
+  local whole = math_integer(value)
+  if not whole then
+    local what = type(value) == "number" and "number has no integer representation"
+      or "number expected, got " .. type(value)
+    error(("bad argument #%d to '%s' (%s)"):format(place, name, what), 3)
+  end
+  return whole
+end
+
+-- A range can be longer than any time: Lua's own moves it at one go.
+function table.move(from, first, last, at, to)
+  to = to == nil and from or to
+  want(from, "table", 1, "move")
+  first, last = want_integer(first, 2, "move"), want_integer(last, 3, "move")
+  at = want_integer(at, 4, "move")
+  want(to, "table", 5, "move")
+  if last >= first then
+    if first <= 0 and last >= math_most + first then error("bad argument #3 to 'move' (too many elements to move)", 2) end
+    if at > math_most - (last - first) then error("bad argument #4 to 'move' (destination wrap around)", 2) end
+    if at > last or at <= first or to ~= from then
+      for i = 0, last - first do to[at + i] = from[first + i] end
+    else
+      for i = last - first, 0, -1 do to[at + i] = from[first + i] end
+    end
+  end
+  return to
 end
 
 -- Numbers, then strings, then false and true.
