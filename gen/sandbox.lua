@@ -14,11 +14,9 @@ local ordered = { number = true, string = true, boolean = true }
 
 local comparable = { number = true, string = true }
 
-local function less(a, b) return a < b end
-
 -- Merges the runs lower .. middle - 1 and middle .. upper - 1; of equals the
 -- first stays first.
-local function merge(from, to, lower, middle, upper, before)
+local function merge_by(from, to, lower, middle, upper, before)
   local i, j = lower, middle
   for k = lower, upper - 1 do
     if i < middle and (j >= upper or not before(from[j], from[i])) then
@@ -31,12 +29,27 @@ local function merge(from, to, lower, middle, upper, before)
   end
 end
 
--- Puts the n values of a list in order.
+-- The same for numbers or strings, without a call for each two.
+local function merge(from, to, lower, middle, upper)
+  local i, j = lower, middle
+  for k = lower, upper - 1 do
+    if i < middle and (j >= upper or not (from[j] < from[i])) then
+      to[k] = from[i]
+      i = i + 1
+    else
+      to[k] = from[j]
+      j = j + 1
+    end
+  end
+end
+
+-- Gives the n values of a list in order: that list, or another one.
 local function sort(values, n, before)
   local from, to, width = values, {}, 1
+  local join = before and merge_by or merge
   while width < n do
     for lower = 1, n, 2 * width do
-      merge(from, to, lower, min(lower + width, n + 1), min(lower + 2 * width, n + 1), before)
+      join(from, to, lower, min(lower + width, n + 1), min(lower + 2 * width, n + 1), before)
     end
     from, to, width = to, from, 2 * width
   end
@@ -60,7 +73,7 @@ function table.sort(t, before)
       error(("sort: value %d is a %s, and the first a %s: they have no order"):format(i, type(t[i]), type(t[1])), 2)
     end
   end
-  local sorted = sort(values, n, before or less)
+  local sorted = sort(values, n, before)
   for i = 1, n do t[i] = sorted[i] end
 end
 
