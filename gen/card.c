@@ -350,7 +350,7 @@ static void ask_fallback(lua_State *L, const question *q, gen_param *param)
         param->fallback = lua_tointegerx(L, -1, &whole);
         if (!whole || !has_value(param, param->fallback))
             luaL_error(L, "%s: its default is %s, none of its values", param->name,
-                       luaL_tolstring(L, -1, NULL));
+                       script_tostring(L, -1, NULL));
     }
     lua_pop(L, 1);
 }

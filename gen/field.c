@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A table does not know the line it was written at. The line is looked for in
 // the script's text instead, and told only where there is exactly one.
+#define _GNU_SOURCE // memmem
 #include "gen/field.h"
 #include "gen/script.h"
 
@@ -16,21 +17,10 @@ static bool is_word(char c)
     return isalnum((unsigned char)c) || c == '_';
 }
 
-// Behind "--" on its line.
-static bool in_comment(const char *source, const char *at)
-{
-    while (at > source && at[-1] != '\n') {
-        --at;
-        if (at[0] == '-' && at[1] == '-')
-            return true;
-    }
-    return false;
-}
-
 // "name =" or "['name'] =" at this place, and not "name ==" or "surname =".
 static bool gives_value(const char *source, const char *at, size_t length)
 {
-    if ((at > source && is_word(at[-1])) || in_comment(source, at))
+    if (at > source && is_word(at[-1]))
         return false;
     const char *after = at + length;
     after += strspn(after, "\"']");
@@ -38,21 +28,41 @@ static bool gives_value(const char *source, const char *at, size_t length)
     return after[0] == '=' && after[1] != '=';
 }
 
-// 0 where there is none or more than one.
+// How often the name gets a value in a line, up to its comment.
+static int count_in_line(const char *source, const char *line, const char *end, const char *name)
+{
+    int n = 0;
+    size_t length = strlen(name);
+    const char *comment = memmem(line, (size_t)(end - line), "--", 2);
+    end = comment ? comment : end;
+    for (const char *at = line; (at = memmem(at, (size_t)(end - at), name, length)); at += length)
+        n += gives_value(source, at, length);
+    return n;
+}
+
+static bool is_name(const char *name)
+{
+    const char *at = name;
+    while (is_word(*at))
+        ++at;
+    return at > name && *at == '\0';
+}
+
+// 0 where there is none or more than one. Each byte is looked at a few times
+// only, however often a script repeats the name.
 static int line_of(const char *source, const char *name)
 {
-    const char *only = NULL;
-    for (const char *at = strstr(source, name); at && *name; at = strstr(at + 1, name)) {
-        if (!gives_value(source, at, strlen(name)))
-            continue;
-        if (only)
-            return 0;
-        only = at;
+    int only = 0;
+    int n = 0;
+    const char *line = source;
+    for (int i = 1; n < 2 && *line && is_name(name); ++i) {
+        const char *end = line + strcspn(line, "\n");
+        int here = count_in_line(source, line, end, name);
+        only = here > 0 ? i : only;
+        n += here;
+        line = end + (*end == '\n');
     }
-    int line = only ? 1 : 0;
-    for (const char *at = source; at < only; ++at)
-        line += *at == '\n';
-    return line;
+    return n == 1 ? only : 0;
 }
 
 int field_raise(lua_State *L, const char *name, const char *format, ...)
@@ -95,7 +105,7 @@ void field_only(lua_State *L, int table, const char *what, const char *const *na
         if (lua_type(L, -2) != LUA_TSTRING) {
             lua_pushvalue(L, -2);
             field_raise(L, NULL, "%s has no field [%s]: its fields have names", what,
-                        luaL_tolstring(L, -1, NULL));
+                        script_tostring(L, -1, NULL));
         }
         if (!is_listed(lua_tostring(L, -2), names))
             raise_unknown(L, what, lua_tostring(L, -2), names);

@@ -2,21 +2,28 @@
 // What a script finds: base without anything that loads, prints, catches errors
 // or changes metatables; string without dump; table, math, utf8.
 //
-// Limits are looked at between instructions, and a library function is one
-// instruction however long it works. Those that a script can make work for
-// ever are guarded here. There is no pcall to swallow the error of a limit, no
-// coroutine to leave the hook behind, and no metatable: a finalizer or an error
-// handler would run with the hook switched off.
+// Limits are looked at between instructions and where memory is asked for
+// (script.c). A library function is one instruction however long it works: one
+// that works long on what is there already is guarded here, and takes from what
+// the script has left. Patterns (pattern.c) and table.sort and pairs
+// (sandbox.lua) are Duet's own. There is no pcall to swallow the error of a
+// limit, no coroutine to leave the hook behind, and no metatable: a finalizer
+// or an error handler would run with the hook switched off.
 #include "gen/sandbox.h"
+#include "gen/pattern.h"
 #include "gen/script.h"
 #include "runtime/base/blob.h"
 
 #include <lauxlib.h>
 #include <lualib.h>
+#include <stdbool.h>
 #include <string.h>
 
-// Steps that a pattern may take in the worst case: some seconds.
-#define MAX_PATTERN_STEPS 2e9
+// What a function's work costs in instructions.
+enum { BYTES_AN_INSTRUCTION = 32, VALUES_AN_INSTRUCTION = 4 };
+
+// string.format writes up to 400 bytes for a number, slowly.
+enum { MOST_FORMATTED = 250 };
 
 static const char *const base_names[] = {
     "error", "ipairs", "next", "select", "tonumber", "tostring", "type", "_VERSION",
@@ -27,6 +34,58 @@ static const char *const base_names[] = {
 static int pass_on(lua_State *L)
 {
     return lua_tocfunction(L, lua_upvalueindex(1))(L);
+}
+
+static void spend_values(lua_State *L, lua_Unsigned n)
+{
+    script_spend(L, n / VALUES_AN_INSTRUCTION);
+}
+
+// The numbers from..to, of which a table or text of n has no more than that.
+static lua_Unsigned range(lua_Integer from, lua_Integer to, lua_Unsigned n)
+{
+    if (to < from)
+        return 0;
+    lua_Unsigned length = (lua_Unsigned)to - (lua_Unsigned)from;
+    return length < n ? length : n;
+}
+
+// As many values go in or come out as work is done.
+static int guard_values(lua_State *L)
+{
+    spend_values(L, (lua_Unsigned)lua_gettop(L));
+    int n = pass_on(L);
+    spend_values(L, (lua_Unsigned)n);
+    return n;
+}
+
+// The text at 1 is read from its beginning to its end.
+static int guard_text(lua_State *L)
+{
+    size_t n = lua_type(L, 1) == LUA_TSTRING ? lua_rawlen(L, 1) : 0;
+    script_spend(L, n / BYTES_AN_INSTRUCTION);
+    return guard_values(L);
+}
+
+// A part of the text at 1: (s, i, j), each counted from the end where negative.
+static int guard_part(lua_State *L)
+{
+    lua_Integer n = lua_type(L, 1) == LUA_TSTRING ? (lua_Integer)lua_rawlen(L, 1) : 0;
+    lua_Integer from = luaL_optinteger(L, 2, 1);
+    lua_Integer to = luaL_optinteger(L, 3, -1);
+    from = from < 0 ? n + from + 1 : from;
+    to = to < 0 ? n + to + 1 : to;
+    script_spend(L, range(from, to, (lua_Unsigned)n) / BYTES_AN_INSTRUCTION);
+    return guard_values(L);
+}
+
+// (s, n, i): n characters on from a place.
+static int guard_offset(lua_State *L)
+{
+    lua_Integer n = luaL_checkinteger(L, 2);
+    size_t length = lua_type(L, 1) == LUA_TSTRING ? lua_rawlen(L, 1) : 0;
+    script_spend(L, range(0, n < 0 ? -(n + 1) : n, length) / BYTES_AN_INSTRUCTION);
+    return pass_on(L);
 }
 
 static int guard_rep(lua_State *L)
@@ -40,58 +99,64 @@ static int guard_rep(lua_State *L)
     return 1;
 }
 
-static int guard_move(lua_State *L)
+static lua_Unsigned length_of(lua_State *L)
 {
-    lua_Integer from = luaL_checkinteger(L, 2);
-    lua_Integer to = luaL_checkinteger(L, 3);
-    if (to >= from)
-        script_spend(L, (lua_Unsigned)to - (lua_Unsigned)from);
+    return lua_type(L, 1) == LUA_TTABLE ? lua_rawlen(L, 1) : 0;
+}
+
+// (t, at, value) and (t, at): what stands behind moves.
+static int guard_shift(lua_State *L)
+{
+    lua_Unsigned n = length_of(L);
+    if (lua_isinteger(L, 2) && (lua_gettop(L) == 3 || lua_toboolean(L, lua_upvalueindex(2))))
+        spend_values(L, range(lua_tointeger(L, 2), (lua_Integer)n, n));
     return pass_on(L);
 }
 
-// Where a set such as [^]a-z%]] ends.
-static const char *skip_set(const char *at, const char *end)
+// (t, from, to), and with a text between them at 2 (t, separator, from, to).
+static int guard_range(lua_State *L)
 {
-    at += at + 1 < end && at[1] == '^' ? 2 : 1;
-    for (const char *first = at; at < end && (*at != ']' || at == first); ++at)
-        if (*at == '%')
-            ++at;
-    return at;
+    lua_Unsigned n = length_of(L);
+    int first = lua_toboolean(L, lua_upvalueindex(2)) ? 3 : 2;
+    lua_Integer from = luaL_optinteger(L, first, 1);
+    spend_values(L, range(from, luaL_optinteger(L, first + 1, (lua_Integer)n), n + 1));
+    return pass_on(L);
 }
 
-// A repeat can take any length, so k of them on n bytes can be laid out in
-// (n + k over k) ways; where the match begins is one more choice.
-static double worst_steps(const char *pattern, size_t pattern_length, size_t n)
+static int show(lua_State *L)
 {
-    double steps = 1;
-    int choices = *pattern != '^';
-    const char *end = pattern + pattern_length;
-    for (const char *at = pattern; at < end; ++at) {
-        choices += *at == '*' || *at == '+' || *at == '-' || (*at == '%' && at[1] == 'b');
-        if (*at == '?')
-            steps *= 2;
-        if (*at == '[')
-            at = skip_set(at, end);
-        else if (*at == '%')
-            ++at;
+    luaL_checkany(L, 1);
+    script_tostring(L, 1, NULL);
+    return 1;
+}
+
+// Puts what tostring gives in the place of an argument that %s shows.
+static void show_argument(lua_State *L, int index)
+{
+    if (lua_type(L, index) <= LUA_TSTRING)
+        return;
+    script_tostring(L, index, NULL);
+    lua_replace(L, index);
+}
+
+static int guard_format(lua_State *L)
+{
+    size_t n = 0;
+    int index = 1;
+    const char *format = luaL_checklstring(L, 1, &n);
+    if (lua_gettop(L) > MOST_FORMATTED + 1)
+        return luaL_error(L, "format: more than %d values at once", MOST_FORMATTED);
+    script_spend(L, n / BYTES_AN_INSTRUCTION);
+    for (const char *at = format; at < format + n; ++at) {
+        if (*at != '%')
+            continue;
+        at += 1 + strspn(at + 1, "-+ #0123456789.");
+        if (*at == 'p')
+            return luaL_error(L, "format: %%p is an address, another one on each run");
+        index += *at != '%';
+        if (*at == 's' && index <= lua_gettop(L))
+            show_argument(L, index);
     }
-    for (int k = 1; k <= choices; ++k)
-        steps *= ((double)n + k) / k;
-    return steps;
-}
-
-static int guard_pattern(lua_State *L)
-{
-    size_t n = 0, length = 0;
-    luaL_checklstring(L, 1, &n);
-    const char *pattern = luaL_checklstring(L, 2, &length);
-    bool plain = lua_toboolean(L, lua_upvalueindex(2)) && lua_toboolean(L, 4);
-    if (!plain && worst_steps(pattern, length, n) > MAX_PATTERN_STEPS)
-        return luaL_error(L,
-                          "the pattern could take too long on a text of %d bytes: match it "
-                          "line by line, or with fewer repeats",
-                          (int)n);
-    script_spend(L, 1);
     return pass_on(L);
 }
 
@@ -115,15 +180,38 @@ static int place_assert(lua_State *L)
     return luaL_error(L, "%s", message);
 }
 
-// library[name] = guard, with the function that was there behind it.
-static void put_guard(lua_State *L, const char *library, const char *name, lua_CFunction guard)
+static const struct {
+    const char *library; // NULL: a global
+    const char *name;
+    lua_CFunction guard;
+    bool kind; // the guard's second upvalue
+} guards[] = {
+    {NULL, "select", guard_values, false},     {NULL, "tonumber", guard_text, false},
+    {NULL, "tostring", show, false},           {"math", "max", guard_values, false},
+    {"math", "min", guard_values, false},      {"math", "randomseed", guard_randomseed, false},
+    {"string", "byte", guard_values, false},   {"string", "char", guard_values, false},
+    {"string", "format", guard_format, false}, {"string", "pack", guard_text, false},
+    {"string", "packsize", guard_text, false}, {"string", "rep", guard_rep, false},
+    {"string", "unpack", guard_text, false},   {"table", "concat", guard_range, true},
+    {"table", "insert", guard_shift, false},   {"table", "pack", guard_values, false},
+    {"table", "remove", guard_shift, true},    {"table", "unpack", guard_range, false},
+    {"utf8", "char", guard_values, false},     {"utf8", "codepoint", guard_values, false},
+    {"utf8", "len", guard_part, false},        {"utf8", "offset", guard_offset, false},
+};
+
+// Puts each guard in the place of its function, with that behind it.
+static void put_guards(lua_State *L)
 {
-    lua_getglobal(L, library);
-    lua_getfield(L, -1, name);
-    lua_pushboolean(L, strcmp(name, "find") == 0);
-    lua_pushcclosure(L, guard, 2);
-    lua_setfield(L, -2, name);
-    lua_pop(L, 1);
+    for (size_t i = 0; i < sizeof guards / sizeof guards[0]; ++i) {
+        lua_pushglobaltable(L);
+        if (guards[i].library)
+            lua_getfield(L, -1, guards[i].library);
+        lua_getfield(L, -1, guards[i].name);
+        lua_pushboolean(L, guards[i].kind);
+        lua_pushcclosure(L, guards[i].guard, 2);
+        lua_setfield(L, -2, guards[i].name);
+        lua_settop(L, 0);
+    }
 }
 
 static void remove_field(lua_State *L, const char *library, const char *name)
@@ -159,23 +247,47 @@ static void open_libraries(lua_State *L)
 static void open_guards(lua_State *L)
 {
     remove_field(L, "string", "dump");
-    put_guard(L, "string", "rep", guard_rep);
-    put_guard(L, "string", "find", guard_pattern);
-    put_guard(L, "string", "match", guard_pattern);
-    put_guard(L, "string", "gmatch", guard_pattern);
-    put_guard(L, "string", "gsub", guard_pattern);
-    put_guard(L, "table", "move", guard_move);
-    put_guard(L, "math", "randomseed", guard_randomseed);
+    put_guards(L);
+    lua_getglobal(L, "string");
+    pattern_open(L);
+    lua_pop(L, 1);
     lua_register(L, "assert", place_assert);
+}
+
+static int kind_of(lua_State *L, int index)
+{
+    int type = lua_type(L, index);
+    return type == LUA_TNUMBER ? 1 : type == LUA_TSTRING ? 2 : type == LUA_TBOOLEAN ? 3 : 4;
+}
+
+// Whether the key at 1 comes before the one at 2: numbers, then strings by
+// their bytes, whatever the locale is, then false and true.
+static int key_before(lua_State *L)
+{
+    int kind = kind_of(L, 1);
+    int before = kind < kind_of(L, 2);
+    if (kind == kind_of(L, 2) && kind == 1)
+        before = lua_compare(L, 1, 2, LUA_OPLT);
+    if (kind == kind_of(L, 2) && kind == 2) {
+        size_t n = lua_rawlen(L, 1);
+        size_t m = lua_rawlen(L, 2);
+        int order = memcmp(lua_tostring(L, 1), lua_tostring(L, 2), n < m ? n : m);
+        before = order < 0 || (order == 0 && n < m);
+    }
+    if (kind == kind_of(L, 2) && kind == 3)
+        before = lua_toboolean(L, 2) && !lua_toboolean(L, 1);
+    lua_pushboolean(L, before);
+    return 1;
 }
 
 // The part of the sandbox that is written in Lua itself.
 static void open_lua_part(lua_State *L)
 {
-    const blob *part = blob_find("gen/sandbox.lua");
-    if (luaL_loadbufferx(L, part->bytes, part->length, "@gen/sandbox.lua", "t") != LUA_OK)
+    const blob *part = blob_find(SANDBOX_PART);
+    if (luaL_loadbufferx(L, part->bytes, part->length, "@" SANDBOX_PART, "t") != LUA_OK)
         lua_error(L);
-    lua_call(L, 0, 0);
+    lua_pushcfunction(L, key_before);
+    lua_call(L, 1, 0);
 }
 
 int sandbox_open(lua_State *L)

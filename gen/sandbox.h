@@ -5,6 +5,9 @@
 
 #include <lua.h>
 
+// What messages call the part of the sandbox that is written in Lua.
+#define SANDBOX_PART "gen/sandbox.lua"
+
 // A lua_CFunction: fills the globals of a fresh state of script.c.
 int sandbox_open(lua_State *L);
 

@@ -17,10 +17,10 @@ typedef struct script script;
 
 typedef struct script_limits {
     size_t memory_bytes;   // of the whole state
-    uint64_t instructions; // of one script_call or script_run
+    size_t host_bytes;     // of what the host holds for it (runtime/base/budget.h); 0: any
+    uint64_t instructions; // of one script_load, script_call or script_run
     double seconds;        // of one too: few instructions can move many bytes
     duet_status failure;   // what a script's error is; 0: BAD_INPUT
-    bool (*stopped)(void); // asked now and then: true ends the call. NULL: never
 } script_limits;
 
 script_limits script_default_limits(void); // 64 MiB, 100 million, 10 s
@@ -55,5 +55,10 @@ const char *script_chunk(lua_State *L, const char **name);
 // Takes from what the running call has left; raises an error where that is not
 // enough. For C functions whose work a script can choose.
 void script_spend(lua_State *L, uint64_t instructions);
+
+// Pushes what tostring shows of the value at index. A table, function or
+// userdata is shown by its kind and a number, in the order in which they were
+// first shown: an address would be another one on each run.
+const char *script_tostring(lua_State *L, int index, size_t *length);
 
 #endif

@@ -2,6 +2,7 @@
 #include "lua/array.h"
 
 #include "lua/class.h"
+#include "runtime/base/budget.h"
 
 #include <inttypes.h>
 #include <stddef.h>
@@ -73,6 +74,14 @@ array *array_push(lua_State *L, array_kind kind, uint64_t n)
     return a;
 }
 
+void array_own(array *a, void *rows, uint64_t n)
+{
+    a->rows = rows;
+    a->n = n;
+    a->owned = true;
+    budget_hold(n * layouts[a->kind].bytes);
+}
+
 array *array_push_view(lua_State *L, array_kind kind, void *rows, uint64_t n, int owner_index,
                        const uint64_t *epoch)
 {
@@ -91,7 +100,7 @@ array *array_push_view(lua_State *L, array_kind kind, void *rows, uint64_t n, in
 static void refuse_value(lua_State *L, const array *a, uint64_t i, int column, const char *wanted)
 {
     luaL_error(L, "%s: row %I, column %d: %s, not %s", classes[a->kind].name, (LUAI_UACINT)i,
-               column + 1, luaL_tolstring(L, -1, NULL), wanted);
+               column + 1, member_push_shown(L, -1), wanted);
 }
 
 static lua_Integer take_whole(lua_State *L, const array *a, uint64_t i, int column,
@@ -222,6 +231,7 @@ static void push_blank(lua_State *L, array_kind kind, lua_Integer n)
 static int make(lua_State *L)
 {
     array_kind kind = (array_kind)lua_tointeger(L, lua_upvalueindex(1));
+    class_check_limits(L);
     if (lua_type(L, 1) == LUA_TNUMBER)
         push_blank(L, kind, luaL_checkinteger(L, 1));
     else
@@ -357,6 +367,7 @@ static int array_each(lua_State *L)
 static int array_bytes(lua_State *L)
 {
     const array *a = check_self(L);
+    class_check_limits(L);
     lua_pushlstring(L, a->rows ? a->rows : "", a->n * layouts[a->kind].bytes);
     return 1;
 }
@@ -384,6 +395,7 @@ static int array_tostring(lua_State *L)
 static int pairs_hash(lua_State *L)
 {
     const array *a = array_check(L, 1, ARRAY_PAIRS);
+    class_check_limits(L);
     array_push_hash(L, duet_pairs_hash(a->rows, a->n));
     return 1;
 }
@@ -422,8 +434,10 @@ static int array_close(lua_State *L)
     array *a = test_array(L, 1);
     if (!a)
         return luaL_typeerror(L, 1, "duet.poses or another array");
-    if (a->owned)
+    if (a->owned) {
+        budget_release(a->n * layouts[a->kind].bytes);
         duet_free(a->rows);
+    }
     a->owned = false;
     if (a->n > 0)
         a->rows = NULL;

@@ -39,8 +39,10 @@ void array_open(lua_State *L); // adds duet.poses ... to the module at -1
 // Pushes an array with zeroed rows of its own.
 array *array_push(lua_State *L, array_kind kind, uint64_t n);
 
-// Pushes an empty one for rows that C made: fill rows, n and owned.
+// Pushes an empty one for rows that C made, and gives it n of them, which
+// duet_free gives back.
 array *array_push_empty(lua_State *L, array_kind kind);
+void array_own(array *a, void *rows, uint64_t n);
 
 // Pushes a view of rows that the userdata at owner_index has.
 array *array_push_view(lua_State *L, array_kind kind, void *rows, uint64_t n, int owner_index,

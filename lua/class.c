@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lua/class.h"
 
+#include "runtime/base/budget.h"
+
 #include <string.h>
 
 // object.name: a field's value, else the method; a misspelt name is an error.
@@ -14,7 +16,7 @@ static int find_member(lua_State *L)
         return 1;
     const member *m = c->members ? member_find(c->members, name) : NULL;
     if (!m)
-        return luaL_error(L, "%s has no '%s'", c->name, luaL_tolstring(L, 2, NULL));
+        return luaL_error(L, "%s has no '%s'", c->name, member_push_shown(L, 2));
     member_push(L, m, c->struct_of(L));
     return 1;
 }
@@ -66,7 +68,7 @@ static int class_tostring(lua_State *L)
     lua_pushcclosure(L, describe, 1);
     lua_pushvalue(L, 1);
     if (!c->members)
-        lua_pushfstring(L, "%s: %p", c->name, lua_topointer(L, 1));
+        lua_pushstring(L, c->name);
     else if (lua_pcall(L, 1, 1, 0) == LUA_OK)
         lua_pushfstring(L, "%s { %s }", c->name, lua_tostring(L, -1));
     else
@@ -107,8 +109,17 @@ void *class_push(lua_State *L, const lua_class *c, size_t bytes)
     return object;
 }
 
+void class_check_limits(lua_State *L)
+{
+    duet_error why = {0};
+    if (!budget_check(&why))
+        luaL_error(L, "%s", why.text);
+}
+
+// What was refused because the time is over ends the script.
 int class_push_failure(lua_State *L, const duet_error *err)
 {
+    class_check_limits(L);
     lua_pushnil(L);
     lua_pushstring(L, err->text);
     lua_pushstring(L, duet_status_name(err->status));

@@ -28,6 +28,10 @@ void *class_push(lua_State *L, const lua_class *c, size_t bytes);
 
 // nil, message, "STATUS": what a failed call gives back.
 int class_push_failure(lua_State *L, const duet_error *err);
+// Raises an error where the running script's time is over or it was told to
+// stop: for functions that work long.
+void class_check_limits(lua_State *L);
+
 // true, or the failure.
 int class_push_done(lua_State *L, bool ok, const duet_error *err);
 

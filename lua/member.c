@@ -8,6 +8,14 @@
 #include <stdint.h>
 #include <string.h>
 
+const char *member_push_shown(lua_State *L, int index)
+{
+    index = lua_absindex(L, index);
+    if (lua_type(L, index) <= LUA_TSTRING && !lua_islightuserdata(L, index))
+        return luaL_tolstring(L, index, NULL);
+    return lua_pushfstring(L, "a %s", luaL_typename(L, index));
+}
+
 int member_refuse(lua_State *L, const member *m, const char *wanted)
 {
     if (lua_type(L, -1) == LUA_TNUMBER)
@@ -235,7 +243,7 @@ const member *member_find(const member *members, const char *name)
 // Raises; the key is at -2.
 static void refuse_key(lua_State *L, const char *what, const member *members)
 {
-    const char *key = luaL_tolstring(L, -2, NULL);
+    const char *key = member_push_shown(L, -2);
     luaL_Buffer known;
     luaL_buffinit(L, &known);
     for (const member *f = members; f->name; ++f) {

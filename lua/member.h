@@ -60,6 +60,10 @@ void member_push_table(lua_State *L, const member *members, const void *from);
 const member *member_find(const member *members, const char *name);
 void member_push(lua_State *L, const member *m, const void *from);
 
+// Pushes what a message calls the value at index: a number or text as it is,
+// others by their type, since an address would be another one on each run.
+const char *member_push_shown(lua_State *L, int index);
+
 // For read functions: "field 'n': a string, not a whole number".
 int member_refuse(lua_State *L, const member *m, const char *wanted);
 

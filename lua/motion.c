@@ -338,10 +338,10 @@ static int motion_contacts(lua_State *L)
     duet_motion *motion = check_motion(L);
     array *found = array_push_empty(L, ARRAY_CONTACTS);
     duet_contact *contacts = NULL;
-    if (!duet_motion_contacts(motion, &contacts, &found->n, &err))
+    uint64_t n = 0;
+    if (!duet_motion_contacts(motion, &contacts, &n, &err))
         return class_push_failure(L, &err);
-    found->rows = contacts;
-    found->owned = true;
+    array_own(found, contacts, n);
     return 1;
 }
 

@@ -2,12 +2,14 @@
 // duet.scene: objects with the world they live in, from a file or from rows.
 #include "lua/nouns.h"
 #include "lua/policy.h"
+#include "runtime/base/budget.h"
 
 #include <string.h>
 
 typedef struct scene_box {
     duet_scene *scene;
     uint64_t closings; // views of the objects hold while it is 0
+    size_t bytes;      // of the host's memory that it holds
 } scene_box;
 
 const char *shape_name(int value)
@@ -72,10 +74,22 @@ static const duet_setting *read_settings(lua_State *L, int index, uint32_t *n)
         if (lua_type(L, -2) != LUA_TSTRING)
             luaL_error(L, "the settings of a scene are names with values");
         settings[i].name = lua_tostring(L, -2);
-        settings[i].value = luaL_tolstring(L, -1, NULL);
+        settings[i].value = member_push_shown(L, -1);
         lua_rawseti(L, -4, (lua_Integer)i + 1);
     }
     return settings;
+}
+
+// The scene, or why there is none; counts what it holds of the host's memory.
+static int finish(lua_State *L, scene_box *box, const duet_error *err)
+{
+    if (!box->scene)
+        return class_push_failure(L, err);
+    size_t row = duet_scene_poses(box->scene) ? sizeof(duet_pose) : sizeof(duet_bounds);
+    row += duet_scene_bodies(box->scene) ? sizeof(duet_body) : 0;
+    box->bytes = row * duet_scene_describe(box->scene)->n;
+    budget_hold(box->bytes);
+    return 1;
 }
 
 static int scene_load(lua_State *L)
@@ -87,7 +101,7 @@ static int scene_load(lua_State *L)
     policy_check_read(L, path);
     scene_box *box = class_push(L, &scene_class, sizeof *box);
     box->scene = duet_scene_load(path, settings, n, &err);
-    return box->scene ? 1 : class_push_failure(L, &err);
+    return finish(L, box, &err);
 }
 
 // duet.scene(path, settings), or duet.scene(poses or bounds, dims)
@@ -107,7 +121,7 @@ static int scene_make(lua_State *L)
         box->scene = duet_scene_from_bounds(a->rows, n, (uint32_t)dims, &err);
     else
         box->scene = duet_scene_from_poses(a->rows, n, (uint32_t)dims, &err);
-    return box->scene ? 1 : class_push_failure(L, &err);
+    return finish(L, box, &err);
 }
 
 // duet.load_pairs(path)
@@ -118,14 +132,16 @@ static int scene_load_pairs(lua_State *L)
     policy_check_read(L, path);
     scene_box *box = class_push(L, &scene_class, sizeof *box);
     box->scene = duet_scene_load_pairs(path, &err);
-    return box->scene ? 1 : class_push_failure(L, &err);
+    return finish(L, box, &err);
 }
 
 static int scene_close(lua_State *L)
 {
     scene_box *box = luaL_checkudata(L, 1, scene_class.name);
     duet_scene_destroy(box->scene);
+    budget_release(box->bytes);
     box->scene = NULL;
+    box->bytes = 0;
     box->closings = 1;
     return 0;
 }
@@ -170,11 +186,11 @@ static int scene_reference(lua_State *L)
     duet_level level = exact ? DUET_LEVEL_CERTIFIED : level_check(L, 2);
     array *found = array_push_empty(L, ARRAY_PAIRS);
     duet_pair *pairs = NULL;
-    if (exact ? !duet_reference(scene, &pairs, &found->n, &err)
-              : !duet_reference_at(scene, level, &pairs, &found->n, &err))
+    uint64_t n = 0;
+    if (exact ? !duet_reference(scene, &pairs, &n, &err)
+              : !duet_reference_at(scene, level, &pairs, &n, &err))
         return class_push_failure(L, &err);
-    found->rows = pairs;
-    found->owned = true;
+    array_own(found, pairs, n);
     return 1;
 }
 

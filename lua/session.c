@@ -6,6 +6,8 @@
 #include "gen/script.h"
 #include "lua/policy.h"
 #include "runtime/base/blob.h"
+#include "runtime/base/budget.h"
+#include "runtime/base/text.h"
 #include "runtime/base/visible.h"
 
 #include <lauxlib.h>
@@ -59,15 +61,19 @@ static bool call(session *s, int n_arguments, int n_results, duet_error *err)
 {
     if (s->script)
         return script_call(s->script, n_arguments, n_results, err);
-    return lua_pcall(s->lua, n_arguments, n_results, 0) == LUA_OK || fail(s, err);
+    budget none = {.deadline_ns = UINT64_MAX, .host_bytes = SIZE_MAX};
+    budget_enter(&none);
+    int status = lua_pcall(s->lua, n_arguments, n_results, 0);
+    budget_leave(&none);
+    return status == LUA_OK || fail(s, err);
 }
 
 static void on_count(lua_State *L, lua_Debug *ar)
 {
     (void)ar;
-    const session *s = *(session **)lua_getextraspace(L);
-    if (s->def.stopped())
-        luaL_error(L, "stopped");
+    duet_error why = {0};
+    if (!budget_check(&why))
+        luaL_error(L, "%s", why.text);
 }
 
 // ---------------------------------------------------------------- globals
@@ -88,7 +94,7 @@ static int print(lua_State *L)
 {
     for (int i = 1, n = lua_gettop(L); i <= n; ++i) {
         size_t length = 0;
-        const char *chars = luaL_tolstring(L, i, &length);
+        const char *chars = script_tostring(L, i, &length);
         fwrite(i > 1 ? "\t" : "", 1, i > 1, stdout);
         print_chars(chars, length);
         lua_pop(L, 1);
@@ -154,16 +160,13 @@ static bool open_state(session *s, duet_error *err)
         s->lua = luaL_newstate();
         if (!s->lua)
             return error_set(err, DUET_NO_MEMORY, "a Lua state: no memory");
-        *(session **)lua_getextraspace(s->lua) = s;
-        if (s->def.stopped)
-            lua_sethook(s->lua, on_count, LUA_MASKCOUNT, HOOK_INSTRUCTIONS);
+        lua_sethook(s->lua, on_count, LUA_MASKCOUNT, HOOK_INSTRUCTIONS);
         return true;
     }
     script_limits limits = script_default_limits();
-    limits.memory_bytes = s->def.memory_bytes;
+    limits.memory_bytes = limits.host_bytes = s->def.memory_bytes;
     limits.seconds = s->def.seconds;
     limits.instructions = UINT64_MAX / 2; // the seconds count
-    limits.stopped = s->def.stopped;
     s->script = script_open(&limits, err);
     s->lua = s->script ? script_lua(s->script) : NULL;
     return s->script != NULL;

@@ -18,7 +18,6 @@ typedef struct session_def {
     bool trusted;
     size_t memory_bytes;          // of the state, where not trusted
     double seconds;               // of one run, where not trusted
-    bool (*stopped)(void);        // asked now and then; true ends the run. NULL: never
     const char *const *arguments; // the global arg, [0] the script; borrowed
     int n_arguments;
 } session_def;

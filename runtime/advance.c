@@ -6,6 +6,7 @@
 // in substeps.
 #include "runtime/motion_args.h"
 
+#include "runtime/base/budget.h"
 #include "runtime/base/clock.h"
 #include "runtime/base/error.h"
 
@@ -293,7 +294,8 @@ static bool respond(duet_motion *m, duet_error *err)
     bool ok = motion_find_rows(m, err) && touch(m, err) && motion_colour(m, err) &&
               for_colours(m, prepare_colour, err);
     for (uint32_t k = 0; ok && k < m->def.substeps; ++k)
-        ok = kick(m, h, err) && solve(m, 1, h, err) && drift(m, h, err) && solve(m, 0, h, err);
+        ok = budget_check(err) && kick(m, h, err) && solve(m, 1, h, err) && drift(m, h, err) &&
+             solve(m, 0, h, err);
     ok = ok && (!m->facts.bouncing || for_colours(m, bounce_colour, err));
     return ok && for_colours(m, store_colour, err) && finish_bodies(m, err);
 }
@@ -342,7 +344,8 @@ bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error 
     timeline_begin(&m->times, m->device);
     m->rebuilt = false;
     m->n_events = 0;
-    bool ok = run_effects(m, err) && fetch_events(m, err) && timeline_finish(&m->times, err);
+    bool ok = budget_check(err) && run_effects(m, err) && fetch_events(m, err) &&
+              timeline_finish(&m->times, err);
     if (!ok)
         return false;
     ++m->step;

@@ -7,6 +7,7 @@
 // class three by three columns, in each a run along x.
 #include "runtime/reference.h"
 
+#include "runtime/base/budget.h"
 #include "runtime/base/error.h"
 #include "runtime/meeting.h"
 #include "runtime/narrow.h"
@@ -16,7 +17,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { EACH_WITH_EACH_LIMIT = 2000, MAX_CLASSES = 512 };
+// Tests between two looks at the budget: some milliseconds.
+enum { EACH_WITH_EACH_LIMIT = 2000, MAX_CLASSES = 512, TESTS_AT_ONCE = 1 << 14 };
 
 typedef struct bounds {
     double lower[3], upper[3];
@@ -34,6 +36,7 @@ typedef struct finder {
     entry *entries; // where columns are used: by class, column and lower x
     reference_found *found;
     uint64_t room;
+    uint32_t tests; // since the last look at the budget
     duet_error *err;
 } finder;
 
@@ -123,6 +126,8 @@ static bool add_pair(finder *f, uint32_t a, uint32_t b)
 {
     if (f->found->n == f->room) {
         uint64_t room = f->room ? 2 * f->room : 1024;
+        if (!budget_room(room * sizeof *f->found->pairs, f->err))
+            return false;
         duet_pair *pairs = realloc(f->found->pairs, room * sizeof *pairs);
         if (!pairs)
             return error_set(f->err, DUET_NO_MEMORY, "reference: no memory for %" PRIu64 " pairs",
@@ -150,6 +155,11 @@ static bool collide(const reference_objects *o, uint32_t a, uint32_t b)
 
 static bool test_pair(finder *f, const entry *one, const entry *other)
 {
+    if (++f->tests == TESTS_AT_ONCE) {
+        f->tests = 0;
+        if (!budget_check(f->err))
+            return false;
+    }
     if (!overlap(&one->box, &other->box))
         return true;
     ++f->found->candidates;
@@ -317,6 +327,8 @@ static bool find_by_columns(finder *f)
 static bool make_entries(finder *f)
 {
     uint32_t n = f->objects->n;
+    if (!budget_room(n * sizeof *f->entries, f->err))
+        return false;
     f->entries = calloc(n ? n : 1, sizeof *f->entries);
     if (!f->entries)
         return error_set(f->err, DUET_NO_MEMORY, "reference: no memory for %" PRIu32 " objects", n);

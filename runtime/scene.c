@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "runtime/scene.h"
 
+#include "runtime/base/budget.h"
 #include "runtime/base/error.h"
 #include "runtime/base/visible.h"
 #include "runtime/origin.h"
@@ -38,6 +39,8 @@ bool scene_reserve(duet_scene *scene, uint64_t n, duet_error *err)
     if (n > SCENE_MAX_OBJECTS)
         return error_set(err, DUET_TOO_MANY, "%llu objects; a scene holds at most %u",
                          (unsigned long long)n, SCENE_MAX_OBJECTS);
+    if (!budget_room(n * object_size(scene), err))
+        return false;
     void *objects = realloc(scene->objects, n * object_size(scene));
     if (!objects)
         return error_set(err, DUET_NO_MEMORY, "%llu objects of %zu bytes: no memory",

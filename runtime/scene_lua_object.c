@@ -10,8 +10,8 @@
 #include <math.h>
 #include <string.h>
 
-// What an add costs of a script's instructions, so that an endless loop of them
-// ends before memory does.
+// What an object costs of a script's instructions, so that an endless loop of
+// them ends before memory does.
 #define ADD_INSTRUCTIONS 20
 
 // The named parts that an object can have, and how many numbers each takes.
@@ -230,6 +230,7 @@ static void add_row(lua_State *L, scene_reading *reading, const row *r)
 
 void scene_add_table(lua_State *L, scene_reading *reading)
 {
+    script_spend(L, ADD_INSTRUCTIONS);
     if (!lua_istable(L, -1))
         refuse(L, reading, NULL, "it must be a table");
     bool is_list = lua_rawlen(L, -1) > 0;
@@ -243,12 +244,12 @@ void scene_add_table(lua_State *L, scene_reading *reading)
 int scene_word_add(lua_State *L)
 {
     scene_reading *reading = lua_touserdata(L, lua_upvalueindex(1));
-    script_spend(L, ADD_INSTRUCTIONS);
     int n = lua_gettop(L);
     if (n == 1) {
         scene_add_table(L, reading);
         return 0;
     }
+    script_spend(L, ADD_INSTRUCTIONS);
     row r = {.n = (uint32_t)n};
     for (int i = 0; i < n && i < SCENE_MAX_COLUMNS; ++i)
         r.value[i] = luaL_checknumber(L, i + 1);

@@ -5,6 +5,8 @@
 // setting is refused before it makes another scene.
 #include "runtime/scene_lua.h"
 
+#include "gen/script.h"
+
 #include <lauxlib.h>
 #include <string.h>
 
@@ -14,6 +16,7 @@ static bool push_name_after(lua_State *L, int index, const char *after)
 {
     const char *least = NULL;
     for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
+        script_spend(L, 1);
         const char *name = lua_tostring(L, -2);
         if ((!after || strcmp(name, after) > 0) && (!least || strcmp(name, least) < 0))
             least = name;

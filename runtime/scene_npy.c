@@ -6,11 +6,15 @@
 // taken from it, so that a wrong header never leads past the end.
 #include "runtime/scene.h"
 
+#include "runtime/base/budget.h"
 #include "runtime/base/error.h"
 #include "runtime/base/text.h"
 
 #include <ctype.h>
 #include <string.h>
+
+// Rows between two looks at the budget.
+enum { ROWS_AT_ONCE = 1 << 14 };
 
 typedef struct npy {
     const char *path;
@@ -249,6 +253,7 @@ static bool add_objects(duet_scene *scene, const npy *file, duet_error *err)
         for (uint64_t k = 0; k < columns; ++k)
             row[k] = read_item(file, file->fortran_order ? k * n + i : i * columns + k);
         ok = scene_add_row(scene, row, place, err);
+        ok = ok && (i % ROWS_AT_ONCE != 0 || budget_check(err));
     }
     return ok;
 }

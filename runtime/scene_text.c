@@ -5,12 +5,16 @@
 // column passed over in silence would turn sizes into places.
 #include "runtime/scene.h"
 
+#include "runtime/base/budget.h"
 #include "runtime/base/error.h"
 #include "runtime/base/text.h"
 
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
+
+// Lines between two looks at the budget.
+enum { LINES_AT_ONCE = 1 << 12 };
 
 // A line's numbers; n counts also those that do not fit.
 typedef struct numbers {
@@ -113,6 +117,8 @@ static bool read_lines(duet_scene *scene, const char *path, const char *at, duet
 {
     bool may_be_header = true;
     for (scene_place place = {.path = path, .line = 1}; *at; ++place.line) {
+        if (place.line % LINES_AT_ONCE == 0 && !budget_check(err))
+            return false;
         bool blank = ends_line(*skip_blanks(at));
         bool header = may_be_header && !blank && is_header(at);
         if (!blank && !header && !read_line(scene, at, place, err))

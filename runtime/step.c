@@ -7,6 +7,7 @@
 // lost between the parts.
 #include "runtime/world.h"
 
+#include "runtime/base/budget.h"
 #include "runtime/base/clock.h"
 #include "runtime/base/error.h"
 
@@ -372,7 +373,7 @@ bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
     if (fits)
         forget_last_step(world);
     for (int fit = 0; !fits; ++fit) {
-        if (needs_fit(world) && !fit_grid(world, err))
+        if (!budget_check(err) || (needs_fit(world) && !fit_grid(world, err)))
             return false;
         bool placed = true;
         if (!run_parts(world, &placed, err))

@@ -4,6 +4,7 @@
 // A takes the first share of the pairs and B the rest, at the same time. Each
 // device takes its pairs a chunk at a time, so that any number fits, and what
 // float leaves open of a chunk is decided before the next one.
+#include "runtime/base/budget.h"
 #include "runtime/base/clock.h"
 #include "runtime/base/error.h"
 #include "runtime/crew.h"
@@ -210,7 +211,8 @@ static void run_side(void *arg)
     timeline_begin(&s->times, s->device);
     for (uint64_t first = s->work.first; s->ok && first < s->work.last; first += CHUNK) {
         uint64_t left = s->work.last - first;
-        s->ok = test_chunk(s, first, left < CHUNK ? (uint32_t)left : CHUNK);
+        s->ok =
+            budget_check(&s->err) && test_chunk(s, first, left < CHUNK ? (uint32_t)left : CHUNK);
     }
     s->ok = s->ok && timeline_finish(&s->times, &s->err);
     timeline_clear(&s->times);

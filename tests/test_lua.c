@@ -3,6 +3,7 @@
 #include "support/program.h"
 #include "support/test.h"
 
+#include "runtime/base/clock.h"
 #include "runtime/base/text.h"
 
 #include <stdio.h>
@@ -111,7 +112,7 @@ static void a_hostile_script_ends_with_its_line(void **state)
         {"print(('x'):rep(1 << 60))", ":1: resulting string too large"},
         {"print(('x'):rep(1 << 30))", ":1: needs more than the 16384 KiB"},
         {"\nlocal function f() return 1 + f() end\nf()", ":2: needs more than the 16384 KiB"},
-        {"('x'):rep(30000):find(('.-'):rep(30) .. 'y')", ":1: the pattern could take too long"},
+        {"('x'):rep(30000):find(('.-'):rep(30) .. 'y')", ":1: runs for more than the 0.5 seconds"},
         {"setmetatable({}, { __gc = function() while true do end end })", ":1: attempt to call"},
         {"getmetatable('').__index = nil", ":1: attempt to call"},
         {"string.rep = nil\nprint(('x'):dump())", ":2: attempt to call"},
@@ -137,6 +138,72 @@ static void a_hostile_script_ends_with_its_line(void **state)
     }
 }
 
+#define CROWD                                                  \
+    "local boxes = duet.bounds(20000)\n"                       \
+    "for i = 0, 19999 do boxes:set(i, 0, 0, 0, 1, 1, 1) end\n" \
+    "local scene = assert(duet.scene(boxes, 3))\n"
+
+// Each of 20000 boxes touches each: 1.6 GB of pairs.
+static void work_of_the_host_is_held_to_the_limits(void **state)
+{
+    (void)state;
+    write_script(CROWD "assert(scene:reference())\n");
+    assert_refused("lua --seconds 60 --memory 16 " SCRIPT, 1,
+                   SCRIPT ":4: needs more than the 16384 KiB of the host's memory it may take");
+    assert_refused("lua --seconds 0.3 --memory 8192 " SCRIPT, 1,
+                   SCRIPT ":4: runs for more than the 0.3 seconds it may take");
+    write_script("local kept = {}\n"
+                 "for i = 1, 100 do kept[i] = assert(duet.scene(duet.bounds(100000), 3)) end\n");
+    assert_refused("lua --memory 64 " SCRIPT, 1, SCRIPT ":2: needs more than the 65536 KiB");
+}
+
+// A step on devices cannot be ended by the library; this one takes seconds.
+static void a_script_that_goes_on_in_the_host_is_ended_by_the_program(void **state)
+{
+    (void)state;
+    write_script(CROWD "local world = assert(assert(duet.device_pair()):world(scene))\n"
+                       "while true do assert(world:step()) end\n");
+    uint64_t begun = clock_steady_ns();
+    program p = program_run("lua --seconds 0.5 " SCRIPT);
+    double seconds = (double)(clock_steady_ns() - begun) * 1e-9;
+    assert_int_equal(p.exit_code, 1);
+    bool by_limit = strstr(p.err, SCRIPT ":5: runs for more than the 0.5 seconds it may take");
+    if (!by_limit &&
+        strcmp(p.err, "duet: a script ran on for 2 s after its limit, and was ended\n"))
+        fail_msg("said '%s'", p.err);
+    if (seconds > 15)
+        fail_msg("took %g s", seconds);
+    program_free(&p);
+}
+
+// The first signal is heard, whatever the script does; a second one would end
+// the program without a line.
+static void a_signal_is_heard_whatever_runs(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *options;
+        const char *script;
+    } cases[] = {
+        {"", "while true do end"},
+        {"", "local s = ('x'):rep(5e7) while true do s:reverse() end"},
+        {"--trust", "while true do pcall(function() while true do end end) end"},
+        {"--trust", "print(('a'):rep(1e7):find(('a'):rep(5e6) .. 'b', 1, true))"},
+        {"--trust", "print(pcall(coroutine.wrap(function() while true do end end)))\n"
+                    "while true do end"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        write_script(cases[i].script);
+        uint64_t begun = clock_steady_ns();
+        program p = program_run_with("timeout --foreground --preserve-status -s TERM 0.5",
+                                     "lua %s " SCRIPT, cases[i].options);
+        double seconds = (double)(clock_steady_ns() - begun) * 1e-9;
+        if (p.exit_code != 1 || !strstr(p.err, "stopped\n") || seconds > 0.5 + 2 + 8)
+            fail_msg("%s: exit %d after %g s, '%s'", cases[i].script, p.exit_code, seconds, p.err);
+        program_free(&p);
+    }
+}
+
 static void a_file_named_on_the_command_line_can_be_read(void **state)
 {
     (void)state;
@@ -156,6 +223,9 @@ int main(void)
         cmocka_unit_test(a_step_can_be_made_without_trust),
         cmocka_unit_test(a_wrong_command_line_is_refused),
         cmocka_unit_test(a_hostile_script_ends_with_its_line),
+        cmocka_unit_test(work_of_the_host_is_held_to_the_limits),
+        cmocka_unit_test(a_script_that_goes_on_in_the_host_is_ended_by_the_program),
+        cmocka_unit_test(a_signal_is_heard_whatever_runs),
         cmocka_unit_test(a_file_named_on_the_command_line_can_be_read),
     };
     return cmocka_run_group_tests(tests, NULL, remove_files);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/prices.h"
 
+#include "runtime/base/budget.h"
 #include "runtime/base/error.h"
 #include "tuner/pair_list.h"
 #include "tuner/stats.h"
@@ -89,7 +90,7 @@ static bool visit(survey *s, uint32_t at, uint32_t round, duet_error *err)
     price *row = &s->prices->rows[at];
     if (row->device != PRICES_BOTH)
         s->plan.share = row->device == 0 ? DUET_SHARE_ONE : 0;
-    bool ok = duet_world_set_level(s->world, row->level, err) &&
+    bool ok = budget_check(err) && duet_world_set_level(s->world, row->level, err) &&
               duet_world_set_plan(s->world, &s->plan, err) && step(s, err);
     ok = ok && (round > 0 || compare(s, row, err)) && step(s, err);
     s->ms[at][round] = s->result.total_ms;

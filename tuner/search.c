@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/search.h"
 
+#include "runtime/base/budget.h"
 #include "tuner/strategy.h"
 
 #include <cjson/cJSON.h>
@@ -59,6 +60,8 @@ bool search_tell(search *s, const search_sample *sample, duet_error *err)
 {
     if (s->n == s->capacity) {
         uint32_t capacity = s->capacity ? 2 * s->capacity : 32;
+        if (!budget_room(capacity * sizeof *s->samples, err))
+            return false;
         search_sample *grown = realloc(s->samples, capacity * sizeof *grown);
         if (!grown)
             return error_set(err, DUET_NO_MEMORY, "a search of %" PRIu32 " launches: no memory",

@@ -70,7 +70,7 @@ static int call_function(lua_State *L)
     double share = lua_type(L, -1) == LUA_TNUMBER ? lua_tonumber(L, -1) : -1;
     if (!(share >= 0 && share <= 1))
         return luaL_error(L, "the strategy gave %s; right would be a share of 0 to 1, or nil",
-                          luaL_tolstring(L, -1, NULL));
+                          script_tostring(L, -1, NULL));
     next->share = (uint32_t)(share * SEARCH_ONE + 0.5);
     return 0;
 }

@@ -6,6 +6,7 @@
 #include "tuner/strategy.h"
 
 #include <lauxlib.h>
+#include <stdlib.h>
 #include <string.h>
 
 // While reading: 1 what the file returned, 2 the config, 3 a list that keeps
@@ -38,6 +39,12 @@ static const char *find_scene(lua_State *L, int table)
     return keep_string(L);
 }
 
+static int compare_strings(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+// In order of their names: a table's own order changes from run to run.
 static void read_settings(lua_State *L, int table, config_workload *w)
 {
     if (!field_push(L, table, "set", LUA_TTABLE))
@@ -47,12 +54,13 @@ static void read_settings(lua_State *L, int table, config_workload *w)
         if (lua_type(L, -2) != LUA_TSTRING || w->n_settings == CONFIG_SETTINGS)
             field_raise(L, "set", "set is up to %d parameters of the scene, by name",
                         CONFIG_SETTINGS);
-        const char *value = luaL_tolstring(L, -1, NULL);
+        const char *value = script_tostring(L, -1, NULL);
         lua_pushfstring(L, "%s=%s", lua_tostring(L, -3), value);
         w->settings[w->n_settings++] = keep_string(L);
         lua_pop(L, 1);
     }
     lua_pop(L, 1);
+    qsort(w->settings, w->n_settings, sizeof w->settings[0], compare_strings);
 }
 
 static void add_workload(lua_State *L, tune_config *c, const config_workload *w, int64_t n)

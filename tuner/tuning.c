@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/tuning.h"
 
+#include "runtime/base/budget.h"
 #include "runtime/base/error.h"
 
 #include <string.h>
@@ -86,6 +87,8 @@ static bool check_measured(tuning *t, const duet_plan *plan, const measurement *
 static bool measure_live(tuning *t, const duet_plan *plan, tape_entry *entry, duet_error *err)
 {
     const tune_task *task = t->task;
+    if (!budget_check(err))
+        return false;
     measurement m = measure_plan(&task->machine, plan, t->repeats);
     *entry = entry_of(plan, &m);
     if (!tape_add(t->state, entry, err))

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "runtime/base/text.h"
 
+#include "runtime/base/budget.h"
 #include "runtime/base/output.h"
 
 #include <errno.h>
@@ -84,8 +85,10 @@ bool text_read_file(text *t, const char *path, duet_error *err)
         ok = error_set(err, DUET_IO_FAILED, "%s: is a folder, not a file", path);
     char block[65536];
     size_t n = 0;
-    while (ok && (n = fread(block, 1, sizeof block, file)) > 0)
+    while (ok && (n = fread(block, 1, sizeof block, file)) > 0) {
         text_add_bytes(t, block, n);
+        ok = budget_check(err) && budget_room(t->length, err);
+    }
     if (ok && ferror(file))
         ok = error_set(err, DUET_IO_FAILED, "%s: %s", path, strerror(errno));
     fclose(file);

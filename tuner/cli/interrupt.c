@@ -41,6 +41,13 @@ bool interrupt_asked(void)
     return atomic_load(&asked_ns) != 0;
 }
 
+uint64_t interrupt_age_ns(void)
+{
+    uint64_t asked = atomic_load(&asked_ns);
+    uint64_t now = clock_steady_ns();
+    return asked != 0 && now > asked ? now - asked : 0;
+}
+
 void interrupt_forget(void)
 {
     atomic_store(&asked_ns, 0);

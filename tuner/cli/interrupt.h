@@ -7,10 +7,12 @@
 #include "duet_error.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 
 void interrupt_watch(void);
 bool interrupt_asked(void);
-void interrupt_forget(void); // what was asked so far: for a person who goes on typing
+uint64_t interrupt_age_ns(void); // how long ago that was; 0: not asked
+void interrupt_forget(void);     // what was asked so far: for a person who goes on typing
 
 // false with INTERRUPTED once Ctrl-C was pressed.
 bool interrupt_check(duet_error *err);

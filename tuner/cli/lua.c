@@ -94,7 +94,6 @@ static bool run(const arguments *args, const char *const *operands, int n, duet_
     def.trusted = args->trust;
     def.memory_bytes = (size_t)args->memory_mib << 20;
     def.seconds = args->seconds;
-    def.stopped = interrupt_asked;
     def.arguments = operands;
     def.n_arguments = n;
     session *s = session_open(&def, err);

@@ -7,6 +7,7 @@
 #include "tuner/cli/commands.h"
 #include "tuner/cli/interrupt.h"
 #include "tuner/cli/say.h"
+#include "tuner/cli/watchdog.h"
 
 #include <locale.h>
 #include <signal.h>
@@ -76,6 +77,7 @@ int main(int argc, char **argv)
     signal(SIGPIPE, SIG_IGN); // a write that fails is told of by a line
     signal(SIGXFSZ, SIG_IGN);
     interrupt_watch();
+    watchdog_start();
     int status = run(argc, argv);
     bool written = say_finish();
     return status == EXIT_OK && !written ? EXIT_FAILED : status;
