@@ -590,13 +590,16 @@ typedef struct duet_motion_result {
     uint32_t n_stages;
 } duet_motion_result;
 
-// Advances all objects by dt.
+// Advances all objects by dt. After a failure half a step may be done: until a saved
+// motion is loaded into it, the motion can only be destroyed, and the calls below that
+// take an error are BAD_ARGUMENT.
 DUET_API bool duet_motion_advance(duet_motion *motion, duet_motion_result *result, duet_error *err);
 
 DUET_API uint32_t duet_motion_effects(const duet_motion *motion); // bits of duet_effect
 DUET_API uint32_t duet_motion_count(const duet_motion *motion);
 
-// Copies the state of all objects to states [n].
+// Copies the state of all objects to states [n]. BAD_OBJECT where a number of it is no
+// longer finite; the states are copied all the same.
 DUET_API bool duet_motion_read(duet_motion *motion, duet_state *states, duet_error *err);
 
 // A sum over the state's bits, equal on all devices, at any share and in any
@@ -632,6 +635,8 @@ DUET_API bool duet_motion_contacts(duet_motion *motion, duet_contact **contacts,
 
 // A motion as a file: advanced after loading, it goes on bit for bit as the
 // saved one does. Objects, bodies and def must be those of the saved motion.
+// BAD_INPUT where the file says what this motion could not have saved; files may come
+// from anyone. After a failure the motion is as before.
 DUET_API bool duet_motion_save(duet_motion *motion, const char *path, duet_error *err);
 DUET_API bool duet_motion_load(duet_motion *motion, const char *path, duet_error *err);
 

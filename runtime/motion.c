@@ -346,6 +346,15 @@ uint32_t duet_motion_count(const duet_motion *m)
     return m->n;
 }
 
+bool motion_is_whole(const duet_motion *m, duet_error *err)
+{
+    return !m->broken ||
+           error_set(err, DUET_BAD_ARGUMENT,
+                     "the motion failed in its step %llu; expected a saved one to be loaded, or a "
+                     "new motion",
+                     (unsigned long long)m->step + 1);
+}
+
 // ---------------------------------------------------------------- buffers
 
 // What grows has room to grow on: fresh pages cost as much as what is put there.
