@@ -326,7 +326,7 @@ static void fill_result(duet_motion *m, duet_motion_result *result)
 
 bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error *err)
 {
-    if (!motion_is_whole(m, err))
+    if (!motion_is_whole(m, __func__, err) || !error_given(result, __func__, "result", err))
         return false;
     uint64_t begun = clock_steady_ns();
     timeline_begin(&m->times, m->device);

@@ -138,8 +138,9 @@ static inline bool motion_has(const duet_motion *m, uint32_t effect)
     return m->effects & effect;
 }
 
-// Whether the state is that of a whole step; BAD_ARGUMENT where it is not.
-bool motion_is_whole(const duet_motion *m, duet_error *err);
+// Whether a public call has a motion whose state is that of a whole step; BAD_ARGUMENT
+// where it has not.
+bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err);
 
 // Generates and builds what the effects need.
 bool motion_prepare(duet_motion *m, duet_error *err);

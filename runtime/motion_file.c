@@ -85,10 +85,8 @@ static uint64_t sum_of(const char *bytes, size_t n)
 static motion_saved parts_of(const duet_motion *m, const header *h, const char *bytes,
                              const char *path)
 {
-    motion_saved s = {.path = path,
-                      .n_contacts = h->n_contacts,
-                      .has_rows = h->has_rows,
-                      .n_pairs = h->n_pairs};
+    motion_saved s = {
+        .path = path, .n_contacts = h->n_contacts, .has_rows = h->has_rows, .n_pairs = h->n_pairs};
     const char *at = bytes + sizeof *h;
     for (int i = 0; i < N_KEPT; ++i) {
         size_t size = bytes_of(m, kept[i], h->n_contacts);
@@ -127,7 +125,7 @@ static bool write_file(text *file, const char *path, duet_error *err)
 // What could not be loaded is told while the motion is still there.
 bool duet_motion_save(duet_motion *m, const char *path, duet_error *err)
 {
-    if (!motion_is_whole(m, err))
+    if (!motion_is_whole(m, __func__, err) || !error_given(path, __func__, "path", err))
         return false;
     text file = {0};
     header h = header_of(m);
@@ -218,8 +216,8 @@ static bool put_all(duet_motion *m, const motion_saved *s, duet_error *err)
     bool ok = true;
     for (int i = 0; ok && i < N_KEPT; ++i) {
         size_t bytes = bytes_of(m, kept[i], s->n_contacts);
-        ok = bytes == 0 || put_buffer(m, &fresh[i], room_of(m, kept[i], bytes), s->at[kept[i]],
-                                      bytes, err);
+        ok = bytes == 0 ||
+             put_buffer(m, &fresh[i], room_of(m, kept[i], bytes), s->at[kept[i]], bytes, err);
     }
     ok = ok && timeline_finish(&m->times, err) && reserve_events(m, s->n_contacts, err);
     timeline_clear(&m->times);
@@ -237,6 +235,8 @@ static bool put_all(duet_motion *m, const motion_saved *s, duet_error *err)
 
 bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
 {
+    if (!error_given(m, __func__, "motion", err) || !error_given(path, __func__, "path", err))
+        return false;
     text file = {0};
     header h;
     motion_saved parts;

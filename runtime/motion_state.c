@@ -257,7 +257,8 @@ static bool check_finite(const duet_motion *m, const duet_state *states, duet_er
 
 bool duet_motion_read(duet_motion *m, duet_state *states, duet_error *err)
 {
-    if (!motion_is_whole(m, err))
+    if (!motion_is_whole(m, __func__, err) ||
+        (m->n > 0 && !error_given(states, __func__, "states", err)))
         return false;
     static const struct {
         motion_buffer which;
@@ -315,6 +316,8 @@ static uint64_t mix(uint64_t sum, double value, uint64_t place)
 
 bool duet_motion_hash(duet_motion *m, uint64_t *hash, duet_error *err)
 {
+    if (!motion_is_whole(m, __func__, err) || !error_given(hash, __func__, "hash", err))
+        return false;
     duet_state *states = read_states(m, err);
     if (!states)
         return false;
@@ -387,6 +390,8 @@ static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, d
 
 bool duet_motion_energy(duet_motion *m, duet_energy *energy, duet_error *err)
 {
+    if (!motion_is_whole(m, __func__, err) || !error_given(energy, __func__, "energy", err))
+        return false;
     duet_state *states = read_states(m, err);
     if (!states)
         return false;

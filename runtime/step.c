@@ -365,6 +365,9 @@ static void fill_result(duet_world *world, duet_result *result)
 
 bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
 {
+    if (!error_given(world, __func__, "world", err) ||
+        !error_given(result, __func__, "result", err))
+        return false;
     uint64_t begun = clock_steady_ns();
     bool fits = world->n == 0;
     if (!world_check_sizes(world, err))

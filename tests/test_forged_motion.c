@@ -77,14 +77,14 @@ static const struct {
     const char *name;
     uint32_t words;
 } sections[] = {
-    {CENTRES, "centres", 0},     {CELLS, "cells", 0},
-    {VELOCITIES, "speeds", 0},   {ROTATIONS, "rotations", 0},
-    {SPINS, "spins", 0},         {RESTS, "rests", 0},
-    {ASLEEP, "asleep", 0},       {BOXES, "boxes", 0},
-    {STARTS, "starts", 0},       {RETURN_STARTS, "return starts", 0},
-    {RETURNS, "returns", 1},     {LINKS, "links", 2},
-    {OTHERS, "others", 1},       {CONTACTS, "contacts", UINT32_MAX},
-    {TOUCHES, "touches", 1},     {COLOUR_OF, "colours", 1},
+    {CENTRES, "centres", 0},   {CELLS, "cells", 0},
+    {VELOCITIES, "speeds", 0}, {ROTATIONS, "rotations", 0},
+    {SPINS, "spins", 0},       {RESTS, "rests", 0},
+    {ASLEEP, "asleep", 0},     {BOXES, "boxes", 0},
+    {STARTS, "starts", 0},     {RETURN_STARTS, "return starts", 0},
+    {RETURNS, "returns", 1},   {LINKS, "links", 2},
+    {OTHERS, "others", 1},     {CONTACTS, "contacts", UINT32_MAX},
+    {TOUCHES, "touches", 1},   {COLOUR_OF, "colours", 1},
 };
 
 enum { SECTIONS = sizeof sections / sizeof sections[0] };
@@ -92,7 +92,7 @@ enum { SECTIONS = sizeof sections / sizeof sections[0] };
 typedef struct forger {
     mover *m;
     char path[64];
-    text right; // the file as it was saved
+    text right;  // the file as it was saved
     char *bytes; // a copy that is changed
     size_t n;
     uint32_t n_contacts;
