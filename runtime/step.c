@@ -209,9 +209,9 @@ static bool prepare(duet_world *world, const job jobs[2], const bool use[2], due
         part *p = &world->parts[side];
         if (!use[side] || (world->prepared[side] && p->kernels.packed == task->packed))
             continue;
-        if (!part_prepare(p, variants[side], task, err))
+        world->prepared[side] = part_prepare(p, variants[side], task, err);
+        if (!world->prepared[side])
             return false;
-        world->prepared[side] = true;
     }
     return true;
 }
@@ -281,7 +281,7 @@ static bool run_parts(duet_world *world, bool *placed, duet_error *err)
         return false;
     bool ok = shared ? run_shared(world, jobs) : run_slabs(world, jobs, err);
     for (int side = 0; side < 2 && !ok; ++side) {
-        timeline_clear(&world->parts[side].times);
+        part_distrust(&world->parts[side]);
         if (jobs[side].err.status != DUET_OK && err && err->status == DUET_OK)
             *err = jobs[side].err;
     }
