@@ -201,34 +201,41 @@ static bool put_buffer(duet_motion *m, buffer *to, size_t room, const void *from
            timeline_write_at(&m->times, "send", to, 0, from, bytes, err);
 }
 
-static bool reserve_events(duet_motion *m, uint32_t n_contacts, duet_error *err)
+static uint64_t event_room(const motion_saved *s)
 {
-    m->event_room = (uint64_t)n_contacts + 1;
-    return !motion_has(m, DUET_EFFECT_EVENTS) ||
-           motion_reserve(m, EVENTS, m->event_room, 4 * sizeof(uint32_t), err);
+    return (uint64_t)s->n_contacts + 1;
+}
+
+static bool put_all(duet_motion *m, const motion_saved *s, buffer fresh[], duet_error *err)
+{
+    bool ok = true;
+    for (int i = 0; ok && i < N_KEPT; ++i) {
+        motion_buffer which = kept[i];
+        size_t bytes = bytes_of(m, which, s->n_contacts);
+        ok = bytes == 0 ||
+             put_buffer(m, &fresh[which], room_of(m, which, bytes), s->at[which], bytes, err);
+    }
+    if (ok && motion_has(m, DUET_EFFECT_EVENTS)) {
+        size_t bytes = (size_t)event_room(s) * 4 * sizeof(uint32_t);
+        ok = buffer_reserve(&fresh[EVENTS], m->device, room_of(m, EVENTS, bytes), err);
+    }
+    return ok && timeline_finish(&m->times, err);
 }
 
 // Into buffers of their own first: a device that fails on the way leaves the motion as
 // it was.
-static bool put_all(duet_motion *m, const motion_saved *s, duet_error *err)
+static bool replace_all(duet_motion *m, const motion_saved *s, duet_error *err)
 {
-    buffer fresh[N_KEPT] = {{0}};
-    bool ok = true;
-    for (int i = 0; ok && i < N_KEPT; ++i) {
-        size_t bytes = bytes_of(m, kept[i], s->n_contacts);
-        ok = bytes == 0 ||
-             put_buffer(m, &fresh[i], room_of(m, kept[i], bytes), s->at[kept[i]], bytes, err);
-    }
-    ok = ok && timeline_finish(&m->times, err) && reserve_events(m, s->n_contacts, err);
+    buffer fresh[MOTION_BUFFERS] = {{0}};
+    bool ok = put_all(m, s, fresh, err);
     timeline_clear(&m->times);
-    for (int i = 0; i < N_KEPT; ++i) {
-        buffer *own = &m->buffers[kept[i]];
-        if (ok && fresh[i].mem) {
-            buffer before = *own;
-            *own = fresh[i];
-            fresh[i] = before;
+    for (int which = 0; which < MOTION_BUFFERS; ++which) {
+        buffer before = m->buffers[which];
+        if (ok && fresh[which].mem) {
+            m->buffers[which] = fresh[which];
+            fresh[which] = before;
         }
-        buffer_release(&fresh[i]);
+        buffer_release(&fresh[which]);
     }
     return ok;
 }
@@ -239,18 +246,19 @@ bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
         return false;
     text file = {0};
     header h;
-    motion_saved parts;
+    motion_saved parts = {0};
     bool ok = text_read_file(&file, path, err) && check_file(m, &file, path, &h, err);
     if (ok) {
         parts = parts_of(m, &h, file.chars, path);
         ok = motion_check(m, &parts, err) && timeline_finish(&m->times, err) &&
-             put_all(m, &parts, err);
+             replace_all(m, &parts, err);
     }
     text_free(&file);
     if (!ok)
         return false;
     m->step = h.step;
     m->n_contacts = h.n_contacts;
+    m->event_room = event_room(&parts);
     m->n_pairs = h.n_pairs;
     m->has_rows = h.has_rows;
     m->list_stale = true;
