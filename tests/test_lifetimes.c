@@ -134,8 +134,8 @@ static int make_poses(void **state)
             poses[i].centre[k] = (float)rng_between(&r, 0, 3);
     }
     duet_scene *scene = duet_scene_from_poses(poses, N, 3, &err);
-    duet_pair *pairs;
-    uint64_t n;
+    duet_pair *pairs = NULL;
+    uint64_t n = 0;
     assert_ok(scene && duet_reference(scene, &pairs, &n, &err), err);
     right = duet_pairs_hash(pairs, n);
     assert_true(n > 0);

@@ -293,8 +293,8 @@ static void sweep(const scenario *s, rng *r)
 static uint64_t right_of(const duet_pose objects[N])
 {
     duet_error err = {0};
-    duet_pair *pairs;
-    uint64_t n;
+    duet_pair *pairs = NULL;
+    uint64_t n = 0;
     duet_scene *scene = duet_scene_from_poses(objects, N, 3, &err);
     assert_ok(scene && duet_reference(scene, &pairs, &n, &err), err);
     assert_true(n > 50);
