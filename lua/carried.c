@@ -9,6 +9,8 @@
 // Leaves what the text returns on the stack.
 static int run_carried(lua_State *L, const char *path)
 {
+    if (!L)
+        return 0;
     const blob *b = blob_find(path);
     lua_pushfstring(L, "@%s", path);
     if (luaL_loadbufferx(L, b->bytes, b->length, lua_tostring(L, -1), "t") != LUA_OK)

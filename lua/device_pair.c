@@ -21,39 +21,23 @@ static const member def_members[] = {
     {0},
 };
 
-// The box counts as a user until the script closes it: its pair is then gone
-// from the script's view, and truly closed with the last world.
-typedef struct script_box {
-    device_pair_box box;
-    bool closed;
-} script_box;
+typedef struct device_pair_box {
+    duet_device_pair *pair; // NULL: closed
+} device_pair_box;
 
-static script_box *check_any(lua_State *L, int index)
+duet_device_pair *device_pair_check(lua_State *L, int index)
 {
-    return luaL_checkudata(L, index, pair_class.name);
+    device_pair_box *box = luaL_checkudata(L, index, pair_class.name);
+    luaL_argcheck(L, box->pair, index, "the device pair is closed");
+    return box->pair;
 }
 
-device_pair_box *device_pair_check(lua_State *L, int index)
-{
-    script_box *s = check_any(L, index);
-    luaL_argcheck(L, !s->closed, index, "the device pair is closed");
-    return &s->box;
-}
-
-void device_pair_let_go(device_pair_box *box)
-{
-    if (--box->users > 0)
-        return;
-    duet_device_pair_close(box->pair);
-    box->pair = NULL;
-}
-
+// What was made on the pair holds it open.
 static int pair_close(lua_State *L)
 {
-    script_box *s = check_any(L, 1);
-    if (!s->closed)
-        device_pair_let_go(&s->box);
-    s->closed = true;
+    device_pair_box *box = luaL_checkudata(L, 1, pair_class.name);
+    duet_device_pair_close(box->pair);
+    box->pair = NULL;
     return 0;
 }
 
@@ -66,29 +50,24 @@ static int pair_open(lua_State *L)
     member_read_table(L, 1, "a device pair", def_members, &def);
     if (def.kernel_dir != kernel_dir || def.cache_dir != cache_dir)
         policy_check_trusted(L, "choosing kernel_dir or cache_dir");
-    script_box *s = class_push(L, &pair_class, sizeof *s);
-    s->closed = true;
-    s->box.pair = duet_device_pair_open(&def, &err);
-    if (!s->box.pair)
-        return class_push_failure(L, &err);
-    s->closed = false;
-    s->box.users = 1;
-    return 1;
+    device_pair_box *box = class_push(L, &pair_class, sizeof *box);
+    box->pair = duet_device_pair_open(&def, &err);
+    return box->pair ? 1 : class_push_failure(L, &err);
 }
 
 // "A" or "B"
 static int pair_device(lua_State *L)
 {
     static const char *const names[] = {"A", "B", NULL};
-    const device_pair_box *box = device_pair_check(L, 1);
+    const duet_device_pair *pair = device_pair_check(L, 1);
     int device = luaL_checkoption(L, 2, NULL, names);
-    member_push_table(L, device_members, duet_device_pair_info(box->pair, device));
+    member_push_table(L, device_members, duet_device_pair_info(pair, device));
     return 1;
 }
 
 static int pair_plan(lua_State *L)
 {
-    duet_plan plan = duet_default_plan(device_pair_check(L, 1)->pair);
+    duet_plan plan = duet_default_plan(device_pair_check(L, 1));
     member_plan.push(L, NULL, &plan);
     return 1;
 }

@@ -13,7 +13,7 @@ extern "C" {
 
 struct lua_State;
 
-// Leaves the module's table on the stack.
+// Leaves the module's table on the stack. 0, and nothing done, for NULL, as those below.
 DUET_API int luaopen_duet(struct lua_State *L);
 
 // require "duet.frame": rows in named columns; "duet.plot": pictures by

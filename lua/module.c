@@ -6,6 +6,8 @@
 
 int luaopen_duet(lua_State *L)
 {
+    if (!L)
+        return 0;
     luaL_checkversion(L);
     lua_newtable(L);
     lua_pushstring(L, duet_version());

@@ -7,8 +7,7 @@
 
 typedef struct motion_box {
     duet_motion *motion;
-    device_pair_box *pair; // the uservalue's
-    uint64_t steps;        // results of earlier ones no longer hold
+    uint64_t steps; // results of earlier ones no longer hold
 } motion_box;
 
 static const lua_class motion_class;
@@ -140,21 +139,17 @@ int motion_create_lua(lua_State *L)
 {
     duet_error err = {0};
     lua_settop(L, 4);
-    device_pair_box *pair = device_pair_check(L, 1);
+    duet_device_pair *pair = device_pair_check(L, 1);
     bool of_scene = luaL_testudata(L, 2, "duet.scene");
-    motion_objects o = of_scene ? objects_of_scene(L, scene_check(L, 2), pair->pair)
-                                : objects_of_arrays(L, pair->pair);
+    motion_objects o =
+        of_scene ? objects_of_scene(L, scene_check(L, 2), pair) : objects_of_arrays(L, pair);
     member_read_table(L, of_scene ? 3 : 4, "a motion", def_members, &o.def);
     motion_box *box = class_push(L, &motion_class, sizeof *box);
     lua_pushvalue(L, 1);
     lua_setiuservalue(L, -2, 1);
     box->motion = of_scene ? duet_motion_create_scene(&o.def, scene_check(L, 2), NULL, &err)
                            : duet_motion_create(&o.def, o.poses, o.bodies, o.n, &err);
-    if (!box->motion)
-        return class_push_failure(L, &err);
-    box->pair = pair;
-    ++pair->users;
-    return 1;
+    return box->motion ? 1 : class_push_failure(L, &err);
 }
 
 static motion_box *check_box(lua_State *L)
@@ -177,7 +172,6 @@ static int motion_close(lua_State *L)
     duet_motion_destroy(box->motion);
     box->motion = NULL;
     ++box->steps;
-    device_pair_let_go(box->pair);
     return 0;
 }
 

@@ -33,14 +33,7 @@ const char *level_name(int level);
 duet_level level_check(lua_State *L, int index);
 extern const member_type member_accuracy; // a duet_accuracy as a table
 
-// A device pair stays open until its last user has gone.
-typedef struct device_pair_box {
-    duet_device_pair *pair;
-    uint32_t users; // worlds made on it, and the script until it closes it
-} device_pair_box;
-
-device_pair_box *device_pair_check(lua_State *L, int index);
-void device_pair_let_go(device_pair_box *box);
+duet_device_pair *device_pair_check(lua_State *L, int index);
 
 // The methods device_pair:world, :tune, :motion and :test; with the pair's other methods.
 int world_create_lua(lua_State *L);
@@ -50,11 +43,10 @@ int test_open_from_lua(lua_State *L);
 
 typedef struct world_box {
     duet_world *world;
-    device_pair_box *pair; // the uservalue's
-    uint64_t steps;        // results of earlier ones no longer hold
-    uint64_t maps;         // so with mapped poses
-    uint64_t size_maps;    // and sizes
-    uint32_t onlines;      // online shares that step it
+    uint64_t steps;     // results of earlier ones no longer hold
+    uint64_t maps;      // so with mapped poses
+    uint64_t size_maps; // and sizes
+    uint32_t onlines;   // online shares that step it
 } world_box;
 
 world_box *world_check(lua_State *L, int index);

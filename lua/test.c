@@ -4,7 +4,6 @@
 
 typedef struct test_box {
     duet_test *test;
-    device_pair_box *pair; // the uservalue's
 } test_box;
 
 static const lua_class test_class;
@@ -28,21 +27,17 @@ static const member result_members[] = {
 int test_open_from_lua(lua_State *L)
 {
     duet_error err = {0};
-    device_pair_box *pair = device_pair_check(L, 1);
+    duet_device_pair *pair = device_pair_check(L, 1);
     duet_test_def def = duet_default_test_def();
-    def.pair = pair->pair;
-    def.share = duet_default_plan(pair->pair).share;
+    def.pair = pair;
+    def.share = duet_default_plan(pair).share;
     if (!lua_isnoneornil(L, 2))
         member_read_table(L, 2, "a test", def_members, &def);
     test_box *box = class_push(L, &test_class, sizeof *box);
     lua_pushvalue(L, 1);
     lua_setiuservalue(L, -2, 1);
     box->test = duet_test_open(&def, &err);
-    if (!box->test)
-        return class_push_failure(L, &err);
-    box->pair = pair;
-    ++pair->users;
-    return 1;
+    return box->test ? 1 : class_push_failure(L, &err);
 }
 
 // test:pairs(poses, with_gaps) -> verdicts, result, gaps
@@ -76,7 +71,6 @@ static int test_close(lua_State *L)
         return 0;
     duet_test_close(box->test);
     box->test = NULL;
-    device_pair_let_go(box->pair);
     return 0;
 }
 

@@ -217,7 +217,7 @@ int device_pair_tune_lua(lua_State *L)
     duet_mode modes[32];
     duet_level levels[32];
     tune_def t = {.def = duet_default_tune_def()};
-    t.def.pair = device_pair_check(L, 1)->pair;
+    t.def.pair = device_pair_check(L, 1);
     t.def.scene = scene_check(L, 2);
     lua_settop(L, 3);
     member_read_table(L, 3, "a tuning", def_members, &t);

@@ -70,17 +70,15 @@ static duet_world_def read_def(lua_State *L, duet_device_pair *pair, const duet_
 int world_create_lua(lua_State *L)
 {
     duet_error err = {0};
-    device_pair_box *pair = device_pair_check(L, 1);
+    duet_device_pair *pair = device_pair_check(L, 1);
     const duet_scene *scene = lua_isuserdata(L, 2) ? scene_check(L, 2) : NULL;
-    duet_world_def def = read_def(L, pair->pair, scene, scene ? 3 : 2);
+    duet_world_def def = read_def(L, pair, scene, scene ? 3 : 2);
     world_box *box = class_push(L, &world_class, sizeof *box);
     lua_pushvalue(L, 1);
     lua_setiuservalue(L, -2, 1);
     box->world = duet_world_create(&def, &err);
     if (!box->world)
         return class_push_failure(L, &err);
-    box->pair = pair;
-    ++pair->users;
     if (scene && !duet_world_set_scene(box->world, scene, &err))
         return class_push_failure(L, &err);
     return 1;
@@ -96,7 +94,6 @@ static int world_close(lua_State *L)
     box->world = NULL;
     ++box->steps;
     world_forget_views(box);
-    device_pair_let_go(box->pair);
     return 0;
 }
 

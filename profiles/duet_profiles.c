@@ -197,8 +197,9 @@ static bool read_trials(store *s, const char *uid, trial_list *trials, duet_erro
 bool duet_profile_trials(const char *path, const char *uid, duet_stored_trial **trials, uint32_t *n,
                          duet_error *err)
 {
-    if (!uid || !trials || !n)
-        return error_set(err, DUET_BAD_ARGUMENT, "a uid, and where its trials go, are missing");
+    if (!error_given(uid, __func__, "uid", err) || !error_given(trials, __func__, "trials", err) ||
+        !error_given(n, __func__, "n", err))
+        return false;
     trial_list list = {0};
     store *s = open_store(path, STORE_READ, err);
     bool ok = s && read_trials(s, uid, &list, err) && store_check_read(s, err);
@@ -216,8 +217,8 @@ bool duet_profile_trials(const char *path, const char *uid, duet_stored_trial **
 
 bool duet_profiles_export(const char *path, const char *file, duet_error *err)
 {
-    if (!file)
-        return error_set(err, DUET_BAD_ARGUMENT, "the rows' file is missing");
+    if (!error_given(file, __func__, "file", err))
+        return false;
     store *s = open_store(path, STORE_READ, err);
     bool ok = s && profile_export_file(s, file, err);
     store_close(s);
@@ -237,8 +238,8 @@ static bool import_file(store *s, FILE *in, const char *name, duet_import_counts
 bool duet_profiles_import(const char *path, const char *file, duet_import_counts *counts,
                           duet_error *err)
 {
-    if (!file)
-        return error_set(err, DUET_BAD_ARGUMENT, "the rows' file is missing");
+    if (!error_given(file, __func__, "file", err))
+        return false;
     FILE *in = fopen(file, "r");
     if (!in)
         return error_set(err, errno == ENOENT ? DUET_NOT_FOUND : DUET_IO_FAILED, "%s: %s", file,

@@ -3,7 +3,8 @@
 // in. What an application loads from it is duet_world_load_profile (duet.h).
 //
 // A path of NULL is the user's store (DUET_PROFILE). NOT_FOUND where there is
-// no file, STORE_FAILED where it is none of ours or cannot be read.
+// no file, STORE_FAILED where it is none of ours or cannot be read. What else is
+// NULL is BAD_ARGUMENT, as duet.h has it.
 #ifndef DUET_PROFILES_H
 #define DUET_PROFILES_H
 
@@ -89,7 +90,7 @@ typedef struct duet_import_counts {
 } duet_import_counts;
 
 // Takes such a file's rows in: all or, where a line is wrong, none. Makes the
-// store where there is none.
+// store where there is none. counts may be NULL.
 DUET_API bool duet_profiles_import(const char *path, const char *file, duet_import_counts *counts,
                                    duet_error *err);
 

@@ -340,14 +340,19 @@ static void fill_result(duet_motion *m, duet_motion_result *result)
 
 bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error *err)
 {
+    if (!motion_is_whole(m, __func__, err) || !error_given(result, __func__, "result", err) ||
+        !budget_check(err))
+        return false;
     uint64_t begun = clock_steady_ns();
     timeline_begin(&m->times, m->device);
     m->rebuilt = false;
     m->n_events = 0;
-    bool ok = budget_check(err) && run_effects(m, err) && fetch_events(m, err) &&
-              timeline_finish(&m->times, err);
-    if (!ok)
+    bool ok = run_effects(m, err) && fetch_events(m, err) && timeline_finish(&m->times, err);
+    m->broken = !ok;
+    if (!ok) {
+        timeline_clear(&m->times);
         return false;
+    }
     ++m->step;
     fill_result(m, result);
     result->total_ms = (double)(clock_steady_ns() - begun) * 1e-6;

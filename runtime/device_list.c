@@ -155,10 +155,10 @@ void duet_device_list_close(duet_device_list *list)
 
 uint32_t duet_device_list_count(const duet_device_list *list)
 {
-    return list->n;
+    return list ? list->n : 0;
 }
 
 const duet_device_info *duet_device_list_at(const duet_device_list *list, uint32_t i)
 {
-    return i < list->n ? &list->roots[i].info : NULL;
+    return list && i < list->n ? &list->roots[i].info : NULL;
 }

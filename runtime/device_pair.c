@@ -121,7 +121,7 @@ static bool keep_folder(char **kept, const char *folder, duet_error *err)
 
 duet_device_pair *duet_device_pair_open(const duet_device_pair_def *def, duet_error *err)
 {
-    if (def->cookie != COOKIE) {
+    if (!def || def->cookie != COOKIE) {
         error_set(err, DUET_BAD_ARGUMENT,
                   "the def of a device pair begins with duet_default_device_pair_def");
         return NULL;
@@ -131,6 +131,7 @@ duet_device_pair *duet_device_pair_open(const duet_device_pair_def *def, duet_er
         error_set(err, DUET_NO_MEMORY, "a device pair: no memory");
         return NULL;
     }
+    device_pair_hold(pair);
     bool ok = keep_folder(&pair->kernel_dir, def->kernel_dir, err);
     ok = ok && keep_folder(&pair->cache_dir, def->cache_dir, err);
     ok = ok && (!pair->cache_dir || cache_check(pair->cache_dir, err));
@@ -142,9 +143,14 @@ duet_device_pair *duet_device_pair_open(const duet_device_pair_def *def, duet_er
     return pair;
 }
 
+void device_pair_hold(duet_device_pair *pair)
+{
+    atomic_fetch_add(&pair->users, 1);
+}
+
 void duet_device_pair_close(duet_device_pair *pair)
 {
-    if (!pair)
+    if (!pair || atomic_fetch_sub(&pair->users, 1) > 1)
         return;
     device_close(&pair->devices[1]);
     device_close(&pair->devices[0]);
@@ -155,5 +161,5 @@ void duet_device_pair_close(duet_device_pair *pair)
 
 const duet_device_info *duet_device_pair_info(const duet_device_pair *pair, int which)
 {
-    return &pair->devices[which != 0].info;
+    return pair && (which == 0 || which == 1) ? &pair->devices[which].info : NULL;
 }

@@ -6,6 +6,15 @@
 // allowed). A def is filled by its duet_default_..._def() first. Two worlds in
 // two threads are independent; one world belongs to one thread at a time.
 //
+// A pointer that is NULL is BAD_ARGUMENT, unless its call says what NULL means; rows
+// may be NULL where there are 0 of them. Calls without a duet_error answer NULL, or a
+// place past the end, with NULL, false or 0, unless they say otherwise. Closing NULL
+// does nothing.
+//
+// Owners can be closed in any order: what was made on a device pair holds it open, and
+// a share that is kept on line holds its world. Each is closed once by who made it, and
+// is not used after that. Memory that a call hands out goes with the owner it names.
+//
 // Units are the caller's (metres, say); floats are IEEE single; ids are the
 // objects' places in the input, from 0. Sets are closed: touching collides.
 #ifndef DUET_H
@@ -125,11 +134,12 @@ typedef struct duet_device_pair_def {
 DUET_API duet_device_pair_def duet_default_device_pair_def(void);
 
 // NO_DEVICE where there is none, NOT_FOUND for an unknown selector: the line
-// lists what is there. Worlds made on the pair must be destroyed before it.
+// lists what is there. Closing may come before the worlds made on the pair are destroyed:
+// the devices are let go with the last of them.
 DUET_API duet_device_pair *duet_device_pair_open(const duet_device_pair_def *def, duet_error *err);
 DUET_API void duet_device_pair_close(duet_device_pair *pair);
 DUET_API const duet_device_info *duet_device_pair_info(const duet_device_pair *pair,
-                                                       int device); // 0: A, 1: B
+                                                       int device); // 0: A, 1: B, else NULL
 
 // ---------------------------------------------------------------- levels
 
@@ -164,7 +174,8 @@ DUET_API const duet_level_info *duet_level_describe(duet_level level); // NULL o
 DUET_API bool duet_level_named(const char *name, duet_level *level);
 
 // Whether a level promises all that another does: certified does so for all,
-// aabb, sphere and sat6 for each other (none is missed), double for sat15.
+// aabb, sphere and sat6 for each other (none is missed), double for sat15. False for
+// what is no level.
 DUET_API bool duet_level_covers(duet_level level, duet_level other);
 
 // How much may be wrong, by the number of pairs that collide: 0.02 is two in a
@@ -259,7 +270,7 @@ DUET_API duet_plan duet_default_plan(const duet_device_pair *pair);
 typedef struct duet_world duet_world;
 
 typedef struct duet_world_def {
-    duet_device_pair *pair; // borrowed
+    duet_device_pair *pair; // held until the world is destroyed
     duet_plan plan;
     uint32_t dims; // 2 or 3
     duet_shape shape;
@@ -282,7 +293,8 @@ typedef struct duet_world_def {
 } duet_world_def;
 
 DUET_API duet_world_def duet_default_world_def(void);
-// A def with the scene's dims, shape, cell, world, level and accuracy.
+// A def with the scene's dims, shape, cell, world, level and accuracy; the default one
+// for NULL.
 DUET_API duet_world_def duet_scene_world_def(const duet_scene *scene, duet_device_pair *pair);
 
 DUET_API duet_world *duet_world_create(const duet_world_def *def, duet_error *err);
@@ -321,7 +333,7 @@ DUET_API const duet_plan *duet_world_plan(const duet_world *world);
 
 // From the next step on, and whatever profile is loaded later.
 DUET_API bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err);
-DUET_API duet_level duet_world_level(const duet_world *world);
+DUET_API duet_level duet_world_level(const duet_world *world); // certified for NULL
 
 // ---------------------------------------------------------------- profiles
 
@@ -415,7 +427,7 @@ typedef struct duet_result {
 // stepped again.
 DUET_API bool duet_world_step(duet_world *world, duet_result *result, duet_error *err);
 
-// Pair i of both spans, i < result->pairs.
+// Pair i of both spans, i < result->pairs; 0 and 0, which is no pair, past the end.
 DUET_API duet_pair duet_result_pair(const duet_result *result, uint64_t i);
 
 // The pair hash: for each pair k = a << 32 | b; k *= 0x9E3779B97F4A7C15;
@@ -429,7 +441,7 @@ DUET_API uint64_t duet_result_hash(const duet_result *result);
 typedef struct duet_test duet_test;
 
 typedef struct duet_test_def {
-    duet_device_pair *pair; // borrowed
+    duet_device_pair *pair; // held until the close
     uint32_t share;         // A's part of the pairs, out of DUET_SHARE_ONE; 0: B alone
     duet_level level;       // of accuracy
     uint32_t dims;          // 2 or 3
@@ -520,7 +532,7 @@ typedef enum duet_integrator {
 } duet_integrator;
 
 typedef struct duet_motion_def {
-    duet_device_pair *pair; // borrowed; B holds the state, both find pairs
+    duet_device_pair *pair; // held; B has the state, both find pairs
     duet_plan plan;         // how pairs are found
     uint32_t dims;          // 2 or 3
     uint32_t wants;         // effects asked for besides those that the objects call for
@@ -551,8 +563,8 @@ DUET_API duet_motion_def duet_default_motion_def(void); // 60 steps a second, 4 
 // Objects that move.
 typedef struct duet_motion duet_motion;
 
-// A def with what the scene says of motion, and its objects' bodies: [n], or
-// NULL where nothing is said of any.
+// A def with what the scene says of motion, the default one for NULL, and its objects'
+// bodies: [n], or NULL where nothing is said of any.
 DUET_API duet_motion_def duet_scene_motion_def(const duet_scene *scene, duet_device_pair *pair);
 DUET_API const duet_body *duet_scene_bodies(const duet_scene *scene);
 
@@ -590,13 +602,16 @@ typedef struct duet_motion_result {
     uint32_t n_stages;
 } duet_motion_result;
 
-// Advances all objects by dt.
+// Advances all objects by dt. After a failure half a step may be done: until a saved
+// motion is loaded into it, the motion can only be destroyed, and the calls below that
+// take an error are BAD_ARGUMENT.
 DUET_API bool duet_motion_advance(duet_motion *motion, duet_motion_result *result, duet_error *err);
 
 DUET_API uint32_t duet_motion_effects(const duet_motion *motion); // bits of duet_effect
 DUET_API uint32_t duet_motion_count(const duet_motion *motion);
 
-// Copies the state of all objects to states [n].
+// Copies the state of all objects to states [n]. BAD_OBJECT where a number of it is no
+// longer finite; the states are copied all the same.
 DUET_API bool duet_motion_read(duet_motion *motion, duet_state *states, duet_error *err);
 
 // A sum over the state's bits, equal on all devices, at any share and in any
@@ -632,6 +647,8 @@ DUET_API bool duet_motion_contacts(duet_motion *motion, duet_contact **contacts,
 
 // A motion as a file: advanced after loading, it goes on bit for bit as the
 // saved one does. Objects, bodies and def must be those of the saved motion.
+// BAD_INPUT where the file says what this motion could not have saved; files may come
+// from anyone. After a failure the motion is as before.
 DUET_API bool duet_motion_save(duet_motion *motion, const char *path, duet_error *err);
 DUET_API bool duet_motion_load(duet_motion *motion, const char *path, duet_error *err);
 
@@ -658,11 +675,12 @@ DUET_API bool duet_reference(const duet_scene *scene, duet_pair **pairs, uint64_
 DUET_API bool duet_reference_at(const duet_scene *scene, duet_level level, duet_pair **pairs,
                                 uint64_t *n, duet_error *err);
 
-// true where the exact boxes share a point.
+// true where the exact boxes share a point; false where one is no box, or dims is
+// neither 2 nor 3.
 DUET_API bool duet_poses_collide(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
 // How far two boxes are apart along the best of the 15 (4) axes, each of length
-// one, in double; below 0 it is how deep they are in each other.
+// one, in double; below 0 it is how deep they are in each other. NaN where there is none.
 DUET_API double duet_poses_gap(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
 // The same for placed poses, in origin cells of that edge.

@@ -45,6 +45,8 @@ static bool explain_origin(const duet_motion *m, duet_effect_info *info)
 bool duet_motion_explain(const duet_motion *m, uint32_t i, duet_effect_info *info)
 {
     const effect_row *row = effect_at(i);
+    if (!m || !info)
+        return false;
     if (!row)
         return i > 0 && effect_at(i - 1) && explain_origin(m, info);
     bool active = motion_has(m, row->effect);

@@ -74,7 +74,7 @@ const duet_level_info *duet_level_describe(duet_level level)
 
 bool duet_level_named(const char *name, duet_level *level)
 {
-    for (int l = 0; l < DUET_LEVELS; ++l) {
+    for (int l = 0; name && level && l < DUET_LEVELS; ++l) {
         if (strcmp(levels[l].info.name, name) != 0)
             continue;
         *level = (duet_level)l;
@@ -85,8 +85,8 @@ bool duet_level_named(const char *name, duet_level *level)
 
 bool duet_level_covers(duet_level level, duet_level other)
 {
-    const duet_level_info *own = &levels[level].info, *others = &levels[other].info;
-    return own->missed <= others->missed && own->added <= others->added;
+    const duet_level_info *own = duet_level_describe(level), *others = duet_level_describe(other);
+    return own && others && own->missed <= others->missed && own->added <= others->added;
 }
 
 bool level_tests_upright(duet_level level)

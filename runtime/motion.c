@@ -272,11 +272,19 @@ static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_place
            motion_prepare(m, err) && motion_reset(m, err);
 }
 
+static bool check_count(const duet_pose *poses, uint32_t n, duet_error *err)
+{
+    const uint32_t most = UINT32_MAX - 2 - MOTION_WALLS;
+    if (n > most)
+        return error_set(err, DUET_TOO_MANY, "%u objects; a motion holds at most %u", n, most);
+    return n == 0 || error_given(poses, "duet_motion_create", "poses", err);
+}
+
 static duet_motion *create(const duet_motion_def *def, const duet_pose *poses,
                            const duet_placed *placed, const duet_body *bodies, uint32_t n,
                            duet_error *err)
 {
-    if (!check_def(def, err))
+    if (!check_def(def, err) || !check_count(poses, n, err))
         return NULL;
     duet_motion *m = calloc(1, sizeof *m);
     if (!m) {
@@ -284,6 +292,7 @@ static duet_motion *create(const duet_motion_def *def, const duet_pose *poses,
         return NULL;
     }
     m->def = *def;
+    device_pair_hold(def->pair);
     if (!open_motion(m, poses, placed, bodies, n, err)) {
         duet_motion_destroy(m);
         return NULL;
@@ -300,6 +309,8 @@ duet_motion *duet_motion_create(const duet_motion_def *def, const duet_pose *pos
 duet_motion *duet_motion_create_scene(const duet_motion_def *def, const duet_scene *scene,
                                       const duet_body *bodies, duet_error *err)
 {
+    if (!error_given(scene, __func__, "scene", err))
+        return NULL;
     const duet_scene_info *info = duet_scene_describe(scene);
     const duet_pose *poses = duet_scene_poses(scene);
     const duet_body *own = bodies ? bodies : duet_scene_bodies(scene);
@@ -333,17 +344,28 @@ void duet_motion_destroy(duet_motion *m)
     free(m->cells);
     free(m->bodies);
     free(m->events);
+    duet_device_pair_close(m->def.pair);
     free(m);
 }
 
 uint32_t duet_motion_effects(const duet_motion *m)
 {
-    return m->effects;
+    return m ? m->effects : 0;
 }
 
 uint32_t duet_motion_count(const duet_motion *m)
 {
-    return m->n;
+    return m ? m->n : 0;
+}
+
+bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err)
+{
+    return error_given(m, call, "motion", err) &&
+           (!m->broken ||
+            error_set(err, DUET_BAD_ARGUMENT,
+                      "the motion failed in its step %llu; expected a saved one to be loaded, or a "
+                      "new motion",
+                      (unsigned long long)m->step + 1));
 }
 
 // ---------------------------------------------------------------- buffers

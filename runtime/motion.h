@@ -126,6 +126,7 @@ struct duet_motion {
     bool has_rows;
     bool list_stale; // the list by colour is not that of the contacts
     bool rebuilt;
+    bool broken; // a step failed half-way: only a load makes it whole again
     uint32_t flags[FLAGS];
     duet_event *events;
     uint64_t event_room;
@@ -136,6 +137,10 @@ static inline bool motion_has(const duet_motion *m, uint32_t effect)
 {
     return m->effects & effect;
 }
+
+// Whether a public call has a motion whose state is that of a whole step; BAD_ARGUMENT
+// where it has not.
+bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err);
 
 // Generates and builds what the effects need.
 bool motion_prepare(duet_motion *m, duet_error *err);

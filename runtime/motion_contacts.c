@@ -34,6 +34,9 @@ static bool fetch(duet_motion *m, motion_buffer which, void *to, size_t bytes, d
 
 bool duet_motion_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, duet_error *err)
 {
+    if (!motion_is_whole(m, __func__, err) || !error_given(contacts, __func__, "contacts", err) ||
+        !error_given(n, __func__, "n", err))
+        return false;
     size_t count = m->n_contacts;
     size_t record = m->layout.record;
     uint32_t(*links)[2] = malloc(count * sizeof *links + 1);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // A motion as a file: what it is, and all that its next step reads. A sum at
 // the end tells a damaged file.
-#include "runtime/motion.h"
+#include "runtime/motion_check.h"
 
 #include "runtime/base/error.h"
 #include "runtime/base/text.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,6 +23,9 @@ typedef struct header {
     uint64_t step;
     uint64_t n_pairs;
 } header;
+
+// What follows is read where it lies, doubles first.
+static_assert(sizeof(header) % sizeof(double) == 0, "doubles would lie askew");
 
 static const char magic[16] = "duet motion 2\n";
 
@@ -78,6 +82,20 @@ static uint64_t sum_of(const char *bytes, size_t n)
     return sum;
 }
 
+static motion_saved parts_of(const duet_motion *m, const header *h, const char *bytes,
+                             const char *path)
+{
+    motion_saved s = {
+        .path = path, .n_contacts = h->n_contacts, .has_rows = h->has_rows, .n_pairs = h->n_pairs};
+    const char *at = bytes + sizeof *h;
+    for (int i = 0; i < N_KEPT; ++i) {
+        size_t size = bytes_of(m, kept[i], h->n_contacts);
+        s.at[kept[i]] = size > 0 ? at : NULL;
+        at += size;
+    }
+    return s;
+}
+
 // ---------------------------------------------------------------- saving
 
 static bool add_buffer(duet_motion *m, motion_buffer which, text *file, duet_error *err)
@@ -97,19 +115,29 @@ static bool add_buffer(duet_motion *m, motion_buffer which, text *file, duet_err
            error_set_cl(err, code, "%s: fetching %zu bytes", m->device->info.selector, bytes);
 }
 
+static bool write_file(text *file, const char *path, duet_error *err)
+{
+    uint64_t sum = sum_of(file->chars, file->length);
+    text_add_bytes(file, (const char *)&sum, sizeof sum);
+    return text_ok(file, err) && text_write_file(path, file->chars, file->length, err);
+}
+
+// What could not be loaded is told while the motion is still there.
 bool duet_motion_save(duet_motion *m, const char *path, duet_error *err)
 {
+    if (!motion_is_whole(m, __func__, err) || !error_given(path, __func__, "path", err))
+        return false;
     text file = {0};
     header h = header_of(m);
     text_add_bytes(&file, (const char *)&h, sizeof h);
     bool ok = timeline_finish(&m->times, err);
     for (int i = 0; ok && i < N_KEPT; ++i)
         ok = add_buffer(m, kept[i], &file, err);
-    ok = ok && text_ok(&file, err);
-    if (ok) {
-        uint64_t sum = sum_of(file.chars, file.length);
-        text_add_bytes(&file, (const char *)&sum, sizeof sum);
-        ok = text_ok(&file, err) && text_write_file(path, file.chars, file.length, err);
+    if (ok && text_ok(&file, err)) {
+        motion_saved parts = parts_of(m, &h, file.chars, path);
+        ok = motion_check(m, &parts, err) && write_file(&file, path, err);
+    } else {
+        ok = false;
     }
     text_free(&file);
     return ok;
@@ -157,49 +185,83 @@ static bool check_file(const duet_motion *m, const text *file, const char *path,
     return true;
 }
 
-static bool put_buffer(duet_motion *m, motion_buffer which, size_t bytes, const char *from,
-                       duet_error *err)
+// As large as the motion's own, and room for the record after the last, as rows that
+// are made have it.
+static size_t room_of(const duet_motion *m, motion_buffer which, size_t bytes)
 {
-    if (bytes == 0)
-        return true;
-    size_t spare = m->layout.record * sizeof(float); // as rows that are made have it
-    if (!motion_reserve(m, which, bytes + spare, 1, err))
-        return false;
-    cl_int code = clEnqueueWriteBuffer(m->device->queue, m->buffers[which].mem, CL_TRUE, 0, bytes,
-                                       from, 0, NULL, NULL);
-    return code == CL_SUCCESS ||
-           error_set_cl(err, code, "%s: sending %zu bytes", m->device->info.selector, bytes);
+    size_t needed = bytes + m->layout.record * sizeof(float);
+    return needed > m->buffers[which].bytes ? needed : m->buffers[which].bytes;
 }
 
-static bool put_all(duet_motion *m, const text *file, const header *h, duet_error *err)
+static bool put_buffer(duet_motion *m, buffer *to, size_t room, const void *from, size_t bytes,
+                       duet_error *err)
 {
-    const char *at = file->chars + sizeof *h;
+    return buffer_reserve(to, m->device, room, err) &&
+           timeline_fill(&m->times, "clear", to, 0, 0, room / sizeof(uint32_t), err) &&
+           timeline_write_at(&m->times, "send", to, 0, from, bytes, err);
+}
+
+static uint64_t event_room(const motion_saved *s)
+{
+    return (uint64_t)s->n_contacts + 1;
+}
+
+static bool put_all(duet_motion *m, const motion_saved *s, buffer fresh[], duet_error *err)
+{
     bool ok = true;
     for (int i = 0; ok && i < N_KEPT; ++i) {
-        size_t bytes = bytes_of(m, kept[i], h->n_contacts);
-        ok = put_buffer(m, kept[i], bytes, at, err);
-        at += bytes;
+        motion_buffer which = kept[i];
+        size_t bytes = bytes_of(m, which, s->n_contacts);
+        ok = bytes == 0 ||
+             put_buffer(m, &fresh[which], room_of(m, which, bytes), s->at[which], bytes, err);
     }
     if (ok && motion_has(m, DUET_EFFECT_EVENTS)) {
-        m->event_room = (uint64_t)h->n_contacts + 1;
-        ok = motion_reserve(m, EVENTS, m->event_room, 4 * sizeof(uint32_t), err);
+        size_t bytes = (size_t)event_room(s) * 4 * sizeof(uint32_t);
+        ok = buffer_reserve(&fresh[EVENTS], m->device, room_of(m, EVENTS, bytes), err);
+    }
+    return ok && timeline_finish(&m->times, err);
+}
+
+// Into buffers of their own first: a device that fails on the way leaves the motion as
+// it was.
+static bool replace_all(duet_motion *m, const motion_saved *s, duet_error *err)
+{
+    buffer fresh[MOTION_BUFFERS] = {{0}};
+    bool ok = put_all(m, s, fresh, err);
+    timeline_clear(&m->times);
+    for (int which = 0; which < MOTION_BUFFERS; ++which) {
+        buffer before = m->buffers[which];
+        if (ok && fresh[which].mem) {
+            m->buffers[which] = fresh[which];
+            fresh[which] = before;
+        }
+        buffer_release(&fresh[which]);
     }
     return ok;
 }
 
 bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
 {
+    if (!error_given(m, __func__, "motion", err) || !error_given(path, __func__, "path", err))
+        return false;
     text file = {0};
     header h;
-    bool ok = text_read_file(&file, path, err) && check_file(m, &file, path, &h, err) &&
-              timeline_finish(&m->times, err) && put_all(m, &file, &h, err);
+    motion_saved parts = {0};
+    bool ok = text_read_file(&file, path, err) && check_file(m, &file, path, &h, err);
+    if (ok) {
+        parts = parts_of(m, &h, file.chars, path);
+        ok = motion_check(m, &parts, err) && timeline_finish(&m->times, err) &&
+             replace_all(m, &parts, err);
+    }
     text_free(&file);
     if (!ok)
         return false;
     m->step = h.step;
     m->n_contacts = h.n_contacts;
+    m->event_room = event_room(&parts);
     m->n_pairs = h.n_pairs;
     m->has_rows = h.has_rows;
     m->list_stale = true;
+    m->broken = false;
     return true;
 }

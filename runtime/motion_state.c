@@ -242,8 +242,24 @@ static bool add_cells(duet_motion *m, duet_state *states, duet_error *err)
     return ok;
 }
 
+// What no longer is a number is told here at the latest.
+static bool check_finite(const duet_motion *m, const duet_state *states, duet_error *err)
+{
+    const size_t numbers = sizeof *states / sizeof(double);
+    for (uint32_t id = 0; id < m->n; ++id)
+        for (size_t k = 0; k < numbers; ++k)
+            if (!isfinite(((const double *)&states[id])[k]))
+                return error_set(err, DUET_BAD_OBJECT,
+                                 "object %u of %u: its state after step %llu is not finite", id,
+                                 m->n, (unsigned long long)m->step);
+    return true;
+}
+
 bool duet_motion_read(duet_motion *m, duet_state *states, duet_error *err)
 {
+    if (!motion_is_whole(m, __func__, err) ||
+        (m->n > 0 && !error_given(states, __func__, "states", err)))
+        return false;
     static const struct {
         motion_buffer which;
         entry (*given)(const duet_motion *, uint32_t);
@@ -267,7 +283,7 @@ bool duet_motion_read(duet_motion *m, duet_state *states, duet_error *err)
     }
     free(entries);
     ok = ok && (!m->cells || add_cells(m, states, err));
-    return ok && timeline_finish(&m->times, err);
+    return ok && timeline_finish(&m->times, err) && check_finite(m, states, err);
 }
 
 // ---------------------------------------------------------------- sums
@@ -300,6 +316,8 @@ static uint64_t mix(uint64_t sum, double value, uint64_t place)
 
 bool duet_motion_hash(duet_motion *m, uint64_t *hash, duet_error *err)
 {
+    if (!motion_is_whole(m, __func__, err) || !error_given(hash, __func__, "hash", err))
+        return false;
     duet_state *states = read_states(m, err);
     if (!states)
         return false;
@@ -372,6 +390,8 @@ static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, d
 
 bool duet_motion_energy(duet_motion *m, duet_energy *energy, duet_error *err)
 {
+    if (!motion_is_whole(m, __func__, err) || !error_given(energy, __func__, "energy", err))
+        return false;
     duet_state *states = read_states(m, err);
     if (!states)
         return false;

@@ -319,6 +319,8 @@ double narrow_gap_apart(const duet_pose *pose_a, const duet_pose *pose_b, const 
 
 double duet_poses_gap(const duet_pose *a, const duet_pose *b, uint32_t dims)
 {
+    if (!a || !b || (dims != 2 && dims != 3))
+        return NAN;
     return narrow_widest_gap(a, b, narrow_here, dims);
 }
 
@@ -363,5 +365,6 @@ bool narrow_bounds(const duet_bounds *a, const duet_bounds *b, uint32_t dims)
 
 bool duet_poses_collide(const duet_pose *a, const duet_pose *b, uint32_t dims)
 {
-    return narrow_is_box(a, dims) && narrow_is_box(b, dims) && narrow_decide(a, b, dims);
+    return a && b && (dims == 2 || dims == 3) && narrow_is_box(a, dims) && narrow_is_box(b, dims) &&
+           narrow_decide(a, b, dims);
 }

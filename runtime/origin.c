@@ -77,6 +77,9 @@ void origin_shift(double shift[3], const void *rows, float edge, uint32_t a, uin
 
 bool duet_place(duet_placed *placed, const double centre[3], float edge, duet_error *err)
 {
+    if (!error_given(placed, __func__, "placed", err) ||
+        !error_given(centre, __func__, "centre", err))
+        return false;
     if (!(edge > 0.0f) || !origin_is_edge(edge))
         return error_set(err, DUET_BAD_ARGUMENT,
                          "the origin cells' edge is %g; right would be a power of two from 2^-100 "
@@ -96,8 +99,15 @@ static bool settle_both(duet_placed both[2], double shift[3], float edge)
     return ok;
 }
 
+static bool can_meet(const duet_placed *a, const duet_placed *b, float edge, uint32_t dims)
+{
+    return a && b && edge > 0.0f && origin_is_edge(edge) && (dims == 2 || dims == 3);
+}
+
 bool duet_placed_collide(const duet_placed *a, const duet_placed *b, float edge, uint32_t dims)
 {
+    if (!can_meet(a, b, edge, dims))
+        return false;
     duet_placed both[2] = {*a, *b};
     double shift[3];
     return settle_both(both, shift, edge) && narrow_is_box(&both[0].pose, dims) &&
@@ -107,6 +117,8 @@ bool duet_placed_collide(const duet_placed *a, const duet_placed *b, float edge,
 
 double duet_placed_gap(const duet_placed *a, const duet_placed *b, float edge, uint32_t dims)
 {
+    if (!can_meet(a, b, edge, dims))
+        return NAN;
     duet_placed both[2] = {*a, *b};
     double shift[3];
     return settle_both(both, shift, edge)

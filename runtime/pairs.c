@@ -15,19 +15,23 @@ static uint64_t mix(duet_pair pair)
 uint64_t duet_pairs_hash(const duet_pair *pairs, uint64_t n)
 {
     uint64_t sum = 0;
-    for (uint64_t i = 0; i < n; ++i)
+    for (uint64_t i = 0; pairs && i < n; ++i)
         sum += mix(pairs[i]);
     return sum;
 }
 
 uint64_t duet_result_hash(const duet_result *result)
 {
+    if (!result)
+        return 0;
     return duet_pairs_hash(result->spans[0].pairs, result->spans[0].n) +
            duet_pairs_hash(result->spans[1].pairs, result->spans[1].n);
 }
 
 duet_pair duet_result_pair(const duet_result *result, uint64_t i)
 {
+    if (!result || i >= result->spans[0].n + result->spans[1].n)
+        return (duet_pair){0, 0};
     const duet_span *a = &result->spans[0];
     return i < a->n ? a->pairs[i] : result->spans[1].pairs[i - a->n];
 }

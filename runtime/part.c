@@ -305,6 +305,13 @@ static bool send_levels(part *p, const part_task *task, duet_error *err)
     return ok;
 }
 
+void part_distrust(part *p)
+{
+    timeline_clear(&p->times);
+    p->objects_version = p->sizes_version = p->levels_version = 0;
+    p->packed.objects_version = 0;
+}
+
 void part_forget(part *p)
 {
     timeline_begin(&p->times, p->device);

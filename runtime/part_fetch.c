@@ -54,9 +54,11 @@ bool part_hear(part *p, duet_error *err)
         return part_read_counters(p, err);
     if (!ask_ahead(p, &told, err))
         return false;
-    timeline_spin(told);
+    timeline_spin(&p->times, told);
+    if (!timeline_collect_to(&p->times, told, err))
+        return false;
     memcpy(p->counts, ((news *)p->news.bytes)->counters, sizeof p->counts);
-    return timeline_collect_to(&p->times, told, err);
+    return true;
 }
 
 // Where pairs come to lie on the host, with room behind them for the undecided.

@@ -48,10 +48,11 @@ static bool send_names(part *p, const pack_stream *s, uint32_t before, uint32_t 
 }
 
 // A chunk that has travelled makes room for another.
-static void free_slots(pack_stream *s, const cl_event travels[PACK_CHUNKS], uint32_t n_chunks)
+static void free_slots(timeline *t, pack_stream *s, const cl_event travels[PACK_CHUNKS],
+                       uint32_t n_chunks)
 {
     uint32_t sent = atomic_load_explicit(&s->sent, memory_order_relaxed);
-    if (sent < n_chunks && timeline_is_over(travels[sent]))
+    if (sent < n_chunks && timeline_is_over(t, travels[sent]))
         atomic_store_explicit(&s->sent, sent + 1, memory_order_release);
 }
 
@@ -67,7 +68,7 @@ static bool send_while_packing(part *p, pack *from, pack_stream *homes, uint32_t
     bool ok = true;
     while (ok && !done) {
         done = pack_is_done(from);
-        free_slots(homes, travels, chunk);
+        free_slots(&p->times, homes, travels, chunk);
         if (pack_chunk_is_full(homes, chunk)) {
             ok = send_chunk(p, homes, bytes, 0, chunk, homes->chunk, err);
             travels[chunk++] = timeline_last_event(&p->times);

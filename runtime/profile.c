@@ -64,8 +64,9 @@ static bool use(duet_world *world, const profile_found *found, duet_profile *pro
 bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *profile,
                              duet_error *err)
 {
-    if (!world || !profile)
-        return error_set(err, DUET_BAD_ARGUMENT, "a profile is loaded for a world, into a struct");
+    if (!error_given(world, __func__, "world", err) ||
+        !error_given(profile, __func__, "profile", err))
+        return false;
     *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT,
                               .plan = *duet_world_plan(world),
                               .level = duet_world_level(world)};
@@ -80,8 +81,8 @@ bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *
 
 bool duet_world_explain_profile(duet_world *world, const char *path, char **why, duet_error *err)
 {
-    if (!world || !why)
-        return error_set(err, DUET_BAD_ARGUMENT, "a profile is explained for a world, as a text");
+    if (!error_given(world, __func__, "world", err) || !error_given(why, __func__, "why", err))
+        return false;
     profiled asked;
     profile_found found;
     text lines = {0};

@@ -365,6 +365,9 @@ bool duet_reference(const duet_scene *scene, duet_pair **pairs, uint64_t *n, due
 bool duet_reference_at(const duet_scene *scene, duet_level level, duet_pair **pairs, uint64_t *n,
                        duet_error *err)
 {
+    if (!error_given(scene, __func__, "scene", err) ||
+        !error_given(pairs, __func__, "pairs", err) || !error_given(n, __func__, "n", err))
+        return false;
     if (!duet_level_describe(level))
         return error_set(err, DUET_BAD_ARGUMENT, "level is %d; right would be a duet_level",
                          (int)level);

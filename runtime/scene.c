@@ -257,10 +257,12 @@ static duet_scene *load(const char *path, uint32_t per_row, const duet_setting *
 duet_scene *duet_scene_load(const char *path, const duet_setting *settings, uint32_t n_settings,
                             duet_error *err)
 {
-    if (path && (n_settings == 0 || settings))
-        return load(path, 1, settings, n_settings, err);
-    error_set(err, DUET_BAD_ARGUMENT, "a scene is loaded without a path or its settings");
-    return NULL;
+    bool ok = error_given(path, __func__, "path", err) &&
+              (n_settings == 0 || error_given(settings, __func__, "settings", err));
+    for (uint32_t i = 0; ok && i < n_settings; ++i)
+        ok = error_given(settings[i].name, __func__, "a setting's name", err) &&
+             error_given(settings[i].value, __func__, "a setting's value", err);
+    return ok ? load(path, 1, settings, n_settings, err) : NULL;
 }
 
 duet_scene *duet_scene_load_pairs(const char *path, duet_error *err)
@@ -344,27 +346,29 @@ void duet_scene_destroy(duet_scene *scene)
 
 const duet_scene_info *duet_scene_describe(const duet_scene *scene)
 {
-    return &scene->info;
+    return scene ? &scene->info : NULL;
 }
 
 const duet_pose *duet_scene_poses(const duet_scene *scene)
 {
-    if (scene->info.origin > 0)
+    if (scene && scene->info.origin > 0)
         return scene->rounded;
-    return scene->info.shape == DUET_SHAPE_POSES ? scene->objects : NULL;
+    return scene && scene->info.shape == DUET_SHAPE_POSES ? scene->objects : NULL;
 }
 
 const duet_bounds *duet_scene_bounds(const duet_scene *scene)
 {
-    return scene->info.shape == DUET_SHAPE_BOUNDS ? scene->objects : NULL;
+    return scene && scene->info.shape == DUET_SHAPE_BOUNDS ? scene->objects : NULL;
 }
 
 duet_world_def duet_scene_world_def(const duet_scene *scene, duet_device_pair *pair)
 {
-    const duet_scene_info *info = &scene->info;
     duet_world_def def = duet_default_world_def();
     def.pair = pair;
     def.plan = duet_default_plan(pair);
+    if (!scene)
+        return def;
+    const duet_scene_info *info = &scene->info;
     def.dims = info->dims;
     def.shape = info->shape;
     def.origin = info->origin;

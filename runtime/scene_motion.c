@@ -302,15 +302,15 @@ void scene_read_motion_numbers(lua_State *L, scene_reading *reading)
 
 const duet_body *duet_scene_bodies(const duet_scene *scene)
 {
-    return scene->bodies;
+    return scene ? scene->bodies : NULL;
 }
 
 duet_motion_def duet_scene_motion_def(const duet_scene *scene, duet_device_pair *pair)
 {
-    duet_motion_def def = scene->motion;
+    duet_motion_def def = scene ? scene->motion : duet_default_motion_def();
     def.pair = pair;
     def.plan = duet_default_plan(pair);
-    def.dims = scene->info.dims;
-    def.origin_edge = scene->info.origin;
+    def.dims = scene ? scene->info.dims : def.dims;
+    def.origin_edge = scene ? scene->info.origin : 0.0f;
     return def;
 }

@@ -71,12 +71,14 @@ void scene_forget_centres(duet_scene *scene)
 duet_scene *duet_scene_from_placed(const duet_placed *placed, uint32_t n, uint32_t dims,
                                    float origin, duet_error *err)
 {
+    if (n > 0 && !error_given(placed, __func__, "placed", err))
+        return NULL;
     duet_pose *poses = calloc(n > 0 ? n : 1, sizeof *poses);
     if (!poses) {
         error_set(err, DUET_NO_MEMORY, "%u poses: no memory", n);
         return NULL;
     }
-    for (uint32_t i = 0; placed && i < n; ++i)
+    for (uint32_t i = 0; i < n; ++i)
         poses[i] = placed[i].pose;
     duet_scene *scene = duet_scene_from_poses(placed ? poses : NULL, n, dims, err);
     free(poses);
@@ -88,5 +90,5 @@ duet_scene *duet_scene_from_placed(const duet_placed *placed, uint32_t n, uint32
 
 const duet_placed *duet_scene_placed(const duet_scene *scene)
 {
-    return scene->info.origin > 0 ? scene->objects : NULL;
+    return scene && scene->info.origin > 0 ? scene->objects : NULL;
 }

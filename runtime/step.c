@@ -210,9 +210,9 @@ static bool prepare(duet_world *world, const job jobs[2], const bool use[2], due
         part *p = &world->parts[side];
         if (!use[side] || (world->prepared[side] && p->kernels.packed == task->packed))
             continue;
-        if (!part_prepare(p, variants[side], task, err))
+        world->prepared[side] = part_prepare(p, variants[side], task, err);
+        if (!world->prepared[side])
             return false;
-        world->prepared[side] = true;
     }
     return true;
 }
@@ -282,7 +282,7 @@ static bool run_parts(duet_world *world, bool *placed, duet_error *err)
         return false;
     bool ok = shared ? run_shared(world, jobs) : run_slabs(world, jobs, err);
     for (int side = 0; side < 2 && !ok; ++side) {
-        timeline_clear(&world->parts[side].times);
+        part_distrust(&world->parts[side]);
         if (jobs[side].err.status != DUET_OK && err && err->status == DUET_OK)
             *err = jobs[side].err;
     }
@@ -366,6 +366,9 @@ static void fill_result(duet_world *world, duet_result *result)
 
 bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
 {
+    if (!error_given(world, __func__, "world", err) ||
+        !error_given(result, __func__, "result", err))
+        return false;
     uint64_t begun = clock_steady_ns();
     bool fits = world->n == 0;
     if (!world_check_sizes(world, err))

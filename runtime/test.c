@@ -111,6 +111,7 @@ duet_test *duet_test_open(const duet_test_def *def, duet_error *err)
         return NULL;
     }
     test->def = *def;
+    device_pair_hold(def->pair);
     const bool used[2] = {def->share > 0, def->share < DUET_SHARE_ONE};
     bool ok = true;
     for (int which = 0; which < 2; ++which)
@@ -131,6 +132,7 @@ void duet_test_close(duet_test *test)
     crew_close(test->driver);
     close_side(&test->sides[0]);
     close_side(&test->sides[1]);
+    duet_device_pair_close(test->def.pair);
     free(test);
 }
 
@@ -255,6 +257,8 @@ static uint64_t part_of(uint64_t n, uint32_t share)
 bool duet_test_pairs(duet_test *test, const duet_pose *poses, uint64_t n, uint8_t *verdicts,
                      double *gaps, duet_test_result *result, duet_error *err)
 {
+    if (!error_given(test, __func__, "test", err) || !error_given(result, __func__, "result", err))
+        return false;
     uint64_t begun = clock_steady_ns();
     if (n > 0 && (!poses || !verdicts))
         return error_set(err, DUET_BAD_ARGUMENT, "%llu pairs, but no memory for their %s",

@@ -178,17 +178,26 @@ cl_event timeline_last_event(const timeline *t)
     return t->n_events > 0 ? t->events[t->n_events - 1].event : NULL;
 }
 
-// A command that failed is over too; finishing tells.
-bool timeline_is_over(cl_event event)
+// Below 0 where the command failed, or where the device does not say.
+static cl_int state_of(timeline *t, cl_event event)
 {
     cl_int state = CL_COMPLETE;
-    clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof state, &state, NULL);
-    return state <= CL_COMPLETE;
+    cl_int code =
+        clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof state, &state, NULL);
+    if (code != CL_SUCCESS)
+        t->lost = state = code;
+    return state;
 }
 
-void timeline_spin(cl_event event)
+// A command that failed is over too; finishing tells.
+bool timeline_is_over(timeline *t, cl_event event)
 {
-    while (!timeline_is_over(event))
+    return state_of(t, event) <= CL_COMPLETE;
+}
+
+void timeline_spin(timeline *t, cl_event event)
+{
+    while (!timeline_is_over(t, event))
         sched_yield();
 }
 
@@ -215,13 +224,13 @@ static void add_event(timeline *t, duet_stage *stage, cl_event event)
         t->last_end = end;
 }
 
+// Both, though one fails: nothing may be under way that reads memory of the host.
 static cl_int finish_queues(timeline *t)
 {
     cl_int code = clFinish(t->device->queue);
-    if (t->beside && code == CL_SUCCESS)
-        code = clFinish(t->device->beside);
+    cl_int beside = t->beside ? clFinish(t->device->beside) : CL_SUCCESS;
     t->beside = false;
-    return code;
+    return code != CL_SUCCESS ? code : beside;
 }
 
 // Adds up and releases the first n events, which are over.
@@ -229,9 +238,8 @@ static cl_int collect(timeline *t, int n)
 {
     cl_int code = CL_SUCCESS;
     for (int i = 0; i < n; ++i) {
-        cl_int state = CL_COMPLETE;
         cl_event event = t->events[i].event;
-        clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof state, &state, NULL);
+        cl_int state = state_of(t, event);
         if (state < 0)
             code = state;
         else
@@ -240,7 +248,7 @@ static cl_int collect(timeline *t, int n)
     }
     t->n_events -= n;
     memmove(t->events, t->events + n, (size_t)t->n_events * sizeof t->events[0]);
-    return code;
+    return code != CL_SUCCESS ? code : t->lost;
 }
 
 static bool ran_well(const timeline *t, cl_int code, duet_error *err)
@@ -259,12 +267,14 @@ bool timeline_collect_to(timeline *t, cl_event last, duet_error *err)
 
 bool timeline_finish(timeline *t, duet_error *err)
 {
+    cl_int code = CL_SUCCESS;
     if (t->n_events > 0 && !t->device->info.host_memory) {
-        if (!timeline_flush(t, err))
-            return false;
-        timeline_spin(timeline_last_event(t));
+        code = clFlush(t->device->queue);
+        if (code == CL_SUCCESS)
+            timeline_spin(t, timeline_last_event(t));
     }
-    cl_int code = finish_queues(t);
+    cl_int finished = finish_queues(t);
+    code = code != CL_SUCCESS ? code : finished;
     if (code == CL_SUCCESS)
         code = collect(t, t->n_events);
     timeline_clear(t);
@@ -283,4 +293,5 @@ void timeline_clear(timeline *t)
     for (int i = 0; i < t->n_events; ++i)
         release_event(t->events[i].event);
     t->n_events = 0;
+    t->lost = CL_SUCCESS;
 }

@@ -20,6 +20,7 @@ typedef struct timeline {
     cl_ulong first_begin; // of the kernels, on the device's clock; 0: none ran
     cl_ulong last_end;
     bool beside; // something was written beside the kernels
+    cl_int lost; // the device did not say how a command stands; the step has failed
 } timeline;
 
 // Forgets the last step. side is 0 for A, 1 for B.
@@ -71,11 +72,14 @@ bool timeline_start_read(timeline *t, const char *stage, buffer *b, size_t at, v
 
 // Of what was sent to the queue last; the timeline's until it finishes.
 cl_event timeline_last_event(const timeline *t);
-bool timeline_is_over(cl_event event); // does not wait
+
+// Whether a command is over, without waiting. Where the device does not say, it is, and
+// what is collected next fails.
+bool timeline_is_over(timeline *t, cl_event event);
 
 // Waits for a flushed event without sleeping: waiting for the queue or the event
 // instead was measured to take 0.15 ms longer on a GPU.
-void timeline_spin(cl_event event);
+void timeline_spin(timeline *t, cl_event event);
 
 // Reads the times up to an event that is over, while the host would wait anyway:
 // asking for one takes a driver more than a microsecond.

@@ -131,12 +131,21 @@ static bool find_wish(grid_wish *wish, const duet_plan *plan, const variant *a, 
     return true;
 }
 
+static bool check_ends(const char *name, const char *chars, size_t room, duet_error *err)
+{
+    return memchr(chars, '\0', room) ||
+           error_set(err, DUET_BAD_ARGUMENT, "%s has no end within its %zu bytes", name, room);
+}
+
 static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_world_def *def,
                        duet_error *err)
 {
     variant a;
     variant b;
     *wish = (grid_wish){0};
+    if (!check_ends("variant_a", plan->variant_a, sizeof plan->variant_a, err) ||
+        !check_ends("variant_b", plan->variant_b, sizeof plan->variant_b, err))
+        return false;
     if (plan->share > DUET_SHARE_ONE)
         return error_set(err, DUET_BAD_ARGUMENT, "share is %u of %u; right would be at most all",
                          plan->share, DUET_SHARE_ONE);
@@ -174,6 +183,8 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
         return NULL;
     }
     world->def = *def;
+    world_hold(world);
+    device_pair_hold(def->pair);
     pack_open(&world->pack);
     world->wish = wish;
     world->driver = crew_open(1, err);
@@ -186,9 +197,14 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
     return world;
 }
 
+void world_hold(duet_world *world)
+{
+    ++world->users;
+}
+
 void duet_world_destroy(duet_world *world)
 {
-    if (!world)
+    if (!world || --world->users > 0)
         return;
     crew_close(world->driver);
     crew_close(world->packers);
@@ -198,6 +214,7 @@ void duet_world_destroy(duet_world *world)
     host_block_release(&world->sizes);
     pack_close(&world->pack);
     split_free(&world->split);
+    duet_device_pair_close(world->def.pair);
     free(world);
 }
 
@@ -211,7 +228,8 @@ static void forget_grid(duet_world *world)
 bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err)
 {
     grid_wish wish;
-    if (!check_plan(&wish, plan, &world->def, err))
+    if (!error_given(world, __func__, "world", err) || !error_given(plan, __func__, "plan", err) ||
+        !check_plan(&wish, plan, &world->def, err))
         return false;
     if (wish.uniform != world->wish.uniform || wish.dense != world->wish.dense ||
         wish.hashed != world->wish.hashed)
@@ -227,11 +245,13 @@ bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *e
 
 const duet_plan *duet_world_plan(const duet_world *world)
 {
-    return &world->def.plan;
+    return world ? &world->def.plan : NULL;
 }
 
 bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err)
 {
+    if (!error_given(world, __func__, "world", err))
+        return false;
     if (!duet_level_describe(level))
         return error_set(err, DUET_BAD_ARGUMENT, "level is %d; right would be a duet_level",
                          (int)level);
@@ -249,7 +269,7 @@ void world_change_level(duet_world *world, duet_level level)
 
 duet_level duet_world_level(const duet_world *world)
 {
-    return world->def.level;
+    return world ? world->def.level : DUET_LEVEL_CERTIFIED;
 }
 
 // ---------------------------------------------------------------- objects
@@ -311,28 +331,32 @@ static void *map_objects(duet_world *world, row_kind kind, uint32_t n, duet_erro
 
 duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_error *err)
 {
-    return map_objects(world, ROWS_BOUNDS, n, err);
+    return error_given(world, __func__, "world", err) ? map_objects(world, ROWS_BOUNDS, n, err)
+                                                      : NULL;
 }
 
 duet_pose *duet_world_map_poses(duet_world *world, uint32_t n, duet_error *err)
 {
-    return map_objects(world, ROWS_POSES, n, err);
+    return error_given(world, __func__, "world", err) ? map_objects(world, ROWS_POSES, n, err)
+                                                      : NULL;
 }
 
 duet_placed *duet_world_map_placed(duet_world *world, uint32_t n, duet_error *err)
 {
-    return map_objects(world, ROWS_PLACED, n, err);
+    return error_given(world, __func__, "world", err) ? map_objects(world, ROWS_PLACED, n, err)
+                                                      : NULL;
 }
 
 duet_transform *duet_world_map_transforms(duet_world *world, uint32_t n, duet_error *err)
 {
-    return map_objects(world, ROWS_TRANSFORMS, n, err);
+    return error_given(world, __func__, "world", err) ? map_objects(world, ROWS_TRANSFORMS, n, err)
+                                                      : NULL;
 }
 
 // The row behind the last belongs to none: a device may read four numbers at once.
 duet_size *duet_world_map_sizes(duet_world *world, uint32_t n, duet_error *err)
 {
-    if (!can_have(world, ROWS_TRANSFORMS, n, err) ||
+    if (!error_given(world, __func__, "world", err) || !can_have(world, ROWS_TRANSFORMS, n, err) ||
         !host_block_reserve(&world->sizes, world->def.pair->devices, 2,
                             ((size_t)n + 1) * sizeof(duet_size), err))
         return NULL;
@@ -378,8 +402,18 @@ static bool set_objects(duet_world *world, row_kind kind, const void *rows, uint
     return true;
 }
 
+// Of no objects none need be there.
+static bool are_given(const duet_world *world, const void *rows, uint32_t n, const char *call,
+                      const char *argument, duet_error *err)
+{
+    return error_given(world, call, "world", err) &&
+           (n == 0 || error_given(rows, call, argument, err));
+}
+
 bool duet_world_set_poses(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
 {
+    if (!are_given(world, poses, n, __func__, "poses", err))
+        return false;
     if (world->def.sizes_apart)
         return take_apart(world, poses, n, err);
     return set_objects(world, ROWS_POSES, poses, n, err);
@@ -388,17 +422,21 @@ bool duet_world_set_poses(duet_world *world, const duet_pose *poses, uint32_t n,
 bool duet_world_set_bounds(duet_world *world, const duet_bounds *bounds, uint32_t n,
                            duet_error *err)
 {
-    return set_objects(world, ROWS_BOUNDS, bounds, n, err);
+    return are_given(world, bounds, n, __func__, "bounds", err) &&
+           set_objects(world, ROWS_BOUNDS, bounds, n, err);
 }
 
 bool duet_world_set_placed(duet_world *world, const duet_placed *placed, uint32_t n,
                            duet_error *err)
 {
-    return set_objects(world, ROWS_PLACED, placed, n, err);
+    return are_given(world, placed, n, __func__, "placed", err) &&
+           set_objects(world, ROWS_PLACED, placed, n, err);
 }
 
 bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err)
 {
+    if (!error_given(world, __func__, "world", err) || !error_given(scene, __func__, "scene", err))
+        return false;
     const duet_scene_info *info = duet_scene_describe(scene);
     if (info->dims != world->def.dims)
         return error_set(err, DUET_BAD_ARGUMENT, "the scene %s has %u dimensions, the world %u",

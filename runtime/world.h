@@ -12,9 +12,10 @@
 
 struct duet_world {
     duet_world_def def;
-    part parts[2]; // A, B
-    crew *driver;  // drives A while the caller's thread drives B
-    crew *packers; // pack while the drivers send; NULL before the first time
+    uint32_t users; // who created it, and shares that are kept on line
+    part parts[2];  // A, B
+    crew *driver;   // drives A while the caller's thread drives B
+    crew *packers;  // pack while the drivers send; NULL before the first time
     pack pack;
     host_block objects; // [n] poses or bounds, or transforms
     uint32_t n;
@@ -35,6 +36,9 @@ struct duet_world {
     bool cell_widened;
     duet_stage stages[2 * TIMELINE_STAGES]; // of the last step
 };
+
+// One user more, until it destroys the world.
+void world_hold(duet_world *world);
 
 // The level that a profile brings: the world still takes any within its accuracy.
 void world_change_level(duet_world *world, duet_level level);

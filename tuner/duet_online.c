@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/base/error.h"
 #include "runtime/profiled.h"
+#include "runtime/world.h"
 #include "tuner/measure.h"
 #include "tuner/online.h"
 #include "tuner/record.h"
@@ -38,12 +39,15 @@ duet_online *duet_online_open(const duet_online_def *def, duet_error *err)
         return NULL;
     }
     o->def = *def;
+    world_hold(def->world);
     o->online = online_begin(duet_world_plan(def->world)->share, def->most_extra);
     return o;
 }
 
 bool duet_online_step(duet_online *o, duet_result *result, duet_error *err)
 {
+    if (!error_given(o, __func__, "online", err) || !error_given(result, __func__, "result", err))
+        return false;
     duet_plan plan = *duet_world_plan(o->def.world);
     if (!online_share(&o->online, &plan.share, err) ||
         !duet_world_set_plan(o->def.world, &plan, err) ||
@@ -55,7 +59,7 @@ bool duet_online_step(duet_online *o, duet_result *result, duet_error *err)
 
 uint32_t duet_online_tunings(const duet_online *o)
 {
-    return o->online.tunings;
+    return o ? o->online.tunings : 0;
 }
 
 static bool keep(const duet_online *o, duet_error *err)
@@ -82,6 +86,7 @@ bool duet_online_close(duet_online *o, duet_error *err)
     bool settled = o->online.tunings > 0 && o->online.state == ONLINE_WATCHING;
     bool ok = !o->def.keep || !settled || keep(o, err);
     online_end(&o->online);
+    duet_world_destroy(o->def.world);
     free(o);
     return ok;
 }

@@ -28,12 +28,14 @@ duet_tune_def duet_default_tune_def(void)
 
 const char *duet_strategy(uint32_t i)
 {
-    return strategies[i] ? strategies[i]->name : NULL;
+    const strategy *s = strategy_at(i);
+    return s ? s->name : NULL;
 }
 
 const char *duet_strategy_about(uint32_t i)
 {
-    return strategies[i] ? strategies[i]->about : NULL;
+    const strategy *s = strategy_at(i);
+    return s ? s->about : NULL;
 }
 
 // ---------------------------------------------------------------- checks
@@ -43,6 +45,22 @@ static bool check_strategy(const char *name, duet_error *err)
     search s;
     bool ok = search_begin(&s, name, NULL, err);
     search_end(&s);
+    return ok;
+}
+
+// Where a number of rows is said, they are there.
+static bool check_lists(const duet_tune_def *def, duet_error *err)
+{
+    const char *call = "duet_tune_run";
+    bool ok = (def->n_variants == 0 || error_given(def->variants, call, "variants", err)) &&
+              (def->n_modes == 0 || error_given(def->modes, call, "modes", err)) &&
+              (def->n_levels == 0 || error_given(def->levels, call, "levels", err));
+    for (uint32_t i = 0; ok && i < def->n_variants; ++i)
+        ok = error_given(def->variants[i], call, "a variant", err);
+    for (uint32_t i = 0; ok && i < def->n_modes; ++i)
+        ok = duet_mode_name(def->modes[i]) ||
+             error_set(err, DUET_BAD_ARGUMENT, "mode is %d; expected shared, own or slab",
+                       (int)def->modes[i]);
     return ok;
 }
 
@@ -72,6 +90,8 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
     if (def->n_variants > RACE_RIVALS)
         return error_set(err, DUET_BAD_ARGUMENT, "%u variants; right would be at most %d",
                          def->n_variants, RACE_RIVALS);
+    if (!check_lists(def, err))
+        return false;
     for (uint32_t i = 0; i < def->n_variants; ++i) {
         variant v;
         if (!variant_parse(&v, def->variants[i], duet_device_pair_info(def->pair, 0), err))
@@ -354,6 +374,8 @@ bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_er
 {
     holdings h = {0};
     profile_found found = {.grade = PROFILE_DEFAULT};
+    if (!error_given(outcome, __func__, "outcome", err))
+        return false;
     *outcome = (duet_tune_outcome){0};
     bool ok = check_def(def, err) && prepare(&h, def, err) && settle_level(&h, err);
     if (ok && h.record.store)

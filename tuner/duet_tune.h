@@ -24,8 +24,8 @@ typedef struct duet_tune_progress {
 typedef bool duet_tune_watch(void *context, const duet_tune_progress *progress);
 
 typedef struct duet_tune_def {
-    duet_device_pair *pair;      // borrowed
-    const duet_scene *scene;     // borrowed
+    duet_device_pair *pair;      // open for as long as the call takes, as the scene
+    const duet_scene *scene;
     const char *store;           // profile file; NULL: the user's (DUET_PROFILE)
     bool keep;                   // false: uses no store at all
     bool fresh;                  // measures again what is finished
@@ -106,7 +106,7 @@ DUET_API bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome
 typedef struct duet_online duet_online;
 
 typedef struct duet_online_def {
-    duet_world *world; // borrowed; begins with the plan that it has
+    duet_world *world; // held until the close; begins with the plan that it has
     double most_extra; // a frame may be expected to take so much longer for a trial: 0.1
     bool keep;         // stores at the close what was learned
     const char *store; // in this file; NULL: the user's (DUET_PROFILE)
@@ -124,7 +124,8 @@ DUET_API bool duet_online_step(duet_online *online, duet_result *result, duet_er
 // How often the share was tuned again.
 DUET_API uint32_t duet_online_tunings(const duet_online *online);
 
-// false where it was to be kept and could not be; it is closed all the same.
+// false where it was to be kept and could not be; it is closed all the same. True for
+// NULL.
 DUET_API bool duet_online_close(duet_online *online, duet_error *err);
 
 #ifdef __cplusplus

@@ -8,6 +8,11 @@ const strategy *const strategies[] = {
     &strategy_grid,    &strategy_chunks, &strategy_lua,    NULL,
 };
 
+const strategy *strategy_at(uint32_t i)
+{
+    return i < sizeof strategies / sizeof strategies[0] ? strategies[i] : NULL;
+}
+
 const strategy *strategy_find(const char *name)
 {
     for (uint32_t i = 0; strategies[i]; ++i) {

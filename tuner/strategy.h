@@ -20,6 +20,8 @@ struct strategy {
 
 extern const strategy *const strategies[]; // ends with NULL; the first is the default
 
+const strategy *strategy_at(uint32_t i); // NULL past the end
+
 const strategy *strategy_find(const char *name); // NULL where there is none
 
 extern const strategy strategy_balance;

@@ -78,6 +78,12 @@ bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
     return false;
 }
 
+bool error_given(const void *pointer, const char *call, const char *argument, duet_error *err)
+{
+    return pointer || error_set(err, DUET_BAD_ARGUMENT, "%s: %s is NULL; expected a valid pointer",
+                                call, argument);
+}
+
 const char *error_cl_name(int cl_code)
 {
     static const struct {

@@ -17,6 +17,10 @@ bool error_set(duet_error *err, duet_status status, const char *format, ...)
 bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+// Whether what a public call needs is there: BAD_ARGUMENT names the call and its
+// argument where it is NULL.
+bool error_given(const void *pointer, const char *call, const char *argument, duet_error *err);
+
 // "CL_OUT_OF_RESOURCES" for -5; "CL error" outside the list.
 const char *error_cl_name(int cl_code);
 
