@@ -86,16 +86,21 @@ static store *open_empty(const char *name)
     return open_store(fuzz_file(name, (const uint8_t *)empty.chars, empty.length).chars);
 }
 
+static store *tried;
+
+void fuzz_begin(void)
+{
+    tried = open_empty("tried.db");
+}
+
 // Whether rows come in at all; most inputs end here, and nothing is kept.
 static bool adds_rows(const char *lines, size_t n)
 {
-    static store *s;
     duet_error err = {0};
     uint64_t added = 0;
-    s = s ? s : open_empty("tried.db");
-    fuzz_require(store_begin(s, &err));
-    bool ok = n > 0 && import(s, lines, n, &added);
-    store_end(s, false, NULL);
+    fuzz_require(store_begin(tried, &err));
+    bool ok = n > 0 && import(tried, lines, n, &added);
+    store_end(tried, false, NULL);
     return ok && added > 0;
 }
 

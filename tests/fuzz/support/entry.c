@@ -23,6 +23,8 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
     (void)argc;
     (void)argv;
     atexit(tell_slowest);
+    if (fuzz_begin)
+        fuzz_begin();
     return 0;
 }
 
@@ -31,8 +33,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n)
     uint64_t start = clock_steady_ns();
     fuzz_one(data, n);
     uint64_t took = clock_steady_ns() - start;
-    // The first input is empty and pays for what the target opens once.
-    if (n > 0 && took > slowest_ns)
-        slowest_ns = took;
+    slowest_ns = took > slowest_ns ? took : slowest_ns;
     return 0;
 }

@@ -13,8 +13,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// The target's.
+// The target's. What it opens once, if anything, it opens in fuzz_begin, where no
+// time is taken.
 void fuzz_one(const uint8_t *data, size_t n);
+void fuzz_begin(void) __attribute__((weak));
 
 // libFuzzer's: changes n bytes in place to at most `most` and returns how many.
 size_t LLVMFuzzerMutate(uint8_t *data, size_t n, size_t most);
