@@ -154,7 +154,10 @@ static void put_entry(void)
 {
     static const char key[65] = "00000000000000000000000000000000000000000000000000000000000000fe";
     place p = place_of("cache", "");
-    if (!cache_put(p.chars, key, "\x7f" "ELF and so on", 15))
+    if (!cache_put(p.chars, key,
+                   "\x7f"
+                   "ELF and so on",
+                   15))
         exit(1);
 }
 
