@@ -141,6 +141,35 @@ static void what_cannot_be_read_or_written_is_one_line(void **state)
     program_assert_refused(&p, 1, "no/such/folder.html");
 }
 
+// Each is a result with one number that nothing measures.
+static void numbers_that_nothing_measures_are_refused(void **state)
+{
+    (void)state;
+    static const char accuracy[] =
+        "{\"type\":\"duet accuracy\",\"scene\":\"s\",\"objects\":9,\"pairs\":%s,\"a\":\"x\","
+        "\"b\":\"y\",\"levels\":[{\"level\":\"aabb\",\"device\":\"A\",\"step_ms\":%s,"
+        "\"relative\":1,\"missed\":%s,\"false\":0}]}";
+    static const struct {
+        const char *pairs, *step_ms, *missed, *says;
+    } wrong[] = {
+        {"1e120", "1", "0", "'pairs' is not a whole number from 0 to 2^53"},
+        {"-1", "1", "0", "'pairs' is not a whole number from 0 to 2^53"},
+        {"1.5", "1", "0", "'pairs' is not a whole number from 0 to 2^53"},
+        {"1e999", "1", "0", "'pairs' is not a whole number from 0 to 2^53"},
+        {"1", "1e999", "0", "level 0: 'step_ms' is not a number from 0 to 2^53"},
+        {"1", "-1", "0", "level 0: 'step_ms' is not a number from 0 to 2^53"},
+        {"1", "1", "1e19", "level 0: 'missed' is not a whole number from 0 to 2^53"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        char results[512];
+        snprintf(results, sizeof results, accuracy, wrong[i].pairs, wrong[i].step_ms,
+                 wrong[i].missed);
+        test_write_file(PAGE, results);
+        program p = program_run("report -o x.html " PAGE);
+        program_assert_refused(&p, 1, wrong[i].says);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -148,6 +177,7 @@ int main(void)
         cmocka_unit_test(the_page_loads_nothing),
         cmocka_unit_test(names_are_words_and_no_markup),
         cmocka_unit_test(what_cannot_be_read_or_written_is_one_line),
+        cmocka_unit_test(numbers_that_nothing_measures_are_refused),
     };
     return cmocka_run_group_tests(tests, make_store, remove_files);
 }

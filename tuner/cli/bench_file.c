@@ -119,8 +119,8 @@ uint32_t bench_samples(const cJSON *one, double samples[BENCH_SAMPLES_MOST])
 
 static const json_field of_any[] = {
     {"scene", cJSON_IsString, "a string"},
-    {"objects", cJSON_IsNumber, "a number"},
-    {"share", cJSON_IsNumber, "a number"},
+    {"objects", JSON_COUNT},
+    {"share", JSON_AMOUNT},
     {"mode", cJSON_IsString, "a string"},
     {"variant_a", cJSON_IsString, "a string"},
     {"variant_b", cJSON_IsString, "a string"},
@@ -128,11 +128,11 @@ static const json_field of_any[] = {
 };
 static const json_field of_measured[] = {
     {"hash", cJSON_IsString, "a string"},
-    {"median_ms", cJSON_IsNumber, "a number"},
-    {"low_ms", cJSON_IsNumber, "a number"},
-    {"high_ms", cJSON_IsNumber, "a number"},
-    {"a_ms", cJSON_IsNumber, "a number"},
-    {"b_ms", cJSON_IsNumber, "a number"},
+    {"median_ms", JSON_AMOUNT},
+    {"low_ms", JSON_AMOUNT},
+    {"high_ms", JSON_AMOUNT},
+    {"a_ms", JSON_AMOUNT},
+    {"b_ms", JSON_AMOUNT},
     {"samples_ms", cJSON_IsArray, "a list"},
     {"stages", cJSON_IsArray, "a list"},
     {0},
@@ -144,7 +144,7 @@ static bool check_samples(const cJSON *one, const char *where, duet_error *err)
     int n = cJSON_GetArraySize(samples);
     bool ok = n > 0 && n <= BENCH_SAMPLES_MOST;
     const cJSON *item;
-    cJSON_ArrayForEach(item, samples) ok = ok && cJSON_IsNumber(item) && item->valuedouble > 0;
+    cJSON_ArrayForEach(item, samples) ok = ok && json_is_amount(item) && item->valuedouble > 0;
     return ok || error_set(err, DUET_BAD_INPUT, "%s: 'samples_ms' is not 1 to %d times above 0",
                            where, BENCH_SAMPLES_MOST);
 }

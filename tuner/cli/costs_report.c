@@ -73,14 +73,14 @@ bool costs_report_check(const cJSON *o, const char *path, duet_error *err)
 {
     static const json_field whole[] = {
         {"scene", cJSON_IsString, "a string"},
-        {"objects", cJSON_IsNumber, "a number"},
+        {"objects", JSON_COUNT},
         {"effects", cJSON_IsArray, "a list"},
         {0},
     };
     static const json_field row[] = {
         {"effect", cJSON_IsString, "a string"},
         {"called_by", cJSON_IsString, "a string"},
-        {"bytes", cJSON_IsNumber, "a number"},
+        {"bytes", JSON_COUNT},
         {0},
     };
     bool ok = json_require(o, whole, path, err);

@@ -4,8 +4,11 @@
 #include "runtime/base/error.h"
 #include "runtime/base/visible.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+#define MOST 0x1p53
 
 cJSON *json_read(const char *path, duet_error *err)
 {
@@ -66,10 +69,20 @@ bool json_require_each(const cJSON *list, const json_field *fields, const char *
     return true;
 }
 
+cJSON_bool json_is_amount(const cJSON *item)
+{
+    return cJSON_IsNumber(item) && item->valuedouble >= 0 && item->valuedouble <= MOST;
+}
+
+cJSON_bool json_is_count(const cJSON *item)
+{
+    return json_is_amount(item) && item->valuedouble == floor(item->valuedouble);
+}
+
 double json_number(const cJSON *o, const char *name)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, name);
-    return cJSON_IsNumber(item) ? item->valuedouble : 0;
+    return cJSON_IsNumber(item) && fabs(item->valuedouble) <= MOST ? item->valuedouble : 0;
 }
 
 const char *json_string(const cJSON *o, const char *name)

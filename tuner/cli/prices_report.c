@@ -120,8 +120,8 @@ bool prices_report_check(const cJSON *o, const char *path, duet_error *err)
 {
     static const json_field whole[] = {
         {"scene", cJSON_IsString, "a string"},
-        {"objects", cJSON_IsNumber, "a number"},
-        {"pairs", cJSON_IsNumber, "a number"},
+        {"objects", JSON_COUNT},
+        {"pairs", JSON_COUNT},
         {"a", cJSON_IsString, "a string"},
         {"b", cJSON_IsString, "a string"},
         {"levels", cJSON_IsArray, "a list"},
@@ -130,10 +130,10 @@ bool prices_report_check(const cJSON *o, const char *path, duet_error *err)
     static const json_field row[] = {
         {"level", cJSON_IsString, "a string"},
         {"device", cJSON_IsString, "a string"},
-        {"step_ms", cJSON_IsNumber, "a number"},
-        {"relative", cJSON_IsNumber, "a number"},
-        {"missed", cJSON_IsNumber, "a number"},
-        {"false", cJSON_IsNumber, "a number"},
+        {"step_ms", JSON_AMOUNT},
+        {"relative", JSON_AMOUNT},
+        {"missed", JSON_COUNT},
+        {"false", JSON_COUNT},
         {0},
     };
     return json_require(o, whole, path, err) &&

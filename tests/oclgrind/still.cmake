@@ -1,20 +1,13 @@
-# Small scenes on a device pair of two platforms: one is Oclgrind's simulator,
-# which reports data races, accesses out of bounds and wrong calls of OpenCL.
-# Its interpreter lacks what LLVM's inlining leaves behind, so it builds
-# kernels without optimisation.
+# Small scenes on a device pair of two platforms: one is Oclgrind's simulator.
 #
 #   PROGRAM  duet
 #   SCENES   lua/scenes
-#   ICD      Oclgrind's driver
-#   FOLDER   where to list the drivers
-file(REMOVE_RECURSE ${FOLDER})
-file(GLOB drivers /etc/OpenCL/vendors/*.icd)
-file(COPY ${drivers} DESTINATION ${FOLDER})
-file(WRITE ${FOLDER}/oclgrind.icd "${ICD}\n")
-set(ENV{OCL_ICD_VENDORS} ${FOLDER})
-set(ENV{OCLGRIND_BUILD_OPTIONS} -cl-opt-disable)
-set(ENV{OCLGRIND_DATA_RACES} 1)
-set(ENV{OCLGRIND_CHECK_API} 1)
+#   and those of begin.cmake
+cmake_minimum_required(VERSION 3.22)
+include(${CMAKE_CURRENT_LIST_DIR}/begin.cmake)
+if(NOT ICD)
+  return()
+endif()
 
 set(small --n 150 --repeat 1 --check)
 # Pairs alone: seven, so that a group is not full.

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+// Writes the inputs to begin with that need no place in the sources:
+//
+//   fuzz_seeds FOLDER DATA
+//
+// A folder for each target is made in FOLDER. DATA is tests/data.
+#define _POSIX_C_SOURCE 200809L
+#include "support/motions.h"
+#include "support/store.h"
+#include "support/test.h"
+
+#include "profiles/exchange.h"
+#include "profiles/price.h"
+#include "profiles/sql.h"
+#include "runtime/cache.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const char *folder;
+
+typedef struct place {
+    char chars[512];
+} place;
+
+// FOLDER/TARGET/NAME, with its folder made.
+static place place_of(const char *target, const char *name)
+{
+    place p;
+    snprintf(p.chars, sizeof p.chars, "%s/%s", folder, target);
+    mkdir(p.chars, 0777);
+    snprintf(p.chars, sizeof p.chars, "%s/%s/%s", folder, target, name);
+    return p;
+}
+
+static void require(bool ok, const duet_error *err)
+{
+    if (ok)
+        return;
+    fprintf(stderr, "fuzz_seeds: %s\n", err->text);
+    exit(1);
+}
+
+static void put(const char *target, const char *name, const text *bytes)
+{
+    duet_error err = {0};
+    place p = place_of(target, name);
+    require(text_ok(bytes, &err) && text_write_file(p.chars, bytes->chars, bytes->length, &err),
+            &err);
+}
+
+// ---------------------------------------------------------------- arrays
+
+static void add_header(text *file, int version, const char *type, bool fortran, uint32_t rows,
+                       uint32_t columns)
+{
+    text header = {0};
+    text_add(&header, "{'descr': '%s', 'fortran_order': %s, 'shape': (%u, %u), }\n", type,
+             fortran ? "True" : "False", rows, columns);
+    const char length[] = {(char)header.length, 0, 0, 0};
+    text_add(file, "\x93NUMPY%c", version);
+    text_add_bytes(file, "\0", 1);
+    text_add_bytes(file, length, version == 1 ? 2 : 4);
+    text_add_bytes(file, header.chars, header.length);
+    text_free(&header);
+}
+
+// A valid row whatever its kind: lower corners 0 and all else 1.
+static void add_rows(text *file, bool doubles, uint32_t rows, uint32_t columns)
+{
+    for (uint32_t i = 0; i < rows * columns; ++i) {
+        double value = i % columns < columns / 2 ? 0.0 : 1.0;
+        float less = (float)value;
+        text_add_bytes(file, doubles ? (const char *)&value : (const char *)&less,
+                       doubles ? sizeof value : sizeof less);
+    }
+}
+
+static void put_array(const char *target, int version, bool doubles, bool fortran, uint32_t columns)
+{
+    char name[64];
+    text file = {0};
+    snprintf(name, sizeof name, "v%d.%s.%s.%u.npy", version, doubles ? "f8" : "f4",
+             fortran ? "columns" : "rows", columns);
+    add_header(&file, version, doubles ? "<f8" : "<f4", fortran, 2, columns);
+    add_rows(&file, doubles, 2, columns);
+    put(target, name, &file);
+    text_free(&file);
+}
+
+static void put_arrays(void)
+{
+    static const uint32_t columns[] = {4, 5, 6, 10};
+    for (uint32_t i = 0; i < 8; ++i)
+        put_array("npy", i % 3 + 1, i % 2, i / 4, columns[i % 4]);
+    for (uint32_t i = 0; i < 4; ++i)
+        put_array("pairs", i % 3 + 1, i % 2, i / 2, 10 + 10 * (i % 2));
+}
+
+// ---------------------------------------------------------------- stores
+
+static void fill(store *s)
+{
+    duet_error err = {0};
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    profile_price_key key = {.pair_id = 1, .kernels = TEST_KERNELS};
+    const profile_price prices[] = {{"certified", 2e6, 70, 0, 0}, {"sat15", 1.9e6, 70, 3, 9}};
+    test_tune(s, &pair, &workload);
+    workload.level = "auto";
+    require(profile_workload_put(s, &workload, &key.workload_id, &err) &&
+                profile_prices_put(s, &key, prices, 2, &err) &&
+                sql_script(s,
+                           "UPDATE profile SET true_pairs = 70, single_ns = 3e6, best_share = 9, "
+                           "best_mode = 'slab', terms = '{\"T_1\":1.5}'",
+                           &err),
+            &err);
+}
+
+// Small pages make a small file, of which a change hits more.
+static void put_store(const char *name, bool filled)
+{
+    duet_error err = {0};
+    place p = place_of("store", name);
+    remove(p.chars);
+    store *s = store_open(p.chars, STORE_WRITE, &err);
+    require(s, &err);
+    if (filled)
+        fill(s);
+    place lines = place_of("import", filled ? "rows.jsonl" : "none.jsonl");
+    require(profile_export_file(s, lines.chars, &err), &err);
+    store_close(s);
+    test_store_run(p.chars, "PRAGMA journal_mode = DELETE; PRAGMA page_size = 512; VACUUM");
+}
+
+static void put_older_store(const char *data)
+{
+    duet_error err = {0};
+    text statements = {0};
+    place from, to = place_of("store", "version1.db");
+    snprintf(from.chars, sizeof from.chars, "%s/store_v1.sql", data);
+    require(text_read_file(&statements, from.chars, &err), &err);
+    remove(to.chars);
+    test_store_run(to.chars, "PRAGMA page_size = 512");
+    test_store_run(to.chars, statements.chars);
+    text_free(&statements);
+}
+
+// ---------------------------------------------------------------- caches
+
+static void put_entry(void)
+{
+    static const char key[65] = "00000000000000000000000000000000000000000000000000000000000000fe";
+    place p = place_of("cache", "");
+    if (!cache_put(p.chars, key,
+                   "\x7f"
+                   "ELF and so on",
+                   15))
+        exit(1);
+}
+
+// ---------------------------------------------------------------- motions
+
+// At the start, and where the boxes touch.
+static void put_states(void)
+{
+    duet_error err = {0};
+    duet_device_pair *pair = motions_open_pair(&err);
+    require(pair, &err);
+    for (int which = 0; which < MOTIONS; ++which) {
+        duet_motion *m = motions_make(which, pair, &err);
+        require(m, &err);
+        for (int step = 0; step <= 30; ++step) {
+            char name[32];
+            duet_motion_result result;
+            snprintf(name, sizeof name, "%d.%d.motion", which, step);
+            place p = place_of("motion", name);
+            require(step % 15 > 0 || duet_motion_save(m, p.chars, &err), &err);
+            require(duet_motion_advance(m, &result, &err), &err);
+        }
+        duet_motion_destroy(m);
+    }
+    duet_device_pair_close(pair);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc != 3)
+        return 2;
+    folder = argv[1];
+    mkdir(folder, 0777);
+    put_arrays();
+    put_store("filled.db", true);
+    put_store("empty.db", false);
+    put_older_store(argv[2]);
+    put_entry();
+    put_states();
+    return 0;
+}

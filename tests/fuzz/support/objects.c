@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#include "support/objects.h"
+
+#include "support/fuzz.h"
+
+#include <math.h>
+#include <string.h>
+
+static void require_pose(const duet_pose *p, uint32_t dims)
+{
+    double norm = 0;
+    for (uint32_t k = 0; k < dims; ++k)
+        fuzz_require(isfinite(p->centre[k]) && isfinite(p->half[k]) && p->half[k] >= 0);
+    for (uint32_t k = 0; k < 4; ++k)
+        norm += (double)p->rotation[k] * (double)p->rotation[k];
+    fuzz_require(norm > 0 && isfinite(norm));
+}
+
+static void require_bounds(const duet_bounds *b, uint32_t dims)
+{
+    for (uint32_t k = 0; k < dims; ++k)
+        fuzz_require(isfinite(b->lower[k]) && isfinite(b->upper[k]) && b->lower[k] <= b->upper[k]);
+}
+
+static void require_placed(const duet_placed *p, uint32_t dims, float edge)
+{
+    require_pose(&p->pose, dims);
+    for (uint32_t k = 0; k < dims; ++k)
+        fuzz_require(p->pose.centre[k] >= 0 && p->pose.centre[k] < edge);
+}
+
+void fuzz_require_objects(const duet_scene *scene)
+{
+    const duet_scene_info *info = duet_scene_describe(scene);
+    const duet_pose *poses = duet_scene_poses(scene);
+    const duet_bounds *bounds = duet_scene_bounds(scene);
+    const duet_placed *placed = duet_scene_placed(scene);
+    fuzz_require(info->n == 0 || poses || bounds || placed);
+    for (uint32_t i = 0; i < info->n; ++i) {
+        if (placed)
+            require_placed(&placed[i], info->dims, info->origin);
+        else if (poses)
+            require_pose(&poses[i], info->dims);
+        else
+            require_bounds(&bounds[i], info->dims);
+    }
+}
+
+void fuzz_require_same(const duet_scene *a, const duet_scene *b)
+{
+    const duet_scene_info *x = duet_scene_describe(a);
+    const duet_scene_info *y = duet_scene_describe(b);
+    fuzz_require(x->n == y->n && x->dims == y->dims && x->shape == y->shape);
+    fuzz_require(strcmp(x->name, y->name) == 0);
+    fuzz_require(!duet_scene_poses(a) == !duet_scene_poses(b));
+    fuzz_require(!duet_scene_poses(a) ||
+                 memcmp(duet_scene_poses(a), duet_scene_poses(b), x->n * sizeof(duet_pose)) == 0);
+    fuzz_require(!duet_scene_bounds(a) || memcmp(duet_scene_bounds(a), duet_scene_bounds(b),
+                                                 x->n * sizeof(duet_bounds)) == 0);
+}

@@ -1,0 +1,81 @@
+-- SPDX-License-Identifier: MIT
+-- A few boxes for motion.cmake: they fall on each other and on a floor, or fly.
+
+local p = parameters {
+  dims = 3,
+  falling = true, -- onto a floor, with friction, rather than in free flight
+  turned = true,
+  sleep = false,
+  fast = false,
+  events = false,
+  skin = 0.0,
+  edge = "walls", -- "periodic", "none"
+  attraction = 0.0,
+  integrator = "euler",
+  doubles = false,
+  origin = false,
+  filtered = false,
+}
+
+local up = p.dims
+
+local function vector(along, height)
+  local v = { along }
+  for k = 2, p.dims do v[k] = k == up and height or 0 end
+  return v
+end
+
+local function box(centre, half, parts)
+  parts.centre, parts.half = centre, half
+  if p.turned and p.dims == 2 then parts.angle = 0.2 * centre[1] end
+  if p.turned and p.dims == 3 then parts.euler = { 0.1, 0, 0.2 * centre[1] } end
+  add(parts)
+end
+
+local function cube(edge)
+  local half = {}
+  for k = 1, p.dims do half[k] = edge / 2 end
+  return half
+end
+
+for i = 0, 4 do
+  local apart = p.falling and 0.98 or 2
+  box(vector(0.2 * i, 0.49 + apart * i), cube(1), {
+    velocity = vector(p.falling and 0.1 or 1, p.fast and -60 or 0),
+    restitution = p.falling and 0.2 or nil,
+    friction = p.falling and 0.5 or nil,
+    group = p.filtered and 1 + i % 2 or nil,
+    mask = p.filtered and 3 or nil,
+  })
+end
+if p.falling then
+  local floor = cube(1)
+  floor[1] = 6
+  add { centre = vector(0, -0.5), half = floor, mass = 0, friction = 0.5 }
+end
+
+local wants = {}
+for _, name in ipairs { "sleep", "fast", "events" } do
+  if p[name] then wants[#wants + 1] = name end
+end
+if p.falling then wants[#wants + 1] = "response" end
+
+local lower, upper = {}, {}
+for k = 1, p.dims do lower[k], upper[k] = -8, 12 end
+
+return {
+  dims = p.dims,
+  bounds = p.edge ~= "none" and p.edge or nil,
+  world = { lower = lower, upper = upper },
+  gravity = p.attraction == 0 and vector(0, -9.81) or nil,
+  attraction = p.attraction ~= 0 and { strength = p.attraction, centre = vector(0, -3) } or nil,
+  wants = wants,
+  skin = p.skin > 0 and p.skin or nil,
+  sleep_speed = p.sleep and 100 or nil,
+  sleep_after = p.sleep and 0.03 or nil,
+  drag = 0.1,
+  integrator = p.integrator,
+  doubles = p.doubles,
+  origin = p.origin and "cell" or nil,
+  origin_edge = p.origin and 16 or nil,
+}

@@ -1,0 +1,60 @@
+# Small motions whose state and contacts are kept by Oclgrind's simulator. Each
+# ends in the very state that the machine's own device gives, and together they
+# launch every kernel that motions have.
+#
+#   PROGRAM  duet
+#   KERNELS  kernels
+#   DIMS     2 or 3
+#   and those of begin.cmake
+cmake_minimum_required(VERSION 3.22)
+include(${CMAKE_CURRENT_LIST_DIR}/begin.cmake)
+if(NOT ICD)
+  return()
+endif()
+set(ENV{OCLGRIND_INST_COUNTS} 1) # tells the kernels that were launched
+
+# Runs the case on B = device and gives the line with the state's hash.
+function(state_of case steps device result)
+  separate_arguments(arguments UNIX_COMMAND "${case}")
+  execute_process(COMMAND ${PROGRAM} run ${CMAKE_CURRENT_LIST_DIR}/boxes.lua ${arguments}
+    --steps ${steps} --pair pocl:0,${device}
+    RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE err)
+  if(NOT status EQUAL 0 OR NOT err STREQUAL "" OR NOT out MATCHES "state hash ([0-9a-f]+)")
+    message(FATAL_ERROR "${case} on ${device}: ${status}\n${err}\n${out}")
+  endif()
+  set(${result} ${CMAKE_MATCH_1} PARENT_SCOPE)
+  string(REGEX MATCHALL "kernel '[a-z_]+'" names "${out}")
+  set(launched ${launched} ${names} PARENT_SCOPE)
+endfunction()
+
+set(launched "")
+foreach(case
+    "3 --set sleep=true --set events=true"
+    "2 --set skin=0.3 --set fast=true --set edge=none"
+    "2 --set turned=false --set filtered=true --set doubles=true"
+    "2 --set origin=true --set edge=none"
+    "2 --set falling=false --set edge=periodic"
+    "2 --set falling=false --set attraction=5.0 --set integrator=yoshida")
+  string(REGEX MATCH "^[0-9]+" steps "${case}")
+  string(REGEX REPLACE "^[0-9]+ " "--set dims=${DIMS} " case "${case}")
+  state_of("${case}" ${steps} oclgrind:0 simulated)
+  state_of("${case}" ${steps} pocl:0 right)
+  if(NOT simulated STREQUAL right)
+    message(FATAL_ERROR "${case}: the state is ${simulated}, not ${right}")
+  endif()
+endforeach()
+
+set(lacking "")
+foreach(file body carry colour contact doze drift enclose integrate prepare rows solve)
+  file(GLOB path ${KERNELS}/${file}.cl ${KERNELS}/${file}.cl.in)
+  file(STRINGS ${path} heads REGEX "^__kernel void ")
+  foreach(head IN LISTS heads)
+    string(REGEX REPLACE "^__kernel void ([a-z_]+).*" "\\1" name "${head}")
+    if(NOT "kernel '${name}'" IN_LIST launched)
+      list(APPEND lacking ${name})
+    endif()
+  endforeach()
+endforeach()
+if(lacking)
+  message(FATAL_ERROR "no case launches ${lacking}")
+endif()
