@@ -4,6 +4,9 @@
 #define _POSIX_C_SOURCE 200809L
 #include "profiles/sql.h"
 
+#include "runtime/base/blob.h"
+
+#include <assert.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -86,6 +89,31 @@ static bool identify(store *s, identity *is, int64_t *version, duet_error *err)
     return true;
 }
 
+// Views, triggers and virtual tables have no pages. They run what their text says,
+// for ever if it says so, so that only those which Duet's own schema makes are let
+// in.
+static bool check_code(store *s, duet_error *err)
+{
+    const blob *schema = blob_find("profiles/schema.sql");
+    assert(schema);
+    text unknown = {0};
+    sql q = sql_make(s,
+                     "SELECT type, name, coalesce(sql, '') FROM sqlite_schema "
+                     "WHERE coalesce(rootpage, 0) = 0",
+                     err);
+    while (!unknown.chars && sql_row(&q))
+        if (!strstr(schema->bytes, sql_get_text(&q, 2)))
+            text_add(&unknown, "%s '%s'", sql_get_text(&q, 0), sql_get_text(&q, 1));
+    bool ok = sql_close(&q) && text_ok(&unknown, err) &&
+              (!unknown.chars ||
+               error_set(err, DUET_STORE_FAILED,
+                         "%s: holds a %s that Duet does not make, and was left as it is; name "
+                         "another file with DUET_PROFILE",
+                         s->path, unknown.chars));
+    text_free(&unknown);
+    return ok;
+}
+
 static bool open_newer(store *s, int64_t version, duet_error *err)
 {
     s->writable = false;
@@ -101,6 +129,8 @@ bool admit_store(store *s, duet_error *err)
     identity is = IS_FOREIGN;
     int64_t version = 0;
     if (!identify(s, &is, &version, err))
+        return false;
+    if (is != IS_EMPTY && is != IS_FOREIGN && !check_code(s, err))
         return false;
     switch (is) {
     case IS_OURS:

@@ -354,6 +354,38 @@ static void a_damaged_store_never_crashes_a_look_up(void **state)
     test_folder_remove(&folder);
 }
 
+// Whatever such a file says to be is run when a table of that name is read.
+static void a_view_or_trigger_of_a_stranger_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *statements, *says;
+    } cases[] = {
+        {"ALTER TABLE profile RENAME TO old; CREATE VIEW profile AS SELECT old.* FROM old, (WITH "
+         "RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM r) SELECT x FROM r) WHERE x < 0",
+         "holds a view 'profile' that Duet does not make"},
+        {"DROP VIEW part; CREATE VIEW part AS SELECT 1", "view 'part'"},
+        {"CREATE TRIGGER t AFTER INSERT ON audit BEGIN DELETE FROM profile; END", "trigger 't'"},
+        {"CREATE VIRTUAL TABLE v USING fts5(x)", "table 'v'"},
+    };
+    static const store_access accesses[] = {STORE_READ, STORE_WRITE};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        test_folder folder = test_folder_make();
+        store *s = test_store_open(folder.store, STORE_WRITE);
+        duet_error err = {0};
+        assert_ok(sql_script(s, cases[i].statements, &err), err);
+        store_close(s);
+        for (int k = 0; k < 2; ++k) {
+            err = (duet_error){0};
+            assert_null(store_open(folder.store, accesses[k], &err));
+            assert_int_equal(err.status, DUET_STORE_FAILED);
+            if (!strstr(err.text, cases[i].says))
+                fail_msg("'%s' does not say '%s'", err.text, cases[i].says);
+        }
+        test_folder_remove(&folder);
+    }
+}
+
 // ----------------------------------------------------------------------- transactions
 
 static void a_failure_inside_undoes_the_whole_transaction(void **state)
@@ -390,6 +422,7 @@ int main(void)
         cmocka_unit_test(a_folder_and_a_pipe_are_no_store),
         cmocka_unit_test(a_truncated_store_is_reported_and_kept),
         cmocka_unit_test(a_damaged_store_never_crashes_a_look_up),
+        cmocka_unit_test(a_view_or_trigger_of_a_stranger_is_refused),
         cmocka_unit_test(a_failure_inside_undoes_the_whole_transaction),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
