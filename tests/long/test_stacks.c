@@ -6,22 +6,20 @@
 static void tall_stacks_stand_for_a_minute(void **state)
 {
     (void)state;
-    static const stack stacks[] = {
-        {.dims = 3, .height = 10, .substeps = 4},
-        {.dims = 2, .height = 10, .substeps = 4},
-        {.dims = 3, .height = 20, .substeps = 8},
-        {.dims = 3, .height = 40, .substeps = 12},
-        {.dims = 2, .height = 20, .substeps = 8},
-    };
-    for (size_t i = 0; i < sizeof stacks / sizeof stacks[0]; ++i)
-        stack_assert_stands(&stacks[i], 60);
+    stack_figures f = stack_figures_read();
+    for (int i = 0; i < 3; ++i)
+        for (uint32_t dims = i < 2 ? 2 : 3; dims <= 3; ++dims) {
+            stack s = {.dims = dims, .height = f.heights[i], .substeps = f.substeps[i]};
+            stack_assert_stands(&s, f.seconds);
+        }
 }
 
-static void forty_boxes_fall_with_too_few_substeps(void **state)
+static void a_tall_stack_falls_with_too_few_substeps(void **state)
 {
     (void)state;
-    stack s = {.dims = 3, .height = 40, .substeps = 8};
-    assert_false(stack_stands(&s, 60));
+    stack_figures f = stack_figures_read();
+    stack s = {.dims = 3, .height = f.falling_height, .substeps = f.falling_substeps};
+    assert_false(stack_stands(&s, f.seconds));
 }
 
 static void a_stack_stands_as_well_far_away(void **state)
@@ -38,7 +36,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tall_stacks_stand_for_a_minute),
-        cmocka_unit_test(forty_boxes_fall_with_too_few_substeps),
+        cmocka_unit_test(a_tall_stack_falls_with_too_few_substeps),
         cmocka_unit_test(a_stack_stands_as_well_far_away),
     };
     return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "support/stack.h"
+#include "support/figure.h"
 #include "support/test.h"
 
 #include <math.h>
@@ -16,13 +17,30 @@ static mover *build(const stack *s)
     return m;
 }
 
-// Box i, counted from 1: less than a hundredth of its edge aside, and no lower
+stack_figures stack_figures_read(void)
+{
+    double f[10];
+    figures("effects.md",
+            "stack of #, #, # boxes, # s | needs #, #, # substeps; drift below # % of an edge; # "
+            "boxes with # substeps fall",
+            10, f);
+    return (stack_figures){
+        .heights = {(uint32_t)f[0], (uint32_t)f[1], (uint32_t)f[2]},
+        .seconds = (uint32_t)f[3],
+        .substeps = {(uint32_t)f[4], (uint32_t)f[5], (uint32_t)f[6]},
+        .drift = f[7] / 100,
+        .falling_height = (uint32_t)f[8],
+        .falling_substeps = (uint32_t)f[9],
+    };
+}
+
+// Box i, counted from 1: not further aside than the document says, and no lower
 // than what is below it is pressed.
-static bool is_in_place(const mover *m, const stack *s, uint32_t i)
+static bool is_in_place(const mover *m, const stack *s, uint32_t i, double drift)
 {
     const double *c = m->states[i].centre;
     double sideways = hypot(c[0] - s->x, s->dims == 3 ? c[1] : 0.0);
-    return sideways < 0.01 && fabs(c[s->dims - 1] - (i - 0.5)) < 0.15 * i &&
+    return sideways < drift && fabs(c[s->dims - 1] - (i - 0.5)) < 0.15 * i &&
            mover_speed(m, i) < 0.02;
 }
 
@@ -30,8 +48,9 @@ bool stack_stands(const stack *s, uint32_t seconds)
 {
     mover *m = build(s);
     mover_run(m, 60 * seconds);
+    double drift = stack_figures_read().drift;
     uint32_t i = 1;
-    while (i <= s->height && is_in_place(m, s, i))
+    while (i <= s->height && is_in_place(m, s, i, drift))
         ++i;
     const double *c = m->states[i <= s->height ? i : 0].centre;
     if (i <= s->height)

@@ -16,6 +16,16 @@ typedef struct stack {
 
 // Whether all boxes are in their places, at rest, after so many seconds; else
 // the first that is not is printed.
+// What docs/effects.md says of stacks: heights with the substeps that they need, for
+// so many seconds, how far their boxes may drift in edges, and one that falls.
+typedef struct stack_figures {
+    uint32_t heights[3], substeps[3], seconds;
+    double drift;
+    uint32_t falling_height, falling_substeps;
+} stack_figures;
+
+stack_figures stack_figures_read(void);
+
 bool stack_stands(const stack *s, uint32_t seconds);
 void stack_assert_stands(const stack *s, uint32_t seconds);
 
