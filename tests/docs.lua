@@ -4,6 +4,7 @@
 --
 --   duet lua --trust docs.lua PROGRAM ROOT FOLDER FILE...
 --
+-- What is indented below a block that ends in `cat` of a file is what that prints.
 -- A block that cannot be run in a test has a comment above it that says why:
 -- <!-- not run: it needs a GPU -->
 
@@ -21,11 +22,18 @@ local examples = {
 -- Every block of shell commands in a document, with its line.
 local function blocks(path)
   local found, block, skipped = {}, nil, false
+  local cats -- the last block, while what it prints is read
   local number = 0
   for line in assert(io.lines(path)) do
     number = number + 1
+    if cats and line:match("^    ") then
+      cats.prints = (cats.prints or "") .. line:sub(5) .. "\n"
+    elseif line ~= "" then
+      cats = nil
+    end
     if block and line:match("^```") then
       found[#found + 1] = block
+      for _, command in ipairs(block.commands) do cats = cats or command:match("^cat ") and block end
       block = nil
     elseif block then
       block.commands[#block.commands + 1] = line
@@ -65,12 +73,21 @@ local function run(block)
     :format(folder, program:match("^(.*)/"), folder))
 end
 
+local function prints_what_it_should(block)
+  if not block.prints then return true end
+  local out <close> = assert(io.open(folder .. "/out"))
+  if out:read("a"):find(block.prints, 1, true) then return true end
+  local err <close> = assert(io.open(folder .. "/err", "w"))
+  err:write("it does not print\n" .. block.prints)
+  return false
+end
+
 local failed, n = 0, 0
 for i = 4, #arg do
   for _, block in ipairs(blocks(arg[i])) do
     if not block.skipped then
       n = n + 1
-      if not run(block) then
+      if not run(block) or not prints_what_it_should(block) then
         failed = failed + 1
         local file <close> = assert(io.open(folder .. "/err"))
         io.stderr:write(("%s:%d: %s\n"):format(arg[i], block.line, file:read("a")))

@@ -2,6 +2,7 @@
 // Each level's promise on hard pairs.
 #include "support/test.h"
 
+#include "support/figure.h"
 #include "support/hard_pairs.h"
 #include "support/promise.h"
 
@@ -24,10 +25,13 @@ static void each_level_keeps_its_promise_on_hard_pairs(void **state)
 {
     (void)state;
     rng r = rng_seed(test_seed());
+    double said = figure("accuracy.md", "every level keeps its promise on # generated pairs");
+    int n = 0;
     for (const hard_class *c = hard_classes; c->name; ++c)
         for (int i = 0; i < PAIRS; ++i) {
             uint32_t dims = i % 4 == 3 ? 2 : 3;
             hard_pair pair = c->make(&r, dims);
+            ++n;
             for (int l = 0; l < DUET_LEVELS; ++l)
                 if (!promise_holds((duet_level)l, &pair, dims)) {
                     hard_pair_print(&pair, dims);
@@ -35,6 +39,27 @@ static void each_level_keeps_its_promise_on_hard_pairs(void **state)
                              c->name);
                 }
         }
+    assert_int_equal(n, (int)said);
+}
+
+// To two digits, as they are printed.
+static void assert_printed(double value, double printed)
+{
+    assert_true(fabs(value / printed - 1) < 0.04);
+}
+
+static void the_document_s_bounds_are_the_levels(void **state)
+{
+    (void)state;
+    double f[4];
+    const duet_level_info *textbook = duet_level_describe(DUET_LEVEL_SAT15);
+    figures("accuracy.md", "only with a gap above -48 u S = # S | only with a gap up to # S", 2, f);
+    figures("accuracy.md", "only with a gap above # S | only with a gap up to # S", 2, f + 2);
+    assert_printed(-textbook->missed, f[0]);
+    assert_printed(textbook->added, f[1]);
+    const duet_level_info *in_double = duet_level_describe(DUET_LEVEL_DOUBLE);
+    assert_printed(-in_double->missed, f[2]);
+    assert_printed(in_double->added, f[3]);
 }
 
 static duet_pose random_box(rng *r, double spread)
@@ -120,13 +145,15 @@ static void spheres_are_told_apart_in_the_whole_range(void **state)
     static float origin[3];
     int n_apart = 0, n_near = 0;
     rng r = rng_seed(test_seed());
+    double range[2]; // S, of which the test has a little less for its own rounding
+    figures("accuracy.md", "not normalised; S as above, in #..#", 2, range);
     for (int i = 0; i < 400000; ++i) {
         hard_pair p = spheres_that_nearly_touch(&r, -74 + i % 176);
         double size = promise_size(&p, 3);
         bool collide = meeting_spheres(&p.a, &p.b, narrow_here, 3);
         long double distance = length(p.b.centre, p.a.centre);
         long double reach = length(p.a.half, origin) + length(p.b.half, origin);
-        bool known = size >= 0x1.00001p-70 && size <= 0x1.fffffp99;
+        bool known = size >= range[0] * 0x1.00001p0 && size <= range[1] * 0x1.fffffp-1;
         bool wrong = collide ? known && distance > reach * (1 + 0x1p-18L) : distance <= reach;
         if (wrong) {
             hard_pair_print(&p, 3);
@@ -183,6 +210,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_level_keeps_its_promise_on_hard_pairs),
+        cmocka_unit_test(the_document_s_bounds_are_the_levels),
         cmocka_unit_test(better_levels_report_fewer_random_pairs),
         cmocka_unit_test(spheres_are_told_apart_in_the_whole_range),
         cmocka_unit_test(bounds_contain_their_box),

@@ -62,8 +62,8 @@ static void begin_array(text *t, const char *descr)
 {
     text_add_bytes(t, "\x93NUMPY\1\0\x76\0", 10);
     char literal[118];
-    snprintf(literal, sizeof literal,
-             "{'descr': '%s', 'fortran_order': False, 'shape': (2, 10), }", descr);
+    snprintf(literal, sizeof literal, "{'descr': '%s', 'fortran_order': False, 'shape': (2, 10), }",
+             descr);
     text_add(t, "%-117s\n", literal);
 }
 
