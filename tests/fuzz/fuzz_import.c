@@ -42,7 +42,7 @@ static char *export_lines(store *s)
     size_t n = 0;
     FILE *out = open_memstream(&lines, &n);
     fuzz_require(out);
-    fuzz_require(profile_export(s, out, &err));
+    fuzz_require(profile_export(s, out, "memory", &err));
     fclose(out);
     require_json(lines);
     return lines;
