@@ -304,15 +304,15 @@ static void placed_boxes_of_a_few_quanta_are_found(void **state)
     for (int i = 0; i < 5; ++i) {
         lattice_box boxes[FEW];
         duet_placed placed[FEW];
-        scatter(boxes, FEW, (kind)i, cells[i] << QUANTA_BITS, 18, 3, &r);
+        scatter(boxes, FEW, (kind)i, cells[i] * (INT64_C(1) << QUANTA_BITS), 18, 3, &r);
         for (uint32_t b = 0; b < FEW; ++b) {
             lattice_box in_cell = boxes[b];
             memset(&placed[b], 0, sizeof placed[b]);
             for (int k = 0; k < 3; ++k) {
                 int64_t at = boxes[b].lower[k] / 2;
                 int64_t cell = at >> QUANTA_BITS;
-                in_cell.lower[k] -= 2 * (cell << QUANTA_BITS);
-                in_cell.upper[k] -= 2 * (cell << QUANTA_BITS);
+                in_cell.lower[k] -= 2 * cell * (INT64_C(1) << QUANTA_BITS);
+                in_cell.upper[k] -= 2 * cell * (INT64_C(1) << QUANTA_BITS);
                 placed[b].cell[k] = (int32_t)cell;
             }
             placed[b].pose = pose_of(&in_cell, -QUANTA_BITS);
