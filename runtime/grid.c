@@ -188,11 +188,19 @@ double grid_corner(const grid_level *level, float origin, uint32_t axis)
     return (double)whole * origin + (double)level->lower.s[axis];
 }
 
+// An object that fits reaches this far beyond its point. Twice the margin is for
+// what rounding does to both ends where positions are in origin cells.
+static float reach_of(double along, double limit, duet_shape shape)
+{
+    double reach = shape == DUET_SHAPE_POSES ? limit / 2 : limit;
+    return (cl_float)(reach + 2 * (along - limit));
+}
+
 static grid_level make_level(const double lower[3], const double length[3], double edge, bool dense,
-                             uint32_t dims, float origin)
+                             const grid_objects *o)
 {
     grid_level level = {.cells = {{1, 1, 1, 0}}};
-    for (uint32_t k = 0; k < dims; ++k) {
+    for (uint32_t k = 0; k < o->dims; ++k) {
         double cells = count_along(length[k], edge, dense);
         double slack = margin(cells, dense);
         double along = fmax(length[k] / cells, edge * slack);
@@ -200,9 +208,11 @@ static grid_level make_level(const double lower[3], const double length[3], doub
             along = 1.0;
         along = fmax(along, least_edge_along);
         level.cells.s[k] = (cl_int)cells;
-        set_corner(&level, k, lower[k], origin);
+        set_corner(&level, k, lower[k], o->origin);
         level.per_cell.s[k] = (cl_float)(1.0 / along);
-        level.limit.s[k] = cells == 1.0 ? INFINITY : (cl_float)(along / slack);
+        bool fits_all = cells == 1.0;
+        level.limit.s[k] = fits_all ? INFINITY : (cl_float)(along / slack);
+        level.reach.s[k] = fits_all ? INFINITY : reach_of(along, along / slack, o->shape);
     }
     return level;
 }
@@ -231,7 +241,7 @@ static grid make_dense(const double lower[3], const double length[3], const size
         edges[l] = classes->at[l].widest;
     limit_cells(edges, &g.n_levels, length, fmin(cells_per_object * o->n + 64.0, 0x1p31));
     for (uint32_t l = 0; l < g.n_levels; ++l) {
-        g.levels[l] = make_level(lower, length, edges[l], true, o->dims, o->origin);
+        g.levels[l] = make_level(lower, length, edges[l], true, o);
         const cl_int *cells = g.levels[l].cells.s;
         g.levels[l].cells.s[3] = (cl_int)g.n_cells;
         g.n_cells += (uint32_t)cells[0] * (uint32_t)cells[1] * (uint32_t)cells[2];
@@ -248,7 +258,7 @@ static grid make_hashed(const double lower[3], const double length[3], const siz
     while (g.n_cells < 0x80000000u && g.n_cells < 2 * (uint64_t)o->n)
         g.n_cells *= 2;
     for (uint32_t l = 0; l < g.n_levels; ++l)
-        g.levels[l] = make_level(lower, length, classes->at[l].widest, false, o->dims, o->origin);
+        g.levels[l] = make_level(lower, length, classes->at[l].widest, false, o);
     g.edge = least_edge(&g.levels[0], o->dims);
     set_key_bits(&g);
     return g;

@@ -30,6 +30,7 @@ typedef struct grid_level {
     cl_float4 lower;    // with origin cells in one, whose xyz is in the last words of these three
     cl_float4 per_cell; // 1 / edge
     cl_float4 limit;    // an extent above it does not fit: the edge less its margin
+    cl_float4 reach;    // how far beyond its point an object's bounds may be, with a margin
     cl_int4 cells;      // w: the key of the level's first cell
 } grid_level;
 

@@ -391,11 +391,11 @@ static inline void add_coarser(search *s, const sorted *in, const seeker *me, ra
     uint y_from, y_to, z_from = 0, z_to = 0;
     coord lower[3], upper[3];
     set_corners(in, me, lower, upper);
-    cells_along(lower[0], upper[0], grid->limit.x, LOWER(grid, x), grid->per_cell.x, grid->cells.x, &cells.left,
+    cells_along(lower[0], upper[0], grid->reach.x, LOWER(grid, x), grid->per_cell.x, grid->cells.x, &cells.left,
                 &cells.right);
-    cells_along(lower[1], upper[1], grid->limit.y, LOWER(grid, y), grid->per_cell.y, grid->cells.y, &y_from, &y_to);
+    cells_along(lower[1], upper[1], grid->reach.y, LOWER(grid, y), grid->per_cell.y, grid->cells.y, &y_from, &y_to);
 #if DIMS == 3
-    cells_along(lower[2], upper[2], grid->limit.z, LOWER(grid, z), grid->per_cell.z, grid->cells.z, &z_from, &z_to);
+    cells_along(lower[2], upper[2], grid->reach.z, LOWER(grid, z), grid->per_cell.z, grid->cells.z, &z_from, &z_to);
 #endif
     for (cells.z = z_from; cells.z <= z_to; ++cells.z)
         for (cells.y = y_from; cells.y <= y_to; ++cells.y)
