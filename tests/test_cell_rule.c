@@ -5,6 +5,7 @@
 #include "support/test.h"
 
 #include "support/agreement.h"
+#include "support/devices.h"
 
 #include "runtime/base/rng.h"
 
@@ -16,25 +17,6 @@
 #include <string.h>
 
 enum { FEW = 220, MANY = 20000, MAGNITUDES = 40, QUANTA_BITS = 24 };
-
-static duet_device_pair *devices;
-
-static int open_devices(void **state)
-{
-    (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_open(&def, &err);
-    assert_ok(devices != NULL, err);
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_close(devices);
-    return 0;
-}
 
 // ------------------------------------------------------------ boxes in whole numbers
 

@@ -3,6 +3,8 @@
 // pairs are the same, and objects that move never cause a rebuild.
 #include "support/test.h"
 
+#include "support/devices.h"
+
 #include "runtime/base/rng.h"
 #include "runtime/reference.h"
 #include "runtime/world.h"
@@ -11,25 +13,7 @@
 
 enum { FEW = 400, MANY = 1200 };
 
-static duet_device_pair *devices;
 static duet_pose poses[MANY];
-
-static int open_devices(void **state)
-{
-    (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_open(&def, &err);
-    assert_ok(devices, err);
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_close(devices);
-    return 0;
-}
 
 // Upright cubes in a world whose cells are known.
 static duet_world *make_world(uint32_t dims, const float upper[3])

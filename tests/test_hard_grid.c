@@ -3,6 +3,7 @@
 #include "support/test.h"
 
 #include "support/agreement.h"
+#include "support/devices.h"
 #include "support/hard_pairs.h"
 
 #include "runtime/base/rng.h"
@@ -14,26 +15,8 @@
 
 enum { ROOM = 20000 };
 
-static duet_device_pair *devices;
 static duet_pose poses[ROOM];
 static duet_bounds bounds[ROOM];
-
-static int open_devices(void **state)
-{
-    (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_open(&def, &err);
-    assert_ok(devices != NULL, err);
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_close(devices);
-    return 0;
-}
 
 // ------------------------------------------------------------ scenes
 

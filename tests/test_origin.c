@@ -2,6 +2,8 @@
 // Boxes in origin cells: the same answers wherever they are.
 #include "support/test.h"
 
+#include "support/devices.h"
+
 #include "support/hard_pairs.h"
 #include "support/oracle.h"
 #include "support/scene_file.h"
@@ -23,25 +25,7 @@ enum { ROOM = 1000 };
 // Of the worlds' origin cells: boxes reach over many.
 #define EDGE 0.125f
 
-static duet_device_pair *devices;
 static duet_placed placed[ROOM];
-
-static int open_devices(void **state)
-{
-    (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_open(&def, &err);
-    assert_ok(devices != NULL, err);
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_close(devices);
-    return 0;
-}
 
 // ------------------------------------------------------------ positions
 

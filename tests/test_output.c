@@ -6,7 +6,6 @@
 #include "support/program.h"
 #include "support/store.h"
 
-#include <dirent.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
@@ -54,17 +53,6 @@ static void assert_content(const char *path, const char *content)
     assert_string_equal(found, content);
 }
 
-static int count_names(void)
-{
-    int n = 0;
-    DIR *names = opendir(".");
-    assert_non_null(names);
-    for (const struct dirent *e = readdir(names); e; e = readdir(names))
-        n += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
-    closedir(names);
-    return n;
-}
-
 static mode_t mode_of(const char *path)
 {
     struct stat info;
@@ -90,13 +78,13 @@ static void a_file_takes_the_place_of_nothing_or_of_a_file(void **state)
     test_write_file("out", "two");
     umask(umask_before);
     assert_content("out", "two");
-    assert_int_equal(count_names(), 1);
+    assert_int_equal(test_count_files(), 1);
     char longest[256];
     memset(longest, 'x', 255);
     longest[255] = '\0';
     test_write_file(longest, "long");
     assert_content(longest, "long");
-    assert_int_equal(count_names(), 2);
+    assert_int_equal(test_count_files(), 2);
 }
 
 // Names that can be told in advance are of no use to whoever puts links there.
@@ -127,7 +115,7 @@ static void a_link_stays_and_its_file_is_replaced(void **state)
     assert_content("file", "again");
     assert_true(S_ISLNK(mode_of("first")) && S_ISLNK(mode_of("below/second")));
     assert_true(S_ISREG(mode_of("file")));
-    assert_int_equal(count_names(), 3);
+    assert_int_equal(test_count_files(), 3);
 }
 
 static void links_in_a_ring_are_refused(void **state)
@@ -136,7 +124,7 @@ static void links_in_a_ring_are_refused(void **state)
     assert_int_equal(symlink("b", "a"), 0);
     assert_int_equal(symlink("a", "b"), 0);
     assert_refused("a", "cannot be written");
-    assert_int_equal(count_names(), 2);
+    assert_int_equal(test_count_files(), 2);
 }
 
 static void a_folder_is_refused(void **state)
@@ -147,7 +135,7 @@ static void a_folder_is_refused(void **state)
     assert_refused("here/", "directory");
     assert_refused("nowhere/out", "No such file");
     assert_refused("", "No such file");
-    assert_int_equal(count_names(), 1);
+    assert_int_equal(test_count_files(), 1);
 }
 
 static void a_pipe_is_written_to_and_stays(void **state)
@@ -162,7 +150,7 @@ static void a_pipe_is_written_to_and_stays(void **state)
     assert_int_equal(waitpid(child, &status, 0), child);
     assert_int_equal(status, 0);
     assert_true(S_ISFIFO(mode_of("pipe")));
-    assert_int_equal(count_names(), 1);
+    assert_int_equal(test_count_files(), 1);
 }
 
 // A node of the test's own where it may make one, since what is at stake is
@@ -223,7 +211,7 @@ static void what_comes_between_is_not_replaced(void **state)
     assert_false(output_close(&o, true, &err));
     assert_true(S_ISLNK(mode_of("out")));
     assert_content("victim", "safe");
-    assert_int_equal(count_names(), 2);
+    assert_int_equal(test_count_files(), 2);
 }
 
 static void what_is_not_kept_leaves_nothing(void **state)
@@ -233,7 +221,7 @@ static void what_is_not_kept_leaves_nothing(void **state)
     assert_true(output_open(&o, "out", NULL));
     fputs("half", o.stream);
     assert_false(output_close(&o, false, NULL));
-    assert_int_equal(count_names(), 0);
+    assert_int_equal(test_count_files(), 0);
 }
 
 static void write_too_much(void)
@@ -258,7 +246,7 @@ static void what_does_not_fit_leaves_the_file_as_it_was(void **state)
     assert_int_equal(waitpid(child, &status, 0), child);
     assert_int_equal(status, 0);
     assert_content("out", "old");
-    assert_int_equal(count_names(), 1);
+    assert_int_equal(test_count_files(), 1);
 }
 
 // The program itself, which such a limit would end by a signal.
@@ -271,11 +259,11 @@ static void the_program_says_that_a_file_became_too_large(void **state)
     test_tune(s, &pair, &workload);
     store_close(s);
     test_write_file("rows", "old");
-    int names = count_names();
+    int names = test_count_files();
     program p = program_run_with("ulimit -f 2;", "profiles export rows --profile p.db");
     program_assert_refused(&p, 1, "rows: cannot be written: File too large");
     assert_content("rows", "old");
-    assert_int_equal(count_names(), names);
+    assert_int_equal(test_count_files(), names);
 }
 
 #define IN_A_FOLDER(test) cmocka_unit_test_setup_teardown(test, enter_folder, leave_folder)

@@ -3,6 +3,8 @@
 // The CPU's parts here are told that they have such memory.
 #include "support/test.h"
 
+#include "support/devices.h"
+
 #include "runtime/base/rng.h"
 #include "runtime/world.h"
 
@@ -12,27 +14,8 @@
 
 enum { ROOM = 6000 };
 
-static duet_device_pair *devices;
 static duet_pose poses[ROOM];
 static duet_bounds bounds[ROOM];
-
-static int open_devices(void **state)
-{
-    (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_open(&def, &err);
-    assert_ok(devices != NULL, err);
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_close(devices);
-    assert_int_equal(device_live_objects(), 0);
-    return 0;
-}
 
 // ------------------------------------------------------------ scenes
 

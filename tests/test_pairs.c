@@ -2,6 +2,7 @@
 // The narrow phase alone: pairs that the caller brings, through the public API.
 #include "support/test.h"
 
+#include "support/devices.h"
 #include "support/hard_test.h"
 
 #include "runtime/base/rng.h"
@@ -11,26 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static duet_device_pair *devices;
-
-static int open_devices(void **state)
-{
-    (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_open(&def, &err);
-    assert_ok(devices, err);
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_close(devices);
-    assert_int_equal(device_live_objects(), 0);
-    return 0;
-}
 
 static duet_test *open_test(duet_level level, uint32_t share)
 {

@@ -7,7 +7,6 @@
 #include "runtime/base/rng.h"
 #include "support/store.h"
 
-#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -180,17 +179,6 @@ static void take_a_store_through(const char *path)
     remove("other.db");
 }
 
-static int count_files(void)
-{
-    int n = 0;
-    DIR *names = opendir(".");
-    assert_non_null(names);
-    for (const struct dirent *e = readdir(names); e; e = readdir(names))
-        n += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
-    closedir(names);
-    return n;
-}
-
 // One file with exactly that name, in the folder one is in and by its whole path.
 static void a_path_names_that_very_file(void **state)
 {
@@ -202,11 +190,11 @@ static void a_path_names_that_very_file(void **state)
     assert_int_equal(chdir(folder.path), 0);
     for (size_t i = 0; i < sizeof odd_names / sizeof odd_names[0]; ++i) {
         take_a_store_through(odd_names[i]);
-        assert_int_equal(count_files(), 1);
+        assert_int_equal(test_count_files(), 1);
         assert_int_equal(remove(odd_names[i]), 0);
         snprintf(whole, sizeof whole, "//%s/%s/%s", start, folder.path, odd_names[i]);
         take_a_store_through(whole);
-        assert_int_equal(count_files(), 1);
+        assert_int_equal(test_count_files(), 1);
         assert_int_equal(remove(odd_names[i]), 0);
     }
     assert_int_equal(chdir(start), 0);

@@ -5,6 +5,7 @@
 #include "support/test.h"
 
 #include "support/agreement.h"
+#include "support/devices.h"
 
 #include "runtime/base/rng.h"
 
@@ -14,25 +15,6 @@
 #include <string.h>
 
 enum { MOST = 300, ROUNDS = 300 };
-
-static duet_device_pair *devices;
-
-static int open_devices(void **state)
-{
-    (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_open(&def, &err);
-    assert_ok(devices != NULL, err);
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_close(devices);
-    return 0;
-}
 
 // How a scene is drawn: about `centre`, as far as 2^reach, in steps of 2^step or
 // anywhere, and sizes from 2^least to 2^most.

@@ -4,30 +4,13 @@
 // list has no room, and a step that may not keep them says how many they are.
 #include "support/test.h"
 
+#include "support/devices.h"
+
 #include "runtime/base/rng.h"
 #include "runtime/duet.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-static duet_device_pair *devices;
-
-static int open_devices(void **state)
-{
-    (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_open(&def, &err);
-    assert_ok(devices, err);
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_close(devices);
-    return 0;
-}
 
 // Upright cubes in one cell of edge 1.
 static duet_world *open_world(duet_pose *poses, uint32_t n, float half, uint64_t max_pairs)

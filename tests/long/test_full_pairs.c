@@ -4,6 +4,7 @@
 #define _GNU_SOURCE
 #include "support/test.h"
 
+#include "support/devices.h"
 #include "support/hard_test.h"
 
 #include "runtime/device.h"
@@ -11,26 +12,6 @@
 #include <inttypes.h>
 #include <sys/mman.h>
 #include <unistd.h>
-
-static duet_device_pair *devices;
-
-static int open_devices(void **state)
-{
-    (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_open(&def, &err);
-    assert_ok(devices, err);
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_close(devices);
-    assert_int_equal(device_live_objects(), 0);
-    return 0;
-}
 
 // ------------------------------------------------------------ hard pairs
 

@@ -3,6 +3,7 @@
 #include "support/test.h"
 
 #include "support/agreement.h"
+#include "support/devices.h"
 
 #include "runtime/base/rng.h"
 #include "runtime/origin.h"
@@ -15,25 +16,7 @@ enum { ROOM = 1000 };
 // Of the worlds' origin cells: boxes reach over many.
 #define EDGE 0.125f
 
-static duet_device_pair *devices;
 static duet_placed placed[ROOM];
-
-static int open_devices(void **state)
-{
-    (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_open(&def, &err);
-    assert_ok(devices != NULL, err);
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_close(devices);
-    return 0;
-}
 
 static duet_world_def def_of(uint32_t dims, bool rotated)
 {

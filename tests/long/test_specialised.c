@@ -4,6 +4,8 @@
 // several sizes.
 #include "support/test.h"
 
+#include "support/devices.h"
+
 #include "runtime/base/rng.h"
 #include "runtime/duet.h"
 
@@ -21,25 +23,6 @@ typedef struct scene {
     duet_pose poses[OBJECTS];
     duet_bounds bounds[OBJECTS];
 } scene;
-
-static duet_device_pair *devices;
-
-static int open_devices(void **state)
-{
-    (void)state;
-    duet_error err = {0};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_open(&def, &err);
-    assert_ok(devices, err);
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_close(devices);
-    return 0;
-}
 
 // Centres and half extents are of few bits, so that corners say the same.
 static duet_pose random_pose(const scene *s, rng *r)

@@ -16,6 +16,9 @@ uint64_t test_seed(void);
 
 void test_write_file(const char *path, const char *content);
 
+// How many names there are in the folder one is in.
+int test_count_files(void);
+
 // Fails the test with the error's line where a call did not succeed.
 #define assert_ok(call, err)                                                          \
     do {                                                                              \

@@ -58,3 +58,22 @@ void fuzz_require_same(const duet_scene *a, const duet_scene *b)
     fuzz_require(!duet_scene_bounds(a) || memcmp(duet_scene_bounds(a), duet_scene_bounds(b),
                                                  x->n * sizeof(duet_bounds)) == 0);
 }
+
+static bool load(const char *path, const duet_setting *settings, uint32_t n_settings)
+{
+    duet_error err = {0};
+    duet_scene *scene = duet_scene_load(path, settings, n_settings, &err);
+    fuzz_require_answer(scene != NULL, &err);
+    if (scene)
+        fuzz_require_objects(scene);
+    duet_scene_destroy(scene);
+    return scene != NULL;
+}
+
+void fuzz_read_objects(const char *name, const uint8_t *data, size_t n)
+{
+    static const duet_setting cells[] = {{"origin", "cell"}, {"origin_edge", "4"}};
+    fuzz_path path = fuzz_file(name, data, n);
+    if (load(path.chars, NULL, 0))
+        load(path.chars, cells, 2);
+}

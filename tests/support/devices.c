@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#include "support/devices.h"
+
+#include "support/test.h"
+
+#include "runtime/device.h"
+
+duet_device_pair *devices;
+
+int open_devices(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    devices = duet_device_pair_open(&def, &err);
+    assert_ok(devices != NULL, err);
+    return 0;
+}
+
+int close_devices(void **state)
+{
+    (void)state;
+    duet_device_pair_close(devices);
+    assert_int_equal(device_live_objects(), 0);
+    return 0;
+}

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+// The default device pair, open while a group's tests run.
+#ifndef TESTS_DEVICES_H
+#define TESTS_DEVICES_H
+
+#include "runtime/duet.h"
+
+extern duet_device_pair *devices;
+
+// The group's setup, and its teardown, after which no OpenCL object may be left.
+int open_devices(void **state);
+int close_devices(void **state);
+
+#endif
