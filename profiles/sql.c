@@ -18,7 +18,7 @@ static bool disk_is_full(int code, int system_code)
 static bool is_left_half_done(const store *s, int code)
 {
     return !s->writable && ((code & 0xff) == SQLITE_READONLY || (code & 0xff) == SQLITE_CANTOPEN) &&
-           s->file && quiet_has_side_file(s->file);
+           s->file && store_has_side_file(s->file);
 }
 
 bool sql_fail(const store *s, int code, duet_error *err)

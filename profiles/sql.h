@@ -12,8 +12,8 @@
 #ifndef PROFILES_SQL_H
 #define PROFILES_SQL_H
 
-#include "profiles/quiet.h"
 #include "profiles/store.h"
+#include "profiles/unlocked_read.h"
 
 #include <sqlite3.h>
 
@@ -23,9 +23,9 @@ struct store {
     char *file; // where it lies while it is being made; else the path
     text note;
     bool writable;
-    uint32_t depth; // of nested transactions
-    bool broken;    // one inside failed: the outermost undoes all
-    quiet quiet;    // as it was opened, where it is read without locks
+    uint32_t depth;        // of nested transactions
+    bool broken;           // one inside failed: the outermost undoes all
+    unlocked_read reading; // as it was opened, where it is read without locks
 };
 
 typedef struct sql {
@@ -75,11 +75,11 @@ void store_file_name(const char *path, text *name);
 
 // Refuses what can be no store: a folder, or a file that is no database. Makes
 // the folders of one to be written.
-bool admit_path(const char *path, store_access access, duet_error *err);
+bool store_validate_path(const char *path, store_access access, duet_error *err);
 
 // Of an open database: makes or upgrades the file where it is to be written,
 // and refuses it where it is none of ours.
-bool admit_store(store *s, duet_error *err);
+bool store_validate(store *s, duet_error *err);
 
 // Opens for one look-up of a moment. Where nobody is writing, not even
 // SQLite's side files are touched; whatever was read then counts only if

@@ -118,13 +118,13 @@ static bool open_for_writing(store *s, duet_error *err)
     s->writable = true;
     if (sqlite3_db_readonly(s->db, "main") == 1)
         return sql_fail(s, SQLITE_READONLY, err);
-    return admit_store(s, err) && (!s->writable || choose_journal(s, err));
+    return store_validate(s, err) && (!s->writable || choose_journal(s, err));
 }
 
 static bool open_resting(store *s, int busy_ms, duet_error *err)
 {
     text name = {0};
-    quiet_name(s->file, &name);
+    unlocked_read_uri(s->file, &name);
     bool ok = text_ok(&name, err) &&
               connect(s, name.chars, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, busy_ms, err);
     text_free(&name);
@@ -136,19 +136,19 @@ static bool open_resting(store *s, int busy_ms, duet_error *err)
 // too; SQLite clears that away at the end where this user may write.
 static bool open_for_reading(store *s, duet_error *err)
 {
-    s->quiet = quiet_wait(s->file);
-    if (s->quiet.holds)
-        return open_resting(s, BUSY_MS, err) && admit_store(s, err);
-    return open_connection(s, SQLITE_OPEN_READWRITE, BUSY_MS, err) && admit_store(s, err) &&
+    s->reading = unlocked_read_begin(s->file);
+    if (s->reading.holds)
+        return open_resting(s, BUSY_MS, err) && store_validate(s, err);
+    return open_connection(s, SQLITE_OPEN_READWRITE, BUSY_MS, err) && store_validate(s, err) &&
            sql_script(s, "PRAGMA query_only = ON", err);
 }
 
 static bool open_for_look(store *s, duet_error *err)
 {
-    s->quiet = quiet_wait(s->file);
-    return (s->quiet.holds ? open_resting(s, LOOK_BUSY_MS, err)
-                           : open_connection(s, SQLITE_OPEN_READONLY, LOOK_BUSY_MS, err)) &&
-           admit_store(s, err);
+    s->reading = unlocked_read_begin(s->file);
+    return (s->reading.holds ? open_resting(s, LOOK_BUSY_MS, err)
+                             : open_connection(s, SQLITE_OPEN_READONLY, LOOK_BUSY_MS, err)) &&
+           store_validate(s, err);
 }
 
 typedef bool opening(store *s, duet_error *err);
@@ -164,7 +164,7 @@ static store *open_file(const char *path, const char *file, opening *open, duet_
 
 static store *open_store(const char *path, store_access access, opening *open, duet_error *err)
 {
-    return admit_path(path, access, err) ? open_file(path, path, open, err) : NULL;
+    return store_validate_path(path, access, err) ? open_file(path, path, open, err) : NULL;
 }
 
 // ---------------------------------------------------------------------- making
@@ -233,7 +233,8 @@ store *store_open(const char *path, store_access access, duet_error *err)
     if (access == STORE_READ)
         return open_store(path, access, open_for_reading, err);
     struct stat info;
-    if (!admit_path(path, access, err) || (stat(path, &info) != 0 && !make_whole(path, err)))
+    if (!store_validate_path(path, access, err) ||
+        (stat(path, &info) != 0 && !make_whole(path, err)))
         return NULL;
     return open_store(path, access, open_for_writing, err);
 }
@@ -245,14 +246,14 @@ store *store_open_look(const char *path, duet_error *err)
 
 bool store_check_read(const store *s, duet_error *err)
 {
-    return quiet_unchanged(s->file, &s->quiet) ||
+    return unlocked_read_same_file(s->file, &s->reading) ||
            error_set(err, DUET_STORE_FAILED,
                      "%s: was written while it was read; run the command again", s->path);
 }
 
 bool store_undisturbed(const store *s)
 {
-    return !s->quiet.holds || quiet_still(s->file, &s->quiet);
+    return !s->reading.holds || unlocked_read_holds(s->file, &s->reading);
 }
 
 void store_close(store *s)

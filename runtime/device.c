@@ -163,7 +163,7 @@ bool device_open(device *d, const char *selector, duet_error *err)
 {
     *d = (device){0};
     if (choose_id(d, selector, err) && make_queues(d, err)) {
-        d->built = shelf_open();
+        d->built = program_pool_open();
         d->copy = driver_copy_take(&d->info);
         d->opened = true;
         return true;
@@ -191,7 +191,7 @@ static void wait_until_alone(cl_command_queue queue)
 
 void device_close(device *d)
 {
-    shelf_close(d->built);
+    program_pool_close(d->built);
     cl_command_queue queues[] = {d->queue, d->beside};
     for (int i = 0; i < 2; ++i) {
         if (queues[i]) {

@@ -8,7 +8,7 @@
 #define RUNTIME_DEVICE_H
 
 #include "runtime/duet.h"
-#include "runtime/shelf.h"
+#include "runtime/program_pool.h"
 
 #include <CL/cl.h>
 
@@ -21,7 +21,7 @@ typedef struct device {
     bool owns_part; // id is a part that we cut off
     bool opened;    // has a copy
     uint32_t copy;  // of its programs (runtime/driver_copy.h)
-    shelf *built;
+    program_pool *built;
 } device;
 
 // Opens what a selector names: "pocl:0", or units 2 to 3 of it: "pocl:0[2-3]".

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/level.h"
 
-#include "runtime/meeting.h"
 #include "runtime/narrow.h"
+#include "runtime/sat_frame.h"
 
 #include <math.h>
 #include <string.h>
@@ -23,21 +23,21 @@ static bool all_collide(const duet_pose *a, const duet_pose *b, const double shi
 
 static bool test_faces(const duet_pose *a, const duet_pose *b, const double shift[3], uint32_t dims)
 {
-    meeting m = meeting_of(a, b, shift, dims);
-    return !(m.trusted && meeting_face_gap(&m) > SLACK * m.size);
+    sat_frame m = sat_frame_of(a, b, shift, dims);
+    return !(m.trusted && sat_frame_face_separation(&m) > SLACK * m.size);
 }
 
 static bool test_as_the_textbook(const duet_pose *a, const duet_pose *b, const double shift[3],
                                  uint32_t dims)
 {
-    meeting m = meeting_of(a, b, shift, dims);
+    sat_frame m = sat_frame_of(a, b, shift, dims);
     for (uint32_t i = 0; i < dims; ++i)
         for (uint32_t j = 0; j < dims; ++j)
             m.size_c[i][j] += TEXTBOOK_EPSILON;
-    float gap = meeting_face_gap(&m);
+    float gap = sat_frame_face_separation(&m);
     for (int i = 0; dims == 3 && i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-            gap = fmaxf(gap, meeting_edge_gap(&m, i, j));
+            gap = fmaxf(gap, sat_frame_edge_separation(&m, i, j));
     return !(m.trusted && gap > 0);
 }
 
@@ -57,7 +57,8 @@ static const struct {
                                0, 0},
                               narrow_decide_apart},
     [DUET_LEVEL_AABB] = {{"aabb", "bounds, in float", 0, INFINITY}, all_collide},
-    [DUET_LEVEL_SPHERE] = {{"sphere", "bounding spheres, in float", 0, INFINITY}, meeting_spheres},
+    [DUET_LEVEL_SPHERE] = {{"sphere", "bounding spheres, in float", 0, INFINITY},
+                           sat_spheres_overlap},
     [DUET_LEVEL_SAT6] = {{"sat6", "axes of faces, in float with an error bound", 0, INFINITY},
                          test_faces},
     [DUET_LEVEL_SAT15] = {{"sat15", "15 axes in float, with 1e-6 added to cosines", SLACK,
@@ -97,9 +98,9 @@ bool level_tests_upright(duet_level level)
 bool level_collide(duet_level level, const duet_pose *a, const duet_pose *b, const double shift[3],
                    uint32_t dims, bool rotated)
 {
-    duet_bounds bounds_a = meeting_bounds(a, dims, rotated);
-    duet_bounds bounds_b = meeting_bounds(b, dims, rotated);
-    if (!meeting_bounds_overlap(&bounds_a, &bounds_b, shift, dims))
+    duet_bounds bounds_a = sat_bounds(a, dims, rotated);
+    duet_bounds bounds_b = sat_bounds(b, dims, rotated);
+    if (!sat_bounds_overlap(&bounds_a, &bounds_b, shift, dims))
         return false;
     return rotated || level_tests_upright(level) ? levels[level].test(a, b, shift, dims)
                                                  : narrow_decide_apart(a, b, shift, dims);

@@ -2,8 +2,8 @@
 // Separating axes in float with an error bound: what kernels/sat.clh computes,
 // operation for operation, so that a device can be checked bit by bit. The
 // structure is that of narrow.c, with u = 2^-24.
-#include "runtime/meeting.h"
 #include "runtime/narrow.h"
+#include "runtime/sat_frame.h"
 
 #include <math.h>
 
@@ -16,15 +16,15 @@ static float largest(const float v[3])
     return fmaxf(v[0], fmaxf(v[1], v[2]));
 }
 
-static narrow_verdict test_meeting(const meeting *m)
+static narrow_verdict test_frame(const sat_frame *m)
 {
     float slack = SLACK * m->size;
-    float needed = meeting_face_gap(m);
+    float needed = sat_frame_face_separation(m);
     float greatest = needed;
     float tilt = 0.0f;
     for (int i = 0; m->dims == 3 && i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
-            float gap = meeting_edge_gap(m, i, j);
+            float gap = sat_frame_edge_separation(m, i, j);
             float turn = m->size_c[i][(j + 1) % 3] + m->size_c[i][(j + 2) % 3];
             bool parallel = turn < PARALLEL;
             greatest = fmaxf(greatest, gap);
@@ -80,6 +80,6 @@ narrow_verdict narrow_float_apart(const duet_pose *a, const duet_pose *b, const 
         return NARROW_UNDECIDED; // the devices leave such objects out
     if (!rotated)
         return test_upright(a, b, shift, (int)dims);
-    meeting m = meeting_of(a, b, shift, dims);
-    return test_meeting(&m);
+    sat_frame m = sat_frame_of(a, b, shift, dims);
+    return test_frame(&m);
 }

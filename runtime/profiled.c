@@ -3,7 +3,7 @@
 
 #include "runtime/base/blob.h"
 #include "runtime/base/error.h"
-#include "runtime/census.h"
+#include "runtime/workload_stats.h"
 
 #include <sha256.h>
 #include <string.h>
@@ -127,7 +127,7 @@ bool profiled_world(const duet_world *world, profiled *p, duet_error *err)
     const device *devices = world->def.pair->devices;
     p->pair.a = describe_device(&devices[0], p->parts[0]);
     p->pair.b = describe_device(&devices[1], p->parts[1]);
-    p->workload = census_of(world);
+    p->workload = workload_of(world);
     if (world->def.has_accuracy)
         ask_any_level(p, &world->def.accuracy);
     return hash_kernels(world->def.pair->kernel_dir, p->kernels, err);

@@ -35,8 +35,8 @@ static void set_build_options(program_set *set)
 {
     int n = snprintf(set->build_options, sizeof set->build_options, "-cl-std=CL1.2");
     if (set->device->copy > 0) // no kernel reads it
-        snprintf(set->build_options + n, sizeof set->build_options - (size_t)n,
-                 " -D DUET_COPY=%u", set->device->copy);
+        snprintf(set->build_options + n, sizeof set->build_options - (size_t)n, " -D DUET_COPY=%u",
+                 set->device->copy);
 }
 
 gen_limits program_limits(const duet_device_info *info)
@@ -195,13 +195,13 @@ static program *find_or_build(program_set *set, const gen_variant *variant, duet
         error_set(err, DUET_NO_MEMORY, "no memory for the program %s", variant->name);
         return NULL;
     }
-    p->cl = shelf_take(set->device->built, variant->sha256);
+    p->cl = program_pool_take(set->device->built, variant->sha256);
     if (!p->cl) {
         if (!build(set, p, variant, err)) {
             free_program(p);
             return NULL;
         }
-        shelf_put(set->device->built, variant->sha256, p->cl);
+        program_pool_put(set->device->built, variant->sha256, p->cl);
     }
     memcpy(p->sha256, variant->sha256, sizeof p->sha256);
     p->next = set->first;

@@ -9,9 +9,9 @@
 
 #include "runtime/base/budget.h"
 #include "runtime/base/error.h"
-#include "runtime/meeting.h"
 #include "runtime/narrow.h"
 #include "runtime/origin.h"
+#include "runtime/sat_frame.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -101,7 +101,7 @@ static bounds bounds_of(const reference_objects *objects, uint32_t id)
     if (objects->shape == DUET_SHAPE_BOUNDS)
         return bounds_of_corners(&objects->bounds[id], dims);
     const duet_pose *pose = origin_pose(objects->poses, objects->origin, id);
-    duet_bounds in_float = meeting_bounds(pose, dims, objects->rotated);
+    duet_bounds in_float = sat_bounds(pose, dims, objects->rotated);
     bounds b = objects->level == DUET_LEVEL_CERTIFIED ? bounds_of_pose(pose, dims)
                                                       : bounds_of_corners(&in_float, dims);
     if (objects->origin == 0)

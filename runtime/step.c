@@ -147,10 +147,10 @@ static bool start_packing(duet_world *world, const job jobs[2], bool *packing, d
     if (!wanted[0] && !wanted[1])
         return true;
     if (!world->packers)
-        world->packers = crew_open(pack_threads(), err);
+        world->packers = thread_pool_open(pack_threads(), err);
     *packing = world->packers;
     if (*packing)
-        crew_start(world->packers, pack_blocks, &world->pack);
+        thread_pool_start(world->packers, pack_blocks, &world->pack);
     return *packing;
 }
 
@@ -159,13 +159,13 @@ static bool run_own(duet_world *world, job jobs[2])
 {
     bool use[2] = {has_work(&jobs[0]), has_work(&jobs[1])};
     if (use[0] && use[1])
-        crew_start(world->driver, run_job, &jobs[0]);
+        thread_pool_start(world->driver, run_job, &jobs[0]);
     else if (use[0])
         run_job(&jobs[0]);
     if (use[1])
         run_job(&jobs[1]);
     if (use[0] && use[1])
-        crew_wait(world->driver);
+        thread_pool_wait(world->driver);
     return (!use[0] || jobs[0].ok) && (!use[1] || jobs[1].ok);
 }
 
@@ -183,11 +183,11 @@ static bool run_shared(duet_world *world, job jobs[2])
     if (!b->ok)
         return false;
     a->grid_from = b->part;
-    crew_start(world->driver, run_job, a);
+    thread_pool_start(world->driver, run_job, a);
     begun = clock_steady_ns();
     b->ok = part_search(b->part, &b->task, &b->range, &b->placed, &b->err);
     b->part->wall_ms += ms_since(begun);
-    crew_wait(world->driver);
+    thread_pool_wait(world->driver);
     return a->ok && b->ok;
 }
 
@@ -198,7 +198,7 @@ static bool run_slabs(duet_world *world, job jobs[2], duet_error *err)
         return false;
     bool ok = run_own(world, jobs);
     if (packing)
-        crew_wait(world->packers);
+        thread_pool_wait(world->packers);
     return ok;
 }
 

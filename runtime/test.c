@@ -7,9 +7,9 @@
 #include "runtime/base/budget.h"
 #include "runtime/base/clock.h"
 #include "runtime/base/error.h"
-#include "runtime/crew.h"
 #include "runtime/device_pair.h"
 #include "runtime/narrow.h"
+#include "runtime/thread_pool.h"
 #include "runtime/timeline.h"
 
 #include <math.h>
@@ -51,8 +51,8 @@ typedef struct side {
 
 struct duet_test {
     duet_test_def def;
-    side sides[2]; // A, B
-    crew *driver;  // drives A while the caller's thread drives B
+    side sides[2];       // A, B
+    thread_pool *driver; // drives A while the caller's thread drives B
 };
 
 duet_test_def duet_default_test_def(void)
@@ -117,7 +117,7 @@ duet_test *duet_test_open(const duet_test_def *def, duet_error *err)
     for (int which = 0; which < 2; ++which)
         ok = ok && (!used[which] || open_side(&test->sides[which], def, which, err));
     if (ok && used[0] && used[1])
-        ok = (test->driver = crew_open(1, err)) != NULL;
+        ok = (test->driver = thread_pool_open(1, err)) != NULL;
     if (!ok) {
         duet_test_close(test);
         return NULL;
@@ -129,7 +129,7 @@ void duet_test_close(duet_test *test)
 {
     if (!test)
         return;
-    crew_close(test->driver);
+    thread_pool_close(test->driver);
     close_side(&test->sides[0]);
     close_side(&test->sides[1]);
     duet_device_pair_close(test->def.pair);
@@ -228,13 +228,13 @@ static void run_sides(duet_test *test)
     side *a = &test->sides[0], *b = &test->sides[1];
     bool together = has_work(a) && has_work(b);
     if (together)
-        crew_start(test->driver, run_side, a);
+        thread_pool_start(test->driver, run_side, a);
     else if (has_work(a))
         run_side(a);
     if (has_work(b))
         run_side(b);
     if (together)
-        crew_wait(test->driver);
+        thread_pool_wait(test->driver);
 }
 
 static void begin_side(side *s, const work *w, uint64_t first, uint64_t last)

@@ -187,7 +187,7 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
     device_pair_hold(def->pair);
     pack_open(&world->pack);
     world->wish = wish;
-    world->driver = crew_open(1, err);
+    world->driver = thread_pool_open(1, err);
     bool ok = world->driver && part_open(&world->parts[0], def->pair, 0, err) &&
               part_open(&world->parts[1], def->pair, 1, err);
     if (!ok) {
@@ -206,8 +206,8 @@ void duet_world_destroy(duet_world *world)
 {
     if (!world || --world->users > 0)
         return;
-    crew_close(world->driver);
-    crew_close(world->packers);
+    thread_pool_close(world->driver);
+    thread_pool_close(world->packers);
     part_close(&world->parts[0]);
     part_close(&world->parts[1]);
     host_block_release(&world->objects);
@@ -398,7 +398,7 @@ static bool set_objects(duet_world *world, row_kind kind, const void *rows, uint
     for (uint32_t i = 0; kind == ROWS_PLACED && i < n; ++i)
         origin_settle(&((duet_placed *)to)[i], world->def.origin);
     if (world->objects_version == 1)
-        census_take(&world->census, world);
+        workload_stats_take(&world->stats, world);
     return true;
 }
 

@@ -3,19 +3,19 @@
 #ifndef RUNTIME_WORLD_H
 #define RUNTIME_WORLD_H
 
-#include "runtime/census.h"
-#include "runtime/crew.h"
 #include "runtime/device_pair.h"
 #include "runtime/pack.h"
 #include "runtime/part.h"
 #include "runtime/split.h"
+#include "runtime/thread_pool.h"
+#include "runtime/workload_stats.h"
 
 struct duet_world {
     duet_world_def def;
-    uint32_t users; // who created it, and shares that are kept on line
-    part parts[2];  // A, B
-    crew *driver;   // drives A while the caller's thread drives B
-    crew *packers;  // pack while the drivers send; NULL before the first time
+    uint32_t users;       // who created it, and shares that are kept on line
+    part parts[2];        // A, B
+    thread_pool *driver;  // drives A while the caller's thread drives B
+    thread_pool *packers; // pack while the drivers send; NULL before the first time
     pack pack;
     host_block objects; // [n] poses or bounds, or transforms
     uint32_t n;
@@ -23,9 +23,9 @@ struct duet_world {
     host_block sizes; // [n_sizes + 1] of transforms
     uint32_t n_sizes;
     uint64_t sizes_version;
-    census census;    // of the objects that were set first
-    bool prepared[2]; // the part's kernels are those of the plan and the grid
-    bool fitted;      // the grid is that of these objects
+    workload_stats stats; // of the objects that were set first
+    bool prepared[2];     // the part's kernels are those of the plan and the grid
+    bool fitted;          // the grid is that of these objects
     uint32_t fitted_n;
     grid_wish wish; // of the plan
     grid grid;

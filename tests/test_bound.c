@@ -7,19 +7,19 @@
 #include "support/hard_pairs.h"
 
 #include "runtime/base/rng.h"
-#include "runtime/meeting.h"
 #include "runtime/narrow.h"
+#include "runtime/sat_frame.h"
 
 #include <math.h>
 
 enum { CLIMBS = 200, STEPS = 10000 };
 
-static float gap_in_float(const meeting *m)
+static float gap_in_float(const sat_frame *m)
 {
-    float gap = meeting_face_gap(m);
+    float gap = sat_frame_face_separation(m);
     for (int i = 0; m->dims == 3 && i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-            gap = fmaxf(gap, meeting_edge_gap(m, i, j));
+            gap = fmaxf(gap, sat_frame_edge_separation(m, i, j));
     return gap;
 }
 
@@ -29,7 +29,7 @@ static double error_of(const hard_pair *p, uint32_t dims)
 {
     if (!narrow_is_box(&p->a, dims) || !narrow_is_box(&p->b, dims))
         return 0;
-    meeting m = meeting_of(&p->a, &p->b, narrow_here, dims);
+    sat_frame m = sat_frame_of(&p->a, &p->b, narrow_here, dims);
     if (!m.trusted)
         return 0;
     return fabs(gap_in_float(&m) - narrow_gap(&p->a, &p->b, dims)) / (0x1p-24 * m.size);

@@ -7,8 +7,8 @@
 #include "support/promise.h"
 
 #include "runtime/level.h"
-#include "runtime/meeting.h"
 #include "runtime/narrow.h"
+#include "runtime/sat_frame.h"
 
 #include <math.h>
 
@@ -150,7 +150,7 @@ static void spheres_are_told_apart_in_the_whole_range(void **state)
     for (int i = 0; i < 400000; ++i) {
         hard_pair p = spheres_that_nearly_touch(&r, -74 + i % 176);
         double size = promise_size(&p, 3);
-        bool collide = meeting_spheres(&p.a, &p.b, narrow_here, 3);
+        bool collide = sat_spheres_overlap(&p.a, &p.b, narrow_here, 3);
         long double distance = length(p.b.centre, p.a.centre);
         long double reach = length(p.a.half, origin) + length(p.b.half, origin);
         bool known = size >= range[0] * 0x1.00001p0 && size <= range[1] * 0x1.fffffp-1;
@@ -184,7 +184,7 @@ static void bounds_contain_their_box(void **state)
         for (int i = 0; i < 200; ++i) {
             uint32_t dims = 2 + (uint32_t)i % 2;
             duet_pose box = c->make(&r, dims).b;
-            duet_bounds own = meeting_bounds(&box, dims, true);
+            duet_bounds own = sat_bounds(&box, dims, true);
             for (uint32_t k = 0; k < dims; ++k) {
                 duet_pose above = plate_at((int)k, nextafterf(own.upper[k], INFINITY));
                 duet_pose below = plate_at((int)k, nextafterf(own.lower[k], -INFINITY));

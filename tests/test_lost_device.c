@@ -267,7 +267,7 @@ static uint32_t live(const scenario *s, lost_way way, uint32_t k)
     return n_calls;
 }
 
-// A first life builds the kernels, which stay on the devices' shelf.
+// A first life builds the kernels, which stay on the devices' program pool.
 static void sweep(const scenario *s, rng *r)
 {
     if (s->wants)

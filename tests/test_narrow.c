@@ -126,7 +126,7 @@ static float of_bits(uint32_t bits)
 }
 
 // How far 1 / x is off, by every mantissa: what is guessed from the bits, and after
-// three steps, as runtime/meeting.c has them.
+// three steps, as runtime/sat_frame.c has them.
 static void a_reciprocal_is_as_near_as_the_document_says(void **state)
 {
     (void)state;

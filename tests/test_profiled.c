@@ -113,7 +113,7 @@ static void the_workload_is_the_scenes_and_not_the_draws_or_the_plans(void **sta
 }
 
 // The first objects are counted when they are set, all others when somebody asks.
-static void a_census_is_of_the_objects_that_a_world_has(void **state)
+static void a_workload_is_of_the_objects_that_a_world_has(void **state)
 {
     (void)state;
     enum { N = 16000 };
@@ -387,7 +387,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_worlds_numbers_are_those_of_its_scene),
         cmocka_unit_test(the_workload_is_the_scenes_and_not_the_draws_or_the_plans),
-        cmocka_unit_test(a_census_is_of_the_objects_that_a_world_has),
+        cmocka_unit_test(a_workload_is_of_the_objects_that_a_world_has),
         cmocka_unit_test(a_world_without_objects_is_refused),
         cmocka_unit_test(a_plan_survives_being_stored),
         cmocka_unit_test(a_world_takes_its_profile_and_finds_the_same_pairs),

@@ -4,10 +4,10 @@
 #include "support/hard_pairs.h"
 #include "support/test.h"
 
-#include "runtime/meeting.h"
 #include "runtime/narrow.h"
 #include "runtime/origin.h"
 #include "runtime/reference.h"
+#include "runtime/sat_frame.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -138,7 +138,7 @@ static void count_pose_pair(check *c, const duet_bounds *bounds, uint32_t a, uin
     const duet_world_def *def = c->def;
     double shift[3];
     origin_shift(shift, c->objects, def->origin, a, b);
-    if (!meeting_bounds_overlap(&bounds[a], &bounds[b], shift, def->dims))
+    if (!sat_bounds_overlap(&bounds[a], &bounds[b], shift, def->dims))
         return;
     ++c->candidates;
     const duet_pose *pose_a = origin_pose(c->objects, def->origin, a);
@@ -157,8 +157,8 @@ static void count_as_devices_do(check *c)
     duet_bounds *bounds = malloc((c->n + 1) * sizeof *bounds);
     assert_non_null(bounds);
     for (uint32_t i = 0; i < c->n; ++i)
-        bounds[i] = meeting_bounds(origin_pose(c->objects, c->def->origin, i), c->def->dims,
-                                   c->def->rotated);
+        bounds[i] =
+            sat_bounds(origin_pose(c->objects, c->def->origin, i), c->def->dims, c->def->rotated);
     for (uint32_t a = 0; a < c->n; ++a)
         for (uint32_t b = a + 1; b < c->n; ++b)
             count_pose_pair(c, bounds, a, b);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Extents and corners are taken from all objects, for one giant among a million
 // matters. How they crowd is told from a sample, which takes no time.
-#include "runtime/census.h"
+#include "runtime/workload_stats.h"
 
 #include "profiles/workload.h"
 #include "runtime/origin.h"
@@ -19,7 +19,7 @@ static inline void widen(float *lower, float *upper, float at)
 }
 
 // Axis by axis, so that what is known so far stays in registers.
-static inline void see_object(census *c, float x, float y, float z, float size)
+static inline void see_object(workload_stats *c, float x, float y, float z, float size)
 {
     widen(&c->lower[0], &c->upper[0], x);
     widen(&c->lower[1], &c->upper[1], y);
@@ -39,7 +39,7 @@ static inline float size_of_pose(const duet_pose *p, const duet_world_def *def)
     return def->rotated ? x * x + y * y + z * z : larger(larger(x, y), z);
 }
 
-static census see_poses(census c, const duet_world *world)
+static workload_stats see_poses(workload_stats c, const duet_world *world)
 {
     const duet_pose *poses = world->objects.bytes;
     for (const duet_pose *p = poses; p < poses + world->n; ++p)
@@ -47,7 +47,7 @@ static census see_poses(census c, const duet_world *world)
     return c;
 }
 
-static census see_transforms(census c, const duet_world *world)
+static workload_stats see_transforms(workload_stats c, const duet_world *world)
 {
     grid_objects objects = world_objects(world);
     for (uint32_t id = 0; id < world->n; ++id) {
@@ -58,7 +58,7 @@ static census see_transforms(census c, const duet_world *world)
     return c;
 }
 
-static census see_placed(census c, const duet_world *world)
+static workload_stats see_placed(workload_stats c, const duet_world *world)
 {
     const duet_placed *placed = world->objects.bytes;
     for (uint32_t id = 0; id < world->n; ++id) {
@@ -71,7 +71,7 @@ static census see_placed(census c, const duet_world *world)
     return c;
 }
 
-static census see_bounds(census c, const duet_world *world)
+static workload_stats see_bounds(workload_stats c, const duet_world *world)
 {
     const duet_bounds *bounds = world->objects.bytes;
     for (const duet_bounds *b = bounds; b < bounds + world->n; ++b) {
@@ -86,11 +86,11 @@ static census see_bounds(census c, const duet_world *world)
     return c;
 }
 
-static census see_all(const duet_world *world)
+static workload_stats see_all(const duet_world *world)
 {
-    const census nothing = {.lower = {FLT_MAX, FLT_MAX, FLT_MAX},
-                            .upper = {-FLT_MAX, -FLT_MAX, -FLT_MAX},
-                            .narrowest = FLT_MAX};
+    const workload_stats nothing = {.lower = {FLT_MAX, FLT_MAX, FLT_MAX},
+                                    .upper = {-FLT_MAX, -FLT_MAX, -FLT_MAX},
+                                    .narrowest = FLT_MAX};
     if (world->def.shape == DUET_SHAPE_BOUNDS)
         return see_bounds(nothing, world);
     if (world->def.sizes_apart)
@@ -113,7 +113,7 @@ typedef struct raster {
     uint32_t cells[3];
 } raster;
 
-static raster lay_raster(const duet_world_def *def, const census *c)
+static raster lay_raster(const duet_world_def *def, const workload_stats *c)
 {
     raster r = {.cells = {1, 1, 1}};
     double edge = fmax(def->cell, extent_of(def, c->widest));
@@ -189,7 +189,7 @@ static double crowding(const duet_world *world, const raster *fine)
            (count_cells(fine) / coarse);
 }
 
-void census_take(census *c, const duet_world *world)
+void workload_stats_take(workload_stats *c, const duet_world *world)
 {
     *c = see_all(world);
     raster r = lay_raster(&world->def, c);
@@ -197,12 +197,12 @@ void census_take(census *c, const duet_world *world)
     c->version = world->objects_version;
 }
 
-profile_workload census_of(const duet_world *world)
+profile_workload workload_of(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
-    census c = world->census;
+    workload_stats c = world->stats;
     if (c.version != world->objects_version || world->def.sizes_apart)
-        census_take(&c, world);
+        workload_stats_take(&c, world);
     raster r = lay_raster(def, &c);
     bool poses = def->shape == DUET_SHAPE_POSES;
     float widest = extent_of(def, c.widest), narrowest = extent_of(def, c.narrowest);

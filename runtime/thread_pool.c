@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #define _POSIX_C_SOURCE 200809L
-#include "runtime/crew.h"
+#include "runtime/thread_pool.h"
 
 #include "runtime/base/error.h"
 
 #include <pthread.h>
 #include <stdlib.h>
 
-struct crew {
+struct thread_pool {
     pthread_mutex_t lock;
     pthread_cond_t given; // a job, or closing
     pthread_cond_t done;  // by all
@@ -22,7 +22,7 @@ struct crew {
 
 static void *work(void *arg)
 {
-    crew *c = arg;
+    thread_pool *c = arg;
     uint64_t n_done = 0;
     pthread_mutex_lock(&c->lock);
     while (!c->closing || n_done < c->n_jobs) {
@@ -41,9 +41,9 @@ static void *work(void *arg)
     return NULL;
 }
 
-crew *crew_open(uint32_t n_threads, duet_error *err)
+thread_pool *thread_pool_open(uint32_t n_threads, duet_error *err)
 {
-    crew *c = calloc(1, sizeof *c + n_threads * sizeof c->threads[0]);
+    thread_pool *c = calloc(1, sizeof *c + n_threads * sizeof c->threads[0]);
     if (!c) {
         error_set(err, DUET_NO_MEMORY, "no memory for %u threads", n_threads);
         return NULL;
@@ -57,11 +57,11 @@ crew *crew_open(uint32_t n_threads, duet_error *err)
     if (c->n_threads == n_threads)
         return c;
     error_set(err, DUET_NO_MEMORY, "the system gives %u of %u threads", c->n_threads, n_threads);
-    crew_close(c);
+    thread_pool_close(c);
     return NULL;
 }
 
-void crew_close(crew *c)
+void thread_pool_close(thread_pool *c)
 {
     if (!c)
         return;
@@ -77,7 +77,7 @@ void crew_close(crew *c)
     free(c);
 }
 
-void crew_start(crew *c, void (*job)(void *), void *arg)
+void thread_pool_start(thread_pool *c, void (*job)(void *), void *arg)
 {
     pthread_mutex_lock(&c->lock);
     c->job = job;
@@ -88,7 +88,7 @@ void crew_start(crew *c, void (*job)(void *), void *arg)
     pthread_mutex_unlock(&c->lock);
 }
 
-void crew_wait(crew *c)
+void thread_pool_wait(thread_pool *c)
 {
     pthread_mutex_lock(&c->lock);
     while (c->n_busy > 0)

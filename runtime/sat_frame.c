@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "runtime/meeting.h"
+#include "runtime/sat_frame.h"
 
 #include "runtime/narrow.h"
 
@@ -99,7 +99,7 @@ static void set_reach(float reach[3], const duet_pose *box, bool rotated)
     }
 }
 
-duet_bounds meeting_bounds(const duet_pose *pose, uint32_t dims, bool rotated)
+duet_bounds sat_bounds(const duet_pose *pose, uint32_t dims, bool rotated)
 {
     duet_pose box = load(pose, dims);
     duet_bounds b = {{0}, {0}};
@@ -114,8 +114,8 @@ duet_bounds meeting_bounds(const duet_pose *pose, uint32_t dims, bool rotated)
     return b;
 }
 
-bool meeting_bounds_overlap(const duet_bounds *a, const duet_bounds *b, const double shift[3],
-                            uint32_t dims)
+bool sat_bounds_overlap(const duet_bounds *a, const duet_bounds *b, const double shift[3],
+                        uint32_t dims)
 {
     for (uint32_t k = 0; k < dims; ++k)
         if (a->lower[k] - b->upper[k] > (float)shift[k] ||
@@ -146,7 +146,7 @@ static float sum_of_sizes(const float t[3], const float a[3], const float b[3])
     return distance + ((a[0] + a[1] + a[2]) + (b[0] + b[1] + b[2]));
 }
 
-static void see_in_3d(meeting *m, const float t[3], const float qa[4], const float qb[4])
+static void see_in_3d(sat_frame *m, const float t[3], const float qa[4], const float qb[4])
 {
     float axes_a[3][3], axes_b[3][3];
     set_axes(axes_a, qa);
@@ -169,7 +169,7 @@ static void set_direction(const float q[4], float *cosine, float *sine)
     *sine = 2.0f * scale * (w * z);
 }
 
-static void see_in_2d(meeting *m, const float t[3], const float qa[4], const float qb[4])
+static void see_in_2d(sat_frame *m, const float t[3], const float qa[4], const float qb[4])
 {
     float x = t[0], y = t[1], cos_a, sin_a, cos_b, sin_b;
     set_direction(qa, &cos_a, &sin_a);
@@ -182,11 +182,11 @@ static void see_in_2d(meeting *m, const float t[3], const float qa[4], const flo
     m->tb[1] = fmaf(y, cos_b, -(x * sin_b));
 }
 
-meeting meeting_of(const duet_pose *pose_a, const duet_pose *pose_b, const double shift[3],
-                   uint32_t dims)
+sat_frame sat_frame_of(const duet_pose *pose_a, const duet_pose *pose_b, const double shift[3],
+                       uint32_t dims)
 {
     duet_pose a = load(pose_a, dims), b = load(pose_b, dims);
-    meeting m = {.dims = (int)dims};
+    sat_frame m = {.dims = (int)dims};
     float t[3];
     set_way(t, &a, &b, shift, dims);
     for (int i = 0; i < 3; ++i) {
@@ -199,7 +199,7 @@ meeting meeting_of(const duet_pose *pose_a, const duet_pose *pose_b, const doubl
     return m;
 }
 
-float meeting_face_gap(const meeting *m)
+float sat_frame_face_separation(const sat_frame *m)
 {
     float gap = -INFINITY;
     for (int i = 0; i < m->dims; ++i) {
@@ -210,7 +210,7 @@ float meeting_face_gap(const meeting *m)
     return gap;
 }
 
-float meeting_edge_gap(const meeting *m, int i, int j)
+float sat_frame_edge_separation(const sat_frame *m, int i, int j)
 {
     int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
     float ra = fmaf(m->a[i1], m->size_c[i2][j], m->a[i2] * m->size_c[i1][j]);
@@ -256,8 +256,8 @@ static bool is_beyond(const float t[3], float reach)
     return dot(t, t) > reach * reach * (1.0f + 0x1p-18f);
 }
 
-bool meeting_spheres(const duet_pose *pose_a, const duet_pose *pose_b, const double shift[3],
-                     uint32_t dims)
+bool sat_spheres_overlap(const duet_pose *pose_a, const duet_pose *pose_b, const double shift[3],
+                         uint32_t dims)
 {
     duet_pose a = narrow_flat(pose_a, dims), b = narrow_flat(pose_b, dims);
     float t[3];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "runtime/shelf.h"
+#include "runtime/program_pool.h"
 
 #include "runtime/device.h"
 
@@ -11,7 +11,7 @@
 // comes back to those it tried. PoCL holds 1.3 MB a program.
 enum { PLACES = 128 };
 
-struct shelf {
+struct program_pool {
     pthread_mutex_t lock;
     unsigned next; // whose turn it is to be replaced
     struct {
@@ -35,15 +35,15 @@ static void release(cl_program program)
     device_object_gone();
 }
 
-shelf *shelf_open(void)
+program_pool *program_pool_open(void)
 {
-    shelf *s = calloc(1, sizeof *s);
+    program_pool *s = calloc(1, sizeof *s);
     if (s)
         pthread_mutex_init(&s->lock, NULL);
     return s;
 }
 
-void shelf_close(shelf *s)
+void program_pool_close(program_pool *s)
 {
     for (int i = 0; s && i < PLACES; ++i)
         release(s->places[i].program);
@@ -52,7 +52,7 @@ void shelf_close(shelf *s)
     free(s);
 }
 
-cl_program shelf_take(shelf *s, const char sha256[65])
+cl_program program_pool_take(program_pool *s, const char sha256[65])
 {
     cl_program found = NULL;
     if (!s)
@@ -65,7 +65,7 @@ cl_program shelf_take(shelf *s, const char sha256[65])
     return found;
 }
 
-void shelf_put(shelf *s, const char sha256[65], cl_program program)
+void program_pool_put(program_pool *s, const char sha256[65], cl_program program)
 {
     if (!s)
         return;

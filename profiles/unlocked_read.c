@@ -3,7 +3,7 @@
 // something in it, or another time of the file itself. File times tick coarsely,
 // so a file that changed a moment ago does not count as resting.
 #define _POSIX_C_SOURCE 200809L
-#include "profiles/quiet.h"
+#include "profiles/unlocked_read.h"
 
 #include "runtime/base/clock.h"
 
@@ -34,45 +34,45 @@ static bool is_same(const struct stat *a, const struct stat *b)
            changed_ns(a) == changed_ns(b);
 }
 
-quiet quiet_look(const char *path)
+unlocked_read unlocked_read_look(const char *path)
 {
-    quiet q = {0};
-    q.holds = stat(path, &q.seen) == 0 && !quiet_has_side_file(path) &&
+    unlocked_read q = {0};
+    q.holds = stat(path, &q.seen) == 0 && !store_has_side_file(path) &&
               llabs(clock_calendar_ns() - changed_ns(&q.seen)) > SETTLED_NS;
     return q;
 }
 
-bool quiet_still(const char *path, const quiet *before)
+bool unlocked_read_holds(const char *path, const unlocked_read *before)
 {
-    quiet after = quiet_look(path);
+    unlocked_read after = unlocked_read_look(path);
     return before->holds && after.holds && is_same(&before->seen, &after.seen);
 }
 
-bool quiet_has_side_file(const char *path)
+bool store_has_side_file(const char *path)
 {
     return has_side_file(path, "-wal") || has_side_file(path, "-journal");
 }
 
-quiet quiet_wait(const char *path)
+unlocked_read unlocked_read_begin(const char *path)
 {
     enum { WAIT_MS = 10, MAX_WAITS = SETTLED_NS / 1000000 / WAIT_MS + 1 };
-    quiet q = quiet_look(path);
+    unlocked_read q = unlocked_read_look(path);
     struct stat info;
     for (int i = 0;
-         !q.holds && i < MAX_WAITS && stat(path, &info) == 0 && !quiet_has_side_file(path); ++i) {
+         !q.holds && i < MAX_WAITS && stat(path, &info) == 0 && !store_has_side_file(path); ++i) {
         nanosleep(&(struct timespec){.tv_nsec = WAIT_MS * 1000000}, NULL);
-        q = quiet_look(path);
+        q = unlocked_read_look(path);
     }
     return q;
 }
 
-bool quiet_unchanged(const char *path, const quiet *before)
+bool unlocked_read_same_file(const char *path, const unlocked_read *before)
 {
-    quiet after = {0};
+    unlocked_read after = {0};
     return !before->holds || (stat(path, &after.seen) == 0 && is_same(&before->seen, &after.seen));
 }
 
-void quiet_name(const char *path, text *uri)
+void unlocked_read_uri(const char *path, text *uri)
 {
     static const char plain[] =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789/._-";

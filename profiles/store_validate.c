@@ -49,7 +49,7 @@ static bool check_head(const char *path, duet_error *err)
                      path);
 }
 
-bool admit_path(const char *path, store_access access, duet_error *err)
+bool store_validate_path(const char *path, store_access access, duet_error *err)
 {
     struct stat info;
     if (!*path)
@@ -124,7 +124,7 @@ static bool open_newer(store *s, int64_t version, duet_error *err)
     return sql_script(s, "PRAGMA query_only = ON", err);
 }
 
-bool admit_store(store *s, duet_error *err)
+bool store_validate(store *s, duet_error *err)
 {
     identity is = IS_FOREIGN;
     int64_t version = 0;
