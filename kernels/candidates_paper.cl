@@ -8,7 +8,7 @@
 //   starts [n_own_cells] first of each cell from key_from, or NONE
 //   boxes  [n][2]    bounds by id
 //   cells            along each axis; not read where CELLS_X compiles them in
-//   found  [room]    pairs of ids; the answer itself with IDS
+//   found  [capacity]    pairs of ids; the answer itself with IDS
 #define NONE 0xffffffffu
 
 static inline bool bounds_overlap(float4 lower_a, float4 upper_a, float4 lower_b, float4 upper_b)
@@ -24,7 +24,7 @@ static inline bool bounds_overlap(float4 lower_a, float4 upper_a, float4 lower_b
 // The pairs of place i with those that come after it.
 static inline void search_cells(__global const uint *keys, __global const uint *ids, __global const uint *starts,
                                 __global const float4 *boxes, uint n, uint i, int4 cells, uint key_from,
-                                uint n_own_cells, __global uint2 *found, uint room,
+                                uint n_own_cells, __global uint2 *found, uint capacity,
                                 volatile __global uint *counter)
 {
     uint id = ids[i];
@@ -50,7 +50,7 @@ static inline void search_cells(__global const uint *keys, __global const uint *
                                                   boxes[2 * (size_t)other + 1]);
                     if (overlap && i < j) { // the other side finds it too
                         uint slot = reserve(counter, 1);
-                        if (slot < room)
+                        if (slot < capacity)
                             found[slot] = ordered(id, other);
                     }
                 }
@@ -71,7 +71,7 @@ __kernel void candidates_paper(__global const uint *restrict keys, __global cons
                                __global const uint *restrict starts,
                                __global const float4 *restrict boxes, uint n, uint first, uint last,
                                int4 cells, uint key_from, uint n_home_cells, uint n_own_cells,
-                               __global uint2 *restrict found, uint room, volatile __global uint *restrict counters)
+                               __global uint2 *restrict found, uint capacity, volatile __global uint *restrict counters)
 {
 #if CELLS_X
     cells = (int4)(CELLS_X, CELLS_Y, CELLS_Z, 0);
@@ -80,5 +80,5 @@ __kernel void candidates_paper(__global const uint *restrict keys, __global cons
     uint end = min(cell_begin(keys, starts, last, n, n_own_cells), n);
     uint i = cell_begin(keys, starts, first, n, n_own_cells) + get_global_id(0);
     for (; i < end && keys[i] < n_home_cells; i += get_global_size(0))
-        search_cells(keys, ids, starts, boxes, n, i, cells, key_from, n_own_cells, found, room, counter);
+        search_cells(keys, ids, starts, boxes, n, i, cells, key_from, n_own_cells, found, capacity, counter);
 }

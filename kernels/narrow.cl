@@ -5,17 +5,17 @@
 //   boxes      SORTED 1: [n][3] in cell order, centre.w the id
 //              SORTED 0: the objects as they came, read by id
 //   candidates [*count] pairs of places (SORTED 1) or ids (SORTED 0)
-//   pairs      [room]   ids
-//   undecided  [undecided_room] ids
+//   pairs      [capacity]   ids
+//   undecided  [undecided_capacity] ids
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
-narrow(__global const STORED *restrict boxes, __global const uint2 *restrict candidates, uint candidate_room,
-       __global uint2 *restrict pairs, uint room, __global uint2 *restrict undecided, uint undecided_room,
+narrow(__global const STORED *restrict boxes, __global const uint2 *restrict candidates, uint candidate_capacity,
+       __global uint2 *restrict pairs, uint capacity, __global uint2 *restrict undecided, uint undecided_capacity,
        volatile __global uint *restrict counters)
 {
     __local uint2 collected[WG * PER_ITEM];
     __local uint used;
     __local uint base;
-    uint n = counters[COUNT_CANDIDATES + 1] ? candidate_room : min(counters[COUNT_CANDIDATES], candidate_room);
+    uint n = counters[COUNT_CANDIDATES + 1] ? candidate_capacity : min(counters[COUNT_CANDIDATES], candidate_capacity);
     uint tile = WG * PER_ITEM;
     for (uint from = get_group_id(0) * tile; from < n; from += get_num_groups(0) * tile) {
         if (get_local_id(0) == 0)
@@ -31,7 +31,7 @@ narrow(__global const STORED *restrict boxes, __global const uint2 *restrict can
                 collected[atomic_inc(&used)] = ordered(id_a, id_b);
             } else if (!v.separated) {
                 uint to = reserve(counters + COUNT_UNDECIDED, 1);
-                if (to < undecided_room)
+                if (to < undecided_capacity)
                     undecided[to] = ordered(id_a, id_b);
             }
         }
@@ -40,7 +40,7 @@ narrow(__global const STORED *restrict boxes, __global const uint2 *restrict can
             base = reserve(counters + COUNT_PAIRS, used);
         barrier(CLK_LOCAL_MEM_FENCE);
         for (uint k = get_local_id(0); k < used; k += WG)
-            if (base + k < room)
+            if (base + k < capacity)
                 pairs[base + k] = collected[k];
         barrier(CLK_LOCAL_MEM_FENCE);
     }

@@ -174,7 +174,7 @@ api.names = {
   { "duet.World:set_scene", { "scene: duet.Scene" }, "true", "Copies the scene's objects in.",
     fails = true, c = "duet_world_set_scene" },
   { "duet.World:map_poses", { "n: integer" }, "duet.Poses",
-    "Room for n poses that the devices read without a copy: map, write, then step.", fails = true,
+    "Space for n poses that the devices read without a copy: map, write, then step.", fails = true,
     c = "duet_world_map_poses" },
   { "duet.World:map_bounds", { "n: integer" }, "duet.Bounds", "The same for bounds.", fails = true,
     c = "duet_world_map_bounds" },
@@ -416,7 +416,7 @@ for class, columns in pairs {
   local row = table.concat(types, ", ")
   for _, name in ipairs {
     { "." .. class:lower(), { "from: integer|string|any[]" }, "duet." .. class,
-      "Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows." },
+      "Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows." },
     { "." .. class .. ":get", { "place: integer" }, row, "The row at a place from 0." },
     { "." .. class .. ":set", { "place: integer", "...: any" }, nil, ("Writes a row: %d values."):format(#columns) },
     { "." .. class .. ":each", {}, "fun(): integer, " .. row, "for place, ... in it:each() do" },

@@ -313,7 +313,7 @@ static void push_column(lua_State *L, const array *a, uint64_t i, int column)
 static int push_row(lua_State *L, const array *a, uint64_t i)
 {
     int width = width_of(a);
-    luaL_checkstack(L, width, "no room for a row");
+    luaL_checkstack(L, width, "no space for a row");
     for (int column = 0; column < width; ++column)
         push_column(L, a, i, column);
     return width;

@@ -23,7 +23,7 @@ typedef struct lua_class {
 // Makes the metatable, once a state.
 void class_open(lua_State *L, const lua_class *c);
 
-// Pushes a zeroed userdata with room for one uservalue: its parent.
+// Pushes a zeroed userdata with space for one uservalue: its parent.
 void *class_push(lua_State *L, const lua_class *c, size_t bytes);
 
 // nil, message, "STATUS": what a failed call gives back.

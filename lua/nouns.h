@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The files of this room to each other: each adds its functions to the
+// The files of this module to each other: each adds its functions to the
 // module's table, which is at -1, and lends what others need of its objects.
 #ifndef LUA_NOUNS_H
 #define LUA_NOUNS_H

@@ -238,7 +238,7 @@ int device_pair_tune_lua(lua_State *L)
         t.def.watch = watch;
         t.def.watch_context = &w;
     }
-    luaL_checkstack(L, 4, "no room for a watcher");
+    luaL_checkstack(L, 4, "no space for a watcher");
     bool ok = duet_tune_run(&t.def, &outcome, &err);
     if (w.failed)
         return lua_error(L);

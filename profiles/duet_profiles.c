@@ -32,7 +32,7 @@ static void copy(char *to, size_t size, const char *from)
 
 #define COPY(to, from) copy(to, sizeof(to), from)
 
-// The list with room for one more, or NULL.
+// The list with space for one more, or NULL.
 static void *grow(void *items, uint32_t n, uint32_t *capacity, size_t size)
 {
     if (n < *capacity)

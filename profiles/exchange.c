@@ -23,21 +23,22 @@
 // In the order in which they point at each other.
 typedef struct line_type {
     const char *name;       // of its table too
+    const char *was;        // its name in files before version 3
     bool has_key;           // made from its other fields
     bool has_parts;         // rows of another table within the line
     const char *objects[2]; // fields that are JSON objects, and kept as such
 } line_type;
 
 static const line_type types[] = {
-    {"device", true, false, {NULL}},
-    {"env", true, false, {NULL}},
-    {"pair", false, false, {NULL}},
-    {"workload", true, false, {NULL}},
-    {"price", false, false, {NULL}},
-    {"script", true, false, {NULL}},
-    {"session", false, false, {"options", "search_state"}},
-    {"trial", false, true, {"terms"}},
-    {"profile", false, false, {"terms"}},
+    {"device", NULL, true, false, {NULL}},
+    {"env", NULL, true, false, {NULL}},
+    {"pair", NULL, false, false, {NULL}},
+    {"workload", NULL, true, false, {NULL}},
+    {"level_cost", "price", false, false, {NULL}},
+    {"script", NULL, true, false, {NULL}},
+    {"session", NULL, false, false, {"options", "search_state"}},
+    {"trial", NULL, false, true, {"terms"}},
+    {"profile", NULL, false, false, {"terms"}},
 };
 
 enum { N_TYPES = sizeof types / sizeof types[0] };
@@ -167,7 +168,7 @@ static sql parse(const import *in, const char *query, const char *line, duet_err
 static const line_type *type_named(const char *name)
 {
     for (int i = 0; i < N_TYPES; ++i)
-        if (strcmp(types[i].name, name) == 0)
+        if (strcmp(types[i].name, name) == 0 || (types[i].was && strcmp(types[i].was, name) == 0))
             return &types[i];
     return NULL;
 }
@@ -195,7 +196,7 @@ static bool find_type(const import *in, const char *line, const line_type **type
             ok = check_head(in, &q, err);
         else if (!*type)
             ok = bad_line(in, err,
-                          "its type is none of store, device, env, pair, workload, price, "
+                          "its type is none of store, device, env, pair, workload, level_cost, "
                           "script, session, trial, profile: ",
                           name);
     }
@@ -297,10 +298,10 @@ static bool take_line(void *context, const char *line, duet_error *err)
 static bool take_file(import *in, FILE *file, duet_error *err)
 {
     char *line = NULL;
-    size_t room = 0;
+    size_t capacity = 0;
     ssize_t n = 0;
     bool ok = true;
-    while (ok && (n = getline(&line, &room, file)) >= 0)
+    while (ok && (n = getline(&line, &capacity, file)) >= 0)
         ok = strlen(line) == (size_t)n ? take_line(in, line, err)
                                        : (++in->line, bad_line(in, err, "has a NUL byte", ""));
     if (ok && ferror(file))

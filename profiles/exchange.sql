@@ -71,20 +71,20 @@ SELECT ?1 ->> 'key', ?1 ->> 'family', ?1 ->> 'name', ?1 ->> 'dims', ?1 ->> 'n', 
        ?1 ->> 'size_ratio', ?1 ->> 'shape', ?1 ->> 'rotated', ?1 ->> 'effects', ?1 ->> 'level'
     ON CONFLICT DO NOTHING
 
---@price fields
+--@level_cost fields
 type a b workload kernels level step_ns true_pairs missed invented created_ns
 
---@price out
-SELECT json_object('type', 'price', 'a', a.key, 'b', b.key, 'workload', workload.key,
+--@level_cost out
+SELECT json_object('type', 'level_cost', 'a', a.key, 'b', b.key, 'workload', workload.key,
                    'kernels', kernels, 'level', p.level, 'step_ns', step_ns,
                    'true_pairs', true_pairs, 'missed', missed, 'invented', invented,
                    'created_ns', created_ns)
-  FROM price p JOIN workload ON workload.id = workload_id JOIN pair ON pair.id = pair_id
+  FROM level_cost p JOIN workload ON workload.id = workload_id JOIN pair ON pair.id = pair_id
   JOIN env a ON a.id = env_a JOIN env b ON b.id = env_b
  ORDER BY workload.key, a.key, b.key, kernels, p.level
 
---@price in
-INSERT INTO price (pair_id, workload_id, kernels, level, step_ns, true_pairs, missed, invented,
+--@level_cost in
+INSERT INTO level_cost (pair_id, workload_id, kernels, level, step_ns, true_pairs, missed, invented,
                    created_ns)
 SELECT (SELECT id FROM pair WHERE env_a = (SELECT id FROM env WHERE key = ?1 ->> 'a')
                               AND env_b = (SELECT id FROM env WHERE key = ?1 ->> 'b')),

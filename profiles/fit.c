@@ -198,18 +198,18 @@ fit_time fit_predict(const fit *f, double n, double own, double occupancy)
 typedef struct point_list {
     fit_point *points;
     uint32_t n;
-    uint32_t room;
+    uint32_t capacity;
 } point_list;
 
 static bool add_point(point_list *list, fit_point point, duet_error *err)
 {
-    if (list->n == list->room) {
-        uint32_t room = list->room ? 2 * list->room : 64;
-        fit_point *points = realloc(list->points, room * sizeof *points);
+    if (list->n == list->capacity) {
+        uint32_t capacity = list->capacity ? 2 * list->capacity : 64;
+        fit_point *points = realloc(list->points, capacity * sizeof *points);
         if (!points)
-            return error_set(err, DUET_NO_MEMORY, "%u points of a fit: no memory", room);
+            return error_set(err, DUET_NO_MEMORY, "%u points of a fit: no memory", capacity);
         list->points = points;
-        list->room = room;
+        list->capacity = capacity;
     }
     list->points[list->n++] = point;
     return true;

@@ -19,20 +19,20 @@ typedef struct named_fit {
 typedef struct fit_list {
     named_fit *fits;
     uint32_t n;
-    uint32_t room;
+    uint32_t capacity;
 } fit_list;
 
 static named_fit *add_fit(fit_list *list, duet_error *err)
 {
-    if (list->n == list->room) {
-        uint32_t room = list->room ? 2 * list->room : 16;
-        named_fit *fits = realloc(list->fits, room * sizeof *fits);
+    if (list->n == list->capacity) {
+        uint32_t capacity = list->capacity ? 2 * list->capacity : 16;
+        named_fit *fits = realloc(list->fits, capacity * sizeof *fits);
         if (!fits) {
-            error_set(err, DUET_NO_MEMORY, "%u fits: no memory", room);
+            error_set(err, DUET_NO_MEMORY, "%u fits: no memory", capacity);
             return NULL;
         }
         list->fits = fits;
-        list->room = room;
+        list->capacity = capacity;
     }
     return &list->fits[list->n++];
 }

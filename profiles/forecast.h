@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What the fits of two devices say about a workload that they never did
-// together, or not at that size. Internal to this room.
+// together, or not at that size. Internal to this module.
 #ifndef PROFILES_FORECAST_H
 #define PROFILES_FORECAST_H
 

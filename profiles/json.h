@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// JSON that comes from outside this room. SQL's own check is off in a store,
+// JSON that comes from outside this module. SQL's own check is off in a store,
 // whose text is not trusted, so it is checked here.
 #ifndef PROFILES_JSON_H
 #define PROFILES_JSON_H

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether stored rows are what their keys say. Internal to this room.
+// Whether stored rows are what their keys say. Internal to this module.
 #ifndef PROFILES_KEYS_H
 #define PROFILES_KEYS_H
 

@@ -35,6 +35,12 @@ const char *const migrate_upgrades[] = {
     "ALTER TABLE profile ADD COLUMN best_share INTEGER CHECK (best_share BETWEEN 0 AND 65536);"
     "ALTER TABLE profile ADD COLUMN best_mode TEXT CHECK (best_mode IN ('shared', 'own', 'slab'));"
     "ALTER TABLE profile ADD COLUMN terms TEXT CHECK (terms GLOB '{*}');",
+    // 3: the field's words; drift, which nothing filled, is gone.
+    "ALTER TABLE price RENAME TO level_cost;"
+    "DROP TABLE drift;"
+    "UPDATE session SET search_state = json_set(json_remove(search_state, '$.tape'), '$.trials', "
+    "json_extract(search_state, '$.tape')) "
+    "WHERE json_valid(search_state) AND json_type(search_state, '$.tape') = 'array';",
     NULL,
 };
 

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- The profile store, schema 2. Needs SQLite 3.37 for STRICT.
+-- The profile store, schema 3. Needs SQLite 3.37 for STRICT.
 -- Times end in _ns and are nanoseconds: INTEGER for moments since 1970 and for
 -- single launches, REAL for statistics. Shares are integers out of 65536.
 
@@ -97,7 +97,7 @@ CREATE TABLE session (
 CREATE INDEX session_search ON session (workload_id, pair_id, kernels, started_ns);
 
 -- What each level of accuracy finds on a workload, and what a step takes at it.
-CREATE TABLE price (
+CREATE TABLE level_cost (
   pair_id     INTEGER NOT NULL REFERENCES pair (id),
   workload_id INTEGER NOT NULL REFERENCES workload (id), -- of level 'auto'
   kernels     TEXT NOT NULL,
@@ -241,17 +241,6 @@ CREATE TABLE fit (
   fitted_ns  INTEGER NOT NULL,
   PRIMARY KEY (env_id, family, kernels, host, role, mode, level, variant)
 ) STRICT, WITHOUT ROWID;
-
--- How the steps of an application compare with its profile.
-CREATE TABLE drift (
-  profile_id INTEGER PRIMARY KEY REFERENCES profile (id) ON DELETE CASCADE,
-  n          INTEGER NOT NULL,
-  mean       REAL NOT NULL,
-  variance   REAL NOT NULL,
-  up         REAL NOT NULL,
-  down       REAL NOT NULL,
-  at_ns      INTEGER NOT NULL
-) STRICT;
 
 -- Imports, merges, prunings and upgrades.
 CREATE TABLE audit (

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Statements on an open store. Internal to this room.
+// Statements on an open store. Internal to this module.
 //
 // A statement remembers its first failure and is harmless afterwards, so that
 // it is checked once, when it is closed:
@@ -93,7 +93,7 @@ const char *store_journal(unsigned long file_system);
 
 // The store's version, and what makes each older version the next: upgrades
 // end with NULL, and the first is for a file of version 1.
-#define STORE_VERSION 2
+#define STORE_VERSION 3
 #define STORE_APPLICATION 0x44554554 // "DUET"
 
 bool migrate_create(store *s, duet_error *err);

@@ -131,7 +131,7 @@ static bool open_resting(store *s, int busy_ms, duet_error *err)
     return ok;
 }
 
-// A file that rests needs no lock, no side file, no room and no rights to be
+// A file that rests needs no lock, no side file, no space and no rights to be
 // read. Where a writer is at work, or was killed, its side file must be read
 // too; SQLite clears that away at the end where this user may write.
 static bool open_for_reading(store *s, duet_error *err)

@@ -113,19 +113,19 @@ bool profile_trial_find(store *s, const char *session, const profile_plan *plan,
 typedef struct sample_list {
     profile_sample *samples;
     uint32_t n;
-    uint32_t room;
+    uint32_t capacity;
 } sample_list;
 
 static bool make_room(sample_list *list, duet_error *err)
 {
-    if (list->n < list->room)
+    if (list->n < list->capacity)
         return true;
-    uint32_t room = list->room ? 2 * list->room : 64;
-    profile_sample *samples = realloc(list->samples, room * sizeof *samples);
+    uint32_t capacity = list->capacity ? 2 * list->capacity : 64;
+    profile_sample *samples = realloc(list->samples, capacity * sizeof *samples);
     if (!samples)
-        return error_set(err, DUET_NO_MEMORY, "%u samples: no memory", room);
+        return error_set(err, DUET_NO_MEMORY, "%u samples: no memory", capacity);
     list->samples = samples;
-    list->room = room;
+    list->capacity = capacity;
     return true;
 }
 

@@ -7,7 +7,7 @@
 
 #define PROFILE_SHARE_ONE 65536
 
-// How a step was done; mirrors the public plan, which this room does not know.
+// How a step was done; mirrors the public plan, which this module does not know.
 typedef struct profile_plan {
     uint32_t share;     // A's part out of PROFILE_SHARE_ONE
     char mode[16];      // "shared", "own" or "slab"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Whether anybody writes a store's file. One that rests can be read without
-// locks and without SQLite's side files. Internal to this room.
+// locks and without SQLite's side files. Internal to this module.
 #ifndef PROFILES_UNLOCKED_READ_H
 #define PROFILES_UNLOCKED_READ_H
 

@@ -22,7 +22,7 @@ bool buffer_reserve(buffer *b, const device *d, size_t bytes, duet_error *err);
 // device that works on host memory.
 bool buffer_borrow(buffer *b, const device *d, void *host, size_t bytes, duet_error *err);
 
-// Either, by what the device works on: host memory itself, or room for its bytes.
+// Either, by what the device works on: host memory itself, or space for its bytes.
 bool buffer_hold(buffer *b, const device *d, void *host, size_t bytes, duet_error *err);
 
 void buffer_release(buffer *b);

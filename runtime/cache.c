@@ -158,7 +158,7 @@ bool cache_get(const char *dir, const char key[65], text *binary)
     return found;
 }
 
-// What is no plain file, a link say, makes room for the entry.
+// What is no plain file, a link say, makes space for the entry.
 static void make_room(int folder, const char *name)
 {
     struct stat info;

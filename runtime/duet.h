@@ -310,7 +310,7 @@ DUET_API bool duet_world_set_placed(duet_world *world, const duet_placed *placed
                                     duet_error *err);
 DUET_API bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err);
 
-// Room for n poses in memory that the devices read without a copy of ours; for
+// Space for n poses in memory that the devices read without a copy of ours; for
 // the same n it keeps what it held. Valid until the next map, set or destroy:
 // map, write, then step. Objects that were neither set nor mapped since the last
 // step are not sent again.

@@ -73,8 +73,8 @@ size_t grid_row_bytes(const grid_objects *objects);
 // A pose without its size.
 duet_transform grid_transform_of(const duet_pose *pose);
 
-// The pose of an object that has one; *room holds it where its size lies apart.
-const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *room);
+// The pose of an object that has one; *scratch holds it where its size lies apart.
+const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *scratch);
 
 void grid_needs_of(grid_needs *needs, const grid_objects *objects);
 

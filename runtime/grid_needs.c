@@ -93,15 +93,15 @@ duet_transform grid_transform_of(const duet_pose *pose)
     return t;
 }
 
-const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *room)
+const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *scratch)
 {
     if (!objects->sizes)
         return origin_pose(objects->rows, objects->origin, id);
     const duet_transform *t = &((const duet_transform *)objects->rows)[id];
-    memcpy(room->centre, t->centre, sizeof room->centre);
-    memcpy(room->half, objects->sizes[id].half, sizeof room->half);
-    memcpy(room->rotation, t->rotation, sizeof room->rotation);
-    return room;
+    memcpy(scratch->centre, t->centre, sizeof scratch->centre);
+    memcpy(scratch->half, objects->sizes[id].half, sizeof scratch->half);
+    memcpy(scratch->rotation, t->rotation, sizeof scratch->rotation);
+    return scratch;
 }
 
 // What the rounding of a device's bounds adds to an extent (kernels/object.clh,
@@ -124,8 +124,8 @@ static inline void find_point(double point[3], const grid_objects *objects, uint
         return;
     }
     double corner[3];
-    duet_pose room;
-    const duet_pose *p = grid_pose_of(objects, id, &room);
+    duet_pose scratch;
+    const duet_pose *p = grid_pose_of(objects, id, &scratch);
     origin_corner(corner, objects->rows, objects->origin, id);
     for (uint32_t k = 0; k < objects->dims; ++k)
         point[k] = corner[k] + (double)p->centre[k];
@@ -148,11 +148,11 @@ void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)
 
 static double widest_of(const grid_objects *objects, uint32_t id, double *rounding)
 {
-    duet_pose room;
+    duet_pose scratch;
     *rounding = 0.0;
     if (objects->shape == DUET_SHAPE_BOUNDS)
         return widest_of_bounds(&((const duet_bounds *)objects->rows)[id], objects->dims);
-    const duet_pose *pose = grid_pose_of(objects, id, &room);
+    const duet_pose *pose = grid_pose_of(objects, id, &scratch);
     *rounding = rounding_of_pose(pose, objects);
     return widest_of_pose(pose, objects->dims);
 }

@@ -370,7 +370,7 @@ bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err)
 
 // ---------------------------------------------------------------- buffers
 
-// What grows has room to grow on: fresh pages cost as much as what is put there.
+// What grows has space to grow on: fresh pages cost as much as what is put there.
 bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err)
 {
     buffer *b = &m->buffers[which];

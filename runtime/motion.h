@@ -165,7 +165,7 @@ bool motion_scan(duet_motion *m, const char *stage, motion_buffer which, uint32_
 bool motion_read_flags(duet_motion *m, duet_error *err);
 bool motion_clear_flags(duet_motion *m, duet_error *err);
 
-// Room for n elements of `size` bytes in a buffer.
+// Space for n elements of `size` bytes in a buffer.
 bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err);
 
 bool motion_fetch_events(duet_motion *m, duet_error *err);

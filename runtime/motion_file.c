@@ -185,19 +185,19 @@ static bool check_file(const duet_motion *m, const text *file, const char *path,
     return true;
 }
 
-// As large as the motion's own, and room for the record after the last, as rows that
+// As large as the motion's own, and space for the record after the last, as rows that
 // are made have it.
-static size_t room_of(const duet_motion *m, motion_buffer which, size_t bytes)
+static size_t capacity_of(const duet_motion *m, motion_buffer which, size_t bytes)
 {
     size_t needed = bytes + m->layout.record * sizeof(float);
     return needed > m->buffers[which].bytes ? needed : m->buffers[which].bytes;
 }
 
-static bool put_buffer(duet_motion *m, buffer *to, size_t room, const void *from, size_t bytes,
+static bool put_buffer(duet_motion *m, buffer *to, size_t capacity, const void *from, size_t bytes,
                        duet_error *err)
 {
-    return buffer_reserve(to, m->device, room, err) &&
-           timeline_fill(&m->times, "clear", to, 0, 0, room / sizeof(uint32_t), err) &&
+    return buffer_reserve(to, m->device, capacity, err) &&
+           timeline_fill(&m->times, "clear", to, 0, 0, capacity / sizeof(uint32_t), err) &&
            timeline_write_at(&m->times, "send", to, 0, from, bytes, err);
 }
 
@@ -213,11 +213,11 @@ static bool put_all(duet_motion *m, const motion_saved *s, buffer fresh[], duet_
         motion_buffer which = kept[i];
         size_t bytes = bytes_of(m, which, s->n_contacts);
         ok = bytes == 0 ||
-             put_buffer(m, &fresh[which], room_of(m, which, bytes), s->at[which], bytes, err);
+             put_buffer(m, &fresh[which], capacity_of(m, which, bytes), s->at[which], bytes, err);
     }
     if (ok && motion_has(m, DUET_EFFECT_EVENTS)) {
         size_t bytes = (size_t)event_room(s) * 4 * sizeof(uint32_t);
-        ok = buffer_reserve(&fresh[EVENTS], m->device, room_of(m, EVENTS, bytes), err);
+        ok = buffer_reserve(&fresh[EVENTS], m->device, capacity_of(m, EVENTS, bytes), err);
     }
     return ok && timeline_finish(&m->times, err);
 }

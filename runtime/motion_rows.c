@@ -210,7 +210,7 @@ static bool empty_contacts(duet_motion *m, duet_error *err)
     return ok;
 }
 
-// As many as can begin and end: devices cannot ask for more room.
+// As many as can begin and end: devices cannot ask for more space.
 static bool reserve_events(duet_motion *m, uint32_t n_old, duet_error *err)
 {
     m->event_room = (uint64_t)m->n_contacts + 2 * (uint64_t)n_old + 1;

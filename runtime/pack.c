@@ -24,7 +24,7 @@ uint32_t pack_threads(void)
     return n <= 3 ? 1 : n - 2 < MOST_THREADS ? (uint32_t)n - 2 : MOST_THREADS;
 }
 
-// ---------------------------------------------------------------- room
+// ---------------------------------------------------------------- capacity
 
 static size_t object_bytes(duet_shape shape)
 {
@@ -41,20 +41,20 @@ static uint32_t divide_up(uint32_t n, uint32_t by)
     return n / by + (n % by > 0);
 }
 
-static bool begin_stream(pack_stream *s, uint32_t room, uint32_t least_chunk, uint32_t most_slots,
-                         size_t bytes, const device *to, duet_error *err)
+static bool begin_stream(pack_stream *s, uint32_t capacity, uint32_t least_chunk,
+                         uint32_t most_slots, size_t bytes, const device *to, duet_error *err)
 {
-    s->room = room;
-    s->chunk = divide_up(room, PACK_CHUNKS);
+    s->capacity = capacity;
+    s->chunk = divide_up(capacity, PACK_CHUNKS);
     s->chunk = s->chunk < least_chunk ? least_chunk : s->chunk;
-    s->n_slots = divide_up(room, s->chunk);
+    s->n_slots = divide_up(capacity, s->chunk);
     s->n_slots = s->n_slots < most_slots ? s->n_slots : most_slots;
     atomic_init(&s->taken, 0);
     atomic_init(&s->sent, 0);
     for (int i = 0; i < PACK_CHUNKS; ++i)
         atomic_init(&s->filled[i], 0);
     return host_block_reserve(&s->objects, to, 1, (size_t)s->n_slots * s->chunk * bytes, err) &&
-           host_block_reserve(&s->names, to, 1, room * sizeof(uint32_t), err);
+           host_block_reserve(&s->names, to, 1, capacity * sizeof(uint32_t), err);
 }
 
 // Ghosts are sent last, behind the homes, and all have their place until then.
@@ -196,7 +196,7 @@ static bool wait_for_slot(pack *p, pack_stream *s, uint32_t chunk)
 static void gather(pack *p, pack_stream *s, uint32_t first, const uint16_t *picked, uint32_t n)
 {
     uint32_t to = atomic_fetch_add_explicit(&s->taken, n, memory_order_relaxed);
-    if ((uint64_t)to + n > s->room)
+    if ((uint64_t)to + n > s->capacity)
         return;
     while (n > 0) {
         uint32_t chunk = to / s->chunk;

@@ -20,11 +20,11 @@ enum { PACK_CHUNKS = 128 };
 // Objects on their way to one device, in the order in which they were found.
 typedef struct pack_stream {
     host_block objects; // [n_slots][chunk]
-    host_block names;   // [room] their ids
-    uint32_t room;
+    host_block names;   // [capacity] their ids
+    uint32_t capacity;
     uint32_t chunk;                  // objects in each but the last
     uint32_t n_slots;                // chunk i lies in slot i % n_slots
-    atomic_uint taken;               // places given away; above room: some were not written
+    atomic_uint taken;               // places given away; above capacity: some were not written
     atomic_uint filled[PACK_CHUNKS]; // objects written to each chunk
     atomic_uint sent;                // chunks whose slots may be written again
 } pack_stream;
@@ -38,7 +38,7 @@ typedef struct pack_slab {
 } pack_slab;
 
 typedef struct pack {
-    uint32_t least_chunk;   // objects
+    uint32_t least_chunk; // objects
     part_task task;
     uint32_t n_blocks;
     atomic_uint begun; // blocks
@@ -50,7 +50,7 @@ typedef struct pack {
 void pack_open(pack *p);
 void pack_close(pack *p);
 
-// Makes room for the slabs that are wanted; devices are the pair.
+// Makes space for the slabs that are wanted; devices are the pair.
 bool pack_begin(pack *p, const part_task *task, const part_range ranges[2], const bool wanted[2],
                 const device devices[2], duet_error *err);
 
@@ -73,7 +73,7 @@ uint32_t pack_threads(void);
 bool part_has_slab(const part *p, const part_task *task, const part_range *range);
 
 // Sends the part the objects of its slab; task->n becomes their number. *placed
-// is false where there was no room for them: the rows must be counted again.
+// is false where there was no space for them: the rows must be counted again.
 bool part_receive_slab(part *p, pack *from, int side, part_task *task, const part_range *range,
                        bool *placed, duet_error *err);
 

@@ -102,7 +102,7 @@ typedef struct part {
     buffer tiles;                 // digits a tile, while sorting
     buffer bounds;                // [n][2], by id or in cell order; lanes: by columns
     buffer boxes;                 // [n][3], in cell order; lanes: rows of numbers
-    uint32_t place_room;          // objects that have a place in both
+    uint32_t place_capacity;      // objects that have a place in both
     buffer candidates, pairs, undecided;
     buffer counters;
 
@@ -146,7 +146,7 @@ bool part_receive_grid(part *to, part *from, const part_task *task, const part_r
 
 // Finds the pairs of the range's objects with those that come after them in
 // cell order, and brings them to the host. *placed is false where the grid had
-// more objects than there was room for; there is more room afterwards, and the
+// more objects than there was space for; there is more space afterwards, and the
 // grid must be built again.
 bool part_search(part *p, const part_task *task, const part_range *range, bool *placed,
                  duet_error *err);

@@ -61,7 +61,7 @@ bool part_hear(part *p, duet_error *err)
     return true;
 }
 
-// Where pairs come to lie on the host, with room behind them for the undecided.
+// Where pairs come to lie on the host, with space behind them for the undecided.
 // A block that must grow loses what was sent ahead, and locking its pages takes
 // longer than a step: it grows by more than it must.
 static bool reserve_span(part *p, duet_pair **pairs, duet_error *err)
@@ -92,10 +92,10 @@ static bool fetch_rest(part *p, duet_pair *pairs, uint64_t n, duet_error *err)
     return ok;
 }
 
-static bool fetch_open(part *p, const duet_pair **open, duet_pair *room, duet_error *err)
+static bool fetch_open(part *p, const duet_pair **open, duet_pair *scratch, duet_error *err)
 {
     const news *n = p->news.bytes;
-    *open = p->undecided.host ? p->undecided.host : room;
+    *open = p->undecided.host ? p->undecided.host : scratch;
     if (n && !p->device->info.host_memory && p->n_undecided <= OPEN_AHEAD) {
         *open = n->open;
         return true;
@@ -113,9 +113,9 @@ static uint64_t decide(part *p, const part_task *task, const duet_pair *open, du
     grid_objects objects = part_objects(task);
     for (uint64_t i = 0; i < p->n_undecided; ++i) {
         double shift[3];
-        duet_pose room[2];
-        const duet_pose *a = grid_pose_of(&objects, open[i].a, &room[0]);
-        const duet_pose *b = grid_pose_of(&objects, open[i].b, &room[1]);
+        duet_pose scratch[2];
+        const duet_pose *a = grid_pose_of(&objects, open[i].a, &scratch[0]);
+        const duet_pose *b = grid_pose_of(&objects, open[i].b, &scratch[1]);
         origin_shift(shift, task->objects, task->origin, open[i].a, open[i].b);
         if (narrow_decide_apart(a, b, shift, task->dims))
             colliding[n++] = open[i];

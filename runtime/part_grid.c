@@ -167,8 +167,8 @@ static bool place_in_cell_order(part *p, const part_task *task, const part_range
 {
     uint32_t n_cells = own_cells(range);
     bool from_ids = p->kernels.from_ids;
-    uint32_t room = p->place_room;
-    uint32_t work = from_ids && room < task->n ? room : task->n;
+    uint32_t capacity = p->place_capacity;
+    uint32_t work = from_ids && capacity < task->n ? capacity : task->n;
     kernel_arg args[17] = {ARG_BUFFER(p->objects)};
     uint32_t n_args = 1;
     if (task->sizes)
@@ -178,8 +178,8 @@ static bool place_in_cell_order(part *p, const part_task *task, const part_range
     args[n_args++] = from_ids ? ARG_BUFFER(p->ids) : ARG_BUFFER(p->keys);
     if (!from_ids)
         args[n_args++] = ARG_BUFFER(p->keys_spare);
-    const kernel_arg where[] = {ARG(task->n), ARG_BUFFER(p->starts), ARG(n_cells),
-                                ARG(room),    ARG_BUFFER(p->levels), ARG(task->grid.n_levels)};
+    const kernel_arg where[] = {ARG(task->n),  ARG_BUFFER(p->starts), ARG(n_cells),
+                                ARG(capacity), ARG_BUFFER(p->levels), ARG(task->grid.n_levels)};
     for (size_t i = 0; i < sizeof where / sizeof where[0]; ++i)
         args[n_args++] = where[i];
     if (p->variant.search == SEARCH_LANES) {
@@ -227,7 +227,7 @@ static bool reserve_places(part *p, const part_task *task, size_t n, duet_error 
 {
     size_t places = p->variant.search == SEARCH_PAPER ? task->n : n;
     place_bytes bytes = bytes_of_places(p, task, places);
-    p->place_room = (uint32_t)places;
+    p->place_capacity = (uint32_t)places;
     return buffer_reserve(&p->bounds, p->device, bytes.bounds, err) &&
            (bytes.boxes == 0 || buffer_reserve(&p->boxes, p->device, bytes.boxes, err));
 }
@@ -304,8 +304,8 @@ static bool receive_piece(part *to, grid_piece piece, void *host, duet_error *er
 // Where both work on host memory the bounds and boxes are there already.
 static bool borrow_places(part *to, const part *from, const part_task *task, duet_error *err)
 {
-    place_bytes bytes = bytes_of_places(from, task, from->place_room);
-    to->place_room = from->place_room;
+    place_bytes bytes = bytes_of_places(from, task, from->place_capacity);
+    to->place_capacity = from->place_capacity;
     bool ok =
         buffer_borrow(&to->bounds, to->device, from->bounds.host, bytes.bounds, err) &&
         timeline_write(&to->times, "receive grid", &to->bounds, to->bounds.host, bytes.bounds, err);

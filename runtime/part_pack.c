@@ -47,7 +47,7 @@ static bool send_names(part *p, const pack_stream *s, uint32_t before, uint32_t 
         (const uint32_t *)s->names.bytes + from, (to - from) * sizeof(uint32_t), err);
 }
 
-// A chunk that has travelled makes room for another.
+// A chunk that has travelled makes space for another.
 static void free_slots(timeline *t, pack_stream *s, const cl_event travels[PACK_CHUNKS],
                        uint32_t n_chunks)
 {
@@ -109,8 +109,8 @@ static bool send_slab(part *p, pack *from, pack_slab *slab, bool *placed, duet_e
     timeline_add_host(&p->times, "pack", (double)(clock_steady_ns() - begun) * 1e-6);
     uint32_t n_homes = taken(&slab->homes);
     uint32_t n_ghosts = taken(&slab->ghosts);
-    *placed =
-        !pack_is_abandoned(from) && n_homes <= slab->homes.room && n_ghosts <= slab->ghosts.room;
+    *placed = !pack_is_abandoned(from) && n_homes <= slab->homes.capacity &&
+              n_ghosts <= slab->ghosts.capacity;
     p->packed.n = n_homes + n_ghosts;
     p->packed.n_homes = n_homes;
     return !*placed || send_rest(p, slab, n_chunks, object_bytes(&from->task), err);
@@ -129,10 +129,10 @@ bool part_receive_slab(part *p, pack *from, int side, part_task *task, const par
     pack_slab *slab = &from->slabs[side];
     *placed = true;
     if (slab->wanted) {
-        size_t room = (size_t)slab->homes.room + slab->ghosts.room;
+        size_t capacity = (size_t)slab->homes.capacity + slab->ghosts.capacity;
         p->objects_version = p->packed.objects_version = 0;
-        if (!buffer_reserve(&p->objects, p->device, room * object_bytes(task), err) ||
-            !buffer_reserve(&p->names, p->device, room * sizeof(uint32_t), err) ||
+        if (!buffer_reserve(&p->objects, p->device, capacity * object_bytes(task), err) ||
+            !buffer_reserve(&p->names, p->device, capacity * sizeof(uint32_t), err) ||
             !send_slab(p, from, slab, placed, err))
             return false;
         p->packed.objects_version = *placed ? task->objects_version : 0;

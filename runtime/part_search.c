@@ -6,11 +6,11 @@
 
 enum { SMALLEST_ROOM = 1024 };
 
-// Pairs that fit a buffer; the kernels count rooms in 32 bits.
-static uint32_t room_of(const buffer *b)
+// Pairs that fit a buffer; the kernels count places in 32 bits.
+static uint32_t capacity_of(const buffer *b)
 {
-    size_t room = b->bytes / sizeof(duet_pair);
-    return room > UINT32_MAX ? UINT32_MAX : (uint32_t)room;
+    size_t capacity = b->bytes / sizeof(duet_pair);
+    return capacity > UINT32_MAX ? UINT32_MAX : (uint32_t)capacity;
 }
 
 static bool reserve_room(part *p, buffer *b, uint64_t pairs, duet_error *err)
@@ -40,26 +40,25 @@ static bool run_rows(part *p, const part_task *task, const part_range *range, bu
 {
     const grid *g = &task->grid;
     uint32_t n_home = range->home_to - range->key_from;
-    uint32_t room = room_of(found);
+    uint32_t capacity = capacity_of(found);
     uint32_t last = smaller(range->last, range->expected);
-    uint32_t pair_room = room_of(&p->pairs);
-    uint32_t undecided_room = room_of(&p->undecided);
+    uint32_t pair_room = capacity_of(&p->pairs);
+    uint32_t undecided_capacity = capacity_of(&p->undecided);
     kernel_arg args[20] = {ARG_BUFFER(p->bounds)};
     uint32_t n_args = 1;
     if (task->shape == DUET_SHAPE_POSES)
         args[n_args++] = ARG_BUFFER(p->boxes);
-    const kernel_arg search[] = {ARG_BUFFER(p->starts), ARG_BUFFER(p->levels),
-                                 ARG(g->n_levels),      ARG(g->n_cells),
-                                 ARG(range->key_from),  ARG(n_home),
-                                 ARG(range->first),     ARG(last),
-                                 ARG_BUFFER(*found),    ARG(room)};
+    const kernel_arg search[] = {
+        ARG_BUFFER(p->starts), ARG_BUFFER(p->levels), ARG(g->n_levels),  ARG(g->n_cells),
+        ARG(range->key_from),  ARG(n_home),           ARG(range->first), ARG(last),
+        ARG_BUFFER(*found),    ARG(capacity)};
     for (size_t i = 0; i < sizeof search / sizeof search[0]; ++i)
         args[n_args++] = search[i];
     if (p->kernels.fused) {
         args[n_args++] = ARG_BUFFER(p->pairs);
         args[n_args++] = ARG(pair_room);
         args[n_args++] = ARG_BUFFER(p->undecided);
-        args[n_args++] = ARG(undecided_room);
+        args[n_args++] = ARG(undecided_capacity);
     }
     args[n_args++] = ARG_BUFFER(p->counters);
     return timeline_launch(&p->times, "candidates", p->kernels.candidates, search_work(task, range),
@@ -74,10 +73,10 @@ static bool run_lanes(part *p, const part_task *task, const part_range *range, b
     uint32_t n_home = range->home_to - range->key_from;
     uint32_t n_own = range->key_to - range->key_from;
     uint32_t last = smaller(range->last, range->expected);
-    uint32_t room = room_of(found);
-    uint32_t undecided_room = room_of(&p->undecided);
+    uint32_t capacity = capacity_of(found);
+    uint32_t undecided_capacity = capacity_of(&p->undecided);
     kernel_arg args[17] = {ARG_BUFFER(p->bounds),
-                           ARG(p->place_room),
+                           ARG(p->place_capacity),
                            poses ? ARG_BUFFER(p->boxes) : ARG_BUFFER(p->ids),
                            ARG_BUFFER(p->starts),
                            ARG_BUFFER(p->levels),
@@ -89,11 +88,11 @@ static bool run_lanes(part *p, const part_task *task, const part_range *range, b
                            ARG(range->first),
                            ARG(last),
                            ARG_BUFFER(*found),
-                           ARG(room)};
+                           ARG(capacity)};
     uint32_t n_args = 14;
     if (p->kernels.fused) {
         args[n_args++] = ARG_BUFFER(p->undecided);
-        args[n_args++] = ARG(undecided_room);
+        args[n_args++] = ARG(undecided_capacity);
     }
     args[n_args++] = ARG_BUFFER(p->counters);
     const char *stage = p->kernels.fused ? "search" : "candidates";
@@ -107,7 +106,7 @@ static bool run_paper(part *p, const part_task *task, const part_range *range, b
     cl_int4 cells = task->grid.levels[0].cells;
     uint32_t n_home = range->home_to - range->key_from;
     uint32_t n_own = range->key_to - range->key_from;
-    uint32_t room = room_of(found);
+    uint32_t capacity = capacity_of(found);
     kernel_arg args[] = {ARG_BUFFER(p->keys),
                          ARG_BUFFER(p->ids),
                          ARG_BUFFER(p->starts),
@@ -120,7 +119,7 @@ static bool run_paper(part *p, const part_task *task, const part_range *range, b
                          ARG(n_home),
                          ARG(n_own),
                          ARG_BUFFER(*found),
-                         ARG(room),
+                         ARG(capacity),
                          ARG_BUFFER(p->counters)};
     return timeline_launch(&p->times, "candidates", p->kernels.candidates, search_work(task, range),
                            args, 14, err);
@@ -128,14 +127,14 @@ static bool run_paper(part *p, const part_task *task, const part_range *range, b
 
 static bool run_narrow(part *p, uint64_t work, duet_error *err)
 {
-    uint32_t candidate_room = room_of(&p->candidates);
-    uint32_t room = room_of(&p->pairs);
-    uint32_t undecided_room = room_of(&p->undecided);
+    uint32_t candidate_capacity = capacity_of(&p->candidates);
+    uint32_t capacity = capacity_of(&p->pairs);
+    uint32_t undecided_capacity = capacity_of(&p->undecided);
     buffer *boxes = p->variant.search == SEARCH_PAPER ? &p->objects : &p->boxes;
-    kernel_arg args[] = {ARG_BUFFER(*boxes),  ARG_BUFFER(p->candidates),
-                         ARG(candidate_room), ARG_BUFFER(p->pairs),
-                         ARG(room),           ARG_BUFFER(p->undecided),
-                         ARG(undecided_room), ARG_BUFFER(p->counters)};
+    kernel_arg args[] = {ARG_BUFFER(*boxes),      ARG_BUFFER(p->candidates),
+                         ARG(candidate_capacity), ARG_BUFFER(p->pairs),
+                         ARG(capacity),           ARG_BUFFER(p->undecided),
+                         ARG(undecided_capacity), ARG_BUFFER(p->counters)};
     return timeline_launch(&p->times, "narrow", p->kernels.narrow, work, args, 8, err);
 }
 
@@ -158,9 +157,9 @@ static bool run_candidates(part *p, const part_task *task, const part_range *ran
 // number are sent.
 static uint64_t narrow_work(const part *p, uint32_t objects)
 {
-    uint64_t room = room_of(&p->candidates);
+    uint64_t capacity = capacity_of(&p->candidates);
     uint64_t expected = 2 * (uint64_t)objects + SMALLEST_ROOM;
-    return expected < room ? expected : room;
+    return expected < capacity ? expected : capacity;
 }
 
 // True where all that was found has its place; else makes more.
@@ -178,7 +177,7 @@ static bool everything_fits(part *p, bool *fits, duet_error *err)
     *fits = true;
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; ++i) {
         uint64_t found = lists[i].found;
-        if (found == 0 || found <= room_of(lists[i].list))
+        if (found == 0 || found <= capacity_of(lists[i].list))
             continue;
         *fits = false;
         if (!reserve_room(p, lists[i].list, found + found / 16, err))
@@ -188,7 +187,7 @@ static bool everything_fits(part *p, bool *fits, duet_error *err)
 }
 
 // Where candidates are tested as they are found, the narrow kernel gets what a
-// group had no room for, which is mostly nothing.
+// group had no space for, which is mostly nothing.
 static bool test_listed(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     if (!p->kernels.narrow)
@@ -198,7 +197,7 @@ static bool test_listed(part *p, const part_task *task, const part_range *range,
     if (!part_hear(p, err))
         return false;
     uint64_t listed = part_count(p, COUNT_CANDIDATES);
-    return listed == 0 || listed > room_of(&p->candidates) ||
+    return listed == 0 || listed > capacity_of(&p->candidates) ||
            (run_narrow(p, listed, err) && part_hear(p, err));
 }
 
@@ -233,7 +232,7 @@ static bool reserve_first(part *p, const part_task *task, uint32_t objects, duet
     return ok;
 }
 
-// A grid with less room than there are objects may have got more than it holds,
+// A grid with less space than there are objects may have got more than it holds,
 // and its starts then lead out of it. Lanes see that for themselves and find
 // nothing, so that nobody waits for the answer between grid and search.
 static bool check_placed(part *p, const part_task *task, const part_range *range, bool *placed,

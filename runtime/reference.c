@@ -35,7 +35,7 @@ typedef struct finder {
     const reference_objects *objects;
     entry *entries; // where columns are used: by class, column and lower x
     reference_found *found;
-    uint64_t room;
+    uint64_t capacity;
     uint32_t tests; // since the last look at the budget
     duet_error *err;
 } finder;
@@ -124,16 +124,16 @@ static bool overlap(const bounds *a, const bounds *b)
 
 static bool add_pair(finder *f, uint32_t a, uint32_t b)
 {
-    if (f->found->n == f->room) {
-        uint64_t room = f->room ? 2 * f->room : 1024;
-        if (!budget_room(room * sizeof *f->found->pairs, f->err))
+    if (f->found->n == f->capacity) {
+        uint64_t capacity = f->capacity ? 2 * f->capacity : 1024;
+        if (!budget_space(capacity * sizeof *f->found->pairs, f->err))
             return false;
-        duet_pair *pairs = realloc(f->found->pairs, room * sizeof *pairs);
+        duet_pair *pairs = realloc(f->found->pairs, capacity * sizeof *pairs);
         if (!pairs)
             return error_set(f->err, DUET_NO_MEMORY, "reference: no memory for %" PRIu64 " pairs",
-                             room);
+                             capacity);
         f->found->pairs = pairs;
-        f->room = room;
+        f->capacity = capacity;
     }
     f->found->pairs[f->found->n++] = (duet_pair){a, b};
     return true;
@@ -327,7 +327,7 @@ static bool find_by_columns(finder *f)
 static bool make_entries(finder *f)
 {
     uint32_t n = f->objects->n;
-    if (!budget_room(n * sizeof *f->entries, f->err))
+    if (!budget_space(n * sizeof *f->entries, f->err))
         return false;
     f->entries = calloc(n ? n : 1, sizeof *f->entries);
     if (!f->entries)

@@ -34,12 +34,12 @@ static bool reserve_centres(duet_scene *scene, uint64_t n, duet_error *err)
 
 bool scene_reserve(duet_scene *scene, uint64_t n, duet_error *err)
 {
-    if (n <= scene->room)
+    if (n <= scene->capacity)
         return true;
     if (n > SCENE_MAX_OBJECTS)
         return error_set(err, DUET_TOO_MANY, "%llu objects; a scene holds at most %u",
                          (unsigned long long)n, SCENE_MAX_OBJECTS);
-    if (!budget_room(n * object_size(scene), err))
+    if (!budget_space(n * object_size(scene), err))
         return false;
     void *objects = realloc(scene->objects, n * object_size(scene));
     if (!objects)
@@ -48,16 +48,16 @@ bool scene_reserve(duet_scene *scene, uint64_t n, duet_error *err)
     scene->objects = objects;
     if (!reserve_centres(scene, n, err))
         return false;
-    scene->room = n;
+    scene->capacity = n;
     return true;
 }
 
 static bool reserve_one_more(duet_scene *scene, duet_error *err)
 {
     uint64_t n = (uint64_t)scene->info.n + 1;
-    if (n <= scene->room)
+    if (n <= scene->capacity)
         return true;
-    uint64_t doubled = 2 * scene->room;
+    uint64_t doubled = 2 * scene->capacity;
     if (doubled > SCENE_MAX_OBJECTS)
         doubled = SCENE_MAX_OBJECTS;
     return scene_reserve(scene, n > doubled ? n : doubled, err);

@@ -18,17 +18,17 @@ struct duet_scene {
     uint32_t columns; // of a row; 0: none was read yet
     uint32_t per_row; // objects in a row: 1, or 2 in a file of pairs
     void *objects;    // duet_pose or duet_bounds, as info.shape says, or with an origin duet_placed
-    duet_pose *rounded; // with an origin: the poses with their centres rounded to float
+    duet_pose *rounded;   // with an origin: the poses with their centres rounded to float
     bool keep_centres;    // a reader that does not know yet whether it will be asked for an origin
     double (*centres)[3]; // [n] poses' centres as they were read
-    uint64_t room;        // objects that fit
+    uint64_t capacity;    // objects that fit
 
     duet_motion_def motion; // as far as the scene says it
     duet_body body;         // of objects that have none of their own
     bool has_body;
     struct scene_body *given; // bodies of single objects, as far as given
     uint32_t n_given;
-    uint32_t given_room;
+    uint32_t given_capacity;
     duet_body *bodies; // [n], or NULL where nothing is said of any
 };
 
@@ -37,7 +37,7 @@ struct duet_scene {
 // an earlier call's.
 bool scene_set_columns(duet_scene *scene, uint32_t columns, scene_place place, duet_error *err);
 
-// Room for n objects; a row that finds none makes some by itself.
+// Space for n objects; a row that finds none makes some by itself.
 bool scene_reserve(duet_scene *scene, uint64_t n, duet_error *err);
 
 // Whether rows may have so many numbers, and which may, for messages.

@@ -103,13 +103,13 @@ bool scene_read_body_field(lua_State *L, const char *name, scene_body *body)
 
 bool scene_keep_body(duet_scene *scene, const scene_body *body, duet_error *err)
 {
-    if (scene->n_given == scene->given_room) {
-        uint32_t room = scene->given_room ? 2 * scene->given_room : 64;
-        scene_body *given = realloc(scene->given, room * sizeof *given);
+    if (scene->n_given == scene->given_capacity) {
+        uint32_t capacity = scene->given_capacity ? 2 * scene->given_capacity : 64;
+        scene_body *given = realloc(scene->given, capacity * sizeof *given);
         if (!given)
-            return error_set(err, DUET_NO_MEMORY, "no memory for %u bodies", room);
+            return error_set(err, DUET_NO_MEMORY, "no memory for %u bodies", capacity);
         scene->given = given;
-        scene->given_room = room;
+        scene->given_capacity = capacity;
     }
     scene->given[scene->n_given] = *body;
     scene->given[scene->n_given++].id = scene->info.n - 1;

@@ -50,7 +50,7 @@ static bool place_all(duet_scene *scene, const duet_placed *given, double edge, 
                 (float)((double)placed[i].cell[k] * edge + (double)placed[i].pose.centre[k]);
         ok = ok || refuse_far(scene, i, edge, err);
     }
-    scene->room = n > 0 ? n : 1;
+    scene->capacity = n > 0 ? n : 1;
     scene->info.origin = (float)edge;
     return ok;
 }

@@ -58,11 +58,11 @@ static uint32_t find_cut(const split *s, const part_task *task, uint32_t share)
     return share == DUET_SHARE_ONE ? s->n_rows : cut;
 }
 
-// Objects move between counts, so there is room for some more.
+// Objects move between counts, so there is space for some more.
 static uint32_t with_room(uint32_t n, uint32_t all)
 {
-    uint64_t room = (uint64_t)n + n / 16 + 256;
-    return room < all ? (uint32_t)room : all;
+    uint64_t capacity = (uint64_t)n + n / 16 + 256;
+    return capacity < all ? (uint32_t)capacity : all;
 }
 
 static part_range slab(const split *s, const part_task *task, uint32_t from, uint32_t to,

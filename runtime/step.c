@@ -101,7 +101,7 @@ typedef struct job {
     int side;
     part_task task;
     part_range range;
-    bool placed; // the grid had room for its objects
+    bool placed; // the grid had space for its objects
     bool ok;
     duet_error err;
 } job;
@@ -258,7 +258,7 @@ static bool pays_to_pack(const duet_world *world, int side, const part_range ran
            v.search == SEARCH_ITEMS && v.send == SEND_PACKED;
 }
 
-// *placed is false where a slab had more objects than it had room for.
+// *placed is false where a slab had more objects than it had space for.
 static bool run_parts(duet_world *world, bool *placed, duet_error *err)
 {
     part_task task = describe_task(world);

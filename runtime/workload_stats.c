@@ -51,8 +51,8 @@ static workload_stats see_transforms(workload_stats c, const duet_world *world)
 {
     grid_objects objects = world_objects(world);
     for (uint32_t id = 0; id < world->n; ++id) {
-        duet_pose room;
-        const duet_pose *p = grid_pose_of(&objects, id, &room);
+        duet_pose scratch;
+        const duet_pose *p = grid_pose_of(&objects, id, &scratch);
         see_object(&c, p->centre[0], p->centre[1], p->centre[2], size_of_pose(p, &world->def));
     }
     return c;

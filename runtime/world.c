@@ -131,10 +131,10 @@ static bool find_wish(grid_wish *wish, const duet_plan *plan, const variant *a, 
     return true;
 }
 
-static bool check_ends(const char *name, const char *chars, size_t room, duet_error *err)
+static bool check_ends(const char *name, const char *chars, size_t capacity, duet_error *err)
 {
-    return memchr(chars, '\0', room) ||
-           error_set(err, DUET_BAD_ARGUMENT, "%s has no end within its %zu bytes", name, room);
+    return memchr(chars, '\0', capacity) ||
+           error_set(err, DUET_BAD_ARGUMENT, "%s has no end within its %zu bytes", name, capacity);
 }
 
 static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_world_def *def,

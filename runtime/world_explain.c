@@ -28,7 +28,7 @@ static const struct {
       "sat15: all axes in float", "double: all axes in double"}},
     {"grid", "GRID", {"dense: an entry for each cell", "hashed: mixed keys, compared cells"}},
     {"sizes", "LEVELS", {"alike: coarser cells are left out", "several: coarser cells are walked"}},
-    {"room",
+    {"capacity",
      "ROOMY",
      {"some axis has few cells: borders are looked after",
       "three cells or more an axis: borders are left out"}},

@@ -87,18 +87,18 @@ local function check_levels()
   compare("candidates", candidates, find(found, { level = "aabb" }).pairs)
 end
 
--- Paces: | dt | substeps | ms a second | error | energy | gain | deepest | |
-local function check_paces()
+-- Time steps: | dt | substeps | ms a second | error | energy | gain | deepest | |
+local function check_timesteps()
   local found = accuracy(("'%s/falling.lua' -n 500 --limit 3600"):format(scenes))
   for _, row in ipairs(table_of("accuracy.md", "| dt | substeps |")) do
     local rate = tonumber(row[1]:match("^1/(%d+)"))
     if rate then
-      local pace = find(found, { dt = tonumber(("%.9g"):format(1 / rate)), substeps = tonumber(row[2]) })
+      local row_found = find(found, { dt = tonumber(("%.9g"):format(1 / rate)), substeps = tonumber(row[2]) })
       local where = row[1] .. " by " .. row[2]
-      compare(where .. ", error", row[4], pace.error)
-      compare(where .. ", energy", row[5], 100 * pace.energy)
-      compare(where .. ", gain", row[6], 100 * pace.gain)
-      compare(where .. ", deepest", row[7], pace.depth)
+      compare(where .. ", error", row[4], row_found.error)
+      compare(where .. ", energy", row[5], 100 * row_found.energy)
+      compare(where .. ", gain", row[6], 100 * row_found.gain)
+      compare(where .. ", deepest", row[7], row_found.depth)
     end
   end
 end
@@ -112,7 +112,7 @@ local function check_orbits()
 end
 
 check_levels()
-check_paces()
+check_timesteps()
 check_orbits()
 print(compared .. " figures, " .. failed .. " wrong")
 if failed > 0 then os.exit(1) end

@@ -88,7 +88,7 @@ static void assert_row_is_what_its_level_promises(const cJSON *row, double truth
         assert_true(added > 0 && number_of(row, "widest_false") > 0);
 }
 
-static void each_levels_price_is_told_for_each_device(void **state)
+static void each_levels_cost_is_told_for_each_device(void **state)
 {
     (void)state;
     program p = program_run("accuracy --json --repeat 1 --csv " TABLE " --plot " PLOT " " SCENE);
@@ -151,10 +151,10 @@ static cJSON *measure(const char *arguments)
 }
 
 // The error of a row of free flight.
-static double error_at(const cJSON *paces, const char *integrator, double per_second)
+static double error_at(const cJSON *timesteps, const char *integrator, double per_second)
 {
     const cJSON *row;
-    cJSON_ArrayForEach(row, paces)
+    cJSON_ArrayForEach(row, timesteps)
     {
         double dt = number_of(row, "dt");
         const char *name = cJSON_GetObjectItemCaseSensitive(row, "integrator")->valuestring;
@@ -178,21 +178,21 @@ static void flights_compare_integrators(void **state)
 {
     (void)state;
     cJSON *o = measure("--csv " TABLE " --plot " PLOT " " ORBIT);
-    const cJSON *paces = cJSON_GetObjectItemCaseSensitive(o, "paces");
-    assert_int_equal(cJSON_GetArraySize(paces), 12);
+    const cJSON *timesteps = cJSON_GetObjectItemCaseSensitive(o, "timesteps");
+    assert_int_equal(cJSON_GetArraySize(timesteps), 12);
     static const struct {
         const char *integrator;
         double factor; // of the error from dt 1/60 to 1/120
     } orders[] = {{"euler", 2}, {"verlet", 4}, {"yoshida", 16}};
     for (int i = 0; i < 3; ++i) {
-        double factor =
-            error_at(paces, orders[i].integrator, 60) / error_at(paces, orders[i].integrator, 120);
+        double factor = error_at(timesteps, orders[i].integrator, 60) /
+                        error_at(timesteps, orders[i].integrator, 120);
         if (!(factor > 0.8 * orders[i].factor && factor < 1.3 * orders[i].factor))
             fail_msg("%s: half the dt has a factor of %g", orders[i].integrator, factor);
     }
-    assert_int_equal(count_true(paces, "own"), 1);
-    assert_true(count_true(paces, "front") > 0);
-    assert_int_equal(count_true(paces, "finite"), 12);
+    assert_int_equal(count_true(timesteps, "own"), 1);
+    assert_true(count_true(timesteps, "front") > 0);
+    assert_int_equal(count_true(timesteps, "finite"), 12);
     cJSON_Delete(o);
 }
 
@@ -200,17 +200,17 @@ static void contacts_compare_dt_and_substeps(void **state)
 {
     (void)state;
     cJSON *o = measure("--time 0.5 " STACK);
-    const cJSON *paces = cJSON_GetObjectItemCaseSensitive(o, "paces");
-    assert_int_equal(cJSON_GetArraySize(paces), 16);
-    assert_int_equal(count_true(paces, "own"), 1);
-    assert_int_equal(count_true(paces, "finite"), 16);
-    double coarse = number_of(cJSON_GetArrayItem(paces, 0), "depth");
-    double fine = number_of(cJSON_GetArrayItem(paces, 15), "depth");
+    const cJSON *timesteps = cJSON_GetObjectItemCaseSensitive(o, "timesteps");
+    assert_int_equal(cJSON_GetArraySize(timesteps), 16);
+    assert_int_equal(count_true(timesteps, "own"), 1);
+    assert_int_equal(count_true(timesteps, "finite"), 16);
+    double coarse = number_of(cJSON_GetArrayItem(timesteps, 0), "depth");
+    double fine = number_of(cJSON_GetArrayItem(timesteps, 15), "depth");
     assert_true(coarse > fine && fine > 0);
     cJSON_Delete(o);
 }
 
-static void a_limit_ends_it_after_a_pace(void **state)
+static void a_limit_ends_it_after_a_run(void **state)
 {
     (void)state;
     program p = program_run("accuracy --limit 0 --time 0.1 " STACK);
@@ -230,12 +230,12 @@ static void still_asks_for_levels_of_what_moves(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_levels_price_is_told_for_each_device),
+        cmocka_unit_test(each_levels_cost_is_told_for_each_device),
         cmocka_unit_test(the_table_and_the_plot_name_every_level),
         cmocka_unit_test(a_plot_of_another_kind_is_refused),
         cmocka_unit_test(flights_compare_integrators),
         cmocka_unit_test(contacts_compare_dt_and_substeps),
-        cmocka_unit_test(a_limit_ends_it_after_a_pace),
+        cmocka_unit_test(a_limit_ends_it_after_a_run),
         cmocka_unit_test(still_asks_for_levels_of_what_moves),
     };
     return cmocka_run_group_tests(tests, make_scene, remove_files);

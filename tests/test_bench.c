@@ -45,7 +45,7 @@ static void write_old(double factor, double others)
         cJSON_ArrayForEach(item, cJSON_GetObjectItem(one, "samples_ms"))
             cJSON_SetNumberValue(item, item->valuedouble * factor);
     cJSON_ArrayForEach(one, cJSON_GetObjectItem(o, "cases"))
-        cJSON_SetNumberValue(cJSON_GetObjectItem(one, "others"), others);
+        cJSON_SetNumberValue(cJSON_GetObjectItem(one, "cpu_load"), others);
     char *chars = cJSON_Print(o);
     test_write_file(OLD, chars);
     cJSON_free(chars);
@@ -103,7 +103,7 @@ static void what_other_programs_may_be_to_blame_for_is_ambiguous(void **state)
     assert_verdicts("--repeat 7", "ambiguous");
 }
 
-static void the_whole_set_prices_levels_and_effects(void **state)
+static void the_whole_set_costs_levels_and_effects(void **state)
 {
     (void)state;
     cJSON *o = read_json(OUT);
@@ -183,7 +183,7 @@ int main(void)
         cmocka_unit_test(results_hold_every_sample_and_the_devices),
         cmocka_unit_test(a_millionfold_difference_is_seen_and_few_samples_are_ambiguous),
         cmocka_unit_test(what_other_programs_may_be_to_blame_for_is_ambiguous),
-        cmocka_unit_test(the_whole_set_prices_levels_and_effects),
+        cmocka_unit_test(the_whole_set_costs_levels_and_effects),
         cmocka_unit_test(text_says_what_it_was_compared_with),
         cmocka_unit_test(what_is_no_result_is_refused_in_one_line),
     };

@@ -19,7 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Slabs have room for some hundred objects more than they get.
+// Slabs have space for some hundred objects more than they get.
 enum {
     FEW = 700,
     OBJECTS = 3000,
@@ -223,7 +223,7 @@ static void add_setting(text *t, const config *c, uint32_t i)
              setting->value);
 }
 
-static void write_variant(char *words, size_t room, const config *c, const scene *s,
+static void write_variant(char *words, size_t capacity, const config *c, const scene *s,
                           const char *search)
 {
     text t = {0};
@@ -235,9 +235,9 @@ static void write_variant(char *words, size_t room, const config *c, const scene
     for (uint32_t i = 0; i < c->n; ++i)
         add_setting(&t, c, i);
     static const char fixed[] = " cells=fixed";
-    if (s->fixed && t.length + sizeof fixed <= room)
+    if (s->fixed && t.length + sizeof fixed <= capacity)
         text_add(&t, "%s", fixed);
-    assert_true(t.length < room);
+    assert_true(t.length < capacity);
     memcpy(words, t.chars, t.length + 1);
     text_free(&t);
 }

@@ -2,9 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/test.h"
 
-#include "profiles/drift.h"
 #include "profiles/exchange.h"
-#include "profiles/price.h"
+#include "profiles/level_cost.h"
 #include "profiles/sql.h"
 #include "profiles/upkeep.h"
 #include "runtime/base/rng.h"
@@ -69,16 +68,16 @@ static void tune_one(store *s, uint64_t n)
     test_tune(s, &pair, &workload);
 }
 
-// A price list, and all that a profile can have.
-static void price_one(store *s)
+// A table of level costs, and all that a profile can have.
+static void cost_one(store *s)
 {
     duet_error err = {0};
     profile_workload workload = test_workload(1000);
     workload.level = "auto";
-    profile_price_key key = {.pair_id = 1, .kernels = TEST_KERNELS};
-    const profile_price prices[] = {{"certified", 2e6, 70, 0, 0}, {"sat15", 1.9e6, 70, 3, 9}};
+    profile_level_cost_key key = {.pair_id = 1, .kernels = TEST_KERNELS};
+    const profile_level_cost costs[] = {{"certified", 2e6, 70, 0, 0}, {"sat15", 1.9e6, 70, 3, 9}};
     assert_ok(profile_workload_put(s, &workload, &key.workload_id, &err), err);
-    assert_ok(profile_prices_put(s, &key, prices, 2, &err), err);
+    assert_ok(profile_level_costs_put(s, &key, costs, 2, &err), err);
     assert_ok(sql_script(s,
                          "UPDATE profile SET true_pairs = 70, single_ns = 3e6, best_share = 9, "
                          "best_mode = 'slab', terms = '{\"T_1\":1.5}'",
@@ -92,13 +91,13 @@ static void what_went_out_comes_in_as_it_was(void **state)
     two_stores two = open_two();
     tune_one(two.s, 1000);
     tune_one(two.s, 2000);
-    price_one(two.s);
+    cost_one(two.s);
     duet_error err = {0};
     char *lines = lines_of(two.s);
     profile_import_counts counts;
     assert_ok(import_lines(two.other, lines, &counts, &err), err);
     assert_int_equal(counts.known, 0);
-    assert_int_equal(test_count(two.other, "price WHERE missed = 3 AND invented = 9"), 1);
+    assert_int_equal(test_count(two.other, "level_cost WHERE missed = 3 AND invented = 9"), 1);
     char *back = lines_of(two.other);
     assert_string_equal(back, lines);
     assert_int_equal(test_count(two.other, "fit"), test_count(two.s, "fit"));
@@ -198,7 +197,7 @@ static void one_bad_line_refuses_the_file_and_is_named(void **state)
          "JSON object: terms"},
         {"\"terms\":null,\"origin\"", "\"terms\":7,\"origin\"", "JSON object: terms"},
         {"\"name\":\"", "\"name\":\"\xff", "not UTF-8"},
-        {"\"type\":\"store\",\"version\":2", "\"type\":\"store\",\"version\":3", "newer"},
+        {"\"type\":\"store\",\"version\":3", "\"type\":\"store\",\"version\":4", "newer"},
     };
     two_stores two = open_two();
     tune_one(two.s, 1000);
@@ -436,65 +435,6 @@ static void a_check_finds_what_was_tampered_with(void **state)
     }
 }
 
-// ------------------------------------------------------------------------- drift
-
-static int steps_until_alarm(rng *r, double factor, double noise, int most)
-{
-    profile_drift drift = {0};
-    for (int i = 1; i <= most; ++i)
-        if (profile_drift_update(&drift, 1e6 * factor * exp(noise * rng_normal(r)), 1e6))
-            return i;
-    return -1;
-}
-
-static void a_steady_machine_raises_no_alarm(void **state)
-{
-    (void)state;
-    rng r = rng_seed(test_seed());
-    assert_int_equal(steps_until_alarm(&r, 1, 0.02, 100000), -1);
-    assert_int_equal(steps_until_alarm(&r, 1, 0.20, 100000), -1);
-    assert_int_equal(steps_until_alarm(&r, 1.02, 0.02, 100000), -1);
-}
-
-static void a_shift_raises_the_alarm_soon(void **state)
-{
-    (void)state;
-    rng r = rng_seed(test_seed());
-    assert_in_range(steps_until_alarm(&r, 1.3, 0.02, 1000), 2, 20);
-    assert_in_range(steps_until_alarm(&r, 0.7, 0.02, 1000), 2, 20);
-    assert_in_range(steps_until_alarm(&r, 1.1, 0.05, 1000), 2, 60);
-}
-
-static void one_hiccup_raises_no_alarm(void **state)
-{
-    (void)state;
-    profile_drift drift = {0};
-    for (int i = 0; i < 100; ++i)
-        assert_false(profile_drift_update(&drift, i == 50 ? 1e9 : 1e6, 1e6));
-    assert_false(profile_drift_update(&drift, 0.0 / 0.0, 1e6));
-}
-
-static void drift_is_kept_beside_its_profile(void **state)
-{
-    (void)state;
-    two_stores two = open_two();
-    tune_one(two.s, 1000);
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
-    profile_request request = test_request(&pair, &workload);
-    profile_found found;
-    duet_error err = {0};
-    assert_ok(profile_lookup(two.s, &request, &found, NULL, &err), err);
-    profile_drift drift = {.n = 7, .mean = 0.25, .variance = 0.5, .up = 1, .down = 2};
-    profile_drift back;
-    assert_ok(profile_drift_save(two.s, found.uid, &drift, &err), err);
-    assert_ok(profile_drift_load(two.s, found.uid, &back, &err), err);
-    assert_memory_equal(&back, &drift, sizeof drift);
-    assert_false(profile_drift_save(two.s, "no such profile", &drift, &err));
-    assert_int_equal(err.status, DUET_NOT_FOUND);
-    close_two(&two);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -511,10 +451,6 @@ int main(void)
         cmocka_unit_test(pruning_thins_samples_and_keeps_medians),
         cmocka_unit_test(pruning_leaves_an_unfinished_search_whole),
         cmocka_unit_test(a_check_finds_what_was_tampered_with),
-        cmocka_unit_test(a_steady_machine_raises_no_alarm),
-        cmocka_unit_test(a_shift_raises_the_alarm_soon),
-        cmocka_unit_test(one_hiccup_raises_no_alarm),
-        cmocka_unit_test(drift_is_kept_beside_its_profile),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -119,7 +119,7 @@ cl_int clBuildProgram(cl_program program, cl_uint n, const cl_device_id *devices
 
 // ------------------------------------------------------------ a world
 
-enum { N = 1000 }; // so dense that a first step makes more room for pairs
+enum { N = 1000 }; // so dense that a first step makes more space for pairs
 
 static duet_device_pair *devices;  // that keep what they built: many worlds, few kernels
 static duet_device_pair *builders; // that build each time

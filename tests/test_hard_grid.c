@@ -13,10 +13,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROOM = 20000 };
+enum { CAPACITY = 20000 };
 
-static duet_pose poses[ROOM];
-static duet_bounds bounds[ROOM];
+static duet_pose poses[CAPACITY];
+static duet_bounds bounds[CAPACITY];
 
 // ------------------------------------------------------------ scenes
 
@@ -211,16 +211,16 @@ static void memory_follows_the_objects_and_not_the_world(void **state)
     (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of_cells(1e9f, 1e9f, 1e9f);
-    for (uint32_t i = 0; i < ROOM; ++i)
+    for (uint32_t i = 0; i < CAPACITY; ++i)
         poses[i] = scattered(&r, 0, 1e9, 0.5);
     duet_error err = {0};
     duet_result result;
     duet_world *world = duet_world_create(&def, &err);
     assert_ok(world != NULL, err);
-    assert_ok(duet_world_set_poses(world, poses, ROOM, &err), err);
+    assert_ok(duet_world_set_poses(world, poses, CAPACITY, &err), err);
     assert_ok(duet_world_step(world, &result, &err), err);
-    assert_true(result.bytes[0] < 1000 * ROOM);
-    assert_true(result.bytes[1] < 1000 * ROOM);
+    assert_true(result.bytes[0] < 1000 * CAPACITY);
+    assert_true(result.bytes[1] < 1000 * CAPACITY);
     duet_world_destroy(world);
 }
 

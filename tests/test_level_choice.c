@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which level is chosen from a price list.
+// Which level is chosen from a table of level costs.
 #include "support/test.h"
 
 #include "tuner/level_choice.h"
@@ -10,18 +10,18 @@ static const duet_level all[] = {DUET_LEVEL_CERTIFIED, DUET_LEVEL_AABB,  DUET_LE
                                  DUET_LEVEL_SAT6,      DUET_LEVEL_SAT15, DUET_LEVEL_DOUBLE};
 
 // 10 000 pairs collide.
-static const profile_price list[] = {
+static const profile_level_cost list[] = {
     {"aabb", 80, 10000, 0, 15000}, {"certified", 110, 10000, 0, 0}, {"double", 200, 10000, 0, 0},
     {"sat15", 100, 10000, 2, 1},   {"sat6", 90, 10000, 0, 900},     {"sphere", 85, 10000, 0, 7000},
 };
 enum { N = sizeof list / sizeof list[0] };
 
-static duet_level choose(const profile_price *prices, double missed, double false_rate)
+static duet_level choose(const profile_level_cost *costs, double missed, double false_rate)
 {
     duet_level level;
     duet_error err = {0};
     duet_accuracy accuracy = {missed, false_rate};
-    assert_ok(level_choose(prices, N, all, DUET_LEVELS, &accuracy, &level, &err), err);
+    assert_ok(level_choose(costs, N, all, DUET_LEVELS, &accuracy, &level, &err), err);
     return level;
 }
 
@@ -39,7 +39,7 @@ static void the_quickest_level_within_the_accuracy_is_chosen(void **state)
 static void a_level_that_promises_more_for_2_percent_comes_first(void **state)
 {
     (void)state;
-    profile_price near[N];
+    profile_level_cost near[N];
     memcpy(near, list, sizeof list);
     near[1].step_ns = 91.8; // certified, against sat6's 90
     assert_int_equal(choose(near, 0, 0.09), DUET_LEVEL_CERTIFIED);
@@ -60,7 +60,7 @@ static void what_no_level_reaches_names_the_nearest(void **state)
                                   "'sat6' comes nearest, with 0 and 0.09");
 }
 
-static void a_level_without_a_price_is_not_chosen(void **state)
+static void a_level_without_a_cost_is_not_chosen(void **state)
 {
     (void)state;
     static const duet_level only[] = {DUET_LEVEL_DOUBLE};
@@ -91,7 +91,7 @@ int main(void)
         cmocka_unit_test(the_quickest_level_within_the_accuracy_is_chosen),
         cmocka_unit_test(a_level_that_promises_more_for_2_percent_comes_first),
         cmocka_unit_test(what_no_level_reaches_names_the_nearest),
-        cmocka_unit_test(a_level_without_a_price_is_not_chosen),
+        cmocka_unit_test(a_level_without_a_cost_is_not_chosen),
         cmocka_unit_test(levels_cover_what_they_promise),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -102,7 +102,7 @@ static bool step_world(duet_world *world, const scenario *s, duet_error *err)
     return ok;
 }
 
-// The second step finds all room made.
+// The second step finds all space made.
 static void use_new_world(const scenario *s, lost_way way)
 {
     duet_error err = {0};

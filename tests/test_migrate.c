@@ -4,6 +4,7 @@
 
 #include "profiles/sql.h"
 #include "support/store.h"
+#include "tuner/trial_log.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -80,7 +81,9 @@ static void an_older_store_is_copied_and_upgraded(void **state)
     assert_non_null(strstr(store_note(s), copy));
     store_close(s);
     assert_non_null(strstr(test_store_refusal(copy, STORE_READ).text, "of the older version 1"));
-    test_store_run(copy, "PRAGMA user_version = 2");
+    char pragma[64];
+    snprintf(pragma, sizeof pragma, "PRAGMA user_version = %d", STORE_VERSION);
+    test_store_run(copy, pragma);
     s = test_store_open(copy, STORE_READ);
     assert_int_equal(test_count(s, "profile"), 1);
     assert_int_equal(test_count(s, "sqlite_schema WHERE name = 'extra'"), 0);
@@ -131,13 +134,13 @@ static void two_upgrades_keep_two_copies(void **state)
 
 // ------------------------------------------------------------------ what was upgraded
 
-// A file as the first version made it, with a tuned workload in it.
-static store *upgrade_first_version(const test_folder *folder)
+// A file as an older version made it, with a tuned workload in it.
+static store *upgrade_from(int version, const test_folder *folder)
 {
     text script = {0};
     duet_error err = {0};
     char path[512];
-    snprintf(path, sizeof path, "%s/store_v1.sql", getenv("DUET_TEST_DATA"));
+    snprintf(path, sizeof path, "%s/store_v%d.sql", getenv("DUET_TEST_DATA"), version);
     assert_ok(text_read_file(&script, path, &err), err);
     test_store_run(folder->store, text_chars(&script));
     text_free(&script);
@@ -162,19 +165,43 @@ static void tell_columns(store *s, text *columns)
 static void an_upgraded_store_has_the_columns_of_a_fresh_one(void **state)
 {
     (void)state;
-    test_folder folders[] = {test_folder_make(), test_folder_make()};
-    store *fresh = test_store_open(folders[0].store, STORE_WRITE);
-    store *upgraded = upgrade_first_version(&folders[1]);
-    text columns[2] = {{0}};
-    tell_columns(fresh, &columns[0]);
-    tell_columns(upgraded, &columns[1]);
-    assert_non_null(strstr(text_chars(&columns[0]), "price.missed INTEGER 1"));
-    assert_string_equal(text_chars(&columns[0]), text_chars(&columns[1]));
-    for (int i = 0; i < 2; ++i) {
-        text_free(&columns[i]);
-        store_close(i == 0 ? fresh : upgraded);
-        test_folder_remove(&folders[i]);
+    test_folder fresh_folder = test_folder_make();
+    store *fresh = test_store_open(fresh_folder.store, STORE_WRITE);
+    text expected = {0};
+    tell_columns(fresh, &expected);
+    assert_non_null(strstr(text_chars(&expected), "level_cost.missed INTEGER 1"));
+    for (int version = 1; version < STORE_VERSION; ++version) {
+        test_folder folder = test_folder_make();
+        store *s = upgrade_from(version, &folder);
+        text columns = {0};
+        tell_columns(s, &columns);
+        assert_string_equal(text_chars(&columns), text_chars(&expected));
+        text_free(&columns);
+        store_close(s);
+        test_folder_remove(&folder);
     }
+    text_free(&expected);
+    store_close(fresh);
+    test_folder_remove(&fresh_folder);
+}
+
+static void what_the_second_version_stored_is_kept_under_its_new_names(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    store *s = upgrade_from(2, &folder);
+    assert_int_equal(test_count(s, "level_cost"), 6);
+    assert_int_equal(test_count(s, "profile WHERE live = 1"), 1);
+    sql q = sql_make(s, "SELECT search_state FROM session", &(duet_error){0});
+    assert_true(sql_row(&q));
+    trial_log log = {0};
+    duet_error err = {0};
+    assert_ok(trial_log_from_json(&log, sql_get_text(&q, 0), &err), err);
+    assert_int_equal(log.n, test_count(s, "trial"));
+    trial_log_free(&log);
+    sql_close(&q);
+    store_close(s);
+    test_folder_remove(&folder);
 }
 
 // The first version kept no count of wrong pairs: only certified has none by
@@ -183,7 +210,7 @@ static void what_the_first_version_stored_serves_no_accuracy_but_certified(void 
 {
     (void)state;
     test_folder folder = test_folder_make();
-    store *s = upgrade_first_version(&folder);
+    store *s = upgrade_from(1, &folder);
     profile_pair pair = test_pair();
     static const char *const levels[] = {"certified", "sat6"};
     for (int i = 0; i < 2; ++i) {
@@ -215,6 +242,7 @@ int main(void)
         cmocka_unit_test(an_upgrade_that_fails_changes_nothing),
         cmocka_unit_test(two_upgrades_keep_two_copies),
         cmocka_unit_test(an_upgraded_store_has_the_columns_of_a_fresh_one),
+        cmocka_unit_test(what_the_second_version_stored_is_kept_under_its_new_names),
         cmocka_unit_test(what_the_first_version_stored_serves_no_accuracy_but_certified),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -110,11 +110,11 @@ static void draw_launches(rng *r)
         *launch_of("prepare") = draw_launch("prepare", r);
 }
 
-static void tell_launches(char *chars, size_t room)
+static void tell_launches(char *chars, size_t capacity)
 {
     size_t n = 0;
-    for (int i = 0; i < KERNELS && n < room; ++i)
-        n += (size_t)snprintf(chars + n, room - n, "%s WG=%d PER_ITEM=%d LANES=%d ", names[i],
+    for (int i = 0; i < KERNELS && n < capacity; ++i)
+        n += (size_t)snprintf(chars + n, capacity - n, "%s WG=%d PER_ITEM=%d LANES=%d ", names[i],
                               (int)launches[i].group, (int)launches[i].per_item,
                               (int)launches[i].lanes);
 }

@@ -91,7 +91,7 @@ static void open_launch(launch *l, const device *d, cl_program program, duet_pos
 {
     static duet_pair candidates[PAIRS];
     cl_uint counters[PART_COUNTERS] = {[COUNT_CANDIDATES] = PAIRS};
-    cl_uint room = PAIRS;
+    cl_uint capacity = PAIRS;
     for (uint32_t i = 0; i < PAIRS; ++i)
         candidates[i] = (duet_pair){2 * i, 2 * i + 1};
     l->queue = clCreateCommandQueue(d->context, d->id, 0, NULL);
@@ -104,10 +104,10 @@ static void open_launch(launch *l, const device *d, cl_program program, duet_pos
         l->found[i] = buffer_of(d, PAIRS * sizeof(duet_pair), NULL);
     set_arg(l, 0, sizeof(cl_mem), &l->objects);
     set_arg(l, 1, sizeof(cl_mem), &l->candidates);
-    set_arg(l, 2, sizeof room, &room);
+    set_arg(l, 2, sizeof capacity, &capacity);
     for (cl_uint i = 0; i < LISTS; ++i) {
         set_arg(l, 3 + 2 * i, sizeof(cl_mem), &l->found[i]);
-        set_arg(l, 4 + 2 * i, sizeof room, &room);
+        set_arg(l, 4 + 2 * i, sizeof capacity, &capacity);
     }
     set_arg(l, 7, sizeof(cl_mem), &l->counters);
 }

@@ -20,12 +20,12 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { ROOM = 1000 };
+enum { CAPACITY = 1000 };
 
 // Of the worlds' origin cells: boxes reach over many.
 #define EDGE 0.125f
 
-static duet_placed placed[ROOM];
+static duet_placed placed[CAPACITY];
 
 // ------------------------------------------------------------ positions
 

@@ -12,10 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROOM = 6000 };
+enum { CAPACITY = 6000 };
 
-static duet_pose poses[ROOM];
-static duet_bounds bounds[ROOM];
+static duet_pose poses[CAPACITY];
+static duet_bounds bounds[CAPACITY];
 
 // ------------------------------------------------------------ scenes
 
@@ -256,7 +256,7 @@ static void objects_that_move_between_steps_are_found(void **state)
     for (int k = 0; k < STEPS; ++k) {
         duet_result result = step_poses(world, N);
         assert_int_equal(duet_result_hash(&result), poses_hash(N, 3));
-        // all drift into one slab, out of its room, and beyond the world
+        // all drift into one slab, out of its space, and beyond the world
         for (uint32_t i = 0; i < N; ++i)
             poses[i].centre[2] += k < STEPS / 2 ? -6.0f : 9.0f;
     }

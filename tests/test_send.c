@@ -10,10 +10,10 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROOM = 5003 };
+enum { CAPACITY = 5003 };
 
 static duet_device_pair *devices;
-static duet_pose poses[ROOM];
+static duet_pose poses[CAPACITY];
 
 static int open_devices(void **state)
 {
@@ -111,7 +111,7 @@ static void any_number_of_chunks_gives_the_reference_pairs(void **state)
         {DUET_MODE_SHARED, "paper send=chunks"},
         {DUET_MODE_OWN, "items"},
     };
-    static const uint32_t numbers[] = {1, 1023, 1024, 1025, ROOM};
+    static const uint32_t numbers[] = {1, 1023, 1024, 1025, CAPACITY};
     rng r = {test_seed()};
     for (size_t p = 0; p < sizeof plans / sizeof *plans; ++p) {
         duet_world *world = make_world(plans[p].mode, plans[p].variant, false);
@@ -134,8 +134,8 @@ static void objects_that_are_there_come_in_no_chunks(void **state)
     duet_result result;
     rng r = {test_seed()};
     duet_world *world = make_world(DUET_MODE_OWN, "items send=chunks", false);
-    fill(&r, ROOM, 34.0);
-    uint64_t pairs = step(world, ROOM).pairs;
+    fill(&r, CAPACITY, 34.0);
+    uint64_t pairs = step(world, CAPACITY).pairs;
     assert_ok(duet_world_step(world, &result, &err), err);
     assert_int_equal(world->parts[1].n_chunks, 0);
     assert_int_equal(result.pairs, pairs);
@@ -183,12 +183,12 @@ static void a_bad_object_of_any_chunk_is_named(void **state)
     (void)state;
     rng r = {test_seed()};
     duet_world *world = make_world(DUET_MODE_SLAB, "items send=chunks", true);
-    fill(&r, ROOM, 34.0);
+    fill(&r, CAPACITY, 34.0);
     poses[4321].half[2] = -1.0f;
     poses[1500].centre[2] = NAN;
-    poses[ROOM - 1].rotation[0] = INFINITY;
+    poses[CAPACITY - 1].rotation[0] = INFINITY;
     set_share(world, DUET_SHARE_ONE / 2);
-    duet_result result = step(world, ROOM);
+    duet_result result = step(world, CAPACITY);
     assert_int_equal(result.bad, 3);
     assert_int_equal(result.first_bad, 1500);
     duet_world_destroy(world);

@@ -8,11 +8,11 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROOM = 3000 };
+enum { CAPACITY = 3000 };
 
 static duet_device_pair *devices;
 static bool have_host_memory[2];
-static duet_pose poses[ROOM];
+static duet_pose poses[CAPACITY];
 
 static int open_devices(void **state)
 {
@@ -112,7 +112,7 @@ static void assert_step_is_the_reference(duet_world *world, uint32_t n)
 // Transforms move, sizes stay, then sizes change too.
 static void follow(uint32_t dims, duet_mode mode, const char *text, rng *r)
 {
-    static const uint32_t numbers[] = {1, 7, 1031, ROOM};
+    static const uint32_t numbers[] = {1, 7, 1031, CAPACITY};
     duet_world *world = make_world(dims, mode, text);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
         uint32_t n = numbers[i];
@@ -125,10 +125,10 @@ static void follow(uint32_t dims, duet_mode mode, const char *text, rng *r)
         map_transforms(world, n);
         assert_step_is_the_reference(world, n);
     }
-    for (uint32_t k = 0; k < ROOM; ++k)
+    for (uint32_t k = 0; k < CAPACITY; ++k)
         poses[k].half[k % 3] *= 1.5f;
-    map_sizes(world, ROOM);
-    assert_step_is_the_reference(world, ROOM);
+    map_sizes(world, CAPACITY);
+    assert_step_is_the_reference(world, CAPACITY);
     duet_world_destroy(world);
 }
 
@@ -161,17 +161,17 @@ static void sizes_are_sent_once(void **state)
     rng r = {test_seed()};
     tell_of_memory(false);
     duet_world *world = make_world(3, DUET_MODE_OWN, "items");
-    fill(&r, ROOM, 3);
-    map_sizes(world, ROOM);
-    map_transforms(world, ROOM);
-    assert_step_is_the_reference(world, ROOM);
+    fill(&r, CAPACITY, 3);
+    map_sizes(world, CAPACITY);
+    map_transforms(world, CAPACITY);
+    assert_step_is_the_reference(world, CAPACITY);
     // What was written behind the world's back is not looked at.
     duet_size *sizes = world->sizes.bytes;
-    for (uint32_t i = 0; i < ROOM; ++i)
+    for (uint32_t i = 0; i < CAPACITY; ++i)
         sizes[i] = (duet_size){{-1.0f, -1.0f, -1.0f}};
-    map_transforms(world, ROOM);
-    assert_step_is_the_reference(world, ROOM);
-    assert_true(duet_world_map_sizes(world, ROOM, &err) == sizes);
+    map_transforms(world, CAPACITY);
+    assert_step_is_the_reference(world, CAPACITY);
+    assert_true(duet_world_map_sizes(world, CAPACITY, &err) == sizes);
     assert_false(duet_world_step(world, &result, &err));
     assert_int_equal(err.status, DUET_BAD_OBJECT);
     duet_world_destroy(world);
@@ -184,9 +184,9 @@ static void poses_are_taken_apart(void **state)
     rng r = {test_seed()};
     tell_of_memory(true);
     duet_world *world = make_world(3, DUET_MODE_OWN, "lanes");
-    fill(&r, ROOM, 3);
-    assert_ok(duet_world_set_poses(world, poses, ROOM, &err), err);
-    assert_step_is_the_reference(world, ROOM);
+    fill(&r, CAPACITY, 3);
+    assert_ok(duet_world_set_poses(world, poses, CAPACITY, &err), err);
+    assert_step_is_the_reference(world, CAPACITY);
     duet_world_destroy(world);
 }
 
@@ -220,14 +220,14 @@ static void bad_sizes_are_named(void **state)
     duet_error err = {0};
     duet_result result;
     rng r = {test_seed()};
-    fill(&r, ROOM, 3);
+    fill(&r, CAPACITY, 3);
     poses[77].half[1] = -0.25f;
     poses[78].half[0] = NAN;
     for (int host = 0; host < 2; ++host) {
         tell_of_memory(host);
         duet_world *world = make_world(3, DUET_MODE_SLAB, host ? "lanes" : "items");
-        map_transforms(world, ROOM);
-        map_sizes(world, ROOM);
+        map_transforms(world, CAPACITY);
+        map_sizes(world, CAPACITY);
         assert_false(duet_world_step(world, &result, &err));
         assert_int_equal(err.status, DUET_BAD_OBJECT);
         assert_non_null(strstr(err.text, "object 77 of 3000"));
@@ -243,7 +243,7 @@ static void as_many_sizes_as_transforms(void **state)
     duet_error err = {0};
     duet_result result;
     rng r = {test_seed()};
-    fill(&r, ROOM, 3);
+    fill(&r, CAPACITY, 3);
     tell_of_memory(true);
     duet_world *world = make_world(3, DUET_MODE_OWN, "lanes");
     map_transforms(world, 10);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A store where nothing can be written: no rights, no room.
+// A store where nothing can be written: no rights, no space.
 #define _GNU_SOURCE
 #include "support/test.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/test.h"
 
-#include "tuner/replay.h"
+#include "support/simulated_pair.h"
 #include "tuner/strategy.h"
 
 #include <math.h>
@@ -9,19 +9,19 @@
 #include <string.h>
 
 // Runs a strategy to its end on a model and gives its pick.
-static uint32_t pick_of(const char *name, const replay_model *model, rng *r, uint32_t *launches,
+static uint32_t pick_of(const char *name, const simulated_pair *model, rng *r, uint32_t *launches,
                         double *cost)
 {
     search s;
     duet_error err = {0};
     uint64_t cost_ns;
     assert_ok(search_begin(&s, name, NULL, &err), err);
-    assert_ok(replay_run(&s, model, r, &cost_ns, &err), err);
+    assert_ok(simulated_run(&s, model, r, &cost_ns, &err), err);
     uint32_t share = search_pick(&s);
     if (launches)
         *launches = s.n;
     if (cost)
-        *cost = (double)cost_ns / (double)replay_best(model).total_ns;
+        *cost = (double)cost_ns / (double)simulated_best(model).total_ns;
     search_end(&s);
     return share;
 }
@@ -45,11 +45,11 @@ static void fig12_gives_the_table_of_the_paper_in_exact_arithmetic(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof fig12_table / sizeof *fig12_table; ++i) {
         const fig12_row *row = &fig12_table[i];
-        replay_model model = {.ratio = row->ratio};
+        simulated_pair model = {.ratio = row->ratio};
         uint32_t launches;
         double cost;
         uint32_t share = pick_of("fig12", &model, NULL, &launches, &cost);
-        double off = replay_off(&model, share);
+        double off = simulated_excess(&model, share);
         double best = row->ratio / (row->ratio + 1);
         double lost = best * off / (1 - best);
         assert_int_equal(launches, 13);
@@ -64,13 +64,13 @@ static void fig12_never_comes_nearer_with_more_launches(void **state)
 {
     (void)state;
     for (size_t i = 0; i < sizeof fig12_table / sizeof *fig12_table; ++i) {
-        replay_model model = {.ratio = fig12_table[i].ratio};
+        simulated_pair model = {.ratio = fig12_table[i].ratio};
         search_options options = search_default_options();
         options.launches = 1003;
         search s;
         duet_error err = {0};
         assert_ok(search_begin(&s, "fig12", &options, &err), err);
-        assert_ok(replay_run(&s, &model, NULL, NULL, &err), err);
+        assert_ok(simulated_run(&s, &model, NULL, NULL, &err), err);
         assert_int_equal(search_pick(&s), (uint32_t)(fig12_table[i].share * SEARCH_ONE));
         search_end(&s);
     }
@@ -90,16 +90,16 @@ static void fig12_loses_the_best_share_for_92_percent_of_speed_ratios(void **sta
     uint32_t lost = 0, far = 0;
     double sum = 0;
     for (uint32_t i = 0; i < N_RATIOS; ++i) {
-        replay_model model = {.ratio = ratio_at(i)};
+        simulated_pair model = {.ratio = ratio_at(i)};
         search s;
         duet_error err = {0};
         uint32_t low, high;
         assert_ok(search_begin(&s, "fig12", NULL, &err), err);
-        assert_ok(replay_run(&s, &model, NULL, NULL, &err), err);
+        assert_ok(simulated_run(&s, &model, NULL, NULL, &err), err);
         search_bracket(&s, &low, &high);
         double best = SEARCH_ONE / (model.ratio + 1);
         double least = 1e7 * model.ratio / (model.ratio + 1);
-        double off = (double)replay_launch(&model, search_pick(&s), NULL).total_ns / least - 1;
+        double off = (double)simulated_launch(&model, search_pick(&s), NULL).total_ns / least - 1;
         lost += best < low || best > high;
         far += off > 0.05;
         sum += off;
@@ -118,10 +118,10 @@ static void without_noise_bisect_golden_and_grid_find_the_best_share(void **stat
         double off;
     } within[] = {{"bisect", 0.002}, {"golden", 0.01}, {"grid", 0.04}};
     for (uint32_t i = 0; i < N_RATIOS; i += 10) {
-        replay_model model = {.ratio = ratio_at(i), .overhead = {0.02, 0.01}};
+        simulated_pair model = {.ratio = ratio_at(i), .overhead = {0.02, 0.01}};
         for (size_t k = 0; k < sizeof within / sizeof *within; ++k) {
             uint32_t share = pick_of(within[k].name, &model, NULL, NULL, NULL);
-            assert_true(replay_off(&model, share) < within[k].off);
+            assert_true(simulated_excess(&model, share) < within[k].off);
         }
     }
 }
@@ -129,19 +129,19 @@ static void without_noise_bisect_golden_and_grid_find_the_best_share(void **stat
 // A's time rises with the share and B's falls, by random steps between rows.
 enum { N_ROWS = 33 };
 
-static replay_model monotone_model(replay_row *rows, rng *r)
+static simulated_pair monotone_model(simulated_row *rows, rng *r)
 {
     uint64_t a = 0, b = 0;
     double slope_a = exp(rng_between(r, 0, 4)), slope_b = exp(rng_between(r, 0, 4));
     for (uint32_t i = 0; i < N_ROWS; ++i) {
-        rows[i] = (replay_row){.share = i * (SEARCH_ONE / (N_ROWS - 1)), .a_ns = a};
+        rows[i] = (simulated_row){.share = i * (SEARCH_ONE / (N_ROWS - 1)), .a_ns = a};
         a += 1000 + (uint64_t)(1e6 * slope_a * rng_unit(r));
     }
     for (uint32_t i = N_ROWS; i-- > 0;) {
         rows[i].b_ns = b;
         b += 1000 + (uint64_t)(1e6 * slope_b * rng_unit(r));
     }
-    return (replay_model){.rows = rows, .n_rows = N_ROWS};
+    return (simulated_pair){.rows = rows, .n_rows = N_ROWS};
 }
 
 static void the_bracket_holds_the_best_share_at_every_step(void **state)
@@ -150,15 +150,15 @@ static void the_bracket_holds_the_best_share_at_every_step(void **state)
     static const char *const names[] = {"bisect", "balance"};
     rng r = rng_seed(test_seed());
     for (int round = 0; round < 400; ++round) {
-        replay_row rows[N_ROWS];
-        replay_model model = monotone_model(rows, &r);
-        uint32_t best = replay_best(&model).share;
+        simulated_row rows[N_ROWS];
+        simulated_pair model = monotone_model(rows, &r);
+        uint32_t best = simulated_best(&model).share;
         search s;
         duet_error err = {0};
         assert_ok(search_begin(&s, names[round % 2], NULL, &err), err);
         for (search_next next; search_ask(&s, &next, &err) && !next.done;) {
             uint32_t low, high;
-            search_sample sample = replay_launch(&model, next.share, NULL);
+            search_sample sample = simulated_launch(&model, next.share, NULL);
             assert_ok(search_tell(&s, &sample, &err), err);
             search_bracket(&s, &low, &high);
             assert_true(low <= best && best <= high);
@@ -168,11 +168,11 @@ static void the_bracket_holds_the_best_share_at_every_step(void **state)
 }
 
 // Pure max(K r, 1 - r) where overhead is 0; `mirrored` makes A the faster one.
-static replay_model affine_model(uint32_t i, double overhead, bool mirrored)
+static simulated_pair affine_model(uint32_t i, double overhead, bool mirrored)
 {
     double ratio = mirrored ? 1 / ratio_at(i) : ratio_at(i);
     double part = overhead * ratio / (ratio + 1);
-    return (replay_model){.ratio = ratio, .overhead = {part, 0.7 * part}};
+    return (simulated_pair){.ratio = ratio, .overhead = {part, 0.7 * part}};
 }
 
 static void balance_is_within_1_percent_in_9_launches_without_noise(void **state)
@@ -181,12 +181,12 @@ static void balance_is_within_1_percent_in_9_launches_without_noise(void **state
     search_options nine = search_default_options();
     nine.launches = 9;
     for (uint32_t i = 0; i < 6 * N_RATIOS; i += 19) {
-        replay_model model = affine_model(i / 6, 0.07 * (i % 3), i % 2);
+        simulated_pair model = affine_model(i / 6, 0.07 * (i % 3), i % 2);
         search s;
         duet_error err = {0};
         assert_ok(search_begin(&s, "balance", &nine, &err), err);
-        assert_ok(replay_run(&s, &model, NULL, NULL, &err), err);
-        assert_true(replay_off(&model, search_pick(&s)) <= 0.01);
+        assert_ok(simulated_run(&s, &model, NULL, NULL, &err), err);
+        assert_true(simulated_excess(&model, search_pick(&s)) <= 0.01);
         search_end(&s);
     }
 }
@@ -205,18 +205,18 @@ static void balance_is_within_3_percent_on_average_in_16_noisy_launches(void **s
     rng r = rng_seed(test_seed());
     search_options sixteen = search_default_options();
     sixteen.launches = 16;
-    for (int family = REPLAY_AFFINE; family <= REPLAY_INTERF; ++family) {
+    for (int family = SIMULATED_AFFINE; family <= SIMULATED_INTERF; ++family) {
         double off[N_PAIRS];
         for (uint32_t i = 0; i < N_PAIRS; ++i) {
-            replay_model model = replay_invent((replay_family)family, i % 2, &r);
+            simulated_pair model = simulated_invent((simulated_family)family, i % 2, &r);
             model.sigma = 0.05;
             model.spike_chance = 0.05;
             model.spike_most = 3;
             search s;
             duet_error err = {0};
             assert_ok(search_begin(&s, "balance", &sixteen, &err), err);
-            assert_ok(replay_run(&s, &model, &r, NULL, &err), err);
-            off[i] = replay_off(&model, search_pick(&s));
+            assert_ok(simulated_run(&s, &model, &r, NULL, &err), err);
+            off[i] = simulated_excess(&model, search_pick(&s));
             mean += off[i] / (3 * N_PAIRS);
             search_end(&s);
         }
@@ -232,14 +232,14 @@ static void balance_never_launches_at_a_share_that_is_dear(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < N_RATIOS; i += 3) {
-        replay_model model = affine_model(i, 0.1, false);
-        double alone = (double)replay_launch(&model, 0, NULL).total_ns;
+        simulated_pair model = affine_model(i, 0.1, false);
+        double alone = (double)simulated_launch(&model, 0, NULL).total_ns;
         double most = fmax(3.2, model.ratio / 16 + 0.2);
         uint64_t cost;
         search s;
         duet_error err = {0};
         assert_ok(search_begin(&s, "balance", NULL, &err), err);
-        assert_ok(replay_run(&s, &model, NULL, &cost, &err), err);
+        assert_ok(simulated_run(&s, &model, NULL, &cost, &err), err);
         for (uint32_t k = 0; k < s.n; ++k) {
             assert_true((double)s.samples[k].total_ns <= most * alone);
             assert_true(s.samples[k].share < SEARCH_ONE || model.ratio < 1.5);
@@ -253,7 +253,7 @@ static void balance_never_launches_at_a_share_that_is_dear(void **state)
 static void balance_keeps_one_device_where_sharing_only_costs(void **state)
 {
     (void)state;
-    static const replay_row rows[] = {
+    static const simulated_row rows[] = {
         {0, 0, 0, 27100000},
         {64, 0, 3000000, 27500000},
         {20316, 0, 27000000, 27800000},
@@ -261,7 +261,7 @@ static void balance_keeps_one_device_where_sharing_only_costs(void **state)
         {36864, 0, 29400000, 28000000},
         {65536, 0, 51300000, 0},
     };
-    replay_model model = {.rows = rows, .n_rows = sizeof rows / sizeof *rows};
+    simulated_pair model = {.rows = rows, .n_rows = sizeof rows / sizeof *rows};
     uint32_t launches;
     assert_int_equal(pick_of("balance", &model, NULL, &launches, NULL), 0);
     assert_in_range(launches, 3, 32);
@@ -273,15 +273,15 @@ static void a_neighbours_share_is_the_first_probe(void **state)
     search_options options = search_default_options();
     options.has_start = true;
     options.start = SEARCH_ONE / 11;
-    replay_model model = {.ratio = 10};
+    simulated_pair model = {.ratio = 10};
     search s;
     duet_error err = {0};
     uint64_t cost;
     assert_ok(search_begin(&s, "balance", &options, &err), err);
-    assert_ok(replay_run(&s, &model, NULL, &cost, &err), err);
+    assert_ok(simulated_run(&s, &model, NULL, &cost, &err), err);
     assert_int_equal(s.samples[1].share, options.start);
     assert_true(s.n <= 6);
-    assert_true(replay_off(&model, search_pick(&s)) < 0.005);
+    assert_true(simulated_excess(&model, search_pick(&s)) < 0.005);
     search_end(&s);
 }
 
@@ -290,18 +290,18 @@ static void chunks_follow_a_device_that_slows_down(void **state)
     (void)state;
     search_options endless = search_default_options();
     endless.launches = 1000;
-    replay_model fast = {.ratio = 1}, slow = {.ratio = 5};
+    simulated_pair fast = {.ratio = 1}, slow = {.ratio = 5};
     search s;
     duet_error err = {0};
     assert_ok(search_begin(&s, "chunks", &endless, &err), err);
     for (int i = 0; i < 30; ++i) {
-        const replay_model *model = i < 15 ? &fast : &slow;
+        const simulated_pair *model = i < 15 ? &fast : &slow;
         search_next next;
         assert_ok(search_ask(&s, &next, &err), err);
-        search_sample sample = replay_launch(model, next.share, NULL);
+        search_sample sample = simulated_launch(model, next.share, NULL);
         assert_ok(search_tell(&s, &sample, &err), err);
         if (i == 14 || i == 29)
-            assert_true(replay_off(model, search_pick(&s)) < 0.02);
+            assert_true(simulated_excess(model, search_pick(&s)) < 0.02);
     }
     search_end(&s);
 }
@@ -336,7 +336,7 @@ static void senseless_times_do_no_harm(void **state)
 }
 
 // Goes through JSON after every launch when `stops` is set.
-static uint32_t run_with_stops(const char *name, const replay_model *model, bool stops,
+static uint32_t run_with_stops(const char *name, const simulated_pair *model, bool stops,
                                uint64_t seed, uint32_t *launches)
 {
     search s;
@@ -344,7 +344,7 @@ static uint32_t run_with_stops(const char *name, const replay_model *model, bool
     rng r = rng_seed(seed);
     assert_ok(search_begin(&s, name, NULL, &err), err);
     for (search_next next; search_ask(&s, &next, &err) && !next.done;) {
-        search_sample sample = replay_launch(model, next.share, &r);
+        search_sample sample = simulated_launch(model, next.share, &r);
         assert_ok(search_tell(&s, &sample, &err), err);
         if (!stops)
             continue;
@@ -364,7 +364,7 @@ static void a_resumed_search_ends_as_an_uninterrupted_one(void **state)
 {
     (void)state;
     uint64_t seed = test_seed();
-    replay_model model = {.ratio = 7, .overhead = {0.1, 0.05}, .sigma = 0.05};
+    simulated_pair model = {.ratio = 7, .overhead = {0.1, 0.05}, .sigma = 0.05};
     for (uint32_t i = 0; strategies[i]; ++i) {
         uint32_t n_whole, n_stopped;
         uint32_t whole = run_with_stops(strategies[i]->name, &model, false, seed, &n_whole);

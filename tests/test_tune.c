@@ -2,8 +2,8 @@
 // The whole tuning on devices that are only arithmetic.
 #include "support/test.h"
 
+#include "support/simulated_pair.h"
 #include "tuner/race.h"
-#include "tuner/replay.h"
 #include "tuner/tune.h"
 
 #include <math.h>
@@ -11,10 +11,10 @@
 
 enum { RIGHT = 4711 };
 
-// A replay model behind the face of a machine. Variant "slow" takes thrice the
+// A simulated pair behind the face of a machine. Variant "slow" takes thrice the
 // time, "wrong" finds other pairs, "broken" does not build.
 typedef struct fake {
-    replay_model model;
+    simulated_pair model;
     rng random;
     double slowness; // of a device whose memory somebody else uses, for a while; 0: none
     bool slow[2];
@@ -46,11 +46,11 @@ static bool launch_fake(void *context, const duet_plan *plan, measure_launch *la
         }
         return false;
     }
-    replay_model model = f->model;
+    simulated_pair model = f->model;
     model.ratio *= strcmp(plan->variant_a, "slow") == 0 ? 3 : 1;
     if (plan->mode == DUET_MODE_SHARED && !f->modes_tie)
         model.overhead[0] += 0.2;
-    search_sample s = replay_launch(&model, plan->share, &f->random);
+    search_sample s = simulated_launch(&model, plan->share, &f->random);
     double slow_b = b && strcmp(plan->variant_b, "slow") == 0 ? 3 : 1;
     launch->a_ns = (int64_t)slowed(f, 0, (double)s.a_ns);
     launch->b_ns = (int64_t)slowed(f, 1, slow_b * (double)s.b_ns);
@@ -95,10 +95,10 @@ static duet_tune_outcome tune_fake(fake *f, const duet_tune_def *def)
 {
     duet_tune_outcome outcome;
     tune_task task = fake_task(f, def);
-    tape state = {0};
+    trial_log state = {0};
     duet_error err = {0};
     assert_ok(tune_run(&task, &state, &outcome, &err), err);
-    tape_free(&state);
+    trial_log_free(&state);
     return outcome;
 }
 
@@ -117,7 +117,7 @@ static void two_equal_halves_are_shared_evenly_and_gain(void **state)
 }
 
 // Each device takes as long for any part of the work.
-static const replay_row flat_rows[] = {
+static const simulated_row flat_rows[] = {
     {.share = 0, .a_ns = 10000000, .b_ns = 10000000},
     {.share = SEARCH_ONE, .a_ns = 10000000, .b_ns = 10000000},
 };
@@ -187,7 +187,7 @@ static void modes_that_tie_are_not_raced_to_the_end(void **state)
         duet_tune_def def = fake_def(&f);
         duet_tune_outcome outcome = tune_fake(&f, &def);
         assert_string_equal(outcome.verdict, "faster");
-        assert_true(replay_off(&f.model, outcome.plan.share) < 0.02);
+        assert_true(simulated_excess(&f.model, outcome.plan.share) < 0.02);
         launches += f.launches;
         random = f.random;
     }
@@ -216,15 +216,15 @@ static void the_tuned_plan_is_never_slower_than_a_single_device(void **state)
     (void)state;
     rng r = rng_seed(test_seed());
     for (int i = 0; i < 200; ++i) {
-        fake f = {.model = replay_invent((replay_family)(i % 3), i % 2, &r), .random = r};
+        fake f = {.model = simulated_invent((simulated_family)(i % 3), i % 2, &r), .random = r};
         f.model.sigma = 0.03;
         f.model.spike_chance = 0.03;
         f.model.spike_most = 3;
         duet_tune_def def = fake_def(&f);
         duet_tune_outcome outcome = tune_fake(&f, &def);
-        double single = fmin((double)replay_launch(&f.model, 0, NULL).total_ns,
-                             (double)replay_launch(&f.model, SEARCH_ONE, NULL).total_ns);
-        double tuned = (double)replay_launch(&f.model, outcome.plan.share, NULL).total_ns;
+        double single = fmin((double)simulated_launch(&f.model, 0, NULL).total_ns,
+                             (double)simulated_launch(&f.model, SEARCH_ONE, NULL).total_ns);
+        double tuned = (double)simulated_launch(&f.model, outcome.plan.share, NULL).total_ns;
         assert_true(tuned <= 1.01 * single);
     }
 }
@@ -253,14 +253,14 @@ static void a_default_that_finds_wrong_pairs_ends_the_tuning(void **state)
     tune_task task = fake_task(&f, &def);
     strcpy(task.plan.variant_a, "wrong");
     strcpy(task.plan.variant_b, "wrong");
-    tape kept = {0};
+    trial_log kept = {0};
     duet_tune_outcome outcome;
     duet_error err = {0};
     assert_false(tune_run(&task, &kept, &outcome, &err));
     assert_int_equal(err.status, DUET_WRONG_RESULT);
     assert_non_null(strstr(err.text, "pair hash 0000000000000001"));
     assert_int_equal(f.launches, 1);
-    tape_free(&kept);
+    trial_log_free(&kept);
 }
 
 static void nothing_that_builds_is_said_with_its_reason(void **state)
@@ -271,13 +271,13 @@ static void nothing_that_builds_is_said_with_its_reason(void **state)
     duet_tune_def def = fake_def(&f);
     def.variants = broken;
     tune_task task = fake_task(&f, &def);
-    tape kept = {0};
+    trial_log kept = {0};
     duet_tune_outcome outcome;
     duet_error err = {0};
     assert_false(tune_run(&task, &kept, &outcome, &err));
     assert_int_equal(err.status, DUET_BUILD_FAILED);
     assert_non_null(strstr(err.text, "broken does not build"));
-    tape_free(&kept);
+    trial_log_free(&kept);
 }
 
 static void assert_same(const duet_tune_outcome *a, const duet_tune_outcome *b)
@@ -303,7 +303,7 @@ static void a_resumed_tuning_ends_as_an_uninterrupted_one(void **state)
         fake f = {.model = whole.model, .random = rng_seed(seed), .stop_after = stop};
         def.watch_context = &f;
         tune_task task = fake_task(&f, &def);
-        tape kept = {0};
+        trial_log kept = {0};
         duet_tune_outcome outcome;
         duet_error err = {0};
         uint32_t stops = 0;
@@ -311,15 +311,15 @@ static void a_resumed_tuning_ends_as_an_uninterrupted_one(void **state)
             assert_int_equal(err.status, DUET_INTERRUPTED);
             err = (duet_error){0};
             text json = {0};
-            tape_to_json(&kept, &json);
-            tape_free(&kept);
-            assert_ok(tape_from_json(&kept, text_chars(&json), &err), err);
+            trial_log_to_json(&kept, &json);
+            trial_log_free(&kept);
+            assert_ok(trial_log_from_json(&kept, text_chars(&json), &err), err);
             text_free(&json);
             assert_true(++stops < 500);
         }
         assert_same(&outcome, &expected);
         assert_int_equal(f.launches, whole.launches);
-        tape_free(&kept);
+        trial_log_free(&kept);
     }
 }
 
@@ -348,21 +348,21 @@ static void a_start_from_a_neighbour_saves_trials(void **state)
     tune_task task = fake_task(&f, &def);
     task.has_start = true;
     task.start = SEARCH_ONE / 10;
-    tape kept = {0};
+    trial_log kept = {0};
     duet_tune_outcome outcome;
     duet_error err = {0};
     assert_ok(tune_run(&task, &kept, &outcome, &err), err);
     assert_int_equal(kept.entries[1].plan.share, task.start);
-    tape_free(&kept);
+    trial_log_free(&kept);
 }
 
-static void a_tape_of_another_tuning_is_forgotten_where_it_differs(void **state)
+static void a_log_of_another_tuning_is_forgotten_where_it_differs(void **state)
 {
     (void)state;
     fake f = {.model = {.ratio = 3, .sigma = 0.02}, .random = rng_seed(test_seed())};
     duet_tune_def def = fake_def(&f);
     tune_task task = fake_task(&f, &def);
-    tape kept = {0};
+    trial_log kept = {0};
     duet_tune_outcome outcome;
     duet_error err = {0};
     assert_ok(tune_run(&task, &kept, &outcome, &err), err);
@@ -371,7 +371,7 @@ static void a_tape_of_another_tuning_is_forgotten_where_it_differs(void **state)
     uint32_t before = f.launches;
     assert_ok(tune_run(&task, &kept, &outcome, &err), err);
     assert_int_equal(f.launches - before, outcome.launches - known);
-    tape_free(&kept);
+    trial_log_free(&kept);
 }
 
 static void a_measurement_keeps_the_warm_up_and_marks_outliers(void **state)
@@ -409,7 +409,7 @@ int main(void)
         cmocka_unit_test(a_resumed_tuning_ends_as_an_uninterrupted_one),
         cmocka_unit_test(a_budget_ends_the_search_and_leaves_room_for_a_verdict),
         cmocka_unit_test(a_start_from_a_neighbour_saves_trials),
-        cmocka_unit_test(a_tape_of_another_tuning_is_forgotten_where_it_differs),
+        cmocka_unit_test(a_log_of_another_tuning_is_forgotten_where_it_differs),
         cmocka_unit_test(a_measurement_keeps_the_warm_up_and_marks_outliers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -6,8 +6,8 @@
 #include "runtime/base/error.h"
 #include "runtime/profiled.h"
 #include "tuner/level_choice.h"
+#include "tuner/level_costs.h"
 #include "tuner/pair_list.h"
-#include "tuner/prices.h"
 #include "tuner/race.h"
 #include "tuner/record.h"
 #include "tuner/strategy.h"
@@ -18,7 +18,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { COOKIE = 0x0d0e7003, REPEATS = 3, GROUP = 128, PRICE_ROUNDS = 7 };
+enum { COOKIE = 0x0d0e7003, REPEATS = 3, GROUP = 128, CHOICE_ROUNDS = 7 };
 
 duet_tune_def duet_default_tune_def(void)
 {
@@ -103,25 +103,25 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
 // ---------------------------------------------------------------- a tuning
 
 // Everything a tuning holds, given back in one place.
-typedef struct holdings {
+typedef struct tuning_resources {
     duet_tune_def def;
     duet_world *world;
     script *script;
     profiled profiled;
     record record; // without a store where nothing is kept
-    tape state;
-} holdings;
+    trial_log state;
+} tuning_resources;
 
-static void let_go(holdings *h)
+static void let_go(tuning_resources *h)
 {
     record_close(&h->record);
-    tape_free(&h->state);
+    trial_log_free(&h->state);
     script_close(h->script);
     duet_world_destroy(h->world);
 }
 
 // The level is settled before anything is measured but levels.
-static bool make_world(holdings *h, duet_error *err)
+static bool make_world(tuning_resources *h, duet_error *err)
 {
     duet_world_def def = duet_scene_world_def(h->def.scene, h->def.pair);
     if (h->def.n_levels > 0)
@@ -132,7 +132,7 @@ static bool make_world(holdings *h, duet_error *err)
     return h->world && duet_world_set_scene(h->world, h->def.scene, err);
 }
 
-static bool open_script(holdings *h, duet_error *err)
+static bool open_script(tuning_resources *h, duet_error *err)
 {
     if (!h->def.strategy_lua)
         return true;
@@ -140,7 +140,7 @@ static bool open_script(holdings *h, duet_error *err)
     return h->script;
 }
 
-static bool describe_world(holdings *h, duet_error *err)
+static bool describe_world(tuning_resources *h, duet_error *err)
 {
     if (!profiled_world(h->world, &h->profiled, err))
         return false;
@@ -161,7 +161,7 @@ static duet_tune_def complete_def(const duet_tune_def *def)
     return whole;
 }
 
-static bool prepare(holdings *h, const duet_tune_def *def, duet_error *err)
+static bool prepare(tuning_resources *h, const duet_tune_def *def, duet_error *err)
 {
     h->def = complete_def(def);
     return make_world(h, err) && open_script(h, err) && describe_world(h, err) &&
@@ -170,14 +170,14 @@ static bool prepare(holdings *h, const duet_tune_def *def, duet_error *err)
 
 // ---------------------------------------------------------------- the level
 
-typedef struct price_watching {
-    const holdings *h;
+typedef struct cost_watching {
+    const tuning_resources *h;
     uint64_t begun_ns;
-} price_watching;
+} cost_watching;
 
-static bool watch_prices(void *context, uint64_t done, uint64_t steps)
+static bool watch_costs(void *context, uint64_t done, uint64_t steps)
 {
-    const price_watching *w = context;
+    const cost_watching *w = context;
     const duet_tune_def *def = &w->h->def;
     (void)steps;
     duet_tune_progress progress = {
@@ -189,25 +189,26 @@ static bool watch_prices(void *context, uint64_t done, uint64_t steps)
     return !def->watch || def->watch(def->watch_context, &progress);
 }
 
-static bool measure_prices(holdings *h, profile_price *stored, uint32_t *n, duet_error *err)
+static bool measure_level_costs(tuning_resources *h, profile_level_cost *stored, uint32_t *n,
+                                duet_error *err)
 {
-    price_watching w = {h, clock_steady_ns()};
-    prices_def def = {.pair = h->def.pair,
-                      .scene = h->def.scene,
-                      .rounds = PRICE_ROUNDS,
-                      .watch = watch_prices,
-                      .watch_context = &w};
-    prices p;
-    if (!prices_measure(&p, &def, err))
+    cost_watching w = {h, clock_steady_ns()};
+    level_costs_def def = {.pair = h->def.pair,
+                           .scene = h->def.scene,
+                           .rounds = CHOICE_ROUNDS,
+                           .watch = watch_costs,
+                           .watch_context = &w};
+    level_costs p;
+    if (!level_costs_measure(&p, &def, err))
         return false;
-    if (p.rounds < PRICE_ROUNDS)
+    if (p.rounds < CHOICE_ROUNDS)
         return error_set(err, DUET_INTERRUPTED, "stopped while the levels were measured");
     for (*n = 0; *n < p.n; ++*n) {
-        const price *row = &p.rows[*n];
-        stored[*n] = (profile_price){.step_ns = row->step_ms * 1e6,
-                                     .true_pairs = p.truth,
-                                     .missed = row->missed,
-                                     .invented = row->added};
+        const level_cost *row = &p.rows[*n];
+        stored[*n] = (profile_level_cost){.step_ns = row->step_ms * 1e6,
+                                          .true_pairs = p.truth,
+                                          .missed = row->missed,
+                                          .invented = row->added};
         snprintf(stored[*n].level, sizeof stored[*n].level, "%s",
                  duet_level_describe(row->level)->name);
     }
@@ -216,36 +217,37 @@ static bool measure_prices(holdings *h, profile_price *stored, uint32_t *n, duet
 
 // From the store, or measured and kept there: once known, the list does for
 // every accuracy.
-static bool find_prices(holdings *h, profile_price *list, uint32_t *n, duet_error *err)
+static bool find_level_costs(tuning_resources *h, profile_level_cost *list, uint32_t *n,
+                             duet_error *err)
 {
     *n = 0;
     if (!h->record.store)
-        return measure_prices(h, list, n, err);
+        return measure_level_costs(h, list, n, err);
     profile_request request = profiled_request(&h->profiled);
     if (!record_aim(&h->record, &request, err) ||
-        (!h->def.fresh && !record_prices(&h->record, list, n, err)))
+        (!h->def.fresh && !record_level_costs(&h->record, list, n, err)))
         return false;
-    return *n > 0 ||
-           (measure_prices(h, list, n, err) && record_keep_prices(&h->record, list, *n, err));
+    return *n > 0 || (measure_level_costs(h, list, n, err) &&
+                      record_keep_level_costs(&h->record, list, *n, err));
 }
 
-static bool choose_level(holdings *h, duet_error *err)
+static bool choose_level(tuning_resources *h, duet_error *err)
 {
     static const duet_level all[DUET_LEVELS] = {DUET_LEVEL_CERTIFIED, DUET_LEVEL_AABB,
                                                 DUET_LEVEL_SPHERE,    DUET_LEVEL_SAT6,
                                                 DUET_LEVEL_SAT15,     DUET_LEVEL_DOUBLE};
-    profile_price list[PROFILE_PRICES];
+    profile_level_cost list[PROFILE_LEVEL_COSTS];
     uint32_t n;
     duet_level level;
     bool any = h->def.n_levels == 0;
-    return find_prices(h, list, &n, err) &&
+    return find_level_costs(h, list, &n, err) &&
            level_choose(list, n, any ? all : h->def.levels, any ? DUET_LEVELS : h->def.n_levels,
                         &h->def.accuracy, &level, err) &&
            duet_world_set_level(h->world, level, err);
 }
 
 // From here on the tuning is of one level.
-static bool settle_level(holdings *h, duet_error *err)
+static bool settle_level(tuning_resources *h, duet_error *err)
 {
     if (h->def.has_accuracy && !choose_level(h, err))
         return false;
@@ -302,7 +304,7 @@ static bool measure_accuracy(const duet_scene *scene, const duet_pair *pairs, ui
 }
 
 // The pairs that every plan must find at the level, and how right they are.
-static bool find_right_pairs(const holdings *h, uint64_t *hash, duet_tune_outcome *outcome,
+static bool find_right_pairs(const tuning_resources *h, uint64_t *hash, duet_tune_outcome *outcome,
                              duet_error *err)
 {
     duet_pair *pairs;
@@ -325,7 +327,8 @@ static uint32_t least_share(uint32_t n)
     return share < 1 ? 1 : share > DUET_SHARE_ONE / 32 ? DUET_SHARE_ONE / 32 : (uint32_t)share;
 }
 
-static bool run(holdings *h, const profile_found *near, duet_tune_outcome *outcome, duet_error *err)
+static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcome *outcome,
+                duet_error *err)
 {
     uint64_t hash;
     const duet_scene_info *info = duet_scene_describe(h->def.scene);
@@ -354,7 +357,7 @@ static bool run(holdings *h, const profile_found *near, duet_tune_outcome *outco
 }
 
 // The session ends as the tuning did; an interrupted one can be resumed.
-static bool run_recorded(holdings *h, const profile_found *near, duet_tune_outcome *outcome,
+static bool run_recorded(tuning_resources *h, const profile_found *near, duet_tune_outcome *outcome,
                          duet_error *err)
 {
     bool resumed;
@@ -372,7 +375,7 @@ static bool run_recorded(holdings *h, const profile_found *near, duet_tune_outco
 
 bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_error *err)
 {
-    holdings h = {0};
+    tuning_resources h = {0};
     profile_found found = {.grade = PROFILE_DEFAULT};
     if (!error_given(outcome, __func__, "outcome", err))
         return false;

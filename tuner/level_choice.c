@@ -9,17 +9,17 @@
 // worth it: less than that is noise.
 static const double WORTH = 1.02;
 
-// A row of the price list, with what it gets wrong by pairs that collide.
+// A row of the table of level costs, with what it gets wrong by pairs that collide.
 typedef struct offer {
     duet_level level;
     double step_ns;
     duet_accuracy wrong;
 } offer;
 
-static duet_accuracy wrong_of(const profile_price *price)
+static duet_accuracy wrong_of(const profile_level_cost *cost)
 {
-    double pairs = fmax((double)price->true_pairs, 1);
-    return (duet_accuracy){(double)price->missed / pairs, (double)price->invented / pairs};
+    double pairs = fmax((double)cost->true_pairs, 1);
+    return (duet_accuracy){(double)cost->missed / pairs, (double)cost->invented / pairs};
 }
 
 static bool is_among(duet_level level, const duet_level *levels, uint32_t n)
@@ -30,14 +30,14 @@ static bool is_among(duet_level level, const duet_level *levels, uint32_t n)
     return i < n;
 }
 
-static uint32_t list_offers(const profile_price *prices, uint32_t n_prices,
+static uint32_t list_offers(const profile_level_cost *costs, uint32_t n_costs,
                             const duet_level *levels, uint32_t n_levels, offer *offers)
 {
     uint32_t n = 0;
-    for (uint32_t i = 0; i < n_prices; ++i) {
+    for (uint32_t i = 0; i < n_costs; ++i) {
         duet_level level;
-        if (duet_level_named(prices[i].level, &level) && is_among(level, levels, n_levels))
-            offers[n++] = (offer){level, prices[i].step_ns, wrong_of(&prices[i])};
+        if (duet_level_named(costs[i].level, &level) && is_among(level, levels, n_levels))
+            offers[n++] = (offer){level, costs[i].step_ns, wrong_of(&costs[i])};
     }
     return n;
 }
@@ -91,12 +91,12 @@ static bool tell_nearest(const offer *offers, uint32_t n, const duet_accuracy *a
                      nearest->wrong.false_rate);
 }
 
-bool level_choose(const profile_price *prices, uint32_t n_prices, const duet_level *levels,
+bool level_choose(const profile_level_cost *costs, uint32_t n_costs, const duet_level *levels,
                   uint32_t n_levels, const duet_accuracy *accuracy, duet_level *level,
                   duet_error *err)
 {
-    offer offers[PROFILE_PRICES];
-    uint32_t n = list_offers(prices, n_prices, levels, n_levels, offers);
+    offer offers[PROFILE_LEVEL_COSTS];
+    uint32_t n = list_offers(costs, n_costs, levels, n_levels, offers);
     const offer *quickest = quickest_within(offers, n, accuracy);
     if (!quickest)
         return tell_nearest(offers, n, accuracy, err);

@@ -40,7 +40,7 @@ static void settle(online *o, const search_sample *frame)
     }
     o->total_ns = stats_median(totals, ONLINE_SETTLE);
     o->balance = stats_median(balances, ONLINE_SETTLE);
-    o->drifts[0] = o->drifts[1] = (profile_drift){0};
+    o->drifts[0] = o->drifts[1] = (drift){0};
     o->n_seen = 0;
     o->state = ONLINE_WATCHING;
 }
@@ -59,8 +59,8 @@ static bool begin_moving(online *o, const search_sample *frame, duet_error *err)
 
 static bool watch(online *o, const search_sample *frame, duet_error *err)
 {
-    bool slower = profile_drift_update(&o->drifts[0], (double)frame->total_ns, o->total_ns);
-    bool tilted = profile_drift_update(&o->drifts[1], balance_of(frame), o->balance);
+    bool slower = drift_update(&o->drifts[0], (double)frame->total_ns, o->total_ns);
+    bool tilted = drift_update(&o->drifts[1], balance_of(frame), o->balance);
     if (!slower && !tilted)
         return true;
     if (is_shared(o))

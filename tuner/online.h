@@ -7,7 +7,7 @@
 #ifndef TUNER_ONLINE_H
 #define TUNER_ONLINE_H
 
-#include "profiles/drift.h"
+#include "tuner/drift.h"
 #include "tuner/duet_tune.h"
 #include "tuner/search.h"
 
@@ -27,7 +27,7 @@ typedef struct online {
     uint32_t n_seen;
     double total_ns; // expected
     double balance;  // expected time of A by that of B
-    profile_drift drifts[2];
+    drift drifts[2];
     search search;
     uint32_t tunings; // so often it moved
 } online;

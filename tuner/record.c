@@ -45,21 +45,22 @@ void record_close(record *r)
     r->store = NULL;
 }
 
-static profile_price_key price_key(const record *r)
+static profile_level_cost_key cost_key(const record *r)
 {
-    return (profile_price_key){r->pair_id, r->workload_id, r->request.kernels};
+    return (profile_level_cost_key){r->pair_id, r->workload_id, r->request.kernels};
 }
 
-bool record_prices(record *r, profile_price *prices, uint32_t *n, duet_error *err)
+bool record_level_costs(record *r, profile_level_cost *costs, uint32_t *n, duet_error *err)
 {
-    profile_price_key key = price_key(r);
-    return profile_prices_get(r->store, &key, prices, n, err);
+    profile_level_cost_key key = cost_key(r);
+    return profile_level_costs_get(r->store, &key, costs, n, err);
 }
 
-bool record_keep_prices(record *r, const profile_price *prices, uint32_t n, duet_error *err)
+bool record_keep_level_costs(record *r, const profile_level_cost *costs, uint32_t n,
+                             duet_error *err)
 {
-    profile_price_key key = price_key(r);
-    return profile_prices_put(r->store, &key, prices, n, err);
+    profile_level_cost_key key = cost_key(r);
+    return profile_level_costs_put(r->store, &key, costs, n, err);
 }
 
 bool record_known(record *r, profile_found *found, duet_error *err)
@@ -96,7 +97,7 @@ static double machine_load(void)
     return getloadavg(&load, 1) == 1 ? load : 0;
 }
 
-static bool take_up(record *r, const profile_session *session, tape *state, bool *resumed,
+static bool take_up(record *r, const profile_session *session, trial_log *state, bool *resumed,
                     duet_error *err)
 {
     profile_resumed found = {0};
@@ -111,12 +112,13 @@ static bool take_up(record *r, const profile_session *session, tape *state, bool
     if (*resumed)
         memcpy(r->session, found.id, sizeof r->session);
     if (*resumed && found.search_state.length > 0)
-        ok = tape_from_json(state, text_chars(&found.search_state), err);
+        ok = trial_log_from_json(state, text_chars(&found.search_state), err);
     profile_resumed_free(&found);
     return ok;
 }
 
-bool record_begin(record *r, const duet_tune_def *def, tape *state, bool *resumed, duet_error *err)
+bool record_begin(record *r, const duet_tune_def *def, trial_log *state, bool *resumed,
+                  duet_error *err)
 {
     text options = {0};
     write_options(def, &options);
@@ -143,14 +145,14 @@ bool record_begin(record *r, const duet_tune_def *def, tape *state, bool *resume
 // ---------------------------------------------------------------- trial
 
 static bool keep_trial(void *context, const duet_plan *plan, const measurement *m,
-                       const tape *state, duet_error *err)
+                       const trial_log *state, duet_error *err)
 {
     record *r = context;
     text json = {0}, terms = {0};
     bool ran = m->failure.status == DUET_OK;
     const profile_sample *typical = &m->samples[m->typical];
     int64_t number;
-    tape_to_json(state, &json);
+    trial_log_to_json(state, &json);
     terms_to_json(&m->terms, &terms);
     profile_trial trial = {
         .plan = profiled_write_plan(plan, r->request.workload->level),

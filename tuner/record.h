@@ -3,8 +3,8 @@
 #ifndef TUNER_RECORD_H
 #define TUNER_RECORD_H
 
+#include "profiles/level_cost.h"
 #include "profiles/lookup.h"
-#include "profiles/price.h"
 #include "tuner/tune.h"
 
 typedef struct record {
@@ -23,16 +23,18 @@ bool record_open(record *r, const char *path, duet_error *err);
 bool record_aim(record *r, const profile_request *request, duet_error *err);
 void record_close(record *r);
 
-// The price list of what is aimed at; n is 0 where the store has none.
-bool record_prices(record *r, profile_price *prices, uint32_t *n, duet_error *err);
-bool record_keep_prices(record *r, const profile_price *prices, uint32_t n, duet_error *err);
+// The table of level costs of what is aimed at; n is 0 where the store has none.
+bool record_level_costs(record *r, profile_level_cost *costs, uint32_t *n, duet_error *err);
+bool record_keep_level_costs(record *r, const profile_level_cost *costs, uint32_t n,
+                             duet_error *err);
 
 // What the store already knows. exact: nothing needs to be measured.
 bool record_known(record *r, profile_found *found, duet_error *err);
 
-// Takes up an interrupted session of the same tuning, whose tape is then
+// Takes up an interrupted session of the same tuning, whose log is then
 // filled, or begins one. STORE_FAILED where a living process has it.
-bool record_begin(record *r, const duet_tune_def *def, tape *state, bool *resumed, duet_error *err);
+bool record_begin(record *r, const duet_tune_def *def, trial_log *state, bool *resumed,
+                  duet_error *err);
 
 tune_recorder record_recorder(record *r);
 

@@ -60,7 +60,7 @@ bool search_tell(search *s, const search_sample *sample, duet_error *err)
 {
     if (s->n == s->capacity) {
         uint32_t capacity = s->capacity ? 2 * s->capacity : 32;
-        if (!budget_room(capacity * sizeof *s->samples, err))
+        if (!budget_space(capacity * sizeof *s->samples, err))
             return false;
         search_sample *grown = realloc(s->samples, capacity * sizeof *grown);
         if (!grown)

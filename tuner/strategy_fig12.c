@@ -30,7 +30,7 @@ static void move_end(ends *e, const search_sample *middle)
         e->down = *middle;
 }
 
-static ends replay(const search *s)
+static ends play(const search *s)
 {
     ends e = {.up = s->samples[0], .down = s->samples[1]};
     for (uint32_t i = 2; i < s->n && !e.stopped; ++i)
@@ -44,7 +44,7 @@ static bool ask(const search *s, search_next *next, duet_error *err)
     *next = (search_next){.share = s->n == 0 ? SEARCH_ONE : 0};
     if (s->n < 2)
         return true;
-    ends e = replay(s);
+    ends e = play(s);
     next->done = e.stopped;
     next->share = (e.up.share + e.down.share) / 2;
     return true;
@@ -54,7 +54,7 @@ static void bracket(const search *s, uint32_t *low, uint32_t *high)
 {
     if (s->n < 2)
         return;
-    ends e = replay(s);
+    ends e = play(s);
     *low = e.down.share;
     *high = e.up.share;
 }

@@ -43,7 +43,7 @@ static void shrink(section *g)
     }
 }
 
-static section replay(const search *s)
+static section play(const search *s)
 {
     section g = {.low = 0, .high = SEARCH_ONE};
     place_left(&g);
@@ -62,7 +62,7 @@ static section replay(const search *s)
 static bool ask(const search *s, search_next *next, duet_error *err)
 {
     (void)err;
-    section g = replay(s);
+    section g = play(s);
     next->done = s->n > 0 && g.high - g.low <= 2 * s->options.quantum;
     next->share = s->n == 0 ? 0 : g.left.total_ns == 0 ? g.left.share : g.right.share;
     return true;
@@ -70,7 +70,7 @@ static bool ask(const search *s, search_next *next, duet_error *err)
 
 static void bracket(const search *s, uint32_t *low, uint32_t *high)
 {
-    section g = replay(s);
+    section g = play(s);
     *low = g.low;
     *high = g.high;
 }

@@ -188,7 +188,7 @@ static bool search_modes(tuning *t, found founds[MOST_MODES], uint32_t *n, duet_
     return true;
 }
 
-bool tune_run(const tune_task *task, tape *state, duet_tune_outcome *outcome, duet_error *err)
+bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcome, duet_error *err)
 {
     tuning t = tuning_begin(task, state);
     found founds[MOST_MODES] = {0};

@@ -7,13 +7,13 @@
 #define TUNER_TUNE_H
 
 #include "tuner/measure.h"
-#include "tuner/tape.h"
+#include "tuner/trial_log.h"
 
 typedef struct tune_recorder {
     void *context;
     // Keeps a trial with the state after it. NULL: nothing is kept.
-    bool (*trial)(void *context, const duet_plan *plan, const measurement *m, const tape *state,
-                  duet_error *err);
+    bool (*trial)(void *context, const duet_plan *plan, const measurement *m,
+                  const trial_log *state, duet_error *err);
 } tune_recorder;
 
 typedef struct tune_task {
@@ -29,6 +29,6 @@ typedef struct tune_task {
 
 // state is empty, or an interrupted tuning's. After INTERRUPTED it can be
 // handed in again. Fills all of outcome but known, resumed and objects.
-bool tune_run(const tune_task *task, tape *state, duet_tune_outcome *outcome, duet_error *err);
+bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcome, duet_error *err);
 
 #endif

@@ -8,7 +8,7 @@
 
 static const double HOPELESS = 2.0; // who is this much slower runs no more in a quick race
 
-tuning tuning_begin(const tune_task *task, tape *state)
+tuning tuning_begin(const tune_task *task, trial_log *state)
 {
     state->played = 0;
     return (tuning){
@@ -27,7 +27,8 @@ bool tuning_within_budget(const tuning *t)
     return in_time && in_trials;
 }
 
-static bool tell_watcher(const tuning *t, const tape_entry *entry, bool remembered, duet_error *err)
+static bool tell_watcher(const tuning *t, const trial_log_entry *entry, bool remembered,
+                         duet_error *err)
 {
     const duet_tune_def *def = t->task->def;
     duet_tune_progress progress = {
@@ -46,10 +47,10 @@ static bool tell_watcher(const tuning *t, const tape_entry *entry, bool remember
     return true;
 }
 
-static tape_entry entry_of(const duet_plan *plan, const measurement *m)
+static trial_log_entry entry_of(const duet_plan *plan, const measurement *m)
 {
     const profile_sample *typical = &m->samples[m->typical];
-    tape_entry entry = {
+    trial_log_entry entry = {
         .plan = *plan,
         .usable = strcmp(m->outcome, "ok") == 0,
         .sample = {.share = plan->share},
@@ -84,14 +85,14 @@ static bool check_measured(tuning *t, const duet_plan *plan, const measurement *
     return true;
 }
 
-static bool measure_live(tuning *t, const duet_plan *plan, tape_entry *entry, duet_error *err)
+static bool measure_live(tuning *t, const duet_plan *plan, trial_log_entry *entry, duet_error *err)
 {
     const tune_task *task = t->task;
     if (!budget_check(err))
         return false;
     measurement m = measure_plan(&task->machine, plan, t->repeats);
     *entry = entry_of(plan, &m);
-    if (!tape_add(t->state, entry, err))
+    if (!trial_log_add(t->state, entry, err))
         return false;
     ++t->state->played;
     const tune_recorder *recorder = &task->recorder;
@@ -99,11 +100,11 @@ static bool measure_live(tuning *t, const duet_plan *plan, tape_entry *entry, du
            check_measured(t, plan, &m, err);
 }
 
-// From the tape, or else from the machine.
+// From the log, or else from the machine.
 bool tuning_run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *err)
 {
-    const tape_entry *kept = tape_play(t->state, plan);
-    tape_entry entry;
+    const trial_log_entry *kept = trial_log_next(t->state, plan);
+    trial_log_entry entry;
     *out = (trial){0};
     if (kept)
         entry = *kept;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A tuning under way: trials, from the tape or from the machine, and races
+// A tuning under way: trials, from the log or from the machine, and races
 // between plans.
 #ifndef TUNER_TUNING_H
 #define TUNER_TUNING_H
@@ -9,7 +9,7 @@
 
 typedef struct tuning {
     const tune_task *task;
-    tape *state;
+    trial_log *state;
     const char *stage;
     double stage_end; // part of the budget that is used up when it must end
     uint32_t repeats; // launches of a trial that count
@@ -27,7 +27,7 @@ typedef struct trial {
     duet_tune_terms terms;
 } trial;
 
-tuning tuning_begin(const tune_task *task, tape *state);
+tuning tuning_begin(const tune_task *task, trial_log *state);
 
 // The chosen variants at a share.
 duet_plan tuning_plan_at(const tuning *t, uint32_t share, duet_mode mode);

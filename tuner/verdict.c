@@ -49,13 +49,13 @@ static uint32_t enter_rivals(const tuning *t, const found *founds, uint32_t n, f
 
 // Both devices' undisturbed times in all trials of a plan; false where there
 // are too few.
-static bool undisturbed(const tape *state, const duet_plan *plan, double ns[2])
+static bool undisturbed(const trial_log *state, const duet_plan *plan, double ns[2])
 {
     double times[2][STATS_MOST];
     uint32_t n = 0;
     for (uint32_t i = 0; i < state->played && n < STATS_MOST; ++i) {
-        const tape_entry *entry = &state->entries[i];
-        if (!entry->usable || !tape_same_plan(&entry->plan, plan))
+        const trial_log_entry *entry = &state->entries[i];
+        if (!entry->usable || !trial_log_same_plan(&entry->plan, plan))
             continue;
         times[0][n] = (double)entry->sample.a_ns;
         times[1][n++] = (double)entry->sample.b_ns;

@@ -774,7 +774,7 @@ function World:load_profile(path) end
 ---@return string? status
 function World:map_bounds(n) end
 
---- Room for n poses that the devices read without a copy: map, write, then step.
+--- Space for n poses that the devices read without a copy: map, write, then step.
 ---@param n integer
 ---@return duet.Poses?
 ---@return string? message
@@ -847,17 +847,17 @@ function World:set_scene(scene) end
 ---@return string? status
 function World:step() end
 
---- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+--- Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
 ---@param from integer|string|any[]
 ---@return duet.Bodies
 function duet.bodies(from) end
 
---- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+--- Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
 ---@param from integer|string|any[]
 ---@return duet.Bounds
 function duet.bounds(from) end
 
---- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+--- Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
 ---@param from integer|string|any[]
 ---@return duet.Contacts
 function duet.contacts(from) end
@@ -887,7 +887,7 @@ function duet.effects() end
 ---@return string? status
 function duet.export_profiles(file, path) end
 
---- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+--- Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
 ---@param from integer|string|any[]
 ---@return duet.Gaps
 function duet.gaps(from) end
@@ -928,12 +928,12 @@ function duet.load_pairs(path) end
 ---@return string[]
 function duet.modes() end
 
---- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+--- Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
 ---@param from integer|string|any[]
 ---@return duet.Pairs
 function duet.pairs(from) end
 
---- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+--- Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
 ---@param from integer|string|any[]
 ---@return duet.Poses
 function duet.poses(from) end
@@ -969,7 +969,7 @@ function duet.scene(from, settings) end
 ---@return string? status
 function duet.search(def) end
 
---- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+--- Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
 ---@param from integer|string|any[]
 ---@return duet.Sizes
 function duet.sizes(from) end
@@ -983,7 +983,7 @@ function duet.sizes(from) end
 ---@return string? status
 function duet.source(kernel, settings, limits) end
 
---- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+--- Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
 ---@param from integer|string|any[]
 ---@return duet.States
 function duet.states(from) end
@@ -992,12 +992,12 @@ function duet.states(from) end
 ---@return duet.Strategy[]
 function duet.strategies() end
 
---- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+--- Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
 ---@param from integer|string|any[]
 ---@return duet.Transforms
 function duet.transforms(from) end
 
---- Room for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+--- Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
 ---@param from integer|string|any[]
 ---@return duet.Verdicts
 function duet.verdicts(from) end

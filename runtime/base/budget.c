@@ -46,7 +46,7 @@ bool budget_check(duet_error *err)
                      current->seconds);
 }
 
-bool budget_room(size_t bytes, duet_error *err)
+bool budget_space(size_t bytes, duet_error *err)
 {
     for (const budget *b = current; b; b = b->outer)
         if (b->held_bytes > b->host_bytes || bytes > b->host_bytes - b->held_bytes)

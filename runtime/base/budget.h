@@ -3,7 +3,7 @@
 // the host beside its own state's.
 //
 // A budget is the calling thread's while the script runs. Work of the host that
-// a script can make long asks budget_check now and then, and budget_room before
+// a script can make long asks budget_check now and then, and budget_space before
 // it takes much memory. Where no script runs both are true at once.
 #ifndef BASE_BUDGET_H
 #define BASE_BUDGET_H
@@ -31,7 +31,7 @@ typedef struct budget_watch {
 
 void budget_set_watch(budget_watch *watch);
 
-// Makes b the thread's. What is inside ends no later and has no more room than
+// Makes b the thread's. What is inside ends no later and has no more memory than
 // the one around it.
 void budget_enter(budget *b);
 void budget_leave(budget *b);
@@ -41,7 +41,7 @@ void budget_leave(budget *b);
 bool budget_check(duet_error *err);
 
 // Whether the host may take so many more bytes; false with NO_MEMORY.
-bool budget_room(size_t bytes, duet_error *err);
+bool budget_space(size_t bytes, duet_error *err);
 
 // What the running script holds of the host's memory, as long as it does.
 void budget_hold(size_t bytes);

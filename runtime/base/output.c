@@ -85,7 +85,7 @@ static bool open_directly(output *o, const char *place, duet_error *err)
     return take_stream(o, open(place, O_WRONLY | O_NOFOLLOW | O_NOCTTY | O_CLOEXEC), err);
 }
 
-// Cut, so that the longest name that a file may have still has room for the rest.
+// Cut, so that the longest name that a file may have still has space for the rest.
 static bool name_part(output *o)
 {
     uint64_t random = 0;

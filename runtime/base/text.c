@@ -87,7 +87,7 @@ bool text_read_file(text *t, const char *path, duet_error *err)
     size_t n = 0;
     while (ok && (n = fread(block, 1, sizeof block, file)) > 0) {
         text_add_bytes(t, block, n);
-        ok = budget_check(err) && budget_room(t->length, err);
+        ok = budget_check(err) && budget_space(t->length, err);
     }
     if (ok && ferror(file))
         ok = error_set(err, DUET_IO_FAILED, "%s: %s", path, strerror(errno));

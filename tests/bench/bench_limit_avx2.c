@@ -34,7 +34,7 @@ static bool run_all(limit *l, const duet_pose *poses, const bench_options *optio
     for (uint32_t run = 0; run < options->runs; ++run) {
         limit_times times;
         if (!limit_run(l, poses, &times))
-            return error_set(err, DUET_TOO_MANY, "more pairs than the AVX2 program has room for");
+            return error_set(err, DUET_TOO_MANY, "more pairs than the AVX2 program has space for");
         for (int i = 0; i < N_ROWS; ++i)
             series_add(&columns[i], *(const double *)((const char *)&times + rows[i].offset));
     }

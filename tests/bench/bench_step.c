@@ -38,7 +38,7 @@ static bool limit_side_step(limit_side *side, const duet_pose *poses, duet_error
 {
     limit_times times;
     if (!limit_run(side->limit, poses, &times))
-        return error_set(err, DUET_TOO_MANY, "more pairs than the AVX2 program has room for");
+        return error_set(err, DUET_TOO_MANY, "more pairs than the AVX2 program has space for");
     series_add(&side->total, times.total);
     series_add(&side->cpu, times.processors * times.total);
     return true;

@@ -5,7 +5,7 @@
 #include "bench.h"
 
 #include "runtime/base/error.h"
-#include "tuner/replay.h"
+#include "support/simulated_pair.h"
 #include "tuner/strategy.h"
 
 #include <stdio.h>
@@ -41,22 +41,22 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static double single(const replay_model *model)
+static double single(const simulated_pair *model)
 {
-    uint64_t a = replay_launch(model, SEARCH_ONE, NULL).total_ns;
-    uint64_t b = replay_launch(model, 0, NULL).total_ns;
+    uint64_t a = simulated_launch(model, SEARCH_ONE, NULL).total_ns;
+    uint64_t b = simulated_launch(model, 0, NULL).total_ns;
     return (double)(a < b ? a : b);
 }
 
-static bool run_pair(const char *name, const replay_model *model, rng *r, uint32_t i, row *out,
+static bool run_pair(const char *name, const simulated_pair *model, rng *r, uint32_t i, row *out,
                      duet_error *err)
 {
     search s;
     uint64_t cost;
-    bool ok = search_begin(&s, name, NULL, err) && replay_run(&s, model, r, &cost, err);
+    bool ok = search_begin(&s, name, NULL, err) && simulated_run(&s, model, r, &cost, err);
     if (ok) {
-        double best = (double)replay_best(model).total_ns;
-        double picked = (double)replay_launch(model, search_pick(&s), NULL).total_ns;
+        double best = (double)simulated_best(model).total_ns;
+        double picked = (double)simulated_launch(model, search_pick(&s), NULL).total_ns;
         out->off[i] = picked / best - 1;
         out->launches += s.n;
         out->cost += (double)cost / best;
@@ -78,7 +78,7 @@ static void print_row(const char *family, const noise *n, const char *name, row 
            100 * out->off[pairs * 95 / 100], out->cost / pairs, 100 * out->slower / pairs);
 }
 
-static bool print_family(replay_family family, const noise *n, uint32_t pairs, uint64_t seed,
+static bool print_family(simulated_family family, const noise *n, uint32_t pairs, uint64_t seed,
                          duet_error *err)
 {
     static row out;
@@ -88,7 +88,7 @@ static bool print_family(replay_family family, const noise *n, uint32_t pairs, u
         rng r = rng_seed(seed);
         out = (row){0};
         for (uint32_t i = 0; i < pairs; ++i) {
-            replay_model model = replay_invent(family, false, &r);
+            simulated_pair model = simulated_invent(family, false, &r);
             model.sigma = n->sigma;
             model.spike_chance = n->spike_chance;
             model.spike_most = 3;
@@ -114,8 +114,8 @@ bool bench_strategies(const bench_options *options, duet_error *err)
             "|--------|---------------|----------|----------|----------|---------|-------|--------"
             "|\n");
     for (size_t i = 0; ok && i < sizeof noises / sizeof *noises; ++i) {
-        for (int family = REPLAY_AFFINE; ok && family <= REPLAY_FIXED; ++family)
-            ok = print_family((replay_family)family, &noises[i], pairs, options->seed, err);
+        for (int family = SIMULATED_AFFINE; ok && family <= SIMULATED_FIXED; ++family)
+            ok = print_family((simulated_family)family, &noises[i], pairs, options->seed, err);
     }
     return ok;
 }

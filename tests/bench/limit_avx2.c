@@ -260,7 +260,7 @@ static inline void ask_for_poses(const limit *l, uint32_t at)
     }
 }
 
-// Arrays have room for whole eights; what lies past n is the object 0 again.
+// Arrays have space for whole eights; what lies past n is the object 0 again.
 static void reorder_objects(void *context, uint32_t worker)
 {
     (void)worker;

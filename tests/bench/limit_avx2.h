@@ -16,12 +16,12 @@ typedef struct limit_times {
     double processors; // CPU time over wall time
 } limit_times;
 
-// Room for n poses in the cube [0, world)^3, none wider than the cell edge.
+// Space for n poses in the cube [0, world)^3, none wider than the cell edge.
 // Poses further out are found too. NULL where memory runs out.
 limit *limit_open(uint32_t n, float world, float cell, uint32_t threads);
 void limit_close(limit *l);
 
-// Finds all pairs among the n poses; false where there is no room for them.
+// Finds all pairs among the n poses; false where there is no space for them.
 bool limit_run(limit *l, const duet_pose *poses, limit_times *times);
 
 // The pairs that one thread found; they last until the next run.

@@ -15,7 +15,7 @@ typedef struct sat_box {
 
 // Pairs found so far.
 typedef struct sat_result {
-    duet_pair *pairs; // room for 7 more than are written
+    duet_pair *pairs; // space for 7 more than are written
     uint64_t n_pairs;
     uint64_t n_open; // of all tested, left open by float and decided on the host
 } sat_result;

@@ -10,7 +10,7 @@
 #include "support/test.h"
 
 #include "profiles/exchange.h"
-#include "profiles/price.h"
+#include "profiles/level_cost.h"
 #include "profiles/sql.h"
 #include "runtime/cache.h"
 
@@ -106,12 +106,12 @@ static void fill(store *s)
     duet_error err = {0};
     profile_pair pair = test_pair();
     profile_workload workload = test_workload(1000);
-    profile_price_key key = {.pair_id = 1, .kernels = TEST_KERNELS};
-    const profile_price prices[] = {{"certified", 2e6, 70, 0, 0}, {"sat15", 1.9e6, 70, 3, 9}};
+    profile_level_cost_key key = {.pair_id = 1, .kernels = TEST_KERNELS};
+    const profile_level_cost costs[] = {{"certified", 2e6, 70, 0, 0}, {"sat15", 1.9e6, 70, 3, 9}};
     test_tune(s, &pair, &workload);
     workload.level = "auto";
     require(profile_workload_put(s, &workload, &key.workload_id, &err) &&
-                profile_prices_put(s, &key, prices, 2, &err) &&
+                profile_level_costs_put(s, &key, costs, 2, &err) &&
                 sql_script(s,
                            "UPDATE profile SET true_pairs = 70, single_ns = 3e6, best_share = 9, "
                            "best_mode = 'slab', terms = '{\"T_1\":1.5}'",

@@ -32,14 +32,14 @@
 // order, so half the neighbourhood is enough, and three cells side by side in x
 // are one range: what follows in the own row, and the rows that
 // gen/emit/stencil.lua gives, one in 2D and four in 3D. Pairs of two levels are
-// found from the finer one. Pairs collect in local memory; one atomic takes room
+// found from the finer one. Pairs collect in local memory; one atomic takes places
 // for many. With FUSED the group tests them there, and only what did not fit is
 // listed for the narrow kernel.
 //
 //   bounds [n][BOUNDS_QUADS] lower xyz and the id, upper xyz and the level
 //   boxes  [n][BOX_QUADS]    centre xyz first (poses)
 //   starts [n_own_cells + 1] first of each cell from key_from on
-//   found  [room]            pairs of places (IDS 0) or of ids (IDS 1), least id
+//   found  [capacity]            pairs of places (IDS 0) or of ids (IDS 1), least id
 //                            first: float may see (a, b) other than (b, a)
 #if ORIGIN
 
@@ -81,7 +81,7 @@ typedef struct {
     volatile __local uint *used;
     __local uint *base;
     __global uint2 *found; // where candidates are listed
-    uint room;
+    uint capacity;
     volatile __global uint *counters;
 } pair_sink;
 
@@ -94,21 +94,21 @@ static inline void add_pair(pair_sink *sink, uint2 pair)
         sink->pairs[slot] = pair;
     } else { // the buffer is full until the group gives it away
         uint to = reserve(sink->counters + COUNT_FOUND, 1);
-        if (to < sink->room)
+        if (to < sink->capacity)
             sink->found[to] = pair;
     }
 }
 
-// Moves n pairs from local memory to a list; one atomic takes room for all.
+// Moves n pairs from local memory to a list; one atomic takes places for all.
 static inline void list_pairs(const pair_sink *sink, __local const uint2 *pairs, uint n, __global uint2 *list,
-                              uint room, volatile __global uint *counter)
+                              uint capacity, volatile __global uint *counter)
 {
     if (get_local_id(0) == 0)
         *sink->base = reserve(counter, n);
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint k = get_local_id(0); k < n; k += WG) {
         uint to = *sink->base + k;
-        if (to < room)
+        if (to < capacity)
             list[to] = pairs[k];
     }
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -121,9 +121,9 @@ typedef struct {
     __local uint2 *colliding;
     volatile __local uint *n_colliding;
     __global uint2 *pairs;
-    uint room;
+    uint capacity;
     __global uint2 *undecided;
-    uint undecided_room;
+    uint undecided_capacity;
 } tester;
 
 static inline void test_pair(const tester *to, uint2 candidate, volatile __global uint *counters)
@@ -136,7 +136,7 @@ static inline void test_pair(const tester *to, uint2 candidate, volatile __globa
         to->colliding[atomic_inc(to->n_colliding)] = ordered(id_a, id_b);
     } else if (!v.separated) {
         uint slot = reserve(counters + COUNT_UNDECIDED, 1);
-        if (slot < to->undecided_room)
+        if (slot < to->undecided_capacity)
             to->undecided[slot] = ordered(id_a, id_b);
     }
 }
@@ -155,7 +155,7 @@ static inline void give_away(pair_sink *sink, const tester *to)
     uint n_colliding = *to->n_colliding; // read behind the reset, PoCL 3.1 would drop that: docs/generation.md
     if (get_local_id(0) == 0)
         *sink->used = 0;
-    list_pairs(sink, to->colliding, n_colliding, to->pairs, to->room, sink->counters + COUNT_PAIRS);
+    list_pairs(sink, to->colliding, n_colliding, to->pairs, to->capacity, sink->counters + COUNT_PAIRS);
 }
 #else
 static inline void give_away(pair_sink *sink)
@@ -164,7 +164,7 @@ static inline void give_away(pair_sink *sink)
     barrier(CLK_LOCAL_MEM_FENCE);
     if (get_local_id(0) == 0)
         *sink->used = 0;
-    list_pairs(sink, sink->pairs, n, sink->found, sink->room, sink->counters + COUNT_FOUND);
+    list_pairs(sink, sink->pairs, n, sink->found, sink->capacity, sink->counters + COUNT_FOUND);
 }
 #endif
 
@@ -475,21 +475,21 @@ candidates_rows(__global const float4 *restrict bounds,
 #endif
                 __global const uint *restrict starts, __constant const grid_level *levels, uint n_levels,
                 uint n_cells, uint key_from, uint n_home_cells, uint first, uint last,
-                __global uint2 *restrict found, uint room,
+                __global uint2 *restrict found, uint capacity,
 #if FUSED
                 __global uint2 *restrict pairs, uint pair_room, __global uint2 *restrict undecided,
-                uint undecided_room,
+                uint undecided_capacity,
 #endif
                 volatile __global uint *restrict counters)
 {
     __local uint2 collected[BUF];
     __local uint used;
     __local uint base;
-    pair_sink sink = {collected, &used, &base, found, room, counters};
+    pair_sink sink = {collected, &used, &base, found, capacity, counters};
 #if FUSED
     __local uint2 colliding[BUF];
     __local uint n_colliding;
-    tester to = {boxes, colliding, &n_colliding, pairs, pair_room, undecided, undecided_room};
+    tester to = {boxes, colliding, &n_colliding, pairs, pair_room, undecided, undecided_capacity};
 #endif
 #if SHAPE == SHAPE_POSES
     sorted in = {bounds, boxes, starts, levels, n_levels, key_from, n_cells};

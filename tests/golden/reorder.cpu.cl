@@ -31,8 +31,8 @@
 //   keys   [n]               cell, or NOWHERE (FROM_IDS 0)
 //   ranks  [n]               (FROM_IDS 0)
 //   starts [n_own_cells + 1] first of each cell; the last one: how many are in the grid
-//   bounds [room][2]         lower xyz and the id, upper xyz and the level
-//   boxes  [room][3]         centre xyz and the id, half extents, rotation (poses)
+//   bounds [capacity][2]         lower xyz and the id, upper xyz and the level
+//   boxes  [capacity][3]         centre xyz and the id, half extents, rotation (poses)
 //
 // With ORIGIN the rows of both end with the cell.
 #define BOUNDS_QUADS (ORIGIN ? 3 : 2)
@@ -85,7 +85,7 @@ __kernel void reorder(__global const float *restrict objects,
 #else
                       __global const uint *restrict keys, __global const uint *restrict ranks,
 #endif
-                      uint n, __global const uint *restrict starts, uint n_own_cells, uint room,
+                      uint n, __global const uint *restrict starts, uint n_own_cells, uint capacity,
                       __constant const grid_level *levels, uint n_levels, __global float4 *restrict sorted_bounds,
 #if SHAPE == SHAPE_POSES
                       __global float4 *restrict sorted_boxes,
@@ -107,7 +107,7 @@ __kernel void reorder(__global const float *restrict objects,
         counters[COUNT_PLACED] = placed;
     uint first = get_global_id(0) * PER_ITEM;
 #if FROM_IDS
-    uint last = min(min(first + PER_ITEM, placed), room);
+    uint last = min(min(first + PER_ITEM, placed), capacity);
     for (uint base = first; base < last; base += BATCH) {
         // All reads of a batch are under way before the first is needed.
         object batch[BATCH];
@@ -123,8 +123,8 @@ __kernel void reorder(__global const float *restrict objects,
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         uint key = keys[id];
-        uint place = key == NOWHERE ? room : starts[key] + ranks[id];
-        if (place < room) {
+        uint place = key == NOWHERE ? capacity : starts[key] + ranks[id];
+        if (place < capacity) {
             uint one[1] = {id};
             object o = object_at(rows, one);
             put(&to, place, &o, ID_OF(id));

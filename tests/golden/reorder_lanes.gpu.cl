@@ -31,8 +31,8 @@
 //   sizes  [n + 1] of the objects, where those are transforms (APART)
 //   ids    [n]  sorted by cell
 //   starts [n_own_cells + 1] the last one: how many are in the grid
-//   bounds [2 DIMS + 1][COLUMN(room)], with ORIGIN DIMS more
-//   boxes  [COLUMN(room)][BOX_WORDS] (poses)
+//   bounds [2 DIMS + 1][COLUMN(capacity)], with ORIGIN DIMS more
+//   boxes  [COLUMN(capacity)][BOX_WORDS] (poses)
 
 // Places past the end are the last one again.
 static inline void ids_from(__global const uint *ids, uint place, uint end, uint to[LANES])
@@ -75,7 +75,7 @@ __kernel void reorder_lanes(__global const float *restrict objects,
                             __global const float *restrict sizes,
 #endif
                             __global const uint *restrict ids, uint n,
-                            __global const uint *restrict starts, uint n_own_cells, uint room,
+                            __global const uint *restrict starts, uint n_own_cells, uint capacity,
                             __constant const grid_level *levels, uint n_levels, uint n_cells, uint key_from,
                             __global float *restrict sorted_bounds,
 #if SHAPE == SHAPE_POSES
@@ -91,7 +91,7 @@ __kernel void reorder_lanes(__global const float *restrict objects,
     uint placed = starts[n_own_cells];
     if (get_global_id(0) == 0)
         counters[COUNT_PLACED] = placed;
-    uint end = min(placed, room);
+    uint end = min(placed, capacity);
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, end);
     for (uint place = first; place < last; place += LANES) {
@@ -109,10 +109,10 @@ __kernel void reorder_lanes(__global const float *restrict objects,
 #else
         word where = level_of(&o, levels, n_levels);
 #endif
-        store_bounds(sorted_bounds, COLUMN(room), place, &b, where);
+        store_bounds(sorted_bounds, COLUMN(capacity), place, &b, where);
 #if ORIGIN
         for (int k = 0; k < DIMS; ++k)
-            vstore8(as_real(o.cell[k]), 0, sorted_bounds + (2 * DIMS + 1 + k) * COLUMN(room) + place);
+            vstore8(as_real(o.cell[k]), 0, sorted_bounds + (2 * DIMS + 1 + k) * COLUMN(capacity) + place);
 #endif
 #if SHAPE == SHAPE_POSES
         box stored = box_of(&o);

@@ -30,14 +30,14 @@
 // candidates_rows.cl.in. Ranges of places collect until there are several, for
 // most are shorter than a vector; the overlapping ones wait in private memory
 // until there are enough of them, and are tested there (FUSED) or listed.
-// Nothing is atomic but the taking of room for many pairs at once.
+// Nothing is atomic but the taking of capacity for many pairs at once.
 //
 //   bounds    as reorder_lanes leaves them
 //   starts    [n_own_cells + 1] first of each cell from key_from on
 //   boxes     as reorder_lanes leaves them, or ids [n] for bounds
-//   found     [room]           FUSED: pairs by id; else candidates, which are
+//   found     [capacity]           FUSED: pairs by id; else candidates, which are
 //                              places, or for bounds ids
-//   undecided [undecided_room] ids (FUSED)
+//   undecided [undecided_capacity] ids (FUSED)
 #if ROOMY
 #define RANGES 5
 #define USED_RANGES(r) RANGES
@@ -101,7 +101,7 @@ typedef struct {
     collider to;
 #else
     __global uint2 *found;
-    uint room;
+    uint capacity;
     volatile __global uint *counter;
 #endif
 } search;
@@ -116,7 +116,7 @@ static inline void give_away(search *s, uint n)
     collide(&s->to, s->waiting, n, found);
     s->n_tested += n;
 #else
-    write_list(s->found, s->room, s->counter, s->waiting, n);
+    write_list(s->found, s->capacity, s->counter, s->waiting, n);
 #endif
 }
 
@@ -471,9 +471,9 @@ __kernel void search_lanes(__global const float *restrict bounds, uint column_ro
 #endif
                            __global const uint *restrict starts, __constant const grid_level *levels, uint n_levels,
                            uint n_cells, uint key_from, uint n_home_cells, uint n_own_cells, uint first, uint last,
-                           __global uint2 *restrict found, uint room,
+                           __global uint2 *restrict found, uint capacity,
 #if FUSED
-                           __global uint2 *restrict undecided, uint undecided_room,
+                           __global uint2 *restrict undecided, uint undecided_capacity,
 #endif
                            volatile __global uint *restrict counters)
 {
@@ -486,14 +486,14 @@ __kernel void search_lanes(__global const float *restrict bounds, uint column_ro
 #endif
                  levels, n_levels, n_cells, key_from, n_own_cells};
     if (starts[n_own_cells] > column_room)
-        return; // objects without a place: the grid is built again with more room
+        return; // objects without a place: the grid is built again with a larger buffer
     uint2 waiting[WAITING_ROOM];
     for (uint k = 0; k < WAITING_ROOM; ++k)
         waiting[k] = (uint2)(0, 0); // what lies behind the last one is read
 #if FUSED
-    search s = {waiting, 0, 0, {boxes, found, room, undecided, undecided_room, counters}};
+    search s = {waiting, 0, 0, {boxes, found, capacity, undecided, undecided_capacity, counters}};
 #else
-    search s = {waiting, 0, 0, found, room, counters + (LISTS_PAIRS ? COUNT_PAIRS : COUNT_CANDIDATES)};
+    search s = {waiting, 0, 0, found, capacity, counters + (LISTS_PAIRS ? COUNT_PAIRS : COUNT_CANDIDATES)};
 #endif
     uint home = starts[n_home_cells];
     uint end = entry_begin(&in, last, home);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // More objects in a cell than 16 bits count, and more pairs than 31 and 32 bits
 // do. The pairs themselves, 17 and 34 GB, are not kept: devices count on where a
-// list has no room, and a step that may not keep them says how many they are.
+// list has no space, and a step that may not keep them says how many they are.
 #include "support/test.h"
 
 #include "support/devices.h"

@@ -11,12 +11,12 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROOM = 1000 };
+enum { CAPACITY = 1000 };
 
 // Of the worlds' origin cells: boxes reach over many.
 #define EDGE 0.125f
 
-static duet_placed placed[ROOM];
+static duet_placed placed[CAPACITY];
 
 static duet_world_def def_of(uint32_t dims, bool rotated)
 {

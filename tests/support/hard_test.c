@@ -25,11 +25,11 @@ typedef struct crowd {
     uint8_t *others;
 } crowd;
 
-static void *room_for(uint64_t n, size_t size)
+static void *block_for(uint64_t n, size_t size)
 {
-    void *room = calloc(n, size);
-    assert_non_null(room);
-    return room;
+    void *block = calloc(n, size);
+    assert_non_null(block);
+    return block;
 }
 
 static duet_pose with_minus_q(duet_pose pose)
@@ -54,12 +54,12 @@ static void gather(crowd *c)
     while (hard_classes[n_classes].name)
         ++n_classes;
     c->n = n_classes * (uint64_t)c->each;
-    c->poses = room_for(2 * c->n, sizeof *c->poses);
-    c->exchanged = room_for(2 * c->n, sizeof *c->poses);
-    c->negated = room_for(2 * c->n, sizeof *c->poses);
-    c->truth = room_for(c->n, sizeof *c->truth);
-    c->verdicts = room_for(c->n, sizeof *c->verdicts);
-    c->others = room_for(c->n, sizeof *c->others);
+    c->poses = block_for(2 * c->n, sizeof *c->poses);
+    c->exchanged = block_for(2 * c->n, sizeof *c->poses);
+    c->negated = block_for(2 * c->n, sizeof *c->poses);
+    c->truth = block_for(c->n, sizeof *c->truth);
+    c->verdicts = block_for(c->n, sizeof *c->verdicts);
+    c->others = block_for(c->n, sizeof *c->others);
     rng r = rng_seed(test_seed() + c->dims);
     for (uint64_t i = 0; i < c->n; ++i) {
         hard_pair pair = hard_classes[i / (uint64_t)c->each].make(&r, c->dims);
@@ -69,9 +69,9 @@ static void gather(crowd *c)
 
 static void let_go(crowd *c)
 {
-    void *const rooms[] = {c->poses, c->exchanged, c->negated, c->truth, c->verdicts, c->others};
-    for (size_t i = 0; i < sizeof rooms / sizeof *rooms; ++i)
-        free(rooms[i]);
+    void *const blocks[] = {c->poses, c->exchanged, c->negated, c->truth, c->verdicts, c->others};
+    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i)
+        free(blocks[i]);
 }
 
 // ------------------------------------------------------------ asking

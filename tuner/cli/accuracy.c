@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
-// duet accuracy: what accuracy costs in time. Of a scene that moves: each pace,
+// duet accuracy: what accuracy costs in time. Of a moving scene: each time step,
 // and how far the scene comes from where it should; of poses: each level of
 // accuracy on each device, and what it gets wrong.
 #include "tuner/cli/canvas.h"
 #include "tuner/cli/commands.h"
 #include "tuner/cli/inputs.h"
+#include "tuner/cli/level_costs_report.h"
+#include "tuner/cli/level_costs_show.h"
 #include "tuner/cli/options.h"
-#include "tuner/cli/paces_report.h"
-#include "tuner/cli/prices_report.h"
-#include "tuner/cli/prices_show.h"
 #include "tuner/cli/say.h"
+#include "tuner/cli/timestep_study_report.h"
 
 typedef struct arguments {
     scene_options scene;
@@ -27,10 +27,11 @@ static const option options[] = {
     SCENE_OPTION_ROWS(scene),
     PAIR_OPTION_ROW(pair),
     OPTION_COUNT("repeat", repeat, "K", "timed steps of each level and device, in turn (9)", 1,
-                 PRICES_ROUNDS),
+                 LEVEL_COSTS_ROUNDS),
     OPTION_FLAG("still", still, "levels of accuracy also of a scene that moves, as it begins"),
-    OPTION_NUMBER("time", time, "S", "seconds of a scene that moves, for each pace (1)", 1e-6, 1e6),
-    OPTION_NUMBER("limit", limit, "S", "begin no other pace after S seconds (120)", 0, 1e6),
+    OPTION_NUMBER("time", time, "S", "seconds of a moving scene, for each time step (1)", 1e-6,
+                  1e6),
+    OPTION_NUMBER("limit", limit, "S", "begin no other run after S seconds (120)", 0, 1e6),
     OPTION_TEXT("csv", csv, "OUT.csv", "write the table, a line each"),
     OPTION_TEXT("plot", plot, "OUT.svg", "draw it, as .svg or .png"),
     OPTION_FLAG("json", json, "print one JSON object"),
@@ -49,43 +50,44 @@ static const command_line line = {
     .options = options,
 };
 
-static bool tell_prices(const arguments *args, const prices_report *r, duet_error *err)
+static bool tell_level_costs(const arguments *args, const level_costs_report *r, duet_error *err)
 {
-    bool ok = !args->csv || prices_report_csv(r, args->csv, err);
-    ok = ok && (!args->plot || prices_report_plot(r, args->plot, err));
+    bool ok = !args->csv || level_costs_report_csv(r, args->csv, err);
+    ok = ok && (!args->plot || level_costs_report_plot(r, args->plot, err));
     if (ok && args->json)
-        return say_json(prices_report_json(r), err);
+        return say_json(level_costs_report_json(r), err);
     if (ok)
-        prices_report_text(r);
+        level_costs_report_text(r);
     return ok;
 }
 
-static bool tell_paces(const arguments *args, const paces_report *r, duet_error *err)
+static bool tell_timesteps(const arguments *args, const timestep_study_report *r, duet_error *err)
 {
-    bool ok = !args->csv || paces_report_csv(r, args->csv, err);
-    ok = ok && (!args->plot || paces_report_plot(r, args->plot, err));
+    bool ok = !args->csv || timestep_study_report_csv(r, args->csv, err);
+    ok = ok && (!args->plot || timestep_study_report_plot(r, args->plot, err));
     if (ok && args->json)
-        return paces_report_json(r, err);
+        return timestep_study_report_json(r, err);
     if (ok)
-        paces_report_text(r);
+        timestep_study_report_text(r);
     return ok;
 }
 
 static bool run_levels(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
                        duet_error *err)
 {
-    prices p;
-    prices_report r = {duet_scene_describe(scene), pair, &p};
-    return prices_show(&p, pair, scene, (uint32_t)args->repeat, err) && tell_prices(args, &r, err);
+    level_costs p;
+    level_costs_report r = {duet_scene_describe(scene), pair, &p};
+    return level_costs_show(&p, pair, scene, (uint32_t)args->repeat, err) &&
+           tell_level_costs(args, &r, err);
 }
 
-static bool run_paces(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
-                      duet_error *err)
+static bool run_timesteps(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
+                          duet_error *err)
 {
-    paces p;
-    paces_report r = {duet_scene_describe(scene), pair, &p};
-    return paces_measure(&p, pair, scene, args->time, args->limit, err) &&
-           tell_paces(args, &r, err);
+    timestep_study p;
+    timestep_study_report r = {duet_scene_describe(scene), pair, &p};
+    return timestep_study_measure(&p, pair, scene, args->time, args->limit, err) &&
+           tell_timesteps(args, &r, err);
 }
 
 // A plot that cannot be is told of before minutes are spent on it.
@@ -102,8 +104,8 @@ static bool run(const arguments *args, const char *path, duet_error *err)
     duet_device_pair *pair = check_plot(args->plot, err) ? inputs_open_pair(args->pair, err) : NULL;
     duet_scene *scene = pair ? inputs_load_scene(path, &args->scene, err) : NULL;
     bool moves = false;
-    bool ok = scene && (args->still || paces_has(pair, scene, &moves, err));
-    ok = ok && (moves ? run_paces : run_levels)(args, pair, scene, err);
+    bool ok = scene && (args->still || timestep_study_applies(pair, scene, &moves, err));
+    ok = ok && (moves ? run_timesteps : run_levels)(args, pair, scene, err);
     duet_scene_destroy(scene);
     duet_device_pair_close(pair);
     return ok;

@@ -8,11 +8,11 @@
 #include "tuner/cli/bench_set.h"
 #include "tuner/cli/commands.h"
 #include "tuner/cli/costs_report.h"
+#include "tuner/cli/cpu_load.h"
 #include "tuner/cli/inputs.h"
 #include "tuner/cli/interrupt.h"
-#include "tuner/cli/others.h"
-#include "tuner/cli/prices_report.h"
-#include "tuner/cli/prices_show.h"
+#include "tuner/cli/level_costs_report.h"
+#include "tuner/cli/level_costs_show.h"
 #include "tuner/cli/say.h"
 #include "tuner/cli/table.h"
 
@@ -99,14 +99,14 @@ static bool measure(bench *b, duet_world *world, const duet_scene *scene, const 
     const duet_scene_info *info = duet_scene_describe(scene);
     duet_error failure = {0};
     timed t = {0};
-    others before = others_look();
+    cpu_load before = cpu_load_look();
     bool ok =
         duet_world_set_plan(world, plan, &failure) &&
         timed_run(&t, world, scene, (uint32_t)b->args->repeat, TIMED_SENDS_OBJECTS, &failure) &&
         check_pairs(&t, hash, info, plan, &failure);
     if (ok)
-        cJSON_AddNumberToObject(bench_add(b->results, info, plan, &t, NULL), "others",
-                                others_part(&before));
+        cJSON_AddNumberToObject(bench_add(b->results, info, plan, &t, NULL), "cpu_load",
+                                cpu_load_part(&before));
     else
         ok = keep_failure(b, info, plan, &failure, err);
     timed_free(&t);
@@ -141,14 +141,15 @@ static bool compare_plans(bench *b, const bench_scene *which, const duet_scene *
 
 static bool measure_levels(bench *b, const duet_scene *scene, duet_error *err)
 {
-    prices p;
-    uint32_t rounds = b->args->repeat < PRICES_ROUNDS ? (uint32_t)b->args->repeat : PRICES_ROUNDS;
-    if (!prices_show(&p, b->pair, scene, rounds, err))
+    level_costs p;
+    uint32_t rounds =
+        b->args->repeat < LEVEL_COSTS_ROUNDS ? (uint32_t)b->args->repeat : LEVEL_COSTS_ROUNDS;
+    if (!level_costs_show(&p, b->pair, scene, rounds, err))
         return false;
-    prices_report r = {duet_scene_describe(scene), b->pair, &p};
-    cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "accuracy"), prices_report_json(&r));
+    level_costs_report r = {duet_scene_describe(scene), b->pair, &p};
+    cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "accuracy"), level_costs_report_json(&r));
     if (!b->args->json) {
-        prices_report_text(&r);
+        level_costs_report_text(&r);
         putchar('\n');
     }
     return true;

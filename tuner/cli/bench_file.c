@@ -3,7 +3,7 @@
 
 #include "runtime/base/error.h"
 #include "tuner/cli/costs_report.h"
-#include "tuner/cli/prices_report.h"
+#include "tuner/cli/level_costs_report.h"
 #include "tuner/stats.h"
 
 #include <inttypes.h>
@@ -176,7 +176,7 @@ static bool check_parts(const cJSON *o, const char *path, duet_error *err)
     bool ok = true;
     const cJSON *one;
     cJSON_ArrayForEach(one, json_list(o, "accuracy")) ok =
-        ok && prices_report_check(one, path, err);
+        ok && level_costs_report_check(one, path, err);
     cJSON_ArrayForEach(one, json_list(o, "effects")) ok = ok && costs_report_check(one, path, err);
     return ok;
 }

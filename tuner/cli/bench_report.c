@@ -17,7 +17,7 @@ static const char *const fields[] = {"against_ms", "ratio", "ratio_low", "ratio_
 // own. Squared, for a step also waits for the slower of its threads.
 static double least_of(const cJSON *one)
 {
-    double own = fmax(1 - json_number(one, "others"), 0.05);
+    double own = fmax(1 - json_number(one, "cpu_load"), 0.05);
     return own * own;
 }
 
@@ -135,7 +135,7 @@ static double mean_others(const cJSON *results)
     const cJSON *one;
     cJSON_ArrayForEach(one, json_list(results, "cases"))
     {
-        sum += json_number(one, "others");
+        sum += json_number(one, "cpu_load");
         n += !*json_string(one, "failed");
     }
     return n > 0 ? sum / n : 0;

@@ -53,7 +53,7 @@ typedef struct chart_bars {
     double y;
 } chart_bars;
 
-// Room for n_rows rows of two bars each.
+// Space for n_rows rows of two bars each.
 chart_bars chart_bars_begin(text *page, const char *title, double most, const char *unit,
                             uint32_t n_rows);
 void chart_bars_row(chart_bars *bars, const char *label);

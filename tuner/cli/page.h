@@ -13,7 +13,7 @@ void page_section(text *page, const char *heading); // until page_section_end
 void page_section_end(text *page);
 void page_paragraph(text *page, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-// Charts between these lie side by side where there is room.
+// Charts between these lie side by side where there is space.
 void page_charts(text *page);
 void page_charts_end(text *page);
 

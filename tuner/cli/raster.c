@@ -121,8 +121,8 @@ static bool write_png(raster *r, duet_error *err)
                        .width = (png_uint_32)(r->width / FINE),
                        .height = (png_uint_32)(r->height / FINE),
                        .format = PNG_FORMAT_RGB};
-    png_alloc_size_t room = PNG_IMAGE_PNG_SIZE_MAX(image), n = room;
-    char *bytes = malloc(room);
+    png_alloc_size_t capacity = PNG_IMAGE_PNG_SIZE_MAX(image), n = capacity;
+    char *bytes = malloc(capacity);
     if (!bytes)
         return error_set(err, DUET_NO_MEMORY, "%s: no memory for a picture", r->path);
     shrink(r);

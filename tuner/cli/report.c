@@ -6,9 +6,9 @@
 #include "runtime/base/error.h"
 #include "tuner/cli/commands.h"
 #include "tuner/cli/costs_report.h"
+#include "tuner/cli/level_costs_report.h"
 #include "tuner/cli/options.h"
 #include "tuner/cli/page.h"
-#include "tuner/cli/prices_report.h"
 #include "tuner/cli/profiles.h"
 #include "tuner/cli/say.h"
 
@@ -40,7 +40,7 @@ static const command_line line = {
     .options = options,
 };
 
-// What the files hold; a scene's prices are the latest, in place of earlier ones.
+// What the files hold; a scene's costs are the latest, in place of earlier ones.
 typedef struct results {
     cJSON *files[RESULTS_MOST];
     cJSON *bench[RESULTS_MOST]; // the earliest first
@@ -84,9 +84,9 @@ static bool keep_file(results *r, cJSON *o, const char *path, duet_error *err)
 {
     const char *type = json_string(o, "type");
     r->files[r->n_files++] = o;
-    if (strcmp(type, PRICES_TYPE) == 0) {
+    if (strcmp(type, LEVEL_COSTS_TYPE) == 0) {
         keep_latest(r->levels, &r->n_levels, o);
-        return prices_report_check(o, path, err);
+        return level_costs_report_check(o, path, err);
     }
     if (strcmp(type, COSTS_TYPE) == 0) {
         keep_latest(r->effects, &r->n_effects, o);

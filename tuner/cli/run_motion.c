@@ -100,7 +100,7 @@ static bool step(moved *r, duet_error *err)
     if (!duet_motion_advance(r->motion, &r->last, err))
         return false;
     ++r->done;
-    if (r->done > 1) { // the first builds kernels and makes room
+    if (r->done > 1) { // the first builds kernels and makes space
         r->total_ms += r->last.total_ms;
         r->slowest_ms = fmax(r->slowest_ms, r->last.total_ms);
         for (uint32_t i = 0; i < r->last.n_stages; ++i)

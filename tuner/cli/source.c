@@ -54,7 +54,7 @@ static const command_line line = {
 // The least that OpenCL 1.2 asks for and GPUs have.
 static const gen_limits small_gpu = {.max_group = 256, .local_bytes = 32 << 10, .fp64 = true};
 
-// Settings of a scene and of the command line, with room for their names.
+// Settings of a scene and of the command line, with space for their names.
 typedef struct settings {
     gen_setting at[OPTION_LIST_MOST + 8];
     char names[OPTION_LIST_MOST][48];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tuner/cli/paces.h"
+#include "tuner/cli/timestep_study.h"
 
 #include "runtime/base/clock.h"
 #include "runtime/base/error.h"
@@ -15,11 +15,11 @@ static const double finer[] = {0.5, 1, 2, 4};
 enum { N_FINER = sizeof finer / sizeof finer[0] };
 
 // Parts of a run, in each of which the fastest step stands for all: what
-// disturbs some of them is not the pace's.
+// disturbs some of them is not the time step's.
 enum { WINDOWS = 8 };
 
 typedef struct survey {
-    paces *paces;
+    timestep_study *study;
     const duet_scene *scene;
     duet_motion_def def; // the scene's own
     uint64_t samples;    // in a run; one lasts two of the scene's own steps
@@ -45,7 +45,7 @@ typedef struct run {
     double depth;
 } run;
 
-static duet_motion *begin(const survey *s, const pace *row, bool doubles, duet_error *err)
+static duet_motion *begin(const survey *s, const timestep_run *row, bool doubles, duet_error *err)
 {
     duet_motion_def def = s->def;
     def.dt = row->dt;
@@ -90,7 +90,7 @@ static void end_window(run *r)
     r->window_steps = 0;
 }
 
-static bool advance(survey *s, run *r, const pace *row, uint64_t steps, duet_error *err)
+static bool advance(survey *s, run *r, const timestep_run *row, uint64_t steps, duet_error *err)
 {
     duet_motion_result result;
     for (uint64_t k = 0; k < steps; ++k) {
@@ -103,13 +103,13 @@ static bool advance(survey *s, run *r, const pace *row, uint64_t steps, duet_err
     return true;
 }
 
-static uint64_t steps_of_sample(const survey *s, const pace *row)
+static uint64_t steps_of_sample(const survey *s, const timestep_run *row)
 {
-    return (uint64_t)llround(s->paces->time / (double)s->samples / row->dt);
+    return (uint64_t)llround(s->study->time / (double)s->samples / row->dt);
 }
 
 // All samples, and the states at the end.
-static bool finish(survey *s, run *r, const pace *row, duet_error *err)
+static bool finish(survey *s, run *r, const timestep_run *row, duet_error *err)
 {
     r->least = INFINITY;
     end_window(r);
@@ -137,9 +137,9 @@ static double rms_distance(const survey *s)
     return n > 0 ? sqrt(sum / n) : 0.0;
 }
 
-static void judge(const survey *s, const run *r, pace *row)
+static void judge(const survey *s, const run *r, timestep_run *row)
 {
-    row->ms = r->ms / s->paces->time;
+    row->ms = r->ms / s->study->time;
     row->error = rms_distance(s);
     row->energy = (r->energy - s->truth_energy) / s->kinetic;
     row->gain = r->gain / s->kinetic;
@@ -147,7 +147,7 @@ static void judge(const survey *s, const run *r, pace *row)
     row->finite = isfinite(row->error) && isfinite(row->energy) && isfinite(row->gain);
 }
 
-static bool run_pace(survey *s, pace *row, duet_error *err)
+static bool run_timestep(survey *s, timestep_run *row, duet_error *err)
 {
     run r = {.motion = begin(s, row, s->def.doubles, err)};
     bool ok = r.motion && finish(s, &r, row, err);
@@ -160,7 +160,7 @@ static bool run_pace(survey *s, pace *row, duet_error *err)
 // In double where the device has it, whatever the scene's own is.
 static bool run_reference(survey *s, duet_error *err)
 {
-    pace *row = &s->paces->reference;
+    timestep_run *row = &s->study->reference;
     run r = {.motion = begin(s, row, duet_device_pair_info(s->def.pair, 1)->fp64, err)};
     bool ok = r.motion && finish(s, &r, row, err);
     if (ok) {
@@ -173,18 +173,18 @@ static bool run_reference(survey *s, duet_error *err)
     return ok;
 }
 
-// ---------------------------------------------------------------- which paces
+// ---------------------------------------------------------------- which time steps
 
 static void add_row(survey *s, double dt, uint32_t substeps, duet_integrator integrator)
 {
-    paces *p = s->paces;
+    timestep_study *p = s->study;
     for (uint32_t i = 0; i < p->n_asked; ++i)
         if (p->rows[i].dt == dt && p->rows[i].substeps == substeps &&
             p->rows[i].integrator == integrator)
             return;
     bool own = fabs(dt / substeps * s->def.substeps / s->def.dt - 1.0) < 1e-9 &&
                integrator == s->def.integrator;
-    p->rows[p->n_asked++] = (pace){
+    p->rows[p->n_asked++] = (timestep_run){
         .dt = dt, .substeps = substeps, .integrator = integrator, .own = own && dt == s->def.dt};
 }
 
@@ -195,7 +195,7 @@ static void list_with_response(survey *s)
         for (int j = 0; j < N_FINER; ++j)
             add_row(s, s->def.dt / finer[i], (uint32_t)fmax(1.0, s->def.substeps * finer[j] / 2.0),
                     DUET_EULER);
-    s->paces->reference = (pace){.dt = s->def.dt / 8.0, .substeps = 4 * s->def.substeps};
+    s->study->reference = (timestep_run){.dt = s->def.dt / 8.0, .substeps = 4 * s->def.substeps};
 }
 
 // A flight knows only substeps, and may be of a higher order.
@@ -204,31 +204,31 @@ static void list_free_flight(survey *s)
     for (int order = DUET_EULER; order <= DUET_YOSHIDA; ++order)
         for (int i = 0; i < N_FINER; ++i)
             add_row(s, s->def.dt / finer[i], s->def.substeps, (duet_integrator)order);
-    s->paces->reference =
-        (pace){.dt = s->def.dt / 16.0, .substeps = s->def.substeps, .integrator = DUET_YOSHIDA};
+    s->study->reference = (timestep_run){
+        .dt = s->def.dt / 16.0, .substeps = s->def.substeps, .integrator = DUET_YOSHIDA};
 }
 
-static double price_of(const pace *row)
+static double cost_of(const timestep_run *row)
 {
     static const double parts[] = {[DUET_EULER] = 1, [DUET_VERLET] = 1, [DUET_YOSHIDA] = 3};
     return row->substeps / row->dt * parts[row->integrator];
 }
 
-static int by_price(const void *x, const void *y)
+static int by_cost(const void *x, const void *y)
 {
-    double a = price_of(x), b = price_of(y);
+    double a = cost_of(x), b = cost_of(y);
     if (a != b)
         return a < b ? -1 : 1;
-    return ((const pace *)x)->dt > ((const pace *)y)->dt ? -1 : 1;
+    return ((const timestep_run *)x)->dt > ((const timestep_run *)y)->dt ? -1 : 1;
 }
 
-static bool beats(const pace *a, const pace *b)
+static bool beats(const timestep_run *a, const timestep_run *b)
 {
     return a->finite && a->ms <= b->ms && a->error <= b->error &&
            (a->ms < b->ms || a->error < b->error);
 }
 
-static void find_front(paces *p)
+static void find_front(timestep_study *p)
 {
     for (uint32_t i = 0; i < p->n; ++i) {
         p->rows[i].front = p->rows[i].finite;
@@ -237,22 +237,22 @@ static void find_front(paces *p)
     }
 }
 
-// ---------------------------------------------------------------- paces
+// ---------------------------------------------------------------- all of them
 
 static void list_rows(survey *s, uint32_t effects)
 {
-    paces *p = s->paces;
+    timestep_study *p = s->study;
     p->contact = effects & DUET_EFFECT_CONTACT;
     if (effects & DUET_EFFECT_RESPONSE)
         list_with_response(s);
     else
         list_free_flight(s);
-    qsort(p->rows, p->n_asked, sizeof *p->rows, by_price);
+    qsort(p->rows, p->n_asked, sizeof *p->rows, by_cost);
 }
 
 static uint64_t substeps_of_all(const survey *s)
 {
-    const paces *p = s->paces;
+    const timestep_study *p = s->study;
     uint64_t n = steps_of_sample(s, &p->reference) * p->reference.substeps;
     for (uint32_t i = 0; i < p->n_asked; ++i)
         n += steps_of_sample(s, &p->rows[i]) * p->rows[i].substeps;
@@ -261,13 +261,13 @@ static uint64_t substeps_of_all(const survey *s)
 
 static bool run_all(survey *s, double limit, duet_error *err)
 {
-    paces *p = s->paces;
+    timestep_study *p = s->study;
     uint64_t begun = clock_steady_ns();
     s->shown = progress_begin("substep", substeps_of_all(s));
     bool ok = run_reference(s, err);
     while (ok && p->n < p->n_asked &&
            (p->n == 0 || (double)(clock_steady_ns() - begun) * 1e-9 < limit)) {
-        ok = run_pace(s, &p->rows[p->n], err);
+        ok = run_timestep(s, &p->rows[p->n], err);
         p->n += ok;
     }
     progress_end(&s->shown);
@@ -278,7 +278,8 @@ static bool run_all(survey *s, double limit, duet_error *err)
     return ok;
 }
 
-bool paces_has(duet_device_pair *pair, const duet_scene *scene, bool *moves, duet_error *err)
+bool timestep_study_applies(duet_device_pair *pair, const duet_scene *scene, bool *moves,
+                            duet_error *err)
 {
     duet_motion_def def = duet_scene_motion_def(scene, pair);
     const duet_scene_info *info = duet_scene_describe(scene);
@@ -293,11 +294,11 @@ bool paces_has(duet_device_pair *pair, const duet_scene *scene, bool *moves, due
     return ok;
 }
 
-bool paces_measure(paces *p, duet_device_pair *pair, const duet_scene *scene, double time,
-                   double limit, duet_error *err)
+bool timestep_study_measure(timestep_study *p, duet_device_pair *pair, const duet_scene *scene,
+                            double time, double limit, duet_error *err)
 {
-    *p = (paces){0};
-    survey s = {.paces = p, .scene = scene, .def = duet_scene_motion_def(scene, pair)};
+    *p = (timestep_study){0};
+    survey s = {.study = p, .scene = scene, .def = duet_scene_motion_def(scene, pair)};
     uint32_t n = duet_scene_describe(scene)->n;
     double sample = 2.0 * s.def.dt;
     s.samples = (uint64_t)fmax(1.0, round(time / sample));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The price list as a picture: a row a level, its time to the left and what it
+// The table of level costs as a picture: a row a level, its time to the left and what it
 // gets wrong to the right, by powers of ten from one pair on.
-#include "tuner/cli/prices_report.h"
+#include "tuner/cli/level_costs_report.h"
 
 #include "tuner/cli/canvas.h"
 #include "tuner/cli/table.h"
@@ -26,7 +26,7 @@ static void draw_bar(canvas *c, double x, double y, double length, colour fill)
     canvas_polygon(c, corners, 4, fill, fill);
 }
 
-static double greatest(const prices *p, double (*of)(const price *row))
+static double greatest(const level_costs *p, double (*of)(const level_cost *row))
 {
     double most = 0;
     for (uint32_t i = 0; i < p->n; ++i)
@@ -34,17 +34,17 @@ static double greatest(const prices *p, double (*of)(const price *row))
     return most;
 }
 
-static double time_of(const price *row)
+static double time_of(const level_cost *row)
 {
     return row->step_ms;
 }
 
-static double digits_of_wrong(const price *row)
+static double digits_of_wrong(const level_cost *row)
 {
     return log10(1.0 + (double)(row->missed + row->added));
 }
 
-static void draw_row(canvas *c, const prices *p, const price *row, double y)
+static void draw_row(canvas *c, const level_costs *p, const level_cost *row, double y)
 {
     char words[160];
     canvas_words(c, (point){names_x, y}, words_px, ink, duet_level_describe(row->level)->name);
@@ -60,7 +60,7 @@ static void draw_row(canvas *c, const prices *p, const price *row, double y)
                  row->missed + row->added ? words : "none");
 }
 
-static void draw_device(canvas *c, const prices_report *r, int device, double *y)
+static void draw_device(canvas *c, const level_costs_report *r, int device, double *y)
 {
     char words[256];
     const duet_device_info *info = duet_device_pair_info(r->pair, device);
@@ -68,18 +68,18 @@ static void draw_device(canvas *c, const prices_report *r, int device, double *y
              info -> name);
     canvas_words(c, (point){names_x, *y}, words_px, grey, words);
     *y += ROW;
-    for (uint32_t i = 0; i < r->prices->n; ++i) {
-        if (r->prices->rows[i].device != device)
+    for (uint32_t i = 0; i < r->costs->n; ++i) {
+        if (r->costs->rows[i].device != device)
             continue;
-        draw_row(c, r->prices, &r->prices->rows[i], *y);
+        draw_row(c, r->costs, &r->costs->rows[i], *y);
         *y += ROW;
     }
     *y += DEVICE_HEAD - ROW;
 }
 
-bool prices_report_plot(const prices_report *r, const char *path, duet_error *err)
+bool level_costs_report_plot(const level_costs_report *r, const char *path, duet_error *err)
 {
-    double height = HEAD + 2 * DEVICE_HEAD + ROW * (double)r->prices->n + FOOT;
+    double height = HEAD + 2 * DEVICE_HEAD + ROW * (double)r->costs->n + FOOT;
     canvas *c = canvas_open(path, WIDTH, height, err);
     if (!c)
         return false;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The error of each pace over its time, both by powers of ten. Contacts: a
+// The error of each run over its time, both by powers of ten. Contacts: a
 // colour a dt, and the substeps as a number; free flight: a colour an
 // integrator, and the steps a second.
 #include "tuner/cli/canvas.h"
-#include "tuner/cli/paces_report.h"
 #include "tuner/cli/table.h"
+#include "tuner/cli/timestep_study_report.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -42,7 +42,8 @@ static void widen(axis *a, double value)
     a->most = fmax(a->most, log10(value) + 0.15);
 }
 
-static axis axis_of(const paces *p, double (*of)(const pace *row), double from, double to)
+static axis axis_of(const timestep_study *p, double (*of)(const timestep_run *row), double from,
+                    double to)
 {
     axis a = {INFINITY, -INFINITY, from, to};
     for (uint32_t i = 0; i < p->n; ++i)
@@ -53,12 +54,12 @@ static axis axis_of(const paces *p, double (*of)(const pace *row), double from, 
     return a;
 }
 
-static double time_of(const pace *row)
+static double time_of(const timestep_run *row)
 {
     return row->ms;
 }
 
-static double error_of(const pace *row)
+static double error_of(const timestep_run *row)
 {
     return row->error;
 }
@@ -88,13 +89,13 @@ static void draw_ticks(canvas *c, const axis *a, bool across)
     }
 }
 
-static void draw_frame(canvas *c, const paces_report *r, const axis *x, const axis *y)
+static void draw_frame(canvas *c, const timestep_study_report *r, const axis *x, const axis *y)
 {
     const point page[] = {{0, 0}, {WIDTH, 0}, {WIDTH, HEIGHT}, {0, HEIGHT}};
     char words[256];
     canvas_polygon(c, page, 4, paper, paper);
     snprintf(words, sizeof words, "What accuracy costs: %.60s, %s boxes, %.3g s", r->scene->name,
-             table_count(r->scene->n).chars, r->paces->time);
+             table_count(r->scene->n).chars, r->study->time);
     canvas_words(c, (point){24, 32}, 19, ink, words);
     canvas_words(c, (point){24, 56}, WORDS, ink,
                  "distance from the reference at the end (root mean square)");
@@ -106,10 +107,10 @@ static void draw_frame(canvas *c, const paces_report *r, const axis *x, const ax
                  "ms that a second of the scene takes");
 }
 
-// ---------------------------------------------------------------- the paces
+// ---------------------------------------------------------------- the study
 
 // Free flight has no contacts, and compares integrators.
-static bool by_integrator(const paces *p)
+static bool by_integrator(const timestep_study *p)
 {
     for (uint32_t i = 0; i < p->n; ++i)
         if (p->rows[i].integrator != DUET_EULER)
@@ -118,9 +119,9 @@ static bool by_integrator(const paces *p)
 }
 
 // The dt's in their order, as they come.
-static int hue_of(const paces *p, const pace *row)
+static int hue_of(const timestep_study *p, const timestep_run *row)
 {
-    double seen[PACES_MOST];
+    double seen[TIMESTEP_RUNS];
     int n = 0;
     if (by_integrator(p))
         return (int)row->integrator;
@@ -136,13 +137,13 @@ static int hue_of(const paces *p, const pace *row)
     return 0;
 }
 
-static void draw_front(canvas *c, const paces *p, const axis *x, const axis *y)
+static void draw_front(canvas *c, const timestep_study *p, const axis *x, const axis *y)
 {
-    const pace *last = NULL; // the next faster one
+    const timestep_run *last = NULL; // the next faster one
     for (;;) {
-        const pace *next = NULL;
+        const timestep_run *next = NULL;
         for (uint32_t i = 0; i < p->n; ++i) {
-            const pace *row = &p->rows[i];
+            const timestep_run *row = &p->rows[i];
             if (row->front && (!last || row->ms > last->ms) && (!next || row->ms < next->ms))
                 next = row;
         }
@@ -155,7 +156,8 @@ static void draw_front(canvas *c, const paces *p, const axis *x, const axis *y)
     }
 }
 
-static void draw_pace(canvas *c, const paces *p, const pace *row, const axis *x, const axis *y)
+static void draw_timestep(canvas *c, const timestep_study *p, const timestep_run *row,
+                          const axis *x, const axis *y)
 {
     char words[32];
     point at = {place(x, row->ms), row->finite ? place(y, row->error) : top};
@@ -171,19 +173,19 @@ static void draw_pace(canvas *c, const paces *p, const pace *row, const axis *x,
     canvas_words(c, (point){at.x + 12, at.y + 4}, WORDS, ink, words);
 }
 
-static void draw_key(canvas *c, const paces *p)
+static void draw_key(canvas *c, const timestep_study *p)
 {
     bool drawn[N_HUES] = {false};
     double y = top + 10;
     char words[48];
     for (uint32_t i = 0; i < p->n; ++i) {
-        const pace *row = &p->rows[i];
+        const timestep_run *row = &p->rows[i];
         int hue = hue_of(p, row);
         if (drawn[hue])
             continue;
         drawn[hue] = true;
         if (by_integrator(p))
-            snprintf(words, sizeof words, "%s", pace_integrator(row));
+            snprintf(words, sizeof words, "%s", timestep_integrator(row));
         else
             snprintf(words, sizeof words, "dt 1/%.4g s", 1 / row->dt);
         canvas_dot(c, (point){right + 30, y - 4}, 6, hues[hue]);
@@ -198,9 +200,9 @@ static void draw_key(canvas *c, const paces *p)
         canvas_words(c, (point){right + 24, y + 20 * i}, WORDS, grey, notes[i]);
 }
 
-bool paces_report_plot(const paces_report *r, const char *path, duet_error *err)
+bool timestep_study_report_plot(const timestep_study_report *r, const char *path, duet_error *err)
 {
-    const paces *p = r->paces;
+    const timestep_study *p = r->study;
     axis x = axis_of(p, time_of, left, right);
     axis y = axis_of(p, error_of, bottom, top);
     canvas *c = canvas_open(path, WIDTH, HEIGHT, err);
@@ -209,7 +211,7 @@ bool paces_report_plot(const paces_report *r, const char *path, duet_error *err)
     draw_frame(c, r, &x, &y);
     draw_front(c, p, &x, &y);
     for (uint32_t i = 0; i < p->n; ++i)
-        draw_pace(c, p, &p->rows[i], &x, &y);
+        draw_timestep(c, p, &p->rows[i], &x, &y);
     draw_key(c, p);
     return canvas_close(c, true, err);
 }

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 // What each level of accuracy costs on each device of a pair, and what it gets
 // wrong on the same objects.
-#ifndef TUNER_PRICES_H
-#define TUNER_PRICES_H
+#ifndef TUNER_LEVEL_COSTS_H
+#define TUNER_LEVEL_COSTS_H
 
 #include "runtime/duet.h"
 
-enum { PRICES_ROUNDS = 100, PRICES_BOTH = 2 };
+enum { LEVEL_COSTS_ROUNDS = 100, LEVEL_COSTS_BOTH = 2 };
 
-typedef struct price {
+typedef struct level_cost {
     duet_level level;
-    int device;      // 0: A, 1: B, each alone; PRICES_BOTH: by the default plan
+    int device;      // 0: A, 1: B, each alone; LEVEL_COSTS_BOTH: by the default plan
     double step_ms;  // the median
     double relative; // to sat15 there
     uint64_t pairs;
@@ -21,30 +21,30 @@ typedef struct price {
     double deepest_missed; // how deep the worst of those missed, the objects' unit
     double widest_added;   // how far apart the worst of those added
     bool front;            // nothing there is both faster and more right
-} price;
+} level_cost;
 
-typedef struct prices {
-    price rows[2 * DUET_LEVELS]; // by device, the cheapest to compute first
+typedef struct level_costs {
+    level_cost rows[2 * DUET_LEVELS]; // by device, the cheapest to compute first
     uint32_t n;
     uint64_t truth;  // pairs that collide
     uint32_t rounds; // that were timed
-} prices;
+} level_costs;
 
 // Told after each step; false ends it with the whole rounds until then.
-typedef bool prices_watch(void *context, uint64_t done, uint64_t steps);
+typedef bool level_costs_watch(void *context, uint64_t done, uint64_t steps);
 
-typedef struct prices_def {
+typedef struct level_costs_def {
     duet_device_pair *pair;
     const duet_scene *scene;
     bool alone; // each device alone; else both by the default plan
     uint32_t rounds;
-    prices_watch *watch;
+    level_costs_watch *watch;
     void *watch_context;
-} prices_def;
+} level_costs_def;
 
 // Steps the scene at each level once a round, so that whatever disturbs one
 // disturbs all. Devices without double have no row for it. INTERRUPTED where
 // there is no whole round.
-bool prices_measure(prices *p, const prices_def *def, duet_error *err);
+bool level_costs_measure(level_costs *p, const level_costs_def *def, duet_error *err);
 
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tuner/cli/prices_report.h"
+#include "tuner/cli/level_costs_report.h"
 
 #include "runtime/base/text.h"
 #include "tuner/cli/table.h"
@@ -10,19 +10,19 @@
 
 enum { BAR = 20 };
 
-static const char *name_of(const price *row)
+static const char *name_of(const level_cost *row)
 {
     return duet_level_describe(row->level)->name;
 }
 
-static double undecided_share(const price *row)
+static double undecided_share(const level_cost *row)
 {
     return row->candidates ? (double)row->undecided / (double)row->candidates : 0;
 }
 
 // ---------------------------------------------------------------- as text
 
-static double slowest_ms(const prices *p, int device)
+static double slowest_ms(const level_costs *p, int device)
 {
     double ms = 0;
     for (uint32_t i = 0; i < p->n; ++i)
@@ -39,7 +39,7 @@ static void distance_cell(table *t, uint64_t n, double distance)
         table_cell(t, "%.2g", distance);
 }
 
-static void print_row(table *t, const price *row, double slowest)
+static void print_row(table *t, const level_cost *row, double slowest)
 {
     table_cell(t, "%s", row->front ? "*" : " ");
     table_cell(t, "%s", name_of(row));
@@ -53,7 +53,7 @@ static void print_row(table *t, const price *row, double slowest)
     table_cell(t, "%.2g %%", 100 * undecided_share(row));
 }
 
-static void print_device(const prices_report *r, int device)
+static void print_device(const level_costs_report *r, int device)
 {
     static const char *const heads[] = {" ",      "level", "ms a step", "/ sat15", " ",
                                         "missed", "false", "deepest",   "widest",  "undecided"};
@@ -62,18 +62,18 @@ static void print_device(const prices_report *r, int device)
     table t = table_begin("llrrlrrrrr");
     for (size_t i = 0; i < sizeof heads / sizeof *heads; ++i)
         table_cell(&t, "%s", heads[i]);
-    double slowest = slowest_ms(r->prices, device);
-    for (uint32_t i = 0; i < r->prices->n; ++i)
-        if (r->prices->rows[i].device == device)
-            print_row(&t, &r->prices->rows[i], slowest);
+    double slowest = slowest_ms(r->costs, device);
+    for (uint32_t i = 0; i < r->costs->n; ++i)
+        if (r->costs->rows[i].device == device)
+            print_row(&t, &r->costs->rows[i], slowest);
     table_print(&t, stdout);
 }
 
-void prices_report_text(const prices_report *r)
+void level_costs_report_text(const level_costs_report *r)
 {
     printf("%s: %s objects, ", r->scene->name, table_count(r->scene->n).chars);
-    printf("%s pairs collide; median of %u steps\n", table_count(r->prices->truth).chars,
-           r->prices->rounds);
+    printf("%s pairs collide; median of %u steps\n", table_count(r->costs->truth).chars,
+           r->costs->rounds);
     print_device(r, 0);
     print_device(r, 1);
     printf("\n* nothing is both faster and more right. missed: pairs that collide; false: that do "
@@ -83,7 +83,7 @@ void prices_report_text(const prices_report *r)
 
 // ---------------------------------------------------------------- as data
 
-static cJSON *row_json(const price *row)
+static cJSON *row_json(const level_cost *row)
 {
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "level", name_of(row));
@@ -100,23 +100,23 @@ static cJSON *row_json(const price *row)
     return o;
 }
 
-cJSON *prices_report_json(const prices_report *r)
+cJSON *level_costs_report_json(const level_costs_report *r)
 {
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "type", PRICES_TYPE);
+    cJSON_AddStringToObject(o, "type", LEVEL_COSTS_TYPE);
     cJSON_AddStringToObject(o, "scene", r->scene->name);
     cJSON_AddNumberToObject(o, "objects", r->scene->n);
-    cJSON_AddNumberToObject(o, "pairs", (double)r->prices->truth);
+    cJSON_AddNumberToObject(o, "pairs", (double)r->costs->truth);
     cJSON_AddStringToObject(o, "a", duet_device_pair_info(r->pair, 0)->selector);
     cJSON_AddStringToObject(o, "b", duet_device_pair_info(r->pair, 1)->selector);
-    cJSON_AddNumberToObject(o, "rounds", r->prices->rounds);
+    cJSON_AddNumberToObject(o, "rounds", r->costs->rounds);
     cJSON *levels = cJSON_AddArrayToObject(o, "levels");
-    for (uint32_t i = 0; i < r->prices->n; ++i)
-        cJSON_AddItemToArray(levels, row_json(&r->prices->rows[i]));
+    for (uint32_t i = 0; i < r->costs->n; ++i)
+        cJSON_AddItemToArray(levels, row_json(&r->costs->rows[i]));
     return o;
 }
 
-bool prices_report_check(const cJSON *o, const char *path, duet_error *err)
+bool level_costs_report_check(const cJSON *o, const char *path, duet_error *err)
 {
     static const json_field whole[] = {
         {"scene", cJSON_IsString, "a string"},
@@ -140,13 +140,13 @@ bool prices_report_check(const cJSON *o, const char *path, duet_error *err)
            json_require_each(json_list(o, "levels"), row, path, "level", err);
 }
 
-bool prices_report_csv(const prices_report *r, const char *path, duet_error *err)
+bool level_costs_report_csv(const level_costs_report *r, const char *path, duet_error *err)
 {
     text lines = {0};
     text_add(&lines, "device,level,step_ms,relative,pairs,missed,false,deepest_missed,"
                      "widest_false,undecided_share,front\n");
-    for (uint32_t i = 0; i < r->prices->n; ++i) {
-        const price *row = &r->prices->rows[i];
+    for (uint32_t i = 0; i < r->costs->n; ++i) {
+        const level_cost *row = &r->costs->rows[i];
         text_add(&lines, "%s,%s,%.9g,%.9g,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%.9g,%.9g,%.9g,%d\n",
                  duet_device_pair_info(r->pair, row->device)->selector, name_of(row), row->step_ms,
                  row->relative, row->pairs, row->missed, row->added, row->deepest_missed,

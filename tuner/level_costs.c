@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tuner/prices.h"
+#include "tuner/level_costs.h"
 
 #include "runtime/base/budget.h"
 #include "runtime/base/error.h"
@@ -15,14 +15,14 @@ static const duet_level order[DUET_LEVELS] = {DUET_LEVEL_AABB,      DUET_LEVEL_S
                                               DUET_LEVEL_CERTIFIED, DUET_LEVEL_DOUBLE};
 
 typedef struct survey {
-    prices *prices;
-    const prices_def *def;
+    level_costs *costs;
+    const level_costs_def *def;
     const duet_scene *scene;
-    price *row; // that wrong pairs are counted for
+    level_cost *row; // that wrong pairs are counted for
     duet_world *world;
     duet_plan plan;
     duet_pair *truth;
-    double ms[2 * DUET_LEVELS][PRICES_ROUNDS];
+    double ms[2 * DUET_LEVELS][LEVEL_COSTS_ROUNDS];
     duet_result result; // of the last step
 } survey;
 
@@ -41,7 +41,7 @@ static double gap_of(const duet_scene *scene, duet_pair pair)
 static void add_wrong(void *context, duet_pair pair, bool missed)
 {
     survey *s = context;
-    price *row = s->row;
+    level_cost *row = s->row;
     double gap = gap_of(s->scene, pair);
     if (missed) {
         ++row->missed;
@@ -52,13 +52,13 @@ static void add_wrong(void *context, duet_pair pair, bool missed)
     }
 }
 
-static bool compare(survey *s, price *row, duet_error *err)
+static bool compare(survey *s, level_cost *row, duet_error *err)
 {
     duet_pair *found = pair_list_sorted(&s->result, err);
     if (!found)
         return false;
     s->row = row;
-    pair_list_compare(found, s->result.pairs, s->truth, s->prices->truth, add_wrong, s);
+    pair_list_compare(found, s->result.pairs, s->truth, s->costs->truth, add_wrong, s);
     free(found);
     row->pairs = s->result.pairs;
     row->candidates = s->result.candidates;
@@ -87,8 +87,8 @@ static bool step(survey *s, duet_error *err)
 // The first step at a level makes its kernels ready and is not timed.
 static bool visit(survey *s, uint32_t at, uint32_t round, duet_error *err)
 {
-    price *row = &s->prices->rows[at];
-    if (row->device != PRICES_BOTH)
+    level_cost *row = &s->costs->rows[at];
+    if (row->device != LEVEL_COSTS_BOTH)
         s->plan.share = row->device == 0 ? DUET_SHARE_ONE : 0;
     bool ok = budget_check(err) && duet_world_set_level(s->world, row->level, err) &&
               duet_world_set_plan(s->world, &s->plan, err) && step(s, err);
@@ -99,8 +99,8 @@ static bool visit(survey *s, uint32_t at, uint32_t round, duet_error *err)
 
 static bool run_rounds(survey *s, duet_error *err)
 {
-    const prices_def *def = s->def;
-    prices *p = s->prices;
+    const level_costs_def *def = s->def;
+    level_costs *p = s->costs;
     uint64_t steps = (uint64_t)def->rounds * p->n, done = 0;
     bool more = true;
     while (more && p->rounds < def->rounds) {
@@ -115,14 +115,14 @@ static bool run_rounds(survey *s, duet_error *err)
            error_set(err, DUET_INTERRUPTED, "stopped before each level had a step");
 }
 
-// ---------------------------------------------------------------- prices
+// ---------------------------------------------------------------- costs
 
-static uint64_t wrong(const price *row)
+static uint64_t wrong(const level_cost *row)
 {
     return row->missed + row->added;
 }
 
-static bool beats(const price *a, const price *b)
+static bool beats(const level_cost *a, const level_cost *b)
 {
     return a->device == b->device && a->step_ms <= b->step_ms && wrong(a) <= wrong(b) &&
            (a->step_ms < b->step_ms || wrong(a) < wrong(b));
@@ -130,16 +130,16 @@ static bool beats(const price *a, const price *b)
 
 static void draw_conclusions(survey *s)
 {
-    prices *p = s->prices;
-    double textbook[PRICES_BOTH + 1] = {0};
+    level_costs *p = s->costs;
+    double textbook[LEVEL_COSTS_BOTH + 1] = {0};
     for (uint32_t i = 0; i < p->n; ++i) {
-        price *row = &p->rows[i];
+        level_cost *row = &p->rows[i];
         row->step_ms = stats_median(s->ms[i], p->rounds);
         if (row->level == DUET_LEVEL_SAT15)
             textbook[row->device] = row->step_ms;
     }
     for (uint32_t i = 0; i < p->n; ++i) {
-        price *row = &p->rows[i];
+        level_cost *row = &p->rows[i];
         row->relative = row->step_ms / textbook[row->device];
         row->front = true;
         for (uint32_t k = 0; k < p->n; ++k)
@@ -147,28 +147,28 @@ static void draw_conclusions(survey *s)
     }
 }
 
-static bool has_double(const prices_def *def, int device)
+static bool has_double(const level_costs_def *def, int device)
 {
     bool a = duet_device_pair_info(def->pair, 0)->fp64,
          b = duet_device_pair_info(def->pair, 1)->fp64;
-    return device == PRICES_BOTH ? a && b : device == 0 ? a : b;
+    return device == LEVEL_COSTS_BOTH ? a && b : device == 0 ? a : b;
 }
 
-static void list_rows(prices *p, const prices_def *def, int device)
+static void list_rows(level_costs *p, const level_costs_def *def, int device)
 {
     for (int i = 0; i < DUET_LEVELS; ++i)
         if (order[i] != DUET_LEVEL_DOUBLE || has_double(def, device))
-            p->rows[p->n++] = (price){.level = order[i], .device = device};
+            p->rows[p->n++] = (level_cost){.level = order[i], .device = device};
 }
 
-bool prices_measure(prices *p, const prices_def *def, duet_error *err)
+bool level_costs_measure(level_costs *p, const level_costs_def *def, duet_error *err)
 {
-    *p = (prices){0};
+    *p = (level_costs){0};
     if (def->alone)
         list_rows(p, def, 0);
-    list_rows(p, def, def->alone ? 1 : PRICES_BOTH);
+    list_rows(p, def, def->alone ? 1 : LEVEL_COSTS_BOTH);
     duet_world_def world = duet_scene_world_def(def->scene, def->pair);
-    survey s = {.prices = p, .def = def, .scene = def->scene, .plan = world.plan};
+    survey s = {.costs = p, .def = def, .scene = def->scene, .plan = world.plan};
     s.world = duet_world_create(&world, err);
     bool ok = s.world && duet_world_set_scene(s.world, s.scene, err) &&
               duet_reference(s.scene, &s.truth, &p->truth, err) && run_rounds(&s, err);

@@ -1,10 +1,10 @@
-# Checks the include lines of every file against the rooms: what a room may
+# Checks the include lines of every file against the modules: what a module may
 # know lies in the rows below, and nothing points up. Also that no file names
 # a place of the machine that it was written on.
 #
 #   ROOT  the source tree
 cmake_minimum_required(VERSION 3.22)
-set(rooms runtime/base gen profiles runtime tuner tuner/cli lua examples)
+set(modules runtime/base gen profiles runtime tuner tuner/cli lua examples)
 set(runtime/base_knows runtime/base)
 set(gen_knows runtime/base gen)
 set(profiles_knows runtime/base profiles)
@@ -16,7 +16,7 @@ set(examples_knows duet)
 
 set(wrong "")
 
-# The room of an included header, by its folder; a public header may be named
+# The module of an included header, by its folder; a public header may be named
 # without one.
 function(find_room header result)
   get_filename_component(folder ${header} DIRECTORY)
@@ -30,15 +30,15 @@ function(find_room header result)
   set(${result} ${folder} PARENT_SCOPE)
 endfunction()
 
-foreach(room IN LISTS rooms)
-  file(GLOB files RELATIVE ${ROOT} ${ROOT}/${room}/*.c ${ROOT}/${room}/*.h)
+foreach(module IN LISTS modules)
+  file(GLOB files RELATIVE ${ROOT} ${ROOT}/${module}/*.c ${ROOT}/${module}/*.h)
   foreach(file IN LISTS files)
     file(STRINGS ${ROOT}/${file} lines REGEX "^ *# *include *\"")
     foreach(line IN LISTS lines)
       string(REGEX REPLACE "^.*\"(.*)\".*$" "\\1" header "${line}")
       find_room(${header} knows)
-      if(NOT knows IN_LIST ${room}_knows)
-        string(APPEND wrong "${file} includes ${header}: ${room} may know ${${room}_knows}\n")
+      if(NOT knows IN_LIST ${module}_knows)
+        string(APPEND wrong "${file} includes ${header}: ${module} may know ${${module}_knows}\n")
       endif()
     endforeach()
   endforeach()

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What results of `duet accuracy` and `duet explain --measure` tell: the prices
+// What results of `duet accuracy` and `duet explain --measure` tell: the costs
 // of being right, and of each effect.
 #include "tuner/cli/chart_rows.h"
 #include "tuner/cli/json.h"

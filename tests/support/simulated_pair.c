@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
-#include "tuner/replay.h"
+#include "support/simulated_pair.h"
 
 #include <math.h>
 
 #define WHOLE_NS 1e7 // B's time for the whole work
 
 // A device's time for a part of the work, by its own time for all of it.
-static double time_of_part(const replay_model *model, int device, double part)
+static double time_of_part(const simulated_pair *model, int device, double part)
 {
     uint32_t waves = model->waves[device];
     double stepped = waves ? ceil(part * waves) / waves : part;
     return part > 0 ? model->fixed[device] + (1 - model->fixed[device]) * stepped : 0;
 }
 
-static void invent(const replay_model *model, uint32_t share, double ns[2])
+static void invent(const simulated_pair *model, uint32_t share, double ns[2])
 {
     double part = share / (double)SEARCH_ONE;
     bool both = share > 0 && share < SEARCH_ONE;
@@ -26,20 +26,20 @@ static void invent(const replay_model *model, uint32_t share, double ns[2])
     }
 }
 
-replay_model replay_invent(replay_family family, bool mirrored, rng *r)
+simulated_pair simulated_invent(simulated_family family, bool mirrored, rng *r)
 {
-    replay_model model = {.ratio = pow(family == REPLAY_FIXED ? 4 : 64, rng_unit(r))};
+    simulated_pair model = {.ratio = pow(family == SIMULATED_FIXED ? 4 : 64, rng_unit(r))};
     if (mirrored)
         model.ratio = 1 / model.ratio;
     double best = model.ratio / (model.ratio + 1);
     model.overhead[0] = best * rng_between(r, 0, 0.15);
     model.overhead[1] = best * rng_between(r, 0, 0.15);
-    if (family == REPLAY_STEPS) {
+    if (family == SIMULATED_STEPS) {
         model.waves[0] = 16 + rng_below(r, 49);
         model.waves[1] = 8 + rng_below(r, 25);
-    } else if (family == REPLAY_INTERF) {
+    } else if (family == SIMULATED_INTERF) {
         model.interference = rng_between(r, 0, 0.25);
-    } else if (family == REPLAY_FIXED) {
+    } else if (family == SIMULATED_FIXED) {
         model.fixed[0] = rng_between(r, 0.2, 0.6);
         model.fixed[1] = rng_between(r, 0.2, 0.6);
     }
@@ -51,9 +51,9 @@ static double between(uint64_t from, uint64_t to, double part)
     return (double)from + part * ((double)to - (double)from);
 }
 
-static void look_up(const replay_model *model, uint32_t share, double ns[2])
+static void look_up(const simulated_pair *model, uint32_t share, double ns[2])
 {
-    const replay_row *rows = model->rows;
+    const simulated_row *rows = model->rows;
     uint32_t i = 1;
     while (i + 1 < model->n_rows && rows[i].share < share)
         ++i;
@@ -62,7 +62,7 @@ static void look_up(const replay_model *model, uint32_t share, double ns[2])
     ns[1] = between(rows[i - 1].b_ns, rows[i].b_ns, part);
 }
 
-static double disturbed(const replay_model *model, double ns, rng *r)
+static double disturbed(const simulated_pair *model, double ns, rng *r)
 {
     double factor = 1 + model->sigma * rng_normal(r);
     if (factor < 0.5)
@@ -72,7 +72,7 @@ static double disturbed(const replay_model *model, double ns, rng *r)
     return ns * factor;
 }
 
-search_sample replay_launch(const replay_model *model, uint32_t share, rng *r)
+search_sample simulated_launch(const simulated_pair *model, uint32_t share, rng *r)
 {
     double ns[2];
     if (model->rows)
@@ -89,23 +89,24 @@ search_sample replay_launch(const replay_model *model, uint32_t share, rng *r)
     };
 }
 
-search_sample replay_best(const replay_model *model)
+search_sample simulated_best(const simulated_pair *model)
 {
-    search_sample best = replay_launch(model, 0, NULL);
+    search_sample best = simulated_launch(model, 0, NULL);
     for (uint32_t share = 1; share <= SEARCH_ONE; ++share) {
-        search_sample at = replay_launch(model, share, NULL);
+        search_sample at = simulated_launch(model, share, NULL);
         if (at.total_ns < best.total_ns)
             best = at;
     }
     return best;
 }
 
-bool replay_run(search *s, const replay_model *model, rng *r, uint64_t *cost_ns, duet_error *err)
+bool simulated_run(search *s, const simulated_pair *model, rng *r, uint64_t *cost_ns,
+                   duet_error *err)
 {
     uint64_t cost = 0;
     bool ok = true;
     for (search_next next; (ok = search_ask(s, &next, err)) && !next.done;) {
-        search_sample sample = replay_launch(model, next.share, r);
+        search_sample sample = simulated_launch(model, next.share, r);
         cost += sample.total_ns;
         ok = search_tell(s, &sample, err);
         if (!ok)
@@ -116,8 +117,8 @@ bool replay_run(search *s, const replay_model *model, rng *r, uint64_t *cost_ns,
     return ok;
 }
 
-double replay_off(const replay_model *model, uint32_t share)
+double simulated_excess(const simulated_pair *model, uint32_t share)
 {
-    double best = (double)replay_best(model).total_ns;
-    return (double)replay_launch(model, share, NULL).total_ns / best - 1;
+    double best = (double)simulated_best(model).total_ns;
+    return (double)simulated_launch(model, share, NULL).total_ns / best - 1;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #define _GNU_SOURCE // sched_getaffinity
-#include "tuner/cli/others.h"
+#include "tuner/cli/cpu_load.h"
 
 #include <inttypes.h>
 #include <sched.h>
@@ -20,7 +20,7 @@ static bool read_processor(const char *line, unsigned *processor, uint64_t ticks
                   &ticks[6], &ticks[7]) == 9;
 }
 
-static void add_processors(others *o, FILE *stat, const cpu_set_t *ours)
+static void add_processors(cpu_load *o, FILE *stat, const cpu_set_t *ours)
 {
     enum { IDLE = 3, IOWAIT = 4 };
     char line[512];
@@ -42,9 +42,9 @@ static double seconds(struct timeval t)
     return (double)t.tv_sec + (double)t.tv_usec * 1e-6;
 }
 
-others others_look(void)
+cpu_load cpu_load_look(void)
 {
-    others o = {0};
+    cpu_load o = {0};
     cpu_set_t ours;
     struct rusage usage;
     FILE *stat = fopen("/proc/stat", "r");
@@ -57,9 +57,9 @@ others others_look(void)
     return o;
 }
 
-double others_part(const others *since)
+double cpu_load_part(const cpu_load *since)
 {
-    others now = others_look();
+    cpu_load now = cpu_load_look();
     double all = (double)(now.all_ticks - since->all_ticks);
     double own = (now.own_s - since->own_s) * (double)sysconf(_SC_CLK_TCK);
     double theirs = (double)(now.busy_ticks - since->busy_ticks) - own;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tuner/tape.h"
+#include "tuner/trial_log.h"
 
 #include "tuner/terms.h"
 
@@ -8,17 +8,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-void tape_free(tape *t)
+void trial_log_free(trial_log *t)
 {
     free(t->entries);
-    *t = (tape){0};
+    *t = (trial_log){0};
 }
 
-bool tape_add(tape *t, const tape_entry *entry, duet_error *err)
+bool trial_log_add(trial_log *t, const trial_log_entry *entry, duet_error *err)
 {
     if (t->n == t->capacity) {
         uint32_t capacity = t->capacity ? 2 * t->capacity : 64;
-        tape_entry *grown = realloc(t->entries, capacity * sizeof *grown);
+        trial_log_entry *grown = realloc(t->entries, capacity * sizeof *grown);
         if (!grown)
             return error_set(err, DUET_NO_MEMORY, "a tuning of %" PRIu32 " trials: no memory",
                              t->n + 1);
@@ -29,18 +29,18 @@ bool tape_add(tape *t, const tape_entry *entry, duet_error *err)
     return true;
 }
 
-bool tape_same_plan(const duet_plan *a, const duet_plan *b)
+bool trial_log_same_plan(const duet_plan *a, const duet_plan *b)
 {
     return a->share == b->share && a->mode == b->mode && strcmp(a->variant_a, b->variant_a) == 0 &&
            strcmp(a->variant_b, b->variant_b) == 0;
 }
 
-const tape_entry *tape_play(tape *t, const duet_plan *plan)
+const trial_log_entry *trial_log_next(trial_log *t, const duet_plan *plan)
 {
     if (t->played == t->n)
         return NULL;
-    const tape_entry *entry = &t->entries[t->played];
-    if (!tape_same_plan(&entry->plan, plan)) {
+    const trial_log_entry *entry = &t->entries[t->played];
+    if (!trial_log_same_plan(&entry->plan, plan)) {
         t->n = t->played;
         return NULL;
     }
@@ -51,11 +51,11 @@ const tape_entry *tape_play(tape *t, const duet_plan *plan)
 // ---------------------------------------------------------------- JSON
 
 // Variants are words, names and numbers: nothing that JSON would escape.
-void tape_to_json(const tape *t, text *json)
+void trial_log_to_json(const trial_log *t, text *json)
 {
-    text_add(json, "{\"tape\":[");
+    text_add(json, "{\"trials\":[");
     for (uint32_t i = 0; i < t->n; ++i) {
-        const tape_entry *e = &t->entries[i];
+        const trial_log_entry *e = &t->entries[i];
         text_add(json, "%s[%" PRIu32 ",%d,\"%s\",\"%s\",", i ? "," : "", e->plan.share,
                  (int)e->plan.mode, e->plan.variant_a, e->plan.variant_b);
         text_add(json, "%d,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",", e->usable, e->sample.total_ns,
@@ -85,7 +85,7 @@ static bool next_variant(const cJSON **at, char variant[96])
     return ok;
 }
 
-static bool read_entry(const cJSON *row, tape_entry *e)
+static bool read_entry(const cJSON *row, trial_log_entry *e)
 {
     uint64_t share = 0, mode = 0, usable = 0, launches = 0;
     const cJSON *at = row->child;
@@ -99,34 +99,34 @@ static bool read_entry(const cJSON *row, tape_entry *e)
     e->plan.mode = (duet_mode)mode;
     e->usable = usable;
     e->launches = (uint32_t)launches;
-    terms_from_json(at, &e->terms); // a tape of the store's first version has none
+    terms_from_json(at, &e->terms); // a log of the store's first version has none
     return ok && (!at || !at->next);
 }
 
-static bool read_tape(const cJSON *rows, tape *t, duet_error *err)
+static bool read_log(const cJSON *rows, trial_log *t, duet_error *err)
 {
     const cJSON *row;
     if (!cJSON_IsArray(rows))
         return error_set(err, DUET_BAD_INPUT, "search state: not one that a tuning wrote");
     cJSON_ArrayForEach(row, rows)
     {
-        tape_entry entry = {0};
+        trial_log_entry entry = {0};
         if (!read_entry(row, &entry))
             return error_set(err, DUET_BAD_INPUT, "search state: trial %" PRIu32 " is malformed",
                              t->n);
-        if (!tape_add(t, &entry, err))
+        if (!trial_log_add(t, &entry, err))
             return false;
     }
     return true;
 }
 
-bool tape_from_json(tape *t, const char *json, duet_error *err)
+bool trial_log_from_json(trial_log *t, const char *json, duet_error *err)
 {
-    *t = (tape){0};
+    *t = (trial_log){0};
     cJSON *root = cJSON_ParseWithOpts(json, NULL, true);
-    bool ok = read_tape(cJSON_GetObjectItemCaseSensitive(root, "tape"), t, err);
+    bool ok = read_log(cJSON_GetObjectItemCaseSensitive(root, "trials"), t, err);
     cJSON_Delete(root);
     if (!ok)
-        tape_free(t);
+        trial_log_free(t);
     return ok;
 }

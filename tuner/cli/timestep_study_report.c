@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tuner/cli/paces_report.h"
+#include "tuner/cli/timestep_study_report.h"
 
 #include "runtime/base/text.h"
 #include "tuner/cli/say.h"
@@ -11,7 +11,7 @@
 
 enum { BAR = 16 };
 
-const char *pace_integrator(const pace *row)
+const char *timestep_integrator(const timestep_run *row)
 {
     static const char *const names[] = {
         [DUET_EULER] = "euler", [DUET_VERLET] = "verlet", [DUET_YOSHIDA] = "yoshida"};
@@ -26,7 +26,7 @@ typedef struct range {
 } range;
 
 // Of the errors that are any.
-static range errors_of(const paces *p)
+static range errors_of(const timestep_study *p)
 {
     range r = {INFINITY, 0};
     for (uint32_t i = 0; i < p->n; ++i)
@@ -37,7 +37,7 @@ static range errors_of(const paces *p)
     return r;
 }
 
-static double slowest_ms(const paces *p)
+static double slowest_ms(const timestep_study *p)
 {
     double ms = 0;
     for (uint32_t i = 0; i < p->n; ++i)
@@ -46,7 +46,7 @@ static double slowest_ms(const paces *p)
 }
 
 // By powers of ten: a character at the least error.
-static double digits_part(const pace *row, range errors)
+static double digits_part(const timestep_run *row, range errors)
 {
     if (!row->finite)
         return 1.0;
@@ -56,7 +56,7 @@ static double digits_part(const pace *row, range errors)
     return (log10(row->error / errors.least) + 0.2) / most;
 }
 
-static void wrong_cells(table *t, const paces *p, const pace *row)
+static void wrong_cells(table *t, const timestep_study *p, const timestep_run *row)
 {
     if (!row->finite) {
         table_cell(t, "lost");
@@ -75,26 +75,26 @@ static void wrong_cells(table *t, const paces *p, const pace *row)
         table_cell(t, "-");
 }
 
-static void print_row(table *t, const paces *p, const pace *row)
+static void print_row(table *t, const timestep_study *p, const timestep_run *row)
 {
     table_cell(t, "%s", row->front ? "*" : " ");
     table_cell(t, "1/%.4g", 1 / row->dt);
     table_cell(t, "%u%s", row->substeps, row->own ? " <" : "  ");
-    table_cell(t, "%s", pace_integrator(row));
+    table_cell(t, "%s", timestep_integrator(row));
     table_cell(t, "%.1f", row->ms);
     table_cell(t, "%s", table_bar(row->ms / slowest_ms(p), BAR).chars);
     wrong_cells(t, p, row);
 }
 
-void paces_report_text(const paces_report *r)
+void timestep_study_report_text(const timestep_study_report *r)
 {
     static const char *const heads[] = {" ",     "dt", "substeps", "",     "ms a second", "",
                                         "error", "",   "energy",   "gain", "deepest"};
-    const paces *p = r->paces;
+    const timestep_study *p = r->study;
     printf("%s: %s objects, %.3g s of the scene, on %s\n", r->scene->name,
            table_count(r->scene->n).chars, p->time, duet_device_pair_info(r->pair, 1)->selector);
     printf("reference: dt 1/%.4g, substeps %u, %s: %.1f ms a second, gain %.2g %%\n\n",
-           1 / p->reference.dt, p->reference.substeps, pace_integrator(&p->reference),
+           1 / p->reference.dt, p->reference.substeps, timestep_integrator(&p->reference),
            p->reference.ms, 100 * p->reference.gain);
     table t = table_begin("lrrlrlrlrrr");
     for (size_t i = 0; i < sizeof heads / sizeof *heads; ++i)
@@ -114,12 +114,12 @@ void paces_report_text(const paces_report *r)
 
 // ---------------------------------------------------------------- as data
 
-static cJSON *row_json(const pace *row)
+static cJSON *row_json(const timestep_run *row)
 {
     cJSON *o = cJSON_CreateObject();
     cJSON_AddNumberToObject(o, "dt", row->dt);
     cJSON_AddNumberToObject(o, "substeps", row->substeps);
-    cJSON_AddStringToObject(o, "integrator", pace_integrator(row));
+    cJSON_AddStringToObject(o, "integrator", timestep_integrator(row));
     cJSON_AddBoolToObject(o, "own", row->own);
     cJSON_AddNumberToObject(o, "ms_a_second", row->ms);
     cJSON_AddNumberToObject(o, "error", row->error);
@@ -131,9 +131,9 @@ static cJSON *row_json(const pace *row)
     return o;
 }
 
-bool paces_report_json(const paces_report *r, duet_error *err)
+bool timestep_study_report_json(const timestep_study_report *r, duet_error *err)
 {
-    const paces *p = r->paces;
+    const timestep_study *p = r->study;
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "scene", r->scene->name);
     cJSON_AddNumberToObject(o, "objects", r->scene->n);
@@ -141,21 +141,21 @@ bool paces_report_json(const paces_report *r, duet_error *err)
     cJSON_AddStringToObject(o, "b", duet_device_pair_info(r->pair, 1)->selector);
     cJSON_AddNumberToObject(o, "time", p->time);
     cJSON_AddItemToObject(o, "reference", row_json(&p->reference));
-    cJSON *rows = cJSON_AddArrayToObject(o, "paces");
+    cJSON *rows = cJSON_AddArrayToObject(o, "timesteps");
     for (uint32_t i = 0; i < p->n; ++i)
         cJSON_AddItemToArray(rows, row_json(&p->rows[i]));
     return say_json(o, err);
 }
 
-bool paces_report_csv(const paces_report *r, const char *path, duet_error *err)
+bool timestep_study_report_csv(const timestep_study_report *r, const char *path, duet_error *err)
 {
     text lines = {0};
     text_add(&lines,
              "dt,substeps,integrator,own,ms_a_second,error,energy,gain,depth,finite,front\n");
-    for (uint32_t i = 0; i < r->paces->n; ++i) {
-        const pace *row = &r->paces->rows[i];
+    for (uint32_t i = 0; i < r->study->n; ++i) {
+        const timestep_run *row = &r->study->rows[i];
         text_add(&lines, "%.9g,%u,%s,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%d,%d\n", row->dt, row->substeps,
-                 pace_integrator(row), row->own, row->ms, row->error, row->energy, row->gain,
+                 timestep_integrator(row), row->own, row->ms, row->error, row->energy, row->gain,
                  row->depth, row->finite, row->front);
     }
     bool ok = text_ok(&lines, err) && text_write_file(path, text_chars(&lines), lines.length, err);
