@@ -36,7 +36,7 @@ typedef struct gen_setting {
 } gen_setting;
 
 typedef struct gen_variant {
-    char name[160];    // "candidates_rows.DIMS3.WG128.BUF512"
+    char name[160];    // "pair_search_gpu.DIMS3.WG128.BUF512"
     char sha256[65];   // of the text, lower-case hex
     char *text;        // OpenCL C; owned, given back by gen_variant_free
     uint32_t group;    // work-group size that the card asks for

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-// A list of names in a table, kept alive by it; { "rows", "paper" }.
+// A list of names in a table, kept alive by it; { "auto", "paper" }.
 typedef struct name_list {
     const char *names[32];
     uint32_t n;

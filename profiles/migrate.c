@@ -16,6 +16,13 @@
 #include <string.h>
 #include <unistd.h>
 
+// The first word of a variant, by its new name.
+#define RENAME_VARIANT(column)                                                 \
+    column " = CASE substr(" column ", 1, instr(" column " || ' ', ' ') - 1) " \
+           "WHEN 'rows' THEN 'auto' || substr(" column ", 5) "                 \
+           "WHEN 'lanes' THEN 'simd' || substr(" column ", 6) "                \
+           "WHEN 'items' THEN 'gpu' || substr(" column ", 6) ELSE " column " END"
+
 const char *const migrate_upgrades[] = {
     // 2: what levels of accuracy find and cost; what a profile's gain is of.
     "CREATE TABLE price ("
@@ -40,7 +47,12 @@ const char *const migrate_upgrades[] = {
     "DROP TABLE drift;"
     "UPDATE session SET search_state = json_set(json_remove(search_state, '$.tape'), '$.trials', "
     "json_extract(search_state, '$.tape')) "
-    "WHERE json_valid(search_state) AND json_type(search_state, '$.tape') = 'array';",
+    "WHERE json_valid(search_state) AND json_type(search_state, '$.tape') = 'array';"
+    "UPDATE trial SET " RENAME_VARIANT("variant_a") ", " RENAME_VARIANT(
+        "variant_b") ";"
+                     "UPDATE profile SET " RENAME_VARIANT("variant_a") ", " RENAME_VARIANT(
+                         "variant_b") ";"
+                                      "UPDATE fit SET " RENAME_VARIANT("variant") ";",
     NULL,
 };
 

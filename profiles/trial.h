@@ -12,7 +12,7 @@ typedef struct profile_plan {
     uint32_t share;     // A's part out of PROFILE_SHARE_ONE
     char mode[16];      // "shared", "own" or "slab"
     char level[16];     // of accuracy, "certified"
-    char variant_a[96]; // "rows sort=radix"
+    char variant_a[96]; // "auto sort=radix"
     char variant_b[96];
 } profile_plan;
 

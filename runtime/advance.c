@@ -85,12 +85,12 @@ static bool fly(duet_motion *m, duet_error *err)
     args_real4(&a, times[0], times[1], 0.0, 0.0);
     args_uint(&a, m->def.substeps);
     args_uint(&a, m->n);
-    return args_launch(&a, "motion", m->kernels.integrate, m->n, err);
+    return args_launch(&a, "integrate", m->kernels.integrate_free_flight, m->n, err);
 }
 
 // ---------------------------------------------------------------- response
 
-static bool doze(duet_motion *m, duet_error *err)
+static bool update_sleep(duet_motion *m, duet_error *err)
 {
     motion_args a = args_begin(m);
     args_buffer(&a, LINKS);
@@ -105,10 +105,10 @@ static bool doze(duet_motion *m, duet_error *err)
     args_float(&a, m->def.sleep_after);
     args_buffer(&a, ASLEEP);
     args_buffer(&a, FLAG_WORDS);
-    return args_launch(&a, "sleep", m->kernels.doze, m->n, err);
+    return args_launch(&a, "sleep", m->kernels.update_sleep, m->n, err);
 }
 
-static bool begin_bodies(duet_motion *m, duet_error *err)
+static bool prepare_bodies(duet_motion *m, duet_error *err)
 {
     motion_args a = args_begin(m);
     args_buffer(&a, VELOCITIES);
@@ -118,23 +118,24 @@ static bool begin_bodies(duet_motion *m, duet_error *err)
     args_buffer_for(&a, DUET_EFFECT_SLEEP, ASLEEP);
     args_uint(&a, m->n);
     args_buffer(&a, BODIES);
-    return args_launch(&a, "motion", m->kernels.body_begin, (uint64_t)m->n + MOTION_WALLS, err);
+    return args_launch(&a, "integrate", m->kernels.prepare_bodies, (uint64_t)m->n + MOTION_WALLS,
+                       err);
 }
 
 // Bodies and where they touch. What is woken by a touch has its mass again
 // before it is pushed.
 static bool touch(duet_motion *m, duet_error *err)
 {
-    if (!begin_bodies(m, err) || !motion_touch(m, false, err))
+    if (!prepare_bodies(m, err) || !motion_touch(m, false, err))
         return false;
     if (!motion_has(m, DUET_EFFECT_SLEEP))
         return true;
-    if (!doze(m, err) || !motion_read_flags(m, err))
+    if (!update_sleep(m, err) || !motion_read_flags(m, err))
         return false;
-    return !m->flags[FLAG_DOZED] || (begin_bodies(m, err) && motion_touch(m, true, err));
+    return !m->flags[FLAG_FELL_ASLEEP] || (prepare_bodies(m, err) && motion_touch(m, true, err));
 }
 
-static bool kick(duet_motion *m, double h, duet_error *err)
+static bool integrate_velocities(duet_motion *m, double h, duet_error *err)
 {
     motion_args a = args_begin(m);
     args_buffer(&a, BODIES);
@@ -147,10 +148,10 @@ static bool kick(duet_motion *m, double h, duet_error *err)
     if (motion_has(m, DUET_EFFECT_DRAG))
         args_float(&a, exp(-m->def.drag * h));
     args_float(&a, h);
-    return args_launch(&a, "motion", m->kernels.body_kick, m->n, err);
+    return args_launch(&a, "integrate", m->kernels.integrate_velocities, m->n, err);
 }
 
-static bool drift(duet_motion *m, double h, duet_error *err)
+static bool integrate_positions(duet_motion *m, double h, duet_error *err)
 {
     motion_args a = args_begin(m);
     args_buffer(&a, BODIES);
@@ -160,10 +161,10 @@ static bool drift(duet_motion *m, double h, duet_error *err)
         args_buffer(&a, INERTIAS);
     }
     args_float(&a, h);
-    return args_launch(&a, "motion", m->kernels.drift, m->n, err);
+    return args_launch(&a, "integrate", m->kernels.integrate_positions, m->n, err);
 }
 
-static bool finish_bodies(duet_motion *m, duet_error *err)
+static bool finalize_bodies(duet_motion *m, duet_error *err)
 {
     motion_args a = args_begin(m);
     args_buffer(&a, BODIES);
@@ -181,7 +182,7 @@ static bool finish_bodies(duet_motion *m, duet_error *err)
         args_float(&a, m->def.sleep_after);
     }
     args_buffer(&a, VELOCITIES);
-    return args_launch(&a, "motion", m->kernels.body_finish, m->n, err);
+    return args_launch(&a, "integrate", m->kernels.finalize_bodies, m->n, err);
 }
 
 // A damped spring, implicitly: how fast overlap is pushed out per depth, what
@@ -212,10 +213,10 @@ static bool launch_colour(motion_args *a, uint32_t colour, const kernel *k, duet
 {
     uint32_t count = a->motion->colours[colour].count;
     bool in_order = colour == COLOUR_OVERFLOW;
-    return args_launch(a, "response", k, in_order && count > 0 ? 1 : count, err);
+    return args_launch(a, "solve_contacts", k, in_order && count > 0 ? 1 : count, err);
 }
 
-static bool prepare_colour(duet_motion *m, uint32_t colour, duet_error *err)
+static bool prepare_contacts_colour(duet_motion *m, uint32_t colour, duet_error *err)
 {
     const colour_span *span = &m->colours[colour];
     motion_args a = args_begin(m);
@@ -228,9 +229,9 @@ static bool prepare_colour(duet_motion *m, uint32_t colour, duet_error *err)
     args_buffer(&a, LIST);
     args_uint(&a, span->first);
     args_uint(&a, span->count);
-    add_slots(&a, colour, m->kernels.prepare);
+    add_slots(&a, colour, m->kernels.prepare_contacts);
     args_buffer(&a, BODIES);
-    return launch_colour(&a, colour, m->kernels.prepare, err);
+    return launch_colour(&a, colour, m->kernels.prepare_contacts, err);
 }
 
 static bool solve_colour(duet_motion *m, uint32_t colour, uint32_t soft, double h, duet_error *err)
@@ -238,37 +239,37 @@ static bool solve_colour(duet_motion *m, uint32_t colour, uint32_t soft, double 
     double hertz = 0.25 / h; // four substeps a swing, as fast as they can follow
     motion_args a = args_begin(m);
     args_uint(&a, m->colours[colour].count);
-    add_slots(&a, colour, m->kernels.solve);
+    add_slots(&a, colour, m->kernels.solve_contacts);
     args_buffer(&a, BODIES);
     args_uint(&a, soft);
     args_float(&a, 1.0 / h);
     add_spring(&a, h, hertz);
     add_spring(&a, h, 2.0 * hertz);
     args_float(&a, m->margin / MOTION_SLOPS);
-    return launch_colour(&a, colour, m->kernels.solve, err);
+    return launch_colour(&a, colour, m->kernels.solve_contacts, err);
 }
 
-static bool bounce_colour(duet_motion *m, uint32_t colour, duet_error *err)
+static bool apply_restitution_colour(duet_motion *m, uint32_t colour, duet_error *err)
 {
     motion_args a = args_begin(m);
     args_uint(&a, m->colours[colour].count);
-    add_slots(&a, colour, m->kernels.bounce);
+    add_slots(&a, colour, m->kernels.apply_restitution);
     args_buffer(&a, BODIES);
     add_pull(&a);
     args_float(&a, m->def.bounce_speed);
-    return launch_colour(&a, colour, m->kernels.bounce, err);
+    return launch_colour(&a, colour, m->kernels.apply_restitution, err);
 }
 
-static bool store_colour(duet_motion *m, uint32_t colour, duet_error *err)
+static bool store_impulses_colour(duet_motion *m, uint32_t colour, duet_error *err)
 {
     const colour_span *span = &m->colours[colour];
     motion_args a = args_begin(m);
     args_buffer(&a, LIST);
     args_uint(&a, span->first);
     args_uint(&a, span->count);
-    add_slots(&a, colour, m->kernels.store);
+    add_slots(&a, colour, m->kernels.store_impulses);
     args_buffer(&a, CONTACTS);
-    return launch_colour(&a, colour, m->kernels.store, err);
+    return launch_colour(&a, colour, m->kernels.store_impulses, err);
 }
 
 static bool for_colours(duet_motion *m, bool (*run)(duet_motion *, uint32_t, duet_error *),
@@ -291,13 +292,13 @@ static bool solve(duet_motion *m, uint32_t soft, double h, duet_error *err)
 static bool respond(duet_motion *m, duet_error *err)
 {
     double h = m->def.dt / m->def.substeps;
-    bool ok = motion_find_rows(m, err) && touch(m, err) && motion_colour(m, err) &&
-              for_colours(m, prepare_colour, err);
+    bool ok = motion_build_graph(m, err) && touch(m, err) && motion_colour(m, err) &&
+              for_colours(m, prepare_contacts_colour, err);
     for (uint32_t k = 0; ok && k < m->def.substeps; ++k)
-        ok = budget_check(err) && kick(m, h, err) && solve(m, 1, h, err) && drift(m, h, err) &&
-             solve(m, 0, h, err);
-    ok = ok && (!m->facts.bouncing || for_colours(m, bounce_colour, err));
-    return ok && for_colours(m, store_colour, err) && finish_bodies(m, err);
+        ok = budget_check(err) && integrate_velocities(m, h, err) && solve(m, 1, h, err) &&
+             integrate_positions(m, h, err) && solve(m, 0, h, err);
+    ok = ok && (!m->facts.bouncing || for_colours(m, apply_restitution_colour, err));
+    return ok && for_colours(m, store_impulses_colour, err) && finalize_bodies(m, err);
 }
 
 // ---------------------------------------------------------------- a step
@@ -313,7 +314,7 @@ static bool run_effects(duet_motion *m, duet_error *err)
         return respond(m, err);
     if (motion_has(m, DUET_EFFECT_MOTION) && !fly(m, err))
         return false;
-    return !contact || (motion_find_rows(m, err) && motion_touch(m, false, err));
+    return !contact || (motion_build_graph(m, err) && motion_touch(m, false, err));
 }
 
 static bool fetch_events(duet_motion *m, duet_error *err)

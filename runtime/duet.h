@@ -256,12 +256,12 @@ DUET_API const char *duet_mode_name(duet_mode mode); // "shared"; NULL outside
 typedef struct duet_plan {
     uint32_t share; // A's part of the objects, out of DUET_SHARE_ONE; r in the paper
     duet_mode mode;
-    char variant_a[96]; // "rows", "lanes", "items" or "paper", or with settings: "rows sort=radix"
+    char variant_a[96]; // "auto", "simd", "gpu" or "paper", or with settings: "auto sort=radix"
     char variant_b[96];
 } duet_plan;
 
-// What is done on this device pair where nothing was measured: "lanes" on a
-// CPU and "rows" elsewhere, own grids, and a share by units between parts of one CPU, else 0.
+// What is done on this device pair where nothing was measured: "simd" on a
+// CPU and "auto" elsewhere, own grids, and a share by units between parts of one CPU, else 0.
 DUET_API duet_plan duet_default_plan(const duet_device_pair *pair);
 
 // ---------------------------------------------------------------- worlds

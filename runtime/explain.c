@@ -36,7 +36,7 @@ static bool explain_origin(const duet_motion *m, duet_effect_info *info)
         .name = "origin",
         .active = m->cells && m->effects,
         .called_by = "origin = \"cell\"",
-        .kernels = "integrate body enclose contact",
+        .kernels = "integrate_free_flight, bodies, fat_aabbs, build_manifolds",
         .bytes = motion_words(m, CELLS) * (uint32_t)sizeof(uint32_t),
     };
     return true;

@@ -15,14 +15,14 @@ enum { MOTION_WALLS = 6 };
 // Contacts are kept while a gap is below this many slops.
 enum { MOTION_SLOPS = 4 };
 
-// Colours of contacts, as in kernels/colour.cl.in.
+// Colours of contacts, as in kernels/graph_colour.cl.in.
 enum { COLOUR_OVERFLOW = 31, COLOUR_NONE = 33, COLOURS = 34 };
 
 // Keys that contacts are sorted by: several of a colour.
 enum { COLOUR_KEYS = 4, KEYS = COLOURS * COLOUR_KEYS, KEY_BITS = 8 };
 
 // Words that kernels set and the host reads, as in kernels/flags.clh.
-enum { FLAG_MOVED, FLAG_UNCOLOURED, FLAG_RECOLOURED, FLAG_EVENTS, FLAG_DOZED, FLAGS };
+enum { FLAG_MOVED, FLAG_UNCOLOURED, FLAG_RECOLOURED, FLAG_EVENTS, FLAG_FELL_ASLEEP, FLAGS };
 
 // What B holds. Which buffers there are follows from the effects.
 typedef enum motion_buffer {
@@ -69,15 +69,16 @@ typedef enum motion_buffer {
 } motion_buffer;
 
 typedef struct motion_kernels {
-    kernel *integrate;
-    kernel *enclose, *left_skin;
-    kernel *row_pairs, *row_walls, *row_sort, *row_returns, *carry;
-    kernel *contact;
-    kernel *doze;
-    kernel *body_begin, *body_kick, *body_finish, *drift;
-    kernel *colour_mark, *colour_choose, *colour_take, *colour_key;
-    kernel *prepare, *store;
-    kernel *solve, *bounce;
+    kernel *integrate_free_flight;
+    kernel *compute_fat_aabbs, *check_fat_aabbs;
+    kernel *contact_graph_pairs, *contact_graph_walls, *contact_graph_sort, *contact_graph_reverse;
+    kernel *match_contacts;
+    kernel *build_manifolds;
+    kernel *update_sleep;
+    kernel *prepare_bodies, *integrate_velocities, *integrate_positions, *finalize_bodies;
+    kernel *graph_colour_mark, *graph_colour_choose, *graph_colour_take, *graph_colour_key;
+    kernel *prepare_contacts, *store_impulses;
+    kernel *solve_contacts, *apply_restitution;
     kernel *scan_sums, *scan_tops, *scan_blocks;
     kernel *radix_count, *radix_move, *row_start;
 } motion_kernels;
@@ -153,7 +154,7 @@ bool motion_reset(duet_motion *m, duet_error *err);
 uint32_t motion_words(const duet_motion *m, motion_buffer which);
 
 // Where objects may touch: pairs to rows, rows to contacts, contacts to colours.
-bool motion_find_rows(duet_motion *m, duet_error *err);
+bool motion_build_graph(duet_motion *m, duet_error *err);
 bool motion_touch(duet_motion *m, bool woken, duet_error *err); // woken: only what just woke
 bool motion_colour(duet_motion *m, duet_error *err);
 

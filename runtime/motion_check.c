@@ -123,7 +123,7 @@ static bool check_object(const duet_motion *m, const motion_saved *s, uint32_t i
 static bool check_counts(const duet_motion *m, const motion_saved *s, duet_error *err)
 {
     bool contact = motion_has(m, DUET_EFFECT_CONTACT);
-    uint64_t most = s->n_pairs + (m->kernels.row_walls ? 6 * (uint64_t)m->n : 0);
+    uint64_t most = s->n_pairs + (m->kernels.contact_graph_walls ? 6 * (uint64_t)m->n : 0);
     if (s->has_rows > contact || (!s->has_rows && (s->n_contacts > 0 || s->n_pairs > 0)))
         return error_set(err, DUET_BAD_INPUT,
                          "%s: the saved motion has %u contacts, but nothing that finds them",
@@ -164,7 +164,7 @@ static bool can_meet(const duet_motion *m, uint32_t owner, uint32_t other)
     if (!moves(m, owner))
         return false;
     if (other >= m->n)
-        return m->kernels.row_walls && other - m->n < 2 * m->def.dims;
+        return m->kernels.contact_graph_walls && other - m->n < 2 * m->def.dims;
     return other != owner && (!moves(m, other) || owner < other) && may_touch(m, owner, other);
 }
 

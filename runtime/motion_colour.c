@@ -55,9 +55,9 @@ static bool sort_pass(duet_motion *m, uint32_t shift, duet_error *err)
     args_buffer(&move, TILES);
     args_buffer(&move, LIST_KEYS_SPARE);
     args_buffer(&move, LIST_SPARE);
-    bool ok = args_launch(&count, "colour", m->kernels.radix_count, m->n_contacts, err) &&
-              motion_scan(m, "colour", TILES, n_counts, err) &&
-              args_launch(&move, "colour", m->kernels.radix_move, m->n_contacts, err);
+    bool ok = args_launch(&count, "graph_colour", m->kernels.radix_count, m->n_contacts, err) &&
+              motion_scan(m, "graph_colour", TILES, n_counts, err) &&
+              args_launch(&move, "graph_colour", m->kernels.radix_move, m->n_contacts, err);
     buffer list = m->buffers[LIST];
     m->buffers[LIST] = m->buffers[LIST_SPARE];
     m->buffers[LIST_SPARE] = list;
@@ -103,8 +103,9 @@ static bool read_starts(duet_motion *m, duet_error *err)
     args_uint(&a, KEYS);
     args_buffer(&a, COLOUR_STARTS);
     bool ok =
-        args_launch(&a, "colour", m->kernels.row_start, (uint64_t)m->n_contacts + 1, err) &&
-        timeline_read(&m->times, "colour", &m->buffers[COLOUR_STARTS], starts, sizeof starts, err);
+        args_launch(&a, "graph_colour", m->kernels.row_start, (uint64_t)m->n_contacts + 1, err) &&
+        timeline_read(&m->times, "graph_colour", &m->buffers[COLOUR_STARTS], starts, sizeof starts,
+                      err);
     if (ok)
         lay_colours(m, starts);
     return ok;
@@ -117,7 +118,7 @@ static bool put_keys(duet_motion *m, duet_error *err)
     args_buffer(&a, TOUCHES);
     args_uint(&a, m->n_contacts);
     args_buffer(&a, LIST_KEYS);
-    return args_launch(&a, "colour", m->kernels.colour_key, m->n_contacts, err);
+    return args_launch(&a, "graph_colour", m->kernels.graph_colour_key, m->n_contacts, err);
 }
 
 // Contacts of one colour after the other into LIST.
@@ -149,7 +150,7 @@ static bool mark(duet_motion *m, duet_error *err)
     args_buffer(&a, COLOUR_OF);
     args_buffer(&a, CHOICES);
     args_buffer(&a, FLAG_WORDS);
-    return args_launch(&a, "colour", m->kernels.colour_mark, m->n_contacts, err) &&
+    return args_launch(&a, "graph_colour", m->kernels.graph_colour_mark, m->n_contacts, err) &&
            motion_read_flags(m, err);
 }
 
@@ -172,8 +173,8 @@ static bool run_round(duet_motion *m, duet_error *err)
     args_buffer(&take, CHOICES);
     args_buffer(&take, COLOUR_OF);
     args_buffer(&take, FLAG_WORDS);
-    return args_launch(&choose, "colour", m->kernels.colour_choose, m->n, err) &&
-           args_launch(&take, "colour", m->kernels.colour_take, m->n, err);
+    return args_launch(&choose, "graph_colour", m->kernels.graph_colour_choose, m->n, err) &&
+           args_launch(&take, "graph_colour", m->kernels.graph_colour_take, m->n, err);
 }
 
 // Each round colours at least the contact of greatest rank, so rounds end.

@@ -126,28 +126,28 @@ bool motion_prepare(duet_motion *m, duet_error *err)
         const char *name;
         const char *entry;
     } list[] = {
-        {&k->integrate, flight, "integrate", "integrate"},
-        {&k->enclose, contact, "enclose", "enclose"},
-        {&k->left_skin, motion_has(m, DUET_EFFECT_SKIN), "enclose", "left_skin"},
-        {&k->row_pairs, contact, "rows", "row_pairs"},
-        {&k->row_walls, walls, "rows", "row_walls"},
-        {&k->row_sort, contact, "rows", "row_sort"},
-        {&k->row_returns, contact, "rows", "row_returns"},
-        {&k->carry, contact, "carry", "carry"},
-        {&k->contact, contact, "contact", "contact"},
-        {&k->doze, motion_has(m, DUET_EFFECT_SLEEP), "doze", "doze"},
-        {&k->body_begin, response, "body", "body_begin"},
-        {&k->body_kick, response, "body", "body_kick"},
-        {&k->drift, response, "drift", "drift"},
-        {&k->body_finish, response, "body", "body_finish"},
-        {&k->colour_mark, response, "colour", "colour_mark"},
-        {&k->colour_choose, response, "colour", "colour_choose"},
-        {&k->colour_take, response, "colour", "colour_take"},
-        {&k->colour_key, response, "colour", "colour_key"},
-        {&k->prepare, response, "prepare", "prepare"},
-        {&k->store, response, "prepare", "store"},
-        {&k->solve, response, "solve", "solve"},
-        {&k->bounce, response, "solve", "bounce"},
+        {&k->integrate_free_flight, flight, "integrate_free_flight", "integrate_free_flight"},
+        {&k->compute_fat_aabbs, contact, "fat_aabbs", "compute_fat_aabbs"},
+        {&k->check_fat_aabbs, motion_has(m, DUET_EFFECT_SKIN), "fat_aabbs", "check_fat_aabbs"},
+        {&k->contact_graph_pairs, contact, "contact_graph", "contact_graph_pairs"},
+        {&k->contact_graph_walls, walls, "contact_graph", "contact_graph_walls"},
+        {&k->contact_graph_sort, contact, "contact_graph", "contact_graph_sort"},
+        {&k->contact_graph_reverse, contact, "contact_graph", "contact_graph_reverse"},
+        {&k->match_contacts, contact, "match_contacts", "match_contacts"},
+        {&k->build_manifolds, contact, "build_manifolds", "build_manifolds"},
+        {&k->update_sleep, motion_has(m, DUET_EFFECT_SLEEP), "update_sleep", "update_sleep"},
+        {&k->prepare_bodies, response, "bodies", "prepare_bodies"},
+        {&k->integrate_velocities, response, "bodies", "integrate_velocities"},
+        {&k->integrate_positions, response, "integrate_positions", "integrate_positions"},
+        {&k->finalize_bodies, response, "bodies", "finalize_bodies"},
+        {&k->graph_colour_mark, response, "graph_colour", "graph_colour_mark"},
+        {&k->graph_colour_choose, response, "graph_colour", "graph_colour_choose"},
+        {&k->graph_colour_take, response, "graph_colour", "graph_colour_take"},
+        {&k->graph_colour_key, response, "graph_colour", "graph_colour_key"},
+        {&k->prepare_contacts, response, "prepare_contacts", "prepare_contacts"},
+        {&k->store_impulses, response, "prepare_contacts", "store_impulses"},
+        {&k->solve_contacts, response, "solve_contacts", "solve_contacts"},
+        {&k->apply_restitution, response, "solve_contacts", "apply_restitution"},
         {&k->scan_sums, contact, "scan", "scan_sums"},
         {&k->scan_tops, contact, "scan", "scan_tops"},
         {&k->scan_blocks, contact, "scan", "scan_blocks"},
@@ -160,6 +160,6 @@ bool motion_prepare(duet_motion *m, duet_error *err)
         if (list[i].wanted && !get(m, list[i].at, list[i].name, list[i].entry, err))
             return false;
     if (response)
-        m->layout.block = (uint32_t)kernel_param(k->solve, "BLOCK");
+        m->layout.block = (uint32_t)kernel_param(k->solve_contacts, "BLOCK");
     return true;
 }

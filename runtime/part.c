@@ -155,11 +155,14 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         const char *narrow;
         bool in_cell_order;
     } searches[] = {
-        [SEARCH_ITEMS] = {"row_start", {"reorder", "reorder"}, "candidates_rows", "narrow", true},
-        [SEARCH_LANES] =
-            {"row_start", {"reorder_lanes", "reorder_lanes"}, "search_lanes", "narrow_lanes", true},
+        [SEARCH_GPU] = {"row_start", {"reorder", "reorder"}, "pair_search_gpu", "narrow", true},
+        [SEARCH_SIMD] = {"row_start",
+                         {"reorder_simd", "reorder_simd"},
+                         "pair_search_simd",
+                         "narrow_simd",
+                         true},
         [SEARCH_PAPER] =
-            {"cell_start", {"bounds", "find_bounds"}, "candidates_paper", "narrow", false},
+            {"cell_start", {"bounds", "find_bounds"}, "pair_search_paper", "narrow", false},
     };
     const int search = p->variant.search;
     bool counting = p->variant.sort == SORT_COUNTING;
@@ -216,12 +219,12 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         if (!*list[i].at)
             return false;
     }
-    p->kernels.from_ids = search != SEARCH_ITEMS || kernel_param(p->kernels.place, "FROM_IDS") == 1;
+    p->kernels.from_ids = search != SEARCH_GPU || kernel_param(p->kernels.place, "FROM_IDS") == 1;
     p->kernels.packed = task->packed;
     p->kernels.listed = !tested;
     p->kernels.fused = kernel_param(p->kernels.candidates, "FUSED") == 1;
     // Fused rows leave to narrow what their buffers cannot hold, lanes nothing.
-    if (tested && !(p->kernels.fused && search == SEARCH_LANES)) {
+    if (tested && !(p->kernels.fused && search == SEARCH_SIMD)) {
         const char *narrow = searches[search].narrow;
         p->kernels.narrow = get_kernel(p, narrow, narrow, choices, n, err);
         if (!p->kernels.narrow)

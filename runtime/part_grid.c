@@ -182,7 +182,7 @@ static bool place_in_cell_order(part *p, const part_task *task, const part_range
                                 ARG(capacity), ARG_BUFFER(p->levels), ARG(task->grid.n_levels)};
     for (size_t i = 0; i < sizeof where / sizeof where[0]; ++i)
         args[n_args++] = where[i];
-    if (p->variant.search == SEARCH_LANES) {
+    if (p->variant.search == SEARCH_SIMD) {
         args[n_args++] = ARG(task->grid.n_cells);
         args[n_args++] = ARG(range->key_from);
     }
@@ -211,14 +211,14 @@ static place_bytes bytes_of_places(const part *p, const part_task *task, size_t 
     enum { LANES = 8 };
     bool poses = task->shape == DUET_SHAPE_POSES;
     bool placed = task->origin > 0.0f;
-    if (p->variant.search == SEARCH_LANES) {
+    if (p->variant.search == SEARCH_SIMD) {
         size_t column = (n + 2 * LANES - 1) / LANES * LANES;
         size_t words = (task->rotated && task->dims == 3 ? 16 : 8) + (placed ? 8 : 0);
         size_t columns = 2 * task->dims + 1 + (placed ? task->dims : 0);
         return (place_bytes){.bounds = column * columns * sizeof(float),
                              .boxes = poses ? column * words * sizeof(float) : 0};
     }
-    bool boxes = poses && p->variant.search == SEARCH_ITEMS;
+    bool boxes = poses && p->variant.search == SEARCH_GPU;
     return (place_bytes){.bounds = n * (placed ? 3 : 2) * sizeof(cl_float4),
                          .boxes = boxes ? n * (placed ? 4 : 3) * sizeof(cl_float4) : 0};
 }

@@ -142,9 +142,9 @@ static bool run_candidates(part *p, const part_task *task, const part_range *ran
 {
     buffer *found = p->kernels.narrow ? &p->candidates : &p->pairs;
     switch (p->variant.search) {
-    case SEARCH_ITEMS:
+    case SEARCH_GPU:
         return run_rows(p, task, range, found, err);
-    case SEARCH_LANES:
+    case SEARCH_SIMD:
         return run_lanes(p, task, range, found, err);
     case SEARCH_PAPER:
         break;
@@ -239,7 +239,7 @@ static bool check_placed(part *p, const part_task *task, const part_range *range
                          duet_error *err)
 {
     *placed = true;
-    if (range->expected >= task->n || p->variant.search == SEARCH_LANES)
+    if (range->expected >= task->n || p->variant.search == SEARCH_SIMD)
         return true;
     bool ok = part_read_counters(p, err);
     *placed = p->counts[COUNT_PLACED] <= range->expected;

@@ -255,7 +255,7 @@ static bool pays_to_pack(const duet_world *world, int side, const part_range ran
            ranges[0].last > 0 && ranges[1].last > 0 &&
            ranges[side].expected <= world->n - world->n / LEAST_LEFT_OUT &&
            variant_parse(&v, variants[side], &world->parts[side].device->info, NULL) &&
-           v.search == SEARCH_ITEMS && v.send == SEND_PACKED;
+           v.search == SEARCH_GPU && v.send == SEND_PACKED;
 }
 
 // *placed is false where a slab had more objects than it had space for.

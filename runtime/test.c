@@ -20,7 +20,7 @@ enum { COOKIE = 0x0d0e7007 };
 // Some 20 MB of poses: launches cost nothing beside it, and few devices lack it.
 enum { CHUNK = 1 << 18 };
 
-// What a device says of a pair besides 0 and 1, as in kernels/test_pairs.cl.
+// What a device says of a pair besides 0 and 1, as in kernels/pair_query.cl.
 enum { UNDECIDED = 2, NO_BOX = 3 };
 
 // What the caller brought, and which of its pairs are meant.
@@ -97,7 +97,7 @@ static bool open_side(side *s, const duet_test_def *def, int which, duet_error *
     s->gen = gen_open(def->pair->kernel_dir, err);
     s->programs = s->gen ? program_set_open(s->device, s->gen, def->pair->cache_dir, err) : NULL;
     if (s->programs)
-        s->kernel = program_set_kernel(s->programs, "test_pairs", "test_pairs", settings, 2, err);
+        s->kernel = program_set_kernel(s->programs, "pair_query", "pair_query", settings, 2, err);
     return s->kernel && buffer_reserve(&s->found, s->device, CHUNK, err);
 }
 

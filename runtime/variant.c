@@ -9,7 +9,7 @@
 #include <string.h>
 
 // On a CPU rows lists its candidates first, so that finding and testing them
-// have times of their own; lanes does both at once.
+// have times of their own; simd does both at once.
 static bool take_search(variant *v, const char *word, bool cpu, duet_error *err)
 {
     const struct {
@@ -18,9 +18,9 @@ static bool take_search(variant *v, const char *word, bool cpu, duet_error *err)
         variant_sort sort;
         bool fused;
     } searches[] = {
-        {"rows", cpu ? SEARCH_LANES : SEARCH_ITEMS, SORT_COUNTING, !cpu},
-        {"lanes", SEARCH_LANES, SORT_COUNTING, true},
-        {"items", SEARCH_ITEMS, SORT_COUNTING, !cpu},
+        {"auto", cpu ? SEARCH_SIMD : SEARCH_GPU, SORT_COUNTING, !cpu},
+        {"simd", SEARCH_SIMD, SORT_COUNTING, true},
+        {"gpu", SEARCH_GPU, SORT_COUNTING, !cpu},
         {"paper", SEARCH_PAPER, SORT_RADIX, false},
     };
     for (size_t i = 0; i < sizeof searches / sizeof searches[0]; ++i) {
@@ -31,9 +31,8 @@ static bool take_search(variant *v, const char *word, bool cpu, duet_error *err)
         v->fused = searches[i].fused;
         return true;
     }
-    return error_set(
-        err, DUET_BAD_ARGUMENT,
-        "variant '%s': there is none of that name; there are rows, lanes, items and paper", word);
+    return error_set(err, DUET_BAD_ARGUMENT, "variant '%s': expected auto, simd, gpu or paper",
+                     word);
 }
 
 static bool take_sort(variant *v, const char *value, duet_error *err)

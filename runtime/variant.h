@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// What a variant's text asks for: "rows", "lanes", "items", "paper", "rows
+// What a variant's text asks for: "auto", "simd", "gpu", "paper", "auto
 // sort=radix BUF=512".
 //
-// The first word names the search. rows is the one over merged rows in the
-// shape that suits the device, lanes on a CPU and items elsewhere. sort is
+// The first word names the search. auto is the one over merged rows in the
+// shape that suits the device, simd on a CPU and gpu elsewhere. sort is
 // counting or radix; grid is auto, uniform, dense or hashed; cells is free or
 // fixed (compiled in, for as long as a dense grid's stay the same). send says how
 // a device with memory of its own gets the objects: chunks, which are hashed while
@@ -16,9 +16,9 @@
 
 #include "runtime/duet.h"
 
-// items: an object a work-item, as GPUs like it; lanes: eight side by side in a
+// gpu: an object a work-item, as GPUs like it; simd: eight side by side in a
 // work-item, as CPUs do; paper: section 2.3 of the paper.
-typedef enum variant_search { SEARCH_ITEMS, SEARCH_LANES, SEARCH_PAPER } variant_search;
+typedef enum variant_search { SEARCH_GPU, SEARCH_SIMD, SEARCH_PAPER } variant_search;
 
 typedef enum variant_sort { SORT_COUNTING, SORT_RADIX } variant_sort;
 

@@ -36,12 +36,12 @@ static uint32_t default_share(const duet_device_info *a, const duet_device_info 
 
 static const char *default_variant(const duet_device_info *info)
 {
-    return info->kind == DUET_KIND_CPU ? "lanes" : "rows";
+    return info->kind == DUET_KIND_CPU ? "simd" : "auto";
 }
 
 duet_plan duet_default_plan(const duet_device_pair *pair)
 {
-    duet_plan plan = {.mode = DUET_MODE_OWN, .variant_a = "rows", .variant_b = "rows"};
+    duet_plan plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"};
     if (!pair)
         return plan;
     const duet_device_info *a = &pair->devices[0].info, *b = &pair->devices[1].info;
@@ -159,7 +159,7 @@ static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_world_
     if (paper && (def->origin > 0.0f || def->sizes_apart))
         return error_set(err, DUET_BAD_ARGUMENT,
                          "the paper's search knows no %s ('%s', '%s'); right would be "
-                         "rows, lanes or items",
+                         "auto, simd or gpu",
                          def->sizes_apart ? "sizes apart" : "origin cells", plan->variant_a,
                          plan->variant_b);
     if (plan->mode == DUET_MODE_SHARED && (a.search == SEARCH_PAPER) != (b.search == SEARCH_PAPER))

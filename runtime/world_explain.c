@@ -91,20 +91,20 @@ static const struct {
     {"scatter", offsetof(part_kernels, scatter), "sort=counting: ids to their places", BY_SORT},
     {"radix", offsetof(part_kernels, radix_move), "sort=radix, passes over the keys", BY_SORT},
     {"cell_start", offsetof(part_kernels, starts), "sort=radix: where cells begin", BY_SORT},
-    {"reorder", offsetof(part_kernels, place), "search items: cell order", BY_SEARCH},
-    {"reorder_lanes", offsetof(part_kernels, place), "search lanes: cell order", BY_SEARCH},
+    {"reorder", offsetof(part_kernels, place), "search gpu:  cell order", BY_SEARCH},
+    {"reorder_simd", offsetof(part_kernels, place), "search lanes: cell order", BY_SEARCH},
     {"bounds", offsetof(part_kernels, place), "search paper: bounds by id", BY_SEARCH},
-    {"candidates_rows", offsetof(part_kernels, candidates), "search items", BY_SEARCH},
-    {"search_lanes", offsetof(part_kernels, candidates), "search lanes", BY_SEARCH},
-    {"candidates_paper", offsetof(part_kernels, candidates), "search paper", BY_SEARCH},
+    {"pair_search_gpu", offsetof(part_kernels, candidates), "search gpu", BY_SEARCH},
+    {"pair_search_simd", offsetof(part_kernels, candidates), "search simd", BY_SEARCH},
+    {"pair_search_paper", offsetof(part_kernels, candidates), "search paper", BY_SEARCH},
     {"narrow", offsetof(part_kernels, narrow), "candidates that are listed", BY_TEST},
-    {"narrow_lanes", offsetof(part_kernels, narrow), "candidates that are listed", BY_TEST},
+    {"narrow_simd", offsetof(part_kernels, narrow), "candidates that are listed", BY_TEST},
 };
 
 static const char *why_not(const part *p, reason left_out)
 {
-    static const char *const searches[] = {[SEARCH_ITEMS] = "the search is items",
-                                           [SEARCH_LANES] = "the search is lanes",
+    static const char *const searches[] = {[SEARCH_GPU] = "the search is gpu",
+                                           [SEARCH_SIMD] = "the search is simd",
                                            [SEARCH_PAPER] = "the search is paper"};
     if (left_out == BY_SORT && p->variant.sort == SORT_RADIX)
         return "the sort is radix";

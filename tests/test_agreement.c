@@ -16,12 +16,12 @@ enum { OBJECTS = 900, HARD = 100, HARD_CLASSES = 10 };
 
 // The last one is a GPU's, with groups that share their work.
 static const char *const searches[] = {
-    "lanes",
-    "lanes grid=hashed",
-    "lanes search_lanes.FUSED=0",
-    "items",
+    "simd",
+    "simd grid=hashed",
+    "simd pair_search_simd.FUSED=0",
+    "gpu",
     "paper",
-    "items candidates_rows.FUSED=1 candidates_rows.WG=64 candidates_rows.PER_ITEM=4",
+    "gpu pair_search_gpu.FUSED=1 pair_search_gpu.WG=64 pair_search_gpu.PER_ITEM=4",
 };
 
 static const uint32_t shares[] = {0, DUET_SHARE_ONE / 3, DUET_SHARE_ONE};

@@ -143,18 +143,18 @@ static const struct {
     bool needs_boxes;
     bool in_2d; // tried there too
 } ways[] = {
-    {DUET_MODE_SHARED, "rows", false, true},
-    {DUET_MODE_SHARED, "items grid=hashed", false, false},
-    {DUET_MODE_SHARED, "items sort=radix grid=uniform", false, false},
+    {DUET_MODE_SHARED, "auto", false, true},
+    {DUET_MODE_SHARED, "gpu grid=hashed", false, false},
+    {DUET_MODE_SHARED, "gpu sort=radix grid=uniform", false, false},
     {DUET_MODE_SHARED, "paper", false, false},
-    {DUET_MODE_OWN, "items", false, false},
-    {DUET_MODE_OWN, "rows grid=dense", false, false},
-    {DUET_MODE_OWN, "items FUSED=1 sort=radix grid=hashed", true, false},
-    {DUET_MODE_OWN, "lanes", false, true},
-    {DUET_MODE_OWN, "lanes grid=hashed", false, true},
-    {DUET_MODE_OWN, "lanes grid=uniform", false, false},
-    {DUET_MODE_SLAB, "lanes", false, false},
-    {DUET_MODE_SLAB, "items FUSED=1", true, false},
+    {DUET_MODE_OWN, "gpu", false, false},
+    {DUET_MODE_OWN, "auto grid=dense", false, false},
+    {DUET_MODE_OWN, "gpu FUSED=1 sort=radix grid=hashed", true, false},
+    {DUET_MODE_OWN, "simd", false, true},
+    {DUET_MODE_OWN, "simd grid=hashed", false, true},
+    {DUET_MODE_OWN, "simd grid=uniform", false, false},
+    {DUET_MODE_SLAB, "simd", false, false},
+    {DUET_MODE_SLAB, "gpu FUSED=1", true, false},
     {DUET_MODE_SLAB, "paper", false, true},
 };
 enum { N_WAYS = sizeof ways / sizeof *ways };

@@ -74,7 +74,7 @@ static uint64_t reference_hash(uint32_t dims, uint32_t n)
 static void compiled_cells_give_the_same_pairs(void **state)
 {
     (void)state;
-    static const char *const searches[] = {"lanes cells=fixed", "items cells=fixed",
+    static const char *const searches[] = {"simd cells=fixed", "gpu cells=fixed",
                                            "paper cells=fixed"};
     // powers of two, and others with an axis of one cell
     static const float worlds[][3] = {{16.5f, 8.5f, 4.5f}, {5.9f, 11.5f, 1.0f}};
@@ -102,9 +102,9 @@ static void only_cells_that_stay_are_compiled_in(void **state)
     uint64_t hash;
     fill(&r, MANY, upper);
     duet_world *world = make_world(3, upper);
-    set_variant(world, "lanes");
+    set_variant(world, "simd");
     const kernel *free_cells = step(world, FEW, &hash);
-    set_variant(world, "lanes cells=fixed");
+    set_variant(world, "simd cells=fixed");
     const kernel *fixed_cells = step(world, FEW, &hash);
     assert_ptr_not_equal(fixed_cells, free_cells);
 
@@ -127,7 +127,7 @@ static void a_word_for_cells_that_there_is_not_is_refused(void **state)
     duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
-    strcpy(def.plan.variant_b, "lanes cells=both");
+    strcpy(def.plan.variant_b, "simd cells=both");
     assert_null(duet_world_create(&def, &err));
     assert_int_equal(err.status, DUET_BAD_ARGUMENT);
     assert_string_equal(err.text,

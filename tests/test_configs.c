@@ -64,20 +64,20 @@ typedef struct subject {
 } subject;
 
 static const subject subjects[] = {
-    {"clear", {"items", "lanes", "paper"}},
-    {"hash", {"items", "lanes"}},
-    {"scan", {"items", "lanes", "paper"}},
-    {"scatter", {"items", "lanes"}},
-    {"radix", {"items sort=radix", "lanes sort=radix", "paper"}},
-    {"cell_start", {"items sort=radix", "lanes sort=radix", "paper"}},
+    {"clear", {"gpu", "simd", "paper"}},
+    {"hash", {"gpu", "simd"}},
+    {"scan", {"gpu", "simd", "paper"}},
+    {"scatter", {"gpu", "simd"}},
+    {"radix", {"gpu sort=radix", "simd sort=radix", "paper"}},
+    {"cell_start", {"gpu sort=radix", "simd sort=radix", "paper"}},
     {"bounds", {"paper"}},
-    {"reorder", {"items"}},
-    {"reorder_lanes", {"lanes"}},
-    {"candidates_paper", {"paper"}},
-    {"candidates_rows", {"items"}},
-    {"search_lanes", {"lanes"}},
-    {"narrow", {"items candidates_rows.FUSED=0"}},
-    {"narrow_lanes", {"lanes search_lanes.FUSED=0"}},
+    {"reorder", {"gpu"}},
+    {"reorder_simd", {"simd"}},
+    {"pair_search_paper", {"paper"}},
+    {"pair_search_gpu", {"gpu"}},
+    {"pair_search_simd", {"simd"}},
+    {"narrow", {"gpu pair_search_gpu.FUSED=0"}},
+    {"narrow_simd", {"simd pair_search_simd.FUSED=0"}},
 };
 
 enum { SUBJECTS = sizeof subjects / sizeof *subjects };
@@ -116,7 +116,7 @@ static bool is_called_for(const config *c)
         return false;
     if (value_of(c, "PACKED", 0) && (value_of(c, "GRID", 0) || value_of(c, "LEVELS", 0)))
         return false;
-    if (strcmp(c->kernel, "candidates_rows") == 0 && value_of(c, "IDS", 0) == is_tested(c))
+    if (strcmp(c->kernel, "pair_search_gpu") == 0 && value_of(c, "IDS", 0) == is_tested(c))
         return false;
     return !narrow || is_tested(c);
 }
@@ -177,7 +177,7 @@ static void make_scene(scene *s, const config *c, rng *r)
         .packed = value_of(c, "PACKED", 0),
         .apart = value_of(c, "APART", 0),
     };
-    int64_t bounds = strcmp(c->kernel, "candidates_paper") == 0 ? value_of(c, "IDS", 0) : 0;
+    int64_t bounds = strcmp(c->kernel, "pair_search_paper") == 0 ? value_of(c, "IDS", 0) : 0;
     s->shape = (duet_shape)value_of(c, "SHAPE", bounds);
     s->rotated = s->shape == DUET_SHAPE_POSES && value_of(c, "ROTATED", rng_below(r, 2));
     s->roomy = value_of(c, "ROOMY", s->hashed || s->levels || rng_below(r, 4));
@@ -203,7 +203,7 @@ static bool is_decided_by_scene(const char *name)
 static const char *choose_search(const config *c, rng *r)
 {
     if (value_of(c, "PACKED", 0))
-        return "items send=packed";
+        return "gpu send=packed";
     if (strcmp(c->kernel, "narrow") == 0)
         return value_of(c, "SORTED", 1) ? c->searches[0] : "paper";
     uint32_t n = c->searches[2] ? 3 : c->searches[1] ? 2 : 1;

@@ -255,27 +255,36 @@ static bool has_param(gen *g, const char *name, const gen_limits *limits, const 
     return false;
 }
 
-// Every effect's parameter and the word that stands for it in kernels.
+// Every effect's parameter, its name and the word that stands for it in kernels.
 static const struct {
     const char *param;
+    const char *effect;
     const char *word;
     const char *off_too; // what cannot be without it
 } words[] = {
-    {"SPIN", "spin", "GYRO"},
-    {"GRAVITY", "gravity", NULL},
-    {"DRAG", "drag", NULL},
-    {"BOUNDS", "wall", NULL},
-    {"RESPONSE", "pushes", "FRICTION FAST SLEEP"},
-    {"FRICTION", "grip", NULL},
-    {"FAST", "swept", NULL},
-    {"FILTER", "filter", NULL},
-    {"SLEEP", "asleep", NULL},
-    {"SKIN", "left_skin", NULL},
-    {"EVENTS", "events", NULL},
-    {"ROTATED", "rotations", "SPIN GYRO"},
+    {"SPIN", "spin", "spin", "GYRO"},
+    {"GRAVITY", "gravity", "gravity", NULL},
+    {"DRAG", "drag", "drag", NULL},
+    {"BOUNDS", "bounds", "wall", NULL},
+    {"RESPONSE", "response", "pushes", "FRICTION FAST SLEEP"},
+    {"FRICTION", "friction", "grip", NULL},
+    {"FAST", "fast", "swept", NULL},
+    {"FILTER", "filter", "filter", NULL},
+    {"SLEEP", "sleep", "asleep", NULL},
+    {"SKIN", "skin", "check_fat_aabbs", NULL},
+    {"EVENTS", "events", "events", NULL},
+    {"ROTATED", "rotation", "rotations", "SPIN GYRO"},
 };
 
 enum { N_WORDS = sizeof words / sizeof words[0] };
+
+static const char *const kernels[] = {
+    "integrate_free_flight", "fat_aabbs",          "contact_graph",
+    "match_contacts",        "build_manifolds",    "update_sleep",
+    "graph_colour",          "prepare_contacts",   "bodies",
+    "solve_contacts",        "integrate_positions"};
+
+enum { N_KERNELS = sizeof kernels / sizeof kernels[0] };
 
 // The kernel's text with every effect on, or with all but one.
 static char *text_without(gen *g, const char *name, const gen_limits *limits, int off)
@@ -303,14 +312,12 @@ static char *text_without(gen *g, const char *name, const gen_limits *limits, in
 static void texts_have_no_word_of_what_is_left_out(void **state)
 {
     (void)state;
-    static const char *const kernels[] = {"integrate", "enclose", "rows",  "contact", "solve",
-                                          "prepare",   "body",    "carry", "doze",    "drift"};
     const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};
     duet_error err = {0};
     gen *g = gen_open(NULL, &err);
     assert_ok(g, err);
     int checked = 0;
-    for (size_t k = 0; k < sizeof kernels / sizeof kernels[0]; ++k) {
+    for (size_t k = 0; k < N_KERNELS; ++k) {
         char *all = text_without(g, kernels[k], &limits, -1);
         for (int w = 0; w < N_WORDS; ++w) {
             if (!has_param(g, kernels[k], &limits, words[w].param) || !strstr(all, words[w].word))
@@ -324,6 +331,36 @@ static void texts_have_no_word_of_what_is_left_out(void **state)
         free(all);
     }
     assert_true(checked >= 20);
+    gen_close(g);
+}
+
+// Every kernel whose text an effect changes is among those that explain names.
+static void an_effect_names_all_its_kernels(void **state)
+{
+    (void)state;
+    const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};
+    duet_error err = {0};
+    gen *g = gen_open(NULL, &err);
+    assert_ok(g, err);
+    mover *m = make_scene(0);
+    mover_run(m, 1);
+    int checked = 0;
+    for (int w = 0; w < N_WORDS; ++w) {
+        duet_effect_info info = {0};
+        uint32_t i = 0;
+        while (duet_motion_explain(m->motion, i, &info) && strcmp(info.name, words[w].effect) != 0)
+            ++i;
+        assert_string_equal(info.name, words[w].effect);
+        for (size_t k = 0; k < N_KERNELS; ++k) {
+            if (!has_param(g, kernels[k], &limits, words[w].param))
+                continue;
+            if (!strstr(info.kernels, kernels[k]))
+                fail_msg("%s: '%s' lacks %s", info.name, info.kernels, kernels[k]);
+            ++checked;
+        }
+    }
+    assert_in_range(checked, 30, 100);
+    mover_free(m);
     gen_close(g);
 }
 
@@ -361,17 +398,18 @@ static void kernels_are_those_that_are_called_for(void **state)
     (void)state;
     mover *m = make_scene(0);
     mover_run(m, 1);
-    motion_kernels only = {.integrate = m->motion->kernels.integrate};
+    motion_kernels only = {.integrate_free_flight = m->motion->kernels.integrate_free_flight};
     assert_memory_equal(&m->motion->kernels, &only, sizeof only);
     cl_uint n_args = 0;
-    clGetKernelInfo(only.integrate->cl, CL_KERNEL_NUM_ARGS, sizeof n_args, &n_args, NULL);
+    clGetKernelInfo(only.integrate_free_flight->cl, CL_KERNEL_NUM_ARGS, sizeof n_args, &n_args,
+                    NULL);
     assert_int_equal(n_args, 5); // centres, velocities, times, substeps, n
     assert_int_equal(m->last.n_stages, 1);
     mover_free(m);
     m = mover_new(3);
     mover_add_cube(m, 0, 0, 0, 1);
     mover_run(m, 1);
-    only.integrate = NULL;
+    only.integrate_free_flight = NULL;
     assert_memory_equal(&m->motion->kernels, &only, sizeof only);
     assert_int_equal(m->last.n_stages, 0);
     mover_free(m);
@@ -459,6 +497,7 @@ int main(void)
         cmocka_unit_test(a_still_scene_calls_for_nothing),
         cmocka_unit_test(each_cause_calls_for_its_effect),
         cmocka_unit_test(texts_have_no_word_of_what_is_left_out),
+        cmocka_unit_test(an_effect_names_all_its_kernels),
         cmocka_unit_test(buffers_are_those_that_are_called_for),
         cmocka_unit_test(kernels_are_those_that_are_called_for),
         cmocka_unit_test(explain_tells_effects_and_bytes),

@@ -89,16 +89,16 @@ static void the_kernels_of_each_search_run_and_the_others_are_left_out(void **st
         const char *run[6];
         const char *left_out[6];
     } searches[] = {
-        {"lanes",
-         {"scatter", "reorder_lanes", "search_lanes"},
-         {"radix", "cell_start", "bounds", "candidates_rows", "narrow", "narrow_lanes"}},
-        {"items sort=radix",
-         {"radix", "cell_start", "reorder", "candidates_rows", "narrow"},
-         {"scatter", "reorder_lanes", "search_lanes", "candidates_paper", "narrow_lanes"}},
-        {"items FROM_IDS=0", {"reorder", "candidates_rows"}, {"scatter", "radix"}},
+        {"simd",
+         {"scatter", "reorder_simd", "pair_search_simd"},
+         {"radix", "cell_start", "bounds", "pair_search_gpu", "narrow", "narrow_simd"}},
+        {"gpu sort=radix",
+         {"radix", "cell_start", "reorder", "pair_search_gpu", "narrow"},
+         {"scatter", "reorder_simd", "pair_search_simd", "pair_search_paper", "narrow_simd"}},
+        {"gpu FROM_IDS=0", {"reorder", "pair_search_gpu"}, {"scatter", "radix"}},
         {"paper",
-         {"radix", "cell_start", "bounds", "candidates_paper", "narrow"},
-         {"scatter", "reorder", "search_lanes"}},
+         {"radix", "cell_start", "bounds", "pair_search_paper", "narrow"},
+         {"scatter", "reorder", "pair_search_simd"}},
     };
     for (size_t s = 0; s < sizeof searches / sizeof *searches; ++s) {
         char options[64];
@@ -123,7 +123,7 @@ static void properties_of_the_scene_are_told_by_their_parameter(void **state)
     assert_int_equal(value_of(b, "ACCURACY"), 0);
     assert_int_equal(value_of(b, "LEVELS"), 0);
     cJSON_Delete(b);
-    b = explain_paper("--level sat6 --variant 'items grid=hashed'");
+    b = explain_paper("--level sat6 --variant 'gpu grid=hashed'");
     assert_int_equal(value_of(b, "ACCURACY"), 3);
     assert_int_equal(value_of(b, "GRID"), 1);
     cJSON_Delete(b);
@@ -133,8 +133,8 @@ static void bounds_that_overlap_are_the_answer(void **state)
 {
     (void)state;
     cJSON *b = explain_paper("--level aabb");
-    assert_false(runs(b, "narrow_lanes"));
-    assert_string_equal(string_of(kernel_of(b, "narrow_lanes"), "why"),
+    assert_false(runs(b, "narrow_simd"));
+    assert_string_equal(string_of(kernel_of(b, "narrow_simd"), "why"),
                         "bounds that overlap are the answer");
     cJSON_Delete(b);
 }
@@ -142,7 +142,7 @@ static void bounds_that_overlap_are_the_answer(void **state)
 static void a_still_scene_is_told_as_text(void **state)
 {
     (void)state;
-    program p = program_run("explain %s --n 500 --share 0 --variant lanes", scene("paper.lua"));
+    program p = program_run("explain %s --n 500 --share 0 --variant simd", scene("paper.lua"));
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "ROTATED=1"));
     assert_non_null(strstr(p.out, "\nruns "));
@@ -156,7 +156,7 @@ static void a_scene_that_moves_is_told_by_its_effects(void **state)
     program p = program_run("explain %s --n 50", scene("falling.lua"));
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "gravity"));
-    assert_null(strstr(p.out, "search_lanes"));
+    assert_null(strstr(p.out, "pair_search_simd"));
     program_free(&p);
 }
 
@@ -164,7 +164,7 @@ static void what_is_wrong_with_a_plan_is_one_line(void **state)
 {
     (void)state;
     program p = program_run("explain %s --n 50 --variant abacus", scene("paper.lua"));
-    program_assert_refused(&p, 2, "variant 'abacus': there is none of that name");
+    program_assert_refused(&p, 2, "variant 'abacus': expected auto, simd, gpu or paper");
     p = program_run("explain %s --n 50 --level best", scene("paper.lua"));
     program_assert_refused(&p, 2, "best");
 }

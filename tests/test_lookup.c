@@ -20,8 +20,8 @@ static void what_was_measured_here_is_exact(void **state)
     assert_int_equal(found.share_low, 8192);
     assert_string_equal(found.plan.mode, "own");
     assert_string_equal(found.plan.level, "certified");
-    assert_string_equal(found.plan.variant_a, "rows");
-    assert_string_equal(found.plan.variant_b, "rows sort=radix");
+    assert_string_equal(found.plan.variant_a, "auto");
+    assert_string_equal(found.plan.variant_b, "auto sort=radix");
     assert_string_equal(found.verdict, "faster");
     assert_true(found.gain == 0.12);
     assert_int_equal(strlen(found.session), PROFILE_ID - 1);
@@ -104,7 +104,7 @@ static void a_size_between_two_is_interpolated(void **state)
     assert_true(fabs(found.median_ns / expected - 1) < 0.03);
     assert_string_equal(found.verdict, "faster");
     assert_true(found.gain_low > 0 && found.gain_low < found.gain && found.gain < found.gain_high);
-    assert_string_equal(found.plan.variant_b, "rows sort=radix");
+    assert_string_equal(found.plan.variant_b, "auto sort=radix");
     assert_string_equal(found.uid, "");
     look_close(&f);
 }

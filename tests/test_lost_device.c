@@ -312,26 +312,25 @@ static void nothing_crashes_hangs_or_leaks(void **state)
     const duet_mode shared = DUET_MODE_SHARED, own = DUET_MODE_OWN, slab = DUET_MODE_SLAB;
     uint64_t *of_even = &even_right, *of_mixed = &mixed_right;
     const scenario scenarios[] = {
-        {"shared dense", live_as_world, shared, "rows", even, 2, false, 0, of_even},
-        {"own dense", live_as_world, own, "lanes", even, 2, false, 0, of_even},
-        {"slab dense", live_as_world, slab, "lanes", even, 2, false, 0, of_even},
-        {"shared dense, copied", live_as_world, shared, "items", even, 2, true, 0, of_even},
-        {"own dense, copied", live_as_world, own, "items send=chunks", even, 2, true, 0, of_even},
-        {"slab dense, packed", live_as_world, slab, "items send=packed", even, 2, true, 0, of_even},
-        {"shared levelled, copied", live_as_world, shared, "rows", mixed, 1, true, 0, of_mixed},
-        {"own levelled", live_as_world, own, "items", mixed, 2, false, 0, of_mixed},
-        {"shared hashed", live_as_world, shared, "lanes grid=hashed", even, 2, false, 0, of_even},
-        {"own hashed, copied", live_as_world, own, "items grid=hashed", even, 3, true, 0, of_even},
-        {"own radix, copied", live_as_world, own, "lanes sort=radix", mixed, 2, true, 0, of_mixed},
+        {"shared dense", live_as_world, shared, "auto", even, 2, false, 0, of_even},
+        {"own dense", live_as_world, own, "simd", even, 2, false, 0, of_even},
+        {"slab dense", live_as_world, slab, "simd", even, 2, false, 0, of_even},
+        {"shared dense, copied", live_as_world, shared, "gpu", even, 2, true, 0, of_even},
+        {"own dense, copied", live_as_world, own, "gpu send=chunks", even, 2, true, 0, of_even},
+        {"slab dense, packed", live_as_world, slab, "gpu send=packed", even, 2, true, 0, of_even},
+        {"shared levelled, copied", live_as_world, shared, "auto", mixed, 1, true, 0, of_mixed},
+        {"own levelled", live_as_world, own, "gpu", mixed, 2, false, 0, of_mixed},
+        {"shared hashed", live_as_world, shared, "simd grid=hashed", even, 2, false, 0, of_even},
+        {"own hashed, copied", live_as_world, own, "gpu grid=hashed", even, 3, true, 0, of_even},
+        {"own radix, copied", live_as_world, own, "simd sort=radix", mixed, 2, true, 0, of_mixed},
         {"paper, copied", live_as_world, shared, "paper", even, 2, true, 0, of_even},
-        {"A alone", live_as_world, own, "lanes", even, 4, false, 0, of_even},
-        {"B alone, copied", live_as_world, own, "items", even, 0, true, 0, of_even},
-        {"replanned", live_as_replanned_world, slab, "items send=packed", even, 2, true, 0,
-         of_even},
+        {"A alone", live_as_world, own, "simd", even, 4, false, 0, of_even},
+        {"B alone, copied", live_as_world, own, "gpu", even, 0, true, 0, of_even},
+        {"replanned", live_as_replanned_world, slab, "gpu send=packed", even, 2, true, 0, of_even},
         {"contacts", live_as_motion, own, "", NULL, 2, false, DUET_EFFECT_CONTACT, NULL},
         {"pile", live_as_motion, own, "", NULL, 2, false, pile, NULL},
         {"pile, copied", live_as_motion, own, "", NULL, 2, true, pile, NULL},
-        {"pair", live_as_pair, own, "lanes", even, 2, false, 0, of_even},
+        {"pair", live_as_pair, own, "simd", even, 2, false, 0, of_even},
     };
     rng r = rng_seed(test_seed());
     for (size_t i = 0; i < sizeof scenarios / sizeof scenarios[0]; ++i)
@@ -346,7 +345,7 @@ static void kernels_that_were_not_made_are_made_again(void **state)
     (void)state;
     uint64_t right = right_of(even);
     const scenario s = {
-        "replanned", live_as_replanned_world, DUET_MODE_SLAB, "items send=packed", even, 2, true, 0,
+        "replanned", live_as_replanned_world, DUET_MODE_SLAB, "gpu send=packed", even, 2, true, 0,
         &right};
     uint32_t n_kernels = 0;
     live(&s, LOST_FOR_EVER, UINT32_MAX);

@@ -191,7 +191,9 @@ static void what_the_second_version_stored_is_kept_under_its_new_names(void **st
     test_folder folder = test_folder_make();
     store *s = upgrade_from(2, &folder);
     assert_int_equal(test_count(s, "level_cost"), 6);
-    assert_int_equal(test_count(s, "profile WHERE live = 1"), 1);
+    assert_int_equal(test_count(s, "profile WHERE variant_a = 'auto' AND variant_b = 'simd'"), 1);
+    assert_int_equal(test_count(s, "trial WHERE variant_a GLOB 'rows*' OR variant_b = 'lanes'"), 0);
+    assert_int_equal(test_count(s, "fit WHERE variant IN ('auto', 'simd')"), 4);
     sql q = sql_make(s, "SELECT search_state FROM session", &(duet_error){0});
     assert_true(sql_row(&q));
     trial_log log = {0};

@@ -21,8 +21,10 @@ static bool take_all;
 
 // ---------------------------------------------------------------- launches
 
-static const char *const names[] = {"integrate", "enclose", "rows",    "contact", "carry", "doze",
-                                    "body",      "colour",  "prepare", "solve",   "drift"};
+static const char *const names[] = {
+    "integrate_free_flight", "fat_aabbs", "contact_graph", "build_manifolds",  "match_contacts",
+    "update_sleep",          "bodies",    "graph_colour",  "prepare_contacts", "solve_contacts",
+    "integrate_positions"};
 
 enum { KERNELS = sizeof names / sizeof *names };
 
@@ -106,8 +108,9 @@ static void draw_launches(rng *r)
 {
     for (int i = 0; i < KERNELS; ++i)
         launches[i] = draw_launch(names[i], r);
-    while (launch_of("prepare")->lanes < launch_of("solve")->lanes) // it fills the lanes solved
-        *launch_of("prepare") = draw_launch("prepare", r);
+    while (launch_of("prepare_contacts")->lanes <
+           launch_of("solve_contacts")->lanes) // it fills the lanes solved
+        *launch_of("prepare_contacts") = draw_launch("prepare_contacts", r);
 }
 
 static void tell_launches(char *chars, size_t capacity)

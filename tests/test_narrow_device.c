@@ -222,7 +222,7 @@ static void ask_test_pairs(const device *d, cl_program program, const gen_varian
     size_t group = made->group, tile = group * made->per_item;
     size_t items = (PAIRS + tile - 1) / tile * group;
     launch l = {.queue = clCreateCommandQueue(d->context, d->id, 0, NULL),
-                .kernel = clCreateKernel(program, "test_pairs", NULL)};
+                .kernel = clCreateKernel(program, "pair_query", NULL)};
     assert_non_null(l.kernel);
     cl_mem objects = buffer_of(d, OBJECTS * sizeof *poses, poses);
     cl_mem found = buffer_of(d, PAIRS, NULL);
@@ -250,7 +250,7 @@ static void ask_level(const device *d, duet_level level, bool contracted, duet_p
     gen_variant made;
     gen_limits limits = program_limits(&d->info);
     const gen_setting settings[] = {{"DIMS", 3}, {"ACCURACY", level}};
-    assert_ok(gen_make(kernels, "test_pairs", settings, 2, &limits, &made, &err), err);
+    assert_ok(gen_make(kernels, "pair_query", settings, 2, &limits, &made, &err), err);
     char *off = strstr(made.text, "FP_CONTRACT OFF");
     assert_non_null(off);
     if (contracted)

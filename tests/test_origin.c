@@ -236,7 +236,7 @@ static uint64_t check_cloud(const double at[3])
         duet_mode mode;
         const char *variant;
     } ways[] = {
-        {DUET_MODE_OWN, "items FUSED=1"}, {DUET_MODE_SLAB, "lanes"}, {DUET_MODE_SHARED, "lanes"}};
+        {DUET_MODE_OWN, "gpu FUSED=1"}, {DUET_MODE_SLAB, "simd"}, {DUET_MODE_SHARED, "simd"}};
     rng r = rng_seed(test_seed());
     scatter(0, 300, at, 6, 20, true, &r);
     duet_error err = {0};
@@ -291,7 +291,7 @@ static void a_world_says_what_origin_cells_do_not_go_with(void **state)
     def.origin = 1;
     strcpy(def.plan.variant_a, "paper");
     refuse_world(&def, "the paper's search knows no origin cells");
-    strcpy(def.plan.variant_a, "rows");
+    strcpy(def.plan.variant_a, "auto");
     def.shape = DUET_SHAPE_BOUNDS;
     refuse_world(&def, "origin cells are for poses");
     def.shape = DUET_SHAPE_POSES;
@@ -374,9 +374,9 @@ static void what_is_not_asked_for_is_not_compiled(void **state)
     duet_error err = {0};
     scatter(0, 2, (double[]){0, 0, 0}, 1, 1, true, &r);
     write_poisoned_kernels("test_origin.kernels");
-    assert_ok(find_pairs(0, "items FUSED=1", &err), err);
-    assert_ok(find_pairs(0, "lanes", &err), err);
-    assert_false(find_pairs(EDGE, "lanes", &err));
+    assert_ok(find_pairs(0, "gpu FUSED=1", &err), err);
+    assert_ok(find_pairs(0, "simd", &err), err);
+    assert_false(find_pairs(EDGE, "simd", &err));
     assert_int_equal(err.status, DUET_BUILD_FAILED);
 }
 

@@ -148,7 +148,7 @@ static void any_share_and_number_gives_the_reference_pairs(void **state)
     rng r = {test_seed()};
     set_memory(false, false);
     for (uint32_t dims = 2; dims <= 3; ++dims) {
-        duet_world_def def = world_def(dims, "items send=packed");
+        duet_world_def def = world_def(dims, "gpu send=packed");
         duet_world *world = make_world(&def);
         for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
             fill_poses(&r, numbers[i], dims);
@@ -167,9 +167,8 @@ static void every_sort_takes_packed_objects(void **state)
 {
     (void)state;
     static const char *const variants[] = {
-        "items send=packed sort=radix", "items send=packed FROM_IDS=0",
-        "items send=packed FROM_IDS=1", "items send=packed hash.LANES=1 hash.WG=64 hash.PER_ITEM=1",
-        "items send=all"};
+        "gpu send=packed sort=radix", "gpu send=packed FROM_IDS=0", "gpu send=packed FROM_IDS=1",
+        "gpu send=packed hash.LANES=1 hash.WG=64 hash.PER_ITEM=1", "gpu send=all"};
     enum { N = 2003 };
     rng r = {test_seed()};
     set_memory(false, false);
@@ -180,7 +179,7 @@ static void every_sort_takes_packed_objects(void **state)
         duet_world *world = make_world(&def);
         duet_result result = step_poses(world, N);
         assert_int_equal(duet_result_hash(&result), truth);
-        assert_int_equal(was_packed(&result, 0), strcmp(variants[v], "items send=all") != 0);
+        assert_int_equal(was_packed(&result, 0), strcmp(variants[v], "gpu send=all") != 0);
         duet_world_destroy(world);
     }
 }
@@ -194,7 +193,7 @@ static void bounds_are_packed_too(void **state)
     set_memory(false, false);
     fill_bounds(&r, N);
     uint64_t truth = reference_hash(duet_scene_from_bounds(bounds, N, 3, NULL));
-    duet_world_def def = world_def(3, "items send=packed");
+    duet_world_def def = world_def(3, "gpu send=packed");
     def.shape = DUET_SHAPE_BOUNDS;
     def.rotated = false;
     duet_world *world = make_world(&def);
@@ -214,7 +213,7 @@ static void each_device_is_sent_its_slab_alone(void **state)
     rng r = {test_seed()};
     set_memory(false, false);
     fill_poses(&r, N, 3);
-    duet_world_def def = world_def(3, "items send=packed");
+    duet_world_def def = world_def(3, "gpu send=packed");
     duet_world *world = make_world(&def);
     duet_result result = step_poses(world, N);
     assert_true(was_packed(&result, 0) && was_packed(&result, 1));
@@ -235,7 +234,7 @@ static void a_device_on_host_memory_borrows_all_beside_one_that_is_sent_its_slab
     uint64_t truth = poses_hash(N, 3);
     for (int copies = 0; copies < 2; ++copies) {
         set_memory(copies != 0, copies != 1);
-        duet_world_def def = world_def(3, "items send=packed");
+        duet_world_def def = world_def(3, "gpu send=packed");
         duet_world *world = make_world(&def);
         duet_result result = step_poses(world, N);
         assert_int_equal(duet_result_hash(&result), truth);
@@ -251,7 +250,7 @@ static void objects_that_move_between_steps_are_found(void **state)
     rng r = {test_seed()};
     set_memory(false, false);
     fill_poses(&r, N, 3);
-    duet_world_def def = world_def(3, "items send=packed");
+    duet_world_def def = world_def(3, "gpu send=packed");
     duet_world *world = make_world(&def);
     for (int k = 0; k < STEPS; ++k) {
         duet_result result = step_poses(world, N);
@@ -271,7 +270,7 @@ static void objects_outside_the_world_are_found(void **state)
     set_memory(false, false);
     for (uint32_t i = 0; i < N; ++i)
         poses[i] = random_pose(&r, -12.0, 24.0);
-    duet_world_def def = world_def(3, "items send=packed");
+    duet_world_def def = world_def(3, "gpu send=packed");
     def.has_world = true;
     for (int k = 0; k < 3; ++k)
         def.upper[k] = 16.0f;
@@ -292,7 +291,7 @@ static void objects_that_stay_are_neither_packed_nor_sent_again(void **state)
     rng r = {test_seed()};
     set_memory(false, false);
     fill_poses(&r, N, 3);
-    duet_world_def def = world_def(3, "items send=packed");
+    duet_world_def def = world_def(3, "gpu send=packed");
     duet_world *world = make_world(&def);
     duet_result first = step_poses(world, N);
     uint64_t truth = duet_result_hash(&first);
@@ -330,10 +329,10 @@ static void bad_objects_are_counted_once_and_the_first_is_named(void **state)
         const char *variant;
         bool host_a, host_b;
     } ways[] = {
-        {"items send=packed", false, false},
-        {"items send=packed", true, false},
-        {"items", false, false},
-        {"lanes", true, true},
+        {"gpu send=packed", false, false},
+        {"gpu send=packed", true, false},
+        {"gpu", false, false},
+        {"simd", true, true},
     };
     rng r = {test_seed()};
     fill_poses(&r, N, 3);
@@ -367,7 +366,7 @@ static void a_bad_object_that_is_packed_is_refused_by_its_id(void **state)
     set_memory(false, false);
     fill_poses(&r, N, 3);
     poses[1234].half[1] = -1.0f;
-    duet_world_def def = world_def(3, "items send=packed");
+    duet_world_def def = world_def(3, "gpu send=packed");
     duet_world *world = make_world(&def);
     assert_ok(duet_world_set_poses(world, poses, N, &err), err);
     assert_false(duet_world_step(world, &result, &err));
@@ -386,7 +385,7 @@ static void a_device_without_room_fails_the_step_and_not_the_next(void **state)
     set_memory(false, false);
     fill_poses(&r, N, 3);
     for (int side = 0; side < 2; ++side) {
-        duet_world_def def = world_def(3, "rows");
+        duet_world_def def = world_def(3, "auto");
         duet_world *world = make_world(&def);
         uint64_t *most = &devices->devices[side].info.max_buffer_bytes;
         uint64_t before = *most;

@@ -78,7 +78,7 @@ static void key_of(const fixture *f, char key[PROFILE_SHA])
 static void a_worlds_numbers_are_those_of_its_scene(void **state)
 {
     (void)state;
-    fixture f = make_world(16000, test_seed(), 0, "rows");
+    fixture f = make_world(16000, test_seed(), 0, "auto");
     profiled p = describe(&f);
     assert_int_equal(p.workload.n, 16000);
     assert_int_equal(p.workload.dims, 3);
@@ -96,9 +96,9 @@ static void the_workload_is_the_scenes_and_not_the_draws_or_the_plans(void **sta
 {
     (void)state;
     uint64_t seed = test_seed();
-    fixture a = make_world(16000, seed, 0, "rows");
-    fixture b = make_world(16000, seed + 1, 0, "rows grid=hashed");
-    fixture c = make_world(16000, seed, 16, "rows");
+    fixture a = make_world(16000, seed, 0, "auto");
+    fixture b = make_world(16000, seed + 1, 0, "auto grid=hashed");
+    fixture c = make_world(16000, seed, 16, "auto");
     char keys[3][PROFILE_SHA];
     key_of(&a, keys[0]);
     key_of(&b, keys[1]);
@@ -118,7 +118,7 @@ static void a_workload_is_of_the_objects_that_a_world_has(void **state)
     (void)state;
     enum { N = 16000 };
     duet_error err = {0};
-    fixture f = make_world(N, test_seed(), 0, "rows");
+    fixture f = make_world(N, test_seed(), 0, "auto");
     profiled set = describe(&f);
     duet_pose *poses = duet_world_map_poses(f.world, N, &err); // as they are
     assert_ok(poses, err);
@@ -136,7 +136,7 @@ static void a_workload_is_of_the_objects_that_a_world_has(void **state)
 static void a_world_without_objects_is_refused(void **state)
 {
     (void)state;
-    fixture f = make_world(1, 1, 0, "rows");
+    fixture f = make_world(1, 1, 0, "auto");
     profiled p;
     duet_error err = {0};
     assert_ok(duet_world_set_poses(f.world, NULL, 0, &err), err);
@@ -149,7 +149,7 @@ static void a_plan_survives_being_stored(void **state)
 {
     (void)state;
     duet_plan plan = {.share = 12345, .mode = DUET_MODE_OWN};
-    strcpy(plan.variant_a, "rows sort=radix");
+    strcpy(plan.variant_a, "auto sort=radix");
     strcpy(plan.variant_b, "paper");
     profile_plan stored = profiled_write_plan(&plan, "sat15");
     duet_plan back;
@@ -197,7 +197,7 @@ static void a_world_takes_its_profile_and_finds_the_same_pairs(void **state)
 {
     (void)state;
     test_folder folder = test_folder_make();
-    fixture f = make_world(3000, test_seed(), 0, "rows");
+    fixture f = make_world(3000, test_seed(), 0, "auto");
     duet_error err = {0};
     duet_result result;
     assert_ok(duet_world_step(f.world, &result, &err), err);
@@ -208,7 +208,7 @@ static void a_world_takes_its_profile_and_finds_the_same_pairs(void **state)
     assert_int_equal(profile.grade, DUET_GRADE_EXACT);
     assert_string_equal(duet_grade_name(profile.grade), "exact");
     assert_int_equal(duet_world_plan(f.world)->share, 3 * DUET_SHARE_ONE / 8);
-    assert_string_equal(duet_world_plan(f.world)->variant_b, "rows sort=radix");
+    assert_string_equal(duet_world_plan(f.world)->variant_b, "auto sort=radix");
     assert_true(profile.step_ms == 2 && profile.gain == 0.5 && profile.measured_s > 0);
     assert_ok(duet_world_step(f.world, &result, &err), err);
     assert_true(duet_result_hash(&result) == hash);
@@ -221,7 +221,7 @@ static void a_world_gets_no_less_than_it_asked_for(void **state)
 {
     (void)state;
     test_folder folder = test_folder_make();
-    fixture f = make_world(3000, test_seed(), 0, "rows");
+    fixture f = make_world(3000, test_seed(), 0, "auto");
     duet_error err = {0};
     duet_profile profile;
     assert_ok(duet_world_set_level(f.world, DUET_LEVEL_SAT6, &err), err);
@@ -250,7 +250,7 @@ static void a_world_gets_no_less_than_it_asked_for(void **state)
 static void an_accuracy_that_cannot_be_is_refused(void **state)
 {
     (void)state;
-    fixture f = make_world(10, test_seed(), 0, "rows");
+    fixture f = make_world(10, test_seed(), 0, "auto");
     static const duet_accuracy bad[] = {{-0.1, 0}, {1.5, 0}, {0, -1}, {0, INFINITY}, {NAN, 0}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
         duet_world_def def = f.world->def;
@@ -268,7 +268,7 @@ static void without_a_profile_the_plan_stays(void **state)
 {
     (void)state;
     test_folder folder = test_folder_make();
-    fixture f = make_world(3000, test_seed(), 0, "rows");
+    fixture f = make_world(3000, test_seed(), 0, "auto");
     duet_plan before = *duet_world_plan(f.world);
     duet_error err = {0};
     duet_profile profile;
@@ -354,7 +354,7 @@ static void why_names_the_plan_and_run_uses_it(void **state)
     assert_why(o, "exact", "yes: manual 20");
     assert_true(cJSON_GetObjectItemCaseSensitive(o, "share")->valuedouble == 0.375);
     assert_string_equal(cJSON_GetObjectItemCaseSensitive(o, "variant_b")->valuestring,
-                        "rows sort=radix");
+                        "auto sort=radix");
     cJSON_Delete(o);
     char variables[160];
     snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);

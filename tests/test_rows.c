@@ -173,7 +173,7 @@ static void a_trial_comes_back_as_it_went_in(void **state)
     assert_int_equal(t.launches, 20);
     assert_int_equal(t.last.plan.share, 32768);
     assert_string_equal(t.last.plan.mode, "own");
-    assert_string_equal(t.last.plan.variant_b, "rows sort=radix");
+    assert_string_equal(t.last.plan.variant_b, "auto sort=radix");
     assert_true(t.last.a_ns == test_time(0, 1000, 0.5));
     assert_int_equal(t.last_total, (int64_t)test_time(0, 1000, 0.5) + 3);
     store_close(s);

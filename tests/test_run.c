@@ -51,7 +51,7 @@ static cJSON *run_json(const char *arguments)
 static void json_has_what_a_script_needs(void **state)
 {
     (void)state;
-    cJSON *o = run_json(SCENE " --share 1/4 --mode own --variant rows --repeat 3 --check");
+    cJSON *o = run_json(SCENE " --share 1/4 --mode own --variant auto --repeat 3 --check");
     assert_int_equal(json_number(o, "objects"), 400);
     assert_int_equal(json_number(o, "dims"), 3);
     assert_true(json_number(o, "candidates") >= json_number(o, "pairs"));
@@ -59,7 +59,7 @@ static void json_has_what_a_script_needs(void **state)
     assert_int_equal(strlen(json_string(o, "hash")), 16);
     assert_true(json_number(o, "share") == 0.25);
     assert_string_equal(json_string(o, "mode"), "own");
-    assert_string_equal(json_string(o, "variant"), "rows");
+    assert_string_equal(json_string(o, "variant"), "auto");
     assert_non_null(strchr(json_string(o, "pair"), ','));
     assert_true(json_number(o, "total_ms") > 0);
     assert_int_equal(json_number(o, "repeat"), 3);

@@ -88,7 +88,7 @@ static void json_says_what_the_table_does(void **state)
     assert_non_null(o);
     assert_true(cJSON_GetObjectItem(o, "steps")->valuedouble == 8);
     assert_true(cJSON_GetObjectItem(o, "objects")->valuedouble == 9);
-    assert_non_null(cJSON_GetObjectItem(cJSON_GetObjectItem(o, "stages_ms"), "response"));
+    assert_non_null(cJSON_GetObjectItem(cJSON_GetObjectItem(o, "stages_ms"), "solve_contacts"));
     cJSON_Delete(o);
     program_free(&p);
 }

@@ -170,7 +170,7 @@ static void try_search(const char *search)
 static void lanes_find_the_references_pairs(void **state)
 {
     (void)state;
-    try_search("lanes");
+    try_search("simd");
 }
 
 static void listed_candidates_give_the_same_pairs(void **state)
@@ -179,14 +179,14 @@ static void listed_candidates_give_the_same_pairs(void **state)
     rng r = rng_seed(test_seed());
     static crowd c = {.shape = DUET_SHAPE_POSES, .rotated = true};
     for (c.dims = 2; c.dims <= 3; ++c.dims)
-        try_crowds("lanes FUSED=0", &c, &r);
+        try_crowds("simd FUSED=0", &c, &r);
 }
 
 static void rows_find_the_references_pairs(void **state)
 {
     (void)state;
-    try_search("rows");
-    try_search("items");
+    try_search("auto");
+    try_search("gpu");
 }
 
 static void the_papers_search_finds_the_references_pairs(void **state)
@@ -211,15 +211,15 @@ static void try_sizes(const char *search)
 static void lanes_find_pairs_of_all_sizes(void **state)
 {
     (void)state;
-    try_sizes("lanes grid=dense");
-    try_sizes("lanes grid=hashed");
+    try_sizes("simd grid=dense");
+    try_sizes("simd grid=hashed");
 }
 
 // Devices of several threads put the objects of a cell into no certain order.
 static void parts_agree_where_a_cell_is_cut(void **state)
 {
     (void)state;
-    static const char *const searches[] = {"items", "lanes", "paper"};
+    static const char *const searches[] = {"gpu", "simd", "paper"};
     rng r = rng_seed(test_seed());
     static crowd c = {.dims = 3, .shape = DUET_SHAPE_POSES, .rotated = true, .n = MOST};
     duet_device_pair *pair = open_pair("pocl:0", "pocl:0");

@@ -103,13 +103,13 @@ static void any_number_of_chunks_gives_the_reference_pairs(void **state)
         duet_mode mode;
         const char *variant;
     } plans[] = {
-        {DUET_MODE_OWN, "items send=chunks"},
-        {DUET_MODE_SLAB, "items send=chunks"},
-        {DUET_MODE_SHARED, "items send=chunks"},
-        {DUET_MODE_OWN, "items sort=radix send=chunks"},
-        {DUET_MODE_SLAB, "lanes send=chunks"},
+        {DUET_MODE_OWN, "gpu send=chunks"},
+        {DUET_MODE_SLAB, "gpu send=chunks"},
+        {DUET_MODE_SHARED, "gpu send=chunks"},
+        {DUET_MODE_OWN, "gpu sort=radix send=chunks"},
+        {DUET_MODE_SLAB, "simd send=chunks"},
         {DUET_MODE_SHARED, "paper send=chunks"},
-        {DUET_MODE_OWN, "items"},
+        {DUET_MODE_OWN, "gpu"},
     };
     static const uint32_t numbers[] = {1, 1023, 1024, 1025, CAPACITY};
     rng r = {test_seed()};
@@ -133,7 +133,7 @@ static void objects_that_are_there_come_in_no_chunks(void **state)
     duet_error err = {0};
     duet_result result;
     rng r = {test_seed()};
-    duet_world *world = make_world(DUET_MODE_OWN, "items send=chunks", false);
+    duet_world *world = make_world(DUET_MODE_OWN, "gpu send=chunks", false);
     fill(&r, CAPACITY, 34.0);
     uint64_t pairs = step(world, CAPACITY).pairs;
     assert_ok(duet_world_step(world, &result, &err), err);
@@ -149,7 +149,7 @@ static void pairs_are_all_there_however_many_the_last_step_had(void **state)
     (void)state;
     static const double edges[] = {34.0, 34.0, 12.0, 80.0, 12.0, 6.0, 6.0, 34.0};
     rng r = {test_seed()};
-    duet_world *world = make_world(DUET_MODE_OWN, "items", false);
+    duet_world *world = make_world(DUET_MODE_OWN, "gpu", false);
     for (size_t i = 0; i < sizeof edges / sizeof *edges; ++i) {
         fill(&r, 1000, edges[i]);
         set_share(world, i % 2 ? DUET_SHARE_ONE / 2 : 0);
@@ -169,7 +169,7 @@ static void more_undecided_pairs_than_are_sent_ahead_are_decided(void **state)
                                {0.5f, 0.5f, 0.5f},
                                {0.0f, 0.0f, 1.0f, 2.0f}};
     }
-    duet_world *world = make_world(DUET_MODE_OWN, "items", false);
+    duet_world *world = make_world(DUET_MODE_OWN, "gpu", false);
     set_share(world, 0);
     assert_step_is_the_reference(world, N);
     assert_step_is_the_reference(world, N);
@@ -182,7 +182,7 @@ static void a_bad_object_of_any_chunk_is_named(void **state)
 {
     (void)state;
     rng r = {test_seed()};
-    duet_world *world = make_world(DUET_MODE_SLAB, "items send=chunks", true);
+    duet_world *world = make_world(DUET_MODE_SLAB, "gpu send=chunks", true);
     fill(&r, CAPACITY, 34.0);
     poses[4321].half[2] = -1.0f;
     poses[1500].centre[2] = NAN;

@@ -139,11 +139,11 @@ static void transforms_and_sizes_have_the_pairs_of_their_poses(void **state)
         duet_mode mode;
         const char *variant;
     } plans[] = {
-        {DUET_MODE_OWN, "items"},
-        {DUET_MODE_SLAB, "lanes"},
-        {DUET_MODE_SHARED, "items"},
-        {DUET_MODE_OWN, "lanes sort=radix"},
-        {DUET_MODE_SLAB, "items send=packed"},
+        {DUET_MODE_OWN, "gpu"},
+        {DUET_MODE_SLAB, "simd"},
+        {DUET_MODE_SHARED, "gpu"},
+        {DUET_MODE_OWN, "simd sort=radix"},
+        {DUET_MODE_SLAB, "gpu send=packed"},
     };
     rng r = {test_seed()};
     for (int host = 0; host < 2; ++host) {
@@ -160,7 +160,7 @@ static void sizes_are_sent_once(void **state)
     duet_result result;
     rng r = {test_seed()};
     tell_of_memory(false);
-    duet_world *world = make_world(3, DUET_MODE_OWN, "items");
+    duet_world *world = make_world(3, DUET_MODE_OWN, "gpu");
     fill(&r, CAPACITY, 3);
     map_sizes(world, CAPACITY);
     map_transforms(world, CAPACITY);
@@ -183,7 +183,7 @@ static void poses_are_taken_apart(void **state)
     duet_error err = {0};
     rng r = {test_seed()};
     tell_of_memory(true);
-    duet_world *world = make_world(3, DUET_MODE_OWN, "lanes");
+    duet_world *world = make_world(3, DUET_MODE_OWN, "simd");
     fill(&r, CAPACITY, 3);
     assert_ok(duet_world_set_poses(world, poses, CAPACITY, &err), err);
     assert_step_is_the_reference(world, CAPACITY);
@@ -205,7 +205,7 @@ static void what_float_leaves_open_is_decided(void **state)
                                {0.0f, 0.0f, 1.0f, 2.0f}};
     }
     tell_of_memory(false);
-    duet_world *world = make_world(3, DUET_MODE_OWN, "items");
+    duet_world *world = make_world(3, DUET_MODE_OWN, "gpu");
     map_transforms(world, N);
     map_sizes(world, N);
     assert_step_is_the_reference(world, N);
@@ -225,7 +225,7 @@ static void bad_sizes_are_named(void **state)
     poses[78].half[0] = NAN;
     for (int host = 0; host < 2; ++host) {
         tell_of_memory(host);
-        duet_world *world = make_world(3, DUET_MODE_SLAB, host ? "lanes" : "items");
+        duet_world *world = make_world(3, DUET_MODE_SLAB, host ? "simd" : "gpu");
         map_transforms(world, CAPACITY);
         map_sizes(world, CAPACITY);
         assert_false(duet_world_step(world, &result, &err));
@@ -245,7 +245,7 @@ static void as_many_sizes_as_transforms(void **state)
     rng r = {test_seed()};
     fill(&r, CAPACITY, 3);
     tell_of_memory(true);
-    duet_world *world = make_world(3, DUET_MODE_OWN, "lanes");
+    duet_world *world = make_world(3, DUET_MODE_OWN, "simd");
     map_transforms(world, 10);
     assert_false(duet_world_step(world, &result, &err));
     assert_int_equal(err.status, DUET_BAD_ARGUMENT);
@@ -287,7 +287,7 @@ static void only_what_has_sizes_has_them_apart(void **state)
     other = def;
     strcpy(other.plan.variant_b, "paper");
     refuse(other, "the paper's search knows no sizes apart");
-    duet_world *world = make_world(3, DUET_MODE_OWN, "lanes");
+    duet_world *world = make_world(3, DUET_MODE_OWN, "simd");
     assert_null(duet_world_map_poses(world, 1, &err));
     assert_string_equal(err.text, "the world was made for transforms, not for poses");
     duet_world_destroy(world);

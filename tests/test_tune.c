@@ -70,7 +70,7 @@ static bool watch_fake(void *context, const duet_tune_progress *progress)
 
 static duet_tune_def fake_def(fake *f)
 {
-    static const char *const one[] = {"rows"};
+    static const char *const one[] = {"auto"};
     return (duet_tune_def){
         .strategy = "balance",
         .variants = one,
@@ -86,7 +86,7 @@ static tune_task fake_task(fake *f, const duet_tune_def *def)
     return (tune_task){
         .def = def,
         .machine = {.context = f, .launch = launch_fake, .hash = RIGHT},
-        .plan = {.mode = DUET_MODE_OWN, .variant_a = "rows", .variant_b = "rows"},
+        .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
         .least_share = 8,
     };
 }
@@ -232,14 +232,14 @@ static void the_tuned_plan_is_never_slower_than_a_single_device(void **state)
 static void each_device_gets_its_best_variant(void **state)
 {
     (void)state;
-    static const char *const variants[] = {"slow", "broken", "rows", "wrong"};
+    static const char *const variants[] = {"slow", "broken", "auto", "wrong"};
     fake f = {.model = {.ratio = 4, .sigma = 0.02}, .random = rng_seed(test_seed())};
     duet_tune_def def = fake_def(&f);
     def.variants = variants;
     def.n_variants = 4;
     duet_tune_outcome outcome = tune_fake(&f, &def);
-    assert_string_equal(outcome.plan.variant_a, "rows");
-    assert_string_equal(outcome.plan.variant_b, "rows");
+    assert_string_equal(outcome.plan.variant_a, "auto");
+    assert_string_equal(outcome.plan.variant_b, "auto");
     assert_true(fabs(outcome.plan.share / 65536.0 - 0.2) < 0.03);
 }
 
@@ -380,7 +380,7 @@ static void a_measurement_keeps_the_warm_up_and_marks_outliers(void **state)
     fake f = {.model = {.ratio = 3, .sigma = 0.01, .spike_chance = 0.2, .spike_most = 9},
               .random = rng_seed(test_seed())};
     measure_machine machine = {.context = &f, .launch = launch_fake, .hash = RIGHT};
-    duet_plan plan = {.share = 16384, .variant_a = "rows", .variant_b = "rows"};
+    duet_plan plan = {.share = 16384, .variant_a = "auto", .variant_b = "auto"};
     measurement m = measure_plan(&machine, &plan, 20);
     assert_string_equal(m.outcome, "ok");
     assert_int_equal(m.n_samples, 21);

@@ -14,7 +14,7 @@ static const double VARIANTS_END = 0.35, SEARCH_END = 0.7; // parts of the budge
 
 // ---------------------------------------------------------------- variants
 
-static const char *const default_variants[] = {"rows", "lanes", "rows sort=radix", "paper"};
+static const char *const default_variants[] = {"auto", "simd", "auto sort=radix", "paper"};
 
 static const char *variant_at(const duet_tune_def *def, uint32_t i)
 {

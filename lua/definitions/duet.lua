@@ -26,7 +26,7 @@ local Device = {}
 ---@class duet.Plan
 ---@field mode string how grids are built: one of duet.modes()
 ---@field share number A's part of the work, 0 to 1, in steps of 1/65536
----@field variant_a string A's kernels: "rows", or with settings: "rows sort=radix"
+---@field variant_a string A's kernels: "auto", or with settings: "auto sort=radix"
 ---@field variant_b string B's kernels
 local Plan = {}
 

@@ -15,7 +15,7 @@ local options = lab.options("The gain of sharing with a slow and with a fast ker
 
 local ways = { -- name, mode, variant; without one, each device's default
   { "paper, shared grid", "shared", "paper" },
-  { "rows, shared grid", "shared", "rows" },
+  { "auto, shared grid", "shared", "auto" },
   { "fast, own grids", "own", "" },
 }
 

@@ -15,7 +15,7 @@ bool bench_candidates(const bench_options *options, duet_error *err)
     duet_pose *poses = bench_poses(n, options, err);
     subject subjects[N] = {0};
     bool ok = poses != NULL;
-    static const char *const variants[N] = {"rows", "items", "paper"};
+    static const char *const variants[N] = {"auto", "gpu", "paper"};
     for (int i = 0; ok && i < N; ++i) {
         subject_def def = {.name = variants[i],
                            .device_a = options->device,

@@ -19,10 +19,10 @@ static bool measure(uint32_t n, const bench_options *options, cost *c, duet_erro
 {
     duet_pose *poses = bench_poses(n, options, err);
     subject *s = calloc(1, sizeof *s);
-    subject_def def = {.name = "lanes",
+    subject_def def = {.name = "simd",
                        .device_a = options->device,
                        .device_b = options->device,
-                       .variant = "lanes",
+                       .variant = "simd",
                        .mode = DUET_MODE_OWN,
                        .poses = poses,
                        .n = n};

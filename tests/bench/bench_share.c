@@ -132,7 +132,7 @@ bool bench_share(const bench_options *options, duet_error *err)
         subject_def def = {.name = splits[i].name,
                            .device_a = options->device_a,
                            .device_b = options->device_b,
-                           .variant = "lanes",
+                           .variant = "simd",
                            .mode = splits[i].mode,
                            .share = splits[i].share,
                            .poses = poses,

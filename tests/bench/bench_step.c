@@ -14,7 +14,7 @@
 
 enum { LANES, ROWS, PAPER, N };
 
-static const char *const variants[N] = {"lanes", "rows", "paper"};
+static const char *const variants[N] = {"simd", "auto", "paper"};
 
 // The AVX2 program as one more side; without AVX2 there is none.
 typedef struct limit_side {
@@ -83,9 +83,9 @@ static void print(const limit_side *side, const subject subjects[N])
         subject_print_stages(&subjects[i]);
     }
     if (side->total.n)
-        printf("lanes takes %.2f of the AVX2 program's time (CPU time: %.2f); wanted: 1.6\n",
+        printf("simd takes %.2f of the AVX2 program's time (CPU time: %.2f); wanted: 1.6\n",
                lanes / series_median(&side->total), lanes_cpu / series_median(&side->cpu));
-    printf("lanes is %.1f times as fast as paper (CPU time: %.1f); wanted: 30\n",
+    printf("simd is %.1f times as fast as paper (CPU time: %.1f); wanted: 30\n",
            series_median(&subjects[PAPER].total) / lanes,
            series_median(&subjects[PAPER].cpu) / lanes_cpu);
 }

@@ -47,7 +47,7 @@ bool bench_still(const bench_options *options, duet_error *err)
     subject_def def = {.name = "still",
                        .device_a = options->device,
                        .device_b = options->device,
-                       .variant = "lanes",
+                       .variant = "simd",
                        .mode = DUET_MODE_OWN,
                        .poses = poses,
                        .n = n};

@@ -29,7 +29,7 @@ typedef struct chosen {
 static duet_plan plan_at(uint32_t share)
 {
     return (duet_plan){
-        .share = share, .mode = DUET_MODE_SLAB, .variant_a = "rows", .variant_b = "rows"};
+        .share = share, .mode = DUET_MODE_SLAB, .variant_a = "auto", .variant_b = "auto"};
 }
 
 static bool measure_share(const measure_machine *machine, uint32_t share, search_sample *sample,

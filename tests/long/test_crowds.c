@@ -47,7 +47,7 @@ static void none_of_65537_objects_in_a_cell_is_missed(void **state)
 {
     (void)state;
     enum { N = 65537 };
-    static const char *const variants[] = {"rows", "items"};
+    static const char *const variants[] = {"auto", "gpu"};
     duet_error err = {0};
     duet_result result;
     duet_pose *poses = room_for(N);

@@ -32,7 +32,7 @@ static void check_step(duet_world *world, const duet_plan *plan, uint64_t pairs,
 static void check_scene(const char *name, const char *n)
 {
     static const uint32_t shares[] = {0, 1, 6554, 32768, 58982, DUET_SHARE_ONE};
-    static const char *const variants[] = {"rows", "paper"};
+    static const char *const variants[] = {"auto", "paper"};
     char path[1024];
     snprintf(path, sizeof path, "%s/%s.lua", getenv("DUET_TEST_SCENES"), name);
     duet_error err = {0};

@@ -100,7 +100,7 @@ static void every_level_finds_its_reference_s_pairs_far_away(void **state)
     duet_world_def def = duet_scene_world_def(scene, devices);
     duet_world *world = duet_world_create(&def, &err);
     assert_ok(world && duet_world_set_scene(world, scene, &err), err);
-    const char *const variants[] = {"items", "lanes"};
+    const char *const variants[] = {"gpu", "simd"};
     for (int l = 0; l < DUET_LEVELS; ++l) {
         duet_pair *pairs = NULL;
         uint64_t n = 0;

@@ -85,14 +85,14 @@ static void compare(const scene *s, const duet_world_def *def, const char *words
 static void compare_grids(const scene *s, const duet_world_def *def, uint64_t general)
 {
     static const char *const variants[] = {
-        "lanes grid=uniform",
-        "lanes grid=uniform cells=fixed",
-        "lanes grid=dense",
-        "lanes grid=hashed",
-        "items grid=uniform",
-        "items grid=uniform cells=fixed",
-        "items grid=dense",
-        "items grid=hashed sort=radix",
+        "simd grid=uniform",
+        "simd grid=uniform cells=fixed",
+        "simd grid=dense",
+        "simd grid=hashed",
+        "gpu grid=uniform",
+        "gpu grid=uniform cells=fixed",
+        "gpu grid=dense",
+        "gpu grid=hashed sort=radix",
         "paper",
         "paper cells=fixed",
     };
@@ -105,7 +105,7 @@ static void compare_grids(const scene *s, const duet_world_def *def, uint64_t ge
 static void compare_all(const scene *s)
 {
     duet_world_def def = duet_default_world_def();
-    uint64_t general = pairs_of(s, def, "items grid=hashed");
+    uint64_t general = pairs_of(s, def, "gpu grid=hashed");
     def.dims = s->dims;
     def.rotated = s->rotated;
     compare_grids(s, &def, general);

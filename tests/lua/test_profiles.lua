@@ -11,14 +11,14 @@ os.remove(other)
 
 local pair <close> = assert(duet.device_pair())
 local scene <close> = assert(duet.scene(facts.root .. "/lua/scenes/paper.lua", { n = 200, world = 9 }))
-local tuned = assert(pair:tune(scene, { store = store, repeats = 1, variants = { "rows" }, modes = { "own" } }))
+local tuned = assert(pair:tune(scene, { store = store, repeats = 1, variants = { "auto" }, modes = { "own" } }))
 
 facts.holds("what was tuned is listed, with its plan and its devices", function()
   local list = assert(duet.profiles(store))
   assert(#list == 1)
   local one = list[1]
   assert(one.objects == 200 and one.dims == 3 and one.scene == "paper" and one.replaced == "")
-  assert(one.share == tuned.plan.share and one.mode == "own" and one.variant_a == "rows")
+  assert(one.share == tuned.plan.share and one.mode == "own" and one.variant_a == "auto")
   assert(#one.a.name > 0 and #one.b.driver > 0)
 end)
 

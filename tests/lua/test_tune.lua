@@ -9,7 +9,7 @@ local scene <close> = assert(duet.scene(facts.root .. "/lua/scenes/paper.lua", {
 
 -- What is quick: one variant, one mode, one launch a trial.
 local function quick(more)
-  local def = { keep = false, repeats = 1, variants = { "rows" }, modes = { "own" } }
+  local def = { keep = false, repeats = 1, variants = { "auto" }, modes = { "own" } }
   for name, value in pairs(more or {}) do def[name] = value end
   return def
 end

@@ -20,19 +20,19 @@ static const struct {
     duet_mode mode;
     const char *variant;
 } ways[] = {
-    {DUET_MODE_SHARED, "rows"},
-    {DUET_MODE_SHARED, "items sort=radix grid=uniform"},
-    {DUET_MODE_SHARED, "items grid=hashed"},
+    {DUET_MODE_SHARED, "auto"},
+    {DUET_MODE_SHARED, "gpu sort=radix grid=uniform"},
+    {DUET_MODE_SHARED, "gpu grid=hashed"},
     {DUET_MODE_SHARED, "paper"},
-    {DUET_MODE_OWN, "items"},
-    {DUET_MODE_OWN, "rows grid=dense"},
-    {DUET_MODE_OWN, "items FUSED=1 sort=radix grid=hashed"},
+    {DUET_MODE_OWN, "gpu"},
+    {DUET_MODE_OWN, "auto grid=dense"},
+    {DUET_MODE_OWN, "gpu FUSED=1 sort=radix grid=hashed"},
     {DUET_MODE_OWN, "paper"},
-    {DUET_MODE_OWN, "lanes"},
-    {DUET_MODE_OWN, "lanes grid=hashed"},
-    {DUET_MODE_SHARED, "lanes sort=radix"},
-    {DUET_MODE_SLAB, "lanes"},
-    {DUET_MODE_SLAB, "items FUSED=1"},
+    {DUET_MODE_OWN, "simd"},
+    {DUET_MODE_OWN, "simd grid=hashed"},
+    {DUET_MODE_SHARED, "simd sort=radix"},
+    {DUET_MODE_SLAB, "simd"},
+    {DUET_MODE_SLAB, "gpu FUSED=1"},
     {DUET_MODE_SLAB, "paper"},
 };
 

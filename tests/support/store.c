@@ -131,8 +131,8 @@ profile_plan test_plan(double share)
         .share = (uint32_t)lround(share * PROFILE_SHARE_ONE),
         .mode = "own",
         .level = "certified",
-        .variant_a = "rows",
-        .variant_b = "rows sort=radix",
+        .variant_a = "auto",
+        .variant_b = "auto sort=radix",
     };
 }
 

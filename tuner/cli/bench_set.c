@@ -21,7 +21,7 @@ static const duet_mode modes[] = {DUET_MODE_SHARED, DUET_MODE_SLAB};
 static const struct {
     const char *variant;
     bool one_size; // of cells
-} variants[] = {{"rows", false}, {"lanes", false}, {"rows sort=radix", false}, {"paper", true}};
+} variants[] = {{"auto", false}, {"simd", false}, {"auto sort=radix", false}, {"paper", true}};
 
 typedef struct plan_list {
     duet_plan *plans;
@@ -63,7 +63,7 @@ uint32_t bench_plans(const bench_scene *scene, const duet_device_pair *pair,
         if (!(variants[i].one_size && scene->mixed))
             add(&list, &plan);
     }
-    use_kernels(&plan, "rows");
+    use_kernels(&plan, "auto");
     for (size_t i = 0; i < sizeof modes / sizeof *modes && !scene->mixed; ++i) {
         plan.mode = modes[i];
         add(&list, &plan);

@@ -46,7 +46,7 @@ typedef struct plan_options {
     OPTION_SHARE("share", member.share, "R", "A's part of the work, as 0.25 or 1/4"),      \
         OPTION_TEXT("mode", member.mode, "M", "how grids are built: shared, own or slab"), \
         OPTION_TEXT("variant", member.variant, "V",                                        \
-                    "kernels of both devices: rows, lanes, items or paper"),               \
+                    "kernels of both devices: auto, simd, gpu or paper"),                  \
         OPTION_TEXT("variant-a", member.variants[0], "V", "kernels of A"),                 \
         OPTION_TEXT("variant-b", member.variants[1], "V", "kernels of B")
 

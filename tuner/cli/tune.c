@@ -50,7 +50,7 @@ static const option options[] = {
                 "a script that returns a function from the history to the next share"),
     OPTION_TEXT(
         "variants", variants, "LIST",
-        "kernels to choose from, with commas between them (rows,lanes,rows sort=radix,paper)"),
+        "kernels to choose from, with commas between them (auto,simd,auto sort=radix,paper)"),
     OPTION_TEXT("level", level.level, "LIST",
                 "of accuracy, or several to choose from (the scene's; all, where how much may be "
                 "wrong is given)"),

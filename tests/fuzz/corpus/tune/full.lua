@@ -5,7 +5,7 @@ return {
   },
   pair = "pocl:0,pocl:1",
   strategy = "balance",
-  variants = { "rows", "lanes" },
+  variants = { "auto", "simd" },
   modes = { "own", "slab" },
   level = { "sat15" },
   budget = { seconds = 5, trials = 9 },

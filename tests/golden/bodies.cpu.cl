@@ -1,0 +1,78 @@
+// bodies.DIMS2.DOUBLE0.SPIN0.GRAVITY0.DRAG0.SLEEP0.WG1.PER_ITEM1024
+#define DIMS 2
+#define DOUBLE 0
+#define ORIGIN 0
+#define SPIN 0
+#define GRAVITY 0
+#define DRAG 0
+#define SLEEP 0
+#define WG 1
+#define PER_ITEM 1024
+#line 1 "kernels/common.clh"
+#line 1 "kernels/motion.clh"
+#line 1 "kernels/contact.clh"
+#line 1 "kernels/box_contact.clh"
+#line 1 "kernels/bodies.cl.in"
+// SPDX-License-Identifier: MIT
+// Objects while a step is solved: from their state to bodies, what pulls them
+// in a substep, and back.
+//
+//   bodies [n + 6][BODY]  the last six are the walls
+#line 21 "kernels/bodies.cl.in"
+
+__kernel void prepare_bodies(__global const real4 *restrict velocities,
+#line 30 "kernels/bodies.cl.in"
+                         uint n, __global float4 *restrict bodies)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n + 6);
+    for (uint id = first; id < last; ++id) {
+        __global float4 *body = bodies + (size_t)id * BODY;
+        bool wall = id >= n;
+        body[BODY_VELOCITY] = wall ? (float4)(0.0f) : convert_float4(velocities[wall ? 0 : id]);
+        body[BODY_MOVED] = body[BODY_SHOVE] = (float4)(0.0f);
+#line 58 "kernels/bodies.cl.in"
+    }
+}
+
+// Velocities of a substep: what pulls, and what the contacts pushed with in the
+// last one.
+__kernel void integrate_velocities(__global float4 *restrict bodies, uint n,
+#line 73 "kernels/bodies.cl.in"
+                        float h)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    for (uint id = first; id < last; ++id) {
+        __global float4 *body = bodies + (size_t)id * BODY;
+        float4 velocity = body[BODY_VELOCITY];
+        float mobility = velocity.w;
+        if (!(mobility > 0.0f))
+            continue;
+#line 94 "kernels/bodies.cl.in"
+        body[BODY_VELOCITY].xyz = add_float(velocity, mobility, body[BODY_SHOVE]).xyz;
+        body[BODY_SHOVE] = (float4)(0.0f);
+#line 108 "kernels/bodies.cl.in"
+    }
+}
+
+#line 122 "kernels/bodies.cl.in"
+__kernel void finalize_bodies(__global const float4 *restrict bodies, uint n, __global real4 *restrict centres,
+#line 133 "kernels/bodies.cl.in"
+                          __global real4 *restrict velocities)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    for (uint id = first; id < last; ++id) {
+        __global const float4 *body = bodies + (size_t)id * BODY;
+#line 148 "kernels/bodies.cl.in"
+        float4 velocity = body[BODY_VELOCITY];
+        real4 centre = centres[id];
+        centre.xyz += convert_real4(body[BODY_MOVED]).xyz;
+#line 154 "kernels/bodies.cl.in"
+        centres[id] = centre;
+        velocities[id].xyz = convert_real4(velocity).xyz;
+        float fastest = dot_float(velocity, velocity);
+#line 169 "kernels/bodies.cl.in"
+    }
+}

@@ -1,0 +1,155 @@
+// build_manifolds.DIMS3.DOUBLE0.ROTATED0.SPIN0.BOUNDS0.RESPONSE0.FRICTION0.FAST0.SLEEP0.EVENTS0.LANES1.WG64.PER_ITEM1
+#define DIMS 3
+#define DOUBLE 0
+#define ORIGIN 0
+#define ROTATED 0
+#define SPIN 0
+#define BOUNDS 0
+#define RESPONSE 0
+#define FRICTION 0
+#define FAST 0
+#define SLEEP 0
+#define EVENTS 0
+#define LANES 1
+#define WG 64
+#define PER_ITEM 1
+#line 1 "kernels/common.clh"
+#line 1 "kernels/motion.clh"
+#line 1 "kernels/flags.clh"
+#line 1 "kernels/contact.clh"
+#line 1 "kernels/box_contact.clh"
+#line 1 "kernels/box_lanes.clh"
+#line 1 "kernels/build_manifolds.cl.in"
+// SPDX-License-Identifier: MIT
+// The manifold of each pair that may touch, ready to be solved.
+//
+// What the last step pushed with at a point is taken over by the new point
+// nearest to it.
+//
+//   links    [n] owner and other; objects + k: wall k
+//   contacts [n] records (contact.clh)
+//   touches  [n] words
+//   bodies   [objects + 6][BODY]
+#line 13 "kernels/build_manifolds.cl.in"
+
+static inline solid solid_at(float4 extents)
+{
+    solid s;
+    s.axis[0] = (float4)(1, 0, 0, 0);
+    s.axis[1] = (float4)(0, 1, 0, 0);
+    s.axis[2] = (float4)(0, 0, 1, 0);
+#line 30 "kernels/build_manifolds.cl.in"
+    s.halves[0] = extents.x;
+    s.halves[1] = extents.y;
+    s.halves[2] = extents.z;
+    return s;
+}
+#line 180 "kernels/build_manifolds.cl.in"
+
+static inline void keep_deepest(manifold *m)
+{
+    int deepest = 0;
+    for (int i = 1; i < m->n; ++i)
+        if (m->point[i].w < m->point[deepest].w)
+            deepest = i;
+    m->point[0] = m->point[deepest];
+    m->n = m->n > 0 ? 1 : 0;
+}
+
+// What a work-item reads and writes.
+typedef struct {
+    __global const uint2 *links;
+    uint objects;
+    __global const real4 *centres;
+#line 199 "kernels/build_manifolds.cl.in"
+    __global const float4 *halves;
+#line 222 "kernels/build_manifolds.cl.in"
+    float margin;
+    __global uint *touches;
+    __global float *contacts;
+} scene;
+
+static inline solid solid_of(const scene *s, uint id)
+{
+#line 232 "kernels/build_manifolds.cl.in"
+    return solid_at(s->halves[id]);
+#line 234 "kernels/build_manifolds.cl.in"
+}
+
+static inline float4 way_of(const scene *s, uint2 link)
+{
+#line 241 "kernels/build_manifolds.cl.in"
+    float4 d = convert_float4(s->centres[link.y] - s->centres[link.x]);
+#line 243 "kernels/build_manifolds.cl.in"
+    d.w = 0.0f;
+    return d;
+}
+#line 272 "kernels/build_manifolds.cl.in"
+
+// The points into the record; extents: the owner's half extents. True where
+// there is no gap, or what was pushed in the last step.
+static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extents, float4 d, manifold *m)
+{
+    __global float *record = s->contacts + (size_t)i * RECORD;
+    bool touching = false;
+#line 288 "kernels/build_manifolds.cl.in"
+    put_float4(record + AT_NORMAL, m->normal);
+    for (int k = 0; k < m->n; ++k) {
+        __global float *part = record + HEAD + k * PART;
+        float4 arm = m->point[k];
+        put_float4(part + OF_ARM, arm);
+        part[OF_GAP] = arm.w;
+        touching = touching || arm.w <= 0.0f;
+#line 306 "kernels/build_manifolds.cl.in"
+    }
+    return touching;
+}
+
+// axis: what separates those without points.
+static inline void keep(const scene *s, uint i, float4 extents, float4 d, manifold *m, uint axis)
+{
+    uint2 link = s->links[i];
+    uint old = s->touches[i];
+    bool touching = false;
+    if (m->n > 0)
+        touching = keep_points(s, i, link, extents, d, m);
+#line 330 "kernels/build_manifolds.cl.in"
+    s->touches[i] = (uint)m->n | (touching ? TOUCH_MEETS : 0u) | axis << TOUCH_AXIS;
+}
+#line 354 "kernels/build_manifolds.cl.in"
+
+static inline void look_at_pair(const scene *s, uint i, uint2 link)
+{
+    solid a = solid_of(s, link.x), b = solid_of(s, link.y);
+    float4 d = way_of(s, link);
+    uint axis = s->touches[i] >> TOUCH_AXIS;
+    manifold m;
+#line 362 "kernels/build_manifolds.cl.in"
+    touch_boxes(&a, &b, d, s->margin, &m, &axis);
+#line 376 "kernels/build_manifolds.cl.in"
+    keep(s, i, s->halves[link.x], d, &m, axis);
+}
+#line 434 "kernels/build_manifolds.cl.in"
+
+__kernel void build_manifolds(__global const uint2 *restrict links, uint n, uint objects, __global const real4 *restrict centres,
+#line 439 "kernels/build_manifolds.cl.in"
+                      __global const float4 *restrict halves,
+#line 458 "kernels/build_manifolds.cl.in"
+                      float margin, __global uint *restrict touches, __global float *restrict contacts)
+{
+    scene s = {links, objects, centres,
+#line 464 "kernels/build_manifolds.cl.in"
+               halves,
+#line 483 "kernels/build_manifolds.cl.in"
+               margin, touches, contacts};
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+#line 490 "kernels/build_manifolds.cl.in"
+    for (uint i = first; i < last; ++i) {
+        uint2 link = links[i];
+#line 503 "kernels/build_manifolds.cl.in"
+        look_at_pair(&s, i, link);
+#line 513 "kernels/build_manifolds.cl.in"
+    }
+#line 523 "kernels/build_manifolds.cl.in"
+}

@@ -1,0 +1,145 @@
+// graph_colour.DIMS3.DOUBLE0.SPIN0.FRICTION0.WG64.PER_ITEM1
+#define DIMS 3
+#define DOUBLE 0
+#define SPIN 0
+#define FRICTION 0
+#define RESPONSE 1
+#define WG 64
+#define PER_ITEM 1
+#line 1 "kernels/common.clh"
+#line 1 "kernels/motion.clh"
+#line 1 "kernels/flags.clh"
+#line 1 "kernels/contact.clh"
+#line 1 "kernels/graph_colour.cl.in"
+// SPDX-License-Identifier: MIT
+// A colour for each contact that pushes, so that those of one colour share no
+// object that moves. Colours are kept while a contact lasts; the rest is done
+// in rounds: of the contacts that wait, each object points to the one with the
+// greatest rank, and one that both its objects point to takes the least colour
+// that both have free. The ranks come from the ids, so the colours do not
+// depend on the device or on the order of the work.
+//
+//   colours [n]  NO_COLOUR: pushes nothing; WAITS: to be coloured
+//   used    [objects] a bit for each colour taken
+//   choices [objects] the contact that the object points to; NONE: none waits
+#define LAST_COLOUR 30u // bits of used
+#define OVERFLOW 31u    // solved in order
+#define WAITS 32u
+#define NO_COLOUR 33u
+#define KEYS_EACH 4u // keys of a colour
+#define NONE 0xffffffffu
+
+static inline uint rank_of(uint2 link)
+{
+    uint k = link.x * 0x9E3779B9u ^ (link.y + 0x7F4A7C15u) * 0x85EBCA6Bu;
+    k ^= k >> 15;
+    k *= 0x2C1B3C6Du;
+    k ^= k >> 13;
+    return k;
+}
+
+// Contacts that begin or cease to push.
+__kernel void graph_colour_mark(__global const uint2 *restrict links, __global const uint *restrict touches, uint n,
+                          uint objects, __global const float4 *restrict bodies, __global uint *restrict colours,
+                          volatile __global uint *restrict choices, volatile __global uint *restrict flags)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    uint waiting = 0, changed = 0;
+    for (uint i = first; i < last; ++i) {
+        uint2 link = links[i];
+        bool pushes = (touches[i] & TOUCH_POINTS) && (bodies[(size_t)link.x * BODY + BODY_VELOCITY].w > 0.0f ||
+                                                      bodies[(size_t)link.y * BODY + BODY_VELOCITY].w > 0.0f);
+        uint old = colours[i];
+        uint colour = !pushes ? NO_COLOUR : old == NO_COLOUR ? WAITS : old;
+        changed |= colour != old;
+        colours[i] = colour;
+        if (colour != WAITS)
+            continue;
+        ++waiting;
+        atomic_xchg(choices + link.x, i);
+        if (link.y < objects)
+            atomic_xchg(choices + link.y, i);
+    }
+    if (waiting)
+        atomic_add(flags + FLAG_UNCOLOURED, waiting);
+    if (changed)
+        atomic_or(flags + FLAG_RECOLOURED, 1u);
+}
+
+static inline void look_at(uint i, __global const uint2 *links, __global const uint *colours, uint *used, uint *best,
+                           uint *best_rank)
+{
+    uint colour = colours[i];
+    if (colour <= LAST_COLOUR)
+        *used |= 1u << colour;
+    if (colour != WAITS)
+        return;
+    uint rank = rank_of(links[i]);
+    if (*best == NONE || rank > *best_rank || (rank == *best_rank && i < *best)) {
+        *best = i;
+        *best_rank = rank;
+    }
+}
+
+__kernel void graph_colour_choose(__global const uint2 *restrict links, __global const uint *restrict colours,
+                            __global const uint *restrict starts, __global const uint *restrict return_starts,
+                            __global const uint *restrict returns, uint objects, __global uint *restrict used,
+                            __global uint *restrict choices)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, objects);
+    for (uint id = first; id < last; ++id) {
+        if (choices[id] == NONE)
+            continue;
+        uint taken = 0, best = NONE, best_rank = 0;
+        for (uint i = starts[id]; i < starts[id + 1]; ++i)
+            look_at(i, links, colours, &taken, &best, &best_rank);
+        for (uint k = return_starts[id]; k < return_starts[id + 1]; ++k)
+            look_at(returns[k], links, colours, &taken, &best, &best_rank);
+        used[id] = taken;
+        choices[id] = best;
+    }
+}
+
+// One work-item an object, which owns the contact that it chose.
+__kernel void graph_colour_take(__global const uint2 *restrict links, uint objects,
+                          __global const real4 *restrict velocities, __global const uint *restrict used,
+                          __global const uint *restrict choices, __global uint *restrict colours,
+                          volatile __global uint *restrict flags)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, objects);
+    uint done = 0;
+    for (uint id = first; id < last; ++id) {
+        uint i = choices[id];
+        if (i == NONE || links[i].x != id)
+            continue;
+        uint other = links[i].y;
+        uint taken = used[id];
+        if (other < objects && velocities[other].w > 0) { // asleep or not
+            if (choices[other] != i)
+                continue;
+            taken |= used[other];
+        }
+        uint colour = popcount(taken ^ (taken + 1)) - 1; // the least bit that is not set
+        colours[i] = colour <= LAST_COLOUR ? colour : OVERFLOW;
+        ++done;
+    }
+    if (done)
+        atomic_sub(flags + FLAG_UNCOLOURED, done);
+}
+
+// What contacts are sorted by: the colour, and within it most points first, so
+// that those side by side have as much to do. Those of OVERFLOW keep the order
+// of the rows.
+__kernel void graph_colour_key(__global const uint *restrict colours, __global const uint *restrict touches, uint n,
+                         __global uint *restrict keys)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    for (uint i = first; i < last; ++i) {
+        uint colour = colours[i];
+        keys[i] = colour * KEYS_EACH + (colour <= LAST_COLOUR ? POINTS - (touches[i] & TOUCH_POINTS) : 0);
+    }
+}

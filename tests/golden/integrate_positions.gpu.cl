@@ -1,0 +1,34 @@
+// integrate_positions.DIMS3.DOUBLE0.SPIN0.GYRO0.FRICTION0.LANES1.BLOCK32.WG64.PER_ITEM1
+#define DIMS 3
+#define DOUBLE 0
+#define SPIN 0
+#define GYRO 0
+#define FRICTION 0
+#define RESPONSE 1
+#define LANES 1
+#define BLOCK 32
+#define WG 64
+#define PER_ITEM 1
+#line 1 "kernels/common.clh"
+#line 1 "kernels/lanes.clh"
+#line 1 "kernels/vector.clh"
+#line 1 "kernels/contact.clh"
+#line 1 "kernels/constraint.clh"
+#line 1 "kernels/turn.clh"
+#line 1 "kernels/integrate_positions.cl.in"
+// SPDX-License-Identifier: MIT
+// Where objects are after a substep. One that neither moves nor turns keeps its
+// bits.
+//
+//   bodies [n + 6][BODY]  the last six are the walls
+#line 7 "kernels/integrate_positions.cl.in"
+
+__kernel void integrate_positions(__global float4 *restrict bodies, uint n, float h)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    for (uint id = first; id < last; ++id) {
+        __global float4 *body = bodies + (size_t)id * BODY;
+        body[BODY_MOVED].xyz = fma((float4)(h), body[BODY_VELOCITY], body[BODY_MOVED]).xyz;
+    }
+}

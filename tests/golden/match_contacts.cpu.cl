@@ -1,0 +1,69 @@
+// match_contacts.DIMS2.SPIN0.RESPONSE0.FRICTION0.SLEEP0.EVENTS0.WG1.PER_ITEM1024
+#define DIMS 2
+#define SPIN 0
+#define RESPONSE 0
+#define FRICTION 0
+#define SLEEP 0
+#define EVENTS 0
+#define WG 1
+#define PER_ITEM 1024
+#line 1 "kernels/common.clh"
+#line 1 "kernels/flags.clh"
+#line 1 "kernels/contact.clh"
+#line 1 "kernels/match_contacts.cl.in"
+// SPDX-License-Identifier: MIT
+// Contacts taken over into new rows: records and colours of those that are
+// still pairs. The others are forgotten, and what slept leaning on one wakes.
+//
+//   starts, others  the new rows
+#define NO_ROW 0xffffffffu
+#define AHEAD 8 // contacts whose records are asked for in time
+#line 17 "kernels/match_contacts.cl.in"
+
+// The first place from low on whose other is not below.
+static inline uint place_of(__global const uint *others, uint low, uint high, uint other)
+{
+    while (low < high) {
+        uint middle = low + (high - low) / 2;
+        if (others[middle] < other)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+__kernel void match_contacts(__global const uint2 *restrict old_links, __global const uint *restrict old_touches,
+                    __global const float *restrict old_contacts, uint n_old,
+#line 42 "kernels/match_contacts.cl.in"
+                    __global const uint *restrict starts, __global const uint *restrict others,
+                    __global uint *restrict touches, __global float *restrict contacts)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n_old);
+    uint row = NO_ROW, low = 0, end = 0;
+    for (uint i = first; i < last; ++i) {
+        uint2 link = old_links[i];
+        if (link.x != row) {
+            row = link.x;
+            end = starts[row + 1];
+            low = place_of(others, starts[row], end, link.y);
+        }
+        while (low < end && others[low] < link.y) // of one row they rise
+            ++low;
+        uint ahead = min(i + AHEAD, last - 1);
+        if (old_touches[ahead] & TOUCH_POINTS) {
+            ask_for(old_contacts + (size_t)ahead * RECORD);
+            ask_for(old_contacts + (size_t)ahead * RECORD + 16);
+        }
+        uint touch = old_touches[i], n = touch & TOUCH_POINTS;
+        __global const float *old = old_contacts + (size_t)i * RECORD;
+        if (low < end && others[low] == link.y) {
+            touches[low] = touch;
+            for (uint k = 0; n > 0 && k < HEAD + n * PART; ++k)
+                contacts[(size_t)low * RECORD + k] = old[k];
+#line 71 "kernels/match_contacts.cl.in"
+        }
+#line 91 "kernels/match_contacts.cl.in"
+    }
+}

@@ -1,0 +1,176 @@
+// prepare_contacts.DIMS2.SPIN0.FRICTION0.LANES8.BLOCK8.WG1.PER_ITEM256
+#define DIMS 2
+#define SPIN 0
+#define FRICTION 0
+#define RESPONSE 1
+#define LANES 8
+#define BLOCK 8
+#define WG 1
+#define PER_ITEM 256
+#line 1 "kernels/common.clh"
+#line 1 "kernels/lanes.clh"
+#line 1 "kernels/vector.clh"
+#line 1 "kernels/contact.clh"
+#line 1 "kernels/constraint.clh"
+#line 1 "kernels/prepare_contacts.cl.in"
+// SPDX-License-Identifier: MIT
+// Contacts of a colour into blocks before they are solved, and what the next
+// step begins with back out of them.
+//
+// What the last step pushed with becomes the bodies' first shoves: colour by
+// colour, for none of a colour share an object that moves.
+//
+//   list    contacts by colour; this one's are list[first, first + count)
+//   blocks  constraints (constraint.clh); the colour's begin at first_slot and are
+//           `apart` slots from each other, `each` a work-item
+typedef struct {
+    __global const uint2 *links;
+    __global const uint *touches;
+    __global const float *contacts;
+    __global const float *bounces;
+#line 19 "kernels/prepare_contacts.cl.in"
+    uint objects;
+} source;
+
+// What a lane has one number of; lanes that no contact is left for have no
+// points and are between walls.
+static inline void fill_lane(__global float *lane, const source *from, uint i, bool empty)
+{
+    uint2 link = from->links[i];
+    uint partner = link.y < from->objects ? link.y : link.x; // a wall has the properties of what touches it
+    lane[IN_OWNER * BLOCK] = as_float(empty ? from->objects : link.x);
+    lane[IN_OTHER * BLOCK] = as_float(empty ? from->objects : link.y);
+    lane[IN_POINTS * BLOCK] = as_float(empty ? 0u : from->touches[i] & TOUCH_POINTS);
+    lane[IN_BOUNCE * BLOCK] = fmax(from->bounces[link.x], from->bounces[partner]);
+#line 35 "kernels/prepare_contacts.cl.in"
+}
+
+static inline void fill_point(__global float *point, const source *from, const uint places[LANES], int k, mask where)
+{
+    const real zero = 0.0f;
+    real part[8]; // or what follows it: there is one record more than contacts
+    load_eight(from->contacts, places, RECORD, HEAD + k * PART, part);
+    put_vec(point, BY_ARM,
+            (vec){select(zero, part[OF_ARM], where), select(zero, part[OF_ARM + 1], where),
+                  select(zero, part[OF_ARM + 2], where)});
+    put(point, BY_GAP, select(zero, part[OF_GAP], where));
+    put(point, BY_PUSH, select(zero, part[OF_PUSH], where));
+#line 51 "kernels/prepare_contacts.cl.in"
+}
+
+// The first n lanes are contacts.
+static inline void fill_lanes(__global float *constraint, const source *from, __global const uint *list, uint n)
+{
+    uint places[LANES];
+    for (uint k = 0; k < LANES; ++k) {
+        places[k] = list[k < n ? k : 0];
+        fill_lane(constraint + k, from, places[k], k >= n);
+    }
+    real head[8];
+    load_eight(from->contacts, places, RECORD, 0, head);
+    put_vec(constraint, IN_NORMAL, (vec){head[AT_NORMAL], head[AT_NORMAL + 1], head[AT_NORMAL + 2]});
+    put_vec(constraint, IN_APART, (vec){head[AT_APART], head[AT_APART + 1], head[AT_APART + 2]});
+    word points = points_of(constraint);
+    int most = most_points(points);
+    for (int k = 0; k < most; ++k)
+        fill_point(point_at(constraint, k), from, places, k, points > (word)(uint)k);
+}
+#line 93 "kernels/prepare_contacts.cl.in"
+
+static inline real mass_along(const pair *p, vec arm, vec direction, mask where)
+{
+    real yield = yield_along(&p->a, arm, direction) + yield_along(&p->b, vec_less(arm, p->apart), direction);
+    return select((real)(0.0f), inverse(yield), where & (yield > 0.0f));
+}
+
+static inline void weigh(const pair *p, __global float *constraint, int k)
+{
+    __global float *point = point_at(constraint, k);
+    mask where = has_point(p, k);
+    vec arm = get_vec(point, BY_ARM);
+    put(point, BY_MASS, mass_along(p, arm, p->normal, where));
+    put(point, BY_NOW, get(point, BY_GAP));
+    put(point, BY_MOST, get(point, BY_PUSH));
+    put(constraint, IN_SPEEDS + k, vec_dot(velocity_between(p, arm), p->normal));
+#line 115 "kernels/prepare_contacts.cl.in"
+}
+
+static inline void prepare_lanes(__global float *constraint, const source *from, __global const uint *list, uint n,
+                                 __global float4 *bodies)
+{
+    fill_lanes(constraint, from, list, n);
+#line 124 "kernels/prepare_contacts.cl.in"
+    pair p;
+    load_pair(&p, constraint, bodies);
+    for (int k = 0; k < p.most; ++k)
+        weigh(&p, constraint, k);
+    leave_shoves(&p, constraint, bodies);
+}
+
+#if LANES > 1
+
+// Records and bodies are read at random: those of the blocks that come next are
+// asked for in time, the records first.
+static inline void ask_for_records(const source *from, __global const uint *list)
+{
+    for (uint k = 0; k < LANES; ++k)
+        for (uint at = 0; at < RECORD; at += 16)
+            ask_for(from->contacts + (size_t)list[k] * RECORD + at);
+}
+
+static inline void ask_for_bodies(const source *from, __global const uint *list, __global const float4 *bodies)
+{
+    for (uint k = 0; k < LANES; ++k) {
+        uint2 link = from->links[list[k]];
+        ask_for(bodies + (size_t)link.x * BODY);
+        ask_for(bodies + (size_t)link.x * BODY + BODY - 1);
+        ask_for(bodies + (size_t)link.y * BODY);
+        ask_for(bodies + (size_t)link.y * BODY + BODY - 1);
+    }
+}
+#endif
+
+__kernel void prepare_contacts(__global const uint2 *restrict links, __global const uint *restrict touches,
+                      __global const float *restrict contacts, __global const float *restrict bounces,
+#line 159 "kernels/prepare_contacts.cl.in"
+                      uint objects, __global const uint *restrict list, uint first, uint count,
+                      uint first_slot, uint each, uint apart, __global float *restrict blocks,
+                      __global float4 *restrict bodies)
+{
+    source from = {links, touches, contacts, bounces,
+#line 167 "kernels/prepare_contacts.cl.in"
+                   objects};
+    uint begin = get_global_id(0) * each;
+    uint end = min(begin + each, count);
+    for (uint k = begin; k < end; k += STRIDE(apart)) {
+#if LANES > 1
+        if (k + 3 * LANES <= end)
+            ask_for_records(&from, list + first + k + 2 * LANES);
+        if (k + 2 * LANES <= end)
+            ask_for_bodies(&from, list + first + k + LANES, bodies);
+#endif
+        prepare_lanes(constraint_at(blocks, first_slot + k * apart), &from, list + first + k,
+                      min(end - k, (uint)STRIDE(apart)), bodies);
+    }
+}
+
+// Pushes of the last substep.
+__kernel void store_impulses(__global const uint *restrict list, uint first, uint count, uint first_slot, uint each, uint apart,
+                    __global float *restrict blocks, __global float *restrict contacts)
+{
+    uint begin = get_global_id(0) * each;
+    uint end = min(begin + each, count);
+    for (uint k = begin; k < end; ++k) {
+        __global float *constraint = constraint_at(blocks, first_slot + k * apart);
+        __global float *record = contacts + (size_t)list[first + k] * RECORD;
+        ask_for(contacts + (size_t)list[first + min(k + 8, end - 1)] * RECORD + HEAD);
+        uint n = as_uint(constraint[IN_POINTS * BLOCK]) & POINTS_MASK;
+        for (uint p = 0; p < n; ++p) {
+            __global const float *point = point_at(constraint, p);
+            __global float *part = record + HEAD + p * PART;
+            part[OF_PUSH] = point[BY_PUSH * BLOCK];
+            part[OF_MOST] = point[BY_MOST * BLOCK];
+#line 202 "kernels/prepare_contacts.cl.in"
+        }
+    }
+}

@@ -1,0 +1,122 @@
+// reorder_simd.DIMS2.SHAPE0.ROTATED1.APART0.ACCURACY0.GRID0.LEVELS0.ROOMY0.AHEAD32.PER_ITEM1024
+#define DIMS 2
+#define SHAPE 0
+#define ROTATED 1
+#define ORIGIN 0
+#define APART 0
+#define ACCURACY 0
+#define GRID 0
+#define LEVELS 0
+#define ROOMY 0
+#define LANES 8
+#define CELLS_X 0
+#define CELLS_Y 0
+#define CELLS_Z 0
+#define WG 1
+#define AHEAD 32
+#define PER_ITEM 1024
+#line 1 "kernels/common.clh"
+#line 1 "kernels/lanes.clh"
+#line 1 "kernels/object.clh"
+#line 1 "kernels/grid.clh"
+#line 1 "kernels/sat.clh"
+#line 1 "kernels/sat_double.clh"
+#line 1 "kernels/box_rows.clh"
+#line 1 "kernels/corners.clh"
+#line 1 "kernels/reorder_simd.cl"
+// SPDX-License-Identifier: MIT
+// Moves the objects into cell order as a search over lanes reads them. What is
+// not in the grid comes last in that order and stays away.
+//
+//   sizes  [n + 1] of the objects, where those are transforms (APART)
+//   ids    [n]  sorted by cell
+//   starts [n_own_cells + 1] the last one: how many are in the grid
+//   bounds [2 DIMS + 1][COLUMN(capacity)], with ORIGIN DIMS more
+//   boxes  [COLUMN(capacity)][BOX_WORDS] (poses)
+
+// Places past the end are the last one again.
+static inline void ids_from(__global const uint *ids, uint place, uint end, uint to[LANES])
+{
+    if (place + LANES <= end) {
+        spread(vload8(0, ids + place), to);
+    } else {
+        for (uint k = 0; k < LANES; ++k)
+            to[k] = ids[min(place + k, end - 1)];
+    }
+}
+
+static inline void store_bounds(__global float *columns, size_t column, uint place, const bounds *b, word where)
+{
+#pragma unroll
+    for (int k = 0; k < DIMS; ++k) {
+        vstore8(b->lower[k], 0, columns + k * column + place);
+        vstore8(b->upper[k], 0, columns + (DIMS + k) * column + place);
+    }
+    vstore8(as_real(where), 0, columns + 2 * DIMS * column + place);
+}
+
+// Asks for the rows of objects: half of them lie across two cache lines.
+static inline void ask_for_rows(object_rows rows, const uint ids[LANES])
+{
+    for (uint k = 0; k < LANES; ++k) {
+#if APART
+        __global const float *from = rows.transforms + (size_t)ids[k] * OBJECT_STRIDE;
+        ask_for(rows.sizes + (size_t)ids[k] * 3);
+#else
+        __global const float *from = rows + (size_t)ids[k] * OBJECT_STRIDE;
+#endif
+        ask_for(from);
+        ask_for(from + OBJECT_STRIDE - 1);
+    }
+}
+
+__kernel void reorder_simd(__global const float *restrict objects,
+#if APART
+                            __global const float *restrict sizes,
+#endif
+                            __global const uint *restrict ids, uint n,
+                            __global const uint *restrict starts, uint n_own_cells, uint capacity,
+                            __constant const grid_level *levels, uint n_levels, uint n_cells, uint key_from,
+                            __global float *restrict sorted_bounds,
+#if SHAPE == SHAPE_POSES
+                            __global float *restrict sorted_boxes,
+#endif
+                            volatile __global uint *restrict counters)
+{
+#if APART
+    object_rows rows = {objects, sizes};
+#else
+    object_rows rows = objects;
+#endif
+    uint placed = starts[n_own_cells];
+    if (get_global_id(0) == 0)
+        counters[COUNT_PLACED] = placed;
+    uint end = min(placed, capacity);
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, end);
+    for (uint place = first; place < last; place += LANES) {
+        uint sources[LANES];
+#if AHEAD
+        ids_from(ids, place + AHEAD, end, sources);
+        ask_for_rows(rows, sources);
+#endif
+        ids_from(ids, place, end, sources);
+        object o = object_at(rows, sources);
+        bounds b = object_bounds(&o);
+        check_extent(&o, levels, n_levels, counters);
+#if ROOMY
+        word where = object_key(&o, levels, n_levels, n_cells) - key_from;
+#else
+        word where = level_of(&o, levels, n_levels);
+#endif
+        store_bounds(sorted_bounds, COLUMN(capacity), place, &b, where);
+#if ORIGIN
+        for (int k = 0; k < DIMS; ++k)
+            vstore8(as_real(o.cell[k]), 0, sorted_bounds + (2 * DIMS + 1 + k) * COLUMN(capacity) + place);
+#endif
+#if SHAPE == SHAPE_POSES
+        box stored = box_of(&o);
+        store_boxes(sorted_boxes, place, &stored, vload8(0, sources));
+#endif
+    }
+}

@@ -1,0 +1,270 @@
+// solve_contacts.DIMS2.SPIN0.FRICTION0.LANES8.BLOCK8.WG1.PER_ITEM256
+#define DIMS 2
+#define SPIN 0
+#define FRICTION 0
+#define RESPONSE 1
+#define LANES 8
+#define BLOCK 8
+#define WG 1
+#define PER_ITEM 256
+#line 1 "kernels/common.clh"
+#line 1 "kernels/lanes.clh"
+#line 1 "kernels/vector.clh"
+#line 1 "kernels/contact.clh"
+#line 1 "kernels/constraint.clh"
+#line 1 "kernels/solve_contacts.cl.in"
+// SPDX-License-Identifier: MIT
+// Contacts pushed apart, one colour at a time: no two of a colour share an
+// object that moves, so the order within one does not matter and the result is
+// the same on every device.
+//
+// Each point is a stiff, damped spring where it is pressed in, a stop where a
+// gap could close within the substep, and, without `soft`, only a stop: that
+// takes back what the spring added to the velocities.
+//
+//   blocks  constraints (constraint.clh); the colour's begin at first_slot and are
+//           `apart` slots from each other, `each` a work-item
+//   spring  rate of push-out, part of the mass, part of the push that decays,
+//           greatest speed of push-out; hard_spring: against what never moves
+//   slop    what closes faster than that in a substep is an impact; its push is
+//           not expected again
+
+// ------------------------------------------------------------ solving
+
+// What a point asks for in this pass.
+typedef struct {
+    real speed;  // along the normal, at least
+    real weight; // part of the mass that answers
+    real decay;  // part of the push that is let go
+    mask impact; // closes faster than a slop in a substep
+} demand;
+
+// The gap after a drift; the next substep begins with the same.
+static inline real find_gap(const pair *p, __global float *point, vec arm)
+{
+    vec way = vec_less(way_of(&p->b, vec_less(arm, p->apart)), way_of(&p->a, arm));
+    real gap = get(point, BY_GAP) + vec_dot(way, p->normal);
+    put(point, BY_NOW, gap);
+    return gap;
+}
+
+static inline demand demand_of(const pair *p, __global float *point, uint soft, float per_h, float4 spring,
+                               float4 hard_spring, float slop)
+{
+    vec arm = get_vec(point, BY_ARM);
+    real gap = soft ? get(point, BY_NOW) : find_gap(p, point, arm);
+    demand d;
+    d.speed = select((real)(0.0f), gap * per_h, gap > 0.0f);
+    d.weight = 1.0f;
+    d.decay = 0.0f;
+    d.impact = vec_dot(velocity_between(p, arm), p->normal) < -slop * per_h;
+    if (soft) {
+        mask pressed = gap <= 0.0f;
+        mask hard = !(p->b.mobility > 0.0f) | !(p->a.mobility > 0.0f);
+        real rate = select((real)(spring.x), (real)(hard_spring.x), hard);
+        d.speed = select(d.speed, fmax(gap * rate, -spring.w), pressed);
+        d.weight = select(d.weight, select((real)(spring.y), (real)(hard_spring.y), hard), pressed);
+        d.decay = select(d.decay, select((real)(spring.z), (real)(hard_spring.z), hard), pressed);
+    }
+    return d;
+}
+
+static inline void add_push(pair *p, __global float *point, vec arm, real push, mask where)
+{
+    real old = get(point, BY_PUSH);
+    push = select(old, fmax(push, 0.0f), where);
+    put(point, BY_PUSH, push);
+    put(point, BY_MOST, fmax(get(point, BY_MOST), push));
+    push_both(p, arm, vec_times(push - old, p->normal));
+}
+
+static inline void press(pair *p, __global float *point, demand d, mask where)
+{
+    vec arm = get_vec(point, BY_ARM);
+    real old = get(point, BY_PUSH);
+    real speed = vec_dot(velocity_between(p, arm), p->normal);
+    add_push(p, point, arm, fma(-get(point, BY_MASS) * d.weight, speed + d.speed, fma(-d.decay, old, old)), where);
+}
+#line 129 "kernels/solve_contacts.cl.in"
+
+// A push that stopped an impact: once is enough.
+static inline void forget_impacts(__global float *point, mask stopped)
+{
+    put(point, BY_PUSH, select(get(point, BY_PUSH), (real)(0.0f), stopped));
+#line 140 "kernels/solve_contacts.cl.in"
+}
+
+static inline void solve_slots(__global float *constraint, __global float4 *bodies, uint soft, float per_h,
+                               float4 spring, float4 hard_spring, float slop)
+{
+    pair p;
+    load_pair(&p, constraint, bodies);
+    if (!soft) {
+        load_turn(&p.a, bodies, p.owner);
+        load_turn(&p.b, bodies, p.other);
+    }
+#line 156 "kernels/solve_contacts.cl.in"
+    demand demands[POINTS];
+    mask stiff = p.n > 1u;
+    for (int k = 0; k < p.most; ++k) {
+        demands[k] = demand_of(&p, point_at(constraint, k), soft, per_h, spring, hard_spring, slop);
+        stiff &= (demands[k].decay == 0.0f) | !has_point(&p, k);
+    }
+#line 166 "kernels/solve_contacts.cl.in"
+    for (int turn = 0; turn < p.most; ++turn) { // to and fro, so that no side is favoured
+        int k = soft ? turn : p.most - 1 - turn;
+        press(&p, point_at(constraint, k), demands[k], has_point(&p, k));
+    }
+    word marks = p.n;
+    for (int k = 0; k < p.most; ++k) {
+        __global float *point = point_at(constraint, k);
+        mask stopped = demands[k].impact & (get(point, BY_PUSH) > 0.0f);
+        marks |= select((word)(0u), (word)(IMPACT(k)), stopped);
+        if (!soft) {
+            stopped |= (p.marks & (word)(IMPACT(k))) != (word)(0u);
+            if (any_lane(stopped))
+                forget_impacts(point, stopped);
+        }
+    }
+    if (soft && any_lane(marks != p.marks))
+        put(constraint, IN_POINTS, as_real(marks));
+    keep_velocity(bodies, p.owner, &p.a);
+    keep_velocity(bodies, p.other, &p.b);
+    if (!soft)
+        leave_shoves(&p, constraint, bodies);
+}
+
+#if LANES > 1
+#define BLOCKS_AHEAD 4
+
+// Blocks come from memory once a pass and are asked for in time, as many points
+// of one as this one has, for neighbours have as many.
+static inline void ask_for_block(__global const float *constraint, int points)
+{
+    int words = (FIELDS + points * BY_FIELDS) * BLOCK;
+    for (int k = 0; k < words; k += 16)
+        ask_for(constraint + k);
+}
+
+// Bodies are read at random: those of the next block are asked for in time.
+static inline void ask_for_bodies(__global const float *constraint, __global const float4 *bodies, uint soft)
+{
+    for (int side = IN_OWNER; side <= IN_OTHER; ++side) {
+        uint ids[LANES];
+        spread(as_word(get(constraint, side)), ids);
+#pragma unroll
+        for (int k = 0; k < LANES; ++k) {
+            ask_for(bodies + (size_t)ids[k] * BODY);
+            if (!soft)
+                ask_for(bodies + (size_t)ids[k] * BODY + BODY - 1);
+        }
+    }
+}
+#endif
+
+__kernel void solve_contacts(uint count, uint first_slot, uint each, uint apart, __global float *restrict blocks,
+                    __global float4 *restrict bodies, uint soft, float per_h, float4 spring, float4 hard_spring,
+                    float slop)
+{
+    uint from = get_global_id(0) * each;
+    uint to = min(from + each, count);
+    for (uint k = from; k < to; k += STRIDE(apart)) {
+#if LANES > 1
+        uint next = k + STRIDE(apart), later = k + BLOCKS_AHEAD * STRIDE(apart);
+        if (later < to)
+            ask_for_block(constraint_at(blocks, first_slot + later * apart),
+                          most_points(points_of(constraint_at(blocks, first_slot + k * apart))));
+        if (next < to)
+            ask_for_bodies(constraint_at(blocks, first_slot + next * apart), bodies, soft);
+#endif
+        solve_slots(constraint_at(blocks, first_slot + k * apart), bodies, soft, per_h, spring, hard_spring, slop);
+    }
+}
+
+// ------------------------------------------------------------ bouncing
+
+// A push at one point speeds up the others too. With one turn, and pushes that only
+// add to what stopped the impact, they would leave faster than they came, and boxes
+// that tumble gain energy without end.
+#define BOUNCE_TURNS 8
+
+// The speed at which a point leaves that came at `speed` when the step began, and
+// was pulled along `way` since by `gain` a substep (below 0: closer). Velocities are
+// those of the middle of a substep, so half a gain lies between them and the place.
+static inline real speed_after(real speed, real restitution, real gain, real way)
+{
+    real half_gain = 0.5f * gain;
+    real came = -(speed + half_gain);
+    real square = fma(came, came, way);
+    real struck = square * inverse_root(square);
+    real more = way * inverse(struck + came); // 0 where nothing pulls, to the bit
+    real leaves = fma(restitution, came + more, -half_gain);
+    return select(-restitution * speed, leaves, (came > 0.0f) & (square > 0.0f) & (gain != 0.0f));
+}
+
+// What a substep pulls the two closer by, along the normal: nothing, where both
+// fall alike.
+static inline real gain_of(const pair *p, vec pull)
+{
+    const real zero = 0.0f, one = 1.0f;
+    real one_falls = select(zero, one, p->b.mobility > 0.0f) - select(zero, one, p->a.mobility > 0.0f);
+    return one_falls * vec_dot(pull, p->normal);
+}
+
+// Gives back, once a step, what the impact had of speed along the normal. A point
+// that is faster already gives up of what it was stopped with.
+//
+//   pull  what a substep adds to the velocity of all that falls; w: 1 / its time
+static inline void bounce_slots(__global float *constraint, __global float4 *bodies, float4 pull, float least_speed)
+{
+    word n = points_of(constraint);
+    real restitution = get(constraint, IN_BOUNCE);
+    mask wanted[POINTS];
+    mask any_wanted = 0;
+    for (int k = 0; k < POINTS; ++k) {
+        wanted[k] = 0;
+        if (!any_lane(n > (word)(uint)k))
+            continue;
+        wanted[k] = (n > (word)(uint)k) & (restitution > 0.0f) & (get(constraint, IN_SPEEDS + k) <= -least_speed);
+        if (any_lane(wanted[k]))
+            wanted[k] &= get(point_at(constraint, k), BY_MOST) > 0.0f;
+        any_wanted |= wanted[k];
+    }
+    if (!any_lane(any_wanted))
+        return;
+    pair p;
+    load_pair(&p, constraint, bodies);
+    real gain = gain_of(&p, (vec){(real)(pull.x), (real)(pull.y), (real)(pull.z)});
+    real wanted_speed[POINTS];
+    for (int k = 0; k < p.most; ++k) {
+        __global const float *point = point_at(constraint, k);
+        real fallen = get(point, BY_GAP) - get(point, BY_NOW);
+        wanted_speed[k] =
+            speed_after(get(constraint, IN_SPEEDS + k), restitution, gain, -2.0f * pull.w * gain * fallen);
+    }
+    real pushes[POINTS] = {0};
+    int turns = p.most > 1 ? BOUNCE_TURNS : 1;
+    for (int turn = 0; turn < turns; ++turn) {
+        for (int k = 0; k < p.most; ++k) {
+            __global const float *point = point_at(constraint, k);
+            vec arm = get_vec(point, BY_ARM);
+            real speed = vec_dot(velocity_between(&p, arm), p.normal);
+            real more = -get(point, BY_MASS) * (speed - wanted_speed[k]);
+            mask asked = wanted[k] & ((p.n > 1u) | (mask)(turn == 0 ? -1 : 0));
+            real push = select(pushes[k], fmax(pushes[k] + more, -get(point, BY_MOST)), asked);
+            push_both(&p, arm, vec_times(push - pushes[k], p.normal));
+            pushes[k] = push;
+        }
+    }
+    keep_velocity(bodies, p.owner, &p.a);
+    keep_velocity(bodies, p.other, &p.b);
+}
+
+__kernel void apply_restitution(uint count, uint first_slot, uint each, uint apart, __global float *restrict blocks,
+                     __global float4 *restrict bodies, float4 pull, float least_speed)
+{
+    uint from = get_global_id(0) * each;
+    uint to = min(from + each, count);
+    for (uint k = from; k < to; k += STRIDE(apart))
+        bounce_slots(constraint_at(blocks, first_slot + k * apart), bodies, pull, least_speed);
+}

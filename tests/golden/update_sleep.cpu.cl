@@ -1,0 +1,76 @@
+// update_sleep.DIMS2.DOUBLE0.SPIN0.FRICTION0.WG1.PER_ITEM1024
+#define DIMS 2
+#define DOUBLE 0
+#define SPIN 0
+#define FRICTION 0
+#define RESPONSE 1
+#define WG 1
+#define PER_ITEM 1024
+#line 1 "kernels/common.clh"
+#line 1 "kernels/motion.clh"
+#line 1 "kernels/flags.clh"
+#line 1 "kernels/contact.clh"
+#line 1 "kernels/update_sleep.cl.in"
+// SPDX-License-Identifier: MIT
+// Who sleeps: an object that has been at rest for long and that nothing touches
+// which moves. One that moves wakes what it touches, and those what they touch;
+// what lost something that pushed it was woken by having no rest.
+//
+//   rests   [n] seconds at rest, 0 for what moves
+//   asleep  [n] SLEEPS, or what it did until now, WOKE
+typedef struct {
+    __global const uint2 *links;
+    __global const uint *touches;
+    __global const uint *starts;
+    __global const uint *return_starts;
+    __global const uint *returns;
+    uint n;
+    __global const float *rests;
+    __global const real4 *velocities;
+#line 20 "kernels/update_sleep.cl.in"
+} touched;
+
+static inline bool is_at_rest(const touched *t, uint id)
+{
+    if (id >= t->n)
+        return true;
+    real4 velocity = t->velocities[id];
+    if (velocity.w > 0)
+        return t->rests[id] > 0.0f;
+    real fastest = dot_product(velocity, velocity);
+#line 33 "kernels/update_sleep.cl.in"
+    return !(fastest > 0);
+}
+
+static inline bool touches_rest_only(const touched *t, uint id)
+{
+    bool only = true;
+    for (uint i = t->starts[id]; only && i < t->starts[id + 1]; ++i)
+        if (t->touches[i] & TOUCH_POINTS)
+            only = is_at_rest(t, t->links[i].y);
+    for (uint k = t->return_starts[id]; only && k < t->return_starts[id + 1]; ++k)
+        if (t->touches[t->returns[k]] & TOUCH_POINTS)
+            only = is_at_rest(t, t->links[t->returns[k]].x);
+    return only;
+}
+
+__kernel void update_sleep(__global const uint2 *restrict links, __global const uint *restrict touches,
+                   __global const uint *restrict starts, __global const uint *restrict return_starts,
+                   __global const uint *restrict returns, uint n, __global const float *restrict rests,
+                   __global const real4 *restrict velocities,
+#line 55 "kernels/update_sleep.cl.in"
+                   float sleep_after, __global uint *restrict asleep, volatile __global uint *restrict flags)
+{
+    const touched t = {links, touches, starts, return_starts, returns, n, rests, velocities,
+#line 61 "kernels/update_sleep.cl.in"
+    };
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    for (uint id = first; id < last; ++id) {
+        bool slept = asleep[id] & SLEEPS;
+        bool sleeps = rests[id] > 0.0f && rests[id] >= sleep_after && touches_rest_only(&t, id);
+        if (sleeps != slept)
+            atomic_or(flags + FLAG_FELL_ASLEEP, 1u);
+        asleep[id] = (sleeps ? SLEEPS : 0u) | (slept && !sleeps ? WOKE : 0u);
+    }
+}
