@@ -19,7 +19,7 @@ static void move_boxes(duet_pose *poses, int frame)
             .centre = {1.2f * (float)(i % ACROSS) + 0.2f * sinf(phase),
                        1.2f * (float)(i / ACROSS % ACROSS) + 0.2f * cosf(phase),
                        1.2f * (float)(i / ACROSS / ACROSS)},
-            .half = {0.5f, 0.5f, 0.5f},
+            .half_extents = {0.5f, 0.5f, 0.5f},
             .rotation = {0, 0, sinf(0.5f * phase), cosf(0.5f * phase)},
         };
     }

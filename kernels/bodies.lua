@@ -7,7 +7,7 @@ return {
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
-    { "SPIN", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
     { "DRAG", values = { 0, 1 }, default = 0, about = "1: velocities decay" },
     { "SLEEP", values = { 0, 1 }, default = 0, about = "1: what rests is left out" },

@@ -8,7 +8,7 @@ return {
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
     { "ROTATED", values = { 0, 1 }, default = 0, about = "1: orientation matters" },
-    { "FAST", values = { 0, 1 }, default = 0, about = "1: what is met on the way is touched" },
+    { "CONTINUOUS", values = { 0, 1 }, default = 0, about = "1: what is met on the way is touched" },
     { "SKIN", values = { 0, 1 }, default = 0, about = "1: rows last until something leaves its skin" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },

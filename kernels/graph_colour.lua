@@ -5,9 +5,9 @@ return {
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
-    { "SPIN", values = { 0, 1 }, default = 0, about = "1: objects turn" },
-    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: and rub" },
-    { "RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
+    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
+    { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,

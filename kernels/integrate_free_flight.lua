@@ -8,7 +8,7 @@ return {
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
     { "ROTATED", values = { 0, 1 }, default = 0, about = "1: orientation matters" },
-    { "SPIN", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "GYRO", values = { 0, 1 }, default = 0, about = "1: some have no isotropic inertia" },
     { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
     { "DRAG", values = { 0, 1 }, default = 0, about = "1: velocities decay" },
@@ -22,8 +22,8 @@ return {
   valid = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
-    if p.SPIN == 1 and p.ROTATED == 0 then return false, "what turns is rotated" end
-    if p.GYRO == 1 and p.SPIN == 0 then return false, "GYRO without SPIN" end
+    if p.ANGULAR_VELOCITY == 1 and p.ROTATED == 0 then return false, "what turns is rotated" end
+    if p.GYRO == 1 and p.ANGULAR_VELOCITY == 0 then return false, "GYRO without ANGULAR_VELOCITY" end
     return true
   end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,

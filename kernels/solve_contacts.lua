@@ -4,9 +4,9 @@ return {
   uses = { "lanes.clh", "vector.clh", "contact.clh", "constraint.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SPIN", values = { 0, 1 }, default = 0, about = "1: objects turn" },
-    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: and rub" },
-    { "RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
+    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
+    { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "contacts side by side in a work-item" },
     { "BLOCK", values = { 8, 32 }, default = function(limits) return limits.cpu and 8 or 32 end,

@@ -26,9 +26,9 @@ api.classes = {
   { "duet.Search", "A strategy that looks for the best share, asked and told by a script." },
   { "duet.Strategy", "A table: a way to search." },
   { "duet.Tuning", "A table: what a tuning found." },
-  { "duet.Bodies", "What objects are besides: rows of velocity xyz, spin xyz, mass, restitution, friction, group, mask, upright." },
-  { "duet.States", "Where objects are and how they move: rows of centre xyz, rotation xyzw, velocity xyz, spin xyz." },
-  { "duet.Contacts", "Where objects touch: rows of a, b, normal xyz, n, and four times arm xyz, gap, push." },
+  { "duet.Bodies", "What objects are besides: rows of velocity xyz, angular velocity xyz, mass, restitution, friction, group, mask, upright." },
+  { "duet.States", "Where objects are and how they move: rows of centre xyz, rotation xyzw, velocity xyz, angular velocity xyz." },
+  { "duet.Contacts", "Where objects touch: rows of a, b, normal xyz, n, and four times anchor xyz, separation, normal impulse." },
   { "duet.Test", "The narrow phase alone: tests pairs that the script brings." },
   { "duet.Verdicts", "Rows of one number: 0 separated, 1 colliding." },
   { "duet.Gaps", "Rows of one number: how far apart two poses are; below 0, how deep in each other." },
@@ -57,7 +57,7 @@ api.others = {
   },
   ["a scene with origin = \"cell\""] = {
     "duet_place", "duet_scene_from_placed", "duet_scene_placed", "duet_world_set_placed",
-    "duet_world_map_placed", "duet_placed_collide", "duet_placed_gap",
+    "duet_world_map_placed", "duet_placed_collide", "duet_placed_separation",
   },
   ["require"] = {
     "luaopen_duet", "luaopen_duet_frame", "luaopen_duet_lab", "luaopen_duet_plot",
@@ -239,13 +239,13 @@ api.names = {
   { "duet.Pairs:hash", {}, "string", "The pair hash, 16 hex digits.", c = "duet_pairs_hash" },
   { "duet.Poses:collide", { "a: integer", "b: integer", "dims?: integer" }, "boolean",
     "Whether the exact boxes of two rows share a point.", c = "duet_poses_collide" },
-  { "duet.Poses:gap", { "a: integer", "b: integer", "dims?: integer" }, "number",
-    "How far two rows are apart along the best axis; below 0, how deep in each other.", c = "duet_poses_gap" },
+  { "duet.Poses:separation", { "a: integer", "b: integer", "dims?: integer" }, "number",
+    "How far two rows are apart along the best axis; below 0, how deep in each other.", c = "duet_poses_separation" },
 
   { "duet.DevicePair:test", { "def?: { level?: string, share?: number, dims?: integer }" }, "duet.Test",
     "Readies both devices to test pairs at a level; A has the share, of the default plan where none is given.",
     fails = true, c = "duet_test_open" },
-  { "duet.Test:pairs", { "poses: duet.Poses|string|number[]|number[][]", "with_gaps?: boolean" },
+  { "duet.Test:pairs", { "poses: duet.Poses|string|number[]|number[][]", "with_separations?: boolean" },
     "duet.Verdicts, duet.TestResult, duet.Gaps?", "Tests rows 0 and 1, 2 and 3 ... with each other.",
     fails = true, c = "duet_test_pairs" },
   { "duet.Test:close", {}, nil, "Gives the devices' memory back.", c = "duet_test_close" },
@@ -273,7 +273,7 @@ api.names = {
   { "duet.DevicePair:motion", { "objects: duet.Scene|duet.Poses|string|any[]", "bodies?: duet.Bodies|string|any[]|table",
     "def?: table" },
     "duet.Motion", "Objects that move: of a scene, with def second, or poses with bodies. A def { plan, dims, wants, doubles, origin, origin_edge, gravity, attraction, centre, drag, " ..
-    "edge, lower, upper, dt, substeps, integrator, skin, slop, push_speed, bounce_speed, sleep_speed, sleep_after }; " ..
+    "edge, lower, upper, dt, substeps, integrator, skin, slop, max_push_speed, restitution_threshold, sleep_speed, sleep_after }; " ..
     "wants is a list of effects, edge none, walls or periodic, integrator euler, verlet or yoshida.",
     fails = true, c = { "duet_motion_create", "duet_motion_create_scene", "duet_scene_motion_def" } },
   { "duet.Motion:advance", {}, "duet.MotionResult", "Advances all objects by dt.", fails = true,
@@ -306,7 +306,7 @@ api.names = {
   { "duet.MotionResult.n_events", "integer", "contacts that began or ended" },
   { "duet.MotionResult.total_ms", "number", "" },
   { "duet.Energy.kinetic", "number", "of objects with a mass" },
-  { "duet.Energy.turning", "number", "of their spin" },
+  { "duet.Energy.turning", "number", "of their rotation" },
   { "duet.Energy.potential", "number", "" },
   { "duet.Energy.momentum", "number[]", "" },
   { "duet.Energy.angular", "number[]", "momentum about the origin" },

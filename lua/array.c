@@ -26,15 +26,16 @@ static const struct {
     [ARRAY_STATES] = {"ddddddddddddd", sizeof(duet_state)},
     [ARRAY_CONTACTS] = {"IIfffIffffffffffffffffffff", sizeof(duet_contact)},
     [ARRAY_VERDICTS] = {"C", sizeof(uint8_t)},
-    [ARRAY_GAPS] = {"d", sizeof(double)},
+    [ARRAY_SEPARATIONS] = {"d", sizeof(double)},
 };
 
 _Static_assert(offsetof(duet_pose, rotation[3]) == 9 * 4, "a pose is ten floats");
 _Static_assert(offsetof(duet_bounds, upper[2]) == 5 * 4, "bounds are six floats");
 _Static_assert(offsetof(duet_transform, rotation[3]) == 6 * 4, "a transform is seven floats");
-_Static_assert(offsetof(duet_body, upright) == 11 * 4, "eleven numbers, then upright");
-_Static_assert(offsetof(duet_state, spin[2]) == 12 * 8, "a state is thirteen doubles");
-_Static_assert(offsetof(duet_contact, points[3].push) == 25 * 4, "all of four bytes");
+_Static_assert(offsetof(duet_body, fixed_rotation) == 11 * 4,
+               "eleven numbers, then fixed_rotation");
+_Static_assert(offsetof(duet_state, angular_velocity[2]) == 12 * 8, "a state is thirteen doubles");
+_Static_assert(offsetof(duet_contact, points[3].normal_impulse) == 25 * 4, "all of four bytes");
 
 static int width_of(const array *a)
 {
@@ -420,12 +421,12 @@ static int poses_collide(lua_State *L)
     return 1;
 }
 
-static int poses_gap(lua_State *L)
+static int poses_separation(lua_State *L)
 {
     const duet_pose *first = NULL;
     const duet_pose *second = NULL;
     uint32_t dims = check_two(L, &first, &second);
-    lua_pushnumber(L, duet_poses_gap(first, second, dims));
+    lua_pushnumber(L, duet_poses_separation(first, second, dims));
     return 1;
 }
 
@@ -451,7 +452,7 @@ static int array_close(lua_State *L)
     }
 
 static const luaL_Reg poses_methods[] = {
-    EVERY_KIND, {"collide", poses_collide}, {"gap", poses_gap}, {NULL, NULL}};
+    EVERY_KIND, {"collide", poses_collide}, {"separation", poses_separation}, {NULL, NULL}};
 static const luaL_Reg pairs_methods[] = {EVERY_KIND, {"hash", pairs_hash}, {NULL, NULL}};
 static const luaL_Reg methods[] = {EVERY_KIND, {NULL, NULL}};
 static const luaL_Reg metas[] = {
@@ -467,7 +468,7 @@ static const lua_class classes[] = {
     [ARRAY_STATES] = {.name = "duet.states", .methods = methods, .metas = metas},
     [ARRAY_CONTACTS] = {.name = "duet.contacts", .methods = methods, .metas = metas},
     [ARRAY_VERDICTS] = {.name = "duet.verdicts", .methods = methods, .metas = metas},
-    [ARRAY_GAPS] = {.name = "duet.gaps", .methods = methods, .metas = metas},
+    [ARRAY_SEPARATIONS] = {.name = "duet.separations", .methods = methods, .metas = metas},
 };
 
 void array_open(lua_State *L)

@@ -20,7 +20,7 @@ typedef enum array_kind {
     ARRAY_STATES,
     ARRAY_CONTACTS,
     ARRAY_VERDICTS,
-    ARRAY_GAPS,
+    ARRAY_SEPARATIONS,
     ARRAY_KINDS
 } array_kind;
 

@@ -40,7 +40,7 @@ int test_open_from_lua(lua_State *L)
     return box->test ? 1 : class_push_failure(L, &err);
 }
 
-// test:pairs(poses, with_gaps) -> verdicts, result, gaps
+// test:pairs(poses, with_separations) -> verdicts, result, separations
 static int test_pairs(lua_State *L)
 {
     duet_error err = {0};
@@ -49,19 +49,19 @@ static int test_pairs(lua_State *L)
     luaL_argcheck(L, box->test, 1, "the test is closed");
     const array *poses = array_check(L, 2, ARRAY_POSES);
     luaL_argcheck(L, poses->n % 2 == 0, 2, "an even number of rows: two a pair");
-    bool with_gaps = lua_toboolean(L, 3);
+    bool with_separations = lua_toboolean(L, 3);
     uint64_t n = poses->n / 2;
     array *verdicts = array_push(L, ARRAY_VERDICTS, n);
-    array *gaps = array_push(L, ARRAY_GAPS, with_gaps ? n : 0);
-    if (!duet_test_pairs(box->test, poses->rows, n, verdicts->rows, with_gaps ? gaps->rows : NULL,
-                         &result, &err))
+    array *separations = array_push(L, ARRAY_SEPARATIONS, with_separations ? n : 0);
+    if (!duet_test_pairs(box->test, poses->rows, n, verdicts->rows,
+                         with_separations ? separations->rows : NULL, &result, &err))
         return class_push_failure(L, &err);
     member_push_table(L, result_members, &result);
-    if (with_gaps)
+    if (with_separations)
         lua_insert(L, -2);
     else
         lua_replace(L, -2);
-    return with_gaps ? 3 : 2;
+    return with_separations ? 3 : 2;
 }
 
 static int test_close(lua_State *L)

@@ -58,15 +58,15 @@ static bool fly(duet_motion *m, duet_error *err)
 {
     double times[2];
     part_times(m, times);
-    bool spin = motion_has(m, DUET_EFFECT_SPIN);
+    bool turns = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY);
     bool walls = motion_has(m, DUET_EFFECT_BOUNDS) && m->def.edge != DUET_EDGE_PERIODIC;
     motion_args a = args_begin(m);
     args_buffer(&a, CENTRES);
     args_cells(&a);
     args_buffer(&a, VELOCITIES);
-    args_buffer_for(&a, DUET_EFFECT_SPIN, ROTATIONS);
-    args_buffer_for(&a, DUET_EFFECT_SPIN, SPINS);
-    if (spin && m->facts.uneven)
+    args_buffer_for(&a, DUET_EFFECT_ANGULAR_VELOCITY, ROTATIONS);
+    args_buffer_for(&a, DUET_EFFECT_ANGULAR_VELOCITY, ANGULAR_VELOCITIES);
+    if (turns && m->facts.uneven)
         args_buffer(&a, INERTIAS);
     if (motion_has(m, DUET_EFFECT_GRAVITY))
         add_gravity(&a, true);
@@ -79,7 +79,7 @@ static bool fly(duet_motion *m, duet_error *err)
         add_box(&a);
     if (walls) {
         args_buffer(&a, HALVES);
-        if (motion_has(m, DUET_EFFECT_ROTATION) && !spin)
+        if (motion_has(m, DUET_EFFECT_ROTATION) && !turns)
             args_buffer(&a, ROTATIONS);
     }
     args_real4(&a, times[0], times[1], 0.0, 0.0);
@@ -101,7 +101,7 @@ static bool update_sleep(duet_motion *m, duet_error *err)
     args_uint(&a, m->n);
     args_buffer(&a, RESTS);
     args_buffer(&a, VELOCITIES);
-    args_buffer_for(&a, DUET_EFFECT_SPIN, SPINS);
+    args_buffer_for(&a, DUET_EFFECT_ANGULAR_VELOCITY, ANGULAR_VELOCITIES);
     args_float(&a, m->def.sleep_after);
     args_buffer(&a, ASLEEP);
     args_buffer(&a, FLAG_WORDS);
@@ -112,9 +112,9 @@ static bool prepare_bodies(duet_motion *m, duet_error *err)
 {
     motion_args a = args_begin(m);
     args_buffer(&a, VELOCITIES);
-    args_buffer_for(&a, DUET_EFFECT_SPIN, ROTATIONS);
-    args_buffer_for(&a, DUET_EFFECT_SPIN, SPINS);
-    args_buffer_for(&a, DUET_EFFECT_SPIN, INERTIAS);
+    args_buffer_for(&a, DUET_EFFECT_ANGULAR_VELOCITY, ROTATIONS);
+    args_buffer_for(&a, DUET_EFFECT_ANGULAR_VELOCITY, ANGULAR_VELOCITIES);
+    args_buffer_for(&a, DUET_EFFECT_ANGULAR_VELOCITY, INERTIAS);
     args_buffer_for(&a, DUET_EFFECT_SLEEP, ASLEEP);
     args_uint(&a, m->n);
     args_buffer(&a, BODIES);
@@ -156,7 +156,7 @@ static bool integrate_positions(duet_motion *m, double h, duet_error *err)
     motion_args a = args_begin(m);
     args_buffer(&a, BODIES);
     args_uint(&a, m->n);
-    if (motion_has(m, DUET_EFFECT_SPIN) && m->facts.uneven) {
+    if (motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) && m->facts.uneven) {
         args_buffer(&a, ROTATIONS);
         args_buffer(&a, INERTIAS);
     }
@@ -171,8 +171,8 @@ static bool finalize_bodies(duet_motion *m, duet_error *err)
     args_uint(&a, m->n);
     args_buffer(&a, CENTRES);
     args_cells(&a);
-    args_buffer_for(&a, DUET_EFFECT_SPIN, ROTATIONS);
-    args_buffer_for(&a, DUET_EFFECT_SPIN, SPINS);
+    args_buffer_for(&a, DUET_EFFECT_ANGULAR_VELOCITY, ROTATIONS);
+    args_buffer_for(&a, DUET_EFFECT_ANGULAR_VELOCITY, ANGULAR_VELOCITIES);
     if (motion_has(m, DUET_EFFECT_SLEEP)) {
         args_buffer(&a, ASLEEP);
         args_buffer(&a, RESTS);
@@ -194,7 +194,7 @@ static void add_spring(motion_args *a, double h, double hertz)
     double stiff = 2.0 * damping + h * omega;
     double soft = h * omega * stiff;
     double part = 1.0 / (1.0 + soft);
-    args_float4(a, omega / stiff, soft * part, part, a->motion->def.push_speed);
+    args_float4(a, omega / stiff, soft * part, part, a->motion->def.max_push_speed);
 }
 
 // Where the colour's contacts are in blocks, and how many a work-item takes: all
@@ -256,7 +256,7 @@ static bool apply_restitution_colour(duet_motion *m, uint32_t colour, duet_error
     add_slots(&a, colour, m->kernels.apply_restitution);
     args_buffer(&a, BODIES);
     add_pull(&a);
-    args_float(&a, m->def.bounce_speed);
+    args_float(&a, m->def.restitution_threshold);
     return launch_colour(&a, colour, m->kernels.apply_restitution, err);
 }
 
@@ -310,7 +310,7 @@ static bool run_effects(duet_motion *m, duet_error *err)
     bool contact = motion_has(m, DUET_EFFECT_CONTACT);
     if (contact && !motion_clear_flags(m, err))
         return false;
-    if (motion_has(m, DUET_EFFECT_RESPONSE))
+    if (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE))
         return respond(m, err);
     if (motion_has(m, DUET_EFFECT_MOTION) && !fly(m, err))
         return false;

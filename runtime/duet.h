@@ -38,8 +38,8 @@ DUET_API const char *duet_version(void); // "1.0.0"
 // legal. In 2D centre[2], half[2], rotation[0] and rotation[1] are not read.
 typedef struct duet_pose {
     float centre[3];
-    float half[3];     // half extents, >= 0
-    float rotation[4]; // quaternion x y z w
+    float half_extents[3]; // half extents, >= 0
+    float rotation[4];     // quaternion x y z w
 } duet_pose;
 
 // Where a box is, apart from its size: what changes from step to step.
@@ -49,7 +49,7 @@ typedef struct duet_transform {
 } duet_transform;
 
 typedef struct duet_size {
-    float half[3]; // half extents, >= 0
+    float half_extents[3]; // half extents, >= 0
 } duet_size;
 
 // An oriented box however far from 0: along each axis its centre is at
@@ -158,13 +158,13 @@ typedef enum duet_level {
 #define DUET_LEVELS 6
 
 // What a level promises for boxes of which |t|_1 and all half extents add up to
-// S, 2^-70 <= S <= 2^100. A gap is the greatest of the 15 axes (4 in 2D), where
+// S, 2^-70 <= S <= 2^100. A separation is the greatest of the 15 axes (4 in 2D), where
 // an axis across two edges has the length of the sine between them. Where
 // nothing is rotated all levels but aabb and sphere are exact.
 typedef struct duet_level_info {
     const char *name;
     const char *about; // what is tested
-    double missed;     // a colliding pair is missed only where its gap is above -missed * S
+    double missed;     // a colliding pair is missed only where its separation is above -missed * S
     double added;      // a separated one is reported only where it is at most added * S
 } duet_level_info;
 
@@ -464,13 +464,13 @@ DUET_API void duet_test_close(duet_test *test);
 // Tests n pairs; pair i is poses[2 i] and poses[2 i + 1].
 //
 //   verdicts [n] 0 separated, 1 colliding; the same for (a, b) and (b, a)
-//   gaps     [n] duet_poses_gap of each, on the host; NULL: not wanted
+//   separations     [n] duet_poses_separation of each, on the host; NULL: not wanted
 //
 // A verdict depends on its two poses alone, as if both were rotated. BAD_OBJECT
 // names the first pair with a pose that is NaN, infinite, negative or without
-// rotation; verdicts and gaps are then not to be used.
+// rotation; verdicts and separations are then not to be used.
 DUET_API bool duet_test_pairs(duet_test *test, const duet_pose *poses, uint64_t n,
-                              uint8_t *verdicts, double *gaps, duet_test_result *result,
+                              uint8_t *verdicts, double *separations, duet_test_result *result,
                               duet_error *err);
 
 // ---------------------------------------------------------------- motion
@@ -478,20 +478,20 @@ DUET_API bool duet_test_pairs(duet_test *test, const duet_pose *poses, uint64_t 
 // What a scene can call for. A motion runs those that its objects and its def
 // call for and nothing else: docs/effects.md says by what each is called for.
 typedef enum duet_effect {
-    DUET_EFFECT_ROTATION = 1u << 0, // orientation matters
-    DUET_EFFECT_MOTION = 1u << 1,   // objects have velocities
-    DUET_EFFECT_SPIN = 1u << 2,     // and turn
-    DUET_EFFECT_GRAVITY = 1u << 3,  // uniform, or towards a point
-    DUET_EFFECT_DRAG = 1u << 4,     // velocities decay
-    DUET_EFFECT_BOUNDS = 1u << 5,   // walls, or a world that repeats itself
-    DUET_EFFECT_CONTACT = 1u << 6,  // where objects touch
-    DUET_EFFECT_RESPONSE = 1u << 7, // contacts push, and bounce
-    DUET_EFFECT_FRICTION = 1u << 8, // and rub
-    DUET_EFFECT_FAST = 1u << 9,     // what is met on the way is not passed through
-    DUET_EFFECT_FILTER = 1u << 10,  // groups and masks
-    DUET_EFFECT_SLEEP = 1u << 11,   // what rests leaves the work
-    DUET_EFFECT_SKIN = 1u << 12,    // the grid lasts until something leaves its skin
-    DUET_EFFECT_EVENTS = 1u << 13,  // contacts that begin and end are told
+    DUET_EFFECT_ROTATION = 1u << 0,         // orientation matters
+    DUET_EFFECT_MOTION = 1u << 1,           // objects have velocities
+    DUET_EFFECT_ANGULAR_VELOCITY = 1u << 2, // and turn
+    DUET_EFFECT_GRAVITY = 1u << 3,          // uniform, or towards a point
+    DUET_EFFECT_DRAG = 1u << 4,             // velocities decay
+    DUET_EFFECT_BOUNDS = 1u << 5,           // walls, or a world that repeats itself
+    DUET_EFFECT_CONTACT = 1u << 6,          // where objects touch
+    DUET_EFFECT_CONTACT_RESPONSE = 1u << 7, // contacts push, and bounce
+    DUET_EFFECT_FRICTION = 1u << 8,         // contacts have friction
+    DUET_EFFECT_CONTINUOUS = 1u << 9,       // what is met on the way is not passed through
+    DUET_EFFECT_FILTER = 1u << 10,          // groups and masks
+    DUET_EFFECT_SLEEP = 1u << 11,           // what rests leaves the work
+    DUET_EFFECT_SKIN = 1u << 12,            // the grid lasts until something leaves its skin
+    DUET_EFFECT_EVENTS = 1u << 13,          // contacts that begin and end are told
     DUET_EFFECT_ALL = (1u << 14) - 1
 } duet_effect;
 
@@ -499,24 +499,24 @@ DUET_API const char *duet_effect_name(uint32_t effect); // one bit: "rotation"; 
 
 // What an object is besides its pose.
 typedef struct duet_body {
-    float velocity[3]; // of the centre, a second
-    float spin[3];     // angular velocity, radians a second, along the world's axes
-    float mass;        // 0: nothing changes its velocity
-    float restitution; // what of an impact's speed comes back, 0 .. 1
-    float friction;    // >= 0; a contact has the geometric mean of its two objects'
-    uint32_t group;    // two objects can touch where each one's group has a bit
-    uint32_t mask;     // of the other's mask
-    bool upright;      // never turned by others
+    float velocity[3];         // of the centre, a second
+    float angular_velocity[3]; // angular velocity, radians a second, along the world's axes
+    float mass;                // 0: nothing changes its velocity
+    float restitution;         // what of an impact's speed comes back, 0 .. 1
+    float friction;            // >= 0; a contact has the geometric mean of its two objects'
+    uint32_t group;            // two objects can touch where each one's group has a bit
+    uint32_t mask;             // of the other's mask
+    bool fixed_rotation;       // never turned by others
 } duet_body;
 
 DUET_API duet_body duet_default_body(void); // at rest, mass 1, friction 0, all groups
 
-// Where an object is and how it moves. In 2D only z of rotation and spin count.
+// Where an object is and how it moves. In 2D only z of rotation and angular velocity count.
 typedef struct duet_state {
     double centre[3];
     double rotation[4]; // of length 1
     double velocity[3];
-    double spin[3];
+    double angular_velocity[3];
 } duet_state;
 
 typedef enum duet_edge {
@@ -527,8 +527,8 @@ typedef enum duet_edge {
 
 typedef enum duet_integrator {
     DUET_EULER,  // semi-implicit, first order
-    DUET_VERLET, // second order, symmetric; without response
-    DUET_YOSHIDA // fourth order, symmetric; without response
+    DUET_VERLET, // second order, symmetric; without contact response
+    DUET_YOSHIDA // fourth order, symmetric; without contact response
 } duet_integrator;
 
 typedef struct duet_motion_def {
@@ -549,12 +549,12 @@ typedef struct duet_motion_def {
     double dt;
     uint32_t substeps;
     duet_integrator integrator;
-    double skin;         // > 0: how far bounds are grown so that the grid lasts
-    double slop;         // contacts are kept to 4 slops apart; 0: from the objects' sizes
-    double push_speed;   // greatest speed at which overlap is resolved
-    double bounce_speed; // impacts below it do not bounce
-    double sleep_speed;  // what is slower rests, and what is faster takes back twice the time
-    double sleep_after;  // seconds of rest: sleeps, if nothing that moves touches it
+    double skin;                  // > 0: how far bounds are grown so that the grid lasts
+    double slop;                  // contacts are kept to 4 slops apart; 0: from the objects' sizes
+    double max_push_speed;        // greatest speed at which overlap is resolved
+    double restitution_threshold; // impacts below it do not bounce
+    double sleep_speed; // what is slower rests, and what is faster takes back twice the time
+    double sleep_after; // seconds of rest: sleeps, if nothing that moves touches it
     int cookie;
 } duet_motion_def;
 
@@ -620,7 +620,7 @@ DUET_API bool duet_motion_hash(duet_motion *motion, uint64_t *hash, duet_error *
 
 typedef struct duet_energy {
     double kinetic; // of objects with a mass
-    double turning; // of their spin
+    double turning; // of their rotation
     double potential;
     double momentum[3];
     double angular[3]; // momentum about the origin
@@ -634,9 +634,9 @@ typedef struct duet_contact {
     float normal[3]; // from a to b
     uint32_t n;      // points, 1 .. 4
     struct {
-        float arm[3]; // from a's centre
-        float gap;    // below 0: depth
-        float push;   // impulse along the normal in the last substep (response)
+        float anchor[3];      // from a's centre
+        float separation;     // below 0: depth
+        float normal_impulse; // of the last substep, with contact response
     } points[4];
 } duet_contact;
 
@@ -681,13 +681,13 @@ DUET_API bool duet_poses_collide(const duet_pose *a, const duet_pose *b, uint32_
 
 // How far two boxes are apart along the best of the 15 (4) axes, each of length
 // one, in double; below 0 it is how deep they are in each other. NaN where there is none.
-DUET_API double duet_poses_gap(const duet_pose *a, const duet_pose *b, uint32_t dims);
+DUET_API double duet_poses_separation(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
 // The same for placed poses, in origin cells of that edge.
 DUET_API bool duet_placed_collide(const duet_placed *a, const duet_placed *b, float edge,
                                   uint32_t dims);
-DUET_API double duet_placed_gap(const duet_placed *a, const duet_placed *b, float edge,
-                                uint32_t dims);
+DUET_API double duet_placed_separation(const duet_placed *a, const duet_placed *b, float edge,
+                                       uint32_t dims);
 
 DUET_API void duet_free(void *memory);
 

@@ -9,7 +9,7 @@
 typedef struct effect_facts {
     bool rotated;  // some rotation is not the identity
     bool moving;   // some velocity is not 0
-    bool turning;  // some spin is not 0
+    bool turning;  // some angular velocity is not 0
     bool massive;  // something has a mass
     bool turnable; // and something of that can be turned by others
     bool uneven;   // some inertia is not the same along all axes

@@ -57,9 +57,9 @@ static double widest_of_pose(const duet_pose *p, uint32_t dims)
     double y = dims == 3 ? p->rotation[1] : 0.0;
     double z = p->rotation[2];
     double w = p->rotation[3];
-    double hx = p->half[0];
-    double hy = p->half[1];
-    double hz = dims == 3 ? p->half[2] : 0.0;
+    double hx = p->half_extents[0];
+    double hy = p->half_extents[1];
+    double hz = dims == 3 ? p->half_extents[2] : 0.0;
     double scale = 2.0 / (x * x + y * y + z * z + w * w);
     double rx = fabs(w * w + x * x - y * y - z * z) * hx + 2.0 * fabs(x * y - w * z) * hy +
                 2.0 * fabs(x * z + w * y) * hz;
@@ -99,7 +99,7 @@ const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pos
         return origin_pose(objects->rows, objects->origin, id);
     const duet_transform *t = &((const duet_transform *)objects->rows)[id];
     memcpy(scratch->centre, t->centre, sizeof scratch->centre);
-    memcpy(scratch->half, objects->sizes[id].half, sizeof scratch->half);
+    memcpy(scratch->half_extents, objects->sizes[id].half_extents, sizeof scratch->half_extents);
     memcpy(scratch->rotation, t->rotation, sizeof scratch->rotation);
     return scratch;
 }

@@ -34,11 +34,11 @@ static bool test_as_the_textbook(const duet_pose *a, const duet_pose *b, const d
     for (uint32_t i = 0; i < dims; ++i)
         for (uint32_t j = 0; j < dims; ++j)
             m.size_c[i][j] += TEXTBOOK_EPSILON;
-    float gap = sat_frame_face_separation(&m);
+    float separation = sat_frame_face_separation(&m);
     for (int i = 0; dims == 3 && i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-            gap = fmaxf(gap, sat_frame_edge_separation(&m, i, j));
-    return !(m.trusted && gap > 0);
+            separation = fmaxf(separation, sat_frame_edge_separation(&m, i, j));
+    return !(m.trusted && separation > 0);
 }
 
 static bool test_in_double(const duet_pose *a, const duet_pose *b, const double shift[3],

@@ -25,8 +25,8 @@ duet_motion_def duet_default_motion_def(void)
         .dims = 3,
         .dt = 1.0 / 60.0,
         .substeps = 4,
-        .push_speed = 3.0,
-        .bounce_speed = 1.0,
+        .max_push_speed = 3.0,
+        .restitution_threshold = 1.0,
         .sleep_speed = 0.05,
         .sleep_after = 0.5,
         .cookie = COOKIE,
@@ -52,8 +52,8 @@ static bool check_numbers(const duet_motion_def *def, duet_error *err)
         {"drag", def->drag, 0.0, "0 or above"},
         {"skin", def->skin, 0.0, "0 or a length above it"},
         {"slop", def->slop, 0.0, "0 or a length above it"},
-        {"push_speed", def->push_speed, 0.0, "0 or a speed above it"},
-        {"bounce_speed", def->bounce_speed, 0.0, "0 or a speed above it"},
+        {"max_push_speed", def->max_push_speed, 0.0, "0 or a speed above it"},
+        {"restitution_threshold", def->restitution_threshold, 0.0, "0 or a speed above it"},
         {"sleep_speed", def->sleep_speed, 0.0, "0 or a speed above it"},
         {"sleep_after", def->sleep_after, 0.0, "0 or a time above it"},
         {"attraction", def->attraction, -1e30, "a finite number"},
@@ -127,7 +127,7 @@ static bool check_effects(const duet_motion *m, duet_error *err)
         return error_set(err, DUET_BAD_ARGUMENT,
                          "contacts are not found across the seam of a periodic world; right would "
                          "be walls, or no contact");
-    if (motion_has(m, DUET_EFFECT_RESPONSE) && m->def.integrator != DUET_EULER)
+    if (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) && m->def.integrator != DUET_EULER)
         return error_set(err, DUET_BAD_ARGUMENT,
                          "contacts are solved with the integrator euler; right would be that, or "
                          "no response");
@@ -149,18 +149,18 @@ static const char *pose_fault(const duet_pose *p, uint32_t dims)
     double norm = (double)q[2] * q[2] + (double)q[3] * q[3];
     if (dims == 3)
         norm += (double)q[0] * q[0] + (double)q[1] * q[1];
-    if (!all_finite(p->centre, n) || !all_finite(p->half, n) || !isfinite(norm))
+    if (!all_finite(p->centre, n) || !all_finite(p->half_extents, n) || !isfinite(norm))
         return "a number of its pose is not finite";
     for (int k = 0; k < n; ++k)
-        if (p->half[k] < 0.0f)
+        if (p->half_extents[k] < 0.0f)
             return "a half extent is negative";
     return norm > 0.0 ? NULL : "its rotation is zero";
 }
 
 static const char *body_fault(const duet_body *b)
 {
-    if (!all_finite(b->velocity, 3) || !all_finite(b->spin, 3))
-        return "a velocity or spin is not finite";
+    if (!all_finite(b->velocity, 3) || !all_finite(b->angular_velocity, 3))
+        return "a velocity or angular velocity is not finite";
     if (!is_between(b->mass, 0.0, 1e30) || (b->mass > 0.0f && b->mass < 1e-30f))
         return "the mass must be 0, or from 1e-30 to 1e30";
     if (!is_between(b->restitution, 0.0, 1.0))
@@ -186,7 +186,7 @@ static double mean_least_extent(const duet_motion *m)
 {
     double sum = 0.0;
     for (uint32_t id = 0; id < m->n; ++id) {
-        const float *h = m->poses[id].half;
+        const float *h = m->poses[id].half_extents;
         double least = fmin(h[0], h[1]);
         sum += 2.0 * (m->def.dims == 3 ? fmin(least, h[2]) : least);
     }

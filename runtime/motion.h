@@ -12,7 +12,7 @@
 
 enum { MOTION_WALLS = 6 };
 
-// Contacts are kept while a gap is below this many slops.
+// Contacts are kept while a separation is below this many slops.
 enum { MOTION_SLOPS = 4 };
 
 // Colours of contacts, as in kernels/graph_colour.cl.in.
@@ -30,7 +30,7 @@ typedef enum motion_buffer {
     CELLS,   // of centres, with an origin
     VELOCITIES,
     ROTATIONS,
-    SPINS,
+    ANGULAR_VELOCITIES,
     INERTIAS,
     HALVES,
     BOUNCES,
@@ -88,7 +88,7 @@ typedef struct motion_kernels {
 typedef struct motion_layout {
     uint32_t head, part, points, record;
     uint32_t body;
-    uint32_t of_push;           // in a part
+    uint32_t of_normal_impulse; // in a part
     uint32_t constraint, block; // a block is so many constraints
 } motion_layout;
 

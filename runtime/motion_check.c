@@ -44,7 +44,7 @@ static bool bad_contact(const motion_saved *s, uint32_t i, const char *what, due
 
 static bool are_finite(const duet_motion *m, const motion_saved *s, uint32_t id)
 {
-    static const motion_buffer reals[] = {CENTRES, VELOCITIES, ROTATIONS, SPINS};
+    static const motion_buffer reals[] = {CENTRES, VELOCITIES, ROTATIONS, ANGULAR_VELOCITIES};
     for (size_t i = 0; i < sizeof reals / sizeof reals[0]; ++i)
         for (size_t k = 0; s->at[reals[i]] && k < 4; ++k)
             if (!isfinite(real_of(m, s, reals[i], 4 * (size_t)id + k)))

@@ -20,9 +20,10 @@ static duet_contact read_record(const duet_motion *m, const uint32_t link[2], ui
     memcpy(c.normal, record, sizeof c.normal);
     for (uint32_t k = 0; k < n; ++k) {
         const float *part = record + l->head + k * l->part;
-        memcpy(c.points[k].arm, part, sizeof c.points[k].arm);
-        c.points[k].gap = part[3];
-        c.points[k].push = motion_has(m, DUET_EFFECT_RESPONSE) ? part[l->of_push] : 0.0f;
+        memcpy(c.points[k].anchor, part, sizeof c.points[k].anchor);
+        c.points[k].separation = part[3];
+        c.points[k].normal_impulse =
+            motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? part[l->of_normal_impulse] : 0.0f;
     }
     return c;
 }

@@ -31,9 +31,10 @@ static const char magic[16] = "duet motion 2\n";
 
 // By object first, then by contact. Rows are kept for those that sleep and for
 // skins.
-static const motion_buffer kept[] = {CENTRES, CELLS,    VELOCITIES, ROTATIONS,     SPINS,   RESTS,
-                                     ASLEEP,  BOXES,    STARTS,     RETURN_STARTS, RETURNS, LINKS,
-                                     OTHERS,  CONTACTS, TOUCHES,    COLOUR_OF};
+static const motion_buffer kept[] = {CENTRES,  CELLS,  VELOCITIES, ROTATIONS, ANGULAR_VELOCITIES,
+                                     RESTS,    ASLEEP, BOXES,      STARTS,    RETURN_STARTS,
+                                     RETURNS,  LINKS,  OTHERS,     CONTACTS,  TOUCHES,
+                                     COLOUR_OF};
 
 enum { N_KEPT = sizeof kept / sizeof kept[0] };
 
@@ -52,7 +53,7 @@ static size_t bytes_of(const duet_motion *m, motion_buffer which, uint32_t n_con
     case CONTACTS:
         return rows * m->layout.record * word;
     case COLOUR_OF:
-        return motion_has(m, DUET_EFFECT_RESPONSE) ? rows * word : 0;
+        return motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? rows * word : 0;
     default:
         return ((size_t)m->n + 1) * motion_words(m, which) * word;
     }

@@ -29,7 +29,7 @@ static void add_shape(motion_args *a, double margin)
     if (m->cells)
         args_int4(a, m->cells[0]);
     args_buffer_for(a, DUET_EFFECT_ROTATION, ROTATIONS);
-    if (motion_has(m, DUET_EFFECT_FAST)) {
+    if (motion_has(m, DUET_EFFECT_CONTINUOUS)) {
         args_buffer(a, VELOCITIES);
         args_real(a, m->def.dt);
     }
@@ -39,7 +39,7 @@ static void add_shape(motion_args *a, double margin)
     args_buffer(a, BOXES);
 }
 
-// Gaps up to the margin are contacts, so each object's bounds have half of it.
+// Separations up to the margin are contacts, so each object's bounds have half of it.
 static bool compute_fat_aabbs(duet_motion *m, duet_error *err)
 {
     motion_args a = args_begin(m);
@@ -205,7 +205,7 @@ static bool empty_contacts(duet_motion *m, duet_error *err)
     bool ok = motion_reserve(m, CONTACTS, n * m->layout.record, sizeof(float), err) &&
               motion_reserve(m, TOUCHES, n, sizeof(uint32_t), err) &&
               timeline_fill(&m->times, "contact_graph", &m->buffers[TOUCHES], 0, 0, (size_t)n, err);
-    if (ok && motion_has(m, DUET_EFFECT_RESPONSE))
+    if (ok && motion_has(m, DUET_EFFECT_CONTACT_RESPONSE))
         ok = motion_reserve(m, COLOUR_OF, n, sizeof(uint32_t), err) &&
              timeline_fill(&m->times, "contact_graph", &m->buffers[COLOUR_OF], COLOUR_NONE, 0,
                            (size_t)n, err);
@@ -227,7 +227,7 @@ static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
     args_buffer(&a, OLD_TOUCHES);
     args_buffer(&a, OLD_CONTACTS);
     args_uint(&a, n_old);
-    if (motion_has(m, DUET_EFFECT_RESPONSE)) {
+    if (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE)) {
         args_buffer(&a, OLD_COLOURS);
         args_buffer(&a, COLOUR_OF);
     }
@@ -286,13 +286,13 @@ bool motion_touch(duet_motion *m, bool woken, duet_error *err)
     args_buffer_for(&a, DUET_EFFECT_ROTATION, ROTATIONS);
     if (motion_has(m, DUET_EFFECT_BOUNDS))
         add_walls(&a);
-    args_buffer_for(&a, DUET_EFFECT_RESPONSE, BODIES);
+    args_buffer_for(&a, DUET_EFFECT_CONTACT_RESPONSE, BODIES);
     if (motion_has(m, DUET_EFFECT_SLEEP)) {
         args_buffer(&a, ASLEEP);
         args_uint(&a, woken);
         args_buffer(&a, RESTS);
     }
-    if (motion_has(m, DUET_EFFECT_FAST))
+    if (motion_has(m, DUET_EFFECT_CONTINUOUS))
         args_float(&a, m->def.dt);
     if (motion_has(m, DUET_EFFECT_EVENTS)) {
         args_buffer(&a, EVENTS);

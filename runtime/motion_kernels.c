@@ -41,7 +41,7 @@ static int64_t order_of(duet_integrator integrator)
 // All that the cards of these kernels can have.
 static void choose(const duet_motion *m, gen_setting all[N_CHOICES])
 {
-    int64_t gyro = motion_has(m, DUET_EFFECT_SPIN) && m->facts.uneven;
+    int64_t gyro = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) && m->facts.uneven;
     uint32_t origin_bits;
     memcpy(&origin_bits, &m->def.origin_edge, sizeof origin_bits);
     const gen_setting choices[N_CHOICES] = {
@@ -49,14 +49,14 @@ static void choose(const duet_motion *m, gen_setting all[N_CHOICES])
         {"DOUBLE", m->def.doubles},
         {"ORIGIN", origin_bits >> 23},
         {"ROTATED", has(m, DUET_EFFECT_ROTATION)},
-        {"SPIN", has(m, DUET_EFFECT_SPIN)},
+        {"ANGULAR_VELOCITY", has(m, DUET_EFFECT_ANGULAR_VELOCITY)},
         {"GYRO", gyro},
         {"GRAVITY", gravity_kind(m)},
         {"DRAG", has(m, DUET_EFFECT_DRAG)},
         {"BOUNDS", edge_kind(m)},
-        {"RESPONSE", has(m, DUET_EFFECT_RESPONSE)},
+        {"CONTACT_RESPONSE", has(m, DUET_EFFECT_CONTACT_RESPONSE)},
         {"FRICTION", has(m, DUET_EFFECT_FRICTION)},
-        {"FAST", has(m, DUET_EFFECT_FAST)},
+        {"CONTINUOUS", has(m, DUET_EFFECT_CONTINUOUS)},
         {"FILTER", has(m, DUET_EFFECT_FILTER)},
         {"SLEEP", has(m, DUET_EFFECT_SLEEP)},
         {"EVENTS", has(m, DUET_EFFECT_EVENTS)},
@@ -99,16 +99,16 @@ static bool get(duet_motion *m, kernel **at, const char *name, const char *entry
 // As kernels/contact.clh and constraint.clh have them.
 static motion_layout lay_out(const duet_motion *m)
 {
-    bool response = motion_has(m, DUET_EFFECT_RESPONSE);
-    bool spin = motion_has(m, DUET_EFFECT_SPIN);
+    bool response = motion_has(m, DUET_EFFECT_CONTACT_RESPONSE);
+    bool turns = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY);
     bool friction = motion_has(m, DUET_EFFECT_FRICTION);
     bool flat = m->def.dims == 2;
-    motion_layout l = {.of_push = 4};
+    motion_layout l = {.of_normal_impulse = 4};
     l.head = response ? 6 : 3;
     l.part = (response ? 6 : 4) + (friction ? m->def.dims - 1 : 0);
-    l.points = response && !spin ? 1 : flat ? 2 : 4;
+    l.points = response && !turns ? 1 : flat ? 2 : 4;
     l.record = l.head + l.points * l.part;
-    l.body = spin ? 8 : 4;
+    l.body = turns ? 8 : 4;
     l.constraint = (friction ? 14 : 10) + l.points * (9 + (friction ? 2 * (m->def.dims - 1) : 0));
     return l;
 }
@@ -117,7 +117,7 @@ bool motion_prepare(duet_motion *m, duet_error *err)
 {
     motion_kernels *k = &m->kernels;
     bool contact = motion_has(m, DUET_EFFECT_CONTACT);
-    bool response = motion_has(m, DUET_EFFECT_RESPONSE);
+    bool response = motion_has(m, DUET_EFFECT_CONTACT_RESPONSE);
     bool flight = motion_has(m, DUET_EFFECT_MOTION) && !response;
     bool walls = contact && edge_kind(m) == 1;
     const struct {

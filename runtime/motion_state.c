@@ -18,10 +18,10 @@ static const struct {
     [CENTRES] = {0, 4, 0},
     [VELOCITIES] = {0, 4, 0},
     [ROTATIONS] = {DUET_EFFECT_ROTATION, 4, 0},
-    [SPINS] = {DUET_EFFECT_SPIN, 4, 0},
-    [INERTIAS] = {DUET_EFFECT_SPIN, 0, 4},
+    [ANGULAR_VELOCITIES] = {DUET_EFFECT_ANGULAR_VELOCITY, 4, 0},
+    [INERTIAS] = {DUET_EFFECT_ANGULAR_VELOCITY, 0, 4},
     [HALVES] = {DUET_EFFECT_CONTACT | DUET_EFFECT_BOUNDS, 0, 4},
-    [BOUNCES] = {DUET_EFFECT_RESPONSE, 0, 1},
+    [BOUNCES] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 1},
     [FRICTIONS] = {DUET_EFFECT_FRICTION, 0, 1},
     [FILTERS] = {DUET_EFFECT_FILTER, 0, 2},
     [RESTS] = {DUET_EFFECT_SLEEP, 0, 1},
@@ -29,8 +29,8 @@ static const struct {
     [BOXES] = {DUET_EFFECT_CONTACT, 0, 6},
     [STARTS] = {DUET_EFFECT_CONTACT, 0, 1},
     [RETURN_STARTS] = {DUET_EFFECT_CONTACT, 0, 1},
-    [USED] = {DUET_EFFECT_RESPONSE, 0, 1},
-    [CHOICES] = {DUET_EFFECT_RESPONSE, 0, 1},
+    [USED] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 1},
+    [CHOICES] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 1},
 };
 
 uint32_t motion_words(const duet_motion *m, motion_buffer which)
@@ -38,7 +38,7 @@ uint32_t motion_words(const duet_motion *m, motion_buffer which)
     if (which == CELLS)
         return m->cells ? 4 : 0;
     if (which == BODIES)
-        return motion_has(m, DUET_EFFECT_RESPONSE) ? 4 * m->layout.body : 0;
+        return motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? 4 * m->layout.body : 0;
     if (by_object[which].effects && !motion_has(m, by_object[which].effects))
         return 0;
     return by_object[which].reals * (m->def.doubles ? 2 : 1) + by_object[which].words;
@@ -77,7 +77,7 @@ static entry rotation_of(const duet_motion *m, uint32_t id)
 
 static entry spin_of(const duet_motion *m, uint32_t id)
 {
-    const float *w = m->bodies[id].spin;
+    const float *w = m->bodies[id].angular_velocity;
     bool solid = m->def.dims == 3;
     return (entry){{solid ? w[0] : 0.0, solid ? w[1] : 0.0, w[2]}};
 }
@@ -90,9 +90,9 @@ static double inverse_of(double inertia)
 // Of a solid box; one without extent across an axis is never turned about it.
 static entry inertia_of(const duet_motion *m, uint32_t id)
 {
-    const float *h = m->poses[id].half;
+    const float *h = m->poses[id].half_extents;
     const duet_body *b = &m->bodies[id];
-    double third = b->upright ? 0.0 : (double)b->mass / 3.0;
+    double third = b->fixed_rotation ? 0.0 : (double)b->mass / 3.0;
     double xx = (double)h[0] * h[0], yy = (double)h[1] * h[1], zz = (double)h[2] * h[2];
     if (m->def.dims == 2)
         return (entry){{0.0, 0.0, inverse_of(third * (xx + yy))}};
@@ -102,7 +102,7 @@ static entry inertia_of(const duet_motion *m, uint32_t id)
 
 static entry half_of(const duet_motion *m, uint32_t id)
 {
-    const float *h = m->poses[id].half;
+    const float *h = m->poses[id].half_extents;
     return (entry){{h[0], h[1], m->def.dims == 3 ? h[2] : 0.0}};
 }
 
@@ -178,9 +178,9 @@ bool motion_reset(duet_motion *m, duet_error *err)
         motion_buffer which;
         entry (*of)(const duet_motion *, uint32_t);
     } sent[] = {
-        {CENTRES, centre_of}, {VELOCITIES, velocity_of}, {ROTATIONS, rotation_of},
-        {SPINS, spin_of},     {INERTIAS, inertia_of},    {HALVES, half_of},
-        {BOUNCES, bounce_of}, {FRICTIONS, friction_of},
+        {CENTRES, centre_of},          {VELOCITIES, velocity_of}, {ROTATIONS, rotation_of},
+        {ANGULAR_VELOCITIES, spin_of}, {INERTIAS, inertia_of},    {HALVES, half_of},
+        {BOUNCES, bounce_of},          {FRICTIONS, friction_of},
     };
     bool ok = reserve_all(m, err);
     for (size_t i = 0; ok && i < sizeof sent / sizeof sent[0]; ++i) {
@@ -269,7 +269,7 @@ bool duet_motion_read(duet_motion *m, duet_state *states, duet_error *err)
         {CENTRES, centre_of, offsetof(duet_state, centre), 3},
         {ROTATIONS, rotation_of, offsetof(duet_state, rotation), 4},
         {VELOCITIES, velocity_of, offsetof(duet_state, velocity), 3},
-        {SPINS, spin_of, offsetof(duet_state, spin), 3},
+        {ANGULAR_VELOCITIES, spin_of, offsetof(duet_state, angular_velocity), 3},
     };
     entry *entries = calloc((size_t)m->n + 1, sizeof *entries);
     if (!entries)
@@ -380,7 +380,7 @@ static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, d
     for (int k = 0; k < 3; ++k) {
         double axis[3];
         axis_of(s->rotation, k, axis);
-        double along = dot(axis, s->spin);
+        double along = dot(axis, s->angular_velocity);
         double inertia = inverse.at[k] > 0.0 ? 1.0 / inverse.at[k] : 0.0;
         e->turning += 0.5 * inertia * along * along;
         for (int j = 0; j < 3; ++j)

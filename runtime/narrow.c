@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Separating axes in double.
 //
-// For each axis L the gap |t.L| - (ra + rb) comes with an error of at most
-// `slack`; a gap above it separates, and gaps all below minus it collide.
+// For each axis L the separation |t.L| - (ra + rb) comes with an error of at most
+// `slack`; a separation above it separates, and separations all below minus it collide.
 //
-// Nearly parallel edges make a cross axis of nearly no length, whose gap says
+// Nearly parallel edges make a cross axis of nearly no length, whose separation says
 // nothing. Such an axis is not needed where the other axes overlap by more
 // than the tilt between the edges can take away (docs/accuracy.md, "Nearly
 // parallel edges").
@@ -21,7 +21,7 @@ static const int next[3] = {1, 2, 0};
 static const int last[3] = {2, 0, 1};
 
 typedef struct box {
-    double half[3];
+    double half_extents[3];
     double axis[3][3]; // axis[i]: the direction of edge i
     double norm;       // |q|^2
 } box;
@@ -45,7 +45,7 @@ static void set_rotation(box *b, double x, double y, double z, double w)
 static box box_of_pose(const duet_pose *pose)
 {
     const float *q = pose->rotation;
-    box b = {.half = {pose->half[0], pose->half[1], pose->half[2]}};
+    box b = {.half_extents = {pose->half_extents[0], pose->half_extents[1], pose->half_extents[2]}};
     set_rotation(&b, q[0], q[1], q[2], q[3]);
     return b;
 }
@@ -66,26 +66,26 @@ static double dot(const double u[3], const double v[3])
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
-// What is known of the gaps of the axes seen so far.
-typedef struct gaps {
-    double slack;    // bounds the error of each gap
+// What is known of the separations of the axes seen so far.
+typedef struct separations {
+    double slack;    // bounds the error of each separation
     double greatest; // of all axes
     double needed;   // greatest of the axes that are not between nearly parallel edges
     double tilt;     // greatest between nearly parallel edges whose axis decides nothing
-} gaps;
+} separations;
 
-static void add_face(gaps *g, double gap)
+static void add_face(separations *g, double separation)
 {
-    g->greatest = larger(g->greatest, gap);
-    g->needed = larger(g->needed, gap);
+    g->greatest = larger(g->greatest, separation);
+    g->needed = larger(g->needed, separation);
 }
 
-static void add_edges(gaps *g, double gap, double tilt)
+static void add_edges(separations *g, double separation, double tilt)
 {
-    g->greatest = larger(g->greatest, gap);
+    g->greatest = larger(g->greatest, separation);
     if (tilt >= PARALLEL)
-        g->needed = larger(g->needed, gap);
-    else if (gap >= -g->slack)
+        g->needed = larger(g->needed, separation);
+    else if (separation >= -g->slack)
         g->tilt = larger(g->tilt, tilt);
 }
 
@@ -100,8 +100,8 @@ static view view_of(const box *a, const box *b, const double t[3])
 {
     view v;
     for (int i = 0; i < 3; ++i) {
-        v.a[i] = a->half[i];
-        v.b[i] = b->half[i];
+        v.a[i] = a->half_extents[i];
+        v.b[i] = b->half_extents[i];
         v.ta[i] = dot(a->axis[i], t);
         v.tb[i] = dot(b->axis[i], t);
         for (int j = 0; j < 3; ++j)
@@ -110,7 +110,7 @@ static view view_of(const box *a, const box *b, const double t[3])
     return v;
 }
 
-static void add_faces(gaps *g, const view *v, int dims)
+static void add_faces(separations *g, const view *v, int dims)
 {
     const double(*c)[3] = v->c;
     for (int i = 0; i < dims; ++i) {
@@ -122,7 +122,7 @@ static void add_faces(gaps *g, const view *v, int dims)
 }
 
 // Along the product of edge i of a and edge j of b, as long as the sine between.
-static double edge_gap(const view *v, int i, int j)
+static double edge_separation(const view *v, int i, int j)
 {
     const double(*c)[3] = v->c;
     int i1 = next[i], i2 = last[i], j1 = next[j], j2 = last[j];
@@ -132,12 +132,12 @@ static double edge_gap(const view *v, int i, int j)
     return distance - (ra + rb);
 }
 
-static void add_cross_axes(gaps *g, const view *v)
+static void add_cross_axes(separations *g, const view *v)
 {
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
             double tilt = fabs(v->c[i][next[j]]) + fabs(v->c[i][last[j]]);
-            add_edges(g, edge_gap(v, i, j), tilt);
+            add_edges(g, edge_separation(v, i, j), tilt);
         }
 }
 
@@ -146,7 +146,7 @@ static double largest(const double v[3])
     return larger(v[0], larger(v[1], v[2]));
 }
 
-static narrow_verdict verdict_of(const gaps *g, const view *v)
+static narrow_verdict verdict_of(const separations *g, const view *v)
 {
     if (g->greatest > g->slack)
         return NARROW_SEPARATED;
@@ -175,7 +175,7 @@ static double half_along(const box *b, int k)
     int edge = 0;
     while (edge < 2 && fabs(b->axis[edge][k]) < 0.5)
         ++edge;
-    return b->half[edge];
+    return b->half_extents[edge];
 }
 
 // A sum of two doubles as its rounding and what that left over.
@@ -211,7 +211,7 @@ static approach approach_of(const duet_pose *pose_a, const duet_pose *pose_b, co
     approach p = {.a = box_of_pose(pose_a), .b = box_of_pose(pose_b)};
     for (uint32_t i = 0; i < dims; ++i)
         p.t[i] = ((double)pose_b->centre[i] - pose_a->centre[i]) + shift[i];
-    p.size = sum_of_sizes(p.t, p.a.half, p.b.half);
+    p.size = sum_of_sizes(p.t, p.a.half_extents, p.b.half_extents);
     return p;
 }
 
@@ -248,7 +248,7 @@ static narrow_verdict compare_upright(const duet_pose *a, const duet_pose *b, co
 static narrow_verdict test_axes(const approach *p, int dims)
 {
     view v = view_of(&p->a, &p->b, p->t);
-    gaps g = {SLACK * p->size, -INFINITY, -INFINITY, 0};
+    separations g = {SLACK * p->size, -INFINITY, -INFINITY, 0};
     add_faces(&g, &v, dims);
     if (dims == 3 && g.greatest <= g.slack)
         add_cross_axes(&g, &v);
@@ -259,7 +259,7 @@ duet_pose narrow_flat(const duet_pose *pose, uint32_t dims)
 {
     duet_pose flat = *pose;
     if (dims == 2)
-        flat.centre[2] = flat.half[2] = flat.rotation[0] = flat.rotation[1] = 0;
+        flat.centre[2] = flat.half_extents[2] = flat.rotation[0] = flat.rotation[1] = 0;
     return flat;
 }
 
@@ -273,7 +273,7 @@ bool narrow_is_box(const duet_pose *pose, uint32_t dims)
         turned = turned || p.rotation[i] != 0;
     }
     for (int i = 0; i < 3; ++i)
-        if (!isfinite(p.centre[i]) || !isfinite(p.half[i]) || p.half[i] < 0)
+        if (!isfinite(p.centre[i]) || !isfinite(p.half_extents[i]) || p.half_extents[i] < 0)
             return false;
     return turned;
 }
@@ -295,7 +295,7 @@ narrow_verdict narrow_double(const duet_pose *a, const duet_pose *b, uint32_t di
     return double_apart(a, b, narrow_here, dims);
 }
 
-double narrow_gap(const duet_pose *a, const duet_pose *b, uint32_t dims)
+double narrow_separation(const duet_pose *a, const duet_pose *b, uint32_t dims)
 {
     return narrow_gap_apart(a, b, narrow_here, dims);
 }
@@ -306,7 +306,7 @@ double narrow_gap_apart(const duet_pose *pose_a, const duet_pose *pose_b, const 
     duet_pose a = narrow_flat(pose_a, dims), b = narrow_flat(pose_b, dims);
     approach p = approach_of(&a, &b, shift, dims);
     view v = view_of(&p.a, &p.b, p.t);
-    gaps g = {0, -INFINITY, -INFINITY, 0};
+    separations g = {0, -INFINITY, -INFINITY, 0};
     add_faces(&g, &v, (int)dims);
     if (dims == 3)
         add_cross_axes(&g, &v);
@@ -317,26 +317,26 @@ double narrow_gap_apart(const duet_pose *pose_a, const duet_pose *pose_b, const 
 // and what the faces show is as good.
 #define LEAST_SINE 1e-7
 
-double duet_poses_gap(const duet_pose *a, const duet_pose *b, uint32_t dims)
+double duet_poses_separation(const duet_pose *a, const duet_pose *b, uint32_t dims)
 {
     if (!a || !b || (dims != 2 && dims != 3))
         return NAN;
-    return narrow_widest_gap(a, b, narrow_here, dims);
+    return narrow_widest_separation(a, b, narrow_here, dims);
 }
 
-double narrow_widest_gap(const duet_pose *pose_a, const duet_pose *pose_b, const double shift[3],
-                         uint32_t dims)
+double narrow_widest_separation(const duet_pose *pose_a, const duet_pose *pose_b,
+                                const double shift[3], uint32_t dims)
 {
     duet_pose a = narrow_flat(pose_a, dims), b = narrow_flat(pose_b, dims);
     approach p = approach_of(&a, &b, shift, dims);
     view v = view_of(&p.a, &p.b, p.t);
-    gaps g = {0, -INFINITY, -INFINITY, 0};
+    separations g = {0, -INFINITY, -INFINITY, 0};
     add_faces(&g, &v, (int)dims);
     for (int i = 0; dims == 3 && i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
             double sine = hypot(v.c[next[i]][j], v.c[last[i]][j]);
             if (sine > LEAST_SINE)
-                g.greatest = larger(g.greatest, edge_gap(&v, i, j) / sine);
+                g.greatest = larger(g.greatest, edge_separation(&v, i, j) / sine);
         }
     return g.greatest;
 }

@@ -13,7 +13,7 @@
 
 typedef enum narrow_verdict { NARROW_SEPARATED, NARROW_COLLIDING, NARROW_UNDECIDED } narrow_verdict;
 
-// The error of an axis's gap is below NARROW_SLACK * u * (|t|_1 + all extents),
+// The error of an axis's separation is below NARROW_SLACK * u * (|t|_1 + all extents),
 // with u the unit of rounding: docs/accuracy.md, line by line.
 #define NARROW_SLACK 48
 
@@ -27,10 +27,10 @@ narrow_verdict narrow_double(const duet_pose *a, const duet_pose *b, uint32_t di
 // then undecided only where a distance is above 2^100.
 narrow_verdict narrow_float(const duet_pose *a, const duet_pose *b, uint32_t dims, bool rotated);
 
-// The greatest gap along the 15 (4) axes in double: above 0 it separates the
+// The greatest separation along the 15 (4) axes in double: above 0 it separates the
 // boxes, up to its error of NARROW_SLACK * 2^-53 * (|t|_1 + all extents). An
 // axis across two edges has the length of the sine between them.
-double narrow_gap(const duet_pose *a, const duet_pose *b, uint32_t dims);
+double narrow_separation(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
 // The exact answer by integer arithmetic, some microseconds. A pose that is no
 // box (not finite, a negative extent, a zero quaternion) collides with nothing.
@@ -52,9 +52,9 @@ double narrow_gap_apart(const duet_pose *a, const duet_pose *b, const double shi
 bool narrow_exact_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
                         uint32_t dims);
 
-// duet_poses_gap, likewise.
-double narrow_widest_gap(const duet_pose *a, const duet_pose *b, const double shift[3],
-                         uint32_t dims);
+// duet_poses_separation, likewise.
+double narrow_widest_separation(const duet_pose *a, const duet_pose *b, const double shift[3],
+                                uint32_t dims);
 
 // Axis-aligned boxes by their corners: float comparisons are exact.
 bool narrow_bounds(const duet_bounds *a, const duet_bounds *b, uint32_t dims);

@@ -111,8 +111,8 @@ static void set_lengths(numbers *n, const duet_pose *a, const duet_pose *b, cons
 {
     int power = least_power(a->centre, 3, INT_MAX);
     power = least_power(b->centre, 3, power);
-    power = least_power(a->half, 3, power);
-    power = least_power(b->half, 3, power);
+    power = least_power(a->half_extents, 3, power);
+    power = least_power(b->half_extents, 3, power);
     power = least_power_of_shift(shift, power);
     for (int i = 0; i < 3; ++i) {
         set_integer(n->t[i], b->centre[i], power);
@@ -120,8 +120,8 @@ static void set_lengths(numbers *n, const duet_pose *a, const duet_pose *b, cons
         mpz_sub(n->t[i], n->t[i], n->term);
         set_integer(n->term, shift[i], power);
         mpz_add(n->t[i], n->t[i], n->term);
-        set_integer(n->half_a[i], a->half[i], power);
-        set_integer(n->half_b[i], b->half[i], power);
+        set_integer(n->half_a[i], a->half_extents[i], power);
+        set_integer(n->half_b[i], b->half_extents[i], power);
     }
 }
 

@@ -24,12 +24,12 @@ static narrow_verdict test_frame(const sat_frame *m)
     float tilt = 0.0f;
     for (int i = 0; m->dims == 3 && i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
-            float gap = sat_frame_edge_separation(m, i, j);
+            float separation = sat_frame_edge_separation(m, i, j);
             float turn = m->size_c[i][(j + 1) % 3] + m->size_c[i][(j + 2) % 3];
             bool parallel = turn < PARALLEL;
-            greatest = fmaxf(greatest, gap);
-            needed = fmaxf(needed, parallel ? -INFINITY : gap);
-            tilt = fmaxf(tilt, parallel && gap >= -slack ? turn : 0.0f);
+            greatest = fmaxf(greatest, separation);
+            needed = fmaxf(needed, parallel ? -INFINITY : separation);
+            tilt = fmaxf(tilt, parallel && separation >= -slack ? turn : 0.0f);
         }
     float lost = fminf(largest(m->a), largest(m->b)) * tilt;
     if (m->trusted && greatest > slack)
@@ -55,9 +55,9 @@ static narrow_verdict test_upright(const duet_pose *a, const duet_pose *b, const
         float t = to - from;
         float part = t - to;
         float t_left = (to - (t - part)) + (-from - part);
-        float reach = a->half[i] + b->half[i];
-        float extent = reach - a->half[i];
-        float reach_left = (a->half[i] - (reach - extent)) + (b->half[i] - extent);
+        float reach = a->half_extents[i] + b->half_extents[i];
+        float extent = reach - a->half_extents[i];
+        float reach_left = (a->half_extents[i] - (reach - extent)) + (b->half_extents[i] - extent);
         t_left = t < 0 ? -t_left : t_left;
         t = fabsf(t);
         apart = apart || t > reach || (t == reach && t_left > reach_left);

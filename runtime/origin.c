@@ -115,13 +115,13 @@ bool duet_placed_collide(const duet_placed *a, const duet_placed *b, float edge,
            narrow_decide_apart(&both[0].pose, &both[1].pose, shift, dims);
 }
 
-double duet_placed_gap(const duet_placed *a, const duet_placed *b, float edge, uint32_t dims)
+double duet_placed_separation(const duet_placed *a, const duet_placed *b, float edge, uint32_t dims)
 {
     if (!can_meet(a, b, edge, dims))
         return NAN;
     duet_placed both[2] = {*a, *b};
     double shift[3];
     return settle_both(both, shift, edge)
-               ? narrow_widest_gap(&both[0].pose, &both[1].pose, shift, dims)
+               ? narrow_widest_separation(&both[0].pose, &both[1].pose, shift, dims)
                : NAN;
 }

@@ -54,7 +54,7 @@ static void reach_of_pose(const duet_pose *pose, double reach[3])
         {2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)},
         {2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z},
     };
-    const float *h = pose->half;
+    const float *h = pose->half_extents;
     double slack = 0x1p-40 * ((double)h[0] + h[1] + h[2]);
     for (int i = 0; i < 3; ++i) {
         double sum = fabs(m[i][0]) * h[0] + fabs(m[i][1]) * h[1] + fabs(m[i][2]) * h[2];

@@ -87,7 +87,7 @@ static void set_axes(float axis[3][3], const float q[4])
 // the rotation is off by at most 9 u, the sums by 4 u, and 64 u are added.
 static void set_reach(float reach[3], const duet_pose *box, bool rotated)
 {
-    const float *half = box->half;
+    const float *half = box->half_extents;
     float axis[3][3];
     set_axes(axis, box->rotation);
     float sum = half[0] + half[1] + half[2];
@@ -190,8 +190,8 @@ sat_frame sat_frame_of(const duet_pose *pose_a, const duet_pose *pose_b, const d
     float t[3];
     set_way(t, &a, &b, shift, dims);
     for (int i = 0; i < 3; ++i) {
-        m.a[i] = a.half[i];
-        m.b[i] = b.half[i];
+        m.a[i] = a.half_extents[i];
+        m.b[i] = b.half_extents[i];
     }
     m.size = sum_of_sizes(t, m.a, m.b);
     m.trusted = is_trusted(m.size);
@@ -201,13 +201,13 @@ sat_frame sat_frame_of(const duet_pose *pose_a, const duet_pose *pose_b, const d
 
 float sat_frame_face_separation(const sat_frame *m)
 {
-    float gap = -INFINITY;
+    float separation = -INFINITY;
     for (int i = 0; i < m->dims; ++i) {
         const float column[3] = {m->size_c[0][i], m->size_c[1][i], m->size_c[2][i]};
-        gap = fmaxf(gap, fabsf(m->ta[i]) - (m->a[i] + dot(m->b, m->size_c[i])));
-        gap = fmaxf(gap, fabsf(m->tb[i]) - (m->b[i] + dot(m->a, column)));
+        separation = fmaxf(separation, fabsf(m->ta[i]) - (m->a[i] + dot(m->b, m->size_c[i])));
+        separation = fmaxf(separation, fabsf(m->tb[i]) - (m->b[i] + dot(m->a, column)));
     }
-    return gap;
+    return separation;
 }
 
 float sat_frame_edge_separation(const sat_frame *m, int i, int j)
@@ -262,8 +262,8 @@ bool sat_spheres_overlap(const duet_pose *pose_a, const duet_pose *pose_b, const
     duet_pose a = narrow_flat(pose_a, dims), b = narrow_flat(pose_b, dims);
     float t[3];
     set_way(t, &a, &b, shift, dims);
-    float size = sum_of_sizes(t, a.half, b.half);
-    float reach = radius_of(a.half) + radius_of(b.half);
+    float size = sum_of_sizes(t, a.half_extents, b.half_extents);
+    float reach = radius_of(a.half_extents) + radius_of(b.half_extents);
     bool apart = is_beyond(t, reach);
     if (!(size >= 0x1p-40f && size <= 0x1p40f)) { // squares near 1
         float scale = inverse_power_of(size);

@@ -23,7 +23,7 @@ typedef struct sat_frame {
 sat_frame sat_frame_of(const duet_pose *a, const duet_pose *b, const double shift[3],
                        uint32_t dims);
 
-// The greatest gap along the faces' axes, and the gap along the product of
+// The greatest separation along the faces' axes, and the separation along the product of
 // edge i of a and edge j of b.
 float sat_frame_face_separation(const sat_frame *m);
 float sat_frame_edge_separation(const sat_frame *m, int i, int j);

@@ -303,7 +303,7 @@ duet_scene *duet_scene_from_poses(const duet_pose *poses, uint32_t n, uint32_t d
     bool ok = scene != NULL;
     for (uint32_t i = 0; ok && i < n; ++i) {
         const float *c = poses[i].centre;
-        const float *h = poses[i].half;
+        const float *h = poses[i].half_extents;
         const float *q = poses[i].rotation;
         const double in_2d[] = {c[0], c[1], h[0], h[1], q[2], q[3]};
         const double in_3d[] = {c[0], c[1], c[2], h[0], h[1], h[2], q[0], q[1], q[2], q[3]};

@@ -161,8 +161,8 @@ static const struct {
 
 // Fields that others above read along with theirs.
 static const char *const more_names[] = {
-    "origin_edge",  "drag",        "skin",        "slop",     "push_speed",
-    "bounce_speed", "sleep_speed", "sleep_after", "substeps", "doubles"};
+    "origin_edge",           "drag",        "skin",        "slop",     "max_push_speed",
+    "restitution_threshold", "sleep_speed", "sleep_after", "substeps", "doubles"};
 
 #define N_MORE (sizeof more_names / sizeof more_names[0])
 

@@ -23,12 +23,12 @@ static const struct {
     uint32_t most;
     const char *count; // both in words
 } parts[N_PARTS] = {
-    [CENTRE] = {"centre", 2, 3, "2 or 3"}, // xyz
-    [HALF] = {"half", 2, 3, "2 or 3"},     // half extents
-    [ROTATION] = {"rotation", 4, 4, "4"},  // quaternion xyzw, 3D
-    [EULER] = {"euler", 3, 3, "3"},        // phi, theta, psi in radians, 3D
-    [ANGLE] = {"angle", 1, 1, "1"},        // radians, 2D
-    [LOWER] = {"lower", 2, 3, "2 or 3"},   // an axis-aligned box by its corners
+    [CENTRE] = {"centre", 2, 3, "2 or 3"},     // xyz
+    [HALF] = {"half_extents", 2, 3, "2 or 3"}, // half extents
+    [ROTATION] = {"rotation", 4, 4, "4"},      // quaternion xyzw, 3D
+    [EULER] = {"euler", 3, 3, "3"},            // phi, theta, psi in radians, 3D
+    [ANGLE] = {"angle", 1, 1, "1"},            // radians, 2D
+    [LOWER] = {"lower", 2, 3, "2 or 3"},       // an axis-aligned box by its corners
     [UPPER] = {"upper", 2, 3, "2 or 3"},
 };
 
@@ -105,10 +105,11 @@ static part_id find_part(lua_State *L, const scene_reading *reading, const char 
     for (int id = 0; id < N_PARTS; ++id)
         if (strcmp(parts[id].name, name) == 0)
             return (part_id)id;
-    const char *what = lua_pushfstring(L,
-                                       "no field '%s'; it has angle, centre, euler, half, lower, "
-                                       "rotation, upper; " SCENE_BODY_NAMES,
-                                       name);
+    const char *what =
+        lua_pushfstring(L,
+                        "no field '%s'; it has angle, centre, euler, half_extents, lower, "
+                        "rotation, upper; " SCENE_BODY_NAMES,
+                        name);
     refuse(L, reading, name, what);
     return N_PARTS;
 }
@@ -173,7 +174,7 @@ static row join_parts(const part *p)
     return r;
 }
 
-// The table on top of the stack, {centre = {...}, half = {...}, ...}.
+// The table on top of the stack, {centre = {...}, half_extents = {...}, ...}.
 static row read_parts(lua_State *L, const scene_reading *reading, scene_body *body)
 {
     part given[N_PARTS] = {{.n = 0}};

@@ -19,13 +19,13 @@ static const struct {
     size_t at;
 } body_fields[] = {
     {"velocity", VECTOR, offsetof(duet_body, velocity)},
-    {"spin", VECTOR, offsetof(duet_body, spin)},
+    {"angular_velocity", VECTOR, offsetof(duet_body, angular_velocity)},
     {"mass", NUMBER, offsetof(duet_body, mass)},
     {"restitution", NUMBER, offsetof(duet_body, restitution)},
     {"friction", NUMBER, offsetof(duet_body, friction)},
     {"group", BITS, offsetof(duet_body, group)},
     {"mask", BITS, offsetof(duet_body, mask)},
-    {"upright", BOOLEAN, offsetof(duet_body, upright)},
+    {"fixed_rotation", BOOLEAN, offsetof(duet_body, fixed_rotation)},
 };
 
 enum { N_BODY_FIELDS = sizeof body_fields / sizeof body_fields[0] };
@@ -48,17 +48,17 @@ static float read_number(lua_State *L, const char *name)
     return value;
 }
 
-// Two or three numbers; in 2D a spin is one.
+// Two or three numbers; in 2D an angular velocity is one.
 static void read_vector(lua_State *L, const char *name, float v[3])
 {
-    bool turns = strcmp(name, "spin") == 0;
+    bool turns = strcmp(name, "angular_velocity") == 0;
     if (turns && lua_isnumber(L, -1)) {
         v[2] = read_number(L, name);
         return;
     }
     lua_Unsigned n = lua_istable(L, -1) ? lua_rawlen(L, -1) : 0;
     if (n != 3 && (n != 2 || turns))
-        field_raise(L, name, "%s must be 2 or 3 numbers; a spin in 2D is one", name);
+        field_raise(L, name, "%s must be 2 or 3 numbers; an angular velocity in 2D is one", name);
     for (lua_Unsigned i = 0; i < n; ++i) {
         lua_rawgeti(L, -1, (lua_Integer)i + 1);
         v[i] = read_number(L, name);
@@ -280,8 +280,8 @@ void scene_read_motion_numbers(lua_State *L, scene_reading *reading)
         {"dt", &def->dt},
         {"skin", &def->skin},
         {"slop", &def->slop},
-        {"push_speed", &def->push_speed},
-        {"bounce_speed", &def->bounce_speed},
+        {"max_push_speed", &def->max_push_speed},
+        {"restitution_threshold", &def->restitution_threshold},
         {"sleep_speed", &def->sleep_speed},
         {"sleep_after", &def->sleep_after},
     };

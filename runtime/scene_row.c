@@ -90,7 +90,7 @@ static void store_pose_2d(const double *row, void *object)
     duet_pose *pose = object;
     *pose = (duet_pose){
         .centre = {(float)row[0], (float)row[1]},
-        .half = {(float)row[2], (float)row[3]},
+        .half_extents = {(float)row[2], (float)row[3]},
     };
     store_rotation(0, 0, row[4], row[5], pose);
 }
@@ -106,7 +106,7 @@ static void store_pose_3d(const double *row, void *object)
     duet_pose *pose = object;
     *pose = (duet_pose){
         .centre = {(float)row[0], (float)row[1], (float)row[2]},
-        .half = {(float)row[3], (float)row[4], (float)row[5]},
+        .half_extents = {(float)row[3], (float)row[4], (float)row[5]},
     };
     store_rotation(row[6], row[7], row[8], row[9], pose);
 }

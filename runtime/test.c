@@ -27,7 +27,7 @@ enum { UNDECIDED = 2, NO_BOX = 3 };
 typedef struct work {
     const duet_pose *poses;
     uint8_t *verdicts;
-    double *gaps;
+    double *separations;
     uint64_t first, last;
 } work;
 
@@ -189,8 +189,9 @@ static bool test_chunk(side *s, uint64_t first, uint32_t n)
     for (uint64_t pair = first; pair < first + n; ++pair)
         if (!decide(s, pair))
             return false;
-    for (uint64_t pair = first; w->gaps && pair < first + n; ++pair)
-        w->gaps[pair] = duet_poses_gap(&w->poses[2 * pair], &w->poses[2 * pair + 1], s->dims);
+    for (uint64_t pair = first; w->separations && pair < first + n; ++pair)
+        w->separations[pair] =
+            duet_poses_separation(&w->poses[2 * pair], &w->poses[2 * pair + 1], s->dims);
     return true;
 }
 
@@ -255,7 +256,7 @@ static uint64_t part_of(uint64_t n, uint32_t share)
 }
 
 bool duet_test_pairs(duet_test *test, const duet_pose *poses, uint64_t n, uint8_t *verdicts,
-                     double *gaps, duet_test_result *result, duet_error *err)
+                     double *separations, duet_test_result *result, duet_error *err)
 {
     if (!error_given(test, __func__, "test", err) || !error_given(result, __func__, "result", err))
         return false;
@@ -264,7 +265,7 @@ bool duet_test_pairs(duet_test *test, const duet_pose *poses, uint64_t n, uint8_
         return error_set(err, DUET_BAD_ARGUMENT, "%llu pairs, but no memory for their %s",
                          (unsigned long long)n, poses ? "verdicts" : "poses");
     side *a = &test->sides[0], *b = &test->sides[1];
-    const work w = {.poses = poses, .verdicts = verdicts, .gaps = gaps};
+    const work w = {.poses = poses, .verdicts = verdicts, .separations = separations};
     uint64_t cut = part_of(n, test->def.share);
     begin_side(a, &w, 0, cut);
     begin_side(b, &w, cut, n);

@@ -35,7 +35,8 @@ static inline float larger(float a, float b)
 
 static inline float size_of_pose(const duet_pose *p, const duet_world_def *def)
 {
-    float x = p->half[0], y = p->half[1], z = def->dims == 3 ? p->half[2] : 0;
+    float x = p->half_extents[0], y = p->half_extents[1],
+          z = def->dims == 3 ? p->half_extents[2] : 0;
     return def->rotated ? x * x + y * y + z * z : larger(larger(x, y), z);
 }
 

@@ -381,7 +381,7 @@ static bool take_apart(duet_world *world, const duet_pose *poses, uint32_t n, du
     duet_size *sizes = transforms ? duet_world_map_sizes(world, n, err) : NULL;
     for (uint32_t i = 0; sizes && i < n; ++i) {
         transforms[i] = grid_transform_of(&poses[i]);
-        memcpy(sizes[i].half, poses[i].half, sizeof poses->half);
+        memcpy(sizes[i].half_extents, poses[i].half_extents, sizeof poses->half_extents);
     }
     return sizes;
 }

@@ -70,7 +70,7 @@ local function find(rows, wanted)
   error("the command gives no such row: " .. next(wanted))
 end
 
--- Levels: | level | ms | against sat15 | missed | false | widest false gap | undecided |
+-- Levels: | level | ms | against sat15 | missed | false | widest false separation | undecided |
 local function check_levels()
   local found = accuracy(("'%s/paper.lua' -n 1000000 --repeat 1"):format(scenes))
   for _, row in ipairs(table_of("accuracy.md", "| level | ms a step |")) do

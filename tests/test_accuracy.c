@@ -27,14 +27,16 @@ static const char scene_text[] =
 
 static const char orbit_text[] =
     "for i = 1, 20 do\n"
-    "  add { centre = { i, 0 }, half = { 0.1, 0.1 }, velocity = { 0, 10 / math.sqrt(i) } }\n"
+    "  add { centre = { i, 0 }, half_extents = { 0.1, 0.1 }, velocity = { 0, 10 / math.sqrt(i) } "
+    "}\n"
     "end\n"
     "return { dims = 2, attraction = { centre = { 0, 0 }, strength = 100 }, substeps = 1,\n"
     "  integrator = 'verlet', doubles = true, wants = { 'contact' } }\n";
 
 static const char stack_text[] =
-    "for i = 0, 3 do add { centre = { 0, 0, i * 1.1 + 0.6 }, half = { 0.5, 0.5, 0.5 } } end\n"
-    "add { centre = { 0, 0, -0.5 }, half = { 5, 5, 0.5 }, mass = 0 }\n"
+    "for i = 0, 3 do add { centre = { 0, 0, i * 1.1 + 0.6 }, half_extents = { 0.5, 0.5, 0.5 } } "
+    "end\n"
+    "add { centre = { 0, 0, -0.5 }, half_extents = { 5, 5, 0.5 }, mass = 0 }\n"
     "return { dims = 3, gravity = { 0, 0, -10 }, wants = { 'response' } }\n";
 
 static void write_file(const char *path, const char *content)

@@ -39,7 +39,7 @@ static duet_pose random_pose(rng *r, double width, bool rotated)
     for (int k = 0; k < 3; ++k) {
         double at = rng_between(r, -width, width);
         p.centre[k] = (float)(rng_below(r, 2) ? at : (double)(int)at);
-        p.half[k] = rng_below(r, 2) ? 0.5f : (float)rng_between(r, 0, 0.5);
+        p.half_extents[k] = rng_below(r, 2) ? 0.5f : (float)rng_between(r, 0, 0.5);
     }
     // every other one is nearly upright, where textbooks go wrong
     double turn = rng_below(r, 2) ? 1.0 : 1e-6;

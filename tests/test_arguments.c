@@ -28,7 +28,7 @@ static duet_world *apart_world;
 static duet_motion *motion;
 static duet_test *test;
 static duet_online *online;
-static duet_pose pose = {.half = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
+static duet_pose pose = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
 static duet_placed placed;
 static duet_bounds bounds;
 static duet_result result;
@@ -118,10 +118,10 @@ static void exact(void)
     assert_false(duet_poses_collide(&pose, NULL, 3));
     assert_false(duet_poses_collide(&pose, &pose, 4));
     assert_true(duet_poses_collide(&pose, &pose, 3));
-    assert_true(isnan(duet_poses_gap(NULL, &pose, 3)));
-    assert_true(isnan(duet_poses_gap(&pose, NULL, 3)));
-    assert_true(isnan(duet_poses_gap(&pose, &pose, 1)));
-    assert_true(duet_poses_gap(&pose, &pose, 2) < 0);
+    assert_true(isnan(duet_poses_separation(NULL, &pose, 3)));
+    assert_true(isnan(duet_poses_separation(&pose, NULL, 3)));
+    assert_true(isnan(duet_poses_separation(&pose, &pose, 1)));
+    assert_true(duet_poses_separation(&pose, &pose, 2) < 0);
 }
 
 static void exact_placed(void)
@@ -132,10 +132,10 @@ static void exact_placed(void)
     assert_false(duet_placed_collide(&p, &p, 3.0f, 3));
     assert_false(duet_placed_collide(&p, &p, 1.0f, 0));
     assert_true(duet_placed_collide(&p, &p, 1.0f, 3));
-    assert_true(isnan(duet_placed_gap(NULL, &p, 1.0f, 3)));
-    assert_true(isnan(duet_placed_gap(&p, NULL, 1.0f, 3)));
-    assert_true(isnan(duet_placed_gap(&p, &p, 0.0f, 3)));
-    assert_true(isnan(duet_placed_gap(&p, &p, 1.0f, UINT32_MAX)));
+    assert_true(isnan(duet_placed_separation(NULL, &p, 1.0f, 3)));
+    assert_true(isnan(duet_placed_separation(&p, NULL, 1.0f, 3)));
+    assert_true(isnan(duet_placed_separation(&p, &p, 0.0f, 3)));
+    assert_true(isnan(duet_placed_separation(&p, &p, 1.0f, UINT32_MAX)));
 }
 
 static void levels(void)
@@ -493,8 +493,8 @@ static const struct {
      "duet_default_plan",
      defaults},
     {"duet_place", place},
-    {"duet_poses_collide duet_poses_gap", exact},
-    {"duet_placed_collide duet_placed_gap", exact_placed},
+    {"duet_poses_collide duet_poses_separation", exact},
+    {"duet_placed_collide duet_placed_separation", exact_placed},
     {"duet_level_describe duet_level_named duet_level_covers", levels},
     {"duet_pairs_hash duet_result_hash duet_result_pair", results},
     {"duet_free", memory},

@@ -120,7 +120,7 @@ static void the_whole_set_costs_levels_and_effects(void **state)
     cJSON_ArrayForEach(one, effects)
     {
         const char *name = cJSON_GetObjectItem(one, "effect")->valuestring;
-        bool alone = strcmp(name, "response") == 0 || strcmp(name, "friction") == 0;
+        bool alone = strcmp(name, "contact_response") == 0 || strcmp(name, "friction") == 0;
         if (alone != (alone && cJSON_GetObjectItem(one, "ms")))
             fail_msg("'%s' has no time", name);
     }

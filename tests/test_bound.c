@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The bound of the float test, attacked: a search changes boxes so that the
-// error of their gap grows.
+// error of their separation grows.
 #include "support/figure.h"
 #include "support/test.h"
 
@@ -14,16 +14,16 @@
 
 enum { CLIMBS = 200, STEPS = 10000 };
 
-static float gap_in_float(const sat_frame *m)
+static float separation_in_float(const sat_frame *m)
 {
-    float gap = sat_frame_face_separation(m);
+    float separation = sat_frame_face_separation(m);
     for (int i = 0; m->dims == 3 && i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-            gap = fmaxf(gap, sat_frame_edge_separation(m, i, j));
-    return gap;
+            separation = fmaxf(separation, sat_frame_edge_separation(m, i, j));
+    return separation;
 }
 
-// The error of the greatest gap in units of 2^-24 S, of which the bound allows
+// The error of the greatest separation in units of 2^-24 S, of which the bound allows
 // NARROW_SLACK.
 static double error_of(const hard_pair *p, uint32_t dims)
 {
@@ -32,7 +32,8 @@ static double error_of(const hard_pair *p, uint32_t dims)
     sat_frame m = sat_frame_of(&p->a, &p->b, narrow_here, dims);
     if (!m.trusted)
         return 0;
-    return fabs(gap_in_float(&m) - narrow_gap(&p->a, &p->b, dims)) / (0x1p-24 * m.size);
+    return fabs(separation_in_float(&m) - narrow_separation(&p->a, &p->b, dims)) /
+           (0x1p-24 * m.size);
 }
 
 // Some number of the pair becomes a little or quite another one.
@@ -41,12 +42,12 @@ static void change(hard_pair *p, rng *r)
     duet_pose *pose = rng_below(r, 2) ? &p->a : &p->b;
     uint32_t which = rng_below(r, 10);
     float *number = which < 3   ? &pose->centre[which]
-                    : which < 6 ? &pose->half[which - 3]
+                    : which < 6 ? &pose->half_extents[which - 3]
                                 : &pose->rotation[which - 6];
     double by = rng_normal(r) * pow(2, -rng_between(r, 0, 24));
     *number = (float)(*number * (1 + by) + (rng_below(r, 8) ? 0 : by));
     for (int i = 0; i < 3; ++i)
-        pose->half[i] = fabsf(pose->half[i]);
+        pose->half_extents[i] = fabsf(pose->half_extents[i]);
 }
 
 static double climb(hard_pair p, rng *r, uint32_t dims)

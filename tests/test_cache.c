@@ -304,8 +304,8 @@ static void what_was_left_half_written_is_cleared_away(void **state)
     char old[160], young[160];
     snprintf(old, sizeof old, "%s/%s.bin.0123456789abcdef.part", dir, key);
     snprintf(young, sizeof young, "%s/%s.bin.fedcba9876543210.part", dir, key);
-    test_write_file(old, "half");
-    test_write_file(young, "half");
+    test_write_file(old, "half_extents");
+    test_write_file(young, "half_extents");
     const struct timespec times[2] = {{.tv_sec = 1000000000}, {.tv_sec = 1000000000}};
     assert_int_equal(utimensat(AT_FDCWD, old, times, 0), 0);
     assert_true(cache_put(dir, key, binary, sizeof binary));

@@ -120,7 +120,7 @@ static duet_pose pose_of(const lattice_box *box, int exponent)
     duet_pose pose = {.rotation = {0, 0, 0, 1}};
     for (int k = 0; k < 3; ++k) {
         pose.centre[k] = scaled(box->lower[k], exponent);
-        pose.half[k] = scaled(box->upper[k] - box->lower[k], exponent - 1);
+        pose.half_extents[k] = scaled(box->upper[k] - box->lower[k], exponent - 1);
     }
     return pose;
 }

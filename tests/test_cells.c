@@ -34,7 +34,7 @@ static duet_world *make_world(uint32_t dims, const float upper[3])
 static void fill(rng *r, uint32_t n, const float upper[3])
 {
     for (uint32_t i = 0; i < n; ++i) {
-        poses[i] = (duet_pose){.half = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
+        poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
         for (int k = 0; k < 3; ++k)
             poses[i].centre[k] = (float)rng_between(r, -1.0, upper[k] + 1.0);
     }
@@ -113,10 +113,10 @@ static void only_cells_that_stay_are_compiled_in(void **state)
     assert_int_equal(hash, reference_hash(3, MANY));
 
     // wider objects have wider cells
-    poses[7].half[0] = 1.5f;
+    poses[7].half_extents[0] = 1.5f;
     assert_ptr_equal(step(world, MANY, &hash), free_cells);
     assert_int_equal(hash, reference_hash(3, MANY));
-    poses[7].half[0] = 3.0f;
+    poses[7].half_extents[0] = 3.0f;
     assert_ptr_equal(step(world, MANY, &hash), free_cells);
     duet_world_destroy(world);
 }

@@ -147,7 +147,7 @@ static duet_pose random_pose(const scene *s, rng *r)
 {
     double width = s->dims == 3 ? cbrt(s->n) : 1.2 * sqrt(s->n);
     float half = half_of(s, r);
-    duet_pose p = {.half = {half, half, half}, .rotation = {0, 0, 0, 1}};
+    duet_pose p = {.half_extents = {half, half, half}, .rotation = {0, 0, 0, 1}};
     for (int k = 0; k < 3; ++k)
         p.centre[k] = (float)rng_between(r, 0, k == 0 && !s->roomy ? 2.0 : width);
     for (int k = 0; s->rotated && k < 4; ++k)
@@ -160,8 +160,8 @@ static void fill(scene *s, rng *r)
     for (uint32_t i = 0; i < s->n; ++i) {
         s->poses[i] = random_pose(s, r);
         for (int k = 0; k < 3; ++k) {
-            s->bounds[i].lower[k] = s->poses[i].centre[k] - s->poses[i].half[k];
-            s->bounds[i].upper[k] = s->poses[i].centre[k] + s->poses[i].half[k];
+            s->bounds[i].lower[k] = s->poses[i].centre[k] - s->poses[i].half_extents[k];
+            s->bounds[i].upper[k] = s->poses[i].centre[k] + s->poses[i].half_extents[k];
         }
     }
 }

@@ -105,7 +105,7 @@ static double shoot(double speed, double dt, uint32_t wants, double angle)
 {
     mover *m = mover_new(3);
     m->def.dt = dt;
-    m->def.wants = DUET_EFFECT_RESPONSE | wants;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | wants;
     uint32_t wall = mover_add(m, 10, 0, 0, 0.05, 2000, 2000);
     m->bodies[wall].mass = 0.0f;
     uint32_t bullet = mover_add_cube(m, 0.013, 0, 0, 0.1);
@@ -151,13 +151,13 @@ static void a_bullet_that_misses_is_not_held(void **state)
 {
     (void)state;
     mover *m = mover_new(3);
-    m->def.wants = DUET_EFFECT_RESPONSE;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     uint32_t wall = mover_add(m, 10, 0, 0, 0.05, 1, 1);
     m->bodies[wall].mass = 0.0f;
     uint32_t bullet = mover_add_cube(m, 0, 1.2, 0, 0.1);
     m->bodies[bullet].velocity[0] = 2000.0f;
     mover_run(m, 6);
-    assert_true(duet_motion_effects(m->motion) & DUET_EFFECT_FAST);
+    assert_true(duet_motion_effects(m->motion) & DUET_EFFECT_CONTINUOUS);
     assert_close(m->states[bullet].velocity[0], 2000.0, 1e-9);
     assert_close(m->states[bullet].centre[0], 200.0, 1e-2);
     mover_free(m);
@@ -169,7 +169,7 @@ static void deep_overlap_is_left_without_a_shot(void **state)
 {
     (void)state;
     mover *m = mover_new(3);
-    m->def.wants = DUET_EFFECT_RESPONSE;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     uint32_t a = mover_add_cube(m, 0, 0, 0, 1);
     uint32_t b = mover_add_cube(m, 0.3, 0.1, 0.05, 1);
     double fastest = 0.0;
@@ -179,7 +179,7 @@ static void deep_overlap_is_left_without_a_shot(void **state)
     }
     double apart = m->states[b].centre[0] - m->states[a].centre[0];
     assert_true(apart > 0.97);
-    assert_true(fastest <= m->def.push_speed);
+    assert_true(fastest <= m->def.max_push_speed);
     mover_free(m);
 }
 
@@ -187,7 +187,7 @@ static void boxes_in_one_place_give_no_nan(void **state)
 {
     (void)state;
     mover *m = mover_new(3);
-    m->def.wants = DUET_EFFECT_RESPONSE;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     for (int i = 0; i < 5; ++i)
         mover_add_cube(m, 0, 0, 0, 1);
     mover_add(m, 0, 0, 0, 0, 0, 0);
@@ -207,10 +207,10 @@ static void an_elastic_ball_keeps_its_energy(void **state)
     m->def.edge = DUET_EDGE_WALLS;
     for (int k = 0; k < 3; ++k)
         m->def.upper[k] = 10.0;
-    m->def.bounce_speed = 0.0;
+    m->def.restitution_threshold = 0.0;
     uint32_t ball = mover_add_cube(m, 5, 5, 5, 0.5);
     m->bodies[ball].restitution = 1.0f;
-    m->bodies[ball].upright = true;
+    m->bodies[ball].fixed_rotation = true;
     m->bodies[ball].velocity[0] = 30.0f;
     m->bodies[ball].velocity[1] = 17.0f;
     double before = mover_energy(m).kinetic;
@@ -230,7 +230,7 @@ static void tumbling_elastic_boxes_gain_nothing(void **state)
     rng r = rng_seed(test_seed());
     mover *m = mover_new(3);
     m->def.edge = DUET_EDGE_WALLS;
-    m->def.bounce_speed = 0.0;
+    m->def.restitution_threshold = 0.0;
     for (int k = 0; k < 3; ++k)
         m->def.upper[k] = 8.0;
     for (int i = 0; i < 48; ++i) {
@@ -266,7 +266,7 @@ static void a_falling_elastic_ball_gains_nothing(void **state)
     mover_add_floor(m, 5);
     m->bodies[0].restitution = 1.0f;
     uint32_t ball = mover_add_cube(m, 0, 0, 2.5, 1);
-    m->bodies[ball].upright = true;
+    m->bodies[ball].fixed_rotation = true;
     double before = mover_total(m);
     for (int i = 0; i < 60; ++i) {
         mover_run(m, 60);
@@ -295,7 +295,7 @@ static double loss_of_a_bounce(double drop, uint32_t substeps, double *n)
     m->bodies[0].restitution = 1.0f;
     m->def.substeps = substeps;
     uint32_t ball = mover_add_cube(m, 0, 0, 0.5 + drop, 1);
-    m->bodies[ball].upright = true;
+    m->bodies[ball].fixed_rotation = true;
     double period = 2 * sqrt(2 * drop / -m->def.gravity[2]);
     mover_run(m, 1200);
     *n = floor(1200 * m->def.dt / period);
@@ -327,7 +327,7 @@ static void a_bounce_of_half_the_speed_keeps_a_quarter_of_the_height(void **stat
     mover_add_floor(m, 5);
     uint32_t ball = mover_add_cube(m, 0, 0, 4.5, 1);
     m->bodies[ball].restitution = 0.5f;
-    m->bodies[ball].upright = true;
+    m->bodies[ball].fixed_rotation = true;
     mover_run(m, 60); // on the ground after 0.9 s, up again 0.45 s later
     assert_close(apex(m, ball, 30) - 0.5, 1.0, 0.01);
     mover_free(m);
@@ -358,11 +358,11 @@ static void a_cradle_hands_the_speed_on(void **state)
 {
     (void)state;
     mover *m = mover_new(3);
-    m->def.bounce_speed = 0.0;
+    m->def.restitution_threshold = 0.0;
     for (int i = 0; i < 5; ++i) {
         uint32_t id = mover_add_cube(m, i == 0 ? -3 : 1.2 * i, 0, 0, 1);
         m->bodies[id].restitution = 1.0f;
-        m->bodies[id].upright = true;
+        m->bodies[id].fixed_rotation = true;
     }
     m->bodies[0].velocity[0] = 2.0f;
     mover_run(m, 300);
@@ -376,7 +376,7 @@ static void momentum_is_kept_in_a_collision(void **state)
 {
     (void)state;
     mover *m = mover_new(3);
-    m->def.wants = DUET_EFFECT_RESPONSE;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     for (int i = 0; i < 3; ++i) {
         uint32_t id = mover_add_cube(m, 1.5 * i, 0.3 * i, 0.2 * i, 1);
         mover_turn(m, id, 1, 2, i, 0.3 * i);
@@ -402,7 +402,7 @@ static double slide(uint32_t dims, double friction)
     mover *m = mover_new(dims);
     double slope = 0.5;
     uint32_t up = dims - 1;
-    m->def.wants = DUET_EFFECT_RESPONSE;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     m->def.gravity[0] = 9.81 * sin(slope); // the slope is level, and gravity leans
     m->def.gravity[up] = -9.81 * cos(slope);
     uint32_t floor = mover_add(m, 0, 0, 0, 50, dims == 2 ? 0.5 : 50, 0.5);
@@ -457,7 +457,7 @@ static void what_rests_sleeps_and_is_woken(void **state)
 {
     (void)state;
     mover *m = mover_new(3);
-    m->def.wants = DUET_EFFECT_RESPONSE | DUET_EFFECT_SLEEP;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP;
     m->def.gravity[2] = -9.81;
     uint32_t floor = mover_add(m, 0, 0, -0.5, 20, 5, 0.5);
     m->bodies[floor].mass = 0.0f;
@@ -482,7 +482,7 @@ static void what_slept_on_a_box_that_is_gone_falls(void **state)
     (void)state;
     for (int skin = 0; skin < 2; ++skin) {
         mover *m = mover_new(3);
-        m->def.wants = DUET_EFFECT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_FAST;
+        m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_CONTINUOUS;
         m->def.gravity[2] = -9.81;
         m->def.skin = skin * 0.05;
         uint32_t floor = mover_add(m, 0, 0, -0.5, 300, 5, 0.5);
@@ -503,14 +503,14 @@ static void what_slept_on_a_box_that_is_gone_falls(void **state)
 static bool hopping_box_sleeps(float speed)
 {
     mover *m = mover_new(3);
-    m->def.wants = DUET_EFFECT_RESPONSE | DUET_EFFECT_SLEEP;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP;
     m->def.sleep_speed = 0.05;
-    m->def.bounce_speed = 0.0;
+    m->def.restitution_threshold = 0.0;
     mover_add_floor(m, 5);
     m->def.gravity[2] = -0.5;
     uint32_t box = mover_add_cube(m, 0, 0, 0.5, 1);
     m->bodies[box].restitution = 1.0f;
-    m->bodies[box].upright = true;
+    m->bodies[box].fixed_rotation = true;
     m->bodies[box].velocity[2] = speed;
     mover_run(m, 120);
     bool sleeps = mover_speed(m, box) == 0.0;
@@ -530,12 +530,12 @@ static void events_begin_and_end(void **state)
 {
     (void)state;
     mover *m = mover_new(3);
-    m->def.wants = DUET_EFFECT_RESPONSE | DUET_EFFECT_EVENTS;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_EVENTS;
     uint32_t a = mover_add_cube(m, 0, 0, 0, 1);
     uint32_t b = mover_add_cube(m, 2, 0, 0, 1);
     m->bodies[a].velocity[0] = 1.0f;
     m->bodies[a].restitution = 1.0f;
-    m->def.bounce_speed = 0.0;
+    m->def.restitution_threshold = 0.0;
     int begins = 0, ends = 0;
     for (int step = 0; step < 180; ++step) {
         mover_run(m, 1);

@@ -36,17 +36,17 @@ static void each_cause_calls_for_its_effect(void **state)
     (void)state;
     enum { VELOCITY, TURNED, TURNING, GRAVITY, DRAG, WALLS, ROUGH, QUICK, GROUPS, SKIN, CAUSES };
     const uint32_t motion = DUET_EFFECT_MOTION;
-    const uint32_t push = DUET_EFFECT_RESPONSE | DUET_EFFECT_CONTACT | DUET_EFFECT_MOTION |
-                          DUET_EFFECT_SPIN | DUET_EFFECT_ROTATION;
+    const uint32_t push = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_CONTACT | DUET_EFFECT_MOTION |
+                          DUET_EFFECT_ANGULAR_VELOCITY | DUET_EFFECT_ROTATION;
     const uint32_t expected[CAUSES] = {
         [VELOCITY] = motion,
         [TURNED] = motion | DUET_EFFECT_ROTATION,
-        [TURNING] = motion | DUET_EFFECT_SPIN | DUET_EFFECT_ROTATION,
+        [TURNING] = motion | DUET_EFFECT_ANGULAR_VELOCITY | DUET_EFFECT_ROTATION,
         [GRAVITY] = motion | DUET_EFFECT_GRAVITY,
         [DRAG] = motion | DUET_EFFECT_DRAG,
         [WALLS] = motion | DUET_EFFECT_BOUNDS,
         [ROUGH] = push | DUET_EFFECT_FRICTION,
-        [QUICK] = push | DUET_EFFECT_FAST,
+        [QUICK] = push | DUET_EFFECT_CONTINUOUS,
         [GROUPS] = motion | DUET_EFFECT_CONTACT | DUET_EFFECT_FILTER,
         [SKIN] = motion | DUET_EFFECT_CONTACT | DUET_EFFECT_SKIN,
     };
@@ -56,7 +56,7 @@ static void each_cause_calls_for_its_effect(void **state)
         m->bodies[0].velocity[0] = cause == QUICK ? 1000.0f : 1.0f;
         if (cause == TURNED)
             mover_turn(m, 0, 1, 0, 0, 0.5);
-        m->bodies[0].spin[1] = cause == TURNING ? 1.0f : 0.0f;
+        m->bodies[0].angular_velocity[1] = cause == TURNING ? 1.0f : 0.0f;
         m->def.gravity[2] = cause == GRAVITY ? -1.0 : 0.0;
         m->def.drag = cause == DRAG ? 1.0 : 0.0;
         m->def.edge = cause == WALLS ? DUET_EDGE_WALLS : DUET_EDGE_NONE;
@@ -65,7 +65,7 @@ static void each_cause_calls_for_its_effect(void **state)
         m->bodies[0].mask = cause == GROUPS ? 1u : UINT32_MAX;
         m->def.skin = cause == SKIN ? 0.1 : 0.0;
         if (cause == QUICK)
-            m->def.wants = DUET_EFFECT_RESPONSE;
+            m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
         if (cause == GROUPS || cause == SKIN)
             m->def.wants = DUET_EFFECT_CONTACT;
         uint32_t found = effects_of(m);
@@ -89,13 +89,13 @@ static const medium usual = {3, false};
 static mover *make_scene_in(medium in, uint32_t set)
 {
     mover *m = mover_new(in.dims);
-    bool pushes = set & DUET_EFFECT_RESPONSE;
+    bool pushes = set & DUET_EFFECT_CONTACT_RESPONSE;
     bool flat = in.dims == 2;
     double apart = pushes ? 1.02 : 6.0;
     const int side = flat ? 5 : 3, n = flat ? 25 : 27;
     m->def.doubles = in.doubles;
-    m->def.wants =
-        set & (DUET_EFFECT_CONTACT | DUET_EFFECT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS);
+    m->def.wants = set & (DUET_EFFECT_CONTACT | DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP |
+                          DUET_EFFECT_EVENTS);
     m->def.gravity[1] = set & DUET_EFFECT_GRAVITY ? -3.0 : 0.0;
     m->def.drag = set & DUET_EFFECT_DRAG ? 0.3 : 0.0;
     m->def.skin = set & DUET_EFFECT_SKIN ? 0.1 : 0.0;
@@ -110,17 +110,17 @@ static mover *make_scene_in(medium in, uint32_t set)
         duet_body *b = &m->bodies[id];
         for (int k = 0; k < 3; ++k)
             b->velocity[k] = 0.3f * (float)sin(3 * i + 7 * k);
-        b->upright = !(pushes && (set & DUET_EFFECT_SPIN));
+        b->fixed_rotation = !(pushes && (set & DUET_EFFECT_ANGULAR_VELOCITY));
         if (set & DUET_EFFECT_ROTATION)
             mover_turn(m, id, !flat, flat ? 0 : i % 4, flat ? 1 : i % 3,
                        (pushes ? 0.001 : 0.05) * i);
-        if (set & DUET_EFFECT_SPIN)
-            b->spin[flat ? 2 : i % 3] = 0.5f + 0.1f * (float)i;
+        if (set & DUET_EFFECT_ANGULAR_VELOCITY)
+            b->angular_velocity[flat ? 2 : i % 3] = 0.5f + 0.1f * (float)i;
         b->friction = set & DUET_EFFECT_FRICTION ? 0.4f : 0.0f;
         b->group = set & DUET_EFFECT_FILTER ? 1u << i % 2 : UINT32_MAX;
         b->mask = set & DUET_EFFECT_FILTER ? 1u << i % 3 : UINT32_MAX;
     }
-    if (set & DUET_EFFECT_FAST)
+    if (set & DUET_EFFECT_CONTINUOUS)
         m->bodies[n - 1].velocity[in.dims - 1] = -200.0f;
     return m;
 }
@@ -151,9 +151,18 @@ static void assert_same_state(medium in, uint32_t set, uint32_t more)
 }
 
 static const uint32_t effects[] = {
-    DUET_EFFECT_ROTATION, DUET_EFFECT_SPIN,    DUET_EFFECT_GRAVITY,  DUET_EFFECT_DRAG,
-    DUET_EFFECT_BOUNDS,   DUET_EFFECT_CONTACT, DUET_EFFECT_RESPONSE, DUET_EFFECT_FRICTION,
-    DUET_EFFECT_FAST,     DUET_EFFECT_FILTER,  DUET_EFFECT_SLEEP,    DUET_EFFECT_SKIN,
+    DUET_EFFECT_ROTATION,
+    DUET_EFFECT_ANGULAR_VELOCITY,
+    DUET_EFFECT_GRAVITY,
+    DUET_EFFECT_DRAG,
+    DUET_EFFECT_BOUNDS,
+    DUET_EFFECT_CONTACT,
+    DUET_EFFECT_CONTACT_RESPONSE,
+    DUET_EFFECT_FRICTION,
+    DUET_EFFECT_CONTINUOUS,
+    DUET_EFFECT_FILTER,
+    DUET_EFFECT_SLEEP,
+    DUET_EFFECT_SKIN,
     DUET_EFFECT_EVENTS,
 };
 
@@ -161,10 +170,11 @@ enum { N_EFFECTS = sizeof effects / sizeof effects[0] };
 
 static uint32_t with_needs(uint32_t set)
 {
-    const uint32_t needs_response = DUET_EFFECT_FRICTION | DUET_EFFECT_FAST | DUET_EFFECT_SLEEP;
+    const uint32_t needs_response =
+        DUET_EFFECT_FRICTION | DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP;
     const uint32_t needs_contact =
-        DUET_EFFECT_RESPONSE | DUET_EFFECT_FILTER | DUET_EFFECT_SKIN | DUET_EFFECT_EVENTS;
-    set |= set & needs_response ? DUET_EFFECT_RESPONSE : 0;
+        DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FILTER | DUET_EFFECT_SKIN | DUET_EFFECT_EVENTS;
+    set |= set & needs_response ? DUET_EFFECT_CONTACT_RESPONSE : 0;
     return set | (set & needs_contact ? DUET_EFFECT_CONTACT : 0);
 }
 
@@ -208,9 +218,9 @@ static void sampled_sets_equal_the_general_step(void **state)
 // one than in a step that could push.
 static uint32_t general_in(medium in, uint32_t set)
 {
-    const uint32_t pushes =
-        DUET_EFFECT_RESPONSE | DUET_EFFECT_FRICTION | DUET_EFFECT_FAST | DUET_EFFECT_SLEEP;
-    bool flies = in.doubles && !(set & DUET_EFFECT_RESPONSE);
+    const uint32_t pushes = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FRICTION |
+                            DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP;
+    bool flies = in.doubles && !(set & DUET_EFFECT_CONTACT_RESPONSE);
     return flies ? DUET_EFFECT_ALL & ~pushes : DUET_EFFECT_ALL;
 }
 
@@ -262,18 +272,18 @@ static const struct {
     const char *word;
     const char *off_too; // what cannot be without it
 } words[] = {
-    {"SPIN", "spin", "spin", "GYRO"},
+    {"ANGULAR_VELOCITY", "angular_velocity", "angular_velocity", "GYRO"},
     {"GRAVITY", "gravity", "gravity", NULL},
     {"DRAG", "drag", "drag", NULL},
     {"BOUNDS", "bounds", "wall", NULL},
-    {"RESPONSE", "response", "pushes", "FRICTION FAST SLEEP"},
-    {"FRICTION", "friction", "grip", NULL},
-    {"FAST", "fast", "swept", NULL},
+    {"CONTACT_RESPONSE", "contact_response", "pushes", "FRICTION CONTINUOUS SLEEP"},
+    {"FRICTION", "friction", "friction", NULL},
+    {"CONTINUOUS", "continuous", "swept", NULL},
     {"FILTER", "filter", "filter", NULL},
     {"SLEEP", "sleep", "asleep", NULL},
     {"SKIN", "skin", "check_fat_aabbs", NULL},
     {"EVENTS", "events", "events", NULL},
-    {"ROTATED", "rotation", "rotations", "SPIN GYRO"},
+    {"ROTATED", "rotation", "rotations", "ANGULAR_VELOCITY GYRO"},
 };
 
 enum { N_WORDS = sizeof words / sizeof words[0] };
@@ -289,9 +299,9 @@ enum { N_KERNELS = sizeof kernels / sizeof kernels[0] };
 // The kernel's text with every effect on, or with all but one.
 static char *text_without(gen *g, const char *name, const gen_limits *limits, int off)
 {
-    static const char *const all[] = {"ROTATED", "SPIN",     "GYRO",     "GRAVITY", "DRAG",
-                                      "BOUNDS",  "RESPONSE", "FRICTION", "FAST",    "FILTER",
-                                      "SLEEP",   "SKIN",     "EVENTS"};
+    static const char *const all[] = {
+        "ROTATED",  "ANGULAR_VELOCITY", "GYRO",   "GRAVITY", "DRAG", "BOUNDS", "CONTACT_RESPONSE",
+        "FRICTION", "CONTINUOUS",       "FILTER", "SLEEP",   "SKIN", "EVENTS"};
     gen_setting settings[16];
     uint32_t n = 0;
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i) {
@@ -374,12 +384,18 @@ static void buffers_are_those_that_are_called_for(void **state)
         uint32_t effect;
         motion_buffer buffer;
     } owned[] = {
-        {DUET_EFFECT_ROTATION, ROTATIONS}, {DUET_EFFECT_SPIN, SPINS},
-        {DUET_EFFECT_SPIN, INERTIAS},      {DUET_EFFECT_CONTACT, BOXES},
-        {DUET_EFFECT_CONTACT, CONTACTS},   {DUET_EFFECT_CONTACT, FLAG_WORDS},
-        {DUET_EFFECT_RESPONSE, BODIES},    {DUET_EFFECT_RESPONSE, BLOCKS},
-        {DUET_EFFECT_FRICTION, FRICTIONS}, {DUET_EFFECT_FILTER, FILTERS},
-        {DUET_EFFECT_SLEEP, ASLEEP},       {DUET_EFFECT_EVENTS, EVENTS},
+        {DUET_EFFECT_ROTATION, ROTATIONS},
+        {DUET_EFFECT_ANGULAR_VELOCITY, ANGULAR_VELOCITIES},
+        {DUET_EFFECT_ANGULAR_VELOCITY, INERTIAS},
+        {DUET_EFFECT_CONTACT, BOXES},
+        {DUET_EFFECT_CONTACT, CONTACTS},
+        {DUET_EFFECT_CONTACT, FLAG_WORDS},
+        {DUET_EFFECT_CONTACT_RESPONSE, BODIES},
+        {DUET_EFFECT_CONTACT_RESPONSE, BLOCKS},
+        {DUET_EFFECT_FRICTION, FRICTIONS},
+        {DUET_EFFECT_FILTER, FILTERS},
+        {DUET_EFFECT_SLEEP, ASLEEP},
+        {DUET_EFFECT_EVENTS, EVENTS},
     };
     for (int i = 0; i < N_EFFECTS; ++i) {
         mover *m = make_scene(with_needs(effects[i]));
@@ -443,9 +459,10 @@ static void a_loaded_motion_goes_on_as_the_saved_one(void **state)
     char path[64];
     snprintf(path, sizeof path, "/tmp/duet-motion-%d", rand());
     for (int i = 0; i < 6; ++i) {
-        uint32_t set = with_needs(DUET_EFFECT_ROTATION | DUET_EFFECT_SPIN | DUET_EFFECT_RESPONSE |
-                                  DUET_EFFECT_GRAVITY | DUET_EFFECT_BOUNDS | wants[i % 3] |
-                                  (i < 3 ? 0 : DUET_EFFECT_SKIN));
+        uint32_t set =
+            with_needs(DUET_EFFECT_ROTATION | DUET_EFFECT_ANGULAR_VELOCITY |
+                       DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_GRAVITY | DUET_EFFECT_BOUNDS |
+                       wants[i % 3] | (i < 3 ? 0 : DUET_EFFECT_SKIN));
         duet_error err = {0};
         mover *saved = make_scene(set);
         mover *loaded = make_scene(set);
@@ -471,7 +488,7 @@ static void a_damaged_file_is_refused(void **state)
     char path[64];
     snprintf(path, sizeof path, "/tmp/duet-motion-%d", rand());
     duet_error err = {0};
-    mover *m = make_scene(with_needs(DUET_EFFECT_RESPONSE));
+    mover *m = make_scene(with_needs(DUET_EFFECT_CONTACT_RESPONSE));
     mover_run(m, 5);
     assert_ok(duet_motion_save(m->motion, path, &err), err);
     FILE *f = fopen(path, "r+b");

@@ -158,7 +158,7 @@ static int open_devices(void **state)
             poses[i].rotation[k] = (float)rng_normal(&r);
             if (k < 3) {
                 poses[i].centre[k] = (float)rng_between(&r, 0, 8);
-                poses[i].half[k] = 0.5f;
+                poses[i].half_extents[k] = 0.5f;
             }
         }
     duet_result result;

@@ -78,10 +78,10 @@ static void drag_decays_exponentially(void **state)
     m->def.drag = 0.5;
     uint32_t id = mover_add_cube(m, 0, 0, 0, 1);
     m->bodies[id].velocity[1] = 2.0f;
-    m->bodies[id].spin[2] = 1.0f;
+    m->bodies[id].angular_velocity[2] = 1.0f;
     mover_run(m, 60);
     assert_close(m->states[id].velocity[1], 2.0 * exp(-0.5), 1e-12);
-    assert_close(m->states[id].spin[2], exp(-0.5), 1e-12);
+    assert_close(m->states[id].angular_velocity[2], exp(-0.5), 1e-12);
     mover_free(m);
 }
 
@@ -117,8 +117,8 @@ static void a_turning_box_keeps_energy_and_momentum(void **state)
         m->def.dt = 0.01;
         m->def.substeps = 50;
         uint32_t id = mover_add(m, 0, 0, 0, 0.5, 0.3, 0.1);
-        m->bodies[id].spin[1] = 5.0f;
-        m->bodies[id].spin[0] = 0.01f;
+        m->bodies[id].angular_velocity[1] = 5.0f;
+        m->bodies[id].angular_velocity[0] = 0.01f;
         duet_energy before = mover_energy(m);
         mover_run(m, 2000); // 100 000 substeps
         duet_energy after = mover_energy(m);
@@ -155,7 +155,7 @@ static void the_flips_come_with_the_elliptic_period(void **state)
     m->def.dt = 0.001;
     m->def.substeps = 2;
     uint32_t id = mover_add(m, 0, 0, 0, 0.5, 0.3, 0.1);
-    float *spin = m->bodies[id].spin;
+    float *spin = m->bodies[id].angular_velocity;
     spin[0] = 0.1f;
     spin[1] = 5.0f;
     double a = 0.5 * 0.5, b = 0.3 * 0.3, c = 0.1f * 0.1;
@@ -174,7 +174,7 @@ static void the_flips_come_with_the_elliptic_period(void **state)
     for (int step = 1; flips < 3 && step < 60000; ++step) {
         mover_run(m, 1);
         const double *q = m->states[id].rotation;
-        const double *w = m->states[id].spin;
+        const double *w = m->states[id].angular_velocity;
         // along the box's y
         double along = w[0] * 2 * (q[0] * q[1] - q[3] * q[2]) +
                        w[1] * (1 - 2 * (q[0] * q[0] + q[2] * q[2])) +
@@ -199,8 +199,8 @@ static void a_thin_plate_spins_without_gain(void **state)
     (void)state;
     mover *m = mover_new(3);
     uint32_t id = mover_add(m, 0, 0, 0, 1, 1, 1e-3);
-    m->bodies[id].spin[0] = 70.0f;
-    m->bodies[id].spin[2] = 70.0f;
+    m->bodies[id].angular_velocity[0] = 70.0f;
+    m->bodies[id].angular_velocity[2] = 70.0f;
     double before = mover_energy(m).turning;
     for (int round = 0; round < 20; ++round) {
         mover_run(m, 60);
@@ -218,7 +218,7 @@ static void a_cube_turns_steadily(void **state)
     mover *m = mover_new(3);
     m->def.doubles = true;
     uint32_t id = mover_add_cube(m, 0, 0, 0, 1);
-    m->bodies[id].spin[2] = 3.0f;
+    m->bodies[id].angular_velocity[2] = 3.0f;
     mover_run(m, 60);
     assert_close(m->states[id].rotation[2], sin(1.5), 1e-12);
     assert_close(m->states[id].rotation[3], cos(1.5), 1e-12);
@@ -273,7 +273,7 @@ static void a_step_of_no_time_changes_nothing(void **state)
     mover *m = mover_new(3);
     m->def.dt = 0.0;
     m->def.gravity[2] = -9.81;
-    m->def.wants = DUET_EFFECT_RESPONSE;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     uint32_t id = mover_add_cube(m, 0, 0, 0, 1);
     m->bodies[id].velocity[0] = 1.0f;
     uint64_t before = mover_hash(m);
@@ -329,10 +329,10 @@ static void wrong_numbers_are_refused(void **state)
     m->bodies[0].velocity[2] = NAN;
     assert_refused(m, DUET_BAD_OBJECT, "object 0 of 2: a velocity");
     m->bodies[0].velocity[2] = 0.0f;
-    m->poses[1].half[0] = -1.0f;
+    m->poses[1].half_extents[0] = -1.0f;
     assert_refused(m, DUET_BAD_OBJECT, "object 1 of 2: a half extent");
-    m->poses[1].half[0] = 1.0f;
-    m->def.wants = DUET_EFFECT_RESPONSE;
+    m->poses[1].half_extents[0] = 1.0f;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     m->def.integrator = DUET_VERLET;
     assert_refused(m, DUET_BAD_ARGUMENT, "integrator euler");
     mover_free(m);

@@ -41,7 +41,7 @@ static mover *make_mover(kind of)
     rng r = rng_seed(77 + of);
     m->def.wants = of == FLIGHT ? 0 : DUET_EFFECT_CONTACT;
     if (of != ONLY_CONTACTS && of != FLIGHT)
-        m->def.wants |= DUET_EFFECT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS;
+        m->def.wants |= DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS;
     m->def.skin = of == PILE || of == ONLY_CONTACTS ? 0.3 : 0.0;
     m->def.gravity[1] = -5.0;
     m->def.doubles = of == DOUBLES || of == FLIGHT;
@@ -57,7 +57,7 @@ static mover *make_mover(kind of)
         b->mass = i % 7 == 0 ? 0.0f : 1.0f + (float)i / 8;
         b->friction = 0.4f;
         b->velocity[0] = i % 7 == 0 ? 0.0f : (float)rng_between(&r, -0.2, 0.2);
-        b->upright = of == ONLY_CONTACTS;
+        b->fixed_rotation = of == ONLY_CONTACTS;
         if (of == FLAT_GROUPS && i % 2)
             b->group = b->mask = 3;
         if (of != ONLY_CONTACTS && of != FLIGHT)
@@ -77,14 +77,22 @@ static const struct {
     const char *name;
     uint32_t words;
 } sections[] = {
-    {CENTRES, "centres", 0},   {CELLS, "cells", 0},
-    {VELOCITIES, "speeds", 0}, {ROTATIONS, "rotations", 0},
-    {SPINS, "spins", 0},       {RESTS, "rests", 0},
-    {ASLEEP, "asleep", 0},     {BOXES, "boxes", 0},
-    {STARTS, "starts", 0},     {RETURN_STARTS, "return starts", 0},
-    {RETURNS, "returns", 1},   {LINKS, "links", 2},
-    {OTHERS, "others", 1},     {CONTACTS, "contacts", UINT32_MAX},
-    {TOUCHES, "touches", 1},   {COLOUR_OF, "colours", 1},
+    {CENTRES, "centres", 0},
+    {CELLS, "cells", 0},
+    {VELOCITIES, "speeds", 0},
+    {ROTATIONS, "rotations", 0},
+    {ANGULAR_VELOCITIES, "angular_velocities", 0},
+    {RESTS, "rests", 0},
+    {ASLEEP, "asleep", 0},
+    {BOXES, "boxes", 0},
+    {STARTS, "starts", 0},
+    {RETURN_STARTS, "return starts", 0},
+    {RETURNS, "returns", 1},
+    {LINKS, "links", 2},
+    {OTHERS, "others", 1},
+    {CONTACTS, "contacts", UINT32_MAX},
+    {TOUCHES, "touches", 1},
+    {COLOUR_OF, "colours", 1},
 };
 
 enum { SECTIONS = sizeof sections / sizeof sections[0] };
@@ -106,7 +114,7 @@ static size_t words_of(const forger *f, int i)
     if (each == 0)
         return ((size_t)m->n + 1) * motion_words(m, sections[i].which);
     if (!motion_has(m, DUET_EFFECT_CONTACT) ||
-        (sections[i].which == COLOUR_OF && !motion_has(m, DUET_EFFECT_RESPONSE)))
+        (sections[i].which == COLOUR_OF && !motion_has(m, DUET_EFFECT_CONTACT_RESPONSE)))
         return 0;
     return (size_t)f->n_contacts * each;
 }
@@ -215,7 +223,7 @@ static void what_a_step_would_believe_is_refused(void **state)
         const char *said;
     } forged[] = {
         {CENTRES, 5, nan_bits, "object 1: a number of its state is not finite"},
-        {SPINS, 4, 0x7f800000, "object 1: a number of its state is not finite"},
+        {ANGULAR_VELOCITIES, 4, 0x7f800000, "object 1: a number of its state is not finite"},
         {VELOCITIES, 3, one, "object 0: its mass"},
         {ROTATIONS, 7, 0x40000000, "object 1: its rotation is not of length 1"},
         {RESTS, 2, minus, "object 2: its time at rest"},

@@ -78,7 +78,7 @@ static void centres_on_cell_borders_meet_all_neighbours(void **state)
                 poses[n++] = box_at(x * 0.5, y * 0.5, z * 0.5, 0.25);
     assert_int_equal(agreement_check(&def, poses, n), (25 * 25 * 25 - 9 * 9 * 9) / 2);
     for (uint32_t i = 0; i < n; ++i)
-        poses[i].half[0] = poses[i].half[1] = poses[i].half[2] = 0.5f;
+        poses[i].half_extents[0] = poses[i].half_extents[1] = poses[i].half_extents[2] = 0.5f;
     agreement_check(&def, poses, n);
 }
 
@@ -414,7 +414,7 @@ static void each_kind_of_bad_pose_is_named(void **state)
         duet_pose *bad = &poses[7];
         bad->centre[0] = kind == 0 ? INFINITY : bad->centre[0];
         bad->centre[2] = kind == 1 ? -INFINITY : 0;
-        bad->half[1] = kind == 2 ? -1 : kind == 3 ? NAN : 0.5f;
+        bad->half_extents[1] = kind == 2 ? -1 : kind == 3 ? NAN : 0.5f;
         bad->rotation[3] = kind == 4 ? 0 : kind == 5 ? NAN : 1;
         duet_world_def def = def_of(3);
         duet_error err = {0};

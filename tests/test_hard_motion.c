@@ -34,7 +34,7 @@ static void a_resting_face_stays_a_face_under_noise(void **state)
     (void)state;
     for (double noise = 1e-14; noise < 1e-5; noise *= 1e4) {
         mover *m = mover_new(3);
-        m->def.wants = DUET_EFFECT_RESPONSE;
+        m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
         m->def.gravity[2] = -10;
         m->bodies[mover_add(m, 0, 0, -1, 5, 5, 1)].mass = 0;
         uint32_t box = mover_add_cube(m, 0, 0, 0.5, 1);
@@ -60,7 +60,7 @@ enum { RESTING = 1000 };
 static mover *resting_boxes(rng *r)
 {
     mover *m = mover_new(3);
-    m->def.wants = DUET_EFFECT_RESPONSE;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     for (int i = 0; i < RESTING; ++i) {
         double x = 10 * (i % 10), y = 10 * (i / 10 % 10), z = 10 * (i / 100);
         double below = rng_between(r, 0.3, 1.5), above = rng_between(r, 0.3, 1.5);
@@ -123,7 +123,7 @@ static void a_millionth_changes_few_manifolds(void **state)
 static mover *lying_boxes(rng *r)
 {
     mover *m = mover_new(3);
-    m->def.wants = DUET_EFFECT_RESPONSE;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     for (int i = 0; i < RESTING; ++i) {
         double x = 10 * (i % 10), y = 10 * (i / 10 % 10), z = 10 * (i / 100);
         uint32_t floor = mover_add(m, x, y, z, 1, 1, 0.5);

@@ -11,7 +11,6 @@
 #include "runtime/level.h"
 #include "runtime/narrow.h"
 
-
 typedef struct hard_case {
     const char *name;
     bool collide;
@@ -49,7 +48,7 @@ static const hard_case cases[] = {
     {"faces that touch", true, {{{0}, CUBE, UPRIGHT}, {{1, 0.25f, 0}, CUBE, UPRIGHT}}, 3},
     {"edges that touch", true, {{{0}, CUBE, UPRIGHT}, {{1, 1, 0}, CUBE, UPRIGHT}}, 3},
     {"corners that touch", true, {{{0}, CUBE, UPRIGHT}, {{1, 1, 1}, CUBE, UPRIGHT}}, 3},
-    {"a gap of one ulp", false, {{{0}, CUBE, UPRIGHT}, {{1 + ULP, 0, 0}, CUBE, UPRIGHT}}, 3},
+    {"a separation of one ulp", false, {{{0}, CUBE, UPRIGHT}, {{1 + ULP, 0, 0}, CUBE, UPRIGHT}}, 3},
     {"an overlap of half an ulp",
      true,
      {{{0}, CUBE, UPRIGHT}, {{1 - ULP / 2, 0, 0}, CUBE, UPRIGHT}},

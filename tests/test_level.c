@@ -53,8 +53,10 @@ static void the_document_s_bounds_are_the_levels(void **state)
     (void)state;
     double f[4];
     const duet_level_info *textbook = duet_level_describe(DUET_LEVEL_SAT15);
-    figures("accuracy.md", "only with a gap above -48 u S = # S | only with a gap up to # S", 2, f);
-    figures("accuracy.md", "only with a gap above # S | only with a gap up to # S", 2, f + 2);
+    figures("accuracy.md",
+            "only with a separation above -48 u S = # S | only with a separation up to # S", 2, f);
+    figures("accuracy.md", "only with a separation above # S | only with a separation up to # S", 2,
+            f + 2);
     assert_printed(-textbook->missed, f[0]);
     assert_printed(textbook->added, f[1]);
     const duet_level_info *in_double = duet_level_describe(DUET_LEVEL_DOUBLE);
@@ -67,7 +69,7 @@ static duet_pose random_box(rng *r, double spread)
     duet_pose pose;
     for (int i = 0; i < 3; ++i) {
         pose.centre[i] = (float)rng_between(r, 0, spread);
-        pose.half[i] = (float)rng_between(r, 0.1, 1);
+        pose.half_extents[i] = (float)rng_between(r, 0.1, 1);
     }
     for (int i = 0; i < 4; ++i)
         pose.rotation[i] = (float)rng_normal(r);
@@ -125,12 +127,12 @@ static hard_pair spheres_that_nearly_touch(rng *r, int power)
     hard_pair p = {{{0}, {0}, {0, 0, 0, 1}}, {{0}, {0}, {0, 0, 0, 1}}};
     double way[3], norm = 0;
     for (int i = 0; i < 3; ++i) {
-        p.a.half[i] = any_half(r, power);
-        p.b.half[i] = any_half(r, power);
+        p.a.half_extents[i] = any_half(r, power);
+        p.b.half_extents[i] = any_half(r, power);
         way[i] = rng_below(r, 4) ? rng_normal(r) : 0;
         norm += way[i] * way[i];
     }
-    double reach = (double)(length(p.a.half, origin) + length(p.b.half, origin));
+    double reach = (double)(length(p.a.half_extents, origin) + length(p.b.half_extents, origin));
     reach *= 1 + (rng_below(r, 2) ? 1 : -1) * pow(2, -rng_between(r, 12, 22));
     for (int i = 0; i < 3; ++i)
         p.b.centre[i] = norm > 0 ? (float)(way[i] / sqrt(norm) * reach) : 0;
@@ -152,7 +154,7 @@ static void spheres_are_told_apart_in_the_whole_range(void **state)
         double size = promise_size(&p, 3);
         bool collide = sat_spheres_overlap(&p.a, &p.b, narrow_here, 3);
         long double distance = length(p.b.centre, p.a.centre);
-        long double reach = length(p.a.half, origin) + length(p.b.half, origin);
+        long double reach = length(p.a.half_extents, origin) + length(p.b.half_extents, origin);
         bool known = size >= range[0] * 0x1.00001p0 && size <= range[1] * 0x1.fffffp-1;
         bool wrong = collide ? known && distance > reach * (1 + 0x1p-18L) : distance <= reach;
         if (wrong) {
@@ -172,7 +174,7 @@ static duet_pose plate_at(int k, float at)
 {
     duet_pose plate = {{0}, {1e30f, 1e30f, 1e30f}, {0, 0, 0, 1}};
     plate.centre[k] = at;
-    plate.half[k] = 0;
+    plate.half_extents[k] = 0;
     return plate;
 }
 

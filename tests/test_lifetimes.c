@@ -129,7 +129,7 @@ static int make_poses(void **state)
     duet_error err = {0};
     rng r = rng_seed(test_seed());
     for (int i = 0; i < 2 * N; ++i) {
-        poses[i] = (duet_pose){.half = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
+        poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
         for (int k = 0; k < 3; ++k)
             poses[i].centre[k] = (float)rng_between(&r, 0, 3);
     }

@@ -180,7 +180,7 @@ static duet_motion *open_motion(const scenario *s, duet_error *err)
         def.upper[k] = 5.0;
     }
     for (int i = 0; i < MOVING; ++i) {
-        boxes[i] = (duet_pose){.half = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0.02f, 1}};
+        boxes[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0.02f, 1}};
         boxes[i].centre[0] = 0.99f * (float)(i % 2);
         boxes[i].centre[1] = 0.99f * (float)(i / 2 % 2);
         boxes[i].centre[2] = 0.99f * (float)(i / 4) - 1.1f;
@@ -308,7 +308,7 @@ static void nothing_crashes_hangs_or_leaks(void **state)
 {
     (void)state;
     uint64_t even_right = right_of(even), mixed_right = right_of(mixed);
-    const uint32_t pile = DUET_EFFECT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS;
+    const uint32_t pile = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS;
     const duet_mode shared = DUET_MODE_SHARED, own = DUET_MODE_OWN, slab = DUET_MODE_SLAB;
     uint64_t *of_even = &even_right, *of_mixed = &mixed_right;
     const scenario scenarios[] = {
@@ -371,7 +371,7 @@ static int open_devices(void **state)
     snprintf(scratch, sizeof scratch, "%s-scratch", saved);
     rng r = rng_seed(7);
     for (int i = 0; i < N; ++i) {
-        even[i] = (duet_pose){.half = {0.5f, 0.5f, 0.5f}};
+        even[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}};
         for (int k = 0; k < 4; ++k) {
             even[i].rotation[k] = (float)rng_normal(&r);
             if (k < 3)
@@ -379,7 +379,7 @@ static int open_devices(void **state)
         }
         mixed[i] = even[i];
         for (int k = 0; k < 3 && i % 8; ++k)
-            mixed[i].half[k] = 0.05f;
+            mixed[i].half_extents[k] = 0.05f;
     }
     return 0;
 }

@@ -124,13 +124,13 @@ static void tell_launches(char *chars, size_t capacity)
 
 // ---------------------------------------------------------------- scenes
 
-// Boxes that fall, turn, rub and come to rest between walls; or fly freely.
+// Boxes that fall, turn, slide and come to rest between walls; or fly freely.
 static mover *make_scene(uint32_t dims, bool pushes)
 {
     mover *m = mover_new(dims);
     double apart = pushes ? 1.02 : 6.0;
     if (pushes)
-        m->def.wants = DUET_EFFECT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS;
+        m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS;
     m->def.gravity[1] = -3.0;
     m->def.drag = 0.3;
     m->def.skin = pushes ? 0.1 : 0.0;
@@ -144,7 +144,7 @@ static mover *make_scene(uint32_t dims, bool pushes)
         duet_body *b = &m->bodies[id];
         for (uint32_t k = 0; k < dims; ++k)
             b->velocity[k] = 0.3f * (float)sin(3 * i + 7 * (int)k);
-        b->spin[dims == 3 ? i % 3 : 2] = 0.5f + 0.1f * (float)i;
+        b->angular_velocity[dims == 3 ? i % 3 : 2] = 0.5f + 0.1f * (float)i;
         b->friction = pushes ? 0.4f : 0.0f;
         b->group = 1u << i % 2;
         b->mask = 1u << i % 2 | 1u << i % 3;

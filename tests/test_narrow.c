@@ -22,7 +22,7 @@ static duet_pose random_box(rng *r, double spread)
     duet_pose pose;
     for (int i = 0; i < 3; ++i) {
         pose.centre[i] = (float)rng_between(r, 0, spread);
-        pose.half[i] = (float)rng_between(r, 0.1, 1);
+        pose.half_extents[i] = (float)rng_between(r, 0.1, 1);
     }
     for (int i = 0; i < 4; ++i)
         pose.rotation[i] = (float)rng_normal(r);
@@ -153,7 +153,7 @@ static bool upright_float_is_exact(const hard_pair *p, uint32_t dims)
     memcpy(b.rotation, (float[]){0, 0, 0, -2}, sizeof b.rotation);
     bool truth = narrow_exact(&a, &b, dims);
     narrow_verdict in_float = narrow_float(&a, &b, dims, false);
-    bool huge = a.half[0] + b.half[0] > 0x1p99f;
+    bool huge = a.half_extents[0] + b.half_extents[0] > 0x1p99f;
     return (in_float == NARROW_UNDECIDED ? huge : (in_float == NARROW_COLLIDING) == truth) &&
            narrow_double(&a, &b, dims) == (truth ? NARROW_COLLIDING : NARROW_SEPARATED);
 }
@@ -182,8 +182,8 @@ static void quarter_turns_are_decided_exactly_in_double(void **state)
         ++turns;
         for (int round = 0; round < 50; ++round) {
             for (int i = 0; i < 3; ++i) {
-                a.half[i] = (float)rng_below(&r, 4);
-                b.half[i] = (float)rng_below(&r, 4);
+                a.half_extents[i] = (float)rng_below(&r, 4);
+                b.half_extents[i] = (float)rng_below(&r, 4);
                 b.centre[i] = (float)rng_below(&r, 7);
             }
             b.centre[0] = nextafterf(b.centre[0], (float)round - 25);
@@ -286,7 +286,7 @@ static void flat_pairs_are_alike_in_2d_and_in_3d(void **state)
     for (int i = 0; i < 20000; ++i) {
         hard_pair p = hard_classes[0].make(&r, 2);
         bool in_2d = narrow_decide(&p.a, &p.b, 2);
-        p.a.half[2] = p.b.half[2] = 1;
+        p.a.half_extents[2] = p.b.half_extents[2] = 1;
         p.a.centre[2] = p.b.centre[2] = 7;
         assert_int_equal(narrow_decide(&p.a, &p.b, 3), in_2d);
     }
@@ -322,10 +322,11 @@ static void plates_a_hair_apart_are_separated(void **state)
     duet_pose b = a;
     const float q[4] = {0.1f, 0.2f, 0.3f, 0.9f};
     double norm = 0.95;
-    double gap = 0.04 + 1e-4;
-    b.centre[0] = (float)(gap * 2 * (q[0] * q[2] + q[3] * q[1]) / norm);
-    b.centre[1] = (float)(gap * 2 * (q[1] * q[2] - q[3] * q[0]) / norm);
-    b.centre[2] = (float)(gap * (q[3] * q[3] + q[2] * q[2] - q[0] * q[0] - q[1] * q[1]) / norm);
+    double separation = 0.04 + 1e-4;
+    b.centre[0] = (float)(separation * 2 * (q[0] * q[2] + q[3] * q[1]) / norm);
+    b.centre[1] = (float)(separation * 2 * (q[1] * q[2] - q[3] * q[0]) / norm);
+    b.centre[2] =
+        (float)(separation * (q[3] * q[3] + q[2] * q[2] - q[0] * q[0] - q[1] * q[1]) / norm);
     assert_false(narrow_decide(&a, &b, 3));
     for (int i = 0; i < 3; ++i)
         b.centre[i] *= 0.99f;
@@ -383,9 +384,9 @@ static void coordinates_near_the_greatest_float_are_no_trouble(void **state)
     (void)state;
     duet_pose a = cube_at(-FLT_MAX, 0, 0), b = cube_at(FLT_MAX, 0, 0);
     assert_false(narrow_decide(&a, &b, 3));
-    a.half[0] = FLT_MAX;
+    a.half_extents[0] = FLT_MAX;
     assert_false(narrow_decide(&a, &b, 3));
-    b.half[0] = FLT_MAX;
+    b.half_extents[0] = FLT_MAX;
     assert_true(narrow_decide(&a, &b, 3)); // they touch in 0
     memcpy(b.rotation, (float[]){1, 0, 0, 1}, sizeof b.rotation);
     assert_true(narrow_decide(&a, &b, 3));
@@ -399,7 +400,7 @@ static void a_pose_that_is_no_box_collides_with_nothing(void **state)
     duet_pose good = cube_at(0, 0, 0);
     duet_pose bad[] = {good, good, good, good, good};
     bad[0].centre[0] = NAN;
-    bad[1].half[1] = -1;
+    bad[1].half_extents[1] = -1;
     bad[2].rotation[3] = 0;
     bad[3].rotation[1] = NAN;
     bad[4].centre[2] = INFINITY;

@@ -115,7 +115,7 @@ static void make_world(fixture *f)
     duet_pose *poses = duet_world_map_poses(f->world, BOXES, &err);
     assert_non_null(poses);
     for (int i = 0; i < BOXES; ++i) {
-        poses[i] = (duet_pose){.half = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
+        poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
         for (int k = 0; k < 3; ++k)
             poses[i].centre[k] = (float)rng_between(&r, 0, 8);
     }

@@ -127,9 +127,9 @@ static void check_moved(const hard_pair *pair, uint32_t dims, rng *r)
     assert_int_equal(duet_placed_collide(&off[1], &off[0], 1, dims), collide);
     for (int l = 0; l < DUET_LEVELS; ++l)
         assert_int_equal(at_level(l, far, dims), at_level(l, near, dims));
-    double gap = duet_placed_gap(&near[0], &near[1], 1, dims);
-    double gap_off = duet_placed_gap(&off[0], &off[1], 1, dims);
-    assert_memory_equal(&gap, &gap_off, sizeof gap);
+    double separation = duet_placed_separation(&near[0], &near[1], 1, dims);
+    double separation_off = duet_placed_separation(&off[0], &off[1], 1, dims);
+    assert_memory_equal(&separation, &separation_off, sizeof separation);
 }
 
 static void hard_pairs_have_one_verdict_wherever_they_are(void **state)
@@ -156,7 +156,8 @@ static void far_pairs_collide_where_the_same_near_0_do(void **state)
     rng r = rng_seed(test_seed());
     uint32_t n_colliding = 0;
     for (int i = 0; i < 1000; ++i) {
-        hard_pair pair = {{.half = {0.5f, 0.25f, 0.125f}}, {.half = {0.25f, 0.5f, 0.5f}}};
+        hard_pair pair = {{.half_extents = {0.5f, 0.25f, 0.125f}},
+                          {.half_extents = {0.25f, 0.5f, 0.5f}}};
         for (int k = 0; k < 4; ++k) {
             pair.a.rotation[k] = (float)rng_normal(&r);
             pair.b.rotation[k] = i % 3 ? pair.a.rotation[k] : (float)rng_normal(&r);
@@ -187,9 +188,9 @@ static void a_float_coordinate_loses_what_cells_keep(void **state)
         assert_true(fabs((double)poses[i].centre[0] - at[i][0]) <= 0x1p-24 * at[i][0]);
     }
     assert_true(duet_placed_collide(&both[0], &both[1], 1, 3));
-    assert_true(fabs(duet_placed_gap(&both[0], &both[1], 1, 3) + 0.1) < 0x1p-24);
+    assert_true(fabs(duet_placed_separation(&both[0], &both[1], 1, 3) + 0.1) < 0x1p-24);
     assert_false(duet_poses_collide(&poses[0], &poses[1], 3));
-    assert_true(duet_poses_gap(&poses[0], &poses[1], 3) == 0.5);
+    assert_true(duet_poses_separation(&poses[0], &poses[1], 3) == 0.5);
 }
 
 // ------------------------------------------------------------ worlds
@@ -213,7 +214,7 @@ static void scatter(uint32_t from, uint32_t n, const double at[3], double side, 
         placed[i] = (duet_placed){.pose.rotation = {0, 0, 0, 1}};
         for (int k = 0; k < 3; ++k) {
             centre[k] = at[k] + 0x1p-10 * floor(0x1p10 * rng_between(r, 0, side));
-            placed[i].pose.half[k] = (float)(0.5 * pow(most, rng_between(r, 0, 1)));
+            placed[i].pose.half_extents[k] = (float)(0.5 * pow(most, rng_between(r, 0, 1)));
         }
         for (int k = 0; rotated && k < 4; ++k)
             placed[i].pose.rotation[k] = (float)rng_normal(r);
@@ -387,7 +388,7 @@ static void a_script_s_doubles_reach_their_cells(void **state)
     (void)state;
     const char *text = "add(1e7 + 0.3, 0, 0, 0.5, 0.5, 0.5, 0, 0, 0, 1)\n"
                        "add(1e7 + 1.2, 0, 0, 0.5, 0.5, 0.5, 0, 0, 0, 1)\n"
-                       "add{centre = {1e7 + 2.3, 0, 0}, half = {0.5, 0.5, 0.5}}\n"
+                       "add{centre = {1e7 + 2.3, 0, 0}, half_extents = {0.5, 0.5, 0.5}}\n"
                        "return {origin = 'cell'}";
     duet_error err = {0};
     duet_scene *scene = scene_from_text("far.lua", text, &err);

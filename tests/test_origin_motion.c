@@ -23,10 +23,10 @@ static mover *mover_in_cells(uint32_t dims, const double at[3])
 static mover *stack_at(uint32_t dims, uint32_t height, const double at[3])
 {
     mover *m = mover_in_cells(dims, at);
-    m->def.wants |= DUET_EFFECT_RESPONSE;
+    m->def.wants |= DUET_EFFECT_CONTACT_RESPONSE;
     uint32_t up = dims - 1;
     uint32_t ground = mover_add(m, 0, 0, 0, 5, 5, 5);
-    m->poses[ground].half[up] = 0.5f;
+    m->poses[ground].half_extents[up] = 0.5f;
     m->poses[ground].centre[up] = -0.5f;
     m->bodies[ground].mass = 0;
     m->bodies[ground].friction = 0.6f;
@@ -48,7 +48,7 @@ static mover *swarm_at(const double at[3], duet_integrator integrator)
         uint32_t id = mover_add(m, 0.3 * i, -0.2 * i, 0.1 * i, 0.5, 0.25, 0.125);
         for (int k = 0; k < 3; ++k) {
             m->bodies[id].velocity[k] = (float)(i - 7 * k);
-            m->bodies[id].spin[k] = 0.3f * (float)(i - 5 * k);
+            m->bodies[id].angular_velocity[k] = 0.3f * (float)(i - 5 * k);
         }
     }
     return m;
@@ -104,7 +104,7 @@ static void a_flight_far_away_is_the_one_at_0(void **state)
     }
 }
 
-// Without a rotation, a spin or a drag the way is known.
+// Without a rotation, an angular velocity or a drag the way is known.
 static void a_fall_far_away_follows_its_parabola(void **state)
 {
     (void)state;

@@ -219,7 +219,7 @@ static void what_is_not_kept_leaves_nothing(void **state)
     (void)state;
     output o;
     assert_true(output_open(&o, "out", NULL));
-    fputs("half", o.stream);
+    fputs("half_extents", o.stream);
     assert_false(output_close(&o, false, NULL));
     assert_int_equal(test_count_files(), 0);
 }

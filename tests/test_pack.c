@@ -365,7 +365,7 @@ static void a_bad_object_that_is_packed_is_refused_by_its_id(void **state)
     rng r = {test_seed()};
     set_memory(false, false);
     fill_poses(&r, N, 3);
-    poses[1234].half[1] = -1.0f;
+    poses[1234].half_extents[1] = -1.0f;
     duet_world_def def = world_def(3, "gpu send=packed");
     duet_world *world = make_world(&def);
     assert_ok(duet_world_set_poses(world, poses, N, &err), err);

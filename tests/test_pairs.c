@@ -67,7 +67,7 @@ static uint64_t random_scene(duet_pose *poses)
             poses[i].rotation[k] = (float)rng_normal(&r);
             if (k < 3) {
                 poses[i].centre[k] = (float)rng_between(&r, 0, 20);
-                poses[i].half[k] = (float)rng_between(&r, 0.1, 0.6);
+                poses[i].half_extents[k] = (float)rng_between(&r, 0.1, 0.6);
             }
         }
     return OBJECTS;
@@ -159,16 +159,16 @@ static void gaps_are_those_of_the_best_axis_at_any_share(void **state)
     enum { N = 100 };
     duet_pose poses[2 * N];
     uint8_t verdicts[N];
-    double gaps[N];
+    double separations[N];
     fill_row(poses, N);
     for (uint32_t share = 0; share <= DUET_SHARE_ONE; share += DUET_SHARE_ONE / 4) {
         duet_error err = {0};
         duet_test_result result;
         duet_test *test = open_test(DUET_LEVEL_CERTIFIED, share);
-        assert_ok(duet_test_pairs(test, poses, N, verdicts, gaps, &result, &err), err);
+        assert_ok(duet_test_pairs(test, poses, N, verdicts, separations, &result, &err), err);
         for (int i = 0; i < N; ++i) {
             assert_int_equal(verdicts[i], i % 3 != 2);
-            assert_true(gaps[i] == (i % 3 == 2 ? 0.5 : -0.25));
+            assert_true(separations[i] == (i % 3 == 2 ? 0.5 : -0.25));
         }
         duet_test_close(test);
     }
@@ -215,8 +215,8 @@ static void each_kind_of_bad_pose_is_named_with_its_pair(void **state)
         char why[120];
         fill_row(poses, N);
         duet_pose *bad = &poses[2 * 13 + kind % 2];
-        float *const places[] = {&bad->centre[0], &bad->centre[1],   &bad->half[2],
-                                 &bad->half[1],   &bad->rotation[0], &bad->rotation[3]};
+        float *const places[] = {&bad->centre[0],       &bad->centre[1],   &bad->half_extents[2],
+                                 &bad->half_extents[1], &bad->rotation[0], &bad->rotation[3]};
         static const float values[] = {NAN, INFINITY, -INFINITY, -1e-30f, NAN, 0};
         *places[kind] = values[kind];
         snprintf(why, sizeof why, "pair 13: the %s %s", kind % 2 ? "second" : "first", because);
@@ -231,9 +231,9 @@ static void of_several_bad_pairs_the_first_is_named(void **state)
     duet_pose *poses = malloc(2 * N * sizeof *poses);
     assert_non_null(poses);
     fill_row(poses, N);
-    poses[2 * 599999].half[0] = -1;
-    poses[2 * 299990 + 1].half[0] = -1;
-    poses[2 * 299991].half[0] = -1;
+    poses[2 * 599999].half_extents[0] = -1;
+    poses[2 * 299990 + 1].half_extents[0] = -1;
+    poses[2 * 299991].half_extents[0] = -1;
     for (uint32_t share = 0; share <= DUET_SHARE_ONE; share += DUET_SHARE_ONE / 2)
         expect_refused(poses, N, share,
                        "pair 299990: the second pose is not a number, infinite, negative or "
@@ -249,9 +249,9 @@ static void a_test_goes_on_after_a_refusal(void **state)
     uint8_t verdict;
     duet_pose poses[2] = {cube_at(0, 0, 0), cube_at(0, 0, 0)};
     duet_test *test = open_test(DUET_LEVEL_DOUBLE, 0);
-    poses[0].half[0] = NAN;
+    poses[0].half_extents[0] = NAN;
     assert_false(duet_test_pairs(test, poses, 1, &verdict, NULL, &result, NULL));
-    poses[0].half[0] = 1;
+    poses[0].half_extents[0] = 1;
     assert_ok(duet_test_pairs(test, poses, 1, &verdict, NULL, &result, &err), err);
     assert_int_equal(verdict, 1);
     assert_false(duet_test_pairs(test, NULL, 1, &verdict, NULL, &result, &err));

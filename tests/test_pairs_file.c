@@ -134,11 +134,11 @@ static void arrays_are_written_as_numpy_reads_them(void **state)
     assert_int_equal(bytes.chars[127], '\n');
     assert_memory_equal(bytes.chars + 128, verdicts, 3);
     text_free(&bytes);
-    const double gaps[2] = {0.5, -1e300};
-    assert_ok(npy_write("verdicts.npy", NPY_FLOAT64, gaps, 2, &err), err);
+    const double separations[2] = {0.5, -1e300};
+    assert_ok(npy_write("verdicts.npy", NPY_FLOAT64, separations, 2, &err), err);
     assert_ok(text_read_file(&bytes, "verdicts.npy", &err), err);
     assert_int_equal(bytes.length, 128 + 16);
-    assert_memory_equal(bytes.chars + 128, gaps, 16);
+    assert_memory_equal(bytes.chars + 128, separations, 16);
     text_free(&bytes);
     remove("verdicts.npy");
     assert_false(npy_write("no/such/folder/v.npy", NPY_UINT8, verdicts, 3, &err));
@@ -185,7 +185,7 @@ static void assert_file(const char *path, const char *expected)
     remove(path);
 }
 
-static void the_program_writes_verdicts_and_gaps(void **state)
+static void the_program_writes_verdicts_and_separations(void **state)
 {
     (void)state;
     duet_error err = {0};
@@ -193,7 +193,7 @@ static void the_program_writes_verdicts_and_gaps(void **state)
     write_text("pairs.csv", TOUCHING APART);
     static const char *const outs[] = {"verdicts.csv", "verdicts.npy"};
     for (int i = 0; i < 2; ++i) {
-        program p = program_run_with(CACHED, "test pairs.csv --gaps --out %s", outs[i]);
+        program p = program_run_with(CACHED, "test pairs.csv --separations --out %s", outs[i]);
         assert_string_equal(p.err, "");
         assert_int_equal(p.exit_code, 0);
         program_free(&p);
@@ -202,11 +202,11 @@ static void the_program_writes_verdicts_and_gaps(void **state)
     assert_ok(text_read_file(&bytes, "verdicts.npy", &err), err);
     assert_memory_equal(bytes.chars + 128, "\1\0", 2);
     text_free(&bytes);
-    assert_ok(text_read_file(&bytes, "verdicts.gaps.npy", &err), err);
+    assert_ok(text_read_file(&bytes, "verdicts.separations.npy", &err), err);
     assert_memory_equal(bytes.chars + 128, ((const double[2]){0, 1}), 16);
     text_free(&bytes);
     remove("verdicts.npy");
-    remove("verdicts.gaps.npy");
+    remove("verdicts.separations.npy");
     remove("pairs.csv");
 }
 
@@ -220,7 +220,7 @@ static void wrong_usage_is_told(void **state)
         const char *says;
     } wrong[] = {
         {"test", 2, "PAIRS.npy|FILE"},
-        {"test pairs.csv --gaps", 2, "give --out V.npy"},
+        {"test pairs.csv --separations", 2, "give --out V.npy"},
         {"test pairs.csv --device pocl:0 --share 0.5", 2, "--device is one device alone"},
         {"test pairs.csv --level exact", 2, "the levels are certified, aabb"},
         {"test pairs.csv --device abacus:0", 1, "no device 'abacus:0'"},
@@ -242,7 +242,7 @@ int main(void)
         cmocka_unit_test(wrong_files_are_refused_with_pair_and_pose),
         cmocka_unit_test(arrays_are_written_as_numpy_reads_them),
         cmocka_unit_test(the_program_tests_a_file_at_every_level),
-        cmocka_unit_test(the_program_writes_verdicts_and_gaps),
+        cmocka_unit_test(the_program_writes_verdicts_and_separations),
         cmocka_unit_test(wrong_usage_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -28,12 +28,12 @@ static fixture make_world(uint32_t n, uint64_t seed, float giant, const char *wo
     duet_pose *poses = calloc(n, sizeof *poses);
     assert_non_null(poses);
     for (uint32_t i = 0; i < n; ++i) {
-        poses[i] = (duet_pose){.half = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
+        poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
         for (int k = 0; k < 3; ++k)
             poses[i].centre[k] = (float)rng_between(&r, 0, 20);
     }
     if (giant > 0)
-        poses[n / 2].half[0] = giant / 2;
+        poses[n / 2].half_extents[0] = giant / 2;
     duet_device_pair_def pair_def = duet_default_device_pair_def();
     f.pair = duet_device_pair_open(&pair_def, &err);
     assert_ok(f.pair, err);
@@ -124,7 +124,7 @@ static void a_workload_is_of_the_objects_that_a_world_has(void **state)
     assert_ok(poses, err);
     profiled mapped = describe(&f);
     assert_memory_equal(&set.workload, &mapped.workload, sizeof set.workload);
-    poses[N / 3].half[1] = 4;
+    poses[N / 3].half_extents[1] = 4;
     assert_true(describe(&f).workload.size_ratio == 8);
     duet_pose one = poses[0];
     assert_ok(duet_world_set_poses(f.world, &one, 1, &err), err);

@@ -31,7 +31,7 @@ static duet_pose scattered(rng *r, double world, double half)
 {
     duet_pose pose = box_at(rng_between(r, -world, world), rng_between(r, -world, world),
                             rng_between(r, -world, world), half);
-    pose.half[1] *= (float)rng_unit(r);
+    pose.half_extents[1] *= (float)rng_unit(r);
     turn(&pose, r);
     return pose;
 }
@@ -98,8 +98,8 @@ static crowd *make_crowd(maker make, uint32_t dims, duet_shape shape, rng *r)
     for (uint32_t i = 0; i < N; ++i) {
         c->poses[i] = make(r, i);
         for (int k = 0; k < 3; ++k) {
-            c->bounds[i].lower[k] = c->poses[i].centre[k] - c->poses[i].half[k];
-            c->bounds[i].upper[k] = c->poses[i].centre[k] + c->poses[i].half[k];
+            c->bounds[i].lower[k] = c->poses[i].centre[k] - c->poses[i].half_extents[k];
+            c->bounds[i].upper[k] = c->poses[i].centre[k] + c->poses[i].half_extents[k];
         }
     }
     return c;

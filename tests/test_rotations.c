@@ -91,7 +91,7 @@ static duet_scene *by_lua(const double row[NUMBERS], duet_error *err)
     add_list(&t, row, COLUMNS);
     text_add(&t, ")\nreturn { objects = { { centre = { ");
     add_list(&t, row + COLUMNS, 3);
-    text_add(&t, " }, half = { ");
+    text_add(&t, " }, half_extents = { ");
     add_list(&t, row + COLUMNS + 3, 3);
     text_add(&t, " }, rotation = { ");
     add_list(&t, row + COLUMNS + 6, 4);

@@ -21,9 +21,9 @@
 static const char scene_text[] =
     "for i = 0, 7 do\n"
     "  add { centre = { i % 2 * 1.1, i // 2 % 2 * 1.1, 0.6 + i // 4 * 1.2 },\n"
-    "        half = { 0.5, 0.5, 0.5 } }\n"
+    "        half_extents = { 0.5, 0.5, 0.5 } }\n"
     "end\n"
-    "add { centre = { -4, 0, 1 }, half = { 0.2, 0.2, 0.2 }, velocity = { 100, 0, 0 } }\n"
+    "add { centre = { -4, 0, 1 }, half_extents = { 0.2, 0.2, 0.2 }, velocity = { 100, 0, 0 } }\n"
     "return { dims = 3, gravity = { 0, 0, -10 }, bounds = 'walls', wants = { 'response' },\n"
     "         world = { lower = { -5, -5, 0 }, upper = { 5, 5, 9 } } }\n";
 

@@ -8,9 +8,9 @@
 #include <math.h>
 #include <string.h>
 
-#define UNIT_CUBE                                              \
-    {                                                          \
-        .half = {0.5f, 0.5f, 0.5f}, .rotation = { 0, 0, 0, 1 } \
+#define UNIT_CUBE                                                      \
+    {                                                                  \
+        .half_extents = {0.5f, 0.5f, 0.5f}, .rotation = { 0, 0, 0, 1 } \
     }
 
 static void assert_pose_refused(const duet_pose *pose, uint32_t dims, const char *says)
@@ -32,7 +32,7 @@ static void a_bad_pose_is_refused_by_its_id(void **state)
     pose.centre[1] = INFINITY;
     assert_pose_refused(&pose, 3, "object 2: cy is inf");
     pose = (duet_pose)UNIT_CUBE;
-    pose.half[2] = -FLT_TRUE_MIN;
+    pose.half_extents[2] = -FLT_TRUE_MIN;
     assert_pose_refused(&pose, 3, "hz = -1.4013e-45 is negative; a half extent is 0 or more");
     pose = (duet_pose)UNIT_CUBE;
     pose.rotation[3] = 0;

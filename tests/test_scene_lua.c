@@ -62,20 +62,21 @@ static void what_a_scene_leaves_out_has_a_default(void **state)
 static void all_ways_to_write_an_object_agree(void **state)
 {
     (void)state;
-    duet_scene *scene =
-        assert_scene("add(1, 2, 3, 4, 5, 6, 0, 0, 0, 1)\n"
-                     "add { 1, 2, 3, 4, 5, 6, 0, 0, 0, 1 }\n"
-                     "add { centre = {1, 2, 3}, half = {4, 5, 6} }\n"
-                     "return { objects = { { 1, 2, 3, 4, 5, 6, 0, 0, 0, 1 },\n"
-                     "  { centre = {1, 2, 3}, half = {4, 5, 6}, rotation = {0, 0, 0, 1} },\n"
-                     "  { centre = {1, 2, 3}, half = {4, 5, 6}, euler = {0, 0, 0} } } }");
+    duet_scene *scene = assert_scene(
+        "add(1, 2, 3, 4, 5, 6, 0, 0, 0, 1)\n"
+        "add { 1, 2, 3, 4, 5, 6, 0, 0, 0, 1 }\n"
+        "add { centre = {1, 2, 3}, half_extents = {4, 5, 6} }\n"
+        "return { objects = { { 1, 2, 3, 4, 5, 6, 0, 0, 0, 1 },\n"
+        "  { centre = {1, 2, 3}, half_extents = {4, 5, 6}, rotation = {0, 0, 0, 1} },\n"
+        "  { centre = {1, 2, 3}, half_extents = {4, 5, 6}, euler = {0, 0, 0} } } }");
     const duet_pose want = {{1, 2, 3}, {4, 5, 6}, {0, 0, 0, 1}};
     assert_int_equal(duet_scene_describe(scene)->n, 6);
     for (int i = 0; i < 6; ++i)
         assert_memory_equal(&duet_scene_poses(scene)[i], &want, sizeof want);
     duet_scene_destroy(scene);
-    scene = assert_scene("add(1, 2, 3, 4, 0.5) "
-                         "return { objects = {{ centre = {1, 2}, half = {3, 4}, angle = 0.5 }} }");
+    scene = assert_scene(
+        "add(1, 2, 3, 4, 0.5) "
+        "return { objects = {{ centre = {1, 2}, half_extents = {3, 4}, angle = 0.5 }} }");
     assert_memory_equal(&duet_scene_poses(scene)[0], &duet_scene_poses(scene)[1],
                         sizeof(duet_pose));
     duet_scene_destroy(scene);
@@ -216,22 +217,24 @@ static void a_wrong_scene_is_refused_with_its_place(void **state)
          "object 0: it must be a row of numbers, or named fields, not both"},
         {"return { objects = { {0, 0, 1, 'x'} } }", DUET_BAD_INPUT, "object 0: a number is wanted"},
         {"return { objects = {\n { centre = {0, 0}, haf = {1, 1} } } }", DUET_BAD_INPUT,
-         ":2: object 0: no field 'haf'; it has angle, centre, euler, half, lower, rotation, upper"},
-        {"return { objects = { { centre = {0, 0, 0, 0}, half = {1, 1} } } }", DUET_BAD_INPUT,
-         ":1: object 0: centre has 4 numbers; it must have 2 or 3"},
+         ":2: object 0: no field 'haf'; it has angle, centre, euler, half_extents, lower, "
+         "rotation, upper"},
+        {"return { objects = { { centre = {0, 0, 0, 0}, half_extents = {1, 1} } } }",
+         DUET_BAD_INPUT, ":1: object 0: centre has 4 numbers; it must have 2 or 3"},
         {"return { objects = { { centre = {0, 0, 0} } } }", DUET_BAD_INPUT,
          "object 0: it must have centre and half"},
         {"add(0, 0, 1, 1)\nadd(0, 0, 1)", DUET_BAD_INPUT,
          ":2: object 1 has 3 numbers, where those before it have 4"},
         {"\nadd()", DUET_BAD_INPUT, ":2: object 0 has 0 numbers"},
         {"\nadd('x', 0, 1, 1)", DUET_BAD_INPUT, ":2: bad argument #1 to 'add'"},
-        {"\nadd { centre = {0, 0}, half = {1, 1}, euler = {0, 0, 0} }", DUET_BAD_INPUT,
+        {"\nadd { centre = {0, 0}, half_extents = {1, 1}, euler = {0, 0, 0} }", DUET_BAD_INPUT,
          ":2: object 0: it must have centre and half"},
         {"add(0, 0, 1, 1, 0)\nadd(0, 0, -1, 1, 0)", DUET_BAD_OBJECT,
          FILE_NAME ":2: object 1: hx = -1 is negative"},
         {"return { objects = { {0, 0, 0/0, 1} } }", DUET_BAD_OBJECT,
          FILE_NAME ": object 0: max x is -nan"},
-        {"return { objects = { { centre = {0,0,0}, half = {1,1,1}, rotation = {0,0,0,0} } } }",
+        {"return { objects = { { centre = {0,0,0}, half_extents = {1,1,1}, rotation = {0,0,0,0} } "
+         "} }",
          DUET_BAD_OBJECT, ": object 0: the quaternion is zero"},
         {"\nos.exit()", DUET_BAD_INPUT, ":2: attempt to index a nil value (global 'os')"},
         {"\nparameters { n = {} }", DUET_BAD_INPUT, ":2: parameter 'n': its default must be"},
@@ -270,7 +273,7 @@ static void settings_take_the_place_of_defaults(void **state)
     assert_int_equal(info->n, 10);
     assert_true(info->rotated);
     assert_string_equal(info->name, "b c");
-    assert_true(duet_scene_poses(scene)->half[0] == 3);
+    assert_true(duet_scene_poses(scene)->half_extents[0] == 3);
     duet_scene_destroy(scene);
 }
 
@@ -386,7 +389,7 @@ static void neighbours_on_planes_touch_exactly(void **state)
                 bool apart = false;
                 for (int axis = 0; axis < 3; ++axis)
                     apart |= fabsf(p[i].centre[axis] - p[k].centre[axis]) >
-                             p[i].half[axis] + p[k].half[axis];
+                             p[i].half_extents[axis] + p[k].half_extents[axis];
                 touching += !apart;
             }
         assert_true(touching > 2 * 500);
@@ -428,7 +431,7 @@ static void the_papers_scene_is_the_same_on_every_machine(void **state)
     "local r = random(p.seed)\n"                                              \
     "for i = 1, p.n do add(r.uniform(), i, 0, 1, 1, 1, r.quaternion()) end\n" \
     "return { dims = 3, world = { lower = {0, 0, 0}, upper = {4, 4, 4} },\n"  \
-    "  objects = { { centre = {1, 2, 3}, half = {1, 1, 1}, euler = {1, 2, 3} } } }\n"
+    "  objects = { { centre = {1, 2, 3}, half_extents = {1, 1, 1}, euler = {1, 2, 3} } } }\n"
 
 static void assert_scene_or_line(const char *bytes, size_t n)
 {

@@ -97,7 +97,7 @@ static void a_number_is_rounded_to_the_nearest_float(void **state)
     assert_ok(scene, err);
     const duet_pose *pose = duet_scene_poses(scene);
     assert_true(pose->centre[0] == 0.1f && pose->centre[1] == 0.0f);
-    assert_true(pose->half[0] == 16777216.0f && pose->half[1] == 0x1.fffffep127f);
+    assert_true(pose->half_extents[0] == 16777216.0f && pose->half_extents[1] == 0x1.fffffep127f);
     duet_scene_destroy(scene);
 }
 

@@ -30,7 +30,7 @@ static duet_pose random_pose(rng *r, double width, bool rotated)
         // every other object lies on a lattice, where boxes touch
         double at = rng_between(r, -width, width);
         p.centre[k] = (float)(rng_below(r, 2) ? at : (double)(int)at);
-        p.half[k] = rng_below(r, 2) ? 0.5f : (float)rng_between(r, 0, 0.5);
+        p.half_extents[k] = rng_below(r, 2) ? 0.5f : (float)rng_between(r, 0, 0.5);
     }
     for (int k = 0; rotated && k < 4; ++k)
         p.rotation[k] = (float)rng_normal(r);
@@ -43,10 +43,10 @@ static void fill(crowd *c, rng *r, double width)
         c->poses[i] = random_pose(r, width, c->rotated && rng_below(r, 4));
         float scale = c->mixed ? (float)(1u << rng_below(r, 7)) / 16 : 1;
         for (int k = 0; k < 3; ++k)
-            c->poses[i].half[k] *= scale;
+            c->poses[i].half_extents[k] *= scale;
         for (int k = 0; k < 3; ++k) {
-            c->bounds[i].lower[k] = c->poses[i].centre[k] - c->poses[i].half[k];
-            c->bounds[i].upper[k] = c->poses[i].centre[k] + c->poses[i].half[k];
+            c->bounds[i].lower[k] = c->poses[i].centre[k] - c->poses[i].half_extents[k];
+            c->bounds[i].upper[k] = c->poses[i].centre[k] + c->poses[i].half_extents[k];
         }
     }
 }

@@ -38,7 +38,7 @@ static int close_devices(void **state)
 static void fill(rng *r, uint32_t n, double edge)
 {
     for (uint32_t i = 0; i < n; ++i) {
-        poses[i] = (duet_pose){.half = {0.5f, 0.5f, 0.5f}};
+        poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}};
         for (int k = 0; k < 3; ++k)
             poses[i].centre[k] = (float)rng_between(r, 0.0, edge);
         for (int k = 0; k < 4; ++k)
@@ -184,7 +184,7 @@ static void a_bad_object_of_any_chunk_is_named(void **state)
     rng r = {test_seed()};
     duet_world *world = make_world(DUET_MODE_SLAB, "gpu send=chunks", true);
     fill(&r, CAPACITY, 34.0);
-    poses[4321].half[2] = -1.0f;
+    poses[4321].half_extents[2] = -1.0f;
     poses[1500].centre[2] = NAN;
     poses[CAPACITY - 1].rotation[0] = INFINITY;
     set_share(world, DUET_SHARE_ONE / 2);

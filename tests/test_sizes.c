@@ -49,7 +49,7 @@ static void fill(rng *r, uint32_t n, uint32_t dims)
         poses[i] = (duet_pose){0};
         for (int k = 0; k < 3; ++k) {
             poses[i].centre[k] = (float)rng_between(r, 0.0, edge);
-            poses[i].half[k] = (float)rng_between(r, 0.3, 0.6);
+            poses[i].half_extents[k] = (float)rng_between(r, 0.3, 0.6);
         }
         for (int k = 0; k < 4; ++k)
             poses[i].rotation[k] = (float)rng_normal(r);
@@ -88,7 +88,7 @@ static void map_sizes(duet_world *world, uint32_t n)
     duet_size *to = duet_world_map_sizes(world, n, &err);
     assert_ok(to != NULL, err);
     for (uint32_t i = 0; i < n; ++i)
-        memcpy(to[i].half, poses[i].half, sizeof to->half);
+        memcpy(to[i].half_extents, poses[i].half_extents, sizeof to->half_extents);
 }
 
 static void assert_step_is_the_reference(duet_world *world, uint32_t n)
@@ -126,7 +126,7 @@ static void follow(uint32_t dims, duet_mode mode, const char *text, rng *r)
         assert_step_is_the_reference(world, n);
     }
     for (uint32_t k = 0; k < CAPACITY; ++k)
-        poses[k].half[k % 3] *= 1.5f;
+        poses[k].half_extents[k % 3] *= 1.5f;
     map_sizes(world, CAPACITY);
     assert_step_is_the_reference(world, CAPACITY);
     duet_world_destroy(world);
@@ -221,8 +221,8 @@ static void bad_sizes_are_named(void **state)
     duet_result result;
     rng r = {test_seed()};
     fill(&r, CAPACITY, 3);
-    poses[77].half[1] = -0.25f;
-    poses[78].half[0] = NAN;
+    poses[77].half_extents[1] = -0.25f;
+    poses[78].half_extents[0] = NAN;
     for (int host = 0; host < 2; ++host) {
         tell_of_memory(host);
         duet_world *world = make_world(3, DUET_MODE_SLAB, host ? "simd" : "gpu");

@@ -93,9 +93,9 @@ static double fall(uint32_t dims, bool doubles, uint32_t wants, double height, d
     uint32_t k = dims - 1;
     m->def.doubles = doubles;
     m->def.gravity[k] = -gravity;
-    m->def.wants = DUET_EFFECT_RESPONSE | wants;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | wants;
     uint32_t floor = mover_add(m, 0, 0, 0, 5, 5, 5);
-    m->poses[floor].half[k] = 0.05f;
+    m->poses[floor].half_extents[k] = 0.05f;
     m->bodies[floor].mass = 0.0f;
     double from[3] = {0};
     from[k] = height;
@@ -116,7 +116,7 @@ static void what_becomes_fast_is_held_where_that_is_asked_for(void **state)
     // 268 m/s at the floor: 4.5 m a step, where box and floor are 0.3 thick
     for (uint32_t dims = 2; dims <= 3; ++dims)
         for (int doubles = 0; doubles < 2; ++doubles) {
-            assert_true(fall(dims, doubles, DUET_EFFECT_FAST, 90.07, 400) > 0.0);
+            assert_true(fall(dims, doubles, DUET_EFFECT_CONTINUOUS, 90.07, 400) > 0.0);
             assert_true(fall(dims, doubles, 0, 90.07, 400) < -10.0);
             assert_true(fall(dims, doubles, 0, 2.07, 9.81) > 0.0);
         }
@@ -129,7 +129,7 @@ static void filters_hold_in_2d_and_in_doubles(void **state)
         for (int doubles = 0; doubles < 2; ++doubles) {
             mover *m = mover_new(dims);
             m->def.doubles = doubles;
-            m->def.wants = DUET_EFFECT_RESPONSE;
+            m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
             for (int i = 0; i < 4; ++i) {
                 uint32_t id = mover_add_cube(m, 1.5 * (i % 2), 3 * (i / 2), 0, 1);
                 m->bodies[id].velocity[0] = i % 2 ? -1.0f : 1.0f;
@@ -148,12 +148,12 @@ static void filters_hold_in_2d_and_in_doubles(void **state)
 static double speed_after_impact(double speed)
 {
     mover *m = mover_new(3);
-    m->def.wants = DUET_EFFECT_RESPONSE;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     uint32_t wall = mover_add(m, 2, 0, 0, 0.5, 2, 2);
     m->bodies[wall].mass = 0.0f;
     uint32_t ball = mover_add_cube(m, 0, 0, 0, 1);
     m->bodies[ball].restitution = 0.5f;
-    m->bodies[ball].upright = true;
+    m->bodies[ball].fixed_rotation = true;
     m->bodies[ball].velocity[0] = (float)speed;
     mover_run(m, (uint32_t)(90.0 / speed));
     double back = -m->states[ball].velocity[0];
@@ -164,7 +164,7 @@ static double speed_after_impact(double speed)
 static void impacts_bounce_from_a_speed_on(void **state)
 {
     (void)state;
-    assert_close(duet_default_motion_def().bounce_speed, 1.0, 0.0);
+    assert_close(duet_default_motion_def().restitution_threshold, 1.0, 0.0);
     assert_close(speed_after_impact(1.1), 0.55, 1e-3);
     assert_close(speed_after_impact(0.9), 0.0, 1e-3);
 }
@@ -178,7 +178,7 @@ static void a_pile_gets_back_little_of_an_impact(void **state)
     figures("effects.md", "# boxes get back less than # % of their greatest kinetic energy", 2, f);
     for (int fast = 0; fast < 2; ++fast) {
         mover *m = mover_new(3);
-        m->def.wants = fast ? DUET_EFFECT_FAST : 0;
+        m->def.wants = fast ? DUET_EFFECT_CONTINUOUS : 0;
         mover_add_pile(m, (uint32_t)f[0]);
         double before = mover_total(m), least = before, gain = 0.0, kinetic = 0.0;
         for (int k = 0; k < 60; ++k) {

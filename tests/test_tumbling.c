@@ -28,10 +28,10 @@ static void to_body(const double q[4], const double v[3], double out[3])
 // Of a box of mass 1, with the inverse inertia that its motion has, in float.
 static kept kept_of(const mover *m, uint32_t id)
 {
-    const float *h = m->poses[id].half;
+    const float *h = m->poses[id].half_extents;
     double spin[3];
     kept sum = {0, 0};
-    to_body(m->states[id].rotation, m->states[id].spin, spin);
+    to_body(m->states[id].rotation, m->states[id].angular_velocity, spin);
     for (int k = 0; k < 3; ++k) {
         double a = h[(k + 1) % 3], b = h[(k + 2) % 3];
         double inertia = 1 / (double)(float)(1 / ((a * a + b * b) / 3));
@@ -53,7 +53,7 @@ static mover *tumbling(bool doubles, double spin)
                                 rng_between(&r, 0.1, 0.5), rng_between(&r, 0.1, 0.5));
         mover_turn(m, id, rng_normal(&r), rng_normal(&r), rng_normal(&r), rng_between(&r, 0, 3));
         for (int k = 0; k < 3; ++k)
-            m->bodies[id].spin[k] = (float)(spin * rng_normal(&r));
+            m->bodies[id].angular_velocity[k] = (float)(spin * rng_normal(&r));
     }
     return m;
 }

@@ -28,27 +28,27 @@ typedef struct survey {
 
 // ---------------------------------------------------------------- right and wrong
 
-static double gap_of(const duet_scene *scene, duet_pair pair)
+static double separation_of(const duet_scene *scene, duet_pair pair)
 {
     const duet_scene_info *info = duet_scene_describe(scene);
     const duet_pose *poses = duet_scene_poses(scene);
     const duet_placed *placed = duet_scene_placed(scene);
     if (placed)
-        return duet_placed_gap(&placed[pair.a], &placed[pair.b], info->origin, info->dims);
-    return poses ? duet_poses_gap(&poses[pair.a], &poses[pair.b], info->dims) : 0;
+        return duet_placed_separation(&placed[pair.a], &placed[pair.b], info->origin, info->dims);
+    return poses ? duet_poses_separation(&poses[pair.a], &poses[pair.b], info->dims) : 0;
 }
 
 static void add_wrong(void *context, duet_pair pair, bool missed)
 {
     survey *s = context;
     level_cost *row = s->row;
-    double gap = gap_of(s->scene, pair);
+    double separation = separation_of(s->scene, pair);
     if (missed) {
         ++row->missed;
-        row->deepest_missed = fmax(row->deepest_missed, -gap);
+        row->deepest_missed = fmax(row->deepest_missed, -separation);
     } else {
         ++row->added;
-        row->widest_added = fmax(row->widest_added, gap);
+        row->widest_added = fmax(row->widest_added, separation);
     }
 }
 

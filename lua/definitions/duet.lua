@@ -162,15 +162,15 @@ local Strategy = {}
 ---@field verdict string of the best plan: "faster", "same", "slower", "ambiguous"
 local Tuning = {}
 
---- What objects are besides: rows of velocity xyz, spin xyz, mass, restitution, friction, group, mask, upright.
+--- What objects are besides: rows of velocity xyz, angular velocity xyz, mass, restitution, friction, group, mask, upright.
 ---@class duet.Bodies
 local Bodies = {}
 
---- Where objects are and how they move: rows of centre xyz, rotation xyzw, velocity xyz, spin xyz.
+--- Where objects are and how they move: rows of centre xyz, rotation xyzw, velocity xyz, angular velocity xyz.
 ---@class duet.States
 local States = {}
 
---- Where objects touch: rows of a, b, normal xyz, n, and four times arm xyz, gap, push.
+--- Where objects touch: rows of a, b, normal xyz, n, and four times anchor xyz, separation, normal impulse.
 ---@class duet.Contacts
 local Contacts = {}
 
@@ -247,7 +247,7 @@ local MotionResult = {}
 ---@field kinetic number of objects with a mass
 ---@field momentum number[]
 ---@field potential number
----@field turning number of their spin
+---@field turning number of their rotation
 local Energy = {}
 
 --- A table: one effect of a motion, and what calls for it.
@@ -378,7 +378,7 @@ function DevicePair:close() end
 ---@return duet.Device
 function DevicePair:device(which) end
 
---- Objects that move: of a scene, with def second, or poses with bodies. A def { plan, dims, wants, doubles, origin, origin_edge, gravity, attraction, centre, drag, edge, lower, upper, dt, substeps, integrator, skin, slop, push_speed, bounce_speed, sleep_speed, sleep_after }; wants is a list of effects, edge none, walls or periodic, integrator euler, verlet or yoshida.
+--- Objects that move: of a scene, with def second, or poses with bodies. A def { plan, dims, wants, doubles, origin, origin_edge, gravity, attraction, centre, drag, edge, lower, upper, dt, substeps, integrator, skin, slop, max_push_speed, restitution_threshold, sleep_speed, sleep_after }; wants is a list of effects, edge none, walls or periodic, integrator euler, verlet or yoshida.
 ---@param objects duet.Scene|duet.Poses|string|any[]
 ---@param bodies? duet.Bodies|string|any[]|table
 ---@param def? table
@@ -566,7 +566,7 @@ function Poses:each() end
 ---@param b integer
 ---@param dims? integer
 ---@return number
-function Poses:gap(a, b, dims) end
+function Poses:separation(a, b, dims) end
 
 --- The row at a place from 0.
 ---@param place integer
@@ -698,11 +698,11 @@ function Test:close() end
 
 --- Tests rows 0 and 1, 2 and 3 ... with each other.
 ---@param poses duet.Poses|string|number[]|number[][]
----@param with_gaps? boolean
+---@param with_separations? boolean
 ---@return duet.Verdicts, duet.TestResult, duet.Gaps?
 ---@return string? message
 ---@return string? status
-function Test:pairs(poses, with_gaps) end
+function Test:pairs(poses, with_separations) end
 
 --- All rows as they lie in memory, packed.
 ---@return string
@@ -890,7 +890,7 @@ function duet.export_profiles(file, path) end
 --- Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
 ---@param from integer|string|any[]
 ---@return duet.Gaps
-function duet.gaps(from) end
+function duet.separations(from) end
 
 --- Takes such a file's rows in, all or none: how many were added, and how many known.
 ---@param file string

@@ -28,9 +28,9 @@ local function half_widths(hx, hy, hz, x, y, z, w)
 end
 
 local function read_objects(scene)
-  local objects = { centre = { {}, {}, {} }, half = { {}, {}, {} } }
+  local objects = { centre = { {}, {}, {} }, half_extents = { {}, {}, {} } }
   for id, cx, cy, cz, hx, hy, hz, x, y, z, w in scene:poses():each() do
-    local c, h = objects.centre, objects.half
+    local c, h = objects.centre, objects.half_extents
     c[1][id], c[2][id], c[3][id] = cx, cy, cz
     h[1][id], h[2][id], h[3][id] = half_widths(hx, hy, hz, x, y, z, w)
   end
@@ -39,7 +39,7 @@ end
 
 local function overlap(objects, a, b)
   for axis = 1, 3 do
-    local c, h = objects.centre[axis], objects.half[axis]
+    local c, h = objects.centre[axis], objects.half_extents[axis]
     if math.abs(c[a] - c[b]) > h[a] + h[b] then return false end
   end
   return true

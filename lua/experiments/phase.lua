@@ -42,7 +42,7 @@ end
 
 -- For each ratio whether it holds.
 local function try(pair, poses, bodies, per_second, substeps)
-  local def = { gravity = { 0, 0, -9.81 }, wants = { "response" }, dt = 1 / per_second, substeps = substeps }
+  local def = { gravity = { 0, 0, -9.81 }, wants = { "contact_response" }, dt = 1 / per_second, substeps = substeps }
   local motion <close> = assert(pair:motion(poses, bodies, def))
   local holds = {}
   for step = 1, math.ceil(options.seconds * per_second) do

@@ -24,13 +24,13 @@ for i = 0, p.n - 1 do
       (place // side + 0.5) * apart + random.uniform(-0.1, 0.1),
       1 + layer * apart,
     },
-    half = { random.uniform(0.25, 0.45), random.uniform(0.25, 0.45), random.uniform(0.25, 0.45) },
+    half_extents = { random.uniform(0.25, 0.45), random.uniform(0.25, 0.45), random.uniform(0.25, 0.45) },
     rotation = { random.quaternion() },
   }
 end
 
 local layers = (p.n + per_layer - 1) // per_layer
-local wants = { "response" }
+local wants = { "contact_response" }
 if p.sleep then wants[2] = "sleep" end
 
 return {

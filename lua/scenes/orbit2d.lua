@@ -18,10 +18,10 @@ for _ = 1, p.n do
   local c, s = math.cos(angle), math.sin(angle)
   add {
     centre = { r * c, r * s },
-    half = { 0.2, 0.1 },
+    half_extents = { 0.2, 0.1 },
     angle = angle,
     velocity = { -speed * s, speed * c },
-    spin = speed / r,
+    angular_velocity =  speed / r,
   }
 end
 

@@ -23,7 +23,7 @@ duet_pose *paper_poses(uint32_t n, uint64_t seed)
     for (uint32_t i = 0; i < n; ++i) {
         for (int k = 0; k < 3; ++k) {
             poses[i].centre[k] = (float)rng_between(&r, 0, world);
-            poses[i].half[k] = 0.5f;
+            poses[i].half_extents[k] = 0.5f;
         }
         for (int k = 0; k < 4; ++k)
             poses[i].rotation[k] = (float)rng_normal(&r);

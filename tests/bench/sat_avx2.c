@@ -3,7 +3,7 @@
 // pairs are seldom all separated by the same early axis.
 //
 // Verdicts are certified as docs/accuracy.md says: an axis separates only
-// where its gap exceeds the error bound, a pair collides only where every gap
+// where its separation exceeds the error bound, a pair collides only where every separation
 // is below minus the bound, and what lies between is left open.
 #include "sat_avx2.h"
 
@@ -13,7 +13,7 @@
 #include <math.h>
 
 #define AHEAD 32 // pairs whose second box is asked for while the present ones are tested
-#define ERROR_BOUND (32 * 0x1p-24f) // of a gap, relative to the sizes that enter it
+#define ERROR_BOUND (32 * 0x1p-24f) // of a separation, relative to the sizes that enter it
 
 // Eight boxes, one a lane.
 typedef struct boxes8 {
@@ -56,8 +56,8 @@ static inline __m256 dot(const __m256 u[3], const __m256 v[3])
     return _mm256_fmadd_ps(u[2], v[2], _mm256_fmadd_ps(u[1], v[1], _mm256_mul_ps(u[0], v[0])));
 }
 
-// The widest gap between a and b over the 15 axes, times each axis' length.
-static inline __m256 widest_gap(const boxes8 *a, const boxes8 *b, const __m256 way[3])
+// The widest separation between a and b over the 15 axes, times each axis' length.
+static inline __m256 widest_separation(const boxes8 *a, const boxes8 *b, const __m256 way[3])
 {
     __m256 along[3]; // way in a's frame
     __m256 r[3][3];  // b's axes in a's frame
@@ -131,11 +131,13 @@ static inline void test_eight(const sat_box *boxes, const duet_pose *poses, cons
         way[i] = _mm256_sub_ps(b.centre[i], a.centre[i]);
         length[i] = absolute(way[i]);
     }
-    __m256 sizes = _mm256_add_ps(sum3(length), _mm256_add_ps(sum3(a.half), sum3(b.half)));
+    __m256 sizes =
+        _mm256_add_ps(sum3(length), _mm256_add_ps(sum3(a.half), sum3(b.half)));
     __m256 bound = _mm256_mul_ps(sizes, _mm256_set1_ps(ERROR_BOUND));
-    __m256 gap = widest_gap(&a, &b, way);
-    __m256 colliding = _mm256_cmp_ps(_mm256_add_ps(gap, bound), _mm256_setzero_ps(), _CMP_LT_OQ);
-    __m256 apart = _mm256_cmp_ps(gap, bound, _CMP_GT_OQ);
+    __m256 separation = widest_separation(&a, &b, way);
+    __m256 colliding =
+        _mm256_cmp_ps(_mm256_add_ps(separation, bound), _mm256_setzero_ps(), _CMP_LT_OQ);
+    __m256 apart = _mm256_cmp_ps(separation, bound, _CMP_GT_OQ);
     unsigned hit = wanted & (unsigned)_mm256_movemask_ps(colliding);
     unsigned open = wanted & ~hit & ~(unsigned)_mm256_movemask_ps(apart);
     store_pairs(_mm256_min_epu32(a.id, b.id), _mm256_max_epu32(a.id, b.id), hit,

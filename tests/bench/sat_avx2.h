@@ -8,7 +8,7 @@
 // A pose with its rotation worked out: one cache line.
 typedef struct sat_box {
     float centre[3];
-    float half[3];
+    float half_extents[3];
     float axes[3][3]; // axes[i]: the box's own axis i in the world
     uint32_t id;
 } sat_box;

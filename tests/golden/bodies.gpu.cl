@@ -1,8 +1,8 @@
-// bodies.DIMS3.DOUBLE0.SPIN0.GRAVITY0.DRAG0.SLEEP0.WG64.PER_ITEM1
+// bodies.DIMS3.DOUBLE0.ANGULAR_VELOCITY0.GRAVITY0.DRAG0.SLEEP0.WG64.PER_ITEM1
 #define DIMS 3
 #define DOUBLE 0
 #define ORIGIN 0
-#define SPIN 0
+#define ANGULAR_VELOCITY 0
 #define GRAVITY 0
 #define DRAG 0
 #define SLEEP 0
@@ -30,7 +30,7 @@ __kernel void prepare_bodies(__global const real4 *restrict velocities,
         __global float4 *body = bodies + (size_t)id * BODY;
         bool wall = id >= n;
         body[BODY_VELOCITY] = wall ? (float4)(0.0f) : convert_float4(velocities[wall ? 0 : id]);
-        body[BODY_MOVED] = body[BODY_SHOVE] = (float4)(0.0f);
+        body[BODY_DELTA_POSITION] = body[BODY_WARM_IMPULSE] = (float4)(0.0f);
 #line 58 "kernels/bodies.cl.in"
     }
 }
@@ -46,12 +46,12 @@ __kernel void integrate_velocities(__global float4 *restrict bodies, uint n,
     for (uint id = first; id < last; ++id) {
         __global float4 *body = bodies + (size_t)id * BODY;
         float4 velocity = body[BODY_VELOCITY];
-        float mobility = velocity.w;
-        if (!(mobility > 0.0f))
+        float inverse_mass = velocity.w;
+        if (!(inverse_mass > 0.0f))
             continue;
 #line 94 "kernels/bodies.cl.in"
-        body[BODY_VELOCITY].xyz = add_float(velocity, mobility, body[BODY_SHOVE]).xyz;
-        body[BODY_SHOVE] = (float4)(0.0f);
+        body[BODY_VELOCITY].xyz = add_float(velocity, inverse_mass, body[BODY_WARM_IMPULSE]).xyz;
+        body[BODY_WARM_IMPULSE] = (float4)(0.0f);
 #line 108 "kernels/bodies.cl.in"
     }
 }
@@ -68,7 +68,7 @@ __kernel void finalize_bodies(__global const float4 *restrict bodies, uint n, __
 #line 148 "kernels/bodies.cl.in"
         float4 velocity = body[BODY_VELOCITY];
         real4 centre = centres[id];
-        centre.xyz += convert_real4(body[BODY_MOVED]).xyz;
+        centre.xyz += convert_real4(body[BODY_DELTA_POSITION]).xyz;
 #line 154 "kernels/bodies.cl.in"
         centres[id] = centre;
         velocities[id].xyz = convert_real4(velocity).xyz;

@@ -1,13 +1,13 @@
-// build_manifolds.DIMS3.DOUBLE0.ROTATED0.SPIN0.BOUNDS0.RESPONSE0.FRICTION0.FAST0.SLEEP0.EVENTS0.LANES1.WG64.PER_ITEM1
+// build_manifolds.DIMS3.DOUBLE0.ROTATED0.ANGULAR_VELOCITY0.BOUNDS0.CONTACT_RESPONSE0.FRICTION0.CONTINUOUS0.SLEEP0.EVENTS0.LANES1.WG64.PER_ITEM1
 #define DIMS 3
 #define DOUBLE 0
 #define ORIGIN 0
 #define ROTATED 0
-#define SPIN 0
+#define ANGULAR_VELOCITY 0
 #define BOUNDS 0
-#define RESPONSE 0
+#define CONTACT_RESPONSE 0
 #define FRICTION 0
-#define FAST 0
+#define CONTINUOUS 0
 #define SLEEP 0
 #define EVENTS 0
 #define LANES 1
@@ -87,7 +87,7 @@ static inline float4 way_of(const scene *s, uint2 link)
 #line 272 "kernels/build_manifolds.cl.in"
 
 // The points into the record; extents: the owner's half extents. True where
-// there is no gap, or what was pushed in the last step.
+// there is no separation, or what was pushed in the last step.
 static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extents, float4 d, manifold *m)
 {
     __global float *record = s->contacts + (size_t)i * RECORD;
@@ -96,10 +96,10 @@ static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extent
     put_float4(record + AT_NORMAL, m->normal);
     for (int k = 0; k < m->n; ++k) {
         __global float *part = record + HEAD + k * PART;
-        float4 arm = m->point[k];
-        put_float4(part + OF_ARM, arm);
-        part[OF_GAP] = arm.w;
-        touching = touching || arm.w <= 0.0f;
+        float4 anchor = m->point[k];
+        put_float4(part + OF_ANCHOR, anchor);
+        part[OF_SEPARATION] = anchor.w;
+        touching = touching || anchor.w <= 0.0f;
 #line 306 "kernels/build_manifolds.cl.in"
     }
     return touching;

@@ -1,9 +1,9 @@
-// fat_aabbs.DIMS3.DOUBLE0.ROTATED0.FAST0.SKIN0.WG64.PER_ITEM1
+// fat_aabbs.DIMS3.DOUBLE0.ROTATED0.CONTINUOUS0.SKIN0.WG64.PER_ITEM1
 #define DIMS 3
 #define DOUBLE 0
 #define ORIGIN 0
 #define ROTATED 0
-#define FAST 0
+#define CONTINUOUS 0
 #define SKIN 0
 #define WG 64
 #define PER_ITEM 1

@@ -1,10 +1,10 @@
-// integrate_positions.DIMS2.DOUBLE0.SPIN0.GYRO0.FRICTION0.LANES8.BLOCK8.WG1.PER_ITEM1024
+// integrate_positions.DIMS2.DOUBLE0.ANGULAR_VELOCITY0.GYRO0.FRICTION0.LANES8.BLOCK8.WG1.PER_ITEM1024
 #define DIMS 2
 #define DOUBLE 0
-#define SPIN 0
+#define ANGULAR_VELOCITY 0
 #define GYRO 0
 #define FRICTION 0
-#define RESPONSE 1
+#define CONTACT_RESPONSE 1
 #define LANES 8
 #define BLOCK 8
 #define WG 1
@@ -29,6 +29,6 @@ __kernel void integrate_positions(__global float4 *restrict bodies, uint n, floa
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         __global float4 *body = bodies + (size_t)id * BODY;
-        body[BODY_MOVED].xyz = fma((float4)(h), body[BODY_VELOCITY], body[BODY_MOVED]).xyz;
+        body[BODY_DELTA_POSITION].xyz = fma((float4)(h), body[BODY_VELOCITY], body[BODY_DELTA_POSITION]).xyz;
     }
 }

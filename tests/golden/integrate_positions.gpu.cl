@@ -1,10 +1,10 @@
-// integrate_positions.DIMS3.DOUBLE0.SPIN0.GYRO0.FRICTION0.LANES1.BLOCK32.WG64.PER_ITEM1
+// integrate_positions.DIMS3.DOUBLE0.ANGULAR_VELOCITY0.GYRO0.FRICTION0.LANES1.BLOCK32.WG64.PER_ITEM1
 #define DIMS 3
 #define DOUBLE 0
-#define SPIN 0
+#define ANGULAR_VELOCITY 0
 #define GYRO 0
 #define FRICTION 0
-#define RESPONSE 1
+#define CONTACT_RESPONSE 1
 #define LANES 1
 #define BLOCK 32
 #define WG 64
@@ -29,6 +29,6 @@ __kernel void integrate_positions(__global float4 *restrict bodies, uint n, floa
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         __global float4 *body = bodies + (size_t)id * BODY;
-        body[BODY_MOVED].xyz = fma((float4)(h), body[BODY_VELOCITY], body[BODY_MOVED]).xyz;
+        body[BODY_DELTA_POSITION].xyz = fma((float4)(h), body[BODY_VELOCITY], body[BODY_DELTA_POSITION]).xyz;
     }
 }

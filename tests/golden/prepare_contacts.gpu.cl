@@ -1,8 +1,8 @@
-// prepare_contacts.DIMS3.SPIN0.FRICTION0.LANES1.BLOCK32.WG64.PER_ITEM1
+// prepare_contacts.DIMS3.ANGULAR_VELOCITY0.FRICTION0.LANES1.BLOCK32.WG64.PER_ITEM1
 #define DIMS 3
-#define SPIN 0
+#define ANGULAR_VELOCITY 0
 #define FRICTION 0
-#define RESPONSE 1
+#define CONTACT_RESPONSE 1
 #define LANES 1
 #define BLOCK 32
 #define WG 64
@@ -17,7 +17,7 @@
 // Contacts of a colour into blocks before they are solved, and what the next
 // step begins with back out of them.
 //
-// What the last step pushed with becomes the bodies' first shoves: colour by
+// What the last step pushed with becomes the bodies' first warm-start impulses: colour by
 // colour, for none of a colour share an object that moves.
 //
 //   list    contacts by colour; this one's are list[first, first + count)
@@ -41,7 +41,7 @@ static inline void fill_lane(__global float *lane, const source *from, uint i, b
     lane[IN_OWNER * BLOCK] = as_float(empty ? from->objects : link.x);
     lane[IN_OTHER * BLOCK] = as_float(empty ? from->objects : link.y);
     lane[IN_POINTS * BLOCK] = as_float(empty ? 0u : from->touches[i] & TOUCH_POINTS);
-    lane[IN_BOUNCE * BLOCK] = fmax(from->bounces[link.x], from->bounces[partner]);
+    lane[IN_RESTITUTION * BLOCK] = fmax(from->bounces[link.x], from->bounces[partner]);
 #line 35 "kernels/prepare_contacts.cl.in"
 }
 
@@ -50,11 +50,11 @@ static inline void fill_point(__global float *point, const source *from, const u
     const real zero = 0.0f;
     real part[8]; // or what follows it: there is one record more than contacts
     load_eight(from->contacts, places, RECORD, HEAD + k * PART, part);
-    put_vec(point, BY_ARM,
-            (vec){select(zero, part[OF_ARM], where), select(zero, part[OF_ARM + 1], where),
-                  select(zero, part[OF_ARM + 2], where)});
-    put(point, BY_GAP, select(zero, part[OF_GAP], where));
-    put(point, BY_PUSH, select(zero, part[OF_PUSH], where));
+    put_vec(point, BY_ANCHOR,
+            (vec){select(zero, part[OF_ANCHOR], where), select(zero, part[OF_ANCHOR + 1], where),
+                  select(zero, part[OF_ANCHOR + 2], where)});
+    put(point, BY_SEPARATION, select(zero, part[OF_SEPARATION], where));
+    put(point, BY_NORMAL_IMPULSE, select(zero, part[OF_NORMAL_IMPULSE], where));
 #line 51 "kernels/prepare_contacts.cl.in"
 }
 
@@ -69,7 +69,7 @@ static inline void fill_lanes(__global float *constraint, const source *from, __
     real head[8];
     load_eight(from->contacts, places, RECORD, 0, head);
     put_vec(constraint, IN_NORMAL, (vec){head[AT_NORMAL], head[AT_NORMAL + 1], head[AT_NORMAL + 2]});
-    put_vec(constraint, IN_APART, (vec){head[AT_APART], head[AT_APART + 1], head[AT_APART + 2]});
+    put_vec(constraint, IN_OFFSET, (vec){head[AT_OFFSET], head[AT_OFFSET + 1], head[AT_OFFSET + 2]});
     word points = points_of(constraint);
     int most = most_points(points);
     for (int k = 0; k < most; ++k)
@@ -77,21 +77,21 @@ static inline void fill_lanes(__global float *constraint, const source *from, __
 }
 #line 93 "kernels/prepare_contacts.cl.in"
 
-static inline real mass_along(const pair *p, vec arm, vec direction, mask where)
+static inline real mass_along(const pair *p, vec anchor, vec direction, mask where)
 {
-    real yield = yield_along(&p->a, arm, direction) + yield_along(&p->b, vec_less(arm, p->apart), direction);
-    return select((real)(0.0f), inverse(yield), where & (yield > 0.0f));
+    real inverse_effective_mass = yield_along(&p->a, anchor, direction) + yield_along(&p->b, vec_less(anchor, p->apart), direction);
+    return select((real)(0.0f), inverse(inverse_effective_mass), where & (inverse_effective_mass > 0.0f));
 }
 
 static inline void weigh(const pair *p, __global float *constraint, int k)
 {
     __global float *point = point_at(constraint, k);
     mask where = has_point(p, k);
-    vec arm = get_vec(point, BY_ARM);
-    put(point, BY_MASS, mass_along(p, arm, p->normal, where));
-    put(point, BY_NOW, get(point, BY_GAP));
-    put(point, BY_MOST, get(point, BY_PUSH));
-    put(constraint, IN_SPEEDS + k, vec_dot(velocity_between(p, arm), p->normal));
+    vec anchor = get_vec(point, BY_ANCHOR);
+    put(point, BY_NORMAL_MASS, mass_along(p, anchor, p->normal, where));
+    put(point, BY_CURRENT, get(point, BY_SEPARATION));
+    put(point, BY_MAX_IMPULSE, get(point, BY_NORMAL_IMPULSE));
+    put(constraint, IN_SPEEDS + k, vec_dot(velocity_between(p, anchor), p->normal));
 #line 115 "kernels/prepare_contacts.cl.in"
 }
 
@@ -104,7 +104,7 @@ static inline void prepare_lanes(__global float *constraint, const source *from,
     load_pair(&p, constraint, bodies);
     for (int k = 0; k < p.most; ++k)
         weigh(&p, constraint, k);
-    leave_shoves(&p, constraint, bodies);
+    store_warm_impulses(&p, constraint, bodies);
 }
 
 #if LANES > 1
@@ -168,8 +168,8 @@ __kernel void store_impulses(__global const uint *restrict list, uint first, uin
         for (uint p = 0; p < n; ++p) {
             __global const float *point = point_at(constraint, p);
             __global float *part = record + HEAD + p * PART;
-            part[OF_PUSH] = point[BY_PUSH * BLOCK];
-            part[OF_MOST] = point[BY_MOST * BLOCK];
+            part[OF_NORMAL_IMPULSE] = point[BY_NORMAL_IMPULSE * BLOCK];
+            part[OF_MAX_IMPULSE] = point[BY_MAX_IMPULSE * BLOCK];
 #line 202 "kernels/prepare_contacts.cl.in"
         }
     }

@@ -1,8 +1,8 @@
-// solve_contacts.DIMS2.SPIN0.FRICTION0.LANES8.BLOCK8.WG1.PER_ITEM256
+// solve_contacts.DIMS2.ANGULAR_VELOCITY0.FRICTION0.LANES8.BLOCK8.WG1.PER_ITEM256
 #define DIMS 2
-#define SPIN 0
+#define ANGULAR_VELOCITY 0
 #define FRICTION 0
-#define RESPONSE 1
+#define CONTACT_RESPONSE 1
 #define LANES 8
 #define BLOCK 8
 #define WG 1
@@ -19,7 +19,7 @@
 // the same on every device.
 //
 // Each point is a stiff, damped spring where it is pressed in, a stop where a
-// gap could close within the substep, and, without `soft`, only a stop: that
+// separation could close within the substep, and, without `soft`, only a stop: that
 // takes back what the spring added to the velocities.
 //
 //   blocks  constraints (constraint.clh); the colour's begin at first_slot and are
@@ -39,58 +39,58 @@ typedef struct {
     mask impact; // closes faster than a slop in a substep
 } demand;
 
-// The gap after a drift; the next substep begins with the same.
-static inline real find_gap(const pair *p, __global float *point, vec arm)
+// The separation after a drift; the next substep begins with the same.
+static inline real find_separation(const pair *p, __global float *point, vec anchor)
 {
-    vec way = vec_less(way_of(&p->b, vec_less(arm, p->apart)), way_of(&p->a, arm));
-    real gap = get(point, BY_GAP) + vec_dot(way, p->normal);
-    put(point, BY_NOW, gap);
-    return gap;
+    vec way = vec_less(way_of(&p->b, vec_less(anchor, p->apart)), way_of(&p->a, anchor));
+    real separation = get(point, BY_SEPARATION) + vec_dot(way, p->normal);
+    put(point, BY_CURRENT, separation);
+    return separation;
 }
 
 static inline demand demand_of(const pair *p, __global float *point, uint soft, float per_h, float4 spring,
                                float4 hard_spring, float slop)
 {
-    vec arm = get_vec(point, BY_ARM);
-    real gap = soft ? get(point, BY_NOW) : find_gap(p, point, arm);
+    vec anchor = get_vec(point, BY_ANCHOR);
+    real separation = soft ? get(point, BY_CURRENT) : find_separation(p, point, anchor);
     demand d;
-    d.speed = select((real)(0.0f), gap * per_h, gap > 0.0f);
+    d.speed = select((real)(0.0f), separation * per_h, separation > 0.0f);
     d.weight = 1.0f;
     d.decay = 0.0f;
-    d.impact = vec_dot(velocity_between(p, arm), p->normal) < -slop * per_h;
+    d.impact = vec_dot(velocity_between(p, anchor), p->normal) < -slop * per_h;
     if (soft) {
-        mask pressed = gap <= 0.0f;
-        mask hard = !(p->b.mobility > 0.0f) | !(p->a.mobility > 0.0f);
+        mask pressed = separation <= 0.0f;
+        mask hard = !(p->b.inverse_mass > 0.0f) | !(p->a.inverse_mass > 0.0f);
         real rate = select((real)(spring.x), (real)(hard_spring.x), hard);
-        d.speed = select(d.speed, fmax(gap * rate, -spring.w), pressed);
+        d.speed = select(d.speed, fmax(separation * rate, -spring.w), pressed);
         d.weight = select(d.weight, select((real)(spring.y), (real)(hard_spring.y), hard), pressed);
         d.decay = select(d.decay, select((real)(spring.z), (real)(hard_spring.z), hard), pressed);
     }
     return d;
 }
 
-static inline void add_push(pair *p, __global float *point, vec arm, real push, mask where)
+static inline void add_impulse(pair *p, __global float *point, vec anchor, real push, mask where)
 {
-    real old = get(point, BY_PUSH);
+    real old = get(point, BY_NORMAL_IMPULSE);
     push = select(old, fmax(push, 0.0f), where);
-    put(point, BY_PUSH, push);
-    put(point, BY_MOST, fmax(get(point, BY_MOST), push));
-    push_both(p, arm, vec_times(push - old, p->normal));
+    put(point, BY_NORMAL_IMPULSE, push);
+    put(point, BY_MAX_IMPULSE, fmax(get(point, BY_MAX_IMPULSE), push));
+    apply_impulse(p, anchor, vec_times(push - old, p->normal));
 }
 
 static inline void press(pair *p, __global float *point, demand d, mask where)
 {
-    vec arm = get_vec(point, BY_ARM);
-    real old = get(point, BY_PUSH);
-    real speed = vec_dot(velocity_between(p, arm), p->normal);
-    add_push(p, point, arm, fma(-get(point, BY_MASS) * d.weight, speed + d.speed, fma(-d.decay, old, old)), where);
+    vec anchor = get_vec(point, BY_ANCHOR);
+    real old = get(point, BY_NORMAL_IMPULSE);
+    real speed = vec_dot(velocity_between(p, anchor), p->normal);
+    add_impulse(p, point, anchor, fma(-get(point, BY_NORMAL_MASS) * d.weight, speed + d.speed, fma(-d.decay, old, old)), where);
 }
 #line 129 "kernels/solve_contacts.cl.in"
 
 // A push that stopped an impact: once is enough.
 static inline void forget_impacts(__global float *point, mask stopped)
 {
-    put(point, BY_PUSH, select(get(point, BY_PUSH), (real)(0.0f), stopped));
+    put(point, BY_NORMAL_IMPULSE, select(get(point, BY_NORMAL_IMPULSE), (real)(0.0f), stopped));
 #line 140 "kernels/solve_contacts.cl.in"
 }
 
@@ -118,7 +118,7 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
     word marks = p.n;
     for (int k = 0; k < p.most; ++k) {
         __global float *point = point_at(constraint, k);
-        mask stopped = demands[k].impact & (get(point, BY_PUSH) > 0.0f);
+        mask stopped = demands[k].impact & (get(point, BY_NORMAL_IMPULSE) > 0.0f);
         marks |= select((word)(0u), (word)(IMPACT(k)), stopped);
         if (!soft) {
             stopped |= (p.marks & (word)(IMPACT(k))) != (word)(0u);
@@ -131,7 +131,7 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
     keep_velocity(bodies, p.owner, &p.a);
     keep_velocity(bodies, p.other, &p.b);
     if (!soft)
-        leave_shoves(&p, constraint, bodies);
+        store_warm_impulses(&p, constraint, bodies);
 }
 
 #if LANES > 1
@@ -207,7 +207,7 @@ static inline real speed_after(real speed, real restitution, real gain, real way
 static inline real gain_of(const pair *p, vec pull)
 {
     const real zero = 0.0f, one = 1.0f;
-    real one_falls = select(zero, one, p->b.mobility > 0.0f) - select(zero, one, p->a.mobility > 0.0f);
+    real one_falls = select(zero, one, p->b.inverse_mass > 0.0f) - select(zero, one, p->a.inverse_mass > 0.0f);
     return one_falls * vec_dot(pull, p->normal);
 }
 
@@ -218,7 +218,7 @@ static inline real gain_of(const pair *p, vec pull)
 static inline void bounce_slots(__global float *constraint, __global float4 *bodies, float4 pull, float least_speed)
 {
     word n = points_of(constraint);
-    real restitution = get(constraint, IN_BOUNCE);
+    real restitution = get(constraint, IN_RESTITUTION);
     mask wanted[POINTS];
     mask any_wanted = 0;
     for (int k = 0; k < POINTS; ++k) {
@@ -227,7 +227,7 @@ static inline void bounce_slots(__global float *constraint, __global float4 *bod
             continue;
         wanted[k] = (n > (word)(uint)k) & (restitution > 0.0f) & (get(constraint, IN_SPEEDS + k) <= -least_speed);
         if (any_lane(wanted[k]))
-            wanted[k] &= get(point_at(constraint, k), BY_MOST) > 0.0f;
+            wanted[k] &= get(point_at(constraint, k), BY_MAX_IMPULSE) > 0.0f;
         any_wanted |= wanted[k];
     }
     if (!any_lane(any_wanted))
@@ -238,7 +238,7 @@ static inline void bounce_slots(__global float *constraint, __global float4 *bod
     real wanted_speed[POINTS];
     for (int k = 0; k < p.most; ++k) {
         __global const float *point = point_at(constraint, k);
-        real fallen = get(point, BY_GAP) - get(point, BY_NOW);
+        real fallen = get(point, BY_SEPARATION) - get(point, BY_CURRENT);
         wanted_speed[k] =
             speed_after(get(constraint, IN_SPEEDS + k), restitution, gain, -2.0f * pull.w * gain * fallen);
     }
@@ -247,12 +247,12 @@ static inline void bounce_slots(__global float *constraint, __global float4 *bod
     for (int turn = 0; turn < turns; ++turn) {
         for (int k = 0; k < p.most; ++k) {
             __global const float *point = point_at(constraint, k);
-            vec arm = get_vec(point, BY_ARM);
-            real speed = vec_dot(velocity_between(&p, arm), p.normal);
-            real more = -get(point, BY_MASS) * (speed - wanted_speed[k]);
+            vec anchor = get_vec(point, BY_ANCHOR);
+            real speed = vec_dot(velocity_between(&p, anchor), p.normal);
+            real more = -get(point, BY_NORMAL_MASS) * (speed - wanted_speed[k]);
             mask asked = wanted[k] & ((p.n > 1u) | (mask)(turn == 0 ? -1 : 0));
-            real push = select(pushes[k], fmax(pushes[k] + more, -get(point, BY_MOST)), asked);
-            push_both(&p, arm, vec_times(push - pushes[k], p.normal));
+            real push = select(pushes[k], fmax(pushes[k] + more, -get(point, BY_MAX_IMPULSE)), asked);
+            apply_impulse(&p, anchor, vec_times(push - pushes[k], p.normal));
             pushes[k] = push;
         }
     }

@@ -1,9 +1,9 @@
-// update_sleep.DIMS2.DOUBLE0.SPIN0.FRICTION0.WG1.PER_ITEM1024
+// update_sleep.DIMS2.DOUBLE0.ANGULAR_VELOCITY0.FRICTION0.WG1.PER_ITEM1024
 #define DIMS 2
 #define DOUBLE 0
-#define SPIN 0
+#define ANGULAR_VELOCITY 0
 #define FRICTION 0
-#define RESPONSE 1
+#define CONTACT_RESPONSE 1
 #define WG 1
 #define PER_ITEM 1024
 #line 1 "kernels/common.clh"

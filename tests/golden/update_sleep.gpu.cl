@@ -1,9 +1,9 @@
-// update_sleep.DIMS3.DOUBLE0.SPIN0.FRICTION0.WG64.PER_ITEM1
+// update_sleep.DIMS3.DOUBLE0.ANGULAR_VELOCITY0.FRICTION0.WG64.PER_ITEM1
 #define DIMS 3
 #define DOUBLE 0
-#define SPIN 0
+#define ANGULAR_VELOCITY 0
 #define FRICTION 0
-#define RESPONSE 1
+#define CONTACT_RESPONSE 1
 #define WG 64
 #define PER_ITEM 1
 #line 1 "kernels/common.clh"

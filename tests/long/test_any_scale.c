@@ -68,7 +68,7 @@ static void draw_pose(duet_pose *pose, const drawing *d, bool rotated, rng *r)
     *pose = (duet_pose){.rotation = {0, 0, 0, 1}};
     for (int k = 0; k < 3; ++k) {
         pose->centre[k] = place(d, k, r);
-        pose->half[k] = size(d, r);
+        pose->half_extents[k] = size(d, r);
     }
     for (int k = 0; rotated && k < 4; ++k)
         pose->rotation[k] = (float)rng_normal(r);
@@ -120,8 +120,8 @@ static void scenes_of_any_scale_are_found_whole(void **state)
         if (round % 20 == 0)
             print_message("round %d: reach 2^%d, sizes 2^%d to 2^%d, %u objects\n", round, d.reach,
                           d.least, d.most, n);
-        pairs += agreement_check(
-            &def, def.shape == DUET_SHAPE_POSES ? (const void *)poses : bounds, n);
+        pairs +=
+            agreement_check(&def, def.shape == DUET_SHAPE_POSES ? (const void *)poses : bounds, n);
     }
     print_message("%llu pairs\n", (unsigned long long)pairs);
     assert_true(pairs > 0);

@@ -49,7 +49,7 @@ static double reach(const duet_pose *pose, const axes *a, const double along[3])
 {
     double sum = 0;
     for (int i = 0; i < 3; ++i)
-        sum += pose->half[i] * fabs(dot(a->at[i], along));
+        sum += pose->half_extents[i] * fabs(dot(a->at[i], along));
     return sum;
 }
 
@@ -97,8 +97,8 @@ static hard_pair pick_boxes(rng *r)
     p.a.rotation[3] += 2; // no length of 0, and no parts below 2^-30 of it
     p.b.rotation[3] += 2;
     for (int i = 0; i < 3; ++i) {
-        p.a.half[i] = (float)(rng_between(r, 0.3, 1) * (rng_below(r, 2) ? thin : 1));
-        p.b.half[i] = (float)(rng_between(r, 0.3, 1) * (rng_below(r, 2) ? thin : 1));
+        p.a.half_extents[i] = (float)(rng_between(r, 0.3, 1) * (rng_below(r, 2) ? thin : 1));
+        p.b.half_extents[i] = (float)(rng_between(r, 0.3, 1) * (rng_below(r, 2) ? thin : 1));
     }
     return p;
 }

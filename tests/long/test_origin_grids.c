@@ -37,7 +37,7 @@ static void scatter(uint32_t from, uint32_t n, const double at[3], double side, 
         placed[i] = (duet_placed){.pose.rotation = {0, 0, 0, 1}};
         for (int k = 0; k < 3; ++k) {
             centre[k] = at[k] + 0x1p-10 * floor(0x1p10 * rng_between(r, 0, side));
-            placed[i].pose.half[k] = (float)(0.5 * pow(most, rng_between(r, 0, 1)));
+            placed[i].pose.half_extents[k] = (float)(0.5 * pow(most, rng_between(r, 0, 1)));
         }
         for (int k = 0; rotated && k < 4; ++k)
             placed[i].pose.rotation[k] = (float)rng_normal(r);

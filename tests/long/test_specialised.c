@@ -28,7 +28,7 @@ typedef struct scene {
 static duet_pose random_pose(const scene *s, rng *r)
 {
     float half = s->mixed ? (float)(1u << rng_below(r, 7)) / 32 : 0.5f;
-    duet_pose p = {.half = {half, half, half}, .rotation = {0, 0, 0, 1}};
+    duet_pose p = {.half_extents = {half, half, half}, .rotation = {0, 0, 0, 1}};
     for (int k = 0; k < 3; ++k) {
         double width = k == 0 && s->flat ? 1.0 : s->dims == 3 ? 9.0 : 25.0;
         p.centre[k] = (float)(int)(rng_between(r, 0, width) * 64) / 64;
@@ -45,8 +45,8 @@ static void fill(scene *s, rng *r)
     for (uint32_t i = 0; i < OBJECTS; ++i) {
         s->poses[i] = random_pose(s, r);
         for (int k = 0; k < 3; ++k) {
-            s->bounds[i].lower[k] = s->poses[i].centre[k] - s->poses[i].half[k];
-            s->bounds[i].upper[k] = s->poses[i].centre[k] + s->poses[i].half[k];
+            s->bounds[i].lower[k] = s->poses[i].centre[k] - s->poses[i].half_extents[k];
+            s->bounds[i].upper[k] = s->poses[i].centre[k] + s->poses[i].half_extents[k];
         }
     }
 }

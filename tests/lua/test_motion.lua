@@ -16,7 +16,7 @@ local bodies = duet.bodies {
   { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, false },
   { 0, 0, 0, 0, 0, 0, 0, 0, 0.5, 1, mask, false },
 }
-local falling <const> = { gravity = { 0, 0, -10 }, wants = { "response", "events" } }
+local falling <const> = { gravity = { 0, 0, -10 }, wants = { "contact_response", "events" } }
 
 holds("what is not said about a body is its default", function()
   local body = { duet.bodies(1):get(0) }

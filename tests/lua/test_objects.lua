@@ -130,7 +130,7 @@ end)
 holds("the exact test of two boxes is there", function()
   equal(three:collide(0, 1), true)
   equal(three:collide(0, 2), false)
-  assert(three:gap(0, 1) < 0 and three:gap(0, 2) > 7)
+  assert(three:separation(0, 1) < 0 and three:separation(0, 2) > 7)
 end)
 
 -- ---------------------------------------------------------------- failures

@@ -6,7 +6,7 @@ local p = parameters {
   falling = true, -- onto a floor, with friction, rather than in free flight
   turned = true,
   sleep = false,
-  fast = false,
+  continuous = false,
   events = false,
   skin = 0.0,
   edge = "walls", -- "periodic", "none"
@@ -33,7 +33,7 @@ local function box(centre, half, parts)
 end
 
 local function cube(edge)
-  local half = {}
+  local half_extents = {}
   for k = 1, p.dims do half[k] = edge / 2 end
   return half
 end
@@ -41,7 +41,7 @@ end
 for i = 0, 4 do
   local apart = p.falling and 0.98 or 2
   box(vector(0.2 * i, 0.49 + apart * i), cube(1), {
-    velocity = vector(p.falling and 0.1 or 1, p.fast and -60 or 0),
+    velocity = vector(p.falling and 0.1 or 1, p.continuous and -60 or 0),
     restitution = p.falling and 0.2 or nil,
     friction = p.falling and 0.5 or nil,
     group = p.filtered and 1 + i % 2 or nil,
@@ -55,10 +55,10 @@ if p.falling then
 end
 
 local wants = {}
-for _, name in ipairs { "sleep", "fast", "events" } do
+for _, name in ipairs { "sleep", "continuous", "events" } do
   if p[name] then wants[#wants + 1] = name end
 end
-if p.falling then wants[#wants + 1] = "response" end
+if p.falling then wants[#wants + 1] = "contact_response" end
 
 local lower, upper = {}, {}
 for k = 1, p.dims do lower[k], upper[k] = -8, 12 end

@@ -30,7 +30,7 @@ endfunction()
 set(launched "")
 foreach(case
     "3 --set sleep=true --set events=true"
-    "2 --set skin=0.3 --set fast=true --set edge=none"
+    "2 --set skin=0.3 --set continuous=true --set edge=none"
     "2 --set turned=false --set filtered=true --set doubles=true"
     "2 --set origin=true --set edge=none"
     "2 --set falling=false --set edge=periodic"

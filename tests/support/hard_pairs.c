@@ -19,7 +19,7 @@ static void set_random_turn(duet_pose *pose, rng *r, uint32_t dims)
 static void set_halves(duet_pose *pose, rng *r, double from, double to)
 {
     for (int i = 0; i < 3; ++i)
-        pose->half[i] = (float)(from * pow(to / from, rng_unit(r)));
+        pose->half_extents[i] = (float)(from * pow(to / from, rng_unit(r)));
 }
 
 static double edge_direction(const duet_pose *pose, int edge, int along)
@@ -40,7 +40,7 @@ static void pick_point(const duet_pose *pose, rng *r, double point[3])
     for (int i = 0; i < 3; ++i)
         point[i] = 0;
     for (int edge = 0; edge < 3; ++edge) {
-        double at = pose->half[edge] * rng_between(r, -1, 1);
+        double at = pose->half_extents[edge] * rng_between(r, -1, 1);
         for (int i = 0; i < 3; ++i)
             point[i] += at * edge_direction(pose, edge, i);
     }
@@ -87,7 +87,7 @@ static hard_pair bring_to_contact(hard_pair p, rng *r, uint32_t dims)
     pick_direction(r, dims, direction);
     for (int i = 0; i < 3; ++i) {
         start[i] -= inside_b[i];
-        size += (double)p.a.half[i] + p.b.half[i];
+        size += (double)p.a.half_extents[i] + p.b.half_extents[i];
     }
     double in = 0, out = 4 * size;
     for (int step = 0; step < 40; ++step) {
@@ -153,8 +153,8 @@ static hard_pair far_away(rng *r, uint32_t dims)
 static hard_pair plates(rng *r, uint32_t dims)
 {
     hard_pair p = random_pair(r, dims, 5, 10);
-    p.a.half[rng_below(r, dims)] = (float)(10 * pow(10, -rng_between(r, 3, 6)));
-    p.b.half[rng_below(r, dims)] = (float)(10 * pow(10, -rng_between(r, 3, 6)));
+    p.a.half_extents[rng_below(r, dims)] = (float)(10 * pow(10, -rng_between(r, 3, 6)));
+    p.b.half_extents[rng_below(r, dims)] = (float)(10 * pow(10, -rng_between(r, 3, 6)));
     if (rng_below(r, 2))
         make_nearly_parallel(&p, r, dims);
     return bring_to_contact(p, r, dims);
@@ -163,7 +163,7 @@ static hard_pair plates(rng *r, uint32_t dims)
 static void make_needle(duet_pose *pose, rng *r, uint32_t dims)
 {
     set_halves(pose, r, 1e-4, 1e-2);
-    pose->half[rng_below(r, dims)] = 100;
+    pose->half_extents[rng_below(r, dims)] = 100;
 }
 
 static hard_pair needles(rng *r, uint32_t dims)
@@ -181,8 +181,8 @@ static hard_pair flat(rng *r, uint32_t dims)
 {
     hard_pair p = random_pair(r, dims, 0.3, 1);
     for (int i = 0; i < 3; ++i) {
-        p.a.half[i] = rng_below(r, 2) ? 0 : p.a.half[i];
-        p.b.half[i] = rng_below(r, 3) ? p.b.half[i] : 0;
+        p.a.half_extents[i] = rng_below(r, 2) ? 0 : p.a.half_extents[i];
+        p.b.half_extents[i] = rng_below(r, 3) ? p.b.half_extents[i] : 0;
     }
     return bring_to_contact(p, r, dims);
 }
@@ -274,7 +274,8 @@ static hard_pair face_to_face(rng *r, uint32_t dims)
     hard_pair p = random_pair(r, dims, 0.3, 1);
     memcpy(p.b.rotation, p.a.rotation, sizeof p.b.rotation);
     int face = (int)rng_below(r, dims);
-    double reach = ((double)p.a.half[face] + p.b.half[face]) * (1 + rng_between(r, -3e-7, 3e-7));
+    double reach = ((double)p.a.half_extents[face] + p.b.half_extents[face]) *
+                   (1 + rng_between(r, -3e-7, 3e-7));
     for (int i = 0; i < 3; ++i)
         p.b.centre[i] = (float)(reach * edge_direction(&p.a, face, i));
     return p;
@@ -288,7 +289,7 @@ typedef struct whole_box {
     int q[4];
     int norm;
     int axis[3][3]; // of length norm
-    int half[3];    // in units of norm / 64
+    int half_extents[3];    // in units of norm / 64
 } whole_box;
 
 static whole_box pick_whole_box(rng *r, uint32_t dims, int greatest)
@@ -302,7 +303,7 @@ static whole_box pick_whole_box(rng *r, uint32_t dims, int greatest)
     }
     duet_pose pose = {.rotation = {(float)b.q[0], (float)b.q[1], (float)b.q[2], (float)b.q[3]}};
     for (int edge = 0; edge < 3; ++edge) {
-        b.half[edge] = dims == 2 && edge == 2 ? 0 : 1 + (int)rng_below(r, 8);
+        b.half_extents[edge] = dims == 2 && edge == 2 ? 0 : 1 + (int)rng_below(r, 8);
         for (int i = 0; i < 3; ++i)
             b.axis[edge][i] = (int)lrint(b.norm * edge_direction(&pose, edge, i));
     }
@@ -322,7 +323,8 @@ static void farthest_point(const whole_box *b, const int normal[3], rng *r, int 
         point[i] = 0;
     for (int edge = 0; edge < 3; ++edge) {
         long along = dot(normal, b->axis[edge]);
-        int at = along ? b->half[edge] : (int)rng_below(r, (uint32_t)b->half[edge] + 1);
+        int at =
+            along ? b->half_extents[edge] : (int)rng_below(r, (uint32_t)b->half_extents[edge] + 1);
         int sign = along ? (along > 0 ? 1 : -1) : pick_sign(r);
         for (int i = 0; i < 3; ++i)
             point[i] += sign * at * b->axis[edge][i];
@@ -336,7 +338,7 @@ static duet_pose pose_of(const whole_box *b, const int centre[3])
         pose.rotation[i] = (float)b->q[i];
     for (int i = 0; i < 3; ++i) {
         pose.centre[i] = (float)centre[i] / 64;
-        pose.half[i] = (float)(b->half[i] * b->norm) / 64;
+        pose.half_extents[i] = (float)(b->half_extents[i] * b->norm) / 64;
     }
     return pose;
 }
@@ -365,9 +367,9 @@ static hard_pair touching_upright(rng *r, uint32_t dims)
 {
     whole_box a = {{0, 0, 0, 1}, 1, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0}};
     for (uint32_t i = 0; i < dims; ++i)
-        a.half[i] = (int)rng_below(r, 9);
+        a.half_extents[i] = (int)rng_below(r, 9);
     whole_box b = a;
-    b.half[0] = (int)rng_below(r, 9);
+    b.half_extents[0] = (int)rng_below(r, 9);
     int normal[3];
     for (uint32_t i = 0; i < 3; ++i)
         normal[i] = i < dims ? (int)rng_below(r, 3) - 1 : 0;
@@ -395,9 +397,10 @@ static hard_pair touching_edges(rng *r, uint32_t dims)
 
 static hard_pair an_ulp_off(hard_pair p, rng *r, uint32_t dims)
 {
-    nudge(rng_below(r, 4) ? &p.b.centre[rng_below(r, dims)] : &p.b.half[rng_below(r, dims)], 1, r);
+    nudge(rng_below(r, 4) ? &p.b.centre[rng_below(r, dims)] : &p.b.half_extents[rng_below(r, dims)],
+          1, r);
     for (int i = 0; i < 3; ++i)
-        p.b.half[i] = fabsf(p.b.half[i]); // where an extent was 0
+        p.b.half_extents[i] = fabsf(p.b.half_extents[i]); // where an extent was 0
     return p;
 }
 
@@ -461,8 +464,9 @@ const hard_class hard_classes[] = {
 static void print_pose(const char *name, const duet_pose *p)
 {
     print_message("duet_pose %s = {{%a, %a, %a}, {%a, %a, %a}, {%a, %a, %a, %a}};\n", name,
-                  p->centre[0], p->centre[1], p->centre[2], p->half[0], p->half[1], p->half[2],
-                  p->rotation[0], p->rotation[1], p->rotation[2], p->rotation[3]);
+                  p->centre[0], p->centre[1], p->centre[2], p->half_extents[0], p->half_extents[1],
+                  p->half_extents[2], p->rotation[0], p->rotation[1], p->rotation[2],
+                  p->rotation[3]);
 }
 
 static void print_numbers(const float *numbers, int n)
@@ -474,7 +478,7 @@ static void print_numbers(const float *numbers, int n)
 static void print_row(const duet_pose *p)
 {
     print_numbers(p->centre, 3);
-    print_numbers(p->half, 3);
+    print_numbers(p->half_extents, 3);
     print_numbers(p->rotation, 4);
 }
 

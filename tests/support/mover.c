@@ -59,7 +59,7 @@ uint32_t mover_add(mover *m, double x, double y, double z, double hx, double hy,
 {
     assert_true(m->n < MOVER_MOST);
     m->poses[m->n] = (duet_pose){.centre = {(float)x, (float)y, (float)z},
-                                 .half = {(float)hx, (float)hy, (float)hz},
+                                 .half_extents = {(float)hx, (float)hy, (float)hz},
                                  .rotation = {0, 0, 0, 1}};
     m->bodies[m->n] = duet_default_body();
     return m->n++;
@@ -125,9 +125,9 @@ uint32_t mover_add_floor(mover *m, double half)
 {
     uint32_t k = m->def.dims - 1;
     m->def.gravity[k] = -9.81;
-    m->def.wants |= DUET_EFFECT_RESPONSE;
+    m->def.wants |= DUET_EFFECT_CONTACT_RESPONSE;
     uint32_t id = mover_add(m, 0, 0, 0, half, half, half);
-    m->poses[id].half[k] = 0.5f;
+    m->poses[id].half_extents[k] = 0.5f;
     m->poses[id].centre[k] = -0.5f;
     m->bodies[id].mass = 0.0f;
     m->bodies[id].friction = 0.6f;

@@ -33,7 +33,7 @@ uint32_t mover_add(mover *m, double x, double y, double z, double hx, double hy,
 uint32_t mover_add_cube(mover *m, double x, double y, double z, double edge);
 void mover_turn(mover *m, uint32_t id, double x, double y, double z, double angle);
 
-// A floor whose top is at height 0, and gravity; a unit cube that rubs; n boxes
+// A floor whose top is at height 0, and gravity; a unit cube with friction; n boxes
 // of many shapes that fall between walls.
 uint32_t mover_add_floor(mover *m, double half);
 uint32_t mover_add_rough_cube(mover *m, double x, double y, double z);

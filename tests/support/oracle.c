@@ -38,7 +38,7 @@ enum { FLOAT_GRAIN = 149, DOUBLE_GRAIN = 1074 };
 
 // A box of such whole numbers.
 typedef struct given_box {
-    double centre[3], half[3], rotation[4];
+    double centre[3], half_extents[3], rotation[4];
     int grain;
 } given_box;
 
@@ -128,8 +128,8 @@ static void add_box(rows *r, const given_box *box)
     open_quaternion(&edge);
     for (int i = 0; i < 3; ++i) {
         set_edge(&edge, box, i);
-        add_side(r, &edge, 1, box, box->half[i]);
-        add_side(r, &edge, -1, box, box->half[i]);
+        add_side(r, &edge, 1, box, box->half_extents[i]);
+        add_side(r, &edge, -1, box, box->half_extents[i]);
     }
     close_quaternion(&edge);
 }
@@ -198,7 +198,7 @@ static given_box box_of_pose(const duet_pose *pose, uint32_t dims)
     given_box box = {.grain = FLOAT_GRAIN};
     for (uint32_t i = 0; i < dims; ++i) {
         box.centre[i] = pose->centre[i];
-        box.half[i] = pose->half[i];
+        box.half_extents[i] = pose->half_extents[i];
     }
     for (uint32_t i = dims == 2 ? 2 : 0; i < 4; ++i)
         box.rotation[i] = pose->rotation[i];
@@ -215,7 +215,7 @@ static given_box box_of_numbers(const double given[10])
 {
     given_box box = {.grain = DOUBLE_GRAIN};
     memcpy(box.centre, given, sizeof box.centre);
-    memcpy(box.half, given + 3, sizeof box.half);
+    memcpy(box.half_extents, given + 3, sizeof box.half_extents);
     memcpy(box.rotation, given + 6, sizeof box.rotation);
     return box;
 }

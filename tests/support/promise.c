@@ -13,7 +13,8 @@ double promise_size(const hard_pair *p, uint32_t dims)
 {
     double size = 0;
     for (uint32_t i = 0; i < dims; ++i)
-        size += fabs((double)p->b.centre[i] - p->a.centre[i]) + p->a.half[i] + p->b.half[i];
+        size += fabs((double)p->b.centre[i] - p->a.centre[i]) + p->a.half_extents[i] +
+                p->b.half_extents[i];
     return size;
 }
 
@@ -28,7 +29,7 @@ bool promise_allows(double missed, double added, const hard_pair *pair, uint32_t
     double size = promise_size(pair, dims);
     if (size < LEAST_SIZE || size > GREATEST_SIZE)
         return true;
-    double gap = narrow_gap(&pair->a, &pair->b, dims);
+    double separation = narrow_separation(&pair->a, &pair->b, dims);
     double rounding = NARROW_SLACK * 0x1p-53 * size;
-    return fabs(gap) <= bound * size + rounding;
+    return fabs(separation) <= bound * size + rounding;
 }

@@ -16,7 +16,7 @@ static double depth_unseen(const mover *m, const duet_pose *poses)
 {
     double sum = 0;
     for (uint32_t i = 0; i < m->n; ++i) {
-        const float *half = poses[i].half;
+        const float *half = poses[i].half_extents;
         double least = half[0] < half[1] ? half[0] : half[1];
         sum += m->def.dims == 3 && half[2] < least ? half[2] : least;
     }
@@ -44,7 +44,7 @@ void skin_assert_none_missed(mover *m, const duet_pose *poses)
     for (uint32_t a = 0; a < m->n; ++a)
         for (uint32_t b = a + 1; b < m->n; ++b)
             if ((m->bodies[a].mass > 0 || m->bodies[b].mass > 0) &&
-                duet_poses_gap(&poses[a], &poses[b], m->def.dims) < -unseen &&
+                duet_poses_separation(&poses[a], &poses[b], m->def.dims) < -unseen &&
                 !has_contact(contacts, n, a, b))
                 fail_msg("step %d: objects %u and %u are missed", (int)m->last.step, a, b);
     duet_free(contacts);
@@ -55,8 +55,8 @@ static mover *bouncing_boxes(double skin)
     rng r = rng_seed(test_seed());
     mover *m = mover_new(3);
     m->def.skin = skin;
-    m->def.wants = DUET_EFFECT_RESPONSE;
-    m->def.bounce_speed = 0.0;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
+    m->def.restitution_threshold = 0.0;
     m->def.edge = DUET_EDGE_WALLS;
     for (int k = 0; k < 3; ++k)
         m->def.upper[k] = 8.0;

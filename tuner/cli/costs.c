@@ -68,11 +68,11 @@ static void change_body(duet_body *b, uint32_t effect)
         b->friction = 0.0f;
     if (effect == DUET_EFFECT_FILTER)
         b->group = b->mask = UINT32_MAX;
-    if (effect == DUET_EFFECT_SPIN) {
-        b->upright = true;
-        memset(b->spin, 0, sizeof b->spin);
+    if (effect == DUET_EFFECT_ANGULAR_VELOCITY) {
+        b->fixed_rotation = true;
+        memset(b->angular_velocity, 0, sizeof b->angular_velocity);
     }
-    if (effect == DUET_EFFECT_RESPONSE)
+    if (effect == DUET_EFFECT_CONTACT_RESPONSE)
         b->friction = b->restitution = 0.0f;
 }
 
@@ -80,8 +80,9 @@ static void change_body(duet_body *b, uint32_t effect)
 static void take_away(subject *s, uint32_t effect)
 {
     s->def.wants &= ~effect;
-    if (effect == DUET_EFFECT_RESPONSE)
-        s->def.wants &= ~(uint32_t)(DUET_EFFECT_FAST | DUET_EFFECT_SLEEP | DUET_EFFECT_FRICTION);
+    if (effect == DUET_EFFECT_CONTACT_RESPONSE)
+        s->def.wants &=
+            ~(uint32_t)(DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP | DUET_EFFECT_FRICTION);
     if (effect == DUET_EFFECT_GRAVITY) {
         memset(s->def.gravity, 0, sizeof s->def.gravity);
         s->def.attraction = 0.0;

@@ -77,7 +77,8 @@ void level_costs_report_text(const level_costs_report *r)
     print_device(r, 0);
     print_device(r, 1);
     printf("\n* nothing is both faster and more right. missed: pairs that collide; false: that do "
-           "not.\ndeepest: overlap of the worst missed; widest: gap of the worst false one, in the "
+           "not.\ndeepest: overlap of the worst missed; widest: separation of the worst false one, "
+           "in the "
            "scene's unit.\n");
 }
 

@@ -41,7 +41,7 @@ static duet_pose box_of(const sketch *s, const duet_scene *scene, uint32_t id)
     duet_pose box = {.rotation = {0, 0, 0, 1}};
     for (int k = 0; k < 3; ++k) {
         box.centre[k] = 0.5F * b->lower[k] + 0.5F * b->upper[k];
-        box.half[k] = 0.5F * b->upper[k] - 0.5F * b->lower[k];
+        box.half_extents[k] = 0.5F * b->upper[k] - 0.5F * b->lower[k];
     }
     return box;
 }

@@ -35,7 +35,7 @@ static bool find_extent(const snapshot *s, const duet_state *states, uint32_t ax
     double *uppers = lowers + s->n;
     uint32_t n = 0;
     for (uint32_t i = 0; i < s->n; ++i) {
-        const float *h = poses[i].half;
+        const float *h = poses[i].half_extents;
         double reach = fmax(h[0], fmax(h[1], s->def->dims == 3 ? h[2] : 0.0));
         if (s->is_shot[i])
             continue;
@@ -121,14 +121,14 @@ static void colour_objects(snapshot *s, const duet_state *start)
     }
 }
 
-// What calls for the effect `fast`: more than half its least half extent a step.
+// What calls for the effect `continuous`: more than half its least half extent a step.
 static bool moves_fast(const duet_motion_def *d, const duet_pose *p, const duet_state *s)
 {
     double speed = hypot(s->velocity[0], s->velocity[1]);
-    double least = fmin(p->half[0], p->half[1]);
+    double least = fmin(p->half_extents[0], p->half_extents[1]);
     if (d->dims == 3) {
         speed = hypot(speed, s->velocity[2]);
-        least = fmin(least, p->half[2]);
+        least = fmin(least, p->half_extents[2]);
     }
     return speed * d->dt > 0.5 * least;
 }
@@ -218,7 +218,7 @@ static spot project(const eye *e, const double at[3])
 typedef struct block {
     double centre[3];
     double axis[3][3];
-    double half[3];
+    double half_extents[3];
 } block;
 
 static block block_of(const duet_pose *pose, const duet_state *state, uint32_t dims)
@@ -231,7 +231,7 @@ static block block_of(const duet_pose *pose, const duet_state *state, uint32_t d
         {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
          {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
          {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}},
-        {pose->half[0], pose->half[1], deep ? pose->half[2] : 0.0},
+        {pose->half_extents[0], pose->half_extents[1], deep ? pose->half_extents[2] : 0.0},
     };
 }
 
@@ -247,8 +247,9 @@ static void draw_face(const eye *e, const block *b, int k, double side, tint col
         double su = i == 0 || i == 3 ? 1 : -1, sv = i < 2 ? 1 : -1;
         double at[3];
         for (int j = 0; j < 3; ++j)
-            at[j] = b->centre[j] + side * b->half[k] * b->axis[k][j] +
-                    su * b->half[u] * b->axis[u][j] + sv * b->half[v] * b->axis[v][j];
+            at[j] = b->centre[j] + side * b->half_extents[k] * b->axis[k][j] +
+                    su * b->half_extents[u] * b->axis[u][j] +
+                    sv * b->half_extents[v] * b->axis[v][j];
         corners[i] = project(e, at);
     }
     tint shade = lit(colour, 0.45 + 0.6 * fmax(0.0, side * dot(b->axis[k], light)));
@@ -271,7 +272,7 @@ static void draw_ground(const eye *e, const duet_motion_def *d)
     block b = {.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     for (int k = 0; k < 2; ++k) {
         b.centre[k] = 0.5 * (d->lower[k] + d->upper[k]);
-        b.half[k] = 0.5 * (d->upper[k] - d->lower[k]);
+        b.half_extents[k] = 0.5 * (d->upper[k] - d->lower[k]);
     }
     b.centre[2] = d->dims == 3 ? d->lower[2] : -1.0;
     if (d->edge != DUET_EDGE_NONE)

@@ -24,7 +24,7 @@ typedef struct arguments {
     const char *pair;
     uint32_t share; // UINT32_MAX: not given
     const char *out;
-    bool gaps;
+    bool separations;
     bool json;
 } arguments;
 
@@ -34,7 +34,8 @@ static const option options[] = {
     PAIR_OPTION_ROW(pair),
     OPTION_SHARE("share", share, "R", "A's part of the pairs, as 0.25 or 1/4"),
     OPTION_TEXT("out", out, "V.npy", "write the verdicts, uint8 or, for another ending, lines"),
-    OPTION_FLAG("gaps", gaps, "write the gaps along the best axis too, float64 as V.gaps.npy"),
+    OPTION_FLAG("separations", separations,
+                "write the separations along the best axis too, float64 as V.separations.npy"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
@@ -59,7 +60,7 @@ typedef struct tested {
     const duet_pose *poses;
     uint64_t n; // pairs
     uint8_t *verdicts;
-    double *gaps; // NULL: not wanted
+    double *separations; // NULL: not wanted
     uint64_t colliding, undecided;
     double seconds;
 } tested;
@@ -84,7 +85,8 @@ static bool test_slices(tested *t, duet_test *test, duet_error *err)
         duet_test_result result;
         uint64_t left = t->n - done;
         ok = duet_test_pairs(test, t->poses + 2 * done, left < SLICE ? left : SLICE,
-                             t->verdicts + done, t->gaps ? t->gaps + done : NULL, &result, err) &&
+                             t->verdicts + done, t->separations ? t->separations + done : NULL,
+                             &result, err) &&
              interrupt_check(err);
         if (!ok)
             break;
@@ -97,11 +99,11 @@ static bool test_slices(tested *t, duet_test *test, duet_error *err)
     return ok;
 }
 
-static bool reserve(tested *t, bool gaps, duet_error *err)
+static bool reserve(tested *t, bool separations, duet_error *err)
 {
     t->verdicts = malloc(t->n + 1);
-    t->gaps = gaps ? malloc((t->n + 1) * sizeof *t->gaps) : NULL;
-    return (t->verdicts && (t->gaps || !gaps)) ||
+    t->separations = separations ? malloc((t->n + 1) * sizeof *t->separations) : NULL;
+    return (t->verdicts && (t->separations || !separations)) ||
            error_set(err, DUET_NO_MEMORY, "%s: no memory for the verdicts of %llu pairs", t->path,
                      (unsigned long long)t->n);
 }
@@ -118,11 +120,12 @@ static bool write_arrays(const tested *t, const char *path, duet_error *err)
 {
     if (!npy_write(path, NPY_UINT8, t->verdicts, t->n, err))
         return false;
-    if (!t->gaps)
+    if (!t->separations)
         return true;
     text beside = {0};
-    text_add(&beside, "%.*s.gaps.npy", (int)(strlen(path) - 4), path);
-    bool ok = text_ok(&beside, err) && npy_write(beside.chars, NPY_FLOAT64, t->gaps, t->n, err);
+    text_add(&beside, "%.*s.separations.npy", (int)(strlen(path) - 4), path);
+    bool ok =
+        text_ok(&beside, err) && npy_write(beside.chars, NPY_FLOAT64, t->separations, t->n, err);
     text_free(&beside);
     return ok;
 }
@@ -132,8 +135,8 @@ static bool write_lines(const tested *t, const char *path, duet_error *err)
     text lines = {0};
     for (uint64_t i = 0; i < t->n; ++i) {
         text_add(&lines, "%d", t->verdicts[i]);
-        if (t->gaps)
-            text_add(&lines, ",%.17g", t->gaps[i]);
+        if (t->separations)
+            text_add(&lines, ",%.17g", t->separations[i]);
         text_add(&lines, "\n");
     }
     bool ok = text_ok(&lines, err) && text_write_file(path, text_chars(&lines), lines.length, err);
@@ -196,15 +199,15 @@ static uint32_t share_of(const arguments *args, const duet_device_pair *pair)
 static bool run_test(tested *t, const arguments *args, duet_error *err)
 {
     duet_test *test = duet_test_open(&t->def, err);
-    bool ok =
-        test && reserve(t, args->gaps, err) && warm_up(t, test, err) && test_slices(t, test, err);
+    bool ok = test && reserve(t, args->separations, err) && warm_up(t, test, err) &&
+              test_slices(t, test, err);
     if (ok && args->out)
         ok = (is_npy(args->out) ? write_arrays : write_lines)(t, args->out, err);
     if (ok && args->json)
         ok = tell_json(t, err);
     else if (ok)
         tell(t);
-    free(t->gaps);
+    free(t->separations);
     free(t->verdicts);
     duet_test_close(test);
     return ok;
@@ -241,8 +244,8 @@ int command_test(int argc, char **argv)
         return exit_code;
     if (args.device && (args.pair || args.share != UINT32_MAX))
         return say_wrong("test", "--device is one device alone; --pair and --share are for two");
-    if (args.gaps && !args.out)
-        return say_wrong("test", "--gaps are written beside the verdicts; give --out V.npy");
+    if (args.separations && !args.out)
+        return say_wrong("test", "--separations are written beside the verdicts; give --out V.npy");
     duet_error err = {0};
     bool ok =
         inputs_read_level(args.level_name, &args.level, &err) && run(&args, operands[0], &err);

@@ -77,7 +77,7 @@ static bool sample_depth(run *r, duet_error *err)
         return false;
     for (uint64_t i = 0; i < n; ++i)
         for (uint32_t k = 0; k < contacts[i].n; ++k)
-            r->depth = fmax(r->depth, -contacts[i].points[k].gap);
+            r->depth = fmax(r->depth, -contacts[i].points[k].separation);
     duet_free(contacts);
     return true;
 }
@@ -243,7 +243,7 @@ static void list_rows(survey *s, uint32_t effects)
 {
     timestep_study *p = s->study;
     p->contact = effects & DUET_EFFECT_CONTACT;
-    if (effects & DUET_EFFECT_RESPONSE)
+    if (effects & DUET_EFFECT_CONTACT_RESPONSE)
         list_with_response(s);
     else
         list_free_flight(s);

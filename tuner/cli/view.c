@@ -71,7 +71,7 @@ corners corners_of(const duet_pose *box, uint32_t dims)
         for (uint32_t row = 0; row < dims; ++row) {
             all.at[i][row] = box->centre[row];
             for (uint32_t k = 0; k < dims; ++k)
-                all.at[i][row] += (i >> k & 1 ? 1 : -1) * all.turn[row][k] * box->half[k];
+                all.at[i][row] += (i >> k & 1 ? 1 : -1) * all.turn[row][k] * box->half_extents[k];
         }
     return all;
 }

@@ -13,7 +13,7 @@ duet_device_pair *motions_open_pair(duet_error *err)
 static void place(duet_pose poses[BOXES], duet_body bodies[BOXES], uint32_t up)
 {
     for (uint32_t i = 0; i < BOXES; ++i) {
-        poses[i] = (duet_pose){.half = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0.1f, 1}};
+        poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0.1f, 1}};
         poses[i].centre[0] = 0.4f * (float)i;
         poses[i].centre[up] = 0.9f * (float)i;
         bodies[i] = duet_default_body();
@@ -21,7 +21,7 @@ static void place(duet_pose poses[BOXES], duet_body bodies[BOXES], uint32_t up)
         bodies[i].restitution = 0.2f;
     }
     poses[0].centre[up] = -0.5f;
-    poses[0].half[0] = 4.0f;
+    poses[0].half_extents[0] = 4.0f;
     poses[0].rotation[2] = 0.0f;
     bodies[0].mass = 0.0f;
     bodies[BOXES - 1].group = 2;
@@ -30,9 +30,9 @@ static void place(duet_pose poses[BOXES], duet_body bodies[BOXES], uint32_t up)
 duet_motion *motions_make(int which, duet_device_pair *pair, duet_error *err)
 {
     static const uint32_t wants[MOTIONS] = {
-        DUET_EFFECT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS,
-        DUET_EFFECT_RESPONSE | DUET_EFFECT_FAST | DUET_EFFECT_EVENTS,
-        DUET_EFFECT_CONTACT | DUET_EFFECT_SPIN,
+        DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS,
+        DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_CONTINUOUS | DUET_EFFECT_EVENTS,
+        DUET_EFFECT_CONTACT | DUET_EFFECT_ANGULAR_VELOCITY,
     };
     duet_motion_def def = duet_default_motion_def();
     duet_pose poses[BOXES];

@@ -10,7 +10,8 @@ static void require_pose(const duet_pose *p, uint32_t dims)
 {
     double norm = 0;
     for (uint32_t k = 0; k < dims; ++k)
-        fuzz_require(isfinite(p->centre[k]) && isfinite(p->half[k]) && p->half[k] >= 0);
+        fuzz_require(isfinite(p->centre[k]) && isfinite(p->half_extents[k]) &&
+                     p->half_extents[k] >= 0);
     for (uint32_t k = 0; k < 4; ++k)
         norm += (double)p->rotation[k] * (double)p->rotation[k];
     fuzz_require(norm > 0 && isfinite(norm));

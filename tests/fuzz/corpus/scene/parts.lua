@@ -1,5 +1,5 @@
 add { centre = { 0, 0, 0 }, half = { 1, 1, 1 }, euler = { 0.1, 0.2, 0.3 }, velocity = { 1, 0, 0 },
-  spin = { 0, 0, 1 }, mass = 2, restitution = 0.5, friction = 0.3, group = 1, mask = 3 }
+  angular_velocity = { 0, 0, 1 }, mass = 2, restitution = 0.5, friction = 0.3, group = 1, mask = 3 }
 add { centre = { 3, 0, 0 }, half = { 1, 1, 1 }, rotation = { euler(1, 2, 3) } }
 return {
   dims = 3,
@@ -8,7 +8,7 @@ return {
   gravity = { 0, 0, -9.81 },
   drag = 0.1,
   bounds = "walls",
-  wants = { "response", "friction", "sleep" },
+  wants = { "contact_response", "friction", "sleep" },
   integrator = "euler", dt = 1 / 60, substeps = 4, skin = 0.1, slop = 0.01,
   accuracy = { missed = 0.01 },
 }
