@@ -155,10 +155,13 @@ static void read_params(lua_State *L, card *c)
 }
 
 // A file beside the card, never one elsewhere.
+// NAME or FOLDER/NAME, neither of which begins with a dot.
 static bool is_file_name(const char *name, size_t length)
 {
-    return length > 0 && length < 48 && *name != '.' &&
-           strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789_.") == length;
+    const char *slash = memchr(name, '/', length);
+    const char *last = slash ? slash + 1 : name;
+    return length > 0 && length < 64 && *name != '.' && *name != '/' && *last != '.' && *last &&
+           !strchr(last, '/') && strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789_./") == length;
 }
 
 static void read_names(lua_State *L, const char *field, card_names *names)

@@ -7,15 +7,15 @@
 #ifndef GEN_CARD_H
 #define GEN_CARD_H
 
+#include "base/text.h"
 #include "gen/gen.h"
-#include "runtime/base/text.h"
 
 #define CARD_MAX_PARAMS 32
 #define CARD_MAX_NAMES 8
 
 // Names of files that a card asks for.
 typedef struct card_names {
-    char at[CARD_MAX_NAMES][48];
+    char at[CARD_MAX_NAMES][64];
     uint32_t n;
 } card_names;
 

@@ -12,5 +12,5 @@ foreach(path IN LISTS FILES)
   string(APPEND table "  {\"${path}\", blob_${n}, sizeof blob_${n} - 1, \"${sha256}\"},\n")
   math(EXPR n "${n} + 1")
 endforeach()
-file(WRITE "${OUT}" "// Written by gen/embed.cmake; do not edit.\n#include \"runtime/base/blob.h\"\n\n${arrays}
+file(WRITE "${OUT}" "// Written by gen/embed.cmake; do not edit.\n#include \"base/blob.h\"\n\n${arrays}
 const blob blobs[] = {\n${table}  {0, 0, 0, 0},\n};\n")

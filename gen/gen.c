@@ -4,8 +4,8 @@
 // so that a broken one does not stop the others.
 #define _POSIX_C_SOURCE 200809L
 #include "gen/gen.h"
+#include "base/blob.h"
 #include "gen/kernel.h"
-#include "runtime/base/blob.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -23,22 +23,6 @@ struct gen {
 
 // ---------------------------------------------------------------- the list
 
-static bool add_kernel(gen *g, const char *name, size_t length, duet_error *err)
-{
-    kernel *grown = realloc(g->kernels, (g->n_kernels + 1) * sizeof *grown);
-    if (!grown)
-        return error_set(err, DUET_NO_MEMORY, "the list of kernels: no memory");
-    g->kernels = grown;
-    kernel *k = &grown[g->n_kernels];
-    if (length >= sizeof k->name)
-        return error_set(err, DUET_BAD_ARGUMENT, "%s: a kernel's name has at most %zu letters",
-                         name, sizeof k->name - 1);
-    *k = (kernel){0};
-    memcpy(k->name, name, length);
-    ++g->n_kernels;
-    return true;
-}
-
 // The length of NAME in "NAME.lua"; 0 where it is no card.
 static size_t card_length(const char *file)
 {
@@ -47,28 +31,68 @@ static size_t card_length(const char *file)
     return is_card ? length - 4 : 0;
 }
 
+// Takes up the kernel of a card, FOLDER/NAME.lua or NAME.lua; no other file.
+static bool add_kernel(gen *g, const char *path, duet_error *err)
+{
+    const char *slash = strrchr(path, '/');
+    const char *name = slash ? slash + 1 : path;
+    size_t folder = (size_t)(name - path), length = card_length(name);
+    if (length == 0)
+        return true;
+    kernel *grown = realloc(g->kernels, (g->n_kernels + 1) * sizeof *grown);
+    if (!grown)
+        return error_set(err, DUET_NO_MEMORY, "the list of kernels: no memory");
+    g->kernels = grown;
+    kernel *k = &grown[g->n_kernels];
+    if (length >= sizeof k->name || folder >= sizeof k->folder)
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "%s: a kernel's name has at most %zu letters, its folder's %zu", path,
+                         sizeof k->name - 1, sizeof k->folder - 2);
+    *k = (kernel){0};
+    memcpy(k->name, name, length);
+    memcpy(k->folder, path, folder);
+    ++g->n_kernels;
+    return true;
+}
+
 static bool list_carried(gen *g, duet_error *err)
 {
     bool ok = true;
     for (const blob *b = blobs; ok && b->path; ++b)
-        if (strncmp(b->path, "kernels/", 8) == 0 && card_length(b->path + 8) > 0)
-            ok = add_kernel(g, b->path + 8, card_length(b->path + 8), err);
+        if (strncmp(b->path, "kernels/", 8) == 0)
+            ok = add_kernel(g, b->path + 8, err);
     return ok;
+}
+
+// Cards in the folder, and in those within it; `inner` is "", or one of these.
+static bool list_folder(gen *g, const char *inner, duet_error *err)
+{
+    text path = {0};
+    text_add(&path, "%s/%s", g->dir, inner);
+    DIR *dir = opendir(text_chars(&path));
+    text_free(&path);
+    bool ok = true;
+    for (struct dirent *entry; dir && ok && (entry = readdir(dir));) {
+        text file = {0};
+        text_add(&file, "%s%s", inner, entry->d_name);
+        ok = text_ok(&file, err) && add_kernel(g, file.chars, err);
+        if (ok && !*inner && *entry->d_name != '.') {
+            text_add(&file, "/");
+            ok = text_ok(&file, err) && list_folder(g, file.chars, err);
+        }
+        text_free(&file);
+    }
+    if (dir)
+        closedir(dir);
+    return ok && (dir || *inner ||
+                  error_set(err, DUET_NOT_FOUND, "kernel folder %s: %s", g->dir, strerror(errno)));
 }
 
 static bool list_dir(gen *g, duet_error *err)
 {
-    DIR *dir = opendir(g->dir);
-    if (!dir)
-        return error_set(err, DUET_NOT_FOUND, "kernel folder %s: %s", g->dir, strerror(errno));
-    bool ok = true;
-    for (struct dirent *entry; ok && (entry = readdir(dir));)
-        if (card_length(entry->d_name) > 0)
-            ok = add_kernel(g, entry->d_name, card_length(entry->d_name), err);
-    closedir(dir);
-    if (ok && g->n_kernels == 0)
-        ok = error_set(err, DUET_NOT_FOUND, "kernel folder %s: no card (*.lua) in it", g->dir);
-    return ok;
+    return list_folder(g, "", err) &&
+           (g->n_kernels > 0 ||
+            error_set(err, DUET_NOT_FOUND, "kernel folder %s: no card (*.lua) in it", g->dir));
 }
 
 static int compare_names(const void *a, const void *b)
@@ -91,6 +115,15 @@ gen *gen_open(const char *kernel_dir, duet_error *err)
     }
     if (g->n_kernels > 1)
         qsort(g->kernels, g->n_kernels, sizeof *g->kernels, compare_names);
+    for (uint32_t i = 1; i < g->n_kernels; ++i) {
+        const kernel *k = &g->kernels[i];
+        if (strcmp(k->name, k[-1].name) != 0)
+            continue;
+        error_set(err, DUET_BAD_INPUT, "kernel %s: its card is in %s and in %s; expected one",
+                  k->name, *k[-1].folder ? k[-1].folder : "./", *k->folder ? k->folder : "./");
+        gen_close(g);
+        return NULL;
+    }
     return g;
 }
 

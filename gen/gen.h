@@ -7,7 +7,7 @@
 #ifndef GEN_H
 #define GEN_H
 
-#include "runtime/base/error.h"
+#include "base/error.h"
 
 #include <stdbool.h>
 #include <stdint.h>

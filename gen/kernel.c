@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #define _POSIX_C_SOURCE 200809L
 #include "gen/kernel.h"
-#include "runtime/base/blob.h"
+#include "base/blob.h"
 
 #include <stdio.h>
 #include <unistd.h>
+
+// Folder, name and ending.
+enum { FILE_SIZE = sizeof((kernel *)0)->name + sizeof((kernel *)0)->folder + 8 };
 
 // ---------------------------------------------------------------- files
 
@@ -66,8 +69,8 @@ void kernel_forget(kernel *k)
 
 static bool read_card(const char *dir, kernel *k, duet_error *err)
 {
-    char file[64];
-    snprintf(file, sizeof file, "%s.lua", k->name);
+    char file[FILE_SIZE];
+    snprintf(file, sizeof file, "%s%s.lua", k->folder, k->name);
     text path = {0}, chars = {0};
     file_path(dir, file, &path);
     bool ok = text_ok(&path, err) && read_file(dir, file, &chars, err);
@@ -102,9 +105,9 @@ static bool read_template(const char *dir, kernel *k, const char *file, duet_err
 
 static bool read_body(const char *dir, kernel *k, duet_error *err)
 {
-    char plain[64], shaped[64];
-    snprintf(plain, sizeof plain, "%s.cl", k->name);
-    snprintf(shaped, sizeof shaped, "%s.cl.in", k->name);
+    char plain[FILE_SIZE], shaped[FILE_SIZE];
+    snprintf(plain, sizeof plain, "%s%s.cl", k->folder, k->name);
+    snprintf(shaped, sizeof shaped, "%s%s.cl.in", k->folder, k->name);
     if (!file_exists(dir, shaped))
         return add_file(dir, plain, &k->body, err);
     if (file_exists(dir, plain))

@@ -10,6 +10,7 @@
 
 typedef struct kernel {
     char name[48];
+    char folder[32]; // within the kernels' folder, "grid/", or ""
     bool is_read;
     card card;
     space space;
@@ -18,7 +19,7 @@ typedef struct kernel {
     template *template; // of a .cl.in, else NULL
 } kernel;
 
-// Reads NAME.lua, common.clh, NAME.cl or NAME.cl.in; dir NULL: carried ones.
+// Reads the folder's NAME.lua, common.clh, NAME.cl or NAME.cl.in; dir NULL: carried ones.
 // Every file that is missing is NOT_FOUND with its path.
 bool kernel_read(kernel *k, const char *dir, duet_error *err);
 void kernel_forget(kernel *k);

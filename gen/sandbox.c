@@ -10,9 +10,9 @@
 // limit, no coroutine to leave the hook behind, and no metatable: a finalizer
 // or an error handler would run with the hook switched off.
 #include "gen/sandbox.h"
+#include "base/blob.h"
 #include "gen/pattern.h"
 #include "gen/script.h"
-#include "runtime/base/blob.h"
 
 #include <lauxlib.h>
 #include <lualib.h>

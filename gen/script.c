@@ -11,10 +11,10 @@
 // on.
 #define _GNU_SOURCE // memmem
 #include "gen/script.h"
+#include "base/budget.h"
+#include "base/clock.h"
+#include "base/text.h"
 #include "gen/sandbox.h"
-#include "runtime/base/budget.h"
-#include "runtime/base/clock.h"
-#include "runtime/base/text.h"
 
 #include <inttypes.h>
 #include <lauxlib.h>

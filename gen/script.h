@@ -6,7 +6,7 @@
 #ifndef GEN_SCRIPT_H
 #define GEN_SCRIPT_H
 
-#include "runtime/base/error.h"
+#include "base/error.h"
 
 #include <lua.h>
 #include <stdbool.h>
@@ -17,7 +17,7 @@ typedef struct script script;
 
 typedef struct script_limits {
     size_t memory_bytes;   // of the whole state
-    size_t host_bytes;     // of what the host holds for it (runtime/base/budget.h); 0: any
+    size_t host_bytes;     // of what the host holds for it (base/budget.h); 0: any
     uint64_t instructions; // of one script_load, script_call or script_run
     double seconds;        // of one too: few instructions can move many bytes
     duet_status failure;   // what a script's error is; 0: BAD_INPUT

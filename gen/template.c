@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Lends template.lua a state; the work is done there.
 #include "gen/template.h"
+#include "base/blob.h"
 #include "gen/script.h"
-#include "runtime/base/blob.h"
 
 #include <lauxlib.h>
 #include <stdlib.h>

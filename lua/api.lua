@@ -26,12 +26,12 @@ api.classes = {
   { "duet.Search", "A strategy that looks for the best share, asked and told by a script." },
   { "duet.Strategy", "A table: a way to search." },
   { "duet.Tuning", "A table: what a tuning found." },
-  { "duet.Bodies", "What objects are besides: rows of velocity xyz, angular velocity xyz, mass, restitution, friction, group, mask, upright." },
+  { "duet.Bodies", "What objects are besides: rows of velocity xyz, angular velocity xyz, mass, restitution, friction, group, mask, fixed_rotation." },
   { "duet.States", "Where objects are and how they move: rows of centre xyz, rotation xyzw, velocity xyz, angular velocity xyz." },
   { "duet.Contacts", "Where objects touch: rows of a, b, normal xyz, n, and four times anchor xyz, separation, normal impulse." },
   { "duet.Test", "The narrow phase alone: tests pairs that the script brings." },
   { "duet.Verdicts", "Rows of one number: 0 separated, 1 colliding." },
-  { "duet.Gaps", "Rows of one number: how far apart two poses are; below 0, how deep in each other." },
+  { "duet.Separations", "Rows of one number: how far apart two poses are; below 0, how deep in each other." },
   { "duet.TestResult", "A table: what a test found and took." },
   { "duet.Kernel", "A table: a kernel and its card." },
   { "duet.Source", "A table: the text of a variant." },
@@ -246,7 +246,7 @@ api.names = {
     "Readies both devices to test pairs at a level; A has the share, of the default plan where none is given.",
     fails = true, c = "duet_test_open" },
   { "duet.Test:pairs", { "poses: duet.Poses|string|number[]|number[][]", "with_separations?: boolean" },
-    "duet.Verdicts, duet.TestResult, duet.Gaps?", "Tests rows 0 and 1, 2 and 3 ... with each other.",
+    "duet.Verdicts, duet.TestResult, duet.Separations?", "Tests rows 0 and 1, 2 and 3 ... with each other.",
     fails = true, c = "duet_test_pairs" },
   { "duet.Test:close", {}, nil, "Gives the devices' memory back.", c = "duet_test_close" },
   { "duet.TestResult.colliding", "integer", "pairs" },
@@ -409,7 +409,7 @@ for class, columns in pairs {
   States = ("d"):rep(13),
   Contacts = "IIfffI" .. ("f"):rep(20),
   Verdicts = "C",
-  Gaps = "d",
+  Separations = "d",
 } do
   local types = {}
   for letter in columns:gmatch "." do types[#types + 1] = letters[letter] end

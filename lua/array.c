@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lua/array.h"
 
+#include "base/budget.h"
 #include "lua/class.h"
-#include "runtime/base/budget.h"
 
 #include <inttypes.h>
 #include <stddef.h>

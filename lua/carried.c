@@ -3,8 +3,8 @@
 // "duet.plot" and "duet.lab" find them inside the library.
 #include "duet_lua.h"
 
+#include "base/blob.h"
 #include "lua/nouns.h"
-#include "runtime/base/blob.h"
 
 // Leaves what the text returns on the stack.
 static int run_carried(lua_State *L, const char *path)

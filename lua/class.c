@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lua/class.h"
 
-#include "runtime/base/budget.h"
+#include "base/budget.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 # holds the whole library and uses the Lua that loads it.
 set(DUET_LUA_DIR ${CMAKE_INSTALL_LIBDIR}/lua/5.4 CACHE STRING "Where duet.so is installed")
 
-add_library(duet_lua MODULE $<TARGET_OBJECTS:duet_objects>)
+add_library(duet_lua MODULE ${duet_objects})
 set_target_properties(duet_lua PROPERTIES PREFIX "" OUTPUT_NAME duet
   LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lua)
 target_link_libraries(duet_lua PRIVATE ${duet_needs} duet_options)

@@ -145,7 +145,7 @@ local function add_style(lines, chart)
   if chart.kind == "bars" then
     add(lines, "set style data histograms\nset style fill solid 0.9 noborder\nset boxwidth 0.9")
     add(lines, "set errorbars linecolor rgb '#444444'")
-    add(lines, "set style histogram %s", has_intervals(chart) and "errorbars separation 1.5 linewidth 1.2" or "clustered separation 1.5")
+    add(lines, "set style histogram %s", has_intervals(chart) and "errorbars gap 1.5 linewidth 1.2" or "clustered gap 1.5")
   elseif chart.kind == "stack" then
     add(lines, "set style data histograms\nset style fill solid 0.9 border rgb 'white'\nset boxwidth 0.65")
     add(lines, "set style histogram rowstacked")

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lua/policy.h"
 
-#include "runtime/base/beneath.h"
+#include "base/beneath.h"
 
 #include <lauxlib.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // duet.scene: objects with the world they live in, from a file or from rows.
+#include "base/budget.h"
 #include "lua/nouns.h"
 #include "lua/policy.h"
-#include "runtime/base/budget.h"
 
 #include <string.h>
 

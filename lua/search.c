@@ -3,7 +3,7 @@
 // on devices, on recorded times, or on an invented cost function.
 #include "lua/nouns.h"
 
-#include "runtime/base/text.h"
+#include "base/text.h"
 #include "tuner/search.h"
 #include "tuner/strategy.h"
 

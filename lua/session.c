@@ -2,13 +2,13 @@
 #define _POSIX_C_SOURCE 200809L
 #include "lua/session.h"
 
+#include "base/blob.h"
+#include "base/budget.h"
+#include "base/text.h"
+#include "base/visible.h"
 #include "duet_lua.h"
 #include "gen/script.h"
 #include "lua/policy.h"
-#include "runtime/base/blob.h"
-#include "runtime/base/budget.h"
-#include "runtime/base/text.h"
-#include "runtime/base/visible.h"
 
 #include <lauxlib.h>
 #include <lualib.h>

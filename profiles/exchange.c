@@ -5,12 +5,12 @@
 #define _POSIX_C_SOURCE 200809L
 #include "profiles/exchange.h"
 
+#include "base/blob.h"
+#include "base/output.h"
+#include "base/visible.h"
 #include "profiles/fit.h"
 #include "profiles/keys.h"
 #include "profiles/sql.h"
-#include "runtime/base/blob.h"
-#include "runtime/base/output.h"
-#include "runtime/base/visible.h"
 
 #include <assert.h>
 #include <cjson/cJSON.h>

@@ -10,8 +10,8 @@
 // times; what is then far off is left out, and the rest is fitted by squares.
 #include "profiles/fit.h"
 
+#include "base/clock.h"
 #include "profiles/sql.h"
-#include "runtime/base/clock.h"
 
 #include <float.h>
 #include <inttypes.h>

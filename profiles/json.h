@@ -4,7 +4,7 @@
 #ifndef PROFILES_JSON_H
 #define PROFILES_JSON_H
 
-#include "runtime/base/error.h"
+#include "base/error.h"
 
 // BAD_ARGUMENT, with what, where the text is not one JSON object.
 bool json_check_object(const char *what, const char *chars, duet_error *err);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "profiles/level_cost.h"
 
+#include "base/clock.h"
 #include "profiles/sql.h"
-#include "runtime/base/clock.h"
 
 static void bind_key(sql *q, const profile_level_cost_key *key)
 {

@@ -6,7 +6,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "profiles/sql.h"
 
-#include "runtime/base/blob.h"
+#include "base/blob.h"
 
 #include <assert.h>
 #include <errno.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "profiles/profile.h"
 
+#include "base/clock.h"
 #include "profiles/json.h"
 #include "profiles/sql.h"
-#include "runtime/base/clock.h"
 
 static bool retire_live(store *s, const profile_row *row, const char *reason, duet_error *err)
 {

@@ -6,10 +6,10 @@
 #define _POSIX_C_SOURCE 200809L
 #include "profiles/session.h"
 
+#include "base/clock.h"
 #include "profiles/fit.h"
 #include "profiles/json.h"
 #include "profiles/sql.h"
-#include "runtime/base/clock.h"
 
 #include <errno.h>
 #include <inttypes.h>

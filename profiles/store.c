@@ -6,9 +6,9 @@
 #define _GNU_SOURCE
 #include "profiles/store.h"
 
+#include "base/clock.h"
 #include "profiles/session.h"
 #include "profiles/sql.h"
-#include "runtime/base/clock.h"
 
 #include <assert.h>
 #include <errno.h>

@@ -7,8 +7,8 @@
 #ifndef PROFILES_STORE_H
 #define PROFILES_STORE_H
 
-#include "runtime/base/error.h"
-#include "runtime/base/text.h"
+#include "base/error.h"
+#include "base/text.h"
 
 #include <stdbool.h>
 #include <stdint.h>

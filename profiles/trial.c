@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "profiles/trial.h"
 
+#include "base/clock.h"
 #include "profiles/json.h"
 #include "profiles/sql.h"
-#include "runtime/base/clock.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -5,7 +5,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "profiles/unlocked_read.h"
 
-#include "runtime/base/clock.h"
+#include "base/clock.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #ifndef PROFILES_UNLOCKED_READ_H
 #define PROFILES_UNLOCKED_READ_H
 
-#include "runtime/base/text.h"
+#include "base/text.h"
 
 #include <sys/stat.h>
 

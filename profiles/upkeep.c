@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "profiles/upkeep.h"
 
+#include "base/visible.h"
 #include "profiles/keys.h"
 #include "profiles/sql.h"
-#include "runtime/base/visible.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -3,8 +3,8 @@
 # files lie, so that an installed tree may be moved.
 include(CMakePackageConfigHelpers)
 
-add_library(duet_static STATIC $<TARGET_OBJECTS:duet_objects>)
-add_library(duet_shared SHARED $<TARGET_OBJECTS:duet_objects>)
+add_library(duet_static STATIC ${duet_objects})
+add_library(duet_shared SHARED ${duet_objects})
 set_target_properties(duet_shared PROPERTIES OUTPUT_NAME duet EXPORT_NAME duet
   VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
 set_target_properties(duet_static PROPERTIES OUTPUT_NAME duet EXPORT_NAME static)
@@ -21,7 +21,7 @@ configure_package_config_file(runtime/duet-config.cmake.in duet-config.cmake
 write_basic_package_version_file(duet-config-version.cmake COMPATIBILITY SameMajorVersion)
 configure_file(runtime/duet.pc.in duet.pc @ONLY)
 
-file(GLOB public_headers CONFIGURE_DEPENDS runtime/duet.h runtime/base/duet_error.h
+file(GLOB public_headers CONFIGURE_DEPENDS runtime/duet.h base/duet_error.h
   profiles/duet_*.h tuner/duet_*.h lua/duet_*.h)
 install(TARGETS duet)
 install(TARGETS duet_shared EXPORT duet)

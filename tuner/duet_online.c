@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "runtime/base/error.h"
-#include "runtime/profiled.h"
-#include "runtime/world.h"
+#include "base/error.h"
+#include "runtime/broadphase/world.h"
+#include "runtime/selection/profile_subject.h"
 #include "tuner/measure.h"
 #include "tuner/online.h"
 #include "tuner/record.h"
@@ -64,14 +64,14 @@ uint32_t duet_online_tunings(const duet_online *o)
 
 static bool keep(const duet_online *o, duet_error *err)
 {
-    profiled known;
+    profile_subject known;
     record r;
     duet_plan plan = *duet_world_plan(o->def.world);
     plan.share = o->online.share;
-    if (!profiled_world(o->def.world, &known, err))
+    if (!profile_subject_read(o->def.world, &known, err))
         return false;
-    profiled_settle(&known, duet_world_level(o->def.world));
-    profile_request request = profiled_request(&known);
+    profile_subject_settle(&known, duet_world_level(o->def.world));
+    profile_request request = profile_subject_request(&known);
     if (!record_open(&r, o->def.store, err))
         return false;
     bool ok = record_aim(&r, &request, err) && record_online(&r, &plan, o->online.total_ns, err);

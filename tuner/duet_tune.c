@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/duet_tune.h"
 
-#include "runtime/accuracy.h"
-#include "runtime/base/clock.h"
-#include "runtime/base/error.h"
-#include "runtime/profiled.h"
+#include "base/clock.h"
+#include "base/error.h"
+#include "runtime/narrowphase/accuracy.h"
+#include "runtime/selection/profile_subject.h"
 #include "tuner/level_choice.h"
 #include "tuner/level_costs.h"
 #include "tuner/pair_list.h"
@@ -107,7 +107,7 @@ typedef struct tuning_resources {
     duet_tune_def def;
     duet_world *world;
     script *script;
-    profiled profiled;
+    profile_subject subject;
     record record; // without a store where nothing is kept
     trial_log state;
 } tuning_resources;
@@ -142,9 +142,9 @@ static bool open_script(tuning_resources *h, duet_error *err)
 
 static bool describe_world(tuning_resources *h, duet_error *err)
 {
-    if (!profiled_world(h->world, &h->profiled, err))
+    if (!profile_subject_read(h->world, &h->subject, err))
         return false;
-    h->profiled.workload.name = duet_scene_describe(h->def.scene)->name;
+    h->subject.workload.name = duet_scene_describe(h->def.scene)->name;
     return true;
 }
 
@@ -223,7 +223,7 @@ static bool find_level_costs(tuning_resources *h, profile_level_cost *list, uint
     *n = 0;
     if (!h->record.store)
         return measure_level_costs(h, list, n, err);
-    profile_request request = profiled_request(&h->profiled);
+    profile_request request = profile_subject_request(&h->subject);
     if (!record_aim(&h->record, &request, err) ||
         (!h->def.fresh && !record_level_costs(&h->record, list, n, err)))
         return false;
@@ -251,8 +251,8 @@ static bool settle_level(tuning_resources *h, duet_error *err)
 {
     if (h->def.has_accuracy && !choose_level(h, err))
         return false;
-    profiled_settle(&h->profiled, duet_world_level(h->world));
-    profile_request request = profiled_request(&h->profiled);
+    profile_subject_settle(&h->subject, duet_world_level(h->world));
+    profile_request request = profile_subject_request(&h->subject);
     return !h->record.store || record_aim(&h->record, &request, err);
 }
 
@@ -284,8 +284,8 @@ static bool tell_known(const profile_found *found, duet_tune_outcome *outcome, d
     profile_plan best = found->plan;
     best.share = found->best_share;
     memcpy(best.mode, found->best_mode, sizeof best.mode);
-    return profiled_read_plan(&found->plan, &outcome->plan, err) &&
-           profiled_read_plan(&best, &outcome->best, err);
+    return profile_subject_read_plan(&found->plan, &outcome->plan, err) &&
+           profile_subject_read_plan(&best, &outcome->best, err);
 }
 
 // What a level gets wrong, by the pairs that collide.

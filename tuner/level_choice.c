@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/level_choice.h"
 
-#include "runtime/base/error.h"
+#include "base/error.h"
 
 #include <math.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/measure.h"
 
-#include "runtime/base/clock.h"
-#include "runtime/base/error.h"
+#include "base/clock.h"
+#include "base/error.h"
 #include "tuner/stats.h"
 #include "tuner/terms.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/pair_list.h"
 
-#include "runtime/base/error.h"
+#include "base/error.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

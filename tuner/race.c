@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/race.h"
 
-#include "runtime/base/rng.h"
+#include "base/rng.h"
 
 #include <assert.h>
 #include <math.h>

@@ -2,7 +2,7 @@
 #define _DEFAULT_SOURCE
 #include "tuner/record.h"
 
-#include "runtime/profiled.h"
+#include "runtime/selection/profile_subject.h"
 #include "tuner/terms.h"
 
 #include <inttypes.h>
@@ -155,7 +155,7 @@ static bool keep_trial(void *context, const duet_plan *plan, const measurement *
     trial_log_to_json(state, &json);
     terms_to_json(&m->terms, &terms);
     profile_trial trial = {
-        .plan = profiled_write_plan(plan, r->request.workload->level),
+        .plan = profile_subject_write_plan(plan, r->request.workload->level),
         .outcome = m->outcome,
         .reason = ran ? NULL : m->failure.text,
         .outliers = m->outliers,
@@ -192,7 +192,7 @@ static bool put_profile(record *r, const duet_tune_outcome *o, duet_error *err)
         .workload_id = r->workload_id,
         .kernels = r->request.kernels,
         .objective = r->request.objective,
-        .plan = profiled_write_plan(&o->plan, r->request.workload->level),
+        .plan = profile_subject_write_plan(&o->plan, r->request.workload->level),
         .median_ns = o->step_ms * 1e6,
         .low_ns = o->step_low_ms * 1e6,
         .high_ns = o->step_high_ms * 1e6,
@@ -247,7 +247,7 @@ bool record_online(record *r, const duet_plan *plan, double step_ns, duet_error 
         .workload_id = r->workload_id,
         .kernels = r->request.kernels,
         .objective = r->request.objective,
-        .plan = profiled_write_plan(plan, r->request.workload->level),
+        .plan = profile_subject_write_plan(plan, r->request.workload->level),
         .median_ns = step_ns,
         .low_ns = step_ns,
         .high_ns = step_ns,

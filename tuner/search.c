@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/search.h"
 
-#include "runtime/base/budget.h"
+#include "base/budget.h"
 #include "tuner/strategy.h"
 
 #include <cjson/cJSON.h>

@@ -7,8 +7,8 @@
 #ifndef TUNER_SEARCH_H
 #define TUNER_SEARCH_H
 
-#include "runtime/base/error.h"
-#include "runtime/base/text.h"
+#include "base/error.h"
+#include "base/text.h"
 
 #include <stdbool.h>
 #include <stdint.h>

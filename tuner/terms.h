@@ -3,7 +3,7 @@
 #ifndef TUNER_TERMS_H
 #define TUNER_TERMS_H
 
-#include "runtime/base/text.h"
+#include "base/text.h"
 #include "tuner/duet_tune.h"
 
 #include <cjson/cJSON.h>

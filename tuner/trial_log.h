@@ -7,7 +7,7 @@
 #ifndef TUNER_TRIAL_LOG_H
 #define TUNER_TRIAL_LOG_H
 
-#include "runtime/base/text.h"
+#include "base/text.h"
 #include "tuner/duet_tune.h"
 #include "tuner/search.h"
 

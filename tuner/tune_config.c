@@ -2,7 +2,7 @@
 #include "tuner/tune_config.h"
 
 #include "gen/field.h"
-#include "runtime/accuracy.h"
+#include "runtime/narrowphase/accuracy.h"
 #include "tuner/strategy.h"
 
 #include <lauxlib.h>

@@ -3,8 +3,8 @@
 #ifndef TUNER_TUNE_CONFIG_H
 #define TUNER_TUNE_CONFIG_H
 
+#include "base/text.h"
 #include "gen/script.h"
-#include "runtime/base/text.h"
 #include "tuner/duet_tune.h"
 
 enum { CONFIG_WORKLOADS = 256, CONFIG_SETTINGS = 16, CONFIG_VARIANTS = 32, CONFIG_MODES = 8 };

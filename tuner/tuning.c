@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/tuning.h"
 
-#include "runtime/base/budget.h"
-#include "runtime/base/error.h"
+#include "base/budget.h"
+#include "base/error.h"
 
 #include <string.h>
 

@@ -10,7 +10,7 @@
 // one: the quicker of two launches counts.
 #include "tuner/verdict.h"
 
-#include "runtime/base/error.h"
+#include "base/error.h"
 #include "tuner/strategy.h"
 
 #include <math.h>

@@ -26,7 +26,7 @@ local Device = {}
 ---@class duet.Plan
 ---@field mode string how grids are built: one of duet.modes()
 ---@field share number A's part of the work, 0 to 1, in steps of 1/65536
----@field variant_a string A's kernels: "auto", or with settings: "auto sort=radix"
+---@field variant_a string A's kernels: "rows", or with settings: "auto sort=radix"
 ---@field variant_b string B's kernels
 local Plan = {}
 
@@ -162,7 +162,7 @@ local Strategy = {}
 ---@field verdict string of the best plan: "faster", "same", "slower", "ambiguous"
 local Tuning = {}
 
---- What objects are besides: rows of velocity xyz, angular velocity xyz, mass, restitution, friction, group, mask, upright.
+--- What objects are besides: rows of velocity xyz, angular velocity xyz, mass, restitution, friction, group, mask, fixed_rotation.
 ---@class duet.Bodies
 local Bodies = {}
 
@@ -183,8 +183,8 @@ local Test = {}
 local Verdicts = {}
 
 --- Rows of one number: how far apart two poses are; below 0, how deep in each other.
----@class duet.Gaps
-local Gaps = {}
+---@class duet.Separations
+local Separations = {}
 
 --- A table: what a test found and took.
 ---@class duet.TestResult
@@ -414,27 +414,6 @@ function DevicePair:tune(scene, def) end
 ---@return string? status
 function DevicePair:world(scene, def) end
 
---- All rows as they lie in memory, packed.
----@return string
-function Gaps:bytes() end
-
---- Gives the memory back.
-function Gaps:close() end
-
---- for place, ... in it:each() do
----@return fun(): integer, number
-function Gaps:each() end
-
---- The row at a place from 0.
----@param place integer
----@return number
-function Gaps:get(place) end
-
---- Writes a row: 1 values.
----@param place integer
----@param ... any
-function Gaps:set(place, ...) end
-
 --- Advances all objects by dt.
 ---@return duet.MotionResult?
 ---@return string? message
@@ -561,17 +540,17 @@ function Poses:collide(a, b, dims) end
 ---@return fun(): integer, number, number, number, number, number, number, number, number, number, number
 function Poses:each() end
 
+--- The row at a place from 0.
+---@param place integer
+---@return number, number, number, number, number, number, number, number, number, number
+function Poses:get(place) end
+
 --- How far two rows are apart along the best axis; below 0, how deep in each other.
 ---@param a integer
 ---@param b integer
 ---@param dims? integer
 ---@return number
 function Poses:separation(a, b, dims) end
-
---- The row at a place from 0.
----@param place integer
----@return number, number, number, number, number, number, number, number, number, number
-function Poses:get(place) end
 
 --- Writes a row: 10 values.
 ---@param place integer
@@ -653,6 +632,27 @@ function Search:tell(share, total_ms, a_ms, b_ms) end
 
 --- All rows as they lie in memory, packed.
 ---@return string
+function Separations:bytes() end
+
+--- Gives the memory back.
+function Separations:close() end
+
+--- for place, ... in it:each() do
+---@return fun(): integer, number
+function Separations:each() end
+
+--- The row at a place from 0.
+---@param place integer
+---@return number
+function Separations:get(place) end
+
+--- Writes a row: 1 values.
+---@param place integer
+---@param ... any
+function Separations:set(place, ...) end
+
+--- All rows as they lie in memory, packed.
+---@return string
 function Sizes:bytes() end
 
 --- Gives the memory back.
@@ -699,7 +699,7 @@ function Test:close() end
 --- Tests rows 0 and 1, 2 and 3 ... with each other.
 ---@param poses duet.Poses|string|number[]|number[][]
 ---@param with_separations? boolean
----@return duet.Verdicts, duet.TestResult, duet.Gaps?
+---@return duet.Verdicts, duet.TestResult, duet.Separations?
 ---@return string? message
 ---@return string? status
 function Test:pairs(poses, with_separations) end
@@ -887,11 +887,6 @@ function duet.effects() end
 ---@return string? status
 function duet.export_profiles(file, path) end
 
---- Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
----@param from integer|string|any[]
----@return duet.Gaps
-function duet.separations(from) end
-
 --- Takes such a file's rows in, all or none: how many were added, and how many known.
 ---@param file string
 ---@param path? string
@@ -968,6 +963,11 @@ function duet.scene(from, settings) end
 ---@return string? message
 ---@return string? status
 function duet.search(def) end
+
+--- Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
+---@param from integer|string|any[]
+---@return duet.Separations
+function duet.separations(from) end
 
 --- Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows.
 ---@param from integer|string|any[]

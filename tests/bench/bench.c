@@ -2,8 +2,8 @@
 // duet_bench NAME [--n N] [--runs K] [--seed S] [--device D] [--pair A,B] [--verify]
 #include "bench.h"
 
-#include "runtime/base/error.h"
-#include "runtime/reference.h"
+#include "base/error.h"
+#include "runtime/scene/reference.h"
 
 #include <inttypes.h>
 #include <stdio.h>

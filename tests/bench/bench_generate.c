@@ -2,8 +2,8 @@
 // What it costs to make a kernel's text, and to count its configs.
 #include "bench.h"
 
+#include "base/clock.h"
 #include "gen/gen.h"
-#include "runtime/base/clock.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -2,8 +2,8 @@
 // The AVX2 program alone, stage by stage.
 #include "bench.h"
 
+#include "base/error.h"
 #include "limit_avx2.h"
-#include "runtime/base/error.h"
 
 #include <inttypes.h>
 #include <stddef.h>

@@ -4,10 +4,10 @@
 #define _POSIX_C_SOURCE 200809L
 #include "bench.h"
 
+#include "base/clock.h"
+#include "base/error.h"
+#include "base/rng.h"
 #include "profiles/lookup.h"
-#include "runtime/base/clock.h"
-#include "runtime/base/error.h"
-#include "runtime/base/rng.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 // device, show what there is to be had where nothing is shared but memory.
 #include "bench.h"
 
-#include "runtime/base/error.h"
+#include "base/error.h"
 #include "subject.h"
 #include "workers.h"
 

@@ -3,7 +3,7 @@
 // paper's own kernels, each in turn.
 #include "bench.h"
 
-#include "runtime/base/error.h"
+#include "base/error.h"
 #include "subject.h"
 #ifdef BENCH_AVX2
 #include "limit_avx2.h"

@@ -4,7 +4,7 @@
 // a row.
 #include "bench.h"
 
-#include "runtime/base/error.h"
+#include "base/error.h"
 #include "support/simulated_pair.h"
 #include "tuner/strategy.h"
 

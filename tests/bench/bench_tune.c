@@ -4,8 +4,8 @@
 // is then raced against an even grid of shares, all in turn.
 #include "bench.h"
 
-#include "runtime/base/error.h"
-#include "runtime/world.h"
+#include "base/error.h"
+#include "runtime/broadphase/world.h"
 #include "tuner/measure.h"
 #include "tuner/race.h"
 #include "tuner/strategy.h"

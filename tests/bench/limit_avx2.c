@@ -8,8 +8,8 @@
 #define _DEFAULT_SOURCE
 #include "limit_avx2.h"
 
+#include "base/clock.h"
 #include "lanes_avx2.h"
-#include "runtime/base/clock.h"
 #include "sat_avx2.h"
 #include "workers.h"
 
@@ -212,8 +212,8 @@ static void store_bounds(limit *l, uint32_t at, const poses8 *p, __m256 axes[3][
 
 static void store_boxes(sat_box *to, const uint32_t *ids, const poses8 *p, __m256 axes[3][3])
 {
-    __m256 low[8] = {p->centre[0],       p->centre[1],       p->centre[2], p->half[0],
-                     p->half[1], p->half[2], axes[0][0],   axes[0][1]};
+    __m256 low[8] = {p->centre[0], p->centre[1], p->centre[2], p->half[0],
+                     p->half[1],   p->half[2],   axes[0][0],   axes[0][1]};
     __m256 id = _mm256_castsi256_ps(_mm256_loadu_si256((const __m256i *)ids));
     __m256 high[8] = {axes[0][2], axes[1][0], axes[1][1], axes[1][2],
                       axes[2][0], axes[2][1], axes[2][2], id};

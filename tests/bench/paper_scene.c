@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "paper_scene.h"
 
-#include "runtime/base/rng.h"
+#include "base/rng.h"
 
 #include <math.h>
 #include <stdlib.h>

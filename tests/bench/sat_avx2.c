@@ -8,7 +8,7 @@
 #include "sat_avx2.h"
 
 #include "lanes_avx2.h"
-#include "runtime/narrow.h"
+#include "runtime/narrowphase/narrow.h"
 
 #include <math.h>
 
@@ -131,8 +131,7 @@ static inline void test_eight(const sat_box *boxes, const duet_pose *poses, cons
         way[i] = _mm256_sub_ps(b.centre[i], a.centre[i]);
         length[i] = absolute(way[i]);
     }
-    __m256 sizes =
-        _mm256_add_ps(sum3(length), _mm256_add_ps(sum3(a.half), sum3(b.half)));
+    __m256 sizes = _mm256_add_ps(sum3(length), _mm256_add_ps(sum3(a.half), sum3(b.half)));
     __m256 bound = _mm256_mul_ps(sizes, _mm256_set1_ps(ERROR_BOUND));
     __m256 separation = widest_separation(&a, &b, way);
     __m256 colliding =

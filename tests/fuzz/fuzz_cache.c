@@ -3,7 +3,7 @@
 // an entry of another's making only where its line says truly what follows.
 #include "support/fuzz.h"
 
-#include "runtime/cache.h"
+#include "runtime/opencl/cache.h"
 
 #include <sha256.h>
 #include <stdio.h>

@@ -4,8 +4,8 @@
 #define _GNU_SOURCE
 #include "support/fuzz.h"
 
-#include "tuner/cli/bench_report.h"
-#include "tuner/cli/commands.h"
+#include "cli/commands.h"
+#include "cli/report/bench_report.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,10 +4,10 @@
 #include "support/fuzz.h"
 #include "support/store.h"
 
+#include "cli/report/html.h"
 #include "profiles/duet_profiles.h"
 #include "profiles/lookup.h"
 #include "runtime/duet.h"
-#include "tuner/cli/report.h"
 
 #include <stdio.h>
 

@@ -12,7 +12,7 @@
 #include "profiles/exchange.h"
 #include "profiles/level_cost.h"
 #include "profiles/sql.h"
-#include "runtime/cache.h"
+#include "runtime/opencl/cache.h"
 
 #include <stdio.h>
 #include <stdlib.h>

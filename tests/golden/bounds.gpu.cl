@@ -9,9 +9,9 @@
 #define PER_ITEM 1
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
-#line 1 "kernels/object.clh"
-#line 1 "kernels/grid.clh"
-#line 1 "kernels/bounds.cl"
+#line 1 "kernels/narrowphase/object.clh"
+#line 1 "kernels/grid/grid.clh"
+#line 1 "kernels/grid/bounds.cl"
 // SPDX-License-Identifier: MIT
 // The bounds of each object in the order of the input, as the paper's kernels
 // read them, through the sorted ids.

@@ -2,7 +2,7 @@
 #define WG 1
 #define PER_ITEM 1024
 #line 1 "kernels/common.clh"
-#line 1 "kernels/cell_start.cl"
+#line 1 "kernels/grid/cell_start.cl"
 // SPDX-License-Identifier: MIT
 // Where each cell begins among the sorted keys. Keys from n_cells on are of
 // objects that are not in the grid.

@@ -2,7 +2,7 @@
 #define WG 1
 #define PER_ITEM 16384
 #line 1 "kernels/common.clh"
-#line 1 "kernels/clear.cl"
+#line 1 "kernels/primitives/clear.cl"
 // SPDX-License-Identifier: MIT
 // Zeroes the counters, and of the counting sort the objects a cell, at once.
 //

@@ -6,8 +6,8 @@
 #define WG 1
 #define PER_ITEM 1024
 #line 1 "kernels/common.clh"
-#line 1 "kernels/motion.clh"
-#line 1 "kernels/contact_graph.cl.in"
+#line 1 "kernels/dynamics/motion.clh"
+#line 1 "kernels/dynamics/contact_graph.cl.in"
 // SPDX-License-Identifier: MIT
 // Pairs whose bounds overlap become rows: for each object the ascending ids of
 // those that it may touch. What never moves owns no row, so that a floor's is
@@ -29,14 +29,14 @@ static inline void count_or_put(volatile __global uint *starts, __global uint *r
 }
 
 __kernel void contact_graph_pairs(__global const uint2 *restrict pairs, uint n_pairs, __global const real4 *restrict velocities,
-#line 25 "kernels/contact_graph.cl.in"
+#line 25 "kernels/dynamics/contact_graph.cl.in"
                         uint fill, volatile __global uint *restrict starts, __global uint *restrict others)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_pairs);
     for (uint i = first; i < last; ++i) {
         uint a = min(pairs[i].x, pairs[i].y), b = max(pairs[i].x, pairs[i].y);
-#line 36 "kernels/contact_graph.cl.in"
+#line 36 "kernels/dynamics/contact_graph.cl.in"
         bool moves_a = velocities[a].w > 0, moves_b = velocities[b].w > 0;
         if (moves_a)
             count_or_put(starts, others, a, b, fill);
@@ -44,7 +44,7 @@ __kernel void contact_graph_pairs(__global const uint2 *restrict pairs, uint n_p
             count_or_put(starts, others, b, a, fill);
     }
 }
-#line 65 "kernels/contact_graph.cl.in"
+#line 65 "kernels/dynamics/contact_graph.cl.in"
 
 static inline void sink_down(__global uint *values, uint at, uint n)
 {

@@ -8,9 +8,9 @@
 #define WG 64
 #define PER_ITEM 1
 #line 1 "kernels/common.clh"
-#line 1 "kernels/motion.clh"
+#line 1 "kernels/dynamics/motion.clh"
 #line 1 "kernels/flags.clh"
-#line 1 "kernels/fat_aabbs.cl.in"
+#line 1 "kernels/dynamics/fat_aabbs.cl.in"
 // SPDX-License-Identifier: MIT
 // Bounds of objects that move, for the grid: what can touch in this step
 // overlaps in them. They are rounded outward.
@@ -33,28 +33,28 @@ static inline float_bounds bounds_of(real4 centre, real4 reach)
 }
 
 static inline float_bounds object_bounds(uint id, real margin, __global const real4 *centres,
-#line 32 "kernels/fat_aabbs.cl.in"
+#line 32 "kernels/dynamics/fat_aabbs.cl.in"
                                          __global const float4 *halves)
 {
-#line 37 "kernels/fat_aabbs.cl.in"
+#line 37 "kernels/dynamics/fat_aabbs.cl.in"
     real4 reach = convert_real4(halves[id]);
-#line 39 "kernels/fat_aabbs.cl.in"
+#line 39 "kernels/dynamics/fat_aabbs.cl.in"
     real4 centre = centres[id];
-#line 45 "kernels/fat_aabbs.cl.in"
+#line 45 "kernels/dynamics/fat_aabbs.cl.in"
     float_bounds b = bounds_of(centre, reach + margin);
-#line 52 "kernels/fat_aabbs.cl.in"
+#line 52 "kernels/dynamics/fat_aabbs.cl.in"
     return b;
 }
 
 __kernel void compute_fat_aabbs(__global const real4 *restrict centres,
-#line 65 "kernels/fat_aabbs.cl.in"
+#line 65 "kernels/dynamics/fat_aabbs.cl.in"
                       __global const float4 *restrict halves, real margin, uint n, __global float *restrict boxes)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         float_bounds b = object_bounds(id, margin, centres,
-#line 80 "kernels/fat_aabbs.cl.in"
+#line 80 "kernels/dynamics/fat_aabbs.cl.in"
                                        halves);
         vstore3(b.lower.xyz, 2 * (size_t)id, boxes);
         vstore3(b.upper.xyz, 2 * (size_t)id + 1, boxes);

@@ -7,10 +7,10 @@
 #define WG 1
 #define PER_ITEM 1024
 #line 1 "kernels/common.clh"
-#line 1 "kernels/motion.clh"
+#line 1 "kernels/dynamics/motion.clh"
 #line 1 "kernels/flags.clh"
-#line 1 "kernels/contact.clh"
-#line 1 "kernels/graph_colour.cl.in"
+#line 1 "kernels/dynamics/contact.clh"
+#line 1 "kernels/dynamics/graph_colour.cl.in"
 // SPDX-License-Identifier: MIT
 // A colour for each contact that pushes, so that those of one colour share no
 // object that moves. Colours are kept while a contact lasts; the rest is done

@@ -17,9 +17,9 @@
 #define PER_ITEM 1024
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
-#line 1 "kernels/object.clh"
-#line 1 "kernels/grid.clh"
-#line 1 "kernels/hash.cl"
+#line 1 "kernels/narrowphase/object.clh"
+#line 1 "kernels/grid/grid.clh"
+#line 1 "kernels/grid/hash.cl"
 // SPDX-License-Identifier: MIT
 // The cell of each object (equation 2), and with RANK its place among those
 // that came to the cell before it, for the counting sort.

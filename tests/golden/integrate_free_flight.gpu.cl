@@ -12,8 +12,8 @@
 #define WG 128
 #define PER_ITEM 1
 #line 1 "kernels/common.clh"
-#line 1 "kernels/motion.clh"
-#line 1 "kernels/integrate_free_flight.cl.in"
+#line 1 "kernels/dynamics/motion.clh"
+#line 1 "kernels/dynamics/integrate_free_flight.cl.in"
 // SPDX-License-Identifier: MIT
 // Free flight: a whole step of each object, all substeps at once.
 //
@@ -22,46 +22,46 @@
 //
 //   times  a substep's length, and of ORDER 4 the outer and the inner part
 //   drags  what of a velocity is left after each, or after half of it (ORDER > 1)
-#line 20 "kernels/integrate_free_flight.cl.in"
+#line 20 "kernels/dynamics/integrate_free_flight.cl.in"
 
 typedef struct {
     real4 centre;
     real4 velocity; // w: inverse mass
-#line 25 "kernels/integrate_free_flight.cl.in"
+#line 25 "kernels/dynamics/integrate_free_flight.cl.in"
     real4 moved; // since the step began, as a solved step has it
-#line 38 "kernels/integrate_free_flight.cl.in"
+#line 38 "kernels/dynamics/integrate_free_flight.cl.in"
 } body;
-#line 53 "kernels/integrate_free_flight.cl.in"
+#line 53 "kernels/dynamics/integrate_free_flight.cl.in"
 
 static inline void move(body *b, real time)
 {
-#line 57 "kernels/integrate_free_flight.cl.in"
+#line 57 "kernels/dynamics/integrate_free_flight.cl.in"
     b->moved = add_scaled(b->moved, time, (real4)(b->velocity.xyz, 0));
-#line 61 "kernels/integrate_free_flight.cl.in"
+#line 61 "kernels/dynamics/integrate_free_flight.cl.in"
 }
-#line 100 "kernels/integrate_free_flight.cl.in"
+#line 100 "kernels/dynamics/integrate_free_flight.cl.in"
 
 static inline void advance(body *b,
-#line 108 "kernels/integrate_free_flight.cl.in"
+#line 108 "kernels/dynamics/integrate_free_flight.cl.in"
                            real time)
 {
-#line 117 "kernels/integrate_free_flight.cl.in"
+#line 117 "kernels/dynamics/integrate_free_flight.cl.in"
     move(b, time);
-#line 140 "kernels/integrate_free_flight.cl.in"
+#line 140 "kernels/dynamics/integrate_free_flight.cl.in"
 }
-#line 142 "kernels/integrate_free_flight.cl.in"
+#line 142 "kernels/dynamics/integrate_free_flight.cl.in"
 
 static inline void arrive(body *b)
 {
     b->centre.xyz += b->moved.xyz;
-#line 149 "kernels/integrate_free_flight.cl.in"
+#line 149 "kernels/dynamics/integrate_free_flight.cl.in"
 }
-#line 175 "kernels/integrate_free_flight.cl.in"
+#line 175 "kernels/dynamics/integrate_free_flight.cl.in"
 
 __kernel void integrate_free_flight(__global real4 *restrict centres,
-#line 180 "kernels/integrate_free_flight.cl.in"
+#line 180 "kernels/dynamics/integrate_free_flight.cl.in"
                         __global real4 *restrict velocities,
-#line 202 "kernels/integrate_free_flight.cl.in"
+#line 202 "kernels/dynamics/integrate_free_flight.cl.in"
                         real4 times, uint substeps, uint n)
 {
     uint first = get_global_id(0) * PER_ITEM;
@@ -70,21 +70,21 @@ __kernel void integrate_free_flight(__global real4 *restrict centres,
         body b;
         b.centre = centres[id];
         b.velocity = velocities[id];
-#line 211 "kernels/integrate_free_flight.cl.in"
+#line 211 "kernels/dynamics/integrate_free_flight.cl.in"
         b.moved = (real4)(0);
-#line 225 "kernels/integrate_free_flight.cl.in"
+#line 225 "kernels/dynamics/integrate_free_flight.cl.in"
         for (uint k = 0; k < substeps; ++k) {
-#line 228 "kernels/integrate_free_flight.cl.in"
+#line 228 "kernels/dynamics/integrate_free_flight.cl.in"
             advance(&b,
-#line 235 "kernels/integrate_free_flight.cl.in"
+#line 235 "kernels/dynamics/integrate_free_flight.cl.in"
                     times.x);
-#line 237 "kernels/integrate_free_flight.cl.in"
+#line 237 "kernels/dynamics/integrate_free_flight.cl.in"
         }
-#line 239 "kernels/integrate_free_flight.cl.in"
+#line 239 "kernels/dynamics/integrate_free_flight.cl.in"
         arrive(&b);
-#line 265 "kernels/integrate_free_flight.cl.in"
+#line 265 "kernels/dynamics/integrate_free_flight.cl.in"
         centres[id] = b.centre;
         velocities[id] = b.velocity;
-#line 271 "kernels/integrate_free_flight.cl.in"
+#line 271 "kernels/dynamics/integrate_free_flight.cl.in"
     }
 }

@@ -11,17 +11,17 @@
 #define PER_ITEM 1024
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
-#line 1 "kernels/vector.clh"
-#line 1 "kernels/contact.clh"
-#line 1 "kernels/constraint.clh"
-#line 1 "kernels/turn.clh"
-#line 1 "kernels/integrate_positions.cl.in"
+#line 1 "kernels/dynamics/vector.clh"
+#line 1 "kernels/dynamics/contact.clh"
+#line 1 "kernels/dynamics/constraint.clh"
+#line 1 "kernels/dynamics/turn.clh"
+#line 1 "kernels/dynamics/integrate_positions.cl.in"
 // SPDX-License-Identifier: MIT
 // Where objects are after a substep. One that neither moves nor turns keeps its
 // bits.
 //
 //   bodies [n + 6][BODY]  the last six are the walls
-#line 7 "kernels/integrate_positions.cl.in"
+#line 7 "kernels/dynamics/integrate_positions.cl.in"
 
 __kernel void integrate_positions(__global float4 *restrict bodies, uint n, float h)
 {

@@ -9,8 +9,8 @@
 #define PER_ITEM 1
 #line 1 "kernels/common.clh"
 #line 1 "kernels/flags.clh"
-#line 1 "kernels/contact.clh"
-#line 1 "kernels/match_contacts.cl.in"
+#line 1 "kernels/dynamics/contact.clh"
+#line 1 "kernels/dynamics/match_contacts.cl.in"
 // SPDX-License-Identifier: MIT
 // Contacts taken over into new rows: records and colours of those that are
 // still pairs. The others are forgotten, and what slept leaning on one wakes.
@@ -18,7 +18,7 @@
 //   starts, others  the new rows
 #define NO_ROW 0xffffffffu
 #define AHEAD 8 // contacts whose records are asked for in time
-#line 17 "kernels/match_contacts.cl.in"
+#line 17 "kernels/dynamics/match_contacts.cl.in"
 
 // The first place from low on whose other is not below.
 static inline uint place_of(__global const uint *others, uint low, uint high, uint other)
@@ -35,7 +35,7 @@ static inline uint place_of(__global const uint *others, uint low, uint high, ui
 
 __kernel void match_contacts(__global const uint2 *restrict old_links, __global const uint *restrict old_touches,
                     __global const float *restrict old_contacts, uint n_old,
-#line 42 "kernels/match_contacts.cl.in"
+#line 42 "kernels/dynamics/match_contacts.cl.in"
                     __global const uint *restrict starts, __global const uint *restrict others,
                     __global uint *restrict touches, __global float *restrict contacts)
 {
@@ -62,8 +62,8 @@ __kernel void match_contacts(__global const uint2 *restrict old_links, __global 
             touches[low] = touch;
             for (uint k = 0; n > 0 && k < HEAD + n * PART; ++k)
                 contacts[(size_t)low * RECORD + k] = old[k];
-#line 71 "kernels/match_contacts.cl.in"
+#line 71 "kernels/dynamics/match_contacts.cl.in"
         }
-#line 91 "kernels/match_contacts.cl.in"
+#line 91 "kernels/dynamics/match_contacts.cl.in"
     }
 }

@@ -10,11 +10,11 @@
 #define PER_ITEM 256
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
-#line 1 "kernels/object.clh"
-#line 1 "kernels/sat.clh"
-#line 1 "kernels/sat_double.clh"
-#line 1 "kernels/boxes.clh"
-#line 1 "kernels/narrow.cl"
+#line 1 "kernels/narrowphase/object.clh"
+#line 1 "kernels/narrowphase/sat.clh"
+#line 1 "kernels/narrowphase/sat_double.clh"
+#line 1 "kernels/narrowphase/boxes.clh"
+#line 1 "kernels/narrowphase/narrow.cl"
 // SPDX-License-Identifier: MIT
 // Candidates to pairs (section 3): colliding ones by id, and those that float
 // cannot decide to a list of their own for the host.

@@ -10,12 +10,12 @@
 #define PER_ITEM 512
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
-#line 1 "kernels/object.clh"
-#line 1 "kernels/sat.clh"
-#line 1 "kernels/sat_double.clh"
-#line 1 "kernels/box_rows.clh"
-#line 1 "kernels/collide.clh"
-#line 1 "kernels/narrow_simd.cl"
+#line 1 "kernels/narrowphase/object.clh"
+#line 1 "kernels/narrowphase/sat.clh"
+#line 1 "kernels/narrowphase/sat_double.clh"
+#line 1 "kernels/narrowphase/box_rows.clh"
+#line 1 "kernels/narrowphase/collide.clh"
+#line 1 "kernels/narrowphase/narrow_simd.cl"
 // SPDX-License-Identifier: MIT
 // Listed candidates to pairs (section 3), eight side by side.
 //

@@ -8,10 +8,10 @@
 #define PER_ITEM 512
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
-#line 1 "kernels/object.clh"
-#line 1 "kernels/sat.clh"
-#line 1 "kernels/sat_double.clh"
-#line 1 "kernels/pair_query.cl"
+#line 1 "kernels/narrowphase/object.clh"
+#line 1 "kernels/narrowphase/sat.clh"
+#line 1 "kernels/narrowphase/sat_double.clh"
+#line 1 "kernels/narrowphase/pair_query.cl"
 // SPDX-License-Identifier: MIT
 // Verdicts of pairs that the caller brings, by the text that tests a step's
 // candidates: bounds first, then what ACCURACY asks for.

@@ -19,12 +19,12 @@
 #define PER_ITEM 1
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
-#line 1 "kernels/object.clh"
-#line 1 "kernels/grid.clh"
-#line 1 "kernels/sat.clh"
-#line 1 "kernels/sat_double.clh"
-#line 1 "kernels/boxes.clh"
-#line 1 "kernels/pair_search_gpu.cl.in"
+#line 1 "kernels/narrowphase/object.clh"
+#line 1 "kernels/grid/grid.clh"
+#line 1 "kernels/narrowphase/sat.clh"
+#line 1 "kernels/narrowphase/sat_double.clh"
+#line 1 "kernels/narrowphase/boxes.clh"
+#line 1 "kernels/grid/pair_search_gpu.cl.in"
 // SPDX-License-Identifier: MIT
 // Pairs whose bounds overlap, from objects in cell order.
 //
@@ -307,102 +307,102 @@ static inline void search_level(pair_sink *sink, const sorted *in, const seeker 
     row cells = {level, y, z, x, right};
     search_own_row(sink, in, me, &cells);
     cells.left = left;
-#line 284 "kernels/pair_search_gpu.cl.in"
+#line 284 "kernels/grid/pair_search_gpu.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
         cells.z = z;
         search_row(sink, in, me, &cells);
     }
-#line 284 "kernels/pair_search_gpu.cl.in"
+#line 284 "kernels/grid/pair_search_gpu.cl.in"
     if (y > 0 && z + 1 < nz) {
         cells.y = y - 1;
         cells.z = z + 1;
         search_row(sink, in, me, &cells);
     }
-#line 284 "kernels/pair_search_gpu.cl.in"
+#line 284 "kernels/grid/pair_search_gpu.cl.in"
     if (z + 1 < nz) {
         cells.y = y;
         cells.z = z + 1;
         search_row(sink, in, me, &cells);
     }
-#line 284 "kernels/pair_search_gpu.cl.in"
+#line 284 "kernels/grid/pair_search_gpu.cl.in"
     if (y + 1 < ny && z + 1 < nz) {
         cells.y = y + 1;
         cells.z = z + 1;
         search_row(sink, in, me, &cells);
     }
-#line 290 "kernels/pair_search_gpu.cl.in"
+#line 290 "kernels/grid/pair_search_gpu.cl.in"
 #else
     // All look-ups are under way before the first range is searched.
     uint key = row_key(y, z, grid, level) - in->key_from;
     uint from_0 = me->place + 1, to_0 = in->starts[key + right + 1];
-#line 296 "kernels/pair_search_gpu.cl.in"
+#line 296 "kernels/grid/pair_search_gpu.cl.in"
     uint from_1 = 0, to_1 = 0;
     if (y + 1 < ny) {
         key = row_key(y + 1, z, grid, level) - in->key_from;
         from_1 = in->starts[key + left];
         to_1 = in->starts[key + right + 1];
     }
-#line 296 "kernels/pair_search_gpu.cl.in"
+#line 296 "kernels/grid/pair_search_gpu.cl.in"
     uint from_2 = 0, to_2 = 0;
     if (y > 0 && z + 1 < nz) {
         key = row_key(y - 1, z + 1, grid, level) - in->key_from;
         from_2 = in->starts[key + left];
         to_2 = in->starts[key + right + 1];
     }
-#line 296 "kernels/pair_search_gpu.cl.in"
+#line 296 "kernels/grid/pair_search_gpu.cl.in"
     uint from_3 = 0, to_3 = 0;
     if (z + 1 < nz) {
         key = row_key(y, z + 1, grid, level) - in->key_from;
         from_3 = in->starts[key + left];
         to_3 = in->starts[key + right + 1];
     }
-#line 296 "kernels/pair_search_gpu.cl.in"
+#line 296 "kernels/grid/pair_search_gpu.cl.in"
     uint from_4 = 0, to_4 = 0;
     if (y + 1 < ny && z + 1 < nz) {
         key = row_key(y + 1, z + 1, grid, level) - in->key_from;
         from_4 = in->starts[key + left];
         to_4 = in->starts[key + right + 1];
     }
-#line 303 "kernels/pair_search_gpu.cl.in"
+#line 303 "kernels/grid/pair_search_gpu.cl.in"
 #if JOINED
     // One loop over all ranges: lanes that run in step wait for the longest sum,
     // not for the longest of each.
     uint shift_0 = from_0, end_0 = to_0 - from_0;
-#line 308 "kernels/pair_search_gpu.cl.in"
+#line 308 "kernels/grid/pair_search_gpu.cl.in"
     uint shift_1 = from_1 - end_0, end_1 = end_0 + to_1 - from_1;
-#line 308 "kernels/pair_search_gpu.cl.in"
+#line 308 "kernels/grid/pair_search_gpu.cl.in"
     uint shift_2 = from_2 - end_1, end_2 = end_1 + to_2 - from_2;
-#line 308 "kernels/pair_search_gpu.cl.in"
+#line 308 "kernels/grid/pair_search_gpu.cl.in"
     uint shift_3 = from_3 - end_2, end_3 = end_2 + to_3 - from_3;
-#line 308 "kernels/pair_search_gpu.cl.in"
+#line 308 "kernels/grid/pair_search_gpu.cl.in"
     uint shift_4 = from_4 - end_3, end_4 = end_3 + to_4 - from_4;
-#line 310 "kernels/pair_search_gpu.cl.in"
+#line 310 "kernels/grid/pair_search_gpu.cl.in"
     for (uint k = 0; k < end_4; ++k) {
         uint shift = shift_0;
-#line 313 "kernels/pair_search_gpu.cl.in"
+#line 313 "kernels/grid/pair_search_gpu.cl.in"
         shift = k >= end_0 ? shift_1 : shift;
-#line 313 "kernels/pair_search_gpu.cl.in"
+#line 313 "kernels/grid/pair_search_gpu.cl.in"
         shift = k >= end_1 ? shift_2 : shift;
-#line 313 "kernels/pair_search_gpu.cl.in"
+#line 313 "kernels/grid/pair_search_gpu.cl.in"
         shift = k >= end_2 ? shift_3 : shift;
-#line 313 "kernels/pair_search_gpu.cl.in"
+#line 313 "kernels/grid/pair_search_gpu.cl.in"
         shift = k >= end_3 ? shift_4 : shift;
-#line 315 "kernels/pair_search_gpu.cl.in"
+#line 315 "kernels/grid/pair_search_gpu.cl.in"
         search_range(sink, in, me, 0, k + shift, k + shift + 1);
     }
 #else
-#line 319 "kernels/pair_search_gpu.cl.in"
+#line 319 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_0, to_0);
-#line 319 "kernels/pair_search_gpu.cl.in"
+#line 319 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_1, to_1);
-#line 319 "kernels/pair_search_gpu.cl.in"
+#line 319 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_2, to_2);
-#line 319 "kernels/pair_search_gpu.cl.in"
+#line 319 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_3, to_3);
-#line 319 "kernels/pair_search_gpu.cl.in"
+#line 319 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_4, to_4);
-#line 321 "kernels/pair_search_gpu.cl.in"
+#line 321 "kernels/grid/pair_search_gpu.cl.in"
 #endif
 #endif
 }

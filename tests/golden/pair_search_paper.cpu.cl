@@ -6,7 +6,7 @@
 #define CELLS_Z 0
 #define WG 64
 #line 1 "kernels/common.clh"
-#line 1 "kernels/pair_search_paper.cl"
+#line 1 "kernels/grid/pair_search_paper.cl"
 // SPDX-License-Identifier: MIT
 // The paper's search (section 2.3): each work-item takes one object and walks
 // the 27 (9 in 2D) cells around it through the cell start array, reads bounds

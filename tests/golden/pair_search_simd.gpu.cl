@@ -15,14 +15,14 @@
 #define PER_ITEM 1024
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
-#line 1 "kernels/object.clh"
-#line 1 "kernels/grid.clh"
-#line 1 "kernels/sat.clh"
-#line 1 "kernels/sat_double.clh"
-#line 1 "kernels/box_rows.clh"
-#line 1 "kernels/collide.clh"
-#line 1 "kernels/corners.clh"
-#line 1 "kernels/pair_search_simd.cl.in"
+#line 1 "kernels/narrowphase/object.clh"
+#line 1 "kernels/grid/grid.clh"
+#line 1 "kernels/narrowphase/sat.clh"
+#line 1 "kernels/narrowphase/sat_double.clh"
+#line 1 "kernels/narrowphase/box_rows.clh"
+#line 1 "kernels/narrowphase/collide.clh"
+#line 1 "kernels/grid/corners.clh"
+#line 1 "kernels/grid/pair_search_simd.cl.in"
 // SPDX-License-Identifier: MIT
 // Objects in cell order to pairs, eight at a time.
 //
@@ -272,15 +272,15 @@ static inline void search_around(search *s, const sorted *in, const seeker *me)
     r.from[0] = me->place + 1;
     r.to[0] = in->starts[entry + 2];
     const uint y = 0, z = 0; // relative to the own cell
-#line 251 "kernels/pair_search_simd.cl.in"
+#line 251 "kernels/grid/pair_search_simd.cl.in"
     set_range(in, &r, 1, entry + ((z) * ny + (y + 1)) * nx);
-#line 251 "kernels/pair_search_simd.cl.in"
+#line 251 "kernels/grid/pair_search_simd.cl.in"
     set_range(in, &r, 2, entry + ((z + 1) * ny + (y - 1)) * nx);
-#line 251 "kernels/pair_search_simd.cl.in"
+#line 251 "kernels/grid/pair_search_simd.cl.in"
     set_range(in, &r, 3, entry + ((z + 1) * ny + (y)) * nx);
-#line 251 "kernels/pair_search_simd.cl.in"
+#line 251 "kernels/grid/pair_search_simd.cl.in"
     set_range(in, &r, 4, entry + ((z + 1) * ny + (y + 1)) * nx);
-#line 253 "kernels/pair_search_simd.cl.in"
+#line 253 "kernels/grid/pair_search_simd.cl.in"
     search_ranges(s, in, me, &r);
 }
 
@@ -359,31 +359,31 @@ static inline void add_level(search *s, const sorted *in, const seeker *me, rang
     row cells = {level, y, z, x, x + 1 < nx ? x + 1 : x};
     add_own_row(s, in, me, r, &cells);
     cells.left = x > 0 ? x - 1 : 0;
-#line 332 "kernels/pair_search_simd.cl.in"
+#line 332 "kernels/grid/pair_search_simd.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
         cells.z = z;
         add_row(s, in, me, r, &cells);
     }
-#line 332 "kernels/pair_search_simd.cl.in"
+#line 332 "kernels/grid/pair_search_simd.cl.in"
     if (y > 0 && z + 1 < nz) {
         cells.y = y - 1;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 332 "kernels/pair_search_simd.cl.in"
+#line 332 "kernels/grid/pair_search_simd.cl.in"
     if (z + 1 < nz) {
         cells.y = y;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 332 "kernels/pair_search_simd.cl.in"
+#line 332 "kernels/grid/pair_search_simd.cl.in"
     if (y + 1 < ny && z + 1 < nz) {
         cells.y = y + 1;
         cells.z = z + 1;
         add_row(s, in, me, r, &cells);
     }
-#line 338 "kernels/pair_search_simd.cl.in"
+#line 338 "kernels/grid/pair_search_simd.cl.in"
 }
 
 #if LEVELS

@@ -9,10 +9,10 @@
 #define PER_ITEM 256
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
-#line 1 "kernels/vector.clh"
-#line 1 "kernels/contact.clh"
-#line 1 "kernels/constraint.clh"
-#line 1 "kernels/prepare_contacts.cl.in"
+#line 1 "kernels/dynamics/vector.clh"
+#line 1 "kernels/dynamics/contact.clh"
+#line 1 "kernels/dynamics/constraint.clh"
+#line 1 "kernels/dynamics/prepare_contacts.cl.in"
 // SPDX-License-Identifier: MIT
 // Contacts of a colour into blocks before they are solved, and what the next
 // step begins with back out of them.
@@ -28,7 +28,7 @@ typedef struct {
     __global const uint *touches;
     __global const float *contacts;
     __global const float *bounces;
-#line 19 "kernels/prepare_contacts.cl.in"
+#line 19 "kernels/dynamics/prepare_contacts.cl.in"
     uint objects;
 } source;
 
@@ -42,7 +42,7 @@ static inline void fill_lane(__global float *lane, const source *from, uint i, b
     lane[IN_OTHER * BLOCK] = as_float(empty ? from->objects : link.y);
     lane[IN_POINTS * BLOCK] = as_float(empty ? 0u : from->touches[i] & TOUCH_POINTS);
     lane[IN_RESTITUTION * BLOCK] = fmax(from->bounces[link.x], from->bounces[partner]);
-#line 35 "kernels/prepare_contacts.cl.in"
+#line 35 "kernels/dynamics/prepare_contacts.cl.in"
 }
 
 static inline void fill_point(__global float *point, const source *from, const uint places[LANES], int k, mask where)
@@ -55,7 +55,7 @@ static inline void fill_point(__global float *point, const source *from, const u
                   select(zero, part[OF_ANCHOR + 2], where)});
     put(point, BY_SEPARATION, select(zero, part[OF_SEPARATION], where));
     put(point, BY_NORMAL_IMPULSE, select(zero, part[OF_NORMAL_IMPULSE], where));
-#line 51 "kernels/prepare_contacts.cl.in"
+#line 51 "kernels/dynamics/prepare_contacts.cl.in"
 }
 
 // The first n lanes are contacts.
@@ -75,7 +75,7 @@ static inline void fill_lanes(__global float *constraint, const source *from, __
     for (int k = 0; k < most; ++k)
         fill_point(point_at(constraint, k), from, places, k, points > (word)(uint)k);
 }
-#line 93 "kernels/prepare_contacts.cl.in"
+#line 93 "kernels/dynamics/prepare_contacts.cl.in"
 
 static inline real mass_along(const pair *p, vec anchor, vec direction, mask where)
 {
@@ -92,14 +92,14 @@ static inline void weigh(const pair *p, __global float *constraint, int k)
     put(point, BY_CURRENT, get(point, BY_SEPARATION));
     put(point, BY_MAX_IMPULSE, get(point, BY_NORMAL_IMPULSE));
     put(constraint, IN_SPEEDS + k, vec_dot(velocity_between(p, anchor), p->normal));
-#line 115 "kernels/prepare_contacts.cl.in"
+#line 115 "kernels/dynamics/prepare_contacts.cl.in"
 }
 
 static inline void prepare_lanes(__global float *constraint, const source *from, __global const uint *list, uint n,
                                  __global float4 *bodies)
 {
     fill_lanes(constraint, from, list, n);
-#line 124 "kernels/prepare_contacts.cl.in"
+#line 124 "kernels/dynamics/prepare_contacts.cl.in"
     pair p;
     load_pair(&p, constraint, bodies);
     for (int k = 0; k < p.most; ++k)
@@ -132,13 +132,13 @@ static inline void ask_for_bodies(const source *from, __global const uint *list,
 
 __kernel void prepare_contacts(__global const uint2 *restrict links, __global const uint *restrict touches,
                       __global const float *restrict contacts, __global const float *restrict bounces,
-#line 159 "kernels/prepare_contacts.cl.in"
+#line 159 "kernels/dynamics/prepare_contacts.cl.in"
                       uint objects, __global const uint *restrict list, uint first, uint count,
                       uint first_slot, uint each, uint apart, __global float *restrict blocks,
                       __global float4 *restrict bodies)
 {
     source from = {links, touches, contacts, bounces,
-#line 167 "kernels/prepare_contacts.cl.in"
+#line 167 "kernels/dynamics/prepare_contacts.cl.in"
                    objects};
     uint begin = get_global_id(0) * each;
     uint end = min(begin + each, count);
@@ -170,7 +170,7 @@ __kernel void store_impulses(__global const uint *restrict list, uint first, uin
             __global float *part = record + HEAD + p * PART;
             part[OF_NORMAL_IMPULSE] = point[BY_NORMAL_IMPULSE * BLOCK];
             part[OF_MAX_IMPULSE] = point[BY_MAX_IMPULSE * BLOCK];
-#line 202 "kernels/prepare_contacts.cl.in"
+#line 202 "kernels/dynamics/prepare_contacts.cl.in"
         }
     }
 }

@@ -3,7 +3,7 @@
 #define WG 1
 #define PER_ITEM 16384
 #line 1 "kernels/common.clh"
-#line 1 "kernels/radix.cl"
+#line 1 "kernels/primitives/radix.cl"
 // SPDX-License-Identifier: MIT
 // One pass of a stable radix sort of (key, id) by the BITS bits from `shift`.
 //

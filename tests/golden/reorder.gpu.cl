@@ -14,9 +14,9 @@
 #define BATCH 1
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
-#line 1 "kernels/object.clh"
-#line 1 "kernels/grid.clh"
-#line 1 "kernels/reorder.cl"
+#line 1 "kernels/narrowphase/object.clh"
+#line 1 "kernels/grid/grid.clh"
+#line 1 "kernels/grid/reorder.cl"
 // SPDX-License-Identifier: MIT
 // Moves the objects into cell order, so that what is searched together lies
 // together. What is not in the grid has no place.

@@ -17,13 +17,13 @@
 #define PER_ITEM 1024
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
-#line 1 "kernels/object.clh"
-#line 1 "kernels/grid.clh"
-#line 1 "kernels/sat.clh"
-#line 1 "kernels/sat_double.clh"
-#line 1 "kernels/box_rows.clh"
-#line 1 "kernels/corners.clh"
-#line 1 "kernels/reorder_simd.cl"
+#line 1 "kernels/narrowphase/object.clh"
+#line 1 "kernels/grid/grid.clh"
+#line 1 "kernels/narrowphase/sat.clh"
+#line 1 "kernels/narrowphase/sat_double.clh"
+#line 1 "kernels/narrowphase/box_rows.clh"
+#line 1 "kernels/grid/corners.clh"
+#line 1 "kernels/grid/reorder_simd.cl"
 // SPDX-License-Identifier: MIT
 // Moves the objects into cell order as a search over lanes reads them. What is
 // not in the grid comes last in that order and stays away.

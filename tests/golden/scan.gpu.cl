@@ -2,7 +2,7 @@
 #define WG 256
 #define PER_ITEM 4
 #line 1 "kernels/common.clh"
-#line 1 "kernels/scan.cl"
+#line 1 "kernels/primitives/scan.cl"
 // SPDX-License-Identifier: MIT
 // Exclusive prefix sum in place, in three launches: the sum of each block, the
 // sums scanned by one group, then each block from its sum.

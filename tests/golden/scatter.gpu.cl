@@ -2,7 +2,7 @@
 #define WG 256
 #define PER_ITEM 1
 #line 1 "kernels/common.clh"
-#line 1 "kernels/scatter.cl"
+#line 1 "kernels/grid/scatter.cl"
 // SPDX-License-Identifier: MIT
 // The last step of the counting sort: each id to its place.
 //

@@ -9,10 +9,10 @@
 #define PER_ITEM 1
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
-#line 1 "kernels/vector.clh"
-#line 1 "kernels/contact.clh"
-#line 1 "kernels/constraint.clh"
-#line 1 "kernels/solve_contacts.cl.in"
+#line 1 "kernels/dynamics/vector.clh"
+#line 1 "kernels/dynamics/contact.clh"
+#line 1 "kernels/dynamics/constraint.clh"
+#line 1 "kernels/dynamics/solve_contacts.cl.in"
 // SPDX-License-Identifier: MIT
 // Contacts pushed apart, one colour at a time: no two of a colour share an
 // object that moves, so the order within one does not matter and the result is
@@ -85,13 +85,13 @@ static inline void press(pair *p, __global float *point, demand d, mask where)
     real speed = vec_dot(velocity_between(p, anchor), p->normal);
     add_impulse(p, point, anchor, fma(-get(point, BY_NORMAL_MASS) * d.weight, speed + d.speed, fma(-d.decay, old, old)), where);
 }
-#line 129 "kernels/solve_contacts.cl.in"
+#line 129 "kernels/dynamics/solve_contacts.cl.in"
 
 // A push that stopped an impact: once is enough.
 static inline void forget_impacts(__global float *point, mask stopped)
 {
     put(point, BY_NORMAL_IMPULSE, select(get(point, BY_NORMAL_IMPULSE), (real)(0.0f), stopped));
-#line 140 "kernels/solve_contacts.cl.in"
+#line 140 "kernels/dynamics/solve_contacts.cl.in"
 }
 
 static inline void solve_slots(__global float *constraint, __global float4 *bodies, uint soft, float per_h,
@@ -103,14 +103,14 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
         load_turn(&p.a, bodies, p.owner);
         load_turn(&p.b, bodies, p.other);
     }
-#line 156 "kernels/solve_contacts.cl.in"
+#line 156 "kernels/dynamics/solve_contacts.cl.in"
     demand demands[POINTS];
     mask stiff = p.n > 1u;
     for (int k = 0; k < p.most; ++k) {
         demands[k] = demand_of(&p, point_at(constraint, k), soft, per_h, spring, hard_spring, slop);
         stiff &= (demands[k].decay == 0.0f) | !has_point(&p, k);
     }
-#line 166 "kernels/solve_contacts.cl.in"
+#line 166 "kernels/dynamics/solve_contacts.cl.in"
     for (int turn = 0; turn < p.most; ++turn) { // to and fro, so that no side is favoured
         int k = soft ? turn : p.most - 1 - turn;
         press(&p, point_at(constraint, k), demands[k], has_point(&p, k));

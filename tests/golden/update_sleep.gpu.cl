@@ -7,10 +7,10 @@
 #define WG 64
 #define PER_ITEM 1
 #line 1 "kernels/common.clh"
-#line 1 "kernels/motion.clh"
+#line 1 "kernels/dynamics/motion.clh"
 #line 1 "kernels/flags.clh"
-#line 1 "kernels/contact.clh"
-#line 1 "kernels/update_sleep.cl.in"
+#line 1 "kernels/dynamics/contact.clh"
+#line 1 "kernels/dynamics/update_sleep.cl.in"
 // SPDX-License-Identifier: MIT
 // Who sleeps: an object that has been at rest for long and that nothing touches
 // which moves. One that moves wakes what it touches, and those what they touch;
@@ -27,7 +27,7 @@ typedef struct {
     uint n;
     __global const float *rests;
     __global const real4 *velocities;
-#line 20 "kernels/update_sleep.cl.in"
+#line 20 "kernels/dynamics/update_sleep.cl.in"
 } touched;
 
 static inline bool is_at_rest(const touched *t, uint id)
@@ -38,7 +38,7 @@ static inline bool is_at_rest(const touched *t, uint id)
     if (velocity.w > 0)
         return t->rests[id] > 0.0f;
     real fastest = dot_product(velocity, velocity);
-#line 33 "kernels/update_sleep.cl.in"
+#line 33 "kernels/dynamics/update_sleep.cl.in"
     return !(fastest > 0);
 }
 
@@ -58,11 +58,11 @@ __kernel void update_sleep(__global const uint2 *restrict links, __global const 
                    __global const uint *restrict starts, __global const uint *restrict return_starts,
                    __global const uint *restrict returns, uint n, __global const float *restrict rests,
                    __global const real4 *restrict velocities,
-#line 55 "kernels/update_sleep.cl.in"
+#line 55 "kernels/dynamics/update_sleep.cl.in"
                    float sleep_after, __global uint *restrict asleep, volatile __global uint *restrict flags)
 {
     const touched t = {links, touches, starts, return_starts, returns, n, rests, velocities,
-#line 61 "kernels/update_sleep.cl.in"
+#line 61 "kernels/dynamics/update_sleep.cl.in"
     };
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);

@@ -3,8 +3,8 @@
 
 #include "support/test.h"
 
-#include "runtime/base/error.h"
-#include "runtime/buffer.h"
+#include "base/error.h"
+#include "runtime/opencl/buffer.h"
 
 #include <inttypes.h>
 #include <pthread.h>

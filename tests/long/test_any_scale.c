@@ -7,7 +7,7 @@
 #include "support/agreement.h"
 #include "support/devices.h"
 
-#include "runtime/base/rng.h"
+#include "base/rng.h"
 
 #include <float.h>
 #include <math.h>

@@ -6,9 +6,9 @@
 
 #include "support/hard_pairs.h"
 
-#include "runtime/base/clock.h"
-#include "runtime/base/rng.h"
-#include "runtime/narrow.h"
+#include "base/clock.h"
+#include "base/rng.h"
+#include "runtime/narrowphase/narrow.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -6,7 +6,7 @@
 
 #include "support/devices.h"
 
-#include "runtime/base/rng.h"
+#include "base/rng.h"
 #include "runtime/duet.h"
 
 #include <stdlib.h>

@@ -7,7 +7,7 @@
 #include "support/devices.h"
 #include "support/hard_test.h"
 
-#include "runtime/device.h"
+#include "runtime/opencl/device.h"
 
 #include <inttypes.h>
 #include <sys/mman.h>

@@ -5,8 +5,8 @@
 #include "support/agreement.h"
 #include "support/devices.h"
 
-#include "runtime/base/rng.h"
-#include "runtime/origin.h"
+#include "base/rng.h"
+#include "runtime/narrowphase/origin.h"
 
 #include <math.h>
 #include <string.h>

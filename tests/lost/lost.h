@@ -7,7 +7,7 @@
 #ifndef TESTS_LOST_H
 #define TESTS_LOST_H
 
-#include "runtime/device_pair.h"
+#include "runtime/opencl/device_pair.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -25,8 +25,8 @@ local function vector(along, height)
   return v
 end
 
-local function box(centre, half, parts)
-  parts.centre, parts.half = centre, half
+local function box(centre, half_extents, parts)
+  parts.centre, parts.half_extents = centre, half_extents
   if p.turned and p.dims == 2 then parts.angle = 0.2 * centre[1] end
   if p.turned and p.dims == 3 then parts.euler = { 0.1, 0, 0.2 * centre[1] } end
   add(parts)
@@ -34,8 +34,8 @@ end
 
 local function cube(edge)
   local half_extents = {}
-  for k = 1, p.dims do half[k] = edge / 2 end
-  return half
+  for k = 1, p.dims do half_extents[k] = edge / 2 end
+  return half_extents
 end
 
 for i = 0, 4 do
@@ -51,7 +51,7 @@ end
 if p.falling then
   local floor = cube(1)
   floor[1] = 6
-  add { centre = vector(0, -0.5), half = floor, mass = 0, friction = 0.5 }
+  add { centre = vector(0, -0.5), half_extents = floor, mass = 0, friction = 0.5 }
 end
 
 local wants = {}

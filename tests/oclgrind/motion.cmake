@@ -45,8 +45,8 @@ foreach(case
 endforeach()
 
 set(lacking "")
-foreach(file body carry colour contact doze drift enclose integrate prepare rows solve)
-  file(GLOB path ${KERNELS}/${file}.cl ${KERNELS}/${file}.cl.in)
+file(GLOB paths ${KERNELS}/dynamics/*.cl ${KERNELS}/dynamics/*.cl.in)
+foreach(path IN LISTS paths)
   file(STRINGS ${path} heads REGEX "^__kernel void ")
   foreach(head IN LISTS heads)
     string(REGEX REPLACE "^__kernel void ([a-z_]+).*" "\\1" name "${head}")

@@ -4,10 +4,10 @@
 #include "support/hard_pairs.h"
 #include "support/test.h"
 
-#include "runtime/narrow.h"
-#include "runtime/origin.h"
-#include "runtime/reference.h"
-#include "runtime/sat_frame.h"
+#include "runtime/narrowphase/narrow.h"
+#include "runtime/narrowphase/origin.h"
+#include "runtime/narrowphase/sat_frame.h"
+#include "runtime/scene/reference.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

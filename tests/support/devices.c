@@ -3,7 +3,7 @@
 
 #include "support/test.h"
 
-#include "runtime/device.h"
+#include "runtime/opencl/device.h"
 
 duet_device_pair *devices;
 

@@ -2,7 +2,7 @@
 #include "support/golden.h"
 #include "support/test.h"
 
-#include "runtime/base/text.h"
+#include "base/text.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 
 #include "support/hard_pairs.h"
 
-#include "runtime/narrow.h"
+#include "runtime/narrowphase/narrow.h"
 
 #include <math.h>
 #include <string.h>
@@ -288,8 +288,8 @@ static hard_pair face_to_face(rng *r, uint32_t dims)
 typedef struct whole_box {
     int q[4];
     int norm;
-    int axis[3][3]; // of length norm
-    int half_extents[3];    // in units of norm / 64
+    int axis[3][3];      // of length norm
+    int half_extents[3]; // in units of norm / 64
 } whole_box;
 
 static whole_box pick_whole_box(rng *r, uint32_t dims, int greatest)

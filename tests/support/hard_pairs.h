@@ -5,7 +5,7 @@
 #ifndef TESTS_HARD_PAIRS_H
 #define TESTS_HARD_PAIRS_H
 
-#include "runtime/base/rng.h"
+#include "base/rng.h"
 #include "runtime/duet.h"
 
 typedef struct hard_pair {

@@ -5,8 +5,8 @@
 #include "support/promise.h"
 #include "support/test.h"
 
-#include "runtime/level.h"
-#include "runtime/narrow.h"
+#include "runtime/narrowphase/level.h"
+#include "runtime/narrowphase/narrow.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

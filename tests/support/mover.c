@@ -2,7 +2,7 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "runtime/device.h"
+#include "runtime/opencl/device.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 
 #include "support/test.h"
 
-#include "runtime/base/text.h"
+#include "base/text.h"
 
 #include <stdio.h>
 #include <stdlib.h>

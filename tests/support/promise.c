@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/promise.h"
 
-#include "runtime/narrow.h"
+#include "runtime/narrowphase/narrow.h"
 
 #include <math.h>
 

@@ -6,7 +6,7 @@
 #ifndef SUPPORT_SIMULATED_PAIR_H
 #define SUPPORT_SIMULATED_PAIR_H
 
-#include "runtime/base/rng.h"
+#include "base/rng.h"
 #include "tuner/search.h"
 
 // One row of a recorded table, or a launch without noise.

@@ -3,7 +3,7 @@
 
 #include "support/test.h"
 
-#include "runtime/base/rng.h"
+#include "base/rng.h"
 
 #include <string.h>
 

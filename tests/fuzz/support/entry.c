@@ -3,7 +3,7 @@
 // libFuzzer itself counts whole seconds.
 #include "support/fuzz.h"
 
-#include "runtime/base/clock.h"
+#include "base/clock.h"
 
 #include <stdio.h>
 #include <stdlib.h>

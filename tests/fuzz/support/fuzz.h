@@ -7,7 +7,7 @@
 #ifndef TESTS_FUZZ_H
 #define TESTS_FUZZ_H
 
-#include "runtime/base/error.h"
+#include "base/error.h"
 
 #include <stdbool.h>
 #include <stddef.h>

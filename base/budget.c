@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "base/budget.h"
+
+#include "base/clock.h"
+
+static _Thread_local budget *current;
+static _Thread_local budget_watch *watcher;
+
+void budget_set_watch(budget_watch *watch)
+{
+    watcher = watch;
+}
+
+static void tell(uint64_t deadline_ns)
+{
+    if (watcher)
+        atomic_store(&watcher->deadline_ns, deadline_ns);
+}
+
+void budget_enter(budget *b)
+{
+    b->outer = current;
+    if (current && current->deadline_ns < b->deadline_ns) {
+        b->deadline_ns = current->deadline_ns;
+        b->seconds = current->seconds;
+    }
+    current = b;
+    tell(b->deadline_ns);
+}
+
+void budget_leave(budget *b)
+{
+    current = (budget *)b->outer;
+    tell(current ? current->deadline_ns : 0);
+}
+
+bool budget_check(duet_error *err)
+{
+    if (!current)
+        return true;
+    if (watcher && watcher->stopped && watcher->stopped())
+        return error_set(err, DUET_INTERRUPTED, "stopped");
+    if (current->deadline_ns == UINT64_MAX || clock_steady_ns() <= current->deadline_ns)
+        return true;
+    return error_set(err, DUET_BAD_INPUT, "runs for more than the %g seconds it may take",
+                     current->seconds);
+}
+
+bool budget_space(size_t bytes, duet_error *err)
+{
+    for (const budget *b = current; b; b = b->outer)
+        if (b->held_bytes > b->host_bytes || bytes > b->host_bytes - b->held_bytes)
+            return error_set(err, DUET_NO_MEMORY,
+                             "needs more than the %zu KiB of the host's memory it may take",
+                             b->host_bytes >> 10);
+    return true;
+}
+
+void budget_hold(size_t bytes)
+{
+    if (current)
+        current->held_bytes += bytes;
+}
+
+void budget_release(size_t bytes)
+{
+    if (current)
+        current->held_bytes -= bytes < current->held_bytes ? bytes : current->held_bytes;
+}

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// What a script that nobody vouches for may still take: time, and memory of
+// the host beside its own state's.
+//
+// A budget is the calling thread's while the script runs. Work of the host that
+// a script can make long asks budget_check now and then, and budget_space before
+// it takes much memory. Where no script runs both are true at once.
+#ifndef BASE_BUDGET_H
+#define BASE_BUDGET_H
+
+#include "base/error.h"
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct budget {
+    uint64_t deadline_ns; // steady clock; UINT64_MAX: none
+    double seconds;       // what messages call the time
+    size_t host_bytes;    // SIZE_MAX: as much as there is
+    size_t held_bytes;    // of the host's, by what the script holds
+    const struct budget *outer;
+} budget;
+
+// How a program hears of scripts and stops them; of the thread that sets it.
+typedef struct budget_watch {
+    bool (*stopped)(void);        // asked now and then: true ends the script
+    _Atomic uint64_t deadline_ns; // of the script that runs; 0: none runs
+} budget_watch;
+
+void budget_set_watch(budget_watch *watch);
+
+// Makes b the thread's. What is inside ends no later and has no more memory than
+// the one around it.
+void budget_enter(budget *b);
+void budget_leave(budget *b);
+
+// false with INTERRUPTED where the thread's program was told to stop, with
+// BAD_INPUT where the time is over.
+bool budget_check(duet_error *err);
+
+// Whether the host may take so many more bytes; false with NO_MEMORY.
+bool budget_space(size_t bytes, duet_error *err);
+
+// What the running script holds of the host's memory, as long as it does.
+void budget_hold(size_t bytes);
+void budget_release(size_t bytes);
+
+#endif

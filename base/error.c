@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+#include "base/error.h"
+
+#include "base/visible.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+static void drop_cut_character(char *line)
+{
+    size_t length = strlen(line);
+    size_t begin = length;
+    while (begin > 0 && length - begin < 3 && ((unsigned char)line[begin - 1] & 0xc0) == 0x80)
+        --begin;
+    if (begin > 0 && (unsigned char)line[begin - 1] >= 0xc0 && utf8_length(line + begin - 1) == 0)
+        line[begin - 1] = '\0';
+}
+
+// A name of a stranger's file may hold what a terminal would obey.
+static void make_visible(char *line, size_t size)
+{
+    text shown = {0};
+    visible_add(&shown, line, strlen(line), "");
+    if (!shown.failed && shown.chars && strcmp(shown.chars, line) != 0)
+        snprintf(line, size, "%s", shown.chars);
+    text_free(&shown);
+}
+
+// A compiler log has many lines; an error has one.
+static void join_lines(char *line, size_t size)
+{
+    size_t length = strlen(line);
+    while (length > 0 && (line[length - 1] == '\n' || line[length - 1] == ' '))
+        line[--length] = '\0';
+    for (char *at = line; *at; ++at)
+        if (*at == '\n' || *at == '\r' || *at == '\t')
+            *at = ' ';
+    drop_cut_character(line);
+    make_visible(line, size);
+}
+
+static bool is_free(const duet_error *err)
+{
+    return err && err->status == DUET_OK;
+}
+
+bool error_set(duet_error *err, duet_status status, const char *format, ...)
+{
+    if (!is_free(err))
+        return false;
+    va_list args;
+    va_start(args, format);
+    vsnprintf(err->text, sizeof err->text, format, args);
+    va_end(args);
+    join_lines(err->text, sizeof err->text);
+    err->status = status;
+    err->cl_code = 0;
+    return false;
+}
+
+bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
+{
+    if (!is_free(err))
+        return false;
+    va_list args;
+    va_start(args, format);
+    vsnprintf(err->text, sizeof err->text, format, args);
+    va_end(args);
+    join_lines(err->text, sizeof err->text);
+    size_t used = strlen(err->text);
+    snprintf(err->text + used, sizeof err->text - used, ": %s (%d)", error_cl_name(cl_code),
+             cl_code);
+    bool memory = cl_code == -4 || cl_code == -6 || cl_code == -61;
+    err->status = memory ? DUET_NO_MEMORY : DUET_DEVICE_FAILED;
+    err->cl_code = cl_code;
+    return false;
+}
+
+bool error_given(const void *pointer, const char *call, const char *argument, duet_error *err)
+{
+    return pointer || error_set(err, DUET_BAD_ARGUMENT, "%s: %s is NULL; expected a valid pointer",
+                                call, argument);
+}
+
+const char *error_cl_name(int cl_code)
+{
+    static const struct {
+        int code;
+        const char *name;
+    } names[] = {
+        {-1, "CL_DEVICE_NOT_FOUND"},
+        {-2, "CL_DEVICE_NOT_AVAILABLE"},
+        {-3, "CL_COMPILER_NOT_AVAILABLE"},
+        {-4, "CL_MEM_OBJECT_ALLOCATION_FAILURE"},
+        {-5, "CL_OUT_OF_RESOURCES"},
+        {-6, "CL_OUT_OF_HOST_MEMORY"},
+        {-11, "CL_BUILD_PROGRAM_FAILURE"},
+        {-18, "CL_DEVICE_PARTITION_FAILED"},
+        {-30, "CL_INVALID_VALUE"},
+        {-33, "CL_INVALID_DEVICE"},
+        {-34, "CL_INVALID_CONTEXT"},
+        {-36, "CL_INVALID_COMMAND_QUEUE"},
+        {-38, "CL_INVALID_MEM_OBJECT"},
+        {-42, "CL_INVALID_BINARY"},
+        {-45, "CL_INVALID_PROGRAM_EXECUTABLE"},
+        {-46, "CL_INVALID_KERNEL_NAME"},
+        {-48, "CL_INVALID_KERNEL"},
+        {-49, "CL_INVALID_ARG_INDEX"},
+        {-50, "CL_INVALID_ARG_VALUE"},
+        {-51, "CL_INVALID_ARG_SIZE"},
+        {-52, "CL_INVALID_KERNEL_ARGS"},
+        {-54, "CL_INVALID_WORK_GROUP_SIZE"},
+        {-55, "CL_INVALID_WORK_ITEM_SIZE"},
+        {-61, "CL_INVALID_BUFFER_SIZE"},
+        {-63, "CL_INVALID_GLOBAL_WORK_SIZE"},
+        {-1001, "CL_PLATFORM_NOT_FOUND_KHR"},
+    };
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i)
+        if (names[i].code == cl_code)
+            return names[i].name;
+    return "CL error";
+}
+
+const char *duet_status_name(duet_status status)
+{
+    switch (status) {
+#define X(name, text) \
+    case DUET_##name: \
+        return #name;
+        DUET_STATUS_LIST(X)
+#undef X
+    }
+    return "UNKNOWN";
+}

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+// The temporary name is random and made with O_EXCL, so that nobody who may
+// write in the folder can put a link in its way.
+#define _GNU_SOURCE
+#include "base/output.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { MAX_LINKS = 40, MAX_TRIES = 16 };
+
+static bool fail(const output *o, int code, duet_error *err)
+{
+    return error_set(err, DUET_IO_FAILED, "%s: cannot be written: %s", text_chars(&o->path),
+                     strerror(code));
+}
+
+// ------------------------------------------------------------------- the place
+
+static const char *last_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static void add_folder(text *folder, const char *path)
+{
+    size_t n = (size_t)(last_name(path) - path);
+    text_add(folder, "%.*s", n > 0 ? (int)n : 2, n > 0 ? path : "./");
+}
+
+// The number of /dev/fd/3 or /proc/self/fd/3; -1 for every other path. Such a
+// descriptor is used itself: opened anew it would begin at the file's start.
+static int own_descriptor(const char *path)
+{
+    text folder = {0};
+    struct stat here, own;
+    char *end = NULL;
+    long number = strtol(last_name(path), &end, 10);
+    add_folder(&folder, path);
+    bool is_own = end > last_name(path) && *end == '\0' && text_ok(&folder, NULL) &&
+                  stat("/proc/self/fd", &own) == 0 && stat(folder.chars, &here) == 0 &&
+                  own.st_dev == here.st_dev && own.st_ino == here.st_ino;
+    text_free(&folder);
+    return is_own ? (int)number : -1;
+}
+
+// Takes one link at the path's end. false where there is none.
+static bool follow_link(text *path)
+{
+    char to[4096];
+    ssize_t n = readlink(path->chars, to, sizeof to - 1);
+    if (n < 0)
+        return false;
+    to[n] = '\0';
+    text next = {0};
+    if (to[0] != '/')
+        add_folder(&next, path->chars);
+    text_add(&next, "%s", to);
+    text_free(path);
+    *path = next;
+    return !path->failed;
+}
+
+// ------------------------------------------------------------------- opening
+
+static bool take_stream(output *o, int file, duet_error *err)
+{
+    o->stream = file >= 0 ? fdopen(file, "w") : NULL;
+    if (o->stream)
+        return true;
+    fail(o, errno, err);
+    if (file >= 0)
+        close(file);
+    return false;
+}
+
+static bool open_directly(output *o, const char *place, duet_error *err)
+{
+    return take_stream(o, open(place, O_WRONLY | O_NOFOLLOW | O_NOCTTY | O_CLOEXEC), err);
+}
+
+// Cut, so that the longest name that a file may have still has space for the rest.
+static bool name_part(output *o)
+{
+    uint64_t random = 0;
+    text_free(&o->part);
+    text_add(&o->part, "%.200s", text_chars(&o->name));
+    if (getentropy(&random, sizeof random) != 0)
+        return false;
+    text_add(&o->part, ".%016" PRIx64 ".part", random);
+    return text_ok(&o->part, NULL);
+}
+
+static bool open_part(output *o, mode_t mode, duet_error *err)
+{
+    int file = -1;
+    errno = EEXIST;
+    for (int i = 0; file < 0 && errno == EEXIST && i < MAX_TRIES; ++i)
+        if (name_part(o))
+            file = openat(o->folder, o->part.chars,
+                          O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
+    if (file < 0)
+        text_free(&o->part);
+    return take_stream(o, file, err);
+}
+
+bool output_open_in(output *o, int folder, const char *name, mode_t mode, duet_error *err)
+{
+    *o = (output){.folder = folder};
+    text_add(&o->path, "%s", name);
+    text_add(&o->name, "%s", name);
+    return text_ok(&o->path, err) && text_ok(&o->name, err) && open_part(o, mode, err);
+}
+
+static bool open_beside(output *o, const char *place, duet_error *err)
+{
+    text folder = {0};
+    add_folder(&folder, place);
+    text_add(&o->name, "%s", last_name(place));
+    if (text_ok(&folder, err) && text_ok(&o->name, err)) {
+        o->folder = open(folder.chars, O_PATH | O_DIRECTORY | O_CLOEXEC);
+        if (o->folder < 0)
+            fail(o, errno, err);
+    }
+    text_free(&folder);
+    return o->folder >= 0 && open_part(o, 0666, err);
+}
+
+static bool open_place(output *o, const char *place, duet_error *err)
+{
+    struct stat info;
+    bool there = lstat(place, &info) == 0;
+    if (!there && errno != ENOENT)
+        return fail(o, errno, err);
+    if (!*last_name(place) || (there && S_ISDIR(info.st_mode)))
+        return fail(o, *place ? EISDIR : ENOENT, err);
+    if (there && S_ISLNK(info.st_mode))
+        return fail(o, ELOOP, err);
+    return there && !S_ISREG(info.st_mode) ? open_directly(o, place, err)
+                                           : open_beside(o, place, err);
+}
+
+bool output_open(output *o, const char *path, duet_error *err)
+{
+    text place = {0};
+    *o = (output){.folder = -1};
+    text_add(&o->path, "%s", path);
+    text_add(&place, "%s", path);
+    int own = own_descriptor(path);
+    for (int i = 0; own < 0 && i < MAX_LINKS && text_ok(&place, NULL) && follow_link(&place); ++i)
+        own = own_descriptor(place.chars);
+    bool ok = text_ok(&place, err) && text_ok(&o->path, err);
+    ok = ok && (own >= 0 ? take_stream(o, fcntl(own, F_DUPFD_CLOEXEC, 0), err)
+                         : open_place(o, place.chars, err));
+    text_free(&place);
+    return ok;
+}
+
+// ------------------------------------------------------------------- closing
+
+// Renaming takes the place of a plain file or of nothing, and of nothing else.
+static bool put_in_place(const output *o, duet_error *err)
+{
+    struct stat info;
+    const char *name = o->name.chars;
+    if (fstatat(o->folder, name, &info, AT_SYMLINK_NOFOLLOW) == 0 && !S_ISREG(info.st_mode))
+        return fail(o, S_ISDIR(info.st_mode) ? EISDIR : EEXIST, err);
+    return renameat(o->folder, o->part.chars, o->folder, name) == 0 || fail(o, errno, err);
+}
+
+static bool close_stream(output *o, bool keep, duet_error *err)
+{
+    if (!o->stream)
+        return false;
+    bool written = !ferror(o->stream) && fflush(o->stream) == 0;
+    int code = errno; // of this write, or of the one that failed before
+    if (fclose(o->stream) != 0 && written) {
+        written = false;
+        code = errno;
+    }
+    return keep && (written || fail(o, code, err));
+}
+
+bool output_close(output *o, bool keep, duet_error *err)
+{
+    bool kept = close_stream(o, keep, err);
+    if (o->folder >= 0) {
+        kept = kept && put_in_place(o, err);
+        if (!kept && o->part.length > 0)
+            unlinkat(o->folder, o->part.chars, 0);
+        close(o->folder);
+    }
+    text_free(&o->path);
+    text_free(&o->name);
+    text_free(&o->part);
+    *o = (output){.folder = -1};
+    return kept;
+}

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// Output files. A file is written under another name beside its place and
+// renamed there, so that nobody ever sees half of it. A link stays and the file
+// that it leads to is replaced. A device, a pipe or an open file of this
+// process (/dev/stdout) is written directly.
+//
+//     output o;
+//     bool ok = output_open(&o, path, err);
+//     ok = ok && fputs("...", o.stream) >= 0;
+//     return output_close(&o, ok, err);
+#ifndef BASE_OUTPUT_H
+#define BASE_OUTPUT_H
+
+#include "base/error.h"
+#include "base/text.h"
+
+#include <stdio.h>
+#include <sys/types.h>
+
+typedef struct output {
+    FILE *stream;
+    int folder; // that holds both names; -1: written directly
+    text path;  // as it was asked for
+    text name;
+    text part; // the name until all is written
+} output;
+
+// IO_FAILED, naming the path. Call output_close whatever this returns.
+bool output_open(output *o, const char *path, duet_error *err);
+
+// The same for a name in an open folder, which becomes the output's, and where
+// no link is followed. The file's mode is `mode` less the umask.
+bool output_open_in(output *o, int folder, const char *name, mode_t mode, duet_error *err);
+
+// Puts the file in its place where `keep` holds and all of it was written; else
+// removes what there is. Gives back whether the file is in its place.
+bool output_close(output *o, bool keep, duet_error *err);
+
+#endif

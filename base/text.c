@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L
+#include "base/text.h"
+
+#include "base/budget.h"
+#include "base/output.h"
+
+#include <errno.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static bool reserve(text *t, size_t more)
+{
+    if (t->failed)
+        return false;
+    if (t->capacity - t->length > more)
+        return true;
+    size_t wanted = t->length + more + 1;
+    size_t capacity = t->capacity ? t->capacity : 256;
+    while (capacity < wanted)
+        capacity *= 2;
+    char *chars = realloc(t->chars, capacity);
+    if (!chars) {
+        t->failed = true;
+        return false;
+    }
+    t->chars = chars;
+    t->capacity = capacity;
+    return true;
+}
+
+void text_add_bytes(text *t, const char *bytes, size_t n)
+{
+    if (!reserve(t, n))
+        return;
+    if (n > 0)
+        memcpy(t->chars + t->length, bytes, n);
+    t->length += n;
+    t->chars[t->length] = '\0';
+}
+
+void text_add(text *t, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    int n = vsnprintf(NULL, 0, format, args);
+    va_end(args);
+    if (n < 0 || !reserve(t, (size_t)n))
+        return;
+    va_start(args, format);
+    vsnprintf(t->chars + t->length, (size_t)n + 1, format, args);
+    va_end(args);
+    t->length += (size_t)n;
+}
+
+const char *text_chars(const text *t)
+{
+    return t->chars ? t->chars : "";
+}
+
+bool text_ok(const text *t, duet_error *err)
+{
+    return !t->failed ||
+           error_set(err, DUET_NO_MEMORY, "a text of %zu bytes: no memory", t->length);
+}
+
+void text_free(text *t)
+{
+    free(t->chars);
+    *t = (text){0};
+}
+
+bool text_read_file(text *t, const char *path, duet_error *err)
+{
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return error_set(err, errno == ENOENT ? DUET_NOT_FOUND : DUET_IO_FAILED, "%s: %s", path,
+                         strerror(errno));
+    struct stat info;
+    bool ok = true;
+    if (fstat(fileno(file), &info) == 0 && S_ISDIR(info.st_mode))
+        ok = error_set(err, DUET_IO_FAILED, "%s: is a folder, not a file", path);
+    char block[65536];
+    size_t n = 0;
+    while (ok && (n = fread(block, 1, sizeof block, file)) > 0) {
+        text_add_bytes(t, block, n);
+        ok = budget_check(err) && budget_space(t->length, err);
+    }
+    if (ok && ferror(file))
+        ok = error_set(err, DUET_IO_FAILED, "%s: %s", path, strerror(errno));
+    fclose(file);
+    text_add_bytes(t, "", 0);
+    return ok && text_ok(t, err);
+}
+
+bool text_write_file(const char *path, const char *bytes, size_t n, duet_error *err)
+{
+    output o;
+    if (output_open(&o, path, err))
+        fwrite(bytes, 1, n, o.stream); // a failure stays with the stream
+    return output_close(&o, true, err);
+}

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// A string that grows. Zeroed is empty; text_free gives it back. When memory
+// runs out the text is marked failed and stays as it was: check text_ok once.
+#ifndef BASE_TEXT_H
+#define BASE_TEXT_H
+
+#include "base/error.h"
+
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct text {
+    char *chars; // NUL-terminated once something was added; NULL before
+    size_t length;
+    size_t capacity;
+    bool failed;
+} text;
+
+void text_add(text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void text_add_bytes(text *t, const char *bytes, size_t n);
+const char *text_chars(const text *t); // never NULL
+bool text_ok(const text *t, duet_error *err);
+void text_free(text *t);
+
+// Reads a whole file; the bytes end with a NUL that length does not count.
+// false with NOT_FOUND or IO_FAILED, naming the path.
+bool text_read_file(text *t, const char *path, duet_error *err);
+
+// Writes a whole file, by output.h: all of it is there or nothing changes.
+bool text_write_file(const char *path, const char *bytes, size_t n, duet_error *err);
+
+#endif

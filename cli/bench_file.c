@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT
+#include "cli/bench_file.h"
+
+#include "base/error.h"
+#include "cli/report/costs_report.h"
+#include "cli/report/level_costs_report.h"
+#include "tuner/stats.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+enum { VERSION = 1 };
+static const double level = 0.95; // of the intervals that are written
+
+// ---------------------------------------------------------------- writing
+
+static void add_time(cJSON *o)
+{
+    char when[40];
+    time_t now = time(NULL);
+    strftime(when, sizeof when, "%Y-%m-%dT%H:%M:%SZ", gmtime(&now));
+    cJSON_AddStringToObject(o, "time", when);
+}
+
+cJSON *bench_begin(const duet_device_pair *pair, bool quick)
+{
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "type", BENCH_TYPE);
+    cJSON_AddNumberToObject(o, "version", VERSION);
+    cJSON_AddStringToObject(o, "duet", duet_version());
+    add_time(o);
+    cJSON_AddBoolToObject(o, "quick", quick);
+    cJSON *devices = cJSON_AddArrayToObject(o, "devices");
+    for (int i = 0; i < 2; ++i) {
+        const duet_device_info *info = duet_device_pair_info(pair, i);
+        cJSON *device = cJSON_CreateObject();
+        cJSON_AddStringToObject(device, "selector", info->selector);
+        cJSON_AddStringToObject(device, "name", info->name);
+        cJSON_AddStringToObject(device, "driver", info->driver);
+        cJSON_AddStringToObject(device, "platform", info->platform_version);
+        cJSON_AddNumberToObject(device, "units", info->units);
+        cJSON_AddItemToArray(devices, device);
+    }
+    cJSON_AddArrayToObject(o, "cases");
+    cJSON_AddArrayToObject(o, "accuracy");
+    cJSON_AddArrayToObject(o, "effects");
+    return o;
+}
+
+static void add_plan(cJSON *o, const duet_plan *plan)
+{
+    cJSON_AddNumberToObject(o, "share", (double)plan->share / DUET_SHARE_ONE);
+    cJSON_AddStringToObject(o, "mode", duet_mode_name(plan->mode));
+    cJSON_AddStringToObject(o, "variant_a", plan->variant_a);
+    cJSON_AddStringToObject(o, "variant_b", plan->variant_b);
+}
+
+static void add_times(cJSON *o, const timed *t)
+{
+    double ms[BENCH_SAMPLES_MOST];
+    for (uint32_t i = 0; i < t->n; ++i)
+        ms[i] = t->steps[i].total_ms;
+    const timed_step *median = timed_median(t);
+    stats_interval in = stats_median_interval(ms, t->n, level);
+    cJSON_AddNumberToObject(o, "median_ms", stats_median(ms, t->n));
+    cJSON_AddNumberToObject(o, "low_ms", in.low);
+    cJSON_AddNumberToObject(o, "high_ms", in.high);
+    cJSON_AddNumberToObject(o, "level", in.level);
+    cJSON_AddNumberToObject(o, "a_ms", median->device_ms[0]);
+    cJSON_AddNumberToObject(o, "b_ms", median->device_ms[1]);
+    cJSON_AddItemToObject(o, "samples_ms", cJSON_CreateDoubleArray(ms, (int)t->n));
+    cJSON *stages = cJSON_AddArrayToObject(o, "stages");
+    for (uint32_t i = 0; i < median->n_stages; ++i) {
+        cJSON *stage = cJSON_CreateObject();
+        cJSON_AddStringToObject(stage, "name", median->stages[i].name);
+        cJSON_AddStringToObject(stage, "device", median->stages[i].device == 0 ? "A" : "B");
+        cJSON_AddNumberToObject(stage, "ms", median->stages[i].ms);
+        cJSON_AddItemToArray(stages, stage);
+    }
+}
+
+cJSON *bench_add(cJSON *results, const duet_scene_info *scene, const duet_plan *plan,
+                 const timed *t, const duet_error *failure)
+{
+    char hash[17];
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "scene", scene->name);
+    cJSON_AddNumberToObject(o, "dims", scene->dims);
+    cJSON_AddNumberToObject(o, "objects", scene->n);
+    add_plan(o, plan);
+    if (failure) {
+        cJSON_AddStringToObject(o, "failed", failure->text);
+    } else {
+        snprintf(hash, sizeof hash, "%016" PRIx64, t->hash);
+        cJSON_AddStringToObject(o, "hash", hash);
+        cJSON_AddNumberToObject(o, "pairs", (double)t->last.pairs);
+        add_times(o, t);
+    }
+    cJSON_AddItemToArray(cJSON_GetObjectItem(results, "cases"), o);
+    return o;
+}
+
+// ---------------------------------------------------------------- reading
+
+uint32_t bench_samples(const cJSON *one, double samples[BENCH_SAMPLES_MOST])
+{
+    uint32_t n = 0;
+    const cJSON *item;
+    cJSON_ArrayForEach(item, json_list(one, "samples_ms"))
+    {
+        if (n < BENCH_SAMPLES_MOST)
+            samples[n++] = item->valuedouble;
+    }
+    return n;
+}
+
+static const json_field of_any[] = {
+    {"scene", cJSON_IsString, "a string"},
+    {"objects", JSON_COUNT},
+    {"share", JSON_AMOUNT},
+    {"mode", cJSON_IsString, "a string"},
+    {"variant_a", cJSON_IsString, "a string"},
+    {"variant_b", cJSON_IsString, "a string"},
+    {0},
+};
+static const json_field of_measured[] = {
+    {"hash", cJSON_IsString, "a string"},
+    {"median_ms", JSON_AMOUNT},
+    {"low_ms", JSON_AMOUNT},
+    {"high_ms", JSON_AMOUNT},
+    {"a_ms", JSON_AMOUNT},
+    {"b_ms", JSON_AMOUNT},
+    {"samples_ms", cJSON_IsArray, "a list"},
+    {"stages", cJSON_IsArray, "a list"},
+    {0},
+};
+
+static bool check_samples(const cJSON *one, const char *where, duet_error *err)
+{
+    const cJSON *samples = json_list(one, "samples_ms");
+    int n = cJSON_GetArraySize(samples);
+    bool ok = n > 0 && n <= BENCH_SAMPLES_MOST;
+    const cJSON *item;
+    cJSON_ArrayForEach(item, samples) ok = ok && json_is_amount(item) && item->valuedouble > 0;
+    return ok || error_set(err, DUET_BAD_INPUT, "%s: 'samples_ms' is not 1 to %d times above 0",
+                           where, BENCH_SAMPLES_MOST);
+}
+
+static bool check_case(const cJSON *one, const char *where, duet_error *err)
+{
+    if (!json_require(one, of_any, where, err))
+        return false;
+    return *json_string(one, "failed") ||
+           (json_require(one, of_measured, where, err) && check_samples(one, where, err));
+}
+
+static bool check_cases(const cJSON *cases, const char *path, duet_error *err)
+{
+    int number = 0;
+    const cJSON *one;
+    cJSON_ArrayForEach(one, cases)
+    {
+        char where[512];
+        snprintf(where, sizeof where, "%.400s: case %d", path, number++);
+        if (!check_case(one, where, err))
+            return false;
+    }
+    return true;
+}
+
+static bool check_parts(const cJSON *o, const char *path, duet_error *err)
+{
+    bool ok = true;
+    const cJSON *one;
+    cJSON_ArrayForEach(one, json_list(o, "accuracy")) ok =
+        ok && level_costs_report_check(one, path, err);
+    cJSON_ArrayForEach(one, json_list(o, "effects")) ok = ok && costs_report_check(one, path, err);
+    return ok;
+}
+
+bool bench_check(const cJSON *o, const char *path, duet_error *err)
+{
+    if (strcmp(json_string(o, "type"), BENCH_TYPE) != 0)
+        return error_set(err, DUET_BAD_INPUT, "%s: no results of 'duet bench --out'", path);
+    if (json_number(o, "version") != VERSION)
+        return error_set(err, DUET_BAD_INPUT, "%s: results of version %g; this Duet reads %d", path,
+                         json_number(o, "version"), VERSION);
+    const cJSON *cases = json_list(o, "cases");
+    if (!cases || cJSON_GetArraySize(json_list(o, "devices")) != 2)
+        return error_set(err, DUET_BAD_INPUT, "%s: 'cases' or the two 'devices' are missing", path);
+    return check_cases(cases, path, err) && check_parts(o, path, err);
+}
+
+cJSON *bench_read(const char *path, duet_error *err)
+{
+    cJSON *o = json_read(path, err);
+    if (o && bench_check(o, path, err))
+        return o;
+    cJSON_Delete(o);
+    return NULL;
+}
+
+static bool is_same(const cJSON *a, const cJSON *b)
+{
+    static const char *const strings[] = {"scene", "mode", "variant_a", "variant_b"};
+    for (size_t i = 0; i < sizeof strings / sizeof *strings; ++i)
+        if (strcmp(json_string(a, strings[i]), json_string(b, strings[i])) != 0)
+            return false;
+    return json_number(a, "objects") == json_number(b, "objects") &&
+           fabs(json_number(a, "share") - json_number(b, "share")) < 1e-9;
+}
+
+const cJSON *bench_find(const cJSON *results, const cJSON *like)
+{
+    const cJSON *one;
+    cJSON_ArrayForEach(one, cJSON_GetObjectItemCaseSensitive(results, "cases"))
+    {
+        if (is_same(one, like) && !*json_string(one, "failed"))
+            return one;
+    }
+    return NULL;
+}

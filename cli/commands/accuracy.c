@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+// duet accuracy: what accuracy costs in time. Of a moving scene: each time step,
+// and how far the scene comes from where it should; of poses: each level of
+// accuracy on each device, and what it gets wrong.
+#include "cli/commands.h"
+#include "cli/draw/canvas.h"
+#include "cli/inputs.h"
+#include "cli/options.h"
+#include "cli/report/level_costs_report.h"
+#include "cli/report/level_costs_show.h"
+#include "cli/report/timestep_study_report.h"
+#include "cli/say.h"
+
+typedef struct arguments {
+    scene_options scene;
+    const char *pair;
+    uint64_t repeat;
+    double time;
+    double limit;
+    bool still;
+    const char *csv;
+    const char *plot;
+    bool json;
+} arguments;
+
+static const option options[] = {
+    SCENE_OPTION_ROWS(scene),
+    PAIR_OPTION_ROW(pair),
+    OPTION_COUNT("repeat", repeat, "K", "timed steps of each level and device, in turn (9)", 1,
+                 LEVEL_COSTS_ROUNDS),
+    OPTION_FLAG("still", still, "levels of accuracy also of a scene that moves, as it begins"),
+    OPTION_NUMBER("time", time, "S", "seconds of a moving scene, for each time step (1)", 1e-6,
+                  1e6),
+    OPTION_NUMBER("limit", limit, "S", "begin no other run after S seconds (120)", 0, 1e6),
+    OPTION_TEXT("csv", csv, "OUT.csv", "write the table, a line each"),
+    OPTION_TEXT("plot", plot, "OUT.svg", "draw it, as .svg or .png"),
+    OPTION_FLAG("json", json, "print one JSON object"),
+    {0},
+};
+
+static const command_line line = {
+    .name = "accuracy",
+    .operands = "SCENE|FILE",
+    .least_operands = 1,
+    .most_operands = 1,
+    .about = "Measures what accuracy costs in time. A scene that moves: dt and substeps (in free\n"
+             "flight the integrator) against how far it comes from a much finer run, how its\n"
+             "energy drifts and how deep contacts get. One that does not: each level of\n"
+             "accuracy, and what it gets wrong.",
+    .options = options,
+};
+
+static bool tell_level_costs(const arguments *args, const level_costs_report *r, duet_error *err)
+{
+    bool ok = !args->csv || level_costs_report_csv(r, args->csv, err);
+    ok = ok && (!args->plot || level_costs_report_plot(r, args->plot, err));
+    if (ok && args->json)
+        return say_json(level_costs_report_json(r), err);
+    if (ok)
+        level_costs_report_text(r);
+    return ok;
+}
+
+static bool tell_timesteps(const arguments *args, const timestep_study_report *r, duet_error *err)
+{
+    bool ok = !args->csv || timestep_study_report_csv(r, args->csv, err);
+    ok = ok && (!args->plot || timestep_study_report_plot(r, args->plot, err));
+    if (ok && args->json)
+        return timestep_study_report_json(r, err);
+    if (ok)
+        timestep_study_report_text(r);
+    return ok;
+}
+
+static bool run_levels(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
+                       duet_error *err)
+{
+    level_costs p;
+    level_costs_report r = {duet_scene_describe(scene), pair, &p};
+    return level_costs_show(&p, pair, scene, (uint32_t)args->repeat, err) &&
+           tell_level_costs(args, &r, err);
+}
+
+static bool run_timesteps(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
+                          duet_error *err)
+{
+    timestep_study p;
+    timestep_study_report r = {duet_scene_describe(scene), pair, &p};
+    return timestep_study_measure(&p, pair, scene, args->time, args->limit, err) &&
+           tell_timesteps(args, &r, err);
+}
+
+// A plot that cannot be is told of before minutes are spent on it.
+static bool check_plot(const char *path, duet_error *err)
+{
+    canvas *c = path ? canvas_open(path, 1, 1, err) : NULL;
+    bool ok = !path || c;
+    canvas_close(c, false, NULL);
+    return ok;
+}
+
+static bool run(const arguments *args, const char *path, duet_error *err)
+{
+    duet_device_pair *pair = check_plot(args->plot, err) ? inputs_open_pair(args->pair, err) : NULL;
+    duet_scene *scene = pair ? inputs_load_scene(path, &args->scene, err) : NULL;
+    bool moves = false;
+    bool ok = scene && (args->still || timestep_study_applies(pair, scene, &moves, err));
+    ok = ok && (moves ? run_timesteps : run_levels)(args, pair, scene, err);
+    duet_scene_destroy(scene);
+    duet_device_pair_close(pair);
+    return ok;
+}
+
+int command_accuracy(int argc, char **argv)
+{
+    arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .repeat = 9, .time = 1, .limit = 120};
+    char **operands = NULL;
+    int n_operands = 0;
+    int exit_code = EXIT_OK;
+    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
+        return exit_code;
+    duet_error err = {0};
+    return run(&args, operands[0], &err) ? EXIT_OK : say_failed(&err);
+}

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: MIT
+// duet bench: measures the standard set of scenes and plans, and compares with
+// earlier results. Every plan must find the same pairs of a scene.
+#include "base/error.h"
+#include "base/text.h"
+#include "cli/bench_file.h"
+#include "cli/bench_set.h"
+#include "cli/commands.h"
+#include "cli/cpu_load.h"
+#include "cli/inputs.h"
+#include "cli/interrupt.h"
+#include "cli/report/bench_report.h"
+#include "cli/report/costs_report.h"
+#include "cli/report/level_costs_report.h"
+#include "cli/report/level_costs_show.h"
+#include "cli/report/table.h"
+#include "cli/say.h"
+
+#include <stdio.h>
+#include <string.h>
+
+typedef struct arguments {
+    const char *pair;
+    const char *scene;
+    const char *out;
+    const char *against;
+    uint64_t repeat;
+    bool quick;
+    bool json;
+} arguments;
+
+static const option options[] = {
+    PAIR_OPTION_ROW(pair),
+    OPTION_TEXT("scene", scene, "NAME",
+                "only this one: paper, paper2d, clustered, mixed, planes, falling"),
+    OPTION_TEXT("out", out, "FILE.json", "keep the results, with all samples"),
+    OPTION_TEXT("against", against, "OLD.json", "compare with results that were kept"),
+    OPTION_COUNT("repeat", repeat, "K", "steps of each plan, after one to warm up (9)", 1,
+                 BENCH_SAMPLES_MOST),
+    OPTION_FLAG("quick", quick, "small scenes: does it all work, in seconds"),
+    OPTION_FLAG("json", json, "print one JSON object, as --out keeps it"),
+    {0},
+};
+
+static const command_line line = {
+    .name = "bench",
+    .operands = "",
+    .about = "Measures a standard set: on five scenes each device alone, shares in between, the\n"
+             "modes and the kernels; the levels of accuracy; on a sixth what each effect costs.\n"
+             "With --against says what became faster or slower.",
+    .options = options,
+};
+
+// What a run holds, given back in one place.
+typedef struct bench {
+    const arguments *args;
+    duet_device_pair *pair;
+    cJSON *results;
+    cJSON *before; // NULL: nothing to compare with
+    uint32_t failed;
+} bench;
+
+static duet_scene *load_scene(const bench_scene *s, bool quick, duet_error *err)
+{
+    const duet_setting settings[] = {{"n", quick ? s->quick_n : s->n},
+                                     {"world", quick ? s->quick_world : s->world}};
+    char path[64];
+    snprintf(path, sizeof path, "lua/scenes/%s.lua", s->name);
+    return duet_scene_load(path, settings, s->world ? 2 : 1, err);
+}
+
+// A plan that fails is a case that says so, and a line on stderr; other plans
+// are measured all the same.
+static bool keep_failure(bench *b, const duet_scene_info *info, const duet_plan *plan,
+                         const duet_error *failure, duet_error *err)
+{
+    if (failure->status == DUET_INTERRUPTED || !bench_add(b->results, info, plan, NULL, failure))
+        return error_set(err, failure->status, "%s", failure->text);
+    ++b->failed;
+    say_failed(failure);
+    return true;
+}
+
+static bool check_pairs(const timed *t, uint64_t *hash, const duet_scene_info *info,
+                        const duet_plan *plan, duet_error *err)
+{
+    if (*hash == 0)
+        *hash = t->hash;
+    return t->hash == *hash ||
+           error_set(err, DUET_WRONG_RESULT,
+                     "%s by '%s', mode %s, share %.2f: other pairs than by the first plan",
+                     info->name, plan->variant_a, duet_mode_name(plan->mode),
+                     (double)plan->share / DUET_SHARE_ONE);
+}
+
+static bool measure(bench *b, duet_world *world, const duet_scene *scene, const duet_plan *plan,
+                    uint64_t *hash, duet_error *err)
+{
+    const duet_scene_info *info = duet_scene_describe(scene);
+    duet_error failure = {0};
+    timed t = {0};
+    cpu_load before = cpu_load_look();
+    bool ok =
+        duet_world_set_plan(world, plan, &failure) &&
+        timed_run(&t, world, scene, (uint32_t)b->args->repeat, TIMED_SENDS_OBJECTS, &failure) &&
+        check_pairs(&t, hash, info, plan, &failure);
+    if (ok)
+        cJSON_AddNumberToObject(bench_add(b->results, info, plan, &t, NULL), "cpu_load",
+                                cpu_load_part(&before));
+    else
+        ok = keep_failure(b, info, plan, &failure, err);
+    timed_free(&t);
+    return ok && interrupt_check(err);
+}
+
+static bool measure_plans(bench *b, const bench_scene *which, const duet_scene *scene,
+                          duet_error *err)
+{
+    uint64_t hash = 0;
+    duet_plan plans[BENCH_PLANS_MOST];
+    uint32_t n = bench_plans(which, b->pair, plans);
+    duet_world_def def = duet_scene_world_def(scene, b->pair);
+    duet_world *world = duet_world_create(&def, err);
+    bool ok = world != NULL;
+    for (uint32_t i = 0; ok && i < n; ++i)
+        ok = measure(b, world, scene, &plans[i], &hash, err);
+    duet_world_destroy(world);
+    return ok;
+}
+
+// What was measured of the plans is told even where one failed.
+static bool compare_plans(bench *b, const bench_scene *which, const duet_scene *scene,
+                          duet_error *err)
+{
+    bool ok = measure_plans(b, which, scene, err);
+    bench_compare(b->results, b->before);
+    if (!b->args->json)
+        bench_print_scene(b->results, duet_scene_describe(scene)->name, b->before);
+    return ok;
+}
+
+static bool measure_levels(bench *b, const duet_scene *scene, duet_error *err)
+{
+    level_costs p;
+    uint32_t rounds =
+        b->args->repeat < LEVEL_COSTS_ROUNDS ? (uint32_t)b->args->repeat : LEVEL_COSTS_ROUNDS;
+    if (!level_costs_show(&p, b->pair, scene, rounds, err))
+        return false;
+    level_costs_report r = {duet_scene_describe(scene), b->pair, &p};
+    cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "accuracy"), level_costs_report_json(&r));
+    if (!b->args->json) {
+        level_costs_report_text(&r);
+        putchar('\n');
+    }
+    return true;
+}
+
+static bool measure_effects(bench *b, const duet_scene *scene, duet_error *err)
+{
+    enum { STEPS = 20, QUICK_STEPS = 3 };
+    costs c;
+    const duet_scene_info *info = duet_scene_describe(scene);
+    if (!costs_measure(&c, b->pair, scene, b->args->quick ? QUICK_STEPS : STEPS, err))
+        return false;
+    cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "effects"),
+                         costs_report_json(&c, info, b->pair));
+    if (!b->args->json) {
+        printf("%s, %s objects that move\n", info->name, table_count(info->n).chars);
+        costs_report_text(&c);
+        putchar('\n');
+    }
+    return true;
+}
+
+static bool measure_scene(bench *b, const bench_scene *which, duet_error *err)
+{
+    duet_scene *scene = load_scene(which, b->args->quick, err);
+    bool ok = scene;
+    if (which->moves)
+        ok = ok && measure_effects(b, scene, err);
+    else
+        ok = ok && compare_plans(b, which, scene, err);
+    if (which->levels)
+        ok = ok && measure_levels(b, scene, err);
+    duet_scene_destroy(scene);
+    return ok;
+}
+
+// Also of a run that was stopped: what was measured is kept.
+static bool finish(bench *b, duet_error *err)
+{
+    bool ok = true;
+    if (b->args->out) {
+        text chars = {0};
+        ok = json_write(b->results, &chars, err) &&
+             text_write_file(b->args->out, chars.chars, chars.length, err);
+        text_free(&chars);
+    }
+    if (b->args->json) {
+        ok = say_json(b->results, err) && ok;
+        b->results = NULL;
+    } else {
+        bench_print_verdicts(b->results, b->before);
+    }
+    return ok;
+}
+
+static bool measure_scenes(bench *b, duet_error *err)
+{
+    bool ok = true;
+    bool any = false;
+    for (const bench_scene *s = bench_scenes; ok && s->name; ++s) {
+        if (b->args->scene && strcmp(b->args->scene, s->name) != 0)
+            continue;
+        any = true;
+        ok = measure_scene(b, s, err);
+    }
+    return ok && (any || error_set(err, DUET_BAD_ARGUMENT,
+                                   "--scene '%s': the set has paper, paper2d, clustered, mixed, "
+                                   "planes and falling",
+                                   b->args->scene));
+}
+
+static bool measure_all(bench *b, duet_error *err)
+{
+    b->results = bench_begin(b->pair, b->args->quick);
+    bool ok = measure_scenes(b, err);
+    ok = finish(b, ok ? err : NULL) && ok;
+    if (ok && b->failed > 0)
+        ok = error_set(err, DUET_DEVICE_FAILED, "%u plans failed", b->failed);
+    return ok;
+}
+
+static bool run(const arguments *args, duet_error *err)
+{
+    bench b = {.args = args};
+    b.before = args->against ? bench_read(args->against, err) : NULL;
+    bool ok = b.before || !args->against;
+    b.pair = ok ? inputs_open_pair(args->pair, err) : NULL;
+    ok = b.pair && measure_all(&b, err);
+    cJSON_Delete(b.results);
+    cJSON_Delete(b.before);
+    duet_device_pair_close(b.pair);
+    return ok;
+}
+
+int command_bench(int argc, char **argv)
+{
+    arguments args = {.repeat = 9};
+    char **operands = NULL;
+    int n_operands = 0;
+    int exit_code = EXIT_OK;
+    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
+        return exit_code;
+    duet_error err = {0};
+    return run(&args, &err) ? EXIT_OK : say_failed(&err);
+}

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+// duet devices: what OpenCL offers here, and the selectors for --pair.
+#include "base/error.h"
+#include "cli/commands.h"
+#include "cli/options.h"
+#include "cli/report/table.h"
+#include "cli/say.h"
+#include "runtime/duet.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct arguments {
+    bool json;
+} arguments;
+
+static const option options[] = {
+    OPTION_FLAG("json", json, "print one JSON object"),
+    {0},
+};
+
+static const command_line line = {
+    .name = "devices",
+    .operands = "",
+    .about = "Lists the OpenCL devices here. A CPU can be cut into parts, which are devices too:\n"
+             "pocl:0[2-3] is units 2 and 3 of pocl:0. --pair takes two selectors: pocl:0,nvidia:0.",
+    .options = options,
+};
+
+static const char *const kinds[] = {
+    [DUET_KIND_CPU] = "CPU", [DUET_KIND_GPU] = "GPU", [DUET_KIND_ACCELERATOR] = "accelerator"};
+
+static void print_device(const duet_device_info *d)
+{
+    printf("%s  %s\n", d->selector, d->name);
+    table t = table_begin("lll");
+    const char *const facts[][2] = {{"platform", d->platform},
+                                    {"", d->platform_version},
+                                    {"driver", d->driver},
+                                    {"version", d->cl_version}};
+    for (size_t i = 0; i < sizeof facts / sizeof facts[0]; ++i) {
+        table_cell(&t, " ");
+        table_cell(&t, "%s", facts[i][0]);
+        table_cell(&t, "%s", facts[i][1]);
+    }
+    table_cell(&t, " ");
+    table_cell(&t, "kind");
+    table_cell(&t, "%s, %u units at %u MHz, %sdouble precision", kinds[d->kind], d->units,
+               d->clock_mhz, d->fp64 ? "" : "no ");
+    table_cell(&t, " ");
+    table_cell(&t, "memory");
+    table_cell(&t, "%s%s, a buffer at most %s, local %s", table_bytes(d->global_bytes).chars,
+               d->host_memory ? " of the host" : "", table_bytes(d->max_buffer_bytes).chars,
+               table_bytes(d->local_bytes).chars);
+    table_cell(&t, " ");
+    table_cell(&t, "group");
+    table_cell(&t, "at most %u work-items", d->max_group);
+    table_cell(&t, " ");
+    table_cell(&t, "parts");
+    if (d->can_cut)
+        table_cell(&t, "%s[first-last], units 0 to %u", d->selector, d->units - 1);
+    else
+        table_cell(&t, "none, it cannot be cut");
+    table_print(&t, stdout);
+    putchar('\n');
+}
+
+static void print_default(const duet_device_pair *pair)
+{
+    const duet_device_info *a = duet_device_pair_info(pair, 0);
+    const duet_device_info *b = duet_device_pair_info(pair, 1);
+    printf("without --pair: %s,%s\n", a->selector, b->selector);
+}
+
+static cJSON *device_json(const duet_device_info *d)
+{
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "selector", d->selector);
+    cJSON_AddStringToObject(o, "name", d->name);
+    cJSON_AddStringToObject(o, "kind", kinds[d->kind]);
+    cJSON_AddStringToObject(o, "platform", d->platform);
+    cJSON_AddStringToObject(o, "platform_version", d->platform_version);
+    cJSON_AddStringToObject(o, "vendor", d->vendor);
+    cJSON_AddStringToObject(o, "driver", d->driver);
+    cJSON_AddStringToObject(o, "cl_version", d->cl_version);
+    cJSON_AddNumberToObject(o, "units", d->units);
+    cJSON_AddNumberToObject(o, "clock_mhz", d->clock_mhz);
+    cJSON_AddNumberToObject(o, "max_group", d->max_group);
+    cJSON_AddNumberToObject(o, "global_bytes", (double)d->global_bytes);
+    cJSON_AddNumberToObject(o, "local_bytes", (double)d->local_bytes);
+    cJSON_AddNumberToObject(o, "max_buffer_bytes", (double)d->max_buffer_bytes);
+    cJSON_AddBoolToObject(o, "host_memory", d->host_memory);
+    cJSON_AddBoolToObject(o, "fp64", d->fp64);
+    cJSON_AddBoolToObject(o, "can_cut", d->can_cut);
+    return o;
+}
+
+static bool print_json(const duet_device_list *list, const duet_device_pair *pair, duet_error *err)
+{
+    cJSON *o = cJSON_CreateObject();
+    cJSON *devices = cJSON_AddArrayToObject(o, "devices");
+    for (uint32_t i = 0; i < duet_device_list_count(list); ++i)
+        cJSON_AddItemToArray(devices, device_json(duet_device_list_at(list, i)));
+    char chosen[160];
+    snprintf(chosen, sizeof chosen, "%s,%s", duet_device_pair_info(pair, 0)->selector,
+             duet_device_pair_info(pair, 1)->selector);
+    cJSON_AddStringToObject(o, "default_pair", chosen);
+    return say_json(o, err);
+}
+
+int command_devices(int argc, char **argv)
+{
+    arguments args = {0};
+    char **operands = NULL;
+    int n_operands = 0;
+    int exit_code = EXIT_OK;
+    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
+        return exit_code;
+    duet_error err = {0};
+    duet_device_pair *pair = NULL;
+    duet_device_list *list = duet_device_list_open(&err);
+    bool ok = list != NULL;
+    if (ok) {
+        duet_device_pair_def def = duet_default_device_pair_def();
+        pair = duet_device_pair_open(&def, &err);
+        ok = pair != NULL;
+    }
+    if (ok && args.json) {
+        ok = print_json(list, pair, &err);
+    } else if (ok) {
+        for (uint32_t i = 0; i < duet_device_list_count(list); ++i)
+            print_device(duet_device_list_at(list, i));
+        print_default(pair);
+    }
+    duet_device_pair_close(pair);
+    duet_device_list_close(list);
+    return ok ? EXIT_OK : say_failed(&err);
+}

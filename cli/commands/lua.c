@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+// duet lua: runs scripts that use the module `duet`, or what a person types.
+#include "base/error.h"
+#include "base/text.h"
+#include "cli/commands.h"
+#include "cli/interrupt.h"
+#include "cli/options.h"
+#include "cli/prompt.h"
+#include "cli/say.h"
+#include "lua/session.h"
+#include "runtime/duet.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+typedef struct arguments {
+    const char *code;
+    bool interactive;
+    bool trust;
+    uint64_t memory_mib;
+    double seconds;
+} arguments;
+
+static const option options[] = {
+    OPTION_TEXT("e", code, "CODE", "run this text, before FILE"),
+    OPTION_FLAG("i", interactive, "run what is typed, after FILE; Ctrl-D ends"),
+    OPTION_FLAG("trust", trust, "the whole language: files, processes, modules, no limits"),
+    OPTION_COUNT("memory", memory_mib, "MIB", "of Lua, without --trust (256)", 1, 1 << 20),
+    OPTION_NUMBER("seconds", seconds, "S", "of one run, without --trust (60)", 0.001, 1e6),
+    {0},
+};
+
+static const command_line line = {
+    .name = "lua",
+    .operands = "[FILE [ARGUMENT...]]",
+    .most_operands = 1 << 20,
+    .rest_is_operands = true,
+    .about = "Runs a Lua script that uses the module 'duet'; its arguments are in 'arg'.\n"
+             "Without --trust it can compute, print and use devices, read what lies below the\n"
+             "current folder or is named as an argument, and change nothing.",
+    .options = options,
+};
+
+// Reads until what was typed is whole. NULL at the end.
+static char *read_typed(session *s, duet_error *err, bool *ran)
+{
+    text typed = {0};
+    bool more = true;
+    *ran = true;
+    while (more) {
+        char *next = prompt_line(typed.length > 0 ? ">> " : "> ");
+        if (!next)
+            break;
+        text_add(&typed, "%s%s", typed.length > 0 ? "\n" : "", next);
+        free(next);
+        interrupt_forget();
+        *ran = session_enter(s, text_chars(&typed), &more, err);
+    }
+    if (more && typed.length == 0) {
+        text_free(&typed);
+        return NULL;
+    }
+    if (more)
+        *ran = error_set(err, DUET_BAD_INPUT, "typed: ends in the middle: %s", text_chars(&typed));
+    return typed.chars;
+}
+
+// A person sees an error and goes on; a pipe ends with the first one.
+static bool talk(session *s, duet_error *err)
+{
+    if (prompt_is_terminal())
+        printf("duet %s, Lua 5.4; Ctrl-D ends\n", duet_version());
+    for (;;) {
+        bool ran = true;
+        duet_error why = {0};
+        char *typed = read_typed(s, &why, &ran);
+        if (!typed)
+            return true;
+        prompt_remember(typed);
+        free(typed);
+        fflush(stdout);
+        if (!ran && !prompt_is_terminal()) {
+            *err = why;
+            return false;
+        }
+        if (!ran)
+            say_failed(&why);
+    }
+}
+
+static bool run(const arguments *args, const char *const *operands, int n, duet_error *err)
+{
+    session_def def = session_default_def();
+    def.trusted = args->trust;
+    def.memory_bytes = (size_t)args->memory_mib << 20;
+    def.seconds = args->seconds;
+    def.arguments = operands;
+    def.n_arguments = n;
+    session *s = session_open(&def, err);
+    bool ok = s != NULL;
+    ok = ok && (!args->code || session_run_text(s, "-e", args->code, err));
+    ok = ok && (n == 0 || session_run_file(s, operands[0], err));
+    ok = ok && (!args->interactive || talk(s, err));
+    session_close(s);
+    return ok;
+}
+
+int command_lua(int argc, char **argv)
+{
+    arguments args = {.memory_mib = 256, .seconds = 60};
+    char **operands = NULL;
+    int n_operands = 0;
+    int exit_code = EXIT_OK;
+    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
+        return exit_code;
+    if (n_operands == 0 && !args.code && !args.interactive)
+        return say_wrong(line.name, "nothing to run: give FILE, -e CODE, or -i to type");
+    duet_error err = {0};
+    return run(&args, (const char *const *)operands, n_operands, &err) ? EXIT_OK : say_failed(&err);
+}

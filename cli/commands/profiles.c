@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: MIT
+// duet profiles: looks into the profile store, and moves rows in and out.
+#define _POSIX_C_SOURCE 200809L
+#include "cli/commands/profiles.h"
+
+#include "base/clock.h"
+#include "base/error.h"
+#include "cli/commands.h"
+#include "cli/options.h"
+#include "cli/report/table.h"
+#include "cli/say.h"
+#include "profiles/exchange.h"
+#include "profiles/upkeep.h"
+
+#include <cjson/cJSON.h>
+#include <errno.h>
+#include <inttypes.h>
+#include <string.h>
+#include <time.h>
+
+typedef struct arguments {
+    const char *store;
+    uint64_t samples;
+    uint64_t days;
+    bool dead;
+    bool json;
+} arguments;
+
+store *profiles_open(const char *path, store_access access, duet_error *err)
+{
+    text user = {0};
+    bool ok = path || store_user_path(&user, err);
+    store *s = ok ? store_open(path ? path : text_chars(&user), access, err) : NULL;
+    text_free(&user);
+    if (s && store_note(s))
+        fprintf(stderr, "duet: %s\n", say_name(store_note(s)).chars);
+    return s;
+}
+
+profiles_date profiles_when(int64_t calendar_ns)
+{
+    profiles_date date = {""};
+    time_t seconds = (time_t)(calendar_ns / 1000000000);
+    struct tm parts;
+    if (calendar_ns > 0 && gmtime_r(&seconds, &parts))
+        strftime(date.chars, sizeof date.chars, "%Y-%m-%d %H:%M", &parts);
+    return date;
+}
+
+// Opens, does one thing, closes; what a verb is made of.
+typedef bool verb_body(store *s, const arguments *args, const char *operand, duet_error *err);
+
+static int run_verb(const command_line *line, store_access access, verb_body *body, int argc,
+                    char **argv)
+{
+    arguments args = {.samples = 16};
+    char **operands = NULL;
+    int n_operands = 0;
+    int exit_code = EXIT_OK;
+    if (!options_parse(line, argc, argv, &args, &operands, &n_operands, &exit_code))
+        return exit_code;
+    duet_error err = {0};
+    store *s = profiles_open(args.store, access, &err);
+    bool ok =
+        s && body(s, &args, n_operands > 0 ? operands[0] : NULL, &err) && store_check_read(s, &err);
+    store_close(s);
+    return ok ? EXIT_OK : say_failed(&err);
+}
+
+// ------------------------------------------------------------------------- export
+
+static const option export_options[] = {PROFILE_OPTION_ROW(store), {0}};
+
+static const command_line export_line = {
+    .name = "profiles export",
+    .operands = "[FILE]",
+    .most_operands = 1,
+    .about = "Writes the whole store as JSON lines, to FILE or to stdout.",
+    .options = export_options,
+};
+
+static bool export_rows(store *s, const arguments *args, const char *path, duet_error *err)
+{
+    (void)args;
+    return path ? profile_export_file(s, path, err) : profile_export(s, stdout, "stdout", err);
+}
+
+static int run_export(int argc, char **argv)
+{
+    return run_verb(&export_line, STORE_READ, export_rows, argc, argv);
+}
+
+// ------------------------------------------------------------------ import, merge
+
+static const option import_options[] = {
+    PROFILE_OPTION_ROW(store),
+    OPTION_FLAG("json", json, "print one JSON object"),
+    {0},
+};
+
+static const command_line import_line = {
+    .name = "profiles import",
+    .operands = "FILE|-",
+    .least_operands = 1,
+    .most_operands = 1,
+    .about = "Takes in the rows of an export: all of them or, where a line is wrong, none.",
+    .options = import_options,
+};
+
+static const command_line merge_line = {
+    .name = "profiles merge",
+    .operands = "OTHER.db",
+    .least_operands = 1,
+    .most_operands = 1,
+    .about = "Takes in the rows of another store, which is only read. Every row stays with its\n"
+             "own devices and machine; the store's own profiles stay live.",
+    .options = import_options,
+};
+
+static bool tell_counts(const arguments *args, const profile_import_counts *counts, duet_error *err)
+{
+    if (!args->json) {
+        printf("%s rows added, %s known already\n", table_count(counts->added).chars,
+               table_count(counts->known).chars);
+        return true;
+    }
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddNumberToObject(o, "added", (double)counts->added);
+    cJSON_AddNumberToObject(o, "known", (double)counts->known);
+    return say_json(o, err);
+}
+
+static bool import_rows(store *s, const arguments *args, const char *path, duet_error *err)
+{
+    bool is_stdin = strcmp(path, "-") == 0;
+    FILE *in = is_stdin ? stdin : fopen(path, "r");
+    if (!in)
+        return error_set(err, errno == ENOENT ? DUET_NOT_FOUND : DUET_IO_FAILED, "%s: %s", path,
+                         strerror(errno));
+    profile_import_counts counts;
+    bool ok = profile_import(s, in, is_stdin ? "stdin" : path, &counts, err);
+    if (!is_stdin)
+        fclose(in);
+    return ok && tell_counts(args, &counts, err);
+}
+
+static int run_import(int argc, char **argv)
+{
+    return run_verb(&import_line, STORE_WRITE, import_rows, argc, argv);
+}
+
+static bool merge_rows(store *s, const arguments *args, const char *path, duet_error *err)
+{
+    profile_import_counts counts;
+    return profile_merge(s, path, &counts, err) && tell_counts(args, &counts, err);
+}
+
+static int run_merge(int argc, char **argv)
+{
+    return run_verb(&merge_line, STORE_WRITE, merge_rows, argc, argv);
+}
+
+// -------------------------------------------------------------------------- prune
+
+static const option prune_options[] = {
+    PROFILE_OPTION_ROW(store),
+    OPTION_COUNT("samples", samples, "K", "launches of each trial to keep (16)", 0, UINT32_MAX),
+    OPTION_COUNT("older", days, "DAYS", "only what is older than that (0: all)", 0, 36500),
+    OPTION_FLAG("dead", dead, "forget profiles that were replaced, too"),
+    OPTION_FLAG("json", json, "print one JSON object"),
+    {0},
+};
+
+static const command_line prune_line = {
+    .name = "profiles prune",
+    .operands = "",
+    .about = "Thins the single launches of finished trials, whose medians and intervals stay.",
+    .options = prune_options,
+};
+
+static bool prune(store *s, const arguments *args, const char *operand, duet_error *err)
+{
+    (void)operand;
+    const int64_t day_ns = 86400000000000;
+    profile_prune_counts counts;
+    profile_prune_def def = {
+        .keep_samples = (uint32_t)args->samples,
+        .before_ns = args->days ? clock_calendar_ns() - (int64_t)args->days * day_ns : INT64_MAX,
+        .drop_dead = args->dead,
+    };
+    if (!profile_prune(s, &def, &counts, err))
+        return false;
+    if (!args->json) {
+        printf("%s launches and %s profiles forgotten, the file is %s smaller\n",
+               table_count(counts.samples).chars, table_count(counts.profiles).chars,
+               table_bytes(counts.bytes > 0 ? (uint64_t)counts.bytes : 0).chars);
+        return true;
+    }
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddNumberToObject(o, "samples", (double)counts.samples);
+    cJSON_AddNumberToObject(o, "profiles", (double)counts.profiles);
+    cJSON_AddNumberToObject(o, "bytes", (double)counts.bytes);
+    return say_json(o, err);
+}
+
+static int run_prune(int argc, char **argv)
+{
+    return run_verb(&prune_line, STORE_WRITE, prune, argc, argv);
+}
+
+// -------------------------------------------------------------------------- check
+
+static const command_line check_line = {
+    .name = "profiles check",
+    .operands = "",
+    .about = "Whether the file is whole and its rows are what their keys say.",
+    .options = import_options,
+};
+
+static bool print_report(const arguments *args, const char *report, duet_error *err)
+{
+    if (!args->json) {
+        say_lines(*report ? report : "sound\n");
+        return true;
+    }
+    cJSON *o = cJSON_CreateObject();
+    cJSON *problems = cJSON_AddArrayToObject(o, "problems");
+    for (const char *at = report; *at; at += strcspn(at, "\n") + 1) {
+        char problem[512];
+        snprintf(problem, sizeof problem, "%.*s", (int)strcspn(at, "\n"), at);
+        cJSON_AddItemToArray(problems, cJSON_CreateString(problem));
+    }
+    return say_json(o, err);
+}
+
+static bool check(store *s, const arguments *args, const char *operand, duet_error *err)
+{
+    (void)operand;
+    text report = {0};
+    uint32_t problems = 0;
+    bool ok =
+        profile_check(s, &report, &problems, err) && print_report(args, text_chars(&report), err);
+    if (ok && problems > 0)
+        ok = error_set(err, DUET_STORE_FAILED,
+                       "%s: %" PRIu32 " rows are not sound; bring back a copy, or export what is "
+                       "left and import it into a fresh file",
+                       store_path(s), problems);
+    text_free(&report);
+    return ok;
+}
+
+static int run_check(int argc, char **argv)
+{
+    return run_verb(&check_line, STORE_READ, check, argc, argv);
+}
+
+// --------------------------------------------------------------------- the verbs
+
+static const struct {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *about;
+} verbs[] = {
+    {"list", profiles_list, "the profiles there are"},
+    {"show", profiles_show, "one of them, with its trials and where it comes from"},
+    {"why", profiles_why, "which profile a scene would get here, and on which grounds"},
+    {"export", run_export, "the store as JSON lines"},
+    {"import", run_import, "takes such lines in"},
+    {"merge", run_merge, "takes the rows of another store in"},
+    {"prune", run_prune, "thins the single launches"},
+    {"check", run_check, "whether the store is sound"},
+};
+
+enum { N_VERBS = sizeof verbs / sizeof verbs[0] };
+
+int command_profiles(int argc, char **argv)
+{
+    const char *name = argc > 1 ? argv[1] : "";
+    for (int i = 0; i < N_VERBS; ++i)
+        if (strcmp(name, verbs[i].name) == 0)
+            return verbs[i].run(argc - 1, argv + 1);
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
+        printf(
+            "duet profiles VERB [arguments]\nWhat was measured, and what applications load.\n\n");
+        for (int i = 0; i < N_VERBS; ++i)
+            printf("  %-18s %s\n", verbs[i].name, verbs[i].about);
+        printf("\n'duet profiles VERB --help' lists its options.\n");
+        return EXIT_OK;
+    }
+    text known = {0};
+    for (int i = 0; i < N_VERBS; ++i)
+        text_add(&known, "%s%s", i ? ", " : "", verbs[i].name);
+    int exit_code =
+        say_wrong("profiles", "%s%s%s: give one of %s", *name ? "there is no '" : "",
+                  *name ? name : "what to do is missing", *name ? "'" : "", text_chars(&known));
+    text_free(&known);
+    return exit_code;
+}

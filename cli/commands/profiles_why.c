@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+// duet profiles why: which profile a scene would get here, and on which
+// grounds.
+#include "cli/commands/profiles.h"
+#include "cli/inputs.h"
+#include "cli/options.h"
+#include "cli/report/table.h"
+#include "cli/say.h"
+#include "runtime/selection/profile_subject.h"
+
+#include <cjson/cJSON.h>
+#include <string.h>
+
+typedef struct arguments {
+    scene_options scene;
+    level_options level;
+    const char *pair;
+    const char *store;
+    bool json;
+} arguments;
+
+static const option options[] = {
+    SCENE_OPTION_ROWS(scene),
+    PAIR_OPTION_ROW(pair),
+    SCENE_LEVEL_OPTION_ROWS(level),
+    PROFILE_OPTION_ROW(store),
+    OPTION_FLAG("json", json, "print one JSON object"),
+    {0},
+};
+
+static const command_line line = {
+    .name = "profiles why",
+    .operands = "SCENE|FILE",
+    .least_operands = 1,
+    .most_operands = 1,
+    .about = "Says which profile an application with this scene would get here, and why. The\n"
+             "rungs are tried from the best ground down; docs/store.md explains them.",
+    .options = options,
+};
+
+// What was asked and what came of it.
+typedef struct answer {
+    profile_subject asked;
+    profile_found found;
+    text why; // a line for each rung
+    duet_plan fallback;
+} answer;
+
+static bool look(const arguments *args, answer *a, duet_error *err)
+{
+    text user = {0};
+    text system = {0};
+    profile_request request = profile_subject_request(&a->asked);
+    bool ok = args->store || store_user_path(&user, err);
+    bool has_system = store_system_path(&system);
+    ok = ok && profile_lookup_files(args->store ? args->store : text_chars(&user),
+                                    has_system ? text_chars(&system) : NULL, &request, &a->found,
+                                    &a->why, err);
+    text_free(&user);
+    text_free(&system);
+    return ok;
+}
+
+static void print_device(const char *letter, const profile_env *env)
+{
+    printf("%s         %s%s%s%s, driver %s\n", letter, env->device.name, env->part ? " [" : "",
+           env->part ? env->part : "", env->part ? "]" : "", env->driver);
+}
+
+static void print_text(const answer *a)
+{
+    const profile_found *found = &a->found;
+    const profile_plan *plan = &found->plan;
+    text workload = {0};
+    profile_workload_text(&a->asked.workload, &workload);
+    printf("workload  %s\n", say_name(text_chars(&workload)).chars);
+    text_free(&workload);
+    print_device("A", &a->asked.pair.a);
+    print_device("B", &a->asked.pair.b);
+    printf("\n");
+    say_lines(text_chars(&a->why));
+    printf("\n");
+    printf("%s: ", profile_grade_name(found->grade));
+    if (found->grade == PROFILE_DEFAULT) {
+        printf("share %.4f, mode %s, A %s, B %s, which nothing speaks for or against\n",
+               a->fallback.share / (double)DUET_SHARE_ONE, duet_mode_name(a->fallback.mode),
+               a->fallback.variant_a, a->fallback.variant_b);
+        return;
+    }
+    printf("share %.4f, mode %s, A %s, B %s, level %s\n", plan->share / (double)PROFILE_SHARE_ONE,
+           say_name(plan->mode).chars, say_name(plan->variant_a).chars,
+           say_name(plan->variant_b).chars, say_name(plan->level).chars);
+    table_text gain =
+        table_gain(plan->share, found->gain, found->gain_low, found->gain_high, found->verdict);
+    printf("a step of %.4g ms, %s\n", found->median_ns * 1e-6, say_name(gain.chars).chars);
+    if (found->true_pairs > 0)
+        printf("by %s pairs that collide level %s misses %.3g and invents %.3g\n",
+               table_count((uint64_t)found->true_pairs).chars, say_name(plan->level).chars,
+               found->missed_rate, found->false_rate);
+}
+
+static void add_plan(cJSON *o, const answer *a)
+{
+    bool known = a->found.grade != PROFILE_DEFAULT;
+    const profile_plan *plan = &a->found.plan;
+    const duet_plan *fallback = &a->fallback;
+    uint32_t share = known ? plan->share : fallback->share;
+    cJSON_AddNumberToObject(o, "share", share / (double)PROFILE_SHARE_ONE);
+    cJSON_AddStringToObject(o, "mode", known ? plan->mode : duet_mode_name(fallback->mode));
+    cJSON_AddStringToObject(o, "variant_a", known ? plan->variant_a : fallback->variant_a);
+    cJSON_AddStringToObject(o, "variant_b", known ? plan->variant_b : fallback->variant_b);
+}
+
+static bool print_json(const answer *a, duet_error *err)
+{
+    const profile_found *found = &a->found;
+    text workload = {0};
+    profile_workload_text(&a->asked.workload, &workload);
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "workload", text_chars(&workload));
+    text_free(&workload);
+    cJSON_AddStringToObject(o, "grade", profile_grade_name(found->grade));
+    add_plan(o, a);
+    if (found->grade != PROFILE_DEFAULT) {
+        cJSON_AddStringToObject(o, "level", found->plan.level);
+        cJSON_AddNumberToObject(o, "share_low", found->share_low / (double)PROFILE_SHARE_ONE);
+        cJSON_AddNumberToObject(o, "share_high", found->share_high / (double)PROFILE_SHARE_ONE);
+        cJSON_AddNumberToObject(o, "ms", found->median_ns * 1e-6);
+        if (found->true_pairs > 0) {
+            cJSON_AddNumberToObject(o, "missed_rate", found->missed_rate);
+            cJSON_AddNumberToObject(o, "false_rate", found->false_rate);
+            cJSON_AddNumberToObject(o, "true_pairs", (double)found->true_pairs);
+        }
+        cJSON_AddNumberToObject(o, "gain", found->gain);
+        cJSON_AddNumberToObject(o, "gain_low", found->gain_low);
+        cJSON_AddNumberToObject(o, "gain_high", found->gain_high);
+        cJSON_AddStringToObject(o, "verdict", found->verdict);
+        cJSON_AddStringToObject(o, "uid", found->uid);
+        cJSON_AddStringToObject(o, "created", profiles_when(found->created_ns).chars);
+    }
+    cJSON *why = cJSON_AddArrayToObject(o, "why");
+    for (const char *at = text_chars(&a->why); *at;) {
+        char ground[512];
+        int length = (int)strcspn(at, "\n");
+        snprintf(ground, sizeof ground, "%.*s", length, at);
+        cJSON_AddItemToArray(why, cJSON_CreateString(ground));
+        at += length + (at[length] == '\n');
+    }
+    return say_json(o, err);
+}
+
+static bool run(const arguments *args, const char *path, duet_error *err)
+{
+    answer a = {0};
+    duet_world *world = NULL;
+    duet_device_pair *pair = inputs_open_pair(args->pair, err);
+    duet_scene *scene = pair ? inputs_load_scene(path, &args->scene, err) : NULL;
+    bool ok = scene;
+    if (ok) {
+        duet_world_def def = duet_scene_world_def(scene, pair);
+        a.fallback = def.plan;
+        world = inputs_change_level(&args->level, &def, err) ? duet_world_create(&def, err) : NULL;
+        ok = world && duet_world_set_scene(world, scene, err) &&
+             profile_subject_read(world, &a.asked, err) && look(args, &a, err);
+    }
+    if (ok && args->json)
+        ok = print_json(&a, err);
+    else if (ok)
+        print_text(&a);
+    text_free(&a.why);
+    duet_world_destroy(world);
+    duet_scene_destroy(scene);
+    duet_device_pair_close(pair);
+    return ok;
+}
+
+int profiles_why(int argc, char **argv)
+{
+    arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .level = LEVEL_OPTIONS_DEFAULT};
+    char **operands = NULL;
+    int n_operands = 0;
+    int exit_code = EXIT_OK;
+    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
+        return exit_code;
+    duet_error err = {0};
+    return run(&args, operands[0], &err) ? EXIT_OK : say_failed(&err);
+}

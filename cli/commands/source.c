@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+// duet source: the exact text of a kernel, what it lets vary, and whether a
+// device's compiler takes all of it.
+#define _POSIX_C_SOURCE 200809L
+#include "base/error.h"
+#include "cli/commands.h"
+#include "cli/commands/source_check.h"
+#include "cli/commands/source_list.h"
+#include "cli/inputs.h"
+#include "cli/options.h"
+#include "cli/say.h"
+#include "runtime/duet.h"
+#include "runtime/opencl/device.h"
+
+#include <cjson/cJSON.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct arguments {
+    option_list settings;
+    const char *scene;
+    const char *device;
+    bool list;
+    bool check;
+    bool json;
+    uint64_t most;
+    uint64_t seed;
+} arguments;
+
+static const option options[] = {
+    OPTION_SETTINGS("set", settings, "K=V", "a parameter of the kernel; may be repeated"),
+    OPTION_TEXT("scene", scene, "SCENE", "what the scene compiles in: DIMS, SHAPE, ROTATED"),
+    OPTION_TEXT("device", device, "D", "defaults and limits of this device; else a small GPU's"),
+    OPTION_FLAG("list", list, "the kernels, what they let vary and how many configs are valid"),
+    OPTION_FLAG("check", check, "compile the valid configs on the device (else B of the pair)"),
+    OPTION_COUNT("most", most, "N", "configs a kernel that --check compiles (32; 0: all)", 0, 0),
+    OPTION_COUNT("seed", seed, "S", "which ones, where there are more (1)", 0, 0),
+    OPTION_FLAG("json", json, "print one JSON object"),
+    {0},
+};
+
+static const command_line line = {
+    .name = "source",
+    .operands = "[KERNEL]",
+    .most_operands = 1,
+    .about = "Prints the exact text of a kernel as it is compiled. Parameters that are not set\n"
+             "take the default of the kernel's card.",
+    .options = options,
+};
+
+// The least that OpenCL 1.2 asks for and GPUs have.
+static const gen_limits small_gpu = {.max_group = 256, .local_bytes = 32 << 10, .fp64 = true};
+
+// Settings of a scene and of the command line, with space for their names.
+typedef struct settings {
+    gen_setting at[OPTION_LIST_MOST + 8];
+    char names[OPTION_LIST_MOST][48];
+    uint32_t n;
+} settings;
+
+// "WG=128"
+static bool read_setting(const char *chars, settings *s, uint32_t i, duet_error *err)
+{
+    const char *equals = strchr(chars, '=');
+    char *end = NULL;
+    errno = 0;
+    int64_t value = strtoll(equals + 1, &end, 10);
+    if (equals[1] == '\0' || *end != '\0' || errno != 0)
+        return error_set(err, DUET_BAD_ARGUMENT, "--set '%s': give a whole number, as WG=64",
+                         chars);
+    snprintf(s->names[i], sizeof s->names[i], "%.*s", (int)(equals - chars), chars);
+    s->at[s->n++] = (gen_setting){s->names[i], value};
+    return true;
+}
+
+static bool has_param(const gen_param *params, uint32_t n, const char *name)
+{
+    for (uint32_t i = 0; i < n; ++i)
+        if (strcmp(params[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+// Those that the kernel has of what a scene decides.
+static bool add_scene(gen *g, const char *name, const gen_limits *limits, const char *path,
+                      settings *s, duet_error *err)
+{
+    const scene_options as_it_is = SCENE_OPTIONS_DEFAULT;
+    const gen_param *params = NULL;
+    uint32_t n = 0;
+    if (!gen_params(g, name, limits, &params, &n, err))
+        return false;
+    duet_scene *scene = inputs_load_scene(path, &as_it_is, err);
+    if (!scene)
+        return false;
+    const duet_scene_info *info = duet_scene_describe(scene);
+    uint32_t origin_bits;
+    memcpy(&origin_bits, &info->origin, sizeof origin_bits);
+    const gen_setting decided[] = {
+        {"DIMS", info->dims},
+        {"SHAPE", info->shape},
+        {"ROTATED", info->shape == DUET_SHAPE_POSES && info->rotated},
+        {"ORIGIN", origin_bits >> 23},
+    };
+    for (size_t i = 0; i < sizeof decided / sizeof decided[0]; ++i)
+        if (has_param(params, n, decided[i].name))
+            s->at[s->n++] = decided[i];
+    duet_scene_destroy(scene);
+    return true;
+}
+
+static bool gather_settings(gen *g, const char *name, const gen_limits *limits,
+                            const arguments *args, settings *s, duet_error *err)
+{
+    bool ok = !args->scene || add_scene(g, name, limits, args->scene, s, err);
+    for (uint32_t i = 0; ok && i < args->settings.n; ++i)
+        ok = read_setting(args->settings.items[i], s, i, err);
+    return ok;
+}
+
+static bool print_json(const gen_variant *v, duet_error *err)
+{
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "variant", v->name);
+    cJSON_AddStringToObject(o, "sha256", v->sha256);
+    cJSON_AddNumberToObject(o, "group", v->group);
+    cJSON_AddNumberToObject(o, "per_item", v->per_item);
+    cJSON_AddStringToObject(o, "text", v->text);
+    return say_json(o, err);
+}
+
+// To a file or a pipe as it is: its bytes are the variant's key.
+static void print_text(const char *source)
+{
+    if (isatty(STDOUT_FILENO))
+        say_lines(source);
+    else
+        fputs(source, stdout);
+}
+
+static bool print_source(gen *g, const char *name, const gen_limits *limits, const arguments *args,
+                         duet_error *err)
+{
+    settings s = {.n = 0};
+    gen_variant v = {0};
+    bool ok = gather_settings(g, name, limits, args, &s, err);
+    ok = ok && gen_make(g, name, s.at, s.n, limits, &v, err);
+    if (ok && args->json)
+        ok = print_json(&v, err);
+    else if (ok)
+        print_text(v.text);
+    gen_variant_free(&v);
+    return ok;
+}
+
+// What is wrong between the options, which each are right.
+static const char *refusal(const arguments *args, const char *name)
+{
+    bool prints = !args->list && !args->check;
+    if (args->list && args->check)
+        return "--list and --check are two things: give one of them";
+    if (prints && !name)
+        return "KERNEL is missing; 'duet source --list' lists them";
+    if (!prints && (args->settings.n > 0 || args->scene))
+        return "--set and --scene choose one text, --list and --check are about all of them";
+    return NULL;
+}
+
+// The device that was named, or else B of the default pair.
+static bool open_device(const char *selector, device *d, duet_error *err)
+{
+    if (selector)
+        return device_open(d, selector, err);
+    duet_device_pair *pair = inputs_open_pair(NULL, err);
+    bool ok = pair && device_open(d, duet_device_pair_info(pair, 1)->selector, err);
+    duet_device_pair_close(pair);
+    return ok;
+}
+
+int command_source(int argc, char **argv)
+{
+    arguments args = {.most = 32, .seed = 1};
+    char **operands = NULL;
+    int n_operands = 0;
+    int exit_code = EXIT_OK;
+    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
+        return exit_code;
+    const char *name = n_operands > 0 ? operands[0] : NULL;
+    const char *wrong = refusal(&args, name);
+    if (wrong)
+        return say_wrong(line.name, "%s", wrong);
+
+    duet_error err = {0};
+    device d = {0};
+    gen_limits limits = small_gpu;
+    gen *g = gen_open(duet_default_device_pair_def().kernel_dir, &err);
+    bool ok = g;
+    if (ok && (args.device || args.check)) {
+        ok = open_device(args.device, &d, &err);
+        limits = program_limits(&d.info);
+    }
+    if (ok && args.list)
+        ok = source_list(g, name, &limits, args.json, &err);
+    else if (ok && args.check)
+        ok = source_check(g, &d, &(source_check_def){name, args.most, args.seed, args.json}, &err);
+    else if (ok)
+        ok = print_source(g, name, &limits, &args, &err);
+    device_close(&d);
+    gen_close(g);
+    return ok ? EXIT_OK : say_failed(&err);
+}

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: MIT
+// duet test: the narrow phase alone, on pairs that a file brings.
+#include "base/error.h"
+#include "base/npy.h"
+#include "base/text.h"
+#include "cli/commands.h"
+#include "cli/inputs.h"
+#include "cli/interrupt.h"
+#include "cli/options.h"
+#include "cli/progress.h"
+#include "cli/report/table.h"
+#include "cli/say.h"
+#include "runtime/duet.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct arguments {
+    const char *level_name;
+    duet_level level;
+    const char *device;
+    const char *pair;
+    uint32_t share; // UINT32_MAX: not given
+    const char *out;
+    bool separations;
+    bool json;
+} arguments;
+
+static const option options[] = {
+    LEVEL_OPTION_ROW(level_name),
+    OPTION_TEXT("device", device, "D", "one device alone, as 'duet devices' names it"),
+    PAIR_OPTION_ROW(pair),
+    OPTION_SHARE("share", share, "R", "A's part of the pairs, as 0.25 or 1/4"),
+    OPTION_TEXT("out", out, "V.npy", "write the verdicts, uint8 or, for another ending, lines"),
+    OPTION_FLAG("separations", separations,
+                "write the separations along the best axis too, float64 as V.separations.npy"),
+    OPTION_FLAG("json", json, "print one JSON object"),
+    {0},
+};
+
+static const command_line line = {
+    .name = "test",
+    .operands = "PAIRS.npy|FILE",
+    .least_operands = 1,
+    .most_operands = 1,
+    .about =
+        "Tests the pairs of a file as a step tests its candidates: 1 colliding, 0 separated.\n"
+        "A row is two poses of 10 numbers, centre xyz, half extents xyz, quaternion xyzw; in 2D\n"
+        "two of 5, centre xy, half extents xy, angle. Files are .npy, or numbers as text.",
+    .options = options,
+};
+
+// ---------------------------------------------------------------- testing
+
+typedef struct tested {
+    duet_test_def def;
+    const char *path;
+    const duet_pose *poses;
+    uint64_t n; // pairs
+    uint8_t *verdicts;
+    double *separations; // NULL: not wanted
+    uint64_t colliding, undecided;
+    double seconds;
+} tested;
+
+// So many at once that a line of progress and Ctrl-C cost nothing.
+#define SLICE ((uint64_t)1 << 22)
+
+// Drivers compile on when a kernel is launched first: that is not what is timed.
+// Of so many pairs each device that has a share gets one.
+static bool warm_up(tested *t, duet_test *test, duet_error *err)
+{
+    duet_test_result result;
+    uint64_t n = t->n < DUET_SHARE_ONE ? t->n : DUET_SHARE_ONE;
+    return duet_test_pairs(test, t->poses, n, t->verdicts, NULL, &result, err);
+}
+
+static bool test_slices(tested *t, duet_test *test, duet_error *err)
+{
+    progress shown = progress_begin("pair", t->n);
+    bool ok = true;
+    for (uint64_t done = 0; ok && done < t->n; done += SLICE) {
+        duet_test_result result;
+        uint64_t left = t->n - done;
+        ok = duet_test_pairs(test, t->poses + 2 * done, left < SLICE ? left : SLICE,
+                             t->verdicts + done, t->separations ? t->separations + done : NULL,
+                             &result, err) &&
+             interrupt_check(err);
+        if (!ok)
+            break;
+        t->colliding += result.colliding;
+        t->undecided += result.undecided;
+        t->seconds += result.total_ms * 1e-3;
+        progress_show(&shown, done);
+    }
+    progress_end(&shown);
+    return ok;
+}
+
+static bool reserve(tested *t, bool separations, duet_error *err)
+{
+    t->verdicts = malloc(t->n + 1);
+    t->separations = separations ? malloc((t->n + 1) * sizeof *t->separations) : NULL;
+    return (t->verdicts && (t->separations || !separations)) ||
+           error_set(err, DUET_NO_MEMORY, "%s: no memory for the verdicts of %llu pairs", t->path,
+                     (unsigned long long)t->n);
+}
+
+// ---------------------------------------------------------------- writing
+
+static bool is_npy(const char *path)
+{
+    size_t length = strlen(path);
+    return length >= 4 && strcmp(path + length - 4, ".npy") == 0;
+}
+
+static bool write_arrays(const tested *t, const char *path, duet_error *err)
+{
+    if (!npy_write(path, NPY_UINT8, t->verdicts, t->n, err))
+        return false;
+    if (!t->separations)
+        return true;
+    text beside = {0};
+    text_add(&beside, "%.*s.separations.npy", (int)(strlen(path) - 4), path);
+    bool ok =
+        text_ok(&beside, err) && npy_write(beside.chars, NPY_FLOAT64, t->separations, t->n, err);
+    text_free(&beside);
+    return ok;
+}
+
+static bool write_lines(const tested *t, const char *path, duet_error *err)
+{
+    text lines = {0};
+    for (uint64_t i = 0; i < t->n; ++i) {
+        text_add(&lines, "%d", t->verdicts[i]);
+        if (t->separations)
+            text_add(&lines, ",%.17g", t->separations[i]);
+        text_add(&lines, "\n");
+    }
+    bool ok = text_ok(&lines, err) && text_write_file(path, text_chars(&lines), lines.length, err);
+    text_free(&lines);
+    return ok;
+}
+
+// ---------------------------------------------------------------- telling
+
+static void tell(const tested *t)
+{
+    double share = (double)t->def.share / DUET_SHARE_ONE;
+    printf("%s: %s pairs in %uD, level %s\n", say_name(t->path).chars, table_count(t->n).chars,
+           t->def.dims, duet_level_describe(t->def.level)->name);
+    printf("%s colliding, %s separated, %s left undecided by float\n",
+           table_count(t->colliding).chars, table_count(t->n - t->colliding).chars,
+           table_count(t->undecided).chars);
+    printf("%.6f s, A %s %.1f %%, B %s %.1f %%\n", t->seconds,
+           duet_device_pair_info(t->def.pair, 0)->selector, 100 * share,
+           duet_device_pair_info(t->def.pair, 1)->selector, 100 * (1 - share));
+}
+
+static bool tell_json(const tested *t, duet_error *err)
+{
+    cJSON *o = cJSON_CreateObject();
+    char both[160];
+    snprintf(both, sizeof both, "%s,%s", duet_device_pair_info(t->def.pair, 0)->selector,
+             duet_device_pair_info(t->def.pair, 1)->selector);
+    cJSON_AddStringToObject(o, "file", t->path);
+    cJSON_AddNumberToObject(o, "dims", t->def.dims);
+    cJSON_AddStringToObject(o, "level", duet_level_describe(t->def.level)->name);
+    cJSON_AddStringToObject(o, "pair", both);
+    cJSON_AddNumberToObject(o, "share", (double)t->def.share / DUET_SHARE_ONE);
+    cJSON_AddNumberToObject(o, "n", (double)t->n);
+    cJSON_AddNumberToObject(o, "colliding", (double)t->colliding);
+    cJSON_AddNumberToObject(o, "undecided", (double)t->undecided);
+    cJSON_AddNumberToObject(o, "seconds", t->seconds);
+    return say_json(o, err);
+}
+
+// ---------------------------------------------------------------- the command
+
+static duet_device_pair *open_devices(const arguments *args, duet_error *err)
+{
+    if (!args->device)
+        return inputs_open_pair(args->pair, err);
+    duet_device_pair_def def = duet_default_device_pair_def();
+    def.a = def.b = args->device;
+    return duet_device_pair_open(&def, err);
+}
+
+// One device is B, and A the same with nothing to do.
+static uint32_t share_of(const arguments *args, const duet_device_pair *pair)
+{
+    if (args->device)
+        return 0;
+    return args->share == UINT32_MAX ? duet_default_plan(pair).share : args->share;
+}
+
+static bool run_test(tested *t, const arguments *args, duet_error *err)
+{
+    duet_test *test = duet_test_open(&t->def, err);
+    bool ok = test && reserve(t, args->separations, err) && warm_up(t, test, err) &&
+              test_slices(t, test, err);
+    if (ok && args->out)
+        ok = (is_npy(args->out) ? write_arrays : write_lines)(t, args->out, err);
+    if (ok && args->json)
+        ok = tell_json(t, err);
+    else if (ok)
+        tell(t);
+    free(t->separations);
+    free(t->verdicts);
+    duet_test_close(test);
+    return ok;
+}
+
+static bool run(const arguments *args, const char *path, duet_error *err)
+{
+    duet_device_pair *pair = open_devices(args, err);
+    duet_scene *pairs = pair ? duet_scene_load_pairs(path, err) : NULL;
+    bool ok = false;
+    if (pairs) {
+        const duet_scene_info *info = duet_scene_describe(pairs);
+        tested t = {.def = duet_default_test_def(), .path = path};
+        t.def.pair = pair;
+        t.def.share = share_of(args, pair);
+        t.def.level = args->level;
+        t.def.dims = info->dims;
+        t.poses = duet_scene_poses(pairs);
+        t.n = info->n / 2;
+        ok = run_test(&t, args, err);
+    }
+    duet_scene_destroy(pairs);
+    duet_device_pair_close(pair);
+    return ok;
+}
+
+int command_test(int argc, char **argv)
+{
+    arguments args = {.share = UINT32_MAX};
+    char **operands = NULL;
+    int n_operands = 0;
+    int exit_code = EXIT_OK;
+    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
+        return exit_code;
+    if (args.device && (args.pair || args.share != UINT32_MAX))
+        return say_wrong("test", "--device is one device alone; --pair and --share are for two");
+    if (args.separations && !args.out)
+        return say_wrong("test", "--separations are written beside the verdicts; give --out V.npy");
+    duet_error err = {0};
+    bool ok =
+        inputs_read_level(args.level_name, &args.level, &err) && run(&args, operands[0], &err);
+    return ok ? EXIT_OK : say_failed(&err);
+}

@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: MIT
+// duet tune: finds how two devices share a scene's work best, and stores it.
+//
+// Each number of objects is a workload of its own. Ctrl-C keeps what was
+// measured, and the same command goes on from there.
+#include "base/error.h"
+#include "base/text.h"
+#include "cli/commands.h"
+#include "cli/inputs.h"
+#include "cli/interrupt.h"
+#include "cli/options.h"
+#include "cli/report/tune_report.h"
+#include "cli/say.h"
+#include "tuner/tune_config.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_NUMBERS = 64 };
+
+typedef struct arguments {
+    scene_options scene;
+    const char *config;
+    const char *numbers;
+    const char *pair;
+    const char *strategy;
+    const char *strategy_path;
+    const char *variants;
+    level_options level;
+    double budget_seconds;
+    uint64_t budget_trials;
+    uint64_t repeats;
+    const char *store;
+    bool fresh;
+    bool json;
+} arguments;
+
+static const option options[] = {
+    OPTION_TEXT("config", config, "FILE", "a tune.lua: workloads, strategy, budget, variants"),
+    OPTION_TEXT("n", numbers, "LIST", "numbers of objects, with commas between them"),
+    OPTION_COUNT("seed", scene.seed, "S", "seed of the scene's random numbers", 0, UINT32_MAX),
+    OPTION_SETTINGS("set", scene.settings, "K=V", "any other parameter of the scene"),
+    PAIR_OPTION_ROW(pair),
+    OPTION_TEXT(
+        "strategy", strategy, "S",
+        "how the share is searched: balance (default), fig12, bisect, golden, grid, chunks"),
+    OPTION_TEXT("strategy-lua", strategy_path, "FILE",
+                "a script that returns a function from the history to the next share"),
+    OPTION_TEXT(
+        "variants", variants, "LIST",
+        "kernels to choose from, with commas between them (auto,simd,auto sort=radix,paper)"),
+    OPTION_TEXT("level", level.level, "LIST",
+                "of accuracy, or several to choose from (the scene's; all, where how much may be "
+                "wrong is given)"),
+    ACCURACY_OPTION_ROWS(level),
+    OPTION_NUMBER("budget", budget_seconds, "SECONDS", "time for each workload (no limit)", 0, 0),
+    OPTION_COUNT("trials", budget_trials, "K", "trials for each workload (no limit)", 1,
+                 UINT32_MAX),
+    OPTION_COUNT("repeat", repeats, "K", "launches of a trial, after one to warm up (3)", 1, 32),
+    OPTION_TEXT("profile", store, "FILE", "the profile file (DUET_PROFILE, or the user's own)"),
+    OPTION_FLAG("fresh", fresh, "measure again what is finished"),
+    OPTION_FLAG("json", json, "print one JSON object"),
+    {0},
+};
+
+static const command_line line = {
+    .name = "tune",
+    .operands = "[SCENE|FILE]",
+    .least_operands = 0,
+    .most_operands = 1,
+    .about = "Finds the kernels, the mode and the share with which two devices do a scene's work\n"
+             "best, and keeps them in the profile file for 'duet run' and for applications.\n"
+             "With --config the scenes are those of the file, and options go before its fields.",
+    .options = options,
+};
+
+// ---------------------------------------------------------------- lists
+
+// "1000,2000" as numbers.
+static bool read_numbers(const char *list, int64_t *numbers, uint32_t *n, duet_error *err)
+{
+    *n = 0;
+    for (const char *at = list; *at || *n == 0;) {
+        char *end;
+        uint64_t number = strtoull(at, &end, 10);
+        bool is_number = *at >= '0' && *at <= '9' && number <= UINT32_MAX;
+        if (!is_number || (*end != ',' && *end != '\0') || (*end == ',' && !end[1]) ||
+            *n == MOST_NUMBERS)
+            return error_set(err, DUET_BAD_ARGUMENT,
+                             "--n '%s': give up to %d numbers with commas between them, as "
+                             "250000,500000",
+                             list, MOST_NUMBERS);
+        numbers[(*n)++] = (int64_t)number;
+        at = *end == ',' ? end + 1 : end;
+    }
+    return true;
+}
+
+// Cuts a copy of the list at its commas; a variant may hold spaces.
+static bool cut_variants(tune_config *config, const char *list, duet_error *err)
+{
+    config->n_variants = 0;
+    text_add(&config->list, "%s", list);
+    if (!text_ok(&config->list, err))
+        return false;
+    for (char *at = config->list.chars; at;) {
+        if (config->n_variants == CONFIG_VARIANTS)
+            return error_set(err, DUET_BAD_ARGUMENT, "--variants: at most %d", CONFIG_VARIANTS);
+        config->variants[config->n_variants++] = at;
+        at = strchr(at, ',');
+        if (at)
+            *at++ = '\0';
+    }
+    return true;
+}
+
+// "sat6,sat15" as levels.
+static bool read_levels(const char *list, tune_config *config, duet_error *err)
+{
+    config->n_levels = 0;
+    for (const char *at = list; at;) {
+        char name[32];
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ","), at);
+        if (config->n_levels == DUET_LEVELS)
+            return error_set(err, DUET_BAD_ARGUMENT, "--level: at most %d levels", DUET_LEVELS);
+        if (!inputs_read_level(name, &config->levels[config->n_levels++], err))
+            return false;
+        const char *comma = strchr(at, ',');
+        at = comma ? comma + 1 : NULL;
+    }
+    return true;
+}
+
+// What is given on the command line is all that is asked for.
+static bool change_levels(const level_options *asked, tune_config *config, duet_error *err)
+{
+    duet_accuracy accuracy;
+    bool given = inputs_accuracy_given(asked, &accuracy);
+    if (!given && !asked->level)
+        return true;
+    config->n_levels = 0;
+    config->has_accuracy = given;
+    config->accuracy = accuracy;
+    if (asked->level && !read_levels(asked->level, config, err))
+        return false;
+    return config->n_levels < 2 || given ||
+           error_set(err, DUET_BAD_ARGUMENT,
+                     "--level %s: to choose one of several, give --missed or --false-rate",
+                     asked->level);
+}
+
+// ---------------------------------------------------------------- config
+
+static bool add_scene(const arguments *args, const char *path, tune_config *config, duet_error *err)
+{
+    int64_t numbers[MOST_NUMBERS] = {-1};
+    uint32_t n = 1;
+    if (args->numbers && !read_numbers(args->numbers, numbers, &n, err))
+        return false;
+    config->n_workloads = n;
+    for (uint32_t i = 0; i < n; ++i)
+        config->workloads[i] = (config_workload){.scene = path, .n = numbers[i]};
+    return true;
+}
+
+static bool check_operands(const arguments *args, const char *path, duet_error *err)
+{
+    if (!path == !args->config)
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "tune: give a scene, or a tune file with --config");
+    if (args->config && args->numbers)
+        return error_set(err, DUET_BAD_ARGUMENT, "--n: with --config the file says how many");
+    return true;
+}
+
+// From the tune file, or for the one scene; then what options say.
+static bool make_config(arguments *args, const char *path, tune_config *config, duet_error *err)
+{
+    if (!check_operands(args, path, err))
+        return false;
+    if (args->config ? !tune_config_load(config, args->config, err)
+                     : !add_scene(args, path, config, err))
+        return false;
+    if (args->strategy) {
+        config->strategy = args->strategy;
+        config->strategy_lua = NULL;
+    }
+    if (args->strategy_path) {
+        config->strategy = "lua";
+        text_free(&config->text);
+        if (!text_read_file(&config->text, args->strategy_path, err))
+            return false;
+        config->strategy_lua = text_chars(&config->text);
+    }
+    config->pair = args->pair ? args->pair : config->pair;
+    config->budget_seconds =
+        args->budget_seconds > 0 ? args->budget_seconds : config->budget_seconds;
+    config->budget_trials =
+        args->budget_trials > 0 ? (uint32_t)args->budget_trials : config->budget_trials;
+    config->repeats = args->repeats > 0 ? (uint32_t)args->repeats : config->repeats;
+    if (!change_levels(&args->level, config, err))
+        return false;
+    return !args->variants || cut_variants(config, args->variants, err);
+}
+
+static duet_tune_def make_def(const arguments *args, const tune_config *config, tune_report *report)
+{
+    duet_tune_def def = duet_default_tune_def();
+    def.store = args->store;
+    def.fresh = args->fresh;
+    def.strategy = config->strategy ? config->strategy : def.strategy;
+    def.strategy_lua = config->strategy_lua;
+    def.script = args->config ? text_chars(&config->text) : NULL;
+    def.variants = config->variants;
+    def.n_variants = config->n_variants;
+    def.modes = config->modes;
+    def.n_modes = config->n_modes;
+    def.levels = config->levels;
+    def.n_levels = config->n_levels;
+    def.has_accuracy = config->has_accuracy;
+    def.accuracy = config->accuracy;
+    def.budget_seconds = config->budget_seconds;
+    def.budget_trials = config->budget_trials;
+    def.repeats = config->repeats;
+    def.seed = config->seed;
+    def.watch = tune_report_watch;
+    def.watch_context = report;
+    return def;
+}
+
+// ---------------------------------------------------------------- workloads
+
+static duet_scene *load_scene(const arguments *args, const config_workload *w, duet_error *err)
+{
+    scene_options scene = args->scene;
+    scene.n = w->n < 0 ? UINT64_MAX : (uint64_t)w->n;
+    for (uint32_t i = 0; i < w->n_settings && scene.settings.n < OPTION_LIST_MOST; ++i)
+        scene.settings.items[scene.settings.n++] = w->settings[i];
+    return inputs_load_scene(w->scene, &scene, err);
+}
+
+static bool tune_workload(duet_tune_def *def, const duet_scene *scene, tune_report *report,
+                          duet_error *err)
+{
+    duet_tune_outcome outcome;
+    def->scene = scene;
+    tune_report_workload(report, duet_scene_describe(scene));
+    if (!duet_tune_run(def, &outcome, err))
+        return false;
+    tune_report_add(report, &outcome);
+    return true;
+}
+
+static bool tune_workloads(const arguments *args, const tune_config *config, tune_report *report,
+                           duet_error *err)
+{
+    duet_tune_def def = make_def(args, config, report);
+    def.pair = inputs_open_pair(config->pair, err);
+    bool ok = def.pair;
+    for (uint32_t i = 0; ok && i < config->n_workloads; ++i) {
+        duet_scene *scene = load_scene(args, &config->workloads[i], err);
+        ok = scene && tune_workload(&def, scene, report, err);
+        duet_scene_destroy(scene);
+    }
+    duet_device_pair_close(def.pair);
+    return ok;
+}
+
+static bool tune(arguments *args, const char *path, duet_error *err)
+{
+    tune_config *config = calloc(1, sizeof *config);
+    if (!config)
+        return error_set(err, DUET_NO_MEMORY, "no memory for a tuning");
+    tune_report report = tune_report_begin(args->json);
+    bool ok = make_config(args, path, config, err) && tune_workloads(args, config, &report, err);
+    ok = tune_report_end(&report, ok, ok ? err : NULL) && ok;
+    tune_config_free(config);
+    free(config);
+    return ok;
+}
+
+int command_tune(int argc, char **argv)
+{
+    arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .level = LEVEL_OPTIONS_DEFAULT};
+    char **operands = NULL;
+    int n_operands = 0;
+    int exit_code = EXIT_OK;
+    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
+        return exit_code;
+    duet_error err = {0};
+    return tune(&args, n_operands > 0 ? operands[0] : NULL, &err) ? EXIT_OK : say_failed(&err);
+}

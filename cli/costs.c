@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+#include "cli/costs.h"
+
+#include "base/error.h"
+#include "cli/interrupt.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// A scene's motion, which may be changed.
+typedef struct subject {
+    duet_motion_def def;
+    const duet_scene *scene;
+    duet_body *bodies;
+    uint32_t n;
+} subject;
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a;
+    double y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static bool advance(duet_motion *m, double *ms, duet_error *err)
+{
+    duet_motion_result result;
+    bool ok = duet_motion_advance(m, &result, err);
+    *ms = ok ? result.total_ms : 0;
+    return ok && interrupt_check(err);
+}
+
+static duet_motion *begin(const subject *s, duet_error *err)
+{
+    return duet_motion_create_scene(&s->def, s->scene, s->bodies, err);
+}
+
+// The median of the steps' times, after two to warm up. Beside another subject
+// it is the median of how many times as long the other's steps take: the two
+// step in turn, so that whatever slows one slows both.
+static bool measure(const subject *s, const subject *beside, uint64_t steps, double *median,
+                    duet_error *err)
+{
+    enum { WARM = 2 };
+    double *times = calloc(steps, sizeof *times);
+    if (!times)
+        return error_set(err, DUET_NO_MEMORY, "the times of steps: no memory");
+    duet_motion *m = begin(s, err);
+    duet_motion *other = beside ? begin(beside, err) : NULL;
+    bool ok = m && (other || !beside);
+    for (uint64_t k = 0; ok && k < steps + WARM; ++k) {
+        double own = 0, others = 0;
+        ok = advance(m, &own, err) && (!other || advance(other, &others, err));
+        if (ok && k >= WARM)
+            times[k - WARM] = other ? others / own : own;
+    }
+    qsort(times, steps, sizeof *times, by_value);
+    *median = times[steps / 2];
+    duet_motion_destroy(other);
+    duet_motion_destroy(m);
+    free(times);
+    return ok;
+}
+
+static void change_body(duet_body *b, uint32_t effect)
+{
+    if (effect == DUET_EFFECT_FRICTION)
+        b->friction = 0.0f;
+    if (effect == DUET_EFFECT_FILTER)
+        b->group = b->mask = UINT32_MAX;
+    if (effect == DUET_EFFECT_ANGULAR_VELOCITY) {
+        b->fixed_rotation = true;
+        memset(b->angular_velocity, 0, sizeof b->angular_velocity);
+    }
+    if (effect == DUET_EFFECT_CONTACT_RESPONSE)
+        b->friction = b->restitution = 0.0f;
+}
+
+// Takes away what calls for the effect.
+static void take_away(subject *s, uint32_t effect)
+{
+    s->def.wants &= ~effect;
+    if (effect == DUET_EFFECT_CONTACT_RESPONSE)
+        s->def.wants &=
+            ~(uint32_t)(DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP | DUET_EFFECT_FRICTION);
+    if (effect == DUET_EFFECT_GRAVITY) {
+        memset(s->def.gravity, 0, sizeof s->def.gravity);
+        s->def.attraction = 0.0;
+    }
+    if (effect == DUET_EFFECT_DRAG)
+        s->def.drag = 0.0;
+    if (effect == DUET_EFFECT_BOUNDS)
+        s->def.edge = DUET_EDGE_NONE;
+    if (effect == DUET_EFFECT_SKIN)
+        s->def.skin = 0.0;
+    for (uint32_t i = 0; i < s->n; ++i)
+        change_body(&s->bodies[i], effect);
+}
+
+static uint32_t effect_named(const char *name)
+{
+    for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
+        if (strcmp(duet_effect_name(bit), name) == 0)
+            return bit;
+    return 0;
+}
+
+// False in *measured where other effects call for this one too.
+static bool measure_effect(const subject *whole, double whole_ms, cost *row, uint64_t steps,
+                           duet_error *err)
+{
+    uint32_t effect = effect_named(row->info.name);
+    subject s = *whole;
+    s.bodies = malloc(s.n * sizeof *s.bodies + 1);
+    if (!s.bodies)
+        return error_set(err, DUET_NO_MEMORY, "%u bodies: no memory", s.n);
+    memcpy(s.bodies, whole->bodies, s.n * sizeof *s.bodies);
+    take_away(&s, effect);
+    duet_motion *m = begin(&s, err);
+    bool ok = m;
+    double without = 1;
+    row->measured = m && !(duet_motion_effects(m) & effect);
+    duet_motion_destroy(m);
+    ok = ok && (!row->measured || measure(whole, &s, steps, &without, err));
+    row->ms = whole_ms * (1 - without);
+    free(s.bodies);
+    return ok;
+}
+
+static bool measure_effects(costs *c, const subject *s, duet_error *err)
+{
+    bool ok = measure(s, NULL, c->steps, &c->step_ms, err);
+    for (uint32_t i = 0; ok && i < c->n; ++i)
+        ok = !c->rows[i].info.active || !effect_named(c->rows[i].info.name) ||
+             measure_effect(s, c->step_ms, &c->rows[i], c->steps, err);
+    return ok;
+}
+
+static bool fill_subject(subject *s, const duet_scene *scene, duet_device_pair *pair,
+                         duet_error *err)
+{
+    *s = (subject){.def = duet_scene_motion_def(scene, pair),
+                   .scene = scene,
+                   .n = duet_scene_describe(scene)->n};
+    s->bodies = malloc(s->n * sizeof *s->bodies + 1);
+    if (!s->bodies)
+        return error_set(err, DUET_NO_MEMORY, "%u bodies: no memory", s->n);
+    const duet_body *given = duet_scene_bodies(scene);
+    for (uint32_t i = 0; i < s->n; ++i)
+        s->bodies[i] = given ? given[i] : duet_default_body();
+    return true;
+}
+
+bool costs_measure(costs *c, duet_device_pair *pair, const duet_scene *scene, uint64_t steps,
+                   duet_error *err)
+{
+    subject s = {.n = 0};
+    *c = (costs){.steps = steps};
+    bool ok = fill_subject(&s, scene, pair, err);
+    duet_motion *m = ok ? begin(&s, err) : NULL;
+    while (m && c->n < COSTS_MOST && duet_motion_explain(m, c->n, &c->rows[c->n].info))
+        ++c->n;
+    duet_motion_destroy(m);
+    ok = m && (steps == 0 || measure_effects(c, &s, err));
+    free(s.bodies);
+    return ok;
+}

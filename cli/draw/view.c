@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#include "cli/draw/view.h"
+
+#include <math.h>
+#include <string.h>
+
+extent extent_empty(void)
+{
+    return (extent){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+}
+
+void extent_add(extent *e, const double p[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        e->lower[k] = fmin(e->lower[k], p[k]);
+        e->upper[k] = fmax(e->upper[k], p[k]);
+    }
+}
+
+static point project(uint32_t dims, const double p[3])
+{
+    if (dims == 2)
+        return (point){p[0], -p[1]};
+    return (point){(p[1] - p[0]) * sqrt(0.75), (p[0] + p[1]) * 0.5 - p[2]};
+}
+
+view view_fit(uint32_t dims, const extent *shown, point least, point most)
+{
+    point low = {INFINITY, INFINITY};
+    point high = {-INFINITY, -INFINITY};
+    corners all = corners_of_extent(shown);
+    for (int i = 0; i < 8; ++i) {
+        point p = project(dims, all.at[i]);
+        low = (point){fmin(low.x, p.x), fmin(low.y, p.y)};
+        high = (point){fmax(high.x, p.x), fmax(high.y, p.y)};
+    }
+    double width = fmax(high.x - low.x, 1e-300);
+    double height = fmax(high.y - low.y, 1e-300);
+    view v = {.dims = dims, .shown = *shown};
+    v.scale = fmin((most.x - least.x) / width, (most.y - least.y) / height);
+    v.at.x = 0.5 * (least.x + most.x) - 0.5 * (low.x + high.x) * v.scale;
+    v.at.y = 0.5 * (least.y + most.y) - 0.5 * (low.y + high.y) * v.scale;
+    return v;
+}
+
+point view_point(const view *v, const double p[3])
+{
+    point flat = project(v->dims, p);
+    return (point){v->at.x + v->scale * flat.x, v->at.y + v->scale * flat.y};
+}
+
+static void turn_of(const duet_pose *box, uint32_t dims, double turn[3][3])
+{
+    double x = dims == 3 ? box->rotation[0] : 0;
+    double y = dims == 3 ? box->rotation[1] : 0;
+    double z = box->rotation[2];
+    double w = box->rotation[3];
+    double s = 1 / (x * x + y * y + z * z + w * w);
+    const double m[3][3] = {
+        {s * (w * w + x * x - y * y - z * z), s * 2 * (x * y - w * z), s * 2 * (x * z + w * y)},
+        {s * 2 * (x * y + w * z), s * (w * w - x * x + y * y - z * z), s * 2 * (y * z - w * x)},
+        {s * 2 * (x * z - w * y), s * 2 * (y * z + w * x), s * (w * w - x * x - y * y + z * z)}};
+    memcpy(turn, m, sizeof m);
+}
+
+corners corners_of(const duet_pose *box, uint32_t dims)
+{
+    corners all = {0};
+    turn_of(box, dims, all.turn);
+    for (int i = 0; i < 8; ++i)
+        for (uint32_t row = 0; row < dims; ++row) {
+            all.at[i][row] = box->centre[row];
+            for (uint32_t k = 0; k < dims; ++k)
+                all.at[i][row] += (i >> k & 1 ? 1 : -1) * all.turn[row][k] * box->half_extents[k];
+        }
+    return all;
+}
+
+corners corners_of_extent(const extent *e)
+{
+    corners all = {0};
+    for (int i = 0; i < 8; ++i)
+        for (int k = 0; k < 3; ++k)
+            all.at[i][k] = i >> k & 1 ? e->upper[k] : e->lower[k];
+    return all;
+}
+
+// The four corners on one side of an axis, in the order of a walk about it.
+static void face(const view *v, const corners *all, int axis, int side, point walk[4])
+{
+    int u = 1 << (axis + 1) % 3;
+    int w = 1 << (axis + 2) % 3;
+    int from = side << axis;
+    const int order[4] = {from, from | u, from | u | w, from | w};
+    for (int i = 0; i < 4; ++i)
+        walk[i] = view_point(v, all->at[order[i]]);
+}
+
+static colour shade(colour c, double light)
+{
+    return (colour){c.red * light, c.green * light, c.blue * light, c.alpha};
+}
+
+static void faces(const view *v, canvas *c, const corners *all, const box_ink *ink)
+{
+    static const double light[3] = {0.30, 0.55, 0.78}; // from where it comes
+    for (int axis = 0; axis < 3; ++axis) {
+        const double normal[3] = {all->turn[0][axis], all->turn[1][axis], all->turn[2][axis]};
+        int side = normal[0] + normal[1] + normal[2] > 0; // which of the two is seen
+        double lit = 0;
+        for (int k = 0; k < 3; ++k)
+            lit += light[k] * (side ? normal[k] : -normal[k]);
+        point walk[4];
+        face(v, all, axis, side, walk);
+        canvas_polygon(c, walk, 4, shade(ink->fill, 0.72 + 0.28 * fmax(lit, 0)), ink->edge);
+    }
+}
+
+void view_box(const view *v, canvas *c, const duet_pose *box, const box_ink *ink)
+{
+    corners all = corners_of(box, v->dims);
+    point walk[4];
+    if (v->dims == 3) {
+        faces(v, c, &all, ink);
+        return;
+    }
+    face(v, &all, 2, 0, walk);
+    canvas_polygon(c, walk, 4, ink->fill, ink->edge);
+}
+
+void view_frame(const view *v, canvas *c, const extent *e, colour ink)
+{
+    corners all = corners_of_extent(e);
+    for (int i = 0; i < (v->dims == 3 ? 8 : 4); ++i)
+        for (uint32_t k = 0; k < v->dims; ++k)
+            if (!(i >> k & 1))
+                canvas_line(c, view_point(v, all.at[i]), view_point(v, all.at[i | 1 << k]), ink, 1);
+}

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// Where points of a scene lie on a canvas: 2D from above with y upwards, 3D as
+// an isometric projection seen from (1, 1, 1) with z upwards.
+#ifndef CLI_VIEW_H
+#define CLI_VIEW_H
+
+#include "cli/draw/canvas.h"
+#include "runtime/duet.h"
+
+// A part of space; in 2D lower[2] and upper[2] are 0.
+typedef struct extent {
+    double lower[3];
+    double upper[3];
+} extent;
+
+extent extent_empty(void);
+void extent_add(extent *e, const double p[3]);
+
+typedef struct view {
+    uint32_t dims;
+    extent shown;
+    double scale; // pixels a unit of length
+    point at;     // where the scene's origin lies
+} view;
+
+// Shows the extent as large as fits between the points.
+view view_fit(uint32_t dims, const extent *shown, point least, point most);
+point view_point(const view *v, const double p[3]);
+
+// Corner i of a box is at its upper side on axis k where bit k of i is set; 2D
+// boxes have the first four. The columns of turn are the box's axes.
+typedef struct corners {
+    double at[8][3];
+    double turn[3][3];
+} corners;
+
+corners corners_of(const duet_pose *box, uint32_t dims);
+corners corners_of_extent(const extent *e);
+
+typedef struct box_ink {
+    colour fill;
+    colour edge;
+} box_ink;
+
+// Its outline filled, or in 3D the faces that are seen, shaded by direction.
+void view_box(const view *v, canvas *c, const duet_pose *box, const box_ink *ink);
+
+// The edges alone.
+void view_frame(const view *v, canvas *c, const extent *e, colour ink);
+
+#endif

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+#include "cli/inputs.h"
+
+#include "base/error.h"
+#include "base/text.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err)
+{
+    duet_device_pair_def def = duet_default_device_pair_def();
+    if (!selectors)
+        return duet_device_pair_open(&def, err);
+    char a[128];
+    const char *comma = strchr(selectors, ',');
+    if (!comma || strchr(comma + 1, ',') || (size_t)(comma - selectors) >= sizeof a) {
+        error_set(err, DUET_BAD_ARGUMENT,
+                  "--pair '%s': give two selectors with a comma between them, as pocl:0,pocl:0; "
+                  "'duet devices' lists them",
+                  selectors);
+        return NULL;
+    }
+    snprintf(a, sizeof a, "%.*s", (int)(comma - selectors), selectors);
+    def.a = a;
+    def.b = comma + 1;
+    return duet_device_pair_open(&def, err);
+}
+
+// A scene takes names and values apart; "name=value" is cut in a copy.
+static bool cut_settings(const option_list *list, text *copies, duet_setting *settings,
+                         duet_error *err)
+{
+    for (uint32_t i = 0; i < list->n; ++i)
+        text_add_bytes(copies, list->items[i], strlen(list->items[i]) + 1);
+    if (!text_ok(copies, err))
+        return false;
+    char *at = copies->chars;
+    for (uint32_t i = 0; i < list->n; ++i) {
+        size_t length = strlen(at);
+        char *equals = strchr(at, '=');
+        *equals = '\0';
+        settings[i] = (duet_setting){at, equals + 1};
+        at += length + 1;
+    }
+    return true;
+}
+
+duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err)
+{
+    duet_setting settings[OPTION_LIST_MOST + 2];
+    char n[24];
+    char seed[24];
+    uint32_t count = 0;
+    text copies = {0};
+    duet_scene *scene = NULL;
+    if (cut_settings(&options->settings, &copies, settings, err)) {
+        count = options->settings.n;
+        if (options->n != UINT64_MAX) {
+            snprintf(n, sizeof n, "%" PRIu64, options->n);
+            settings[count++] = (duet_setting){"n", n};
+        }
+        if (options->seed != UINT64_MAX) {
+            snprintf(seed, sizeof seed, "%" PRIu64, options->seed);
+            settings[count++] = (duet_setting){"seed", seed};
+        }
+        scene = duet_scene_load(path, settings, count, err);
+    }
+    text_free(&copies);
+    return scene;
+}
+
+static bool change_mode(const char *name, duet_mode *mode, duet_error *err)
+{
+    text known = {0};
+    for (int m = 0; duet_mode_name((duet_mode)m); ++m) {
+        const char *other = duet_mode_name((duet_mode)m);
+        if (strcmp(name, other) == 0) {
+            *mode = (duet_mode)m;
+            text_free(&known);
+            return true;
+        }
+        text_add(&known, "%s%s", m ? ", " : "", other);
+    }
+    error_set(err, DUET_BAD_ARGUMENT, "--mode '%s': the modes are %s", name, text_chars(&known));
+    text_free(&known);
+    return false;
+}
+
+bool inputs_read_level(const char *name, duet_level *level, duet_error *err)
+{
+    text known = {0};
+    *level = DUET_LEVEL_CERTIFIED;
+    if (!name || duet_level_named(name, level))
+        return true;
+    for (int l = 0; l < DUET_LEVELS; ++l)
+        text_add(&known, "%s%s", l ? ", " : "", duet_level_describe((duet_level)l)->name);
+    error_set(err, DUET_BAD_ARGUMENT, "--level '%s': the levels are %s", name, text_chars(&known));
+    text_free(&known);
+    return false;
+}
+
+bool inputs_accuracy_given(const level_options *options, duet_accuracy *accuracy)
+{
+    *accuracy = (duet_accuracy){fmax(options->missed, 0), fmax(options->false_rate, 0)};
+    return options->missed >= 0 || options->false_rate >= 0;
+}
+
+bool inputs_change_level(const level_options *options, duet_world_def *def, duet_error *err)
+{
+    duet_accuracy accuracy;
+    bool given = inputs_accuracy_given(options, &accuracy);
+    if (given && options->level)
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "--level %s: give a level, or --missed and --false-rate that one is "
+                         "chosen by",
+                         options->level);
+    if (given) {
+        def->has_accuracy = true;
+        def->accuracy = accuracy;
+    }
+    if (!options->level)
+        return true;
+    def->has_accuracy = false;
+    return inputs_read_level(options->level, &def->level, err);
+}
+
+static bool change_variant(const char *variant, char to[96], duet_error *err)
+{
+    if (!variant)
+        return true;
+    if (strlen(variant) >= 96)
+        return error_set(err, DUET_BAD_ARGUMENT, "a variant of %zu characters: 95 are the most",
+                         strlen(variant));
+    strcpy(to, variant);
+    return true;
+}
+
+bool inputs_plan_given(const plan_options *options)
+{
+    return options->share != UINT32_MAX || options->mode || options->variant ||
+           options->variants[0] || options->variants[1];
+}
+
+bool inputs_change_plan(const plan_options *options, duet_plan *plan, duet_error *err)
+{
+    if (options->share != UINT32_MAX)
+        plan->share = options->share;
+    bool ok = !options->mode || change_mode(options->mode, &plan->mode, err);
+    ok = ok && change_variant(options->variant, plan->variant_a, err);
+    ok = ok && change_variant(options->variant, plan->variant_b, err);
+    ok = ok && change_variant(options->variants[0], plan->variant_a, err);
+    ok = ok && change_variant(options->variants[1], plan->variant_b, err);
+    return ok;
+}

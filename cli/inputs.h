@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// What most subcommands take: a scene with its settings, a device pair, a plan.
+// Their option rows are here too, so that they are the same everywhere.
+#ifndef CLI_INPUTS_H
+#define CLI_INPUTS_H
+
+#include "cli/options.h"
+#include "runtime/duet.h"
+
+typedef struct scene_options {
+    uint64_t n;    // UINT64_MAX: the scene's own
+    uint64_t seed; // UINT64_MAX: the scene's own
+    option_list settings;
+} scene_options;
+
+typedef struct plan_options {
+    uint32_t share; // UINT32_MAX: not given; the rest NULL
+    const char *mode;
+    const char *variant;
+    const char *variants[2];
+} plan_options;
+
+#define SCENE_OPTIONS_DEFAULT               \
+    {                                       \
+        .n = UINT64_MAX, .seed = UINT64_MAX \
+    }
+#define PLAN_OPTIONS_DEFAULT \
+    {                        \
+        .share = UINT32_MAX  \
+    }
+
+// Rows of an option table; member is one of the arguments.
+#define SCENE_OPTION_ROWS(member)                                                               \
+    OPTION_COUNT("n", member.n, "N", "number of objects, where the scene lets it be chosen", 0, \
+                 UINT32_MAX),                                                                   \
+        OPTION_COUNT("seed", member.seed, "S", "seed of the scene's random numbers", 0,         \
+                     UINT32_MAX),                                                               \
+        OPTION_SETTINGS("set", member.settings, "K=V",                                          \
+                        "any other parameter of the scene; may be repeated")
+
+#define PAIR_OPTION_ROW(member)        \
+    OPTION_TEXT("pair", member, "A,B", \
+                "two selectors of 'duet devices' (a CPU and a GPU, or a CPU's halves)")
+
+#define PLAN_OPTION_ROWS(member)                                                           \
+    OPTION_SHARE("share", member.share, "R", "A's part of the work, as 0.25 or 1/4"),      \
+        OPTION_TEXT("mode", member.mode, "M", "how grids are built: shared, own or slab"), \
+        OPTION_TEXT("variant", member.variant, "V",                                        \
+                    "kernels of both devices: auto, simd, gpu or paper"),                  \
+        OPTION_TEXT("variant-a", member.variants[0], "V", "kernels of A"),                 \
+        OPTION_TEXT("variant-b", member.variants[1], "V", "kernels of B")
+
+// What a world is asked to find: as the scene says, or as these do.
+typedef struct level_options {
+    const char *level; // NULL: not given
+    double missed;     // below 0: not given
+    double false_rate;
+} level_options;
+
+#define LEVEL_OPTIONS_DEFAULT          \
+    {                                  \
+        .missed = -1, .false_rate = -1 \
+    }
+
+#define LEVEL_OPTION_ROW(member)      \
+    OPTION_TEXT("level", member, "L", \
+                "of accuracy: certified (the default), aabb, sphere, sat6, sat15 or double")
+#define ACCURACY_OPTION_ROWS(member)                                                          \
+    OPTION_NUMBER("missed", member.missed, "R",                                               \
+                  "any level that misses at most this part of the pairs that collide", 0, 1), \
+        OPTION_NUMBER("false-rate", member.false_rate, "R",                                   \
+                      "and invents at most so many by each of them, as 0.02", 0, 0)
+#define SCENE_LEVEL_OPTION_ROWS(member)                                                       \
+    OPTION_TEXT("level", member.level, "L",                                                   \
+                "of accuracy: certified, aabb, sphere, sat6, sat15 or double (the scene's)"), \
+        ACCURACY_OPTION_ROWS(member)
+
+// NULL: certified. BAD_ARGUMENT for a name that no level has.
+bool inputs_read_level(const char *name, duet_level *level, duet_error *err);
+
+// Whether an accuracy was given; what of it was not is then 0.
+bool inputs_accuracy_given(const level_options *options, duet_accuracy *accuracy);
+
+// Puts what was given in the place of what the scene says.
+bool inputs_change_level(const level_options *options, duet_world_def *def, duet_error *err);
+
+// NULL selectors: the default pair.
+duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err);
+duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err);
+bool inputs_plan_given(const plan_options *options); // anything of a plan
+// Puts what was given into the plan. BAD_ARGUMENT for an unknown mode.
+bool inputs_change_plan(const plan_options *options, duet_plan *plan, duet_error *err);
+
+#endif

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// The program `duet`: finds the subcommand and ends with its exit status,
+// which is 0 where it did what was asked, 1 where that failed, and 2 where the
+// command line was wrong.
+#define _POSIX_C_SOURCE 200809L
+#include "cli/commands.h"
+#include "cli/interrupt.h"
+#include "cli/say.h"
+#include "cli/watchdog.h"
+#include "runtime/duet.h"
+
+#include <locale.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+static const struct {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *about;
+} commands[] = {
+    {"accuracy", command_accuracy, "what each level of accuracy costs, and gets wrong"},
+    {"bench", command_bench, "a standard set of measurements, compared with earlier ones"},
+    {"devices", command_devices, "what OpenCL offers here, and the selectors for --pair"},
+    {"explain", command_explain, "which effects or kernels a scene calls for, and what each costs"},
+    {"lua", command_lua, "scripts that use all of this, and a prompt to try it at"},
+    {"picture", command_picture, "a drawing of a scene, its cells and its pairs"},
+    {"profiles", command_profiles, "what was measured, and what applications load"},
+    {"report", command_report, "one page for a browser with all that was measured"},
+    {"run", command_run, "all pairs of a scene, and where the time went"},
+    {"source", command_source, "the exact text of a kernel, and what it lets vary"},
+    {"test", command_test, "pairs of boxes from a file, each colliding or separated"},
+    {"tune", command_tune, "how two devices share a scene's work best, and keeps it"},
+};
+
+enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
+
+static void print_help(void)
+{
+    printf("duet %s: collisions among boxes, found by two OpenCL devices together\n\n"
+           "duet SUBCOMMAND [arguments]\n\n",
+           duet_version());
+    for (int i = 0; i < N_COMMANDS; ++i)
+        printf("  %-10s %s\n", commands[i].name, commands[i].about);
+    printf("\n'duet SUBCOMMAND --help' lists its options.\n\n"
+           "DUET_PROFILE     the profile file\n"
+           "DUET_KERNEL_DIR  a folder to read kernels from instead of the carried ones\n"
+           "DUET_CACHE       a folder to keep built kernels in\n");
+}
+
+static int run(int argc, char **argv)
+{
+    if (argc < 2) {
+        fprintf(stderr, "duet: a subcommand is missing; 'duet --help' lists them\n");
+        return EXIT_WRONG;
+    }
+    const char *name = argv[1];
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
+        print_help();
+        return EXIT_OK;
+    }
+    if (strcmp(name, "--version") == 0) {
+        printf("duet %s\n", duet_version());
+        return EXIT_OK;
+    }
+    for (int i = 0; i < N_COMMANDS; ++i)
+        if (strcmp(name, commands[i].name) == 0)
+            return commands[i].run(argc - 1, argv + 1);
+    fprintf(stderr, "duet: there is no subcommand '%s'; 'duet --help' lists those there are\n",
+            name);
+    return EXIT_WRONG;
+}
+
+int main(int argc, char **argv)
+{
+    setlocale(LC_CTYPE, "");  // only to know whether bars may be drawn finely
+    signal(SIGPIPE, SIG_IGN); // a write that fails is told of by a line
+    signal(SIGXFSZ, SIG_IGN);
+    interrupt_watch();
+    watchdog_start();
+    int status = run(argc, argv);
+    bool written = say_finish();
+    return status == EXIT_OK && !written ? EXIT_FAILED : status;
+}

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include "cli/report/json.h"
+
+#include "base/error.h"
+#include "base/visible.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define MOST 0x1p53
+
+cJSON *json_read(const char *path, duet_error *err)
+{
+    text chars = {0};
+    if (!text_read_file(&chars, path, err))
+        return NULL;
+    const char *end = NULL;
+    cJSON *o = cJSON_ParseWithOpts(text_chars(&chars), &end, true);
+    if (o && end != chars.chars + chars.length) { // a NUL, and what follows it
+        cJSON_Delete(o);
+        o = NULL;
+    }
+    text_free(&chars);
+    if (!o)
+        error_set(err, DUET_BAD_INPUT, "%s: not JSON", path);
+    return o;
+}
+
+bool json_write(const cJSON *o, text *t, duet_error *err)
+{
+    char *chars = cJSON_Print(o);
+    if (!chars)
+        return error_set(err, DUET_NO_MEMORY, "the JSON object: no memory");
+    visible_add_json(t, chars);
+    cJSON_free(chars);
+    return text_ok(t, err);
+}
+
+void json_add_object(cJSON *o, const char *name, const char *chars)
+{
+    cJSON *object = chars ? cJSON_ParseWithOpts(chars, NULL, true) : NULL;
+    if (cJSON_IsObject(object))
+        cJSON_AddItemToObject(o, name, object);
+    else
+        cJSON_Delete(object);
+}
+
+bool json_require(const cJSON *o, const json_field *fields, const char *where, duet_error *err)
+{
+    for (const json_field *f = fields; f->name; ++f)
+        if (!f->is(cJSON_GetObjectItemCaseSensitive(o, f->name)))
+            return error_set(err, DUET_BAD_INPUT, "%s: '%s' is not %s", where, f->name, f->what);
+    return true;
+}
+
+bool json_require_each(const cJSON *list, const json_field *fields, const char *path,
+                       const char *what, duet_error *err)
+{
+    int number = 0;
+    const cJSON *one;
+    cJSON_ArrayForEach(one, list)
+    {
+        char where[512];
+        snprintf(where, sizeof where, "%.400s: %s %d", path, what, number++);
+        if (!json_require(one, fields, where, err))
+            return false;
+    }
+    return true;
+}
+
+cJSON_bool json_is_amount(const cJSON *item)
+{
+    return cJSON_IsNumber(item) && item->valuedouble >= 0 && item->valuedouble <= MOST;
+}
+
+cJSON_bool json_is_count(const cJSON *item)
+{
+    return json_is_amount(item) && item->valuedouble == floor(item->valuedouble);
+}
+
+double json_number(const cJSON *o, const char *name)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, name);
+    return cJSON_IsNumber(item) && fabs(item->valuedouble) <= MOST ? item->valuedouble : 0;
+}
+
+const char *json_string(const cJSON *o, const char *name)
+{
+    const char *string = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(o, name));
+    return string ? string : "";
+}
+
+bool json_true(const cJSON *o, const char *name)
+{
+    return cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(o, name));
+}
+
+const cJSON *json_list(const cJSON *o, const char *name)
+{
+    const cJSON *list = cJSON_GetObjectItemCaseSensitive(o, name);
+    return cJSON_IsArray(list) ? list : NULL;
+}

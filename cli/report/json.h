@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// JSON that the program wrote once and reads again: results of bench, accuracy
+// and explain. And the one way in which it writes JSON.
+#ifndef CLI_JSON_H
+#define CLI_JSON_H
+
+#include "base/text.h"
+
+#include <cjson/cJSON.h>
+#include <stdbool.h>
+
+// A whole file; BAD_INPUT where it is no JSON.
+cJSON *json_read(const char *path, duet_error *err);
+
+// Adds the object's text, in UTF-8 and without control characters, whatever its
+// strings hold.
+bool json_write(const cJSON *o, text *t, duet_error *err);
+
+// Adds a field from an object's text; none where the text is not one object.
+void json_add_object(cJSON *o, const char *name, const char *chars);
+
+// A field that must be there; a table of them ends with {0}.
+typedef struct json_field {
+    const char *name;
+    cJSON_bool (*is)(const cJSON *item);
+    const char *what; // "a number"
+} json_field;
+
+// BAD_INPUT with "WHERE: 'name' is not a number".
+bool json_require(const cJSON *o, const json_field *fields, const char *where, duet_error *err);
+
+// The same of each object of a list, where WHERE is "PATH: WHAT NUMBER".
+bool json_require_each(const cJSON *list, const json_field *fields, const char *path,
+                       const char *what, duet_error *err);
+
+// For such tables: a whole number, or any, from 0 to 2^53, beyond which no result
+// goes; whole numbers are exact up to there.
+#define JSON_COUNT json_is_count, "a whole number from 0 to 2^53"
+#define JSON_AMOUNT json_is_amount, "a number from 0 to 2^53"
+cJSON_bool json_is_count(const cJSON *item);
+cJSON_bool json_is_amount(const cJSON *item);
+
+// 0, "" and false where the field is missing or of another kind; 0 for a number
+// beyond 2^53 too.
+double json_number(const cJSON *o, const char *name);
+const char *json_string(const cJSON *o, const char *name);
+bool json_true(const cJSON *o, const char *name);
+
+// Of a list under that name: what cJSON_ArrayForEach goes over.
+const cJSON *json_list(const cJSON *o, const char *name);
+
+#endif

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// What `duet accuracy` tells: a table, JSON, CSV, a plot.
+#ifndef CLI_LEVEL_COSTS_REPORT_H
+#define CLI_LEVEL_COSTS_REPORT_H
+
+#include "cli/report/json.h"
+#include "tuner/level_costs.h"
+
+typedef struct level_costs_report {
+    const duet_scene_info *scene;
+    const duet_device_pair *pair;
+    const level_costs *costs;
+} level_costs_report;
+
+void level_costs_report_text(const level_costs_report *r);
+cJSON *level_costs_report_json(const level_costs_report *r);
+bool level_costs_report_csv(const level_costs_report *r, const char *path, duet_error *err);
+
+// A .svg or .png: for each device time and wrong pairs side by side.
+bool level_costs_report_plot(const level_costs_report *r, const char *path, duet_error *err);
+
+#define LEVEL_COSTS_TYPE "duet accuracy"
+
+// BAD_INPUT where an object that is called that is none of ours.
+bool level_costs_report_check(const cJSON *o, const char *path, duet_error *err);
+
+#endif

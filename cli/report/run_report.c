@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: MIT
+#include "cli/report/run_report.h"
+
+#include "cli/report/table.h"
+#include "cli/say.h"
+
+#include <cjson/cJSON.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+bool verdict_is_right(const verdict *v)
+{
+    return v->missing == 0 && v->extra == 0;
+}
+
+// ---------------------------------------------------------------- as text
+
+static void print_scene(const duet_scene_info *info)
+{
+    const char *kind = info->shape == DUET_SHAPE_BOUNDS ? "axis-aligned boxes"
+                       : info->rotated                  ? "rotated boxes"
+                                                        : "boxes";
+    printf("%s: %s %s, %uD\n", info->name, table_count(info->n).chars, kind, info->dims);
+}
+
+static void print_grid(const duet_scene_info *info, const duet_result *r)
+{
+    printf("%u x %u", r->cells[0], r->cells[1]);
+    if (info->dims == 3)
+        printf(" x %u", r->cells[2]);
+    printf("%s cells of edge %.6g", r->hashed ? " hashed" : "", (double)r->cell);
+    if (r->levels > 1)
+        printf(" and coarser, %u levels", r->levels);
+    if (r->cell_widened)
+        printf(", widened from %.6g to hold the largest box", (double)info->cell);
+    putchar('\n');
+}
+
+static void print_devices(const duet_device_pair *pair, const duet_plan *plan)
+{
+    double share = (double)plan->share / DUET_SHARE_ONE;
+    table t = table_begin("lllrl");
+    for (int i = 0; i < 2; ++i) {
+        const duet_device_info *d = duet_device_pair_info(pair, i);
+        table_cell(&t, "%c", "AB"[i]);
+        table_cell(&t, "%s", d->selector);
+        table_cell(&t, "%s", d->name);
+        table_cell(&t, "%.4g %%", 100 * (i == 0 ? share : 1 - share));
+        table_cell(&t, "of the work, kernels '%s'", i == 0 ? plan->variant_a : plan->variant_b);
+    }
+    table_print(&t, stdout);
+    printf("grids: %s\n", duet_mode_name(plan->mode));
+}
+
+static void print_profile(const run_report *r)
+{
+    const duet_profile *p = &r->profile;
+    if (r->plan_given)
+        printf("plan: as given\n\n");
+    else if (p->grade == DUET_GRADE_STALE)
+        printf("plan: the default, since the kernels changed after it was measured; 'duet tune' "
+               "measures again\n\n");
+    else if (p->grade == DUET_GRADE_DEFAULT)
+        printf("plan: the default; 'duet tune' measures a better one\n\n");
+    else
+        printf("plan: from the profile, %s; %s\n\n", duet_grade_name(p->grade),
+               say_name(
+                   table_gain(p->plan.share, p->gain, p->gain_low, p->gain_high, p->verdict).chars)
+                   .chars);
+}
+
+enum { NOBODY = -1 };
+
+// Time that one device spent on stages of that name.
+static double stage_ms(const timed_step *step, const char *name, int device)
+{
+    double ms = 0;
+    for (uint32_t i = 0; i < step->n_stages; ++i)
+        if (step->stages[i].device == device && strcmp(step->stages[i].name, name) == 0)
+            ms += step->stages[i].ms;
+    return ms;
+}
+
+static double all_stages_ms(const timed_step *step, int device)
+{
+    double ms = 0;
+    for (uint32_t i = 0; i < step->n_stages; ++i)
+        ms += step->stages[i].device == device ? step->stages[i].ms : 0;
+    return ms;
+}
+
+// Whether the device has a stage of that name among the step's first n.
+static bool has_stage(const timed_step *step, uint32_t n, const char *name, int device)
+{
+    for (uint32_t i = 0; i < n; ++i)
+        if (step->stages[i].device == device && strcmp(step->stages[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+static uint32_t count_stages(const timed_step *step, int device)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < step->n_stages; ++i)
+        n += step->stages[i].device == device;
+    return n;
+}
+
+static void print_stage(table *t, const timed_step *step, const char *name)
+{
+    table_cell(t, "%s", name);
+    for (int device = 0; device < 2; ++device) {
+        double ms = stage_ms(step, name, device);
+        double all = all_stages_ms(step, device);
+        double part = all > 0 ? ms / all : 0;
+        if (ms > 0) {
+            table_cell(t, "%.3f", ms);
+            table_cell(t, "%.1f", 100 * part);
+        } else {
+            table_cell(t, "-");
+            table_cell(t, " ");
+        }
+        table_cell(t, "%s", table_bar(part, 16).chars);
+    }
+}
+
+static void print_stages_of(table *t, const timed_step *step, int device, int passed_over)
+{
+    for (uint32_t i = 0; i < step->n_stages; ++i) {
+        const duet_stage *stage = &step->stages[i];
+        if (stage->device == device && !has_stage(step, i, stage->name, device) &&
+            !has_stage(step, step->n_stages, stage->name, passed_over))
+            print_stage(t, step, stage->name);
+    }
+}
+
+// In the order of the device that went through more stages, then what only the
+// other did.
+static void print_stages(const timed_step *step)
+{
+    table t = table_begin("lrrlrrl");
+    static const char *const heads[] = {"", "A ms", "%", "                ", "B ms", "%", ""};
+    for (int i = 0; i < 7; ++i)
+        table_cell(&t, "%s", heads[i]);
+    int fuller = count_stages(step, 1) > count_stages(step, 0);
+    print_stages_of(&t, step, fuller, NOBODY);
+    print_stages_of(&t, step, 1 - fuller, fuller);
+    table_cell(&t, "together");
+    for (int device = 0; device < 2; ++device) {
+        table_cell(&t, "%.3f", all_stages_ms(step, device));
+        table_cell(&t, " ");
+        table_cell(&t, " ");
+    }
+    table_print(&t, stdout);
+    putchar('\n');
+}
+
+static void print_totals(const timed *m, const char *level)
+{
+    const duet_result *r = &m->last;
+    const timed_step *median = timed_median(m);
+    table t = table_begin("lrl");
+    table_cell(&t, "candidates");
+    table_cell(&t, "%s", table_count(r->candidates).chars);
+    table_cell(&t, "pairs whose bounds overlap");
+    table_cell(&t, "pairs");
+    table_cell(&t, "%s", table_count(r->pairs).chars);
+    table_cell(&t, "collide, at level %s; hash %016" PRIx64, level, m->hash);
+    if (r->undecided > 0) {
+        table_cell(&t, "undecided");
+        table_cell(&t, "%s", table_count(r->undecided).chars);
+        table_cell(&t, "too close for float, decided by exact arithmetic on the host");
+    }
+    if (r->bad > 0) {
+        table_cell(&t, "bad objects");
+        table_cell(&t, "%s", table_count(r->bad).chars);
+        table_cell(&t, "left out; the first is %u", r->first_bad);
+    }
+    table_cell(&t, "memory");
+    table_cell(&t, "%s", table_bytes(r->bytes[0] + r->bytes[1]).chars);
+    table_cell(&t, "A %s, B %s", table_bytes(r->bytes[0]).chars, table_bytes(r->bytes[1]).chars);
+    table_cell(&t, "time");
+    table_cell(&t, "%.3f ms", median->total_ms);
+    table_cell(&t, "median of %u, %.3f to %.3f; %.3g million boxes a second", m->n,
+               m->steps[0].total_ms, m->steps[m->n - 1].total_ms,
+               (double)r->objects / median->total_ms * 1e-3);
+    table_print(&t, stdout);
+}
+
+static void print_verdict(const verdict *v)
+{
+    if (verdict_is_right(v))
+        printf("check: the same %s pairs as the plain C reference\n",
+               table_count(v->reference).chars);
+    else
+        printf("check: WRONG: of the reference's %s pairs %s are missing, and %s are too many\n",
+               table_count(v->reference).chars, table_count(v->missing).chars,
+               table_count(v->extra).chars);
+}
+
+// ---------------------------------------------------------------- as JSON
+
+static cJSON *stages_json(const timed_step *step)
+{
+    cJSON *stages = cJSON_CreateArray();
+    for (uint32_t i = 0; i < step->n_stages; ++i) {
+        cJSON *stage = cJSON_CreateObject();
+        cJSON_AddStringToObject(stage, "name", step->stages[i].name);
+        cJSON_AddStringToObject(stage, "device", step->stages[i].device == 0 ? "A" : "B");
+        cJSON_AddNumberToObject(stage, "ms", step->stages[i].ms);
+        cJSON_AddBoolToObject(stage, "transfer", step->stages[i].transfer);
+        cJSON_AddItemToArray(stages, stage);
+    }
+    return stages;
+}
+
+static void add_plan(cJSON *o, const duet_device_pair *pair, const duet_plan *plan)
+{
+    char both[256];
+    snprintf(both, sizeof both, "%s,%s", duet_device_pair_info(pair, 0)->selector,
+             duet_device_pair_info(pair, 1)->selector);
+    cJSON_AddStringToObject(o, "pair", both);
+    cJSON_AddNumberToObject(o, "share", (double)plan->share / DUET_SHARE_ONE);
+    cJSON_AddStringToObject(o, "mode", duet_mode_name(plan->mode));
+    bool same = strcmp(plan->variant_a, plan->variant_b) == 0;
+    snprintf(both, sizeof both, "%s%s%s", plan->variant_a, same ? "" : ",",
+             same ? "" : plan->variant_b);
+    cJSON_AddStringToObject(o, "variant", both);
+}
+
+static void add_counts(cJSON *o, const duet_scene_info *info, const timed *m)
+{
+    const duet_result *r = &m->last;
+    char hash[17];
+    snprintf(hash, sizeof hash, "%016" PRIx64, m->hash);
+    cJSON_AddStringToObject(o, "scene", info->name);
+    cJSON_AddNumberToObject(o, "dims", info->dims);
+    cJSON_AddNumberToObject(o, "objects", r->objects);
+    cJSON_AddNumberToObject(o, "bad", r->bad);
+    cJSON_AddNumberToObject(o, "candidates", (double)r->candidates);
+    cJSON_AddNumberToObject(o, "pairs", (double)r->pairs);
+    cJSON_AddNumberToObject(o, "undecided", (double)r->undecided);
+    cJSON_AddStringToObject(o, "hash", hash);
+    cJSON *cells = cJSON_AddArrayToObject(o, "cells");
+    for (uint32_t i = 0; i < info->dims; ++i)
+        cJSON_AddItemToArray(cells, cJSON_CreateNumber(r->cells[i]));
+    cJSON_AddNumberToObject(o, "cell", (double)r->cell);
+    cJSON_AddNumberToObject(o, "levels", r->levels);
+    cJSON_AddBoolToObject(o, "hashed", r->hashed);
+    cJSON_AddBoolToObject(o, "cell_widened", r->cell_widened);
+    cJSON_AddNumberToObject(o, "bytes_a", (double)r->bytes[0]);
+    cJSON_AddNumberToObject(o, "bytes_b", (double)r->bytes[1]);
+}
+
+static void add_times(cJSON *o, const timed *m)
+{
+    const timed_step *median = timed_median(m);
+    cJSON_AddNumberToObject(o, "repeat", m->n);
+    cJSON_AddNumberToObject(o, "total_ms", median->total_ms);
+    cJSON_AddNumberToObject(o, "kernel_ms_a", median->kernel_ms[0]);
+    cJSON_AddNumberToObject(o, "kernel_ms_b", median->kernel_ms[1]);
+    cJSON_AddNumberToObject(o, "least_ms", m->steps[0].total_ms);
+    cJSON_AddNumberToObject(o, "most_ms", m->steps[m->n - 1].total_ms);
+    cJSON_AddNumberToObject(o, "a_ms", median->device_ms[0]);
+    cJSON_AddNumberToObject(o, "b_ms", median->device_ms[1]);
+    cJSON_AddItemToObject(o, "stages", stages_json(median));
+}
+
+static void add_verdict(cJSON *o, const verdict *v)
+{
+    cJSON *check = cJSON_AddObjectToObject(o, "check");
+    cJSON_AddBoolToObject(check, "right", verdict_is_right(v));
+    cJSON_AddNumberToObject(check, "reference", (double)v->reference);
+    cJSON_AddNumberToObject(check, "missing", (double)v->missing);
+    cJSON_AddNumberToObject(check, "extra", (double)v->extra);
+}
+
+// ---------------------------------------------------------------- the whole
+
+void run_report_text(const run_report *r)
+{
+    print_scene(r->scene);
+    print_grid(r->scene, &r->timed->last);
+    print_devices(r->pair, r->plan);
+    print_profile(r);
+    print_stages(timed_median(r->timed));
+    print_totals(r->timed, r->level);
+    if (r->verdict.asked)
+        print_verdict(&r->verdict);
+}
+
+bool run_report_json(const run_report *r, duet_error *err)
+{
+    cJSON *o = cJSON_CreateObject();
+    add_counts(o, r->scene, r->timed);
+    add_plan(o, r->pair, r->plan);
+    cJSON_AddStringToObject(o, "level", r->level);
+    cJSON_AddStringToObject(o, "profile",
+                            r->plan_given ? "given" : duet_grade_name(r->profile.grade));
+    cJSON_AddBoolToObject(o, "resident", r->resident);
+    cJSON_AddBoolToObject(o, "transforms", r->transforms);
+    add_times(o, r->timed);
+    if (r->verdict.asked)
+        add_verdict(o, &r->verdict);
+    return say_json(o, err);
+}

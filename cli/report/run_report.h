@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// What `duet run` tells, to a person or as JSON.
+#ifndef CLI_RUN_REPORT_H
+#define CLI_RUN_REPORT_H
+
+#include "cli/timed.h"
+
+// How the pairs compare with the reference's.
+typedef struct verdict {
+    bool asked;
+    uint64_t reference; // pairs there should be
+    uint64_t missing;
+    uint64_t extra;
+} verdict;
+
+bool verdict_is_right(const verdict *v);
+
+typedef struct run_report {
+    const duet_scene_info *scene;
+    const duet_device_pair *pair;
+    const duet_plan *plan;
+    const char *level;    // of accuracy
+    bool plan_given;      // on the command line
+    duet_profile profile; // what the plan comes from, unless it was given
+    const timed *timed;
+    bool resident;
+    bool transforms; // sizes were not sent again
+    verdict verdict;
+} run_report;
+
+void run_report_text(const run_report *r);
+bool run_report_json(const run_report *r, duet_error *err);
+
+#endif

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// A table for people: cells are added row by row and printed in columns that
+// are as wide as their widest cell.
+#ifndef CLI_TABLE_H
+#define CLI_TABLE_H
+
+#include "base/text.h"
+
+#include <stdint.h>
+#include <stdio.h>
+
+enum { TABLE_COLUMNS_MOST = 24 };
+
+typedef struct table {
+    const char *align; // a letter a column: l or r
+    text cells;        // each ends with a NUL
+    uint32_t n_cells;
+} table;
+
+// align "lrr" makes three columns, the first to the left.
+table table_begin(const char *align);
+void table_cell(table *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
+// Prints what was added, a newline after every full row, and frees it.
+void table_print(table *t, FILE *out);
+
+typedef struct table_text {
+    char chars[128];
+} table_text;
+
+// "1 677 345"
+table_text table_count(uint64_t n);
+
+// "12.3 MB"
+table_text table_bytes(uint64_t bytes);
+
+// What a plan with that share gains; where one device does it all, what sharing
+// would gain, which is why it does.
+table_text table_gain(uint32_t share, double gain, double low, double high, const char *verdict);
+
+// A bar of at most width (<= 40) characters, as long as part (0..1) of it.
+table_text table_bar(double part, int width);
+
+#endif

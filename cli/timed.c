@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "cli/timed.h"
+
+#include "base/error.h"
+#include "cli/interrupt.h"
+#include "cli/progress.h"
+#include "runtime/broadphase/grid.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static bool keep_step(timed *t, const duet_result *result, duet_error *err)
+{
+    timed_step *step = &t->steps[t->n];
+    step->stages = calloc(result->n_stages + 1, sizeof *step->stages);
+    if (!step->stages)
+        return error_set(err, DUET_NO_MEMORY, "the times of a step: no memory");
+    for (uint32_t i = 0; i < result->n_stages; ++i)
+        step->stages[i] = result->stages[i];
+    step->n_stages = result->n_stages;
+    step->total_ms = result->total_ms;
+    memcpy(step->kernel_ms, result->kernel_ms, sizeof step->kernel_ms);
+    step->device_ms[0] = result->device_ms[0];
+    step->device_ms[1] = result->device_ms[1];
+    ++t->n;
+    return true;
+}
+
+static int by_time(const void *a, const void *b)
+{
+    double x = ((const timed_step *)a)->total_ms;
+    double y = ((const timed_step *)b)->total_ms;
+    return (x > y) - (x < y);
+}
+
+static bool hand_transforms(duet_world *world, const duet_scene *scene, duet_error *err)
+{
+    uint32_t n = duet_scene_describe(scene)->n;
+    const duet_pose *poses = duet_scene_poses(scene);
+    duet_transform *to = duet_world_map_transforms(world, n, err);
+    for (uint32_t i = 0; to && i < n; ++i)
+        to[i] = grid_transform_of(&poses[i]);
+    return to;
+}
+
+static bool hand_over(duet_world *world, const duet_scene *scene, timed_sends sends,
+                      duet_error *err)
+{
+    if (sends == TIMED_SENDS_NOTHING)
+        return true;
+    if (sends == TIMED_SENDS_TRANSFORMS)
+        return hand_transforms(world, scene, err);
+    const duet_scene_info *info = duet_scene_describe(scene);
+    if (info->origin > 0)
+        return duet_world_set_placed(world, duet_scene_placed(scene), info->n, err);
+    if (info->shape == DUET_SHAPE_POSES)
+        return duet_world_set_poses(world, duet_scene_poses(scene), info->n, err);
+    return duet_world_set_bounds(world, duet_scene_bounds(scene), info->n, err);
+}
+
+static bool check_hash(const timed *t, duet_error *err)
+{
+    return duet_result_hash(&t->last) == t->hash ||
+           error_set(err, DUET_WRONG_RESULT, "step %u found other pairs than the first", t->n);
+}
+
+bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t repeat,
+               timed_sends sends, duet_error *err)
+{
+    t->steps = calloc(repeat, sizeof *t->steps);
+    if (!t->steps)
+        return error_set(err, DUET_NO_MEMORY, "the times of %u steps: no memory", repeat);
+    bool ok = duet_world_set_scene(world, scene, err) && duet_world_step(world, &t->last, err);
+    t->hash = ok ? duet_result_hash(&t->last) : 0;
+    progress p = progress_begin("step", repeat);
+    while (ok && t->n < repeat && !interrupt_asked()) {
+        ok = hand_over(world, scene, sends, err);
+        ok = ok && duet_world_step(world, &t->last, err);
+        ok = ok && keep_step(t, &t->last, err) && check_hash(t, err);
+        progress_show(&p, t->n);
+    }
+    progress_end(&p);
+    if (ok && t->n == 0)
+        ok = interrupt_check(err);
+    if (t->n > 0)
+        qsort(t->steps, t->n, sizeof *t->steps, by_time);
+    return ok;
+}
+
+void timed_free(timed *t)
+{
+    for (uint32_t i = 0; i < t->n; ++i)
+        free(t->steps[i].stages);
+    free(t->steps);
+}
+
+const timed_step *timed_median(const timed *t)
+{
+    return &t->steps[(t->n - 1) / 2];
+}

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L
+#include "cli/watchdog.h"
+
+#include "base/budget.h"
+#include "base/clock.h"
+#include "cli/interrupt.h"
+#include "cli/say.h"
+
+#include <pthread.h>
+#include <signal.h>
+#include <stddef.h>
+#include <time.h>
+#include <unistd.h>
+
+#define LATE_NS 2000000000u
+#define DEAF_NS 1500000000u
+
+// So seldom that it disturbs no measurement.
+#define PAUSE_NS 200000000
+
+static budget_watch watch = {.stopped = interrupt_asked};
+
+// Neither stdio nor exit: the script's thread may hold their locks.
+static void end_program(const char *line, size_t n)
+{
+    while (n > 0) {
+        ssize_t written = write(STDERR_FILENO, line, n);
+        if (written <= 0)
+            break;
+        line += written;
+        n -= (size_t)written;
+    }
+    _exit(EXIT_FAILED);
+}
+
+#define END_PROGRAM(line) end_program(line, sizeof(line) - 1)
+
+static void look(void)
+{
+    uint64_t deadline = atomic_load(&watch.deadline_ns);
+    uint64_t now = clock_steady_ns();
+    if (deadline == 0)
+        return;
+    if (now > deadline && now - deadline > LATE_NS)
+        END_PROGRAM("duet: a script ran on for 2 s after its limit, and was ended\n");
+    if (interrupt_age_ns() > DEAF_NS)
+        END_PROGRAM("duet: stopped\n");
+}
+
+static void *guard(void *unused)
+{
+    const struct timespec pause = {.tv_nsec = PAUSE_NS};
+    for (;;) {
+        nanosleep(&pause, NULL);
+        look();
+    }
+    return unused;
+}
+
+// Signals are for the other threads: what they wait for is to end.
+void watchdog_start(void)
+{
+    pthread_t thread;
+    sigset_t all;
+    sigset_t before;
+    budget_set_watch(&watch);
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    if (pthread_create(&thread, NULL, guard, NULL) == 0)
+        pthread_detach(thread);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+}

@@ -1,0 +1,25 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "objects while a step is solved",
+  uses = { "dynamics/motion.clh", "dynamics/contact.clh", "dynamics/box_contact.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
+    { "ORIGIN", min = 0, max = 254, default = 0,
+      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
+    { "DRAG", values = { 0, 1 }, default = 0, about = "1: velocities decay" },
+    { "SLEEP", values = { 0, 1 }, default = 0, about = "1: what rests is left out" },
+    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
+      about = "objects, pairs or contacts a work-item" },
+  },
+  valid = function(p, limits)
+    if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
+    if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

@@ -1,0 +1,35 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "the manifold of each pair that may touch",
+  uses = { "dynamics/motion.clh", "flags.clh", "dynamics/contact.clh", "dynamics/box_contact.clh", "dynamics/box_lanes.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
+    { "ORIGIN", min = 0, max = 254, default = 0,
+      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+    { "ROTATED", values = { 0, 1 }, default = 0, about = "1: orientation matters" },
+    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "BOUNDS", values = { 0, 1 }, default = 0, about = "1: walls" },
+    { "CONTACT_RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push back" },
+    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
+    { "CONTINUOUS", values = { 0, 1 }, default = 0, about = "1: what is met on the way is touched" },
+    { "SLEEP", values = { 0, 1 }, default = 0, about = "1: what rests is left out" },
+    { "EVENTS", values = { 0, 1 }, default = 0, about = "1: tells of contacts that begin and end" },
+    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
+      about = "pairs side by side in a work-item, of turned boxes in float" },
+    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
+      about = "objects, pairs or contacts a work-item" },
+  },
+  valid = function(p, limits)
+    if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
+    if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
+    if p.ANGULAR_VELOCITY == 1 and p.ROTATED == 0 then return false, "what turns is rotated" end
+    if p.FRICTION == 1 and p.CONTACT_RESPONSE == 0 then return false, "FRICTION without CONTACT_RESPONSE" end
+    if p.CONTINUOUS == 1 and p.CONTACT_RESPONSE == 0 then return false, "CONTINUOUS without CONTACT_RESPONSE" end
+    if p.SLEEP == 1 and p.CONTACT_RESPONSE == 0 then return false, "SLEEP without CONTACT_RESPONSE" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

@@ -1,0 +1,30 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "free flight of each object for a step",
+  uses = { "dynamics/motion.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: in double" },
+    { "ORIGIN", min = 0, max = 254, default = 0,
+      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+    { "ROTATED", values = { 0, 1 }, default = 0, about = "1: orientation matters" },
+    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "GYRO", values = { 0, 1 }, default = 0, about = "1: some have no isotropic inertia" },
+    { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
+    { "DRAG", values = { 0, 1 }, default = 0, about = "1: velocities decay" },
+    { "BOUNDS", values = { 0, 1, 2 }, default = 0, about = "1: walls, 2: periodic" },
+    { "ORDER", values = { 1, 2, 4 }, default = 1, about = "of the integrator" },
+    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
+      about = "objects a work-item" },
+  },
+  valid = function(p, limits)
+    if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
+    if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
+    if p.ANGULAR_VELOCITY == 1 and p.ROTATED == 0 then return false, "what turns is rotated" end
+    if p.GYRO == 1 and p.ANGULAR_VELOCITY == 0 then return false, "GYRO without ANGULAR_VELOCITY" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

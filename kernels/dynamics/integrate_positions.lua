@@ -1,0 +1,28 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "where objects are after a substep",
+  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/contact.clh", "dynamics/constraint.clh", "dynamics/turn.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
+    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "GYRO", values = { 0, 1 }, default = 0, about = "1: some have no isotropic inertia" },
+    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
+    { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
+    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
+      about = "objects side by side in a work-item" },
+    { "BLOCK", values = { 8, 32 }, default = function(limits) return limits.cpu and 8 or 32 end,
+      about = "contacts that are neighbours in memory" },
+    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
+      about = "objects a work-item" },
+  },
+  valid = function(p, limits)
+    if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
+    if p.GYRO == 1 and p.ANGULAR_VELOCITY == 0 then return false, "GYRO without ANGULAR_VELOCITY" end
+    if p.PER_ITEM % p.LANES ~= 0 then return false, "PER_ITEM is not a multiple of LANES" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

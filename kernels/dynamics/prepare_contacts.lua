@@ -1,0 +1,25 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "contacts into blocks, and back",
+  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/contact.clh", "dynamics/constraint.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
+    { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
+    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
+      about = "contacts side by side in a work-item" },
+    { "BLOCK", values = { 8, 32 }, default = function(limits) return limits.cpu and 8 or 32 end,
+      about = "contacts that are neighbours in memory" },
+    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
+      about = "contacts a work-item" },
+  },
+  valid = function(p)
+    if p.LANES == 8 and p.BLOCK ~= 8 then return false, "lanes are blocks" end
+    if p.PER_ITEM % p.LANES ~= 0 then return false, "PER_ITEM is not a multiple of LANES" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

@@ -1,0 +1,39 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "cell of each object, and its rank in the cell",
+  uses = { "lanes.clh", "narrowphase/object.clh", "grid/grid.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
+    { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
+    { "ORIGIN", min = 0, max = 254, default = 0,
+      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+    { "APART", values = { 0, 1 }, default = 0, about = "1: poses are transforms, and their sizes apart" },
+    { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
+    { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
+    { "RANK", values = { 0, 1 }, default = 1, about = "count objects a cell, for the counting sort" },
+    { "PACKED", values = { 0, 1 }, default = 0, about = "1: objects of one slab, with their ids" },
+    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
+      about = "objects side by side in a work-item" },
+    { "BATCH", values = { 1, 8, 64 }, default = function(limits) return limits.cpu and 64 or 1 end,
+      about = "objects whose cells are known before the first is counted" },
+    { "CELLS_X", min = 0, max = 65536, default = 0, about = "cells along x that are compiled in; 0: read" },
+    { "CELLS_Y", min = 0, max = 65536, default = 0, about = "along y" },
+    { "CELLS_Z", min = 0, max = 65536, default = 0, about = "along z" },
+    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
+      about = "objects a work-item" },
+  },
+  valid = function(p, limits)
+    if p.BATCH % p.LANES ~= 0 then return false, "BATCH is not a multiple of LANES" end
+    if p.BATCH > p.LANES and not limits.cpu then return false, "BATCH above LANES is for CPUs" end
+    if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
+    if p.APART == 1 and (p.SHAPE == 1 or p.ORIGIN > 0) then return false, "only poses from 0 have their sizes apart" end
+    if p.APART == 1 and p.PACKED == 1 then return false, "what is packed is whole poses" end
+    if (p.CELLS_X == 0) ~= (p.CELLS_Y == 0) or (p.CELLS_X == 0) ~= (p.CELLS_Z == 0) then return false, "CELLS_X, CELLS_Y and CELLS_Z go together" end
+    if p.CELLS_X > 0 and (p.GRID == 1 or p.LEVELS == 1) then return false, "CELLS_X is for dense grids of one size" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

@@ -1,0 +1,41 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "half the neighbourhood in merged rows, objects in cell order",
+  uses = { "lanes.clh", "narrowphase/object.clh", "grid/grid.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "narrowphase/boxes.clh" },
+  emit = { "stencil" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
+    { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
+    { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
+    { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
+    { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
+    { "ORIGIN", min = 0, max = 254, default = 0,
+      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+    { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
+      about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
+    { "SORTED", values = { 1 }, default = 1, about = "boxes are read in cell order" },
+    { "FUSED", values = { 0, 1 }, default = 0, about = "1: candidates are tested where they are found" },
+    { "JOINED", values = { 0, 1 }, default = function(limits) return limits.cpu and 0 or 1 end,
+      about = "1: one loop over all ranges around a cell" },
+    { "IDS", values = { 0, 1 }, default = 0, about = "what a pair names: 0 places in cell order, 1 ids" },
+    { "CELLS_X", min = 0, max = 65536, default = 0, about = "cells along x that are compiled in; 0: read" },
+    { "CELLS_Y", min = 0, max = 65536, default = 0, about = "along y" },
+    { "CELLS_Z", min = 0, max = 65536, default = 0, about = "along z" },
+    { "WG", values = { 1, 32, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
+      about = "work-items a group" },
+    { "BUF", values = { 256, 512, 1024 }, default = 512, about = "pairs a group collects" },
+    { "PER_ITEM", values = { 1, 2, 4, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
+      about = "objects a work-item" },
+  },
+  valid = function(p, limits)
+    if p.BUF * 16 + 64 > limits.local_bytes then return false, "BUF above the device's local memory" end
+    if (p.SHAPE == 1 or p.ACCURACY == 1) and p.FUSED == 1 then return false, "bounds need no test" end
+    if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
+    if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
+    if (p.CELLS_X == 0) ~= (p.CELLS_Y == 0) or (p.CELLS_X == 0) ~= (p.CELLS_Z == 0) then return false, "CELLS_X, CELLS_Y and CELLS_Z go together" end
+    if p.CELLS_X > 0 and (p.GRID == 1 or p.LEVELS == 1) then return false, "CELLS_X is for dense grids of one size" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

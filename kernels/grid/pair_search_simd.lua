@@ -1,0 +1,35 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "half the neighbourhood in merged rows and the axis test, eight at a time",
+  uses = { "lanes.clh", "narrowphase/object.clh", "grid/grid.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "narrowphase/box_rows.clh", "narrowphase/collide.clh",
+    "grid/corners.clh" },
+  emit = { "stencil" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
+    { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
+    { "ORIGIN", min = 0, max = 254, default = 0,
+      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+    { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
+      about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
+    { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
+    { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
+    { "ROOMY", values = { 0, 1 }, default = 0, about = "1: dense, one size, three cells or more along x and y" },
+    { "FUSED", values = { 0, 1 }, default = 1, about = "1: candidates are tested where they are found" },
+    { "LANES", values = { 8 }, default = 8, about = "objects side by side in a work-item" },
+    { "WG", values = { 1 }, default = 1, about = "work-items a group" },
+    { "BUF", values = { 256, 512, 1024, 2048 }, default = 512, about = "candidates that wait for the axis test" },
+    { "AHEAD", values = { 0, 16, 32, 64 }, default = function(limits) return limits.cpu and 32 or 0 end,
+      about = "boxes asked for before they are needed" },
+    { "PER_ITEM", values = { 256, 1024, 4096 }, default = 1024, about = "objects a work-item" },
+  },
+  valid = function(p, limits)
+    if p.AHEAD > 0 and not limits.cpu then return false, "AHEAD is for CPUs" end
+    if p.ROOMY == 1 and (p.GRID == 1 or p.LEVELS == 1) then return false, "ROOMY is for dense grids of one size" end
+    if (p.SHAPE == 1 or p.ACCURACY == 1) and p.FUSED == 1 then return false, "bounds need no test" end
+    if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
+    if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

@@ -1,0 +1,31 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "objects and their bounds into cell order",
+  uses = { "lanes.clh", "narrowphase/object.clh", "grid/grid.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
+    { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
+    { "ORIGIN", min = 0, max = 254, default = 0,
+      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+    { "APART", values = { 0, 1 }, default = 0, about = "1: poses are transforms, and their sizes apart" },
+    { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
+    { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
+    { "FROM_IDS", values = { 0, 1 }, default = 1, about = "1: gathers by sorted ids, 0: scatters by cell and rank" },
+    { "PACKED", values = { 0, 1 }, default = 0, about = "1: objects of one slab, with their ids" },
+    { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
+    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
+      about = "objects a work-item" },
+    { "BATCH", values = { 1, 16 }, default = function(limits) return limits.cpu and 16 or 1 end,
+      about = "objects read ahead" },
+  },
+  valid = function(p)
+    if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
+    if p.APART == 1 and (p.SHAPE == 1 or p.ORIGIN > 0) then return false, "only poses from 0 have their sizes apart" end
+    if p.APART == 1 and p.PACKED == 1 then return false, "what is packed is whole poses" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

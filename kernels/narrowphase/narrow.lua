@@ -1,0 +1,26 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "separating axis test of the candidates",
+  uses = { "lanes.clh", "narrowphase/object.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "narrowphase/boxes.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "SHAPE", values = { 0 }, default = 0, about = "poses: bounds need no test" },
+    { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
+    { "ORIGIN", min = 0, max = 254, default = 0,
+      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+    { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
+      about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
+    { "SORTED", values = { 0, 1 }, default = 1, about = "where a box is read: 0 by id, 1 in cell order" },
+    { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
+    { "WG", values = { 1, 32, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 2, 4, 256 }, default = function(limits) return limits.cpu and 256 or 4 end,
+      about = "candidates a work-item tests between two flushes" },
+  },
+  valid = function(p, limits)
+    if p.WG * p.PER_ITEM * 8 + 64 > limits.local_bytes then return false, "pairs above the device's local memory" end
+    if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

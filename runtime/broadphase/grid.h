@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// The grid's geometry: where it lies, its levels, their cells.
+//
+// An object belongs to the cell of its point: a pose's centre, or the lower corner
+// of bounds. Both are numbers of the input, so that nothing is rounded on the way.
+// Two objects of one level meet in neighbouring cells only if neither is wider
+// than a cell. A dense grid has an entry for every cell, level after level. A
+// hashed one scatters the cells of all levels over a table of about two
+// entries an object, so that worlds of any size take memory for the objects
+// alone. Objects outside a dense grid count to its border cells.
+//
+// Dense cell coordinates are computed in float, which can misplace a point by
+// u * cells (u = 2^-24) three times over: the edge is wider than the widest object
+// by the margin 2^-16 + cells * 2^-21, and an axis has at most 65 536 cells.
+// Hashed ones are computed in double, and an axis has at most 2^30 cells. No edge
+// is below 2^-125, so that 1 / edge is a float. docs/accuracy.md has the proof.
+#ifndef RUNTIME_GRID_H
+#define RUNTIME_GRID_H
+
+#include "runtime/duet.h"
+
+#include <CL/cl.h>
+
+typedef enum grid_kind { GRID_DENSE, GRID_HASHED } grid_kind;
+
+enum { GRID_LEVELS = 16 };
+
+// As kernels/grid/grid.clh has it.
+typedef struct grid_level {
+    cl_float4 lower;    // with origin cells in one, whose xyz is in the last words of these three
+    cl_float4 per_cell; // 1 / edge
+    cl_float4 limit;    // an extent above it does not fit: the edge less its margin
+    cl_float4 reach;    // how far beyond its point an object's bounds may be, with a margin
+    cl_int4 cells;      // w: the key of the level's first cell
+} grid_level;
+
+typedef struct grid {
+    grid_kind kind;
+    uint32_t n_levels; // finest first
+    grid_level levels[GRID_LEVELS];
+    uint32_t n_cells;  // of all levels, or entries of the table, a power of two
+    uint32_t key_bits; // of n_cells, the key of objects that are left out
+    float edge;        // the least of any level
+} grid;
+
+enum { GRID_OCTAVES = 300 };
+
+// What the objects need. Bad ones are not counted.
+typedef struct grid_needs {
+    double lower[3]; // of the points that decide cells
+    double upper[3];
+    double widest;      // the largest extent of any object
+    uint32_t widest_id; // whose it is
+    // By octave of the extent of the bounds that devices compute, which are wider
+    // by their rounding: how many objects, and the largest extent.
+    uint32_t octave_n[GRID_OCTAVES];
+    double octave_widest[GRID_OCTAVES];
+} grid_needs;
+
+// What objects a grid is for: poses or bounds, with an origin placed poses, or
+// with sizes transforms.
+typedef struct grid_objects {
+    const void *rows;
+    duet_shape shape;
+    float origin; // the edge of origin cells, or 0
+    uint32_t n;
+    uint32_t dims;
+    const duet_size *sizes; // that the rows are without, or NULL
+} grid_objects;
+
+size_t grid_row_bytes(const grid_objects *objects);
+
+// A pose without its size.
+duet_transform grid_transform_of(const duet_pose *pose);
+
+// The pose of an object that has one; *scratch holds it where its size lies apart.
+const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *scratch);
+
+void grid_needs_of(grid_needs *needs, const grid_objects *objects);
+
+// The point that decides an object's cell, and its centre; z is 0 in 2D.
+void grid_point_of(double point[3], const grid_objects *objects, uint32_t id);
+void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id);
+
+// Where a level begins along an axis.
+double grid_corner(const grid_level *level, float origin, uint32_t axis);
+
+// How a grid is to be made; zero where that is open.
+typedef struct grid_wish {
+    bool has_world;
+    double lower[3]; // of the world
+    double upper[3];
+    double edge;  // of the cells at least; one level then
+    bool uniform; // one level, whatever the sizes
+    bool dense;   // never hashed
+    bool hashed;  // always hashed
+} grid_wish;
+
+// The grid for these objects. Dense unless so many objects would share cells
+// that a hashed one is far better. Memory for counting them may run out.
+bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const grid_objects *objects,
+              duet_error *err);
+
+// Dense, of one level, and at least three cells wide along all axes but the
+// last: then no cell is near another on both ways round a row's end.
+bool grid_is_roomy(const grid *g, uint32_t dims);
+
+// How many rows of cells a dense grid of one level has; in key order each row
+// is cells[0] keys long.
+uint32_t grid_rows(const grid *g);
+
+// A coordinate's cell along one axis of a dense grid, in the kernels' own float
+// arithmetic: what is not a number lies in the first.
+static inline uint32_t grid_cell_along(float at, float lower, float per_cell, cl_int cells)
+{
+    float last = (float)(cells - 1);
+    float cell = (at - lower) * per_cell;
+    cell = cell > 0.0f ? cell : 0.0f;
+    return (uint32_t)(int32_t)(cell < last ? cell : last);
+}
+
+// The row of an object, in a dense grid of one level.
+uint32_t grid_row_of(const grid *g, const grid_objects *objects, uint32_t id);
+
+#endif

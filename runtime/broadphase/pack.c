@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: MIT
+#define _GNU_SOURCE // sched_getaffinity
+#include "runtime/broadphase/pack.h"
+
+#include <sched.h>
+#include <string.h>
+
+// Objects that a thread takes at once: with their rows they stay in its cache.
+enum { BLOCK = 1024 };
+
+// Of 1.3 MB: it travels for 24 microseconds, a launch takes some two.
+enum { LEAST_CHUNK = 32 * BLOCK };
+
+// Chunks under way at a time: one travels, one waits to, the others fill.
+enum { SLOTS = 6 };
+
+// More only wait for the same memory.
+enum { MOST_THREADS = 30 };
+
+uint32_t pack_threads(void)
+{
+    cpu_set_t cpus;
+    int n = sched_getaffinity(0, sizeof cpus, &cpus) == 0 ? CPU_COUNT(&cpus) : 1;
+    return n <= 3 ? 1 : n - 2 < MOST_THREADS ? (uint32_t)n - 2 : MOST_THREADS;
+}
+
+// ---------------------------------------------------------------- capacity
+
+static size_t object_bytes(duet_shape shape)
+{
+    return shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds);
+}
+
+void pack_open(pack *p)
+{
+    p->least_chunk = LEAST_CHUNK;
+}
+
+static uint32_t divide_up(uint32_t n, uint32_t by)
+{
+    return n / by + (n % by > 0);
+}
+
+static bool begin_stream(pack_stream *s, uint32_t capacity, uint32_t least_chunk,
+                         uint32_t most_slots, size_t bytes, const device *to, duet_error *err)
+{
+    s->capacity = capacity;
+    s->chunk = divide_up(capacity, PACK_CHUNKS);
+    s->chunk = s->chunk < least_chunk ? least_chunk : s->chunk;
+    s->n_slots = divide_up(capacity, s->chunk);
+    s->n_slots = s->n_slots < most_slots ? s->n_slots : most_slots;
+    atomic_init(&s->taken, 0);
+    atomic_init(&s->sent, 0);
+    for (int i = 0; i < PACK_CHUNKS; ++i)
+        atomic_init(&s->filled[i], 0);
+    return host_block_reserve(&s->objects, to, 1, (size_t)s->n_slots * s->chunk * bytes, err) &&
+           host_block_reserve(&s->names, to, 1, capacity * sizeof(uint32_t), err);
+}
+
+// Ghosts are sent last, behind the homes, and all have their place until then.
+static bool begin_slab(pack *p, pack_slab *slab, const part_range *range, const device *to,
+                       duet_error *err)
+{
+    size_t bytes = object_bytes(p->task.shape);
+    return begin_stream(&slab->homes, range->expected_homes, p->least_chunk, SLOTS, bytes, to,
+                        err) &&
+           begin_stream(&slab->ghosts, range->expected_ghosts, p->least_chunk, PACK_CHUNKS, bytes,
+                        to, err);
+}
+
+bool pack_begin(pack *p, const part_task *task, const part_range ranges[2], const bool wanted[2],
+                const device devices[2], duet_error *err)
+{
+    uint32_t nx = (uint32_t)task->grid.levels[0].cells.s[0];
+    p->task = *task;
+    p->n_blocks = (uint32_t)(((uint64_t)task->n + BLOCK - 1) / BLOCK);
+    atomic_init(&p->begun, 0);
+    atomic_init(&p->done, 0);
+    atomic_init(&p->abandoned, false);
+    for (int side = 0; side < 2; ++side) {
+        pack_slab *slab = &p->slabs[side];
+        const part_range *range = &ranges[side];
+        slab->wanted = wanted[side];
+        slab->row_from = range->key_from / nx;
+        slab->row_home_to = range->home_to / nx;
+        slab->row_to = range->key_to / nx;
+        if (wanted[side] && !begin_slab(p, slab, range, &devices[side], err))
+            return false;
+    }
+    return true;
+}
+
+void pack_close(pack *p)
+{
+    for (int side = 0; side < 2; ++side) {
+        pack_stream *streams[] = {&p->slabs[side].homes, &p->slabs[side].ghosts};
+        for (int i = 0; i < 2; ++i) {
+            host_block_release(&streams[i]->objects);
+            host_block_release(&streams[i]->names);
+        }
+    }
+}
+
+// ---------------------------------------------------------------- rows
+
+static float point_of_pose(const void *objects, uint32_t id, int axis)
+{
+    return ((const duet_pose *)objects)[id].centre[axis];
+}
+
+static float point_of_bounds(const void *objects, uint32_t id, int axis)
+{
+    return ((const duet_bounds *)objects)[id].lower[axis];
+}
+
+// The cells of n objects along one axis; what is called is inlined, so that a
+// block takes as long as reading it.
+static inline void find_cells(uint32_t *cells, float (*point_of)(const void *, uint32_t, int),
+                              const part_task *task, uint32_t first, uint32_t n, int axis)
+{
+    const grid_level *level = &task->grid.levels[0];
+    float lower = level->lower.s[axis];
+    float per_cell = level->per_cell.s[axis];
+    cl_int along = level->cells.s[axis];
+    for (uint32_t k = 0; k < n; ++k)
+        cells[k] =
+            grid_cell_along(point_of(task->objects, first + k, axis), lower, per_cell, along);
+}
+
+static void find_along(uint32_t *cells, const part_task *task, uint32_t first, uint32_t n, int axis)
+{
+    if (task->shape == DUET_SHAPE_POSES)
+        find_cells(cells, point_of_pose, task, first, n, axis);
+    else
+        find_cells(cells, point_of_bounds, task, first, n, axis);
+}
+
+static void find_rows(uint32_t rows[BLOCK], const part_task *task, uint32_t first, uint32_t n)
+{
+    find_along(rows, task, first, n, 1);
+    if (task->dims == 2)
+        return;
+    uint32_t layers[BLOCK];
+    uint32_t ny = (uint32_t)task->grid.levels[0].cells.s[1];
+    find_along(layers, task, first, n, 2);
+    for (uint32_t k = 0; k < n; ++k)
+        rows[k] += layers[k] * ny;
+}
+
+// ---------------------------------------------------------------- gathering
+
+// Objects of rows [from, to). Without a branch, for half of them are.
+static uint32_t pick(uint16_t picked[BLOCK], const uint32_t *rows, uint32_t n, uint32_t from,
+                     uint32_t to)
+{
+    uint32_t n_picked = 0;
+    for (uint32_t k = 0; k < n; ++k) {
+        picked[n_picked] = (uint16_t)k;
+        n_picked += rows[k] - from < to - from;
+    }
+    return n_picked;
+}
+
+static void copy_objects(const pack_stream *s, const part_task *task, uint32_t to, uint32_t first,
+                         const uint16_t *picked, uint32_t n)
+{
+    size_t at = to % (s->n_slots * s->chunk);
+    if (task->shape == DUET_SHAPE_POSES) {
+        duet_pose *out = (duet_pose *)s->objects.bytes + at;
+        const duet_pose *in = (const duet_pose *)task->objects + first;
+        for (uint32_t i = 0; i < n; ++i)
+            out[i] = in[picked[i]];
+    } else {
+        duet_bounds *out = (duet_bounds *)s->objects.bytes + at;
+        const duet_bounds *in = (const duet_bounds *)task->objects + first;
+        for (uint32_t i = 0; i < n; ++i)
+            out[i] = in[picked[i]];
+    }
+    uint32_t *names = (uint32_t *)s->names.bytes + to;
+    for (uint32_t i = 0; i < n; ++i)
+        names[i] = first + picked[i];
+}
+
+// False where the slot will not be free any more. Who waits for a chunk has
+// written all that it took of those before it, so that they can be sent.
+static bool wait_for_slot(pack *p, pack_stream *s, uint32_t chunk)
+{
+    while (chunk >= atomic_load_explicit(&s->sent, memory_order_acquire) + s->n_slots) {
+        if (pack_is_abandoned(p))
+            return false;
+        sched_yield();
+    }
+    return true;
+}
+
+static void gather(pack *p, pack_stream *s, uint32_t first, const uint16_t *picked, uint32_t n)
+{
+    uint32_t to = atomic_fetch_add_explicit(&s->taken, n, memory_order_relaxed);
+    if ((uint64_t)to + n > s->capacity)
+        return;
+    while (n > 0) {
+        uint32_t chunk = to / s->chunk;
+        uint32_t left = s->chunk - to % s->chunk;
+        uint32_t here = n < left ? n : left;
+        if (!wait_for_slot(p, s, chunk))
+            return;
+        copy_objects(s, &p->task, to, first, picked, here);
+        atomic_fetch_add_explicit(&s->filled[chunk], here, memory_order_release);
+        to += here;
+        picked += here;
+        n -= here;
+    }
+}
+
+static void pack_block(pack *p, uint32_t block)
+{
+    uint32_t rows[BLOCK];
+    uint16_t picked[BLOCK];
+    uint32_t first = block * BLOCK;
+    uint32_t n = p->task.n - first < BLOCK ? p->task.n - first : BLOCK;
+    find_rows(rows, &p->task, first, n);
+    for (int side = 0; side < 2; ++side) {
+        pack_slab *slab = &p->slabs[side];
+        if (!slab->wanted)
+            continue;
+        uint32_t n_homes = pick(picked, rows, n, slab->row_from, slab->row_home_to);
+        gather(p, &slab->homes, first, picked, n_homes);
+        uint32_t n_ghosts = pick(picked, rows, n, slab->row_home_to, slab->row_to);
+        gather(p, &slab->ghosts, first, picked, n_ghosts);
+    }
+    atomic_fetch_add_explicit(&p->done, 1, memory_order_release);
+}
+
+void pack_blocks(void *arg)
+{
+    pack *p = arg;
+    uint32_t block = 0;
+    while ((block = atomic_fetch_add_explicit(&p->begun, 1, memory_order_relaxed)) < p->n_blocks)
+        pack_block(p, block);
+}
+
+bool pack_is_done(pack *p)
+{
+    return atomic_load_explicit(&p->done, memory_order_acquire) == p->n_blocks;
+}
+
+bool pack_chunk_is_full(pack_stream *s, uint32_t chunk)
+{
+    return chunk < PACK_CHUNKS &&
+           atomic_load_explicit(&s->filled[chunk], memory_order_acquire) == s->chunk;
+}
+
+void pack_abandon(pack *p)
+{
+    atomic_store(&p->abandoned, true);
+}
+
+bool pack_is_abandoned(pack *p)
+{
+    return atomic_load(&p->abandoned);
+}

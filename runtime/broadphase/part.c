@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/broadphase/part.h"
+
+#include "base/error.h"
+#include "runtime/narrowphase/level.h"
+#include "runtime/narrowphase/origin.h"
+#include "runtime/opencl/device_pair.h"
+
+#include <stddef.h>
+#include <string.h>
+
+// Of 5 MB: they travel for 0.1 ms, a launch takes some 3 microseconds.
+enum { LEAST_CHUNK = 1 << 17 };
+
+// Where a part has its buffers.
+static const size_t buffers[] = {
+    offsetof(part, objects),    offsetof(part, sizes),  offsetof(part, names),
+    offsetof(part, keys),       offsetof(part, ids),    offsetof(part, keys_spare),
+    offsetof(part, ids_spare),  offsetof(part, starts), offsetof(part, sums),
+    offsetof(part, tiles),      offsetof(part, bounds), offsetof(part, boxes),
+    offsetof(part, candidates), offsetof(part, pairs),  offsetof(part, undecided),
+    offsetof(part, counters),   offsetof(part, levels)};
+
+bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
+{
+    *p = (part){
+        .device = &pair->devices[side], .devices = pair->devices, .least_chunk = LEAST_CHUNK};
+    p->gen = gen_open(pair->kernel_dir, err);
+    p->programs = p->gen ? program_set_open(p->device, p->gen, pair->cache_dir, err) : NULL;
+    bool ok = p->programs &&
+              buffer_reserve(&p->counters, p->device, PART_COUNTERS * sizeof(uint32_t), err) &&
+              buffer_reserve(&p->levels, p->device, sizeof((grid *)0)->levels, err);
+    if (!ok)
+        part_close(p);
+    return ok;
+}
+
+void part_close(part *p)
+{
+    timeline_clear(&p->times);
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i)
+        buffer_release((buffer *)((char *)p + buffers[i]));
+    host_block_release(&p->fetched);
+    host_block_release(&p->news);
+    host_block_release(&p->sent);
+    program_set_close(p->programs);
+    gen_close(p->gen);
+    *p = (part){0};
+}
+
+// ---------------------------------------------------------------- kernels
+
+// What the scene and the stage decide. A choice that is open may be set otherwise
+// by the variant.
+typedef struct choice {
+    const char *name;
+    int64_t value;
+    bool open;
+} choice;
+
+enum { MAX_SETTINGS = 24 };
+
+static bool is_meant(const variant *v, uint32_t i, const char *kernel_name)
+{
+    return !v->settings[i].kernel[0] || strcmp(v->settings[i].kernel, kernel_name) == 0;
+}
+
+static bool set_by_variant(part *p, const char *kernel_name, const choice *choices,
+                           uint32_t n_choices, gen_setting *setting, duet_error *err)
+{
+    for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
+        if (!is_meant(&p->variant, i, kernel_name) ||
+            strcmp(p->variant.settings[i].name, setting->name) != 0)
+            continue;
+        for (uint32_t k = 0; k < n_choices; ++k)
+            if (strcmp(choices[k].name, setting->name) == 0 && !choices[k].open)
+                return error_set(err, DUET_BAD_ARGUMENT,
+                                 "variant: %s is what the scene decides, and cannot be set",
+                                 setting->name);
+        setting->value = p->variant.settings[i].value;
+        p->variant.settings[i].used = true;
+    }
+    return true;
+}
+
+// Every parameter of the kernel's card that the scene, the stage or the variant
+// sets; the others keep the card's own value.
+static bool gather_settings(part *p, const char *name, const choice *choices, uint32_t n_choices,
+                            gen_setting settings[MAX_SETTINGS], uint32_t *n_settings,
+                            duet_error *err)
+{
+    const gen_param *params = NULL;
+    uint32_t n_params = 0;
+    gen_limits limits = program_set_limits(p->programs);
+    if (!gen_params(p->gen, name, &limits, &params, &n_params, err))
+        return false;
+    *n_settings = n_params < MAX_SETTINGS ? n_params : MAX_SETTINGS;
+    for (uint32_t i = 0; i < *n_settings; ++i) {
+        settings[i] = (gen_setting){params[i].name, params[i].fallback};
+        for (uint32_t k = 0; k < n_choices; ++k)
+            if (strcmp(choices[k].name, params[i].name) == 0)
+                settings[i].value = choices[k].value;
+        if (!set_by_variant(p, name, choices, n_choices, &settings[i], err))
+            return false;
+    }
+    return true;
+}
+
+static kernel *get_kernel(part *p, const char *name, const char *entry, const choice *choices,
+                          uint32_t n_choices, duet_error *err)
+{
+    gen_setting settings[MAX_SETTINGS];
+    uint32_t n = 0;
+    if (!gather_settings(p, name, choices, n_choices, settings, &n, err))
+        return NULL;
+    return program_set_kernel(p->programs, name, entry, settings, n, err);
+}
+
+static bool all_settings_used(const part *p, duet_error *err)
+{
+    for (uint32_t i = 0; i < p->variant.n_settings; ++i)
+        if (!p->variant.settings[i].used)
+            return error_set(
+                err, DUET_BAD_ARGUMENT, "variant: no kernel that it runs has a parameter '%s%s%s'",
+                p->variant.settings[i].kernel, p->variant.settings[i].kernel[0] ? "." : "",
+                p->variant.settings[i].name);
+    return true;
+}
+
+// Where nothing is rotated most levels are one.
+static duet_level level_of(const part_task *task)
+{
+    bool differs =
+        task->shape == DUET_SHAPE_POSES && (task->rotated || level_tests_upright(task->level));
+    return differs ? task->level : DUET_LEVEL_CERTIFIED;
+}
+
+// The cells that kernels have compiled in, or none: a grid whose cells change is
+// read, so that objects that move never make the kernels be built again.
+static cl_int4 compiled_cells(const part *p, const part_task *task)
+{
+    bool fixed = p->variant.fixed && !task->cells_vary && task->grid.kind == GRID_DENSE &&
+                 task->grid.n_levels == 1;
+    return fixed ? task->grid.levels[0].cells : (cl_int4){{0}};
+}
+
+bool part_prepare(part *p, const char *variant_text, const part_task *task, duet_error *err)
+{
+    if (!variant_parse(&p->variant, variant_text, &p->device->info, err))
+        return false;
+    static const struct {
+        const char *starts;
+        const char *place[2]; // kernel and its entry
+        const char *candidates;
+        const char *narrow;
+        bool in_cell_order;
+    } searches[] = {
+        [SEARCH_GPU] = {"row_start", {"reorder", "reorder"}, "pair_search_gpu", "narrow", true},
+        [SEARCH_SIMD] = {"row_start",
+                         {"reorder_simd", "reorder_simd"},
+                         "pair_search_simd",
+                         "narrow_simd",
+                         true},
+        [SEARCH_PAPER] =
+            {"cell_start", {"bounds", "find_bounds"}, "pair_search_paper", "narrow", false},
+    };
+    const int search = p->variant.search;
+    bool counting = p->variant.sort == SORT_COUNTING;
+    bool poses = task->shape == DUET_SHAPE_POSES;
+    duet_level level = level_of(task);
+    bool tested = poses && level != DUET_LEVEL_AABB;
+    cl_int4 cells = compiled_cells(p, task);
+    uint32_t origin_bits;
+    memcpy(&origin_bits, &task->origin, sizeof origin_bits);
+    const choice choices[] = {
+        {"DIMS", task->dims, false},
+        {"SHAPE", task->shape, false},
+        {"ORIGIN", origin_bits >> 23, false},
+        {"APART", task->sizes != NULL, false},
+        {"ROTATED", poses && task->rotated, false},
+        {"RANK", counting, false},
+        {"SORTED", searches[search].in_cell_order, false},
+        {"IDS", !tested, false},
+        {"ACCURACY", level, false},
+        {"GRID", task->grid.kind, false},
+        {"LEVELS", task->grid.n_levels > 1, false},
+        {"ROOMY", grid_is_roomy(&task->grid, task->dims), false},
+        {"CELLS_X", cells.s[0], false},
+        {"CELLS_Y", cells.s[1], false},
+        {"CELLS_Z", cells.s[2], false},
+        {"PACKED", task->packed, false},
+        {"FROM_IDS", 1, counting && !task->shared},
+        {"FUSED", tested && p->variant.fused, tested},
+    };
+    const uint32_t n = sizeof choices / sizeof choices[0];
+    const struct {
+        kernel **at;
+        bool wanted;
+        const char *name;
+        const char *entry;
+    } list[] = {
+        {&p->kernels.clear, true, "clear", "clear"},
+        {&p->kernels.hash, true, "hash", "hash"},
+        {&p->kernels.scan_sums, true, "scan", "scan_sums"},
+        {&p->kernels.scan_tops, true, "scan", "scan_tops"},
+        {&p->kernels.scan_blocks, true, "scan", "scan_blocks"},
+        {&p->kernels.scatter, counting, "scatter", "scatter"},
+        {&p->kernels.radix_count, !counting, "radix", "radix_count"},
+        {&p->kernels.radix_move, !counting, "radix", "radix_move"},
+        {&p->kernels.starts, !counting, "cell_start", searches[search].starts},
+        {&p->kernels.place, true, searches[search].place[0], searches[search].place[1]},
+        {&p->kernels.candidates, true, searches[search].candidates, searches[search].candidates},
+    };
+    p->kernels = (part_kernels){0};
+    for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i) {
+        if (!list[i].wanted)
+            continue;
+        *list[i].at = get_kernel(p, list[i].name, list[i].entry, choices, n, err);
+        if (!*list[i].at)
+            return false;
+    }
+    p->kernels.from_ids = search != SEARCH_GPU || kernel_param(p->kernels.place, "FROM_IDS") == 1;
+    p->kernels.packed = task->packed;
+    p->kernels.listed = !tested;
+    p->kernels.fused = kernel_param(p->kernels.candidates, "FUSED") == 1;
+    // Fused rows leave to narrow what their buffers cannot hold, lanes nothing.
+    if (tested && !(p->kernels.fused && search == SEARCH_SIMD)) {
+        const char *narrow = searches[search].narrow;
+        p->kernels.narrow = get_kernel(p, narrow, narrow, choices, n, err);
+        if (!p->kernels.narrow)
+            return false;
+    }
+    if (p->kernels.radix_count)
+        p->kernels.radix_bits = (uint32_t)kernel_param(p->kernels.radix_count, "BITS");
+    return all_settings_used(p, err);
+}
+
+// ---------------------------------------------------------------- a step
+
+grid_objects part_objects(const part_task *task)
+{
+    return (grid_objects){task->objects, task->shape, task->origin,
+                          task->n,       task->dims,  task->sizes};
+}
+
+// A chunk is whole groups of the kernel that takes them, the last one apart.
+static uint32_t chunk_size(const part *p, uint32_t n)
+{
+    uint64_t unit = (uint64_t)p->kernels.hash->group * p->kernels.hash->per_item;
+    uint64_t size = (uint64_t)n / PART_CHUNKS + 1;
+    size = size < p->least_chunk ? p->least_chunk : size;
+    size = (size + unit - 1) / unit * unit;
+    return size < n ? (uint32_t)size : n;
+}
+
+// All chunks are on their way at once, beside the kernels.
+static bool send_chunks(part *p, const part_task *task, duet_error *err)
+{
+    grid_objects objects = part_objects(task);
+    size_t bytes = grid_row_bytes(&objects);
+    uint32_t size = chunk_size(p, task->n);
+    for (uint32_t from = 0; from < task->n; from = p->chunks[p->n_chunks - 1].to) {
+        uint32_t n = task->n - from < size ? task->n - from : size;
+        if (!timeline_write_beside(&p->times, "send objects", &p->objects, from * bytes,
+                                   (const char *)task->objects + from * bytes, n * bytes, err))
+            return false;
+        p->chunks[p->n_chunks++] = (part_chunk){from + n, timeline_last_event(&p->times)};
+    }
+    return true;
+}
+
+static bool wants_chunks(const part *p, const part_task *task)
+{
+    return p->variant.send == SEND_CHUNKS && !task->receives && !p->device->info.host_memory;
+}
+
+// Objects that the device has already are not sent again.
+static bool send_objects(part *p, const part_task *task, size_t bytes, duet_error *err)
+{
+    p->packed.objects_version = 0;
+    bool ok = buffer_hold(&p->objects, p->device, (void *)task->objects, bytes, err);
+    if (ok && p->objects_version != task->objects_version)
+        ok = wants_chunks(p, task) ? send_chunks(p, task, err)
+                                   : timeline_write(&p->times, "send objects", &p->objects,
+                                                    task->objects, bytes, err);
+    p->objects_version = ok ? task->objects_version : 0;
+    return ok;
+}
+
+static bool send_sizes(part *p, const part_task *task, duet_error *err)
+{
+    if (!task->sizes || p->sizes_version == task->sizes_version)
+        return true;
+    size_t bytes = ((size_t)task->n + 1) * sizeof *task->sizes;
+    bool ok = buffer_hold(&p->sizes, p->device, (void *)task->sizes, bytes, err) &&
+              timeline_write(&p->times, "send objects", &p->sizes, task->sizes, bytes, err);
+    p->sizes_version = ok ? task->sizes_version : 0;
+    return ok;
+}
+
+static bool send_levels(part *p, const part_task *task, duet_error *err)
+{
+    if (p->levels_version == task->grid_version)
+        return true;
+    bool ok = timeline_write(&p->times, "send objects", &p->levels, task->grid.levels,
+                             task->grid.n_levels * sizeof task->grid.levels[0], err);
+    p->levels_version = ok ? task->grid_version : 0;
+    return ok;
+}
+
+void part_distrust(part *p)
+{
+    timeline_clear(&p->times);
+    p->objects_version = p->sizes_version = p->levels_version = 0;
+    p->packed.objects_version = 0;
+}
+
+void part_forget(part *p)
+{
+    timeline_begin(&p->times, p->device);
+    p->span = (duet_span){0};
+    p->n_candidates = p->n_undecided = 0;
+    p->runs = 0;
+    p->wall_ms = 0.0;
+    memset(p->counts, 0, sizeof p->counts);
+}
+
+bool part_begin(part *p, const part_task *task, duet_error *err)
+{
+    grid_objects objects = part_objects(task);
+    size_t bytes = task->n * grid_row_bytes(&objects);
+    p->n_chunks = 0;
+    if (bytes == 0)
+        return true;
+    return (task->packed || send_objects(p, task, bytes, err)) && send_sizes(p, task, err) &&
+           send_levels(p, task, err);
+}
+
+bool part_read_counters(part *p, duet_error *err)
+{
+    return timeline_read(&p->times, "fetch pairs", &p->counters, p->counts, sizeof p->counts, err);
+}
+
+uint64_t part_count(const part *p, int counter)
+{
+    return (uint64_t)p->counts[counter + 1] << 32 | p->counts[counter];
+}
+
+uint32_t part_bad(const part *p)
+{
+    return p->counts[COUNT_BAD];
+}
+
+uint32_t part_first_bad(const part *p)
+{
+    return ~p->counts[FIRST_BAD];
+}
+
+float part_widest(const part *p)
+{
+    float widest = 0.0f;
+    memcpy(&widest, &p->counts[WIDEST], sizeof widest);
+    return widest;
+}
+
+uint64_t part_bytes(const part *p)
+{
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i)
+        bytes += ((const buffer *)((const char *)p + buffers[i]))->bytes;
+    return bytes;
+}

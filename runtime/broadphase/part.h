@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+// One device's part of a step: its kernels, its memory, its grid, its search.
+//
+// A part is driven by one thread at a time. Sorting and searching follow its
+// variant; where the objects are cut between the parts is decided outside.
+#ifndef RUNTIME_PART_H
+#define RUNTIME_PART_H
+
+#include "runtime/broadphase/grid.h"
+#include "runtime/broadphase/variant.h"
+#include "runtime/opencl/timeline.h"
+
+// What both parts are told about the objects.
+typedef struct part_task {
+    bool shared;   // the grid is for both parts
+    bool receives; // the grid comes from the other part
+    bool packed;   // the part is sent the objects of its slab, with their ids
+    uint32_t dims;
+    duet_shape shape;
+    float origin; // the edge of origin cells, where poses are placed, or 0
+    bool rotated;
+    duet_level level;         // of accuracy, for poses
+    uint32_t n;               // that the part is sent
+    const void *objects;      // [all] poses or bounds on the host, or transforms
+    uint64_t objects_version; // changes with the objects' content
+    const duet_size *sizes;   // [all + 1] of transforms, or NULL
+    uint64_t sizes_version;   // changes with the sizes
+    grid grid;
+    uint64_t grid_version; // changes with the grid
+    bool cells_vary;       // the grid had other cells before
+    uint64_t max_pairs;
+} part_task;
+
+grid_objects part_objects(const part_task *task);
+
+// Which of the objects a part deals with. Its grid has the keys from key_from
+// to key_to; of those it searches around the ones up to home_to, and of the
+// sorted objects first .. last - 1. A whole grid has all keys; a slab the home
+// keys and as many more as a neighbour can be ahead.
+typedef struct part_range {
+    uint32_t key_from, home_to, key_to;
+    uint32_t first, last;
+    uint32_t expected;                        // about how many objects its grid gets
+    uint32_t expected_homes, expected_ghosts; // of a slab, likewise
+} part_range;
+
+// Objects that travel together: those from the chunk before it up to `to`.
+typedef struct part_chunk {
+    uint32_t to;
+    cl_event sent; // the timeline's
+} part_chunk;
+
+enum { PART_CHUNKS = 8 };
+
+typedef struct part_kernels {
+    kernel *clear;
+    kernel *hash;
+    kernel *scan_sums, *scan_tops, *scan_blocks;
+    kernel *scatter;
+    kernel *radix_count, *radix_move;
+    uint32_t radix_bits; // a pass
+    kernel *starts;
+    kernel *place; // bounds by id (paper), or everything into cell order (rows, lanes)
+    kernel *candidates;
+    kernel *narrow; // NULL where the candidates' kernel finds pairs
+    bool fused;     // candidates are tested where they are found
+    bool listed;    // what overlaps is a pair, without a test
+    bool from_ids;  // objects reach cell order by their sorted ids
+    bool packed;    // objects have names
+} part_kernels;
+
+enum { PART_COUNTERS = 16 };
+
+typedef struct part {
+    const device *device;
+    const device *devices; // the device pair, for host memory
+    gen *gen;
+    program_set *programs;
+    variant variant;
+    part_kernels kernels;
+    timeline times;
+
+    buffer objects;
+    uint64_t objects_version; // of what was sent last
+    buffer sizes;             // where the objects are transforms
+    uint64_t sizes_version;   // of what was sent last
+    uint32_t least_chunk;     // objects
+    part_chunk chunks[PART_CHUNKS];
+    uint32_t n_chunks; // under way; 0 where the objects are there
+    buffer names;      // of packed objects: their ids
+    struct {
+        uint64_t objects_version, grid_version; // of what was sent last; 0: nothing
+        uint32_t key_from, key_to;
+        uint32_t n, n_homes;
+    } packed;
+    buffer levels;                // the grid's
+    uint64_t levels_version;      // of what was sent last
+    buffer keys, ids;             // of the objects; in cell order once sorted
+    buffer keys_spare, ids_spare; // the other half of the radix sort; keys_spare also the ranks
+    buffer starts;                // first of each cell
+    buffer sums;                  // of blocks, while scanning
+    buffer tiles;                 // digits a tile, while sorting
+    buffer bounds;                // [n][2], by id or in cell order; lanes: by columns
+    buffer boxes;                 // [n][3], in cell order; lanes: rows of numbers
+    uint32_t place_capacity;      // objects that have a place in both
+    buffer candidates, pairs, undecided;
+    buffer counters;
+
+    uint32_t counts[PART_COUNTERS]; // the counters as read last
+    host_block fetched;             // pairs on the host, where the device has memory of its own
+    uint64_t pairs_ahead;           // of them, sent before their number was known
+    host_block news;                // what is sent ahead besides them
+    host_block sent;                // grid on its way to the other part
+    duet_span span;
+    uint64_t n_candidates, n_undecided;
+    uint32_t runs; // searches, more than one where a buffer had to grow
+    double wall_ms;
+    uint32_t extra_searches; // tests make the device slower with it
+} part;
+
+bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err);
+void part_close(part *p);
+
+// Generates and builds what the variant needs for such objects.
+bool part_prepare(part *p, const char *variant_text, const part_task *task, duet_error *err);
+
+// After a step that failed: waits for what is under way, and believes nothing of what
+// was sent, which may not have arrived.
+void part_distrust(part *p);
+
+// Forgets what the last step found, counted and took.
+void part_forget(part *p);
+
+// Starts a step: hands the objects over, unless they are packed, and the grid's
+// levels.
+bool part_begin(part *p, const part_task *task, duet_error *err);
+
+// Builds the grid of the range from the objects.
+bool part_build_grid(part *p, const part_task *task, const part_range *range, duet_error *err);
+
+// Gives the grid that `from` built to `to` (the paper, section 4.1): the sender
+// brings it to the host, the receiver takes it and makes what it lacks.
+bool part_send_grid(part *from, part *to, const part_task *task, duet_error *err);
+bool part_receive_grid(part *to, part *from, const part_task *task, const part_range *range,
+                       duet_error *err);
+
+// Finds the pairs of the range's objects with those that come after them in
+// cell order, and brings them to the host. *placed is false where the grid had
+// more objects than there was space for; there is more space afterwards, and the
+// grid must be built again.
+bool part_search(part *p, const part_task *task, const part_range *range, bool *placed,
+                 duet_error *err);
+
+// Bad objects and widest extent that did not fit, once a search or grid was
+// finished.
+uint32_t part_bad(const part *p);
+uint32_t part_first_bad(const part *p);
+float part_widest(const part *p); // 0: all fit
+
+uint64_t part_bytes(const part *p); // memory held on the device
+
+// Counters, as in kernels/common.clh.
+enum {
+    COUNT_CANDIDATES = 0,
+    COUNT_PAIRS = 2,
+    COUNT_UNDECIDED = 4,
+    COUNT_TESTED = 6,
+    COUNT_BAD = 8, // from here on a search leaves them as the grid set them
+    FIRST_BAD = 9,
+    WIDEST = 10,
+    COUNT_PLACED = 11
+};
+
+uint64_t part_count(const part *p, int counter);
+
+// Reads the counters, which waits for all that was launched.
+bool part_read_counters(part *p, duet_error *err);
+
+// The same behind a search, whose pairs may be on their way already.
+bool part_hear(part *p, duet_error *err);
+
+// Brings the pairs of the last search to the host, as the part's span, with
+// those of the undecided ones that collide. Ends the step's timeline.
+bool part_fetch(part *p, const part_task *task, duet_error *err);
+
+#endif

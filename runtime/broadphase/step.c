@@ -1,0 +1,398 @@
+// SPDX-License-Identifier: MIT
+// A step: fit the grid, let both devices find the pairs of their objects at
+// the same time, and hand out what they found.
+//
+// A takes the first share of the objects in cell order and B the rest. Each
+// pair is found from its first object, so no pair is found twice and none is
+// lost between the parts.
+#include "runtime/broadphase/world.h"
+
+#include "base/budget.h"
+#include "base/clock.h"
+#include "base/error.h"
+
+#include <math.h>
+#include <string.h>
+
+// Grids are fitted again where the number of objects has changed this much.
+enum { REFIT_FACTOR = 2 };
+
+// A second widening would mean that objects grew while the step ran.
+enum { MOST_FITS = 3 };
+
+// Packing must keep one object in so many from a device.
+enum { LEAST_LEFT_OUT = 16 };
+
+static double ms_since(uint64_t begun)
+{
+    return (double)(clock_steady_ns() - begun) * 1e-6;
+}
+
+// ---------------------------------------------------------------- the grid
+
+static bool fit_grid(duet_world *world, duet_error *err)
+{
+    const duet_world_def *def = &world->def;
+    grid_objects objects = world_objects(world);
+    grid_needs needs;
+    grid_needs_of(&needs, &objects);
+    bool too_small = def->cell > 0.0f && needs.widest > def->cell;
+    if (too_small && def->cell_fixed)
+        return error_set(err, DUET_CELL_TOO_SMALL,
+                         "the cell edge %g is below the extent %.9g of object %u; right would be a "
+                         "cell at least that wide",
+                         def->cell, needs.widest, needs.widest_id);
+    grid_wish wish = world->wish;
+    wish.has_world = def->has_world;
+    wish.edge = def->cell;
+    for (int k = 0; k < 3; ++k) {
+        wish.lower[k] = def->lower[k];
+        wish.upper[k] = def->upper[k];
+    }
+    const cl_int4 before = world->grid.levels[0].cells;
+    if (!grid_fit(&world->grid, &needs, &wish, &objects, err))
+        return false;
+    const cl_int4 cells = world->grid.levels[0].cells;
+    world->cells_vary |= before.s[0] > 0 && memcmp(&before, &cells, sizeof cells) != 0;
+    world->cell_widened = too_small;
+    world->fitted = true;
+    world->fitted_n = world->n;
+    world->split_stale = true;
+    ++world->grid_version;
+    world->prepared[0] = world->prepared[1] = false;
+    return true;
+}
+
+static bool needs_fit(const duet_world *world)
+{
+    uint64_t n = world->n;
+    return !world->fitted || n > REFIT_FACTOR * (uint64_t)world->fitted_n ||
+           REFIT_FACTOR * n < world->fitted_n;
+}
+
+static part_task describe_task(const duet_world *world)
+{
+    return (part_task){
+        .shared = world->def.plan.mode == DUET_MODE_SHARED,
+        .dims = world->def.dims,
+        .shape = world->def.shape,
+        .origin = world->def.origin,
+        .rotated = world->def.rotated,
+        .level = world->def.level,
+        .n = world->n,
+        .objects = world->objects.bytes,
+        .objects_version = world->objects_version,
+        .sizes = world->def.sizes_apart ? world->sizes.bytes : NULL,
+        .sizes_version = world->sizes_version,
+        .grid = world->grid,
+        .grid_version = world->grid_version,
+        .cells_vary = world->cells_vary,
+        .max_pairs = world->def.max_pairs,
+    };
+}
+
+// ---------------------------------------------------------------- parts
+
+// What one part does, possibly in the driver's thread.
+typedef struct job {
+    part *part;
+    part *grid_from; // NULL: builds its own
+    pack *pack;      // that its objects come from, where they are packed
+    int side;
+    part_task task;
+    part_range range;
+    bool placed; // the grid had space for its objects
+    bool ok;
+    duet_error err;
+} job;
+
+static bool build_own_grid(job *j)
+{
+    return part_begin(j->part, &j->task, &j->err) &&
+           (!j->task.packed || part_receive_slab(j->part, j->pack, j->side, &j->task, &j->range,
+                                                 &j->placed, &j->err)) &&
+           (!j->placed || part_build_grid(j->part, &j->task, &j->range, &j->err));
+}
+
+static void run_job(void *arg)
+{
+    job *j = arg;
+    uint64_t begun = clock_steady_ns();
+    j->ok = j->grid_from ? part_receive_grid(j->part, j->grid_from, &j->task, &j->range, &j->err)
+                         : build_own_grid(j);
+    if (!j->ok)
+        pack_abandon(j->pack);
+    else if (j->placed)
+        j->ok = part_search(j->part, &j->task, &j->range, &j->placed, &j->err);
+    j->part->wall_ms += ms_since(begun);
+}
+
+static bool has_work(const job *j)
+{
+    return j->range.first < j->range.last;
+}
+
+// An object's slab is known only once its row is, so that each device's part of
+// the objects is packed by all threads that there are.
+static bool start_packing(duet_world *world, const job jobs[2], bool *packing, duet_error *err)
+{
+    bool wanted[2];
+    for (int side = 0; side < 2; ++side)
+        wanted[side] = jobs[side].task.packed &&
+                       !part_has_slab(jobs[side].part, &jobs[side].task, &jobs[side].range);
+    const part_range ranges[2] = {jobs[0].range, jobs[1].range};
+    *packing = false;
+    if (!pack_begin(&world->pack, &jobs[0].task, ranges, wanted, jobs[0].part->devices, err))
+        return false;
+    if (!wanted[0] && !wanted[1])
+        return true;
+    if (!world->packers)
+        world->packers = thread_pool_open(pack_threads(), err);
+    *packing = world->packers;
+    if (*packing)
+        thread_pool_start(world->packers, pack_blocks, &world->pack);
+    return *packing;
+}
+
+// Own grids, whole ones or slabs.
+static bool run_own(duet_world *world, job jobs[2])
+{
+    bool use[2] = {has_work(&jobs[0]), has_work(&jobs[1])};
+    if (use[0] && use[1])
+        thread_pool_start(world->driver, run_job, &jobs[0]);
+    else if (use[0])
+        run_job(&jobs[0]);
+    if (use[1])
+        run_job(&jobs[1]);
+    if (use[0] && use[1])
+        thread_pool_wait(world->driver);
+    return (!use[0] || jobs[0].ok) && (!use[1] || jobs[1].ok);
+}
+
+// Figure 11: B builds the grid and sends it; then both search.
+static bool run_shared(duet_world *world, job jobs[2])
+{
+    job *a = &jobs[0];
+    job *b = &jobs[1];
+    a->task.receives = true;
+    uint64_t begun = clock_steady_ns();
+    b->ok = part_begin(b->part, &b->task, &b->err) && part_begin(a->part, &a->task, &b->err) &&
+            part_build_grid(b->part, &b->task, &b->range, &b->err) &&
+            part_send_grid(b->part, a->part, &b->task, &b->err);
+    b->part->wall_ms = ms_since(begun);
+    if (!b->ok)
+        return false;
+    a->grid_from = b->part;
+    thread_pool_start(world->driver, run_job, a);
+    begun = clock_steady_ns();
+    b->ok = part_search(b->part, &b->task, &b->range, &b->placed, &b->err);
+    b->part->wall_ms += ms_since(begun);
+    thread_pool_wait(world->driver);
+    return a->ok && b->ok;
+}
+
+static bool run_slabs(duet_world *world, job jobs[2], duet_error *err)
+{
+    bool packing = false;
+    if (!start_packing(world, jobs, &packing, err))
+        return false;
+    bool ok = run_own(world, jobs);
+    if (packing)
+        thread_pool_wait(world->packers);
+    return ok;
+}
+
+static bool prepare(duet_world *world, const job jobs[2], const bool use[2], duet_error *err)
+{
+    const char *variants[2] = {world->def.plan.variant_a, world->def.plan.variant_b};
+    for (int side = 0; side < 2; ++side) {
+        const part_task *task = &jobs[side].task;
+        part *p = &world->parts[side];
+        if (!use[side] || (world->prepared[side] && p->kernels.packed == task->packed))
+            continue;
+        world->prepared[side] = part_prepare(p, variants[side], task, err);
+        if (!world->prepared[side])
+            return false;
+    }
+    return true;
+}
+
+static void forget_last_step(duet_world *world)
+{
+    for (int side = 0; side < 2; ++side)
+        part_forget(&world->parts[side]);
+}
+
+// Which objects each part searches around: parts of one sorted order, or slabs.
+static bool divide(duet_world *world, const part_task *task, part_range ranges[2], duet_error *err)
+{
+    uint32_t share = world->def.plan.share;
+    if (world->def.plan.mode == DUET_MODE_SLAB) {
+        if (world->split_stale && !split_count(&world->split, task, err))
+            return false;
+        world->split_stale = false;
+        split_cut(&world->split, task, share, ranges);
+        return true;
+    }
+    uint32_t n_cells = task->grid.n_cells;
+    uint32_t cut = (uint32_t)((uint64_t)task->n * share / DUET_SHARE_ONE);
+    part_range whole = {.home_to = n_cells, .key_to = n_cells, .expected = task->n};
+    ranges[0] = ranges[1] = whole;
+    ranges[0].last = ranges[1].first = cut;
+    ranges[1].last = task->n;
+    return true;
+}
+
+// A device that copies is sent its slab alone where that leaves out enough to
+// pay for packing. The paper's kernels want every object by its id; placed poses
+// and transforms are not packed.
+static bool pays_to_pack(const duet_world *world, int side, const part_range ranges[2])
+{
+    const char *variants[2] = {world->def.plan.variant_a, world->def.plan.variant_b};
+    variant v;
+    return world->def.plan.mode == DUET_MODE_SLAB && world->def.origin == 0.0f &&
+           !world->def.sizes_apart && !world->parts[side].device->info.host_memory &&
+           ranges[0].last > 0 && ranges[1].last > 0 &&
+           ranges[side].expected <= world->n - world->n / LEAST_LEFT_OUT &&
+           variant_parse(&v, variants[side], &world->parts[side].device->info, NULL) &&
+           v.search == SEARCH_GPU && v.send == SEND_PACKED;
+}
+
+// *placed is false where a slab had more objects than it had space for.
+static bool run_parts(duet_world *world, bool *placed, duet_error *err)
+{
+    part_task task = describe_task(world);
+    part_range ranges[2];
+    forget_last_step(world);
+    if (!divide(world, &task, ranges, err))
+        return false;
+    job jobs[2];
+    for (int side = 0; side < 2; ++side) {
+        jobs[side] = (job){.part = &world->parts[side],
+                           .pack = &world->pack,
+                           .side = side,
+                           .task = task,
+                           .range = ranges[side],
+                           .placed = true};
+        jobs[side].task.packed = pays_to_pack(world, side, ranges);
+    }
+    bool shared = world->def.plan.mode == DUET_MODE_SHARED && has_work(&jobs[0]);
+    const bool use[2] = {has_work(&jobs[0]), shared || has_work(&jobs[1])};
+    if (!prepare(world, jobs, use, err))
+        return false;
+    bool ok = shared ? run_shared(world, jobs) : run_slabs(world, jobs, err);
+    for (int side = 0; side < 2 && !ok; ++side) {
+        part_distrust(&world->parts[side]);
+        if (jobs[side].err.status != DUET_OK && err && err->status == DUET_OK)
+            *err = jobs[side].err;
+    }
+    *placed = jobs[0].placed && jobs[1].placed;
+    return ok;
+}
+
+// ---------------------------------------------------------------- result
+
+static uint32_t largest(uint32_t a, uint32_t b)
+{
+    return a > b ? a : b;
+}
+
+static uint32_t smallest(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+// A part reports the bad objects of its home: slabs have no home in common, whole
+// grids are each other's.
+static uint32_t count_bad(const duet_world *world)
+{
+    uint32_t a = part_bad(&world->parts[0]);
+    uint32_t b = part_bad(&world->parts[1]);
+    return world->def.plan.mode == DUET_MODE_SLAB ? a + b : largest(a, b);
+}
+
+static bool check_bad(const duet_world *world, duet_error *err)
+{
+    const part *a = &world->parts[0];
+    const part *b = &world->parts[1];
+    uint32_t bad = count_bad(world);
+    if (bad == 0 || world->def.keep_bad)
+        return true;
+    return error_set(err, DUET_BAD_OBJECT,
+                     "object %u of %u is not a number, infinite, negative or without rotation "
+                     "(%u such objects)",
+                     smallest(part_first_bad(a), part_first_bad(b)), world->n, bad);
+}
+
+static double kernel_ms(const part *p)
+{
+    return (double)(p->times.last_end - p->times.first_begin) * 1e-6;
+}
+
+static void fill_result(duet_world *world, duet_result *result)
+{
+    const part *a = &world->parts[0];
+    const part *b = &world->parts[1];
+    uint32_t bad = count_bad(world);
+    const grid_level *finest = &world->grid.levels[0];
+    *result = (duet_result){
+        .objects = world->n,
+        .bad = bad,
+        .first_bad = bad ? smallest(part_first_bad(a), part_first_bad(b)) : 0,
+        .candidates = a->n_candidates + b->n_candidates,
+        .pairs = a->span.n + b->span.n,
+        .spans = {a->span, b->span},
+        .undecided = a->n_undecided + b->n_undecided,
+        .device_ms = {a->wall_ms, b->wall_ms},
+        .kernel_ms = {kernel_ms(a), kernel_ms(b)},
+        .bytes = {part_bytes(a), part_bytes(b)},
+        .cells = {(uint32_t)finest->cells.s[0], (uint32_t)finest->cells.s[1],
+                  (uint32_t)finest->cells.s[2]},
+        .levels = world->grid.n_levels,
+        .hashed = world->grid.kind == GRID_HASHED,
+        .cell = world->grid.edge,
+        .cell_widened = world->cell_widened,
+        .runs = largest(a->runs, b->runs),
+        .stages = world->stages,
+    };
+    for (int side = 0; side < 2; ++side) {
+        const timeline *t = &world->parts[side].times;
+        for (int i = 0; i < t->n_stages; ++i) {
+            world->stages[result->n_stages] = t->stages[i];
+            world->stages[result->n_stages++].device = side;
+        }
+    }
+}
+
+bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
+{
+    if (!error_given(world, __func__, "world", err) ||
+        !error_given(result, __func__, "result", err))
+        return false;
+    uint64_t begun = clock_steady_ns();
+    bool fits = world->n == 0;
+    if (!world_check_sizes(world, err))
+        return false;
+    if (fits)
+        forget_last_step(world);
+    for (int fit = 0; !fits; ++fit) {
+        if (!budget_check(err) || (needs_fit(world) && !fit_grid(world, err)))
+            return false;
+        bool placed = true;
+        if (!run_parts(world, &placed, err))
+            return false;
+        float widest = fmaxf(part_widest(&world->parts[0]), part_widest(&world->parts[1]));
+        world->fitted = !(widest > 0.0f);
+        world->split_stale |= !placed;
+        fits = world->fitted && placed;
+        if (!fits && fit == MOST_FITS)
+            return error_set(err, DUET_CELL_TOO_SMALL,
+                             "an object's extent of %g does not fit a cell of %g", widest,
+                             world->grid.edge);
+    }
+    if (!check_bad(world, err))
+        return false;
+    fill_result(world, result);
+    result->total_ms = ms_since(begun);
+    return true;
+}

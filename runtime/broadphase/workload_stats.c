@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+// Extents and corners are taken from all objects, for one giant among a million
+// matters. How they crowd is told from a sample, which takes no time.
+#include "runtime/broadphase/workload_stats.h"
+
+#include "runtime/broadphase/world.h"
+#include "runtime/narrowphase/origin.h"
+
+#include <float.h>
+#include <math.h>
+
+enum { MOST_SAMPLED = 65536, SAMPLED_A_CELL = 16, MOST_CELLS = MOST_SAMPLED / SAMPLED_A_CELL };
+
+static inline void widen(float *lower, float *upper, float at)
+{
+    *lower = at < *lower ? at : *lower;
+    *upper = at > *upper ? at : *upper;
+}
+
+// Axis by axis, so that what is known so far stays in registers.
+static inline void see_object(workload_stats *c, float x, float y, float z, float size)
+{
+    widen(&c->lower[0], &c->upper[0], x);
+    widen(&c->lower[1], &c->upper[1], y);
+    widen(&c->lower[2], &c->upper[2], z);
+    c->widest = size > c->widest ? size : c->widest;
+    c->narrowest = size > 0 && size < c->narrowest ? size : c->narrowest;
+}
+
+static inline float larger(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+static inline float size_of_pose(const duet_pose *p, const duet_world_def *def)
+{
+    float x = p->half_extents[0], y = p->half_extents[1],
+          z = def->dims == 3 ? p->half_extents[2] : 0;
+    return def->rotated ? x * x + y * y + z * z : larger(larger(x, y), z);
+}
+
+static workload_stats see_poses(workload_stats c, const duet_world *world)
+{
+    const duet_pose *poses = world->objects.bytes;
+    for (const duet_pose *p = poses; p < poses + world->n; ++p)
+        see_object(&c, p->centre[0], p->centre[1], p->centre[2], size_of_pose(p, &world->def));
+    return c;
+}
+
+static workload_stats see_transforms(workload_stats c, const duet_world *world)
+{
+    grid_objects objects = world_objects(world);
+    for (uint32_t id = 0; id < world->n; ++id) {
+        duet_pose scratch;
+        const duet_pose *p = grid_pose_of(&objects, id, &scratch);
+        see_object(&c, p->centre[0], p->centre[1], p->centre[2], size_of_pose(p, &world->def));
+    }
+    return c;
+}
+
+static workload_stats see_placed(workload_stats c, const duet_world *world)
+{
+    const duet_placed *placed = world->objects.bytes;
+    for (uint32_t id = 0; id < world->n; ++id) {
+        const duet_pose *p = &placed[id].pose;
+        double corner[3];
+        origin_corner(corner, placed, world->def.origin, id);
+        see_object(&c, (float)(corner[0] + p->centre[0]), (float)(corner[1] + p->centre[1]),
+                   (float)(corner[2] + p->centre[2]), size_of_pose(p, &world->def));
+    }
+    return c;
+}
+
+static workload_stats see_bounds(workload_stats c, const duet_world *world)
+{
+    const duet_bounds *bounds = world->objects.bytes;
+    for (const duet_bounds *b = bounds; b < bounds + world->n; ++b) {
+        float sides[3] = {0}, centre[3] = {0};
+        for (uint32_t k = 0; k < world->def.dims; ++k) {
+            sides[k] = b->upper[k] - b->lower[k];
+            centre[k] = b->lower[k] + sides[k] / 2;
+        }
+        see_object(&c, centre[0], centre[1], centre[2],
+                   larger(larger(sides[0], sides[1]), sides[2]));
+    }
+    return c;
+}
+
+static workload_stats see_all(const duet_world *world)
+{
+    const workload_stats nothing = {.lower = {FLT_MAX, FLT_MAX, FLT_MAX},
+                                    .upper = {-FLT_MAX, -FLT_MAX, -FLT_MAX},
+                                    .narrowest = FLT_MAX};
+    if (world->def.shape == DUET_SHAPE_BOUNDS)
+        return see_bounds(nothing, world);
+    if (world->def.sizes_apart)
+        return see_transforms(nothing, world);
+    return world->def.origin > 0 ? see_placed(nothing, world) : see_poses(nothing, world);
+}
+
+// Extents are diagonals of boxes that may be turned, else longest sides.
+static float extent_of(const duet_world_def *def, float size)
+{
+    if (def->shape == DUET_SHAPE_BOUNDS)
+        return size;
+    return 2 * (def->rotated ? sqrtf(size) : size);
+}
+
+// The cells that the scene asks for.
+typedef struct raster {
+    double lower[3];
+    double edge[3];
+    uint32_t cells[3];
+} raster;
+
+static raster lay_raster(const duet_world_def *def, const workload_stats *c)
+{
+    raster r = {.cells = {1, 1, 1}};
+    double edge = fmax(def->cell, extent_of(def, c->widest));
+    for (uint32_t k = 0; k < def->dims; ++k) {
+        r.lower[k] = def->has_world ? def->lower[k] : c->lower[k];
+        double upper = def->has_world ? def->upper[k] : c->upper[k];
+        double along = edge > 0 ? ceil((upper - r.lower[k]) / edge) : 1;
+        r.edge[k] = edge;
+        r.cells[k] = (uint32_t)fmin(fmax(along, 1), 0x1p30);
+    }
+    return r;
+}
+
+static double count_cells(const raster *r)
+{
+    return (double)r->cells[0] * r->cells[1] * r->cells[2];
+}
+
+// Cells twice as wide along the longest axis, until there are few enough.
+static raster coarsen(raster r, double most)
+{
+    while (count_cells(&r) > most) {
+        int longest = 0;
+        for (int k = 1; k < 3; ++k)
+            longest = r.cells[k] > r.cells[longest] ? k : longest;
+        r.cells[longest] = (r.cells[longest] + 1) / 2;
+        r.edge[longest] *= 2;
+    }
+    return r;
+}
+
+static uint32_t cell_of(const raster *r, const double centre[3])
+{
+    uint32_t cell = 0;
+    for (int k = 3; k-- > 0;) {
+        double along = r->edge[k] > 0 ? (centre[k] - r->lower[k]) / r->edge[k] : 0;
+        uint32_t last = r->cells[k] - 1;
+        cell *= r->cells[k];
+        cell += along > 0 ? (uint32_t)(along < last ? along : last) : 0;
+    }
+    return cell;
+}
+
+// How many of the counts' objects lie in a cell where the fullest hundredth of
+// the cells begins.
+static double fullest_hundredth(const uint32_t *counts, uint32_t n)
+{
+    uint32_t cells_with[MOST_CELLS + 1] = {0};
+    for (uint32_t i = 0; i < n; ++i)
+        ++cells_with[counts[i] < MOST_CELLS ? counts[i] : MOST_CELLS];
+    uint32_t count = MOST_CELLS;
+    uint32_t fuller = cells_with[count];
+    while (count > 0 && fuller * 100 < n)
+        fuller += cells_with[--count];
+    return count;
+}
+
+// Objects in a cell there, by a sample in coarser cells.
+static double crowding(const duet_world *world, const raster *fine)
+{
+    uint32_t stride = 1 + (world->n - 1) / MOST_SAMPLED;
+    uint32_t n = 1 + (world->n - 1) / stride;
+    raster r = coarsen(*fine, fmax(1, n / SAMPLED_A_CELL));
+    uint32_t counts[MOST_CELLS] = {0};
+    grid_objects objects = world_objects(world);
+    for (uint64_t id = 0; id < world->n; id += stride) {
+        double centre[3] = {0};
+        grid_centre_of(centre, &objects, (uint32_t)id);
+        ++counts[cell_of(&r, centre)];
+    }
+    double coarse = count_cells(&r);
+    return fullest_hundredth(counts, (uint32_t)coarse) * world->n / n /
+           (count_cells(fine) / coarse);
+}
+
+void workload_stats_take(workload_stats *c, const duet_world *world)
+{
+    *c = see_all(world);
+    raster r = lay_raster(&world->def, c);
+    c->crowding = crowding(world, &r);
+    c->version = world->objects_version;
+}
+
+workload_summary workload_summarise(const duet_world *world)
+{
+    const duet_world_def *def = &world->def;
+    workload_stats c = world->stats;
+    if (c.version != world->objects_version || world->def.sizes_apart)
+        workload_stats_take(&c, world);
+    raster r = lay_raster(def, &c);
+    float widest = extent_of(def, c.widest), narrowest = extent_of(def, c.narrowest);
+    return (workload_summary){
+        .cells = {r.cells[0], r.cells[1], r.cells[2]},
+        .cell = r.edge[0],
+        .mean_occupancy = world->n / count_cells(&r),
+        .crowding = c.crowding,
+        .size_ratio = widest > narrowest ? widest / narrowest : 1,
+    };
+}

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// What of a world's objects decides how long a step takes: the workload that
+// profiles are kept for. It is the scene's, whatever grid a plan makes of it.
+#ifndef RUNTIME_WORKLOAD_STATS_H
+#define RUNTIME_WORKLOAD_STATS_H
+
+#include "runtime/duet.h"
+
+// Of all objects. What is not a number is passed over: no comparison holds.
+typedef struct workload_stats {
+    uint64_t version; // of the objects that were counted; 0: none
+    float lower[3];   // of the centres
+    float upper[3];
+    float widest;    // by what decides an extent: squares of half diagonals of boxes that
+    float narrowest; // may be turned, else half or, of bounds, whole sides; above 0
+    double crowding; // objects in a cell where the fullest hundredth of the cells begins
+} workload_stats;
+
+// Reads all objects of a world that has some.
+void workload_stats_take(workload_stats *c, const duet_world *world);
+
+// What profiles of a workload are told apart by.
+typedef struct workload_summary {
+    uint32_t cells[3];
+    double cell;           // edge
+    double mean_occupancy; // objects a cell
+    double crowding;       // as above
+    double size_ratio;     // the widest object by the narrowest
+} workload_summary;
+
+// Takes about as long as reading all objects once, unless statistics were taken
+// when they were set.
+workload_summary workload_summarise(const duet_world *world);
+
+#endif

@@ -1,0 +1,434 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/broadphase/world.h"
+
+#include "base/error.h"
+#include "runtime/narrowphase/accuracy.h"
+#include "runtime/narrowphase/origin.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COOKIE = 0x0d0e7002 };
+
+const char *duet_mode_name(duet_mode mode)
+{
+    switch (mode) {
+    case DUET_MODE_SHARED:
+        return "shared";
+    case DUET_MODE_OWN:
+        return "own";
+    case DUET_MODE_SLAB:
+        return "slab";
+    }
+    return NULL;
+}
+
+// Parts of one CPU, or two equal devices, do work in proportion to their units;
+// how unequal ones compare is not known before it is measured.
+static uint32_t default_share(const duet_device_info *a, const duet_device_info *b)
+{
+    if (a->kind != b->kind || strcmp(a->name, b->name) != 0)
+        return 0;
+    uint64_t units = (uint64_t)a->units + b->units;
+    return units ? (uint32_t)(DUET_SHARE_ONE * (uint64_t)a->units / units) : 0;
+}
+
+static const char *default_variant(const duet_device_info *info)
+{
+    return info->kind == DUET_KIND_CPU ? "simd" : "auto";
+}
+
+duet_plan duet_default_plan(const duet_device_pair *pair)
+{
+    duet_plan plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"};
+    if (!pair)
+        return plan;
+    const duet_device_info *a = &pair->devices[0].info, *b = &pair->devices[1].info;
+    plan.share = default_share(a, b);
+    strcpy(plan.variant_a, default_variant(a));
+    strcpy(plan.variant_b, default_variant(b));
+    return plan;
+}
+
+duet_world_def duet_default_world_def(void)
+{
+    return (duet_world_def){
+        .plan = duet_default_plan(NULL), .dims = 3, .rotated = true, .cookie = COOKIE};
+}
+
+// ---------------------------------------------------------------- checks
+
+static bool check_world_box(const duet_world_def *def, duet_error *err)
+{
+    for (uint32_t k = 0; def->has_world && k < def->dims; ++k)
+        if (!isfinite(def->lower[k]) || !isfinite(def->upper[k]) || def->lower[k] > def->upper[k])
+            return error_set(err, DUET_BAD_ARGUMENT,
+                             "the world's %c runs from %g to %g; right would be finite and rising",
+                             "xyz"[k], def -> lower[k], def -> upper[k]);
+    return true;
+}
+
+static bool check_origin(const duet_world_def *def, duet_error *err)
+{
+    if (!origin_is_edge(def->origin))
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "origin is %g; right would be 0, or as an origin cell's edge a power of "
+                         "two from 2^-100 to 2^100",
+                         (double)def->origin);
+    return def->origin == 0.0f || def->shape == DUET_SHAPE_POSES ||
+           error_set(err, DUET_BAD_ARGUMENT,
+                     "origin cells are for poses; right would be 0 for bounds");
+}
+
+static bool check_sizes_apart(const duet_world_def *def, duet_error *err)
+{
+    bool plain = def->shape == DUET_SHAPE_POSES && def->origin == 0.0f;
+    return !def->sizes_apart || plain ||
+           error_set(err, DUET_BAD_ARGUMENT,
+                     "sizes_apart is for poses; right would be false for bounds and for placed "
+                     "poses");
+}
+
+static bool check_def(const duet_world_def *def, duet_error *err)
+{
+    if (!def || def->cookie != COOKIE)
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "the world's def does not come from duet_default_world_def");
+    if (!def->pair)
+        return error_set(err, DUET_BAD_ARGUMENT, "the world's def has no device pair");
+    if (def->dims != 2 && def->dims != 3)
+        return error_set(err, DUET_BAD_ARGUMENT, "dims is %u; right would be 2 or 3", def->dims);
+    if (def->shape != DUET_SHAPE_POSES && def->shape != DUET_SHAPE_BOUNDS)
+        return error_set(err, DUET_BAD_ARGUMENT, "shape is neither POSES nor BOUNDS");
+    if (!duet_level_describe(def->level))
+        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; right would be a duet_level",
+                         (int)def->level);
+    if (def->has_accuracy && !accuracy_check(&def->accuracy, "the world's", err))
+        return false;
+    if (!(def->cell >= 0.0f) || !isfinite(def->cell))
+        return error_set(err, DUET_BAD_ARGUMENT, "cell is %g; right would be 0 or an edge above 0",
+                         def->cell);
+    return check_origin(def, err) && check_sizes_apart(def, err) && check_world_box(def, err);
+}
+
+// The grid that both variants can search.
+static bool find_wish(grid_wish *wish, const duet_plan *plan, const variant *a, const variant *b,
+                      duet_error *err)
+{
+    bool paper = a->search == SEARCH_PAPER || b->search == SEARCH_PAPER;
+    bool slab = plan->mode == DUET_MODE_SLAB;
+    wish->hashed = a->grid == VARIANT_GRID_HASHED || b->grid == VARIANT_GRID_HASHED;
+    wish->uniform =
+        paper || slab || a->grid == VARIANT_GRID_UNIFORM || b->grid == VARIANT_GRID_UNIFORM;
+    wish->dense = paper || slab || a->grid == VARIANT_GRID_DENSE || b->grid == VARIANT_GRID_DENSE;
+    if (wish->hashed && (wish->dense || wish->uniform))
+        return error_set(
+            err, DUET_BAD_ARGUMENT,
+            "a hashed grid suits neither the paper's search nor slabs nor another grid "
+            "on the other device ('%s', '%s', mode %s)",
+            plan->variant_a, plan->variant_b, duet_mode_name(plan->mode));
+    return true;
+}
+
+static bool check_ends(const char *name, const char *chars, size_t capacity, duet_error *err)
+{
+    return memchr(chars, '\0', capacity) ||
+           error_set(err, DUET_BAD_ARGUMENT, "%s has no end within its %zu bytes", name, capacity);
+}
+
+static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_world_def *def,
+                       duet_error *err)
+{
+    variant a;
+    variant b;
+    *wish = (grid_wish){0};
+    if (!check_ends("variant_a", plan->variant_a, sizeof plan->variant_a, err) ||
+        !check_ends("variant_b", plan->variant_b, sizeof plan->variant_b, err))
+        return false;
+    if (plan->share > DUET_SHARE_ONE)
+        return error_set(err, DUET_BAD_ARGUMENT, "share is %u of %u; right would be at most all",
+                         plan->share, DUET_SHARE_ONE);
+    if (plan->mode < DUET_MODE_SHARED || plan->mode > DUET_MODE_SLAB)
+        return error_set(err, DUET_BAD_ARGUMENT, "mode is %d; right would be shared, own or slab",
+                         (int)plan->mode);
+    if (!variant_parse(&a, plan->variant_a, &def->pair->devices[0].info, err) ||
+        !variant_parse(&b, plan->variant_b, &def->pair->devices[1].info, err))
+        return false;
+    bool paper = a.search == SEARCH_PAPER || b.search == SEARCH_PAPER;
+    if (paper && (def->origin > 0.0f || def->sizes_apart))
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "the paper's search knows no %s ('%s', '%s'); right would be "
+                         "auto, simd or gpu",
+                         def->sizes_apart ? "sizes apart" : "origin cells", plan->variant_a,
+                         plan->variant_b);
+    if (plan->mode == DUET_MODE_SHARED && (a.search == SEARCH_PAPER) != (b.search == SEARCH_PAPER))
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "mode shared: A cannot search B's grid as '%s' where B does '%s'; right "
+                         "would be the same search, or mode own",
+                         plan->variant_a, plan->variant_b);
+    return find_wish(wish, plan, &a, &b, err);
+}
+
+// ---------------------------------------------------------------- owner
+
+duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
+{
+    grid_wish wish;
+    if (!check_def(def, err) || !check_plan(&wish, &def->plan, def, err))
+        return NULL;
+    duet_world *world = calloc(1, sizeof *world);
+    if (!world) {
+        error_set(err, DUET_NO_MEMORY, "no memory for a world");
+        return NULL;
+    }
+    world->def = *def;
+    world_hold(world);
+    device_pair_hold(def->pair);
+    pack_open(&world->pack);
+    world->wish = wish;
+    world->driver = thread_pool_open(1, err);
+    bool ok = world->driver && part_open(&world->parts[0], def->pair, 0, err) &&
+              part_open(&world->parts[1], def->pair, 1, err);
+    if (!ok) {
+        duet_world_destroy(world);
+        return NULL;
+    }
+    return world;
+}
+
+void world_hold(duet_world *world)
+{
+    ++world->users;
+}
+
+void duet_world_destroy(duet_world *world)
+{
+    if (!world || --world->users > 0)
+        return;
+    thread_pool_close(world->driver);
+    thread_pool_close(world->packers);
+    part_close(&world->parts[0]);
+    part_close(&world->parts[1]);
+    host_block_release(&world->objects);
+    host_block_release(&world->sizes);
+    pack_close(&world->pack);
+    split_free(&world->split);
+    duet_device_pair_close(world->def.pair);
+    free(world);
+}
+
+// The next step fits another one, which is no change of this one.
+void world_forget_grid(duet_world *world)
+{
+    world->fitted = world->cells_vary = false;
+    world->grid = (grid){0};
+}
+
+bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err)
+{
+    grid_wish wish;
+    if (!error_given(world, __func__, "world", err) || !error_given(plan, __func__, "plan", err) ||
+        !check_plan(&wish, plan, &world->def, err))
+        return false;
+    if (wish.uniform != world->wish.uniform || wish.dense != world->wish.dense ||
+        wish.hashed != world->wish.hashed)
+        world_forget_grid(world);
+    world->wish = wish;
+    if ((plan->mode == DUET_MODE_SHARED) != (world->def.plan.mode == DUET_MODE_SHARED))
+        world->prepared[0] = world->prepared[1] = false;
+    world->prepared[0] &= strcmp(plan->variant_a, world->def.plan.variant_a) == 0;
+    world->prepared[1] &= strcmp(plan->variant_b, world->def.plan.variant_b) == 0;
+    world->def.plan = *plan;
+    return true;
+}
+
+const duet_plan *duet_world_plan(const duet_world *world)
+{
+    return world ? &world->def.plan : NULL;
+}
+
+bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err)
+{
+    if (!error_given(world, __func__, "world", err))
+        return false;
+    if (!duet_level_describe(level))
+        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; right would be a duet_level",
+                         (int)level);
+    world_change_level(world, level);
+    world->def.has_accuracy = false;
+    return true;
+}
+
+void world_change_level(duet_world *world, duet_level level)
+{
+    if (level != world->def.level)
+        world->prepared[0] = world->prepared[1] = false;
+    world->def.level = level;
+}
+
+duet_level duet_world_level(const duet_world *world)
+{
+    return world ? world->def.level : DUET_LEVEL_CERTIFIED;
+}
+
+// ---------------------------------------------------------------- objects
+
+grid_objects world_objects(const duet_world *world)
+{
+    const duet_world_def *def = &world->def;
+    return (grid_objects){
+        .rows = world->objects.bytes,
+        .shape = def->shape,
+        .origin = def->origin,
+        .n = world->n,
+        .dims = def->dims,
+        .sizes = def->sizes_apart ? world->sizes.bytes : NULL,
+    };
+}
+
+// Rows of objects, by what a world was made for.
+typedef enum row_kind { ROWS_POSES, ROWS_BOUNDS, ROWS_PLACED, ROWS_TRANSFORMS } row_kind;
+
+static const struct {
+    const char *name;
+    size_t bytes;
+} rows_of[] = {
+    [ROWS_POSES] = {"poses", sizeof(duet_pose)},
+    [ROWS_BOUNDS] = {"bounds", sizeof(duet_bounds)},
+    [ROWS_PLACED] = {"placed poses", sizeof(duet_placed)},
+    [ROWS_TRANSFORMS] = {"transforms", sizeof(duet_transform)},
+};
+
+static row_kind rows_in(const duet_world *world)
+{
+    const duet_world_def *def = &world->def;
+    if (def->shape == DUET_SHAPE_BOUNDS)
+        return ROWS_BOUNDS;
+    return def->origin > 0.0f ? ROWS_PLACED : def->sizes_apart ? ROWS_TRANSFORMS : ROWS_POSES;
+}
+
+static bool can_have(const duet_world *world, row_kind kind, uint32_t n, duet_error *err)
+{
+    row_kind right = rows_in(world);
+    if (kind != right)
+        return error_set(err, DUET_BAD_ARGUMENT, "the world was made for %s, not for %s",
+                         rows_of[right].name, rows_of[kind].name);
+    return n <= UINT32_MAX - 2 ||
+           error_set(err, DUET_TOO_MANY, "%u objects; a world holds at most %u", n, UINT32_MAX - 2);
+}
+
+static void *map_objects(duet_world *world, row_kind kind, uint32_t n, duet_error *err)
+{
+    if (!can_have(world, kind, n, err) ||
+        !host_block_reserve(&world->objects, world->def.pair->devices, 2, n * rows_of[kind].bytes,
+                            err))
+        return NULL;
+    world->n = n;
+    ++world->objects_version;
+    return world->objects.bytes;
+}
+
+duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_error *err)
+{
+    return error_given(world, __func__, "world", err) ? map_objects(world, ROWS_BOUNDS, n, err)
+                                                      : NULL;
+}
+
+duet_pose *duet_world_map_poses(duet_world *world, uint32_t n, duet_error *err)
+{
+    return error_given(world, __func__, "world", err) ? map_objects(world, ROWS_POSES, n, err)
+                                                      : NULL;
+}
+
+duet_placed *duet_world_map_placed(duet_world *world, uint32_t n, duet_error *err)
+{
+    return error_given(world, __func__, "world", err) ? map_objects(world, ROWS_PLACED, n, err)
+                                                      : NULL;
+}
+
+duet_transform *duet_world_map_transforms(duet_world *world, uint32_t n, duet_error *err)
+{
+    return error_given(world, __func__, "world", err) ? map_objects(world, ROWS_TRANSFORMS, n, err)
+                                                      : NULL;
+}
+
+// The row behind the last belongs to none: a device may read four numbers at once.
+duet_size *duet_world_map_sizes(duet_world *world, uint32_t n, duet_error *err)
+{
+    if (!error_given(world, __func__, "world", err) || !can_have(world, ROWS_TRANSFORMS, n, err) ||
+        !host_block_reserve(&world->sizes, world->def.pair->devices, 2,
+                            ((size_t)n + 1) * sizeof(duet_size), err))
+        return NULL;
+    duet_size *sizes = world->sizes.bytes;
+    sizes[n] = (duet_size){0};
+    world->n_sizes = n;
+    ++world->sizes_version;
+    return sizes;
+}
+
+bool world_check_sizes(const duet_world *world, duet_error *err)
+{
+    return !world->def.sizes_apart || world->n_sizes == world->n ||
+           error_set(err, DUET_BAD_ARGUMENT,
+                     "%u objects have a transform and %u a size; right would be as many", world->n,
+                     world->n_sizes);
+}
+
+static bool take_apart(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
+{
+    duet_transform *transforms = duet_world_map_transforms(world, n, err);
+    duet_size *sizes = transforms ? duet_world_map_sizes(world, n, err) : NULL;
+    for (uint32_t i = 0; sizes && i < n; ++i) {
+        transforms[i] = grid_transform_of(&poses[i]);
+        memcpy(sizes[i].half_extents, poses[i].half_extents, sizeof poses->half_extents);
+    }
+    return sizes;
+}
+
+// The first objects are counted at once: who then asks for a profile need not
+// wait for that. An offset that is not a number is the step's to report.
+static bool set_objects(duet_world *world, row_kind kind, const void *rows, uint32_t n,
+                        duet_error *err)
+{
+    void *to = map_objects(world, kind, n, err);
+    if (!to || n == 0)
+        return to;
+    memcpy(to, rows, n * rows_of[kind].bytes);
+    for (uint32_t i = 0; kind == ROWS_PLACED && i < n; ++i)
+        origin_settle(&((duet_placed *)to)[i], world->def.origin);
+    if (world->objects_version == 1)
+        workload_stats_take(&world->stats, world);
+    return true;
+}
+
+// Of no objects none need be there.
+static bool are_given(const duet_world *world, const void *rows, uint32_t n, const char *call,
+                      const char *argument, duet_error *err)
+{
+    return error_given(world, call, "world", err) &&
+           (n == 0 || error_given(rows, call, argument, err));
+}
+
+bool duet_world_set_poses(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
+{
+    if (!are_given(world, poses, n, __func__, "poses", err))
+        return false;
+    if (world->def.sizes_apart)
+        return take_apart(world, poses, n, err);
+    return set_objects(world, ROWS_POSES, poses, n, err);
+}
+
+bool duet_world_set_bounds(duet_world *world, const duet_bounds *bounds, uint32_t n,
+                           duet_error *err)
+{
+    return are_given(world, bounds, n, __func__, "bounds", err) &&
+           set_objects(world, ROWS_BOUNDS, bounds, n, err);
+}
+
+bool duet_world_set_placed(duet_world *world, const duet_placed *placed, uint32_t n,
+                           duet_error *err)
+{
+    return are_given(world, placed, n, __func__, "placed", err) &&
+           set_objects(world, ROWS_PLACED, placed, n, err);
+}

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// A world's insides, for the files that make up its step.
+#ifndef RUNTIME_WORLD_H
+#define RUNTIME_WORLD_H
+
+#include "runtime/broadphase/pack.h"
+#include "runtime/broadphase/part.h"
+#include "runtime/broadphase/split.h"
+#include "runtime/broadphase/workload_stats.h"
+#include "runtime/opencl/device_pair.h"
+#include "runtime/opencl/thread_pool.h"
+
+struct duet_world {
+    duet_world_def def;
+    uint32_t users;       // who created it, and shares that are kept on line
+    part parts[2];        // A, B
+    thread_pool *driver;  // drives A while the caller's thread drives B
+    thread_pool *packers; // pack while the drivers send; NULL before the first time
+    pack pack;
+    host_block objects; // [n] poses or bounds, or transforms
+    uint32_t n;
+    uint64_t objects_version;
+    host_block sizes; // [n_sizes + 1] of transforms
+    uint32_t n_sizes;
+    uint64_t sizes_version;
+    workload_stats stats; // of the objects that were set first
+    bool prepared[2];     // the part's kernels are those of the plan and the grid
+    bool fitted;          // the grid is that of these objects
+    uint32_t fitted_n;
+    grid_wish wish; // of the plan
+    grid grid;
+    uint64_t grid_version;
+    bool cells_vary; // with the objects: the plan's grid had other cells before
+    split split;     // of these objects, where slabs are searched
+    bool split_stale;
+    bool cell_widened;
+    duet_stage stages[2 * TIMELINE_STAGES]; // of the last step
+};
+
+// One user more, until it destroys the world.
+void world_hold(duet_world *world);
+
+// The level that a profile brings: the world still takes any within its accuracy.
+void world_change_level(duet_world *world, duet_level level);
+
+// The next step lays its grid anew, whatever the last one found.
+void world_forget_grid(duet_world *world);
+
+grid_objects world_objects(const duet_world *world);
+
+// Whether every object has a size, whichever of the two was set first.
+bool world_check_sizes(const duet_world *world, duet_error *err);
+
+#endif

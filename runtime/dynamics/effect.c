@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/dynamics/effect.h"
+
+#include <math.h>
+#include <string.h>
+
+// An effect stands after those that it can be called for by.
+static const effect_row rows[] = {
+    {DUET_EFFECT_CONTACT_RESPONSE, "contact_response", DUET_EFFECT_CONTACT | DUET_EFFECT_MOTION,
+     "a restitution or a friction, or wants", "pushes",
+     "match_contacts, build_manifolds, graph_colour, prepare_contacts, bodies, solve_contacts, "
+     "integrate_positions"},
+    {DUET_EFFECT_EVENTS, "events", DUET_EFFECT_CONTACT, "wants", "events",
+     "build_manifolds, match_contacts"},
+    {DUET_EFFECT_CONTACT, "contact", 0, "contact_response, or wants", NULL,
+     "fat_aabbs, contact_graph, build_manifolds, match_contacts"},
+    {DUET_EFFECT_MOTION, "motion", 0, "a velocity, gravity on a mass, or contact_response", NULL,
+     "integrate_free_flight, or bodies"},
+    {DUET_EFFECT_GRAVITY, "gravity", DUET_EFFECT_MOTION, "gravity or attraction, and a mass",
+     "gravity", "integrate_free_flight, bodies"},
+    {DUET_EFFECT_DRAG, "drag", DUET_EFFECT_MOTION, "drag, and a mass that moves", "drag",
+     "integrate_free_flight, bodies"},
+    {DUET_EFFECT_BOUNDS, "bounds", DUET_EFFECT_MOTION, "walls or a periodic world, and motion",
+     "wall", "integrate_free_flight, contact_graph, build_manifolds"},
+    {DUET_EFFECT_ANGULAR_VELOCITY, "angular_velocity", DUET_EFFECT_ROTATION | DUET_EFFECT_MOTION,
+     "an angular velocity, or contact_response for an object that may turn", "angular_velocity",
+     "integrate_free_flight, match_contacts, build_manifolds, update_sleep, graph_colour, "
+     "prepare_contacts, bodies, solve_contacts, integrate_positions"},
+    {DUET_EFFECT_ROTATION, "rotation", 0,
+     "a rotation that is not the identity, with motion or contact; or angular_velocity",
+     "rotations", "integrate_free_flight, fat_aabbs, build_manifolds"},
+    {DUET_EFFECT_FRICTION, "friction", DUET_EFFECT_CONTACT_RESPONSE, "a friction", "friction",
+     "match_contacts, build_manifolds, update_sleep, graph_colour, prepare_contacts, "
+     "solve_contacts, integrate_positions"},
+    {DUET_EFFECT_CONTINUOUS, "continuous", DUET_EFFECT_CONTACT_RESPONSE,
+     "something that moves more than half its least half extent in a step", "swept",
+     "fat_aabbs, build_manifolds"},
+    {DUET_EFFECT_FILTER, "filter", DUET_EFFECT_CONTACT, "a group or mask that is not all", "filter",
+     "contact_graph"},
+    {DUET_EFFECT_SLEEP, "sleep", DUET_EFFECT_CONTACT_RESPONSE, "wants", "asleep",
+     "match_contacts, build_manifolds, update_sleep, bodies"},
+    {DUET_EFFECT_SKIN, "skin", DUET_EFFECT_CONTACT, "a skin above 0", "check_fat_aabbs",
+     "fat_aabbs"},
+};
+
+enum { N_ROWS = sizeof rows / sizeof rows[0] };
+
+const effect_row *effect_at(uint32_t i)
+{
+    return i < N_ROWS ? &rows[i] : NULL;
+}
+
+const char *duet_effect_name(uint32_t effect)
+{
+    for (int i = 0; i < N_ROWS; ++i)
+        if (rows[i].effect == effect)
+            return rows[i].name;
+    return NULL;
+}
+
+// ---------------------------------------------------------------- facts
+
+static bool is_zero(const float v[3], uint32_t dims)
+{
+    return v[0] == 0.0f && v[1] == 0.0f && (dims == 2 || v[2] == 0.0f);
+}
+
+static bool is_turned(const duet_pose *p, uint32_t dims)
+{
+    return p->rotation[2] != 0.0f ||
+           (dims == 3 && (p->rotation[0] != 0.0f || p->rotation[1] != 0.0f));
+}
+
+// How far a body moves in a step, in half extents of its least side.
+static double reach_of(const duet_pose *p, const duet_body *b, uint32_t dims, double dt)
+{
+    double speed = hypot(b->velocity[0], b->velocity[1]);
+    double least = fmin(p->half_extents[0], p->half_extents[1]);
+    if (dims == 3) {
+        speed = hypot(speed, b->velocity[2]);
+        least = fmin(least, p->half_extents[2]);
+    }
+    return speed > 0.0 ? speed * dt / least : 0.0;
+}
+
+static void add_object(effect_facts *f, const duet_pose *p, const duet_body *b, uint32_t dims,
+                       double dt)
+{
+    const float *h = p->half_extents;
+    bool spins = b->angular_velocity[2] != 0.0f || (dims == 3 && !is_zero(b->angular_velocity, 3));
+    f->rotated |= is_turned(p, dims);
+    f->moving |= !is_zero(b->velocity, dims);
+    f->turning |= spins;
+    f->massive |= b->mass > 0.0f;
+    f->turnable |= b->mass > 0.0f && !b->fixed_rotation;
+    f->uneven |= dims == 3 && b->mass > 0.0f && (h[0] != h[1] || h[1] != h[2]);
+    f->bouncing |= b->restitution > 0.0f;
+    f->rough |= b->friction > 0.0f;
+    f->filtered |= b->group != UINT32_MAX || b->mask != UINT32_MAX;
+    f->reach = fmax(f->reach, reach_of(p, b, dims, dt));
+}
+
+effect_facts effect_facts_of(const duet_motion_def *def, const duet_pose *poses,
+                             const duet_body *bodies, uint32_t n)
+{
+    effect_facts f = {0};
+    for (uint32_t i = 0; i < n; ++i)
+        add_object(&f, &poses[i], &bodies[i], def->dims, def->dt);
+    return f;
+}
+
+// ---------------------------------------------------------------- inference
+
+static bool has_pull(const duet_motion_def *def)
+{
+    bool uniform = def->gravity[0] != 0.0 || def->gravity[1] != 0.0 ||
+                   (def->dims == 3 && def->gravity[2] != 0.0);
+    return uniform || def->attraction != 0.0;
+}
+
+// Whether def and facts call for the effect, where those of `so_far` are
+// already called for.
+static bool is_called(uint32_t effect, const duet_motion_def *def, const effect_facts *f,
+                      uint32_t so_far)
+{
+    bool pushes = so_far & DUET_EFFECT_CONTACT_RESPONSE;
+    bool moves = so_far & DUET_EFFECT_MOTION;
+    switch (effect) {
+    case DUET_EFFECT_CONTACT_RESPONSE:
+        return f->massive && (f->bouncing || f->rough);
+    case DUET_EFFECT_MOTION:
+        return f->moving || f->turning || (f->massive && has_pull(def));
+    case DUET_EFFECT_GRAVITY:
+        return f->massive && has_pull(def);
+    case DUET_EFFECT_DRAG:
+        return moves && f->massive && def->drag > 0.0;
+    case DUET_EFFECT_BOUNDS:
+        return moves && def->edge != DUET_EDGE_NONE;
+    case DUET_EFFECT_ANGULAR_VELOCITY:
+        return f->turning || (pushes && f->turnable);
+    case DUET_EFFECT_ROTATION:
+        return (moves || (so_far & DUET_EFFECT_CONTACT)) && f->rotated;
+    case DUET_EFFECT_FRICTION:
+        return pushes && f->rough;
+    case DUET_EFFECT_CONTINUOUS:
+        return pushes && f->reach > 0.5;
+    case DUET_EFFECT_FILTER:
+        return (so_far & DUET_EFFECT_CONTACT) && f->filtered;
+    case DUET_EFFECT_SKIN:
+        return (so_far & DUET_EFFECT_CONTACT) && def->skin > 0.0;
+    default:
+        return false;
+    }
+}
+
+// Without a mass nothing is pushed, whatever is asked for.
+static uint32_t possible(uint32_t effects, const effect_facts *f)
+{
+    const uint32_t pushed = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FRICTION |
+                            DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP;
+    return f->massive ? effects : effects & ~pushed;
+}
+
+uint32_t effect_infer(const duet_motion_def *def, const effect_facts *facts)
+{
+    uint32_t effects = 0;
+    uint32_t wants = possible(def->wants, facts);
+    for (int i = 0; i < N_ROWS; ++i)
+        if ((wants & rows[i].effect) || is_called(rows[i].effect, def, facts, effects))
+            effects |= rows[i].effect | rows[i].needs;
+    // What a later row needs may call for an earlier one.
+    for (int i = 0; i < N_ROWS; ++i)
+        if ((effects & rows[i].effect) || is_called(rows[i].effect, def, facts, effects))
+            effects |= rows[i].effect | rows[i].needs;
+    return effects;
+}

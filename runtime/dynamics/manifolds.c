@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// What contacts there are, and which began and ended, for the caller.
+#include "runtime/dynamics/motion.h"
+
+#include "base/error.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// ---------------------------------------------------------------- contacts
+
+// TOUCH_POINTS of kernels/dynamics/contact.clh
+enum { POINTS_MASK = 7 };
+
+static duet_contact read_record(const duet_motion *m, const uint32_t link[2], uint32_t n,
+                                const float *record)
+{
+    const motion_layout *l = &m->layout;
+    duet_contact c = {.a = link[0], .b = link[1], .n = n};
+    memcpy(c.normal, record, sizeof c.normal);
+    for (uint32_t k = 0; k < n; ++k) {
+        const float *part = record + l->head + k * l->part;
+        memcpy(c.points[k].anchor, part, sizeof c.points[k].anchor);
+        c.points[k].separation = part[3];
+        c.points[k].normal_impulse =
+            motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? part[l->of_normal_impulse] : 0.0f;
+    }
+    return c;
+}
+
+static bool fetch(duet_motion *m, motion_buffer which, void *to, size_t bytes, duet_error *err)
+{
+    return timeline_read(&m->times, "fetch", &m->buffers[which], to, bytes, err);
+}
+
+bool duet_motion_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, duet_error *err)
+{
+    if (!motion_is_whole(m, __func__, err) || !error_given(contacts, __func__, "contacts", err) ||
+        !error_given(n, __func__, "n", err))
+        return false;
+    size_t count = m->n_contacts;
+    size_t record = m->layout.record;
+    uint32_t(*links)[2] = malloc(count * sizeof *links + 1);
+    uint32_t *touches = malloc(count * sizeof *touches + 1);
+    float *records = malloc(count * record * sizeof *records + 1);
+    duet_contact *found = malloc(count * sizeof *found + 1);
+    bool ok = links && touches && records && found;
+    if (!ok)
+        error_set(err, DUET_NO_MEMORY, "no memory for %zu contacts", count);
+    ok = ok && fetch(m, LINKS, links, count * sizeof *links, err) &&
+         fetch(m, TOUCHES, touches, count * sizeof *touches, err) &&
+         fetch(m, CONTACTS, records, count * record * sizeof *records, err) &&
+         timeline_finish(&m->times, err);
+    *n = 0;
+    for (size_t i = 0; ok && i < count; ++i)
+        if (touches[i] & POINTS_MASK)
+            found[(*n)++] =
+                read_record(m, links[i], touches[i] & POINTS_MASK, records + i * record);
+    free(links);
+    free(touches);
+    free(records);
+    *contacts = ok ? found : NULL;
+    if (!ok)
+        free(found);
+    return ok;
+}
+
+// ---------------------------------------------------------------- events
+
+static int by_ids(const void *a, const void *b)
+{
+    const duet_event *x = a;
+    const duet_event *y = b;
+    if (x->a != y->a)
+        return x->a < y->a ? -1 : 1;
+    if (x->b != y->b)
+        return x->b < y->b ? -1 : 1;
+    return y->begins - x->begins; // one that did both began first
+}
+
+static duet_event event_of(const uint32_t words[4])
+{
+    uint32_t a = words[0] < words[1] ? words[0] : words[1];
+    return (duet_event){a, words[0] ^ words[1] ^ a, words[2]};
+}
+
+// Devices write them in any order.
+bool motion_fetch_events(duet_motion *m, duet_error *err)
+{
+    size_t n = m->flags[FLAG_EVENTS];
+    m->n_events = 0;
+    if (n == 0)
+        return true;
+    uint32_t(*words)[4] = malloc(n * sizeof *words);
+    duet_event *events = realloc(m->events, n * sizeof *events);
+    if (events)
+        m->events = events;
+    bool ok = words && events;
+    if (!ok)
+        error_set(err, DUET_NO_MEMORY, "no memory for %zu events", n);
+    ok = ok && fetch(m, EVENTS, words, n * sizeof *words, err);
+    for (size_t i = 0; ok && i < n; ++i)
+        events[i] = event_of(words[i]);
+    if (ok)
+        qsort(events, n, sizeof *events, by_ids);
+    m->n_events = ok ? n : 0;
+    free(words);
+    return ok;
+}

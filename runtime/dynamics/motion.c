@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/dynamics/motion.h"
+
+#include "base/error.h"
+#include "runtime/narrowphase/origin.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COOKIE = 0x0d0e7003 };
+
+// A slop is this part of the objects' mean least extent.
+static const double slop_of_extent = 0.005;
+
+duet_body duet_default_body(void)
+{
+    return (duet_body){.mass = 1.0f, .group = UINT32_MAX, .mask = UINT32_MAX};
+}
+
+duet_motion_def duet_default_motion_def(void)
+{
+    return (duet_motion_def){
+        .plan = duet_default_plan(NULL),
+        .dims = 3,
+        .dt = 1.0 / 60.0,
+        .substeps = 4,
+        .max_push_speed = 3.0,
+        .restitution_threshold = 1.0,
+        .sleep_speed = 0.05,
+        .sleep_after = 0.5,
+        .cookie = COOKIE,
+    };
+}
+
+// ---------------------------------------------------------------- checks
+
+static bool is_between(double value, double least, double most)
+{
+    return value >= least && value <= most;
+}
+
+static bool check_numbers(const duet_motion_def *def, duet_error *err)
+{
+    const struct {
+        const char *name;
+        double value;
+        double least;
+        const char *right;
+    } numbers[] = {
+        {"dt", def->dt, 0.0, "0 or a time above it"},
+        {"drag", def->drag, 0.0, "0 or above"},
+        {"skin", def->skin, 0.0, "0 or a length above it"},
+        {"slop", def->slop, 0.0, "0 or a length above it"},
+        {"max_push_speed", def->max_push_speed, 0.0, "0 or a speed above it"},
+        {"restitution_threshold", def->restitution_threshold, 0.0, "0 or a speed above it"},
+        {"sleep_speed", def->sleep_speed, 0.0, "0 or a speed above it"},
+        {"sleep_after", def->sleep_after, 0.0, "0 or a time above it"},
+        {"attraction", def->attraction, -1e30, "a finite number"},
+    };
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i)
+        if (!is_between(numbers[i].value, numbers[i].least, 1e30))
+            return error_set(err, DUET_BAD_ARGUMENT, "%s is %g; right would be %s", numbers[i].name,
+                             numbers[i].value, numbers[i].right);
+    for (int k = 0; k < 3; ++k)
+        if (!isfinite(def->gravity[k]) || !isfinite(def->centre[k]) || !isfinite(def->origin[k]))
+            return error_set(err, DUET_BAD_ARGUMENT,
+                             "%c of gravity, centre or origin is not a finite number", "xyz"[k]);
+    return true;
+}
+
+static bool check_edge(const duet_motion_def *def, duet_error *err)
+{
+    for (uint32_t k = 0; def->edge != DUET_EDGE_NONE && k < def->dims; ++k)
+        if (!isfinite(def->lower[k]) || !isfinite(def->upper[k]) || def->lower[k] >= def->upper[k])
+            return error_set(err, DUET_BAD_ARGUMENT,
+                             "the walls across %c are at %g and %g; right would be finite and "
+                             "rising",
+                             "xyz"[k], def -> lower[k], def -> upper[k]);
+    return true;
+}
+
+// What origin cells do not go with.
+static bool check_origin(const duet_motion_def *def, duet_error *err)
+{
+    if (!origin_is_edge(def->origin_edge))
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "origin_edge is %g; right would be 0, or a power of two from 2^-100 to "
+                         "2^100",
+                         (double)def->origin_edge);
+    if (def->origin_edge == 0.0f)
+        return true;
+    if (def->doubles)
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "origin cells are for a state in float; right would be doubles = false");
+    return (def->edge == DUET_EDGE_NONE && def->attraction == 0.0) ||
+           error_set(err, DUET_BAD_ARGUMENT,
+                     "walls, a periodic world and an attraction know no origin cells; right would "
+                     "be doubles without them");
+}
+
+static bool check_def(const duet_motion_def *def, duet_error *err)
+{
+    if (!def || def->cookie != COOKIE)
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "the motion's def does not come from duet_default_motion_def");
+    if (!def->pair)
+        return error_set(err, DUET_BAD_ARGUMENT, "the motion's def has no device pair");
+    if (def->dims != 2 && def->dims != 3)
+        return error_set(err, DUET_BAD_ARGUMENT, "dims is %u; right would be 2 or 3", def->dims);
+    if (def->substeps < 1 || def->substeps > 1000)
+        return error_set(err, DUET_BAD_ARGUMENT, "substeps is %u; right would be 1 to 1000",
+                         def->substeps);
+    if (def->integrator > DUET_YOSHIDA || def->edge > DUET_EDGE_PERIODIC)
+        return error_set(err, DUET_BAD_ARGUMENT, "the integrator or the edge is none there is");
+    if (def->doubles && !def->pair->devices[1].info.fp64)
+        return error_set(err, DUET_BAD_ARGUMENT, "%s has no double; right would be doubles = false",
+                         def->pair->devices[1].info.selector);
+    return check_numbers(def, err) && check_edge(def, err) && check_origin(def, err);
+}
+
+// Effects that cannot be had together.
+static bool check_effects(const duet_motion *m, duet_error *err)
+{
+    bool contact = motion_has(m, DUET_EFFECT_CONTACT);
+    if (contact && m->def.edge == DUET_EDGE_PERIODIC)
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "contacts are not found across the seam of a periodic world; right would "
+                         "be walls, or no contact");
+    if (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) && m->def.integrator != DUET_EULER)
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "contacts are solved with the integrator euler; right would be that, or "
+                         "no response");
+    return true;
+}
+
+static bool all_finite(const float *values, int n)
+{
+    for (int i = 0; i < n; ++i)
+        if (!isfinite(values[i]))
+            return false;
+    return true;
+}
+
+static const char *pose_fault(const duet_pose *p, uint32_t dims)
+{
+    int n = (int)dims;
+    const float *q = p->rotation;
+    double norm = (double)q[2] * q[2] + (double)q[3] * q[3];
+    if (dims == 3)
+        norm += (double)q[0] * q[0] + (double)q[1] * q[1];
+    if (!all_finite(p->centre, n) || !all_finite(p->half_extents, n) || !isfinite(norm))
+        return "a number of its pose is not finite";
+    for (int k = 0; k < n; ++k)
+        if (p->half_extents[k] < 0.0f)
+            return "a half extent is negative";
+    return norm > 0.0 ? NULL : "its rotation is zero";
+}
+
+static const char *body_fault(const duet_body *b)
+{
+    if (!all_finite(b->velocity, 3) || !all_finite(b->angular_velocity, 3))
+        return "a velocity or angular velocity is not finite";
+    if (!is_between(b->mass, 0.0, 1e30) || (b->mass > 0.0f && b->mass < 1e-30f))
+        return "the mass must be 0, or from 1e-30 to 1e30";
+    if (!is_between(b->restitution, 0.0, 1.0))
+        return "the restitution must be from 0 to 1";
+    return is_between(b->friction, 0.0, 1e6) ? NULL : "the friction must be from 0 to 1e6";
+}
+
+static bool check_objects(const duet_motion *m, duet_error *err)
+{
+    for (uint32_t id = 0; id < m->n; ++id) {
+        const char *fault = pose_fault(&m->poses[id], m->def.dims);
+        if (!fault)
+            fault = body_fault(&m->bodies[id]);
+        if (fault)
+            return error_set(err, DUET_BAD_OBJECT, "object %u of %u: %s", id, m->n, fault);
+    }
+    return true;
+}
+
+// ---------------------------------------------------------------- owner
+
+static double mean_least_extent(const duet_motion *m)
+{
+    double sum = 0.0;
+    for (uint32_t id = 0; id < m->n; ++id) {
+        const float *h = m->poses[id].half_extents;
+        double least = fmin(h[0], h[1]);
+        sum += 2.0 * (m->def.dims == 3 ? fmin(least, h[2]) : least);
+    }
+    return m->n > 0 ? sum / m->n : 0.0;
+}
+
+// Each centre into its origin cell: those of poses count from def.origin.
+static bool place_objects(duet_motion *m, const duet_placed *placed, duet_error *err)
+{
+    float edge = m->def.origin_edge;
+    if (edge == 0.0f)
+        return true;
+    m->cells = calloc((size_t)m->n + 1, sizeof *m->cells);
+    if (!m->cells)
+        return error_set(err, DUET_NO_MEMORY, "no memory for the cells of %u objects", m->n);
+    for (uint32_t id = 0; id < m->n; ++id) {
+        duet_placed p = placed ? placed[id] : (duet_placed){.pose = m->poses[id]};
+        double at[3];
+        for (int k = 0; k < 3; ++k)
+            at[k] = m->def.origin[k] + (double)p.pose.centre[k];
+        bool ok = placed ? origin_settle(&p, edge) : origin_place(&p, at, edge);
+        if (!ok)
+            return error_set(err, DUET_BAD_OBJECT,
+                             "object %u of %u is beyond 2^30 origin cells of edge %g", id, m->n,
+                             (double)edge);
+        m->poses[id] = p.pose;
+        for (uint32_t k = 0; k < m->def.dims; ++k)
+            m->cells[id].s[k] = p.cell[k];
+    }
+    return true;
+}
+
+static bool copy_objects(duet_motion *m, const duet_pose *poses, const duet_placed *placed,
+                         const duet_body *bodies, uint32_t n, duet_error *err)
+{
+    m->n = n;
+    m->poses = calloc((size_t)n + 1, sizeof *m->poses);
+    m->bodies = calloc((size_t)n + 1, sizeof *m->bodies);
+    if (!m->poses || !m->bodies)
+        return error_set(err, DUET_NO_MEMORY, "no memory for %u objects that move", n);
+    for (uint32_t id = 0; id < n; ++id)
+        m->poses[id] = placed ? placed[id].pose : poses[id];
+    if (n > 0 && bodies)
+        memcpy(m->bodies, bodies, n * sizeof *bodies);
+    for (uint32_t id = 0; id < n && !bodies; ++id)
+        m->bodies[id] = duet_default_body();
+    return check_objects(m, err) && place_objects(m, placed, err);
+}
+
+// Pairs are looked for among bounds, which the grid may place as it likes.
+static bool open_world(duet_motion *m, duet_error *err)
+{
+    if (!motion_has(m, DUET_EFFECT_CONTACT))
+        return true;
+    duet_world_def def = duet_default_world_def();
+    def.pair = m->def.pair;
+    def.plan = m->def.plan;
+    def.dims = m->def.dims;
+    def.shape = DUET_SHAPE_BOUNDS;
+    m->world = duet_world_create(&def, err);
+    return m->world;
+}
+
+static bool open_device(duet_motion *m, duet_error *err)
+{
+    m->device = &m->def.pair->devices[1];
+    timeline_begin(&m->times, m->device);
+    m->gen = gen_open(m->def.pair->kernel_dir, err);
+    m->programs = m->gen ? program_set_open(m->device, m->gen, m->def.pair->cache_dir, err) : NULL;
+    return m->programs;
+}
+
+static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_placed *placed,
+                        const duet_body *bodies, uint32_t n, duet_error *err)
+{
+    if (!copy_objects(m, poses, placed, bodies, n, err))
+        return false;
+    m->facts = effect_facts_of(&m->def, m->poses, m->bodies, n);
+    m->effects = effect_infer(&m->def, &m->facts);
+    double slop = m->def.slop > 0.0 ? m->def.slop : slop_of_extent * mean_least_extent(m);
+    m->margin = MOTION_SLOPS * slop;
+    return check_effects(m, err) && open_world(m, err) && open_device(m, err) &&
+           motion_prepare(m, err) && motion_reset(m, err);
+}
+
+static bool check_count(const duet_pose *poses, uint32_t n, duet_error *err)
+{
+    const uint32_t most = UINT32_MAX - 2 - MOTION_WALLS;
+    if (n > most)
+        return error_set(err, DUET_TOO_MANY, "%u objects; a motion holds at most %u", n, most);
+    return n == 0 || error_given(poses, "duet_motion_create", "poses", err);
+}
+
+duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
+                           const duet_placed *placed, const duet_body *bodies, uint32_t n,
+                           duet_error *err)
+{
+    if (!check_def(def, err) || !check_count(poses, n, err))
+        return NULL;
+    duet_motion *m = calloc(1, sizeof *m);
+    if (!m) {
+        error_set(err, DUET_NO_MEMORY, "no memory for a motion");
+        return NULL;
+    }
+    m->def = *def;
+    device_pair_hold(def->pair);
+    if (!open_motion(m, poses, placed, bodies, n, err)) {
+        duet_motion_destroy(m);
+        return NULL;
+    }
+    return m;
+}
+
+duet_motion *duet_motion_create(const duet_motion_def *def, const duet_pose *poses,
+                                const duet_body *bodies, uint32_t n, duet_error *err)
+{
+    return motion_create(def, poses, NULL, bodies, n, err);
+}
+
+void duet_motion_destroy(duet_motion *m)
+{
+    if (!m)
+        return;
+    timeline_clear(&m->times);
+    for (int i = 0; i < MOTION_BUFFERS; ++i)
+        buffer_release(&m->buffers[i]);
+    duet_world_destroy(m->world);
+    program_set_close(m->programs);
+    gen_close(m->gen);
+    free(m->poses);
+    free(m->cells);
+    free(m->bodies);
+    free(m->events);
+    duet_device_pair_close(m->def.pair);
+    free(m);
+}
+
+uint32_t duet_motion_effects(const duet_motion *m)
+{
+    return m ? m->effects : 0;
+}
+
+uint32_t duet_motion_count(const duet_motion *m)
+{
+    return m ? m->n : 0;
+}
+
+bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err)
+{
+    return error_given(m, call, "motion", err) &&
+           (!m->broken ||
+            error_set(err, DUET_BAD_ARGUMENT,
+                      "the motion failed in its step %llu; expected a saved one to be loaded, or a "
+                      "new motion",
+                      (unsigned long long)m->step + 1));
+}
+
+// ---------------------------------------------------------------- buffers
+
+// What grows has space to grow on: fresh pages cost as much as what is put there.
+bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err)
+{
+    buffer *b = &m->buffers[which];
+    uint64_t bytes = n * size;
+    uint64_t roomy = bytes + bytes / 4;
+    bool grows = b->mem && b->bytes < bytes && roomy <= m->device->info.max_buffer_bytes;
+    return buffer_reserve(b, m->device, (size_t)(grows ? roomy : bytes), err);
+}
+
+bool motion_clear_flags(duet_motion *m, duet_error *err)
+{
+    return timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0, 0, FLAGS, err);
+}
+
+bool motion_read_flags(duet_motion *m, duet_error *err)
+{
+    return timeline_read(&m->times, "flags", &m->buffers[FLAG_WORDS], m->flags, sizeof m->flags,
+                         err);
+}

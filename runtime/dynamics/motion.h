@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+// A motion's insides, for the files that make up its step.
+//
+// B holds the state from step to step and solves; pairs are found by both
+// devices, by a world of the objects' bounds.
+#ifndef RUNTIME_MOTION_H
+#define RUNTIME_MOTION_H
+
+#include "runtime/dynamics/effect.h"
+#include "runtime/opencl/device_pair.h"
+#include "runtime/opencl/timeline.h"
+
+enum { MOTION_WALLS = 6 };
+
+// Contacts are kept while a separation is below this many slops.
+enum { MOTION_SLOPS = 4 };
+
+// Colours of contacts, as in kernels/dynamics/graph_colour.cl.in.
+enum { COLOUR_OVERFLOW = 31, COLOUR_NONE = 33, COLOURS = 34 };
+
+// Keys that contacts are sorted by: several of a colour.
+enum { COLOUR_KEYS = 4, KEYS = COLOURS * COLOUR_KEYS, KEY_BITS = 8 };
+
+// Words that kernels set and the host reads, as in kernels/flags.clh.
+enum { FLAG_MOVED, FLAG_UNCOLOURED, FLAG_RECOLOURED, FLAG_EVENTS, FLAG_FELL_ASLEEP, FLAGS };
+
+// What B holds. Which buffers there are follows from the effects.
+typedef enum motion_buffer {
+    CENTRES, // by object
+    CELLS,   // of centres, with an origin
+    VELOCITIES,
+    ROTATIONS,
+    ANGULAR_VELOCITIES,
+    INERTIAS,
+    HALVES,
+    BOUNCES,
+    FRICTIONS,
+    FILTERS,
+    RESTS,
+    ASLEEP,
+    BODIES,
+    BOXES,
+    STARTS,
+    RETURN_STARTS,
+    USED,
+    CHOICES,
+    PAIRS,  // by pair of A, while rows are made
+    OTHERS, // by contact
+    LINKS,
+    RETURNS,
+    CONTACTS,
+    TOUCHES,
+    COLOUR_OF,
+    OLD_LINKS,
+    OLD_CONTACTS,
+    OLD_TOUCHES,
+    OLD_COLOURS,
+    LIST, // contacts by colour
+    LIST_KEYS,
+    LIST_SPARE,
+    LIST_KEYS_SPARE,
+    COLOUR_STARTS,
+    BLOCKS, // contacts by colour while they are solved
+    EVENTS,
+    FLAG_WORDS,
+    SUMS,
+    TILES,
+    MOTION_BUFFERS
+} motion_buffer;
+
+typedef struct motion_kernels {
+    kernel *integrate_free_flight;
+    kernel *compute_fat_aabbs, *check_fat_aabbs;
+    kernel *contact_graph_pairs, *contact_graph_walls, *contact_graph_sort, *contact_graph_reverse;
+    kernel *match_contacts;
+    kernel *build_manifolds;
+    kernel *update_sleep;
+    kernel *prepare_bodies, *integrate_velocities, *integrate_positions, *finalize_bodies;
+    kernel *graph_colour_mark, *graph_colour_choose, *graph_colour_take, *graph_colour_key;
+    kernel *prepare_contacts, *store_impulses;
+    kernel *solve_contacts, *apply_restitution;
+    kernel *scan_sums, *scan_tops, *scan_blocks;
+    kernel *radix_count, *radix_move, *row_start;
+} motion_kernels;
+
+// How long the records of kernels/dynamics/contact.clh and constraint.clh are, in
+// floats; bodies in vectors of four.
+typedef struct motion_layout {
+    uint32_t head, part, points, record;
+    uint32_t body;
+    uint32_t of_normal_impulse; // in a part
+    uint32_t constraint, block; // a block is so many constraints
+} motion_layout;
+
+// Contacts of one colour: where in the list, and where in blocks.
+typedef struct colour_span {
+    uint32_t first;
+    uint32_t count;
+    uint32_t slot;
+} colour_span;
+
+struct duet_motion {
+    duet_motion_def def;
+    uint32_t effects;
+    effect_facts facts;
+    uint32_t n;
+    duet_pose *poses;  // as given; with an origin each centre is an offset in its cell
+    cl_int4 *cells;    // NULL without
+    duet_body *bodies; // as given
+    const device *device;
+    gen *gen;
+    program_set *programs;
+    motion_kernels kernels;
+    motion_layout layout;
+    timeline times;
+    buffer buffers[MOTION_BUFFERS];
+    duet_world *world; // of bounds; NULL without contact
+    double margin;     // contacts are kept to that far apart
+    uint64_t step;
+    uint32_t n_contacts; // in rows
+    uint32_t n_returns;
+    colour_span colours[COLOUR_OVERFLOW + 1];
+    uint32_t n_colours; // that are not empty
+    uint32_t n_pushing; // contacts of all colours
+    uint32_t n_blocks;
+    uint64_t n_pairs;
+    bool has_rows;
+    bool list_stale; // the list by colour is not that of the contacts
+    bool rebuilt;
+    bool broken; // a step failed half-way: only a load makes it whole again
+    uint32_t flags[FLAGS];
+    duet_event *events;
+    uint64_t event_room;
+    uint64_t n_events;
+};
+
+static inline bool motion_has(const duet_motion *m, uint32_t effect)
+{
+    return m->effects & effect;
+}
+
+// The objects of a motion: poses, or with origin cells placed [n]; the other is NULL.
+duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
+                           const duet_placed *placed, const duet_body *bodies, uint32_t n,
+                           duet_error *err);
+
+// Whether a public call has a motion whose state is that of a whole step; BAD_ARGUMENT
+// where it has not.
+bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err);
+
+// Generates and builds what the effects need.
+bool motion_prepare(duet_motion *m, duet_error *err);
+
+// Puts poses and bodies into B's buffers, and 0 into what they lack.
+bool motion_reset(duet_motion *m, duet_error *err);
+
+// 32-bit words of state that an object has in a buffer; 0: not by object, or
+// not called for.
+uint32_t motion_words(const duet_motion *m, motion_buffer which);
+
+// Where objects may touch: pairs to rows, rows to contacts, contacts to colours.
+bool motion_build_graph(duet_motion *m, duet_error *err);
+bool motion_touch(duet_motion *m, bool woken, duet_error *err); // woken: only what just woke
+bool motion_colour(duet_motion *m, duet_error *err);
+
+// Exclusive sum of n words in place.
+bool motion_scan(duet_motion *m, const char *stage, motion_buffer which, uint32_t n,
+                 duet_error *err);
+
+// Reads the flags, which waits for all that was launched.
+bool motion_read_flags(duet_motion *m, duet_error *err);
+bool motion_clear_flags(duet_motion *m, duet_error *err);
+
+// Space for n elements of `size` bytes in a buffer.
+bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err);
+
+bool motion_fetch_events(duet_motion *m, duet_error *err);
+
+#endif

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// What a file says of a motion, looked at before a kernel believes it.
+//
+// The sum at a file's end tells damage, not intent: anyone can compute it. Kernels
+// take indices and counts as they are, so each one is compared here with what the
+// motion's own steps leave behind.
+#ifndef RUNTIME_MOTION_CHECK_H
+#define RUNTIME_MOTION_CHECK_H
+
+#include "runtime/dynamics/motion.h"
+
+// The parts of a file. at is NULL for buffers that the motion does not keep.
+typedef struct motion_saved {
+    const char *path;
+    uint32_t n_contacts;
+    uint32_t has_rows;
+    uint64_t n_pairs;
+    const void *at[MOTION_BUFFERS];
+} motion_saved;
+
+// BAD_INPUT says where the file differs from what the motion could have saved.
+bool motion_check(const duet_motion *m, const motion_saved *s, duet_error *err);
+
+#endif

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: MIT
+// A motion as a file: what it is, and all that its next step reads. A sum at
+// the end tells a damaged file.
+#include "runtime/dynamics/motion_check.h"
+
+#include "base/error.h"
+#include "base/text.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct header {
+    char magic[16];
+    uint32_t n;
+    uint32_t dims;
+    uint32_t doubles;
+    uint32_t effects;
+    uint32_t record;
+    uint32_t n_contacts;
+    uint32_t has_rows;
+    float origin_edge;
+    uint64_t step;
+    uint64_t n_pairs;
+} header;
+
+// What follows is read where it lies, doubles first.
+static_assert(sizeof(header) % sizeof(double) == 0, "doubles would lie askew");
+
+static const char magic[16] = "duet motion 2\n";
+
+// By object first, then by contact. Rows are kept for those that sleep and for
+// skins.
+static const motion_buffer kept[] = {CENTRES,  CELLS,  VELOCITIES, ROTATIONS, ANGULAR_VELOCITIES,
+                                     RESTS,    ASLEEP, BOXES,      STARTS,    RETURN_STARTS,
+                                     RETURNS,  LINKS,  OTHERS,     CONTACTS,  TOUCHES,
+                                     COLOUR_OF};
+
+enum { N_KEPT = sizeof kept / sizeof kept[0] };
+
+// Bytes of a buffer that count; 0 where the motion has none.
+static size_t bytes_of(const duet_motion *m, motion_buffer which, uint32_t n_contacts)
+{
+    size_t rows = motion_has(m, DUET_EFFECT_CONTACT) ? n_contacts : 0;
+    size_t word = sizeof(uint32_t);
+    switch (which) {
+    case RETURNS:
+    case OTHERS:
+    case TOUCHES:
+        return rows * word;
+    case LINKS:
+        return rows * 2 * word;
+    case CONTACTS:
+        return rows * m->layout.record * word;
+    case COLOUR_OF:
+        return motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? rows * word : 0;
+    default:
+        return ((size_t)m->n + 1) * motion_words(m, which) * word;
+    }
+}
+
+static header header_of(const duet_motion *m)
+{
+    header h = {.n = m->n,
+                .dims = m->def.dims,
+                .doubles = m->def.doubles,
+                .effects = m->effects,
+                .record = m->layout.record,
+                .n_contacts = m->n_contacts,
+                .has_rows = m->has_rows,
+                .origin_edge = m->def.origin_edge,
+                .step = m->step,
+                .n_pairs = m->n_pairs};
+    memcpy(h.magic, magic, sizeof magic);
+    return h;
+}
+
+static uint64_t sum_of(const char *bytes, size_t n)
+{
+    uint64_t sum = UINT64_C(0xcbf29ce484222325);
+    for (size_t i = 0; i < n; ++i)
+        sum = (sum ^ (unsigned char)bytes[i]) * UINT64_C(0x100000001b3);
+    return sum;
+}
+
+static motion_saved parts_of(const duet_motion *m, const header *h, const char *bytes,
+                             const char *path)
+{
+    motion_saved s = {
+        .path = path, .n_contacts = h->n_contacts, .has_rows = h->has_rows, .n_pairs = h->n_pairs};
+    const char *at = bytes + sizeof *h;
+    for (int i = 0; i < N_KEPT; ++i) {
+        size_t size = bytes_of(m, kept[i], h->n_contacts);
+        s.at[kept[i]] = size > 0 ? at : NULL;
+        at += size;
+    }
+    return s;
+}
+
+// ---------------------------------------------------------------- saving
+
+static bool add_buffer(duet_motion *m, motion_buffer which, text *file, duet_error *err)
+{
+    size_t bytes = bytes_of(m, which, m->n_contacts);
+    if (bytes == 0)
+        return true;
+    char *host = malloc(bytes);
+    if (!host)
+        return error_set(err, DUET_NO_MEMORY, "no memory for %zu bytes", bytes);
+    cl_int code = clEnqueueReadBuffer(m->device->queue, m->buffers[which].mem, CL_TRUE, 0, bytes,
+                                      host, 0, NULL, NULL);
+    if (code == CL_SUCCESS)
+        text_add_bytes(file, host, bytes);
+    free(host);
+    return code == CL_SUCCESS ||
+           error_set_cl(err, code, "%s: fetching %zu bytes", m->device->info.selector, bytes);
+}
+
+static bool write_file(text *file, const char *path, duet_error *err)
+{
+    uint64_t sum = sum_of(file->chars, file->length);
+    text_add_bytes(file, (const char *)&sum, sizeof sum);
+    return text_ok(file, err) && text_write_file(path, file->chars, file->length, err);
+}
+
+// What could not be loaded is told while the motion is still there.
+bool duet_motion_save(duet_motion *m, const char *path, duet_error *err)
+{
+    if (!motion_is_whole(m, __func__, err) || !error_given(path, __func__, "path", err))
+        return false;
+    text file = {0};
+    header h = header_of(m);
+    text_add_bytes(&file, (const char *)&h, sizeof h);
+    bool ok = timeline_finish(&m->times, err);
+    for (int i = 0; ok && i < N_KEPT; ++i)
+        ok = add_buffer(m, kept[i], &file, err);
+    if (ok && text_ok(&file, err)) {
+        motion_saved parts = parts_of(m, &h, file.chars, path);
+        ok = motion_check(m, &parts, err) && write_file(&file, path, err);
+    } else {
+        ok = false;
+    }
+    text_free(&file);
+    return ok;
+}
+
+// ---------------------------------------------------------------- loading
+
+static bool check_header(const duet_motion *m, const header *h, const char *path, duet_error *err)
+{
+    const struct {
+        const char *what;
+        uint32_t file;
+        uint32_t motion;
+    } same[] = {
+        {"objects", h->n, m->n},
+        {"dimensions", h->dims, m->def.dims},
+        {"doubles", h->doubles, m->def.doubles},
+        {"effects", h->effects, m->effects},
+        {"floats a contact", h->record, m->layout.record},
+    };
+    for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i)
+        if (same[i].file != same[i].motion)
+            return error_set(err, DUET_BAD_INPUT, "%s: %s: %u in the file, %u in the motion", path,
+                             same[i].what, same[i].file, same[i].motion);
+    return h->origin_edge == m->def.origin_edge ||
+           error_set(err, DUET_BAD_INPUT, "%s: origin_edge: %g in the file, %g in the motion", path,
+                     (double)h->origin_edge, (double)m->def.origin_edge);
+}
+
+static bool check_file(const duet_motion *m, const text *file, const char *path, header *h,
+                       duet_error *err)
+{
+    uint64_t sum = 0;
+    size_t whole = sizeof *h + sizeof sum;
+    if (file->length < whole || memcmp(file->chars, magic, sizeof magic) != 0)
+        return error_set(err, DUET_BAD_INPUT, "%s: not a saved motion", path);
+    memcpy(h, file->chars, sizeof *h);
+    memcpy(&sum, file->chars + file->length - sizeof sum, sizeof sum);
+    if (!check_header(m, h, path, err))
+        return false;
+    for (int i = 0; i < N_KEPT; ++i)
+        whole += bytes_of(m, kept[i], h->n_contacts);
+    if (file->length != whole || sum != sum_of(file->chars, file->length - sizeof sum))
+        return error_set(err, DUET_BAD_INPUT, "%s: the saved motion is cut short or damaged", path);
+    return true;
+}
+
+// As large as the motion's own, and space for the record after the last, as rows that
+// are made have it.
+static size_t capacity_of(const duet_motion *m, motion_buffer which, size_t bytes)
+{
+    size_t needed = bytes + m->layout.record * sizeof(float);
+    return needed > m->buffers[which].bytes ? needed : m->buffers[which].bytes;
+}
+
+static bool put_buffer(duet_motion *m, buffer *to, size_t capacity, const void *from, size_t bytes,
+                       duet_error *err)
+{
+    return buffer_reserve(to, m->device, capacity, err) &&
+           timeline_fill(&m->times, "clear", to, 0, 0, capacity / sizeof(uint32_t), err) &&
+           timeline_write_at(&m->times, "send", to, 0, from, bytes, err);
+}
+
+static uint64_t event_room(const motion_saved *s)
+{
+    return (uint64_t)s->n_contacts + 1;
+}
+
+static bool put_all(duet_motion *m, const motion_saved *s, buffer fresh[], duet_error *err)
+{
+    bool ok = true;
+    for (int i = 0; ok && i < N_KEPT; ++i) {
+        motion_buffer which = kept[i];
+        size_t bytes = bytes_of(m, which, s->n_contacts);
+        ok = bytes == 0 ||
+             put_buffer(m, &fresh[which], capacity_of(m, which, bytes), s->at[which], bytes, err);
+    }
+    if (ok && motion_has(m, DUET_EFFECT_EVENTS)) {
+        size_t bytes = (size_t)event_room(s) * 4 * sizeof(uint32_t);
+        ok = buffer_reserve(&fresh[EVENTS], m->device, capacity_of(m, EVENTS, bytes), err);
+    }
+    return ok && timeline_finish(&m->times, err);
+}
+
+// Into buffers of their own first: a device that fails on the way leaves the motion as
+// it was.
+static bool replace_all(duet_motion *m, const motion_saved *s, duet_error *err)
+{
+    buffer fresh[MOTION_BUFFERS] = {{0}};
+    bool ok = put_all(m, s, fresh, err);
+    timeline_clear(&m->times);
+    for (int which = 0; which < MOTION_BUFFERS; ++which) {
+        buffer before = m->buffers[which];
+        if (ok && fresh[which].mem) {
+            m->buffers[which] = fresh[which];
+            fresh[which] = before;
+        }
+        buffer_release(&fresh[which]);
+    }
+    return ok;
+}
+
+bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
+{
+    if (!error_given(m, __func__, "motion", err) || !error_given(path, __func__, "path", err))
+        return false;
+    text file = {0};
+    header h;
+    motion_saved parts = {0};
+    bool ok = text_read_file(&file, path, err) && check_file(m, &file, path, &h, err);
+    if (ok) {
+        parts = parts_of(m, &h, file.chars, path);
+        ok = motion_check(m, &parts, err) && timeline_finish(&m->times, err) &&
+             replace_all(m, &parts, err);
+    }
+    text_free(&file);
+    if (!ok)
+        return false;
+    m->step = h.step;
+    m->n_contacts = h.n_contacts;
+    m->event_room = event_room(&parts);
+    m->n_pairs = h.n_pairs;
+    m->has_rows = h.has_rows;
+    m->list_stale = true;
+    m->broken = false;
+    return true;
+}

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+// Which kernels a motion runs, and with which parameters.
+#include "runtime/dynamics/motion.h"
+
+#include "base/error.h"
+
+#include <string.h>
+
+enum { N_CHOICES = 15 };
+
+static const gen_param *find_param(const gen_param *params, uint32_t n, const char *name)
+{
+    for (uint32_t i = 0; i < n; ++i)
+        if (strcmp(params[i].name, name) == 0)
+            return &params[i];
+    return NULL;
+}
+
+static int64_t has(const duet_motion *m, uint32_t effect)
+{
+    return motion_has(m, effect) ? 1 : 0;
+}
+
+static int64_t gravity_kind(const duet_motion *m)
+{
+    return !motion_has(m, DUET_EFFECT_GRAVITY) ? 0 : m->def.attraction != 0.0 ? 2 : 1;
+}
+
+// With response, walls are contacts and nothing is left to a free flight.
+static int64_t edge_kind(const duet_motion *m)
+{
+    return !motion_has(m, DUET_EFFECT_BOUNDS) ? 0 : m->def.edge == DUET_EDGE_PERIODIC ? 2 : 1;
+}
+
+static int64_t order_of(duet_integrator integrator)
+{
+    static const int64_t orders[] = {[DUET_EULER] = 1, [DUET_VERLET] = 2, [DUET_YOSHIDA] = 4};
+    return orders[integrator];
+}
+
+// All that the cards of these kernels can have.
+static void choose(const duet_motion *m, gen_setting all[N_CHOICES])
+{
+    int64_t gyro = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) && m->facts.uneven;
+    uint32_t origin_bits;
+    memcpy(&origin_bits, &m->def.origin_edge, sizeof origin_bits);
+    const gen_setting choices[N_CHOICES] = {
+        {"DIMS", m->def.dims},
+        {"DOUBLE", m->def.doubles},
+        {"ORIGIN", origin_bits >> 23},
+        {"ROTATED", has(m, DUET_EFFECT_ROTATION)},
+        {"ANGULAR_VELOCITY", has(m, DUET_EFFECT_ANGULAR_VELOCITY)},
+        {"GYRO", gyro},
+        {"GRAVITY", gravity_kind(m)},
+        {"DRAG", has(m, DUET_EFFECT_DRAG)},
+        {"BOUNDS", edge_kind(m)},
+        {"CONTACT_RESPONSE", has(m, DUET_EFFECT_CONTACT_RESPONSE)},
+        {"FRICTION", has(m, DUET_EFFECT_FRICTION)},
+        {"CONTINUOUS", has(m, DUET_EFFECT_CONTINUOUS)},
+        {"FILTER", has(m, DUET_EFFECT_FILTER)},
+        {"SLEEP", has(m, DUET_EFFECT_SLEEP)},
+        {"EVENTS", has(m, DUET_EFFECT_EVENTS)},
+    };
+    memcpy(all, choices, sizeof choices);
+}
+
+// Those of the choices that the kernel's card has.
+static bool gather(duet_motion *m, const char *name, gen_setting settings[], uint32_t *n,
+                   duet_error *err)
+{
+    gen_setting all[N_CHOICES];
+    const gen_param *params = NULL;
+    uint32_t n_params = 0;
+    gen_limits limits = program_set_limits(m->programs);
+    choose(m, all);
+    if (!gen_params(m->gen, name, &limits, &params, &n_params, err))
+        return false;
+    *n = 0;
+    for (int i = 0; i < N_CHOICES; ++i)
+        if (find_param(params, n_params, all[i].name))
+            settings[(*n)++] = all[i];
+    if (find_param(params, n_params, "SKIN"))
+        settings[(*n)++] = (gen_setting){"SKIN", has(m, DUET_EFFECT_SKIN)};
+    if (find_param(params, n_params, "ORDER"))
+        settings[(*n)++] = (gen_setting){"ORDER", order_of(m->def.integrator)};
+    return true;
+}
+
+static bool get(duet_motion *m, kernel **at, const char *name, const char *entry, duet_error *err)
+{
+    gen_setting settings[N_CHOICES + 2];
+    uint32_t n = 0;
+    if (!gather(m, name, settings, &n, err))
+        return false;
+    *at = program_set_kernel(m->programs, name, entry, settings, n, err);
+    return *at;
+}
+
+// As kernels/dynamics/contact.clh and constraint.clh have them.
+static motion_layout lay_out(const duet_motion *m)
+{
+    bool response = motion_has(m, DUET_EFFECT_CONTACT_RESPONSE);
+    bool turns = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY);
+    bool friction = motion_has(m, DUET_EFFECT_FRICTION);
+    bool flat = m->def.dims == 2;
+    motion_layout l = {.of_normal_impulse = 4};
+    l.head = response ? 6 : 3;
+    l.part = (response ? 6 : 4) + (friction ? m->def.dims - 1 : 0);
+    l.points = response && !turns ? 1 : flat ? 2 : 4;
+    l.record = l.head + l.points * l.part;
+    l.body = turns ? 8 : 4;
+    l.constraint = (friction ? 14 : 10) + l.points * (9 + (friction ? 2 * (m->def.dims - 1) : 0));
+    return l;
+}
+
+bool motion_prepare(duet_motion *m, duet_error *err)
+{
+    motion_kernels *k = &m->kernels;
+    bool contact = motion_has(m, DUET_EFFECT_CONTACT);
+    bool response = motion_has(m, DUET_EFFECT_CONTACT_RESPONSE);
+    bool flight = motion_has(m, DUET_EFFECT_MOTION) && !response;
+    bool walls = contact && edge_kind(m) == 1;
+    const struct {
+        kernel **at;
+        bool wanted;
+        const char *name;
+        const char *entry;
+    } list[] = {
+        {&k->integrate_free_flight, flight, "integrate_free_flight", "integrate_free_flight"},
+        {&k->compute_fat_aabbs, contact, "fat_aabbs", "compute_fat_aabbs"},
+        {&k->check_fat_aabbs, motion_has(m, DUET_EFFECT_SKIN), "fat_aabbs", "check_fat_aabbs"},
+        {&k->contact_graph_pairs, contact, "contact_graph", "contact_graph_pairs"},
+        {&k->contact_graph_walls, walls, "contact_graph", "contact_graph_walls"},
+        {&k->contact_graph_sort, contact, "contact_graph", "contact_graph_sort"},
+        {&k->contact_graph_reverse, contact, "contact_graph", "contact_graph_reverse"},
+        {&k->match_contacts, contact, "match_contacts", "match_contacts"},
+        {&k->build_manifolds, contact, "build_manifolds", "build_manifolds"},
+        {&k->update_sleep, motion_has(m, DUET_EFFECT_SLEEP), "update_sleep", "update_sleep"},
+        {&k->prepare_bodies, response, "bodies", "prepare_bodies"},
+        {&k->integrate_velocities, response, "bodies", "integrate_velocities"},
+        {&k->integrate_positions, response, "integrate_positions", "integrate_positions"},
+        {&k->finalize_bodies, response, "bodies", "finalize_bodies"},
+        {&k->graph_colour_mark, response, "graph_colour", "graph_colour_mark"},
+        {&k->graph_colour_choose, response, "graph_colour", "graph_colour_choose"},
+        {&k->graph_colour_take, response, "graph_colour", "graph_colour_take"},
+        {&k->graph_colour_key, response, "graph_colour", "graph_colour_key"},
+        {&k->prepare_contacts, response, "prepare_contacts", "prepare_contacts"},
+        {&k->store_impulses, response, "prepare_contacts", "store_impulses"},
+        {&k->solve_contacts, response, "solve_contacts", "solve_contacts"},
+        {&k->apply_restitution, response, "solve_contacts", "apply_restitution"},
+        {&k->scan_sums, contact, "scan", "scan_sums"},
+        {&k->scan_tops, contact, "scan", "scan_tops"},
+        {&k->scan_blocks, contact, "scan", "scan_blocks"},
+        {&k->radix_count, response, "radix", "radix_count"},
+        {&k->radix_move, response, "radix", "radix_move"},
+        {&k->row_start, response, "cell_start", "row_start"},
+    };
+    m->layout = lay_out(m);
+    for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i)
+        if (list[i].wanted && !get(m, list[i].at, list[i].name, list[i].entry, err))
+            return false;
+    if (response)
+        m->layout.block = (uint32_t)kernel_param(k->solve_contacts, "BLOCK");
+    return true;
+}

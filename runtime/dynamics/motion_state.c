@@ -1,0 +1,404 @@
+// SPDX-License-Identifier: MIT
+// The state of a motion: onto B, back, and sums over it.
+#include "runtime/dynamics/motion.h"
+
+#include "base/error.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// By object, what each buffer holds: reals and 32-bit words; and the effects of
+// which one must be called for, 0 for always.
+static const struct {
+    uint32_t effects;
+    uint32_t reals;
+    uint32_t words;
+} by_object[MOTION_BUFFERS] = {
+    [CENTRES] = {0, 4, 0},
+    [VELOCITIES] = {0, 4, 0},
+    [ROTATIONS] = {DUET_EFFECT_ROTATION, 4, 0},
+    [ANGULAR_VELOCITIES] = {DUET_EFFECT_ANGULAR_VELOCITY, 4, 0},
+    [INERTIAS] = {DUET_EFFECT_ANGULAR_VELOCITY, 0, 4},
+    [HALVES] = {DUET_EFFECT_CONTACT | DUET_EFFECT_BOUNDS, 0, 4},
+    [BOUNCES] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 1},
+    [FRICTIONS] = {DUET_EFFECT_FRICTION, 0, 1},
+    [FILTERS] = {DUET_EFFECT_FILTER, 0, 2},
+    [RESTS] = {DUET_EFFECT_SLEEP, 0, 1},
+    [ASLEEP] = {DUET_EFFECT_SLEEP, 0, 1},
+    [BOXES] = {DUET_EFFECT_CONTACT, 0, 6},
+    [STARTS] = {DUET_EFFECT_CONTACT, 0, 1},
+    [RETURN_STARTS] = {DUET_EFFECT_CONTACT, 0, 1},
+    [USED] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 1},
+    [CHOICES] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 1},
+};
+
+uint32_t motion_words(const duet_motion *m, motion_buffer which)
+{
+    if (which == CELLS)
+        return m->cells ? 4 : 0;
+    if (which == BODIES)
+        return motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? 4 * m->layout.body : 0;
+    if (by_object[which].effects && !motion_has(m, by_object[which].effects))
+        return 0;
+    return by_object[which].reals * (m->def.doubles ? 2 : 1) + by_object[which].words;
+}
+
+// ---------------------------------------------------------------- onto B
+
+// What one object has in a buffer, as doubles.
+typedef struct entry {
+    double at[4];
+} entry;
+
+static entry centre_of(const duet_motion *m, uint32_t id)
+{
+    const float *c = m->poses[id].centre;
+    const double nowhere[3] = {0};
+    const double *o = m->cells ? nowhere : m->def.origin;
+    return (entry){{o[0] + c[0], o[1] + c[1], m->def.dims == 3 ? o[2] + c[2] : 0.0}};
+}
+
+static entry velocity_of(const duet_motion *m, uint32_t id)
+{
+    const duet_body *b = &m->bodies[id];
+    double z = m->def.dims == 3 ? b->velocity[2] : 0.0;
+    return (entry){{b->velocity[0], b->velocity[1], z, b->mass > 0.0f ? 1.0 / b->mass : 0.0}};
+}
+
+static entry rotation_of(const duet_motion *m, uint32_t id)
+{
+    const float *q = m->poses[id].rotation;
+    double x = m->def.dims == 3 ? q[0] : 0.0;
+    double y = m->def.dims == 3 ? q[1] : 0.0;
+    double norm = sqrt(x * x + y * y + (double)q[2] * q[2] + (double)q[3] * q[3]);
+    return (entry){{x / norm, y / norm, q[2] / norm, q[3] / norm}};
+}
+
+static entry spin_of(const duet_motion *m, uint32_t id)
+{
+    const float *w = m->bodies[id].angular_velocity;
+    bool solid = m->def.dims == 3;
+    return (entry){{solid ? w[0] : 0.0, solid ? w[1] : 0.0, w[2]}};
+}
+
+static double inverse_of(double inertia)
+{
+    return inertia > 0.0 ? 1.0 / inertia : 0.0;
+}
+
+// Of a solid box; one without extent across an axis is never turned about it.
+static entry inertia_of(const duet_motion *m, uint32_t id)
+{
+    const float *h = m->poses[id].half_extents;
+    const duet_body *b = &m->bodies[id];
+    double third = b->fixed_rotation ? 0.0 : (double)b->mass / 3.0;
+    double xx = (double)h[0] * h[0], yy = (double)h[1] * h[1], zz = (double)h[2] * h[2];
+    if (m->def.dims == 2)
+        return (entry){{0.0, 0.0, inverse_of(third * (xx + yy))}};
+    return (entry){{inverse_of(third * (yy + zz)), inverse_of(third * (xx + zz)),
+                    inverse_of(third * (xx + yy))}};
+}
+
+static entry half_of(const duet_motion *m, uint32_t id)
+{
+    const float *h = m->poses[id].half_extents;
+    return (entry){{h[0], h[1], m->def.dims == 3 ? h[2] : 0.0}};
+}
+
+static entry bounce_of(const duet_motion *m, uint32_t id)
+{
+    return (entry){{m->bodies[id].restitution}};
+}
+
+static entry friction_of(const duet_motion *m, uint32_t id)
+{
+    return (entry){{m->bodies[id].friction}};
+}
+
+// Sends n entries of `width` numbers, as doubles or floats.
+static bool send(duet_motion *m, motion_buffer which, entry (*of)(const duet_motion *, uint32_t),
+                 uint32_t width, bool doubles, duet_error *err)
+{
+    size_t size = doubles ? sizeof(double) : sizeof(float);
+    size_t bytes = (size_t)m->n * width * size;
+    char *host = malloc(bytes + 1);
+    if (!host)
+        return error_set(err, DUET_NO_MEMORY, "no memory for %zu bytes", bytes);
+    for (uint32_t id = 0; id < m->n; ++id) {
+        entry e = of(m, id);
+        for (uint32_t k = 0; k < width; ++k) {
+            size_t at = (size_t)id * width + k;
+            if (doubles)
+                ((double *)(void *)host)[at] = e.at[k];
+            else
+                ((float *)(void *)host)[at] = (float)e.at[k];
+        }
+    }
+    bool ok = timeline_write(&m->times, "send", &m->buffers[which], host, bytes, err) &&
+              timeline_finish(&m->times, err);
+    free(host);
+    return ok;
+}
+
+static bool send_filters(duet_motion *m, duet_error *err)
+{
+    uint32_t *host = malloc((size_t)m->n * 2 * sizeof *host + 1);
+    if (!host)
+        return error_set(err, DUET_NO_MEMORY, "no memory for the groups of %u objects", m->n);
+    for (uint32_t id = 0; id < m->n; ++id) {
+        host[2 * (size_t)id] = m->bodies[id].group;
+        host[2 * (size_t)id + 1] = m->bodies[id].mask;
+    }
+    bool ok = timeline_write(&m->times, "send", &m->buffers[FILTERS], host,
+                             (size_t)m->n * 2 * sizeof *host, err) &&
+              timeline_finish(&m->times, err);
+    free(host);
+    return ok;
+}
+
+static bool reserve_all(duet_motion *m, duet_error *err)
+{
+    bool ok = !motion_has(m, DUET_EFFECT_CONTACT) ||
+              motion_reserve(m, FLAG_WORDS, FLAGS, sizeof(uint32_t), err);
+    for (int which = 0; ok && which < MOTION_BUFFERS; ++which) {
+        uint32_t words = motion_words(m, (motion_buffer)which);
+        if (words == 0)
+            continue;
+        uint64_t n = (uint64_t)m->n + MOTION_WALLS;
+        ok = motion_reserve(m, (motion_buffer)which, n * words, sizeof(uint32_t), err) &&
+             timeline_fill(&m->times, "clear", &m->buffers[which], 0, 0, (size_t)n * words, err);
+    }
+    return ok;
+}
+
+bool motion_reset(duet_motion *m, duet_error *err)
+{
+    static const struct {
+        motion_buffer which;
+        entry (*of)(const duet_motion *, uint32_t);
+    } sent[] = {
+        {CENTRES, centre_of},          {VELOCITIES, velocity_of}, {ROTATIONS, rotation_of},
+        {ANGULAR_VELOCITIES, spin_of}, {INERTIAS, inertia_of},    {HALVES, half_of},
+        {BOUNCES, bounce_of},          {FRICTIONS, friction_of},
+    };
+    bool ok = reserve_all(m, err);
+    for (size_t i = 0; ok && i < sizeof sent / sizeof sent[0]; ++i) {
+        motion_buffer which = sent[i].which;
+        if (motion_words(m, which) == 0)
+            continue;
+        bool doubles = m->def.doubles && by_object[which].reals > 0;
+        uint32_t width = by_object[which].reals + by_object[which].words;
+        ok = send(m, which, sent[i].of, width, doubles, err);
+    }
+    ok = ok && (!motion_has(m, DUET_EFFECT_FILTER) || send_filters(m, err));
+    if (ok && m->cells)
+        ok = timeline_write(&m->times, "send", &m->buffers[CELLS], m->cells,
+                            m->n * sizeof *m->cells, err);
+    return ok && timeline_finish(&m->times, err);
+}
+
+// ---------------------------------------------------------------- back
+
+// Four numbers of each object, or what was given where the buffer is not
+// called for.
+static bool fetch(duet_motion *m, motion_buffer which,
+                  entry (*given)(const duet_motion *, uint32_t), entry *entries, duet_error *err)
+{
+    if (motion_words(m, which) == 0) {
+        for (uint32_t id = 0; id < m->n; ++id)
+            entries[id] = given(m, id);
+        return true;
+    }
+    size_t numbers = (size_t)m->n * 4;
+    size_t bytes = numbers * (m->def.doubles ? sizeof(double) : sizeof(float));
+    const buffer *b = &m->buffers[which];
+    void *host = b->host ? b->host : malloc(bytes + 1);
+    if (!host)
+        return error_set(err, DUET_NO_MEMORY, "no memory for %zu bytes", bytes);
+    bool ok = timeline_read(&m->times, "fetch", &m->buffers[which], host, bytes, err);
+    for (size_t i = 0; ok && i < numbers; ++i)
+        entries[i / 4].at[i % 4] =
+            m->def.doubles ? ((const double *)host)[i] : (double)((const float *)host)[i];
+    if (!b->host)
+        free(host);
+    return ok;
+}
+
+// Centres were read as offsets.
+static bool add_cells(duet_motion *m, duet_state *states, duet_error *err)
+{
+    size_t bytes = (size_t)m->n * sizeof(cl_int4);
+    const buffer *b = &m->buffers[CELLS];
+    cl_int4 *host = b->host ? b->host : malloc(bytes + 1);
+    if (!host)
+        return error_set(err, DUET_NO_MEMORY, "no memory for %zu bytes", bytes);
+    bool ok = timeline_read(&m->times, "fetch", &m->buffers[CELLS], host, bytes, err);
+    for (uint32_t id = 0; ok && id < m->n; ++id)
+        for (uint32_t k = 0; k < m->def.dims; ++k)
+            states[id].centre[k] += (double)host[id].s[k] * m->def.origin_edge;
+    if (!b->host)
+        free(host);
+    return ok;
+}
+
+// What no longer is a number is told here at the latest.
+static bool check_finite(const duet_motion *m, const duet_state *states, duet_error *err)
+{
+    const size_t numbers = sizeof *states / sizeof(double);
+    for (uint32_t id = 0; id < m->n; ++id)
+        for (size_t k = 0; k < numbers; ++k)
+            if (!isfinite(((const double *)&states[id])[k]))
+                return error_set(err, DUET_BAD_OBJECT,
+                                 "object %u of %u: its state after step %llu is not finite", id,
+                                 m->n, (unsigned long long)m->step);
+    return true;
+}
+
+bool duet_motion_read(duet_motion *m, duet_state *states, duet_error *err)
+{
+    if (!motion_is_whole(m, __func__, err) ||
+        (m->n > 0 && !error_given(states, __func__, "states", err)))
+        return false;
+    static const struct {
+        motion_buffer which;
+        entry (*given)(const duet_motion *, uint32_t);
+        size_t at;
+        size_t numbers;
+    } parts[] = {
+        {CENTRES, centre_of, offsetof(duet_state, centre), 3},
+        {ROTATIONS, rotation_of, offsetof(duet_state, rotation), 4},
+        {VELOCITIES, velocity_of, offsetof(duet_state, velocity), 3},
+        {ANGULAR_VELOCITIES, spin_of, offsetof(duet_state, angular_velocity), 3},
+    };
+    entry *entries = calloc((size_t)m->n + 1, sizeof *entries);
+    if (!entries)
+        return error_set(err, DUET_NO_MEMORY, "no memory for %u states", m->n);
+    bool ok = timeline_finish(&m->times, err);
+    for (size_t i = 0; ok && i < sizeof parts / sizeof parts[0]; ++i) {
+        ok = fetch(m, parts[i].which, parts[i].given, entries, err);
+        for (uint32_t id = 0; ok && id < m->n; ++id)
+            memcpy((char *)&states[id] + parts[i].at, entries[id].at,
+                   parts[i].numbers * sizeof(double));
+    }
+    free(entries);
+    ok = ok && (!m->cells || add_cells(m, states, err));
+    return ok && timeline_finish(&m->times, err) && check_finite(m, states, err);
+}
+
+// ---------------------------------------------------------------- sums
+
+static duet_state *read_states(duet_motion *m, duet_error *err)
+{
+    duet_state *states = calloc((size_t)m->n + 1, sizeof *states);
+    if (!states) {
+        error_set(err, DUET_NO_MEMORY, "no memory for %u states", m->n);
+        return NULL;
+    }
+    if (duet_motion_read(m, states, err))
+        return states;
+    free(states);
+    return NULL;
+}
+
+// -0 counts as 0: which of the two a sum of nothing is does not matter.
+static uint64_t mix(uint64_t sum, double value, uint64_t place)
+{
+    double plain = value + 0.0;
+    uint64_t k;
+    memcpy(&k, &plain, sizeof k);
+    k ^= place * UINT64_C(0x9E3779B97F4A7C15);
+    k *= UINT64_C(0xBF58476D1CE4E5B9);
+    k ^= k >> 29;
+    k *= UINT64_C(0x94D049BB133111EB);
+    return sum + (k ^ k >> 32);
+}
+
+bool duet_motion_hash(duet_motion *m, uint64_t *hash, duet_error *err)
+{
+    if (!motion_is_whole(m, __func__, err) || !error_given(hash, __func__, "hash", err))
+        return false;
+    duet_state *states = read_states(m, err);
+    if (!states)
+        return false;
+    const size_t numbers = sizeof *states / sizeof(double);
+    const double *values = (const double *)states;
+    *hash = 0;
+    for (size_t i = 0; i < m->n * numbers; ++i)
+        *hash = mix(*hash, values[i], i + 1);
+    free(states);
+    return true;
+}
+
+static void cross(const double a[3], const double b[3], double c[3])
+{
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// Axis k of a box turned by q, |q| = 1.
+static void axis_of(const double q[4], int k, double axis[3])
+{
+    double x = q[0], y = q[1], z = q[2], w = q[3];
+    const double columns[3][3] = {
+        {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+        {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+        {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)},
+    };
+    memcpy(axis, columns[k], sizeof columns[k]);
+}
+
+static double potential_of(const duet_motion_def *def, const duet_state *s, double mass)
+{
+    if (def->attraction != 0.0) {
+        double to[3] = {def->centre[0] - s->centre[0], def->centre[1] - s->centre[1],
+                        def->dims == 3 ? def->centre[2] - s->centre[2] : 0.0};
+        return -mass * def->attraction / sqrt(dot(to, to));
+    }
+    return -mass * dot(def->gravity, s->centre);
+}
+
+static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, duet_energy *e)
+{
+    double mass = m->bodies[id].mass;
+    entry inverse = inertia_of(m, id);
+    double swing[3];
+    cross(s->centre, s->velocity, swing);
+    e->kinetic += 0.5 * mass * dot(s->velocity, s->velocity);
+    if (motion_has(m, DUET_EFFECT_GRAVITY))
+        e->potential += potential_of(&m->def, s, mass);
+    for (int k = 0; k < 3; ++k) {
+        e->momentum[k] += mass * s->velocity[k];
+        e->angular[k] += mass * swing[k];
+    }
+    for (int k = 0; k < 3; ++k) {
+        double axis[3];
+        axis_of(s->rotation, k, axis);
+        double along = dot(axis, s->angular_velocity);
+        double inertia = inverse.at[k] > 0.0 ? 1.0 / inverse.at[k] : 0.0;
+        e->turning += 0.5 * inertia * along * along;
+        for (int j = 0; j < 3; ++j)
+            e->angular[j] += inertia * along * axis[j];
+    }
+}
+
+bool duet_motion_energy(duet_motion *m, duet_energy *energy, duet_error *err)
+{
+    if (!motion_is_whole(m, __func__, err) || !error_given(energy, __func__, "energy", err))
+        return false;
+    duet_state *states = read_states(m, err);
+    if (!states)
+        return false;
+    *energy = (duet_energy){0};
+    for (uint32_t id = 0; id < m->n; ++id)
+        if (m->bodies[id].mass > 0.0f)
+            add_object(m, id, &states[id], energy);
+    free(states);
+    return true;
+}

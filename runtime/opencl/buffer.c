@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+#define _DEFAULT_SOURCE
+#include "runtime/opencl/buffer.h"
+
+#include "base/error.h"
+
+#include <stdlib.h>
+#include <sys/mman.h>
+
+enum { ALIGNMENT = 4096, SMALLEST = 4096, LARGE_PAGE = 1 << 21 };
+
+static size_t rounded(size_t bytes, size_t to)
+{
+    return (bytes + to - 1) / to * to;
+}
+
+// Large pages where there are any: objects are read and placed at random, and
+// small pages' translations would be missed as often as the cache.
+static void *allocate(size_t bytes)
+{
+    if (bytes < LARGE_PAGE)
+        return aligned_alloc(ALIGNMENT, rounded(bytes, ALIGNMENT));
+    size_t whole = rounded(bytes, LARGE_PAGE);
+    void *memory = aligned_alloc(LARGE_PAGE, whole);
+    if (memory)
+        madvise(memory, whole, MADV_HUGEPAGE);
+    return memory;
+}
+
+static bool no_memory(duet_error *err, const device *d, size_t bytes)
+{
+    return error_set(err, DUET_NO_MEMORY, "%s: no memory for %zu bytes", d->info.selector, bytes);
+}
+
+static bool wrap(buffer *b, const device *d, duet_error *err)
+{
+    cl_int code = CL_SUCCESS;
+    b->mem = clCreateBuffer(d->context, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, b->bytes, b->host,
+                            &code);
+    if (!b->mem)
+        return error_set_cl(err, code, "%s: wrapping %zu bytes of host memory", d->info.selector,
+                            b->bytes);
+    device_object_made();
+    return true;
+}
+
+static bool create(buffer *b, const device *d, duet_error *err)
+{
+    if (d->info.host_memory) {
+        b->host = allocate(b->bytes);
+        return b->host ? wrap(b, d, err) : no_memory(err, d, b->bytes);
+    }
+    cl_int code = CL_SUCCESS;
+    b->mem = clCreateBuffer(d->context, CL_MEM_READ_WRITE, b->bytes, NULL, &code);
+    if (!b->mem)
+        return error_set_cl(err, code, "%s: a buffer of %zu bytes", d->info.selector, b->bytes);
+    device_object_made();
+    return true;
+}
+
+bool buffer_reserve(buffer *b, const device *d, size_t bytes, duet_error *err)
+{
+    if (b->mem && !b->borrowed && b->bytes >= bytes)
+        return true;
+    buffer_release(b);
+    if (bytes > d->info.max_buffer_bytes)
+        return error_set(err, DUET_NO_MEMORY, "%s: %zu bytes wanted, a buffer holds at most %llu",
+                         d->info.selector, bytes, (unsigned long long)d->info.max_buffer_bytes);
+    b->bytes = rounded(bytes < SMALLEST ? SMALLEST : bytes, ALIGNMENT);
+    bool ok = create(b, d, err);
+    if (!ok)
+        buffer_release(b);
+    return ok;
+}
+
+bool buffer_borrow(buffer *b, const device *d, void *host, size_t bytes, duet_error *err)
+{
+    if (b->mem && b->borrowed && b->host == host && b->bytes == bytes)
+        return true;
+    buffer_release(b);
+    *b = (buffer){.host = host, .bytes = bytes, .borrowed = true};
+    bool ok = wrap(b, d, err);
+    if (!ok)
+        *b = (buffer){0};
+    return ok;
+}
+
+bool buffer_hold(buffer *b, const device *d, void *host, size_t bytes, duet_error *err)
+{
+    return d->info.host_memory ? buffer_borrow(b, d, host, bytes, err)
+                               : buffer_reserve(b, d, bytes, err);
+}
+
+void buffer_release(buffer *b)
+{
+    if (b->mem) {
+        clReleaseMemObject(b->mem);
+        device_object_gone();
+    }
+    if (!b->borrowed)
+        free(b->host);
+    *b = (buffer){0};
+}
+
+static bool lock_block(host_block *h, const device *d, size_t size)
+{
+    cl_int code = CL_SUCCESS;
+    h->mem =
+        clCreateBuffer(d->context, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, size, NULL, &code);
+    if (!h->mem)
+        return false;
+    device_object_made();
+    h->owner = d;
+    h->bytes = clEnqueueMapBuffer(d->queue, h->mem, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, size, 0,
+                                  NULL, NULL, &code);
+    if (!h->bytes)
+        host_block_release(h);
+    return h->bytes;
+}
+
+bool host_block_reserve(host_block *h, const device devices[], int n_devices, size_t size,
+                        duet_error *err)
+{
+    if (h->bytes && h->size >= size)
+        return true;
+    host_block_release(h);
+    size = rounded(size < SMALLEST ? SMALLEST : size, ALIGNMENT);
+    for (int i = n_devices - 1; i >= 0 && !h->bytes; --i)
+        if (!devices[i].info.host_memory)
+            lock_block(h, &devices[i], size);
+    if (!h->bytes)
+        h->bytes = allocate(size);
+    if (!h->bytes)
+        return error_set(err, DUET_NO_MEMORY, "no host memory for %zu bytes", size);
+    h->size = size;
+    return true;
+}
+
+void host_block_release(host_block *h)
+{
+    if (h->mem) {
+        if (h->bytes) {
+            clEnqueueUnmapMemObject(h->owner->queue, h->mem, h->bytes, 0, NULL, NULL);
+            clFinish(h->owner->queue);
+        }
+        clReleaseMemObject(h->mem);
+        device_object_gone();
+    } else {
+        free(h->bytes);
+    }
+    *h = (host_block){0};
+}

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L // nanosleep
+#include "runtime/opencl/device.h"
+
+#include "base/error.h"
+#include "base/text.h"
+#include "runtime/opencl/device_info.h"
+#include "runtime/opencl/device_list.h"
+#include "runtime/opencl/driver_copy.h"
+
+#include <assert.h>
+#include <ctype.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static atomic_int live_objects;
+
+void device_object_made(void)
+{
+    atomic_fetch_add(&live_objects, 1);
+}
+
+void device_object_gone(void)
+{
+    int before = atomic_fetch_sub(&live_objects, 1);
+    assert(before > 0);
+    (void)before;
+}
+
+int device_live_objects(void)
+{
+    return atomic_load(&live_objects);
+}
+
+static bool fail_unknown(const char *selector, const device_root *roots, uint32_t n,
+                         duet_error *err)
+{
+    text there = {0};
+    bool has_cpu = false;
+    for (uint32_t i = 0; i < n; ++i) {
+        has_cpu = has_cpu || roots[i].info.kind == DUET_KIND_CPU;
+        text_add(&there, "%s%s", i ? ", " : "", roots[i].info.selector);
+    }
+    error_set(err, DUET_NOT_FOUND, "no device '%s'; there is %s%s", selector, text_chars(&there),
+              has_cpu ? "" : "; to work on the CPU too: apt install pocl-opencl-icd");
+    text_free(&there);
+    return false;
+}
+
+static const device_root *find_root(const char *selector, size_t length, duet_error *err)
+{
+    const device_root *roots = NULL;
+    uint32_t n = 0;
+    if (!device_list_roots(&roots, &n, err))
+        return NULL;
+    for (uint32_t i = 0; i < n; ++i) {
+        const char *name = roots[i].info.selector;
+        if (strlen(name) == length && memcmp(name, selector, length) == 0)
+            return &roots[i];
+    }
+    fail_unknown(selector, roots, n, err);
+    return NULL;
+}
+
+// Reads "[first-last]"; nothing may follow.
+static bool read_part(const char *part, uint32_t *first, uint32_t *last)
+{
+    int end = 0;
+    bool digits = isdigit((unsigned char)part[1]);
+    return digits && sscanf(part, "[%9u-%9u]%n", first, last, &end) == 2 && part[end] == '\0';
+}
+
+static bool check_part(const device_root *root, const char *selector, uint32_t *first,
+                       uint32_t *last, duet_error *err)
+{
+    const duet_device_info *info = &root->info;
+    if (!info->can_cut)
+        return error_set(err, DUET_BAD_ARGUMENT, "%s: %s cannot be cut into parts%s", selector,
+                         info->selector, info->units == 1 ? ", it has one unit" : "");
+    if (!read_part(strchr(selector, '['), first, last) || *first > *last || *last >= info->units)
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "%s: a part of %s is [first-last] with 0 <= first <= last <= %u", selector,
+                         info->selector, info->units - 1);
+    return true;
+}
+
+// Units before, of, and after the part are cut off together, because a cut
+// always begins at unit 0; only the part is kept.
+static bool cut(const device_root *root, uint32_t first, uint32_t last, cl_device_id *part,
+                duet_error *err)
+{
+    cl_device_partition_property cuts[6] = {CL_DEVICE_PARTITION_BY_COUNTS};
+    cl_device_id parts[3] = {NULL};
+    uint32_t counts[3] = {first, last - first + 1, root->info.units - last - 1};
+    uint32_t n = 0;
+    uint32_t wanted = 0;
+    for (int i = 0; i < 3; ++i) {
+        if (i == 1)
+            wanted = n;
+        if (counts[i] > 0)
+            cuts[1 + n++] = counts[i];
+    }
+    cuts[1 + n] = CL_DEVICE_PARTITION_BY_COUNTS_LIST_END;
+    cl_int code = clCreateSubDevices(root->id, cuts, n, parts, NULL);
+    if (code != CL_SUCCESS)
+        return error_set_cl(err, code, "cutting units %u to %u off %s", first, last,
+                            root->info.selector);
+    for (uint32_t i = 0; i < n; ++i)
+        if (i != wanted)
+            clReleaseDevice(parts[i]);
+    *part = parts[wanted];
+    device_object_made();
+    return true;
+}
+
+static bool choose_id(device *d, const char *selector, duet_error *err)
+{
+    const char *part = strchr(selector, '[');
+    size_t length = part ? (size_t)(part - selector) : strlen(selector);
+    const device_root *root = find_root(selector, length, err);
+    if (!root)
+        return false;
+    d->id = root->id;
+    d->info = root->info;
+    if (!part)
+        return true;
+    uint32_t first = 0;
+    uint32_t last = 0;
+    if (!check_part(root, selector, &first, &last, err) || !cut(root, first, last, &d->id, err))
+        return false;
+    d->owns_part = true;
+    device_info_read(d->id, &d->info);
+    d->info.can_cut = false; // parts are named by the units of the whole
+    snprintf(d->info.selector, sizeof d->info.selector, "%.40s[%u-%u]", root->info.selector, first,
+             last);
+    return true;
+}
+
+static bool make_queue(cl_command_queue *queue, const device *d, duet_error *err)
+{
+    cl_int code = CL_SUCCESS;
+    *queue = clCreateCommandQueue(d->context, d->id, CL_QUEUE_PROFILING_ENABLE, &code);
+    if (code != CL_SUCCESS)
+        return error_set_cl(err, code, "making a queue on %s", d->info.selector);
+    device_object_made();
+    return true;
+}
+
+static bool make_queues(device *d, duet_error *err)
+{
+    cl_int code = CL_SUCCESS;
+    d->context = clCreateContext(NULL, 1, &d->id, NULL, NULL, &code);
+    if (code != CL_SUCCESS)
+        return error_set_cl(err, code, "making a context on %s", d->info.selector);
+    device_object_made();
+    return make_queue(&d->queue, d, err) && make_queue(&d->beside, d, err);
+}
+
+bool device_open(device *d, const char *selector, duet_error *err)
+{
+    *d = (device){0};
+    if (choose_id(d, selector, err) && make_queues(d, err)) {
+        d->built = program_pool_open();
+        d->copy = driver_copy_take(&d->info);
+        d->opened = true;
+        return true;
+    }
+    device_close(d);
+    return false;
+}
+
+// A driver's thread lets go of a command, and with it of the queue, a moment
+// after the command is over. PoCL 3.1 reads the device then, which must not be
+// gone by that time. Bounded, for a driver may count otherwise.
+static void wait_until_alone(cl_command_queue queue)
+{
+    const struct timespec moment = {.tv_nsec = 50000};
+    cl_uint users = 1;
+    clFinish(queue);
+    for (int i = 0; i < 2000; ++i) {
+        if (clGetCommandQueueInfo(queue, CL_QUEUE_REFERENCE_COUNT, sizeof users, &users, NULL) !=
+                CL_SUCCESS ||
+            users <= 1)
+            return;
+        nanosleep(&moment, NULL);
+    }
+}
+
+void device_close(device *d)
+{
+    program_pool_close(d->built);
+    cl_command_queue queues[] = {d->queue, d->beside};
+    for (int i = 0; i < 2; ++i) {
+        if (queues[i]) {
+            if (d->info.host_memory)
+                wait_until_alone(queues[i]);
+            clReleaseCommandQueue(queues[i]);
+            device_object_gone();
+        }
+    }
+    if (d->context) {
+        clReleaseContext(d->context);
+        device_object_gone();
+    }
+    if (d->owns_part) {
+        clReleaseDevice(d->id);
+        device_object_gone();
+    }
+    if (d->opened)
+        driver_copy_return(&d->info, d->copy);
+    *d = (device){0};
+}

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// One OpenCL device that we work on.
+//
+// Each has a context and a queue of its own, also where two are parts of one
+// CPU: all pairs of devices, of one platform or of two, then work alike, and
+// parts of a CPU were measured to run truly side by side this way.
+#ifndef RUNTIME_DEVICE_H
+#define RUNTIME_DEVICE_H
+
+#include "runtime/duet.h"
+#include "runtime/opencl/program_pool.h"
+
+#include <CL/cl.h>
+
+typedef struct device {
+    cl_device_id id;
+    cl_context context;
+    cl_command_queue queue;  // in order, with profiling
+    cl_command_queue beside; // the same, for what is sent while kernels run
+    duet_device_info info;
+    bool owns_part; // id is a part that we cut off
+    bool opened;    // has a copy
+    uint32_t copy;  // of its programs (runtime/opencl/driver_copy.h)
+    program_pool *built;
+} device;
+
+// Opens what a selector names: "pocl:0", or units 2 to 3 of it: "pocl:0[2-3]".
+// NO_DEVICE where there is none at all, NOT_FOUND for an unknown one,
+// BAD_ARGUMENT for a part that cannot be had; *d is then empty.
+bool device_open(device *d, const char *selector, duet_error *err);
+void device_close(device *d); // an empty one is passed over
+
+// OpenCL objects of ours that are alive. Drivers hide a forgotten release from
+// leak checkers, so who makes an object counts it and tests assert 0 at their
+// end.
+void device_object_made(void);
+void device_object_gone(void);
+int device_live_objects(void);
+
+#endif

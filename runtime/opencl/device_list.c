@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/opencl/device_list.h"
+
+#include "base/error.h"
+#include "runtime/opencl/device_info.h"
+
+#include <ctype.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct {
+    pthread_once_t once;
+    device_root *roots;
+    uint32_t n;
+    bool failed; // memory ran out
+} found = {.once = PTHREAD_ONCE_INIT};
+
+// "pocl" for "Portable Computing Language"; a platform that is not in the list
+// is called by its first word.
+static void short_name(const char *platform, char name[32])
+{
+    static const struct {
+        const char *begins;
+        const char *name;
+    } known[] = {
+        {"Portable Computing Language", "pocl"},
+        {"NVIDIA", "nvidia"},
+        {"Intel", "intel"},
+        {"AMD", "amd"},
+        {"Oclgrind", "oclgrind"},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; ++i) {
+        if (strncmp(platform, known[i].begins, strlen(known[i].begins)) == 0) {
+            snprintf(name, 32, "%s", known[i].name);
+            return;
+        }
+    }
+    size_t length = 0;
+    while (length < 31 && isalnum((unsigned char)platform[length])) {
+        name[length] = (char)tolower((unsigned char)platform[length]);
+        ++length;
+    }
+    name[length] = '\0';
+    if (length == 0)
+        snprintf(name, 32, "platform");
+}
+
+static bool is_usable(cl_device_id id)
+{
+    cl_bool available = CL_FALSE;
+    cl_bool compiler = CL_FALSE;
+    clGetDeviceInfo(id, CL_DEVICE_AVAILABLE, sizeof available, &available, NULL);
+    clGetDeviceInfo(id, CL_DEVICE_COMPILER_AVAILABLE, sizeof compiler, &compiler, NULL);
+    return available && compiler;
+}
+
+// How many of the platforms before this one have the same short name.
+static uint32_t namesakes(char (*names)[32], uint32_t p)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < p; ++i)
+        n += strcmp(names[i], names[p]) == 0;
+    return n;
+}
+
+static bool add_devices(cl_platform_id platform, const char *name, uint32_t namesake)
+{
+    cl_uint n = 0;
+    if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, NULL, &n) != CL_SUCCESS || n == 0)
+        return true;
+    cl_device_id *ids = calloc(n, sizeof(cl_device_id));
+    device_root *roots = realloc(found.roots, (found.n + n) * sizeof *roots);
+    if (roots)
+        found.roots = roots;
+    bool ok = ids && roots;
+    if (ok && clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, n, ids, NULL) == CL_SUCCESS) {
+        for (cl_uint i = 0; i < n; ++i) {
+            if (!is_usable(ids[i]))
+                continue;
+            device_root *root = &found.roots[found.n++];
+            root->id = ids[i];
+            device_info_read(ids[i], &root->info);
+            char suffix[12] = "";
+            if (namesake > 0)
+                snprintf(suffix, sizeof suffix, "%u", namesake + 1);
+            snprintf(root->info.selector, sizeof root->info.selector, "%s%s:%u", name, suffix, i);
+        }
+    }
+    free(ids);
+    return ok;
+}
+
+static void find_roots(void)
+{
+    cl_uint n = 0;
+    if (clGetPlatformIDs(0, NULL, &n) != CL_SUCCESS || n == 0)
+        return;
+    cl_platform_id *platforms = calloc(n, sizeof(cl_platform_id));
+    char(*names)[32] = calloc(n, sizeof *names);
+    bool ok = platforms && names;
+    if (ok && clGetPlatformIDs(n, platforms, NULL) == CL_SUCCESS) {
+        for (cl_uint p = 0; ok && p < n; ++p) {
+            char whole[128] = "";
+            clGetPlatformInfo(platforms[p], CL_PLATFORM_NAME, sizeof whole - 1, whole, NULL);
+            short_name(whole, names[p]);
+            ok = add_devices(platforms[p], names[p], namesakes(names, p));
+        }
+    }
+    found.failed = !ok;
+    free(names);
+    free(platforms);
+}
+
+static bool look(duet_error *err)
+{
+    pthread_once(&found.once, find_roots);
+    return !found.failed || error_set(err, DUET_NO_MEMORY, "the list of devices: no memory");
+}
+
+bool device_list_roots(const device_root **roots, uint32_t *n, duet_error *err)
+{
+    if (!look(err))
+        return false;
+    *roots = found.roots;
+    *n = found.n;
+    return found.n > 0 || error_set(err, DUET_NO_DEVICE,
+                                    "no OpenCL device is installed; to work on the CPU: apt "
+                                    "install pocl-opencl-icd");
+}
+
+struct duet_device_list {
+    const device_root *roots;
+    uint32_t n;
+};
+
+duet_device_list *duet_device_list_open(duet_error *err)
+{
+    if (!look(err))
+        return NULL;
+    duet_device_list *list = calloc(1, sizeof *list);
+    if (!list) {
+        error_set(err, DUET_NO_MEMORY, "the list of devices: no memory");
+        return NULL;
+    }
+    *list = (duet_device_list){found.roots, found.n};
+    return list;
+}
+
+void duet_device_list_close(duet_device_list *list)
+{
+    free(list);
+}
+
+uint32_t duet_device_list_count(const duet_device_list *list)
+{
+    return list ? list->n : 0;
+}
+
+const duet_device_info *duet_device_list_at(const duet_device_list *list, uint32_t i)
+{
+    return list && i < list->n ? &list->roots[i].info : NULL;
+}

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/opencl/program.h"
+
+#include "base/error.h"
+#include "runtime/opencl/cache.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_ENTRIES = 4 };
+
+typedef struct program {
+    struct program *next;
+    char sha256[65];
+    cl_program cl;
+    struct {
+        char entry[48];
+        kernel k;
+    } entries[MAX_ENTRIES];
+    int n_entries;
+} program;
+
+struct program_set {
+    const device *device;
+    gen *gen;
+    const char *cache_dir;
+    gen_limits limits;
+    char build_options[48];
+    program *first;
+};
+
+// Contraction is off in the kernels' text; nothing here may loosen it.
+static void set_build_options(program_set *set)
+{
+    int n = snprintf(set->build_options, sizeof set->build_options, "-cl-std=CL1.2");
+    if (set->device->copy > 0) // no kernel reads it
+        snprintf(set->build_options + n, sizeof set->build_options - (size_t)n, " -D DUET_COPY=%u",
+                 set->device->copy);
+}
+
+gen_limits program_limits(const duet_device_info *info)
+{
+    return (gen_limits){
+        .max_group = info->max_group,
+        .local_bytes = info->local_bytes,
+        .fp64 = info->fp64,
+        .cpu = info->kind == DUET_KIND_CPU,
+    };
+}
+
+program_set *program_set_open(const device *d, gen *g, const char *cache_dir, duet_error *err)
+{
+    program_set *set = calloc(1, sizeof *set);
+    if (!set) {
+        error_set(err, DUET_NO_MEMORY, "no memory for the kernels of %s", d->info.selector);
+        return NULL;
+    }
+    set->device = d;
+    set->gen = g;
+    set->cache_dir = cache_dir;
+    set->limits = program_limits(&d->info);
+    set_build_options(set);
+    return set;
+}
+
+gen_limits program_set_limits(const program_set *set)
+{
+    return set->limits;
+}
+
+int64_t kernel_param(const kernel *k, const char *param)
+{
+    const char *at = k->name;
+    size_t length = strlen(param);
+    while ((at = strchr(at, '.')))
+        if (strncmp(++at, param, length) == 0)
+            return strtoll(at + length, NULL, 10);
+    return 0;
+}
+
+static void free_program(program *p)
+{
+    for (int i = 0; i < p->n_entries; ++i) {
+        clReleaseKernel(p->entries[i].k.cl);
+        device_object_gone();
+    }
+    if (p->cl) {
+        clReleaseProgram(p->cl);
+        device_object_gone();
+    }
+    free(p);
+}
+
+void program_set_close(program_set *set)
+{
+    if (!set)
+        return;
+    while (set->first) {
+        program *p = set->first;
+        set->first = p->next;
+        free_program(p);
+    }
+    free(set);
+}
+
+// The compiler's first error, or else its first line.
+static bool fail_with_log(const program_set *set, cl_program cl, const char *name, duet_error *err)
+{
+    char log[16384] = "";
+    clGetProgramBuildInfo(cl, set->device->id, CL_PROGRAM_BUILD_LOG, sizeof log - 1, log, NULL);
+    const char *from = strstr(log, "error:");
+    while (from && from > log && from[-1] != '\n')
+        --from;
+    if (!from)
+        from = log;
+    int length = (int)strcspn(from, "\n");
+    return error_set(err, DUET_BUILD_FAILED, "%s on %s: %.*s", name, set->device->info.selector,
+                     length ? length : 22, length ? from : "the compiler is silent");
+}
+
+static bool build_source(const program_set *set, program *p, const gen_variant *variant,
+                         duet_error *err)
+{
+    const char *source = variant->text;
+    cl_int code = CL_SUCCESS;
+    p->cl = clCreateProgramWithSource(set->device->context, 1, &source, NULL, &code);
+    if (!p->cl)
+        return error_set_cl(err, code, "%s on %s", variant->name, set->device->info.selector);
+    device_object_made();
+    code = clBuildProgram(p->cl, 1, &set->device->id, set->build_options, NULL, NULL);
+    return code == CL_SUCCESS || fail_with_log(set, p->cl, variant->name, err);
+}
+
+// A driver may refuse a binary that it made itself, after an update say; the
+// source is built then.
+static bool build_binary(const program_set *set, program *p, const text *binary)
+{
+    const unsigned char *bytes = (const unsigned char *)binary->chars;
+    cl_int status = CL_SUCCESS, code = CL_SUCCESS;
+    cl_program cl = clCreateProgramWithBinary(set->device->context, 1, &set->device->id,
+                                              &binary->length, &bytes, &status, &code);
+    if (!cl)
+        return false;
+    if (status != CL_SUCCESS ||
+        clBuildProgram(cl, 1, &set->device->id, set->build_options, NULL, NULL) != CL_SUCCESS) {
+        clReleaseProgram(cl);
+        return false;
+    }
+    device_object_made();
+    p->cl = cl;
+    return true;
+}
+
+static bool build_kept(const program_set *set, program *p, const char *key)
+{
+    text binary = {0};
+    bool built = cache_get(set->cache_dir, key, &binary) && build_binary(set, p, &binary);
+    text_free(&binary);
+    return built;
+}
+
+static void keep_binary(const program_set *set, const program *p, const char *key)
+{
+    size_t n = 0;
+    if (clGetProgramInfo(p->cl, CL_PROGRAM_BINARY_SIZES, sizeof n, &n, NULL) != CL_SUCCESS || !n)
+        return;
+    unsigned char *bytes = malloc(n);
+    if (bytes && clGetProgramInfo(p->cl, CL_PROGRAM_BINARIES, sizeof bytes, &bytes, NULL) == 0)
+        cache_put(set->cache_dir, key, (const char *)bytes, n);
+    free(bytes);
+}
+
+static bool build(const program_set *set, program *p, const gen_variant *variant, duet_error *err)
+{
+    if (!set->cache_dir)
+        return build_source(set, p, variant, err);
+    char key[65];
+    cache_key(variant->text, set->build_options, &set->device->info, key);
+    if (build_kept(set, p, key))
+        return true;
+    if (!build_source(set, p, variant, err))
+        return false;
+    keep_binary(set, p, key);
+    return true;
+}
+
+static program *find_or_build(program_set *set, const gen_variant *variant, duet_error *err)
+{
+    for (program *p = set->first; p; p = p->next)
+        if (strcmp(p->sha256, variant->sha256) == 0)
+            return p;
+    program *p = calloc(1, sizeof *p);
+    if (!p) {
+        error_set(err, DUET_NO_MEMORY, "no memory for the program %s", variant->name);
+        return NULL;
+    }
+    p->cl = program_pool_take(set->device->built, variant->sha256);
+    if (!p->cl) {
+        if (!build(set, p, variant, err)) {
+            free_program(p);
+            return NULL;
+        }
+        program_pool_put(set->device->built, variant->sha256, p->cl);
+    }
+    memcpy(p->sha256, variant->sha256, sizeof p->sha256);
+    p->next = set->first;
+    set->first = p;
+    return p;
+}
+
+static kernel *find_or_create(const program_set *set, program *p, const char *entry,
+                              const gen_variant *variant, duet_error *err)
+{
+    for (int i = 0; i < p->n_entries; ++i)
+        if (strcmp(p->entries[i].entry, entry) == 0)
+            return &p->entries[i].k;
+    cl_int code = CL_SUCCESS;
+    cl_kernel cl = p->n_entries < MAX_ENTRIES ? clCreateKernel(p->cl, entry, &code) : NULL;
+    if (!cl) {
+        error_set(err, DUET_BUILD_FAILED, "%s on %s: has no kernel '%s'", variant->name,
+                  set->device->info.selector, entry);
+        return NULL;
+    }
+    device_object_made();
+    kernel *k = &p->entries[p->n_entries].k;
+    k->cl = cl;
+    k->group = variant->group;
+    k->per_item = variant->per_item;
+    snprintf(k->name, sizeof k->name, "%s", variant->name);
+    snprintf(p->entries[p->n_entries].entry, sizeof p->entries[0].entry, "%s", entry);
+    ++p->n_entries;
+    return k;
+}
+
+kernel *program_set_kernel(program_set *set, const char *kernel_name, const char *entry,
+                           const gen_setting *settings, uint32_t n_settings, duet_error *err)
+{
+    gen_variant variant = {0};
+    if (!gen_make(set->gen, kernel_name, settings, n_settings, &set->limits, &variant, err))
+        return NULL;
+    program *p = find_or_build(set, &variant, err);
+    kernel *k = p ? find_or_create(set, p, entry, &variant, err) : NULL;
+    gen_variant_free(&variant);
+    return k;
+}
+
+bool program_set_check(program_set *set, const char *kernel_name, const gen_setting *settings,
+                       uint32_t n_settings, duet_error *err)
+{
+    gen_variant variant = {0};
+    program *p = calloc(1, sizeof *p);
+    bool ok = p || error_set(err, DUET_NO_MEMORY, "no memory for the program %s", kernel_name);
+    ok = ok && gen_make(set->gen, kernel_name, settings, n_settings, &set->limits, &variant, err) &&
+         build(set, p, &variant, err);
+    if (p)
+        free_program(p);
+    gen_variant_free(&variant);
+    return ok;
+}

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L
+#include "runtime/opencl/thread_pool.h"
+
+#include "base/error.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+
+struct thread_pool {
+    pthread_mutex_t lock;
+    pthread_cond_t given; // a job, or closing
+    pthread_cond_t done;  // by all
+    void (*job)(void *);
+    void *arg;
+    uint64_t n_jobs; // given so far
+    uint32_t n_busy; // threads that have not finished the last one
+    bool closing;
+    uint32_t n_threads;
+    pthread_t threads[];
+};
+
+static void *work(void *arg)
+{
+    thread_pool *c = arg;
+    uint64_t n_done = 0;
+    pthread_mutex_lock(&c->lock);
+    while (!c->closing || n_done < c->n_jobs) {
+        if (n_done == c->n_jobs) {
+            pthread_cond_wait(&c->given, &c->lock);
+            continue;
+        }
+        ++n_done;
+        pthread_mutex_unlock(&c->lock);
+        c->job(c->arg);
+        pthread_mutex_lock(&c->lock);
+        if (--c->n_busy == 0)
+            pthread_cond_signal(&c->done);
+    }
+    pthread_mutex_unlock(&c->lock);
+    return NULL;
+}
+
+thread_pool *thread_pool_open(uint32_t n_threads, duet_error *err)
+{
+    thread_pool *c = calloc(1, sizeof *c + n_threads * sizeof c->threads[0]);
+    if (!c) {
+        error_set(err, DUET_NO_MEMORY, "no memory for %u threads", n_threads);
+        return NULL;
+    }
+    pthread_mutex_init(&c->lock, NULL);
+    pthread_cond_init(&c->given, NULL);
+    pthread_cond_init(&c->done, NULL);
+    while (c->n_threads < n_threads &&
+           pthread_create(&c->threads[c->n_threads], NULL, work, c) == 0)
+        ++c->n_threads;
+    if (c->n_threads == n_threads)
+        return c;
+    error_set(err, DUET_NO_MEMORY, "the system gives %u of %u threads", c->n_threads, n_threads);
+    thread_pool_close(c);
+    return NULL;
+}
+
+void thread_pool_close(thread_pool *c)
+{
+    if (!c)
+        return;
+    pthread_mutex_lock(&c->lock);
+    c->closing = true;
+    pthread_cond_broadcast(&c->given);
+    pthread_mutex_unlock(&c->lock);
+    for (uint32_t i = 0; i < c->n_threads; ++i)
+        pthread_join(c->threads[i], NULL);
+    pthread_cond_destroy(&c->given);
+    pthread_cond_destroy(&c->done);
+    pthread_mutex_destroy(&c->lock);
+    free(c);
+}
+
+void thread_pool_start(thread_pool *c, void (*job)(void *), void *arg)
+{
+    pthread_mutex_lock(&c->lock);
+    c->job = job;
+    c->arg = arg;
+    c->n_busy = c->n_threads;
+    ++c->n_jobs;
+    pthread_cond_broadcast(&c->given);
+    pthread_mutex_unlock(&c->lock);
+}
+
+void thread_pool_wait(thread_pool *c)
+{
+    pthread_mutex_lock(&c->lock);
+    while (c->n_busy > 0)
+        pthread_cond_wait(&c->done, &c->lock);
+    pthread_mutex_unlock(&c->lock);
+}

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/opencl/timeline.h"
+
+#include "base/error.h"
+
+#include <assert.h>
+#include <sched.h>
+#include <string.h>
+
+void timeline_begin(timeline *t, const device *d)
+{
+    timeline_clear(t);
+    t->device = d;
+    t->n_stages = 0;
+    t->first_begin = t->last_end = 0;
+}
+
+static int stage_index(timeline *t, const char *name, bool transfer)
+{
+    for (int i = 0; i < t->n_stages; ++i)
+        if (strcmp(t->stages[i].name, name) == 0)
+            return i;
+    assert(t->n_stages < TIMELINE_STAGES);
+    t->stages[t->n_stages] = (duet_stage){.name = name, .transfer = transfer};
+    return t->n_stages++;
+}
+
+static void release_event(cl_event event)
+{
+    clReleaseEvent(event);
+    device_object_gone();
+}
+
+// Waits for the queue once the list is full, so that any number fits.
+static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event event,
+                       duet_error *err)
+{
+    device_object_made();
+    if (t->n_events == TIMELINE_EVENTS && !timeline_finish(t, err)) {
+        release_event(event);
+        return false;
+    }
+    t->events[t->n_events].stage = stage_index(t, stage, transfer);
+    t->events[t->n_events].event = event;
+    ++t->n_events;
+    return true;
+}
+
+static bool set_args(const kernel *k, const kernel_arg *args, uint32_t n_args, const device *d,
+                     duet_error *err)
+{
+    for (uint32_t i = 0; i < n_args; ++i) {
+        cl_int code = clSetKernelArg(k->cl, i, args[i].size, args[i].value);
+        if (code != CL_SUCCESS)
+            return error_set_cl(err, code, "%s on %s: argument %u", k->name, d->info.selector, i);
+    }
+    return true;
+}
+
+bool timeline_launch(timeline *t, const char *stage, const kernel *k, uint64_t work,
+                     const kernel_arg *args, uint32_t n_args, duet_error *err)
+{
+    return timeline_launch_after(t, stage, k, 0, work, NULL, args, n_args, err);
+}
+
+bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint64_t from,
+                           uint64_t to, cl_event after, const kernel_arg *args, uint32_t n_args,
+                           duet_error *err)
+{
+    if (from == to)
+        return true;
+    if (!set_args(k, args, n_args, t->device, err))
+        return false;
+    uint64_t per_group = (uint64_t)k->group * k->per_item;
+    size_t group = k->group;
+    size_t first = (size_t)(from / k->per_item);
+    size_t global = (size_t)((to - from + per_group - 1) / per_group) * group;
+    cl_event event = NULL;
+    cl_int code = clEnqueueNDRangeKernel(t->device->queue, k->cl, 1, &first, &global, &group,
+                                         after ? 1 : 0, after ? &after : NULL, &event);
+    if (code != CL_SUCCESS)
+        return error_set_cl(err, code, "%s on %s: launch", k->name, t->device->info.selector);
+    return keep_event(t, stage, false, event, err);
+}
+
+bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, size_t from,
+                   size_t to, duet_error *err)
+{
+    if (from == to)
+        return true;
+    cl_event event = NULL;
+    cl_int code =
+        clEnqueueFillBuffer(t->device->queue, b->mem, &value, sizeof value, from * sizeof value,
+                            (to - from) * sizeof value, 0, NULL, &event);
+    if (code != CL_SUCCESS)
+        return error_set_cl(err, code, "%s: filling a buffer", t->device->info.selector);
+    return keep_event(t, stage, false, event, err);
+}
+
+// Hands wrapped host memory from one side to the other without moving it.
+static bool hand_over(timeline *t, buffer *b, cl_map_flags flags, size_t bytes, duet_error *err)
+{
+    cl_int code = CL_SUCCESS;
+    void *seen = clEnqueueMapBuffer(t->device->queue, b->mem, CL_TRUE, flags, 0, bytes, 0, NULL,
+                                    NULL, &code);
+    if (seen)
+        code = clEnqueueUnmapMemObject(t->device->queue, b->mem, seen, 0, NULL, NULL);
+    return code == CL_SUCCESS ||
+           error_set_cl(err, code, "%s: mapping %zu bytes", t->device->info.selector, bytes);
+}
+
+bool timeline_write(timeline *t, const char *stage, buffer *b, const void *from, size_t bytes,
+                    duet_error *err)
+{
+    if (bytes == 0)
+        return true;
+    return b->host == from ? hand_over(t, b, CL_MAP_WRITE, bytes, err)
+                           : timeline_write_at(t, stage, b, 0, from, bytes, err);
+}
+
+bool timeline_write_at(timeline *t, const char *stage, buffer *b, size_t at, const void *from,
+                       size_t bytes, duet_error *err)
+{
+    if (bytes == 0)
+        return true;
+    cl_event event = NULL;
+    cl_int code =
+        clEnqueueWriteBuffer(t->device->queue, b->mem, CL_FALSE, at, bytes, from, 0, NULL, &event);
+    if (code != CL_SUCCESS)
+        return error_set_cl(err, code, "%s: sending %zu bytes", t->device->info.selector, bytes);
+    return keep_event(t, stage, true, event, err);
+}
+
+bool timeline_write_beside(timeline *t, const char *stage, buffer *b, size_t at, const void *from,
+                           size_t bytes, duet_error *err)
+{
+    cl_event event = NULL;
+    cl_int code =
+        clEnqueueWriteBuffer(t->device->beside, b->mem, CL_FALSE, at, bytes, from, 0, NULL, &event);
+    if (code == CL_SUCCESS)
+        code = clFlush(t->device->beside);
+    t->beside = true;
+    if (event && !keep_event(t, stage, true, event, err))
+        return false;
+    return code == CL_SUCCESS ||
+           error_set_cl(err, code, "%s: sending %zu bytes", t->device->info.selector, bytes);
+}
+
+static bool enqueue_read(timeline *t, const char *stage, buffer *b, size_t at, void *to,
+                         size_t bytes, cl_bool wait, duet_error *err)
+{
+    if (bytes == 0)
+        return true;
+    if (b->host == to)
+        return hand_over(t, b, CL_MAP_READ, bytes, err);
+    cl_event event = NULL;
+    cl_int code =
+        clEnqueueReadBuffer(t->device->queue, b->mem, wait, at, bytes, to, 0, NULL, &event);
+    if (code != CL_SUCCESS)
+        return error_set_cl(err, code, "%s: fetching %zu bytes", t->device->info.selector, bytes);
+    return keep_event(t, stage, true, event, err);
+}
+
+bool timeline_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
+                   duet_error *err)
+{
+    return enqueue_read(t, stage, b, 0, to, bytes, CL_TRUE, err);
+}
+
+bool timeline_start_read(timeline *t, const char *stage, buffer *b, size_t at, void *to,
+                         size_t bytes, duet_error *err)
+{
+    return enqueue_read(t, stage, b, at, to, bytes, CL_FALSE, err) && timeline_flush(t, err);
+}
+
+cl_event timeline_last_event(const timeline *t)
+{
+    return t->n_events > 0 ? t->events[t->n_events - 1].event : NULL;
+}
+
+// Below 0 where the command failed, or where the device does not say.
+static cl_int state_of(timeline *t, cl_event event)
+{
+    cl_int state = CL_COMPLETE;
+    cl_int code =
+        clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof state, &state, NULL);
+    if (code != CL_SUCCESS)
+        t->lost = state = code;
+    return state;
+}
+
+// A command that failed is over too; finishing tells.
+bool timeline_is_over(timeline *t, cl_event event)
+{
+    return state_of(t, event) <= CL_COMPLETE;
+}
+
+void timeline_spin(timeline *t, cl_event event)
+{
+    while (!timeline_is_over(t, event))
+        sched_yield();
+}
+
+bool timeline_flush(timeline *t, duet_error *err)
+{
+    cl_int code = clFlush(t->device->queue);
+    return code == CL_SUCCESS || error_set_cl(err, code, "%s: flush", t->device->info.selector);
+}
+
+static void add_event(timeline *t, duet_stage *stage, cl_event event)
+{
+    cl_ulong begin = 0;
+    cl_ulong end = 0;
+    clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof begin, &begin, NULL);
+    clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_END, sizeof end, &end, NULL);
+    if (end <= begin)
+        return;
+    stage->ms += (double)(end - begin) * 1e-6;
+    if (stage->transfer)
+        return;
+    if (t->first_begin == 0 || begin < t->first_begin)
+        t->first_begin = begin;
+    if (end > t->last_end)
+        t->last_end = end;
+}
+
+// Both, though one fails: nothing may be under way that reads memory of the host.
+static cl_int finish_queues(timeline *t)
+{
+    cl_int code = clFinish(t->device->queue);
+    cl_int beside = t->beside ? clFinish(t->device->beside) : CL_SUCCESS;
+    t->beside = false;
+    return code != CL_SUCCESS ? code : beside;
+}
+
+// Adds up and releases the first n events, which are over.
+static cl_int collect(timeline *t, int n)
+{
+    cl_int code = CL_SUCCESS;
+    for (int i = 0; i < n; ++i) {
+        cl_event event = t->events[i].event;
+        cl_int state = state_of(t, event);
+        if (state < 0)
+            code = state;
+        else
+            add_event(t, &t->stages[t->events[i].stage], event);
+        release_event(event);
+    }
+    t->n_events -= n;
+    memmove(t->events, t->events + n, (size_t)t->n_events * sizeof t->events[0]);
+    return code != CL_SUCCESS ? code : t->lost;
+}
+
+static bool ran_well(const timeline *t, cl_int code, duet_error *err)
+{
+    return code == CL_SUCCESS ||
+           error_set_cl(err, code, "%s: running the step", t->device->info.selector);
+}
+
+bool timeline_collect_to(timeline *t, cl_event last, duet_error *err)
+{
+    int n = 0;
+    while (n < t->n_events && t->events[n].event != last)
+        ++n;
+    return n == t->n_events || ran_well(t, collect(t, n + 1), err);
+}
+
+bool timeline_finish(timeline *t, duet_error *err)
+{
+    cl_int code = CL_SUCCESS;
+    if (t->n_events > 0 && !t->device->info.host_memory) {
+        code = clFlush(t->device->queue);
+        if (code == CL_SUCCESS)
+            timeline_spin(t, timeline_last_event(t));
+    }
+    cl_int finished = finish_queues(t);
+    code = code != CL_SUCCESS ? code : finished;
+    if (code == CL_SUCCESS)
+        code = collect(t, t->n_events);
+    timeline_clear(t);
+    return ran_well(t, code, err);
+}
+
+void timeline_add_host(timeline *t, const char *stage, double ms)
+{
+    t->stages[stage_index(t, stage, false)].ms += ms;
+}
+
+void timeline_clear(timeline *t)
+{
+    if (t->n_events > 0)
+        finish_queues(t);
+    for (int i = 0; i < t->n_events; ++i)
+        release_event(t->events[i].event);
+    t->n_events = 0;
+    t->lost = CL_SUCCESS;
+}

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// The plain-C twin of the pipeline: slow, simple and never wrong. It shares
+// nothing with the devices' side but the exact test of two boxes. Levels other
+// than certified are what the devices' arithmetic makes them, and so is their set.
+#ifndef RUNTIME_REFERENCE_H
+#define RUNTIME_REFERENCE_H
+
+#include "runtime/narrowphase/level.h"
+
+// Objects as the caller holds them; one of poses and bounds, as shape says.
+typedef struct reference_objects {
+    uint32_t dims;
+    duet_shape shape;
+    uint32_t n;
+    const duet_pose *poses; // with an origin placed ones: duet_placed [n]
+    const duet_bounds *bounds;
+    duet_level level; // of poses; by default certified
+    bool rotated;     // for other levels: false promises identity rotations
+    float origin;     // the edge of origin cells, or 0
+} reference_objects;
+
+typedef enum reference_way {
+    REFERENCE_EACH_WITH_EACH, // n^2 / 2 tests
+    REFERENCE_COLUMNS         // objects by size, then by column of the world
+} reference_way;
+
+// What was found. The pairs are ascending by (a, b), each with a < b.
+typedef struct reference_found {
+    duet_pair *pairs; // given back by duet_free
+    uint64_t n;
+    uint64_t candidates; // pairs whose bounds overlap: in double, or as the level has them
+} reference_found;
+
+// False with NO_MEMORY. Objects must be sound boxes, as a scene's are.
+bool reference_find(const reference_objects *objects, reference_way way, reference_found *found,
+                    duet_error *err);
+
+#endif

@@ -1,0 +1,385 @@
+// SPDX-License-Identifier: MIT
+// The owner of objects and their world, and the makers that fill one.
+#define _POSIX_C_SOURCE 200809L
+#include "runtime/scene/scene.h"
+
+#include "base/budget.h"
+#include "base/error.h"
+#include "base/visible.h"
+#include "runtime/narrowphase/origin.h"
+#include "runtime/scene/scene_row.h"
+
+#include <locale.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ----------------------------------------------------------------- filling
+
+static size_t object_size(const duet_scene *scene)
+{
+    return origin_row_bytes(scene->info.shape, scene->info.origin);
+}
+
+static bool reserve_centres(duet_scene *scene, uint64_t n, duet_error *err)
+{
+    if (!scene->keep_centres)
+        return true;
+    void *centres = realloc(scene->centres, n * sizeof *scene->centres);
+    if (!centres)
+        return error_set(err, DUET_NO_MEMORY, "%llu centres in double: no memory",
+                         (unsigned long long)n);
+    scene->centres = centres;
+    return true;
+}
+
+bool scene_reserve(duet_scene *scene, uint64_t n, duet_error *err)
+{
+    if (n <= scene->capacity)
+        return true;
+    if (n > SCENE_MAX_OBJECTS)
+        return error_set(err, DUET_TOO_MANY, "%llu objects; a scene holds at most %u",
+                         (unsigned long long)n, SCENE_MAX_OBJECTS);
+    if (!budget_space(n * object_size(scene), err))
+        return false;
+    void *objects = realloc(scene->objects, n * object_size(scene));
+    if (!objects)
+        return error_set(err, DUET_NO_MEMORY, "%llu objects of %zu bytes: no memory",
+                         (unsigned long long)n, object_size(scene));
+    scene->objects = objects;
+    if (!reserve_centres(scene, n, err))
+        return false;
+    scene->capacity = n;
+    return true;
+}
+
+static bool reserve_one_more(duet_scene *scene, duet_error *err)
+{
+    uint64_t n = (uint64_t)scene->info.n + 1;
+    if (n <= scene->capacity)
+        return true;
+    uint64_t doubled = 2 * scene->capacity;
+    if (doubled > SCENE_MAX_OBJECTS)
+        doubled = SCENE_MAX_OBJECTS;
+    return scene_reserve(scene, n > doubled ? n : doubled, err);
+}
+
+static bool add(duet_scene *scene, const scene_layout *l, const double *row, scene_place place,
+                duet_error *err)
+{
+    if (!scene_row_check(l, row, scene->info.n, place, err) || !reserve_one_more(scene, err))
+        return false;
+    void *object = (char *)scene->objects + scene->info.n * object_size(scene);
+    l->store(row, object);
+    if (l->shape == DUET_SHAPE_POSES) {
+        const float *q = ((const duet_pose *)object)->rotation;
+        scene->info.rotated |= q[0] != 0 || q[1] != 0 || q[2] != 0;
+    }
+    if (scene->keep_centres)
+        for (uint32_t k = 0; k < 3; ++k)
+            scene->centres[scene->info.n][k] = k < l->dims ? row[k] : 0.0;
+    ++scene->info.n;
+    return true;
+}
+
+static const scene_layout *layout_of(const duet_scene *scene, uint32_t columns)
+{
+    const scene_layout *l = scene_layout_find(columns / scene->per_row);
+    bool whole = columns % scene->per_row == 0;
+    bool pairs_are_poses = scene->per_row == 1 || (l && l->shape == DUET_SHAPE_POSES);
+    return whole && pairs_are_poses ? l : NULL;
+}
+
+bool scene_columns_fit(const duet_scene *scene, uint64_t columns)
+{
+    return columns <= SCENE_MAX_NUMBERS && layout_of(scene, (uint32_t)columns);
+}
+
+const char *scene_columns_right(const duet_scene *scene)
+{
+    return scene->per_row == 1 ? "4, 5, 6 or 10" : "20, or 10 in 2D";
+}
+
+bool scene_add_row(duet_scene *scene, const double *row, scene_place place, duet_error *err)
+{
+    const scene_layout *l = layout_of(scene, scene->columns);
+    place.in_pairs = scene->per_row == 2;
+    for (uint32_t i = 0; i < scene->per_row; ++i)
+        if (!add(scene, l, row + i * l->n, place, err))
+            return false;
+    return true;
+}
+
+bool scene_set_columns(duet_scene *scene, uint32_t columns, scene_place place, duet_error *err)
+{
+    const scene_layout *l = layout_of(scene, columns);
+    const char *what = scene->per_row == 1 ? "object" : "pair";
+    uint32_t i = scene->info.n / scene->per_row;
+    if (scene->columns != 0 && columns != scene->columns)
+        return error_set(err, DUET_BAD_INPUT,
+                         "%s%s %u has %u numbers, where those before it have %u",
+                         scene_place_name(place).chars, what, i, columns, scene->columns);
+    if (!l)
+        return error_set(err, DUET_BAD_INPUT, "%s%s %u has %u numbers; it must have %s",
+                         scene_place_name(place).chars, what, i, columns,
+                         scene_columns_right(scene));
+    scene->columns = columns;
+    scene->info.dims = l->dims;
+    scene->info.shape = l->shape;
+    return true;
+}
+
+bool scene_set_name(duet_scene *scene, const char *name, size_t length, duet_error *err)
+{
+    text shown = {0};
+    visible_add(&shown, name, length, "");
+    text_add(&shown, "%s", ""); // a name of no characters has a place too
+    if (!text_ok(&shown, err)) {
+        text_free(&shown);
+        return false;
+    }
+    free(scene->name);
+    scene->name = shown.chars;
+    scene->info.name = shown.chars;
+    return true;
+}
+
+// ------------------------------------------------------------------ makers
+
+// An empty scene, which is 3D poses until rows say otherwise.
+static duet_scene *scene_new(duet_error *err)
+{
+    duet_scene *scene = calloc(1, sizeof *scene);
+    if (!scene) {
+        error_set(err, DUET_NO_MEMORY, "a scene: no memory");
+        return NULL;
+    }
+    scene->info.dims = 3;
+    scene->info.shape = DUET_SHAPE_POSES;
+    scene->per_row = 1;
+    scene->motion = duet_default_motion_def();
+    scene->body = duet_default_body();
+    return scene;
+}
+
+// The scene where it is whole, else NULL and the scene's memory is given back.
+static duet_scene *keep_if(bool ok, duet_scene *scene)
+{
+    if (ok)
+        return scene;
+    duet_scene_destroy(scene);
+    return NULL;
+}
+
+// "boxes" for "data/boxes.csv".
+static bool name_after_file(duet_scene *scene, const char *path, duet_error *err)
+{
+    const char *slash = strrchr(path, '/');
+    const char *name = slash ? slash + 1 : path;
+    const char *dot = strrchr(name, '.');
+    return scene_set_name(scene, name, dot && dot > name ? (size_t)(dot - name) : strlen(name),
+                          err);
+}
+
+static bool has_ending(const char *path, const char *ending)
+{
+    size_t length = strlen(path);
+    size_t n = strlen(ending);
+    return length >= n && strcmp(path + length - n, ending) == 0;
+}
+
+// What can be set of a file that is data alone: origin=cell, and the cells' edge.
+static bool read_origin(const char *path, const duet_setting *settings, uint32_t n_settings,
+                        double *edge, duet_error *err)
+{
+    bool wanted = false;
+    double given = 1.0;
+    for (uint32_t i = 0; i < n_settings; ++i) {
+        const duet_setting *s = &settings[i];
+        if (strcmp(s->name, "origin") == 0 && strcmp(s->value, "cell") == 0)
+            wanted = true;
+        else if (strcmp(s->name, "origin_edge") == 0)
+            given = strtod(s->value, NULL);
+        else
+            return error_set(err, DUET_BAD_ARGUMENT,
+                             "%s: '%s' is set, but only a .lua scene has parameters; of data "
+                             "origin=cell and origin_edge can be set",
+                             path, s->name);
+    }
+    *edge = wanted ? given : 0.0;
+    return true;
+}
+
+static bool read_objects(duet_scene *scene, const char *path, const duet_setting *settings,
+                         uint32_t n_settings, duet_error *err)
+{
+    if (has_ending(path, ".lua"))
+        return scene_read_lua(scene, path, settings, n_settings, err);
+    return has_ending(path, ".npy") ? scene_read_npy(scene, path, err)
+                                    : scene_read_text(scene, path, err);
+}
+
+// A script says only after its objects whether they are to be placed.
+static bool read_file(duet_scene *scene, const char *path, const duet_setting *settings,
+                      uint32_t n_settings, duet_error *err)
+{
+    bool lua = has_ending(path, ".lua");
+    double edge = 0.0;
+    if (!lua && !read_origin(path, settings, n_settings, &edge, err))
+        return false;
+    scene->keep_centres = lua || edge != 0.0;
+    bool ok = scene_reserve(scene, 1, err) &&
+              read_objects(scene, path, settings, n_settings, err) &&
+              (edge == 0.0 || scene_set_origin(scene, edge, err));
+    scene_forget_centres(scene);
+    return ok;
+}
+
+static duet_scene *load(const char *path, uint32_t per_row, const duet_setting *settings,
+                        uint32_t n_settings, duet_error *err)
+{
+    // Numbers have a decimal point whatever the application's language.
+    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
+    duet_scene *scene = plain ? scene_new(err) : NULL;
+    bool ok = scene && name_after_file(scene, path, err);
+    if (ok) {
+        scene->per_row = per_row;
+        locale_t before = uselocale(plain);
+        ok = read_file(scene, path, settings, n_settings, err);
+        uselocale(before);
+    }
+    if (plain)
+        freelocale(plain);
+    else
+        error_set(err, DUET_NO_MEMORY, "%s: no memory", path);
+    return keep_if(ok, scene);
+}
+
+duet_scene *duet_scene_load(const char *path, const duet_setting *settings, uint32_t n_settings,
+                            duet_error *err)
+{
+    bool ok = error_given(path, __func__, "path", err) &&
+              (n_settings == 0 || error_given(settings, __func__, "settings", err));
+    for (uint32_t i = 0; ok && i < n_settings; ++i)
+        ok = error_given(settings[i].name, __func__, "a setting's name", err) &&
+             error_given(settings[i].value, __func__, "a setting's value", err);
+    return ok ? load(path, 1, settings, n_settings, err) : NULL;
+}
+
+duet_scene *duet_scene_load_pairs(const char *path, duet_error *err)
+{
+    if (path && !has_ending(path, ".lua"))
+        return load(path, 2, NULL, 0, err);
+    error_set(err, DUET_BAD_ARGUMENT, "%s: pairs are read from .npy or text",
+              path ? path : "no path");
+    return NULL;
+}
+
+static duet_scene *start_copy(duet_shape shape, const void *objects, uint32_t n, uint32_t dims,
+                              duet_error *err)
+{
+    if (n > 0 && !objects) {
+        error_set(err, DUET_BAD_ARGUMENT, "%u objects, but no memory that holds them", n);
+        return NULL;
+    }
+    if (dims != 2 && dims != 3) {
+        error_set(err, DUET_BAD_ARGUMENT, "dims is %u; it must be 2 or 3", dims);
+        return NULL;
+    }
+    duet_scene *scene = scene_new(err);
+    if (!scene)
+        return NULL;
+    scene->info.dims = dims;
+    scene->info.shape = shape;
+    return keep_if(scene_set_name(scene, "objects", strlen("objects"), err) &&
+                       scene_reserve(scene, n > 0 ? n : 1, err),
+                   scene);
+}
+
+duet_scene *duet_scene_from_poses(const duet_pose *poses, uint32_t n, uint32_t dims,
+                                  duet_error *err)
+{
+    duet_scene *scene = start_copy(DUET_SHAPE_POSES, poses, n, dims, err);
+    const scene_layout *l = dims == 2 ? &scene_layout_pose_2d : scene_layout_find(10);
+    bool ok = scene != NULL;
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        const float *c = poses[i].centre;
+        const float *h = poses[i].half_extents;
+        const float *q = poses[i].rotation;
+        const double in_2d[] = {c[0], c[1], h[0], h[1], q[2], q[3]};
+        const double in_3d[] = {c[0], c[1], c[2], h[0], h[1], h[2], q[0], q[1], q[2], q[3]};
+        ok = add(scene, l, dims == 2 ? in_2d : in_3d, (scene_place){0}, err);
+    }
+    return keep_if(ok, scene);
+}
+
+duet_scene *duet_scene_from_bounds(const duet_bounds *bounds, uint32_t n, uint32_t dims,
+                                   duet_error *err)
+{
+    duet_scene *scene = start_copy(DUET_SHAPE_BOUNDS, bounds, n, dims, err);
+    const scene_layout *l = scene_layout_find(2 * dims);
+    bool ok = scene != NULL;
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        double row[6];
+        for (uint32_t k = 0; k < dims; ++k) {
+            row[k] = bounds[i].lower[k];
+            row[k + dims] = bounds[i].upper[k];
+        }
+        ok = add(scene, l, row, (scene_place){0}, err);
+    }
+    return keep_if(ok, scene);
+}
+
+void duet_scene_destroy(duet_scene *scene)
+{
+    if (!scene)
+        return;
+    free(scene->objects);
+    free(scene->centres);
+    free(scene->rounded);
+    free(scene->name);
+    free(scene->given);
+    free(scene->bodies);
+    free(scene);
+}
+
+// ----------------------------------------------------------------- reading
+
+const duet_scene_info *duet_scene_describe(const duet_scene *scene)
+{
+    return scene ? &scene->info : NULL;
+}
+
+const duet_pose *duet_scene_poses(const duet_scene *scene)
+{
+    if (scene && scene->info.origin > 0)
+        return scene->rounded;
+    return scene && scene->info.shape == DUET_SHAPE_POSES ? scene->objects : NULL;
+}
+
+const duet_bounds *duet_scene_bounds(const duet_scene *scene)
+{
+    return scene && scene->info.shape == DUET_SHAPE_BOUNDS ? scene->objects : NULL;
+}
+
+duet_world_def duet_scene_world_def(const duet_scene *scene, duet_device_pair *pair)
+{
+    duet_world_def def = duet_default_world_def();
+    def.pair = pair;
+    def.plan = duet_default_plan(pair);
+    if (!scene)
+        return def;
+    const duet_scene_info *info = &scene->info;
+    def.dims = info->dims;
+    def.shape = info->shape;
+    def.origin = info->origin;
+    def.rotated = info->rotated;
+    def.level = info->level;
+    def.has_accuracy = info->has_accuracy;
+    def.accuracy = info->accuracy;
+    def.cell = info->cell;
+    def.cell_fixed = info->cell_fixed;
+    def.has_world = info->has_world;
+    memcpy(def.lower, info->lower, sizeof def.lower);
+    memcpy(def.upper, info->upper, sizeof def.upper);
+    return def;
+}

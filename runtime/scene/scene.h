@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// Objects and their world while a reader fills them.
+//
+// Readers (text, npy, Lua) hand over rows of numbers in double. They are checked
+// on their way in and nowhere else, so that a bad object is refused in the same
+// words from every kind of file.
+#ifndef RUNTIME_SCENE_H
+#define RUNTIME_SCENE_H
+
+#include "runtime/duet.h"
+#include "runtime/scene/scene_row.h"
+
+#define SCENE_MAX_OBJECTS 4294967294u // 2^32-2
+
+struct duet_scene {
+    duet_scene_info info;
+    char *name;       // info.name
+    uint32_t columns; // of a row; 0: none was read yet
+    uint32_t per_row; // objects in a row: 1, or 2 in a file of pairs
+    void *objects;    // duet_pose or duet_bounds, as info.shape says, or with an origin duet_placed
+    duet_pose *rounded;   // with an origin: the poses with their centres rounded to float
+    bool keep_centres;    // a reader that does not know yet whether it will be asked for an origin
+    double (*centres)[3]; // [n] poses' centres as they were read
+    uint64_t capacity;    // objects that fit
+
+    duet_motion_def motion; // as far as the scene says it
+    duet_body body;         // of objects that have none of their own
+    bool has_body;
+    struct scene_body *given; // bodies of single objects, as far as given
+    uint32_t n_given;
+    uint32_t given_capacity;
+    duet_body *bodies; // [n], or NULL where nothing is said of any
+};
+
+// Decides what a row is, before the first one (docs/formats.md). False with
+// BAD_INPUT for a count of numbers that no row has, or for one that differs from
+// an earlier call's.
+bool scene_set_columns(duet_scene *scene, uint32_t columns, scene_place place, duet_error *err);
+
+// Space for n objects; a row that finds none makes some by itself.
+bool scene_reserve(duet_scene *scene, uint64_t n, duet_error *err);
+
+// Whether rows may have so many numbers, and which may, for messages.
+bool scene_columns_fit(const duet_scene *scene, uint64_t columns);
+const char *scene_columns_right(const duet_scene *scene);
+
+// Adds the next object, or two. False with BAD_OBJECT, naming place, object and number.
+bool scene_add_row(duet_scene *scene, const double *row, scene_place place, duet_error *err);
+
+// Poses become placed ones in origin cells of that edge, by the centres that were
+// kept; to be called once, after the last object.
+bool scene_set_origin(duet_scene *scene, double edge, duet_error *err);
+void scene_forget_centres(duet_scene *scene);
+
+bool scene_set_name(duet_scene *scene, const char *name, size_t length, duet_error *err);
+
+// The readers: each adds a file's objects to an empty scene.
+bool scene_read_text(duet_scene *scene, const char *path, duet_error *err);
+bool scene_read_npy(duet_scene *scene, const char *path, duet_error *err);
+bool scene_read_lua(duet_scene *scene, const char *path, const duet_setting *settings,
+                    uint32_t n_settings, duet_error *err);
+
+#endif

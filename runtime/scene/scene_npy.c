@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: MIT
+// Objects as NumPy writes them: an array of floats of shape (n, columns).
+//
+// A file is a magic, a version, a header that is a Python literal, and the
+// array. The sizes are checked against the file's length before anything is
+// taken from it, so that a wrong header never leads past the end.
+#include "runtime/scene/scene.h"
+
+#include "base/budget.h"
+#include "base/error.h"
+#include "base/text.h"
+
+#include <ctype.h>
+#include <string.h>
+
+// Rows between two looks at the budget.
+enum { ROWS_AT_ONCE = 1 << 14 };
+
+typedef struct npy {
+    const char *path;
+    const char *header; // the literal
+    size_t header_length;
+    const unsigned char *data;
+    size_t data_length;
+    uint32_t item_bytes; // 4 or 8; 0: not read yet
+    bool big_endian;
+    bool fortran_order;
+    uint32_t n_shape; // 0: not read yet
+    uint64_t shape[2];
+} npy;
+
+static bool refuse(const npy *file, duet_error *err, const char *what)
+{
+    return error_set(err, DUET_BAD_INPUT, "%s: %s", file->path, what);
+}
+
+// ----------------------------------------------------------------- literal
+
+// What is left of the literal.
+typedef struct cursor {
+    const char *at;
+    const char *end;
+} cursor;
+
+static void skip_blanks(cursor *c)
+{
+    while (c->at < c->end && isspace((unsigned char)*c->at))
+        ++c->at;
+}
+
+// Takes the word where it comes next.
+static bool take(cursor *c, const char *word)
+{
+    skip_blanks(c);
+    size_t length = strlen(word);
+    if ((size_t)(c->end - c->at) < length || memcmp(c->at, word, length) != 0)
+        return false;
+    c->at += length;
+    return true;
+}
+
+// Takes a quoted string of less than size characters.
+static bool take_string(cursor *c, char *out, size_t size)
+{
+    const char *quote = take(c, "'") ? "'" : take(c, "\"") ? "\"" : NULL;
+    if (!quote)
+        return false;
+    size_t n = 0;
+    while (c->at < c->end && *c->at != *quote && n + 1 < size)
+        out[n++] = *c->at++;
+    out[n] = '\0';
+    return take(c, quote);
+}
+
+static bool take_count(cursor *c, uint64_t *count)
+{
+    skip_blanks(c);
+    const char *start = c->at;
+    *count = 0;
+    for (; c->at < c->end && isdigit((unsigned char)*c->at); ++c->at) {
+        uint64_t digit = (uint64_t)(*c->at - '0');
+        if (*count > (UINT64_MAX - digit) / 10)
+            return false;
+        *count = 10 * *count + digit;
+    }
+    return c->at > start;
+}
+
+// ------------------------------------------------------------------ header
+
+static bool read_descr(cursor *c, npy *file, duet_error *err)
+{
+    static const struct {
+        const char *name;
+        uint32_t item_bytes;
+        bool big_endian;
+    } types[] = {{"<f4", 4, false}, {"<f8", 8, false}, {">f4", 4, true}, {">f8", 8, true}};
+    char name[16];
+    bool plain = take_string(c, name, sizeof name);
+    for (size_t i = 0; plain && i < sizeof types / sizeof types[0]; ++i)
+        if (strcmp(name, types[i].name) == 0) {
+            file->item_bytes = types[i].item_bytes;
+            file->big_endian = types[i].big_endian;
+            return true;
+        }
+    return error_set(err, DUET_BAD_INPUT,
+                     "%s: the numbers are %s%s%s; they must be float32 or float64", file->path,
+                     plain ? "'" : "", plain ? name : "records", plain ? "'" : "");
+}
+
+static bool read_order(cursor *c, npy *file, duet_error *err)
+{
+    file->fortran_order = take(c, "True");
+    return file->fortran_order || take(c, "False") ||
+           refuse(file, err, "fortran_order is neither True nor False");
+}
+
+static bool read_shape(cursor *c, npy *file, duet_error *err)
+{
+    bool ok = take(c, "(");
+    while (ok && !take(c, ")")) {
+        uint64_t length = 0;
+        ok = take_count(c, &length);
+        if (file->n_shape < 2)
+            file->shape[file->n_shape] = length;
+        ++file->n_shape;
+        ok = ok && (take(c, ",") || (c->at < c->end && *c->at == ')'));
+    }
+    if (!ok)
+        return refuse(file, err, "the header's shape is not a list of numbers");
+    if (file->n_shape != 2)
+        return error_set(err, DUET_BAD_INPUT,
+                         "%s: the array has %u dimensions; its shape must be (n, columns)",
+                         file->path, file->n_shape);
+    return true;
+}
+
+static bool read_entry(cursor *c, npy *file, duet_error *err)
+{
+    static const struct {
+        const char *key;
+        bool (*read)(cursor *c, npy *file, duet_error *err);
+    } entries[] = {{"descr", read_descr}, {"fortran_order", read_order}, {"shape", read_shape}};
+    char key[32];
+    if (!take_string(c, key, sizeof key) || !take(c, ":"))
+        return refuse(file, err, "the header is not a Python dictionary as NumPy writes it");
+    for (size_t i = 0; i < sizeof entries / sizeof entries[0]; ++i)
+        if (strcmp(key, entries[i].key) == 0)
+            return entries[i].read(c, file, err);
+    return refuse(file, err, "the header has a key other than descr, fortran_order and shape");
+}
+
+// {'descr': '<f4', 'fortran_order': False, 'shape': (3, 10), }
+static bool read_header(npy *file, duet_error *err)
+{
+    cursor c = {file->header, file->header + file->header_length};
+    bool ok = take(&c, "{");
+    while (ok && !take(&c, "}")) {
+        if (!read_entry(&c, file, err))
+            return false;
+        ok = take(&c, ",") || (c.at < c.end && *c.at == '}');
+    }
+    skip_blanks(&c);
+    if (!ok || c.at != c.end)
+        return refuse(file, err, "the header is not a Python dictionary as NumPy writes it");
+    if (file->item_bytes == 0 || file->n_shape == 0)
+        return refuse(file, err, "the header lacks descr or shape");
+    return true;
+}
+
+// ------------------------------------------------------------------- parts
+
+static uint64_t read_little(const unsigned char *bytes, size_t n)
+{
+    uint64_t value = 0;
+    while (n > 0)
+        value = value << 8 | bytes[--n];
+    return value;
+}
+
+// Finds header and data. The header's length has two bytes in version 1 and
+// four in those after it.
+static bool cut_parts(npy *file, const unsigned char *bytes, size_t length, duet_error *err)
+{
+    if (length < 8 || memcmp(bytes, "\x93NUMPY", 6) != 0)
+        return refuse(file, err, "does not begin as a .npy file does");
+    unsigned version = bytes[6];
+    if (version < 1 || version > 3)
+        return error_set(err, DUET_BAD_INPUT,
+                         "%s: is .npy version %u; versions 1, 2 and 3 are read", file->path,
+                         version);
+    size_t start = version == 1 ? 10 : 12;
+    if (length < start || length - start < read_little(bytes + 8, start - 8))
+        return refuse(file, err, "ends within its header");
+    file->header = (const char *)bytes + start;
+    file->header_length = read_little(bytes + 8, start - 8);
+    file->data = bytes + start + file->header_length;
+    file->data_length = length - start - file->header_length;
+    return true;
+}
+
+static bool check_size(const npy *file, const duet_scene *scene, duet_error *err)
+{
+    uint64_t n = file->shape[0];
+    uint64_t columns = file->shape[1];
+    if (!scene_columns_fit(scene, columns))
+        return error_set(err, DUET_BAD_INPUT,
+                         "%s: the shape is (%llu, %llu); the second number must be %s", file->path,
+                         (unsigned long long)n, (unsigned long long)columns,
+                         scene_columns_right(scene));
+    if (n > SCENE_MAX_OBJECTS / scene->per_row)
+        return error_set(err, DUET_TOO_MANY, "%s: %llu objects; a scene holds at most %u",
+                         file->path, (unsigned long long)n * scene->per_row, SCENE_MAX_OBJECTS);
+    uint64_t wanted = n * columns * file->item_bytes;
+    if (file->data_length != wanted)
+        return error_set(err, DUET_BAD_INPUT,
+                         "%s: %s: the shape (%llu, %llu) needs %llu bytes of data, and %zu follow "
+                         "the header",
+                         file->path, file->data_length < wanted ? "cut short" : "too long",
+                         (unsigned long long)n, (unsigned long long)columns,
+                         (unsigned long long)wanted, file->data_length);
+    return true;
+}
+
+// -------------------------------------------------------------------- data
+
+static double read_item(const npy *file, uint64_t index)
+{
+    const unsigned char *item = file->data + index * file->item_bytes;
+    uint64_t bits = 0;
+    for (uint32_t i = 0; i < file->item_bytes; ++i)
+        bits = bits << 8 | item[file->big_endian ? i : file->item_bytes - 1 - i];
+    if (file->item_bytes == 8) {
+        double value;
+        memcpy(&value, &bits, sizeof value);
+        return value;
+    }
+    uint32_t low = (uint32_t)bits;
+    float value;
+    memcpy(&value, &low, sizeof value);
+    return value;
+}
+
+static bool add_objects(duet_scene *scene, const npy *file, duet_error *err)
+{
+    uint64_t n = file->shape[0];
+    uint64_t columns = file->shape[1];
+    scene_place place = {.path = file->path};
+    bool ok = scene_set_columns(scene, (uint32_t)columns, place, err) &&
+              scene_reserve(scene, n * scene->per_row, err);
+    for (uint64_t i = 0; ok && i < n; ++i) {
+        double row[SCENE_MAX_NUMBERS];
+        for (uint64_t k = 0; k < columns; ++k)
+            row[k] = read_item(file, file->fortran_order ? k * n + i : i * columns + k);
+        ok = scene_add_row(scene, row, place, err);
+        ok = ok && (i % ROWS_AT_ONCE != 0 || budget_check(err));
+    }
+    return ok;
+}
+
+bool scene_read_npy(duet_scene *scene, const char *path, duet_error *err)
+{
+    text bytes = {0};
+    npy file = {.path = path};
+    bool ok = text_read_file(&bytes, path, err);
+    ok = ok && cut_parts(&file, (const unsigned char *)text_chars(&bytes), bytes.length, err);
+    ok = ok && read_header(&file, err);
+    ok = ok && check_size(&file, scene, err);
+    ok = ok && add_objects(scene, &file, err);
+    text_free(&bytes);
+    return ok;
+}

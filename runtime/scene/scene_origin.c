@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// Scenes whose poses are placed in origin cells.
+#include "runtime/scene/scene.h"
+
+#include "base/error.h"
+#include "runtime/narrowphase/origin.h"
+
+#include <stdlib.h>
+
+static bool check_edge(const duet_scene *scene, double edge, duet_error *err)
+{
+    if (!(edge > 0.0) || (double)(float)edge != edge || !origin_is_edge((float)edge))
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "%s: the origin cells' edge is %g; it must be a power of two from 2^-100 "
+                         "to 2^100",
+                         scene->name, edge);
+    return scene->info.shape == DUET_SHAPE_POSES ||
+           error_set(err, DUET_BAD_INPUT,
+                     "%s: origin cells are for boxes by centre and half extents, not by corners",
+                     scene->name);
+}
+
+static bool refuse_far(const duet_scene *scene, uint32_t id, double edge, duet_error *err)
+{
+    return error_set(err, DUET_BAD_OBJECT,
+                     "%s: object %u is beyond 2^30 origin cells of edge %g from 0", scene->name, id,
+                     edge);
+}
+
+// Placed poses of the scene's poses: by the centres that were kept, or in given cells.
+static bool place_all(duet_scene *scene, const duet_placed *given, double edge, duet_error *err)
+{
+    uint32_t n = scene->info.n;
+    if (!check_edge(scene, edge, err))
+        return false;
+    duet_placed *placed = calloc(n > 0 ? n : 1, sizeof *placed);
+    if (!placed)
+        return error_set(err, DUET_NO_MEMORY, "%u placed poses: no memory", n);
+    duet_pose *poses = scene->rounded = scene->objects;
+    scene->objects = placed;
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        placed[i].pose = poses[i];
+        for (uint32_t k = 0; given && k < scene->info.dims; ++k)
+            placed[i].cell[k] = given[i].cell[k];
+        ok = given ? origin_settle(&placed[i], (float)edge)
+                   : origin_place(&placed[i], scene->centres[i], (float)edge);
+        for (uint32_t k = 0; given && k < scene->info.dims; ++k)
+            poses[i].centre[k] =
+                (float)((double)placed[i].cell[k] * edge + (double)placed[i].pose.centre[k]);
+        ok = ok || refuse_far(scene, i, edge, err);
+    }
+    scene->capacity = n > 0 ? n : 1;
+    scene->info.origin = (float)edge;
+    return ok;
+}
+
+bool scene_set_origin(duet_scene *scene, double edge, duet_error *err)
+{
+    return place_all(scene, NULL, edge, err);
+}
+
+// Centres are of use only while a scene is made.
+void scene_forget_centres(duet_scene *scene)
+{
+    free(scene->centres);
+    scene->centres = NULL;
+    scene->keep_centres = false;
+}
+
+duet_scene *duet_scene_from_placed(const duet_placed *placed, uint32_t n, uint32_t dims,
+                                   float origin, duet_error *err)
+{
+    if (n > 0 && !error_given(placed, __func__, "placed", err))
+        return NULL;
+    duet_pose *poses = calloc(n > 0 ? n : 1, sizeof *poses);
+    if (!poses) {
+        error_set(err, DUET_NO_MEMORY, "%u poses: no memory", n);
+        return NULL;
+    }
+    for (uint32_t i = 0; i < n; ++i)
+        poses[i] = placed[i].pose;
+    duet_scene *scene = duet_scene_from_poses(placed ? poses : NULL, n, dims, err);
+    free(poses);
+    if (scene && place_all(scene, placed, origin, err))
+        return scene;
+    duet_scene_destroy(scene);
+    return NULL;
+}
+
+const duet_placed *duet_scene_placed(const duet_scene *scene)
+{
+    return scene && scene->info.origin > 0 ? scene->objects : NULL;
+}

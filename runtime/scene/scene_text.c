@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+// Objects as text: a line an object, numbers apart by blanks or a comma.
+//
+// Every wrong line is refused with its number; nothing is guessed, since a
+// column passed over in silence would turn sizes into places.
+#include "runtime/scene/scene.h"
+
+#include "base/budget.h"
+#include "base/error.h"
+#include "base/text.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Lines between two looks at the budget.
+enum { LINES_AT_ONCE = 1 << 12 };
+
+// A line's numbers; n counts also those that do not fit.
+typedef struct numbers {
+    double value[SCENE_MAX_NUMBERS];
+    uint32_t n;
+} numbers;
+
+static bool ends_line(char c)
+{
+    return c == '\0' || c == '\n' || c == '#';
+}
+
+static bool is_blank(char c)
+{
+    return c != '\n' && isspace((unsigned char)c);
+}
+
+static const char *skip_blanks(const char *at)
+{
+    while (is_blank(*at))
+        ++at;
+    return at;
+}
+
+static const char *field_end(const char *at)
+{
+    while (!ends_line(*at) && !is_blank(*at) && *at != ',')
+        ++at;
+    return at;
+}
+
+// The field's number, or false where it is none or only begins like one.
+static bool read_number(const char *field, double *value)
+{
+    char *after = NULL;
+    *value = strtod(field, &after);
+    return after > field && after == field_end(field);
+}
+
+// Quotes a field as it is in the file, as far as it is short and printable.
+static bool refuse_field(const char *field, uint32_t column, scene_place place, duet_error *err)
+{
+    char shown[25] = "";
+    size_t n = 0;
+    for (const char *at = field; at < field_end(field) && n + 1 < sizeof shown; ++at)
+        shown[n++] = isprint((unsigned char)*at) ? *at : '?';
+    if (n == 0)
+        return error_set(err, DUET_BAD_INPUT, "%s:%llu: column %u is empty", place.path,
+                         (unsigned long long)place.line, column);
+    return error_set(err, DUET_BAD_INPUT, "%s:%llu: column %u: '%s' is not a number", place.path,
+                     (unsigned long long)place.line, column, shown);
+}
+
+static bool read_numbers(const char *line, scene_place place, numbers *row, duet_error *err)
+{
+    const char *at = skip_blanks(line);
+    bool after_comma = false;
+    while (!ends_line(*at) || after_comma) {
+        double value = 0;
+        if (ends_line(*at) || !read_number(at, &value))
+            return refuse_field(at, row->n + 1, place, err);
+        if (row->n < SCENE_MAX_NUMBERS)
+            row->value[row->n] = value;
+        ++row->n;
+        at = skip_blanks(field_end(at));
+        after_comma = *at == ',';
+        if (after_comma)
+            at = skip_blanks(at + 1);
+    }
+    return true;
+}
+
+// A line of names has no number, and each of its fields begins like a name.
+static bool is_header(const char *line)
+{
+    const char *at = skip_blanks(line);
+    while (!ends_line(*at)) {
+        double value = 0;
+        bool like_name = isalpha((unsigned char)*at) || strchr("\"'_", *at) || *at & 0x80;
+        if (!like_name || read_number(at, &value))
+            return false;
+        at = skip_blanks(field_end(at));
+        if (*at == ',')
+            at = skip_blanks(at + 1);
+    }
+    return true;
+}
+
+static bool read_line(duet_scene *scene, const char *line, scene_place place, duet_error *err)
+{
+    numbers row = {.n = 0};
+    bool ok = read_numbers(line, place, &row, err);
+    if (!ok || row.n == 0)
+        return ok;
+    return scene_set_columns(scene, row.n, place, err) &&
+           scene_add_row(scene, row.value, place, err);
+}
+
+static bool read_lines(duet_scene *scene, const char *path, const char *at, duet_error *err)
+{
+    bool may_be_header = true;
+    for (scene_place place = {.path = path, .line = 1}; *at; ++place.line) {
+        if (place.line % LINES_AT_ONCE == 0 && !budget_check(err))
+            return false;
+        bool blank = ends_line(*skip_blanks(at));
+        bool header = may_be_header && !blank && is_header(at);
+        if (!blank && !header && !read_line(scene, at, place, err))
+            return false;
+        may_be_header = may_be_header && blank;
+        at += strcspn(at, "\n");
+        at += *at == '\n';
+    }
+    return true;
+}
+
+// A NUL would end the text early, and a file of bytes is no text.
+static bool check_is_text(const text *file, const char *path, duet_error *err)
+{
+    const char *nul = memchr(text_chars(file), '\0', file->length);
+    return !nul || error_set(err, DUET_BAD_INPUT,
+                             "%s: byte %zu is NUL, so this is no text; data in "
+                             "binary is read from .npy",
+                             path, (size_t)(nul - file->chars));
+}
+
+bool scene_read_text(duet_scene *scene, const char *path, duet_error *err)
+{
+    text file = {0};
+    bool ok = text_read_file(&file, path, err) && check_is_text(&file, path, err);
+    if (ok) {
+        const char *start = text_chars(&file);
+        bool has_mark = strncmp(start, "\xEF\xBB\xBF", 3) == 0; // UTF-8 byte order mark
+        ok = read_lines(scene, path, has_mark ? start + 3 : start, err);
+    }
+    text_free(&file);
+    return ok;
+}

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+// What an application does at its start: finds the plan that was measured for
+// such objects on such devices, and gives it to its world.
+#define _POSIX_C_SOURCE 200809L // strdup
+#include "runtime/selection/profile_subject.h"
+
+#include "base/error.h"
+
+#include <string.h>
+
+_Static_assert((int)DUET_GRADE_EXACT == PROFILE_EXACT && (int)DUET_GRADE_STALE == PROFILE_STALE &&
+                   (int)DUET_GRADE_DEFAULT == PROFILE_DEFAULT,
+               "the public ladder is the store's");
+
+const char *duet_grade_name(duet_grade grade)
+{
+    return (unsigned)grade <= DUET_GRADE_DEFAULT ? profile_grade_name((profile_grade)grade) : NULL;
+}
+
+static bool look(const char *path, const profile_request *request, profile_found *found, text *why,
+                 duet_error *err)
+{
+    text user = {0};
+    text system = {0};
+    // Without a place for a user's store there may still be a system's.
+    const char *first = path;
+    if (!path && store_user_path(&user, NULL))
+        first = text_chars(&user);
+    const char *second = !path && store_system_path(&system) ? text_chars(&system) : NULL;
+    bool ok = profile_lookup_files(first, second, request, found, why, err);
+    text_free(&user);
+    text_free(&system);
+    return ok;
+}
+
+static bool use(duet_world *world, const profile_found *found, duet_profile *profile,
+                duet_error *err)
+{
+    profile->grade = (duet_grade)found->grade;
+    if (profile->grade >= DUET_GRADE_STALE)
+        return true;
+    duet_plan plan;
+    duet_level level;
+    if (!profile_subject_read_plan(&found->plan, &plan, err) ||
+        !profile_subject_read_level(found->plan.level, &level, err) ||
+        !duet_world_set_plan(world, &plan, err)) {
+        profile->grade = DUET_GRADE_DEFAULT;
+        return false;
+    }
+    world_change_level(world, level);
+    profile->plan = plan;
+    profile->level = level;
+    profile->accuracy = (duet_accuracy){found->missed_rate, found->false_rate};
+    profile->true_pairs = found->true_pairs > 0 ? (uint64_t)found->true_pairs : 0;
+    profile->step_ms = found->median_ns * 1e-6;
+    profile->gain = found->gain;
+    profile->gain_low = found->gain_low;
+    profile->gain_high = found->gain_high;
+    memcpy(profile->verdict, found->verdict, sizeof profile->verdict);
+    profile->measured_s = found->created_ns / 1000000000;
+    return true;
+}
+
+bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *profile,
+                             duet_error *err)
+{
+    if (!error_given(world, __func__, "world", err) ||
+        !error_given(profile, __func__, "profile", err))
+        return false;
+    *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT,
+                              .plan = *duet_world_plan(world),
+                              .level = duet_world_level(world)};
+    profile_subject asked;
+    profile_found found;
+    if (!profile_subject_read(world, &asked, err))
+        return false;
+    profile_request request = profile_subject_request(&asked);
+    bool ok = look(path, &request, &found, NULL, err);
+    return use(world, &found, profile, err) && ok;
+}
+
+bool duet_world_explain_profile(duet_world *world, const char *path, char **why, duet_error *err)
+{
+    if (!error_given(world, __func__, "world", err) || !error_given(why, __func__, "why", err))
+        return false;
+    profile_subject asked;
+    profile_found found;
+    text lines = {0};
+    *why = NULL;
+    if (!profile_subject_read(world, &asked, err))
+        return false;
+    profile_request request = profile_subject_request(&asked);
+    bool ok = look(path, &request, &found, &lines, err) && text_ok(&lines, err);
+    *why = ok ? strdup(text_chars(&lines)) : NULL;
+    text_free(&lines);
+    return ok && (*why || error_set(err, DUET_NO_MEMORY, "the grounds of a profile: no memory"));
+}

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/selection/profile_subject.h"
+
+#include "base/blob.h"
+#include "base/error.h"
+#include "runtime/broadphase/workload_stats.h"
+
+#include <sha256.h>
+#include <string.h>
+
+// ---------------------------------------------------------------- devices
+
+static const char *kind_name(duet_device_kind kind)
+{
+    switch (kind) {
+    case DUET_KIND_CPU:
+        return "cpu";
+    case DUET_KIND_GPU:
+        return "gpu";
+    case DUET_KIND_ACCELERATOR:
+        return "accel";
+    }
+    return "accel";
+}
+
+// Units of the whole device, also where ours is a part of it.
+static uint32_t whole_units(const device *d)
+{
+    cl_device_id parent = NULL;
+    cl_uint units = d->info.units;
+    clGetDeviceInfo(d->id, CL_DEVICE_PARENT_DEVICE, sizeof parent, &parent, NULL);
+    if (parent)
+        clGetDeviceInfo(parent, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
+    return units;
+}
+
+// "pocl:0[0-3]" is the part "0-3".
+static bool find_part(const char *selector, char name[24])
+{
+    const char *open = strchr(selector, '[');
+    size_t length = open ? strcspn(open + 1, "]") : 0;
+    if (length == 0 || length >= 24)
+        return false;
+    memcpy(name, open + 1, length);
+    name[length] = '\0';
+    return true;
+}
+
+static profile_env describe_device(const device *d, char name[24])
+{
+    const duet_device_info *info = &d->info;
+    bool is_part = find_part(info->selector, name);
+    return (profile_env){
+        .device = {.kind = kind_name(info->kind),
+                   .vendor = info->vendor,
+                   .name = info->name,
+                   .units = whole_units(d),
+                   .max_group = info->max_group,
+                   .local_bytes = info->local_bytes,
+                   .global_bytes = info->global_bytes},
+        .platform = info->platform,
+        .platform_version = info->platform_version,
+        .driver = info->driver,
+        .cl_version = info->cl_version,
+        .part = is_part ? name : NULL,
+        .part_units = is_part ? info->units : 0,
+    };
+}
+
+// ---------------------------------------------------------------- kernels
+
+static bool hash_file(const char *dir, const char *name, char key[PROFILE_SHA], duet_error *err)
+{
+    text path = {0}, bytes = {0};
+    text_add(&path, "%s/%s", dir, name);
+    bool ok = text_ok(&path, err) && text_read_file(&bytes, path.chars, err);
+    if (ok)
+        SHA256Data((const uint8_t *)bytes.chars, bytes.length, key);
+    text_free(&path);
+    text_free(&bytes);
+    return ok;
+}
+
+// All kernels and what generates them: whichever of it changes, a time may.
+// What is carried was hashed when it was built.
+static bool hash_kernels(const char *dir, char kernels[PROFILE_SHA], duet_error *err)
+{
+    static const char folder[] = "kernels/";
+    SHA2_CTX sha;
+    SHA256Init(&sha);
+    for (const blob *b = blobs; b->path; ++b) {
+        char read[PROFILE_SHA];
+        const char *key = b->sha256;
+        bool is_kernel = strncmp(b->path, folder, strlen(folder)) == 0;
+        if (!is_kernel && strncmp(b->path, "gen/", 4) != 0)
+            continue;
+        if (is_kernel && dir) {
+            if (!hash_file(dir, b->path + strlen(folder), read, err))
+                return false;
+            key = read;
+        }
+        SHA256Update(&sha, (const uint8_t *)key, strlen(key));
+    }
+    SHA256End(&sha, kernels);
+    return true;
+}
+
+// ---------------------------------------------------------------- the whole
+
+static void ask_any_level(profile_subject *p, const duet_accuracy *accuracy)
+{
+    p->workload.level = PROFILE_ANY_LEVEL;
+    p->accuracy = *accuracy;
+    for (p->n_levels = 0; p->n_levels < DUET_LEVELS; ++p->n_levels)
+        p->levels[p->n_levels] = duet_level_describe((duet_level)p->n_levels)->name;
+}
+
+static profile_workload describe_workload(const duet_world *world)
+{
+    const duet_world_def *def = &world->def;
+    workload_summary s = workload_summarise(world);
+    bool poses = def->shape == DUET_SHAPE_POSES;
+    return (profile_workload){
+        .dims = def->dims,
+        .n = world->n,
+        .cells = {s.cells[0], s.cells[1], s.cells[2]},
+        .cell = s.cell,
+        .occ_mean = s.mean_occupancy,
+        .occ_p99 = s.crowding,
+        .size_ratio = s.size_ratio,
+        .shape = poses ? "poses" : "bounds",
+        .rotated = poses && def->rotated,
+        .level = duet_level_describe(def->level)->name,
+    };
+}
+
+bool profile_subject_read(const duet_world *world, profile_subject *p, duet_error *err)
+{
+    *p = (profile_subject){0};
+    if (world->n == 0)
+        return error_set(
+            err, DUET_BAD_ARGUMENT,
+            "a world without objects has no profile; right would be to set them first");
+    if (!world_check_sizes(world, err))
+        return false;
+    const device *devices = world->def.pair->devices;
+    p->pair.a = describe_device(&devices[0], p->parts[0]);
+    p->pair.b = describe_device(&devices[1], p->parts[1]);
+    p->workload = describe_workload(world);
+    if (world->def.has_accuracy)
+        ask_any_level(p, &world->def.accuracy);
+    return hash_kernels(world->def.pair->kernel_dir, p->kernels, err);
+}
+
+void profile_subject_settle(profile_subject *p, duet_level level)
+{
+    p->workload.level = duet_level_describe(level)->name;
+    p->n_levels = 0;
+}
+
+profile_request profile_subject_request(const profile_subject *p)
+{
+    profile_request request = profile_default_request();
+    request.pair = &p->pair;
+    request.workload = &p->workload;
+    request.kernels = p->kernels;
+    if (p->n_levels == 0)
+        return request;
+    request.levels = p->levels;
+    request.n_levels = p->n_levels;
+    request.max_missed_rate = p->accuracy.missed;
+    request.max_false_rate = p->accuracy.false_rate;
+    return request;
+}
+
+bool profile_subject_read_level(const char *name, duet_level *level, duet_error *err)
+{
+    return duet_level_named(name, level) ||
+           error_set(err, DUET_BAD_INPUT, "the profile's level '%s' is not known here", name);
+}
+
+bool profile_subject_read_plan(const profile_plan *stored, duet_plan *plan, duet_error *err)
+{
+    *plan = (duet_plan){.share = stored->share};
+    memcpy(plan->variant_a, stored->variant_a, sizeof plan->variant_a);
+    memcpy(plan->variant_b, stored->variant_b, sizeof plan->variant_b);
+    for (int mode = 0; duet_mode_name((duet_mode)mode); ++mode) {
+        plan->mode = (duet_mode)mode;
+        if (strcmp(duet_mode_name(plan->mode), stored->mode) == 0)
+            return true;
+    }
+    return error_set(err, DUET_BAD_INPUT, "the profile's mode '%s' is not known here",
+                     stored->mode);
+}
+
+profile_plan profile_subject_write_plan(const duet_plan *plan, const char *level)
+{
+    profile_plan stored = {.share = plan->share};
+    strncpy(stored.level, level, sizeof stored.level - 1);
+    strncpy(stored.mode, duet_mode_name(plan->mode), sizeof stored.mode - 1);
+    memcpy(stored.variant_a, plan->variant_a, sizeof stored.variant_a);
+    memcpy(stored.variant_b, plan->variant_b, sizeof stored.variant_b);
+    return stored;
+}

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// A world as the profile store knows it: its devices, its workload, its
+// kernels.
+#ifndef RUNTIME_PROFILE_SUBJECT_H
+#define RUNTIME_PROFILE_SUBJECT_H
+
+#include "profiles/lookup.h"
+#include "runtime/broadphase/world.h"
+
+typedef struct profile_subject {
+    profile_pair pair; // its strings are the device pair's, or lie in parts
+    profile_workload workload;
+    char parts[2][24];               // "0-0" of a part of a CPU
+    char kernels[PROFILE_SHA];       // of all kernel text
+    const char *levels[DUET_LEVELS]; // that may be within the accuracy asked for
+    uint32_t n_levels;               // 0: the workload's own level is asked for
+    duet_accuracy accuracy;
+} profile_subject;
+
+// A workload whose level is chosen by an accuracy is stored as of this level.
+#define PROFILE_ANY_LEVEL "auto"
+
+// Looks at every object. BAD_ARGUMENT for a world without objects.
+bool profile_subject_read(const duet_world *world, profile_subject *p, duet_error *err);
+
+// From here on it is the workload at that level, whatever was asked for.
+void profile_subject_settle(profile_subject *p, duet_level level);
+
+// p must live as long as the request is used.
+profile_request profile_subject_request(const profile_subject *p);
+
+// The level that the store knows by that name. BAD_INPUT where there is none.
+bool profile_subject_read_level(const char *name, duet_level *level, duet_error *err);
+
+// A stored plan, and one to store, measured at that level of accuracy. BAD_INPUT
+// for a mode that there is not.
+bool profile_subject_read_plan(const profile_plan *stored, duet_plan *plan, duet_error *err);
+profile_plan profile_subject_write_plan(const duet_plan *plan, const char *level);
+
+#endif

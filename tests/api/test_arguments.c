@@ -1,0 +1,690 @@
+// SPDX-License-Identifier: MIT
+// Every public call refuses NULL, and numbers that cannot be, with BAD_ARGUMENT or the
+// neutral value that its header promises; the error may be NULL everywhere. The list of
+// calls is read from the headers, so that a call without a row here fails.
+#include "support/test.h"
+
+#include "runtime/duet.h"
+#include "tuner/duet_tune.h"
+
+#include "base/text.h"
+#include "lua/duet_lua.h"
+#include "profiles/duet_profiles.h"
+#include "runtime/opencl/device.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// What the rows are called with where an argument is not the one in question.
+static duet_device_pair *pair;
+static duet_scene *scene;
+static duet_world *world;
+static duet_world *placed_world;
+static duet_world *bounds_world;
+static duet_world *apart_world;
+static duet_motion *motion;
+static duet_test *test;
+static duet_online *online;
+static duet_pose pose = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
+static duet_placed placed;
+static duet_bounds bounds;
+static duet_result result;
+static duet_pair *pairs;
+static uint64_t n;
+static const char *call_name; // the row that runs
+
+static void assert_refused(const duet_error *err, const char *said)
+{
+    if (err->status != DUET_BAD_ARGUMENT)
+        fail_msg("%s: %s is %s: %s", call_name, said, duet_status_name(err->status), err->text);
+    if (!err->text[0] || strchr(err->text, '\n'))
+        fail_msg("%s: %s says '%s'", call_name, said, err->text);
+}
+
+// The call, which hands e on, is refused with an error to fill and without.
+#define REFUSES(call)                                             \
+    do {                                                          \
+        duet_error err_ = {0};                                    \
+        duet_error *e = &err_;                                    \
+        if (call)                                                 \
+            fail_msg("%s: %s was not refused", call_name, #call); \
+        assert_refused(&err_, #call);                             \
+        e = NULL;                                                 \
+        if (call)                                                 \
+            fail_msg("%s: %s was not refused", call_name, #call); \
+    } while (0)
+
+#define TAKES(call)                                              \
+    do {                                                         \
+        duet_error err_ = {0};                                   \
+        duet_error *e = &err_;                                   \
+        if (!(call))                                             \
+            fail_msg("%s: %s: %s", call_name, #call, err_.text); \
+    } while (0)
+
+// ------------------------------------------------------------ values and objects
+
+static void names(void)
+{
+    assert_non_null(duet_version());
+    assert_string_equal(duet_status_name((duet_status)-1), "UNKNOWN");
+    assert_string_equal(duet_status_name((duet_status)1000), "UNKNOWN");
+    assert_null(duet_mode_name((duet_mode)-1));
+    assert_null(duet_mode_name((duet_mode)3));
+    assert_null(duet_grade_name((duet_grade)-1));
+    assert_null(duet_grade_name((duet_grade)99));
+    assert_null(duet_effect_name(0));
+    assert_null(duet_effect_name(3));
+    assert_null(duet_effect_name(1u << 31));
+}
+
+static void strategies(void)
+{
+    assert_non_null(duet_strategy(0));
+    assert_null(duet_strategy(100));
+    assert_null(duet_strategy(UINT32_MAX));
+    assert_null(duet_strategy_about(100));
+    assert_null(duet_strategy_about(UINT32_MAX));
+}
+
+static void defaults(void)
+{
+    assert_true(duet_default_body().mass == 1.0f);
+    assert_int_equal(duet_default_motion_def().dims, 3);
+    assert_int_equal(duet_default_test_def().dims, 3);
+    assert_int_equal(duet_default_world_def().dims, 3);
+    assert_true(duet_default_tune_def().keep);
+    assert_true(duet_default_online_def().most_extra > 0);
+    assert_null(duet_default_device_pair_def().a);
+    assert_int_equal(duet_default_plan(NULL).share, 0);
+}
+
+static void place(void)
+{
+    const double centre[3] = {0};
+    REFUSES(duet_place(NULL, centre, 1.0f, e));
+    REFUSES(duet_place(&placed, NULL, 1.0f, e));
+    REFUSES(duet_place(&placed, centre, 3.0f, e));
+    REFUSES(duet_place(&placed, centre, 0.0f, e));
+    REFUSES(duet_place(&placed, centre, NAN, e));
+}
+
+static void exact(void)
+{
+    assert_false(duet_poses_collide(NULL, &pose, 3));
+    assert_false(duet_poses_collide(&pose, NULL, 3));
+    assert_false(duet_poses_collide(&pose, &pose, 4));
+    assert_true(duet_poses_collide(&pose, &pose, 3));
+    assert_true(isnan(duet_poses_separation(NULL, &pose, 3)));
+    assert_true(isnan(duet_poses_separation(&pose, NULL, 3)));
+    assert_true(isnan(duet_poses_separation(&pose, &pose, 1)));
+    assert_true(duet_poses_separation(&pose, &pose, 2) < 0);
+}
+
+static void exact_placed(void)
+{
+    duet_placed p = {.pose = pose};
+    assert_false(duet_placed_collide(NULL, &p, 1.0f, 3));
+    assert_false(duet_placed_collide(&p, NULL, 1.0f, 3));
+    assert_false(duet_placed_collide(&p, &p, 3.0f, 3));
+    assert_false(duet_placed_collide(&p, &p, 1.0f, 0));
+    assert_true(duet_placed_collide(&p, &p, 1.0f, 3));
+    assert_true(isnan(duet_placed_separation(NULL, &p, 1.0f, 3)));
+    assert_true(isnan(duet_placed_separation(&p, NULL, 1.0f, 3)));
+    assert_true(isnan(duet_placed_separation(&p, &p, 0.0f, 3)));
+    assert_true(isnan(duet_placed_separation(&p, &p, 1.0f, UINT32_MAX)));
+}
+
+static void levels(void)
+{
+    duet_level level = DUET_LEVEL_AABB;
+    assert_null(duet_level_describe((duet_level)-1));
+    assert_null(duet_level_describe((duet_level)DUET_LEVELS));
+    assert_false(duet_level_named(NULL, &level));
+    assert_false(duet_level_named("certified", NULL));
+    assert_false(duet_level_named("", &level));
+    assert_int_equal(level, DUET_LEVEL_AABB);
+    assert_false(duet_level_covers((duet_level)DUET_LEVELS, DUET_LEVEL_AABB));
+    assert_false(duet_level_covers(DUET_LEVEL_AABB, (duet_level)-7));
+}
+
+static void results(void)
+{
+    assert_true(duet_pairs_hash(NULL, 5) == 0);
+    assert_true(duet_result_hash(NULL) == 0);
+    duet_pair none = duet_result_pair(NULL, 0);
+    assert_int_equal(none.a | none.b, 0);
+    none = duet_result_pair(&result, result.pairs);
+    assert_int_equal(none.a | none.b, 0);
+    none = duet_result_pair(&result, UINT64_MAX);
+    assert_int_equal(none.a | none.b, 0);
+}
+
+static void memory(void)
+{
+    duet_free(NULL);
+}
+
+// ------------------------------------------------------------ devices and scenes
+
+static void device_lists(void)
+{
+    duet_device_list *list = duet_device_list_open(NULL);
+    assert_non_null(list);
+    assert_null(duet_device_list_at(NULL, 0));
+    assert_null(duet_device_list_at(list, duet_device_list_count(list)));
+    assert_null(duet_device_list_at(list, UINT32_MAX));
+    assert_int_equal(duet_device_list_count(NULL), 0);
+    duet_device_list_close(list);
+    duet_device_list_close(NULL);
+}
+
+static void device_pairs(void)
+{
+    duet_device_pair_def def = duet_default_device_pair_def();
+    REFUSES(duet_device_pair_open(NULL, e));
+    def.a = "pocl:0";
+    REFUSES(duet_device_pair_open(&def, e));
+    def = (duet_device_pair_def){0};
+    REFUSES(duet_device_pair_open(&def, e));
+    assert_null(duet_device_pair_info(NULL, 0));
+    assert_null(duet_device_pair_info(pair, 2));
+    assert_null(duet_device_pair_info(pair, -1));
+    duet_device_pair_close(NULL);
+}
+
+static void load_scene(void)
+{
+    const duet_setting settings[] = {{NULL, "1"}, {"n", NULL}};
+    REFUSES(duet_scene_load(NULL, NULL, 0, e));
+    REFUSES(duet_scene_load("scene.lua", NULL, 1, e));
+    REFUSES(duet_scene_load("scene.lua", settings, 1, e));
+    REFUSES(duet_scene_load("scene.lua", settings + 1, 1, e));
+    REFUSES(duet_scene_load_pairs(NULL, e));
+}
+
+static void copy_scene(void)
+{
+    REFUSES(duet_scene_from_poses(NULL, 1, 3, e));
+    REFUSES(duet_scene_from_poses(&pose, 1, 4, e));
+    REFUSES(duet_scene_from_bounds(NULL, 1, 3, e));
+    REFUSES(duet_scene_from_bounds(&bounds, 1, 1, e));
+    REFUSES(duet_scene_from_placed(NULL, 1, 3, 1.0f, e));
+    REFUSES(duet_scene_from_placed(NULL, UINT32_MAX, 3, 1.0f, e));
+    REFUSES(duet_scene_from_placed(&placed, 0, 0, 1.0f, e));
+    duet_scene *empty = duet_scene_from_poses(NULL, 0, 3, NULL);
+    assert_non_null(empty);
+    duet_scene_destroy(empty);
+}
+
+static void read_scene(void)
+{
+    assert_null(duet_scene_describe(NULL));
+    assert_null(duet_scene_poses(NULL));
+    assert_null(duet_scene_bounds(NULL));
+    assert_null(duet_scene_placed(NULL));
+    assert_null(duet_scene_bodies(NULL));
+    duet_world_def def = duet_scene_world_def(NULL, pair);
+    assert_true(def.pair == pair && def.dims == 3);
+    duet_motion_def moving = duet_scene_motion_def(NULL, pair);
+    assert_true(moving.pair == pair && moving.dims == 3);
+    assert_null(duet_scene_world_def(scene, NULL).pair);
+    assert_null(duet_scene_motion_def(scene, NULL).pair);
+    duet_scene_destroy(NULL);
+}
+
+// ------------------------------------------------------------ worlds
+
+static void create_world(void)
+{
+    duet_world_def def = duet_default_world_def();
+    REFUSES(duet_world_create(NULL, e));
+    REFUSES(duet_world_create(&def, e));
+    def.pair = pair;
+    def.dims = 0;
+    REFUSES(duet_world_create(&def, e));
+    def = duet_default_world_def();
+    def.pair = pair;
+    memset(def.plan.variant_a, 'x', sizeof def.plan.variant_a);
+    REFUSES(duet_world_create(&def, e));
+    def = (duet_world_def){.pair = pair, .dims = 3};
+    REFUSES(duet_world_create(&def, e));
+    duet_world_destroy(NULL);
+}
+
+static void set_objects(void)
+{
+    REFUSES(duet_world_set_poses(NULL, &pose, 1, e));
+    REFUSES(duet_world_set_poses(world, NULL, 5, e));
+    REFUSES(duet_world_set_poses(apart_world, NULL, 5, e));
+    REFUSES(duet_world_set_poses(bounds_world, &pose, 1, e));
+    REFUSES(duet_world_set_bounds(NULL, &bounds, 1, e));
+    REFUSES(duet_world_set_bounds(bounds_world, NULL, 5, e));
+    REFUSES(duet_world_set_placed(NULL, &placed, 1, e));
+    REFUSES(duet_world_set_placed(placed_world, NULL, 5, e));
+    REFUSES(duet_world_set_scene(NULL, scene, e));
+    REFUSES(duet_world_set_scene(world, NULL, e));
+    TAKES(duet_world_set_bounds(bounds_world, NULL, 0, e));
+    TAKES(duet_world_set_placed(placed_world, NULL, 0, e));
+}
+
+static void map_objects(void)
+{
+    REFUSES(duet_world_map_poses(NULL, 1, e));
+    REFUSES(duet_world_map_poses(bounds_world, 1, e));
+    REFUSES(duet_world_map_bounds(NULL, 1, e));
+    REFUSES(duet_world_map_bounds(world, 1, e));
+    REFUSES(duet_world_map_placed(NULL, 1, e));
+    REFUSES(duet_world_map_placed(world, 1, e));
+    REFUSES(duet_world_map_transforms(NULL, 1, e));
+    REFUSES(duet_world_map_transforms(world, 1, e));
+    REFUSES(duet_world_map_sizes(NULL, 1, e));
+    REFUSES(duet_world_map_sizes(world, 1, e));
+    assert_null(duet_world_map_poses(world, UINT32_MAX, NULL));
+}
+
+static void plan_world(void)
+{
+    duet_plan plan = *duet_world_plan(world);
+    REFUSES(duet_world_set_plan(NULL, &plan, e));
+    REFUSES(duet_world_set_plan(world, NULL, e));
+    plan.share = DUET_SHARE_ONE + 1;
+    REFUSES(duet_world_set_plan(world, &plan, e));
+    plan = *duet_world_plan(world);
+    plan.mode = (duet_mode)7;
+    REFUSES(duet_world_set_plan(world, &plan, e));
+    plan = *duet_world_plan(world);
+    memset(plan.variant_b, 'x', sizeof plan.variant_b);
+    REFUSES(duet_world_set_plan(world, &plan, e));
+    assert_null(duet_world_plan(NULL));
+    REFUSES(duet_world_set_level(NULL, DUET_LEVEL_AABB, e));
+    REFUSES(duet_world_set_level(world, (duet_level)99, e));
+    assert_int_equal(duet_world_level(NULL), DUET_LEVEL_CERTIFIED);
+}
+
+static void load_profile(void)
+{
+    duet_profile profile;
+    char *why = NULL;
+    REFUSES(duet_world_load_profile(NULL, NULL, &profile, e));
+    REFUSES(duet_world_load_profile(world, NULL, NULL, e));
+    REFUSES(duet_world_explain_profile(NULL, NULL, &why, e));
+    REFUSES(duet_world_explain_profile(world, NULL, NULL, e));
+}
+
+static void step_world(void)
+{
+    REFUSES(duet_world_step(NULL, &result, e));
+    REFUSES(duet_world_step(world, NULL, e));
+}
+
+static void test_pairs(void)
+{
+    duet_test_def def = duet_default_test_def();
+    duet_test_result found;
+    duet_pose two[2] = {pose, pose};
+    uint8_t verdict;
+    REFUSES(duet_test_open(NULL, e));
+    REFUSES(duet_test_open(&def, e));
+    def.pair = pair;
+    def.share = DUET_SHARE_ONE + 1;
+    REFUSES(duet_test_open(&def, e));
+    REFUSES(duet_test_pairs(NULL, two, 1, &verdict, NULL, &found, e));
+    REFUSES(duet_test_pairs(test, NULL, 1, &verdict, NULL, &found, e));
+    REFUSES(duet_test_pairs(test, two, 1, NULL, NULL, &found, e));
+    REFUSES(duet_test_pairs(test, two, 1, &verdict, NULL, NULL, e));
+    TAKES(duet_test_pairs(test, NULL, 0, NULL, NULL, &found, e));
+    duet_test_close(NULL);
+}
+
+static void references(void)
+{
+    REFUSES(duet_reference(NULL, &pairs, &n, e));
+    REFUSES(duet_reference(scene, NULL, &n, e));
+    REFUSES(duet_reference(scene, &pairs, NULL, e));
+    REFUSES(duet_reference_at(NULL, DUET_LEVEL_AABB, &pairs, &n, e));
+    REFUSES(duet_reference_at(scene, (duet_level)DUET_LEVELS, &pairs, &n, e));
+    REFUSES(duet_reference_at(scene, DUET_LEVEL_AABB, NULL, &n, e));
+    REFUSES(duet_reference_at(scene, DUET_LEVEL_AABB, &pairs, NULL, e));
+}
+
+// ------------------------------------------------------------ motions
+
+static void create_motion(void)
+{
+    duet_motion_def def = duet_default_motion_def();
+    duet_error err = {0};
+    REFUSES(duet_motion_create(NULL, &pose, NULL, 1, e));
+    REFUSES(duet_motion_create(&def, &pose, NULL, 1, e));
+    def.pair = pair;
+    REFUSES(duet_motion_create(&def, NULL, NULL, 1, e));
+    assert_null(duet_motion_create(&def, &pose, NULL, UINT32_MAX, &err));
+    assert_int_equal(err.status, DUET_TOO_MANY);
+    REFUSES(duet_motion_create_scene(NULL, scene, NULL, e));
+    REFUSES(duet_motion_create_scene(&def, NULL, NULL, e));
+    duet_motion_destroy(NULL);
+}
+
+static void read_motion(void)
+{
+    duet_state states[2];
+    duet_energy energy;
+    duet_contact *contacts;
+    uint64_t hash;
+    REFUSES(duet_motion_read(NULL, states, e));
+    REFUSES(duet_motion_read(motion, NULL, e));
+    REFUSES(duet_motion_hash(NULL, &hash, e));
+    REFUSES(duet_motion_hash(motion, NULL, e));
+    REFUSES(duet_motion_energy(NULL, &energy, e));
+    REFUSES(duet_motion_energy(motion, NULL, e));
+    REFUSES(duet_motion_contacts(NULL, &contacts, &n, e));
+    REFUSES(duet_motion_contacts(motion, NULL, &n, e));
+    REFUSES(duet_motion_contacts(motion, &contacts, NULL, e));
+    assert_int_equal(duet_motion_effects(NULL), 0);
+    assert_int_equal(duet_motion_count(NULL), 0);
+}
+
+static void advance_motion(void)
+{
+    duet_motion_result moved;
+    REFUSES(duet_motion_advance(NULL, &moved, e));
+    REFUSES(duet_motion_advance(motion, NULL, e));
+}
+
+static void keep_motion(void)
+{
+    REFUSES(duet_motion_save(NULL, "file", e));
+    REFUSES(duet_motion_save(motion, NULL, e));
+    REFUSES(duet_motion_load(NULL, "file", e));
+    REFUSES(duet_motion_load(motion, NULL, e));
+}
+
+static void explain_motion(void)
+{
+    duet_effect_info info;
+    assert_false(duet_motion_explain(NULL, 0, &info));
+    assert_false(duet_motion_explain(motion, 0, NULL));
+    assert_false(duet_motion_explain(motion, UINT32_MAX, &info));
+}
+
+// ------------------------------------------------------------ tuning and stores
+
+static void tune(void)
+{
+    static const char *const no_variant[1] = {NULL};
+    static const duet_mode no_mode[1] = {(duet_mode)9};
+    duet_tune_outcome outcome;
+    duet_tune_def def = duet_default_tune_def();
+    REFUSES(duet_tune_run(NULL, &outcome, e));
+    REFUSES(duet_tune_run(&def, &outcome, e));
+    def.keep = false;
+    def.pair = pair;
+    def.scene = scene;
+    REFUSES(duet_tune_run(&def, NULL, e));
+    def.n_variants = 1;
+    REFUSES(duet_tune_run(&def, &outcome, e));
+    def.variants = no_variant;
+    REFUSES(duet_tune_run(&def, &outcome, e));
+    def.n_variants = 0;
+    def.n_modes = 1;
+    REFUSES(duet_tune_run(&def, &outcome, e));
+    def.modes = no_mode;
+    REFUSES(duet_tune_run(&def, &outcome, e));
+    def.n_modes = 0;
+    def.n_levels = 1;
+    REFUSES(duet_tune_run(&def, &outcome, e));
+    def.n_levels = 0;
+    def.strategy = NULL;
+    REFUSES(duet_tune_run(&def, &outcome, e));
+}
+
+static void keep_online(void)
+{
+    duet_online_def def = duet_default_online_def();
+    REFUSES(duet_online_open(NULL, e));
+    REFUSES(duet_online_open(&def, e));
+    def.world = world;
+    def.most_extra = NAN;
+    REFUSES(duet_online_open(&def, e));
+    REFUSES(duet_online_step(NULL, &result, e));
+    REFUSES(duet_online_step(online, NULL, e));
+    assert_int_equal(duet_online_tunings(NULL), 0);
+    assert_true(duet_online_close(NULL, NULL));
+}
+
+static void profiles(void)
+{
+    duet_stored_trial *trials = NULL;
+    duet_import_counts counts;
+    uint32_t n_trials;
+    assert_null(duet_profile_list_open("no such store.db", false, NULL));
+    assert_int_equal(duet_profile_list_count(NULL), 0);
+    assert_null(duet_profile_list_at(NULL, 0));
+    duet_profile_list_close(NULL);
+    REFUSES(duet_profile_trials("store.db", NULL, &trials, &n_trials, e));
+    REFUSES(duet_profile_trials("store.db", "1", NULL, &n_trials, e));
+    REFUSES(duet_profile_trials("store.db", "1", &trials, NULL, e));
+    REFUSES(duet_profiles_export("store.db", NULL, e));
+    REFUSES(duet_profiles_import("store.db", NULL, &counts, e));
+}
+
+static void lua_modules(void)
+{
+    assert_int_equal(luaopen_duet(NULL), 0);
+    assert_int_equal(luaopen_duet_frame(NULL), 0);
+    assert_int_equal(luaopen_duet_lab(NULL), 0);
+    assert_int_equal(luaopen_duet_plot(NULL), 0);
+}
+
+// ------------------------------------------------------------ the table
+
+// Calls of one row are apart by blanks.
+static const struct {
+    const char *calls;
+    void (*check)(void);
+} rows[] = {
+    {"duet_version duet_status_name duet_mode_name duet_grade_name duet_effect_name", names},
+    {"duet_strategy duet_strategy_about", strategies},
+    {"duet_default_body duet_default_motion_def duet_default_test_def duet_default_world_def "
+     "duet_default_tune_def duet_default_online_def duet_default_device_pair_def "
+     "duet_default_plan",
+     defaults},
+    {"duet_place", place},
+    {"duet_poses_collide duet_poses_separation", exact},
+    {"duet_placed_collide duet_placed_separation", exact_placed},
+    {"duet_level_describe duet_level_named duet_level_covers", levels},
+    {"duet_pairs_hash duet_result_hash duet_result_pair", results},
+    {"duet_free", memory},
+    {"duet_device_list_open duet_device_list_close duet_device_list_count duet_device_list_at",
+     device_lists},
+    {"duet_device_pair_open duet_device_pair_close duet_device_pair_info", device_pairs},
+    {"duet_scene_load duet_scene_load_pairs", load_scene},
+    {"duet_scene_from_poses duet_scene_from_bounds duet_scene_from_placed", copy_scene},
+    {"duet_scene_destroy duet_scene_describe duet_scene_poses duet_scene_bounds "
+     "duet_scene_placed duet_scene_bodies duet_scene_world_def duet_scene_motion_def",
+     read_scene},
+    {"duet_world_create duet_world_destroy", create_world},
+    {"duet_world_set_poses duet_world_set_bounds duet_world_set_placed duet_world_set_scene",
+     set_objects},
+    {"duet_world_map_poses duet_world_map_bounds duet_world_map_placed "
+     "duet_world_map_transforms duet_world_map_sizes",
+     map_objects},
+    {"duet_world_set_plan duet_world_plan duet_world_set_level duet_world_level", plan_world},
+    {"duet_world_load_profile duet_world_explain_profile", load_profile},
+    {"duet_world_step", step_world},
+    {"duet_test_open duet_test_close duet_test_pairs", test_pairs},
+    {"duet_reference duet_reference_at", references},
+    {"duet_motion_create duet_motion_create_scene duet_motion_destroy", create_motion},
+    {"duet_motion_read duet_motion_hash duet_motion_energy duet_motion_contacts "
+     "duet_motion_effects duet_motion_count",
+     read_motion},
+    {"duet_motion_advance", advance_motion},
+    {"duet_motion_save duet_motion_load", keep_motion},
+    {"duet_motion_explain", explain_motion},
+    {"duet_tune_run", tune},
+    {"duet_online_open duet_online_step duet_online_tunings duet_online_close", keep_online},
+    {"duet_profile_list_open duet_profile_list_close duet_profile_list_count "
+     "duet_profile_list_at duet_profile_trials duet_profiles_export duet_profiles_import",
+     profiles},
+    {"luaopen_duet luaopen_duet_frame luaopen_duet_lab luaopen_duet_plot", lua_modules},
+};
+
+enum { ROWS = sizeof rows / sizeof rows[0] };
+
+static bool has_word(const char *words, const char *word)
+{
+    size_t length = strlen(word);
+    for (const char *at = strstr(words, word); at; at = strstr(at + 1, word))
+        if ((at == words || at[-1] == ' ') && (at[length] == ' ' || !at[length]))
+            return true;
+    return false;
+}
+
+static int rows_of(const char *call)
+{
+    int found = 0;
+    for (int i = 0; i < ROWS; ++i)
+        found += has_word(rows[i].calls, call);
+    return found;
+}
+
+static const char *const headers[] = {"runtime/duet.h", "base/duet_error.h", "tuner/duet_tune.h",
+                                      "profiles/duet_profiles.h", "lua/duet_lua.h"};
+
+// The name before the first bracket behind DUET_API.
+static uint32_t check_header(const char *header)
+{
+    duet_error err = {0};
+    text path = {0}, file = {0};
+    uint32_t found = 0;
+    text_add(&path, "%s/../../%s", getenv("DUET_TEST_DATA"), header);
+    assert_ok(text_read_file(&file, text_chars(&path), &err), err);
+    for (const char *at = strstr(file.chars, "\nDUET_API "); at;
+         at = strstr(at + 1, "\nDUET_API ")) {
+        char name[80];
+        const char *end = strchr(at, '('), *begin = end;
+        while (begin > at && (isalnum((unsigned char)begin[-1]) || begin[-1] == '_'))
+            --begin;
+        snprintf(name, sizeof name, "%.*s", (int)(end - begin), begin);
+        if (rows_of(name) != 1)
+            fail_msg("%s: %s is in %d rows of this test; expected one", header, name,
+                     rows_of(name));
+        ++found;
+    }
+    text_free(&path);
+    text_free(&file);
+    return found;
+}
+
+static void every_public_call_has_a_row(void **state)
+{
+    (void)state;
+    uint32_t found = 0, said = 0;
+    for (size_t i = 0; i < sizeof headers / sizeof headers[0]; ++i)
+        found += check_header(headers[i]);
+    for (int i = 0; i < ROWS; ++i)
+        for (const char *at = rows[i].calls; at; at = strchr(at + 1, ' '))
+            ++said;
+    assert_int_equal(found, said);
+    assert_true(found > 90);
+}
+
+static void every_call_refuses_what_it_cannot_use(void **state)
+{
+    (void)state;
+    for (int i = 0; i < ROWS; ++i) {
+        call_name = rows[i].calls;
+        rows[i].check();
+    }
+}
+
+// What was refused has changed nothing.
+static void what_refused_goes_on(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_motion_result moved;
+    assert_ok(duet_world_step(world, &result, &err), err);
+    assert_int_equal(result.pairs, 1);
+    assert_ok(duet_motion_advance(motion, &moved, &err), err);
+}
+
+static duet_world *make_world(duet_world_def def)
+{
+    duet_error err = {0};
+    def.pair = pair;
+    def.plan = duet_default_plan(pair);
+    duet_world *made = duet_world_create(&def, &err);
+    assert_ok(made, err);
+    return made;
+}
+
+static void make_worlds(void)
+{
+    duet_world_def def = duet_default_world_def();
+    world = make_world(def);
+    def.sizes_apart = true;
+    apart_world = make_world(def);
+    def.sizes_apart = false;
+    def.origin = 1.0f;
+    placed_world = make_world(def);
+    def.origin = 0.0f;
+    def.shape = DUET_SHAPE_BOUNDS;
+    bounds_world = make_world(def);
+}
+
+static int open_all(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    const duet_pose two[2] = {pose, pose};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    pair = duet_device_pair_open(&def, &err);
+    assert_ok(pair, err);
+    make_worlds();
+    scene = duet_scene_from_poses(two, 2, 3, &err);
+    assert_ok(scene, err);
+    assert_ok(duet_world_set_poses(world, two, 2, &err), err);
+    assert_ok(duet_world_step(world, &result, &err), err);
+    duet_motion_def moving = duet_scene_motion_def(scene, pair);
+    motion = duet_motion_create_scene(&moving, scene, NULL, &err);
+    assert_ok(motion, err);
+    duet_test_def testing = duet_default_test_def();
+    testing.pair = pair;
+    test = duet_test_open(&testing, &err);
+    assert_ok(test, err);
+    duet_online_def tuning = duet_default_online_def();
+    tuning.world = world;
+    online = duet_online_open(&tuning, &err);
+    assert_ok(online, err);
+    return 0;
+}
+
+static int close_all(void **state)
+{
+    (void)state;
+    duet_device_pair_close(pair);
+    duet_online_close(online, NULL);
+    duet_test_close(test);
+    duet_motion_destroy(motion);
+    duet_world_destroy(bounds_world);
+    duet_world_destroy(placed_world);
+    duet_world_destroy(apart_world);
+    duet_world_destroy(world);
+    duet_scene_destroy(scene);
+    assert_int_equal(device_live_objects(), 0);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_public_call_has_a_row),
+        cmocka_unit_test(every_call_refuses_what_it_cannot_use),
+        cmocka_unit_test(what_refused_goes_on),
+    };
+    return cmocka_run_group_tests(tests, open_all, close_all);
+}

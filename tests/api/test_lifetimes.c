@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: MIT
+// Owners are closed in any order. Each order of closing a device pair and what was made
+// on it ends without a leak, and what is still open goes on as before.
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "runtime/duet.h"
+#include "runtime/opencl/device.h"
+#include "tuner/duet_tune.h"
+
+#include <string.h>
+
+typedef enum owner { PAIR, SCENE, WORLD, ONLINE, MOTION, TEST, OWNERS } owner;
+
+typedef struct owners {
+    duet_device_pair *pair;
+    duet_scene *scene;
+    duet_world *world;
+    duet_online *online;
+    duet_motion *motion;
+    duet_test *test;
+} owners;
+
+enum { N = 40 };
+
+static duet_pose poses[2 * N];
+static uint64_t right;           // hash of the pairs
+static uint64_t right_colliding; // of the test's
+
+static void open_world(owners *o)
+{
+    duet_error err = {0};
+    duet_world_def def = duet_scene_world_def(o->scene, o->pair);
+    o->world = duet_world_create(&def, &err);
+    assert_ok(o->world, err);
+    assert_ok(duet_world_set_scene(o->world, o->scene, &err), err);
+    duet_online_def online = duet_default_online_def();
+    online.world = o->world;
+    o->online = duet_online_open(&online, &err);
+    assert_ok(o->online, err);
+}
+
+static void open_motion(owners *o)
+{
+    duet_error err = {0};
+    duet_motion_def def = duet_scene_motion_def(o->scene, o->pair);
+    def.wants = DUET_EFFECT_CONTACT;
+    duet_body bodies[N];
+    for (int i = 0; i < N; ++i)
+        bodies[i] = duet_default_body();
+    bodies[0].velocity[0] = 1.0f;
+    o->motion = duet_motion_create_scene(&def, o->scene, bodies, &err);
+    assert_ok(o->motion, err);
+}
+
+static void open_all(owners *o)
+{
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    def.cache_dir = "test_lifetimes.cache";
+    o->pair = duet_device_pair_open(&def, &err);
+    assert_ok(o->pair, err);
+    o->scene = duet_scene_from_poses(poses, N, 3, &err);
+    assert_ok(o->scene, err);
+    open_world(o);
+    open_motion(o);
+    duet_test_def test = duet_default_test_def();
+    test.pair = o->pair;
+    test.share = DUET_SHARE_ONE / 2;
+    o->test = duet_test_open(&test, &err);
+    assert_ok(o->test, err);
+}
+
+static void close_one(owners *o, owner which)
+{
+    duet_error err = {0};
+    switch (which) {
+    case PAIR:
+        duet_device_pair_close(o->pair);
+        break;
+    case SCENE:
+        duet_scene_destroy(o->scene);
+        break;
+    case WORLD:
+        duet_world_destroy(o->world);
+        o->world = NULL;
+        break;
+    case ONLINE:
+        assert_ok(duet_online_close(o->online, &err), err);
+        o->online = NULL;
+        break;
+    case MOTION:
+        duet_motion_destroy(o->motion);
+        o->motion = NULL;
+        break;
+    default:
+        duet_test_close(o->test);
+        o->test = NULL;
+    }
+}
+
+// What is open works.
+static void use(owners *o)
+{
+    duet_error err = {0};
+    duet_result result;
+    duet_motion_result moved;
+    duet_test_result tested;
+    uint8_t verdicts[N];
+    if (o->world) {
+        assert_ok(duet_world_step(o->world, &result, &err), err);
+        assert_true(duet_result_hash(&result) == right);
+    }
+    if (o->online) {
+        assert_ok(duet_online_step(o->online, &result, &err), err);
+        assert_true(duet_result_hash(&result) == right);
+    }
+    if (o->motion)
+        assert_ok(duet_motion_advance(o->motion, &moved, &err), err);
+    if (o->test) {
+        assert_ok(duet_test_pairs(o->test, poses, N, verdicts, NULL, &tested, &err), err);
+        assert_true(tested.colliding == right_colliding);
+    }
+}
+
+static int make_poses(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    rng r = rng_seed(test_seed());
+    for (int i = 0; i < 2 * N; ++i) {
+        poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
+        for (int k = 0; k < 3; ++k)
+            poses[i].centre[k] = (float)rng_between(&r, 0, 3);
+    }
+    duet_scene *scene = duet_scene_from_poses(poses, N, 3, &err);
+    duet_pair *pairs = NULL;
+    uint64_t n = 0;
+    assert_ok(scene && duet_reference(scene, &pairs, &n, &err), err);
+    right = duet_pairs_hash(pairs, n);
+    assert_true(n > 0);
+    duet_free(pairs);
+    duet_scene_destroy(scene);
+    for (int i = 0; i < N; ++i)
+        right_colliding += duet_poses_collide(&poses[2 * i], &poses[2 * i + 1], 3);
+    return 0;
+}
+
+static void close_in(const owner order[OWNERS], bool with_use)
+{
+    owners o;
+    open_all(&o);
+    for (int i = 0; i < OWNERS; ++i) {
+        if (with_use)
+            use(&o);
+        close_one(&o, order[i]);
+    }
+    assert_int_equal(device_live_objects(), 0);
+}
+
+// Calls visit for each of the 720 orders; place counts them.
+static void for_orders(owner order[OWNERS], int from, int *place,
+                       void (*visit)(const owner order[OWNERS], int place))
+{
+    if (from == OWNERS)
+        visit(order, (*place)++);
+    for (int i = from; i < OWNERS; ++i) {
+        owner first = order[from];
+        order[from] = order[i];
+        order[i] = first;
+        for_orders(order, from + 1, place, visit);
+        order[i] = order[from];
+        order[from] = first;
+    }
+}
+
+// Of all orders each 60th, and what is left is used after each closing.
+static void visit_some(const owner order[OWNERS], int place)
+{
+    if (place % 60 == 7)
+        close_in(order, true);
+}
+
+static void what_is_open_goes_on_in_any_order_of_closing(void **state)
+{
+    (void)state;
+    owner order[OWNERS] = {PAIR, SCENE, WORLD, ONLINE, MOTION, TEST};
+    int n_orders = 0;
+    close_in(order, true);
+    for_orders(order, 0, &n_orders, visit_some);
+    assert_int_equal(n_orders, 720);
+}
+
+static void visit_each(const owner order[OWNERS], int place)
+{
+    (void)place;
+    close_in(order, false);
+}
+
+static void each_order_of_closing_ends_without_a_leak(void **state)
+{
+    (void)state;
+    owner order[OWNERS] = {PAIR, SCENE, WORLD, ONLINE, MOTION, TEST};
+    int n_orders = 0;
+    for_orders(order, 0, &n_orders, visit_each);
+    assert_int_equal(n_orders, 720);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest all[] = {cmocka_unit_test(each_order_of_closing_ends_without_a_leak)};
+    const struct CMUnitTest some[] = {
+        cmocka_unit_test(what_is_open_goes_on_in_any_order_of_closing)};
+    return argc > 1 && strcmp(argv[1], "--all") == 0
+               ? cmocka_run_group_tests(all, make_poses, NULL)
+               : cmocka_run_group_tests(some, make_poses, NULL);
+}

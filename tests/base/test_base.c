@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include "support/test.h"
+
+#include "base/error.h"
+#include "base/rng.h"
+#include "base/text.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static void the_first_failure_is_kept(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    assert_false(error_set(&err, DUET_NOT_FOUND, "a\nb"));
+    assert_false(error_set_cl(&err, -5, "later"));
+    assert_int_equal(err.status, DUET_NOT_FOUND);
+    assert_string_equal(err.text, "a b");
+    assert_false(error_set(NULL, DUET_NOT_FOUND, "nobody listens"));
+}
+
+static void an_opencl_failure_names_its_code(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    error_set_cl(&err, -5, "clFinish on %s", "pocl:0");
+    assert_string_equal(err.text, "clFinish on pocl:0: CL_OUT_OF_RESOURCES (-5)");
+    assert_int_equal(err.cl_code, -5);
+    assert_int_equal(err.status, DUET_DEVICE_FAILED);
+}
+
+static void a_text_grows_and_survives_a_file(void **state)
+{
+    (void)state;
+    text t = {0};
+    duet_error err = {0};
+    for (int i = 0; i < 1000; ++i)
+        text_add(&t, "%d,", i);
+    assert_ok(text_write_file("test_base.tmp", t.chars, t.length, &err), err);
+    text back = {0};
+    assert_ok(text_read_file(&back, "test_base.tmp", &err), err);
+    assert_int_equal(back.length, t.length);
+    assert_memory_equal(back.chars, t.chars, t.length);
+    remove("test_base.tmp");
+    text_free(&t);
+    text_free(&back);
+}
+
+static void a_missing_file_and_a_folder_are_named(void **state)
+{
+    (void)state;
+    text t = {0};
+    duet_error err = {0};
+    assert_false(text_read_file(&t, "no/such/file", &err));
+    assert_int_equal(err.status, DUET_NOT_FOUND);
+    assert_non_null(strstr(err.text, "no/such/file"));
+    err = (duet_error){0};
+    assert_false(text_read_file(&t, "/", &err));
+    assert_int_equal(err.status, DUET_IO_FAILED);
+    text_free(&t);
+}
+
+static void random_numbers_are_the_same_everywhere(void **state)
+{
+    (void)state;
+    rng r = rng_seed(42);
+    rng s = rng_seed(42);
+    uint32_t counts[7] = {0};
+    for (int i = 0; i < 70000; ++i) {
+        uint32_t drawn = rng_below(&r, 7);
+        assert_int_equal(drawn, rng_below(&s, 7));
+        ++counts[drawn];
+    }
+    for (int i = 0; i < 7; ++i)
+        assert_in_range(counts[i], 9500, 10500);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_first_failure_is_kept),
+        cmocka_unit_test(an_opencl_failure_names_its_code),
+        cmocka_unit_test(a_text_grows_and_survives_a_file),
+        cmocka_unit_test(a_missing_file_and_a_folder_are_named),
+        cmocka_unit_test(random_numbers_are_the_same_everywhere),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

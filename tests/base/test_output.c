@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: MIT
+#define _GNU_SOURCE
+#include "support/test.h"
+
+#include "base/output.h"
+#include "support/program.h"
+#include "support/store.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static test_folder folder;
+static char start[4096]; // the folder that the tests were started in
+
+static int enter_folder(void **state)
+{
+    (void)state;
+    folder = test_folder_make();
+    return getcwd(start, sizeof start) && chdir(folder.path) == 0 ? 0 : -1;
+}
+
+static int leave_folder(void **state)
+{
+    (void)state;
+    int code = chdir(start);
+    test_folder_remove(&folder);
+    return code;
+}
+
+static void write_in(const char *path, const char *content)
+{
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs(content, file);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void assert_content(const char *path, const char *content)
+{
+    char found[256] = "";
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    found[fread(found, 1, sizeof found - 1, file)] = '\0';
+    fclose(file);
+    assert_string_equal(found, content);
+}
+
+static mode_t mode_of(const char *path)
+{
+    struct stat info;
+    assert_int_equal(lstat(path, &info), 0);
+    return info.st_mode;
+}
+
+static void assert_refused(const char *path, const char *says)
+{
+    duet_error err = {0};
+    assert_false(text_write_file(path, "new", 3, &err));
+    assert_int_equal(err.status, DUET_IO_FAILED);
+    if (!strstr(err.text, path) || !strstr(err.text, says))
+        fail_msg("'%s' for '%s' and '%s'", err.text, path, says);
+}
+
+static void a_file_takes_the_place_of_nothing_or_of_a_file(void **state)
+{
+    (void)state;
+    mode_t umask_before = umask(027);
+    test_write_file("out", "one");
+    assert_int_equal(mode_of("out"), S_IFREG | 0640);
+    test_write_file("out", "two");
+    umask(umask_before);
+    assert_content("out", "two");
+    assert_int_equal(test_count_files(), 1);
+    char longest[256];
+    memset(longest, 'x', 255);
+    longest[255] = '\0';
+    test_write_file(longest, "long");
+    assert_content(longest, "long");
+    assert_int_equal(test_count_files(), 2);
+}
+
+// Names that can be told in advance are of no use to whoever puts links there.
+static void a_link_at_a_guessed_name_leads_nowhere(void **state)
+{
+    (void)state;
+    write_in("victim", "safe");
+    assert_int_equal(symlink("victim", "out.part"), 0);
+    for (int i = 0; i < 8; ++i) {
+        char guess[64];
+        snprintf(guess, sizeof guess, "out.%ld.%d.part", (long)getpid(), i);
+        assert_int_equal(symlink("victim", guess), 0);
+    }
+    test_write_file("out", "new");
+    assert_content("out", "new");
+    assert_content("victim", "safe");
+}
+
+static void a_link_stays_and_its_file_is_replaced(void **state)
+{
+    (void)state;
+    assert_int_equal(mkdir("below", 0755), 0);
+    assert_int_equal(symlink("below/second", "first"), 0);
+    assert_int_equal(symlink("../file", "below/second"), 0);
+    test_write_file("first", "made"); // where there is nothing yet
+    assert_content("file", "made");
+    test_write_file("first", "again");
+    assert_content("file", "again");
+    assert_true(S_ISLNK(mode_of("first")) && S_ISLNK(mode_of("below/second")));
+    assert_true(S_ISREG(mode_of("file")));
+    assert_int_equal(test_count_files(), 3);
+}
+
+static void links_in_a_ring_are_refused(void **state)
+{
+    (void)state;
+    assert_int_equal(symlink("b", "a"), 0);
+    assert_int_equal(symlink("a", "b"), 0);
+    assert_refused("a", "cannot be written");
+    assert_int_equal(test_count_files(), 2);
+}
+
+static void a_folder_is_refused(void **state)
+{
+    (void)state;
+    assert_int_equal(mkdir("here", 0755), 0);
+    assert_refused("here", "directory");
+    assert_refused("here/", "directory");
+    assert_refused("nowhere/out", "No such file");
+    assert_refused("", "No such file");
+    assert_int_equal(test_count_files(), 1);
+}
+
+static void a_pipe_is_written_to_and_stays(void **state)
+{
+    (void)state;
+    assert_int_equal(mkfifo("pipe", 0600), 0);
+    pid_t child = fork();
+    if (child == 0)
+        _exit(text_write_file("pipe", "through", 7, NULL) ? 0 : 1);
+    assert_content("pipe", "through");
+    int status = 0;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    assert_true(S_ISFIFO(mode_of("pipe")));
+    assert_int_equal(test_count_files(), 1);
+}
+
+// A node of the test's own where it may make one, since what is at stake is
+// that the node is replaced.
+static const char *full_device(void)
+{
+    return mknod("full", S_IFCHR | 0600, makedev(1, 7)) == 0 ? "full" : "/dev/full";
+}
+
+static void a_full_device_fails_and_stays(void **state)
+{
+    (void)state;
+    const char *full = full_device();
+    int file = open(full, O_WRONLY | O_CLOEXEC);
+    if (file < 0) {
+        print_message("no device node can be opened here: skipped\n");
+        skip();
+    }
+    close(file);
+    assert_refused(full, "No space left");
+    assert_true(S_ISCHR(mode_of(full)));
+    store_close(test_store_open("p.db", STORE_WRITE));
+    program p = program_run("profiles export %s --profile p.db", full);
+    program_assert_refused(&p, 1, "cannot be written: No space left");
+    assert_true(S_ISCHR(mode_of(full)));
+}
+
+// An open file of the process is written to where it stands.
+static void stdout_is_written_to_whatever_it_is(void **state)
+{
+    (void)state;
+    store_close(test_store_open("p.db", STORE_WRITE));
+    static const char *const ways[] = {"", "| cat"};
+    static const char *const names[] = {"/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"};
+    for (int way = 0; way < 2; ++way)
+        for (int i = 0; i < 3; ++i) {
+            program p = program_run("--version %s; \"$DUET_PROGRAM\" profiles export %s "
+                                    "--profile p.db %s",
+                                    ways[way], names[i], ways[way]);
+            assert_int_equal(p.exit_code, 0);
+            assert_string_equal(p.err, "");
+            assert_int_equal(strncmp(p.out, "duet ", 5), 0);
+            assert_non_null(strstr(p.out, "\n{\"type\":\"store\""));
+            program_free(&p);
+        }
+}
+
+// What is put at the place while the file is written is not taken for it.
+static void what_comes_between_is_not_replaced(void **state)
+{
+    (void)state;
+    write_in("victim", "safe");
+    output o;
+    duet_error err = {0};
+    assert_ok(output_open(&o, "out", &err), err);
+    fputs("new", o.stream);
+    assert_int_equal(symlink("victim", "out"), 0);
+    assert_false(output_close(&o, true, &err));
+    assert_true(S_ISLNK(mode_of("out")));
+    assert_content("victim", "safe");
+    assert_int_equal(test_count_files(), 2);
+}
+
+static void what_is_not_kept_leaves_nothing(void **state)
+{
+    (void)state;
+    output o;
+    assert_true(output_open(&o, "out", NULL));
+    fputs("half_extents", o.stream);
+    assert_false(output_close(&o, false, NULL));
+    assert_int_equal(test_count_files(), 0);
+}
+
+static void write_too_much(void)
+{
+    static char bytes[100000];
+    struct rlimit limit = {50000, 50000};
+    signal(SIGXFSZ, SIG_IGN);
+    setrlimit(RLIMIT_FSIZE, &limit);
+    duet_error err = {0};
+    bool written = text_write_file("out", bytes, sizeof bytes, &err);
+    _exit(!written && strstr(err.text, "out: cannot be written: File too large") ? 0 : 1);
+}
+
+static void what_does_not_fit_leaves_the_file_as_it_was(void **state)
+{
+    (void)state;
+    test_write_file("out", "old");
+    pid_t child = fork();
+    if (child == 0)
+        write_too_much();
+    int status = 0;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    assert_content("out", "old");
+    assert_int_equal(test_count_files(), 1);
+}
+
+// The program itself, which such a limit would end by a signal.
+static void the_program_says_that_a_file_became_too_large(void **state)
+{
+    (void)state;
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    store *s = test_store_open("p.db", STORE_WRITE);
+    test_tune(s, &pair, &workload);
+    store_close(s);
+    test_write_file("rows", "old");
+    int names = test_count_files();
+    program p = program_run_with("ulimit -f 2;", "profiles export rows --profile p.db");
+    program_assert_refused(&p, 1, "rows: cannot be written: File too large");
+    assert_content("rows", "old");
+    assert_int_equal(test_count_files(), names);
+}
+
+#define IN_A_FOLDER(test) cmocka_unit_test_setup_teardown(test, enter_folder, leave_folder)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        IN_A_FOLDER(a_file_takes_the_place_of_nothing_or_of_a_file),
+        IN_A_FOLDER(a_link_at_a_guessed_name_leads_nowhere),
+        IN_A_FOLDER(a_link_stays_and_its_file_is_replaced),
+        IN_A_FOLDER(links_in_a_ring_are_refused),
+        IN_A_FOLDER(a_folder_is_refused),
+        IN_A_FOLDER(a_pipe_is_written_to_and_stays),
+        IN_A_FOLDER(a_full_device_fails_and_stays),
+        IN_A_FOLDER(stdout_is_written_to_whatever_it_is),
+        IN_A_FOLDER(what_comes_between_is_not_replaced),
+        IN_A_FOLDER(what_is_not_kept_leaves_nothing),
+        IN_A_FOLDER(what_does_not_fit_leaves_the_file_as_it_was),
+        IN_A_FOLDER(the_program_says_that_a_file_became_too_large),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

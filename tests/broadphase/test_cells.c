@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+// The number of cells along each axis may be compiled into the kernels: the
+// pairs are the same, and objects that move never cause a rebuild.
+#include "support/test.h"
+
+#include "support/devices.h"
+
+#include "base/rng.h"
+#include "runtime/broadphase/world.h"
+#include "runtime/scene/reference.h"
+
+#include <string.h>
+
+enum { FEW = 400, MANY = 1200 };
+
+static duet_pose poses[MANY];
+
+// Upright cubes in a world whose cells are known.
+static duet_world *make_world(uint32_t dims, const float upper[3])
+{
+    duet_error err = {0};
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    def.dims = dims;
+    def.rotated = false;
+    def.cell = 1.01f;
+    def.has_world = true;
+    memcpy(def.upper, upper, sizeof def.upper);
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world, err);
+    return world;
+}
+
+static void fill(rng *r, uint32_t n, const float upper[3])
+{
+    for (uint32_t i = 0; i < n; ++i) {
+        poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
+        for (int k = 0; k < 3; ++k)
+            poses[i].centre[k] = (float)rng_between(r, -1.0, upper[k] + 1.0);
+    }
+}
+
+static void set_variant(duet_world *world, const char *words)
+{
+    duet_error err = {0};
+    duet_plan plan = {.mode = DUET_MODE_OWN};
+    strcpy(plan.variant_a, words);
+    strcpy(plan.variant_b, words);
+    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+}
+
+// Steps with the first n poses, and gives the kernel that found their cells.
+static const kernel *step(duet_world *world, uint32_t n, uint64_t *hash)
+{
+    duet_error err = {0};
+    duet_result result;
+    assert_ok(duet_world_set_poses(world, poses, n, &err), err);
+    assert_ok(duet_world_step(world, &result, &err), err);
+    *hash = duet_result_hash(&result);
+    return world->parts[1].kernels.hash;
+}
+
+static uint64_t reference_hash(uint32_t dims, uint32_t n)
+{
+    reference_objects objects = {.dims = dims, .shape = DUET_SHAPE_POSES, .n = n, .poses = poses};
+    reference_found found = {0};
+    duet_error err = {0};
+    assert_ok(reference_find(&objects, REFERENCE_EACH_WITH_EACH, &found, &err), err);
+    uint64_t hash = duet_pairs_hash(found.pairs, found.n);
+    duet_free(found.pairs);
+    return hash;
+}
+
+static void compiled_cells_give_the_same_pairs(void **state)
+{
+    (void)state;
+    static const char *const searches[] = {"simd cells=fixed", "gpu cells=fixed",
+                                           "paper cells=fixed"};
+    // powers of two, and others with an axis of one cell
+    static const float worlds[][3] = {{16.5f, 8.5f, 4.5f}, {5.9f, 11.5f, 1.0f}};
+    rng r = rng_seed(test_seed());
+    for (size_t w = 0; w < sizeof worlds / sizeof *worlds; ++w)
+        for (uint32_t dims = 2; dims <= 3; ++dims) {
+            duet_world *world = make_world(dims, worlds[w]);
+            fill(&r, FEW, worlds[w]);
+            uint64_t truth = reference_hash(dims, FEW), hash;
+            for (size_t s = 0; s < sizeof searches / sizeof *searches; ++s) {
+                set_variant(world, searches[s]);
+                step(world, FEW, &hash);
+                if (hash != truth)
+                    fail_msg("%s in world %zu, %uD: other pairs", searches[s], w, dims);
+            }
+            duet_world_destroy(world);
+        }
+}
+
+static void only_cells_that_stay_are_compiled_in(void **state)
+{
+    (void)state;
+    static const float upper[3] = {10, 10, 10};
+    rng r = rng_seed(test_seed());
+    uint64_t hash;
+    fill(&r, MANY, upper);
+    duet_world *world = make_world(3, upper);
+    set_variant(world, "simd");
+    const kernel *free_cells = step(world, FEW, &hash);
+    set_variant(world, "simd cells=fixed");
+    const kernel *fixed_cells = step(world, FEW, &hash);
+    assert_ptr_not_equal(fixed_cells, free_cells);
+
+    // another number of objects in the same world is the same grid
+    assert_ptr_equal(step(world, MANY, &hash), fixed_cells);
+    assert_int_equal(hash, reference_hash(3, MANY));
+
+    // wider objects have wider cells
+    poses[7].half_extents[0] = 1.5f;
+    assert_ptr_equal(step(world, MANY, &hash), free_cells);
+    assert_int_equal(hash, reference_hash(3, MANY));
+    poses[7].half_extents[0] = 3.0f;
+    assert_ptr_equal(step(world, MANY, &hash), free_cells);
+    duet_world_destroy(world);
+}
+
+static void a_word_for_cells_that_there_is_not_is_refused(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    strcpy(def.plan.variant_b, "simd cells=both");
+    assert_null(duet_world_create(&def, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_string_equal(err.text,
+                        "variant: cells=both is not possible; right would be free or fixed");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(compiled_cells_give_the_same_pairs),
+        cmocka_unit_test(only_cells_that_stay_are_compiled_in),
+        cmocka_unit_test(a_word_for_cells_that_there_is_not_is_refused),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}

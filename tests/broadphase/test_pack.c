@@ -1,0 +1,420 @@
+// SPDX-License-Identifier: MIT
+// Devices with memory of their own are sent only the objects of their slabs.
+// The CPU's parts here are told that they have such memory.
+#include "support/test.h"
+
+#include "support/devices.h"
+
+#include "base/rng.h"
+#include "runtime/broadphase/world.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CAPACITY = 6000 };
+
+static duet_pose poses[CAPACITY];
+static duet_bounds bounds[CAPACITY];
+
+// ------------------------------------------------------------ scenes
+
+static duet_pose random_pose(rng *r, double from, double to)
+{
+    duet_pose pose = {{0}, {0.5f, 0.5f, 0.5f}, {0}};
+    for (int k = 0; k < 3; ++k)
+        pose.centre[k] = (float)rng_between(r, from, to);
+    for (int k = 0; k < 4; ++k)
+        pose.rotation[k] = (float)rng_normal(r);
+    return pose;
+}
+
+// Unit cubes, about as dense as in the paper.
+static double edge_of(uint32_t n, uint32_t dims)
+{
+    return dims == 3 ? 2.0 * cbrt(n) : 2.0 * sqrt(n);
+}
+
+static void fill_poses(rng *r, uint32_t n, uint32_t dims)
+{
+    for (uint32_t i = 0; i < n; ++i)
+        poses[i] = random_pose(r, 0.0, edge_of(n, dims));
+}
+
+static void fill_bounds(rng *r, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; ++i)
+        for (int k = 0; k < 3; ++k) {
+            float lower = (float)rng_between(r, 0.0, edge_of(n, 3));
+            bounds[i].lower[k] = lower;
+            bounds[i].upper[k] = lower + 1.0f;
+        }
+}
+
+static uint64_t reference_hash(duet_scene *scene)
+{
+    duet_error err = {0};
+    duet_pair *pairs = NULL;
+    uint64_t n = 0;
+    assert_ok(scene != NULL, err);
+    assert_ok(duet_reference(scene, &pairs, &n, &err), err);
+    uint64_t hash = duet_pairs_hash(pairs, n);
+    duet_free(pairs);
+    duet_scene_destroy(scene);
+    return hash;
+}
+
+static uint64_t poses_hash(uint32_t n, uint32_t dims)
+{
+    return reference_hash(duet_scene_from_poses(poses, n, dims, NULL));
+}
+
+// ------------------------------------------------------------ worlds
+
+static const uint32_t shares[] = {0, 1, DUET_SHARE_ONE * 3 / 10, DUET_SHARE_ONE / 2,
+                                  DUET_SHARE_ONE};
+enum { SHARES = sizeof shares / sizeof *shares };
+
+// Packs in more chunks than there are slots.
+static duet_world *make_world(const duet_world_def *def)
+{
+    duet_error err = {0};
+    duet_world *world = duet_world_create(def, &err);
+    assert_ok(world != NULL, err);
+    world->pack.least_chunk = 64;
+    return world;
+}
+
+static duet_world_def world_def(uint32_t dims, const char *text)
+{
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    def.dims = dims;
+    def.plan.mode = DUET_MODE_SLAB;
+    def.plan.share = DUET_SHARE_ONE / 2;
+    strcpy(def.plan.variant_a, text);
+    strcpy(def.plan.variant_b, text);
+    return def;
+}
+
+static void set_memory(bool host_a, bool host_b)
+{
+    devices->devices[0].info.host_memory = host_a;
+    devices->devices[1].info.host_memory = host_b;
+}
+
+static void set_share(duet_world *world, uint32_t share)
+{
+    duet_error err = {0};
+    duet_plan plan = *duet_world_plan(world);
+    plan.share = share;
+    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+}
+
+static duet_result step(duet_world *world)
+{
+    duet_error err = {0};
+    duet_result result;
+    assert_ok(duet_world_step(world, &result, &err), err);
+    return result;
+}
+
+static duet_result step_poses(duet_world *world, uint32_t n)
+{
+    duet_error err = {0};
+    assert_ok(duet_world_set_poses(world, poses, n, &err), err);
+    return step(world);
+}
+
+static double stage_ms(const duet_result *result, const char *name, int side)
+{
+    for (uint32_t i = 0; i < result->n_stages; ++i)
+        if (strcmp(result->stages[i].name, name) == 0 && result->stages[i].device == side)
+            return result->stages[i].ms;
+    return -1.0;
+}
+
+static bool was_packed(const duet_result *result, int side)
+{
+    return stage_ms(result, "pack", side) >= 0.0;
+}
+
+// ------------------------------------------------------------ facts
+
+static void any_share_and_number_gives_the_reference_pairs(void **state)
+{
+    (void)state;
+    static const uint32_t numbers[] = {1, 2, 3, 7, 13, 997, 5003};
+    rng r = {test_seed()};
+    set_memory(false, false);
+    for (uint32_t dims = 2; dims <= 3; ++dims) {
+        duet_world_def def = world_def(dims, "gpu send=packed");
+        duet_world *world = make_world(&def);
+        for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
+            fill_poses(&r, numbers[i], dims);
+            uint64_t truth = poses_hash(numbers[i], dims);
+            for (int s = 0; s < SHARES; ++s) {
+                set_share(world, shares[s]);
+                duet_result result = step_poses(world, numbers[i]);
+                assert_int_equal(duet_result_hash(&result), truth);
+            }
+        }
+        duet_world_destroy(world);
+    }
+}
+
+static void every_sort_takes_packed_objects(void **state)
+{
+    (void)state;
+    static const char *const variants[] = {
+        "gpu send=packed sort=radix", "gpu send=packed FROM_IDS=0", "gpu send=packed FROM_IDS=1",
+        "gpu send=packed hash.LANES=1 hash.WG=64 hash.PER_ITEM=1", "gpu send=all"};
+    enum { N = 2003 };
+    rng r = {test_seed()};
+    set_memory(false, false);
+    fill_poses(&r, N, 3);
+    uint64_t truth = poses_hash(N, 3);
+    for (size_t v = 0; v < sizeof variants / sizeof *variants; ++v) {
+        duet_world_def def = world_def(3, variants[v]);
+        duet_world *world = make_world(&def);
+        duet_result result = step_poses(world, N);
+        assert_int_equal(duet_result_hash(&result), truth);
+        assert_int_equal(was_packed(&result, 0), strcmp(variants[v], "gpu send=all") != 0);
+        duet_world_destroy(world);
+    }
+}
+
+static void bounds_are_packed_too(void **state)
+{
+    (void)state;
+    enum { N = 4001 };
+    duet_error err = {0};
+    rng r = {test_seed()};
+    set_memory(false, false);
+    fill_bounds(&r, N);
+    uint64_t truth = reference_hash(duet_scene_from_bounds(bounds, N, 3, NULL));
+    duet_world_def def = world_def(3, "gpu send=packed");
+    def.shape = DUET_SHAPE_BOUNDS;
+    def.rotated = false;
+    duet_world *world = make_world(&def);
+    assert_ok(duet_world_set_bounds(world, bounds, N, &err), err);
+    for (int s = 0; s < SHARES; ++s) {
+        set_share(world, shares[s]);
+        duet_result result = step(world);
+        assert_int_equal(duet_result_hash(&result), truth);
+    }
+    duet_world_destroy(world);
+}
+
+static void each_device_is_sent_its_slab_alone(void **state)
+{
+    (void)state;
+    enum { N = 5003 };
+    rng r = {test_seed()};
+    set_memory(false, false);
+    fill_poses(&r, N, 3);
+    duet_world_def def = world_def(3, "gpu send=packed");
+    duet_world *world = make_world(&def);
+    duet_result result = step_poses(world, N);
+    assert_true(was_packed(&result, 0) && was_packed(&result, 1));
+    const part *a = &world->parts[0];
+    const part *b = &world->parts[1];
+    assert_int_equal(a->packed.n_homes + b->packed.n_homes, N);
+    assert_in_range(a->packed.n, a->packed.n_homes, N * 2 / 3);
+    assert_int_equal(b->packed.n, b->packed.n_homes);
+    duet_world_destroy(world);
+}
+
+static void a_device_on_host_memory_borrows_all_beside_one_that_is_sent_its_slab(void **state)
+{
+    (void)state;
+    enum { N = 3001 };
+    rng r = {test_seed()};
+    fill_poses(&r, N, 3);
+    uint64_t truth = poses_hash(N, 3);
+    for (int copies = 0; copies < 2; ++copies) {
+        set_memory(copies != 0, copies != 1);
+        duet_world_def def = world_def(3, "gpu send=packed");
+        duet_world *world = make_world(&def);
+        duet_result result = step_poses(world, N);
+        assert_int_equal(duet_result_hash(&result), truth);
+        assert_true(was_packed(&result, copies) && !was_packed(&result, 1 - copies));
+        duet_world_destroy(world);
+    }
+}
+
+static void objects_that_move_between_steps_are_found(void **state)
+{
+    (void)state;
+    enum { N = 3001, STEPS = 12 };
+    rng r = {test_seed()};
+    set_memory(false, false);
+    fill_poses(&r, N, 3);
+    duet_world_def def = world_def(3, "gpu send=packed");
+    duet_world *world = make_world(&def);
+    for (int k = 0; k < STEPS; ++k) {
+        duet_result result = step_poses(world, N);
+        assert_int_equal(duet_result_hash(&result), poses_hash(N, 3));
+        // all drift into one slab, out of its space, and beyond the world
+        for (uint32_t i = 0; i < N; ++i)
+            poses[i].centre[2] += k < STEPS / 2 ? -6.0f : 9.0f;
+    }
+    duet_world_destroy(world);
+}
+
+static void objects_outside_the_world_are_found(void **state)
+{
+    (void)state;
+    enum { N = 2003 };
+    rng r = {test_seed()};
+    set_memory(false, false);
+    for (uint32_t i = 0; i < N; ++i)
+        poses[i] = random_pose(&r, -12.0, 24.0);
+    duet_world_def def = world_def(3, "gpu send=packed");
+    def.has_world = true;
+    for (int k = 0; k < 3; ++k)
+        def.upper[k] = 16.0f;
+    duet_world *world = make_world(&def);
+    uint64_t truth = poses_hash(N, 3);
+    for (int s = 0; s < SHARES; ++s) {
+        set_share(world, shares[s]);
+        duet_result result = step_poses(world, N);
+        assert_int_equal(duet_result_hash(&result), truth);
+    }
+    duet_world_destroy(world);
+}
+
+static void objects_that_stay_are_neither_packed_nor_sent_again(void **state)
+{
+    (void)state;
+    enum { N = 2003 };
+    rng r = {test_seed()};
+    set_memory(false, false);
+    fill_poses(&r, N, 3);
+    duet_world_def def = world_def(3, "gpu send=packed");
+    duet_world *world = make_world(&def);
+    duet_result first = step_poses(world, N);
+    uint64_t truth = duet_result_hash(&first);
+    duet_result again = step(world);
+    assert_false(was_packed(&again, 0) || was_packed(&again, 1));
+    assert_true(stage_ms(&again, "send objects", 0) < 0.0);
+    assert_int_equal(duet_result_hash(&again), truth);
+    set_share(world, DUET_SHARE_ONE); // all to A, then slabs once more
+    duet_result whole = step(world);
+    assert_int_equal(duet_result_hash(&whole), truth);
+    set_share(world, DUET_SHARE_ONE / 2);
+    duet_result cut = step(world);
+    assert_true(was_packed(&cut, 0));
+    assert_int_equal(duet_result_hash(&cut), truth);
+    duet_world_destroy(world);
+}
+
+// Every number of a pose may be the bad one, and its row a ghost row.
+static uint32_t spoil(rng *r, uint32_t n)
+{
+    enum { BAD = 40 };
+    for (uint32_t i = 0; i < BAD; ++i) {
+        float *numbers = (float *)&poses[n - 1 - i * (n / BAD)];
+        numbers[rng_below(r, 10)] = rng_below(r, 2) ? NAN : INFINITY;
+    }
+    return BAD;
+}
+
+// However the objects come: each device packed or given all of them.
+static void bad_objects_are_counted_once_and_the_first_is_named(void **state)
+{
+    (void)state;
+    enum { N = 2003 };
+    static const struct {
+        const char *variant;
+        bool host_a, host_b;
+    } ways[] = {
+        {"gpu send=packed", false, false},
+        {"gpu send=packed", true, false},
+        {"gpu", false, false},
+        {"simd", true, true},
+    };
+    rng r = {test_seed()};
+    fill_poses(&r, N, 3);
+    uint32_t n_bad = spoil(&r, N);
+    uint32_t first = N - 1 - (n_bad - 1) * (N / n_bad);
+    uint64_t truth = 0;
+    for (size_t w = 0; w < sizeof ways / sizeof *ways; ++w) {
+        set_memory(ways[w].host_a, ways[w].host_b);
+        duet_world_def def = world_def(3, ways[w].variant);
+        def.keep_bad = true;
+        duet_world *world = make_world(&def);
+        for (int s = 0; s < SHARES; ++s) {
+            set_share(world, shares[s]);
+            duet_result result = step_poses(world, N);
+            assert_int_equal(result.bad, n_bad);
+            assert_int_equal(result.first_bad, first);
+            truth = w == 0 && s == 0 ? duet_result_hash(&result) : truth;
+            assert_int_equal(duet_result_hash(&result), truth);
+        }
+        duet_world_destroy(world);
+    }
+}
+
+static void a_bad_object_that_is_packed_is_refused_by_its_id(void **state)
+{
+    (void)state;
+    enum { N = 2003 };
+    duet_error err = {0};
+    duet_result result;
+    rng r = {test_seed()};
+    set_memory(false, false);
+    fill_poses(&r, N, 3);
+    poses[1234].half_extents[1] = -1.0f;
+    duet_world_def def = world_def(3, "gpu send=packed");
+    duet_world *world = make_world(&def);
+    assert_ok(duet_world_set_poses(world, poses, N, &err), err);
+    assert_false(duet_world_step(world, &result, &err));
+    assert_int_equal(err.status, DUET_BAD_OBJECT);
+    assert_non_null(strstr(err.text, "object 1234 of 2003"));
+    duet_world_destroy(world);
+}
+
+static void a_device_without_room_fails_the_step_and_not_the_next(void **state)
+{
+    (void)state;
+    enum { N = 5003 };
+    duet_error err = {0};
+    duet_result result;
+    rng r = {test_seed()};
+    set_memory(false, false);
+    fill_poses(&r, N, 3);
+    for (int side = 0; side < 2; ++side) {
+        duet_world_def def = world_def(3, "auto");
+        duet_world *world = make_world(&def);
+        uint64_t *most = &devices->devices[side].info.max_buffer_bytes;
+        uint64_t before = *most;
+        assert_ok(duet_world_set_poses(world, poses, N, &err), err);
+        *most = 8192;
+        assert_false(duet_world_step(world, &result, &err));
+        assert_int_equal(err.status, DUET_NO_MEMORY);
+        *most = before;
+        result = step(world);
+        assert_int_equal(duet_result_hash(&result), poses_hash(N, 3));
+        duet_world_destroy(world);
+        err = (duet_error){0};
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(any_share_and_number_gives_the_reference_pairs),
+        cmocka_unit_test(every_sort_takes_packed_objects),
+        cmocka_unit_test(bounds_are_packed_too),
+        cmocka_unit_test(each_device_is_sent_its_slab_alone),
+        cmocka_unit_test(a_device_on_host_memory_borrows_all_beside_one_that_is_sent_its_slab),
+        cmocka_unit_test(objects_that_move_between_steps_are_found),
+        cmocka_unit_test(objects_outside_the_world_are_found),
+        cmocka_unit_test(objects_that_stay_are_neither_packed_nor_sent_again),
+        cmocka_unit_test(bad_objects_are_counted_once_and_the_first_is_named),
+        cmocka_unit_test(a_device_without_room_fails_the_step_and_not_the_next),
+        cmocka_unit_test(a_bad_object_that_is_packed_is_refused_by_its_id),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}

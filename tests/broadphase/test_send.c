@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: MIT
+// Devices with memory of their own are sent objects in chunks where that is asked
+// for, and send pairs before they are asked. The CPU's parts here are told that they have such
+// memory.
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "runtime/broadphase/world.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { CAPACITY = 5003 };
+
+static duet_device_pair *devices;
+static duet_pose poses[CAPACITY];
+
+static int open_devices(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    devices = duet_device_pair_open(&def, &err);
+    assert_ok(devices != NULL, err);
+    devices->devices[0].info.host_memory = devices->devices[1].info.host_memory = false;
+    return 0;
+}
+
+static int close_devices(void **state)
+{
+    (void)state;
+    duet_device_pair_close(devices);
+    assert_int_equal(device_live_objects(), 0);
+    return 0;
+}
+
+// Unit cubes in a world of that edge.
+static void fill(rng *r, uint32_t n, double edge)
+{
+    for (uint32_t i = 0; i < n; ++i) {
+        poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}};
+        for (int k = 0; k < 3; ++k)
+            poses[i].centre[k] = (float)rng_between(r, 0.0, edge);
+        for (int k = 0; k < 4; ++k)
+            poses[i].rotation[k] = (float)rng_normal(r);
+    }
+}
+
+// One of the smallest chunks is what a group of the kernel takes.
+static duet_world *make_world(duet_mode mode, const char *text, bool keep_bad)
+{
+    duet_error err = {0};
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    def.plan.mode = mode;
+    def.keep_bad = keep_bad;
+    strcpy(def.plan.variant_a, text);
+    strcpy(def.plan.variant_b, text);
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world != NULL, err);
+    world->parts[0].least_chunk = world->parts[1].least_chunk = 1;
+    return world;
+}
+
+static void set_share(duet_world *world, uint32_t share)
+{
+    duet_error err = {0};
+    duet_plan plan = *duet_world_plan(world);
+    plan.share = share;
+    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+}
+
+static duet_result step(duet_world *world, uint32_t n)
+{
+    duet_error err = {0};
+    duet_result result;
+    assert_ok(duet_world_set_poses(world, poses, n, &err), err);
+    assert_ok(duet_world_step(world, &result, &err), err);
+    return result;
+}
+
+static void assert_step_is_the_reference(duet_world *world, uint32_t n)
+{
+    duet_error err = {0};
+    duet_pair *pairs = NULL;
+    uint64_t n_pairs = 0;
+    duet_scene *scene = duet_scene_from_poses(poses, n, 3, &err);
+    assert_ok(scene != NULL, err);
+    assert_ok(duet_reference(scene, &pairs, &n_pairs, &err), err);
+    duet_result result = step(world, n);
+    assert_int_equal(result.pairs, n_pairs);
+    assert_int_equal(duet_result_hash(&result), duet_pairs_hash(pairs, n_pairs));
+    duet_free(pairs);
+    duet_scene_destroy(scene);
+}
+
+// ------------------------------------------------------------ facts
+
+static void any_number_of_chunks_gives_the_reference_pairs(void **state)
+{
+    (void)state;
+    static const struct {
+        duet_mode mode;
+        const char *variant;
+    } plans[] = {
+        {DUET_MODE_OWN, "gpu send=chunks"},
+        {DUET_MODE_SLAB, "gpu send=chunks"},
+        {DUET_MODE_SHARED, "gpu send=chunks"},
+        {DUET_MODE_OWN, "gpu sort=radix send=chunks"},
+        {DUET_MODE_SLAB, "simd send=chunks"},
+        {DUET_MODE_SHARED, "paper send=chunks"},
+        {DUET_MODE_OWN, "gpu"},
+    };
+    static const uint32_t numbers[] = {1, 1023, 1024, 1025, CAPACITY};
+    rng r = {test_seed()};
+    for (size_t p = 0; p < sizeof plans / sizeof *plans; ++p) {
+        duet_world *world = make_world(plans[p].mode, plans[p].variant, false);
+        for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
+            fill(&r, numbers[i], 2.0 * cbrt(numbers[i]));
+            set_share(world, i % 2 ? DUET_SHARE_ONE / 3 : 0);
+            assert_step_is_the_reference(world, numbers[i]);
+        }
+        // How many depends on the group that a device takes.
+        bool in_chunks = strstr(plans[p].variant, "send=chunks");
+        assert_true(in_chunks ? world->parts[1].n_chunks > 1 : world->parts[1].n_chunks == 0);
+        duet_world_destroy(world);
+    }
+}
+
+static void objects_that_are_there_come_in_no_chunks(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_result result;
+    rng r = {test_seed()};
+    duet_world *world = make_world(DUET_MODE_OWN, "gpu send=chunks", false);
+    fill(&r, CAPACITY, 34.0);
+    uint64_t pairs = step(world, CAPACITY).pairs;
+    assert_ok(duet_world_step(world, &result, &err), err);
+    assert_int_equal(world->parts[1].n_chunks, 0);
+    assert_int_equal(result.pairs, pairs);
+    duet_world_destroy(world);
+}
+
+// The number of pairs is guessed from the step before, too high and too low, and
+// lists and blocks on the host have to grow.
+static void pairs_are_all_there_however_many_the_last_step_had(void **state)
+{
+    (void)state;
+    static const double edges[] = {34.0, 34.0, 12.0, 80.0, 12.0, 6.0, 6.0, 34.0};
+    rng r = {test_seed()};
+    duet_world *world = make_world(DUET_MODE_OWN, "gpu", false);
+    for (size_t i = 0; i < sizeof edges / sizeof *edges; ++i) {
+        fill(&r, 1000, edges[i]);
+        set_share(world, i % 2 ? DUET_SHARE_ONE / 2 : 0);
+        assert_step_is_the_reference(world, 1000);
+    }
+    duet_world_destroy(world);
+}
+
+// Cubes that touch, all turned the same way: float cannot tell.
+static void more_undecided_pairs_than_are_sent_ahead_are_decided(void **state)
+{
+    (void)state;
+    enum { SIDE = 10, N = SIDE * SIDE * SIDE };
+    for (uint32_t i = 0; i < N; ++i) {
+        float x = (float)(i % SIDE), y = (float)(i / SIDE % SIDE), z = (float)(i / SIDE / SIDE);
+        poses[i] = (duet_pose){{0.6f * x - 0.8f * y, 0.8f * x + 0.6f * y, z},
+                               {0.5f, 0.5f, 0.5f},
+                               {0.0f, 0.0f, 1.0f, 2.0f}};
+    }
+    duet_world *world = make_world(DUET_MODE_OWN, "gpu", false);
+    set_share(world, 0);
+    assert_step_is_the_reference(world, N);
+    assert_step_is_the_reference(world, N);
+    duet_result result = step(world, N);
+    assert_true(result.undecided > 1024);
+    duet_world_destroy(world);
+}
+
+static void a_bad_object_of_any_chunk_is_named(void **state)
+{
+    (void)state;
+    rng r = {test_seed()};
+    duet_world *world = make_world(DUET_MODE_SLAB, "gpu send=chunks", true);
+    fill(&r, CAPACITY, 34.0);
+    poses[4321].half_extents[2] = -1.0f;
+    poses[1500].centre[2] = NAN;
+    poses[CAPACITY - 1].rotation[0] = INFINITY;
+    set_share(world, DUET_SHARE_ONE / 2);
+    duet_result result = step(world, CAPACITY);
+    assert_int_equal(result.bad, 3);
+    assert_int_equal(result.first_bad, 1500);
+    duet_world_destroy(world);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(any_number_of_chunks_gives_the_reference_pairs),
+        cmocka_unit_test(objects_that_are_there_come_in_no_chunks),
+        cmocka_unit_test(pairs_are_all_there_however_many_the_last_step_had),
+        cmocka_unit_test(more_undecided_pairs_than_are_sent_ahead_are_decided),
+        cmocka_unit_test(a_bad_object_of_any_chunk_is_named),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}

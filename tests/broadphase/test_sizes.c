@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: MIT
+// Sizes apart from transforms: the pairs of whole poses, and sizes travel once.
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "runtime/broadphase/world.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { CAPACITY = 3000 };
+
+static duet_device_pair *devices;
+static bool have_host_memory[2];
+static duet_pose poses[CAPACITY];
+
+static int open_devices(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    devices = duet_device_pair_open(&def, &err);
+    assert_ok(devices != NULL, err);
+    for (int side = 0; side < 2; ++side)
+        have_host_memory[side] = devices->devices[side].info.host_memory;
+    return 0;
+}
+
+static int close_devices(void **state)
+{
+    (void)state;
+    duet_device_pair_close(devices);
+    assert_int_equal(device_live_objects(), 0);
+    return 0;
+}
+
+// Devices that work on host memory borrow what others are sent; they can be told
+// that they do not.
+static void tell_of_memory(bool host)
+{
+    for (int side = 0; side < 2; ++side)
+        devices->devices[side].info.host_memory = host && have_host_memory[side];
+}
+
+static void fill(rng *r, uint32_t n, uint32_t dims)
+{
+    double edge = dims == 3 ? 1.6 * cbrt(n) : 1.4 * sqrt(n);
+    for (uint32_t i = 0; i < n; ++i) {
+        poses[i] = (duet_pose){0};
+        for (int k = 0; k < 3; ++k) {
+            poses[i].centre[k] = (float)rng_between(r, 0.0, edge);
+            poses[i].half_extents[k] = (float)rng_between(r, 0.3, 0.6);
+        }
+        for (int k = 0; k < 4; ++k)
+            poses[i].rotation[k] = (float)rng_normal(r);
+    }
+}
+
+static duet_world *make_world(uint32_t dims, duet_mode mode, const char *text)
+{
+    duet_error err = {0};
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    def.dims = dims;
+    def.plan = (duet_plan){.share = DUET_SHARE_ONE / 3, .mode = mode};
+    strcpy(def.plan.variant_a, text);
+    strcpy(def.plan.variant_b, text);
+    def.sizes_apart = true;
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world != NULL, err);
+    return world;
+}
+
+static void map_transforms(duet_world *world, uint32_t n)
+{
+    duet_error err = {0};
+    duet_transform *to = duet_world_map_transforms(world, n, &err);
+    assert_ok(to != NULL, err);
+    for (uint32_t i = 0; i < n; ++i) {
+        memcpy(to[i].centre, poses[i].centre, sizeof to->centre);
+        memcpy(to[i].rotation, poses[i].rotation, sizeof to->rotation);
+    }
+}
+
+static void map_sizes(duet_world *world, uint32_t n)
+{
+    duet_error err = {0};
+    duet_size *to = duet_world_map_sizes(world, n, &err);
+    assert_ok(to != NULL, err);
+    for (uint32_t i = 0; i < n; ++i)
+        memcpy(to[i].half_extents, poses[i].half_extents, sizeof to->half_extents);
+}
+
+static void assert_step_is_the_reference(duet_world *world, uint32_t n)
+{
+    duet_error err = {0};
+    duet_pair *pairs = NULL;
+    uint64_t n_pairs = 0;
+    duet_result result;
+    duet_scene *scene = duet_scene_from_poses(poses, n, world->def.dims, &err);
+    assert_ok(scene != NULL, err);
+    assert_ok(duet_reference(scene, &pairs, &n_pairs, &err), err);
+    assert_ok(duet_world_step(world, &result, &err), err);
+    assert_int_equal(result.pairs, n_pairs);
+    assert_int_equal(duet_result_hash(&result), duet_pairs_hash(pairs, n_pairs));
+    duet_free(pairs);
+    duet_scene_destroy(scene);
+}
+
+// ------------------------------------------------------------ facts
+
+// Transforms move, sizes stay, then sizes change too.
+static void follow(uint32_t dims, duet_mode mode, const char *text, rng *r)
+{
+    static const uint32_t numbers[] = {1, 7, 1031, CAPACITY};
+    duet_world *world = make_world(dims, mode, text);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
+        uint32_t n = numbers[i];
+        fill(r, n, dims);
+        map_sizes(world, n);
+        map_transforms(world, n);
+        assert_step_is_the_reference(world, n);
+        for (uint32_t k = 0; k < n; ++k)
+            poses[k].centre[k % 2] += (float)rng_between(r, -0.5, 0.5);
+        map_transforms(world, n);
+        assert_step_is_the_reference(world, n);
+    }
+    for (uint32_t k = 0; k < CAPACITY; ++k)
+        poses[k].half_extents[k % 3] *= 1.5f;
+    map_sizes(world, CAPACITY);
+    assert_step_is_the_reference(world, CAPACITY);
+    duet_world_destroy(world);
+}
+
+static void transforms_and_sizes_have_the_pairs_of_their_poses(void **state)
+{
+    (void)state;
+    static const struct {
+        duet_mode mode;
+        const char *variant;
+    } plans[] = {
+        {DUET_MODE_OWN, "gpu"},
+        {DUET_MODE_SLAB, "simd"},
+        {DUET_MODE_SHARED, "gpu"},
+        {DUET_MODE_OWN, "simd sort=radix"},
+        {DUET_MODE_SLAB, "gpu send=packed"},
+    };
+    rng r = {test_seed()};
+    for (int host = 0; host < 2; ++host) {
+        tell_of_memory(host);
+        for (size_t p = 0; p < sizeof plans / sizeof *plans; ++p)
+            follow(p % 2 ? 2 : 3, plans[p].mode, plans[p].variant, &r);
+    }
+}
+
+static void sizes_are_sent_once(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_result result;
+    rng r = {test_seed()};
+    tell_of_memory(false);
+    duet_world *world = make_world(3, DUET_MODE_OWN, "gpu");
+    fill(&r, CAPACITY, 3);
+    map_sizes(world, CAPACITY);
+    map_transforms(world, CAPACITY);
+    assert_step_is_the_reference(world, CAPACITY);
+    // What was written behind the world's back is not looked at.
+    duet_size *sizes = world->sizes.bytes;
+    for (uint32_t i = 0; i < CAPACITY; ++i)
+        sizes[i] = (duet_size){{-1.0f, -1.0f, -1.0f}};
+    map_transforms(world, CAPACITY);
+    assert_step_is_the_reference(world, CAPACITY);
+    assert_true(duet_world_map_sizes(world, CAPACITY, &err) == sizes);
+    assert_false(duet_world_step(world, &result, &err));
+    assert_int_equal(err.status, DUET_BAD_OBJECT);
+    duet_world_destroy(world);
+}
+
+static void poses_are_taken_apart(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    rng r = {test_seed()};
+    tell_of_memory(true);
+    duet_world *world = make_world(3, DUET_MODE_OWN, "simd");
+    fill(&r, CAPACITY, 3);
+    assert_ok(duet_world_set_poses(world, poses, CAPACITY, &err), err);
+    assert_step_is_the_reference(world, CAPACITY);
+    duet_world_destroy(world);
+}
+
+// Cubes that touch, all turned the same way: float cannot tell, and the host
+// decides with the sizes.
+static void what_float_leaves_open_is_decided(void **state)
+{
+    (void)state;
+    enum { SIDE = 10, N = SIDE * SIDE * SIDE };
+    duet_error err = {0};
+    duet_result result;
+    for (uint32_t i = 0; i < N; ++i) {
+        float x = (float)(i % SIDE), y = (float)(i / SIDE % SIDE), z = (float)(i / SIDE / SIDE);
+        poses[i] = (duet_pose){{0.6f * x - 0.8f * y, 0.8f * x + 0.6f * y, z},
+                               {0.5f, 0.5f, 0.5f},
+                               {0.0f, 0.0f, 1.0f, 2.0f}};
+    }
+    tell_of_memory(false);
+    duet_world *world = make_world(3, DUET_MODE_OWN, "gpu");
+    map_transforms(world, N);
+    map_sizes(world, N);
+    assert_step_is_the_reference(world, N);
+    assert_ok(duet_world_step(world, &result, &err), err);
+    assert_true(result.undecided > 0);
+    duet_world_destroy(world);
+}
+
+static void bad_sizes_are_named(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_result result;
+    rng r = {test_seed()};
+    fill(&r, CAPACITY, 3);
+    poses[77].half_extents[1] = -0.25f;
+    poses[78].half_extents[0] = NAN;
+    for (int host = 0; host < 2; ++host) {
+        tell_of_memory(host);
+        duet_world *world = make_world(3, DUET_MODE_SLAB, host ? "simd" : "gpu");
+        map_transforms(world, CAPACITY);
+        map_sizes(world, CAPACITY);
+        assert_false(duet_world_step(world, &result, &err));
+        assert_int_equal(err.status, DUET_BAD_OBJECT);
+        assert_non_null(strstr(err.text, "object 77 of 3000"));
+        assert_non_null(strstr(err.text, "(2 such objects)"));
+        err = (duet_error){0};
+        duet_world_destroy(world);
+    }
+}
+
+static void as_many_sizes_as_transforms(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_result result;
+    rng r = {test_seed()};
+    fill(&r, CAPACITY, 3);
+    tell_of_memory(true);
+    duet_world *world = make_world(3, DUET_MODE_OWN, "simd");
+    map_transforms(world, 10);
+    assert_false(duet_world_step(world, &result, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_string_equal(err.text, "10 objects have a transform and 0 a size; right would be as "
+                                  "many");
+    duet_profile profile;
+    err = (duet_error){0};
+    assert_false(duet_world_load_profile(world, "test_sizes.none.db", &profile, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    map_sizes(world, 10);
+    err = (duet_error){0};
+    assert_ok(duet_world_load_profile(world, "test_sizes.none.db", &profile, &err), err);
+    assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
+    assert_step_is_the_reference(world, 10);
+    duet_world_destroy(world);
+}
+
+static void refuse(duet_world_def def, const char *why)
+{
+    duet_error err = {0};
+    def.sizes_apart = true;
+    assert_null(duet_world_create(&def, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_non_null(strstr(err.text, why));
+}
+
+static void only_what_has_sizes_has_them_apart(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    duet_world_def other = def;
+    other.shape = DUET_SHAPE_BOUNDS;
+    refuse(other, "sizes_apart is for poses");
+    other = def;
+    other.origin = 1.0f;
+    refuse(other, "sizes_apart is for poses");
+    other = def;
+    strcpy(other.plan.variant_b, "paper");
+    refuse(other, "the paper's search knows no sizes apart");
+    duet_world *world = make_world(3, DUET_MODE_OWN, "simd");
+    assert_null(duet_world_map_poses(world, 1, &err));
+    assert_string_equal(err.text, "the world was made for transforms, not for poses");
+    duet_world_destroy(world);
+    err = (duet_error){0};
+    world = duet_world_create(&def, &err);
+    assert_ok(world != NULL, err);
+    assert_null(duet_world_map_sizes(world, 1, &err));
+    assert_string_equal(err.text, "the world was made for poses, not for transforms");
+    duet_world_destroy(world);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(transforms_and_sizes_have_the_pairs_of_their_poses),
+        cmocka_unit_test(sizes_are_sent_once),
+        cmocka_unit_test(poses_are_taken_apart),
+        cmocka_unit_test(what_float_leaves_open_is_decided),
+        cmocka_unit_test(bad_sizes_are_named),
+        cmocka_unit_test(as_many_sizes_as_transforms),
+        cmocka_unit_test(only_what_has_sizes_has_them_apart),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}

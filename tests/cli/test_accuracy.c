@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: MIT
+// duet accuracy, as a person calls it.
+#include "support/program.h"
+#include "support/test.h"
+
+#include "base/text.h"
+#include "runtime/duet.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <string.h>
+
+#define SCENE "test_accuracy.scene.lua"
+#define ORBIT "test_accuracy.orbit.lua"
+#define STACK "test_accuracy.stack.lua"
+#define PLOT "test_accuracy.svg"
+#define TABLE "test_accuracy.csv"
+
+static const char scene_text[] =
+    "local p = parameters { n = 3000, seed = 1 }\n"
+    "local random = random(p.seed)\n"
+    "for _ = 1, p.n do\n"
+    "  local x, y, z = random.uniform(0, 12), random.uniform(0, 12), random.uniform(0, 12)\n"
+    "  add(x, y, z, 0.5, 0.5, 0.5, random.quaternion())\n"
+    "end\n"
+    "return { dims = 3 }\n";
+
+static const char orbit_text[] =
+    "for i = 1, 20 do\n"
+    "  add { centre = { i, 0 }, half_extents = { 0.1, 0.1 }, velocity = { 0, 10 / math.sqrt(i) } "
+    "}\n"
+    "end\n"
+    "return { dims = 2, attraction = { centre = { 0, 0 }, strength = 100 }, substeps = 1,\n"
+    "  integrator = 'verlet', doubles = true, wants = { 'contact' } }\n";
+
+static const char stack_text[] =
+    "for i = 0, 3 do add { centre = { 0, 0, i * 1.1 + 0.6 }, half_extents = { 0.5, 0.5, 0.5 } } "
+    "end\n"
+    "add { centre = { 0, 0, -0.5 }, half_extents = { 5, 5, 0.5 }, mass = 0 }\n"
+    "return { dims = 3, gravity = { 0, 0, -10 }, wants = { 'contact_response' } }\n";
+
+static void write_file(const char *path, const char *content)
+{
+    duet_error err = {0};
+    assert_ok(text_write_file(path, content, strlen(content), &err), err);
+}
+
+static int make_scene(void **state)
+{
+    (void)state;
+    write_file(SCENE, scene_text);
+    write_file(ORBIT, orbit_text);
+    write_file(STACK, stack_text);
+    return 0;
+}
+
+static int remove_files(void **state)
+{
+    (void)state;
+    remove(SCENE);
+    remove(ORBIT);
+    remove(STACK);
+    remove(PLOT);
+    remove(TABLE);
+    return 0;
+}
+
+static double number_of(const cJSON *o, const char *key)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, key);
+    if (!cJSON_IsNumber(item))
+        fail_msg("no number '%s'", key);
+    return item->valuedouble;
+}
+
+static void assert_row_is_what_its_level_promises(const cJSON *row, double truth)
+{
+    const char *name = cJSON_GetObjectItemCaseSensitive(row, "level")->valuestring;
+    duet_level level;
+    assert_true(duet_level_named(name, &level));
+    const duet_level_info *info = duet_level_describe(level);
+    double missed = number_of(row, "missed"), added = number_of(row, "false");
+    assert_true(number_of(row, "pairs") == truth - missed + added);
+    assert_true(number_of(row, "step_ms") > 0);
+    if (info->missed == 0)
+        assert_true(missed == 0);
+    if (info->added == 0)
+        assert_true(added == 0);
+    if (level == DUET_LEVEL_AABB || level == DUET_LEVEL_SPHERE || level == DUET_LEVEL_SAT6)
+        assert_true(added > 0 && number_of(row, "widest_false") > 0);
+}
+
+static void each_levels_cost_is_told_for_each_device(void **state)
+{
+    (void)state;
+    program p = program_run("accuracy --json --repeat 1 --csv " TABLE " --plot " PLOT " " SCENE);
+    if (p.exit_code != 0)
+        fail_msg("accuracy: %s", p.err);
+    cJSON *o = cJSON_Parse(p.out);
+    assert_non_null(o);
+    const cJSON *levels = cJSON_GetObjectItemCaseSensitive(o, "levels");
+    assert_int_equal(cJSON_GetArraySize(levels), 2 * DUET_LEVELS);
+    const cJSON *row;
+    bool front = false;
+    cJSON_ArrayForEach(row, levels)
+    {
+        assert_row_is_what_its_level_promises(row, number_of(o, "pairs"));
+        front |= cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(row, "front"));
+    }
+    assert_true(front);
+    cJSON_Delete(o);
+    program_free(&p);
+}
+
+static void the_table_and_the_plot_name_every_level(void **state)
+{
+    (void)state;
+    static const char *const files[] = {TABLE, PLOT};
+    program p = program_run("accuracy --repeat 1 --csv " TABLE " --plot " PLOT " " SCENE);
+    assert_int_equal(p.exit_code, 0);
+    for (int l = 0; l < DUET_LEVELS; ++l)
+        assert_non_null(strstr(p.out, duet_level_describe((duet_level)l)->name));
+    for (int f = 0; f < 2; ++f) {
+        text content = {0};
+        duet_error err = {0};
+        assert_ok(text_read_file(&content, files[f], &err), err);
+        assert_true(content.length > 200);
+        text_free(&content);
+    }
+    program_free(&p);
+}
+
+static void a_plot_of_another_kind_is_refused(void **state)
+{
+    (void)state;
+    program p = program_run("accuracy --repeat 1 --plot plot.gif " SCENE);
+    assert_int_equal(p.exit_code, 2);
+    assert_non_null(strstr(p.err, ".svg"));
+    program_free(&p);
+}
+
+// ---------------------------------------------------------------- what moves
+
+static cJSON *measure(const char *arguments)
+{
+    program p = program_run("accuracy --json %s", arguments);
+    if (p.exit_code != 0)
+        fail_msg("accuracy %s: %s", arguments, p.err);
+    cJSON *o = cJSON_Parse(p.out);
+    assert_non_null(o);
+    program_free(&p);
+    return o;
+}
+
+// The error of a row of free flight.
+static double error_at(const cJSON *timesteps, const char *integrator, double per_second)
+{
+    const cJSON *row;
+    cJSON_ArrayForEach(row, timesteps)
+    {
+        double dt = number_of(row, "dt");
+        const char *name = cJSON_GetObjectItemCaseSensitive(row, "integrator")->valuestring;
+        if (strcmp(name, integrator) == 0 && dt * per_second > 0.99 && dt * per_second < 1.01)
+            return number_of(row, "error");
+    }
+    fail_msg("no row of %s at dt 1/%g", integrator, per_second);
+    return 0;
+}
+
+static int count_true(const cJSON *rows, const char *key)
+{
+    int n = 0;
+    const cJSON *row;
+    cJSON_ArrayForEach(row, rows) n += cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(row, key));
+    return n;
+}
+
+// Errors shrink with dt as the integrator's order has it.
+static void flights_compare_integrators(void **state)
+{
+    (void)state;
+    cJSON *o = measure("--csv " TABLE " --plot " PLOT " " ORBIT);
+    const cJSON *timesteps = cJSON_GetObjectItemCaseSensitive(o, "timesteps");
+    assert_int_equal(cJSON_GetArraySize(timesteps), 12);
+    static const struct {
+        const char *integrator;
+        double factor; // of the error from dt 1/60 to 1/120
+    } orders[] = {{"euler", 2}, {"verlet", 4}, {"yoshida", 16}};
+    for (int i = 0; i < 3; ++i) {
+        double factor = error_at(timesteps, orders[i].integrator, 60) /
+                        error_at(timesteps, orders[i].integrator, 120);
+        if (!(factor > 0.8 * orders[i].factor && factor < 1.3 * orders[i].factor))
+            fail_msg("%s: half the dt has a factor of %g", orders[i].integrator, factor);
+    }
+    assert_int_equal(count_true(timesteps, "own"), 1);
+    assert_true(count_true(timesteps, "front") > 0);
+    assert_int_equal(count_true(timesteps, "finite"), 12);
+    cJSON_Delete(o);
+}
+
+static void contacts_compare_dt_and_substeps(void **state)
+{
+    (void)state;
+    cJSON *o = measure("--time 0.5 " STACK);
+    const cJSON *timesteps = cJSON_GetObjectItemCaseSensitive(o, "timesteps");
+    assert_int_equal(cJSON_GetArraySize(timesteps), 16);
+    assert_int_equal(count_true(timesteps, "own"), 1);
+    assert_int_equal(count_true(timesteps, "finite"), 16);
+    double coarse = number_of(cJSON_GetArrayItem(timesteps, 0), "depth");
+    double fine = number_of(cJSON_GetArrayItem(timesteps, 15), "depth");
+    assert_true(coarse > fine && fine > 0);
+    cJSON_Delete(o);
+}
+
+static void a_limit_ends_it_after_a_run(void **state)
+{
+    (void)state;
+    program p = program_run("accuracy --limit 0 --time 0.1 " STACK);
+    assert_int_equal(p.exit_code, 0);
+    assert_non_null(strstr(p.out, "15 dearer ones were not begun"));
+    program_free(&p);
+}
+
+static void still_asks_for_levels_of_what_moves(void **state)
+{
+    (void)state;
+    cJSON *o = measure("--still --repeat 1 " STACK);
+    assert_non_null(cJSON_GetObjectItemCaseSensitive(o, "levels"));
+    cJSON_Delete(o);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_levels_cost_is_told_for_each_device),
+        cmocka_unit_test(the_table_and_the_plot_name_every_level),
+        cmocka_unit_test(a_plot_of_another_kind_is_refused),
+        cmocka_unit_test(flights_compare_integrators),
+        cmocka_unit_test(contacts_compare_dt_and_substeps),
+        cmocka_unit_test(a_limit_ends_it_after_a_run),
+        cmocka_unit_test(still_asks_for_levels_of_what_moves),
+    };
+    return cmocka_run_group_tests(tests, make_scene, remove_files);
+}

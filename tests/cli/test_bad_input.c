@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: MIT
+// What a person can get wrong with `duet run`: each is refused with one line,
+// and leaves nothing behind. Under ASan the program's leaks fail these too.
+#define _POSIX_C_SOURCE 200809L
+#include "support/test.h"
+
+#include "base/text.h"
+#include "support/kernels.h"
+#include "support/program.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define OUT "test_bad_input.out"
+
+static void write_bytes(const char *path, const void *bytes, size_t n)
+{
+    duet_error err = {0};
+    assert_ok(text_write_file(path, bytes, n, &err), err);
+}
+
+static void write_text(const char *path, const char *chars)
+{
+    write_bytes(path, chars, strlen(chars));
+}
+
+static void assert_file_holds(const char *path, const char *chars)
+{
+    text t = {0};
+    duet_error err = {0};
+    assert_ok(text_read_file(&t, path, &err), err);
+    assert_string_equal(text_chars(&t), chars);
+    text_free(&t);
+}
+
+// The refusal leaves stdout empty and the file for the pairs as it was.
+static void assert_run_refused(int exit_code, const char *arguments, const char *says)
+{
+    write_text(OUT, "before");
+    program p = program_run("run %s --pairs " OUT, arguments);
+    program_assert_refused(&p, exit_code, says);
+    assert_file_holds(OUT, "before");
+    remove(OUT);
+    p = program_run("run %s --json --pairs " OUT, arguments);
+    program_assert_refused(&p, exit_code, says);
+    assert_null(fopen(OUT, "rb"));
+}
+
+static void a_missing_file_is_named(void **state)
+{
+    (void)state;
+    assert_run_refused(1, "no/such/boxes.csv", "no/such/boxes.csv: No such file or directory");
+    assert_run_refused(1, "no/such/boxes.npy", "no/such/boxes.npy: No such file or directory");
+    assert_run_refused(1, "no/such/scene.lua", "no/such/scene.lua: No such file or directory");
+    assert_run_refused(1, ".", ".: is a folder, not a file");
+}
+
+static void a_wrong_row_is_named_by_line_and_object(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *chars;
+        const char *says;
+    } wrong[] = {
+        {"0,0,1,1\n1,2,3,4,5,6,7\n", ".csv:2: object 1 has 7 numbers"},
+        {"1,2,3,4,5,6,7\n", ".csv:1: object 0 has 7 numbers; it must have 4, 5, 6 or 10"},
+        {"0,0,1,1\n0,nan,1,1\n", ".csv:2: object 1: min y is nan"},
+        {"0,0,1,1\n0,0,inf,1\n", ".csv:2: object 1: max x is inf"},
+        {"0,0,1,1,0\n0,0,-1,1,0\n", ".csv:2: object 1: hx = -1 is negative"},
+        {"0,0,0,1,1,1,0,0,0,0\n", ".csv:1: object 0: the quaternion is zero"},
+        {"0,0,0,1,-1,1\n", ".csv:1: object 0: min y = 0 is above max y = -1"},
+        {"zero\none\n", ".csv:2: column 1: 'one' is not a number"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        write_text("test_bad_input.csv", wrong[i].chars);
+        assert_run_refused(1, "test_bad_input.csv", wrong[i].says);
+    }
+    remove("test_bad_input.csv");
+}
+
+static text npy_with(const char *literal, size_t data_bytes)
+{
+    text t = {0};
+    text_add_bytes(&t, "\x93NUMPY\x01\x00\x76\x00", 10);
+    text_add(&t, "%-117s\n", literal);
+    for (size_t i = 0; i < data_bytes; ++i)
+        text_add_bytes(&t, "", 1);
+    return t;
+}
+
+static void a_wrong_array_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *literal;
+        size_t data_bytes;
+        const char *says;
+    } wrong[] = {
+        {"{'descr': '<f4', 'fortran_order': False, 'shape': (2, 4), }", 31,
+         ".npy: cut short: the shape (2, 4) needs 32 bytes of data, and 31 follow the header"},
+        {"{'descr': '<f4', 'fortran_order': False, 'shape': (2, 7), }", 56,
+         ".npy: the shape is (2, 7); the second number must be 4, 5, 6 or 10"},
+        {"{'descr': '<f4', 'fortran_order': False, 'shape': (8,), }", 32,
+         ".npy: the array has 1 dimensions"},
+        {"{'descr': '<i4', 'fortran_order': False, 'shape': (2, 4), }", 32,
+         ".npy: the numbers are '<i4'; they must be float32 or float64"},
+        {"{'descr': '<f4', 'fortran_order': False, 'shape': (1, 10), }", 40,
+         ".npy: object 0: the quaternion is zero"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        text t = npy_with(wrong[i].literal, wrong[i].data_bytes);
+        write_bytes("test_bad_input.npy", t.chars, t.length);
+        assert_run_refused(1, "test_bad_input.npy", wrong[i].says);
+        text_free(&t);
+    }
+    write_bytes("test_bad_input.npy", "\x93NUMPY\x01", 7);
+    assert_run_refused(1, "test_bad_input.npy", ".npy: does not begin as a .npy file does");
+    remove("test_bad_input.npy");
+}
+
+static void a_wrong_scene_is_named_by_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *chars;
+        const char *says;
+    } wrong[] = {
+        {"return {\n  wrld = {},\n}\n", ".lua:2: a scene has no field 'wrld'"},
+        {"return {\n  dims = 3\n  cell = 1\n}\n", ".lua:3: '}' expected"},
+        {"\nadd(0, 0, 0/0, 1)\nreturn {}\n", ".lua:2: object 0: max x is"},
+        {"\nerror('no boxes today')\n", ".lua:2: no boxes today"},
+        {"return {\n  objects = { { 0, 0, 1 } },\n}\n", ".lua: object 0 has 3 numbers"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        write_text("test_bad_input.lua", wrong[i].chars);
+        assert_run_refused(1, "test_bad_input.lua", wrong[i].says);
+    }
+    remove("test_bad_input.lua");
+}
+
+static void a_wrong_option_is_wrong_usage(void **state)
+{
+    (void)state;
+    write_text("test_bad_input.csv", "0,0,1,1\n");
+    assert_run_refused(2, "test_bad_input.csv --share 1.5", "--share '1.5'");
+    assert_run_refused(2, "test_bad_input.csv --share -0.1", "--share '-0.1'");
+    assert_run_refused(2, "test_bad_input.csv --share half", "--share 'half'");
+    assert_run_refused(2, "test_bad_input.csv --n 1",
+                       "'n' is set, but only a .lua scene has parameters");
+    remove("test_bad_input.csv");
+}
+
+static void a_parameter_that_the_scene_lacks_is_named(void **state)
+{
+    (void)state;
+    char arguments[600];
+    snprintf(arguments, sizeof arguments, "%s/paper.lua --n 10 --set boxes=3",
+             getenv("DUET_TEST_SCENES"));
+    assert_run_refused(1, arguments,
+                       "no parameter 'boxes'; the scene has euler, giants, n, rotated, ");
+}
+
+static double number_in(const cJSON *object, const char *name)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
+    assert_true(cJSON_IsNumber(item));
+    return item->valuedouble;
+}
+
+static void none_and_one_and_two_objects_are_no_error(void **state)
+{
+    (void)state;
+    static const char *const rows[] = {"", "0,0,0,1,1,1\n", "0,0,0,1,1,1\n1,1,1,2,2,2\n"};
+    for (int n = 0; n <= 2; ++n) {
+        write_text("test_bad_input.csv", rows[n]);
+        program p = program_run("run test_bad_input.csv --repeat 1 --json --pairs " OUT);
+        assert_int_equal(p.exit_code, 0);
+        assert_string_equal(p.err, "");
+        cJSON *report = cJSON_Parse(p.out);
+        assert_int_equal(number_in(report, "objects"), n);
+        assert_int_equal(number_in(report, "pairs"), n == 2);
+        assert_file_holds(OUT, n == 2 ? "0,1\n" : "");
+        cJSON_Delete(report);
+        program_free(&p);
+        remove(OUT);
+    }
+    remove("test_bad_input.csv");
+}
+
+// ------------------------------------------------------------------ kernels
+
+// Clang, inside PoCL, counts its errors on stderr by itself and cannot be told
+// not to. That line is not the program's.
+static void drop_compiler_count(program *p)
+{
+    char *count = strstr(p->err, "generated.\n");
+    if (!count)
+        return;
+    char *start = count;
+    while (start > p->err && start[-1] != '\n')
+        --start;
+    char *rest = count + strlen("generated.\n");
+    memmove(start, rest, strlen(rest) + 1);
+}
+
+static void a_kernel_that_does_not_compile_is_named(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *file;
+        const char *more;
+        const char *says;
+    } wrong[] = {
+        {"grid/hash.cl", "this is no OpenCL C;\n", "kernels/grid/hash.cl:"},
+        {"grid/hash.lua", "this is no Lua\n", "hash.lua:"},
+    };
+    write_text("test_bad_input.csv", "0,0,1,1\n1,1,2,2\n");
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        test_kernels_write("test_bad_input.kernels", wrong[i].file, "", wrong[i].more);
+        write_text(OUT, "before");
+        program p = program_run_with("DUET_KERNEL_DIR=test_bad_input.kernels",
+                                     "run test_bad_input.csv --pairs " OUT);
+        drop_compiler_count(&p);
+        program_assert_refused(&p, 1, wrong[i].says);
+        assert_file_holds(OUT, "before");
+        remove(OUT);
+    }
+    test_kernels_remove("test_bad_input.kernels");
+    remove("test_bad_input.csv");
+}
+
+static void a_missing_folder_of_kernels_is_named(void **state)
+{
+    (void)state;
+    write_text("test_bad_input.csv", "0,0,1,1\n");
+    program p = program_run_with("DUET_KERNEL_DIR=no/such/folder", "run test_bad_input.csv");
+    program_assert_refused(&p, 1, "no/such/folder: No such file or directory");
+    remove("test_bad_input.csv");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_missing_file_is_named),
+        cmocka_unit_test(a_wrong_row_is_named_by_line_and_object),
+        cmocka_unit_test(a_wrong_array_is_refused),
+        cmocka_unit_test(a_wrong_scene_is_named_by_line),
+        cmocka_unit_test(a_wrong_option_is_wrong_usage),
+        cmocka_unit_test(a_parameter_that_the_scene_lacks_is_named),
+        cmocka_unit_test(none_and_one_and_two_objects_are_no_error),
+        cmocka_unit_test(a_kernel_that_does_not_compile_is_named),
+        cmocka_unit_test(a_missing_folder_of_kernels_is_named),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+// duet bench, as a person calls it; on one small scene of the set.
+#include "support/program.h"
+#include "support/test.h"
+
+#include "base/text.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <string.h>
+
+#define OUT "test_bench.json"
+#define OLD "test_bench.old.json"
+#define BENCH "bench --quick --scene paper "
+
+static cJSON *read_json(const char *path)
+{
+    text t = {0};
+    duet_error err = {0};
+    assert_ok(text_read_file(&t, path, &err), err);
+    cJSON *o = cJSON_Parse(text_chars(&t));
+    text_free(&t);
+    assert_non_null(o);
+    return o;
+}
+
+static int measure(void **state)
+{
+    (void)state;
+    program p = program_run(BENCH "--repeat 7 --out " OUT);
+    if (p.exit_code != 0)
+        fail_msg("%s", p.err);
+    program_free(&p);
+    return 0;
+}
+
+// The results with all times multiplied, as if of an earlier Duet, while other
+// programs had that part of the processors.
+static void write_old(double factor, double others)
+{
+    cJSON *o = read_json(OUT);
+    cJSON *one;
+    cJSON *item;
+    cJSON_ArrayForEach(one, cJSON_GetObjectItem(o, "cases"))
+        cJSON_ArrayForEach(item, cJSON_GetObjectItem(one, "samples_ms"))
+            cJSON_SetNumberValue(item, item->valuedouble * factor);
+    cJSON_ArrayForEach(one, cJSON_GetObjectItem(o, "cases"))
+        cJSON_SetNumberValue(cJSON_GetObjectItem(one, "cpu_load"), others);
+    char *chars = cJSON_Print(o);
+    test_write_file(OLD, chars);
+    cJSON_free(chars);
+    cJSON_Delete(o);
+}
+
+static void assert_verdicts(const char *arguments, const char *verdict)
+{
+    program p = program_run(BENCH "--json --against " OLD " %s", arguments);
+    if (p.exit_code != 0)
+        fail_msg("%s", p.err);
+    cJSON *o = cJSON_Parse(p.out);
+    program_free(&p);
+    const cJSON *one;
+    cJSON_ArrayForEach(one, cJSON_GetObjectItem(o, "cases"))
+        assert_string_equal(cJSON_GetObjectItem(one, "verdict")->valuestring, verdict);
+    cJSON_Delete(o);
+}
+
+static void results_hold_every_sample_and_the_devices(void **state)
+{
+    (void)state;
+    cJSON *o = read_json(OUT);
+    assert_string_equal(cJSON_GetObjectItem(o, "type")->valuestring, "duet bench");
+    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(o, "devices")), 2);
+    const cJSON *cases = cJSON_GetObjectItem(o, "cases");
+    assert_true(cJSON_GetArraySize(cases) >= 9);
+    const char *hash = cJSON_GetObjectItem(cases->child, "hash")->valuestring;
+    const cJSON *one;
+    cJSON_ArrayForEach(one, cases)
+    {
+        assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(one, "samples_ms")), 7);
+        assert_string_equal(cJSON_GetObjectItem(one, "hash")->valuestring, hash);
+        double median = cJSON_GetObjectItem(one, "median_ms")->valuedouble;
+        assert_true(median >= cJSON_GetObjectItem(one, "low_ms")->valuedouble);
+        assert_true(median <= cJSON_GetObjectItem(one, "high_ms")->valuedouble);
+    }
+    cJSON_Delete(o);
+}
+
+static void a_millionfold_difference_is_seen_and_few_samples_are_ambiguous(void **state)
+{
+    (void)state;
+    write_old(1e6, 0);
+    assert_verdicts("--repeat 7", "faster");
+    assert_verdicts("--repeat 2", "ambiguous");
+    write_old(1e-6, 0);
+    assert_verdicts("--repeat 7", "slower");
+}
+
+static void what_other_programs_may_be_to_blame_for_is_ambiguous(void **state)
+{
+    (void)state;
+    write_old(150, 0.99);
+    assert_verdicts("--repeat 7", "ambiguous");
+}
+
+static void the_whole_set_costs_levels_and_effects(void **state)
+{
+    (void)state;
+    cJSON *o = read_json(OUT);
+    const cJSON *levels = cJSON_GetObjectItem(cJSON_GetObjectItem(o, "accuracy")->child, "levels");
+    assert_true(cJSON_GetArraySize(levels) >= 2 * 5);
+    cJSON_Delete(o);
+    program p = program_run("bench --quick --scene falling --json");
+    if (p.exit_code != 0)
+        fail_msg("%s", p.err);
+    o = cJSON_Parse(p.out);
+    program_free(&p);
+    const cJSON *effects = cJSON_GetObjectItem(cJSON_GetObjectItem(o, "effects")->child, "effects");
+    const cJSON *one;
+    cJSON_ArrayForEach(one, effects)
+    {
+        const char *name = cJSON_GetObjectItem(one, "effect")->valuestring;
+        bool alone = strcmp(name, "contact_response") == 0 || strcmp(name, "friction") == 0;
+        if (alone != (alone && cJSON_GetObjectItem(one, "ms")))
+            fail_msg("'%s' has no time", name);
+    }
+    cJSON_Delete(o);
+}
+
+static void text_says_what_it_was_compared_with(void **state)
+{
+    (void)state;
+    write_old(1e6, 0);
+    program p = program_run(BENCH "--repeat 7 --against " OLD);
+    assert_int_equal(p.exit_code, 0);
+    static const char *const says[] = {"paper, 3 000 objects, 3D", "sort=radix", "slab", "before",
+                                       "faster, 0 same, 0 slower, 0 ambiguous"};
+    for (size_t i = 0; i < sizeof says / sizeof says[0]; ++i)
+        if (!strstr(p.out, says[i]))
+            fail_msg("'%s' is missing in\n%s", says[i], p.out);
+    program_free(&p);
+}
+
+static void what_is_no_result_is_refused_in_one_line(void **state)
+{
+    (void)state;
+    static const char *const bad[][2] = {
+        {"", OLD ": not JSON"},
+        {"{", OLD ": not JSON"},
+        {"[]", OLD ": no results of 'duet bench --out'"},
+        {"{\"type\":\"duet bench\",\"version\":9}", OLD ": results of version 9"},
+        {"{\"type\":\"duet bench\",\"version\":1}", OLD ": 'cases' or the two 'devices'"},
+        {"{\"type\":\"duet bench\",\"version\":1,\"devices\":[{},{}],\"cases\":[7]}",
+         OLD ": case 0: 'scene' is not a string"},
+        {"{\"type\":\"duet bench\",\"version\":1,\"devices\":[{},{}],\"cases\":[{\"scene\":\"s\","
+         "\"objects\":1,\"share\":0,\"mode\":\"own\",\"variant_a\":\"\",\"variant_b\":\"\","
+         "\"hash\":\"\",\"median_ms\":1,\"low_ms\":1,\"high_ms\":1,\"a_ms\":1,\"b_ms\":1,"
+         "\"stages\":[],\"samples_ms\":[1,-2]}]}",
+         OLD ": case 0: 'samples_ms' is not 1 to 512 times above 0"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        test_write_file(OLD, bad[i][0]);
+        program p = program_run(BENCH "--against " OLD);
+        program_assert_refused(&p, 1, bad[i][1]);
+    }
+    program p = program_run("bench --scene abacus");
+    program_assert_refused(&p, 2, "--scene 'abacus': the set has paper,");
+    p = program_run(BENCH "--against no/such.json");
+    program_assert_refused(&p, 1, "no/such.json");
+}
+
+static int remove_files(void **state)
+{
+    (void)state;
+    remove(OUT);
+    remove(OLD);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(results_hold_every_sample_and_the_devices),
+        cmocka_unit_test(a_millionfold_difference_is_seen_and_few_samples_are_ambiguous),
+        cmocka_unit_test(what_other_programs_may_be_to_blame_for_is_ambiguous),
+        cmocka_unit_test(the_whole_set_costs_levels_and_effects),
+        cmocka_unit_test(text_says_what_it_was_compared_with),
+        cmocka_unit_test(what_is_no_result_is_refused_in_one_line),
+    };
+    return cmocka_run_group_tests(tests, measure, remove_files);
+}

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT
+// Files of pairs: read, tested by `duet test`, and what it writes.
+#include "support/program.h"
+#include "support/test.h"
+
+#include "base/npy.h"
+#include "base/text.h"
+#include "runtime/duet.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TOUCHING "0 0 0 .5 .5 .5 0 0 0 1   1 0 0 .5 .5 .5 0 0 0 1\n"
+#define APART "0,0,0,.5,.5,.5,0,0,0,1, 0,2,0,.5,.5,.5,0,0,1,0\n"
+
+static void write_file(const char *path, const void *bytes, size_t n)
+{
+    duet_error err = {0};
+    assert_ok(text_write_file(path, bytes, n, &err), err);
+}
+
+static void write_text(const char *path, const char *chars)
+{
+    write_file(path, chars, strlen(chars));
+}
+
+// ------------------------------------------------------------ reading
+
+static void rows_of_text_become_two_poses_each(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    write_text("pairs.csv", "# two pairs\n" TOUCHING APART);
+    duet_scene *pairs = duet_scene_load_pairs("pairs.csv", &err);
+    assert_ok(pairs, err);
+    const duet_scene_info *info = duet_scene_describe(pairs);
+    const duet_pose *poses = duet_scene_poses(pairs);
+    assert_int_equal(info->n, 4);
+    assert_int_equal(info->dims, 3);
+    assert_true(poses[1].centre[0] == 1 && poses[3].centre[1] == 2 && poses[3].rotation[2] == 1);
+    duet_scene_destroy(pairs);
+    write_text("pairs.csv", "0 0 1 1 0  3 0 1 1 3.14159\n");
+    pairs = duet_scene_load_pairs("pairs.csv", &err);
+    assert_ok(pairs, err);
+    assert_int_equal(duet_scene_describe(pairs)->n, 2);
+    assert_int_equal(duet_scene_describe(pairs)->dims, 2);
+    duet_scene_destroy(pairs);
+    remove("pairs.csv");
+}
+
+// An array of shape (n, 20) as NumPy writes it.
+static void write_array(const char *path, const char *descr, const void *items, size_t item_bytes,
+                        uint32_t n)
+{
+    text file = {0};
+    char literal[118];
+    snprintf(literal, sizeof literal,
+             "{'descr': '%s', 'fortran_order': False, 'shape': (%u, 20), }", descr, n);
+    text_add_bytes(&file, "\x93NUMPY\1\0\x76\0", 10);
+    text_add(&file, "%-117s\n", literal);
+    text_add_bytes(&file, items, 20 * n * item_bytes);
+    write_file(path, file.chars, file.length);
+    text_free(&file);
+}
+
+static void doubles_are_rounded_to_the_nearest_float_and_floats_are_kept(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    double row[20] = {0.1, 0, 0, 1, 1, 1, 0, 0, 0, 1, 16777217, 0, 0, 1, 1, 1, 0, 0, 0, 1};
+    float single[20];
+    for (int i = 0; i < 20; ++i)
+        single[i] = (float)row[i];
+    write_array("doubles.npy", "<f8", row, 8, 1);
+    write_array("floats.npy", "<f4", single, 4, 1);
+    duet_scene *doubles = duet_scene_load_pairs("doubles.npy", &err);
+    assert_ok(doubles, err);
+    duet_scene *floats = duet_scene_load_pairs("floats.npy", &err);
+    assert_ok(floats, err);
+    const duet_pose *poses = duet_scene_poses(doubles);
+    assert_true(poses[0].centre[0] == 0.1f && poses[1].centre[0] == 16777216);
+    assert_memory_equal(poses, duet_scene_poses(floats), 2 * sizeof *poses);
+    duet_scene_destroy(doubles);
+    duet_scene_destroy(floats);
+    remove("doubles.npy");
+    remove("floats.npy");
+}
+
+static void wrong_files_are_refused_with_pair_and_pose(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *says;
+    } wrong[] = {
+        {TOUCHING "0 0 0 1 1 1 0 0 0 1  0 0 0 1 -1 1 0 0 0 1\n",
+         "pairs.csv:2: pair 1, second pose: hy = -1 is negative; a half extent is 0 or more"},
+        {"nan 0 0 1 1 1 0 0 0 1  0 0 0 1 1 1 0 0 0 1\n",
+         "pairs.csv:1: pair 0, first pose: cx is nan; every number must be finite"},
+        {"0 0 0 1 1 1 0 0 0 0  0 0 0 1 1 1 0 0 0 1\n",
+         "pairs.csv:1: pair 0, first pose: the quaternion is zero; 0 0 0 1 is no rotation"},
+        {"1 2 3 4 5 6 7 8 9 10 11 12\n",
+         "pairs.csv:1: pair 0 has 12 numbers; it must have 20, or 10 in 2D"},
+        {TOUCHING "0 0 1 1 0 0 0 1 1 0\n",
+         "pairs.csv:2: pair 1 has 10 numbers, where those before it have 20"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        duet_error err = {0};
+        write_text("pairs.csv", wrong[i].text);
+        assert_null(duet_scene_load_pairs("pairs.csv", &err));
+        assert_string_equal(err.text, wrong[i].says);
+    }
+    remove("pairs.csv");
+    duet_error err = {0};
+    assert_null(duet_scene_load_pairs("pairs.lua", &err));
+    assert_string_equal(err.text, "pairs.lua: pairs are read from .npy or text");
+}
+
+// ------------------------------------------------------------ writing
+
+static void arrays_are_written_as_numpy_reads_them(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    text bytes = {0};
+    const uint8_t verdicts[3] = {1, 0, 1};
+    assert_ok(npy_write("verdicts.npy", NPY_UINT8, verdicts, 3, &err), err);
+    assert_ok(text_read_file(&bytes, "verdicts.npy", &err), err);
+    assert_int_equal(bytes.length, 128 + 3);
+    assert_memory_equal(bytes.chars, "\x93NUMPY\1\0\x76\0", 10);
+    static const char literal[] = "{'descr': '|u1', 'fortran_order': False, 'shape': (3,), } ";
+    assert_memory_equal(bytes.chars + 10, literal, sizeof literal - 1);
+    assert_int_equal(bytes.chars[127], '\n');
+    assert_memory_equal(bytes.chars + 128, verdicts, 3);
+    text_free(&bytes);
+    const double separations[2] = {0.5, -1e300};
+    assert_ok(npy_write("verdicts.npy", NPY_FLOAT64, separations, 2, &err), err);
+    assert_ok(text_read_file(&bytes, "verdicts.npy", &err), err);
+    assert_int_equal(bytes.length, 128 + 16);
+    assert_memory_equal(bytes.chars + 128, separations, 16);
+    text_free(&bytes);
+    remove("verdicts.npy");
+    assert_false(npy_write("no/such/folder/v.npy", NPY_UINT8, verdicts, 3, &err));
+    assert_non_null(strstr(err.text, "no/such/folder/v.npy: cannot be written"));
+}
+
+// ------------------------------------------------------------ the program
+
+#define CACHED "DUET_CACHE=test_pairs.cache" // many runs, few kernels
+
+static double number_in(const cJSON *o, const char *name)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, name);
+    assert_true(cJSON_IsNumber(item));
+    return item->valuedouble;
+}
+
+static void the_program_tests_a_file_at_every_level(void **state)
+{
+    (void)state;
+    write_text("pairs.csv", TOUCHING APART TOUCHING);
+    for (int l = 0; l < DUET_LEVELS; ++l) {
+        program p = program_run_with(CACHED, "test pairs.csv --json --share 1/3 --level %s",
+                                     duet_level_describe((duet_level)l)->name);
+        assert_string_equal(p.err, "");
+        assert_int_equal(p.exit_code, 0);
+        cJSON *o = cJSON_Parse(p.out);
+        assert_true(number_in(o, "n") == 3 && number_in(o, "colliding") == 2);
+        assert_true(number_in(o, "undecided") == (l == DUET_LEVEL_CERTIFIED ? 2 : 0));
+        assert_true(number_in(o, "seconds") >= 0);
+        cJSON_Delete(o);
+        program_free(&p);
+    }
+    remove("pairs.csv");
+}
+
+static void assert_file(const char *path, const char *expected)
+{
+    duet_error err = {0};
+    text bytes = {0};
+    assert_ok(text_read_file(&bytes, path, &err), err);
+    assert_string_equal(text_chars(&bytes), expected);
+    text_free(&bytes);
+    remove(path);
+}
+
+static void the_program_writes_verdicts_and_separations(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    text bytes = {0};
+    write_text("pairs.csv", TOUCHING APART);
+    static const char *const outs[] = {"verdicts.csv", "verdicts.npy"};
+    for (int i = 0; i < 2; ++i) {
+        program p = program_run_with(CACHED, "test pairs.csv --separations --out %s", outs[i]);
+        assert_string_equal(p.err, "");
+        assert_int_equal(p.exit_code, 0);
+        program_free(&p);
+    }
+    assert_file("verdicts.csv", "1,0\n0,1\n");
+    assert_ok(text_read_file(&bytes, "verdicts.npy", &err), err);
+    assert_memory_equal(bytes.chars + 128, "\1\0", 2);
+    text_free(&bytes);
+    assert_ok(text_read_file(&bytes, "verdicts.separations.npy", &err), err);
+    assert_memory_equal(bytes.chars + 128, ((const double[2]){0, 1}), 16);
+    text_free(&bytes);
+    remove("verdicts.npy");
+    remove("verdicts.separations.npy");
+    remove("pairs.csv");
+}
+
+static void wrong_usage_is_told(void **state)
+{
+    (void)state;
+    write_text("pairs.csv", TOUCHING);
+    static const struct {
+        const char *arguments;
+        int exit_code;
+        const char *says;
+    } wrong[] = {
+        {"test", 2, "PAIRS.npy|FILE"},
+        {"test pairs.csv --separations", 2, "give --out V.npy"},
+        {"test pairs.csv --device pocl:0 --share 0.5", 2, "--device is one device alone"},
+        {"test pairs.csv --level exact", 2, "the levels are certified, aabb"},
+        {"test pairs.csv --device abacus:0", 1, "no device 'abacus:0'"},
+        {"test none.npy", 1, "none.npy: No such file"},
+        {"test pairs.csv --out no/such/v.npy", 1, "no/such/v.npy: cannot be written"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        program p = program_run("%s", wrong[i].arguments);
+        program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
+    }
+    remove("pairs.csv");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rows_of_text_become_two_poses_each),
+        cmocka_unit_test(doubles_are_rounded_to_the_nearest_float_and_floats_are_kept),
+        cmocka_unit_test(wrong_files_are_refused_with_pair_and_pose),
+        cmocka_unit_test(arrays_are_written_as_numpy_reads_them),
+        cmocka_unit_test(the_program_tests_a_file_at_every_level),
+        cmocka_unit_test(the_program_writes_verdicts_and_separations),
+        cmocka_unit_test(wrong_usage_is_told),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+// duet picture, as a person calls it.
+#include "support/program.h"
+#include "support/test.h"
+
+#include "base/text.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define SCENE "test_picture.txt"
+#define SVG "test_picture.svg"
+#define PNG "test_picture.png"
+
+// As the SVG names them: of boxes that collide, and of those that do not.
+static const char colliding[] = "fill:rgb(97%,62%,26%)";
+static const char alone[] = "fill:rgb(66%,76%,88%)";
+
+static void write_scene(const char *content)
+{
+    duet_error err = {0};
+    assert_ok(text_write_file(SCENE, content, strlen(content), &err), err);
+}
+
+static text draw(const char *path, const char *options)
+{
+    text t = {0};
+    duet_error err = {0};
+    program p = program_run("picture %s -o %s %s", SCENE, path, options);
+    if (p.exit_code != 0 || *p.err || *p.out)
+        fail_msg("picture %s: %s%s", options, p.out, p.err);
+    program_free(&p);
+    assert_ok(text_read_file(&t, path, &err), err);
+    return t;
+}
+
+static int count(const text *svg, const char *fill)
+{
+    int n = 0;
+    for (const char *at = svg->chars; (at = strstr(at, fill)); ++at)
+        ++n;
+    return n;
+}
+
+static void boxes_that_collide_are_filled_in_their_own_colour(void **state)
+{
+    (void)state;
+    write_scene("0 0 1 1\n0.5 0.5 1.5 1.5\n3 3 4 4\n5 3 6 4\n6 4 7 5\n9 9 9.5 9.5\n");
+    text svg = draw(SVG, "");
+    assert_int_equal(count(&svg, colliding), 4);
+    assert_int_equal(count(&svg, alone), 2);
+    text_free(&svg);
+}
+
+static void of_a_box_in_3d_three_faces_are_seen(void **state)
+{
+    (void)state;
+    write_scene("0 0 0 1 1 1\n5 5 5 6 6 6\n");
+    text svg = draw(SVG, "");
+    int faces = 0;
+    for (const char *at = svg.chars; (at = strstr(at, "fill-opacity:0.62")); ++at)
+        ++faces;
+    assert_int_equal(faces, 6);
+    text_free(&svg);
+}
+
+static void a_sample_has_as_many_boxes_as_asked(void **state)
+{
+    (void)state;
+    text boxes = {0};
+    for (int i = 0; i < 50; ++i)
+        text_add(&boxes, "%d 0 %d.5 1\n", i, i);
+    write_scene(text_chars(&boxes));
+    text svg = draw(SVG, "--boxes 7");
+    assert_int_equal(count(&svg, alone), 7);
+    text_free(&svg);
+    text_free(&boxes);
+}
+
+static void a_png_has_the_asked_width(void **state)
+{
+    (void)state;
+    write_scene("0 0 1 1\n");
+    text png = draw(PNG, "--width 300");
+    assert_true(png.length > 24);
+    assert_memory_equal(png.chars, "\x89PNG\r\n", 6);
+    assert_memory_equal(png.chars + 16, "\0\0\x01\x2c", 4);
+    text_free(&png);
+}
+
+static void extreme_scenes_are_drawn(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {
+        "",
+        "1 1 1 1\n",
+        "0 0 0 0 0 0\n0 0 0 0 0 0\n",
+        "-3e38 -3e38 3e38 3e38\n0 0 1 1\n",
+        "0 0 0 1e-30 1e-30 1e-30\n1e30 0 0 1e30 1 1\n",
+    };
+    for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i) {
+        write_scene(scenes[i]);
+        text svg = draw(SVG, "");
+        assert_non_null(strstr(svg.chars, "</svg>"));
+        if (strstr(svg.chars, "nan") || strstr(svg.chars, "inf"))
+            fail_msg("a place of scene %zu is no number", i);
+        text_free(&svg);
+    }
+}
+
+static void what_cannot_be_drawn_is_one_line(void **state)
+{
+    (void)state;
+    write_scene("0 0 1 1\n");
+    program p = program_run("picture %s", SCENE);
+    program_assert_refused(&p, 2, "-o is missing");
+    p = program_run("picture %s -o scene.jpg", SCENE);
+    program_assert_refused(&p, 2, "'scene.jpg': a picture's name ends with .svg or .png");
+    p = program_run("picture no/such.lua -o %s", SVG);
+    program_assert_refused(&p, 1, "no/such.lua");
+    p = program_run("picture %s -o no/such/folder.svg", SCENE);
+    program_assert_refused(&p, 1, "no/such/folder.svg");
+}
+
+static int remove_files(void **state)
+{
+    (void)state;
+    remove(SCENE);
+    remove(SVG);
+    remove(PNG);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(boxes_that_collide_are_filled_in_their_own_colour),
+        cmocka_unit_test(of_a_box_in_3d_three_faces_are_seen),
+        cmocka_unit_test(a_sample_has_as_many_boxes_as_asked),
+        cmocka_unit_test(a_png_has_the_asked_width),
+        cmocka_unit_test(extreme_scenes_are_drawn),
+        cmocka_unit_test(what_cannot_be_drawn_is_one_line),
+    };
+    return cmocka_run_group_tests(tests, NULL, remove_files);
+}

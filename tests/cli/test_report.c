@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+// duet report: what the page holds. tests/browser opens one in a browser.
+#include "support/program.h"
+#include "support/store.h"
+#include "support/test.h"
+
+#include "base/text.h"
+#include "profiles/store.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define PAGE "test_report.html"
+#define RESULTS "test_report.json"
+#define LEVELS "test_report.levels.json"
+#define EFFECTS "test_report.effects.json"
+
+static test_folder folder;
+
+static int make_store(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    folder = test_folder_make();
+    store *s = store_open(folder.store, STORE_WRITE, &err);
+    if (!s)
+        fail_msg("%s", err.text);
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(100000);
+    workload.name = "<b>boxes</b> & more";
+    test_tune(s, &pair, &workload);
+    store_close(s);
+    static const char results[] =
+        "{\"type\":\"duet bench\",\"version\":1,\"duet\":\"1.0.0\",\"time\":\"then\","
+        "\"devices\":[{\"name\":\"first\"},{\"name\":\"second\"}],\"cases\":["
+        "{\"scene\":\"s\",\"objects\":9,\"share\":0,\"mode\":\"own\",\"variant_a\":\"auto\","
+        "\"variant_b\":\"auto\",\"hash\":\"0\",\"median_ms\":2,\"low_ms\":1,\"high_ms\":3,"
+        "\"a_ms\":0,\"b_ms\":2,\"samples_ms\":[1,2,3],"
+        "\"stages\":[{\"name\":\"hash\",\"device\":\"B\",\"ms\":0.75},"
+        "{\"name\":\"hash\",\"device\":\"B\",\"ms\":0.5}]},"
+        "{\"scene\":\"s\",\"objects\":9,\"share\":1,\"mode\":\"own\",\"variant_a\":\"auto\","
+        "\"variant_b\":\"auto\",\"failed\":\"it did not build\"}]}";
+    static const char levels[] =
+        "{\"type\":\"duet accuracy\",\"scene\":\"s\",\"objects\":9,\"pairs\":5,\"a\":\"x:0\","
+        "\"b\":\"x:1\",\"levels\":[{\"level\":\"aabb\",\"device\":\"A\",\"step_ms\":1.5,"
+        "\"relative\":0.75,\"missed\":0,\"false\":1234,\"front\":true}]}";
+    static const char effects[] =
+        "{\"type\":\"duet explain\",\"scene\":\"s\",\"objects\":9,\"steps\":3,\"step_ms\":2.5,"
+        "\"effects\":[{\"effect\":\"gravity\",\"active\":true,\"called_by\":\"gravity\","
+        "\"bytes\":0,\"ms\":0.375},{\"effect\":\"drag\",\"active\":false,"
+        "\"called_by\":\"drag\",\"bytes\":0}]}";
+    assert_ok(text_write_file(RESULTS, results, strlen(results), &err), err);
+    assert_ok(text_write_file(LEVELS, levels, strlen(levels), &err), err);
+    assert_ok(text_write_file(EFFECTS, effects, strlen(effects), &err), err);
+    return 0;
+}
+
+static int remove_files(void **state)
+{
+    (void)state;
+    test_folder_remove(&folder);
+    remove(PAGE);
+    remove(RESULTS);
+    remove(LEVELS);
+    remove(EFFECTS);
+    return 0;
+}
+
+static text make_page(void)
+{
+    text page = {0};
+    duet_error err = {0};
+    program p =
+        program_run("report --profile %s -o " PAGE " " RESULTS " " RESULTS " " LEVELS " " EFFECTS,
+                    folder.store);
+    if (p.exit_code != 0)
+        fail_msg("%s", p.err);
+    program_free(&p);
+    assert_ok(text_read_file(&page, PAGE, &err), err);
+    return page;
+}
+
+static void the_page_shows_profile_search_stages_and_history(void **state)
+{
+    (void)state;
+    text page = make_page();
+    static const char *const has[] = {"100 000 objects",
+                                      "<h2>Searches</h2>",
+                                      "share of A",
+                                      "hash: 1.250 ms",
+                                      "stroke-dasharray",
+                                      "first",
+                                      "<h2>Standard set: history</h2>",
+                                      "1 234",
+                                      "1.5 ms  0.75×",
+                                      "2.500 ms a step with all of them",
+                                      "0.375 ms"};
+    for (size_t i = 0; i < sizeof has / sizeof has[0]; ++i)
+        if (!strstr(page.chars, has[i]))
+            fail_msg("'%s' is not on the page", has[i]);
+    assert_null(strstr(page.chars, ">drag<"));
+    text_free(&page);
+}
+
+static void the_page_loads_nothing(void **state)
+{
+    (void)state;
+    text page = make_page();
+    static const char *const outside[] = {"http:", "https:", "url(", "src=", "<script", "@import"};
+    for (size_t i = 0; i < sizeof outside / sizeof outside[0]; ++i)
+        if (strstr(page.chars, outside[i]))
+            fail_msg("'%s' is on the page", outside[i]);
+    text_free(&page);
+}
+
+static void names_are_words_and_no_markup(void **state)
+{
+    (void)state;
+    text page = make_page();
+    assert_null(strstr(page.chars, "<b>"));
+    assert_non_null(strstr(page.chars, "&lt;b&gt;boxes&lt;/b&gt; &amp; more"));
+    text_free(&page);
+}
+
+static void what_cannot_be_read_or_written_is_one_line(void **state)
+{
+    (void)state;
+    program p = program_run("report --profile no/such.db -o " PAGE);
+    program_assert_refused(&p, 1, "no/such.db");
+    p = program_run("report -o " PAGE " no/such.json");
+    program_assert_refused(&p, 1, "no/such.json");
+    p = program_run("report -o " PAGE " %s", folder.store);
+    program_assert_refused(&p, 1, "not JSON");
+    duet_error err = {0};
+    static const char unmeasured[] = "{\"type\":\"duet explain\",\"scene\":\"s\",\"objects\":1,"
+                                     "\"steps\":0,\"effects\":[]}";
+    assert_ok(text_write_file(PAGE, unmeasured, strlen(unmeasured), &err), err);
+    p = program_run("report -o x.html " PAGE);
+    program_assert_refused(&p, 1, PAGE ": no times; 'duet explain --measure' takes them");
+    p = program_run("report --profile %s -o no/such/folder.html", folder.store);
+    program_assert_refused(&p, 1, "no/such/folder.html");
+}
+
+// Each is a result with one number that nothing measures.
+static void numbers_that_nothing_measures_are_refused(void **state)
+{
+    (void)state;
+    static const char accuracy[] =
+        "{\"type\":\"duet accuracy\",\"scene\":\"s\",\"objects\":9,\"pairs\":%s,\"a\":\"x\","
+        "\"b\":\"y\",\"levels\":[{\"level\":\"aabb\",\"device\":\"A\",\"step_ms\":%s,"
+        "\"relative\":1,\"missed\":%s,\"false\":0}]}";
+    static const struct {
+        const char *pairs, *step_ms, *missed, *says;
+    } wrong[] = {
+        {"1e120", "1", "0", "'pairs' is not a whole number from 0 to 2^53"},
+        {"-1", "1", "0", "'pairs' is not a whole number from 0 to 2^53"},
+        {"1.5", "1", "0", "'pairs' is not a whole number from 0 to 2^53"},
+        {"1e999", "1", "0", "'pairs' is not a whole number from 0 to 2^53"},
+        {"1", "1e999", "0", "level 0: 'step_ms' is not a number from 0 to 2^53"},
+        {"1", "-1", "0", "level 0: 'step_ms' is not a number from 0 to 2^53"},
+        {"1", "1", "1e19", "level 0: 'missed' is not a whole number from 0 to 2^53"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        char results[512];
+        snprintf(results, sizeof results, accuracy, wrong[i].pairs, wrong[i].step_ms,
+                 wrong[i].missed);
+        test_write_file(PAGE, results);
+        program p = program_run("report -o x.html " PAGE);
+        program_assert_refused(&p, 1, wrong[i].says);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_page_shows_profile_search_stages_and_history),
+        cmocka_unit_test(the_page_loads_nothing),
+        cmocka_unit_test(names_are_words_and_no_markup),
+        cmocka_unit_test(what_cannot_be_read_or_written_is_one_line),
+        cmocka_unit_test(numbers_that_nothing_measures_are_refused),
+    };
+    return cmocka_run_group_tests(tests, make_store, remove_files);
+}

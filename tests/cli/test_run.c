@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: MIT
+// duet run, as a person calls it.
+#define _POSIX_C_SOURCE 200809L
+#include "support/json.h"
+#include "support/test.h"
+
+#include "base/text.h"
+#include "runtime/duet.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define SCENE "test_run.scene.lua"
+#define DATA "test_run.data"
+
+// 400 boxes, drawn with the scene's own seed.
+static const char scene_text[] =
+    "local p = parameters { n = 400, seed = 1 }\n"
+    "local random = random(p.seed)\n"
+    "for _ = 1, p.n do\n"
+    "  local x, y, z = random.uniform(0, 8), random.uniform(0, 8), random.uniform(0, 8)\n"
+    "  add(x, y, z, 0.5, 0.5, 0.5, random.quaternion())\n"
+    "end\n"
+    "return { dims = 3 }\n";
+
+static int make_scene(void **state)
+{
+    (void)state;
+    test_write_file(SCENE, scene_text);
+    return 0;
+}
+
+static int remove_files(void **state)
+{
+    (void)state;
+    remove(SCENE);
+    remove(DATA);
+    remove("test_run.csv");
+    return 0;
+}
+
+static cJSON *run_json(const char *arguments)
+{
+    program p = program_run("run --json %s", arguments);
+    return json_of_program(&p);
+}
+
+static void json_has_what_a_script_needs(void **state)
+{
+    (void)state;
+    cJSON *o = run_json(SCENE " --share 1/4 --mode own --variant auto --repeat 3 --check");
+    assert_int_equal(json_number(o, "objects"), 400);
+    assert_int_equal(json_number(o, "dims"), 3);
+    assert_true(json_number(o, "candidates") >= json_number(o, "pairs"));
+    assert_true(json_number(o, "pairs") > 0);
+    assert_int_equal(strlen(json_string(o, "hash")), 16);
+    assert_true(json_number(o, "share") == 0.25);
+    assert_string_equal(json_string(o, "mode"), "own");
+    assert_string_equal(json_string(o, "variant"), "auto");
+    assert_non_null(strchr(json_string(o, "pair"), ','));
+    assert_true(json_number(o, "total_ms") > 0);
+    assert_int_equal(json_number(o, "repeat"), 3);
+    assert_true(json_number(o, "bytes_a") > 0 && json_number(o, "bytes_b") > 0);
+    const cJSON *check = cJSON_GetObjectItemCaseSensitive(o, "check");
+    assert_true(cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(check, "right")));
+    const cJSON *stages = cJSON_GetObjectItemCaseSensitive(o, "stages");
+    assert_true(cJSON_GetArraySize(stages) > 0);
+    const cJSON *stage = NULL;
+    cJSON_ArrayForEach(stage, stages)
+    {
+        assert_true(*json_string(stage, "name") != '\0');
+        assert_true(strcmp(json_string(stage, "device"), "A") == 0 ||
+                    strcmp(json_string(stage, "device"), "B") == 0);
+        assert_true(json_number(stage, "ms") >= 0);
+    }
+    cJSON_Delete(o);
+}
+
+static void share_is_a_decimal_or_a_fraction(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *given;
+        double share;
+    } shares[] = {{"0", 0},
+                  {"1", 1},
+                  {"0.5", 0.5},
+                  {"1/65536", 1.0 / 65536},
+                  {"3/4", 0.75},
+                  {"65536/65536", 1},
+                  {"1e-1", 6554.0 / 65536}};
+    for (size_t i = 0; i < sizeof shares / sizeof shares[0]; ++i) {
+        char arguments[128];
+        snprintf(arguments, sizeof arguments, SCENE " --n 20 --repeat 1 --share %s",
+                 shares[i].given);
+        cJSON *o = run_json(arguments);
+        assert_true(json_number(o, "share") == shares[i].share);
+        cJSON_Delete(o);
+    }
+}
+
+static void n_and_seed_choose_the_scene(void **state)
+{
+    (void)state;
+    cJSON *a = run_json(SCENE " --n 300 --seed 5 --repeat 1");
+    cJSON *b = run_json(SCENE " --set n=300 --set seed=5 --repeat 1");
+    cJSON *c = run_json(SCENE " -n 300 --seed=6 --repeat 1");
+    assert_int_equal(json_number(a, "objects"), 300);
+    assert_string_equal(json_string(a, "hash"), json_string(b, "hash"));
+    assert_string_not_equal(json_string(a, "hash"), json_string(c, "hash"));
+    cJSON_Delete(a);
+    cJSON_Delete(b);
+    cJSON_Delete(c);
+}
+
+// Also for none, one and two objects.
+static void any_number_of_objects_gives_the_references_pairs(void **state)
+{
+    (void)state;
+    static const int counts[] = {0, 1, 2, 3, 1000};
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
+        program p = program_run("run %s --n %d --repeat 1 --check", SCENE, counts[i]);
+        if (p.exit_code != 0 || !strstr(p.out, "as the plain C reference"))
+            fail_msg("%d objects: %s %s", counts[i], p.out, p.err);
+        program_free(&p);
+    }
+}
+
+static void the_pairs_file_holds_each_pair_once_ascending(void **state)
+{
+    (void)state;
+    cJSON *o = run_json(SCENE " --pairs test_run.csv --repeat 1 --share 0.5");
+    text t = {0};
+    duet_error err = {0};
+    assert_ok(text_read_file(&t, "test_run.csv", &err), err);
+    uint64_t n = 0;
+    uint64_t last = 0;
+    duet_pair *pairs = calloc(t.length, sizeof *pairs);
+    for (char *line = strtok(t.chars, "\n"); line; line = strtok(NULL, "\n")) {
+        duet_pair *pair = &pairs[n];
+        assert_int_equal(sscanf(line, "%" SCNu32 ",%" SCNu32, &pair->a, &pair->b), 2);
+        assert_true(pair->a < pair->b);
+        uint64_t key = (uint64_t)pair->a << 32 | pair->b;
+        assert_true(n == 0 || key > last);
+        last = key;
+        ++n;
+    }
+    assert_int_equal(n, json_number(o, "pairs"));
+    char hash[17];
+    snprintf(hash, sizeof hash, "%016" PRIx64, duet_pairs_hash(pairs, n));
+    assert_string_equal(hash, json_string(o, "hash"));
+    free(pairs);
+    text_free(&t);
+    cJSON_Delete(o);
+}
+
+static void text_names_devices_stages_and_pairs(void **state)
+{
+    (void)state;
+    program p = program_run("run %s --repeat 2", SCENE);
+    assert_int_equal(p.exit_code, 0);
+    static const char *const says[] = {"400", "A ms", "B ms", "candidates", "hash", "median of 2"};
+    for (size_t i = 0; i < sizeof says / sizeof says[0]; ++i)
+        if (!strstr(p.out, says[i]))
+            fail_msg("'%s' is missing in\n%s", says[i], p.out);
+    program_free(&p);
+}
+
+static void wrong_usage_is_one_line_and_exit_2(void **state)
+{
+    (void)state;
+    static const char *const wrong[][2] = {
+        {"run", "SCENE|FILE is missing"},
+        {"run a.lua b.lua", "'b.lua' is one argument too many"},
+        {"run " SCENE " --share 1.5", "--share '1.5': give a part from 0 to 1"},
+        {"run " SCENE " --share -0.1", "--share '-0.1'"},
+        {"run " SCENE " --share nan", "--share 'nan'"},
+        {"run " SCENE " --share 1/0", "--share '1/0'"},
+        {"run " SCENE " --share ''", "--share ''"},
+        {"run " SCENE " --share", "--share needs a value"},
+        {"run " SCENE " --repeat 0", "--repeat '0': give a whole number from 1"},
+        {"run " SCENE " --repeat 1x", "--repeat '1x'"},
+        {"run " SCENE " --n -1", "--n '-1'"},
+        {"run " SCENE " --n 99999999999999999999", "--n '99999999999999999999'"},
+        {"run " SCENE " --set n", "--set 'n'"},
+        {"run " SCENE " --mode both", "--mode 'both': the modes are "},
+        {"run " SCENE " --variant abacus", "abacus"},
+        {"run " SCENE " --pair pocl:0", "--pair 'pocl:0': give two selectors"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        program p = program_run("%s", wrong[i][0]);
+        program_assert_refused(&p, 2, wrong[i][1]);
+    }
+}
+
+static void bad_input_is_one_line_and_exit_1(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *content;
+        const char *says;
+    } bad[] = {
+        {"0 0 0 1 1 1 1\n", DATA ":1"},       {"0 0 0 1 1 1\n0 0 nan 1 1 1\n", DATA ":2"},
+        {"0 0 0 1 1 inf\n", DATA ":1"},       {"0 0 0 1 1 -1\n", DATA ":1"},
+        {"0 0 0 1 1 1 0 0 0 0\n", DATA ":1"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        test_write_file(DATA, bad[i].content);
+        program p = program_run("run %s", DATA);
+        program_assert_refused(&p, 1, bad[i].says);
+    }
+    program p = program_run("run no/such/scene.lua");
+    program_assert_refused(&p, 1, "no/such/scene.lua");
+    p = program_run("run %s --set abacus=1", SCENE);
+    program_assert_refused(&p, 1, "abacus");
+    p = program_run("run %s --pair abacus:0,abacus:1", SCENE);
+    program_assert_refused(&p, 1, "no device 'abacus:0'");
+    p = program_run_with("OCL_ICD_VENDORS=no/such/folder", "run %s", SCENE);
+    program_assert_refused(&p, 1, "apt install pocl-opencl-icd");
+    p = program_run_with("DUET_KERNEL_DIR=no/such/folder", "run %s", SCENE);
+    program_assert_refused(&p, 1, "no/such/folder");
+}
+
+static void what_cannot_be_written_is_not_half_written(void **state)
+{
+    (void)state;
+    program p = program_run("run %s --repeat 1 --pairs no/such/folder/pairs.csv", SCENE);
+    program_assert_refused(&p, 1, "no/such/folder/pairs.csv");
+    p = program_run("run %s --repeat 1 --json >/dev/full", SCENE);
+    program_assert_refused(&p, 1, "No space left on device");
+}
+
+// On a slow machine nothing may have been timed yet, which is said in the same
+// line. All kernels are built before: a driver's compiler that hears of the signal
+// has complaints of its own.
+static void ctrl_c_shows_what_was_timed(void **state)
+{
+    (void)state;
+    cJSON_Delete(run_json(SCENE " --repeat 300"));
+    // in the foreground timeout(1) sends its signal once, as a person does
+    program p = program_run_with("timeout --foreground --preserve-status -s INT 2",
+                                 "run %s --repeat 100000 --json", SCENE);
+    assert_int_equal(p.exit_code, 1);
+    assert_string_equal(p.err, "duet: stopped\n");
+    if (*p.out) {
+        cJSON *o = cJSON_Parse(p.out);
+        assert_true(json_number(o, "repeat") > 0 && json_number(o, "repeat") < 100000);
+        cJSON_Delete(o);
+    }
+    program_free(&p);
+}
+
+static void a_level_is_compared_with_its_own_reference(void **state)
+{
+    (void)state;
+    double found[DUET_LEVELS];
+    for (int l = 0; l < DUET_LEVELS; ++l) {
+        const char *name = duet_level_describe((duet_level)l)->name;
+        char arguments[80];
+        snprintf(arguments, sizeof arguments, SCENE " --check --repeat 1 --level %s", name);
+        cJSON *o = run_json(arguments);
+        assert_string_equal(json_string(o, "level"), name);
+        found[l] = json_number(o, "pairs");
+        cJSON_Delete(o);
+    }
+    assert_true(found[DUET_LEVEL_AABB] > found[DUET_LEVEL_SAT6]);
+    assert_true(found[DUET_LEVEL_SAT6] > found[DUET_LEVEL_CERTIFIED]);
+}
+
+static void a_level_of_no_name_is_refused_with_those_there_are(void **state)
+{
+    (void)state;
+    program p = program_run("run --level gjk " SCENE);
+    assert_int_equal(p.exit_code, 2);
+    assert_string_equal(p.err, "duet: --level 'gjk': the levels are certified, aabb, sphere, sat6, "
+                               "sat15, double\n");
+    program_free(&p);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(json_has_what_a_script_needs),
+        cmocka_unit_test(share_is_a_decimal_or_a_fraction),
+        cmocka_unit_test(n_and_seed_choose_the_scene),
+        cmocka_unit_test(any_number_of_objects_gives_the_references_pairs),
+        cmocka_unit_test(the_pairs_file_holds_each_pair_once_ascending),
+        cmocka_unit_test(text_names_devices_stages_and_pairs),
+        cmocka_unit_test(wrong_usage_is_one_line_and_exit_2),
+        cmocka_unit_test(bad_input_is_one_line_and_exit_1),
+        cmocka_unit_test(what_cannot_be_written_is_not_half_written),
+        cmocka_unit_test(ctrl_c_shows_what_was_timed),
+        cmocka_unit_test(a_level_is_compared_with_its_own_reference),
+        cmocka_unit_test(a_level_of_no_name_is_refused_with_those_there_are),
+    };
+    return cmocka_run_group_tests(tests, make_scene, remove_files);
+}

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+// duet run --steps, as a person calls it.
+#define _POSIX_C_SOURCE 200809L
+#include "support/program.h"
+#include "support/test.h"
+
+#include "base/text.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define SCENE "test_run_motion.scene.lua"
+#define PICTURE "test_run_motion.png"
+#define FULL "test_run_motion.full.png"
+#define FRAMES "test_run_motion.frames"
+
+// A pile that falls, and a bullet.
+static const char scene_text[] =
+    "for i = 0, 7 do\n"
+    "  add { centre = { i % 2 * 1.1, i // 2 % 2 * 1.1, 0.6 + i // 4 * 1.2 },\n"
+    "        half_extents = { 0.5, 0.5, 0.5 } }\n"
+    "end\n"
+    "add { centre = { -4, 0, 1 }, half_extents = { 0.2, 0.2, 0.2 }, velocity = { 100, 0, 0 } }\n"
+    "return { dims = 3, gravity = { 0, 0, -10 }, bounds = 'walls', wants = { 'contact_response' "
+    "},\n"
+    "         world = { lower = { -5, -5, 0 }, upper = { 5, 5, 9 } } }\n";
+
+static int make_scene(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    assert_ok(text_write_file(SCENE, scene_text, strlen(scene_text), &err), err);
+    return 0;
+}
+
+static int remove_files(void **state)
+{
+    (void)state;
+    char path[64];
+    for (int i = 0; i < 9; ++i) {
+        snprintf(path, sizeof path, FRAMES "/%05d.png", i);
+        remove(path);
+    }
+    remove(FRAMES);
+    remove(PICTURE);
+    remove(SCENE);
+    return 0;
+}
+
+// Which colours the picture has says what it shows; here it is enough that it
+// is a PNG whose size is that of a page with something on it.
+static void assert_is_picture(const char *path)
+{
+    text bytes = {0};
+    duet_error err = {0};
+    assert_ok(text_read_file(&bytes, path, &err), err);
+    assert_true(bytes.length > 4000);
+    assert_memory_equal(text_chars(&bytes), "\x89PNG\r\n", 6);
+    text_free(&bytes);
+}
+
+static void a_picture_and_frames_are_drawn(void **state)
+{
+    (void)state;
+    program p = program_run("run --steps 8 --picture " PICTURE " --frames " FRAMES " " SCENE);
+    if (p.exit_code != 0)
+        fail_msg("run --steps: %s", p.err);
+    assert_is_picture(PICTURE);
+    char path[64];
+    for (int i = 0; i < 5; ++i) { // 60 steps a second and 30 pictures
+        snprintf(path, sizeof path, FRAMES "/%05d.png", i);
+        assert_is_picture(path);
+    }
+    assert_int_not_equal(access(FRAMES "/00005.png", F_OK), 0);
+    assert_non_null(strstr(p.out, "effects:"));
+    assert_non_null(strstr(p.out, " contact_response"));
+    program_free(&p);
+}
+
+static void json_says_what_the_table_does(void **state)
+{
+    (void)state;
+    program p = program_run("run --steps 8 --json " SCENE);
+    assert_int_equal(p.exit_code, 0);
+    cJSON *o = cJSON_Parse(p.out);
+    assert_non_null(o);
+    assert_true(cJSON_GetObjectItem(o, "steps")->valuedouble == 8);
+    assert_true(cJSON_GetObjectItem(o, "objects")->valuedouble == 9);
+    assert_non_null(cJSON_GetObjectItem(cJSON_GetObjectItem(o, "stages_ms"), "solve_contacts"));
+    cJSON_Delete(o);
+    program_free(&p);
+}
+
+static void what_cannot_be_drawn_is_refused_before_the_steps(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *arguments;
+        int exit_code;
+        const char *says;
+    } wrong[] = {
+        {"run --picture x.png " SCENE, 2, "give --steps K"},
+        {"run --steps 1000000000 --json --picture x.svg " SCENE, 2, "ends with .png"},
+        {"run --steps 1000000000 --json --picture no/such/x.png " SCENE, 1, "cannot be written"},
+        {"run --steps 1000000000 --json --frames no/such/folder " SCENE, 1, "cannot be made"},
+        {"run --steps 1000000000 --json --frames " SCENE " " SCENE, 1, SCENE "/00000.png"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        program p = program_run("%s", wrong[i].arguments);
+        program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
+    }
+}
+
+// What is no file is neither replaced nor removed.
+static void a_full_disk_is_told_of(void **state)
+{
+    (void)state;
+    if (access("/dev/full", W_OK) != 0)
+        skip();
+    assert_int_equal(symlink("/dev/full", FULL), 0);
+    program p = program_run("run --steps 1000000000 --json --picture " FULL " " SCENE);
+    struct stat info;
+    assert_int_equal(stat(FULL, &info), 0);
+    assert_true(S_ISCHR(info.st_mode));
+    remove(FULL);
+    program_assert_refused(&p, 1, "No space left");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_picture_and_frames_are_drawn),
+        cmocka_unit_test(json_says_what_the_table_does),
+        cmocka_unit_test(what_cannot_be_drawn_is_refused_before_the_steps),
+        cmocka_unit_test(a_full_disk_is_told_of),
+    };
+    return cmocka_run_group_tests(tests, make_scene, remove_files);
+}

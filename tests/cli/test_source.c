@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: MIT
+// duet source, as a person calls it.
+#define _POSIX_C_SOURCE 200809L
+#include "support/program.h"
+#include "support/test.h"
+
+#include "base/text.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static char data_dir[512]; // "DUET_KERNEL_DIR=..." of the test kernels
+
+static int find_data(void **state)
+{
+    (void)state;
+    snprintf(data_dir, sizeof data_dir, "DUET_KERNEL_DIR='%s/kernels'", getenv("DUET_TEST_DATA"));
+    return 0;
+}
+
+static cJSON *parse(program *p)
+{
+    if (p->exit_code != 0)
+        fail_msg("%s", p->err);
+    cJSON *o = cJSON_Parse(p->out);
+    assert_true(cJSON_IsObject(o));
+    program_free(p);
+    return o;
+}
+
+static const cJSON *item_named(const cJSON *list, const char *name)
+{
+    const cJSON *item = NULL;
+    cJSON_ArrayForEach(item, list)
+    {
+        const cJSON *its = cJSON_GetObjectItemCaseSensitive(item, "name");
+        if (strcmp(cJSON_GetStringValue(its), name) == 0)
+            return item;
+    }
+    fail_msg("nothing is named %s", name);
+    return NULL;
+}
+
+static double number_of(const cJSON *o, const char *name)
+{
+    return cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(o, name));
+}
+
+static void the_text_is_printed_and_nothing_else(void **state)
+{
+    (void)state;
+    program p = program_run("source scan --set WG=64 --set PER_ITEM=4");
+    assert_int_equal(p.exit_code, 0);
+    assert_string_equal(p.err, "");
+    assert_int_equal(strncmp(p.out, "// scan.WG64.PER_ITEM4\n#define WG 64\n", 37), 0);
+    program again = program_run("source scan --set PER_ITEM=4 --set WG=64");
+    assert_string_equal(p.out, again.out);
+    program_free(&again);
+    program_free(&p);
+}
+
+static void json_has_the_text_and_its_hash(void **state)
+{
+    (void)state;
+    program p = program_run("source scan --json");
+    cJSON *o = parse(&p);
+    p = program_run("source scan | sha256sum");
+    const char *hash = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(o, "sha256"));
+    assert_int_equal(strncmp(p.out, hash, 64), 0);
+    cJSON_Delete(o);
+    program_free(&p);
+}
+
+static void a_device_decides_defaults(void **state)
+{
+    (void)state;
+    program p = program_run("source scan --device pocl:0");
+    assert_non_null(strstr(p.out, "#define WG 1\n"));
+    program_free(&p);
+    p = program_run("source scan");
+    assert_non_null(strstr(p.out, "#define WG 256\n"));
+    program_free(&p);
+}
+
+static void a_scene_decides_what_is_compiled_in(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    const char flat[] = "0 0 1 1\n2 2 3 3\n"; // 2D bounds
+    assert_ok(text_write_file("test_source.csv", flat, strlen(flat), &err), err);
+    program p = program_run("source hash --scene test_source.csv");
+    assert_non_null(strstr(p.out, "#define DIMS 2\n#define SHAPE 1\n#define ROTATED 0\n"));
+    program_free(&p);
+    p = program_run("source scan --scene test_source.csv"); // has none of these
+    assert_int_equal(p.exit_code, 0);
+    program_free(&p);
+    p = program_run("source hash --scene no_such.csv");
+    program_assert_refused(&p, 1, "no_such.csv");
+    remove("test_source.csv");
+}
+
+static void kernels_are_listed_with_what_varies(void **state)
+{
+    (void)state;
+    program p = program_run_with(data_dir, "source --list --json");
+    cJSON *o = parse(&p);
+    const cJSON *kernels = cJSON_GetObjectItemCaseSensitive(o, "kernels");
+    const cJSON *plain = item_named(kernels, "plain");
+    assert_int_equal(number_of(plain, "configs"), 15);
+    const cJSON *params = cJSON_GetObjectItemCaseSensitive(plain, "params");
+    assert_int_equal(number_of(item_named(params, "WG"), "default"), 64);
+    assert_int_equal(number_of(item_named(params, "SHIFT"), "min"), -8);
+    assert_int_equal(number_of(item_named(kernels, "shaped"), "configs"), 2);
+    cJSON_Delete(o);
+    p = program_run_with(data_dir, "source --list plain");
+    assert_non_null(strstr(p.out, "FACTOR    [1] 2 3"));
+    assert_non_null(strstr(p.out, "SHIFT     -8 .. 8 [-1]"));
+    assert_non_null(strstr(p.out, "15 valid configs"));
+    assert_null(strstr(p.out, "shaped"));
+    program_free(&p);
+}
+
+static void a_folder_replaces_the_carried_kernels(void **state)
+{
+    (void)state;
+    program p = program_run_with("DUET_KERNEL_DIR=", "source scan"); // as if not set
+    assert_int_equal(p.exit_code, 0);
+    program_free(&p);
+    p = program_run_with(data_dir, "source scan");
+    program_assert_refused(&p, 1, "no kernel 'scan': there are plain, shaped");
+    p = program_run_with("DUET_KERNEL_DIR=no/such", "source scan");
+    program_assert_refused(&p, 1, "kernel folder no/such: No such file or directory");
+}
+
+static void every_config_of_a_small_space_is_compiled(void **state)
+{
+    (void)state;
+    program p = program_run_with(data_dir, "source --check --device pocl:0 --json");
+    cJSON *o = parse(&p);
+    const cJSON *kernels = cJSON_GetObjectItemCaseSensitive(o, "kernels");
+    assert_int_equal(number_of(item_named(kernels, "plain"), "compiled"), 15);
+    assert_int_equal(number_of(item_named(kernels, "plain"), "failed"), 0);
+    assert_int_equal(number_of(item_named(kernels, "shaped"), "compiled"), 2);
+    cJSON_Delete(o);
+    p = program_run_with(data_dir, "source --check plain --device pocl:0 --most 3");
+    assert_string_equal(p.out, "plain                3 of 15 configs compiled\n");
+    program_free(&p);
+}
+
+static void write_kernel(const char *dir, const char *file, const char *chars)
+{
+    char path[128];
+    duet_error err = {0};
+    snprintf(path, sizeof path, "%s/%s", dir, file);
+    assert_ok(text_write_file(path, chars, strlen(chars), &err), err);
+}
+
+static void what_does_not_compile_is_told_with_our_file_and_line(void **state)
+{
+    (void)state;
+    char dir[] = "test_source_XXXXXX";
+    char variables[64], command[64];
+    assert_non_null(mkdtemp(dir));
+    write_kernel(dir, "common.clh", "// shared\n");
+    write_kernel(dir, "bad.lua",
+                 "return {\n  params = { { 'A', values = { 1, 2 } } },\n"
+                 "  launch = function() return { group = 1, per_item = 1 } end,\n}\n");
+    write_kernel(dir, "bad.cl.in",
+                 "//@ if A == 2 then\n//@ end\n__kernel void bad(__global int *x)\n{\n"
+                 "    x[0] = A == @{A} ? y : 0;\n}\n");
+    snprintf(variables, sizeof variables, "DUET_KERNEL_DIR=%s", dir);
+    program p = program_run_with(variables, "source --check --device pocl:0");
+    assert_int_equal(p.exit_code, 1);
+    assert_non_null(strstr(p.out, "0 of 2 configs compiled, 2 failed"));
+    assert_non_null(strstr(p.err, "duet: bad.A1 on pocl:0: "));
+    assert_non_null(strstr(p.err, "kernels/bad.cl.in:5:"));
+    assert_non_null(strstr(p.err, "duet: 2 configs failed to compile on pocl:0\n"));
+    program_free(&p);
+    snprintf(command, sizeof command, "rm -r %s", dir);
+    assert_int_equal(system(command), 0);
+}
+
+static void wrong_usage_is_one_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *arguments;
+        int exit_code;
+        const char *says;
+    } wrong[] = {
+        {"source", 2, "KERNEL is missing"},
+        {"source --list --check", 2, "give one of them"},
+        {"source --list --set WG=1", 2, "--set and --scene choose one text"},
+        {"source scan --set WG=x", 2, "--set 'WG=x': give a whole number"},
+        {"source scan --set WG=", 2, "give a whole number"},
+        {"source scan --set WG=99999999999999999999", 2, "give a whole number"},
+        {"source scan --set GW=1", 2, "no parameter 'GW': there are WG, PER_ITEM"},
+        {"source scan --set WG=3", 2, "WG=3 is not one of 1, 64, 128, 256"},
+        {"source scam", 1, "no kernel 'scam': there are"},
+        {"source scan --device abacus:0", 1, "no device 'abacus:0'"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        program p = program_run("%s", wrong[i].arguments);
+        program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_text_is_printed_and_nothing_else),
+        cmocka_unit_test(json_has_the_text_and_its_hash),
+        cmocka_unit_test(a_device_decides_defaults),
+        cmocka_unit_test(a_scene_decides_what_is_compiled_in),
+        cmocka_unit_test(kernels_are_listed_with_what_varies),
+        cmocka_unit_test(a_folder_replaces_the_carried_kernels),
+        cmocka_unit_test(every_config_of_a_small_space_is_compiled),
+        cmocka_unit_test(what_does_not_compile_is_told_with_our_file_and_line),
+        cmocka_unit_test(wrong_usage_is_one_line),
+    };
+    return cmocka_run_group_tests(tests, find_data, NULL);
+}

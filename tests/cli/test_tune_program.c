@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: MIT
+// duet tune, as a person calls it, and tune files.
+#define _POSIX_C_SOURCE 200809L
+#include "support/json.h"
+#include "support/test.h"
+
+#include "base/text.h"
+#include "tuner/tune_config.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SCENE "test_tune.scene.lua"
+#define STORE "test_tune.db"
+#define CONFIG "test_tune.tune.lua"
+#define QUICK "--variants auto --profile " STORE " "
+
+static const char scene_text[] =
+    "local p = parameters { n = 2000, seed = 1 }\n"
+    "local random = random(p.seed)\n"
+    "for _ = 1, p.n do\n"
+    "  local x, y, z = random.uniform(0, 15), random.uniform(0, 15), random.uniform(0, 15)\n"
+    "  add(x, y, z, 0.5, 0.5, 0.5, random.quaternion())\n"
+    "end\n"
+    "return { dims = 3 }\n";
+
+static int remove_files(void **state)
+{
+    (void)state;
+    static const char *const files[] = {SCENE, CONFIG, STORE, STORE "-wal", STORE "-shm"};
+    for (size_t i = 0; i < sizeof files / sizeof *files; ++i)
+        remove(files[i]);
+    return 0;
+}
+
+static int begin_afresh(void **state)
+{
+    remove_files(state);
+    test_write_file(SCENE, scene_text);
+    return 0;
+}
+
+// The rows of "workloads"; the caller deletes their root.
+static cJSON *tune_json(const char *arguments, const cJSON **rows)
+{
+    program p = program_run("tune --json %s", arguments);
+    cJSON *root = json_of_program(&p);
+    *rows = cJSON_GetObjectItemCaseSensitive(root, "workloads");
+    assert_true(cJSON_IsArray(*rows));
+    return root;
+}
+
+static void a_workload_is_tuned_once_and_known_ever_after(void **state)
+{
+    (void)state;
+    const cJSON *rows;
+    cJSON *first = tune_json(QUICK SCENE " --n 1000,2000", &rows);
+    assert_int_equal(cJSON_GetArraySize(rows), 2);
+    const cJSON *row = cJSON_GetArrayItem(rows, 1);
+    assert_int_equal(json_number(row, "objects"), 2000);
+    assert_true(json_number(row, "launches") > 0 && json_number(row, "seconds") > 0);
+    assert_true(json_number(row, "gain_low") <= json_number(row, "gain"));
+    assert_true(json_number(row, "gain") <= json_number(row, "gain_high"));
+    assert_false(json_true(row, "resumed"));
+    double share = json_number(row, "share");
+    cJSON_Delete(first);
+    cJSON *second = tune_json(QUICK SCENE " --n 2000", &rows);
+    row = cJSON_GetArrayItem(rows, 0);
+    assert_true(json_true(row, "resumed"));
+    assert_int_equal(json_number(row, "launches"), 0);
+    assert_true(json_number(row, "share") == share);
+    cJSON_Delete(second);
+    cJSON *fresh = tune_json(QUICK SCENE " --n 2000 --fresh", &rows);
+    assert_true(json_number(cJSON_GetArrayItem(rows, 0), "launches") > 0);
+    cJSON_Delete(fresh);
+}
+
+static void the_terms_of_a_known_workload_are_those_that_were_measured(void **state)
+{
+    (void)state;
+    const cJSON *rows;
+    cJSON *first = tune_json(QUICK "--trials 24 " SCENE, &rows);
+    const cJSON *measured = cJSON_GetArrayItem(rows, 0);
+    cJSON *second = tune_json(QUICK "--trials 24 " SCENE, &rows);
+    const cJSON *known = cJSON_GetArrayItem(rows, 0);
+    static const char *const same[] = {"best_share", "gain", "gain_low", "gain_high", "single_ms"};
+    for (size_t i = 0; i < sizeof same / sizeof *same; ++i)
+        assert_true(fabs(json_number(known, same[i]) - json_number(measured, same[i])) < 1e-9);
+    const cJSON *term, *terms = cJSON_GetObjectItemCaseSensitive(measured, "terms");
+    double sum = 0;
+    cJSON_ArrayForEach(term, terms)
+    {
+        const cJSON *other = cJSON_GetObjectItemCaseSensitive(known, "terms");
+        assert_true(fabs(json_number(other, term->string) - term->valuedouble) < 1e-6);
+        sum += fabs(term->valuedouble);
+    }
+    assert_true(sum > 0);
+    cJSON_Delete(first);
+    cJSON_Delete(second);
+}
+
+// Every level but certified is within it; what is chosen is stored at its level.
+static void an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more(void **state)
+{
+    (void)state;
+    const cJSON *rows;
+    cJSON *root = tune_json(QUICK "--trials 16 --level sat6,aabb --false-rate 99 " SCENE, &rows);
+    const cJSON *row = cJSON_GetArrayItem(rows, 0);
+    char level[16];
+    snprintf(level, sizeof level, "%s", json_string(row, "level"));
+    assert_true(strcmp(level, "sat6") == 0 || strcmp(level, "aabb") == 0);
+    double false_rate = json_number(row, "false_rate");
+    assert_true(json_number(row, "missed_rate") == 0 && false_rate > 0.01);
+    assert_true(json_number(row, "true_pairs") > 100);
+    cJSON_Delete(root);
+    root = tune_json(QUICK "--trials 16 --level sat6,aabb --false-rate 99 " SCENE, &rows);
+    assert_true(json_true(cJSON_GetArrayItem(rows, 0), "resumed"));
+    assert_string_equal(json_string(cJSON_GetArrayItem(rows, 0), "level"), level);
+    cJSON_Delete(root);
+    static const struct {
+        const char *asked;
+        bool served;
+    } cases[] = {{"--false-rate 99", true},
+                 {"--missed 0 --false-rate 0.001", false},
+                 {"", false},
+                 {"--level sat15", false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        program p =
+            program_run_with("DUET_PROFILE=" STORE, "run --json --check %s " SCENE, cases[i].asked);
+        cJSON *o = json_of_program(&p);
+        assert_int_equal(strcmp(json_string(o, "level"), level) == 0, cases[i].served);
+        assert_int_equal(strcmp(json_string(o, "profile"), "exact") == 0, cases[i].served);
+        cJSON_Delete(o);
+    }
+    program why = program_run("profiles why --profile " STORE " --false-rate 0.001 " SCENE);
+    assert_non_null(strstr(why.out, "no: it misses 0 and invents "));
+    assert_non_null(strstr(why.out, "above 0 or 0.001"));
+    program_free(&why);
+}
+
+static void an_accuracy_out_of_reach_names_the_nearest_level(void **state)
+{
+    (void)state;
+    program p = program_run("tune " QUICK "--level aabb,sat6,sphere --missed 0 " SCENE);
+    program_assert_refused(&p, 1, "'sat6' comes nearest, with 0 and 0.");
+}
+
+static void a_scene_says_which_level_it_wants(void **state)
+{
+    (void)state;
+    const cJSON *rows;
+    char scene[1024];
+    snprintf(scene, sizeof scene, "%.*s{ dims = 3, level = 'sat6' }\n",
+             (int)(strstr(scene_text, "{ dims") - scene_text), scene_text);
+    test_write_file(SCENE, scene);
+    cJSON *root = tune_json(QUICK "--trials 12 " SCENE, &rows);
+    assert_string_equal(json_string(cJSON_GetArrayItem(rows, 0), "level"), "sat6");
+    assert_true(json_number(cJSON_GetArrayItem(rows, 0), "false_rate") > 0.01);
+    cJSON_Delete(root);
+    program p = program_run_with("DUET_PROFILE=" STORE, "run --json --check " SCENE);
+    cJSON *o = json_of_program(&p);
+    assert_string_equal(json_string(o, "level"), "sat6");
+    assert_string_equal(json_string(o, "profile"), "exact");
+    cJSON_Delete(o);
+}
+
+// Stopped at several moments, by kill -9 and by Ctrl-C; what was measured
+// before each stays measured.
+static void a_stopped_tuning_is_taken_up_again(void **state)
+{
+    (void)state;
+    static const char *const stops[] = {"KILL 0.3", "INT 0.4", "KILL 0.5", "KILL 0.6", "INT 0.7"};
+    const char *duet = getenv("DUET_PROGRAM");
+    assert_non_null(duet);
+    for (size_t i = 0; i < sizeof stops / sizeof *stops; ++i) {
+        text command = {0};
+        text_add(&command, "timeout -s %s '%s' tune " QUICK "--repeat 32 " SCENE " >/dev/null 2>&1",
+                 stops[i], duet);
+        int status = system(text_chars(&command));
+        (void)status; // stopped, or finished before on a fast machine
+        text_free(&command);
+    }
+    const cJSON *rows;
+    cJSON *root = tune_json(QUICK "--repeat 32 " SCENE, &rows);
+    assert_true(json_true(cJSON_GetArrayItem(rows, 0), "resumed"));
+    cJSON_Delete(root);
+}
+
+static void a_budget_of_trials_is_kept(void **state)
+{
+    (void)state;
+    const cJSON *rows;
+    cJSON *root = tune_json(QUICK "--trials 12 --repeat 1 --strategy fig12 " SCENE, &rows);
+    assert_in_range(json_number(cJSON_GetArrayItem(rows, 0), "launches"), 1, 24);
+    cJSON_Delete(root);
+}
+
+static void a_tune_file_sweeps_with_a_strategy_of_its_own(void **state)
+{
+    (void)state;
+    test_write_file(CONFIG, "return {\n"
+                            "  workloads = { { scene = '" SCENE
+                            "', n = { 500, 600 }, set = { seed = 3 } } },\n"
+                            "  variants = { 'auto' }, modes = { 'own' }, repeats = 1,\n"
+                            "  budget = { trials = 30 },\n"
+                            "  strategy = function(history)\n"
+                            "    if #history < 3 then return #history / 2 end\n"
+                            "  end,\n"
+                            "}\n");
+    const cJSON *rows;
+    cJSON *root = tune_json("--profile " STORE " --config " CONFIG, &rows);
+    assert_int_equal(cJSON_GetArraySize(rows), 2);
+    assert_int_equal(json_number(cJSON_GetArrayItem(rows, 0), "objects"), 500);
+    assert_int_equal(json_number(cJSON_GetArrayItem(rows, 1), "objects"), 600);
+    cJSON_Delete(root);
+}
+
+static void what_is_wrong_on_the_command_line_is_one_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *arguments;
+        int exit_code;
+        const char *says;
+    } rows[] = {
+        {"tune", 2, "give a scene"},
+        {"tune " QUICK SCENE " --n 10,x", 2, "--n '10,x'"},
+        {"tune " QUICK SCENE " --strategy guess", 1, "there are balance, fig12"},
+        {"tune --variants nonsense --profile " STORE " " SCENE, 2, "nonsense"},
+        {"tune " QUICK " no/such.lua", 1, "no/such.lua"},
+        {"tune --profile " SCENE " " SCENE, 1, SCENE},
+        {"tune " QUICK SCENE " --level gjk", 2, "--level 'gjk': the levels are"},
+        {"tune " QUICK SCENE " --level sat6,", 2, "--level ''"},
+        {"tune " QUICK SCENE " --level sat6,aabb", 2, "give --missed or --false-rate"},
+        {"tune " QUICK SCENE " --missed 2", 2, "--missed"},
+        {"tune " QUICK SCENE " --false-rate -1", 2, "--false-rate"},
+        {"run --level sat6 --missed 0 " SCENE, 2, "--level sat6: give a level, or"},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
+        program p = program_run("%s", rows[i].arguments);
+        program_assert_refused(&p, rows[i].exit_code, rows[i].says);
+    }
+}
+
+static void what_is_wrong_in_a_tune_file_is_said_with_its_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *content;
+        const char *says;
+    } rows[] = {
+        {"return 1", CONFIG},
+        {"return {}", "workloads"},
+        {"return {\n workloads = {{scene = 'a.lua'}},\n stratgy = 'grid' }", CONFIG ":3:"},
+        {"return {\n workloads = {{scene = 'a.lua', m = 3}} }", CONFIG ":2:"},
+        {"return {\n workloads = {{scene = 'a.lua', n = 'many'}} }", CONFIG ":2:"},
+        {"return {\n workloads = {{scene = 'a.lua'}},\n strategy = 'best' }", CONFIG ":3:"},
+        {"return {\n workloads = {{scene = 'a.lua'}},\n modes = {'both'} }", CONFIG ":3:"},
+        {"return {\n workloads = {{scene = 'a.lua'}},\n budget = {minutes = 1} }", CONFIG ":3:"},
+        {"return {\n workloads = {{scene = 'a.lua'}},\n objective = 'beauty' }", CONFIG ":3:"},
+        {"return {\n workloads = {} }", CONFIG ":2:"},
+        {"return {\n workloads = {{scene = 'a.lua'}},\n level = 'best' }", CONFIG ":3:"},
+        {"return {\n workloads = {{scene = 'a.lua'}},\n level = {'sat6', 'gjk'} }", CONFIG ":3:"},
+        {"return {\n workloads = {{scene = 'a.lua'}},\n level = {'sat6', 'aabb'} }", "accuracy"},
+        {"return {\n workloads = {{scene = 'a.lua'}},\n accuracy = {fals_rate = 1} }",
+         CONFIG ":3: accuracy has no field 'fals_rate'"},
+        {"return {\n workloads = {{scene = 'a.lua'}},\n accuracy = {missed = 2} }", CONFIG ":3:"},
+        {"return {\n workloads = {{scene = 'a.lua'}},\n accuracy = 0 }", CONFIG ":3:"},
+        {"return {", CONFIG ":1:"},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
+        static tune_config config;
+        duet_error err = {0};
+        test_write_file(CONFIG, rows[i].content);
+        assert_false(tune_config_load(&config, CONFIG, &err));
+        assert_int_equal(err.status, DUET_BAD_INPUT);
+        if (!strstr(err.text, rows[i].says))
+            fail_msg("'%s' is not in: %s", rows[i].says, err.text);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup(a_workload_is_tuned_once_and_known_ever_after, begin_afresh),
+        cmocka_unit_test_setup(the_terms_of_a_known_workload_are_those_that_were_measured,
+                               begin_afresh),
+        cmocka_unit_test_setup(an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more,
+                               begin_afresh),
+        cmocka_unit_test_setup(an_accuracy_out_of_reach_names_the_nearest_level, begin_afresh),
+        cmocka_unit_test_setup(a_scene_says_which_level_it_wants, begin_afresh),
+        cmocka_unit_test_setup(a_stopped_tuning_is_taken_up_again, begin_afresh),
+        cmocka_unit_test_setup(a_budget_of_trials_is_kept, begin_afresh),
+        cmocka_unit_test_setup(a_tune_file_sweeps_with_a_strategy_of_its_own, begin_afresh),
+        cmocka_unit_test_setup(what_is_wrong_on_the_command_line_is_one_line, begin_afresh),
+        cmocka_unit_test_setup(what_is_wrong_in_a_tune_file_is_said_with_its_line, begin_afresh),
+    };
+    return cmocka_run_group_tests(tests, NULL, remove_files);
+}

@@ -1,0 +1,661 @@
+// SPDX-License-Identifier: MIT
+// Contacts that push: stacks, ratios of masses, bullets, bounces, friction.
+#include "support/figure.h"
+#include "support/mover.h"
+#include "support/stack.h"
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "runtime/opencl/device_pair.h"
+
+#include <math.h>
+#include <string.h>
+
+// ---------------------------------------------------------------- stacks
+
+static void stacks_stand(void **state)
+{
+    (void)state;
+    stack_figures f = stack_figures_read();
+    for (uint32_t dims = 2; dims <= 3; ++dims)
+        for (int i = 0; i < 2; ++i) {
+            stack s = {.dims = dims, .height = f.heights[i], .substeps = f.substeps[i]};
+            stack_assert_stands(&s, i == 0 ? 20 : 10); // 60 s: tests/long/test_stacks.c
+        }
+}
+
+static void stacks_stand_far_away_in_doubles(void **state)
+{
+    (void)state;
+    stack s = {.dims = 3, .height = 10, .substeps = 4, .x = 1e7, .doubles = true};
+    stack_assert_stands(&s, 20);
+}
+
+// Points of contact that left their corners for a step would kick it.
+static void a_stack_comes_to_rest(void **state)
+{
+    (void)state;
+    for (int doubles = 0; doubles < 2; ++doubles) {
+        mover *m = mover_new(3);
+        m->def.doubles = doubles;
+        m->def.substeps = 4;
+        mover_add_floor(m, 5);
+        for (uint32_t i = 0; i < 10; ++i)
+            mover_add_rough_cube(m, 0, 0, i + 0.5);
+        mover_run(m, 20 * 60);
+        for (uint32_t second = 0; second < 10; ++second) {
+            mover_run(m, 60);
+            for (uint32_t i = 1; i <= 10; ++i)
+                if (mover_speed(m, i) > 1e-4)
+                    fail_msg("box %u of 10 moves by %g after %u s", i, mover_speed(m, i),
+                             21 + second);
+        }
+        mover_free(m);
+    }
+}
+
+// ---------------------------------------------------------------- masses
+
+static void heavy_boxes_rest_on_light_ones(void **state)
+{
+    (void)state;
+    double f[6];
+    figures(
+        "effects.md",
+        "heavy on light, 1 : # and 1 : # | # and # substeps, less than a tenth of an edge deep; "
+        "with # substeps 1 : # sinks in",
+        6, f);
+    const struct {
+        double ratio, substeps, depth; // of the edge
+    } cases[] = {{1, 4, 0.02}, {f[0], f[2], 0.1}, {f[1], f[3], 0.1}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        mover *m = mover_new(3);
+        m->def.substeps = (uint32_t)cases[i].substeps;
+        mover_add_floor(m, 5);
+        mover_add_rough_cube(m, 0, 0, 0.5);
+        uint32_t heavy = mover_add_rough_cube(m, 0, 0, 1.5);
+        m->bodies[heavy].mass = (float)cases[i].ratio;
+        mover_run(m, 600);
+        mover_assert_finite(m);
+        double height = m->states[heavy].centre[2];
+        if (!(height > 1.5 - cases[i].depth) || !(height < 1.6))
+            fail_msg("at a ratio of %g the heavy box is at %g", cases[i].ratio, height);
+        mover_free(m);
+    }
+}
+
+static void what_has_no_mass_stays(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    uint32_t floor = mover_add_floor(m, 5);
+    uint32_t other = mover_add_cube(m, 0, 0, 0.2, 1); // into the floor
+    m->bodies[other].mass = 0.0f;
+    mover_add_rough_cube(m, 0, 0, 1.5);
+    mover_run(m, 120);
+    assert_close(m->states[floor].centre[2], -0.5, 0.0);
+    assert_close(m->states[other].centre[2], (double)0.2f, 0.0);
+    assert_int_equal(m->last.contacts, 1);
+    mover_free(m);
+}
+
+// ---------------------------------------------------------------- bullets
+
+static double shoot(double speed, double dt, uint32_t wants, double angle)
+{
+    mover *m = mover_new(3);
+    m->def.dt = dt;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | wants;
+    uint32_t wall = mover_add(m, 10, 0, 0, 0.05, 2000, 2000);
+    m->bodies[wall].mass = 0.0f;
+    uint32_t bullet = mover_add_cube(m, 0.013, 0, 0, 0.1);
+    m->bodies[bullet].velocity[0] = (float)(speed * cos(angle));
+    m->bodies[bullet].velocity[1] = (float)(speed * sin(angle));
+    double furthest = -1e30;
+    for (int step = 0; step < 60; ++step) {
+        mover_run(m, 1);
+        furthest = fmax(furthest, m->states[bullet].centre[0]);
+    }
+    mover_assert_finite(m);
+    mover_free(m);
+    return furthest;
+}
+
+static void bullets_do_not_pass_a_wall(void **state)
+{
+    (void)state;
+    double f[4]; // an edge, two speeds, a wall
+    figures("effects.md", "bullet # at # and # m/s, wall # | never behind it", 4, f);
+    assert_true(f[0] == 0.1 && f[3] == 0.1); // as in shoot
+    const double *speeds = f + 1;
+    static const double times[] = {1.0 / 60, 1.0 / 240};
+    for (int i = 0; i < 2; ++i)
+        for (int j = 0; j < 2; ++j)
+            for (int turned = 0; turned < 2; ++turned) {
+                double furthest = shoot(speeds[i], times[j], 0, turned * 0.5);
+                if (!(furthest < 10.0))
+                    fail_msg("at %g m/s and dt %g the bullet comes to %g", speeds[i], times[j],
+                             furthest);
+            }
+}
+
+// A slow one is not asked about: 0.4 of a half extent a step is in reach of a
+// contact's margin or of its depth.
+static void slow_boxes_need_no_sweep(void **state)
+{
+    (void)state;
+    assert_true(shoot(0.4 * 0.05 * 60, 1.0 / 60, 0, 0) < 10.0);
+}
+
+static void a_bullet_that_misses_is_not_held(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
+    uint32_t wall = mover_add(m, 10, 0, 0, 0.05, 1, 1);
+    m->bodies[wall].mass = 0.0f;
+    uint32_t bullet = mover_add_cube(m, 0, 1.2, 0, 0.1);
+    m->bodies[bullet].velocity[0] = 2000.0f;
+    mover_run(m, 6);
+    assert_true(duet_motion_effects(m->motion) & DUET_EFFECT_CONTINUOUS);
+    assert_close(m->states[bullet].velocity[0], 2000.0, 1e-9);
+    assert_close(m->states[bullet].centre[0], 200.0, 1e-2);
+    mover_free(m);
+}
+
+// ---------------------------------------------------------------- overlap
+
+static void deep_overlap_is_left_without_a_shot(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
+    uint32_t a = mover_add_cube(m, 0, 0, 0, 1);
+    uint32_t b = mover_add_cube(m, 0.3, 0.1, 0.05, 1);
+    double fastest = 0.0;
+    for (int step = 0; step < 120; ++step) {
+        mover_run(m, 1);
+        fastest = fmax(fastest, fmax(mover_speed(m, a), mover_speed(m, b)));
+    }
+    double apart = m->states[b].centre[0] - m->states[a].centre[0];
+    assert_true(apart > 0.97);
+    assert_true(fastest <= m->def.max_push_speed);
+    mover_free(m);
+}
+
+static void boxes_in_one_place_give_no_nan(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
+    for (int i = 0; i < 5; ++i)
+        mover_add_cube(m, 0, 0, 0, 1);
+    mover_add(m, 0, 0, 0, 0, 0, 0);
+    mover_add(m, 0, 0, 0, 1, 0, 0);
+    mover_add(m, 0, 0, 0, 1, 1, 0);
+    mover_run(m, 120);
+    mover_assert_finite(m);
+    mover_free(m);
+}
+
+// ---------------------------------------------------------------- bounces
+
+static void an_elastic_ball_keeps_its_energy(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.edge = DUET_EDGE_WALLS;
+    for (int k = 0; k < 3; ++k)
+        m->def.upper[k] = 10.0;
+    m->def.restitution_threshold = 0.0;
+    uint32_t ball = mover_add_cube(m, 5, 5, 5, 0.5);
+    m->bodies[ball].restitution = 1.0f;
+    m->bodies[ball].fixed_rotation = true;
+    m->bodies[ball].velocity[0] = 30.0f;
+    m->bodies[ball].velocity[1] = 17.0f;
+    double before = mover_energy(m).kinetic;
+    mover_run(m, 60 * 200); // about 1 000 bounces
+    double f[2];            // bounces, energy
+    figures("effects.md", "elastic box between walls, # bounces | kinetic energy within #", 2, f);
+    assert_true(f[0] == 1000);
+    assert_close(mover_energy(m).kinetic / before, 1.0, f[1]);
+    mover_free(m);
+}
+
+// Corners of boxes that tumble come at different speeds, and a push at one changes
+// the others': some of the energy is lost, none is made.
+static void tumbling_elastic_boxes_gain_nothing(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    mover *m = mover_new(3);
+    m->def.edge = DUET_EDGE_WALLS;
+    m->def.restitution_threshold = 0.0;
+    for (int k = 0; k < 3; ++k)
+        m->def.upper[k] = 8.0;
+    for (int i = 0; i < 48; ++i) {
+        uint32_t id =
+            mover_add(m, 1 + 2 * (i % 4), 1 + 2 * (i / 4 % 4), 1 + 2 * (i / 16), 0.3, 0.4, 0.5);
+        mover_turn(m, id, rng_normal(&r), rng_normal(&r), rng_normal(&r), rng_between(&r, 0, 3));
+        m->bodies[id].restitution = 1.0f;
+        for (int k = 0; k < 3; ++k)
+            m->bodies[id].velocity[k] = (float)rng_between(&r, -2, 2);
+    }
+    double before = mover_energy(m).kinetic; // nothing turns yet
+    double f[5];                             // boxes, steps, gained, lost from and to, per cent
+    figures(
+        "effects.md",
+        "# elastic boxes that tumble between walls, # steps | never # % above their energy; # to "
+        "# % are lost",
+        5, f);
+    assert_int_equal(m->n, (int)f[0]);
+    mover_run(m, (uint32_t)f[1]);
+    duet_energy after = mover_energy(m);
+    double left = (after.kinetic + after.turning) / before;
+    print_message("%.3f of the energy is left\n", left);
+    assert_true(left < 1 + f[2] / 100);
+    assert_in_range((int)(1e4 * left), 1e4 - 100 * f[4], 1e4 - 100 * f[3]);
+    assert_true(after.turning > 0.3 * before); // half of it, in the end
+    mover_free(m);
+}
+
+static void a_falling_elastic_ball_gains_nothing(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    mover_add_floor(m, 5);
+    m->bodies[0].restitution = 1.0f;
+    uint32_t ball = mover_add_cube(m, 0, 0, 2.5, 1);
+    m->bodies[ball].fixed_rotation = true;
+    double before = mover_total(m);
+    for (int i = 0; i < 60; ++i) {
+        mover_run(m, 60);
+        assert_true(mover_total(m) < before * 1.03);
+    }
+    mover_free(m);
+}
+
+// The greatest height within so many steps.
+static double apex(mover *m, uint32_t id, int steps)
+{
+    double height = 0;
+    for (int i = 0; i < steps; ++i) {
+        mover_run(m, 1);
+        height = fmax(height, m->states[id].centre[2]);
+    }
+    return height;
+}
+
+// A cube that falls from so high, by so many substeps: what a bounce takes of its
+// height, as a mean of the bounces of some seconds.
+static double loss_of_a_bounce(double drop, uint32_t substeps, double *n)
+{
+    mover *m = mover_new(3);
+    mover_add_floor(m, 5);
+    m->bodies[0].restitution = 1.0f;
+    m->def.substeps = substeps;
+    uint32_t ball = mover_add_cube(m, 0, 0, 0.5 + drop, 1);
+    m->bodies[ball].fixed_rotation = true;
+    double period = 2 * sqrt(2 * drop / -m->def.gravity[2]);
+    mover_run(m, 1200);
+    *n = floor(1200 * m->def.dt / period);
+    double left = (apex(m, ball, (int)(period / m->def.dt) + 2) - 0.5) / drop;
+    mover_free(m);
+    return 1 - pow(left, 1 / *n);
+}
+
+static void an_elastic_bounce_keeps_its_height(void **state)
+{
+    (void)state;
+    static const struct {
+        double drop;
+        uint32_t substeps;
+    } cases[] = {{2, 4}, {2, 1}, {2, 8}, {0.7, 4}, {5.3, 4}, {11, 2}};
+    double most = figure("effects.md", "a bounce takes or gives less than # % of its height");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        double n, loss = loss_of_a_bounce(cases[i].drop, cases[i].substeps, &n);
+        print_message("%g m, %u substeps, %.0f bounces: %.5f of the height lost each time\n",
+                      cases[i].drop, cases[i].substeps, n, loss);
+        assert_close(loss, 0.0, most / 100);
+    }
+}
+
+static void a_bounce_of_half_the_speed_keeps_a_quarter_of_the_height(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    mover_add_floor(m, 5);
+    uint32_t ball = mover_add_cube(m, 0, 0, 4.5, 1);
+    m->bodies[ball].restitution = 0.5f;
+    m->bodies[ball].fixed_rotation = true;
+    mover_run(m, 60); // on the ground after 0.9 s, up again 0.45 s later
+    assert_close(apex(m, ball, 30) - 0.5, 1.0, 0.01);
+    mover_free(m);
+}
+
+static void an_inelastic_ball_comes_to_rest(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    mover_add_floor(m, 5);
+    uint32_t ball = mover_add_cube(m, 0, 0, 3, 1);
+    mover_run(m, 180);
+    assert_true(mover_speed(m, ball) < 1e-3);
+    assert_close(m->states[ball].centre[2], 0.5, 0.01);
+    mover_free(m);
+}
+
+// Of a cradle, and of collisions.
+static double kept_momentum(int which)
+{
+    double f[2];
+    figures("effects.md", "momentum within # (cradle) and # of its size", 2, f);
+    return f[which];
+}
+
+// Equal boxes in a row without gravity: the last one takes the speed.
+static void a_cradle_hands_the_speed_on(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.restitution_threshold = 0.0;
+    for (int i = 0; i < 5; ++i) {
+        uint32_t id = mover_add_cube(m, i == 0 ? -3 : 1.2 * i, 0, 0, 1);
+        m->bodies[id].restitution = 1.0f;
+        m->bodies[id].fixed_rotation = true;
+    }
+    m->bodies[0].velocity[0] = 2.0f;
+    mover_run(m, 300);
+    assert_close(mover_energy(m).momentum[0], 2.0, 2 * kept_momentum(0));
+    assert_close(mover_energy(m).kinetic, 2.0, 1e-4);
+    assert_close(m->states[4].velocity[0], 2.0, 1e-4);
+    mover_free(m);
+}
+
+static void momentum_is_kept_in_a_collision(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
+    for (int i = 0; i < 3; ++i) {
+        uint32_t id = mover_add_cube(m, 1.5 * i, 0.3 * i, 0.2 * i, 1);
+        mover_turn(m, id, 1, 2, i, 0.3 * i);
+        m->bodies[id].velocity[0] = 2.0f - 2.0f * (float)i;
+        m->bodies[id].friction = 0.5f;
+        m->bodies[id].restitution = 0.3f;
+        m->bodies[id].mass = 1.0f + (float)i;
+    }
+    duet_energy before = mover_energy(m);
+    mover_run(m, 120);
+    duet_energy after = mover_energy(m);
+    assert_true(after.kinetic + after.turning < before.kinetic);
+    for (int k = 0; k < 3; ++k)
+        assert_close(after.momentum[k], before.momentum[k], kept_momentum(1));
+    mover_free(m);
+}
+
+// ---------------------------------------------------------------- friction
+
+// A box on a slope of half a radian, for two seconds: how far it slid.
+static double slide(uint32_t dims, double friction)
+{
+    mover *m = mover_new(dims);
+    double slope = 0.5;
+    uint32_t up = dims - 1;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
+    m->def.gravity[0] = 9.81 * sin(slope); // the slope is level, and gravity leans
+    m->def.gravity[up] = -9.81 * cos(slope);
+    uint32_t floor = mover_add(m, 0, 0, 0, 50, dims == 2 ? 0.5 : 50, 0.5);
+    m->poses[floor].centre[up] = -0.5f;
+    m->bodies[floor].mass = 0.0f;
+    m->bodies[floor].friction = (float)friction;
+    uint32_t box = mover_add(m, 0, dims == 2 ? 0.25 : 0, 0.25, 0.5, dims == 2 ? 0.25 : 0.5, 0.25);
+    m->bodies[box].friction = (float)friction;
+    mover_run(m, 120);
+    double way = m->states[box].centre[0];
+    mover_free(m);
+    return way;
+}
+
+static void friction_holds_up_to_its_angle(void **state)
+{
+    (void)state;
+    double f[3];
+    figures("effects.md", "holds at # tan, slides at # tan; sliding as the closed form within # %",
+            3, f);
+    for (uint32_t dims = 2; dims <= 3; ++dims) {
+        assert_true(fabs(slide(dims, f[0] * tan(0.5))) < 0.02);
+        assert_true(slide(dims, f[1] * tan(0.5)) > 0.1);
+        double expected = 0.5 * 9.81 * (sin(0.5) - 0.3 * cos(0.5)) * 4.0;
+        assert_close(slide(dims, 0.3) / expected, 1.0, f[2] / 100);
+    }
+}
+
+static void a_box_slides_over_a_seam(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    mover_add_floor(m, 2);
+    uint32_t next = mover_add(m, 4, 0, -0.5, 2, 2, 0.5);
+    m->bodies[next].mass = 0.0f;
+    for (uint32_t id = 0; id < m->n; ++id)
+        m->bodies[id].friction = 0.0f;
+    uint32_t box = mover_add_cube(m, 0, 0, 0.5, 1);
+    m->bodies[box].velocity[0] = 3.0f;
+    for (int step = 0; step < 90; ++step) {
+        mover_run(m, 1);
+        assert_true(fabs(m->states[box].velocity[2]) < 0.02 || step < 10);
+    }
+    assert_close(m->states[box].velocity[0], 3.0, 0.01);
+    assert_true(m->states[box].centre[0] > 4.0);
+    mover_free(m);
+}
+
+// ---------------------------------------------------------------- sleep, events
+
+static void what_rests_sleeps_and_is_woken(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP;
+    m->def.gravity[2] = -9.81;
+    uint32_t floor = mover_add(m, 0, 0, -0.5, 20, 5, 0.5);
+    m->bodies[floor].mass = 0.0f;
+    for (int i = 0; i < 3; ++i)
+        mover_add_cube(m, 0, 0, i + 0.5, 1);
+    uint32_t ball = mover_add_cube(m, -15, 0, 1.5, 1);
+    m->bodies[ball].velocity[0] = 5.0f;
+    mover_run(m, 120);
+    assert_int_equal(m->last.contacts, 1); // only the ball's; the others sleep
+    uint64_t pairs = m->last.pairs;
+    double before = m->states[1].centre[0];
+    assert_true(pairs >= 3);
+    mover_run(m, 240);
+    assert_true(fabs(m->states[1].centre[0] - before) > 0.1);
+    mover_free(m);
+}
+
+// The lower of two boxes that sleep is shot away, within one step further than
+// anything that touches the upper one.
+static void what_slept_on_a_box_that_is_gone_falls(void **state)
+{
+    (void)state;
+    for (int skin = 0; skin < 2; ++skin) {
+        mover *m = mover_new(3);
+        m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_CONTINUOUS;
+        m->def.gravity[2] = -9.81;
+        m->def.skin = skin * 0.05;
+        uint32_t floor = mover_add(m, 0, 0, -0.5, 300, 5, 0.5);
+        m->bodies[floor].mass = 0.0f;
+        mover_add_cube(m, 0, 0, 0.5, 1);
+        uint32_t upper = mover_add_cube(m, 0, 0, 1.5, 1);
+        uint32_t bullet = mover_add_cube(m, -250, 0, 0.5, 0.5);
+        m->bodies[bullet].mass = 100.0f;
+        m->bodies[bullet].velocity[0] = 240.0f;
+        mover_run(m, 55);
+        assert_int_equal(m->last.contacts, 1); // only the bullet's
+        mover_run(m, 65);
+        assert_close(m->states[upper].centre[2], 0.5, 0.02);
+        mover_free(m);
+    }
+}
+
+static bool hopping_box_sleeps(float speed)
+{
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP;
+    m->def.sleep_speed = 0.05;
+    m->def.restitution_threshold = 0.0;
+    mover_add_floor(m, 5);
+    m->def.gravity[2] = -0.5;
+    uint32_t box = mover_add_cube(m, 0, 0, 0.5, 1);
+    m->bodies[box].restitution = 1.0f;
+    m->bodies[box].fixed_rotation = true;
+    m->bodies[box].velocity[2] = speed;
+    mover_run(m, 120);
+    bool sleeps = mover_speed(m, box) == 0.0;
+    mover_free(m);
+    return sleeps;
+}
+
+// A box that hops, up to six fifths of the speed below which it rests, or to four times.
+static void what_is_mostly_slow_sleeps(void **state)
+{
+    (void)state;
+    assert_true(hopping_box_sleeps(0.06f));
+    assert_false(hopping_box_sleeps(0.2f));
+}
+
+static void events_begin_and_end(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_EVENTS;
+    uint32_t a = mover_add_cube(m, 0, 0, 0, 1);
+    uint32_t b = mover_add_cube(m, 2, 0, 0, 1);
+    m->bodies[a].velocity[0] = 1.0f;
+    m->bodies[a].restitution = 1.0f;
+    m->def.restitution_threshold = 0.0;
+    int begins = 0, ends = 0;
+    for (int step = 0; step < 180; ++step) {
+        mover_run(m, 1);
+        for (uint64_t i = 0; i < m->last.n_events; ++i) {
+            assert_int_equal(m->last.events[i].a, a);
+            assert_int_equal(m->last.events[i].b, b);
+            begins += m->last.events[i].begins;
+            ends += !m->last.events[i].begins;
+            assert_true(begins >= ends);
+        }
+    }
+    assert_int_equal(begins, 1);
+    assert_int_equal(ends, 1);
+    mover_free(m);
+}
+
+// ---------------------------------------------------------------- the same
+
+// The state is equal bit for bit, however the search for pairs is shared.
+static void the_share_changes_nothing(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t share;
+        duet_mode mode;
+        double skin;
+    } ways[] = {
+        {0, DUET_MODE_OWN, 0},
+        {DUET_SHARE_ONE, DUET_MODE_OWN, 0},
+        {DUET_SHARE_ONE / 3, DUET_MODE_SHARED, 0},
+        {DUET_SHARE_ONE / 2, DUET_MODE_SLAB, 0},
+        {DUET_SHARE_ONE / 2, DUET_MODE_OWN, 0.2},
+    };
+    uint64_t expected[3] = {0};
+    for (size_t i = 0; i < sizeof ways / sizeof ways[0]; ++i) {
+        mover *m = mover_new(3);
+        m->def.plan.share = ways[i].share;
+        m->def.plan.mode = ways[i].mode;
+        m->def.skin = ways[i].skin;
+        mover_add_pile(m, 150);
+        for (int k = 0; k < 3; ++k) {
+            mover_run(m, 60);
+            if (i == 0)
+                expected[k] = mover_hash(m);
+            assert_true(mover_hash(m) == expected[k]);
+        }
+        mover_assert_finite(m);
+        mover_free(m);
+    }
+}
+
+// A CPU solves eight contacts side by side and a GPU one a work-item.
+static void one_lane_gives_the_bits_of_eight(void **state)
+{
+    (void)state;
+    uint64_t hashes[2];
+    duet_device_info *info = &mover_pair()->devices[1].info;
+    duet_device_kind kind = info->kind;
+    for (int i = 0; i < 2; ++i) {
+        mover *m = mover_new(3);
+        mover_add_pile(m, 100);
+        info->kind = i == 0 ? DUET_KIND_CPU : DUET_KIND_GPU;
+        mover_run(m, 90);
+        info->kind = kind;
+        assert_true(m->last.contacts > m->n);
+        hashes[i] = mover_hash(m);
+        mover_free(m);
+    }
+    assert_true(hashes[0] == hashes[1]);
+}
+
+static void a_pile_stays_between_its_walls(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    mover_add_pile(m, 200);
+    double before = mover_total(m);
+    for (int k = 0; k < 6; ++k) {
+        mover_run(m, 60);
+        assert_true(mover_total(m) < before);
+        for (uint32_t id = 0; id < m->n; ++id)
+            for (int axis = 0; axis < 3; ++axis) {
+                assert_true(m->states[id].centre[axis] > m->def.lower[axis] + 0.2);
+                assert_true(m->states[id].centre[axis] < m->def.upper[axis] - 0.2);
+            }
+    }
+    assert_true(mover_energy(m).kinetic < 10.0);
+    mover_free(m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(stacks_stand),
+        cmocka_unit_test(stacks_stand_far_away_in_doubles),
+        cmocka_unit_test(a_stack_comes_to_rest),
+        cmocka_unit_test(heavy_boxes_rest_on_light_ones),
+        cmocka_unit_test(what_has_no_mass_stays),
+        cmocka_unit_test(bullets_do_not_pass_a_wall),
+        cmocka_unit_test(slow_boxes_need_no_sweep),
+        cmocka_unit_test(a_bullet_that_misses_is_not_held),
+        cmocka_unit_test(deep_overlap_is_left_without_a_shot),
+        cmocka_unit_test(boxes_in_one_place_give_no_nan),
+        cmocka_unit_test(an_elastic_ball_keeps_its_energy),
+        cmocka_unit_test(tumbling_elastic_boxes_gain_nothing),
+        cmocka_unit_test(a_falling_elastic_ball_gains_nothing),
+        cmocka_unit_test(an_elastic_bounce_keeps_its_height),
+        cmocka_unit_test(a_bounce_of_half_the_speed_keeps_a_quarter_of_the_height),
+        cmocka_unit_test(an_inelastic_ball_comes_to_rest),
+        cmocka_unit_test(a_cradle_hands_the_speed_on),
+        cmocka_unit_test(momentum_is_kept_in_a_collision),
+        cmocka_unit_test(friction_holds_up_to_its_angle),
+        cmocka_unit_test(a_box_slides_over_a_seam),
+        cmocka_unit_test(what_rests_sleeps_and_is_woken),
+        cmocka_unit_test(what_slept_on_a_box_that_is_gone_falls),
+        cmocka_unit_test(what_is_mostly_slow_sleeps),
+        cmocka_unit_test(events_begin_and_end),
+        cmocka_unit_test(the_share_changes_nothing),
+        cmocka_unit_test(one_lane_gives_the_bits_of_eight),
+        cmocka_unit_test(a_pile_stays_between_its_walls),
+    };
+    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
+}

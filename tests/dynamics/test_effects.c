@@ -1,0 +1,528 @@
+// SPDX-License-Identifier: MIT
+// What a scene does not call for is not there: not in its kernels' text, not
+// in memory, and not in a single bit of its state.
+#define _POSIX_C_SOURCE 200809L
+#include "support/mover.h"
+#include "support/test.h"
+
+#include "gen/gen.h"
+#include "runtime/dynamics/motion.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---------------------------------------------------------------- inference
+
+static uint32_t effects_of(mover *m)
+{
+    mover_run(m, 0);
+    return duet_motion_effects(m->motion);
+}
+
+static void a_still_scene_calls_for_nothing(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    mover_add_cube(m, 0, 0, 0, 1);
+    assert_int_equal(effects_of(m), 0);
+    mover_free(m);
+}
+
+// Each cause calls for its effect, and for nothing but that and what it needs.
+static void each_cause_calls_for_its_effect(void **state)
+{
+    (void)state;
+    enum { VELOCITY, TURNED, TURNING, GRAVITY, DRAG, WALLS, ROUGH, QUICK, GROUPS, SKIN, CAUSES };
+    const uint32_t motion = DUET_EFFECT_MOTION;
+    const uint32_t push = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_CONTACT | DUET_EFFECT_MOTION |
+                          DUET_EFFECT_ANGULAR_VELOCITY | DUET_EFFECT_ROTATION;
+    const uint32_t expected[CAUSES] = {
+        [VELOCITY] = motion,
+        [TURNED] = motion | DUET_EFFECT_ROTATION,
+        [TURNING] = motion | DUET_EFFECT_ANGULAR_VELOCITY | DUET_EFFECT_ROTATION,
+        [GRAVITY] = motion | DUET_EFFECT_GRAVITY,
+        [DRAG] = motion | DUET_EFFECT_DRAG,
+        [WALLS] = motion | DUET_EFFECT_BOUNDS,
+        [ROUGH] = push | DUET_EFFECT_FRICTION,
+        [QUICK] = push | DUET_EFFECT_CONTINUOUS,
+        [GROUPS] = motion | DUET_EFFECT_CONTACT | DUET_EFFECT_FILTER,
+        [SKIN] = motion | DUET_EFFECT_CONTACT | DUET_EFFECT_SKIN,
+    };
+    for (int cause = 0; cause < CAUSES; ++cause) {
+        mover *m = mover_new(3);
+        mover_add_cube(m, 0, 0, 0, 1);
+        m->bodies[0].velocity[0] = cause == QUICK ? 1000.0f : 1.0f;
+        if (cause == TURNED)
+            mover_turn(m, 0, 1, 0, 0, 0.5);
+        m->bodies[0].angular_velocity[1] = cause == TURNING ? 1.0f : 0.0f;
+        m->def.gravity[2] = cause == GRAVITY ? -1.0 : 0.0;
+        m->def.drag = cause == DRAG ? 1.0 : 0.0;
+        m->def.edge = cause == WALLS ? DUET_EDGE_WALLS : DUET_EDGE_NONE;
+        m->def.upper[0] = m->def.upper[1] = m->def.upper[2] = 10.0;
+        m->bodies[0].friction = cause == ROUGH ? 0.5f : 0.0f;
+        m->bodies[0].mask = cause == GROUPS ? 1u : UINT32_MAX;
+        m->def.skin = cause == SKIN ? 0.1 : 0.0;
+        if (cause == QUICK)
+            m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
+        if (cause == GROUPS || cause == SKIN)
+            m->def.wants = DUET_EFFECT_CONTACT;
+        uint32_t found = effects_of(m);
+        if (found != expected[cause])
+            fail_msg("cause %d calls for %x, not %x", cause, found, expected[cause]);
+        mover_free(m);
+    }
+}
+
+// ---------------------------------------------------------------- bit by bit
+
+// What a scene is made in: 2D or 3D, floats or doubles.
+typedef struct medium {
+    uint32_t dims;
+    bool doubles;
+} medium;
+
+static const medium usual = {3, false};
+
+// A scene in which only the effects of a set are anything but null.
+static mover *make_scene_in(medium in, uint32_t set)
+{
+    mover *m = mover_new(in.dims);
+    bool pushes = set & DUET_EFFECT_CONTACT_RESPONSE;
+    bool flat = in.dims == 2;
+    double apart = pushes ? 1.02 : 6.0;
+    const int side = flat ? 5 : 3, n = flat ? 25 : 27;
+    m->def.doubles = in.doubles;
+    m->def.wants = set & (DUET_EFFECT_CONTACT | DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP |
+                          DUET_EFFECT_EVENTS);
+    m->def.gravity[1] = set & DUET_EFFECT_GRAVITY ? -3.0 : 0.0;
+    m->def.drag = set & DUET_EFFECT_DRAG ? 0.3 : 0.0;
+    m->def.skin = set & DUET_EFFECT_SKIN ? 0.1 : 0.0;
+    m->def.edge = set & DUET_EFFECT_BOUNDS ? DUET_EDGE_WALLS : DUET_EDGE_NONE;
+    for (int k = 0; k < 3; ++k) {
+        m->def.lower[k] = pushes ? -0.51 : -10.0;
+        m->def.upper[k] = pushes ? 1.02 * side - 0.36 : 30.0;
+    }
+    for (int i = 0; i < n; ++i) {
+        uint32_t id = mover_add_cube(m, apart * (i % side), apart * (i / side % side),
+                                     apart * (i / side / side), 1);
+        duet_body *b = &m->bodies[id];
+        for (int k = 0; k < 3; ++k)
+            b->velocity[k] = 0.3f * (float)sin(3 * i + 7 * k);
+        b->fixed_rotation = !(pushes && (set & DUET_EFFECT_ANGULAR_VELOCITY));
+        if (set & DUET_EFFECT_ROTATION)
+            mover_turn(m, id, !flat, flat ? 0 : i % 4, flat ? 1 : i % 3,
+                       (pushes ? 0.001 : 0.05) * i);
+        if (set & DUET_EFFECT_ANGULAR_VELOCITY)
+            b->angular_velocity[flat ? 2 : i % 3] = 0.5f + 0.1f * (float)i;
+        b->friction = set & DUET_EFFECT_FRICTION ? 0.4f : 0.0f;
+        b->group = set & DUET_EFFECT_FILTER ? 1u << i % 2 : UINT32_MAX;
+        b->mask = set & DUET_EFFECT_FILTER ? 1u << i % 3 : UINT32_MAX;
+    }
+    if (set & DUET_EFFECT_CONTINUOUS)
+        m->bodies[n - 1].velocity[in.dims - 1] = -200.0f;
+    return m;
+}
+
+static mover *make_scene(uint32_t set)
+{
+    return make_scene_in(usual, set);
+}
+
+static void assert_same_state(medium in, uint32_t set, uint32_t more)
+{
+    mover *special = make_scene_in(in, set);
+    mover *general = make_scene_in(in, set);
+    general->def.wants |= more;
+    for (int k = 0; k < 4; ++k) {
+        mover_run(special, 4);
+        mover_run(general, 4);
+        if (mover_hash(special) != mover_hash(general))
+            fail_msg("%uD, %s: effects %x and %x differ after %d steps", in.dims,
+                     in.doubles ? "doubles" : "floats", duet_motion_effects(special->motion),
+                     duet_motion_effects(general->motion), 4 * (k + 1));
+    }
+    assert_int_equal(duet_motion_effects(general->motion) & more, more);
+    assert_int_not_equal(duet_motion_effects(special->motion),
+                         duet_motion_effects(general->motion));
+    mover_free(special);
+    mover_free(general);
+}
+
+static const uint32_t effects[] = {
+    DUET_EFFECT_ROTATION,
+    DUET_EFFECT_ANGULAR_VELOCITY,
+    DUET_EFFECT_GRAVITY,
+    DUET_EFFECT_DRAG,
+    DUET_EFFECT_BOUNDS,
+    DUET_EFFECT_CONTACT,
+    DUET_EFFECT_CONTACT_RESPONSE,
+    DUET_EFFECT_FRICTION,
+    DUET_EFFECT_CONTINUOUS,
+    DUET_EFFECT_FILTER,
+    DUET_EFFECT_SLEEP,
+    DUET_EFFECT_SKIN,
+    DUET_EFFECT_EVENTS,
+};
+
+enum { N_EFFECTS = sizeof effects / sizeof effects[0] };
+
+static uint32_t with_needs(uint32_t set)
+{
+    const uint32_t needs_response =
+        DUET_EFFECT_FRICTION | DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP;
+    const uint32_t needs_contact =
+        DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FILTER | DUET_EFFECT_SKIN | DUET_EFFECT_EVENTS;
+    set |= set & needs_response ? DUET_EFFECT_CONTACT_RESPONSE : 0;
+    return set | (set & needs_contact ? DUET_EFFECT_CONTACT : 0);
+}
+
+static bool is_in(uint32_t set, const uint32_t *sets, int n)
+{
+    for (int i = 0; i < n; ++i)
+        if (sets[i] == set)
+            return true;
+    return false;
+}
+
+// Pairs of effects, all of them: the step with these alone equals the step
+// with every effect, bit for bit.
+static void pairs_of_effects_equal_the_general_step(void **state)
+{
+    (void)state;
+    uint32_t done[N_EFFECTS * N_EFFECTS];
+    int n_done = 0;
+    for (int i = 0; i < N_EFFECTS; ++i)
+        for (int j = i; j < N_EFFECTS; ++j) {
+            uint32_t set = with_needs(effects[i] | effects[j]);
+            if (!is_in(set, done, n_done))
+                assert_same_state(usual, set, DUET_EFFECT_ALL);
+            done[n_done++] = set;
+        }
+}
+
+static void sampled_sets_equal_the_general_step(void **state)
+{
+    (void)state;
+    uint64_t seed = test_seed();
+    for (int round = 0; round < 3; ++round) {
+        seed = seed * UINT64_C(6364136223846793005) + 1442695040888963407u;
+        assert_same_state(usual,
+                          with_needs((uint32_t)(seed >> 33) & (DUET_EFFECT_ALL ^ DUET_EFFECT_SKIN)),
+                          DUET_EFFECT_ALL);
+    }
+}
+
+// Contacts are solved in float, so that with doubles a flight alone is another
+// one than in a step that could push.
+static uint32_t general_in(medium in, uint32_t set)
+{
+    const uint32_t pushes = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FRICTION |
+                            DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP;
+    bool flies = in.doubles && !(set & DUET_EFFECT_CONTACT_RESPONSE);
+    return flies ? DUET_EFFECT_ALL & ~pushes : DUET_EFFECT_ALL;
+}
+
+// Each effect with what it needs, in the other media.
+static void each_effect_equals_the_general_step_in_2d_and_in_doubles(void **state)
+{
+    (void)state;
+    static const medium media[] = {{2, false}, {2, true}, {3, true}};
+    for (int k = 0; k < 3; ++k) {
+        uint32_t done[N_EFFECTS];
+        for (int i = 0; i < N_EFFECTS; ++i) {
+            uint32_t set = with_needs(effects[i]);
+            if (!is_in(set, done, i))
+                assert_same_state(media[k], set, general_in(media[k], set));
+            done[i] = set;
+        }
+    }
+}
+
+// ---------------------------------------------------------------- text
+
+// The text without comments, where each is a blank.
+static char *without_comments(const char *text)
+{
+    char *code = strdup(text);
+    assert_non_null(code);
+    for (char *at = code; (at = strstr(at, "//"));)
+        while (*at && *at != '\n')
+            *at++ = ' ';
+    return code;
+}
+
+static bool has_param(gen *g, const char *name, const gen_limits *limits, const char *param)
+{
+    const gen_param *params = NULL;
+    uint32_t n = 0;
+    duet_error err = {0};
+    assert_ok(gen_params(g, name, limits, &params, &n, &err), err);
+    for (uint32_t i = 0; i < n; ++i)
+        if (strcmp(params[i].name, param) == 0 && params[i].n_values > 1)
+            return true;
+    return false;
+}
+
+// Every effect's parameter, its name and the word that stands for it in kernels.
+static const struct {
+    const char *param;
+    const char *effect;
+    const char *word;
+    const char *off_too; // what cannot be without it
+} words[] = {
+    {"ANGULAR_VELOCITY", "angular_velocity", "angular_velocity", "GYRO"},
+    {"GRAVITY", "gravity", "gravity", NULL},
+    {"DRAG", "drag", "drag", NULL},
+    {"BOUNDS", "bounds", "wall", NULL},
+    {"CONTACT_RESPONSE", "contact_response", "pushes", "FRICTION CONTINUOUS SLEEP"},
+    {"FRICTION", "friction", "friction", NULL},
+    {"CONTINUOUS", "continuous", "swept", NULL},
+    {"FILTER", "filter", "filter", NULL},
+    {"SLEEP", "sleep", "asleep", NULL},
+    {"SKIN", "skin", "check_fat_aabbs", NULL},
+    {"EVENTS", "events", "events", NULL},
+    {"ROTATED", "rotation", "rotations", "ANGULAR_VELOCITY GYRO"},
+};
+
+enum { N_WORDS = sizeof words / sizeof words[0] };
+
+static const char *const kernels[] = {
+    "integrate_free_flight", "fat_aabbs",          "contact_graph",
+    "match_contacts",        "build_manifolds",    "update_sleep",
+    "graph_colour",          "prepare_contacts",   "bodies",
+    "solve_contacts",        "integrate_positions"};
+
+enum { N_KERNELS = sizeof kernels / sizeof kernels[0] };
+
+// The kernel's text with every effect on, or with all but one.
+static char *text_without(gen *g, const char *name, const gen_limits *limits, int off)
+{
+    static const char *const all[] = {
+        "ROTATED",  "ANGULAR_VELOCITY", "GYRO",   "GRAVITY", "DRAG", "BOUNDS", "CONTACT_RESPONSE",
+        "FRICTION", "CONTINUOUS",       "FILTER", "SLEEP",   "SKIN", "EVENTS"};
+    gen_setting settings[16];
+    uint32_t n = 0;
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i) {
+        if (!has_param(g, name, limits, all[i]))
+            continue;
+        bool is_off = off >= 0 && (strcmp(all[i], words[off].param) == 0 ||
+                                   (words[off].off_too && strstr(words[off].off_too, all[i])));
+        settings[n++] = (gen_setting){all[i], !is_off};
+    }
+    gen_variant v = {0};
+    duet_error err = {0};
+    assert_ok(gen_make(g, name, settings, n, limits, &v, &err), err);
+    char *code = without_comments(v.text);
+    gen_variant_free(&v);
+    return code;
+}
+
+static void texts_have_no_word_of_what_is_left_out(void **state)
+{
+    (void)state;
+    const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};
+    duet_error err = {0};
+    gen *g = gen_open(NULL, &err);
+    assert_ok(g, err);
+    int checked = 0;
+    for (size_t k = 0; k < N_KERNELS; ++k) {
+        char *all = text_without(g, kernels[k], &limits, -1);
+        for (int w = 0; w < N_WORDS; ++w) {
+            if (!has_param(g, kernels[k], &limits, words[w].param) || !strstr(all, words[w].word))
+                continue;
+            char *code = text_without(g, kernels[k], &limits, w);
+            if (strstr(code, words[w].word))
+                fail_msg("%s without %s says '%s'", kernels[k], words[w].param, words[w].word);
+            free(code);
+            ++checked;
+        }
+        free(all);
+    }
+    assert_true(checked >= 20);
+    gen_close(g);
+}
+
+// Every kernel whose text an effect changes is among those that explain names.
+static void an_effect_names_all_its_kernels(void **state)
+{
+    (void)state;
+    const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};
+    duet_error err = {0};
+    gen *g = gen_open(NULL, &err);
+    assert_ok(g, err);
+    mover *m = make_scene(0);
+    mover_run(m, 1);
+    int checked = 0;
+    for (int w = 0; w < N_WORDS; ++w) {
+        duet_effect_info info = {0};
+        uint32_t i = 0;
+        while (duet_motion_explain(m->motion, i, &info) && strcmp(info.name, words[w].effect) != 0)
+            ++i;
+        assert_string_equal(info.name, words[w].effect);
+        for (size_t k = 0; k < N_KERNELS; ++k) {
+            if (!has_param(g, kernels[k], &limits, words[w].param))
+                continue;
+            if (!strstr(info.kernels, kernels[k]))
+                fail_msg("%s: '%s' lacks %s", info.name, info.kernels, kernels[k]);
+            ++checked;
+        }
+    }
+    assert_in_range(checked, 30, 100);
+    mover_free(m);
+    gen_close(g);
+}
+
+// ---------------------------------------------------------------- memory
+
+// An effect adds its buffers, and without it they are empty.
+static void buffers_are_those_that_are_called_for(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t effect;
+        motion_buffer buffer;
+    } owned[] = {
+        {DUET_EFFECT_ROTATION, ROTATIONS},
+        {DUET_EFFECT_ANGULAR_VELOCITY, ANGULAR_VELOCITIES},
+        {DUET_EFFECT_ANGULAR_VELOCITY, INERTIAS},
+        {DUET_EFFECT_CONTACT, BOXES},
+        {DUET_EFFECT_CONTACT, CONTACTS},
+        {DUET_EFFECT_CONTACT, FLAG_WORDS},
+        {DUET_EFFECT_CONTACT_RESPONSE, BODIES},
+        {DUET_EFFECT_CONTACT_RESPONSE, BLOCKS},
+        {DUET_EFFECT_FRICTION, FRICTIONS},
+        {DUET_EFFECT_FILTER, FILTERS},
+        {DUET_EFFECT_SLEEP, ASLEEP},
+        {DUET_EFFECT_EVENTS, EVENTS},
+    };
+    for (int i = 0; i < N_EFFECTS; ++i) {
+        mover *m = make_scene(with_needs(effects[i]));
+        mover_run(m, 1);
+        for (size_t k = 0; k < sizeof owned / sizeof owned[0]; ++k) {
+            bool called = duet_motion_effects(m->motion) & owned[k].effect;
+            assert_int_equal(m->motion->buffers[owned[k].buffer].mem != NULL, called);
+        }
+        mover_free(m);
+    }
+}
+
+// Kernels too: free flight is one, and a still scene has none.
+static void kernels_are_those_that_are_called_for(void **state)
+{
+    (void)state;
+    mover *m = make_scene(0);
+    mover_run(m, 1);
+    motion_kernels only = {.integrate_free_flight = m->motion->kernels.integrate_free_flight};
+    assert_memory_equal(&m->motion->kernels, &only, sizeof only);
+    cl_uint n_args = 0;
+    clGetKernelInfo(only.integrate_free_flight->cl, CL_KERNEL_NUM_ARGS, sizeof n_args, &n_args,
+                    NULL);
+    assert_int_equal(n_args, 5); // centres, velocities, times, substeps, n
+    assert_int_equal(m->last.n_stages, 1);
+    mover_free(m);
+    m = mover_new(3);
+    mover_add_cube(m, 0, 0, 0, 1);
+    mover_run(m, 1);
+    only.integrate_free_flight = NULL;
+    assert_memory_equal(&m->motion->kernels, &only, sizeof only);
+    assert_int_equal(m->last.n_stages, 0);
+    mover_free(m);
+}
+
+static void explain_tells_effects_and_bytes(void **state)
+{
+    (void)state;
+    mover *m = make_scene(with_needs(DUET_EFFECT_FRICTION));
+    mover_run(m, 1);
+    duet_effect_info info;
+    uint32_t active = 0;
+    for (uint32_t i = 0; duet_motion_explain(m->motion, i, &info); ++i) {
+        active += info.active;
+        assert_true(strlen(info.called_by) > 3 && strlen(info.kernels) > 3);
+        assert_true(info.active || info.bytes == 0);
+        if (strcmp(info.name, "friction") == 0)
+            assert_int_equal(info.bytes, 4);
+    }
+    assert_int_equal(active, __builtin_popcount(duet_motion_effects(m->motion)));
+    mover_free(m);
+}
+
+// ---------------------------------------------------------------- files
+
+// Saved in the middle, loaded into another motion, it goes on bit for bit.
+static void a_loaded_motion_goes_on_as_the_saved_one(void **state)
+{
+    (void)state;
+    static const uint32_t wants[] = {0, DUET_EFFECT_SLEEP, DUET_EFFECT_EVENTS};
+    char path[64];
+    snprintf(path, sizeof path, "/tmp/duet-motion-%d", rand());
+    for (int i = 0; i < 6; ++i) {
+        uint32_t set =
+            with_needs(DUET_EFFECT_ROTATION | DUET_EFFECT_ANGULAR_VELOCITY |
+                       DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_GRAVITY | DUET_EFFECT_BOUNDS |
+                       wants[i % 3] | (i < 3 ? 0 : DUET_EFFECT_SKIN));
+        duet_error err = {0};
+        mover *saved = make_scene(set);
+        mover *loaded = make_scene(set);
+        mover_run(saved, 60);
+        assert_ok(duet_motion_save(saved->motion, path, &err), err);
+        mover_run(loaded, 0);
+        assert_ok(duet_motion_load(loaded->motion, path, &err), err);
+        for (int k = 0; k < 3; ++k) {
+            assert_true(mover_hash(saved) == mover_hash(loaded));
+            mover_run(saved, 20);
+            mover_run(loaded, 20);
+        }
+        assert_int_equal(loaded->last.step, 120);
+        mover_free(saved);
+        mover_free(loaded);
+    }
+    remove(path);
+}
+
+static void a_damaged_file_is_refused(void **state)
+{
+    (void)state;
+    char path[64];
+    snprintf(path, sizeof path, "/tmp/duet-motion-%d", rand());
+    duet_error err = {0};
+    mover *m = make_scene(with_needs(DUET_EFFECT_CONTACT_RESPONSE));
+    mover_run(m, 5);
+    assert_ok(duet_motion_save(m->motion, path, &err), err);
+    FILE *f = fopen(path, "r+b");
+    assert_non_null(f);
+    fseek(f, 200, SEEK_SET);
+    fputc(0x55, f);
+    fclose(f);
+    assert_false(duet_motion_load(m->motion, path, &err));
+    assert_int_equal(err.status, DUET_BAD_INPUT);
+    err = (duet_error){0};
+    mover *other = make_scene(0);
+    mover_run(other, 1);
+    assert_false(duet_motion_load(other->motion, path, &err));
+    assert_non_null(strstr(err.text, "effects"));
+    mover_free(other);
+    mover_free(m);
+    remove(path);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_still_scene_calls_for_nothing),
+        cmocka_unit_test(each_cause_calls_for_its_effect),
+        cmocka_unit_test(texts_have_no_word_of_what_is_left_out),
+        cmocka_unit_test(an_effect_names_all_its_kernels),
+        cmocka_unit_test(buffers_are_those_that_are_called_for),
+        cmocka_unit_test(kernels_are_those_that_are_called_for),
+        cmocka_unit_test(explain_tells_effects_and_bytes),
+        cmocka_unit_test(a_loaded_motion_goes_on_as_the_saved_one),
+        cmocka_unit_test(a_damaged_file_is_refused),
+        cmocka_unit_test(pairs_of_effects_equal_the_general_step),
+        cmocka_unit_test(each_effect_equals_the_general_step_in_2d_and_in_doubles),
+        cmocka_unit_test(sampled_sets_equal_the_general_step),
+    };
+    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
+}

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+// However the kernels of a motion are launched, its state is the same bit by
+// bit, and nothing is written beside its buffers.
+//
+// The calls that build kernels are led here, and their launches are drawn. By
+// itself the program draws once; --all draws often and takes more scenes.
+#include "guard/guard.h"
+#include "support/mover.h"
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "runtime/opencl/program.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { STEPS = 6, MOST_PARAMS = 32 };
+
+static bool take_all;
+
+// ---------------------------------------------------------------- launches
+
+static const char *const names[] = {
+    "integrate_free_flight", "fat_aabbs", "contact_graph", "build_manifolds",  "match_contacts",
+    "update_sleep",          "bodies",    "graph_colour",  "prepare_contacts", "solve_contacts",
+    "integrate_positions"};
+
+enum { KERNELS = sizeof names / sizeof *names };
+
+typedef struct launch {
+    int64_t group, per_item; // 0: the card's own
+    int64_t lanes;           // 0: it has none
+} launch;
+
+static launch launches[KERNELS];
+static gen *generator;
+
+kernel *__wrap_program_set_kernel(program_set *set, const char *name, const char *entry,
+                                  const gen_setting *settings, uint32_t n, duet_error *err);
+kernel *__real_program_set_kernel(program_set *set, const char *name, const char *entry,
+                                  const gen_setting *settings, uint32_t n, duet_error *err);
+
+static launch *launch_of(const char *name)
+{
+    for (int i = 0; i < KERNELS; ++i)
+        if (strcmp(names[i], name) == 0 && launches[i].group > 0)
+            return &launches[i];
+    return NULL;
+}
+
+kernel *__wrap_program_set_kernel(program_set *set, const char *name, const char *entry,
+                                  const gen_setting *settings, uint32_t n, duet_error *err)
+{
+    const launch *l = launch_of(name);
+    gen_setting all[MOST_PARAMS];
+    if (!l)
+        return __real_program_set_kernel(set, name, entry, settings, n, err);
+    assert_true(n + 3 <= MOST_PARAMS);
+    memcpy(all, settings, n * sizeof *all);
+    all[n++] = (gen_setting){"WG", l->group};
+    all[n++] = (gen_setting){"PER_ITEM", l->per_item};
+    if (l->lanes)
+        all[n++] = (gen_setting){"LANES", l->lanes};
+    return __real_program_set_kernel(set, name, entry, all, n, err);
+}
+
+// B holds the state.
+static gen_limits limits_of_b(void)
+{
+    return program_limits(duet_device_pair_info(mover_pair(), 1));
+}
+
+// One of the values of a parameter; 0 where the kernel has it not.
+static int64_t draw_value(const char *kernel_name, const char *param, rng *r)
+{
+    duet_error err = {0};
+    const gen_limits limits = limits_of_b();
+    const gen_param *params = NULL;
+    uint32_t n = 0;
+    assert_ok(gen_params(generator, kernel_name, &limits, &params, &n, &err), err);
+    for (uint32_t i = 0; i < n; ++i)
+        if (strcmp(params[i].name, param) == 0)
+            return params[i].values[rng_below(r, params[i].n_values)];
+    return 0;
+}
+
+static launch draw_launch(const char *kernel_name, rng *r)
+{
+    const gen_limits limits = limits_of_b();
+    for (int again = 0; again < 100; ++again) {
+        duet_error err = {0};
+        gen_variant v;
+        launch l = {draw_value(kernel_name, "WG", r), draw_value(kernel_name, "PER_ITEM", r),
+                    draw_value(kernel_name, "LANES", r)};
+        const gen_setting settings[] = {
+            {"WG", l.group}, {"PER_ITEM", l.per_item}, {"LANES", l.lanes}};
+        if (gen_make(generator, kernel_name, settings, l.lanes ? 3 : 2, &limits, &v, &err)) {
+            gen_variant_free(&v);
+            return l;
+        }
+    }
+    fail_msg("%s has no valid launch", kernel_name);
+    return (launch){0};
+}
+
+static void draw_launches(rng *r)
+{
+    for (int i = 0; i < KERNELS; ++i)
+        launches[i] = draw_launch(names[i], r);
+    while (launch_of("prepare_contacts")->lanes <
+           launch_of("solve_contacts")->lanes) // it fills the lanes solved
+        *launch_of("prepare_contacts") = draw_launch("prepare_contacts", r);
+}
+
+static void tell_launches(char *chars, size_t capacity)
+{
+    size_t n = 0;
+    for (int i = 0; i < KERNELS && n < capacity; ++i)
+        n += (size_t)snprintf(chars + n, capacity - n, "%s WG=%d PER_ITEM=%d LANES=%d ", names[i],
+                              (int)launches[i].group, (int)launches[i].per_item,
+                              (int)launches[i].lanes);
+}
+
+// ---------------------------------------------------------------- scenes
+
+// Boxes that fall, turn, slide and come to rest between walls; or fly freely.
+static mover *make_scene(uint32_t dims, bool pushes)
+{
+    mover *m = mover_new(dims);
+    double apart = pushes ? 1.02 : 6.0;
+    if (pushes)
+        m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS;
+    m->def.gravity[1] = -3.0;
+    m->def.drag = 0.3;
+    m->def.skin = pushes ? 0.1 : 0.0;
+    m->def.edge = DUET_EDGE_WALLS;
+    for (int k = 0; k < 3; ++k) {
+        m->def.lower[k] = pushes ? -0.51 : -10.0;
+        m->def.upper[k] = pushes ? 2.7 : 30.0;
+    }
+    for (int i = 0; i < (dims == 3 ? 27 : 9); ++i) {
+        uint32_t id = mover_add_cube(m, apart * (i % 3), apart * (i / 3 % 3), apart * (i / 9), 1);
+        duet_body *b = &m->bodies[id];
+        for (uint32_t k = 0; k < dims; ++k)
+            b->velocity[k] = 0.3f * (float)sin(3 * i + 7 * (int)k);
+        b->angular_velocity[dims == 3 ? i % 3 : 2] = 0.5f + 0.1f * (float)i;
+        b->friction = pushes ? 0.4f : 0.0f;
+        b->group = 1u << i % 2;
+        b->mask = 1u << i % 2 | 1u << i % 3;
+    }
+    m->bodies[8].velocity[0] = -200.0f;
+    return m;
+}
+
+static uint64_t run(uint32_t dims, bool pushes, const char *what)
+{
+    mover *m = make_scene(dims, pushes);
+    mover_run(m, STEPS);
+    uint64_t hash = mover_hash(m);
+    mover_free(m);
+    guard_assert_whole(what);
+    return hash;
+}
+
+static void try_launches(uint32_t dims, bool pushes, rng *r)
+{
+    memset(launches, 0, sizeof launches);
+    uint64_t truth = run(dims, pushes, "the cards' launches");
+    for (int i = 0; i < (take_all ? 24 : 1); ++i) {
+        char what[600];
+        draw_launches(r);
+        tell_launches(what, sizeof what);
+        if (run(dims, pushes, what) != truth)
+            fail_msg("%uD, pushes %d: another state with %s", dims, pushes, what);
+    }
+}
+
+static void any_launch_gives_the_same_state_and_writes_nothing_else(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    duet_error err = {0};
+    generator = gen_open(NULL, &err);
+    assert_ok(generator, err);
+    try_launches(3, true, &r);
+    for (uint32_t dims = 2; take_all && dims <= 3; ++dims) {
+        try_launches(dims, false, &r);
+        try_launches(dims, true, &r);
+    }
+    gen_close(generator);
+}
+
+int main(int argc, char **argv)
+{
+    take_all = argc > 1 && strcmp(argv[1], "--all") == 0;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(any_launch_gives_the_same_state_and_writes_nothing_else),
+    };
+    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
+}

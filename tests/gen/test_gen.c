@@ -1,0 +1,484 @@
+// SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L
+#include "support/golden.h"
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "base/text.h"
+#include "gen/gen.h"
+
+#include <inttypes.h>
+#include <sha256.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const gen_limits gpu = {.max_group = 1024, .local_bytes = 48 << 10, .fp64 = true};
+static const gen_limits cpu = {
+    .max_group = 4096, .local_bytes = 1 << 20, .fp64 = true, .cpu = true};
+
+static gen *open_test_kernels(void)
+{
+    duet_error err = {0};
+    text dir = {0};
+    text_add(&dir, "%s/kernels", getenv("DUET_TEST_DATA"));
+    gen *g = gen_open(dir.chars, &err);
+    assert_ok(g, err);
+    text_free(&dir);
+    return g;
+}
+
+// ------------------------------------------------------- a folder of its own
+
+static char folder[64];
+static char made[4096]; // the text that make_with made
+
+static void write_file(const char *name, const char *chars)
+{
+    char path[128];
+    duet_error err = {0};
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    assert_ok(text_write_file(path, chars, strlen(chars), &err), err);
+}
+
+static void remove_file(const char *name)
+{
+    char path[128];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    remove(path);
+}
+
+// A kernel k in a folder of its own; returns what making it with the settings
+// says.
+static duet_error make_with(const char *card, const char *body_file, const char *body)
+{
+    snprintf(folder, sizeof folder, "test_gen_XXXXXX");
+    assert_non_null(mkdtemp(folder));
+    write_file("common.clh", "// shared\n");
+    write_file("k.lua", card);
+    write_file(body_file, body);
+    duet_error err = {0};
+    gen *g = gen_open(folder, &err);
+    assert_ok(g, err);
+    gen_variant v;
+    bool ok = gen_make(g, "k", NULL, 0, &gpu, &v, &err);
+    assert_int_equal(ok, v.text != NULL);
+    snprintf(made, sizeof made, "%s", ok ? v.text : "");
+    gen_variant_free(&v);
+    gen_close(g);
+    remove_file("common.clh");
+    remove_file("k.lua");
+    remove_file(body_file);
+    rmdir(folder);
+    return err;
+}
+
+static void expect(duet_error err, duet_status status, const char *wanted)
+{
+    if (err.status != status || !strstr(err.text, wanted))
+        fail_msg("%s %s, wanted %s", duet_status_name(err.status), err.text, wanted);
+}
+
+#define CARD(params, rest)                          \
+    "return {\n  params = { " params " },\n  " rest \
+    "\n  launch = function(p) return { group = 1, per_item = 1 } end,\n}\n"
+
+// ------------------------------------------------------- texts
+
+static void the_same_config_gives_the_same_bytes(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    gen_setting settings[] = {{"FACTOR", 2}, {"WG", 256}};
+    gen_variant first, second;
+    gen *g = open_test_kernels();
+    gen *other = open_test_kernels();
+    assert_ok(gen_make(g, "plain", settings, 2, &gpu, &first, &err), err);
+    assert_ok(gen_make(g, "plain", NULL, 0, &gpu, &second, &err), err);
+    gen_variant_free(&second);
+    assert_ok(gen_make(other, "plain", settings, 2, &gpu, &second, &err), err);
+    assert_string_equal(first.text, second.text);
+    assert_string_equal(first.sha256, second.sha256);
+    assert_int_equal(strlen(first.sha256), 64);
+    gen_variant_free(&first);
+    gen_variant_free(&second);
+    gen_close(g);
+    gen_close(other);
+}
+
+static void the_hash_is_of_the_text(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    gen *g = open_test_kernels();
+    gen_variant v;
+    assert_ok(gen_make(g, "plain", NULL, 0, &gpu, &v, &err), err);
+    char sum[65];
+    SHA256Data((const uint8_t *)v.text, strlen(v.text), sum);
+    assert_string_equal(v.sha256, sum);
+    gen_variant_free(&v);
+    gen_close(g);
+}
+
+static void texts_are_as_expected(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    gen *g = open_test_kernels();
+    gen_variant v;
+    for (int64_t dims = 2; dims <= 3; ++dims) {
+        gen_setting setting = {"DIMS", dims};
+        assert_ok(gen_make(g, "shaped", &setting, 1, &gpu, &v, &err), err);
+        golden_check(dims == 2 ? "shaped.2d.cl" : "shaped.3d.cl", v.text);
+        gen_variant_free(&v);
+    }
+    assert_ok(gen_make(g, "plain", NULL, 0, &gpu, &v, &err), err);
+    golden_check("plain.gpu.cl", v.text);
+    gen_variant_free(&v);
+    gen_close(g);
+}
+
+static void a_variant_is_named_by_what_varies(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    gen_setting settings[] = {{"SHIFT", 5}, {"PER_ITEM", 1}, {"FACTOR", 3}};
+    gen *g = open_test_kernels();
+    gen_variant v;
+    assert_ok(gen_make(g, "plain", settings, 3, &cpu, &v, &err), err);
+    assert_string_equal(v.name, "plain.FACTOR3.WG1.PER_ITEM1");
+    assert_non_null(strstr(v.text, "#define SHIFT 5\n"));
+    assert_int_equal(v.group, 1);
+    assert_int_equal(v.per_item, 1);
+    gen_variant_free(&v);
+    gen_close(g);
+}
+
+// ------------------------------------------------------- configs
+
+static void settings_that_do_not_fit_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *kernel;
+        gen_setting setting;
+        duet_status status;
+        const char *wanted;
+    } cases[] = {
+        {"plane", {"WG", 1}, DUET_NOT_FOUND, "no kernel 'plane': there are plain, shaped"},
+        {"plain",
+         {"WGG", 1},
+         DUET_BAD_ARGUMENT,
+         "plain: no parameter 'WGG': there are FACTOR, SHIFT, WG, PER_ITEM"},
+        {"plain", {"WG", 7}, DUET_BAD_ARGUMENT, "plain: WG=7 is not one of 1, 64, 256"},
+        {"plain", {"SHIFT", 9}, DUET_BAD_ARGUMENT, "plain: SHIFT=9 is not in -8 .. 8"},
+        {"plain",
+         {"FACTOR", 3},
+         DUET_BAD_ARGUMENT,
+         "plain: not a valid config: 3 is done one by one"},
+    };
+    gen *g = open_test_kernels();
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        duet_error err = {0};
+        gen_variant v;
+        assert_false(gen_make(g, cases[i].kernel, &cases[i].setting, 1, &gpu, &v, &err));
+        expect(err, cases[i].status, cases[i].wanted);
+        assert_null(v.text);
+    }
+    gen_close(g);
+}
+
+static void a_group_above_the_device_is_never_valid(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    gen_limits small = gpu;
+    small.max_group = 32;
+    gen *g = open_test_kernels();
+    gen_variant v;
+    assert_false(gen_make(g, "plain", NULL, 0, &small, &v, &err));
+    expect(err, DUET_BAD_ARGUMENT, "a group of 64 is above the device's 32");
+    gen_close(g);
+}
+
+static void defaults_follow_the_limits(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    const gen_param *params = NULL;
+    uint32_t n = 0;
+    gen *g = open_test_kernels();
+    assert_ok(gen_params(g, "plain", &gpu, &params, &n, &err), err);
+    assert_int_equal(n, 4);
+    assert_string_equal(params[2].name, "WG");
+    assert_int_equal(params[2].fallback, 64);
+    assert_int_equal(params[2].n_values, 3);
+    assert_int_equal(params[2].values[1], 64);
+    assert_string_equal(params[1].about, "what is added");
+    assert_true(params[1].is_range);
+    assert_int_equal(params[1].fallback, -1);
+    assert_int_equal(params[0].fallback, 1); // the first value
+    assert_ok(gen_params(g, "plain", &cpu, &params, &n, &err), err);
+    assert_int_equal(params[2].fallback, 1);
+    gen_close(g);
+}
+
+// Every config by number, against three loops.
+static void configs_are_counted_and_found_by_number(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    gen_limits small = gpu;
+    small.local_bytes = 256; // no group of 256
+    gen *g = open_test_kernels();
+    uint64_t count = 0, index = 0;
+    assert_ok(gen_count(g, "plain", &small, &count, &err), err);
+    gen_setting config[4];
+    for (int64_t factor = 1; factor <= 3; ++factor)
+        for (int64_t wg = 1; wg <= 64; wg += 63)
+            for (int64_t per_item = 1; per_item <= (factor == 3 ? 1 : 4); per_item += 3) {
+                assert_ok(gen_config(g, "plain", &small, index++, config, &err), err);
+                assert_int_equal(config[0].value, factor);
+                assert_string_equal(config[1].name, "SHIFT");
+                assert_int_equal(config[1].value, -1);
+                assert_int_equal(config[2].value, wg);
+                assert_int_equal(config[3].value, per_item);
+            }
+    assert_int_equal(count, index);
+    assert_false(gen_config(g, "plain", &small, count, config, &err));
+    expect(err, DUET_BAD_ARGUMENT, "plain: config 10 of 10");
+    gen_close(g);
+}
+
+static void a_large_space_is_counted_block_by_block(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    snprintf(folder, sizeof folder, "test_gen_XXXXXX");
+    assert_non_null(mkdtemp(folder));
+    write_file("k.lua",
+               CARD("{ 'A', values = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9 } },"
+                    "{ 'B', values = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9 } },"
+                    "{ 'C', values = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9 } }",
+                    "valid = function(p) return (100 * p.A + 10 * p.B + p.C) % 7 == 3 end,"));
+    write_file("common.clh", "\n");
+    write_file("k.cl", "\n");
+    gen *g = gen_open(folder, &err);
+    assert_ok(g, err);
+    uint64_t count = 0;
+    assert_ok(gen_count(g, "k", &gpu, &count, &err), err);
+    assert_int_equal(count, 143); // 3, 10, .. 997
+    for (uint64_t i = 0; i < count; ++i) {
+        gen_setting p[3];
+        assert_ok(gen_config(g, "k", &gpu, i, p, &err), err);
+        assert_int_equal(100 * p[0].value + 10 * p[1].value + p[2].value, 7 * i + 3);
+    }
+    gen_close(g);
+    remove_file("k.lua");
+    remove_file("common.clh");
+    remove_file("k.cl");
+    rmdir(folder);
+}
+
+// ------------------------------------------------------- what is broken
+
+static void a_broken_card_is_told_with_its_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *card;
+        const char *wanted;
+    } cases[] = {
+        {"return {\n  params = {", "k.lua:2: unexpected symbol"},
+        {"return 5", "k.lua: the card returns a number, not a table"},
+        {"return {}", "k.lua: the card has no params"},
+        {"return { params = {} }", "k.lua: the card has no launch function"},
+        {CARD("", "parms = 1,"), "k.lua:3: the card has no field 'parms'"},
+        {CARD("", "valid = true,"), "k.lua:3: valid must be a function, is a boolean"},
+        {CARD("7", ""), "k.lua:2: parameter 1 is a number, not a table"},
+        {CARD("{ 'wg', values = { 1 } }", ""), "k.lua:2: parameter 1 begins with 'wg'"},
+        {CARD("{ 'A', values = {1} }, { 'A', values = {1} }", ""),
+         "k.lua:2: parameter A is there twice"},
+        {CARD("{ 'A', vals = { 1 } }", ""), "k.lua:2: A has no field 'vals'"},
+        {CARD("{ 'A', values = { 1 }, 2 }", ""), "k.lua: A has no field [2]"},
+        {CARD("{ 'A' }", ""), "k.lua: A: neither values nor min and max"},
+        {CARD("{ 'A', values = {} }", ""), "k.lua: A: values has 0 of them"},
+        {CARD("{ 'A', values = { 1, 1.5 } }", ""), "k.lua: A: value 2 is not a whole number"},
+        {CARD("{ 'A', values = { 1, 2, 1 } }", ""), "k.lua: A: value 1 is there twice"},
+        {CARD("{ 'A', values = { 1, 2 }, default = 3 }", ""),
+         "k.lua: A: its default 3 is none of its values"},
+        {CARD("{ 'A', min = 2, max = 1 }", ""), "k.lua: A: min 2 is above max 1"},
+        {CARD("{ 'A', values = { 1 }, default = function() return 'x' end }", ""),
+         "k.lua: A: its default is x, none of its values"},
+        {CARD("{ 'A', values = { 1 }, default = function(l) return l.wg.x end }", ""),
+         "k.lua:2: attempt to index a nil value (field 'wg')"},
+        {CARD("", "valid = function(p) return p.A > 1 end,"),
+         "k.lua:3: attempt to compare number with nil"},
+        {CARD("", "valid = function(p) while true do end end,"), "k.lua:3: runs for more than"},
+        {CARD("", "uses = { '../x.clh' },"), "k.lua:3: uses has at most 8 names of files"},
+        {CARD("", "emit = { 'nothing' },"), "gen/emit/nothing.lua: there is no such file"},
+        {CARD("", "uses = { 'nothing.clh' },"), "/nothing.clh: "},
+        {"return { params = {}, launch = function() end }",
+         "k.lua: launch gives a nil, not { group = ..., per_item = ... }"},
+        {"return { params = {}, launch = function() return { group = 0 } end }",
+         "k.lua: launch gives no group of 1 or more"},
+        {"return { params = {}, launch = function() return { group = 1 } end }",
+         "k.lua: launch gives no per_item of 1 or more"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        duet_error err = make_with(cases[i].card, "k.cl.in", "int x;\n");
+        bool is_file = strstr(cases[i].wanted, "nothing.clh");
+        expect(err, is_file ? DUET_NOT_FOUND : DUET_BUILD_FAILED, cases[i].wanted);
+    }
+}
+
+static void a_broken_template_is_told_with_its_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *body;
+        const char *wanted;
+    } cases[] = {
+        {"int a;\nint @{A +};\n", "k.cl.in:2: unexpected symbol near ')'"},
+        {"int a;\n//@ for i = 1, 3 do\nint b;\n", "k.cl.in:3: 'end' expected"},
+        {"int a;\n\nint @{B};\n", "k.cl.in:3: an expression in @{} gives a nil"},
+        {"int a;\nint @{A;\n", "k.cl.in:2: '@{' has no '}' on its line"},
+        {"int a;\n//@ error('stop')\n", "k.cl.in:2: stop"},
+        {"int a;\n//@ while true do\nint b;\n//@ end\n", "k.cl.in:"},
+        {"int a;\n//@ local s = ('x'):rep(1 << 40)\n", "k.cl.in"},
+        {"int a;\n//@ io.open('x')\n", "k.cl.in:2: attempt to index a nil value (global 'io')"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const char *card = CARD("{ 'A', values = { 1 } }", "");
+        expect(make_with(card, "k.cl.in", cases[i].body), DUET_BUILD_FAILED, cases[i].wanted);
+    }
+}
+
+static void a_template_without_lua_comes_out_as_it_went_in(void **state)
+{
+    (void)state;
+    const char *body = "a \"%d\\n\" @ {b}\n\n  \\\n]]\n";
+    duet_error err = make_with(CARD("", ""), "k.cl.in", body);
+    assert_ok(err.status == DUET_OK, err);
+    const char *begin = strstr(made, "a \"");
+    assert_non_null(begin);
+    assert_string_equal(begin, body);
+}
+
+static void a_broken_kernel_does_not_stop_the_others(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    snprintf(folder, sizeof folder, "test_gen_XXXXXX");
+    assert_non_null(mkdtemp(folder));
+    write_file("bad.lua", "return {");
+    write_file("good.lua", CARD("", ""));
+    write_file("good.cl", "int good;\n");
+    write_file("common.clh", "\n");
+    gen *g = gen_open(folder, &err);
+    assert_ok(g, err);
+    assert_string_equal(gen_kernel(g, 0), "bad");
+    assert_string_equal(gen_kernel(g, 1), "good");
+    assert_null(gen_kernel(g, 2));
+    gen_variant v;
+    assert_false(gen_make(g, "bad", NULL, 0, &gpu, &v, &err));
+    err = (duet_error){0};
+    assert_ok(gen_make(g, "good", NULL, 0, &gpu, &v, &err), err);
+    gen_variant_free(&v);
+    write_file("bad.lua", CARD("", "")); // mended
+    write_file("bad.cl", "int bad;\n");
+    assert_ok(gen_make(g, "bad", NULL, 0, &gpu, &v, &err), err);
+    gen_variant_free(&v);
+    gen_close(g);
+    const char *const files[] = {"bad.lua", "bad.cl", "good.lua", "good.cl", "common.clh"};
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; ++i)
+        remove_file(files[i]);
+    rmdir(folder);
+}
+
+static void a_folder_is_never_mixed_with_carried_files(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    assert_null(gen_open("no/such/folder", &err));
+    expect(err, DUET_NOT_FOUND, "kernel folder no/such/folder");
+    snprintf(folder, sizeof folder, "test_gen_XXXXXX");
+    assert_non_null(mkdtemp(folder));
+    err = (duet_error){0};
+    assert_null(gen_open(folder, &err));
+    expect(err, DUET_NOT_FOUND, "no card (*.lua) in it");
+    write_file("scan.lua", CARD("", ""));
+    err = (duet_error){0};
+    gen *g = gen_open(folder, &err);
+    assert_ok(g, err);
+    gen_variant v;
+    assert_false(gen_make(g, "scan", NULL, 0, &gpu, &v, &err));
+    expect(err, DUET_NOT_FOUND, "/common.clh: ");
+    write_file("common.clh", "\n");
+    err = (duet_error){0};
+    assert_false(gen_make(g, "scan", NULL, 0, &gpu, &v, &err));
+    expect(err, DUET_NOT_FOUND, "/scan.cl: ");
+    write_file("scan.cl", "\n");
+    write_file("scan.cl.in", "\n");
+    err = (duet_error){0};
+    assert_false(gen_make(g, "scan", NULL, 0, &gpu, &v, &err));
+    expect(err, DUET_BUILD_FAILED, "scan.cl stands beside scan.cl.in: keep one of them");
+    gen_close(g);
+    remove_file("scan.lua");
+    remove_file("scan.cl");
+    remove_file("scan.cl.in");
+    remove_file("common.clh");
+    rmdir(folder);
+}
+
+// ------------------------------------------------------- damage
+
+static void damage(char *chars, rng *r)
+{
+    static const char odd[] = "{}()[]\"'=,.-#%@\n\0\x1b 0fe";
+    size_t n = strlen(chars);
+    for (uint32_t i = rng_below(r, 3) + 1; i > 0; --i)
+        chars[rng_below(r, (uint32_t)n)] = odd[rng_below(r, sizeof odd - 1)];
+}
+
+// A card and a template with a few wrong characters make a variant or one line
+// that says why not.
+static void damage_is_an_error_or_a_variant(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    for (int i = 0; i < 400; ++i) {
+        char card[] = CARD("{ 'A', values = { 1, 2 }, default = function(l) return 1 end }",
+                           "emit = { 'stencil' }, valid = function(p) return p.A > 0 end,");
+        char body[] = "int a;\n//@ for i = 1, 3 do\nint @{(A + i) .. 'x'};\n//@ end\n";
+        damage(i % 2 ? card : body, &r);
+        duet_error err = make_with(card, "k.cl.in", body);
+        if (err.status != DUET_OK && err.status != DUET_BUILD_FAILED)
+            fail_msg("%s %s\n%s%s", duet_status_name(err.status), err.text, card, body);
+        assert_null(strchr(err.text, '\n'));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_same_config_gives_the_same_bytes),
+        cmocka_unit_test(the_hash_is_of_the_text),
+        cmocka_unit_test(texts_are_as_expected),
+        cmocka_unit_test(a_variant_is_named_by_what_varies),
+        cmocka_unit_test(settings_that_do_not_fit_are_refused),
+        cmocka_unit_test(a_group_above_the_device_is_never_valid),
+        cmocka_unit_test(defaults_follow_the_limits),
+        cmocka_unit_test(configs_are_counted_and_found_by_number),
+        cmocka_unit_test(a_large_space_is_counted_block_by_block),
+        cmocka_unit_test(a_broken_card_is_told_with_its_line),
+        cmocka_unit_test(a_broken_template_is_told_with_its_line),
+        cmocka_unit_test(a_template_without_lua_comes_out_as_it_went_in),
+        cmocka_unit_test(a_broken_kernel_does_not_stop_the_others),
+        cmocka_unit_test(damage_is_an_error_or_a_variant),
+        cmocka_unit_test(a_folder_is_never_mixed_with_carried_files),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

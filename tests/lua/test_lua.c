@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT
+// duet lua, as a person calls it, and what a hostile script can do with it.
+#include "support/program.h"
+#include "support/test.h"
+
+#include "base/clock.h"
+#include "base/text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SCRIPT "test_lua.script.lua"
+
+static void write_script(const char *content)
+{
+    duet_error err = {0};
+    assert_ok(text_write_file(SCRIPT, content, strlen(content), &err), err);
+}
+
+static int remove_files(void **state)
+{
+    (void)state;
+    remove(SCRIPT);
+    remove("test_lua.out");
+    return 0;
+}
+
+static void assert_prints(const char *arguments, const char *output)
+{
+    program p = program_run("%s", arguments);
+    if (p.exit_code != 0)
+        fail_msg("%s: %s", arguments, p.err);
+    assert_string_equal(p.out, output);
+    assert_string_equal(p.err, "");
+    program_free(&p);
+}
+
+static void text_file_and_arguments_run(void **state)
+{
+    (void)state;
+    assert_prints("lua -e 'print(1 + 1, duet.version)'", "2\t1.0.0\n");
+    write_script("#!/usr/bin/env duet\nprint(arg[0], #arg, arg[1], require 'duet' == duet)\n");
+    assert_prints("lua -e 'x = 1' " SCRIPT " --json b", SCRIPT "\t2\t--json\ttrue\n");
+}
+
+static void trust_gives_the_whole_language(void **state)
+{
+    (void)state;
+    assert_prints("lua --trust -e 'io.write(type(os.time), type(load), type(pcall))'",
+                  "functionfunctionfunction");
+    assert_prints("lua -e 'print(io, os, load, dofile, pcall, debug, package, coroutine)'",
+                  "nil\tnil\tnil\tnil\tnil\tnil\tnil\tnil\n");
+}
+
+static void what_is_typed_is_run_and_shown(void **state)
+{
+    (void)state;
+    write_script("x = { 3, 4, name = 'a b' }\n"
+                 "x\n"
+                 "function twice(n)\n"
+                 "  return 2 * n\n"
+                 "end\n"
+                 "twice(\n"
+                 "  21), 'text'\n"
+                 "40 +\n"
+                 "2\n"
+                 "{ { n = 1, s = 'a' }, { n = 100, s = 'b' } }\n");
+    assert_prints("lua -i <" SCRIPT,
+                  "{ 3, 4, name = \"a b\" }\n42\ttext\n42\nn    s\n  1  a\n100  b\n");
+}
+
+static void a_step_can_be_made_without_trust(void **state)
+{
+    (void)state;
+    write_script("local pair <close> = assert(duet.device_pair())\n"
+                 "local world <close> = assert(pair:world { dims = 3 })\n"
+                 "assert(world:set_poses { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1,\n"
+                 "                         1, 0, 0, 1, 1, 1, 0, 0, 0, 1 })\n"
+                 "for a, b in assert(world:step()):pairs() do print(a, b) end\n");
+    assert_prints("lua " SCRIPT, "0\t1\n");
+}
+
+// ---------------------------------------------------------------- refusals
+
+static void assert_refused(const char *arguments, int exit_code, const char *says)
+{
+    program p = program_run("%s", arguments);
+    program_assert_refused(&p, exit_code, says);
+}
+
+static void a_wrong_command_line_is_refused(void **state)
+{
+    (void)state;
+    assert_refused("lua", 2, "nothing to run");
+    assert_refused("lua nowhere.lua", 1, "nowhere.lua: No such file");
+    assert_refused("lua -e 'x x'", 1, "-e:1: syntax error near 'x'");
+    assert_refused("lua --trust -e 'x x'", 1, "-e:1: syntax error near 'x'");
+    assert_refused("lua --trust -e 'error {}'", 1, "an error that is not a text");
+}
+
+static void a_hostile_script_ends_with_its_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *script;
+        const char *says;
+    } cases[] = {
+        {"\nwhile true do end", ":2: runs for more than the 0.5 seconds"},
+        {"\nlocal t = {}\nfor i = 1, 1e9 do t[i] = { i } end", ":3: needs more than the 16384 KiB"},
+        {"local s = 'x'\n\nfor i = 1, 60 do s = s .. s end", ":3: needs more than the 16384 KiB"},
+        {"print(('x'):rep(1 << 60))", ":1: resulting string too large"},
+        {"print(('x'):rep(1 << 30))", ":1: needs more than the 16384 KiB"},
+        {"\nlocal function f() return 1 + f() end\nf()", ":2: needs more than the 16384 KiB"},
+        {"('x'):rep(30000):find(('.-'):rep(30) .. 'y')", ":1: runs for more than the 0.5 seconds"},
+        {"setmetatable({}, { __gc = function() while true do end end })", ":1: attempt to call"},
+        {"getmetatable('').__index = nil", ":1: attempt to call"},
+        {"string.rep = nil\nprint(('x'):dump())", ":2: attempt to call"},
+        {"require 'os'", ":1: require 'os': without --trust"},
+        {"duet.poses(1 << 40)", ":1: needs more than the 16384 KiB"},
+        {"duet.poses(1 << 62)", ":1: duet.poses of"},
+        {"duet.scene('/etc/passwd')", ":1: '/etc/passwd' is not below the current folder"},
+        {"duet.scene('../x.csv')", ":1: '../x.csv' is not below"},
+        {"duet.scene('x/../../x.csv')", ":1: 'x/../../x.csv' is not below"},
+        {"duet.device_pair { kernel_dir = '.' }", ":1: choosing kernel_dir or cache_dir needs"},
+        {"duet.device_pair { cache_dir = '.' }", ":1: choosing kernel_dir or cache_dir needs"},
+        {"local p = duet.poses(1)\np.get(duet)", ":2: bad argument #1 to 'get'"},
+        {"local p = duet.poses(1)\np:close()\np:get(0)",
+         ":3: calling 'get' on bad self (the array is closed)"},
+        {"\33Lua", ": attempt to load a binary chunk"},
+        {"error(setmetatable)", ": raises a nil as its error"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char says[160];
+        snprintf(says, sizeof says, SCRIPT "%s", cases[i].says);
+        write_script(cases[i].script);
+        bool by_time = strstr(says, "seconds");
+        assert_refused(by_time ? "lua --seconds 0.5 --memory 16 " SCRIPT
+                               : "lua --seconds 30 --memory 16 " SCRIPT,
+                       1, says);
+    }
+}
+
+#define CROWD                                                  \
+    "local boxes = duet.bounds(20000)\n"                       \
+    "for i = 0, 19999 do boxes:set(i, 0, 0, 0, 1, 1, 1) end\n" \
+    "local scene = assert(duet.scene(boxes, 3))\n"
+
+// Each of 20000 boxes touches each: 1.6 GB of pairs.
+static void work_of_the_host_is_held_to_the_limits(void **state)
+{
+    (void)state;
+    write_script(CROWD "assert(scene:reference())\n");
+    assert_refused("lua --seconds 60 --memory 16 " SCRIPT, 1,
+                   SCRIPT ":4: needs more than the 16384 KiB of the host's memory it may take");
+    assert_refused("lua --seconds 0.3 --memory 8192 " SCRIPT, 1,
+                   SCRIPT ":4: runs for more than the 0.3 seconds it may take");
+    write_script("local kept = {}\n"
+                 "for i = 1, 100 do kept[i] = assert(duet.scene(duet.bounds(100000), 3)) end\n");
+    assert_refused("lua --memory 64 " SCRIPT, 1, SCRIPT ":2: needs more than the 65536 KiB");
+}
+
+// A step on devices cannot be ended by the library; this one takes seconds.
+static void a_script_that_goes_on_in_the_host_is_ended_by_the_program(void **state)
+{
+    (void)state;
+    write_script(CROWD "local world = assert(assert(duet.device_pair()):world(scene))\n"
+                       "while true do assert(world:step()) end\n");
+    uint64_t begun = clock_steady_ns();
+    program p = program_run("lua --seconds 0.5 " SCRIPT);
+    double seconds = (double)(clock_steady_ns() - begun) * 1e-9;
+    assert_int_equal(p.exit_code, 1);
+    bool by_limit = strstr(p.err, SCRIPT ":5: runs for more than the 0.5 seconds it may take");
+    if (!by_limit &&
+        strcmp(p.err, "duet: a script ran on for 2 s after its limit, and was ended\n"))
+        fail_msg("said '%s'", p.err);
+    if (seconds > 15)
+        fail_msg("took %g s", seconds);
+    program_free(&p);
+}
+
+// The first signal is heard, whatever the script does; a second one would end
+// the program without a line.
+static void a_signal_is_heard_whatever_runs(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *options;
+        const char *script;
+    } cases[] = {
+        {"", "while true do end"},
+        {"", "local s = ('x'):rep(5e7) while true do s:reverse() end"},
+        {"--trust", "while true do pcall(function() while true do end end) end"},
+        {"--trust", "print(('a'):rep(1e7):find(('a'):rep(5e6) .. 'b', 1, true))"},
+        {"--trust", "print(pcall(coroutine.wrap(function() while true do end end)))\n"
+                    "while true do end"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        write_script(cases[i].script);
+        uint64_t begun = clock_steady_ns();
+        program p = program_run_with("timeout --foreground --preserve-status -s TERM 0.5",
+                                     "lua %s " SCRIPT, cases[i].options);
+        double seconds = (double)(clock_steady_ns() - begun) * 1e-9;
+        if (p.exit_code != 1 || !strstr(p.err, "stopped\n") || seconds > 0.5 + 2 + 8)
+            fail_msg("%s: exit %d after %g s, '%s'", cases[i].script, p.exit_code, seconds, p.err);
+        program_free(&p);
+    }
+}
+
+static void a_file_named_on_the_command_line_can_be_read(void **state)
+{
+    (void)state;
+    char path[512];
+    snprintf(path, sizeof path, "lua /dev/stdin '%s/paper.lua' <" SCRIPT,
+             getenv("DUET_TEST_SCENES"));
+    write_script("print(#assert(duet.scene(arg[1], { n = 7 })))\n");
+    assert_prints(path, "7\n");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(text_file_and_arguments_run),
+        cmocka_unit_test(trust_gives_the_whole_language),
+        cmocka_unit_test(what_is_typed_is_run_and_shown),
+        cmocka_unit_test(a_step_can_be_made_without_trust),
+        cmocka_unit_test(a_wrong_command_line_is_refused),
+        cmocka_unit_test(a_hostile_script_ends_with_its_line),
+        cmocka_unit_test(work_of_the_host_is_held_to_the_limits),
+        cmocka_unit_test(a_script_that_goes_on_in_the_host_is_ended_by_the_program),
+        cmocka_unit_test(a_signal_is_heard_whatever_runs),
+        cmocka_unit_test(a_file_named_on_the_command_line_can_be_read),
+    };
+    return cmocka_run_group_tests(tests, NULL, remove_files);
+}

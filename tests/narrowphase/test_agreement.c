@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+// Each level of accuracy is one set of pairs: its reference's, bit by bit, on
+// both devices, at any share, by any search.
+#include "support/hard_pairs.h"
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "runtime/scene/reference.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+// The first of the hard classes are of ordinary sizes.
+enum { OBJECTS = 900, HARD = 100, HARD_CLASSES = 10 };
+
+// The last one is a GPU's, with groups that share their work.
+static const char *const searches[] = {
+    "simd",
+    "simd grid=hashed",
+    "simd pair_search_simd.FUSED=0",
+    "gpu",
+    "paper",
+    "gpu pair_search_gpu.FUSED=1 pair_search_gpu.WG=64 pair_search_gpu.PER_ITEM=4",
+};
+
+static const uint32_t shares[] = {0, DUET_SHARE_ONE / 3, DUET_SHARE_ONE};
+
+typedef struct crowd {
+    uint32_t dims;
+    bool rotated;
+    uint32_t n;
+    duet_pose poses[OBJECTS];
+} crowd;
+
+static duet_pose random_pose(rng *r, double width, bool rotated)
+{
+    duet_pose p = {.rotation = {0, 0, 0, 1}};
+    for (int k = 0; k < 3; ++k) {
+        double at = rng_between(r, -width, width);
+        p.centre[k] = (float)(rng_below(r, 2) ? at : (double)(int)at);
+        p.half_extents[k] = rng_below(r, 2) ? 0.5f : (float)rng_between(r, 0, 0.5);
+    }
+    // every other one is nearly upright, where textbooks go wrong
+    double turn = rng_below(r, 2) ? 1.0 : 1e-6;
+    for (int k = 0; rotated && k < 3; ++k)
+        p.rotation[k] = (float)(turn * rng_normal(r));
+    return p;
+}
+
+// A crowd, and pairs that are hard, in any order.
+static void fill(crowd *c, rng *r)
+{
+    c->n = OBJECTS;
+    for (uint32_t i = 0; i < c->n; ++i)
+        c->poses[i] = random_pose(r, 4.0, c->rotated);
+    for (uint32_t i = 0; c->rotated && i < HARD; ++i) {
+        hard_pair pair = hard_classes[rng_below(r, HARD_CLASSES)].make(r, c->dims);
+        c->poses[rng_below(r, OBJECTS)] = pair.a;
+        c->poses[rng_below(r, OBJECTS)] = pair.b;
+    }
+}
+
+static reference_found reference_of(const crowd *c, duet_level level)
+{
+    reference_objects objects = {.dims = c->dims,
+                                 .shape = DUET_SHAPE_POSES,
+                                 .n = c->n,
+                                 .poses = c->poses,
+                                 .level = level,
+                                 .rotated = c->rotated};
+    reference_found found = {0};
+    duet_error err = {0};
+    assert_ok(reference_find(&objects, REFERENCE_EACH_WITH_EACH, &found, &err), err);
+    return found;
+}
+
+static duet_world *open_world(duet_device_pair *pair, const crowd *c)
+{
+    duet_world_def def = duet_default_world_def();
+    def.pair = pair;
+    def.dims = c->dims;
+    def.rotated = c->rotated;
+    duet_error err = {0};
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world, err);
+    assert_ok(duet_world_set_poses(world, c->poses, c->n, &err), err);
+    return world;
+}
+
+static void step(duet_world *world, const crowd *c, duet_level level, const reference_found *truth,
+                 const char *search, uint32_t share)
+{
+    duet_plan plan = {.share = share, .mode = DUET_MODE_OWN};
+    strcpy(plan.variant_a, search);
+    strcpy(plan.variant_b, search);
+    duet_error err = {0};
+    duet_result result;
+    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+    assert_ok(duet_world_step(world, &result, &err), err);
+    if (duet_result_hash(&result) != duet_pairs_hash(truth->pairs, truth->n))
+        fail_msg("%uD rotated %d %s, %s at %" PRIu32 ": %" PRIu64
+                 " pairs; right would be the %" PRIu64 " of the reference",
+                 c->dims, c->rotated, duet_level_describe(level)->name, search, share, result.pairs,
+                 truth->n);
+    if (level != DUET_LEVEL_CERTIFIED && c->rotated)
+        assert_int_equal(result.undecided, 0);
+    if (result.candidates < result.pairs)
+        fail_msg("%s, %s at %" PRIu32 ": %" PRIu64 " candidates of %" PRIu64 " pairs",
+                 duet_level_describe(level)->name, search, share, result.candidates, result.pairs);
+}
+
+static void try_levels(duet_device_pair *pair, const crowd *c)
+{
+    duet_world *world = open_world(pair, c);
+    duet_error err = {0};
+    for (int l = 0; l < DUET_LEVELS; ++l) {
+        duet_level level = (duet_level)l;
+        reference_found truth = reference_of(c, level);
+        assert_ok(duet_world_set_level(world, level, &err), err);
+        for (size_t s = 0; s < sizeof searches / sizeof *searches; ++s) {
+            if (level == DUET_LEVEL_AABB && strstr(searches[s], "FUSED="))
+                continue; // there is no test to fuse
+            for (size_t k = 0; k < sizeof shares / sizeof *shares; ++k)
+                step(world, c, level, &truth, searches[s], shares[k]);
+        }
+        duet_free(truth.pairs);
+    }
+    duet_world_destroy(world);
+}
+
+static void devices_find_each_levels_reference(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    static crowd c;
+    duet_device_pair_def def = duet_default_device_pair_def();
+    duet_error err = {0};
+    duet_device_pair *pair = duet_device_pair_open(&def, &err);
+    assert_ok(pair, err);
+    for (c.dims = 2; c.dims <= 3; ++c.dims)
+        for (int rotated = 0; rotated < 2; ++rotated) {
+            c.rotated = rotated;
+            fill(&c, &r);
+            try_levels(pair, &c);
+        }
+    duet_device_pair_close(pair);
+}
+
+static void a_level_that_there_is_not_is_refused(void **state)
+{
+    (void)state;
+    duet_device_pair_def def = duet_default_device_pair_def();
+    duet_error err = {0};
+    duet_device_pair *pair = duet_device_pair_open(&def, &err);
+    assert_ok(pair, err);
+    duet_world_def world = duet_default_world_def();
+    world.pair = pair;
+    world.level = (duet_level)DUET_LEVELS;
+    assert_null(duet_world_create(&world, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    duet_device_pair_close(pair);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(devices_find_each_levels_reference),
+        cmocka_unit_test(a_level_that_there_is_not_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

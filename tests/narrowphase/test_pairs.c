@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: MIT
+// The narrow phase alone: pairs that the caller brings, through the public API.
+#include "support/test.h"
+
+#include "support/devices.h"
+#include "support/hard_test.h"
+
+#include "base/rng.h"
+#include "runtime/opencl/device.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static duet_test *open_test(duet_level level, uint32_t share)
+{
+    duet_error err = {0};
+    duet_test_def def = duet_default_test_def();
+    def.pair = devices;
+    def.level = level;
+    def.share = share;
+    duet_test *test = duet_test_open(&def, &err);
+    assert_ok(test, err);
+    return test;
+}
+
+static duet_pose cube_at(float x, float y, float z)
+{
+    return (duet_pose){{x, y, z}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
+}
+
+// Cubes in a row, every third pair apart.
+static void fill_row(duet_pose *poses, uint64_t n)
+{
+    for (uint64_t i = 0; i < n; ++i) {
+        poses[2 * i] = cube_at((float)i, 0, 0);
+        poses[2 * i + 1] = cube_at((float)i, i % 3 == 2 ? 1.5f : 0.75f, 0);
+    }
+}
+
+// ------------------------------------------------------------ hard pairs
+
+enum { EACH = 250 };
+
+static void hard_pairs_in_3d_get_what_their_level_promises(void **state)
+{
+    (void)state;
+    hard_test_run(devices, 3, EACH);
+}
+
+static void hard_pairs_in_2d_get_what_their_level_promises(void **state)
+{
+    (void)state;
+    hard_test_run(devices, 2, EACH);
+}
+
+// ------------------------------------------------------------ a world's candidates
+
+enum { OBJECTS = 3000 };
+
+static uint64_t random_scene(duet_pose *poses)
+{
+    rng r = rng_seed(test_seed());
+    for (uint32_t i = 0; i < OBJECTS; ++i)
+        for (int k = 0; k < 4; ++k) {
+            poses[i].rotation[k] = (float)rng_normal(&r);
+            if (k < 3) {
+                poses[i].centre[k] = (float)rng_between(&r, 0, 20);
+                poses[i].half_extents[k] = (float)rng_between(&r, 0.1, 0.6);
+            }
+        }
+    return OBJECTS;
+}
+
+static void step_at(duet_world *world, duet_level level, duet_result *result)
+{
+    duet_error err = {0};
+    assert_ok(duet_world_set_level(world, level, &err), err);
+    assert_ok(duet_world_step(world, result, &err), err);
+}
+
+// The pairs of level aabb are the candidates; tested, they are the step's pairs.
+static void a_step_s_candidates_tested_alone_are_its_pairs(void **state)
+{
+    (void)state;
+    static duet_pose objects[OBJECTS];
+    duet_error err = {0};
+    duet_result result;
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world, err);
+    assert_ok(duet_world_set_poses(world, objects, (uint32_t)random_scene(objects), &err), err);
+    step_at(world, DUET_LEVEL_AABB, &result);
+    uint64_t n = result.pairs;
+    duet_pair *pairs = malloc(n * sizeof *pairs);
+    duet_pose *poses = malloc(2 * n * sizeof *poses);
+    uint8_t *verdicts = malloc(n);
+    for (uint64_t i = 0; i < n; ++i) {
+        pairs[i] = duet_result_pair(&result, i);
+        poses[2 * i] = objects[pairs[i].a];
+        poses[2 * i + 1] = objects[pairs[i].b];
+    }
+    for (int level = 0; level < DUET_LEVELS; ++level) {
+        duet_test_result tested;
+        uint64_t hash = 0;
+        hard_test_verdicts(devices, (duet_level)level, 3, DUET_SHARE_ONE / 2, poses, n, verdicts,
+                           &tested);
+        for (uint64_t i = 0; i < n; ++i)
+            hash += verdicts[i] ? duet_pairs_hash(&pairs[i], 1) : 0;
+        step_at(world, (duet_level)level, &result);
+        assert_int_equal(tested.colliding, result.pairs);
+        assert_int_equal(hash, duet_result_hash(&result));
+        assert_true(level != DUET_LEVEL_CERTIFIED || tested.undecided == result.undecided);
+    }
+    free(verdicts);
+    free(poses);
+    free(pairs);
+    duet_world_destroy(world);
+}
+
+// ------------------------------------------------------------ numbers of pairs
+
+// More than two chunks of 2^18 for one device, and all small remainders.
+static void any_number_of_pairs_is_tested_and_nothing_else_written(void **state)
+{
+    (void)state;
+    static const uint64_t counts[] = {0, 1, 2, 7, 8, 9, 513, 262143, 262145, 524289 + 5};
+    enum { MOST = 524289 + 5, GUARD = 64 };
+    duet_pose *poses = malloc(2 * MOST * sizeof *poses);
+    uint8_t *verdicts = malloc(MOST + GUARD);
+    assert_true(poses && verdicts);
+    fill_row(poses, MOST);
+    for (uint32_t share = 0; share <= DUET_SHARE_ONE; share += DUET_SHARE_ONE / 2) {
+        duet_test *test = open_test(DUET_LEVEL_SPHERE, share);
+        for (size_t c = 0; c < sizeof counts / sizeof *counts; ++c) {
+            duet_error err = {0};
+            duet_test_result result;
+            uint64_t n = counts[c];
+            memset(verdicts, 77, MOST + GUARD);
+            assert_ok(duet_test_pairs(test, poses, n, verdicts, NULL, &result, &err), err);
+            uint64_t colliding = 0;
+            for (uint64_t i = 0; i < MOST + GUARD; ++i) {
+                assert_int_equal(verdicts[i], i < n ? i % 3 != 2 : 77);
+                colliding += verdicts[i] == 1;
+            }
+            assert_int_equal(result.colliding, colliding);
+        }
+        duet_test_close(test);
+    }
+    free(verdicts);
+    free(poses);
+}
+
+static void gaps_are_those_of_the_best_axis_at_any_share(void **state)
+{
+    (void)state;
+    enum { N = 100 };
+    duet_pose poses[2 * N];
+    uint8_t verdicts[N];
+    double separations[N];
+    fill_row(poses, N);
+    for (uint32_t share = 0; share <= DUET_SHARE_ONE; share += DUET_SHARE_ONE / 4) {
+        duet_error err = {0};
+        duet_test_result result;
+        duet_test *test = open_test(DUET_LEVEL_CERTIFIED, share);
+        assert_ok(duet_test_pairs(test, poses, N, verdicts, separations, &result, &err), err);
+        for (int i = 0; i < N; ++i) {
+            assert_int_equal(verdicts[i], i % 3 != 2);
+            assert_true(separations[i] == (i % 3 == 2 ? 0.5 : -0.25));
+        }
+        duet_test_close(test);
+    }
+}
+
+static void touching_pairs_are_decided_on_the_host_and_counted(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_test_result result;
+    uint8_t verdicts[2];
+    const duet_pose poses[] = {cube_at(0, 0, 0), cube_at(1, 0, 0), cube_at(0, 0, 0),
+                               cube_at(nextafterf(1, 2), 0, 0)};
+    duet_test *test = open_test(DUET_LEVEL_CERTIFIED, 0);
+    assert_ok(duet_test_pairs(test, poses, 2, verdicts, NULL, &result, &err), err);
+    assert_int_equal(verdicts[0], 1);
+    assert_int_equal(verdicts[1], 0);
+    assert_int_equal(result.undecided, 2);
+    duet_test_close(test);
+}
+
+// ------------------------------------------------------------ refusals
+
+static void expect_refused(const duet_pose *poses, uint64_t n, uint32_t share, const char *why)
+{
+    duet_error err = {0};
+    duet_test_result result;
+    uint8_t *verdicts = malloc(n);
+    duet_test *test = open_test(DUET_LEVEL_SAT15, share);
+    assert_false(duet_test_pairs(test, poses, n, verdicts, NULL, &result, &err));
+    assert_int_equal(err.status, DUET_BAD_OBJECT);
+    assert_string_equal(err.text, why);
+    duet_test_close(test);
+    free(verdicts);
+}
+
+static void each_kind_of_bad_pose_is_named_with_its_pair(void **state)
+{
+    (void)state;
+    enum { N = 20 };
+    static const char because[] = "pose is not a number, infinite, negative or without rotation";
+    for (int kind = 0; kind < 6; ++kind) {
+        duet_pose poses[2 * N];
+        char why[120];
+        fill_row(poses, N);
+        duet_pose *bad = &poses[2 * 13 + kind % 2];
+        float *const places[] = {&bad->centre[0],       &bad->centre[1],   &bad->half_extents[2],
+                                 &bad->half_extents[1], &bad->rotation[0], &bad->rotation[3]};
+        static const float values[] = {NAN, INFINITY, -INFINITY, -1e-30f, NAN, 0};
+        *places[kind] = values[kind];
+        snprintf(why, sizeof why, "pair 13: the %s %s", kind % 2 ? "second" : "first", because);
+        expect_refused(poses, N, 0, why);
+    }
+}
+
+static void of_several_bad_pairs_the_first_is_named(void **state)
+{
+    (void)state;
+    enum { N = 600000 };
+    duet_pose *poses = malloc(2 * N * sizeof *poses);
+    assert_non_null(poses);
+    fill_row(poses, N);
+    poses[2 * 599999].half_extents[0] = -1;
+    poses[2 * 299990 + 1].half_extents[0] = -1;
+    poses[2 * 299991].half_extents[0] = -1;
+    for (uint32_t share = 0; share <= DUET_SHARE_ONE; share += DUET_SHARE_ONE / 2)
+        expect_refused(poses, N, share,
+                       "pair 299990: the second pose is not a number, infinite, negative or "
+                       "without rotation");
+    free(poses);
+}
+
+static void a_test_goes_on_after_a_refusal(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_test_result result;
+    uint8_t verdict;
+    duet_pose poses[2] = {cube_at(0, 0, 0), cube_at(0, 0, 0)};
+    duet_test *test = open_test(DUET_LEVEL_DOUBLE, 0);
+    poses[0].half_extents[0] = NAN;
+    assert_false(duet_test_pairs(test, poses, 1, &verdict, NULL, &result, NULL));
+    poses[0].half_extents[0] = 1;
+    assert_ok(duet_test_pairs(test, poses, 1, &verdict, NULL, &result, &err), err);
+    assert_int_equal(verdict, 1);
+    assert_false(duet_test_pairs(test, NULL, 1, &verdict, NULL, &result, &err));
+    assert_string_equal(err.text, "1 pairs, but no memory for their poses");
+    duet_test_close(test);
+}
+
+static void a_wrong_def_is_told(void **state)
+{
+    (void)state;
+    duet_test_def right = duet_default_test_def();
+    right.pair = devices;
+    duet_test_def wrong[5] = {right, right, right, right, right};
+    static const char *const why[] = {
+        "the test's def does not come from duet_default_test_def",
+        "the test's def has no device pair",
+        "dims is 4; right would be 2 or 3",
+        "level is 6; right would be a duet_level",
+        "share is 65537 of 65536; right would be at most all",
+    };
+    wrong[0].cookie = 0;
+    wrong[1].pair = NULL;
+    wrong[2].dims = 4;
+    wrong[3].level = (duet_level)DUET_LEVELS;
+    wrong[4].share = DUET_SHARE_ONE + 1;
+    for (int i = 0; i < 5; ++i) {
+        duet_error err = {0};
+        assert_null(duet_test_open(&wrong[i], &err));
+        assert_string_equal(err.text, why[i]);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(hard_pairs_in_3d_get_what_their_level_promises),
+        cmocka_unit_test(hard_pairs_in_2d_get_what_their_level_promises),
+        cmocka_unit_test(a_step_s_candidates_tested_alone_are_its_pairs),
+        cmocka_unit_test(any_number_of_pairs_is_tested_and_nothing_else_written),
+        cmocka_unit_test(gaps_are_those_of_the_best_axis_at_any_share),
+        cmocka_unit_test(touching_pairs_are_decided_on_the_host_and_counted),
+        cmocka_unit_test(each_kind_of_bad_pose_is_named_with_its_pair),
+        cmocka_unit_test(of_several_bad_pairs_the_first_is_named),
+        cmocka_unit_test(a_test_goes_on_after_a_refusal),
+        cmocka_unit_test(a_wrong_def_is_told),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}

@@ -1,0 +1,497 @@
+// SPDX-License-Identifier: MIT
+#define _GNU_SOURCE
+#include "support/test.h"
+
+#include "runtime/opencl/cache.h"
+#include "runtime/opencl/device.h"
+#include "runtime/opencl/program.h"
+
+#include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static char dir[64];
+static const char key[65] = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef";
+static const char binary[] = "\x7f"
+                             "ELF\0 not really, but long enough to be cut\n";
+
+static int make_dir(void **state)
+{
+    (void)state;
+    snprintf(dir, sizeof dir, "test_cache_XXXXXX");
+    return mkdtemp(dir) ? 0 : -1;
+}
+
+static int remove_dir(void **state)
+{
+    (void)state;
+    char command[160];
+    snprintf(command, sizeof command, "chmod -R u+w %s; rm -rf %s", dir, dir);
+    return system(command);
+}
+
+static void entry_path(char path[160])
+{
+    snprintf(path, 160, "%s/%s.bin", dir, key);
+}
+
+static void assert_kept(bool kept)
+{
+    text found = {0};
+    assert_int_equal(cache_get(dir, key, &found), kept);
+    if (kept)
+        assert_int_equal(found.length, sizeof binary);
+    if (kept)
+        assert_memory_equal(found.chars, binary, sizeof binary);
+    else
+        assert_null(found.chars);
+    text_free(&found);
+}
+
+static void what_was_kept_comes_back(void **state)
+{
+    (void)state;
+    assert_kept(false);
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_kept(true);
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_kept(true);
+    char other[65];
+    memcpy(other, key, sizeof other);
+    other[0] = 'f';
+    text found = {0};
+    assert_false(cache_get(dir, other, &found));
+}
+
+// Every entry that is cut anywhere, or has any one byte changed.
+static void a_damaged_entry_is_as_if_it_were_not_there(void **state)
+{
+    (void)state;
+    char path[160];
+    text whole = {0};
+    duet_error err = {0};
+    entry_path(path);
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_ok(text_read_file(&whole, path, &err), err);
+    for (size_t i = 0; i < whole.length; ++i) {
+        assert_ok(text_write_file(path, whole.chars, i, &err), err);
+        assert_kept(false);
+        whole.chars[i] ^= 0x20;
+        assert_ok(text_write_file(path, whole.chars, whole.length, &err), err);
+        assert_kept(false);
+        whole.chars[i] ^= 0x20;
+    }
+    text_add(&whole, "more");
+    assert_ok(text_write_file(path, whole.chars, whole.length, &err), err);
+    assert_kept(false);
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_kept(true);
+    text_free(&whole);
+}
+
+static void an_entry_under_anothers_name_is_not_taken(void **state)
+{
+    (void)state;
+    char path[160], other[160];
+    entry_path(path);
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    memcpy(other, path, sizeof other);
+    other[strlen(dir) + 1] = 'f';
+    assert_int_equal(rename(path, other), 0);
+    char other_key[65];
+    memcpy(other_key, key, sizeof other_key);
+    other_key[0] = 'f';
+    text found = {0};
+    assert_false(cache_get(dir, other_key, &found));
+}
+
+static void what_is_no_file_is_passed_over(void **state)
+{
+    (void)state;
+    char path[160];
+    entry_path(path);
+    assert_int_equal(mkfifo(path, 0600), 0);
+    assert_kept(false); // and does not wait for a writer
+    assert_int_equal(remove(path), 0);
+    assert_int_equal(mkdir(path, 0700), 0);
+    assert_kept(false);
+    assert_false(cache_put(dir, key, binary, sizeof binary));
+    assert_int_equal(rmdir(path), 0);
+    assert_int_equal(symlink("/dev/zero", path), 0);
+    assert_kept(false);
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_kept(true);
+}
+
+static void a_missing_folder_is_made_and_an_impossible_one_passed_over(void **state)
+{
+    (void)state;
+    char below[100];
+    snprintf(below, sizeof below, "%s/new", dir);
+    assert_true(cache_put(below, key, binary, sizeof binary));
+    text found = {0};
+    assert_true(cache_get(below, key, &found));
+    text_free(&found);
+    assert_false(cache_put("/dev/null/x", key, binary, sizeof binary));
+    assert_false(cache_get("/dev/null/x", key, &found));
+    assert_false(cache_put("no/such/folder", key, binary, sizeof binary));
+}
+
+// ------------------------------------------------------- with another user
+
+enum { OTHER_USER = 65534 };
+
+// Whether the test may act as another user; a line where it may not.
+static bool may_change_user(void)
+{
+    if (geteuid() != 0)
+        print_message("this test needs two users, so root: skipped\n");
+    return geteuid() == 0;
+}
+
+static void as_other(bool other)
+{
+    assert_int_equal(seteuid(other ? OTHER_USER : 0), 0);
+}
+
+static void assert_folder_refused(const char *says)
+{
+    duet_error err = {0};
+    assert_false(cache_check(dir, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    if (!strstr(err.text, says) || !strstr(err.text, dir))
+        fail_msg("'%s' for '%s' in %s", err.text, says, dir);
+    assert_kept(false);
+    assert_false(cache_put(dir, key, binary, sizeof binary));
+}
+
+static void a_folder_of_another_user_is_refused(void **state)
+{
+    (void)state;
+    if (!may_change_user())
+        skip();
+    assert_true(cache_check(dir, NULL));
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_int_equal(chmod(dir, 0755), 0);
+    as_other(true);
+    assert_folder_refused("belongs to another user"); // root's too, for a user
+    as_other(false);
+    assert_int_equal(chown(dir, OTHER_USER, (gid_t)-1), 0);
+    assert_folder_refused("belongs to another user"); // and a user's, for root
+}
+
+static void a_folder_that_others_can_write_is_refused(void **state)
+{
+    (void)state;
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_int_equal(chmod(dir, 0770), 0);
+    assert_folder_refused("can be written by other users");
+    assert_int_equal(chmod(dir, 0707), 0);
+    assert_folder_refused("can be written by other users");
+    assert_int_equal(chmod(dir, 0755), 0);
+    assert_kept(true);
+}
+
+static void a_link_to_a_folder_is_refused(void **state)
+{
+    (void)state;
+    char own[64];
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    memcpy(own, dir, sizeof own);
+    snprintf(dir, sizeof dir, "%.40s.link", own);
+    assert_int_equal(symlink(own, dir), 0);
+    assert_folder_refused("is a link");
+    assert_int_equal(remove(dir), 0);
+    memcpy(dir, own, sizeof dir);
+}
+
+static void a_pair_of_devices_does_not_open_on_such_a_folder(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    def.cache_dir = dir;
+    assert_int_equal(chmod(dir, 0777), 0);
+    assert_null(duet_device_pair_open(&def, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_non_null(strstr(err.text, dir));
+}
+
+static void an_entry_of_another_user_is_not_taken(void **state)
+{
+    (void)state;
+    char path[160];
+    entry_path(path);
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_int_equal(chmod(path, 0666), 0);
+    assert_kept(false);
+    assert_int_equal(chmod(path, 0644), 0);
+    assert_kept(true);
+    if (!may_change_user())
+        skip();
+    assert_int_equal(chown(path, OTHER_USER, (gid_t)-1), 0);
+    assert_kept(false);
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_kept(true);
+}
+
+// The name is now an own file, now a link to a file that only looks like one.
+static void flip(const char *path, const char *evil, const char *good)
+{
+    char next[192];
+    snprintf(next, sizeof next, "%s.next", path);
+    for (;;) {
+        if (symlink(evil, next) != 0 || rename(next, path) != 0)
+            _exit(1);
+        if (link(good, next) != 0 || rename(next, path) != 0)
+            _exit(1);
+    }
+}
+
+// Another user's entry with a right line: what reading through a link gives.
+static void make_evil(const char *path, const char *bytes)
+{
+    char own[64];
+    memcpy(own, dir, sizeof own);
+    snprintf(dir, sizeof dir, "%.40s/evil", own);
+    assert_true(cache_put(dir, key, bytes, sizeof binary));
+    char made[160];
+    entry_path(made);
+    assert_int_equal(rename(made, path), 0);
+    assert_int_equal(rmdir(dir), 0);
+    memcpy(dir, own, sizeof dir);
+}
+
+static void a_link_that_flips_while_it_is_read_gives_nobody_elses_code(void **state)
+{
+    (void)state;
+    char path[160], evil[160], good[160], evil_bytes[sizeof binary];
+    entry_path(path);
+    snprintf(evil, sizeof evil, "%s/evil.file", dir);
+    snprintf(good, sizeof good, "%s/good.file", dir);
+    memset(evil_bytes, 'E', sizeof evil_bytes);
+    make_evil(evil, evil_bytes);
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_int_equal(link(path, good), 0);
+    pid_t child = fork();
+    if (child == 0)
+        flip(path, "evil.file", good);
+    int n_found = 0, n_wrong = 0;
+    for (int i = 0; i < 50000; ++i) {
+        text found = {0};
+        bool got = cache_get(dir, key, &found);
+        n_found += got;
+        n_wrong += got && memcmp(found.chars, binary, sizeof binary) != 0;
+        text_free(&found);
+    }
+    kill(child, SIGKILL);
+    waitpid(child, NULL, 0);
+    print_message("%d of 50000 reads found the entry\n", n_found);
+    assert_int_equal(n_wrong, 0);
+    assert_true(n_found > 0);
+}
+
+// What a killed process left goes with the next entry, once it is old.
+static void what_was_left_half_written_is_cleared_away(void **state)
+{
+    (void)state;
+    char old[160], young[160];
+    snprintf(old, sizeof old, "%s/%s.bin.0123456789abcdef.part", dir, key);
+    snprintf(young, sizeof young, "%s/%s.bin.fedcba9876543210.part", dir, key);
+    test_write_file(old, "half_extents");
+    test_write_file(young, "half_extents");
+    const struct timespec times[2] = {{.tv_sec = 1000000000}, {.tv_sec = 1000000000}};
+    assert_int_equal(utimensat(AT_FDCWD, old, times, 0), 0);
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_int_not_equal(access(old, F_OK), 0);
+    assert_int_equal(access(young, F_OK), 0);
+    assert_kept(true);
+}
+
+static void each_part_of_the_key_counts(void **state)
+{
+    (void)state;
+    duet_device_info a = {.name = "x", .vendor = "v", .driver = "1", .platform = "p"};
+    char keys[8][65];
+    duet_device_info b = a;
+    cache_key("text", "-O", &a, keys[0]);
+    cache_key("text2", "-O", &a, keys[1]);
+    cache_key("text", "-O2", &a, keys[2]);
+    cache_key("tex", "t-O", &a, keys[3]);
+    strcpy(b.driver, "2");
+    cache_key("text", "-O", &b, keys[4]);
+    b = a;
+    strcpy(b.name, "y");
+    cache_key("text", "-O", &b, keys[5]);
+    b = a;
+    strcpy(b.vendor, "w");
+    cache_key("text", "-O", &b, keys[6]);
+    b = a;
+    strcpy(b.platform_version, "3.1");
+    cache_key("text", "-O", &b, keys[7]);
+    for (int i = 0; i < 8; ++i)
+        for (int k = 0; k < i; ++k)
+            assert_string_not_equal(keys[i], keys[k]);
+    char again[65];
+    b = a;
+    strcpy(b.selector, "pocl:1"); // a selector depends on what else is installed
+    cache_key("text", "-O", &b, again);
+    assert_string_equal(again, keys[0]);
+}
+
+// Writers replace the entry while readers read; a reader finds it whole or not
+// at all.
+static void *write_and_read(void *unused)
+{
+    (void)unused;
+    for (int i = 0; i < 200; ++i) {
+        text found = {0};
+        cache_put(dir, key, binary, sizeof binary);
+        bool whole = !cache_get(dir, key, &found) || found.length == sizeof binary;
+        text_free(&found);
+        if (!whole)
+            return "an entry came back in part";
+    }
+    return NULL;
+}
+
+static void threads_and_processes_may_share_a_folder(void **state)
+{
+    (void)state;
+    pid_t child = fork();
+    if (child == 0)
+        _exit(write_and_read(NULL) ? 1 : 0);
+    pthread_t threads[2];
+    for (int i = 0; i < 2; ++i)
+        assert_int_equal(pthread_create(&threads[i], NULL, write_and_read, NULL), 0);
+    for (int i = 0; i < 2; ++i) {
+        void *said = NULL;
+        pthread_join(threads[i], &said);
+        assert_null(said);
+    }
+    int status = 0;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    assert_kept(true);
+}
+
+// ------------------------------------------------------- with a device
+
+static void build_on(const device *d)
+{
+    duet_error err = {0};
+    gen *g = gen_open(NULL, &err);
+    assert_ok(g, err);
+    program_set *set = program_set_open(d, g, dir, &err);
+    assert_ok(set, err);
+    assert_ok(program_set_kernel(set, "cell_start", "cell_start", NULL, 0, &err), err);
+    program_set_close(set);
+    gen_close(g);
+}
+
+// Builds a small kernel through the cache, as a program that begins does.
+static void build_one(void)
+{
+    duet_error err = {0};
+    device d;
+    assert_ok(device_open(&d, "pocl:0", &err), err);
+    build_on(&d);
+    device_close(&d);
+}
+
+// The one entry of the folder.
+static void only_entry(text *entry, char path[160], duet_error *err)
+{
+    char command[100];
+    snprintf(command, sizeof command, "ls %s/*.bin", dir);
+    FILE *list = popen(command, "r");
+    assert_non_null(list);
+    assert_non_null(fgets(path, 160, list));
+    pclose(list);
+    path[strcspn(path, "\n")] = '\0';
+    assert_ok(text_read_file(entry, path, err), *err);
+}
+
+static void a_program_is_built_from_its_entry_or_else_again(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    char path[160];
+    text entry = {0}, again = {0};
+    build_one();
+    only_entry(&entry, path, &err);
+    struct stat before, after;
+    assert_int_equal(stat(path, &before), 0);
+    build_one();
+    assert_int_equal(stat(path, &after), 0);
+    assert_int_equal(before.st_ino, after.st_ino); // not built and kept once more
+
+    // An entry with the right line over bytes that the driver refuses.
+    size_t begin = strcspn(entry.chars, "\n") + 1;
+    char found_key[65];
+    memcpy(found_key, strrchr(path, '/') + 1, 64);
+    found_key[64] = '\0';
+    memset(entry.chars + begin, 7, entry.length - begin);
+    assert_true(cache_put(dir, found_key, entry.chars + begin, entry.length - begin));
+    build_one();
+    only_entry(&again, path, &err);
+    assert_int_not_equal(again.chars[begin], 7);
+
+    assert_int_equal(chmod(path, 0), 0);
+    assert_int_equal(chmod(dir, 0500), 0);
+    build_one();
+    text_free(&entry);
+    text_free(&again);
+    assert_int_equal(device_live_objects(), 0);
+}
+
+// On an open device a program is not even looked for in the folder again, nor
+// does it go with the world that had it built.
+static void a_device_keeps_what_was_built_last(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    device d;
+    char path[160];
+    text entry = {0};
+    assert_ok(device_open(&d, "pocl:0", &err), err);
+    build_on(&d);
+    only_entry(&entry, path, &err);
+    remove(path);
+    build_on(&d);
+    assert_int_not_equal(access(path, F_OK), 0);
+    text_free(&entry);
+    device_close(&d);
+    assert_int_equal(device_live_objects(), 0);
+}
+
+#define IN_A_FOLDER(test) cmocka_unit_test_setup_teardown(test, make_dir, remove_dir)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        IN_A_FOLDER(what_was_kept_comes_back),
+        IN_A_FOLDER(a_damaged_entry_is_as_if_it_were_not_there),
+        IN_A_FOLDER(an_entry_under_anothers_name_is_not_taken),
+        IN_A_FOLDER(what_is_no_file_is_passed_over),
+        IN_A_FOLDER(a_missing_folder_is_made_and_an_impossible_one_passed_over),
+        IN_A_FOLDER(a_folder_of_another_user_is_refused),
+        IN_A_FOLDER(a_folder_that_others_can_write_is_refused),
+        IN_A_FOLDER(a_link_to_a_folder_is_refused),
+        IN_A_FOLDER(a_pair_of_devices_does_not_open_on_such_a_folder),
+        IN_A_FOLDER(an_entry_of_another_user_is_not_taken),
+        IN_A_FOLDER(a_link_that_flips_while_it_is_read_gives_nobody_elses_code),
+        IN_A_FOLDER(what_was_left_half_written_is_cleared_away),
+        cmocka_unit_test(each_part_of_the_key_counts),
+        IN_A_FOLDER(threads_and_processes_may_share_a_folder),
+        IN_A_FOLDER(a_program_is_built_from_its_entry_or_else_again),
+        IN_A_FOLDER(a_device_keeps_what_was_built_last),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

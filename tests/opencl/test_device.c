@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L
+#include "support/test.h"
+
+#include "runtime/opencl/device_list.h"
+#include "runtime/opencl/device_pair.h"
+#include "runtime/opencl/driver_copy.h"
+#include "runtime/opencl/program.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// A CPU that can be cut into parts; skips the test where there is none.
+static const duet_device_info *cuttable_cpu(void)
+{
+    const device_root *roots = NULL;
+    uint32_t n = 0;
+    device_list_roots(&roots, &n, NULL);
+    for (uint32_t i = 0; i < n; ++i)
+        if (roots[i].info.can_cut)
+            return &roots[i].info;
+    print_message("no CPU here can be cut into parts\n");
+    skip();
+    return NULL;
+}
+
+static duet_device_pair *open_pair(const char *a, const char *b, duet_error *err)
+{
+    duet_device_pair_def def = duet_default_device_pair_def();
+    def.a = a;
+    def.b = b;
+    return duet_device_pair_open(&def, err);
+}
+
+static void refused(const char *selector, duet_status status, const char *says)
+{
+    duet_error err = {0};
+    assert_null(open_pair(selector, selector, &err));
+    assert_string_equal(duet_status_name(err.status), duet_status_name(status));
+    if (!strstr(err.text, says))
+        fail_msg("'%s' does not say '%s'", err.text, says);
+}
+
+static int no_object_is_left(void **state)
+{
+    (void)state;
+    assert_int_equal(device_live_objects(), 0);
+    return 0;
+}
+
+static void every_listed_device_can_be_opened_by_its_selector(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_list *list = duet_device_list_open(&err);
+    assert_ok(list, err);
+    assert_true(duet_device_list_count(list) > 0);
+    for (uint32_t i = 0; i < duet_device_list_count(list); ++i) {
+        const duet_device_info *info = duet_device_list_at(list, i);
+        assert_true(info->units > 0 && info->max_group > 0 && info->global_bytes > 0);
+        duet_device_pair *pair = open_pair(info->selector, info->selector, &err);
+        assert_ok(pair, err);
+        assert_string_equal(duet_device_pair_info(pair, 0)->selector, info->selector);
+        assert_string_equal(duet_device_pair_info(pair, 1)->selector, info->selector);
+        duet_device_pair_close(pair);
+    }
+    assert_null(duet_device_list_at(list, duet_device_list_count(list)));
+    duet_device_list_close(list);
+}
+
+static void selectors_are_unique(void **state)
+{
+    (void)state;
+    const device_root *roots = NULL;
+    uint32_t n = 0;
+    assert_true(device_list_roots(&roots, &n, NULL));
+    for (uint32_t i = 0; i < n; ++i)
+        for (uint32_t j = 0; j < i; ++j)
+            assert_string_not_equal(roots[i].info.selector, roots[j].info.selector);
+}
+
+static void a_part_has_the_units_it_names(void **state)
+{
+    (void)state;
+    const duet_device_info *cpu = cuttable_cpu();
+    duet_error err = {0};
+    for (uint32_t first = 0; first < cpu->units && first < 4; ++first) {
+        for (uint32_t last = first; last < cpu->units && last < 4; ++last) {
+            char selector[80];
+            snprintf(selector, sizeof selector, "%s[%u-%u]", cpu->selector, first, last);
+            device d;
+            assert_ok(device_open(&d, selector, &err), err);
+            assert_int_equal(d.info.units, last - first + 1);
+            assert_string_equal(d.info.selector, selector);
+            assert_false(d.info.can_cut);
+            device_close(&d);
+        }
+    }
+}
+
+static void devices_of_a_pair_have_contexts_and_queues_of_their_own(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair *pair = open_pair(NULL, NULL, &err);
+    assert_ok(pair, err);
+    assert_ptr_not_equal(pair->devices[0].context, pair->devices[1].context);
+    assert_ptr_not_equal(pair->devices[0].queue, pair->devices[1].queue);
+    assert_ptr_not_equal(pair->devices[0].queue, pair->devices[0].beside);
+    assert_int_equal(device_live_objects(),
+                     2 * 3 + pair->devices[0].owns_part + pair->devices[1].owns_part);
+    duet_device_pair_close(pair);
+}
+
+// Where there is a GPU the pair is a CPU and the GPU; else it is one CPU, in
+// halves that hold all its units between them, or twice where it has one.
+static void without_selectors_a_whole_machine_is_chosen(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair *pair = open_pair(NULL, NULL, &err);
+    assert_ok(pair, err);
+    const device *a = &pair->devices[0];
+    const device *b = &pair->devices[1];
+    assert_int_equal(a->info.kind, DUET_KIND_CPU);
+    assert_int_equal(a->owns_part, b->owns_part);
+    if (a->owns_part)
+        assert_int_equal(a->info.units + b->info.units, cuttable_cpu()->units);
+    else if (b->info.kind == DUET_KIND_CPU)
+        assert_string_equal(a->info.selector, b->info.selector);
+    duet_device_pair_close(pair);
+}
+
+static void an_unknown_selector_is_answered_with_those_there_are(void **state)
+{
+    (void)state;
+    const device_root *roots = NULL;
+    uint32_t n = 0;
+    assert_true(device_list_roots(&roots, &n, NULL));
+    refused("abacus:0", DUET_NOT_FOUND, "no device 'abacus:0'");
+    refused("abacus:0", DUET_NOT_FOUND, roots[0].info.selector);
+    refused("", DUET_NOT_FOUND, "no device ''");
+    refused("[0-0]", DUET_NOT_FOUND, roots[0].info.selector);
+}
+
+static void a_part_out_of_range_is_refused_with_the_range(void **state)
+{
+    (void)state;
+    const duet_device_info *cpu = cuttable_cpu();
+    const char *parts[] = {"[0-99999]", "[1-0]",  "[0]",  "[0-",   "[-1-0]",
+                           "[]",        "[0-0]x", "[0-0", "[a-b]", "[4294967296-4294967297]"};
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
+        char selector[120];
+        snprintf(selector, sizeof selector, "%s%s", cpu->selector, parts[i]);
+        refused(selector, DUET_BAD_ARGUMENT, "0 <= first <= last <=");
+    }
+}
+
+static void a_part_of_what_cannot_be_cut_is_refused(void **state)
+{
+    (void)state;
+    const device_root *roots = NULL;
+    uint32_t n = 0;
+    assert_true(device_list_roots(&roots, &n, NULL));
+    for (uint32_t i = 0; i < n; ++i) {
+        if (roots[i].info.can_cut)
+            continue;
+        char selector[80];
+        snprintf(selector, sizeof selector, "%s[0-0]", roots[i].info.selector);
+        refused(selector, DUET_BAD_ARGUMENT, "cannot be cut");
+        return;
+    }
+    print_message("every device here can be cut\n");
+    skip();
+}
+
+static void a_failed_second_device_gives_the_first_back(void **state)
+{
+    (void)state;
+    const device_root *roots = NULL;
+    uint32_t n = 0;
+    assert_true(device_list_roots(&roots, &n, NULL));
+    duet_error err = {0};
+    assert_null(open_pair(roots[0].info.selector, "abacus:0", &err));
+    assert_int_equal(err.status, DUET_NOT_FOUND);
+}
+
+static void half_a_pair_and_a_def_without_defaults_are_refused(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    assert_null(open_pair("pocl:0", NULL, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    err = (duet_error){0};
+    assert_null(duet_device_pair_open(&(duet_device_pair_def){0}, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_null(open_pair("abacus:0", "abacus:0", NULL));
+}
+
+static void folders_come_from_the_environment_and_are_copied(void **state)
+{
+    (void)state;
+    char folder[] = "some/folder";
+    setenv("DUET_KERNEL_DIR", folder, 1);
+    setenv("DUET_CACHE", "", 1);
+    duet_error err = {0};
+    duet_device_pair *pair = open_pair(NULL, NULL, &err);
+    unsetenv("DUET_KERNEL_DIR");
+    unsetenv("DUET_CACHE");
+    assert_ok(pair, err);
+    assert_string_equal(pair->kernel_dir, "some/folder");
+    assert_null(pair->cache_dir);
+    duet_device_pair_close(pair);
+}
+
+static void *open_and_close(void *failed)
+{
+    duet_error err = {0};
+    duet_device_pair *pair = open_pair(NULL, NULL, &err);
+    *(bool *)failed = !pair;
+    duet_device_pair_close(pair);
+    return NULL;
+}
+
+// Comes first, so that its threads are the ones that ask OpenCL.
+static void threads_may_open_pairs_together(void **state)
+{
+    (void)state;
+    pthread_t threads[4];
+    bool failed[4];
+    for (int i = 0; i < 4; ++i)
+        assert_int_equal(pthread_create(&threads[i], NULL, open_and_close, &failed[i]), 0);
+    for (int i = 0; i < 4; ++i) {
+        pthread_join(threads[i], NULL);
+        assert_false(failed[i]);
+    }
+}
+
+// ------------------------------------------------------------ copies of programs
+
+static void a_driver_that_mixes_up_programs_gets_a_copy_a_device(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *platform, *driver;
+        bool mixes;
+    } cases[] = {
+        {"Portable Computing Language", "3.1+debian", true},
+        {"Portable Computing Language", "5.0+debian", true},
+        {"Portable Computing Language", "6.0+debian", false},
+        {"Portable Computing Language", "10.1", false},
+        {"NVIDIA CUDA", "3.1", false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        duet_device_info info = {0};
+        strcpy(info.platform, cases[i].platform);
+        strcpy(info.driver, cases[i].driver);
+        uint32_t first = driver_copy_take(&info), second = driver_copy_take(&info);
+        assert_int_equal(first, 0);
+        assert_int_equal(second, cases[i].mixes ? 1 : 0);
+        driver_copy_return(&info, first);
+        assert_int_equal(driver_copy_take(&info), 0);
+        driver_copy_return(&info, 0);
+        driver_copy_return(&info, second);
+    }
+}
+
+static void read_build_options(const char *selector, char options[128])
+{
+    duet_error err = {0};
+    gen *g = gen_open(NULL, &err);
+    device d;
+    assert_ok(g && device_open(&d, selector, &err), err);
+    program_set *set = program_set_open(&d, g, NULL, &err);
+    kernel *k = program_set_kernel(set, "clear", "clear", NULL, 0, &err);
+    assert_ok(k != NULL, err);
+    cl_program program = NULL;
+    clGetKernelInfo(k->cl, CL_KERNEL_PROGRAM, sizeof program, &program, NULL);
+    assert_int_equal(
+        clGetProgramBuildInfo(program, d.id, CL_PROGRAM_BUILD_OPTIONS, 128, options, NULL),
+        CL_SUCCESS);
+    program_set_close(set);
+    device_close(&d);
+    gen_close(g);
+}
+
+static void no_two_open_devices_build_programs_of_one_hash_where_that_matters(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    const duet_device_info *cpu = cuttable_cpu();
+    duet_device_pair *pair = open_pair(cpu->selector, cpu->selector, &err);
+    assert_ok(pair != NULL, err);
+    char options[3][128];
+    read_build_options(cpu->selector, options[0]); // while two others are open
+    duet_device_pair_close(pair);
+    read_build_options(cpu->selector, options[1]);
+    read_build_options(cpu->selector, options[2]);
+    assert_string_equal(options[1], options[2]);
+    bool mixes = strncmp(cpu->selector, "pocl", 4) == 0 && strtol(cpu->driver, NULL, 10) < 6;
+    if (mixes)
+        assert_string_not_equal(options[0], options[1]);
+    else
+        assert_string_equal(options[0], options[1]);
+}
+
+int main(void)
+{
+#define FACT(name) cmocka_unit_test_teardown(name, no_object_is_left)
+    const struct CMUnitTest tests[] = {
+        FACT(threads_may_open_pairs_together),
+        FACT(every_listed_device_can_be_opened_by_its_selector),
+        FACT(selectors_are_unique),
+        FACT(a_part_has_the_units_it_names),
+        FACT(devices_of_a_pair_have_contexts_and_queues_of_their_own),
+        FACT(without_selectors_a_whole_machine_is_chosen),
+        FACT(an_unknown_selector_is_answered_with_those_there_are),
+        FACT(a_part_out_of_range_is_refused_with_the_range),
+        FACT(a_part_of_what_cannot_be_cut_is_refused),
+        FACT(a_failed_second_device_gives_the_first_back),
+        FACT(half_a_pair_and_a_def_without_defaults_are_refused),
+        FACT(folders_come_from_the_environment_and_are_copied),
+        FACT(a_driver_that_mixes_up_programs_gets_a_copy_a_device),
+        FACT(no_two_open_devices_build_programs_of_one_hash_where_that_matters),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

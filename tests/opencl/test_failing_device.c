@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: MIT
+// Devices that fail in the middle of a frame: each call to OpenCL in turn is
+// made to fail, as a lost device, a driver out of resources or a compiler would
+// have it. Each time the failure is one clear line, the world can be stepped
+// again, and the other device alone finds the same pairs.
+#define _GNU_SOURCE
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "runtime/duet.h"
+#include "runtime/opencl/device_pair.h"
+
+#include <dlfcn.h>
+#include <stdatomic.h>
+#include <string.h>
+
+// ------------------------------------------------------------ calls that fail
+
+typedef enum call {
+    LAUNCH, // of a kernel
+    READ,
+    MAP,
+    WRITE, // from here on only in a world's first step, in host memory
+    FILL,
+    CREATE, // of a buffer
+    BUILD,
+    CALLS
+} call;
+
+static const struct {
+    const char *name;
+    cl_int code;        // that it fails with
+    duet_status status; // what that is called
+} calls[CALLS] = {
+    [LAUNCH] = {"clEnqueueNDRangeKernel", CL_OUT_OF_RESOURCES, DUET_DEVICE_FAILED},
+    [WRITE] = {"clEnqueueWriteBuffer", CL_DEVICE_NOT_AVAILABLE, DUET_DEVICE_FAILED},
+    [READ] = {"clEnqueueReadBuffer", CL_DEVICE_NOT_AVAILABLE, DUET_DEVICE_FAILED},
+    [MAP] = {"clEnqueueMapBuffer", CL_MAP_FAILURE, DUET_DEVICE_FAILED},
+    [FILL] = {"clEnqueueFillBuffer", CL_OUT_OF_HOST_MEMORY, DUET_NO_MEMORY},
+    [CREATE] = {"clCreateBuffer", CL_MEM_OBJECT_ALLOCATION_FAILURE, DUET_NO_MEMORY},
+    [BUILD] = {"clBuildProgram", CL_BUILD_PROGRAM_FAILURE, DUET_BUILD_FAILED},
+};
+
+static atomic_int left[CALLS]; // calls until one fails; below 0: none does
+
+static bool fails(call c)
+{
+    return atomic_load(&left[c]) >= 0 && atomic_fetch_sub(&left[c], 1) == 0;
+}
+
+// C has no cast from the pointer that dlsym gives to one to a function.
+#define FIND_REAL(function, c)                            \
+    __typeof__(&(function)) next;                         \
+    void *const found_ = dlsym(RTLD_NEXT, calls[c].name); \
+    memcpy(&next, &found_, sizeof next)
+
+// The program's own definitions go before the loader's.
+cl_int clEnqueueNDRangeKernel(cl_command_queue q, cl_kernel k, cl_uint dims, const size_t *offset,
+                              const size_t *global, const size_t *local, cl_uint n,
+                              const cl_event *wait, cl_event *event)
+{
+    FIND_REAL(clEnqueueNDRangeKernel, LAUNCH);
+    return fails(LAUNCH) ? calls[LAUNCH].code
+                         : next(q, k, dims, offset, global, local, n, wait, event);
+}
+
+cl_int clEnqueueWriteBuffer(cl_command_queue q, cl_mem mem, cl_bool blocking, size_t at,
+                            size_t bytes, const void *from, cl_uint n, const cl_event *wait,
+                            cl_event *event)
+{
+    FIND_REAL(clEnqueueWriteBuffer, WRITE);
+    return fails(WRITE) ? calls[WRITE].code
+                        : next(q, mem, blocking, at, bytes, from, n, wait, event);
+}
+
+cl_int clEnqueueReadBuffer(cl_command_queue q, cl_mem mem, cl_bool blocking, size_t at,
+                           size_t bytes, void *to, cl_uint n, const cl_event *wait, cl_event *event)
+{
+    FIND_REAL(clEnqueueReadBuffer, READ);
+    return fails(READ) ? calls[READ].code : next(q, mem, blocking, at, bytes, to, n, wait, event);
+}
+
+void *clEnqueueMapBuffer(cl_command_queue q, cl_mem mem, cl_bool blocking, cl_map_flags flags,
+                         size_t at, size_t bytes, cl_uint n, const cl_event *wait, cl_event *event,
+                         cl_int *code)
+{
+    FIND_REAL(clEnqueueMapBuffer, MAP);
+    if (!fails(MAP))
+        return next(q, mem, blocking, flags, at, bytes, n, wait, event, code);
+    *code = calls[MAP].code;
+    return NULL;
+}
+
+cl_int clEnqueueFillBuffer(cl_command_queue q, cl_mem mem, const void *pattern, size_t size,
+                           size_t at, size_t bytes, cl_uint n, const cl_event *wait,
+                           cl_event *event)
+{
+    FIND_REAL(clEnqueueFillBuffer, FILL);
+    return fails(FILL) ? calls[FILL].code : next(q, mem, pattern, size, at, bytes, n, wait, event);
+}
+
+cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, size_t bytes, void *host,
+                      cl_int *code)
+{
+    FIND_REAL(clCreateBuffer, CREATE);
+    if (!fails(CREATE))
+        return next(context, flags, bytes, host, code);
+    *code = calls[CREATE].code;
+    return NULL;
+}
+
+cl_int clBuildProgram(cl_program program, cl_uint n, const cl_device_id *devices,
+                      const char *options, void(CL_CALLBACK *notify)(cl_program, void *),
+                      void *data)
+{
+    FIND_REAL(clBuildProgram, BUILD);
+    return fails(BUILD) ? calls[BUILD].code : next(program, n, devices, options, notify, data);
+}
+
+// ------------------------------------------------------------ a world
+
+enum { N = 1000 }; // so dense that a first step makes more space for pairs
+
+static duet_device_pair *devices;  // that keep what they built: many worlds, few kernels
+static duet_device_pair *builders; // that build each time
+static duet_pose poses[N];
+static uint64_t right; // the pairs' hash
+
+static duet_world *open_world(duet_device_pair *pair, duet_mode mode)
+{
+    duet_error err = {0};
+    duet_world_def def = duet_default_world_def();
+    def.pair = pair;
+    def.plan = duet_default_plan(pair);
+    def.plan.mode = mode;
+    def.plan.share = DUET_SHARE_ONE / 2;
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world, err);
+    assert_ok(duet_world_set_poses(world, poses, N, &err), err);
+    return world;
+}
+
+static int open_devices(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    for (int c = 0; c < CALLS; ++c)
+        atomic_store(&left[c], -1);
+    builders = duet_device_pair_open(&def, &err);
+    assert_ok(builders, err);
+    def.cache_dir = "test_failing_device.cache";
+    devices = duet_device_pair_open(&def, &err);
+    assert_ok(devices, err);
+    rng r = rng_seed(test_seed());
+    for (int i = 0; i < N; ++i)
+        for (int k = 0; k < 4; ++k) {
+            poses[i].rotation[k] = (float)rng_normal(&r);
+            if (k < 3) {
+                poses[i].centre[k] = (float)rng_between(&r, 0, 8);
+                poses[i].half_extents[k] = 0.5f;
+            }
+        }
+    duet_result result;
+    duet_world *world = open_world(devices, DUET_MODE_OWN);
+    assert_ok(duet_world_step(world, &result, &err), err);
+    right = duet_result_hash(&result);
+    duet_world_destroy(world);
+    return 0;
+}
+
+static int close_devices(void **state)
+{
+    (void)state;
+    duet_device_pair_close(devices);
+    duet_device_pair_close(builders);
+    assert_int_equal(device_live_objects(), 0);
+    return 0;
+}
+
+// ------------------------------------------------------------ facts
+
+static void assert_clear(const duet_error *err, call c)
+{
+    if (err->status != calls[c].status)
+        fail_msg("%s fails as %s: %s", calls[c].name, duet_status_name(err->status), err->text);
+    assert_true(strlen(err->text) > 0 && !strchr(err->text, '\n'));
+    assert_true(c == BUILD || err->cl_code == calls[c].code);
+}
+
+static void assert_right(duet_world *world, uint32_t share)
+{
+    duet_error err = {0};
+    duet_result result;
+    duet_plan plan = *duet_world_plan(world);
+    plan.share = share;
+    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+    assert_ok(duet_world_step(world, &result, &err), err);
+    assert_true(duet_result_hash(&result) == right);
+}
+
+// Lets the k-th call of a step fail; false where the step has no such call.
+static bool survives(duet_world *world, call c, int k)
+{
+    duet_error err = {0};
+    duet_result result;
+    assert_ok(duet_world_set_poses(world, poses, N, &err), err);
+    atomic_store(&left[c], k);
+    bool ok = duet_world_step(world, &result, &err);
+    bool reached = atomic_exchange(&left[c], -1) < 0;
+    assert_int_equal(ok, !reached);
+    if (!reached)
+        return false;
+    assert_clear(&err, c);
+    assert_right(world, 0);                  // B alone
+    assert_right(world, DUET_SHARE_ONE);     // A alone
+    assert_right(world, DUET_SHARE_ONE / 2); // as if nothing had been
+    return true;
+}
+
+static void fail_each_command(duet_mode mode, call last)
+{
+    duet_world *world = open_world(devices, mode);
+    assert_right(world, DUET_SHARE_ONE / 2);
+    for (int c = LAUNCH; c <= (int)last; ++c) {
+        int k = 0;
+        while (survives(world, (call)c, k))
+            ++k;
+        print_message("%s: %d %s\n", duet_mode_name(mode), k, calls[c].name);
+    }
+    duet_world_destroy(world);
+}
+
+static void a_failing_command_is_told_and_the_next_step_is_right(void **state)
+{
+    (void)state;
+    for (duet_mode mode = DUET_MODE_SHARED; mode <= DUET_MODE_SLAB; ++mode)
+        fail_each_command(mode, MAP);
+}
+
+// As if the CPU's parts had memory of their own, which all is copied to and from.
+static void so_it_is_where_everything_is_copied(void **state)
+{
+    (void)state;
+    for (int side = 0; side < 2; ++side)
+        devices->devices[side].info.host_memory = false;
+    fail_each_command(DUET_MODE_OWN, WRITE);
+    fail_each_command(DUET_MODE_SLAB, WRITE);
+    for (int side = 0; side < 2; ++side)
+        devices->devices[side].info.host_memory = true;
+}
+
+// Of the many buffers and kernels a sample.
+static void a_failing_first_step_is_told_and_the_next_one_is_right(void **state)
+{
+    (void)state;
+    static const int strides[CALLS] = {[WRITE] = 1, [FILL] = 1, [CREATE] = 7, [BUILD] = 7};
+    for (int c = WRITE; c <= BUILD; ++c) {
+        bool reached = true;
+        for (int k = 0; reached; k += strides[c]) {
+            duet_world *world = open_world(c == BUILD ? builders : devices, DUET_MODE_OWN);
+            reached = survives(world, (call)c, k);
+            assert_true(reached || k > 0);
+            duet_world_destroy(world);
+        }
+    }
+}
+
+static void a_test_of_pairs_survives_as_well(void **state)
+{
+    (void)state;
+    static const call used[] = {LAUNCH, READ, CREATE, MAP};
+    uint8_t verdicts[N / 2];
+    uint8_t again[N / 2];
+    duet_test_result result;
+    duet_error err = {0};
+    duet_test_def def = duet_default_test_def();
+    def.pair = devices;
+    def.share = DUET_SHARE_ONE / 2;
+    duet_test *test = duet_test_open(&def, &err);
+    assert_ok(test, err);
+    assert_ok(duet_test_pairs(test, poses, N / 2, verdicts, NULL, &result, &err), err);
+    for (size_t i = 0; i < sizeof used / sizeof *used; ++i)
+        for (int k = 0; k < 2; ++k) {
+            atomic_store(&left[used[i]], k);
+            assert_false(duet_test_pairs(test, poses, N / 2, again, NULL, &result, &err));
+            assert_clear(&err, used[i]);
+            err = (duet_error){0};
+            assert_ok(duet_test_pairs(test, poses, N / 2, again, NULL, &result, &err), err);
+            assert_memory_equal(again, verdicts, sizeof verdicts);
+        }
+    duet_test_close(test);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_failing_command_is_told_and_the_next_step_is_right),
+        cmocka_unit_test(so_it_is_where_everything_is_copied),
+        cmocka_unit_test(a_failing_first_step_is_told_and_the_next_one_is_right),
+        cmocka_unit_test(a_test_of_pairs_survives_as_well),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}

@@ -1,0 +1,408 @@
+// SPDX-License-Identifier: MIT
+// Devices that go away in the middle: of every kind of step, and of a motion from its
+// making to its file, each call to OpenCL in turn is the first that fails, for ever or
+// once, of both devices or of one. None of it crashes, hangs, leaks or gives wrong
+// pairs; each failure is one line, and no device is left with commands. --points N takes
+// so many calls of each kind of life and way to fail, evenly; 0 takes all.
+#define _POSIX_C_SOURCE 200809L
+#include "lost/lost.h"
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "runtime/broadphase/world.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { N = 3000, MOVING = 12, STEPS = 3 };
+
+static duet_device_pair *pair;
+static duet_pose even[N], mixed[N]; // of one size, of many
+static char saved[64], scratch[80];
+static uint64_t moved_right; // hash of the motion after its steps
+static uint32_t n_points;
+static uint32_t n_wanted = 2; // points of each scenario and way; 0: all
+static const char *only = ""; // scenarios whose name begins so
+
+// What lives from its making to its end while calls fail. At the end of a life in which
+// a call failed once, the device is there again: all goes right.
+typedef struct scenario {
+    const char *name;
+    void (*live)(const struct scenario *s, lost_way way, uint32_t k);
+    duet_mode mode;
+    const char *variant;
+    const duet_pose *poses;
+    uint32_t share; // out of 4
+    bool copies;    // as if the devices had memory of their own
+    uint32_t wants; // of a motion
+    uint64_t *right;
+} scenario;
+
+static char what[160]; // what runs, for messages
+
+static bool told(bool ok, const duet_error *err)
+{
+    if (!ok && (err->status == DUET_OK || !err->text[0] || strchr(err->text, '\n')))
+        fail_msg("%s: told as %s '%s'", what, duet_status_name(err->status), err->text);
+    return ok;
+}
+
+static void set_memory(bool copies)
+{
+    for (int side = 0; side < 2; ++side)
+        pair->devices[side].info.host_memory = !copies;
+}
+
+// Nothing holds a queue but its device, so nothing waits in it.
+static void assert_idle(void)
+{
+    const struct timespec moment = {.tv_nsec = 1000000};
+    for (int i = 0; i < 4; ++i) {
+        const device *d = &pair->devices[i / 2];
+        cl_command_queue queue = i % 2 ? d->beside : d->queue;
+        cl_uint users = 2;
+        for (int k = 0; users > 1 && k < 10000; ++k) {
+            clGetCommandQueueInfo(queue, CL_QUEUE_REFERENCE_COUNT, sizeof users, &users, NULL);
+            if (users > 1)
+                nanosleep(&moment, NULL);
+        }
+        if (users > 1)
+            fail_msg("%s: after %s a queue of %s still has commands", what, lost_call(),
+                     d->info.selector);
+    }
+}
+
+// ------------------------------------------------------------ worlds
+
+static duet_world *open_world(const scenario *s, duet_error *err)
+{
+    duet_world_def def = duet_default_world_def();
+    def.pair = pair;
+    def.plan.mode = s->mode;
+    def.plan.share = s->share * (DUET_SHARE_ONE / 4);
+    snprintf(def.plan.variant_a, sizeof def.plan.variant_a, "%s", s->variant);
+    snprintf(def.plan.variant_b, sizeof def.plan.variant_b, "%s", s->variant);
+    duet_world *world = duet_world_create(&def, err);
+    if (!told(world, err))
+        return NULL;
+    world->pack.least_chunk = 64;
+    world->parts[0].least_chunk = world->parts[1].least_chunk = 64;
+    return world;
+}
+
+static bool step_world(duet_world *world, const scenario *s, duet_error *err)
+{
+    duet_result result;
+    bool ok = duet_world_set_poses(world, s->poses, N, err) && duet_world_step(world, &result, err);
+    if (told(ok, err) && duet_result_hash(&result) != *s->right)
+        fail_msg("%s: wrong pairs", what);
+    return ok;
+}
+
+// The second step finds all space made.
+static void use_new_world(const scenario *s, lost_way way)
+{
+    duet_error err = {0};
+    duet_world *world = open_world(s, &err);
+    for (int i = 0; world && i < 2; ++i) {
+        step_world(world, s, &err);
+        err = (duet_error){0};
+    }
+    if (world && way == LOST_ONCE) {
+        lost_end();
+        assert_ok(step_world(world, s, &err), err);
+    }
+    duet_world_destroy(world);
+}
+
+static void live_as_world(const scenario *s, lost_way way, uint32_t k)
+{
+    lost_begin(way, k);
+    use_new_world(s, way);
+}
+
+// B alone has whole objects in the place of packed ones, and wants other kernels.
+static void live_as_replanned_world(const scenario *s, lost_way way, uint32_t k)
+{
+    duet_error err = {0};
+    duet_world *world = open_world(s, &err);
+    assert_ok(world && step_world(world, s, &err), err);
+    assert_true(world->parts[1].kernels.packed);
+    duet_plan plan = *duet_world_plan(world);
+    plan.share = 0;
+    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+    lost_begin(way, k);
+    for (int i = 0; i < 2; ++i) {
+        step_world(world, s, &err);
+        err = (duet_error){0};
+    }
+    if (way == LOST_ONCE) {
+        lost_end();
+        assert_ok(step_world(world, s, &err), err);
+    }
+    duet_world_destroy(world);
+}
+
+static void live_as_pair(const scenario *s, lost_way way, uint32_t k)
+{
+    lost_begin(way, k);
+    duet_error err = {0};
+    duet_device_pair *before = pair;
+    duet_device_pair_def def = duet_default_device_pair_def();
+    def.cache_dir = "test_lost_device.cache";
+    pair = duet_device_pair_open(&def, &err);
+    lost_know(pair);
+    if (told(pair, &err))
+        use_new_world(s, way);
+    duet_device_pair_close(pair);
+    pair = before;
+    lost_know(pair);
+}
+
+// ------------------------------------------------------------ motions
+
+static duet_motion *open_motion(const scenario *s, duet_error *err)
+{
+    duet_pose boxes[MOVING];
+    duet_body bodies[MOVING];
+    duet_motion_def def = duet_default_motion_def();
+    def.pair = pair;
+    def.plan.share = s->share * (DUET_SHARE_ONE / 4);
+    def.wants = s->wants;
+    def.gravity[2] = -9.81;
+    def.skin = s->copies ? 0.0 : 0.2;
+    def.edge = DUET_EDGE_WALLS;
+    for (int k = 0; k < 3; ++k) {
+        def.lower[k] = -1.6;
+        def.upper[k] = 5.0;
+    }
+    for (int i = 0; i < MOVING; ++i) {
+        boxes[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0.02f, 1}};
+        boxes[i].centre[0] = 0.99f * (float)(i % 2);
+        boxes[i].centre[1] = 0.99f * (float)(i / 2 % 2);
+        boxes[i].centre[2] = 0.99f * (float)(i / 4) - 1.1f;
+        bodies[i] = duet_default_body();
+        bodies[i].friction = 0.5f;
+    }
+    duet_motion *m = duet_motion_create(&def, boxes, bodies, MOVING, err);
+    told(m, err);
+    return m;
+}
+
+static bool advance(duet_motion *m, int steps, duet_error *err)
+{
+    duet_motion_result result;
+    bool ok = true;
+    for (int i = 0; ok && i < steps; ++i)
+        ok = told(duet_motion_advance(m, &result, err), err);
+    return ok;
+}
+
+// Steps, the file, and what was found; calls after a failed one fail as well, or not.
+static void use_motion(duet_motion *m)
+{
+    duet_error errs[6] = {{0}};
+    duet_contact *contacts = NULL;
+    uint64_t n, hash;
+    advance(m, STEPS, &errs[0]);
+    advance(m, 1, &errs[1]);
+    if (told(duet_motion_contacts(m, &contacts, &n, &errs[2]), &errs[2]))
+        duet_free(contacts);
+    told(duet_motion_save(m, scratch, &errs[3]), &errs[3]);
+    told(duet_motion_load(m, saved, &errs[4]), &errs[4]);
+    told(duet_motion_hash(m, &hash, &errs[5]), &errs[5]);
+    advance(m, 1, &errs[5]);
+}
+
+// A saved motion makes whole what failed half-way.
+static void assert_heals(duet_motion *m)
+{
+    duet_error err = {0};
+    uint64_t hash = 0;
+    lost_end();
+    assert_ok(duet_motion_load(m, saved, &err), err);
+    assert_ok(advance(m, STEPS, &err), err);
+    assert_ok(duet_motion_hash(m, &hash, &err), err);
+    if (hash != moved_right)
+        fail_msg("%s: the loaded motion goes another way", what);
+}
+
+static void live_as_motion(const scenario *s, lost_way way, uint32_t k)
+{
+    lost_begin(way, k);
+    duet_error err = {0};
+    duet_motion *m = open_motion(s, &err);
+    if (m)
+        use_motion(m);
+    if (m && way == LOST_ONCE)
+        assert_heals(m);
+    duet_motion_destroy(m);
+}
+
+// What the motion of a scenario is like after its steps, saved when they begin.
+static void save_motion(const scenario *s)
+{
+    duet_error err = {0};
+    duet_motion *m = open_motion(s, &err);
+    assert_ok(m, err);
+    assert_ok(advance(m, STEPS, &err), err);
+    assert_ok(duet_motion_save(m, saved, &err), err);
+    assert_ok(advance(m, STEPS, &err), err);
+    assert_ok(duet_motion_hash(m, &moved_right, &err), err);
+    duet_motion_destroy(m);
+}
+
+// ------------------------------------------------------------ sweeps
+
+static uint32_t live(const scenario *s, lost_way way, uint32_t k)
+{
+    snprintf(what, sizeof what, "%s, call %u fails %s", s->name, k, lost_way_name(way));
+    set_memory(s->copies);
+    s->live(s, way, k);
+    uint32_t n_calls = lost_end();
+    set_memory(false);
+    return n_calls;
+}
+
+// A first life builds the kernels, which stay on the devices' program pool.
+static void sweep(const scenario *s, rng *r)
+{
+    if (s->wants)
+        save_motion(s);
+    live(s, LOST_FOR_EVER, UINT32_MAX);
+    assert_idle();
+    int before = device_live_objects();
+    uint32_t n_calls = live(s, LOST_FOR_EVER, UINT32_MAX), points = 0;
+    uint32_t stride = n_wanted > 0 && n_calls > n_wanted ? n_calls / n_wanted : 1;
+    for (int way = 0; way < LOST_WAYS; ++way)
+        for (uint32_t k = rng_below(r, stride); k < n_calls; k += stride) {
+            live(s, (lost_way)way, k);
+            ++points;
+            assert_idle();
+            if (device_live_objects() != before)
+                fail_msg("%s: %d objects of OpenCL are left", what, device_live_objects() - before);
+        }
+    assert_idle();
+    print_message("%s: %u calls, %u points\n", s->name, n_calls, points);
+    n_points += points;
+}
+
+static uint64_t right_of(const duet_pose objects[N])
+{
+    duet_error err = {0};
+    duet_pair *pairs = NULL;
+    uint64_t n = 0;
+    duet_scene *scene = duet_scene_from_poses(objects, N, 3, &err);
+    assert_ok(scene && duet_reference(scene, &pairs, &n, &err), err);
+    assert_true(n > 50);
+    uint64_t right = duet_pairs_hash(pairs, n);
+    duet_free(pairs);
+    duet_scene_destroy(scene);
+    return right;
+}
+
+static void nothing_crashes_hangs_or_leaks(void **state)
+{
+    (void)state;
+    uint64_t even_right = right_of(even), mixed_right = right_of(mixed);
+    const uint32_t pile = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS;
+    const duet_mode shared = DUET_MODE_SHARED, own = DUET_MODE_OWN, slab = DUET_MODE_SLAB;
+    uint64_t *of_even = &even_right, *of_mixed = &mixed_right;
+    const scenario scenarios[] = {
+        {"shared dense", live_as_world, shared, "auto", even, 2, false, 0, of_even},
+        {"own dense", live_as_world, own, "simd", even, 2, false, 0, of_even},
+        {"slab dense", live_as_world, slab, "simd", even, 2, false, 0, of_even},
+        {"shared dense, copied", live_as_world, shared, "gpu", even, 2, true, 0, of_even},
+        {"own dense, copied", live_as_world, own, "gpu send=chunks", even, 2, true, 0, of_even},
+        {"slab dense, packed", live_as_world, slab, "gpu send=packed", even, 2, true, 0, of_even},
+        {"shared levelled, copied", live_as_world, shared, "auto", mixed, 1, true, 0, of_mixed},
+        {"own levelled", live_as_world, own, "gpu", mixed, 2, false, 0, of_mixed},
+        {"shared hashed", live_as_world, shared, "simd grid=hashed", even, 2, false, 0, of_even},
+        {"own hashed, copied", live_as_world, own, "gpu grid=hashed", even, 3, true, 0, of_even},
+        {"own radix, copied", live_as_world, own, "simd sort=radix", mixed, 2, true, 0, of_mixed},
+        {"paper, copied", live_as_world, shared, "paper", even, 2, true, 0, of_even},
+        {"A alone", live_as_world, own, "simd", even, 4, false, 0, of_even},
+        {"B alone, copied", live_as_world, own, "gpu", even, 0, true, 0, of_even},
+        {"replanned", live_as_replanned_world, slab, "gpu send=packed", even, 2, true, 0, of_even},
+        {"contacts", live_as_motion, own, "", NULL, 2, false, DUET_EFFECT_CONTACT, NULL},
+        {"pile", live_as_motion, own, "", NULL, 2, false, pile, NULL},
+        {"pile, copied", live_as_motion, own, "", NULL, 2, true, pile, NULL},
+        {"pair", live_as_pair, own, "simd", even, 2, false, 0, of_even},
+    };
+    rng r = rng_seed(test_seed());
+    for (size_t i = 0; i < sizeof scenarios / sizeof scenarios[0]; ++i)
+        if (strncmp(scenarios[i].name, only, strlen(only)) == 0)
+            sweep(&scenarios[i], &r);
+    print_message("%u points\n", n_points);
+}
+
+// Of those kernels one is not made; the next step runs none that are left of either kind.
+static void kernels_that_were_not_made_are_made_again(void **state)
+{
+    (void)state;
+    uint64_t right = right_of(even);
+    const scenario s = {
+        "replanned", live_as_replanned_world, DUET_MODE_SLAB, "gpu send=packed", even, 2, true, 0,
+        &right};
+    uint32_t n_kernels = 0;
+    live(&s, LOST_FOR_EVER, UINT32_MAX);
+    for (uint32_t k = 0; k < 16; ++k) {
+        live(&s, LOST_ONCE, k);
+        n_kernels += strcmp(lost_call(), "clCreateKernel") == 0;
+    }
+    assert_true(n_kernels > 0);
+}
+
+// ------------------------------------------------------------ what runs
+
+static int open_devices(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    lost_begin(LOST_FOR_EVER, UINT32_MAX);
+    pair = duet_device_pair_open(&def, &err);
+    assert_ok(pair, err);
+    lost_know(pair);
+    snprintf(saved, sizeof saved, "/tmp/duet-lost-%ld", (long)getpid());
+    snprintf(scratch, sizeof scratch, "%s-scratch", saved);
+    rng r = rng_seed(7);
+    for (int i = 0; i < N; ++i) {
+        even[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}};
+        for (int k = 0; k < 4; ++k) {
+            even[i].rotation[k] = (float)rng_normal(&r);
+            if (k < 3)
+                even[i].centre[k] = (float)rng_between(&r, 0, 12);
+        }
+        mixed[i] = even[i];
+        for (int k = 0; k < 3 && i % 8; ++k)
+            mixed[i].half_extents[k] = 0.05f;
+    }
+    return 0;
+}
+
+static int close_devices(void **state)
+{
+    (void)state;
+    duet_device_pair_close(pair);
+    assert_int_equal(device_live_objects(), 0);
+    remove(saved);
+    remove(scratch);
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc > 2 && strcmp(argv[1], "--points") == 0)
+        n_wanted = (uint32_t)strtoul(argv[2], NULL, 10);
+    if (argc > 3)
+        only = argv[3];
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(kernels_that_were_not_made_are_made_again),
+        cmocka_unit_test(nothing_crashes_hangs_or_leaks),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}

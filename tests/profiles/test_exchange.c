@@ -1,0 +1,456 @@
+// SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "profiles/exchange.h"
+#include "profiles/level_cost.h"
+#include "profiles/sql.h"
+#include "profiles/upkeep.h"
+#include "support/store.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct two_stores {
+    test_folder folder;
+    char other_path[96];
+    store *s;
+    store *other;
+} two_stores;
+
+static two_stores open_two(void)
+{
+    duet_error err = {0};
+    two_stores two = {.folder = test_folder_make()};
+    snprintf(two.other_path, sizeof two.other_path, "%s/other.db", two.folder.path);
+    two.s = store_open(two.folder.store, STORE_WRITE, &err);
+    two.other = store_open(two.other_path, STORE_WRITE, &err);
+    assert_ok(two.s && two.other, err);
+    return two;
+}
+
+static void close_two(two_stores *two)
+{
+    store_close(two->s);
+    store_close(two->other);
+    test_folder_remove(&two->folder);
+}
+
+// The store as lines; the caller frees them.
+static char *lines_of(store *s)
+{
+    char *lines = NULL;
+    size_t n = 0;
+    duet_error err = {0};
+    FILE *out = open_memstream(&lines, &n);
+    assert_ok(profile_export(s, out, "an export", &err), err);
+    fclose(out);
+    return lines;
+}
+
+static bool import_lines(store *s, const char *lines, profile_import_counts *counts,
+                         duet_error *err)
+{
+    FILE *in = fmemopen((char *)lines, strlen(lines), "r");
+    assert_non_null(in);
+    bool ok = profile_import(s, in, "rows.jsonl", counts, err);
+    fclose(in);
+    return ok;
+}
+
+static void tune_one(store *s, uint64_t n)
+{
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(n);
+    test_tune(s, &pair, &workload);
+}
+
+// A table of level costs, and all that a profile can have.
+static void cost_one(store *s)
+{
+    duet_error err = {0};
+    profile_workload workload = test_workload(1000);
+    workload.level = "auto";
+    profile_level_cost_key key = {.pair_id = 1, .kernels = TEST_KERNELS};
+    const profile_level_cost costs[] = {{"certified", 2e6, 70, 0, 0}, {"sat15", 1.9e6, 70, 3, 9}};
+    assert_ok(profile_workload_put(s, &workload, &key.workload_id, &err), err);
+    assert_ok(profile_level_costs_put(s, &key, costs, 2, &err), err);
+    assert_ok(sql_script(s,
+                         "UPDATE profile SET true_pairs = 70, single_ns = 3e6, best_share = 9, "
+                         "best_mode = 'slab', terms = '{\"T_1\":1.5}'",
+                         &err),
+              err);
+}
+
+static void what_went_out_comes_in_as_it_was(void **state)
+{
+    (void)state;
+    two_stores two = open_two();
+    tune_one(two.s, 1000);
+    tune_one(two.s, 2000);
+    cost_one(two.s);
+    duet_error err = {0};
+    char *lines = lines_of(two.s);
+    profile_import_counts counts;
+    assert_ok(import_lines(two.other, lines, &counts, &err), err);
+    assert_int_equal(counts.known, 0);
+    assert_int_equal(test_count(two.other, "level_cost WHERE missed = 3 AND invented = 9"), 1);
+    char *back = lines_of(two.other);
+    assert_string_equal(back, lines);
+    assert_int_equal(test_count(two.other, "fit"), test_count(two.s, "fit"));
+    assert_int_equal(test_count(two.other, "sample"), 2 * 9 * 4);
+    free(lines);
+    free(back);
+    close_two(&two);
+}
+
+static void numbers_of_full_length_survive(void **state)
+{
+    (void)state;
+    two_stores two = open_two();
+    tune_one(two.s, 1000);
+    duet_error err = {0};
+    assert_ok(sql_script(two.s,
+                         "UPDATE session SET seed = 9223372036854775807; "
+                         "UPDATE sample SET at_ns = 1763710000123456789",
+                         &err),
+              err);
+    char *lines = lines_of(two.s);
+    profile_import_counts counts;
+    assert_ok(import_lines(two.other, lines, &counts, &err), err);
+    assert_int_equal(test_count(two.other, "session WHERE seed = 9223372036854775807"), 1);
+    assert_int_equal(test_count(two.other, "sample WHERE at_ns <> 1763710000123456789"), 0);
+    free(lines);
+    close_two(&two);
+}
+
+static void rows_that_are_known_are_not_taken_twice(void **state)
+{
+    (void)state;
+    two_stores two = open_two();
+    tune_one(two.s, 1000);
+    char *lines = lines_of(two.s);
+    profile_import_counts counts;
+    duet_error err = {0};
+    assert_ok(import_lines(two.s, lines, &counts, &err), err);
+    assert_int_equal(counts.added, 0);
+    assert_true(counts.known > 9);
+    assert_int_equal(test_count(two.s, "profile"), 1);
+    assert_int_equal(test_count(two.s, "sample"), 36);
+    free(lines);
+    close_two(&two);
+}
+
+static void replace_once(char **lines, const char *from, const char *to)
+{
+    char *at = strstr(*lines, from);
+    if (!at)
+        fail_msg("no line has %s", from);
+    text t = {0};
+    text_add_bytes(&t, *lines, (size_t)(at - *lines));
+    text_add(&t, "%s%s", to, at + strlen(from));
+    free(*lines);
+    *lines = t.chars;
+}
+
+static int line_of(const char *lines, const char *what)
+{
+    int line = 1;
+    for (const char *at = strstr(lines, what); at > lines; --at)
+        line += at[-1] == '\n';
+    return line;
+}
+
+// Each spoils one line of a good export; the message names it and nothing of
+// the file is kept.
+static void one_bad_line_refuses_the_file_and_is_named(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *from;
+        const char *to;
+        const char *says;
+    } spoilt[] = {
+        {"\"type\":\"pair\"", "\"type\":\"pear\"", "pear"},
+        {"\"type\":\"trial\"", "\"type\"", "not a JSON object"},
+        {"{\"type\":\"workload\"", "[{\"type\":\"workload\"", "not a JSON object"},
+        {"\"share\":8192", "\"share\":70000", "share"},
+        {"\"share\":8192", "\"share\":\"x\"", "share"},
+        {"\"share\":8192", "\"chair\":8192", "share"},
+        {"\"verdict\":\"faster\"", "\"verdict\":\"best\"", "verdict"},
+        {"\"gain\":", "\"gains\":", "gains"},
+        {"\"invalidity\":\"correct\"", "\"invalidity\":\"?\"", "outcome"},
+        {"\"vendor\":\"NVIDIA Corporation\"", "\"vendor\":\"NVIDIA Co\"", "key"},
+        {"\"driver\":\"3.1\"", "\"driver\":\"3.2\"", "key"},
+        {"\"n\":1000,", "\"n\":1001,", "key"},
+        {"\"uid\":", "\"kernels\":7,\"uid\":", "kernels"},
+        {"\"options\":{", "\"options\":[{", "not a JSON object"},
+        {"\"options\":{\"launches\":16}", "\"options\":\"{\\\"x\\\":1},\\\"evil\\\":{}\"",
+         "JSON object: options"},
+        {"\"search_state\":{\"at\":1}", "\"search_state\":\"{} , {}\"", "search_state"},
+        {"\"terms\":null,\"origin\"",
+         "\"terms\":\"{\\\"x\\\":1},\\\"evil\\\":{\\\"a\\\":2}\",\"origin\"", "JSON object: terms"},
+        {"\"terms\":{\"T_CPU1\":1.5},\"samples\"", "\"terms\":\"{}\",\"samples\"",
+         "JSON object: terms"},
+        {"\"terms\":null,\"origin\"", "\"terms\":7,\"origin\"", "JSON object: terms"},
+        {"\"name\":\"", "\"name\":\"\xff", "not UTF-8"},
+        {"\"type\":\"store\",\"version\":3", "\"type\":\"store\",\"version\":4", "newer"},
+    };
+    two_stores two = open_two();
+    tune_one(two.s, 1000);
+    for (size_t i = 0; i < sizeof spoilt / sizeof spoilt[0]; ++i) {
+        char *lines = lines_of(two.s);
+        int line = line_of(lines, spoilt[i].from);
+        replace_once(&lines, spoilt[i].from, spoilt[i].to);
+        profile_import_counts counts;
+        duet_error err = {0};
+        char place[32];
+        snprintf(place, sizeof place, "rows.jsonl:%d: ", line);
+        if (import_lines(two.other, lines, &counts, &err))
+            fail_msg("taken in: %s", spoilt[i].to);
+        assert_int_equal(err.status, DUET_BAD_INPUT);
+        if (strncmp(err.text, place, strlen(place)) != 0 || !strstr(err.text, spoilt[i].says))
+            fail_msg("for %s at %s: %s", spoilt[i].to, place, err.text);
+        assert_int_equal(test_count(two.other, "device"), 0);
+        assert_int_equal(test_count(two.other, "audit"), 0);
+        free(lines);
+    }
+    close_two(&two);
+}
+
+// A store that somebody tampered with goes out without what is no object.
+static void a_poisoned_store_is_told_of_and_still_goes_out(void **state)
+{
+    (void)state;
+    two_stores two = open_two();
+    tune_one(two.s, 1000);
+    duet_error err = {0};
+    text report = {0};
+    uint32_t problems = 0;
+    assert_ok(sql_script(two.s,
+                         "UPDATE profile SET terms = '{\"x\":1},\"evil\":{\"a\":2}';"
+                         "UPDATE trial SET terms = '{broken}' WHERE number = 1;"
+                         "UPDATE trial SET terms = '{\"fine\":0.1}' WHERE number = 2;"
+                         "UPDATE session SET options = '{} , {}', search_state = '{\"a\":}'",
+                         &err),
+              err);
+    assert_ok(profile_check(two.s, &report, &problems, &err), err);
+    assert_int_equal(problems, 3);
+    assert_non_null(strstr(text_chars(&report), "a profile's terms are no JSON object"));
+    char *lines = lines_of(two.s);
+    assert_null(strstr(lines, "evil"));
+    assert_null(strstr(lines, "broken"));
+    assert_non_null(strstr(lines, "\"terms\":{\"fine\":0.1}"));
+    profile_import_counts counts;
+    assert_ok(import_lines(two.other, lines, &counts, &err), err);
+    assert_int_equal(test_count(two.other, "profile"), 1);
+    text_free(&report);
+    free(lines);
+    close_two(&two);
+}
+
+static void a_row_whose_pair_is_nowhere_is_refused(void **state)
+{
+    (void)state;
+    two_stores two = open_two();
+    tune_one(two.s, 1000);
+    char *lines = lines_of(two.s);
+    char *session = strstr(lines, "{\"type\":\"session\"");
+    assert_non_null(session);
+    profile_import_counts counts;
+    duet_error err = {0};
+    assert_false(import_lines(two.other, session, &counts, &err));
+    assert_non_null(strstr(err.text, "rows.jsonl:1: needs a row"));
+    assert_non_null(strstr(err.text, "pair_id"));
+    free(lines);
+    close_two(&two);
+}
+
+// Whatever a line holds, the import ends with all rows or with one line of
+// error, and the store stays sound.
+static void spoilt_bytes_never_break_the_store(void **state)
+{
+    (void)state;
+    two_stores two = open_two();
+    tune_one(two.s, 1000);
+    rng r = rng_seed(test_seed());
+    int refused = 0;
+    for (int round = 0; round < 150; ++round) {
+        char *lines = lines_of(two.s);
+        size_t n = strlen(lines);
+        for (int i = 0; i < 3; ++i)
+            lines[rng_below(&r, (uint32_t)n)] = (char)(1 + rng_below(&r, 255));
+        profile_import_counts counts;
+        duet_error err = {0};
+        int64_t before = test_count(two.other, "audit");
+        bool ok = import_lines(two.other, lines, &counts, &err);
+        refused += !ok;
+        assert_int_equal(test_count(two.other, "audit"), before + ok);
+        assert_true(ok || strncmp(err.text, "rows.jsonl:", 11) == 0);
+        free(lines);
+    }
+    assert_true(refused > 50);
+    text report = {0};
+    uint32_t problems = 0;
+    duet_error err = {0};
+    assert_ok(profile_check(two.other, &report, &problems, &err), err);
+    assert_int_equal(problems, 0);
+    text_free(&report);
+    close_two(&two);
+}
+
+static void a_merge_keeps_two_machines_apart(void **state)
+{
+    (void)state;
+    two_stores two = open_two();
+    profile_pair pair = test_pair();
+    profile_pair theirs = test_pair();
+    theirs.b.device.name = "NVIDIA H100";
+    profile_workload workload = test_workload(1000);
+    test_tune(two.s, &pair, &workload);
+    test_tune(two.other, &theirs, &workload);
+    duet_error err = {0};
+    assert_ok(sql_script(two.other, "UPDATE session SET host = 'elsewhere'", &err), err);
+    profile_import_counts counts;
+    assert_ok(profile_merge(two.s, two.other_path, &counts, &err), err);
+    assert_int_equal(test_count(two.s, "profile WHERE live = 1"), 2);
+    assert_int_equal(test_count(two.s, "device"), 3);
+    assert_int_equal(test_count(two.s, "session WHERE host = 'elsewhere'"), 1);
+    assert_int_equal(test_count(two.s, "fit WHERE host = 'elsewhere'"), 4);
+    const profile_pair *pairs[] = {&pair, &theirs};
+    char hosts[2][PROFILE_ID];
+    for (int i = 0; i < 2; ++i) {
+        profile_request request = test_request(pairs[i], &workload);
+        profile_found found;
+        assert_ok(profile_lookup(two.s, &request, &found, NULL, &err), err);
+        assert_int_equal(found.grade, PROFILE_EXACT);
+        memcpy(hosts[i], found.session, sizeof hosts[i]);
+    }
+    assert_string_not_equal(hosts[0], hosts[1]);
+    close_two(&two);
+}
+
+static void a_merge_does_not_replace_the_stores_own_profile(void **state)
+{
+    (void)state;
+    two_stores two = open_two();
+    tune_one(two.s, 1000);
+    tune_one(two.other, 1000);
+    duet_error err = {0};
+    sql q = sql_make(two.s, "SELECT uid FROM profile", &err);
+    assert_true(sql_row(&q));
+    char own[PROFILE_ID];
+    sql_copy(own, sizeof own, sql_get_text(&q, 0));
+    sql_close(&q);
+    profile_import_counts counts;
+    assert_ok(profile_merge(two.s, two.other_path, &counts, &err), err);
+    char query[96];
+    snprintf(query, sizeof query, "profile WHERE live = 1 AND uid = '%s'", own);
+    assert_int_equal(test_count(two.s, query), 1);
+    assert_int_equal(
+        test_count(two.s, "profile WHERE dead_reason = 'the store had one of its own'"), 1);
+    close_two(&two);
+}
+
+static void a_store_is_not_merged_into_itself(void **state)
+{
+    (void)state;
+    two_stores two = open_two();
+    profile_import_counts counts;
+    duet_error err = {0};
+    assert_false(profile_merge(two.s, two.folder.store, &counts, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    close_two(&two);
+}
+
+// ------------------------------------------------------------------- prune, check
+
+static void pruning_thins_samples_and_keeps_medians(void **state)
+{
+    (void)state;
+    two_stores two = open_two();
+    tune_one(two.s, 1000);
+    tune_one(two.s, 1000);
+    profile_prune_def def = {.keep_samples = 2, .before_ns = INT64_MAX, .drop_dead = true};
+    profile_prune_counts counts;
+    duet_error err = {0};
+    assert_ok(profile_prune(two.s, &def, &counts, &err), err);
+    assert_int_equal(counts.samples, 2 * 9 * 2);
+    assert_int_equal(counts.profiles, 1);
+    assert_int_equal(test_count(two.s, "trial WHERE median_ns > 0 AND launches = 3"), 18);
+    assert_int_equal(test_count(two.s, "sample"), 2 * 9 * 2);
+    assert_int_equal(test_count(two.s, "sample WHERE number IN (0, 2)"), 2 * 9 * 2);
+    def.keep_samples = 0;
+    assert_ok(profile_prune(two.s, &def, &counts, &err), err);
+    assert_int_equal(test_count(two.s, "sample"), 0);
+    assert_int_equal(test_count(two.s, "profile WHERE live = 1"), 1);
+    close_two(&two);
+}
+
+static void pruning_leaves_an_unfinished_search_whole(void **state)
+{
+    (void)state;
+    two_stores two = open_two();
+    tune_one(two.s, 1000);
+    duet_error err = {0};
+    assert_ok(sql_script(two.s, "UPDATE session SET state = 'stopped'", &err), err);
+    profile_prune_def def = {.keep_samples = 0, .before_ns = INT64_MAX};
+    profile_prune_counts counts;
+    assert_ok(profile_prune(two.s, &def, &counts, &err), err);
+    assert_int_equal(counts.samples, 0);
+    close_two(&two);
+}
+
+static void a_check_finds_what_was_tampered_with(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *tampering;
+        const char *says;
+    } cases[] = {
+        {"UPDATE device SET name = 'another' WHERE kind = 'gpu'", "device "},
+        {"UPDATE env SET seat = 'x'", "env "},
+        {"UPDATE workload SET n = n + 1", "workload "},
+        {"UPDATE workload SET size_ratio = 0", "workload "},
+        {"UPDATE profile SET trial = 99", "trial is not there"},
+        {"PRAGMA foreign_keys = OFF; DELETE FROM workload", "points at none"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        two_stores two = open_two();
+        tune_one(two.s, 1000);
+        text report = {0};
+        uint32_t problems = 0;
+        duet_error err = {0};
+        assert_ok(profile_check(two.s, &report, &problems, &err), err);
+        assert_int_equal(problems, 0);
+        assert_ok(sql_script(two.s, cases[i].tampering, &err), err);
+        assert_ok(profile_check(two.s, &report, &problems, &err), err);
+        assert_true(problems > 0);
+        assert_non_null(strstr(text_chars(&report), cases[i].says));
+        text_free(&report);
+        close_two(&two);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_went_out_comes_in_as_it_was),
+        cmocka_unit_test(numbers_of_full_length_survive),
+        cmocka_unit_test(rows_that_are_known_are_not_taken_twice),
+        cmocka_unit_test(one_bad_line_refuses_the_file_and_is_named),
+        cmocka_unit_test(a_poisoned_store_is_told_of_and_still_goes_out),
+        cmocka_unit_test(a_row_whose_pair_is_nowhere_is_refused),
+        cmocka_unit_test(spoilt_bytes_never_break_the_store),
+        cmocka_unit_test(a_merge_keeps_two_machines_apart),
+        cmocka_unit_test(a_merge_does_not_replace_the_stores_own_profile),
+        cmocka_unit_test(a_store_is_not_merged_into_itself),
+        cmocka_unit_test(pruning_thins_samples_and_keeps_medians),
+        cmocka_unit_test(pruning_leaves_an_unfinished_search_whole),
+        cmocka_unit_test(a_check_finds_what_was_tampered_with),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

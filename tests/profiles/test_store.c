@@ -1,0 +1,417 @@
+// SPDX-License-Identifier: MIT
+#define _GNU_SOURCE
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "profiles/exchange.h"
+#include "profiles/sql.h"
+#include "support/store.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static void write_bytes(const char *path, const char *bytes, size_t n)
+{
+    duet_error err = {0};
+    assert_ok(text_write_file(path, bytes, n, &err), err);
+}
+
+static void assert_file_is(const char *path, const char *bytes, size_t n)
+{
+    text t = {0};
+    duet_error err = {0};
+    assert_ok(text_read_file(&t, path, &err), err);
+    assert_int_equal(t.length, n);
+    assert_memory_equal(t.chars, bytes, n);
+    text_free(&t);
+}
+
+// ------------------------------------------------------------- making and opening
+
+static void a_store_is_made_with_its_folders(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    char path[128];
+    snprintf(path, sizeof path, "%s/a/b/profiles.db", folder.path);
+    store *s = test_store_open(path, STORE_WRITE);
+    assert_true(store_writable(s));
+    assert_null(store_note(s));
+    assert_int_equal(test_count(s, "profile"), 0);
+    store_close(s);
+    store_close(test_store_open(path, STORE_READ));
+    test_folder_remove(&folder);
+}
+
+static void a_path_comes_from_the_environment(void **state)
+{
+    (void)state;
+    text path = {0};
+    duet_error err = {0};
+    setenv("DUET_PROFILE", "/p/q.db", 1);
+    setenv("XDG_DATA_HOME", "/x", 1);
+    setenv("HOME", "/h", 1);
+    assert_ok(store_user_path(&path, &err), err);
+    assert_string_equal(text_chars(&path), "/p/q.db");
+    text_free(&path);
+    unsetenv("DUET_PROFILE");
+    assert_ok(store_user_path(&path, &err), err);
+    assert_string_equal(text_chars(&path), "/x/duet/profiles.db");
+    text_free(&path);
+    unsetenv("XDG_DATA_HOME");
+    assert_ok(store_user_path(&path, &err), err);
+    assert_string_equal(text_chars(&path), "/h/.local/share/duet/profiles.db");
+    text_free(&path);
+    unsetenv("HOME");
+    assert_false(store_user_path(&path, &err));
+    assert_int_equal(err.status, DUET_NOT_FOUND);
+    text_free(&path);
+}
+
+static void the_system_store_is_the_first_that_exists(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    char path[128];
+    snprintf(path, sizeof path, "%s/duet/profiles.db", folder.path);
+    store_close(test_store_open(path, STORE_WRITE));
+    char dirs[160];
+    snprintf(dirs, sizeof dirs, "/nowhere:%s:/nowhere", folder.path);
+    setenv("XDG_DATA_DIRS", dirs, 1);
+    text found = {0};
+    assert_true(store_system_path(&found));
+    assert_string_equal(text_chars(&found), path);
+    text_free(&found);
+    setenv("XDG_DATA_DIRS", "/nowhere", 1);
+    assert_false(store_system_path(&found));
+    unsetenv("XDG_DATA_DIRS");
+    test_folder_remove(&folder);
+}
+
+static void a_missing_store_is_not_made_by_reading(void **state)
+{
+    (void)state;
+    duet_error err = test_store_refusal("no/such/profiles.db", STORE_READ);
+    assert_int_equal(err.status, DUET_NOT_FOUND);
+    assert_int_not_equal(access("no", F_OK), 0);
+}
+
+static void an_empty_file_becomes_a_store_only_by_writing(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    write_bytes(folder.store, "", 0);
+    assert_int_equal(test_store_refusal(folder.store, STORE_READ).status, DUET_NOT_FOUND);
+    assert_file_is(folder.store, "", 0);
+    store_close(test_store_open(folder.store, STORE_WRITE));
+    store_close(test_store_open(folder.store, STORE_READ));
+    test_folder_remove(&folder);
+}
+
+static void network_file_systems_keep_a_rollback_journal(void **state)
+{
+    (void)state;
+    assert_string_equal(store_journal(0x6969), "delete");     // NFS
+    assert_string_equal(store_journal(0xff534d42), "delete"); // CIFS
+    assert_string_equal(store_journal((unsigned long)(int32_t)0xff534d42), "delete");
+    assert_string_equal(store_journal(0xef53), "wal");     // ext4
+    assert_string_equal(store_journal(0x01021994), "wal"); // tmpfs
+}
+
+// ------------------------------------------------------------------------- paths
+
+// Names that mean something else to SQLite, to URIs or to a shell.
+static const char *const odd_names[] = {
+    ":memory:",
+    "file:x.db",
+    "file:x.db?mode=memory",
+    "file::memory:?cache=shared",
+    "a?mode=ro.db",
+    "50%41.db",
+    "#.db",
+    "a b.db",
+    "it's \"it\".db",
+    "new\nline.db",
+    "\xff\xfe\x80.db",
+    "\\.db",
+    "-.db",
+    "x;y$(z).db",
+    "%00.db",
+    "\xc3\xa9.db",
+};
+
+static void assert_is_a_store(const char *path)
+{
+    char head[16] = "";
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        fail_msg("there is no file '%s'", path);
+    size_t n = fread(head, 1, sizeof head, file);
+    fclose(file);
+    assert_int_equal(n, sizeof head);
+    assert_memory_equal(head, "SQLite format 3", 16);
+}
+
+static void take_a_store_through(const char *path)
+{
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    profile_request request = test_request(&pair, &workload);
+    profile_found found;
+    duet_error err = {0};
+    store *s = test_store_open(path, STORE_WRITE);
+    test_tune(s, &pair, &workload);
+    store_close(s);
+    assert_is_a_store(path);
+    s = test_store_open(path, STORE_READ); // waits until it rests
+    assert_int_equal(test_count(s, "profile"), 1);
+    store_close(s);
+    assert_ok(profile_lookup_files(path, NULL, &request, &found, NULL, &err), err);
+    assert_int_equal(found.grade, PROFILE_EXACT);
+    s = test_store_open("other.db", STORE_WRITE);
+    profile_import_counts counts;
+    assert_ok(profile_merge(s, path, &counts, &err), err);
+    assert_true(counts.added > 0);
+    store_close(s);
+    remove("other.db");
+}
+
+// One file with exactly that name, in the folder one is in and by its whole path.
+static void a_path_names_that_very_file(void **state)
+{
+    (void)state;
+    char start[2048];
+    char whole[4096];
+    test_folder folder = test_folder_make();
+    assert_non_null(getcwd(start, sizeof start));
+    assert_int_equal(chdir(folder.path), 0);
+    for (size_t i = 0; i < sizeof odd_names / sizeof odd_names[0]; ++i) {
+        take_a_store_through(odd_names[i]);
+        assert_int_equal(test_count_files(), 1);
+        assert_int_equal(remove(odd_names[i]), 0);
+        snprintf(whole, sizeof whole, "//%s/%s/%s", start, folder.path, odd_names[i]);
+        take_a_store_through(whole);
+        assert_int_equal(test_count_files(), 1);
+        assert_int_equal(remove(odd_names[i]), 0);
+    }
+    assert_int_equal(chdir(start), 0);
+    test_folder_remove(&folder);
+}
+
+static void a_folder_called_file_leads_nowhere_else(void **state)
+{
+    (void)state;
+    char start[2048], whole[2200];
+    test_folder folder = test_folder_make();
+    store_close(test_store_open(folder.store, STORE_WRITE));
+    assert_non_null(getcwd(start, sizeof start));
+    assert_int_equal(chdir(folder.path), 0);
+    snprintf(whole, sizeof whole, "file:%s/%s", start, folder.store);
+    assert_int_equal(test_store_refusal(whole, STORE_READ).status, DUET_NOT_FOUND);
+    assert_int_equal(chdir(start), 0);
+    test_folder_remove(&folder);
+}
+
+static void an_empty_path_is_refused(void **state)
+{
+    (void)state;
+    assert_non_null(strstr(test_store_refusal("", STORE_WRITE).text, "path is empty"));
+    assert_non_null(strstr(test_store_refusal("", STORE_READ).text, "path is empty"));
+}
+
+// --------------------------------------------------------------- what is not ours
+
+static void a_file_that_is_no_database_is_left_as_it_is(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    rng r = rng_seed(test_seed());
+    for (size_t n = 1; n < 9000; n = n * 3 + 1) {
+        char *bytes = malloc(n);
+        assert_non_null(bytes);
+        for (size_t i = 0; i < n; ++i)
+            bytes[i] = (char)rng_below(&r, 256);
+        write_bytes(folder.store, bytes, n);
+        assert_non_null(
+            strstr(test_store_refusal(folder.store, STORE_WRITE).text, "not a profile store"));
+        assert_non_null(
+            strstr(test_store_refusal(folder.store, STORE_READ).text, "not a profile store"));
+        assert_file_is(folder.store, bytes, n);
+        free(bytes);
+    }
+    test_folder_remove(&folder);
+}
+
+static void another_programs_database_is_left_as_it_is(void **state)
+{
+    (void)state;
+    static const char *const others[] = {
+        "CREATE TABLE t (x); INSERT INTO t VALUES (1)",
+        "PRAGMA application_id = 252006675; CREATE TABLE t (x)",
+        "PRAGMA user_version = 1; CREATE TABLE profile (x)",
+    };
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i) {
+        test_folder folder = test_folder_make();
+        test_store_run(folder.store, others[i]);
+        text before = {0};
+        duet_error err = {0};
+        assert_ok(text_read_file(&before, folder.store, &err), err);
+        assert_non_null(
+            strstr(test_store_refusal(folder.store, STORE_WRITE).text, "another program's"));
+        assert_non_null(
+            strstr(test_store_refusal(folder.store, STORE_READ).text, "another program's"));
+        assert_file_is(folder.store, before.chars, before.length);
+        text_free(&before);
+        test_folder_remove(&folder);
+    }
+}
+
+static void a_folder_and_a_pipe_are_no_store(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    assert_non_null(strstr(test_store_refusal(folder.path, STORE_WRITE).text, "is a folder"));
+    assert_int_equal(mkfifo(folder.store, 0600), 0);
+    assert_non_null(
+        strstr(test_store_refusal(folder.store, STORE_READ).text, "a device or a pipe"));
+    test_folder_remove(&folder);
+}
+
+static void a_truncated_store_is_reported_and_kept(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    store *s = test_store_open(folder.store, STORE_WRITE);
+    test_tune(s, &pair, &workload);
+    store_close(s);
+    text whole = {0};
+    duet_error err = {0};
+    assert_ok(text_read_file(&whole, folder.store, &err), err);
+    for (size_t n = whole.length - 4096; n > 100; n /= 3) {
+        write_bytes(folder.store, whole.chars, n);
+        assert_non_null(strstr(test_store_refusal(folder.store, STORE_WRITE).text, "damaged"));
+        assert_file_is(folder.store, whole.chars, n);
+    }
+    text_free(&whole);
+    test_folder_remove(&folder);
+}
+
+// Wherever bytes are spoilt, every call ends, with rows or with one line.
+static void a_damaged_store_never_crashes_a_look_up(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    store *s = test_store_open(folder.store, STORE_WRITE);
+    test_tune(s, &pair, &workload);
+    store_close(s);
+    text whole = {0};
+    duet_error err = {0};
+    assert_ok(text_read_file(&whole, folder.store, &err), err);
+    rng r = rng_seed(test_seed());
+    profile_request request = test_request(&pair, &workload);
+    int refused = 0;
+    for (int round = 0; round < 200; ++round) {
+        char *bytes = malloc(whole.length);
+        assert_non_null(bytes);
+        memcpy(bytes, whole.chars, whole.length);
+        uint32_t from = 16 + rng_below(&r, (uint32_t)whole.length - 16);
+        uint32_t length = 1 + rng_below(&r, 3000);
+        for (size_t i = from; i < from + length && i < whole.length; ++i)
+            bytes[i] = (char)rng_below(&r, 256);
+        write_bytes(folder.store, bytes, whole.length);
+        profile_found found;
+        text why = {0};
+        duet_error failure = {0};
+        bool ok = profile_lookup_files(folder.store, NULL, &request, &found, &why, &failure);
+        assert_true(ok || failure.text[0]);
+        assert_true(ok || found.grade == PROFILE_DEFAULT);
+        refused += !ok;
+        assert_file_is(folder.store, bytes, whole.length);
+        text_free(&why);
+        free(bytes);
+    }
+    assert_true(refused > 0);
+    text_free(&whole);
+    test_folder_remove(&folder);
+}
+
+// Whatever such a file says to be is run when a table of that name is read.
+static void a_view_or_trigger_of_a_stranger_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *statements, *says;
+    } cases[] = {
+        {"ALTER TABLE profile RENAME TO old; CREATE VIEW profile AS SELECT old.* FROM old, (WITH "
+         "RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM r) SELECT x FROM r) WHERE x < 0",
+         "holds a view 'profile' that Duet does not make"},
+        {"DROP VIEW part; CREATE VIEW part AS SELECT 1", "view 'part'"},
+        {"CREATE TRIGGER t AFTER INSERT ON audit BEGIN DELETE FROM profile; END", "trigger 't'"},
+        {"CREATE VIRTUAL TABLE v USING fts5(x)", "table 'v'"},
+    };
+    static const store_access accesses[] = {STORE_READ, STORE_WRITE};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        test_folder folder = test_folder_make();
+        store *s = test_store_open(folder.store, STORE_WRITE);
+        duet_error err = {0};
+        assert_ok(sql_script(s, cases[i].statements, &err), err);
+        store_close(s);
+        for (int k = 0; k < 2; ++k) {
+            err = (duet_error){0};
+            assert_null(store_open(folder.store, accesses[k], &err));
+            assert_int_equal(err.status, DUET_STORE_FAILED);
+            if (!strstr(err.text, cases[i].says))
+                fail_msg("'%s' does not say '%s'", err.text, cases[i].says);
+        }
+        test_folder_remove(&folder);
+    }
+}
+
+// ----------------------------------------------------------------------- transactions
+
+static void a_failure_inside_undoes_the_whole_transaction(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    store *s = test_store_open(folder.store, STORE_WRITE);
+    duet_error err = {0};
+    assert_ok(store_begin(s, &err), err);
+    assert_ok(store_audit(s, "outer", "", &err), err);
+    assert_ok(store_begin(s, &err), err);
+    assert_ok(store_audit(s, "inner", "", &err), err);
+    assert_false(store_end(s, false, &err));
+    assert_false(store_end(s, true, &err));
+    assert_int_equal(test_count(s, "audit"), 0);
+    store_close(s);
+    test_folder_remove(&folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_store_is_made_with_its_folders),
+        cmocka_unit_test(a_path_comes_from_the_environment),
+        cmocka_unit_test(the_system_store_is_the_first_that_exists),
+        cmocka_unit_test(a_missing_store_is_not_made_by_reading),
+        cmocka_unit_test(an_empty_file_becomes_a_store_only_by_writing),
+        cmocka_unit_test(network_file_systems_keep_a_rollback_journal),
+        cmocka_unit_test(a_path_names_that_very_file),
+        cmocka_unit_test(a_folder_called_file_leads_nowhere_else),
+        cmocka_unit_test(an_empty_path_is_refused),
+        cmocka_unit_test(a_file_that_is_no_database_is_left_as_it_is),
+        cmocka_unit_test(another_programs_database_is_left_as_it_is),
+        cmocka_unit_test(a_folder_and_a_pipe_are_no_store),
+        cmocka_unit_test(a_truncated_store_is_reported_and_kept),
+        cmocka_unit_test(a_damaged_store_never_crashes_a_look_up),
+        cmocka_unit_test(a_view_or_trigger_of_a_stranger_is_refused),
+        cmocka_unit_test(a_failure_inside_undoes_the_whole_transaction),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

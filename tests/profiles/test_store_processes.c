@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: MIT
+// Several processes on one store, some of them killed.
+#define _GNU_SOURCE
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "profiles/sql.h"
+#include "profiles/upkeep.h"
+#include "support/store.h"
+
+#include <inttypes.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { WRITERS = 8, READERS = 8, TRIALS = 25, SAMPLES = 5, KILLS = 40 };
+
+// In a child a failed fact ends the process: cmocka belongs to the parent.
+static void must(bool fact, const char *what, const duet_error *err)
+{
+    if (fact)
+        return;
+    fprintf(stderr, "not so: %s: %s\n", what, err->text);
+    _exit(1);
+}
+
+static pid_t start(void (*work)(const char *path, int who), const char *path, int who)
+{
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        work(path, who);
+        _exit(0);
+    }
+    return child;
+}
+
+static void assert_all_ended_well(const pid_t *children, int n)
+{
+    int failed = 0;
+    for (int i = 0; i < n; ++i) {
+        int status = 0;
+        assert_int_equal(waitpid(children[i], &status, 0), children[i]);
+        failed += !WIFEXITED(status) || WEXITSTATUS(status) != 0;
+    }
+    assert_int_equal(failed, 0);
+}
+
+static void assert_sound(store *s)
+{
+    text report = {0};
+    uint32_t problems = 0;
+    duet_error err = {0};
+    assert_ok(profile_check(s, &report, &problems, &err), err);
+    if (problems)
+        fail_msg("%s", text_chars(&report));
+    text_free(&report);
+    assert_int_equal(
+        test_count(s, "trial t WHERE (SELECT count(*) FROM sample WHERE trial_id = t.id) <> 5"), 0);
+}
+
+static void begin(store *s, uint64_t n, profile_session *session, char id[PROFILE_ID])
+{
+    duet_error err = {0};
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(n);
+    int64_t pair_id = 0;
+    int64_t workload_id = 0;
+    must(profile_pair_put(s, &pair, &pair_id, &err), "the pair is put", &err);
+    must(profile_workload_put(s, &workload, &workload_id, &err), "the workload is put", &err);
+    *session = test_session(pair_id, workload_id);
+    must(profile_session_begin(s, session, id, &err), "the session begins", &err);
+}
+
+static void add_trial(store *s, const char *id, int i)
+{
+    duet_error err = {0};
+    profile_sample samples[SAMPLES];
+    profile_trial trial = test_trial(100000, (i % 9) / 8.0, samples, SAMPLES);
+    char search_state[48];
+    int64_t number = 0;
+    snprintf(search_state, sizeof search_state, "{\"trials\":%d}", i + 1);
+    must(profile_trial_add(s, id, &trial, search_state, &number, &err), "a trial is added", &err);
+    must(number == i, "trials are numbered in order", &err);
+}
+
+static void put_profile(store *s, const profile_session *session, const char *id)
+{
+    duet_error err = {0};
+    profile_row row = {
+        .pair_id = session->pair_id,
+        .workload_id = session->workload_id,
+        .kernels = TEST_KERNELS,
+        .objective = "time",
+        .plan = test_plan(0.125),
+        .median_ns = 2,
+        .low_ns = 1,
+        .high_ns = 3,
+        .verdict = "faster",
+        .origin = "measured",
+        .session = id,
+        .trial_number = 1,
+    };
+    must(profile_put(s, &row, "tuned again", &err), "the profile is put", &err);
+    must(profile_session_end(s, id, "complete", &err), "the session ends", &err);
+}
+
+// Half of the writers share a workload. Each opens the store twice.
+static void write_rows(const char *path, int who)
+{
+    duet_error err = {0};
+    store *s = store_open(path, STORE_WRITE, &err);
+    must(s, "a writer opens", &err);
+    char id[PROFILE_ID];
+    profile_session session;
+    begin(s, who % 2 ? 1000 : 2000 + (uint64_t)who, &session, id);
+    for (int i = 0; i < TRIALS / 2; ++i)
+        add_trial(s, id, i);
+    store_close(s);
+    s = store_open(path, STORE_WRITE, &err);
+    must(s, "a writer opens again", &err);
+    for (int i = TRIALS / 2; i < TRIALS; ++i)
+        add_trial(s, id, i);
+    put_profile(s, &session, id);
+    store_close(s);
+}
+
+// Looks up until the workload that four writers share has its profile. What is
+// seen is whole; on a machine that is busy enough a look-up may give up waiting.
+static void read_rows(const char *path, int who)
+{
+    (void)who;
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    profile_request request = test_request(&pair, &workload);
+    for (int i = 0; i < 3000; ++i) {
+        profile_found found;
+        duet_error err = {0};
+        must(profile_lookup_files(path, NULL, &request, &found, NULL, &err) ||
+                 (found.grade == PROFILE_DEFAULT && strstr(err.text, "keeps it locked")),
+             "a look-up ends well", &err);
+        if (found.grade == PROFILE_EXACT) {
+            must(found.plan.share == 8192 && found.median_ns == 2, "the row is whole", &err);
+            return;
+        }
+        usleep(10000);
+    }
+    _exit(1);
+}
+
+static void writers_and_readers_do_not_disturb_each_other(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make(); // the first writer makes the file
+    pid_t children[WRITERS + READERS];
+    for (int i = 0; i < WRITERS; ++i)
+        children[i] = start(write_rows, folder.store, i);
+    for (int i = 0; i < READERS; ++i)
+        children[WRITERS + i] = start(read_rows, folder.store, i);
+    assert_all_ended_well(children, WRITERS + READERS);
+    duet_error err = {0};
+    store *s = store_open(folder.store, STORE_WRITE, &err);
+    assert_ok(s, err);
+    assert_int_equal(test_count(s, "session WHERE state = 'complete'"), WRITERS);
+    assert_int_equal(test_count(s, "trial"), WRITERS * TRIALS);
+    assert_int_equal(test_count(s, "profile"), WRITERS);
+    assert_int_equal(test_count(s, "profile WHERE live = 1"), 1 + WRITERS / 2);
+    assert_int_equal(test_count(s, "pair"), 1);
+    assert_sound(s);
+    store_close(s);
+    test_folder_remove(&folder);
+}
+
+// Of many processes that want one session exactly one gets it.
+static int claim_pipe[2];
+
+static void claim(const char *path, int who)
+{
+    (void)who;
+    duet_error err = {0};
+    store *s = store_open(path, STORE_WRITE, &err);
+    must(s, "it opens", &err);
+    profile_session session = test_session(1, 1);
+    profile_resumed resumed;
+    must(profile_session_resume(s, &session, &resumed, &err), "a claim ends well", &err);
+    char said = (char)('0' + (int)resumed.claim);
+    must(write(claim_pipe[1], &said, 1) == 1, "it is told", &err);
+    usleep(300000); // lives on while the others ask
+    profile_resumed_free(&resumed);
+    store_close(s);
+}
+
+static void one_of_many_takes_up_a_stopped_session(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    duet_error err = {0};
+    store *s = store_open(folder.store, STORE_WRITE, &err);
+    assert_ok(s, err);
+    char id[PROFILE_ID];
+    profile_session session;
+    begin(s, 1000, &session, id);
+    assert_ok(profile_session_end(s, id, "stopped", &err), err);
+    store_close(s);
+    assert_int_equal(pipe(claim_pipe), 0);
+    pid_t children[6];
+    for (int i = 0; i < 6; ++i)
+        children[i] = start(claim, folder.store, i);
+    assert_all_ended_well(children, 6);
+    char said[7] = {0};
+    assert_int_equal(read(claim_pipe[0], said, 6), 6);
+    int resumed = 0;
+    for (int i = 0; i < 6; ++i)
+        resumed += said[i] == '0' + PROFILE_CLAIM_RESUMED;
+    assert_int_equal(resumed, 1);
+    close(claim_pipe[0]);
+    close(claim_pipe[1]);
+    test_folder_remove(&folder);
+}
+
+static int told_pipe[2];
+
+// Tells the number of trials after each that is stored, until it is killed.
+static void write_until_killed(const char *path, int who)
+{
+    (void)who;
+    duet_error err = {0};
+    store *s = store_open(path, STORE_WRITE, &err);
+    must(s, "a writer opens", &err);
+    char id[PROFILE_ID];
+    profile_session session;
+    begin(s, 1000, &session, id);
+    for (int i = 0;; ++i) {
+        add_trial(s, id, i);
+        int32_t stored = i + 1;
+        must(write(told_pipe[1], &stored, sizeof stored) == sizeof stored, "it is told", &err);
+    }
+}
+
+static int32_t last_told(void)
+{
+    int32_t told = 0;
+    int32_t last = 0;
+    close(told_pipe[1]);
+    while (read(told_pipe[0], &told, sizeof told) == sizeof told)
+        last = told;
+    close(told_pipe[0]);
+    return last;
+}
+
+// The session that was running when its owner was killed, taken up here.
+static void assert_resumes(store *s, int32_t told)
+{
+    duet_error err = {0};
+    profile_session session = test_session(1, 1);
+    profile_resumed resumed;
+    assert_ok(profile_session_resume(s, &session, &resumed, &err), err);
+    if (resumed.claim == PROFILE_CLAIM_NONE) {
+        assert_int_equal(told, 0); // killed before it had begun
+        return;
+    }
+    assert_int_equal(resumed.claim, PROFILE_CLAIM_RESUMED);
+    assert_in_range(resumed.trials, told, told + 1);
+    char search_state[48] = "";
+    if (resumed.trials > 0)
+        snprintf(search_state, sizeof search_state, "{\"trials\":%" PRIu32 "}", resumed.trials);
+    assert_string_equal(text_chars(&resumed.search_state), search_state);
+    assert_ok(profile_session_end(s, resumed.id, "failed", &err), err);
+    profile_resumed_free(&resumed);
+}
+
+static void a_killed_writer_loses_at_most_one_trial(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    rng r = rng_seed(test_seed());
+    int64_t trials = 0;
+    for (int round = 0; round < KILLS; ++round) {
+        assert_int_equal(pipe(told_pipe), 0);
+        pid_t child = start(write_until_killed, folder.store, 0);
+        usleep(rng_below(&r, round % 4 == 0 ? 5000 : 40000));
+        assert_int_equal(kill(child, SIGKILL), 0);
+        assert_int_equal(waitpid(child, NULL, 0), child);
+        int32_t told = last_told();
+        duet_error err = {0};
+        store *s = store_open(folder.store, STORE_WRITE, &err);
+        assert_ok(s, err);
+        assert_true(test_count(s, "trial") >= trials + told);
+        trials = test_count(s, "trial");
+        assert_resumes(s, told);
+        assert_sound(s);
+        store_close(s);
+    }
+    assert_true(trials > 0);
+    print_message("%" PRId64 " trials survived %d kills\n", trials, KILLS);
+    test_folder_remove(&folder);
+}
+
+// A killed writer leaves side files; a look-up still sees what it had stored.
+static void a_look_up_works_after_a_kill(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    duet_error err = {0};
+    assert_int_equal(pipe(told_pipe), 0);
+    pid_t child = start(write_until_killed, folder.store, 0);
+    int32_t told = 0;
+    while (told < 3)
+        assert_int_equal(read(told_pipe[0], &told, sizeof told), sizeof told);
+    kill(child, SIGKILL);
+    waitpid(child, NULL, 0);
+    close(told_pipe[0]);
+    close(told_pipe[1]);
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    profile_request request = test_request(&pair, &workload);
+    profile_found found;
+    text why = {0};
+    assert_ok(profile_lookup_files(folder.store, NULL, &request, &found, &why, &err), err);
+    assert_non_null(strstr(text_chars(&why), "this workload was never measured on these two"));
+    text_free(&why);
+    test_folder_remove(&folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(writers_and_readers_do_not_disturb_each_other),
+        cmocka_unit_test(one_of_many_takes_up_a_stopped_session),
+        cmocka_unit_test(a_killed_writer_loses_at_most_one_trial),
+        cmocka_unit_test(a_look_up_works_after_a_kill),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#include "support/scene_file.h"
+#include "support/test.h"
+
+#include "base/text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Reads the document's blocks ```kind ... ``` as files; returns how many.
+static int read_examples(const char *document, const char *kind)
+{
+    char begin[16];
+    char name[64];
+    snprintf(begin, sizeof begin, "```%s\n", kind);
+    snprintf(name, sizeof name, "test_formats.%s", kind);
+    int n = 0;
+    const char *at = document;
+    while ((at = strstr(at, begin))) {
+        at += strlen(begin);
+        const char *end = strstr(at, "```");
+        duet_error err = {0};
+        duet_scene *scene = scene_from_bytes(name, at, (size_t)(end - at), NULL, 0, &err);
+        assert_ok(scene, err);
+        assert_true(duet_scene_describe(scene)->n > 1);
+        duet_scene_destroy(scene);
+        at = end + 3;
+        ++n;
+    }
+    return n;
+}
+
+static void the_documents_examples_are_read(void **state)
+{
+    (void)state;
+    char path[512];
+    snprintf(path, sizeof path, "%s/../../docs/formats.md", getenv("DUET_TEST_SCENES"));
+    text document = {0};
+    duet_error err = {0};
+    assert_ok(text_read_file(&document, path, &err), err);
+    assert_int_equal(read_examples(document.chars, "csv"), 1);
+    assert_int_equal(read_examples(document.chars, "lua"), 4);
+    text_free(&document);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_documents_examples_are_read)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

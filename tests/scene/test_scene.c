@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "runtime/duet.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#define UNIT_CUBE                                                      \
+    {                                                                  \
+        .half_extents = {0.5f, 0.5f, 0.5f}, .rotation = { 0, 0, 0, 1 } \
+    }
+
+static void assert_pose_refused(const duet_pose *pose, uint32_t dims, const char *says)
+{
+    duet_pose poses[3] = {UNIT_CUBE, UNIT_CUBE, *pose};
+    duet_error err = {0};
+    assert_null(duet_scene_from_poses(poses, 3, dims, &err));
+    assert_int_equal(err.status, DUET_BAD_OBJECT);
+    if (!strstr(err.text, says))
+        fail_msg("'%s', not '%s'", err.text, says);
+}
+
+static void a_bad_pose_is_refused_by_its_id(void **state)
+{
+    (void)state;
+    duet_pose pose = UNIT_CUBE;
+    pose.centre[1] = NAN;
+    assert_pose_refused(&pose, 3, "object 2: cy is nan; every number must be finite");
+    pose.centre[1] = INFINITY;
+    assert_pose_refused(&pose, 3, "object 2: cy is inf");
+    pose = (duet_pose)UNIT_CUBE;
+    pose.half_extents[2] = -FLT_TRUE_MIN;
+    assert_pose_refused(&pose, 3, "hz = -1.4013e-45 is negative; a half extent is 0 or more");
+    pose = (duet_pose)UNIT_CUBE;
+    pose.rotation[3] = 0;
+    assert_pose_refused(&pose, 3, "object 2: the quaternion is zero");
+    assert_pose_refused(&pose, 2, "object 2: the quaternion is zero");
+    pose.rotation[0] = NAN;
+    assert_pose_refused(&pose, 3, "object 2: qx is nan");
+}
+
+static void bad_bounds_are_refused_by_their_id(void **state)
+{
+    (void)state;
+    duet_bounds bounds[2] = {{{0, 0, 0}, {1, 1, 1}}, {{0, 2, 0}, {1, 1, 1}}};
+    duet_error err = {0};
+    assert_null(duet_scene_from_bounds(bounds, 2, 3, &err));
+    assert_int_equal(err.status, DUET_BAD_OBJECT);
+    assert_string_equal(err.text, "object 1: min y = 2 is above max y = 1");
+    bounds[1].lower[1] = -INFINITY;
+    err = (duet_error){0};
+    assert_null(duet_scene_from_bounds(bounds, 2, 2, &err));
+    assert_non_null(strstr(err.text, "object 1: min y is -inf"));
+}
+
+static void dims_other_than_2_and_3_are_refused(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    assert_null(duet_scene_from_poses(NULL, 0, 4, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_string_equal(err.text, "dims is 4; it must be 2 or 3");
+    assert_null(duet_scene_from_bounds(NULL, 0, 0, NULL));
+}
+
+static void missing_memory_and_paths_are_refused(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    assert_null(duet_scene_from_poses(NULL, 1, 3, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_null(duet_scene_from_bounds(NULL, 1, 3, NULL));
+    assert_null(duet_scene_load(NULL, NULL, 0, NULL));
+    duet_scene_destroy(NULL);
+}
+
+static void none_and_one_and_two_objects_make_a_scene(void **state)
+{
+    (void)state;
+    const duet_pose poses[2] = {UNIT_CUBE, UNIT_CUBE};
+    for (uint32_t n = 0; n <= 2; ++n) {
+        duet_error err = {0};
+        duet_scene *scene = duet_scene_from_poses(poses, n, 3, &err);
+        assert_ok(scene, err);
+        assert_int_equal(duet_scene_describe(scene)->n, n);
+        assert_non_null(duet_scene_poses(scene));
+        assert_null(duet_scene_bounds(scene));
+        duet_scene_destroy(scene);
+    }
+}
+
+static void what_2d_does_not_read_is_zero_in_the_scene(void **state)
+{
+    (void)state;
+    const duet_pose pose = {{1, 2, NAN}, {3, 4, -1}, {NAN, INFINITY, 0, 2}};
+    duet_error err = {0};
+    duet_scene *scene = duet_scene_from_poses(&pose, 1, 2, &err);
+    assert_ok(scene, err);
+    const duet_pose want = {{1, 2, 0}, {3, 4, 0}, {0, 0, 0, 2}};
+    assert_memory_equal(duet_scene_poses(scene), &want, sizeof want);
+    assert_false(duet_scene_describe(scene)->rotated);
+    duet_scene_destroy(scene);
+    const duet_bounds box = {{1, 2, NAN}, {3, 4, -1}};
+    scene = duet_scene_from_bounds(&box, 1, 2, &err);
+    assert_ok(scene, err);
+    const duet_bounds want_box = {{1, 2, 0}, {3, 4, 0}};
+    assert_memory_equal(duet_scene_bounds(scene), &want_box, sizeof want_box);
+    duet_scene_destroy(scene);
+}
+
+static duet_scene *scene_of_rotation(float x, float y, float z, float w)
+{
+    duet_pose pose = UNIT_CUBE;
+    memcpy(pose.rotation, (const float[4]){x, y, z, w}, sizeof pose.rotation);
+    duet_error err = {0};
+    duet_scene *scene = duet_scene_from_poses(&pose, 1, 3, &err);
+    assert_ok(scene, err);
+    return scene;
+}
+
+static void a_scene_is_rotated_where_a_vector_part_is_not_zero(void **state)
+{
+    (void)state;
+    static const struct {
+        float q[4];
+        bool rotated;
+    } cases[] = {
+        {{0, 0, 0, 1}, false}, {{0, 0, -0.0f, -7}, false}, {{0, 0, 0, 1e-40f}, false},
+        {{1, 0, 0, 0}, true},  {{0, 1e-45f, 0, 1}, true},  {{0, 0, 1e-30f, 1}, true},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const float *q = cases[i].q;
+        duet_scene *scene = scene_of_rotation(q[0], q[1], q[2], q[3]);
+        assert_int_equal(duet_scene_describe(scene)->rotated, cases[i].rotated);
+        duet_scene_destroy(scene);
+    }
+}
+
+// The scale is a power of two, so the parts keep their ratios bit for bit.
+static void a_quaternion_of_any_length_keeps_its_rotation(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    for (int round = 0; round < 10000; ++round) {
+        int shift = (int)rng_below(&r, 220) - 110;
+        float q[4];
+        for (int k = 0; k < 4; ++k)
+            q[k] = ldexpf((float)rng_between(&r, -1, 1), shift);
+        duet_scene *scene = scene_of_rotation(q[0], q[1], q[2], q[3]);
+        const float *kept = duet_scene_poses(scene)->rotation;
+        float squared = 0;
+        for (int k = 0; k < 4; ++k) {
+            squared += kept[k] * kept[k];
+            assert_true((double)kept[k] * (double)q[0] == (double)q[k] * (double)kept[0]);
+        }
+        assert_true(isnormal(squared));
+        duet_scene_destroy(scene);
+    }
+}
+
+static void the_pair_hash_does_not_depend_on_order_or_spans(void **state)
+{
+    (void)state;
+    const duet_pair pairs[] = {{0, 1}, {1, 2}, {5, 4294967294u}};
+    const duet_pair turned[] = {{5, 4294967294u}, {0, 1}, {1, 2}};
+    uint64_t hash = duet_pairs_hash(pairs, 3);
+    assert_true(hash == duet_pairs_hash(turned, 3));
+    assert_true(hash != duet_pairs_hash(pairs, 2));
+    assert_true(duet_pairs_hash(pairs, 0) == 0);
+    duet_result result = {.spans = {{turned, 1}, {turned + 1, 2}}, .pairs = 3};
+    assert_true(duet_result_hash(&result) == hash);
+    for (uint64_t i = 0; i < 3; ++i) {
+        duet_pair pair = duet_result_pair(&result, i);
+        assert_memory_equal(&pair, &turned[i], sizeof pair);
+    }
+}
+
+// Worked out by hand from the definition in duet.h: k = 1 for the pair (0, 1).
+static void the_pair_hash_is_the_documented_one(void **state)
+{
+    (void)state;
+    const duet_pair pair = {0, 1};
+    uint64_t k = 0x9E3779B97F4A7C15u;
+    k ^= k >> 29;
+    k *= 0xBF58476D1CE4E5B9u;
+    k ^= k >> 32;
+    assert_true(duet_pairs_hash(&pair, 1) == k);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_bad_pose_is_refused_by_its_id),
+        cmocka_unit_test(bad_bounds_are_refused_by_their_id),
+        cmocka_unit_test(dims_other_than_2_and_3_are_refused),
+        cmocka_unit_test(missing_memory_and_paths_are_refused),
+        cmocka_unit_test(none_and_one_and_two_objects_make_a_scene),
+        cmocka_unit_test(what_2d_does_not_read_is_zero_in_the_scene),
+        cmocka_unit_test(a_scene_is_rotated_where_a_vector_part_is_not_zero),
+        cmocka_unit_test(a_quaternion_of_any_length_keeps_its_rotation),
+        cmocka_unit_test(the_pair_hash_does_not_depend_on_order_or_spans),
+        cmocka_unit_test(the_pair_hash_is_the_documented_one),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

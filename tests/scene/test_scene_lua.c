@@ -1,0 +1,486 @@
+// SPDX-License-Identifier: MIT
+#include "support/scene_file.h"
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "base/text.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FILE_NAME "test_scene_lua.lua"
+
+static duet_scene *assert_scene(const char *chars)
+{
+    duet_error err = {0};
+    duet_scene *scene = scene_from_text(FILE_NAME, chars, &err);
+    assert_ok(scene, err);
+    return scene;
+}
+
+static void a_scene_says_its_world_and_cell(void **state)
+{
+    (void)state;
+    duet_scene *scene = assert_scene(
+        "return { name = 'shed', dims = 2, world = { lower = {-1, -2}, upper = {3, 4} },"
+        "         cell = 1.5, cell_fixed = true, accuracy = { false_rate = 0.02 },"
+        "         objects = {{0, 0, 1, 1}} }");
+    const duet_scene_info *info = duet_scene_describe(scene);
+    assert_string_equal(info->name, "shed");
+    assert_int_equal(info->dims, 2);
+    assert_int_equal(info->shape, DUET_SHAPE_BOUNDS);
+    assert_true(info->has_world && info->cell_fixed && info->cell == 1.5f);
+    assert_true(info->lower[0] == -1 && info->lower[1] == -2);
+    assert_true(info->upper[0] == 3 && info->upper[1] == 4);
+    duet_world_def def = duet_scene_world_def(scene, NULL);
+    assert_int_equal(def.dims, 2);
+    assert_int_equal(def.shape, DUET_SHAPE_BOUNDS);
+    assert_true(def.has_world && def.cell_fixed && def.cell == 1.5f && !def.rotated);
+    assert_true(def.has_accuracy && def.accuracy.missed == 0 && def.accuracy.false_rate == 0.02);
+    assert_int_equal(def.level, DUET_LEVEL_CERTIFIED);
+    assert_memory_equal(def.lower, info->lower, sizeof def.lower);
+    assert_memory_equal(def.upper, info->upper, sizeof def.upper);
+    duet_scene_destroy(scene);
+}
+
+static void what_a_scene_leaves_out_has_a_default(void **state)
+{
+    (void)state;
+    duet_scene *scene = assert_scene("return {}");
+    const duet_scene_info *info = duet_scene_describe(scene);
+    assert_string_equal(info->name, "test_scene_lua");
+    assert_int_equal(info->n, 0);
+    assert_int_equal(info->dims, 3);
+    assert_false(info->has_world || info->cell_fixed || info->rotated);
+    assert_true(info->cell == 0);
+    duet_scene_destroy(scene);
+}
+
+static void all_ways_to_write_an_object_agree(void **state)
+{
+    (void)state;
+    duet_scene *scene = assert_scene(
+        "add(1, 2, 3, 4, 5, 6, 0, 0, 0, 1)\n"
+        "add { 1, 2, 3, 4, 5, 6, 0, 0, 0, 1 }\n"
+        "add { centre = {1, 2, 3}, half_extents = {4, 5, 6} }\n"
+        "return { objects = { { 1, 2, 3, 4, 5, 6, 0, 0, 0, 1 },\n"
+        "  { centre = {1, 2, 3}, half_extents = {4, 5, 6}, rotation = {0, 0, 0, 1} },\n"
+        "  { centre = {1, 2, 3}, half_extents = {4, 5, 6}, euler = {0, 0, 0} } } }");
+    const duet_pose want = {{1, 2, 3}, {4, 5, 6}, {0, 0, 0, 1}};
+    assert_int_equal(duet_scene_describe(scene)->n, 6);
+    for (int i = 0; i < 6; ++i)
+        assert_memory_equal(&duet_scene_poses(scene)[i], &want, sizeof want);
+    duet_scene_destroy(scene);
+    scene = assert_scene(
+        "add(1, 2, 3, 4, 0.5) "
+        "return { objects = {{ centre = {1, 2}, half_extents = {3, 4}, angle = 0.5 }} }");
+    assert_memory_equal(&duet_scene_poses(scene)[0], &duet_scene_poses(scene)[1],
+                        sizeof(duet_pose));
+    duet_scene_destroy(scene);
+    scene = assert_scene("add(1, 2, 3, 4, 5, 6) add { lower = {1, 2, 3}, upper = {4, 5, 6} }"
+                         "return {}");
+    assert_memory_equal(&duet_scene_bounds(scene)[0], &duet_scene_bounds(scene)[1],
+                        sizeof(duet_bounds));
+    duet_scene_destroy(scene);
+}
+
+// ---------------------------------------------------------------- rotations
+
+// M(q)/|q|^2
+static void quaternion_to_matrix(const float q[4], double m[3][3])
+{
+    double x = q[0], y = q[1], z = q[2], w = q[3];
+    double s = 2 / (x * x + y * y + z * z + w * w);
+    const double r[3][3] = {
+        {1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w)},
+        {s * (x * y + z * w), 1 - s * (x * x + z * z), s * (y * z - x * w)},
+        {s * (x * z - y * w), s * (y * z + x * w), 1 - s * (x * x + y * y)},
+    };
+    memcpy(m, r, sizeof r);
+}
+
+static void multiply(double a[3][3], double b[3][3], double product[3][3])
+{
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k)
+            product[i][k] = a[i][0] * b[0][k] + a[i][1] * b[1][k] + a[i][2] * b[2][k];
+}
+
+// Rx Ry Rz with the matrices of the paper's figure 4.
+static void euler_to_matrix(double phi, double theta, double psi, double m[3][3])
+{
+    double rx[3][3] = {{1, 0, 0}, {0, cos(phi), -sin(phi)}, {0, sin(phi), cos(phi)}};
+    double ry[3][3] = {{cos(theta), 0, sin(theta)}, {0, 1, 0}, {-sin(theta), 0, cos(theta)}};
+    double rz[3][3] = {{cos(psi), -sin(psi), 0}, {sin(psi), cos(psi), 0}, {0, 0, 1}};
+    double xy[3][3];
+    multiply(rx, ry, xy);
+    multiply(xy, rz, m);
+}
+
+static void assert_matrices_near(double a[3][3], double b[3][3])
+{
+    for (int i = 0; i < 9; ++i)
+        assert_true(fabs(a[i / 3][i % 3] - b[i / 3][i % 3]) < 1e-6);
+}
+
+static void assert_euler_is_the_papers(double phi, double theta, double psi)
+{
+    char chars[160];
+    snprintf(chars, sizeof chars, "add(0,0,0, 1,1,1, euler(%.17g, %.17g, %.17g)) return {}", phi,
+             theta, psi);
+    duet_scene *scene = assert_scene(chars);
+    double of_scene[3][3];
+    double of_paper[3][3];
+    quaternion_to_matrix(duet_scene_poses(scene)->rotation, of_scene);
+    euler_to_matrix(phi, theta, psi, of_paper);
+    assert_matrices_near(of_scene, of_paper);
+    duet_scene_destroy(scene);
+}
+
+static void euler_angles_turn_in_the_papers_order(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    for (int round = 0; round < 200; ++round)
+        assert_euler_is_the_papers(rng_between(&r, -7, 7), rng_between(&r, -7, 7),
+                                   rng_between(&r, -7, 7));
+}
+
+// With theta a quarter turn, phi and psi turn about the same axis: the angles
+// are ambiguous, but the rotation is not.
+static void a_gimbal_lock_is_a_rotation_as_any_other(void **state)
+{
+    (void)state;
+    const double quarter = acos(0);
+    rng r = rng_seed(test_seed());
+    for (int round = 0; round < 100; ++round) {
+        double phi = rng_between(&r, -3, 3);
+        double psi = rng_between(&r, -3, 3);
+        assert_euler_is_the_papers(phi, quarter, psi);
+        assert_euler_is_the_papers(phi, -quarter, psi);
+        double one[3][3];
+        double other[3][3];
+        euler_to_matrix(phi, quarter, psi, one);
+        euler_to_matrix(phi + 0.25, quarter, psi - 0.25, other);
+        assert_matrices_near(one, other);
+    }
+}
+
+// ------------------------------------------------------------------- errors
+
+static void a_wrong_scene_is_refused_with_its_place(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *chars;
+        duet_status status;
+        const char *says;
+    } wrong[] = {
+        {"return {\n  dims = 3\n  cell = 1\n}", DUET_BAD_INPUT, FILE_NAME ":3: '}' expected"},
+        {"return {\n  wrld = {}\n}", DUET_BAD_INPUT,
+         FILE_NAME ":2: a scene has no field 'wrld': there are name, objects, dims, world, cell, "
+                   "cell_fixed"},
+        {"return 7", DUET_BAD_INPUT, FILE_NAME ": a scene must return a table, not number"},
+        {"", DUET_BAD_INPUT, FILE_NAME ": a scene must return a table, not nil"},
+        {"return { {0, 0, 1, 1} }", DUET_BAD_INPUT, FILE_NAME ": a scene has no field [1]"},
+        {"return {\n dims = 4 }", DUET_BAD_INPUT, ":2: dims is 4; it must be 2 or 3"},
+        {"add(0, 0, 1, 1) return {\n dims = 3 }", DUET_BAD_INPUT,
+         ":2: dims is 3, but the objects have 2"},
+        {"return { cell = -1 }", DUET_BAD_INPUT, ":1: cell is -1; it must be an edge above 0"},
+        {"return { cell = 1e39 }", DUET_BAD_INPUT, ":1: cell is inf"},
+        {"return { level = 'best' }", DUET_BAD_INPUT, ":1: there is no level 'best': there are "},
+        {"return { accuracy = { false_rates = 1 } }", DUET_BAD_INPUT,
+         ":1: accuracy has no field 'false_rates'"},
+        {"return { accuracy = { missed = -1 } }", DUET_BAD_INPUT, ":1: missed is a part"},
+        {"return { level = 'sat6',\n accuracy = {} }", DUET_BAD_INPUT,
+         ":2: a scene has a level, or an accuracy"},
+        {"return { cell_fixed = 1 }", DUET_BAD_INPUT, ":1: cell_fixed must be true or false"},
+        {"return { name = {} }", DUET_BAD_INPUT, ":1: name must be a text"},
+        {"return { world = { low = {} } }", DUET_BAD_INPUT, ":1: world has no field 'low'"},
+        {"return { world = {\n lower = {0, 0, 0} } }", DUET_BAD_INPUT,
+         "world's upper must be 3 finite numbers"},
+        {"return { world = {\n lower = {0, 0} } }", DUET_BAD_INPUT,
+         ":2: world's lower must be 3 finite numbers"},
+        {"return { world = { lower = {0, 0, 0}, upper = {1, 1, 1/0} } }", DUET_BAD_INPUT,
+         "world's upper must be 3 finite numbers"},
+        {"return { world = { lower = {0, 0, 0}, upper = {1, -1, 1} } }", DUET_BAD_INPUT,
+         ":1: world's lower is above its upper"},
+        {"return { objects = { a = {} } }", DUET_BAD_INPUT, ":1: objects must be a list"},
+        {"return { objects = 3 }", DUET_BAD_INPUT, ":1: objects must be a table"},
+        {"return { objects = { 3 } }", DUET_BAD_INPUT, ": object 0: it must be a table"},
+        {"return { objects = { {0, 0, 1, 1}, {0, 0, 1} } }", DUET_BAD_INPUT,
+         FILE_NAME ": object 1 has 3 numbers, where those before it have 4"},
+        {"return { objects = { {0, 0, 1, 1, colour = 3} } }", DUET_BAD_INPUT,
+         "object 0: it must be a row of numbers, or named fields, not both"},
+        {"return { objects = { {0, 0, 1, 'x'} } }", DUET_BAD_INPUT, "object 0: a number is wanted"},
+        {"return { objects = {\n { centre = {0, 0}, haf = {1, 1} } } }", DUET_BAD_INPUT,
+         ":2: object 0: no field 'haf'; it has angle, centre, euler, half_extents, lower, "
+         "rotation, upper"},
+        {"return { objects = { { centre = {0, 0, 0, 0}, half_extents = {1, 1} } } }",
+         DUET_BAD_INPUT, ":1: object 0: centre has 4 numbers; it must have 2 or 3"},
+        {"return { objects = { { centre = {0, 0, 0} } } }", DUET_BAD_INPUT,
+         "object 0: it must have centre and half"},
+        {"add(0, 0, 1, 1)\nadd(0, 0, 1)", DUET_BAD_INPUT,
+         ":2: object 1 has 3 numbers, where those before it have 4"},
+        {"\nadd()", DUET_BAD_INPUT, ":2: object 0 has 0 numbers"},
+        {"\nadd('x', 0, 1, 1)", DUET_BAD_INPUT, ":2: bad argument #1 to 'add'"},
+        {"\nadd { centre = {0, 0}, half_extents = {1, 1}, euler = {0, 0, 0} }", DUET_BAD_INPUT,
+         ":2: object 0: it must have centre and half"},
+        {"add(0, 0, 1, 1, 0)\nadd(0, 0, -1, 1, 0)", DUET_BAD_OBJECT,
+         FILE_NAME ":2: object 1: hx = -1 is negative"},
+        {"return { objects = { {0, 0, 0/0, 1} } }", DUET_BAD_OBJECT,
+         FILE_NAME ": object 0: max x is -nan"},
+        {"return { objects = { { centre = {0,0,0}, half_extents = {1,1,1}, rotation = {0,0,0,0} } "
+         "} }",
+         DUET_BAD_OBJECT, ": object 0: the quaternion is zero"},
+        {"\nos.exit()", DUET_BAD_INPUT, ":2: attempt to index a nil value (global 'os')"},
+        {"\nparameters { n = {} }", DUET_BAD_INPUT, ":2: parameter 'n': its default must be"},
+        {"parameters {}\nparameters {}", DUET_BAD_INPUT,
+         ":2: parameters are declared a second time"},
+        {"\nrandom(1).integer(2, 1)", DUET_BAD_INPUT, ":2: bad argument #2 to 'integer'"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
+        scene_assert_refused(FILE_NAME, wrong[i].chars, wrong[i].status, wrong[i].says);
+}
+
+static void an_endless_scene_ends_with_its_line(void **state)
+{
+    (void)state;
+    scene_assert_refused(FILE_NAME, "\nwhile true do add(0, 0, 1, 1) end", DUET_BAD_INPUT,
+                         FILE_NAME ":2: runs for more than");
+}
+
+// --------------------------------------------------------------- parameters
+
+#define PARAMETERS                                                              \
+    "local p = parameters { n = 2, size = 0.5, turned = false, label = 'a' }\n" \
+    "for i = 1, p.n do add(i, 0, p.size, 1, p.turned and 1 or 0) end\n"         \
+    "return { name = p.label }"
+
+static void settings_take_the_place_of_defaults(void **state)
+{
+    (void)state;
+    const duet_setting settings[] = {
+        {"n", "1e1"}, {"size", "3"}, {"turned", "true"}, {"label", "b c"}};
+    duet_error err = {0};
+    duet_scene *scene =
+        scene_from_bytes(FILE_NAME, PARAMETERS, strlen(PARAMETERS), settings, 4, &err);
+    assert_ok(scene, err);
+    const duet_scene_info *info = duet_scene_describe(scene);
+    assert_int_equal(info->n, 10);
+    assert_true(info->rotated);
+    assert_string_equal(info->name, "b c");
+    assert_true(duet_scene_poses(scene)->half_extents[0] == 3);
+    duet_scene_destroy(scene);
+}
+
+static void a_wrong_setting_says_what_is_right(void **state)
+{
+    (void)state;
+    static const struct {
+        duet_setting setting;
+        const char *says;
+    } wrong[] = {
+        {{"m", "3"}, ":1: no parameter 'm'; the scene has label, n, size, turned"},
+        {{"n", "1.5"}, ":1: parameter n is '1.5'; it must be an integer"},
+        {{"n", "ten"}, ":1: parameter n is 'ten'; it must be an integer"},
+        {{"n", ""}, ":1: parameter n is ''; it must be an integer"},
+        {{"size", "1 2"}, ":1: parameter size is '1 2'; it must be a number"},
+        {{"turned", "1"}, ":1: parameter turned is '1'; it must be true or false"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        duet_error err = {0};
+        assert_null(scene_from_bytes(FILE_NAME, PARAMETERS, strlen(PARAMETERS), &wrong[i].setting,
+                                     1, &err));
+        assert_int_equal(err.status, DUET_BAD_INPUT);
+        if (!strstr(err.text, wrong[i].says))
+            fail_msg("'%s', not '%s'", err.text, wrong[i].says);
+    }
+    duet_error err = {0};
+    assert_null(scene_from_bytes(FILE_NAME, "return {}", 9, &wrong[0].setting, 1, &err));
+    assert_string_equal(err.text, FILE_NAME ": no parameter 'm'; the scene declares none");
+}
+
+// ------------------------------------------------------------ shipped scenes
+
+static const char *const shipped[] = {"paper", "paper2d", "clustered", "mixed", "planes"};
+
+#define N_SHIPPED (sizeof shipped / sizeof shipped[0])
+
+static duet_scene *load_shipped(const char *name, const char *n, const char *parameter,
+                                const char *value)
+{
+    char path[512];
+    snprintf(path, sizeof path, "%s/%s.lua", getenv("DUET_TEST_SCENES"), name);
+    const duet_setting settings[] = {{"n", n}, {parameter, value}};
+    duet_error err = {0};
+    duet_scene *scene = duet_scene_load(path, settings, parameter ? 2 : 1, &err);
+    assert_ok(scene, err);
+    assert_string_equal(duet_scene_describe(scene)->name, name);
+    return scene;
+}
+
+static void shipped_scenes_have_as_many_objects_as_asked_for(void **state)
+{
+    (void)state;
+    static const char *const counts[] = {"0", "1", "2", "3", "17", "1000"};
+    for (size_t i = 0; i < N_SHIPPED; ++i)
+        for (size_t k = 0; k < sizeof counts / sizeof counts[0]; ++k) {
+            duet_scene *scene = load_shipped(shipped[i], counts[k], NULL, NULL);
+            const duet_scene_info *info = duet_scene_describe(scene);
+            assert_int_equal(info->n, strtoul(counts[k], NULL, 10));
+            assert_int_equal(info->dims, strstr(shipped[i], "2d") ? 2 : 3);
+            assert_int_equal(info->shape, DUET_SHAPE_POSES);
+            assert_true(info->has_world);
+            duet_scene_destroy(scene);
+        }
+}
+
+static void shipped_scenes_turn_their_boxes_only_if_asked_to(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < N_SHIPPED; ++i)
+        for (int rotated = 0; rotated < 2; ++rotated) {
+            duet_scene *scene =
+                load_shipped(shipped[i], "50", "rotated", rotated ? "true" : "false");
+            assert_int_equal(duet_scene_describe(scene)->rotated, rotated);
+            duet_scene_destroy(scene);
+        }
+}
+
+static void shipped_scenes_open_with_what_they_are_for(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < N_SHIPPED; ++i) {
+        char path[512];
+        snprintf(path, sizeof path, "%s/%s.lua", getenv("DUET_TEST_SCENES"), shipped[i]);
+        text t = {0};
+        duet_error err = {0};
+        assert_ok(text_read_file(&t, path, &err), err);
+        assert_int_equal(strncmp(t.chars, "-- SPDX-License-Identifier: MIT\n-- ", 35), 0);
+        text_free(&t);
+    }
+}
+
+static uint64_t count_pairs(const duet_scene *scene)
+{
+    duet_pair *pairs = NULL;
+    uint64_t n = 0;
+    duet_error err = {0};
+    assert_ok(duet_reference(scene, &pairs, &n, &err), err);
+    duet_free(pairs);
+    return n;
+}
+
+// Unit cubes side by side touch where no coordinate of their centres differs by
+// more than 1; turned by quarters they are the same cubes.
+static void neighbours_on_planes_touch_exactly(void **state)
+{
+    (void)state;
+    for (int rotated = 0; rotated < 2; ++rotated) {
+        duet_scene *scene = load_shipped("planes", "500", "rotated", rotated ? "true" : "false");
+        const duet_pose *p = duet_scene_poses(scene);
+        uint64_t touching = 0;
+        for (uint32_t i = 0; i < 500; ++i)
+            for (uint32_t k = i + 1; k < 500; ++k) {
+                bool apart = false;
+                for (int axis = 0; axis < 3; ++axis)
+                    apart |= fabsf(p[i].centre[axis] - p[k].centre[axis]) >
+                             p[i].half_extents[axis] + p[k].half_extents[axis];
+                touching += !apart;
+            }
+        assert_true(touching > 2 * 500);
+        assert_true(count_pairs(scene) == touching);
+        duet_scene_destroy(scene);
+    }
+}
+
+static uint64_t hash_bits(const duet_scene *scene)
+{
+    const uint32_t n_words = duet_scene_describe(scene)->n * (uint32_t)(sizeof(duet_pose) / 4);
+    uint64_t hash = 0xcbf29ce484222325u; // FNV-1a, word by word
+    for (uint32_t i = 0; i < n_words; ++i) {
+        uint32_t word;
+        memcpy(&word, (const char *)duet_scene_poses(scene) + 4 * i, 4);
+        hash = (hash ^ word) * 0x100000001b3u;
+    }
+    return hash;
+}
+
+// The figure was written down once; a scene that changes it is another scene.
+static void the_papers_scene_is_the_same_on_every_machine(void **state)
+{
+    (void)state;
+    duet_scene *scene = load_shipped("paper", "1000", NULL, NULL);
+    duet_scene *other = load_shipped("paper", "1000", "seed", "2");
+    char shown[17];
+    snprintf(shown, sizeof shown, "%016" PRIx64, hash_bits(scene));
+    assert_string_equal(shown, "d9501e27c1cfb636");
+    assert_true(hash_bits(scene) != hash_bits(other));
+    duet_scene_destroy(scene);
+    duet_scene_destroy(other);
+}
+
+// ------------------------------------------------------------- random input
+
+#define SAMPLE                                                                \
+    "local p = parameters { n = 3, seed = 1 }\n"                              \
+    "local r = random(p.seed)\n"                                              \
+    "for i = 1, p.n do add(r.uniform(), i, 0, 1, 1, 1, r.quaternion()) end\n" \
+    "return { dims = 3, world = { lower = {0, 0, 0}, upper = {4, 4, 4} },\n"  \
+    "  objects = { { centre = {1, 2, 3}, half_extents = {1, 1, 1}, euler = {1, 2, 3} } } }\n"
+
+static void assert_scene_or_line(const char *bytes, size_t n)
+{
+    duet_error err = {0};
+    duet_scene *scene = scene_from_bytes(FILE_NAME, bytes, n, NULL, 0, &err);
+    assert_true((scene != NULL) == (err.status == DUET_OK));
+    assert_true(scene || strstr(err.text, FILE_NAME));
+    assert_true(scene || !strchr(err.text, '\n'));
+    duet_scene_destroy(scene);
+}
+
+static void every_beginning_of_a_scene_is_read_or_refused(void **state)
+{
+    (void)state;
+    for (size_t n = 0; n <= strlen(SAMPLE); ++n)
+        assert_scene_or_line(SAMPLE, n);
+}
+
+static void changed_bytes_are_read_or_refused(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    for (int round = 0; round < 2000; ++round) {
+        char bytes[] = SAMPLE;
+        for (uint32_t k = 1 + rng_below(&r, 3); k > 0; --k)
+            bytes[rng_below(&r, sizeof bytes - 1)] = (char)(32 + rng_below(&r, 95));
+        assert_scene_or_line(bytes, sizeof bytes - 1);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_scene_says_its_world_and_cell),
+        cmocka_unit_test(what_a_scene_leaves_out_has_a_default),
+        cmocka_unit_test(all_ways_to_write_an_object_agree),
+        cmocka_unit_test(euler_angles_turn_in_the_papers_order),
+        cmocka_unit_test(a_gimbal_lock_is_a_rotation_as_any_other),
+        cmocka_unit_test(a_wrong_scene_is_refused_with_its_place),
+        cmocka_unit_test(an_endless_scene_ends_with_its_line),
+        cmocka_unit_test(settings_take_the_place_of_defaults),
+        cmocka_unit_test(a_wrong_setting_says_what_is_right),
+        cmocka_unit_test(shipped_scenes_have_as_many_objects_as_asked_for),
+        cmocka_unit_test(shipped_scenes_turn_their_boxes_only_if_asked_to),
+        cmocka_unit_test(shipped_scenes_open_with_what_they_are_for),
+        cmocka_unit_test(neighbours_on_planes_touch_exactly),
+        cmocka_unit_test(the_papers_scene_is_the_same_on_every_machine),
+        cmocka_unit_test(every_beginning_of_a_scene_is_read_or_refused),
+        cmocka_unit_test(changed_bytes_are_read_or_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

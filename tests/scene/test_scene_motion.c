@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// What a scene's script says of motion, and what it may not say.
+#include "support/scene_file.h"
+#include "support/test.h"
+
+#include "runtime/duet.h"
+
+static void a_scene_says_what_moves(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_scene *s = scene_from_text(
+        "moving.lua",
+        "add{centre = {0, 0, 1}, half_extents = {1, 1, 1}, velocity = {1, 2, 3}, angular_velocity "
+        "= {0, 0, 4}, mass = "
+        "5}\n"
+        "add{centre = {9, 9, 9}, half_extents = {1, 1, 1}, group = 6, fixed_rotation=true}\n"
+        "return {world = {lower = {0, 0, 0}, upper = {10, 11, 12}}, bounds = 'walls',\n"
+        "  gravity = {0, 0, -9}, drag = 0.5, dt = 0.01, substeps = 7, wants = {'contact_response', "
+        "'events'},\n"
+        "  body = {friction = 0.25, mass = 2}, integrator = 'euler', doubles = true,\n"
+        "  origin = {1e6, 0, 0}, skin = 0.125}",
+        &err);
+    assert_ok(s, err);
+    const duet_body *b = duet_scene_bodies(s);
+    assert_non_null(b);
+    assert_true(b[0].velocity[1] == 2.0f && b[0].angular_velocity[2] == 4.0f && b[0].mass == 5.0f);
+    assert_true(b[0].friction == 0.25f && b[1].friction == 0.25f); // the scene's, where not given
+    assert_true(b[1].mass == 2.0f && b[1].group == 6 && b[1].fixed_rotation &&
+                !b[0].fixed_rotation);
+    duet_motion_def def = duet_scene_motion_def(s, NULL);
+    assert_int_equal(def.dims, 3);
+    assert_int_equal(def.edge, DUET_EDGE_WALLS);
+    assert_int_equal(def.substeps, 7);
+    assert_int_equal(def.wants, DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_EVENTS);
+    assert_true(def.upper[1] == 11.0 && def.gravity[2] == -9.0 && def.drag == 0.5);
+    assert_true(def.dt == 0.01 && def.doubles && def.origin[0] == 1e6 && def.skin == 0.125);
+    duet_scene_destroy(s);
+}
+
+static void a_scene_that_says_nothing_of_bodies_has_none(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_scene *s =
+        scene_from_text("still.lua", "add(0, 0, 0, 1, 1, 1, 0, 0, 0, 1) return {}", &err);
+    assert_ok(s, err);
+    assert_null(duet_scene_bodies(s));
+    duet_scene_destroy(s);
+}
+
+static void what_is_wrong_is_refused_with_its_name(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *chars;
+        const char *says;
+    } wrong[] = {
+        {"return {bounds = 'hedge'}", "bounds is 'hedge'; it must be walls or periodic"},
+        {"return {bounds = 'walls'}", "bounds needs a world"},
+        {"return {wants = {'magic'}}", "wants has 'magic', which is no effect"},
+        {"return {integrator = 'rk4'}", "integrator is 'rk4'"},
+        {"return {gravity = {1, 2}}", "gravity must be 3 finite numbers"},
+        {"return {dt = -1}", "dt is -1"},
+        {"return {substeps = 0}", "substeps is 0"},
+        {"return {body = {weight = 1}}", "body has no field 'weight'"},
+        {"add{centre={0,0,0}, half_extents={1,1,1}, velocity={1}} return {}",
+         "velocity must be 2 or 3"},
+        {"add{centre={0,0,0}, half_extents={1,1,1}, group=-1} return {}",
+         "group must be a whole number"},
+        {"add{centre={0,0,0}, half_extents={1,1,1}, fixed_rotation=1} return {}",
+         "fixed_rotation must be true or false"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
+        scene_assert_refused("wrong.lua", wrong[i].chars, DUET_BAD_INPUT, wrong[i].says);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_scene_says_what_moves),
+        cmocka_unit_test(a_scene_that_says_nothing_of_bodies_has_none),
+        cmocka_unit_test(what_is_wrong_is_refused_with_its_name),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

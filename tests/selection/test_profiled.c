@@ -1,0 +1,400 @@
+// SPDX-License-Identifier: MIT
+// A world as the profile store knows it, and what an application then gets.
+#define _POSIX_C_SOURCE 200809L
+#include "support/program.h"
+#include "support/store.h"
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "runtime/selection/profile_subject.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct fixture {
+    duet_device_pair *pair;
+    duet_world *world;
+} fixture;
+
+// n unit cubes in a world of 20^3, drawn with the seed; one is `giant` wide.
+static fixture make_world(uint32_t n, uint64_t seed, float giant, const char *words)
+{
+    duet_error err = {0};
+    fixture f = {0};
+    rng r = rng_seed(seed);
+    duet_pose *poses = calloc(n, sizeof *poses);
+    assert_non_null(poses);
+    for (uint32_t i = 0; i < n; ++i) {
+        poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
+        for (int k = 0; k < 3; ++k)
+            poses[i].centre[k] = (float)rng_between(&r, 0, 20);
+    }
+    if (giant > 0)
+        poses[n / 2].half_extents[0] = giant / 2;
+    duet_device_pair_def pair_def = duet_default_device_pair_def();
+    f.pair = duet_device_pair_open(&pair_def, &err);
+    assert_ok(f.pair, err);
+    duet_world_def def = duet_default_world_def();
+    def.pair = f.pair;
+    def.dims = 3;
+    def.rotated = false;
+    def.plan = duet_default_plan(f.pair);
+    strcpy(def.plan.variant_a, words);
+    strcpy(def.plan.variant_b, words);
+    def.has_world = true;
+    for (int k = 0; k < 3; ++k)
+        def.upper[k] = 20;
+    f.world = duet_world_create(&def, &err);
+    assert_ok(f.world, err);
+    assert_ok(duet_world_set_poses(f.world, poses, n, &err), err);
+    free(poses);
+    return f;
+}
+
+static void drop_world(fixture *f)
+{
+    duet_world_destroy(f->world);
+    duet_device_pair_close(f->pair);
+}
+
+static profile_subject describe(const fixture *f)
+{
+    profile_subject p;
+    duet_error err = {0};
+    assert_ok(profile_subject_read(f->world, &p, &err), err);
+    return p;
+}
+
+static void key_of(const fixture *f, char key[PROFILE_SHA])
+{
+    duet_error err = {0};
+    profile_subject p = describe(f);
+    assert_ok(profile_workload_key(&p.workload, key, &err), err);
+}
+
+static void a_worlds_numbers_are_those_of_its_scene(void **state)
+{
+    (void)state;
+    fixture f = make_world(16000, test_seed(), 0, "auto");
+    profile_subject p = describe(&f);
+    assert_int_equal(p.workload.n, 16000);
+    assert_int_equal(p.workload.dims, 3);
+    assert_in_range(p.workload.cells[0], 19, 20);
+    assert_true(p.workload.occ_mean > 1.9 && p.workload.occ_mean < 2.5);
+    assert_true(p.workload.occ_p99 > 2.5 && p.workload.occ_p99 < 5); // 16 in eight cells
+    assert_true(p.workload.size_ratio == 1);
+    assert_string_equal(p.workload.shape, "poses");
+    assert_string_equal(p.pair.a.device.kind, "cpu");
+    assert_int_equal(strlen(p.kernels), 64);
+    drop_world(&f);
+}
+
+static void the_workload_is_the_scenes_and_not_the_draws_or_the_plans(void **state)
+{
+    (void)state;
+    uint64_t seed = test_seed();
+    fixture a = make_world(16000, seed, 0, "auto");
+    fixture b = make_world(16000, seed + 1, 0, "auto grid=hashed");
+    fixture c = make_world(16000, seed, 16, "auto");
+    char keys[3][PROFILE_SHA];
+    key_of(&a, keys[0]);
+    key_of(&b, keys[1]);
+    key_of(&c, keys[2]);
+    assert_string_equal(keys[0], keys[1]);
+    assert_string_not_equal(keys[0], keys[2]); // a giant among them
+    profile_subject p = describe(&c);
+    assert_true(p.workload.size_ratio == 16);
+    drop_world(&a);
+    drop_world(&b);
+    drop_world(&c);
+}
+
+// The first objects are counted when they are set, all others when somebody asks.
+static void a_workload_is_of_the_objects_that_a_world_has(void **state)
+{
+    (void)state;
+    enum { N = 16000 };
+    duet_error err = {0};
+    fixture f = make_world(N, test_seed(), 0, "auto");
+    profile_subject set = describe(&f);
+    duet_pose *poses = duet_world_map_poses(f.world, N, &err); // as they are
+    assert_ok(poses, err);
+    profile_subject mapped = describe(&f);
+    assert_memory_equal(&set.workload, &mapped.workload, sizeof set.workload);
+    poses[N / 3].half_extents[1] = 4;
+    assert_true(describe(&f).workload.size_ratio == 8);
+    duet_pose one = poses[0];
+    assert_ok(duet_world_set_poses(f.world, &one, 1, &err), err);
+    assert_int_equal(describe(&f).workload.n, 1);
+    assert_true(describe(&f).workload.size_ratio == 1);
+    drop_world(&f);
+}
+
+static void a_world_without_objects_is_refused(void **state)
+{
+    (void)state;
+    fixture f = make_world(1, 1, 0, "auto");
+    profile_subject p;
+    duet_error err = {0};
+    assert_ok(duet_world_set_poses(f.world, NULL, 0, &err), err);
+    assert_false(profile_subject_read(f.world, &p, &err));
+    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    drop_world(&f);
+}
+
+static void a_plan_survives_being_stored(void **state)
+{
+    (void)state;
+    duet_plan plan = {.share = 12345, .mode = DUET_MODE_OWN};
+    strcpy(plan.variant_a, "auto sort=radix");
+    strcpy(plan.variant_b, "paper");
+    profile_plan stored = profile_subject_write_plan(&plan, "sat15");
+    duet_plan back;
+    duet_error err = {0};
+    assert_ok(profile_subject_read_plan(&stored, &back, &err), err);
+    assert_int_equal(back.share, plan.share);
+    assert_int_equal(back.mode, plan.mode);
+    assert_string_equal(back.variant_a, plan.variant_a);
+    assert_string_equal(back.variant_b, plan.variant_b);
+    strcpy(stored.mode, "sideways");
+    assert_false(profile_subject_read_plan(&stored, &back, &err));
+    assert_non_null(strstr(err.text, "sideways"));
+}
+
+// ------------------------------------------------------------ an application's start
+
+// Puts a profile for the world into the store, as a tuner would.
+static void put_for(const char *path, const duet_world *world, const char *kernels)
+{
+    duet_error err = {0};
+    profile_subject p;
+    assert_ok(profile_subject_read(world, &p, &err), err);
+    store *s = store_open(path, STORE_WRITE, &err);
+    assert_ok(s, err);
+    profile_row row = {
+        .kernels = kernels ? kernels : p.kernels,
+        .objective = "time",
+        .plan = test_plan(0.375),
+        .median_ns = 2e6,
+        .low_ns = 1e6,
+        .high_ns = 3e6,
+        .gain = 0.5,
+        .verdict = "faster",
+        .origin = "manual",
+        .trial_number = -1,
+    };
+    snprintf(row.plan.level, sizeof row.plan.level, "%s", p.workload.level);
+    assert_ok(profile_pair_put(s, &p.pair, &row.pair_id, &err), err);
+    assert_ok(profile_workload_put(s, &p.workload, &row.workload_id, &err), err);
+    assert_ok(profile_put(s, &row, "put again", &err), err);
+    store_close(s);
+}
+
+static void a_world_takes_its_profile_and_finds_the_same_pairs(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    fixture f = make_world(3000, test_seed(), 0, "auto");
+    duet_error err = {0};
+    duet_result result;
+    assert_ok(duet_world_step(f.world, &result, &err), err);
+    uint64_t hash = duet_result_hash(&result);
+    put_for(folder.store, f.world, NULL);
+    duet_profile profile;
+    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    assert_int_equal(profile.grade, DUET_GRADE_EXACT);
+    assert_string_equal(duet_grade_name(profile.grade), "exact");
+    assert_int_equal(duet_world_plan(f.world)->share, 3 * DUET_SHARE_ONE / 8);
+    assert_string_equal(duet_world_plan(f.world)->variant_b, "auto sort=radix");
+    assert_true(profile.step_ms == 2 && profile.gain == 0.5 && profile.measured_s > 0);
+    assert_ok(duet_world_step(f.world, &result, &err), err);
+    assert_true(duet_result_hash(&result) == hash);
+    drop_world(&f);
+    test_folder_remove(&folder);
+}
+
+// Stored at sat6 with two false pairs in a hundred.
+static void a_world_gets_no_less_than_it_asked_for(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    fixture f = make_world(3000, test_seed(), 0, "auto");
+    duet_error err = {0};
+    duet_profile profile;
+    assert_ok(duet_world_set_level(f.world, DUET_LEVEL_SAT6, &err), err);
+    put_for(folder.store, f.world, NULL);
+    test_store_run(folder.store, "UPDATE profile SET false_rate = 0.02, true_pairs = 100");
+    assert_ok(duet_world_set_level(f.world, DUET_LEVEL_CERTIFIED, &err), err);
+    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
+    f.world->def.has_accuracy = true;
+    f.world->def.accuracy = (duet_accuracy){0, 0.0199};
+    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
+    assert_int_equal(profile.level, DUET_LEVEL_CERTIFIED);
+    assert_int_equal(duet_world_level(f.world), DUET_LEVEL_CERTIFIED);
+    f.world->def.accuracy = (duet_accuracy){0, 0.02};
+    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    assert_int_equal(profile.grade, DUET_GRADE_EXACT);
+    assert_int_equal(profile.level, DUET_LEVEL_SAT6);
+    assert_int_equal(duet_world_level(f.world), DUET_LEVEL_SAT6);
+    assert_true(profile.accuracy.missed == 0 && profile.accuracy.false_rate == 0.02);
+    assert_int_equal(profile.true_pairs, 100);
+    drop_world(&f);
+    test_folder_remove(&folder);
+}
+
+static void an_accuracy_that_cannot_be_is_refused(void **state)
+{
+    (void)state;
+    fixture f = make_world(10, test_seed(), 0, "auto");
+    static const duet_accuracy bad[] = {{-0.1, 0}, {1.5, 0}, {0, -1}, {0, INFINITY}, {NAN, 0}};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        duet_world_def def = f.world->def;
+        duet_error err = {0};
+        def.has_accuracy = true;
+        def.accuracy = bad[i];
+        assert_null(duet_world_create(&def, &err));
+        assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+        assert_non_null(strstr(err.text, "the world's accuracy"));
+    }
+    drop_world(&f);
+}
+
+static void without_a_profile_the_plan_stays(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    fixture f = make_world(3000, test_seed(), 0, "auto");
+    duet_plan before = *duet_world_plan(f.world);
+    duet_error err = {0};
+    duet_profile profile;
+    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
+    put_for(folder.store, f.world, "of other kernels");
+    assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
+    assert_int_equal(profile.grade, DUET_GRADE_STALE);
+    assert_memory_equal(&profile.plan, &before, sizeof before);
+    assert_memory_equal(duet_world_plan(f.world), &before, sizeof before);
+    assert_ok(text_write_file(folder.store, "rubbish", 7, &err), err);
+    assert_false(duet_world_load_profile(f.world, folder.store, &profile, &err));
+    assert_int_equal(err.status, DUET_STORE_FAILED);
+    assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
+    assert_memory_equal(duet_world_plan(f.world), &before, sizeof before);
+    drop_world(&f);
+    test_folder_remove(&folder);
+}
+
+// ------------------------------------------------------------- duet profiles why
+
+#define SCENE "test_profiled.scene.lua"
+
+static const char scene_text[] = "local random = random(3)\n"
+                                 "for _ = 1, 500 do\n"
+                                 "  add(random.uniform(0, 20), random.uniform(0, 20), "
+                                 "random.uniform(0, 20), 0.5, 0.5, 0.5, 0, 0, 0, 1)\n"
+                                 "end\n"
+                                 "return { dims = 3 }\n";
+
+static void put_for_scene(const char *path)
+{
+    duet_error err = {0};
+    duet_device_pair_def pair_def = duet_default_device_pair_def();
+    duet_device_pair *pair = duet_device_pair_open(&pair_def, &err);
+    assert_ok(pair, err);
+    duet_scene *scene = duet_scene_load(SCENE, NULL, 0, &err);
+    assert_ok(scene, err);
+    duet_world_def def = duet_scene_world_def(scene, pair);
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world && duet_world_set_scene(world, scene, &err), err);
+    put_for(path, world, NULL);
+    duet_world_destroy(world);
+    duet_scene_destroy(scene);
+    duet_device_pair_close(pair);
+}
+
+static cJSON *ask_why(const char *path)
+{
+    program p = program_run("profiles why %s --profile %s --json", SCENE, path);
+    assert_string_equal(p.err, "");
+    assert_int_equal(p.exit_code, 0);
+    cJSON *o = cJSON_Parse(p.out);
+    assert_true(cJSON_IsObject(o));
+    program_free(&p);
+    return o;
+}
+
+static void assert_why(const cJSON *o, const char *grade, const char *says)
+{
+    assert_string_equal(cJSON_GetObjectItemCaseSensitive(o, "grade")->valuestring, grade);
+    const cJSON *line = NULL;
+    bool said = false;
+    cJSON_ArrayForEach(line, cJSON_GetObjectItemCaseSensitive(o, "why"))
+    {
+        said |= strstr(line->valuestring, says) != NULL;
+    }
+    if (!said)
+        fail_msg("nothing says '%s'", says);
+}
+
+static void why_names_the_plan_and_run_uses_it(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    duet_error err = {0};
+    assert_ok(text_write_file(SCENE, scene_text, strlen(scene_text), &err), err);
+    cJSON *o = ask_why(folder.store);
+    assert_why(o, "default", "there is no profile store");
+    cJSON_Delete(o);
+    put_for_scene(folder.store);
+    o = ask_why(folder.store);
+    assert_why(o, "exact", "yes: manual 20");
+    assert_true(cJSON_GetObjectItemCaseSensitive(o, "share")->valuedouble == 0.375);
+    assert_string_equal(cJSON_GetObjectItemCaseSensitive(o, "variant_b")->valuestring,
+                        "auto sort=radix");
+    cJSON_Delete(o);
+    char variables[160];
+    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
+    program p = program_run_with(variables, "run %s --repeat 1", SCENE);
+    assert_int_equal(p.exit_code, 0);
+    assert_non_null(strstr(p.out, "plan: from the profile, exact; +50.0 % (+0.0 to +0.0) over "));
+    program_free(&p);
+    p = program_run_with(variables, "run %s --repeat 1 --json --check", SCENE);
+    assert_non_null(strstr(p.out, "0.375"));
+    assert_non_null(strstr(p.out, "\"exact\""));
+    program_free(&p);
+    p = program_run_with(variables, "run %s --repeat 1 --share 1/2", SCENE);
+    assert_non_null(strstr(p.out, "plan: as given"));
+    program_free(&p);
+    p = program_run("profiles why %s --profile %s", SCENE, folder.store);
+    assert_int_equal(p.exit_code, 0);
+    assert_non_null(strstr(p.out, "exact: share 0.3750, mode own, A auto, B auto sort=radix"));
+    program_free(&p);
+    test_store_run(folder.store, "UPDATE profile SET share = 0, verdict = 'same'");
+    p = program_run_with(variables, "run %s --repeat 1", SCENE);
+    assert_non_null(
+        strstr(p.out, "exact; one device alone; sharing gains +50.0 % (+0.0 to +0.0): same"));
+    program_free(&p);
+    remove(SCENE);
+    test_folder_remove(&folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_worlds_numbers_are_those_of_its_scene),
+        cmocka_unit_test(the_workload_is_the_scenes_and_not_the_draws_or_the_plans),
+        cmocka_unit_test(a_workload_is_of_the_objects_that_a_world_has),
+        cmocka_unit_test(a_world_without_objects_is_refused),
+        cmocka_unit_test(a_plan_survives_being_stored),
+        cmocka_unit_test(a_world_takes_its_profile_and_finds_the_same_pairs),
+        cmocka_unit_test(a_world_gets_no_less_than_it_asked_for),
+        cmocka_unit_test(an_accuracy_that_cannot_be_is_refused),
+        cmocka_unit_test(without_a_profile_the_plan_stays),
+        cmocka_unit_test(why_names_the_plan_and_run_uses_it),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

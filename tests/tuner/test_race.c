@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: MIT
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "tuner/race.h"
+
+#include <math.h>
+
+static void medians_and_deviations_of_few_values(void **state)
+{
+    (void)state;
+    const double odd[] = {9, 1, 5}, even[] = {4, 1, 3, 2};
+    assert_true(stats_median(odd, 3) == 5);
+    assert_true(stats_median(even, 4) == 2.5);
+    assert_true(stats_mad(odd, 3) == 4);
+    assert_true(stats_mad(odd, 1) == 0);
+}
+
+static void a_disturbed_time_is_marked_and_counted(void **state)
+{
+    (void)state;
+    const double times[] = {10, 11, 10.5, 30, 10.2, 10.8};
+    bool marks[6];
+    assert_int_equal(stats_mark_outliers(times, 6, marks), 1);
+    for (int i = 0; i < 6; ++i)
+        assert_int_equal(marks[i], i == 3);
+}
+
+// Ranks 1..n: the interval is between the order statistics of the binomial
+// table (Conover, table A3).
+static void the_interval_of_a_median_follows_the_binomial_table(void **state)
+{
+    (void)state;
+    double ranks[20];
+    for (int i = 0; i < 20; ++i)
+        ranks[i] = i + 1;
+    stats_interval of_20 = stats_median_interval(ranks, 20, 0.95);
+    assert_true(of_20.low == 6 && of_20.high == 15);
+    assert_true(fabs(of_20.level - 0.9586) < 0.0001);
+    stats_interval of_8 = stats_median_interval(ranks, 8, 0.99);
+    assert_true(of_8.low == 1 && of_8.high == 8);
+    assert_true(fabs(of_8.level - 0.9922) < 0.0001);
+    stats_interval of_3 = stats_median_interval(ranks, 3, 0.95);
+    assert_true(of_3.low == 1 && of_3.high == 3 && fabs(of_3.level - 0.75) < 0.0001);
+}
+
+static void an_interval_of_95_percent_holds_the_median_that_often(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    int held = 0;
+    for (int round = 0; round < 2000; ++round) {
+        double values[15];
+        for (int i = 0; i < 15; ++i)
+            values[i] = exp(rng_normal(&r)); // median 1, long tail
+        stats_interval in = stats_median_interval(values, 15, 0.95);
+        held += in.low <= 1 && 1 <= in.high;
+    }
+    assert_in_range(held, 1890, 2000);
+}
+
+static void a_sign_is_decided_once_it_is_sure(void **state)
+{
+    (void)state;
+    const double differences[] = {0.1, 0.12, 0.09, 0.11};
+    assert_int_equal(stats_sign(differences, 1, 0.05, 3), 0);
+    assert_int_equal(stats_sign(differences, 4, 0.05, 3), 1);
+    const double far = -1;
+    assert_int_equal(stats_sign(&far, 1, 0.05, 3), -1);
+}
+
+static double noisy(rng *r, double ns, double sigma)
+{
+    double spike = rng_unit(r) < 0.05 ? rng_between(r, 1.2, 3) : 1;
+    return ns * spike * (1 + sigma * rng_normal(r));
+}
+
+// Runs the race with such median times, all slowed in the second half.
+static void run(race *r, const double *ns, double sigma, rng *random)
+{
+    uint32_t rival;
+    while (race_next(r, &rival))
+        race_add(r, rival,
+                 noisy(random, ns[rival], sigma) * (r->rivals[rival].rounds < 10 ? 1 : 1.4));
+}
+
+static int count_same(double sigma, int races, rng *random)
+{
+    const double ns[] = {1e7, 1e7};
+    int same = 0;
+    for (int i = 0; i < races; ++i) {
+        race r = race_begin(2, NULL);
+        run(&r, ns, sigma, random);
+        same += race_compare(&r, 0, 1).verdict == RACE_SAME;
+    }
+    return same;
+}
+
+// One race in a hundred may err, as its interval says; asking after every round
+// adds none. 980 of 1000 are four deviations below that.
+static void equal_plans_are_called_the_same(void **state)
+{
+    (void)state;
+    static const double sigmas[] = {0.003, 0.03, 0.1};
+    rng random = rng_seed(test_seed());
+    for (size_t i = 0; i < sizeof sigmas / sizeof *sigmas; ++i) {
+        int same = count_same(sigmas[i], 1000, &random);
+        print_message("noise %.3f: %d of 1000 the same\n", sigmas[i], same);
+        assert_true(same >= 980);
+    }
+}
+
+static void a_quiet_tie_ends_with_the_least_rounds(void **state)
+{
+    (void)state;
+    race r = race_begin(3, NULL);
+    uint32_t rival;
+    while (race_next(&r, &rival))
+        race_add(&r, rival, 1e7 * (1 + 0.004 * ((rival + r.rivals[rival].rounds) % 3)));
+    for (uint32_t i = 0; i < 3; ++i) {
+        assert_false(r.rivals[i].out);
+        assert_int_equal(r.rivals[i].rounds, r.options.least_rounds);
+        assert_int_equal(race_compare(&r, i, 0).verdict, RACE_SAME);
+    }
+}
+
+// Its interval holds 1 and more than the margin: it may yet win.
+static void a_rival_that_may_be_much_faster_is_raced_on(void **state)
+{
+    (void)state;
+    race r = race_begin(2, NULL);
+    uint32_t rival;
+    while (race_next(&r, &rival))
+        race_add(&r, rival, rival == 0 ? 1e7 : r.rivals[1].rounds % 8 == 0 ? 1.01e7 : 0.9e7);
+    assert_true(r.rivals[0].rounds > r.options.least_rounds);
+}
+
+static void a_plan_that_is_a_tenth_faster_wins_even_if_the_machine_slows_down(void **state)
+{
+    (void)state;
+    rng random = rng_seed(test_seed());
+    const double ns[] = {1.1e7, 1e7, 1.3e7};
+    int won = 0;
+    for (int i = 0; i < 100; ++i) {
+        race r = race_begin(3, NULL);
+        run(&r, ns, 0.03, &random);
+        race_gain gain = race_compare(&r, 1, 0);
+        won += race_leader(&r) == 1 && gain.verdict == RACE_FASTER;
+        assert_true(gain.interval.low <= gain.ratio && gain.ratio <= gain.interval.high);
+        assert_true(race_compare(&r, 2, 1).verdict != RACE_FASTER);
+    }
+    assert_true(won >= 95);
+}
+
+static void a_clear_loser_drops_out_early(void **state)
+{
+    (void)state;
+    rng random = rng_seed(test_seed());
+    const double ns[] = {1e7, 5e7};
+    race r = race_begin(2, NULL);
+    run(&r, ns, 0.03, &random);
+    assert_true(r.rivals[1].out);
+    assert_int_equal(r.rivals[1].rounds, r.options.least_rounds);
+}
+
+// In most rounds 1 is ahead, though its times have the larger median: what is
+// slow for a while is slow for all.
+static void the_best_is_who_is_ahead_in_most_rounds(void **state)
+{
+    (void)state;
+    race r = race_begin(2, NULL);
+    static const double ns[3][2] = {{100, 130}, {101, 100}, {112, 110}};
+    for (int round = 0; round < 9; ++round) {
+        race_add(&r, 0, ns[round % 3][0]);
+        race_add(&r, 1, ns[round % 3][1]);
+    }
+    assert_true(race_median(&r, 0) < race_median(&r, 1));
+    assert_int_equal(race_leader(&r), 1);
+    assert_int_equal(race_best(&r, 0, 2), 1);
+    assert_int_equal(race_best(&r, 0, 1), 0);
+    assert_int_equal(race_best(&r, 1, 1), 1);
+}
+
+static void too_few_rounds_are_called_ambiguous(void **state)
+{
+    (void)state;
+    race_options few = race_default_options();
+    few.least_rounds = few.most_rounds = 3;
+    race r = race_begin(2, &few);
+    for (int round = 0; round < 3; ++round) {
+        race_add(&r, 0, 100 + 10 * round);
+        race_add(&r, 1, 120 - 10 * round);
+    }
+    assert_int_equal(race_compare(&r, 0, 1).verdict, RACE_AMBIGUOUS);
+    uint32_t rival;
+    assert_false(race_next(&r, &rival));
+}
+
+static void a_rival_that_cannot_run_leaves_the_others_racing(void **state)
+{
+    (void)state;
+    race r = race_begin(3, NULL);
+    race_drop(&r, 0);
+    uint32_t rival, counts[3] = {0};
+    while (race_next(&r, &rival)) {
+        ++counts[rival];
+        race_add(&r, rival, 100.0 + rival);
+    }
+    assert_int_equal(counts[0], 0);
+    assert_true(counts[1] >= r.options.least_rounds && counts[2] >= r.options.least_rounds);
+    assert_int_equal(race_leader(&r), 1);
+    race_drop(&r, 1);
+    race_drop(&r, 2);
+    assert_int_equal(race_leader(&r), 3);
+}
+
+static void times_measured_apart_are_told_by_both_intervals(void **state)
+{
+    (void)state;
+    const double slow[] = {20, 21, 22, 20.5, 21.5, 22.5, 23};
+    const double fast[] = {10, 10.5, 11, 11.5, 12, 10.2, 10.8};
+    race_gain gain = race_compare_apart(fast, 7, slow, 7, 0.95);
+    assert_int_equal(gain.verdict, RACE_FASTER);
+    assert_true(gain.ratio == 21.5 / 10.8);
+    assert_true(gain.interval.low == 20 / 12.0 && gain.interval.high == 23 / 10.0);
+    assert_true(gain.interval.level >= 0.95);
+    assert_int_equal(race_compare_apart(slow, 7, fast, 7, 0.95).verdict, RACE_SLOWER);
+    assert_int_equal(race_compare_apart(slow, 7, slow, 7, 0.95).verdict, RACE_SAME);
+    assert_int_equal(race_compare_apart(fast, 6, slow, 6, 0.95).verdict, RACE_AMBIGUOUS);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(medians_and_deviations_of_few_values),
+        cmocka_unit_test(a_disturbed_time_is_marked_and_counted),
+        cmocka_unit_test(the_interval_of_a_median_follows_the_binomial_table),
+        cmocka_unit_test(an_interval_of_95_percent_holds_the_median_that_often),
+        cmocka_unit_test(a_sign_is_decided_once_it_is_sure),
+        cmocka_unit_test(equal_plans_are_called_the_same),
+        cmocka_unit_test(a_quiet_tie_ends_with_the_least_rounds),
+        cmocka_unit_test(a_rival_that_may_be_much_faster_is_raced_on),
+        cmocka_unit_test(a_plan_that_is_a_tenth_faster_wins_even_if_the_machine_slows_down),
+        cmocka_unit_test(a_clear_loser_drops_out_early),
+        cmocka_unit_test(the_best_is_who_is_ahead_in_most_rounds),
+        cmocka_unit_test(too_few_rounds_are_called_ambiguous),
+        cmocka_unit_test(a_rival_that_cannot_run_leaves_the_others_racing),
+        cmocka_unit_test(times_measured_apart_are_told_by_both_intervals),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+// Every search finds the reference's pairs, whatever the objects are and
+// wherever they are cut.
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "runtime/duet.h"
+#include "runtime/scene/reference.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST = 5000 };
+
+typedef struct crowd {
+    uint32_t dims;
+    duet_shape shape;
+    bool rotated;
+    bool mixed; // sizes over six octaves
+    uint32_t n;
+    duet_pose poses[MOST];
+    duet_bounds bounds[MOST];
+} crowd;
+
+static duet_pose random_pose(rng *r, double width, bool rotated)
+{
+    duet_pose p = {.rotation = {0, 0, 0, 1}};
+    for (int k = 0; k < 3; ++k) {
+        // every other object lies on a lattice, where boxes touch
+        double at = rng_between(r, -width, width);
+        p.centre[k] = (float)(rng_below(r, 2) ? at : (double)(int)at);
+        p.half_extents[k] = rng_below(r, 2) ? 0.5f : (float)rng_between(r, 0, 0.5);
+    }
+    for (int k = 0; rotated && k < 4; ++k)
+        p.rotation[k] = (float)rng_normal(r);
+    return p;
+}
+
+static void fill(crowd *c, rng *r, double width)
+{
+    for (uint32_t i = 0; i < c->n; ++i) {
+        c->poses[i] = random_pose(r, width, c->rotated && rng_below(r, 4));
+        float scale = c->mixed ? (float)(1u << rng_below(r, 7)) / 16 : 1;
+        for (int k = 0; k < 3; ++k)
+            c->poses[i].half_extents[k] *= scale;
+        for (int k = 0; k < 3; ++k) {
+            c->bounds[i].lower[k] = c->poses[i].centre[k] - c->poses[i].half_extents[k];
+            c->bounds[i].upper[k] = c->poses[i].centre[k] + c->poses[i].half_extents[k];
+        }
+    }
+}
+
+static uint64_t reference_hash(const crowd *c, uint64_t *n_pairs)
+{
+    reference_objects objects = {
+        .dims = c->dims, .shape = c->shape, .n = c->n, .poses = c->poses, .bounds = c->bounds};
+    reference_found found = {0};
+    duet_error err = {0};
+    assert_ok(reference_find(&objects, REFERENCE_COLUMNS, &found, &err), err);
+    uint64_t hash = duet_pairs_hash(found.pairs, found.n);
+    *n_pairs = found.n;
+    duet_free(found.pairs);
+    return hash;
+}
+
+static duet_device_pair *open_pair(const char *a, const char *b)
+{
+    duet_device_pair_def def = duet_default_device_pair_def();
+    def.a = a;
+    def.b = b;
+    duet_error err = {0};
+    duet_device_pair *pair = duet_device_pair_open(&def, &err);
+    assert_ok(pair, err);
+    return pair;
+}
+
+static duet_device_pair *first_two; // one pair for all tests: few kernels, many worlds
+
+static int open_devices(void **state)
+{
+    (void)state;
+    first_two = open_pair(NULL, NULL);
+    return 0;
+}
+
+static int close_devices(void **state)
+{
+    (void)state;
+    duet_device_pair_close(first_two);
+    return 0;
+}
+
+static duet_world *open_world(duet_device_pair *pair, const crowd *c)
+{
+    duet_world_def def = duet_default_world_def();
+    def.pair = pair;
+    def.dims = c->dims;
+    def.shape = c->shape;
+    def.rotated = c->rotated;
+    duet_error err = {0};
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world, err);
+    return world;
+}
+
+static void set_objects(duet_world *world, const crowd *c)
+{
+    duet_error err = {0};
+    if (c->shape == DUET_SHAPE_POSES)
+        assert_ok(duet_world_set_poses(world, c->poses, c->n, &err), err);
+    else
+        assert_ok(duet_world_set_bounds(world, c->bounds, c->n, &err), err);
+}
+
+static void assert_finds(duet_world *world, const crowd *c, const char *a, const char *b,
+                         uint32_t share, duet_mode mode)
+{
+    duet_plan plan = {.share = share, .mode = mode};
+    strcpy(plan.variant_a, a);
+    strcpy(plan.variant_b, b);
+    duet_error err = {0};
+    duet_result result;
+    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+    assert_ok(duet_world_step(world, &result, &err), err);
+    uint64_t n_pairs;
+    uint64_t hash = reference_hash(c, &n_pairs);
+    if (result.pairs != n_pairs || duet_result_hash(&result) != hash)
+        fail_msg("%uD shape %d rotated %d n %u, %s and %s at %u: %" PRIu64 " pairs, not %" PRIu64,
+                 c->dims, (int)c->shape, c->rotated, c->n, a, b, share, result.pairs, n_pairs);
+}
+
+static const uint32_t shares[] = {0, 1, 6554, 32768, DUET_SHARE_ONE};
+
+// From a few cells to many, so that grids of one, two and three cells an axis
+// are among them.
+static const double widths[] = {0.1, 1.2, 2.0, 3.0, 20.0};
+
+static void try_crowds(const char *search, crowd *c, rng *r)
+{
+    static const uint32_t counts[] = {0, 1, 2, 7, 8, 9, 100, 300, 3001};
+    duet_world *world = open_world(first_two, c);
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
+        for (size_t w = 0; w < sizeof widths / sizeof widths[0]; ++w) {
+            if (counts[i] > 300 && widths[w] < 3.0)
+                continue; // the reference would take long
+            c->n = counts[i];
+            fill(c, r, widths[w]);
+            set_objects(world, c);
+            uint32_t share = shares[rng_below(r, sizeof shares / sizeof shares[0])];
+            assert_finds(world, c, search, search, share, DUET_MODE_OWN);
+        }
+    }
+    duet_world_destroy(world);
+}
+
+static void try_search(const char *search)
+{
+    rng r = rng_seed(test_seed());
+    static crowd c;
+    for (c.dims = 2; c.dims <= 3; ++c.dims) {
+        for (int kind = 0; kind < 3; ++kind) {
+            c.shape = kind < 2 ? DUET_SHAPE_POSES : DUET_SHAPE_BOUNDS;
+            c.rotated = kind == 0;
+            try_crowds(search, &c, &r);
+        }
+    }
+}
+
+static void lanes_find_the_references_pairs(void **state)
+{
+    (void)state;
+    try_search("simd");
+}
+
+static void listed_candidates_give_the_same_pairs(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    static crowd c = {.shape = DUET_SHAPE_POSES, .rotated = true};
+    for (c.dims = 2; c.dims <= 3; ++c.dims)
+        try_crowds("simd FUSED=0", &c, &r);
+}
+
+static void rows_find_the_references_pairs(void **state)
+{
+    (void)state;
+    try_search("auto");
+    try_search("gpu");
+}
+
+static void the_papers_search_finds_the_references_pairs(void **state)
+{
+    (void)state;
+    try_search("paper");
+}
+
+static void try_sizes(const char *search)
+{
+    rng r = rng_seed(test_seed());
+    static crowd c = {.mixed = true};
+    for (c.dims = 2; c.dims <= 3; ++c.dims) {
+        for (int kind = 0; kind < 2; ++kind) {
+            c.shape = kind ? DUET_SHAPE_BOUNDS : DUET_SHAPE_POSES;
+            c.rotated = kind == 0;
+            try_crowds(search, &c, &r);
+        }
+    }
+}
+
+static void lanes_find_pairs_of_all_sizes(void **state)
+{
+    (void)state;
+    try_sizes("simd grid=dense");
+    try_sizes("simd grid=hashed");
+}
+
+// Devices of several threads put the objects of a cell into no certain order.
+static void parts_agree_where_a_cell_is_cut(void **state)
+{
+    (void)state;
+    static const char *const searches[] = {"gpu", "simd", "paper"};
+    rng r = rng_seed(test_seed());
+    static crowd c = {.dims = 3, .shape = DUET_SHAPE_POSES, .rotated = true, .n = MOST};
+    duet_device_pair *pair = open_pair("pocl:0", "pocl:0");
+    duet_world *world = open_world(pair, &c);
+    fill(&c, &r, 4.0);
+    set_objects(world, &c);
+    for (int round = 0; round < 12; ++round)
+        assert_finds(world, &c, searches[round % 3], searches[round / 3 % 3],
+                     rng_below(&r, DUET_SHARE_ONE), round % 2 ? DUET_MODE_SLAB : DUET_MODE_OWN);
+    duet_world_destroy(world);
+    duet_device_pair_close(pair);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lanes_find_the_references_pairs),
+        cmocka_unit_test(listed_candidates_give_the_same_pairs),
+        cmocka_unit_test(rows_find_the_references_pairs),
+        cmocka_unit_test(the_papers_search_finds_the_references_pairs),
+        cmocka_unit_test(lanes_find_pairs_of_all_sizes),
+        cmocka_unit_test(parts_agree_where_a_cell_is_cut),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}
