@@ -3,7 +3,16 @@
 # files lie, so that an installed tree may be moved.
 include(CMakePackageConfigHelpers)
 
-add_library(duet_static STATIC ${duet_objects})
+# One object of them all, in which only what the public headers declare is visible:
+# an application may have a text_free() of its own.
+add_custom_command(
+  OUTPUT duet.o
+  COMMAND ${CMAKE_C_COMPILER} -nostdlib -r -o duet.o ${duet_objects}
+  COMMAND ${CMAKE_OBJCOPY} --localize-hidden duet.o
+  DEPENDS ${duet_objects}
+  COMMAND_EXPAND_LISTS VERBATIM)
+add_library(duet_static STATIC ${CMAKE_CURRENT_BINARY_DIR}/duet.o)
+set_target_properties(duet_static PROPERTIES LINKER_LANGUAGE C)
 add_library(duet_shared SHARED ${duet_objects})
 set_target_properties(duet_shared PROPERTIES OUTPUT_NAME duet EXPORT_NAME duet
   VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})

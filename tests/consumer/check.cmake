@@ -26,7 +26,7 @@ run(${CMAKE_COMMAND} -S ${CONSUMER} -B ${built} -G Ninja -DCMAKE_PREFIX_PATH=${p
 run(${CMAKE_COMMAND} --build ${built})
 
 set(ENV{LD_LIBRARY_PATH} ${pc_dir}/..)
-foreach(way with_shared with_static with_pkg_config)
+foreach(way with_shared with_static with_own_names with_pkg_config)
   run(${built}/${way})
   if(NOT out STREQUAL "0 and 1 collide\n")
     message(FATAL_ERROR "${way} says '${out}', not '0 and 1 collide'")
