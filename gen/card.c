@@ -115,8 +115,8 @@ static void read_fallback(lua_State *L, gen_param *param)
         lua_Integer first = param->n_values > 0 ? param->values[0] : param->least;
         param->fallback = field_integer(L, -2, "default", first);
         if (!has_value(param, param->fallback))
-            field_raise(L, NULL, "%s: its default %" PRId64 " is none of its values", param->name,
-                        param->fallback);
+            field_raise(L, NULL, "%s: its default %" PRId64 " is not one of its values",
+                        param->name, param->fallback);
     }
     lua_pop(L, 1);
 }

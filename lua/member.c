@@ -68,7 +68,7 @@ static void refuse_name(lua_State *L, const member *m, const char *name)
         luaL_addstring(&known, m->name_of(i));
     }
     luaL_pushresult(&known);
-    luaL_error(L, "field '%s': '%s' is none of %s", m->name, name, lua_tostring(L, -1));
+    luaL_error(L, "field '%s': '%s'; expected one of %s", m->name, name, lua_tostring(L, -1));
 }
 
 static void read_enum(lua_State *L, const member *m, void *at)

@@ -196,7 +196,7 @@ static bool find_type(const import *in, const char *line, const line_type **type
             ok = check_head(in, &q, err);
         else if (!*type)
             ok = bad_line(in, err,
-                          "its type is none of store, device, env, pair, workload, level_cost, "
+                          "its type is not one of store, device, env, pair, workload, level_cost, "
                           "script, session, trial, profile: ",
                           name);
     }

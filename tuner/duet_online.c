@@ -29,7 +29,7 @@ duet_online *duet_online_open(const duet_online_def *def, duet_error *err)
         return NULL;
     }
     if (!(def->most_extra >= 0) || !isfinite(def->most_extra)) {
-        error_set(err, DUET_BAD_ARGUMENT, "most_extra is %g; right would be a part, as 0.1",
+        error_set(err, DUET_BAD_ARGUMENT, "most_extra is %g; expected a part, as 0.1",
                   def->most_extra);
         return NULL;
     }

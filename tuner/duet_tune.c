@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "runtime/broadphase/variant.h"
 #include "runtime/narrowphase/accuracy.h"
 #include "runtime/selection/profile_subject.h"
 #include "tuner/level_choice.h"
@@ -18,7 +19,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { COOKIE = 0x0d0e7003, REPEATS = 3, GROUP = 128, CHOICE_ROUNDS = 7 };
+enum { COOKIE = 0x0d0e7005, REPEATS = 3, GROUP = 128, CHOICE_ROUNDS = 7 };
 
 duet_tune_def duet_default_tune_def(void)
 {
@@ -68,7 +69,7 @@ static bool check_levels(const duet_tune_def *def, duet_error *err)
 {
     for (uint32_t i = 0; i < def->n_levels; ++i)
         if (!duet_level_describe(def->levels[i]))
-            return error_set(err, DUET_BAD_ARGUMENT, "level is %d; right would be a duet_level",
+            return error_set(err, DUET_BAD_ARGUMENT, "level is %d; expected a duet_level",
                              (int)def->levels[i]);
     if (def->n_levels > 1 && !def->has_accuracy)
         return error_set(err, DUET_BAD_ARGUMENT,
@@ -85,10 +86,10 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
         return error_set(err, DUET_BAD_ARGUMENT,
                          "the tuning's def lacks a pair, scene or strategy");
     if (def->repeats > MEASURE_REPEATS)
-        return error_set(err, DUET_BAD_ARGUMENT, "%u launches a trial; right would be at most %d",
+        return error_set(err, DUET_BAD_ARGUMENT, "%u launches a trial; expected at most %d",
                          def->repeats, MEASURE_REPEATS);
     if (def->n_variants > RACE_RIVALS)
-        return error_set(err, DUET_BAD_ARGUMENT, "%u variants; right would be at most %d",
+        return error_set(err, DUET_BAD_ARGUMENT, "%u variants; expected at most %d",
                          def->n_variants, RACE_RIVALS);
     if (!check_lists(def, err))
         return false;

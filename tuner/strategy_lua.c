@@ -27,7 +27,7 @@ script *strategy_lua_open(const char *name, const char *chars, duet_error *err)
     bool ok = script_run(s, name, chars, strlen(chars), 1, err) && script_call(s, 1, 1, err);
     if (ok && !lua_isfunction(L, FUNCTION))
         ok = error_set(err, DUET_BAD_INPUT,
-                       "%s: the strategy is a %s; right would be a function of the history", name,
+                       "%s: the strategy is a %s; expected a function of the history", name,
                        luaL_typename(L, FUNCTION));
     if (!ok) {
         script_close(s);
@@ -69,7 +69,7 @@ static int call_function(lua_State *L)
         return 0;
     double share = lua_type(L, -1) == LUA_TNUMBER ? lua_tonumber(L, -1) : -1;
     if (!(share >= 0 && share <= 1))
-        return luaL_error(L, "the strategy gave %s; right would be a share of 0 to 1, or nil",
+        return luaL_error(L, "the strategy gave %s; expected a share of 0 to 1, or nil",
                           script_tostring(L, -1, NULL));
     next->share = (uint32_t)(share * SEARCH_ONE + 0.5);
     return 0;
@@ -78,9 +78,8 @@ static int call_function(lua_State *L)
 static bool ask(const search *s, search_next *next, duet_error *err)
 {
     if (!s->script)
-        return error_set(
-            err, DUET_BAD_ARGUMENT,
-            "strategy 'lua': there is no script; right would be a function in tune.lua");
+        return error_set(err, DUET_BAD_ARGUMENT,
+                         "strategy 'lua': there is no script; expected a function in tune.lua");
     lua_State *L = script_lua(s->script);
     lua_pushcfunction(L, call_function);
     lua_pushvalue(L, FUNCTION);

@@ -112,7 +112,7 @@ static bool fail_unmeasured(const tuning *t, duet_error *err)
 {
     if (t->failure.status == DUET_OK)
         return error_set(err, DUET_BAD_ARGUMENT,
-                         "the budget ended before the devices were compared; right would be more "
+                         "the budget ended before the devices were compared; expected more "
                          "than %u trials or %.3g seconds",
                          t->state->played, (double)t->spent_ns * 1e-9);
     if (err && err->status == DUET_OK)

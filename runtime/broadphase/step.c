@@ -39,7 +39,7 @@ static bool fit_grid(duet_world *world, duet_error *err)
     bool too_small = def->cell > 0.0f && needs.widest > def->cell;
     if (too_small && def->cell_fixed)
         return error_set(err, DUET_CELL_TOO_SMALL,
-                         "the cell edge %g is below the extent %.9g of object %u; right would be a "
+                         "the cell edge %g is below the extent %.9g of object %u; expected a "
                          "cell at least that wide",
                          def->cell, needs.widest, needs.widest_id);
     grid_wish wish = world->wish;

@@ -43,7 +43,7 @@ static bool take_sort(variant *v, const char *value, duet_error *err)
         v->sort = SORT_RADIX;
     else
         return error_set(err, DUET_BAD_ARGUMENT,
-                         "variant: sort=%s is not possible; right would be sort=radix%s", value,
+                         "variant: sort=%s is not possible; expected sort=radix%s", value,
                          v->search == SEARCH_PAPER ? "" : " or sort=counting");
     return true;
 }
@@ -58,7 +58,7 @@ static bool take_grid(variant *v, const char *value, duet_error *err)
         }
     }
     return error_set(err, DUET_BAD_ARGUMENT,
-                     "variant: grid=%s is not possible; right would be auto, uniform, dense or "
+                     "variant: grid=%s is not possible; expected auto, uniform, dense or "
                      "hashed",
                      value);
 }
@@ -74,8 +74,7 @@ static bool take_send(variant *v, const char *value, duet_error *err)
         }
     }
     return error_set(err, DUET_BAD_ARGUMENT,
-                     "variant: send=%s is not possible; right would be all, chunks or packed",
-                     value);
+                     "variant: send=%s is not possible; expected all, chunks or packed", value);
 }
 
 static bool take_cells(variant *v, const char *value, duet_error *err)
@@ -83,7 +82,7 @@ static bool take_cells(variant *v, const char *value, duet_error *err)
     v->fixed = strcmp(value, "fixed") == 0;
     return v->fixed || strcmp(value, "free") == 0 ||
            error_set(err, DUET_BAD_ARGUMENT,
-                     "variant: cells=%s is not possible; right would be free or fixed", value);
+                     "variant: cells=%s is not possible; expected free or fixed", value);
 }
 
 static bool take_setting(variant *v, char *word, duet_error *err)

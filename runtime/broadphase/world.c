@@ -64,7 +64,7 @@ static bool check_world_box(const duet_world_def *def, duet_error *err)
     for (uint32_t k = 0; def->has_world && k < def->dims; ++k)
         if (!isfinite(def->lower[k]) || !isfinite(def->upper[k]) || def->lower[k] > def->upper[k])
             return error_set(err, DUET_BAD_ARGUMENT,
-                             "the world's %c runs from %g to %g; right would be finite and rising",
+                             "the world's %c runs from %g to %g; expected finite and rising",
                              "xyz"[k], def -> lower[k], def -> upper[k]);
     return true;
 }
@@ -73,12 +73,11 @@ static bool check_origin(const duet_world_def *def, duet_error *err)
 {
     if (!origin_is_edge(def->origin))
         return error_set(err, DUET_BAD_ARGUMENT,
-                         "origin is %g; right would be 0, or as an origin cell's edge a power of "
+                         "origin is %g; expected 0, or as an origin cell's edge a power of "
                          "two from 2^-100 to 2^100",
                          (double)def->origin);
     return def->origin == 0.0f || def->shape == DUET_SHAPE_POSES ||
-           error_set(err, DUET_BAD_ARGUMENT,
-                     "origin cells are for poses; right would be 0 for bounds");
+           error_set(err, DUET_BAD_ARGUMENT, "origin cells are for poses; expected 0 for bounds");
 }
 
 static bool check_sizes_apart(const duet_world_def *def, duet_error *err)
@@ -86,7 +85,7 @@ static bool check_sizes_apart(const duet_world_def *def, duet_error *err)
     bool plain = def->shape == DUET_SHAPE_POSES && def->origin == 0.0f;
     return !def->sizes_apart || plain ||
            error_set(err, DUET_BAD_ARGUMENT,
-                     "sizes_apart is for poses; right would be false for bounds and for placed "
+                     "sizes_apart is for poses; expected false for bounds and for placed "
                      "poses");
 }
 
@@ -98,16 +97,16 @@ static bool check_def(const duet_world_def *def, duet_error *err)
     if (!def->pair)
         return error_set(err, DUET_BAD_ARGUMENT, "the world's def has no device pair");
     if (def->dims != 2 && def->dims != 3)
-        return error_set(err, DUET_BAD_ARGUMENT, "dims is %u; right would be 2 or 3", def->dims);
+        return error_set(err, DUET_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
     if (def->shape != DUET_SHAPE_POSES && def->shape != DUET_SHAPE_BOUNDS)
         return error_set(err, DUET_BAD_ARGUMENT, "shape is neither POSES nor BOUNDS");
     if (!duet_level_describe(def->level))
-        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; right would be a duet_level",
+        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; expected a duet_level",
                          (int)def->level);
     if (def->has_accuracy && !accuracy_check(&def->accuracy, "the world's", err))
         return false;
     if (!(def->cell >= 0.0f) || !isfinite(def->cell))
-        return error_set(err, DUET_BAD_ARGUMENT, "cell is %g; right would be 0 or an edge above 0",
+        return error_set(err, DUET_BAD_ARGUMENT, "cell is %g; expected 0 or an edge above 0",
                          def->cell);
     return check_origin(def, err) && check_sizes_apart(def, err) && check_world_box(def, err);
 }
@@ -147,10 +146,10 @@ static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_world_
         !check_ends("variant_b", plan->variant_b, sizeof plan->variant_b, err))
         return false;
     if (plan->share > DUET_SHARE_ONE)
-        return error_set(err, DUET_BAD_ARGUMENT, "share is %u of %u; right would be at most all",
+        return error_set(err, DUET_BAD_ARGUMENT, "share is %u of %u; expected at most all of it",
                          plan->share, DUET_SHARE_ONE);
     if (plan->mode < DUET_MODE_SHARED || plan->mode > DUET_MODE_SLAB)
-        return error_set(err, DUET_BAD_ARGUMENT, "mode is %d; right would be shared, own or slab",
+        return error_set(err, DUET_BAD_ARGUMENT, "mode is %d; expected shared, own or slab",
                          (int)plan->mode);
     if (!variant_parse(&a, plan->variant_a, &def->pair->devices[0].info, err) ||
         !variant_parse(&b, plan->variant_b, &def->pair->devices[1].info, err))
@@ -158,7 +157,7 @@ static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_world_
     bool paper = a.search == SEARCH_PAPER || b.search == SEARCH_PAPER;
     if (paper && (def->origin > 0.0f || def->sizes_apart))
         return error_set(err, DUET_BAD_ARGUMENT,
-                         "the paper's search knows no %s ('%s', '%s'); right would be "
+                         "the paper's search knows no %s ('%s', '%s'); expected "
                          "auto, simd or gpu",
                          def->sizes_apart ? "sizes apart" : "origin cells", plan->variant_a,
                          plan->variant_b);
@@ -253,8 +252,7 @@ bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err)
     if (!error_given(world, __func__, "world", err))
         return false;
     if (!duet_level_describe(level))
-        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; right would be a duet_level",
-                         (int)level);
+        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; expected a duet_level", (int)level);
     world_change_level(world, level);
     world->def.has_accuracy = false;
     return true;
@@ -371,8 +369,8 @@ bool world_check_sizes(const duet_world *world, duet_error *err)
 {
     return !world->def.sizes_apart || world->n_sizes == world->n ||
            error_set(err, DUET_BAD_ARGUMENT,
-                     "%u objects have a transform and %u a size; right would be as many", world->n,
-                     world->n_sizes);
+                     "%u objects have a transform and %u a size; expected as many of each",
+                     world->n, world->n_sizes);
 }
 
 static bool take_apart(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)

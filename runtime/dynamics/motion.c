@@ -60,7 +60,7 @@ static bool check_numbers(const duet_motion_def *def, duet_error *err)
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i)
         if (!is_between(numbers[i].value, numbers[i].least, 1e30))
-            return error_set(err, DUET_BAD_ARGUMENT, "%s is %g; right would be %s", numbers[i].name,
+            return error_set(err, DUET_BAD_ARGUMENT, "%s is %g; expected %s", numbers[i].name,
                              numbers[i].value, numbers[i].right);
     for (int k = 0; k < 3; ++k)
         if (!isfinite(def->gravity[k]) || !isfinite(def->centre[k]) || !isfinite(def->origin[k]))
@@ -74,7 +74,7 @@ static bool check_edge(const duet_motion_def *def, duet_error *err)
     for (uint32_t k = 0; def->edge != DUET_EDGE_NONE && k < def->dims; ++k)
         if (!isfinite(def->lower[k]) || !isfinite(def->upper[k]) || def->lower[k] >= def->upper[k])
             return error_set(err, DUET_BAD_ARGUMENT,
-                             "the walls across %c are at %g and %g; right would be finite and "
+                             "the walls across %c are at %g and %g; expected finite and "
                              "rising",
                              "xyz"[k], def -> lower[k], def -> upper[k]);
     return true;
@@ -85,14 +85,14 @@ static bool check_origin(const duet_motion_def *def, duet_error *err)
 {
     if (!origin_is_edge(def->origin_edge))
         return error_set(err, DUET_BAD_ARGUMENT,
-                         "origin_edge is %g; right would be 0, or a power of two from 2^-100 to "
+                         "origin_edge is %g; expected 0, or a power of two from 2^-100 to "
                          "2^100",
                          (double)def->origin_edge);
     if (def->origin_edge == 0.0f)
         return true;
     if (def->doubles)
         return error_set(err, DUET_BAD_ARGUMENT,
-                         "origin cells are for a state in float; right would be doubles = false");
+                         "origin cells are for a state in float; expected doubles = false");
     return (def->edge == DUET_EDGE_NONE && def->attraction == 0.0) ||
            error_set(err, DUET_BAD_ARGUMENT,
                      "walls, a periodic world and an attraction know no origin cells; right would "
@@ -107,14 +107,18 @@ static bool check_def(const duet_motion_def *def, duet_error *err)
     if (!def->pair)
         return error_set(err, DUET_BAD_ARGUMENT, "the motion's def has no device pair");
     if (def->dims != 2 && def->dims != 3)
-        return error_set(err, DUET_BAD_ARGUMENT, "dims is %u; right would be 2 or 3", def->dims);
+        return error_set(err, DUET_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
     if (def->substeps < 1 || def->substeps > 1000)
-        return error_set(err, DUET_BAD_ARGUMENT, "substeps is %u; right would be 1 to 1000",
+        return error_set(err, DUET_BAD_ARGUMENT, "substeps is %u; expected 1 to 1000",
                          def->substeps);
-    if (def->integrator > DUET_YOSHIDA || def->edge > DUET_EDGE_PERIODIC)
-        return error_set(err, DUET_BAD_ARGUMENT, "the integrator or the edge is none there is");
+    if (def->integrator > DUET_YOSHIDA)
+        return error_set(err, DUET_BAD_ARGUMENT, "integrator is %d; expected a duet_integrator",
+                         (int)def->integrator);
+    if (def->edge > DUET_EDGE_PERIODIC)
+        return error_set(err, DUET_BAD_ARGUMENT, "edge is %d; expected a duet_edge",
+                         (int)def->edge);
     if (def->doubles && !def->pair->devices[1].info.fp64)
-        return error_set(err, DUET_BAD_ARGUMENT, "%s has no double; right would be doubles = false",
+        return error_set(err, DUET_BAD_ARGUMENT, "%s has no double; expected doubles = false",
                          def->pair->devices[1].info.selector);
     return check_numbers(def, err) && check_edge(def, err) && check_origin(def, err);
 }
@@ -129,7 +133,7 @@ static bool check_effects(const duet_motion *m, duet_error *err)
                          "be walls, or no contact");
     if (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) && m->def.integrator != DUET_EULER)
         return error_set(err, DUET_BAD_ARGUMENT,
-                         "contacts are solved with the integrator euler; right would be that, or "
+                         "contacts are solved with the integrator euler; expected that, or "
                          "no response");
     return true;
 }

@@ -82,7 +82,7 @@ bool duet_place(duet_placed *placed, const double centre[3], float edge, duet_er
         return false;
     if (!(edge > 0.0f) || !origin_is_edge(edge))
         return error_set(err, DUET_BAD_ARGUMENT,
-                         "the origin cells' edge is %g; right would be a power of two from 2^-100 "
+                         "the origin cells' edge is %g; expected a power of two from 2^-100 "
                          "to 2^100",
                          (double)edge);
     return origin_place(placed, centre, edge) ||

@@ -70,12 +70,12 @@ static bool check_def(const duet_test_def *def, duet_error *err)
     if (!def->pair)
         return error_set(err, DUET_BAD_ARGUMENT, "the test's def has no device pair");
     if (def->dims != 2 && def->dims != 3)
-        return error_set(err, DUET_BAD_ARGUMENT, "dims is %u; right would be 2 or 3", def->dims);
+        return error_set(err, DUET_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
     if (!duet_level_describe(def->level))
-        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; right would be a duet_level",
+        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; expected a duet_level",
                          (int)def->level);
     if (def->share > DUET_SHARE_ONE)
-        return error_set(err, DUET_BAD_ARGUMENT, "share is %u of %u; right would be at most all",
+        return error_set(err, DUET_BAD_ARGUMENT, "share is %u of %u; expected at most all of it",
                          def->share, DUET_SHARE_ONE);
     return true;
 }

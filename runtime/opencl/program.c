@@ -33,7 +33,7 @@ struct program_set {
 // Contraction is off in the kernels' text; nothing here may loosen it.
 static void set_build_options(program_set *set)
 {
-    int n = snprintf(set->build_options, sizeof set->build_options, "-cl-std=CL1.2");
+    int n = snprintf(set->build_options, sizeof set->build_options, "-cl-std=CL1.2 -w");
     if (set->device->copy > 0) // no kernel reads it
         snprintf(set->build_options + n, sizeof set->build_options - (size_t)n, " -D DUET_COPY=%u",
                  set->device->copy);

@@ -33,7 +33,7 @@ duet_motion *duet_motion_create_scene(const duet_motion_def *def, const duet_sce
     const duet_body *own = bodies ? bodies : duet_scene_bodies(scene);
     if (!poses) {
         error_set(err, DUET_BAD_ARGUMENT,
-                  "%s: its objects are corners, which do not move; right would be centres and half "
+                  "%s: its objects are corners, which do not move; expected centres and half "
                   "extents",
                   info->name);
         return NULL;

@@ -369,8 +369,7 @@ bool duet_reference_at(const duet_scene *scene, duet_level level, duet_pair **pa
         !error_given(pairs, __func__, "pairs", err) || !error_given(n, __func__, "n", err))
         return false;
     if (!duet_level_describe(level))
-        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; right would be a duet_level",
-                         (int)level);
+        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; expected a duet_level", (int)level);
     const duet_scene_info *info = duet_scene_describe(scene);
     reference_objects objects = {
         .dims = info->dims,

@@ -5,6 +5,7 @@
 #include "runtime/selection/profile_subject.h"
 
 #include "base/error.h"
+#include "runtime/broadphase/world.h"
 
 #include <string.h>
 

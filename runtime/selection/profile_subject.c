@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/selection/profile_subject.h"
 
+#include "runtime/broadphase/world.h"
+
 #include "base/blob.h"
 #include "base/error.h"
 #include "runtime/broadphase/workload_stats.h"
@@ -140,7 +142,7 @@ bool profile_subject_read(const duet_world *world, profile_subject *p, duet_erro
     if (world->n == 0)
         return error_set(
             err, DUET_BAD_ARGUMENT,
-            "a world without objects has no profile; right would be to set them first");
+            "a world without objects has no profile; expected objects to be set first");
     if (!world_check_sizes(world, err))
         return false;
     const device *devices = world->def.pair->devices;

@@ -5,7 +5,7 @@
 #define RUNTIME_PROFILE_SUBJECT_H
 
 #include "profiles/lookup.h"
-#include "runtime/broadphase/world.h"
+#include "runtime/duet.h"
 
 typedef struct profile_subject {
     profile_pair pair; // its strings are the device pair's, or lie in parts

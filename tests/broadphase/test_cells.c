@@ -130,8 +130,7 @@ static void a_word_for_cells_that_there_is_not_is_refused(void **state)
     strcpy(def.plan.variant_b, "simd cells=both");
     assert_null(duet_world_create(&def, &err));
     assert_int_equal(err.status, DUET_BAD_ARGUMENT);
-    assert_string_equal(err.text,
-                        "variant: cells=both is not possible; right would be free or fixed");
+    assert_string_equal(err.text, "variant: cells=both is not possible; expected free or fixed");
 }
 
 int main(void)

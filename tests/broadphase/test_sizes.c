@@ -249,8 +249,8 @@ static void as_many_sizes_as_transforms(void **state)
     map_transforms(world, 10);
     assert_false(duet_world_step(world, &result, &err));
     assert_int_equal(err.status, DUET_BAD_ARGUMENT);
-    assert_string_equal(err.text, "10 objects have a transform and 0 a size; right would be as "
-                                  "many");
+    assert_string_equal(err.text, "10 objects have a transform and 0 a size; expected as "
+                                  "many of each");
     duet_profile profile;
     err = (duet_error){0};
     assert_false(duet_world_load_profile(world, "test_sizes.none.db", &profile, &err));

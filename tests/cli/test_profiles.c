@@ -149,7 +149,7 @@ static void a_bad_line_is_named_and_the_store_untouched(void **state)
     program_free(&p);
     snprintf(arguments, sizeof arguments, "import %s/rows.jsonl", folder.path);
     char says[128];
-    snprintf(says, sizeof says, "%s/rows.jsonl:4: its type is none of", folder.path);
+    snprintf(says, sizeof says, "%s/rows.jsonl:4: its type is not one of", folder.path);
     assert_refused(&other, arguments, 1, says);
     cJSON *o = run_json(&other, "list --json");
     json_array(o, "profiles", 0);

@@ -442,9 +442,10 @@ static void a_box_slides_over_a_seam(void **state)
         m->bodies[id].friction = 0.0f;
     uint32_t box = mover_add_cube(m, 0, 0, 0.5, 1);
     m->bodies[box].velocity[0] = 3.0f;
-    for (int step = 0; step < 90; ++step) {
+    mover_run(m, 10); // it comes to rest on the floor
+    for (int step = 10; step < 90; ++step) {
         mover_run(m, 1);
-        assert_true(fabs(m->states[box].velocity[2]) < 0.02 || step < 10);
+        assert_true(fabs(m->states[box].velocity[2]) < 0.02);
     }
     assert_close(m->states[box].velocity[0], 3.0, 0.01);
     assert_true(m->states[box].centre[0] > 4.0);

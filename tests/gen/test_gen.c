@@ -308,7 +308,7 @@ static void a_broken_card_is_told_with_its_line(void **state)
         {CARD("{ 'A', values = { 1, 1.5 } }", ""), "k.lua: A: value 2 is not a whole number"},
         {CARD("{ 'A', values = { 1, 2, 1 } }", ""), "k.lua: A: value 1 is there twice"},
         {CARD("{ 'A', values = { 1, 2 }, default = 3 }", ""),
-         "k.lua: A: its default 3 is none of its values"},
+         "k.lua: A: its default 3 is not one of its values"},
         {CARD("{ 'A', min = 2, max = 1 }", ""), "k.lua: A: min 2 is above max 1"},
         {CARD("{ 'A', values = { 1 }, default = function() return 'x' end }", ""),
          "k.lua: A: its default is x, none of its values"},

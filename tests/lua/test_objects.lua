@@ -41,7 +41,7 @@ holds("a level that misses none finds at least the reference's pairs", function(
     equal(found, #scene:reference(level.name))
   end
   raises("there is no level 'exact'; duet.levels() lists them", world.set_level, world, "exact")
-  raises("'exact' is none of certified, aabb", pair.world, pair, { level = "exact" })
+  raises("'exact'; expected one of certified, aabb", pair.world, pair, { level = "exact" })
 end)
 
 holds("all ways to read a result give the same pairs", function()
@@ -157,7 +157,7 @@ end)
 holds("a value of the wrong kind is an error that says what would be right", function()
   raises("field 'share': 1.5, not a part from 0 to 1", pair.world, pair, { plan = { share = 1.5 } })
   raises("field 'share'", pair.world, pair, { plan = { share = 0 / 0 } })
-  raises("'fast' is none of shared, own", pair.world, pair, { plan = { mode = "fast" } })
+  raises("'fast'; expected one of shared, own", pair.world, pair, { plan = { mode = "fast" } })
   raises("field 'dims': -1, not a whole number from 0", pair.world, pair, { dims = -1 })
   raises("field 'rotated': 1, not true or false", pair.world, pair, { rotated = 1 })
   raises("field 'lower': 1, not {", pair.world, pair, { lower = 1 })

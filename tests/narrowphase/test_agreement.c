@@ -99,8 +99,8 @@ static void step(duet_world *world, const crowd *c, duet_level level, const refe
     assert_ok(duet_world_set_plan(world, &plan, &err), err);
     assert_ok(duet_world_step(world, &result, &err), err);
     if (duet_result_hash(&result) != duet_pairs_hash(truth->pairs, truth->n))
-        fail_msg("%uD rotated %d %s, %s at %" PRIu32 ": %" PRIu64
-                 " pairs; right would be the %" PRIu64 " of the reference",
+        fail_msg("%uD rotated %d %s, %s at %" PRIu32 ": %" PRIu64 " pairs; expected the %" PRIu64
+                 " of the reference",
                  c->dims, c->rotated, duet_level_describe(level)->name, search, share, result.pairs,
                  truth->n);
     if (level != DUET_LEVEL_CERTIFIED && c->rotated)

@@ -192,8 +192,8 @@ static void compare_with_specification(int side, uint32_t dims, const char *opti
         if (verdicts[i] == right)
             continue;
         hard_pair_print(&pair, dims);
-        fail_msg("%s with %s: verdict %d; right would be %d", d->info.selector, options,
-                 verdicts[i], right);
+        fail_msg("%s with %s: verdict %d; expected %d", d->info.selector, options, verdicts[i],
+                 right);
     }
 }
 

@@ -268,9 +268,9 @@ static void a_wrong_def_is_told(void **state)
     static const char *const why[] = {
         "the test's def does not come from duet_default_test_def",
         "the test's def has no device pair",
-        "dims is 4; right would be 2 or 3",
-        "level is 6; right would be a duet_level",
-        "share is 65537 of 65536; right would be at most all",
+        "dims is 4; expected 2 or 3",
+        "level is 6; expected a duet_level",
+        "share is 65537 of 65536; expected at most all of it",
     };
     wrong[0].cookie = 0;
     wrong[1].pair = NULL;

@@ -6,6 +6,7 @@
 #include "support/test.h"
 
 #include "base/rng.h"
+#include "runtime/broadphase/world.h"
 #include "runtime/selection/profile_subject.h"
 
 #include <cjson/cJSON.h>

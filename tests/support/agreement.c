@@ -112,7 +112,7 @@ static void step(check *c, duet_world *world, const duet_plan *plan)
         find_difference(c, plan, &result);
     if (result.candidates != c->candidates || result.undecided != c->undecided)
         fail_msg("%s %s, share %" PRIu32 ": %" PRIu64 " candidates and %" PRIu64
-                 " undecided; right would be %" PRIu64 " and %" PRIu64,
+                 " undecided; expected %" PRIu64 " and %" PRIu64,
                  duet_mode_name(plan->mode), plan->variant_a, plan->share, result.candidates,
                  result.undecided, c->candidates, c->undecided);
 }
