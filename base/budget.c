@@ -39,10 +39,10 @@ bool budget_check(duet_error *err)
     if (!current)
         return true;
     if (watcher && watcher->stopped && watcher->stopped())
-        return error_set(err, DUET_INTERRUPTED, "stopped");
+        return error_set(err, DUET_STATUS_INTERRUPTED, "stopped");
     if (current->deadline_ns == UINT64_MAX || clock_steady_ns() <= current->deadline_ns)
         return true;
-    return error_set(err, DUET_BAD_INPUT, "runs for more than the %g seconds it may take",
+    return error_set(err, DUET_STATUS_BAD_INPUT, "runs for more than the %g seconds it may take",
                      current->seconds);
 }
 
@@ -50,7 +50,7 @@ bool budget_space(size_t bytes, duet_error *err)
 {
     for (const budget *b = current; b; b = b->outer)
         if (b->held_bytes > b->host_bytes || bytes > b->host_bytes - b->held_bytes)
-            return error_set(err, DUET_NO_MEMORY,
+            return error_set(err, DUET_STATUS_NO_MEMORY,
                              "needs more than the %zu KiB of the host's memory it may take",
                              b->host_bytes >> 10);
     return true;

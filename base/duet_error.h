@@ -36,7 +36,7 @@ extern "C" {
     X(IO_FAILED, "a file cannot be read or written")
 
 typedef enum duet_status {
-#define X(name, text) DUET_##name,
+#define X(name, text) DUET_STATUS_##name,
     DUET_STATUS_LIST(X)
 #undef X
 } duet_status;
@@ -47,7 +47,7 @@ typedef struct duet_error {
     char text[480]; // one English line: what, where, what would be right
 } duet_error;
 
-// "BUILD_FAILED" for DUET_BUILD_FAILED; "UNKNOWN" outside the list.
+// "BUILD_FAILED" for DUET_STATUS_BUILD_FAILED; "UNKNOWN" outside the list.
 DUET_API const char *duet_status_name(duet_status status);
 
 #ifdef __cplusplus

@@ -43,7 +43,7 @@ static void join_lines(char *line, size_t size)
 
 static bool is_free(const duet_error *err)
 {
-    return err && err->status == DUET_OK;
+    return err && err->status == DUET_STATUS_OK;
 }
 
 bool error_set(duet_error *err, duet_status status, const char *format, ...)
@@ -73,15 +73,15 @@ bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
     snprintf(err->text + used, sizeof err->text - used, ": %s (%d)", error_cl_name(cl_code),
              cl_code);
     bool memory = cl_code == -4 || cl_code == -6 || cl_code == -61;
-    err->status = memory ? DUET_NO_MEMORY : DUET_DEVICE_FAILED;
+    err->status = memory ? DUET_STATUS_NO_MEMORY : DUET_STATUS_DEVICE_FAILED;
     err->cl_code = cl_code;
     return false;
 }
 
 bool error_given(const void *pointer, const char *call, const char *argument, duet_error *err)
 {
-    return pointer || error_set(err, DUET_BAD_ARGUMENT, "%s: %s is NULL; expected a valid pointer",
-                                call, argument);
+    return pointer || error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                                "%s: %s is NULL; expected a valid pointer", call, argument);
 }
 
 const char *error_cl_name(int cl_code)
@@ -126,8 +126,8 @@ const char *error_cl_name(int cl_code)
 const char *duet_status_name(duet_status status)
 {
     switch (status) {
-#define X(name, text) \
-    case DUET_##name: \
+#define X(name, text)        \
+    case DUET_STATUS_##name: \
         return #name;
         DUET_STATUS_LIST(X)
 #undef X

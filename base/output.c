@@ -16,7 +16,7 @@ enum { MAX_LINKS = 40, MAX_TRIES = 16 };
 
 static bool fail(const output *o, int code, duet_error *err)
 {
-    return error_set(err, DUET_IO_FAILED, "%s: cannot be written: %s", text_chars(&o->path),
+    return error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be written: %s", text_chars(&o->path),
                      strerror(code));
 }
 

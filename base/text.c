@@ -64,7 +64,7 @@ const char *text_chars(const text *t)
 bool text_ok(const text *t, duet_error *err)
 {
     return !t->failed ||
-           error_set(err, DUET_NO_MEMORY, "a text of %zu bytes: no memory", t->length);
+           error_set(err, DUET_STATUS_NO_MEMORY, "a text of %zu bytes: no memory", t->length);
 }
 
 void text_free(text *t)
@@ -77,12 +77,12 @@ bool text_read_file(text *t, const char *path, duet_error *err)
 {
     FILE *file = fopen(path, "rb");
     if (!file)
-        return error_set(err, errno == ENOENT ? DUET_NOT_FOUND : DUET_IO_FAILED, "%s: %s", path,
-                         strerror(errno));
+        return error_set(err, errno == ENOENT ? DUET_STATUS_NOT_FOUND : DUET_STATUS_IO_FAILED,
+                         "%s: %s", path, strerror(errno));
     struct stat info;
     bool ok = true;
     if (fstat(fileno(file), &info) == 0 && S_ISDIR(info.st_mode))
-        ok = error_set(err, DUET_IO_FAILED, "%s: is a folder, not a file", path);
+        ok = error_set(err, DUET_STATUS_IO_FAILED, "%s: is a folder, not a file", path);
     char block[65536];
     size_t n = 0;
     while (ok && (n = fread(block, 1, sizeof block, file)) > 0) {
@@ -90,7 +90,7 @@ bool text_read_file(text *t, const char *path, duet_error *err)
         ok = budget_check(err) && budget_space(t->length, err);
     }
     if (ok && ferror(file))
-        ok = error_set(err, DUET_IO_FAILED, "%s: %s", path, strerror(errno));
+        ok = error_set(err, DUET_STATUS_IO_FAILED, "%s: %s", path, strerror(errno));
     fclose(file);
     text_add_bytes(t, "", 0);
     return ok && text_ok(t, err);

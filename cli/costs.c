@@ -32,7 +32,7 @@ static bool advance(duet_motion *m, double *ms, duet_error *err)
 
 static duet_motion *begin(const subject *s, duet_error *err)
 {
-    return duet_motion_create_scene(&s->def, s->scene, s->bodies, err);
+    return duet_motion_create_from_scene(&s->def, s->scene, s->bodies, err);
 }
 
 // The median of the steps' times, after two to warm up. Beside another subject
@@ -44,7 +44,7 @@ static bool measure(const subject *s, const subject *beside, uint64_t steps, dou
     enum { WARM = 2 };
     double *times = calloc(steps, sizeof *times);
     if (!times)
-        return error_set(err, DUET_NO_MEMORY, "the times of steps: no memory");
+        return error_set(err, DUET_STATUS_NO_MEMORY, "the times of steps: no memory");
     duet_motion *m = begin(s, err);
     duet_motion *other = beside ? begin(beside, err) : NULL;
     bool ok = m && (other || !beside);
@@ -113,13 +113,13 @@ static bool measure_effect(const subject *whole, double whole_ms, cost *row, uin
     subject s = *whole;
     s.bodies = malloc(s.n * sizeof *s.bodies + 1);
     if (!s.bodies)
-        return error_set(err, DUET_NO_MEMORY, "%u bodies: no memory", s.n);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%u bodies: no memory", s.n);
     memcpy(s.bodies, whole->bodies, s.n * sizeof *s.bodies);
     take_away(&s, effect);
     duet_motion *m = begin(&s, err);
     bool ok = m;
     double without = 1;
-    row->measured = m && !(duet_motion_effects(m) & effect);
+    row->measured = m && !(duet_motion_get_effects(m) & effect);
     duet_motion_destroy(m);
     ok = ok && (!row->measured || measure(whole, &s, steps, &without, err));
     row->ms = whole_ms * (1 - without);
@@ -141,11 +141,11 @@ static bool fill_subject(subject *s, const duet_scene *scene, duet_device_pair *
 {
     *s = (subject){.def = duet_scene_motion_def(scene, pair),
                    .scene = scene,
-                   .n = duet_scene_describe(scene)->n};
+                   .n = duet_scene_get_info(scene)->n};
     s->bodies = malloc(s->n * sizeof *s->bodies + 1);
     if (!s->bodies)
-        return error_set(err, DUET_NO_MEMORY, "%u bodies: no memory", s->n);
-    const duet_body *given = duet_scene_bodies(scene);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%u bodies: no memory", s->n);
+    const duet_body *given = duet_scene_get_bodies(scene);
     for (uint32_t i = 0; i < s->n; ++i)
         s->bodies[i] = given ? given[i] : duet_default_body();
     return true;

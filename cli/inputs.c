@@ -13,11 +13,11 @@ duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err)
 {
     duet_device_pair_def def = duet_default_device_pair_def();
     if (!selectors)
-        return duet_device_pair_open(&def, err);
+        return duet_device_pair_create(&def, err);
     char a[128];
     const char *comma = strchr(selectors, ',');
     if (!comma || strchr(comma + 1, ',') || (size_t)(comma - selectors) >= sizeof a) {
-        error_set(err, DUET_BAD_ARGUMENT,
+        error_set(err, DUET_STATUS_BAD_ARGUMENT,
                   "--pair '%s': give two selectors with a comma between them, as pocl:0,pocl:0; "
                   "'duet devices' lists them",
                   selectors);
@@ -26,7 +26,7 @@ duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err)
     snprintf(a, sizeof a, "%.*s", (int)(comma - selectors), selectors);
     def.a = a;
     def.b = comma + 1;
-    return duet_device_pair_open(&def, err);
+    return duet_device_pair_create(&def, err);
 }
 
 // A scene takes names and values apart; "name=value" is cut in a copy.
@@ -84,7 +84,8 @@ static bool change_mode(const char *name, duet_mode *mode, duet_error *err)
         }
         text_add(&known, "%s%s", m ? ", " : "", other);
     }
-    error_set(err, DUET_BAD_ARGUMENT, "--mode '%s': the modes are %s", name, text_chars(&known));
+    error_set(err, DUET_STATUS_BAD_ARGUMENT, "--mode '%s': the modes are %s", name,
+              text_chars(&known));
     text_free(&known);
     return false;
 }
@@ -93,11 +94,12 @@ bool inputs_read_level(const char *name, duet_level *level, duet_error *err)
 {
     text known = {0};
     *level = DUET_LEVEL_CERTIFIED;
-    if (!name || duet_level_named(name, level))
+    if (!name || duet_level_from_name(name, level))
         return true;
     for (int l = 0; l < DUET_LEVELS; ++l)
-        text_add(&known, "%s%s", l ? ", " : "", duet_level_describe((duet_level)l)->name);
-    error_set(err, DUET_BAD_ARGUMENT, "--level '%s': the levels are %s", name, text_chars(&known));
+        text_add(&known, "%s%s", l ? ", " : "", duet_level_get_info((duet_level)l)->name);
+    error_set(err, DUET_STATUS_BAD_ARGUMENT, "--level '%s': the levels are %s", name,
+              text_chars(&known));
     text_free(&known);
     return false;
 }
@@ -113,7 +115,7 @@ bool inputs_change_level(const level_options *options, duet_world_def *def, duet
     duet_accuracy accuracy;
     bool given = inputs_accuracy_given(options, &accuracy);
     if (given && options->level)
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "--level %s: give a level, or --missed and --false-rate that one is "
                          "chosen by",
                          options->level);
@@ -132,8 +134,8 @@ static bool change_variant(const char *variant, char to[96], duet_error *err)
     if (!variant)
         return true;
     if (strlen(variant) >= 96)
-        return error_set(err, DUET_BAD_ARGUMENT, "a variant of %zu characters: 95 are the most",
-                         strlen(variant));
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "a variant of %zu characters: 95 are the most", strlen(variant));
     strcpy(to, variant);
     return true;
 }

@@ -55,5 +55,5 @@ void interrupt_forget(void)
 
 bool interrupt_check(duet_error *err)
 {
-    return !interrupt_asked() || error_set(err, DUET_INTERRUPTED, "stopped");
+    return !interrupt_asked() || error_set(err, DUET_STATUS_INTERRUPTED, "stopped");
 }

@@ -29,7 +29,7 @@ static const struct {
     {"report", command_report, "one page for a browser with all that was measured"},
     {"run", command_run, "all pairs of a scene, and where the time went"},
     {"source", command_source, "the exact text of a kernel, and what it lets vary"},
-    {"test", command_test, "pairs of boxes from a file, each colliding or separated"},
+    {"query", command_query, "pairs of boxes from a file, each colliding or separated"},
     {"tune", command_tune, "how two devices share a scene's work best, and keeps it"},
 };
 

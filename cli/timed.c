@@ -14,7 +14,7 @@ static bool keep_step(timed *t, const duet_result *result, duet_error *err)
     timed_step *step = &t->steps[t->n];
     step->stages = calloc(result->n_stages + 1, sizeof *step->stages);
     if (!step->stages)
-        return error_set(err, DUET_NO_MEMORY, "the times of a step: no memory");
+        return error_set(err, DUET_STATUS_NO_MEMORY, "the times of a step: no memory");
     for (uint32_t i = 0; i < result->n_stages; ++i)
         step->stages[i] = result->stages[i];
     step->n_stages = result->n_stages;
@@ -35,9 +35,9 @@ static int by_time(const void *a, const void *b)
 
 static bool hand_transforms(duet_world *world, const duet_scene *scene, duet_error *err)
 {
-    uint32_t n = duet_scene_describe(scene)->n;
-    const duet_pose *poses = duet_scene_poses(scene);
-    duet_transform *to = duet_world_map_transforms(world, n, err);
+    uint32_t n = duet_scene_get_info(scene)->n;
+    const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
+    duet_transform *to = duet_world_map_objects(world, DUET_OBJECT_TRANSFORMS, n, err);
     for (uint32_t i = 0; to && i < n; ++i)
         to[i] = grid_transform_of(&poses[i]);
     return to;
@@ -50,18 +50,24 @@ static bool hand_over(duet_world *world, const duet_scene *scene, timed_sends se
         return true;
     if (sends == TIMED_SENDS_TRANSFORMS)
         return hand_transforms(world, scene, err);
-    const duet_scene_info *info = duet_scene_describe(scene);
+    const duet_scene_info *info = duet_scene_get_info(scene);
     if (info->origin > 0)
-        return duet_world_set_placed(world, duet_scene_placed(scene), info->n, err);
+        return duet_world_set_objects(world, DUET_OBJECT_LARGE_POSES,
+                                      duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES),
+                                      info->n, err);
     if (info->shape == DUET_SHAPE_POSES)
-        return duet_world_set_poses(world, duet_scene_poses(scene), info->n, err);
-    return duet_world_set_bounds(world, duet_scene_bounds(scene), info->n, err);
+        return duet_world_set_objects(world, DUET_OBJECT_POSES,
+                                      duet_scene_get_objects(scene, DUET_OBJECT_POSES), info->n,
+                                      err);
+    return duet_world_set_objects(world, DUET_OBJECT_BOUNDS,
+                                  duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS), info->n, err);
 }
 
 static bool check_hash(const timed *t, duet_error *err)
 {
-    return duet_result_hash(&t->last) == t->hash ||
-           error_set(err, DUET_WRONG_RESULT, "step %u found other pairs than the first", t->n);
+    return duet_result_get_hash(&t->last) == t->hash ||
+           error_set(err, DUET_STATUS_WRONG_RESULT, "step %u found other pairs than the first",
+                     t->n);
 }
 
 bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t repeat,
@@ -69,9 +75,9 @@ bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t re
 {
     t->steps = calloc(repeat, sizeof *t->steps);
     if (!t->steps)
-        return error_set(err, DUET_NO_MEMORY, "the times of %u steps: no memory", repeat);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "the times of %u steps: no memory", repeat);
     bool ok = duet_world_set_scene(world, scene, err) && duet_world_step(world, &t->last, err);
-    t->hash = ok ? duet_result_hash(&t->last) : 0;
+    t->hash = ok ? duet_result_get_hash(&t->last) : 0;
     progress p = progress_begin("step", repeat);
     while (ok && t->n < repeat && !interrupt_asked()) {
         ok = hand_over(world, scene, sends, err);

@@ -52,13 +52,13 @@ static duet_motion *begin(const survey *s, const timestep_run *row, bool doubles
     def.substeps = row->substeps;
     def.integrator = row->integrator;
     def.doubles = doubles;
-    return duet_motion_create_scene(&def, s->scene, NULL, err);
+    return duet_motion_create_from_scene(&def, s->scene, NULL, err);
 }
 
 static bool sample_energy(run *r, duet_error *err)
 {
     duet_energy e;
-    if (!duet_motion_energy(r->motion, &e, err))
+    if (!duet_motion_get_energy(r->motion, &e, err))
         return false;
     r->kinetic = fmax(r->kinetic, e.kinetic + e.turning);
     r->energy = e.kinetic + e.turning + e.potential;
@@ -71,9 +71,9 @@ static bool sample_depth(run *r, duet_error *err)
 {
     duet_contact *contacts = NULL;
     uint64_t n = 0;
-    if (!(duet_motion_effects(r->motion) & DUET_EFFECT_CONTACT))
+    if (!(duet_motion_get_effects(r->motion) & DUET_EFFECT_CONTACT))
         return true;
-    if (!duet_motion_contacts(r->motion, &contacts, &n, err))
+    if (!duet_motion_get_contacts(r->motion, &contacts, &n, err))
         return false;
     for (uint64_t i = 0; i < n; ++i)
         for (uint32_t k = 0; k < contacts[i].n; ++k)
@@ -120,14 +120,14 @@ static bool finish(survey *s, run *r, const timestep_run *row, duet_error *err)
         if ((k + 1) * WINDOWS / s->samples > k * WINDOWS / s->samples)
             end_window(r);
     }
-    return ok && duet_motion_read(r->motion, s->states, err);
+    return ok && duet_motion_get_states(r->motion, s->states, err);
 }
 
 // ---------------------------------------------------------------- right and wrong
 
 static double rms_distance(const survey *s)
 {
-    uint32_t n = duet_scene_describe(s->scene)->n;
+    uint32_t n = duet_scene_get_info(s->scene)->n;
     double sum = 0.0;
     for (uint32_t i = 0; i < n; ++i)
         for (uint32_t k = 0; k < s->def.dims; ++k) {
@@ -161,10 +161,10 @@ static bool run_timestep(survey *s, timestep_run *row, duet_error *err)
 static bool run_reference(survey *s, duet_error *err)
 {
     timestep_run *row = &s->study->reference;
-    run r = {.motion = begin(s, row, duet_device_pair_info(s->def.pair, 1)->fp64, err)};
+    run r = {.motion = begin(s, row, duet_device_pair_get_info(s->def.pair, 1)->fp64, err)};
     bool ok = r.motion && finish(s, &r, row, err);
     if (ok) {
-        memcpy(s->truth, s->states, duet_scene_describe(s->scene)->n * sizeof *s->truth);
+        memcpy(s->truth, s->states, duet_scene_get_info(s->scene)->n * sizeof *s->truth);
         s->truth_energy = r.energy;
         s->kinetic = fmax(r.kinetic, 1e-300);
         judge(s, &r, row);
@@ -194,23 +194,24 @@ static void list_with_response(survey *s)
     for (int i = 0; i < N_FINER; ++i)
         for (int j = 0; j < N_FINER; ++j)
             add_row(s, s->def.dt / finer[i], (uint32_t)fmax(1.0, s->def.substeps * finer[j] / 2.0),
-                    DUET_EULER);
+                    DUET_INTEGRATOR_EULER);
     s->study->reference = (timestep_run){.dt = s->def.dt / 8.0, .substeps = 4 * s->def.substeps};
 }
 
 // A flight knows only substeps, and may be of a higher order.
 static void list_free_flight(survey *s)
 {
-    for (int order = DUET_EULER; order <= DUET_YOSHIDA; ++order)
+    for (int order = DUET_INTEGRATOR_EULER; order <= DUET_INTEGRATOR_YOSHIDA; ++order)
         for (int i = 0; i < N_FINER; ++i)
             add_row(s, s->def.dt / finer[i], s->def.substeps, (duet_integrator)order);
     s->study->reference = (timestep_run){
-        .dt = s->def.dt / 16.0, .substeps = s->def.substeps, .integrator = DUET_YOSHIDA};
+        .dt = s->def.dt / 16.0, .substeps = s->def.substeps, .integrator = DUET_INTEGRATOR_YOSHIDA};
 }
 
 static double cost_of(const timestep_run *row)
 {
-    static const double parts[] = {[DUET_EULER] = 1, [DUET_VERLET] = 1, [DUET_YOSHIDA] = 3};
+    static const double parts[] = {
+        [DUET_INTEGRATOR_EULER] = 1, [DUET_INTEGRATOR_VERLET] = 1, [DUET_INTEGRATOR_YOSHIDA] = 3};
     return row->substeps / row->dt * parts[row->integrator];
 }
 
@@ -282,13 +283,13 @@ bool timestep_study_applies(duet_device_pair *pair, const duet_scene *scene, boo
                             duet_error *err)
 {
     duet_motion_def def = duet_scene_motion_def(scene, pair);
-    const duet_scene_info *info = duet_scene_describe(scene);
+    const duet_scene_info *info = duet_scene_get_info(scene);
     *moves = false;
     // A trajectory is compared with one in double, which has no origin cells.
     if (info->shape == DUET_SHAPE_BOUNDS || info->n == 0 || info->origin > 0)
         return true;
-    duet_motion *m = duet_motion_create_scene(&def, scene, NULL, err);
-    *moves = m && (duet_motion_effects(m) & DUET_EFFECT_MOTION) && def.dt > 0.0;
+    duet_motion *m = duet_motion_create_from_scene(&def, scene, NULL, err);
+    *moves = m && (duet_motion_get_effects(m) & DUET_EFFECT_MOTION) && def.dt > 0.0;
     bool ok = m;
     duet_motion_destroy(m);
     return ok;
@@ -299,17 +300,18 @@ bool timestep_study_measure(timestep_study *p, duet_device_pair *pair, const due
 {
     *p = (timestep_study){0};
     survey s = {.study = p, .scene = scene, .def = duet_scene_motion_def(scene, pair)};
-    uint32_t n = duet_scene_describe(scene)->n;
+    uint32_t n = duet_scene_get_info(scene)->n;
     double sample = 2.0 * s.def.dt;
     s.samples = (uint64_t)fmax(1.0, round(time / sample));
     p->time = (double)s.samples * sample;
     s.truth = calloc((size_t)n + 1, sizeof *s.truth);
     s.states = calloc((size_t)n + 1, sizeof *s.states);
-    duet_motion *m = duet_motion_create_scene(&s.def, scene, NULL, err);
-    bool ok = m && ((s.truth && s.states) ||
-                    error_set(err, DUET_NO_MEMORY, "no memory for the states of %u objects", n));
+    duet_motion *m = duet_motion_create_from_scene(&s.def, scene, NULL, err);
+    bool ok =
+        m && ((s.truth && s.states) ||
+              error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the states of %u objects", n));
     if (ok)
-        list_rows(&s, duet_motion_effects(m));
+        list_rows(&s, duet_motion_get_effects(m));
     duet_motion_destroy(m);
     ok = ok && run_all(&s, limit, err);
     if (ok)

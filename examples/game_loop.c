@@ -27,7 +27,7 @@ static void move_boxes(duet_pose *poses, int frame)
 
 static bool do_frame(duet_world *world, int frame, duet_result *result, duet_error *err)
 {
-    duet_pose *poses = duet_world_map_poses(world, BOXES, err);
+    duet_pose *poses = duet_world_map_objects(world, DUET_OBJECT_POSES, BOXES, err);
     if (!poses)
         return false;
     move_boxes(poses, frame);
@@ -37,7 +37,7 @@ static bool do_frame(duet_world *world, int frame, duet_result *result, duet_err
 // The plan needs to know the objects, so the first frame's are there before.
 static bool start(duet_world *world, duet_error *err)
 {
-    duet_pose *poses = duet_world_map_poses(world, BOXES, err);
+    duet_pose *poses = duet_world_map_objects(world, DUET_OBJECT_POSES, BOXES, err);
     if (!poses)
         return false;
     move_boxes(poses, 0);
@@ -54,7 +54,7 @@ int main(void)
 {
     duet_error err = {0};
     duet_device_pair_def devices = duet_default_device_pair_def();
-    duet_device_pair *pair = duet_device_pair_open(&devices, &err);
+    duet_device_pair *pair = duet_device_pair_create(&devices, &err);
     duet_world_def def = duet_default_world_def();
     def.pair = pair;
     if (pair)
@@ -76,6 +76,6 @@ int main(void)
     else
         fprintf(stderr, "%s\n", err.text);
     duet_world_destroy(world);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
     return ok ? 0 : 1;
 }

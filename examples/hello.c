@@ -15,18 +15,18 @@ int main(void)
     duet_result result = {0};
     duet_device_pair_def devices = duet_default_device_pair_def();
     duet_world_def def = duet_default_world_def();
-    duet_device_pair *pair = duet_device_pair_open(&devices, &err);
+    duet_device_pair *pair = duet_device_pair_create(&devices, &err);
     def.pair = pair;
     def.plan = duet_default_plan(pair); // both devices work
     duet_world *world = pair ? duet_world_create(&def, &err) : NULL;
-    bool ok = world && duet_world_set_poses(world, boxes, 3, &err);
+    bool ok = world && duet_world_set_objects(world, DUET_OBJECT_POSES, boxes, 3, &err);
     ok = ok && duet_world_step(world, &result, &err);
     for (uint64_t i = 0; ok && i < result.pairs; ++i)
-        printf("%u and %u collide\n", duet_result_pair(&result, i).a,
-               duet_result_pair(&result, i).b);
+        printf("%u and %u collide\n", duet_result_get_pair(&result, i).a,
+               duet_result_get_pair(&result, i).b);
     if (!ok)
         fprintf(stderr, "%s\n", err.text);
     duet_world_destroy(world);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
     return ok ? 0 : 1;
 }

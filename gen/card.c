@@ -209,7 +209,7 @@ static int read_card(lua_State *L)
 bool card_open(card *c, const char *kernel, const char *path, const text *chars, duet_error *err)
 {
     script_limits limits = script_default_limits();
-    limits.failure = DUET_BUILD_FAILED;
+    limits.failure = DUET_STATUS_BUILD_FAILED;
     *c = (card){.kernel = kernel};
     c->script = script_open(&limits, err);
     bool ok = c->script && script_run(c->script, path, chars->chars, chars->length, 1, err);
@@ -339,8 +339,8 @@ bool card_check(card *c, const gen_limits *limits, const gen_setting *config, ca
     if (!ask(check, &q, err))
         return false;
     *launch = q.launch;
-    return q.is_valid ||
-           error_set(err, DUET_BAD_ARGUMENT, "%s: not a valid config: %s", c->kernel, q.reason);
+    return q.is_valid || error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: not a valid config: %s",
+                                   c->kernel, q.reason);
 }
 
 // The parameter's default(limits), where it is a function. Its table is on top.
@@ -385,14 +385,14 @@ bool card_allows(const card *c, const gen_param *param, int64_t value, duet_erro
     if (has_value(param, value))
         return true;
     if (param->is_range)
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: %s=%" PRId64 " is not in %" PRId64 " .. %" PRId64, c->kernel,
                          param->name, value, param->least, param->most);
     text all = {0};
     for (uint32_t i = 0; i < param->n_values; ++i)
         text_add(&all, "%s%" PRId64, i > 0 ? ", " : "", param->values[i]);
-    error_set(err, DUET_BAD_ARGUMENT, "%s: %s=%" PRId64 " is not one of %s", c->kernel, param->name,
-              value, text_chars(&all));
+    error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: %s=%" PRId64 " is not one of %s", c->kernel,
+              param->name, value, text_chars(&all));
     text_free(&all);
     return false;
 }

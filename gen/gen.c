@@ -41,11 +41,11 @@ static bool add_kernel(gen *g, const char *path, duet_error *err)
         return true;
     kernel *grown = realloc(g->kernels, (g->n_kernels + 1) * sizeof *grown);
     if (!grown)
-        return error_set(err, DUET_NO_MEMORY, "the list of kernels: no memory");
+        return error_set(err, DUET_STATUS_NO_MEMORY, "the list of kernels: no memory");
     g->kernels = grown;
     kernel *k = &grown[g->n_kernels];
     if (length >= sizeof k->name || folder >= sizeof k->folder)
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: a kernel's name has at most %zu letters, its folder's %zu", path,
                          sizeof k->name - 1, sizeof k->folder - 2);
     *k = (kernel){0};
@@ -84,15 +84,16 @@ static bool list_folder(gen *g, const char *inner, duet_error *err)
     }
     if (dir)
         closedir(dir);
-    return ok && (dir || *inner ||
-                  error_set(err, DUET_NOT_FOUND, "kernel folder %s: %s", g->dir, strerror(errno)));
+    return ok &&
+           (dir || *inner ||
+            error_set(err, DUET_STATUS_NOT_FOUND, "kernel folder %s: %s", g->dir, strerror(errno)));
 }
 
 static bool list_dir(gen *g, duet_error *err)
 {
     return list_folder(g, "", err) &&
-           (g->n_kernels > 0 ||
-            error_set(err, DUET_NOT_FOUND, "kernel folder %s: no card (*.lua) in it", g->dir));
+           (g->n_kernels > 0 || error_set(err, DUET_STATUS_NOT_FOUND,
+                                          "kernel folder %s: no card (*.lua) in it", g->dir));
 }
 
 static int compare_names(const void *a, const void *b)
@@ -107,7 +108,7 @@ gen *gen_open(const char *kernel_dir, duet_error *err)
     if (ok && kernel_dir)
         ok = (g->dir = strdup(kernel_dir));
     if (!ok)
-        error_set(err, DUET_NO_MEMORY, "the generator: no memory");
+        error_set(err, DUET_STATUS_NO_MEMORY, "the generator: no memory");
     ok = ok && (kernel_dir ? list_dir(g, err) : list_carried(g, err));
     if (!ok) {
         gen_close(g);
@@ -119,8 +120,9 @@ gen *gen_open(const char *kernel_dir, duet_error *err)
         const kernel *k = &g->kernels[i];
         if (strcmp(k->name, k[-1].name) != 0)
             continue;
-        error_set(err, DUET_BAD_INPUT, "kernel %s: its card is in %s and in %s; expected one",
-                  k->name, *k[-1].folder ? k[-1].folder : "./", *k->folder ? k->folder : "./");
+        error_set(err, DUET_STATUS_BAD_INPUT,
+                  "kernel %s: its card is in %s and in %s; expected one", k->name,
+                  *k[-1].folder ? k[-1].folder : "./", *k->folder ? k->folder : "./");
         gen_close(g);
         return NULL;
     }
@@ -153,7 +155,7 @@ static kernel *find_kernel(gen *g, const char *name, duet_error *err)
     text all = {0};
     for (uint32_t i = 0; i < g->n_kernels; ++i)
         text_add(&all, "%s%s", i > 0 ? ", " : "", g->kernels[i].name);
-    error_set(err, DUET_NOT_FOUND, "no kernel '%s': there are %s", name, text_chars(&all));
+    error_set(err, DUET_STATUS_NOT_FOUND, "no kernel '%s': there are %s", name, text_chars(&all));
     text_free(&all);
     return NULL;
 }
@@ -172,7 +174,7 @@ static bool set_param(const card *c, const gen_setting *setting, gen_setting *co
     text all = {0};
     for (uint32_t i = 0; i < c->n_params; ++i)
         text_add(&all, "%s%s", i > 0 ? ", " : "", c->params[i].name);
-    error_set(err, DUET_BAD_ARGUMENT, "%s: no parameter '%s': there are %s", c->kernel,
+    error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: no parameter '%s': there are %s", c->kernel,
               setting->name, text_chars(&all));
     text_free(&all);
     return false;
@@ -199,8 +201,9 @@ static bool name_variant(const card *c, const gen_setting *config, gen_variant *
             text_add(&name, ".%s%" PRId64, config[i].name, config[i].value);
     bool ok = text_ok(&name, err);
     if (ok && name.length >= sizeof v->name)
-        ok = error_set(err, DUET_BUILD_FAILED, "%s: a variant's name has at most %zu letters",
-                       name.chars, sizeof v->name - 1);
+        ok =
+            error_set(err, DUET_STATUS_BUILD_FAILED, "%s: a variant's name has at most %zu letters",
+                      name.chars, sizeof v->name - 1);
     if (ok)
         memcpy(v->name, name.chars, name.length + 1);
     text_free(&name);

@@ -37,7 +37,7 @@ static bool read_file(const char *dir, const char *file, text *chars, duet_error
     else if (ok && dir)
         ok = text_read_file(chars, path.chars, err);
     else if (ok)
-        ok = error_set(err, DUET_NOT_FOUND, "%s: there is no such file", path.chars);
+        ok = error_set(err, DUET_STATUS_NOT_FOUND, "%s: there is no such file", path.chars);
     text_free(&path);
     return ok && text_ok(chars, err);
 }
@@ -111,7 +111,7 @@ static bool read_body(const char *dir, kernel *k, duet_error *err)
     if (!file_exists(dir, shaped))
         return add_file(dir, plain, &k->body, err);
     if (file_exists(dir, plain))
-        return error_set(err, DUET_BUILD_FAILED, "%s/%s stands beside %s: keep one of them",
+        return error_set(err, DUET_STATUS_BUILD_FAILED, "%s/%s stands beside %s: keep one of them",
                          dir ? dir : "kernels", plain, shaped);
     return read_template(dir, k, shaped, err);
 }

@@ -110,7 +110,7 @@ static bool check_clock(script *s)
         return false;
     if (budget_check(&why))
         return true;
-    return pass(s, why.status == DUET_INTERRUPTED ? STOP : TIME);
+    return pass(s, why.status == DUET_STATUS_INTERRUPTED ? STOP : TIME);
 }
 
 static bool spend(script *s, uint64_t instructions)
@@ -266,7 +266,7 @@ static bool report_limit(script *s, duet_status status, duet_error *err)
 {
     const char *place = *s->place ? s->place : text_chars(&s->name);
     if (s->passed == STOP)
-        return error_set(err, DUET_INTERRUPTED, "%s: stopped", place);
+        return error_set(err, DUET_STATUS_INTERRUPTED, "%s: stopped", place);
     if (s->passed == INSTRUCTIONS)
         return error_set(err, status,
                          "%s: runs for more than the %" PRIu64 " instructions it may take", place,
@@ -284,7 +284,7 @@ static bool fail(script *s, int lua_status, duet_error *err)
     const char *name = text_chars(&s->name);
     bool is_text = lua_type(s->lua, -1) == LUA_TSTRING;
     const char *message = is_text ? lua_tostring(s->lua, -1) : "";
-    duet_status status = s->limits.failure ? s->limits.failure : DUET_BAD_INPUT;
+    duet_status status = s->limits.failure ? s->limits.failure : DUET_STATUS_BAD_INPUT;
     const char *rest = after_cut_name(message, &s->name);
     if (lua_status == LUA_ERRMEM || s->passed)
         report_limit(s, status, err);
@@ -307,14 +307,14 @@ script *script_open(const script_limits *limits, duet_error *err)
 {
     script *s = calloc(1, sizeof *s);
     if (!s) {
-        error_set(err, DUET_NO_MEMORY, "a Lua state: no memory");
+        error_set(err, DUET_STATUS_NO_MEMORY, "a Lua state: no memory");
         return NULL;
     }
     s->limits = limits ? *limits : script_default_limits();
     text_add(&s->name, "the sandbox");
     s->lua = lua_newstate(allocate, s);
     if (!s->lua) {
-        error_set(err, DUET_NO_MEMORY, "a Lua state in %zu bytes: no memory",
+        error_set(err, DUET_STATUS_NO_MEMORY, "a Lua state in %zu bytes: no memory",
                   s->limits.memory_bytes);
         script_close(s);
         return NULL;
@@ -368,7 +368,7 @@ static size_t count_words(const char *chars, size_t n, const char *word)
 static bool check_jumps(const script *s, const char *chars, size_t n, duet_error *err)
 {
     size_t jumps = count_words(chars, n, "goto") + count_words(chars, n, "break");
-    duet_status status = s->limits.failure ? s->limits.failure : DUET_BAD_INPUT;
+    duet_status status = s->limits.failure ? s->limits.failure : DUET_STATUS_BAD_INPUT;
     return jumps <= MOST_JUMPS ||
            error_set(err, status, "%s: has goto or break %zu times, where %d are allowed",
                      text_chars(&s->name), jumps, MOST_JUMPS);

@@ -25,7 +25,7 @@ static bool check_one(card *c, const gen_limits *limits, uint64_t number, gen_se
     duet_error why = {0};
     card_config(c, number, config);
     *valid = card_check(c, limits, config, &launch, &why);
-    bool broken = !*valid && why.status != DUET_BAD_ARGUMENT;
+    bool broken = !*valid && why.status != DUET_STATUS_BAD_ARGUMENT;
     return !broken || error_set(err, why.status, "%s", why.text);
 }
 
@@ -66,8 +66,8 @@ static bool count_blocks(space *s, card *c, const gen_limits *limits, duet_error
     s->limits = *limits;
     s->n_blocks = (card_size(c) + BLOCK - 1) / BLOCK;
     s->before = calloc(s->n_blocks + 1, sizeof *s->before);
-    bool ok =
-        s->before || error_set(err, DUET_NO_MEMORY, "%s: no memory to count configs", c->kernel);
+    bool ok = s->before ||
+              error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory to count configs", c->kernel);
     ok = ok && fill_blocks(s, c, limits, err);
     if (!ok)
         space_free(s);
@@ -104,8 +104,8 @@ bool space_config(space *s, card *c, const gen_limits *limits, uint64_t index, g
     if (!space_count(s, c, limits, &count, err) || !card_set_fallbacks(c, limits, err))
         return false;
     if (index >= count)
-        return error_set(err, DUET_BAD_ARGUMENT, "%s: config %" PRIu64 " of %" PRIu64, c->kernel,
-                         index, count);
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: config %" PRIu64 " of %" PRIu64,
+                         c->kernel, index, count);
     uint64_t block = block_of(s, index);
     uint64_t n = 0;
     return walk_block(c, limits, block, index - s->before[block] + 1, config, &n, err);

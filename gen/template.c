@@ -43,7 +43,7 @@ static bool run_carried(template *t, const char *path, duet_error *err)
 {
     const blob *b = blob_find(path);
     if (!b)
-        return error_set(err, DUET_BUILD_FAILED, "%s: there is no such file", path);
+        return error_set(err, DUET_STATUS_BUILD_FAILED, "%s: there is no such file", path);
     return script_run(t->script, path, b->bytes, b->length, 1, err);
 }
 
@@ -102,11 +102,11 @@ template *template_open(const text *chars, const char *path, const char *line_na
 {
     template *t = calloc(1, sizeof *t);
     if (!t) {
-        error_set(err, DUET_NO_MEMORY, "%s: no memory", path);
+        error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", path);
         return NULL;
     }
     script_limits limits = script_default_limits();
-    limits.failure = DUET_BUILD_FAILED;
+    limits.failure = DUET_STATUS_BUILD_FAILED;
     t->script = script_open(&limits, err);
     job j = {.chars = chars, .path = path, .line_name = line_name};
     bool ok = t->script && run_carried(t, "gen/template.lua", err);

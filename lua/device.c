@@ -33,7 +33,7 @@ const member device_members[] = {
 static int list_close(lua_State *L)
 {
     duet_device_list **list = luaL_checkudata(L, 1, "duet.device_list");
-    duet_device_list_close(*list);
+    duet_device_list_destroy(*list);
     *list = NULL;
     return 0;
 }
@@ -45,15 +45,15 @@ static int devices(lua_State *L)
 {
     duet_error err = {0};
     duet_device_list **list = class_push(L, &list_class, sizeof(duet_device_list *));
-    *list = duet_device_list_open(&err);
+    *list = duet_device_list_create(&err);
     if (!*list)
         return class_push_failure(L, &err);
     lua_newtable(L);
-    for (uint32_t i = 0; i < duet_device_list_count(*list); ++i) {
-        member_push_table(L, device_members, duet_device_list_at(*list, i));
+    for (uint32_t i = 0; i < duet_device_list_get_count(*list); ++i) {
+        member_push_table(L, device_members, duet_device_list_get_info(*list, i));
         lua_rawseti(L, -2, (lua_Integer)i + 1);
     }
-    duet_device_list_close(*list);
+    duet_device_list_destroy(*list);
     *list = NULL;
     return 1;
 }

@@ -9,7 +9,7 @@ static int pair_plan(lua_State *L);
 
 static const luaL_Reg methods[] = {{"close", pair_close},         {"device", pair_device},
                                    {"plan", pair_plan},           {"tune", device_pair_tune_lua},
-                                   {"motion", motion_create_lua}, {"test", test_open_from_lua},
+                                   {"motion", motion_create_lua}, {"query", pair_query_create_lua},
                                    {"world", world_create_lua},   {NULL, NULL}};
 static const lua_class pair_class = {.name = "duet.device_pair", .methods = methods};
 
@@ -36,7 +36,7 @@ duet_device_pair *device_pair_check(lua_State *L, int index)
 static int pair_close(lua_State *L)
 {
     device_pair_box *box = luaL_checkudata(L, 1, pair_class.name);
-    duet_device_pair_close(box->pair);
+    duet_device_pair_destroy(box->pair);
     box->pair = NULL;
     return 0;
 }
@@ -51,7 +51,7 @@ static int pair_open(lua_State *L)
     if (def.kernel_dir != kernel_dir || def.cache_dir != cache_dir)
         policy_check_trusted(L, "choosing kernel_dir or cache_dir");
     device_pair_box *box = class_push(L, &pair_class, sizeof *box);
-    box->pair = duet_device_pair_open(&def, &err);
+    box->pair = duet_device_pair_create(&def, &err);
     return box->pair ? 1 : class_push_failure(L, &err);
 }
 
@@ -61,7 +61,7 @@ static int pair_device(lua_State *L)
     static const char *const names[] = {"A", "B", NULL};
     const duet_device_pair *pair = device_pair_check(L, 1);
     int device = luaL_checkoption(L, 2, NULL, names);
-    member_push_table(L, device_members, duet_device_pair_info(pair, device));
+    member_push_table(L, device_members, duet_device_pair_get_info(pair, device));
     return 1;
 }
 

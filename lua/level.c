@@ -4,7 +4,7 @@
 
 const char *level_name(int level)
 {
-    const duet_level_info *info = duet_level_describe((duet_level)level);
+    const duet_level_info *info = duet_level_get_info((duet_level)level);
     return info ? info->name : NULL;
 }
 
@@ -43,7 +43,7 @@ duet_level level_check(lua_State *L, int index)
 {
     duet_level level = DUET_LEVEL_CERTIFIED;
     const char *name = luaL_checkstring(L, index);
-    if (!duet_level_named(name, &level))
+    if (!duet_level_from_name(name, &level))
         luaL_argerror(L, index,
                       lua_pushfstring(L, "there is no level '%s'; duet.levels() lists them", name));
     return level;
@@ -54,7 +54,7 @@ static int list_levels(lua_State *L)
 {
     lua_newtable(L);
     for (int level = 0; level_name(level); ++level) {
-        member_push_table(L, level_members, duet_level_describe((duet_level)level));
+        member_push_table(L, level_members, duet_level_get_info((duet_level)level));
         lua_rawseti(L, -2, level + 1);
     }
     return 1;

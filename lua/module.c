@@ -26,7 +26,7 @@ int luaopen_duet(lua_State *L)
     source_open_lua(L);
     level_open_lua(L);
     profiles_open_lua(L);
-    test_open_lua(L);
+    pair_query_open_lua(L);
     carried_open_lua(L);
     return 1;
 }

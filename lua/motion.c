@@ -111,9 +111,9 @@ static motion_objects objects_of_scene(lua_State *L, const duet_scene *scene,
                                        duet_device_pair *pair)
 {
     motion_objects o = {.def = duet_scene_motion_def(scene, pair),
-                        .poses = duet_scene_poses(scene),
-                        .bodies = duet_scene_bodies(scene),
-                        .n = duet_scene_describe(scene)->n};
+                        .poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES),
+                        .bodies = duet_scene_get_bodies(scene),
+                        .n = duet_scene_get_info(scene)->n};
     luaL_argcheck(L, o.poses || o.n == 0, 2, "a scene of poses: bounds do not move");
     return o;
 }
@@ -147,7 +147,7 @@ int motion_create_lua(lua_State *L)
     motion_box *box = class_push(L, &motion_class, sizeof *box);
     lua_pushvalue(L, 1);
     lua_setiuservalue(L, -2, 1);
-    box->motion = of_scene ? duet_motion_create_scene(&o.def, scene_check(L, 2), NULL, &err)
+    box->motion = of_scene ? duet_motion_create_from_scene(&o.def, scene_check(L, 2), NULL, &err)
                            : duet_motion_create(&o.def, o.poses, o.bodies, o.n, &err);
     return box->motion ? 1 : class_push_failure(L, &err);
 }
@@ -275,13 +275,13 @@ static int motion_advance(lua_State *L)
 
 static int motion_effects(lua_State *L)
 {
-    push_effects(L, duet_motion_effects(check_motion(L)));
+    push_effects(L, duet_motion_get_effects(check_motion(L)));
     return 1;
 }
 
 static int motion_length(lua_State *L)
 {
-    lua_pushinteger(L, duet_motion_count(check_motion(L)));
+    lua_pushinteger(L, duet_motion_get_count(check_motion(L)));
     return 1;
 }
 
@@ -290,21 +290,21 @@ static int motion_read(lua_State *L)
 {
     duet_error err = {0};
     duet_motion *motion = check_motion(L);
-    uint32_t n = duet_motion_count(motion);
+    uint32_t n = duet_motion_get_count(motion);
     if (lua_isnoneornil(L, 2))
         array_push(L, ARRAY_STATES, n);
     else
         lua_settop(L, 2);
     const array *states = array_check(L, -1, ARRAY_STATES);
     luaL_argcheck(L, states->n == n, 2, "an array of #motion states");
-    return duet_motion_read(motion, states->rows, &err) ? 1 : class_push_failure(L, &err);
+    return duet_motion_get_states(motion, states->rows, &err) ? 1 : class_push_failure(L, &err);
 }
 
 static int motion_hash(lua_State *L)
 {
     duet_error err = {0};
     uint64_t hash = 0;
-    if (!duet_motion_hash(check_motion(L), &hash, &err))
+    if (!duet_motion_get_hash(check_motion(L), &hash, &err))
         return class_push_failure(L, &err);
     array_push_hash(L, hash);
     return 1;
@@ -320,7 +320,7 @@ static int motion_energy(lua_State *L)
 {
     duet_error err = {0};
     duet_energy energy = {0};
-    if (!duet_motion_energy(check_motion(L), &energy, &err))
+    if (!duet_motion_get_energy(check_motion(L), &energy, &err))
         return class_push_failure(L, &err);
     member_push_table(L, energy_members, &energy);
     return 1;
@@ -333,7 +333,7 @@ static int motion_contacts(lua_State *L)
     array *found = array_push_empty(L, ARRAY_CONTACTS);
     duet_contact *contacts = NULL;
     uint64_t n = 0;
-    if (!duet_motion_contacts(motion, &contacts, &n, &err))
+    if (!duet_motion_get_contacts(motion, &contacts, &n, &err))
         return class_push_failure(L, &err);
     array_own(found, contacts, n);
     return 1;

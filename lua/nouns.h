@@ -23,7 +23,7 @@ void motion_open_lua(lua_State *L);
 void source_open_lua(lua_State *L);
 void level_open_lua(lua_State *L);
 void profiles_open_lua(lua_State *L);
-void test_open_lua(lua_State *L);
+void pair_query_open_lua(lua_State *L);
 void carried_open_lua(lua_State *L);
 
 extern const member device_members[]; // of duet_device_info
@@ -39,7 +39,7 @@ duet_device_pair *device_pair_check(lua_State *L, int index);
 int world_create_lua(lua_State *L);
 int device_pair_tune_lua(lua_State *L);
 int motion_create_lua(lua_State *L);
-int test_open_from_lua(lua_State *L);
+int pair_query_create_lua(lua_State *L);
 
 typedef struct world_box {
     duet_world *world;

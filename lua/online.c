@@ -38,7 +38,7 @@ int world_online_lua(lua_State *L)
     online_box *box = class_push(L, &online_class, sizeof *box);
     lua_pushvalue(L, 1);
     lua_setiuservalue(L, -2, 1);
-    box->online = duet_online_open(&def, &err);
+    box->online = duet_online_create(&def, &err);
     if (!box->online)
         return class_push_failure(L, &err);
     box->world = world;
@@ -62,7 +62,7 @@ static int online_step(lua_State *L)
 
 static int online_tunings(lua_State *L)
 {
-    lua_pushinteger(L, duet_online_tunings(check_online(L)->online));
+    lua_pushinteger(L, duet_online_get_tunings(check_online(L)->online));
     return 1;
 }
 
@@ -73,7 +73,7 @@ static int online_close(lua_State *L)
     online_box *box = luaL_checkudata(L, 1, online_class.name);
     if (!box->online)
         return class_push_done(L, true, &err);
-    bool ok = duet_online_close(box->online, &err);
+    bool ok = duet_online_destroy(box->online, &err);
     box->online = NULL;
     --box->world->onlines;
     return class_push_done(L, ok, &err);

@@ -76,7 +76,7 @@ static const char *check_store(lua_State *L, int index)
 static int list_close(lua_State *L)
 {
     duet_profile_list **list = luaL_checkudata(L, 1, "duet.profile_list");
-    duet_profile_list_close(*list);
+    duet_profile_list_destroy(*list);
     *list = NULL;
     return 0;
 }
@@ -102,12 +102,12 @@ static int profiles(lua_State *L)
     const char *path = check_store(L, 1);
     bool replaced_too = lua_toboolean(L, 2);
     duet_profile_list **list = class_push(L, &list_class, sizeof(duet_profile_list *));
-    *list = duet_profile_list_open(path, replaced_too, &err);
+    *list = duet_profile_list_create(path, replaced_too, &err);
     if (!*list)
         return class_push_failure(L, &err);
     lua_newtable(L);
-    for (uint32_t i = 0; i < duet_profile_list_count(*list); ++i) {
-        member_push_table(L, profile_members, duet_profile_list_at(*list, i));
+    for (uint32_t i = 0; i < duet_profile_list_get_count(*list); ++i) {
+        member_push_table(L, profile_members, duet_profile_list_get_profile(*list, i));
         lua_rawseti(L, -2, (lua_Integer)i + 1);
     }
     return 1;
@@ -122,7 +122,7 @@ static int profile_trials(lua_State *L)
     const char *uid = luaL_checkstring(L, 1);
     const char *path = check_store(L, 2);
     void **memory = class_push(L, &memory_class, sizeof(void *));
-    if (!duet_profile_trials(path, uid, &trials, &n, &err))
+    if (!duet_profile_get_trials(path, uid, &trials, &n, &err))
         return class_push_failure(L, &err);
     *memory = trials;
     lua_newtable(L);

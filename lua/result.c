@@ -77,7 +77,7 @@ static int result_pair(lua_State *L)
     const duet_result *result = check_result(L);
     lua_Integer i = luaL_checkinteger(L, 2);
     luaL_argcheck(L, i >= 0 && (uint64_t)i < result->pairs, 2, "a place below #result, from 0");
-    duet_pair pair = duet_result_pair(result, (uint64_t)i);
+    duet_pair pair = duet_result_get_pair(result, (uint64_t)i);
     lua_pushinteger(L, pair.a);
     lua_pushinteger(L, pair.b);
     return 2;
@@ -93,7 +93,7 @@ static int next_pair(lua_State *L)
         return 0;
     lua_pushinteger(L, i + 1);
     lua_replace(L, lua_upvalueindex(2));
-    duet_pair pair = duet_result_pair(&box->result, (uint64_t)i);
+    duet_pair pair = duet_result_get_pair(&box->result, (uint64_t)i);
     lua_pushinteger(L, pair.a);
     lua_pushinteger(L, pair.b);
     return 2;
@@ -114,7 +114,7 @@ static int result_copy(lua_State *L)
     array *a = array_push(L, ARRAY_PAIRS, result->pairs);
     duet_pair *to = a->rows;
     for (uint64_t i = 0; i < result->pairs; ++i)
-        to[i] = duet_result_pair(result, i);
+        to[i] = duet_result_get_pair(result, i);
     return 1;
 }
 
@@ -136,7 +136,7 @@ static int result_stages(lua_State *L)
 
 static int result_hash(lua_State *L)
 {
-    array_push_hash(L, duet_result_hash(check_result(L)));
+    array_push_hash(L, duet_result_get_hash(check_result(L)));
     return 1;
 }
 

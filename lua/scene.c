@@ -52,7 +52,7 @@ duet_scene *scene_check(lua_State *L, int index)
 
 static const void *info_of(lua_State *L)
 {
-    return duet_scene_describe(scene_check(L, 1));
+    return duet_scene_get_info(scene_check(L, 1));
 }
 
 // ---------------------------------------------------------------- making
@@ -85,9 +85,10 @@ static int finish(lua_State *L, scene_box *box, const duet_error *err)
 {
     if (!box->scene)
         return class_push_failure(L, err);
-    size_t row = duet_scene_poses(box->scene) ? sizeof(duet_pose) : sizeof(duet_bounds);
-    row += duet_scene_bodies(box->scene) ? sizeof(duet_body) : 0;
-    box->bytes = row * duet_scene_describe(box->scene)->n;
+    size_t row = duet_scene_get_objects(box->scene, DUET_OBJECT_POSES) ? sizeof(duet_pose)
+                                                                       : sizeof(duet_bounds);
+    row += duet_scene_get_bodies(box->scene) ? sizeof(duet_body) : 0;
+    box->bytes = row * duet_scene_get_info(box->scene)->n;
     budget_hold(box->bytes);
     return 1;
 }
@@ -118,9 +119,9 @@ static int scene_make(lua_State *L)
     uint32_t n = (uint32_t)a->n;
     scene_box *box = class_push(L, &scene_class, sizeof *box);
     if (by_corners)
-        box->scene = duet_scene_from_bounds(a->rows, n, (uint32_t)dims, &err);
+        box->scene = duet_scene_create(DUET_OBJECT_BOUNDS, a->rows, n, (uint32_t)dims, 0, &err);
     else
-        box->scene = duet_scene_from_poses(a->rows, n, (uint32_t)dims, &err);
+        box->scene = duet_scene_create(DUET_OBJECT_POSES, a->rows, n, (uint32_t)dims, 0, &err);
     return finish(L, box, &err);
 }
 
@@ -156,7 +157,7 @@ static int push_rows(lua_State *L, array_kind kind, const void *rows)
         lua_pushnil(L);
         return 1;
     }
-    array *a = array_push_view(L, kind, (void *)rows, duet_scene_describe(box->scene)->n, 1,
+    array *a = array_push_view(L, kind, (void *)rows, duet_scene_get_info(box->scene)->n, 1,
                                &box->closings);
     a->fixed = true;
     return 1;
@@ -164,17 +165,18 @@ static int push_rows(lua_State *L, array_kind kind, const void *rows)
 
 static int scene_poses(lua_State *L)
 {
-    return push_rows(L, ARRAY_POSES, duet_scene_poses(scene_check(L, 1)));
+    return push_rows(L, ARRAY_POSES, duet_scene_get_objects(scene_check(L, 1), DUET_OBJECT_POSES));
 }
 
 static int scene_bounds(lua_State *L)
 {
-    return push_rows(L, ARRAY_BOUNDS, duet_scene_bounds(scene_check(L, 1)));
+    return push_rows(L, ARRAY_BOUNDS,
+                     duet_scene_get_objects(scene_check(L, 1), DUET_OBJECT_BOUNDS));
 }
 
 static int scene_bodies(lua_State *L)
 {
-    return push_rows(L, ARRAY_BODIES, duet_scene_bodies(scene_check(L, 1)));
+    return push_rows(L, ARRAY_BODIES, duet_scene_get_bodies(scene_check(L, 1)));
 }
 
 // scene:reference(), or scene:reference(level)
@@ -187,8 +189,8 @@ static int scene_reference(lua_State *L)
     array *found = array_push_empty(L, ARRAY_PAIRS);
     duet_pair *pairs = NULL;
     uint64_t n = 0;
-    if (exact ? !duet_reference(scene, &pairs, &n, &err)
-              : !duet_reference_at(scene, level, &pairs, &n, &err))
+    if (exact ? !duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err)
+              : !duet_reference(scene, level, &pairs, &n, &err))
         return class_push_failure(L, &err);
     array_own(found, pairs, n);
     return 1;
@@ -196,7 +198,7 @@ static int scene_reference(lua_State *L)
 
 static int scene_length(lua_State *L)
 {
-    lua_pushinteger(L, duet_scene_describe(scene_check(L, 1))->n);
+    lua_pushinteger(L, duet_scene_get_info(scene_check(L, 1))->n);
     return 1;
 }
 

@@ -40,7 +40,7 @@ session_def session_default_def(void)
 static bool fail(session *s, duet_error *err)
 {
     const char *message = lua_tostring(s->lua, -1);
-    error_set(err, DUET_BAD_INPUT, "%s", message ? message : "an error that is not a text");
+    error_set(err, DUET_STATUS_BAD_INPUT, "%s", message ? message : "an error that is not a text");
     lua_pop(s->lua, 1);
     return false;
 }
@@ -159,7 +159,7 @@ static bool open_state(session *s, duet_error *err)
     if (s->def.trusted) {
         s->lua = luaL_newstate();
         if (!s->lua)
-            return error_set(err, DUET_NO_MEMORY, "a Lua state: no memory");
+            return error_set(err, DUET_STATUS_NO_MEMORY, "a Lua state: no memory");
         lua_sethook(s->lua, on_count, LUA_MASKCOUNT, HOOK_INSTRUCTIONS);
         return true;
     }
@@ -176,7 +176,7 @@ session *session_open(const session_def *def, duet_error *err)
 {
     session *s = calloc(1, sizeof *s);
     if (!s) {
-        error_set(err, DUET_NO_MEMORY, "a Lua state: no memory");
+        error_set(err, DUET_STATUS_NO_MEMORY, "a Lua state: no memory");
         return NULL;
     }
     s->def = *def;

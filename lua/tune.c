@@ -196,7 +196,7 @@ static duet_mode find_mode(lua_State *L, const char *name)
 static duet_level find_level(lua_State *L, const char *name)
 {
     duet_level level = DUET_LEVEL_CERTIFIED;
-    if (!duet_level_named(name, &level))
+    if (!duet_level_from_name(name, &level))
         luaL_error(L, "field 'level': there is no level '%s'; duet.levels() lists them", name);
     return level;
 }
@@ -252,11 +252,11 @@ int device_pair_tune_lua(lua_State *L)
 static int list_strategies(lua_State *L)
 {
     lua_newtable(L);
-    for (uint32_t i = 0; duet_strategy(i); ++i) {
+    for (uint32_t i = 0; duet_strategy_get_name(i); ++i) {
         lua_createtable(L, 0, 2);
-        lua_pushstring(L, duet_strategy(i));
+        lua_pushstring(L, duet_strategy_get_name(i));
         lua_setfield(L, -2, "name");
-        lua_pushstring(L, duet_strategy_about(i));
+        lua_pushstring(L, duet_strategy_get_summary(i));
         lua_setfield(L, -2, "about");
         lua_rawseti(L, -2, (lua_Integer)i + 1);
     }

@@ -14,7 +14,7 @@ static const member def_members[] = {
     MEMBER(member_bool, duet_world_def, cell_fixed),
     MEMBER(member_float, duet_world_def, lower),
     MEMBER(member_float, duet_world_def, upper),
-    MEMBER(member_bool, duet_world_def, sizes_apart),
+    MEMBER(member_bool, duet_world_def, separate_sizes),
     MEMBER(member_bool, duet_world_def, keep_bad),
     MEMBER(member_count, duet_world_def, max_pairs),
     MEMBER(member_accuracy, duet_world_def, accuracy),
@@ -110,7 +110,8 @@ static int world_set_poses(lua_State *L)
     duet_error err = {0};
     world_box *box = world_check(L, 1);
     const array *a = array_check(L, 2, ARRAY_POSES);
-    bool ok = duet_world_set_poses(box->world, a->rows, check_number(L, 2, a), &err);
+    bool ok =
+        duet_world_set_objects(box->world, DUET_OBJECT_POSES, a->rows, check_number(L, 2, a), &err);
     world_forget_views(box);
     return class_push_done(L, ok, &err);
 }
@@ -120,7 +121,8 @@ static int world_set_bounds(lua_State *L)
     duet_error err = {0};
     world_box *box = world_check(L, 1);
     const array *a = array_check(L, 2, ARRAY_BOUNDS);
-    bool ok = duet_world_set_bounds(box->world, a->rows, check_number(L, 2, a), &err);
+    bool ok = duet_world_set_objects(box->world, DUET_OBJECT_BOUNDS, a->rows, check_number(L, 2, a),
+                                     &err);
     world_forget_views(box);
     return class_push_done(L, ok, &err);
 }
@@ -158,7 +160,7 @@ static int world_map_poses(lua_State *L)
     duet_error err = {0};
     world_box *box = world_check(L, 1);
     uint32_t n = begin_map(L, &box->maps);
-    void *rows = duet_world_map_poses(box->world, n, &err);
+    void *rows = duet_world_map_objects(box->world, DUET_OBJECT_POSES, n, &err);
     return end_map(L, ARRAY_POSES, rows, n, &box->maps, &err);
 }
 
@@ -167,7 +169,7 @@ static int world_map_bounds(lua_State *L)
     duet_error err = {0};
     world_box *box = world_check(L, 1);
     uint32_t n = begin_map(L, &box->maps);
-    void *rows = duet_world_map_bounds(box->world, n, &err);
+    void *rows = duet_world_map_objects(box->world, DUET_OBJECT_BOUNDS, n, &err);
     return end_map(L, ARRAY_BOUNDS, rows, n, &box->maps, &err);
 }
 
@@ -176,7 +178,7 @@ static int world_map_transforms(lua_State *L)
     duet_error err = {0};
     world_box *box = world_check(L, 1);
     uint32_t n = begin_map(L, &box->maps);
-    void *rows = duet_world_map_transforms(box->world, n, &err);
+    void *rows = duet_world_map_objects(box->world, DUET_OBJECT_TRANSFORMS, n, &err);
     return end_map(L, ARRAY_TRANSFORMS, rows, n, &box->maps, &err);
 }
 
@@ -185,7 +187,7 @@ static int world_map_sizes(lua_State *L)
     duet_error err = {0};
     world_box *box = world_check(L, 1);
     uint32_t n = begin_map(L, &box->size_maps);
-    void *rows = duet_world_map_sizes(box->world, n, &err);
+    void *rows = duet_world_map_objects(box->world, DUET_OBJECT_SIZES, n, &err);
     return end_map(L, ARRAY_SIZES, rows, n, &box->size_maps, &err);
 }
 
@@ -193,7 +195,7 @@ static int world_map_sizes(lua_State *L)
 
 static int world_plan(lua_State *L)
 {
-    member_plan.push(L, NULL, duet_world_plan(world_check(L, 1)->world));
+    member_plan.push(L, NULL, duet_world_get_plan(world_check(L, 1)->world));
     return 1;
 }
 
@@ -203,7 +205,7 @@ static int world_set_plan(lua_State *L)
     duet_error err = {0};
     static const member argument = {.name = "plan"};
     world_box *box = world_check(L, 1);
-    duet_plan plan = *duet_world_plan(box->world);
+    duet_plan plan = *duet_world_get_plan(box->world);
     lua_settop(L, 2);
     member_plan.read(L, &argument, &plan);
     return class_push_done(L, duet_world_set_plan(box->world, &plan, &err), &err);
@@ -211,7 +213,7 @@ static int world_set_plan(lua_State *L)
 
 static int world_level(lua_State *L)
 {
-    lua_pushstring(L, level_name(duet_world_level(world_check(L, 1)->world)));
+    lua_pushstring(L, level_name(duet_world_get_level(world_check(L, 1)->world)));
     return 1;
 }
 

@@ -100,25 +100,25 @@ static bool fill(duet_profile_list *list, store *s, const char *uid, bool replac
                  duet_error *err)
 {
     return profile_entry_each(s, uid, replaced_too, add_profile, list, err) &&
-           (!list->full || error_set(err, DUET_NO_MEMORY, "the profiles: no memory"));
+           (!list->full || error_set(err, DUET_STATUS_NO_MEMORY, "the profiles: no memory"));
 }
 
-duet_profile_list *duet_profile_list_open(const char *path, bool replaced_too, duet_error *err)
+duet_profile_list *duet_profile_list_create(const char *path, bool replaced_too, duet_error *err)
 {
     store *s = open_store(path, STORE_READ, err);
     if (!s)
         return NULL;
     duet_profile_list *list = calloc(1, sizeof *list);
     bool ok = list ? fill(list, s, NULL, replaced_too, err) && store_check_read(s, err)
-                   : error_set(err, DUET_NO_MEMORY, "the profiles: no memory");
+                   : error_set(err, DUET_STATUS_NO_MEMORY, "the profiles: no memory");
     store_close(s);
     if (ok)
         return list;
-    duet_profile_list_close(list);
+    duet_profile_list_destroy(list);
     return NULL;
 }
 
-void duet_profile_list_close(duet_profile_list *list)
+void duet_profile_list_destroy(duet_profile_list *list)
 {
     if (!list)
         return;
@@ -126,12 +126,12 @@ void duet_profile_list_close(duet_profile_list *list)
     free(list);
 }
 
-uint32_t duet_profile_list_count(const duet_profile_list *list)
+uint32_t duet_profile_list_get_count(const duet_profile_list *list)
 {
     return list ? list->n : 0;
 }
 
-const duet_stored_profile *duet_profile_list_at(const duet_profile_list *list, uint32_t i)
+const duet_stored_profile *duet_profile_list_get_profile(const duet_profile_list *list, uint32_t i)
 {
     return list && i < list->n ? &list->items[i] : NULL;
 }
@@ -176,10 +176,10 @@ static bool check_one(const store *s, const duet_profile_list *found, const char
                       duet_error *err)
 {
     if (found->n == 0)
-        return error_set(err, DUET_NOT_FOUND,
+        return error_set(err, DUET_STATUS_NOT_FOUND,
                          "%s: no profile begins with '%s'; 'duet profiles list' shows them",
                          store_path(s), uid);
-    return found->n == 1 || error_set(err, DUET_BAD_ARGUMENT,
+    return found->n == 1 || error_set(err, DUET_STATUS_BAD_ARGUMENT,
                                       "%s: %" PRIu32 " profiles begin with '%s'; give more digits",
                                       store_path(s), found->n, uid);
 }
@@ -191,11 +191,11 @@ static bool read_trials(store *s, const char *uid, trial_list *trials, duet_erro
     if (ok && *found.items[0].session)
         ok = profile_trial_each(s, found.items[0].session, add_trial, trials, err);
     free(found.items);
-    return ok && (!trials->full || error_set(err, DUET_NO_MEMORY, "the trials: no memory"));
+    return ok && (!trials->full || error_set(err, DUET_STATUS_NO_MEMORY, "the trials: no memory"));
 }
 
-bool duet_profile_trials(const char *path, const char *uid, duet_stored_trial **trials, uint32_t *n,
-                         duet_error *err)
+bool duet_profile_get_trials(const char *path, const char *uid, duet_stored_trial **trials,
+                             uint32_t *n, duet_error *err)
 {
     if (!error_given(uid, __func__, "uid", err) || !error_given(trials, __func__, "trials", err) ||
         !error_given(n, __func__, "n", err))
@@ -242,8 +242,8 @@ bool duet_profiles_import(const char *path, const char *file, duet_import_counts
         return false;
     FILE *in = fopen(file, "r");
     if (!in)
-        return error_set(err, errno == ENOENT ? DUET_NOT_FOUND : DUET_IO_FAILED, "%s: %s", file,
-                         strerror(errno));
+        return error_set(err, errno == ENOENT ? DUET_STATUS_NOT_FOUND : DUET_STATUS_IO_FAILED,
+                         "%s: %s", file, strerror(errno));
     store *s = open_store(path, STORE_WRITE, err);
     bool ok = s && import_file(s, in, file, counts, err);
     store_close(s);

@@ -54,11 +54,12 @@ typedef struct duet_stored_profile {
 // What a store holds; live ones first, by device pair and size.
 typedef struct duet_profile_list duet_profile_list;
 
-DUET_API duet_profile_list *duet_profile_list_open(const char *path, bool replaced_too,
-                                                   duet_error *err);
-DUET_API void duet_profile_list_close(duet_profile_list *list);
-DUET_API uint32_t duet_profile_list_count(const duet_profile_list *list);
-DUET_API const duet_stored_profile *duet_profile_list_at(const duet_profile_list *list, uint32_t i);
+DUET_API duet_profile_list *duet_profile_list_create(const char *path, bool replaced_too,
+                                                     duet_error *err);
+DUET_API void duet_profile_list_destroy(duet_profile_list *list);
+DUET_API uint32_t duet_profile_list_get_count(const duet_profile_list *list);
+DUET_API const duet_stored_profile *duet_profile_list_get_profile(const duet_profile_list *list,
+                                                                  uint32_t i);
 
 // A plan that was measured on the way to a profile.
 typedef struct duet_stored_trial {
@@ -78,8 +79,8 @@ typedef struct duet_stored_trial {
 
 // The trials of the profile that is named by its uid's first digits, in order;
 // none where it was put in by hand. The caller frees them with duet_free.
-DUET_API bool duet_profile_trials(const char *path, const char *uid, duet_stored_trial **trials,
-                                  uint32_t *n, duet_error *err);
+DUET_API bool duet_profile_get_trials(const char *path, const char *uid, duet_stored_trial **trials,
+                                      uint32_t *n, duet_error *err);
 
 // Writes all rows as JSON lines (docs/store.md) to a file.
 DUET_API bool duet_profiles_export(const char *path, const char *file, duet_error *err);

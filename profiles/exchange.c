@@ -103,7 +103,8 @@ typedef struct writing {
 
 static bool write_failed(const writing *w, duet_error *err)
 {
-    return error_set(err, DUET_IO_FAILED, "%s: cannot be written: %s", w->name, strerror(errno));
+    return error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be written: %s", w->name,
+                     strerror(errno));
 }
 
 static bool write_line(void *context, const char *line, duet_error *err)
@@ -137,7 +138,8 @@ typedef struct import {
 
 static bool bad_line(const import *in, duet_error *err, const char *what, const char *which)
 {
-    return error_set(err, DUET_BAD_INPUT, "%s:%" PRIu64 ": %s%s", in->name, in->line, what, which);
+    return error_set(err, DUET_STATUS_BAD_INPUT, "%s:%" PRIu64 ": %s%s", in->name, in->line, what,
+                     which);
 }
 
 // What a constraint that a line broke means to who wrote the line.
@@ -305,7 +307,8 @@ static bool take_file(import *in, FILE *file, duet_error *err)
         ok = strlen(line) == (size_t)n ? take_line(in, line, err)
                                        : (++in->line, bad_line(in, err, "has a NUL byte", ""));
     if (ok && ferror(file))
-        ok = error_set(err, DUET_IO_FAILED, "%s: cannot be read: %s", in->name, strerror(errno));
+        ok = error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be read: %s", in->name,
+                       strerror(errno));
     free(line);
     return ok;
 }
@@ -339,7 +342,7 @@ bool profile_merge(store *s, const char *other_path, profile_import_counts *coun
     struct stat theirs;
     if (stat(s->path, &own) == 0 && stat(other_path, &theirs) == 0 && own.st_ino == theirs.st_ino &&
         own.st_dev == theirs.st_dev)
-        return error_set(err, DUET_BAD_ARGUMENT, "%s: is the store itself; name another one",
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: is the store itself; name another one",
                          other_path);
     store *other = store_open(other_path, STORE_READ, err);
     if (!other)

@@ -207,7 +207,7 @@ static bool add_point(point_list *list, fit_point point, duet_error *err)
         uint32_t capacity = list->capacity ? 2 * list->capacity : 64;
         fit_point *points = realloc(list->points, capacity * sizeof *points);
         if (!points)
-            return error_set(err, DUET_NO_MEMORY, "%u points of a fit: no memory", capacity);
+            return error_set(err, DUET_STATUS_NO_MEMORY, "%u points of a fit: no memory", capacity);
         list->points = points;
         list->capacity = capacity;
     }

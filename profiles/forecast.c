@@ -28,7 +28,7 @@ static named_fit *add_fit(fit_list *list, duet_error *err)
         uint32_t capacity = list->capacity ? 2 * list->capacity : 16;
         named_fit *fits = realloc(list->fits, capacity * sizeof *fits);
         if (!fits) {
-            error_set(err, DUET_NO_MEMORY, "%u fits: no memory", capacity);
+            error_set(err, DUET_STATUS_NO_MEMORY, "%u fits: no memory", capacity);
             return NULL;
         }
         list->fits = fits;

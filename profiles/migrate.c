@@ -93,7 +93,7 @@ static bool free_name(const store *s, int64_t version, text *name, duet_error *e
     text_add(name, "%s.v%" PRId64, s->path, version);
     for (int i = 1; text_ok(name, err) && !take_name(name->chars); ++i) {
         if (errno != EEXIST)
-            return error_set(err, DUET_STORE_FAILED, "%s: cannot be made: %s", name->chars,
+            return error_set(err, DUET_STATUS_STORE_FAILED, "%s: cannot be made: %s", name->chars,
                              strerror(errno));
         text_free(name);
         text_add(name, "%s.v%" PRId64 ".%d", s->path, version, i);

@@ -21,7 +21,7 @@ bool store_user_path(text *path, duet_error *err)
     else if (set("HOME"))
         text_add(path, "%s/.local/share/duet/profiles.db", set("HOME"));
     else
-        return error_set(err, DUET_NOT_FOUND,
+        return error_set(err, DUET_STATUS_NOT_FOUND,
                          "no place for the profile store: set DUET_PROFILE to a file, or HOME");
     return text_ok(path, err);
 }

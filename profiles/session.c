@@ -26,7 +26,7 @@ bool profile_new_id(char id[PROFILE_ID], duet_error *err)
 {
     uint8_t bytes[16];
     if (getentropy(bytes, sizeof bytes) != 0)
-        return error_set(err, DUET_IO_FAILED, "random bytes: %s", strerror(errno));
+        return error_set(err, DUET_STATUS_IO_FAILED, "random bytes: %s", strerror(errno));
     for (size_t i = 0; i < sizeof bytes; ++i)
         snprintf(id + 2 * i, 3, "%02x", bytes[i]);
     return true;
@@ -204,8 +204,8 @@ bool profile_session_save(store *s, const char *id, const char *search_state, du
     sql_text(&q, id);
     bool ok = sql_run(&q);
     if (ok && sqlite3_changes(s->db) == 0)
-        ok = error_set(err, DUET_STORE_FAILED, "%s: has no session %s; it was removed meanwhile",
-                       s->path, id);
+        ok = error_set(err, DUET_STATUS_STORE_FAILED,
+                       "%s: has no session %s; it was removed meanwhile", s->path, id);
     return store_end(s, ok, err);
 }
 

@@ -29,47 +29,47 @@ bool sql_fail(const store *s, int code, duet_error *err)
     if (!store_check_read(s, err))
         return false;
     if (is_left_half_done(s, code))
-        return error_set(err, DUET_STORE_FAILED,
+        return error_set(err, DUET_STATUS_STORE_FAILED,
                          "%s: a writer that is at work, or was killed, has rows in a file beside "
                          "it, which this user may not write; let its owner open it once",
                          s->path);
     if (disk_is_full(code, system_code))
-        return error_set(err, DUET_STORE_FAILED,
+        return error_set(err, DUET_STATUS_STORE_FAILED,
                          "%s: the disk is full: this step was undone and all before it is kept; "
                          "free space and run the command again",
                          s->path);
     switch (code & 0xff) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
-        return error_set(err, DUET_STORE_FAILED,
+        return error_set(err, DUET_STATUS_STORE_FAILED,
                          "%s: another process keeps it locked; try again when that is done",
                          s->path);
     case SQLITE_READONLY:
     case SQLITE_PERM:
-        return error_set(err, DUET_STORE_FAILED,
+        return error_set(err, DUET_STATUS_STORE_FAILED,
                          "%s: the file or its folder cannot be written; give yourself the right "
                          "to, or name another file with DUET_PROFILE",
                          s->path);
     case SQLITE_CANTOPEN:
-        return error_set(err, DUET_STORE_FAILED, "%s: cannot be opened: %s", s->path,
+        return error_set(err, DUET_STATUS_STORE_FAILED, "%s: cannot be opened: %s", s->path,
                          system_code ? strerror(system_code) : sqlite3_errmsg(s->db));
     case SQLITE_NOTADB:
-        return error_set(err, DUET_STORE_FAILED,
+        return error_set(err, DUET_STATUS_STORE_FAILED,
                          "%s: is not a profile store and was left as it is; move it away or name "
                          "another file with DUET_PROFILE",
                          s->path);
     case SQLITE_CORRUPT:
-        return error_set(err, DUET_STORE_FAILED,
+        return error_set(err, DUET_STATUS_STORE_FAILED,
                          "%s: the file is damaged and was left as it is; bring back a copy, or "
                          "move it away to begin a fresh one",
                          s->path);
     case SQLITE_IOERR:
-        return error_set(err, DUET_STORE_FAILED, "%s: reading or writing it failed: %s", s->path,
-                         system_code ? strerror(system_code) : sqlite3_errmsg(s->db));
+        return error_set(err, DUET_STATUS_STORE_FAILED, "%s: reading or writing it failed: %s",
+                         s->path, system_code ? strerror(system_code) : sqlite3_errmsg(s->db));
     case SQLITE_NOMEM:
-        return error_set(err, DUET_NO_MEMORY, "%s: no memory to read it", s->path);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory to read it", s->path);
     default:
-        return error_set(err, DUET_STORE_FAILED, "%s: %s", s->path, sqlite3_errmsg(s->db));
+        return error_set(err, DUET_STATUS_STORE_FAILED, "%s: %s", s->path, sqlite3_errmsg(s->db));
     }
 }
 

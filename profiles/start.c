@@ -50,7 +50,7 @@ bool profile_lookup_files(const char *user_path, const char *system_path,
         if (!paths[i])
             continue;
         if (!look_in_file(paths[i], request, &here, why, &failure) &&
-            failure.status != DUET_NOT_FOUND)
+            failure.status != DUET_STATUS_NOT_FOUND)
             ok = error_set(err, failure.status, "%s", failure.text);
         if (here.grade < found->grade)
             *found = here;

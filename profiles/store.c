@@ -34,7 +34,7 @@ static store *make(const char *path, const char *file, duet_error *err)
     if (s && s->path && s->file)
         return s;
     store_close(s);
-    error_set(err, DUET_NO_MEMORY, "%s: no memory to open it", path);
+    error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory to open it", path);
     return NULL;
 }
 
@@ -42,7 +42,7 @@ static bool connect(store *s, const char *name, int flags, int busy_ms, duet_err
 {
     int code = sqlite3_open_v2(name, &s->db, flags | SQLITE_OPEN_NOMUTEX, NULL);
     if (!s->db)
-        return error_set(err, DUET_NO_MEMORY, "%s: no memory to open it", s->path);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory to open it", s->path);
     sqlite3_extended_result_codes(s->db, 1);
     sqlite3_busy_timeout(s->db, busy_ms);
     if (code != SQLITE_OK)
@@ -171,7 +171,8 @@ static store *open_store(const char *path, store_access access, opening *open, d
 
 static bool not_made(const char *path, duet_error *err)
 {
-    return error_set(err, DUET_STORE_FAILED, "%s: cannot be made: %s", path, strerror(errno));
+    return error_set(err, DUET_STATUS_STORE_FAILED, "%s: cannot be made: %s", path,
+                     strerror(errno));
 }
 
 // A name that nobody can guess, and an empty file there that is nobody else's.
@@ -247,7 +248,7 @@ store *store_open_look(const char *path, duet_error *err)
 bool store_check_read(const store *s, duet_error *err)
 {
     return unlocked_read_same_file(s->file, &s->reading) ||
-           error_set(err, DUET_STORE_FAILED,
+           error_set(err, DUET_STATUS_STORE_FAILED,
                      "%s: was written while it was read; run the command again", s->path);
 }
 
@@ -289,7 +290,8 @@ bool store_begin(store *s, duet_error *err)
 {
     if (s->depth == 0) {
         if (!s->writable)
-            return error_set(err, DUET_STORE_FAILED, "%s: is open for reading only", s->path);
+            return error_set(err, DUET_STATUS_STORE_FAILED, "%s: is open for reading only",
+                             s->path);
         s->broken = false;
         if (!sql_script(s, "BEGIN IMMEDIATE", err))
             return false;

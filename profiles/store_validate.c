@@ -22,8 +22,8 @@ static bool make_folders(const char *path, duet_error *err)
     for (char *at = ok ? strchr(folder.chars + 1, '/') : NULL; ok && at; at = strchr(at + 1, '/')) {
         *at = '\0';
         if (mkdir(folder.chars, 0755) != 0 && errno != EEXIST)
-            ok = error_set(err, DUET_STORE_FAILED, "%s: its folder %s cannot be made: %s", path,
-                           folder.chars, strerror(errno));
+            ok = error_set(err, DUET_STATUS_STORE_FAILED, "%s: its folder %s cannot be made: %s",
+                           path, folder.chars, strerror(errno));
         *at = '/';
     }
     text_free(&folder);
@@ -38,12 +38,13 @@ static bool check_head(const char *path, duet_error *err)
     char head[sizeof magic] = {0};
     FILE *file = fopen(path, "rb");
     if (!file)
-        return error_set(err, DUET_STORE_FAILED, "%s: cannot be read: %s", path, strerror(errno));
+        return error_set(err, DUET_STATUS_STORE_FAILED, "%s: cannot be read: %s", path,
+                         strerror(errno));
     size_t n = fread(head, 1, sizeof head, file);
     fclose(file);
     if (n == 0 || memcmp(head, magic, sizeof magic) == 0)
         return true;
-    return error_set(err, DUET_STORE_FAILED,
+    return error_set(err, DUET_STATUS_STORE_FAILED,
                      "%s: is not a profile store and was left as it is; move it away or name "
                      "another file with DUET_PROFILE",
                      path);
@@ -53,18 +54,20 @@ bool store_validate_path(const char *path, store_access access, duet_error *err)
 {
     struct stat info;
     if (!*path)
-        return error_set(err, DUET_STORE_FAILED, "the profile store's path is empty; name a file");
+        return error_set(err, DUET_STATUS_STORE_FAILED,
+                         "the profile store's path is empty; name a file");
     if (stat(path, &info) == 0)
         return S_ISREG(info.st_mode)
                    ? check_head(path, err)
-                   : error_set(err, DUET_STORE_FAILED, "%s: is %s; a profile store is a file", path,
+                   : error_set(err, DUET_STATUS_STORE_FAILED,
+                               "%s: is %s; a profile store is a file", path,
                                S_ISDIR(info.st_mode) ? "a folder" : "a device or a pipe");
     if (errno != ENOENT)
-        return error_set(err, DUET_STORE_FAILED, "%s: %s", path, strerror(errno));
+        return error_set(err, DUET_STATUS_STORE_FAILED, "%s: %s", path, strerror(errno));
     if (access == STORE_WRITE)
         return make_folders(path, err);
-    return error_set(err, DUET_NOT_FOUND, "%s: there is no profile store; duet tune makes one",
-                     path);
+    return error_set(err, DUET_STATUS_NOT_FOUND,
+                     "%s: there is no profile store; duet tune makes one", path);
 }
 
 // --------------------------------------------------------- after it is opened
@@ -106,7 +109,7 @@ static bool check_code(store *s, duet_error *err)
             text_add(&unknown, "%s '%s'", sql_get_text(&q, 0), sql_get_text(&q, 1));
     bool ok = sql_close(&q) && text_ok(&unknown, err) &&
               (!unknown.chars ||
-               error_set(err, DUET_STORE_FAILED,
+               error_set(err, DUET_STATUS_STORE_FAILED,
                          "%s: holds a %s that Duet does not make, and was left as it is; name "
                          "another file with DUET_PROFILE",
                          s->path, unknown.chars));
@@ -140,18 +143,18 @@ bool store_validate(store *s, duet_error *err)
     case IS_EMPTY:
         return s->writable
                    ? migrate_create(s, err)
-                   : error_set(err, DUET_NOT_FOUND,
+                   : error_set(err, DUET_STATUS_NOT_FOUND,
                                "%s: there is nothing in it yet; duet tune fills it", s->path);
     case IS_OLDER:
         return s->writable ? migrate_upgrade(s, migrate_upgrades, err)
-                           : error_set(err, DUET_STORE_FAILED,
+                           : error_set(err, DUET_STATUS_STORE_FAILED,
                                        "%s: is of the older version %" PRId64
                                        "; duet tune upgrades it and keeps a copy",
                                        s->path, version);
     case IS_FOREIGN:
         break;
     }
-    return error_set(err, DUET_STORE_FAILED,
+    return error_set(err, DUET_STATUS_STORE_FAILED,
                      "%s: is another program's SQLite file and was left as it is; name another "
                      "file with DUET_PROFILE",
                      s->path);

@@ -123,7 +123,7 @@ static bool make_room(sample_list *list, duet_error *err)
     uint32_t capacity = list->capacity ? 2 * list->capacity : 64;
     profile_sample *samples = realloc(list->samples, capacity * sizeof *samples);
     if (!samples)
-        return error_set(err, DUET_NO_MEMORY, "%u samples: no memory", capacity);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%u samples: no memory", capacity);
     list->samples = samples;
     list->capacity = capacity;
     return true;

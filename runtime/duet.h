@@ -56,15 +56,16 @@ typedef struct duet_size {
 // cell * edge + pose.centre, the edge being a power of two that the scene or the
 // world states (origin). Offsets are kept to 2^-24 of an edge, so that precision
 // is the same everywhere up to 2^30 edges from 0.
-typedef struct duet_placed {
+typedef struct duet_large_pose {
     duet_pose pose;
     int32_t cell[3];
     int32_t unused;
-} duet_placed;
+} duet_large_pose;
 
 // Sets cell and pose.centre to the position nearest to a centre. BAD_ARGUMENT
 // for another edge than a power of two, BAD_OBJECT beyond 2^30 edges.
-DUET_API bool duet_place(duet_placed *placed, const double centre[3], float edge, duet_error *err);
+DUET_API bool duet_large_pose_set(duet_large_pose *pose, const double centre[3], float edge,
+                                  duet_error *err);
 
 // An axis-aligned box. In 2D lower[2] and upper[2] are not read.
 typedef struct duet_bounds {
@@ -79,7 +80,7 @@ typedef struct duet_pair {
 } duet_pair;
 
 // The sum over pairs that every variant, device and share must agree on: see
-// duet_result_hash. Independent of the pairs' order.
+// duet_result_get_hash. Independent of the pairs' order.
 DUET_API uint64_t duet_pairs_hash(const duet_pair *pairs, uint64_t n);
 
 // ---------------------------------------------------------------- devices
@@ -114,10 +115,11 @@ typedef struct duet_device_list duet_device_list;
 
 // All root devices of all platforms. A list may be empty; NULL only where
 // memory runs out.
-DUET_API duet_device_list *duet_device_list_open(duet_error *err);
-DUET_API void duet_device_list_close(duet_device_list *list);
-DUET_API uint32_t duet_device_list_count(const duet_device_list *list);
-DUET_API const duet_device_info *duet_device_list_at(const duet_device_list *list, uint32_t i);
+DUET_API duet_device_list *duet_device_list_create(duet_error *err);
+DUET_API void duet_device_list_destroy(duet_device_list *list);
+DUET_API uint32_t duet_device_list_get_count(const duet_device_list *list);
+DUET_API const duet_device_info *duet_device_list_get_info(const duet_device_list *list,
+                                                           uint32_t i);
 
 // An ordered device pair. A takes the share, B the rest.
 typedef struct duet_device_pair duet_device_pair;
@@ -136,10 +138,11 @@ DUET_API duet_device_pair_def duet_default_device_pair_def(void);
 // NO_DEVICE where there is none, NOT_FOUND for an unknown selector: the line
 // lists what is there. Closing may come before the worlds made on the pair are destroyed:
 // the devices are let go with the last of them.
-DUET_API duet_device_pair *duet_device_pair_open(const duet_device_pair_def *def, duet_error *err);
-DUET_API void duet_device_pair_close(duet_device_pair *pair);
-DUET_API const duet_device_info *duet_device_pair_info(const duet_device_pair *pair,
-                                                       int device); // 0: A, 1: B, else NULL
+DUET_API duet_device_pair *duet_device_pair_create(const duet_device_pair_def *def,
+                                                   duet_error *err);
+DUET_API void duet_device_pair_destroy(duet_device_pair *pair);
+DUET_API const duet_device_info *duet_device_pair_get_info(const duet_device_pair *pair,
+                                                           int device); // 0: A, 1: B, else NULL
 
 // ---------------------------------------------------------------- levels
 
@@ -168,10 +171,10 @@ typedef struct duet_level_info {
     double added;      // a separated one is reported only where it is at most added * S
 } duet_level_info;
 
-DUET_API const duet_level_info *duet_level_describe(duet_level level); // NULL outside
+DUET_API const duet_level_info *duet_level_get_info(duet_level level); // NULL outside
 
 // False where no level is called that.
-DUET_API bool duet_level_named(const char *name, duet_level *level);
+DUET_API bool duet_level_from_name(const char *name, duet_level *level);
 
 // Whether a level promises all that another does: certified does so for all,
 // aabb, sphere and sat6 for each other (none is missed), double for sat15. False for
@@ -186,6 +189,15 @@ typedef struct duet_accuracy {
 } duet_accuracy;
 
 // ---------------------------------------------------------------- scenes
+
+// What an array of objects holds.
+typedef enum duet_object_kind {
+    DUET_OBJECT_POSES,       // duet_pose
+    DUET_OBJECT_BOUNDS,      // duet_bounds
+    DUET_OBJECT_LARGE_POSES, // duet_large_pose
+    DUET_OBJECT_TRANSFORMS,  // duet_transform, with
+    DUET_OBJECT_SIZES        // duet_size
+} duet_object_kind;
 
 typedef enum duet_shape {
     DUET_SHAPE_POSES, // oriented boxes
@@ -223,26 +235,23 @@ typedef struct duet_setting {
 // finite, negative extents and zero quaternions are refused with their place.
 DUET_API duet_scene *duet_scene_load(const char *path, const duet_setting *settings,
                                      uint32_t n_settings, duet_error *err);
-// Reads pairs for duet_test_pairs, .npy or text: two poses a row, 20 numbers or in
+// Reads pairs for duet_pair_query_run, .npy or text: two poses a row, 20 numbers or in
 // 2D 10. Objects 2 i and 2 i + 1 are row i's.
 DUET_API duet_scene *duet_scene_load_pairs(const char *path, duet_error *err);
-// Copies n objects. dims is 2 or 3.
-DUET_API duet_scene *duet_scene_from_poses(const duet_pose *poses, uint32_t n, uint32_t dims,
-                                           duet_error *err);
-DUET_API duet_scene *duet_scene_from_bounds(const duet_bounds *bounds, uint32_t n, uint32_t dims,
-                                            duet_error *err);
-DUET_API duet_scene *duet_scene_from_placed(const duet_placed *placed, uint32_t n, uint32_t dims,
-                                            float origin, duet_error *err);
+// Copies n objects: POSES, BOUNDS or LARGE_POSES. dims is 2 or 3. origin_edge is that
+// of the origin cells of LARGE_POSES, a power of two, else 0.
+DUET_API duet_scene *duet_scene_create(duet_object_kind kind, const void *objects, uint32_t n,
+                                       uint32_t dims, float origin_edge, duet_error *err);
 DUET_API void duet_scene_destroy(duet_scene *scene);
-DUET_API const duet_scene_info *duet_scene_describe(const duet_scene *scene);
-DUET_API const duet_pose *duet_scene_poses(const duet_scene *scene);    // [n], or NULL; of placed
-                                                                        // ones rounded
-DUET_API const duet_bounds *duet_scene_bounds(const duet_scene *scene); // [n], or NULL
-DUET_API const duet_placed *duet_scene_placed(const duet_scene *scene); // [n], or NULL
+DUET_API const duet_scene_info *duet_scene_get_info(const duet_scene *scene);
+// [n] of the kind, which the scene owns; NULL where it has none of it. LARGE_POSES are
+// there as POSES too, rounded.
+DUET_API const void *duet_scene_get_objects(const duet_scene *scene, duet_object_kind kind);
 
 // ---------------------------------------------------------------- plans
 
 #define DUET_SHARE_ONE 65536u
+#define DUET_SHARE_DEFAULT UINT32_MAX // that of duet_default_plan for the device pair
 
 typedef enum duet_mode {
     DUET_MODE_SHARED, // B builds the grid and A receives it (the paper, section 4.1)
@@ -254,14 +263,16 @@ DUET_API const char *duet_mode_name(duet_mode mode); // "shared"; NULL outside
 
 // How a step is to be done: what a tuner chooses and a profile stores.
 typedef struct duet_plan {
-    uint32_t share; // A's part of the objects, out of DUET_SHARE_ONE; r in the paper
+    uint32_t share; // A's part of the objects, out of DUET_SHARE_ONE (r in the paper), or
+                    // DUET_SHARE_DEFAULT
     duet_mode mode;
-    char variant_a[96]; // "auto", "simd", "gpu" or "paper", or with settings: "auto sort=radix"
-    char variant_b[96];
+    char variant_a[96]; // "auto", "simd", "gpu" or "paper", or with settings: "auto sort=radix";
+    char variant_b[96]; // "" is the default one for the device
 } duet_plan;
 
-// What is done on this device pair where nothing was measured: "simd" on a
-// CPU and "auto" elsewhere, own grids, and a share by units between parts of one CPU, else 0.
+// What is done on this device pair where nothing was measured: "simd" on a CPU and "auto"
+// elsewhere, own grids, and a share by units between parts of one CPU, else 0. For NULL a
+// plan that leaves these to the world it is given to, as the default defs have it.
 DUET_API duet_plan duet_default_plan(const duet_device_pair *pair);
 
 // ---------------------------------------------------------------- worlds
@@ -285,10 +296,10 @@ typedef struct duet_world_def {
     bool has_world;  // lower and upper are given; objects outside are still found
     float lower[3];
     float upper[3];
-    float origin;       // above 0: poses are placed, in origin cells of that edge, a power of two
-    bool sizes_apart;   // objects are transforms, and their sizes are set by themselves
-    bool keep_bad;      // leave bad objects out and count them, instead of BAD_OBJECT
-    uint64_t max_pairs; // TOO_MANY above it; 0: as memory allows
+    float origin;        // above 0: poses are placed, in origin cells of that edge, a power of two
+    bool separate_sizes; // objects are transforms, and their sizes are set by themselves
+    bool keep_bad;       // leave bad objects out and count them, instead of BAD_OBJECT
+    uint64_t max_pairs;  // TOO_MANY above it; 0: as memory allows
     int cookie;
 } duet_world_def;
 
@@ -300,40 +311,33 @@ DUET_API duet_world_def duet_scene_world_def(const duet_scene *scene, duet_devic
 DUET_API duet_world *duet_world_create(const duet_world_def *def, duet_error *err);
 DUET_API void duet_world_destroy(duet_world *world);
 
-// Copies n poses (shape POSES, placed where the world has an origin) or bounds
-// (shape BOUNDS) into the world.
-DUET_API bool duet_world_set_poses(duet_world *world, const duet_pose *poses, uint32_t n,
-                                   duet_error *err);
-DUET_API bool duet_world_set_bounds(duet_world *world, const duet_bounds *bounds, uint32_t n,
-                                    duet_error *err);
-DUET_API bool duet_world_set_placed(duet_world *world, const duet_placed *placed, uint32_t n,
-                                    duet_error *err);
+// Copies n objects of the kind that the world was made for: BOUNDS for the shape
+// bounds, else POSES, or LARGE_POSES where it has an origin_edge. POSES may also be set
+// in a world with separate_sizes, which takes them apart.
+DUET_API bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void *objects,
+                                     uint32_t n, duet_error *err);
 DUET_API bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err);
 
-// Space for n poses in memory that the devices read without a copy of ours; for
-// the same n it keeps what it held. Valid until the next map, set or destroy:
-// map, write, then step. Objects that were neither set nor mapped since the last
-// step are not sent again.
-DUET_API duet_pose *duet_world_map_poses(duet_world *world, uint32_t n, duet_error *err);
-DUET_API duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_error *err);
-
-// Offsets must be multiples of 2^-24 of an edge, from 0 up to below it, as
-// duet_place makes them: others are bad objects.
-DUET_API duet_placed *duet_world_map_placed(duet_world *world, uint32_t n, duet_error *err);
-
-// The same for a world with sizes_apart: transforms are what a step sends, 28 bytes
-// an object instead of 40, and half extents are sent again only once they were
-// mapped again. There must be as many of both when the world is stepped. Poses can
-// be set there too, and are taken apart.
-DUET_API duet_transform *duet_world_map_transforms(duet_world *world, uint32_t n, duet_error *err);
-DUET_API duet_size *duet_world_map_sizes(duet_world *world, uint32_t n, duet_error *err);
+// Space for n objects in memory that the devices read without a copy of ours; for the
+// same n it keeps what it held. Valid until the next map, set or destroy: map, write,
+// then step. Objects that were neither set nor mapped since the last step are not sent
+// again.
+//
+// Offsets of LARGE_POSES must be multiples of 2^-24 of an edge, from 0 up to below it, as
+// duet_large_pose_set makes them: others are bad objects.
+//
+// In a world with separate_sizes TRANSFORMS are what a step sends, 28 bytes an object
+// instead of 40, and SIZES are sent again only once they were mapped again. There must
+// be as many of both when the world is stepped.
+DUET_API void *duet_world_map_objects(duet_world *world, duet_object_kind kind, uint32_t n,
+                                      duet_error *err);
 
 DUET_API bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err);
-DUET_API const duet_plan *duet_world_plan(const duet_world *world);
+DUET_API const duet_plan *duet_world_get_plan(const duet_world *world);
 
 // From the next step on, and whatever profile is loaded later.
 DUET_API bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err);
-DUET_API duet_level duet_world_level(const duet_world *world); // certified for NULL
+DUET_API duet_level duet_world_get_level(const duet_world *world); // certified for NULL
 
 // ---------------------------------------------------------------- profiles
 
@@ -428,38 +432,38 @@ typedef struct duet_result {
 DUET_API bool duet_world_step(duet_world *world, duet_result *result, duet_error *err);
 
 // Pair i of both spans, i < result->pairs; 0 and 0, which is no pair, past the end.
-DUET_API duet_pair duet_result_pair(const duet_result *result, uint64_t i);
+DUET_API duet_pair duet_result_get_pair(const duet_result *result, uint64_t i);
 
 // The pair hash: for each pair k = a << 32 | b; k *= 0x9E3779B97F4A7C15;
 // k ^= k >> 29; k *= 0xBF58476D1CE4E5B9; k ^= k >> 32; summed modulo 2^64.
-DUET_API uint64_t duet_result_hash(const duet_result *result);
+DUET_API uint64_t duet_result_get_hash(const duet_result *result);
 
 // ---------------------------------------------------------------- narrow phase alone
 
 // Tests pairs that the caller brings as a step tests its candidates, on a
 // device pair, again and again.
-typedef struct duet_test duet_test;
+typedef struct duet_pair_query duet_pair_query;
 
-typedef struct duet_test_def {
+typedef struct duet_pair_query_def {
     duet_device_pair *pair; // held until the close
     uint32_t share;         // A's part of the pairs, out of DUET_SHARE_ONE; 0: B alone
     duet_level level;       // of accuracy
     uint32_t dims;          // 2 or 3
     int cookie;
-} duet_test_def;
+} duet_pair_query_def;
 
-DUET_API duet_test_def duet_default_test_def(void);
+DUET_API duet_pair_query_def duet_default_pair_query_def(void);
 
-typedef struct duet_test_result {
+typedef struct duet_pair_query_result {
     uint64_t colliding;
     uint64_t undecided;  // that float left open and the host decided
     double total_ms;     // wall clock
     double device_ms[2]; // of each device's part
-} duet_test_result;
+} duet_pair_query_result;
 
 // Builds the kernels that it needs.
-DUET_API duet_test *duet_test_open(const duet_test_def *def, duet_error *err);
-DUET_API void duet_test_close(duet_test *test);
+DUET_API duet_pair_query *duet_pair_query_create(const duet_pair_query_def *def, duet_error *err);
+DUET_API void duet_pair_query_destroy(duet_pair_query *test);
 
 // Tests n pairs; pair i is poses[2 i] and poses[2 i + 1].
 //
@@ -469,9 +473,9 @@ DUET_API void duet_test_close(duet_test *test);
 // A verdict depends on its two poses alone, as if both were rotated. BAD_OBJECT
 // names the first pair with a pose that is NaN, infinite, negative or without
 // rotation; verdicts and separations are then not to be used.
-DUET_API bool duet_test_pairs(duet_test *test, const duet_pose *poses, uint64_t n,
-                              uint8_t *verdicts, double *separations, duet_test_result *result,
-                              duet_error *err);
+DUET_API bool duet_pair_query_run(duet_pair_query *test, const duet_pose *poses, uint64_t n,
+                                  uint8_t *verdicts, double *separations,
+                                  duet_pair_query_result *result, duet_error *err);
 
 // ---------------------------------------------------------------- motion
 
@@ -526,9 +530,9 @@ typedef enum duet_edge {
 } duet_edge;
 
 typedef enum duet_integrator {
-    DUET_EULER,  // semi-implicit, first order
-    DUET_VERLET, // second order, symmetric; without contact response
-    DUET_YOSHIDA // fourth order, symmetric; without contact response
+    DUET_INTEGRATOR_EULER,  // semi-implicit, first order
+    DUET_INTEGRATOR_VERLET, // second order, symmetric; without contact response
+    DUET_INTEGRATOR_YOSHIDA // fourth order, symmetric; without contact response
 } duet_integrator;
 
 typedef struct duet_motion_def {
@@ -566,7 +570,7 @@ typedef struct duet_motion duet_motion;
 // A def with what the scene says of motion, the default one for NULL, and its objects'
 // bodies: [n], or NULL where nothing is said of any.
 DUET_API duet_motion_def duet_scene_motion_def(const duet_scene *scene, duet_device_pair *pair);
-DUET_API const duet_body *duet_scene_bodies(const duet_scene *scene);
+DUET_API const duet_body *duet_scene_get_bodies(const duet_scene *scene);
 
 // Copies n poses and bodies (NULL: duet_default_body each). BAD_ARGUMENT names
 // the field of the def, BAD_OBJECT the object, that is wrong and what would be
@@ -575,8 +579,9 @@ DUET_API duet_motion *duet_motion_create(const duet_motion_def *def, const duet_
                                          const duet_body *bodies, uint32_t n, duet_error *err);
 // The same of a scene's objects, in its origin cells where it has some. bodies
 // NULL: those that the scene gives.
-DUET_API duet_motion *duet_motion_create_scene(const duet_motion_def *def, const duet_scene *scene,
-                                               const duet_body *bodies, duet_error *err);
+DUET_API duet_motion *duet_motion_create_from_scene(const duet_motion_def *def,
+                                                    const duet_scene *scene,
+                                                    const duet_body *bodies, duet_error *err);
 DUET_API void duet_motion_destroy(duet_motion *motion);
 
 // A contact that began or ended, a < b; a wall 2 k or 2 k + 1, the lower or
@@ -607,16 +612,16 @@ typedef struct duet_motion_result {
 // take an error are BAD_ARGUMENT.
 DUET_API bool duet_motion_advance(duet_motion *motion, duet_motion_result *result, duet_error *err);
 
-DUET_API uint32_t duet_motion_effects(const duet_motion *motion); // bits of duet_effect
-DUET_API uint32_t duet_motion_count(const duet_motion *motion);
+DUET_API uint32_t duet_motion_get_effects(const duet_motion *motion); // bits of duet_effect
+DUET_API uint32_t duet_motion_get_count(const duet_motion *motion);
 
 // Copies the state of all objects to states [n]. BAD_OBJECT where a number of it is no
 // longer finite; the states are copied all the same.
-DUET_API bool duet_motion_read(duet_motion *motion, duet_state *states, duet_error *err);
+DUET_API bool duet_motion_get_states(duet_motion *motion, duet_state *states, duet_error *err);
 
 // A sum over the state's bits, equal on all devices, at any share and in any
 // split mode.
-DUET_API bool duet_motion_hash(duet_motion *motion, uint64_t *hash, duet_error *err);
+DUET_API bool duet_motion_get_hash(duet_motion *motion, uint64_t *hash, duet_error *err);
 
 typedef struct duet_energy {
     double kinetic; // of objects with a mass
@@ -626,7 +631,7 @@ typedef struct duet_energy {
     double angular[3]; // momentum about the origin
 } duet_energy;
 
-DUET_API bool duet_motion_energy(duet_motion *motion, duet_energy *energy, duet_error *err);
+DUET_API bool duet_motion_get_energy(duet_motion *motion, duet_energy *energy, duet_error *err);
 
 // Where two objects touched in the last step.
 typedef struct duet_contact {
@@ -642,8 +647,8 @@ typedef struct duet_contact {
 
 // Copies those contacts; the caller frees *contacts with duet_free. They are
 // ascending.
-DUET_API bool duet_motion_contacts(duet_motion *motion, duet_contact **contacts, uint64_t *n,
-                                   duet_error *err);
+DUET_API bool duet_motion_get_contacts(duet_motion *motion, duet_contact **contacts, uint64_t *n,
+                                       duet_error *err);
 
 // A motion as a file: advanced after loading, it goes on bit for bit as the
 // saved one does. Objects, bodies and def must be those of the saved motion.
@@ -666,14 +671,11 @@ DUET_API bool duet_motion_explain(const duet_motion *motion, uint32_t i, duet_ef
 
 // ---------------------------------------------------------------- reference
 
-// The plain-C twin: all pairs of the scene, exactly. The caller frees *pairs
-// with duet_free; they are ascending.
-DUET_API bool duet_reference(const duet_scene *scene, duet_pair **pairs, uint64_t *n,
-                             duet_error *err);
-
-// What a level of accuracy finds in the scene, operation for operation.
-DUET_API bool duet_reference_at(const duet_scene *scene, duet_level level, duet_pair **pairs,
-                                uint64_t *n, duet_error *err);
+// The plain-C twin: all pairs that a level of accuracy finds in the scene, operation for
+// operation; certified is exact. The caller frees *pairs with duet_free; they are
+// ascending.
+DUET_API bool duet_reference(const duet_scene *scene, duet_level level, duet_pair **pairs,
+                             uint64_t *n, duet_error *err);
 
 // true where the exact boxes share a point; false where one is no box, or dims is
 // neither 2 nor 3.
@@ -684,10 +686,10 @@ DUET_API bool duet_poses_collide(const duet_pose *a, const duet_pose *b, uint32_
 DUET_API double duet_poses_separation(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
 // The same for placed poses, in origin cells of that edge.
-DUET_API bool duet_placed_collide(const duet_placed *a, const duet_placed *b, float edge,
-                                  uint32_t dims);
-DUET_API double duet_placed_separation(const duet_placed *a, const duet_placed *b, float edge,
-                                       uint32_t dims);
+DUET_API bool duet_large_poses_collide(const duet_large_pose *a, const duet_large_pose *b,
+                                       float edge, uint32_t dims);
+DUET_API double duet_large_poses_separation(const duet_large_pose *a, const duet_large_pose *b,
+                                            float edge, uint32_t dims);
 
 DUET_API void duet_free(void *memory);
 

@@ -21,26 +21,26 @@ duet_online_def duet_default_online_def(void)
     return (duet_online_def){.most_extra = 0.1, .cookie = COOKIE};
 }
 
-duet_online *duet_online_open(const duet_online_def *def, duet_error *err)
+duet_online *duet_online_create(const duet_online_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE || !def->world) {
-        error_set(err, DUET_BAD_ARGUMENT,
+        error_set(err, DUET_STATUS_BAD_ARGUMENT,
                   "the def has no world or does not come from duet_default_online_def");
         return NULL;
     }
     if (!(def->most_extra >= 0) || !isfinite(def->most_extra)) {
-        error_set(err, DUET_BAD_ARGUMENT, "most_extra is %g; expected a part, as 0.1",
+        error_set(err, DUET_STATUS_BAD_ARGUMENT, "most_extra is %g; expected a part, as 0.1",
                   def->most_extra);
         return NULL;
     }
     duet_online *o = calloc(1, sizeof *o);
     if (!o) {
-        error_set(err, DUET_NO_MEMORY, "no memory to tune on line");
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory to tune on line");
         return NULL;
     }
     o->def = *def;
     world_hold(def->world);
-    o->online = online_begin(duet_world_plan(def->world)->share, def->most_extra);
+    o->online = online_begin(duet_world_get_plan(def->world)->share, def->most_extra);
     return o;
 }
 
@@ -48,7 +48,7 @@ bool duet_online_step(duet_online *o, duet_result *result, duet_error *err)
 {
     if (!error_given(o, __func__, "online", err) || !error_given(result, __func__, "result", err))
         return false;
-    duet_plan plan = *duet_world_plan(o->def.world);
+    duet_plan plan = *duet_world_get_plan(o->def.world);
     if (!online_share(&o->online, &plan.share, err) ||
         !duet_world_set_plan(o->def.world, &plan, err) ||
         !duet_world_step(o->def.world, result, err))
@@ -57,7 +57,7 @@ bool duet_online_step(duet_online *o, duet_result *result, duet_error *err)
     return online_tell(&o->online, &frame, err);
 }
 
-uint32_t duet_online_tunings(const duet_online *o)
+uint32_t duet_online_get_tunings(const duet_online *o)
 {
     return o ? o->online.tunings : 0;
 }
@@ -66,11 +66,11 @@ static bool keep(const duet_online *o, duet_error *err)
 {
     profile_subject known;
     record r;
-    duet_plan plan = *duet_world_plan(o->def.world);
+    duet_plan plan = *duet_world_get_plan(o->def.world);
     plan.share = o->online.share;
     if (!profile_subject_read(o->def.world, &known, err))
         return false;
-    profile_subject_settle(&known, duet_world_level(o->def.world));
+    profile_subject_settle(&known, duet_world_get_level(o->def.world));
     profile_request request = profile_subject_request(&known);
     if (!record_open(&r, o->def.store, err))
         return false;
@@ -79,7 +79,7 @@ static bool keep(const duet_online *o, duet_error *err)
     return ok;
 }
 
-bool duet_online_close(duet_online *o, duet_error *err)
+bool duet_online_destroy(duet_online *o, duet_error *err)
 {
     if (!o)
         return true;

@@ -27,13 +27,13 @@ duet_tune_def duet_default_tune_def(void)
         .strategy = strategies[0]->name, .keep = true, .repeats = REPEATS, .cookie = COOKIE};
 }
 
-const char *duet_strategy(uint32_t i)
+const char *duet_strategy_get_name(uint32_t i)
 {
     const strategy *s = strategy_at(i);
     return s ? s->name : NULL;
 }
 
-const char *duet_strategy_about(uint32_t i)
+const char *duet_strategy_get_summary(uint32_t i)
 {
     const strategy *s = strategy_at(i);
     return s ? s->about : NULL;
@@ -60,7 +60,7 @@ static bool check_lists(const duet_tune_def *def, duet_error *err)
         ok = error_given(def->variants[i], call, "a variant", err);
     for (uint32_t i = 0; ok && i < def->n_modes; ++i)
         ok = duet_mode_name(def->modes[i]) ||
-             error_set(err, DUET_BAD_ARGUMENT, "mode is %d; expected shared, own or slab",
+             error_set(err, DUET_STATUS_BAD_ARGUMENT, "mode is %d; expected shared, own or slab",
                        (int)def->modes[i]);
     return ok;
 }
@@ -68,11 +68,11 @@ static bool check_lists(const duet_tune_def *def, duet_error *err)
 static bool check_levels(const duet_tune_def *def, duet_error *err)
 {
     for (uint32_t i = 0; i < def->n_levels; ++i)
-        if (!duet_level_describe(def->levels[i]))
-            return error_set(err, DUET_BAD_ARGUMENT, "level is %d; expected a duet_level",
+        if (!duet_level_get_info(def->levels[i]))
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
                              (int)def->levels[i]);
     if (def->n_levels > 1 && !def->has_accuracy)
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%u levels, but no accuracy that one of them is chosen by", def->n_levels);
     return !def->has_accuracy || accuracy_check(&def->accuracy, "the tuning's", err);
 }
@@ -80,22 +80,22 @@ static bool check_levels(const duet_tune_def *def, duet_error *err)
 static bool check_def(const duet_tune_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the tuning's def does not come from duet_default_tune_def");
     if (!def->pair || !def->scene || !def->strategy)
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the tuning's def lacks a pair, scene or strategy");
     if (def->repeats > MEASURE_REPEATS)
-        return error_set(err, DUET_BAD_ARGUMENT, "%u launches a trial; expected at most %d",
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%u launches a trial; expected at most %d",
                          def->repeats, MEASURE_REPEATS);
     if (def->n_variants > RACE_RIVALS)
-        return error_set(err, DUET_BAD_ARGUMENT, "%u variants; expected at most %d",
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%u variants; expected at most %d",
                          def->n_variants, RACE_RIVALS);
     if (!check_lists(def, err))
         return false;
     for (uint32_t i = 0; i < def->n_variants; ++i) {
         variant v;
-        if (!variant_parse(&v, def->variants[i], duet_device_pair_info(def->pair, 0), err))
+        if (!variant_parse(&v, def->variants[i], duet_device_pair_get_info(def->pair, 0), err))
             return false;
     }
     return check_levels(def, err) && check_strategy(def->strategy, err);
@@ -145,7 +145,7 @@ static bool describe_world(tuning_resources *h, duet_error *err)
 {
     if (!profile_subject_read(h->world, &h->subject, err))
         return false;
-    h->subject.workload.name = duet_scene_describe(h->def.scene)->name;
+    h->subject.workload.name = duet_scene_get_info(h->def.scene)->name;
     return true;
 }
 
@@ -153,7 +153,7 @@ static bool describe_world(tuning_resources *h, duet_error *err)
 static duet_tune_def complete_def(const duet_tune_def *def)
 {
     duet_tune_def whole = *def;
-    const duet_scene_info *scene = duet_scene_describe(def->scene);
+    const duet_scene_info *scene = duet_scene_get_info(def->scene);
     whole.repeats = def->repeats ? def->repeats : REPEATS;
     if (def->n_levels == 0 && !def->has_accuracy && scene->has_accuracy) {
         whole.has_accuracy = true;
@@ -183,7 +183,7 @@ static bool watch_costs(void *context, uint64_t done, uint64_t steps)
     (void)steps;
     duet_tune_progress progress = {
         .stage = "level",
-        .plan = duet_world_plan(w->h->world),
+        .plan = duet_world_get_plan(w->h->world),
         .launches = (uint32_t)done,
         .seconds = (double)(clock_steady_ns() - w->begun_ns) * 1e-9,
     };
@@ -203,7 +203,7 @@ static bool measure_level_costs(tuning_resources *h, profile_level_cost *stored,
     if (!level_costs_measure(&p, &def, err))
         return false;
     if (p.rounds < CHOICE_ROUNDS)
-        return error_set(err, DUET_INTERRUPTED, "stopped while the levels were measured");
+        return error_set(err, DUET_STATUS_INTERRUPTED, "stopped while the levels were measured");
     for (*n = 0; *n < p.n; ++*n) {
         const level_cost *row = &p.rows[*n];
         stored[*n] = (profile_level_cost){.step_ns = row->step_ms * 1e6,
@@ -211,7 +211,7 @@ static bool measure_level_costs(tuning_resources *h, profile_level_cost *stored,
                                           .missed = row->missed,
                                           .invented = row->added};
         snprintf(stored[*n].level, sizeof stored[*n].level, "%s",
-                 duet_level_describe(row->level)->name);
+                 duet_level_get_info(row->level)->name);
     }
     return true;
 }
@@ -252,7 +252,7 @@ static bool settle_level(tuning_resources *h, duet_error *err)
 {
     if (h->def.has_accuracy && !choose_level(h, err))
         return false;
-    profile_subject_settle(&h->subject, duet_world_level(h->world));
+    profile_subject_settle(&h->subject, duet_world_get_level(h->world));
     profile_request request = profile_subject_request(&h->subject);
     return !h->record.store || record_aim(&h->record, &request, err);
 }
@@ -295,7 +295,7 @@ static bool measure_accuracy(const duet_scene *scene, const duet_pair *pairs, ui
 {
     duet_pair *truth;
     pair_list_count wrong = {0};
-    if (!duet_reference(scene, &truth, &outcome->true_pairs, err))
+    if (!duet_reference(scene, DUET_LEVEL_CERTIFIED, &truth, &outcome->true_pairs, err))
         return false;
     pair_list_compare(pairs, n, truth, outcome->true_pairs, pair_list_count_wrong, &wrong);
     duet_free(truth);
@@ -310,8 +310,8 @@ static bool find_right_pairs(const tuning_resources *h, uint64_t *hash, duet_tun
 {
     duet_pair *pairs;
     uint64_t n;
-    duet_level level = duet_world_level(h->world);
-    if (!duet_reference_at(h->def.scene, level, &pairs, &n, err))
+    duet_level level = duet_world_get_level(h->world);
+    if (!duet_reference(h->def.scene, level, &pairs, &n, err))
         return false;
     *hash = duet_pairs_hash(pairs, n);
     outcome->true_pairs = n; // by certified's promise
@@ -332,7 +332,7 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
                 duet_error *err)
 {
     uint64_t hash;
-    const duet_scene_info *info = duet_scene_describe(h->def.scene);
+    const duet_scene_info *info = duet_scene_get_info(h->def.scene);
     measure_world world = {
         .world = h->world, .shape = info->shape, .placed = info->origin > 0, .n = info->n};
     duet_tune_outcome right = {0};
@@ -343,7 +343,7 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
     tune_task task = {
         .def = &h->def,
         .machine = measure_world_machine(&world, hash),
-        .plan = *duet_world_plan(h->world),
+        .plan = *duet_world_get_plan(h->world),
         .has_start = guessed,
         .start = near->plan.share,
         .script = h->script,
@@ -367,9 +367,11 @@ static bool run_recorded(tuning_resources *h, const profile_found *near, duet_tu
         return false;
     bool ok = run(h, near, outcome, &why);
     outcome->resumed = resumed;
-    const char *how = ok ? "complete" : why.status == DUET_INTERRUPTED ? "stopped" : "failed";
+    const char *how = ok                                      ? "complete"
+                      : why.status == DUET_STATUS_INTERRUPTED ? "stopped"
+                                                              : "failed";
     ok = record_end(&h->record, how, outcome, ok ? err : NULL) && ok;
-    if (why.status != DUET_OK && err && err->status == DUET_OK)
+    if (why.status != DUET_STATUS_OK && err && err->status == DUET_STATUS_OK)
         *err = why;
     return ok;
 }
@@ -391,8 +393,8 @@ bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_er
     else if (ok)
         ok = run(&h, &found, outcome, err);
     if (ok) {
-        outcome->objects = duet_scene_describe(def->scene)->n;
-        outcome->level = duet_world_level(h.world);
+        outcome->objects = duet_scene_get_info(def->scene)->n;
+        outcome->level = duet_world_get_level(h.world);
     }
     let_go(&h);
     return ok;

@@ -24,7 +24,7 @@ typedef struct duet_tune_progress {
 typedef bool duet_tune_watch(void *context, const duet_tune_progress *progress);
 
 typedef struct duet_tune_def {
-    duet_device_pair *pair;      // open for as long as the call takes, as the scene
+    duet_device_pair *pair; // open for as long as the call takes, as the scene
     const duet_scene *scene;
     const char *store;           // profile file; NULL: the user's (DUET_PROFILE)
     bool keep;                   // false: uses no store at all
@@ -52,8 +52,8 @@ typedef struct duet_tune_def {
 DUET_API duet_tune_def duet_default_tune_def(void);
 
 // The strategies there are, the default first: NULL past the end.
-DUET_API const char *duet_strategy(uint32_t i);
-DUET_API const char *duet_strategy_about(uint32_t i);
+DUET_API const char *duet_strategy_get_name(uint32_t i);
+DUET_API const char *duet_strategy_get_summary(uint32_t i);
 
 // The terms of equations 4 to 6 in milliseconds, A in the CPU's place and B in
 // the GPU's. T_1, the hash and the sort, is before them. docs/tuning.md says
@@ -114,7 +114,7 @@ typedef struct duet_online_def {
 } duet_online_def;
 
 DUET_API duet_online_def duet_default_online_def(void);
-DUET_API duet_online *duet_online_open(const duet_online_def *def, duet_error *err);
+DUET_API duet_online *duet_online_create(const duet_online_def *def, duet_error *err);
 
 // In the place of duet_world_step. Once frames take other times than they did,
 // or one device waits for the other, the next few move the share a little. A
@@ -122,11 +122,11 @@ DUET_API duet_online *duet_online_open(const duet_online_def *def, duet_error *e
 DUET_API bool duet_online_step(duet_online *online, duet_result *result, duet_error *err);
 
 // How often the share was tuned again.
-DUET_API uint32_t duet_online_tunings(const duet_online *online);
+DUET_API uint32_t duet_online_get_tunings(const duet_online *online);
 
 // false where it was to be kept and could not be; it is closed all the same. True for
 // NULL.
-DUET_API bool duet_online_close(duet_online *online, duet_error *err);
+DUET_API bool duet_online_destroy(duet_online *online, duet_error *err);
 
 #ifdef __cplusplus
 }

@@ -36,7 +36,7 @@ static uint32_t list_offers(const profile_level_cost *costs, uint32_t n_costs,
     uint32_t n = 0;
     for (uint32_t i = 0; i < n_costs; ++i) {
         duet_level level;
-        if (duet_level_named(costs[i].level, &level) && is_among(level, levels, n_levels))
+        if (duet_level_from_name(costs[i].level, &level) && is_among(level, levels, n_levels))
             offers[n++] = (offer){level, costs[i].step_ns, wrong_of(&costs[i])};
     }
     return n;
@@ -77,17 +77,17 @@ static bool tell_nearest(const offer *offers, uint32_t n, const duet_accuracy *a
                          duet_error *err)
 {
     if (n == 0)
-        return error_set(err, DUET_NOT_FOUND,
+        return error_set(err, DUET_STATUS_NOT_FOUND,
                          "none of the levels to choose from runs on both devices");
     const offer *nearest = &offers[0];
     for (uint32_t i = 1; i < n; ++i)
         if (excess(&offers[i], accuracy) < excess(nearest, accuracy))
             nearest = &offers[i];
-    return error_set(err, DUET_NOT_FOUND,
+    return error_set(err, DUET_STATUS_NOT_FOUND,
                      "no level to choose from is within missed %.6g and false rate %.6g: '%s' "
                      "comes nearest, with %.6g and %.6g",
                      accuracy->missed, accuracy->false_rate,
-                     duet_level_describe(nearest->level)->name, nearest->wrong.missed,
+                     duet_level_get_info(nearest->level)->name, nearest->wrong.missed,
                      nearest->wrong.false_rate);
 }
 

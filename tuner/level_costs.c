@@ -30,11 +30,12 @@ typedef struct survey {
 
 static double separation_of(const duet_scene *scene, duet_pair pair)
 {
-    const duet_scene_info *info = duet_scene_describe(scene);
-    const duet_pose *poses = duet_scene_poses(scene);
-    const duet_placed *placed = duet_scene_placed(scene);
+    const duet_scene_info *info = duet_scene_get_info(scene);
+    const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
+    const duet_large_pose *placed = duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES);
     if (placed)
-        return duet_placed_separation(&placed[pair.a], &placed[pair.b], info->origin, info->dims);
+        return duet_large_poses_separation(&placed[pair.a], &placed[pair.b], info->origin,
+                                           info->dims);
     return poses ? duet_poses_separation(&poses[pair.a], &poses[pair.b], info->dims) : 0;
 }
 
@@ -70,13 +71,15 @@ static bool compare(survey *s, level_cost *row, duet_error *err)
 
 static bool hand_over(survey *s, duet_error *err)
 {
-    uint32_t n = duet_scene_describe(s->scene)->n;
-    const duet_pose *poses = duet_scene_poses(s->scene);
-    const duet_placed *placed = duet_scene_placed(s->scene);
+    uint32_t n = duet_scene_get_info(s->scene)->n;
+    const duet_pose *poses = duet_scene_get_objects(s->scene, DUET_OBJECT_POSES);
+    const duet_large_pose *placed = duet_scene_get_objects(s->scene, DUET_OBJECT_LARGE_POSES);
     if (placed)
-        return duet_world_set_placed(s->world, placed, n, err);
-    return poses ? duet_world_set_poses(s->world, poses, n, err)
-                 : duet_world_set_bounds(s->world, duet_scene_bounds(s->scene), n, err);
+        return duet_world_set_objects(s->world, DUET_OBJECT_LARGE_POSES, placed, n, err);
+    return poses ? duet_world_set_objects(s->world, DUET_OBJECT_POSES, poses, n, err)
+                 : duet_world_set_objects(s->world, DUET_OBJECT_BOUNDS,
+                                          duet_scene_get_objects(s->scene, DUET_OBJECT_BOUNDS), n,
+                                          err);
 }
 
 static bool step(survey *s, duet_error *err)
@@ -112,7 +115,7 @@ static bool run_rounds(survey *s, duet_error *err)
         p->rounds += done == (uint64_t)(p->rounds + 1) * p->n;
     }
     return p->rounds > 0 ||
-           error_set(err, DUET_INTERRUPTED, "stopped before each level had a step");
+           error_set(err, DUET_STATUS_INTERRUPTED, "stopped before each level had a step");
 }
 
 // ---------------------------------------------------------------- costs
@@ -149,8 +152,8 @@ static void draw_conclusions(survey *s)
 
 static bool has_double(const level_costs_def *def, int device)
 {
-    bool a = duet_device_pair_info(def->pair, 0)->fp64,
-         b = duet_device_pair_info(def->pair, 1)->fp64;
+    bool a = duet_device_pair_get_info(def->pair, 0)->fp64,
+         b = duet_device_pair_get_info(def->pair, 1)->fp64;
     return device == LEVEL_COSTS_BOTH ? a && b : device == 0 ? a : b;
 }
 
@@ -171,7 +174,8 @@ bool level_costs_measure(level_costs *p, const level_costs_def *def, duet_error 
     survey s = {.costs = p, .def = def, .scene = def->scene, .plan = world.plan};
     s.world = duet_world_create(&world, err);
     bool ok = s.world && duet_world_set_scene(s.world, s.scene, err) &&
-              duet_reference(s.scene, &s.truth, &p->truth, err) && run_rounds(&s, err);
+              duet_reference(s.scene, DUET_LEVEL_CERTIFIED, &s.truth, &p->truth, err) &&
+              run_rounds(&s, err);
     if (ok)
         draw_conclusions(&s);
     duet_free(s.truth);

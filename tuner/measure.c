@@ -45,9 +45,10 @@ search_sample measure_sample(const duet_result *result, const duet_plan *plan)
 static bool hand_over_objects(const measure_world *at, duet_error *err)
 {
     if (at->placed)
-        return duet_world_map_placed(at->world, at->n, err) != NULL;
-    return at->shape == DUET_SHAPE_POSES ? duet_world_map_poses(at->world, at->n, err) != NULL
-                                         : duet_world_map_bounds(at->world, at->n, err) != NULL;
+        return duet_world_map_objects(at->world, DUET_OBJECT_LARGE_POSES, at->n, err) != NULL;
+    return at->shape == DUET_SHAPE_POSES
+               ? duet_world_map_objects(at->world, DUET_OBJECT_POSES, at->n, err) != NULL
+               : duet_world_map_objects(at->world, DUET_OBJECT_BOUNDS, at->n, err) != NULL;
 }
 
 static bool step_world(void *context, const duet_plan *plan, measure_launch *launch,
@@ -63,7 +64,7 @@ static bool step_world(void *context, const duet_plan *plan, measure_launch *lau
         .total_ns = (int64_t)sample.total_ns,
         .a_ns = (int64_t)sample.a_ns,
         .b_ns = (int64_t)sample.b_ns,
-        .hash = duet_result_hash(&result),
+        .hash = duet_result_get_hash(&result),
         .terms = terms_of(&result, plan),
     };
     for (uint32_t i = 0; i < result.n_stages; ++i)
@@ -79,11 +80,11 @@ measure_machine measure_world_machine(measure_world *world, uint64_t hash)
 static const char *outcome_of(const duet_error *err)
 {
     switch (err->status) {
-    case DUET_OK:
+    case DUET_STATUS_OK:
         return "ok";
-    case DUET_BUILD_FAILED:
+    case DUET_STATUS_BUILD_FAILED:
         return "build";
-    case DUET_WRONG_RESULT:
+    case DUET_STATUS_WRONG_RESULT:
         return "wrong";
     default:
         return "launch";
@@ -96,8 +97,9 @@ static bool launch_once(const measure_machine *machine, const duet_plan *plan, u
     if (!machine->launch(machine->context, plan, launch, err))
         return false;
     if (launch->hash != machine->hash)
-        return error_set(err, DUET_WRONG_RESULT, "pair hash %016" PRIx64 " instead of %016" PRIx64,
-                         launch->hash, machine->hash);
+        return error_set(err, DUET_STATUS_WRONG_RESULT,
+                         "pair hash %016" PRIx64 " instead of %016" PRIx64, launch->hash,
+                         machine->hash);
     *sample = (profile_sample){
         .total_ns = launch->total_ns,
         .a_ns = launch->a_ns,
@@ -147,7 +149,7 @@ measurement measure_plan(const measure_machine *machine, const duet_plan *plan, 
                          &launches[m.n_samples], &m.samples[m.n_samples], err);
     m.spent_ns = clock_steady_ns() - begun;
     m.outcome = outcome_of(err);
-    if (err->status == DUET_OK)
+    if (err->status == DUET_STATUS_OK)
         summarize(&m, launches);
     return m;
 }

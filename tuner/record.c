@@ -15,8 +15,8 @@ static bool check_writable(const record *r, duet_error *err)
     if (store_writable(r->store))
         return true;
     const char *note = store_note(r->store);
-    return error_set(err, DUET_STORE_FAILED, "%s: cannot be written%s%s", store_path(r->store),
-                     note ? ": " : "", note ? note : "");
+    return error_set(err, DUET_STATUS_STORE_FAILED, "%s: cannot be written%s%s",
+                     store_path(r->store), note ? ": " : "", note ? note : "");
 }
 
 bool record_open(record *r, const char *path, duet_error *err)
@@ -105,7 +105,7 @@ static bool take_up(record *r, const profile_session *session, trial_log *state,
         return false;
     bool ok = true;
     if (found.claim == PROFILE_CLAIM_BUSY)
-        ok = error_set(err, DUET_STORE_FAILED,
+        ok = error_set(err, DUET_STATUS_STORE_FAILED,
                        "%s: process %" PRId64 " is tuning this workload; wait for it or stop it",
                        store_path(r->store), found.pid);
     *resumed = found.claim == PROFILE_CLAIM_RESUMED;
@@ -149,7 +149,7 @@ static bool keep_trial(void *context, const duet_plan *plan, const measurement *
 {
     record *r = context;
     text json = {0}, terms = {0};
-    bool ran = m->failure.status == DUET_OK;
+    bool ran = m->failure.status == DUET_STATUS_OK;
     const profile_sample *typical = &m->samples[m->typical];
     int64_t number;
     trial_log_to_json(state, &json);

@@ -19,7 +19,7 @@ static bool fail_unknown(const char *name, duet_error *err)
     text known = {0};
     for (uint32_t i = 0; strategies[i]; ++i)
         text_add(&known, "%s%s", i ? ", " : "", strategies[i]->name);
-    error_set(err, DUET_NOT_FOUND, "strategy '%s': there is none; there are %s", name,
+    error_set(err, DUET_STATUS_NOT_FOUND, "strategy '%s': there is none; there are %s", name,
               text_chars(&known));
     text_free(&known);
     return false;
@@ -64,8 +64,8 @@ bool search_tell(search *s, const search_sample *sample, duet_error *err)
             return false;
         search_sample *grown = realloc(s->samples, capacity * sizeof *grown);
         if (!grown)
-            return error_set(err, DUET_NO_MEMORY, "a search of %" PRIu32 " launches: no memory",
-                             s->n + 1);
+            return error_set(err, DUET_STATUS_NO_MEMORY,
+                             "a search of %" PRIu32 " launches: no memory", s->n + 1);
         s->samples = grown;
         s->capacity = capacity;
     }
@@ -176,7 +176,7 @@ static bool read_search(const cJSON *root, search *s, duet_error *err)
     const cJSON *name = cJSON_GetObjectItemCaseSensitive(root, "strategy");
     const cJSON *samples = cJSON_GetObjectItemCaseSensitive(root, "samples");
     if (!cJSON_IsString(name) || !cJSON_IsArray(samples) || !read_options(root, &options))
-        return error_set(err, DUET_BAD_INPUT, "search state: not one that a search wrote");
+        return error_set(err, DUET_STATUS_BAD_INPUT, "search state: not one that a search wrote");
     if (!search_begin(s, name->valuestring, &options, err))
         return false;
     const cJSON *row;
@@ -184,8 +184,8 @@ static bool read_search(const cJSON *root, search *s, duet_error *err)
     {
         search_sample sample;
         if (!read_sample(row, &sample))
-            return error_set(err, DUET_BAD_INPUT, "search state: sample %" PRIu32 " is malformed",
-                             s->n);
+            return error_set(err, DUET_STATUS_BAD_INPUT,
+                             "search state: sample %" PRIu32 " is malformed", s->n);
         if (!search_tell(s, &sample, err))
             return false;
     }

@@ -20,8 +20,8 @@ bool trial_log_add(trial_log *t, const trial_log_entry *entry, duet_error *err)
         uint32_t capacity = t->capacity ? 2 * t->capacity : 64;
         trial_log_entry *grown = realloc(t->entries, capacity * sizeof *grown);
         if (!grown)
-            return error_set(err, DUET_NO_MEMORY, "a tuning of %" PRIu32 " trials: no memory",
-                             t->n + 1);
+            return error_set(err, DUET_STATUS_NO_MEMORY,
+                             "a tuning of %" PRIu32 " trials: no memory", t->n + 1);
         t->entries = grown;
         t->capacity = capacity;
     }
@@ -107,13 +107,13 @@ static bool read_log(const cJSON *rows, trial_log *t, duet_error *err)
 {
     const cJSON *row;
     if (!cJSON_IsArray(rows))
-        return error_set(err, DUET_BAD_INPUT, "search state: not one that a tuning wrote");
+        return error_set(err, DUET_STATUS_BAD_INPUT, "search state: not one that a tuning wrote");
     cJSON_ArrayForEach(row, rows)
     {
         trial_log_entry entry = {0};
         if (!read_entry(row, &entry))
-            return error_set(err, DUET_BAD_INPUT, "search state: trial %" PRIu32 " is malformed",
-                             t->n);
+            return error_set(err, DUET_STATUS_BAD_INPUT,
+                             "search state: trial %" PRIu32 " is malformed", t->n);
         if (!trial_log_add(t, &entry, err))
             return false;
     }

@@ -178,7 +178,7 @@ static void read_levels(lua_State *L, tune_config *c)
     }
     c->n_levels = read_list(L, "level", names, DUET_LEVELS);
     for (uint32_t i = 0; i < c->n_levels; ++i)
-        if (!duet_level_named(names[i], &c->levels[i]))
+        if (!duet_level_from_name(names[i], &c->levels[i]))
             field_raise(L, "level", "there is no level '%s'", names[i]);
 }
 

@@ -41,7 +41,7 @@ static bool tell_watcher(const tuning *t, const trial_log_entry *entry, bool rem
         .remembered = remembered,
     };
     if (def->watch && !def->watch(def->watch_context, &progress))
-        return error_set(err, DUET_INTERRUPTED,
+        return error_set(err, DUET_STATUS_INTERRUPTED,
                          "stopped after %u trials; the same command goes on from there",
                          progress.trials);
     return true;
@@ -79,9 +79,9 @@ static bool check_measured(tuning *t, const duet_plan *plan, const measurement *
         return true;
     error_set(&t->failure, m->failure.status, "no plan runs: %s", m->failure.text);
     if (strcmp(m->outcome, "wrong") == 0 && has_default_variants(t->task, plan))
-        return error_set(err, DUET_WRONG_RESULT, "share %u of %u, variants '%s' and '%s': %s",
-                         plan->share, DUET_SHARE_ONE, plan->variant_a, plan->variant_b,
-                         m->failure.text);
+        return error_set(err, DUET_STATUS_WRONG_RESULT,
+                         "share %u of %u, variants '%s' and '%s': %s", plan->share, DUET_SHARE_ONE,
+                         plan->variant_a, plan->variant_b, m->failure.text);
     return true;
 }
 

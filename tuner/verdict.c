@@ -110,12 +110,12 @@ static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t best
 
 static bool fail_unmeasured(const tuning *t, duet_error *err)
 {
-    if (t->failure.status == DUET_OK)
-        return error_set(err, DUET_BAD_ARGUMENT,
+    if (t->failure.status == DUET_STATUS_OK)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the budget ended before the devices were compared; expected more "
                          "than %u trials or %.3g seconds",
                          t->state->played, (double)t->spent_ns * 1e-9);
-    if (err && err->status == DUET_OK)
+    if (err && err->status == DUET_STATUS_OK)
         *err = t->failure;
     return false;
 }

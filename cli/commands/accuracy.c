@@ -76,7 +76,7 @@ static bool run_levels(const arguments *args, duet_device_pair *pair, const duet
                        duet_error *err)
 {
     level_costs p;
-    level_costs_report r = {duet_scene_describe(scene), pair, &p};
+    level_costs_report r = {duet_scene_get_info(scene), pair, &p};
     return level_costs_show(&p, pair, scene, (uint32_t)args->repeat, err) &&
            tell_level_costs(args, &r, err);
 }
@@ -85,7 +85,7 @@ static bool run_timesteps(const arguments *args, duet_device_pair *pair, const d
                           duet_error *err)
 {
     timestep_study p;
-    timestep_study_report r = {duet_scene_describe(scene), pair, &p};
+    timestep_study_report r = {duet_scene_get_info(scene), pair, &p};
     return timestep_study_measure(&p, pair, scene, args->time, args->limit, err) &&
            tell_timesteps(args, &r, err);
 }
@@ -107,7 +107,7 @@ static bool run(const arguments *args, const char *path, duet_error *err)
     bool ok = scene && (args->still || timestep_study_applies(pair, scene, &moves, err));
     ok = ok && (moves ? run_timesteps : run_levels)(args, pair, scene, err);
     duet_scene_destroy(scene);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
     return ok;
 }
 

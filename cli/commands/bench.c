@@ -74,7 +74,8 @@ static duet_scene *load_scene(const bench_scene *s, bool quick, duet_error *err)
 static bool keep_failure(bench *b, const duet_scene_info *info, const duet_plan *plan,
                          const duet_error *failure, duet_error *err)
 {
-    if (failure->status == DUET_INTERRUPTED || !bench_add(b->results, info, plan, NULL, failure))
+    if (failure->status == DUET_STATUS_INTERRUPTED ||
+        !bench_add(b->results, info, plan, NULL, failure))
         return error_set(err, failure->status, "%s", failure->text);
     ++b->failed;
     say_failed(failure);
@@ -87,7 +88,7 @@ static bool check_pairs(const timed *t, uint64_t *hash, const duet_scene_info *i
     if (*hash == 0)
         *hash = t->hash;
     return t->hash == *hash ||
-           error_set(err, DUET_WRONG_RESULT,
+           error_set(err, DUET_STATUS_WRONG_RESULT,
                      "%s by '%s', mode %s, share %.2f: other pairs than by the first plan",
                      info->name, plan->variant_a, duet_mode_name(plan->mode),
                      (double)plan->share / DUET_SHARE_ONE);
@@ -96,7 +97,7 @@ static bool check_pairs(const timed *t, uint64_t *hash, const duet_scene_info *i
 static bool measure(bench *b, duet_world *world, const duet_scene *scene, const duet_plan *plan,
                     uint64_t *hash, duet_error *err)
 {
-    const duet_scene_info *info = duet_scene_describe(scene);
+    const duet_scene_info *info = duet_scene_get_info(scene);
     duet_error failure = {0};
     timed t = {0};
     cpu_load before = cpu_load_look();
@@ -135,7 +136,7 @@ static bool compare_plans(bench *b, const bench_scene *which, const duet_scene *
     bool ok = measure_plans(b, which, scene, err);
     bench_compare(b->results, b->before);
     if (!b->args->json)
-        bench_print_scene(b->results, duet_scene_describe(scene)->name, b->before);
+        bench_print_scene(b->results, duet_scene_get_info(scene)->name, b->before);
     return ok;
 }
 
@@ -146,7 +147,7 @@ static bool measure_levels(bench *b, const duet_scene *scene, duet_error *err)
         b->args->repeat < LEVEL_COSTS_ROUNDS ? (uint32_t)b->args->repeat : LEVEL_COSTS_ROUNDS;
     if (!level_costs_show(&p, b->pair, scene, rounds, err))
         return false;
-    level_costs_report r = {duet_scene_describe(scene), b->pair, &p};
+    level_costs_report r = {duet_scene_get_info(scene), b->pair, &p};
     cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "accuracy"), level_costs_report_json(&r));
     if (!b->args->json) {
         level_costs_report_text(&r);
@@ -159,7 +160,7 @@ static bool measure_effects(bench *b, const duet_scene *scene, duet_error *err)
 {
     enum { STEPS = 20, QUICK_STEPS = 3 };
     costs c;
-    const duet_scene_info *info = duet_scene_describe(scene);
+    const duet_scene_info *info = duet_scene_get_info(scene);
     if (!costs_measure(&c, b->pair, scene, b->args->quick ? QUICK_STEPS : STEPS, err))
         return false;
     cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "effects"),
@@ -215,7 +216,7 @@ static bool measure_scenes(bench *b, duet_error *err)
         any = true;
         ok = measure_scene(b, s, err);
     }
-    return ok && (any || error_set(err, DUET_BAD_ARGUMENT,
+    return ok && (any || error_set(err, DUET_STATUS_BAD_ARGUMENT,
                                    "--scene '%s': the set has paper, paper2d, clustered, mixed, "
                                    "planes and falling",
                                    b->args->scene));
@@ -227,7 +228,7 @@ static bool measure_all(bench *b, duet_error *err)
     bool ok = measure_scenes(b, err);
     ok = finish(b, ok ? err : NULL) && ok;
     if (ok && b->failed > 0)
-        ok = error_set(err, DUET_DEVICE_FAILED, "%u plans failed", b->failed);
+        ok = error_set(err, DUET_STATUS_DEVICE_FAILED, "%u plans failed", b->failed);
     return ok;
 }
 
@@ -240,7 +241,7 @@ static bool run(const arguments *args, duet_error *err)
     ok = b.pair && measure_all(&b, err);
     cJSON_Delete(b.results);
     cJSON_Delete(b.before);
-    duet_device_pair_close(b.pair);
+    duet_device_pair_destroy(b.pair);
     return ok;
 }
 

@@ -68,8 +68,8 @@ static void print_device(const duet_device_info *d)
 
 static void print_default(const duet_device_pair *pair)
 {
-    const duet_device_info *a = duet_device_pair_info(pair, 0);
-    const duet_device_info *b = duet_device_pair_info(pair, 1);
+    const duet_device_info *a = duet_device_pair_get_info(pair, 0);
+    const duet_device_info *b = duet_device_pair_get_info(pair, 1);
     printf("without --pair: %s,%s\n", a->selector, b->selector);
 }
 
@@ -100,11 +100,11 @@ static bool print_json(const duet_device_list *list, const duet_device_pair *pai
 {
     cJSON *o = cJSON_CreateObject();
     cJSON *devices = cJSON_AddArrayToObject(o, "devices");
-    for (uint32_t i = 0; i < duet_device_list_count(list); ++i)
-        cJSON_AddItemToArray(devices, device_json(duet_device_list_at(list, i)));
+    for (uint32_t i = 0; i < duet_device_list_get_count(list); ++i)
+        cJSON_AddItemToArray(devices, device_json(duet_device_list_get_info(list, i)));
     char chosen[160];
-    snprintf(chosen, sizeof chosen, "%s,%s", duet_device_pair_info(pair, 0)->selector,
-             duet_device_pair_info(pair, 1)->selector);
+    snprintf(chosen, sizeof chosen, "%s,%s", duet_device_pair_get_info(pair, 0)->selector,
+             duet_device_pair_get_info(pair, 1)->selector);
     cJSON_AddStringToObject(o, "default_pair", chosen);
     return say_json(o, err);
 }
@@ -119,21 +119,21 @@ int command_devices(int argc, char **argv)
         return exit_code;
     duet_error err = {0};
     duet_device_pair *pair = NULL;
-    duet_device_list *list = duet_device_list_open(&err);
+    duet_device_list *list = duet_device_list_create(&err);
     bool ok = list != NULL;
     if (ok) {
         duet_device_pair_def def = duet_default_device_pair_def();
-        pair = duet_device_pair_open(&def, &err);
+        pair = duet_device_pair_create(&def, &err);
         ok = pair != NULL;
     }
     if (ok && args.json) {
         ok = print_json(list, pair, &err);
     } else if (ok) {
-        for (uint32_t i = 0; i < duet_device_list_count(list); ++i)
-            print_device(duet_device_list_at(list, i));
+        for (uint32_t i = 0; i < duet_device_list_get_count(list); ++i)
+            print_device(duet_device_list_get_info(list, i));
         print_default(pair);
     }
-    duet_device_pair_close(pair);
-    duet_device_list_close(list);
+    duet_device_pair_destroy(pair);
+    duet_device_list_destroy(list);
     return ok ? EXIT_OK : say_failed(&err);
 }

@@ -45,7 +45,7 @@ static bool tell_effects(costs *c, const arguments *args, duet_device_pair *pair
                          const duet_scene *scene, duet_error *err)
 {
     *c = (costs){.n = 0};
-    return (!duet_scene_poses(scene) && !args->measure) ||
+    return (!duet_scene_get_objects(scene, DUET_OBJECT_POSES) && !args->measure) ||
            costs_measure(c, pair, scene, args->measure ? args->steps : 0, err);
 }
 
@@ -72,7 +72,7 @@ static bool explain(const arguments *args, const char *path, duet_error *err)
     duet_scene *scene = pair ? inputs_load_scene(path, &args->scene, err) : NULL;
     bool ok = scene && tell_effects(&c, args, pair, scene, err);
     bool still = ok && is_still(&c);
-    cJSON *o = ok && args->json ? costs_report_json(&c, duet_scene_describe(scene), pair) : NULL;
+    cJSON *o = ok && args->json ? costs_report_json(&c, duet_scene_get_info(scene), pair) : NULL;
     if (ok && still)
         ok = tell_search(args, pair, scene, o, err);
     else if (ok && !o)
@@ -82,7 +82,7 @@ static bool explain(const arguments *args, const char *path, duet_error *err)
     else
         cJSON_Delete(o);
     duet_scene_destroy(scene);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
     return ok;
 }
 

@@ -61,7 +61,8 @@ static char *read_typed(session *s, duet_error *err, bool *ran)
         return NULL;
     }
     if (more)
-        *ran = error_set(err, DUET_BAD_INPUT, "typed: ends in the middle: %s", text_chars(&typed));
+        *ran = error_set(err, DUET_STATUS_BAD_INPUT, "typed: ends in the middle: %s",
+                         text_chars(&typed));
     return typed.chars;
 }
 

@@ -40,7 +40,7 @@ static uint32_t most_boxes(const arguments *args, const duet_scene *scene)
 {
     if (args->most > 0)
         return (uint32_t)args->most;
-    return duet_scene_describe(scene)->dims == 2 ? BOXES_2D : BOXES_3D;
+    return duet_scene_get_info(scene)->dims == 2 ? BOXES_2D : BOXES_3D;
 }
 
 static bool picture(const arguments *args, const char *path, duet_error *err)

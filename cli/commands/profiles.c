@@ -135,8 +135,8 @@ static bool import_rows(store *s, const arguments *args, const char *path, duet_
     bool is_stdin = strcmp(path, "-") == 0;
     FILE *in = is_stdin ? stdin : fopen(path, "r");
     if (!in)
-        return error_set(err, errno == ENOENT ? DUET_NOT_FOUND : DUET_IO_FAILED, "%s: %s", path,
-                         strerror(errno));
+        return error_set(err, errno == ENOENT ? DUET_STATUS_NOT_FOUND : DUET_STATUS_IO_FAILED,
+                         "%s: %s", path, strerror(errno));
     profile_import_counts counts;
     bool ok = profile_import(s, in, is_stdin ? "stdin" : path, &counts, err);
     if (!is_stdin)
@@ -241,7 +241,7 @@ static bool check(store *s, const arguments *args, const char *operand, duet_err
     bool ok =
         profile_check(s, &report, &problems, err) && print_report(args, text_chars(&report), err);
     if (ok && problems > 0)
-        ok = error_set(err, DUET_STORE_FAILED,
+        ok = error_set(err, DUET_STATUS_STORE_FAILED,
                        "%s: %" PRIu32 " rows are not sound; bring back a copy, or export what is "
                        "left and import it into a fresh file",
                        store_path(s), problems);

@@ -396,11 +396,11 @@ static bool show(store *s, const arguments *args, const char *uid, duet_error *e
     if (!profile_entry_each(s, uid, true, count_entry, &n, err))
         return false;
     if (n == 0)
-        return error_set(err, DUET_NOT_FOUND,
+        return error_set(err, DUET_STATUS_NOT_FOUND,
                          "%s: no profile begins with '%s'; 'duet profiles list' shows them",
                          store_path(s), uid);
     if (n > 1)
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: %" PRIu64 " profiles begin with '%s'; give more digits",
                          store_path(s), n, uid);
     showing sh = {.s = s, .json = args->json, .err = err};

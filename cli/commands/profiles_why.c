@@ -170,7 +170,7 @@ static bool run(const arguments *args, const char *path, duet_error *err)
     text_free(&a.why);
     duet_world_destroy(world);
     duet_scene_destroy(scene);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
     return ok;
 }
 

@@ -93,7 +93,7 @@ static bool keep_file(results *r, cJSON *o, const char *path, duet_error *err)
         return costs_report_check(o, path, err);
     }
     if (strcmp(type, BENCH_TYPE) != 0)
-        return error_set(err, DUET_BAD_INPUT,
+        return error_set(err, DUET_STATUS_BAD_INPUT,
                          "%s: no results of 'duet bench --out', 'duet accuracy --json' or 'duet "
                          "explain --measure --json'",
                          path);
@@ -116,7 +116,7 @@ static bool add_store(text *page, const char *path, bool needed, duet_error *err
 {
     duet_error failure = {0};
     store *s = profiles_open(path, STORE_READ, &failure);
-    if (!s && failure.status == DUET_NOT_FOUND && !path && !needed) {
+    if (!s && failure.status == DUET_STATUS_NOT_FOUND && !path && !needed) {
         page_paragraph(page, "There is no profile store yet; duet tune makes one.");
         return true;
     }

@@ -80,7 +80,7 @@ static bool compare(const duet_scene *scene, duet_level level, const duet_pair *
                     verdict *v, duet_error *err)
 {
     duet_pair *expected = NULL;
-    if (!duet_reference_at(scene, level, &expected, &v->reference, err))
+    if (!duet_reference(scene, level, &expected, &v->reference, err))
         return false;
     pair_list_count wrong = {0};
     pair_list_compare(pairs, n, expected, v->reference, pair_list_count_wrong, &wrong);
@@ -113,7 +113,7 @@ static duet_world *make_world(const arguments *args, const duet_scene *scene,
     if (!inputs_change_level(&args->level, &def, err) ||
         !inputs_change_plan(&args->plan, &def.plan, err))
         return NULL;
-    def.sizes_apart = args->transforms;
+    def.separate_sizes = args->transforms;
     return duet_world_create(&def, err);
 }
 
@@ -124,7 +124,7 @@ static bool choose_plan(const arguments *args, const duet_scene *scene, duet_wor
 {
     r->plan_given = inputs_plan_given(&args->plan);
     r->profile.grade = DUET_GRADE_DEFAULT;
-    if (r->plan_given || duet_scene_describe(scene)->n == 0)
+    if (r->plan_given || duet_scene_get_info(scene)->n == 0)
         return true;
     if (!duet_world_set_scene(world, scene, err))
         return false;
@@ -146,15 +146,15 @@ static bool run_world(const arguments *args, const duet_scene *scene, const duet
                       duet_world *world, duet_error *err)
 {
     timed t = {0};
-    run_report r = {.scene = duet_scene_describe(scene),
+    run_report r = {.scene = duet_scene_get_info(scene),
                     .pair = pair,
-                    .plan = duet_world_plan(world),
+                    .plan = duet_world_get_plan(world),
                     .timed = &t,
                     .resident = args->resident,
                     .transforms = args->transforms};
     bool ok = choose_plan(args, scene, world, &r, err);
-    duet_level level = duet_world_level(world);
-    r.level = duet_level_describe(level)->name;
+    duet_level level = duet_world_get_level(world);
+    r.level = duet_level_get_info(level)->name;
     ok = ok && timed_run(&t, world, scene, (uint32_t)args->repeat, sends(args), err);
     ok = ok && use_pairs(args, scene, level, &t.last, &r.verdict, err);
     if (ok && args->json)
@@ -162,7 +162,7 @@ static bool run_world(const arguments *args, const duet_scene *scene, const duet
     else if (ok)
         run_report_text(&r);
     if (ok && !verdict_is_right(&r.verdict))
-        ok = error_set(err, DUET_WRONG_RESULT, "%s: the pairs differ from the reference's",
+        ok = error_set(err, DUET_STATUS_WRONG_RESULT, "%s: the pairs differ from the reference's",
                        r.scene->name);
     timed_free(&t);
     return ok && interrupt_check(err);
@@ -181,7 +181,7 @@ static bool run(const arguments *args, const char *path, duet_error *err)
         ok = world && run_world(args, scene, pair, world, err);
     duet_world_destroy(world);
     duet_scene_destroy(scene);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
     return ok;
 }
 

@@ -60,22 +60,22 @@ static bool draw_frame(moved *r, duet_error *err)
     char path[4096];
     int n = snprintf(path, sizeof path, "%s/%05" PRIu64 ".png", r->options->frames, r->frames++);
     if (n < 0 || (size_t)n >= sizeof path)
-        return error_set(err, DUET_BAD_ARGUMENT, "--frames: the folder's name is too long");
-    return duet_motion_read(r->motion, r->states, err) &&
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "--frames: the folder's name is too long");
+    return duet_motion_get_states(r->motion, r->states, err) &&
            snapshot_frame(&r->look, path, r->states, err);
 }
 
 static bool draw_picture(moved *r, duet_error *err)
 {
     return !r->options->picture ||
-           (duet_motion_read(r->motion, r->states, err) &&
+           (duet_motion_get_states(r->motion, r->states, err) &&
             snapshot_picture(&r->look, r->options->picture, r->states, err));
 }
 
 static bool make_folder(const char *path, duet_error *err)
 {
     return !path || mkdir(path, 0777) == 0 || errno == EEXIST ||
-           error_set(err, DUET_IO_FAILED, "--frames: the folder %s cannot be made: %s", path,
+           error_set(err, DUET_STATUS_IO_FAILED, "--frames: the folder %s cannot be made: %s", path,
                      strerror(errno));
 }
 
@@ -86,7 +86,7 @@ static bool tell_step(moved *r, duet_error *err)
     bool due = r->done == 1 || r->done == r->options->steps || (every > 0 && r->done % every == 0);
     if (!due || r->options->json)
         return true;
-    if (!duet_motion_energy(r->motion, &e, err))
+    if (!duet_motion_get_energy(r->motion, &e, err))
         return false;
     printf("%9" PRIu64 " %9.3f %12.5g %12.5g %12.5g %12" PRIu64 " %12" PRIu64 " %9.2f\n", r->done,
            r->last.time, e.kinetic + e.turning, e.potential, e.kinetic + e.turning + e.potential,
@@ -113,11 +113,11 @@ static bool step(moved *r, duet_error *err)
 
 static void tell_begin(const moved *r)
 {
-    const duet_scene_info *info = duet_scene_describe(r->scene);
+    const duet_scene_info *info = duet_scene_get_info(r->scene);
     if (r->options->json)
         return;
     printf("%s: %s boxes, %uD; effects:", info->name, table_count(info->n).chars, info->dims);
-    uint32_t effects = duet_motion_effects(r->motion);
+    uint32_t effects = duet_motion_get_effects(r->motion);
     for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
         if (effects & bit)
             printf(" %s", duet_effect_name(bit));
@@ -156,7 +156,7 @@ static void tell_end(const moved *r, uint64_t hash)
     putchar('\n');
     if (r->n_stages > 0)
         tell_times(r);
-    else if (duet_motion_effects(r->motion) == 0)
+    else if (duet_motion_get_effects(r->motion) == 0)
         printf("nothing is called for, so that a step launches nothing\n");
     printf("state hash %016" PRIx64 "\n", hash);
 }
@@ -164,13 +164,13 @@ static void tell_end(const moved *r, uint64_t hash)
 static bool tell_json(moved *r, uint64_t hash, duet_error *err)
 {
     duet_energy e;
-    if (!duet_motion_energy(r->motion, &e, err))
+    if (!duet_motion_get_energy(r->motion, &e, err))
         return false;
     char digits[17];
     snprintf(digits, sizeof digits, "%016" PRIx64, hash);
     cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "scene", duet_scene_describe(r->scene)->name);
-    cJSON_AddNumberToObject(o, "objects", duet_motion_count(r->motion));
+    cJSON_AddStringToObject(o, "scene", duet_scene_get_info(r->scene)->name);
+    cJSON_AddNumberToObject(o, "objects", duet_motion_get_count(r->motion));
     cJSON_AddNumberToObject(o, "steps", (double)r->done);
     cJSON_AddNumberToObject(o, "time", r->last.time);
     cJSON_AddNumberToObject(o, "ms_a_step", mean_ms(r));
@@ -181,7 +181,7 @@ static bool tell_json(moved *r, uint64_t hash, duet_error *err)
     cJSON_AddStringToObject(o, "hash", digits);
     cJSON *effects = cJSON_AddArrayToObject(o, "effects");
     for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
-        if (duet_motion_effects(r->motion) & bit)
+        if (duet_motion_get_effects(r->motion) & bit)
             cJSON_AddItemToArray(effects, cJSON_CreateString(duet_effect_name(bit)));
     cJSON *stages = cJSON_AddObjectToObject(o, "stages_ms");
     for (uint32_t i = 0; i < r->n_stages && r->done > 1; ++i)
@@ -193,15 +193,15 @@ static bool tell_json(moved *r, uint64_t hash, duet_error *err)
 
 static bool open(moved *r, duet_device_pair *pair, const plan_options *plan, duet_error *err)
 {
-    const duet_scene_info *info = duet_scene_describe(r->scene);
+    const duet_scene_info *info = duet_scene_get_info(r->scene);
     r->def = duet_scene_motion_def(r->scene, pair);
     if (!inputs_change_plan(plan, &r->def.plan, err))
         return false;
-    r->motion = duet_motion_create_scene(&r->def, r->scene, NULL, err);
+    r->motion = duet_motion_create_from_scene(&r->def, r->scene, NULL, err);
     r->states = calloc((size_t)info->n + 1, sizeof *r->states);
     if (r->motion && !r->states)
-        return error_set(err, DUET_NO_MEMORY, "%u states: no memory", info->n);
-    if (!r->motion || !duet_motion_read(r->motion, r->states, err))
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%u states: no memory", info->n);
+    if (!r->motion || !duet_motion_get_states(r->motion, r->states, err))
         return false;
     return snapshot_begin(&r->look, &r->def, r->scene, r->states, err);
 }
@@ -217,7 +217,7 @@ static bool run(moved *r, duet_error *err)
     }
     progress_end(&p);
     uint64_t hash = 0;
-    ok = ok && duet_motion_hash(r->motion, &hash, err) && draw_picture(r, err);
+    ok = ok && duet_motion_get_hash(r->motion, &hash, err) && draw_picture(r, err);
     if (ok && r->options->json)
         return tell_json(r, hash, err);
     if (ok)

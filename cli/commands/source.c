@@ -69,7 +69,7 @@ static bool read_setting(const char *chars, settings *s, uint32_t i, duet_error 
     errno = 0;
     int64_t value = strtoll(equals + 1, &end, 10);
     if (equals[1] == '\0' || *end != '\0' || errno != 0)
-        return error_set(err, DUET_BAD_ARGUMENT, "--set '%s': give a whole number, as WG=64",
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "--set '%s': give a whole number, as WG=64",
                          chars);
     snprintf(s->names[i], sizeof s->names[i], "%.*s", (int)(equals - chars), chars);
     s->at[s->n++] = (gen_setting){s->names[i], value};
@@ -96,7 +96,7 @@ static bool add_scene(gen *g, const char *name, const gen_limits *limits, const 
     duet_scene *scene = inputs_load_scene(path, &as_it_is, err);
     if (!scene)
         return false;
-    const duet_scene_info *info = duet_scene_describe(scene);
+    const duet_scene_info *info = duet_scene_get_info(scene);
     uint32_t origin_bits;
     memcpy(&origin_bits, &info->origin, sizeof origin_bits);
     const gen_setting decided[] = {
@@ -175,8 +175,8 @@ static bool open_device(const char *selector, device *d, duet_error *err)
     if (selector)
         return device_open(d, selector, err);
     duet_device_pair *pair = inputs_open_pair(NULL, err);
-    bool ok = pair && device_open(d, duet_device_pair_info(pair, 1)->selector, err);
-    duet_device_pair_close(pair);
+    bool ok = pair && device_open(d, duet_device_pair_get_info(pair, 1)->selector, err);
+    duet_device_pair_destroy(pair);
     return ok;
 }
 

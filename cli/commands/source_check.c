@@ -39,7 +39,7 @@ static bool check_config(gen *g, program_set *set, const char *name, uint64_t in
         return false;
     duet_error why = {0};
     bool compiled = program_set_check(set, name, config, n, &why);
-    if (!compiled && why.status != DUET_BUILD_FAILED)
+    if (!compiled && why.status != DUET_STATUS_BUILD_FAILED)
         return error_set(err, why.status, "%s", why.text);
     if (!compiled)
         fprintf(stderr, "duet: %s\n", why.text);
@@ -120,7 +120,8 @@ bool source_check(gen *g, const device *d, const source_check_def *def, duet_err
     else
         cJSON_Delete(o);
     if (ok && failed > 0)
-        ok = error_set(err, DUET_BUILD_FAILED, "%" PRIu64 " config%s failed to compile on %s",
-                       failed, failed == 1 ? "" : "s", d->info.selector);
+        ok =
+            error_set(err, DUET_STATUS_BUILD_FAILED, "%" PRIu64 " config%s failed to compile on %s",
+                      failed, failed == 1 ? "" : "s", d->info.selector);
     return ok;
 }

@@ -88,7 +88,7 @@ static bool read_numbers(const char *list, int64_t *numbers, uint32_t *n, duet_e
         bool is_number = *at >= '0' && *at <= '9' && number <= UINT32_MAX;
         if (!is_number || (*end != ',' && *end != '\0') || (*end == ',' && !end[1]) ||
             *n == MOST_NUMBERS)
-            return error_set(err, DUET_BAD_ARGUMENT,
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "--n '%s': give up to %d numbers with commas between them, as "
                              "250000,500000",
                              list, MOST_NUMBERS);
@@ -107,7 +107,8 @@ static bool cut_variants(tune_config *config, const char *list, duet_error *err)
         return false;
     for (char *at = config->list.chars; at;) {
         if (config->n_variants == CONFIG_VARIANTS)
-            return error_set(err, DUET_BAD_ARGUMENT, "--variants: at most %d", CONFIG_VARIANTS);
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "--variants: at most %d",
+                             CONFIG_VARIANTS);
         config->variants[config->n_variants++] = at;
         at = strchr(at, ',');
         if (at)
@@ -124,7 +125,8 @@ static bool read_levels(const char *list, tune_config *config, duet_error *err)
         char name[32];
         snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ","), at);
         if (config->n_levels == DUET_LEVELS)
-            return error_set(err, DUET_BAD_ARGUMENT, "--level: at most %d levels", DUET_LEVELS);
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "--level: at most %d levels",
+                             DUET_LEVELS);
         if (!inputs_read_level(name, &config->levels[config->n_levels++], err))
             return false;
         const char *comma = strchr(at, ',');
@@ -146,7 +148,7 @@ static bool change_levels(const level_options *asked, tune_config *config, duet_
     if (asked->level && !read_levels(asked->level, config, err))
         return false;
     return config->n_levels < 2 || given ||
-           error_set(err, DUET_BAD_ARGUMENT,
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "--level %s: to choose one of several, give --missed or --false-rate",
                      asked->level);
 }
@@ -168,10 +170,11 @@ static bool add_scene(const arguments *args, const char *path, tune_config *conf
 static bool check_operands(const arguments *args, const char *path, duet_error *err)
 {
     if (!path == !args->config)
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "tune: give a scene, or a tune file with --config");
     if (args->config && args->numbers)
-        return error_set(err, DUET_BAD_ARGUMENT, "--n: with --config the file says how many");
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "--n: with --config the file says how many");
     return true;
 }
 
@@ -246,7 +249,7 @@ static bool tune_workload(duet_tune_def *def, const duet_scene *scene, tune_repo
 {
     duet_tune_outcome outcome;
     def->scene = scene;
-    tune_report_workload(report, duet_scene_describe(scene));
+    tune_report_workload(report, duet_scene_get_info(scene));
     if (!duet_tune_run(def, &outcome, err))
         return false;
     tune_report_add(report, &outcome);
@@ -264,7 +267,7 @@ static bool tune_workloads(const arguments *args, const tune_config *config, tun
         ok = scene && tune_workload(&def, scene, report, err);
         duet_scene_destroy(scene);
     }
-    duet_device_pair_close(def.pair);
+    duet_device_pair_destroy(def.pair);
     return ok;
 }
 
@@ -272,7 +275,7 @@ static bool tune(arguments *args, const char *path, duet_error *err)
 {
     tune_config *config = calloc(1, sizeof *config);
     if (!config)
-        return error_set(err, DUET_NO_MEMORY, "no memory for a tuning");
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a tuning");
     tune_report report = tune_report_begin(args->json);
     bool ok = make_config(args, path, config, err) && tune_workloads(args, config, &report, err);
     ok = tune_report_end(&report, ok, ok ? err : NULL) && ok;

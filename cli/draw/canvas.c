@@ -37,12 +37,13 @@ canvas *canvas_open(const char *path, double width, double height, duet_error *e
 {
     bool is_png = ends_with(path, ".png");
     if (!is_png && !ends_with(path, ".svg")) {
-        error_set(err, DUET_BAD_ARGUMENT, "'%s': a picture's name ends with .svg or .png", path);
+        error_set(err, DUET_STATUS_BAD_ARGUMENT, "'%s': a picture's name ends with .svg or .png",
+                  path);
         return NULL;
     }
     canvas *c = calloc(1, sizeof *c);
     if (!c) {
-        error_set(err, DUET_NO_MEMORY, "%s: no memory for the picture", path);
+        error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for the picture", path);
         return NULL;
     }
     c->path = path;
@@ -115,7 +116,7 @@ static bool finish(canvas *c, duet_error *err)
     if (status == CAIRO_STATUS_SUCCESS)
         status = cairo_surface_status(c->surface);
     return status == CAIRO_STATUS_SUCCESS ||
-           error_set(err, DUET_NO_MEMORY, "%s: %s", c->path, cairo_status_to_string(status));
+           error_set(err, DUET_STATUS_NO_MEMORY, "%s: %s", c->path, cairo_status_to_string(status));
 }
 
 bool canvas_close(canvas *c, bool keep, duet_error *err)

@@ -47,7 +47,7 @@ static double digits_of_wrong(const level_cost *row)
 static void draw_row(canvas *c, const level_costs *p, const level_cost *row, double y)
 {
     char words[160];
-    canvas_words(c, (point){names_x, y}, words_px, ink, duet_level_describe(row->level)->name);
+    canvas_words(c, (point){names_x, y}, words_px, ink, duet_level_get_info(row->level)->name);
     double length = bar_px * row->step_ms / greatest(p, time_of);
     draw_bar(c, times_x, y, length, row->front ? time_fill : beaten_fill);
     snprintf(words, sizeof words, "%.3g ms, %.2f x", row->step_ms, row->relative);
@@ -63,7 +63,7 @@ static void draw_row(canvas *c, const level_costs *p, const level_cost *row, dou
 static void draw_device(canvas *c, const level_costs_report *r, int device, double *y)
 {
     char words[256];
-    const duet_device_info *info = duet_device_pair_info(r->pair, device);
+    const duet_device_info *info = duet_device_pair_get_info(r->pair, device);
     snprintf(words, sizeof words, "%c: %.60s, %.120s", "AB"[device], info -> selector,
              info -> name);
     canvas_words(c, (point){names_x, *y}, words_px, grey, words);

@@ -40,7 +40,8 @@ raster *raster_open(const char *path, int width, int height, tint paper, duet_er
 {
     size_t n = strlen(path);
     if (n < 5 || strcmp(path + n - 4, ".png") != 0) {
-        error_set(err, DUET_BAD_ARGUMENT, "'%s': the name of a run's picture ends with .png", path);
+        error_set(err, DUET_STATUS_BAD_ARGUMENT, "'%s': the name of a run's picture ends with .png",
+                  path);
         return NULL;
     }
     raster *r = calloc(1, sizeof *r);
@@ -50,7 +51,7 @@ raster *raster_open(const char *path, int width, int height, tint paper, duet_er
                       malloc(samples * sizeof(float))};
     }
     if (!r || !r->samples || !r->nearest) {
-        error_set(err, DUET_NO_MEMORY, "%s: no memory for a picture", path);
+        error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for a picture", path);
         raster_close(r, false, NULL);
         return NULL;
     }
@@ -124,10 +125,10 @@ static bool write_png(raster *r, duet_error *err)
     png_alloc_size_t capacity = PNG_IMAGE_PNG_SIZE_MAX(image), n = capacity;
     char *bytes = malloc(capacity);
     if (!bytes)
-        return error_set(err, DUET_NO_MEMORY, "%s: no memory for a picture", r->path);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for a picture", r->path);
     shrink(r);
     bool ok = png_image_write_to_memory(&image, bytes, &n, 0, r->samples, 0, NULL) ||
-              error_set(err, DUET_IO_FAILED, "%s: %s", r->path, image.message);
+              error_set(err, DUET_STATUS_IO_FAILED, "%s: %s", r->path, image.message);
     ok = ok && text_write_file(r->path, bytes, n, err);
     free(bytes);
     return ok;

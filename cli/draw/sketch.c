@@ -13,10 +13,12 @@ static const uint32_t NOT_DRAWN = UINT32_MAX;
 
 static grid_objects objects_of(const duet_scene *scene)
 {
-    const duet_scene_info *info = duet_scene_describe(scene);
-    const void *rows = info->origin > 0                  ? (const void *)duet_scene_placed(scene)
-                       : info->shape == DUET_SHAPE_POSES ? (const void *)duet_scene_poses(scene)
-                                                         : duet_scene_bounds(scene);
+    const duet_scene_info *info = duet_scene_get_info(scene);
+    const void *rows = info->origin > 0
+                           ? (const void *)duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES)
+                       : info->shape == DUET_SHAPE_POSES
+                           ? (const void *)duet_scene_get_objects(scene, DUET_OBJECT_POSES)
+                           : duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS);
     return (grid_objects){.rows = rows,
                           .shape = info->shape,
                           .origin = info->origin,
@@ -28,16 +30,18 @@ static duet_pose box_of(const sketch *s, const duet_scene *scene, uint32_t id)
 {
     if (s->info->origin > 0) {
         grid_objects objects = objects_of(scene);
-        duet_pose box = duet_scene_placed(scene)[id].pose;
+        const duet_large_pose *large = duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES);
+        duet_pose box = large[id].pose;
         double centre[3];
         grid_centre_of(centre, &objects, id);
         for (int k = 0; k < 3; ++k)
             box.centre[k] = (float)(centre[k] - s->from[k]);
         return box;
     }
-    if (s->info->shape == DUET_SHAPE_POSES)
-        return duet_scene_poses(scene)[id];
-    const duet_bounds *b = &duet_scene_bounds(scene)[id];
+    const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
+    if (poses)
+        return poses[id];
+    const duet_bounds *bounds = duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS), *b = &bounds[id];
     duet_pose box = {.rotation = {0, 0, 0, 1}};
     for (int k = 0; k < 3; ++k) {
         box.centre[k] = 0.5F * b->lower[k] + 0.5F * b->upper[k];
@@ -204,16 +208,16 @@ static bool take_sample(sketch *s, const duet_scene *scene, const duet_pair *pai
     free(all);
     free(places);
     free(collides);
-    return ok || error_set(err, DUET_NO_MEMORY, "a picture of %u objects: no memory", n);
+    return ok || error_set(err, DUET_STATUS_NO_MEMORY, "a picture of %u objects: no memory", n);
 }
 
 bool sketch_make(sketch *s, const duet_scene *scene, uint32_t most, duet_error *err)
 {
     duet_pair *pairs = NULL;
-    *s = (sketch){.info = duet_scene_describe(scene)};
+    *s = (sketch){.info = duet_scene_get_info(scene)};
     s->n = s->info->n < most ? s->info->n : most;
     bool ok = look_at_all(s, scene, err);
-    ok = ok && duet_reference(scene, &pairs, &s->n_pairs, err);
+    ok = ok && duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &s->n_pairs, err);
     ok = ok && take_sample(s, scene, pairs, err);
     duet_free(pairs);
     return ok;

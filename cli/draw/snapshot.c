@@ -28,10 +28,10 @@ static int by_number(const void *x, const void *y)
 static bool find_extent(const snapshot *s, const duet_state *states, uint32_t axis, double *lower,
                         double *upper, duet_error *err)
 {
-    const duet_pose *poses = duet_scene_poses(s->scene);
+    const duet_pose *poses = duet_scene_get_objects(s->scene, DUET_OBJECT_POSES);
     double *lowers = malloc(2 * ((size_t)s->n + 1) * sizeof *lowers);
     if (!lowers)
-        return error_set(err, DUET_NO_MEMORY, "no memory for a picture of %u objects", s->n);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", s->n);
     double *uppers = lowers + s->n;
     uint32_t n = 0;
     for (uint32_t i = 0; i < s->n; ++i) {
@@ -105,7 +105,7 @@ static double brightness_of(uint32_t id)
 
 static void colour_objects(snapshot *s, const duet_state *start)
 {
-    const duet_body *bodies = duet_scene_bodies(s->scene);
+    const duet_body *bodies = duet_scene_get_bodies(s->scene);
     double least = INFINITY, most = -INFINITY;
     for (uint32_t i = 0; i < s->n; ++i) {
         double place = place_of(s->def, &start[i]);
@@ -136,7 +136,7 @@ static bool moves_fast(const duet_motion_def *d, const duet_pose *p, const duet_
 // Where all are that fast, as on orbits, none was shot.
 static void find_shot(snapshot *s, const duet_state *start)
 {
-    const duet_pose *poses = duet_scene_poses(s->scene);
+    const duet_pose *poses = duet_scene_get_objects(s->scene, DUET_OBJECT_POSES);
     uint32_t n = 0;
     for (uint32_t i = 0; i < s->n; ++i) {
         s->is_shot[i] = moves_fast(s->def, &poses[i], &start[i]);
@@ -149,11 +149,11 @@ static void find_shot(snapshot *s, const duet_state *start)
 bool snapshot_begin(snapshot *s, const duet_motion_def *def, const duet_scene *scene,
                     const duet_state *start, duet_error *err)
 {
-    *s = (snapshot){.def = def, .scene = scene, .n = duet_scene_describe(scene)->n};
+    *s = (snapshot){.def = def, .scene = scene, .n = duet_scene_get_info(scene)->n};
     s->colours = calloc((size_t)s->n + 1, sizeof *s->colours);
     s->is_shot = calloc((size_t)s->n + 1, sizeof *s->is_shot);
     if (!s->colours || !s->is_shot)
-        return error_set(err, DUET_NO_MEMORY, "no memory for a picture of %u objects", s->n);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", s->n);
     find_shot(s, start);
     colour_objects(s, start);
     return find_part(s, start, s->lower, s->upper, err);
@@ -286,7 +286,7 @@ static bool draw(const snapshot *s, const char *path, const duet_state *states,
     if (!on)
         return false;
     uint32_t dims = s->def->dims;
-    const duet_pose *poses = duet_scene_poses(s->scene);
+    const duet_pose *poses = duet_scene_get_objects(s->scene, DUET_OBJECT_POSES);
     eye e = aim(on, dims, lower, upper);
     draw_ground(&e, s->def);
     for (uint32_t i = 0; i < s->n; ++i) {

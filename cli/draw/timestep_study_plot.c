@@ -113,7 +113,7 @@ static void draw_frame(canvas *c, const timestep_study_report *r, const axis *x,
 static bool by_integrator(const timestep_study *p)
 {
     for (uint32_t i = 0; i < p->n; ++i)
-        if (p->rows[i].integrator != DUET_EULER)
+        if (p->rows[i].integrator != DUET_INTEGRATOR_EULER)
             return true;
     return false;
 }

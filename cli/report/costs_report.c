@@ -58,8 +58,8 @@ cJSON *costs_report_json(const costs *c, const duet_scene_info *scene, const due
     cJSON_AddStringToObject(o, "type", COSTS_TYPE);
     cJSON_AddStringToObject(o, "scene", scene->name);
     cJSON_AddNumberToObject(o, "objects", scene->n);
-    cJSON_AddStringToObject(o, "a", duet_device_pair_info(pair, 0)->selector);
-    cJSON_AddStringToObject(o, "b", duet_device_pair_info(pair, 1)->selector);
+    cJSON_AddStringToObject(o, "a", duet_device_pair_get_info(pair, 0)->selector);
+    cJSON_AddStringToObject(o, "b", duet_device_pair_get_info(pair, 1)->selector);
     cJSON_AddNumberToObject(o, "steps", (double)c->steps);
     if (c->steps > 0)
         cJSON_AddNumberToObject(o, "step_ms", c->step_ms);
@@ -85,7 +85,7 @@ bool costs_report_check(const cJSON *o, const char *path, duet_error *err)
     };
     bool ok = json_require(o, whole, path, err);
     if (ok && json_number(o, "steps") < 1)
-        ok = error_set(err, DUET_BAD_INPUT, "%s: no times; 'duet explain --measure' takes them",
-                       path);
+        ok = error_set(err, DUET_STATUS_BAD_INPUT,
+                       "%s: no times; 'duet explain --measure' takes them", path);
     return ok && json_require_each(json_list(o, "effects"), row, path, "effect", err);
 }

@@ -40,13 +40,13 @@ static void print_kernels(const duet_world *world, int side)
 
 static void print(const duet_world *world, const duet_device_pair *pair)
 {
-    const duet_plan *plan = duet_world_plan(world);
+    const duet_plan *plan = duet_world_get_plan(world);
     const char *variants[] = {plan->variant_a, plan->variant_b};
     for (int side = 0; side < 2; ++side) {
         if (!world->prepared[side])
             continue;
-        printf("%s  %s, kernels '%s'\n\n", sides[side], duet_device_pair_info(pair, side)->selector,
-               variants[side]);
+        printf("%s  %s, kernels '%s'\n\n", sides[side],
+               duet_device_pair_get_info(pair, side)->selector, variants[side]);
         print_facts(world, side);
         printf("\n");
         print_kernels(world, side);
@@ -87,7 +87,7 @@ static cJSON *kernels_json(const duet_world *world, int side)
 
 static void add_json(const duet_world *world, cJSON *o)
 {
-    const duet_plan *plan = duet_world_plan(world);
+    const duet_plan *plan = duet_world_get_plan(world);
     const char *variants[] = {plan->variant_a, plan->variant_b};
     cJSON *search = cJSON_AddArrayToObject(o, "search");
     for (int side = 0; side < 2; ++side) {

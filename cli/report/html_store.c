@@ -219,7 +219,7 @@ static void draw_trace(text *page, const kept *k, trace *t)
 static bool add_searches(text *page, store *s, const kept_list *list, duet_error *err)
 {
     trace *t = malloc(sizeof *t);
-    bool ok = t || error_set(err, DUET_NO_MEMORY, "the traces of searches: no memory");
+    bool ok = t || error_set(err, DUET_STATUS_NO_MEMORY, "the traces of searches: no memory");
     page_section(page, "Searches");
     page_paragraph(page,
                    "The median time of each share that was tried: of A's part, of B's, and of the "
@@ -327,7 +327,7 @@ bool report_store(text *page, store *s, duet_error *err)
     kept_list list = {0};
     bool ok = profile_entry_each(s, NULL, true, keep, &list, err);
     if (ok && list.failed)
-        ok = error_set(err, DUET_NO_MEMORY, "the profiles: no memory");
+        ok = error_set(err, DUET_STATUS_NO_MEMORY, "the profiles: no memory");
     if (ok && list.n == 0)
         page_paragraph(page, "%s: no profiles yet; duet tune makes them.", store_path(s));
     if (ok && list.n > 0) {

@@ -23,7 +23,7 @@ cJSON *json_read(const char *path, duet_error *err)
     }
     text_free(&chars);
     if (!o)
-        error_set(err, DUET_BAD_INPUT, "%s: not JSON", path);
+        error_set(err, DUET_STATUS_BAD_INPUT, "%s: not JSON", path);
     return o;
 }
 
@@ -31,7 +31,7 @@ bool json_write(const cJSON *o, text *t, duet_error *err)
 {
     char *chars = cJSON_Print(o);
     if (!chars)
-        return error_set(err, DUET_NO_MEMORY, "the JSON object: no memory");
+        return error_set(err, DUET_STATUS_NO_MEMORY, "the JSON object: no memory");
     visible_add_json(t, chars);
     cJSON_free(chars);
     return text_ok(t, err);
@@ -50,7 +50,8 @@ bool json_require(const cJSON *o, const json_field *fields, const char *where, d
 {
     for (const json_field *f = fields; f->name; ++f)
         if (!f->is(cJSON_GetObjectItemCaseSensitive(o, f->name)))
-            return error_set(err, DUET_BAD_INPUT, "%s: '%s' is not %s", where, f->name, f->what);
+            return error_set(err, DUET_STATUS_BAD_INPUT, "%s: '%s' is not %s", where, f->name,
+                             f->what);
     return true;
 }
 

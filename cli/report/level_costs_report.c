@@ -12,7 +12,7 @@ enum { BAR = 20 };
 
 static const char *name_of(const level_cost *row)
 {
-    return duet_level_describe(row->level)->name;
+    return duet_level_get_info(row->level)->name;
 }
 
 static double undecided_share(const level_cost *row)
@@ -57,7 +57,7 @@ static void print_device(const level_costs_report *r, int device)
 {
     static const char *const heads[] = {" ",      "level", "ms a step", "/ sat15", " ",
                                         "missed", "false", "deepest",   "widest",  "undecided"};
-    const duet_device_info *info = duet_device_pair_info(r->pair, device);
+    const duet_device_info *info = duet_device_pair_get_info(r->pair, device);
     printf("\n%c %s, %s, alone\n", "AB"[device], info -> selector, info -> name);
     table t = table_begin("llrrlrrrrr");
     for (size_t i = 0; i < sizeof heads / sizeof *heads; ++i)
@@ -108,8 +108,8 @@ cJSON *level_costs_report_json(const level_costs_report *r)
     cJSON_AddStringToObject(o, "scene", r->scene->name);
     cJSON_AddNumberToObject(o, "objects", r->scene->n);
     cJSON_AddNumberToObject(o, "pairs", (double)r->costs->truth);
-    cJSON_AddStringToObject(o, "a", duet_device_pair_info(r->pair, 0)->selector);
-    cJSON_AddStringToObject(o, "b", duet_device_pair_info(r->pair, 1)->selector);
+    cJSON_AddStringToObject(o, "a", duet_device_pair_get_info(r->pair, 0)->selector);
+    cJSON_AddStringToObject(o, "b", duet_device_pair_get_info(r->pair, 1)->selector);
     cJSON_AddNumberToObject(o, "rounds", r->costs->rounds);
     cJSON *levels = cJSON_AddArrayToObject(o, "levels");
     for (uint32_t i = 0; i < r->costs->n; ++i)
@@ -149,9 +149,9 @@ bool level_costs_report_csv(const level_costs_report *r, const char *path, duet_
     for (uint32_t i = 0; i < r->costs->n; ++i) {
         const level_cost *row = &r->costs->rows[i];
         text_add(&lines, "%s,%s,%.9g,%.9g,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%.9g,%.9g,%.9g,%d\n",
-                 duet_device_pair_info(r->pair, row->device)->selector, name_of(row), row->step_ms,
-                 row->relative, row->pairs, row->missed, row->added, row->deepest_missed,
-                 row->widest_added, undecided_share(row), row->front);
+                 duet_device_pair_get_info(r->pair, row->device)->selector, name_of(row),
+                 row->step_ms, row->relative, row->pairs, row->missed, row->added,
+                 row->deepest_missed, row->widest_added, undecided_share(row), row->front);
     }
     bool ok = text_ok(&lines, err) && text_write_file(path, text_chars(&lines), lines.length, err);
     text_free(&lines);

@@ -42,7 +42,7 @@ static void print_devices(const duet_device_pair *pair, const duet_plan *plan)
     double share = (double)plan->share / DUET_SHARE_ONE;
     table t = table_begin("lllrl");
     for (int i = 0; i < 2; ++i) {
-        const duet_device_info *d = duet_device_pair_info(pair, i);
+        const duet_device_info *d = duet_device_pair_get_info(pair, i);
         table_cell(&t, "%c", "AB"[i]);
         table_cell(&t, "%s", d->selector);
         table_cell(&t, "%s", d->name);
@@ -218,8 +218,8 @@ static cJSON *stages_json(const timed_step *step)
 static void add_plan(cJSON *o, const duet_device_pair *pair, const duet_plan *plan)
 {
     char both[256];
-    snprintf(both, sizeof both, "%s,%s", duet_device_pair_info(pair, 0)->selector,
-             duet_device_pair_info(pair, 1)->selector);
+    snprintf(both, sizeof both, "%s,%s", duet_device_pair_get_info(pair, 0)->selector,
+             duet_device_pair_get_info(pair, 1)->selector);
     cJSON_AddStringToObject(o, "pair", both);
     cJSON_AddNumberToObject(o, "share", (double)plan->share / DUET_SHARE_ONE);
     cJSON_AddStringToObject(o, "mode", duet_mode_name(plan->mode));

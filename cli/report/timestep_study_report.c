@@ -13,8 +13,9 @@ enum { BAR = 16 };
 
 const char *timestep_integrator(const timestep_run *row)
 {
-    static const char *const names[] = {
-        [DUET_EULER] = "euler", [DUET_VERLET] = "verlet", [DUET_YOSHIDA] = "yoshida"};
+    static const char *const names[] = {[DUET_INTEGRATOR_EULER] = "euler",
+                                        [DUET_INTEGRATOR_VERLET] = "verlet",
+                                        [DUET_INTEGRATOR_YOSHIDA] = "yoshida"};
     return names[row->integrator];
 }
 
@@ -92,7 +93,8 @@ void timestep_study_report_text(const timestep_study_report *r)
                                         "error", "",   "energy",   "gain", "deepest"};
     const timestep_study *p = r->study;
     printf("%s: %s objects, %.3g s of the scene, on %s\n", r->scene->name,
-           table_count(r->scene->n).chars, p->time, duet_device_pair_info(r->pair, 1)->selector);
+           table_count(r->scene->n).chars, p->time,
+           duet_device_pair_get_info(r->pair, 1)->selector);
     printf("reference: dt 1/%.4g, substeps %u, %s: %.1f ms a second, gain %.2g %%\n\n",
            1 / p->reference.dt, p->reference.substeps, timestep_integrator(&p->reference),
            p->reference.ms, 100 * p->reference.gain);
@@ -137,8 +139,8 @@ bool timestep_study_report_json(const timestep_study_report *r, duet_error *err)
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "scene", r->scene->name);
     cJSON_AddNumberToObject(o, "objects", r->scene->n);
-    cJSON_AddStringToObject(o, "a", duet_device_pair_info(r->pair, 0)->selector);
-    cJSON_AddStringToObject(o, "b", duet_device_pair_info(r->pair, 1)->selector);
+    cJSON_AddStringToObject(o, "a", duet_device_pair_get_info(r->pair, 0)->selector);
+    cJSON_AddStringToObject(o, "b", duet_device_pair_get_info(r->pair, 1)->selector);
     cJSON_AddNumberToObject(o, "time", p->time);
     cJSON_AddItemToObject(o, "reference", row_json(&p->reference));
     cJSON *rows = cJSON_AddArrayToObject(o, "timesteps");

@@ -80,7 +80,7 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o)
     variant_of(&o->plan, variant);
     cJSON_AddStringToObject(row, "workload", r->name);
     cJSON_AddNumberToObject(row, "objects", o->objects);
-    cJSON_AddStringToObject(row, "level", duet_level_describe(o->level)->name);
+    cJSON_AddStringToObject(row, "level", duet_level_get_info(o->level)->name);
     cJSON_AddNumberToObject(row, "missed_rate", o->accuracy.missed);
     cJSON_AddNumberToObject(row, "false_rate", o->accuracy.false_rate);
     cJSON_AddNumberToObject(row, "true_pairs", (double)o->true_pairs);

@@ -175,8 +175,8 @@ local States = {}
 local Contacts = {}
 
 --- The narrow phase alone: tests pairs that the script brings.
----@class duet.Test
-local Test = {}
+---@class duet.PairQuery
+local PairQuery = {}
 
 --- Rows of one number: 0 separated, 1 colliding.
 ---@class duet.Verdicts
@@ -187,12 +187,12 @@ local Verdicts = {}
 local Separations = {}
 
 --- A table: what a test found and took.
----@class duet.TestResult
+---@class duet.PairQueryResult
 ---@field colliding integer pairs
 ---@field device_ms number[] of A and of B
 ---@field total_ms number wall clock
 ---@field undecided integer pairs that float left open and the host decided
-local TestResult = {}
+local PairQueryResult = {}
 
 --- A table: a kernel and its card.
 ---@class duet.Kernel
@@ -393,10 +393,10 @@ function DevicePair:plan() end
 
 --- Readies both devices to test pairs at a level; A has the share, of the default plan where none is given.
 ---@param def? { level?: string, share?: number, dims?: integer }
----@return duet.Test?
+---@return duet.PairQuery?
 ---@return string? message
 ---@return string? status
-function DevicePair:test(def) end
+function DevicePair:query(def) end
 
 --- Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, strategy, strategy_lua, variants, modes, level (a name, or a list), accuracy, budget_seconds, budget_trials, repeats, seed, script, watch }; watch(progress) is called after each trial and stops the tuning with false.
 ---@param scene duet.Scene
@@ -406,7 +406,7 @@ function DevicePair:test(def) end
 ---@return string? status
 function DevicePair:tune(scene, def) end
 
---- A world by a def { plan, dims, shape, level, accuracy, rotated, cell, cell_fixed, lower, upper, sizes_apart, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.
+--- A world by a def { plan, dims, shape, level, accuracy, rotated, cell, cell_fixed, lower, upper, separate_sizes, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.
 ---@param scene? duet.Scene|table
 ---@param def? table
 ---@return duet.World?
@@ -496,6 +496,17 @@ function Online:step() end
 --- How often the share was tuned again.
 ---@return integer
 function Online:tunings() end
+
+--- Gives the devices' memory back.
+function PairQuery:close() end
+
+--- Tests rows 0 and 1, 2 and 3 ... with each other.
+---@param poses duet.Poses|string|number[]|number[][]
+---@param with_separations? boolean
+---@return duet.Verdicts, duet.PairQueryResult, duet.Separations?
+---@return string? message
+---@return string? status
+function PairQuery:run(poses, with_separations) end
 
 --- All rows as they lie in memory, packed.
 ---@return string
@@ -693,17 +704,6 @@ function States:get(place) end
 ---@param ... any
 function States:set(place, ...) end
 
---- Gives the devices' memory back.
-function Test:close() end
-
---- Tests rows 0 and 1, 2 and 3 ... with each other.
----@param poses duet.Poses|string|number[]|number[][]
----@param with_separations? boolean
----@return duet.Verdicts, duet.TestResult, duet.Separations?
----@return string? message
----@return string? status
-function Test:pairs(poses, with_separations) end
-
 --- All rows as they lie in memory, packed.
 ---@return string
 function Transforms:bytes() end
@@ -788,7 +788,7 @@ function World:map_poses(n) end
 ---@return string? status
 function World:map_sizes(n) end
 
---- The same for a world with sizes_apart: what a step sends there.
+--- The same for a world with separate_sizes: what a step sends there.
 ---@param n integer
 ---@return duet.Transforms?
 ---@return string? message
@@ -912,7 +912,7 @@ function duet.level_covers(level, other) end
 ---@return duet.Level[]
 function duet.levels() end
 
---- Reads pairs for duet.Test:pairs, two poses a row; rows 0 and 1 of its poses are the first pair.
+--- Reads pairs for duet.PairQuery:run, two poses a row; rows 0 and 1 of its poses are the first pair.
 ---@param path string
 ---@return duet.Scene?
 ---@return string? message

@@ -307,7 +307,7 @@ static bool count_crowd(double *others, const grid *g, const grid_objects *objec
     size_t cells = (size_t)nx * (uint32_t)level->cells.s[1] * (uint32_t)level->cells.s[2];
     uint32_t *counts = calloc(cells, sizeof *counts);
     if (!counts)
-        return error_set(err, DUET_NO_MEMORY, "no host memory to count %zu cells", cells);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to count %zu cells", cells);
     for (uint32_t id = 0; id < objects->n; ++id)
         ++counts[(size_t)grid_row_of(g, objects, id) * nx + cell_of(level, objects, id, 0)];
     double pairs = 0.0;

@@ -20,7 +20,7 @@ uint64_t duet_pairs_hash(const duet_pair *pairs, uint64_t n)
     return sum;
 }
 
-uint64_t duet_result_hash(const duet_result *result)
+uint64_t duet_result_get_hash(const duet_result *result)
 {
     if (!result)
         return 0;
@@ -28,7 +28,7 @@ uint64_t duet_result_hash(const duet_result *result)
            duet_pairs_hash(result->spans[1].pairs, result->spans[1].n);
 }
 
-duet_pair duet_result_pair(const duet_result *result, uint64_t i)
+duet_pair duet_result_get_pair(const duet_result *result, uint64_t i)
 {
     if (!result || i >= result->spans[0].n + result->spans[1].n)
         return (duet_pair){0, 0};

@@ -74,7 +74,7 @@ static bool set_by_variant(part *p, const char *kernel_name, const choice *choic
             continue;
         for (uint32_t k = 0; k < n_choices; ++k)
             if (strcmp(choices[k].name, setting->name) == 0 && !choices[k].open)
-                return error_set(err, DUET_BAD_ARGUMENT,
+                return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                                  "variant: %s is what the scene decides, and cannot be set",
                                  setting->name);
         setting->value = p->variant.settings[i].value;
@@ -120,10 +120,11 @@ static bool all_settings_used(const part *p, duet_error *err)
 {
     for (uint32_t i = 0; i < p->variant.n_settings; ++i)
         if (!p->variant.settings[i].used)
-            return error_set(
-                err, DUET_BAD_ARGUMENT, "variant: no kernel that it runs has a parameter '%s%s%s'",
-                p->variant.settings[i].kernel, p->variant.settings[i].kernel[0] ? "." : "",
-                p->variant.settings[i].name);
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "variant: no kernel that it runs has a parameter '%s%s%s'",
+                             p->variant.settings[i].kernel,
+                             p->variant.settings[i].kernel[0] ? "." : "",
+                             p->variant.settings[i].name);
     return true;
 }
 

@@ -150,7 +150,7 @@ bool part_fetch(part *p, const part_task *task, duet_error *err)
     size_t bytes = (size_t)p->n_undecided * sizeof(duet_pair);
     duet_pair *colliding = malloc(bytes + 1);
     if (!colliding)
-        return error_set(err, DUET_NO_MEMORY, "no host memory for %zu bytes", bytes);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu bytes", bytes);
     bool ok = fetch_and_decide(p, task, colliding, err);
     free(colliding);
     return ok;

@@ -16,7 +16,7 @@ static uint32_t capacity_of(const buffer *b)
 static bool reserve_room(part *p, buffer *b, uint64_t pairs, duet_error *err)
 {
     if (pairs > UINT32_MAX)
-        return error_set(err, DUET_TOO_MANY,
+        return error_set(err, DUET_STATUS_TOO_MANY,
                          "%s: %llu pairs, more than the %u that one device can list",
                          p->device->info.selector, (unsigned long long)pairs, UINT32_MAX);
     if (pairs < SMALLEST_ROOM)
@@ -213,7 +213,7 @@ static bool under_limit(const part *p, const part_task *task, duet_error *err)
 {
     uint64_t pairs = part_count(p, COUNT_PAIRS);
     if (task->max_pairs && pairs > task->max_pairs)
-        return error_set(err, DUET_TOO_MANY, "%llu pairs on %s, and the world allows %llu",
+        return error_set(err, DUET_STATUS_TOO_MANY, "%llu pairs on %s, and the world allows %llu",
                          (unsigned long long)pairs, p->device->info.selector,
                          (unsigned long long)task->max_pairs);
     return true;

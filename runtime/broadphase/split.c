@@ -13,7 +13,8 @@ bool split_count(split *s, const part_task *task, duet_error *err)
     uint32_t n_rows = grid_rows(&task->grid);
     uint32_t *rows = calloc(n_rows, sizeof *rows);
     if (!rows)
-        return error_set(err, DUET_NO_MEMORY, "no host memory to count %u rows of cells", n_rows);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to count %u rows of cells",
+                         n_rows);
     grid_objects objects = part_objects(task);
     for (uint32_t id = 0; id < task->n; ++id)
         ++rows[grid_row_of(&task->grid, &objects, id)];

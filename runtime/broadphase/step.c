@@ -38,7 +38,7 @@ static bool fit_grid(duet_world *world, duet_error *err)
     grid_needs_of(&needs, &objects);
     bool too_small = def->cell > 0.0f && needs.widest > def->cell;
     if (too_small && def->cell_fixed)
-        return error_set(err, DUET_CELL_TOO_SMALL,
+        return error_set(err, DUET_STATUS_CELL_TOO_SMALL,
                          "the cell edge %g is below the extent %.9g of object %u; expected a "
                          "cell at least that wide",
                          def->cell, needs.widest, needs.widest_id);
@@ -82,7 +82,7 @@ static part_task describe_task(const duet_world *world)
         .n = world->n,
         .objects = world->objects.bytes,
         .objects_version = world->objects_version,
-        .sizes = world->def.sizes_apart ? world->sizes.bytes : NULL,
+        .sizes = world->def.separate_sizes ? world->sizes.bytes : NULL,
         .sizes_version = world->sizes_version,
         .grid = world->grid,
         .grid_version = world->grid_version,
@@ -251,7 +251,7 @@ static bool pays_to_pack(const duet_world *world, int side, const part_range ran
     const char *variants[2] = {world->def.plan.variant_a, world->def.plan.variant_b};
     variant v;
     return world->def.plan.mode == DUET_MODE_SLAB && world->def.origin == 0.0f &&
-           !world->def.sizes_apart && !world->parts[side].device->info.host_memory &&
+           !world->def.separate_sizes && !world->parts[side].device->info.host_memory &&
            ranges[0].last > 0 && ranges[1].last > 0 &&
            ranges[side].expected <= world->n - world->n / LEAST_LEFT_OUT &&
            variant_parse(&v, variants[side], &world->parts[side].device->info, NULL) &&
@@ -283,7 +283,7 @@ static bool run_parts(duet_world *world, bool *placed, duet_error *err)
     bool ok = shared ? run_shared(world, jobs) : run_slabs(world, jobs, err);
     for (int side = 0; side < 2 && !ok; ++side) {
         part_distrust(&world->parts[side]);
-        if (jobs[side].err.status != DUET_OK && err && err->status == DUET_OK)
+        if (jobs[side].err.status != DUET_STATUS_OK && err && err->status == DUET_STATUS_OK)
             *err = jobs[side].err;
     }
     *placed = jobs[0].placed && jobs[1].placed;
@@ -318,7 +318,7 @@ static bool check_bad(const duet_world *world, duet_error *err)
     uint32_t bad = count_bad(world);
     if (bad == 0 || world->def.keep_bad)
         return true;
-    return error_set(err, DUET_BAD_OBJECT,
+    return error_set(err, DUET_STATUS_BAD_OBJECT,
                      "object %u of %u is not a number, infinite, negative or without rotation "
                      "(%u such objects)",
                      smallest(part_first_bad(a), part_first_bad(b)), world->n, bad);
@@ -386,7 +386,7 @@ bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
         world->split_stale |= !placed;
         fits = world->fitted && placed;
         if (!fits && fit == MOST_FITS)
-            return error_set(err, DUET_CELL_TOO_SMALL,
+            return error_set(err, DUET_STATUS_CELL_TOO_SMALL,
                              "an object's extent of %g does not fit a cell of %g", widest,
                              world->grid.edge);
     }

@@ -31,8 +31,8 @@ static bool take_search(variant *v, const char *word, bool cpu, duet_error *err)
         v->fused = searches[i].fused;
         return true;
     }
-    return error_set(err, DUET_BAD_ARGUMENT, "variant '%s': expected auto, simd, gpu or paper",
-                     word);
+    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "variant '%s': expected auto, simd, gpu or paper", word);
 }
 
 static bool take_sort(variant *v, const char *value, duet_error *err)
@@ -42,7 +42,7 @@ static bool take_sort(variant *v, const char *value, duet_error *err)
     else if (strcmp(value, "radix") == 0)
         v->sort = SORT_RADIX;
     else
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "variant: sort=%s is not possible; expected sort=radix%s", value,
                          v->search == SEARCH_PAPER ? "" : " or sort=counting");
     return true;
@@ -57,7 +57,7 @@ static bool take_grid(variant *v, const char *value, duet_error *err)
             return true;
         }
     }
-    return error_set(err, DUET_BAD_ARGUMENT,
+    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "variant: grid=%s is not possible; expected auto, uniform, dense or "
                      "hashed",
                      value);
@@ -73,7 +73,7 @@ static bool take_send(variant *v, const char *value, duet_error *err)
             return true;
         }
     }
-    return error_set(err, DUET_BAD_ARGUMENT,
+    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "variant: send=%s is not possible; expected all, chunks or packed", value);
 }
 
@@ -81,7 +81,7 @@ static bool take_cells(variant *v, const char *value, duet_error *err)
 {
     v->fixed = strcmp(value, "fixed") == 0;
     return v->fixed || strcmp(value, "free") == 0 ||
-           error_set(err, DUET_BAD_ARGUMENT,
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "variant: cells=%s is not possible; expected free or fixed", value);
 }
 
@@ -89,7 +89,7 @@ static bool take_setting(variant *v, char *word, duet_error *err)
 {
     char *equals = strchr(word, '=');
     if (!equals || equals == word || !equals[1])
-        return error_set(err, DUET_BAD_ARGUMENT, "variant: '%s' is not NAME=VALUE", word);
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "variant: '%s' is not NAME=VALUE", word);
     *equals = '\0';
     const char *value = equals + 1;
     if (strcmp(word, "sort") == 0)
@@ -103,10 +103,10 @@ static bool take_setting(variant *v, char *word, duet_error *err)
     char *end = NULL;
     long long number = strtoll(value, &end, 0);
     if (*end)
-        return error_set(err, DUET_BAD_ARGUMENT, "variant: %s=%s: the value is not a whole number",
-                         word, value);
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "variant: %s=%s: the value is not a whole number", word, value);
     if (v->n_settings == VARIANT_SETTINGS)
-        return error_set(err, DUET_BAD_ARGUMENT, "variant: more than %d settings",
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "variant: more than %d settings",
                          VARIANT_SETTINGS);
     char *dot = strchr(word, '.');
     if (dot)
@@ -125,7 +125,7 @@ bool variant_parse(variant *v, const char *text, const duet_device_info *device,
     *v = (variant){.send = SEND_ALL};
     char words[sizeof(((duet_plan *)0)->variant_a)];
     if (snprintf(words, sizeof words, "%s", text) >= (int)sizeof words)
-        return error_set(err, DUET_BAD_ARGUMENT, "variant: longer than %zu characters",
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "variant: longer than %zu characters",
                          sizeof words - 1);
     char *rest = NULL;
     char *word = strtok_r(words, " ,", &rest);

@@ -60,7 +60,7 @@ static workload_stats see_transforms(workload_stats c, const duet_world *world)
 
 static workload_stats see_placed(workload_stats c, const duet_world *world)
 {
-    const duet_placed *placed = world->objects.bytes;
+    const duet_large_pose *placed = world->objects.bytes;
     for (uint32_t id = 0; id < world->n; ++id) {
         const duet_pose *p = &placed[id].pose;
         double corner[3];
@@ -93,7 +93,7 @@ static workload_stats see_all(const duet_world *world)
                                     .narrowest = FLT_MAX};
     if (world->def.shape == DUET_SHAPE_BOUNDS)
         return see_bounds(nothing, world);
-    if (world->def.sizes_apart)
+    if (world->def.separate_sizes)
         return see_transforms(nothing, world);
     return world->def.origin > 0 ? see_placed(nothing, world) : see_poses(nothing, world);
 }
@@ -201,7 +201,7 @@ workload_summary workload_summarise(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
     workload_stats c = world->stats;
-    if (c.version != world->objects_version || world->def.sizes_apart)
+    if (c.version != world->objects_version || world->def.separate_sizes)
         workload_stats_take(&c, world);
     raster r = lay_raster(def, &c);
     float widest = extent_of(def, c.widest), narrowest = extent_of(def, c.narrowest);

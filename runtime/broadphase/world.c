@@ -39,16 +39,23 @@ static const char *default_variant(const duet_device_info *info)
     return info->kind == DUET_KIND_CPU ? "simd" : "auto";
 }
 
+// What a plan leaves to the device pair.
+static duet_plan resolve_plan(duet_plan plan, const duet_device_pair *pair)
+{
+    const duet_device_info *a = &pair->devices[0].info, *b = &pair->devices[1].info;
+    if (plan.share == DUET_SHARE_DEFAULT)
+        plan.share = default_share(a, b);
+    if (!*plan.variant_a)
+        strcpy(plan.variant_a, default_variant(a));
+    if (!*plan.variant_b)
+        strcpy(plan.variant_b, default_variant(b));
+    return plan;
+}
+
 duet_plan duet_default_plan(const duet_device_pair *pair)
 {
-    duet_plan plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"};
-    if (!pair)
-        return plan;
-    const duet_device_info *a = &pair->devices[0].info, *b = &pair->devices[1].info;
-    plan.share = default_share(a, b);
-    strcpy(plan.variant_a, default_variant(a));
-    strcpy(plan.variant_b, default_variant(b));
-    return plan;
+    duet_plan plan = {.share = DUET_SHARE_DEFAULT, .mode = DUET_MODE_OWN};
+    return pair ? resolve_plan(plan, pair) : plan;
 }
 
 duet_world_def duet_default_world_def(void)
@@ -63,7 +70,7 @@ static bool check_world_box(const duet_world_def *def, duet_error *err)
 {
     for (uint32_t k = 0; def->has_world && k < def->dims; ++k)
         if (!isfinite(def->lower[k]) || !isfinite(def->upper[k]) || def->lower[k] > def->upper[k])
-            return error_set(err, DUET_BAD_ARGUMENT,
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "the world's %c runs from %g to %g; expected finite and rising",
                              "xyz"[k], def -> lower[k], def -> upper[k]);
     return true;
@@ -72,41 +79,42 @@ static bool check_world_box(const duet_world_def *def, duet_error *err)
 static bool check_origin(const duet_world_def *def, duet_error *err)
 {
     if (!origin_is_edge(def->origin))
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "origin is %g; expected 0, or as an origin cell's edge a power of "
                          "two from 2^-100 to 2^100",
                          (double)def->origin);
     return def->origin == 0.0f || def->shape == DUET_SHAPE_POSES ||
-           error_set(err, DUET_BAD_ARGUMENT, "origin cells are for poses; expected 0 for bounds");
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "origin cells are for poses; expected 0 for bounds");
 }
 
 static bool check_sizes_apart(const duet_world_def *def, duet_error *err)
 {
     bool plain = def->shape == DUET_SHAPE_POSES && def->origin == 0.0f;
-    return !def->sizes_apart || plain ||
-           error_set(err, DUET_BAD_ARGUMENT,
-                     "sizes_apart is for poses; expected false for bounds and for placed "
+    return !def->separate_sizes || plain ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "separate_sizes is for poses; expected false for bounds and for placed "
                      "poses");
 }
 
 static bool check_def(const duet_world_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the world's def does not come from duet_default_world_def");
     if (!def->pair)
-        return error_set(err, DUET_BAD_ARGUMENT, "the world's def has no device pair");
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the world's def has no device pair");
     if (def->dims != 2 && def->dims != 3)
-        return error_set(err, DUET_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
     if (def->shape != DUET_SHAPE_POSES && def->shape != DUET_SHAPE_BOUNDS)
-        return error_set(err, DUET_BAD_ARGUMENT, "shape is neither POSES nor BOUNDS");
-    if (!duet_level_describe(def->level))
-        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; expected a duet_level",
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "shape is neither POSES nor BOUNDS");
+    if (!duet_level_get_info(def->level))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
                          (int)def->level);
     if (def->has_accuracy && !accuracy_check(&def->accuracy, "the world's", err))
         return false;
     if (!(def->cell >= 0.0f) || !isfinite(def->cell))
-        return error_set(err, DUET_BAD_ARGUMENT, "cell is %g; expected 0 or an edge above 0",
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "cell is %g; expected 0 or an edge above 0",
                          def->cell);
     return check_origin(def, err) && check_sizes_apart(def, err) && check_world_box(def, err);
 }
@@ -123,7 +131,7 @@ static bool find_wish(grid_wish *wish, const duet_plan *plan, const variant *a, 
     wish->dense = paper || slab || a->grid == VARIANT_GRID_DENSE || b->grid == VARIANT_GRID_DENSE;
     if (wish->hashed && (wish->dense || wish->uniform))
         return error_set(
-            err, DUET_BAD_ARGUMENT,
+            err, DUET_STATUS_BAD_ARGUMENT,
             "a hashed grid suits neither the paper's search nor slabs nor another grid "
             "on the other device ('%s', '%s', mode %s)",
             plan->variant_a, plan->variant_b, duet_mode_name(plan->mode));
@@ -133,7 +141,8 @@ static bool find_wish(grid_wish *wish, const duet_plan *plan, const variant *a, 
 static bool check_ends(const char *name, const char *chars, size_t capacity, duet_error *err)
 {
     return memchr(chars, '\0', capacity) ||
-           error_set(err, DUET_BAD_ARGUMENT, "%s has no end within its %zu bytes", name, capacity);
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s has no end within its %zu bytes", name,
+                     capacity);
 }
 
 static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_world_def *def,
@@ -146,26 +155,28 @@ static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_world_
         !check_ends("variant_b", plan->variant_b, sizeof plan->variant_b, err))
         return false;
     if (plan->share > DUET_SHARE_ONE)
-        return error_set(err, DUET_BAD_ARGUMENT, "share is %u of %u; expected at most all of it",
-                         plan->share, DUET_SHARE_ONE);
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "share is %u of %u; expected at most all of it", plan->share,
+                         DUET_SHARE_ONE);
     if (plan->mode < DUET_MODE_SHARED || plan->mode > DUET_MODE_SLAB)
-        return error_set(err, DUET_BAD_ARGUMENT, "mode is %d; expected shared, own or slab",
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "mode is %d; expected shared, own or slab",
                          (int)plan->mode);
     if (!variant_parse(&a, plan->variant_a, &def->pair->devices[0].info, err) ||
         !variant_parse(&b, plan->variant_b, &def->pair->devices[1].info, err))
         return false;
     bool paper = a.search == SEARCH_PAPER || b.search == SEARCH_PAPER;
-    if (paper && (def->origin > 0.0f || def->sizes_apart))
-        return error_set(err, DUET_BAD_ARGUMENT,
+    if (paper && (def->origin > 0.0f || def->separate_sizes))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the paper's search knows no %s ('%s', '%s'); expected "
                          "auto, simd or gpu",
-                         def->sizes_apart ? "sizes apart" : "origin cells", plan->variant_a,
+                         def->separate_sizes ? "sizes apart" : "origin cells", plan->variant_a,
                          plan->variant_b);
     if (plan->mode == DUET_MODE_SHARED && (a.search == SEARCH_PAPER) != (b.search == SEARCH_PAPER))
-        return error_set(err, DUET_BAD_ARGUMENT,
-                         "mode shared: A cannot search B's grid as '%s' where B does '%s'; right "
-                         "would be the same search, or mode own",
-                         plan->variant_a, plan->variant_b);
+        return error_set(
+            err, DUET_STATUS_BAD_ARGUMENT,
+            "mode shared: A cannot search B's grid as '%s' where B does '%s'; expected "
+            "the same search, or mode own",
+            plan->variant_a, plan->variant_b);
     return find_wish(wish, plan, &a, &b, err);
 }
 
@@ -174,14 +185,18 @@ static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_world_
 duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
 {
     grid_wish wish;
-    if (!check_def(def, err) || !check_plan(&wish, &def->plan, def, err))
+    if (!check_def(def, err))
+        return NULL;
+    duet_plan plan = resolve_plan(def->plan, def->pair);
+    if (!check_plan(&wish, &plan, def, err))
         return NULL;
     duet_world *world = calloc(1, sizeof *world);
     if (!world) {
-        error_set(err, DUET_NO_MEMORY, "no memory for a world");
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a world");
         return NULL;
     }
     world->def = *def;
+    world->def.plan = plan;
     world_hold(world);
     device_pair_hold(def->pair);
     pack_open(&world->pack);
@@ -213,7 +228,7 @@ void duet_world_destroy(duet_world *world)
     host_block_release(&world->sizes);
     pack_close(&world->pack);
     split_free(&world->split);
-    duet_device_pair_close(world->def.pair);
+    duet_device_pair_destroy(world->def.pair);
     free(world);
 }
 
@@ -227,8 +242,11 @@ void world_forget_grid(duet_world *world)
 bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err)
 {
     grid_wish wish;
-    if (!error_given(world, __func__, "world", err) || !error_given(plan, __func__, "plan", err) ||
-        !check_plan(&wish, plan, &world->def, err))
+    if (!error_given(world, __func__, "world", err) || !error_given(plan, __func__, "plan", err))
+        return false;
+    duet_plan whole = resolve_plan(*plan, world->def.pair);
+    plan = &whole;
+    if (!check_plan(&wish, plan, &world->def, err))
         return false;
     if (wish.uniform != world->wish.uniform || wish.dense != world->wish.dense ||
         wish.hashed != world->wish.hashed)
@@ -242,7 +260,7 @@ bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *e
     return true;
 }
 
-const duet_plan *duet_world_plan(const duet_world *world)
+const duet_plan *duet_world_get_plan(const duet_world *world)
 {
     return world ? &world->def.plan : NULL;
 }
@@ -251,8 +269,9 @@ bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err)
 {
     if (!error_given(world, __func__, "world", err))
         return false;
-    if (!duet_level_describe(level))
-        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; expected a duet_level", (int)level);
+    if (!duet_level_get_info(level))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
+                         (int)level);
     world_change_level(world, level);
     world->def.has_accuracy = false;
     return true;
@@ -265,7 +284,7 @@ void world_change_level(duet_world *world, duet_level level)
     world->def.level = level;
 }
 
-duet_level duet_world_level(const duet_world *world)
+duet_level duet_world_get_level(const duet_world *world)
 {
     return world ? world->def.level : DUET_LEVEL_CERTIFIED;
 }
@@ -281,81 +300,54 @@ grid_objects world_objects(const duet_world *world)
         .origin = def->origin,
         .n = world->n,
         .dims = def->dims,
-        .sizes = def->sizes_apart ? world->sizes.bytes : NULL,
+        .sizes = def->separate_sizes ? world->sizes.bytes : NULL,
     };
 }
-
-// Rows of objects, by what a world was made for.
-typedef enum row_kind { ROWS_POSES, ROWS_BOUNDS, ROWS_PLACED, ROWS_TRANSFORMS } row_kind;
 
 static const struct {
     const char *name;
     size_t bytes;
-} rows_of[] = {
-    [ROWS_POSES] = {"poses", sizeof(duet_pose)},
-    [ROWS_BOUNDS] = {"bounds", sizeof(duet_bounds)},
-    [ROWS_PLACED] = {"placed poses", sizeof(duet_placed)},
-    [ROWS_TRANSFORMS] = {"transforms", sizeof(duet_transform)},
+} kinds[] = {
+    [DUET_OBJECT_POSES] = {"poses", sizeof(duet_pose)},
+    [DUET_OBJECT_BOUNDS] = {"bounds", sizeof(duet_bounds)},
+    [DUET_OBJECT_LARGE_POSES] = {"large poses", sizeof(duet_large_pose)},
+    [DUET_OBJECT_TRANSFORMS] = {"transforms", sizeof(duet_transform)},
+    [DUET_OBJECT_SIZES] = {"sizes", sizeof(duet_size)},
 };
 
-static row_kind rows_in(const duet_world *world)
+// What the world was made for.
+static duet_object_kind kind_of(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
     if (def->shape == DUET_SHAPE_BOUNDS)
-        return ROWS_BOUNDS;
-    return def->origin > 0.0f ? ROWS_PLACED : def->sizes_apart ? ROWS_TRANSFORMS : ROWS_POSES;
+        return DUET_OBJECT_BOUNDS;
+    return def->origin > 0.0f    ? DUET_OBJECT_LARGE_POSES
+           : def->separate_sizes ? DUET_OBJECT_TRANSFORMS
+                                 : DUET_OBJECT_POSES;
 }
 
-static bool can_have(const duet_world *world, row_kind kind, uint32_t n, duet_error *err)
+static bool can_have(const duet_world *world, duet_object_kind kind, uint32_t n, const char *call,
+                     duet_error *err)
 {
-    row_kind right = rows_in(world);
-    if (kind != right)
-        return error_set(err, DUET_BAD_ARGUMENT, "the world was made for %s, not for %s",
-                         rows_of[right].name, rows_of[kind].name);
+    if (!error_given(world, call, "world", err))
+        return false;
+    if (kind < DUET_OBJECT_POSES || kind > DUET_OBJECT_SIZES)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "kind is %d; expected a duet_object_kind",
+                         (int)kind);
+    duet_object_kind right = kind_of(world);
+    bool size = kind == DUET_OBJECT_SIZES && right == DUET_OBJECT_TRANSFORMS;
+    if (kind != right && !size)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the world was made for %s, not for %s",
+                         kinds[right].name, kinds[kind].name);
     return n <= UINT32_MAX - 2 ||
-           error_set(err, DUET_TOO_MANY, "%u objects; a world holds at most %u", n, UINT32_MAX - 2);
-}
-
-static void *map_objects(duet_world *world, row_kind kind, uint32_t n, duet_error *err)
-{
-    if (!can_have(world, kind, n, err) ||
-        !host_block_reserve(&world->objects, world->def.pair->devices, 2, n * rows_of[kind].bytes,
-                            err))
-        return NULL;
-    world->n = n;
-    ++world->objects_version;
-    return world->objects.bytes;
-}
-
-duet_bounds *duet_world_map_bounds(duet_world *world, uint32_t n, duet_error *err)
-{
-    return error_given(world, __func__, "world", err) ? map_objects(world, ROWS_BOUNDS, n, err)
-                                                      : NULL;
-}
-
-duet_pose *duet_world_map_poses(duet_world *world, uint32_t n, duet_error *err)
-{
-    return error_given(world, __func__, "world", err) ? map_objects(world, ROWS_POSES, n, err)
-                                                      : NULL;
-}
-
-duet_placed *duet_world_map_placed(duet_world *world, uint32_t n, duet_error *err)
-{
-    return error_given(world, __func__, "world", err) ? map_objects(world, ROWS_PLACED, n, err)
-                                                      : NULL;
-}
-
-duet_transform *duet_world_map_transforms(duet_world *world, uint32_t n, duet_error *err)
-{
-    return error_given(world, __func__, "world", err) ? map_objects(world, ROWS_TRANSFORMS, n, err)
-                                                      : NULL;
+           error_set(err, DUET_STATUS_TOO_MANY, "%u objects; a world holds at most %u", n,
+                     UINT32_MAX - 2);
 }
 
 // The row behind the last belongs to none: a device may read four numbers at once.
-duet_size *duet_world_map_sizes(duet_world *world, uint32_t n, duet_error *err)
+static void *map_sizes(duet_world *world, uint32_t n, duet_error *err)
 {
-    if (!error_given(world, __func__, "world", err) || !can_have(world, ROWS_TRANSFORMS, n, err) ||
-        !host_block_reserve(&world->sizes, world->def.pair->devices, 2,
+    if (!host_block_reserve(&world->sizes, world->def.pair->devices, 2,
                             ((size_t)n + 1) * sizeof(duet_size), err))
         return NULL;
     duet_size *sizes = world->sizes.bytes;
@@ -365,18 +357,32 @@ duet_size *duet_world_map_sizes(duet_world *world, uint32_t n, duet_error *err)
     return sizes;
 }
 
+void *duet_world_map_objects(duet_world *world, duet_object_kind kind, uint32_t n, duet_error *err)
+{
+    if (!can_have(world, kind, n, __func__, err))
+        return NULL;
+    if (kind == DUET_OBJECT_SIZES)
+        return map_sizes(world, n, err);
+    if (!host_block_reserve(&world->objects, world->def.pair->devices, 2, n * kinds[kind].bytes,
+                            err))
+        return NULL;
+    world->n = n;
+    ++world->objects_version;
+    return world->objects.bytes;
+}
+
 bool world_check_sizes(const duet_world *world, duet_error *err)
 {
-    return !world->def.sizes_apart || world->n_sizes == world->n ||
-           error_set(err, DUET_BAD_ARGUMENT,
+    return !world->def.separate_sizes || world->n_sizes == world->n ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "%u objects have a transform and %u a size; expected as many of each",
                      world->n, world->n_sizes);
 }
 
 static bool take_apart(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
 {
-    duet_transform *transforms = duet_world_map_transforms(world, n, err);
-    duet_size *sizes = transforms ? duet_world_map_sizes(world, n, err) : NULL;
+    duet_transform *transforms = duet_world_map_objects(world, DUET_OBJECT_TRANSFORMS, n, err);
+    duet_size *sizes = transforms ? duet_world_map_objects(world, DUET_OBJECT_SIZES, n, err) : NULL;
     for (uint32_t i = 0; sizes && i < n; ++i) {
         transforms[i] = grid_transform_of(&poses[i]);
         memcpy(sizes[i].half_extents, poses[i].half_extents, sizeof poses->half_extents);
@@ -385,48 +391,23 @@ static bool take_apart(duet_world *world, const duet_pose *poses, uint32_t n, du
 }
 
 // The first objects are counted at once: who then asks for a profile need not
-// wait for that. An offset that is not a number is the step's to report.
-static bool set_objects(duet_world *world, row_kind kind, const void *rows, uint32_t n,
-                        duet_error *err)
+// wait for that. An offset that is not a number is the step's to report. Of no
+// objects none need be there.
+bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void *objects,
+                            uint32_t n, duet_error *err)
 {
-    void *to = map_objects(world, kind, n, err);
+    if (!error_given(world, __func__, "world", err) ||
+        (n > 0 && !error_given(objects, __func__, "objects", err)))
+        return false;
+    if (kind == DUET_OBJECT_POSES && world->def.separate_sizes)
+        return take_apart(world, objects, n, err);
+    void *to = duet_world_map_objects(world, kind, n, err);
     if (!to || n == 0)
         return to;
-    memcpy(to, rows, n * rows_of[kind].bytes);
-    for (uint32_t i = 0; kind == ROWS_PLACED && i < n; ++i)
-        origin_settle(&((duet_placed *)to)[i], world->def.origin);
-    if (world->objects_version == 1)
+    memcpy(to, objects, n * kinds[kind].bytes);
+    for (uint32_t i = 0; kind == DUET_OBJECT_LARGE_POSES && i < n; ++i)
+        origin_settle(&((duet_large_pose *)to)[i], world->def.origin);
+    if (kind != DUET_OBJECT_SIZES && world->objects_version == 1 && !world->def.separate_sizes)
         workload_stats_take(&world->stats, world);
     return true;
-}
-
-// Of no objects none need be there.
-static bool are_given(const duet_world *world, const void *rows, uint32_t n, const char *call,
-                      const char *argument, duet_error *err)
-{
-    return error_given(world, call, "world", err) &&
-           (n == 0 || error_given(rows, call, argument, err));
-}
-
-bool duet_world_set_poses(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
-{
-    if (!are_given(world, poses, n, __func__, "poses", err))
-        return false;
-    if (world->def.sizes_apart)
-        return take_apart(world, poses, n, err);
-    return set_objects(world, ROWS_POSES, poses, n, err);
-}
-
-bool duet_world_set_bounds(duet_world *world, const duet_bounds *bounds, uint32_t n,
-                           duet_error *err)
-{
-    return are_given(world, bounds, n, __func__, "bounds", err) &&
-           set_objects(world, ROWS_BOUNDS, bounds, n, err);
-}
-
-bool duet_world_set_placed(duet_world *world, const duet_placed *placed, uint32_t n,
-                           duet_error *err)
-{
-    return are_given(world, placed, n, __func__, "placed", err) &&
-           set_objects(world, ROWS_PLACED, placed, n, err);
 }

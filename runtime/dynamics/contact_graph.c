@@ -64,7 +64,7 @@ static bool skin_holds(duet_motion *m, bool *holds, duet_error *err)
 
 static bool find_pairs(duet_motion *m, duet_result *result, duet_error *err)
 {
-    duet_bounds *bounds = duet_world_map_bounds(m->world, m->n, err);
+    duet_bounds *bounds = duet_world_map_objects(m->world, DUET_OBJECT_BOUNDS, m->n, err);
     bool ok = bounds && timeline_read(&m->times, "grid", &m->buffers[BOXES], bounds,
                                       m->n * sizeof *bounds, err);
     ok = ok && duet_world_step(m->world, result, err);
@@ -79,7 +79,7 @@ static bool check_capacity(const duet_motion *m, uint64_t *most, duet_error *err
 {
     *most = m->n_pairs + (m->kernels.contact_graph_walls ? 6 * (uint64_t)m->n : 0);
     return *most <= UINT32_MAX - 1 ||
-           error_set(err, DUET_TOO_MANY, "%llu pairs of bounds, and a motion holds %u",
+           error_set(err, DUET_STATUS_TOO_MANY, "%llu pairs of bounds, and a motion holds %u",
                      (unsigned long long)*most, UINT32_MAX - 1);
 }
 

@@ -33,7 +33,7 @@ static bool fetch(duet_motion *m, motion_buffer which, void *to, size_t bytes, d
     return timeline_read(&m->times, "fetch", &m->buffers[which], to, bytes, err);
 }
 
-bool duet_motion_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, duet_error *err)
+bool duet_motion_get_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, duet_error *err)
 {
     if (!motion_is_whole(m, __func__, err) || !error_given(contacts, __func__, "contacts", err) ||
         !error_given(n, __func__, "n", err))
@@ -46,7 +46,7 @@ bool duet_motion_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, 
     duet_contact *found = malloc(count * sizeof *found + 1);
     bool ok = links && touches && records && found;
     if (!ok)
-        error_set(err, DUET_NO_MEMORY, "no memory for %zu contacts", count);
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu contacts", count);
     ok = ok && fetch(m, LINKS, links, count * sizeof *links, err) &&
          fetch(m, TOUCHES, touches, count * sizeof *touches, err) &&
          fetch(m, CONTACTS, records, count * record * sizeof *records, err) &&
@@ -97,7 +97,7 @@ bool motion_fetch_events(duet_motion *m, duet_error *err)
         m->events = events;
     bool ok = words && events;
     if (!ok)
-        error_set(err, DUET_NO_MEMORY, "no memory for %zu events", n);
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu events", n);
     ok = ok && fetch(m, EVENTS, words, n * sizeof *words, err);
     for (size_t i = 0; ok && i < n; ++i)
         events[i] = event_of(words[i]);

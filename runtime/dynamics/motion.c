@@ -60,11 +60,11 @@ static bool check_numbers(const duet_motion_def *def, duet_error *err)
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i)
         if (!is_between(numbers[i].value, numbers[i].least, 1e30))
-            return error_set(err, DUET_BAD_ARGUMENT, "%s is %g; expected %s", numbers[i].name,
-                             numbers[i].value, numbers[i].right);
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s is %g; expected %s",
+                             numbers[i].name, numbers[i].value, numbers[i].right);
     for (int k = 0; k < 3; ++k)
         if (!isfinite(def->gravity[k]) || !isfinite(def->centre[k]) || !isfinite(def->origin[k]))
-            return error_set(err, DUET_BAD_ARGUMENT,
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "%c of gravity, centre or origin is not a finite number", "xyz"[k]);
     return true;
 }
@@ -73,7 +73,7 @@ static bool check_edge(const duet_motion_def *def, duet_error *err)
 {
     for (uint32_t k = 0; def->edge != DUET_EDGE_NONE && k < def->dims; ++k)
         if (!isfinite(def->lower[k]) || !isfinite(def->upper[k]) || def->lower[k] >= def->upper[k])
-            return error_set(err, DUET_BAD_ARGUMENT,
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "the walls across %c are at %g and %g; expected finite and "
                              "rising",
                              "xyz"[k], def -> lower[k], def -> upper[k]);
@@ -84,17 +84,17 @@ static bool check_edge(const duet_motion_def *def, duet_error *err)
 static bool check_origin(const duet_motion_def *def, duet_error *err)
 {
     if (!origin_is_edge(def->origin_edge))
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "origin_edge is %g; expected 0, or a power of two from 2^-100 to "
                          "2^100",
                          (double)def->origin_edge);
     if (def->origin_edge == 0.0f)
         return true;
     if (def->doubles)
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "origin cells are for a state in float; expected doubles = false");
     return (def->edge == DUET_EDGE_NONE && def->attraction == 0.0) ||
-           error_set(err, DUET_BAD_ARGUMENT,
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "walls, a periodic world and an attraction know no origin cells; right would "
                      "be doubles without them");
 }
@@ -102,23 +102,24 @@ static bool check_origin(const duet_motion_def *def, duet_error *err)
 static bool check_def(const duet_motion_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the motion's def does not come from duet_default_motion_def");
     if (!def->pair)
-        return error_set(err, DUET_BAD_ARGUMENT, "the motion's def has no device pair");
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the motion's def has no device pair");
     if (def->dims != 2 && def->dims != 3)
-        return error_set(err, DUET_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
     if (def->substeps < 1 || def->substeps > 1000)
-        return error_set(err, DUET_BAD_ARGUMENT, "substeps is %u; expected 1 to 1000",
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "substeps is %u; expected 1 to 1000",
                          def->substeps);
-    if (def->integrator > DUET_YOSHIDA)
-        return error_set(err, DUET_BAD_ARGUMENT, "integrator is %d; expected a duet_integrator",
-                         (int)def->integrator);
+    if (def->integrator > DUET_INTEGRATOR_YOSHIDA)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "integrator is %d; expected a duet_integrator", (int)def->integrator);
     if (def->edge > DUET_EDGE_PERIODIC)
-        return error_set(err, DUET_BAD_ARGUMENT, "edge is %d; expected a duet_edge",
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "edge is %d; expected a duet_edge",
                          (int)def->edge);
     if (def->doubles && !def->pair->devices[1].info.fp64)
-        return error_set(err, DUET_BAD_ARGUMENT, "%s has no double; expected doubles = false",
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s has no double; expected doubles = false",
                          def->pair->devices[1].info.selector);
     return check_numbers(def, err) && check_edge(def, err) && check_origin(def, err);
 }
@@ -128,11 +129,11 @@ static bool check_effects(const duet_motion *m, duet_error *err)
 {
     bool contact = motion_has(m, DUET_EFFECT_CONTACT);
     if (contact && m->def.edge == DUET_EDGE_PERIODIC)
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "contacts are not found across the seam of a periodic world; right would "
                          "be walls, or no contact");
-    if (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) && m->def.integrator != DUET_EULER)
-        return error_set(err, DUET_BAD_ARGUMENT,
+    if (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) && m->def.integrator != DUET_INTEGRATOR_EULER)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "contacts are solved with the integrator euler; expected that, or "
                          "no response");
     return true;
@@ -179,7 +180,7 @@ static bool check_objects(const duet_motion *m, duet_error *err)
         if (!fault)
             fault = body_fault(&m->bodies[id]);
         if (fault)
-            return error_set(err, DUET_BAD_OBJECT, "object %u of %u: %s", id, m->n, fault);
+            return error_set(err, DUET_STATUS_BAD_OBJECT, "object %u of %u: %s", id, m->n, fault);
     }
     return true;
 }
@@ -198,22 +199,22 @@ static double mean_least_extent(const duet_motion *m)
 }
 
 // Each centre into its origin cell: those of poses count from def.origin.
-static bool place_objects(duet_motion *m, const duet_placed *placed, duet_error *err)
+static bool place_objects(duet_motion *m, const duet_large_pose *placed, duet_error *err)
 {
     float edge = m->def.origin_edge;
     if (edge == 0.0f)
         return true;
     m->cells = calloc((size_t)m->n + 1, sizeof *m->cells);
     if (!m->cells)
-        return error_set(err, DUET_NO_MEMORY, "no memory for the cells of %u objects", m->n);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the cells of %u objects", m->n);
     for (uint32_t id = 0; id < m->n; ++id) {
-        duet_placed p = placed ? placed[id] : (duet_placed){.pose = m->poses[id]};
+        duet_large_pose p = placed ? placed[id] : (duet_large_pose){.pose = m->poses[id]};
         double at[3];
         for (int k = 0; k < 3; ++k)
             at[k] = m->def.origin[k] + (double)p.pose.centre[k];
         bool ok = placed ? origin_settle(&p, edge) : origin_place(&p, at, edge);
         if (!ok)
-            return error_set(err, DUET_BAD_OBJECT,
+            return error_set(err, DUET_STATUS_BAD_OBJECT,
                              "object %u of %u is beyond 2^30 origin cells of edge %g", id, m->n,
                              (double)edge);
         m->poses[id] = p.pose;
@@ -223,14 +224,14 @@ static bool place_objects(duet_motion *m, const duet_placed *placed, duet_error 
     return true;
 }
 
-static bool copy_objects(duet_motion *m, const duet_pose *poses, const duet_placed *placed,
+static bool copy_objects(duet_motion *m, const duet_pose *poses, const duet_large_pose *placed,
                          const duet_body *bodies, uint32_t n, duet_error *err)
 {
     m->n = n;
     m->poses = calloc((size_t)n + 1, sizeof *m->poses);
     m->bodies = calloc((size_t)n + 1, sizeof *m->bodies);
     if (!m->poses || !m->bodies)
-        return error_set(err, DUET_NO_MEMORY, "no memory for %u objects that move", n);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u objects that move", n);
     for (uint32_t id = 0; id < n; ++id)
         m->poses[id] = placed ? placed[id].pose : poses[id];
     if (n > 0 && bodies)
@@ -263,7 +264,7 @@ static bool open_device(duet_motion *m, duet_error *err)
     return m->programs;
 }
 
-static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_placed *placed,
+static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_large_pose *placed,
                         const duet_body *bodies, uint32_t n, duet_error *err)
 {
     if (!copy_objects(m, poses, placed, bodies, n, err))
@@ -280,19 +281,20 @@ static bool check_count(const duet_pose *poses, uint32_t n, duet_error *err)
 {
     const uint32_t most = UINT32_MAX - 2 - MOTION_WALLS;
     if (n > most)
-        return error_set(err, DUET_TOO_MANY, "%u objects; a motion holds at most %u", n, most);
+        return error_set(err, DUET_STATUS_TOO_MANY, "%u objects; a motion holds at most %u", n,
+                         most);
     return n == 0 || error_given(poses, "duet_motion_create", "poses", err);
 }
 
 duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
-                           const duet_placed *placed, const duet_body *bodies, uint32_t n,
+                           const duet_large_pose *placed, const duet_body *bodies, uint32_t n,
                            duet_error *err)
 {
     if (!check_def(def, err) || !check_count(poses, n, err))
         return NULL;
     duet_motion *m = calloc(1, sizeof *m);
     if (!m) {
-        error_set(err, DUET_NO_MEMORY, "no memory for a motion");
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a motion");
         return NULL;
     }
     m->def = *def;
@@ -324,16 +326,16 @@ void duet_motion_destroy(duet_motion *m)
     free(m->cells);
     free(m->bodies);
     free(m->events);
-    duet_device_pair_close(m->def.pair);
+    duet_device_pair_destroy(m->def.pair);
     free(m);
 }
 
-uint32_t duet_motion_effects(const duet_motion *m)
+uint32_t duet_motion_get_effects(const duet_motion *m)
 {
     return m ? m->effects : 0;
 }
 
-uint32_t duet_motion_count(const duet_motion *m)
+uint32_t duet_motion_get_count(const duet_motion *m)
 {
     return m ? m->n : 0;
 }
@@ -342,7 +344,7 @@ bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err)
 {
     return error_given(m, call, "motion", err) &&
            (!m->broken ||
-            error_set(err, DUET_BAD_ARGUMENT,
+            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                       "the motion failed in its step %llu; expected a saved one to be loaded, or a "
                       "new motion",
                       (unsigned long long)m->step + 1));

@@ -141,7 +141,7 @@ static inline bool motion_has(const duet_motion *m, uint32_t effect)
 
 // The objects of a motion: poses, or with origin cells placed [n]; the other is NULL.
 duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
-                           const duet_placed *placed, const duet_body *bodies, uint32_t n,
+                           const duet_large_pose *placed, const duet_body *bodies, uint32_t n,
                            duet_error *err);
 
 // Whether a public call has a motion whose state is that of a whole step; BAD_ARGUMENT

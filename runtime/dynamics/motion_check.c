@@ -30,14 +30,14 @@ static double real_of(const duet_motion *m, const motion_saved *s, motion_buffer
 
 static bool bad_object(const motion_saved *s, uint32_t id, const char *what, duet_error *err)
 {
-    return error_set(err, DUET_BAD_INPUT, "%s: the saved motion's object %u: %s", s->path, id,
-                     what);
+    return error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion's object %u: %s", s->path,
+                     id, what);
 }
 
 static bool bad_contact(const motion_saved *s, uint32_t i, const char *what, duet_error *err)
 {
-    return error_set(err, DUET_BAD_INPUT, "%s: the saved motion's contact %u: %s", s->path, i,
-                     what);
+    return error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion's contact %u: %s", s->path,
+                     i, what);
 }
 
 // ---------------------------------------------------------------- objects
@@ -125,12 +125,13 @@ static bool check_counts(const duet_motion *m, const motion_saved *s, duet_error
     bool contact = motion_has(m, DUET_EFFECT_CONTACT);
     uint64_t most = s->n_pairs + (m->kernels.contact_graph_walls ? 6 * (uint64_t)m->n : 0);
     if (s->has_rows > contact || (!s->has_rows && (s->n_contacts > 0 || s->n_pairs > 0)))
-        return error_set(err, DUET_BAD_INPUT,
+        return error_set(err, DUET_STATUS_BAD_INPUT,
                          "%s: the saved motion has %u contacts, but nothing that finds them",
                          s->path, s->n_contacts);
     return (s->n_pairs < UINT32_MAX && s->n_contacts <= most) ||
-           error_set(err, DUET_BAD_INPUT, "%s: the saved motion has %u contacts of %llu pairs",
-                     s->path, s->n_contacts, (unsigned long long)s->n_pairs);
+           error_set(err, DUET_STATUS_BAD_INPUT,
+                     "%s: the saved motion has %u contacts of %llu pairs", s->path, s->n_contacts,
+                     (unsigned long long)s->n_pairs);
 }
 
 // Starts rise from 0 to `last`.
@@ -141,7 +142,7 @@ static bool check_starts(const duet_motion *m, const motion_saved *s, motion_buf
     bool ok = starts[0] == 0 && starts[m->n] == last;
     for (uint32_t id = 0; ok && id < m->n; ++id)
         ok = starts[id] <= starts[id + 1];
-    return ok || error_set(err, DUET_BAD_INPUT,
+    return ok || error_set(err, DUET_STATUS_BAD_INPUT,
                            "%s: the saved motion's rows do not rise from 0 to the %u that there "
                            "are",
                            s->path, last);
@@ -260,7 +261,7 @@ static bool check_returns(const duet_motion *m, const motion_saved *s, uint32_t 
             return bad_contact(s, i, "its other object does not list it", err);
         ++n;
     }
-    return n == starts[m->n] || error_set(err, DUET_BAD_INPUT,
+    return n == starts[m->n] || error_set(err, DUET_STATUS_BAD_INPUT,
                                           "%s: the saved motion's objects list %u contacts, and "
                                           "there are %u",
                                           s->path, starts[m->n], n);
@@ -278,7 +279,7 @@ static bool check_contacts(const duet_motion *m, const motion_saved *s, duet_err
         ok = check_contact(m, s, i, err);
     uint32_t *words = calloc((size_t)m->n + 1, 2 * sizeof *words);
     if (!words)
-        return error_set(err, DUET_NO_MEMORY, "%s: no memory for %u rows", s->path, m->n);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u rows", s->path, m->n);
     ok = ok && check_returns(m, s, words, err) &&
          (!s->at[COLOUR_OF] || check_colours(m, s, words + m->n, err));
     free(words);

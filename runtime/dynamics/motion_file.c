@@ -106,7 +106,7 @@ static bool add_buffer(duet_motion *m, motion_buffer which, text *file, duet_err
         return true;
     char *host = malloc(bytes);
     if (!host)
-        return error_set(err, DUET_NO_MEMORY, "no memory for %zu bytes", bytes);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu bytes", bytes);
     cl_int code = clEnqueueReadBuffer(m->device->queue, m->buffers[which].mem, CL_TRUE, 0, bytes,
                                       host, 0, NULL, NULL);
     if (code == CL_SUCCESS)
@@ -161,10 +161,11 @@ static bool check_header(const duet_motion *m, const header *h, const char *path
     };
     for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i)
         if (same[i].file != same[i].motion)
-            return error_set(err, DUET_BAD_INPUT, "%s: %s: %u in the file, %u in the motion", path,
-                             same[i].what, same[i].file, same[i].motion);
+            return error_set(err, DUET_STATUS_BAD_INPUT, "%s: %s: %u in the file, %u in the motion",
+                             path, same[i].what, same[i].file, same[i].motion);
     return h->origin_edge == m->def.origin_edge ||
-           error_set(err, DUET_BAD_INPUT, "%s: origin_edge: %g in the file, %g in the motion", path,
+           error_set(err, DUET_STATUS_BAD_INPUT,
+                     "%s: origin_edge: %g in the file, %g in the motion", path,
                      (double)h->origin_edge, (double)m->def.origin_edge);
 }
 
@@ -174,7 +175,7 @@ static bool check_file(const duet_motion *m, const text *file, const char *path,
     uint64_t sum = 0;
     size_t whole = sizeof *h + sizeof sum;
     if (file->length < whole || memcmp(file->chars, magic, sizeof magic) != 0)
-        return error_set(err, DUET_BAD_INPUT, "%s: not a saved motion", path);
+        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: not a saved motion", path);
     memcpy(h, file->chars, sizeof *h);
     memcpy(&sum, file->chars + file->length - sizeof sum, sizeof sum);
     if (!check_header(m, h, path, err))
@@ -182,7 +183,8 @@ static bool check_file(const duet_motion *m, const text *file, const char *path,
     for (int i = 0; i < N_KEPT; ++i)
         whole += bytes_of(m, kept[i], h->n_contacts);
     if (file->length != whole || sum != sum_of(file->chars, file->length - sizeof sum))
-        return error_set(err, DUET_BAD_INPUT, "%s: the saved motion is cut short or damaged", path);
+        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion is cut short or damaged",
+                         path);
     return true;
 }
 

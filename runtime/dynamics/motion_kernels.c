@@ -34,7 +34,8 @@ static int64_t edge_kind(const duet_motion *m)
 
 static int64_t order_of(duet_integrator integrator)
 {
-    static const int64_t orders[] = {[DUET_EULER] = 1, [DUET_VERLET] = 2, [DUET_YOSHIDA] = 4};
+    static const int64_t orders[] = {
+        [DUET_INTEGRATOR_EULER] = 1, [DUET_INTEGRATOR_VERLET] = 2, [DUET_INTEGRATOR_YOSHIDA] = 4};
     return orders[integrator];
 }
 

@@ -124,7 +124,7 @@ static bool send(duet_motion *m, motion_buffer which, entry (*of)(const duet_mot
     size_t bytes = (size_t)m->n * width * size;
     char *host = malloc(bytes + 1);
     if (!host)
-        return error_set(err, DUET_NO_MEMORY, "no memory for %zu bytes", bytes);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu bytes", bytes);
     for (uint32_t id = 0; id < m->n; ++id) {
         entry e = of(m, id);
         for (uint32_t k = 0; k < width; ++k) {
@@ -145,7 +145,8 @@ static bool send_filters(duet_motion *m, duet_error *err)
 {
     uint32_t *host = malloc((size_t)m->n * 2 * sizeof *host + 1);
     if (!host)
-        return error_set(err, DUET_NO_MEMORY, "no memory for the groups of %u objects", m->n);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the groups of %u objects",
+                         m->n);
     for (uint32_t id = 0; id < m->n; ++id) {
         host[2 * (size_t)id] = m->bodies[id].group;
         host[2 * (size_t)id + 1] = m->bodies[id].mask;
@@ -215,7 +216,7 @@ static bool fetch(duet_motion *m, motion_buffer which,
     const buffer *b = &m->buffers[which];
     void *host = b->host ? b->host : malloc(bytes + 1);
     if (!host)
-        return error_set(err, DUET_NO_MEMORY, "no memory for %zu bytes", bytes);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu bytes", bytes);
     bool ok = timeline_read(&m->times, "fetch", &m->buffers[which], host, bytes, err);
     for (size_t i = 0; ok && i < numbers; ++i)
         entries[i / 4].at[i % 4] =
@@ -232,7 +233,7 @@ static bool add_cells(duet_motion *m, duet_state *states, duet_error *err)
     const buffer *b = &m->buffers[CELLS];
     cl_int4 *host = b->host ? b->host : malloc(bytes + 1);
     if (!host)
-        return error_set(err, DUET_NO_MEMORY, "no memory for %zu bytes", bytes);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu bytes", bytes);
     bool ok = timeline_read(&m->times, "fetch", &m->buffers[CELLS], host, bytes, err);
     for (uint32_t id = 0; ok && id < m->n; ++id)
         for (uint32_t k = 0; k < m->def.dims; ++k)
@@ -249,13 +250,13 @@ static bool check_finite(const duet_motion *m, const duet_state *states, duet_er
     for (uint32_t id = 0; id < m->n; ++id)
         for (size_t k = 0; k < numbers; ++k)
             if (!isfinite(((const double *)&states[id])[k]))
-                return error_set(err, DUET_BAD_OBJECT,
+                return error_set(err, DUET_STATUS_BAD_OBJECT,
                                  "object %u of %u: its state after step %llu is not finite", id,
                                  m->n, (unsigned long long)m->step);
     return true;
 }
 
-bool duet_motion_read(duet_motion *m, duet_state *states, duet_error *err)
+bool duet_motion_get_states(duet_motion *m, duet_state *states, duet_error *err)
 {
     if (!motion_is_whole(m, __func__, err) ||
         (m->n > 0 && !error_given(states, __func__, "states", err)))
@@ -273,7 +274,7 @@ bool duet_motion_read(duet_motion *m, duet_state *states, duet_error *err)
     };
     entry *entries = calloc((size_t)m->n + 1, sizeof *entries);
     if (!entries)
-        return error_set(err, DUET_NO_MEMORY, "no memory for %u states", m->n);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
     bool ok = timeline_finish(&m->times, err);
     for (size_t i = 0; ok && i < sizeof parts / sizeof parts[0]; ++i) {
         ok = fetch(m, parts[i].which, parts[i].given, entries, err);
@@ -292,10 +293,10 @@ static duet_state *read_states(duet_motion *m, duet_error *err)
 {
     duet_state *states = calloc((size_t)m->n + 1, sizeof *states);
     if (!states) {
-        error_set(err, DUET_NO_MEMORY, "no memory for %u states", m->n);
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
         return NULL;
     }
-    if (duet_motion_read(m, states, err))
+    if (duet_motion_get_states(m, states, err))
         return states;
     free(states);
     return NULL;
@@ -314,7 +315,7 @@ static uint64_t mix(uint64_t sum, double value, uint64_t place)
     return sum + (k ^ k >> 32);
 }
 
-bool duet_motion_hash(duet_motion *m, uint64_t *hash, duet_error *err)
+bool duet_motion_get_hash(duet_motion *m, uint64_t *hash, duet_error *err)
 {
     if (!motion_is_whole(m, __func__, err) || !error_given(hash, __func__, "hash", err))
         return false;
@@ -388,7 +389,7 @@ static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, d
     }
 }
 
-bool duet_motion_energy(duet_motion *m, duet_energy *energy, duet_error *err)
+bool duet_motion_get_energy(duet_motion *m, duet_energy *energy, duet_error *err)
 {
     if (!motion_is_whole(m, __func__, err) || !error_given(energy, __func__, "energy", err))
         return false;

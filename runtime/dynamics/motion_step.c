@@ -21,7 +21,7 @@ static void part_times(const duet_motion *m, double times[2])
 {
     double h = m->def.dt / m->def.substeps;
     double root = cbrt(2.0);
-    bool parted = m->def.integrator == DUET_YOSHIDA;
+    bool parted = m->def.integrator == DUET_INTEGRATOR_YOSHIDA;
     times[0] = parted ? h / (2.0 - root) : h;
     times[1] = parted ? -h * root / (2.0 - root) : 0.0;
 }
@@ -71,7 +71,8 @@ static bool fly(duet_motion *m, duet_error *err)
     if (motion_has(m, DUET_EFFECT_GRAVITY))
         add_gravity(&a, true);
     if (motion_has(m, DUET_EFFECT_DRAG)) {
-        double half = m->def.integrator == DUET_EULER ? 1.0 : 0.5; // drag comes once, or twice
+        double half =
+            m->def.integrator == DUET_INTEGRATOR_EULER ? 1.0 : 0.5; // drag comes once, or twice
         args_real4(&a, exp(-m->def.drag * half * times[0]), exp(-m->def.drag * half * times[1]),
                    0.0, 0.0);
     }

@@ -22,8 +22,8 @@ bool accuracy_check(const duet_accuracy *accuracy, const char *whose, duet_error
 {
     const char *fault = fault_of(accuracy);
     return !fault ||
-           error_set(err, DUET_BAD_ARGUMENT, "%s accuracy is missed %g, false_rate %g: %s", whose,
-                     accuracy->missed, accuracy->false_rate, fault);
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s accuracy is missed %g, false_rate %g: %s",
+                     whose, accuracy->missed, accuracy->false_rate, fault);
 }
 
 // Lua unwinds past C, so what is built for the message must not need freeing.
@@ -31,7 +31,7 @@ static void raise_unknown(lua_State *L, const char *name)
 {
     lua_pushstring(L, "");
     for (int l = 0; l < DUET_LEVELS; ++l) {
-        lua_pushfstring(L, "%s%s", l ? ", " : "", duet_level_describe((duet_level)l)->name);
+        lua_pushfstring(L, "%s%s", l ? ", " : "", duet_level_get_info((duet_level)l)->name);
         lua_concat(L, 2);
     }
     field_raise(L, "level", "there is no level '%s': there are %s", name, lua_tostring(L, -1));
@@ -40,7 +40,7 @@ static void raise_unknown(lua_State *L, const char *name)
 void accuracy_read_level(lua_State *L, int table, duet_level *level)
 {
     const char *name = field_string(L, table, "level", NULL);
-    if (name && !duet_level_named(name, level))
+    if (name && !duet_level_from_name(name, level))
         raise_unknown(L, name);
 }
 

@@ -68,12 +68,12 @@ static const struct {
                            test_in_double},
 };
 
-const duet_level_info *duet_level_describe(duet_level level)
+const duet_level_info *duet_level_get_info(duet_level level)
 {
     return level >= 0 && level < DUET_LEVELS ? &levels[level].info : NULL;
 }
 
-bool duet_level_named(const char *name, duet_level *level)
+bool duet_level_from_name(const char *name, duet_level *level)
 {
     for (int l = 0; name && level && l < DUET_LEVELS; ++l) {
         if (strcmp(levels[l].info.name, name) != 0)
@@ -86,7 +86,7 @@ bool duet_level_named(const char *name, duet_level *level)
 
 bool duet_level_covers(duet_level level, duet_level other)
 {
-    const duet_level_info *own = duet_level_describe(level), *others = duet_level_describe(other);
+    const duet_level_info *own = duet_level_get_info(level), *others = duet_level_get_info(other);
     return own && others && own->missed <= others->missed && own->added <= others->added;
 }
 

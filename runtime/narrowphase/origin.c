@@ -21,7 +21,7 @@ static double to_quanta(double length, float edge)
 }
 
 // The cell that counts from `cell` on, and the offset in it.
-static bool put(duet_placed *placed, int k, int32_t cell, double quanta, float edge)
+static bool put(duet_large_pose *placed, int k, int32_t cell, double quanta, float edge)
 {
     double cells = floor(quanta / QUANTA);
     double sum = cells + cell;
@@ -35,7 +35,7 @@ static bool put(duet_placed *placed, int k, int32_t cell, double quanta, float e
     return true;
 }
 
-bool origin_settle(duet_placed *placed, float edge)
+bool origin_settle(duet_large_pose *placed, float edge)
 {
     bool ok = true;
     for (int k = 0; k < 3; ++k)
@@ -43,7 +43,7 @@ bool origin_settle(duet_placed *placed, float edge)
     return ok;
 }
 
-bool origin_place(duet_placed *placed, const double centre[3], float edge)
+bool origin_place(duet_large_pose *placed, const double centre[3], float edge)
 {
     bool ok = true;
     for (int k = 0; k < 3; ++k)
@@ -55,10 +55,11 @@ size_t origin_row_bytes(duet_shape shape, float edge)
 {
     if (shape == DUET_SHAPE_BOUNDS)
         return sizeof(duet_bounds);
-    return edge > 0.0f ? sizeof(duet_placed) : sizeof(duet_pose);
+    return edge > 0.0f ? sizeof(duet_large_pose) : sizeof(duet_pose);
 }
 
-static void set_shift(double shift[3], const duet_placed *a, const duet_placed *b, float edge)
+static void set_shift(double shift[3], const duet_large_pose *a, const duet_large_pose *b,
+                      float edge)
 {
     for (int k = 0; k < 3; ++k)
         shift[k] = ((double)b->cell[k] - a->cell[k]) * edge;
@@ -66,7 +67,7 @@ static void set_shift(double shift[3], const duet_placed *a, const duet_placed *
 
 void origin_shift(double shift[3], const void *rows, float edge, uint32_t a, uint32_t b)
 {
-    const duet_placed *placed = rows;
+    const duet_large_pose *placed = rows;
     if (edge > 0.0f)
         set_shift(shift, &placed[a], &placed[b], edge);
     else
@@ -75,51 +76,54 @@ void origin_shift(double shift[3], const void *rows, float edge, uint32_t a, uin
 
 // ---------------------------------------------------------------- for callers
 
-bool duet_place(duet_placed *placed, const double centre[3], float edge, duet_error *err)
+bool duet_large_pose_set(duet_large_pose *placed, const double centre[3], float edge,
+                         duet_error *err)
 {
     if (!error_given(placed, __func__, "placed", err) ||
         !error_given(centre, __func__, "centre", err))
         return false;
     if (!(edge > 0.0f) || !origin_is_edge(edge))
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the origin cells' edge is %g; expected a power of two from 2^-100 "
                          "to 2^100",
                          (double)edge);
     return origin_place(placed, centre, edge) ||
-           error_set(err, DUET_BAD_OBJECT,
+           error_set(err, DUET_STATUS_BAD_OBJECT,
                      "the centre %g %g %g is not a number or beyond 2^30 origin cells of edge %g",
                      centre[0], centre[1], centre[2], (double)edge);
 }
 
 // Both settled, and from one cell to the other.
-static bool settle_both(duet_placed both[2], double shift[3], float edge)
+static bool settle_both(duet_large_pose both[2], double shift[3], float edge)
 {
     bool ok = origin_settle(&both[0], edge) && origin_settle(&both[1], edge);
     set_shift(shift, &both[0], &both[1], edge);
     return ok;
 }
 
-static bool can_meet(const duet_placed *a, const duet_placed *b, float edge, uint32_t dims)
+static bool can_meet(const duet_large_pose *a, const duet_large_pose *b, float edge, uint32_t dims)
 {
     return a && b && edge > 0.0f && origin_is_edge(edge) && (dims == 2 || dims == 3);
 }
 
-bool duet_placed_collide(const duet_placed *a, const duet_placed *b, float edge, uint32_t dims)
+bool duet_large_poses_collide(const duet_large_pose *a, const duet_large_pose *b, float edge,
+                              uint32_t dims)
 {
     if (!can_meet(a, b, edge, dims))
         return false;
-    duet_placed both[2] = {*a, *b};
+    duet_large_pose both[2] = {*a, *b};
     double shift[3];
     return settle_both(both, shift, edge) && narrow_is_box(&both[0].pose, dims) &&
            narrow_is_box(&both[1].pose, dims) &&
            narrow_decide_apart(&both[0].pose, &both[1].pose, shift, dims);
 }
 
-double duet_placed_separation(const duet_placed *a, const duet_placed *b, float edge, uint32_t dims)
+double duet_large_poses_separation(const duet_large_pose *a, const duet_large_pose *b, float edge,
+                                   uint32_t dims)
 {
     if (!can_meet(a, b, edge, dims))
         return NAN;
-    duet_placed both[2] = {*a, *b};
+    duet_large_pose both[2] = {*a, *b};
     double shift[3];
     return settle_both(both, shift, edge)
                ? narrow_widest_separation(&both[0].pose, &both[1].pose, shift, dims)

@@ -15,23 +15,23 @@ bool origin_is_edge(float edge);
 
 // Brings each offset into its cell. False, and a centre that is not a number,
 // where that is beyond 2^30 cells.
-bool origin_settle(duet_placed *placed, float edge);
+bool origin_settle(duet_large_pose *placed, float edge);
 
 // The nearest position to a centre; false as above.
-bool origin_place(duet_placed *placed, const double centre[3], float edge);
+bool origin_place(duet_large_pose *placed, const double centre[3], float edge);
 
 // Rows of objects: poses or bounds, or with an edge above 0 placed poses.
 size_t origin_row_bytes(duet_shape shape, float edge);
 static inline const duet_pose *origin_pose(const void *rows, float edge, uint32_t id)
 {
-    return edge > 0.0f ? &((const duet_placed *)rows)[id].pose : &((const duet_pose *)rows)[id];
+    return edge > 0.0f ? &((const duet_large_pose *)rows)[id].pose : &((const duet_pose *)rows)[id];
 }
 
 // A cell's corner, exactly; 0 without an edge.
 static inline void origin_corner(double corner[3], const void *rows, float edge, uint32_t id)
 {
     for (int k = 0; k < 3; ++k)
-        corner[k] = edge > 0.0f ? (double)((const duet_placed *)rows)[id].cell[k] * edge : 0.0;
+        corner[k] = edge > 0.0f ? (double)((const duet_large_pose *)rows)[id].cell[k] * edge : 0.0;
 }
 
 // From the cell of a to that of b, exactly; 0 without an edge.

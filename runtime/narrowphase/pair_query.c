@@ -49,34 +49,35 @@ typedef struct side {
     duet_error err;
 } side;
 
-struct duet_test {
-    duet_test_def def;
+struct duet_pair_query {
+    duet_pair_query_def def;
     side sides[2];       // A, B
     thread_pool *driver; // drives A while the caller's thread drives B
 };
 
-duet_test_def duet_default_test_def(void)
+duet_pair_query_def duet_default_pair_query_def(void)
 {
-    return (duet_test_def){.dims = 3, .cookie = COOKIE};
+    return (duet_pair_query_def){.dims = 3, .cookie = COOKIE};
 }
 
 // ---------------------------------------------------------------- owner
 
-static bool check_def(const duet_test_def *def, duet_error *err)
+static bool check_def(const duet_pair_query_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
-        return error_set(err, DUET_BAD_ARGUMENT,
-                         "the test's def does not come from duet_default_test_def");
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the test's def does not come from duet_default_pair_query_def");
     if (!def->pair)
-        return error_set(err, DUET_BAD_ARGUMENT, "the test's def has no device pair");
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the test's def has no device pair");
     if (def->dims != 2 && def->dims != 3)
-        return error_set(err, DUET_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
-    if (!duet_level_describe(def->level))
-        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; expected a duet_level",
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
+    if (!duet_level_get_info(def->level))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
                          (int)def->level);
     if (def->share > DUET_SHARE_ONE)
-        return error_set(err, DUET_BAD_ARGUMENT, "share is %u of %u; expected at most all of it",
-                         def->share, DUET_SHARE_ONE);
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "share is %u of %u; expected at most all of it", def->share,
+                         DUET_SHARE_ONE);
     return true;
 }
 
@@ -90,7 +91,7 @@ static void close_side(side *s)
     *s = (side){0};
 }
 
-static bool open_side(side *s, const duet_test_def *def, int which, duet_error *err)
+static bool open_side(side *s, const duet_pair_query_def *def, int which, duet_error *err)
 {
     *s = (side){.device = &def->pair->devices[which], .dims = def->dims};
     const gen_setting settings[] = {{"DIMS", def->dims}, {"ACCURACY", def->level}};
@@ -101,13 +102,13 @@ static bool open_side(side *s, const duet_test_def *def, int which, duet_error *
     return s->kernel && buffer_reserve(&s->found, s->device, CHUNK, err);
 }
 
-duet_test *duet_test_open(const duet_test_def *def, duet_error *err)
+duet_pair_query *duet_pair_query_create(const duet_pair_query_def *def, duet_error *err)
 {
     if (!check_def(def, err))
         return NULL;
-    duet_test *test = calloc(1, sizeof *test);
+    duet_pair_query *test = calloc(1, sizeof *test);
     if (!test) {
-        error_set(err, DUET_NO_MEMORY, "no memory for a test");
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a test");
         return NULL;
     }
     test->def = *def;
@@ -119,20 +120,20 @@ duet_test *duet_test_open(const duet_test_def *def, duet_error *err)
     if (ok && used[0] && used[1])
         ok = (test->driver = thread_pool_open(1, err)) != NULL;
     if (!ok) {
-        duet_test_close(test);
+        duet_pair_query_destroy(test);
         return NULL;
     }
     return test;
 }
 
-void duet_test_close(duet_test *test)
+void duet_pair_query_destroy(duet_pair_query *test)
 {
     if (!test)
         return;
     thread_pool_close(test->driver);
     close_side(&test->sides[0]);
     close_side(&test->sides[1]);
-    duet_device_pair_close(test->def.pair);
+    duet_device_pair_destroy(test->def.pair);
     free(test);
 }
 
@@ -160,7 +161,7 @@ static bool ask_device(side *s, uint64_t first, uint32_t n)
 static bool refuse(side *s, uint64_t pair)
 {
     bool first_is_box = narrow_is_box(&s->work.poses[2 * pair], s->dims);
-    return error_set(&s->err, DUET_BAD_OBJECT,
+    return error_set(&s->err, DUET_STATUS_BAD_OBJECT,
                      "pair %llu: the %s pose is not a number, infinite, negative or without "
                      "rotation",
                      (unsigned long long)pair, first_is_box ? "second" : "first");
@@ -224,7 +225,7 @@ static void run_side(void *arg)
     s->wall_ms = ms_since(begun);
 }
 
-static void run_sides(duet_test *test)
+static void run_sides(duet_pair_query *test)
 {
     side *a = &test->sides[0], *b = &test->sides[1];
     bool together = has_work(a) && has_work(b);
@@ -255,14 +256,15 @@ static uint64_t part_of(uint64_t n, uint32_t share)
     return n / DUET_SHARE_ONE * share + n % DUET_SHARE_ONE * share / DUET_SHARE_ONE;
 }
 
-bool duet_test_pairs(duet_test *test, const duet_pose *poses, uint64_t n, uint8_t *verdicts,
-                     double *separations, duet_test_result *result, duet_error *err)
+bool duet_pair_query_run(duet_pair_query *test, const duet_pose *poses, uint64_t n,
+                         uint8_t *verdicts, double *separations, duet_pair_query_result *result,
+                         duet_error *err)
 {
     if (!error_given(test, __func__, "test", err) || !error_given(result, __func__, "result", err))
         return false;
     uint64_t begun = clock_steady_ns();
     if (n > 0 && (!poses || !verdicts))
-        return error_set(err, DUET_BAD_ARGUMENT, "%llu pairs, but no memory for their %s",
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%llu pairs, but no memory for their %s",
                          (unsigned long long)n, poses ? "verdicts" : "poses");
     side *a = &test->sides[0], *b = &test->sides[1];
     const work w = {.poses = poses, .verdicts = verdicts, .separations = separations};
@@ -272,13 +274,13 @@ bool duet_test_pairs(duet_test *test, const duet_pose *poses, uint64_t n, uint8_
     run_sides(test);
     const side *failed = a->ok ? b : a; // A's pairs are the first ones
     if (!failed->ok) {
-        if (err && err->status == DUET_OK)
+        if (err && err->status == DUET_STATUS_OK)
             *err = failed->err;
         return false;
     }
-    *result = (duet_test_result){.colliding = a->colliding + b->colliding,
-                                 .undecided = a->undecided + b->undecided,
-                                 .total_ms = ms_since(begun),
-                                 .device_ms = {a->wall_ms, b->wall_ms}};
+    *result = (duet_pair_query_result){.colliding = a->colliding + b->colliding,
+                                       .undecided = a->undecided + b->undecided,
+                                       .total_ms = ms_since(begun),
+                                       .device_ms = {a->wall_ms, b->wall_ms}};
     return true;
 }

@@ -29,7 +29,8 @@ static void *allocate(size_t bytes)
 
 static bool no_memory(duet_error *err, const device *d, size_t bytes)
 {
-    return error_set(err, DUET_NO_MEMORY, "%s: no memory for %zu bytes", d->info.selector, bytes);
+    return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %zu bytes", d->info.selector,
+                     bytes);
 }
 
 static bool wrap(buffer *b, const device *d, duet_error *err)
@@ -64,8 +65,9 @@ bool buffer_reserve(buffer *b, const device *d, size_t bytes, duet_error *err)
         return true;
     buffer_release(b);
     if (bytes > d->info.max_buffer_bytes)
-        return error_set(err, DUET_NO_MEMORY, "%s: %zu bytes wanted, a buffer holds at most %llu",
-                         d->info.selector, bytes, (unsigned long long)d->info.max_buffer_bytes);
+        return error_set(err, DUET_STATUS_NO_MEMORY,
+                         "%s: %zu bytes wanted, a buffer holds at most %llu", d->info.selector,
+                         bytes, (unsigned long long)d->info.max_buffer_bytes);
     b->bytes = rounded(bytes < SMALLEST ? SMALLEST : bytes, ALIGNMENT);
     bool ok = create(b, d, err);
     if (!ok)
@@ -131,7 +133,7 @@ bool host_block_reserve(host_block *h, const device devices[], int n_devices, si
     if (!h->bytes)
         h->bytes = allocate(size);
     if (!h->bytes)
-        return error_set(err, DUET_NO_MEMORY, "no host memory for %zu bytes", size);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu bytes", size);
     h->size = size;
     return true;
 }

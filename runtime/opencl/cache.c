@@ -69,7 +69,7 @@ static const char *what_is_wrong(const struct stat *info)
 
 static bool refuse(const char *dir, const char *why, duet_error *err)
 {
-    return error_set(err, DUET_BAD_ARGUMENT,
+    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "%s: %s, so that built kernels are not safe there; name a folder that only "
                      "you can write, with DUET_CACHE say",
                      dir, why);
@@ -101,7 +101,7 @@ bool cache_check(const char *dir, duet_error *err)
     int folder = open_folder(dir, &why);
     if (folder >= 0)
         close(folder);
-    return why.status == DUET_OK || error_set(err, why.status, "%s", why.text);
+    return why.status == DUET_STATUS_OK || error_set(err, why.status, "%s", why.text);
 }
 
 // ------------------------------------------------------------------- entries

@@ -44,7 +44,8 @@ static bool fail_unknown(const char *selector, const device_root *roots, uint32_
         has_cpu = has_cpu || roots[i].info.kind == DUET_KIND_CPU;
         text_add(&there, "%s%s", i ? ", " : "", roots[i].info.selector);
     }
-    error_set(err, DUET_NOT_FOUND, "no device '%s'; there is %s%s", selector, text_chars(&there),
+    error_set(err, DUET_STATUS_NOT_FOUND, "no device '%s'; there is %s%s", selector,
+              text_chars(&there),
               has_cpu ? "" : "; to work on the CPU too: apt install pocl-opencl-icd");
     text_free(&there);
     return false;
@@ -78,10 +79,10 @@ static bool check_part(const device_root *root, const char *selector, uint32_t *
 {
     const duet_device_info *info = &root->info;
     if (!info->can_cut)
-        return error_set(err, DUET_BAD_ARGUMENT, "%s: %s cannot be cut into parts%s", selector,
-                         info->selector, info->units == 1 ? ", it has one unit" : "");
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: %s cannot be cut into parts%s",
+                         selector, info->selector, info->units == 1 ? ", it has one unit" : "");
     if (!read_part(strchr(selector, '['), first, last) || *first > *last || *last >= info->units)
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: a part of %s is [first-last] with 0 <= first <= last <= %u", selector,
                          info->selector, info->units - 1);
     return true;

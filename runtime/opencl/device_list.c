@@ -116,7 +116,7 @@ static void find_roots(void)
 static bool look(duet_error *err)
 {
     pthread_once(&found.once, find_roots);
-    return !found.failed || error_set(err, DUET_NO_MEMORY, "the list of devices: no memory");
+    return !found.failed || error_set(err, DUET_STATUS_NO_MEMORY, "the list of devices: no memory");
 }
 
 bool device_list_roots(const device_root **roots, uint32_t *n, duet_error *err)
@@ -125,7 +125,7 @@ bool device_list_roots(const device_root **roots, uint32_t *n, duet_error *err)
         return false;
     *roots = found.roots;
     *n = found.n;
-    return found.n > 0 || error_set(err, DUET_NO_DEVICE,
+    return found.n > 0 || error_set(err, DUET_STATUS_NO_DEVICE,
                                     "no OpenCL device is installed; to work on the CPU: apt "
                                     "install pocl-opencl-icd");
 }
@@ -135,30 +135,30 @@ struct duet_device_list {
     uint32_t n;
 };
 
-duet_device_list *duet_device_list_open(duet_error *err)
+duet_device_list *duet_device_list_create(duet_error *err)
 {
     if (!look(err))
         return NULL;
     duet_device_list *list = calloc(1, sizeof *list);
     if (!list) {
-        error_set(err, DUET_NO_MEMORY, "the list of devices: no memory");
+        error_set(err, DUET_STATUS_NO_MEMORY, "the list of devices: no memory");
         return NULL;
     }
     *list = (duet_device_list){found.roots, found.n};
     return list;
 }
 
-void duet_device_list_close(duet_device_list *list)
+void duet_device_list_destroy(duet_device_list *list)
 {
     free(list);
 }
 
-uint32_t duet_device_list_count(const duet_device_list *list)
+uint32_t duet_device_list_get_count(const duet_device_list *list)
 {
     return list ? list->n : 0;
 }
 
-const duet_device_info *duet_device_list_at(const duet_device_list *list, uint32_t i)
+const duet_device_info *duet_device_list_get_info(const duet_device_list *list, uint32_t i)
 {
     return list && i < list->n ? &list->roots[i].info : NULL;
 }

@@ -100,7 +100,7 @@ static bool open_devices(duet_device_pair *pair, const duet_device_pair_def *def
     const char *a = def->a;
     const char *b = def->b;
     if (!a != !b)
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "a device pair needs two selectors, or none to have them chosen");
     if (!a) {
         if (!choose(&chosen, err))
@@ -116,19 +116,19 @@ static bool keep_folder(char **kept, const char *folder, duet_error *err)
     if (!folder || !*folder)
         return true;
     *kept = strdup(folder);
-    return *kept || error_set(err, DUET_NO_MEMORY, "a device pair: no memory");
+    return *kept || error_set(err, DUET_STATUS_NO_MEMORY, "a device pair: no memory");
 }
 
-duet_device_pair *duet_device_pair_open(const duet_device_pair_def *def, duet_error *err)
+duet_device_pair *duet_device_pair_create(const duet_device_pair_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE) {
-        error_set(err, DUET_BAD_ARGUMENT,
+        error_set(err, DUET_STATUS_BAD_ARGUMENT,
                   "the def of a device pair begins with duet_default_device_pair_def");
         return NULL;
     }
     duet_device_pair *pair = calloc(1, sizeof *pair);
     if (!pair) {
-        error_set(err, DUET_NO_MEMORY, "a device pair: no memory");
+        error_set(err, DUET_STATUS_NO_MEMORY, "a device pair: no memory");
         return NULL;
     }
     device_pair_hold(pair);
@@ -137,7 +137,7 @@ duet_device_pair *duet_device_pair_open(const duet_device_pair_def *def, duet_er
     ok = ok && (!pair->cache_dir || cache_check(pair->cache_dir, err));
     ok = ok && open_devices(pair, def, err);
     if (!ok) {
-        duet_device_pair_close(pair);
+        duet_device_pair_destroy(pair);
         return NULL;
     }
     return pair;
@@ -148,7 +148,7 @@ void device_pair_hold(duet_device_pair *pair)
     atomic_fetch_add(&pair->users, 1);
 }
 
-void duet_device_pair_close(duet_device_pair *pair)
+void duet_device_pair_destroy(duet_device_pair *pair)
 {
     if (!pair || atomic_fetch_sub(&pair->users, 1) > 1)
         return;
@@ -159,7 +159,7 @@ void duet_device_pair_close(duet_device_pair *pair)
     free(pair);
 }
 
-const duet_device_info *duet_device_pair_info(const duet_device_pair *pair, int which)
+const duet_device_info *duet_device_pair_get_info(const duet_device_pair *pair, int which)
 {
     return pair && (which == 0 || which == 1) ? &pair->devices[which].info : NULL;
 }

@@ -53,7 +53,7 @@ program_set *program_set_open(const device *d, gen *g, const char *cache_dir, du
 {
     program_set *set = calloc(1, sizeof *set);
     if (!set) {
-        error_set(err, DUET_NO_MEMORY, "no memory for the kernels of %s", d->info.selector);
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the kernels of %s", d->info.selector);
         return NULL;
     }
     set->device = d;
@@ -115,8 +115,9 @@ static bool fail_with_log(const program_set *set, cl_program cl, const char *nam
     if (!from)
         from = log;
     int length = (int)strcspn(from, "\n");
-    return error_set(err, DUET_BUILD_FAILED, "%s on %s: %.*s", name, set->device->info.selector,
-                     length ? length : 22, length ? from : "the compiler is silent");
+    return error_set(err, DUET_STATUS_BUILD_FAILED, "%s on %s: %.*s", name,
+                     set->device->info.selector, length ? length : 22,
+                     length ? from : "the compiler is silent");
 }
 
 static bool build_source(const program_set *set, program *p, const gen_variant *variant,
@@ -192,7 +193,7 @@ static program *find_or_build(program_set *set, const gen_variant *variant, duet
             return p;
     program *p = calloc(1, sizeof *p);
     if (!p) {
-        error_set(err, DUET_NO_MEMORY, "no memory for the program %s", variant->name);
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the program %s", variant->name);
         return NULL;
     }
     p->cl = program_pool_take(set->device->built, variant->sha256);
@@ -218,7 +219,7 @@ static kernel *find_or_create(const program_set *set, program *p, const char *en
     cl_int code = CL_SUCCESS;
     cl_kernel cl = p->n_entries < MAX_ENTRIES ? clCreateKernel(p->cl, entry, &code) : NULL;
     if (!cl) {
-        error_set(err, DUET_BUILD_FAILED, "%s on %s: has no kernel '%s'", variant->name,
+        error_set(err, DUET_STATUS_BUILD_FAILED, "%s on %s: has no kernel '%s'", variant->name,
                   set->device->info.selector, entry);
         return NULL;
     }
@@ -250,7 +251,8 @@ bool program_set_check(program_set *set, const char *kernel_name, const gen_sett
 {
     gen_variant variant = {0};
     program *p = calloc(1, sizeof *p);
-    bool ok = p || error_set(err, DUET_NO_MEMORY, "no memory for the program %s", kernel_name);
+    bool ok =
+        p || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the program %s", kernel_name);
     ok = ok && gen_make(set->gen, kernel_name, settings, n_settings, &set->limits, &variant, err) &&
          build(set, p, &variant, err);
     if (p)

@@ -45,7 +45,7 @@ thread_pool *thread_pool_open(uint32_t n_threads, duet_error *err)
 {
     thread_pool *c = calloc(1, sizeof *c + n_threads * sizeof c->threads[0]);
     if (!c) {
-        error_set(err, DUET_NO_MEMORY, "no memory for %u threads", n_threads);
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u threads", n_threads);
         return NULL;
     }
     pthread_mutex_init(&c->lock, NULL);
@@ -56,7 +56,8 @@ thread_pool *thread_pool_open(uint32_t n_threads, duet_error *err)
         ++c->n_threads;
     if (c->n_threads == n_threads)
         return c;
-    error_set(err, DUET_NO_MEMORY, "the system gives %u of %u threads", c->n_threads, n_threads);
+    error_set(err, DUET_STATUS_NO_MEMORY, "the system gives %u of %u threads", c->n_threads,
+              n_threads);
     thread_pool_close(c);
     return NULL;
 }

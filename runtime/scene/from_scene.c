@@ -8,41 +8,43 @@ bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error
 {
     if (!error_given(world, __func__, "world", err) || !error_given(scene, __func__, "scene", err))
         return false;
-    const duet_scene_info *info = duet_scene_describe(scene);
+    const duet_scene_info *info = duet_scene_get_info(scene);
     if (info->dims != world->def.dims)
-        return error_set(err, DUET_BAD_ARGUMENT, "the scene %s has %u dimensions, the world %u",
-                         info->name, info->dims, world->def.dims);
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the scene %s has %u dimensions, the world %u", info->name, info->dims,
+                         world->def.dims);
     if (info->origin != world->def.origin)
-        return error_set(err, DUET_BAD_ARGUMENT, "the scene %s has the origin %g, the world %g",
-                         info->name, (double)info->origin, (double)world->def.origin);
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the scene %s has the origin %g, the world %g", info->name,
+                         (double)info->origin, (double)world->def.origin);
     world_forget_grid(world);
-    if (info->origin > 0.0f)
-        return duet_world_set_placed(world, duet_scene_placed(scene), info->n, err);
-    return info->shape == DUET_SHAPE_POSES
-               ? duet_world_set_poses(world, duet_scene_poses(scene), info->n, err)
-               : duet_world_set_bounds(world, duet_scene_bounds(scene), info->n, err);
+    duet_object_kind kind = info->origin > 0.0f               ? DUET_OBJECT_LARGE_POSES
+                            : info->shape == DUET_SHAPE_POSES ? DUET_OBJECT_POSES
+                                                              : DUET_OBJECT_BOUNDS;
+    return duet_world_set_objects(world, kind, duet_scene_get_objects(scene, kind), info->n, err);
 }
 
-duet_motion *duet_motion_create_scene(const duet_motion_def *def, const duet_scene *scene,
-                                      const duet_body *bodies, duet_error *err)
+duet_motion *duet_motion_create_from_scene(const duet_motion_def *def, const duet_scene *scene,
+                                           const duet_body *bodies, duet_error *err)
 {
     if (!error_given(scene, __func__, "scene", err))
         return NULL;
-    const duet_scene_info *info = duet_scene_describe(scene);
-    const duet_pose *poses = duet_scene_poses(scene);
-    const duet_body *own = bodies ? bodies : duet_scene_bodies(scene);
+    const duet_scene_info *info = duet_scene_get_info(scene);
+    const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
+    const duet_body *own = bodies ? bodies : duet_scene_get_bodies(scene);
     if (!poses) {
-        error_set(err, DUET_BAD_ARGUMENT,
+        error_set(err, DUET_STATUS_BAD_ARGUMENT,
                   "%s: its objects are corners, which do not move; expected centres and half "
                   "extents",
                   info->name);
         return NULL;
     }
     if (def && def->origin_edge != info->origin) {
-        error_set(err, DUET_BAD_ARGUMENT,
+        error_set(err, DUET_STATUS_BAD_ARGUMENT,
                   "the scene %s has origin cells of edge %g, the motion's def of %g", info->name,
                   (double)info->origin, (double)def->origin_edge);
         return NULL;
     }
-    return motion_create(def, poses, duet_scene_placed(scene), own, info->n, err);
+    return motion_create(def, poses, duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES), own,
+                         info->n, err);
 }

@@ -130,8 +130,8 @@ static bool add_pair(finder *f, uint32_t a, uint32_t b)
             return false;
         duet_pair *pairs = realloc(f->found->pairs, capacity * sizeof *pairs);
         if (!pairs)
-            return error_set(f->err, DUET_NO_MEMORY, "reference: no memory for %" PRIu64 " pairs",
-                             capacity);
+            return error_set(f->err, DUET_STATUS_NO_MEMORY,
+                             "reference: no memory for %" PRIu64 " pairs", capacity);
         f->found->pairs = pairs;
         f->capacity = capacity;
     }
@@ -331,7 +331,8 @@ static bool make_entries(finder *f)
         return false;
     f->entries = calloc(n ? n : 1, sizeof *f->entries);
     if (!f->entries)
-        return error_set(f->err, DUET_NO_MEMORY, "reference: no memory for %" PRIu32 " objects", n);
+        return error_set(f->err, DUET_STATUS_NO_MEMORY,
+                         "reference: no memory for %" PRIu32 " objects", n);
     for (uint32_t i = 0; i < n; ++i) {
         f->entries[i].id = i;
         f->entries[i].box = bounds_of(f->objects, i);
@@ -357,26 +358,23 @@ bool reference_find(const reference_objects *objects, reference_way way, referen
     return true;
 }
 
-bool duet_reference(const duet_scene *scene, duet_pair **pairs, uint64_t *n, duet_error *err)
-{
-    return duet_reference_at(scene, DUET_LEVEL_CERTIFIED, pairs, n, err);
-}
-
-bool duet_reference_at(const duet_scene *scene, duet_level level, duet_pair **pairs, uint64_t *n,
-                       duet_error *err)
+bool duet_reference(const duet_scene *scene, duet_level level, duet_pair **pairs, uint64_t *n,
+                    duet_error *err)
 {
     if (!error_given(scene, __func__, "scene", err) ||
         !error_given(pairs, __func__, "pairs", err) || !error_given(n, __func__, "n", err))
         return false;
-    if (!duet_level_describe(level))
-        return error_set(err, DUET_BAD_ARGUMENT, "level is %d; expected a duet_level", (int)level);
-    const duet_scene_info *info = duet_scene_describe(scene);
+    if (!duet_level_get_info(level))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
+                         (int)level);
+    const duet_scene_info *info = duet_scene_get_info(scene);
     reference_objects objects = {
         .dims = info->dims,
         .shape = info->shape,
         .n = info->n,
-        .poses = info->origin > 0 ? &duet_scene_placed(scene)->pose : duet_scene_poses(scene),
-        .bounds = duet_scene_bounds(scene),
+        .poses = duet_scene_get_objects(scene, info->origin > 0 ? DUET_OBJECT_LARGE_POSES
+                                                                : DUET_OBJECT_POSES),
+        .bounds = duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS),
         .level = level,
         .rotated = info->rotated,
         .origin = info->origin,

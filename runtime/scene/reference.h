@@ -12,7 +12,7 @@ typedef struct reference_objects {
     uint32_t dims;
     duet_shape shape;
     uint32_t n;
-    const duet_pose *poses; // with an origin placed ones: duet_placed [n]
+    const duet_pose *poses; // with an origin placed ones: duet_large_pose [n]
     const duet_bounds *bounds;
     duet_level level; // of poses; by default certified
     bool rotated;     // for other levels: false promises identity rotations

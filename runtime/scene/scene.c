@@ -26,7 +26,7 @@ static bool reserve_centres(duet_scene *scene, uint64_t n, duet_error *err)
         return true;
     void *centres = realloc(scene->centres, n * sizeof *scene->centres);
     if (!centres)
-        return error_set(err, DUET_NO_MEMORY, "%llu centres in double: no memory",
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%llu centres in double: no memory",
                          (unsigned long long)n);
     scene->centres = centres;
     return true;
@@ -37,13 +37,13 @@ bool scene_reserve(duet_scene *scene, uint64_t n, duet_error *err)
     if (n <= scene->capacity)
         return true;
     if (n > SCENE_MAX_OBJECTS)
-        return error_set(err, DUET_TOO_MANY, "%llu objects; a scene holds at most %u",
+        return error_set(err, DUET_STATUS_TOO_MANY, "%llu objects; a scene holds at most %u",
                          (unsigned long long)n, SCENE_MAX_OBJECTS);
     if (!budget_space(n * object_size(scene), err))
         return false;
     void *objects = realloc(scene->objects, n * object_size(scene));
     if (!objects)
-        return error_set(err, DUET_NO_MEMORY, "%llu objects of %zu bytes: no memory",
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%llu objects of %zu bytes: no memory",
                          (unsigned long long)n, object_size(scene));
     scene->objects = objects;
     if (!reserve_centres(scene, n, err))
@@ -115,11 +115,11 @@ bool scene_set_columns(duet_scene *scene, uint32_t columns, scene_place place, d
     const char *what = scene->per_row == 1 ? "object" : "pair";
     uint32_t i = scene->info.n / scene->per_row;
     if (scene->columns != 0 && columns != scene->columns)
-        return error_set(err, DUET_BAD_INPUT,
+        return error_set(err, DUET_STATUS_BAD_INPUT,
                          "%s%s %u has %u numbers, where those before it have %u",
                          scene_place_name(place).chars, what, i, columns, scene->columns);
     if (!l)
-        return error_set(err, DUET_BAD_INPUT, "%s%s %u has %u numbers; it must have %s",
+        return error_set(err, DUET_STATUS_BAD_INPUT, "%s%s %u has %u numbers; it must have %s",
                          scene_place_name(place).chars, what, i, columns,
                          scene_columns_right(scene));
     scene->columns = columns;
@@ -150,7 +150,7 @@ static duet_scene *scene_new(duet_error *err)
 {
     duet_scene *scene = calloc(1, sizeof *scene);
     if (!scene) {
-        error_set(err, DUET_NO_MEMORY, "a scene: no memory");
+        error_set(err, DUET_STATUS_NO_MEMORY, "a scene: no memory");
         return NULL;
     }
     scene->info.dims = 3;
@@ -200,7 +200,7 @@ static bool read_origin(const char *path, const duet_setting *settings, uint32_t
         else if (strcmp(s->name, "origin_edge") == 0)
             given = strtod(s->value, NULL);
         else
-            return error_set(err, DUET_BAD_ARGUMENT,
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "%s: '%s' is set, but only a .lua scene has parameters; of data "
                              "origin=cell and origin_edge can be set",
                              path, s->name);
@@ -250,7 +250,7 @@ static duet_scene *load(const char *path, uint32_t per_row, const duet_setting *
     if (plain)
         freelocale(plain);
     else
-        error_set(err, DUET_NO_MEMORY, "%s: no memory", path);
+        error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", path);
     return keep_if(ok, scene);
 }
 
@@ -269,7 +269,7 @@ duet_scene *duet_scene_load_pairs(const char *path, duet_error *err)
 {
     if (path && !has_ending(path, ".lua"))
         return load(path, 2, NULL, 0, err);
-    error_set(err, DUET_BAD_ARGUMENT, "%s: pairs are read from .npy or text",
+    error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: pairs are read from .npy or text",
               path ? path : "no path");
     return NULL;
 }
@@ -278,11 +278,11 @@ static duet_scene *start_copy(duet_shape shape, const void *objects, uint32_t n,
                               duet_error *err)
 {
     if (n > 0 && !objects) {
-        error_set(err, DUET_BAD_ARGUMENT, "%u objects, but no memory that holds them", n);
+        error_set(err, DUET_STATUS_BAD_ARGUMENT, "%u objects, but no memory that holds them", n);
         return NULL;
     }
     if (dims != 2 && dims != 3) {
-        error_set(err, DUET_BAD_ARGUMENT, "dims is %u; it must be 2 or 3", dims);
+        error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; it must be 2 or 3", dims);
         return NULL;
     }
     duet_scene *scene = scene_new(err);
@@ -295,8 +295,7 @@ static duet_scene *start_copy(duet_shape shape, const void *objects, uint32_t n,
                    scene);
 }
 
-duet_scene *duet_scene_from_poses(const duet_pose *poses, uint32_t n, uint32_t dims,
-                                  duet_error *err)
+duet_scene *scene_from_poses(const duet_pose *poses, uint32_t n, uint32_t dims, duet_error *err)
 {
     duet_scene *scene = start_copy(DUET_SHAPE_POSES, poses, n, dims, err);
     const scene_layout *l = dims == 2 ? &scene_layout_pose_2d : scene_layout_find(10);
@@ -312,8 +311,8 @@ duet_scene *duet_scene_from_poses(const duet_pose *poses, uint32_t n, uint32_t d
     return keep_if(ok, scene);
 }
 
-duet_scene *duet_scene_from_bounds(const duet_bounds *bounds, uint32_t n, uint32_t dims,
-                                   duet_error *err)
+static duet_scene *from_bounds(const duet_bounds *bounds, uint32_t n, uint32_t dims,
+                               duet_error *err)
 {
     duet_scene *scene = start_copy(DUET_SHAPE_BOUNDS, bounds, n, dims, err);
     const scene_layout *l = scene_layout_find(2 * dims);
@@ -327,6 +326,31 @@ duet_scene *duet_scene_from_bounds(const duet_bounds *bounds, uint32_t n, uint32
         ok = add(scene, l, row, (scene_place){0}, err);
     }
     return keep_if(ok, scene);
+}
+
+duet_scene *duet_scene_create(duet_object_kind kind, const void *objects, uint32_t n, uint32_t dims,
+                              float origin_edge, duet_error *err)
+{
+    if (origin_edge != 0.0f && kind != DUET_OBJECT_LARGE_POSES) {
+        error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                  "origin_edge is %g; expected 0 for objects that are not large poses",
+                  (double)origin_edge);
+        return NULL;
+    }
+    switch (kind) {
+    case DUET_OBJECT_POSES:
+        return scene_from_poses(objects, n, dims, err);
+    case DUET_OBJECT_BOUNDS:
+        return from_bounds(objects, n, dims, err);
+    case DUET_OBJECT_LARGE_POSES:
+        return scene_from_large_poses(objects, n, dims, origin_edge, err);
+    case DUET_OBJECT_TRANSFORMS:
+    case DUET_OBJECT_SIZES:
+        break;
+    }
+    error_set(err, DUET_STATUS_BAD_ARGUMENT,
+              "kind is %d; expected poses, bounds or large poses for a scene", (int)kind);
+    return NULL;
 }
 
 void duet_scene_destroy(duet_scene *scene)
@@ -344,21 +368,28 @@ void duet_scene_destroy(duet_scene *scene)
 
 // ----------------------------------------------------------------- reading
 
-const duet_scene_info *duet_scene_describe(const duet_scene *scene)
+const duet_scene_info *duet_scene_get_info(const duet_scene *scene)
 {
     return scene ? &scene->info : NULL;
 }
 
-const duet_pose *duet_scene_poses(const duet_scene *scene)
+const void *duet_scene_get_objects(const duet_scene *scene, duet_object_kind kind)
 {
-    if (scene && scene->info.origin > 0)
-        return scene->rounded;
-    return scene && scene->info.shape == DUET_SHAPE_POSES ? scene->objects : NULL;
-}
-
-const duet_bounds *duet_scene_bounds(const duet_scene *scene)
-{
-    return scene && scene->info.shape == DUET_SHAPE_BOUNDS ? scene->objects : NULL;
+    if (!scene)
+        return NULL;
+    bool large = scene->info.origin > 0.0f, poses = scene->info.shape == DUET_SHAPE_POSES;
+    switch (kind) {
+    case DUET_OBJECT_POSES:
+        return large ? scene->rounded : poses ? scene->objects : NULL;
+    case DUET_OBJECT_BOUNDS:
+        return poses ? NULL : scene->objects;
+    case DUET_OBJECT_LARGE_POSES:
+        return large ? scene->objects : NULL;
+    case DUET_OBJECT_TRANSFORMS:
+    case DUET_OBJECT_SIZES:
+        break;
+    }
+    return NULL;
 }
 
 duet_world_def duet_scene_world_def(const duet_scene *scene, duet_device_pair *pair)

@@ -17,7 +17,8 @@ struct duet_scene {
     char *name;       // info.name
     uint32_t columns; // of a row; 0: none was read yet
     uint32_t per_row; // objects in a row: 1, or 2 in a file of pairs
-    void *objects;    // duet_pose or duet_bounds, as info.shape says, or with an origin duet_placed
+    void
+        *objects; // duet_pose or duet_bounds, as info.shape says, or with an origin duet_large_pose
     duet_pose *rounded;   // with an origin: the poses with their centres rounded to float
     bool keep_centres;    // a reader that does not know yet whether it will be asked for an origin
     double (*centres)[3]; // [n] poses' centres as they were read
@@ -51,6 +52,11 @@ bool scene_add_row(duet_scene *scene, const double *row, scene_place place, duet
 // kept; to be called once, after the last object.
 bool scene_set_origin(duet_scene *scene, double edge, duet_error *err);
 void scene_forget_centres(duet_scene *scene);
+
+// duet_scene_create of these kinds.
+duet_scene *scene_from_poses(const duet_pose *poses, uint32_t n, uint32_t dims, duet_error *err);
+duet_scene *scene_from_large_poses(const duet_large_pose *placed, uint32_t n, uint32_t dims,
+                                   float origin, duet_error *err);
 
 bool scene_set_name(duet_scene *scene, const char *name, size_t length, duet_error *err);
 

@@ -107,7 +107,7 @@ bool scene_keep_body(duet_scene *scene, const scene_body *body, duet_error *err)
         uint32_t capacity = scene->given_capacity ? 2 * scene->given_capacity : 64;
         scene_body *given = realloc(scene->given, capacity * sizeof *given);
         if (!given)
-            return error_set(err, DUET_NO_MEMORY, "no memory for %u bodies", capacity);
+            return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", capacity);
         scene->given = given;
         scene->given_capacity = capacity;
     }
@@ -122,7 +122,7 @@ bool scene_fill_bodies(duet_scene *scene, duet_error *err)
         return true;
     scene->bodies = calloc((size_t)scene->info.n + 1, sizeof *scene->bodies);
     if (!scene->bodies)
-        return error_set(err, DUET_NO_MEMORY, "no memory for %u bodies", scene->info.n);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", scene->info.n);
     for (uint32_t id = 0; id < scene->info.n; ++id)
         scene->bodies[id] = scene->body;
     for (uint32_t i = 0; i < scene->n_given; ++i) {
@@ -300,7 +300,7 @@ void scene_read_motion_numbers(lua_State *L, scene_reading *reading)
 
 // ---------------------------------------------------------------- for callers
 
-const duet_body *duet_scene_bodies(const duet_scene *scene)
+const duet_body *duet_scene_get_bodies(const duet_scene *scene)
 {
     return scene ? scene->bodies : NULL;
 }

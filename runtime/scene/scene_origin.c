@@ -10,32 +10,32 @@
 static bool check_edge(const duet_scene *scene, double edge, duet_error *err)
 {
     if (!(edge > 0.0) || (double)(float)edge != edge || !origin_is_edge((float)edge))
-        return error_set(err, DUET_BAD_ARGUMENT,
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: the origin cells' edge is %g; it must be a power of two from 2^-100 "
                          "to 2^100",
                          scene->name, edge);
     return scene->info.shape == DUET_SHAPE_POSES ||
-           error_set(err, DUET_BAD_INPUT,
+           error_set(err, DUET_STATUS_BAD_INPUT,
                      "%s: origin cells are for boxes by centre and half extents, not by corners",
                      scene->name);
 }
 
 static bool refuse_far(const duet_scene *scene, uint32_t id, double edge, duet_error *err)
 {
-    return error_set(err, DUET_BAD_OBJECT,
+    return error_set(err, DUET_STATUS_BAD_OBJECT,
                      "%s: object %u is beyond 2^30 origin cells of edge %g from 0", scene->name, id,
                      edge);
 }
 
 // Placed poses of the scene's poses: by the centres that were kept, or in given cells.
-static bool place_all(duet_scene *scene, const duet_placed *given, double edge, duet_error *err)
+static bool place_all(duet_scene *scene, const duet_large_pose *given, double edge, duet_error *err)
 {
     uint32_t n = scene->info.n;
     if (!check_edge(scene, edge, err))
         return false;
-    duet_placed *placed = calloc(n > 0 ? n : 1, sizeof *placed);
+    duet_large_pose *placed = calloc(n > 0 ? n : 1, sizeof *placed);
     if (!placed)
-        return error_set(err, DUET_NO_MEMORY, "%u placed poses: no memory", n);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%u placed poses: no memory", n);
     duet_pose *poses = scene->rounded = scene->objects;
     scene->objects = placed;
     bool ok = true;
@@ -68,27 +68,22 @@ void scene_forget_centres(duet_scene *scene)
     scene->keep_centres = false;
 }
 
-duet_scene *duet_scene_from_placed(const duet_placed *placed, uint32_t n, uint32_t dims,
+duet_scene *scene_from_large_poses(const duet_large_pose *placed, uint32_t n, uint32_t dims,
                                    float origin, duet_error *err)
 {
-    if (n > 0 && !error_given(placed, __func__, "placed", err))
+    if (n > 0 && !error_given(placed, "duet_scene_create", "objects", err))
         return NULL;
     duet_pose *poses = calloc(n > 0 ? n : 1, sizeof *poses);
     if (!poses) {
-        error_set(err, DUET_NO_MEMORY, "%u poses: no memory", n);
+        error_set(err, DUET_STATUS_NO_MEMORY, "%u poses: no memory", n);
         return NULL;
     }
     for (uint32_t i = 0; i < n; ++i)
         poses[i] = placed[i].pose;
-    duet_scene *scene = duet_scene_from_poses(placed ? poses : NULL, n, dims, err);
+    duet_scene *scene = scene_from_poses(placed ? poses : NULL, n, dims, err);
     free(poses);
     if (scene && place_all(scene, placed, origin, err))
         return scene;
     duet_scene_destroy(scene);
     return NULL;
-}
-
-const duet_placed *duet_scene_placed(const duet_scene *scene)
-{
-    return scene && scene->info.origin > 0 ? scene->objects : NULL;
 }

@@ -212,7 +212,8 @@ static bool refuse(uint32_t id, scene_place place, duet_error *err, const char *
     va_start(args, format);
     vsnprintf(what, sizeof what, format, args);
     va_end(args);
-    return error_set(err, DUET_BAD_OBJECT, "%s: %s", scene_place_object(place, id).chars, what);
+    return error_set(err, DUET_STATUS_BAD_OBJECT, "%s: %s", scene_place_object(place, id).chars,
+                     what);
 }
 
 static bool check_number(const scene_column *c, double value, uint32_t id, scene_place place,

@@ -62,10 +62,10 @@ static bool refuse_field(const char *field, uint32_t column, scene_place place, 
     for (const char *at = field; at < field_end(field) && n + 1 < sizeof shown; ++at)
         shown[n++] = isprint((unsigned char)*at) ? *at : '?';
     if (n == 0)
-        return error_set(err, DUET_BAD_INPUT, "%s:%llu: column %u is empty", place.path,
+        return error_set(err, DUET_STATUS_BAD_INPUT, "%s:%llu: column %u is empty", place.path,
                          (unsigned long long)place.line, column);
-    return error_set(err, DUET_BAD_INPUT, "%s:%llu: column %u: '%s' is not a number", place.path,
-                     (unsigned long long)place.line, column, shown);
+    return error_set(err, DUET_STATUS_BAD_INPUT, "%s:%llu: column %u: '%s' is not a number",
+                     place.path, (unsigned long long)place.line, column, shown);
 }
 
 static bool read_numbers(const char *line, scene_place place, numbers *row, duet_error *err)
@@ -134,7 +134,7 @@ static bool read_lines(duet_scene *scene, const char *path, const char *at, duet
 static bool check_is_text(const text *file, const char *path, duet_error *err)
 {
     const char *nul = memchr(text_chars(file), '\0', file->length);
-    return !nul || error_set(err, DUET_BAD_INPUT,
+    return !nul || error_set(err, DUET_STATUS_BAD_INPUT,
                              "%s: byte %zu is NUL, so this is no text; data in "
                              "binary is read from .npy",
                              path, (size_t)(nul - file->chars));

@@ -69,8 +69,8 @@ bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *
         !error_given(profile, __func__, "profile", err))
         return false;
     *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT,
-                              .plan = *duet_world_plan(world),
-                              .level = duet_world_level(world)};
+                              .plan = *duet_world_get_plan(world),
+                              .level = duet_world_get_level(world)};
     profile_subject asked;
     profile_found found;
     if (!profile_subject_read(world, &asked, err))
@@ -94,5 +94,6 @@ bool duet_world_explain_profile(duet_world *world, const char *path, char **why,
     bool ok = look(path, &request, &found, &lines, err) && text_ok(&lines, err);
     *why = ok ? strdup(text_chars(&lines)) : NULL;
     text_free(&lines);
-    return ok && (*why || error_set(err, DUET_NO_MEMORY, "the grounds of a profile: no memory"));
+    return ok &&
+           (*why || error_set(err, DUET_STATUS_NO_MEMORY, "the grounds of a profile: no memory"));
 }

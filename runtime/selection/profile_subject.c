@@ -114,7 +114,7 @@ static void ask_any_level(profile_subject *p, const duet_accuracy *accuracy)
     p->workload.level = PROFILE_ANY_LEVEL;
     p->accuracy = *accuracy;
     for (p->n_levels = 0; p->n_levels < DUET_LEVELS; ++p->n_levels)
-        p->levels[p->n_levels] = duet_level_describe((duet_level)p->n_levels)->name;
+        p->levels[p->n_levels] = duet_level_get_info((duet_level)p->n_levels)->name;
 }
 
 static profile_workload describe_workload(const duet_world *world)
@@ -132,7 +132,7 @@ static profile_workload describe_workload(const duet_world *world)
         .size_ratio = s.size_ratio,
         .shape = poses ? "poses" : "bounds",
         .rotated = poses && def->rotated,
-        .level = duet_level_describe(def->level)->name,
+        .level = duet_level_get_info(def->level)->name,
     };
 }
 
@@ -141,7 +141,7 @@ bool profile_subject_read(const duet_world *world, profile_subject *p, duet_erro
     *p = (profile_subject){0};
     if (world->n == 0)
         return error_set(
-            err, DUET_BAD_ARGUMENT,
+            err, DUET_STATUS_BAD_ARGUMENT,
             "a world without objects has no profile; expected objects to be set first");
     if (!world_check_sizes(world, err))
         return false;
@@ -156,7 +156,7 @@ bool profile_subject_read(const duet_world *world, profile_subject *p, duet_erro
 
 void profile_subject_settle(profile_subject *p, duet_level level)
 {
-    p->workload.level = duet_level_describe(level)->name;
+    p->workload.level = duet_level_get_info(level)->name;
     p->n_levels = 0;
 }
 
@@ -177,8 +177,9 @@ profile_request profile_subject_request(const profile_subject *p)
 
 bool profile_subject_read_level(const char *name, duet_level *level, duet_error *err)
 {
-    return duet_level_named(name, level) ||
-           error_set(err, DUET_BAD_INPUT, "the profile's level '%s' is not known here", name);
+    return duet_level_from_name(name, level) ||
+           error_set(err, DUET_STATUS_BAD_INPUT, "the profile's level '%s' is not known here",
+                     name);
 }
 
 bool profile_subject_read_plan(const profile_plan *stored, duet_plan *plan, duet_error *err)
@@ -191,7 +192,7 @@ bool profile_subject_read_plan(const profile_plan *stored, duet_plan *plan, duet
         if (strcmp(duet_mode_name(plan->mode), stored->mode) == 0)
             return true;
     }
-    return error_set(err, DUET_BAD_INPUT, "the profile's mode '%s' is not known here",
+    return error_set(err, DUET_STATUS_BAD_INPUT, "the profile's mode '%s' is not known here",
                      stored->mode);
 }
 

@@ -18,7 +18,7 @@ typedef struct owners {
     duet_world *world;
     duet_online *online;
     duet_motion *motion;
-    duet_test *test;
+    duet_pair_query *test;
 } owners;
 
 enum { N = 40 };
@@ -36,7 +36,7 @@ static void open_world(owners *o)
     assert_ok(duet_world_set_scene(o->world, o->scene, &err), err);
     duet_online_def online = duet_default_online_def();
     online.world = o->world;
-    o->online = duet_online_open(&online, &err);
+    o->online = duet_online_create(&online, &err);
     assert_ok(o->online, err);
 }
 
@@ -49,7 +49,7 @@ static void open_motion(owners *o)
     for (int i = 0; i < N; ++i)
         bodies[i] = duet_default_body();
     bodies[0].velocity[0] = 1.0f;
-    o->motion = duet_motion_create_scene(&def, o->scene, bodies, &err);
+    o->motion = duet_motion_create_from_scene(&def, o->scene, bodies, &err);
     assert_ok(o->motion, err);
 }
 
@@ -58,16 +58,16 @@ static void open_all(owners *o)
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     def.cache_dir = "test_lifetimes.cache";
-    o->pair = duet_device_pair_open(&def, &err);
+    o->pair = duet_device_pair_create(&def, &err);
     assert_ok(o->pair, err);
-    o->scene = duet_scene_from_poses(poses, N, 3, &err);
+    o->scene = duet_scene_create(DUET_OBJECT_POSES, poses, N, 3, 0, &err);
     assert_ok(o->scene, err);
     open_world(o);
     open_motion(o);
-    duet_test_def test = duet_default_test_def();
+    duet_pair_query_def test = duet_default_pair_query_def();
     test.pair = o->pair;
     test.share = DUET_SHARE_ONE / 2;
-    o->test = duet_test_open(&test, &err);
+    o->test = duet_pair_query_create(&test, &err);
     assert_ok(o->test, err);
 }
 
@@ -76,7 +76,7 @@ static void close_one(owners *o, owner which)
     duet_error err = {0};
     switch (which) {
     case PAIR:
-        duet_device_pair_close(o->pair);
+        duet_device_pair_destroy(o->pair);
         break;
     case SCENE:
         duet_scene_destroy(o->scene);
@@ -86,7 +86,7 @@ static void close_one(owners *o, owner which)
         o->world = NULL;
         break;
     case ONLINE:
-        assert_ok(duet_online_close(o->online, &err), err);
+        assert_ok(duet_online_destroy(o->online, &err), err);
         o->online = NULL;
         break;
     case MOTION:
@@ -94,7 +94,7 @@ static void close_one(owners *o, owner which)
         o->motion = NULL;
         break;
     default:
-        duet_test_close(o->test);
+        duet_pair_query_destroy(o->test);
         o->test = NULL;
     }
 }
@@ -105,20 +105,20 @@ static void use(owners *o)
     duet_error err = {0};
     duet_result result;
     duet_motion_result moved;
-    duet_test_result tested;
+    duet_pair_query_result tested;
     uint8_t verdicts[N];
     if (o->world) {
         assert_ok(duet_world_step(o->world, &result, &err), err);
-        assert_true(duet_result_hash(&result) == right);
+        assert_true(duet_result_get_hash(&result) == right);
     }
     if (o->online) {
         assert_ok(duet_online_step(o->online, &result, &err), err);
-        assert_true(duet_result_hash(&result) == right);
+        assert_true(duet_result_get_hash(&result) == right);
     }
     if (o->motion)
         assert_ok(duet_motion_advance(o->motion, &moved, &err), err);
     if (o->test) {
-        assert_ok(duet_test_pairs(o->test, poses, N, verdicts, NULL, &tested, &err), err);
+        assert_ok(duet_pair_query_run(o->test, poses, N, verdicts, NULL, &tested, &err), err);
         assert_true(tested.colliding == right_colliding);
     }
 }
@@ -133,10 +133,10 @@ static int make_poses(void **state)
         for (int k = 0; k < 3; ++k)
             poses[i].centre[k] = (float)rng_between(&r, 0, 3);
     }
-    duet_scene *scene = duet_scene_from_poses(poses, N, 3, &err);
+    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, poses, N, 3, 0, &err);
     duet_pair *pairs = NULL;
     uint64_t n = 0;
-    assert_ok(scene && duet_reference(scene, &pairs, &n, &err), err);
+    assert_ok(scene && duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err), err);
     right = duet_pairs_hash(pairs, n);
     assert_true(n > 0);
     duet_free(pairs);

@@ -12,11 +12,11 @@ static void the_first_failure_is_kept(void **state)
 {
     (void)state;
     duet_error err = {0};
-    assert_false(error_set(&err, DUET_NOT_FOUND, "a\nb"));
+    assert_false(error_set(&err, DUET_STATUS_NOT_FOUND, "a\nb"));
     assert_false(error_set_cl(&err, -5, "later"));
-    assert_int_equal(err.status, DUET_NOT_FOUND);
+    assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
     assert_string_equal(err.text, "a b");
-    assert_false(error_set(NULL, DUET_NOT_FOUND, "nobody listens"));
+    assert_false(error_set(NULL, DUET_STATUS_NOT_FOUND, "nobody listens"));
 }
 
 static void an_opencl_failure_names_its_code(void **state)
@@ -26,7 +26,7 @@ static void an_opencl_failure_names_its_code(void **state)
     error_set_cl(&err, -5, "clFinish on %s", "pocl:0");
     assert_string_equal(err.text, "clFinish on pocl:0: CL_OUT_OF_RESOURCES (-5)");
     assert_int_equal(err.cl_code, -5);
-    assert_int_equal(err.status, DUET_DEVICE_FAILED);
+    assert_int_equal(err.status, DUET_STATUS_DEVICE_FAILED);
 }
 
 static void a_text_grows_and_survives_a_file(void **state)
@@ -52,11 +52,11 @@ static void a_missing_file_and_a_folder_are_named(void **state)
     text t = {0};
     duet_error err = {0};
     assert_false(text_read_file(&t, "no/such/file", &err));
-    assert_int_equal(err.status, DUET_NOT_FOUND);
+    assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
     assert_non_null(strstr(err.text, "no/such/file"));
     err = (duet_error){0};
     assert_false(text_read_file(&t, "/", &err));
-    assert_int_equal(err.status, DUET_IO_FAILED);
+    assert_int_equal(err.status, DUET_STATUS_IO_FAILED);
     text_free(&t);
 }
 

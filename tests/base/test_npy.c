@@ -89,9 +89,10 @@ static void every_version_type_and_order_gives_the_same_objects(void **state)
                 duet_error err = {0};
                 duet_scene *scene = read_npy(&t, &err);
                 assert_ok(scene, err);
-                assert_int_equal(duet_scene_describe(scene)->n, 3);
+                assert_int_equal(duet_scene_get_info(scene)->n, 3);
                 for (int i = 0; i < 30; ++i)
-                    assert_true(((const float *)duet_scene_poses(scene))[i] == (float)rows[i]);
+                    assert_true(((const float *)duet_scene_get_objects(
+                                    scene, DUET_OBJECT_POSES))[i] == (float)rows[i]);
                 duet_scene_destroy(scene);
                 text_free(&t);
             }
@@ -115,9 +116,9 @@ static void the_second_number_of_the_shape_says_what_a_row_is(void **state)
             duet_error err = {0};
             duet_scene *scene = read_npy(&t, &err);
             assert_ok(scene, err);
-            assert_int_equal(duet_scene_describe(scene)->n, n);
-            assert_int_equal(duet_scene_describe(scene)->dims, kinds[i].dims);
-            assert_int_equal(duet_scene_describe(scene)->shape, kinds[i].shape);
+            assert_int_equal(duet_scene_get_info(scene)->n, n);
+            assert_int_equal(duet_scene_get_info(scene)->dims, kinds[i].dims);
+            assert_int_equal(duet_scene_get_info(scene)->shape, kinds[i].shape);
             duet_scene_destroy(scene);
             text_free(&t);
         }
@@ -128,7 +129,7 @@ static void a_double_that_no_float_holds_is_refused(void **state)
     (void)state;
     const double row[] = {0, 0, 0, 1e300};
     text t = npy_of(1, "<f8", false, row, 1, 4);
-    assert_refused(&t, DUET_BAD_OBJECT,
+    assert_refused(&t, DUET_STATUS_BAD_OBJECT,
                    FILE_NAME ": object 0: max y = 1e+300 does not fit a 32-bit float");
     text_free(&t);
 }
@@ -140,7 +141,7 @@ static void a_bad_object_is_refused_by_its_id(void **state)
     memcpy(bad, rows, sizeof bad);
     bad[20 + 4] = -1;
     text t = npy_of(1, ">f4", true, bad, 3, 10);
-    assert_refused(&t, DUET_BAD_OBJECT, FILE_NAME ": object 2: hy = -1 is negative");
+    assert_refused(&t, DUET_STATUS_BAD_OBJECT, FILE_NAME ": object 2: hy = -1 is negative");
     text_free(&t);
 }
 
@@ -152,37 +153,40 @@ static void a_wrong_header_is_refused(void **state)
         duet_status status;
         const char *says;
     } wrong[] = {
-        {"{'descr': '<i4', 'fortran_order': False, 'shape': (3, 4), }", DUET_BAD_INPUT,
+        {"{'descr': '<i4', 'fortran_order': False, 'shape': (3, 4), }", DUET_STATUS_BAD_INPUT,
          "the numbers are '<i4'; they must be float32 or float64"},
-        {"{'descr': [('x', '<f4')], 'fortran_order': False, 'shape': (3, 4), }", DUET_BAD_INPUT,
-         "the numbers are records"},
-        {"{'descr': '<f4', 'fortran_order': False, 'shape': (3, 7), }", DUET_BAD_INPUT,
+        {"{'descr': [('x', '<f4')], 'fortran_order': False, 'shape': (3, 4), }",
+         DUET_STATUS_BAD_INPUT, "the numbers are records"},
+        {"{'descr': '<f4', 'fortran_order': False, 'shape': (3, 7), }", DUET_STATUS_BAD_INPUT,
          "the shape is (3, 7); the second number must be 4, 5, 6 or 10"},
-        {"{'descr': '<f4', 'fortran_order': False, 'shape': (12,), }", DUET_BAD_INPUT,
+        {"{'descr': '<f4', 'fortran_order': False, 'shape': (12,), }", DUET_STATUS_BAD_INPUT,
          "the array has 1 dimensions; its shape must be (n, columns)"},
-        {"{'descr': '<f4', 'fortran_order': False, 'shape': (), }", DUET_BAD_INPUT,
+        {"{'descr': '<f4', 'fortran_order': False, 'shape': (), }", DUET_STATUS_BAD_INPUT,
          "the array has 0 dimensions"},
-        {"{'descr': '<f4', 'fortran_order': False, 'shape': (3, 2, 2), }", DUET_BAD_INPUT,
+        {"{'descr': '<f4', 'fortran_order': False, 'shape': (3, 2, 2), }", DUET_STATUS_BAD_INPUT,
          "the array has 3 dimensions"},
-        {"{'descr': '<f4', 'fortran_order': False, 'shape': (4294967295, 4), }", DUET_TOO_MANY,
-         "4294967295 objects; a scene holds at most 4294967294"},
+        {"{'descr': '<f4', 'fortran_order': False, 'shape': (4294967295, 4), }",
+         DUET_STATUS_TOO_MANY, "4294967295 objects; a scene holds at most 4294967294"},
         {"{'descr': '<f4', 'fortran_order': False, 'shape': (18446744073709551615, 4), }",
-         DUET_TOO_MANY, "18446744073709551615 objects"},
+         DUET_STATUS_TOO_MANY, "18446744073709551615 objects"},
         {"{'descr': '<f4', 'fortran_order': False, 'shape': (18446744073709551616, 4), }",
-         DUET_BAD_INPUT, "shape is not a list of numbers"},
-        {"{'descr': '<f4', 'fortran_order': False, 'shape': (4294967294, 10), }", DUET_BAD_INPUT,
+         DUET_STATUS_BAD_INPUT, "shape is not a list of numbers"},
+        {"{'descr': '<f4', 'fortran_order': False, 'shape': (4294967294, 10), }",
+         DUET_STATUS_BAD_INPUT,
          "cut short: the shape (4294967294, 10) needs 171798691760 bytes of data, and 0 follow"},
-        {"{'descr': '<f4', 'fortran_order': False, 'shape': (-1, 4), }", DUET_BAD_INPUT,
+        {"{'descr': '<f4', 'fortran_order': False, 'shape': (-1, 4), }", DUET_STATUS_BAD_INPUT,
          "shape is not a list of numbers"},
-        {"{'descr': '<f4', 'fortran_order': 1, 'shape': (1, 4), }", DUET_BAD_INPUT,
+        {"{'descr': '<f4', 'fortran_order': 1, 'shape': (1, 4), }", DUET_STATUS_BAD_INPUT,
          "fortran_order is neither True nor False"},
-        {"{'descr': '<f4', 'fortran_order': False, }", DUET_BAD_INPUT, "lacks descr or shape"},
-        {"{'fortran_order': False, 'shape': (1, 4), }", DUET_BAD_INPUT, "lacks descr or shape"},
-        {"{'color': '<f4', 'shape': (1, 4), }", DUET_BAD_INPUT, "a key other than descr"},
-        {"['descr']", DUET_BAD_INPUT, "not a Python dictionary"},
-        {"{'descr': '<f4', 'shape': (1, 4)", DUET_BAD_INPUT, "not a Python dictionary"},
-        {"{'descr': '<f4', 'shape': (0, 4)} x", DUET_BAD_INPUT, "not a Python dictionary"},
-        {"", DUET_BAD_INPUT, "not a Python dictionary"},
+        {"{'descr': '<f4', 'fortran_order': False, }", DUET_STATUS_BAD_INPUT,
+         "lacks descr or shape"},
+        {"{'fortran_order': False, 'shape': (1, 4), }", DUET_STATUS_BAD_INPUT,
+         "lacks descr or shape"},
+        {"{'color': '<f4', 'shape': (1, 4), }", DUET_STATUS_BAD_INPUT, "a key other than descr"},
+        {"['descr']", DUET_STATUS_BAD_INPUT, "not a Python dictionary"},
+        {"{'descr': '<f4', 'shape': (1, 4)", DUET_STATUS_BAD_INPUT, "not a Python dictionary"},
+        {"{'descr': '<f4', 'shape': (0, 4)} x", DUET_STATUS_BAD_INPUT, "not a Python dictionary"},
+        {"", DUET_STATUS_BAD_INPUT, "not a Python dictionary"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         text t = npy_begin(1, wrong[i].literal);
@@ -194,10 +198,10 @@ static void a_wrong_header_is_refused(void **state)
 static void other_files_and_later_versions_are_refused(void **state)
 {
     (void)state;
-    scene_assert_refused(FILE_NAME, "1,2,3,4\n", DUET_BAD_INPUT, "does not begin as a .npy");
-    scene_assert_refused(FILE_NAME, "", DUET_BAD_INPUT, "does not begin as a .npy");
+    scene_assert_refused(FILE_NAME, "1,2,3,4\n", DUET_STATUS_BAD_INPUT, "does not begin as a .npy");
+    scene_assert_refused(FILE_NAME, "", DUET_STATUS_BAD_INPUT, "does not begin as a .npy");
     text t = npy_of(4, "<f4", false, rows, 3, 10);
-    assert_refused(&t, DUET_BAD_INPUT, "is .npy version 4; versions 1, 2 and 3 are read");
+    assert_refused(&t, DUET_STATUS_BAD_INPUT, "is .npy version 4; versions 1, 2 and 3 are read");
     text_free(&t);
 }
 
@@ -211,7 +215,7 @@ static void every_truncation_is_refused(void **state)
             memcpy(exact, t.chars, n);
             duet_error err = {0};
             assert_null(scene_from_bytes(FILE_NAME, exact, n, NULL, 0, &err));
-            assert_int_equal(err.status, DUET_BAD_INPUT);
+            assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
             free(exact);
         }
         text_free(&t);
@@ -223,7 +227,7 @@ static void bytes_after_the_array_are_refused(void **state)
     (void)state;
     text t = npy_of(1, "<f4", false, rows, 3, 10);
     text_add_bytes(&t, "", 1);
-    assert_refused(&t, DUET_BAD_INPUT,
+    assert_refused(&t, DUET_STATUS_BAD_INPUT,
                    "too long: the shape (3, 10) needs 120 bytes of data, and 121 follow");
     text_free(&t);
 }
@@ -240,7 +244,7 @@ static void changed_bytes_are_read_or_refused(void **state)
             t.chars[rng_below(&r, 80)] = (char)rng_below(&r, 256);
         duet_error err = {0};
         duet_scene *scene = read_npy(&t, &err);
-        assert_true((scene != NULL) == (err.status == DUET_OK));
+        assert_true((scene != NULL) == (err.status == DUET_STATUS_OK));
         assert_true(scene || (err.text[0] && !strchr(err.text, '\n')));
         duet_scene_destroy(scene);
         text_free(&t);

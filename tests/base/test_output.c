@@ -64,7 +64,7 @@ static void assert_refused(const char *path, const char *says)
 {
     duet_error err = {0};
     assert_false(text_write_file(path, "new", 3, &err));
-    assert_int_equal(err.status, DUET_IO_FAILED);
+    assert_int_equal(err.status, DUET_STATUS_IO_FAILED);
     if (!strstr(err.text, path) || !strstr(err.text, says))
         fail_msg("'%s' for '%s' and '%s'", err.text, path, says);
 }

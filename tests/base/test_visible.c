@@ -106,7 +106,7 @@ static void an_error_line_is_visible_and_whole(void **state)
 {
     (void)state;
     duet_error err = {0};
-    error_set(&err, DUET_NOT_FOUND, "\x1b]0;x\x07 and\ntwo \xff: %s", "\xc3\xa9");
+    error_set(&err, DUET_STATUS_NOT_FOUND, "\x1b]0;x\x07 and\ntwo \xff: %s", "\xc3\xa9");
     assert_string_equal(err.text, "\\x1b]0;x\\x07 and two \\xff: \xc3\xa9");
     for (int i = 0; i < 4; ++i) {
         char longest[600];
@@ -115,7 +115,7 @@ static void an_error_line_is_visible_and_whole(void **state)
             memcpy(longest + k, "\xc3\xa9", 2);
         longest[599] = '\0';
         err = (duet_error){0};
-        error_set(&err, DUET_NOT_FOUND, "%s", longest);
+        error_set(&err, DUET_STATUS_NOT_FOUND, "%s", longest);
         assert_true(utf8_is_valid(err.text));
         assert_null(strstr(err.text, "\\x"));
     }
@@ -254,8 +254,8 @@ static void a_scenes_name_is_shown_harmlessly(void **state)
         test_write_file(path, "0 0 0 1 1 1\n");
         duet_scene *scene = duet_scene_load(path, NULL, 0, &err);
         assert_ok(scene, err);
-        assert_fit("a scene's name", duet_scene_describe(scene)->name);
-        assert_null(strchr(duet_scene_describe(scene)->name, '\n'));
+        assert_fit("a scene's name", duet_scene_get_info(scene)->name);
+        assert_null(strchr(duet_scene_get_info(scene)->name, '\n'));
         duet_scene_destroy(scene);
     }
     test_folder_remove(&folder);

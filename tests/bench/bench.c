@@ -35,7 +35,7 @@ duet_pose *bench_poses(uint32_t n, const bench_options *options, duet_error *err
 {
     duet_pose *poses = paper_poses(n, options->seed);
     if (!poses)
-        error_set(err, DUET_NO_MEMORY, "no memory for %u objects", n);
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u objects", n);
     return poses;
 }
 
@@ -62,7 +62,7 @@ bool bench_verify(const duet_pose *poses, uint32_t n, const duet_span *spans, ui
     uint64_t expected = duet_pairs_hash(found.pairs, found.n);
     duet_free(found.pairs);
     if (n_pairs != found.n || hash != expected)
-        return error_set(err, DUET_WRONG_RESULT,
+        return error_set(err, DUET_STATUS_WRONG_RESULT,
                          "%" PRIu64 " pairs with hash %016" PRIx64 ", the reference finds %" PRIu64
                          " with %016" PRIx64,
                          n_pairs, hash, found.n, expected);

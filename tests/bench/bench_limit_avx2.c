@@ -34,7 +34,8 @@ static bool run_all(limit *l, const duet_pose *poses, const bench_options *optio
     for (uint32_t run = 0; run < options->runs; ++run) {
         limit_times times;
         if (!limit_run(l, poses, &times))
-            return error_set(err, DUET_TOO_MANY, "more pairs than the AVX2 program has space for");
+            return error_set(err, DUET_STATUS_TOO_MANY,
+                             "more pairs than the AVX2 program has space for");
         for (int i = 0; i < N_ROWS; ++i)
             series_add(&columns[i], *(const double *)((const char *)&times + rows[i].offset));
     }
@@ -44,14 +45,14 @@ static bool run_all(limit *l, const duet_pose *poses, const bench_options *optio
 bool bench_limit(const bench_options *options, duet_error *err)
 {
     if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma"))
-        return error_set(err, DUET_NOT_FOUND, "this processor has no AVX2 and FMA");
+        return error_set(err, DUET_STATUS_NOT_FOUND, "this processor has no AVX2 and FMA");
     uint32_t n = options->n ? options->n : 1000000;
     duet_pose *poses = paper_poses(n, options->seed);
     limit *l = limit_open(n, paper_world(n), PAPER_CELL, THREADS);
     series columns[N_ROWS] = {0};
     bool ok = poses && l;
     if (!ok)
-        error_set(err, DUET_NO_MEMORY, "no memory for %u objects", n);
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u objects", n);
     ok = ok && run_all(l, poses, options, columns, err);
     if (ok) {
         printf("%u objects, %u runs: median and least, ms\n", n, options->runs);

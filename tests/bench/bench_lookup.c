@@ -90,7 +90,7 @@ static bool measure(const char *path, question ask, series *us, duet_error *err)
     bool ok = profile_lookup_files(path, NULL, &request, &found, NULL, err);
     series_add(us, (double)(clock_steady_ns() - start) * 1e-3);
     return ok && (found.grade == ask.grade ||
-                  error_set(err, DUET_WRONG_RESULT, "grade %s, not %s",
+                  error_set(err, DUET_STATUS_WRONG_RESULT, "grade %s, not %s",
                             profile_grade_name(found.grade), profile_grade_name(ask.grade)));
 }
 
@@ -144,9 +144,10 @@ static bool start_once(duet_device_pair *pair, const char *path, const duet_pose
     def.pair = pair;
     duet_world *world = duet_world_create(&def, err);
     uint64_t begun = clock_steady_ns();
-    bool ok = world && duet_world_set_poses(world, poses, n, err);
+    bool ok = world && duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, err);
     series_add(&s->set, us_since(begun));
-    ok = ok && load(world, path, &s->load, err) && duet_world_map_poses(world, n, err) &&
+    ok = ok && load(world, path, &s->load, err) &&
+         duet_world_map_objects(world, DUET_OBJECT_POSES, n, err) &&
          load(world, path, &s->load_again, err);
     duet_world_destroy(world);
     return ok;
@@ -173,11 +174,11 @@ static bool start_worlds(const char *path, const bench_options *options, duet_er
 {
     static const uint32_t numbers[] = {20000, 250000, 1000000};
     duet_device_pair_def def = duet_default_device_pair_def();
-    duet_device_pair *pair = duet_device_pair_open(&def, err);
+    duet_device_pair *pair = duet_device_pair_create(&def, err);
     bool ok = pair;
     for (size_t i = 0; ok && i < sizeof numbers / sizeof *numbers; ++i)
         ok = start_with(pair, path, numbers[i], options, err);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
     return ok;
 }
 
@@ -187,7 +188,7 @@ bool bench_lookup(const bench_options *options, duet_error *err)
     char folder[] = "bench_lookup.XXXXXX";
     char path[64];
     if (!mkdtemp(folder))
-        return error_set(err, DUET_IO_FAILED, "%s: cannot be made here", folder);
+        return error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be made here", folder);
     snprintf(path, sizeof path, "%s/profiles.db", folder);
     store *s = store_open(path, STORE_WRITE, err);
     bool ok = s && fill(s, n, err);

@@ -61,7 +61,7 @@ typedef struct halves {
 static bool halves_open(halves *h, const subject_def *whole, duet_error *err)
 {
     h->workers = workers_open(2);
-    bool ok = h->workers || error_set(err, DUET_NO_MEMORY, "no second thread");
+    bool ok = h->workers || error_set(err, DUET_STATUS_NO_MEMORY, "no second thread");
     for (int i = 0; ok && i < 2; ++i) {
         subject_def def = *whole;
         def.n = whole->n / 2;

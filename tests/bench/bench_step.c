@@ -31,14 +31,15 @@ static bool limit_side_open(limit_side *side, uint32_t n, duet_error *err)
 {
     enum { THREADS = 2 };
     side->limit = limit_open(n, paper_world(n), PAPER_CELL, THREADS);
-    return side->limit || error_set(err, DUET_NO_MEMORY, "no memory for %u objects", n);
+    return side->limit || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u objects", n);
 }
 
 static bool limit_side_step(limit_side *side, const duet_pose *poses, duet_error *err)
 {
     limit_times times;
     if (!limit_run(side->limit, poses, &times))
-        return error_set(err, DUET_TOO_MANY, "more pairs than the AVX2 program has space for");
+        return error_set(err, DUET_STATUS_TOO_MANY,
+                         "more pairs than the AVX2 program has space for");
     series_add(&side->total, times.total);
     series_add(&side->cpu, times.processors * times.total);
     return true;

@@ -105,8 +105,8 @@ bool bench_strategies(const bench_options *options, duet_error *err)
 {
     uint32_t pairs = options->n ? options->n : 300;
     bool ok = pairs <= MOST_PAIRS ||
-              error_set(err, DUET_BAD_ARGUMENT, "--n %u: at most %d device pairs a row", pairs,
-                        MOST_PAIRS);
+              error_set(err, DUET_STATUS_BAD_ARGUMENT, "--n %u: at most %d device pairs a row",
+                        pairs, MOST_PAIRS);
     if (ok)
         printf(
             "| model  | noise         | strategy | launches | mean off | p95 off | cost  | slower "

@@ -37,7 +37,7 @@ static bool measure_share(const measure_machine *machine, uint32_t share, search
 {
     duet_plan plan = plan_at(share);
     measurement m = measure_plan(machine, &plan, 1);
-    if (m.failure.status != DUET_OK) {
+    if (m.failure.status != DUET_STATUS_OK) {
         *err = m.failure;
         return false;
     }
@@ -117,7 +117,7 @@ static bool run_world(duet_world *world, uint32_t n, duet_error *err)
     duet_result result;
     if (!duet_world_set_plan(world, &whole, err) || !duet_world_step(world, &result, err))
         return false;
-    measure_machine machine = measure_world_machine(&at, duet_result_hash(&result));
+    measure_machine machine = measure_world_machine(&at, duet_result_get_hash(&result));
     printf("| A is   | strategy | share  | launches | searching  | a step      | off     |\n"
            "|--------|----------|--------|----------|------------|-------------|---------|\n");
     bool ok = true;
@@ -129,23 +129,23 @@ static bool run_world(duet_world *world, uint32_t n, duet_error *err)
 // The two halves of the first CPU that can be cut.
 static duet_device_pair *open_halves(duet_error *err)
 {
-    duet_device_list *list = duet_device_list_open(err);
+    duet_device_list *list = duet_device_list_create(err);
     duet_device_pair_def def = duet_default_device_pair_def();
     char halves[2][96] = {"", ""};
-    for (uint32_t i = 0; list && i < duet_device_list_count(list) && !halves[0][0]; ++i) {
-        const duet_device_info *d = duet_device_list_at(list, i);
+    for (uint32_t i = 0; list && i < duet_device_list_get_count(list) && !halves[0][0]; ++i) {
+        const duet_device_info *d = duet_device_list_get_info(list, i);
         if (d->kind != DUET_KIND_CPU || !d->can_cut || d->units < 2)
             continue;
         snprintf(halves[0], sizeof halves[0], "%s[0-%u]", d->selector, d->units / 2 - 1);
         snprintf(halves[1], sizeof halves[1], "%s[%u-%u]", d->selector, d->units / 2,
                  d->units / 2 * 2 - 1);
     }
-    duet_device_list_close(list);
+    duet_device_list_destroy(list);
     def.a = halves[0];
     def.b = halves[1];
     if (halves[0][0])
-        return duet_device_pair_open(&def, err);
-    error_set(err, DUET_NO_DEVICE, "there is no CPU that can be cut in two");
+        return duet_device_pair_create(&def, err);
+    error_set(err, DUET_STATUS_NO_DEVICE, "there is no CPU that can be cut in two");
     return NULL;
 }
 
@@ -155,13 +155,14 @@ bool bench_tune(const bench_options *options, duet_error *err)
     duet_device_pair *pair = open_halves(err);
     duet_pose *poses = pair ? paper_poses(n, options->seed) : NULL;
     if (pair && !poses)
-        error_set(err, DUET_NO_MEMORY, "%u boxes: no memory", n);
+        error_set(err, DUET_STATUS_NO_MEMORY, "%u boxes: no memory", n);
     duet_world_def def = duet_default_world_def();
     def.pair = pair;
     duet_world *world = poses ? duet_world_create(&def, err) : NULL;
-    bool ok = world && duet_world_set_poses(world, poses, n, err) && run_world(world, n, err);
+    bool ok = world && duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, err) &&
+              run_world(world, n, err);
     duet_world_destroy(world);
     free(poses);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
     return ok;
 }

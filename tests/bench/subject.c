@@ -28,14 +28,14 @@ bool subject_open(subject *s, const subject_def *def, duet_error *err)
     duet_device_pair_def pair_def = duet_default_device_pair_def();
     pair_def.a = def->device_a;
     pair_def.b = def->device_b;
-    s->pair = duet_device_pair_open(&pair_def, err);
+    s->pair = duet_device_pair_create(&pair_def, err);
     if (!s->pair)
         return false;
     duet_world_def world_def = duet_default_world_def();
     world_def.pair = s->pair;
     world_def.plan = plan_of(def);
     s->world = duet_world_create(&world_def, err);
-    if (s->world && duet_world_set_poses(s->world, def->poses, def->n, err) &&
+    if (s->world && duet_world_set_objects(s->world, DUET_OBJECT_POSES, def->poses, def->n, err) &&
         duet_world_step(s->world, &s->last, err))
         return true;
     subject_close(s);
@@ -45,7 +45,7 @@ bool subject_open(subject *s, const subject_def *def, duet_error *err)
 void subject_close(subject *s)
 {
     duet_world_destroy(s->world);
-    duet_device_pair_close(s->pair);
+    duet_device_pair_destroy(s->pair);
     s->world = NULL;
     s->pair = NULL;
 }

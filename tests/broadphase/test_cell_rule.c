@@ -168,7 +168,7 @@ static void step(duet_world *world, size_t way, const char *scene, uint64_t hash
     strcpy(plan.variant_b, ways[way].variant);
     assert_ok(duet_world_set_plan(world, &plan, &err), err);
     assert_ok(duet_world_step(world, &result, &err), err);
-    if (result.pairs != n_pairs || duet_result_hash(&result) != hash)
+    if (result.pairs != n_pairs || duet_result_get_hash(&result) != hash)
         fail_msg("%s, %s %s: %" PRIu64 " pairs, and %" PRIu64 " touch", scene,
                  duet_mode_name(plan.mode), ways[way].variant, result.pairs, n_pairs);
 }
@@ -190,12 +190,12 @@ static void set_objects(duet_world *world, duet_shape shape, const lattice_box *
 {
     duet_error err = {0};
     if (shape == DUET_SHAPE_BOUNDS) {
-        duet_bounds *rows = duet_world_map_bounds(world, n, &err);
+        duet_bounds *rows = duet_world_map_objects(world, DUET_OBJECT_BOUNDS, n, &err);
         assert_ok(rows != NULL, err);
         for (uint32_t i = 0; i < n; ++i)
             rows[i] = bounds_of(&boxes[i], exponent);
     } else {
-        duet_pose *rows = duet_world_map_poses(world, n, &err);
+        duet_pose *rows = duet_world_map_objects(world, DUET_OBJECT_POSES, n, &err);
         assert_ok(rows != NULL, err);
         for (uint32_t i = 0; i < n; ++i)
             rows[i] = pose_of(&boxes[i], exponent);
@@ -285,7 +285,7 @@ static void placed_boxes_of_a_few_quanta_are_found(void **state)
     static const int64_t cells[] = {0, -1, 123456789, -(1 << 30) + 4, (1 << 30) - 4};
     for (int i = 0; i < 5; ++i) {
         lattice_box boxes[FEW];
-        duet_placed placed[FEW];
+        duet_large_pose placed[FEW];
         scatter(boxes, FEW, (kind)i, cells[i] * (INT64_C(1) << QUANTA_BITS), 18, 3, &r);
         for (uint32_t b = 0; b < FEW; ++b) {
             lattice_box in_cell = boxes[b];

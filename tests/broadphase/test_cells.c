@@ -54,9 +54,9 @@ static const kernel *step(duet_world *world, uint32_t n, uint64_t *hash)
 {
     duet_error err = {0};
     duet_result result;
-    assert_ok(duet_world_set_poses(world, poses, n, &err), err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, &err), err);
     assert_ok(duet_world_step(world, &result, &err), err);
-    *hash = duet_result_hash(&result);
+    *hash = duet_result_get_hash(&result);
     return world->parts[1].kernels.hash;
 }
 
@@ -129,7 +129,7 @@ static void a_word_for_cells_that_there_is_not_is_refused(void **state)
     def.pair = devices;
     strcpy(def.plan.variant_b, "simd cells=both");
     assert_null(duet_world_create(&def, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     assert_string_equal(err.text, "variant: cells=both is not possible; expected free or fixed");
 }
 

@@ -39,7 +39,7 @@ static int open_devices(void **state)
     (void)state;
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_open(&def, &err);
+    devices = duet_device_pair_create(&def, &err);
     assert_ok(devices, err);
     generator = gen_open(NULL, &err);
     assert_ok(generator, err);
@@ -50,7 +50,7 @@ static int close_devices(void **state)
 {
     (void)state;
     gen_close(generator);
-    duet_device_pair_close(devices);
+    duet_device_pair_destroy(devices);
     assert_int_equal(device_live_objects(), 0);
     return 0;
 }
@@ -268,15 +268,16 @@ static duet_world *open_world(const scene *s, const duet_plan *plan)
     def.shape = s->shape;
     def.rotated = s->rotated;
     def.level = s->level;
-    def.sizes_apart = s->apart;
+    def.separate_sizes = s->apart;
     def.plan = *plan;
     for (int side = 0; side < 2; ++side)
         devices->devices[side].info.host_memory = !s->packed;
     duet_world *world = duet_world_create(&def, &err);
     if (!world)
         fail_msg("%s: %s", plan->variant_b, err.text);
-    assert_ok(s->shape == DUET_SHAPE_POSES ? duet_world_set_poses(world, s->poses, s->n, &err)
-                                           : duet_world_set_bounds(world, s->bounds, s->n, &err),
+    assert_ok(s->shape == DUET_SHAPE_POSES
+                  ? duet_world_set_objects(world, DUET_OBJECT_POSES, s->poses, s->n, &err)
+                  : duet_world_set_objects(world, DUET_OBJECT_BOUNDS, s->bounds, s->n, &err),
               err);
     return world;
 }
@@ -313,7 +314,7 @@ static void try_config(const config *c, rng *r)
     if (!duet_world_step(world, &result, &err))
         fail_msg("%s with '%s': %s", v.name, plan.variant_b, err.text);
     assert_ran(world, &v, plan.variant_b);
-    if (duet_result_hash(&result) != reference_hash(&s))
+    if (duet_result_get_hash(&result) != reference_hash(&s))
         fail_msg("%s with '%s', %" PRIu32 " objects in %" PRIu32 "D: %" PRIu64
                  " pairs are not the reference's",
                  v.name, plan.variant_b, s.n, s.dims, result.pairs);

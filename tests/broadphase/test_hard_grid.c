@@ -151,9 +151,9 @@ static void turned_cubes_with_a_cell_of_their_edge_are_refused_or_widened(void *
     duet_result result;
     duet_world *world = duet_world_create(&def, &err);
     assert_ok(world != NULL, err);
-    assert_ok(duet_world_set_poses(world, poses, 500, &err), err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, 500, &err), err);
     assert_false(duet_world_step(world, &result, &err));
-    assert_int_equal(err.status, DUET_CELL_TOO_SMALL);
+    assert_int_equal(err.status, DUET_STATUS_CELL_TOO_SMALL);
     duet_world_destroy(world);
     def.cell_fixed = false;
     assert_true(agreement_check(&def, poses, 500) > 0);
@@ -217,7 +217,7 @@ static void memory_follows_the_objects_and_not_the_world(void **state)
     duet_result result;
     duet_world *world = duet_world_create(&def, &err);
     assert_ok(world != NULL, err);
-    assert_ok(duet_world_set_poses(world, poses, CAPACITY, &err), err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, CAPACITY, &err), err);
     assert_ok(duet_world_step(world, &result, &err), err);
     assert_true(result.bytes[0] < 1000 * CAPACITY);
     assert_true(result.bytes[1] < 1000 * CAPACITY);
@@ -331,7 +331,7 @@ static duet_world *open_world(const duet_world_def *def, uint32_t n)
     duet_error err = {0};
     duet_world *world = duet_world_create(def, &err);
     assert_ok(world != NULL, err);
-    assert_ok(duet_world_set_poses(world, poses, n, &err), err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, &err), err);
     return world;
 }
 
@@ -347,7 +347,7 @@ static void a_limit_of_pairs_holds_to_the_last_one(void **state)
         duet_result result;
         duet_world *world = open_world(&def, 200);
         assert_int_equal(duet_world_step(world, &result, &err), !below);
-        assert_int_equal(err.status, below ? DUET_TOO_MANY : DUET_OK);
+        assert_int_equal(err.status, below ? DUET_STATUS_TOO_MANY : DUET_STATUS_OK);
         if (below)
             assert_non_null(strstr(err.text, "19900"));
         duet_world_destroy(world);
@@ -365,7 +365,7 @@ static void a_world_steps_on_as_its_pairs_become_more_and_fewer(void **state)
         duet_error err = {0};
         duet_result result;
         scatter(counts[i], &r, 0, 0.1, 0.5);
-        assert_ok(duet_world_set_poses(world, poses, counts[i], &err), err);
+        assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, counts[i], &err), err);
         assert_ok(duet_world_step(world, &result, &err), err);
         uint64_t n = counts[i];
         assert_int_equal(result.pairs, n > 0 ? n * (n - 1) / 2 : 0);
@@ -386,11 +386,11 @@ static void one_nan_among_thousands_changes_nothing_else(void **state)
     duet_result clean, kept;
     duet_world *world = open_world(&def, 3000);
     assert_ok(duet_world_step(world, &clean, &err), err);
-    uint64_t pairs = clean.pairs, hash = duet_result_hash(&clean);
+    uint64_t pairs = clean.pairs, hash = duet_result_get_hash(&clean);
     poses[1234].centre[1] = NAN;
-    assert_ok(duet_world_set_poses(world, poses, 3000, &err), err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, 3000, &err), err);
     assert_false(duet_world_step(world, &kept, &err));
-    assert_int_equal(err.status, DUET_BAD_OBJECT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_non_null(strstr(err.text, "1234"));
     duet_world_destroy(world);
 
@@ -401,7 +401,7 @@ static void one_nan_among_thousands_changes_nothing_else(void **state)
     assert_int_equal(kept.bad, 1);
     assert_int_equal(kept.first_bad, 1234);
     assert_int_equal(kept.pairs, pairs);
-    assert_int_equal(duet_result_hash(&kept), hash);
+    assert_int_equal(duet_result_get_hash(&kept), hash);
     duet_world_destroy(world);
 }
 
@@ -421,7 +421,7 @@ static void each_kind_of_bad_pose_is_named(void **state)
         duet_result result;
         duet_world *world = open_world(&def, 10);
         assert_false(duet_world_step(world, &result, &err));
-        assert_int_equal(err.status, DUET_BAD_OBJECT);
+        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
         assert_non_null(strstr(err.text, "object 7"));
         duet_world_destroy(world);
     }
@@ -439,9 +439,9 @@ static void bounds_with_lower_above_upper_are_named(void **state)
     duet_result result;
     duet_world *world = duet_world_create(&def, &err);
     assert_ok(world != NULL, err);
-    assert_ok(duet_world_set_bounds(world, bounds, 10, &err), err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_BOUNDS, bounds, 10, &err), err);
     assert_false(duet_world_step(world, &result, &err));
-    assert_int_equal(err.status, DUET_BAD_OBJECT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_non_null(strstr(err.text, "object 4"));
     duet_world_destroy(world);
 }
@@ -455,7 +455,7 @@ static uint64_t hash_of(const duet_world_def *def, uint32_t n)
     duet_world *world = open_world(def, n);
     assert_ok(duet_world_step(world, &result, &err), err);
     assert_true(result.pairs > 0);
-    uint64_t hash = duet_result_hash(&result);
+    uint64_t hash = duet_result_get_hash(&result);
     duet_world_destroy(world);
     return hash;
 }
@@ -501,7 +501,7 @@ static void the_order_of_the_objects_changes_only_their_names(void **state)
     // Object i takes the place N - 1 - i.
     uint64_t hash = 0;
     for (uint64_t i = 0; i < result.pairs; ++i) {
-        duet_pair pair = duet_result_pair(&result, i);
+        duet_pair pair = duet_result_get_pair(&result, i);
         duet_pair renamed = {N - 1 - pair.b, N - 1 - pair.a};
         hash += duet_pairs_hash(&renamed, 1);
     }
@@ -570,7 +570,7 @@ static void cells_that_fit_the_world_tightly_hold_their_objects(void **state)
         duet_world *world = duet_world_create(&def, &err);
         duet_result result;
         assert_ok(world != NULL, err);
-        assert_ok(duet_world_set_poses(world, poses, N, &err), err);
+        assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
         assert_ok(duet_world_step(world, &result, &err), err);
         duet_world_destroy(world);
     }

@@ -57,7 +57,7 @@ static uint64_t reference_hash(duet_scene *scene)
     duet_pair *pairs = NULL;
     uint64_t n = 0;
     assert_ok(scene != NULL, err);
-    assert_ok(duet_reference(scene, &pairs, &n, &err), err);
+    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err), err);
     uint64_t hash = duet_pairs_hash(pairs, n);
     duet_free(pairs);
     duet_scene_destroy(scene);
@@ -66,7 +66,7 @@ static uint64_t reference_hash(duet_scene *scene)
 
 static uint64_t poses_hash(uint32_t n, uint32_t dims)
 {
-    return reference_hash(duet_scene_from_poses(poses, n, dims, NULL));
+    return reference_hash(duet_scene_create(DUET_OBJECT_POSES, poses, n, dims, 0, NULL));
 }
 
 // ------------------------------------------------------------ worlds
@@ -106,7 +106,7 @@ static void set_memory(bool host_a, bool host_b)
 static void set_share(duet_world *world, uint32_t share)
 {
     duet_error err = {0};
-    duet_plan plan = *duet_world_plan(world);
+    duet_plan plan = *duet_world_get_plan(world);
     plan.share = share;
     assert_ok(duet_world_set_plan(world, &plan, &err), err);
 }
@@ -122,7 +122,7 @@ static duet_result step(duet_world *world)
 static duet_result step_poses(duet_world *world, uint32_t n)
 {
     duet_error err = {0};
-    assert_ok(duet_world_set_poses(world, poses, n, &err), err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, &err), err);
     return step(world);
 }
 
@@ -156,7 +156,7 @@ static void any_share_and_number_gives_the_reference_pairs(void **state)
             for (int s = 0; s < SHARES; ++s) {
                 set_share(world, shares[s]);
                 duet_result result = step_poses(world, numbers[i]);
-                assert_int_equal(duet_result_hash(&result), truth);
+                assert_int_equal(duet_result_get_hash(&result), truth);
             }
         }
         duet_world_destroy(world);
@@ -178,7 +178,7 @@ static void every_sort_takes_packed_objects(void **state)
         duet_world_def def = world_def(3, variants[v]);
         duet_world *world = make_world(&def);
         duet_result result = step_poses(world, N);
-        assert_int_equal(duet_result_hash(&result), truth);
+        assert_int_equal(duet_result_get_hash(&result), truth);
         assert_int_equal(was_packed(&result, 0), strcmp(variants[v], "gpu send=all") != 0);
         duet_world_destroy(world);
     }
@@ -192,16 +192,16 @@ static void bounds_are_packed_too(void **state)
     rng r = {test_seed()};
     set_memory(false, false);
     fill_bounds(&r, N);
-    uint64_t truth = reference_hash(duet_scene_from_bounds(bounds, N, 3, NULL));
+    uint64_t truth = reference_hash(duet_scene_create(DUET_OBJECT_BOUNDS, bounds, N, 3, 0, NULL));
     duet_world_def def = world_def(3, "gpu send=packed");
     def.shape = DUET_SHAPE_BOUNDS;
     def.rotated = false;
     duet_world *world = make_world(&def);
-    assert_ok(duet_world_set_bounds(world, bounds, N, &err), err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_BOUNDS, bounds, N, &err), err);
     for (int s = 0; s < SHARES; ++s) {
         set_share(world, shares[s]);
         duet_result result = step(world);
-        assert_int_equal(duet_result_hash(&result), truth);
+        assert_int_equal(duet_result_get_hash(&result), truth);
     }
     duet_world_destroy(world);
 }
@@ -237,7 +237,7 @@ static void a_device_on_host_memory_borrows_all_beside_one_that_is_sent_its_slab
         duet_world_def def = world_def(3, "gpu send=packed");
         duet_world *world = make_world(&def);
         duet_result result = step_poses(world, N);
-        assert_int_equal(duet_result_hash(&result), truth);
+        assert_int_equal(duet_result_get_hash(&result), truth);
         assert_true(was_packed(&result, copies) && !was_packed(&result, 1 - copies));
         duet_world_destroy(world);
     }
@@ -254,7 +254,7 @@ static void objects_that_move_between_steps_are_found(void **state)
     duet_world *world = make_world(&def);
     for (int k = 0; k < STEPS; ++k) {
         duet_result result = step_poses(world, N);
-        assert_int_equal(duet_result_hash(&result), poses_hash(N, 3));
+        assert_int_equal(duet_result_get_hash(&result), poses_hash(N, 3));
         // all drift into one slab, out of its space, and beyond the world
         for (uint32_t i = 0; i < N; ++i)
             poses[i].centre[2] += k < STEPS / 2 ? -6.0f : 9.0f;
@@ -279,7 +279,7 @@ static void objects_outside_the_world_are_found(void **state)
     for (int s = 0; s < SHARES; ++s) {
         set_share(world, shares[s]);
         duet_result result = step_poses(world, N);
-        assert_int_equal(duet_result_hash(&result), truth);
+        assert_int_equal(duet_result_get_hash(&result), truth);
     }
     duet_world_destroy(world);
 }
@@ -294,18 +294,18 @@ static void objects_that_stay_are_neither_packed_nor_sent_again(void **state)
     duet_world_def def = world_def(3, "gpu send=packed");
     duet_world *world = make_world(&def);
     duet_result first = step_poses(world, N);
-    uint64_t truth = duet_result_hash(&first);
+    uint64_t truth = duet_result_get_hash(&first);
     duet_result again = step(world);
     assert_false(was_packed(&again, 0) || was_packed(&again, 1));
     assert_true(stage_ms(&again, "send objects", 0) < 0.0);
-    assert_int_equal(duet_result_hash(&again), truth);
+    assert_int_equal(duet_result_get_hash(&again), truth);
     set_share(world, DUET_SHARE_ONE); // all to A, then slabs once more
     duet_result whole = step(world);
-    assert_int_equal(duet_result_hash(&whole), truth);
+    assert_int_equal(duet_result_get_hash(&whole), truth);
     set_share(world, DUET_SHARE_ONE / 2);
     duet_result cut = step(world);
     assert_true(was_packed(&cut, 0));
-    assert_int_equal(duet_result_hash(&cut), truth);
+    assert_int_equal(duet_result_get_hash(&cut), truth);
     duet_world_destroy(world);
 }
 
@@ -349,8 +349,8 @@ static void bad_objects_are_counted_once_and_the_first_is_named(void **state)
             duet_result result = step_poses(world, N);
             assert_int_equal(result.bad, n_bad);
             assert_int_equal(result.first_bad, first);
-            truth = w == 0 && s == 0 ? duet_result_hash(&result) : truth;
-            assert_int_equal(duet_result_hash(&result), truth);
+            truth = w == 0 && s == 0 ? duet_result_get_hash(&result) : truth;
+            assert_int_equal(duet_result_get_hash(&result), truth);
         }
         duet_world_destroy(world);
     }
@@ -368,9 +368,9 @@ static void a_bad_object_that_is_packed_is_refused_by_its_id(void **state)
     poses[1234].half_extents[1] = -1.0f;
     duet_world_def def = world_def(3, "gpu send=packed");
     duet_world *world = make_world(&def);
-    assert_ok(duet_world_set_poses(world, poses, N, &err), err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
     assert_false(duet_world_step(world, &result, &err));
-    assert_int_equal(err.status, DUET_BAD_OBJECT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_non_null(strstr(err.text, "object 1234 of 2003"));
     duet_world_destroy(world);
 }
@@ -389,13 +389,13 @@ static void a_device_without_room_fails_the_step_and_not_the_next(void **state)
         duet_world *world = make_world(&def);
         uint64_t *most = &devices->devices[side].info.max_buffer_bytes;
         uint64_t before = *most;
-        assert_ok(duet_world_set_poses(world, poses, N, &err), err);
+        assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
         *most = 8192;
         assert_false(duet_world_step(world, &result, &err));
-        assert_int_equal(err.status, DUET_NO_MEMORY);
+        assert_int_equal(err.status, DUET_STATUS_NO_MEMORY);
         *most = before;
         result = step(world);
-        assert_int_equal(duet_result_hash(&result), poses_hash(N, 3));
+        assert_int_equal(duet_result_get_hash(&result), poses_hash(N, 3));
         duet_world_destroy(world);
         err = (duet_error){0};
     }

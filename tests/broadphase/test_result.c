@@ -29,10 +29,10 @@ static void places_beyond_32_bits_lead_to_their_pairs(void **state)
     a[MANY - 1] = (duet_pair){3, 4};
     b[0] = (duet_pair){5, 6};
     b[MANY - 1] = (duet_pair){7, 8};
-    assert_int_equal(duet_result_pair(&result, 0).a, 1);
-    assert_int_equal(duet_result_pair(&result, MANY - 1).a, 3);
-    assert_int_equal(duet_result_pair(&result, MANY).a, 5);
-    assert_int_equal(duet_result_pair(&result, 2 * MANY - 1).b, 8);
+    assert_int_equal(duet_result_get_pair(&result, 0).a, 1);
+    assert_int_equal(duet_result_get_pair(&result, MANY - 1).a, 3);
+    assert_int_equal(duet_result_get_pair(&result, MANY).a, 5);
+    assert_int_equal(duet_result_get_pair(&result, 2 * MANY - 1).b, 8);
     munmap(a, MANY * sizeof *a);
     munmap(b, MANY * sizeof *b);
 }

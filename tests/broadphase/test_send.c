@@ -20,7 +20,7 @@ static int open_devices(void **state)
     (void)state;
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_open(&def, &err);
+    devices = duet_device_pair_create(&def, &err);
     assert_ok(devices != NULL, err);
     devices->devices[0].info.host_memory = devices->devices[1].info.host_memory = false;
     return 0;
@@ -29,7 +29,7 @@ static int open_devices(void **state)
 static int close_devices(void **state)
 {
     (void)state;
-    duet_device_pair_close(devices);
+    duet_device_pair_destroy(devices);
     assert_int_equal(device_live_objects(), 0);
     return 0;
 }
@@ -65,7 +65,7 @@ static duet_world *make_world(duet_mode mode, const char *text, bool keep_bad)
 static void set_share(duet_world *world, uint32_t share)
 {
     duet_error err = {0};
-    duet_plan plan = *duet_world_plan(world);
+    duet_plan plan = *duet_world_get_plan(world);
     plan.share = share;
     assert_ok(duet_world_set_plan(world, &plan, &err), err);
 }
@@ -74,7 +74,7 @@ static duet_result step(duet_world *world, uint32_t n)
 {
     duet_error err = {0};
     duet_result result;
-    assert_ok(duet_world_set_poses(world, poses, n, &err), err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, &err), err);
     assert_ok(duet_world_step(world, &result, &err), err);
     return result;
 }
@@ -84,12 +84,12 @@ static void assert_step_is_the_reference(duet_world *world, uint32_t n)
     duet_error err = {0};
     duet_pair *pairs = NULL;
     uint64_t n_pairs = 0;
-    duet_scene *scene = duet_scene_from_poses(poses, n, 3, &err);
+    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, poses, n, 3, 0, &err);
     assert_ok(scene != NULL, err);
-    assert_ok(duet_reference(scene, &pairs, &n_pairs, &err), err);
+    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n_pairs, &err), err);
     duet_result result = step(world, n);
     assert_int_equal(result.pairs, n_pairs);
-    assert_int_equal(duet_result_hash(&result), duet_pairs_hash(pairs, n_pairs));
+    assert_int_equal(duet_result_get_hash(&result), duet_pairs_hash(pairs, n_pairs));
     duet_free(pairs);
     duet_scene_destroy(scene);
 }

@@ -19,7 +19,7 @@ static int open_devices(void **state)
     (void)state;
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_open(&def, &err);
+    devices = duet_device_pair_create(&def, &err);
     assert_ok(devices != NULL, err);
     for (int side = 0; side < 2; ++side)
         have_host_memory[side] = devices->devices[side].info.host_memory;
@@ -29,7 +29,7 @@ static int open_devices(void **state)
 static int close_devices(void **state)
 {
     (void)state;
-    duet_device_pair_close(devices);
+    duet_device_pair_destroy(devices);
     assert_int_equal(device_live_objects(), 0);
     return 0;
 }
@@ -65,7 +65,7 @@ static duet_world *make_world(uint32_t dims, duet_mode mode, const char *text)
     def.plan = (duet_plan){.share = DUET_SHARE_ONE / 3, .mode = mode};
     strcpy(def.plan.variant_a, text);
     strcpy(def.plan.variant_b, text);
-    def.sizes_apart = true;
+    def.separate_sizes = true;
     duet_world *world = duet_world_create(&def, &err);
     assert_ok(world != NULL, err);
     return world;
@@ -74,7 +74,7 @@ static duet_world *make_world(uint32_t dims, duet_mode mode, const char *text)
 static void map_transforms(duet_world *world, uint32_t n)
 {
     duet_error err = {0};
-    duet_transform *to = duet_world_map_transforms(world, n, &err);
+    duet_transform *to = duet_world_map_objects(world, DUET_OBJECT_TRANSFORMS, n, &err);
     assert_ok(to != NULL, err);
     for (uint32_t i = 0; i < n; ++i) {
         memcpy(to[i].centre, poses[i].centre, sizeof to->centre);
@@ -85,7 +85,7 @@ static void map_transforms(duet_world *world, uint32_t n)
 static void map_sizes(duet_world *world, uint32_t n)
 {
     duet_error err = {0};
-    duet_size *to = duet_world_map_sizes(world, n, &err);
+    duet_size *to = duet_world_map_objects(world, DUET_OBJECT_SIZES, n, &err);
     assert_ok(to != NULL, err);
     for (uint32_t i = 0; i < n; ++i)
         memcpy(to[i].half_extents, poses[i].half_extents, sizeof to->half_extents);
@@ -97,12 +97,12 @@ static void assert_step_is_the_reference(duet_world *world, uint32_t n)
     duet_pair *pairs = NULL;
     uint64_t n_pairs = 0;
     duet_result result;
-    duet_scene *scene = duet_scene_from_poses(poses, n, world->def.dims, &err);
+    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, poses, n, world->def.dims, 0, &err);
     assert_ok(scene != NULL, err);
-    assert_ok(duet_reference(scene, &pairs, &n_pairs, &err), err);
+    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n_pairs, &err), err);
     assert_ok(duet_world_step(world, &result, &err), err);
     assert_int_equal(result.pairs, n_pairs);
-    assert_int_equal(duet_result_hash(&result), duet_pairs_hash(pairs, n_pairs));
+    assert_int_equal(duet_result_get_hash(&result), duet_pairs_hash(pairs, n_pairs));
     duet_free(pairs);
     duet_scene_destroy(scene);
 }
@@ -171,9 +171,9 @@ static void sizes_are_sent_once(void **state)
         sizes[i] = (duet_size){{-1.0f, -1.0f, -1.0f}};
     map_transforms(world, CAPACITY);
     assert_step_is_the_reference(world, CAPACITY);
-    assert_true(duet_world_map_sizes(world, CAPACITY, &err) == sizes);
+    assert_true(duet_world_map_objects(world, DUET_OBJECT_SIZES, CAPACITY, &err) == sizes);
     assert_false(duet_world_step(world, &result, &err));
-    assert_int_equal(err.status, DUET_BAD_OBJECT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     duet_world_destroy(world);
 }
 
@@ -185,7 +185,7 @@ static void poses_are_taken_apart(void **state)
     tell_of_memory(true);
     duet_world *world = make_world(3, DUET_MODE_OWN, "simd");
     fill(&r, CAPACITY, 3);
-    assert_ok(duet_world_set_poses(world, poses, CAPACITY, &err), err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, CAPACITY, &err), err);
     assert_step_is_the_reference(world, CAPACITY);
     duet_world_destroy(world);
 }
@@ -229,7 +229,7 @@ static void bad_sizes_are_named(void **state)
         map_transforms(world, CAPACITY);
         map_sizes(world, CAPACITY);
         assert_false(duet_world_step(world, &result, &err));
-        assert_int_equal(err.status, DUET_BAD_OBJECT);
+        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
         assert_non_null(strstr(err.text, "object 77 of 3000"));
         assert_non_null(strstr(err.text, "(2 such objects)"));
         err = (duet_error){0};
@@ -248,13 +248,13 @@ static void as_many_sizes_as_transforms(void **state)
     duet_world *world = make_world(3, DUET_MODE_OWN, "simd");
     map_transforms(world, 10);
     assert_false(duet_world_step(world, &result, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     assert_string_equal(err.text, "10 objects have a transform and 0 a size; expected as "
                                   "many of each");
     duet_profile profile;
     err = (duet_error){0};
     assert_false(duet_world_load_profile(world, "test_sizes.none.db", &profile, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     map_sizes(world, 10);
     err = (duet_error){0};
     assert_ok(duet_world_load_profile(world, "test_sizes.none.db", &profile, &err), err);
@@ -266,9 +266,9 @@ static void as_many_sizes_as_transforms(void **state)
 static void refuse(duet_world_def def, const char *why)
 {
     duet_error err = {0};
-    def.sizes_apart = true;
+    def.separate_sizes = true;
     assert_null(duet_world_create(&def, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     assert_non_null(strstr(err.text, why));
 }
 
@@ -280,22 +280,22 @@ static void only_what_has_sizes_has_them_apart(void **state)
     def.pair = devices;
     duet_world_def other = def;
     other.shape = DUET_SHAPE_BOUNDS;
-    refuse(other, "sizes_apart is for poses");
+    refuse(other, "separate_sizes is for poses");
     other = def;
     other.origin = 1.0f;
-    refuse(other, "sizes_apart is for poses");
+    refuse(other, "separate_sizes is for poses");
     other = def;
     strcpy(other.plan.variant_b, "paper");
     refuse(other, "the paper's search knows no sizes apart");
     duet_world *world = make_world(3, DUET_MODE_OWN, "simd");
-    assert_null(duet_world_map_poses(world, 1, &err));
+    assert_null(duet_world_map_objects(world, DUET_OBJECT_POSES, 1, &err));
     assert_string_equal(err.text, "the world was made for transforms, not for poses");
     duet_world_destroy(world);
     err = (duet_error){0};
     world = duet_world_create(&def, &err);
     assert_ok(world != NULL, err);
-    assert_null(duet_world_map_sizes(world, 1, &err));
-    assert_string_equal(err.text, "the world was made for poses, not for transforms");
+    assert_null(duet_world_map_objects(world, DUET_OBJECT_SIZES, 1, &err));
+    assert_string_equal(err.text, "the world was made for poses, not for sizes");
     duet_world_destroy(world);
 }
 

@@ -382,7 +382,7 @@ static bool step_once(duet_device_pair *pair, uint64_t *n_pairs)
     def.pair = pair;
     def.plan = duet_default_plan(pair);
     duet_world *world = duet_world_create(&def, NULL);
-    bool ok = world && duet_world_set_poses(world, boxes, N_BOXES, NULL) &&
+    bool ok = world && duet_world_set_objects(world, DUET_OBJECT_POSES, boxes, N_BOXES, NULL) &&
               duet_world_step(world, &result, NULL);
     *n_pairs = result.pairs;
     duet_world_destroy(world);
@@ -398,7 +398,7 @@ static bool run_a_frame(void)
     duet_device_pair_def def = duet_default_device_pair_def();
     def.a = def.b = "pocl:0";
     def.cache_dir = path;
-    duet_device_pair *pair = duet_device_pair_open(&def, NULL);
+    duet_device_pair *pair = duet_device_pair_create(&def, NULL);
     store *s = pair ? store_open(folder.store, STORE_WRITE, NULL) : NULL;
     bool ok = s && store_audit(s, "begun", "", NULL);
     *told += ok;
@@ -408,7 +408,7 @@ static bool run_a_frame(void)
          store_audit(s, "done", "", NULL);
     *told += ok;
     store_close(s);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
     return ok && n == N_BOXES - 1;
 }
 

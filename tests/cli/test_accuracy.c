@@ -77,8 +77,8 @@ static void assert_row_is_what_its_level_promises(const cJSON *row, double truth
 {
     const char *name = cJSON_GetObjectItemCaseSensitive(row, "level")->valuestring;
     duet_level level;
-    assert_true(duet_level_named(name, &level));
-    const duet_level_info *info = duet_level_describe(level);
+    assert_true(duet_level_from_name(name, &level));
+    const duet_level_info *info = duet_level_get_info(level);
     double missed = number_of(row, "missed"), added = number_of(row, "false");
     assert_true(number_of(row, "pairs") == truth - missed + added);
     assert_true(number_of(row, "step_ms") > 0);
@@ -119,7 +119,7 @@ static void the_table_and_the_plot_name_every_level(void **state)
     program p = program_run("accuracy --repeat 1 --csv " TABLE " --plot " PLOT " " SCENE);
     assert_int_equal(p.exit_code, 0);
     for (int l = 0; l < DUET_LEVELS; ++l)
-        assert_non_null(strstr(p.out, duet_level_describe((duet_level)l)->name));
+        assert_non_null(strstr(p.out, duet_level_get_info((duet_level)l)->name));
     for (int f = 0; f < 2; ++f) {
         text content = {0};
         duet_error err = {0};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Files of pairs: read, tested by `duet test`, and what it writes.
+// Files of pairs: read, tested by `duet query`, and what it writes.
 #include "support/program.h"
 #include "support/test.h"
 
@@ -35,8 +35,8 @@ static void rows_of_text_become_two_poses_each(void **state)
     write_text("pairs.csv", "# two pairs\n" TOUCHING APART);
     duet_scene *pairs = duet_scene_load_pairs("pairs.csv", &err);
     assert_ok(pairs, err);
-    const duet_scene_info *info = duet_scene_describe(pairs);
-    const duet_pose *poses = duet_scene_poses(pairs);
+    const duet_scene_info *info = duet_scene_get_info(pairs);
+    const duet_pose *poses = duet_scene_get_objects(pairs, DUET_OBJECT_POSES);
     assert_int_equal(info->n, 4);
     assert_int_equal(info->dims, 3);
     assert_true(poses[1].centre[0] == 1 && poses[3].centre[1] == 2 && poses[3].rotation[2] == 1);
@@ -44,8 +44,8 @@ static void rows_of_text_become_two_poses_each(void **state)
     write_text("pairs.csv", "0 0 1 1 0  3 0 1 1 3.14159\n");
     pairs = duet_scene_load_pairs("pairs.csv", &err);
     assert_ok(pairs, err);
-    assert_int_equal(duet_scene_describe(pairs)->n, 2);
-    assert_int_equal(duet_scene_describe(pairs)->dims, 2);
+    assert_int_equal(duet_scene_get_info(pairs)->n, 2);
+    assert_int_equal(duet_scene_get_info(pairs)->dims, 2);
     duet_scene_destroy(pairs);
     remove("pairs.csv");
 }
@@ -79,9 +79,10 @@ static void doubles_are_rounded_to_the_nearest_float_and_floats_are_kept(void **
     assert_ok(doubles, err);
     duet_scene *floats = duet_scene_load_pairs("floats.npy", &err);
     assert_ok(floats, err);
-    const duet_pose *poses = duet_scene_poses(doubles);
+    const duet_pose *poses = duet_scene_get_objects(doubles, DUET_OBJECT_POSES);
     assert_true(poses[0].centre[0] == 0.1f && poses[1].centre[0] == 16777216);
-    assert_memory_equal(poses, duet_scene_poses(floats), 2 * sizeof *poses);
+    assert_memory_equal(poses, duet_scene_get_objects(floats, DUET_OBJECT_POSES),
+                        2 * sizeof *poses);
     duet_scene_destroy(doubles);
     duet_scene_destroy(floats);
     remove("doubles.npy");
@@ -161,8 +162,8 @@ static void the_program_tests_a_file_at_every_level(void **state)
     (void)state;
     write_text("pairs.csv", TOUCHING APART TOUCHING);
     for (int l = 0; l < DUET_LEVELS; ++l) {
-        program p = program_run_with(CACHED, "test pairs.csv --json --share 1/3 --level %s",
-                                     duet_level_describe((duet_level)l)->name);
+        program p = program_run_with(CACHED, "query pairs.csv --json --share 1/3 --level %s",
+                                     duet_level_get_info((duet_level)l)->name);
         assert_string_equal(p.err, "");
         assert_int_equal(p.exit_code, 0);
         cJSON *o = cJSON_Parse(p.out);
@@ -193,7 +194,7 @@ static void the_program_writes_verdicts_and_separations(void **state)
     write_text("pairs.csv", TOUCHING APART);
     static const char *const outs[] = {"verdicts.csv", "verdicts.npy"};
     for (int i = 0; i < 2; ++i) {
-        program p = program_run_with(CACHED, "test pairs.csv --separations --out %s", outs[i]);
+        program p = program_run_with(CACHED, "query pairs.csv --separations --out %s", outs[i]);
         assert_string_equal(p.err, "");
         assert_int_equal(p.exit_code, 0);
         program_free(&p);
@@ -219,13 +220,13 @@ static void wrong_usage_is_told(void **state)
         int exit_code;
         const char *says;
     } wrong[] = {
-        {"test", 2, "PAIRS.npy|FILE"},
-        {"test pairs.csv --separations", 2, "give --out V.npy"},
-        {"test pairs.csv --device pocl:0 --share 0.5", 2, "--device is one device alone"},
-        {"test pairs.csv --level exact", 2, "the levels are certified, aabb"},
-        {"test pairs.csv --device abacus:0", 1, "no device 'abacus:0'"},
-        {"test none.npy", 1, "none.npy: No such file"},
-        {"test pairs.csv --out no/such/v.npy", 1, "no/such/v.npy: cannot be written"},
+        {"query", 2, "PAIRS.npy|FILE"},
+        {"query pairs.csv --separations", 2, "give --out V.npy"},
+        {"query pairs.csv --device pocl:0 --share 0.5", 2, "--device is one device alone"},
+        {"query pairs.csv --level exact", 2, "the levels are certified, aabb"},
+        {"query pairs.csv --device abacus:0", 1, "no device 'abacus:0'"},
+        {"query none.npy", 1, "none.npy: No such file"},
+        {"query pairs.csv --out no/such/v.npy", 1, "no/such/v.npy: cannot be written"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         program p = program_run("%s", wrong[i].arguments);

@@ -258,7 +258,7 @@ static void a_level_is_compared_with_its_own_reference(void **state)
     (void)state;
     double found[DUET_LEVELS];
     for (int l = 0; l < DUET_LEVELS; ++l) {
-        const char *name = duet_level_describe((duet_level)l)->name;
+        const char *name = duet_level_get_info((duet_level)l)->name;
         char arguments[80];
         snprintf(arguments, sizeof arguments, SCENE " --check --repeat 1 --level %s", name);
         cJSON *o = run_json(arguments);

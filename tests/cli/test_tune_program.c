@@ -275,7 +275,7 @@ static void what_is_wrong_in_a_tune_file_is_said_with_its_line(void **state)
         duet_error err = {0};
         test_write_file(CONFIG, rows[i].content);
         assert_false(tune_config_load(&config, CONFIG, &err));
-        assert_int_equal(err.status, DUET_BAD_INPUT);
+        assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
         if (!strstr(err.text, rows[i].says))
             fail_msg("'%s' is not in: %s", rows[i].says, err.text);
     }

@@ -157,7 +157,7 @@ static void a_bullet_that_misses_is_not_held(void **state)
     uint32_t bullet = mover_add_cube(m, 0, 1.2, 0, 0.1);
     m->bodies[bullet].velocity[0] = 2000.0f;
     mover_run(m, 6);
-    assert_true(duet_motion_effects(m->motion) & DUET_EFFECT_CONTINUOUS);
+    assert_true(duet_motion_get_effects(m->motion) & DUET_EFFECT_CONTINUOUS);
     assert_close(m->states[bullet].velocity[0], 2000.0, 1e-9);
     assert_close(m->states[bullet].centre[0], 200.0, 1e-2);
     mover_free(m);

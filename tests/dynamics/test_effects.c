@@ -18,7 +18,7 @@
 static uint32_t effects_of(mover *m)
 {
     mover_run(m, 0);
-    return duet_motion_effects(m->motion);
+    return duet_motion_get_effects(m->motion);
 }
 
 static void a_still_scene_calls_for_nothing(void **state)
@@ -140,12 +140,12 @@ static void assert_same_state(medium in, uint32_t set, uint32_t more)
         mover_run(general, 4);
         if (mover_hash(special) != mover_hash(general))
             fail_msg("%uD, %s: effects %x and %x differ after %d steps", in.dims,
-                     in.doubles ? "doubles" : "floats", duet_motion_effects(special->motion),
-                     duet_motion_effects(general->motion), 4 * (k + 1));
+                     in.doubles ? "doubles" : "floats", duet_motion_get_effects(special->motion),
+                     duet_motion_get_effects(general->motion), 4 * (k + 1));
     }
-    assert_int_equal(duet_motion_effects(general->motion) & more, more);
-    assert_int_not_equal(duet_motion_effects(special->motion),
-                         duet_motion_effects(general->motion));
+    assert_int_equal(duet_motion_get_effects(general->motion) & more, more);
+    assert_int_not_equal(duet_motion_get_effects(special->motion),
+                         duet_motion_get_effects(general->motion));
     mover_free(special);
     mover_free(general);
 }
@@ -401,7 +401,7 @@ static void buffers_are_those_that_are_called_for(void **state)
         mover *m = make_scene(with_needs(effects[i]));
         mover_run(m, 1);
         for (size_t k = 0; k < sizeof owned / sizeof owned[0]; ++k) {
-            bool called = duet_motion_effects(m->motion) & owned[k].effect;
+            bool called = duet_motion_get_effects(m->motion) & owned[k].effect;
             assert_int_equal(m->motion->buffers[owned[k].buffer].mem != NULL, called);
         }
         mover_free(m);
@@ -445,7 +445,7 @@ static void explain_tells_effects_and_bytes(void **state)
         if (strcmp(info.name, "friction") == 0)
             assert_int_equal(info.bytes, 4);
     }
-    assert_int_equal(active, __builtin_popcount(duet_motion_effects(m->motion)));
+    assert_int_equal(active, __builtin_popcount(duet_motion_get_effects(m->motion)));
     mover_free(m);
 }
 
@@ -497,7 +497,7 @@ static void a_damaged_file_is_refused(void **state)
     fputc(0x55, f);
     fclose(f);
     assert_false(duet_motion_load(m->motion, path, &err));
-    assert_int_equal(err.status, DUET_BAD_INPUT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
     err = (duet_error){0};
     mover *other = make_scene(0);
     mover_run(other, 1);

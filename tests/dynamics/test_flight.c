@@ -49,9 +49,9 @@ static void assert_order(duet_integrator integrator, double order, uint32_t step
 static void errors_follow_the_integrators_order(void **state)
 {
     (void)state;
-    assert_order(DUET_EULER, 1.0, 4000);
-    assert_order(DUET_VERLET, 2.0, 500);
-    assert_order(DUET_YOSHIDA, 4.0, 200);
+    assert_order(DUET_INTEGRATOR_EULER, 1.0, 4000);
+    assert_order(DUET_INTEGRATOR_VERLET, 2.0, 500);
+    assert_order(DUET_INTEGRATOR_YOSHIDA, 4.0, 200);
 }
 
 static void verlet_is_exact_in_uniform_gravity(void **state)
@@ -59,7 +59,7 @@ static void verlet_is_exact_in_uniform_gravity(void **state)
     (void)state;
     mover *m = mover_new(3);
     m->def.doubles = true;
-    m->def.integrator = DUET_VERLET;
+    m->def.integrator = DUET_INTEGRATOR_VERLET;
     m->def.gravity[2] = -9.81;
     uint32_t id = mover_add_cube(m, 0, 0, 0, 1);
     m->bodies[id].velocity[0] = 3.0f;
@@ -92,7 +92,7 @@ static void an_orbit_keeps_its_energy(void **state)
     (void)state;
     mover *m = mover_new(2);
     m->def.doubles = true;
-    m->def.integrator = DUET_YOSHIDA;
+    m->def.integrator = DUET_INTEGRATOR_YOSHIDA;
     m->def.attraction = 1.0;
     m->def.dt = 0.05;
     m->def.substeps = 1;
@@ -291,7 +291,7 @@ static void a_million_empty_steps_change_nothing(void **state)
         mover_add_cube(m, 3 * i, 0, 0, 1);
     uint64_t before = mover_hash(m);
     mover_run(m, 1000000);
-    assert_int_equal(duet_motion_effects(m->motion), 0);
+    assert_int_equal(duet_motion_get_effects(m->motion), 0);
     assert_true(mover_hash(m) == before);
     assert_int_equal(m->last.step, 1000000);
     mover_free(m);
@@ -313,28 +313,28 @@ static void wrong_numbers_are_refused(void **state)
     mover_add_cube(m, 0, 0, 0, 1);
     mover_add_cube(m, 3, 0, 0, 1);
     m->def.dt = -1.0;
-    assert_refused(m, DUET_BAD_ARGUMENT, "dt is -1");
+    assert_refused(m, DUET_STATUS_BAD_ARGUMENT, "dt is -1");
     m->def.dt = NAN;
-    assert_refused(m, DUET_BAD_ARGUMENT, "dt is");
+    assert_refused(m, DUET_STATUS_BAD_ARGUMENT, "dt is");
     m->def.dt = 0.1;
     m->def.substeps = 0;
-    assert_refused(m, DUET_BAD_ARGUMENT, "substeps is 0");
+    assert_refused(m, DUET_STATUS_BAD_ARGUMENT, "substeps is 0");
     m->def.substeps = 1;
     m->def.gravity[1] = INFINITY;
-    assert_refused(m, DUET_BAD_ARGUMENT, "y of gravity");
+    assert_refused(m, DUET_STATUS_BAD_ARGUMENT, "y of gravity");
     m->def.gravity[1] = 0.0;
     m->bodies[1].mass = -1.0f;
-    assert_refused(m, DUET_BAD_OBJECT, "object 1 of 2: the mass");
+    assert_refused(m, DUET_STATUS_BAD_OBJECT, "object 1 of 2: the mass");
     m->bodies[1].mass = 1.0f;
     m->bodies[0].velocity[2] = NAN;
-    assert_refused(m, DUET_BAD_OBJECT, "object 0 of 2: a velocity");
+    assert_refused(m, DUET_STATUS_BAD_OBJECT, "object 0 of 2: a velocity");
     m->bodies[0].velocity[2] = 0.0f;
     m->poses[1].half_extents[0] = -1.0f;
-    assert_refused(m, DUET_BAD_OBJECT, "object 1 of 2: a half extent");
+    assert_refused(m, DUET_STATUS_BAD_OBJECT, "object 1 of 2: a half extent");
     m->poses[1].half_extents[0] = 1.0f;
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
-    m->def.integrator = DUET_VERLET;
-    assert_refused(m, DUET_BAD_ARGUMENT, "integrator euler");
+    m->def.integrator = DUET_INTEGRATOR_VERLET;
+    assert_refused(m, DUET_STATUS_BAD_ARGUMENT, "integrator euler");
     mover_free(m);
 }
 

@@ -170,7 +170,7 @@ static forger open_forger(kind of)
     f.bytes = malloc(f.right.length + 64);
     assert_non_null(f.bytes);
     memcpy(&f.n_contacts, f.right.chars + AT_N_CONTACTS, 4);
-    assert_ok(duet_motion_hash(f.m->motion, &f.hash, &err), err);
+    assert_ok(duet_motion_get_hash(f.m->motion, &f.hash, &err), err);
     assert_true(of == FLIGHT || f.n_contacts > 10);
     assert_int_equal(place_of(&f, SECTIONS) + sizeof(uint64_t), f.right.length);
     load_right(&f);
@@ -195,11 +195,11 @@ static void assert_refused(forger *f, const char *what, const char *said)
     write_forged(f);
     if (duet_motion_load(f->m->motion, f->path, &err))
         fail_msg("%s: the forged file was loaded", what);
-    assert_int_equal(err.status, DUET_BAD_INPUT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
     if (!strstr(err.text, said) || !strstr(err.text, f->path) || strchr(err.text, '\n'))
         fail_msg("%s: refused with '%s'; expected '%s'", what, err.text, said);
     err = (duet_error){0};
-    assert_ok(duet_motion_hash(f->m->motion, &hash, &err), err);
+    assert_ok(duet_motion_get_hash(f->m->motion, &hash, &err), err);
     assert_true(hash == f->hash);
 }
 
@@ -356,7 +356,7 @@ static void step_forged(forger *f)
     bool ok = true;
     for (int k = 0; ok && k < 3; ++k)
         ok = duet_motion_advance(f->m->motion, &f->m->last, &err);
-    ok = ok && duet_motion_read(f->m->motion, f->m->states, &err);
+    ok = ok && duet_motion_get_states(f->m->motion, f->m->states, &err);
     if (ok)
         assert_true(are_finite(f->m->states, f->m->n));
     else
@@ -378,10 +378,10 @@ static void forge(rng *r, forger *f, uint32_t *n_loaded)
         return;
     }
     uint64_t hash = 0;
-    assert_true(err.status == DUET_BAD_INPUT && !strchr(err.text, '\n'));
+    assert_true(err.status == DUET_STATUS_BAD_INPUT && !strchr(err.text, '\n'));
     assert_non_null(strstr(err.text, f->path));
     err = (duet_error){0};
-    assert_ok(duet_motion_hash(f->m->motion, &hash, &err), err);
+    assert_ok(duet_motion_get_hash(f->m->motion, &hash, &err), err);
     assert_true(hash == f->hash);
 }
 

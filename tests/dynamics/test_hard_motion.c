@@ -15,7 +15,7 @@ static duet_contact *contacts_of(mover *m, uint64_t *n)
 {
     duet_error err = {0};
     duet_contact *contacts = NULL;
-    assert_ok(duet_motion_contacts(m->motion, &contacts, n, &err), err);
+    assert_ok(duet_motion_get_contacts(m->motion, &contacts, n, &err), err);
     return contacts;
 }
 

@@ -68,7 +68,7 @@ kernel *__wrap_program_set_kernel(program_set *set, const char *name, const char
 // B holds the state.
 static gen_limits limits_of_b(void)
 {
-    return program_limits(duet_device_pair_info(mover_pair(), 1));
+    return program_limits(duet_device_pair_get_info(mover_pair(), 1));
 }
 
 // One of the values of a parameter; 0 where the kernel has it not.

@@ -92,7 +92,7 @@ static void a_flight_far_away_is_the_one_at_0(void **state)
 {
     (void)state;
     const double here[3] = {0};
-    const duet_integrator integrators[] = {DUET_EULER, DUET_YOSHIDA};
+    const duet_integrator integrators[] = {DUET_INTEGRATOR_EULER, DUET_INTEGRATOR_YOSHIDA};
     for (int i = 0; i < 2; ++i) {
         mover *near = swarm_at(here, integrators[i]), *m = swarm_at(far, integrators[i]);
         mover_run(near, 120);
@@ -109,7 +109,7 @@ static void a_fall_far_away_follows_its_parabola(void **state)
 {
     (void)state;
     mover *m = mover_in_cells(3, far);
-    m->def.integrator = DUET_VERLET;
+    m->def.integrator = DUET_INTEGRATOR_VERLET;
     uint32_t id = mover_add_cube(m, 0.5, 0.25, 0, 1);
     m->bodies[id].velocity[0] = 3;
     mover_run(m, 120);
@@ -147,7 +147,7 @@ static void refuse(const mover *m, const char *words)
 {
     duet_error err = {0};
     assert_null(duet_motion_create(&m->def, m->poses, m->bodies, m->n, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     if (!strstr(err.text, words))
         fail_msg("'%s' lacks '%s'", err.text, words);
 }

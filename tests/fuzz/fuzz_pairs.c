@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pairs of poses for `duet test`: a NumPy array where the input begins as one,
+// Pairs of poses for `duet query`: a NumPy array where the input begins as one,
 // else text.
 #include "support/fuzz.h"
 #include "support/objects.h"
@@ -15,7 +15,7 @@ void fuzz_one(const uint8_t *data, size_t n)
     fuzz_require_answer(pairs != NULL, &err);
     if (pairs) {
         fuzz_require_objects(pairs);
-        fuzz_require(duet_scene_describe(pairs)->n % 2 == 0);
+        fuzz_require(duet_scene_get_info(pairs)->n % 2 == 0);
     }
     duet_scene_destroy(pairs);
 }

@@ -29,17 +29,18 @@ static void look(const char *path)
 static void list(const char *path)
 {
     duet_error err = {0};
-    duet_profile_list *all = duet_profile_list_open(path, true, &err);
+    duet_profile_list *all = duet_profile_list_create(path, true, &err);
     fuzz_require_answer(all != NULL, &err);
-    for (uint32_t i = 0; all && i < duet_profile_list_count(all); ++i) {
+    for (uint32_t i = 0; all && i < duet_profile_list_get_count(all); ++i) {
         duet_stored_trial *trials = NULL;
         uint32_t n = 0;
         err = (duet_error){0};
-        bool ok = duet_profile_trials(path, duet_profile_list_at(all, i)->uid, &trials, &n, &err);
+        bool ok = duet_profile_get_trials(path, duet_profile_list_get_profile(all, i)->uid, &trials,
+                                          &n, &err);
         fuzz_require_answer(ok, &err);
         duet_free(trials);
     }
-    duet_profile_list_close(all);
+    duet_profile_list_destroy(all);
 }
 
 static void report(const char *path)

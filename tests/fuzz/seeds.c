@@ -182,7 +182,7 @@ static void put_states(void)
         }
         duet_motion_destroy(m);
     }
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
 }
 
 int main(int argc, char **argv)

@@ -85,7 +85,7 @@ static void what_is_wrong_is_told_with_its_line(void **state)
         assert_false(read(s, cases[i][0], &found, &err));
         if (strncmp(err.text, cases[i][1], strlen(cases[i][1])) != 0)
             fail_msg("%s, wanted %s", err.text, cases[i][1]);
-        assert_int_equal(err.status, DUET_BAD_INPUT);
+        assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
         assert_int_equal(lua_gettop(script_lua(s)), 0);
     }
     script_close(s);

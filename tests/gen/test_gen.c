@@ -167,16 +167,16 @@ static void settings_that_do_not_fit_are_refused(void **state)
         duet_status status;
         const char *wanted;
     } cases[] = {
-        {"plane", {"WG", 1}, DUET_NOT_FOUND, "no kernel 'plane': there are plain, shaped"},
+        {"plane", {"WG", 1}, DUET_STATUS_NOT_FOUND, "no kernel 'plane': there are plain, shaped"},
         {"plain",
          {"WGG", 1},
-         DUET_BAD_ARGUMENT,
+         DUET_STATUS_BAD_ARGUMENT,
          "plain: no parameter 'WGG': there are FACTOR, SHIFT, WG, PER_ITEM"},
-        {"plain", {"WG", 7}, DUET_BAD_ARGUMENT, "plain: WG=7 is not one of 1, 64, 256"},
-        {"plain", {"SHIFT", 9}, DUET_BAD_ARGUMENT, "plain: SHIFT=9 is not in -8 .. 8"},
+        {"plain", {"WG", 7}, DUET_STATUS_BAD_ARGUMENT, "plain: WG=7 is not one of 1, 64, 256"},
+        {"plain", {"SHIFT", 9}, DUET_STATUS_BAD_ARGUMENT, "plain: SHIFT=9 is not in -8 .. 8"},
         {"plain",
          {"FACTOR", 3},
-         DUET_BAD_ARGUMENT,
+         DUET_STATUS_BAD_ARGUMENT,
          "plain: not a valid config: 3 is done one by one"},
     };
     gen *g = open_test_kernels();
@@ -199,7 +199,7 @@ static void a_group_above_the_device_is_never_valid(void **state)
     gen *g = open_test_kernels();
     gen_variant v;
     assert_false(gen_make(g, "plain", NULL, 0, &small, &v, &err));
-    expect(err, DUET_BAD_ARGUMENT, "a group of 64 is above the device's 32");
+    expect(err, DUET_STATUS_BAD_ARGUMENT, "a group of 64 is above the device's 32");
     gen_close(g);
 }
 
@@ -248,7 +248,7 @@ static void configs_are_counted_and_found_by_number(void **state)
             }
     assert_int_equal(count, index);
     assert_false(gen_config(g, "plain", &small, count, config, &err));
-    expect(err, DUET_BAD_ARGUMENT, "plain: config 10 of 10");
+    expect(err, DUET_STATUS_BAD_ARGUMENT, "plain: config 10 of 10");
     gen_close(g);
 }
 
@@ -330,7 +330,7 @@ static void a_broken_card_is_told_with_its_line(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         duet_error err = make_with(cases[i].card, "k.cl.in", "int x;\n");
         bool is_file = strstr(cases[i].wanted, "nothing.clh");
-        expect(err, is_file ? DUET_NOT_FOUND : DUET_BUILD_FAILED, cases[i].wanted);
+        expect(err, is_file ? DUET_STATUS_NOT_FOUND : DUET_STATUS_BUILD_FAILED, cases[i].wanted);
     }
 }
 
@@ -352,7 +352,8 @@ static void a_broken_template_is_told_with_its_line(void **state)
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         const char *card = CARD("{ 'A', values = { 1 } }", "");
-        expect(make_with(card, "k.cl.in", cases[i].body), DUET_BUILD_FAILED, cases[i].wanted);
+        expect(make_with(card, "k.cl.in", cases[i].body), DUET_STATUS_BUILD_FAILED,
+               cases[i].wanted);
     }
 }
 
@@ -361,7 +362,7 @@ static void a_template_without_lua_comes_out_as_it_went_in(void **state)
     (void)state;
     const char *body = "a \"%d\\n\" @ {b}\n\n  \\\n]]\n";
     duet_error err = make_with(CARD("", ""), "k.cl.in", body);
-    assert_ok(err.status == DUET_OK, err);
+    assert_ok(err.status == DUET_STATUS_OK, err);
     const char *begin = strstr(made, "a \"");
     assert_non_null(begin);
     assert_string_equal(begin, body);
@@ -403,28 +404,28 @@ static void a_folder_is_never_mixed_with_carried_files(void **state)
     (void)state;
     duet_error err = {0};
     assert_null(gen_open("no/such/folder", &err));
-    expect(err, DUET_NOT_FOUND, "kernel folder no/such/folder");
+    expect(err, DUET_STATUS_NOT_FOUND, "kernel folder no/such/folder");
     snprintf(folder, sizeof folder, "test_gen_XXXXXX");
     assert_non_null(mkdtemp(folder));
     err = (duet_error){0};
     assert_null(gen_open(folder, &err));
-    expect(err, DUET_NOT_FOUND, "no card (*.lua) in it");
+    expect(err, DUET_STATUS_NOT_FOUND, "no card (*.lua) in it");
     write_file("scan.lua", CARD("", ""));
     err = (duet_error){0};
     gen *g = gen_open(folder, &err);
     assert_ok(g, err);
     gen_variant v;
     assert_false(gen_make(g, "scan", NULL, 0, &gpu, &v, &err));
-    expect(err, DUET_NOT_FOUND, "/common.clh: ");
+    expect(err, DUET_STATUS_NOT_FOUND, "/common.clh: ");
     write_file("common.clh", "\n");
     err = (duet_error){0};
     assert_false(gen_make(g, "scan", NULL, 0, &gpu, &v, &err));
-    expect(err, DUET_NOT_FOUND, "/scan.cl: ");
+    expect(err, DUET_STATUS_NOT_FOUND, "/scan.cl: ");
     write_file("scan.cl", "\n");
     write_file("scan.cl.in", "\n");
     err = (duet_error){0};
     assert_false(gen_make(g, "scan", NULL, 0, &gpu, &v, &err));
-    expect(err, DUET_BUILD_FAILED, "scan.cl stands beside scan.cl.in: keep one of them");
+    expect(err, DUET_STATUS_BUILD_FAILED, "scan.cl stands beside scan.cl.in: keep one of them");
     gen_close(g);
     remove_file("scan.lua");
     remove_file("scan.cl");
@@ -455,7 +456,7 @@ static void damage_is_an_error_or_a_variant(void **state)
         char body[] = "int a;\n//@ for i = 1, 3 do\nint @{(A + i) .. 'x'};\n//@ end\n";
         damage(i % 2 ? card : body, &r);
         duet_error err = make_with(card, "k.cl.in", body);
-        if (err.status != DUET_OK && err.status != DUET_BUILD_FAILED)
+        if (err.status != DUET_STATUS_OK && err.status != DUET_STATUS_BUILD_FAILED)
             fail_msg("%s %s\n%s%s", duet_status_name(err.status), err.text, card, body);
         assert_null(strchr(err.text, '\n'));
     }

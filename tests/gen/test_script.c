@@ -20,7 +20,7 @@ static void refuse(script *s, const char *chars, const char *why)
     duet_error err = {0};
     if (run(s, chars, 0, &err))
         fail_msg("%s: was not refused", chars);
-    if (err.status != DUET_BAD_INPUT || !strstr(err.text, why) || strchr(err.text, '\n'))
+    if (err.status != DUET_STATUS_BAD_INPUT || !strstr(err.text, why) || strchr(err.text, '\n'))
         fail_msg("%s: %s %s, wanted %s", chars, duet_status_name(err.status), err.text, why);
     assert_int_equal(lua_gettop(script_lua(s)), 0);
     err = (duet_error){0};
@@ -258,7 +258,7 @@ static void too_little_memory_for_a_state_is_an_error(void **state)
         script_limits limits = {.memory_bytes = bytes, .instructions = 1000000, .seconds = 5};
         duet_error err = {0};
         script *s = script_open(&limits, &err);
-        assert_true(s || err.status != DUET_OK);
+        assert_true(s || err.status != DUET_STATUS_OK);
         script_close(s);
     }
 }
@@ -270,7 +270,7 @@ static void a_missing_file_is_named(void **state)
     script *s = script_open(NULL, &err);
     assert_ok(s, err);
     assert_false(script_run_file(s, "no/such.lua", 0, &err));
-    assert_int_equal(err.status, DUET_NOT_FOUND);
+    assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
     assert_non_null(strstr(err.text, "no/such.lua"));
     script_close(s);
 }

@@ -32,7 +32,7 @@ static duet_world *open_world(duet_pose *poses, uint32_t n, float half, uint64_t
     def.max_pairs = max_pairs;
     duet_world *world = duet_world_create(&def, &err);
     assert_ok(world, err);
-    assert_ok(duet_world_set_poses(world, poses, n, &err), err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, &err), err);
     return world;
 }
 
@@ -52,21 +52,21 @@ static void none_of_65537_objects_in_a_cell_is_missed(void **state)
     duet_result result;
     duet_pose *poses = room_for(N);
     duet_world *world = open_world(poses, N, 0.002f, 0);
-    duet_scene *scene = duet_scene_from_poses(poses, N, 3, &err);
+    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, poses, N, 3, 0, &err);
     assert_ok(scene, err);
     duet_pair *pairs = NULL;
     uint64_t n_pairs = 0;
-    assert_ok(duet_reference(scene, &pairs, &n_pairs, &err), err);
+    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n_pairs, &err), err);
     uint64_t hash = duet_pairs_hash(pairs, n_pairs);
     for (int v = 0; v < 2; ++v) {
-        duet_plan plan = *duet_world_plan(world);
+        duet_plan plan = *duet_world_get_plan(world);
         strcpy(plan.variant_a, variants[v]);
         strcpy(plan.variant_b, variants[v]);
         assert_ok(duet_world_set_plan(world, &plan, &err), err);
         assert_ok(duet_world_step(world, &result, &err), err);
         assert_true(result.cell >= 1);
         assert_true(n_pairs > 1000 && result.pairs == n_pairs);
-        assert_true(duet_result_hash(&result) == hash);
+        assert_true(duet_result_get_hash(&result) == hash);
     }
     duet_free(pairs);
     duet_scene_destroy(scene);
@@ -81,11 +81,11 @@ static void expect_too_many(uint32_t n, uint64_t max_pairs, const char *says)
     duet_result result;
     duet_pose *poses = room_for(n);
     duet_world *world = open_world(poses, n, 0.4f, max_pairs);
-    duet_plan plan = *duet_world_plan(world);
+    duet_plan plan = *duet_world_get_plan(world);
     plan.share = 0;
     assert_ok(duet_world_set_plan(world, &plan, &err), err);
     assert_false(duet_world_step(world, &result, &err));
-    assert_int_equal(err.status, DUET_TOO_MANY);
+    assert_int_equal(err.status, DUET_STATUS_TOO_MANY);
     if (!strstr(err.text, says))
         fail_msg("%s; it should say %s", err.text, says);
     duet_world_destroy(world);

@@ -20,7 +20,7 @@ static void check_step(duet_world *world, const duet_plan *plan, uint64_t pairs,
     duet_result result;
     assert_ok(duet_world_set_plan(world, plan, &err), err);
     assert_ok(duet_world_step(world, &result, &err), err);
-    if (result.pairs != pairs || duet_result_hash(&result) != hash)
+    if (result.pairs != pairs || duet_result_get_hash(&result) != hash)
         fail_msg("'%s', mode %s, share %u: %" PRIu64 " pairs, the reference has %" PRIu64,
                  plan->variant_a, duet_mode_name(plan->mode), plan->share, result.pairs, pairs);
     for (int side = 0; side < 2; ++side)
@@ -41,13 +41,13 @@ static void check_scene(const char *name, const char *n)
     assert_ok(scene, err);
     duet_pair *expected = NULL;
     uint64_t pairs = 0;
-    assert_ok(duet_reference(scene, &expected, &pairs, &err), err);
+    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &expected, &pairs, &err), err);
     uint64_t hash = duet_pairs_hash(expected, pairs);
     duet_free(expected);
     print_message("%s, %s objects: %" PRIu64 " pairs, hash %016" PRIx64 "\n", name, n, pairs, hash);
 
     duet_device_pair_def pair_def = duet_default_device_pair_def();
-    duet_device_pair *pair = duet_device_pair_open(&pair_def, &err);
+    duet_device_pair *pair = duet_device_pair_create(&pair_def, &err);
     assert_ok(pair, err);
     duet_world_def def = duet_scene_world_def(scene, pair);
     duet_world *world = duet_world_create(&def, &err);
@@ -62,7 +62,7 @@ static void check_scene(const char *name, const char *n)
                 check_step(world, &plan, pairs, hash);
             }
     duet_world_destroy(world);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
     duet_scene_destroy(scene);
 }
 

@@ -79,7 +79,7 @@ static void more_pairs_than_31_bits_count_are_counted(void **state)
     tiles poses = tiles_open(2 * sizeof(duet_pose) * PAIRS_A_BLOCK, 2 * sizeof(duet_pose) * n);
     tiles verdicts = tiles_open(PAIRS_A_BLOCK, n);
     fill_block((duet_pose *)poses.bytes);
-    duet_test_result result;
+    duet_pair_query_result result;
     hard_test_verdicts(devices, DUET_LEVEL_SPHERE, 3, DUET_SHARE_ONE / 2,
                        (const duet_pose *)poses.bytes, n, (uint8_t *)verdicts.bytes, &result);
     print_message("%" PRIu64 " of %" PRIu64 " pairs collide, %.1f s\n", result.colliding, n,

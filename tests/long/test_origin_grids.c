@@ -16,7 +16,7 @@ enum { CAPACITY = 1000 };
 // Of the worlds' origin cells: boxes reach over many.
 #define EDGE 0.125f
 
-static duet_placed placed[CAPACITY];
+static duet_large_pose placed[CAPACITY];
 
 static duet_world_def def_of(uint32_t dims, bool rotated)
 {
@@ -34,7 +34,7 @@ static void scatter(uint32_t from, uint32_t n, const double at[3], double side, 
 {
     for (uint32_t i = from; i < from + n; ++i) {
         double centre[3];
-        placed[i] = (duet_placed){.pose.rotation = {0, 0, 0, 1}};
+        placed[i] = (duet_large_pose){.pose.rotation = {0, 0, 0, 1}};
         for (int k = 0; k < 3; ++k) {
             centre[k] = at[k] + 0x1p-10 * floor(0x1p10 * rng_between(r, 0, side));
             placed[i].pose.half_extents[k] = (float)(0.5 * pow(most, rng_between(r, 0, 1)));
@@ -95,7 +95,7 @@ static void every_level_finds_its_reference_s_pairs_far_away(void **state)
     rng r = rng_seed(test_seed());
     scatter(0, 300, (double[]){1e7, -1e7, 3}, 6, 2, true, &r);
     duet_error err = {0};
-    duet_scene *scene = duet_scene_from_placed(placed, 300, 3, EDGE, &err);
+    duet_scene *scene = duet_scene_create(DUET_OBJECT_LARGE_POSES, placed, 300, 3, EDGE, &err);
     assert_ok(scene != NULL, err);
     duet_world_def def = duet_scene_world_def(scene, devices);
     duet_world *world = duet_world_create(&def, &err);
@@ -107,12 +107,12 @@ static void every_level_finds_its_reference_s_pairs_far_away(void **state)
         duet_result result;
         strcpy(def.plan.variant_a, variants[l % 2]);
         strcpy(def.plan.variant_b, variants[l % 2]);
-        assert_ok(duet_reference_at(scene, (duet_level)l, &pairs, &n, &err), err);
+        assert_ok(duet_reference(scene, (duet_level)l, &pairs, &n, &err), err);
         assert_ok(duet_world_set_plan(world, &def.plan, &err), err);
         assert_ok(duet_world_set_level(world, (duet_level)l, &err), err);
         assert_ok(duet_world_step(world, &result, &err), err);
         assert_int_equal(result.pairs, n);
-        assert_int_equal(duet_result_hash(&result), duet_pairs_hash(pairs, n));
+        assert_int_equal(duet_result_get_hash(&result), duet_pairs_hash(pairs, n));
         duet_free(pairs);
     }
     duet_world_destroy(world);

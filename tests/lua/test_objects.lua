@@ -109,7 +109,7 @@ holds("bounds and 2D work too", function()
 end)
 
 holds("sizes apart from transforms have the same pairs", function()
-  local world <close> = assert(pair:world { sizes_apart = true })
+  local world <close> = assert(pair:world { separate_sizes = true })
   local sizes = assert(world:map_sizes(#three))
   local transforms = assert(world:map_transforms(#three))
   for place, x, y, z, hx, hy, hz, qx, qy, qz, qw in three:each() do

@@ -84,7 +84,7 @@ static duet_world *open_world(duet_device_pair *pair, const crowd *c)
     duet_error err = {0};
     duet_world *world = duet_world_create(&def, &err);
     assert_ok(world, err);
-    assert_ok(duet_world_set_poses(world, c->poses, c->n, &err), err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, c->poses, c->n, &err), err);
     return world;
 }
 
@@ -98,16 +98,16 @@ static void step(duet_world *world, const crowd *c, duet_level level, const refe
     duet_result result;
     assert_ok(duet_world_set_plan(world, &plan, &err), err);
     assert_ok(duet_world_step(world, &result, &err), err);
-    if (duet_result_hash(&result) != duet_pairs_hash(truth->pairs, truth->n))
+    if (duet_result_get_hash(&result) != duet_pairs_hash(truth->pairs, truth->n))
         fail_msg("%uD rotated %d %s, %s at %" PRIu32 ": %" PRIu64 " pairs; expected the %" PRIu64
                  " of the reference",
-                 c->dims, c->rotated, duet_level_describe(level)->name, search, share, result.pairs,
+                 c->dims, c->rotated, duet_level_get_info(level)->name, search, share, result.pairs,
                  truth->n);
     if (level != DUET_LEVEL_CERTIFIED && c->rotated)
         assert_int_equal(result.undecided, 0);
     if (result.candidates < result.pairs)
         fail_msg("%s, %s at %" PRIu32 ": %" PRIu64 " candidates of %" PRIu64 " pairs",
-                 duet_level_describe(level)->name, search, share, result.candidates, result.pairs);
+                 duet_level_get_info(level)->name, search, share, result.candidates, result.pairs);
 }
 
 static void try_levels(duet_device_pair *pair, const crowd *c)
@@ -136,7 +136,7 @@ static void devices_find_each_levels_reference(void **state)
     static crowd c;
     duet_device_pair_def def = duet_default_device_pair_def();
     duet_error err = {0};
-    duet_device_pair *pair = duet_device_pair_open(&def, &err);
+    duet_device_pair *pair = duet_device_pair_create(&def, &err);
     assert_ok(pair, err);
     for (c.dims = 2; c.dims <= 3; ++c.dims)
         for (int rotated = 0; rotated < 2; ++rotated) {
@@ -144,7 +144,7 @@ static void devices_find_each_levels_reference(void **state)
             fill(&c, &r);
             try_levels(pair, &c);
         }
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
 }
 
 static void a_level_that_there_is_not_is_refused(void **state)
@@ -152,14 +152,14 @@ static void a_level_that_there_is_not_is_refused(void **state)
     (void)state;
     duet_device_pair_def def = duet_default_device_pair_def();
     duet_error err = {0};
-    duet_device_pair *pair = duet_device_pair_open(&def, &err);
+    duet_device_pair *pair = duet_device_pair_create(&def, &err);
     assert_ok(pair, err);
     duet_world_def world = duet_default_world_def();
     world.pair = pair;
     world.level = (duet_level)DUET_LEVELS;
     assert_null(duet_world_create(&world, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
-    duet_device_pair_close(pair);
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    duet_device_pair_destroy(pair);
 }
 
 int main(void)

@@ -196,7 +196,7 @@ enum { N_CASES = sizeof cases / sizeof *cases };
 static void keep_promises(const hard_pair *pair, uint32_t dims)
 {
     for (int l = 0; l < DUET_LEVELS; ++l) {
-        const duet_level_info *info = duet_level_describe((duet_level)l);
+        const duet_level_info *info = duet_level_get_info((duet_level)l);
         bool answer = level_collide((duet_level)l, &pair->a, &pair->b, narrow_here, dims, true);
         if (!promise_allows(info->missed, info->added, pair, dims, answer)) {
             hard_pair_print(pair, dims);

@@ -16,7 +16,7 @@ enum { PAIRS = 10000 }; // of each of 22 classes
 
 static bool promise_holds(duet_level l, const hard_pair *p, uint32_t dims)
 {
-    const duet_level_info *info = duet_level_describe(l);
+    const duet_level_info *info = duet_level_get_info(l);
     bool answer = level_collide(l, &p->a, &p->b, narrow_here, dims, true);
     return promise_allows(info->missed, info->added, p, dims, answer);
 }
@@ -35,7 +35,7 @@ static void each_level_keeps_its_promise_on_hard_pairs(void **state)
             for (int l = 0; l < DUET_LEVELS; ++l)
                 if (!promise_holds((duet_level)l, &pair, dims)) {
                     hard_pair_print(&pair, dims);
-                    fail_msg("%s on pair %d of '%s'", duet_level_describe((duet_level)l)->name, i,
+                    fail_msg("%s on pair %d of '%s'", duet_level_get_info((duet_level)l)->name, i,
                              c->name);
                 }
         }
@@ -52,14 +52,14 @@ static void the_document_s_bounds_are_the_levels(void **state)
 {
     (void)state;
     double f[4];
-    const duet_level_info *textbook = duet_level_describe(DUET_LEVEL_SAT15);
+    const duet_level_info *textbook = duet_level_get_info(DUET_LEVEL_SAT15);
     figures("accuracy.md",
             "only with a separation above -48 u S = # S | only with a separation up to # S", 2, f);
     figures("accuracy.md", "only with a separation above # S | only with a separation up to # S", 2,
             f + 2);
     assert_printed(-textbook->missed, f[0]);
     assert_printed(textbook->added, f[1]);
-    const duet_level_info *in_double = duet_level_describe(DUET_LEVEL_DOUBLE);
+    const duet_level_info *in_double = duet_level_get_info(DUET_LEVEL_DOUBLE);
     assert_printed(-in_double->missed, f[2]);
     assert_printed(in_double->added, f[3]);
 }
@@ -91,7 +91,7 @@ static void better_levels_report_fewer_random_pairs(void **state)
             found[l] += level_collide((duet_level)l, &a, &b, narrow_here, 3, true);
     }
     for (int l = 0; l < DUET_LEVELS; ++l)
-        print_message("%-10s %d of %d\n", duet_level_describe((duet_level)l)->name, found[l], N);
+        print_message("%-10s %d of %d\n", duet_level_get_info((duet_level)l)->name, found[l], N);
     for (int i = 1; i < STEPS; ++i)
         assert_true(found[ladder[i]] <= found[ladder[i - 1]]);
     assert_true(found[DUET_LEVEL_SAT6] > found[DUET_LEVEL_CERTIFIED]);
@@ -201,11 +201,11 @@ static void names_name_levels(void **state)
     (void)state;
     duet_level found;
     for (int l = 0; l < DUET_LEVELS; ++l) {
-        assert_true(duet_level_named(duet_level_describe((duet_level)l)->name, &found));
+        assert_true(duet_level_from_name(duet_level_get_info((duet_level)l)->name, &found));
         assert_int_equal(found, l);
     }
-    assert_false(duet_level_named("sat", &found));
-    assert_null(duet_level_describe(DUET_LEVELS));
+    assert_false(duet_level_from_name("sat", &found));
+    assert_null(duet_level_get_info(DUET_LEVELS));
 }
 
 int main(void)

@@ -29,7 +29,7 @@ static int open_devices(void **state)
     (void)state;
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_open(&def, &err);
+    devices = duet_device_pair_create(&def, &err);
     assert_ok(devices, err);
     kernels = gen_open(NULL, &err);
     assert_ok(kernels, err);
@@ -40,7 +40,7 @@ static int close_devices(void **state)
 {
     (void)state;
     gen_close(kernels);
-    duet_device_pair_close(devices);
+    duet_device_pair_destroy(devices);
     return 0;
 }
 
@@ -271,7 +271,7 @@ static void contraction_changes_no_verdict_at_any_level(void **state)
     const device *d = &devices->devices[1];
     fill_with_hard_pairs(poses, 3);
     for (int l = 0; l < DUET_LEVELS; ++l) {
-        const duet_level_info *info = duet_level_describe((duet_level)l);
+        const duet_level_info *info = duet_level_get_info((duet_level)l);
         ask_level(d, (duet_level)l, false, poses, plain);
         ask_level(d, (duet_level)l, true, poses, contracted);
         for (int i = 0; i < PAIRS; ++i) {

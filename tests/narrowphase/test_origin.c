@@ -25,7 +25,7 @@ enum { CAPACITY = 1000 };
 // Of the worlds' origin cells: boxes reach over many.
 #define EDGE 0.125f
 
-static duet_placed placed[CAPACITY];
+static duet_large_pose placed[CAPACITY];
 
 // ------------------------------------------------------------ positions
 
@@ -37,11 +37,11 @@ static void a_position_is_kept_to_2_25_of_an_edge_anywhere(void **state)
     for (int i = 0; i < 30000; ++i) {
         float edge = edges[i % 3];
         double at[3];
-        duet_placed p = {.cell = {7, 7, 7}};
+        duet_large_pose p = {.cell = {7, 7, 7}};
         for (int k = 0; k < 3; ++k)
             at[k] = rng_between(&r, -1e7, 1e7);
         duet_error err = {0};
-        assert_ok(duet_place(&p, at, edge, &err), err);
+        assert_ok(duet_large_pose_set(&p, at, edge, &err), err);
         for (int k = 0; k < 3; ++k) {
             assert_true(p.pose.centre[k] >= 0 && p.pose.centre[k] < edge);
             double there = (double)p.cell[k] * edge + p.pose.centre[k];
@@ -53,7 +53,7 @@ static void a_position_is_kept_to_2_25_of_an_edge_anywhere(void **state)
 static void an_offset_outside_its_cell_is_settled_in_another(void **state)
 {
     (void)state;
-    duet_placed p = {{{-0.25f, 3.5f, 0}, {1, 1, 1}, {0, 0, 0, 1}}, {10, 10, 10}, 0};
+    duet_large_pose p = {{{-0.25f, 3.5f, 0}, {1, 1, 1}, {0, 0, 0, 1}}, {10, 10, 10}, 0};
     assert_true(origin_settle(&p, 1));
     assert_int_equal(p.cell[0], 9);
     assert_int_equal(p.cell[1], 13);
@@ -63,26 +63,26 @@ static void an_offset_outside_its_cell_is_settled_in_another(void **state)
 static void what_is_too_far_or_no_edge_is_refused(void **state)
 {
     (void)state;
-    duet_placed p = {0};
+    duet_large_pose p = {0};
     duet_error err = {0};
-    assert_false(duet_place(&p, (double[]){0, 2e9, 0}, 1, &err));
-    assert_int_equal(err.status, DUET_BAD_OBJECT);
+    assert_false(duet_large_pose_set(&p, (double[]){0, 2e9, 0}, 1, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     err = (duet_error){0};
-    assert_false(duet_place(&p, (double[]){0, NAN, 0}, 1, &err));
-    assert_int_equal(err.status, DUET_BAD_OBJECT);
+    assert_false(duet_large_pose_set(&p, (double[]){0, NAN, 0}, 1, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     const float wrong[] = {0, -1, 3, INFINITY, NAN};
     for (int i = 0; i < 5; ++i) {
         err = (duet_error){0};
-        assert_false(duet_place(&p, (double[]){0, 0, 0}, wrong[i], &err));
-        assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+        assert_false(duet_large_pose_set(&p, (double[]){0, 0, 0}, wrong[i], &err));
+        assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     }
 }
 
 // ------------------------------------------------------------ pairs
 
-static duet_placed place(const duet_pose *pose, const double by[3])
+static duet_large_pose place(const duet_pose *pose, const double by[3])
 {
-    duet_placed p = {.pose = *pose};
+    duet_large_pose p = {.pose = *pose};
     double at[3];
     for (int k = 0; k < 3; ++k)
         at[k] = by[k] + (double)pose->centre[k];
@@ -98,7 +98,7 @@ static bool is_near(const hard_pair *pair)
     return true;
 }
 
-static bool at_level(int level, const duet_placed both[2], uint32_t dims)
+static bool at_level(int level, const duet_large_pose both[2], uint32_t dims)
 {
     double shift[3];
     origin_shift(shift, both, 1, 0, 1);
@@ -109,8 +109,8 @@ static bool at_level(int level, const duet_placed both[2], uint32_t dims)
 static void check_moved(const hard_pair *pair, uint32_t dims, rng *r)
 {
     const double nowhere[3] = {0};
-    duet_placed near[2] = {place(&pair->a, nowhere), place(&pair->b, nowhere)};
-    duet_placed far[2] = {near[0], near[1]}, off[2] = {near[0], near[1]};
+    duet_large_pose near[2] = {place(&pair->a, nowhere), place(&pair->b, nowhere)};
+    duet_large_pose far[2] = {near[0], near[1]}, off[2] = {near[0], near[1]};
     for (int k = 0; k < 3; ++k) {
         int32_t cells = (int32_t)rng_between(r, -1e7, 1e7);
         double quanta = 0x1p-24 * rng_below(r, 1u << 24);
@@ -121,14 +121,14 @@ static void check_moved(const hard_pair *pair, uint32_t dims, rng *r)
             off[i].pose.centre[k] = (float)fmod(moved, 1);
         }
     }
-    bool collide = duet_placed_collide(&near[0], &near[1], 1, dims);
-    assert_int_equal(duet_placed_collide(&far[0], &far[1], 1, dims), collide);
-    assert_int_equal(duet_placed_collide(&off[0], &off[1], 1, dims), collide);
-    assert_int_equal(duet_placed_collide(&off[1], &off[0], 1, dims), collide);
+    bool collide = duet_large_poses_collide(&near[0], &near[1], 1, dims);
+    assert_int_equal(duet_large_poses_collide(&far[0], &far[1], 1, dims), collide);
+    assert_int_equal(duet_large_poses_collide(&off[0], &off[1], 1, dims), collide);
+    assert_int_equal(duet_large_poses_collide(&off[1], &off[0], 1, dims), collide);
     for (int l = 0; l < DUET_LEVELS; ++l)
         assert_int_equal(at_level(l, far, dims), at_level(l, near, dims));
-    double separation = duet_placed_separation(&near[0], &near[1], 1, dims);
-    double separation_off = duet_placed_separation(&off[0], &off[1], 1, dims);
+    double separation = duet_large_poses_separation(&near[0], &near[1], 1, dims);
+    double separation_off = duet_large_poses_separation(&off[0], &off[1], 1, dims);
     assert_memory_equal(&separation, &separation_off, sizeof separation);
 }
 
@@ -165,10 +165,10 @@ static void far_pairs_collide_where_the_same_near_0_do(void **state)
         for (int k = 0; k < 3; ++k)
             pair.b.centre[k] = 0x1p-22f * floorf((float)rng_between(&r, -0x1p22, 0x1p22));
         const double far[3] = {1e7, -9999999.75, 123456.5};
-        duet_placed a = place(&pair.a, far), b = place(&pair.b, far);
+        duet_large_pose a = place(&pair.a, far), b = place(&pair.b, far);
         bool collide = oracle_collide(&pair.a, &pair.b, 3);
         n_colliding += collide;
-        assert_int_equal(duet_placed_collide(&a, &b, 1, 3), collide);
+        assert_int_equal(duet_large_poses_collide(&a, &b, 1, 3), collide);
     }
     assert_true(n_colliding > 100 && n_colliding < 900);
 }
@@ -180,15 +180,15 @@ static void a_float_coordinate_loses_what_cells_keep(void **state)
     (void)state;
     const double at[2][3] = {{1e7 + 0.3, 0, 0}, {1e7 + 1.7, 0, 0}};
     duet_pose poses[2];
-    duet_placed both[2];
+    duet_large_pose both[2];
     for (int i = 0; i < 2; ++i) {
         poses[i] = (duet_pose){{(float)at[i][0], 0, 0}, {0.75f, 1, 1}, {0, 0, 0, 1}};
         both[i].pose = poses[i];
         assert_true(origin_place(&both[i], at[i], 1));
         assert_true(fabs((double)poses[i].centre[0] - at[i][0]) <= 0x1p-24 * at[i][0]);
     }
-    assert_true(duet_placed_collide(&both[0], &both[1], 1, 3));
-    assert_true(fabs(duet_placed_separation(&both[0], &both[1], 1, 3) + 0.1) < 0x1p-24);
+    assert_true(duet_large_poses_collide(&both[0], &both[1], 1, 3));
+    assert_true(fabs(duet_large_poses_separation(&both[0], &both[1], 1, 3) + 0.1) < 0x1p-24);
     assert_false(duet_poses_collide(&poses[0], &poses[1], 3));
     assert_true(duet_poses_separation(&poses[0], &poses[1], 3) == 0.5);
 }
@@ -211,7 +211,7 @@ static void scatter(uint32_t from, uint32_t n, const double at[3], double side, 
 {
     for (uint32_t i = from; i < from + n; ++i) {
         double centre[3];
-        placed[i] = (duet_placed){.pose.rotation = {0, 0, 0, 1}};
+        placed[i] = (duet_large_pose){.pose.rotation = {0, 0, 0, 1}};
         for (int k = 0; k < 3; ++k) {
             centre[k] = at[k] + 0x1p-10 * floor(0x1p10 * rng_between(r, 0, side));
             placed[i].pose.half_extents[k] = (float)(0.5 * pow(most, rng_between(r, 0, 1)));
@@ -227,7 +227,7 @@ static uint64_t step_hash(duet_world *world, const duet_plan *plan, duet_result 
     duet_error err = {0};
     assert_ok(duet_world_set_plan(world, plan, &err), err);
     assert_ok(duet_world_step(world, result, &err), err);
-    return duet_result_hash(result);
+    return duet_result_get_hash(result);
 }
 
 // One cloud of many sizes on every kind of search (tests/long has all of them).
@@ -241,14 +241,14 @@ static uint64_t check_cloud(const double at[3])
     rng r = rng_seed(test_seed());
     scatter(0, 300, at, 6, 20, true, &r);
     duet_error err = {0};
-    duet_scene *scene = duet_scene_from_placed(placed, 300, 3, EDGE, &err);
+    duet_scene *scene = duet_scene_create(DUET_OBJECT_LARGE_POSES, placed, 300, 3, EDGE, &err);
     assert_ok(scene != NULL, err);
     duet_world_def def = duet_scene_world_def(scene, devices);
     duet_world *world = duet_world_create(&def, &err);
     assert_ok(world && duet_world_set_scene(world, scene, &err), err);
     duet_pair *pairs = NULL;
     uint64_t n = 0;
-    assert_ok(duet_reference(scene, &pairs, &n, &err), err);
+    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err), err);
     assert_true(n > 300);
     uint64_t hash = duet_pairs_hash(pairs, n), candidates = 0;
     for (int i = 0; i < 3; ++i) {
@@ -279,7 +279,7 @@ static void refuse_world(const duet_world_def *def, const char *words)
 {
     duet_error err = {0};
     assert_null(duet_world_create(def, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     assert_non_null(strstr(err.text, words));
 }
 
@@ -299,8 +299,8 @@ static void a_world_says_what_origin_cells_do_not_go_with(void **state)
     duet_error err = {0};
     duet_world *world = duet_world_create(&def, &err);
     assert_ok(world != NULL, err);
-    assert_null(duet_world_map_poses(world, 1, &err));
-    assert_non_null(strstr(err.text, "made for placed poses, not for poses"));
+    assert_null(duet_world_map_objects(world, DUET_OBJECT_POSES, 1, &err));
+    assert_non_null(strstr(err.text, "made for large poses, not for poses"));
     duet_world_destroy(world);
 }
 
@@ -313,14 +313,14 @@ static void an_offset_that_is_not_settled_is_a_bad_object(void **state)
     duet_world *world = duet_world_create(&def, &err);
     assert_ok(world != NULL, err);
     for (int i = 0; i < 5; ++i) {
-        duet_placed *to = duet_world_map_placed(world, 2, &err);
+        duet_large_pose *to = duet_world_map_objects(world, DUET_OBJECT_LARGE_POSES, 2, &err);
         assert_ok(to != NULL, err);
-        to[0] = to[1] = (duet_placed){.pose = {{0}, {1, 1, 1}, {0, 0, 0, 1}}};
+        to[0] = to[1] = (duet_large_pose){.pose = {{0}, {1, 1, 1}, {0, 0, 0, 1}}};
         to[1].pose.centre[i % 3] = wrong[i];
         duet_result result;
         err = (duet_error){0};
         assert_false(duet_world_step(world, &result, &err));
-        assert_int_equal(err.status, DUET_BAD_OBJECT);
+        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
         assert_non_null(strstr(err.text, "object 1 of 2"));
         err = (duet_error){0};
     }
@@ -334,7 +334,7 @@ static bool find_pairs(float origin, const char *variant, duet_error *err)
 {
     duet_device_pair_def def = duet_default_device_pair_def();
     def.kernel_dir = "test_origin.kernels";
-    duet_device_pair *poisoned = duet_device_pair_open(&def, err);
+    duet_device_pair *poisoned = duet_device_pair_create(&def, err);
     duet_world_def world_def = def_of(3, true);
     world_def.pair = poisoned;
     world_def.origin = origin;
@@ -343,11 +343,12 @@ static bool find_pairs(float origin, const char *variant, duet_error *err)
     duet_world *world = duet_world_create(&world_def, err);
     duet_pose poses[2] = {placed[0].pose, placed[1].pose};
     duet_result result;
-    bool ok = world && (origin > 0 ? duet_world_set_placed(world, placed, 2, err)
-                                   : duet_world_set_poses(world, poses, 2, err));
+    bool ok = world &&
+              (origin > 0 ? duet_world_set_objects(world, DUET_OBJECT_LARGE_POSES, placed, 2, err)
+                          : duet_world_set_objects(world, DUET_OBJECT_POSES, poses, 2, err));
     ok = ok && duet_world_step(world, &result, err);
     duet_world_destroy(world);
-    duet_device_pair_close(poisoned);
+    duet_device_pair_destroy(poisoned);
     return ok;
 }
 
@@ -361,7 +362,7 @@ static void what_is_not_asked_for_is_not_compiled(void **state)
     assert_ok(find_pairs(0, "gpu FUSED=1", &err), err);
     assert_ok(find_pairs(0, "simd", &err), err);
     assert_false(find_pairs(EDGE, "simd", &err));
-    assert_int_equal(err.status, DUET_BUILD_FAILED);
+    assert_int_equal(err.status, DUET_STATUS_BUILD_FAILED);
     test_kernels_remove("test_origin.kernels");
 }
 
@@ -377,14 +378,14 @@ static void a_script_s_doubles_reach_their_cells(void **state)
     duet_error err = {0};
     duet_scene *scene = scene_from_text("far.lua", text, &err);
     assert_ok(scene != NULL, err);
-    assert_true(duet_scene_describe(scene)->origin == 1);
-    assert_true(duet_scene_poses(scene)[1].centre[0] == 10000001.0f);
-    const duet_placed *p = duet_scene_placed(scene);
+    assert_true(duet_scene_get_info(scene)->origin == 1);
+    assert_true(test_poses(scene)[1].centre[0] == 10000001.0f);
+    const duet_large_pose *p = duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES);
     assert_int_equal(p[1].cell[0], 10000001);
     assert_true(fabs(p[1].pose.centre[0] - 0.2) < 1e-7);
     duet_pair *pairs = NULL;
     uint64_t n = 0;
-    assert_ok(duet_reference(scene, &pairs, &n, &err), err);
+    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err), err);
     assert_int_equal(n, 1);
     duet_free(pairs);
     duet_scene_destroy(scene);
@@ -417,7 +418,7 @@ static void data_are_placed_where_that_is_asked_for(void **state)
     const duet_setting settings[] = {{"origin", "cell"}, {"origin_edge", "0.5"}};
     duet_scene *scene = scene_from_bytes("far.csv", text, strlen(text), settings, 2, &err);
     assert_ok(scene != NULL, err);
-    const duet_placed *p = duet_scene_placed(scene);
+    const duet_large_pose *p = duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES);
     assert_int_equal(p[1].cell[0] - p[0].cell[0], 1);
     assert_true(p[0].pose.centre[0] == 0.25f && p[1].pose.centre[0] == 0.25f);
     duet_scene_destroy(scene);

@@ -104,7 +104,7 @@ static duet_scene *by_poses(const double row[NUMBERS], duet_error *err)
     duet_pose poses[2];
     for (int i = 0; i < NUMBERS; ++i)
         ((float *)&poses[i / COLUMNS])[i % COLUMNS] = (float)row[i];
-    return duet_scene_from_poses(poses, 2, 3, err);
+    return duet_scene_create(DUET_OBJECT_POSES, poses, 2, 3, 0, err);
 }
 
 static void print_needle(const double row[NUMBERS])
@@ -120,12 +120,12 @@ static bool tells_the_truth(way_in way, const double row[NUMBERS], bool may_refu
     duet_error err = {0};
     duet_scene *scene = way(row, &err);
     if (!scene) {
-        bool named = strstr(err.text, "object 1: q") && err.status == DUET_BAD_OBJECT;
+        bool named = strstr(err.text, "object 1: q") && err.status == DUET_STATUS_BAD_OBJECT;
         if (!may_refuse || !named)
             print_message("%s\n", err.text);
         return may_refuse && named;
     }
-    const duet_pose *poses = duet_scene_poses(scene);
+    const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
     bool answer = duet_poses_collide(&poses[0], &poses[1], 3);
     duet_scene_destroy(scene);
     return answer == oracle_rows_collide(row, row + COLUMNS);
@@ -241,7 +241,7 @@ static void doubles_keep_24_bits(void **state)
         duet_error err = {0};
         duet_scene *scene = by_doubles(row, &err);
         assert_ok(scene, err);
-        const float *kept = duet_scene_poses(scene)[1].rotation;
+        const float *kept = test_poses(scene)[1].rotation;
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j < 4; ++j) {
                 assert_int_equal(q[i] == 0, kept[i] == 0);
@@ -258,10 +258,11 @@ static void what_cannot_be_kept_is_refused_by_its_line(void **state)
 {
     (void)state;
     scene_assert_refused("test_rotations.csv",
-                         "0 0 0 1 1 1 0 0 0 1\n1 0 0 1 1 1 0 0 1e-300 1e300\n", DUET_BAD_OBJECT,
+                         "0 0 0 1 1 1 0 0 0 1\n1 0 0 1 1 1 0 0 1e-300 1e300\n",
+                         DUET_STATUS_BAD_OBJECT,
                          "test_rotations.csv:2: object 1: qz = 1e-300 vanishes beside the "
                          "quaternion's greatest part; expected a ratio of at most 1e+83");
-    scene_assert_refused("test_rotations.csv", "0 0 1 1 1e-300\n", DUET_BAD_OBJECT,
+    scene_assert_refused("test_rotations.csv", "0 0 1 1 1e-300\n", DUET_STATUS_BAD_OBJECT,
                          "test_rotations.csv:1: object 0: angle = 1e-300 is too near 0; expected "
                          "0, or 2e-83 or more");
 }
@@ -280,7 +281,7 @@ static void an_angle_however_small_turns(void **state)
         duet_scene *scene = scene_from_text("test_rotations.csv", rows, &err);
         assert_int_equal(scene != NULL, angle >= 0x1p-275);
         if (scene) {
-            const duet_pose *poses = duet_scene_poses(scene);
+            const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
             assert_false(duet_poses_collide(&poses[0], &poses[1], 2));
         }
         duet_scene_destroy(scene);

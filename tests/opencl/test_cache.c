@@ -164,7 +164,7 @@ static void assert_folder_refused(const char *says)
 {
     duet_error err = {0};
     assert_false(cache_check(dir, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     if (!strstr(err.text, says) || !strstr(err.text, dir))
         fail_msg("'%s' for '%s' in %s", err.text, says, dir);
     assert_kept(false);
@@ -218,8 +218,8 @@ static void a_pair_of_devices_does_not_open_on_such_a_folder(void **state)
     duet_device_pair_def def = duet_default_device_pair_def();
     def.cache_dir = dir;
     assert_int_equal(chmod(dir, 0777), 0);
-    assert_null(duet_device_pair_open(&def, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_null(duet_device_pair_create(&def, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     assert_non_null(strstr(err.text, dir));
 }
 

@@ -31,7 +31,7 @@ static duet_device_pair *open_pair(const char *a, const char *b, duet_error *err
     duet_device_pair_def def = duet_default_device_pair_def();
     def.a = a;
     def.b = b;
-    return duet_device_pair_open(&def, err);
+    return duet_device_pair_create(&def, err);
 }
 
 static void refused(const char *selector, duet_status status, const char *says)
@@ -54,20 +54,20 @@ static void every_listed_device_can_be_opened_by_its_selector(void **state)
 {
     (void)state;
     duet_error err = {0};
-    duet_device_list *list = duet_device_list_open(&err);
+    duet_device_list *list = duet_device_list_create(&err);
     assert_ok(list, err);
-    assert_true(duet_device_list_count(list) > 0);
-    for (uint32_t i = 0; i < duet_device_list_count(list); ++i) {
-        const duet_device_info *info = duet_device_list_at(list, i);
+    assert_true(duet_device_list_get_count(list) > 0);
+    for (uint32_t i = 0; i < duet_device_list_get_count(list); ++i) {
+        const duet_device_info *info = duet_device_list_get_info(list, i);
         assert_true(info->units > 0 && info->max_group > 0 && info->global_bytes > 0);
         duet_device_pair *pair = open_pair(info->selector, info->selector, &err);
         assert_ok(pair, err);
-        assert_string_equal(duet_device_pair_info(pair, 0)->selector, info->selector);
-        assert_string_equal(duet_device_pair_info(pair, 1)->selector, info->selector);
-        duet_device_pair_close(pair);
+        assert_string_equal(duet_device_pair_get_info(pair, 0)->selector, info->selector);
+        assert_string_equal(duet_device_pair_get_info(pair, 1)->selector, info->selector);
+        duet_device_pair_destroy(pair);
     }
-    assert_null(duet_device_list_at(list, duet_device_list_count(list)));
-    duet_device_list_close(list);
+    assert_null(duet_device_list_get_info(list, duet_device_list_get_count(list)));
+    duet_device_list_destroy(list);
 }
 
 static void selectors_are_unique(void **state)
@@ -111,7 +111,7 @@ static void devices_of_a_pair_have_contexts_and_queues_of_their_own(void **state
     assert_ptr_not_equal(pair->devices[0].queue, pair->devices[0].beside);
     assert_int_equal(device_live_objects(),
                      2 * 3 + pair->devices[0].owns_part + pair->devices[1].owns_part);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
 }
 
 // Where there is a GPU the pair is a CPU and the GPU; else it is one CPU, in
@@ -130,7 +130,7 @@ static void without_selectors_a_whole_machine_is_chosen(void **state)
         assert_int_equal(a->info.units + b->info.units, cuttable_cpu()->units);
     else if (b->info.kind == DUET_KIND_CPU)
         assert_string_equal(a->info.selector, b->info.selector);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
 }
 
 static void an_unknown_selector_is_answered_with_those_there_are(void **state)
@@ -139,10 +139,10 @@ static void an_unknown_selector_is_answered_with_those_there_are(void **state)
     const device_root *roots = NULL;
     uint32_t n = 0;
     assert_true(device_list_roots(&roots, &n, NULL));
-    refused("abacus:0", DUET_NOT_FOUND, "no device 'abacus:0'");
-    refused("abacus:0", DUET_NOT_FOUND, roots[0].info.selector);
-    refused("", DUET_NOT_FOUND, "no device ''");
-    refused("[0-0]", DUET_NOT_FOUND, roots[0].info.selector);
+    refused("abacus:0", DUET_STATUS_NOT_FOUND, "no device 'abacus:0'");
+    refused("abacus:0", DUET_STATUS_NOT_FOUND, roots[0].info.selector);
+    refused("", DUET_STATUS_NOT_FOUND, "no device ''");
+    refused("[0-0]", DUET_STATUS_NOT_FOUND, roots[0].info.selector);
 }
 
 static void a_part_out_of_range_is_refused_with_the_range(void **state)
@@ -154,7 +154,7 @@ static void a_part_out_of_range_is_refused_with_the_range(void **state)
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
         char selector[120];
         snprintf(selector, sizeof selector, "%s%s", cpu->selector, parts[i]);
-        refused(selector, DUET_BAD_ARGUMENT, "0 <= first <= last <=");
+        refused(selector, DUET_STATUS_BAD_ARGUMENT, "0 <= first <= last <=");
     }
 }
 
@@ -169,7 +169,7 @@ static void a_part_of_what_cannot_be_cut_is_refused(void **state)
             continue;
         char selector[80];
         snprintf(selector, sizeof selector, "%s[0-0]", roots[i].info.selector);
-        refused(selector, DUET_BAD_ARGUMENT, "cannot be cut");
+        refused(selector, DUET_STATUS_BAD_ARGUMENT, "cannot be cut");
         return;
     }
     print_message("every device here can be cut\n");
@@ -184,7 +184,7 @@ static void a_failed_second_device_gives_the_first_back(void **state)
     assert_true(device_list_roots(&roots, &n, NULL));
     duet_error err = {0};
     assert_null(open_pair(roots[0].info.selector, "abacus:0", &err));
-    assert_int_equal(err.status, DUET_NOT_FOUND);
+    assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
 }
 
 static void half_a_pair_and_a_def_without_defaults_are_refused(void **state)
@@ -192,10 +192,10 @@ static void half_a_pair_and_a_def_without_defaults_are_refused(void **state)
     (void)state;
     duet_error err = {0};
     assert_null(open_pair("pocl:0", NULL, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     err = (duet_error){0};
-    assert_null(duet_device_pair_open(&(duet_device_pair_def){0}, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_null(duet_device_pair_create(&(duet_device_pair_def){0}, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     assert_null(open_pair("abacus:0", "abacus:0", NULL));
 }
 
@@ -212,7 +212,7 @@ static void folders_come_from_the_environment_and_are_copied(void **state)
     assert_ok(pair, err);
     assert_string_equal(pair->kernel_dir, "some/folder");
     assert_null(pair->cache_dir);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
 }
 
 static void *open_and_close(void *failed)
@@ -220,7 +220,7 @@ static void *open_and_close(void *failed)
     duet_error err = {0};
     duet_device_pair *pair = open_pair(NULL, NULL, &err);
     *(bool *)failed = !pair;
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
     return NULL;
 }
 
@@ -295,7 +295,7 @@ static void no_two_open_devices_build_programs_of_one_hash_where_that_matters(vo
     assert_ok(pair != NULL, err);
     char options[3][128];
     read_build_options(cpu->selector, options[0]); // while two others are open
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
     read_build_options(cpu->selector, options[1]);
     read_build_options(cpu->selector, options[2]);
     assert_string_equal(options[1], options[2]);

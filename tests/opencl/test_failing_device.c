@@ -32,13 +32,13 @@ static const struct {
     cl_int code;        // that it fails with
     duet_status status; // what that is called
 } calls[CALLS] = {
-    [LAUNCH] = {"clEnqueueNDRangeKernel", CL_OUT_OF_RESOURCES, DUET_DEVICE_FAILED},
-    [WRITE] = {"clEnqueueWriteBuffer", CL_DEVICE_NOT_AVAILABLE, DUET_DEVICE_FAILED},
-    [READ] = {"clEnqueueReadBuffer", CL_DEVICE_NOT_AVAILABLE, DUET_DEVICE_FAILED},
-    [MAP] = {"clEnqueueMapBuffer", CL_MAP_FAILURE, DUET_DEVICE_FAILED},
-    [FILL] = {"clEnqueueFillBuffer", CL_OUT_OF_HOST_MEMORY, DUET_NO_MEMORY},
-    [CREATE] = {"clCreateBuffer", CL_MEM_OBJECT_ALLOCATION_FAILURE, DUET_NO_MEMORY},
-    [BUILD] = {"clBuildProgram", CL_BUILD_PROGRAM_FAILURE, DUET_BUILD_FAILED},
+    [LAUNCH] = {"clEnqueueNDRangeKernel", CL_OUT_OF_RESOURCES, DUET_STATUS_DEVICE_FAILED},
+    [WRITE] = {"clEnqueueWriteBuffer", CL_DEVICE_NOT_AVAILABLE, DUET_STATUS_DEVICE_FAILED},
+    [READ] = {"clEnqueueReadBuffer", CL_DEVICE_NOT_AVAILABLE, DUET_STATUS_DEVICE_FAILED},
+    [MAP] = {"clEnqueueMapBuffer", CL_MAP_FAILURE, DUET_STATUS_DEVICE_FAILED},
+    [FILL] = {"clEnqueueFillBuffer", CL_OUT_OF_HOST_MEMORY, DUET_STATUS_NO_MEMORY},
+    [CREATE] = {"clCreateBuffer", CL_MEM_OBJECT_ALLOCATION_FAILURE, DUET_STATUS_NO_MEMORY},
+    [BUILD] = {"clBuildProgram", CL_BUILD_PROGRAM_FAILURE, DUET_STATUS_BUILD_FAILED},
 };
 
 static atomic_int left[CALLS]; // calls until one fails; below 0: none does
@@ -136,7 +136,7 @@ static duet_world *open_world(duet_device_pair *pair, duet_mode mode)
     def.plan.share = DUET_SHARE_ONE / 2;
     duet_world *world = duet_world_create(&def, &err);
     assert_ok(world, err);
-    assert_ok(duet_world_set_poses(world, poses, N, &err), err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
     return world;
 }
 
@@ -147,10 +147,10 @@ static int open_devices(void **state)
     duet_device_pair_def def = duet_default_device_pair_def();
     for (int c = 0; c < CALLS; ++c)
         atomic_store(&left[c], -1);
-    builders = duet_device_pair_open(&def, &err);
+    builders = duet_device_pair_create(&def, &err);
     assert_ok(builders, err);
     def.cache_dir = "test_failing_device.cache";
-    devices = duet_device_pair_open(&def, &err);
+    devices = duet_device_pair_create(&def, &err);
     assert_ok(devices, err);
     rng r = rng_seed(test_seed());
     for (int i = 0; i < N; ++i)
@@ -164,7 +164,7 @@ static int open_devices(void **state)
     duet_result result;
     duet_world *world = open_world(devices, DUET_MODE_OWN);
     assert_ok(duet_world_step(world, &result, &err), err);
-    right = duet_result_hash(&result);
+    right = duet_result_get_hash(&result);
     duet_world_destroy(world);
     return 0;
 }
@@ -172,8 +172,8 @@ static int open_devices(void **state)
 static int close_devices(void **state)
 {
     (void)state;
-    duet_device_pair_close(devices);
-    duet_device_pair_close(builders);
+    duet_device_pair_destroy(devices);
+    duet_device_pair_destroy(builders);
     assert_int_equal(device_live_objects(), 0);
     return 0;
 }
@@ -192,11 +192,11 @@ static void assert_right(duet_world *world, uint32_t share)
 {
     duet_error err = {0};
     duet_result result;
-    duet_plan plan = *duet_world_plan(world);
+    duet_plan plan = *duet_world_get_plan(world);
     plan.share = share;
     assert_ok(duet_world_set_plan(world, &plan, &err), err);
     assert_ok(duet_world_step(world, &result, &err), err);
-    assert_true(duet_result_hash(&result) == right);
+    assert_true(duet_result_get_hash(&result) == right);
 }
 
 // Lets the k-th call of a step fail; false where the step has no such call.
@@ -204,7 +204,7 @@ static bool survives(duet_world *world, call c, int k)
 {
     duet_error err = {0};
     duet_result result;
-    assert_ok(duet_world_set_poses(world, poses, N, &err), err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
     atomic_store(&left[c], k);
     bool ok = duet_world_step(world, &result, &err);
     bool reached = atomic_exchange(&left[c], -1) < 0;
@@ -272,24 +272,24 @@ static void a_test_of_pairs_survives_as_well(void **state)
     static const call used[] = {LAUNCH, READ, CREATE, MAP};
     uint8_t verdicts[N / 2];
     uint8_t again[N / 2];
-    duet_test_result result;
+    duet_pair_query_result result;
     duet_error err = {0};
-    duet_test_def def = duet_default_test_def();
+    duet_pair_query_def def = duet_default_pair_query_def();
     def.pair = devices;
     def.share = DUET_SHARE_ONE / 2;
-    duet_test *test = duet_test_open(&def, &err);
+    duet_pair_query *test = duet_pair_query_create(&def, &err);
     assert_ok(test, err);
-    assert_ok(duet_test_pairs(test, poses, N / 2, verdicts, NULL, &result, &err), err);
+    assert_ok(duet_pair_query_run(test, poses, N / 2, verdicts, NULL, &result, &err), err);
     for (size_t i = 0; i < sizeof used / sizeof *used; ++i)
         for (int k = 0; k < 2; ++k) {
             atomic_store(&left[used[i]], k);
-            assert_false(duet_test_pairs(test, poses, N / 2, again, NULL, &result, &err));
+            assert_false(duet_pair_query_run(test, poses, N / 2, again, NULL, &result, &err));
             assert_clear(&err, used[i]);
             err = (duet_error){0};
-            assert_ok(duet_test_pairs(test, poses, N / 2, again, NULL, &result, &err), err);
+            assert_ok(duet_pair_query_run(test, poses, N / 2, again, NULL, &result, &err), err);
             assert_memory_equal(again, verdicts, sizeof verdicts);
         }
-    duet_test_close(test);
+    duet_pair_query_destroy(test);
 }
 
 int main(void)

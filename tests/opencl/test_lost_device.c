@@ -45,7 +45,7 @@ static char what[160]; // what runs, for messages
 
 static bool told(bool ok, const duet_error *err)
 {
-    if (!ok && (err->status == DUET_OK || !err->text[0] || strchr(err->text, '\n')))
+    if (!ok && (err->status == DUET_STATUS_OK || !err->text[0] || strchr(err->text, '\n')))
         fail_msg("%s: told as %s '%s'", what, duet_status_name(err->status), err->text);
     return ok;
 }
@@ -96,8 +96,9 @@ static duet_world *open_world(const scenario *s, duet_error *err)
 static bool step_world(duet_world *world, const scenario *s, duet_error *err)
 {
     duet_result result;
-    bool ok = duet_world_set_poses(world, s->poses, N, err) && duet_world_step(world, &result, err);
-    if (told(ok, err) && duet_result_hash(&result) != *s->right)
+    bool ok = duet_world_set_objects(world, DUET_OBJECT_POSES, s->poses, N, err) &&
+              duet_world_step(world, &result, err);
+    if (told(ok, err) && duet_result_get_hash(&result) != *s->right)
         fail_msg("%s: wrong pairs", what);
     return ok;
 }
@@ -131,7 +132,7 @@ static void live_as_replanned_world(const scenario *s, lost_way way, uint32_t k)
     duet_world *world = open_world(s, &err);
     assert_ok(world && step_world(world, s, &err), err);
     assert_true(world->parts[1].kernels.packed);
-    duet_plan plan = *duet_world_plan(world);
+    duet_plan plan = *duet_world_get_plan(world);
     plan.share = 0;
     assert_ok(duet_world_set_plan(world, &plan, &err), err);
     lost_begin(way, k);
@@ -153,11 +154,11 @@ static void live_as_pair(const scenario *s, lost_way way, uint32_t k)
     duet_device_pair *before = pair;
     duet_device_pair_def def = duet_default_device_pair_def();
     def.cache_dir = "test_lost_device.cache";
-    pair = duet_device_pair_open(&def, &err);
+    pair = duet_device_pair_create(&def, &err);
     lost_know(pair);
     if (told(pair, &err))
         use_new_world(s, way);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
     pair = before;
     lost_know(pair);
 }
@@ -209,11 +210,11 @@ static void use_motion(duet_motion *m)
     uint64_t n, hash;
     advance(m, STEPS, &errs[0]);
     advance(m, 1, &errs[1]);
-    if (told(duet_motion_contacts(m, &contacts, &n, &errs[2]), &errs[2]))
+    if (told(duet_motion_get_contacts(m, &contacts, &n, &errs[2]), &errs[2]))
         duet_free(contacts);
     told(duet_motion_save(m, scratch, &errs[3]), &errs[3]);
     told(duet_motion_load(m, saved, &errs[4]), &errs[4]);
-    told(duet_motion_hash(m, &hash, &errs[5]), &errs[5]);
+    told(duet_motion_get_hash(m, &hash, &errs[5]), &errs[5]);
     advance(m, 1, &errs[5]);
 }
 
@@ -225,7 +226,7 @@ static void assert_heals(duet_motion *m)
     lost_end();
     assert_ok(duet_motion_load(m, saved, &err), err);
     assert_ok(advance(m, STEPS, &err), err);
-    assert_ok(duet_motion_hash(m, &hash, &err), err);
+    assert_ok(duet_motion_get_hash(m, &hash, &err), err);
     if (hash != moved_right)
         fail_msg("%s: the loaded motion goes another way", what);
 }
@@ -251,7 +252,7 @@ static void save_motion(const scenario *s)
     assert_ok(advance(m, STEPS, &err), err);
     assert_ok(duet_motion_save(m, saved, &err), err);
     assert_ok(advance(m, STEPS, &err), err);
-    assert_ok(duet_motion_hash(m, &moved_right, &err), err);
+    assert_ok(duet_motion_get_hash(m, &moved_right, &err), err);
     duet_motion_destroy(m);
 }
 
@@ -295,8 +296,8 @@ static uint64_t right_of(const duet_pose objects[N])
     duet_error err = {0};
     duet_pair *pairs = NULL;
     uint64_t n = 0;
-    duet_scene *scene = duet_scene_from_poses(objects, N, 3, &err);
-    assert_ok(scene && duet_reference(scene, &pairs, &n, &err), err);
+    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, objects, N, 3, 0, &err);
+    assert_ok(scene && duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err), err);
     assert_true(n > 50);
     uint64_t right = duet_pairs_hash(pairs, n);
     duet_free(pairs);
@@ -364,7 +365,7 @@ static int open_devices(void **state)
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     lost_begin(LOST_FOR_EVER, UINT32_MAX);
-    pair = duet_device_pair_open(&def, &err);
+    pair = duet_device_pair_create(&def, &err);
     assert_ok(pair, err);
     lost_know(pair);
     snprintf(saved, sizeof saved, "/tmp/duet-lost-%ld", (long)getpid());
@@ -387,7 +388,7 @@ static int open_devices(void **state)
 static int close_devices(void **state)
 {
     (void)state;
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
     assert_int_equal(device_live_objects(), 0);
     remove(saved);
     remove(scratch);

@@ -211,7 +211,7 @@ static void one_bad_line_refuses_the_file_and_is_named(void **state)
         snprintf(place, sizeof place, "rows.jsonl:%d: ", line);
         if (import_lines(two.other, lines, &counts, &err))
             fail_msg("taken in: %s", spoilt[i].to);
-        assert_int_equal(err.status, DUET_BAD_INPUT);
+        assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
         if (strncmp(err.text, place, strlen(place)) != 0 || !strstr(err.text, spoilt[i].says))
             fail_msg("for %s at %s: %s", spoilt[i].to, place, err.text);
         assert_int_equal(test_count(two.other, "device"), 0);
@@ -362,7 +362,7 @@ static void a_store_is_not_merged_into_itself(void **state)
     profile_import_counts counts;
     duet_error err = {0};
     assert_false(profile_merge(two.s, two.folder.store, &counts, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     close_two(&two);
 }
 

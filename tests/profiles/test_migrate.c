@@ -107,7 +107,7 @@ static void an_upgrade_that_fails_changes_nothing(void **state)
     store *s = open_first_version(&folder);
     duet_error err = {0};
     assert_false(migrate_upgrade(s, broken_upgrades, &err));
-    assert_int_equal(err.status, DUET_STORE_FAILED);
+    assert_int_equal(err.status, DUET_STATUS_STORE_FAILED);
     assert_int_equal(version_of(s), 1);
     assert_int_equal(test_count(s, "pragma_table_info('profile') WHERE name = 'colour'"), 0);
     store_close(s);

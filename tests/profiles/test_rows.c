@@ -133,7 +133,7 @@ static void a_workload_that_cannot_be_is_refused(void **state)
         char key[PROFILE_SHA];
         duet_error err = {0};
         assert_false(profile_workload_key(&bad[i], key, &err));
-        assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+        assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     }
 }
 
@@ -231,7 +231,7 @@ static void what_is_not_json_is_refused(void **state)
         char id[PROFILE_ID];
         session.options = bad[i];
         assert_false(profile_session_begin(s, &session, id, &err));
-        assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+        assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     }
     store_close(s);
     test_folder_remove(&folder);

@@ -67,7 +67,7 @@ static void a_path_comes_from_the_environment(void **state)
     text_free(&path);
     unsetenv("HOME");
     assert_false(store_user_path(&path, &err));
-    assert_int_equal(err.status, DUET_NOT_FOUND);
+    assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
     text_free(&path);
 }
 
@@ -95,7 +95,7 @@ static void a_missing_store_is_not_made_by_reading(void **state)
 {
     (void)state;
     duet_error err = test_store_refusal("no/such/profiles.db", STORE_READ);
-    assert_int_equal(err.status, DUET_NOT_FOUND);
+    assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
     assert_int_not_equal(access("no", F_OK), 0);
 }
 
@@ -104,7 +104,7 @@ static void an_empty_file_becomes_a_store_only_by_writing(void **state)
     (void)state;
     test_folder folder = test_folder_make();
     write_bytes(folder.store, "", 0);
-    assert_int_equal(test_store_refusal(folder.store, STORE_READ).status, DUET_NOT_FOUND);
+    assert_int_equal(test_store_refusal(folder.store, STORE_READ).status, DUET_STATUS_NOT_FOUND);
     assert_file_is(folder.store, "", 0);
     store_close(test_store_open(folder.store, STORE_WRITE));
     store_close(test_store_open(folder.store, STORE_READ));
@@ -210,7 +210,7 @@ static void a_folder_called_file_leads_nowhere_else(void **state)
     assert_non_null(getcwd(start, sizeof start));
     assert_int_equal(chdir(folder.path), 0);
     snprintf(whole, sizeof whole, "file:%s/%s", start, folder.store);
-    assert_int_equal(test_store_refusal(whole, STORE_READ).status, DUET_NOT_FOUND);
+    assert_int_equal(test_store_refusal(whole, STORE_READ).status, DUET_STATUS_NOT_FOUND);
     assert_int_equal(chdir(start), 0);
     test_folder_remove(&folder);
 }
@@ -330,7 +330,7 @@ static void a_damaged_store_never_crashes_a_look_up(void **state)
         text why = {0};
         duet_error failure = {0};
         bool ok = profile_lookup_files(folder.store, NULL, &request, &found, &why, &failure);
-        assert_int_equal(failure.status, ok ? DUET_OK : DUET_STORE_FAILED);
+        assert_int_equal(failure.status, ok ? DUET_STATUS_OK : DUET_STATUS_STORE_FAILED);
         if (!ok) {
             assert_non_null(strstr(failure.text, folder.store));
             assert_int_equal(found.grade, PROFILE_DEFAULT);
@@ -369,7 +369,7 @@ static void a_view_or_trigger_of_a_stranger_is_refused(void **state)
         for (int k = 0; k < 2; ++k) {
             err = (duet_error){0};
             assert_null(store_open(folder.store, accesses[k], &err));
-            assert_int_equal(err.status, DUET_STORE_FAILED);
+            assert_int_equal(err.status, DUET_STATUS_STORE_FAILED);
             if (!strstr(err.text, cases[i].says))
                 fail_msg("'%s' does not say '%s'", err.text, cases[i].says);
         }

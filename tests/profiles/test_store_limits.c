@@ -216,9 +216,9 @@ static void read_by_all_means(const test_folder *folder)
     text_free(&report);
     expect(store_check_read(s, &err), "what was read counts", &err);
     store_close(s);
-    duet_profile_list *list = duet_profile_list_open(folder->store, true, &err);
-    expect(duet_profile_list_count(list) == 1, "it is listed", &err);
-    duet_profile_list_close(list);
+    duet_profile_list *list = duet_profile_list_create(folder->store, true, &err);
+    expect(duet_profile_list_get_count(list) == 1, "it is listed", &err);
+    duet_profile_list_destroy(list);
 }
 
 static void tune_one(const char *path)

@@ -23,7 +23,7 @@ static int read_examples(const char *document, const char *kind)
         duet_error err = {0};
         duet_scene *scene = scene_from_bytes(name, at, (size_t)(end - at), NULL, 0, &err);
         assert_ok(scene, err);
-        assert_true(duet_scene_describe(scene)->n > 1);
+        assert_true(duet_scene_get_info(scene)->n > 1);
         duet_scene_destroy(scene);
         at = end + 3;
         ++n;

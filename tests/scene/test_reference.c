@@ -211,13 +211,13 @@ static void a_scene_gives_the_pairs_of_its_objects(void **state)
     rng r = rng_seed(test_seed());
     crowd *c = make_crowd(even, 3, DUET_SHAPE_POSES, &r);
     duet_error err = {0};
-    duet_scene *scene = duet_scene_from_poses(c->poses, N, 3, &err);
+    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, c->poses, N, 3, 0, &err);
     assert_ok(scene != NULL, err);
     reference_found found;
     duet_pair *pairs;
     uint64_t n;
     assert_ok(reference_find(&c->objects, REFERENCE_COLUMNS, &found, &err), err);
-    assert_ok(duet_reference(scene, &pairs, &n, &err), err);
+    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err), err);
     assert_int_equal(n, found.n);
     assert_memory_equal(pairs, found.pairs, n * sizeof *pairs);
     duet_free(pairs);

@@ -17,8 +17,8 @@ static void assert_pose_refused(const duet_pose *pose, uint32_t dims, const char
 {
     duet_pose poses[3] = {UNIT_CUBE, UNIT_CUBE, *pose};
     duet_error err = {0};
-    assert_null(duet_scene_from_poses(poses, 3, dims, &err));
-    assert_int_equal(err.status, DUET_BAD_OBJECT);
+    assert_null(duet_scene_create(DUET_OBJECT_POSES, poses, 3, dims, 0, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     if (!strstr(err.text, says))
         fail_msg("'%s', not '%s'", err.text, says);
 }
@@ -47,12 +47,12 @@ static void bad_bounds_are_refused_by_their_id(void **state)
     (void)state;
     duet_bounds bounds[2] = {{{0, 0, 0}, {1, 1, 1}}, {{0, 2, 0}, {1, 1, 1}}};
     duet_error err = {0};
-    assert_null(duet_scene_from_bounds(bounds, 2, 3, &err));
-    assert_int_equal(err.status, DUET_BAD_OBJECT);
+    assert_null(duet_scene_create(DUET_OBJECT_BOUNDS, bounds, 2, 3, 0, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_string_equal(err.text, "object 1: min y = 2 is above max y = 1");
     bounds[1].lower[1] = -INFINITY;
     err = (duet_error){0};
-    assert_null(duet_scene_from_bounds(bounds, 2, 2, &err));
+    assert_null(duet_scene_create(DUET_OBJECT_BOUNDS, bounds, 2, 2, 0, &err));
     assert_non_null(strstr(err.text, "object 1: min y is -inf"));
 }
 
@@ -60,19 +60,19 @@ static void dims_other_than_2_and_3_are_refused(void **state)
 {
     (void)state;
     duet_error err = {0};
-    assert_null(duet_scene_from_poses(NULL, 0, 4, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_null(duet_scene_create(DUET_OBJECT_POSES, NULL, 0, 4, 0, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     assert_string_equal(err.text, "dims is 4; it must be 2 or 3");
-    assert_null(duet_scene_from_bounds(NULL, 0, 0, NULL));
+    assert_null(duet_scene_create(DUET_OBJECT_BOUNDS, NULL, 0, 0, 0, NULL));
 }
 
 static void missing_memory_and_paths_are_refused(void **state)
 {
     (void)state;
     duet_error err = {0};
-    assert_null(duet_scene_from_poses(NULL, 1, 3, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
-    assert_null(duet_scene_from_bounds(NULL, 1, 3, NULL));
+    assert_null(duet_scene_create(DUET_OBJECT_POSES, NULL, 1, 3, 0, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    assert_null(duet_scene_create(DUET_OBJECT_BOUNDS, NULL, 1, 3, 0, NULL));
     assert_null(duet_scene_load(NULL, NULL, 0, NULL));
     duet_scene_destroy(NULL);
 }
@@ -83,11 +83,11 @@ static void none_and_one_and_two_objects_make_a_scene(void **state)
     const duet_pose poses[2] = {UNIT_CUBE, UNIT_CUBE};
     for (uint32_t n = 0; n <= 2; ++n) {
         duet_error err = {0};
-        duet_scene *scene = duet_scene_from_poses(poses, n, 3, &err);
+        duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, poses, n, 3, 0, &err);
         assert_ok(scene, err);
-        assert_int_equal(duet_scene_describe(scene)->n, n);
-        assert_non_null(duet_scene_poses(scene));
-        assert_null(duet_scene_bounds(scene));
+        assert_int_equal(duet_scene_get_info(scene)->n, n);
+        assert_non_null(duet_scene_get_objects(scene, DUET_OBJECT_POSES));
+        assert_null(duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS));
         duet_scene_destroy(scene);
     }
 }
@@ -97,17 +97,18 @@ static void what_2d_does_not_read_is_zero_in_the_scene(void **state)
     (void)state;
     const duet_pose pose = {{1, 2, NAN}, {3, 4, -1}, {NAN, INFINITY, 0, 2}};
     duet_error err = {0};
-    duet_scene *scene = duet_scene_from_poses(&pose, 1, 2, &err);
+    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, &pose, 1, 2, 0, &err);
     assert_ok(scene, err);
     const duet_pose want = {{1, 2, 0}, {3, 4, 0}, {0, 0, 0, 2}};
-    assert_memory_equal(duet_scene_poses(scene), &want, sizeof want);
-    assert_false(duet_scene_describe(scene)->rotated);
+    assert_memory_equal(duet_scene_get_objects(scene, DUET_OBJECT_POSES), &want, sizeof want);
+    assert_false(duet_scene_get_info(scene)->rotated);
     duet_scene_destroy(scene);
     const duet_bounds box = {{1, 2, NAN}, {3, 4, -1}};
-    scene = duet_scene_from_bounds(&box, 1, 2, &err);
+    scene = duet_scene_create(DUET_OBJECT_BOUNDS, &box, 1, 2, 0, &err);
     assert_ok(scene, err);
     const duet_bounds want_box = {{1, 2, 0}, {3, 4, 0}};
-    assert_memory_equal(duet_scene_bounds(scene), &want_box, sizeof want_box);
+    assert_memory_equal(duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS), &want_box,
+                        sizeof want_box);
     duet_scene_destroy(scene);
 }
 
@@ -116,7 +117,7 @@ static duet_scene *scene_of_rotation(float x, float y, float z, float w)
     duet_pose pose = UNIT_CUBE;
     memcpy(pose.rotation, (const float[4]){x, y, z, w}, sizeof pose.rotation);
     duet_error err = {0};
-    duet_scene *scene = duet_scene_from_poses(&pose, 1, 3, &err);
+    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, &pose, 1, 3, 0, &err);
     assert_ok(scene, err);
     return scene;
 }
@@ -134,7 +135,7 @@ static void a_scene_is_rotated_where_a_vector_part_is_not_zero(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         const float *q = cases[i].q;
         duet_scene *scene = scene_of_rotation(q[0], q[1], q[2], q[3]);
-        assert_int_equal(duet_scene_describe(scene)->rotated, cases[i].rotated);
+        assert_int_equal(duet_scene_get_info(scene)->rotated, cases[i].rotated);
         duet_scene_destroy(scene);
     }
 }
@@ -150,7 +151,7 @@ static void a_quaternion_of_any_length_keeps_its_rotation(void **state)
         for (int k = 0; k < 4; ++k)
             q[k] = ldexpf((float)rng_between(&r, -1, 1), shift);
         duet_scene *scene = scene_of_rotation(q[0], q[1], q[2], q[3]);
-        const float *kept = duet_scene_poses(scene)->rotation;
+        const float *kept = test_poses(scene)->rotation;
         float squared = 0;
         for (int k = 0; k < 4; ++k) {
             squared += kept[k] * kept[k];
@@ -171,9 +172,9 @@ static void the_pair_hash_does_not_depend_on_order_or_spans(void **state)
     assert_true(hash != duet_pairs_hash(pairs, 2));
     assert_true(duet_pairs_hash(pairs, 0) == 0);
     duet_result result = {.spans = {{turned, 1}, {turned + 1, 2}}, .pairs = 3};
-    assert_true(duet_result_hash(&result) == hash);
+    assert_true(duet_result_get_hash(&result) == hash);
     for (uint64_t i = 0; i < 3; ++i) {
-        duet_pair pair = duet_result_pair(&result, i);
+        duet_pair pair = duet_result_get_pair(&result, i);
         assert_memory_equal(&pair, &turned[i], sizeof pair);
     }
 }

@@ -28,7 +28,7 @@ static void a_scene_says_its_world_and_cell(void **state)
         "return { name = 'shed', dims = 2, world = { lower = {-1, -2}, upper = {3, 4} },"
         "         cell = 1.5, cell_fixed = true, accuracy = { false_rate = 0.02 },"
         "         objects = {{0, 0, 1, 1}} }");
-    const duet_scene_info *info = duet_scene_describe(scene);
+    const duet_scene_info *info = duet_scene_get_info(scene);
     assert_string_equal(info->name, "shed");
     assert_int_equal(info->dims, 2);
     assert_int_equal(info->shape, DUET_SHAPE_BOUNDS);
@@ -50,7 +50,7 @@ static void what_a_scene_leaves_out_has_a_default(void **state)
 {
     (void)state;
     duet_scene *scene = assert_scene("return {}");
-    const duet_scene_info *info = duet_scene_describe(scene);
+    const duet_scene_info *info = duet_scene_get_info(scene);
     assert_string_equal(info->name, "test_scene_lua");
     assert_int_equal(info->n, 0);
     assert_int_equal(info->dims, 3);
@@ -70,20 +70,18 @@ static void all_ways_to_write_an_object_agree(void **state)
         "  { centre = {1, 2, 3}, half_extents = {4, 5, 6}, rotation = {0, 0, 0, 1} },\n"
         "  { centre = {1, 2, 3}, half_extents = {4, 5, 6}, euler = {0, 0, 0} } } }");
     const duet_pose want = {{1, 2, 3}, {4, 5, 6}, {0, 0, 0, 1}};
-    assert_int_equal(duet_scene_describe(scene)->n, 6);
+    assert_int_equal(duet_scene_get_info(scene)->n, 6);
     for (int i = 0; i < 6; ++i)
-        assert_memory_equal(&duet_scene_poses(scene)[i], &want, sizeof want);
+        assert_memory_equal(&test_poses(scene)[i], &want, sizeof want);
     duet_scene_destroy(scene);
     scene = assert_scene(
         "add(1, 2, 3, 4, 0.5) "
         "return { objects = {{ centre = {1, 2}, half_extents = {3, 4}, angle = 0.5 }} }");
-    assert_memory_equal(&duet_scene_poses(scene)[0], &duet_scene_poses(scene)[1],
-                        sizeof(duet_pose));
+    assert_memory_equal(&test_poses(scene)[0], &test_poses(scene)[1], sizeof(duet_pose));
     duet_scene_destroy(scene);
     scene = assert_scene("add(1, 2, 3, 4, 5, 6) add { lower = {1, 2, 3}, upper = {4, 5, 6} }"
                          "return {}");
-    assert_memory_equal(&duet_scene_bounds(scene)[0], &duet_scene_bounds(scene)[1],
-                        sizeof(duet_bounds));
+    assert_memory_equal(&test_bounds(scene)[0], &test_bounds(scene)[1], sizeof(duet_bounds));
     duet_scene_destroy(scene);
 }
 
@@ -134,7 +132,7 @@ static void assert_euler_is_the_papers(double phi, double theta, double psi)
     duet_scene *scene = assert_scene(chars);
     double of_scene[3][3];
     double of_paper[3][3];
-    quaternion_to_matrix(duet_scene_poses(scene)->rotation, of_scene);
+    quaternion_to_matrix(test_poses(scene)->rotation, of_scene);
     euler_to_matrix(phi, theta, psi, of_paper);
     assert_matrices_near(of_scene, of_paper);
     duet_scene_destroy(scene);
@@ -179,68 +177,74 @@ static void a_wrong_scene_is_refused_with_its_place(void **state)
         duet_status status;
         const char *says;
     } wrong[] = {
-        {"return {\n  dims = 3\n  cell = 1\n}", DUET_BAD_INPUT, FILE_NAME ":3: '}' expected"},
-        {"return {\n  wrld = {}\n}", DUET_BAD_INPUT,
+        {"return {\n  dims = 3\n  cell = 1\n}", DUET_STATUS_BAD_INPUT,
+         FILE_NAME ":3: '}' expected"},
+        {"return {\n  wrld = {}\n}", DUET_STATUS_BAD_INPUT,
          FILE_NAME ":2: a scene has no field 'wrld': there are name, objects, dims, world, cell, "
                    "cell_fixed"},
-        {"return 7", DUET_BAD_INPUT, FILE_NAME ": a scene must return a table, not number"},
-        {"", DUET_BAD_INPUT, FILE_NAME ": a scene must return a table, not nil"},
-        {"return { {0, 0, 1, 1} }", DUET_BAD_INPUT, FILE_NAME ": a scene has no field [1]"},
-        {"return {\n dims = 4 }", DUET_BAD_INPUT, ":2: dims is 4; it must be 2 or 3"},
-        {"add(0, 0, 1, 1) return {\n dims = 3 }", DUET_BAD_INPUT,
+        {"return 7", DUET_STATUS_BAD_INPUT, FILE_NAME ": a scene must return a table, not number"},
+        {"", DUET_STATUS_BAD_INPUT, FILE_NAME ": a scene must return a table, not nil"},
+        {"return { {0, 0, 1, 1} }", DUET_STATUS_BAD_INPUT, FILE_NAME ": a scene has no field [1]"},
+        {"return {\n dims = 4 }", DUET_STATUS_BAD_INPUT, ":2: dims is 4; it must be 2 or 3"},
+        {"add(0, 0, 1, 1) return {\n dims = 3 }", DUET_STATUS_BAD_INPUT,
          ":2: dims is 3, but the objects have 2"},
-        {"return { cell = -1 }", DUET_BAD_INPUT, ":1: cell is -1; it must be an edge above 0"},
-        {"return { cell = 1e39 }", DUET_BAD_INPUT, ":1: cell is inf"},
-        {"return { level = 'best' }", DUET_BAD_INPUT, ":1: there is no level 'best': there are "},
-        {"return { accuracy = { false_rates = 1 } }", DUET_BAD_INPUT,
+        {"return { cell = -1 }", DUET_STATUS_BAD_INPUT,
+         ":1: cell is -1; it must be an edge above 0"},
+        {"return { cell = 1e39 }", DUET_STATUS_BAD_INPUT, ":1: cell is inf"},
+        {"return { level = 'best' }", DUET_STATUS_BAD_INPUT,
+         ":1: there is no level 'best': there are "},
+        {"return { accuracy = { false_rates = 1 } }", DUET_STATUS_BAD_INPUT,
          ":1: accuracy has no field 'false_rates'"},
-        {"return { accuracy = { missed = -1 } }", DUET_BAD_INPUT, ":1: missed is a part"},
-        {"return { level = 'sat6',\n accuracy = {} }", DUET_BAD_INPUT,
+        {"return { accuracy = { missed = -1 } }", DUET_STATUS_BAD_INPUT, ":1: missed is a part"},
+        {"return { level = 'sat6',\n accuracy = {} }", DUET_STATUS_BAD_INPUT,
          ":2: a scene has a level, or an accuracy"},
-        {"return { cell_fixed = 1 }", DUET_BAD_INPUT, ":1: cell_fixed must be true or false"},
-        {"return { name = {} }", DUET_BAD_INPUT, ":1: name must be a text"},
-        {"return { world = { low = {} } }", DUET_BAD_INPUT, ":1: world has no field 'low'"},
-        {"return { world = {\n lower = {0, 0, 0} } }", DUET_BAD_INPUT,
+        {"return { cell_fixed = 1 }", DUET_STATUS_BAD_INPUT,
+         ":1: cell_fixed must be true or false"},
+        {"return { name = {} }", DUET_STATUS_BAD_INPUT, ":1: name must be a text"},
+        {"return { world = { low = {} } }", DUET_STATUS_BAD_INPUT, ":1: world has no field 'low'"},
+        {"return { world = {\n lower = {0, 0, 0} } }", DUET_STATUS_BAD_INPUT,
          "world's upper must be 3 finite numbers"},
-        {"return { world = {\n lower = {0, 0} } }", DUET_BAD_INPUT,
+        {"return { world = {\n lower = {0, 0} } }", DUET_STATUS_BAD_INPUT,
          ":2: world's lower must be 3 finite numbers"},
-        {"return { world = { lower = {0, 0, 0}, upper = {1, 1, 1/0} } }", DUET_BAD_INPUT,
+        {"return { world = { lower = {0, 0, 0}, upper = {1, 1, 1/0} } }", DUET_STATUS_BAD_INPUT,
          "world's upper must be 3 finite numbers"},
-        {"return { world = { lower = {0, 0, 0}, upper = {1, -1, 1} } }", DUET_BAD_INPUT,
+        {"return { world = { lower = {0, 0, 0}, upper = {1, -1, 1} } }", DUET_STATUS_BAD_INPUT,
          ":1: world's lower is above its upper"},
-        {"return { objects = { a = {} } }", DUET_BAD_INPUT, ":1: objects must be a list"},
-        {"return { objects = 3 }", DUET_BAD_INPUT, ":1: objects must be a table"},
-        {"return { objects = { 3 } }", DUET_BAD_INPUT, ": object 0: it must be a table"},
-        {"return { objects = { {0, 0, 1, 1}, {0, 0, 1} } }", DUET_BAD_INPUT,
+        {"return { objects = { a = {} } }", DUET_STATUS_BAD_INPUT, ":1: objects must be a list"},
+        {"return { objects = 3 }", DUET_STATUS_BAD_INPUT, ":1: objects must be a table"},
+        {"return { objects = { 3 } }", DUET_STATUS_BAD_INPUT, ": object 0: it must be a table"},
+        {"return { objects = { {0, 0, 1, 1}, {0, 0, 1} } }", DUET_STATUS_BAD_INPUT,
          FILE_NAME ": object 1 has 3 numbers, where those before it have 4"},
-        {"return { objects = { {0, 0, 1, 1, colour = 3} } }", DUET_BAD_INPUT,
+        {"return { objects = { {0, 0, 1, 1, colour = 3} } }", DUET_STATUS_BAD_INPUT,
          "object 0: it must be a row of numbers, or named fields, not both"},
-        {"return { objects = { {0, 0, 1, 'x'} } }", DUET_BAD_INPUT, "object 0: a number is wanted"},
-        {"return { objects = {\n { centre = {0, 0}, haf = {1, 1} } } }", DUET_BAD_INPUT,
+        {"return { objects = { {0, 0, 1, 'x'} } }", DUET_STATUS_BAD_INPUT,
+         "object 0: a number is wanted"},
+        {"return { objects = {\n { centre = {0, 0}, haf = {1, 1} } } }", DUET_STATUS_BAD_INPUT,
          ":2: object 0: no field 'haf'; it has angle, centre, euler, half_extents, lower, "
          "rotation, upper"},
         {"return { objects = { { centre = {0, 0, 0, 0}, half_extents = {1, 1} } } }",
-         DUET_BAD_INPUT, ":1: object 0: centre has 4 numbers; it must have 2 or 3"},
-        {"return { objects = { { centre = {0, 0, 0} } } }", DUET_BAD_INPUT,
+         DUET_STATUS_BAD_INPUT, ":1: object 0: centre has 4 numbers; it must have 2 or 3"},
+        {"return { objects = { { centre = {0, 0, 0} } } }", DUET_STATUS_BAD_INPUT,
          "object 0: it must have centre and half"},
-        {"add(0, 0, 1, 1)\nadd(0, 0, 1)", DUET_BAD_INPUT,
+        {"add(0, 0, 1, 1)\nadd(0, 0, 1)", DUET_STATUS_BAD_INPUT,
          ":2: object 1 has 3 numbers, where those before it have 4"},
-        {"\nadd()", DUET_BAD_INPUT, ":2: object 0 has 0 numbers"},
-        {"\nadd('x', 0, 1, 1)", DUET_BAD_INPUT, ":2: bad argument #1 to 'add'"},
-        {"\nadd { centre = {0, 0}, half_extents = {1, 1}, euler = {0, 0, 0} }", DUET_BAD_INPUT,
-         ":2: object 0: it must have centre and half"},
-        {"add(0, 0, 1, 1, 0)\nadd(0, 0, -1, 1, 0)", DUET_BAD_OBJECT,
+        {"\nadd()", DUET_STATUS_BAD_INPUT, ":2: object 0 has 0 numbers"},
+        {"\nadd('x', 0, 1, 1)", DUET_STATUS_BAD_INPUT, ":2: bad argument #1 to 'add'"},
+        {"\nadd { centre = {0, 0}, half_extents = {1, 1}, euler = {0, 0, 0} }",
+         DUET_STATUS_BAD_INPUT, ":2: object 0: it must have centre and half"},
+        {"add(0, 0, 1, 1, 0)\nadd(0, 0, -1, 1, 0)", DUET_STATUS_BAD_OBJECT,
          FILE_NAME ":2: object 1: hx = -1 is negative"},
-        {"return { objects = { {0, 0, 0/0, 1} } }", DUET_BAD_OBJECT,
+        {"return { objects = { {0, 0, 0/0, 1} } }", DUET_STATUS_BAD_OBJECT,
          FILE_NAME ": object 0: max x is -nan"},
         {"return { objects = { { centre = {0,0,0}, half_extents = {1,1,1}, rotation = {0,0,0,0} } "
          "} }",
-         DUET_BAD_OBJECT, ": object 0: the quaternion is zero"},
-        {"\nos.exit()", DUET_BAD_INPUT, ":2: attempt to index a nil value (global 'os')"},
-        {"\nparameters { n = {} }", DUET_BAD_INPUT, ":2: parameter 'n': its default must be"},
-        {"parameters {}\nparameters {}", DUET_BAD_INPUT,
+         DUET_STATUS_BAD_OBJECT, ": object 0: the quaternion is zero"},
+        {"\nos.exit()", DUET_STATUS_BAD_INPUT, ":2: attempt to index a nil value (global 'os')"},
+        {"\nparameters { n = {} }", DUET_STATUS_BAD_INPUT,
+         ":2: parameter 'n': its default must be"},
+        {"parameters {}\nparameters {}", DUET_STATUS_BAD_INPUT,
          ":2: parameters are declared a second time"},
-        {"\nrandom(1).integer(2, 1)", DUET_BAD_INPUT, ":2: bad argument #2 to 'integer'"},
+        {"\nrandom(1).integer(2, 1)", DUET_STATUS_BAD_INPUT, ":2: bad argument #2 to 'integer'"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
         scene_assert_refused(FILE_NAME, wrong[i].chars, wrong[i].status, wrong[i].says);
@@ -249,7 +253,7 @@ static void a_wrong_scene_is_refused_with_its_place(void **state)
 static void an_endless_scene_ends_with_its_line(void **state)
 {
     (void)state;
-    scene_assert_refused(FILE_NAME, "\nwhile true do add(0, 0, 1, 1) end", DUET_BAD_INPUT,
+    scene_assert_refused(FILE_NAME, "\nwhile true do add(0, 0, 1, 1) end", DUET_STATUS_BAD_INPUT,
                          FILE_NAME ":2: runs for more than");
 }
 
@@ -269,11 +273,11 @@ static void settings_take_the_place_of_defaults(void **state)
     duet_scene *scene =
         scene_from_bytes(FILE_NAME, PARAMETERS, strlen(PARAMETERS), settings, 4, &err);
     assert_ok(scene, err);
-    const duet_scene_info *info = duet_scene_describe(scene);
+    const duet_scene_info *info = duet_scene_get_info(scene);
     assert_int_equal(info->n, 10);
     assert_true(info->rotated);
     assert_string_equal(info->name, "b c");
-    assert_true(duet_scene_poses(scene)->half_extents[0] == 3);
+    assert_true(test_poses(scene)->half_extents[0] == 3);
     duet_scene_destroy(scene);
 }
 
@@ -295,7 +299,7 @@ static void a_wrong_setting_says_what_is_right(void **state)
         duet_error err = {0};
         assert_null(scene_from_bytes(FILE_NAME, PARAMETERS, strlen(PARAMETERS), &wrong[i].setting,
                                      1, &err));
-        assert_int_equal(err.status, DUET_BAD_INPUT);
+        assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
         if (!strstr(err.text, wrong[i].says))
             fail_msg("'%s', not '%s'", err.text, wrong[i].says);
     }
@@ -319,7 +323,7 @@ static duet_scene *load_shipped(const char *name, const char *n, const char *par
     duet_error err = {0};
     duet_scene *scene = duet_scene_load(path, settings, parameter ? 2 : 1, &err);
     assert_ok(scene, err);
-    assert_string_equal(duet_scene_describe(scene)->name, name);
+    assert_string_equal(duet_scene_get_info(scene)->name, name);
     return scene;
 }
 
@@ -330,7 +334,7 @@ static void shipped_scenes_have_as_many_objects_as_asked_for(void **state)
     for (size_t i = 0; i < N_SHIPPED; ++i)
         for (size_t k = 0; k < sizeof counts / sizeof counts[0]; ++k) {
             duet_scene *scene = load_shipped(shipped[i], counts[k], NULL, NULL);
-            const duet_scene_info *info = duet_scene_describe(scene);
+            const duet_scene_info *info = duet_scene_get_info(scene);
             assert_int_equal(info->n, strtoul(counts[k], NULL, 10));
             assert_int_equal(info->dims, strstr(shipped[i], "2d") ? 2 : 3);
             assert_int_equal(info->shape, DUET_SHAPE_POSES);
@@ -346,7 +350,7 @@ static void shipped_scenes_turn_their_boxes_only_if_asked_to(void **state)
         for (int rotated = 0; rotated < 2; ++rotated) {
             duet_scene *scene =
                 load_shipped(shipped[i], "50", "rotated", rotated ? "true" : "false");
-            assert_int_equal(duet_scene_describe(scene)->rotated, rotated);
+            assert_int_equal(duet_scene_get_info(scene)->rotated, rotated);
             duet_scene_destroy(scene);
         }
 }
@@ -370,7 +374,7 @@ static uint64_t count_pairs(const duet_scene *scene)
     duet_pair *pairs = NULL;
     uint64_t n = 0;
     duet_error err = {0};
-    assert_ok(duet_reference(scene, &pairs, &n, &err), err);
+    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err), err);
     duet_free(pairs);
     return n;
 }
@@ -382,7 +386,7 @@ static void neighbours_on_planes_touch_exactly(void **state)
     (void)state;
     for (int rotated = 0; rotated < 2; ++rotated) {
         duet_scene *scene = load_shipped("planes", "500", "rotated", rotated ? "true" : "false");
-        const duet_pose *p = duet_scene_poses(scene);
+        const duet_pose *p = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
         uint64_t touching = 0;
         for (uint32_t i = 0; i < 500; ++i)
             for (uint32_t k = i + 1; k < 500; ++k) {
@@ -400,11 +404,11 @@ static void neighbours_on_planes_touch_exactly(void **state)
 
 static uint64_t hash_bits(const duet_scene *scene)
 {
-    const uint32_t n_words = duet_scene_describe(scene)->n * (uint32_t)(sizeof(duet_pose) / 4);
+    const uint32_t n_words = duet_scene_get_info(scene)->n * (uint32_t)(sizeof(duet_pose) / 4);
     uint64_t hash = 0xcbf29ce484222325u; // FNV-1a, word by word
     for (uint32_t i = 0; i < n_words; ++i) {
         uint32_t word;
-        memcpy(&word, (const char *)duet_scene_poses(scene) + 4 * i, 4);
+        memcpy(&word, (const char *)duet_scene_get_objects(scene, DUET_OBJECT_POSES) + 4 * i, 4);
         hash = (hash ^ word) * 0x100000001b3u;
     }
     return hash;
@@ -437,7 +441,7 @@ static void assert_scene_or_line(const char *bytes, size_t n)
 {
     duet_error err = {0};
     duet_scene *scene = scene_from_bytes(FILE_NAME, bytes, n, NULL, 0, &err);
-    assert_true((scene != NULL) == (err.status == DUET_OK));
+    assert_true((scene != NULL) == (err.status == DUET_STATUS_OK));
     assert_true(scene || strstr(err.text, FILE_NAME));
     assert_true(scene || !strchr(err.text, '\n'));
     duet_scene_destroy(scene);

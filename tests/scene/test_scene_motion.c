@@ -22,7 +22,7 @@ static void a_scene_says_what_moves(void **state)
         "  origin = {1e6, 0, 0}, skin = 0.125}",
         &err);
     assert_ok(s, err);
-    const duet_body *b = duet_scene_bodies(s);
+    const duet_body *b = duet_scene_get_bodies(s);
     assert_non_null(b);
     assert_true(b[0].velocity[1] == 2.0f && b[0].angular_velocity[2] == 4.0f && b[0].mass == 5.0f);
     assert_true(b[0].friction == 0.25f && b[1].friction == 0.25f); // the scene's, where not given
@@ -45,7 +45,7 @@ static void a_scene_that_says_nothing_of_bodies_has_none(void **state)
     duet_scene *s =
         scene_from_text("still.lua", "add(0, 0, 0, 1, 1, 1, 0, 0, 0, 1) return {}", &err);
     assert_ok(s, err);
-    assert_null(duet_scene_bodies(s));
+    assert_null(duet_scene_get_bodies(s));
     duet_scene_destroy(s);
 }
 
@@ -72,7 +72,7 @@ static void what_is_wrong_is_refused_with_its_name(void **state)
          "fixed_rotation must be true or false"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
-        scene_assert_refused("wrong.lua", wrong[i].chars, DUET_BAD_INPUT, wrong[i].says);
+        scene_assert_refused("wrong.lua", wrong[i].chars, DUET_STATUS_BAD_INPUT, wrong[i].says);
 }
 
 int main(void)

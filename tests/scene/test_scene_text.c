@@ -29,7 +29,7 @@ static void the_columns_say_what_a_row_is(void **state)
         duet_error err = {0};
         duet_scene *scene = scene_from_text(FILE_NAME, kinds[i].row, &err);
         assert_ok(scene, err);
-        const duet_scene_info *info = duet_scene_describe(scene);
+        const duet_scene_info *info = duet_scene_get_info(scene);
         assert_string_equal(info->name, "test_scene_text");
         assert_int_equal(info->n, 1);
         assert_int_equal(info->dims, kinds[i].dims);
@@ -45,11 +45,11 @@ static void a_box_turned_in_2d_becomes_a_quaternion(void **state)
     duet_error err = {0};
     duet_scene *scene = scene_from_text(FILE_NAME, "1 2 3 4 0.7\n1 2 3 4 0\n", &err);
     assert_ok(scene, err);
-    const duet_pose *poses = duet_scene_poses(scene);
+    const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
     const duet_pose want = {{1, 2, 0}, {3, 4, 0}, {0, 0, (float)sin(0.35), (float)cos(0.35)}};
     assert_memory_equal(&poses[0], &want, sizeof want);
     assert_true(poses[1].rotation[2] == 0 && poses[1].rotation[3] == 1);
-    assert_true(duet_scene_describe(scene)->rotated);
+    assert_true(duet_scene_get_info(scene)->rotated);
     duet_scene_destroy(scene);
 }
 
@@ -68,9 +68,9 @@ static void ways_of_writing_make_no_difference(void **state)
         duet_error err = {0};
         duet_scene *scene = scene_from_text(FILE_NAME, ways[i], &err);
         assert_ok(scene, err);
-        assert_int_equal(duet_scene_describe(scene)->n, 2);
+        assert_int_equal(duet_scene_get_info(scene)->n, 2);
         const duet_bounds want[] = {{{1, 2, 0}, {3, 4, 0}}, {{5, 6, 0}, {7, 8, 0}}};
-        assert_memory_equal(duet_scene_bounds(scene), want, sizeof want);
+        assert_memory_equal(duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS), want, sizeof want);
         duet_scene_destroy(scene);
     }
 }
@@ -83,7 +83,7 @@ static void a_file_without_rows_is_a_scene_without_objects(void **state)
         duet_error err = {0};
         duet_scene *scene = scene_from_text(FILE_NAME, empty[i], &err);
         assert_ok(scene, err);
-        assert_int_equal(duet_scene_describe(scene)->n, 0);
+        assert_int_equal(duet_scene_get_info(scene)->n, 0);
         duet_scene_destroy(scene);
     }
 }
@@ -95,7 +95,7 @@ static void a_number_is_rounded_to_the_nearest_float(void **state)
     duet_scene *scene =
         scene_from_text(FILE_NAME, "0.1,1e-46,16777217,3.40282346e38,0.30000001192092896", &err);
     assert_ok(scene, err);
-    const duet_pose *pose = duet_scene_poses(scene);
+    const duet_pose *pose = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
     assert_true(pose->centre[0] == 0.1f && pose->centre[1] == 0.0f);
     assert_true(pose->half_extents[0] == 16777216.0f && pose->half_extents[1] == 0x1.fffffep127f);
     duet_scene_destroy(scene);
@@ -109,28 +109,28 @@ static void a_wrong_line_is_named(void **state)
         duet_status status;
         const char *says;
     } wrong[] = {
-        {"1,2,3,4\n1,2,3,4,5,6,7\n", DUET_BAD_INPUT,
+        {"1,2,3,4\n1,2,3,4,5,6,7\n", DUET_STATUS_BAD_INPUT,
          FILE_NAME ":2: object 1 has 7 numbers, where those before it have 4"},
-        {"1,2,3,4,5,6,7\n", DUET_BAD_INPUT,
+        {"1,2,3,4,5,6,7\n", DUET_STATUS_BAD_INPUT,
          FILE_NAME ":1: object 0 has 7 numbers; it must have 4, 5, 6 or 10"},
-        {"1 2 3 4 5 6 7 8 9 10 11 12 13", DUET_BAD_INPUT, ":1: object 0 has 13 numbers"},
-        {"7", DUET_BAD_INPUT, ":1: object 0 has 1 numbers"},
-        {"\n\n1,2,x,4", DUET_BAD_INPUT, ":3: column 3: 'x' is not a number"},
-        {"1,2,3,4\na b c d", DUET_BAD_INPUT, ":2: column 1: 'a' is not a number"},
-        {"a b c d\na b c d", DUET_BAD_INPUT, ":2: column 1: 'a' is not a number"},
-        {"1.5.2,2,3,4", DUET_BAD_INPUT, ":1: column 1: '1.5.2' is not a number"},
-        {"1;2;3;4", DUET_BAD_INPUT, ":1: column 1: '1;2;3;4' is not a number"},
-        {"1,,3,4", DUET_BAD_INPUT, ":1: column 2 is empty"},
-        {"1,2,3,4,\n", DUET_BAD_INPUT, ":1: column 5 is empty"},
-        {",1,2,3", DUET_BAD_INPUT, ":1: column 1 is empty"},
-        {"1,2,\x01z,4", DUET_BAD_INPUT, ":1: column 3: '?z' is not a number"},
-        {"0,0,1,1,0\n0,nan,1,1,0", DUET_BAD_OBJECT, ":2: object 1: cy is nan"},
-        {"0,0,1,1,-inf", DUET_BAD_OBJECT, ":1: object 0: angle is -inf"},
-        {"1e999,0,1,1,0", DUET_BAD_OBJECT, ":1: object 0: cx is inf"},
-        {"0,1e39,1,1,0", DUET_BAD_OBJECT, "cy = 1e+39 does not fit a 32-bit float"},
-        {"0,0,1,-1e-60,0", DUET_BAD_OBJECT, "hy = -1e-60 is negative"},
-        {"0,0,0,1,1,1,0,0,0,0", DUET_BAD_OBJECT, ":1: object 0: the quaternion is zero"},
-        {"0,0,0,1,-1,1", DUET_BAD_OBJECT, ":1: object 0: min y = 0 is above max y = -1"},
+        {"1 2 3 4 5 6 7 8 9 10 11 12 13", DUET_STATUS_BAD_INPUT, ":1: object 0 has 13 numbers"},
+        {"7", DUET_STATUS_BAD_INPUT, ":1: object 0 has 1 numbers"},
+        {"\n\n1,2,x,4", DUET_STATUS_BAD_INPUT, ":3: column 3: 'x' is not a number"},
+        {"1,2,3,4\na b c d", DUET_STATUS_BAD_INPUT, ":2: column 1: 'a' is not a number"},
+        {"a b c d\na b c d", DUET_STATUS_BAD_INPUT, ":2: column 1: 'a' is not a number"},
+        {"1.5.2,2,3,4", DUET_STATUS_BAD_INPUT, ":1: column 1: '1.5.2' is not a number"},
+        {"1;2;3;4", DUET_STATUS_BAD_INPUT, ":1: column 1: '1;2;3;4' is not a number"},
+        {"1,,3,4", DUET_STATUS_BAD_INPUT, ":1: column 2 is empty"},
+        {"1,2,3,4,\n", DUET_STATUS_BAD_INPUT, ":1: column 5 is empty"},
+        {",1,2,3", DUET_STATUS_BAD_INPUT, ":1: column 1 is empty"},
+        {"1,2,\x01z,4", DUET_STATUS_BAD_INPUT, ":1: column 3: '?z' is not a number"},
+        {"0,0,1,1,0\n0,nan,1,1,0", DUET_STATUS_BAD_OBJECT, ":2: object 1: cy is nan"},
+        {"0,0,1,1,-inf", DUET_STATUS_BAD_OBJECT, ":1: object 0: angle is -inf"},
+        {"1e999,0,1,1,0", DUET_STATUS_BAD_OBJECT, ":1: object 0: cx is inf"},
+        {"0,1e39,1,1,0", DUET_STATUS_BAD_OBJECT, "cy = 1e+39 does not fit a 32-bit float"},
+        {"0,0,1,-1e-60,0", DUET_STATUS_BAD_OBJECT, "hy = -1e-60 is negative"},
+        {"0,0,0,1,1,1,0,0,0,0", DUET_STATUS_BAD_OBJECT, ":1: object 0: the quaternion is zero"},
+        {"0,0,0,1,-1,1", DUET_STATUS_BAD_OBJECT, ":1: object 0: min y = 0 is above max y = -1"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
         scene_assert_refused(FILE_NAME, wrong[i].chars, wrong[i].status, wrong[i].says);
@@ -141,7 +141,7 @@ static void bytes_are_not_read_as_text(void **state)
     (void)state;
     duet_error err = {0};
     assert_null(scene_from_bytes(FILE_NAME, "1 2 3 4\n\0 1", 11, NULL, 0, &err));
-    assert_int_equal(err.status, DUET_BAD_INPUT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
     assert_non_null(strstr(err.text, "byte 8 is NUL"));
 }
 
@@ -150,11 +150,11 @@ static void a_missing_file_and_a_folder_are_named(void **state)
     (void)state;
     duet_error err = {0};
     assert_null(duet_scene_load("no/such/boxes.csv", NULL, 0, &err));
-    assert_int_equal(err.status, DUET_NOT_FOUND);
+    assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
     assert_non_null(strstr(err.text, "no/such/boxes.csv"));
     err = (duet_error){0};
     assert_null(duet_scene_load("/", NULL, 0, &err));
-    assert_int_equal(err.status, DUET_IO_FAILED);
+    assert_int_equal(err.status, DUET_STATUS_IO_FAILED);
 }
 
 static void data_have_no_parameters(void **state)
@@ -163,7 +163,7 @@ static void data_have_no_parameters(void **state)
     const duet_setting setting = {"n", "10"};
     duet_error err = {0};
     assert_null(scene_from_bytes(FILE_NAME, "0 0 1 1", 7, &setting, 1, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     assert_non_null(strstr(err.text, "'n' is set, but only a .lua scene has parameters"));
 }
 
@@ -179,7 +179,7 @@ static void the_language_of_the_application_does_not_matter(void **state)
     snprintf(shown, sizeof shown, "%.1f", 0.5);
     setlocale(LC_NUMERIC, "C");
     assert_ok(scene, err);
-    assert_true(duet_scene_bounds(scene)->upper[1] == 1.5f);
+    assert_true(test_bounds(scene)->upper[1] == 1.5f);
     assert_string_equal(shown, "0,5");
     duet_scene_destroy(scene);
 }
@@ -192,11 +192,11 @@ static void assert_scene_or_line(const char *bytes, size_t n)
 {
     duet_error err = {0};
     duet_scene *scene = scene_from_bytes(FILE_NAME, bytes, n, NULL, 0, &err);
-    assert_true((scene != NULL) == (err.status == DUET_OK));
+    assert_true((scene != NULL) == (err.status == DUET_STATUS_OK));
     assert_true(scene || (err.text[0] && !strchr(err.text, '\n')));
-    for (uint32_t i = 0; scene && i < duet_scene_describe(scene)->n; ++i)
-        if (duet_scene_poses(scene))
-            assert_true(isfinite(duet_scene_poses(scene)[i].centre[0]));
+    for (uint32_t i = 0; scene && i < duet_scene_get_info(scene)->n; ++i)
+        if (duet_scene_get_objects(scene, DUET_OBJECT_POSES))
+            assert_true(isfinite(test_poses(scene)[i].centre[0]));
     duet_scene_destroy(scene);
 }
 

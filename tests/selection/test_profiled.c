@@ -36,7 +36,7 @@ static fixture make_world(uint32_t n, uint64_t seed, float giant, const char *wo
     if (giant > 0)
         poses[n / 2].half_extents[0] = giant / 2;
     duet_device_pair_def pair_def = duet_default_device_pair_def();
-    f.pair = duet_device_pair_open(&pair_def, &err);
+    f.pair = duet_device_pair_create(&pair_def, &err);
     assert_ok(f.pair, err);
     duet_world_def def = duet_default_world_def();
     def.pair = f.pair;
@@ -50,7 +50,7 @@ static fixture make_world(uint32_t n, uint64_t seed, float giant, const char *wo
         def.upper[k] = 20;
     f.world = duet_world_create(&def, &err);
     assert_ok(f.world, err);
-    assert_ok(duet_world_set_poses(f.world, poses, n, &err), err);
+    assert_ok(duet_world_set_objects(f.world, DUET_OBJECT_POSES, poses, n, &err), err);
     free(poses);
     return f;
 }
@@ -58,7 +58,7 @@ static fixture make_world(uint32_t n, uint64_t seed, float giant, const char *wo
 static void drop_world(fixture *f)
 {
     duet_world_destroy(f->world);
-    duet_device_pair_close(f->pair);
+    duet_device_pair_destroy(f->pair);
 }
 
 static profile_subject describe(const fixture *f)
@@ -121,14 +121,14 @@ static void a_workload_is_of_the_objects_that_a_world_has(void **state)
     duet_error err = {0};
     fixture f = make_world(N, test_seed(), 0, "auto");
     profile_subject set = describe(&f);
-    duet_pose *poses = duet_world_map_poses(f.world, N, &err); // as they are
+    duet_pose *poses = duet_world_map_objects(f.world, DUET_OBJECT_POSES, N, &err); // as they are
     assert_ok(poses, err);
     profile_subject mapped = describe(&f);
     assert_memory_equal(&set.workload, &mapped.workload, sizeof set.workload);
     poses[N / 3].half_extents[1] = 4;
     assert_true(describe(&f).workload.size_ratio == 8);
     duet_pose one = poses[0];
-    assert_ok(duet_world_set_poses(f.world, &one, 1, &err), err);
+    assert_ok(duet_world_set_objects(f.world, DUET_OBJECT_POSES, &one, 1, &err), err);
     assert_int_equal(describe(&f).workload.n, 1);
     assert_true(describe(&f).workload.size_ratio == 1);
     drop_world(&f);
@@ -140,9 +140,9 @@ static void a_world_without_objects_is_refused(void **state)
     fixture f = make_world(1, 1, 0, "auto");
     profile_subject p;
     duet_error err = {0};
-    assert_ok(duet_world_set_poses(f.world, NULL, 0, &err), err);
+    assert_ok(duet_world_set_objects(f.world, DUET_OBJECT_POSES, NULL, 0, &err), err);
     assert_false(profile_subject_read(f.world, &p, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
     drop_world(&f);
 }
 
@@ -202,17 +202,17 @@ static void a_world_takes_its_profile_and_finds_the_same_pairs(void **state)
     duet_error err = {0};
     duet_result result;
     assert_ok(duet_world_step(f.world, &result, &err), err);
-    uint64_t hash = duet_result_hash(&result);
+    uint64_t hash = duet_result_get_hash(&result);
     put_for(folder.store, f.world, NULL);
     duet_profile profile;
     assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
     assert_int_equal(profile.grade, DUET_GRADE_EXACT);
     assert_string_equal(duet_grade_name(profile.grade), "exact");
-    assert_int_equal(duet_world_plan(f.world)->share, 3 * DUET_SHARE_ONE / 8);
-    assert_string_equal(duet_world_plan(f.world)->variant_b, "auto sort=radix");
+    assert_int_equal(duet_world_get_plan(f.world)->share, 3 * DUET_SHARE_ONE / 8);
+    assert_string_equal(duet_world_get_plan(f.world)->variant_b, "auto sort=radix");
     assert_true(profile.step_ms == 2 && profile.gain == 0.5 && profile.measured_s > 0);
     assert_ok(duet_world_step(f.world, &result, &err), err);
-    assert_true(duet_result_hash(&result) == hash);
+    assert_true(duet_result_get_hash(&result) == hash);
     drop_world(&f);
     test_folder_remove(&folder);
 }
@@ -236,12 +236,12 @@ static void a_world_gets_no_less_than_it_asked_for(void **state)
     assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
     assert_int_equal(profile.level, DUET_LEVEL_CERTIFIED);
-    assert_int_equal(duet_world_level(f.world), DUET_LEVEL_CERTIFIED);
+    assert_int_equal(duet_world_get_level(f.world), DUET_LEVEL_CERTIFIED);
     f.world->def.accuracy = (duet_accuracy){0, 0.02};
     assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
     assert_int_equal(profile.grade, DUET_GRADE_EXACT);
     assert_int_equal(profile.level, DUET_LEVEL_SAT6);
-    assert_int_equal(duet_world_level(f.world), DUET_LEVEL_SAT6);
+    assert_int_equal(duet_world_get_level(f.world), DUET_LEVEL_SAT6);
     assert_true(profile.accuracy.missed == 0 && profile.accuracy.false_rate == 0.02);
     assert_int_equal(profile.true_pairs, 100);
     drop_world(&f);
@@ -259,7 +259,7 @@ static void an_accuracy_that_cannot_be_is_refused(void **state)
         def.has_accuracy = true;
         def.accuracy = bad[i];
         assert_null(duet_world_create(&def, &err));
-        assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+        assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
         assert_non_null(strstr(err.text, "the world's accuracy"));
     }
     drop_world(&f);
@@ -270,7 +270,7 @@ static void without_a_profile_the_plan_stays(void **state)
     (void)state;
     test_folder folder = test_folder_make();
     fixture f = make_world(3000, test_seed(), 0, "auto");
-    duet_plan before = *duet_world_plan(f.world);
+    duet_plan before = *duet_world_get_plan(f.world);
     duet_error err = {0};
     duet_profile profile;
     assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
@@ -279,12 +279,12 @@ static void without_a_profile_the_plan_stays(void **state)
     assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
     assert_int_equal(profile.grade, DUET_GRADE_STALE);
     assert_memory_equal(&profile.plan, &before, sizeof before);
-    assert_memory_equal(duet_world_plan(f.world), &before, sizeof before);
+    assert_memory_equal(duet_world_get_plan(f.world), &before, sizeof before);
     assert_ok(text_write_file(folder.store, "rubbish", 7, &err), err);
     assert_false(duet_world_load_profile(f.world, folder.store, &profile, &err));
-    assert_int_equal(err.status, DUET_STORE_FAILED);
+    assert_int_equal(err.status, DUET_STATUS_STORE_FAILED);
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
-    assert_memory_equal(duet_world_plan(f.world), &before, sizeof before);
+    assert_memory_equal(duet_world_get_plan(f.world), &before, sizeof before);
     drop_world(&f);
     test_folder_remove(&folder);
 }
@@ -304,7 +304,7 @@ static void put_for_scene(const char *path)
 {
     duet_error err = {0};
     duet_device_pair_def pair_def = duet_default_device_pair_def();
-    duet_device_pair *pair = duet_device_pair_open(&pair_def, &err);
+    duet_device_pair *pair = duet_device_pair_create(&pair_def, &err);
     assert_ok(pair, err);
     duet_scene *scene = duet_scene_load(SCENE, NULL, 0, &err);
     assert_ok(scene, err);
@@ -314,7 +314,7 @@ static void put_for_scene(const char *path)
     put_for(path, world, NULL);
     duet_world_destroy(world);
     duet_scene_destroy(scene);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
 }
 
 static cJSON *ask_why(const char *path)

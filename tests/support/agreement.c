@@ -62,7 +62,7 @@ static duet_pair *sorted_pairs(const duet_result *result)
     duet_pair *pairs = malloc((result->pairs + 1) * sizeof *pairs);
     assert_non_null(pairs);
     for (uint64_t i = 0; i < result->pairs; ++i)
-        pairs[i] = duet_result_pair(result, i);
+        pairs[i] = duet_result_get_pair(result, i);
     if (result->pairs > 0)
         qsort(pairs, result->pairs, sizeof *pairs, compare_pairs);
     return pairs;
@@ -108,7 +108,7 @@ static void step(check *c, duet_world *world, const duet_plan *plan)
     duet_result result;
     assert_ok(duet_world_set_plan(world, plan, &err), err);
     assert_ok(duet_world_step(world, &result, &err), err);
-    if (result.pairs != c->truth.n || duet_result_hash(&result) != c->hash)
+    if (result.pairs != c->truth.n || duet_result_get_hash(&result) != c->hash)
         find_difference(c, plan, &result);
     if (result.candidates != c->candidates || result.undecided != c->undecided)
         fail_msg("%s %s, share %" PRIu32 ": %" PRIu64 " candidates and %" PRIu64
@@ -169,9 +169,10 @@ static bool set_objects(duet_world *world, const duet_world_def *def, const void
                         uint32_t n, duet_error *err)
 {
     if (def->origin > 0)
-        return duet_world_set_placed(world, objects, n, err);
-    return def->shape == DUET_SHAPE_POSES ? duet_world_set_poses(world, objects, n, err)
-                                          : duet_world_set_bounds(world, objects, n, err);
+        return duet_world_set_objects(world, DUET_OBJECT_LARGE_POSES, objects, n, err);
+    return def->shape == DUET_SHAPE_POSES
+               ? duet_world_set_objects(world, DUET_OBJECT_POSES, objects, n, err)
+               : duet_world_set_objects(world, DUET_OBJECT_BOUNDS, objects, n, err);
 }
 
 uint64_t agreement_check(const duet_world_def *def, const void *objects, uint32_t n)

@@ -12,7 +12,7 @@ int open_devices(void **state)
     (void)state;
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_open(&def, &err);
+    devices = duet_device_pair_create(&def, &err);
     assert_ok(devices != NULL, err);
     return 0;
 }
@@ -20,7 +20,7 @@ int open_devices(void **state)
 int close_devices(void **state)
 {
     (void)state;
-    duet_device_pair_close(devices);
+    duet_device_pair_destroy(devices);
     assert_int_equal(device_live_objects(), 0);
     return 0;
 }

@@ -486,7 +486,7 @@ void hard_pair_print(const hard_pair *pair, uint32_t dims)
 {
     print_pose("a", &pair->a);
     print_pose("b", &pair->b);
-    print_message("dims %u\nfor duet test, in 3D: ", dims);
+    print_message("dims %u\nfor duet query, in 3D: ", dims);
     duet_pose a = narrow_flat(&pair->a, dims), b = narrow_flat(&pair->b, dims);
     print_row(&a);
     print_row(&b);

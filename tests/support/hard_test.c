@@ -78,20 +78,20 @@ static void let_go(crowd *c)
 
 void hard_test_verdicts(duet_device_pair *devices, duet_level level, uint32_t dims, uint32_t share,
                         const duet_pose *poses, uint64_t n, uint8_t *verdicts,
-                        duet_test_result *result)
+                        duet_pair_query_result *result)
 {
     duet_error err = {0};
-    duet_test_result ignored;
-    duet_test_def def = duet_default_test_def();
+    duet_pair_query_result ignored;
+    duet_pair_query_def def = duet_default_pair_query_def();
     def.pair = devices;
     def.share = share;
     def.level = level;
     def.dims = dims;
-    duet_test *test = duet_test_open(&def, &err);
+    duet_pair_query *test = duet_pair_query_create(&def, &err);
     assert_ok(test, err);
-    assert_ok(duet_test_pairs(test, poses, n, verdicts, NULL, result ? result : &ignored, &err),
+    assert_ok(duet_pair_query_run(test, poses, n, verdicts, NULL, result ? result : &ignored, &err),
               err);
-    duet_test_close(test);
+    duet_pair_query_destroy(test);
 }
 
 // ------------------------------------------------------------ judging
@@ -100,7 +100,7 @@ static void fail_at(const crowd *c, duet_level level, uint64_t i, const char *wh
 {
     hard_pair pair = {c->poses[2 * i], c->poses[2 * i + 1]};
     hard_pair_print(&pair, c->dims);
-    fail_msg("level %s, '%s': verdict %d %s", duet_level_describe(level)->name,
+    fail_msg("level %s, '%s': verdict %d %s", duet_level_get_info(level)->name,
              hard_classes[i / (uint64_t)c->each].name, c->verdicts[i], what);
 }
 
@@ -121,7 +121,7 @@ static bool specified(duet_level level, const hard_pair *p, uint32_t dims)
 
 static void judge(const crowd *c, duet_level level)
 {
-    const duet_level_info *info = duet_level_describe(level);
+    const duet_level_info *info = duet_level_get_info(level);
     for (uint64_t i = 0; i < c->n; ++i) {
         hard_pair pair = {c->poses[2 * i], c->poses[2 * i + 1]};
         bool answer = c->verdicts[i];

@@ -14,6 +14,6 @@ void hard_test_run(duet_device_pair *devices, uint32_t dims, int each);
 // One level's verdicts of n pairs; A has the share.
 void hard_test_verdicts(duet_device_pair *devices, duet_level level, uint32_t dims, uint32_t share,
                         const duet_pose *poses, uint64_t n, uint8_t *verdicts,
-                        duet_test_result *result);
+                        duet_pair_query_result *result);
 
 #endif

@@ -14,7 +14,7 @@ int mover_open_pair(void **state)
     (void)state;
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
-    pair = duet_device_pair_open(&def, &err);
+    pair = duet_device_pair_create(&def, &err);
     assert_ok(pair, err);
     return 0;
 }
@@ -22,7 +22,7 @@ int mover_open_pair(void **state)
 int mover_close_pair(void **state)
 {
     (void)state;
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
     assert_int_equal(device_live_objects(), 0);
     return 0;
 }
@@ -95,7 +95,7 @@ void mover_run(mover *m, uint32_t steps)
     make(m);
     for (uint32_t i = 0; i < steps; ++i)
         assert_ok(duet_motion_advance(m->motion, &m->last, &err), err);
-    assert_ok(duet_motion_read(m->motion, m->states, &err), err);
+    assert_ok(duet_motion_get_states(m->motion, m->states, &err), err);
 }
 
 duet_energy mover_energy(mover *m)
@@ -103,7 +103,7 @@ duet_energy mover_energy(mover *m)
     duet_error err = {0};
     duet_energy energy;
     make(m);
-    assert_ok(duet_motion_energy(m->motion, &energy, &err), err);
+    assert_ok(duet_motion_get_energy(m->motion, &energy, &err), err);
     return energy;
 }
 
@@ -167,6 +167,6 @@ uint64_t mover_hash(mover *m)
     duet_error err = {0};
     uint64_t hash = 0;
     make(m);
-    assert_ok(duet_motion_hash(m->motion, &hash, &err), err);
+    assert_ok(duet_motion_get_hash(m->motion, &hash, &err), err);
     return hash;
 }

@@ -40,7 +40,7 @@ void skin_assert_none_missed(mover *m, const duet_pose *poses)
     duet_contact *contacts = NULL;
     uint64_t n = 0;
     double unseen = depth_unseen(m, poses);
-    assert_ok(duet_motion_contacts(m->motion, &contacts, &n, &err), err);
+    assert_ok(duet_motion_get_contacts(m->motion, &contacts, &n, &err), err);
     for (uint32_t a = 0; a < m->n; ++a)
         for (uint32_t b = a + 1; b < m->n; ++b)
             if ((m->bodies[a].mass > 0 || m->bodies[b].mass > 0) &&

@@ -46,7 +46,7 @@ duet_error test_store_refusal(const char *path, store_access access)
 {
     duet_error err = {0};
     assert_null(store_open(path, access, &err));
-    assert_int_not_equal(err.status, DUET_OK);
+    assert_int_not_equal(err.status, DUET_STATUS_OK);
     assert_non_null(strstr(err.text, path));
     assert_null(strchr(err.text, '\n'));
     return err;

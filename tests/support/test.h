@@ -10,11 +10,29 @@
 
 #include <cmocka.h>
 
+#include "runtime/duet.h"
+
 // DUET_TEST_SEED where set, else a fixed one; printed, so that a failing run
 // can be repeated.
 uint64_t test_seed(void);
 
 void test_write_file(const char *path, const char *content);
+
+// A scene's objects by their type.
+static inline const duet_pose *test_poses(const duet_scene *scene)
+{
+    return duet_scene_get_objects(scene, DUET_OBJECT_POSES);
+}
+
+static inline const duet_bounds *test_bounds(const duet_scene *scene)
+{
+    return duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS);
+}
+
+static inline const duet_large_pose *test_large_poses(const duet_scene *scene)
+{
+    return duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES);
+}
 
 // How many names there are in the folder one is in.
 int test_count_files(void);

@@ -55,7 +55,7 @@ static void what_no_level_reaches_names_the_nearest(void **state)
     duet_level level;
     duet_error err = {0};
     assert_false(level_choose(list, N, some, 3, &accuracy, &level, &err));
-    assert_int_equal(err.status, DUET_NOT_FOUND);
+    assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
     assert_string_equal(err.text, "no level to choose from is within missed 0 and false rate 0.02: "
                                   "'sat6' comes nearest, with 0 and 0.09");
 }

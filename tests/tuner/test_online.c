@@ -107,12 +107,12 @@ static void make_world(fixture *f)
     duet_error err = {0};
     duet_device_pair_def devices = duet_default_device_pair_def();
     duet_world_def def = duet_default_world_def();
-    assert_ok((f->pair = duet_device_pair_open(&devices, &err)), err);
+    assert_ok((f->pair = duet_device_pair_create(&devices, &err)), err);
     def.pair = f->pair;
     def.plan.share = DUET_SHARE_ONE / 2;
     assert_ok((f->world = duet_world_create(&def, &err)), err);
     rng r = rng_seed(test_seed());
-    duet_pose *poses = duet_world_map_poses(f->world, BOXES, &err);
+    duet_pose *poses = duet_world_map_objects(f->world, DUET_OBJECT_POSES, BOXES, &err);
     assert_non_null(poses);
     for (int i = 0; i < BOXES; ++i) {
         poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
@@ -124,7 +124,7 @@ static void make_world(fixture *f)
 static void destroy_world(fixture *f)
 {
     duet_world_destroy(f->world);
-    duet_device_pair_close(f->pair);
+    duet_device_pair_destroy(f->pair);
 }
 
 static void steps_find_the_same_pairs_while_the_share_is_watched(void **state)
@@ -135,16 +135,16 @@ static void steps_find_the_same_pairs_while_the_share_is_watched(void **state)
     duet_result plain, watched;
     make_world(&f);
     assert_ok(duet_world_step(f.world, &plain, &err), err);
-    uint64_t hash = duet_result_hash(&plain);
+    uint64_t hash = duet_result_get_hash(&plain);
     duet_online_def def = duet_default_online_def();
     def.world = f.world;
-    duet_online *watching = duet_online_open(&def, &err);
+    duet_online *watching = duet_online_create(&def, &err);
     assert_non_null(watching);
     for (int i = 0; i < 100; ++i) {
         assert_ok(duet_online_step(watching, &watched, &err), err);
-        assert_true(duet_result_hash(&watched) == hash);
+        assert_true(duet_result_get_hash(&watched) == hash);
     }
-    assert_ok(duet_online_close(watching, &err), err);
+    assert_ok(duet_online_destroy(watching, &err), err);
     destroy_world(&f);
 }
 
@@ -160,14 +160,14 @@ static void what_was_learned_is_loaded_at_the_next_start(void **state)
     make_world(&f);
     assert_ok(profile_subject_read(f.world, &known, &err), err);
     profile_request request = profile_subject_request(&known);
-    duet_plan plan = *duet_world_plan(f.world);
+    duet_plan plan = *duet_world_get_plan(f.world);
     plan.share = 12345;
     assert_ok(record_open(&r, STORE, &err) && record_aim(&r, &request, &err), err);
     assert_ok(record_online(&r, &plan, 2e6, &err), err);
     record_close(&r);
     assert_ok(duet_world_load_profile(f.world, STORE, &profile, &err), err);
     assert_int_equal(profile.grade, DUET_GRADE_EXACT);
-    assert_int_equal(duet_world_plan(f.world)->share, 12345);
+    assert_int_equal(duet_world_get_plan(f.world)->share, 12345);
     assert_string_equal(profile.verdict, "ambiguous");
     destroy_world(&f);
     remove_store();
@@ -178,8 +178,8 @@ static void a_def_that_is_no_def_is_refused(void **state)
     (void)state;
     duet_online_def zero = {0};
     duet_error err = {0};
-    assert_null(duet_online_open(&zero, &err));
-    assert_int_equal(err.status, DUET_BAD_ARGUMENT);
+    assert_null(duet_online_create(&zero, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
 }
 
 int main(void)

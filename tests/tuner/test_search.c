@@ -70,7 +70,7 @@ static duet_device_pair *open_pair(const char *a, const char *b)
     def.a = a;
     def.b = b;
     duet_error err = {0};
-    duet_device_pair *pair = duet_device_pair_open(&def, &err);
+    duet_device_pair *pair = duet_device_pair_create(&def, &err);
     assert_ok(pair, err);
     return pair;
 }
@@ -87,7 +87,7 @@ static int open_devices(void **state)
 static int close_devices(void **state)
 {
     (void)state;
-    duet_device_pair_close(first_two);
+    duet_device_pair_destroy(first_two);
     return 0;
 }
 
@@ -108,9 +108,9 @@ static void set_objects(duet_world *world, const crowd *c)
 {
     duet_error err = {0};
     if (c->shape == DUET_SHAPE_POSES)
-        assert_ok(duet_world_set_poses(world, c->poses, c->n, &err), err);
+        assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, c->poses, c->n, &err), err);
     else
-        assert_ok(duet_world_set_bounds(world, c->bounds, c->n, &err), err);
+        assert_ok(duet_world_set_objects(world, DUET_OBJECT_BOUNDS, c->bounds, c->n, &err), err);
 }
 
 static void assert_finds(duet_world *world, const crowd *c, const char *a, const char *b,
@@ -125,7 +125,7 @@ static void assert_finds(duet_world *world, const crowd *c, const char *a, const
     assert_ok(duet_world_step(world, &result, &err), err);
     uint64_t n_pairs;
     uint64_t hash = reference_hash(c, &n_pairs);
-    if (result.pairs != n_pairs || duet_result_hash(&result) != hash)
+    if (result.pairs != n_pairs || duet_result_get_hash(&result) != hash)
         fail_msg("%uD shape %d rotated %d n %u, %s and %s at %u: %" PRIu64 " pairs, not %" PRIu64,
                  c->dims, (int)c->shape, c->rotated, c->n, a, b, share, result.pairs, n_pairs);
 }
@@ -230,7 +230,7 @@ static void parts_agree_where_a_cell_is_cut(void **state)
         assert_finds(world, &c, searches[round % 3], searches[round / 3 % 3],
                      rng_below(&r, DUET_SHARE_ONE), round % 2 ? DUET_MODE_SLAB : DUET_MODE_OWN);
     duet_world_destroy(world);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
 }
 
 int main(void)

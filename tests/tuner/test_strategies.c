@@ -330,7 +330,7 @@ static void senseless_times_do_no_harm(void **state)
             search_bracket(&s, &low, &high);
             assert_true(s.n < 1000 && search_pick(&s) <= SEARCH_ONE);
         }
-        assert_int_equal(err.status, DUET_OK);
+        assert_int_equal(err.status, DUET_STATUS_OK);
         search_end(&s);
     }
 }
@@ -391,7 +391,7 @@ static void a_search_state_that_no_search_wrote_is_refused(void **state)
         search s;
         duet_error err = {0};
         assert_false(search_from_json(&s, texts[i], &err));
-        assert_true(err.status == DUET_BAD_INPUT || err.status == DUET_NOT_FOUND);
+        assert_true(err.status == DUET_STATUS_BAD_INPUT || err.status == DUET_STATUS_NOT_FOUND);
     }
 }
 

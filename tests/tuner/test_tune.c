@@ -41,7 +41,7 @@ static bool launch_fake(void *context, const duet_plan *plan, measure_launch *la
     if ((a && strcmp(plan->variant_a, "broken") == 0) ||
         (b && strcmp(plan->variant_b, "broken") == 0)) {
         if (err) {
-            err->status = DUET_BUILD_FAILED;
+            err->status = DUET_STATUS_BUILD_FAILED;
             strcpy(err->text, "broken does not build");
         }
         return false;
@@ -257,7 +257,7 @@ static void a_default_that_finds_wrong_pairs_ends_the_tuning(void **state)
     duet_tune_outcome outcome;
     duet_error err = {0};
     assert_false(tune_run(&task, &kept, &outcome, &err));
-    assert_int_equal(err.status, DUET_WRONG_RESULT);
+    assert_int_equal(err.status, DUET_STATUS_WRONG_RESULT);
     assert_non_null(strstr(err.text, "pair hash 0000000000000001"));
     assert_int_equal(f.launches, 1);
     trial_log_free(&kept);
@@ -275,7 +275,7 @@ static void nothing_that_builds_is_said_with_its_reason(void **state)
     duet_tune_outcome outcome;
     duet_error err = {0};
     assert_false(tune_run(&task, &kept, &outcome, &err));
-    assert_int_equal(err.status, DUET_BUILD_FAILED);
+    assert_int_equal(err.status, DUET_STATUS_BUILD_FAILED);
     assert_non_null(strstr(err.text, "broken does not build"));
     trial_log_free(&kept);
 }
@@ -308,7 +308,7 @@ static void a_resumed_tuning_ends_as_an_uninterrupted_one(void **state)
         duet_error err = {0};
         uint32_t stops = 0;
         while (!tune_run(&task, &kept, &outcome, &err)) {
-            assert_int_equal(err.status, DUET_INTERRUPTED);
+            assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
             err = (duet_error){0};
             text json = {0};
             trial_log_to_json(&kept, &json);

@@ -61,7 +61,7 @@ void fuzz_require_at(bool holds, const char *fact, const char *file, int line)
 
 void fuzz_require_answer(bool ok, const duet_error *err)
 {
-    fuzz_require(ok == (err->status == DUET_OK));
+    fuzz_require(ok == (err->status == DUET_STATUS_OK));
     fuzz_require(ok == (err->text[0] == '\0'));
     fuzz_require(!strpbrk(err->text, "\n\r"));
 }

@@ -6,7 +6,7 @@ enum { BOXES = 5 };
 duet_device_pair *motions_open_pair(duet_error *err)
 {
     duet_device_pair_def def = duet_default_device_pair_def();
-    return duet_device_pair_open(&def, err);
+    return duet_device_pair_create(&def, err);
 }
 
 // A floor, and boxes that fall on it and on each other.

@@ -23,7 +23,7 @@ static void require_bounds(const duet_bounds *b, uint32_t dims)
         fuzz_require(isfinite(b->lower[k]) && isfinite(b->upper[k]) && b->lower[k] <= b->upper[k]);
 }
 
-static void require_placed(const duet_placed *p, uint32_t dims, float edge)
+static void require_placed(const duet_large_pose *p, uint32_t dims, float edge)
 {
     require_pose(&p->pose, dims);
     for (uint32_t k = 0; k < dims; ++k)
@@ -32,10 +32,10 @@ static void require_placed(const duet_placed *p, uint32_t dims, float edge)
 
 void fuzz_require_objects(const duet_scene *scene)
 {
-    const duet_scene_info *info = duet_scene_describe(scene);
-    const duet_pose *poses = duet_scene_poses(scene);
-    const duet_bounds *bounds = duet_scene_bounds(scene);
-    const duet_placed *placed = duet_scene_placed(scene);
+    const duet_scene_info *info = duet_scene_get_info(scene);
+    const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
+    const duet_bounds *bounds = duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS);
+    const duet_large_pose *placed = duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES);
     fuzz_require(info->n == 0 || poses || bounds || placed);
     for (uint32_t i = 0; i < info->n; ++i) {
         if (placed)
@@ -49,15 +49,20 @@ void fuzz_require_objects(const duet_scene *scene)
 
 void fuzz_require_same(const duet_scene *a, const duet_scene *b)
 {
-    const duet_scene_info *x = duet_scene_describe(a);
-    const duet_scene_info *y = duet_scene_describe(b);
+    const duet_scene_info *x = duet_scene_get_info(a);
+    const duet_scene_info *y = duet_scene_get_info(b);
     fuzz_require(x->n == y->n && x->dims == y->dims && x->shape == y->shape);
     fuzz_require(strcmp(x->name, y->name) == 0);
-    fuzz_require(!duet_scene_poses(a) == !duet_scene_poses(b));
-    fuzz_require(!duet_scene_poses(a) ||
-                 memcmp(duet_scene_poses(a), duet_scene_poses(b), x->n * sizeof(duet_pose)) == 0);
-    fuzz_require(!duet_scene_bounds(a) || memcmp(duet_scene_bounds(a), duet_scene_bounds(b),
-                                                 x->n * sizeof(duet_bounds)) == 0);
+    fuzz_require(!duet_scene_get_objects(a, DUET_OBJECT_POSES) ==
+                 !duet_scene_get_objects(b, DUET_OBJECT_POSES));
+    fuzz_require(!duet_scene_get_objects(a, DUET_OBJECT_POSES) ||
+                 memcmp(duet_scene_get_objects(a, DUET_OBJECT_POSES),
+                        duet_scene_get_objects(b, DUET_OBJECT_POSES),
+                        x->n * sizeof(duet_pose)) == 0);
+    fuzz_require(!duet_scene_get_objects(a, DUET_OBJECT_BOUNDS) ||
+                 memcmp(duet_scene_get_objects(a, DUET_OBJECT_BOUNDS),
+                        duet_scene_get_objects(b, DUET_OBJECT_BOUNDS),
+                        x->n * sizeof(duet_bounds)) == 0);
 }
 
 static bool load(const char *path, const duet_setting *settings, uint32_t n_settings)

@@ -13,14 +13,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static duet_test *open_test(duet_level level, uint32_t share)
+static duet_pair_query *open_test(duet_level level, uint32_t share)
 {
     duet_error err = {0};
-    duet_test_def def = duet_default_test_def();
+    duet_pair_query_def def = duet_default_pair_query_def();
     def.pair = devices;
     def.level = level;
     def.share = share;
-    duet_test *test = duet_test_open(&def, &err);
+    duet_pair_query *test = duet_pair_query_create(&def, &err);
     assert_ok(test, err);
     return test;
 }
@@ -91,19 +91,21 @@ static void a_step_s_candidates_tested_alone_are_its_pairs(void **state)
     def.pair = devices;
     duet_world *world = duet_world_create(&def, &err);
     assert_ok(world, err);
-    assert_ok(duet_world_set_poses(world, objects, (uint32_t)random_scene(objects), &err), err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, objects,
+                                     (uint32_t)random_scene(objects), &err),
+              err);
     step_at(world, DUET_LEVEL_AABB, &result);
     uint64_t n = result.pairs;
     duet_pair *pairs = malloc(n * sizeof *pairs);
     duet_pose *poses = malloc(2 * n * sizeof *poses);
     uint8_t *verdicts = malloc(n);
     for (uint64_t i = 0; i < n; ++i) {
-        pairs[i] = duet_result_pair(&result, i);
+        pairs[i] = duet_result_get_pair(&result, i);
         poses[2 * i] = objects[pairs[i].a];
         poses[2 * i + 1] = objects[pairs[i].b];
     }
     for (int level = 0; level < DUET_LEVELS; ++level) {
-        duet_test_result tested;
+        duet_pair_query_result tested;
         uint64_t hash = 0;
         hard_test_verdicts(devices, (duet_level)level, 3, DUET_SHARE_ONE / 2, poses, n, verdicts,
                            &tested);
@@ -111,7 +113,7 @@ static void a_step_s_candidates_tested_alone_are_its_pairs(void **state)
             hash += verdicts[i] ? duet_pairs_hash(&pairs[i], 1) : 0;
         step_at(world, (duet_level)level, &result);
         assert_int_equal(tested.colliding, result.pairs);
-        assert_int_equal(hash, duet_result_hash(&result));
+        assert_int_equal(hash, duet_result_get_hash(&result));
         assert_true(level != DUET_LEVEL_CERTIFIED || tested.undecided == result.undecided);
     }
     free(verdicts);
@@ -133,13 +135,13 @@ static void any_number_of_pairs_is_tested_and_nothing_else_written(void **state)
     assert_true(poses && verdicts);
     fill_row(poses, MOST);
     for (uint32_t share = 0; share <= DUET_SHARE_ONE; share += DUET_SHARE_ONE / 2) {
-        duet_test *test = open_test(DUET_LEVEL_SPHERE, share);
+        duet_pair_query *test = open_test(DUET_LEVEL_SPHERE, share);
         for (size_t c = 0; c < sizeof counts / sizeof *counts; ++c) {
             duet_error err = {0};
-            duet_test_result result;
+            duet_pair_query_result result;
             uint64_t n = counts[c];
             memset(verdicts, 77, MOST + GUARD);
-            assert_ok(duet_test_pairs(test, poses, n, verdicts, NULL, &result, &err), err);
+            assert_ok(duet_pair_query_run(test, poses, n, verdicts, NULL, &result, &err), err);
             uint64_t colliding = 0;
             for (uint64_t i = 0; i < MOST + GUARD; ++i) {
                 assert_int_equal(verdicts[i], i < n ? i % 3 != 2 : 77);
@@ -147,7 +149,7 @@ static void any_number_of_pairs_is_tested_and_nothing_else_written(void **state)
             }
             assert_int_equal(result.colliding, colliding);
         }
-        duet_test_close(test);
+        duet_pair_query_destroy(test);
     }
     free(verdicts);
     free(poses);
@@ -163,14 +165,14 @@ static void gaps_are_those_of_the_best_axis_at_any_share(void **state)
     fill_row(poses, N);
     for (uint32_t share = 0; share <= DUET_SHARE_ONE; share += DUET_SHARE_ONE / 4) {
         duet_error err = {0};
-        duet_test_result result;
-        duet_test *test = open_test(DUET_LEVEL_CERTIFIED, share);
-        assert_ok(duet_test_pairs(test, poses, N, verdicts, separations, &result, &err), err);
+        duet_pair_query_result result;
+        duet_pair_query *test = open_test(DUET_LEVEL_CERTIFIED, share);
+        assert_ok(duet_pair_query_run(test, poses, N, verdicts, separations, &result, &err), err);
         for (int i = 0; i < N; ++i) {
             assert_int_equal(verdicts[i], i % 3 != 2);
             assert_true(separations[i] == (i % 3 == 2 ? 0.5 : -0.25));
         }
-        duet_test_close(test);
+        duet_pair_query_destroy(test);
     }
 }
 
@@ -178,16 +180,16 @@ static void touching_pairs_are_decided_on_the_host_and_counted(void **state)
 {
     (void)state;
     duet_error err = {0};
-    duet_test_result result;
+    duet_pair_query_result result;
     uint8_t verdicts[2];
     const duet_pose poses[] = {cube_at(0, 0, 0), cube_at(1, 0, 0), cube_at(0, 0, 0),
                                cube_at(nextafterf(1, 2), 0, 0)};
-    duet_test *test = open_test(DUET_LEVEL_CERTIFIED, 0);
-    assert_ok(duet_test_pairs(test, poses, 2, verdicts, NULL, &result, &err), err);
+    duet_pair_query *test = open_test(DUET_LEVEL_CERTIFIED, 0);
+    assert_ok(duet_pair_query_run(test, poses, 2, verdicts, NULL, &result, &err), err);
     assert_int_equal(verdicts[0], 1);
     assert_int_equal(verdicts[1], 0);
     assert_int_equal(result.undecided, 2);
-    duet_test_close(test);
+    duet_pair_query_destroy(test);
 }
 
 // ------------------------------------------------------------ refusals
@@ -195,13 +197,13 @@ static void touching_pairs_are_decided_on_the_host_and_counted(void **state)
 static void expect_refused(const duet_pose *poses, uint64_t n, uint32_t share, const char *why)
 {
     duet_error err = {0};
-    duet_test_result result;
+    duet_pair_query_result result;
     uint8_t *verdicts = malloc(n);
-    duet_test *test = open_test(DUET_LEVEL_SAT15, share);
-    assert_false(duet_test_pairs(test, poses, n, verdicts, NULL, &result, &err));
-    assert_int_equal(err.status, DUET_BAD_OBJECT);
+    duet_pair_query *test = open_test(DUET_LEVEL_SAT15, share);
+    assert_false(duet_pair_query_run(test, poses, n, verdicts, NULL, &result, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_string_equal(err.text, why);
-    duet_test_close(test);
+    duet_pair_query_destroy(test);
     free(verdicts);
 }
 
@@ -245,28 +247,28 @@ static void a_test_goes_on_after_a_refusal(void **state)
 {
     (void)state;
     duet_error err = {0};
-    duet_test_result result;
+    duet_pair_query_result result;
     uint8_t verdict;
     duet_pose poses[2] = {cube_at(0, 0, 0), cube_at(0, 0, 0)};
-    duet_test *test = open_test(DUET_LEVEL_DOUBLE, 0);
+    duet_pair_query *test = open_test(DUET_LEVEL_DOUBLE, 0);
     poses[0].half_extents[0] = NAN;
-    assert_false(duet_test_pairs(test, poses, 1, &verdict, NULL, &result, NULL));
+    assert_false(duet_pair_query_run(test, poses, 1, &verdict, NULL, &result, NULL));
     poses[0].half_extents[0] = 1;
-    assert_ok(duet_test_pairs(test, poses, 1, &verdict, NULL, &result, &err), err);
+    assert_ok(duet_pair_query_run(test, poses, 1, &verdict, NULL, &result, &err), err);
     assert_int_equal(verdict, 1);
-    assert_false(duet_test_pairs(test, NULL, 1, &verdict, NULL, &result, &err));
+    assert_false(duet_pair_query_run(test, NULL, 1, &verdict, NULL, &result, &err));
     assert_string_equal(err.text, "1 pairs, but no memory for their poses");
-    duet_test_close(test);
+    duet_pair_query_destroy(test);
 }
 
 static void a_wrong_def_is_told(void **state)
 {
     (void)state;
-    duet_test_def right = duet_default_test_def();
+    duet_pair_query_def right = duet_default_pair_query_def();
     right.pair = devices;
-    duet_test_def wrong[5] = {right, right, right, right, right};
+    duet_pair_query_def wrong[5] = {right, right, right, right, right};
     static const char *const why[] = {
-        "the test's def does not come from duet_default_test_def",
+        "the test's def does not come from duet_default_pair_query_def",
         "the test's def has no device pair",
         "dims is 4; expected 2 or 3",
         "level is 6; expected a duet_level",
@@ -279,7 +281,7 @@ static void a_wrong_def_is_told(void **state)
     wrong[4].share = DUET_SHARE_ONE + 1;
     for (int i = 0; i < 5; ++i) {
         duet_error err = {0};
-        assert_null(duet_test_open(&wrong[i], &err));
+        assert_null(duet_pair_query_create(&wrong[i], &err));
         assert_string_equal(err.text, why[i]);
     }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// duet test: the narrow phase alone, on pairs that a file brings.
+// duet query: the narrow phase alone, on pairs that a file brings.
 #include "base/error.h"
 #include "base/npy.h"
 #include "base/text.h"
@@ -41,7 +41,7 @@ static const option options[] = {
 };
 
 static const command_line line = {
-    .name = "test",
+    .name = "query",
     .operands = "PAIRS.npy|FILE",
     .least_operands = 1,
     .most_operands = 1,
@@ -55,7 +55,7 @@ static const command_line line = {
 // ---------------------------------------------------------------- testing
 
 typedef struct tested {
-    duet_test_def def;
+    duet_pair_query_def def;
     const char *path;
     const duet_pose *poses;
     uint64_t n; // pairs
@@ -70,23 +70,23 @@ typedef struct tested {
 
 // Drivers compile on when a kernel is launched first: that is not what is timed.
 // Of so many pairs each device that has a share gets one.
-static bool warm_up(tested *t, duet_test *test, duet_error *err)
+static bool warm_up(tested *t, duet_pair_query *test, duet_error *err)
 {
-    duet_test_result result;
+    duet_pair_query_result result;
     uint64_t n = t->n < DUET_SHARE_ONE ? t->n : DUET_SHARE_ONE;
-    return duet_test_pairs(test, t->poses, n, t->verdicts, NULL, &result, err);
+    return duet_pair_query_run(test, t->poses, n, t->verdicts, NULL, &result, err);
 }
 
-static bool test_slices(tested *t, duet_test *test, duet_error *err)
+static bool test_slices(tested *t, duet_pair_query *test, duet_error *err)
 {
     progress shown = progress_begin("pair", t->n);
     bool ok = true;
     for (uint64_t done = 0; ok && done < t->n; done += SLICE) {
-        duet_test_result result;
+        duet_pair_query_result result;
         uint64_t left = t->n - done;
-        ok = duet_test_pairs(test, t->poses + 2 * done, left < SLICE ? left : SLICE,
-                             t->verdicts + done, t->separations ? t->separations + done : NULL,
-                             &result, err) &&
+        ok = duet_pair_query_run(test, t->poses + 2 * done, left < SLICE ? left : SLICE,
+                                 t->verdicts + done, t->separations ? t->separations + done : NULL,
+                                 &result, err) &&
              interrupt_check(err);
         if (!ok)
             break;
@@ -104,8 +104,8 @@ static bool reserve(tested *t, bool separations, duet_error *err)
     t->verdicts = malloc(t->n + 1);
     t->separations = separations ? malloc((t->n + 1) * sizeof *t->separations) : NULL;
     return (t->verdicts && (t->separations || !separations)) ||
-           error_set(err, DUET_NO_MEMORY, "%s: no memory for the verdicts of %llu pairs", t->path,
-                     (unsigned long long)t->n);
+           error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for the verdicts of %llu pairs",
+                     t->path, (unsigned long long)t->n);
 }
 
 // ---------------------------------------------------------------- writing
@@ -150,24 +150,24 @@ static void tell(const tested *t)
 {
     double share = (double)t->def.share / DUET_SHARE_ONE;
     printf("%s: %s pairs in %uD, level %s\n", say_name(t->path).chars, table_count(t->n).chars,
-           t->def.dims, duet_level_describe(t->def.level)->name);
+           t->def.dims, duet_level_get_info(t->def.level)->name);
     printf("%s colliding, %s separated, %s left undecided by float\n",
            table_count(t->colliding).chars, table_count(t->n - t->colliding).chars,
            table_count(t->undecided).chars);
     printf("%.6f s, A %s %.1f %%, B %s %.1f %%\n", t->seconds,
-           duet_device_pair_info(t->def.pair, 0)->selector, 100 * share,
-           duet_device_pair_info(t->def.pair, 1)->selector, 100 * (1 - share));
+           duet_device_pair_get_info(t->def.pair, 0)->selector, 100 * share,
+           duet_device_pair_get_info(t->def.pair, 1)->selector, 100 * (1 - share));
 }
 
 static bool tell_json(const tested *t, duet_error *err)
 {
     cJSON *o = cJSON_CreateObject();
     char both[160];
-    snprintf(both, sizeof both, "%s,%s", duet_device_pair_info(t->def.pair, 0)->selector,
-             duet_device_pair_info(t->def.pair, 1)->selector);
+    snprintf(both, sizeof both, "%s,%s", duet_device_pair_get_info(t->def.pair, 0)->selector,
+             duet_device_pair_get_info(t->def.pair, 1)->selector);
     cJSON_AddStringToObject(o, "file", t->path);
     cJSON_AddNumberToObject(o, "dims", t->def.dims);
-    cJSON_AddStringToObject(o, "level", duet_level_describe(t->def.level)->name);
+    cJSON_AddStringToObject(o, "level", duet_level_get_info(t->def.level)->name);
     cJSON_AddStringToObject(o, "pair", both);
     cJSON_AddNumberToObject(o, "share", (double)t->def.share / DUET_SHARE_ONE);
     cJSON_AddNumberToObject(o, "n", (double)t->n);
@@ -185,7 +185,7 @@ static duet_device_pair *open_devices(const arguments *args, duet_error *err)
         return inputs_open_pair(args->pair, err);
     duet_device_pair_def def = duet_default_device_pair_def();
     def.a = def.b = args->device;
-    return duet_device_pair_open(&def, err);
+    return duet_device_pair_create(&def, err);
 }
 
 // One device is B, and A the same with nothing to do.
@@ -198,7 +198,7 @@ static uint32_t share_of(const arguments *args, const duet_device_pair *pair)
 
 static bool run_test(tested *t, const arguments *args, duet_error *err)
 {
-    duet_test *test = duet_test_open(&t->def, err);
+    duet_pair_query *test = duet_pair_query_create(&t->def, err);
     bool ok = test && reserve(t, args->separations, err) && warm_up(t, test, err) &&
               test_slices(t, test, err);
     if (ok && args->out)
@@ -209,7 +209,7 @@ static bool run_test(tested *t, const arguments *args, duet_error *err)
         tell(t);
     free(t->separations);
     free(t->verdicts);
-    duet_test_close(test);
+    duet_pair_query_destroy(test);
     return ok;
 }
 
@@ -219,22 +219,22 @@ static bool run(const arguments *args, const char *path, duet_error *err)
     duet_scene *pairs = pair ? duet_scene_load_pairs(path, err) : NULL;
     bool ok = false;
     if (pairs) {
-        const duet_scene_info *info = duet_scene_describe(pairs);
-        tested t = {.def = duet_default_test_def(), .path = path};
+        const duet_scene_info *info = duet_scene_get_info(pairs);
+        tested t = {.def = duet_default_pair_query_def(), .path = path};
         t.def.pair = pair;
         t.def.share = share_of(args, pair);
         t.def.level = args->level;
         t.def.dims = info->dims;
-        t.poses = duet_scene_poses(pairs);
+        t.poses = duet_scene_get_objects(pairs, DUET_OBJECT_POSES);
         t.n = info->n / 2;
         ok = run_test(&t, args, err);
     }
     duet_scene_destroy(pairs);
-    duet_device_pair_close(pair);
+    duet_device_pair_destroy(pair);
     return ok;
 }
 
-int command_test(int argc, char **argv)
+int command_query(int argc, char **argv)
 {
     arguments args = {.share = UINT32_MAX};
     char **operands = NULL;
@@ -243,9 +243,10 @@ int command_test(int argc, char **argv)
     if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
         return exit_code;
     if (args.device && (args.pair || args.share != UINT32_MAX))
-        return say_wrong("test", "--device is one device alone; --pair and --share are for two");
+        return say_wrong("query", "--device is one device alone; --pair and --share are for two");
     if (args.separations && !args.out)
-        return say_wrong("test", "--separations are written beside the verdicts; give --out V.npy");
+        return say_wrong("query",
+                         "--separations are written beside the verdicts; give --out V.npy");
     duet_error err = {0};
     bool ok =
         inputs_read_level(args.level_name, &args.level, &err) && run(&args, operands[0], &err);

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// device_pair:query: the narrow phase alone, for pairs that a script brings.
+#include "lua/nouns.h"
+
+typedef struct query_box {
+    duet_pair_query *query;
+} query_box;
+
+static const lua_class query_class;
+
+static const member def_members[] = {
+    MEMBER(member_share, duet_pair_query_def, share),
+    MEMBER_ENUM(duet_pair_query_def, level, level_name),
+    MEMBER(member_count, duet_pair_query_def, dims),
+    {0},
+};
+
+static const member result_members[] = {
+    MEMBER(member_count, duet_pair_query_result, colliding),
+    MEMBER(member_count, duet_pair_query_result, undecided),
+    MEMBER(member_double, duet_pair_query_result, total_ms),
+    MEMBER(member_double, duet_pair_query_result, device_ms),
+    {0},
+};
+
+// device_pair:query(def); the share is that of the pair's default plan.
+int pair_query_create_lua(lua_State *L)
+{
+    duet_error err = {0};
+    duet_device_pair *pair = device_pair_check(L, 1);
+    duet_pair_query_def def = duet_default_pair_query_def();
+    def.pair = pair;
+    def.share = duet_default_plan(pair).share;
+    if (!lua_isnoneornil(L, 2))
+        member_read_table(L, 2, "a pair query", def_members, &def);
+    query_box *box = class_push(L, &query_class, sizeof *box);
+    lua_pushvalue(L, 1);
+    lua_setiuservalue(L, -2, 1);
+    box->query = duet_pair_query_create(&def, &err);
+    return box->query ? 1 : class_push_failure(L, &err);
+}
+
+// query:run(poses, with_separations) -> verdicts, result, separations
+static int query_run(lua_State *L)
+{
+    duet_error err = {0};
+    duet_pair_query_result result = {0};
+    query_box *box = luaL_checkudata(L, 1, query_class.name);
+    luaL_argcheck(L, box->query, 1, "the query is closed");
+    const array *poses = array_check(L, 2, ARRAY_POSES);
+    luaL_argcheck(L, poses->n % 2 == 0, 2, "an even number of rows: two a pair");
+    bool with_separations = lua_toboolean(L, 3);
+    uint64_t n = poses->n / 2;
+    array *verdicts = array_push(L, ARRAY_VERDICTS, n);
+    array *separations = array_push(L, ARRAY_SEPARATIONS, with_separations ? n : 0);
+    if (!duet_pair_query_run(box->query, poses->rows, n, verdicts->rows,
+                             with_separations ? separations->rows : NULL, &result, &err))
+        return class_push_failure(L, &err);
+    member_push_table(L, result_members, &result);
+    if (with_separations)
+        lua_insert(L, -2);
+    else
+        lua_replace(L, -2);
+    return with_separations ? 3 : 2;
+}
+
+static int query_close(lua_State *L)
+{
+    query_box *box = luaL_checkudata(L, 1, query_class.name);
+    if (!box->query)
+        return 0;
+    duet_pair_query_destroy(box->query);
+    box->query = NULL;
+    return 0;
+}
+
+static const luaL_Reg methods[] = {{"close", query_close}, {"run", query_run}, {NULL, NULL}};
+static const lua_class query_class = {.name = "duet.pair_query", .methods = methods};
+
+void pair_query_open_lua(lua_State *L)
+{
+    class_open(L, &query_class);
+}
