@@ -17,7 +17,6 @@ int main(void)
     duet_world_def def = duet_default_world_def();
     duet_device_pair *pair = duet_device_pair_create(&devices, &err);
     def.pair = pair;
-    def.plan = duet_default_plan(pair); // both devices work
     duet_world *world = pair ? duet_world_create(&def, &err) : NULL;
     bool ok = world && duet_world_set_objects(world, DUET_OBJECT_POSES, boxes, 3, &err);
     ok = ok && duet_world_step(world, &result, &err);
