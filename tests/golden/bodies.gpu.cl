@@ -14,8 +14,8 @@
 #line 1 "kernels/dynamics/box_contact.clh"
 #line 1 "kernels/dynamics/bodies.cl.in"
 // SPDX-License-Identifier: MIT
-// Objects while a step is solved: from their state to bodies, what pulls them
-// in a substep, and back.
+// Bodies for the solver: gathered from the state before the substeps, velocities
+// integrated in each, and written back with rest times at the end.
 //
 //   bodies [n + 6][BODY]  the last six are the walls
 #line 21 "kernels/dynamics/bodies.cl.in"
@@ -35,7 +35,7 @@ __kernel void prepare_bodies(__global const real4 *restrict velocities,
     }
 }
 
-// Velocities of a substep: what pulls, and what the contacts pushed with in the
+// Velocities of a substep: gravity and drag, and the warm-start impulses of the
 // last one.
 __kernel void integrate_velocities(__global float4 *restrict bodies, uint n,
 #line 73 "kernels/dynamics/bodies.cl.in"

@@ -21,16 +21,15 @@
 #line 1 "kernels/dynamics/box_lanes.clh"
 #line 1 "kernels/dynamics/build_manifolds.cl.in"
 // SPDX-License-Identifier: MIT
-// The manifold of each pair that may touch, ready to be solved.
+// The manifold of each pair that may touch: the narrow phase of a moving world.
 //
-// What the last step pushed with at a point is taken over by the new point
-// nearest to it.
+// A new point takes over the impulses of the nearest point of the last step.
 //
 //   links    [n] owner and other; objects + k: wall k
 //   contacts [n] records (contact.clh)
 //   touches  [n] words
 //   bodies   [objects + 6][BODY]
-#line 13 "kernels/dynamics/build_manifolds.cl.in"
+#line 12 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline solid solid_at(float4 extents)
 {
@@ -38,13 +37,13 @@ static inline solid solid_at(float4 extents)
     s.axis[0] = (float4)(1, 0, 0, 0);
     s.axis[1] = (float4)(0, 1, 0, 0);
     s.axis[2] = (float4)(0, 0, 1, 0);
-#line 30 "kernels/dynamics/build_manifolds.cl.in"
+#line 29 "kernels/dynamics/build_manifolds.cl.in"
     s.halves[0] = extents.x;
     s.halves[1] = extents.y;
     s.halves[2] = extents.z;
     return s;
 }
-#line 180 "kernels/dynamics/build_manifolds.cl.in"
+#line 179 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void keep_deepest(manifold *m)
 {
@@ -61,9 +60,9 @@ typedef struct {
     __global const uint2 *links;
     uint objects;
     __global const real4 *centres;
-#line 199 "kernels/dynamics/build_manifolds.cl.in"
+#line 198 "kernels/dynamics/build_manifolds.cl.in"
     __global const float4 *halves;
-#line 222 "kernels/dynamics/build_manifolds.cl.in"
+#line 221 "kernels/dynamics/build_manifolds.cl.in"
     float margin;
     __global uint *touches;
     __global float *contacts;
@@ -71,28 +70,28 @@ typedef struct {
 
 static inline solid solid_of(const scene *s, uint id)
 {
-#line 232 "kernels/dynamics/build_manifolds.cl.in"
+#line 231 "kernels/dynamics/build_manifolds.cl.in"
     return solid_at(s->halves[id]);
-#line 234 "kernels/dynamics/build_manifolds.cl.in"
+#line 233 "kernels/dynamics/build_manifolds.cl.in"
 }
 
 static inline float4 way_of(const scene *s, uint2 link)
 {
-#line 241 "kernels/dynamics/build_manifolds.cl.in"
+#line 240 "kernels/dynamics/build_manifolds.cl.in"
     float4 d = convert_float4(s->centres[link.y] - s->centres[link.x]);
-#line 243 "kernels/dynamics/build_manifolds.cl.in"
+#line 242 "kernels/dynamics/build_manifolds.cl.in"
     d.w = 0.0f;
     return d;
 }
-#line 272 "kernels/dynamics/build_manifolds.cl.in"
+#line 271 "kernels/dynamics/build_manifolds.cl.in"
 
-// The points into the record; extents: the owner's half extents. True where
-// there is no separation, or what was pushed in the last step.
+// Writes the points into the record; extents: the owner's half extents. True where a
+// point touches, or had an impulse in the last step.
 static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extents, float4 d, manifold *m)
 {
     __global float *record = s->contacts + (size_t)i * RECORD;
     bool touching = false;
-#line 288 "kernels/dynamics/build_manifolds.cl.in"
+#line 287 "kernels/dynamics/build_manifolds.cl.in"
     put_float4(record + AT_NORMAL, m->normal);
     for (int k = 0; k < m->n; ++k) {
         __global float *part = record + HEAD + k * PART;
@@ -100,7 +99,7 @@ static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extent
         put_float4(part + OF_ANCHOR, anchor);
         part[OF_SEPARATION] = anchor.w;
         touching = touching || anchor.w <= 0.0f;
-#line 306 "kernels/dynamics/build_manifolds.cl.in"
+#line 305 "kernels/dynamics/build_manifolds.cl.in"
     }
     return touching;
 }
@@ -113,10 +112,10 @@ static inline void keep(const scene *s, uint i, float4 extents, float4 d, manifo
     bool touching = false;
     if (m->n > 0)
         touching = keep_points(s, i, link, extents, d, m);
-#line 330 "kernels/dynamics/build_manifolds.cl.in"
+#line 329 "kernels/dynamics/build_manifolds.cl.in"
     s->touches[i] = (uint)m->n | (touching ? TOUCH_MEETS : 0u) | axis << TOUCH_AXIS;
 }
-#line 354 "kernels/dynamics/build_manifolds.cl.in"
+#line 353 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void look_at_pair(const scene *s, uint i, uint2 link)
 {
@@ -124,32 +123,32 @@ static inline void look_at_pair(const scene *s, uint i, uint2 link)
     float4 d = way_of(s, link);
     uint axis = s->touches[i] >> TOUCH_AXIS;
     manifold m;
-#line 362 "kernels/dynamics/build_manifolds.cl.in"
+#line 361 "kernels/dynamics/build_manifolds.cl.in"
     touch_boxes(&a, &b, d, s->margin, &m, &axis);
-#line 376 "kernels/dynamics/build_manifolds.cl.in"
+#line 375 "kernels/dynamics/build_manifolds.cl.in"
     keep(s, i, s->halves[link.x], d, &m, axis);
 }
-#line 434 "kernels/dynamics/build_manifolds.cl.in"
+#line 433 "kernels/dynamics/build_manifolds.cl.in"
 
 __kernel void build_manifolds(__global const uint2 *restrict links, uint n, uint objects, __global const real4 *restrict centres,
-#line 439 "kernels/dynamics/build_manifolds.cl.in"
+#line 438 "kernels/dynamics/build_manifolds.cl.in"
                       __global const float4 *restrict halves,
-#line 458 "kernels/dynamics/build_manifolds.cl.in"
+#line 457 "kernels/dynamics/build_manifolds.cl.in"
                       float margin, __global uint *restrict touches, __global float *restrict contacts)
 {
     scene s = {links, objects, centres,
-#line 464 "kernels/dynamics/build_manifolds.cl.in"
+#line 463 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 483 "kernels/dynamics/build_manifolds.cl.in"
+#line 482 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
-#line 490 "kernels/dynamics/build_manifolds.cl.in"
+#line 489 "kernels/dynamics/build_manifolds.cl.in"
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-#line 503 "kernels/dynamics/build_manifolds.cl.in"
+#line 502 "kernels/dynamics/build_manifolds.cl.in"
         look_at_pair(&s, i, link);
-#line 513 "kernels/dynamics/build_manifolds.cl.in"
+#line 512 "kernels/dynamics/build_manifolds.cl.in"
     }
-#line 523 "kernels/dynamics/build_manifolds.cl.in"
+#line 522 "kernels/dynamics/build_manifolds.cl.in"
 }

@@ -9,9 +9,9 @@
 #line 1 "kernels/dynamics/motion.clh"
 #line 1 "kernels/dynamics/contact_graph.cl.in"
 // SPDX-License-Identifier: MIT
-// Pairs whose bounds overlap become rows: for each object the ascending ids of
-// those that it may touch. What never moves owns no row, so that a floor's is
-// not long; two such objects are no pair.
+// The contact graph in compressed sparse rows: for each body the ascending ids of
+// those that it may touch. A body that never moves has no row, so that a floor's is
+// not long; two such bodies are no pair.
 //
 // Each list is made in two launches of the same kernel: one counts into
 // starts, which a scan sums, and one fills. starts[o + 1] is then where row o

@@ -12,8 +12,8 @@
 #line 1 "kernels/flags.clh"
 #line 1 "kernels/dynamics/fat_aabbs.cl.in"
 // SPDX-License-Identifier: MIT
-// Bounds of objects that move, for the grid: what can touch in this step
-// overlaps in them. They are rounded outward.
+// Fat AABBs of moving bodies for the broad phase: bodies that can touch in this step
+// have fat AABBs that overlap. They are rounded outward.
 //
 //   boxes  [n][6]  lower xyz, upper xyz
 //   margin         how far apart contacts are kept, and half the skin

@@ -12,12 +12,11 @@
 #line 1 "kernels/dynamics/contact.clh"
 #line 1 "kernels/dynamics/graph_colour.cl.in"
 // SPDX-License-Identifier: MIT
-// A colour for each contact that pushes, so that those of one colour share no
-// object that moves. Colours are kept while a contact lasts; the rest is done
-// in rounds: of the contacts that wait, each object points to the one with the
-// greatest rank, and one that both its objects point to takes the least colour
-// that both have free. The ranks come from the ids, so the colours do not
-// depend on the device or on the order of the work.
+// Graph colouring (Jones and Plassmann): contacts of one colour share no body that
+// moves. A contact keeps its colour while it lasts. New contacts are coloured in
+// rounds: each body points to its waiting contact of the greatest rank, and a contact
+// that both its bodies point to takes the least colour that both have free. Ranks come
+// from the ids, so the colours depend neither on the device nor on the order of work.
 //
 //   colours [n]  NO_COLOUR: pushes nothing; WAITS: to be coloured
 //   used    [objects] a bit for each colour taken

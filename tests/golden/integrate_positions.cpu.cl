@@ -17,8 +17,8 @@
 #line 1 "kernels/dynamics/turn.clh"
 #line 1 "kernels/dynamics/integrate_positions.cl.in"
 // SPDX-License-Identifier: MIT
-// Where objects are after a substep. One that neither moves nor turns keeps its
-// bits.
+// Positions and rotations of the bodies after a substep. A body that neither moves nor
+// turns keeps its bits.
 //
 //   bodies [n + 6][BODY]  the last six are the walls
 #line 7 "kernels/dynamics/integrate_positions.cl.in"

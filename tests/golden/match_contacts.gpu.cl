@@ -12,8 +12,8 @@
 #line 1 "kernels/dynamics/contact.clh"
 #line 1 "kernels/dynamics/match_contacts.cl.in"
 // SPDX-License-Identifier: MIT
-// Contacts taken over into new rows: records and colours of those that are
-// still pairs. The others are forgotten, and what slept leaning on one wakes.
+// Matches old contacts with new rows: contacts that are still pairs keep their records
+// and colours. The others are dropped, and a body that slept leaning on one wakes.
 //
 //   starts, others  the new rows
 #define NO_ROW 0xffffffffu

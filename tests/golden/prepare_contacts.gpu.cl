@@ -14,11 +14,11 @@
 #line 1 "kernels/dynamics/constraint.clh"
 #line 1 "kernels/dynamics/prepare_contacts.cl.in"
 // SPDX-License-Identifier: MIT
-// Contacts of a colour into blocks before they are solved, and what the next
-// step begins with back out of them.
+// Gathers the contacts of a colour into blocks of constraints before they are solved,
+// and scatters the impulses for the next step's warm start afterwards.
 //
-// What the last step pushed with becomes the bodies' first warm-start impulses: colour by
-// colour, for none of a colour share an object that moves.
+// Impulses of the last step are added up for each body, colour by colour, because no
+// two contacts of a colour share a body that moves: the first substep's warm start.
 //
 //   list    contacts by colour; this one's are list[first, first + count)
 //   blocks  constraints (constraint.clh); the colour's begin at first_slot and are

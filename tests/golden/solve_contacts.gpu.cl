@@ -14,20 +14,19 @@
 #line 1 "kernels/dynamics/constraint.clh"
 #line 1 "kernels/dynamics/solve_contacts.cl.in"
 // SPDX-License-Identifier: MIT
-// Contacts pushed apart, one colour at a time: no two of a colour share an
-// object that moves, so the order within one does not matter and the result is
-// the same on every device.
+// Solves the contacts of one colour. No two of them share a body that moves, so
+// their order does not matter and the result is the same on every device.
 //
-// Each point is a stiff, damped spring where it is pressed in, a stop where a
-// separation could close within the substep, and, without `soft`, only a stop: that
-// takes back what the spring added to the velocities.
+// With `soft` a point that overlaps is a stiff, damped spring, and a point whose
+// separation could close within the substep is a stop. Without `soft` (the relaxing
+// pass) every point is only a stop, which takes back the velocity that springs added.
 //
 //   blocks  constraints (constraint.clh); the colour's begin at first_slot and are
 //           `apart` slots from each other, `each` a work-item
-//   spring  rate of push-out, part of the mass, part of the push that decays,
-//           greatest speed of push-out; hard_spring: against what never moves
-//   slop    what closes faster than that in a substep is an impact; its push is
-//           not expected again
+//   spring  bias rate, mass scale, impulse scale, greatest speed of push-out;
+//           hard_spring: against bodies that never move
+//   slop    a point that closes faster than this in a substep is an impact; its
+//           impulse is not used as a warm start
 
 // ------------------------------------------------------------ solving
 
@@ -39,7 +38,7 @@ typedef struct {
     mask impact; // closes faster than a slop in a substep
 } demand;
 
-// The separation after a drift; the next substep begins with the same.
+// The separation after positions were integrated; the next substep begins with it.
 static inline real find_separation(const pair *p, __global float *point, vec anchor)
 {
     vec way = vec_less(way_of(&p->b, vec_less(anchor, p->apart)), way_of(&p->a, anchor));
@@ -85,13 +84,13 @@ static inline void press(pair *p, __global float *point, demand d, mask where)
     real speed = vec_dot(velocity_between(p, anchor), p->normal);
     add_impulse(p, point, anchor, fma(-get(point, BY_NORMAL_MASS) * d.weight, speed + d.speed, fma(-d.decay, old, old)), where);
 }
-#line 129 "kernels/dynamics/solve_contacts.cl.in"
+#line 128 "kernels/dynamics/solve_contacts.cl.in"
 
 // A push that stopped an impact: once is enough.
 static inline void forget_impacts(__global float *point, mask stopped)
 {
     put(point, BY_NORMAL_IMPULSE, select(get(point, BY_NORMAL_IMPULSE), (real)(0.0f), stopped));
-#line 140 "kernels/dynamics/solve_contacts.cl.in"
+#line 139 "kernels/dynamics/solve_contacts.cl.in"
 }
 
 static inline void solve_slots(__global float *constraint, __global float4 *bodies, uint soft, float per_h,
@@ -103,14 +102,14 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
         load_turn(&p.a, bodies, p.owner);
         load_turn(&p.b, bodies, p.other);
     }
-#line 156 "kernels/dynamics/solve_contacts.cl.in"
+#line 155 "kernels/dynamics/solve_contacts.cl.in"
     demand demands[POINTS];
     mask stiff = p.n > 1u;
     for (int k = 0; k < p.most; ++k) {
         demands[k] = demand_of(&p, point_at(constraint, k), soft, per_h, spring, hard_spring, slop);
         stiff &= (demands[k].decay == 0.0f) | !has_point(&p, k);
     }
-#line 166 "kernels/dynamics/solve_contacts.cl.in"
+#line 165 "kernels/dynamics/solve_contacts.cl.in"
     for (int turn = 0; turn < p.most; ++turn) { // to and fro, so that no side is favoured
         int k = soft ? turn : p.most - 1 - turn;
         press(&p, point_at(constraint, k), demands[k], has_point(&p, k));

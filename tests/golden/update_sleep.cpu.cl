@@ -12,9 +12,9 @@
 #line 1 "kernels/dynamics/contact.clh"
 #line 1 "kernels/dynamics/update_sleep.cl.in"
 // SPDX-License-Identifier: MIT
-// Who sleeps: an object that has been at rest for long and that nothing touches
-// which moves. One that moves wakes what it touches, and those what they touch;
-// what lost something that pushed it was woken by having no rest.
+// Sleep. A body sleeps when it has rested for `sleep_after` seconds and touches no body
+// that moves. A moving body wakes what it touches, and that wakes what it touches. A
+// body that lost a contact was woken before, by having its rest time set to 0.
 //
 //   rests   [n] seconds at rest, 0 for what moves
 //   asleep  [n] SLEEPS, or what it did until now, WOKE
