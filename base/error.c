@@ -41,50 +41,8 @@ static void join_lines(char *line, size_t size)
     make_visible(line, size);
 }
 
-static bool is_free(const duet_error *err)
-{
-    return err && err->status == DUET_STATUS_OK;
-}
-
-bool error_set(duet_error *err, duet_status status, const char *format, ...)
-{
-    if (!is_free(err))
-        return false;
-    va_list args;
-    va_start(args, format);
-    vsnprintf(err->text, sizeof err->text, format, args);
-    va_end(args);
-    join_lines(err->text, sizeof err->text);
-    err->status = status;
-    err->cl_code = 0;
-    return false;
-}
-
-bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
-{
-    if (!is_free(err))
-        return false;
-    va_list args;
-    va_start(args, format);
-    vsnprintf(err->text, sizeof err->text, format, args);
-    va_end(args);
-    join_lines(err->text, sizeof err->text);
-    size_t used = strlen(err->text);
-    snprintf(err->text + used, sizeof err->text - used, ": %s (%d)", error_cl_name(cl_code),
-             cl_code);
-    bool memory = cl_code == -4 || cl_code == -6 || cl_code == -61;
-    err->status = memory ? DUET_STATUS_NO_MEMORY : DUET_STATUS_DEVICE_FAILED;
-    err->cl_code = cl_code;
-    return false;
-}
-
-bool error_given(const void *pointer, const char *call, const char *argument, duet_error *err)
-{
-    return pointer || error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                                "%s: %s is NULL; expected a valid pointer", call, argument);
-}
-
-const char *error_cl_name(int cl_code)
+// "CL_OUT_OF_RESOURCES" for -5; "CL error" outside the list.
+static const char *cl_name(int cl_code)
 {
     static const struct {
         int code;
@@ -121,6 +79,48 @@ const char *error_cl_name(int cl_code)
         if (names[i].code == cl_code)
             return names[i].name;
     return "CL error";
+}
+
+static bool is_free(const duet_error *err)
+{
+    return err && err->status == DUET_STATUS_OK;
+}
+
+bool error_set(duet_error *err, duet_status status, const char *format, ...)
+{
+    if (!is_free(err))
+        return false;
+    va_list args;
+    va_start(args, format);
+    vsnprintf(err->text, sizeof err->text, format, args);
+    va_end(args);
+    join_lines(err->text, sizeof err->text);
+    err->status = status;
+    err->cl_code = 0;
+    return false;
+}
+
+bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
+{
+    if (!is_free(err))
+        return false;
+    va_list args;
+    va_start(args, format);
+    vsnprintf(err->text, sizeof err->text, format, args);
+    va_end(args);
+    join_lines(err->text, sizeof err->text);
+    size_t used = strlen(err->text);
+    snprintf(err->text + used, sizeof err->text - used, ": %s (%d)", cl_name(cl_code), cl_code);
+    bool memory = cl_code == -4 || cl_code == -6 || cl_code == -61;
+    err->status = memory ? DUET_STATUS_NO_MEMORY : DUET_STATUS_DEVICE_FAILED;
+    err->cl_code = cl_code;
+    return false;
+}
+
+bool error_given(const void *pointer, const char *call, const char *argument, duet_error *err)
+{
+    return pointer || error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                                "%s: %s is NULL; expected a valid pointer", call, argument);
 }
 
 const char *duet_status_name(duet_status status)

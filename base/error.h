@@ -21,7 +21,4 @@ bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
 // argument where it is NULL.
 bool error_given(const void *pointer, const char *call, const char *argument, duet_error *err);
 
-// "CL_OUT_OF_RESOURCES" for -5; "CL error" outside the list.
-const char *error_cl_name(int cl_code);
-
 #endif

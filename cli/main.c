@@ -26,10 +26,10 @@ static const struct {
     {"lua", command_lua, "scripts that use all of this, and a prompt to try it at"},
     {"picture", command_picture, "a drawing of a scene, its cells and its pairs"},
     {"profiles", command_profiles, "what was measured, and what applications load"},
+    {"query", command_query, "pairs of boxes from a file, each colliding or separated"},
     {"report", command_report, "one page for a browser with all that was measured"},
     {"run", command_run, "all pairs of a scene, and where the time went"},
     {"source", command_source, "the exact text of a kernel, and what it lets vary"},
-    {"query", command_query, "pairs of boxes from a file, each colliding or separated"},
     {"tune", command_tune, "how two devices share a scene's work best, and keeps it"},
 };
 

@@ -38,7 +38,8 @@ static bool read_count(const char *text, uint64_t *count)
     return *end == '\0' && errno == 0;
 }
 
-bool options_read_share(const char *text, uint32_t *share)
+// "0.25", "1/4", "1" -> out of DUET_SHARE_ONE, to the nearest.
+static bool options_read_share(const char *text, uint32_t *share)
 {
     char first[64];
     double parts = 1;

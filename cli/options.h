@@ -72,7 +72,4 @@ typedef struct command_line {
 bool options_parse(const command_line *line, int argc, char **argv, void *args, char ***operands,
                    int *n_operands, int *exit_code);
 
-// "0.25", "1/4", "1" -> out of DUET_SHARE_ONE, to the nearest.
-bool options_read_share(const char *text, uint32_t *share);
-
 #endif

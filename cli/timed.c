@@ -51,7 +51,7 @@ static bool hand_over(duet_world *world, const duet_scene *scene, timed_sends se
     if (sends == TIMED_SENDS_TRANSFORMS)
         return hand_transforms(world, scene, err);
     const duet_scene_info *info = duet_scene_get_info(scene);
-    if (info->origin > 0)
+    if (info->origin_edge > 0)
         return duet_world_set_objects(world, DUET_OBJECT_LARGE_POSES,
                                       duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES),
                                       info->n, err);

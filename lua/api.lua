@@ -165,7 +165,7 @@ api.names = {
   { "duet.Scene.level", "string", "of accuracy, that the scene wants" },
   { "duet.Scene.has_accuracy", "boolean", "it leaves the level to a profile within accuracy" },
   { "duet.Scene.accuracy", "duet.Accuracy", "" },
-  { "duet.Scene.origin", "number", "edge of the origin cells that its objects are placed in; 0: none" },
+  { "duet.Scene.origin_edge", "number", "edge of the origin cells that its objects are placed in; 0: none" },
 
   { "duet.World:set_poses", { "poses: duet.Poses|string|number[]|number[][]" }, "true",
     "Copies the objects in.", fails = true, c = "duet_world_set_objects" },

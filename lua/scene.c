@@ -34,7 +34,7 @@ static const member info_members[] = {
     MEMBER_ENUM(duet_scene_info, level, level_name),
     MEMBER(member_bool, duet_scene_info, has_accuracy),
     MEMBER(member_accuracy, duet_scene_info, accuracy),
-    MEMBER(member_float, duet_scene_info, origin),
+    MEMBER(member_float, duet_scene_info, origin_edge),
     {0},
 };
 

@@ -111,13 +111,6 @@ void sql_real(sql *q, double value)
                              : sqlite3_bind_null(q->stmt, q->bound));
 }
 
-void sql_bytes(sql *q, const void *bytes, int n)
-{
-    ++q->bound;
-    if (!q->failed)
-        check(q, sqlite3_bind_blob(q->stmt, q->bound, bytes, n, SQLITE_STATIC));
-}
-
 bool sql_row(sql *q)
 {
     if (q->failed)

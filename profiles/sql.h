@@ -40,10 +40,9 @@ sql sql_make(store *s, const char *statement, duet_error *err);
 void sql_text(sql *q, const char *value); // NULL is bound as NULL; must live until sql_close
 void sql_int(sql *q, int64_t value);
 void sql_real(sql *q, double value); // NULL where not finite
-void sql_bytes(sql *q, const void *bytes, int n);
-bool sql_row(sql *q);   // false at the end and after a failure
-void sql_again(sql *q); // to bind and run once more
-bool sql_run(sql *q);   // to the end, and closes it
+bool sql_row(sql *q);                // false at the end and after a failure
+void sql_again(sql *q);              // to bind and run once more
+bool sql_run(sql *q);                // to the end, and closes it
 bool sql_close(sql *q);
 
 int64_t sql_get_int(const sql *q, int column);

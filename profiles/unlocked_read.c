@@ -34,7 +34,7 @@ static bool is_same(const struct stat *a, const struct stat *b)
            changed_ns(a) == changed_ns(b);
 }
 
-unlocked_read unlocked_read_look(const char *path)
+static unlocked_read unlocked_read_look(const char *path)
 {
     unlocked_read q = {0};
     q.holds = stat(path, &q.seen) == 0 && !store_has_side_file(path) &&

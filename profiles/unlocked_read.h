@@ -13,8 +13,6 @@ typedef struct unlocked_read {
     struct stat seen; // the file then
 } unlocked_read;
 
-unlocked_read unlocked_read_look(const char *path);
-
 // Whether it has rested since, so that what was read counts.
 bool unlocked_read_holds(const char *path, const unlocked_read *before);
 

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: MIT
-// Duet: collisions among boxes, found by two OpenCL devices together.
+// Duet: collisions among boxes, found by two OpenCL devices together. "The paper" is
+// M. Tayyub and G. N. Khan, "Heterogeneous Design and Efficient CPU-GPU Implementation
+// of Collision Detection".
 //
-// Owners are opaque pointers with one _close or _destroy. Makers return a
+// Owners are opaque pointers with one _create and one _destroy. Makers return a
 // pointer or NULL and doers return bool; both take a duet_error last (NULL
 // allowed). A def is filled by its duet_default_..._def() first. Two worlds in
 // two threads are independent; one world belongs to one thread at a time.
 //
 // A pointer that is NULL is BAD_ARGUMENT, unless its call says what NULL means; rows
 // may be NULL where there are 0 of them. Calls without a duet_error answer NULL, or a
-// place past the end, with NULL, false or 0, unless they say otherwise. Closing NULL
+// place past the end, with NULL, false or 0, unless they say otherwise. Destroying NULL
 // does nothing.
 //
-// Owners can be closed in any order: what was made on a device pair holds it open, and
-// a share that is kept on line holds its world. Each is closed once by who made it, and
-// is not used after that. Memory that a call hands out goes with the owner it names.
+// Owners can be destroyed in any order: what was made on a device pair holds it open, and
+// a share that is kept on line holds its world. Each is destroyed once, by who made it,
+// and is not used after that. Memory that a call hands out goes with the owner it names.
 //
 // Units are the caller's (metres, say); floats are IEEE single; ids are the
 // objects' places in the input, from 0. Sets are closed: touching collides.
@@ -54,7 +56,7 @@ typedef struct duet_size {
 
 // An oriented box however far from 0: along each axis its centre is at
 // cell * edge + pose.centre, the edge being a power of two that the scene or the
-// world states (origin). Offsets are kept to 2^-24 of an edge, so that precision
+// world states (origin_edge). Offsets are kept to 2^-24 of an edge, so that precision
 // is the same everywhere up to 2^30 edges from 0.
 typedef struct duet_large_pose {
     duet_pose pose;
@@ -221,7 +223,7 @@ typedef struct duet_scene_info {
     duet_level level;  // that the scene wants; certified where it says nothing
     bool has_accuracy; // it leaves the level to a profile within accuracy
     duet_accuracy accuracy;
-    float origin; // above 0: objects are placed poses, in origin cells of that edge
+    float origin_edge; // above 0: objects are large poses, in origin cells of that edge
 } duet_scene_info;
 
 // A scene's parameter set from outside, for Lua scenes: "n" = "1000".
@@ -296,7 +298,7 @@ typedef struct duet_world_def {
     bool has_world;  // lower and upper are given; objects outside are still found
     float lower[3];
     float upper[3];
-    float origin;        // above 0: poses are placed, in origin cells of that edge, a power of two
+    float origin_edge;   // above 0: large poses, in origin cells of that edge, a power of two
     bool separate_sizes; // objects are transforms, and their sizes are set by themselves
     bool keep_bad;       // leave bad objects out and count them, instead of BAD_OBJECT
     uint64_t max_pairs;  // TOO_MANY above it; 0: as memory allows
@@ -491,7 +493,7 @@ typedef enum duet_effect {
     DUET_EFFECT_CONTACT = 1u << 6,          // where objects touch
     DUET_EFFECT_CONTACT_RESPONSE = 1u << 7, // contacts push, and bounce
     DUET_EFFECT_FRICTION = 1u << 8,         // contacts have friction
-    DUET_EFFECT_CONTINUOUS = 1u << 9,       // what is met on the way is not passed through
+    DUET_EFFECT_CONTINUOUS = 1u << 9,       // fast bodies do not tunnel through thin ones
     DUET_EFFECT_FILTER = 1u << 10,          // groups and masks
     DUET_EFFECT_SLEEP = 1u << 11,           // what rests leaves the work
     DUET_EFFECT_SKIN = 1u << 12,            // the grid lasts until something leaves its skin
@@ -685,7 +687,7 @@ DUET_API bool duet_poses_collide(const duet_pose *a, const duet_pose *b, uint32_
 // one, in double; below 0 it is how deep they are in each other. NaN where there is none.
 DUET_API double duet_poses_separation(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
-// The same for placed poses, in origin cells of that edge.
+// The same for large poses, in origin cells of that edge.
 DUET_API bool duet_large_poses_collide(const duet_large_pose *a, const duet_large_pose *b,
                                        float edge, uint32_t dims);
 DUET_API double duet_large_poses_separation(const duet_large_pose *a, const duet_large_pose *b,

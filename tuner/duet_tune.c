@@ -334,7 +334,7 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
     uint64_t hash;
     const duet_scene_info *info = duet_scene_get_info(h->def.scene);
     measure_world world = {
-        .world = h->world, .shape = info->shape, .placed = info->origin > 0, .n = info->n};
+        .world = h->world, .shape = info->shape, .placed = info->origin_edge > 0, .n = info->n};
     duet_tune_outcome right = {0};
     if (!find_right_pairs(h, &hash, &right, err))
         return false;

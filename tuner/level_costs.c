@@ -34,7 +34,7 @@ static double separation_of(const duet_scene *scene, duet_pair pair)
     const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
     const duet_large_pose *placed = duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES);
     if (placed)
-        return duet_large_poses_separation(&placed[pair.a], &placed[pair.b], info->origin,
+        return duet_large_poses_separation(&placed[pair.a], &placed[pair.b], info->origin_edge,
                                            info->dims);
     return poses ? duet_poses_separation(&poses[pair.a], &poses[pair.b], info->dims) : 0;
 }

@@ -60,7 +60,7 @@ static uint32_t fewest_rounds(const race *r)
     return fewest;
 }
 
-bool race_alone(const race *r)
+static bool race_alone(const race *r)
 {
     uint32_t in = 0;
     for (uint32_t i = 0; i < r->n; ++i)

@@ -65,8 +65,6 @@ void race_add(race *r, uint32_t rival, double ns);
 // A rival that cannot run at all.
 void race_drop(race *r, uint32_t rival);
 
-bool race_alone(const race *r); // one rival is left, or none
-
 // The best rival still in; n where all are out.
 uint32_t race_leader(const race *r);
 

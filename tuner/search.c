@@ -4,7 +4,6 @@
 #include "base/budget.h"
 #include "tuner/strategy.h"
 
-#include <cjson/cJSON.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -109,96 +108,4 @@ uint32_t search_first_share(const search *s)
 {
     bool near = s->options.has_start && s->options.start > 0 && s->options.start < SEARCH_ONE;
     return near ? s->options.start : SEARCH_ONE / 16;
-}
-
-void search_to_json(const search *s, text *json)
-{
-    const search_options *o = &s->options;
-    text_add(json, "{\"strategy\":\"%s\",\"launches\":%" PRIu32 ",\"quantum\":%" PRIu32,
-             s->strategy->name, o->launches, o->quantum);
-    text_add(json, ",\"points\":%" PRIu32 ",\"rounds\":%" PRIu32 ",\"probe_cost\":%.17g", o->points,
-             o->rounds, o->probe_cost);
-    if (o->has_start)
-        text_add(json, ",\"start\":%" PRIu32, o->start);
-    text_add(json, ",\"samples\":[");
-    for (uint32_t i = 0; i < s->n; ++i) {
-        const search_sample *at = &s->samples[i];
-        text_add(json, "%s[%" PRIu32 ",%" PRIu64 ",%" PRIu64 ",%" PRIu64 "]", i ? "," : "",
-                 at->share, at->total_ns, at->a_ns, at->b_ns);
-    }
-    text_add(json, "]}");
-}
-
-// Doubles hold every count below 2^53 exactly: 104 days of nanoseconds.
-static bool read_count(const cJSON *item, double most, uint64_t *count)
-{
-    if (!cJSON_IsNumber(item) || !(item->valuedouble >= 0 && item->valuedouble <= most))
-        return false;
-    *count = (uint64_t)item->valuedouble;
-    return true;
-}
-
-static bool read_option(const cJSON *root, const char *name, uint32_t *option)
-{
-    uint64_t count;
-    if (!read_count(cJSON_GetObjectItemCaseSensitive(root, name), UINT32_MAX, &count))
-        return false;
-    *option = (uint32_t)count;
-    return true;
-}
-
-static bool read_options(const cJSON *root, search_options *o)
-{
-    const cJSON *cost = cJSON_GetObjectItemCaseSensitive(root, "probe_cost");
-    o->probe_cost = cJSON_IsNumber(cost) ? cost->valuedouble : 0;
-    o->has_start = cJSON_HasObjectItem(root, "start");
-    return cJSON_IsNumber(cost) && read_option(root, "launches", &o->launches) &&
-           read_option(root, "quantum", &o->quantum) && read_option(root, "points", &o->points) &&
-           read_option(root, "rounds", &o->rounds) &&
-           (!o->has_start || read_option(root, "start", &o->start));
-}
-
-static bool read_sample(const cJSON *row, search_sample *sample)
-{
-    uint64_t share;
-    if (cJSON_GetArraySize(row) != 4 || !read_count(row->child, SEARCH_ONE, &share))
-        return false;
-    sample->share = (uint32_t)share;
-    const cJSON *times = row->child->next;
-    return read_count(times, 0x1p53, &sample->total_ns) &&
-           read_count(times->next, 0x1p53, &sample->a_ns) &&
-           read_count(times->next->next, 0x1p53, &sample->b_ns);
-}
-
-static bool read_search(const cJSON *root, search *s, duet_error *err)
-{
-    search_options options;
-    const cJSON *name = cJSON_GetObjectItemCaseSensitive(root, "strategy");
-    const cJSON *samples = cJSON_GetObjectItemCaseSensitive(root, "samples");
-    if (!cJSON_IsString(name) || !cJSON_IsArray(samples) || !read_options(root, &options))
-        return error_set(err, DUET_STATUS_BAD_INPUT, "search state: not one that a search wrote");
-    if (!search_begin(s, name->valuestring, &options, err))
-        return false;
-    const cJSON *row;
-    cJSON_ArrayForEach(row, samples)
-    {
-        search_sample sample;
-        if (!read_sample(row, &sample))
-            return error_set(err, DUET_STATUS_BAD_INPUT,
-                             "search state: sample %" PRIu32 " is malformed", s->n);
-        if (!search_tell(s, &sample, err))
-            return false;
-    }
-    return true;
-}
-
-bool search_from_json(search *s, const char *json, duet_error *err)
-{
-    *s = (search){0};
-    cJSON *root = cJSON_ParseWithOpts(json, NULL, true);
-    bool ok = read_search(root, s, err);
-    cJSON_Delete(root);
-    if (!ok)
-        search_end(s);
-    return ok;
 }

@@ -69,11 +69,6 @@ uint32_t search_pick(const search *s);
 // The whole range for one that keeps no bracket.
 void search_bracket(const search *s, uint32_t *low, uint32_t *high);
 
-// The whole search as one JSON object, and back. BAD_INPUT for text that no
-// search wrote.
-void search_to_json(const search *s, text *json);
-bool search_from_json(search *s, const char *json, duet_error *err);
-
 // Helps for strategies.
 const search_sample *search_fastest(const search *s);            // least total; NULL before any
 const search_sample *search_at(const search *s, uint32_t share); // first there; NULL for none

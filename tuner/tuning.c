@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-static const double HOPELESS = 2.0; // who is this much slower runs no more in a quick race
+static const double HOPELESS = 2.0; // a plan this much slower is dropped from a quick race
 
 tuning tuning_begin(const tune_task *task, trial_log *state)
 {

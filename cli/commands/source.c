@@ -98,7 +98,7 @@ static bool add_scene(gen *g, const char *name, const gen_limits *limits, const 
         return false;
     const duet_scene_info *info = duet_scene_get_info(scene);
     uint32_t origin_bits;
-    memcpy(&origin_bits, &info->origin, sizeof origin_bits);
+    memcpy(&origin_bits, &info->origin_edge, sizeof origin_bits);
     const gen_setting decided[] = {
         {"DIMS", info->dims},
         {"SHAPE", info->shape},

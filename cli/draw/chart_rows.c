@@ -5,7 +5,7 @@
 
 // In the units of the viewBox: a phone shows about one a pixel.
 static const double width = 400;
-static const double names_width = 66;
+static const double names_width = 98;  // "contact_response"
 static const double words_width = 102; // of a column, behind the longest bar
 static const double row_height = 22;
 static const double bar_height = 12;

@@ -14,21 +14,21 @@ static const uint32_t NOT_DRAWN = UINT32_MAX;
 static grid_objects objects_of(const duet_scene *scene)
 {
     const duet_scene_info *info = duet_scene_get_info(scene);
-    const void *rows = info->origin > 0
+    const void *rows = info->origin_edge > 0
                            ? (const void *)duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES)
                        : info->shape == DUET_SHAPE_POSES
                            ? (const void *)duet_scene_get_objects(scene, DUET_OBJECT_POSES)
                            : duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS);
     return (grid_objects){.rows = rows,
                           .shape = info->shape,
-                          .origin = info->origin,
+                          .origin = info->origin_edge,
                           .n = info->n,
                           .dims = info->dims};
 }
 
 static duet_pose box_of(const sketch *s, const duet_scene *scene, uint32_t id)
 {
-    if (s->info->origin > 0) {
+    if (s->info->origin_edge > 0) {
         grid_objects objects = objects_of(scene);
         const duet_large_pose *large = duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES);
         duet_pose box = large[id].pose;
@@ -97,7 +97,7 @@ static bool look_at_all(sketch *s, const duet_scene *scene, duet_error *err)
 {
     s->whole = extent_empty();
     if (s->info->n > 0)
-        origin_corner(s->from, objects_of(scene).rows, s->info->origin, 0);
+        origin_corner(s->from, objects_of(scene).rows, s->info->origin_edge, 0);
     for (uint32_t id = 0; id < s->info->n; ++id) {
         duet_pose box = box_of(s, scene, id);
         add_box(&s->whole, &box, s->info->dims);

@@ -25,7 +25,7 @@ static void draw_lines(const view *v, canvas *c, const sketch *s, const grid_lev
                        int along, int across, double width)
 {
     double edge = 1 / (double)level->per_cell.s[along];
-    double corner = grid_corner(level, s->info->origin, (uint32_t)along) - s->from[along];
+    double corner = grid_corner(level, s->info->origin_edge, (uint32_t)along) - s->from[along];
     double from = ceil((v->shown.lower[along] - corner) / edge);
     for (double at = corner + from * edge; at <= v->shown.upper[along]; at += edge) {
         double start[3] = {v->shown.lower[0], v->shown.lower[1], v->shown.lower[2]};

@@ -24,6 +24,15 @@ static point project(uint32_t dims, const double p[3])
     return (point){(p[1] - p[0]) * sqrt(0.75), (p[0] + p[1]) * 0.5 - p[2]};
 }
 
+static corners corners_of_extent(const extent *e)
+{
+    corners all = {0};
+    for (int i = 0; i < 8; ++i)
+        for (int k = 0; k < 3; ++k)
+            all.at[i][k] = i >> k & 1 ? e->upper[k] : e->lower[k];
+    return all;
+}
+
 view view_fit(uint32_t dims, const extent *shown, point least, point most)
 {
     point low = {INFINITY, INFINITY};
@@ -73,15 +82,6 @@ corners corners_of(const duet_pose *box, uint32_t dims)
             for (uint32_t k = 0; k < dims; ++k)
                 all.at[i][row] += (i >> k & 1 ? 1 : -1) * all.turn[row][k] * box->half_extents[k];
         }
-    return all;
-}
-
-corners corners_of_extent(const extent *e)
-{
-    corners all = {0};
-    for (int i = 0; i < 8; ++i)
-        for (int k = 0; k < 3; ++k)
-            all.at[i][k] = i >> k & 1 ? e->upper[k] : e->lower[k];
     return all;
 }
 

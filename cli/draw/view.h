@@ -35,7 +35,6 @@ typedef struct corners {
 } corners;
 
 corners corners_of(const duet_pose *box, uint32_t dims);
-corners corners_of_extent(const extent *e);
 
 typedef struct box_ink {
     colour fill;

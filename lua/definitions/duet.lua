@@ -271,7 +271,7 @@ local Effect = {}
 ---@field lower number[] of the world
 ---@field n integer objects; also #scene
 ---@field name string of the file or the scene's own
----@field origin number edge of the origin cells that its objects are placed in; 0: none
+---@field origin_edge number edge of the origin cells that its objects are placed in; 0: none
 ---@field rotated boolean some object has a rotation
 ---@field shape "poses"|"bounds" what its rows are
 ---@field upper number[] of the world

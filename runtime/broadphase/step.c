@@ -76,7 +76,7 @@ static part_task describe_task(const duet_world *world)
         .shared = world->def.plan.mode == DUET_MODE_SHARED,
         .dims = world->def.dims,
         .shape = world->def.shape,
-        .origin = world->def.origin,
+        .origin = world->def.origin_edge,
         .rotated = world->def.rotated,
         .level = world->def.level,
         .n = world->n,
@@ -250,7 +250,7 @@ static bool pays_to_pack(const duet_world *world, int side, const part_range ran
 {
     const char *variants[2] = {world->def.plan.variant_a, world->def.plan.variant_b};
     variant v;
-    return world->def.plan.mode == DUET_MODE_SLAB && world->def.origin == 0.0f &&
+    return world->def.plan.mode == DUET_MODE_SLAB && world->def.origin_edge == 0.0f &&
            !world->def.separate_sizes && !world->parts[side].device->info.host_memory &&
            ranges[0].last > 0 && ranges[1].last > 0 &&
            ranges[side].expected <= world->n - world->n / LEAST_LEFT_OUT &&
@@ -302,8 +302,8 @@ static uint32_t smallest(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
-// A part reports the bad objects of its home: slabs have no home in common, whole
-// grids are each other's.
+// A part reports the bad objects of its own cells. Two slabs share no cells; two whole
+// grids are identical.
 static uint32_t count_bad(const duet_world *world)
 {
     uint32_t a = part_bad(&world->parts[0]);

@@ -64,7 +64,7 @@ static workload_stats see_placed(workload_stats c, const duet_world *world)
     for (uint32_t id = 0; id < world->n; ++id) {
         const duet_pose *p = &placed[id].pose;
         double corner[3];
-        origin_corner(corner, placed, world->def.origin, id);
+        origin_corner(corner, placed, world->def.origin_edge, id);
         see_object(&c, (float)(corner[0] + p->centre[0]), (float)(corner[1] + p->centre[1]),
                    (float)(corner[2] + p->centre[2]), size_of_pose(p, &world->def));
     }
@@ -95,7 +95,7 @@ static workload_stats see_all(const duet_world *world)
         return see_bounds(nothing, world);
     if (world->def.separate_sizes)
         return see_transforms(nothing, world);
-    return world->def.origin > 0 ? see_placed(nothing, world) : see_poses(nothing, world);
+    return world->def.origin_edge > 0 ? see_placed(nothing, world) : see_poses(nothing, world);
 }
 
 // Extents are diagonals of boxes that may be turned, else longest sides.

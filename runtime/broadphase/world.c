@@ -78,19 +78,19 @@ static bool check_world_box(const duet_world_def *def, duet_error *err)
 
 static bool check_origin(const duet_world_def *def, duet_error *err)
 {
-    if (!origin_is_edge(def->origin))
+    if (!origin_is_edge(def->origin_edge))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "origin is %g; expected 0, or as an origin cell's edge a power of "
+                         "origin_edge is %g; expected 0, or a power of "
                          "two from 2^-100 to 2^100",
-                         (double)def->origin);
-    return def->origin == 0.0f || def->shape == DUET_SHAPE_POSES ||
+                         (double)def->origin_edge);
+    return def->origin_edge == 0.0f || def->shape == DUET_SHAPE_POSES ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "origin cells are for poses; expected 0 for bounds");
 }
 
 static bool check_sizes_apart(const duet_world_def *def, duet_error *err)
 {
-    bool plain = def->shape == DUET_SHAPE_POSES && def->origin == 0.0f;
+    bool plain = def->shape == DUET_SHAPE_POSES && def->origin_edge == 0.0f;
     return !def->separate_sizes || plain ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "separate_sizes is for poses; expected false for bounds and for placed "
@@ -165,7 +165,7 @@ static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_world_
         !variant_parse(&b, plan->variant_b, &def->pair->devices[1].info, err))
         return false;
     bool paper = a.search == SEARCH_PAPER || b.search == SEARCH_PAPER;
-    if (paper && (def->origin > 0.0f || def->separate_sizes))
+    if (paper && (def->origin_edge > 0.0f || def->separate_sizes))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the paper's search knows no %s ('%s', '%s'); expected "
                          "auto, simd or gpu",
@@ -297,7 +297,7 @@ grid_objects world_objects(const duet_world *world)
     return (grid_objects){
         .rows = world->objects.bytes,
         .shape = def->shape,
-        .origin = def->origin,
+        .origin = def->origin_edge,
         .n = world->n,
         .dims = def->dims,
         .sizes = def->separate_sizes ? world->sizes.bytes : NULL,
@@ -321,9 +321,9 @@ static duet_object_kind kind_of(const duet_world *world)
     const duet_world_def *def = &world->def;
     if (def->shape == DUET_SHAPE_BOUNDS)
         return DUET_OBJECT_BOUNDS;
-    return def->origin > 0.0f    ? DUET_OBJECT_LARGE_POSES
-           : def->separate_sizes ? DUET_OBJECT_TRANSFORMS
-                                 : DUET_OBJECT_POSES;
+    return def->origin_edge > 0.0f ? DUET_OBJECT_LARGE_POSES
+           : def->separate_sizes   ? DUET_OBJECT_TRANSFORMS
+                                   : DUET_OBJECT_POSES;
 }
 
 static bool can_have(const duet_world *world, duet_object_kind kind, uint32_t n, const char *call,
@@ -406,7 +406,7 @@ bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void
         return to;
     memcpy(to, objects, n * kinds[kind].bytes);
     for (uint32_t i = 0; kind == DUET_OBJECT_LARGE_POSES && i < n; ++i)
-        origin_settle(&((duet_large_pose *)to)[i], world->def.origin);
+        origin_settle(&((duet_large_pose *)to)[i], world->def.origin_edge);
     if (kind != DUET_OBJECT_SIZES && world->objects_version == 1 && !world->def.separate_sizes)
         workload_stats_take(&world->stats, world);
     return true;

@@ -71,7 +71,7 @@ bool world_fact_at(const duet_world *world, int side, uint32_t i, world_fact *fa
         (world_fact){"positions", "ORIGIN", 1,
                      "in origin cells: an object takes 16 bytes more, its sorted bounds and box "
                      "32 (lanes: 44)"};
-    return i == 0 && world->def.origin > 0.0f;
+    return i == 0 && world->def.origin_edge > 0.0f;
 }
 
 // ---------------------------------------------------------------- kernels

@@ -15,7 +15,7 @@ static arg_value *add(motion_args *a, size_t size)
     return &a->values[a->n++];
 }
 
-void args_memory(motion_args *a, const buffer *b)
+static void args_memory(motion_args *a, const buffer *b)
 {
     assert(a->n < ARGS_MOST);
     a->at[a->n++] = (kernel_arg){sizeof b->mem, &b->mem};

@@ -27,7 +27,6 @@ motion_args args_begin(duet_motion *m);
 void args_buffer(motion_args *a, motion_buffer which);
 // The buffer, where the motion has the effect.
 void args_buffer_for(motion_args *a, uint32_t effect, motion_buffer which);
-void args_memory(motion_args *a, const buffer *b);
 void args_uint(motion_args *a, uint32_t value);
 void args_float(motion_args *a, double value);
 void args_float4(motion_args *a, double x, double y, double z, double w);

@@ -44,7 +44,7 @@ static bool test_as_the_textbook(const duet_pose *a, const duet_pose *b, const d
 static bool test_in_double(const duet_pose *a, const duet_pose *b, const double shift[3],
                            uint32_t dims)
 {
-    return !(narrow_gap_apart(a, b, shift, dims) > 0);
+    return !(narrow_separation_apart(a, b, shift, dims) > 0);
 }
 
 #define SLACK_IN_DOUBLE (NARROW_SLACK * 0x1p-53)

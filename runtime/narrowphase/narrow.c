@@ -297,11 +297,11 @@ narrow_verdict narrow_double(const duet_pose *a, const duet_pose *b, uint32_t di
 
 double narrow_separation(const duet_pose *a, const duet_pose *b, uint32_t dims)
 {
-    return narrow_gap_apart(a, b, narrow_here, dims);
+    return narrow_separation_apart(a, b, narrow_here, dims);
 }
 
-double narrow_gap_apart(const duet_pose *pose_a, const duet_pose *pose_b, const double shift[3],
-                        uint32_t dims)
+double narrow_separation_apart(const duet_pose *pose_a, const duet_pose *pose_b,
+                               const double shift[3], uint32_t dims)
 {
     duet_pose a = narrow_flat(pose_a, dims), b = narrow_flat(pose_b, dims);
     approach p = approach_of(&a, &b, shift, dims);

@@ -22,11 +22,6 @@ typedef enum narrow_verdict { NARROW_SEPARATED, NARROW_COLLIDING, NARROW_UNDECID
 // decided, and poses that hold a NaN, an infinity or a zero quaternion never.
 narrow_verdict narrow_double(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
-// What the devices compute in float, operation for operation (kernels/narrowphase/sat.clh),
-// with its bound. rotated false takes both rotations for the identity; it is
-// then undecided only where a distance is above 2^100.
-narrow_verdict narrow_float(const duet_pose *a, const duet_pose *b, uint32_t dims, bool rotated);
-
 // The greatest separation along the 15 (4) axes in double: above 0 it separates the
 // boxes, up to its error of NARROW_SLACK * 2^-53 * (|t|_1 + all extents). An
 // axis across two edges has the length of the sine between them.
@@ -43,12 +38,10 @@ bool narrow_decide(const duet_pose *a, const duet_pose *b, uint32_t dims);
 // cells (runtime/narrowphase/origin.h): the difference of the poses' centres is then exact in
 // float. narrow_here is no shift.
 extern const double narrow_here[3];
-narrow_verdict narrow_float_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
-                                  uint32_t dims, bool rotated);
 bool narrow_decide_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
                          uint32_t dims);
-double narrow_gap_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
-                        uint32_t dims);
+double narrow_separation_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
+                               uint32_t dims);
 bool narrow_exact_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
                         uint32_t dims);
 

@@ -13,12 +13,12 @@ bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the scene %s has %u dimensions, the world %u", info->name, info->dims,
                          world->def.dims);
-    if (info->origin != world->def.origin)
+    if (info->origin_edge != world->def.origin_edge)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the scene %s has the origin %g, the world %g", info->name,
-                         (double)info->origin, (double)world->def.origin);
+                         (double)info->origin_edge, (double)world->def.origin_edge);
     world_forget_grid(world);
-    duet_object_kind kind = info->origin > 0.0f               ? DUET_OBJECT_LARGE_POSES
+    duet_object_kind kind = info->origin_edge > 0.0f          ? DUET_OBJECT_LARGE_POSES
                             : info->shape == DUET_SHAPE_POSES ? DUET_OBJECT_POSES
                                                               : DUET_OBJECT_BOUNDS;
     return duet_world_set_objects(world, kind, duet_scene_get_objects(scene, kind), info->n, err);
@@ -39,10 +39,10 @@ duet_motion *duet_motion_create_from_scene(const duet_motion_def *def, const due
                   info->name);
         return NULL;
     }
-    if (def && def->origin_edge != info->origin) {
+    if (def && def->origin_edge != info->origin_edge) {
         error_set(err, DUET_STATUS_BAD_ARGUMENT,
                   "the scene %s has origin cells of edge %g, the motion's def of %g", info->name,
-                  (double)info->origin, (double)def->origin_edge);
+                  (double)info->origin_edge, (double)def->origin_edge);
         return NULL;
     }
     return motion_create(def, poses, duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES), own,

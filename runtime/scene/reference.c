@@ -372,12 +372,12 @@ bool duet_reference(const duet_scene *scene, duet_level level, duet_pair **pairs
         .dims = info->dims,
         .shape = info->shape,
         .n = info->n,
-        .poses = duet_scene_get_objects(scene, info->origin > 0 ? DUET_OBJECT_LARGE_POSES
-                                                                : DUET_OBJECT_POSES),
+        .poses = duet_scene_get_objects(scene, info->origin_edge > 0 ? DUET_OBJECT_LARGE_POSES
+                                                                     : DUET_OBJECT_POSES),
         .bounds = duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS),
         .level = level,
         .rotated = info->rotated,
-        .origin = info->origin,
+        .origin = info->origin_edge,
     };
     reference_way way =
         info->n <= EACH_WITH_EACH_LIMIT ? REFERENCE_EACH_WITH_EACH : REFERENCE_COLUMNS;

@@ -17,7 +17,7 @@
 
 static size_t object_size(const duet_scene *scene)
 {
-    return origin_row_bytes(scene->info.shape, scene->info.origin);
+    return origin_row_bytes(scene->info.shape, scene->info.origin_edge);
 }
 
 static bool reserve_centres(duet_scene *scene, uint64_t n, duet_error *err)
@@ -377,7 +377,7 @@ const void *duet_scene_get_objects(const duet_scene *scene, duet_object_kind kin
 {
     if (!scene)
         return NULL;
-    bool large = scene->info.origin > 0.0f, poses = scene->info.shape == DUET_SHAPE_POSES;
+    bool large = scene->info.origin_edge > 0.0f, poses = scene->info.shape == DUET_SHAPE_POSES;
     switch (kind) {
     case DUET_OBJECT_POSES:
         return large ? scene->rounded : poses ? scene->objects : NULL;
@@ -402,7 +402,7 @@ duet_world_def duet_scene_world_def(const duet_scene *scene, duet_device_pair *p
     const duet_scene_info *info = &scene->info;
     def.dims = info->dims;
     def.shape = info->shape;
-    def.origin = info->origin;
+    def.origin_edge = info->origin_edge;
     def.rotated = info->rotated;
     def.level = info->level;
     def.has_accuracy = info->has_accuracy;

@@ -311,6 +311,6 @@ duet_motion_def duet_scene_motion_def(const duet_scene *scene, duet_device_pair 
     def.pair = pair;
     def.plan = duet_default_plan(pair);
     def.dims = scene ? scene->info.dims : def.dims;
-    def.origin_edge = scene ? scene->info.origin : 0.0f;
+    def.origin_edge = scene ? scene->info.origin_edge : 0.0f;
     return def;
 }

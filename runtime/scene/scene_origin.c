@@ -51,7 +51,7 @@ static bool place_all(duet_scene *scene, const duet_large_pose *given, double ed
         ok = ok || refuse_far(scene, i, edge, err);
     }
     scene->capacity = n > 0 ? n : 1;
-    scene->info.origin = (float)edge;
+    scene->info.origin_edge = (float)edge;
     return ok;
 }
 

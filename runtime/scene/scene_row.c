@@ -188,7 +188,8 @@ scene_place_text scene_place_name(scene_place place)
     return t;
 }
 
-scene_place_text scene_place_object(scene_place place, uint32_t id)
+// "boxes.csv:17: object 14", "pairs.npy: pair 3, second pose"
+static scene_place_text scene_place_object(scene_place place, uint32_t id)
 {
     scene_place_text t = scene_place_name(place);
     size_t length = strlen(t.chars);

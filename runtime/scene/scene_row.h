@@ -23,9 +23,6 @@ typedef struct scene_place_text {
 
 scene_place_text scene_place_name(scene_place place);
 
-// "boxes.csv:17: object 14", "pairs.npy: pair 3, second pose"
-scene_place_text scene_place_object(scene_place place, uint32_t id);
-
 typedef enum column_kind {
     COLUMN_COORDINATE,
     COLUMN_HALF,    // >= 0

@@ -636,9 +636,9 @@ static void make_worlds(void)
     def.separate_sizes = true;
     apart_world = make_world(def);
     def.separate_sizes = false;
-    def.origin = 1.0f;
+    def.origin_edge = 1.0f;
     placed_world = make_world(def);
-    def.origin = 0.0f;
+    def.origin_edge = 0.0f;
     def.shape = DUET_SHAPE_BOUNDS;
     bounds_world = make_world(def);
 }

@@ -304,7 +304,7 @@ static void placed_boxes_of_a_few_quanta_are_found(void **state)
         sweep(boxes, FEW, &n_pairs);
         duet_world_def def = duet_default_world_def();
         def.pair = devices;
-        def.origin = 1.0f;
+        def.origin_edge = 1.0f;
         def.rotated = false;
         assert_int_equal(agreement_check(&def, placed, FEW), n_pairs);
         if (i % 2) {

@@ -282,7 +282,7 @@ static void only_what_has_sizes_has_them_apart(void **state)
     other.shape = DUET_SHAPE_BOUNDS;
     refuse(other, "separate_sizes is for poses");
     other = def;
-    other.origin = 1.0f;
+    other.origin_edge = 1.0f;
     refuse(other, "separate_sizes is for poses");
     other = def;
     strcpy(other.plan.variant_b, "paper");

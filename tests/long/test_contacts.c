@@ -8,7 +8,7 @@
 
 #include "base/clock.h"
 #include "base/rng.h"
-#include "runtime/narrowphase/narrow.h"
+#include "support/narrow_float.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -24,7 +24,7 @@ static duet_world_def def_of(uint32_t dims, bool rotated)
     def.pair = devices;
     def.dims = dims;
     def.rotated = rotated;
-    def.origin = EDGE;
+    def.origin_edge = EDGE;
     return def;
 }
 

@@ -6,7 +6,7 @@
 #include "support/oracle.h"
 
 #include "base/rng.h"
-#include "runtime/narrowphase/narrow.h"
+#include "support/narrow_float.h"
 
 #include <float.h>
 #include <math.h>

@@ -8,9 +8,9 @@
 
 #include "gen/gen.h"
 #include "runtime/broadphase/part.h"
-#include "runtime/narrowphase/narrow.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/program.h"
+#include "support/narrow_float.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -201,7 +201,7 @@ static duet_world_def def_of(uint32_t dims, bool rotated)
     def.pair = devices;
     def.dims = dims;
     def.rotated = rotated;
-    def.origin = EDGE;
+    def.origin_edge = EDGE;
     return def;
 }
 
@@ -287,9 +287,9 @@ static void a_world_says_what_origin_cells_do_not_go_with(void **state)
 {
     (void)state;
     duet_world_def def = def_of(3, true);
-    def.origin = 3;
+    def.origin_edge = 3;
     refuse_world(&def, "power of two");
-    def.origin = 1;
+    def.origin_edge = 1;
     strcpy(def.plan.variant_a, "paper");
     refuse_world(&def, "the paper's search knows no origin cells");
     strcpy(def.plan.variant_a, "auto");
@@ -337,7 +337,7 @@ static bool find_pairs(float origin, const char *variant, duet_error *err)
     duet_device_pair *poisoned = duet_device_pair_create(&def, err);
     duet_world_def world_def = def_of(3, true);
     world_def.pair = poisoned;
-    world_def.origin = origin;
+    world_def.origin_edge = origin;
     world_def.plan.share = 0;
     strcpy(world_def.plan.variant_b, variant);
     duet_world *world = duet_world_create(&world_def, err);
@@ -378,7 +378,7 @@ static void a_script_s_doubles_reach_their_cells(void **state)
     duet_error err = {0};
     duet_scene *scene = scene_from_text("far.lua", text, &err);
     assert_ok(scene != NULL, err);
-    assert_true(duet_scene_get_info(scene)->origin == 1);
+    assert_true(duet_scene_get_info(scene)->origin_edge == 1);
     assert_true(test_poses(scene)[1].centre[0] == 10000001.0f);
     const duet_large_pose *p = duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES);
     assert_int_equal(p[1].cell[0], 10000001);

@@ -16,11 +16,11 @@ foreach(at 0 0.5 0.9 1 1.1 2 3)
   file(APPEND ${FOLDER}/pairs.txt "0 0 0 .5 .5 .5 0 0 0 1  ${at} 0 0 .5 .5 .5 1 2 3 4\n")
 endforeach()
 foreach(level certified sat15 double)
-  execute_process(COMMAND ${PROGRAM} test ${FOLDER}/pairs.txt --level ${level}
+  execute_process(COMMAND ${PROGRAM} query ${FOLDER}/pairs.txt --level ${level}
     --pair oclgrind:0,pocl:0 --share 0.8
     RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE err)
   if(NOT status EQUAL 0 OR NOT err STREQUAL "" OR NOT out MATCHES "5 colliding, 2 separated")
-    message(FATAL_ERROR "test --level ${level}: ${status}\n${err}\n${out}")
+    message(FATAL_ERROR "query --level ${level}: ${status}\n${err}\n${out}")
   endif()
 endforeach()
 

@@ -4,10 +4,10 @@
 #include "support/hard_pairs.h"
 #include "support/test.h"
 
-#include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/narrowphase/sat_frame.h"
 #include "runtime/scene/reference.h"
+#include "support/narrow_float.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -72,8 +72,8 @@ static void print_objects(const check *c, duet_pair pair)
 {
     if (c->def->shape != DUET_SHAPE_POSES)
         return;
-    hard_pair both = {*origin_pose(c->objects, c->def->origin, pair.a),
-                      *origin_pose(c->objects, c->def->origin, pair.b)};
+    hard_pair both = {*origin_pose(c->objects, c->def->origin_edge, pair.a),
+                      *origin_pose(c->objects, c->def->origin_edge, pair.b)};
     hard_pair_print(&both, c->def->dims);
 }
 
@@ -123,7 +123,7 @@ static void step_all_plans(check *c, duet_world *world)
         for (int halves = 0; halves < 2; ++halves) {
             if (c->def->shape == DUET_SHAPE_BOUNDS && strstr(ways[w].variant, "FUSED"))
                 continue; // bounds need no test
-            if (c->def->origin > 0 && strcmp(ways[w].variant, "paper") == 0)
+            if (c->def->origin_edge > 0 && strcmp(ways[w].variant, "paper") == 0)
                 continue; // which knows no origin cells
             duet_plan plan = {.mode = ways[w].mode};
             plan.share = halves ? DUET_SHARE_ONE / 2 : shares[w % 3];
@@ -137,12 +137,12 @@ static void count_pose_pair(check *c, const duet_bounds *bounds, uint32_t a, uin
 {
     const duet_world_def *def = c->def;
     double shift[3];
-    origin_shift(shift, c->objects, def->origin, a, b);
+    origin_shift(shift, c->objects, def->origin_edge, a, b);
     if (!sat_bounds_overlap(&bounds[a], &bounds[b], shift, def->dims))
         return;
     ++c->candidates;
-    const duet_pose *pose_a = origin_pose(c->objects, def->origin, a);
-    const duet_pose *pose_b = origin_pose(c->objects, def->origin, b);
+    const duet_pose *pose_a = origin_pose(c->objects, def->origin_edge, a);
+    const duet_pose *pose_b = origin_pose(c->objects, def->origin_edge, b);
     c->undecided +=
         narrow_float_apart(pose_a, pose_b, shift, def->dims, def->rotated) == NARROW_UNDECIDED;
 }
@@ -157,8 +157,8 @@ static void count_as_devices_do(check *c)
     duet_bounds *bounds = malloc((c->n + 1) * sizeof *bounds);
     assert_non_null(bounds);
     for (uint32_t i = 0; i < c->n; ++i)
-        bounds[i] =
-            sat_bounds(origin_pose(c->objects, c->def->origin, i), c->def->dims, c->def->rotated);
+        bounds[i] = sat_bounds(origin_pose(c->objects, c->def->origin_edge, i), c->def->dims,
+                               c->def->rotated);
     for (uint32_t a = 0; a < c->n; ++a)
         for (uint32_t b = a + 1; b < c->n; ++b)
             count_pose_pair(c, bounds, a, b);
@@ -168,7 +168,7 @@ static void count_as_devices_do(check *c)
 static bool set_objects(duet_world *world, const duet_world_def *def, const void *objects,
                         uint32_t n, duet_error *err)
 {
-    if (def->origin > 0)
+    if (def->origin_edge > 0)
         return duet_world_set_objects(world, DUET_OBJECT_LARGE_POSES, objects, n, err);
     return def->shape == DUET_SHAPE_POSES
                ? duet_world_set_objects(world, DUET_OBJECT_POSES, objects, n, err)
@@ -184,7 +184,7 @@ uint64_t agreement_check(const duet_world_def *def, const void *objects, uint32_
         .n = n,
         .poses = poses ? objects : NULL,
         .bounds = poses ? NULL : objects,
-        .origin = def->origin,
+        .origin = def->origin_edge,
     };
     check c = {.def = def, .objects = objects, .n = n};
     duet_error err = {0};

@@ -2,7 +2,8 @@
 // Separating axes in float with an error bound: what kernels/narrowphase/sat.clh computes,
 // operation for operation, so that a device can be checked bit by bit. The
 // structure is that of narrow.c, with u = 2^-24.
-#include "runtime/narrowphase/narrow.h"
+#include "support/narrow_float.h"
+
 #include "runtime/narrowphase/sat_frame.h"
 
 #include <math.h>

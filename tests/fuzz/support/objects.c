@@ -39,7 +39,7 @@ void fuzz_require_objects(const duet_scene *scene)
     fuzz_require(info->n == 0 || poses || bounds || placed);
     for (uint32_t i = 0; i < info->n; ++i) {
         if (placed)
-            require_placed(&placed[i], info->dims, info->origin);
+            require_placed(&placed[i], info->dims, info->origin_edge);
         else if (poses)
             require_pose(&poses[i], info->dims);
         else
