@@ -22,6 +22,21 @@ static void write_scene(const char *content)
     assert_ok(text_write_file(SCENE, content, strlen(content), &err), err);
 }
 
+// Cairo 1.16 writes style="fill:rgb(1%,2%,3%)", Cairo 1.18 fill="rgb(1%, 2%, 3%)": both
+// as fill:rgb(1%,2%,3%).
+static void tell_alike(text *svg)
+{
+    size_t to = 0;
+    for (size_t at = 0; at < svg->length; ++at) {
+        bool equals = svg->chars[at] == '=' && svg->chars[at + 1] == '"';
+        if (svg->chars[at] != ' ')
+            svg->chars[to++] = equals ? ':' : svg->chars[at];
+        at += equals;
+    }
+    svg->chars[to] = '\0';
+    svg->length = to;
+}
+
 static text draw(const char *path, const char *options)
 {
     text t = {0};
@@ -31,6 +46,8 @@ static text draw(const char *path, const char *options)
         fail_msg("picture %s: %s%s", options, p.out, p.err);
     program_free(&p);
     assert_ok(text_read_file(&t, path, &err), err);
+    if (strcmp(path, SVG) == 0)
+        tell_alike(&t);
     return t;
 }
 
