@@ -22,6 +22,8 @@
            "WHEN 'rows' THEN 'auto' || substr(" column ", 5) "                 \
            "WHEN 'lanes' THEN 'simd' || substr(" column ", 6) "                \
            "WHEN 'items' THEN 'gpu' || substr(" column ", 6) ELSE " column " END"
+#define RENAME_VARIANTS(table) \
+    "UPDATE " table " SET " RENAME_VARIANT("variant_a") ", " RENAME_VARIANT("variant_b") ";"
 
 const char *const migrate_upgrades[] = {
     // 2: what levels of accuracy find and cost; what a profile's gain is of.
@@ -48,11 +50,7 @@ const char *const migrate_upgrades[] = {
     "UPDATE session SET search_state = json_set(json_remove(search_state, '$.tape'), '$.trials', "
     "json_extract(search_state, '$.tape')) "
     "WHERE json_valid(search_state) AND json_type(search_state, '$.tape') = 'array';"
-    "UPDATE trial SET " RENAME_VARIANT("variant_a") ", " RENAME_VARIANT(
-        "variant_b") ";"
-                     "UPDATE profile SET " RENAME_VARIANT("variant_a") ", " RENAME_VARIANT(
-                         "variant_b") ";"
-                                      "UPDATE fit SET " RENAME_VARIANT("variant") ";",
+    RENAME_VARIANTS("trial") RENAME_VARIANTS("profile") "UPDATE fit SET " RENAME_VARIANT("variant"),
     NULL,
 };
 

@@ -64,8 +64,8 @@ static void draw_device(canvas *c, const level_costs_report *r, int device, doub
 {
     char words[256];
     const duet_device_info *info = duet_device_pair_get_info(r->pair, device);
-    snprintf(words, sizeof words, "%c: %.60s, %.120s", "AB"[device], info -> selector,
-             info -> name);
+    snprintf(words, sizeof words, "%c: %.60s, %.120s", "AB"[device], info->selector,
+             info->name);
     canvas_words(c, (point){names_x, *y}, words_px, grey, words);
     *y += ROW;
     for (uint32_t i = 0; i < r->costs->n; ++i) {

@@ -58,7 +58,7 @@ static void print_device(const level_costs_report *r, int device)
     static const char *const heads[] = {" ",      "level", "ms a step", "/ sat15", " ",
                                         "missed", "false", "deepest",   "widest",  "undecided"};
     const duet_device_info *info = duet_device_pair_get_info(r->pair, device);
-    printf("\n%c %s, %s, alone\n", "AB"[device], info -> selector, info -> name);
+    printf("\n%c %s, %s, alone\n", "AB"[device], info->selector, info->name);
     table t = table_begin("llrrlrrrrr");
     for (size_t i = 0; i < sizeof heads / sizeof *heads; ++i)
         table_cell(&t, "%s", heads[i]);

@@ -72,7 +72,7 @@ static bool check_world_box(const duet_world_def *def, duet_error *err)
         if (!isfinite(def->lower[k]) || !isfinite(def->upper[k]) || def->lower[k] > def->upper[k])
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "the world's %c runs from %g to %g; expected finite and rising",
-                             "xyz"[k], def -> lower[k], def -> upper[k]);
+                             "xyz"[k], def->lower[k], def->upper[k]);
     return true;
 }
 
@@ -93,7 +93,7 @@ static bool check_sizes_apart(const duet_world_def *def, duet_error *err)
     bool plain = def->shape == DUET_SHAPE_POSES && def->origin_edge == 0.0f;
     return !def->separate_sizes || plain ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "separate_sizes is for poses; expected false for bounds and for placed "
+                     "separate_sizes is for poses; expected false for bounds and for large "
                      "poses");
 }
 

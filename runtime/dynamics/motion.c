@@ -76,7 +76,7 @@ static bool check_edge(const duet_motion_def *def, duet_error *err)
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "the walls across %c are at %g and %g; expected finite and "
                              "rising",
-                             "xyz"[k], def -> lower[k], def -> upper[k]);
+                             "xyz"[k], def->lower[k], def->upper[k]);
     return true;
 }
 
