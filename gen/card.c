@@ -190,7 +190,8 @@ static void want_function(lua_State *L, const char *name)
 // [1] what the card returned, [2] the card to fill
 static int read_card(lua_State *L)
 {
-    static const char *const names[] = {"about", "params", "valid", "launch", "uses", "emit", NULL};
+    static const char *const names[] = {"about",  "params", "args", "valid",
+                                        "launch", "uses",   "emit", NULL};
     card *c = lua_touserdata(L, 2);
     if (lua_type(L, 1) != LUA_TTABLE)
         field_raise(L, NULL, "the card returns a %s, not a table", luaL_typename(L, 1));
@@ -199,6 +200,7 @@ static int read_card(lua_State *L)
     read_params(L, c);
     read_names(L, "uses", &c->uses);
     read_names(L, "emit", &c->emit);
+    signature_read(L, 1, &c->signatures, &c->n_signatures);
     want_function(L, "valid");
     want_function(L, "launch");
     lua_pushvalue(L, 1);
@@ -233,6 +235,7 @@ void card_close(card *c)
         free((void *)c->params[i].values);
     }
     free(c->about);
+    free(c->signatures);
     script_close(c->script);
     *c = (card){0};
 }
@@ -244,6 +247,7 @@ typedef struct question {
     card *card;
     const gen_limits *limits;
     const gen_setting *config;
+    gen_entry *entries;
     card_launch launch;
     bool is_valid;
     char reason[200];
@@ -341,6 +345,29 @@ bool card_check(card *c, const gen_limits *limits, const gen_setting *config, ca
     *launch = q.launch;
     return q.is_valid || error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: not a valid config: %s",
                                    c->kernel, q.reason);
+}
+
+// [1] the question
+static int resolve(lua_State *L)
+{
+    question *q = lua_touserdata(L, 1);
+    const card *c = q->card;
+    for (uint32_t i = 0; i < c->n_signatures; ++i)
+        signature_resolve(L, &c->signatures[i], q->config, c->n_params, &q->entries[i]);
+    return 0;
+}
+
+bool card_entries(card *c, const gen_setting *config, gen_entry **entries, duet_error *err)
+{
+    *entries = calloc(c->n_signatures + 1, sizeof **entries);
+    question q = {.card = c, .config = config, .entries = *entries};
+    if (!*entries)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", c->kernel);
+    if (ask(resolve, &q, err))
+        return true;
+    free(*entries);
+    *entries = NULL;
+    return false;
 }
 
 // The parameter's default(limits), where it is a function. Its table is on top.

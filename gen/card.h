@@ -9,9 +9,10 @@
 
 #include "base/text.h"
 #include "gen/gen.h"
+#include "gen/signature.h"
 
 #define CARD_MAX_PARAMS 32
-#define CARD_MAX_NAMES 8
+#define CARD_MAX_NAMES 16
 
 // Names of files that a card asks for.
 typedef struct card_names {
@@ -26,8 +27,10 @@ typedef struct card {
     char *about;
     gen_param params[CARD_MAX_PARAMS];
     uint32_t n_params;
-    card_names uses; // headers, "object.clh"
-    card_names emit; // modules of gen/emit, "stencil"
+    card_names uses;       // headers, "object.clh"
+    card_names emit;       // modules of gen/emit, "stencil"
+    signature *signatures; // of the entries, by name
+    uint32_t n_signatures;
 } card;
 
 typedef struct card_launch {
@@ -47,6 +50,9 @@ bool card_allows(const card *c, const gen_param *param, int64_t value, duet_erro
 // BAD_ARGUMENT with the card's reason where the config is not valid.
 bool card_check(card *c, const gen_limits *limits, const gen_setting *config, card_launch *launch,
                 duet_error *err);
+
+// The entries under a config, to be freed by the caller.
+bool card_entries(card *c, const gen_setting *config, gen_entry **entries, duet_error *err);
 
 // All configs, valid or not, in mixed radix: the last parameter fastest.
 uint64_t card_size(const card *c);

@@ -210,14 +210,16 @@ static bool name_variant(const card *c, const gen_setting *config, gen_variant *
     return ok;
 }
 
-static void add_prelude(const card *c, const gen_setting *config, const char *name, text *out)
+static void add_prelude(const card *c, const gen_setting *config, const gen_variant *v, text *out)
 {
-    text_add(out, "// %s\n", name);
+    text_add(out, "// %s\n", v->name);
     for (uint32_t i = 0; i < c->n_params; ++i) {
         bool negative = config[i].value < 0;
         text_add(out, negative ? "#define %s (%" PRId64 ")\n" : "#define %s %" PRId64 "\n",
                  config[i].name, config[i].value);
     }
+    for (uint32_t i = 0; i < v->n_entries; ++i)
+        signature_define(&v->entries[i], out);
 }
 
 static bool add_kernel_text(const kernel *k, const gen_setting *config, text *out, duet_error *err)
@@ -242,13 +244,15 @@ bool gen_make(gen *g, const char *name, const gen_setting *settings, uint32_t n_
     bool ok = fill_config(&k->card, settings, n_settings, limits, config, err);
     ok = ok && card_check(&k->card, limits, config, &launch, err);
     ok = ok && name_variant(&k->card, config, variant, err);
+    ok = ok && card_entries(&k->card, config, &variant->entries, err);
     if (ok) {
-        add_prelude(&k->card, config, variant->name, &out);
+        variant->n_entries = k->card.n_signatures;
+        add_prelude(&k->card, config, variant, &out);
         ok = add_kernel_text(k, config, &out, err);
     }
     if (!ok) {
         text_free(&out);
-        *variant = (gen_variant){0};
+        gen_variant_free(variant);
         return false;
     }
     SHA256Data((const uint8_t *)out.chars, out.length, variant->sha256);
@@ -261,6 +265,7 @@ bool gen_make(gen *g, const char *name, const gen_setting *settings, uint32_t n_
 void gen_variant_free(gen_variant *variant)
 {
     free(variant->text);
+    free(variant->entries);
     *variant = (gen_variant){0};
 }
 

@@ -35,12 +35,31 @@ typedef struct gen_setting {
     int64_t value;
 } gen_setting;
 
+enum { GEN_NAME = 48, GEN_MAX_ARGS = 28 };
+
+// An argument of a kernel.
+typedef struct gen_arg {
+    char name[GEN_NAME];
+    char type[24];  // as the card writes it, with " *" behind it for a buffer: "real4 *"
+    uint32_t bytes; // of a value under the config; 0: a buffer
+    bool is_const, is_constant, is_volatile, is_double; // is_double: real is double
+} gen_arg;
+
+// An entry point of a kernel: its arguments in the order of its parameters.
+typedef struct gen_entry {
+    char name[GEN_NAME];
+    gen_arg args[GEN_MAX_ARGS];
+    uint32_t n_args;
+} gen_entry;
+
 typedef struct gen_variant {
-    char name[160];    // "pair_search_gpu.DIMS3.WG128.BUF512"
-    char sha256[65];   // of the text, lower-case hex
-    char *text;        // OpenCL C; owned, given back by gen_variant_free
-    uint32_t group;    // work-group size that the card asks for
-    uint32_t per_item; // work-units (objects, pairs, cells) one work-item does
+    char name[160];     // "pair_search_gpu.DIMS3.WG128.BUF512"
+    char sha256[65];    // of the text, lower-case hex
+    char *text;         // OpenCL C; owned, given back by gen_variant_free
+    uint32_t group;     // work-group size that the card asks for
+    uint32_t per_item;  // work-units (objects, pairs, cells) one work-item does
+    gen_entry *entries; // owned like text
+    uint32_t n_entries;
 } gen_variant;
 
 // Parameters that settings leaves out take the card's default, which may

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "objects while a step is solved",
-  uses = { "dynamics/motion.clh", "dynamics/contact.clh", "dynamics/box_contact.clh" },
+  uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/box_contact.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
@@ -15,6 +15,40 @@ return {
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
       about = "objects, pairs or contacts a work-item" },
+  },
+  args = {
+    prepare_bodies = [[
+      const real4 *velocities
+      const real4 *rotations           if ANGULAR_VELOCITY == 1
+      const real4 *angular_velocities  if ANGULAR_VELOCITY == 1
+      const float4 *inertias           if ANGULAR_VELOCITY == 1
+      const uint *asleep               if SLEEP == 1
+      uint n
+      float4 *bodies
+    ]],
+    integrate_velocities = [[
+      float4 *bodies
+      uint n
+      float4 gravity        if GRAVITY > 0
+      const real4 *centres  if GRAVITY == 2
+      float drag            if DRAG == 1
+      float h
+    ]],
+    finalize_bodies = [[
+      const float4 *bodies
+      uint n
+      real4 *centres
+      int4 *cells                if ORIGIN > 0
+      real4 *rotations           if ANGULAR_VELOCITY == 1
+      real4 *angular_velocities  if ANGULAR_VELOCITY == 1
+      const uint *asleep         if SLEEP == 1
+      float *rests               if SLEEP == 1
+      const float4 *halves       if SLEEP == 1
+      float dt                   if SLEEP == 1
+      float sleep_speed          if SLEEP == 1
+      float sleep_after          if SLEEP == 1
+      real4 *velocities
+    ]],
   },
   valid = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "the manifold of each pair that may touch",
-  uses = { "dynamics/motion.clh", "flags.clh", "dynamics/contact.clh", "dynamics/box_contact.clh", "dynamics/box_lanes.clh" },
+  uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/box_contact.clh", "dynamics/box_lanes.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
@@ -21,6 +21,30 @@ return {
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
       about = "objects, pairs or contacts a work-item" },
+  },
+  args = {
+    build_manifolds = [[
+      const uint2 *links
+      uint n_contacts
+      uint n
+      const real4 *centres
+      const int4 *cells       if ORIGIN > 0
+      const float4 *halves
+      const real4 *rotations  if ROTATED == 1
+      real4 lower             if BOUNDS == 1
+      real4 upper             if BOUNDS == 1
+      const float4 *bodies    if CONTACT_RESPONSE == 1
+      const uint *asleep      if SLEEP == 1
+      uint woken              if SLEEP == 1
+      float *rests            if SLEEP == 1
+      float dt                if CONTINUOUS == 1
+      uint4 *events           if EVENTS == 1
+      uint event_capacity     if EVENTS == 1
+      volatile uint *flags    if EVENTS == 1
+      float margin
+      uint *touches
+      float *contacts
+    ]],
   },
   valid = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end

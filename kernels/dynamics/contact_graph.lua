@@ -12,6 +12,42 @@ return {
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
       about = "objects, pairs or contacts a work-item" },
   },
+  args = {
+    contact_graph_pairs = [[
+      const uint2 *pairs
+      uint n_pairs
+      const real4 *velocities
+      const uint2 *filters  if FILTER == 1
+      uint fill
+      volatile uint *starts
+      uint *others
+    ]],
+    contact_graph_walls = [[
+      const float *boxes
+      const real4 *velocities
+      real4 lower
+      real4 upper
+      uint n
+      uint fill
+      volatile uint *starts
+      uint *others
+    ]],
+    contact_graph_sort = [[
+      const uint *row_starts
+      uint n
+      uint *row_values
+    ]],
+    contact_graph_reverse = [[
+      const uint *starts
+      const uint *others
+      uint n
+      const real4 *velocities
+      uint fill
+      uint2 *links
+      volatile uint *return_starts
+      uint *returns
+    ]],
+  },
   valid = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     return true

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "bounds of objects that move",
-  uses = { "dynamics/motion.clh", "flags.clh" },
+  uses = { "dynamics/motion.clh", "dynamics/records.h" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
@@ -14,6 +14,33 @@ return {
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
       about = "objects, pairs or contacts a work-item" },
+  },
+  args = {
+    compute_fat_aabbs = [[
+      const real4 *centres
+      const int4 *cells        if ORIGIN > 0
+      int4 base                if ORIGIN > 0
+      const real4 *rotations   if ROTATED == 1
+      const real4 *velocities  if CONTINUOUS == 1
+      real dt                  if CONTINUOUS == 1
+      const float4 *halves
+      real aabb_margin
+      uint n
+      float *boxes
+    ]],
+    check_fat_aabbs = [[
+      const real4 *centres
+      const int4 *cells        if ORIGIN > 0
+      int4 base                if ORIGIN > 0
+      const real4 *rotations   if ROTATED == 1
+      const real4 *velocities  if CONTINUOUS == 1
+      real dt                  if CONTINUOUS == 1
+      const float4 *halves
+      real aabb_margin
+      uint n
+      const float *boxes
+      volatile uint *flags
+    ]],
   },
   valid = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "colours of contacts",
-  uses = { "dynamics/motion.clh", "flags.clh", "dynamics/contact.clh" },
+  uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
@@ -12,6 +12,43 @@ return {
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
       about = "objects, pairs or contacts a work-item" },
+  },
+  args = {
+    graph_colour_mark = [[
+      const uint2 *links
+      const uint *touches
+      uint n_contacts
+      uint n
+      const float4 *bodies
+      uint *colours
+      volatile uint *choices
+      volatile uint *flags
+    ]],
+    graph_colour_choose = [[
+      const uint2 *links
+      const uint *colours
+      const uint *starts
+      const uint *return_starts
+      const uint *returns
+      uint n
+      uint *used
+      uint *choices
+    ]],
+    graph_colour_take = [[
+      const uint2 *links
+      uint n
+      const real4 *velocities
+      const uint *used
+      const uint *choices
+      uint *colours
+      volatile uint *flags
+    ]],
+    graph_colour_key = [[
+      const uint *colours
+      const uint *touches
+      uint n_contacts
+      uint *keys
+    ]],
   },
   valid = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end

@@ -19,6 +19,25 @@ return {
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
       about = "objects a work-item" },
   },
+  args = {
+    integrate_free_flight = [[
+      real4 *centres
+      int4 *cells                if ORIGIN > 0
+      real4 *velocities
+      real4 *rotations           if ANGULAR_VELOCITY == 1
+      real4 *angular_velocities  if ANGULAR_VELOCITY == 1
+      const float4 *inertias     if GYRO == 1
+      real4 gravity              if GRAVITY > 0
+      real4 drags                if DRAG == 1
+      real4 lower                if BOUNDS > 0
+      real4 upper                if BOUNDS > 0
+      const float4 *halves       if BOUNDS == 1
+      const real4 *rotations     if BOUNDS == 1 and ROTATED == 1 and ANGULAR_VELOCITY == 0
+      real4 times
+      uint substeps
+      uint n
+    ]],
+  },
   valid = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end

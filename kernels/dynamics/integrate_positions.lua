@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "where objects are after a substep",
-  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/contact.clh", "dynamics/constraint.clh", "dynamics/turn.clh" },
+  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh", "dynamics/turn.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
@@ -17,6 +17,15 @@ return {
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
       about = "objects a work-item" },
+  },
+  args = {
+    integrate_positions = [[
+      float4 *bodies
+      uint n
+      const real4 *rotations  if GYRO == 1
+      const float4 *inertias  if GYRO == 1
+      float h
+    ]],
   },
   valid = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "contacts taken over into new rows",
-  uses = { "flags.clh", "dynamics/contact.clh" },
+  uses = { "dynamics/records.h", "dynamics/contact.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
@@ -13,6 +13,26 @@ return {
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
       about = "objects, pairs or contacts a work-item" },
+  },
+  args = {
+    match_contacts = [[
+      const uint2 *old_links
+      const uint *old_touches
+      const float *old_contacts
+      uint n_old
+      const uint *old_colours  if CONTACT_RESPONSE == 1
+      uint *colours            if CONTACT_RESPONSE == 1
+      uint4 *events            if EVENTS == 1
+      uint event_capacity      if EVENTS == 1
+      volatile uint *flags     if EVENTS == 1
+      const uint *asleep       if SLEEP == 1
+      uint n                   if SLEEP == 1
+      float *rests             if SLEEP == 1
+      const uint *starts
+      const uint *others
+      uint *touches
+      float *contacts
+    ]],
   },
   valid = function(p)
     if p.FRICTION == 1 and p.CONTACT_RESPONSE == 0 then return false, "FRICTION without CONTACT_RESPONSE" end

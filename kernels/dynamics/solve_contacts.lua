@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "contacts of a colour, pushed apart",
-  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/contact.clh", "dynamics/constraint.clh" },
+  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
@@ -15,6 +15,31 @@ return {
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
       about = "contacts a work-item" },
+  },
+  args = {
+    solve_contacts = [[
+      uint count
+      uint first_slot
+      uint each
+      uint apart
+      float *blocks
+      float4 *bodies
+      uint soft
+      float per_h
+      float4 spring
+      float4 hard_spring
+      float slop
+    ]],
+    apply_restitution = [[
+      uint count
+      uint first_slot
+      uint each
+      uint apart
+      float *blocks
+      float4 *bodies
+      float4 pull
+      float least_speed
+    ]],
   },
   valid = function(p)
     if p.LANES == 8 and p.BLOCK ~= 8 then return false, "lanes are blocks" end

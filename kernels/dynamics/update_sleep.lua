@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "who sleeps",
-  uses = { "dynamics/motion.clh", "flags.clh", "dynamics/contact.clh" },
+  uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
@@ -12,6 +12,22 @@ return {
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
       about = "objects, pairs or contacts a work-item" },
+  },
+  args = {
+    update_sleep = [[
+      const uint2 *links
+      const uint *touches
+      const uint *starts
+      const uint *return_starts
+      const uint *returns
+      uint n
+      const float *rests
+      const real4 *velocities
+      const real4 *angular_velocities  if ANGULAR_VELOCITY == 1
+      float sleep_after
+      uint *asleep
+      volatile uint *flags
+    ]],
   },
   valid = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end

@@ -2,10 +2,9 @@
 // The bounds of each object in the order of the input, as the paper's kernels
 // read them, through the sorted ids.
 //
-//   objects [n]    poses or bounds
-//   boxes   [n][2] lower and upper corner, rounded outward
-__kernel void find_bounds(__global const float *restrict objects, uint n, __constant const grid_level *levels,
-                          uint n_levels, __global float4 *restrict boxes, volatile __global uint *restrict counters)
+//   objects      [n]    poses or bounds
+//   bounds_by_id [n][2] lower and upper corner, rounded outward
+__kernel void find_bounds(FIND_BOUNDS_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
@@ -16,7 +15,7 @@ __kernel void find_bounds(__global const float *restrict objects, uint n, __cons
             continue;
         bounds b = object_bounds(&o);
         check_extent(&o, levels, n_levels, counters);
-        boxes[2 * (size_t)id] = (float4)(b.lower[0], b.lower[1], b.lower[2], 0.0f);
-        boxes[2 * (size_t)id + 1] = (float4)(b.upper[0], b.upper[1], b.upper[2], 0.0f);
+        bounds_by_id[2 * (size_t)id] = (float4)(b.lower[0], b.lower[1], b.lower[2], 0.0f);
+        bounds_by_id[2 * (size_t)id + 1] = (float4)(b.upper[0], b.upper[1], b.upper[2], 0.0f);
     }
 }

@@ -83,20 +83,7 @@ static inline uint pick(word key, uint n, uint place, uint n_picked, uint picked
 
 #endif
 
-__kernel void hash(__global const float *restrict objects,
-#if APART
-                   __global const float *restrict sizes,
-#endif
-                   uint n,
-#if PACKED
-                   __global const uint *restrict names,
-#endif
-                   __constant const grid_level *levels, uint n_levels, uint n_cells, uint key_from, uint key_home_to,
-                   uint key_to, __global uint *restrict keys,
-#if RANK
-                   volatile __global uint *restrict counts, __global uint *restrict ranks,
-#endif
-                   volatile __global uint *restrict counters)
+__kernel void hash(HASH_ARGS)
 {
 #if APART
     object_rows rows = {objects, sizes};

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "cell of each object, and its rank in the cell",
-  uses = { "lanes.clh", "narrowphase/object.clh", "grid/grid.clh" },
+  uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
@@ -24,6 +24,24 @@ return {
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
       about = "objects a work-item" },
+  },
+  args = {
+    hash = [[
+      const float *objects
+      const float *sizes     if APART == 1
+      uint n
+      const uint *names      if PACKED == 1
+      constant grid_level *levels
+      uint n_levels
+      uint n_cells
+      uint key_from
+      uint key_home_to
+      uint key_to
+      uint *keys
+      volatile uint *counts  if RANK == 1
+      uint *ranks            if RANK == 1
+      volatile uint *counters
+    ]],
   },
   valid = function(p, limits)
     if p.BATCH % p.LANES ~= 0 then return false, "BATCH is not a multiple of LANES" end

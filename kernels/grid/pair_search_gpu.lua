@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "half the neighbourhood in merged rows, objects in cell order",
-  uses = { "lanes.clh", "narrowphase/object.clh", "grid/grid.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "narrowphase/boxes.clh" },
+  uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "narrowphase/boxes.clh" },
   emit = { "stencil" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
@@ -27,6 +27,27 @@ return {
     { "BUF", values = { 256, 512, 1024 }, default = 512, about = "pairs a group collects" },
     { "PER_ITEM", values = { 1, 2, 4, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
       about = "objects a work-item" },
+  },
+  args = {
+    pair_search_gpu = [[
+      const float4 *bounds
+      const float4 *boxes      if SHAPE == 0
+      const uint *starts
+      constant grid_level *levels
+      uint n_levels
+      uint n_cells
+      uint key_from
+      uint n_home_cells
+      uint first
+      uint last
+      uint2 *found
+      uint found_capacity
+      uint2 *pairs             if FUSED == 1
+      uint pair_capacity       if FUSED == 1
+      uint2 *undecided         if FUSED == 1
+      uint undecided_capacity  if FUSED == 1
+      volatile uint *counters
+    ]],
   },
   valid = function(p, limits)
     if p.BUF * 16 + 64 > limits.local_bytes then return false, "BUF above the device's local memory" end

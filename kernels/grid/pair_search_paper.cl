@@ -6,9 +6,9 @@
 //   keys   [n]       sorted cells
 //   ids    [n]       objects in that order
 //   starts [n_own_cells] first of each cell from key_from, or NONE
-//   boxes  [n][2]    bounds by id
+//   bounds_by_id [n][2] lower and upper corner
 //   cells            along each axis; not read where CELLS_X compiles them in
-//   found  [capacity]    pairs of ids; the answer itself with IDS
+//   found  [found_capacity] pairs of ids; the answer itself with IDS
 #define NONE 0xffffffffu
 
 static inline bool bounds_overlap(float4 lower_a, float4 upper_a, float4 lower_b, float4 upper_b)
@@ -23,13 +23,13 @@ static inline bool bounds_overlap(float4 lower_a, float4 upper_a, float4 lower_b
 
 // The pairs of place i with those that come after it.
 static inline void search_cells(__global const uint *keys, __global const uint *ids, __global const uint *starts,
-                                __global const float4 *boxes, uint n, uint i, int4 cells, uint key_from,
+                                __global const float4 *bounds_by_id, uint n, uint i, int4 cells, uint key_from,
                                 uint n_own_cells, __global uint2 *found, uint capacity,
                                 volatile __global uint *counter)
 {
     uint id = ids[i];
-    float4 lower = boxes[2 * (size_t)id];
-    float4 upper = boxes[2 * (size_t)id + 1];
+    float4 lower = bounds_by_id[2 * (size_t)id];
+    float4 upper = bounds_by_id[2 * (size_t)id + 1];
     uint key = keys[i] + key_from;
     uint row = key / (uint)cells.x;
     int x = (int)(key % (uint)cells.x);
@@ -46,8 +46,8 @@ static inline void search_cells(__global const uint *keys, __global const uint *
                     continue;
                 for (uint j = start; j < n && keys[j] == cell; ++j) {
                     uint other = ids[j];
-                    bool overlap = bounds_overlap(lower, upper, boxes[2 * (size_t)other],
-                                                  boxes[2 * (size_t)other + 1]);
+                    bool overlap = bounds_overlap(lower, upper, bounds_by_id[2 * (size_t)other],
+                                                  bounds_by_id[2 * (size_t)other + 1]);
                     if (overlap && i < j) { // the other side finds it too
                         uint slot = reserve(counter, 1);
                         if (slot < capacity)
@@ -67,11 +67,7 @@ static inline uint cell_begin(__global const uint *keys, __global const uint *st
     return i < n && keys[i] < n_own_cells ? starts[keys[i]] : i;
 }
 
-__kernel void pair_search_paper(__global const uint *restrict keys, __global const uint *restrict ids,
-                               __global const uint *restrict starts,
-                               __global const float4 *restrict boxes, uint n, uint first, uint last,
-                               int4 cells, uint key_from, uint n_home_cells, uint n_own_cells,
-                               __global uint2 *restrict found, uint capacity, volatile __global uint *restrict counters)
+__kernel void pair_search_paper(PAIR_SEARCH_PAPER_ARGS)
 {
 #if CELLS_X
     cells = (int4)(CELLS_X, CELLS_Y, CELLS_Z, 0);
@@ -80,5 +76,5 @@ __kernel void pair_search_paper(__global const uint *restrict keys, __global con
     uint end = min(cell_begin(keys, starts, last, n, n_own_cells), n);
     uint i = cell_begin(keys, starts, first, n, n_own_cells) + get_global_id(0);
     for (; i < end && keys[i] < n_home_cells; i += get_global_size(0))
-        search_cells(keys, ids, starts, boxes, n, i, cells, key_from, n_own_cells, found, capacity, counter);
+        search_cells(keys, ids, starts, bounds_by_id, n, i, cells, key_from, n_own_cells, found, found_capacity, counter);
 }

@@ -1,8 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "half the neighbourhood in merged rows and the axis test, eight at a time",
-  uses = { "lanes.clh", "narrowphase/object.clh", "grid/grid.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "narrowphase/box_rows.clh", "narrowphase/collide.clh",
-    "grid/corners.clh" },
+  uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "narrowphase/box_rows.clh", "narrowphase/collide.clh", "grid/corners.clh" },
   emit = { "stencil" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
@@ -22,6 +21,28 @@ return {
     { "AHEAD", values = { 0, 16, 32, 64 }, default = function(limits) return limits.cpu and 32 or 0 end,
       about = "boxes asked for before they are needed" },
     { "PER_ITEM", values = { 256, 1024, 4096 }, default = 1024, about = "objects a work-item" },
+  },
+  args = {
+    pair_search_simd = [[
+      const float *bounds
+      uint place_capacity
+      const float *boxes       if SHAPE == 0
+      const uint *ids          if SHAPE == 1
+      const uint *starts
+      constant grid_level *levels
+      uint n_levels
+      uint n_cells
+      uint key_from
+      uint n_home_cells
+      uint n_own_cells
+      uint first
+      uint last
+      uint2 *found
+      uint found_capacity
+      uint2 *undecided         if FUSED == 1
+      uint undecided_capacity  if FUSED == 1
+      volatile uint *counters
+    ]],
   },
   valid = function(p, limits)
     if p.AHEAD > 0 and not limits.cpu then return false, "AHEAD is for CPUs" end

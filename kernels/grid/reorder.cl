@@ -12,12 +12,12 @@
 //   keys   [n]               cell, or NOWHERE (FROM_IDS 0)
 //   ranks  [n]               (FROM_IDS 0)
 //   starts [n_own_cells + 1] first of each cell; the last one: how many are in the grid
-//   bounds [capacity][2]         lower xyz and the id, upper xyz and the level
-//   boxes  [capacity][3]         centre xyz and the id, half extents, rotation (poses)
+//   bounds [place_capacity][2]         lower xyz and the id, upper xyz and the level
+//   boxes  [place_capacity][3]         centre xyz and the id, half extents, rotation (poses)
 //
 // With ORIGIN the rows of both end with the cell.
-#define BOUNDS_QUADS (ORIGIN ? 3 : 2)
-#define BOX_QUADS (ORIGIN ? 4 : 3)
+#define BOUNDS_QUADS BOUNDS_QUADS_OF(ORIGIN)
+#define BOX_QUADS BOX_QUADS_OF(ORIGIN)
 
 typedef struct {
     __constant const grid_level *levels;
@@ -54,24 +54,7 @@ static inline void put(const order *to, size_t place, const object *o, uint id)
 #define ID_OF(object) (object)
 #endif
 
-__kernel void reorder(__global const float *restrict objects,
-#if APART
-                      __global const float *restrict sizes,
-#endif
-#if PACKED
-                      __global const uint *restrict names,
-#endif
-#if FROM_IDS
-                      __global const uint *restrict ids,
-#else
-                      __global const uint *restrict keys, __global const uint *restrict ranks,
-#endif
-                      uint n, __global const uint *restrict starts, uint n_own_cells, uint capacity,
-                      __constant const grid_level *levels, uint n_levels, __global float4 *restrict sorted_bounds,
-#if SHAPE == SHAPE_POSES
-                      __global float4 *restrict sorted_boxes,
-#endif
-                      volatile __global uint *restrict counters)
+__kernel void reorder(REORDER_ARGS)
 {
 #if SHAPE == SHAPE_POSES
     order to = {levels, n_levels, sorted_bounds, sorted_boxes, counters};
@@ -88,7 +71,7 @@ __kernel void reorder(__global const float *restrict objects,
         counters[COUNT_PLACED] = placed;
     uint first = get_global_id(0) * PER_ITEM;
 #if FROM_IDS
-    uint last = min(min(first + PER_ITEM, placed), capacity);
+    uint last = min(min(first + PER_ITEM, placed), place_capacity);
     for (uint base = first; base < last; base += BATCH) {
         // All reads of a batch are under way before the first is needed.
         object batch[BATCH];
@@ -104,8 +87,8 @@ __kernel void reorder(__global const float *restrict objects,
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         uint key = keys[id];
-        uint place = key == NOWHERE ? capacity : starts[key] + ranks[id];
-        if (place < capacity) {
+        uint place = key == NOWHERE ? place_capacity : starts[key] + ranks[id];
+        if (place < place_capacity) {
             uint one[1] = {id};
             object o = object_at(rows, one);
             put(&to, place, &o, ID_OF(id));

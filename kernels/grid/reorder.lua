@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "objects and their bounds into cell order",
-  uses = { "lanes.clh", "narrowphase/object.clh", "grid/grid.clh" },
+  uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
@@ -20,6 +20,25 @@ return {
       about = "objects a work-item" },
     { "BATCH", values = { 1, 16 }, default = function(limits) return limits.cpu and 16 or 1 end,
       about = "objects read ahead" },
+  },
+  args = {
+    reorder = [[
+      const float *objects
+      const float *sizes    if APART == 1
+      const uint *names     if PACKED == 1
+      const uint *ids       if FROM_IDS == 1
+      const uint *keys      if FROM_IDS == 0
+      const uint *ranks     if FROM_IDS == 0
+      uint n
+      const uint *starts
+      uint n_own_cells
+      uint place_capacity
+      constant grid_level *levels
+      uint n_levels
+      float4 *sorted_bounds
+      float4 *sorted_boxes  if SHAPE == 0
+      volatile uint *counters
+    ]],
   },
   valid = function(p)
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end

@@ -5,8 +5,8 @@
 //   sizes  [n + 1] of the objects, where those are transforms (APART)
 //   ids    [n]  sorted by cell
 //   starts [n_own_cells + 1] the last one: how many are in the grid
-//   bounds [2 DIMS + 1][COLUMN(capacity)], with ORIGIN DIMS more
-//   boxes  [COLUMN(capacity)][BOX_WORDS] (poses)
+//   bounds [2 DIMS + 1][COLUMN(place_capacity)], with ORIGIN DIMS more
+//   boxes  [COLUMN(place_capacity)][BOX_WORDS] (poses)
 
 // Places past the end are the last one again.
 static inline void ids_from(__global const uint *ids, uint place, uint end, uint to[LANES])
@@ -44,18 +44,7 @@ static inline void ask_for_rows(object_rows rows, const uint ids[LANES])
     }
 }
 
-__kernel void reorder_simd(__global const float *restrict objects,
-#if APART
-                            __global const float *restrict sizes,
-#endif
-                            __global const uint *restrict ids, uint n,
-                            __global const uint *restrict starts, uint n_own_cells, uint capacity,
-                            __constant const grid_level *levels, uint n_levels, uint n_cells, uint key_from,
-                            __global float *restrict sorted_bounds,
-#if SHAPE == SHAPE_POSES
-                            __global float *restrict sorted_boxes,
-#endif
-                            volatile __global uint *restrict counters)
+__kernel void reorder_simd(REORDER_SIMD_ARGS)
 {
 #if APART
     object_rows rows = {objects, sizes};
@@ -65,7 +54,7 @@ __kernel void reorder_simd(__global const float *restrict objects,
     uint placed = starts[n_own_cells];
     if (get_global_id(0) == 0)
         counters[COUNT_PLACED] = placed;
-    uint end = min(placed, capacity);
+    uint end = min(placed, place_capacity);
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, end);
     for (uint place = first; place < last; place += LANES) {
@@ -83,10 +72,10 @@ __kernel void reorder_simd(__global const float *restrict objects,
 #else
         word where = level_of(&o, levels, n_levels);
 #endif
-        store_bounds(sorted_bounds, COLUMN(capacity), place, &b, where);
+        store_bounds(sorted_bounds, COLUMN(place_capacity), place, &b, where);
 #if ORIGIN
         for (int k = 0; k < DIMS; ++k)
-            vstore8(as_real(o.cell[k]), 0, sorted_bounds + (2 * DIMS + 1 + k) * COLUMN(capacity) + place);
+            vstore8(as_real(o.cell[k]), 0, sorted_bounds + (2 * DIMS + 1 + k) * COLUMN(place_capacity) + place);
 #endif
 #if SHAPE == SHAPE_POSES
         box stored = box_of(&o);

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "objects and their bounds into cell order, for a search over lanes",
-  uses = { "lanes.clh", "narrowphase/object.clh", "grid/grid.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "narrowphase/box_rows.clh", "grid/corners.clh" },
+  uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "narrowphase/box_rows.clh", "grid/corners.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
@@ -22,6 +22,24 @@ return {
     { "AHEAD", values = { 0, 16, 32, 64 }, default = function(limits) return limits.cpu and 32 or 0 end,
       about = "objects asked for before they are needed" },
     { "PER_ITEM", values = { 256, 1024, 4096 }, default = 1024, about = "objects a work-item" },
+  },
+  args = {
+    reorder_simd = [[
+      const float *objects
+      const float *sizes   if APART == 1
+      const uint *ids
+      uint n
+      const uint *starts
+      uint n_own_cells
+      uint place_capacity
+      constant grid_level *levels
+      uint n_levels
+      uint n_cells
+      uint key_from
+      float *sorted_bounds
+      float *sorted_boxes  if SHAPE == 0
+      volatile uint *counters
+    ]],
   },
   valid = function(p, limits)
     if p.AHEAD > 0 and not limits.cpu then return false, "AHEAD is for CPUs" end

@@ -5,8 +5,7 @@
 //   ids    [starts[n_cells]] in cell order
 #define NOWHERE 0xffffffffu
 
-__kernel void scatter(__global const uint *restrict keys, __global const uint *restrict ranks,
-                      uint n, __global const uint *restrict starts, __global uint *restrict ids)
+__kernel void scatter(SCATTER_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);

@@ -7,5 +7,14 @@ return {
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
       about = "objects a work-item" },
   },
+  args = {
+    scatter = [[
+      const uint *keys
+      const uint *ranks
+      uint n
+      const uint *starts
+      uint *ids
+    ]],
+  },
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -3,14 +3,12 @@
 // cannot decide to a list of their own for the host.
 //
 //   boxes      SORTED 1: [n][3] in cell order, centre.w the id
-//              SORTED 0: the objects as they came, read by id
+//   objects    SORTED 0: as they came, read by id
 //   candidates [*count] pairs of places (SORTED 1) or ids (SORTED 0)
-//   pairs      [capacity]   ids
+//   pairs      [pair_capacity] ids
 //   undecided  [undecided_capacity] ids
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
-narrow(__global const STORED *restrict boxes, __global const uint2 *restrict candidates, uint candidate_capacity,
-       __global uint2 *restrict pairs, uint capacity, __global uint2 *restrict undecided, uint undecided_capacity,
-       volatile __global uint *restrict counters)
+narrow(NARROW_ARGS)
 {
     __local uint2 collected[WG * PER_ITEM];
     __local uint used;
@@ -24,8 +22,8 @@ narrow(__global const STORED *restrict boxes, __global const uint2 *restrict can
         for (uint k = from + get_local_id(0); k < min(from + tile, n); k += WG) {
             uint2 candidate = candidates[k];
             uint id_a, id_b;
-            box a = box_at(boxes, candidate.x, &id_a);
-            box b = box_at(boxes, candidate.y, &id_b);
+            box a = box_at(STORED, candidate.x, &id_a);
+            box b = box_at(STORED, candidate.y, &id_b);
             verdicts v = verdict(&a, &b);
             if (v.colliding) {
                 collected[atomic_inc(&used)] = ordered(id_a, id_b);
@@ -40,7 +38,7 @@ narrow(__global const STORED *restrict boxes, __global const uint2 *restrict can
             base = reserve(counters + COUNT_PAIRS, used);
         barrier(CLK_LOCAL_MEM_FENCE);
         for (uint k = get_local_id(0); k < used; k += WG)
-            if (base + k < capacity)
+            if (base + k < pair_capacity)
                 pairs[base + k] = collected[k];
         barrier(CLK_LOCAL_MEM_FENCE);
     }

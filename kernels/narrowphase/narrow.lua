@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "separating axis test of the candidates",
-  uses = { "lanes.clh", "narrowphase/object.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "narrowphase/boxes.clh" },
+  uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "grid/places.h", "narrowphase/boxes.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0 }, default = 0, about = "poses: bounds need no test" },
@@ -16,6 +16,19 @@ return {
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 2, 4, 256 }, default = function(limits) return limits.cpu and 256 or 4 end,
       about = "candidates a work-item tests between two flushes" },
+  },
+  args = {
+    narrow = [[
+      const float *objects   if SORTED == 0
+      const float4 *boxes    if SORTED == 1
+      const uint2 *candidates
+      uint candidate_capacity
+      uint2 *pairs
+      uint pair_capacity
+      uint2 *undecided
+      uint undecided_capacity
+      volatile uint *counters
+    ]],
   },
   valid = function(p, limits)
     if p.WG * p.PER_ITEM * 8 + 64 > limits.local_bytes then return false, "pairs above the device's local memory" end

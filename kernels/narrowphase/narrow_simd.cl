@@ -3,14 +3,11 @@
 //
 //   boxes      as reorder_simd leaves them
 //   candidates [*count]         pairs of places
-//   pairs      [capacity]           ids
+//   pairs      [pair_capacity]      ids
 //   undecided  [undecided_capacity] ids
-__kernel void narrow_simd(__global const float *restrict boxes, __global const uint2 *restrict candidates,
-                           uint candidate_capacity, __global uint2 *restrict pairs, uint capacity,
-                           __global uint2 *restrict undecided, uint undecided_capacity,
-                           volatile __global uint *restrict counters)
+__kernel void narrow_simd(NARROW_SIMD_ARGS)
 {
-    collider to = {boxes, pairs, capacity, undecided, undecided_capacity, counters};
+    collider to = {boxes, pairs, pair_capacity, undecided, undecided_capacity, counters};
     uint2 waiting[PER_ITEM + AHEAD + LANES];
     uint2 found[PER_ITEM + LANES];
     for (uint k = 0; k < PER_ITEM + AHEAD + LANES; ++k)

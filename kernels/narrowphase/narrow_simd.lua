@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "separating axis test of listed candidates, eight at a time",
-  uses = { "lanes.clh", "narrowphase/object.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "narrowphase/box_rows.clh", "narrowphase/collide.clh" },
+  uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "grid/places.h", "narrowphase/box_rows.clh", "narrowphase/collide.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0 }, default = 0, about = "poses: bounds need no test" },
@@ -15,6 +15,18 @@ return {
     { "AHEAD", values = { 0, 16, 32, 64 }, default = function(limits) return limits.cpu and 32 or 0 end,
       about = "boxes asked for before they are needed" },
     { "PER_ITEM", values = { 256, 512, 1024 }, default = 512, about = "candidates a work-item tests at once" },
+  },
+  args = {
+    narrow_simd = [[
+      const float *boxes
+      const uint2 *candidates
+      uint candidate_capacity
+      uint2 *pairs
+      uint pair_capacity
+      uint2 *undecided
+      uint undecided_capacity
+      volatile uint *counters
+    ]],
   },
   valid = function(p, limits)
     if p.AHEAD > 0 and not limits.cpu then return false, "AHEAD is for CPUs" end

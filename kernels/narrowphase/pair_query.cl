@@ -43,7 +43,7 @@ static inline word test(const object *a, const object *b)
 }
 
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
-pair_query(__global const float *restrict poses, uint n, __global uchar *restrict verdicts)
+pair_query(PAIR_QUERY_ARGS)
 {
     uint begin = get_global_id(0) * PER_ITEM;
     for (uint from = begin; from < min(begin + PER_ITEM, n); from += LANES) {

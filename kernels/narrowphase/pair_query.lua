@@ -15,6 +15,13 @@ return {
     { "PER_ITEM", values = { 1, 512 }, default = function(limits) return limits.cpu and 512 or 1 end,
       about = "pairs a work-item tests one after the other" },
   },
+  args = {
+    pair_query = [[
+      const float *poses
+      uint n
+      uchar *verdicts
+    ]],
+  },
   valid = function(p, limits)
     if p.WG > limits.max_group then return false, "WG above the device's limit of " .. limits.max_group end
     if p.PER_ITEM % p.LANES ~= 0 then return false, "PER_ITEM not a multiple of LANES" end

@@ -3,7 +3,7 @@
 //
 //   counters [n_counters]
 //   starts   [n_starts]
-__kernel void clear(__global uint *restrict counters, uint n_counters, __global uint *restrict starts, uint n_starts)
+__kernel void clear(CLEAR_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     for (uint i = first; i < min(first + PER_ITEM, n_counters); ++i)

@@ -7,5 +7,13 @@ return {
     { "PER_ITEM", values = { 1, 4, 16384 }, default = function(limits) return limits.cpu and 16384 or 4 end,
       about = "words a work-item" },
   },
+  args = {
+    clear = [[
+      uint *counters
+      uint n_counters
+      uint *starts
+      uint n_starts
+    ]],
+  },
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -26,12 +26,12 @@ static inline void count_mine(__global const uint *keys, uint first, uint last, 
 }
 
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
-radix_count(__global const uint *restrict keys, uint n, uint shift, __global uint *restrict tiles)
+radix_count(RADIX_COUNT_ARGS)
 {
     __local uint counts[DIGITS * WG];
     uint first = min((uint)get_global_id(0) * PER_ITEM, n);
     uint last = min(first + PER_ITEM, n);
-    count_mine(keys, first, last, shift, counts);
+    count_mine(keys_in, first, last, shift, counts);
     for (uint digit = get_local_id(0); digit < DIGITS; digit += WG) {
         uint sum = 0;
         for (uint i = 0; i < WG; ++i)
@@ -42,9 +42,7 @@ radix_count(__global const uint *restrict keys, uint n, uint shift, __global uin
 
 // In the first pass the ids are the places themselves and ids_in is not read.
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
-radix_move(__global const uint *restrict keys_in, __global const uint *restrict ids_in, uint n,
-           uint shift, uint first_pass, __global const uint *restrict tiles,
-           __global uint *restrict keys_out, __global uint *restrict ids_out)
+radix_move(RADIX_MOVE_ARGS)
 {
     __local uint counts[DIGITS * WG];
     uint first = min((uint)get_global_id(0) * PER_ITEM, n);

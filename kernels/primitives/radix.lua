@@ -9,6 +9,24 @@ return {
     { "PER_ITEM", values = { 4, 8, 16, 16384 }, default = function(limits) return limits.cpu and 16384 or 16 end,
       about = "consecutive elements a work-item" },
   },
+  args = {
+    radix_count = [[
+      const uint *keys_in
+      uint n
+      uint shift
+      uint *tiles
+    ]],
+    radix_move = [[
+      const uint *keys_in
+      const uint *ids_in
+      uint n
+      uint shift
+      uint first_pass
+      const uint *tiles
+      uint *keys_out
+      uint *ids_out
+    ]],
+  },
   valid = function(p, limits)
     if (1 << p.BITS) * p.WG * 4 > limits.local_bytes then return false, "counts above the device's local memory" end
     return true

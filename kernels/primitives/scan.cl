@@ -54,7 +54,7 @@ static inline uint group_sum(uint value, __local uint *shared_sums)
 }
 
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
-scan_sums(__global const uint *restrict values, uint n, __global uint *restrict sums)
+scan_sums(SCAN_SUMS_ARGS)
 {
     __local uint shared_sums[WG];
     uint total = group_sum(sum_of(values, get_global_id(0) * PER_ITEM, n), shared_sums);
@@ -63,7 +63,7 @@ scan_sums(__global const uint *restrict values, uint n, __global uint *restrict 
 }
 
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
-scan_tops(__global uint *restrict sums, uint n_blocks)
+scan_tops(SCAN_TOPS_ARGS)
 {
     __local uint shared_sums[WG];
     uint carry = 0;
@@ -91,12 +91,12 @@ static inline uint before_block(__global const uint *sums, uint tops, __local ui
 }
 
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
-scan_blocks(__global uint *restrict values, uint n, __global const uint *restrict sums, uint tops)
+scan_blocks(SCAN_BLOCKS_ARGS)
 {
     __local uint shared_sums[WG];
     uint first = get_global_id(0) * PER_ITEM;
     uint total;
-    uint running = before_block(sums, tops, shared_sums);
+    uint running = before_block(sums, use_tops, shared_sums);
     running += group_scan(sum_of(values, first, n), shared_sums, &total);
     uint last = min(first + PER_ITEM, n);
     for (uint i = first; i < last; ++i) {

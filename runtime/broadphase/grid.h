@@ -17,22 +17,12 @@
 #ifndef RUNTIME_GRID_H
 #define RUNTIME_GRID_H
 
+#include "kernels/grid/places.h"
 #include "runtime/duet.h"
-
-#include <CL/cl.h>
 
 typedef enum grid_kind { GRID_DENSE, GRID_HASHED } grid_kind;
 
 enum { GRID_LEVELS = 16 };
-
-// As kernels/grid/grid.clh has it.
-typedef struct grid_level {
-    cl_float4 lower;    // with origin cells in one, whose xyz is in the last words of these three
-    cl_float4 per_cell; // 1 / edge
-    cl_float4 limit;    // an extent above it does not fit: the edge less its margin
-    cl_float4 reach;    // how far beyond its point an object's bounds may be, with a margin
-    cl_int4 cells;      // w: the key of the level's first cell
-} grid_level;
 
 typedef struct grid {
     grid_kind kind;

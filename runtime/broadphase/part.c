@@ -14,12 +14,62 @@ enum { LEAST_CHUNK = 1 << 17 };
 
 // Where a part has its buffers.
 static const size_t buffers[] = {
-    offsetof(part, objects),    offsetof(part, sizes),  offsetof(part, names),
-    offsetof(part, keys),       offsetof(part, ids),    offsetof(part, keys_spare),
-    offsetof(part, ids_spare),  offsetof(part, starts), offsetof(part, sums),
-    offsetof(part, tiles),      offsetof(part, bounds), offsetof(part, boxes),
-    offsetof(part, candidates), offsetof(part, pairs),  offsetof(part, undecided),
-    offsetof(part, counters),   offsetof(part, levels)};
+    offsetof(part, objects),   offsetof(part, sizes),     offsetof(part, names),
+    offsetof(part, keys),      offsetof(part, ids),       offsetof(part, keys_spare),
+    offsetof(part, ids_spare), offsetof(part, starts),    offsetof(part, bounds),
+    offsetof(part, boxes),     offsetof(part, counters),  offsetof(part, candidates),
+    offsetof(part, pairs),     offsetof(part, undecided), offsetof(part, levels)};
+
+#define BUFFER(name, type, member) BIND_BUFFER(part, name, type, member)
+#define VALUE(name) BIND_VALUE(part, #name, args.name)
+
+// What the arguments in kernels/grid and kernels/narrowphase mean. Bounds and boxes are
+// laid out as the search asks for.
+static const binding part_bindings[] = {BUFFER("objects", "float *", objects),
+                                        BUFFER("sizes", "float *", sizes),
+                                        BUFFER("names", "uint *", names),
+                                        BUFFER("levels", "grid_level *", levels),
+                                        BUFFER("keys", "uint *", keys),
+                                        BUFFER("ids", "uint *", ids),
+                                        BUFFER("ranks", "uint *", keys_spare),
+                                        BUFFER("counts", "uint *", starts),
+                                        BUFFER("starts", "uint *", starts),
+                                        BUFFER("key_starts", "uint *", starts),
+                                        BUFFER("bounds", "float4 *", bounds),
+                                        BUFFER("bounds", "float *", bounds),
+                                        BUFFER("bounds_by_id", "float4 *", bounds),
+                                        BUFFER("sorted_bounds", "float4 *", bounds),
+                                        BUFFER("sorted_bounds", "float *", bounds),
+                                        BUFFER("boxes", "float4 *", boxes),
+                                        BUFFER("boxes", "float *", boxes),
+                                        BUFFER("sorted_boxes", "float4 *", boxes),
+                                        BUFFER("sorted_boxes", "float *", boxes),
+                                        BUFFER("candidates", "uint2 *", candidates),
+                                        BUFFER("found", "uint2 *", args.found),
+                                        BUFFER("pairs", "uint2 *", pairs),
+                                        BUFFER("undecided", "uint2 *", undecided),
+                                        BUFFER("counters", "uint *", counters),
+                                        BIND_VALUE(part, "n_keys", args.n),
+                                        BIND_VALUE(part, "place_capacity", place_capacity),
+                                        VALUE(n),
+                                        VALUE(n_levels),
+                                        VALUE(n_cells),
+                                        VALUE(key_from),
+                                        VALUE(key_home_to),
+                                        VALUE(key_to),
+                                        VALUE(key_end),
+                                        VALUE(n_home_cells),
+                                        VALUE(n_own_cells),
+                                        VALUE(n_counters),
+                                        VALUE(n_starts),
+                                        VALUE(first),
+                                        VALUE(last),
+                                        VALUE(found_capacity),
+                                        VALUE(candidate_capacity),
+                                        VALUE(pair_capacity),
+                                        VALUE(undecided_capacity),
+                                        VALUE(cells),
+                                        {0}};
 
 bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
 {
@@ -28,7 +78,7 @@ bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
     p->gen = gen_open(pair->kernel_dir, err);
     p->programs = p->gen ? program_set_open(p->device, p->gen, pair->cache_dir, err) : NULL;
     bool ok = p->programs &&
-              buffer_reserve(&p->counters, p->device, PART_COUNTERS * sizeof(uint32_t), err) &&
+              buffer_reserve(&p->counters, p->device, COUNTERS * sizeof(uint32_t), err) &&
               buffer_reserve(&p->levels, p->device, sizeof((grid *)0)->levels, err);
     if (!ok)
         part_close(p);
@@ -40,6 +90,8 @@ void part_close(part *p)
     timeline_clear(&p->times);
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i)
         buffer_release((buffer *)((char *)p + buffers[i]));
+    scan_close(&p->scan);
+    radix_sort_close(&p->radix);
     host_block_release(&p->fetched);
     host_block_release(&p->news);
     host_block_release(&p->sent);
@@ -113,7 +165,21 @@ static kernel *get_kernel(part *p, const char *name, const char *entry, const ch
     uint32_t n = 0;
     if (!gather_settings(p, name, choices, n_choices, settings, &n, err))
         return NULL;
-    return program_set_kernel(p->programs, name, entry, settings, n, err);
+    return program_set_kernel(p->programs, name, entry, settings, n, part_bindings, err);
+}
+
+// The primitives, with what the variant sets of them.
+static bool open_sorts(part *p, duet_error *err)
+{
+    gen_setting settings[MAX_SETTINGS];
+    uint32_t n = 0;
+    p->radix.count = p->radix.move = NULL; // of a variant before
+    if (!gather_settings(p, "scan", NULL, 0, settings, &n, err) ||
+        !scan_open(&p->scan, p->device, p->programs, settings, n, err))
+        return false;
+    return p->variant.sort == SORT_COUNTING ||
+           (gather_settings(p, "radix", NULL, 0, settings, &n, err) &&
+            radix_sort_open(&p->radix, p->device, p->programs, &p->scan, settings, n, err));
 }
 
 static bool all_settings_used(const part *p, duet_error *err)
@@ -202,17 +268,14 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
     } list[] = {
         {&p->kernels.clear, true, "clear", "clear"},
         {&p->kernels.hash, true, "hash", "hash"},
-        {&p->kernels.scan_sums, true, "scan", "scan_sums"},
-        {&p->kernels.scan_tops, true, "scan", "scan_tops"},
-        {&p->kernels.scan_blocks, true, "scan", "scan_blocks"},
         {&p->kernels.scatter, counting, "scatter", "scatter"},
-        {&p->kernels.radix_count, !counting, "radix", "radix_count"},
-        {&p->kernels.radix_move, !counting, "radix", "radix_move"},
         {&p->kernels.starts, !counting, "cell_start", searches[search].starts},
         {&p->kernels.place, true, searches[search].place[0], searches[search].place[1]},
         {&p->kernels.candidates, true, searches[search].candidates, searches[search].candidates},
     };
     p->kernels = (part_kernels){0};
+    if (!open_sorts(p, err))
+        return false;
     for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i) {
         if (!list[i].wanted)
             continue;
@@ -231,8 +294,6 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         if (!p->kernels.narrow)
             return false;
     }
-    if (p->kernels.radix_count)
-        p->kernels.radix_bits = (uint32_t)kernel_param(p->kernels.radix_count, "BITS");
     return all_settings_used(p, err);
 }
 
@@ -326,6 +387,26 @@ void part_forget(part *p)
     memset(p->counts, 0, sizeof p->counts);
 }
 
+void part_set_args(part *p, const part_task *task, const part_range *range)
+{
+    bool paper = p->variant.search == SEARCH_PAPER;
+    uint32_t placed = range->last < range->expected ? range->last : range->expected;
+    p->args = (part_args){
+        .n = task->n,
+        .n_levels = task->grid.n_levels,
+        .n_cells = task->grid.n_cells,
+        .key_from = range->key_from,
+        .key_home_to = range->home_to,
+        .key_to = range->key_to,
+        .n_home_cells = range->home_to - range->key_from,
+        .n_own_cells = range->key_to - range->key_from,
+        .n_counters = COUNTERS,
+        .first = range->first,
+        .last = paper ? range->last : placed,
+        .cells = task->grid.levels[0].cells,
+    };
+}
+
 bool part_begin(part *p, const part_task *task, duet_error *err)
 {
     grid_objects objects = part_objects(task);
@@ -366,7 +447,7 @@ float part_widest(const part *p)
 
 uint64_t part_bytes(const part *p)
 {
-    uint64_t bytes = 0;
+    uint64_t bytes = p->scan.sums.bytes + p->radix.tiles.bytes;
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i)
         bytes += ((const buffer *)((const char *)p + buffers[i]))->bytes;
     return bytes;

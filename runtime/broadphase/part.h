@@ -6,9 +6,10 @@
 #ifndef RUNTIME_PART_H
 #define RUNTIME_PART_H
 
+#include "kernels/counters.h"
 #include "runtime/broadphase/grid.h"
 #include "runtime/broadphase/variant.h"
-#include "runtime/opencl/timeline.h"
+#include "runtime/opencl/radix_sort.h"
 
 // What both parts are told about the objects.
 typedef struct part_task {
@@ -55,10 +56,7 @@ enum { PART_CHUNKS = 8 };
 typedef struct part_kernels {
     kernel *clear;
     kernel *hash;
-    kernel *scan_sums, *scan_tops, *scan_blocks;
     kernel *scatter;
-    kernel *radix_count, *radix_move;
-    uint32_t radix_bits; // a pass
     kernel *starts;
     kernel *place; // bounds by id (paper), or everything into cell order (rows, lanes)
     kernel *candidates;
@@ -69,7 +67,19 @@ typedef struct part_kernels {
     bool packed;    // objects have names
 } part_kernels;
 
-enum { PART_COUNTERS = 16 };
+
+
+// What kernels are told besides the part's buffers, by the names that their cards use.
+typedef struct part_args {
+    cl_uint n, n_levels, n_cells;
+    cl_uint key_from, key_home_to, key_to, key_end;
+    cl_uint n_home_cells, n_own_cells;
+    cl_uint n_counters, n_starts;
+    cl_uint first, last;
+    cl_uint found_capacity, candidate_capacity, pair_capacity, undecided_capacity;
+    cl_int4 cells;
+    buffer found; // pairs, or candidates where they are tested later
+} part_args;
 
 typedef struct part {
     const device *device;
@@ -78,6 +88,9 @@ typedef struct part {
     program_set *programs;
     variant variant;
     part_kernels kernels;
+    part_args args;
+    scan scan;
+    radix_sort radix;
     timeline times;
 
     buffer objects;
@@ -98,15 +111,13 @@ typedef struct part {
     buffer keys, ids;             // of the objects; in cell order once sorted
     buffer keys_spare, ids_spare; // the other half of the radix sort; keys_spare also the ranks
     buffer starts;                // first of each cell
-    buffer sums;                  // of blocks, while scanning
-    buffer tiles;                 // digits a tile, while sorting
     buffer bounds;                // [n][2], by id or in cell order; lanes: by columns
     buffer boxes;                 // [n][3], in cell order; lanes: rows of numbers
-    uint32_t place_capacity;      // objects that have a place in both
+    cl_uint place_capacity;       // objects that have a place in both
     buffer candidates, pairs, undecided;
     buffer counters;
 
-    uint32_t counts[PART_COUNTERS]; // the counters as read last
+    uint32_t counts[COUNTERS]; // the counters as read last
     host_block fetched;             // pairs on the host, where the device has memory of its own
     uint64_t pairs_ahead;           // of them, sent before their number was known
     host_block news;                // what is sent ahead besides them
@@ -130,6 +141,9 @@ void part_distrust(part *p);
 
 // Forgets what the last step found, counted and took.
 void part_forget(part *p);
+
+// Tells the kernels of the range of objects that they are to deal with.
+void part_set_args(part *p, const part_task *task, const part_range *range);
 
 // Starts a step: hands the objects over, unless they are packed, and the grid's
 // levels.
@@ -158,18 +172,6 @@ uint32_t part_first_bad(const part *p);
 float part_widest(const part *p); // 0: all fit
 
 uint64_t part_bytes(const part *p); // memory held on the device
-
-// Counters, as in kernels/common.clh.
-enum {
-    COUNT_CANDIDATES = 0,
-    COUNT_PAIRS = 2,
-    COUNT_UNDECIDED = 4,
-    COUNT_TESTED = 6,
-    COUNT_BAD = 8, // from here on a search leaves them as the grid set them
-    FIRST_BAD = 9,
-    WIDEST = 10,
-    COUNT_PLACED = 11
-};
 
 uint64_t part_count(const part *p, int counter);
 

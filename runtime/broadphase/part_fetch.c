@@ -19,7 +19,7 @@ enum { OPEN_AHEAD = 1024 };
 
 // What is sent unasked besides the pairs.
 typedef struct news {
-    uint32_t counters[PART_COUNTERS];
+    uint32_t counters[COUNTERS];
     duet_pair open[OPEN_AHEAD];
 } news;
 

@@ -35,121 +35,22 @@ static uint32_t search_work(const part_task *task, const part_range *range)
     return smaller(range->last, smaller(range->expected, task->n)) - range->first;
 }
 
-static bool run_rows(part *p, const part_task *task, const part_range *range, buffer *found,
-                     duet_error *err)
-{
-    const grid *g = &task->grid;
-    uint32_t n_home = range->home_to - range->key_from;
-    uint32_t capacity = capacity_of(found);
-    uint32_t last = smaller(range->last, range->expected);
-    uint32_t pair_room = capacity_of(&p->pairs);
-    uint32_t undecided_capacity = capacity_of(&p->undecided);
-    kernel_arg args[20] = {ARG_BUFFER(p->bounds)};
-    uint32_t n_args = 1;
-    if (task->shape == DUET_SHAPE_POSES)
-        args[n_args++] = ARG_BUFFER(p->boxes);
-    const kernel_arg search[] = {
-        ARG_BUFFER(p->starts), ARG_BUFFER(p->levels), ARG(g->n_levels),  ARG(g->n_cells),
-        ARG(range->key_from),  ARG(n_home),           ARG(range->first), ARG(last),
-        ARG_BUFFER(*found),    ARG(capacity)};
-    for (size_t i = 0; i < sizeof search / sizeof search[0]; ++i)
-        args[n_args++] = search[i];
-    if (p->kernels.fused) {
-        args[n_args++] = ARG_BUFFER(p->pairs);
-        args[n_args++] = ARG(pair_room);
-        args[n_args++] = ARG_BUFFER(p->undecided);
-        args[n_args++] = ARG(undecided_capacity);
-    }
-    args[n_args++] = ARG_BUFFER(p->counters);
-    return timeline_launch(&p->times, "candidates", p->kernels.candidates, search_work(task, range),
-                           args, n_args, err);
-}
-
-static bool run_lanes(part *p, const part_task *task, const part_range *range, buffer *found,
-                      duet_error *err)
-{
-    const grid *g = &task->grid;
-    bool poses = task->shape == DUET_SHAPE_POSES;
-    uint32_t n_home = range->home_to - range->key_from;
-    uint32_t n_own = range->key_to - range->key_from;
-    uint32_t last = smaller(range->last, range->expected);
-    uint32_t capacity = capacity_of(found);
-    uint32_t undecided_capacity = capacity_of(&p->undecided);
-    kernel_arg args[17] = {ARG_BUFFER(p->bounds),
-                           ARG(p->place_capacity),
-                           poses ? ARG_BUFFER(p->boxes) : ARG_BUFFER(p->ids),
-                           ARG_BUFFER(p->starts),
-                           ARG_BUFFER(p->levels),
-                           ARG(g->n_levels),
-                           ARG(g->n_cells),
-                           ARG(range->key_from),
-                           ARG(n_home),
-                           ARG(n_own),
-                           ARG(range->first),
-                           ARG(last),
-                           ARG_BUFFER(*found),
-                           ARG(capacity)};
-    uint32_t n_args = 14;
-    if (p->kernels.fused) {
-        args[n_args++] = ARG_BUFFER(p->undecided);
-        args[n_args++] = ARG(undecided_capacity);
-    }
-    args[n_args++] = ARG_BUFFER(p->counters);
-    const char *stage = p->kernels.fused ? "search" : "candidates";
-    return timeline_launch(&p->times, stage, p->kernels.candidates, search_work(task, range), args,
-                           n_args, err);
-}
-
-static bool run_paper(part *p, const part_task *task, const part_range *range, buffer *found,
-                      duet_error *err)
-{
-    cl_int4 cells = task->grid.levels[0].cells;
-    uint32_t n_home = range->home_to - range->key_from;
-    uint32_t n_own = range->key_to - range->key_from;
-    uint32_t capacity = capacity_of(found);
-    kernel_arg args[] = {ARG_BUFFER(p->keys),
-                         ARG_BUFFER(p->ids),
-                         ARG_BUFFER(p->starts),
-                         ARG_BUFFER(p->bounds),
-                         ARG(task->n),
-                         ARG(range->first),
-                         ARG(range->last),
-                         ARG(cells),
-                         ARG(range->key_from),
-                         ARG(n_home),
-                         ARG(n_own),
-                         ARG_BUFFER(*found),
-                         ARG(capacity),
-                         ARG_BUFFER(p->counters)};
-    return timeline_launch(&p->times, "candidates", p->kernels.candidates, search_work(task, range),
-                           args, 14, err);
-}
-
 static bool run_narrow(part *p, uint64_t work, duet_error *err)
 {
-    uint32_t candidate_capacity = capacity_of(&p->candidates);
-    uint32_t capacity = capacity_of(&p->pairs);
-    uint32_t undecided_capacity = capacity_of(&p->undecided);
-    buffer *boxes = p->variant.search == SEARCH_PAPER ? &p->objects : &p->boxes;
-    kernel_arg args[] = {ARG_BUFFER(*boxes),      ARG_BUFFER(p->candidates),
-                         ARG(candidate_capacity), ARG_BUFFER(p->pairs),
-                         ARG(capacity),           ARG_BUFFER(p->undecided),
-                         ARG(undecided_capacity), ARG_BUFFER(p->counters)};
-    return timeline_launch(&p->times, "narrow", p->kernels.narrow, work, args, 8, err);
+    return timeline_launch(&p->times, "narrow", p->kernels.narrow, work, p, err);
 }
 
 static bool run_candidates(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
-    buffer *found = p->kernels.narrow ? &p->candidates : &p->pairs;
-    switch (p->variant.search) {
-    case SEARCH_GPU:
-        return run_rows(p, task, range, found, err);
-    case SEARCH_SIMD:
-        return run_lanes(p, task, range, found, err);
-    case SEARCH_PAPER:
-        break;
-    }
-    return run_paper(p, task, range, found, err);
+    part_args *a = &p->args;
+    a->found = p->kernels.narrow ? p->candidates : p->pairs;
+    a->found_capacity = capacity_of(&a->found);
+    a->candidate_capacity = capacity_of(&p->candidates);
+    a->pair_capacity = capacity_of(&p->pairs);
+    a->undecided_capacity = capacity_of(&p->undecided);
+    bool decides = p->variant.search == SEARCH_SIMD && p->kernels.fused;
+    return timeline_launch(&p->times, decides ? "search" : "candidates", p->kernels.candidates,
+                           search_work(task, range), p, err);
 }
 
 // Candidates are not counted on the host before they are tested: the narrow
@@ -252,6 +153,7 @@ bool part_search(part *p, const part_task *task, const part_range *range, bool *
     *placed = true;
     if (range->first >= range->last)
         return part_read_counters(p, err) && timeline_finish(&p->times, err);
+    part_set_args(p, task, range);
     bool ok = check_placed(p, task, range, placed, err) &&
               reserve_first(p, task, search_work(task, range), err);
     bool fits = false;

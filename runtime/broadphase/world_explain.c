@@ -81,24 +81,24 @@ typedef enum reason { NEVER, BY_SORT, BY_SEARCH, BY_TEST } reason;
 
 static const struct {
     const char *name;
-    size_t at; // in part_kernels
+    size_t at; // in a part
     const char *called_by;
     reason left_out;
 } kernels[] = {
-    {"clear", offsetof(part_kernels, clear), "every step", NEVER},
-    {"hash", offsetof(part_kernels, hash), "every step: the cell of each object", NEVER},
-    {"scan", offsetof(part_kernels, scan_blocks), "every step: places are sums of counts", NEVER},
-    {"scatter", offsetof(part_kernels, scatter), "sort=counting: ids to their places", BY_SORT},
-    {"radix", offsetof(part_kernels, radix_move), "sort=radix, passes over the keys", BY_SORT},
-    {"cell_start", offsetof(part_kernels, starts), "sort=radix: where cells begin", BY_SORT},
-    {"reorder", offsetof(part_kernels, place), "search gpu:  cell order", BY_SEARCH},
-    {"reorder_simd", offsetof(part_kernels, place), "search lanes: cell order", BY_SEARCH},
-    {"bounds", offsetof(part_kernels, place), "search paper: bounds by id", BY_SEARCH},
-    {"pair_search_gpu", offsetof(part_kernels, candidates), "search gpu", BY_SEARCH},
-    {"pair_search_simd", offsetof(part_kernels, candidates), "search simd", BY_SEARCH},
-    {"pair_search_paper", offsetof(part_kernels, candidates), "search paper", BY_SEARCH},
-    {"narrow", offsetof(part_kernels, narrow), "candidates that are listed", BY_TEST},
-    {"narrow_simd", offsetof(part_kernels, narrow), "candidates that are listed", BY_TEST},
+    {"clear", offsetof(part, kernels.clear), "every step", NEVER},
+    {"hash", offsetof(part, kernels.hash), "every step: the cell of each object", NEVER},
+    {"scan", offsetof(part, scan.blocks), "every step: places are sums of counts", NEVER},
+    {"scatter", offsetof(part, kernels.scatter), "sort=counting: ids to their places", BY_SORT},
+    {"radix", offsetof(part, radix.move), "sort=radix, passes over the keys", BY_SORT},
+    {"cell_start", offsetof(part, kernels.starts), "sort=radix: where cells begin", BY_SORT},
+    {"reorder", offsetof(part, kernels.place), "search gpu:  cell order", BY_SEARCH},
+    {"reorder_simd", offsetof(part, kernels.place), "search simd: cell order", BY_SEARCH},
+    {"bounds", offsetof(part, kernels.place), "search paper: bounds by id", BY_SEARCH},
+    {"pair_search_gpu", offsetof(part, kernels.candidates), "search gpu", BY_SEARCH},
+    {"pair_search_simd", offsetof(part, kernels.candidates), "search simd", BY_SEARCH},
+    {"pair_search_paper", offsetof(part, kernels.candidates), "search paper", BY_SEARCH},
+    {"narrow", offsetof(part, kernels.narrow), "candidates that are listed", BY_TEST},
+    {"narrow_simd", offsetof(part, kernels.narrow), "candidates that are listed", BY_TEST},
 };
 
 static const char *why_not(const part *p, reason left_out)
@@ -122,7 +122,7 @@ static const char *why_not(const part *p, reason left_out)
 // The kernel of that name, where the part runs it.
 static const kernel *running(const part *p, const char *name, size_t at)
 {
-    const kernel *k = *(kernel *const *)((const char *)&p->kernels + at);
+    const kernel *k = *(kernel *const *)((const char *)p + at);
     size_t length = strlen(name);
     bool is_meant =
         k && strncmp(k->name, name, length) == 0 && (k->name[length] == '.' || !k->name[length]);

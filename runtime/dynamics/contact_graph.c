@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // From bounds to rows: which objects may touch which, and the contacts that
 // they had before.
-#include "runtime/dynamics/motion_args.h"
+#include "runtime/dynamics/motion.h"
 
 #include "base/error.h"
 
@@ -9,52 +9,19 @@
 
 // ---------------------------------------------------------------- bounds
 
-// Where walls are; far away where there are none.
-static void add_walls(motion_args *a)
-{
-    const duet_motion_def *d = &a->motion->def;
-    bool walls = d->edge == DUET_EDGE_WALLS;
-    const double far = 1e30;
-    args_real4(a, walls ? d->lower[0] : -far, walls ? d->lower[1] : -far,
-               walls ? d->lower[2] : -far, 0.0);
-    args_real4(a, walls ? d->upper[0] : far, walls ? d->upper[1] : far, walls ? d->upper[2] : far,
-               0.0);
-}
-
-static void add_shape(motion_args *a, double margin)
-{
-    duet_motion *m = a->motion;
-    args_buffer(a, CENTRES);
-    args_cells(a);
-    if (m->cells)
-        args_int4(a, m->cells[0]);
-    args_buffer_for(a, DUET_EFFECT_ROTATION, ROTATIONS);
-    if (motion_has(m, DUET_EFFECT_CONTINUOUS)) {
-        args_buffer(a, VELOCITIES);
-        args_real(a, m->def.dt);
-    }
-    args_buffer(a, HALVES);
-    args_real(a, margin);
-    args_uint(a, m->n);
-    args_buffer(a, BOXES);
-}
-
 // Separations up to the margin are contacts, so each object's bounds have half of it.
 static bool compute_fat_aabbs(duet_motion *m, duet_error *err)
 {
-    motion_args a = args_begin(m);
     double skin = motion_has(m, DUET_EFFECT_SKIN) ? m->def.skin : 0.0;
-    add_shape(&a, 0.5 * (m->margin + skin));
-    return args_launch(&a, "grid", m->kernels.compute_fat_aabbs, m->n, err);
+    m->args.aabb_margin = motion_real(m, 0.5 * (m->margin + skin));
+    return motion_launch(m, "grid", m->kernels.compute_fat_aabbs, m->n, err);
 }
 
 // Whether everything is still inside the bounds that the rows were made from.
 static bool skin_holds(duet_motion *m, bool *holds, duet_error *err)
 {
-    motion_args a = args_begin(m);
-    add_shape(&a, 0.5 * m->margin);
-    args_buffer(&a, FLAG_WORDS);
-    bool ok = args_launch(&a, "fat_aabbs", m->kernels.check_fat_aabbs, m->n, err) &&
+    m->args.aabb_margin = motion_real(m, 0.5 * m->margin);
+    bool ok = motion_launch(m, "fat_aabbs", m->kernels.check_fat_aabbs, m->n, err) &&
               motion_read_flags(m, err);
     *holds = !m->flags[FLAG_MOVED];
     return ok;
@@ -98,46 +65,22 @@ static bool send_pairs(duet_motion *m, const duet_result *result, duet_error *er
     return ok;
 }
 
-static bool put_pairs(duet_motion *m, uint32_t fill, duet_error *err)
-{
-    motion_args a = args_begin(m);
-    args_buffer(&a, PAIRS);
-    args_uint(&a, (uint32_t)m->n_pairs);
-    args_buffer(&a, VELOCITIES);
-    args_buffer_for(&a, DUET_EFFECT_FILTER, FILTERS);
-    args_uint(&a, fill);
-    args_buffer(&a, STARTS);
-    args_buffer(&a, OTHERS);
-    return args_launch(&a, "contact_graph", m->kernels.contact_graph_pairs, m->n_pairs, err);
-}
-
-static bool put_walls(duet_motion *m, uint32_t fill, duet_error *err)
-{
-    if (!m->kernels.contact_graph_walls)
-        return true;
-    motion_args a = args_begin(m);
-    args_buffer(&a, BOXES);
-    args_buffer(&a, VELOCITIES);
-    add_walls(&a);
-    args_uint(&a, m->n);
-    args_uint(&a, fill);
-    args_buffer(&a, STARTS);
-    args_buffer(&a, OTHERS);
-    return args_launch(&a, "contact_graph", m->kernels.contact_graph_walls, m->n, err);
-}
-
+// Counts (fill 0) or writes (fill 1) what each object may touch.
 static bool put_all(duet_motion *m, uint32_t fill, duet_error *err)
 {
-    return put_pairs(m, fill, err) && put_walls(m, fill, err);
+    const motion_kernels *k = &m->kernels;
+    m->args.n_pairs = (uint32_t)m->n_pairs;
+    m->args.fill = fill;
+    return motion_launch(m, "contact_graph", k->contact_graph_pairs, m->n_pairs, err) &&
+           (!k->contact_graph_walls ||
+            motion_launch(m, "contact_graph", k->contact_graph_walls, m->n, err));
 }
 
 static bool sort_rows(duet_motion *m, motion_buffer starts, motion_buffer values, duet_error *err)
 {
-    motion_args a = args_begin(m);
-    args_buffer(&a, starts);
-    args_uint(&a, m->n);
-    args_buffer(&a, values);
-    return args_launch(&a, "contact_graph", m->kernels.contact_graph_sort, m->n, err);
+    m->args.row_starts = m->buffers[starts];
+    m->args.row_values = m->buffers[values];
+    return motion_launch(m, "contact_graph", m->kernels.contact_graph_sort, m->n, err);
 }
 
 // The last of the starts: how many there are.
@@ -149,12 +92,17 @@ static bool read_total(duet_motion *m, motion_buffer starts, uint32_t *total, du
            error_set_cl(err, code, "%s: reading a count", m->device->info.selector);
 }
 
+static bool scan_starts(duet_motion *m, motion_buffer starts, duet_error *err)
+{
+    return scan_run(&m->scan, &m->times, "contact_graph", &m->buffers[starts], m->n + 1, err);
+}
+
 static bool count_rows(duet_motion *m, duet_error *err)
 {
     size_t n_starts = (size_t)m->n + 1;
     return timeline_fill(&m->times, "contact_graph", &m->buffers[STARTS], 0, 0, n_starts, err) &&
            motion_reserve(m, OTHERS, 1, sizeof(uint32_t), err) && put_all(m, 0, err) &&
-           motion_scan(m, "contact_graph", STARTS, (uint32_t)n_starts, err);
+           scan_starts(m, STARTS, err);
 }
 
 static bool fill_rows(duet_motion *m, uint64_t most, duet_error *err)
@@ -165,16 +113,8 @@ static bool fill_rows(duet_motion *m, uint64_t most, duet_error *err)
 
 static bool put_returns(duet_motion *m, uint32_t fill, duet_error *err)
 {
-    motion_args a = args_begin(m);
-    args_buffer(&a, STARTS);
-    args_buffer(&a, OTHERS);
-    args_uint(&a, m->n);
-    args_buffer(&a, VELOCITIES);
-    args_uint(&a, fill);
-    args_buffer(&a, LINKS);
-    args_buffer(&a, RETURN_STARTS);
-    args_buffer(&a, RETURNS);
-    return args_launch(&a, "contact_graph", m->kernels.contact_graph_reverse, m->n, err);
+    m->args.fill = fill;
+    return motion_launch(m, "contact_graph", m->kernels.contact_graph_reverse, m->n, err);
 }
 
 static bool fill_returns(duet_motion *m, duet_error *err)
@@ -185,9 +125,8 @@ static bool fill_returns(duet_motion *m, duet_error *err)
            motion_reserve(m, RETURNS, n, sizeof(uint32_t), err) &&
            timeline_fill(&m->times, "contact_graph", &m->buffers[RETURN_STARTS], 0, 0, n_starts,
                          err) &&
-           put_returns(m, 0, err) &&
-           motion_scan(m, "contact_graph", RETURN_STARTS, (uint32_t)n_starts, err) &&
-           put_returns(m, 1, err) && sort_rows(m, RETURN_STARTS, RETURNS, err);
+           put_returns(m, 0, err) && scan_starts(m, RETURN_STARTS, err) && put_returns(m, 1, err) &&
+           sort_rows(m, RETURN_STARTS, RETURNS, err);
 }
 
 // ---------------------------------------------------------------- contacts
@@ -222,30 +161,9 @@ static bool reserve_events(duet_motion *m, uint32_t n_old, duet_error *err)
 
 static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
 {
-    motion_args a = args_begin(m);
-    args_buffer(&a, OLD_LINKS);
-    args_buffer(&a, OLD_TOUCHES);
-    args_buffer(&a, OLD_CONTACTS);
-    args_uint(&a, n_old);
-    if (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE)) {
-        args_buffer(&a, OLD_COLOURS);
-        args_buffer(&a, COLOUR_OF);
-    }
-    if (motion_has(m, DUET_EFFECT_EVENTS)) {
-        args_buffer(&a, EVENTS);
-        args_uint(&a, (uint32_t)m->event_room);
-        args_buffer(&a, FLAG_WORDS);
-    }
-    if (motion_has(m, DUET_EFFECT_SLEEP)) {
-        args_buffer(&a, ASLEEP);
-        args_uint(&a, m->n);
-        args_buffer(&a, RESTS);
-    }
-    args_buffer(&a, STARTS);
-    args_buffer(&a, OTHERS);
-    args_buffer(&a, TOUCHES);
-    args_buffer(&a, CONTACTS);
-    return args_launch(&a, "match_contacts", m->kernels.match_contacts, n_old, err);
+    m->args.n_old = n_old;
+    m->args.event_capacity = (uint32_t)m->event_room;
+    return motion_launch(m, "match_contacts", m->kernels.match_contacts, n_old, err);
 }
 
 static bool make_rows(duet_motion *m, duet_error *err)
@@ -276,31 +194,7 @@ bool motion_build_graph(duet_motion *m, duet_error *err)
 
 bool motion_touch(duet_motion *m, bool woken, duet_error *err)
 {
-    motion_args a = args_begin(m);
-    args_buffer(&a, LINKS);
-    args_uint(&a, m->n_contacts);
-    args_uint(&a, m->n);
-    args_buffer(&a, CENTRES);
-    args_cells(&a);
-    args_buffer(&a, HALVES);
-    args_buffer_for(&a, DUET_EFFECT_ROTATION, ROTATIONS);
-    if (motion_has(m, DUET_EFFECT_BOUNDS))
-        add_walls(&a);
-    args_buffer_for(&a, DUET_EFFECT_CONTACT_RESPONSE, BODIES);
-    if (motion_has(m, DUET_EFFECT_SLEEP)) {
-        args_buffer(&a, ASLEEP);
-        args_uint(&a, woken);
-        args_buffer(&a, RESTS);
-    }
-    if (motion_has(m, DUET_EFFECT_CONTINUOUS))
-        args_float(&a, m->def.dt);
-    if (motion_has(m, DUET_EFFECT_EVENTS)) {
-        args_buffer(&a, EVENTS);
-        args_uint(&a, (uint32_t)m->event_room);
-        args_buffer(&a, FLAG_WORDS);
-    }
-    args_float(&a, m->margin);
-    args_buffer(&a, TOUCHES);
-    args_buffer(&a, CONTACTS);
-    return args_launch(&a, "manifolds", m->kernels.build_manifolds, m->n_contacts, err);
+    m->args.woken = woken;
+    m->args.event_capacity = (uint32_t)m->event_room;
+    return motion_launch(m, "manifolds", m->kernels.build_manifolds, m->n_contacts, err);
 }

@@ -9,21 +9,18 @@
 
 // ---------------------------------------------------------------- contacts
 
-// TOUCH_POINTS of kernels/dynamics/contact.clh
-enum { POINTS_MASK = 7 };
-
 static duet_contact read_record(const duet_motion *m, const uint32_t link[2], uint32_t n,
                                 const float *record)
 {
     const motion_layout *l = &m->layout;
     duet_contact c = {.a = link[0], .b = link[1], .n = n};
-    memcpy(c.normal, record, sizeof c.normal);
+    memcpy(c.normal, record + AT_NORMAL, sizeof c.normal);
     for (uint32_t k = 0; k < n; ++k) {
         const float *part = record + l->head + k * l->part;
-        memcpy(c.points[k].anchor, part, sizeof c.points[k].anchor);
-        c.points[k].separation = part[3];
+        memcpy(c.points[k].anchor, part + OF_ANCHOR, sizeof c.points[k].anchor);
+        c.points[k].separation = part[OF_SEPARATION];
         c.points[k].normal_impulse =
-            motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? part[l->of_normal_impulse] : 0.0f;
+            motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? part[OF_NORMAL_IMPULSE] : 0.0f;
     }
     return c;
 }
@@ -53,9 +50,9 @@ bool duet_motion_get_contacts(duet_motion *m, duet_contact **contacts, uint64_t 
          timeline_finish(&m->times, err);
     *n = 0;
     for (size_t i = 0; ok && i < count; ++i)
-        if (touches[i] & POINTS_MASK)
+        if (touches[i] & TOUCH_POINTS)
             found[(*n)++] =
-                read_record(m, links[i], touches[i] & POINTS_MASK, records + i * record);
+                read_record(m, links[i], touches[i] & TOUCH_POINTS, records + i * record);
     free(links);
     free(touches);
     free(records);

@@ -76,7 +76,7 @@ static bool check_edge(const duet_motion_def *def, duet_error *err)
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "the walls across %c are at %g and %g; expected finite and "
                              "rising",
-                             "xyz"[k], def->lower[k], def->upper[k]);
+                             "xyz"[k], def -> lower[k], def -> upper[k]);
     return true;
 }
 
@@ -319,6 +319,8 @@ void duet_motion_destroy(duet_motion *m)
     timeline_clear(&m->times);
     for (int i = 0; i < MOTION_BUFFERS; ++i)
         buffer_release(&m->buffers[i]);
+    scan_close(&m->scan);
+    radix_sort_close(&m->radix);
     duet_world_destroy(m->world);
     program_set_close(m->programs);
     gen_close(m->gen);

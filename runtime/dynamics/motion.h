@@ -6,23 +6,18 @@
 #ifndef RUNTIME_MOTION_H
 #define RUNTIME_MOTION_H
 
+#include "kernels/dynamics/records.h"
 #include "runtime/dynamics/effect.h"
 #include "runtime/opencl/device_pair.h"
-#include "runtime/opencl/timeline.h"
+#include "runtime/opencl/radix_sort.h"
 
 enum { MOTION_WALLS = 6 };
 
 // Contacts are kept while a separation is below this many slops.
 enum { MOTION_SLOPS = 4 };
 
-// Colours of contacts, as in kernels/dynamics/graph_colour.cl.in.
-enum { COLOUR_OVERFLOW = 31, COLOUR_NONE = 33, COLOURS = 34 };
-
 // Keys that contacts are sorted by: several of a colour.
-enum { COLOUR_KEYS = 4, KEYS = COLOURS * COLOUR_KEYS, KEY_BITS = 8 };
-
-// Words that kernels set and the host reads, as in kernels/flags.clh.
-enum { FLAG_MOVED, FLAG_UNCOLOURED, FLAG_RECOLOURED, FLAG_EVENTS, FLAG_FELL_ASLEEP, FLAGS };
+enum { KEYS = COLOURS * COLOUR_KEYS, KEY_BITS = 8 };
 
 // What B holds. Which buffers there are follows from the effects.
 typedef enum motion_buffer {
@@ -33,7 +28,7 @@ typedef enum motion_buffer {
     ANGULAR_VELOCITIES,
     INERTIAS,
     HALVES,
-    BOUNCES,
+    RESTITUTIONS,
     FRICTIONS,
     FILTERS,
     RESTS,
@@ -63,8 +58,6 @@ typedef enum motion_buffer {
     BLOCKS, // contacts by colour while they are solved
     EVENTS,
     FLAG_WORDS,
-    SUMS,
-    TILES,
     MOTION_BUFFERS
 } motion_buffer;
 
@@ -79,16 +72,39 @@ typedef struct motion_kernels {
     kernel *graph_colour_mark, *graph_colour_choose, *graph_colour_take, *graph_colour_key;
     kernel *prepare_contacts, *store_impulses;
     kernel *solve_contacts, *apply_restitution;
-    kernel *scan_sums, *scan_tops, *scan_blocks;
-    kernel *radix_count, *radix_move, *row_start;
+    kernel *row_start;
 } motion_kernels;
 
-// How long the records of kernels/dynamics/contact.clh and constraint.clh are, in
-// floats; bodies in vectors of four.
+// What kernels are told besides the motion's buffers, by the names that their cards use.
+typedef struct motion_args {
+    // of a step
+    arg_real4 gravity; // or the centre and strength of an attraction
+    cl_float4 gravity_float;
+    arg_real4 lower, upper; // walls
+    arg_real4 times, drags; // of a substep's parts, in free flight
+    cl_uint substeps;
+    cl_float dt;
+    arg_real dt_real;
+    cl_float h, per_h, drag; // of a substep
+    cl_float4 spring, hard_spring, pull;
+    cl_float slop, margin, least_speed;
+    cl_float sleep_speed, sleep_after;
+    cl_int4 base; // the cell that others are counted from
+
+    // of a launch
+    arg_real aabb_margin;
+    cl_uint n_pairs, n_old, event_capacity;
+    cl_uint fill, woken, soft;
+    cl_uint first, count, first_slot, each, apart;
+    cl_uint key_end;
+    buffer row_starts, row_values;
+} motion_args;
+
+// How long the records of kernels/dynamics/records.h are, in floats; bodies in vectors
+// of four.
 typedef struct motion_layout {
     uint32_t head, part, points, record;
     uint32_t body;
-    uint32_t of_normal_impulse; // in a part
     uint32_t constraint, block; // a block is so many constraints
 } motion_layout;
 
@@ -103,7 +119,7 @@ struct duet_motion {
     duet_motion_def def;
     uint32_t effects;
     effect_facts facts;
-    uint32_t n;
+    cl_uint n;
     duet_pose *poses;  // as given; with an origin each centre is an offset in its cell
     cl_int4 *cells;    // NULL without
     duet_body *bodies; // as given
@@ -112,12 +128,15 @@ struct duet_motion {
     program_set *programs;
     motion_kernels kernels;
     motion_layout layout;
+    motion_args args;
+    scan scan;
+    radix_sort radix;
     timeline times;
     buffer buffers[MOTION_BUFFERS];
     duet_world *world; // of bounds; NULL without contact
     double margin;     // contacts are kept to that far apart
     uint64_t step;
-    uint32_t n_contacts; // in rows
+    cl_uint n_contacts; // in rows
     uint32_t n_returns;
     colour_span colours[COLOUR_OVERFLOW + 1];
     uint32_t n_colours; // that are not empty
@@ -163,9 +182,15 @@ bool motion_build_graph(duet_motion *m, duet_error *err);
 bool motion_touch(duet_motion *m, bool woken, duet_error *err); // woken: only what just woke
 bool motion_colour(duet_motion *m, duet_error *err);
 
-// Exclusive sum of n words in place.
-bool motion_scan(duet_motion *m, const char *stage, motion_buffer which, uint32_t n,
-                 duet_error *err);
+extern const binding motion_bindings[]; // of a duet_motion
+
+// Fills in the arguments that hold for a whole step.
+void motion_set_args(duet_motion *m);
+arg_real motion_real(const duet_motion *m, double value);
+
+// Runs a kernel over so many objects, pairs or contacts.
+bool motion_launch(duet_motion *m, const char *stage, const kernel *k, uint64_t work,
+                   duet_error *err);
 
 // Reads the flags, which waits for all that was launched.
 bool motion_read_flags(duet_motion *m, duet_error *err);

@@ -1,84 +1,182 @@
 // SPDX-License-Identifier: MIT
-#include "runtime/dynamics/motion_args.h"
+// What a step's kernels are told, by the names that the cards in kernels/dynamics use.
+#include "runtime/dynamics/motion.h"
 
-#include <assert.h>
+#include <math.h>
 
-motion_args args_begin(duet_motion *m)
+#define BUFFER(which, name, type) BIND_BUFFER(duet_motion, name, type, buffers[which])
+#define VALUE(name) BIND_VALUE(duet_motion, #name, args.name)
+
+const binding motion_bindings[] = {
+    BUFFER(CENTRES, "centres", "real4 *"),
+    BUFFER(CELLS, "cells", "int4 *"),
+    BUFFER(VELOCITIES, "velocities", "real4 *"),
+    BUFFER(ROTATIONS, "rotations", "real4 *"),
+    BUFFER(ANGULAR_VELOCITIES, "angular_velocities", "real4 *"),
+    BUFFER(INERTIAS, "inertias", "float4 *"),
+    BUFFER(HALVES, "halves", "float4 *"),
+    BUFFER(RESTITUTIONS, "restitutions", "float *"),
+    BUFFER(FRICTIONS, "frictions", "float *"),
+    BUFFER(FILTERS, "filters", "uint2 *"),
+    BUFFER(RESTS, "rests", "float *"),
+    BUFFER(ASLEEP, "asleep", "uint *"),
+    BUFFER(BODIES, "bodies", "float4 *"),
+    BUFFER(BOXES, "boxes", "float *"),
+    BUFFER(STARTS, "starts", "uint *"),
+    BUFFER(RETURN_STARTS, "return_starts", "uint *"),
+    BUFFER(USED, "used", "uint *"),
+    BUFFER(CHOICES, "choices", "uint *"),
+    BUFFER(PAIRS, "pairs", "uint2 *"),
+    BUFFER(OTHERS, "others", "uint *"),
+    BUFFER(LINKS, "links", "uint2 *"),
+    BUFFER(RETURNS, "returns", "uint *"),
+    BUFFER(CONTACTS, "contacts", "float *"),
+    BUFFER(TOUCHES, "touches", "uint *"),
+    BUFFER(COLOUR_OF, "colours", "uint *"),
+    BUFFER(OLD_LINKS, "old_links", "uint2 *"),
+    BUFFER(OLD_CONTACTS, "old_contacts", "float *"),
+    BUFFER(OLD_TOUCHES, "old_touches", "uint *"),
+    BUFFER(OLD_COLOURS, "old_colours", "uint *"),
+    BUFFER(LIST, "list", "uint *"),
+    BUFFER(LIST_KEYS, "keys", "uint *"),
+    BUFFER(COLOUR_STARTS, "key_starts", "uint *"),
+    BUFFER(BLOCKS, "blocks", "float *"),
+    BUFFER(EVENTS, "events", "uint4 *"),
+    BUFFER(FLAG_WORDS, "flags", "uint *"),
+    BIND_BUFFER(duet_motion, "row_starts", "uint *", args.row_starts),
+    BIND_BUFFER(duet_motion, "row_values", "uint *", args.row_values),
+    BIND_VALUE(duet_motion, "n", n),
+    BIND_VALUE(duet_motion, "n_contacts", n_contacts),
+    BIND_VALUE(duet_motion, "n_keys", n_contacts),
+    VALUE(n_pairs),
+    VALUE(n_old),
+    VALUE(event_capacity),
+    VALUE(key_end),
+    VALUE(gravity),
+    BIND_VALUE(duet_motion, "gravity", args.gravity_float),
+    VALUE(lower),
+    VALUE(upper),
+    VALUE(times),
+    VALUE(drags),
+    VALUE(substeps),
+    BIND_VALUE(duet_motion, "dt", args.dt_real),
+    VALUE(dt),
+    VALUE(h),
+    VALUE(per_h),
+    VALUE(drag),
+    VALUE(spring),
+    VALUE(hard_spring),
+    VALUE(pull),
+    VALUE(slop),
+    VALUE(margin),
+    VALUE(aabb_margin),
+    VALUE(least_speed),
+    VALUE(sleep_speed),
+    VALUE(sleep_after),
+    VALUE(base),
+    VALUE(fill),
+    VALUE(woken),
+    VALUE(soft),
+    VALUE(first),
+    VALUE(count),
+    VALUE(first_slot),
+    VALUE(each),
+    VALUE(apart),
+    {0}};
+
+arg_real motion_real(const duet_motion *m, double value)
 {
-    return (motion_args){.motion = m};
+    return m->def.doubles ? (arg_real){.d = value} : (arg_real){.f = (float)value};
 }
 
-static arg_value *add(motion_args *a, size_t size)
+static cl_float4 float4_of(double x, double y, double z, double w)
 {
-    assert(a->n < ARGS_MOST);
-    a->at[a->n].size = size;
-    return &a->values[a->n++];
+    return (cl_float4){{(float)x, (float)y, (float)z, (float)w}};
 }
 
-static void args_memory(motion_args *a, const buffer *b)
+static arg_real4 real4_of(const duet_motion *m, double x, double y, double z, double w)
 {
-    assert(a->n < ARGS_MOST);
-    a->at[a->n++] = (kernel_arg){sizeof b->mem, &b->mem};
+    return m->def.doubles ? (arg_real4){.d = {{x, y, z, w}}}
+                          : (arg_real4){.f = float4_of(x, y, z, w)};
 }
 
-void args_buffer(motion_args *a, motion_buffer which)
+// The parts of a substep in free flight: one, or of Yoshida's order 4 two outer ones and
+// one between them that goes back. Drag comes once a part, or before and after it.
+static void set_flight(duet_motion *m, double h)
 {
-    args_memory(a, &a->motion->buffers[which]);
+    double root = cbrt(2.0);
+    bool parted = m->def.integrator == DUET_INTEGRATOR_YOSHIDA;
+    double outer = parted ? h / (2.0 - root) : h;
+    double inner = parted ? -h * root / (2.0 - root) : 0.0;
+    double share = m->def.integrator == DUET_INTEGRATOR_EULER ? 1.0 : 0.5;
+    m->args.times = real4_of(m, outer, inner, 0.0, 0.0);
+    m->args.drags =
+        real4_of(m, exp(-m->def.drag * share * outer), exp(-m->def.drag * share * inner), 0.0, 0.0);
 }
 
-void args_buffer_for(motion_args *a, uint32_t effect, motion_buffer which)
+static void set_gravity(duet_motion *m)
 {
-    if (motion_has(a->motion, effect))
-        args_buffer(a, which);
+    const duet_motion_def *d = &m->def;
+    const double *at = d->attraction != 0.0 ? d->centre : d->gravity;
+    double z = d->dims == 3 ? at[2] : 0.0;
+    m->args.gravity = real4_of(m, at[0], at[1], z, d->attraction);
+    m->args.gravity_float = float4_of(at[0], at[1], z, d->attraction);
 }
 
-void args_uint(motion_args *a, uint32_t value)
+// A damped spring, implicitly: how fast overlap is pushed out per depth, what part of the
+// mass answers, and what part of the impulse decays.
+static cl_float4 spring_of(const duet_motion *m, double h, double hertz)
 {
-    add(a, sizeof(cl_uint))->u = value;
+    const double damping = 10.0;
+    double omega = 2.0 * 3.14159265358979323846 * hertz;
+    double stiff = 2.0 * damping + h * omega;
+    double soft = h * omega * stiff;
+    double part = 1.0 / (1.0 + soft);
+    return float4_of(omega / stiff, soft * part, part, m->def.max_push_speed);
 }
 
-void args_float(motion_args *a, double value)
+// What the contacts of a substep are solved with.
+static void set_solver(duet_motion *m, double h)
 {
-    add(a, sizeof(cl_float))->f = (float)value;
+    const duet_motion_def *d = &m->def;
+    double hertz = 0.25 / h; // four substeps a swing, as fast as they can follow
+    m->args.spring = spring_of(m, h, hertz);
+    m->args.hard_spring = spring_of(m, h, 2.0 * hertz);
+    m->args.slop = (float)(m->margin / MOTION_SLOPS);
+    m->args.least_speed = (float)d->restitution_threshold;
+    // What a substep adds to the velocity of all that falls, and 1 / its time. An
+    // attraction, which differs from place to place, is left out.
+    double part = d->attraction != 0.0 ? 0.0 : h;
+    m->args.pull = float4_of(part * d->gravity[0], part * d->gravity[1],
+                             d->dims == 3 ? part * d->gravity[2] : 0.0, 1.0 / h);
 }
 
-void args_float4(motion_args *a, double x, double y, double z, double w)
+void motion_set_args(duet_motion *m)
 {
-    add(a, sizeof(cl_float4))->f4 = (cl_float4){{(float)x, (float)y, (float)z, (float)w}};
+    const duet_motion_def *d = &m->def;
+    double h = d->dt / d->substeps;
+    m->args = (motion_args){
+        .lower = real4_of(m, d->lower[0], d->lower[1], d->lower[2], 0.0),
+        .upper = real4_of(m, d->upper[0], d->upper[1], d->upper[2], 0.0),
+        .substeps = d->substeps,
+        .dt = (float)d->dt,
+        .dt_real = motion_real(m, d->dt),
+        .h = (float)h,
+        .per_h = (float)(1.0 / h),
+        .drag = (float)exp(-d->drag * h),
+        .margin = (float)m->margin,
+        .sleep_speed = (float)d->sleep_speed,
+        .sleep_after = (float)d->sleep_after,
+        .key_end = KEYS,
+        .base = m->cells ? m->cells[0] : (cl_int4){{0}},
+    };
+    set_flight(m, h);
+    set_gravity(m);
+    set_solver(m, h);
 }
 
-void args_cells(motion_args *a)
+bool motion_launch(duet_motion *m, const char *stage, const kernel *k, uint64_t work,
+                   duet_error *err)
 {
-    if (a->motion->cells)
-        args_buffer(a, CELLS);
-}
-
-void args_int4(motion_args *a, cl_int4 value)
-{
-    add(a, sizeof value)->i4 = value;
-}
-
-void args_real(motion_args *a, double value)
-{
-    if (a->motion->def.doubles)
-        add(a, sizeof(cl_double))->d = value;
-    else
-        args_float(a, value);
-}
-
-void args_real4(motion_args *a, double x, double y, double z, double w)
-{
-    if (a->motion->def.doubles)
-        add(a, sizeof(cl_double4))->d4 = (cl_double4){{x, y, z, w}};
-    else
-        args_float4(a, x, y, z, w);
-}
-
-// The values moved with the list, if it did: they are pointed to only here.
-bool args_launch(motion_args *a, const char *stage, const kernel *k, uint64_t work, duet_error *err)
-{
-    for (uint32_t i = 0; i < a->n; ++i)
-        if (!a->at[i].value)
-            a->at[i].value = &a->values[i];
-    return timeline_launch(&a->motion->times, stage, k, work, a->at, a->n, err);
+    return timeline_launch(&m->times, stage, k, work, m, err);
 }

@@ -6,10 +6,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-// TOUCH_POINTS, TOUCH_AXIS, SLEEPS and WOKE of kernels/dynamics/contact.clh, and the colour
-// of a contact that pushes nothing
-enum { POINTS_MASK = 7, AXIS_BIT = 4, STATES = 3, NO_COLOUR = 33 };
-
 // A step keeps lengths far nearer to 1.
 #define MOST_OFF 1e-3
 
@@ -113,7 +109,7 @@ static bool check_object(const duet_motion *m, const motion_saved *s, uint32_t i
         return bad_object(s, id, "its bounds are not finite or not rising", err);
     if (!has_rest(s, id))
         return bad_object(s, id, "its time at rest is not finite or below 0", err);
-    if (s->at[ASLEEP] && words_of(s, ASLEEP)[id] > STATES)
+    if (s->at[ASLEEP] && words_of(s, ASLEEP)[id] > (SLEEPS | WOKE))
         return bad_object(s, id, "whether it sleeps is said by no such word", err);
     return true;
 }
@@ -204,8 +200,8 @@ static bool has_record(const duet_motion *m, const motion_saved *s, uint32_t i, 
 
 static bool check_contact(const duet_motion *m, const motion_saved *s, uint32_t i, duet_error *err)
 {
-    uint32_t touch = words_of(s, TOUCHES)[i], points = touch & POINTS_MASK;
-    if (points > m->layout.points || touch >> AXIS_BIT > most_axis(m))
+    uint32_t touch = words_of(s, TOUCHES)[i], points = touch & TOUCH_POINTS;
+    if (points > m->layout.points || touch >> TOUCH_AXIS > most_axis(m))
         return bad_contact(s, i, "it has more points, or another axis, than boxes have", err);
     return has_record(m, s, i, points) ||
            bad_contact(s, i, "a number of its points is not finite", err);
@@ -228,7 +224,7 @@ static bool check_colour(const duet_motion *m, const motion_saved *s, uint32_t i
 {
     const uint32_t *link = words_of(s, LINKS) + 2 * (size_t)i;
     uint32_t colour = words_of(s, COLOUR_OF)[i];
-    if (colour > NO_COLOUR)
+    if (colour > COLOUR_NONE)
         return bad_contact(s, i, "there is no such colour", err);
     return colour >= COLOUR_OVERFLOW ||
            (take_colour(m, taken, link[0], colour) && take_colour(m, taken, link[1], colour)) ||

@@ -93,24 +93,24 @@ static bool get(duet_motion *m, kernel **at, const char *name, const char *entry
     uint32_t n = 0;
     if (!gather(m, name, settings, &n, err))
         return false;
-    *at = program_set_kernel(m->programs, name, entry, settings, n, err);
+    *at = program_set_kernel(m->programs, name, entry, settings, n, motion_bindings, err);
     return *at;
 }
 
-// As kernels/dynamics/contact.clh and constraint.clh have them.
 static motion_layout lay_out(const duet_motion *m)
 {
     bool response = motion_has(m, DUET_EFFECT_CONTACT_RESPONSE);
     bool turns = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY);
     bool friction = motion_has(m, DUET_EFFECT_FRICTION);
-    bool flat = m->def.dims == 2;
-    motion_layout l = {.of_normal_impulse = 4};
-    l.head = response ? 6 : 3;
-    l.part = (response ? 6 : 4) + (friction ? m->def.dims - 1 : 0);
-    l.points = response && !turns ? 1 : flat ? 2 : 4;
+    uint32_t dims = m->def.dims;
+    motion_layout l = {
+        .head = HEAD_OF(response),
+        .part = PART_OF(response, friction, dims),
+        .points = POINTS_OF(response, turns, dims),
+        .body = BODY_OF(turns),
+    };
     l.record = l.head + l.points * l.part;
-    l.body = turns ? 8 : 4;
-    l.constraint = (friction ? 14 : 10) + l.points * (9 + (friction ? 2 * (m->def.dims - 1) : 0));
+    l.constraint = CONSTRAINT_OF(friction, l.points, dims);
     return l;
 }
 
@@ -149,17 +149,16 @@ bool motion_prepare(duet_motion *m, duet_error *err)
         {&k->store_impulses, response, "prepare_contacts", "store_impulses"},
         {&k->solve_contacts, response, "solve_contacts", "solve_contacts"},
         {&k->apply_restitution, response, "solve_contacts", "apply_restitution"},
-        {&k->scan_sums, contact, "scan", "scan_sums"},
-        {&k->scan_tops, contact, "scan", "scan_tops"},
-        {&k->scan_blocks, contact, "scan", "scan_blocks"},
-        {&k->radix_count, response, "radix", "radix_count"},
-        {&k->radix_move, response, "radix", "radix_move"},
         {&k->row_start, response, "cell_start", "row_start"},
     };
     m->layout = lay_out(m);
     for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i)
         if (list[i].wanted && !get(m, list[i].at, list[i].name, list[i].entry, err))
             return false;
+    if (contact && !scan_open(&m->scan, m->device, m->programs, NULL, 0, err))
+        return false;
+    if (response && !radix_sort_open(&m->radix, m->device, m->programs, &m->scan, NULL, 0, err))
+        return false;
     if (response)
         m->layout.block = (uint32_t)kernel_param(k->solve_contacts, "BLOCK");
     return true;

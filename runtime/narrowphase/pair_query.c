@@ -40,6 +40,7 @@ typedef struct side {
     timeline times;
     buffer poses;
     buffer found;
+    cl_uint n; // of the pairs that were launched last
     uint32_t dims;
 
     work work;
@@ -48,6 +49,11 @@ typedef struct side {
     bool ok;
     duet_error err;
 } side;
+
+static const binding side_bindings[] = {BIND_BUFFER(side, "poses", "float *", poses),
+                                        BIND_BUFFER(side, "verdicts", "uchar *", found),
+                                        BIND_VALUE(side, "n", n),
+                                        {0}};
 
 struct duet_pair_query {
     duet_pair_query_def def;
@@ -98,7 +104,8 @@ static bool open_side(side *s, const duet_pair_query_def *def, int which, duet_e
     s->gen = gen_open(def->pair->kernel_dir, err);
     s->programs = s->gen ? program_set_open(s->device, s->gen, def->pair->cache_dir, err) : NULL;
     if (s->programs)
-        s->kernel = program_set_kernel(s->programs, "pair_query", "pair_query", settings, 2, err);
+        s->kernel = program_set_kernel(s->programs, "pair_query", "pair_query", settings, 2,
+                                       side_bindings, err);
     return s->kernel && buffer_reserve(&s->found, s->device, CHUNK, err);
 }
 
@@ -151,10 +158,9 @@ static bool ask_device(side *s, uint64_t first, uint32_t n)
 {
     const work *w = &s->work;
     size_t bytes = 2 * (size_t)n * sizeof(duet_pose);
+    s->n = n;
     return send_poses(s, w->poses + 2 * first, bytes) &&
-           timeline_launch(&s->times, "test", s->kernel, n,
-                           (kernel_arg[]){ARG_BUFFER(s->poses), ARG(n), ARG_BUFFER(s->found)}, 3,
-                           &s->err) &&
+           timeline_launch(&s->times, "test", s->kernel, n, s, &s->err) &&
            timeline_read(&s->times, "fetch verdicts", &s->found, w->verdicts + first, n, &s->err);
 }
 

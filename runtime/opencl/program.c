@@ -210,8 +210,26 @@ static program *find_or_build(program_set *set, const gen_variant *variant, duet
     return p;
 }
 
+// All entries of the program are checked before it is compiled: a compiler says less of
+// what is wrong with a card.
+static bool bind(const program_set *set, const gen_variant *variant, const char *entry,
+                 bindings from, launcher *l, duet_error *err)
+{
+    bool found = false;
+    for (uint32_t i = 0; i < variant->n_entries; ++i) {
+        launcher other;
+        bool is_meant = strcmp(variant->entries[i].name, entry) == 0;
+        if (!launcher_bind(is_meant ? l : &other, variant->name, &variant->entries[i], from, err))
+            return false;
+        found = found || is_meant;
+    }
+    return found || error_set(err, DUET_STATUS_BUILD_FAILED,
+                              "%s on %s: has no kernel '%s' in its card's args", variant->name,
+                              set->device->info.selector, entry);
+}
+
 static kernel *find_or_create(const program_set *set, program *p, const char *entry,
-                              const gen_variant *variant, duet_error *err)
+                              const gen_variant *variant, const launcher *l, duet_error *err)
 {
     for (int i = 0; i < p->n_entries; ++i)
         if (strcmp(p->entries[i].entry, entry) == 0)
@@ -226,6 +244,7 @@ static kernel *find_or_create(const program_set *set, program *p, const char *en
     device_object_made();
     kernel *k = &p->entries[p->n_entries].k;
     k->cl = cl;
+    k->launcher = *l;
     k->group = variant->group;
     k->per_item = variant->per_item;
     snprintf(k->name, sizeof k->name, "%s", variant->name);
@@ -235,13 +254,16 @@ static kernel *find_or_create(const program_set *set, program *p, const char *en
 }
 
 kernel *program_set_kernel(program_set *set, const char *kernel_name, const char *entry,
-                           const gen_setting *settings, uint32_t n_settings, duet_error *err)
+                           const gen_setting *settings, uint32_t n_settings, bindings from,
+                           duet_error *err)
 {
     gen_variant variant = {0};
+    launcher l;
     if (!gen_make(set->gen, kernel_name, settings, n_settings, &set->limits, &variant, err))
         return NULL;
-    program *p = find_or_build(set, &variant, err);
-    kernel *k = p ? find_or_create(set, p, entry, &variant, err) : NULL;
+    bool bound = bind(set, &variant, entry, from, &l, err);
+    program *p = bound ? find_or_build(set, &variant, err) : NULL;
+    kernel *k = p ? find_or_create(set, p, entry, &variant, &l, err) : NULL;
     gen_variant_free(&variant);
     return k;
 }

@@ -46,30 +46,26 @@ static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event e
     return true;
 }
 
-static bool set_args(const kernel *k, const kernel_arg *args, uint32_t n_args, const device *d,
-                     duet_error *err)
+static bool set_args(const kernel *k, const void *values, const device *d, duet_error *err)
 {
-    for (uint32_t i = 0; i < n_args; ++i) {
-        cl_int code = clSetKernelArg(k->cl, i, args[i].size, args[i].value);
-        if (code != CL_SUCCESS)
-            return error_set_cl(err, code, "%s on %s: argument %u", k->name, d->info.selector, i);
-    }
-    return true;
+    uint32_t bad = 0;
+    cl_int code = launcher_set(&k->launcher, k->cl, values, &bad);
+    return code == CL_SUCCESS ||
+           error_set_cl(err, code, "%s on %s: argument %u", k->name, d->info.selector, bad);
 }
 
 bool timeline_launch(timeline *t, const char *stage, const kernel *k, uint64_t work,
-                     const kernel_arg *args, uint32_t n_args, duet_error *err)
+                     const void *values, duet_error *err)
 {
-    return timeline_launch_after(t, stage, k, 0, work, NULL, args, n_args, err);
+    return timeline_launch_after(t, stage, k, 0, work, NULL, values, err);
 }
 
 bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint64_t from,
-                           uint64_t to, cl_event after, const kernel_arg *args, uint32_t n_args,
-                           duet_error *err)
+                           uint64_t to, cl_event after, const void *values, duet_error *err)
 {
     if (from == to)
         return true;
-    if (!set_args(k, args, n_args, t->device, err))
+    if (!set_args(k, values, t->device, err))
         return false;
     uint64_t per_group = (uint64_t)k->group * k->per_item;
     size_t group = k->group;

@@ -26,24 +26,15 @@ typedef struct timeline {
 // Forgets the last step. side is 0 for A, 1 for B.
 void timeline_begin(timeline *t, const device *d);
 
-// One argument of a kernel.
-typedef struct kernel_arg {
-    size_t size;
-    const void *value;
-} kernel_arg;
-
-#define ARG(x) ((kernel_arg){sizeof(x), &(x)})
-#define ARG_BUFFER(b) ((kernel_arg){sizeof(cl_mem), &(b).mem})
-
-// Sends a kernel over `work` objects, pairs or values; none for work = 0.
+// Sends a kernel over `work` objects, pairs or values; none for work = 0. values: the
+// struct with its arguments, of the kind that its bindings describe.
 bool timeline_launch(timeline *t, const char *stage, const kernel *k, uint64_t work,
-                     const kernel_arg *args, uint32_t n_args, duet_error *err);
+                     const void *values, duet_error *err);
 
 // The same over [from, to) of them, once `after` is over (NULL: at once). from
 // is a multiple of what a group takes.
 bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint64_t from,
-                           uint64_t to, cl_event after, const kernel_arg *args, uint32_t n_args,
-                           duet_error *err);
+                           uint64_t to, cl_event after, const void *values, duet_error *err);
 
 // Sets words [from, to) of a buffer to a value.
 bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, size_t from,

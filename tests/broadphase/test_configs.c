@@ -285,9 +285,10 @@ static duet_world *open_world(const scene *s, const duet_plan *plan)
 // That the step ran what was meant.
 static void assert_ran(const duet_world *world, const gen_variant *v, const char *words)
 {
-    const part_kernels *k = &world->parts[1].kernels;
-    const kernel *all[] = {k->clear,  k->hash,  k->scan_sums,  k->scatter, k->radix_count,
-                           k->starts, k->place, k->candidates, k->narrow};
+    const part *p = &world->parts[1];
+    const part_kernels *k = &p->kernels;
+    const kernel *all[] = {k->clear,  k->hash,  p->scan.block_sums, k->scatter, p->radix.count,
+                           k->starts, k->place, k->candidates,      k->narrow};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
         if (all[i] && strcmp(all[i]->name, v->name) == 0)
             return;

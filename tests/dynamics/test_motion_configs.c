@@ -37,9 +37,11 @@ static launch launches[KERNELS];
 static gen *generator;
 
 kernel *__wrap_program_set_kernel(program_set *set, const char *name, const char *entry,
-                                  const gen_setting *settings, uint32_t n, duet_error *err);
+                                  const gen_setting *settings, uint32_t n, bindings from,
+                                  duet_error *err);
 kernel *__real_program_set_kernel(program_set *set, const char *name, const char *entry,
-                                  const gen_setting *settings, uint32_t n, duet_error *err);
+                                  const gen_setting *settings, uint32_t n, bindings from,
+                                  duet_error *err);
 
 static launch *launch_of(const char *name)
 {
@@ -50,19 +52,21 @@ static launch *launch_of(const char *name)
 }
 
 kernel *__wrap_program_set_kernel(program_set *set, const char *name, const char *entry,
-                                  const gen_setting *settings, uint32_t n, duet_error *err)
+                                  const gen_setting *settings, uint32_t n, bindings from,
+                                  duet_error *err)
 {
     const launch *l = launch_of(name);
     gen_setting all[MOST_PARAMS];
     if (!l)
-        return __real_program_set_kernel(set, name, entry, settings, n, err);
+        return __real_program_set_kernel(set, name, entry, settings, n, from, err);
     assert_true(n + 3 <= MOST_PARAMS);
-    memcpy(all, settings, n * sizeof *all);
+    if (n > 0)
+        memcpy(all, settings, n * sizeof *all);
     all[n++] = (gen_setting){"WG", l->group};
     all[n++] = (gen_setting){"PER_ITEM", l->per_item};
     if (l->lanes)
         all[n++] = (gen_setting){"LANES", l->lanes};
-    return __real_program_set_kernel(set, name, entry, all, n, err);
+    return __real_program_set_kernel(set, name, entry, all, n, from, err);
 }
 
 // B holds the state.

@@ -282,6 +282,22 @@ static void a_large_space_is_counted_block_by_block(void **state)
     rmdir(folder);
 }
 
+static void a_card_s_arguments_become_parameters(void **state)
+{
+    (void)state;
+    const char *card =
+        CARD("{ 'DOUBLE', values = { 0, 1 }, default = 1 }, { 'A', values = { 1, 2 } }",
+             "args = { take = [[\n volatile uint *counters\n const real4 *centres if A == 1\n"
+             " constant grid_level *levels  if A ~= 1\n real h\n ]], put = [[ float4 *x ]] },");
+    duet_error err = make_with(card, "k.cl", "int x;\n");
+    assert_ok(err.status == DUET_STATUS_OK, err);
+    assert_non_null(strstr(made, "#define PUT_ARGS \\\n    __global float4 *restrict x\n"
+                                 "#define TAKE_ARGS \\\n"
+                                 "    volatile __global uint *restrict counters, \\\n"
+                                 "    __global const double4 *restrict centres, \\\n"
+                                 "    double h\n"));
+}
+
 // ------------------------------------------------------- what is broken
 
 static void a_broken_card_is_told_with_its_line(void **state)
@@ -317,7 +333,17 @@ static void a_broken_card_is_told_with_its_line(void **state)
         {CARD("", "valid = function(p) return p.A > 1 end,"),
          "k.lua:3: attempt to compare number with nil"},
         {CARD("", "valid = function(p) while true do end end,"), "k.lua:3: runs for more than"},
-        {CARD("", "uses = { '../x.clh' },"), "k.lua:3: uses has at most 8 names of files"},
+        {CARD("", "uses = { '../x.clh' },"), "k.lua:3: uses has at most 16 names of files"},
+        {CARD("", "args = { k = 1 },"), "k.lua:3: args: expected an entry's NAME = [[ its"},
+        {CARD("", "args = { k = [[ float ]] },"), "k.lua:3: k: 'float' is no argument; expected"},
+        {CARD("", "args = { k = [[ char c ]] },"), "k.lua:3: k: 'char c' is no argument"},
+        {CARD("", "args = { k = [[ const uint c ]] },"), "k.lua:3: k: 'const uint c' is no"},
+        {CARD("", "args = { k = [[ uint 2c ]] },"), "k.lua:3: k: 'uint 2c' is no argument"},
+        {CARD("", "args = { k = [[ uint *c if A = ]] },"), "k.lua:3: k: 'if A =' is no condition"},
+        {CARD("{ 'A', values = { 1 } }", "args = { k = [[ uint n if A ]] },"),
+         "k: the condition of 'n' gives a number; expected a comparison"},
+        {CARD("{ 'A', values = { 1 } }", "args = { k = [[ uint n if B == 1 ]] },"),
+         "no parameter 'B'"},
         {CARD("", "emit = { 'nothing' },"), "gen/emit/nothing.lua: there is no such file"},
         {CARD("", "uses = { 'nothing.clh' },"), "/nothing.clh: "},
         {"return { params = {}, launch = function() end }",
@@ -474,6 +500,7 @@ int main(void)
         cmocka_unit_test(defaults_follow_the_limits),
         cmocka_unit_test(configs_are_counted_and_found_by_number),
         cmocka_unit_test(a_large_space_is_counted_block_by_block),
+        cmocka_unit_test(a_card_s_arguments_become_parameters),
         cmocka_unit_test(a_broken_card_is_told_with_its_line),
         cmocka_unit_test(a_broken_template_is_told_with_its_line),
         cmocka_unit_test(a_template_without_lua_comes_out_as_it_went_in),

@@ -28,11 +28,15 @@ static bool has_dims(gen *g, const char *kernel)
     return false;
 }
 
+static bool ends_with(const char *row, size_t length, const char *end)
+{
+    return length > strlen(end) && strncmp(row + length - strlen(end), end, strlen(end)) == 0;
+}
+
 static bool begins_header(const char *row, size_t length)
 {
-    const char begin[] = "#line 1 \"", end[] = ".clh\"\n";
-    return length > strlen(begin) + strlen(end) && strncmp(row, begin, strlen(begin)) == 0 &&
-           strncmp(row + length - strlen(end), end, strlen(end)) == 0;
+    return strncmp(row, "#line 1 \"", 9) == 0 &&
+           (ends_with(row, length, ".clh\"\n") || ends_with(row, length, ".h\"\n"));
 }
 
 static void leave_headers_out(const char *chars, text *out)

@@ -8,8 +8,22 @@
 #define SLEEP 0
 #define WG 1
 #define PER_ITEM 1024
+#define FINALIZE_BODIES_ARGS \
+    __global const float4 *restrict bodies, \
+    uint n, \
+    __global float4 *restrict centres, \
+    __global float4 *restrict velocities
+#define INTEGRATE_VELOCITIES_ARGS \
+    __global float4 *restrict bodies, \
+    uint n, \
+    float h
+#define PREPARE_BODIES_ARGS \
+    __global const float4 *restrict velocities, \
+    uint n, \
+    __global float4 *restrict bodies
 #line 1 "kernels/common.clh"
 #line 1 "kernels/dynamics/motion.clh"
+#line 1 "kernels/dynamics/records.h"
 #line 1 "kernels/dynamics/contact.clh"
 #line 1 "kernels/dynamics/box_contact.clh"
 #line 1 "kernels/dynamics/bodies.cl.in"
@@ -20,9 +34,7 @@
 //   bodies [n + 6][BODY]  the last six are the walls
 #line 21 "kernels/dynamics/bodies.cl.in"
 
-__kernel void prepare_bodies(__global const real4 *restrict velocities,
-#line 30 "kernels/dynamics/bodies.cl.in"
-                         uint n, __global float4 *restrict bodies)
+__kernel void prepare_bodies(PREPARE_BODIES_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n + 6);
@@ -31,15 +43,13 @@ __kernel void prepare_bodies(__global const real4 *restrict velocities,
         bool wall = id >= n;
         body[BODY_VELOCITY] = wall ? (float4)(0.0f) : convert_float4(velocities[wall ? 0 : id]);
         body[BODY_DELTA_POSITION] = body[BODY_WARM_IMPULSE] = (float4)(0.0f);
-#line 58 "kernels/dynamics/bodies.cl.in"
+#line 50 "kernels/dynamics/bodies.cl.in"
     }
 }
 
 // Velocities of a substep: gravity and drag, and the warm-start impulses of the
 // last one.
-__kernel void integrate_velocities(__global float4 *restrict bodies, uint n,
-#line 73 "kernels/dynamics/bodies.cl.in"
-                        float h)
+__kernel void integrate_velocities(INTEGRATE_VELOCITIES_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
@@ -49,30 +59,28 @@ __kernel void integrate_velocities(__global float4 *restrict bodies, uint n,
         float inverse_mass = velocity.w;
         if (!(inverse_mass > 0.0f))
             continue;
-#line 94 "kernels/dynamics/bodies.cl.in"
+#line 76 "kernels/dynamics/bodies.cl.in"
         body[BODY_VELOCITY].xyz = add_float(velocity, inverse_mass, body[BODY_WARM_IMPULSE]).xyz;
         body[BODY_WARM_IMPULSE] = (float4)(0.0f);
-#line 108 "kernels/dynamics/bodies.cl.in"
+#line 90 "kernels/dynamics/bodies.cl.in"
     }
 }
 
-#line 122 "kernels/dynamics/bodies.cl.in"
-__kernel void finalize_bodies(__global const float4 *restrict bodies, uint n, __global real4 *restrict centres,
-#line 133 "kernels/dynamics/bodies.cl.in"
-                          __global real4 *restrict velocities)
+#line 104 "kernels/dynamics/bodies.cl.in"
+__kernel void finalize_bodies(FINALIZE_BODIES_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         __global const float4 *body = bodies + (size_t)id * BODY;
-#line 148 "kernels/dynamics/bodies.cl.in"
+#line 119 "kernels/dynamics/bodies.cl.in"
         float4 velocity = body[BODY_VELOCITY];
         real4 centre = centres[id];
         centre.xyz += convert_real4(body[BODY_DELTA_POSITION]).xyz;
-#line 154 "kernels/dynamics/bodies.cl.in"
+#line 125 "kernels/dynamics/bodies.cl.in"
         centres[id] = centre;
         velocities[id].xyz = convert_real4(velocity).xyz;
         float fastest = dot_float(velocity, velocity);
-#line 169 "kernels/dynamics/bodies.cl.in"
+#line 140 "kernels/dynamics/bodies.cl.in"
     }
 }

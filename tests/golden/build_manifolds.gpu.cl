@@ -13,9 +13,18 @@
 #define LANES 1
 #define WG 64
 #define PER_ITEM 1
+#define BUILD_MANIFOLDS_ARGS \
+    __global const uint2 *restrict links, \
+    uint n_contacts, \
+    uint n, \
+    __global const float4 *restrict centres, \
+    __global const float4 *restrict halves, \
+    float margin, \
+    __global uint *restrict touches, \
+    __global float *restrict contacts
 #line 1 "kernels/common.clh"
 #line 1 "kernels/dynamics/motion.clh"
-#line 1 "kernels/flags.clh"
+#line 1 "kernels/dynamics/records.h"
 #line 1 "kernels/dynamics/contact.clh"
 #line 1 "kernels/dynamics/box_contact.clh"
 #line 1 "kernels/dynamics/box_lanes.clh"
@@ -130,25 +139,21 @@ static inline void look_at_pair(const scene *s, uint i, uint2 link)
 }
 #line 433 "kernels/dynamics/build_manifolds.cl.in"
 
-__kernel void build_manifolds(__global const uint2 *restrict links, uint n, uint objects, __global const real4 *restrict centres,
-#line 438 "kernels/dynamics/build_manifolds.cl.in"
-                      __global const float4 *restrict halves,
-#line 457 "kernels/dynamics/build_manifolds.cl.in"
-                      float margin, __global uint *restrict touches, __global float *restrict contacts)
+__kernel void build_manifolds(BUILD_MANIFOLDS_ARGS)
 {
-    scene s = {links, objects, centres,
-#line 463 "kernels/dynamics/build_manifolds.cl.in"
+    scene s = {links, n, centres,
+#line 440 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 482 "kernels/dynamics/build_manifolds.cl.in"
+#line 459 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n);
-#line 489 "kernels/dynamics/build_manifolds.cl.in"
+    uint last = min(first + PER_ITEM, n_contacts);
+#line 466 "kernels/dynamics/build_manifolds.cl.in"
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-#line 502 "kernels/dynamics/build_manifolds.cl.in"
+#line 479 "kernels/dynamics/build_manifolds.cl.in"
         look_at_pair(&s, i, link);
-#line 512 "kernels/dynamics/build_manifolds.cl.in"
+#line 489 "kernels/dynamics/build_manifolds.cl.in"
     }
-#line 522 "kernels/dynamics/build_manifolds.cl.in"
+#line 499 "kernels/dynamics/build_manifolds.cl.in"
 }

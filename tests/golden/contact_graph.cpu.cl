@@ -5,6 +5,35 @@
 #define FILTER 0
 #define WG 1
 #define PER_ITEM 1024
+#define CONTACT_GRAPH_PAIRS_ARGS \
+    __global const uint2 *restrict pairs, \
+    uint n_pairs, \
+    __global const float4 *restrict velocities, \
+    uint fill, \
+    volatile __global uint *restrict starts, \
+    __global uint *restrict others
+#define CONTACT_GRAPH_REVERSE_ARGS \
+    __global const uint *restrict starts, \
+    __global const uint *restrict others, \
+    uint n, \
+    __global const float4 *restrict velocities, \
+    uint fill, \
+    __global uint2 *restrict links, \
+    volatile __global uint *restrict return_starts, \
+    __global uint *restrict returns
+#define CONTACT_GRAPH_SORT_ARGS \
+    __global const uint *restrict row_starts, \
+    uint n, \
+    __global uint *restrict row_values
+#define CONTACT_GRAPH_WALLS_ARGS \
+    __global const float *restrict boxes, \
+    __global const float4 *restrict velocities, \
+    float4 lower, \
+    float4 upper, \
+    uint n, \
+    uint fill, \
+    volatile __global uint *restrict starts, \
+    __global uint *restrict others
 #line 1 "kernels/common.clh"
 #line 1 "kernels/dynamics/motion.clh"
 #line 1 "kernels/dynamics/contact_graph.cl.in"
@@ -28,15 +57,13 @@ static inline void count_or_put(volatile __global uint *starts, __global uint *r
         row_values[at] = value;
 }
 
-__kernel void contact_graph_pairs(__global const uint2 *restrict pairs, uint n_pairs, __global const real4 *restrict velocities,
-#line 25 "kernels/dynamics/contact_graph.cl.in"
-                        uint fill, volatile __global uint *restrict starts, __global uint *restrict others)
+__kernel void contact_graph_pairs(CONTACT_GRAPH_PAIRS_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_pairs);
     for (uint i = first; i < last; ++i) {
         uint a = min(pairs[i].x, pairs[i].y), b = max(pairs[i].x, pairs[i].y);
-#line 36 "kernels/dynamics/contact_graph.cl.in"
+#line 32 "kernels/dynamics/contact_graph.cl.in"
         bool moves_a = velocities[a].w > 0, moves_b = velocities[b].w > 0;
         if (moves_a)
             count_or_put(starts, others, a, b, fill);
@@ -44,7 +71,7 @@ __kernel void contact_graph_pairs(__global const uint2 *restrict pairs, uint n_p
             count_or_put(starts, others, b, a, fill);
     }
 }
-#line 65 "kernels/dynamics/contact_graph.cl.in"
+#line 59 "kernels/dynamics/contact_graph.cl.in"
 
 static inline void sink_down(__global uint *values, uint at, uint n)
 {
@@ -83,22 +110,20 @@ static inline void insertion_sort(__global uint *values, uint n)
     }
 }
 
-__kernel void contact_graph_sort(__global const uint *restrict starts, uint n, __global uint *restrict row_values)
+__kernel void contact_graph_sort(CONTACT_GRAPH_SORT_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint row = first; row < last; ++row) {
-        uint size = starts[row + 1] - starts[row];
+        uint size = row_starts[row + 1] - row_starts[row];
         if (size > 32)
-            heap_sort(row_values + starts[row], size);
+            heap_sort(row_values + row_starts[row], size);
         else
-            insertion_sort(row_values + starts[row], size);
+            insertion_sort(row_values + row_starts[row], size);
     }
 }
 
-__kernel void contact_graph_reverse(__global const uint *restrict starts, __global const uint *restrict others, uint n,
-                          __global const real4 *restrict velocities, uint fill, __global uint2 *restrict links,
-                          volatile __global uint *restrict return_starts, __global uint *restrict returns)
+__kernel void contact_graph_reverse(CONTACT_GRAPH_REVERSE_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);

@@ -7,9 +7,22 @@
 #define SKIN 0
 #define WG 1
 #define PER_ITEM 1024
+#define CHECK_FAT_AABBS_ARGS \
+    __global const float4 *restrict centres, \
+    __global const float4 *restrict halves, \
+    float aabb_margin, \
+    uint n, \
+    __global const float *restrict boxes, \
+    volatile __global uint *restrict flags
+#define COMPUTE_FAT_AABBS_ARGS \
+    __global const float4 *restrict centres, \
+    __global const float4 *restrict halves, \
+    float aabb_margin, \
+    uint n, \
+    __global float *restrict boxes
 #line 1 "kernels/common.clh"
 #line 1 "kernels/dynamics/motion.clh"
-#line 1 "kernels/flags.clh"
+#line 1 "kernels/dynamics/records.h"
 #line 1 "kernels/dynamics/fat_aabbs.cl.in"
 // SPDX-License-Identifier: MIT
 // Fat AABBs of moving bodies for the broad phase: bodies that can touch in this step
@@ -46,15 +59,13 @@ static inline float_bounds object_bounds(uint id, real margin, __global const re
     return b;
 }
 
-__kernel void compute_fat_aabbs(__global const real4 *restrict centres,
-#line 65 "kernels/dynamics/fat_aabbs.cl.in"
-                      __global const float4 *restrict halves, real margin, uint n, __global float *restrict boxes)
+__kernel void compute_fat_aabbs(COMPUTE_FAT_AABBS_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
-        float_bounds b = object_bounds(id, margin, centres,
-#line 80 "kernels/dynamics/fat_aabbs.cl.in"
+        float_bounds b = object_bounds(id, aabb_margin, centres,
+#line 70 "kernels/dynamics/fat_aabbs.cl.in"
                                        halves);
         vstore3(b.lower.xyz, 2 * (size_t)id, boxes);
         vstore3(b.upper.xyz, 2 * (size_t)id + 1, boxes);

@@ -6,9 +6,40 @@
 #define CONTACT_RESPONSE 1
 #define WG 64
 #define PER_ITEM 1
+#define GRAPH_COLOUR_CHOOSE_ARGS \
+    __global const uint2 *restrict links, \
+    __global const uint *restrict colours, \
+    __global const uint *restrict starts, \
+    __global const uint *restrict return_starts, \
+    __global const uint *restrict returns, \
+    uint n, \
+    __global uint *restrict used, \
+    __global uint *restrict choices
+#define GRAPH_COLOUR_KEY_ARGS \
+    __global const uint *restrict colours, \
+    __global const uint *restrict touches, \
+    uint n_contacts, \
+    __global uint *restrict keys
+#define GRAPH_COLOUR_MARK_ARGS \
+    __global const uint2 *restrict links, \
+    __global const uint *restrict touches, \
+    uint n_contacts, \
+    uint n, \
+    __global const float4 *restrict bodies, \
+    __global uint *restrict colours, \
+    volatile __global uint *restrict choices, \
+    volatile __global uint *restrict flags
+#define GRAPH_COLOUR_TAKE_ARGS \
+    __global const uint2 *restrict links, \
+    uint n, \
+    __global const float4 *restrict velocities, \
+    __global const uint *restrict used, \
+    __global const uint *restrict choices, \
+    __global uint *restrict colours, \
+    volatile __global uint *restrict flags
 #line 1 "kernels/common.clh"
 #line 1 "kernels/dynamics/motion.clh"
-#line 1 "kernels/flags.clh"
+#line 1 "kernels/dynamics/records.h"
 #line 1 "kernels/dynamics/contact.clh"
 #line 1 "kernels/dynamics/graph_colour.cl.in"
 // SPDX-License-Identifier: MIT
@@ -18,14 +49,10 @@
 // that both its bodies point to takes the least colour that both have free. Ranks come
 // from the ids, so the colours depend neither on the device nor on the order of work.
 //
-//   colours [n]  NO_COLOUR: pushes nothing; WAITS: to be coloured
-//   used    [objects] a bit for each colour taken
-//   choices [objects] the contact that the object points to; NONE: none waits
-#define LAST_COLOUR 30u // bits of used
-#define OVERFLOW 31u    // solved in order
-#define WAITS 32u
-#define NO_COLOUR 33u
-#define KEYS_EACH 4u // keys of a colour
+//   colours [n_contacts] COLOUR_NONE: pushes nothing; COLOUR_WAITS: to be coloured
+//   used    [n] a bit for each colour taken
+//   choices [n] the contact that the object points to; NONE: none waits
+#define LAST_COLOUR (COLOUR_OVERFLOW - 1u) // bits of used
 #define NONE 0xffffffffu
 
 static inline uint rank_of(uint2 link)
@@ -38,26 +65,24 @@ static inline uint rank_of(uint2 link)
 }
 
 // Contacts that begin or cease to push.
-__kernel void graph_colour_mark(__global const uint2 *restrict links, __global const uint *restrict touches, uint n,
-                          uint objects, __global const float4 *restrict bodies, __global uint *restrict colours,
-                          volatile __global uint *restrict choices, volatile __global uint *restrict flags)
+__kernel void graph_colour_mark(GRAPH_COLOUR_MARK_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n);
+    uint last = min(first + PER_ITEM, n_contacts);
     uint waiting = 0, changed = 0;
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
         bool pushes = (touches[i] & TOUCH_POINTS) && (bodies[(size_t)link.x * BODY + BODY_VELOCITY].w > 0.0f ||
                                                       bodies[(size_t)link.y * BODY + BODY_VELOCITY].w > 0.0f);
         uint old = colours[i];
-        uint colour = !pushes ? NO_COLOUR : old == NO_COLOUR ? WAITS : old;
+        uint colour = !pushes ? COLOUR_NONE : old == COLOUR_NONE ? COLOUR_WAITS : old;
         changed |= colour != old;
         colours[i] = colour;
-        if (colour != WAITS)
+        if (colour != COLOUR_WAITS)
             continue;
         ++waiting;
         atomic_xchg(choices + link.x, i);
-        if (link.y < objects)
+        if (link.y < n)
             atomic_xchg(choices + link.y, i);
     }
     if (waiting)
@@ -72,7 +97,7 @@ static inline void look_at(uint i, __global const uint2 *links, __global const u
     uint colour = colours[i];
     if (colour <= LAST_COLOUR)
         *used |= 1u << colour;
-    if (colour != WAITS)
+    if (colour != COLOUR_WAITS)
         return;
     uint rank = rank_of(links[i]);
     if (*best == NONE || rank > *best_rank || (rank == *best_rank && i < *best)) {
@@ -81,13 +106,10 @@ static inline void look_at(uint i, __global const uint2 *links, __global const u
     }
 }
 
-__kernel void graph_colour_choose(__global const uint2 *restrict links, __global const uint *restrict colours,
-                            __global const uint *restrict starts, __global const uint *restrict return_starts,
-                            __global const uint *restrict returns, uint objects, __global uint *restrict used,
-                            __global uint *restrict choices)
+__kernel void graph_colour_choose(GRAPH_COLOUR_CHOOSE_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, objects);
+    uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         if (choices[id] == NONE)
             continue;
@@ -102,13 +124,10 @@ __kernel void graph_colour_choose(__global const uint2 *restrict links, __global
 }
 
 // One work-item an object, which owns the contact that it chose.
-__kernel void graph_colour_take(__global const uint2 *restrict links, uint objects,
-                          __global const real4 *restrict velocities, __global const uint *restrict used,
-                          __global const uint *restrict choices, __global uint *restrict colours,
-                          volatile __global uint *restrict flags)
+__kernel void graph_colour_take(GRAPH_COLOUR_TAKE_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, objects);
+    uint last = min(first + PER_ITEM, n);
     uint done = 0;
     for (uint id = first; id < last; ++id) {
         uint i = choices[id];
@@ -116,13 +135,13 @@ __kernel void graph_colour_take(__global const uint2 *restrict links, uint objec
             continue;
         uint other = links[i].y;
         uint taken = used[id];
-        if (other < objects && velocities[other].w > 0) { // asleep or not
+        if (other < n && velocities[other].w > 0) { // asleep or not
             if (choices[other] != i)
                 continue;
             taken |= used[other];
         }
         uint colour = popcount(taken ^ (taken + 1)) - 1; // the least bit that is not set
-        colours[i] = colour <= LAST_COLOUR ? colour : OVERFLOW;
+        colours[i] = colour <= LAST_COLOUR ? colour : COLOUR_OVERFLOW;
         ++done;
     }
     if (done)
@@ -130,15 +149,14 @@ __kernel void graph_colour_take(__global const uint2 *restrict links, uint objec
 }
 
 // What contacts are sorted by: the colour, and within it most points first, so
-// that those side by side have as much to do. Those of OVERFLOW keep the order
+// that those side by side have as much to do. Those of COLOUR_OVERFLOW keep the order
 // of the rows.
-__kernel void graph_colour_key(__global const uint *restrict colours, __global const uint *restrict touches, uint n,
-                         __global uint *restrict keys)
+__kernel void graph_colour_key(GRAPH_COLOUR_KEY_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n);
+    uint last = min(first + PER_ITEM, n_contacts);
     for (uint i = first; i < last; ++i) {
         uint colour = colours[i];
-        keys[i] = colour * KEYS_EACH + (colour <= LAST_COLOUR ? POINTS - (touches[i] & TOUCH_POINTS) : 0);
+        keys[i] = colour * COLOUR_KEYS + (colour <= LAST_COLOUR ? POINTS - (touches[i] & TOUCH_POINTS) : 0);
     }
 }

@@ -11,6 +11,12 @@
 #define ORDER 1
 #define WG 128
 #define PER_ITEM 1
+#define INTEGRATE_FREE_FLIGHT_ARGS \
+    __global float4 *restrict centres, \
+    __global float4 *restrict velocities, \
+    float4 times, \
+    uint substeps, \
+    uint n
 #line 1 "kernels/common.clh"
 #line 1 "kernels/dynamics/motion.clh"
 #line 1 "kernels/dynamics/integrate_free_flight.cl.in"
@@ -58,11 +64,7 @@ static inline void arrive(body *b)
 }
 #line 175 "kernels/dynamics/integrate_free_flight.cl.in"
 
-__kernel void integrate_free_flight(__global real4 *restrict centres,
-#line 180 "kernels/dynamics/integrate_free_flight.cl.in"
-                        __global real4 *restrict velocities,
-#line 202 "kernels/dynamics/integrate_free_flight.cl.in"
-                        real4 times, uint substeps, uint n)
+__kernel void integrate_free_flight(INTEGRATE_FREE_FLIGHT_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
@@ -70,21 +72,21 @@ __kernel void integrate_free_flight(__global real4 *restrict centres,
         body b;
         b.centre = centres[id];
         b.velocity = velocities[id];
-#line 211 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 185 "kernels/dynamics/integrate_free_flight.cl.in"
         b.moved = (real4)(0);
-#line 225 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 199 "kernels/dynamics/integrate_free_flight.cl.in"
         for (uint k = 0; k < substeps; ++k) {
-#line 228 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 202 "kernels/dynamics/integrate_free_flight.cl.in"
             advance(&b,
-#line 235 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 209 "kernels/dynamics/integrate_free_flight.cl.in"
                     times.x);
-#line 237 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 211 "kernels/dynamics/integrate_free_flight.cl.in"
         }
-#line 239 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 213 "kernels/dynamics/integrate_free_flight.cl.in"
         arrive(&b);
-#line 265 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 239 "kernels/dynamics/integrate_free_flight.cl.in"
         centres[id] = b.centre;
         velocities[id] = b.velocity;
-#line 271 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 245 "kernels/dynamics/integrate_free_flight.cl.in"
     }
 }

@@ -9,9 +9,14 @@
 #define BLOCK 8
 #define WG 1
 #define PER_ITEM 1024
+#define INTEGRATE_POSITIONS_ARGS \
+    __global float4 *restrict bodies, \
+    uint n, \
+    float h
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
 #line 1 "kernels/dynamics/vector.clh"
+#line 1 "kernels/dynamics/records.h"
 #line 1 "kernels/dynamics/contact.clh"
 #line 1 "kernels/dynamics/constraint.clh"
 #line 1 "kernels/dynamics/turn.clh"
@@ -23,7 +28,7 @@
 //   bodies [n + 6][BODY]  the last six are the walls
 #line 7 "kernels/dynamics/integrate_positions.cl.in"
 
-__kernel void integrate_positions(__global float4 *restrict bodies, uint n, float h)
+__kernel void integrate_positions(INTEGRATE_POSITIONS_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);

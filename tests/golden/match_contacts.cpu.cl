@@ -7,8 +7,17 @@
 #define EVENTS 0
 #define WG 1
 #define PER_ITEM 1024
+#define MATCH_CONTACTS_ARGS \
+    __global const uint2 *restrict old_links, \
+    __global const uint *restrict old_touches, \
+    __global const float *restrict old_contacts, \
+    uint n_old, \
+    __global const uint *restrict starts, \
+    __global const uint *restrict others, \
+    __global uint *restrict touches, \
+    __global float *restrict contacts
 #line 1 "kernels/common.clh"
-#line 1 "kernels/flags.clh"
+#line 1 "kernels/dynamics/records.h"
 #line 1 "kernels/dynamics/contact.clh"
 #line 1 "kernels/dynamics/match_contacts.cl.in"
 // SPDX-License-Identifier: MIT
@@ -33,11 +42,7 @@ static inline uint place_of(__global const uint *others, uint low, uint high, ui
     return low;
 }
 
-__kernel void match_contacts(__global const uint2 *restrict old_links, __global const uint *restrict old_touches,
-                    __global const float *restrict old_contacts, uint n_old,
-#line 42 "kernels/dynamics/match_contacts.cl.in"
-                    __global const uint *restrict starts, __global const uint *restrict others,
-                    __global uint *restrict touches, __global float *restrict contacts)
+__kernel void match_contacts(MATCH_CONTACTS_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_old);
@@ -56,14 +61,14 @@ __kernel void match_contacts(__global const uint2 *restrict old_links, __global 
             ask_for(old_contacts + (size_t)ahead * RECORD);
             ask_for(old_contacts + (size_t)ahead * RECORD + 16);
         }
-        uint touch = old_touches[i], n = touch & TOUCH_POINTS;
+        uint touch = old_touches[i], points = touch & TOUCH_POINTS;
         __global const float *old = old_contacts + (size_t)i * RECORD;
         if (low < end && others[low] == link.y) {
             touches[low] = touch;
-            for (uint k = 0; n > 0 && k < HEAD + n * PART; ++k)
+            for (uint k = 0; points > 0 && k < HEAD + points * PART; ++k)
                 contacts[(size_t)low * RECORD + k] = old[k];
-#line 71 "kernels/dynamics/match_contacts.cl.in"
+#line 59 "kernels/dynamics/match_contacts.cl.in"
         }
-#line 91 "kernels/dynamics/match_contacts.cl.in"
+#line 79 "kernels/dynamics/match_contacts.cl.in"
     }
 }

@@ -17,9 +17,25 @@
 #define WG 1
 #define BUF 512
 #define PER_ITEM 256
+#define PAIR_SEARCH_GPU_ARGS \
+    __global const float4 *restrict bounds, \
+    __global const float4 *restrict boxes, \
+    __global const uint *restrict starts, \
+    __constant const grid_level *levels, \
+    uint n_levels, \
+    uint n_cells, \
+    uint key_from, \
+    uint n_home_cells, \
+    uint first, \
+    uint last, \
+    __global uint2 *restrict found, \
+    uint found_capacity, \
+    volatile __global uint *restrict counters
 #line 1 "kernels/common.clh"
+#line 1 "kernels/counters.h"
 #line 1 "kernels/lanes.clh"
 #line 1 "kernels/narrowphase/object.clh"
+#line 1 "kernels/grid/places.h"
 #line 1 "kernels/grid/grid.clh"
 #line 1 "kernels/narrowphase/sat.clh"
 #line 1 "kernels/narrowphase/sat_double.clh"
@@ -39,11 +55,11 @@
 //   bounds [n][BOUNDS_QUADS] lower xyz and the id, upper xyz and the level
 //   boxes  [n][BOX_QUADS]    centre xyz first (poses)
 //   starts [n_own_cells + 1] first of each cell from key_from on
-//   found  [capacity]            pairs of places (IDS 0) or of ids (IDS 1), least id
+//   found  [found_capacity]      pairs of places (IDS 0) or of ids (IDS 1), least id
 //                            first: float may see (a, b) other than (b, a)
-#if ORIGIN
+#define BOUNDS_QUADS BOUNDS_QUADS_OF(ORIGIN)
 
-#define BOUNDS_QUADS 3
+#if ORIGIN
 
 // Bounds are each from their own cell. Rounding keeps order, so none that
 // overlap are apart, and a and b agree on it.
@@ -54,8 +70,6 @@ static inline int4 bounds_apart(float4 lower_a, float4 upper_a, float4 lower_b, 
 }
 
 #else
-
-#define BOUNDS_QUADS 2
 
 static inline int4 bounds_apart(float4 lower_a, float4 upper_a, float4 lower_b, float4 upper_b)
 {
@@ -307,45 +321,45 @@ static inline void search_level(pair_sink *sink, const sorted *in, const seeker 
     row cells = {level, y, z, x, right};
     search_own_row(sink, in, me, &cells);
     cells.left = left;
-#line 284 "kernels/grid/pair_search_gpu.cl.in"
+#line 282 "kernels/grid/pair_search_gpu.cl.in"
     if (y + 1 < ny) {
         cells.y = y + 1;
         cells.z = 0;
         search_row(sink, in, me, &cells);
     }
-#line 290 "kernels/grid/pair_search_gpu.cl.in"
+#line 288 "kernels/grid/pair_search_gpu.cl.in"
 #else
     // All look-ups are under way before the first range is searched.
     uint key = row_key(y, z, grid, level) - in->key_from;
     uint from_0 = me->place + 1, to_0 = in->starts[key + right + 1];
-#line 296 "kernels/grid/pair_search_gpu.cl.in"
+#line 294 "kernels/grid/pair_search_gpu.cl.in"
     uint from_1 = 0, to_1 = 0;
     if (y + 1 < ny) {
         key = row_key(y + 1, 0, grid, level) - in->key_from;
         from_1 = in->starts[key + left];
         to_1 = in->starts[key + right + 1];
     }
-#line 303 "kernels/grid/pair_search_gpu.cl.in"
+#line 301 "kernels/grid/pair_search_gpu.cl.in"
 #if JOINED
     // One loop over all ranges: lanes that run in step wait for the longest sum,
     // not for the longest of each.
     uint shift_0 = from_0, end_0 = to_0 - from_0;
-#line 308 "kernels/grid/pair_search_gpu.cl.in"
+#line 306 "kernels/grid/pair_search_gpu.cl.in"
     uint shift_1 = from_1 - end_0, end_1 = end_0 + to_1 - from_1;
-#line 310 "kernels/grid/pair_search_gpu.cl.in"
+#line 308 "kernels/grid/pair_search_gpu.cl.in"
     for (uint k = 0; k < end_1; ++k) {
         uint shift = shift_0;
-#line 313 "kernels/grid/pair_search_gpu.cl.in"
+#line 311 "kernels/grid/pair_search_gpu.cl.in"
         shift = k >= end_0 ? shift_1 : shift;
-#line 315 "kernels/grid/pair_search_gpu.cl.in"
+#line 313 "kernels/grid/pair_search_gpu.cl.in"
         search_range(sink, in, me, 0, k + shift, k + shift + 1);
     }
 #else
-#line 319 "kernels/grid/pair_search_gpu.cl.in"
+#line 317 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_0, to_0);
-#line 319 "kernels/grid/pair_search_gpu.cl.in"
+#line 317 "kernels/grid/pair_search_gpu.cl.in"
     search_range(sink, in, me, 0, from_1, to_1);
-#line 321 "kernels/grid/pair_search_gpu.cl.in"
+#line 319 "kernels/grid/pair_search_gpu.cl.in"
 #endif
 #endif
 }
@@ -412,27 +426,16 @@ static inline uint entry_begin(const sorted *in, uint place, uint end)
 }
 
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
-pair_search_gpu(__global const float4 *restrict bounds,
-#if SHAPE == SHAPE_POSES
-                __global const float4 *restrict boxes,
-#endif
-                __global const uint *restrict starts, __constant const grid_level *levels, uint n_levels,
-                uint n_cells, uint key_from, uint n_home_cells, uint first, uint last,
-                __global uint2 *restrict found, uint capacity,
-#if FUSED
-                __global uint2 *restrict pairs, uint pair_room, __global uint2 *restrict undecided,
-                uint undecided_capacity,
-#endif
-                volatile __global uint *restrict counters)
+pair_search_gpu(PAIR_SEARCH_GPU_ARGS)
 {
     __local uint2 collected[BUF];
     __local uint used;
     __local uint base;
-    pair_sink sink = {collected, &used, &base, found, capacity, counters};
+    pair_sink sink = {collected, &used, &base, found, found_capacity, counters};
 #if FUSED
     __local uint2 colliding[BUF];
     __local uint n_colliding;
-    tester to = {boxes, colliding, &n_colliding, pairs, pair_room, undecided, undecided_capacity};
+    tester to = {boxes, colliding, &n_colliding, pairs, pair_capacity, undecided, undecided_capacity};
 #endif
 #if SHAPE == SHAPE_POSES
     sorted in = {bounds, boxes, starts, levels, n_levels, key_from, n_cells};

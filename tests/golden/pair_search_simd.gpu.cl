@@ -13,9 +13,29 @@
 #define BUF 512
 #define AHEAD 0
 #define PER_ITEM 1024
+#define PAIR_SEARCH_SIMD_ARGS \
+    __global const float *restrict bounds, \
+    uint place_capacity, \
+    __global const float *restrict boxes, \
+    __global const uint *restrict starts, \
+    __constant const grid_level *levels, \
+    uint n_levels, \
+    uint n_cells, \
+    uint key_from, \
+    uint n_home_cells, \
+    uint n_own_cells, \
+    uint first, \
+    uint last, \
+    __global uint2 *restrict found, \
+    uint found_capacity, \
+    __global uint2 *restrict undecided, \
+    uint undecided_capacity, \
+    volatile __global uint *restrict counters
 #line 1 "kernels/common.clh"
+#line 1 "kernels/counters.h"
 #line 1 "kernels/lanes.clh"
 #line 1 "kernels/narrowphase/object.clh"
+#line 1 "kernels/grid/places.h"
 #line 1 "kernels/grid/grid.clh"
 #line 1 "kernels/narrowphase/sat.clh"
 #line 1 "kernels/narrowphase/sat_double.clh"
@@ -35,7 +55,7 @@
 //   bounds    as reorder_simd leaves them
 //   starts    [n_own_cells + 1] first of each cell from key_from on
 //   boxes     as reorder_simd leaves them, or ids [n] for bounds
-//   found     [capacity]           FUSED: pairs by id; else candidates, which are
+//   found     [found_capacity]     FUSED: pairs by id; else candidates, which are
 //                              places, or for bounds ids
 //   undecided [undecided_capacity] ids (FUSED)
 #if ROOMY
@@ -463,21 +483,9 @@ static inline uint entry_begin(const sorted *in, uint place, uint end)
     return place < end ? in->starts[entry_of(in, place)] : end;
 }
 
-__kernel void pair_search_simd(__global const float *restrict bounds, uint column_room,
-#if SHAPE == SHAPE_POSES
-                           __global const float *restrict boxes,
-#else
-                           __global const uint *restrict ids,
-#endif
-                           __global const uint *restrict starts, __constant const grid_level *levels, uint n_levels,
-                           uint n_cells, uint key_from, uint n_home_cells, uint n_own_cells, uint first, uint last,
-                           __global uint2 *restrict found, uint capacity,
-#if FUSED
-                           __global uint2 *restrict undecided, uint undecided_capacity,
-#endif
-                           volatile __global uint *restrict counters)
+__kernel void pair_search_simd(PAIR_SEARCH_SIMD_ARGS)
 {
-    size_t column = COLUMN(column_room);
+    size_t column = COLUMN(place_capacity);
     sorted in = {bounds, column, (__global const uint *)bounds + 2 * DIMS * column, starts,
 #if SHAPE == SHAPE_POSES
                  boxes,
@@ -485,15 +493,15 @@ __kernel void pair_search_simd(__global const float *restrict bounds, uint colum
                  ids,
 #endif
                  levels, n_levels, n_cells, key_from, n_own_cells};
-    if (starts[n_own_cells] > column_room)
+    if (starts[n_own_cells] > place_capacity)
         return; // objects without a place: the grid is built again with a larger buffer
     uint2 waiting[WAITING_ROOM];
     for (uint k = 0; k < WAITING_ROOM; ++k)
         waiting[k] = (uint2)(0, 0); // what lies behind the last one is read
 #if FUSED
-    search s = {waiting, 0, 0, {boxes, found, capacity, undecided, undecided_capacity, counters}};
+    search s = {waiting, 0, 0, {boxes, found, found_capacity, undecided, undecided_capacity, counters}};
 #else
-    search s = {waiting, 0, 0, found, capacity, counters + (LISTS_PAIRS ? COUNT_PAIRS : COUNT_CANDIDATES)};
+    search s = {waiting, 0, 0, found, found_capacity, counters + (LISTS_PAIRS ? COUNT_PAIRS : COUNT_CANDIDATES)};
 #endif
     uint home = starts[n_home_cells];
     uint end = entry_begin(&in, last, home);

@@ -7,9 +7,33 @@
 #define BLOCK 8
 #define WG 1
 #define PER_ITEM 256
+#define PREPARE_CONTACTS_ARGS \
+    __global const uint2 *restrict links, \
+    __global const uint *restrict touches, \
+    __global const float *restrict contacts, \
+    __global const float *restrict restitutions, \
+    uint n, \
+    __global const uint *restrict list, \
+    uint first, \
+    uint count, \
+    uint first_slot, \
+    uint each, \
+    uint apart, \
+    __global float *restrict blocks, \
+    __global float4 *restrict bodies
+#define STORE_IMPULSES_ARGS \
+    __global const uint *restrict list, \
+    uint first, \
+    uint count, \
+    uint first_slot, \
+    uint each, \
+    uint apart, \
+    __global float *restrict blocks, \
+    __global float *restrict contacts
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
 #line 1 "kernels/dynamics/vector.clh"
+#line 1 "kernels/dynamics/records.h"
 #line 1 "kernels/dynamics/contact.clh"
 #line 1 "kernels/dynamics/constraint.clh"
 #line 1 "kernels/dynamics/prepare_contacts.cl.in"
@@ -27,7 +51,7 @@ typedef struct {
     __global const uint2 *links;
     __global const uint *touches;
     __global const float *contacts;
-    __global const float *bounces;
+    __global const float *restitutions;
 #line 19 "kernels/dynamics/prepare_contacts.cl.in"
     uint objects;
 } source;
@@ -41,7 +65,7 @@ static inline void fill_lane(__global float *lane, const source *from, uint i, b
     lane[IN_OWNER * BLOCK] = as_float(empty ? from->objects : link.x);
     lane[IN_OTHER * BLOCK] = as_float(empty ? from->objects : link.y);
     lane[IN_POINTS * BLOCK] = as_float(empty ? 0u : from->touches[i] & TOUCH_POINTS);
-    lane[IN_RESTITUTION * BLOCK] = fmax(from->bounces[link.x], from->bounces[partner]);
+    lane[IN_RESTITUTION * BLOCK] = fmax(from->restitutions[link.x], from->restitutions[partner]);
 #line 35 "kernels/dynamics/prepare_contacts.cl.in"
 }
 
@@ -130,16 +154,11 @@ static inline void ask_for_bodies(const source *from, __global const uint *list,
 }
 #endif
 
-__kernel void prepare_contacts(__global const uint2 *restrict links, __global const uint *restrict touches,
-                      __global const float *restrict contacts, __global const float *restrict bounces,
-#line 159 "kernels/dynamics/prepare_contacts.cl.in"
-                      uint objects, __global const uint *restrict list, uint first, uint count,
-                      uint first_slot, uint each, uint apart, __global float *restrict blocks,
-                      __global float4 *restrict bodies)
+__kernel void prepare_contacts(PREPARE_CONTACTS_ARGS)
 {
-    source from = {links, touches, contacts, bounces,
-#line 167 "kernels/dynamics/prepare_contacts.cl.in"
-                   objects};
+    source from = {links, touches, contacts, restitutions,
+#line 160 "kernels/dynamics/prepare_contacts.cl.in"
+                   n};
     uint begin = get_global_id(0) * each;
     uint end = min(begin + each, count);
     for (uint k = begin; k < end; k += STRIDE(apart)) {
@@ -155,8 +174,7 @@ __kernel void prepare_contacts(__global const uint2 *restrict links, __global co
 }
 
 // Pushes of the last substep.
-__kernel void store_impulses(__global const uint *restrict list, uint first, uint count, uint first_slot, uint each, uint apart,
-                    __global float *restrict blocks, __global float *restrict contacts)
+__kernel void store_impulses(STORE_IMPULSES_ARGS)
 {
     uint begin = get_global_id(0) * each;
     uint end = min(begin + each, count);
@@ -170,7 +188,7 @@ __kernel void store_impulses(__global const uint *restrict list, uint first, uin
             __global float *part = record + HEAD + p * PART;
             part[OF_NORMAL_IMPULSE] = point[BY_NORMAL_IMPULSE * BLOCK];
             part[OF_MAX_IMPULSE] = point[BY_MAX_IMPULSE * BLOCK];
-#line 202 "kernels/dynamics/prepare_contacts.cl.in"
+#line 194 "kernels/dynamics/prepare_contacts.cl.in"
         }
     }
 }

@@ -7,9 +7,31 @@
 #define BLOCK 32
 #define WG 64
 #define PER_ITEM 1
+#define APPLY_RESTITUTION_ARGS \
+    uint count, \
+    uint first_slot, \
+    uint each, \
+    uint apart, \
+    __global float *restrict blocks, \
+    __global float4 *restrict bodies, \
+    float4 pull, \
+    float least_speed
+#define SOLVE_CONTACTS_ARGS \
+    uint count, \
+    uint first_slot, \
+    uint each, \
+    uint apart, \
+    __global float *restrict blocks, \
+    __global float4 *restrict bodies, \
+    uint soft, \
+    float per_h, \
+    float4 spring, \
+    float4 hard_spring, \
+    float slop
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
 #line 1 "kernels/dynamics/vector.clh"
+#line 1 "kernels/dynamics/records.h"
 #line 1 "kernels/dynamics/contact.clh"
 #line 1 "kernels/dynamics/constraint.clh"
 #line 1 "kernels/dynamics/solve_contacts.cl.in"
@@ -161,9 +183,7 @@ static inline void ask_for_bodies(__global const float *constraint, __global con
 }
 #endif
 
-__kernel void solve_contacts(uint count, uint first_slot, uint each, uint apart, __global float *restrict blocks,
-                    __global float4 *restrict bodies, uint soft, float per_h, float4 spring, float4 hard_spring,
-                    float slop)
+__kernel void solve_contacts(SOLVE_CONTACTS_ARGS)
 {
     uint from = get_global_id(0) * each;
     uint to = min(from + each, count);
@@ -259,8 +279,7 @@ static inline void bounce_slots(__global float *constraint, __global float4 *bod
     keep_velocity(bodies, p.other, &p.b);
 }
 
-__kernel void apply_restitution(uint count, uint first_slot, uint each, uint apart, __global float *restrict blocks,
-                     __global float4 *restrict bodies, float4 pull, float least_speed)
+__kernel void apply_restitution(APPLY_RESTITUTION_ARGS)
 {
     uint from = get_global_id(0) * each;
     uint to = min(from + each, count);

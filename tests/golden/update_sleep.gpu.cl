@@ -6,9 +6,21 @@
 #define CONTACT_RESPONSE 1
 #define WG 64
 #define PER_ITEM 1
+#define UPDATE_SLEEP_ARGS \
+    __global const uint2 *restrict links, \
+    __global const uint *restrict touches, \
+    __global const uint *restrict starts, \
+    __global const uint *restrict return_starts, \
+    __global const uint *restrict returns, \
+    uint n, \
+    __global const float *restrict rests, \
+    __global const float4 *restrict velocities, \
+    float sleep_after, \
+    __global uint *restrict asleep, \
+    volatile __global uint *restrict flags
 #line 1 "kernels/common.clh"
 #line 1 "kernels/dynamics/motion.clh"
-#line 1 "kernels/flags.clh"
+#line 1 "kernels/dynamics/records.h"
 #line 1 "kernels/dynamics/contact.clh"
 #line 1 "kernels/dynamics/update_sleep.cl.in"
 // SPDX-License-Identifier: MIT
@@ -54,15 +66,10 @@ static inline bool touches_rest_only(const touched *t, uint id)
     return only;
 }
 
-__kernel void update_sleep(__global const uint2 *restrict links, __global const uint *restrict touches,
-                   __global const uint *restrict starts, __global const uint *restrict return_starts,
-                   __global const uint *restrict returns, uint n, __global const float *restrict rests,
-                   __global const real4 *restrict velocities,
-#line 55 "kernels/dynamics/update_sleep.cl.in"
-                   float sleep_after, __global uint *restrict asleep, volatile __global uint *restrict flags)
+__kernel void update_sleep(UPDATE_SLEEP_ARGS)
 {
     const touched t = {links, touches, starts, return_starts, returns, n, rests, velocities,
-#line 61 "kernels/dynamics/update_sleep.cl.in"
+#line 54 "kernels/dynamics/update_sleep.cl.in"
     };
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);

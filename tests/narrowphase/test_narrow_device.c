@@ -90,7 +90,7 @@ static void set_arg(launch *l, cl_uint at, size_t bytes, const void *value)
 static void open_launch(launch *l, const device *d, cl_program program, duet_pose *poses)
 {
     static duet_pair candidates[PAIRS];
-    cl_uint counters[PART_COUNTERS] = {[COUNT_CANDIDATES] = PAIRS};
+    cl_uint counters[COUNTERS] = {[COUNT_CANDIDATES] = PAIRS};
     cl_uint capacity = PAIRS;
     for (uint32_t i = 0; i < PAIRS; ++i)
         candidates[i] = (duet_pair){2 * i, 2 * i + 1};
@@ -142,7 +142,7 @@ static void run(const device *d, const gen_variant *made, cl_program program, du
                 narrow_verdict verdicts[PAIRS])
 {
     launch l;
-    cl_uint counts[PART_COUNTERS];
+    cl_uint counts[COUNTERS];
     size_t group = made->group, tile = group * made->per_item;
     size_t items = (PAIRS + tile - 1) / tile * group;
     open_launch(&l, d, program, poses);

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/test.h"
 
+#include "runtime/opencl/buffer.h"
 #include "runtime/opencl/device_list.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/driver_copy.h"
@@ -267,6 +268,18 @@ static void a_driver_that_mixes_up_programs_gets_a_copy_a_device(void **state)
     }
 }
 
+typedef struct clear_args {
+    buffer counters, starts;
+    cl_uint n_counters, n_starts;
+} clear_args;
+
+static const binding clear_bindings[] = {
+    BIND_BUFFER(clear_args, "counters", "uint *", counters),
+    BIND_BUFFER(clear_args, "starts", "uint *", starts),
+    BIND_VALUE(clear_args, "n_counters", n_counters),
+    BIND_VALUE(clear_args, "n_starts", n_starts),
+    {0}};
+
 static void read_build_options(const char *selector, char options[128])
 {
     duet_error err = {0};
@@ -274,7 +287,7 @@ static void read_build_options(const char *selector, char options[128])
     device d;
     assert_ok(g && device_open(&d, selector, &err), err);
     program_set *set = program_set_open(&d, g, NULL, &err);
-    kernel *k = program_set_kernel(set, "clear", "clear", NULL, 0, &err);
+    kernel *k = program_set_kernel(set, "clear", "clear", NULL, 0, clear_bindings, &err);
     assert_ok(k != NULL, err);
     cl_program program = NULL;
     clGetKernelInfo(k->cl, CL_KERNEL_PROGRAM, sizeof program, &program, NULL);

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: MIT
+#include "gen/signature.h"
+#include "gen/field.h"
+
+#include <lauxlib.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---------------------------------------------------------------- types
+
+static const struct {
+    const char *name;
+    uint32_t bytes;
+    bool is_real;
+} value_types[] = {
+    {"uint", 4, false},  {"int", 4, false},   {"float", 4, false},  {"float2", 8, false},
+    {"uint2", 8, false}, {"int4", 16, false}, {"uint4", 16, false}, {"float4", 16, false},
+    {"real", 4, true},   {"real2", 8, true},  {"real4", 16, true},
+};
+
+static bool is_real(const char *type)
+{
+    return strncmp(type, "real", 4) == 0;
+}
+
+// What a value of the type takes; 0 where none is passed as a value.
+static uint32_t value_bytes(const char *type, bool doubles)
+{
+    for (size_t i = 0; i < sizeof value_types / sizeof value_types[0]; ++i)
+        if (strcmp(value_types[i].name, type) == 0)
+            return value_types[i].bytes * (value_types[i].is_real && doubles ? 2 : 1);
+    return 0;
+}
+
+// ---------------------------------------------------------------- reading
+
+static bool is_name(const char *word)
+{
+    size_t length = strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_");
+    return length > 0 && length < GEN_NAME && !word[length] && !(*word >= '0' && *word <= '9');
+}
+
+static void refuse(lua_State *L, const signature *s, const char *line)
+{
+    field_raise(L, s->entry,
+                "%s: '%s' is no argument; expected [volatile] [const | constant] "
+                "TYPE [*]NAME [if CONDITION]",
+                s->entry, line);
+}
+
+// Leaves "return CONDITION" as a function in the registry.
+static int read_condition(lua_State *L, const signature *s, const char *condition)
+{
+    const char *chunk = lua_pushfstring(L, "return %s", condition);
+    if (luaL_loadbufferx(L, chunk, strlen(chunk), s->entry, "t") != LUA_OK)
+        field_raise(L, s->entry, "%s: 'if %s' is no condition", s->entry, condition);
+    int ref = luaL_ref(L, LUA_REGISTRYINDEX);
+    lua_pop(L, 1);
+    return ref;
+}
+
+// Whether the word is the qualifier; then the line goes on behind it.
+static bool take_word(char **line, const char *word)
+{
+    size_t length = strlen(word);
+    if (strncmp(*line, word, length) != 0 || (*line)[length] != ' ')
+        return false;
+    *line += length + strspn(*line + length, " ");
+    return true;
+}
+
+// "real4 *rotations" in `line`, which is cut up.
+static bool read_declaration(char *line, signature_arg *a)
+{
+    a->arg.is_volatile = take_word(&line, "volatile");
+    a->arg.is_constant = take_word(&line, "constant");
+    a->arg.is_const = take_word(&line, "const") || a->arg.is_constant;
+    char *name = strchr(line, ' ');
+    if (!name)
+        return false;
+    *name++ = '\0';
+    bool is_buffer = *name == '*';
+    name += is_buffer;
+    if (!is_name(line) || !is_name(name) || strlen(line) + 3 > sizeof a->arg.type ||
+        (!is_buffer && (a->arg.is_const || a->arg.is_volatile || value_bytes(line, false) == 0)))
+        return false;
+    snprintf(a->arg.name, sizeof a->arg.name, "%s", name);
+    snprintf(a->arg.type, sizeof a->arg.type, "%.20s%s", line, is_buffer ? " *" : "");
+    return true;
+}
+
+static void read_line(lua_State *L, signature *s, const char *from, size_t length)
+{
+    char line[160], declaration[160];
+    while (length > 0 && from[length - 1] == ' ')
+        --length;
+    if (length == 0)
+        return;
+    snprintf(line, sizeof line, "%.*s", (int)length, from);
+    memcpy(declaration, line, sizeof line);
+    char *condition = strstr(declaration, " if ");
+    if (condition) {
+        for (char *end = condition; end >= declaration && *end == ' '; --end)
+            *end = '\0';
+        condition += 4;
+    }
+    if (length >= sizeof line || s->n == GEN_MAX_ARGS)
+        field_raise(L, s->entry, "%s: more than %d arguments, or a line of %d letters", s->entry,
+                    GEN_MAX_ARGS, (int)length);
+    signature_arg *a = &s->args[s->n];
+    a->condition = LUA_NOREF;
+    if (!read_declaration(declaration, a))
+        refuse(L, s, line);
+    if (condition)
+        a->condition = read_condition(L, s, condition);
+    ++s->n;
+}
+
+// The entry's name and its list lie on top.
+static void read_entry(lua_State *L, signature *s)
+{
+    const char *name = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
+    if (!is_name(name) || lua_type(L, -1) != LUA_TSTRING)
+        field_raise(L, "args", "args: expected an entry's NAME = [[ its arguments ]]");
+    snprintf(s->entry, sizeof s->entry, "%s", name);
+    const char *at = lua_tostring(L, -1);
+    while (*at) {
+        at += strspn(at, " \n");
+        size_t length = strcspn(at, "\n");
+        read_line(L, s, at, length);
+        at += length;
+    }
+}
+
+static int by_entry(const void *a, const void *b)
+{
+    return strcmp(((const signature *)a)->entry, ((const signature *)b)->entry);
+}
+
+void signature_read(lua_State *L, int table, signature **list, uint32_t *n)
+{
+    if (!field_push(L, table, "args", LUA_TTABLE))
+        return;
+    for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
+        signature *grown = realloc(*list, (*n + 1) * sizeof **list);
+        if (!grown)
+            luaL_error(L, "no memory");
+        *list = grown;
+        grown[*n] = (signature){0};
+        read_entry(L, &grown[(*n)++]);
+    }
+    lua_pop(L, 1);
+    if (*n > 1)
+        qsort(*list, *n, sizeof **list, by_entry);
+}
+
+// ---------------------------------------------------------------- a config
+
+static int refuse_name(lua_State *L)
+{
+    return luaL_error(L, "no parameter '%s'", lua_tostring(L, 2));
+}
+
+// Pushes a table in which each parameter is a global, and no other name is.
+static void push_scope(lua_State *L, const gen_setting *config, uint32_t n)
+{
+    lua_createtable(L, 0, (int)n);
+    for (uint32_t i = 0; i < n; ++i) {
+        lua_pushinteger(L, config[i].value);
+        lua_setfield(L, -2, config[i].name);
+    }
+    lua_createtable(L, 0, 1);
+    lua_pushcfunction(L, refuse_name);
+    lua_setfield(L, -2, "__index");
+    lua_setmetatable(L, -2);
+}
+
+// The scope is on top. A number would always hold in Lua, so it is refused.
+static bool holds(lua_State *L, const signature *s, const signature_arg *a)
+{
+    if (a->condition == LUA_NOREF)
+        return true;
+    lua_rawgeti(L, LUA_REGISTRYINDEX, a->condition);
+    lua_pushvalue(L, -2);
+    if (!lua_setupvalue(L, -2, 1))
+        lua_pop(L, 1); // a constant condition has no globals
+    lua_call(L, 0, 1);
+    if (lua_type(L, -1) != LUA_TBOOLEAN)
+        luaL_error(L, "%s: the condition of '%s' gives a %s; expected a comparison", s->entry,
+                   a->arg.name, luaL_typename(L, -1));
+    bool yes = lua_toboolean(L, -1);
+    lua_pop(L, 1);
+    return yes;
+}
+
+static bool has_doubles(const gen_setting *config, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; ++i)
+        if (strcmp(config[i].name, "DOUBLE") == 0)
+            return config[i].value != 0;
+    return false;
+}
+
+void signature_resolve(lua_State *L, const signature *s, const gen_setting *config, uint32_t n,
+                       gen_entry *entry)
+{
+    bool doubles = has_doubles(config, n);
+    *entry = (gen_entry){0};
+    memcpy(entry->name, s->entry, sizeof entry->name);
+    push_scope(L, config, n);
+    for (uint32_t i = 0; i < s->n; ++i) {
+        if (!holds(L, s, &s->args[i]))
+            continue;
+        gen_arg *arg = &entry->args[entry->n_args++];
+        *arg = s->args[i].arg;
+        arg->bytes = value_bytes(arg->type, doubles);
+        arg->is_double = doubles && is_real(arg->type);
+    }
+    lua_pop(L, 1);
+}
+
+// ---------------------------------------------------------------- text
+
+// "double4 *" of "real4 *".
+static void add_type(const gen_arg *a, text *out)
+{
+    if (is_real(a->type))
+        text_add(out, "%s%s", a->is_double ? "double" : "float", a->type + 4);
+    else
+        text_add(out, "%s", a->type);
+    if (a->bytes > 0)
+        text_add(out, " ");
+}
+
+static void add_parameter(const gen_arg *a, text *out)
+{
+    text_add(out, " \\\n    %s", a->is_volatile ? "volatile " : "");
+    if (a->bytes == 0)
+        text_add(out, a->is_constant ? "__constant " : "__global ");
+    text_add(out, a->is_const ? "const " : "");
+    add_type(a, out);
+    text_add(out, "%s%s", a->bytes > 0 || a->is_constant ? "" : "restrict ", a->name);
+}
+
+static char upper(char c)
+{
+    return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;
+}
+
+void signature_define(const gen_entry *entry, text *out)
+{
+    text_add(out, "#define ");
+    for (const char *c = entry->name; *c; ++c)
+        text_add(out, "%c", upper(*c));
+    text_add(out, "_ARGS");
+    for (uint32_t i = 0; i < entry->n_args; ++i) {
+        add_parameter(&entry->args[i], out);
+        text_add(out, i + 1 < entry->n_args ? "," : "");
+    }
+    text_add(out, "\n");
+}

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// The arguments of a kernel's entries, as its card lists them: for each entry a
+// text with an argument a line,
+//
+//   [volatile] [const | constant] TYPE [*]NAME [if CONDITION]
+//
+// in the order of the kernel's parameters. A star makes it a buffer, in __global
+// memory or with `constant` in __constant. TYPE is one of OpenCL's, or real, real2,
+// real4, which DOUBLE makes double or float. The condition is a Lua comparison of
+// the card's parameters.
+#ifndef GEN_SIGNATURE_H
+#define GEN_SIGNATURE_H
+
+#include "base/text.h"
+#include "gen/gen.h"
+
+#include <lua.h>
+
+typedef struct signature_arg {
+    gen_arg arg;
+    int condition; // a function in the state's registry, or LUA_NOREF: always there
+} signature_arg;
+
+typedef struct signature {
+    char entry[GEN_NAME];
+    signature_arg args[GEN_MAX_ARGS];
+    uint32_t n;
+} signature;
+
+// Reads field `args` of the card's table, ordered by the entries' names; raises where it
+// is wrong. The list is the caller's, to free.
+void signature_read(lua_State *L, int table, signature **list, uint32_t *n);
+
+// The entry's arguments under a config. Raises where a condition is no comparison.
+void signature_resolve(lua_State *L, const signature *s, const gen_setting *config, uint32_t n,
+                       gen_entry *entry);
+
+// Appends "#define ENTRY_ARGS ...", the parameters as the kernel's text names them.
+void signature_define(const gen_entry *entry, text *out);
+
+#endif

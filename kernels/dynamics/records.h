@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+// What is kept of contacts and bodies, for kernels and host alike. Kernels give the macros
+// the parameters of their config, the host what its scene calls for: response, friction and
+// turns are 0 or 1, dims 2 or 3.
+#ifndef KERNELS_DYNAMICS_RECORDS_H
+#define KERNELS_DYNAMICS_RECORDS_H
+
+// ------------------------------------------------------------ contacts
+
+// A contact is a record of floats: a head, and as many parts as it may have points. AT_ are
+// places in the record, OF_ in a part. A record means nothing where the contact has no points.
+//
+// The normal points from the first object, which owns the contact, to the other. Anchors
+// reach from the owner's centre to the point, along the world's axes.
+#define AT_NORMAL 0 // 3
+#define AT_OFFSET 3 // 3, with response: from the owner's centre to the other's
+#define HEAD_OF(response) ((response) ? 6 : 3)
+
+#define OF_ANCHOR 0          // 3
+#define OF_SEPARATION 3      // along the normal; below 0: depth
+#define OF_NORMAL_IMPULSE 4  // with response: accumulated in the last substep
+#define OF_MAX_IMPULSE 5     // with response: greatest normal impulse of the step
+#define OF_TANGENT_IMPULSE 6 // with friction: impulse along each tangent
+#define PART_OF(response, friction, dims) ((response) ? 6 + ((friction) ? (dims)-1 : 0) : 4)
+
+// Where nothing turns one point says all.
+#define POINTS_OF(response, turns, dims) ((response) && !(turns) ? 1 : (dims) == 3 ? 4 : 2)
+
+// A word for each contact: its number of points, whether one of them touches or had an
+// impulse, and without points the axis that separates the boxes (box_contact.clh).
+#define TOUCH_POINTS 7u
+#define TOUCH_MEETS 8u
+#define TOUCH_AXIS 4 // the least of its bits
+
+// ------------------------------------------------------------ constraints
+
+// A contact while it is solved, field by field: IN_ of the whole, BY_ of each point. The
+// fields of a constraint lie a block of constraints apart.
+#define IN_OWNER 0 // a uint, as the next two
+#define IN_OTHER 1
+#define IN_POINTS 2 // how many, and above them a bit for each that stopped an impact
+#define IN_RESTITUTION 3
+#define IN_NORMAL 4    // 3
+#define IN_OFFSET 7    // 3, from the owner's centre to the other's
+#define IN_FRICTION 10 // with friction
+#define IN_TANGENT 11  // 3, with friction
+#define FIELDS_OF(friction) ((friction) ? 14 : 10)
+
+#define BY_ANCHOR 0          // 3, the owner's
+#define BY_NORMAL_MASS 3     // effective, along the normal
+#define BY_SEPARATION 4      // when the step began
+#define BY_CURRENT 5         // the separation after the last substep
+#define BY_NORMAL_IMPULSE 6  // accumulated in the last substep
+#define BY_MAX_IMPULSE 7     // greatest normal impulse of the step
+#define BY_TANGENT_IMPULSE 8 // with friction: impulse along each tangent, then its mass
+#define BY_FIELDS_OF(friction, dims) (8 + ((friction) ? 2 * ((dims)-1) : 0))
+
+// The speed of each point along the normal when the step began is read once a step, so it
+// lies last.
+#define CONSTRAINT_OF(friction, points, dims)                                                      \
+    (FIELDS_OF(friction) + (points) * (BY_FIELDS_OF(friction, dims) + 1))
+
+// ------------------------------------------------------------ bodies
+
+// A body while a step is solved, in vectors of four: velocity and inverse mass, the way
+// moved since the step began; where bodies turn also angular velocity, the turn since then,
+// and the inverse inertia along the world's axes. The warm impulse is what contacts did to it
+// in the last substep, an impulse and a torque. Vectors are read two together; what every
+// pass reads is one line of a cache.
+#define BODY_OF(turns) ((turns) ? 8 : 4)
+#define BODY_VELOCITY 0           // w: inverse mass
+#define BODY_ANGULAR_VELOCITY 1   // where bodies turn; w: yy of the inverse inertia
+#define BODY_INERTIA 2            // where bodies turn: zz, xy, xz, yz
+#define BODY_DELTA_POSITION_OF(turns) ((turns) ? 3 : 1) // w: xx
+#define BODY_DELTA_ROTATION 4     // where bodies turn: a quaternion; 5 is spare
+#define BODY_WARM_IMPULSE_OF(turns) ((turns) ? 6 : 2)
+#define BODY_WARM_TORQUE 7        // where bodies turn; else 3 is spare
+
+// A word a body, where bodies sleep: whether it sleeps, and whether it woke in this step.
+#define SLEEPS 1u
+#define WOKE 2u
+
+// ------------------------------------------------------------ colours
+
+// Of contacts: 0 to 30 are bits of a word, and then
+#define COLOUR_OVERFLOW 31 // solved in order
+#define COLOUR_WAITS 32    // to be coloured
+#define COLOUR_NONE 33     // pushes nothing
+#define COLOURS 34
+#define COLOUR_KEYS 4 // keys of a colour that contacts are sorted by
+
+// ------------------------------------------------------------ flags
+
+// Words that kernels set and the host reads.
+#define FLAG_MOVED 0       // something has left its fat AABB
+#define FLAG_UNCOLOURED 1  // contacts that wait for a colour
+#define FLAG_RECOLOURED 2  // some contact has another colour than before
+#define FLAG_EVENTS 3      // events written
+#define FLAG_FELL_ASLEEP 4 // something fell asleep or woke
+#define FLAGS 5
+
+#endif

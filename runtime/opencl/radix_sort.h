@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// A stable sort of ids by their keys on a device: the host's side of
+// kernels/primitives/radix.cl.
+#ifndef RUNTIME_RADIX_SORT_H
+#define RUNTIME_RADIX_SORT_H
+
+#include "runtime/opencl/scan.h"
+
+typedef struct radix_sort {
+    const device *device;
+    kernel *count, *move;
+    scan *scan;
+    buffer tiles; // [digits][n_tiles]
+    buffer keys_in, ids_in, keys_out, ids_out;
+    cl_uint n, shift, first_pass;
+} radix_sort;
+
+// What is sorted, each [n] words: keys, and buffers to write to in turn.
+typedef struct radix_lists {
+    buffer *keys, *ids;
+    buffer *keys_spare, *ids_spare;
+} radix_lists;
+
+// Builds the kernels with these settings. All that is handed over outlives the sort.
+bool radix_sort_open(radix_sort *r, const device *d, program_set *programs, scan *sums,
+                     const gen_setting *settings, uint32_t n_settings, duet_error *err);
+void radix_sort_close(radix_sort *r);
+
+// Sorts the keys by their lowest bits, and writes to ids where each was. The result is in
+// keys and ids, which swap with their spares.
+bool radix_sort_run(radix_sort *r, timeline *t, const char *stage, const radix_lists *lists,
+                    uint32_t n, uint32_t bits, duet_error *err);
+
+#endif

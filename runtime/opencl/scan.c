@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/opencl/scan.h"
+
+// Up to so many blocks each adds up those before it by itself, which spares a launch.
+enum { MOST_ADDED_BLOCKS = 2048 };
+
+static const binding scan_bindings[] = {BIND_BUFFER(scan, "values", "uint *", values),
+                                        BIND_BUFFER(scan, "sums", "uint *", sums),
+                                        BIND_VALUE(scan, "n", n),
+                                        BIND_VALUE(scan, "n_blocks", n_blocks),
+                                        BIND_VALUE(scan, "use_tops", use_tops),
+                                        {0}};
+
+bool scan_open(scan *s, const device *d, program_set *programs, const gen_setting *settings,
+               uint32_t n_settings, duet_error *err)
+{
+    s->device = d;
+    s->block_sums =
+        program_set_kernel(programs, "scan", "scan_sums", settings, n_settings, scan_bindings, err);
+    s->top_sums = s->block_sums ? program_set_kernel(programs, "scan", "scan_tops", settings,
+                                                     n_settings, scan_bindings, err)
+                                : NULL;
+    s->blocks = s->top_sums ? program_set_kernel(programs, "scan", "scan_blocks", settings,
+                                                 n_settings, scan_bindings, err)
+                            : NULL;
+    return s->blocks;
+}
+
+void scan_close(scan *s)
+{
+    buffer_release(&s->sums);
+    *s = (scan){0};
+}
+
+bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, uint32_t n,
+              duet_error *err)
+{
+    uint32_t block = s->block_sums->group * s->block_sums->per_item;
+    s->values = *values;
+    s->n = n;
+    s->n_blocks = (uint32_t)(((uint64_t)n + block - 1) / block);
+    s->use_tops = s->n_blocks > MOST_ADDED_BLOCKS;
+    return buffer_reserve(&s->sums, s->device, s->n_blocks * sizeof(uint32_t), err) &&
+           timeline_launch(t, stage, s->block_sums, n, s, err) &&
+           (!s->use_tops || timeline_launch(t, stage, s->top_sums, 1, s, err)) &&
+           timeline_launch(t, stage, s->blocks, n, s, err);
+}

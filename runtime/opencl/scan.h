@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// Exclusive prefix sums on a device: the host's side of kernels/primitives/scan.cl.
+#ifndef RUNTIME_SCAN_H
+#define RUNTIME_SCAN_H
+
+#include "runtime/opencl/timeline.h"
+
+typedef struct scan {
+    const device *device;
+    kernel *block_sums, *top_sums, *blocks;
+    buffer sums; // [n_blocks]
+    buffer values;
+    cl_uint n, n_blocks, use_tops;
+} scan;
+
+// Builds the kernels with these settings. The set's device runs them; both outlive the scan.
+bool scan_open(scan *s, const device *d, program_set *programs, const gen_setting *settings,
+               uint32_t n_settings, duet_error *err);
+void scan_close(scan *s);
+
+// Replaces each of the n words by the sum of those before it.
+bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, uint32_t n,
+              duet_error *err);
+
+#endif
