@@ -77,17 +77,18 @@ scan_tops(SCAN_TOPS_ARGS)
     }
 }
 
-// What comes before this block: scanned already (tops 1), or to be added up
-// here, which spares a launch where the blocks are few.
-static inline uint before_block(__global const uint *sums, uint tops, __local uint *shared_sums)
+// What comes before this block: scanned already (use_tops 1), or to be added up
+// here, which spares a launch where the blocks are few. All work-items meet at
+// the sum's barriers whichever it is: LLVM 18 in PoCL 6.0 ends the process on a
+// barrier behind an early return of a function that it inlines.
+static inline uint before_block(__global const uint *sums, uint use_tops, __local uint *shared_sums)
 {
     uint block = get_group_id(0);
-    if (tops)
-        return sums[block];
     uint sum = 0;
-    for (uint i = get_local_id(0); i < block; i += WG)
+    for (uint i = get_local_id(0); !use_tops && i < block; i += WG)
         sum += sums[i];
-    return group_sum(sum, shared_sums);
+    uint total = group_sum(sum, shared_sums);
+    return use_tops ? sums[block] : total;
 }
 
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
