@@ -89,8 +89,8 @@ static void take_away(subject *s, uint32_t effect)
     }
     if (effect == DUET_EFFECT_DRAG)
         s->def.drag = 0.0;
-    if (effect == DUET_EFFECT_BOUNDS)
-        s->def.edge = DUET_EDGE_NONE;
+    if (effect == DUET_EFFECT_BOUNDARY)
+        s->def.boundary = DUET_BOUNDARY_NONE;
     if (effect == DUET_EFFECT_SKIN)
         s->def.skin = 0.0;
     for (uint32_t i = 0; i < s->n; ++i)

@@ -61,10 +61,10 @@ static const member_type member_effects = {read_effects, NULL};
 
 // ---------------------------------------------------------------- making
 
-static const char *edge_name(int edge)
+static const char *boundary_name(int boundary)
 {
     static const char *const names[] = {"none", "walls", "periodic"};
-    return edge < 3 ? names[edge] : NULL;
+    return boundary < 3 ? names[boundary] : NULL;
 }
 
 static const char *integrator_name(int integrator)
@@ -84,7 +84,7 @@ static const member def_members[] = {
     MEMBER(member_double, duet_motion_def, attraction),
     MEMBER(member_double, duet_motion_def, centre),
     MEMBER(member_double, duet_motion_def, drag),
-    MEMBER_ENUM(duet_motion_def, edge, edge_name),
+    MEMBER_ENUM(duet_motion_def, boundary, boundary_name),
     MEMBER(member_double, duet_motion_def, lower),
     MEMBER(member_double, duet_motion_def, upper),
     MEMBER(member_double, duet_motion_def, dt),

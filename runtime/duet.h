@@ -489,7 +489,7 @@ typedef enum duet_effect {
     DUET_EFFECT_ANGULAR_VELOCITY = 1u << 2, // and turn
     DUET_EFFECT_GRAVITY = 1u << 3,          // uniform, or towards a point
     DUET_EFFECT_DRAG = 1u << 4,             // velocities decay
-    DUET_EFFECT_BOUNDS = 1u << 5,           // walls, or a world that repeats itself
+    DUET_EFFECT_BOUNDARY = 1u << 5,         // walls, or a world that repeats itself
     DUET_EFFECT_CONTACT = 1u << 6,          // where objects touch
     DUET_EFFECT_CONTACT_RESPONSE = 1u << 7, // contacts push, and bounce
     DUET_EFFECT_FRICTION = 1u << 8,         // contacts have friction
@@ -525,11 +525,11 @@ typedef struct duet_state {
     double angular_velocity[3];
 } duet_state;
 
-typedef enum duet_edge {
-    DUET_EDGE_NONE,
-    DUET_EDGE_WALLS,   // lower and upper are walls
-    DUET_EDGE_PERIODIC // what leaves on one side comes in on the other
-} duet_edge;
+typedef enum duet_boundary {
+    DUET_BOUNDARY_NONE,
+    DUET_BOUNDARY_WALLS,   // lower and upper are walls
+    DUET_BOUNDARY_PERIODIC // what leaves on one side comes in on the other
+} duet_boundary;
 
 typedef enum duet_integrator {
     DUET_INTEGRATOR_EULER,  // semi-implicit, first order
@@ -549,7 +549,7 @@ typedef struct duet_motion_def {
     double attraction;      // not 0: attraction / distance^2 towards the point `centre`
     double centre[3];
     double drag; // a velocity falls by the factor e in 1 / drag seconds
-    duet_edge edge;
+    duet_boundary boundary;
     double lower[3]; // the world's box
     double upper[3];
     double dt;

@@ -58,7 +58,7 @@ static bool find_part(const snapshot *s, const duet_state *states, double lower[
     for (uint32_t k = 0; k < d->dims; ++k) {
         if (!find_extent(s, states, k, &lower[k], &upper[k], err))
             return false;
-        if (d->edge == DUET_EDGE_NONE)
+        if (d->boundary == DUET_BOUNDARY_NONE)
             continue;
         lower[k] = fmin(lower[k], d->lower[k]);
         if (k < 2)
@@ -275,7 +275,7 @@ static void draw_ground(const eye *e, const duet_motion_def *d)
         b.half_extents[k] = 0.5 * (d->upper[k] - d->lower[k]);
     }
     b.centre[2] = d->dims == 3 ? d->lower[2] : -1.0;
-    if (d->edge != DUET_EDGE_NONE)
+    if (d->boundary != DUET_BOUNDARY_NONE)
         draw_face(e, &b, 2, 1.0, ground);
 }
 

@@ -9,7 +9,7 @@ return {
       about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
     { "ROTATED", values = { 0, 1 }, default = 0, about = "1: orientation matters" },
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
-    { "BOUNDS", values = { 0, 1 }, default = 0, about = "1: walls" },
+    { "BOUNDARY", values = { 0, 1 }, default = 0, about = "1: walls" },
     { "CONTACT_RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push back" },
     { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
     { "CONTINUOUS", values = { 0, 1 }, default = 0, about = "1: what is met on the way is touched" },
@@ -31,8 +31,8 @@ return {
       const int4 *cells       if ORIGIN > 0
       const float4 *halves
       const real4 *rotations  if ROTATED == 1
-      real4 lower             if BOUNDS == 1
-      real4 upper             if BOUNDS == 1
+      real4 lower             if BOUNDARY == 1
+      real4 upper             if BOUNDARY == 1
       const float4 *bodies    if CONTACT_RESPONSE == 1
       const uint *asleep      if SLEEP == 1
       uint woken              if SLEEP == 1

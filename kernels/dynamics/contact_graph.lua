@@ -5,7 +5,7 @@ return {
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
-    { "BOUNDS", values = { 0, 1 }, default = 0, about = "1: walls" },
+    { "BOUNDARY", values = { 0, 1 }, default = 0, about = "1: walls" },
     { "FILTER", values = { 0, 1 }, default = 0, about = "1: groups and masks" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },

@@ -12,7 +12,7 @@ return {
     { "GYRO", values = { 0, 1 }, default = 0, about = "1: some have no isotropic inertia" },
     { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
     { "DRAG", values = { 0, 1 }, default = 0, about = "1: velocities decay" },
-    { "BOUNDS", values = { 0, 1, 2 }, default = 0, about = "1: walls, 2: periodic" },
+    { "BOUNDARY", values = { 0, 1, 2 }, default = 0, about = "1: walls, 2: periodic" },
     { "ORDER", values = { 1, 2, 4 }, default = 1, about = "of the integrator" },
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
       about = "work-items a group" },
@@ -29,10 +29,10 @@ return {
       const float4 *inertias     if GYRO == 1
       real4 gravity              if GRAVITY > 0
       real4 drags                if DRAG == 1
-      real4 lower                if BOUNDS > 0
-      real4 upper                if BOUNDS > 0
-      const float4 *halves       if BOUNDS == 1
-      const real4 *rotations     if BOUNDS == 1 and ROTATED == 1 and ANGULAR_VELOCITY == 0
+      real4 lower                if BOUNDARY > 0
+      real4 upper                if BOUNDARY > 0
+      const float4 *halves       if BOUNDARY == 1
+      const real4 *rotations     if BOUNDARY == 1 and ROTATED == 1 and ANGULAR_VELOCITY == 0
       real4 times
       uint substeps
       uint n

@@ -1,30 +1,30 @@
 // SPDX-License-Identifier: MIT
 // What is kept of contacts and bodies, for kernels and host alike. Kernels give the macros
-// the parameters of their config, the host what its scene calls for: response, friction and
-// turns are 0 or 1, dims 2 or 3.
+// the parameters of their config, the host what its scene calls for: RESPONSE, FRICTION and
+// TURNS are 0 or 1, DIMS 2 or 3.
 #ifndef KERNELS_DYNAMICS_RECORDS_H
 #define KERNELS_DYNAMICS_RECORDS_H
 
 // ------------------------------------------------------------ contacts
 
-// A contact is a record of floats: a head, and as many parts as it may have points. AT_ are
-// places in the record, OF_ in a part. A record means nothing where the contact has no points.
+// A contact is a record of floats: a head, and then its points. AT_ are places in the
+// record, OF_ in a point. A record means nothing where the contact has no points.
 //
 // The normal points from the first object, which owns the contact, to the other. Anchors
 // reach from the owner's centre to the point, along the world's axes.
 #define AT_NORMAL 0 // 3
 #define AT_OFFSET 3 // 3, with response: from the owner's centre to the other's
-#define HEAD_OF(response) ((response) ? 6 : 3)
+#define HEAD_OF(RESPONSE) ((RESPONSE) ? 6 : 3)
 
 #define OF_ANCHOR 0          // 3
 #define OF_SEPARATION 3      // along the normal; below 0: depth
 #define OF_NORMAL_IMPULSE 4  // with response: accumulated in the last substep
 #define OF_MAX_IMPULSE 5     // with response: greatest normal impulse of the step
 #define OF_TANGENT_IMPULSE 6 // with friction: impulse along each tangent
-#define PART_OF(response, friction, dims) ((response) ? 6 + ((friction) ? (dims)-1 : 0) : 4)
+#define POINT_FLOATS_OF(RESPONSE, FRICTION, DIMS) ((RESPONSE) ? 6 + ((FRICTION) ? (DIMS)-1 : 0) : 4)
 
 // Where nothing turns one point says all.
-#define POINTS_OF(response, turns, dims) ((response) && !(turns) ? 1 : (dims) == 3 ? 4 : 2)
+#define POINTS_OF(RESPONSE, TURNS, DIMS) ((RESPONSE) && !(TURNS) ? 1 : (DIMS) == 3 ? 4 : 2)
 
 // A word for each contact: its number of points, whether one of them touches or had an
 // impulse, and without points the axis that separates the boxes (box_contact.clh).
@@ -44,7 +44,7 @@
 #define IN_OFFSET 7    // 3, from the owner's centre to the other's
 #define IN_FRICTION 10 // with friction
 #define IN_TANGENT 11  // 3, with friction
-#define FIELDS_OF(friction) ((friction) ? 14 : 10)
+#define FIELDS_OF(FRICTION) ((FRICTION) ? 14 : 10)
 
 #define BY_ANCHOR 0          // 3, the owner's
 #define BY_NORMAL_MASS 3     // effective, along the normal
@@ -53,12 +53,12 @@
 #define BY_NORMAL_IMPULSE 6  // accumulated in the last substep
 #define BY_MAX_IMPULSE 7     // greatest normal impulse of the step
 #define BY_TANGENT_IMPULSE 8 // with friction: impulse along each tangent, then its mass
-#define BY_FIELDS_OF(friction, dims) (8 + ((friction) ? 2 * ((dims)-1) : 0))
+#define BY_FIELDS_OF(FRICTION, DIMS) (8 + ((FRICTION) ? 2 * ((DIMS)-1) : 0))
 
 // The speed of each point along the normal when the step began is read once a step, so it
 // lies last.
-#define CONSTRAINT_OF(friction, points, dims)                                                      \
-    (FIELDS_OF(friction) + (points) * (BY_FIELDS_OF(friction, dims) + 1))
+#define CONSTRAINT_OF(FRICTION, POINTS, DIMS)                                                      \
+    (FIELDS_OF(FRICTION) + (POINTS) * (BY_FIELDS_OF(FRICTION, DIMS) + 1))
 
 // ------------------------------------------------------------ bodies
 
@@ -67,13 +67,13 @@
 // and the inverse inertia along the world's axes. The warm impulse is what contacts did to it
 // in the last substep, an impulse and a torque. Vectors are read two together; what every
 // pass reads is one line of a cache.
-#define BODY_OF(turns) ((turns) ? 8 : 4)
+#define BODY_OF(TURNS) ((TURNS) ? 8 : 4)
 #define BODY_VELOCITY 0           // w: inverse mass
 #define BODY_ANGULAR_VELOCITY 1   // where bodies turn; w: yy of the inverse inertia
 #define BODY_INERTIA 2            // where bodies turn: zz, xy, xz, yz
-#define BODY_DELTA_POSITION_OF(turns) ((turns) ? 3 : 1) // w: xx
+#define BODY_DELTA_POSITION_OF(TURNS) ((TURNS) ? 3 : 1) // w: xx
 #define BODY_DELTA_ROTATION 4     // where bodies turn: a quaternion; 5 is spare
-#define BODY_WARM_IMPULSE_OF(turns) ((turns) ? 6 : 2)
+#define BODY_WARM_IMPULSE_OF(TURNS) ((TURNS) ? 6 : 2)
 #define BODY_WARM_TORQUE 7        // where bodies turn; else 3 is spare
 
 // A word a body, where bodies sleep: whether it sleeps, and whether it woke in this step.

@@ -378,7 +378,7 @@ function DevicePair:close() end
 ---@return duet.Device
 function DevicePair:device(which) end
 
---- Objects that move: of a scene, with def second, or poses with bodies. A def { plan, dims, wants, doubles, origin, origin_edge, gravity, attraction, centre, drag, edge, lower, upper, dt, substeps, integrator, skin, slop, max_push_speed, restitution_threshold, sleep_speed, sleep_after }; wants is a list of effects, edge none, walls or periodic, integrator euler, verlet or yoshida.
+--- Objects that move: of a scene, with def second, or poses with bodies. A def { plan, dims, wants, doubles, origin, origin_edge, gravity, attraction, centre, drag, boundary, lower, upper, dt, substeps, integrator, skin, slop, max_push_speed, restitution_threshold, sleep_speed, sleep_after }; wants is a list of effects, boundary none, walls or periodic, integrator euler, verlet or yoshida.
 ---@param objects duet.Scene|duet.Poses|string|any[]
 ---@param bodies? duet.Bodies|string|any[]|table
 ---@param def? table

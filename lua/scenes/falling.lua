@@ -36,7 +36,7 @@ if p.sleep then wants[2] = "sleep" end
 return {
   dims = 3,
   world = { lower = { 0, 0, 0 }, upper = { side * apart, side * apart, 2 + layers * apart } },
-  bounds = "walls",
+  boundary = "walls",
   gravity = { 0, 0, -9.81 },
   body = { friction = p.friction, restitution = p.restitution },
   wants = wants,

@@ -166,7 +166,7 @@ static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
     return motion_launch(m, "match_contacts", m->kernels.match_contacts, n_old, err);
 }
 
-static bool make_rows(duet_motion *m, duet_error *err)
+static bool build_graph(duet_motion *m, duet_error *err)
 {
     duet_result result;
     uint64_t most;
@@ -176,7 +176,7 @@ static bool make_rows(duet_motion *m, duet_error *err)
     swap(m, TOUCHES, OLD_TOUCHES);
     swap(m, COLOUR_OF, OLD_COLOURS);
     m->rebuilt = true;
-    m->has_rows = true;
+    m->has_graph = true;
     return compute_fat_aabbs(m, err) && find_pairs(m, &result, err) &&
            check_capacity(m, &most, err) && send_pairs(m, &result, err) && count_rows(m, err) &&
            fill_rows(m, most, err) && fill_returns(m, err) && empty_contacts(m, err) &&
@@ -187,9 +187,9 @@ bool motion_build_graph(duet_motion *m, duet_error *err)
 {
     m->rebuilt = false;
     bool holds = false;
-    if (m->has_rows && motion_has(m, DUET_EFFECT_SKIN) && !skin_holds(m, &holds, err))
+    if (m->has_graph && motion_has(m, DUET_EFFECT_SKIN) && !skin_holds(m, &holds, err))
         return false;
-    return holds || make_rows(m, err);
+    return holds || build_graph(m, err);
 }
 
 bool motion_touch(duet_motion *m, bool woken, duet_error *err)

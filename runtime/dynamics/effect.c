@@ -20,7 +20,7 @@ static const effect_row rows[] = {
      "gravity", "integrate_free_flight, bodies"},
     {DUET_EFFECT_DRAG, "drag", DUET_EFFECT_MOTION, "drag, and a mass that moves", "drag",
      "integrate_free_flight, bodies"},
-    {DUET_EFFECT_BOUNDS, "bounds", DUET_EFFECT_MOTION, "walls or a periodic world, and motion",
+    {DUET_EFFECT_BOUNDARY, "boundary", DUET_EFFECT_MOTION, "walls or a periodic world, and motion",
      "wall", "integrate_free_flight, contact_graph, build_manifolds"},
     {DUET_EFFECT_ANGULAR_VELOCITY, "angular_velocity", DUET_EFFECT_ROTATION | DUET_EFFECT_MOTION,
      "an angular velocity, or contact_response for an object that may turn", "angular_velocity",
@@ -134,8 +134,8 @@ static bool is_called(uint32_t effect, const duet_motion_def *def, const effect_
         return f->massive && has_pull(def);
     case DUET_EFFECT_DRAG:
         return moves && f->massive && def->drag > 0.0;
-    case DUET_EFFECT_BOUNDS:
-        return moves && def->edge != DUET_EDGE_NONE;
+    case DUET_EFFECT_BOUNDARY:
+        return moves && def->boundary != DUET_BOUNDARY_NONE;
     case DUET_EFFECT_ANGULAR_VELOCITY:
         return f->turning || (pushes && f->turnable);
     case DUET_EFFECT_ROTATION:

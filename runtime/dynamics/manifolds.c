@@ -16,11 +16,11 @@ static duet_contact read_record(const duet_motion *m, const uint32_t link[2], ui
     duet_contact c = {.a = link[0], .b = link[1], .n = n};
     memcpy(c.normal, record + AT_NORMAL, sizeof c.normal);
     for (uint32_t k = 0; k < n; ++k) {
-        const float *part = record + l->head + k * l->part;
-        memcpy(c.points[k].anchor, part + OF_ANCHOR, sizeof c.points[k].anchor);
-        c.points[k].separation = part[OF_SEPARATION];
+        const float *saved = record + l->head + k * l->point;
+        memcpy(c.points[k].anchor, saved + OF_ANCHOR, sizeof c.points[k].anchor);
+        c.points[k].separation = saved[OF_SEPARATION];
         c.points[k].normal_impulse =
-            motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? part[OF_NORMAL_IMPULSE] : 0.0f;
+            motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ? saved[OF_NORMAL_IMPULSE] : 0.0f;
     }
     return c;
 }

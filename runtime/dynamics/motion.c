@@ -71,7 +71,7 @@ static bool check_numbers(const duet_motion_def *def, duet_error *err)
 
 static bool check_edge(const duet_motion_def *def, duet_error *err)
 {
-    for (uint32_t k = 0; def->edge != DUET_EDGE_NONE && k < def->dims; ++k)
+    for (uint32_t k = 0; def->boundary != DUET_BOUNDARY_NONE && k < def->dims; ++k)
         if (!isfinite(def->lower[k]) || !isfinite(def->upper[k]) || def->lower[k] >= def->upper[k])
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "the walls across %c are at %g and %g; expected finite and "
@@ -93,7 +93,7 @@ static bool check_origin(const duet_motion_def *def, duet_error *err)
     if (def->doubles)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "origin cells are for a state in float; expected doubles = false");
-    return (def->edge == DUET_EDGE_NONE && def->attraction == 0.0) ||
+    return (def->boundary == DUET_BOUNDARY_NONE && def->attraction == 0.0) ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "walls, a periodic world and an attraction know no origin cells; right would "
                      "be doubles without them");
@@ -114,9 +114,9 @@ static bool check_def(const duet_motion_def *def, duet_error *err)
     if (def->integrator > DUET_INTEGRATOR_YOSHIDA)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "integrator is %d; expected a duet_integrator", (int)def->integrator);
-    if (def->edge > DUET_EDGE_PERIODIC)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "edge is %d; expected a duet_edge",
-                         (int)def->edge);
+    if (def->boundary > DUET_BOUNDARY_PERIODIC)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "boundary is %d; expected a duet_boundary",
+                         (int)def->boundary);
     if (def->doubles && !def->pair->devices[1].info.fp64)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s has no double; expected doubles = false",
@@ -128,7 +128,7 @@ static bool check_def(const duet_motion_def *def, duet_error *err)
 static bool check_effects(const duet_motion *m, duet_error *err)
 {
     bool contact = motion_has(m, DUET_EFFECT_CONTACT);
-    if (contact && m->def.edge == DUET_EDGE_PERIODIC)
+    if (contact && m->def.boundary == DUET_BOUNDARY_PERIODIC)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "contacts are not found across the seam of a periodic world; right would "
                          "be walls, or no contact");

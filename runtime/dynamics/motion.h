@@ -103,7 +103,7 @@ typedef struct motion_args {
 // How long the records of kernels/dynamics/records.h are, in floats; bodies in vectors
 // of four.
 typedef struct motion_layout {
-    uint32_t head, part, points, record;
+    uint32_t head, point, points, record;
     uint32_t body;
     uint32_t constraint, block; // a block is so many constraints
 } motion_layout;
@@ -143,7 +143,7 @@ struct duet_motion {
     uint32_t n_pushing; // contacts of all colours
     uint32_t n_blocks;
     uint64_t n_pairs;
-    bool has_rows;
+    bool has_graph;
     bool list_stale; // the list by colour is not that of the contacts
     bool rebuilt;
     bool broken; // a step failed half-way: only a load makes it whole again

@@ -151,13 +151,23 @@ static void set_solver(duet_motion *m, double h)
                              d->dims == 3 ? part * d->gravity[2] : 0.0, 1.0 / h);
 }
 
+// Where there are none, walls are far away.
+static void set_walls(duet_motion *m)
+{
+    const duet_motion_def *d = &m->def;
+    const double far = 1e30;
+    bool any = d->boundary != DUET_BOUNDARY_NONE;
+    m->args.lower = any ? real4_of(m, d->lower[0], d->lower[1], d->lower[2], 0.0)
+                        : real4_of(m, -far, -far, -far, 0.0);
+    m->args.upper = any ? real4_of(m, d->upper[0], d->upper[1], d->upper[2], 0.0)
+                        : real4_of(m, far, far, far, 0.0);
+}
+
 void motion_set_args(duet_motion *m)
 {
     const duet_motion_def *d = &m->def;
     double h = d->dt / d->substeps;
     m->args = (motion_args){
-        .lower = real4_of(m, d->lower[0], d->lower[1], d->lower[2], 0.0),
-        .upper = real4_of(m, d->upper[0], d->upper[1], d->upper[2], 0.0),
         .substeps = d->substeps,
         .dt = (float)d->dt,
         .dt_real = motion_real(m, d->dt),
@@ -170,6 +180,7 @@ void motion_set_args(duet_motion *m)
         .key_end = KEYS,
         .base = m->cells ? m->cells[0] : (cl_int4){{0}},
     };
+    set_walls(m);
     set_flight(m, h);
     set_gravity(m);
     set_solver(m, h);

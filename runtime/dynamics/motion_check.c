@@ -120,7 +120,7 @@ static bool check_counts(const duet_motion *m, const motion_saved *s, duet_error
 {
     bool contact = motion_has(m, DUET_EFFECT_CONTACT);
     uint64_t most = s->n_pairs + (m->kernels.contact_graph_walls ? 6 * (uint64_t)m->n : 0);
-    if (s->has_rows > contact || (!s->has_rows && (s->n_contacts > 0 || s->n_pairs > 0)))
+    if (s->has_graph > contact || (!s->has_graph && (s->n_contacts > 0 || s->n_pairs > 0)))
         return error_set(err, DUET_STATUS_BAD_INPUT,
                          "%s: the saved motion has %u contacts, but nothing that finds them",
                          s->path, s->n_contacts);
@@ -192,7 +192,7 @@ static uint32_t most_axis(const duet_motion *m)
 static bool has_record(const duet_motion *m, const motion_saved *s, uint32_t i, uint32_t points)
 {
     const float *record = floats_of(s, CONTACTS) + (size_t)i * m->layout.record;
-    for (uint32_t k = 0; points > 0 && k < m->layout.head + points * m->layout.part; ++k)
+    for (uint32_t k = 0; points > 0 && k < m->layout.head + points * m->layout.point; ++k)
         if (!isfinite(record[k]))
             return false;
     return true;

@@ -13,7 +13,7 @@
 typedef struct motion_saved {
     const char *path;
     uint32_t n_contacts;
-    uint32_t has_rows;
+    uint32_t has_graph;
     uint64_t n_pairs;
     const void *at[MOTION_BUFFERS];
 } motion_saved;

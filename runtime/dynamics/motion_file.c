@@ -18,7 +18,7 @@ typedef struct header {
     uint32_t effects;
     uint32_t record;
     uint32_t n_contacts;
-    uint32_t has_rows;
+    uint32_t has_graph;
     float origin_edge;
     uint64_t step;
     uint64_t n_pairs;
@@ -67,7 +67,7 @@ static header header_of(const duet_motion *m)
                 .effects = m->effects,
                 .record = m->layout.record,
                 .n_contacts = m->n_contacts,
-                .has_rows = m->has_rows,
+                .has_graph = m->has_graph,
                 .origin_edge = m->def.origin_edge,
                 .step = m->step,
                 .n_pairs = m->n_pairs};
@@ -87,7 +87,7 @@ static motion_saved parts_of(const duet_motion *m, const header *h, const char *
                              const char *path)
 {
     motion_saved s = {
-        .path = path, .n_contacts = h->n_contacts, .has_rows = h->has_rows, .n_pairs = h->n_pairs};
+        .path = path, .n_contacts = h->n_contacts, .has_graph = h->has_graph, .n_pairs = h->n_pairs};
     const char *at = bytes + sizeof *h;
     for (int i = 0; i < N_KEPT; ++i) {
         size_t size = bytes_of(m, kept[i], h->n_contacts);
@@ -263,7 +263,7 @@ bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
     m->n_contacts = h.n_contacts;
     m->event_room = event_room(&parts);
     m->n_pairs = h.n_pairs;
-    m->has_rows = h.has_rows;
+    m->has_graph = h.has_graph;
     m->list_stale = true;
     m->broken = false;
     return true;

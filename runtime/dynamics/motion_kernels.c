@@ -27,9 +27,11 @@ static int64_t gravity_kind(const duet_motion *m)
 }
 
 // With response, walls are contacts and nothing is left to a free flight.
-static int64_t edge_kind(const duet_motion *m)
+static int64_t boundary_kind(const duet_motion *m)
 {
-    return !motion_has(m, DUET_EFFECT_BOUNDS) ? 0 : m->def.edge == DUET_EDGE_PERIODIC ? 2 : 1;
+    return !motion_has(m, DUET_EFFECT_BOUNDARY)        ? 0
+           : m->def.boundary == DUET_BOUNDARY_PERIODIC ? 2
+                                                       : 1;
 }
 
 static int64_t order_of(duet_integrator integrator)
@@ -54,7 +56,7 @@ static void choose(const duet_motion *m, gen_setting all[N_CHOICES])
         {"GYRO", gyro},
         {"GRAVITY", gravity_kind(m)},
         {"DRAG", has(m, DUET_EFFECT_DRAG)},
-        {"BOUNDS", edge_kind(m)},
+        {"BOUNDARY", boundary_kind(m)},
         {"CONTACT_RESPONSE", has(m, DUET_EFFECT_CONTACT_RESPONSE)},
         {"FRICTION", has(m, DUET_EFFECT_FRICTION)},
         {"CONTINUOUS", has(m, DUET_EFFECT_CONTINUOUS)},
@@ -105,11 +107,11 @@ static motion_layout lay_out(const duet_motion *m)
     uint32_t dims = m->def.dims;
     motion_layout l = {
         .head = HEAD_OF(response),
-        .part = PART_OF(response, friction, dims),
+        .point = POINT_FLOATS_OF(response, friction, dims),
         .points = POINTS_OF(response, turns, dims),
         .body = BODY_OF(turns),
     };
-    l.record = l.head + l.points * l.part;
+    l.record = l.head + l.points * l.point;
     l.constraint = CONSTRAINT_OF(friction, l.points, dims);
     return l;
 }
@@ -120,7 +122,7 @@ bool motion_prepare(duet_motion *m, duet_error *err)
     bool contact = motion_has(m, DUET_EFFECT_CONTACT);
     bool response = motion_has(m, DUET_EFFECT_CONTACT_RESPONSE);
     bool flight = motion_has(m, DUET_EFFECT_MOTION) && !response;
-    bool walls = contact && edge_kind(m) == 1;
+    bool walls = contact && boundary_kind(m) == 1;
     const struct {
         kernel **at;
         bool wanted;

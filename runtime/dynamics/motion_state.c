@@ -20,7 +20,7 @@ static const struct {
     [ROTATIONS] = {DUET_EFFECT_ROTATION, 4, 0},
     [ANGULAR_VELOCITIES] = {DUET_EFFECT_ANGULAR_VELOCITY, 4, 0},
     [INERTIAS] = {DUET_EFFECT_ANGULAR_VELOCITY, 0, 4},
-    [HALVES] = {DUET_EFFECT_CONTACT | DUET_EFFECT_BOUNDS, 0, 4},
+    [HALVES] = {DUET_EFFECT_CONTACT | DUET_EFFECT_BOUNDARY, 0, 4},
     [RESTITUTIONS] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 1},
     [FRICTIONS] = {DUET_EFFECT_FRICTION, 0, 1},
     [FILTERS] = {DUET_EFFECT_FILTER, 0, 2},
@@ -181,7 +181,7 @@ bool motion_reset(duet_motion *m, duet_error *err)
     } sent[] = {
         {CENTRES, centre_of},          {VELOCITIES, velocity_of}, {ROTATIONS, rotation_of},
         {ANGULAR_VELOCITIES, spin_of}, {INERTIAS, inertia_of},    {HALVES, half_of},
-        {RESTITUTIONS, bounce_of},          {FRICTIONS, friction_of},
+        {RESTITUTIONS, bounce_of},     {FRICTIONS, friction_of},
     };
     bool ok = reserve_all(m, err);
     for (size_t i = 0; ok && i < sizeof sent / sizeof sent[0]; ++i) {

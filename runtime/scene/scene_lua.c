@@ -153,7 +153,7 @@ static const struct {
     {"gravity", scene_read_gravity},
     {"origin", scene_read_origin},
     {"attraction", scene_read_attraction},
-    {"bounds", scene_read_bounds},
+    {"boundary", scene_read_boundary},
     {"wants", scene_read_wants},
     {"integrator", scene_read_integrator},
     {"dt", scene_read_motion_numbers},

@@ -213,18 +213,18 @@ void scene_read_attraction(lua_State *L, scene_reading *reading)
     lua_pop(L, 1);
 }
 
-void scene_read_bounds(lua_State *L, scene_reading *reading)
+void scene_read_boundary(lua_State *L, scene_reading *reading)
 {
     duet_scene *scene = reading->scene;
-    const char *bounds = field_string(L, 1, "bounds", NULL);
-    if (!bounds)
+    const char *boundary = field_string(L, 1, "boundary", NULL);
+    if (!boundary)
         return;
-    bool walls = strcmp(bounds, "walls") == 0;
-    if (!walls && strcmp(bounds, "periodic") != 0)
-        field_raise(L, "bounds", "bounds is '%s'; it must be walls or periodic", bounds);
+    bool walls = strcmp(boundary, "walls") == 0;
+    if (!walls && strcmp(boundary, "periodic") != 0)
+        field_raise(L, "boundary", "boundary is '%s'; expected walls or periodic", boundary);
     if (!scene->info.has_world)
-        field_raise(L, "bounds", "bounds needs a world, whose sides it is about");
-    scene->motion.edge = walls ? DUET_EDGE_WALLS : DUET_EDGE_PERIODIC;
+        field_raise(L, "boundary", "boundary needs a world, whose sides it is about");
+    scene->motion.boundary = walls ? DUET_BOUNDARY_WALLS : DUET_BOUNDARY_PERIODIC;
     for (uint32_t k = 0; k < scene->info.dims; ++k) {
         scene->motion.lower[k] = scene->info.lower[k];
         scene->motion.upper[k] = scene->info.upper[k];

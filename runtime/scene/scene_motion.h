@@ -26,7 +26,7 @@ void scene_read_body(lua_State *L, scene_reading *reading);
 void scene_read_gravity(lua_State *L, scene_reading *reading);
 void scene_read_origin(lua_State *L, scene_reading *reading);
 void scene_read_attraction(lua_State *L, scene_reading *reading);
-void scene_read_bounds(lua_State *L, scene_reading *reading);
+void scene_read_boundary(lua_State *L, scene_reading *reading);
 void scene_read_wants(lua_State *L, scene_reading *reading);
 void scene_read_integrator(lua_State *L, scene_reading *reading);
 void scene_read_motion_numbers(lua_State *L, scene_reading *reading);

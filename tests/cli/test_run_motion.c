@@ -24,7 +24,7 @@ static const char scene_text[] =
     "        half_extents = { 0.5, 0.5, 0.5 } }\n"
     "end\n"
     "add { centre = { -4, 0, 1 }, half_extents = { 0.2, 0.2, 0.2 }, velocity = { 100, 0, 0 } }\n"
-    "return { dims = 3, gravity = { 0, 0, -10 }, bounds = 'walls', wants = { 'contact_response' "
+    "return { dims = 3, gravity = { 0, 0, -10 }, boundary = 'walls', wants = { 'contact_response' "
     "},\n"
     "         world = { lower = { -5, -5, 0 }, upper = { 5, 5, 9 } } }\n";
 

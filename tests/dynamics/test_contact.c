@@ -204,7 +204,7 @@ static void an_elastic_ball_keeps_its_energy(void **state)
 {
     (void)state;
     mover *m = mover_new(3);
-    m->def.edge = DUET_EDGE_WALLS;
+    m->def.boundary = DUET_BOUNDARY_WALLS;
     for (int k = 0; k < 3; ++k)
         m->def.upper[k] = 10.0;
     m->def.restitution_threshold = 0.0;
@@ -229,7 +229,7 @@ static void tumbling_elastic_boxes_gain_nothing(void **state)
     (void)state;
     rng r = rng_seed(test_seed());
     mover *m = mover_new(3);
-    m->def.edge = DUET_EDGE_WALLS;
+    m->def.boundary = DUET_BOUNDARY_WALLS;
     m->def.restitution_threshold = 0.0;
     for (int k = 0; k < 3; ++k)
         m->def.upper[k] = 8.0;

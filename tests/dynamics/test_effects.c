@@ -44,7 +44,7 @@ static void each_cause_calls_for_its_effect(void **state)
         [TURNING] = motion | DUET_EFFECT_ANGULAR_VELOCITY | DUET_EFFECT_ROTATION,
         [GRAVITY] = motion | DUET_EFFECT_GRAVITY,
         [DRAG] = motion | DUET_EFFECT_DRAG,
-        [WALLS] = motion | DUET_EFFECT_BOUNDS,
+        [WALLS] = motion | DUET_EFFECT_BOUNDARY,
         [ROUGH] = push | DUET_EFFECT_FRICTION,
         [QUICK] = push | DUET_EFFECT_CONTINUOUS,
         [GROUPS] = motion | DUET_EFFECT_CONTACT | DUET_EFFECT_FILTER,
@@ -59,7 +59,7 @@ static void each_cause_calls_for_its_effect(void **state)
         m->bodies[0].angular_velocity[1] = cause == TURNING ? 1.0f : 0.0f;
         m->def.gravity[2] = cause == GRAVITY ? -1.0 : 0.0;
         m->def.drag = cause == DRAG ? 1.0 : 0.0;
-        m->def.edge = cause == WALLS ? DUET_EDGE_WALLS : DUET_EDGE_NONE;
+        m->def.boundary = cause == WALLS ? DUET_BOUNDARY_WALLS : DUET_BOUNDARY_NONE;
         m->def.upper[0] = m->def.upper[1] = m->def.upper[2] = 10.0;
         m->bodies[0].friction = cause == ROUGH ? 0.5f : 0.0f;
         m->bodies[0].mask = cause == GROUPS ? 1u : UINT32_MAX;
@@ -99,7 +99,7 @@ static mover *make_scene_in(medium in, uint32_t set)
     m->def.gravity[1] = set & DUET_EFFECT_GRAVITY ? -3.0 : 0.0;
     m->def.drag = set & DUET_EFFECT_DRAG ? 0.3 : 0.0;
     m->def.skin = set & DUET_EFFECT_SKIN ? 0.1 : 0.0;
-    m->def.edge = set & DUET_EFFECT_BOUNDS ? DUET_EDGE_WALLS : DUET_EDGE_NONE;
+    m->def.boundary = set & DUET_EFFECT_BOUNDARY ? DUET_BOUNDARY_WALLS : DUET_BOUNDARY_NONE;
     for (int k = 0; k < 3; ++k) {
         m->def.lower[k] = pushes ? -0.51 : -10.0;
         m->def.upper[k] = pushes ? 1.02 * side - 0.36 : 30.0;
@@ -155,7 +155,7 @@ static const uint32_t effects[] = {
     DUET_EFFECT_ANGULAR_VELOCITY,
     DUET_EFFECT_GRAVITY,
     DUET_EFFECT_DRAG,
-    DUET_EFFECT_BOUNDS,
+    DUET_EFFECT_BOUNDARY,
     DUET_EFFECT_CONTACT,
     DUET_EFFECT_CONTACT_RESPONSE,
     DUET_EFFECT_FRICTION,
@@ -275,7 +275,7 @@ static const struct {
     {"ANGULAR_VELOCITY", "angular_velocity", "angular_velocity", "GYRO"},
     {"GRAVITY", "gravity", "gravity", NULL},
     {"DRAG", "drag", "drag", NULL},
-    {"BOUNDS", "bounds", "wall", NULL},
+    {"BOUNDARY", "boundary", "wall", NULL},
     {"CONTACT_RESPONSE", "contact_response", "pushes", "FRICTION CONTINUOUS SLEEP"},
     {"FRICTION", "friction", "friction", NULL},
     {"CONTINUOUS", "continuous", "swept", NULL},
@@ -300,7 +300,7 @@ enum { N_KERNELS = sizeof kernels / sizeof kernels[0] };
 static char *text_without(gen *g, const char *name, const gen_limits *limits, int off)
 {
     static const char *const all[] = {
-        "ROTATED",  "ANGULAR_VELOCITY", "GYRO",   "GRAVITY", "DRAG", "BOUNDS", "CONTACT_RESPONSE",
+        "ROTATED",  "ANGULAR_VELOCITY", "GYRO",   "GRAVITY", "DRAG", "BOUNDARY", "CONTACT_RESPONSE",
         "FRICTION", "CONTINUOUS",       "FILTER", "SLEEP",   "SKIN", "EVENTS"};
     gen_setting settings[16];
     uint32_t n = 0;
@@ -461,7 +461,7 @@ static void a_loaded_motion_goes_on_as_the_saved_one(void **state)
     for (int i = 0; i < 6; ++i) {
         uint32_t set =
             with_needs(DUET_EFFECT_ROTATION | DUET_EFFECT_ANGULAR_VELOCITY |
-                       DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_GRAVITY | DUET_EFFECT_BOUNDS |
+                       DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_GRAVITY | DUET_EFFECT_BOUNDARY |
                        wants[i % 3] | (i < 3 ? 0 : DUET_EFFECT_SKIN));
         duet_error err = {0};
         mover *saved = make_scene(set);

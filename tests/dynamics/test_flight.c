@@ -231,7 +231,7 @@ static void walls_are_mirrors_without_response(void **state)
 {
     (void)state;
     mover *m = mover_new(2);
-    m->def.edge = DUET_EDGE_WALLS;
+    m->def.boundary = DUET_BOUNDARY_WALLS;
     m->def.upper[0] = m->def.upper[1] = 10.0;
     uint32_t id = mover_add_cube(m, 5, 5, 0, 1);
     m->bodies[id].velocity[0] = 7.0f;
@@ -251,7 +251,7 @@ static void a_periodic_world_comes_round(void **state)
     (void)state;
     mover *m = mover_new(3);
     m->def.doubles = true;
-    m->def.edge = DUET_EDGE_PERIODIC;
+    m->def.boundary = DUET_BOUNDARY_PERIODIC;
     for (int k = 0; k < 3; ++k)
         m->def.upper[k] = 4.0;
     m->def.dt = 0.125;

@@ -28,7 +28,7 @@ static const char *const kind_names[KINDS] = {"pile",    "flat groups",   "place
 
 static void add_walls(mover *m, double half)
 {
-    m->def.edge = DUET_EDGE_WALLS;
+    m->def.boundary = DUET_BOUNDARY_WALLS;
     for (int k = 0; k < 3; ++k) {
         m->def.lower[k] = -half;
         m->def.upper[k] = half;
@@ -257,10 +257,10 @@ static void what_a_step_would_believe_is_refused(void **state)
     }
     begin_copy(&f);
     memcpy(f.bytes + AT_HAS_ROWS, &(uint32_t){2}, 4);
-    assert_refused(&f, "has_rows", "nothing that finds them");
+    assert_refused(&f, "has_graph", "nothing that finds them");
     begin_copy(&f);
     memcpy(f.bytes + AT_HAS_ROWS, &(uint32_t){0}, 4);
-    assert_refused(&f, "has_rows", "nothing that finds them");
+    assert_refused(&f, "has_graph", "nothing that finds them");
     begin_copy(&f);
     memcpy(f.bytes + AT_N_CONTACTS, &(uint32_t){UINT32_MAX}, 4);
     assert_refused(&f, "n_contacts", "cut short or damaged");

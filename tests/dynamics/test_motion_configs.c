@@ -138,7 +138,7 @@ static mover *make_scene(uint32_t dims, bool pushes)
     m->def.gravity[1] = -3.0;
     m->def.drag = 0.3;
     m->def.skin = pushes ? 0.1 : 0.0;
-    m->def.edge = DUET_EDGE_WALLS;
+    m->def.boundary = DUET_BOUNDARY_WALLS;
     for (int k = 0; k < 3; ++k) {
         m->def.lower[k] = pushes ? -0.51 : -10.0;
         m->def.upper[k] = pushes ? 2.7 : 30.0;

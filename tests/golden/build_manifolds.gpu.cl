@@ -1,10 +1,10 @@
-// build_manifolds.DIMS3.DOUBLE0.ROTATED0.ANGULAR_VELOCITY0.BOUNDS0.CONTACT_RESPONSE0.FRICTION0.CONTINUOUS0.SLEEP0.EVENTS0.LANES1.WG64.PER_ITEM1
+// build_manifolds.DIMS3.DOUBLE0.ROTATED0.ANGULAR_VELOCITY0.BOUNDARY0.CONTACT_RESPONSE0.FRICTION0.CONTINUOUS0.SLEEP0.EVENTS0.LANES1.WG64.PER_ITEM1
 #define DIMS 3
 #define DOUBLE 0
 #define ORIGIN 0
 #define ROTATED 0
 #define ANGULAR_VELOCITY 0
-#define BOUNDS 0
+#define BOUNDARY 0
 #define CONTACT_RESPONSE 0
 #define FRICTION 0
 #define CONTINUOUS 0
@@ -103,10 +103,10 @@ static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extent
 #line 287 "kernels/dynamics/build_manifolds.cl.in"
     put_float4(record + AT_NORMAL, m->normal);
     for (int k = 0; k < m->n; ++k) {
-        __global float *part = record + HEAD + k * PART;
+        __global float *saved = record + HEAD + k * POINT_FLOATS;
         float4 anchor = m->point[k];
-        put_float4(part + OF_ANCHOR, anchor);
-        part[OF_SEPARATION] = anchor.w;
+        put_float4(saved + OF_ANCHOR, anchor);
+        saved[OF_SEPARATION] = anchor.w;
         touching = touching || anchor.w <= 0.0f;
 #line 305 "kernels/dynamics/build_manifolds.cl.in"
     }

@@ -1,7 +1,7 @@
-// contact_graph.DIMS2.DOUBLE0.BOUNDS0.FILTER0.WG1.PER_ITEM1024
+// contact_graph.DIMS2.DOUBLE0.BOUNDARY0.FILTER0.WG1.PER_ITEM1024
 #define DIMS 2
 #define DOUBLE 0
-#define BOUNDS 0
+#define BOUNDARY 0
 #define FILTER 0
 #define WG 1
 #define PER_ITEM 1024

@@ -1,7 +1,7 @@
-// contact_graph.DIMS3.DOUBLE0.BOUNDS0.FILTER0.WG64.PER_ITEM1
+// contact_graph.DIMS3.DOUBLE0.BOUNDARY0.FILTER0.WG64.PER_ITEM1
 #define DIMS 3
 #define DOUBLE 0
-#define BOUNDS 0
+#define BOUNDARY 0
 #define FILTER 0
 #define WG 64
 #define PER_ITEM 1

@@ -65,7 +65,7 @@ __kernel void match_contacts(MATCH_CONTACTS_ARGS)
         __global const float *old = old_contacts + (size_t)i * RECORD;
         if (low < end && others[low] == link.y) {
             touches[low] = touch;
-            for (uint k = 0; points > 0 && k < HEAD + points * PART; ++k)
+            for (uint k = 0; points > 0 && k < HEAD + points * POINT_FLOATS; ++k)
                 contacts[(size_t)low * RECORD + k] = old[k];
 #line 59 "kernels/dynamics/match_contacts.cl.in"
         }

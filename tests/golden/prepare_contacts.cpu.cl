@@ -72,13 +72,13 @@ static inline void fill_lane(__global float *lane, const source *from, uint i, b
 static inline void fill_point(__global float *point, const source *from, const uint places[LANES], int k, mask where)
 {
     const real zero = 0.0f;
-    real part[8]; // or what follows it: there is one record more than contacts
-    load_eight(from->contacts, places, RECORD, HEAD + k * PART, part);
+    real saved[8]; // or what follows it: there is one record more than contacts
+    load_eight(from->contacts, places, RECORD, HEAD + k * POINT_FLOATS, saved);
     put_vec(point, BY_ANCHOR,
-            (vec){select(zero, part[OF_ANCHOR], where), select(zero, part[OF_ANCHOR + 1], where),
-                  select(zero, part[OF_ANCHOR + 2], where)});
-    put(point, BY_SEPARATION, select(zero, part[OF_SEPARATION], where));
-    put(point, BY_NORMAL_IMPULSE, select(zero, part[OF_NORMAL_IMPULSE], where));
+            (vec){select(zero, saved[OF_ANCHOR], where), select(zero, saved[OF_ANCHOR + 1], where),
+                  select(zero, saved[OF_ANCHOR + 2], where)});
+    put(point, BY_SEPARATION, select(zero, saved[OF_SEPARATION], where));
+    put(point, BY_NORMAL_IMPULSE, select(zero, saved[OF_NORMAL_IMPULSE], where));
 #line 51 "kernels/dynamics/prepare_contacts.cl.in"
 }
 
@@ -185,9 +185,9 @@ __kernel void store_impulses(STORE_IMPULSES_ARGS)
         uint n = as_uint(constraint[IN_POINTS * BLOCK]) & POINTS_MASK;
         for (uint p = 0; p < n; ++p) {
             __global const float *point = point_at(constraint, p);
-            __global float *part = record + HEAD + p * PART;
-            part[OF_NORMAL_IMPULSE] = point[BY_NORMAL_IMPULSE * BLOCK];
-            part[OF_MAX_IMPULSE] = point[BY_MAX_IMPULSE * BLOCK];
+            __global float *saved = record + HEAD + p * POINT_FLOATS;
+            saved[OF_NORMAL_IMPULSE] = point[BY_NORMAL_IMPULSE * BLOCK];
+            saved[OF_MAX_IMPULSE] = point[BY_MAX_IMPULSE * BLOCK];
 #line 194 "kernels/dynamics/prepare_contacts.cl.in"
         }
     }

@@ -9,7 +9,7 @@ local p = parameters {
   continuous = false,
   events = false,
   skin = 0.0,
-  edge = "walls", -- "periodic", "none"
+  boundary = "walls", -- "periodic", "none"
   attraction = 0.0,
   integrator = "euler",
   doubles = false,
@@ -65,7 +65,7 @@ for k = 1, p.dims do lower[k], upper[k] = -8, 12 end
 
 return {
   dims = p.dims,
-  bounds = p.edge ~= "none" and p.edge or nil,
+  boundary = p.boundary ~= "none" and p.boundary or nil,
   world = { lower = lower, upper = upper },
   gravity = p.attraction == 0 and vector(0, -9.81) or nil,
   attraction = p.attraction ~= 0 and { strength = p.attraction, centre = vector(0, -3) } or nil,

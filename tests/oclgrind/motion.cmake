@@ -30,10 +30,10 @@ endfunction()
 set(launched "")
 foreach(case
     "3 --set sleep=true --set events=true"
-    "2 --set skin=0.3 --set continuous=true --set edge=none"
+    "2 --set skin=0.3 --set continuous=true --set boundary=none"
     "2 --set turned=false --set filtered=true --set doubles=true"
-    "2 --set origin=true --set edge=none"
-    "2 --set falling=false --set edge=periodic"
+    "2 --set origin=true --set boundary=none"
+    "2 --set falling=false --set boundary=periodic"
     "2 --set falling=false --set attraction=5.0 --set integrator=yoshida")
   string(REGEX MATCH "^[0-9]+" steps "${case}")
   string(REGEX REPLACE "^[0-9]+ " "--set dims=${DIMS} " case "${case}")

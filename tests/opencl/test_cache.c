@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "support/test.h"
 
+#include "runtime/opencl/buffer.h"
 #include "runtime/opencl/cache.h"
 #include "runtime/opencl/device.h"
 #include "runtime/opencl/program.h"
@@ -383,6 +384,17 @@ static void threads_and_processes_may_share_a_folder(void **state)
 
 // ------------------------------------------------------- with a device
 
+typedef struct cell_start_args {
+    buffer keys, starts;
+    cl_uint n, end;
+} cell_start_args;
+
+static const binding bound[] = {BIND_BUFFER(cell_start_args, "keys", "uint *", keys),
+                                BIND_BUFFER(cell_start_args, "key_starts", "uint *", starts),
+                                BIND_VALUE(cell_start_args, "n_keys", n),
+                                BIND_VALUE(cell_start_args, "key_end", end),
+                                {0}};
+
 static void build_on(const device *d)
 {
     duet_error err = {0};
@@ -390,7 +402,7 @@ static void build_on(const device *d)
     assert_ok(g, err);
     program_set *set = program_set_open(d, g, dir, &err);
     assert_ok(set, err);
-    assert_ok(program_set_check(set, "cell_start", NULL, 0, &err), err);
+    assert_ok(program_set_kernel(set, "cell_start", "cell_start", NULL, 0, bound, &err), err);
     program_set_close(set);
     gen_close(g);
 }

@@ -175,7 +175,7 @@ static duet_motion *open_motion(const scenario *s, duet_error *err)
     def.wants = s->wants;
     def.gravity[2] = -9.81;
     def.skin = s->copies ? 0.0 : 0.2;
-    def.edge = DUET_EDGE_WALLS;
+    def.boundary = DUET_BOUNDARY_WALLS;
     for (int k = 0; k < 3; ++k) {
         def.lower[k] = -1.6;
         def.upper[k] = 5.0;

@@ -15,7 +15,7 @@ static void a_scene_says_what_moves(void **state)
         "= {0, 0, 4}, mass = "
         "5}\n"
         "add{centre = {9, 9, 9}, half_extents = {1, 1, 1}, group = 6, fixed_rotation=true}\n"
-        "return {world = {lower = {0, 0, 0}, upper = {10, 11, 12}}, bounds = 'walls',\n"
+        "return {world = {lower = {0, 0, 0}, upper = {10, 11, 12}}, boundary = 'walls',\n"
         "  gravity = {0, 0, -9}, drag = 0.5, dt = 0.01, substeps = 7, wants = {'contact_response', "
         "'events'},\n"
         "  body = {friction = 0.25, mass = 2}, integrator = 'euler', doubles = true,\n"
@@ -30,7 +30,7 @@ static void a_scene_says_what_moves(void **state)
                 !b[0].fixed_rotation);
     duet_motion_def def = duet_scene_motion_def(s, NULL);
     assert_int_equal(def.dims, 3);
-    assert_int_equal(def.edge, DUET_EDGE_WALLS);
+    assert_int_equal(def.boundary, DUET_BOUNDARY_WALLS);
     assert_int_equal(def.substeps, 7);
     assert_int_equal(def.wants, DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_EVENTS);
     assert_true(def.upper[1] == 11.0 && def.gravity[2] == -9.0 && def.drag == 0.5);
@@ -56,8 +56,8 @@ static void what_is_wrong_is_refused_with_its_name(void **state)
         const char *chars;
         const char *says;
     } wrong[] = {
-        {"return {bounds = 'hedge'}", "bounds is 'hedge'; it must be walls or periodic"},
-        {"return {bounds = 'walls'}", "bounds needs a world"},
+        {"return {boundary = 'hedge'}", "boundary is 'hedge'; expected walls or periodic"},
+        {"return {boundary = 'walls'}", "boundary needs a world"},
         {"return {wants = {'magic'}}", "wants has 'magic', which is no effect"},
         {"return {integrator = 'rk4'}", "integrator is 'rk4'"},
         {"return {gravity = {1, 2}}", "gravity must be 3 finite numbers"},

@@ -144,7 +144,7 @@ uint32_t mover_add_rough_cube(mover *m, double x, double y, double z)
 void mover_add_pile(mover *m, uint32_t n)
 {
     m->def.gravity[2] = -9.81;
-    m->def.edge = DUET_EDGE_WALLS;
+    m->def.boundary = DUET_BOUNDARY_WALLS;
     m->def.upper[0] = m->def.upper[1] = 6.0;
     m->def.upper[2] = 40.0;
     for (uint32_t i = 0; i < n; ++i) {

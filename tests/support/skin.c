@@ -57,7 +57,7 @@ static mover *bouncing_boxes(double skin)
     m->def.skin = skin;
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     m->def.restitution_threshold = 0.0;
-    m->def.edge = DUET_EDGE_WALLS;
+    m->def.boundary = DUET_BOUNDARY_WALLS;
     for (int k = 0; k < 3; ++k)
         m->def.upper[k] = 8.0;
     for (int i = 0; i < BOXES; ++i) {

@@ -7,7 +7,7 @@ return {
   body = { mass = 1, friction = 0.5 },
   gravity = { 0, 0, -9.81 },
   drag = 0.1,
-  bounds = "walls",
+  boundary = "walls",
   wants = { "contact_response", "friction", "sleep" },
   integrator = "euler", dt = 1 / 60, substeps = 4, skin = 0.1, slop = 0.01,
   accuracy = { missed = 0.01 },
