@@ -51,10 +51,13 @@ struct script {
     budget budget;
     passed passed; // the limit that the running call has passed
     lua_Integer n_shown;
-    int depth;       // calls inside calls; the outermost one sets the limits
-    char place[400]; // "name:line", where that was or memory ran out last
-    text name;       // of the chunk loaded last
-    text source;     // its text
+    int depth;        // calls inside calls; the outermost one sets the limits
+    uintptr_t stack;  // the block that holds Lua's stack
+    bool stack_moves; // Lua asks for another one; what looks at the stack would crash
+    bool stack_grew;  // since the last look at the limits
+    char place[400];  // "name:line", where that was or memory ran out last
+    text name;        // of the chunk loaded last
+    text source;      // its text
 };
 
 script_limits script_default_limits(void)
@@ -77,19 +80,22 @@ static bool is_scripts(const lua_Debug *ar)
 }
 
 // The innermost line of the chunk loaded last, or else of any. Lua tells none
-// where memory ran out; neither call here allocates.
+// where memory ran out; neither call here allocates. While the stack moves, what
+// was noted after it grew last holds on.
 static void note_place(script *s)
 {
     lua_Debug ar;
-    bool found = false;
-    s->place[0] = '\0';
+    bool found = false, any = false;
+    if (s->stack_moves)
+        return;
     for (int level = 0; !found && s->lua && lua_getstack(s->lua, level, &ar); ++level) {
         if (!lua_getinfo(s->lua, "Sl", &ar) || !is_scripts(&ar))
             continue;
         const char *name = ar.source + (*ar.source == '@');
         found = strcmp(name, text_chars(&s->name)) == 0;
-        if (found || !*s->place)
+        if (found || !any)
             snprintf(s->place, sizeof s->place, "%s:%d", name, ar.currentline);
+        any = true;
     }
 }
 
@@ -147,6 +153,9 @@ static void on_count(lua_State *L, lua_Debug *ar)
 {
     (void)ar;
     script *s = script_of(L);
+    if (s->stack_grew)
+        note_place(s);
+    s->stack_grew = false;
     bool enough = spend(s, (uint64_t)hook_interval(s));
     if (!enough || (hook_interval(s) < HOOK_INSTRUCTIONS && !check_clock(s)))
         raise_limit(L);
@@ -188,26 +197,47 @@ static void *refuse_memory(script *s)
     return NULL;
 }
 
+// The first block without a kind that a new state asks for is its stack; there are no
+// coroutines, which would have stacks of their own.
+static void note_stack(script *s, bool is_new, size_t kind, const void *moved)
+{
+    if (s->stack_moves || (!s->stack && is_new && kind == 0))
+        s->stack = (uintptr_t)moved;
+    s->stack_grew = s->stack_grew || s->stack_moves;
+    s->stack_moves = false;
+}
+
+static void *take_block(script *s, void *at, size_t old_bytes, size_t bytes)
+{
+    if (bytes > old_bytes && !may_grow(s, bytes - old_bytes))
+        return NULL;
+    if (bytes > old_bytes && bytes - old_bytes > s->limits.memory_bytes - s->used_bytes)
+        return refuse_memory(s);
+    void *moved = realloc(at, bytes);
+    if (moved)
+        s->used_bytes = s->used_bytes - old_bytes + bytes;
+    return moved;
+}
+
 static void *allocate(void *data, void *at, size_t old_bytes, size_t bytes)
 {
     script *s = data;
-    size_t kind = at ? 0 : old_bytes;
-    if (!at)
+    bool is_new = !at;
+    size_t kind = is_new ? old_bytes : 0;
+    if (is_new)
         old_bytes = 0;
     if (bytes == 0) {
         free(at);
         s->used_bytes -= old_bytes;
         return NULL;
     }
-    if (bytes > old_bytes && !may_grow(s, bytes - old_bytes))
-        return NULL;
-    if (bytes > old_bytes && bytes - old_bytes > s->limits.memory_bytes - s->used_bytes)
-        return refuse_memory(s);
-    void *moved = realloc(at, bytes);
-    if (!moved)
-        return NULL;
-    s->used_bytes = s->used_bytes - old_bytes + bytes;
-    note_size(s, kind, bytes);
+    s->stack_moves = !is_new && (uintptr_t)at == s->stack;
+    void *moved = take_block(s, at, old_bytes, bytes);
+    if (moved) {
+        note_stack(s, is_new, kind, moved);
+        note_size(s, kind, bytes);
+    }
+    s->stack_moves = false;
     return moved;
 }
 
@@ -219,6 +249,7 @@ static void begin_limits(script *s)
         return;
     s->instructions_left = s->limits.instructions;
     s->spent = s->asked_bytes = 0;
+    s->place[0] = '\0';
     s->passed = NOTHING;
     s->budget.deadline_ns = clock_steady_ns() + (uint64_t)(s->limits.seconds * 1e9);
     s->budget.seconds = s->limits.seconds;

@@ -263,6 +263,21 @@ static void too_little_memory_for_a_state_is_an_error(void **state)
     }
 }
 
+// From 5.4.6 on Lua's stack cannot be looked at while it grows.
+static void memory_that_ends_while_the_stack_grows_is_told_with_a_line(void **state)
+{
+    (void)state;
+    for (size_t bytes = 100000; bytes < 600000; bytes += 20000) {
+        script_limits limits = {.memory_bytes = bytes, .instructions = 10000000, .seconds = 5};
+        duet_error err = {0};
+        script *s = script_open(&limits, &err);
+        assert_ok(s, err);
+        refuse(s, "\nlocal function f(n) return 1 + f(n + 1) end\nf(1)",
+               "card.lua:2: needs more than the");
+        script_close(s);
+    }
+}
+
 static void a_missing_file_is_named(void **state)
 {
     (void)state;
@@ -292,6 +307,7 @@ int main(void)
         cmocka_unit_test(limits_begin_again_with_each_call),
         cmocka_unit_test(few_instructions_that_move_many_bytes_end_in_time),
         cmocka_unit_test(too_little_memory_for_a_state_is_an_error),
+        cmocka_unit_test(memory_that_ends_while_the_stack_grows_is_told_with_a_line),
         cmocka_unit_test(a_missing_file_is_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
