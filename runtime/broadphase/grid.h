@@ -47,7 +47,7 @@ typedef struct grid_needs {
     double octave_widest[GRID_OCTAVES];
 } grid_needs;
 
-// What objects a grid is for: poses or bounds, with an origin placed poses, or
+// What objects a grid is for: poses or bounds, with origin cells large poses, or
 // with sizes transforms.
 typedef struct grid_objects {
     const void *rows;

@@ -67,8 +67,6 @@ typedef struct part_kernels {
     bool packed;    // objects have names
 } part_kernels;
 
-
-
 // What kernels are told besides the part's buffers, by the names that their cards use.
 typedef struct part_args {
     cl_uint n, n_levels, n_cells;
@@ -118,10 +116,10 @@ typedef struct part {
     buffer counters;
 
     uint32_t counts[COUNTERS]; // the counters as read last
-    host_block fetched;             // pairs on the host, where the device has memory of its own
-    uint64_t pairs_ahead;           // of them, sent before their number was known
-    host_block news;                // what is sent ahead besides them
-    host_block sent;                // grid on its way to the other part
+    host_block fetched;        // pairs on the host, where the device has memory of its own
+    uint64_t pairs_ahead;      // of them, sent before their number was known
+    host_block news;           // what is sent ahead besides them
+    host_block sent;           // grid on its way to the other part
     duet_span span;
     uint64_t n_candidates, n_undecided;
     uint32_t runs; // searches, more than one where a buffer had to grow

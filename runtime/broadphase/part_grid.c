@@ -99,16 +99,16 @@ typedef struct place_bytes {
 static place_bytes bytes_of_places(const part *p, const part_task *task, size_t n)
 {
     bool poses = task->shape == DUET_SHAPE_POSES;
-    bool placed = task->origin > 0.0f;
+    bool has_origin = task->origin > 0.0f;
     if (p->variant.search == SEARCH_SIMD) {
-        size_t columns = BOUNDS_COLUMNS_OF(task->dims, placed);
-        size_t words = BOX_WORDS_OF(MOST_MORE_OF(task->dims, task->rotated), placed);
+        size_t columns = BOUNDS_COLUMNS_OF(task->dims, has_origin);
+        size_t words = BOX_WORDS_OF(MOST_MORE_OF(task->dims, task->rotated), has_origin);
         return (place_bytes){.bounds = COLUMN(n) * columns * sizeof(float),
                              .boxes = poses ? COLUMN(n) * words * sizeof(float) : 0};
     }
     bool boxes = poses && p->variant.search == SEARCH_GPU;
-    return (place_bytes){.bounds = n * BOUNDS_QUADS_OF(placed) * sizeof(cl_float4),
-                         .boxes = boxes ? n * BOX_QUADS_OF(placed) * sizeof(cl_float4) : 0};
+    return (place_bytes){.bounds = n * BOUNDS_QUADS_OF(has_origin) * sizeof(cl_float4),
+                         .boxes = boxes ? n * BOX_QUADS_OF(has_origin) * sizeof(cl_float4) : 0};
 }
 
 static bool reserve_places(part *p, const part_task *task, size_t n, duet_error *err)

@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 
-enum { SMALLEST_ROOM = 1024 };
+enum { LEAST_CAPACITY = 1024 };
 
 // Pairs that fit a buffer; the kernels count places in 32 bits.
 static uint32_t capacity_of(const buffer *b)
@@ -13,14 +13,14 @@ static uint32_t capacity_of(const buffer *b)
     return capacity > UINT32_MAX ? UINT32_MAX : (uint32_t)capacity;
 }
 
-static bool reserve_room(part *p, buffer *b, uint64_t pairs, duet_error *err)
+static bool reserve_pairs(part *p, buffer *b, uint64_t pairs, duet_error *err)
 {
     if (pairs > UINT32_MAX)
         return error_set(err, DUET_STATUS_TOO_MANY,
                          "%s: %llu pairs, more than the %u that one device can list",
                          p->device->info.selector, (unsigned long long)pairs, UINT32_MAX);
-    if (pairs < SMALLEST_ROOM)
-        pairs = SMALLEST_ROOM;
+    if (pairs < LEAST_CAPACITY)
+        pairs = LEAST_CAPACITY;
     return buffer_reserve(b, p->device, (size_t)pairs * sizeof(duet_pair), err);
 }
 
@@ -59,7 +59,7 @@ static bool run_candidates(part *p, const part_task *task, const part_range *ran
 static uint64_t narrow_work(const part *p, uint32_t objects)
 {
     uint64_t capacity = capacity_of(&p->candidates);
-    uint64_t expected = 2 * (uint64_t)objects + SMALLEST_ROOM;
+    uint64_t expected = 2 * (uint64_t)objects + LEAST_CAPACITY;
     return expected < capacity ? expected : capacity;
 }
 
@@ -81,7 +81,7 @@ static bool everything_fits(part *p, bool *fits, duet_error *err)
         if (found == 0 || found <= capacity_of(lists[i].list))
             continue;
         *fits = false;
-        if (!reserve_room(p, lists[i].list, found + found / 16, err))
+        if (!reserve_pairs(p, lists[i].list, found + found / 16, err))
             return false;
     }
     return true;
@@ -123,13 +123,13 @@ static bool under_limit(const part *p, const part_task *task, duet_error *err)
 static bool reserve_first(part *p, const part_task *task, uint32_t objects, duet_error *err)
 {
     uint64_t guess = objects;
-    bool ok = p->pairs.mem || reserve_room(p, &p->pairs, guess, err);
+    bool ok = p->pairs.mem || reserve_pairs(p, &p->pairs, guess, err);
     if (task->shape == DUET_SHAPE_POSES)
-        ok = ok && (p->undecided.mem || reserve_room(p, &p->undecided, guess / 64, err));
+        ok = ok && (p->undecided.mem || reserve_pairs(p, &p->undecided, guess / 64, err));
     if (p->kernels.narrow)
-        ok =
-            ok && (p->candidates.mem ||
-                   reserve_room(p, &p->candidates, p->kernels.fused ? guess / 64 : 2 * guess, err));
+        ok = ok &&
+             (p->candidates.mem ||
+              reserve_pairs(p, &p->candidates, p->kernels.fused ? guess / 64 : 2 * guess, err));
     return ok;
 }
 

@@ -60,7 +60,7 @@ static uint32_t find_cut(const split *s, const part_task *task, uint32_t share)
 }
 
 // Objects move between counts, so there is space for some more.
-static uint32_t with_room(uint32_t n, uint32_t all)
+static uint32_t with_reserve(uint32_t n, uint32_t all)
 {
     uint64_t capacity = (uint64_t)n + n / 16 + 256;
     return capacity < all ? (uint32_t)capacity : all;
@@ -72,8 +72,8 @@ static part_range slab(const split *s, const part_task *task, uint32_t from, uin
     if (from == to)
         return (part_range){0};
     uint32_t nx = (uint32_t)task->grid.levels[0].cells.s[0];
-    uint32_t homes = with_room(count(s, from, to), task->n);
-    uint32_t ghosts = with_room(count(s, to, ghost_to), task->n);
+    uint32_t homes = with_reserve(count(s, from, to), task->n);
+    uint32_t ghosts = with_reserve(count(s, to, ghost_to), task->n);
     uint64_t both = (uint64_t)homes + ghosts;
     return (part_range){
         .key_from = from * nx,

@@ -244,7 +244,7 @@ static bool divide(duet_world *world, const part_task *task, part_range ranges[2
 }
 
 // A device that copies is sent its slab alone where that leaves out enough to
-// pay for packing. The paper's kernels want every object by its id; placed poses
+// pay for packing. The paper's kernels want every object by its id; large poses
 // and transforms are not packed.
 static bool pays_to_pack(const duet_world *world, int side, const part_range ranges[2])
 {

@@ -58,7 +58,7 @@ static workload_stats see_transforms(workload_stats c, const duet_world *world)
     return c;
 }
 
-static workload_stats see_placed(workload_stats c, const duet_world *world)
+static workload_stats see_large_poses(workload_stats c, const duet_world *world)
 {
     const duet_large_pose *placed = world->objects.bytes;
     for (uint32_t id = 0; id < world->n; ++id) {
@@ -95,7 +95,7 @@ static workload_stats see_all(const duet_world *world)
         return see_bounds(nothing, world);
     if (world->def.separate_sizes)
         return see_transforms(nothing, world);
-    return world->def.origin_edge > 0 ? see_placed(nothing, world) : see_poses(nothing, world);
+    return world->def.origin_edge > 0 ? see_large_poses(nothing, world) : see_poses(nothing, world);
 }
 
 // Extents are diagonals of boxes that may be turned, else longest sides.

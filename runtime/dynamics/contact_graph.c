@@ -154,15 +154,15 @@ static bool empty_contacts(duet_motion *m, duet_error *err)
 // As many as can begin and end: devices cannot ask for more space.
 static bool reserve_events(duet_motion *m, uint32_t n_old, duet_error *err)
 {
-    m->event_room = (uint64_t)m->n_contacts + 2 * (uint64_t)n_old + 1;
+    m->event_capacity = (uint64_t)m->n_contacts + 2 * (uint64_t)n_old + 1;
     return !motion_has(m, DUET_EFFECT_EVENTS) ||
-           motion_reserve(m, EVENTS, m->event_room, 4 * sizeof(uint32_t), err);
+           motion_reserve(m, EVENTS, m->event_capacity, 4 * sizeof(uint32_t), err);
 }
 
 static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
 {
     m->args.n_old = n_old;
-    m->args.event_capacity = (uint32_t)m->event_room;
+    m->args.event_capacity = (uint32_t)m->event_capacity;
     return motion_launch(m, "match_contacts", m->kernels.match_contacts, n_old, err);
 }
 
@@ -195,6 +195,6 @@ bool motion_build_graph(duet_motion *m, duet_error *err)
 bool motion_touch(duet_motion *m, bool woken, duet_error *err)
 {
     m->args.woken = woken;
-    m->args.event_capacity = (uint32_t)m->event_room;
+    m->args.event_capacity = (uint32_t)m->event_capacity;
     return motion_launch(m, "manifolds", m->kernels.build_manifolds, m->n_contacts, err);
 }

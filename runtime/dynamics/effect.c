@@ -94,7 +94,7 @@ static void add_object(effect_facts *f, const duet_pose *p, const duet_body *b, 
     f->massive |= b->mass > 0.0f;
     f->turnable |= b->mass > 0.0f && !b->fixed_rotation;
     f->uneven |= dims == 3 && b->mass > 0.0f && (h[0] != h[1] || h[1] != h[2]);
-    f->bouncing |= b->restitution > 0.0f;
+    f->elastic |= b->restitution > 0.0f;
     f->rough |= b->friction > 0.0f;
     f->filtered |= b->group != UINT32_MAX || b->mask != UINT32_MAX;
     f->reach = fmax(f->reach, reach_of(p, b, dims, dt));
@@ -127,7 +127,7 @@ static bool is_called(uint32_t effect, const duet_motion_def *def, const effect_
     bool moves = so_far & DUET_EFFECT_MOTION;
     switch (effect) {
     case DUET_EFFECT_CONTACT_RESPONSE:
-        return f->massive && (f->bouncing || f->rough);
+        return f->massive && (f->elastic || f->rough);
     case DUET_EFFECT_MOTION:
         return f->moving || f->turning || (f->massive && has_pull(def));
     case DUET_EFFECT_GRAVITY:

@@ -13,7 +13,7 @@ typedef struct effect_facts {
     bool massive;  // something has a mass
     bool turnable; // and something of that can be turned by others
     bool uneven;   // some inertia is not the same along all axes
-    bool bouncing; // some restitution is not 0
+    bool elastic;  // some restitution is not 0
     bool rough;    // some friction is not 0
     bool filtered; // some group or mask is not all
     double reach;  // the most that something moves in a step, in its least half extents

@@ -199,7 +199,7 @@ static double mean_least_extent(const duet_motion *m)
 }
 
 // Each centre into its origin cell: those of poses count from def.origin.
-static bool place_objects(duet_motion *m, const duet_large_pose *placed, duet_error *err)
+static bool place_objects(duet_motion *m, const duet_large_pose *large_poses, duet_error *err)
 {
     float edge = m->def.origin_edge;
     if (edge == 0.0f)
@@ -208,11 +208,11 @@ static bool place_objects(duet_motion *m, const duet_large_pose *placed, duet_er
     if (!m->cells)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the cells of %u objects", m->n);
     for (uint32_t id = 0; id < m->n; ++id) {
-        duet_large_pose p = placed ? placed[id] : (duet_large_pose){.pose = m->poses[id]};
+        duet_large_pose p = large_poses ? large_poses[id] : (duet_large_pose){.pose = m->poses[id]};
         double at[3];
         for (int k = 0; k < 3; ++k)
             at[k] = m->def.origin[k] + (double)p.pose.centre[k];
-        bool ok = placed ? origin_settle(&p, edge) : origin_place(&p, at, edge);
+        bool ok = large_poses ? origin_settle(&p, edge) : origin_place(&p, at, edge);
         if (!ok)
             return error_set(err, DUET_STATUS_BAD_OBJECT,
                              "object %u of %u is beyond 2^30 origin cells of edge %g", id, m->n,
@@ -224,7 +224,7 @@ static bool place_objects(duet_motion *m, const duet_large_pose *placed, duet_er
     return true;
 }
 
-static bool copy_objects(duet_motion *m, const duet_pose *poses, const duet_large_pose *placed,
+static bool copy_objects(duet_motion *m, const duet_pose *poses, const duet_large_pose *large_poses,
                          const duet_body *bodies, uint32_t n, duet_error *err)
 {
     m->n = n;
@@ -233,12 +233,12 @@ static bool copy_objects(duet_motion *m, const duet_pose *poses, const duet_larg
     if (!m->poses || !m->bodies)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u objects that move", n);
     for (uint32_t id = 0; id < n; ++id)
-        m->poses[id] = placed ? placed[id].pose : poses[id];
+        m->poses[id] = large_poses ? large_poses[id].pose : poses[id];
     if (n > 0 && bodies)
         memcpy(m->bodies, bodies, n * sizeof *bodies);
     for (uint32_t id = 0; id < n && !bodies; ++id)
         m->bodies[id] = duet_default_body();
-    return check_objects(m, err) && place_objects(m, placed, err);
+    return check_objects(m, err) && place_objects(m, large_poses, err);
 }
 
 // Pairs are looked for among bounds, which the grid may place as it likes.
@@ -264,10 +264,10 @@ static bool open_device(duet_motion *m, duet_error *err)
     return m->programs;
 }
 
-static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_large_pose *placed,
+static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_large_pose *large_poses,
                         const duet_body *bodies, uint32_t n, duet_error *err)
 {
-    if (!copy_objects(m, poses, placed, bodies, n, err))
+    if (!copy_objects(m, poses, large_poses, bodies, n, err))
         return false;
     m->facts = effect_facts_of(&m->def, m->poses, m->bodies, n);
     m->effects = effect_infer(&m->def, &m->facts);
@@ -287,7 +287,7 @@ static bool check_count(const duet_pose *poses, uint32_t n, duet_error *err)
 }
 
 duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
-                           const duet_large_pose *placed, const duet_body *bodies, uint32_t n,
+                           const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
                            duet_error *err)
 {
     if (!check_def(def, err) || !check_count(poses, n, err))
@@ -299,7 +299,7 @@ duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
     }
     m->def = *def;
     device_pair_hold(def->pair);
-    if (!open_motion(m, poses, placed, bodies, n, err)) {
+    if (!open_motion(m, poses, large_poses, bodies, n, err)) {
         duet_motion_destroy(m);
         return NULL;
     }

@@ -149,7 +149,7 @@ struct duet_motion {
     bool broken; // a step failed half-way: only a load makes it whole again
     uint32_t flags[FLAGS];
     duet_event *events;
-    uint64_t event_room;
+    uint64_t event_capacity;
     uint64_t n_events;
 };
 
@@ -158,9 +158,9 @@ static inline bool motion_has(const duet_motion *m, uint32_t effect)
     return m->effects & effect;
 }
 
-// The objects of a motion: poses, or with origin cells placed [n]; the other is NULL.
+// The objects of a motion: poses, or with origin cells large_poses [n]; the other is NULL.
 duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
-                           const duet_large_pose *placed, const duet_body *bodies, uint32_t n,
+                           const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
                            duet_error *err);
 
 // Whether a public call has a motion whose state is that of a whole step; BAD_ARGUMENT

@@ -66,7 +66,7 @@ static bool is_turned(const duet_motion *m, const motion_saved *s, uint32_t id)
 
 // Offsets are multiples of 2^-24 of an edge, from 0 up to below it, in cells up to
 // 2^30 from 0 (origin.h).
-static bool is_placed(const duet_motion *m, const motion_saved *s, uint32_t id)
+static bool is_in_cell(const duet_motion *m, const motion_saved *s, uint32_t id)
 {
     const cl_int4 *cells = s->at[CELLS];
     for (uint32_t k = 0; cells && k < m->def.dims; ++k) {
@@ -103,7 +103,7 @@ static bool check_object(const duet_motion *m, const motion_saved *s, uint32_t i
         return bad_object(s, id, "its mass is another than the motion's", err);
     if (!is_turned(m, s, id))
         return bad_object(s, id, "its rotation is not of length 1", err);
-    if (!is_placed(m, s, id))
+    if (!is_in_cell(m, s, id))
         return bad_object(s, id, "it is at no place of its origin cell", err);
     if (!has_box(m, s, id))
         return bad_object(s, id, "its bounds are not finite or not rising", err);

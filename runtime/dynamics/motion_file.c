@@ -86,8 +86,10 @@ static uint64_t sum_of(const char *bytes, size_t n)
 static motion_saved parts_of(const duet_motion *m, const header *h, const char *bytes,
                              const char *path)
 {
-    motion_saved s = {
-        .path = path, .n_contacts = h->n_contacts, .has_graph = h->has_graph, .n_pairs = h->n_pairs};
+    motion_saved s = {.path = path,
+                      .n_contacts = h->n_contacts,
+                      .has_graph = h->has_graph,
+                      .n_pairs = h->n_pairs};
     const char *at = bytes + sizeof *h;
     for (int i = 0; i < N_KEPT; ++i) {
         size_t size = bytes_of(m, kept[i], h->n_contacts);
@@ -204,7 +206,7 @@ static bool put_buffer(duet_motion *m, buffer *to, size_t capacity, const void *
            timeline_write_at(&m->times, "send", to, 0, from, bytes, err);
 }
 
-static uint64_t event_room(const motion_saved *s)
+static uint64_t event_capacity(const motion_saved *s)
 {
     return (uint64_t)s->n_contacts + 1;
 }
@@ -219,7 +221,7 @@ static bool put_all(duet_motion *m, const motion_saved *s, buffer fresh[], duet_
              put_buffer(m, &fresh[which], capacity_of(m, which, bytes), s->at[which], bytes, err);
     }
     if (ok && motion_has(m, DUET_EFFECT_EVENTS)) {
-        size_t bytes = (size_t)event_room(s) * 4 * sizeof(uint32_t);
+        size_t bytes = (size_t)event_capacity(s) * 4 * sizeof(uint32_t);
         ok = buffer_reserve(&fresh[EVENTS], m->device, capacity_of(m, EVENTS, bytes), err);
     }
     return ok && timeline_finish(&m->times, err);
@@ -261,7 +263,7 @@ bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
         return false;
     m->step = h.step;
     m->n_contacts = h.n_contacts;
-    m->event_room = event_room(&parts);
+    m->event_capacity = event_capacity(&parts);
     m->n_pairs = h.n_pairs;
     m->has_graph = h.has_graph;
     m->list_stale = true;

@@ -75,7 +75,7 @@ static entry rotation_of(const duet_motion *m, uint32_t id)
     return (entry){{x / norm, y / norm, q[2] / norm, q[3] / norm}};
 }
 
-static entry spin_of(const duet_motion *m, uint32_t id)
+static entry angular_velocity_of(const duet_motion *m, uint32_t id)
 {
     const float *w = m->bodies[id].angular_velocity;
     bool solid = m->def.dims == 3;
@@ -106,7 +106,7 @@ static entry half_of(const duet_motion *m, uint32_t id)
     return (entry){{h[0], h[1], m->def.dims == 3 ? h[2] : 0.0}};
 }
 
-static entry bounce_of(const duet_motion *m, uint32_t id)
+static entry restitution_of(const duet_motion *m, uint32_t id)
 {
     return (entry){{m->bodies[id].restitution}};
 }
@@ -179,9 +179,10 @@ bool motion_reset(duet_motion *m, duet_error *err)
         motion_buffer which;
         entry (*of)(const duet_motion *, uint32_t);
     } sent[] = {
-        {CENTRES, centre_of},          {VELOCITIES, velocity_of}, {ROTATIONS, rotation_of},
-        {ANGULAR_VELOCITIES, spin_of}, {INERTIAS, inertia_of},    {HALVES, half_of},
-        {RESTITUTIONS, bounce_of},     {FRICTIONS, friction_of},
+        {CENTRES, centre_of},           {VELOCITIES, velocity_of},
+        {ROTATIONS, rotation_of},       {ANGULAR_VELOCITIES, angular_velocity_of},
+        {INERTIAS, inertia_of},         {HALVES, half_of},
+        {RESTITUTIONS, restitution_of}, {FRICTIONS, friction_of},
     };
     bool ok = reserve_all(m, err);
     for (size_t i = 0; ok && i < sizeof sent / sizeof sent[0]; ++i) {
@@ -270,7 +271,7 @@ bool duet_motion_get_states(duet_motion *m, duet_state *states, duet_error *err)
         {CENTRES, centre_of, offsetof(duet_state, centre), 3},
         {ROTATIONS, rotation_of, offsetof(duet_state, rotation), 4},
         {VELOCITIES, velocity_of, offsetof(duet_state, velocity), 3},
-        {ANGULAR_VELOCITIES, spin_of, offsetof(duet_state, angular_velocity), 3},
+        {ANGULAR_VELOCITIES, angular_velocity_of, offsetof(duet_state, angular_velocity), 3},
     };
     entry *entries = calloc((size_t)m->n + 1, sizeof *entries);
     if (!entries)

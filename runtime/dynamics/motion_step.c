@@ -82,7 +82,7 @@ static bool respond(duet_motion *m, duet_error *err)
               for_colours(m, k->prepare_contacts, err);
     for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
         ok = substep(m, err);
-    ok = ok && (!m->facts.bouncing || for_colours(m, k->apply_restitution, err));
+    ok = ok && (!m->facts.elastic || for_colours(m, k->apply_restitution, err));
     return ok && for_colours(m, k->store_impulses, err) &&
            motion_launch(m, "integrate", k->finalize_bodies, m->n, err);
 }

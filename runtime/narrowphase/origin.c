@@ -21,33 +21,33 @@ static double to_quanta(double length, float edge)
 }
 
 // The cell that counts from `cell` on, and the offset in it.
-static bool put(duet_large_pose *placed, int k, int32_t cell, double quanta, float edge)
+static bool put(duet_large_pose *large, int k, int32_t cell, double quanta, float edge)
 {
     double cells = floor(quanta / QUANTA);
     double sum = cells + cell;
     if (!(fabs(sum) < MOST_CELLS)) {
-        placed->pose.centre[k] = NAN;
-        placed->cell[k] = 0;
+        large->pose.centre[k] = NAN;
+        large->cell[k] = 0;
         return false;
     }
-    placed->pose.centre[k] = (float)((quanta - cells * QUANTA) * (edge / QUANTA));
-    placed->cell[k] = (int32_t)sum;
+    large->pose.centre[k] = (float)((quanta - cells * QUANTA) * (edge / QUANTA));
+    large->cell[k] = (int32_t)sum;
     return true;
 }
 
-bool origin_settle(duet_large_pose *placed, float edge)
+bool origin_settle(duet_large_pose *large, float edge)
 {
     bool ok = true;
     for (int k = 0; k < 3; ++k)
-        ok &= put(placed, k, placed->cell[k], to_quanta(placed->pose.centre[k], edge), edge);
+        ok &= put(large, k, large->cell[k], to_quanta(large->pose.centre[k], edge), edge);
     return ok;
 }
 
-bool origin_place(duet_large_pose *placed, const double centre[3], float edge)
+bool origin_place(duet_large_pose *large, const double centre[3], float edge)
 {
     bool ok = true;
     for (int k = 0; k < 3; ++k)
-        ok &= put(placed, k, 0, to_quanta(centre[k], edge), edge);
+        ok &= put(large, k, 0, to_quanta(centre[k], edge), edge);
     return ok;
 }
 
@@ -67,27 +67,26 @@ static void set_shift(double shift[3], const duet_large_pose *a, const duet_larg
 
 void origin_shift(double shift[3], const void *rows, float edge, uint32_t a, uint32_t b)
 {
-    const duet_large_pose *placed = rows;
+    const duet_large_pose *large = rows;
     if (edge > 0.0f)
-        set_shift(shift, &placed[a], &placed[b], edge);
+        set_shift(shift, &large[a], &large[b], edge);
     else
         shift[0] = shift[1] = shift[2] = 0.0;
 }
 
 // ---------------------------------------------------------------- for callers
 
-bool duet_large_pose_set(duet_large_pose *placed, const double centre[3], float edge,
+bool duet_large_pose_set(duet_large_pose *large, const double centre[3], float edge,
                          duet_error *err)
 {
-    if (!error_given(placed, __func__, "placed", err) ||
-        !error_given(centre, __func__, "centre", err))
+    if (!error_given(large, __func__, "pose", err) || !error_given(centre, __func__, "centre", err))
         return false;
     if (!(edge > 0.0f) || !origin_is_edge(edge))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the origin cells' edge is %g; expected a power of two from 2^-100 "
                          "to 2^100",
                          (double)edge);
-    return origin_place(placed, centre, edge) ||
+    return origin_place(large, centre, edge) ||
            error_set(err, DUET_STATUS_BAD_OBJECT,
                      "the centre %g %g %g is not a number or beyond 2^30 origin cells of edge %g",
                      centre[0], centre[1], centre[2], (double)edge);

@@ -15,12 +15,12 @@ bool origin_is_edge(float edge);
 
 // Brings each offset into its cell. False, and a centre that is not a number,
 // where that is beyond 2^30 cells.
-bool origin_settle(duet_large_pose *placed, float edge);
+bool origin_settle(duet_large_pose *large, float edge);
 
 // The nearest position to a centre; false as above.
-bool origin_place(duet_large_pose *placed, const double centre[3], float edge);
+bool origin_place(duet_large_pose *large, const double centre[3], float edge);
 
-// Rows of objects: poses or bounds, or with an edge above 0 placed poses.
+// Rows of objects: poses or bounds, or with an edge above 0 large poses.
 size_t origin_row_bytes(duet_shape shape, float edge);
 static inline const duet_pose *origin_pose(const void *rows, float edge, uint32_t id)
 {
