@@ -4,9 +4,13 @@
 --
 --   duet lua --trust docs.lua PROGRAM ROOT FOLDER FILE...
 --
--- What is indented below a block that ends in `cat` of a file is what that prints.
+-- What is indented below a block that ends in `cat` of a file, or in a program that
+-- it built, `./hello`, is what that prints.
 -- A block that cannot be run in a test has a comment above it that says why:
 -- <!-- not run: it needs a GPU -->
+-- The blocks of a tutorial build on each other. It begins with a comment,
+-- <!-- all blocks in one folder -->, and a block of C or Lua in it whose first line is
+-- a comment with a file's name, `// game.c`, becomes that file.
 
 local program, root, folder = table.unpack(arg, 1, 3)
 local few = "400"
@@ -19,9 +23,10 @@ local examples = {
   ["scene.lua"] = 'local p = parameters { n = 10 }\nfor i = 1, p.n do add(i / 2, 0, 0, 0.5, 0.5, 0.5, 0, 0, 0, 1) end\nreturn { dims = 3 }\n',
 }
 
--- Every block of shell commands in a document, with its line.
+-- Every block of shell commands and every file in a document, with its line.
 local function blocks(path)
   local found, block, skipped = {}, nil, false
+  local one_folder = false
   local cats -- the last block, while what it prints is read
   local number = 0
   for line in assert(io.lines(path)) do
@@ -32,14 +37,19 @@ local function blocks(path)
       cats = nil
     end
     if block and line:match("^```") then
-      found[#found + 1] = block
-      for _, command in ipairs(block.commands) do cats = cats or command:match("^cat ") and block end
+      block.name = block.is_text and block.commands[1]:match("^[/-][/-] ([%w_]+%.%a+)$")
+      block.one_folder = one_folder
+      if block.name and one_folder or not block.is_text then found[#found + 1] = block end
+      for _, command in ipairs(block.is_text and {} or block.commands) do
+        cats = cats or (command:match("^cat ") or command:match("%./%w+$")) and block
+      end
       block = nil
     elseif block then
       block.commands[#block.commands + 1] = line
-    elseif line:match("^```sh") then
-      block = { line = number, commands = {}, skipped = skipped }
+    elseif line:match("^```sh") or line == "```c" or line == "```lua" then
+      block = { line = number, commands = {}, skipped = skipped, is_text = line ~= "```sh" }
     end
+    one_folder = one_folder or line == "<!-- all blocks in one folder -->"
     skipped = line:match("^<!%-%- not run: ") ~= nil
   end
   return found
@@ -58,19 +68,42 @@ local function small(line)
   return line
 end
 
-local function run(block)
-  local script = { "set -euo pipefail\n" }
-  for _, line in ipairs(block.commands) do script[#script + 1] = small(line) .. "\n" end
+local function write_file(name, text)
+  local file <close> = assert(io.open(folder .. "/" .. name, "w"))
+  file:write(text)
+end
+
+local function make_folder()
   os.execute(("rm -rf '%s' && mkdir -p '%s' && ln -s '%s/lua' '%s/examples' '%s'"):format(
     folder, folder, root, root, folder))
-  examples["block.sh"] = table.concat(script)
-  for name, text in pairs(examples) do
-    local file = assert(io.open(folder .. "/" .. name, "w"))
-    file:write(text)
-    file:close()
+  for name, text in pairs(examples) do write_file(name, text) end
+end
+
+-- What finds the library that was built, installed beside the folder.
+local library
+local function find_library()
+  if library then return library end
+  local installed = folder .. ".installed"
+  assert(os.execute(("cmake --install '%s' --prefix '%s' >'%s/installed'"):format(
+    program:match("^(.*)/"), installed, folder)))
+  local find <close> = assert(io.popen(("find '%s' -name duet.pc"):format(installed)))
+  local packages = find:read("l"):match("^(.*)/")
+  library = ("PKG_CONFIG_PATH='%s' LD_LIBRARY_PATH='%s/..'"):format(packages, packages)
+  return library
+end
+
+local function run(block, is_first)
+  if is_first or not block.one_folder then make_folder() end
+  local text = table.concat(block.commands, "\n") .. "\n"
+  if block.is_text then
+    write_file(block.name, text)
+    return true
   end
-  return os.execute(("cd '%s' && PATH=\"%s:$PATH\" DUET_PROFILE='%s/profiles.db' bash block.sh >out 2>err </dev/null")
-    :format(folder, program:match("^(.*)/"), folder))
+  local script = { "set -euo pipefail\n" }
+  for _, line in ipairs(block.commands) do script[#script + 1] = small(line) .. "\n" end
+  write_file("block.sh", table.concat(script))
+  return os.execute(("cd '%s' && PATH=\"%s:$PATH\" DUET_PROFILE='%s/profiles.db' %s bash block.sh >out 2>err </dev/null")
+    :format(folder, program:match("^(.*)/"), folder, (library or text:find("pkg-config", 1, true)) and find_library() or ""))
 end
 
 local function prints_what_it_should(block)
@@ -84,10 +117,13 @@ end
 
 local failed, n = 0, 0
 for i = 4, #arg do
+  local is_first = true
   for _, block in ipairs(blocks(arg[i])) do
     if not block.skipped then
       n = n + 1
-      if not run(block) or not prints_what_it_should(block) then
+      local ran = run(block, is_first)
+      is_first = false
+      if not ran or not prints_what_it_should(block) then
         failed = failed + 1
         local file <close> = assert(io.open(folder .. "/err"))
         io.stderr:write(("%s:%d: %s\n"):format(arg[i], block.line, file:read("a")))

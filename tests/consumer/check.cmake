@@ -36,6 +36,10 @@ run(${built}/game_loop)
 if(NOT out MATCHES "^plan: [a-z ]+, share [0-9.]+\n300 frames, [0-9]+ ns, [1-9][0-9]* collisions\n$")
   message(FATAL_ERROR "game_loop says '${out}'")
 endif()
+run(${built}/fall)
+if(NOT out STREQUAL "after 1.00 s the cube is at height 0.50\n")
+  message(FATAL_ERROR "fall says '${out}'")
+endif()
 run(${prefix}/bin/duet --version)
 
 # pkg-config looks for what is required in private even for the shared library,

@@ -188,7 +188,7 @@ static void the_flips_come_with_the_elliptic_period(void **state)
     }
     assert_int_equal(flips, 3);
     double measured = (third_flip - first_flip) * m->def.dt;
-    double part = figure("effects.md", "Jacobi's elliptic functions give, within # %") / 100;
+    double part = figure("notes/effects.md", "Jacobi's elliptic functions give, within # %") / 100;
     if (fabs(measured / period - 1.0) > part)
         fail_msg("a period of %g, where Jacobi's functions have %g", measured, period);
     mover_free(m);

@@ -89,7 +89,7 @@ static drift drift_of(bool doubles, double spin)
 static void assert_worst(drift d, const char *says)
 {
     double worst[2];
-    figures("effects.md", says, 2, worst);
+    figures("notes/effects.md", says, 2, worst);
     assert_true(d.worst.momentum < worst[0]);
     assert_true(d.worst.energy < worst[1]);
 }
@@ -100,7 +100,7 @@ static void tumbling_in_float_keeps_momentum_and_energy(void **state)
     drift d = drift_of(false, 5);
     assert_worst(d, "in float none loses or gains more than # of its momentum and # of its energy");
     double mean[2];
-    figures("effects.md", "their mean less than # and #", 2, mean);
+    figures("notes/effects.md", "their mean less than # and #", 2, mean);
     assert_close(d.mean.momentum, 0, mean[0]);
     assert_close(d.mean.energy, 0, mean[1]);
     assert_worst(drift_of(false, 0.5), "ten times as slow, # and #");

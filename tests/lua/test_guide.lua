@@ -31,7 +31,7 @@ facts.holds("every Lua block prints what stands under it", function()
 end)
 
 facts.holds("what figure 12 is said to find is what it finds", function()
-  local ms, off = guide:match "after (%d+) ms\nof tuning, and `balance` at ([%d.]+) %%"
+  local ms, off = guide:gsub("%s+", " "):match "after (%d+) ms of tuning, and `balance` at ([%d.]+) %%"
   local out = os.tmpname()
   os.remove(out)
   assert(os.execute("mkdir " .. out))

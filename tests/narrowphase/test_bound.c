@@ -78,7 +78,8 @@ static void errors_that_a_search_drives_up_stay_below_the_bound(void **state)
     }
     print_message("greatest error found: %.1f of %d\n", worst, NARROW_SLACK);
     assert_true(worst < NARROW_SLACK);
-    double most = figure("accuracy.md", "It prints how far it came: below # % of what the bound");
+    double most =
+        figure("notes/accuracy.md", "It prints how far it came: below # % of what the bound");
     assert_true(worst < most / 100 * NARROW_SLACK);
     assert_true(worst > 1); // else the search seeks nothing
 }

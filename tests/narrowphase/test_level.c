@@ -25,7 +25,7 @@ static void each_level_keeps_its_promise_on_hard_pairs(void **state)
 {
     (void)state;
     rng r = rng_seed(test_seed());
-    double said = figure("accuracy.md", "every level keeps its promise on # generated pairs");
+    double said = figure("notes/accuracy.md", "every level keeps its promise on # generated pairs");
     int n = 0;
     for (const hard_class *c = hard_classes; c->name; ++c)
         for (int i = 0; i < PAIRS; ++i) {

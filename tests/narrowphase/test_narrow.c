@@ -115,7 +115,8 @@ static void there_are_as_many_classes_as_the_document_says(void **state)
     int n = 0;
     while (hard_classes[n].name)
         ++n;
-    assert_int_equal(n, (int)figure("accuracy.md", "integers agree on # classes of hard pairs"));
+    assert_int_equal(n,
+                     (int)figure("notes/accuracy.md", "integers agree on # classes of hard pairs"));
 }
 
 static float of_bits(uint32_t bits)
@@ -131,8 +132,8 @@ static void a_reciprocal_is_as_near_as_the_document_says(void **state)
 {
     (void)state;
     double f[2], guess_off = 0, off = 0;
-    figures("accuracy.md", "from a guess within # % (bits", 1, f);
-    figures("accuracy.md", "three Newton steps by fma leave # u, found by trying", 1, f + 1);
+    figures("notes/accuracy.md", "from a guess within # % (bits", 1, f);
+    figures("notes/accuracy.md", "three Newton steps by fma leave # u, found by trying", 1, f + 1);
     for (uint32_t mantissa = 0; mantissa < 1u << 23; ++mantissa) {
         float x = of_bits(0x3F800000u + mantissa);
         float r = of_bits(0x7EF311C3u - (0x3F800000u + mantissa));
@@ -226,7 +227,8 @@ static void float_leaves_few_nearly_parallel_pairs_undecided(void **state)
         undecided += narrow_float(&a, &b, 3, true) == NARROW_UNDECIDED;
     }
     print_message("%d of %d\n", undecided, N);
-    assert_true(undecided < figure("accuracy.md", "both are below # in 100 000") * N / 100000);
+    assert_true(undecided <
+                figure("notes/accuracy.md", "both are below # in 100 000") * N / 100000);
 }
 
 // ------------------------------------------------------------ symmetry
