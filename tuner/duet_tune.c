@@ -12,7 +12,6 @@
 #include "tuner/race.h"
 #include "tuner/record.h"
 #include "tuner/strategy.h"
-#include "tuner/strategy_lua.h"
 #include "tuner/terms.h"
 
 #include <math.h>
