@@ -6,13 +6,12 @@
 #include "runtime/broadphase/variant.h"
 #include "runtime/narrowphase/accuracy.h"
 #include "runtime/selection/profile_subject.h"
-#include "tuner/level_choice.h"
 #include "tuner/level_costs.h"
+#include "tuner/measure.h"
 #include "tuner/pair_list.h"
 #include "tuner/race.h"
 #include "tuner/record.h"
 #include "tuner/strategy.h"
-#include "tuner/terms.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,6 @@
 #include "tuner/record.h"
 
 #include "runtime/selection/profile_subject.h"
-#include "tuner/terms.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

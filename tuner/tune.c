@@ -1,16 +1,34 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/tune.h"
 
+#include "base/error.h"
 #include "tuner/search.h"
-#include "tuner/verdict.h"
+#include "tuner/strategy.h"
+#include "tuner/tuning.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { MOST_MODES = 8 };
+enum {
+    MOST_MODES = 8,
+    VERDICT_REPEATS = 2, // at most, of which the quicker is typical
+    LEAST_TRIALS = 8,    // from which a device's undisturbed time is taken
+};
 
-static const double VARIANTS_END = 0.35, SEARCH_END = 0.7; // parts of the budget
+static const double VARIANTS_END = 0.35, SEARCH_END = 0.7, VERDICT_END = 1; // parts of the budget
+
+static const double WORTH_ALONE = 1.3; // A alone is raced where it may take so much of B alone
+static const double UNEVEN = 1.03;     // a step that could be so much shorter is evened out
+
+// What the search of one mode came to.
+typedef struct found {
+    duet_mode mode;
+    bool usable;
+    uint32_t share;
+    double a_alone_ns; // expected; INFINITY where nothing was seen of A
+    double b_alone_ns; // as measured first
+} found;
 
 // ---------------------------------------------------------------- variants
 
@@ -188,6 +206,160 @@ static bool search_modes(tuning *t, found founds[MOST_MODES], uint32_t *n, duet_
     return true;
 }
 
+// ---------------------------------------------------------------- verdict
+
+// First all rivals race, for the better single device and the best shared plan.
+// Then these two run against each other, and only that counts: samples from
+// which the best of several was chosen make it look better than it is.
+//
+// A round is short, so that a slow while of the machine falls on all rivals
+// alike. What takes a core away for a moment hits two of them twice as often as
+// one: the quicker of two launches counts.
+// The devices alone come first, then the best share of each mode.
+static uint32_t enter_rivals(const tuning *t, const found *founds, uint32_t n, field *f)
+{
+    double a_alone_ns = INFINITY, b_alone_ns = INFINITY;
+    for (uint32_t i = 0; i < n; ++i) {
+        a_alone_ns = fmin(a_alone_ns, founds[i].a_alone_ns);
+        b_alone_ns = fmin(b_alone_ns, founds[i].b_alone_ns);
+    }
+    field_enter(f, tuning_plan_at(t, 0, DUET_MODE_OWN));
+    if (a_alone_ns < WORTH_ALONE * b_alone_ns)
+        field_enter(f, tuning_plan_at(t, DUET_SHARE_ONE, DUET_MODE_OWN));
+    uint32_t n_alone = f->n;
+    for (uint32_t i = 0; i < n; ++i) {
+        if (founds[i].usable && founds[i].share > 0 && founds[i].share < DUET_SHARE_ONE)
+            field_enter(f, tuning_plan_at(t, founds[i].share, founds[i].mode));
+    }
+    return n_alone;
+}
+
+// Both devices' undisturbed times in all trials of a plan; false where there
+// are too few.
+static bool undisturbed(const trial_log *state, const duet_plan *plan, double ns[2])
+{
+    double times[2][STATS_MOST];
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < state->played && n < STATS_MOST; ++i) {
+        const trial_log_entry *entry = &state->entries[i];
+        if (!entry->usable || !trial_log_same_plan(&entry->plan, plan))
+            continue;
+        times[0][n] = (double)entry->sample.a_ns;
+        times[1][n++] = (double)entry->sample.b_ns;
+    }
+    for (int device = 0; device < 2 && n > 0; ++device)
+        ns[device] = stats_quartile(times[device], n);
+    return n >= LEAST_TRIALS;
+}
+
+// The share at which both devices would end together, by what each took for its
+// part. A search has few launches, and while they lasted one device may have
+// been slower than it mostly is.
+static bool even_out(const tuning *t, const duet_plan *plan, duet_plan *even)
+{
+    double ns[2];
+    if (!strategy_find(t->task->def->strategy)->evened || !undisturbed(t->state, plan, ns))
+        return false;
+    double part = (double)plan->share / DUET_SHARE_ONE;
+    double a = ns[0] / part, b = ns[1] / (1 - part); // for all the work
+    double fair = b / (a + b);
+    double quanta = floor(fair * DUET_SHARE_ONE / t->task->least_share + 0.5);
+    *even = *plan;
+    even->share = (uint32_t)quanta * t->task->least_share;
+    return fmax(ns[0], ns[1]) > UNEVEN * fair * a && even->share > 0 &&
+           even->share < DUET_SHARE_ONE;
+}
+
+static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t best,
+                  duet_tune_outcome *outcome)
+{
+    race_gain gain = {
+        .verdict = t->cut ? RACE_AMBIGUOUS : RACE_SAME, .ratio = 1, .interval = {1, 1, 1}};
+    if (best != alone)
+        gain = race_compare(&f->race, best, alone);
+    uint32_t use = gain.verdict == RACE_FASTER ? best : alone;
+    outcome->best = f->plans[best];
+    outcome->plan = f->plans[use];
+    outcome->terms = f->terms[best];
+    outcome->gain = gain.ratio - 1;
+    outcome->gain_low = gain.interval.low - 1;
+    outcome->gain_high = gain.interval.high - 1;
+    snprintf(outcome->verdict, sizeof outcome->verdict, "%s", race_verdict_name(gain.verdict));
+    stats_interval in =
+        stats_median_interval(f->race.rivals[use].ns, f->race.rivals[use].rounds, 0.95);
+    outcome->step_ms = race_median(&f->race, use) * 1e-6;
+    outcome->step_low_ms = in.low * 1e-6;
+    outcome->step_high_ms = in.high * 1e-6;
+    outcome->single_ms = race_median(&f->race, alone) * 1e-6;
+}
+
+static bool fail_unmeasured(const tuning *t, duet_error *err)
+{
+    if (t->failure.status == DUET_STATUS_OK)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the budget ended before the devices were compared; expected more "
+                         "than %u trials or %.3g seconds",
+                         t->state->played, (double)t->spent_ns * 1e-9);
+    if (err && err->status == DUET_STATUS_OK)
+        *err = t->failure;
+    return false;
+}
+
+// The single device and the shared plan once more, with its evened share.
+static bool race_finalists(tuning *t, const duet_plan *alone, const duet_plan *shared, field *f,
+                           duet_error *err)
+{
+    static const race_options to_the_end = {
+        .least_rounds = 14, .most_rounds = 40, .level = 0.99, .dropped = INFINITY, .margin = 0.03};
+    duet_plan even;
+    *f = (field){0};
+    field_enter(f, *alone);
+    field_enter(f, *shared);
+    if (even_out(t, shared, &even))
+        field_enter(f, even);
+    return tuning_race(t, f, &to_the_end, false, false, err);
+}
+
+// The budget may have ended before or in this race: then the first one's samples
+// must do.
+static bool is_decided(const field *f, uint32_t best)
+{
+    return best < f->n && f->race.rivals[0].rounds > 0 &&
+           race_compare(&f->race, best, 0).verdict != RACE_AMBIGUOUS;
+}
+
+// The best of what was found, raced against the better single device. What does
+// not prove to be faster is not used: tuned is never slower than one device.
+static bool reach_verdict(tuning *t, const found *founds, uint32_t n, duet_tune_outcome *outcome,
+                          duet_error *err)
+{
+    field all = {0}, finalists;
+    uint32_t n_alone = enter_rivals(t, founds, n, &all);
+    t->stage = "verdict";
+    t->stage_end = VERDICT_END;
+    t->repeats = t->repeats < VERDICT_REPEATS ? t->repeats : VERDICT_REPEATS;
+    if (!tuning_race(t, &all, NULL, false, false, err))
+        return false;
+    uint32_t alone = race_best(&all.race, 0, n_alone);
+    uint32_t shared = race_best(&all.race, n_alone, all.n);
+    if (alone == n_alone)
+        return fail_unmeasured(t, err);
+    if (shared == all.n) {
+        judge(t, &all, alone, alone, outcome);
+        return true;
+    }
+    if (!race_finalists(t, &all.plans[alone], &all.plans[shared], &finalists, err))
+        return false;
+    uint32_t best = race_best(&finalists.race, 1, finalists.n);
+    if (is_decided(&finalists, best))
+        judge(t, &finalists, 0, best, outcome);
+    else
+        judge(t, &all, alone, shared, outcome);
+    return true;
+}
+
+// ---------------------------------------------------------------- the whole
+
 bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcome, duet_error *err)
 {
     tuning t = tuning_begin(task, state);
@@ -195,7 +367,7 @@ bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcom
     uint32_t n = 0;
     *outcome = (duet_tune_outcome){0};
     bool ok = choose_variants(&t, err) && search_modes(&t, founds, &n, err) &&
-              verdict_reach(&t, founds, n, outcome, err);
+              reach_verdict(&t, founds, n, outcome, err);
     outcome->trials = state->played;
     outcome->launches = t.launches;
     outcome->seconds = (double)t.spent_ns * 1e-9;
