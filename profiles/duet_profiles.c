@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "profiles/duet_profiles.h"
 
-#include "profiles/entry.h"
 #include "profiles/exchange.h"
+#include "profiles/profile.h"
 
 #include <errno.h>
 #include <inttypes.h>

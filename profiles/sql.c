@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "profiles/sql.h"
 
+#include <cjson/cJSON.h>
 #include <errno.h>
 #include <math.h>
 #include <string.h>
@@ -186,4 +187,13 @@ void sql_copy(char *to, size_t size, const char *from)
     if (length > 0)
         memcpy(to, from, length);
     to[length] = '\0';
+}
+
+bool sql_check_object(const char *what, const char *chars, duet_error *err)
+{
+    cJSON *json = cJSON_ParseWithOpts(chars, NULL, true);
+    bool ok = cJSON_IsObject(json);
+    cJSON_Delete(json);
+    return ok || error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s must be one JSON object, not: %.60s",
+                           what, chars);
 }

@@ -64,6 +64,10 @@ bool sql_fail(const store *s, int code, duet_error *err);
 // Copies at most size-1 bytes; what is stored was checked to fit when it came in.
 void sql_copy(char *to, size_t size, const char *from);
 
+// BAD_ARGUMENT, with what, where a text from outside this module is not one JSON
+// object. SQL's own check is off in a store, whose text is not trusted.
+bool sql_check_object(const char *what, const char *chars, duet_error *err);
+
 void profile_sha(const char *chars, size_t n, char key[65]);
 
 // One row in the audit table.

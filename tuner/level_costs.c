@@ -71,15 +71,12 @@ static bool compare(survey *s, level_cost *row, duet_error *err)
 
 static bool hand_over(survey *s, duet_error *err)
 {
-    uint32_t n = duet_scene_get_info(s->scene)->n;
-    const duet_pose *poses = duet_scene_get_objects(s->scene, DUET_OBJECT_POSES);
-    const duet_large_pose *placed = duet_scene_get_objects(s->scene, DUET_OBJECT_LARGE_POSES);
-    if (placed)
-        return duet_world_set_objects(s->world, DUET_OBJECT_LARGE_POSES, placed, n, err);
-    return poses ? duet_world_set_objects(s->world, DUET_OBJECT_POSES, poses, n, err)
-                 : duet_world_set_objects(s->world, DUET_OBJECT_BOUNDS,
-                                          duet_scene_get_objects(s->scene, DUET_OBJECT_BOUNDS), n,
-                                          err);
+    const duet_scene_info *info = duet_scene_get_info(s->scene);
+    duet_object_kind kind = info->origin_edge > 0             ? DUET_OBJECT_LARGE_POSES
+                            : info->shape == DUET_SHAPE_POSES ? DUET_OBJECT_POSES
+                                                              : DUET_OBJECT_BOUNDS;
+    return duet_world_set_objects(s->world, kind, duet_scene_get_objects(s->scene, kind), info->n,
+                                  err);
 }
 
 static bool step(survey *s, duet_error *err)

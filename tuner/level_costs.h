@@ -4,7 +4,7 @@
 #ifndef TUNER_LEVEL_COSTS_H
 #define TUNER_LEVEL_COSTS_H
 
-#include "profiles/level_cost.h"
+#include "profiles/profile.h"
 #include "runtime/duet.h"
 
 enum { LEVEL_COSTS_ROUNDS = 100, LEVEL_COSTS_BOTH = 2 };

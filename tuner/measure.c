@@ -134,11 +134,10 @@ search_sample measure_sample(const duet_result *result, const duet_plan *plan)
 // Mapped memory keeps what it holds and counts as written.
 static bool hand_over_objects(const measure_world *at, duet_error *err)
 {
-    if (at->placed)
-        return duet_world_map_objects(at->world, DUET_OBJECT_LARGE_POSES, at->n, err) != NULL;
-    return at->shape == DUET_SHAPE_POSES
-               ? duet_world_map_objects(at->world, DUET_OBJECT_POSES, at->n, err) != NULL
-               : duet_world_map_objects(at->world, DUET_OBJECT_BOUNDS, at->n, err) != NULL;
+    duet_object_kind kind = at->placed                      ? DUET_OBJECT_LARGE_POSES
+                            : at->shape == DUET_SHAPE_POSES ? DUET_OBJECT_POSES
+                                                            : DUET_OBJECT_BOUNDS;
+    return duet_world_map_objects(at->world, kind, at->n, err);
 }
 
 static bool step_world(void *context, const duet_plan *plan, measure_launch *launch,

@@ -5,7 +5,7 @@
 #define TUNER_MEASURE_H
 
 #include "base/text.h"
-#include "profiles/trial.h"
+#include "profiles/session.h"
 #include "tuner/duet_tune.h"
 #include "tuner/search.h"
 
