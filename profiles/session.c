@@ -227,14 +227,39 @@ bool profile_session_end(store *s, const char *id, const char *how, duet_error *
 
 // ---------------------------------------------------------------- trials
 
-// Statistics exist only of a trial that was measured.
-static void bind_statistic(sql *q, const profile_trial *trial, double value)
-{
-    if (strcmp(trial->outcome, "ok") == 0)
-        sql_real(q, value);
-    else
-        sql_text(q, NULL);
-}
+static const sql_column trial_columns[] = {
+    SQL_PLAN_COLUMNS(profile_trial, plan),
+    SQL_COLUMN("outcome", profile_trial, outcome),
+    SQL_COLUMN("reason", profile_trial, reason),
+    SQL_COLUMN("build_ms", profile_trial, build_ms),
+    SQL_COLUMN("outliers", profile_trial, outliers),
+    SQL_COLUMN("terms", profile_trial, terms),
+    {0},
+};
+
+// These exist only of a trial that was measured.
+static const sql_column statistic_columns[] = {
+    SQL_COLUMN("median_ns", profile_trial, median_ns),
+    SQL_COLUMN("mad_ns", profile_trial, mad_ns),
+    SQL_COLUMN("low_ns", profile_trial, low_ns),
+    SQL_COLUMN("high_ns", profile_trial, high_ns),
+    SQL_COLUMN("a_ns", profile_trial, a_ns),
+    SQL_COLUMN("b_ns", profile_trial, b_ns),
+    {0},
+};
+
+#define STATISTICS "median_ns, mad_ns, low_ns, high_ns, a_ns, b_ns"
+
+static const sql_column sample_columns[] = {
+    SQL_COLUMN("total_ns", profile_sample, total_ns),
+    SQL_COLUMN("a_ns", profile_sample, a_ns),
+    SQL_COLUMN("b_ns", profile_sample, b_ns),
+    SQL_COLUMN("transfer_ns", profile_sample, transfer_ns),
+    SQL_COLUMN("merge_ns", profile_sample, merge_ns),
+    SQL_COLUMN("flags", profile_sample, flags),
+    SQL_COLUMN("at_ns", profile_sample, at_ns),
+    {0},
+};
 
 static uint32_t count_launches(const profile_trial *trial)
 {
@@ -247,50 +272,26 @@ static uint32_t count_launches(const profile_trial *trial)
 static bool insert_trial(store *s, const char *session, int64_t number, const profile_trial *trial,
                          duet_error *err)
 {
-    sql q = sql_make(s,
-                     "INSERT INTO trial (session_id, number, share, mode, level, variant_a, "
-                     "variant_b, outcome, reason, build_ms, launches, outliers, median_ns, mad_ns, "
-                     "low_ns, high_ns, a_ns, b_ns, terms, created_ns) "
-                     "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                     err);
+    bool measured = strcmp(trial->outcome, "ok") == 0;
+    sql q = sql_insert(s, "trial", trial_columns,
+                       STATISTICS ", session_id, number, launches, created_ns", "", err);
+    sql_bind(&q, trial_columns, trial);
+    sql_bind(&q, statistic_columns, measured ? trial : NULL);
     sql_text(&q, session);
     sql_int(&q, number);
-    sql_int(&q, trial->plan.share);
-    sql_text(&q, trial->plan.mode);
-    sql_text(&q, trial->plan.level);
-    sql_text(&q, trial->plan.variant_a);
-    sql_text(&q, trial->plan.variant_b);
-    sql_text(&q, trial->outcome);
-    sql_text(&q, trial->reason);
-    sql_real(&q, trial->build_ms);
     sql_int(&q, count_launches(trial));
-    sql_int(&q, trial->outliers);
-    bind_statistic(&q, trial, trial->median_ns);
-    bind_statistic(&q, trial, trial->mad_ns);
-    bind_statistic(&q, trial, trial->low_ns);
-    bind_statistic(&q, trial, trial->high_ns);
-    bind_statistic(&q, trial, trial->a_ns);
-    bind_statistic(&q, trial, trial->b_ns);
-    sql_text(&q, trial->terms);
     sql_int(&q, clock_calendar_ns());
     return sql_run(&q);
 }
 
 static bool insert_samples(store *s, int64_t trial_id, const profile_trial *trial, duet_error *err)
 {
-    sql q = sql_make(s, "INSERT INTO sample VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)", err);
+    sql q = sql_insert(s, "sample", sample_columns, "trial_id, number", "", err);
     for (uint32_t i = 0; i < trial->n_samples; ++i) {
-        const profile_sample *sample = &trial->samples[i];
         sql_again(&q);
+        sql_bind(&q, sample_columns, &trial->samples[i]);
         sql_int(&q, trial_id);
         sql_int(&q, i);
-        sql_int(&q, sample->total_ns);
-        sql_int(&q, sample->a_ns);
-        sql_int(&q, sample->b_ns);
-        sql_int(&q, sample->transfer_ns);
-        sql_int(&q, sample->merge_ns);
-        sql_int(&q, sample->flags);
-        sql_int(&q, sample->at_ns);
         sql_row(&q);
     }
     return sql_close(&q);
@@ -329,92 +330,27 @@ bool profile_trial_find(store *s, const char *session, const profile_plan *plan,
 
 // ------------------------------------------------------------------- reading
 
-typedef struct sample_list {
-    profile_sample *samples;
-    uint32_t n;
-    uint32_t capacity;
-} sample_list;
-
-static bool make_room(sample_list *list, duet_error *err)
-{
-    if (list->n < list->capacity)
-        return true;
-    uint32_t capacity = list->capacity ? 2 * list->capacity : 64;
-    profile_sample *samples = realloc(list->samples, capacity * sizeof *samples);
-    if (!samples)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%u samples: no memory", capacity);
-    list->samples = samples;
-    list->capacity = capacity;
-    return true;
-}
-
-static bool read_samples(store *s, int64_t trial_id, sample_list *list, duet_error *err)
-{
-    sql q = sql_make(s,
-                     "SELECT total_ns, a_ns, b_ns, transfer_ns, merge_ns, flags, at_ns "
-                     "FROM sample WHERE trial_id = ? ORDER BY number",
-                     err);
-    sql_int(&q, trial_id);
-    list->n = 0;
-    bool ok = true;
-    while (ok && sql_row(&q)) {
-        ok = make_room(list, err);
-        if (ok)
-            list->samples[list->n++] = (profile_sample){
-                .total_ns = sql_get_int(&q, 0),
-                .a_ns = sql_get_int(&q, 1),
-                .b_ns = sql_get_int(&q, 2),
-                .transfer_ns = sql_get_int(&q, 3),
-                .merge_ns = sql_get_int(&q, 4),
-                .flags = (uint32_t)sql_get_int(&q, 5),
-                .at_ns = sql_get_int(&q, 6),
-            };
-    }
-    return sql_close(&q) && ok;
-}
-
-static profile_trial read_trial(const sql *q)
-{
-    profile_trial trial = {
-        .plan.share = (uint32_t)sql_get_int(q, 2),
-        .outcome = sql_get_text(q, 7),
-        .reason = sql_get_text(q, 8),
-        .build_ms = sql_get_real(q, 9),
-        .outliers = (uint32_t)sql_get_int(q, 10),
-        .median_ns = sql_get_real(q, 11),
-        .mad_ns = sql_get_real(q, 12),
-        .low_ns = sql_get_real(q, 13),
-        .high_ns = sql_get_real(q, 14),
-        .a_ns = sql_get_real(q, 15),
-        .b_ns = sql_get_real(q, 16),
-        .terms = sql_get_text(q, 17),
-    };
-    sql_copy(trial.plan.mode, sizeof trial.plan.mode, sql_get_text(q, 3));
-    sql_copy(trial.plan.level, sizeof trial.plan.level, sql_get_text(q, 4));
-    sql_copy(trial.plan.variant_a, sizeof trial.plan.variant_a, sql_get_text(q, 5));
-    sql_copy(trial.plan.variant_b, sizeof trial.plan.variant_b, sql_get_text(q, 6));
-    return trial;
-}
-
 bool profile_trial_each(store *s, const char *session, profile_trial_visit *visit, void *context,
                         duet_error *err)
 {
-    sql q = sql_make(s,
-                     "SELECT id, number, share, mode, level, variant_a, variant_b, outcome, "
-                     "reason, build_ms, outliers, median_ns, mad_ns, low_ns, high_ns, a_ns, b_ns, "
-                     "terms FROM trial WHERE session_id = ? ORDER BY number",
-                     err);
+    sql q = sql_select(
+        s, trial_columns,
+        ", " STATISTICS ", id, number FROM trial WHERE session_id = ? ORDER BY number", err);
     sql_text(&q, session);
-    sample_list list = {0};
     bool ok = true;
     bool more = true;
     while (ok && more && sql_row(&q)) {
-        ok = read_samples(s, sql_get_int(&q, 0), &list, err);
-        profile_trial trial = read_trial(&q);
-        trial.samples = list.samples;
-        trial.n_samples = list.n;
-        more = ok && visit(context, sql_get_int(&q, 1), &trial);
+        profile_trial trial = {0};
+        int rest = sql_read(&q, 0, trial_columns, &trial);
+        rest = sql_read(&q, rest, statistic_columns, &trial);
+        sql samples =
+            sql_select(s, sample_columns, " FROM sample WHERE trial_id = ? ORDER BY number", err);
+        sql_int(&samples, sql_get_int(&q, rest));
+        profile_sample *list = sql_rows(&samples, sample_columns, sizeof *list, &trial.n_samples);
+        trial.samples = list;
+        ok = sql_close(&samples);
+        more = ok && visit(context, sql_get_int(&q, rest + 1), &trial);
+        free(list);
     }
-    free(list.samples);
     return sql_close(&q) && ok;
 }

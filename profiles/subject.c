@@ -13,6 +13,9 @@
 #include <string.h>
 #include <unistd.h>
 
+// Ends the insertion of a row that may be there.
+#define ONCE "ON CONFLICT (key) DO NOTHING"
+
 // ---------------------------------------------------------------- devices
 
 static void add_field(text *t, const char *name, const char *value)
@@ -82,26 +85,41 @@ void profile_env_key(const profile_env *env, char key[PROFILE_SHA])
     close_key(&t, key);
 }
 
+static const sql_column device_columns[] = {
+    SQL_COLUMN("kind", profile_device, kind),
+    SQL_COLUMN("vendor", profile_device, vendor),
+    SQL_COLUMN("name", profile_device, name),
+    SQL_COLUMN("arch", profile_device, arch),
+    SQL_COLUMN("units", profile_device, units),
+    SQL_COLUMN("max_group", profile_device, max_group),
+    SQL_COLUMN("local_bytes", profile_device, local_bytes),
+    SQL_COLUMN("global_bytes", profile_device, global_bytes),
+    {0},
+};
+
 static bool put_device(store *s, const profile_device *device, int64_t *id, duet_error *err)
 {
     char key[PROFILE_SHA];
+    profile_device row = *device;
+    row.global_bytes = own_bytes(device);
     profile_device_key(device, key);
-    sql q = sql_make(s,
-                     "INSERT INTO device (key, kind, vendor, name, arch, units, max_group, "
-                     "local_bytes, global_bytes) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?) "
-                     "ON CONFLICT (key) DO NOTHING",
-                     err);
+    sql q = sql_insert(s, "device", device_columns, "key", ONCE, err);
+    sql_bind(&q, device_columns, &row);
     sql_text(&q, key);
-    sql_text(&q, device->kind);
-    sql_text(&q, device->vendor);
-    sql_text(&q, device->name);
-    sql_text(&q, device->arch);
-    sql_int(&q, device->units);
-    sql_int(&q, device->max_group);
-    sql_int(&q, (int64_t)device->local_bytes);
-    sql_int(&q, (int64_t)own_bytes(device));
     return sql_run(&q) && sql_find(s, "SELECT id FROM device WHERE key = ?", key, id, err);
 }
+
+// But those of the device.
+static const sql_column env_columns[] = {
+    SQL_COLUMN("platform", profile_env, platform),
+    SQL_COLUMN("platform_version", profile_env, platform_version),
+    SQL_COLUMN("driver", profile_env, driver),
+    SQL_COLUMN("cl_version", profile_env, cl_version),
+    SQL_COLUMN("part", profile_env, part),
+    SQL_COLUMN("part_units", profile_env, part_units),
+    SQL_COLUMN("limits", profile_env, limits),
+    {0},
+};
 
 static bool put_env(store *s, const profile_env *env, int64_t *id, duet_error *err)
 {
@@ -112,21 +130,11 @@ static bool put_env(store *s, const profile_env *env, int64_t *id, duet_error *e
     char seat[PROFILE_SHA];
     profile_env_key(env, key);
     profile_env_seat(env, seat);
-    sql q = sql_make(s,
-                     "INSERT INTO env (key, seat, device_id, platform, platform_version, driver, "
-                     "cl_version, part, part_units, limits) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
-                     "ON CONFLICT (key) DO NOTHING",
-                     err);
+    sql q = sql_insert(s, "env", env_columns, "key, seat, device_id", ONCE, err);
+    sql_bind(&q, env_columns, env);
     sql_text(&q, key);
     sql_text(&q, seat);
     sql_int(&q, device_id);
-    sql_text(&q, env->platform);
-    sql_text(&q, env->platform_version);
-    sql_text(&q, env->driver);
-    sql_text(&q, env->cl_version);
-    sql_text(&q, env->part);
-    sql_int(&q, env->part_units);
-    sql_text(&q, env->limits);
     return sql_run(&q) && sql_find(s, "SELECT id FROM env WHERE key = ?", key, id, err);
 }
 
@@ -258,31 +266,34 @@ bool profile_workload_key(const profile_workload *w, char key[PROFILE_SHA], duet
     return ok;
 }
 
+static const sql_column workload_columns[] = {
+    SQL_COLUMN("dims", profile_workload, dims),
+    SQL_COLUMN("n", profile_workload, n),
+    SQL_COLUMN("cells_x", profile_workload, cells[0]),
+    SQL_COLUMN("cells_y", profile_workload, cells[1]),
+    SQL_COLUMN("cells_z", profile_workload, cells[2]),
+    SQL_COLUMN("cell", profile_workload, cell),
+    SQL_COLUMN("occ_mean", profile_workload, occ_mean),
+    SQL_COLUMN("occ_p99", profile_workload, occ_p99),
+    SQL_COLUMN("size_ratio", profile_workload, size_ratio),
+    SQL_COLUMN("shape", profile_workload, shape),
+    SQL_COLUMN("rotated", profile_workload, rotated),
+    SQL_COLUMN("effects", profile_workload, effects),
+    SQL_COLUMN("level", profile_workload, level),
+    {0},
+};
+
 static bool insert_workload(store *s, const profile_workload *w, const char *key,
                             const char *family, const char *effects, duet_error *err)
 {
-    sql q = sql_make(s,
-                     "INSERT INTO workload (key, family, name, dims, n, cells_x, cells_y, cells_z, "
-                     "cell, occ_mean, occ_p99, size_ratio, shape, rotated, effects, level) "
-                     "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
-                     "ON CONFLICT (key) DO NOTHING",
-                     err);
+    profile_workload row = *w;
+    row.cells[2] = w->dims == 3 ? w->cells[2] : 1;
+    row.effects = effects;
+    sql q = sql_insert(s, "workload", workload_columns, "key, family, name", ONCE, err);
+    sql_bind(&q, workload_columns, &row);
     sql_text(&q, key);
     sql_text(&q, family);
     sql_text(&q, w->name);
-    sql_int(&q, w->dims);
-    sql_int(&q, (int64_t)w->n);
-    sql_int(&q, w->cells[0]);
-    sql_int(&q, w->cells[1]);
-    sql_int(&q, w->dims == 3 ? w->cells[2] : 1);
-    sql_real(&q, w->cell);
-    sql_real(&q, w->occ_mean);
-    sql_real(&q, w->occ_p99);
-    sql_real(&q, w->size_ratio);
-    sql_text(&q, w->shape);
-    sql_int(&q, w->rotated);
-    sql_text(&q, effects);
-    sql_text(&q, w->level);
     return sql_run(&q);
 }
 
@@ -310,29 +321,15 @@ bool profile_workload_put(store *s, const profile_workload *w, int64_t *workload
 
 // ---------------------------------------------------------------- keys
 
-// Columns of device from `at` on: kind, vendor, name, arch, units, max_group,
-// local_bytes, global_bytes.
-static profile_device read_device(const sql *q, int at)
-{
-    return (profile_device){
-        .kind = sql_get_text(q, at),
-        .vendor = sql_get_text(q, at + 1),
-        .name = sql_get_text(q, at + 2),
-        .arch = sql_get_text(q, at + 3),
-        .units = (uint32_t)sql_get_int(q, at + 4),
-        .max_group = (uint32_t)sql_get_int(q, at + 5),
-        .local_bytes = (uint64_t)sql_get_int(q, at + 6),
-        .global_bytes = (uint64_t)sql_get_int(q, at + 7),
-    };
-}
-
+// Each is given the row's own columns, then those of the device and the rest.
 static bool device_is_right(const sql *q, duet_error *err)
 {
     (void)err;
     char key[PROFILE_SHA];
-    profile_device device = read_device(q, 1);
+    profile_device device = {0};
+    int rest = sql_read(q, 0, device_columns, &device);
     profile_device_key(&device, key);
-    return strcmp(key, sql_get_text(q, 0)) == 0;
+    return strcmp(key, sql_get_text(q, rest)) == 0;
 }
 
 static bool env_is_right(const sql *q, duet_error *err)
@@ -340,44 +337,24 @@ static bool env_is_right(const sql *q, duet_error *err)
     (void)err;
     char key[PROFILE_SHA];
     char seat[PROFILE_SHA];
-    profile_env env = {
-        .device = read_device(q, 9),
-        .platform = sql_get_text(q, 2),
-        .platform_version = sql_get_text(q, 3),
-        .driver = sql_get_text(q, 4),
-        .cl_version = sql_get_text(q, 5),
-        .part = sql_get_text(q, 6),
-        .part_units = (uint32_t)sql_get_int(q, 7),
-        .limits = sql_get_text(q, 8),
-    };
+    profile_env env = {0};
+    int rest = sql_read(q, sql_read(q, 0, env_columns, &env), device_columns, &env.device);
     profile_env_key(&env, key);
     profile_env_seat(&env, seat);
-    return strcmp(key, sql_get_text(q, 0)) == 0 && strcmp(seat, sql_get_text(q, 1)) == 0;
+    return strcmp(key, sql_get_text(q, rest)) == 0 && strcmp(seat, sql_get_text(q, rest + 1)) == 0;
 }
 
 static bool workload_is_right(const sql *q, duet_error *err)
 {
     char key[PROFILE_SHA];
     text family = {0};
-    profile_workload w = {
-        .dims = (uint32_t)sql_get_int(q, 2),
-        .n = (uint64_t)sql_get_int(q, 3),
-        .cells = {(uint32_t)sql_get_int(q, 4), (uint32_t)sql_get_int(q, 5),
-                  (uint32_t)sql_get_int(q, 6)},
-        .cell = sql_get_real(q, 7),
-        .occ_mean = sql_get_real(q, 8),
-        .occ_p99 = sql_get_real(q, 9),
-        .size_ratio = sql_get_real(q, 10),
-        .shape = sql_get_text(q, 11),
-        .rotated = sql_get_int(q, 12) != 0,
-        .effects = sql_get_text(q, 13),
-        .level = sql_get_text(q, 14),
-    };
+    profile_workload w = {0};
+    int rest = sql_read(q, 0, workload_columns, &w);
     bool right = profile_workload_key(&w, key, err);
     if (right) {
         profile_workload_family(&w, &family);
-        right = strcmp(key, sql_get_text(q, 0)) == 0 &&
-                strcmp(text_chars(&family), sql_get_text(q, 1)) == 0;
+        right = strcmp(key, sql_get_text(q, rest)) == 0 &&
+                strcmp(text_chars(&family), sql_get_text(q, rest + 1)) == 0;
     }
     text_free(&family);
     return right;
@@ -387,30 +364,25 @@ static bool script_is_right(const sql *q, duet_error *err)
 {
     (void)err;
     char key[PROFILE_SHA];
-    const char *body = sql_get_text(q, 1);
+    const char *body = sql_get_text(q, 0);
     profile_sha(body, strlen(body), key);
-    return strcmp(key, sql_get_text(q, 0)) == 0;
+    return strcmp(key, sql_get_text(q, 1)) == 0;
 }
 
-#define DEVICE_FIELDS \
-    "d.kind, d.vendor, d.name, d.arch, d.units, d.max_group, d.local_bytes, d.global_bytes"
+static const sql_column script_columns[] = {{.name = "body"}, {0}};
 
 static const struct {
     const char *table;
-    const char *query;
+    const sql_column *own;
+    const sql_column *of_device; // NULL: none
+    const char *rest;
     bool (*is_right)(const sql *q, duet_error *err);
 } kinds[] = {
-    {"device", "SELECT d.key, " DEVICE_FIELDS " FROM device d WHERE d.id = ?", device_is_right},
-    {"env",
-     "SELECT e.key, e.seat, e.platform, e.platform_version, e.driver, e.cl_version, e.part, "
-     "e.part_units, e.limits, " DEVICE_FIELDS
-     " FROM env e JOIN device d ON d.id = e.device_id WHERE e.id = ?",
-     env_is_right},
-    {"workload",
-     "SELECT key, family, dims, n, cells_x, cells_y, cells_z, cell, occ_mean, occ_p99, "
-     "size_ratio, shape, rotated, effects, level FROM workload WHERE id = ?",
-     workload_is_right},
-    {"script", "SELECT key, body FROM script WHERE id = ?", script_is_right},
+    {"device", device_columns, NULL, ", t.key FROM device t", device_is_right},
+    {"env", env_columns, device_columns,
+     ", t.key, t.seat FROM env t JOIN device d ON d.id = t.device_id", env_is_right},
+    {"workload", workload_columns, NULL, ", t.key, t.family FROM workload t", workload_is_right},
+    {"script", script_columns, NULL, ", t.key FROM script t", script_is_right},
 };
 
 bool key_check(store *s, const char *table, int64_t id, bool *right, duet_error *err)
@@ -419,9 +391,19 @@ bool key_check(store *s, const char *table, int64_t id, bool *right, duet_error 
     while (k < sizeof kinds / sizeof kinds[0] && strcmp(kinds[k].table, table) != 0)
         ++k;
     assert(k < sizeof kinds / sizeof kinds[0]);
-    sql q = sql_make(s, kinds[k].query, err);
+    text query = {0};
+    text_add(&query, "SELECT ");
+    sql_add_names(&query, "t.", kinds[k].own);
+    if (kinds[k].of_device) {
+        text_add(&query, ", ");
+        sql_add_names(&query, "d.", kinds[k].of_device);
+    }
+    text_add(&query, "%s WHERE t.id = ?", kinds[k].rest);
+    bool ok = text_ok(&query, err);
+    sql q = sql_make(s, text_chars(&query), err);
     sql_int(&q, id);
     duet_error wrong = {0}; // a field that cannot be is a wrong row and no failure
     *right = sql_row(&q) && kinds[k].is_right(&q, &wrong);
-    return sql_close(&q);
+    text_free(&query);
+    return sql_close(&q) && ok;
 }
