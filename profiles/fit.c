@@ -196,25 +196,13 @@ fit_time fit_predict(const fit *f, double n, double own, double occupancy)
 
 #define FIT_KEY "env_id, family, kernels, host, role, mode, level, variant"
 
-typedef struct point_list {
-    fit_point *points;
-    uint32_t n;
-    uint32_t capacity;
-} point_list;
-
-static bool add_point(point_list *list, fit_point point, duet_error *err)
-{
-    if (list->n == list->capacity) {
-        uint32_t capacity = list->capacity ? 2 * list->capacity : 64;
-        fit_point *points = realloc(list->points, capacity * sizeof *points);
-        if (!points)
-            return error_set(err, DUET_STATUS_NO_MEMORY, "%u points of a fit: no memory", capacity);
-        list->points = points;
-        list->capacity = capacity;
-    }
-    list->points[list->n++] = point;
-    return true;
-}
+static const sql_column point_columns[] = {
+    SQL_COLUMN("n", fit_point, n),
+    SQL_COLUMN("own", fit_point, own),
+    SQL_COLUMN("occupancy", fit_point, occupancy),
+    SQL_COLUMN("time_ns", fit_point, time_ns),
+    {0},
+};
 
 // Binds the eight columns of a fit's key, as `key` gives them.
 static void bind_key(sql *q, const sql *key)
@@ -224,24 +212,15 @@ static void bind_key(sql *q, const sql *key)
         sql_text(q, sql_get_text(key, i));
 }
 
-static bool read_points(store *s, const sql *key, point_list *list, duet_error *err)
+static bool read_points(store *s, const sql *key, fit_point **points, uint32_t *n, duet_error *err)
 {
-    sql q = sql_make(s,
-                     "SELECT n, own, occupancy, time_ns FROM part WHERE env_id = ? AND family = ? "
-                     "AND kernels = ? AND host = ? AND role = ? AND mode = ? AND level = ? AND "
-                     "variant = ?",
-                     err);
-    bind_key(&q, key);
-    list->n = 0;
-    bool ok = true;
-    while (ok && sql_row(&q))
-        ok = add_point(list,
-                       (fit_point){.n = sql_get_real(&q, 0),
-                                   .own = sql_get_real(&q, 1),
-                                   .occupancy = sql_get_real(&q, 2),
-                                   .time_ns = sql_get_real(&q, 3)},
+    sql q = sql_select(s, point_columns,
+                       " FROM part WHERE env_id = ? AND family = ? AND kernels = ? AND host = ? "
+                       "AND role = ? AND mode = ? AND level = ? AND variant = ?",
                        err);
-    return sql_close(&q) && ok;
+    bind_key(&q, key);
+    *points = sql_rows(&q, point_columns, sizeof **points, n);
+    return sql_close(&q);
 }
 
 static bool write_fit(store *s, const sql *key, const fit *f, duet_error *err)
@@ -251,7 +230,8 @@ static bool write_fit(store *s, const sql *key, const fit *f, duet_error *err)
         for (int j = 0; j < FIT_TERMS; ++j)
             text_add(&covariance, i + j == 0 ? "%.17g" : " %.17g", f->covariance[i][j]);
     sql q = sql_make(s,
-                     "INSERT OR REPLACE INTO fit (" FIT_KEY ", " FIT_COLUMNS ", fitted_ns) "
+                     "INSERT OR REPLACE INTO fit (" FIT_KEY ", base, each, own, crowd, "
+                     "covariance, residual, points, n_min, n_max, fitted_ns) "
                      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                      err);
     bind_key(&q, key);
@@ -271,17 +251,18 @@ static bool write_fit(store *s, const sql *key, const fit *f, duet_error *err)
 // Makes the fit for each key that the query gives.
 static bool make_fits(store *s, sql *keys, duet_error *err)
 {
-    point_list list = {0};
     bool ok = true;
     while (ok && sql_row(keys)) {
         fit f;
-        ok = read_points(s, keys, &list, err);
+        fit_point *points = NULL;
+        uint32_t n = 0;
+        ok = read_points(s, keys, &points, &n, err);
         if (ok) {
-            fit_make(list.points, list.n, &f);
+            fit_make(points, n, &f);
             ok = write_fit(s, keys, &f, err);
         }
+        free(points);
     }
-    free(list.points);
     return sql_close(keys) && ok;
 }
 
@@ -304,26 +285,6 @@ bool fit_all(store *s, duet_error *err)
     return make_fits(s, &keys, err);
 }
 
-bool fit_read(const sql *q, int column, fit *f)
-{
-    *f = (fit){.residual = sql_get_real(q, column + 5),
-               .points = (uint32_t)sql_get_int(q, column + 6),
-               .n_min = sql_get_real(q, column + 7),
-               .n_max = sql_get_real(q, column + 8)};
-    const char *at = sql_get_text(q, column + 4);
-    for (int i = 0; at && i < FIT_TERMS; ++i) {
-        f->terms[i] = sql_get_real(q, column + i);
-        for (int j = 0; j < FIT_TERMS; ++j) {
-            char *end = NULL;
-            f->covariance[i][j] = strtod(at, &end);
-            if (end == at)
-                return false;
-            at = end;
-        }
-    }
-    return at != NULL;
-}
-
 // ------------------------------------------------------------------- forecasts
 
 typedef struct named_fit {
@@ -332,56 +293,63 @@ typedef struct named_fit {
     char mode[16];
     char level[16];
     char variant[96];
+    char covariance[512]; // f's, as stored
     fit f;
 } named_fit;
+
+static const sql_column named_columns[] = {
+    SQL_COLUMN("host", named_fit, host),
+    SQL_COLUMN("role", named_fit, role),
+    SQL_COLUMN("mode", named_fit, mode),
+    SQL_COLUMN("level", named_fit, level),
+    SQL_COLUMN("variant", named_fit, variant),
+    SQL_COLUMN("covariance", named_fit, covariance),
+    SQL_COLUMN("base", named_fit, f.terms[0]),
+    SQL_COLUMN("each", named_fit, f.terms[1]),
+    SQL_COLUMN("own", named_fit, f.terms[2]),
+    SQL_COLUMN("crowd", named_fit, f.terms[3]),
+    SQL_COLUMN("residual", named_fit, f.residual),
+    SQL_COLUMN("points", named_fit, f.points),
+    SQL_COLUMN("n_min", named_fit, f.n_min),
+    SQL_COLUMN("n_max", named_fit, f.n_max),
+    {0},
+};
 
 typedef struct fit_list {
     named_fit *fits;
     uint32_t n;
-    uint32_t capacity;
 } fit_list;
 
-static named_fit *add_fit(fit_list *list, duet_error *err)
+// False where a hand-written row has not 16 numbers.
+static bool read_covariance(named_fit *row)
 {
-    if (list->n == list->capacity) {
-        uint32_t capacity = list->capacity ? 2 * list->capacity : 16;
-        named_fit *fits = realloc(list->fits, capacity * sizeof *fits);
-        if (!fits) {
-            error_set(err, DUET_STATUS_NO_MEMORY, "%u fits: no memory", capacity);
-            return NULL;
-        }
-        list->fits = fits;
-        list->capacity = capacity;
+    const char *at = row->covariance;
+    for (int i = 0; i < FIT_TERMS * FIT_TERMS; ++i) {
+        char *end = NULL;
+        row->f.covariance[i / FIT_TERMS][i % FIT_TERMS] = strtod(at, &end);
+        if (end == at)
+            return false;
+        at = end;
     }
-    return &list->fits[list->n++];
+    return true;
 }
 
 static bool read_fits(store *s, const forecast_ask *ask, const char *env, fit_list *list,
                       duet_error *err)
 {
-    sql q = sql_make(s,
-                     "SELECT host, role, mode, level, variant, " FIT_COLUMNS " FROM fit "
-                     "WHERE env_id = (SELECT id FROM env WHERE key = ?) AND family = ? "
-                     "AND kernels = ?",
-                     err);
+    uint32_t n = 0;
+    sql q = sql_select(s, named_columns,
+                       " FROM fit WHERE env_id = (SELECT id FROM env WHERE key = ?) AND family = ? "
+                       "AND kernels = ?",
+                       err);
     sql_text(&q, env);
     sql_text(&q, ask->family);
     sql_text(&q, ask->kernels);
-    bool ok = true;
-    while (ok && sql_row(&q)) {
-        named_fit *row = add_fit(list, err);
-        ok = row != NULL;
-        if (!ok)
-            break;
-        sql_copy(row->host, sizeof row->host, sql_get_text(&q, 0));
-        sql_copy(row->role, sizeof row->role, sql_get_text(&q, 1));
-        sql_copy(row->mode, sizeof row->mode, sql_get_text(&q, 2));
-        sql_copy(row->level, sizeof row->level, sql_get_text(&q, 3));
-        sql_copy(row->variant, sizeof row->variant, sql_get_text(&q, 4));
-        if (!fit_read(&q, 5, &row->f))
-            --list->n;
-    }
-    return sql_close(&q) && ok;
+    list->fits = sql_rows(&q, named_columns, sizeof *list->fits, &n);
+    for (uint32_t i = 0; i < n; ++i)
+        if (read_covariance(&list->fits[i]))
+            list->fits[list->n++] = list->fits[i];
+    return sql_close(&q);
 }
 
 static fit_time predict(const forecast_ask *ask, const fit *f, double share)

@@ -47,12 +47,6 @@ fit_time fit_predict(const fit *f, double n, double own, double occupancy);
 bool fit_session(store *s, const char *session, duet_error *err);
 bool fit_all(store *s, duet_error *err);
 
-// The columns that make a fit, and the reading of them from `column` on. False
-// where a hand-written row's covariance is not 16 numbers.
-#define FIT_COLUMNS "base, each, own, crowd, covariance, residual, points, n_min, n_max"
-struct sql;
-bool fit_read(const struct sql *q, int column, fit *f);
-
 // ---------------------------------------------------------------- forecasts
 
 // What the fits of two devices say about a workload that they never did
