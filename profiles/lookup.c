@@ -158,11 +158,12 @@ static void tell_row(look *l, const sql *q, int column)
              l->found->session[0] ? ", session " : "", l->found->session);
 }
 
-// A query on rows with what all of them ask for bound.
-static sql ask_rows(look *l, const char *query)
+// A query on rows with what all of them ask for bound. of: the workload, or its
+// family.
+static sql ask_rows(look *l, const char *query, const char *of)
 {
     sql q = sql_select(l->s, found_columns, query, l->err);
-    sql_text(&q, l->workload);
+    sql_text(&q, of);
     sql_text(&q, l->request->objective);
     sql_real(&q, limit(l->request->max_missed_rate));
     sql_real(&q, limit(l->request->max_false_rate));
@@ -182,7 +183,7 @@ static bool close_row(look *l, sql *q, bool *held)
 
 static bool find_by_seats(look *l, const char *query, bool *held)
 {
-    sql q = ask_rows(l, query);
+    sql q = ask_rows(l, query, l->workload);
     sql_text(&q, l->seat[0]);
     sql_text(&q, l->seat[1]);
     return close_row(l, &q, held);
@@ -266,7 +267,7 @@ static bool tell_what_is_missing(look *l)
 static bool look_exact(look *l, bool *held)
 {
     if (l->pair_id != 0) {
-        sql q = ask_rows(l, exact_query);
+        sql q = ask_rows(l, exact_query, l->workload);
         sql_int(&q, l->pair_id);
         if (!close_row(l, &q, held))
             return false;
@@ -319,12 +320,7 @@ typedef struct neighbour {
 
 static bool find_one(look *l, const char *query, neighbour *near)
 {
-    sql q = sql_select(l->s, found_columns, query, l->err);
-    sql_text(&q, text_chars(&l->family));
-    sql_text(&q, l->request->objective);
-    sql_real(&q, limit(l->request->max_missed_rate));
-    sql_real(&q, limit(l->request->max_false_rate));
-    sql_text(&q, l->request->kernels);
+    sql q = ask_rows(l, query, text_chars(&l->family));
     sql_int(&q, l->pair_id);
     sql_int(&q, (int64_t)l->at.n);
     *near = (neighbour){0};
