@@ -63,18 +63,16 @@ typedef struct sql_column {
     size_t size;
 } sql_column;
 
-#define SQL_COLUMN(name, struct_, member)             \
-    {                                                 \
-        name,                                       \
-        _Generic(((struct_ *)0)->member,            \
-                 int64_t: SQL_INT,                  \
-                 uint64_t: SQL_INT,                 \
-                 uint32_t: SQL_UINT,                \
-                 bool: SQL_BOOL,                    \
-                 double: SQL_REAL,                  \
-                 const char *: SQL_TEXT,            \
-                 char *: SQL_CHARS),                \
-        offsetof(struct_, member), sizeof((struct_ *)0)->member \
+// clang-format off
+#define SQL_KIND_OF(member)                                                   \
+    _Generic(member, int64_t: SQL_INT, uint64_t: SQL_INT, uint32_t: SQL_UINT, \
+             bool: SQL_BOOL, double: SQL_REAL, const char *: SQL_TEXT, char *: SQL_CHARS)
+// clang-format on
+
+#define SQL_COLUMN(name, struct_, member)                                     \
+    {                                                                         \
+        name, SQL_KIND_OF(((struct_ *)0)->member), offsetof(struct_, member), \
+            sizeof((struct_ *)0)->member                                      \
     }
 
 // Those of a profile_plan.
