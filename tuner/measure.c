@@ -43,7 +43,7 @@ static double imbalance(const duet_tune_terms *t, bool shared)
     return longer > 0 ? (a - b) / longer : 0;
 }
 
-duet_tune_terms terms_of(const duet_result *result, const duet_plan *plan)
+static duet_tune_terms terms_of(const duet_result *result, const duet_plan *plan)
 {
     duet_tune_terms terms = {0};
     for (uint32_t i = 0; i < result->n_stages; ++i) {

@@ -66,9 +66,6 @@ measurement measure_plan(const measure_machine *machine, const duet_plan *plan, 
 
 // ---------------------------------------------------------------- terms
 
-// The terms of the equations, from the stages of a step.
-duet_tune_terms terms_of(const duet_result *result, const duet_plan *plan);
-
 // The terms by the names that the paper has for them; the last is {NULL}.
 typedef struct terms_field {
     const char *name;
