@@ -93,7 +93,7 @@ api.names = {
     "Reads pairs for duet.PairQuery:run, two poses a row; rows 0 and 1 of its poses are the first pair.", fails = true,
     c = "duet_scene_load_pairs" },
   { "duet.modes", {}, "string[]", "The modes that a plan can have.", c = "duet_mode_name" },
-  { "duet.search", { "def?: { strategy?: string, launches?: integer, points?: integer, rounds?: integer, " ..
+  { "duet.search", { "def?: { strategy?: string, strategy_lua?: string, launches?: integer, points?: integer, rounds?: integer, " ..
     "quantum?: number, start?: number, probe_cost?: number }" }, "duet.Search",
     "Begins a search for the share; the default strategy without.", fails = true },
   { "duet.strategies", {}, "duet.Strategy[]", "The strategies there are, the default first.",

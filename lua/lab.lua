@@ -198,9 +198,14 @@ function lab.with_share(plan, share)
   return { share = share, mode = plan.mode, variant_a = plan.variant_a, variant_b = plan.variant_b }
 end
 
--- Lets a strategy search; launch(share) gives total_ms, a_ms, b_ms. Returns its
--- pick, and every launch as { share, total_ms }.
+-- Lets a strategy search, one of duet.strategies() or the script FILE.lua;
+-- launch(share) gives total_ms, a_ms, b_ms. Returns its pick, and every launch as
+-- { share, total_ms }.
 function lab.search(def, launch)
+  if def.strategy and def.strategy:find "%.lua$" then
+    local file <close> = assert(io.open(def.strategy))
+    def = { strategy = "lua", strategy_lua = file:read "a", launches = def.launches }
+  end
   local search <close> = assert(duet.search(def))
   local path = {}
   while true do

@@ -1,8 +1,49 @@
 // SPDX-License-Identifier: MIT
-// The module's table: one line a noun.
+// The module's table: one line a noun; and the parts that are written in Lua:
+// require "duet.frame", "duet.plot" and "duet.lab" find them inside the library.
 #include "duet_lua.h"
 
+#include "base/blob.h"
 #include "lua/nouns.h"
+
+// Leaves what the text returns on the stack.
+static int run_carried(lua_State *L, const char *path)
+{
+    if (!L)
+        return 0;
+    const blob *b = blob_find(path);
+    lua_pushfstring(L, "@%s", path);
+    if (luaL_loadbufferx(L, b->bytes, b->length, lua_tostring(L, -1), "t") != LUA_OK)
+        return lua_error(L);
+    lua_call(L, 0, 1);
+    return 1;
+}
+
+int luaopen_duet_frame(lua_State *L)
+{
+    return run_carried(L, "lua/frame.lua");
+}
+
+int luaopen_duet_lab(lua_State *L)
+{
+    return run_carried(L, "lua/lab.lua");
+}
+
+int luaopen_duet_plot(lua_State *L)
+{
+    return run_carried(L, "lua/plot.lua");
+}
+
+static void preload_carried(lua_State *L)
+{
+    static const luaL_Reg modules[] = {{"duet.frame", luaopen_duet_frame},
+                                       {"duet.lab", luaopen_duet_lab},
+                                       {"duet.plot", luaopen_duet_plot},
+                                       {NULL, NULL}};
+    luaL_getsubtable(L, LUA_REGISTRYINDEX, LUA_PRELOAD_TABLE);
+    luaL_setfuncs(L, modules, 0);
+    lua_pop(L, 1);
+}
 
 int luaopen_duet(lua_State *L)
 {
@@ -15,18 +56,15 @@ int luaopen_duet(lua_State *L)
     array_open(L);
     device_open_lua(L);
     plan_open_lua(L);
-    device_pair_open_lua(L);
     scene_open_lua(L);
     world_open_lua(L);
     result_open_lua(L);
     search_open_lua(L);
     tune_open_lua(L);
-    online_open_lua(L);
     motion_open_lua(L);
     source_open_lua(L);
-    level_open_lua(L);
     profiles_open_lua(L);
     pair_query_open_lua(L);
-    carried_open_lua(L);
+    preload_carried(L);
     return 1;
 }

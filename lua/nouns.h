@@ -11,22 +11,17 @@
 #include "runtime/duet.h"
 
 void device_open_lua(lua_State *L);
-void device_pair_open_lua(lua_State *L);
 void scene_open_lua(lua_State *L);
 void world_open_lua(lua_State *L);
 void result_open_lua(lua_State *L);
 void plan_open_lua(lua_State *L);
 void search_open_lua(lua_State *L);
 void tune_open_lua(lua_State *L);
-void online_open_lua(lua_State *L);
 void motion_open_lua(lua_State *L);
 void source_open_lua(lua_State *L);
-void level_open_lua(lua_State *L);
 void profiles_open_lua(lua_State *L);
 void pair_query_open_lua(lua_State *L);
-void carried_open_lua(lua_State *L);
 
-extern const member device_members[]; // of duet_device_info
 extern const member_type member_plan; // a duet_plan as a table
 const char *shape_name(int shape);
 const char *level_name(int level);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A plan is a table: { share = 0.25, mode = "own", variant_a = ..., variant_b = ... }.
+// How a step is done: plans, { share = 0.25, mode = "own", variant_a = ..., variant_b = ... },
+// and levels of accuracy, by their names.
 #include "lua/nouns.h"
 
 static const char *mode_name(int mode)
@@ -42,8 +43,75 @@ static int modes(lua_State *L)
     return 1;
 }
 
+// ---------------------------------------------------------------- levels
+
+const char *level_name(int level)
+{
+    const duet_level_info *info = duet_level_get_info((duet_level)level);
+    return info ? info->name : NULL;
+}
+
+static const member level_members[] = {
+    MEMBER(member_string, duet_level_info, name),
+    MEMBER(member_string, duet_level_info, about),
+    MEMBER(member_double, duet_level_info, missed),
+    MEMBER(member_double, duet_level_info, added),
+    {0},
+};
+
+static const member accuracy_members[] = {
+    MEMBER(member_double, duet_accuracy, missed),
+    MEMBER(member_double, duet_accuracy, false_rate),
+    {0},
+};
+
+// What the table leaves out is 0.
+static void read_accuracy(lua_State *L, const member *m, void *at)
+{
+    if (!lua_istable(L, -1))
+        member_refuse(L, m, "a table");
+    *(duet_accuracy *)at = (duet_accuracy){0};
+    member_read_table(L, -1, "an accuracy", accuracy_members, at);
+}
+
+static void push_accuracy(lua_State *L, const member *m, const void *at)
+{
+    (void)m;
+    member_push_table(L, accuracy_members, at);
+}
+
+const member_type member_accuracy = {read_accuracy, push_accuracy};
+
+duet_level level_check(lua_State *L, int index)
+{
+    duet_level level = DUET_LEVEL_CERTIFIED;
+    const char *name = luaL_checkstring(L, index);
+    if (!duet_level_from_name(name, &level))
+        luaL_argerror(L, index,
+                      lua_pushfstring(L, "there is no level '%s'; duet.levels() lists them", name));
+    return level;
+}
+
+// One table a level, the default first.
+static int list_levels(lua_State *L)
+{
+    lua_newtable(L);
+    for (int level = 0; level_name(level); ++level) {
+        member_push_table(L, level_members, duet_level_get_info((duet_level)level));
+        lua_rawseti(L, -2, level + 1);
+    }
+    return 1;
+}
+
+static int level_covers(lua_State *L)
+{
+    lua_pushboolean(L, duet_level_covers(level_check(L, 1), level_check(L, 2)));
+    return 1;
+}
+
 void plan_open_lua(lua_State *L)
 {
-    static const luaL_Reg functions[] = {{"modes", modes}, {NULL, NULL}};
+    static const luaL_Reg functions[] = {
+        {"modes", modes}, {"levels", list_levels}, {"level_covers", level_covers}, {NULL, NULL}};
     luaL_setfuncs(L, functions, 0);
 }

@@ -118,10 +118,8 @@ static int scene_make(lua_State *L)
     luaL_argcheck(L, a->n <= UINT32_MAX, 1, "more than 2^32 - 1 objects");
     uint32_t n = (uint32_t)a->n;
     scene_box *box = class_push(L, &scene_class, sizeof *box);
-    if (by_corners)
-        box->scene = duet_scene_create(DUET_OBJECT_BOUNDS, a->rows, n, (uint32_t)dims, 0, &err);
-    else
-        box->scene = duet_scene_create(DUET_OBJECT_POSES, a->rows, n, (uint32_t)dims, 0, &err);
+    duet_object_kind kind = by_corners ? DUET_OBJECT_BOUNDS : DUET_OBJECT_POSES;
+    box->scene = duet_scene_create(kind, a->rows, n, (uint32_t)dims, 0, &err);
     return finish(L, box, &err);
 }
 
@@ -184,13 +182,11 @@ static int scene_reference(lua_State *L)
 {
     duet_error err = {0};
     const duet_scene *scene = scene_check(L, 1);
-    bool exact = lua_isnoneornil(L, 2);
-    duet_level level = exact ? DUET_LEVEL_CERTIFIED : level_check(L, 2);
+    duet_level level = lua_isnoneornil(L, 2) ? DUET_LEVEL_CERTIFIED : level_check(L, 2);
     array *found = array_push_empty(L, ARRAY_PAIRS);
     duet_pair *pairs = NULL;
     uint64_t n = 0;
-    if (exact ? !duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, &err)
-              : !duet_reference(scene, level, &pairs, &n, &err))
+    if (!duet_reference(scene, level, &pairs, &n, &err))
         return class_push_failure(L, &err);
     array_own(found, pairs, n);
     return 1;

@@ -2,6 +2,7 @@
 // duet.search: a strategy's search for the share, asked and told by the script:
 // on devices, on recorded times, or on an invented cost function.
 #include "lua/nouns.h"
+#include "lua/policy.h"
 
 #include "base/text.h"
 #include "tuner/search.h"
@@ -16,6 +17,7 @@ static const lua_class search_class;
 
 typedef struct search_def {
     const char *strategy;
+    const char *strategy_lua; // of "lua": text of a script
     search_options options;
 } search_def;
 
@@ -27,6 +29,7 @@ typedef struct search_def {
 
 static const member def_members[] = {
     MEMBER(member_string, search_def, strategy),
+    MEMBER(member_string, search_def, strategy_lua),
     OPTION(member_count, launches),
     OPTION(member_count, points),
     OPTION(member_count, rounds),
@@ -46,22 +49,28 @@ static search *check_search(lua_State *L)
 static int search_open(lua_State *L)
 {
     duet_error err = {0};
-    search_def def = {strategies[0]->name, search_default_options()};
+    search_def def = {.strategy = strategies[0]->name, .options = search_default_options()};
     member_read_table(L, 1, "a search", def_members, &def);
     if (lua_istable(L, 1)) {
         def.options.has_start = lua_getfield(L, 1, "start") != LUA_TNIL;
         lua_pop(L, 1);
     }
+    if (def.strategy_lua)
+        policy_check_trusted(L, "a search by strategy_lua");
     search_box *box = class_push(L, &search_class, sizeof *box);
     box->open = search_begin(&box->search, def.strategy, &def.options, &err);
-    return box->open ? 1 : class_push_failure(L, &err);
+    if (box->open && def.strategy_lua)
+        box->search.script = strategy_lua_open("strategy", def.strategy_lua, &err);
+    return err.status == DUET_STATUS_OK ? 1 : class_push_failure(L, &err);
 }
 
 static int search_close(lua_State *L)
 {
     search_box *box = luaL_checkudata(L, 1, search_class.name);
-    if (box->open)
+    if (box->open) {
+        script_close(box->search.script);
         search_end(&box->search);
+    }
     box->open = false;
     return 0;
 }

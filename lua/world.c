@@ -105,26 +105,24 @@ static uint32_t check_number(lua_State *L, int index, const array *a)
     return (uint32_t)a->n;
 }
 
-static int world_set_poses(lua_State *L)
+static int set_objects(lua_State *L, duet_object_kind kind, array_kind rows)
 {
     duet_error err = {0};
     world_box *box = world_check(L, 1);
-    const array *a = array_check(L, 2, ARRAY_POSES);
-    bool ok =
-        duet_world_set_objects(box->world, DUET_OBJECT_POSES, a->rows, check_number(L, 2, a), &err);
+    const array *a = array_check(L, 2, rows);
+    bool ok = duet_world_set_objects(box->world, kind, a->rows, check_number(L, 2, a), &err);
     world_forget_views(box);
     return class_push_done(L, ok, &err);
 }
 
+static int world_set_poses(lua_State *L)
+{
+    return set_objects(L, DUET_OBJECT_POSES, ARRAY_POSES);
+}
+
 static int world_set_bounds(lua_State *L)
 {
-    duet_error err = {0};
-    world_box *box = world_check(L, 1);
-    const array *a = array_check(L, 2, ARRAY_BOUNDS);
-    bool ok = duet_world_set_objects(box->world, DUET_OBJECT_BOUNDS, a->rows, check_number(L, 2, a),
-                                     &err);
-    world_forget_views(box);
-    return class_push_done(L, ok, &err);
+    return set_objects(L, DUET_OBJECT_BOUNDS, ARRAY_BOUNDS);
 }
 
 static int world_set_scene(lua_State *L)
@@ -138,57 +136,39 @@ static int world_set_scene(lua_State *L)
 
 // Views of memory that was mapped before no longer hold: what is written there
 // after a step is not sent to the devices.
-static uint32_t begin_map(lua_State *L, uint64_t *maps)
+static int map_objects(lua_State *L, duet_object_kind kind, array_kind rows)
 {
+    duet_error err = {0};
+    world_box *box = world_check(L, 1);
+    uint64_t *maps = kind == DUET_OBJECT_SIZES ? &box->size_maps : &box->maps;
     lua_Integer n = luaL_checkinteger(L, 2);
     luaL_argcheck(L, n >= 0 && n <= UINT32_MAX, 2, "a number of objects from 0 to 2^32 - 1");
     ++*maps;
-    return (uint32_t)n;
-}
-
-static int end_map(lua_State *L, array_kind kind, void *rows, uint32_t n, const uint64_t *maps,
-                   const duet_error *err)
-{
-    if (!rows)
-        return class_push_failure(L, err);
-    array_push_view(L, kind, rows, n, 1, maps);
+    void *memory = duet_world_map_objects(box->world, kind, (uint32_t)n, &err);
+    if (!memory)
+        return class_push_failure(L, &err);
+    array_push_view(L, rows, memory, (uint64_t)n, 1, maps);
     return 1;
 }
 
 static int world_map_poses(lua_State *L)
 {
-    duet_error err = {0};
-    world_box *box = world_check(L, 1);
-    uint32_t n = begin_map(L, &box->maps);
-    void *rows = duet_world_map_objects(box->world, DUET_OBJECT_POSES, n, &err);
-    return end_map(L, ARRAY_POSES, rows, n, &box->maps, &err);
+    return map_objects(L, DUET_OBJECT_POSES, ARRAY_POSES);
 }
 
 static int world_map_bounds(lua_State *L)
 {
-    duet_error err = {0};
-    world_box *box = world_check(L, 1);
-    uint32_t n = begin_map(L, &box->maps);
-    void *rows = duet_world_map_objects(box->world, DUET_OBJECT_BOUNDS, n, &err);
-    return end_map(L, ARRAY_BOUNDS, rows, n, &box->maps, &err);
+    return map_objects(L, DUET_OBJECT_BOUNDS, ARRAY_BOUNDS);
 }
 
 static int world_map_transforms(lua_State *L)
 {
-    duet_error err = {0};
-    world_box *box = world_check(L, 1);
-    uint32_t n = begin_map(L, &box->maps);
-    void *rows = duet_world_map_objects(box->world, DUET_OBJECT_TRANSFORMS, n, &err);
-    return end_map(L, ARRAY_TRANSFORMS, rows, n, &box->maps, &err);
+    return map_objects(L, DUET_OBJECT_TRANSFORMS, ARRAY_TRANSFORMS);
 }
 
 static int world_map_sizes(lua_State *L)
 {
-    duet_error err = {0};
-    world_box *box = world_check(L, 1);
-    uint32_t n = begin_map(L, &box->size_maps);
-    void *rows = duet_world_map_objects(box->world, DUET_OBJECT_SIZES, n, &err);
-    return end_map(L, ARRAY_SIZES, rows, n, &box->size_maps, &err);
+    return map_objects(L, DUET_OBJECT_SIZES, ARRAY_SIZES);
 }
 
 // ---------------------------------------------------------------- stepping

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "profiles/duet_profiles.h"
 
-#include "profiles/entry.h"
 #include "profiles/exchange.h"
+#include "profiles/sql.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -12,8 +12,6 @@
 struct duet_profile_list {
     duet_stored_profile *items;
     uint32_t n;
-    uint32_t capacity;
-    bool full; // memory ran out
 };
 
 static store *open_store(const char *path, store_access access, duet_error *err)
@@ -25,82 +23,48 @@ static store *open_store(const char *path, store_access access, duet_error *err)
     return s;
 }
 
-static void copy(char *to, size_t size, const char *from)
-{
-    snprintf(to, size, "%s", from ? from : "");
-}
-
-#define COPY(to, from) copy(to, sizeof(to), from)
-
-// The list with space for one more, or NULL.
-static void *grow(void *items, uint32_t n, uint32_t *capacity, size_t size)
-{
-    if (n < *capacity)
-        return items;
-    *capacity = *capacity ? 2 * *capacity : 16;
-    return realloc(items, *capacity * size);
-}
-
 // ---------------------------------------------------------------- profiles
 
-static duet_stored_device read_device(const profile_entry_device *d)
-{
-    duet_stored_device device = {0};
-    COPY(device.name, d->name);
-    COPY(device.part, d->part);
-    COPY(device.driver, d->driver);
-    return device;
-}
-
-static duet_stored_profile read_entry(const profile_entry *e)
-{
-    const profile_row *row = &e->row;
-    duet_stored_profile p = {
-        .dims = (uint32_t)e->dims,
-        .objects = (uint64_t)e->n,
-        .a = read_device(&e->a),
-        .b = read_device(&e->b),
-        .share = row->plan.share,
-        .step_ms = row->median_ns * 1e-6,
-        .low_ms = row->low_ns * 1e-6,
-        .high_ms = row->high_ns * 1e-6,
-        .gain = row->gain,
-        .gain_low = row->gain_low,
-        .gain_high = row->gain_high,
-        .missed_rate = row->missed_rate,
-        .false_rate = row->false_rate,
-        .measured_s = e->created_ns / 1000000000,
-    };
-    COPY(p.uid, e->uid);
-    COPY(p.replaced, e->dead_reason);
-    COPY(p.scene, e->scene);
-    COPY(p.mode, row->plan.mode);
-    COPY(p.variant_a, row->plan.variant_a);
-    COPY(p.variant_b, row->plan.variant_b);
-    COPY(p.level, row->plan.level);
-    COPY(p.verdict, row->verdict);
-    COPY(p.origin, row->origin);
-    COPY(p.session, e->session.id);
-    return p;
-}
-
-static bool add_profile(void *context, const profile_entry *e)
-{
-    duet_profile_list *list = context;
-    duet_stored_profile *items = grow(list->items, list->n, &list->capacity, sizeof *list->items);
-    list->full = !items;
-    if (list->full)
-        return false;
-    list->items = items;
-    list->items[list->n++] = read_entry(e);
-    return true;
-}
+static const sql_column profile_columns[] = {
+    SQL_COLUMN("p.uid", duet_stored_profile, uid),
+    SQL_COLUMN("p.dead_reason", duet_stored_profile, replaced),
+    SQL_COLUMN("w.name", duet_stored_profile, scene),
+    SQL_COLUMN("w.dims", duet_stored_profile, dims),
+    SQL_COLUMN("w.n", duet_stored_profile, objects),
+    SQL_COLUMN("da.name", duet_stored_profile, a.name),
+    SQL_COLUMN("a.part", duet_stored_profile, a.part),
+    SQL_COLUMN("a.driver", duet_stored_profile, a.driver),
+    SQL_COLUMN("db.name", duet_stored_profile, b.name),
+    SQL_COLUMN("b.part", duet_stored_profile, b.part),
+    SQL_COLUMN("b.driver", duet_stored_profile, b.driver),
+    SQL_COLUMN("p.share", duet_stored_profile, share),
+    SQL_COLUMN("p.mode", duet_stored_profile, mode),
+    SQL_COLUMN("p.variant_a", duet_stored_profile, variant_a),
+    SQL_COLUMN("p.variant_b", duet_stored_profile, variant_b),
+    SQL_COLUMN("p.level", duet_stored_profile, level),
+    SQL_COLUMN("p.median_ns * 1e-6", duet_stored_profile, step_ms),
+    SQL_COLUMN("p.low_ns * 1e-6", duet_stored_profile, low_ms),
+    SQL_COLUMN("p.high_ns * 1e-6", duet_stored_profile, high_ms),
+    SQL_COLUMN("p.gain", duet_stored_profile, gain),
+    SQL_COLUMN("p.gain_low", duet_stored_profile, gain_low),
+    SQL_COLUMN("p.gain_high", duet_stored_profile, gain_high),
+    SQL_COLUMN("p.verdict", duet_stored_profile, verdict),
+    SQL_COLUMN("p.missed_rate", duet_stored_profile, missed_rate),
+    SQL_COLUMN("p.false_rate", duet_stored_profile, false_rate),
+    SQL_COLUMN("p.origin", duet_stored_profile, origin),
+    SQL_COLUMN("s.id", duet_stored_profile, session),
+    SQL_COLUMN("p.created_ns / 1000000000", duet_stored_profile, measured_s),
+    {0},
+};
 
 static bool fill(duet_profile_list *list, store *s, const char *uid, bool replaced_too,
                  duet_error *err)
 {
-    return profile_entry_each(s, uid, replaced_too, add_profile, list, err) &&
-           (!list->full || error_set(err, DUET_STATUS_NO_MEMORY, "the profiles: no memory"));
+    sql q = sql_select(s, profile_columns, profile_entry_from, err);
+    sql_text(&q, uid);
+    sql_int(&q, replaced_too);
+    list->items = sql_rows(&q, profile_columns, sizeof *list->items, &list->n);
+    return sql_close(&q);
 }
 
 duet_profile_list *duet_profile_list_create(const char *path, bool replaced_too, duet_error *err)
@@ -109,7 +73,7 @@ duet_profile_list *duet_profile_list_create(const char *path, bool replaced_too,
     if (!s)
         return NULL;
     duet_profile_list *list = calloc(1, sizeof *list);
-    bool ok = list ? fill(list, s, NULL, replaced_too, err) && store_check_read(s, err)
+    bool ok = list ? fill(list, s, "", replaced_too, err) && store_check_read(s, err)
                    : error_set(err, DUET_STATUS_NO_MEMORY, "the profiles: no memory");
     store_close(s);
     if (ok)
@@ -138,39 +102,21 @@ const duet_stored_profile *duet_profile_list_get_profile(const duet_profile_list
 
 // ---------------------------------------------------------------- trials
 
-typedef struct trial_list {
-    duet_stored_trial *items;
-    uint32_t n;
-    uint32_t capacity;
-    bool full;
-} trial_list;
-
-static bool add_trial(void *context, int64_t number, const profile_trial *trial)
-{
-    (void)number;
-    trial_list *list = context;
-    duet_stored_trial *items = grow(list->items, list->n, &list->capacity, sizeof *list->items);
-    list->full = !items;
-    if (list->full)
-        return false;
-    list->items = items;
-    duet_stored_trial *t = &list->items[list->n++];
-    *t = (duet_stored_trial){
-        .share = trial->plan.share,
-        .samples = trial->n_samples,
-        .step_ms = trial->median_ns * 1e-6,
-        .low_ms = trial->low_ns * 1e-6,
-        .high_ms = trial->high_ns * 1e-6,
-        .a_ms = trial->a_ns * 1e-6,
-        .b_ms = trial->b_ns * 1e-6,
-    };
-    COPY(t->mode, trial->plan.mode);
-    COPY(t->variant_a, trial->plan.variant_a);
-    COPY(t->variant_b, trial->plan.variant_b);
-    COPY(t->outcome, trial->outcome);
-    COPY(t->reason, trial->reason);
-    return true;
-}
+static const sql_column trial_columns[] = {
+    SQL_COLUMN("share", duet_stored_trial, share),
+    SQL_COLUMN("mode", duet_stored_trial, mode),
+    SQL_COLUMN("variant_a", duet_stored_trial, variant_a),
+    SQL_COLUMN("variant_b", duet_stored_trial, variant_b),
+    SQL_COLUMN("(SELECT count(*) FROM sample WHERE trial_id = id)", duet_stored_trial, samples),
+    SQL_COLUMN("median_ns * 1e-6", duet_stored_trial, step_ms),
+    SQL_COLUMN("low_ns * 1e-6", duet_stored_trial, low_ms),
+    SQL_COLUMN("high_ns * 1e-6", duet_stored_trial, high_ms),
+    SQL_COLUMN("a_ns * 1e-6", duet_stored_trial, a_ms),
+    SQL_COLUMN("b_ns * 1e-6", duet_stored_trial, b_ms),
+    SQL_COLUMN("outcome", duet_stored_trial, outcome),
+    SQL_COLUMN("reason", duet_stored_trial, reason),
+    {0},
+};
 
 static bool check_one(const store *s, const duet_profile_list *found, const char *uid,
                       duet_error *err)
@@ -184,14 +130,21 @@ static bool check_one(const store *s, const duet_profile_list *found, const char
                                       store_path(s), found->n, uid);
 }
 
-static bool read_trials(store *s, const char *uid, trial_list *trials, duet_error *err)
+// None where the profile has no session.
+static bool read_trials(store *s, const char *uid, duet_stored_trial **trials, uint32_t *n,
+                        duet_error *err)
 {
     duet_profile_list found = {0};
     bool ok = fill(&found, s, uid, true, err) && check_one(s, &found, uid, err);
-    if (ok && *found.items[0].session)
-        ok = profile_trial_each(s, found.items[0].session, add_trial, trials, err);
+    if (ok) {
+        sql q =
+            sql_select(s, trial_columns, " FROM trial WHERE session_id = ? ORDER BY number", err);
+        sql_text(&q, found.items[0].session);
+        *trials = sql_rows(&q, trial_columns, sizeof **trials, n);
+        ok = sql_close(&q);
+    }
     free(found.items);
-    return ok && (!trials->full || error_set(err, DUET_STATUS_NO_MEMORY, "the trials: no memory"));
+    return ok;
 }
 
 bool duet_profile_get_trials(const char *path, const char *uid, duet_stored_trial **trials,
@@ -200,16 +153,17 @@ bool duet_profile_get_trials(const char *path, const char *uid, duet_stored_tria
     if (!error_given(uid, __func__, "uid", err) || !error_given(trials, __func__, "trials", err) ||
         !error_given(n, __func__, "n", err))
         return false;
-    trial_list list = {0};
+    duet_stored_trial *list = NULL;
+    uint32_t n_list = 0;
     store *s = open_store(path, STORE_READ, err);
-    bool ok = s && read_trials(s, uid, &list, err) && store_check_read(s, err);
+    bool ok = s && read_trials(s, uid, &list, &n_list, err) && store_check_read(s, err);
     store_close(s);
     if (!ok) {
-        free(list.items);
-        list = (trial_list){0};
+        free(list);
+        list = NULL;
     }
-    *trials = list.items;
-    *n = list.n;
+    *trials = list;
+    *n = ok ? n_list : 0;
     return ok;
 }
 

@@ -9,8 +9,8 @@
 #include "base/output.h"
 #include "base/visible.h"
 #include "profiles/fit.h"
-#include "profiles/keys.h"
 #include "profiles/sql.h"
+#include "profiles/subject.h"
 
 #include <assert.h>
 #include <cjson/cJSON.h>

@@ -17,6 +17,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 // The noise of medians before anything is known, as if from so many of them.
 #define USUAL_RESIDUAL 0.03
@@ -195,25 +196,13 @@ fit_time fit_predict(const fit *f, double n, double own, double occupancy)
 
 #define FIT_KEY "env_id, family, kernels, host, role, mode, level, variant"
 
-typedef struct point_list {
-    fit_point *points;
-    uint32_t n;
-    uint32_t capacity;
-} point_list;
-
-static bool add_point(point_list *list, fit_point point, duet_error *err)
-{
-    if (list->n == list->capacity) {
-        uint32_t capacity = list->capacity ? 2 * list->capacity : 64;
-        fit_point *points = realloc(list->points, capacity * sizeof *points);
-        if (!points)
-            return error_set(err, DUET_STATUS_NO_MEMORY, "%u points of a fit: no memory", capacity);
-        list->points = points;
-        list->capacity = capacity;
-    }
-    list->points[list->n++] = point;
-    return true;
-}
+static const sql_column point_columns[] = {
+    SQL_COLUMN("n", fit_point, n),
+    SQL_COLUMN("own", fit_point, own),
+    SQL_COLUMN("occupancy", fit_point, occupancy),
+    SQL_COLUMN("time_ns", fit_point, time_ns),
+    {0},
+};
 
 // Binds the eight columns of a fit's key, as `key` gives them.
 static void bind_key(sql *q, const sql *key)
@@ -223,24 +212,15 @@ static void bind_key(sql *q, const sql *key)
         sql_text(q, sql_get_text(key, i));
 }
 
-static bool read_points(store *s, const sql *key, point_list *list, duet_error *err)
+static bool read_points(store *s, const sql *key, fit_point **points, uint32_t *n, duet_error *err)
 {
-    sql q = sql_make(s,
-                     "SELECT n, own, occupancy, time_ns FROM part WHERE env_id = ? AND family = ? "
-                     "AND kernels = ? AND host = ? AND role = ? AND mode = ? AND level = ? AND "
-                     "variant = ?",
-                     err);
-    bind_key(&q, key);
-    list->n = 0;
-    bool ok = true;
-    while (ok && sql_row(&q))
-        ok = add_point(list,
-                       (fit_point){.n = sql_get_real(&q, 0),
-                                   .own = sql_get_real(&q, 1),
-                                   .occupancy = sql_get_real(&q, 2),
-                                   .time_ns = sql_get_real(&q, 3)},
+    sql q = sql_select(s, point_columns,
+                       " FROM part WHERE env_id = ? AND family = ? AND kernels = ? AND host = ? "
+                       "AND role = ? AND mode = ? AND level = ? AND variant = ?",
                        err);
-    return sql_close(&q) && ok;
+    bind_key(&q, key);
+    *points = sql_rows(&q, point_columns, sizeof **points, n);
+    return sql_close(&q);
 }
 
 static bool write_fit(store *s, const sql *key, const fit *f, duet_error *err)
@@ -250,7 +230,8 @@ static bool write_fit(store *s, const sql *key, const fit *f, duet_error *err)
         for (int j = 0; j < FIT_TERMS; ++j)
             text_add(&covariance, i + j == 0 ? "%.17g" : " %.17g", f->covariance[i][j]);
     sql q = sql_make(s,
-                     "INSERT OR REPLACE INTO fit (" FIT_KEY ", " FIT_COLUMNS ", fitted_ns) "
+                     "INSERT OR REPLACE INTO fit (" FIT_KEY ", base, each, own, crowd, "
+                     "covariance, residual, points, n_min, n_max, fitted_ns) "
                      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                      err);
     bind_key(&q, key);
@@ -270,17 +251,18 @@ static bool write_fit(store *s, const sql *key, const fit *f, duet_error *err)
 // Makes the fit for each key that the query gives.
 static bool make_fits(store *s, sql *keys, duet_error *err)
 {
-    point_list list = {0};
     bool ok = true;
     while (ok && sql_row(keys)) {
         fit f;
-        ok = read_points(s, keys, &list, err);
+        fit_point *points = NULL;
+        uint32_t n = 0;
+        ok = read_points(s, keys, &points, &n, err);
         if (ok) {
-            fit_make(list.points, list.n, &f);
+            fit_make(points, n, &f);
             ok = write_fit(s, keys, &f, err);
         }
+        free(points);
     }
-    free(list.points);
     return sql_close(keys) && ok;
 }
 
@@ -303,22 +285,198 @@ bool fit_all(store *s, duet_error *err)
     return make_fits(s, &keys, err);
 }
 
-bool fit_read(const sql *q, int column, fit *f)
+// ------------------------------------------------------------------- forecasts
+
+typedef struct named_fit {
+    char host[PROFILE_SHA];
+    char role[8];
+    char mode[16];
+    char level[16];
+    char variant[96];
+    char covariance[512]; // f's, as stored
+    fit f;
+} named_fit;
+
+static const sql_column named_columns[] = {
+    SQL_COLUMN("host", named_fit, host),
+    SQL_COLUMN("role", named_fit, role),
+    SQL_COLUMN("mode", named_fit, mode),
+    SQL_COLUMN("level", named_fit, level),
+    SQL_COLUMN("variant", named_fit, variant),
+    SQL_COLUMN("covariance", named_fit, covariance),
+    SQL_COLUMN("base", named_fit, f.terms[0]),
+    SQL_COLUMN("each", named_fit, f.terms[1]),
+    SQL_COLUMN("own", named_fit, f.terms[2]),
+    SQL_COLUMN("crowd", named_fit, f.terms[3]),
+    SQL_COLUMN("residual", named_fit, f.residual),
+    SQL_COLUMN("points", named_fit, f.points),
+    SQL_COLUMN("n_min", named_fit, f.n_min),
+    SQL_COLUMN("n_max", named_fit, f.n_max),
+    {0},
+};
+
+typedef struct fit_list {
+    named_fit *fits;
+    uint32_t n;
+} fit_list;
+
+// False where a hand-written row has not 16 numbers.
+static bool read_covariance(named_fit *row)
 {
-    *f = (fit){.residual = sql_get_real(q, column + 5),
-               .points = (uint32_t)sql_get_int(q, column + 6),
-               .n_min = sql_get_real(q, column + 7),
-               .n_max = sql_get_real(q, column + 8)};
-    const char *at = sql_get_text(q, column + 4);
-    for (int i = 0; at && i < FIT_TERMS; ++i) {
-        f->terms[i] = sql_get_real(q, column + i);
-        for (int j = 0; j < FIT_TERMS; ++j) {
-            char *end = NULL;
-            f->covariance[i][j] = strtod(at, &end);
-            if (end == at)
-                return false;
-            at = end;
+    const char *at = row->covariance;
+    for (int i = 0; i < FIT_TERMS * FIT_TERMS; ++i) {
+        char *end = NULL;
+        row->f.covariance[i / FIT_TERMS][i % FIT_TERMS] = strtod(at, &end);
+        if (end == at)
+            return false;
+        at = end;
+    }
+    return true;
+}
+
+static bool read_fits(store *s, const forecast_ask *ask, const char *env, fit_list *list,
+                      duet_error *err)
+{
+    uint32_t n = 0;
+    sql q = sql_select(s, named_columns,
+                       " FROM fit WHERE env_id = (SELECT id FROM env WHERE key = ?) AND family = ? "
+                       "AND kernels = ?",
+                       err);
+    sql_text(&q, env);
+    sql_text(&q, ask->family);
+    sql_text(&q, ask->kernels);
+    list->fits = sql_rows(&q, named_columns, sizeof *list->fits, &n);
+    for (uint32_t i = 0; i < n; ++i)
+        if (read_covariance(&list->fits[i]))
+            list->fits[list->n++] = list->fits[i];
+    return sql_close(&q);
+}
+
+static fit_time predict(const forecast_ask *ask, const fit *f, double share)
+{
+    return fit_predict(f, ask->n, share * ask->n, ask->occupancy);
+}
+
+// By the device's own times without a partner, or else by what its part would
+// take if it were the whole.
+static fit_time predict_alone(const forecast_ask *ask, const fit_list *list, const named_fit *part)
+{
+    for (uint32_t i = 0; i < list->n; ++i) {
+        const named_fit *row = &list->fits[i];
+        if (strcmp(row->role, "alone") == 0 && strcmp(row->host, part->host) == 0 &&
+            strcmp(row->level, part->level) == 0 && strcmp(row->variant, part->variant) == 0)
+            return predict(ask, &row->f, 1);
+    }
+    return predict(ask, &part->f, 1);
+}
+
+// Both parts' times are straight lines in the share; they end together where
+// the lines cross. False where they do not rise as times should.
+static bool cross(const forecast_ask *ask, const fit *a, const fit *b, forecast *out)
+{
+    double a_rise = predict(ask, a, 1).ns - predict(ask, a, 0).ns;
+    double b_rise = predict(ask, b, 1).ns - predict(ask, b, 0).ns;
+    if (!(a_rise > 0 && b_rise > 0))
+        return false;
+    double slope = a_rise + b_rise;
+    out->share = fmin(1, fmax(0, (predict(ask, b, 1).ns - predict(ask, a, 0).ns) / slope));
+    fit_time by_a = predict(ask, a, out->share);
+    fit_time by_b = predict(ask, b, 1 - out->share);
+    out->both = by_a.ns > by_b.ns ? by_a : by_b;
+    out->share_sd = hypot(by_a.sd_ns, by_b.sd_ns) / slope;
+    out->doubt = fmax(by_a.sd_ns, by_b.sd_ns) / out->both.ns;
+    return out->both.ns > 0;
+}
+
+static bool make_forecast(const forecast_ask *ask, const fit_list lists[2], const named_fit *a,
+                          const named_fit *b, forecast *out)
+{
+    *out = (forecast){
+        .here = strcmp(a->host, ask->host) == 0,
+        .n_min = fmax(a->f.n_min, b->f.n_min),
+        .n_max = fmin(a->f.n_max, b->f.n_max),
+        .points = a->f.points + b->f.points,
+    };
+    sql_copy(out->plan.mode, sizeof out->plan.mode, a->mode);
+    sql_copy(out->plan.level, sizeof out->plan.level, a->level);
+    sql_copy(out->plan.variant_a, sizeof out->plan.variant_a, a->variant);
+    sql_copy(out->plan.variant_b, sizeof out->plan.variant_b, b->variant);
+    fit_time alone_a = predict_alone(ask, &lists[0], a);
+    fit_time alone_b = predict_alone(ask, &lists[1], b);
+    out->a_is_best = alone_a.ns < alone_b.ns;
+    out->one = out->a_is_best ? alone_a : alone_b;
+    return out->one.ns > 0 && cross(ask, &a->f, &b->f, out);
+}
+
+static bool is_part(const named_fit *row, const char *role)
+{
+    return strcmp(row->role, "part") == 0 || strcmp(row->role, role) == 0;
+}
+
+// Two fits that can work together: of one machine, in one mode and level.
+static bool match(const named_fit *a, const named_fit *b)
+{
+    return is_part(a, "a") && is_part(b, "b") && strcmp(a->host, b->host) == 0 &&
+           strcmp(a->mode, b->mode) == 0 && strcmp(a->level, b->level) == 0;
+}
+
+static bool same_work(const profile_plan *a, const profile_plan *b)
+{
+    return strcmp(a->mode, b->mode) == 0 && strcmp(a->level, b->level) == 0 &&
+           strcmp(a->variant_a, b->variant_a) == 0 && strcmp(a->variant_b, b->variant_b) == 0;
+}
+
+// Of many plans, the one that looks quickest is likely one that little is known
+// of; so the slow end of the interval decides.
+static double cautious_ns(const forecast *f)
+{
+    return f->both.ns * (1 + 2 * f->doubt);
+}
+
+bool forecast_best(store *s, const forecast_ask *ask, forecast *best, bool *found, duet_error *err)
+{
+    fit_list lists[2] = {0};
+    bool ok = read_fits(s, ask, ask->env_a, &lists[0], err) &&
+              read_fits(s, ask, ask->env_b, &lists[1], err);
+    *found = false;
+    for (uint32_t i = 0; ok && i < lists[0].n; ++i) {
+        for (uint32_t j = 0; j < lists[1].n; ++j) {
+            forecast f;
+            if (!match(&lists[0].fits[i], &lists[1].fits[j]) ||
+                !make_forecast(ask, lists, &lists[0].fits[i], &lists[1].fits[j], &f) ||
+                (ask->plan && !same_work(ask->plan, &f.plan)))
+                continue;
+            if (*found &&
+                (f.here != best->here ? best->here : cautious_ns(&f) >= cautious_ns(best)))
+                continue;
+            *best = f;
+            *found = true;
         }
     }
-    return at != NULL;
+    free(lists[0].fits);
+    free(lists[1].fits);
+    return ok;
+}
+
+static uint32_t share_of(double r)
+{
+    return (uint32_t)lround(fmin(1, fmax(0, r)) * PROFILE_SHARE_ONE);
+}
+
+void forecast_take(const forecast *f, profile_found *found)
+{
+    double ratio = f->one.ns / f->both.ns;
+    double sd = ratio * hypot(f->doubt, f->one.sd_ns / f->one.ns);
+    bool faster = ratio - 2 * sd > 1;
+    *found = (profile_found){.plan = f->plan};
+    found->share_low = share_of(f->share - 2 * f->share_sd);
+    found->share_high = share_of(f->share + 2 * f->share_sd);
+    found->plan.share = faster ? share_of(f->share) : f->a_is_best ? PROFILE_SHARE_ONE : 0;
+    found->median_ns = faster ? f->both.ns : f->one.ns;
+    if (faster) {
+        found->gain = ratio - 1;
+        found->gain_low = ratio - 2 * sd - 1;
+        found->gain_high = ratio + 2 * sd - 1;
+    }
+    sql_copy(found->verdict, sizeof found->verdict, faster ? "faster" : "same");
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The time of one device's part as a function of the workload's size.
+// The time of one device's part as a function of the workload's size, and what
+// those of two devices foretell.
 //
 //     time = base + each * n + own * w + crowd * w * occupancy
 //
@@ -11,7 +12,7 @@
 #ifndef PROFILES_FIT_H
 #define PROFILES_FIT_H
 
-#include "profiles/trial.h"
+#include "profiles/lookup.h"
 
 #define FIT_TERMS 4
 
@@ -46,10 +47,41 @@ fit_time fit_predict(const fit *f, double n, double own, double occupancy);
 bool fit_session(store *s, const char *session, duet_error *err);
 bool fit_all(store *s, duet_error *err);
 
-// The columns that make a fit, and the reading of them from `column` on. False
-// where a hand-written row's covariance is not 16 numbers.
-#define FIT_COLUMNS "base, each, own, crowd, covariance, residual, points, n_min, n_max"
-struct sql;
-bool fit_read(const struct sql *q, int column, fit *f);
+// ---------------------------------------------------------------- forecasts
+
+// What the fits of two devices say about a workload that they never did
+// together, or not at that size.
+typedef struct forecast_ask {
+    const char *env_a; // keys
+    const char *env_b;
+    const char *family;
+    const char *kernels;
+    const char *host;
+    double n;
+    double occupancy;
+    const profile_plan *plan; // its mode, level and variants only; NULL: any
+} forecast_ask;
+
+typedef struct forecast {
+    profile_plan plan; // without its share
+    bool here;         // measured on the host asked for
+    double share;      // A's part where both end together, 0 to 1
+    double share_sd;
+    fit_time both; // at that share
+    double doubt;  // of it, relative, one standard deviation
+    fit_time one;  // by the better single device
+    bool a_is_best;
+    double n_min; // sizes measured
+    double n_max;
+    uint32_t points;
+} forecast;
+
+// The quickest plan, what was measured on the host asked for before others.
+// Both devices' fits are always of one machine.
+bool forecast_best(store *s, const forecast_ask *ask, forecast *best, bool *found, duet_error *err);
+
+// The plan that follows from it. A gain that might be none is not taken: the
+// better single device does all the work.
+void forecast_take(const forecast *f, profile_found *found);
 
 #endif

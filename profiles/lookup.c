@@ -3,7 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "profiles/lookup.h"
 
-#include "profiles/forecast.h"
+#include "profiles/fit.h"
 #include "profiles/sql.h"
 
 #include <math.h>
@@ -83,14 +83,33 @@ static bool turn_to_level(look *l, const char *level)
 
 // ---------------------------------------------------------- rungs that are rows
 
-#define COLUMNS                                                                                \
-    "p.share, p.mode, p.level, p.variant_a, p.variant_b, p.median_ns, p.gain, p.gain_low, "    \
-    "p.gain_high, p.verdict, p.created_ns, coalesce(p.session_id, ''), p.uid, p.origin, "      \
-    "coalesce((SELECT host FROM session WHERE id = p.session_id), ''), p.low_ns, "             \
-    "p.high_ns, p.single_ns, coalesce(p.best_share, p.share), coalesce(p.best_mode, p.mode), " \
-    "coalesce(p.terms, ''), p.missed_rate, p.false_rate, coalesce(p.true_pairs, -1)"
-
-enum { N_COLUMNS = 24 };
+static const sql_column found_columns[] = {
+    SQL_COLUMN("p.share", profile_found, plan.share),
+    SQL_COLUMN("p.mode", profile_found, plan.mode),
+    SQL_COLUMN("p.level", profile_found, plan.level),
+    SQL_COLUMN("p.variant_a", profile_found, plan.variant_a),
+    SQL_COLUMN("p.variant_b", profile_found, plan.variant_b),
+    SQL_COLUMN("p.share", profile_found, share_low),
+    SQL_COLUMN("p.share", profile_found, share_high),
+    SQL_COLUMN("p.median_ns", profile_found, median_ns),
+    SQL_COLUMN("p.low_ns", profile_found, low_ns),
+    SQL_COLUMN("p.high_ns", profile_found, high_ns),
+    SQL_COLUMN("p.single_ns", profile_found, single_ns),
+    SQL_COLUMN("p.gain", profile_found, gain),
+    SQL_COLUMN("p.gain_low", profile_found, gain_low),
+    SQL_COLUMN("p.gain_high", profile_found, gain_high),
+    SQL_COLUMN("p.verdict", profile_found, verdict),
+    SQL_COLUMN("coalesce(p.best_share, p.share)", profile_found, best_share),
+    SQL_COLUMN("coalesce(p.best_mode, p.mode)", profile_found, best_mode),
+    SQL_COLUMN("p.terms", profile_found, terms),
+    SQL_COLUMN("p.missed_rate", profile_found, missed_rate),
+    SQL_COLUMN("p.false_rate", profile_found, false_rate),
+    SQL_COLUMN("coalesce(p.true_pairs, -1)", profile_found, true_pairs),
+    SQL_COLUMN("p.created_ns", profile_found, created_ns),
+    SQL_COLUMN("p.session_id", profile_found, session),
+    SQL_COLUMN("p.uid", profile_found, uid),
+    {0},
+};
 
 // Rates that nobody measured are above every limit; certified has none.
 #define WITHIN(rate, most)                                                                  \
@@ -99,7 +118,8 @@ enum { N_COLUMNS = 24 };
 #define ACCURATE "AND " WITHIN("missed_rate", "?3") " AND " WITHIN("false_rate", "?4") " "
 
 #define ROW                                                                          \
-    "SELECT " COLUMNS " FROM profile p "                                             \
+    ", p.origin, coalesce((SELECT host FROM session WHERE id = p.session_id), '') "  \
+    "FROM profile p "                                                                \
     "WHERE p.live = 1 AND p.workload_id = (SELECT id FROM workload WHERE key = ?1) " \
     "AND p.objective = ?2 " ACCURATE
 
@@ -120,35 +140,8 @@ static double limit(double rate)
     return isfinite(rate) ? rate : 1e300;
 }
 
-static profile_found read_row(const sql *q)
-{
-    profile_found found = {.plan.share = (uint32_t)sql_get_int(q, 0),
-                           .median_ns = sql_get_real(q, 5),
-                           .gain = sql_get_real(q, 6),
-                           .gain_low = sql_get_real(q, 7),
-                           .gain_high = sql_get_real(q, 8),
-                           .created_ns = sql_get_int(q, 10),
-                           .low_ns = sql_get_real(q, 15),
-                           .high_ns = sql_get_real(q, 16),
-                           .single_ns = sql_get_real(q, 17),
-                           .best_share = (uint32_t)sql_get_int(q, 18),
-                           .missed_rate = sql_get_real(q, 21),
-                           .false_rate = sql_get_real(q, 22),
-                           .true_pairs = sql_get_int(q, 23)};
-    found.share_low = found.share_high = found.plan.share;
-    sql_copy(found.plan.mode, sizeof found.plan.mode, sql_get_text(q, 1));
-    sql_copy(found.plan.level, sizeof found.plan.level, sql_get_text(q, 2));
-    sql_copy(found.plan.variant_a, sizeof found.plan.variant_a, sql_get_text(q, 3));
-    sql_copy(found.plan.variant_b, sizeof found.plan.variant_b, sql_get_text(q, 4));
-    sql_copy(found.verdict, sizeof found.verdict, sql_get_text(q, 9));
-    sql_copy(found.session, sizeof found.session, sql_get_text(q, 11));
-    sql_copy(found.uid, sizeof found.uid, sql_get_text(q, 12));
-    sql_copy(found.best_mode, sizeof found.best_mode, sql_get_text(q, 19));
-    sql_copy(found.terms, sizeof found.terms, sql_get_text(q, 20));
-    return found;
-}
-
-static void tell_row(look *l, const sql *q)
+// The row's origin and host follow the columns.
+static void tell_row(look *l, const sql *q, int column)
 {
     if (!l->why)
         return;
@@ -157,19 +150,20 @@ static void tell_row(look *l, const sql *q)
     struct tm parts;
     if (gmtime_r(&seconds, &parts))
         strftime(when, sizeof when, "%Y-%m-%d %H:%M UTC", &parts);
-    const char *host = sql_get_text(q, 14);
+    const char *host = sql_get_text(q, column + 1);
     const char *where = strcmp(host, l->request->host) == 0 ? "this machine"
                         : *host                             ? "another machine with such devices"
                                                             : "an unknown machine";
-    text_add(l->why, "yes: %s %s on %s%s%s", sql_get_text(q, 13), when, where,
+    text_add(l->why, "yes: %s %s on %s%s%s", sql_get_text(q, column), when, where,
              l->found->session[0] ? ", session " : "", l->found->session);
 }
 
-// A query on rows with what all of them ask for bound.
-static sql ask_rows(look *l, const char *query)
+// A query on rows with what all of them ask for bound. of: the workload, or its
+// family.
+static sql ask_rows(look *l, const char *query, const char *of)
 {
-    sql q = sql_make(l->s, query, l->err);
-    sql_text(&q, l->workload);
+    sql q = sql_select(l->s, found_columns, query, l->err);
+    sql_text(&q, of);
     sql_text(&q, l->request->objective);
     sql_real(&q, limit(l->request->max_missed_rate));
     sql_real(&q, limit(l->request->max_false_rate));
@@ -181,15 +175,15 @@ static bool close_row(look *l, sql *q, bool *held)
 {
     *held = sql_row(q);
     if (*held) {
-        *l->found = read_row(q);
-        tell_row(l, q);
+        *l->found = (profile_found){0};
+        tell_row(l, q, sql_read(q, 0, found_columns, l->found));
     }
     return sql_close(q);
 }
 
 static bool find_by_seats(look *l, const char *query, bool *held)
 {
-    sql q = ask_rows(l, query);
+    sql q = ask_rows(l, query, l->workload);
     sql_text(&q, l->seat[0]);
     sql_text(&q, l->seat[1]);
     return close_row(l, &q, held);
@@ -273,7 +267,7 @@ static bool tell_what_is_missing(look *l)
 static bool look_exact(look *l, bool *held)
 {
     if (l->pair_id != 0) {
-        sql q = ask_rows(l, exact_query);
+        sql q = ask_rows(l, exact_query, l->workload);
         sql_int(&q, l->pair_id);
         if (!close_row(l, &q, held))
             return false;
@@ -320,24 +314,21 @@ typedef struct neighbour {
 } neighbour;
 
 #define NEIGHBOUR                                                                \
-    "SELECT " COLUMNS ", w.n, w.occ_mean FROM workload w CROSS JOIN profile p "  \
+    ", w.n, w.occ_mean FROM workload w CROSS JOIN profile p "                    \
     "ON p.workload_id = w.id WHERE w.family = ?1 AND p.objective = ?2 " ACCURATE \
     "AND p.kernels = ?5 AND p.pair_id = ?6 AND p.live = 1 "
 
 static bool find_one(look *l, const char *query, neighbour *near)
 {
-    sql q = sql_make(l->s, query, l->err);
-    sql_text(&q, text_chars(&l->family));
-    sql_text(&q, l->request->objective);
-    sql_real(&q, limit(l->request->max_missed_rate));
-    sql_real(&q, limit(l->request->max_false_rate));
-    sql_text(&q, l->request->kernels);
+    sql q = ask_rows(l, query, text_chars(&l->family));
     sql_int(&q, l->pair_id);
     sql_int(&q, (int64_t)l->at.n);
     *near = (neighbour){0};
-    if (sql_row(&q))
-        *near =
-            (neighbour){sql_get_real(&q, N_COLUMNS), sql_get_real(&q, N_COLUMNS + 1), read_row(&q)};
+    if (sql_row(&q)) {
+        int rest = sql_read(&q, 0, found_columns, &near->found);
+        near->n = sql_get_real(&q, rest);
+        near->occupancy = sql_get_real(&q, rest + 1);
+    }
     return sql_close(&q);
 }
 
@@ -525,5 +516,61 @@ bool profile_lookup(store *s, const profile_request *request, profile_found *fou
     if (!ok)
         *found = (profile_found){.grade = PROFILE_DEFAULT};
     text_free(&l.family);
+    return ok && (!why || text_ok(why, err));
+}
+
+// ---------------------------------------------------------------------- two files
+
+static bool look_once(const char *path, const profile_request *request, profile_found *found,
+                      text *why, bool *disturbed, duet_error *err)
+{
+    *found = (profile_found){.grade = PROFILE_DEFAULT};
+    store *s = store_open_look(path, err);
+    bool ok = s && profile_lookup(s, request, found, why, err);
+    *disturbed = s && !store_undisturbed(s);
+    store_close(s);
+    return ok;
+}
+
+// A writer that came in between may have shown half of its work, so the look
+// is taken again; then it is seen to write, and read in step with it.
+static bool look_in_file(const char *path, const profile_request *request, profile_found *found,
+                         text *why, duet_error *err)
+{
+    enum { MAX_LOOKS = 3 };
+    for (int i = 0;; ++i) {
+        text told = {0};
+        duet_error failure = {0};
+        bool disturbed = false;
+        bool ok = look_once(path, request, found, why ? &told : NULL, &disturbed, &failure);
+        bool final = !disturbed || i == MAX_LOOKS;
+        if (final && !ok)
+            error_set(err, failure.status, "%s", failure.text);
+        if (final && why)
+            text_add(why, "%s%s%s", ok ? path : failure.text, ok ? ":\n" : "\n", text_chars(&told));
+        text_free(&told);
+        if (final)
+            return ok;
+    }
+}
+
+bool profile_lookup_files(const char *user_path, const char *system_path,
+                          const profile_request *request, profile_found *found, text *why,
+                          duet_error *err)
+{
+    const char *paths[] = {user_path, system_path};
+    bool ok = true;
+    *found = (profile_found){.grade = PROFILE_DEFAULT};
+    for (int i = 0; i < 2 && found->grade != PROFILE_EXACT; ++i) {
+        profile_found here;
+        duet_error failure = {0};
+        if (!paths[i])
+            continue;
+        if (!look_in_file(paths[i], request, &here, why, &failure) &&
+            failure.status != DUET_STATUS_NOT_FOUND)
+            ok = error_set(err, failure.status, "%s", failure.text);
+        if (here.grade < found->grade)
+            *found = here;
+    }
     return ok && (!why || text_ok(why, err));
 }

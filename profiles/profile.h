@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// A profile: the plan that a search chose, with what it is worth and why.
+// A profile: the plan that a search chose, with what it is worth and why; how
+// people are shown it; and what each level of accuracy costs on a workload.
 #ifndef PROFILES_PROFILE_H
 #define PROFILES_PROFILE_H
 
-#include "profiles/trial.h"
-#include "profiles/workload.h"
+#include "profiles/session.h"
 
 typedef struct profile_row {
     int64_t pair_id;
@@ -34,5 +34,86 @@ typedef struct profile_row {
 // Makes it the live profile of its pair, workload, kernels, objective and
 // level. One that was live stays in the store, dead for `reason`.
 bool profile_put(store *s, const profile_row *row, const char *reason, duet_error *err);
+
+// ---------------------------------------------------------------- as people see it
+
+typedef struct profile_entry_device {
+    const char *name;
+    const char *part; // NULL: the whole device
+    const char *driver;
+    const char *platform_version;
+} profile_entry_device;
+
+// The session that a profile comes from; all NULL and 0 where it has none.
+typedef struct profile_entry_session {
+    const char *id;
+    const char *state;
+    const char *strategy;
+    const char *options; // JSON
+    const char *script;  // its text; NULL: none
+    const char *tool_version;
+    const char *host;
+    int64_t seed;
+    int64_t resumed; // how often
+    int64_t trials;
+    int64_t launches;
+    double load;
+    double timer_ns;
+    int64_t started_ns;
+    int64_t ended_ns; // 0: not yet
+} profile_entry_session;
+
+// A profile with the names that its ids stand for.
+typedef struct profile_entry {
+    const char *uid;
+    profile_entry_device a;
+    profile_entry_device b;
+    const char *scene; // the workload's name; may be NULL
+    int64_t dims;
+    int64_t n;
+    const char *family;
+    profile_row row; // without session and trial_number
+    int64_t created_ns;
+    const char *dead_reason; // NULL: live
+    profile_entry_session session;
+} profile_entry;
+
+// Called for each profile; what the entry points to is valid in the call.
+// False stops the walk.
+typedef bool profile_entry_visit(void *context, const profile_entry *entry);
+
+// Live profiles and then, if asked for, the dead ones, each by pair and by size;
+// only those whose uid begins with `uid`, unless that is NULL.
+bool profile_entry_each(store *s, const char *uid, bool dead_too, profile_entry_visit *visit,
+                        void *context, duet_error *err);
+
+// ---------------------------------------------------------------- levels
+
+// What a level finds, and what a step takes at it. From a workload's table a level
+// is chosen within a budget, any budget, without measuring again.
+enum { PROFILE_LEVEL_COSTS = 16 }; // the most levels of a list
+
+typedef struct profile_level_cost {
+    char level[16];
+    double step_ns; // the median
+    uint64_t true_pairs;
+    uint64_t missed;   // of them
+    uint64_t invented; // pairs reported that are none
+} profile_level_cost;
+
+// What a table of level costs is of. workload_id is that of level "auto".
+typedef struct profile_level_cost_key {
+    int64_t pair_id;
+    int64_t workload_id;
+    const char *kernels;
+} profile_level_cost_key;
+
+// Puts the list in the place of one that was there.
+bool profile_level_costs_put(store *s, const profile_level_cost_key *key,
+                             const profile_level_cost *costs, uint32_t n, duet_error *err);
+
+// Fills costs [PROFILE_LEVEL_COSTS] by level; n is 0 where none are stored.
+bool profile_level_costs_get(store *s, const profile_level_cost_key *key, profile_level_cost *costs,
+                             uint32_t *n, duet_error *err);
 
 #endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A session: one search for one workload on one pair, and how it is resumed.
+// A session: one search for one workload on one pair, how it is resumed, and its
+// trials: one plan each, with every launch kept.
 //
 // A session that was killed or stopped is taken up again by the next process
 // that wants the same; each trial is written with the search's state in one
@@ -7,7 +8,7 @@
 #ifndef PROFILES_SESSION_H
 #define PROFILES_SESSION_H
 
-#include "profiles/device.h"
+#include "profiles/subject.h"
 
 #define PROFILE_ID 33 // 32 hex digits and a NUL
 
@@ -58,5 +59,67 @@ bool profile_session_save(store *s, const char *id, const char *search_state, du
 // how: "complete", "stopped" (to be resumed) or "failed". A complete session's
 // trials enter the fits of its devices.
 bool profile_session_end(store *s, const char *id, const char *how, duet_error *err);
+
+// ---------------------------------------------------------------- trials
+
+#define PROFILE_SHARE_ONE 65536
+
+// How a step was done; mirrors the public plan, which this module does not know.
+typedef struct profile_plan {
+    uint32_t share;     // A's part out of PROFILE_SHARE_ONE
+    char mode[16];      // "shared", "own" or "slab"
+    char level[16];     // of accuracy, "certified"
+    char variant_a[96]; // "auto sort=radix"
+    char variant_b[96];
+} profile_plan;
+
+typedef enum profile_sample_flag {
+    PROFILE_SAMPLE_WARM_UP = 1, // before the clock counts
+    PROFILE_SAMPLE_OUTLIER = 2  // marked, and kept
+} profile_sample_flag;
+
+// One launch. What was not measured is 0.
+typedef struct profile_sample {
+    int64_t total_ns;
+    int64_t a_ns;
+    int64_t b_ns;
+    int64_t transfer_ns;
+    int64_t merge_ns;
+    uint32_t flags;
+    int64_t at_ns; // when, by the calendar
+} profile_sample;
+
+typedef struct profile_trial {
+    profile_plan plan;
+    const char *outcome; // "ok", "build", "launch", "wrong", "timeout" or "pruned"
+    const char *reason;  // one line where not ok; else NULL
+    double build_ms;     // 0: nothing was built
+    uint32_t outliers;
+    double median_ns; // of the total, as all below; 0 unless ok
+    double mad_ns;    // median absolute deviation
+    double low_ns;    // the median's interval
+    double high_ns;
+    double a_ns;       // median of A's part; 0: A had none
+    double b_ns;       // and of B's
+    const char *terms; // a JSON object: T_CPU1, T_GPU1, T_BUS1 ... (equations 4 to 6); NULL: none
+    const profile_sample *samples;
+    uint32_t n_samples;
+} profile_trial;
+
+// Adds a trial, its samples and, unless NULL, the search's state: all or
+// nothing, and the owner is seen to live. `number` counts from 0 in its session.
+bool profile_trial_add(store *s, const char *session, const profile_trial *trial,
+                       const char *search_state, int64_t *number, duet_error *err);
+
+// The number of the session's last trial of that plan that ran; -1: none did.
+bool profile_trial_find(store *s, const char *session, const profile_plan *plan, int64_t *number,
+                        duet_error *err);
+
+// Called for each trial of a session in order; what trial points to is valid
+// in the call. False stops the walk.
+typedef bool profile_trial_visit(void *context, int64_t number, const profile_trial *trial);
+
+bool profile_trial_each(store *s, const char *session, profile_trial_visit *visit, void *context,
+                        duet_error *err);
 
 #endif

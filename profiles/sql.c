@@ -3,8 +3,10 @@
 #define _POSIX_C_SOURCE 200809L
 #include "profiles/sql.h"
 
+#include <cjson/cJSON.h>
 #include <errno.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static bool disk_is_full(int code, int system_code)
@@ -159,6 +161,134 @@ const char *sql_get_text(const sql *q, int column)
     return (const char *)sqlite3_column_text(q->stmt, column);
 }
 
+// ---------------------------------------------------------------- columns
+
+void sql_add_names(text *t, const char *prefix, const sql_column *columns)
+{
+    for (const sql_column *c = columns; c->name; ++c)
+        text_add(t, "%s%s%s", c == columns ? "" : ", ", prefix, c->name);
+}
+
+// Gives the text back.
+static sql make_built(store *s, text *statement, duet_error *err)
+{
+    sql q = sql_make(s, text_chars(statement), err);
+    q.failed = !text_ok(statement, err) || q.failed;
+    text_free(statement);
+    return q;
+}
+
+sql sql_insert(store *s, const char *table, const sql_column *columns, const char *more,
+               const char *end, duet_error *err)
+{
+    text t = {0};
+    text_add(&t, "INSERT INTO %s (", table);
+    sql_add_names(&t, "", columns);
+    text_add(&t, ", %s) VALUES (?", more);
+    for (const sql_column *c = columns; c->name; ++c)
+        text_add(&t, ", ?");
+    for (const char *comma = strchr(more, ','); comma; comma = strchr(comma + 1, ','))
+        text_add(&t, ", ?");
+    text_add(&t, ") %s", end);
+    return make_built(s, &t, err);
+}
+
+sql sql_select(store *s, const sql_column *columns, const char *rest, duet_error *err)
+{
+    text t = {0};
+    text_add(&t, "SELECT ");
+    sql_add_names(&t, "", columns);
+    text_add(&t, "%s", rest);
+    return make_built(s, &t, err);
+}
+
+static void bind_column(sql *q, const sql_column *c, const void *member)
+{
+    switch (c->kind) {
+    case SQL_INT:
+        sql_int(q, *(const int64_t *)member);
+        break;
+    case SQL_UINT:
+        sql_int(q, *(const uint32_t *)member);
+        break;
+    case SQL_BOOL:
+        sql_int(q, *(const bool *)member);
+        break;
+    case SQL_REAL:
+        sql_real(q, *(const double *)member);
+        break;
+    case SQL_TEXT:
+        sql_text(q, *(const char *const *)member);
+        break;
+    case SQL_CHARS:
+        sql_text(q, member);
+        break;
+    }
+}
+
+void sql_bind(sql *q, const sql_column *columns, const void *row)
+{
+    for (const sql_column *c = columns; c->name; ++c) {
+        if (row)
+            bind_column(q, c, (const char *)row + c->offset);
+        else
+            sql_text(q, NULL);
+    }
+}
+
+static void read_column(const sql *q, int column, const sql_column *c, void *member)
+{
+    switch (c->kind) {
+    case SQL_INT:
+        *(int64_t *)member = sql_get_int(q, column);
+        break;
+    case SQL_UINT:
+        *(uint32_t *)member = (uint32_t)sql_get_int(q, column);
+        break;
+    case SQL_BOOL:
+        *(bool *)member = sql_get_int(q, column) != 0;
+        break;
+    case SQL_REAL:
+        *(double *)member = sql_get_real(q, column);
+        break;
+    case SQL_TEXT:
+        *(const char **)member = sql_get_text(q, column);
+        break;
+    case SQL_CHARS:
+        sql_copy(member, c->size, sql_get_text(q, column));
+        break;
+    }
+}
+
+int sql_read(const sql *q, int column, const sql_column *columns, void *row)
+{
+    for (const sql_column *c = columns; c->name; ++c)
+        read_column(q, column++, c, (char *)row + c->offset);
+    return column;
+}
+
+void *sql_rows(sql *q, const sql_column *columns, size_t size, uint32_t *n)
+{
+    char *rows = NULL;
+    uint32_t capacity = 0;
+    for (*n = 0; sql_row(q); ++*n) {
+        if (*n == capacity) {
+            capacity = capacity ? 2 * capacity : 64;
+            char *grown = realloc(rows, capacity * size);
+            if (!grown) {
+                check(q, SQLITE_NOMEM);
+                break;
+            }
+            rows = grown;
+        }
+        char *row = memset(rows + *n * size, 0, size);
+        sql_read(q, 0, columns, row);
+    }
+    return rows;
+}
+
+// ---------------------------------------------------------------- whole statements
+
 bool sql_script(store *s, const char *statements, duet_error *err)
 {
     int code = sqlite3_exec(s->db, statements, NULL, NULL, NULL);
@@ -186,4 +316,13 @@ void sql_copy(char *to, size_t size, const char *from)
     if (length > 0)
         memcpy(to, from, length);
     to[length] = '\0';
+}
+
+bool sql_check_object(const char *what, const char *chars, duet_error *err)
+{
+    cJSON *json = cJSON_ParseWithOpts(chars, NULL, true);
+    bool ok = cJSON_IsObject(json);
+    cJSON_Delete(json);
+    return ok || error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s must be one JSON object, not: %.60s",
+                           what, chars);
 }

@@ -16,6 +16,7 @@
 #include "profiles/unlocked_read.h"
 
 #include <sqlite3.h>
+#include <stddef.h>
 
 struct store {
     sqlite3 *db;
@@ -49,6 +50,61 @@ int64_t sql_get_int(const sql *q, int column);
 double sql_get_real(const sql *q, int column);
 const char *sql_get_text(const sql *q, int column); // NULL where NULL; until the next row
 
+// ---------------------------------------------------------------- columns
+
+typedef enum sql_kind { SQL_INT, SQL_UINT, SQL_BOOL, SQL_REAL, SQL_TEXT, SQL_CHARS } sql_kind;
+
+// A column and the member of a struct that stands for it. The name may be any
+// expression where it is only read. A table of columns ends with {0}.
+typedef struct sql_column {
+    const char *name;
+    sql_kind kind;
+    size_t offset;
+    size_t size;
+} sql_column;
+
+// clang-format off
+#define SQL_KIND_OF(member)                                                   \
+    _Generic(member, int64_t: SQL_INT, uint64_t: SQL_INT, uint32_t: SQL_UINT, \
+             bool: SQL_BOOL, double: SQL_REAL, const char *: SQL_TEXT, char *: SQL_CHARS)
+// clang-format on
+
+#define SQL_COLUMN(name, struct_, member)                                     \
+    {                                                                         \
+        name, SQL_KIND_OF(((struct_ *)0)->member), offsetof(struct_, member), \
+            sizeof((struct_ *)0)->member                                      \
+    }
+
+// Those of a profile_plan.
+#define SQL_PLAN_COLUMNS(struct_, plan)                                               \
+    SQL_COLUMN("share", struct_, plan.share), SQL_COLUMN("mode", struct_, plan.mode), \
+        SQL_COLUMN("level", struct_, plan.level),                                     \
+        SQL_COLUMN("variant_a", struct_, plan.variant_a),                             \
+        SQL_COLUMN("variant_b", struct_, plan.variant_b)
+
+// "t.share, t.mode" for the prefix "t.".
+void sql_add_names(text *t, const char *prefix, const sql_column *columns);
+
+// INSERT INTO table with the columns, bound by sql_bind, and `more` names with
+// commas between them, which are bound after them; `end` ends the statement.
+sql sql_insert(store *s, const char *table, const sql_column *columns, const char *more,
+               const char *end, duet_error *err);
+
+// SELECT the columns, and what `rest` adds to them and says of where.
+sql sql_select(store *s, const sql_column *columns, const char *rest, duet_error *err);
+
+void sql_bind(sql *q, const sql_column *columns, const void *row); // NULL: each is NULL
+
+// Fills the row from `column` on, and gives back the next column. A NULL is 0, an
+// empty or no text.
+int sql_read(const sql *q, int column, const sql_column *columns, void *row);
+
+// All rows that are left, each a struct of `size` bytes that holds no SQL_TEXT. The
+// caller frees them, and asks sql_close whether they are all.
+void *sql_rows(sql *q, const sql_column *columns, size_t size, uint32_t *n);
+
+// ---------------------------------------------------------------- whole statements
+
 // Runs a text of statements that give no rows.
 bool sql_script(store *s, const char *statements, duet_error *err);
 
@@ -63,6 +119,15 @@ bool sql_fail(const store *s, int code, duet_error *err);
 
 // Copies at most size-1 bytes; what is stored was checked to fit when it came in.
 void sql_copy(char *to, size_t size, const char *from);
+
+// BAD_ARGUMENT, with what, where a text from outside this module is not one JSON
+// object. SQL's own check is off in a store, whose text is not trusted.
+bool sql_check_object(const char *what, const char *chars, duet_error *err);
+
+// What the rows of profiles are joined with, for a query on p, its devices da and db
+// under a and b, its workload w and session s. Parameters: the uid's first digits,
+// whether dead ones are wanted too.
+extern const char profile_entry_from[];
 
 void profile_sha(const char *chars, size_t n, char key[65]);
 

@@ -2,8 +2,8 @@
 #include "profiles/upkeep.h"
 
 #include "base/visible.h"
-#include "profiles/keys.h"
 #include "profiles/sql.h"
+#include "profiles/subject.h"
 
 #include <inttypes.h>
 #include <stdio.h>

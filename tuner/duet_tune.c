@@ -6,14 +6,12 @@
 #include "runtime/broadphase/variant.h"
 #include "runtime/narrowphase/accuracy.h"
 #include "runtime/selection/profile_subject.h"
-#include "tuner/level_choice.h"
 #include "tuner/level_costs.h"
+#include "tuner/measure.h"
 #include "tuner/pair_list.h"
 #include "tuner/race.h"
 #include "tuner/record.h"
 #include "tuner/strategy.h"
-#include "tuner/strategy_lua.h"
-#include "tuner/terms.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -385,7 +383,7 @@ bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_er
     *outcome = (duet_tune_outcome){0};
     bool ok = check_def(def, err) && prepare(&h, def, err) && settle_level(&h, err);
     if (ok && h.record.store)
-        ok = record_known(&h.record, &found, err);
+        ok = profile_lookup(h.record.store, &h.record.request, &found, NULL, err);
     if (ok && is_finished(&found) && !def->fresh)
         ok = tell_known(&found, outcome, err);
     else if (ok && h.record.store)

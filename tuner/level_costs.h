@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // What each level of accuracy costs on each device of a pair, and what it gets
-// wrong on the same objects.
+// wrong on the same objects; and the level that follows from it.
 #ifndef TUNER_LEVEL_COSTS_H
 #define TUNER_LEVEL_COSTS_H
 
+#include "profiles/profile.h"
 #include "runtime/duet.h"
 
 enum { LEVEL_COSTS_ROUNDS = 100, LEVEL_COSTS_BOTH = 2 };
@@ -46,5 +47,12 @@ typedef struct level_costs_def {
 // disturbs all. Devices without double have no row for it. INTERRUPTED where
 // there is no whole round.
 bool level_costs_measure(level_costs *p, const level_costs_def *def, duet_error *err);
+
+// Of `levels` the one with the quickest step among those that were measured to
+// be within accuracy. One that promises all that it does, and takes at most 2 %
+// longer, comes before it. NOT_FOUND where none is within, with the nearest.
+bool level_choose(const profile_level_cost *costs, uint32_t n_costs, const duet_level *levels,
+                  uint32_t n_levels, const duet_accuracy *accuracy, duet_level *level,
+                  duet_error *err);
 
 #endif

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Measures a plan: verified before any time counts, warmed up, every launch
-// kept.
+// kept, with the terms of the paper's equations 4 to 6.
 #ifndef TUNER_MEASURE_H
 #define TUNER_MEASURE_H
 
-#include "profiles/trial.h"
+#include "base/text.h"
+#include "profiles/session.h"
 #include "tuner/duet_tune.h"
 #include "tuner/search.h"
+
+#include <cjson/cJSON.h>
 
 enum { MEASURE_REPEATS = 32 };
 
@@ -60,5 +63,21 @@ typedef struct measurement {
 // One launch to warm up and verify, then `repeats`. A plan that does not
 // build, run or find the right pairs is a measurement whose outcome says so.
 measurement measure_plan(const measure_machine *machine, const duet_plan *plan, uint32_t repeats);
+
+// ---------------------------------------------------------------- terms
+
+// The terms by the names that the paper has for them; the last is {NULL}.
+typedef struct terms_field {
+    const char *name;
+    size_t at; // in duet_tune_terms
+} terms_field;
+
+extern const terms_field terms_fields[];
+double terms_value(const terms_field *field, const duet_tune_terms *terms);
+
+// {"T_1":..,"T_CPU1":..,...,"imbalance":..}, milliseconds. What is not there
+// comes back as 0, and NULL as all 0.
+void terms_to_json(const duet_tune_terms *terms, text *json);
+void terms_from_json(const cJSON *json, duet_tune_terms *terms);
 
 #endif

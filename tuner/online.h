@@ -7,9 +7,22 @@
 #ifndef TUNER_ONLINE_H
 #define TUNER_ONLINE_H
 
-#include "tuner/drift.h"
 #include "tuner/duet_tune.h"
 #include "tuner/search.h"
+
+// Whether steps take other times than expected: EWMA and CUSUM of the log of
+// measured by expected time.
+typedef struct drift {
+    uint64_t n;
+    double mean;     // EWMA of ln(measured / expected)
+    double variance; // EWMA of its square about the mean
+    double up;       // CUSUM, in standard deviations
+    double down;
+} drift;
+
+// Adds one step. True where the times have shifted: the caller tunes again and
+// starts from a zeroed drift. Allocates nothing.
+bool drift_update(drift *d, double measured_ns, double expected_ns);
 
 enum { ONLINE_SETTLE = 31, ONLINE_MOVES = 16 };
 

@@ -3,7 +3,6 @@
 #include "tuner/record.h"
 
 #include "runtime/selection/profile_subject.h"
-#include "tuner/terms.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -63,11 +62,6 @@ bool record_keep_level_costs(record *r, const profile_level_cost *costs, uint32_
     return profile_level_costs_put(r->store, &key, costs, n, err);
 }
 
-bool record_known(record *r, profile_found *found, duet_error *err)
-{
-    return profile_lookup(r->store, &r->request, found, NULL, err);
-}
-
 // ---------------------------------------------------------------- session
 
 // Whatever decides what the tuning measures: another budget is another session.
@@ -97,6 +91,20 @@ static double machine_load(void)
     return getloadavg(&load, 1) == 1 ? load : 0;
 }
 
+static profile_session session_of(const record *r, const char *name)
+{
+    return (profile_session){
+        .pair_id = r->pair_id,
+        .workload_id = r->workload_id,
+        .kernels = r->request.kernels,
+        .strategy = name,
+        .objective = r->request.objective,
+        .tool_version = duet_version(),
+        .load = machine_load(),
+        .timer_ns = timer_resolution(),
+    };
+}
+
 static bool take_up(record *r, const profile_session *session, trial_log *state, bool *resumed,
                     duet_error *err)
 {
@@ -122,19 +130,10 @@ bool record_begin(record *r, const duet_tune_def *def, trial_log *state, bool *r
 {
     text options = {0};
     write_options(def, &options);
-    profile_session session = {
-        .pair_id = r->pair_id,
-        .workload_id = r->workload_id,
-        .kernels = r->request.kernels,
-        .strategy = def->strategy,
-        .objective = r->request.objective,
-        .options = text_chars(&options),
-        .seed = def->seed,
-        .script = def->strategy_lua ? def->strategy_lua : def->script,
-        .tool_version = duet_version(),
-        .load = machine_load(),
-        .timer_ns = timer_resolution(),
-    };
+    profile_session session = session_of(r, def->strategy);
+    session.options = text_chars(&options);
+    session.seed = def->seed;
+    session.script = def->strategy_lua ? def->strategy_lua : def->script;
     bool ok = text_ok(&options, err) && take_up(r, &session, state, resumed, err);
     if (ok && !*resumed)
         ok = profile_session_begin(r->store, &session, r->session, err);
@@ -183,33 +182,39 @@ tune_recorder record_recorder(record *r)
 
 // ---------------------------------------------------------------- profile
 
-static bool put_profile(record *r, const duet_tune_outcome *o, duet_error *err)
+// A row of what is aimed at; what the plan is worth is still to be filled in.
+static profile_row row_of(const record *r, const duet_plan *plan, const char *origin)
 {
-    text terms = {0};
-    terms_to_json(&o->terms, &terms);
-    profile_row row = {
+    return (profile_row){
         .pair_id = r->pair_id,
         .workload_id = r->workload_id,
         .kernels = r->request.kernels,
         .objective = r->request.objective,
-        .plan = profile_subject_write_plan(&o->plan, r->request.workload->level),
-        .median_ns = o->step_ms * 1e6,
-        .low_ns = o->step_low_ms * 1e6,
-        .high_ns = o->step_high_ms * 1e6,
-        .gain = o->gain,
-        .gain_low = o->gain_low,
-        .gain_high = o->gain_high,
-        .verdict = o->verdict,
-        .missed_rate = o->accuracy.missed,
-        .false_rate = o->accuracy.false_rate,
-        .true_pairs = (int64_t)o->true_pairs,
-        .single_ns = o->single_ms * 1e6,
-        .best_share = o->best.share,
-        .best_mode = duet_mode_name(o->best.mode),
-        .terms = text_chars(&terms),
-        .origin = "measured",
+        .plan = profile_subject_write_plan(plan, r->request.workload->level),
+        .origin = origin,
         .session = r->session,
     };
+}
+
+static bool put_profile(record *r, const duet_tune_outcome *o, duet_error *err)
+{
+    text terms = {0};
+    terms_to_json(&o->terms, &terms);
+    profile_row row = row_of(r, &o->plan, "measured");
+    row.median_ns = o->step_ms * 1e6;
+    row.low_ns = o->step_low_ms * 1e6;
+    row.high_ns = o->step_high_ms * 1e6;
+    row.gain = o->gain;
+    row.gain_low = o->gain_low;
+    row.gain_high = o->gain_high;
+    row.verdict = o->verdict;
+    row.missed_rate = o->accuracy.missed;
+    row.false_rate = o->accuracy.false_rate;
+    row.true_pairs = (int64_t)o->true_pairs;
+    row.single_ns = o->single_ms * 1e6;
+    row.best_share = o->best.share;
+    row.best_mode = duet_mode_name(o->best.mode);
+    row.terms = text_chars(&terms);
     bool ok = text_ok(&terms, err) &&
               profile_trial_find(r->store, r->session, &row.plan, &row.trial_number, err) &&
               profile_put(r->store, &row, "tuned again", err);
@@ -228,40 +233,23 @@ bool record_end(record *r, const char *how, const duet_tune_outcome *outcome, du
 bool record_online(record *r, const duet_plan *plan, double step_ns, duet_error *err)
 {
     profile_found before;
-    profile_session session = {
-        .pair_id = r->pair_id,
-        .workload_id = r->workload_id,
-        .kernels = r->request.kernels,
-        .strategy = "chunks",
-        .objective = r->request.objective,
-        .tool_version = duet_version(),
-        .load = machine_load(),
-        .timer_ns = timer_resolution(),
-    };
-    if (!record_known(r, &before, err) ||
+    profile_session session = session_of(r, "chunks");
+    if (!profile_lookup(r->store, &r->request, &before, NULL, err) ||
         !profile_session_begin(r->store, &session, r->session, err))
         return false;
-    bool known = before.grade == PROFILE_EXACT;
-    profile_row row = {
-        .pair_id = r->pair_id,
-        .workload_id = r->workload_id,
-        .kernels = r->request.kernels,
-        .objective = r->request.objective,
-        .plan = profile_subject_write_plan(plan, r->request.workload->level),
-        .median_ns = step_ns,
-        .low_ns = step_ns,
-        .high_ns = step_ns,
-        .gain = known ? before.gain : 0,
-        .gain_low = known ? before.gain_low : 0,
-        .gain_high = known ? before.gain_high : 0,
-        .verdict = known ? before.verdict : "ambiguous",
-        .missed_rate = known ? before.missed_rate : 0,
-        .false_rate = known ? before.false_rate : 0,
-        .true_pairs = known ? before.true_pairs : -1,
-        .origin = "online",
-        .session = r->session,
-        .trial_number = -1,
-    };
+    profile_row row = row_of(r, plan, "online");
+    row.median_ns = row.low_ns = row.high_ns = step_ns;
+    row.verdict = "ambiguous";
+    row.true_pairs = row.trial_number = -1;
+    if (before.grade == PROFILE_EXACT) {
+        row.gain = before.gain;
+        row.gain_low = before.gain_low;
+        row.gain_high = before.gain_high;
+        row.verdict = before.verdict;
+        row.missed_rate = before.missed_rate;
+        row.false_rate = before.false_rate;
+        row.true_pairs = before.true_pairs;
+    }
     bool ok = profile_put(r->store, &row, "tuned on line", err);
     return profile_session_end(r->store, r->session, ok ? "complete" : "failed", err) && ok;
 }

@@ -3,8 +3,8 @@
 #ifndef TUNER_RECORD_H
 #define TUNER_RECORD_H
 
-#include "profiles/level_cost.h"
 #include "profiles/lookup.h"
+#include "profiles/profile.h"
 #include "tuner/tune.h"
 
 typedef struct record {
@@ -27,9 +27,6 @@ void record_close(record *r);
 bool record_level_costs(record *r, profile_level_cost *costs, uint32_t *n, duet_error *err);
 bool record_keep_level_costs(record *r, const profile_level_cost *costs, uint32_t n,
                              duet_error *err);
-
-// What the store already knows. exact: nothing needs to be measured.
-bool record_known(record *r, profile_found *found, duet_error *err);
 
 // Takes up an interrupted session of the same tuning, whose log is then
 // filled, or begins one. STORE_FAILED where a living process has it.

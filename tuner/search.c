@@ -85,16 +85,6 @@ void search_bracket(const search *s, uint32_t *low, uint32_t *high)
         s->strategy->bracket(s, low, high);
 }
 
-const search_sample *search_fastest(const search *s)
-{
-    const search_sample *fastest = NULL;
-    for (uint32_t i = 0; i < s->n; ++i) {
-        if (!fastest || s->samples[i].total_ns < fastest->total_ns)
-            fastest = &s->samples[i];
-    }
-    return fastest;
-}
-
 const search_sample *search_at(const search *s, uint32_t share)
 {
     for (uint32_t i = 0; i < s->n; ++i) {

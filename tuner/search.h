@@ -2,8 +2,8 @@
 // A search for the share: samples in, the next share to measure out.
 //
 // A search is its strategy, its options and the samples it was told, and
-// nothing else: a strategy is a pure function of these. So a search written
-// to JSON and read back goes on exactly as if it had never stopped.
+// nothing else: a strategy is a pure function of these. So a search that is
+// begun again and told the same goes on exactly as if it had never stopped.
 #ifndef TUNER_SEARCH_H
 #define TUNER_SEARCH_H
 
@@ -70,7 +70,6 @@ uint32_t search_pick(const search *s);
 void search_bracket(const search *s, uint32_t *low, uint32_t *high);
 
 // Helps for strategies.
-const search_sample *search_fastest(const search *s);            // least total; NULL before any
 const search_sample *search_at(const search *s, uint32_t share); // first there; NULL for none
 
 // The first share that both take part in: the neighbour's, or 1/16, which is

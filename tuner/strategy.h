@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// How the next share is chosen. One file a strategy, one row in the table.
+// How the next share is chosen: the table of strategies.
 //
 // Each function sees the search as it is and keeps nothing: what it decides
 // follows from the samples alone, replayed from the first.
 #ifndef TUNER_STRATEGY_H
 #define TUNER_STRATEGY_H
 
+#include "gen/script.h"
 #include "tuner/search.h"
 
 struct strategy {
@@ -25,14 +26,23 @@ const strategy *strategy_at(uint32_t i); // NULL past the end
 const strategy *strategy_find(const char *name); // NULL where there is none
 
 extern const strategy strategy_balance;
-extern const strategy strategy_bisect;
-extern const strategy strategy_chunks;
-extern const strategy strategy_fig12;
-extern const strategy strategy_golden;
-extern const strategy strategy_grid;
 extern const strategy strategy_lua;
 
-// The pick of strategies that trust single samples: the fastest one's share.
-uint32_t strategy_pick_fastest(const search *s);
+// The script behind the strategy "lua".
+//
+// Its text returns a function from the history to the next share, or a table
+// whose field "strategy" is one, as a tune file does:
+//
+//     return function(history)
+//       local last = history[#history] -- {share =, total =, a =, b =}, times in ms
+//       if #history < 5 then return #history / 4 end
+//     end
+//
+// nil ends the search; the pick is the share of the least total. It must decide
+// from the history alone, or a resumed search goes another way.
+//
+// NULL with BAD_INPUT and name:line. Goes into search.script; closed by
+// script_close.
+script *strategy_lua_open(const char *name, const char *chars, duet_error *err);
 
 #endif

@@ -1,16 +1,211 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/tune.h"
 
+#include "base/budget.h"
+#include "base/error.h"
+#include "tuner/race.h"
 #include "tuner/search.h"
-#include "tuner/verdict.h"
+#include "tuner/strategy.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { MOST_MODES = 8 };
+enum {
+    MOST_MODES = 8,
+    VERDICT_REPEATS = 2, // at most, of which the quicker is typical
+    LEAST_TRIALS = 8,    // from which a device's undisturbed time is taken
+};
 
-static const double VARIANTS_END = 0.35, SEARCH_END = 0.7; // parts of the budget
+static const double VARIANTS_END = 0.35, SEARCH_END = 0.7, VERDICT_END = 1; // parts of the budget
+
+static const double WORTH_ALONE = 1.3; // A alone is raced where it may take so much of B alone
+static const double UNEVEN = 1.03;     // a step that could be so much shorter is evened out
+static const double HOPELESS = 2.0;    // a plan this much slower is dropped from a quick race
+
+// A tuning under way.
+typedef struct tuning {
+    const tune_task *task;
+    trial_log *state;
+    const char *stage;
+    double stage_end; // part of the budget that is used up when it must end
+    uint32_t repeats; // launches of a trial that count
+    duet_plan plan;   // the variants chosen so far
+    uint32_t launches;
+    uint64_t spent_ns;
+    bool cut;           // the budget ended a search
+    duet_error failure; // of the first plan that did not run
+} tuning;
+
+// What a trial gave to decide from.
+typedef struct trial {
+    bool usable;
+    search_sample sample;
+    duet_tune_terms terms;
+} trial;
+
+// ---------------------------------------------------------------- trials
+
+// Of the stage.
+static bool within_budget(const tuning *t)
+{
+    const duet_tune_def *def = t->task->def;
+    bool in_time =
+        def->budget_seconds <= 0 || (double)t->spent_ns * 1e-9 < t->stage_end * def->budget_seconds;
+    bool in_trials =
+        def->budget_trials == 0 || t->state->played < t->stage_end * def->budget_trials;
+    return in_time && in_trials;
+}
+
+static bool tell_watcher(const tuning *t, const trial_log_entry *entry, bool remembered,
+                         duet_error *err)
+{
+    const duet_tune_def *def = t->task->def;
+    duet_tune_progress progress = {
+        .stage = t->stage,
+        .plan = &entry->plan,
+        .ms = (double)entry->sample.total_ns * 1e-6,
+        .trials = t->state->played,
+        .launches = t->launches,
+        .seconds = (double)t->spent_ns * 1e-9,
+        .remembered = remembered,
+    };
+    if (def->watch && !def->watch(def->watch_context, &progress))
+        return error_set(err, DUET_STATUS_INTERRUPTED,
+                         "stopped after %u trials; the same command goes on from there",
+                         progress.trials);
+    return true;
+}
+
+static trial_log_entry entry_of(const duet_plan *plan, const measurement *m)
+{
+    const profile_sample *typical = &m->samples[m->typical];
+    trial_log_entry entry = {
+        .plan = *plan,
+        .usable = strcmp(m->outcome, "ok") == 0,
+        .sample = {.share = plan->share},
+        .launches = m->n_samples,
+        .spent_ns = m->spent_ns,
+    };
+    if (entry.usable) {
+        entry.sample.total_ns = (uint64_t)typical->total_ns;
+        entry.sample.a_ns = (uint64_t)typical->a_ns;
+        entry.sample.b_ns = (uint64_t)typical->b_ns;
+        entry.terms = m->terms;
+    }
+    return entry;
+}
+
+static bool has_default_variants(const tune_task *task, const duet_plan *plan)
+{
+    return strcmp(plan->variant_a, task->plan.variant_a) == 0 &&
+           strcmp(plan->variant_b, task->plan.variant_b) == 0;
+}
+
+// The default variants must be right; any other that is wrong is passed over.
+static bool check_measured(tuning *t, const duet_plan *plan, const measurement *m, duet_error *err)
+{
+    if (strcmp(m->outcome, "ok") == 0)
+        return true;
+    error_set(&t->failure, m->failure.status, "no plan runs: %s", m->failure.text);
+    if (strcmp(m->outcome, "wrong") == 0 && has_default_variants(t->task, plan))
+        return error_set(err, DUET_STATUS_WRONG_RESULT,
+                         "share %u of %u, variants '%s' and '%s': %s", plan->share, DUET_SHARE_ONE,
+                         plan->variant_a, plan->variant_b, m->failure.text);
+    return true;
+}
+
+static bool measure_live(tuning *t, const duet_plan *plan, trial_log_entry *entry, duet_error *err)
+{
+    const tune_task *task = t->task;
+    if (!budget_check(err))
+        return false;
+    measurement m = measure_plan(&task->machine, plan, t->repeats);
+    *entry = entry_of(plan, &m);
+    if (!trial_log_add(t->state, entry, err))
+        return false;
+    ++t->state->played;
+    const tune_recorder *recorder = &task->recorder;
+    return (!recorder->trial || recorder->trial(recorder->context, plan, &m, t->state, err)) &&
+           check_measured(t, plan, &m, err);
+}
+
+// From the log, or else from the machine.
+static bool run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *err)
+{
+    const trial_log_entry *kept = trial_log_next(t->state, plan);
+    trial_log_entry entry;
+    *out = (trial){0};
+    if (kept)
+        entry = *kept;
+    else if (!measure_live(t, plan, &entry, err))
+        return false;
+    t->launches += entry.launches;
+    t->spent_ns += entry.spent_ns;
+    out->usable = entry.usable;
+    out->sample = entry.sample;
+    out->terms = entry.terms;
+    return tell_watcher(t, &entry, kept, err);
+}
+
+// The chosen variants at a share.
+static duet_plan plan_at(const tuning *t, uint32_t share, duet_mode mode)
+{
+    duet_plan plan = t->plan;
+    plan.share = share;
+    plan.mode = mode;
+    return plan;
+}
+
+// ---------------------------------------------------------------- races
+
+// Plans in a race, with the terms of each one's last trial.
+typedef struct field {
+    duet_plan plans[RACE_RIVALS];
+    duet_tune_terms terms[RACE_RIVALS];
+    uint32_t n;
+    race race;
+} field;
+
+static void enter(field *f, duet_plan plan)
+{
+    if (f->n < RACE_RIVALS)
+        f->plans[f->n++] = plan;
+}
+
+// What is so much slower is not worth another round.
+static void drop_hopeless(race *r)
+{
+    uint32_t leader = race_leader(r);
+    for (uint32_t i = 0; i < r->n && leader < r->n; ++i) {
+        if (r->rivals[i].rounds > 0 && race_compare(r, leader, i).ratio > HOPELESS)
+            race_drop(r, i);
+    }
+}
+
+// Races until it is decided or the stage's part of the budget is spent. A
+// trial's time is the total, or A's own where that is what is chosen. Where it
+// is to be quick, who takes twice the leader's time runs no more.
+static bool run_race(tuning *t, field *f, const race_options *options, bool of_a, bool quick,
+                     duet_error *err)
+{
+    uint32_t rival;
+    f->race = race_begin(f->n, options);
+    while (within_budget(t) && race_next(&f->race, &rival)) {
+        trial got;
+        if (!run_trial(t, &f->plans[rival], &got, err))
+            return false;
+        double ns = (double)(of_a ? got.sample.a_ns : got.sample.total_ns);
+        if (got.usable)
+            race_add(&f->race, rival, ns);
+        else
+            race_drop(&f->race, rival);
+        if (quick)
+            drop_hopeless(&f->race);
+        f->terms[rival] = got.terms;
+    }
+    return true;
+}
 
 // ---------------------------------------------------------------- variants
 
@@ -38,11 +233,11 @@ static bool choose_variant(tuning *t, int device, uint32_t share, duet_error *er
     field f = {0};
     const char *variant;
     for (uint32_t i = 0; (variant = variant_at(t->task->def, i)); ++i) {
-        duet_plan plan = tuning_plan_at(t, share, DUET_MODE_OWN);
+        duet_plan plan = plan_at(t, share, DUET_MODE_OWN);
         set_variant(&plan, device, variant);
-        field_enter(&f, plan);
+        enter(&f, plan);
     }
-    if (!tuning_race(t, &f, &quick, device == 0, true, err))
+    if (!run_race(t, &f, &quick, device == 0, true, err))
         return false;
     uint32_t leader = race_leader(&f.race);
     if (leader < f.n)
@@ -56,10 +251,10 @@ static bool choose_variant(tuning *t, int device, uint32_t share, duet_error *er
 static bool find_share_of_a(tuning *t, uint32_t *share, duet_error *err)
 {
     trial whole, part;
-    duet_plan b_alone = tuning_plan_at(t, 0, DUET_MODE_OWN);
-    duet_plan probe = tuning_plan_at(t, DUET_SHARE_ONE / 16, DUET_MODE_OWN);
+    duet_plan b_alone = plan_at(t, 0, DUET_MODE_OWN);
+    duet_plan probe = plan_at(t, DUET_SHARE_ONE / 16, DUET_MODE_OWN);
     *share = probe.share;
-    if (!tuning_run_trial(t, &b_alone, &whole, err) || !tuning_run_trial(t, &probe, &part, err))
+    if (!run_trial(t, &b_alone, &whole, err) || !run_trial(t, &probe, &part, err))
         return false;
     if (whole.usable && part.usable && part.sample.a_ns > 0) {
         double fits = (double)whole.sample.total_ns / (double)part.sample.a_ns;
@@ -84,6 +279,15 @@ static bool choose_variants(tuning *t, duet_error *err)
 }
 
 // ---------------------------------------------------------------- share
+
+// What the search of one mode came to.
+typedef struct found {
+    duet_mode mode;
+    bool usable;
+    uint32_t share;
+    double a_alone_ns; // expected; INFINITY where nothing was seen of A
+    double b_alone_ns; // as measured first
+} found;
 
 // A's time for all the work, from the least and the largest part that it did.
 static double expect_a_alone(const search *s)
@@ -114,11 +318,11 @@ static bool run_search(tuning *t, search *s, duet_mode mode, bool *usable, duet_
         trial got;
         if (!search_ask(s, &next, err))
             return false;
-        t->cut |= !next.done && !tuning_within_budget(t);
+        t->cut |= !next.done && !within_budget(t);
         if (next.done || t->cut)
             return true;
-        duet_plan plan = tuning_plan_at(t, next.share, mode);
-        if (!tuning_run_trial(t, &plan, &got, err))
+        duet_plan plan = plan_at(t, next.share, mode);
+        if (!run_trial(t, &plan, &got, err))
             return false;
         got.sample.share = next.share;
         *usable = got.usable;
@@ -188,14 +392,169 @@ static bool search_modes(tuning *t, found founds[MOST_MODES], uint32_t *n, duet_
     return true;
 }
 
+// ---------------------------------------------------------------- verdict
+
+// First all rivals race, for the better single device and the best shared plan.
+// Then these two run against each other, and only that counts: samples from
+// which the best of several was chosen make it look better than it is.
+//
+// A round is short, so that a slow while of the machine falls on all rivals
+// alike. What takes a core away for a moment hits two of them twice as often as
+// one: the quicker of two launches counts.
+// The devices alone come first, then the best share of each mode.
+static uint32_t enter_rivals(const tuning *t, const found *founds, uint32_t n, field *f)
+{
+    double a_alone_ns = INFINITY, b_alone_ns = INFINITY;
+    for (uint32_t i = 0; i < n; ++i) {
+        a_alone_ns = fmin(a_alone_ns, founds[i].a_alone_ns);
+        b_alone_ns = fmin(b_alone_ns, founds[i].b_alone_ns);
+    }
+    enter(f, plan_at(t, 0, DUET_MODE_OWN));
+    if (a_alone_ns < WORTH_ALONE * b_alone_ns)
+        enter(f, plan_at(t, DUET_SHARE_ONE, DUET_MODE_OWN));
+    uint32_t n_alone = f->n;
+    for (uint32_t i = 0; i < n; ++i) {
+        if (founds[i].usable && founds[i].share > 0 && founds[i].share < DUET_SHARE_ONE)
+            enter(f, plan_at(t, founds[i].share, founds[i].mode));
+    }
+    return n_alone;
+}
+
+// Both devices' undisturbed times in all trials of a plan; false where there
+// are too few.
+static bool undisturbed(const trial_log *state, const duet_plan *plan, double ns[2])
+{
+    double times[2][STATS_MOST];
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < state->played && n < STATS_MOST; ++i) {
+        const trial_log_entry *entry = &state->entries[i];
+        if (!entry->usable || !trial_log_same_plan(&entry->plan, plan))
+            continue;
+        times[0][n] = (double)entry->sample.a_ns;
+        times[1][n++] = (double)entry->sample.b_ns;
+    }
+    for (int device = 0; device < 2 && n > 0; ++device)
+        ns[device] = stats_quartile(times[device], n);
+    return n >= LEAST_TRIALS;
+}
+
+// The share at which both devices would end together, by what each took for its
+// part. A search has few launches, and while they lasted one device may have
+// been slower than it mostly is.
+static bool even_out(const tuning *t, const duet_plan *plan, duet_plan *even)
+{
+    double ns[2];
+    if (!strategy_find(t->task->def->strategy)->evened || !undisturbed(t->state, plan, ns))
+        return false;
+    double part = (double)plan->share / DUET_SHARE_ONE;
+    double a = ns[0] / part, b = ns[1] / (1 - part); // for all the work
+    double fair = b / (a + b);
+    double quanta = floor(fair * DUET_SHARE_ONE / t->task->least_share + 0.5);
+    *even = *plan;
+    even->share = (uint32_t)quanta * t->task->least_share;
+    return fmax(ns[0], ns[1]) > UNEVEN * fair * a && even->share > 0 &&
+           even->share < DUET_SHARE_ONE;
+}
+
+static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t best,
+                  duet_tune_outcome *outcome)
+{
+    race_gain gain = {
+        .verdict = t->cut ? RACE_AMBIGUOUS : RACE_SAME, .ratio = 1, .interval = {1, 1, 1}};
+    if (best != alone)
+        gain = race_compare(&f->race, best, alone);
+    uint32_t use = gain.verdict == RACE_FASTER ? best : alone;
+    outcome->best = f->plans[best];
+    outcome->plan = f->plans[use];
+    outcome->terms = f->terms[best];
+    outcome->gain = gain.ratio - 1;
+    outcome->gain_low = gain.interval.low - 1;
+    outcome->gain_high = gain.interval.high - 1;
+    snprintf(outcome->verdict, sizeof outcome->verdict, "%s", race_verdict_name(gain.verdict));
+    stats_interval in =
+        stats_median_interval(f->race.rivals[use].ns, f->race.rivals[use].rounds, 0.95);
+    outcome->step_ms = race_median(&f->race, use) * 1e-6;
+    outcome->step_low_ms = in.low * 1e-6;
+    outcome->step_high_ms = in.high * 1e-6;
+    outcome->single_ms = race_median(&f->race, alone) * 1e-6;
+}
+
+static bool fail_unmeasured(const tuning *t, duet_error *err)
+{
+    if (t->failure.status == DUET_STATUS_OK)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the budget ended before the devices were compared; expected more "
+                         "than %u trials or %.3g seconds",
+                         t->state->played, (double)t->spent_ns * 1e-9);
+    if (err && err->status == DUET_STATUS_OK)
+        *err = t->failure;
+    return false;
+}
+
+// The single device and the shared plan once more, with its evened share.
+static bool race_finalists(tuning *t, const duet_plan *alone, const duet_plan *shared, field *f,
+                           duet_error *err)
+{
+    static const race_options to_the_end = {
+        .least_rounds = 14, .most_rounds = 40, .level = 0.99, .dropped = INFINITY, .margin = 0.03};
+    duet_plan even;
+    *f = (field){0};
+    enter(f, *alone);
+    enter(f, *shared);
+    if (even_out(t, shared, &even))
+        enter(f, even);
+    return run_race(t, f, &to_the_end, false, false, err);
+}
+
+// The budget may have ended before or in this race: then the first one's samples
+// must do.
+static bool is_decided(const field *f, uint32_t best)
+{
+    return best < f->n && f->race.rivals[0].rounds > 0 &&
+           race_compare(&f->race, best, 0).verdict != RACE_AMBIGUOUS;
+}
+
+// The best of what was found, raced against the better single device. What does
+// not prove to be faster is not used: tuned is never slower than one device.
+static bool reach_verdict(tuning *t, const found *founds, uint32_t n, duet_tune_outcome *outcome,
+                          duet_error *err)
+{
+    field all = {0}, finalists;
+    uint32_t n_alone = enter_rivals(t, founds, n, &all);
+    t->stage = "verdict";
+    t->stage_end = VERDICT_END;
+    t->repeats = t->repeats < VERDICT_REPEATS ? t->repeats : VERDICT_REPEATS;
+    if (!run_race(t, &all, NULL, false, false, err))
+        return false;
+    uint32_t alone = race_best(&all.race, 0, n_alone);
+    uint32_t shared = race_best(&all.race, n_alone, all.n);
+    if (alone == n_alone)
+        return fail_unmeasured(t, err);
+    if (shared == all.n) {
+        judge(t, &all, alone, alone, outcome);
+        return true;
+    }
+    if (!race_finalists(t, &all.plans[alone], &all.plans[shared], &finalists, err))
+        return false;
+    uint32_t best = race_best(&finalists.race, 1, finalists.n);
+    if (is_decided(&finalists, best))
+        judge(t, &finalists, 0, best, outcome);
+    else
+        judge(t, &all, alone, shared, outcome);
+    return true;
+}
+
+// ---------------------------------------------------------------- the whole
+
 bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcome, duet_error *err)
 {
-    tuning t = tuning_begin(task, state);
+    tuning t = {.task = task, .state = state, .plan = task->plan, .repeats = task->def->repeats};
     found founds[MOST_MODES] = {0};
     uint32_t n = 0;
+    state->played = 0;
     *outcome = (duet_tune_outcome){0};
     bool ok = choose_variants(&t, err) && search_modes(&t, founds, &n, err) &&
-              verdict_reach(&t, founds, n, outcome, err);
+              reach_verdict(&t, founds, n, outcome, err);
     outcome->trials = state->played;
     outcome->launches = t.launches;
     outcome->seconds = (double)t.spent_ns * 1e-9;

@@ -6,7 +6,7 @@
 #include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
-#include "profiles/entry.h"
+#include "profiles/profile.h"
 #include "runtime/duet.h"
 
 #include <cjson/cJSON.h>

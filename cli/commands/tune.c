@@ -43,9 +43,8 @@ static const option options[] = {
     OPTION_COUNT("seed", scene.seed, "S", "seed of the scene's random numbers", 0, UINT32_MAX),
     OPTION_SETTINGS("set", scene.settings, "K=V", "any other parameter of the scene"),
     PAIR_OPTION_ROW(pair),
-    OPTION_TEXT(
-        "strategy", strategy, "S",
-        "how the share is searched: balance (default), fig12, bisect, golden, grid, chunks"),
+    OPTION_TEXT("strategy", strategy, "S",
+                "how the share is searched: balance (default), fig12, grid, chunks"),
     OPTION_TEXT("strategy-lua", strategy_path, "FILE",
                 "a script that returns a function from the history to the next share"),
     OPTION_TEXT(

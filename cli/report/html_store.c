@@ -6,7 +6,7 @@
 #include "cli/draw/page.h"
 #include "cli/report/html.h"
 #include "cli/report/table.h"
-#include "profiles/entry.h"
+#include "profiles/profile.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -958,7 +958,7 @@ function duet.profiles(path, replaced_too) end
 function duet.scene(from, settings) end
 
 --- Begins a search for the share; the default strategy without.
----@param def? { strategy?: string, launches?: integer, points?: integer, rounds?: integer, quantum?: number, start?: number, probe_cost?: number }
+---@param def? { strategy?: string, strategy_lua?: string, launches?: integer, points?: integer, rounds?: integer, quantum?: number, start?: number, probe_cost?: number }
 ---@return duet.Search?
 ---@return string? message
 ---@return string? status

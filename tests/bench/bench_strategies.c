@@ -5,8 +5,8 @@
 #include "bench.h"
 
 #include "base/error.h"
+#include "support/any_strategy.h"
 #include "support/simulated_pair.h"
-#include "tuner/strategy.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,7 +53,7 @@ static bool run_pair(const char *name, const simulated_pair *model, rng *r, uint
 {
     search s;
     uint64_t cost;
-    bool ok = search_begin(&s, name, NULL, err) && simulated_run(&s, model, r, &cost, err);
+    bool ok = any_strategy_begin(&s, name, err) && simulated_run(&s, model, r, &cost, err);
     if (ok) {
         double best = (double)simulated_best(model).total_ns;
         double picked = (double)simulated_launch(model, search_pick(&s), NULL).total_ns;
@@ -62,7 +62,7 @@ static bool run_pair(const char *name, const simulated_pair *model, rng *r, uint
         out->cost += (double)cost / best;
         out->slower += picked > 1.001 * single(model);
     }
-    search_end(&s);
+    any_strategy_end(&s);
     return ok;
 }
 
@@ -82,9 +82,7 @@ static bool print_family(simulated_family family, const noise *n, uint32_t pairs
                          duet_error *err)
 {
     static row out;
-    for (uint32_t k = 0; strategies[k]; ++k) {
-        if (strategies[k] == &strategy_lua)
-            continue; // is what its script is
+    for (uint32_t k = 0; any_strategies[k]; ++k) {
         rng r = rng_seed(seed);
         out = (row){0};
         for (uint32_t i = 0; i < pairs; ++i) {
@@ -93,10 +91,10 @@ static bool print_family(simulated_family family, const noise *n, uint32_t pairs
             model.spike_chance = n->spike_chance;
             model.spike_most = 3;
             rng launches = rng_seed(rng_next(&r));
-            if (!run_pair(strategies[k]->name, &model, &launches, i, &out, err))
+            if (!run_pair(any_strategies[k], &model, &launches, i, &out, err))
                 return false;
         }
-        print_row(families[family], n, strategies[k]->name, &out, pairs);
+        print_row(families[family], n, any_strategies[k], &out, pairs);
     }
     return true;
 }

@@ -6,9 +6,9 @@
 
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
+#include "support/any_strategy.h"
 #include "tuner/measure.h"
 #include "tuner/race.h"
-#include "tuner/strategy.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -51,7 +51,7 @@ static bool choose(const measure_machine *machine, const char *name, chosen *out
 {
     search s;
     search_next next = {0};
-    bool ok = search_begin(&s, name, NULL, err);
+    bool ok = any_strategy_begin(&s, name, err);
     *out = (chosen){0};
     while (ok && (ok = search_ask(&s, &next, err)) && !next.done) {
         search_sample sample;
@@ -60,7 +60,7 @@ static bool choose(const measure_machine *machine, const char *name, chosen *out
     }
     out->share = ok ? search_pick(&s) : 0;
     out->launches = s.n;
-    search_end(&s);
+    any_strategy_end(&s);
     return ok;
 }
 

@@ -4,8 +4,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/fuzz.h"
 
-#include "profiles/entry.h"
 #include "profiles/exchange.h"
+#include "profiles/profile.h"
 #include "profiles/upkeep.h"
 
 #include <cjson/cJSON.h>

@@ -10,7 +10,7 @@
 #include "support/test.h"
 
 #include "profiles/exchange.h"
-#include "profiles/level_cost.h"
+#include "profiles/profile.h"
 #include "profiles/sql.h"
 #include "runtime/opencl/cache.h"
 

@@ -131,5 +131,44 @@ facts.holds("a wrong option is refused with one line", function()
   end
 end)
 
+-- A's time rises with the share and B's falls, by random steps between 32 shares.
+local function random_times()
+  local rows, a, b = 33, { 0 }, { [33] = 0 }
+  for i = 2, rows do a[i] = a[i - 1] + 1e-3 + math.exp(4 * math.random()) * math.random() end
+  for i = rows - 1, 1, -1 do b[i] = b[i + 1] + 1e-3 + math.exp(4 * math.random()) * math.random() end
+  return function(share)
+    local at = share * (rows - 1)
+    local i = math.min(math.floor(at), rows - 2)
+    local function between(t) return t[i + 1] + (at - i) * (t[i + 2] - t[i + 1]) end
+    return between(a), between(b)
+  end
+end
+
+-- Where both take the same time.
+local function best_share(times)
+  local low, high = 0, 1
+  for _ = 1, 60 do
+    local middle = (low + high) / 2
+    local a, b = times(middle)
+    if a <= b then low = middle else high = middle end
+  end
+  return low
+end
+
+facts.holds("bisection's bracket holds the best share at every step", function()
+  local bisect = assert(loadfile(facts.root .. "/lua/experiments/bisect.lua"))()
+  for _ = 1, 200 do
+    local times, history = random_times(), {}
+    local best = best_share(times)
+    for share in bisect.strategy, history do
+      local a, b = times(share)
+      history[#history + 1] = { share = share, total = math.max(a, b), a = a, b = b }
+      local low, high = bisect.bracket(history)
+      assert(low <= best and best <= high, best)
+    end
+    facts.equal(#history, 13)
+  end
+end)
+
 os.execute("rm -r " .. out)
 facts.finish()

@@ -32,6 +32,14 @@ holds("the paper's search goes the printed way", function()
   equal(pick, 0.0625)
 end)
 
+holds("a script of the experiments searches as a strategy does", function()
+  local file <close> = assert(io.open(facts.root .. "/lua/experiments/bisect.lua"))
+  local pick, path = search_on(3, { strategy = "lua", strategy_lua = file:read "a" })
+  equal(table.concat(path, " "), "0.0 0.5 0.25")
+  equal(pick, 0.25)
+  refused("BAD_INPUT", "", duet.search, { strategy = "lua", strategy_lua = "return 1" })
+end)
+
 holds("balance finds the best share of any ratio", function()
   for _, ratio in ipairs { 0.1, 1, 3, 10, 40 } do
     local pick = search_on(ratio)

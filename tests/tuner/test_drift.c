@@ -3,7 +3,7 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "tuner/drift.h"
+#include "tuner/online.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 // Which level is chosen from a table of level costs.
 #include "support/test.h"
 
-#include "tuner/level_choice.h"
+#include "tuner/level_costs.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 #define _GNU_SOURCE
 #include "support/test.h"
 
-#include "base/beneath.h"
+#include "lua/policy.h"
 #include "support/program.h"
 #include "support/store.h"
 

@@ -1,0 +1,409 @@
+// SPDX-License-Identifier: MIT
+#define _DEFAULT_SOURCE
+#define _POSIX_C_SOURCE 200809L
+#include "profiles/subject.h"
+
+#include "profiles/sql.h"
+
+#include <assert.h>
+#include <inttypes.h>
+#include <math.h>
+#include <sha256.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+// Ends the insertion of a row that may be there.
+#define ONCE "ON CONFLICT (key) DO NOTHING"
+
+// ---------------------------------------------------------------- devices
+
+static void add_field(text *t, const char *name, const char *value)
+{
+    text_add(t, "%s=%s\n", name, value ? value : "");
+}
+
+static void add_number(text *t, const char *name, uint64_t value)
+{
+    text_add(t, "%s=%" PRIu64 "\n", name, value);
+}
+
+void profile_sha(const char *chars, size_t n, char key[PROFILE_SHA])
+{
+    SHA256Data((const uint8_t *)chars, n, key);
+}
+
+// Gives the text back.
+static void close_key(text *t, char key[PROFILE_SHA])
+{
+    profile_sha(text_chars(t), t->length, key);
+    text_free(t);
+}
+
+// A host's memory varies with what else is set up on it, a card's is its own.
+static uint64_t own_bytes(const profile_device *device)
+{
+    return strcmp(device->kind, "cpu") == 0 ? 0 : device->global_bytes;
+}
+
+void profile_device_key(const profile_device *device, char key[PROFILE_SHA])
+{
+    text t = {0};
+    add_field(&t, "kind", device->kind);
+    add_field(&t, "vendor", device->vendor);
+    add_field(&t, "name", device->name);
+    add_field(&t, "arch", device->arch);
+    add_number(&t, "units", device->units);
+    add_number(&t, "max_group", device->max_group);
+    add_number(&t, "local_bytes", device->local_bytes);
+    add_number(&t, "global_bytes", own_bytes(device));
+    close_key(&t, key);
+}
+
+void profile_env_seat(const profile_env *env, char key[PROFILE_SHA])
+{
+    text t = {0};
+    char device[PROFILE_SHA];
+    profile_device_key(&env->device, device);
+    add_field(&t, "device", device);
+    add_field(&t, "platform", env->platform);
+    add_field(&t, "part", env->part);
+    add_number(&t, "part_units", env->part_units);
+    add_field(&t, "limits", env->limits);
+    close_key(&t, key);
+}
+
+void profile_env_key(const profile_env *env, char key[PROFILE_SHA])
+{
+    text t = {0};
+    char seat[PROFILE_SHA];
+    profile_env_seat(env, seat);
+    add_field(&t, "seat", seat);
+    add_field(&t, "platform_version", env->platform_version);
+    add_field(&t, "driver", env->driver);
+    add_field(&t, "cl_version", env->cl_version);
+    close_key(&t, key);
+}
+
+static const sql_column device_columns[] = {
+    SQL_COLUMN("kind", profile_device, kind),
+    SQL_COLUMN("vendor", profile_device, vendor),
+    SQL_COLUMN("name", profile_device, name),
+    SQL_COLUMN("arch", profile_device, arch),
+    SQL_COLUMN("units", profile_device, units),
+    SQL_COLUMN("max_group", profile_device, max_group),
+    SQL_COLUMN("local_bytes", profile_device, local_bytes),
+    SQL_COLUMN("global_bytes", profile_device, global_bytes),
+    {0},
+};
+
+static bool put_device(store *s, const profile_device *device, int64_t *id, duet_error *err)
+{
+    char key[PROFILE_SHA];
+    profile_device row = *device;
+    row.global_bytes = own_bytes(device);
+    profile_device_key(device, key);
+    sql q = sql_insert(s, "device", device_columns, "key", ONCE, err);
+    sql_bind(&q, device_columns, &row);
+    sql_text(&q, key);
+    return sql_run(&q) && sql_find(s, "SELECT id FROM device WHERE key = ?", key, id, err);
+}
+
+// But those of the device.
+static const sql_column env_columns[] = {
+    SQL_COLUMN("platform", profile_env, platform),
+    SQL_COLUMN("platform_version", profile_env, platform_version),
+    SQL_COLUMN("driver", profile_env, driver),
+    SQL_COLUMN("cl_version", profile_env, cl_version),
+    SQL_COLUMN("part", profile_env, part),
+    SQL_COLUMN("part_units", profile_env, part_units),
+    SQL_COLUMN("limits", profile_env, limits),
+    {0},
+};
+
+static bool put_env(store *s, const profile_env *env, int64_t *id, duet_error *err)
+{
+    int64_t device_id = 0;
+    if (!put_device(s, &env->device, &device_id, err))
+        return false;
+    char key[PROFILE_SHA];
+    char seat[PROFILE_SHA];
+    profile_env_key(env, key);
+    profile_env_seat(env, seat);
+    sql q = sql_insert(s, "env", env_columns, "key, seat, device_id", ONCE, err);
+    sql_bind(&q, env_columns, env);
+    sql_text(&q, key);
+    sql_text(&q, seat);
+    sql_int(&q, device_id);
+    return sql_run(&q) && sql_find(s, "SELECT id FROM env WHERE key = ?", key, id, err);
+}
+
+static bool put_pair(store *s, int64_t env_a, int64_t env_b, int64_t *pair_id, duet_error *err)
+{
+    sql q = sql_make(
+        s, "INSERT INTO pair (env_a, env_b) VALUES (?, ?) ON CONFLICT (env_a, env_b) DO NOTHING",
+        err);
+    sql_int(&q, env_a);
+    sql_int(&q, env_b);
+    if (!sql_run(&q))
+        return false;
+    q = sql_make(s, "SELECT id FROM pair WHERE env_a = ? AND env_b = ?", err);
+    sql_int(&q, env_a);
+    sql_int(&q, env_b);
+    *pair_id = sql_row(&q) ? sql_get_int(&q, 0) : 0;
+    return sql_close(&q);
+}
+
+bool profile_pair_put(store *s, const profile_pair *pair, int64_t *pair_id, duet_error *err)
+{
+    if (!store_begin(s, err))
+        return false;
+    int64_t env_a = 0;
+    int64_t env_b = 0;
+    bool ok = put_env(s, &pair->a, &env_a, err);
+    ok = ok && put_env(s, &pair->b, &env_b, err);
+    ok = ok && put_pair(s, env_a, env_b, pair_id, err);
+    return store_end(s, ok, err);
+}
+
+void profile_host(char host[PROFILE_SHA])
+{
+    text t = {0};
+    char name[256] = {0};
+    gethostname(name, sizeof name - 1);
+    add_field(&t, "host", name);
+    text id = {0}; // two machines may have one name
+    if (text_read_file(&id, "/etc/machine-id", NULL))
+        add_field(&t, "id", text_chars(&id));
+    text_free(&id);
+    close_key(&t, host);
+}
+
+// ---------------------------------------------------------------- workloads
+
+static int compare_words(const void *a, const void *b)
+{
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+// The words sorted, each once, a space between.
+static void add_words(text *t, const char *words)
+{
+    enum { MAX_WORDS = 32 };
+    text copy = {0};
+    text_add(&copy, "%s", words ? words : "");
+    const char *list[MAX_WORDS];
+    size_t n = 0;
+    char *rest = NULL;
+    char *word = copy.chars ? strtok_r(copy.chars, " ", &rest) : NULL;
+    for (; word && n < MAX_WORDS; word = strtok_r(NULL, " ", &rest))
+        list[n++] = word;
+    qsort(list, n, sizeof list[0], compare_words);
+    for (size_t i = 0; i < n; ++i)
+        if (i == 0 || strcmp(list[i], list[i - 1]) != 0)
+            text_add(t, i == 0 ? "%s" : " %s", list[i]);
+    text_free(&copy);
+}
+
+static void add_kind(text *t, const profile_workload *w)
+{
+    text_add(t, "%uD %s%s, level %s, effects: ", w->dims, w->shape, w->rotated ? " rotated" : "",
+             w->level);
+    add_words(t, w->effects && *w->effects ? w->effects : "none");
+}
+
+// To the nearest of `steps` in an octave, so that two draws seldom differ.
+static double rounded(double x, int steps)
+{
+    return x > 0 ? exp2(round(steps * log2(x)) / steps) : 0;
+}
+
+void profile_workload_text(const profile_workload *w, text *t)
+{
+    enum { FINE = 4, COARSE = 1 };
+    add_kind(t, w);
+    text_add(t, "; n %" PRIu64 "; cells", w->n);
+    for (uint32_t k = 0; k < w->dims; ++k)
+        text_add(t, " %.3g", rounded(w->cells[k], FINE));
+    text_add(t, " of %.3g; occupancy %.3g to %.3g; sizes 1:%.3g", rounded(w->cell, FINE),
+             rounded(w->occ_mean, FINE), rounded(w->occ_p99, COARSE),
+             rounded(w->size_ratio, COARSE));
+}
+
+void profile_workload_family(const profile_workload *w, text *t)
+{
+    add_kind(t, w);
+    text_add(t, "; sizes 1:%.3g", rounded(w->size_ratio, 1));
+}
+
+static bool check_fields(const profile_workload *w, duet_error *err)
+{
+    if (w->dims != 2 && w->dims != 3)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "a workload's dims are 2 or 3, not %u",
+                         w->dims);
+    if (w->n == 0 || w->n > INT64_MAX)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "a workload has at least one object");
+    if (!w->shape || !w->level)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "a workload needs a shape and a level");
+    if (!(isfinite(w->cell) && isfinite(w->occ_mean) && isfinite(w->occ_p99)))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "a workload's cell and occupancy are numbers");
+    if (!(isfinite(w->size_ratio) && w->size_ratio >= 1))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "a workload's size ratio is 1 or more, not %g", w->size_ratio);
+    return true;
+}
+
+bool profile_workload_key(const profile_workload *w, char key[PROFILE_SHA], duet_error *err)
+{
+    if (!check_fields(w, err))
+        return false;
+    text t = {0};
+    profile_workload_text(w, &t);
+    bool ok = text_ok(&t, err);
+    profile_sha(text_chars(&t), t.length, key);
+    text_free(&t);
+    return ok;
+}
+
+static const sql_column workload_columns[] = {
+    SQL_COLUMN("dims", profile_workload, dims),
+    SQL_COLUMN("n", profile_workload, n),
+    SQL_COLUMN("cells_x", profile_workload, cells[0]),
+    SQL_COLUMN("cells_y", profile_workload, cells[1]),
+    SQL_COLUMN("cells_z", profile_workload, cells[2]),
+    SQL_COLUMN("cell", profile_workload, cell),
+    SQL_COLUMN("occ_mean", profile_workload, occ_mean),
+    SQL_COLUMN("occ_p99", profile_workload, occ_p99),
+    SQL_COLUMN("size_ratio", profile_workload, size_ratio),
+    SQL_COLUMN("shape", profile_workload, shape),
+    SQL_COLUMN("rotated", profile_workload, rotated),
+    SQL_COLUMN("effects", profile_workload, effects),
+    SQL_COLUMN("level", profile_workload, level),
+    {0},
+};
+
+static bool insert_workload(store *s, const profile_workload *w, const char *key,
+                            const char *family, const char *effects, duet_error *err)
+{
+    profile_workload row = *w;
+    row.cells[2] = w->dims == 3 ? w->cells[2] : 1;
+    row.effects = effects;
+    sql q = sql_insert(s, "workload", workload_columns, "key, family, name", ONCE, err);
+    sql_bind(&q, workload_columns, &row);
+    sql_text(&q, key);
+    sql_text(&q, family);
+    sql_text(&q, w->name);
+    return sql_run(&q);
+}
+
+bool profile_workload_put(store *s, const profile_workload *w, int64_t *workload_id,
+                          duet_error *err)
+{
+    char key[PROFILE_SHA];
+    if (!profile_workload_key(w, key, err))
+        return false;
+    text family = {0};
+    text effects = {0};
+    profile_workload_family(w, &family);
+    add_words(&effects, w->effects);
+    bool ok = text_ok(&family, err) && text_ok(&effects, err);
+    if (ok && store_begin(s, err)) {
+        ok = insert_workload(s, w, key, text_chars(&family), text_chars(&effects), err);
+        ok = ok && sql_find(s, "SELECT id FROM workload WHERE key = ?", key, workload_id, err);
+        ok = store_end(s, ok, err);
+    } else
+        ok = false;
+    text_free(&family);
+    text_free(&effects);
+    return ok;
+}
+
+// ---------------------------------------------------------------- keys
+
+// Each is given the row's own columns, then those of the device and the rest.
+static bool device_is_right(const sql *q, duet_error *err)
+{
+    (void)err;
+    char key[PROFILE_SHA];
+    profile_device device = {0};
+    int rest = sql_read(q, 0, device_columns, &device);
+    profile_device_key(&device, key);
+    return strcmp(key, sql_get_text(q, rest)) == 0;
+}
+
+static bool env_is_right(const sql *q, duet_error *err)
+{
+    (void)err;
+    char key[PROFILE_SHA];
+    char seat[PROFILE_SHA];
+    profile_env env = {0};
+    int rest = sql_read(q, sql_read(q, 0, env_columns, &env), device_columns, &env.device);
+    profile_env_key(&env, key);
+    profile_env_seat(&env, seat);
+    return strcmp(key, sql_get_text(q, rest)) == 0 && strcmp(seat, sql_get_text(q, rest + 1)) == 0;
+}
+
+static bool workload_is_right(const sql *q, duet_error *err)
+{
+    char key[PROFILE_SHA];
+    text family = {0};
+    profile_workload w = {0};
+    int rest = sql_read(q, 0, workload_columns, &w);
+    bool right = profile_workload_key(&w, key, err);
+    if (right) {
+        profile_workload_family(&w, &family);
+        right = strcmp(key, sql_get_text(q, rest)) == 0 &&
+                strcmp(text_chars(&family), sql_get_text(q, rest + 1)) == 0;
+    }
+    text_free(&family);
+    return right;
+}
+
+static bool script_is_right(const sql *q, duet_error *err)
+{
+    (void)err;
+    char key[PROFILE_SHA];
+    const char *body = sql_get_text(q, 0);
+    profile_sha(body, strlen(body), key);
+    return strcmp(key, sql_get_text(q, 1)) == 0;
+}
+
+static const sql_column script_columns[] = {{.name = "body"}, {0}};
+
+static const struct {
+    const char *table;
+    const sql_column *own;
+    const sql_column *of_device; // NULL: none
+    const char *rest;
+    bool (*is_right)(const sql *q, duet_error *err);
+} kinds[] = {
+    {"device", device_columns, NULL, ", t.key FROM device t", device_is_right},
+    {"env", env_columns, device_columns,
+     ", t.key, t.seat FROM env t JOIN device d ON d.id = t.device_id", env_is_right},
+    {"workload", workload_columns, NULL, ", t.key, t.family FROM workload t", workload_is_right},
+    {"script", script_columns, NULL, ", t.key FROM script t", script_is_right},
+};
+
+bool key_check(store *s, const char *table, int64_t id, bool *right, duet_error *err)
+{
+    size_t k = 0;
+    while (k < sizeof kinds / sizeof kinds[0] && strcmp(kinds[k].table, table) != 0)
+        ++k;
+    assert(k < sizeof kinds / sizeof kinds[0]);
+    text query = {0};
+    text_add(&query, "SELECT ");
+    sql_add_names(&query, "t.", kinds[k].own);
+    if (kinds[k].of_device) {
+        text_add(&query, ", ");
+        sql_add_names(&query, "d.", kinds[k].of_device);
+    }
+    text_add(&query, "%s WHERE t.id = ?", kinds[k].rest);
+    bool ok = text_ok(&query, err);
+    sql q = sql_make(s, text_chars(&query), err);
+    sql_int(&q, id);
+    duet_error wrong = {0}; // a field that cannot be is a wrong row and no failure
+    *right = sql_row(&q) && kinds[k].is_right(&q, &wrong);
+    text_free(&query);
+    return sql_close(&q) && ok;
+}
