@@ -5,11 +5,9 @@
 #include "cli/commands.h"
 #include "cli/draw/canvas.h"
 #include "cli/inputs.h"
-#include "cli/options.h"
 #include "cli/report/level_costs_report.h"
-#include "cli/report/level_costs_show.h"
-#include "cli/report/timestep_study_report.h"
 #include "cli/say.h"
+#include "cli/timestep_study.h"
 
 typedef struct arguments {
     scene_options scene;
@@ -99,10 +97,11 @@ static bool check_plot(const char *path, duet_error *err)
     return ok;
 }
 
-static bool run(const arguments *args, const char *path, duet_error *err)
+static bool run(void *given, char **operands, duet_error *err)
 {
+    const arguments *args = given;
     duet_device_pair *pair = check_plot(args->plot, err) ? inputs_open_pair(args->pair, err) : NULL;
-    duet_scene *scene = pair ? inputs_load_scene(path, &args->scene, err) : NULL;
+    duet_scene *scene = pair ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
     bool moves = false;
     bool ok = scene && (args->still || timestep_study_applies(pair, scene, &moves, err));
     ok = ok && (moves ? run_timesteps : run_levels)(args, pair, scene, err);
@@ -114,11 +113,5 @@ static bool run(const arguments *args, const char *path, duet_error *err)
 int command_accuracy(int argc, char **argv)
 {
     arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .repeat = 9, .time = 1, .limit = 120};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    duet_error err = {0};
-    return run(&args, operands[0], &err) ? EXIT_OK : say_failed(&err);
+    return options_run(&line, argc, argv, &args, run);
 }

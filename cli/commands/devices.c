@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
 // duet devices: what OpenCL offers here, and the selectors for --pair.
-#include "base/error.h"
 #include "cli/commands.h"
-#include "cli/options.h"
+#include "cli/inputs.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
-#include "runtime/duet.h"
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
@@ -109,25 +107,15 @@ static bool print_json(const duet_device_list *list, const duet_device_pair *pai
     return say_json(o, err);
 }
 
-int command_devices(int argc, char **argv)
+static bool run(void *given, char **operands, duet_error *err)
 {
-    arguments args = {0};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    duet_error err = {0};
-    duet_device_pair *pair = NULL;
-    duet_device_list *list = duet_device_list_create(&err);
-    bool ok = list != NULL;
-    if (ok) {
-        duet_device_pair_def def = duet_default_device_pair_def();
-        pair = duet_device_pair_create(&def, &err);
-        ok = pair != NULL;
-    }
-    if (ok && args.json) {
-        ok = print_json(list, pair, &err);
+    (void)operands;
+    const arguments *args = given;
+    duet_device_list *list = duet_device_list_create(err);
+    duet_device_pair *pair = list ? inputs_open_pair(NULL, err) : NULL;
+    bool ok = pair;
+    if (ok && args->json) {
+        ok = print_json(list, pair, err);
     } else if (ok) {
         for (uint32_t i = 0; i < duet_device_list_get_count(list); ++i)
             print_device(duet_device_list_get_info(list, i));
@@ -135,5 +123,11 @@ int command_devices(int argc, char **argv)
     }
     duet_device_pair_destroy(pair);
     duet_device_list_destroy(list);
-    return ok ? EXIT_OK : say_failed(&err);
+    return ok;
+}
+
+int command_devices(int argc, char **argv)
+{
+    arguments args = {0};
+    return options_run(&line, argc, argv, &args, run);
 }

@@ -26,6 +26,14 @@ static const option options[] = {
     {0},
 };
 
+static const char *refuse(const void *given, char **operands)
+{
+    (void)operands;
+    return ((const arguments *)given)->out
+               ? NULL
+               : "-o is missing: say where the picture goes, as -o scene.svg";
+}
+
 static const command_line line = {
     .name = "picture",
     .operands = "SCENE|FILE",
@@ -34,6 +42,7 @@ static const command_line line = {
     .about = "Draws a scene with its cells and its pairs; of a large one the boxes about a\n"
              "collision, and the whole of it in a corner.",
     .options = options,
+    .refuse = refuse,
 };
 
 static uint32_t most_boxes(const arguments *args, const duet_scene *scene)
@@ -43,12 +52,13 @@ static uint32_t most_boxes(const arguments *args, const duet_scene *scene)
     return duet_scene_get_info(scene)->dims == 2 ? BOXES_2D : BOXES_3D;
 }
 
-static bool picture(const arguments *args, const char *path, duet_error *err)
+static bool run(void *given, char **operands, duet_error *err)
 {
+    const arguments *args = given;
     sketch s = {0};
     double width = (double)args->width;
     canvas *c = canvas_open(args->out, width, width, err);
-    duet_scene *scene = c ? inputs_load_scene(path, &args->scene, err) : NULL;
+    duet_scene *scene = c ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
     bool ok = scene && sketch_make(&s, scene, most_boxes(args, scene), err);
     if (ok)
         sketch_draw(&s, c, width, width);
@@ -61,13 +71,5 @@ static bool picture(const arguments *args, const char *path, duet_error *err)
 int command_picture(int argc, char **argv)
 {
     arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .width = 1000};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    if (!args.out)
-        return say_wrong(line.name, "-o is missing: say where the picture goes, as -o scene.svg");
-    duet_error err = {0};
-    return picture(&args, operands[0], &err) ? EXIT_OK : say_failed(&err);
+    return options_run(&line, argc, argv, &args, run);
 }

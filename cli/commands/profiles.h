@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The verbs of `duet profiles`. argv[0] is "profiles VERB"; the exit status
-// comes back.
+// What the profile store is opened by, and a verb of `duet profiles` with a file of
+// its own: argv[0] is "why"; the exit status comes back.
 #ifndef CLI_PROFILES_H
 #define CLI_PROFILES_H
 
 #include "profiles/store.h"
 
-int profiles_list(int argc, char **argv);
-int profiles_show(int argc, char **argv);
 int profiles_why(int argc, char **argv);
 
 // Opens the store at path, or the user's where that is NULL, and tells on

@@ -149,12 +149,13 @@ static bool print_json(const answer *a, duet_error *err)
     return say_json(o, err);
 }
 
-static bool run(const arguments *args, const char *path, duet_error *err)
+static bool run(void *given, char **operands, duet_error *err)
 {
+    const arguments *args = given;
     answer a = {0};
     duet_world *world = NULL;
     duet_device_pair *pair = inputs_open_pair(args->pair, err);
-    duet_scene *scene = pair ? inputs_load_scene(path, &args->scene, err) : NULL;
+    duet_scene *scene = pair ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
     bool ok = scene;
     if (ok) {
         duet_world_def def = duet_scene_world_def(scene, pair);
@@ -177,11 +178,5 @@ static bool run(const arguments *args, const char *path, duet_error *err)
 int profiles_why(int argc, char **argv)
 {
     arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .level = LEVEL_OPTIONS_DEFAULT};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    duet_error err = {0};
-    return run(&args, operands[0], &err) ? EXIT_OK : say_failed(&err);
+    return options_run(&line, argc, argv, &args, run);
 }

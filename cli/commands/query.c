@@ -18,8 +18,7 @@
 #include <string.h>
 
 typedef struct arguments {
-    const char *level_name;
-    duet_level level;
+    const char *level;
     const char *device;
     const char *pair;
     uint32_t share; // UINT32_MAX: not given
@@ -29,7 +28,7 @@ typedef struct arguments {
 } arguments;
 
 static const option options[] = {
-    LEVEL_OPTION_ROW(level_name),
+    LEVEL_OPTION_ROW(level),
     OPTION_TEXT("device", device, "D", "one device alone, as 'duet devices' names it"),
     PAIR_OPTION_ROW(pair),
     OPTION_SHARE("share", share, "R", "A's part of the pairs, as 0.25 or 1/4"),
@@ -39,6 +38,17 @@ static const option options[] = {
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
+
+static const char *refuse(const void *given, char **operands)
+{
+    (void)operands;
+    const arguments *args = given;
+    if (args->device && (args->pair || args->share != UINT32_MAX))
+        return "--device is one device alone; --pair and --share are for two";
+    if (args->separations && !args->out)
+        return "--separations are written beside the verdicts; give --out V.npy";
+    return NULL;
+}
 
 static const command_line line = {
     .name = "query",
@@ -50,6 +60,7 @@ static const command_line line = {
         "A row is two poses of 10 numbers, centre xyz, half extents xyz, quaternion xyzw; in 2D\n"
         "two of 5, centre xy, half extents xy, angle. Files are .npy, or numbers as text.",
     .options = options,
+    .refuse = refuse,
 };
 
 // ---------------------------------------------------------------- testing
@@ -213,8 +224,13 @@ static bool run_test(tested *t, const arguments *args, duet_error *err)
     return ok;
 }
 
-static bool run(const arguments *args, const char *path, duet_error *err)
+static bool run(void *given, char **operands, duet_error *err)
 {
+    const arguments *args = given;
+    const char *path = operands[0];
+    duet_level level;
+    if (!inputs_read_level(args->level, &level, err))
+        return false;
     duet_device_pair *pair = open_devices(args, err);
     duet_scene *pairs = pair ? duet_scene_load_pairs(path, err) : NULL;
     bool ok = false;
@@ -223,7 +239,7 @@ static bool run(const arguments *args, const char *path, duet_error *err)
         tested t = {.def = duet_default_pair_query_def(), .path = path};
         t.def.pair = pair;
         t.def.share = share_of(args, pair);
-        t.def.level = args->level;
+        t.def.level = level;
         t.def.dims = info->dims;
         t.poses = duet_scene_get_objects(pairs, DUET_OBJECT_POSES);
         t.n = info->n / 2;
@@ -237,18 +253,5 @@ static bool run(const arguments *args, const char *path, duet_error *err)
 int command_query(int argc, char **argv)
 {
     arguments args = {.share = UINT32_MAX};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    if (args.device && (args.pair || args.share != UINT32_MAX))
-        return say_wrong("query", "--device is one device alone; --pair and --share are for two");
-    if (args.separations && !args.out)
-        return say_wrong("query",
-                         "--separations are written beside the verdicts; give --out V.npy");
-    duet_error err = {0};
-    bool ok =
-        inputs_read_level(args.level_name, &args.level, &err) && run(&args, operands[0], &err);
-    return ok ? EXIT_OK : say_failed(&err);
+    return options_run(&line, argc, argv, &args, run);
 }

@@ -6,9 +6,9 @@
 #include "base/error.h"
 #include "cli/commands.h"
 #include "cli/commands/profiles.h"
+#include "cli/costs.h"
 #include "cli/draw/page.h"
 #include "cli/options.h"
-#include "cli/report/costs_report.h"
 #include "cli/report/level_costs_report.h"
 #include "cli/say.h"
 
@@ -101,12 +101,12 @@ static bool keep_file(results *r, cJSON *o, const char *path, duet_error *err)
     return bench_check(o, path, err);
 }
 
-static bool read_results(results *r, char **paths, int n, duet_error *err)
+static bool read_results(results *r, char **paths, duet_error *err)
 {
     bool ok = true;
-    for (int i = 0; ok && i < n; ++i) {
-        cJSON *o = json_read(paths[i], err);
-        ok = o && keep_file(r, o, paths[i], err);
+    for (; ok && *paths; ++paths) {
+        cJSON *o = json_read(*paths, err);
+        ok = o && keep_file(r, o, *paths, err);
     }
     return ok;
 }
@@ -149,10 +149,10 @@ static bool write_page(const arguments *args, const results *r, duet_error *err)
     return ok;
 }
 
-static bool report(const arguments *args, char **paths, int n, duet_error *err)
+static bool run(void *args, char **paths, duet_error *err)
 {
     results r = {.n_files = 0};
-    bool ok = read_results(&r, paths, n, err) && write_page(args, &r, err);
+    bool ok = read_results(&r, paths, err) && write_page(args, &r, err);
     for (uint32_t i = 0; i < r.n_files; ++i)
         cJSON_Delete(r.files[i]);
     return ok;
@@ -161,11 +161,5 @@ static bool report(const arguments *args, char **paths, int n, duet_error *err)
 int command_report(int argc, char **argv)
 {
     arguments args = {.out = "duet-report.html"};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    duet_error err = {0};
-    return report(&args, operands, n_operands, &err) ? EXIT_OK : say_failed(&err);
+    return options_run(&line, argc, argv, &args, run);
 }

@@ -3,7 +3,7 @@
 #ifndef CLI_REPORT_H
 #define CLI_REPORT_H
 
-#include "cli/bench_file.h"
+#include "cli/report/bench_results.h"
 #include "profiles/store.h"
 
 // Profiles, how each was searched for, accuracy against time, and what became
