@@ -78,6 +78,10 @@ void canvas_polygon(canvas *c, const point *corners, int n, colour fill, colour 
         cairo_line_to(c->cairo, corners[i].x, corners[i].y);
     cairo_close_path(c->cairo);
     use(c, fill);
+    if (edge.alpha == 0) {
+        cairo_fill(c->cairo);
+        return;
+    }
     cairo_fill_preserve(c->cairo);
     use(c, edge);
     cairo_set_line_width(c->cairo, 1);
