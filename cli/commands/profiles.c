@@ -86,7 +86,7 @@ static void add_plan(cJSON *o, const profile_plan *plan)
     cJSON_AddStringToObject(o, "level", plan->level);
 }
 
-static cJSON *entry_json(const profile_entry *e)
+cJSON *profiles_entry_json(const profile_entry *e)
 {
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "uid", e->uid);
@@ -165,6 +165,12 @@ static bool add_trial(void *context, int64_t number, const profile_trial *trial)
     return cJSON_AddItemToArray(context, o);
 }
 
+bool profiles_add_trials(cJSON *o, store *s, const char *session, duet_error *err)
+{
+    cJSON *trials = cJSON_AddArrayToObject(o, "trials");
+    return !session || profile_trial_each(s, session, add_trial, trials, err);
+}
+
 // --------------------------------------------------------------------------- list
 
 static const option list_options[] = {
@@ -230,7 +236,7 @@ static bool list_entry(void *context, const profile_entry *e)
     listing *l = context;
     ++l->n;
     if (l->json)
-        return cJSON_AddItemToArray(l->json, entry_json(e));
+        return cJSON_AddItemToArray(l->json, profiles_entry_json(e));
     bool dead = e->dead_reason != NULL;
     if (l->n == 1 || e->row.pair_id != l->pair_id || dead != l->dead) {
         if (l->n > 1) {
@@ -370,10 +376,10 @@ typedef struct showing {
 
 static bool show_json(showing *show, const profile_entry *e)
 {
-    cJSON *o = entry_json(e);
-    cJSON *trials = cJSON_AddArrayToObject(o, "trials");
+    cJSON *o = profiles_entry_json(e);
+    bool ok = profiles_add_trials(o, show->s, e->session.id, show->err);
     add_session(o, &e->session);
-    if (!e->session.id || profile_trial_each(show->s, e->session.id, add_trial, trials, show->err))
+    if (ok)
         return say_json(o, show->err);
     cJSON_Delete(o);
     return false;

@@ -4,6 +4,7 @@
 #ifndef CLI_PROFILES_H
 #define CLI_PROFILES_H
 
+#include "profiles/entry.h"
 #include "profiles/store.h"
 
 int profiles_why(int argc, char **argv);
@@ -18,6 +19,11 @@ typedef struct profiles_date {
 } profiles_date;
 
 profiles_date profiles_when(int64_t calendar_ns);
+
+// A profile as `duet profiles` prints it, and the trials of its session, which may be
+// NULL.
+struct cJSON *profiles_entry_json(const profile_entry *e);
+bool profiles_add_trials(struct cJSON *o, store *s, const char *session, duet_error *err);
 
 #define PROFILE_OPTION_ROW(member) \
     OPTION_TEXT("profile", member, "FILE", "the store (DUET_PROFILE, or the user's own)")
