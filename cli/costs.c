@@ -174,9 +174,7 @@ bool costs_measure(costs *c, duet_device_pair *pair, const duet_scene *scene, ui
 static void print_row(table *t, const costs *c, const cost *row)
 {
     const duet_effect_info *info = &row->info;
-    table_cell(t, "%s", info->name);
-    table_cell(t, "%s", info->active ? "yes" : "-");
-    table_cell(t, "%s", info->called_by);
+    table_words(t, info->name, info->active ? "yes" : "-", info->called_by, NULL);
     table_cell(t, "%u", info->bytes);
     table_cell(t, "%s", info->active ? info->kernels : "-");
     if (row->measured)
@@ -187,12 +185,10 @@ static void print_row(table *t, const costs *c, const cost *row)
 
 void costs_report_text(const costs *c)
 {
-    static const char *const heads[] = {"effect",          "",        "called for by",
-                                        "bytes an object", "kernels", "ms a step"};
     bool measured = c->steps > 0;
     table t = table_begin(measured ? "lllrlr" : "lllrl");
-    for (int i = 0; i < 5 + measured; ++i)
-        table_cell(&t, "%s", heads[i]);
+    table_words(&t, "effect", "", "called for by", "bytes an object", "kernels",
+                measured ? "ms a step" : NULL, NULL);
     for (uint32_t i = 0; i < c->n; ++i)
         print_row(&t, c, &c->rows[i]);
     table_print(&t, stdout);

@@ -33,29 +33,20 @@ static void print_device(const duet_device_info *d)
 {
     printf("%s  %s\n", d->selector, d->name);
     table t = table_begin("lll");
-    const char *const facts[][2] = {{"platform", d->platform},
-                                    {"", d->platform_version},
-                                    {"driver", d->driver},
-                                    {"version", d->cl_version}};
-    for (size_t i = 0; i < sizeof facts / sizeof facts[0]; ++i) {
-        table_cell(&t, " ");
-        table_cell(&t, "%s", facts[i][0]);
-        table_cell(&t, "%s", facts[i][1]);
-    }
-    table_cell(&t, " ");
-    table_cell(&t, "kind");
+    table_words(&t, " ", "platform", d->platform, NULL);
+    table_words(&t, " ", "", d->platform_version, NULL);
+    table_words(&t, " ", "driver", d->driver, NULL);
+    table_words(&t, " ", "version", d->cl_version, NULL);
+    table_words(&t, " ", "kind", NULL);
     table_cell(&t, "%s, %u units at %u MHz, %sdouble precision", kinds[d->kind], d->units,
                d->clock_mhz, d->fp64 ? "" : "no ");
-    table_cell(&t, " ");
-    table_cell(&t, "memory");
+    table_words(&t, " ", "memory", NULL);
     table_cell(&t, "%s%s, a buffer at most %s, local %s", table_bytes(d->global_bytes).chars,
                d->host_memory ? " of the host" : "", table_bytes(d->max_buffer_bytes).chars,
                table_bytes(d->local_bytes).chars);
-    table_cell(&t, " ");
-    table_cell(&t, "group");
+    table_words(&t, " ", "group", NULL);
     table_cell(&t, "at most %u work-items", d->max_group);
-    table_cell(&t, " ");
-    table_cell(&t, "parts");
+    table_words(&t, " ", "parts", NULL);
     if (d->can_cut)
         table_cell(&t, "%s[first-last], units 0 to %u", d->selector, d->units - 1);
     else

@@ -49,10 +49,8 @@ static const char *const sides[] = {"A", "B"};
 
 static void print_facts(const duet_world *world, int side)
 {
-    static const char *const heads[] = {"scene", "parameter", "what of it is in the kernels"};
     table t = table_begin("lll");
-    for (int i = 0; i < 3; ++i)
-        table_cell(&t, "%s", heads[i]);
+    table_words(&t, "scene", "parameter", "what of it is in the kernels", NULL);
     world_fact fact;
     for (uint32_t i = 0; world_fact_at(world, side, i, &fact); ++i) {
         table_cell(&t, "%s", fact.name);
@@ -67,9 +65,7 @@ static void print_kernels(const duet_world *world, int side)
     table t = table_begin("lll");
     world_kernel k;
     for (uint32_t i = 0; world_kernel_at(world, side, i, &k); ++i) {
-        table_cell(&t, "%s", k.runs ? "runs" : "left out");
-        table_cell(&t, "%s", k.why);
-        table_cell(&t, "%s", k.name); // last: it is long
+        table_words(&t, k.runs ? "runs" : "left out", k.why, k.name, NULL); // last: it is long
     }
     table_print(&t, stdout);
 }

@@ -204,31 +204,24 @@ static void print_device(const char *label, const profile_entry_device *d)
 
 static table begin_rows(void)
 {
-    static const char *const heads[] = {"profile", "scene", "objects", "level", "share",
-                                        "mode",    "A",     "B",       "ms",    "gain %",
-                                        "verdict", "when",  "where"};
     table t = table_begin("llrlrlllrrlll");
-    for (size_t i = 0; i < sizeof heads / sizeof heads[0]; ++i)
-        table_cell(&t, "%s", heads[i]);
+    table_words(&t, "profile", "scene", "objects", "level", "share", "mode", "A", "B", "ms",
+                "gain %", "verdict", "when", "where", NULL);
     return t;
 }
 
 static void add_row(table *t, const profile_entry *e)
 {
     const profile_row *row = &e->row;
+    const char *where = is_here(e) ? "here" : "elsewhere";
     table_cell(t, "%.*s", UID_SHOWN, e->uid);
-    table_cell(t, "%s", or_none(e->scene));
-    table_cell(t, "%s", table_count((uint64_t)e->n).chars);
-    table_cell(t, "%s", row->plan.level);
+    table_words(t, or_none(e->scene), table_count((uint64_t)e->n).chars, row->plan.level, NULL);
     table_cell(t, "%.4f", row->plan.share / (double)PROFILE_SHARE_ONE);
-    table_cell(t, "%s", row->plan.mode);
-    table_cell(t, "%s", row->plan.variant_a);
-    table_cell(t, "%s", row->plan.variant_b);
+    table_words(t, row->plan.mode, row->plan.variant_a, row->plan.variant_b, NULL);
     table_cell(t, "%.3f", row->median_ns * 1e-6);
     table_cell(t, "%+.1f", 100 * row->gain);
-    table_cell(t, "%s", row->verdict);
-    table_cell(t, "%s", profiles_when(e->created_ns).chars);
-    table_cell(t, "%s", e->dead_reason ? e->dead_reason : is_here(e) ? "here" : "elsewhere");
+    table_words(t, row->verdict, profiles_when(e->created_ns).chars,
+                e->dead_reason ? e->dead_reason : where, NULL);
 }
 
 static bool list_entry(void *context, const profile_entry *e)
@@ -296,9 +289,7 @@ static bool add_trial_row(void *context, int64_t number, const profile_trial *tr
     table *t = context;
     table_cell(t, "%" PRId64, number);
     table_cell(t, "%.4f", trial->plan.share / (double)PROFILE_SHARE_ONE);
-    table_cell(t, "%s", trial->plan.mode);
-    table_cell(t, "%s", trial->plan.variant_a);
-    table_cell(t, "%s", trial->plan.variant_b);
+    table_words(t, trial->plan.mode, trial->plan.variant_a, trial->plan.variant_b, NULL);
     table_cell(t, "%u", trial->n_samples);
     table_cell(t, "%.3f", trial->median_ns * 1e-6);
     table_cell(t, "%.3f", trial->low_ns * 1e-6);
@@ -387,14 +378,12 @@ static bool show_json(showing *show, const profile_entry *e)
 
 static bool show_text(showing *show, const profile_entry *e)
 {
-    static const char *const heads[] = {"trial", "share", "mode", "A",    "B",    "samples",
-                                        "ms",    "low",   "high", "A ms", "B ms", "outcome"};
     print_entry(e);
     if (!e->session.id)
         return true;
     table t = table_begin("rrlllrrrrrrl");
-    for (size_t i = 0; i < sizeof heads / sizeof heads[0]; ++i)
-        table_cell(&t, "%s", heads[i]);
+    table_words(&t, "trial", "share", "mode", "A", "B", "samples", "ms", "low", "high", "A ms",
+                "B ms", "outcome", NULL);
     bool ok = profile_trial_each(show->s, e->session.id, add_trial_row, &t, show->err);
     table_print(&t, stdout);
     return ok;

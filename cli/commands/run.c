@@ -303,10 +303,8 @@ static double mean_ms(const moved *r)
 static void tell_times(const moved *r)
 {
     table t = table_begin("lrrl");
-    static const char *const heads[] = {"", "ms a step", "%", ""};
     double mean = mean_ms(r);
-    for (int i = 0; i < 4; ++i)
-        table_cell(&t, "%s", heads[i]);
+    table_words(&t, "", "ms a step", "%", "", NULL);
     for (uint32_t i = 0; i < r->n_stages && r->done > 1; ++i) {
         double ms = r->stages[i].ms / (double)(r->done - 1);
         table_cell(&t, "%s", r->stages[i].name);

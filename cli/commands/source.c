@@ -205,10 +205,7 @@ static bool print_kernel(const listed *k, duet_error *err)
     for (uint32_t i = 0; i < k->n_params; ++i) {
         values.length = 0;
         add_values(&k->params[i], &values);
-        table_cell(&t, " ");
-        table_cell(&t, "%s", k->params[i].name);
-        table_cell(&t, "%s", text_chars(&values));
-        table_cell(&t, "%s", k->params[i].about);
+        table_words(&t, " ", k->params[i].name, text_chars(&values), k->params[i].about, NULL);
     }
     table_print(&t, stdout);
     printf("  %" PRIu64 " valid config%s\n\n", k->configs, k->configs == 1 ? "" : "s");

@@ -9,12 +9,12 @@
 #include "cli/commands.h"
 #include "cli/inputs.h"
 #include "cli/interrupt.h"
+#include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "tuner/terms.h"
 #include "tuner/tune_config.h"
 
-#include <cjson/cJSON.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -311,53 +311,36 @@ static void report_add(tune_report *r, const duet_tune_outcome *o)
     clear_line(r);
 }
 
-static double number(const cJSON *row, const char *name)
-{
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(row, name);
-    return item ? item->valuedouble : 0;
-}
-
-static const char *string(const cJSON *row, const char *name)
-{
-    return cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(row, name));
-}
-
 // Certified needs no word: nothing of it is wrong.
 static void print_accuracy(const cJSON *row)
 {
-    if (strcmp(string(row, "level"), "certified") == 0)
+    if (strcmp(json_string(row, "level"), "certified") == 0)
         return;
     printf("%s: of %s pairs that collide '%s' misses %.3g %% and invents %.3g %%\n",
-           say_name(string(row, "workload")).chars,
-           table_count((uint64_t)number(row, "true_pairs")).chars, string(row, "level"),
-           100 * number(row, "missed_rate"), 100 * number(row, "false_rate"));
+           say_name(json_string(row, "workload")).chars,
+           table_count((uint64_t)json_number(row, "true_pairs")).chars, json_string(row, "level"),
+           100 * json_number(row, "missed_rate"), 100 * json_number(row, "false_rate"));
 }
 
 static void print_table(const cJSON *workloads)
 {
-    static const char *const heads[] = {"workload", "level",   "share", "mode", "kernels",
-                                        "ms",       "gain",    "from",  "to",   "verdict",
-                                        "launches", "seconds", ""};
     table t = table_begin("llrllrrrrlrrl");
-    for (size_t i = 0; i < sizeof heads / sizeof *heads; ++i)
-        table_cell(&t, "%s", heads[i]);
+    table_words(&t, "workload", "level", "share", "mode", "kernels", "ms", "gain", "from", "to",
+                "verdict", "launches", "seconds", "", NULL);
     const cJSON *row;
     cJSON_ArrayForEach(row, workloads)
     {
-        table_cell(&t, "%s", string(row, "workload"));
-        table_cell(&t, "%s", string(row, "level"));
-        table_cell(&t, "%.4f", number(row, "share"));
-        table_cell(&t, "%s", string(row, "mode"));
-        table_cell(&t, "%s", string(row, "variant"));
-        table_cell(&t, "%.3f", number(row, "step_ms"));
-        table_cell(&t, "%+.1f %%", 100 * number(row, "gain"));
-        table_cell(&t, "%+.1f", 100 * number(row, "gain_low"));
-        table_cell(&t, "%+.1f", 100 * number(row, "gain_high"));
-        table_cell(&t, "%s", string(row, "verdict"));
-        table_cell(&t, "%.0f", number(row, "launches"));
-        table_cell(&t, "%.1f", number(row, "seconds"));
-        table_cell(&t, "%s",
-                   cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(row, "resumed")) ? "known" : "");
+        table_words(&t, json_string(row, "workload"), json_string(row, "level"), NULL);
+        table_cell(&t, "%.4f", json_number(row, "share"));
+        table_words(&t, json_string(row, "mode"), json_string(row, "variant"), NULL);
+        table_cell(&t, "%.3f", json_number(row, "step_ms"));
+        table_cell(&t, "%+.1f %%", 100 * json_number(row, "gain"));
+        table_cell(&t, "%+.1f", 100 * json_number(row, "gain_low"));
+        table_cell(&t, "%+.1f", 100 * json_number(row, "gain_high"));
+        table_cell(&t, "%s", json_string(row, "verdict"));
+        table_cell(&t, "%.0f", json_number(row, "launches"));
+        table_cell(&t, "%.1f", json_number(row, "seconds"));
+        table_cell(&t, "%s", json_true(row, "resumed") ? "known" : "");
     }
     table_print(&t, stdout);
     cJSON_ArrayForEach(row, workloads) print_accuracy(row);

@@ -282,14 +282,6 @@ void bench_compare(cJSON *results, const cJSON *before)
 
 // ---------------------------------------------------------------- tables
 
-static void heads(table *t, bool compared)
-{
-    static const char *const names[] = {"share", "mode",   "kernels", "ms",   "from", "to", "A ms",
-                                        "B ms",  "before", "ratio",   "from", "to",   ""};
-    for (int i = 0; i < (compared ? 13 : 8); ++i)
-        table_cell(t, "%s", names[i]);
-}
-
 static void kernels_cell(table *t, const cJSON *one)
 {
     const char *a = json_string(one, "variant_a");
@@ -301,9 +293,7 @@ static void kernels_cell(table *t, const cJSON *one)
 static void comparison_cells(table *t, const cJSON *one)
 {
     if (!*json_string(one, "verdict")) {
-        for (int i = 0; i < 4; ++i)
-            table_cell(t, "-");
-        table_cell(t, "new");
+        table_words(t, "-", "-", "-", "-", "new", NULL);
         return;
     }
     table_cell(t, "%.3f", json_number(one, "against_ms"));
@@ -341,7 +331,8 @@ void bench_print_scene(const cJSON *results, const char *scene, const cJSON *bef
             printf("%s, %s objects, %.0fD\n", say_name(scene).chars,
                    table_count((uint64_t)json_number(one, "objects")).chars,
                    json_number(one, "dims"));
-            heads(&t, before != NULL);
+            table_words(&t, "share", "mode", "kernels", "ms", "from", "to", "A ms", "B ms",
+                        before ? "before" : NULL, "ratio", "from", "to", "", NULL);
         }
         begun = true;
         case_row(&t, one, before != NULL);

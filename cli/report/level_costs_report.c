@@ -67,13 +67,11 @@ static void distance_cell(table *t, uint64_t n, double distance)
 
 static void print_row(table *t, const level_cost *row, double slowest)
 {
-    table_cell(t, "%s", row->front ? "*" : " ");
-    table_cell(t, "%s", name_of(row));
+    table_words(t, row->front ? "*" : " ", name_of(row), NULL);
     table_cell(t, "%.3f", row->step_ms);
     table_cell(t, "%.2f", row->relative);
-    table_cell(t, "%s", table_bar(row->step_ms / slowest, BAR).chars);
-    table_cell(t, "%s", table_count(row->missed).chars);
-    table_cell(t, "%s", table_count(row->added).chars);
+    table_words(t, table_bar(row->step_ms / slowest, BAR).chars, table_count(row->missed).chars,
+                table_count(row->added).chars, NULL);
     distance_cell(t, row->missed, row->deepest_missed);
     distance_cell(t, row->added, row->widest_added);
     table_cell(t, "%.2g %%", 100 * undecided_share(row));
@@ -81,13 +79,11 @@ static void print_row(table *t, const level_cost *row, double slowest)
 
 static void print_device(const level_costs_report *r, int device)
 {
-    static const char *const heads[] = {" ",      "level", "ms a step", "/ sat15", " ",
-                                        "missed", "false", "deepest",   "widest",  "undecided"};
     const duet_device_info *info = duet_device_pair_get_info(r->pair, device);
     printf("\n%c %s, %s, alone\n", "AB"[device], info -> selector, info -> name);
     table t = table_begin("llrrlrrrrr");
-    for (size_t i = 0; i < sizeof heads / sizeof *heads; ++i)
-        table_cell(&t, "%s", heads[i]);
+    table_words(&t, " ", "level", "ms a step", "/ sat15", " ", "missed", "false", "deepest",
+                "widest", "undecided", NULL);
     double slowest = slowest_ms(r->costs, device);
     for (uint32_t i = 0; i < r->costs->n; ++i)
         if (r->costs->rows[i].device == device)

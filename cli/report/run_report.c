@@ -44,8 +44,7 @@ static void print_devices(const duet_device_pair *pair, const duet_plan *plan)
     for (int i = 0; i < 2; ++i) {
         const duet_device_info *d = duet_device_pair_get_info(pair, i);
         table_cell(&t, "%c", "AB"[i]);
-        table_cell(&t, "%s", d->selector);
-        table_cell(&t, "%s", d->name);
+        table_words(&t, d->selector, d->name, NULL);
         table_cell(&t, "%.4g %%", 100 * (i == 0 ? share : 1 - share));
         table_cell(&t, "of the work, kernels '%s'", i == 0 ? plan->variant_a : plan->variant_b);
     }
@@ -161,24 +160,18 @@ static void print_totals(const timed *m, const char *level)
     const duet_result *r = &m->last;
     const timed_step *median = timed_median(m);
     table t = table_begin("lrl");
-    table_cell(&t, "candidates");
-    table_cell(&t, "%s", table_count(r->candidates).chars);
-    table_cell(&t, "pairs whose bounds overlap");
-    table_cell(&t, "pairs");
-    table_cell(&t, "%s", table_count(r->pairs).chars);
+    table_words(&t, "candidates", table_count(r->candidates).chars, "pairs whose bounds overlap",
+                NULL);
+    table_words(&t, "pairs", table_count(r->pairs).chars, NULL);
     table_cell(&t, "collide, at level %s; hash %016" PRIx64, level, m->hash);
-    if (r->undecided > 0) {
-        table_cell(&t, "undecided");
-        table_cell(&t, "%s", table_count(r->undecided).chars);
-        table_cell(&t, "too close for float, decided by exact arithmetic on the host");
-    }
+    if (r->undecided > 0)
+        table_words(&t, "undecided", table_count(r->undecided).chars,
+                    "too close for float, decided by exact arithmetic on the host", NULL);
     if (r->bad > 0) {
-        table_cell(&t, "bad objects");
-        table_cell(&t, "%s", table_count(r->bad).chars);
+        table_words(&t, "bad objects", table_count(r->bad).chars, NULL);
         table_cell(&t, "left out; the first is %u", r->first_bad);
     }
-    table_cell(&t, "memory");
-    table_cell(&t, "%s", table_bytes(r->bytes[0] + r->bytes[1]).chars);
+    table_words(&t, "memory", table_bytes(r->bytes[0] + r->bytes[1]).chars, NULL);
     table_cell(&t, "A %s, B %s", table_bytes(r->bytes[0]).chars, table_bytes(r->bytes[1]).chars);
     table_cell(&t, "time");
     table_cell(&t, "%.3f ms", median->total_ms);

@@ -61,10 +61,7 @@ static double digits_part(const timestep_run *row, range errors)
 static void wrong_cells(table *t, const timestep_study *p, const timestep_run *row)
 {
     if (!row->finite) {
-        table_cell(t, "lost");
-        table_cell(t, "%s", table_bar(1.0, BAR).chars);
-        for (int i = 0; i < 3; ++i)
-            table_cell(t, "-");
+        table_words(t, "lost", table_bar(1.0, BAR).chars, "-", "-", "-", NULL);
         return;
     }
     table_cell(t, "%.2g", row->error);
@@ -90,8 +87,6 @@ static void print_row(table *t, const timestep_study *p, const timestep_run *row
 
 void timestep_study_report_text(const timestep_study_report *r)
 {
-    static const char *const heads[] = {" ",     "dt", "substeps", "",     "ms a second", "",
-                                        "error", "",   "energy",   "gain", "deepest"};
     const timestep_study *p = r->study;
     printf("%s: %s objects, %.3g s of the scene, on %s\n", r->scene->name,
            table_count(r->scene->n).chars, p->time,
@@ -100,8 +95,8 @@ void timestep_study_report_text(const timestep_study_report *r)
            1 / p->reference.dt, p->reference.substeps, timestep_integrator(&p->reference),
            p->reference.ms, 100 * p->reference.gain);
     table t = table_begin("lrrlrlrlrrr");
-    for (size_t i = 0; i < sizeof heads / sizeof *heads; ++i)
-        table_cell(&t, "%s", heads[i]);
+    table_words(&t, " ", "dt", "substeps", "", "ms a second", "", "error", "", "energy", "gain",
+                "deepest", NULL);
     for (uint32_t i = 0; i < p->n; ++i)
         print_row(&t, p, &p->rows[i]);
     table_print(&t, stdout);
