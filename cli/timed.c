@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "cli/interrupt.h"
-#include "cli/progress.h"
+#include "cli/say.h"
 #include "runtime/broadphase/grid.h"
 
 #include <stdlib.h>

@@ -349,8 +349,7 @@ static bool finish(bench *b, duet_error *err)
     bool ok = true;
     if (b->args->out) {
         text chars = {0};
-        ok = json_write(b->results, &chars, err) &&
-             text_write_file(b->args->out, chars.chars, chars.length, err);
+        ok = json_write(b->results, &chars, err) && say_to_file(&chars, b->args->out, err);
         text_free(&chars);
     }
     if (b->args->json) {

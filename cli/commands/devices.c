@@ -2,10 +2,10 @@
 // duet devices: what OpenCL offers here, and the selectors for --pair.
 #include "cli/commands.h"
 #include "cli/inputs.h"
+#include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -91,10 +91,7 @@ static bool print_json(const duet_device_list *list, const duet_device_pair *pai
     cJSON *devices = cJSON_AddArrayToObject(o, "devices");
     for (uint32_t i = 0; i < duet_device_list_get_count(list); ++i)
         cJSON_AddItemToArray(devices, device_json(duet_device_list_get_info(list, i)));
-    char chosen[160];
-    snprintf(chosen, sizeof chosen, "%s,%s", duet_device_pair_get_info(pair, 0)->selector,
-             duet_device_pair_get_info(pair, 1)->selector);
-    cJSON_AddStringToObject(o, "default_pair", chosen);
+    json_add_pair(o, "default_pair", pair);
     return say_json(o, err);
 }
 

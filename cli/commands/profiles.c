@@ -79,10 +79,8 @@ static void add_device(cJSON *o, const char *name, const profile_entry_device *d
 
 static void add_plan(cJSON *o, const profile_plan *plan)
 {
-    cJSON_AddNumberToObject(o, "share", plan->share / (double)PROFILE_SHARE_ONE);
-    cJSON_AddStringToObject(o, "mode", plan->mode);
-    cJSON_AddStringToObject(o, "variant_a", plan->variant_a);
-    cJSON_AddStringToObject(o, "variant_b", plan->variant_b);
+    json_add_plan(o, plan->share / (double)PROFILE_SHARE_ONE, plan->mode, plan->variant_a,
+                  plan->variant_b);
     cJSON_AddStringToObject(o, "level", plan->level);
 }
 

@@ -4,11 +4,11 @@
 #include "cli/commands/profiles.h"
 #include "cli/inputs.h"
 #include "cli/options.h"
+#include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "runtime/selection/profile_subject.h"
 
-#include <cjson/cJSON.h>
 #include <string.h>
 
 typedef struct arguments {
@@ -101,14 +101,14 @@ static void print_text(const answer *a)
 
 static void add_plan(cJSON *o, const answer *a)
 {
-    bool known = a->found.grade != PROFILE_DEFAULT;
     const profile_plan *plan = &a->found.plan;
     const duet_plan *fallback = &a->fallback;
-    uint32_t share = known ? plan->share : fallback->share;
-    cJSON_AddNumberToObject(o, "share", share / (double)PROFILE_SHARE_ONE);
-    cJSON_AddStringToObject(o, "mode", known ? plan->mode : duet_mode_name(fallback->mode));
-    cJSON_AddStringToObject(o, "variant_a", known ? plan->variant_a : fallback->variant_a);
-    cJSON_AddStringToObject(o, "variant_b", known ? plan->variant_b : fallback->variant_b);
+    if (a->found.grade != PROFILE_DEFAULT)
+        json_add_plan(o, plan->share / (double)PROFILE_SHARE_ONE, plan->mode, plan->variant_a,
+                      plan->variant_b);
+    else
+        json_add_plan(o, fallback->share / (double)DUET_SHARE_ONE, duet_mode_name(fallback->mode),
+                      fallback->variant_a, fallback->variant_b);
 }
 
 static bool print_json(const answer *a, duet_error *err)

@@ -7,12 +7,11 @@
 #include "cli/inputs.h"
 #include "cli/interrupt.h"
 #include "cli/options.h"
-#include "cli/progress.h"
+#include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "runtime/duet.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -150,9 +149,7 @@ static bool write_lines(const tested *t, const char *path, duet_error *err)
             text_add(&lines, ",%.17g", t->separations[i]);
         text_add(&lines, "\n");
     }
-    bool ok = text_ok(&lines, err) && text_write_file(path, text_chars(&lines), lines.length, err);
-    text_free(&lines);
-    return ok;
+    return say_to_file(&lines, path, err);
 }
 
 // ---------------------------------------------------------------- telling
@@ -173,13 +170,10 @@ static void tell(const tested *t)
 static bool tell_json(const tested *t, duet_error *err)
 {
     cJSON *o = cJSON_CreateObject();
-    char both[160];
-    snprintf(both, sizeof both, "%s,%s", duet_device_pair_get_info(t->def.pair, 0)->selector,
-             duet_device_pair_get_info(t->def.pair, 1)->selector);
     cJSON_AddStringToObject(o, "file", t->path);
     cJSON_AddNumberToObject(o, "dims", t->def.dims);
     cJSON_AddStringToObject(o, "level", duet_level_get_info(t->def.level)->name);
-    cJSON_AddStringToObject(o, "pair", both);
+    json_add_pair(o, "pair", t->def.pair);
     cJSON_AddNumberToObject(o, "share", (double)t->def.share / DUET_SHARE_ONE);
     cJSON_AddNumberToObject(o, "n", (double)t->n);
     cJSON_AddNumberToObject(o, "colliding", (double)t->colliding);

@@ -10,7 +10,6 @@
 #include "cli/draw/snapshot.h"
 #include "cli/inputs.h"
 #include "cli/interrupt.h"
-#include "cli/progress.h"
 #include "cli/report/run_report.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
@@ -88,10 +87,7 @@ static bool write_pairs(const char *path, const duet_pair *pairs, uint64_t n, du
     text lines = {0};
     for (uint64_t i = 0; i < n; ++i)
         text_add(&lines, "%" PRIu32 ",%" PRIu32 "\n", pairs[i].a, pairs[i].b);
-    bool ok = text_ok(&lines, err);
-    ok = ok && text_write_file(path, text_chars(&lines), lines.length, err);
-    text_free(&lines);
-    return ok;
+    return say_to_file(&lines, path, err);
 }
 
 static bool compare(const duet_scene *scene, duet_level level, const duet_pair *pairs, uint64_t n,

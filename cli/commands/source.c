@@ -7,7 +7,6 @@
 #include "cli/commands.h"
 #include "cli/inputs.h"
 #include "cli/interrupt.h"
-#include "cli/progress.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "runtime/opencl/program.h"

@@ -12,6 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+const colour canvas_ink = {0.13, 0.14, 0.16, 1};
+const colour canvas_grey = {0.42, 0.45, 0.50, 1};
+
 struct canvas {
     const char *path;
     bool is_png;

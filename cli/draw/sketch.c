@@ -233,8 +233,6 @@ void sketch_free(sketch *s)
 // Cells behind, boxes from far to near, pairs in front, and where boxes are left out
 // the whole scene small in a corner.
 
-static const colour black = {0.13, 0.14, 0.16, 1};
-static const colour grey = {0.42, 0.45, 0.50, 1};
 static const colour white = {1, 1, 1, 0.93};
 static const colour cell_ink = {0.30, 0.38, 0.50, 0.22};
 static const colour pair_ink = {0.72, 0.06, 0.12, 0.9};
@@ -304,7 +302,7 @@ static void draw_links(const sketch *s, const view *v, canvas *c)
 static void draw_corner(const sketch *s, canvas *c, point least, point most)
 {
     const point paper[4] = {least, {most.x, least.y}, most, {least.x, most.y}};
-    canvas_polygon(c, paper, 4, white, grey);
+    canvas_polygon(c, paper, 4, white, canvas_grey);
     point inner = {least.x + 10, least.y + 10};
     view v =
         view_fit(&isometric, s->info->dims, &s->whole, inner, (point){most.x - 10, most.y - 26});
@@ -312,7 +310,8 @@ static void draw_corner(const sketch *s, canvas *c, point least, point most)
     for (uint32_t i = 0; i < s->n_crowd; ++i)
         canvas_dot(c, view_point(&v, s->crowd[i]), 0.8, alone.edge);
     view_frame(&v, c, &s->part, pair_ink);
-    canvas_words(c, (point){least.x + 8, most.y - 8}, 11, grey, "all boxes; framed: this part");
+    canvas_words(c, (point){least.x + 8, most.y - 8}, 11, canvas_grey,
+                 "all boxes; framed: this part");
 }
 
 static void write_cells(const sketch *s, char *line, size_t size)
@@ -338,9 +337,9 @@ static void write_words(const sketch *s, canvas *c, double left, double height)
     snprintf(line, sizeof line, "%s: %s boxes in %uD, %s pairs collide (%s boxes)", info->name,
              table_count(info->n).chars, info->dims, table_count(s->n_pairs).chars,
              table_count(s->n_colliding).chars);
-    canvas_words(c, (point){left, height - 62}, words_px, black, line);
+    canvas_words(c, (point){left, height - 62}, words_px, canvas_ink, line);
     write_cells(s, line, sizeof line);
-    canvas_words(c, (point){left, height - 40}, words_px, grey, line);
+    canvas_words(c, (point){left, height - 40}, words_px, canvas_grey, line);
     point at = {left, height - 18};
     at.x = canvas_words(c, at, words_px, collides.edge, "\u25a0 collides   ");
     at.x = canvas_words(c, at, words_px, alone.edge, "\u25a0 alone   ");
@@ -349,7 +348,7 @@ static void write_words(const sketch *s, canvas *c, double left, double height)
         return;
     snprintf(line, sizeof line, "a sample: the %s boxes nearest to a collision",
              table_count(s->n).chars);
-    canvas_words(c, at, words_px, black, line);
+    canvas_words(c, at, words_px, canvas_ink, line);
 }
 
 void sketch_draw(const sketch *s, canvas *c, double width, double height)
@@ -363,7 +362,7 @@ void sketch_draw(const sketch *s, canvas *c, double width, double height)
         view v = view_fit(&isometric, s->info->dims, shown, (point){margin, margin},
                           (point){width - margin, height - below});
         draw_cells(&v, c, s);
-        view_frame(&v, c, shown, grey);
+        view_frame(&v, c, shown, canvas_grey);
         draw_boxes(s, &v, c);
         draw_links(s, &v, c);
         if (!all)

@@ -53,14 +53,6 @@ cJSON *bench_begin(const duet_device_pair *pair, bool quick)
     return o;
 }
 
-static void add_plan(cJSON *o, const duet_plan *plan)
-{
-    cJSON_AddNumberToObject(o, "share", (double)plan->share / DUET_SHARE_ONE);
-    cJSON_AddStringToObject(o, "mode", duet_mode_name(plan->mode));
-    cJSON_AddStringToObject(o, "variant_a", plan->variant_a);
-    cJSON_AddStringToObject(o, "variant_b", plan->variant_b);
-}
-
 static void add_times(cJSON *o, const timed *t)
 {
     double ms[BENCH_SAMPLES_MOST];
@@ -93,7 +85,8 @@ cJSON *bench_add(cJSON *results, const duet_scene_info *scene, const duet_plan *
     cJSON_AddStringToObject(o, "scene", scene->name);
     cJSON_AddNumberToObject(o, "dims", scene->dims);
     cJSON_AddNumberToObject(o, "objects", scene->n);
-    add_plan(o, plan);
+    json_add_plan(o, (double)plan->share / DUET_SHARE_ONE, duet_mode_name(plan->mode),
+                  plan->variant_a, plan->variant_b);
     if (failure) {
         cJSON_AddStringToObject(o, "failed", failure->text);
     } else {

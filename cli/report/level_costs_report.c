@@ -4,8 +4,8 @@
 #include "base/text.h"
 #include "cli/draw/canvas.h"
 #include "cli/interrupt.h"
-#include "cli/progress.h"
 #include "cli/report/table.h"
+#include "cli/say.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -175,18 +175,13 @@ bool level_costs_report_csv(const level_costs_report *r, const char *path, duet_
                  row->step_ms, row->relative, row->pairs, row->missed, row->added,
                  row->deepest_missed, row->widest_added, undecided_share(row), row->front);
     }
-    bool ok = text_ok(&lines, err) && text_write_file(path, text_chars(&lines), lines.length, err);
-    text_free(&lines);
-    return ok;
+    return say_to_file(&lines, path, err);
 }
 
 // ---------------------------------------------------------------- as a picture
 
 // A row a level, its time to the left and what it gets wrong to the right, by powers
 // of ten from one pair on.
-static const colour ink = {0.13, 0.14, 0.16, 1};
-static const colour grey = {0.42, 0.45, 0.50, 1};
-static const colour paper = {1, 1, 1, 1};
 static const colour time_fill = {0.36, 0.53, 0.74, 1};
 static const colour beaten_fill = {0.74, 0.80, 0.87, 1};
 static const colour wrong_fill = {0.80, 0.30, 0.20, 1};
@@ -221,16 +216,17 @@ static double digits_of_wrong(const level_cost *row)
 static void draw_row(canvas *c, const level_costs *p, const level_cost *row, double y)
 {
     char words[160];
-    canvas_words(c, (point){names_x, y}, words_px, ink, duet_level_get_info(row->level)->name);
+    canvas_words(c, (point){names_x, y}, words_px, canvas_ink,
+                 duet_level_get_info(row->level)->name);
     double length = bar_px * row->step_ms / greatest(p, time_of);
     draw_bar(c, times_x, y, length, row->front ? time_fill : beaten_fill);
     snprintf(words, sizeof words, "%.3g ms, %.2f x", row->step_ms, row->relative);
-    canvas_words(c, (point){times_x + length + 8, y}, words_px, ink, words);
+    canvas_words(c, (point){times_x + length + 8, y}, words_px, canvas_ink, words);
     double most = greatest(p, digits_of_wrong);
     length = most > 0 ? bar_px * digits_of_wrong(row) / most : 0;
     draw_bar(c, wrongs_x, y, length, wrong_fill);
     snprintf(words, sizeof words, "%s", table_count(row->missed + row->added).chars);
-    canvas_words(c, (point){wrongs_x + length + 8, y}, words_px, ink,
+    canvas_words(c, (point){wrongs_x + length + 8, y}, words_px, canvas_ink,
                  row->missed + row->added ? words : "none");
 }
 
@@ -240,7 +236,7 @@ static void draw_device(canvas *c, const level_costs_report *r, int device, doub
     const duet_device_info *info = duet_device_pair_get_info(r->pair, device);
     snprintf(words, sizeof words, "%c: %.60s, %.120s", "AB"[device], info -> selector,
              info -> name);
-    canvas_words(c, (point){names_x, *y}, words_px, grey, words);
+    canvas_words(c, (point){names_x, *y}, words_px, canvas_grey, words);
     *y += ROW;
     for (uint32_t i = 0; i < r->costs->n; ++i) {
         if (r->costs->rows[i].device != device)
@@ -257,18 +253,16 @@ bool level_costs_report_plot(const level_costs_report *r, const char *path, duet
     canvas *c = canvas_open(path, WIDTH, height, err);
     if (!c)
         return false;
-    const point page[] = {{0, 0}, {WIDTH, 0}, {WIDTH, height}, {0, height}};
-    canvas_polygon(c, page, 4, paper, paper);
     char words[256];
     snprintf(words, sizeof words, "What accuracy costs: %.80s, %s boxes", r->scene->name,
              table_count(r->scene->n).chars);
-    canvas_words(c, (point){names_x, 34}, 20, ink, words);
-    canvas_words(c, (point){times_x, 66}, words_px, ink, "time a step, and against sat15");
-    canvas_words(c, (point){wrongs_x, 66}, words_px, ink, "wrong pairs, by powers of ten");
+    canvas_words(c, (point){names_x, 34}, 20, canvas_ink, words);
+    canvas_words(c, (point){times_x, 66}, words_px, canvas_ink, "time a step, and against sat15");
+    canvas_words(c, (point){wrongs_x, 66}, words_px, canvas_ink, "wrong pairs, by powers of ten");
     double y = HEAD;
     draw_device(c, r, 0, &y);
     draw_device(c, r, 1, &y);
-    canvas_words(c, (point){names_x, y}, words_px, grey,
+    canvas_words(c, (point){names_x, y}, words_px, canvas_grey,
                  "Pale: another level on that device is at least as fast and as right.");
     return canvas_close(c, true, err);
 }

@@ -156,9 +156,7 @@ bool timestep_study_report_csv(const timestep_study_report *r, const char *path,
                  timestep_integrator(row), row->own, row->ms, row->error, row->energy, row->gain,
                  row->depth, row->finite, row->front);
     }
-    bool ok = text_ok(&lines, err) && text_write_file(path, text_chars(&lines), lines.length, err);
-    text_free(&lines);
-    return ok;
+    return say_to_file(&lines, path, err);
 }
 
 // ---------------------------------------------------------------- as a picture
@@ -170,8 +168,6 @@ bool timestep_study_report_csv(const timestep_study_report *r, const char *path,
 enum { WIDTH = 860, HEIGHT = 560, WORDS = 13 };
 
 static const double left = 84, right = 640, top = 70, bottom = 484;
-static const colour ink = {0.13, 0.14, 0.16, 1};
-static const colour grey = {0.42, 0.45, 0.50, 1};
 static const colour pale = {0.87, 0.88, 0.90, 1};
 static const colour paper = {1, 1, 1, 1};
 // Okabe and Ito's, which most colour-blind people can tell apart.
@@ -240,26 +236,24 @@ static void draw_ticks(canvas *c, const axis *a, bool across)
             else
                 canvas_line(c, (point){left, at}, (point){right, at}, pale, 1);
             canvas_words(c, across ? (point){at - 10, bottom + 20} : (point){left - 56, at + 4},
-                         WORDS, grey, words);
+                         WORDS, canvas_grey, words);
         }
     }
 }
 
 static void draw_frame(canvas *c, const timestep_study_report *r, const axis *x, const axis *y)
 {
-    const point page[] = {{0, 0}, {WIDTH, 0}, {WIDTH, HEIGHT}, {0, HEIGHT}};
     char words[256];
-    canvas_polygon(c, page, 4, paper, paper);
     snprintf(words, sizeof words, "What accuracy costs: %.60s, %s boxes, %.3g s", r->scene->name,
              table_count(r->scene->n).chars, r->study->time);
-    canvas_words(c, (point){24, 32}, 19, ink, words);
-    canvas_words(c, (point){24, 56}, WORDS, ink,
+    canvas_words(c, (point){24, 32}, 19, canvas_ink, words);
+    canvas_words(c, (point){24, 56}, WORDS, canvas_ink,
                  "distance from the reference at the end (root mean square)");
     draw_ticks(c, x, true);
     draw_ticks(c, y, false);
-    canvas_line(c, (point){left, top}, (point){left, bottom}, grey, 1);
-    canvas_line(c, (point){left, bottom}, (point){right, bottom}, grey, 1);
-    canvas_words(c, (point){left + 180, bottom + 46}, WORDS, ink,
+    canvas_line(c, (point){left, top}, (point){left, bottom}, canvas_grey, 1);
+    canvas_line(c, (point){left, bottom}, (point){right, bottom}, canvas_grey, 1);
+    canvas_words(c, (point){left + 180, bottom + 46}, WORDS, canvas_ink,
                  "ms that a second of the scene takes");
 }
 
@@ -305,7 +299,7 @@ static void draw_front(canvas *c, const timestep_study *p, const axis *x, const 
             return;
         if (last)
             canvas_line(c, (point){place(x, last->ms), place(y, last->error)},
-                        (point){place(x, next->ms), place(y, next->error)}, grey, 1.5);
+                        (point){place(x, next->ms), place(y, next->error)}, canvas_grey, 1.5);
         last = next;
     }
 }
@@ -316,7 +310,7 @@ static void draw_timestep(canvas *c, const timestep_study *p, const timestep_run
     char words[32];
     point at = {place(x, row->ms), row->finite ? place(y, row->error) : top};
     if (row->own)
-        canvas_dot(c, at, 11, ink);
+        canvas_dot(c, at, 11, canvas_ink);
     if (row->own)
         canvas_dot(c, at, 9, paper);
     canvas_dot(c, at, row->front ? 7 : 5, hues[hue_of(p, row)]);
@@ -324,7 +318,7 @@ static void draw_timestep(canvas *c, const timestep_study *p, const timestep_run
         snprintf(words, sizeof words, "1/%.4g", row->substeps / row->dt);
     else
         snprintf(words, sizeof words, "%u%s", row->substeps, row->finite ? "" : " lost");
-    canvas_words(c, (point){at.x + 12, at.y + 4}, WORDS, ink, words);
+    canvas_words(c, (point){at.x + 12, at.y + 4}, WORDS, canvas_ink, words);
 }
 
 static void draw_key(canvas *c, const timestep_study *p)
@@ -343,7 +337,7 @@ static void draw_key(canvas *c, const timestep_study *p)
         else
             snprintf(words, sizeof words, "dt 1/%.4g s", 1 / row->dt);
         canvas_dot(c, (point){right + 30, y - 4}, 6, hues[hue]);
-        canvas_words(c, (point){right + 44, y}, WORDS, ink, words);
+        canvas_words(c, (point){right + 44, y}, WORDS, canvas_ink, words);
         y += 24;
     }
     y += 8;
@@ -351,7 +345,7 @@ static void draw_key(canvas *c, const timestep_study *p)
         by_integrator(p) ? "at a point: the substep" : "at a point: substeps",
         "ring: the scene's own", "line: nothing is both", "faster and nearer"};
     for (int i = 0; i < 4; ++i)
-        canvas_words(c, (point){right + 24, y + 20 * i}, WORDS, grey, notes[i]);
+        canvas_words(c, (point){right + 24, y + 20 * i}, WORDS, canvas_grey, notes[i]);
 }
 
 bool timestep_study_report_plot(const timestep_study_report *r, const char *path, duet_error *err)
