@@ -2,6 +2,7 @@
 #include "cli/draw/sketch.h"
 
 #include "base/error.h"
+#include "cli/inputs.h"
 #include "cli/report/table.h"
 #include "runtime/narrowphase/origin.h"
 
@@ -16,40 +17,11 @@ static const uint32_t NOT_DRAWN = UINT32_MAX;
 static grid_objects objects_of(const duet_scene *scene)
 {
     const duet_scene_info *info = duet_scene_get_info(scene);
-    const void *rows = info->origin_edge > 0
-                           ? (const void *)duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES)
-                       : info->shape == DUET_SHAPE_POSES
-                           ? (const void *)duet_scene_get_objects(scene, DUET_OBJECT_POSES)
-                           : duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS);
-    return (grid_objects){.rows = rows,
+    return (grid_objects){.rows = duet_scene_get_objects(scene, inputs_scene_kind(scene)),
                           .shape = info->shape,
                           .origin = info->origin_edge,
                           .n = info->n,
                           .dims = info->dims};
-}
-
-static duet_pose box_of(const sketch *s, const duet_scene *scene, uint32_t id)
-{
-    if (s->info->origin_edge > 0) {
-        grid_objects objects = objects_of(scene);
-        const duet_large_pose *large = duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES);
-        duet_pose box = large[id].pose;
-        double centre[3];
-        grid_centre_of(centre, &objects, id);
-        for (int k = 0; k < 3; ++k)
-            box.centre[k] = (float)(centre[k] - s->from[k]);
-        return box;
-    }
-    const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
-    if (poses)
-        return poses[id];
-    const duet_bounds *bounds = duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS), *b = &bounds[id];
-    duet_pose box = {.rotation = {0, 0, 0, 1}};
-    for (int k = 0; k < 3; ++k) {
-        box.centre[k] = 0.5F * b->lower[k] + 0.5F * b->upper[k];
-        box.half_extents[k] = 0.5F * b->upper[k] - 0.5F * b->lower[k];
-    }
-    return box;
 }
 
 static void centre_of(const sketch *s, const duet_scene *scene, uint32_t id, double centre[3])
@@ -58,6 +30,24 @@ static void centre_of(const sketch *s, const duet_scene *scene, uint32_t id, dou
     grid_centre_of(centre, &objects, id);
     for (int k = 0; k < 3; ++k)
         centre[k] -= s->from[k];
+}
+
+static duet_pose box_of(const sketch *s, const duet_scene *scene, uint32_t id)
+{
+    grid_objects objects = objects_of(scene);
+    duet_pose box = {.rotation = {0, 0, 0, 1}};
+    double centre[3];
+    if (s->info->shape == DUET_SHAPE_BOUNDS) {
+        const duet_bounds *b = &((const duet_bounds *)objects.rows)[id];
+        for (int k = 0; k < 3; ++k)
+            box.half_extents[k] = 0.5F * b->upper[k] - 0.5F * b->lower[k];
+    } else {
+        box = *origin_pose(objects.rows, objects.origin, id);
+    }
+    centre_of(s, scene, id, centre);
+    for (int k = 0; k < 3; ++k)
+        box.centre[k] = (float)centre[k];
+    return box;
 }
 
 static void add_box(extent *e, const duet_pose *box, uint32_t dims)
