@@ -48,35 +48,19 @@ static const command_line line = {
     .options = options,
 };
 
-static bool tell_level_costs(const arguments *args, const level_costs_report *r, duet_error *err)
-{
-    bool ok = !args->csv || level_costs_report_csv(r, args->csv, err);
-    ok = ok && (!args->plot || level_costs_report_plot(r, args->plot, err));
-    if (ok && args->json)
-        return say_json(level_costs_report_json(r), err);
-    if (ok)
-        level_costs_report_text(r);
-    return ok;
-}
-
-static bool tell_timesteps(const arguments *args, const timestep_study_report *r, duet_error *err)
-{
-    bool ok = !args->csv || timestep_study_report_csv(r, args->csv, err);
-    ok = ok && (!args->plot || timestep_study_report_plot(r, args->plot, err));
-    if (ok && args->json)
-        return timestep_study_report_json(r, err);
-    if (ok)
-        timestep_study_report_text(r);
-    return ok;
-}
-
 static bool run_levels(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
                        duet_error *err)
 {
     level_costs p;
     level_costs_report r = {duet_scene_get_info(scene), pair, &p};
-    return level_costs_show(&p, pair, scene, (uint32_t)args->repeat, err) &&
-           tell_level_costs(args, &r, err);
+    bool ok = level_costs_show(&p, pair, scene, (uint32_t)args->repeat, err);
+    ok = ok && (!args->csv || level_costs_report_csv(&r, args->csv, err));
+    ok = ok && (!args->plot || level_costs_report_plot(&r, args->plot, err));
+    if (ok && args->json)
+        return say_json(level_costs_report_json(&r), err);
+    if (ok)
+        level_costs_report_text(&r);
+    return ok;
 }
 
 static bool run_timesteps(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
@@ -84,8 +68,14 @@ static bool run_timesteps(const arguments *args, duet_device_pair *pair, const d
 {
     timestep_study p;
     timestep_study_report r = {duet_scene_get_info(scene), pair, &p};
-    return timestep_study_measure(&p, pair, scene, args->time, args->limit, err) &&
-           tell_timesteps(args, &r, err);
+    bool ok = timestep_study_measure(&p, pair, scene, args->time, args->limit, err);
+    ok = ok && (!args->csv || timestep_study_report_csv(&r, args->csv, err));
+    ok = ok && (!args->plot || timestep_study_report_plot(&r, args->plot, err));
+    if (ok && args->json)
+        return timestep_study_report_json(&r, err);
+    if (ok)
+        timestep_study_report_text(&r);
+    return ok;
 }
 
 // A plot that cannot be is told of before minutes are spent on it.
