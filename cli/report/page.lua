@@ -53,11 +53,10 @@ local function list(o, name)
   return type(value) == "table" and value or {}
 end
 
-local function same(a, b, ...)
-  for _, name in ipairs { ... } do
-    if text(a, name) ~= text(b, name) then return false end
-  end
-  return true
+-- Whether two have the same mode and kernels.
+local function same_plan(a, b)
+  return text(a, "mode") == text(b, "mode") and text(a, "variant_a") == text(b, "variant_a")
+    and text(a, "variant_b") == text(b, "variant_b")
 end
 
 local function greatest(rows, value)
@@ -221,13 +220,15 @@ local function draw_chart(c)
   figure_end()
 end
 
+local function part_of(value, most) return most > 0 and value > 0 and value / most or 0 end
+
 -- A bar at y that is cut into parts, each with name, value and colour.
 local function draw_parts(y, name, parts, most)
   local tall <const> = 8
   local x = 16
   label(2, y + tall, name)
   for _, part in ipairs(parts) do
-    local wide = (width - 18) * part.value / most
+    local wide = (width - 18) * part_of(part.value, most)
     add('<rect x="%.2f" y="%.1f" width="%.2f" height="%.1f" fill="var(--s%d)"><title>%s</title></rect>\n', x, y, wide,
       tall, part.colour, words(("%s: %.3f ms"):format(part.name, part.value)))
     x = x + wide
@@ -260,8 +261,6 @@ local function draw_rows(title, heads, rows)
   end
   figure_end()
 end
-
-local function part_of(value, most) return most > 0 and value > 0 and value / most or 0 end
 
 -- ---------------------------------------------------------------- the profile store
 
@@ -315,7 +314,7 @@ local function draw_search(p)
     points[#points + 1] = { x = trial.share, y = ms, says = says }
   end
   for _, trial in ipairs(list(p, "trials")) do
-    if trial.outcome == "ok" and same(trial, p, "mode", "variant_a", "variant_b") then
+    if trial.outcome == "ok" and same_plan(trial, p) then
       put(a, "A", trial, trial.a_ms)
       put(b, "B", trial, trial.b_ms)
       put(step, "step", trial, trial.ms)
@@ -497,7 +496,7 @@ local function draw_shares(cases)
     { name = "step", colour = "step", field = "median_ms", points = {} },
   }
   for _, one in ipairs(cases) do
-    if same(one, cases[1], "mode", "variant_a", "variant_b") then
+    if same_plan(one, cases[1]) then
       for _, s in ipairs(series) do
         local share, ms = number(one, "share"), number(one, s.field)
         table.insert(s.points, { x = share, y = ms, says = ("share %.2f: %.3f ms"):format(share, ms) })
@@ -525,17 +524,9 @@ local function find_stages(result)
   return names, places
 end
 
-local function device_ms(one, letter)
-  local ms = 0
-  for _, stage in ipairs(list(one, "stages")) do
-    if text(stage, "device") == letter then ms = ms + number(stage, "ms") end
-  end
-  return ms
-end
-
--- Stages of one name are one part, however often they ran.
+-- Stages of one name are one part, however often they ran. Returns all ms too.
 local function parts_of(one, letter, places)
-  local parts, by_colour = {}, {}
+  local parts, by_colour, ms = {}, {}, 0
   for _, stage in ipairs(list(one, "stages")) do
     if text(stage, "device") == letter then
       local colour = places[text(stage, "name")] or stages_most - 1
@@ -547,23 +538,24 @@ local function parts_of(one, letter, places)
       end
       part.name = text(stage, "name")
       part.value = part.value + number(stage, "ms")
+      ms = ms + number(stage, "ms")
     end
   end
-  return parts
+  return parts, ms
 end
 
 local function case_words(one)
-  local a, b = cut(text(one, "variant_a"), 40), cut(text(one, "variant_b"), 40)
-  local kernels = same(one, { variant_a = text(one, "variant_b") }, "variant_a") and a or a .. " | " .. b
+  local a, b = text(one, "variant_a"), text(one, "variant_b")
+  local kernels = a == b and cut(a, 40) or cut(a, 40) .. " | " .. cut(b, 40)
   return ("share %.2f, %s, %s: %.3f ms"):format(number(one, "share"), text(one, "mode"), kernels,
     number(one, "median_ms"))
 end
 
 local function draw_stages(cases, places)
-  local function longer(one) return math.max(device_ms(one, "A"), device_ms(one, "B")) end
-  local most = greatest(cases, longer)
-  local y = 0
-  most = most > 0 and most or 1
+  local y, most = 0, 0
+  for _, one in ipairs(cases) do
+    for _, letter in ipairs { "A", "B" } do most = math.max(most, (select(2, parts_of(one, letter, places)))) end
+  end
   figure(scene_words(cases[1]), 40 * #cases + 6)
   for _, one in ipairs(cases) do
     label(2, y + 14, case_words(one))
