@@ -6,6 +6,7 @@
 #ifndef CLI_COSTS_H
 #define CLI_COSTS_H
 
+#include "cli/report/json.h"
 #include "runtime/duet.h"
 
 enum { COSTS_MOST = 32 };
@@ -26,5 +27,15 @@ typedef struct costs {
 // steps 0 tells the effects and measures nothing.
 bool costs_measure(costs *c, duet_device_pair *pair, const duet_scene *scene, uint64_t steps,
                    duet_error *err);
+
+// What `duet explain` tells: a table, JSON.
+void costs_report_text(const costs *c);
+cJSON *costs_report_json(const costs *c, const duet_scene_info *scene,
+                         const duet_device_pair *pair);
+
+#define COSTS_TYPE "duet explain"
+
+// BAD_INPUT where an object that is called that is none of ours, with costs.
+bool costs_report_check(const cJSON *o, const char *path, duet_error *err);
 
 #endif

@@ -87,7 +87,8 @@ bool inputs_change_level(const level_options *options, duet_world_def *def, duet
 // NULL selectors: the default pair.
 duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err);
 duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err);
-bool inputs_plan_given(const plan_options *options); // anything of a plan
+duet_object_kind inputs_scene_kind(const duet_scene *scene); // of its objects
+bool inputs_plan_given(const plan_options *options);         // anything of a plan
 // Puts what was given into the plan. BAD_ARGUMENT for an unknown mode.
 bool inputs_change_plan(const plan_options *options, duet_plan *plan, duet_error *err);
 

@@ -7,14 +7,18 @@
 #include "duet_error.h"
 
 #include <stdbool.h>
-#include <stdint.h>
 
 void interrupt_watch(void);
 bool interrupt_asked(void);
-uint64_t interrupt_age_ns(void); // how long ago that was; 0: not asked
-void interrupt_forget(void);     // what was asked so far: for a person who goes on typing
+void interrupt_forget(void); // what was asked so far: for a person who goes on typing
 
 // false with INTERRUPTED once Ctrl-C was pressed.
 bool interrupt_check(duet_error *err);
+
+// The last resort against a script that does not end: ends the program, with a
+// line and exit status 1, where a script of the calling thread is still there 2 s
+// after its limit of time, or 1.5 s after Ctrl-C or SIGTERM. The library never does
+// that: it ends the script, which an application survives.
+void interrupt_guard_scripts(void);
 
 #endif

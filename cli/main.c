@@ -6,7 +6,6 @@
 #include "cli/commands.h"
 #include "cli/interrupt.h"
 #include "cli/say.h"
-#include "cli/watchdog.h"
 #include "runtime/duet.h"
 
 #include <locale.h>
@@ -77,7 +76,7 @@ int main(int argc, char **argv)
     signal(SIGPIPE, SIG_IGN); // a write that fails is told of by a line
     signal(SIGXFSZ, SIG_IGN);
     interrupt_watch();
-    watchdog_start();
+    interrupt_guard_scripts();
     int status = run(argc, argv);
     bool written = say_finish();
     return status == EXIT_OK && !written ? EXIT_FAILED : status;

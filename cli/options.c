@@ -204,16 +204,23 @@ static bool check_operands(const command_line *line, int n, char **operands)
     return true;
 }
 
-bool options_parse(const command_line *line, int argc, char **argv, void *args, char ***operands,
-                   int *n_operands, int *exit_code)
+// What is parsed: the operands, and how the program ends where there is nothing to run.
+typedef struct parsed {
+    char **operands; // argv moved together; NULL after the last
+    int n;
+    int exit_code;
+} parsed;
+
+// False where help was asked for and printed, or the command line is wrong and a
+// line on stderr says how.
+static bool parse(const command_line *line, int argc, char **argv, void *args, parsed *p)
 {
-    int n = 0; // operands so far, kept at argv + 1
     bool only_operands = false;
-    *exit_code = 2;
+    *p = (parsed){.operands = argv + 1, .exit_code = EXIT_WRONG};
     for (int i = 1; i < argc; ++i) {
         char *argument = argv[i];
         if (only_operands || argument[0] != '-' || argument[1] == '\0') {
-            argv[1 + n++] = argument;
+            p->operands[p->n++] = argument;
             only_operands = only_operands || line->rest_is_operands;
             continue;
         }
@@ -226,13 +233,24 @@ bool options_parse(const command_line *line, int argc, char **argv, void *args, 
             return false;
         if (a.help) {
             print_help(line);
-            *exit_code = 0;
+            p->exit_code = EXIT_OK;
             return false;
         }
         if (!take_option(line, &a, argc, argv, &i, args))
             return false;
     }
-    *operands = argv + 1;
-    *n_operands = n;
-    return check_operands(line, n, argv + 1);
+    p->operands[p->n] = NULL;
+    return check_operands(line, p->n, p->operands);
+}
+
+int options_run(const command_line *line, int argc, char **argv, void *args, command_body *run)
+{
+    parsed p;
+    duet_error err = {0};
+    if (!parse(line, argc, argv, args, &p))
+        return p.exit_code;
+    const char *wrong = line->refuse ? line->refuse(args, p.operands) : NULL;
+    if (wrong)
+        return say_wrong(line->name, "%s", wrong);
+    return run(args, p.operands, &err) ? EXIT_OK : say_failed(&err);
 }

@@ -7,6 +7,8 @@
 #ifndef CLI_OPTIONS_H
 #define CLI_OPTIONS_H
 
+#include "duet_error.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -63,13 +65,15 @@ typedef struct command_line {
     const char *about;     // one line of help, a sentence
     const option *options; // ends with a row without name
     bool rest_is_operands; // what follows the first operand is passed on unread
+    // What is wrong between options that are each right; NULL: nothing.
+    const char *(*refuse)(const void *args, char **operands);
 } command_line;
 
-// Reads argv[1...] into args, which holds the defaults, and *operands, which is
-// argv moved together. false where the program is to end with *exit_code: help
-// was asked for and printed (0), or the command line is wrong (2) and a line on
-// stderr says how.
-bool options_parse(const command_line *line, int argc, char **argv, void *args, char ***operands,
-                   int *n_operands, int *exit_code);
+// What a subcommand does with its arguments. operands end with NULL.
+typedef bool command_body(void *args, char **operands, duet_error *err);
+
+// Reads argv[1...] into args, which holds the defaults, and runs the subcommand.
+// Returns the exit status; a line on stderr says what is wrong or failed.
+int options_run(const command_line *line, int argc, char **argv, void *args, command_body *run);
 
 #endif

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
-// What the program says: one line for a failure, one object for --json.
+// What the program says: one line for a failure, one object for --json, and how far
+// long work is.
 #ifndef CLI_SAY_H
 #define CLI_SAY_H
 
 #include "duet_error.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 
 struct cJSON;
+struct text;
 
 enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_WRONG = 2 };
 
@@ -32,8 +35,26 @@ said say_name(const char *name);
 // Prints such a text, whose lines and tabs stay.
 void say_lines(const char *lines);
 
+// Writes a text to a file, and frees it.
+bool say_to_file(struct text *chars, const char *path, duet_error *err);
+
 // Writes out what stdout still holds. A full disk or a reader that went away
 // is a failure: false, and a line on stderr.
 bool say_finish(void);
+
+// A line on the terminal that tells how far long work is: its rate and the
+// time left. Nothing is shown where stderr is not a terminal.
+typedef struct progress {
+    const char *what; // "step", "launch"
+    uint64_t total;   // 0: not known
+    uint64_t begun_ns;
+    uint64_t shown_ns;
+    bool on_terminal;
+} progress;
+
+progress progress_begin(const char *what, uint64_t total);
+// Shows "what done of total, rate, time left", at most ten times a second.
+void progress_show(progress *p, uint64_t done);
+void progress_end(progress *p); // clears the line
 
 #endif

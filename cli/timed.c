@@ -2,8 +2,9 @@
 #include "cli/timed.h"
 
 #include "base/error.h"
+#include "cli/inputs.h"
 #include "cli/interrupt.h"
-#include "cli/progress.h"
+#include "cli/say.h"
 #include "runtime/broadphase/grid.h"
 
 #include <stdlib.h>
@@ -50,17 +51,9 @@ static bool hand_over(duet_world *world, const duet_scene *scene, timed_sends se
         return true;
     if (sends == TIMED_SENDS_TRANSFORMS)
         return hand_transforms(world, scene, err);
-    const duet_scene_info *info = duet_scene_get_info(scene);
-    if (info->origin_edge > 0)
-        return duet_world_set_objects(world, DUET_OBJECT_LARGE_POSES,
-                                      duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES),
-                                      info->n, err);
-    if (info->shape == DUET_SHAPE_POSES)
-        return duet_world_set_objects(world, DUET_OBJECT_POSES,
-                                      duet_scene_get_objects(scene, DUET_OBJECT_POSES), info->n,
-                                      err);
-    return duet_world_set_objects(world, DUET_OBJECT_BOUNDS,
-                                  duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS), info->n, err);
+    duet_object_kind kind = inputs_scene_kind(scene);
+    return duet_world_set_objects(world, kind, duet_scene_get_objects(scene, kind),
+                                  duet_scene_get_info(scene)->n, err);
 }
 
 static bool check_hash(const timed *t, duet_error *err)

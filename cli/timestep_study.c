@@ -4,7 +4,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "cli/interrupt.h"
-#include "cli/progress.h"
+#include "cli/say.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -41,4 +41,18 @@ bool timestep_study_measure(timestep_study *p, duet_device_pair *pair, const due
 bool timestep_study_applies(duet_device_pair *pair, const duet_scene *scene, bool *moves,
                             duet_error *err);
 
+// What `duet accuracy` tells of it: a table, JSON, CSV, a plot.
+typedef struct timestep_study_report {
+    const duet_scene_info *scene;
+    const duet_device_pair *pair;
+    const timestep_study *study;
+} timestep_study_report;
+
+void timestep_study_report_text(const timestep_study_report *r);
+bool timestep_study_report_json(const timestep_study_report *r, duet_error *err);
+bool timestep_study_report_csv(const timestep_study_report *r, const char *path, duet_error *err);
+
+// A .svg or .png: the error over the time, with the front as a line.
+bool timestep_study_report_plot(const timestep_study_report *r, const char *path, duet_error *err);
+
 #endif

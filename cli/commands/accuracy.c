@@ -5,11 +5,9 @@
 #include "cli/commands.h"
 #include "cli/draw/canvas.h"
 #include "cli/inputs.h"
-#include "cli/options.h"
 #include "cli/report/level_costs_report.h"
-#include "cli/report/level_costs_show.h"
-#include "cli/report/timestep_study_report.h"
 #include "cli/say.h"
+#include "cli/timestep_study.h"
 
 typedef struct arguments {
     scene_options scene;
@@ -50,35 +48,19 @@ static const command_line line = {
     .options = options,
 };
 
-static bool tell_level_costs(const arguments *args, const level_costs_report *r, duet_error *err)
-{
-    bool ok = !args->csv || level_costs_report_csv(r, args->csv, err);
-    ok = ok && (!args->plot || level_costs_report_plot(r, args->plot, err));
-    if (ok && args->json)
-        return say_json(level_costs_report_json(r), err);
-    if (ok)
-        level_costs_report_text(r);
-    return ok;
-}
-
-static bool tell_timesteps(const arguments *args, const timestep_study_report *r, duet_error *err)
-{
-    bool ok = !args->csv || timestep_study_report_csv(r, args->csv, err);
-    ok = ok && (!args->plot || timestep_study_report_plot(r, args->plot, err));
-    if (ok && args->json)
-        return timestep_study_report_json(r, err);
-    if (ok)
-        timestep_study_report_text(r);
-    return ok;
-}
-
 static bool run_levels(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
                        duet_error *err)
 {
     level_costs p;
     level_costs_report r = {duet_scene_get_info(scene), pair, &p};
-    return level_costs_show(&p, pair, scene, (uint32_t)args->repeat, err) &&
-           tell_level_costs(args, &r, err);
+    bool ok = level_costs_show(&p, pair, scene, (uint32_t)args->repeat, err);
+    ok = ok && (!args->csv || level_costs_report_csv(&r, args->csv, err));
+    ok = ok && (!args->plot || level_costs_report_plot(&r, args->plot, err));
+    if (ok && args->json)
+        return say_json(level_costs_report_json(&r), err);
+    if (ok)
+        level_costs_report_text(&r);
+    return ok;
 }
 
 static bool run_timesteps(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
@@ -86,8 +68,14 @@ static bool run_timesteps(const arguments *args, duet_device_pair *pair, const d
 {
     timestep_study p;
     timestep_study_report r = {duet_scene_get_info(scene), pair, &p};
-    return timestep_study_measure(&p, pair, scene, args->time, args->limit, err) &&
-           tell_timesteps(args, &r, err);
+    bool ok = timestep_study_measure(&p, pair, scene, args->time, args->limit, err);
+    ok = ok && (!args->csv || timestep_study_report_csv(&r, args->csv, err));
+    ok = ok && (!args->plot || timestep_study_report_plot(&r, args->plot, err));
+    if (ok && args->json)
+        return timestep_study_report_json(&r, err);
+    if (ok)
+        timestep_study_report_text(&r);
+    return ok;
 }
 
 // A plot that cannot be is told of before minutes are spent on it.
@@ -99,10 +87,11 @@ static bool check_plot(const char *path, duet_error *err)
     return ok;
 }
 
-static bool run(const arguments *args, const char *path, duet_error *err)
+static bool run(void *given, char **operands, duet_error *err)
 {
+    const arguments *args = given;
     duet_device_pair *pair = check_plot(args->plot, err) ? inputs_open_pair(args->pair, err) : NULL;
-    duet_scene *scene = pair ? inputs_load_scene(path, &args->scene, err) : NULL;
+    duet_scene *scene = pair ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
     bool moves = false;
     bool ok = scene && (args->still || timestep_study_applies(pair, scene, &moves, err));
     ok = ok && (moves ? run_timesteps : run_levels)(args, pair, scene, err);
@@ -114,11 +103,5 @@ static bool run(const arguments *args, const char *path, duet_error *err)
 int command_accuracy(int argc, char **argv)
 {
     arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .repeat = 9, .time = 1, .limit = 120};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    duet_error err = {0};
-    return run(&args, operands[0], &err) ? EXIT_OK : say_failed(&err);
+    return options_run(&line, argc, argv, &args, run);
 }

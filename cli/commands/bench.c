@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: MIT
 // duet bench: measures the standard set of scenes and plans, and compares with
 // earlier results. Every plan must find the same pairs of a scene.
+#define _GNU_SOURCE // sched_getaffinity
 #include "base/error.h"
 #include "base/text.h"
-#include "cli/bench_file.h"
-#include "cli/bench_set.h"
 #include "cli/commands.h"
-#include "cli/cpu_load.h"
+#include "cli/costs.h"
 #include "cli/inputs.h"
 #include "cli/interrupt.h"
-#include "cli/report/bench_report.h"
-#include "cli/report/costs_report.h"
+#include "cli/report/bench_results.h"
 #include "cli/report/level_costs_report.h"
-#include "cli/report/level_costs_show.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 
+#include <inttypes.h>
+#include <sched.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 typedef struct arguments {
     const char *pair;
@@ -50,6 +51,161 @@ static const command_line line = {
              "With --against says what became faster or slower.",
     .options = options,
 };
+
+// ---------------------------------------------------------------- the standard set
+
+typedef struct bench_scene {
+    const char *name; // one of those that come with Duet
+    const char *n;    // objects, as a scene's setting
+    const char *quick_n;
+    const char *world; // edge of the world; NULL: the scene's own
+    const char *quick_world;
+    bool mixed;  // sizes: plans that need one size of cells are left out
+    bool levels; // of accuracy are measured too
+    bool moves;  // its effects' costs are measured, and nothing else
+} bench_scene;
+
+static const bench_scene bench_scenes[] = {
+    // The density is that of a million objects in the paper's world.
+    {.name = "paper", "250000", "3000", "126", "29", .levels = true},
+    {.name = "paper2d", "250000", "3000", "1000", "110"},
+    {.name = "clustered", "100000", "3000"},
+    {.name = "mixed", "100000", "3000", .mixed = true},
+    {.name = "planes", "100000", "3000"},
+    {.name = "falling", "20000", "200", .moves = true},
+    {0},
+};
+
+static const uint32_t shares[] = {0, DUET_SHARE_ONE / 4, DUET_SHARE_ONE / 2, DUET_SHARE_ONE * 3 / 4,
+                                  DUET_SHARE_ONE};
+static const duet_mode modes[] = {DUET_MODE_SHARED, DUET_MODE_SLAB};
+static const struct {
+    const char *variant;
+    bool one_size; // of cells
+} variants[] = {{"auto", false}, {"simd", false}, {"auto sort=radix", false}, {"paper", true}};
+
+typedef struct plan_list {
+    duet_plan *plans;
+    uint32_t n;
+} plan_list;
+
+// Adds a plan unless it is there: the pair's own kernels are among the others.
+static void add(plan_list *list, const duet_plan *plan)
+{
+    for (uint32_t i = 0; i < list->n; ++i) {
+        const duet_plan *p = &list->plans[i];
+        if (p->share == plan->share && p->mode == plan->mode &&
+            strcmp(p->variant_a, plan->variant_a) == 0 &&
+            strcmp(p->variant_b, plan->variant_b) == 0)
+            return;
+    }
+    list->plans[list->n++] = *plan;
+}
+
+static void use_kernels(duet_plan *plan, const char *variant)
+{
+    snprintf(plan->variant_a, sizeof plan->variant_a, "%s", variant);
+    snprintf(plan->variant_b, sizeof plan->variant_b, "%s", variant);
+}
+
+enum { BENCH_PLANS_MOST = 16 };
+
+// The plans for a scene on this pair: each device alone, shares in between, the
+// other modes and the other kernels, each at half. Returns how many.
+static uint32_t bench_plans(const bench_scene *scene, const duet_device_pair *pair,
+                            duet_plan plans[BENCH_PLANS_MOST])
+{
+    plan_list list = {plans, 0};
+    duet_plan plan = duet_default_plan(pair);
+    plan.mode = DUET_MODE_OWN;
+    for (size_t i = 0; i < sizeof shares / sizeof *shares; ++i) {
+        plan.share = shares[i];
+        add(&list, &plan);
+    }
+    plan.share = DUET_SHARE_ONE / 2;
+    for (size_t i = 0; i < sizeof variants / sizeof *variants; ++i) {
+        use_kernels(&plan, variants[i].variant);
+        if (!(variants[i].one_size && scene->mixed))
+            add(&list, &plan);
+    }
+    use_kernels(&plan, "auto");
+    for (size_t i = 0; i < sizeof modes / sizeof *modes && !scene->mixed; ++i) {
+        plan.mode = modes[i];
+        add(&list, &plan);
+    }
+    return list.n;
+}
+
+// ---------------------------------------------------------------- other programs
+
+// What other programs take of the processors while something is measured.
+typedef struct cpu_load {
+    uint64_t all_ticks;  // of the processors that this program may use
+    uint64_t busy_ticks; // of those, whoever used them
+    double own_s;        // of all threads of this program
+} cpu_load;
+
+// A line of /proc/stat: "cpu0 user nice system idle iowait irq softirq steal ...";
+// what a hypervisor steals is other programs' too.
+static bool read_processor(const char *row, unsigned *processor, uint64_t ticks[8])
+{
+    return sscanf(row,
+                  "cpu%u %" SCNu64 " %" SCNu64 " %" SCNu64 " %" SCNu64 " %" SCNu64 " %" SCNu64
+                  " %" SCNu64 " %" SCNu64,
+                  processor, &ticks[0], &ticks[1], &ticks[2], &ticks[3], &ticks[4], &ticks[5],
+                  &ticks[6], &ticks[7]) == 9;
+}
+
+static void add_processors(cpu_load *o, FILE *stat, const cpu_set_t *ours)
+{
+    enum { IDLE = 3, IOWAIT = 4 };
+    char row[512];
+    unsigned processor;
+    uint64_t ticks[8];
+    while (fgets(row, sizeof row, stat)) {
+        if (!read_processor(row, &processor, ticks) || processor >= CPU_SETSIZE ||
+            !CPU_ISSET(processor, ours))
+            continue;
+        for (int i = 0; i < 8; ++i) {
+            o->all_ticks += ticks[i];
+            o->busy_ticks += i == IDLE || i == IOWAIT ? 0 : ticks[i];
+        }
+    }
+}
+
+static double seconds(struct timeval t)
+{
+    return (double)t.tv_sec + (double)t.tv_usec * 1e-6;
+}
+
+static cpu_load cpu_load_look(void)
+{
+    cpu_load o = {0};
+    cpu_set_t ours;
+    struct rusage usage;
+    FILE *stat = fopen("/proc/stat", "r");
+    if (stat && sched_getaffinity(0, sizeof ours, &ours) == 0)
+        add_processors(&o, stat, &ours);
+    if (stat)
+        fclose(stat);
+    if (getrusage(RUSAGE_SELF, &usage) == 0)
+        o.own_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+    return o;
+}
+
+// Their part of the processors' time since then, 0 to 1; 0 where the system
+// does not tell. What the program needs takes up to 1 / (1 - part) times as
+// long on that account, and more where its threads wait for each other.
+static double cpu_load_part(const cpu_load *since)
+{
+    cpu_load now = cpu_load_look();
+    double all = (double)(now.all_ticks - since->all_ticks);
+    double own = (now.own_s - since->own_s) * (double)sysconf(_SC_CLK_TCK);
+    double theirs = (double)(now.busy_ticks - since->busy_ticks) - own;
+    return all > 0 && theirs > 0 ? (theirs < all ? theirs / all : 1) : 0;
+}
+
+// ---------------------------------------------------------------- measuring
 
 // What a run holds, given back in one place.
 typedef struct bench {
@@ -193,8 +349,7 @@ static bool finish(bench *b, duet_error *err)
     bool ok = true;
     if (b->args->out) {
         text chars = {0};
-        ok = json_write(b->results, &chars, err) &&
-             text_write_file(b->args->out, chars.chars, chars.length, err);
+        ok = json_write(b->results, &chars, err) && say_to_file(&chars, b->args->out, err);
         text_free(&chars);
     }
     if (b->args->json) {
@@ -232,8 +387,10 @@ static bool measure_all(bench *b, duet_error *err)
     return ok;
 }
 
-static bool run(const arguments *args, duet_error *err)
+static bool run(void *given, char **operands, duet_error *err)
 {
+    (void)operands;
+    const arguments *args = given;
     bench b = {.args = args};
     b.before = args->against ? bench_read(args->against, err) : NULL;
     bool ok = b.before || !args->against;
@@ -248,11 +405,5 @@ static bool run(const arguments *args, duet_error *err)
 int command_bench(int argc, char **argv)
 {
     arguments args = {.repeat = 9};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    duet_error err = {0};
-    return run(&args, &err) ? EXIT_OK : say_failed(&err);
+    return options_run(&line, argc, argv, &args, run);
 }

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
 // duet devices: what OpenCL offers here, and the selectors for --pair.
-#include "base/error.h"
 #include "cli/commands.h"
-#include "cli/options.h"
+#include "cli/inputs.h"
+#include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
-#include "runtime/duet.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -35,29 +33,20 @@ static void print_device(const duet_device_info *d)
 {
     printf("%s  %s\n", d->selector, d->name);
     table t = table_begin("lll");
-    const char *const facts[][2] = {{"platform", d->platform},
-                                    {"", d->platform_version},
-                                    {"driver", d->driver},
-                                    {"version", d->cl_version}};
-    for (size_t i = 0; i < sizeof facts / sizeof facts[0]; ++i) {
-        table_cell(&t, " ");
-        table_cell(&t, "%s", facts[i][0]);
-        table_cell(&t, "%s", facts[i][1]);
-    }
-    table_cell(&t, " ");
-    table_cell(&t, "kind");
+    table_words(&t, " ", "platform", d->platform, NULL);
+    table_words(&t, " ", "", d->platform_version, NULL);
+    table_words(&t, " ", "driver", d->driver, NULL);
+    table_words(&t, " ", "version", d->cl_version, NULL);
+    table_words(&t, " ", "kind", NULL);
     table_cell(&t, "%s, %u units at %u MHz, %sdouble precision", kinds[d->kind], d->units,
                d->clock_mhz, d->fp64 ? "" : "no ");
-    table_cell(&t, " ");
-    table_cell(&t, "memory");
+    table_words(&t, " ", "memory", NULL);
     table_cell(&t, "%s%s, a buffer at most %s, local %s", table_bytes(d->global_bytes).chars,
                d->host_memory ? " of the host" : "", table_bytes(d->max_buffer_bytes).chars,
                table_bytes(d->local_bytes).chars);
-    table_cell(&t, " ");
-    table_cell(&t, "group");
+    table_words(&t, " ", "group", NULL);
     table_cell(&t, "at most %u work-items", d->max_group);
-    table_cell(&t, " ");
-    table_cell(&t, "parts");
+    table_words(&t, " ", "parts", NULL);
     if (d->can_cut)
         table_cell(&t, "%s[first-last], units 0 to %u", d->selector, d->units - 1);
     else
@@ -102,32 +91,19 @@ static bool print_json(const duet_device_list *list, const duet_device_pair *pai
     cJSON *devices = cJSON_AddArrayToObject(o, "devices");
     for (uint32_t i = 0; i < duet_device_list_get_count(list); ++i)
         cJSON_AddItemToArray(devices, device_json(duet_device_list_get_info(list, i)));
-    char chosen[160];
-    snprintf(chosen, sizeof chosen, "%s,%s", duet_device_pair_get_info(pair, 0)->selector,
-             duet_device_pair_get_info(pair, 1)->selector);
-    cJSON_AddStringToObject(o, "default_pair", chosen);
+    json_add_pair(o, "default_pair", pair);
     return say_json(o, err);
 }
 
-int command_devices(int argc, char **argv)
+static bool run(void *given, char **operands, duet_error *err)
 {
-    arguments args = {0};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    duet_error err = {0};
-    duet_device_pair *pair = NULL;
-    duet_device_list *list = duet_device_list_create(&err);
-    bool ok = list != NULL;
-    if (ok) {
-        duet_device_pair_def def = duet_default_device_pair_def();
-        pair = duet_device_pair_create(&def, &err);
-        ok = pair != NULL;
-    }
-    if (ok && args.json) {
-        ok = print_json(list, pair, &err);
+    (void)operands;
+    const arguments *args = given;
+    duet_device_list *list = duet_device_list_create(err);
+    duet_device_pair *pair = list ? inputs_open_pair(NULL, err) : NULL;
+    bool ok = pair;
+    if (ok && args->json) {
+        ok = print_json(list, pair, err);
     } else if (ok) {
         for (uint32_t i = 0; i < duet_device_list_get_count(list); ++i)
             print_device(duet_device_list_get_info(list, i));
@@ -135,5 +111,11 @@ int command_devices(int argc, char **argv)
     }
     duet_device_pair_destroy(pair);
     duet_device_list_destroy(list);
-    return ok ? EXIT_OK : say_failed(&err);
+    return ok;
+}
+
+int command_devices(int argc, char **argv)
+{
+    arguments args = {0};
+    return options_run(&line, argc, argv, &args, run);
 }

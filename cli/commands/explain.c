@@ -2,11 +2,14 @@
 // duet explain: what a scene calls for, by what, and what it costs. A scene that
 // moves calls for effects, a still one for the kernels that find its pairs.
 #include "cli/commands.h"
+#include "cli/costs.h"
 #include "cli/inputs.h"
-#include "cli/options.h"
-#include "cli/report/costs_report.h"
-#include "cli/report/explain_search.h"
+#include "cli/report/table.h"
 #include "cli/say.h"
+#include "runtime/broadphase/world_explain.h"
+
+#include <cjson/cJSON.h>
+#include <inttypes.h>
 
 typedef struct arguments {
     scene_options scene;
@@ -40,6 +43,114 @@ static const command_line line = {
     .options = options,
 };
 
+// ---------------------------------------------------------------- a still scene
+
+static const char *const sides[] = {"A", "B"};
+
+static void print_facts(const duet_world *world, int side)
+{
+    table t = table_begin("lll");
+    table_words(&t, "scene", "parameter", "what of it is in the kernels", NULL);
+    world_fact fact;
+    for (uint32_t i = 0; world_fact_at(world, side, i, &fact); ++i) {
+        table_cell(&t, "%s", fact.name);
+        table_cell(&t, "%s=%" PRId64, fact.parameter, fact.value);
+        table_cell(&t, "%s", fact.means);
+    }
+    table_print(&t, stdout);
+}
+
+static void print_kernels(const duet_world *world, int side)
+{
+    table t = table_begin("lll");
+    world_kernel k;
+    for (uint32_t i = 0; world_kernel_at(world, side, i, &k); ++i) {
+        table_words(&t, k.runs ? "runs" : "left out", k.why, k.name, NULL); // last: it is long
+    }
+    table_print(&t, stdout);
+}
+
+static void print(const duet_world *world, const duet_device_pair *pair)
+{
+    const duet_plan *plan = duet_world_get_plan(world);
+    const char *variants[] = {plan->variant_a, plan->variant_b};
+    for (int side = 0; side < 2; ++side) {
+        if (!world->prepared[side])
+            continue;
+        printf("%s  %s, kernels '%s'\n\n", sides[side],
+               duet_device_pair_get_info(pair, side)->selector, variants[side]);
+        print_facts(world, side);
+        printf("\n");
+        print_kernels(world, side);
+        printf("\n");
+    }
+}
+
+static cJSON *facts_json(const duet_world *world, int side)
+{
+    cJSON *list = cJSON_CreateArray();
+    world_fact fact;
+    for (uint32_t i = 0; world_fact_at(world, side, i, &fact); ++i) {
+        cJSON *o = cJSON_CreateObject();
+        cJSON_AddStringToObject(o, "name", fact.name);
+        cJSON_AddStringToObject(o, "parameter", fact.parameter);
+        cJSON_AddNumberToObject(o, "value", (double)fact.value);
+        cJSON_AddStringToObject(o, "means", fact.means);
+        cJSON_AddItemToArray(list, o);
+    }
+    return list;
+}
+
+static cJSON *kernels_json(const duet_world *world, int side)
+{
+    cJSON *list = cJSON_CreateArray();
+    world_kernel k;
+    for (uint32_t i = 0; world_kernel_at(world, side, i, &k); ++i) {
+        cJSON *o = cJSON_CreateObject();
+        cJSON_AddStringToObject(o, "name", k.name);
+        cJSON_AddBoolToObject(o, "runs", k.runs);
+        cJSON_AddStringToObject(o, "why", k.why);
+        cJSON_AddItemToArray(list, o);
+    }
+    return list;
+}
+
+static void add_json(const duet_world *world, cJSON *o)
+{
+    const duet_plan *plan = duet_world_get_plan(world);
+    const char *variants[] = {plan->variant_a, plan->variant_b};
+    cJSON *search = cJSON_AddArrayToObject(o, "search");
+    for (int side = 0; side < 2; ++side) {
+        if (!world->prepared[side])
+            continue;
+        cJSON *its = cJSON_CreateObject();
+        cJSON_AddStringToObject(its, "device", sides[side]);
+        cJSON_AddStringToObject(its, "variant", variants[side]);
+        cJSON_AddItemToObject(its, "facts", facts_json(world, side));
+        cJSON_AddItemToObject(its, "kernels", kernels_json(world, side));
+        cJSON_AddItemToArray(search, its);
+    }
+}
+
+// Steps the scene once in such a world, and tells what is then compiled in and
+// launched: with o it adds "search" to that object, else it prints.
+static bool explain_search(const duet_world_def *def, const duet_scene *scene, cJSON *o,
+                           duet_error *err)
+{
+    duet_result result;
+    duet_world *world = duet_world_create(def, err);
+    bool ok =
+        world && duet_world_set_scene(world, scene, err) && duet_world_step(world, &result, err);
+    if (ok && o)
+        add_json(world, o);
+    else if (ok)
+        print(world, def->pair);
+    duet_world_destroy(world);
+    return ok;
+}
+
+// ---------------------------------------------------------------- the command
+
 // Corners do not move, and have no effects to measure.
 static bool tell_effects(costs *c, const arguments *args, duet_device_pair *pair,
                          const duet_scene *scene, duet_error *err)
@@ -65,11 +176,12 @@ static bool tell_search(const arguments *args, duet_device_pair *pair, const due
            inputs_change_plan(&args->plan, &def.plan, err) && explain_search(&def, scene, o, err);
 }
 
-static bool explain(const arguments *args, const char *path, duet_error *err)
+static bool run(void *given, char **operands, duet_error *err)
 {
+    const arguments *args = given;
     costs c;
     duet_device_pair *pair = inputs_open_pair(args->pair, err);
-    duet_scene *scene = pair ? inputs_load_scene(path, &args->scene, err) : NULL;
+    duet_scene *scene = pair ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
     bool ok = scene && tell_effects(&c, args, pair, scene, err);
     bool still = ok && is_still(&c);
     cJSON *o = ok && args->json ? costs_report_json(&c, duet_scene_get_info(scene), pair) : NULL;
@@ -89,11 +201,5 @@ static bool explain(const arguments *args, const char *path, duet_error *err)
 int command_explain(int argc, char **argv)
 {
     arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .plan = PLAN_OPTIONS_DEFAULT, .steps = 20};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    duet_error err = {0};
-    return explain(&args, operands[0], &err) ? EXIT_OK : say_failed(&err);
+    return options_run(&line, argc, argv, &args, run);
 }

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: MIT
 // duet lua: runs scripts that use the module `duet`, or what a person types.
+#define _POSIX_C_SOURCE 200809L
 #include "base/error.h"
 #include "base/text.h"
 #include "cli/commands.h"
 #include "cli/interrupt.h"
 #include "cli/options.h"
-#include "cli/prompt.h"
 #include "cli/say.h"
 #include "lua/session.h"
 #include "runtime/duet.h"
 
+#include <editline/readline.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 typedef struct arguments {
     const char *code;
@@ -30,6 +32,14 @@ static const option options[] = {
     {0},
 };
 
+static const char *refuse(const void *given, char **operands)
+{
+    const arguments *args = given;
+    return operands[0] || args->code || args->interactive
+               ? NULL
+               : "nothing to run: give FILE, -e CODE, or -i to type";
+}
+
 static const command_line line = {
     .name = "lua",
     .operands = "[FILE [ARGUMENT...]]",
@@ -39,7 +49,40 @@ static const command_line line = {
              "Without --trust it can compute, print and use devices, read what lies below the\n"
              "current folder or is named as an argument, and change nothing.",
     .options = options,
+    .refuse = refuse,
 };
+
+// ---------------------------------------------------------------- the prompt
+
+static bool is_terminal(void)
+{
+    return isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
+}
+
+// The next line without its end, given back by free; NULL at the end. A file or a pipe
+// gets no prompt.
+static char *read_line(const char *prompt)
+{
+    if (is_terminal())
+        return readline(prompt);
+    char *typed = NULL;
+    size_t capacity = 0;
+    ssize_t length = getline(&typed, &capacity, stdin);
+    if (length < 0) {
+        free(typed);
+        return NULL;
+    }
+    if (length > 0 && typed[length - 1] == '\n')
+        typed[length - 1] = '\0';
+    return typed;
+}
+
+// For the arrow keys.
+static void remember(const char *typed)
+{
+    if (*typed && is_terminal())
+        add_history(typed);
+}
 
 // Reads until what was typed is whole. NULL at the end.
 static char *read_typed(session *s, duet_error *err, bool *ran)
@@ -48,7 +91,7 @@ static char *read_typed(session *s, duet_error *err, bool *ran)
     bool more = true;
     *ran = true;
     while (more) {
-        char *next = prompt_line(typed.length > 0 ? ">> " : "> ");
+        char *next = read_line(typed.length > 0 ? ">> " : "> ");
         if (!next)
             break;
         text_add(&typed, "%s%s", typed.length > 0 ? "\n" : "", next);
@@ -69,7 +112,7 @@ static char *read_typed(session *s, duet_error *err, bool *ran)
 // A person sees an error and goes on; a pipe ends with the first one.
 static bool talk(session *s, duet_error *err)
 {
-    if (prompt_is_terminal())
+    if (is_terminal())
         printf("duet %s, Lua 5.4; Ctrl-D ends\n", duet_version());
     for (;;) {
         bool ran = true;
@@ -77,10 +120,10 @@ static bool talk(session *s, duet_error *err)
         char *typed = read_typed(s, &why, &ran);
         if (!typed)
             return true;
-        prompt_remember(typed);
+        remember(typed);
         free(typed);
         fflush(stdout);
-        if (!ran && !prompt_is_terminal()) {
+        if (!ran && !is_terminal()) {
             *err = why;
             return false;
         }
@@ -89,13 +132,19 @@ static bool talk(session *s, duet_error *err)
     }
 }
 
-static bool run(const arguments *args, const char *const *operands, int n, duet_error *err)
+// ---------------------------------------------------------------- the command
+
+static bool run(void *given, char **operands, duet_error *err)
 {
+    const arguments *args = given;
+    int n = 0;
+    while (operands[n])
+        ++n;
     session_def def = session_default_def();
     def.trusted = args->trust;
     def.memory_bytes = (size_t)args->memory_mib << 20;
     def.seconds = args->seconds;
-    def.arguments = operands;
+    def.arguments = (const char *const *)operands;
     def.n_arguments = n;
     session *s = session_open(&def, err);
     bool ok = s != NULL;
@@ -109,13 +158,5 @@ static bool run(const arguments *args, const char *const *operands, int n, duet_
 int command_lua(int argc, char **argv)
 {
     arguments args = {.memory_mib = 256, .seconds = 60};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    if (n_operands == 0 && !args.code && !args.interactive)
-        return say_wrong(line.name, "nothing to run: give FILE, -e CODE, or -i to type");
-    duet_error err = {0};
-    return run(&args, (const char *const *)operands, n_operands, &err) ? EXIT_OK : say_failed(&err);
+    return options_run(&line, argc, argv, &args, run);
 }

@@ -7,9 +7,11 @@
 #include "base/error.h"
 #include "cli/commands.h"
 #include "cli/options.h"
+#include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "profiles/exchange.h"
+#include "profiles/profile.h"
 #include "profiles/upkeep.h"
 
 #include <cjson/cJSON.h>
@@ -18,7 +20,10 @@
 #include <string.h>
 #include <time.h>
 
+typedef struct verb verb;
+
 typedef struct arguments {
+    const verb *verb;
     const char *store;
     uint64_t samples;
     uint64_t days;
@@ -47,24 +52,370 @@ profiles_date profiles_when(int64_t calendar_ns)
     return date;
 }
 
-// Opens, does one thing, closes; what a verb is made of.
-typedef bool verb_body(store *s, const arguments *args, const char *operand, duet_error *err);
+enum { UID_SHOWN = 8 }; // digits that tell profiles of one store apart
 
-static int run_verb(const command_line *line, store_access access, verb_body *body, int argc,
-                    char **argv)
+static const char *or_none(const char *chars)
 {
-    arguments args = {.samples = 16};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    duet_error err = {0};
-    store *s = profiles_open(args.store, access, &err);
-    bool ok =
-        s && body(s, &args, n_operands > 0 ? operands[0] : NULL, &err) && store_check_read(s, &err);
-    store_close(s);
-    return ok ? EXIT_OK : say_failed(&err);
+    return chars && *chars ? chars : "-";
+}
+
+static bool is_here(const profile_entry *e)
+{
+    char host[PROFILE_SHA];
+    profile_host(host);
+    return e->session.host && strcmp(e->session.host, host) == 0;
+}
+
+// --------------------------------------------------------------------------- JSON
+
+static void add_device(cJSON *o, const char *name, const profile_entry_device *d)
+{
+    cJSON *device = cJSON_AddObjectToObject(o, name);
+    cJSON_AddStringToObject(device, "name", d->name);
+    cJSON_AddStringToObject(device, "part", d->part ? d->part : "");
+    cJSON_AddStringToObject(device, "driver", d->driver);
+    cJSON_AddStringToObject(device, "platform_version", d->platform_version);
+}
+
+static void add_plan(cJSON *o, const profile_plan *plan)
+{
+    json_add_plan(o, plan->share / (double)PROFILE_SHARE_ONE, plan->mode, plan->variant_a,
+                  plan->variant_b);
+    cJSON_AddStringToObject(o, "level", plan->level);
+}
+
+cJSON *profiles_entry_json(const profile_entry *e)
+{
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "uid", e->uid);
+    cJSON_AddBoolToObject(o, "live", !e->dead_reason);
+    if (e->dead_reason)
+        cJSON_AddStringToObject(o, "dead_reason", e->dead_reason);
+    cJSON_AddStringToObject(o, "scene", e->scene ? e->scene : "");
+    cJSON_AddStringToObject(o, "family", e->family);
+    cJSON_AddNumberToObject(o, "dims", (double)e->dims);
+    cJSON_AddNumberToObject(o, "objects", (double)e->n);
+    add_device(o, "a", &e->a);
+    add_device(o, "b", &e->b);
+    add_plan(o, &e->row.plan);
+    cJSON_AddNumberToObject(o, "ms", e->row.median_ns * 1e-6);
+    cJSON_AddNumberToObject(o, "low_ms", e->row.low_ns * 1e-6);
+    cJSON_AddNumberToObject(o, "high_ms", e->row.high_ns * 1e-6);
+    cJSON_AddNumberToObject(o, "gain", e->row.gain);
+    cJSON_AddNumberToObject(o, "gain_low", e->row.gain_low);
+    cJSON_AddNumberToObject(o, "gain_high", e->row.gain_high);
+    cJSON_AddStringToObject(o, "verdict", e->row.verdict);
+    cJSON_AddNumberToObject(o, "single_ms", e->row.single_ns * 1e-6);
+    if (e->row.true_pairs >= 0) {
+        cJSON_AddNumberToObject(o, "missed_rate", e->row.missed_rate);
+        cJSON_AddNumberToObject(o, "false_rate", e->row.false_rate);
+        cJSON_AddNumberToObject(o, "true_pairs", (double)e->row.true_pairs);
+    }
+    if (e->row.terms)
+        json_add_object(o, "terms", e->row.terms);
+    cJSON_AddStringToObject(o, "objective", e->row.objective);
+    cJSON_AddStringToObject(o, "origin", e->row.origin);
+    cJSON_AddStringToObject(o, "kernels", e->row.kernels);
+    cJSON_AddStringToObject(o, "created", profiles_when(e->created_ns).chars);
+    cJSON_AddBoolToObject(o, "here", is_here(e));
+    return o;
+}
+
+static void add_session(cJSON *o, const profile_entry_session *s)
+{
+    if (!s->id)
+        return;
+    cJSON *session = cJSON_AddObjectToObject(o, "session");
+    cJSON_AddStringToObject(session, "id", s->id);
+    cJSON_AddStringToObject(session, "state", s->state);
+    cJSON_AddStringToObject(session, "strategy", s->strategy);
+    json_add_object(session, "options", s->options);
+    if (s->script)
+        cJSON_AddStringToObject(session, "script", s->script);
+    cJSON_AddStringToObject(session, "tool_version", s->tool_version);
+    cJSON_AddStringToObject(session, "host", s->host);
+    cJSON_AddNumberToObject(session, "seed", (double)s->seed);
+    cJSON_AddNumberToObject(session, "resumed", (double)s->resumed);
+    cJSON_AddNumberToObject(session, "launches", (double)s->launches);
+    cJSON_AddNumberToObject(session, "load", s->load);
+    cJSON_AddNumberToObject(session, "timer_ns", s->timer_ns);
+    cJSON_AddStringToObject(session, "started", profiles_when(s->started_ns).chars);
+    cJSON_AddStringToObject(session, "ended", profiles_when(s->ended_ns).chars);
+}
+
+static bool add_trial(void *context, int64_t number, const profile_trial *trial)
+{
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddNumberToObject(o, "number", (double)number);
+    add_plan(o, &trial->plan);
+    cJSON_AddStringToObject(o, "outcome", trial->outcome);
+    if (trial->reason)
+        cJSON_AddStringToObject(o, "reason", trial->reason);
+    cJSON_AddNumberToObject(o, "samples", trial->n_samples);
+    cJSON_AddNumberToObject(o, "outliers", trial->outliers);
+    cJSON_AddNumberToObject(o, "ms", trial->median_ns * 1e-6);
+    cJSON_AddNumberToObject(o, "low_ms", trial->low_ns * 1e-6);
+    cJSON_AddNumberToObject(o, "high_ms", trial->high_ns * 1e-6);
+    cJSON_AddNumberToObject(o, "a_ms", trial->a_ns * 1e-6);
+    cJSON_AddNumberToObject(o, "b_ms", trial->b_ns * 1e-6);
+    if (trial->terms)
+        json_add_object(o, "terms", trial->terms);
+    return cJSON_AddItemToArray(context, o);
+}
+
+bool profiles_add_trials(cJSON *o, store *s, const char *session, duet_error *err)
+{
+    cJSON *trials = cJSON_AddArrayToObject(o, "trials");
+    return !session || profile_trial_each(s, session, add_trial, trials, err);
+}
+
+// --------------------------------------------------------------------------- list
+
+static const option list_options[] = {
+    PROFILE_OPTION_ROW(store),
+    OPTION_FLAG("dead", dead, "those that were replaced, too"),
+    OPTION_FLAG("json", json, "print one JSON object"),
+    {0},
+};
+
+static const command_line list_line = {
+    .name = "profiles list",
+    .operands = "",
+    .about = "Lists the profiles of the store by device pair and size.",
+    .options = list_options,
+};
+
+// Rows are gathered while the pair stays the same.
+typedef struct listing {
+    table rows;
+    uint64_t n;
+    int64_t pair_id;
+    bool dead;
+    cJSON *json; // an array; NULL: prints
+} listing;
+
+static void print_device(const char *label, const profile_entry_device *d)
+{
+    printf("%s%s%s%s%s, driver %s\n", label, say_name(d->name).chars, d->part ? " [" : "",
+           say_name(d->part).chars, d->part ? "]" : "", say_name(d->driver).chars);
+}
+
+static table begin_rows(void)
+{
+    table t = table_begin("llrlrlllrrlll");
+    table_words(&t, "profile", "scene", "objects", "level", "share", "mode", "A", "B", "ms",
+                "gain %", "verdict", "when", "where", NULL);
+    return t;
+}
+
+static void add_row(table *t, const profile_entry *e)
+{
+    const profile_row *row = &e->row;
+    const char *where = is_here(e) ? "here" : "elsewhere";
+    table_cell(t, "%.*s", UID_SHOWN, e->uid);
+    table_words(t, or_none(e->scene), table_count((uint64_t)e->n).chars, row->plan.level, NULL);
+    table_cell(t, "%.4f", row->plan.share / (double)PROFILE_SHARE_ONE);
+    table_words(t, row->plan.mode, row->plan.variant_a, row->plan.variant_b, NULL);
+    table_cell(t, "%.3f", row->median_ns * 1e-6);
+    table_cell(t, "%+.1f", 100 * row->gain);
+    table_words(t, row->verdict, profiles_when(e->created_ns).chars,
+                e->dead_reason ? e->dead_reason : where, NULL);
+}
+
+static bool list_entry(void *context, const profile_entry *e)
+{
+    listing *l = context;
+    ++l->n;
+    if (l->json)
+        return cJSON_AddItemToArray(l->json, profiles_entry_json(e));
+    bool dead = e->dead_reason != NULL;
+    if (l->n == 1 || e->row.pair_id != l->pair_id || dead != l->dead) {
+        if (l->n > 1) {
+            table_print(&l->rows, stdout);
+            printf("\n");
+        }
+        if (dead && (l->n == 1 || !l->dead))
+            printf("replaced:\n");
+        print_device("A: ", &e->a);
+        print_device("B: ", &e->b);
+        l->rows = begin_rows();
+    }
+    add_row(&l->rows, e);
+    l->pair_id = e->row.pair_id;
+    l->dead = dead;
+    return true;
+}
+
+static bool list(store *s, const arguments *args, const char *operand, duet_error *err)
+{
+    (void)operand;
+    cJSON *o = args->json ? cJSON_CreateObject() : NULL;
+    listing l = {.json = o ? cJSON_AddArrayToObject(o, "profiles") : NULL};
+    if (o)
+        cJSON_AddStringToObject(o, "store", store_path(s));
+    bool ok = profile_entry_each(s, NULL, args->dead, list_entry, &l, err);
+    if (!o && l.n > 0)
+        table_print(&l.rows, stdout);
+    else if (!o && ok)
+        printf("%s: no profiles yet; duet tune makes them\n", say_name(store_path(s)).chars);
+    if (ok && o)
+        return say_json(o, err);
+    cJSON_Delete(o);
+    return ok;
+}
+
+// --------------------------------------------------------------------------- show
+
+static const option show_options[] = {
+    PROFILE_OPTION_ROW(store),
+    OPTION_FLAG("json", json, "print one JSON object"),
+    {0},
+};
+
+static const command_line show_line = {
+    .name = "profiles show",
+    .operands = "PROFILE",
+    .least_operands = 1,
+    .most_operands = 1,
+    .about = "Shows a profile, named by the first digits that 'duet profiles list' prints, with\n"
+             "the session it comes from and all its trials.",
+    .options = show_options,
+};
+
+static bool add_trial_row(void *context, int64_t number, const profile_trial *trial)
+{
+    table *t = context;
+    table_cell(t, "%" PRId64, number);
+    table_cell(t, "%.4f", trial->plan.share / (double)PROFILE_SHARE_ONE);
+    table_words(t, trial->plan.mode, trial->plan.variant_a, trial->plan.variant_b, NULL);
+    table_cell(t, "%u", trial->n_samples);
+    table_cell(t, "%.3f", trial->median_ns * 1e-6);
+    table_cell(t, "%.3f", trial->low_ns * 1e-6);
+    table_cell(t, "%.3f", trial->high_ns * 1e-6);
+    table_cell(t, "%.3f", trial->a_ns * 1e-6);
+    table_cell(t, "%.3f", trial->b_ns * 1e-6);
+    table_cell(t, "%s%s%s", trial->outcome, trial->reason ? ": " : "",
+               trial->reason ? trial->reason : "");
+    return true;
+}
+
+static void print_lines(const char *label, const char *lines)
+{
+    printf("%s", label);
+    say_lines(lines);
+    printf("\n");
+}
+
+static void print_session(const profile_entry *e)
+{
+    const profile_entry_session *s = &e->session;
+    if (!s->id) {
+        printf("session   none: put in by hand\n");
+        return;
+    }
+    printf("session   %s, %s, duet %s on %s machine, load %.2f, clock of %.0f ns\n",
+           say_name(s->id).chars, say_name(s->state).chars, say_name(s->tool_version).chars,
+           is_here(e) ? "this" : "another", s->load, s->timer_ns);
+    printf("search    %s, seed %" PRId64 ", %" PRId64 " trials, %" PRId64
+           " launches, resumed %" PRId64 " times\n",
+           say_name(s->strategy).chars, s->seed, s->trials, s->launches, s->resumed);
+    print_lines("options   ", s->options);
+    printf("when      %s to %s UTC\n", profiles_when(s->started_ns).chars,
+           or_none(profiles_when(s->ended_ns).chars));
+    if (s->script)
+        print_lines("script\n", s->script);
+}
+
+static void print_entry(const profile_entry *e)
+{
+    const profile_row *row = &e->row;
+    printf("profile   %s%s%s\n", say_name(e->uid).chars, e->dead_reason ? ", dead: " : "",
+           say_name(e->dead_reason).chars);
+    print_device("A         ", &e->a);
+    print_device("B         ", &e->b);
+    printf("workload  %s, %s objects: %s\n", say_name(or_none(e->scene)).chars,
+           table_count((uint64_t)e->n).chars, say_name(e->family).chars);
+    printf("plan      share %.5f (%u of %d), mode %s, A %s, B %s, level %s\n",
+           row->plan.share / (double)PROFILE_SHARE_ONE, row->plan.share, PROFILE_SHARE_ONE,
+           say_name(row->plan.mode).chars, say_name(row->plan.variant_a).chars,
+           say_name(row->plan.variant_b).chars, say_name(row->plan.level).chars);
+    printf("step      %.4f ms (%.4f to %.4f)\n", row->median_ns * 1e-6, row->low_ns * 1e-6,
+           row->high_ns * 1e-6);
+    table_text gain =
+        table_gain(row->plan.share, row->gain, row->gain_low, row->gain_high, row->verdict);
+    printf("gain      %s\n", say_name(gain.chars).chars);
+    if (row->true_pairs < 0)
+        printf("accuracy  was not measured\n");
+    else
+        printf("accuracy  by %s true pairs %g are missed, %g invented\n",
+               table_count((uint64_t)row->true_pairs).chars, row->missed_rate, row->false_rate);
+    if (row->terms)
+        print_lines("terms     ", row->terms);
+    printf("kernels   %s\n", say_name(row->kernels).chars);
+    print_session(e);
+}
+
+// Prints while the entry is there, since it is gone after the visit.
+typedef struct showing {
+    store *s;
+    bool json;
+    bool ok;
+    duet_error *err;
+} showing;
+
+static bool show_json(showing *show, const profile_entry *e)
+{
+    cJSON *o = profiles_entry_json(e);
+    bool ok = profiles_add_trials(o, show->s, e->session.id, show->err);
+    add_session(o, &e->session);
+    if (ok)
+        return say_json(o, show->err);
+    cJSON_Delete(o);
+    return false;
+}
+
+static bool show_text(showing *show, const profile_entry *e)
+{
+    print_entry(e);
+    if (!e->session.id)
+        return true;
+    table t = table_begin("rrlllrrrrrrl");
+    table_words(&t, "trial", "share", "mode", "A", "B", "samples", "ms", "low", "high", "A ms",
+                "B ms", "outcome", NULL);
+    bool ok = profile_trial_each(show->s, e->session.id, add_trial_row, &t, show->err);
+    table_print(&t, stdout);
+    return ok;
+}
+
+static bool show_entry(void *context, const profile_entry *e)
+{
+    showing *show = context;
+    show->ok = show->json ? show_json(show, e) : show_text(show, e);
+    return false;
+}
+
+static bool count_entry(void *context, const profile_entry *e)
+{
+    (void)e;
+    ++*(uint64_t *)context;
+    return true;
+}
+
+static bool show(store *s, const arguments *args, const char *uid, duet_error *err)
+{
+    uint64_t n = 0;
+    if (!profile_entry_each(s, uid, true, count_entry, &n, err))
+        return false;
+    if (n == 0)
+        return error_set(err, DUET_STATUS_NOT_FOUND,
+                         "%s: no profile begins with '%s'; 'duet profiles list' shows them",
+                         store_path(s), uid);
+    if (n > 1)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: %" PRIu64 " profiles begin with '%s'; give more digits",
+                         store_path(s), n, uid);
+    showing sh = {.s = s, .json = args->json, .err = err};
+    return profile_entry_each(s, uid, true, show_entry, &sh, err) && sh.ok;
 }
 
 // ------------------------------------------------------------------------- export
@@ -83,11 +434,6 @@ static bool export_rows(store *s, const arguments *args, const char *path, duet_
 {
     (void)args;
     return path ? profile_export_file(s, path, err) : profile_export(s, stdout, "stdout", err);
-}
-
-static int run_export(int argc, char **argv)
-{
-    return run_verb(&export_line, STORE_READ, export_rows, argc, argv);
 }
 
 // ------------------------------------------------------------------ import, merge
@@ -144,20 +490,10 @@ static bool import_rows(store *s, const arguments *args, const char *path, duet_
     return ok && tell_counts(args, &counts, err);
 }
 
-static int run_import(int argc, char **argv)
-{
-    return run_verb(&import_line, STORE_WRITE, import_rows, argc, argv);
-}
-
 static bool merge_rows(store *s, const arguments *args, const char *path, duet_error *err)
 {
     profile_import_counts counts;
     return profile_merge(s, path, &counts, err) && tell_counts(args, &counts, err);
-}
-
-static int run_merge(int argc, char **argv)
-{
-    return run_verb(&merge_line, STORE_WRITE, merge_rows, argc, argv);
 }
 
 // -------------------------------------------------------------------------- prune
@@ -203,11 +539,6 @@ static bool prune(store *s, const arguments *args, const char *operand, duet_err
     return say_json(o, err);
 }
 
-static int run_prune(int argc, char **argv)
-{
-    return run_verb(&prune_line, STORE_WRITE, prune, argc, argv);
-}
-
 // -------------------------------------------------------------------------- check
 
 static const command_line check_line = {
@@ -249,44 +580,48 @@ static bool check(store *s, const arguments *args, const char *operand, duet_err
     return ok;
 }
 
-static int run_check(int argc, char **argv)
-{
-    return run_verb(&check_line, STORE_READ, check, argc, argv);
-}
-
 // --------------------------------------------------------------------- the verbs
 
-static const struct {
+struct verb {
     const char *name;
-    int (*run)(int argc, char **argv);
-    const char *about;
-} verbs[] = {
-    {"list", profiles_list, "the profiles there are"},
-    {"show", profiles_show, "one of them, with its trials and where it comes from"},
-    {"why", profiles_why, "which profile a scene would get here, and on which grounds"},
-    {"export", run_export, "the store as JSON lines"},
-    {"import", run_import, "takes such lines in"},
-    {"merge", run_merge, "takes the rows of another store in"},
-    {"prune", run_prune, "thins the single launches"},
-    {"check", run_check, "whether the store is sound"},
+    const char *about; // in the list of verbs
+    const command_line *line;
+    store_access access;
+    bool (*run)(store *s, const arguments *args, const char *operand, duet_error *err);
+};
+
+static const verb verbs[] = {
+    {"list", "the profiles there are", &list_line, STORE_READ, list},
+    {"show", "one of them, with its trials and where it comes from", &show_line, STORE_READ, show},
+    {"why", "which profile a scene would get here, and on which grounds", NULL, STORE_READ, NULL},
+    {"export", "the store as JSON lines", &export_line, STORE_READ, export_rows},
+    {"import", "takes such lines in", &import_line, STORE_WRITE, import_rows},
+    {"merge", "takes the rows of another store in", &merge_line, STORE_WRITE, merge_rows},
+    {"prune", "thins the single launches", &prune_line, STORE_WRITE, prune},
+    {"check", "whether the store is sound", &check_line, STORE_READ, check},
 };
 
 enum { N_VERBS = sizeof verbs / sizeof verbs[0] };
 
-int command_profiles(int argc, char **argv)
+static bool run(void *given, char **operands, duet_error *err)
 {
-    const char *name = argc > 1 ? argv[1] : "";
+    const arguments *args = given;
+    store *s = profiles_open(args->store, args->verb->access, err);
+    bool ok = s && args->verb->run(s, args, operands[0], err) && store_check_read(s, err);
+    store_close(s);
+    return ok;
+}
+
+static void print_verbs(void)
+{
+    printf("duet profiles VERB [arguments]\nWhat was measured, and what applications load.\n\n");
     for (int i = 0; i < N_VERBS; ++i)
-        if (strcmp(name, verbs[i].name) == 0)
-            return verbs[i].run(argc - 1, argv + 1);
-    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
-        printf(
-            "duet profiles VERB [arguments]\nWhat was measured, and what applications load.\n\n");
-        for (int i = 0; i < N_VERBS; ++i)
-            printf("  %-18s %s\n", verbs[i].name, verbs[i].about);
-        printf("\n'duet profiles VERB --help' lists its options.\n");
-        return EXIT_OK;
-    }
+        printf("  %-18s %s\n", verbs[i].name, verbs[i].about);
+    printf("\n'duet profiles VERB --help' lists its options.\n");
+}
+
+static int refuse_verb(const char *name)
+{
     text known = {0};
     for (int i = 0; i < N_VERBS; ++i)
         text_add(&known, "%s%s", i ? ", " : "", verbs[i].name);
@@ -295,4 +630,20 @@ int command_profiles(int argc, char **argv)
                   *name ? name : "what to do is missing", *name ? "'" : "", text_chars(&known));
     text_free(&known);
     return exit_code;
+}
+
+int command_profiles(int argc, char **argv)
+{
+    const char *name = argc > 1 ? argv[1] : "";
+    if (strcmp(name, "why") == 0)
+        return profiles_why(argc - 1, argv + 1);
+    for (int i = 0; i < N_VERBS; ++i) {
+        arguments args = {.verb = &verbs[i], .samples = 16};
+        if (strcmp(name, verbs[i].name) == 0)
+            return options_run(verbs[i].line, argc - 1, argv + 1, &args, run);
+    }
+    if (strcmp(name, "--help") != 0 && strcmp(name, "-h") != 0)
+        return refuse_verb(name);
+    print_verbs();
+    return EXIT_OK;
 }

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The verbs of `duet profiles`. argv[0] is "profiles VERB"; the exit status
-// comes back.
+// What the profile store is opened by, and a verb of `duet profiles` with a file of
+// its own: argv[0] is "why"; the exit status comes back.
 #ifndef CLI_PROFILES_H
 #define CLI_PROFILES_H
 
+#include "profiles/profile.h"
 #include "profiles/store.h"
 
-int profiles_list(int argc, char **argv);
-int profiles_show(int argc, char **argv);
 int profiles_why(int argc, char **argv);
 
 // Opens the store at path, or the user's where that is NULL, and tells on
@@ -20,6 +19,11 @@ typedef struct profiles_date {
 } profiles_date;
 
 profiles_date profiles_when(int64_t calendar_ns);
+
+// A profile as `duet profiles` prints it, and the trials of its session, which may be
+// NULL.
+struct cJSON *profiles_entry_json(const profile_entry *e);
+bool profiles_add_trials(struct cJSON *o, store *s, const char *session, duet_error *err);
 
 #define PROFILE_OPTION_ROW(member) \
     OPTION_TEXT("profile", member, "FILE", "the store (DUET_PROFILE, or the user's own)")

@@ -4,11 +4,11 @@
 #include "cli/commands/profiles.h"
 #include "cli/inputs.h"
 #include "cli/options.h"
+#include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "runtime/selection/profile_subject.h"
 
-#include <cjson/cJSON.h>
 #include <string.h>
 
 typedef struct arguments {
@@ -101,14 +101,14 @@ static void print_text(const answer *a)
 
 static void add_plan(cJSON *o, const answer *a)
 {
-    bool known = a->found.grade != PROFILE_DEFAULT;
     const profile_plan *plan = &a->found.plan;
     const duet_plan *fallback = &a->fallback;
-    uint32_t share = known ? plan->share : fallback->share;
-    cJSON_AddNumberToObject(o, "share", share / (double)PROFILE_SHARE_ONE);
-    cJSON_AddStringToObject(o, "mode", known ? plan->mode : duet_mode_name(fallback->mode));
-    cJSON_AddStringToObject(o, "variant_a", known ? plan->variant_a : fallback->variant_a);
-    cJSON_AddStringToObject(o, "variant_b", known ? plan->variant_b : fallback->variant_b);
+    if (a->found.grade != PROFILE_DEFAULT)
+        json_add_plan(o, plan->share / (double)PROFILE_SHARE_ONE, plan->mode, plan->variant_a,
+                      plan->variant_b);
+    else
+        json_add_plan(o, fallback->share / (double)DUET_SHARE_ONE, duet_mode_name(fallback->mode),
+                      fallback->variant_a, fallback->variant_b);
 }
 
 static bool print_json(const answer *a, duet_error *err)
@@ -149,12 +149,13 @@ static bool print_json(const answer *a, duet_error *err)
     return say_json(o, err);
 }
 
-static bool run(const arguments *args, const char *path, duet_error *err)
+static bool run(void *given, char **operands, duet_error *err)
 {
+    const arguments *args = given;
     answer a = {0};
     duet_world *world = NULL;
     duet_device_pair *pair = inputs_open_pair(args->pair, err);
-    duet_scene *scene = pair ? inputs_load_scene(path, &args->scene, err) : NULL;
+    duet_scene *scene = pair ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
     bool ok = scene;
     if (ok) {
         duet_world_def def = duet_scene_world_def(scene, pair);
@@ -177,11 +178,5 @@ static bool run(const arguments *args, const char *path, duet_error *err)
 int profiles_why(int argc, char **argv)
 {
     arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .level = LEVEL_OPTIONS_DEFAULT};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    duet_error err = {0};
-    return run(&args, operands[0], &err) ? EXIT_OK : say_failed(&err);
+    return options_run(&line, argc, argv, &args, run);
 }

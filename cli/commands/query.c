@@ -7,19 +7,17 @@
 #include "cli/inputs.h"
 #include "cli/interrupt.h"
 #include "cli/options.h"
-#include "cli/progress.h"
+#include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "runtime/duet.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct arguments {
-    const char *level_name;
-    duet_level level;
+    const char *level;
     const char *device;
     const char *pair;
     uint32_t share; // UINT32_MAX: not given
@@ -29,7 +27,7 @@ typedef struct arguments {
 } arguments;
 
 static const option options[] = {
-    LEVEL_OPTION_ROW(level_name),
+    LEVEL_OPTION_ROW(level),
     OPTION_TEXT("device", device, "D", "one device alone, as 'duet devices' names it"),
     PAIR_OPTION_ROW(pair),
     OPTION_SHARE("share", share, "R", "A's part of the pairs, as 0.25 or 1/4"),
@@ -39,6 +37,17 @@ static const option options[] = {
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
+
+static const char *refuse(const void *given, char **operands)
+{
+    (void)operands;
+    const arguments *args = given;
+    if (args->device && (args->pair || args->share != UINT32_MAX))
+        return "--device is one device alone; --pair and --share are for two";
+    if (args->separations && !args->out)
+        return "--separations are written beside the verdicts; give --out V.npy";
+    return NULL;
+}
 
 static const command_line line = {
     .name = "query",
@@ -50,6 +59,7 @@ static const command_line line = {
         "A row is two poses of 10 numbers, centre xyz, half extents xyz, quaternion xyzw; in 2D\n"
         "two of 5, centre xy, half extents xy, angle. Files are .npy, or numbers as text.",
     .options = options,
+    .refuse = refuse,
 };
 
 // ---------------------------------------------------------------- testing
@@ -139,9 +149,7 @@ static bool write_lines(const tested *t, const char *path, duet_error *err)
             text_add(&lines, ",%.17g", t->separations[i]);
         text_add(&lines, "\n");
     }
-    bool ok = text_ok(&lines, err) && text_write_file(path, text_chars(&lines), lines.length, err);
-    text_free(&lines);
-    return ok;
+    return say_to_file(&lines, path, err);
 }
 
 // ---------------------------------------------------------------- telling
@@ -162,13 +170,10 @@ static void tell(const tested *t)
 static bool tell_json(const tested *t, duet_error *err)
 {
     cJSON *o = cJSON_CreateObject();
-    char both[160];
-    snprintf(both, sizeof both, "%s,%s", duet_device_pair_get_info(t->def.pair, 0)->selector,
-             duet_device_pair_get_info(t->def.pair, 1)->selector);
     cJSON_AddStringToObject(o, "file", t->path);
     cJSON_AddNumberToObject(o, "dims", t->def.dims);
     cJSON_AddStringToObject(o, "level", duet_level_get_info(t->def.level)->name);
-    cJSON_AddStringToObject(o, "pair", both);
+    json_add_pair(o, "pair", t->def.pair);
     cJSON_AddNumberToObject(o, "share", (double)t->def.share / DUET_SHARE_ONE);
     cJSON_AddNumberToObject(o, "n", (double)t->n);
     cJSON_AddNumberToObject(o, "colliding", (double)t->colliding);
@@ -213,8 +218,13 @@ static bool run_test(tested *t, const arguments *args, duet_error *err)
     return ok;
 }
 
-static bool run(const arguments *args, const char *path, duet_error *err)
+static bool run(void *given, char **operands, duet_error *err)
 {
+    const arguments *args = given;
+    const char *path = operands[0];
+    duet_level level;
+    if (!inputs_read_level(args->level, &level, err))
+        return false;
     duet_device_pair *pair = open_devices(args, err);
     duet_scene *pairs = pair ? duet_scene_load_pairs(path, err) : NULL;
     bool ok = false;
@@ -223,7 +233,7 @@ static bool run(const arguments *args, const char *path, duet_error *err)
         tested t = {.def = duet_default_pair_query_def(), .path = path};
         t.def.pair = pair;
         t.def.share = share_of(args, pair);
-        t.def.level = args->level;
+        t.def.level = level;
         t.def.dims = info->dims;
         t.poses = duet_scene_get_objects(pairs, DUET_OBJECT_POSES);
         t.n = info->n / 2;
@@ -237,18 +247,5 @@ static bool run(const arguments *args, const char *path, duet_error *err)
 int command_query(int argc, char **argv)
 {
     arguments args = {.share = UINT32_MAX};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    if (args.device && (args.pair || args.share != UINT32_MAX))
-        return say_wrong("query", "--device is one device alone; --pair and --share are for two");
-    if (args.separations && !args.out)
-        return say_wrong("query",
-                         "--separations are written beside the verdicts; give --out V.npy");
-    duet_error err = {0};
-    bool ok =
-        inputs_read_level(args.level_name, &args.level, &err) && run(&args, operands[0], &err);
-    return ok ? EXIT_OK : say_failed(&err);
+    return options_run(&line, argc, argv, &args, run);
 }

@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: MIT
 // duet report: one page with everything that was measured, to be read in a
 // browser, sent by mail or kept; it loads nothing.
-#include "cli/report/html.h"
-
 #include "base/error.h"
 #include "cli/commands.h"
 #include "cli/commands/profiles.h"
-#include "cli/draw/page.h"
+#include "cli/costs.h"
 #include "cli/options.h"
-#include "cli/report/costs_report.h"
+#include "cli/report/bench_results.h"
 #include "cli/report/level_costs_report.h"
-#include "cli/say.h"
+#include "cli/report/page.h"
 
-#include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 enum { RESULTS_MOST = 64 };
 
@@ -44,8 +40,8 @@ static const command_line line = {
 typedef struct results {
     cJSON *files[RESULTS_MOST];
     cJSON *bench[RESULTS_MOST]; // the earliest first
-    const cJSON *levels[RESULTS_MOST];
-    const cJSON *effects[RESULTS_MOST];
+    cJSON *levels[RESULTS_MOST];
+    cJSON *effects[RESULTS_MOST];
     uint32_t n_files;
     uint32_t n_bench;
     uint32_t n_levels;
@@ -61,7 +57,7 @@ static bool is_same_subject(const cJSON *x, const cJSON *y)
     return json_number(x, "objects") == json_number(y, "objects");
 }
 
-static void keep_latest(const cJSON **list, uint32_t *n, const cJSON *one)
+static void keep_latest(cJSON **list, uint32_t *n, cJSON *one)
 {
     uint32_t i = 0;
     while (i < *n && !is_same_subject(list[i], one))
@@ -74,7 +70,7 @@ static void keep_latest(const cJSON **list, uint32_t *n, const cJSON *one)
 
 static void keep_bench(results *r, cJSON *o)
 {
-    const cJSON *one;
+    cJSON *one;
     r->bench[r->n_bench++] = o;
     cJSON_ArrayForEach(one, json_list(o, "accuracy")) keep_latest(r->levels, &r->n_levels, one);
     cJSON_ArrayForEach(one, json_list(o, "effects")) keep_latest(r->effects, &r->n_effects, one);
@@ -101,58 +97,57 @@ static bool keep_file(results *r, cJSON *o, const char *path, duet_error *err)
     return bench_check(o, path, err);
 }
 
-static bool read_results(results *r, char **paths, int n, duet_error *err)
+static bool read_results(results *r, char **paths, duet_error *err)
 {
     bool ok = true;
-    for (int i = 0; ok && i < n; ++i) {
-        cJSON *o = json_read(paths[i], err);
-        ok = o && keep_file(r, o, paths[i], err);
+    for (; ok && *paths; ++paths) {
+        cJSON *o = json_read(*paths, err);
+        ok = o && keep_file(r, o, *paths, err);
     }
     return ok;
 }
 
 // A store that is not there is no failure where there are results to show.
-static bool add_store(text *page, const char *path, bool needed, duet_error *err)
+static bool add_store(cJSON *shown, const char *path, bool needed, duet_error *err)
 {
     duet_error failure = {0};
     store *s = profiles_open(path, STORE_READ, &failure);
     if (!s && failure.status == DUET_STATUS_NOT_FOUND && !path && !needed) {
-        page_paragraph(page, "There is no profile store yet; duet tune makes one.");
+        cJSON_AddStringToObject(shown, "no_store",
+                                "There is no profile store yet; duet tune makes one.");
         return true;
     }
     if (!s)
         return error_set(err, failure.status, "%s", failure.text);
-    bool ok = report_store(page, s, err) && store_check_read(s, err);
+    bool ok = page_add_store(shown, s, err) && store_check_read(s, err);
     store_close(s);
     return ok;
 }
 
+static void add_list(cJSON *shown, const char *name, cJSON *const *list, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; ++i)
+        cJSON_AddItemReferenceToArray(cJSON_GetObjectItem(shown, name), list[i]);
+}
+
 static bool write_page(const arguments *args, const results *r, duet_error *err)
 {
-    char when[40];
     text page = {0};
-    time_t now = time(NULL);
-    strftime(when, sizeof when, "%Y-%m-%d %H:%M UTC", gmtime(&now));
-    page_begin(&page, "Duet: what was measured");
-    page_paragraph(&page, "Made %s by Duet %s.", when, duet_version());
-    bool ok = add_store(&page, args->store, r->n_files == 0, err);
-    if (r->n_levels > 0)
-        report_levels(&page, r->levels, r->n_levels);
-    if (r->n_effects > 0)
-        report_effects(&page, r->effects, r->n_effects);
-    if (r->n_bench > 0)
-        report_bench(&page, r->bench, r->n_bench);
-    page_end(&page);
-    ok = ok && text_ok(&page, err);
+    cJSON *shown = page_begin();
+    add_list(shown, "levels", r->levels, r->n_levels);
+    add_list(shown, "effects", r->effects, r->n_effects);
+    add_list(shown, "bench", r->bench, r->n_bench);
+    bool ok = add_store(shown, args->store, r->n_files == 0, err) && page_make(&page, shown, err);
     ok = ok && text_write_file(args->out, text_chars(&page), page.length, err);
+    cJSON_Delete(shown);
     text_free(&page);
     return ok;
 }
 
-static bool report(const arguments *args, char **paths, int n, duet_error *err)
+static bool run(void *args, char **paths, duet_error *err)
 {
     results r = {.n_files = 0};
-    bool ok = read_results(&r, paths, n, err) && write_page(args, &r, err);
+    bool ok = read_results(&r, paths, err) && write_page(args, &r, err);
     for (uint32_t i = 0; i < r.n_files; ++i)
         cJSON_Delete(r.files[i]);
     return ok;
@@ -161,11 +156,5 @@ static bool report(const arguments *args, char **paths, int n, duet_error *err)
 int command_report(int argc, char **argv)
 {
     arguments args = {.out = "duet-report.html"};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    duet_error err = {0};
-    return report(&args, operands, n_operands, &err) ? EXIT_OK : say_failed(&err);
+    return options_run(&line, argc, argv, &args, run);
 }

@@ -1,25 +1,28 @@
 // SPDX-License-Identifier: MIT
 // duet run: finds all pairs of a scene on two devices and says where the time
-// went.
+// went; with --steps it advances a scene that moves.
 //
 // The first step warms up; of the others the one with the median time is
 // shown, so that its stages belong together.
 #include "base/error.h"
 #include "base/text.h"
 #include "cli/commands.h"
-#include "cli/commands/run_motion.h"
+#include "cli/draw/snapshot.h"
 #include "cli/inputs.h"
 #include "cli/interrupt.h"
-#include "cli/options.h"
 #include "cli/report/run_report.h"
+#include "cli/report/table.h"
 #include "cli/say.h"
-#include "runtime/duet.h"
 #include "tuner/pair_list.h"
 
+#include <cjson/cJSON.h>
+#include <errno.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 typedef struct arguments {
     scene_options scene;
@@ -27,7 +30,9 @@ typedef struct arguments {
     level_options level;
     const char *pair;
     uint64_t repeat;
-    run_motion_options motion;
+    uint64_t steps;      // 0: the scene is not advanced
+    const char *picture; // a PNG of the last step
+    const char *frames;  // a folder for PNGs, 30 of a second of the scene
     bool resident;
     bool transforms;
     const char *pairs_path;
@@ -44,15 +49,24 @@ static const option options[] = {
                  100000),
     OPTION_FLAG("resident", resident, "leave the objects on the devices between the steps"),
     OPTION_FLAG("transforms", transforms, "send no sizes again, only centres and rotations"),
-    OPTION_COUNT("steps", motion.steps, "K", "advance a scene that moves by K steps instead", 1,
+    OPTION_COUNT("steps", steps, "K", "advance a scene that moves by K steps instead", 1,
                  1000000000),
-    OPTION_TEXT("picture", motion.picture, "F.png", "draw the last of the steps"),
-    OPTION_TEXT("frames", motion.frames, "DIR", "draw 30 pictures a second of the scene"),
+    OPTION_TEXT("picture", picture, "F.png", "draw the last of the steps"),
+    OPTION_TEXT("frames", frames, "DIR", "draw 30 pictures a second of the scene"),
     OPTION_TEXT("pairs", pairs_path, "OUT.csv", "write the pairs, a line each, ascending"),
     OPTION_FLAG("check", check, "compare the pairs with the plain C reference"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
+
+static const char *refuse(const void *given, char **operands)
+{
+    (void)operands;
+    const arguments *args = given;
+    return !args->steps && (args->picture || args->frames)
+               ? "--picture and --frames draw a scene that moves; give --steps K"
+               : NULL;
+}
 
 static const command_line line = {
     .name = "run",
@@ -63,17 +77,17 @@ static const command_line line = {
         "Finds all pairs of boxes that collide, on two devices, and says where the time went.\n"
         "A scene is a Lua file; a file is .npy, or numbers as text.",
     .options = options,
+    .refuse = refuse,
 };
+
+// ---------------------------------------------------------------- one state of a scene
 
 static bool write_pairs(const char *path, const duet_pair *pairs, uint64_t n, duet_error *err)
 {
     text lines = {0};
     for (uint64_t i = 0; i < n; ++i)
         text_add(&lines, "%" PRIu32 ",%" PRIu32 "\n", pairs[i].a, pairs[i].b);
-    bool ok = text_ok(&lines, err);
-    ok = ok && text_write_file(path, text_chars(&lines), lines.length, err);
-    text_free(&lines);
-    return ok;
+    return say_to_file(&lines, path, err);
 }
 
 static bool compare(const duet_scene *scene, duet_level level, const duet_pair *pairs, uint64_t n,
@@ -168,15 +182,237 @@ static bool run_world(const arguments *args, const duet_scene *scene, const duet
     return ok && interrupt_check(err);
 }
 
-static bool run(const arguments *args, const char *path, duet_error *err)
+// ---------------------------------------------------------------- a scene that moves
+
+enum { STAGES_MOST = 32, ROWS_TOLD = 10, FRAMES_A_SECOND = 30 };
+
+// A run, and what it took by effect.
+typedef struct moved {
+    const arguments *args;
+    const duet_scene *scene;
+    duet_motion_def def;
+    duet_motion *motion;
+    duet_motion_result last;
+    duet_state *states;
+    snapshot look;
+    uint64_t done;
+    uint64_t frames;
+    double total_ms;
+    double slowest_ms;
+    struct {
+        char name[24];
+        double ms;
+    } stages[STAGES_MOST];
+    uint32_t n_stages;
+} moved;
+
+static void add_stage(moved *r, const duet_stage *stage)
 {
+    uint32_t i = 0;
+    while (i < r->n_stages && strcmp(r->stages[i].name, stage->name) != 0)
+        ++i;
+    if (i == STAGES_MOST)
+        return;
+    if (i == r->n_stages)
+        snprintf(r->stages[r->n_stages++].name, sizeof r->stages[0].name, "%s", stage->name);
+    r->stages[i].ms += stage->ms;
+}
+
+// A frame where its time has come.
+static bool draw_frame(moved *r, duet_error *err)
+{
+    double time = (double)r->done * r->def.dt;
+    if (!r->args->frames || time * FRAMES_A_SECOND < (double)r->frames)
+        return true;
+    char path[4096];
+    int n = snprintf(path, sizeof path, "%s/%05" PRIu64 ".png", r->args->frames, r->frames++);
+    if (n < 0 || (size_t)n >= sizeof path)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "--frames: the folder's name is too long");
+    return duet_motion_get_states(r->motion, r->states, err) &&
+           snapshot_frame(&r->look, path, r->states, err);
+}
+
+static bool draw_picture(moved *r, duet_error *err)
+{
+    return !r->args->picture || (duet_motion_get_states(r->motion, r->states, err) &&
+                                 snapshot_picture(&r->look, r->args->picture, r->states, err));
+}
+
+static bool make_folder(const char *path, duet_error *err)
+{
+    return !path || mkdir(path, 0777) == 0 || errno == EEXIST ||
+           error_set(err, DUET_STATUS_IO_FAILED, "--frames: the folder %s cannot be made: %s", path,
+                     strerror(errno));
+}
+
+static bool tell_step(moved *r, duet_error *err)
+{
+    duet_energy e;
+    uint64_t every = r->args->steps / ROWS_TOLD;
+    bool due = r->done == 1 || r->done == r->args->steps || (every > 0 && r->done % every == 0);
+    if (!due || r->args->json)
+        return true;
+    if (!duet_motion_get_energy(r->motion, &e, err))
+        return false;
+    printf("%9" PRIu64 " %9.3f %12.5g %12.5g %12.5g %12" PRIu64 " %12" PRIu64 " %9.2f\n", r->done,
+           r->last.time, e.kinetic + e.turning, e.potential, e.kinetic + e.turning + e.potential,
+           r->last.pairs, r->last.contacts, r->last.total_ms);
+    fflush(stdout);
+    return true;
+}
+
+static bool step(moved *r, duet_error *err)
+{
+    if (!duet_motion_advance(r->motion, &r->last, err))
+        return false;
+    ++r->done;
+    if (r->done > 1) { // the first builds kernels and makes space
+        r->total_ms += r->last.total_ms;
+        r->slowest_ms = fmax(r->slowest_ms, r->last.total_ms);
+        for (uint32_t i = 0; i < r->last.n_stages; ++i)
+            add_stage(r, &r->last.stages[i]);
+    }
+    return tell_step(r, err) && draw_frame(r, err);
+}
+
+static void tell_begin(const moved *r)
+{
+    const duet_scene_info *info = duet_scene_get_info(r->scene);
+    if (r->args->json)
+        return;
+    printf("%s: %s boxes, %uD; effects:", info->name, table_count(info->n).chars, info->dims);
+    uint32_t effects = duet_motion_get_effects(r->motion);
+    for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
+        if (effects & bit)
+            printf(" %s", duet_effect_name(bit));
+    printf("%s\n%u substeps of %.6g s\n\n", effects ? "" : " none", r->def.substeps,
+           r->def.dt / r->def.substeps);
+    printf("%9s %9s %12s %12s %12s %12s %12s %9s\n", "step", "time", "kinetic", "potential",
+           "energy", "pairs", "contacts", "ms");
+}
+
+static double mean_ms(const moved *r)
+{
+    return r->done > 1 ? r->total_ms / (double)(r->done - 1) : 0.0;
+}
+
+static void tell_times(const moved *r)
+{
+    table t = table_begin("lrrl");
+    double mean = mean_ms(r);
+    table_words(&t, "", "ms a step", "%", "", NULL);
+    for (uint32_t i = 0; i < r->n_stages && r->done > 1; ++i) {
+        double ms = r->stages[i].ms / (double)(r->done - 1);
+        table_cell(&t, "%s", r->stages[i].name);
+        table_cell(&t, "%.3f", ms);
+        table_cell(&t, "%.1f", mean > 0 ? 100 * ms / mean : 0.0);
+        table_cell(&t, "%s", table_bar(mean > 0 ? ms / mean : 0.0, 24).chars);
+    }
+    table_print(&t, stdout);
+    printf("\n%.3f ms a step, the slowest %.3f: %.4g steps a second\n", mean, r->slowest_ms,
+           mean > 0 ? 1e3 / mean : 0.0);
+}
+
+static void tell_end(const moved *r, uint64_t hash)
+{
+    putchar('\n');
+    if (r->n_stages > 0)
+        tell_times(r);
+    else if (duet_motion_get_effects(r->motion) == 0)
+        printf("nothing is called for, so that a step launches nothing\n");
+    printf("state hash %016" PRIx64 "\n", hash);
+}
+
+static bool tell_json(moved *r, uint64_t hash, duet_error *err)
+{
+    duet_energy e;
+    if (!duet_motion_get_energy(r->motion, &e, err))
+        return false;
+    char digits[17];
+    snprintf(digits, sizeof digits, "%016" PRIx64, hash);
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "scene", duet_scene_get_info(r->scene)->name);
+    cJSON_AddNumberToObject(o, "objects", duet_motion_get_count(r->motion));
+    cJSON_AddNumberToObject(o, "steps", (double)r->done);
+    cJSON_AddNumberToObject(o, "time", r->last.time);
+    cJSON_AddNumberToObject(o, "ms_a_step", mean_ms(r));
+    cJSON_AddNumberToObject(o, "pairs", (double)r->last.pairs);
+    cJSON_AddNumberToObject(o, "contacts", (double)r->last.contacts);
+    cJSON_AddNumberToObject(o, "kinetic", e.kinetic + e.turning);
+    cJSON_AddNumberToObject(o, "potential", e.potential);
+    cJSON_AddStringToObject(o, "hash", digits);
+    cJSON *effects = cJSON_AddArrayToObject(o, "effects");
+    for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
+        if (duet_motion_get_effects(r->motion) & bit)
+            cJSON_AddItemToArray(effects, cJSON_CreateString(duet_effect_name(bit)));
+    cJSON *stages = cJSON_AddObjectToObject(o, "stages_ms");
+    for (uint32_t i = 0; i < r->n_stages && r->done > 1; ++i)
+        cJSON_AddNumberToObject(stages, r->stages[i].name, r->stages[i].ms / (double)(r->done - 1));
+    return say_json(o, err);
+}
+
+static bool open_motion(moved *r, duet_device_pair *pair, duet_error *err)
+{
+    const duet_scene_info *info = duet_scene_get_info(r->scene);
+    r->def = duet_scene_motion_def(r->scene, pair);
+    if (!inputs_change_plan(&r->args->plan, &r->def.plan, err))
+        return false;
+    r->motion = duet_motion_create_from_scene(&r->def, r->scene, NULL, err);
+    r->states = calloc((size_t)info->n + 1, sizeof *r->states);
+    if (r->motion && !r->states)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%u states: no memory", info->n);
+    if (!r->motion || !duet_motion_get_states(r->motion, r->states, err))
+        return false;
+    return snapshot_begin(&r->look, &r->def, r->scene, r->states, err);
+}
+
+static bool run_steps(moved *r, duet_error *err)
+{
+    // The picture is drawn at the start too: where it cannot be written, that is told at once.
+    bool ok = make_folder(r->args->frames, err) && draw_frame(r, err) && draw_picture(r, err);
+    progress p = progress_begin("step", r->args->steps);
+    while (ok && r->done < r->args->steps && !interrupt_asked()) {
+        ok = step(r, err);
+        progress_show(&p, r->done);
+    }
+    progress_end(&p);
+    uint64_t hash = 0;
+    ok = ok && duet_motion_get_hash(r->motion, &hash, err) && draw_picture(r, err);
+    if (ok && r->args->json)
+        return tell_json(r, hash, err);
+    if (ok)
+        tell_end(r, hash);
+    return ok && interrupt_check(err);
+}
+
+// Advances the scene and tells what was done: energy and pairs as it goes, then
+// the time of each effect. Ctrl-C ends it with what was done until then.
+static bool run_motion(const arguments *args, const duet_scene *scene, duet_device_pair *pair,
+                       duet_error *err)
+{
+    moved r = {.args = args, .scene = scene};
+    bool ok = open_motion(&r, pair, err);
+    if (ok)
+        tell_begin(&r);
+    ok = ok && run_steps(&r, err);
+    snapshot_end(&r.look);
+    duet_motion_destroy(r.motion);
+    free(r.states);
+    return ok;
+}
+
+// ---------------------------------------------------------------- the command
+
+static bool run(void *given, char **operands, duet_error *err)
+{
+    const arguments *args = given;
     duet_device_pair *pair = inputs_open_pair(args->pair, err);
-    duet_scene *scene = pair ? inputs_load_scene(path, &args->scene, err) : NULL;
-    bool moves = args->motion.steps > 0;
+    duet_scene *scene = pair ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
+    bool moves = args->steps > 0;
     duet_world *world = scene && !moves ? make_world(args, scene, pair, err) : NULL;
     bool ok = false;
     if (scene && moves)
-        ok = run_motion(&args->motion, scene, pair, &args->plan, err);
+        ok = run_motion(args, scene, pair, err);
     else
         ok = world && run_world(args, scene, pair, world, err);
     duet_world_destroy(world);
@@ -191,14 +427,5 @@ int command_run(int argc, char **argv)
                       .plan = PLAN_OPTIONS_DEFAULT,
                       .level = LEVEL_OPTIONS_DEFAULT,
                       .repeat = 5};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    duet_error err = {0};
-    args.motion.json = args.json;
-    if (!args.motion.steps && (args.motion.picture || args.motion.frames))
-        return say_wrong("run", "--picture and --frames draw a scene that moves; give --steps K");
-    return run(&args, operands[0], &err) ? EXIT_OK : say_failed(&err);
+    return options_run(&line, argc, argv, &args, run);
 }

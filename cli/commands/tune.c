@@ -3,20 +3,24 @@
 //
 // Each number of objects is a workload of its own. Ctrl-C keeps what was
 // measured, and the same command goes on from there.
+#define _POSIX_C_SOURCE 200809L
 #include "base/error.h"
 #include "base/text.h"
 #include "cli/commands.h"
 #include "cli/inputs.h"
 #include "cli/interrupt.h"
-#include "cli/options.h"
-#include "cli/report/tune_report.h"
+#include "cli/report/json.h"
+#include "cli/report/table.h"
 #include "cli/say.h"
+#include "tuner/measure.h"
 #include "tuner/tune_config.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { MOST_NUMBERS = 64 };
 
@@ -207,6 +211,158 @@ static bool make_config(arguments *args, const char *path, tune_config *config, 
     return !args->variants || cut_variants(config, args->variants, err);
 }
 
+// ---------------------------------------------------------------- what is told
+
+// A line while it measures, a row for each workload, and at the end what the shares
+// are worth. The rows are kept as the JSON that --json prints; the table reads them back.
+typedef struct tune_report {
+    struct cJSON *workloads; // one object each
+    char name[168];          // of the workload that is measured
+    bool json;
+    bool on_terminal;
+} tune_report;
+
+static tune_report report_begin(bool json)
+{
+    interrupt_watch();
+    return (tune_report){
+        .workloads = cJSON_CreateArray(), .json = json, .on_terminal = isatty(STDERR_FILENO)};
+}
+
+static void report_workload(tune_report *r, const duet_scene_info *scene)
+{
+    snprintf(r->name, sizeof r->name, "%.30s, %s", scene->name, table_count(scene->n).chars);
+}
+
+static void clear_line(const tune_report *r)
+{
+    if (r->on_terminal)
+        fprintf(stderr, "\r\033[K");
+}
+
+// A duet_tune_watch; stops after Ctrl-C.
+static bool report_watch(void *report, const duet_tune_progress *p)
+{
+    const tune_report *r = report;
+    if (r->on_terminal) {
+        clear_line(r);
+        if (p->trials == 0) {
+            fprintf(stderr, "%s: levels of accuracy; step %u, %.1f s", r->name, p->launches,
+                    p->seconds);
+            return !interrupt_asked();
+        }
+        fprintf(stderr, "%s: %s %.4f, %s grids, %s|%s: %.3f ms; trial %u, %.1f s%s", r->name,
+                p->stage, p->plan->share / (double)DUET_SHARE_ONE, duet_mode_name(p->plan->mode),
+                p->plan->variant_a, p->plan->variant_b, p->ms, p->trials, p->seconds,
+                p->remembered ? ", remembered" : "");
+    }
+    return !interrupt_asked();
+}
+
+static void variant_of(const duet_plan *plan, char both[200])
+{
+    bool same = strcmp(plan->variant_a, plan->variant_b) == 0;
+    snprintf(both, 200, "%s%s%s", plan->variant_a, same ? "" : " | ", same ? "" : plan->variant_b);
+}
+
+static void add_terms(cJSON *o, const duet_tune_terms *t)
+{
+    cJSON *terms = cJSON_AddObjectToObject(o, "terms");
+    for (const terms_field *f = terms_fields; f->name; ++f)
+        cJSON_AddNumberToObject(terms, f->name, terms_value(f, t));
+}
+
+// Steps after which the time that tuning took is won back; 0 where it is not,
+// or where it was not measured here.
+static double break_even(const duet_tune_outcome *o)
+{
+    double won_ms = o->single_ms - o->step_ms;
+    return won_ms > 0 ? ceil(o->seconds * 1e3 / won_ms) : 0;
+}
+
+static void report_add(tune_report *r, const duet_tune_outcome *o)
+{
+    char variant[200];
+    cJSON *row = cJSON_CreateObject();
+    variant_of(&o->plan, variant);
+    cJSON_AddStringToObject(row, "workload", r->name);
+    cJSON_AddNumberToObject(row, "objects", o->objects);
+    cJSON_AddStringToObject(row, "level", duet_level_get_info(o->level)->name);
+    cJSON_AddNumberToObject(row, "missed_rate", o->accuracy.missed);
+    cJSON_AddNumberToObject(row, "false_rate", o->accuracy.false_rate);
+    cJSON_AddNumberToObject(row, "true_pairs", (double)o->true_pairs);
+    cJSON_AddNumberToObject(row, "share", o->plan.share / (double)DUET_SHARE_ONE);
+    cJSON_AddNumberToObject(row, "best_share", o->best.share / (double)DUET_SHARE_ONE);
+    cJSON_AddStringToObject(row, "mode", duet_mode_name(o->plan.mode));
+    cJSON_AddStringToObject(row, "variant", variant);
+    cJSON_AddNumberToObject(row, "gain", o->gain);
+    cJSON_AddNumberToObject(row, "gain_low", o->gain_low);
+    cJSON_AddNumberToObject(row, "gain_high", o->gain_high);
+    cJSON_AddStringToObject(row, "verdict", o->verdict);
+    cJSON_AddNumberToObject(row, "step_ms", o->step_ms);
+    cJSON_AddNumberToObject(row, "single_ms", o->single_ms);
+    cJSON_AddNumberToObject(row, "launches", o->launches);
+    cJSON_AddNumberToObject(row, "seconds", o->seconds);
+    cJSON_AddNumberToObject(row, "break_even_steps", break_even(o));
+    cJSON_AddBoolToObject(row, "resumed", o->known || o->resumed);
+    add_terms(row, &o->terms);
+    cJSON_AddItemToArray(r->workloads, row);
+    clear_line(r);
+}
+
+// Certified needs no word: nothing of it is wrong.
+static void print_accuracy(const cJSON *row)
+{
+    if (strcmp(json_string(row, "level"), "certified") == 0)
+        return;
+    printf("%s: of %s pairs that collide '%s' misses %.3g %% and invents %.3g %%\n",
+           say_name(json_string(row, "workload")).chars,
+           table_count((uint64_t)json_number(row, "true_pairs")).chars, json_string(row, "level"),
+           100 * json_number(row, "missed_rate"), 100 * json_number(row, "false_rate"));
+}
+
+static void print_table(const cJSON *workloads)
+{
+    table t = table_begin("llrllrrrrlrrl");
+    table_words(&t, "workload", "level", "share", "mode", "kernels", "ms", "gain", "from", "to",
+                "verdict", "launches", "seconds", "", NULL);
+    const cJSON *row;
+    cJSON_ArrayForEach(row, workloads)
+    {
+        table_words(&t, json_string(row, "workload"), json_string(row, "level"), NULL);
+        table_cell(&t, "%.4f", json_number(row, "share"));
+        table_words(&t, json_string(row, "mode"), json_string(row, "variant"), NULL);
+        table_cell(&t, "%.3f", json_number(row, "step_ms"));
+        table_cell(&t, "%+.1f %%", 100 * json_number(row, "gain"));
+        table_cell(&t, "%+.1f", 100 * json_number(row, "gain_low"));
+        table_cell(&t, "%+.1f", 100 * json_number(row, "gain_high"));
+        table_cell(&t, "%s", json_string(row, "verdict"));
+        table_cell(&t, "%.0f", json_number(row, "launches"));
+        table_cell(&t, "%.1f", json_number(row, "seconds"));
+        table_cell(&t, "%s", json_true(row, "resumed") ? "known" : "");
+    }
+    table_print(&t, stdout);
+    cJSON_ArrayForEach(row, workloads) print_accuracy(row);
+}
+
+// Prints the table, or the object. After a failure only the table, of what was
+// done before.
+static bool report_end(tune_report *r, bool ok, duet_error *err)
+{
+    clear_line(r);
+    if (r->json && ok) {
+        cJSON *o = cJSON_CreateObject();
+        cJSON_AddItemToObject(o, "workloads", r->workloads);
+        return say_json(o, err);
+    }
+    if (!r->json && cJSON_GetArraySize(r->workloads) > 0)
+        print_table(r->workloads);
+    cJSON_Delete(r->workloads);
+    return true;
+}
+
+// ---------------------------------------------------------------- workloads
+
 static duet_tune_def make_def(const arguments *args, const tune_config *config, tune_report *report)
 {
     duet_tune_def def = duet_default_tune_def();
@@ -227,12 +383,10 @@ static duet_tune_def make_def(const arguments *args, const tune_config *config, 
     def.budget_trials = config->budget_trials;
     def.repeats = config->repeats;
     def.seed = config->seed;
-    def.watch = tune_report_watch;
+    def.watch = report_watch;
     def.watch_context = report;
     return def;
 }
-
-// ---------------------------------------------------------------- workloads
 
 static duet_scene *load_scene(const arguments *args, const config_workload *w, duet_error *err)
 {
@@ -248,10 +402,10 @@ static bool tune_workload(duet_tune_def *def, const duet_scene *scene, tune_repo
 {
     duet_tune_outcome outcome;
     def->scene = scene;
-    tune_report_workload(report, duet_scene_get_info(scene));
+    report_workload(report, duet_scene_get_info(scene));
     if (!duet_tune_run(def, &outcome, err))
         return false;
-    tune_report_add(report, &outcome);
+    report_add(report, &outcome);
     return true;
 }
 
@@ -270,14 +424,16 @@ static bool tune_workloads(const arguments *args, const tune_config *config, tun
     return ok;
 }
 
-static bool tune(arguments *args, const char *path, duet_error *err)
+static bool run(void *given, char **operands, duet_error *err)
 {
+    arguments *args = given;
     tune_config *config = calloc(1, sizeof *config);
     if (!config)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a tuning");
-    tune_report report = tune_report_begin(args->json);
-    bool ok = make_config(args, path, config, err) && tune_workloads(args, config, &report, err);
-    ok = tune_report_end(&report, ok, ok ? err : NULL) && ok;
+    tune_report report = report_begin(args->json);
+    bool ok =
+        make_config(args, operands[0], config, err) && tune_workloads(args, config, &report, err);
+    ok = report_end(&report, ok, ok ? err : NULL) && ok;
     tune_config_free(config);
     free(config);
     return ok;
@@ -286,11 +442,5 @@ static bool tune(arguments *args, const char *path, duet_error *err)
 int command_tune(int argc, char **argv)
 {
     arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .level = LEVEL_OPTIONS_DEFAULT};
-    char **operands = NULL;
-    int n_operands = 0;
-    int exit_code = EXIT_OK;
-    if (!options_parse(&line, argc, argv, &args, &operands, &n_operands, &exit_code))
-        return exit_code;
-    duet_error err = {0};
-    return tune(&args, n_operands > 0 ? operands[0] : NULL, &err) ? EXIT_OK : say_failed(&err);
+    return options_run(&line, argc, argv, &args, run);
 }

@@ -12,6 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+const colour canvas_ink = {0.13, 0.14, 0.16, 1};
+const colour canvas_grey = {0.42, 0.45, 0.50, 1};
+
 struct canvas {
     const char *path;
     bool is_png;
@@ -78,6 +81,10 @@ void canvas_polygon(canvas *c, const point *corners, int n, colour fill, colour 
         cairo_line_to(c->cairo, corners[i].x, corners[i].y);
     cairo_close_path(c->cairo);
     use(c, fill);
+    if (edge.alpha == 0) {
+        cairo_fill(c->cairo);
+        return;
+    }
     cairo_fill_preserve(c->cairo);
     use(c, edge);
     cairo_set_line_width(c->cairo, 1);

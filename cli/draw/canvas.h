@@ -22,10 +22,15 @@ typedef struct colour {
     double alpha; // 1: opaque
 } colour;
 
-// BAD_ARGUMENT for an ending other than .svg and .png.
+// Of words and frames.
+extern const colour canvas_ink;
+extern const colour canvas_grey;
+
+// White. BAD_ARGUMENT for an ending other than .svg and .png.
 canvas *canvas_open(const char *path, double width, double height, duet_error *err);
 
 void canvas_line(canvas *c, point from, point to, colour ink, double width);
+// An edge of alpha 0 is not drawn.
 void canvas_polygon(canvas *c, const point *corners, int n, colour fill, colour edge);
 void canvas_dot(canvas *c, point at, double radius, colour fill);
 

@@ -2,7 +2,7 @@
 #include "cli/draw/snapshot.h"
 
 #include "base/error.h"
-#include "cli/draw/raster.h"
+#include "cli/draw/view.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -11,10 +11,10 @@
 enum { WIDTH = 960, HEIGHT = 720 };
 enum { EDGE = 200 }; // one in so many objects may lie outside, on either side
 
-static const tint paper = {0.97, 0.97, 0.97};
-static const tint ground = {0.88, 0.88, 0.86};
-static const tint massless = {0.72, 0.73, 0.74};
-static const tint shot = {0.88, 0.10, 0.14};
+static const colour paper = {0.97, 0.97, 0.97, 1};
+static const colour ground = {0.88, 0.88, 0.86, 1};
+static const colour massless = {0.72, 0.73, 0.74, 1};
+static const colour shot = {0.88, 0.10, 0.14, 1};
 
 // ---------------------------------------------------------------- what is seen
 
@@ -51,10 +51,12 @@ static bool find_extent(const snapshot *s, const duet_state *states, uint32_t ax
 }
 
 // Walls stay in view, but not the empty space below a high ceiling.
-static bool find_part(const snapshot *s, const duet_state *states, double lower[3], double upper[3],
-                      duet_error *err)
+static bool find_part(const snapshot *s, const duet_state *states, extent *part, duet_error *err)
 {
     const duet_motion_def *d = s->def;
+    double *lower = part->lower;
+    double *upper = part->upper;
+    *part = (extent){0};
     for (uint32_t k = 0; k < d->dims; ++k) {
         if (!find_extent(s, states, k, &lower[k], &upper[k], err))
             return false;
@@ -70,22 +72,22 @@ static bool find_part(const snapshot *s, const duet_state *states, double lower[
 // ---------------------------------------------------------------- colours
 
 // From blue over green to amber.
-static tint tint_at(double part)
+static colour colour_at(double part)
 {
-    static const tint scale[] = {
-        {0.19, 0.30, 0.55}, {0.17, 0.53, 0.64}, {0.42, 0.68, 0.48}, {0.93, 0.74, 0.33}};
+    static const colour scale[] = {
+        {0.19, 0.30, 0.55, 1}, {0.17, 0.53, 0.64, 1}, {0.42, 0.68, 0.48, 1}, {0.93, 0.74, 0.33, 1}};
     const int last = (int)(sizeof scale / sizeof *scale) - 1;
     double at = last * fmin(1.0, fmax(0.0, part));
     int i = at >= last ? last - 1 : (int)at;
     double t = at - i;
-    const tint *a = &scale[i], *b = &scale[i + 1];
-    return (tint){a->red + t * (b->red - a->red), a->green + t * (b->green - a->green),
-                  a->blue + t * (b->blue - a->blue)};
+    const colour *a = &scale[i], *b = &scale[i + 1];
+    return (colour){a->red + t * (b->red - a->red), a->green + t * (b->green - a->green),
+                    a->blue + t * (b->blue - a->blue), 1};
 }
 
-static tint lit(tint t, double light)
+static colour lit(colour t, double light)
 {
-    return (tint){light * t.red, light * t.green, light * t.blue};
+    return (colour){light * t.red, light * t.green, light * t.blue, 1};
 }
 
 // Where an object began: how high, or how far from what attracts.
@@ -117,7 +119,7 @@ static void colour_objects(snapshot *s, const duet_state *start)
         bool fixed = bodies && !(bodies[i].mass > 0.0f);
         s->colours[i] = fixed           ? massless
                         : s->is_shot[i] ? shot
-                                        : lit(tint_at(part), brightness_of(i));
+                                        : lit(colour_at(part), brightness_of(i));
     }
 }
 
@@ -156,7 +158,7 @@ bool snapshot_begin(snapshot *s, const duet_motion_def *def, const duet_scene *s
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", s->n);
     find_shot(s, start);
     colour_objects(s, start);
-    return find_part(s, start, s->lower, s->upper, err);
+    return find_part(s, start, &s->part, err);
 }
 
 void snapshot_end(snapshot *s)
@@ -165,145 +167,130 @@ void snapshot_end(snapshot *s)
     free(s->is_shot);
 }
 
-// ---------------------------------------------------------------- the eye
+// ---------------------------------------------------------------- drawing
 
-typedef struct eye {
-    raster *on;
-    double right[3], up[3], near[3];
-    double scale;
-    double middle[3];
-} eye;
+// From above and aside.
+static const look aside = {
+    .right = {0.8, 0.6, 0},
+    .up = {-0.2681, 0.3575, 0.8946},
+    .near = {0.5369, -0.7158, 0.4474},
+    .light = {0.35, -0.45, 0.82},
+    .dark = 0.45,
+    .bright = 0.6,
+};
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void put_unit(double to[3], const double v[3])
-{
-    double length = sqrt(dot(v, v));
-    for (int k = 0; k < 3; ++k)
-        to[k] = v[k] / length;
-}
-
-static eye aim(raster *on, uint32_t dims, const double lower[3], const double upper[3])
-{
-    static const double views[2][3][3] = {
-        {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
-        {{0.8, 0.6, 0}, {-0.27, 0.36, 0.9}, {0.54, -0.72, 0.45}},
-    };
-    eye e = {.on = on};
-    put_unit(e.right, views[dims == 3][0]);
-    put_unit(e.up, views[dims == 3][1]);
-    put_unit(e.near, views[dims == 3][2]);
-    double wide = 1e-9, high = 1e-9;
-    for (uint32_t k = 0; k < dims; ++k) {
-        e.middle[k] = 0.5 * (lower[k] + upper[k]);
-        wide += fabs(e.right[k]) * (upper[k] - lower[k]);
-        high += fabs(e.up[k]) * (upper[k] - lower[k]);
-    }
-    e.scale = 0.9 * fmin(WIDTH / wide, HEIGHT / high);
-    return e;
-}
-
-static spot project(const eye *e, const double at[3])
-{
-    double d[3] = {at[0] - e->middle[0], at[1] - e->middle[1], at[2] - e->middle[2]};
-    return (spot){0.5 * WIDTH + e->scale * dot(d, e->right),
-                  0.5 * HEIGHT - e->scale * dot(d, e->up), dot(d, e->near)};
-}
-
-// ---------------------------------------------------------------- boxes
-
+// A box, and how near the part of it is that is farthest from the eye: what is drawn
+// by that order hides what it should, also where a large box is the floor of small ones.
 typedef struct block {
-    double centre[3];
-    double axis[3][3];
-    double half_extents[3];
+    corners corners;
+    double nearness;
+    colour fill;
 } block;
 
-static block block_of(const duet_pose *pose, const duet_state *state, uint32_t dims)
+static int from_far_to_near(const void *x, const void *y)
 {
-    const double *q = state->rotation;
-    double x = q[0], y = q[1], z = q[2], w = q[3];
-    bool deep = dims == 3;
-    return (block){
-        {state->centre[0], state->centre[1], deep ? state->centre[2] : 0.0},
-        {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
-         {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
-         {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}},
-        {pose->half_extents[0], pose->half_extents[1], deep ? pose->half_extents[2] : 0.0},
-    };
+    double a = ((const block *)x)->nearness, b = ((const block *)y)->nearness;
+    return (a > b) - (a < b);
 }
 
-// One of the faces across axis k, where it is turned to the eye.
-static void draw_face(const eye *e, const block *b, int k, double side, tint colour)
+static void move_to(corners *box, const double centre[3], uint32_t dims)
 {
-    static const double light[3] = {0.35, -0.45, 0.82};
-    if (side * dot(b->axis[k], e->near) <= 0)
-        return;
-    int u = (k + 1) % 3, v = (k + 2) % 3;
-    spot corners[4];
-    for (int i = 0; i < 4; ++i) {
-        double su = i == 0 || i == 3 ? 1 : -1, sv = i < 2 ? 1 : -1;
-        double at[3];
-        for (int j = 0; j < 3; ++j)
-            at[j] = b->centre[j] + side * b->half_extents[k] * b->axis[k][j] +
-                    su * b->half_extents[u] * b->axis[u][j] +
-                    sv * b->half_extents[v] * b->axis[v][j];
-        corners[i] = project(e, at);
-    }
-    tint shade = lit(colour, 0.45 + 0.6 * fmax(0.0, side * dot(b->axis[k], light)));
-    const spot other[3] = {corners[0], corners[2], corners[3]};
-    raster_triangle(e->on, corners, shade);
-    raster_triangle(e->on, other, shade);
+    for (int i = 0; i < 8; ++i)
+        for (uint32_t k = 0; k < dims; ++k)
+            box->at[i][k] += centre[k];
 }
 
-static void draw_block(const eye *e, const block *b, uint32_t dims, tint colour)
+static block block_of(const snapshot *s, const view *v, const duet_state *state, uint32_t id)
 {
-    for (int k = dims == 3 ? 0 : 2; k < 3; ++k) {
-        draw_face(e, b, k, 1.0, colour);
-        draw_face(e, b, k, -1.0, colour);
+    const duet_pose *poses = duet_scene_get_objects(s->scene, DUET_OBJECT_POSES);
+    duet_pose box = poses[id];
+    for (int k = 0; k < 4; ++k)
+        box.rotation[k] = (float)state->rotation[k];
+    memset(box.centre, 0, sizeof box.centre);
+    block b = {corners_of(&box, v->dims), INFINITY, s->colours[id]};
+    move_to(&b.corners, state->centre, v->dims);
+    for (int i = 0; i < 8; ++i)
+        b.nearness = fmin(b.nearness, view_nearness(v, b.corners.at[i]));
+    return b;
+}
+
+// What is far outside, or nowhere, is more than Cairo can be told.
+static bool is_near_picture(const view *v, const block *b)
+{
+    bool near = true;
+    for (int i = 0; i < 8; ++i) {
+        point p = view_point(v, b->corners.at[i]);
+        near = near && fabs(p.x) < 1e5 && fabs(p.y) < 1e5;
     }
+    return near;
+}
+
+static void draw_blocks(const snapshot *s, const view *v, canvas *c, block *blocks,
+                        const duet_state *states)
+{
+    for (uint32_t i = 0; i < s->n; ++i)
+        blocks[i] = block_of(s, v, &states[i], i);
+    if (v->dims == 3)
+        qsort(blocks, s->n, sizeof *blocks, from_far_to_near);
+    for (uint32_t i = 0; i < s->n; ++i)
+        if (is_near_picture(v, &blocks[i]))
+            view_box(v, c, &blocks[i].corners, &(box_ink){.fill = blocks[i].fill});
 }
 
 // The floor of a world with walls; in 2D what they enclose.
-static void draw_ground(const eye *e, const duet_motion_def *d)
+static void draw_ground(const view *v, canvas *c, const duet_motion_def *d)
 {
-    block b = {.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    for (int k = 0; k < 2; ++k) {
-        b.centre[k] = 0.5 * (d->lower[k] + d->upper[k]);
-        b.half_extents[k] = 0.5 * (d->upper[k] - d->lower[k]);
-    }
-    b.centre[2] = d->dims == 3 ? d->lower[2] : -1.0;
+    double z = d->dims == 3 ? d->lower[2] : 0.0;
+    const double at[4][3] = {{d->lower[0], d->lower[1], z},
+                             {d->upper[0], d->lower[1], z},
+                             {d->upper[0], d->upper[1], z},
+                             {d->lower[0], d->upper[1], z}};
+    point walk[4];
+    for (int i = 0; i < 4; ++i)
+        walk[i] = view_point(v, at[i]);
     if (d->boundary != DUET_BOUNDARY_NONE)
-        draw_face(e, &b, 2, 1.0, ground);
+        canvas_polygon(c, walk, 4, ground, ground);
 }
 
-static bool draw(const snapshot *s, const char *path, const duet_state *states,
-                 const double lower[3], const double upper[3], duet_error *err)
+static canvas *open_canvas(const char *path, duet_error *err)
 {
-    raster *on = raster_open(path, WIDTH, HEIGHT, paper, err);
-    if (!on)
+    size_t n = strlen(path);
+    if (n >= 5 && strcmp(path + n - 4, ".png") == 0)
+        return canvas_open(path, WIDTH, HEIGHT, err);
+    error_set(err, DUET_STATUS_BAD_ARGUMENT, "'%s': the name of a run's picture ends with .png",
+              path);
+    return NULL;
+}
+
+static bool draw(const snapshot *s, const char *path, const duet_state *states, const extent *part,
+                 duet_error *err)
+{
+    static const point page[4] = {{0, 0}, {WIDTH, 0}, {WIDTH, HEIGHT}, {0, HEIGHT}};
+    canvas *c = open_canvas(path, err);
+    if (!c)
         return false;
-    uint32_t dims = s->def->dims;
-    const duet_pose *poses = duet_scene_get_objects(s->scene, DUET_OBJECT_POSES);
-    eye e = aim(on, dims, lower, upper);
-    draw_ground(&e, s->def);
-    for (uint32_t i = 0; i < s->n; ++i) {
-        block b = block_of(&poses[i], &states[i], dims);
-        draw_block(&e, &b, dims, s->colours[i]);
-    }
-    return raster_close(on, true, err);
+    block *blocks = calloc((size_t)s->n + 1, sizeof *blocks);
+    view v = view_fit(&aside, s->def->dims, part, (point){0.05 * WIDTH, 0.05 * HEIGHT},
+                      (point){0.95 * WIDTH, 0.95 * HEIGHT});
+    canvas_polygon(c, page, 4, paper, paper);
+    draw_ground(&v, c, s->def);
+    if (blocks)
+        draw_blocks(s, &v, c, blocks, states);
+    else
+        error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for a picture", path);
+    bool ok = canvas_close(c, blocks, err);
+    free(blocks);
+    return ok;
 }
 
 bool snapshot_frame(const snapshot *s, const char *path, const duet_state *states, duet_error *err)
 {
-    return draw(s, path, states, s->lower, s->upper, err);
+    return draw(s, path, states, &s->part, err);
 }
 
 bool snapshot_picture(const snapshot *s, const char *path, const duet_state *states,
                       duet_error *err)
 {
-    double lower[3] = {0}, upper[3] = {0};
-    return find_part(s, states, lower, upper, err) && draw(s, path, states, lower, upper, err);
+    extent part;
+    return find_part(s, states, &part, err) && draw(s, path, states, &part, err);
 }

@@ -4,16 +4,15 @@
 #ifndef CLI_SNAPSHOT_H
 #define CLI_SNAPSHOT_H
 
-#include "runtime/duet.h"
+#include "cli/draw/view.h"
 
 typedef struct snapshot {
     const duet_motion_def *def;
     const duet_scene *scene;
     uint32_t n;
-    struct tint *colours; // [n]
-    bool *is_shot;        // [n]
-    double lower[3];      // what all frames show
-    double upper[3];
+    colour *colours; // [n]
+    bool *is_shot;   // [n]
+    extent part;     // what all frames show
 } snapshot;
 
 // How a scene is drawn follows from its start: colours say where an object then

@@ -4,6 +4,20 @@
 #include <math.h>
 #include <string.h>
 
+const look isometric = {
+    .right = {-1, 1, 0},
+    .up = {-0.577350269189625764, -0.577350269189625764, 1.154700538379251529},
+    .near = {1, 1, 1},
+    .light = {0.30, 0.55, 0.78},
+    .dark = 0.72,
+    .bright = 0.28,
+};
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
 extent extent_empty(void)
 {
     return (extent){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
@@ -17,11 +31,9 @@ void extent_add(extent *e, const double p[3])
     }
 }
 
-static point project(uint32_t dims, const double p[3])
+static point project(const look *from, uint32_t dims, const double p[3])
 {
-    if (dims == 2)
-        return (point){p[0], -p[1]};
-    return (point){(p[1] - p[0]) * sqrt(0.75), (p[0] + p[1]) * 0.5 - p[2]};
+    return dims == 2 ? (point){p[0], -p[1]} : (point){dot(from->right, p), -dot(from->up, p)};
 }
 
 static corners corners_of_extent(const extent *e)
@@ -33,19 +45,19 @@ static corners corners_of_extent(const extent *e)
     return all;
 }
 
-view view_fit(uint32_t dims, const extent *shown, point least, point most)
+view view_fit(const look *from, uint32_t dims, const extent *shown, point least, point most)
 {
     point low = {INFINITY, INFINITY};
     point high = {-INFINITY, -INFINITY};
     corners all = corners_of_extent(shown);
     for (int i = 0; i < 8; ++i) {
-        point p = project(dims, all.at[i]);
+        point p = project(from, dims, all.at[i]);
         low = (point){fmin(low.x, p.x), fmin(low.y, p.y)};
         high = (point){fmax(high.x, p.x), fmax(high.y, p.y)};
     }
     double width = fmax(high.x - low.x, 1e-300);
     double height = fmax(high.y - low.y, 1e-300);
-    view v = {.dims = dims, .shown = *shown};
+    view v = {.look = from, .dims = dims, .shown = *shown};
     v.scale = fmin((most.x - least.x) / width, (most.y - least.y) / height);
     v.at.x = 0.5 * (least.x + most.x) - 0.5 * (low.x + high.x) * v.scale;
     v.at.y = 0.5 * (least.y + most.y) - 0.5 * (low.y + high.y) * v.scale;
@@ -54,8 +66,13 @@ view view_fit(uint32_t dims, const extent *shown, point least, point most)
 
 point view_point(const view *v, const double p[3])
 {
-    point flat = project(v->dims, p);
+    point flat = project(v->look, v->dims, p);
     return (point){v->at.x + v->scale * flat.x, v->at.y + v->scale * flat.y};
+}
+
+double view_nearness(const view *v, const double p[3])
+{
+    return v->dims == 3 ? dot(v->look->near, p) : 0;
 }
 
 static void turn_of(const duet_pose *box, uint32_t dims, double turn[3][3])
@@ -101,30 +118,27 @@ static colour shade(colour c, double light)
     return (colour){c.red * light, c.green * light, c.blue * light, c.alpha};
 }
 
-static void faces(const view *v, canvas *c, const corners *all, const box_ink *ink)
+static void draw_faces(const view *v, canvas *c, const corners *all, const box_ink *ink)
 {
-    static const double light[3] = {0.30, 0.55, 0.78}; // from where it comes
     for (int axis = 0; axis < 3; ++axis) {
         const double normal[3] = {all->turn[0][axis], all->turn[1][axis], all->turn[2][axis]};
-        int side = normal[0] + normal[1] + normal[2] > 0; // which of the two is seen
-        double lit = 0;
-        for (int k = 0; k < 3; ++k)
-            lit += light[k] * (side ? normal[k] : -normal[k]);
+        int side = dot(normal, v->look->near) > 0; // which of the two is seen
+        double lit = (side ? 1 : -1) * dot(normal, v->look->light);
+        colour fill = shade(ink->fill, v->look->dark + v->look->bright * fmax(lit, 0));
         point walk[4];
         face(v, all, axis, side, walk);
-        canvas_polygon(c, walk, 4, shade(ink->fill, 0.72 + 0.28 * fmax(lit, 0)), ink->edge);
+        canvas_polygon(c, walk, 4, fill, ink->edge);
     }
 }
 
-void view_box(const view *v, canvas *c, const duet_pose *box, const box_ink *ink)
+void view_box(const view *v, canvas *c, const corners *box, const box_ink *ink)
 {
-    corners all = corners_of(box, v->dims);
     point walk[4];
     if (v->dims == 3) {
-        faces(v, c, &all, ink);
+        draw_faces(v, c, box, ink);
         return;
     }
-    face(v, &all, 2, 0, walk);
+    face(v, box, 2, 0, walk);
     canvas_polygon(c, walk, 4, ink->fill, ink->edge);
 }
 

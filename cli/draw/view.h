@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where points of a scene lie on a canvas: 2D from above with y upwards, 3D as
-// an isometric projection seen from (1, 1, 1) with z upwards.
+// Where points of a scene lie on a canvas, without perspective: 2D from above with y
+// upwards, 3D from where a look says.
 #ifndef CLI_VIEW_H
 #define CLI_VIEW_H
 
@@ -16,7 +16,20 @@ typedef struct extent {
 extent extent_empty(void);
 void extent_add(extent *e, const double p[3]);
 
+// From where a scene in 3D is seen, and from where light comes.
+typedef struct look {
+    double right[3]; // right and up: of one length, at right angles
+    double up[3];
+    double near[3]; // towards the eye
+    double light[3];
+    double dark;   // brightness of a face that no light falls on
+    double bright; // what light adds to it
+} look;
+
+extern const look isometric; // from (1, 1, 1)
+
 typedef struct view {
+    const look *look;
     uint32_t dims;
     extent shown;
     double scale; // pixels a unit of length
@@ -24,8 +37,11 @@ typedef struct view {
 } view;
 
 // Shows the extent as large as fits between the points.
-view view_fit(uint32_t dims, const extent *shown, point least, point most);
+view view_fit(const look *from, uint32_t dims, const extent *shown, point least, point most);
 point view_point(const view *v, const double p[3]);
+
+// How near a point is to the eye; in 2D no box hides another.
+double view_nearness(const view *v, const double p[3]);
 
 // Corner i of a box is at its upper side on axis k where bit k of i is set; 2D
 // boxes have the first four. The columns of turn are the box's axes.
@@ -38,11 +54,11 @@ corners corners_of(const duet_pose *box, uint32_t dims);
 
 typedef struct box_ink {
     colour fill;
-    colour edge;
+    colour edge; // of alpha 0: none
 } box_ink;
 
 // Its outline filled, or in 3D the faces that are seen, shaded by direction.
-void view_box(const view *v, canvas *c, const duet_pose *box, const box_ink *ink);
+void view_box(const view *v, canvas *c, const corners *box, const box_ink *ink);
 
 // The edges alone.
 void view_frame(const view *v, canvas *c, const extent *e, colour ink);

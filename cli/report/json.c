@@ -46,6 +46,23 @@ void json_add_object(cJSON *o, const char *name, const char *chars)
         cJSON_Delete(object);
 }
 
+void json_add_plan(cJSON *o, double share, const char *mode, const char *variant_a,
+                   const char *variant_b)
+{
+    cJSON_AddNumberToObject(o, "share", share);
+    cJSON_AddStringToObject(o, "mode", mode);
+    cJSON_AddStringToObject(o, "variant_a", variant_a);
+    cJSON_AddStringToObject(o, "variant_b", variant_b);
+}
+
+void json_add_pair(cJSON *o, const char *name, const duet_device_pair *pair)
+{
+    char both[256];
+    snprintf(both, sizeof both, "%s,%s", duet_device_pair_get_info(pair, 0)->selector,
+             duet_device_pair_get_info(pair, 1)->selector);
+    cJSON_AddStringToObject(o, name, both);
+}
+
 bool json_require(const cJSON *o, const json_field *fields, const char *where, duet_error *err)
 {
     for (const json_field *f = fields; f->name; ++f)

@@ -5,6 +5,7 @@
 #define CLI_JSON_H
 
 #include "base/text.h"
+#include "runtime/duet.h"
 
 #include <cjson/cJSON.h>
 #include <stdbool.h>
@@ -18,6 +19,13 @@ bool json_write(const cJSON *o, text *t, duet_error *err);
 
 // Adds a field from an object's text; none where the text is not one object.
 void json_add_object(cJSON *o, const char *name, const char *chars);
+
+// Adds the fields that every plan has: share (0 to 1), mode, variant_a, variant_b.
+void json_add_plan(cJSON *o, double share, const char *mode, const char *variant_a,
+                   const char *variant_b);
+
+// Adds a field "A,B" from the devices' selectors.
+void json_add_pair(cJSON *o, const char *name, const duet_device_pair *pair);
 
 // A field that must be there; a table of them ends with {0}.
 typedef struct json_field {

@@ -2,13 +2,39 @@
 #include "cli/report/level_costs_report.h"
 
 #include "base/text.h"
+#include "cli/draw/canvas.h"
+#include "cli/interrupt.h"
 #include "cli/report/table.h"
+#include "cli/say.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 
 enum { BAR = 20 };
+
+static bool watch(void *shown, uint64_t done, uint64_t steps)
+{
+    progress *p = shown;
+    p->total = steps;
+    progress_show(p, done);
+    return !interrupt_asked();
+}
+
+bool level_costs_show(level_costs *p, duet_device_pair *pair, const duet_scene *scene,
+                      uint32_t rounds, duet_error *err)
+{
+    progress shown = progress_begin("step", 0);
+    level_costs_def def = {.pair = pair,
+                           .scene = scene,
+                           .alone = true,
+                           .rounds = rounds,
+                           .watch = watch,
+                           .watch_context = &shown};
+    bool ok = level_costs_measure(p, &def, err);
+    progress_end(&shown);
+    return ok;
+}
 
 static const char *name_of(const level_cost *row)
 {
@@ -41,13 +67,11 @@ static void distance_cell(table *t, uint64_t n, double distance)
 
 static void print_row(table *t, const level_cost *row, double slowest)
 {
-    table_cell(t, "%s", row->front ? "*" : " ");
-    table_cell(t, "%s", name_of(row));
+    table_words(t, row->front ? "*" : " ", name_of(row), NULL);
     table_cell(t, "%.3f", row->step_ms);
     table_cell(t, "%.2f", row->relative);
-    table_cell(t, "%s", table_bar(row->step_ms / slowest, BAR).chars);
-    table_cell(t, "%s", table_count(row->missed).chars);
-    table_cell(t, "%s", table_count(row->added).chars);
+    table_words(t, table_bar(row->step_ms / slowest, BAR).chars, table_count(row->missed).chars,
+                table_count(row->added).chars, NULL);
     distance_cell(t, row->missed, row->deepest_missed);
     distance_cell(t, row->added, row->widest_added);
     table_cell(t, "%.2g %%", 100 * undecided_share(row));
@@ -55,13 +79,11 @@ static void print_row(table *t, const level_cost *row, double slowest)
 
 static void print_device(const level_costs_report *r, int device)
 {
-    static const char *const heads[] = {" ",      "level", "ms a step", "/ sat15", " ",
-                                        "missed", "false", "deepest",   "widest",  "undecided"};
     const duet_device_info *info = duet_device_pair_get_info(r->pair, device);
-    printf("\n%c %s, %s, alone\n", "AB"[device], info->selector, info->name);
+    printf("\n%c %s, %s, alone\n", "AB"[device], info -> selector, info -> name);
     table t = table_begin("llrrlrrrrr");
-    for (size_t i = 0; i < sizeof heads / sizeof *heads; ++i)
-        table_cell(&t, "%s", heads[i]);
+    table_words(&t, " ", "level", "ms a step", "/ sat15", " ", "missed", "false", "deepest",
+                "widest", "undecided", NULL);
     double slowest = slowest_ms(r->costs, device);
     for (uint32_t i = 0; i < r->costs->n; ++i)
         if (r->costs->rows[i].device == device)
@@ -153,7 +175,94 @@ bool level_costs_report_csv(const level_costs_report *r, const char *path, duet_
                  row->step_ms, row->relative, row->pairs, row->missed, row->added,
                  row->deepest_missed, row->widest_added, undecided_share(row), row->front);
     }
-    bool ok = text_ok(&lines, err) && text_write_file(path, text_chars(&lines), lines.length, err);
-    text_free(&lines);
-    return ok;
+    return say_to_file(&lines, path, err);
+}
+
+// ---------------------------------------------------------------- as a picture
+
+// A row a level, its time to the left and what it gets wrong to the right, by powers
+// of ten from one pair on.
+static const colour time_fill = {0.36, 0.53, 0.74, 1};
+static const colour beaten_fill = {0.74, 0.80, 0.87, 1};
+static const colour wrong_fill = {0.80, 0.30, 0.20, 1};
+
+enum { WIDTH = 960, ROW = 30, HEAD = 96, DEVICE_HEAD = 44, FOOT = 46 };
+static const double names_x = 24, times_x = 120, wrongs_x = 560, bar_px = 260, words_px = 14;
+
+static void draw_bar(canvas *c, double x, double y, double length, colour fill)
+{
+    const point corners[] = {{x, y - 15}, {x + length, y - 15}, {x + length, y + 5}, {x, y + 5}};
+    canvas_polygon(c, corners, 4, fill, fill);
+}
+
+static double greatest(const level_costs *p, double (*of)(const level_cost *row))
+{
+    double most = 0;
+    for (uint32_t i = 0; i < p->n; ++i)
+        most = fmax(most, of(&p->rows[i]));
+    return most;
+}
+
+static double time_of(const level_cost *row)
+{
+    return row->step_ms;
+}
+
+static double digits_of_wrong(const level_cost *row)
+{
+    return log10(1.0 + (double)(row->missed + row->added));
+}
+
+static void draw_row(canvas *c, const level_costs *p, const level_cost *row, double y)
+{
+    char words[160];
+    canvas_words(c, (point){names_x, y}, words_px, canvas_ink,
+                 duet_level_get_info(row->level)->name);
+    double length = bar_px * row->step_ms / greatest(p, time_of);
+    draw_bar(c, times_x, y, length, row->front ? time_fill : beaten_fill);
+    snprintf(words, sizeof words, "%.3g ms, %.2f x", row->step_ms, row->relative);
+    canvas_words(c, (point){times_x + length + 8, y}, words_px, canvas_ink, words);
+    double most = greatest(p, digits_of_wrong);
+    length = most > 0 ? bar_px * digits_of_wrong(row) / most : 0;
+    draw_bar(c, wrongs_x, y, length, wrong_fill);
+    snprintf(words, sizeof words, "%s", table_count(row->missed + row->added).chars);
+    canvas_words(c, (point){wrongs_x + length + 8, y}, words_px, canvas_ink,
+                 row->missed + row->added ? words : "none");
+}
+
+static void draw_device(canvas *c, const level_costs_report *r, int device, double *y)
+{
+    char words[256];
+    const duet_device_info *info = duet_device_pair_get_info(r->pair, device);
+    snprintf(words, sizeof words, "%c: %.60s, %.120s", "AB"[device], info -> selector,
+             info -> name);
+    canvas_words(c, (point){names_x, *y}, words_px, canvas_grey, words);
+    *y += ROW;
+    for (uint32_t i = 0; i < r->costs->n; ++i) {
+        if (r->costs->rows[i].device != device)
+            continue;
+        draw_row(c, r->costs, &r->costs->rows[i], *y);
+        *y += ROW;
+    }
+    *y += DEVICE_HEAD - ROW;
+}
+
+bool level_costs_report_plot(const level_costs_report *r, const char *path, duet_error *err)
+{
+    double height = HEAD + 2 * DEVICE_HEAD + ROW * (double)r->costs->n + FOOT;
+    canvas *c = canvas_open(path, WIDTH, height, err);
+    if (!c)
+        return false;
+    char words[256];
+    snprintf(words, sizeof words, "What accuracy costs: %.80s, %s boxes", r->scene->name,
+             table_count(r->scene->n).chars);
+    canvas_words(c, (point){names_x, 34}, 20, canvas_ink, words);
+    canvas_words(c, (point){times_x, 66}, words_px, canvas_ink, "time a step, and against sat15");
+    canvas_words(c, (point){wrongs_x, 66}, words_px, canvas_ink, "wrong pairs, by powers of ten");
+    double y = HEAD;
+    draw_device(c, r, 0, &y);
+    draw_device(c, r, 1, &y);
+    canvas_words(c, (point){names_x, y}, words_px, canvas_grey,
+                 "Pale: another level on that device is at least as fast and as right.");
+    return canvas_close(c, true, err);
 }

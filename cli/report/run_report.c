@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "cli/report/run_report.h"
 
+#include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 
-#include <cjson/cJSON.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -44,8 +44,7 @@ static void print_devices(const duet_device_pair *pair, const duet_plan *plan)
     for (int i = 0; i < 2; ++i) {
         const duet_device_info *d = duet_device_pair_get_info(pair, i);
         table_cell(&t, "%c", "AB"[i]);
-        table_cell(&t, "%s", d->selector);
-        table_cell(&t, "%s", d->name);
+        table_words(&t, d->selector, d->name, NULL);
         table_cell(&t, "%.4g %%", 100 * (i == 0 ? share : 1 - share));
         table_cell(&t, "of the work, kernels '%s'", i == 0 ? plan->variant_a : plan->variant_b);
     }
@@ -70,34 +69,13 @@ static void print_profile(const run_report *r)
                    .chars);
 }
 
-enum { NOBODY = -1 };
+enum { STAGES_MOST = 64 };
 
-// Time that one device spent on stages of that name.
-static double stage_ms(const timed_step *step, const char *name, int device)
-{
-    double ms = 0;
-    for (uint32_t i = 0; i < step->n_stages; ++i)
-        if (step->stages[i].device == device && strcmp(step->stages[i].name, name) == 0)
-            ms += step->stages[i].ms;
-    return ms;
-}
-
-static double all_stages_ms(const timed_step *step, int device)
-{
-    double ms = 0;
-    for (uint32_t i = 0; i < step->n_stages; ++i)
-        ms += step->stages[i].device == device ? step->stages[i].ms : 0;
-    return ms;
-}
-
-// Whether the device has a stage of that name among the step's first n.
-static bool has_stage(const timed_step *step, uint32_t n, const char *name, int device)
-{
-    for (uint32_t i = 0; i < n; ++i)
-        if (step->stages[i].device == device && strcmp(step->stages[i].name, name) == 0)
-            return true;
-    return false;
-}
+// Stages of one name, and the time that each device spent on them.
+typedef struct stage_row {
+    const char *name;
+    double ms[2];
+} stage_row;
 
 static uint32_t count_stages(const timed_step *step, int device)
 {
@@ -107,31 +85,35 @@ static uint32_t count_stages(const timed_step *step, int device)
     return n;
 }
 
-static void print_stage(table *t, const timed_step *step, const char *name)
+static uint32_t add_stages(const timed_step *step, int device, stage_row *rows, uint32_t n)
 {
-    table_cell(t, "%s", name);
+    for (uint32_t i = 0; i < step->n_stages; ++i) {
+        const duet_stage *stage = &step->stages[i];
+        uint32_t row = 0;
+        while (row < n && strcmp(rows[row].name, stage->name) != 0)
+            ++row;
+        if (stage->device != device || row == STAGES_MOST)
+            continue;
+        rows[row].name = stage->name;
+        rows[row].ms[device] += stage->ms;
+        n += row == n;
+    }
+    return n;
+}
+
+static void print_stage(table *t, const stage_row *row, const double all_ms[2])
+{
+    table_cell(t, "%s", row->name);
     for (int device = 0; device < 2; ++device) {
-        double ms = stage_ms(step, name, device);
-        double all = all_stages_ms(step, device);
-        double part = all > 0 ? ms / all : 0;
+        double ms = row->ms[device];
+        double part = ms > 0 ? ms / all_ms[device] : 0;
         if (ms > 0) {
             table_cell(t, "%.3f", ms);
             table_cell(t, "%.1f", 100 * part);
         } else {
-            table_cell(t, "-");
-            table_cell(t, " ");
+            table_words(t, "-", " ", NULL);
         }
         table_cell(t, "%s", table_bar(part, 16).chars);
-    }
-}
-
-static void print_stages_of(table *t, const timed_step *step, int device, int passed_over)
-{
-    for (uint32_t i = 0; i < step->n_stages; ++i) {
-        const duet_stage *stage = &step->stages[i];
-        if (stage->device == device && !has_stage(step, i, stage->name, device) &&
-            !has_stage(step, step->n_stages, stage->name, passed_over))
-            print_stage(t, step, stage->name);
     }
 }
 
@@ -139,18 +121,21 @@ static void print_stages_of(table *t, const timed_step *step, int device, int pa
 // other did.
 static void print_stages(const timed_step *step)
 {
-    table t = table_begin("lrrlrrl");
-    static const char *const heads[] = {"", "A ms", "%", "                ", "B ms", "%", ""};
-    for (int i = 0; i < 7; ++i)
-        table_cell(&t, "%s", heads[i]);
+    stage_row rows[STAGES_MOST] = {{0}};
+    double all_ms[2] = {0, 0};
     int fuller = count_stages(step, 1) > count_stages(step, 0);
-    print_stages_of(&t, step, fuller, NOBODY);
-    print_stages_of(&t, step, 1 - fuller, fuller);
-    table_cell(&t, "together");
+    uint32_t n = add_stages(step, fuller, rows, 0);
+    n = add_stages(step, 1 - fuller, rows, n);
+    for (uint32_t i = 0; i < step->n_stages; ++i)
+        all_ms[step->stages[i].device == 1] += step->stages[i].ms;
+    table t = table_begin("lrrlrrl");
+    table_words(&t, "", "A ms", "%", "                ", "B ms", "%", "", NULL);
+    for (uint32_t i = 0; i < n; ++i)
+        print_stage(&t, &rows[i], all_ms);
+    table_words(&t, "together", NULL);
     for (int device = 0; device < 2; ++device) {
-        table_cell(&t, "%.3f", all_stages_ms(step, device));
-        table_cell(&t, " ");
-        table_cell(&t, " ");
+        table_cell(&t, "%.3f", all_ms[device]);
+        table_words(&t, " ", " ", NULL);
     }
     table_print(&t, stdout);
     putchar('\n');
@@ -161,24 +146,18 @@ static void print_totals(const timed *m, const char *level)
     const duet_result *r = &m->last;
     const timed_step *median = timed_median(m);
     table t = table_begin("lrl");
-    table_cell(&t, "candidates");
-    table_cell(&t, "%s", table_count(r->candidates).chars);
-    table_cell(&t, "pairs whose bounds overlap");
-    table_cell(&t, "pairs");
-    table_cell(&t, "%s", table_count(r->pairs).chars);
+    table_words(&t, "candidates", table_count(r->candidates).chars, "pairs whose bounds overlap",
+                NULL);
+    table_words(&t, "pairs", table_count(r->pairs).chars, NULL);
     table_cell(&t, "collide, at level %s; hash %016" PRIx64, level, m->hash);
-    if (r->undecided > 0) {
-        table_cell(&t, "undecided");
-        table_cell(&t, "%s", table_count(r->undecided).chars);
-        table_cell(&t, "too close for float, decided by exact arithmetic on the host");
-    }
+    if (r->undecided > 0)
+        table_words(&t, "undecided", table_count(r->undecided).chars,
+                    "too close for float, decided by exact arithmetic on the host", NULL);
     if (r->bad > 0) {
-        table_cell(&t, "bad objects");
-        table_cell(&t, "%s", table_count(r->bad).chars);
+        table_words(&t, "bad objects", table_count(r->bad).chars, NULL);
         table_cell(&t, "left out; the first is %u", r->first_bad);
     }
-    table_cell(&t, "memory");
-    table_cell(&t, "%s", table_bytes(r->bytes[0] + r->bytes[1]).chars);
+    table_words(&t, "memory", table_bytes(r->bytes[0] + r->bytes[1]).chars, NULL);
     table_cell(&t, "A %s, B %s", table_bytes(r->bytes[0]).chars, table_bytes(r->bytes[1]).chars);
     table_cell(&t, "time");
     table_cell(&t, "%.3f ms", median->total_ms);
@@ -218,9 +197,7 @@ static cJSON *stages_json(const timed_step *step)
 static void add_plan(cJSON *o, const duet_device_pair *pair, const duet_plan *plan)
 {
     char both[256];
-    snprintf(both, sizeof both, "%s,%s", duet_device_pair_get_info(pair, 0)->selector,
-             duet_device_pair_get_info(pair, 1)->selector);
-    cJSON_AddStringToObject(o, "pair", both);
+    json_add_pair(o, "pair", pair);
     cJSON_AddNumberToObject(o, "share", (double)plan->share / DUET_SHARE_ONE);
     cJSON_AddStringToObject(o, "mode", duet_mode_name(plan->mode));
     bool same = strcmp(plan->variant_a, plan->variant_b) == 0;

@@ -26,6 +26,15 @@ void table_cell(table *t, const char *format, ...)
     ++t->n_cells;
 }
 
+void table_words(table *t, const char *first, ...)
+{
+    va_list args;
+    va_start(args, first);
+    for (const char *words = first; words; words = va_arg(args, const char *))
+        table_cell(t, "%s", words);
+    va_end(args);
+}
+
 // Characters, not bytes: what follows the first byte of a character does not
 // count.
 static int width_of(const char *cell)

@@ -20,6 +20,8 @@ typedef struct table {
 // align "lrr" makes three columns, the first to the left.
 table table_begin(const char *align);
 void table_cell(table *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
+// Cells that are words, up to a NULL.
+void table_words(table *t, const char *first, ...) __attribute__((sentinel));
 // Prints what was added, a newline after every full row, and frees it.
 void table_print(table *t, FILE *out);
 

@@ -5,7 +5,7 @@
 #include "support/fuzz.h"
 
 #include "cli/commands.h"
-#include "cli/report/bench_report.h"
+#include "cli/report/bench_results.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #include "support/fuzz.h"
 #include "support/store.h"
 
-#include "cli/report/html.h"
+#include "cli/report/page.h"
 #include "profiles/duet_profiles.h"
 #include "profiles/lookup.h"
 #include "runtime/duet.h"
@@ -47,10 +47,12 @@ static void report(const char *path)
 {
     duet_error err = {0};
     text page = {0};
+    cJSON *shown = page_begin();
     store *s = store_open(path, STORE_READ, &err);
     fuzz_require_answer(s != NULL, &err);
     if (s)
-        fuzz_require_answer(report_store(&page, s, &err), &err);
+        fuzz_require_answer(page_add_store(shown, s, &err) && page_make(&page, shown, &err), &err);
+    cJSON_Delete(shown);
     store_close(s);
     text_free(&page);
 }

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// Results of `duet bench` as JSON: one object a file, with the devices and an
+// object for each case. docs/formats.md has the fields. And what a person is told of
+// them: a table for each scene, next to earlier results where there are some.
+#ifndef CLI_BENCH_RESULTS_H
+#define CLI_BENCH_RESULTS_H
+
+#include "cli/report/json.h"
+#include "cli/timed.h"
+
+enum { BENCH_SAMPLES_MOST = 512 };
+
+cJSON *bench_begin(const duet_device_pair *pair, bool quick);
+
+// Adds what was measured by the plan, or why that failed; returns the case.
+cJSON *bench_add(cJSON *results, const duet_scene_info *scene, const duet_plan *plan,
+                 const timed *t, const duet_error *failure);
+
+#define BENCH_TYPE "duet bench"
+
+// BAD_INPUT names the file, the case and the field that is not as it must be.
+bool bench_check(const cJSON *o, const char *path, duet_error *err);
+cJSON *bench_read(const char *path, duet_error *err);
+
+// The cases of one scene; before is NULL or what bench_read gave.
+void bench_print_scene(const cJSON *results, const char *scene, const cJSON *before);
+
+// How many cases became faster, stayed the same and so on; nothing where
+// before is NULL.
+void bench_print_verdicts(const cJSON *results, const cJSON *before);
+
+// Adds to each case how it compares: against_ms, ratio, ratio_low, ratio_high
+// (above 1: faster now) and verdict. Nothing where before is NULL.
+void bench_compare(cJSON *results, const cJSON *before);
+
+#endif

@@ -1,0 +1,637 @@
+-- SPDX-License-Identifier: MIT
+-- The page of `duet report`: HTML that stands by itself, light and dark. Returns a
+-- function from what was measured to the page's text:
+--
+--   duet, made    the version that made the page, and when
+--   store         path and profiles, each as `duet profiles show --json` has it; or nil
+--   no_store      where there is none: a sentence that says so
+--   levels, effects, bench   lists of results; of bench the earliest comes first
+--
+-- Results are a stranger's: what is not the number or the name that it should be
+-- counts as 0 and "", and every text passes through `words`.
+
+-- A bar's colour is s0 to s11; the rest are roles: a and b for the devices.
+local style = [[
+:root{--paper:#fff;--ink:#1d2430;--dim:#5d6878;--line:#d5dbe3;--card:#f6f8fa;--a:#1f6fc4;--b:#d1600a;
+  --step:#2d3646;--mark:#b3122f;--s0:#4e79a7;--s1:#f28e2b;--s2:#59a14f;--s3:#e15759;--s4:#76b7b2;--s5:#b59a1d;
+  --s6:#b07aa1;--s7:#ff9da7;--s8:#9c755f;--s9:#8f8a87;--s10:#2f8f9d;--s11:#7a5cc0}
+@media(prefers-color-scheme:dark){:root{--paper:#14181f;--ink:#e3e8ef;--dim:#9aa6b6;--line:#333c49;
+  --card:#1b212a;--a:#6cb0f5;--b:#f59a52;--step:#d6dde8;--mark:#ff6b81}}
+*{box-sizing:border-box}
+body{margin:0;background:var(--paper);color:var(--ink);font:16px/1.5 system-ui,sans-serif}
+main{max-width:1200px;margin:0 auto;padding:16px}
+h1{font-size:1.6rem;margin:.4em 0}h2{font-size:1.2rem;margin:1.8em 0 .5em;border-bottom:1px solid var(--line)}
+p{margin:.4em 0;color:var(--dim);overflow-wrap:anywhere}
+.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.85rem;white-space:nowrap}
+th,td{padding:.25em .7em;border-bottom:1px solid var(--line);text-align:left}
+th{color:var(--dim);font-weight:600}.r{text-align:right;font-variant-numeric:tabular-nums}
+.charts{display:grid;gap:14px;grid-template-columns:repeat(auto-fill,minmax(min(340px,100%),1fr));
+  align-items:start}
+figure{margin:0;padding:10px;background:var(--card);border:1px solid var(--line);border-radius:8px}
+figcaption{font-size:.85rem;overflow-wrap:anywhere}
+.key{display:inline-block;margin-right:.9em;white-space:nowrap;font-size:.8rem}
+.key i{display:inline-block;width:.8em;height:.8em;margin-right:.3em;border-radius:2px}
+svg{display:block;width:100%;height:auto;margin-top:6px}
+svg text{fill:var(--dim);font:11px system-ui,sans-serif}
+svg .name{fill:var(--ink)}svg .axis{stroke:var(--line)}svg polyline{fill:none;stroke-width:2}
+]]
+
+-- ---------------------------------------------------------------- what is read
+
+local function text(o, name)
+  local value = type(o) == "table" and o[name]
+  return type(value) == "string" and value or ""
+end
+
+local function number(o, name)
+  local value = type(o) == "table" and o[name]
+  return type(value) == "number" and math.abs(value) <= 2 ^ 53 and value or 0
+end
+
+local function list(o, name)
+  local value = type(o) == "table" and o[name]
+  return type(value) == "table" and value or {}
+end
+
+-- Whether two have the same mode and kernels.
+local function same_plan(a, b)
+  return text(a, "mode") == text(b, "mode") and text(a, "variant_a") == text(b, "variant_a")
+    and text(a, "variant_b") == text(b, "variant_b")
+end
+
+local function greatest(rows, value)
+  local most = 0
+  for _, row in ipairs(rows) do most = math.max(most, value(row)) end
+  return most
+end
+
+-- "1 234 567"
+local function count(n)
+  local digits = ("%.0f"):format(math.floor(n))
+  return (digits:reverse():gsub("(%d%d%d)", "%1 "):reverse():gsub("^ ", ""))
+end
+
+-- At most so many bytes, and no part of a character.
+local function cut(s, most)
+  if #s <= most then return s end
+  while most > 0 and s:byte(most + 1) & 0xc0 == 0x80 do most = most - 1 end
+  return s:sub(1, most)
+end
+
+-- ---------------------------------------------------------------- HTML
+
+local page = {}
+
+local function add(format, ...) page[#page + 1] = format:format(...) end
+
+local entities = { ["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;", ['"'] = "&quot;" }
+local function words(s) return (s:gsub('[&<>"]', entities)) end
+
+local function paragraph(format, ...) add("<p>%s</p>\n", words(format:format(...))) end
+
+local function section(heading, body)
+  add("<section><h2>%s</h2>\n", heading)
+  body()
+  add("</section>\n")
+end
+
+-- Charts that lie side by side where there is space.
+local function charts(body)
+  add('<div class="charts">\n')
+  body()
+  add("</div>\n")
+end
+
+-- A table that scrolls by itself where the page is narrow. align has a letter a
+-- column, l or r; the first row is the heads.
+local function rows_begin(align, heads)
+  local row = function(tag, cells)
+    add("<tr>")
+    for i, cell in ipairs(cells) do
+      local class = align:sub(i, i) == "r" and ' class="r"' or ""
+      add("<%s%s>%s</%s>", tag, class, words(cell), tag)
+    end
+    add("</tr>\n")
+  end
+  add('<div class="wide"><table>\n')
+  row("th", heads)
+  return function(cells) row("td", cells) end
+end
+
+local function rows_end() add("</table></div>\n") end
+
+local function key(colour, name)
+  return ('<span class="key"><i style="background:var(--%s)"></i>%s</span>'):format(colour, words(name))
+end
+
+-- ---------------------------------------------------------------- charts
+
+-- The frame of a chart in the units of its viewBox.
+local width <const>, height <const> = 400, 250
+local left <const>, right <const>, top <const>, bottom <const> = 48, 388, 14, 208
+
+local function figure(title, tall, keys)
+  add("<figure><figcaption>%s</figcaption>\n%s", words(title), keys or "")
+  add('<svg class="chart" viewBox="0 0 %.0f %.0f" role="img" aria-label="%s">\n', width, tall, words(title))
+end
+
+local function figure_end() add("</svg></figure>\n") end
+
+local function label(x, y, s, more)
+  add('<text%s x="%.1f" y="%.1f">%s</text>\n', more or "", x, y, words(s))
+end
+
+-- About five ticks at 1, 2 or 5 times a power of ten.
+local function step_for(span)
+  local rough = span / 5
+  local power = 10 ^ math.floor(math.log(rough, 10))
+  local times = rough / power
+  return power * (times <= 1 and 1 or times <= 2 and 2 or times <= 5 and 5 or 10)
+end
+
+-- Functions from values to places, and how far ticks are apart; y begins at 0.
+local function find_scales(c)
+  local low, high, most = c.mark or math.huge, c.mark or -math.huge, 0
+  for _, s in ipairs(c.series) do
+    for _, p in ipairs(s.points) do
+      low, high, most = math.min(low, p.x), math.max(high, p.x), math.max(most, p.y)
+    end
+  end
+  if not (high > low) then low, high = low - 0.5, high + 0.5 end
+  most = most > 0 and most * 1.05 or 1
+  local x = { low = low, high = high, step = math.max(step_for(high - low), c.counted and 1 or 0) }
+  local y = { high = most, step = step_for(most) }
+  x.at = function(value) return left + (right - left) * (value - low) / (high - low) end
+  y.at = function(value) return bottom - (bottom - top) * value / most end
+  return x, y
+end
+
+local function draw_axes(c, x, y)
+  local middle = (left + right) / 2
+  local centred <const> = ' text-anchor="middle"'
+  local value = math.ceil(x.low / x.step - 1e-9) * x.step
+  while value <= x.high + 1e-9 * x.step do
+    local at = x.at(value)
+    add('<line class="axis" x1="%.1f" y1="%.1f" x2="%.1f" y2="%.1f"/>', at, bottom, at, bottom + 4)
+    label(at, bottom + 17, ("%.6g"):format(math.abs(value) < 1e-9 * x.step and 0 or value), centred)
+    value = value + x.step
+  end
+  label(middle, height - 6, c.x_label, centred)
+  for i = 0, y.high // y.step do
+    local at = y.at(i * y.step)
+    add('<line class="axis" x1="%.1f" y1="%.1f" x2="%.1f" y2="%.1f"/>', left, at, right, at)
+    label(left - 5, at + 4, ("%.6g"):format(i * y.step), ' text-anchor="end"')
+  end
+  middle = (top + bottom) / 2
+  label(12, middle, c.y_label, ('%s transform="rotate(-90 12 %.1f)"'):format(centred, middle))
+end
+
+local function draw_series(s, x, y)
+  if not s.loose then
+    add('<polyline stroke="var(--%s)" points="', s.colour)
+    for _, p in ipairs(s.points) do add("%.1f,%.1f ", x.at(p.x), y.at(p.y)) end
+    add('"/>\n')
+  end
+  for _, p in ipairs(s.points) do
+    add('<circle cx="%.1f" cy="%.1f" r="%d" fill="var(--%s)"><title>%s</title></circle>\n', x.at(p.x), y.at(p.y),
+      s.loose and 2 or 3, s.colour, words(p.says))
+  end
+end
+
+-- Points over x: title, x_label, y_label; series: a list of name, colour (of the page),
+-- points with x, y and what they say; loose: no line through them. counted: x counts
+-- things, with no ticks between whole numbers; mark: a dashed line up from this x.
+local function draw_chart(c)
+  local x, y = find_scales(c)
+  local keys = {}
+  for _, s in ipairs(c.series) do
+    if #s.points > 0 then keys[#keys + 1] = key(s.colour, s.name) end
+  end
+  figure(c.title, height, table.concat(keys))
+  draw_axes(c, x, y)
+  if c.mark then
+    local at = x.at(c.mark)
+    add('<line stroke="var(--mark)" stroke-dasharray="4 3" x1="%.1f" y1="%.1f" x2="%.1f" y2="%.1f"/>\n', at, top, at,
+      bottom)
+  end
+  for _, s in ipairs(c.series) do
+    if #s.points > 0 then draw_series(s, x, y) end
+  end
+  figure_end()
+end
+
+local function part_of(value, most) return most > 0 and value > 0 and value / most or 0 end
+
+-- A bar at y that is cut into parts, each with name, value and colour.
+local function draw_parts(y, name, parts, most)
+  local tall <const> = 8
+  local x = 16
+  label(2, y + tall, name)
+  for _, part in ipairs(parts) do
+    local wide = (width - 18) * part_of(part.value, most)
+    add('<rect x="%.2f" y="%.1f" width="%.2f" height="%.1f" fill="var(--s%d)"><title>%s</title></rect>\n', x, y, wide,
+      tall, part.colour, words(("%s: %.3f ms"):format(part.name, part.value)))
+    x = x + wide
+  end
+  return y + tall + 3
+end
+
+-- Rows: a name, and beside it a bar with words behind it in each of two columns. A row
+-- has name, says and two cells of part (of the longest bar, 0 to 1), colour, pale, words.
+local function draw_rows(title, heads, rows)
+  local names <const>, behind <const>, tall <const>, bar <const> = 98, 102, 22, 12 -- pixels on a phone
+  local column = (width - names) / 2
+  local y = 4
+  figure(title, tall * (#rows + 1) + 4)
+  for i, head in ipairs(heads) do label(names + (i - 1) * column, y + bar - 2, head) end
+  for _, row in ipairs(rows) do
+    y = y + tall
+    add("<g><title>%s</title>\n", words(row.says))
+    label(2, y + bar - 2, row.name, ' class="name"')
+    for i, cell in ipairs(row) do
+      local x = names + (i - 1) * column
+      local length = (column - behind) * cell.part
+      if length > 0 then
+        add('<rect x="%.1f" y="%.1f" width="%.2f" height="%.0f" rx="1.5" fill="var(--%s)"%s/>\n', x, y, length, bar,
+          cell.colour, cell.pale and ' opacity=".4"' or "")
+      end
+      label(x + length + (length > 0 and 5 or 0), y + bar - 2, cell.words)
+    end
+    add("</g>\n")
+  end
+  figure_end()
+end
+
+-- ---------------------------------------------------------------- the profile store
+
+local function title_of(p)
+  return ("%s, %s objects: %s | %s, %s, level %s"):format(cut(p.scene ~= "" and p.scene or "a scene", 60),
+    count(p.objects), p.variant_a, p.variant_b, p.mode, p.level)
+end
+
+local function device_words(d)
+  return ("%s%s, driver %s"):format(d.name, d.part ~= "" and (" [%s]"):format(d.part) or "", d.driver)
+end
+
+local function add_profiles(profiles)
+  paragraph("What applications load. The share is A's part of the work; the gain is over the better of the two "
+    .. "devices alone.")
+  local row = rows_begin("lrrllllrrrrllll", { "scene", "objects", "share", "mode", "A's kernels", "B's kernels",
+    "level", "ms", "interval", "gain", "interval", "verdict", "measured", "A", "B" })
+  for _, p in ipairs(profiles) do
+    if p.live then
+      row { p.scene ~= "" and p.scene or "-", count(p.objects), ("%.4f"):format(p.share), p.mode, p.variant_a,
+        p.variant_b, p.level, ("%.3f"):format(p.ms), ("%.3f to %.3f"):format(p.low_ms, p.high_ms),
+        ("%+.1f %%"):format(100 * p.gain), ("%+.1f to %+.1f"):format(100 * p.gain_low, 100 * p.gain_high),
+        p.verdict, p.created, device_words(p.a), device_words(p.b) }
+    end
+  end
+  rows_end()
+end
+
+-- Trials of one share become one point, the one with their median time.
+local function merge_points(points)
+  local merged, from = {}, 1
+  table.sort(points, function(a, b)
+    if a.x ~= b.x then return a.x < b.x end
+    return a.y < b.y
+  end)
+  while from <= #points do
+    local to = from
+    while to < #points and points[to + 1].x == points[from].x do to = to + 1 end
+    merged[#merged + 1] = points[from + (to - from) // 2]
+    from = to + 1
+  end
+  return merged
+end
+
+-- A search's trials over the share: those of the profile's mode and kernels are lines,
+-- the others dots.
+local function draw_search(p)
+  local a, b, step, other = {}, {}, {}, {}
+  local function put(points, what, trial, ms)
+    local says = ("trial %d: share %.4f, %s %.3f ms"):format(trial.number, trial.share, what, ms)
+    points[#points + 1] = { x = trial.share, y = ms, says = says }
+  end
+  for _, trial in ipairs(list(p, "trials")) do
+    if trial.outcome == "ok" and same_plan(trial, p) then
+      put(a, "A", trial, trial.a_ms)
+      put(b, "B", trial, trial.b_ms)
+      put(step, "step", trial, trial.ms)
+    elseif trial.outcome == "ok" then
+      put(other, trial.mode, trial, trial.ms)
+    end
+  end
+  if #step + #other == 0 then return end
+  draw_chart { title = title_of(p), x_label = "share of A", y_label = "ms", mark = p.share, series = {
+    { name = "other plans", colour = "s9", points = other, loose = true },
+    { name = "A", colour = "a", points = merge_points(a) },
+    { name = "B", colour = "b", points = merge_points(b) },
+    { name = "step", colour = "step", points = merge_points(step) },
+  } }
+end
+
+local function add_searches(profiles)
+  paragraph("The median time of each share that was tried: of A's part, of B's, and of the step. The dashed line is "
+    .. "the share that was chosen.")
+  charts(function()
+    for _, p in ipairs(profiles) do
+      if p.live then draw_search(p) end
+    end
+  end)
+end
+
+local function has_levels(profiles)
+  for _, p in ipairs(profiles) do
+    if p.level ~= profiles[1].level then return true end
+  end
+  return false
+end
+
+local function add_accuracy(profiles)
+  local row = rows_begin("llrr", { "workload", "level", "ms", "wrong pairs" })
+  for _, p in ipairs(profiles) do
+    if p.live then
+      local wrong = number(p, "missed_rate") + number(p, "false_rate")
+      row { title_of(p), p.level, ("%.3f"):format(p.ms), ("%.3g %%"):format(100 * wrong) }
+    end
+  end
+  rows_end()
+end
+
+-- The profiles of one workload on one pair, by age; true where there are two.
+local function draw_replaced(profiles, live)
+  local points = {}
+  for _, p in ipairs(profiles) do
+    if p.pair_id == live.pair_id and p.workload_id == live.workload_id then
+      local says = ("%s: %.3f ms, share %.4f"):format(p.created, p.ms, p.share)
+      points[#points + 1] = { created = p.created_ns, y = p.ms, says = says }
+    end
+  end
+  if #points < 2 then return false end
+  table.sort(points, function(a, b) return a.created < b.created end)
+  for i, p in ipairs(points) do p.x = i end
+  draw_chart { title = title_of(live), x_label = "profile, the live one last", y_label = "ms a step", counted = true,
+    series = { { name = "profiles", colour = "step", points = points } } }
+  return true
+end
+
+local function add_replaced(profiles)
+  local any = false
+  charts(function()
+    for _, p in ipairs(profiles) do
+      if p.live then any = draw_replaced(profiles, p) or any end
+    end
+  end)
+  if not any then paragraph("No profile was replaced yet.") end
+end
+
+local function add_store(store)
+  local profiles = store.profiles
+  if #profiles == 0 then
+    paragraph("%s: no profiles yet; duet tune makes them.", store.path)
+    return
+  end
+  section("Profiles", function() add_profiles(profiles) end)
+  section("Searches", function() add_searches(profiles) end)
+  if has_levels(profiles) then section("Accuracy against time", function() add_accuracy(profiles) end) end
+  section("What became of the profiles", function() add_replaced(profiles) end)
+end
+
+-- ---------------------------------------------------------------- levels and effects
+
+local function scene_words(one)
+  return ("%s, %s objects"):format(cut(text(one, "scene"), 60), count(number(one, "objects")))
+end
+
+local function wrong(row) return number(row, "missed") + number(row, "false") end
+local function step_ms(row) return number(row, "step_ms") end
+local function digits_of_wrong(row) return math.log(1 + wrong(row), 10) end
+
+local function draw_levels(result, letter, colour)
+  local levels, rows = list(result, "levels"), {}
+  for _, row in ipairs(levels) do
+    if text(row, "device") == letter then
+      local beaten = row.front ~= true
+      rows[#rows + 1] = {
+        name = text(row, "level"),
+        says = ("%s: %.4g ms a step; %.0f pairs missed, %.0f false"):format(cut(text(row, "level"), 20), step_ms(row),
+          number(row, "missed"), number(row, "false")),
+        { part = part_of(step_ms(row), greatest(levels, step_ms)), colour = colour, pale = beaten,
+          words = ("%.3g ms  %.2f×"):format(step_ms(row), number(row, "relative")) },
+        { part = part_of(digits_of_wrong(row), greatest(levels, digits_of_wrong)), colour = "mark", pale = beaten,
+          words = wrong(row) > 0 and count(wrong(row)) or "none" },
+      }
+    end
+  end
+  local title = ("%s, %s pairs; %s: %s"):format(scene_words(result), count(number(result, "pairs")), letter,
+    cut(text(result, letter:lower()), 60))
+  draw_rows(title, { "a step, and against sat15", "wrong pairs" }, rows)
+end
+
+local function add_levels(results)
+  paragraph("Each level of accuracy, alone on each device: the median time of a step, and how many pairs it gets "
+    .. "wrong, by powers of ten. Pale: another level there is at least as fast and as right.")
+  charts(function()
+    for _, result in ipairs(results) do
+      draw_levels(result, "A", "a")
+      draw_levels(result, "B", "b")
+    end
+  end)
+end
+
+local function effect_ms(row) return number(row, "ms") end
+local function bytes(row) return number(row, "bytes") end
+
+local function draw_effects(result)
+  local effects, rows = list(result, "effects"), {}
+  for _, row in ipairs(effects) do
+    if type(row) == "table" and row.active == true then
+      rows[#rows + 1] = {
+        name = text(row, "effect"),
+        says = ("%s, called for by: %s"):format(cut(text(row, "effect"), 20), cut(text(row, "called_by"), 200)),
+        { part = part_of(effect_ms(row), greatest(effects, effect_ms)), colour = "step",
+          words = row.ms == nil and "with others" or ("%.3f ms"):format(effect_ms(row)) },
+        { part = part_of(bytes(row), greatest(effects, bytes)), colour = "a",
+          words = ("%.0f bytes"):format(bytes(row)) },
+      }
+    end
+  end
+  draw_rows(("%s: %.3f ms a step with all of them"):format(scene_words(result), step_ms(result)),
+    { "a step", "an object" }, rows)
+end
+
+local function add_effects(results)
+  paragraph("The effects that each scene calls for: the time of a step less that of the same scene without what calls "
+    .. "for the effect, and the state that an object has for it. An effect that others call for too has no time of its "
+    .. "own.")
+  charts(function()
+    for _, result in ipairs(results) do draw_effects(result) end
+  end)
+end
+
+-- ---------------------------------------------------------------- the standard set
+
+-- The cases that were measured, by scene in the order of their first.
+local function scenes_of(result)
+  local scenes, by_name = {}, {}
+  for _, one in ipairs(list(result, "cases")) do
+    if text(one, "failed") == "" then
+      local name = text(one, "scene")
+      if not by_name[name] then
+        by_name[name] = {}
+        scenes[#scenes + 1] = by_name[name]
+      end
+      table.insert(by_name[name], one)
+    end
+  end
+  return scenes, by_name
+end
+
+-- Over the share, by the mode and kernels of the scene's first case.
+local function draw_shares(cases)
+  local series = {
+    { name = "A", colour = "a", field = "a_ms", points = {} },
+    { name = "B", colour = "b", field = "b_ms", points = {} },
+    { name = "step", colour = "step", field = "median_ms", points = {} },
+  }
+  for _, one in ipairs(cases) do
+    if same_plan(one, cases[1]) then
+      for _, s in ipairs(series) do
+        local share, ms = number(one, "share"), number(one, s.field)
+        table.insert(s.points, { x = share, y = ms, says = ("share %.2f: %.3f ms"):format(share, ms) })
+      end
+    end
+  end
+  draw_chart { title = scene_words(cases[1]), x_label = "share of A", y_label = "ms", series = series }
+end
+
+local stages_most <const> = 12 -- colours; more stages share the last
+
+-- Stage names in the order in which results first have them, and their places: a name
+-- keeps its colour on the whole page.
+local function find_stages(result)
+  local names, places = {}, {}
+  for _, one in ipairs(list(result, "cases")) do
+    for _, stage in ipairs(list(one, "stages")) do
+      local name = text(stage, "name")
+      if not places[name] and #names < stages_most then
+        names[#names + 1] = name
+        places[name] = #names - 1
+      end
+    end
+  end
+  return names, places
+end
+
+-- Stages of one name are one part, however often they ran. Returns all ms too.
+local function parts_of(one, letter, places)
+  local parts, by_colour, ms = {}, {}, 0
+  for _, stage in ipairs(list(one, "stages")) do
+    if text(stage, "device") == letter then
+      local colour = places[text(stage, "name")] or stages_most - 1
+      local part = by_colour[colour]
+      if not part then
+        part = { colour = colour, value = 0 }
+        by_colour[colour] = part
+        parts[#parts + 1] = part
+      end
+      part.name = text(stage, "name")
+      part.value = part.value + number(stage, "ms")
+      ms = ms + number(stage, "ms")
+    end
+  end
+  return parts, ms
+end
+
+local function case_words(one)
+  local a, b = text(one, "variant_a"), text(one, "variant_b")
+  local kernels = a == b and cut(a, 40) or cut(a, 40) .. " | " .. cut(b, 40)
+  return ("share %.2f, %s, %s: %.3f ms"):format(number(one, "share"), text(one, "mode"), kernels,
+    number(one, "median_ms"))
+end
+
+local function draw_stages(cases, places)
+  local y, most = 0, 0
+  for _, one in ipairs(cases) do
+    for _, letter in ipairs { "A", "B" } do most = math.max(most, (select(2, parts_of(one, letter, places)))) end
+  end
+  figure(scene_words(cases[1]), 40 * #cases + 6)
+  for _, one in ipairs(cases) do
+    label(2, y + 14, case_words(one))
+    y = draw_parts(y + 18, "A", parts_of(one, "A", places), most)
+    y = draw_parts(y, "B", parts_of(one, "B", places), most)
+  end
+  figure_end()
+end
+
+-- The best step of a scene in each of the results.
+local function draw_history(results, first)
+  local points = {}
+  for i, result in ipairs(results) do
+    local best
+    local _, by_name = scenes_of(result)
+    for _, one in ipairs(by_name[text(first, "scene")] or {}) do
+      local alike = number(one, "objects") == number(first, "objects")
+      if alike and (not best or number(one, "median_ms") < number(best, "median_ms")) then best = one end
+    end
+    if best then
+      local ms = number(best, "median_ms")
+      local says = ("%s, Duet %s: %.3f ms"):format(cut(text(result, "time"), 30), cut(text(result, "duet"), 20), ms)
+      points[#points + 1] = { x = i, y = ms, says = says }
+    end
+  end
+  draw_chart { title = scene_words(first), x_label = "result, the latest last", y_label = "ms", counted = true,
+    series = { { name = "best plan", colour = "step", points = points } } }
+end
+
+local function add_devices(result)
+  for i, device in ipairs(list(result, "devices")) do
+    paragraph("%s: %s, %s, driver %s, %s", string.char(64 + i), text(device, "selector"), text(device, "name"),
+      text(device, "driver"), text(device, "platform"))
+  end
+end
+
+local function add_bench(results)
+  local latest = results[#results]
+  local scenes = scenes_of(latest)
+  local names, places = find_stages(latest)
+  section("Standard set: shares", function()
+    paragraph("Measured %s by Duet %s.", text(latest, "time"), text(latest, "duet"))
+    add_devices(latest)
+    charts(function()
+      for _, cases in ipairs(scenes) do draw_shares(cases) end
+    end)
+  end)
+  section("Standard set: stages", function()
+    local keys = {}
+    for i, name in ipairs(names) do keys[i] = key("s" .. i - 1, name) end
+    add("<p>%s</p>\n", table.concat(keys))
+    charts(function()
+      for _, cases in ipairs(scenes) do draw_stages(cases, places) end
+    end)
+  end)
+  section("Standard set: history", function()
+    charts(function()
+      for _, cases in ipairs(scenes) do draw_history(results, cases[1]) end
+    end)
+  end)
+end
+
+-- ---------------------------------------------------------------- all of it
+
+return function(data)
+  local title <const> = "Duet: what was measured"
+  add('<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n')
+  add('<meta name="viewport" content="width=device-width,initial-scale=1">\n')
+  add('<meta name="color-scheme" content="light dark">\n<title>%s</title>\n', title)
+  add("<style>\n%s</style></head>\n<body><main>\n<h1>%s</h1>\n", style, title)
+  paragraph("Made %s by Duet %s.", data.made, data.duet)
+  if data.no_store then paragraph("%s", data.no_store) end
+  if data.store then add_store(data.store) end
+  if #data.levels > 0 then section("Accuracy against time", function() add_levels(data.levels) end) end
+  if #data.effects > 0 then section("What effects cost", function() add_effects(data.effects) end) end
+  if #data.bench > 0 then add_bench(data.bench) end
+  add("</main></body></html>\n")
+  return table.concat(page)
+end
