@@ -67,7 +67,7 @@
 #endif
 #define LISTS_PAIRS (SHAPE == SHAPE_BOUNDS || ACCURACY == AABB) // overlapping bounds are the answer
 #define ROUND (RANGES * LANES) // most candidates that come at once
-#define WAITING_ROOM (BUF + ROUND + AHEAD + LANES)
+#define WAITING_CAPACITY (BUF + ROUND + AHEAD + LANES)
 
 // Cells side by side.
 typedef struct {
@@ -471,8 +471,8 @@ __kernel void pair_search_simd(PAIR_SEARCH_SIMD_ARGS)
                  levels, n_levels, n_cells, key_from, n_own_cells};
     if (starts[n_own_cells] > place_capacity)
         return; // objects without a place: the grid is built again with a larger buffer
-    uint2 waiting[WAITING_ROOM];
-    for (uint k = 0; k < WAITING_ROOM; ++k)
+    uint2 waiting[WAITING_CAPACITY];
+    for (uint k = 0; k < WAITING_CAPACITY; ++k)
         waiting[k] = (uint2)(0, 0); // what lies behind the last one is read
 #if FUSED
     search s = {waiting, 0, 0, {boxes, found, found_capacity, undecided, undecided_capacity, counters}};

@@ -103,7 +103,7 @@ static inline void fill_lanes(__global float *constraint, const source *from, __
 
 static inline real mass_along(const pair *p, vec anchor, vec direction, mask where)
 {
-    real inverse_effective_mass = yield_along(&p->a, anchor, direction) + yield_along(&p->b, vec_less(anchor, p->apart), direction);
+    real inverse_effective_mass = inverse_mass_along(&p->a, anchor, direction) + inverse_mass_along(&p->b, vec_less(anchor, p->apart), direction);
     return select((real)(0.0f), inverse(inverse_effective_mass), where & (inverse_effective_mass > 0.0f));
 }
 

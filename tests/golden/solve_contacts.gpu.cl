@@ -200,12 +200,12 @@ __kernel void solve_contacts(SOLVE_CONTACTS_ARGS)
     }
 }
 
-// ------------------------------------------------------------ bouncing
+// ------------------------------------------------------------ restitution
 
 // A push at one point speeds up the others too. With one turn, and pushes that only
 // add to what stopped the impact, they would leave faster than they came, and boxes
 // that tumble gain energy without end.
-#define BOUNCE_TURNS 8
+#define RESTITUTION_ROUNDS 8
 
 // The speed at which a point leaves that came at `speed` when the step began, and
 // was pulled along `way` since by `gain` a substep (below 0: closer). Velocities are
@@ -234,7 +234,7 @@ static inline real gain_of(const pair *p, vec pull)
 // that is faster already gives up of what it was stopped with.
 //
 //   pull  what a substep adds to the velocity of all that falls; w: 1 / its time
-static inline void bounce_slots(__global float *constraint, __global float4 *bodies, float4 pull, float least_speed)
+static inline void restore_speeds(__global float *constraint, __global float4 *bodies, float4 pull, float least_speed)
 {
     word n = points_of(constraint);
     real restitution = get(constraint, IN_RESTITUTION);
@@ -262,7 +262,7 @@ static inline void bounce_slots(__global float *constraint, __global float4 *bod
             speed_after(get(constraint, IN_SPEEDS + k), restitution, gain, -2.0f * pull.w * gain * fallen);
     }
     real pushes[POINTS] = {0};
-    int turns = p.most > 1 ? BOUNCE_TURNS : 1;
+    int turns = p.most > 1 ? RESTITUTION_ROUNDS : 1;
     for (int turn = 0; turn < turns; ++turn) {
         for (int k = 0; k < p.most; ++k) {
             __global const float *point = point_at(constraint, k);
@@ -284,5 +284,5 @@ __kernel void apply_restitution(APPLY_RESTITUTION_ARGS)
     uint from = get_global_id(0) * each;
     uint to = min(from + each, count);
     for (uint k = from; k < to; k += STRIDE(apart))
-        bounce_slots(constraint_at(blocks, first_slot + k * apart), bodies, pull, least_speed);
+        restore_speeds(constraint_at(blocks, first_slot + k * apart), bodies, pull, least_speed);
 }
