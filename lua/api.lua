@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- Every name of the Lua API, once: definitions/duet.lua is made from this list
+-- Every name of the Lua API, once: the build makes definitions/duet.lua from this list
 -- by define.lua, and tests hold it against the module and the C headers.
 --
 -- A row is { name, parameters, results, about, c = names of the C API that it

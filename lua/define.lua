@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: MIT
--- Makes definitions/duet.lua, from which an editor knows the API (LuaCATS):
---   lua5.4 define.lua api.lua >definitions/duet.lua
+-- Makes definitions/duet.lua, from which an editor knows the API (LuaCATS). The build
+-- does it: build/release/lua/definitions, share/duet/lua/definitions once installed.
 
-local api = dofile((...))
+local api = dofile(arg[1])
 
 local function result_type(row)
   if not row.fails then return row[3] end

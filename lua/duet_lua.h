@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Duet from Lua 5.4: `require "duet"` calls luaopen_duet in duet.so; a program
 // with a Lua state of its own calls it through luaL_requiref. docs/lua.md is
-// the guide, lua/definitions/duet.lua the list of all names for editors.
+// the guide, lua/api.lua the list of all names.
 #ifndef DUET_LUA_H
 #define DUET_LUA_H
 

@@ -7,4 +7,14 @@ set_target_properties(duet_lua PROPERTIES PREFIX "" OUTPUT_NAME duet
   LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lua)
 target_link_libraries(duet_lua PRIVATE ${duet_needs} duet_options)
 install(TARGETS duet_lua LIBRARY DESTINATION ${DUET_LUA_DIR})
-install(DIRECTORY lua/definitions lua/experiments DESTINATION ${CMAKE_INSTALL_DATADIR}/duet/lua)
+install(DIRECTORY lua/experiments DESTINATION ${CMAKE_INSTALL_DATADIR}/duet/lua)
+
+# What an editor knows of the API, made from its list.
+set(definitions ${CMAKE_BINARY_DIR}/lua/definitions/duet.lua)
+file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/lua/definitions)
+add_custom_command(OUTPUT ${definitions}
+  COMMAND duet lua --trust ${CMAKE_CURRENT_LIST_DIR}/define.lua ${CMAKE_CURRENT_LIST_DIR}/api.lua
+          > ${definitions}
+  DEPENDS duet ${CMAKE_CURRENT_LIST_DIR}/define.lua ${CMAKE_CURRENT_LIST_DIR}/api.lua VERBATIM)
+add_custom_target(definitions ALL DEPENDS ${definitions})
+install(FILES ${definitions} DESTINATION ${CMAKE_INSTALL_DATADIR}/duet/lua/definitions)

@@ -2,7 +2,7 @@
 #include "runtime/opencl/device_list.h"
 
 #include "base/error.h"
-#include "runtime/opencl/device_info.h"
+#include "runtime/opencl/device.h"
 
 #include <ctype.h>
 #include <pthread.h>

@@ -2,18 +2,473 @@
 // A scene as a Lua file: it adds objects while it runs, and returns a table
 // with what else there is to say.
 #define _POSIX_C_SOURCE 200809L
-#include "runtime/scene/scene_motion.h"
+#include "runtime/scene/scene_lua.h"
 
 #include "base/blob.h"
 #include "base/error.h"
+#include "base/rng.h"
 #include "gen/field.h"
 #include "gen/script.h"
 #include "runtime/narrowphase/accuracy.h"
+#include "runtime/scene/scene_motion.h"
 
 #include <lauxlib.h>
 #include <math.h>
 #include <string.h>
 #include <unistd.h>
+
+// ---------------------------------------------------------------- parameters
+// What of a scene can be set from outside: parameters{n = 1000, seed = 1}.
+//
+// The default also says of which type a value must be, so that a mistyped
+// setting is refused before it makes another scene.
+
+// Pushes the least name of the table at index that comes after `after` (NULL:
+// the least of all); false where there is none.
+static bool push_name_after(lua_State *L, int index, const char *after)
+{
+    const char *least = NULL;
+    for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
+        script_spend(L, 1);
+        const char *name = lua_tostring(L, -2);
+        if ((!after || strcmp(name, after) > 0) && (!least || strcmp(name, least) < 0))
+            least = name;
+    }
+    if (least)
+        lua_pushstring(L, least);
+    return least != NULL;
+}
+
+// "a, b, c", in alphabetical order, since Lua's own changes from run to run.
+static const char *push_names(lua_State *L, int index)
+{
+    lua_pushstring(L, "");
+    const char *last = NULL;
+    while (push_name_after(L, index, last)) {
+        last = lua_tostring(L, -1);
+        lua_pushfstring(L, "%s%s%s", lua_tostring(L, -2), *lua_tostring(L, -2) ? ", " : "", last);
+        lua_replace(L, -3);
+        lua_pop(L, 1); // the table keeps the name alive
+    }
+    return lua_tostring(L, -1);
+}
+
+// Defaults are numbers, booleans and strings under string keys.
+static void check_defaults(lua_State *L)
+{
+    luaL_checktype(L, 1, LUA_TTABLE);
+    for (lua_pushnil(L); lua_next(L, 1); lua_pop(L, 1)) {
+        if (lua_type(L, -2) != LUA_TSTRING)
+            luaL_error(L, "a parameter has a name: parameters{ name = default }");
+        int type = lua_type(L, -1);
+        if (type != LUA_TNUMBER && type != LUA_TBOOLEAN && type != LUA_TSTRING)
+            luaL_error(L, "parameter '%s': its default must be a number, boolean or string",
+                       lua_tostring(L, -2));
+    }
+}
+
+// Pushes text as a value like the default on top of the stack; false where it
+// is none.
+static bool push_like_default(lua_State *L, const char *text)
+{
+    if (lua_isboolean(L, -1)) {
+        lua_pushboolean(L, strcmp(text, "true") == 0);
+        return strcmp(text, "true") == 0 || strcmp(text, "false") == 0;
+    }
+    if (lua_type(L, -1) == LUA_TSTRING) {
+        lua_pushstring(L, text);
+        return true;
+    }
+    bool whole = lua_isinteger(L, -1);
+    if (lua_stringtonumber(L, text) == 0)
+        return false;
+    int is_integer = 0;
+    lua_Integer integer = lua_tointegerx(L, -1, &is_integer); // 1e6 is one
+    if (whole && is_integer)
+        lua_pushinteger(L, integer);
+    return !whole || is_integer;
+}
+
+static const char *kind_of_default(lua_State *L)
+{
+    if (lua_isboolean(L, -1))
+        return "true or false";
+    return lua_isinteger(L, -1) ? "an integer" : "a number";
+}
+
+static void set_parameter(lua_State *L, const duet_setting *setting)
+{
+    if (lua_getfield(L, 1, setting->name) == LUA_TNIL)
+        luaL_error(L, "no parameter '%s'; the scene has %s", setting->name, push_names(L, 1));
+    const char *kind = kind_of_default(L);
+    if (!push_like_default(L, setting->value))
+        luaL_error(L, "parameter %s is '%s'; it must be %s", setting->name, setting->value, kind);
+    lua_setfield(L, 1, setting->name);
+    lua_settop(L, 1);
+}
+
+// parameters{name = default, ...} -> the same with what was set from outside;
+// upvalue 1 is the reading.
+static int word_parameters(lua_State *L)
+{
+    scene_reading *reading = lua_touserdata(L, lua_upvalueindex(1));
+    if (reading->declared)
+        return luaL_error(L, "parameters are declared a second time");
+    reading->declared = true;
+    lua_settop(L, 1);
+    check_defaults(L);
+    for (uint32_t i = 0; i < reading->n_settings; ++i)
+        set_parameter(L, &reading->settings[i]);
+    return 1;
+}
+
+// ---------------------------------------------------------------- random
+// Random numbers for scenes: rng.h's, so that a scene is the same on every
+// machine. They draw from a source that the script seeds; two sources are
+// independent of each other.
+
+#define TURN 6.283185307179586476925
+
+static rng *source_of(lua_State *L)
+{
+    return lua_touserdata(L, lua_upvalueindex(1));
+}
+
+// uniform(from, to): from 0 to 1 where they are left out
+static int draw_uniform(lua_State *L)
+{
+    double from = luaL_optnumber(L, 1, 0);
+    double to = luaL_optnumber(L, 2, 1);
+    lua_pushnumber(L, rng_between(source_of(L), from, to));
+    return 1;
+}
+
+// integer(from, to): both may be drawn
+static int draw_integer(lua_State *L)
+{
+    lua_Integer from = luaL_checkinteger(L, 1);
+    lua_Integer to = luaL_checkinteger(L, 2);
+    luaL_argcheck(L, from <= to, 2, "must not be below the first");
+    lua_Unsigned span = (lua_Unsigned)to - (lua_Unsigned)from;
+    luaL_argcheck(L, span < UINT32_MAX, 2, "must be less than 2^32-1 above the first");
+    lua_pushinteger(L, from + (lua_Integer)rng_below(source_of(L), (uint32_t)span + 1));
+    return 1;
+}
+
+// normal(mean, deviation): 0 and 1 where they are left out
+static int draw_normal(lua_State *L)
+{
+    double mean = luaL_optnumber(L, 1, 0);
+    double deviation = luaL_optnumber(L, 2, 1);
+    lua_pushnumber(L, mean + deviation * rng_normal(source_of(L)));
+    return 1;
+}
+
+// angle(): radians, a whole turn
+static int draw_angle(lua_State *L)
+{
+    lua_pushnumber(L, rng_between(source_of(L), 0, TURN));
+    return 1;
+}
+
+// A point in the unit disk, which is not its centre; returns its distance from
+// there, squared.
+static double draw_in_disk(rng *source, double point[2])
+{
+    for (;;) {
+        point[0] = rng_between(source, -1, 1);
+        point[1] = rng_between(source, -1, 1);
+        double squared = point[0] * point[0] + point[1] * point[1];
+        if (squared > 0 && squared < 1)
+            return squared;
+    }
+}
+
+// quaternion() -> x, y, z, w: all rotations are equally likely (Marsaglia
+// 1972). It takes no sine, which would be another one on another machine.
+static int draw_quaternion(lua_State *L)
+{
+    double a[2];
+    double b[2];
+    double a_squared = draw_in_disk(source_of(L), a);
+    double scale = sqrt((1 - a_squared) / draw_in_disk(source_of(L), b));
+    lua_pushnumber(L, a[0]);
+    lua_pushnumber(L, a[1]);
+    lua_pushnumber(L, b[0] * scale);
+    lua_pushnumber(L, b[1] * scale);
+    return 4;
+}
+
+// random(seed) -> a table of functions that draw from one source
+static int word_random(lua_State *L)
+{
+    static const luaL_Reg draws[] = {
+        {"uniform", draw_uniform}, {"integer", draw_integer},       {"normal", draw_normal},
+        {"angle", draw_angle},     {"quaternion", draw_quaternion}, {NULL, NULL},
+    };
+    lua_Integer seed = luaL_checkinteger(L, 1);
+    luaL_newlibtable(L, draws);
+    rng *source = lua_newuserdatauv(L, sizeof *source, 0);
+    *source = rng_seed((uint64_t)seed);
+    luaL_setfuncs(L, draws, 1);
+    return 1;
+}
+
+// ---------------------------------------------------------------- objects
+// One object as a scene's script writes it, made into a row.
+
+// What an object costs of a script's instructions, so that an endless loop of
+// them ends before memory does.
+#define ADD_INSTRUCTIONS 20
+
+// The named parts that an object can have, and how many numbers each takes.
+typedef enum part_id { CENTRE, HALF, ROTATION, EULER, ANGLE, LOWER, UPPER, N_PARTS } part_id;
+
+static const struct {
+    const char *name;
+    uint32_t least;
+    uint32_t most;
+    const char *count; // both in words
+} parts[N_PARTS] = {
+    [CENTRE] = {"centre", 2, 3, "2 or 3"},     // xyz
+    [HALF] = {"half_extents", 2, 3, "2 or 3"}, // half extents
+    [ROTATION] = {"rotation", 4, 4, "4"},      // quaternion xyzw, 3D
+    [EULER] = {"euler", 3, 3, "3"},            // phi, theta, psi in radians, 3D
+    [ANGLE] = {"angle", 1, 1, "1"},            // radians, 2D
+    [LOWER] = {"lower", 2, 3, "2 or 3"},       // an axis-aligned box by its corners
+    [UPPER] = {"upper", 2, 3, "2 or 3"},
+};
+
+#define MAX_PART 4
+
+typedef struct part {
+    double value[MAX_PART];
+    uint32_t n; // 0: not given
+} part;
+
+typedef struct row {
+    double value[SCENE_MAX_COLUMNS];
+    uint32_t n;
+} row;
+
+// --------------------------------------------------------------- rotations
+
+// R = Rx(phi) Ry(theta) Rz(psi), as figure 4 of the paper has it: the product
+// of the three quaternions in that order, whatever the angles are.
+static void euler_to_quaternion(const double angle[3], double q[4])
+{
+    double s[3];
+    double c[3];
+    for (int i = 0; i < 3; ++i) {
+        s[i] = sin(angle[i] / 2);
+        c[i] = cos(angle[i] / 2);
+    }
+    q[0] = s[0] * c[1] * c[2] + c[0] * s[1] * s[2];
+    q[1] = c[0] * s[1] * c[2] - s[0] * c[1] * s[2];
+    q[2] = c[0] * c[1] * s[2] + s[0] * s[1] * c[2];
+    q[3] = c[0] * c[1] * c[2] - s[0] * s[1] * s[2];
+}
+
+// euler(phi, theta, psi) -> x, y, z, w
+static int word_euler(lua_State *L)
+{
+    const double angle[3] = {luaL_checknumber(L, 1), luaL_checknumber(L, 2),
+                             luaL_checknumber(L, 3)};
+    double q[4];
+    euler_to_quaternion(angle, q);
+    for (int i = 0; i < 4; ++i)
+        lua_pushnumber(L, q[i]);
+    return 4;
+}
+
+// ------------------------------------------------------------------- parts
+
+static bool is_list(lua_State *L)
+{
+    lua_Unsigned n = 0;
+    for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
+        ++n;
+    return n == lua_rawlen(L, -1);
+}
+
+// Raises the error at the line that calls add, or for an object of a list at
+// the field's.
+static int refuse(lua_State *L, const scene_reading *reading, const char *field, const char *what)
+{
+    lua_Debug caller;
+    if (lua_getstack(L, 1, &caller))
+        return luaL_error(L, "object %I: %s", (LUAI_UACINT)reading->scene->info.n, what);
+    return field_raise(L, field, "object %u: %s", reading->scene->info.n, what);
+}
+
+static double read_number(lua_State *L, const scene_reading *reading, const char *field)
+{
+    if (lua_type(L, -1) != LUA_TNUMBER)
+        refuse(L, reading, field, "a number is wanted where something else is");
+    return lua_tonumber(L, -1);
+}
+
+static part_id find_part(lua_State *L, const scene_reading *reading, const char *name)
+{
+    for (int id = 0; id < N_PARTS; ++id)
+        if (strcmp(parts[id].name, name) == 0)
+            return (part_id)id;
+    const char *what =
+        lua_pushfstring(L,
+                        "no field '%s'; it has angle, centre, euler, half_extents, lower, "
+                        "rotation, upper; " SCENE_BODY_NAMES,
+                        name);
+    refuse(L, reading, name, what);
+    return N_PARTS;
+}
+
+// The value on top of the stack: a number, or a list of them.
+static part read_part(lua_State *L, const scene_reading *reading, part_id id)
+{
+    const char *name = parts[id].name;
+    bool is_list = lua_istable(L, -1);
+    part p = {.n = is_list ? (uint32_t)lua_rawlen(L, -1) : 1};
+    if (p.n < parts[id].least || p.n > parts[id].most)
+        refuse(L, reading, name,
+               lua_pushfstring(L, "%s has %d numbers; it must have %s", name, (int)p.n,
+                               parts[id].count));
+    if (!is_list)
+        p.value[0] = read_number(L, reading, name);
+    for (uint32_t i = 0; is_list && i < p.n; ++i) {
+        lua_rawgeti(L, -1, (lua_Integer)i + 1);
+        p.value[i] = read_number(L, reading, name);
+        lua_pop(L, 1);
+    }
+    return p;
+}
+
+// Bounds are two corners; a pose is centre and half extents, and a rotation
+// of the kind that its dimensions have.
+static bool fit_together(const part *p)
+{
+    bool corners = p[LOWER].n > 0 && p[LOWER].n == p[UPPER].n;
+    bool pose = p[CENTRE].n > 0 && p[CENTRE].n == p[HALF].n;
+    uint32_t rotations = (p[ROTATION].n > 0) + (p[EULER].n > 0);
+    uint32_t angles = p[ANGLE].n > 0;
+    if (corners)
+        return !p[CENTRE].n && !p[HALF].n && rotations + angles == 0;
+    if (!pose || p[LOWER].n || p[UPPER].n)
+        return false;
+    return p[CENTRE].n == 2 ? rotations == 0 : rotations <= 1 && angles == 0;
+}
+
+static void append(row *r, const double *values, uint32_t n)
+{
+    memcpy(r->value + r->n, values, n * sizeof *values);
+    r->n += n;
+}
+
+static row join_parts(const part *p)
+{
+    row r = {.n = 0};
+    double rotation[4] = {0, 0, 0, 1};
+    if (p[ROTATION].n > 0)
+        memcpy(rotation, p[ROTATION].value, sizeof rotation);
+    if (p[EULER].n > 0)
+        euler_to_quaternion(p[EULER].value, rotation);
+    append(&r, p[LOWER].value, p[LOWER].n);
+    append(&r, p[UPPER].value, p[UPPER].n);
+    append(&r, p[CENTRE].value, p[CENTRE].n);
+    append(&r, p[HALF].value, p[HALF].n);
+    if (p[CENTRE].n == 2)
+        append(&r, p[ANGLE].value, 1);
+    if (p[CENTRE].n == 3)
+        append(&r, rotation, 4);
+    return r;
+}
+
+// The table on top of the stack, {centre = {...}, half_extents = {...}, ...}.
+static row read_parts(lua_State *L, const scene_reading *reading, scene_body *body)
+{
+    part given[N_PARTS] = {{.n = 0}};
+    for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
+        const char *name = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "?";
+        if (scene_read_body_field(L, name, body))
+            continue;
+        part_id id = find_part(L, reading, name);
+        given[id] = read_part(L, reading, id);
+    }
+    if (!fit_together(given))
+        refuse(L, reading, NULL,
+               "it must have centre and half, with angle in 2D, rotation or euler in 3D; or lower "
+               "and upper");
+    return join_parts(given);
+}
+
+// The table on top of the stack, {1, 2, 3, ...}; named fields beside the
+// numbers are refused, not passed over.
+static row read_list(lua_State *L, const scene_reading *reading)
+{
+    if (!is_list(L))
+        refuse(L, reading, NULL, "it must be a row of numbers, or named fields, not both");
+    row r = {.n = (uint32_t)lua_rawlen(L, -1)};
+    for (uint32_t i = 0; i < r.n && i < SCENE_MAX_COLUMNS; ++i) {
+        lua_rawgeti(L, -1, (lua_Integer)i + 1);
+        r.value[i] = read_number(L, reading, NULL);
+        lua_pop(L, 1);
+    }
+    return r;
+}
+
+// -------------------------------------------------------------------- rows
+
+// The script's line, where it is running.
+static scene_place place_of(lua_State *L, const scene_reading *reading)
+{
+    lua_Debug frame;
+    bool runs = lua_getstack(L, 1, &frame) && lua_getinfo(L, "l", &frame);
+    uint64_t line = runs && frame.currentline > 0 ? (uint64_t)frame.currentline : 0;
+    return (scene_place){.path = reading->path, .line = line};
+}
+
+static void add_row(lua_State *L, scene_reading *reading, const row *r)
+{
+    duet_error err = {0};
+    scene_place place = place_of(L, reading);
+    if (scene_set_columns(reading->scene, r->n, place, &err) &&
+        scene_add_row(reading->scene, r->value, place, &err))
+        return;
+    error_set(reading->err, err.status, "%s", err.text);
+    luaL_error(L, "%s", err.text);
+}
+
+// Adds the object on top of the stack, a table: a row of numbers or named parts.
+static void add_table(lua_State *L, scene_reading *reading)
+{
+    script_spend(L, ADD_INSTRUCTIONS);
+    if (!lua_istable(L, -1))
+        refuse(L, reading, NULL, "it must be a table");
+    bool is_list = lua_rawlen(L, -1) > 0;
+    scene_body body = {.given = 0};
+    row r = is_list ? read_list(L, reading) : read_parts(L, reading, &body);
+    add_row(L, reading, &r);
+    if (body.given && !scene_keep_body(reading->scene, &body, reading->err))
+        luaL_error(L, "object %d: no memory", (int)reading->scene->info.n);
+}
+
+// add(row of numbers) and add{named parts}; upvalue 1 is the reading.
+static int word_add(lua_State *L)
+{
+    scene_reading *reading = lua_touserdata(L, lua_upvalueindex(1));
+    int n = lua_gettop(L);
+    if (n == 1) {
+        add_table(L, reading);
+        return 0;
+    }
+    script_spend(L, ADD_INSTRUCTIONS);
+    row r = {.n = (uint32_t)n};
+    for (int i = 0; i < n && i < SCENE_MAX_COLUMNS; ++i)
+        r.value[i] = luaL_checknumber(L, i + 1);
+    add_row(L, reading, &r);
+    return 0;
+}
+
+// ---------------------------------------------------------------- a scene
 
 // Enough for tens of millions of objects by add, or a million in a list; an
 // endless loop ends within seconds.
@@ -24,10 +479,10 @@ static const struct {
     const char *name;
     lua_CFunction function;
 } words[] = {
-    {"add", scene_word_add},
-    {"euler", scene_word_euler},
-    {"random", scene_word_random},
-    {"parameters", scene_word_parameters},
+    {"add", word_add},
+    {"euler", word_euler},
+    {"random", word_random},
+    {"parameters", word_parameters},
 };
 
 // Gives the script its words. Argument 1: the reading.
@@ -55,12 +510,12 @@ static void read_objects(lua_State *L, scene_reading *reading)
 {
     if (!field_push(L, 1, "objects", LUA_TTABLE))
         return;
-    if (!scene_is_list(L))
+    if (!is_list(L))
         field_raise(L, "objects", "objects must be a list");
     lua_Unsigned n = lua_rawlen(L, -1);
     for (lua_Unsigned i = 1; i <= n; ++i) {
         lua_rawgeti(L, -1, (lua_Integer)i);
-        scene_add_table(L, reading);
+        add_table(L, reading);
         lua_pop(L, 1);
     }
     lua_pop(L, 1);
