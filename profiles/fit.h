@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The time of one device's part as a function of the workload's size, and what
-// those of two devices foretell.
+// those of two devices predict.
 //
 //     time = base + each * n + own * w + crowd * w * occupancy
 //

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Keeping a store in order: thinning it and checking it.
+// Keeping a store in order: pruning and checking.
 #ifndef PROFILES_UPKEEP_H
 #define PROFILES_UPKEEP_H
 

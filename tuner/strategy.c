@@ -92,8 +92,8 @@ static const strategy strategy_fig12 = {
 
 // ---------------------------------------------------------------- grid
 
-// Every share of an even grid, in rounds: dear, and right. The oracle that
-// other strategies are judged by.
+// Every share of an even grid, in rounds: expensive, and right. Other strategies
+// are judged by it.
 //
 // Rounds are interleaved, so that a slow minute falls on all shares alike.
 
@@ -150,9 +150,9 @@ static const strategy strategy_grid = {
 // For irregular scenes a fixed share has a ceiling, since what an object costs
 // moves with the scene. Here each chunk is shared by the speeds of the chunks
 // just before it, the latest counting most. A first small share for A keeps a
-// slow device from making the first chunk dear (Kaleem et al., PACT 2014), and
+// slow device from making the first chunk expensive (Kaleem et al., PACT 2014), and
 // a share at most doubles from one chunk to the next, so that one mistaken
-// time does not throw it. It ends when the launches do; the pick is the share
+// time does not mislead it. It ends when the launches do; the pick is the share
 // that it would use next, unless the last chunks took longer than the first,
 // which B does alone.
 

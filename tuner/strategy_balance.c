@@ -10,7 +10,7 @@
 // lines do not come true the shares of a coarse grid are raced instead; where
 // they cross far above B's time alone, only the single devices are left.
 //
-// The dear end, where the slow device does everything, is only approached by
+// The expensive end, where the slow device does everything, is only approached by
 // shares that the line of that device says are cheap enough.
 #include "tuner/stats.h"
 #include "tuner/strategy.h"

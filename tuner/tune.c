@@ -247,7 +247,7 @@ static bool choose_variant(tuning *t, int device, uint32_t share, duet_error *er
 }
 
 // As much work for A as it does in the time that B needs for all of it: its
-// variants are compared there without a dear launch.
+// variants are compared there without an expensive launch.
 static bool find_share_of_a(tuning *t, uint32_t *share, duet_error *err)
 {
     trial whole, part;

@@ -1,16 +1,16 @@
 -- SPDX-License-Identifier: MIT
 return {
-  about = "objects while a step is solved",
+  about = "bodies while a step is solved: gathered, accelerated, written back",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/box_contact.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
     { "DRAG", values = { 0, 1 }, default = 0, about = "1: velocities decay" },
-    { "SLEEP", values = { 0, 1 }, default = 0, about = "1: what rests is left out" },
+    { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 return {
-  about = "pairs to rows, one for each object",
+  about = "the contact graph: which bodies each body may touch",
   uses = { "dynamics/motion.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },

@@ -1,15 +1,15 @@
 -- SPDX-License-Identifier: MIT
 return {
-  about = "bounds of objects that move",
+  about = "fat AABBs of bodies, and whether all are still inside theirs",
   uses = { "dynamics/motion.clh", "dynamics/records.h" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "ROTATED", values = { 0, 1 }, default = 0, about = "1: orientation matters" },
-    { "CONTINUOUS", values = { 0, 1 }, default = 0, about = "1: what is met on the way is touched" },
-    { "SKIN", values = { 0, 1 }, default = 0, about = "1: rows last until something leaves its skin" },
+    { "CONTINUOUS", values = { 0, 1 }, default = 0, about = "1: fast bodies do not tunnel through thin ones" },
+    { "SKIN", values = { 0, 1 }, default = 0, about = "1: the contact graph lasts until a body leaves its fat AABB" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,

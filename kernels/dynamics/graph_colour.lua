@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 return {
-  about = "colours of contacts",
+  about = "graph colouring: contacts of one colour share no body that moves",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },

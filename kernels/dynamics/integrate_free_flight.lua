@@ -6,7 +6,7 @@ return {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: in double" },
     { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "ROTATED", values = { 0, 1 }, default = 0, about = "1: orientation matters" },
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "GYRO", values = { 0, 1 }, default = 0, about = "1: some have no isotropic inertia" },

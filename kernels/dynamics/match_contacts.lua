@@ -1,14 +1,14 @@
 -- SPDX-License-Identifier: MIT
 return {
-  about = "contacts taken over into new rows",
+  about = "matches the last step's contacts with the new ones, and moves their impulses over",
   uses = { "dynamics/records.h", "dynamics/contact.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "CONTACT_RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push back" },
     { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
-    { "SLEEP", values = { 0, 1 }, default = 0, about = "1: what rests is left out" },
-    { "EVENTS", values = { 0, 1 }, default = 0, about = "1: tells of contacts that begin and end" },
+    { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
+    { "EVENTS", values = { 0, 1 }, default = 0, about = "1: reports contacts that begin and end" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 return {
-  about = "contacts into blocks, and back",
+  about = "contacts into blocks of constraints, and their impulses back",
   uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },

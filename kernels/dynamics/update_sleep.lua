@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 return {
-  about = "who sleeps",
+  about = "which bodies sleep",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },

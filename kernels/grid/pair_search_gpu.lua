@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 return {
-  about = "half the neighbourhood in merged rows, objects in cell order",
+  about = "pair search for GPUs: each object and half of the cells around it",
   uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "narrowphase/boxes.clh" },
   emit = { "stencil" },
   params = {
@@ -11,7 +11,7 @@ return {
     { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
     { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
       about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
     { "SORTED", values = { 1 }, default = 1, about = "boxes are read in cell order" },

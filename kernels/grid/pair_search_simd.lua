@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 return {
-  about = "half the neighbourhood in merged rows and the axis test, eight at a time",
+  about = "pair search for SIMD: half of the cells around, and the axis test, eight at a time",
   uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "narrowphase/box_rows.clh", "narrowphase/collide.clh", "grid/corners.clh" },
   emit = { "stencil" },
   params = {
@@ -8,7 +8,7 @@ return {
     { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
     { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
       about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
     { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },

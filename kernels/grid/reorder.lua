@@ -7,7 +7,7 @@ return {
     { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
     { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "APART", values = { 0, 1 }, default = 0, about = "1: poses are transforms, and their sizes apart" },
     { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },

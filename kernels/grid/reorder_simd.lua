@@ -1,13 +1,13 @@
 -- SPDX-License-Identifier: MIT
 return {
-  about = "objects and their bounds into cell order, for a search over lanes",
+  about = "objects and their bounds into cell order, for the SIMD search",
   uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "narrowphase/box_rows.clh", "grid/corners.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
     { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "APART", values = { 0, 1 }, default = 0, about = "1: poses are transforms, and their sizes apart" },
     { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
       about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },

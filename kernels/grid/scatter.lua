@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 return {
-  about = "ids to their places by cell start and rank",
+  about = "counting sort: each id to its place",
   params = {
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
       about = "work-items a group" },

@@ -7,7 +7,7 @@ return {
     { "SHAPE", values = { 0 }, default = 0, about = "poses: bounds need no test" },
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
     { "ORIGIN", min = 0, max = 254, default = 0,
-      about = "0: centres are from 0, else offsets in cells of the edge whose exponent's bits these are" },
+      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
       about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
     { "LANES", values = { 8 }, default = 8, about = "pairs side by side in a work-item" },

@@ -133,8 +133,8 @@ void part_close(part *p);
 // Generates and builds what the variant needs for such objects.
 bool part_prepare(part *p, const char *variant_text, const part_task *task, duet_error *err);
 
-// After a step that failed: waits for what is under way, and believes nothing of what
-// was sent, which may not have arrived.
+// After a step that failed: waits for what is under way. What was sent may not have
+// arrived, so the next step sends all of it again.
 void part_distrust(part *p);
 
 // Forgets what the last step found, counted and took.

@@ -138,9 +138,9 @@ static bool reserve_first(part *p, const part_task *task, uint32_t objects, duet
     return ok;
 }
 
-// A grid with less space than there are objects may have got more than it holds,
-// and its starts then lead out of it. Lanes see that for themselves and find
-// nothing, so that nobody waits for the answer between grid and search.
+// A grid with space for fewer objects than there are may get more than it holds, and
+// its starts then point past its end. The SIMD search checks that itself and finds
+// nothing, so the host need not wait between grid and search.
 static bool check_placed(part *p, const part_task *task, const part_range *range, bool *placed,
                          duet_error *err)
 {

@@ -354,7 +354,8 @@ bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err)
 
 // ---------------------------------------------------------------- buffers
 
-// What grows has space to grow on: fresh pages cost as much as what is put there.
+// A buffer that must grow gets more than it needs now: fresh pages cost as much time as
+// writing them.
 bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err)
 {
     buffer *b = &m->buffers[which];

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// What a file says of a motion, looked at before a kernel believes it.
+// Checks what a saved motion says before kernels use it.
 //
-// The sum at a file's end tells damage, not intent: anyone can compute it. Kernels
-// take indices and counts as they are, so each one is compared here with what the
-// motion's own steps leave behind.
+// The checksum at a file's end detects damage, not malice: anyone can compute it. Kernels
+// do not check indices and counts, so each one is compared here with what a motion's own
+// steps leave behind.
 #ifndef RUNTIME_MOTION_CHECK_H
 #define RUNTIME_MOTION_CHECK_H
 

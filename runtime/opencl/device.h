@@ -30,13 +30,13 @@ typedef struct device {
 bool device_open(device *d, const char *selector, duet_error *err);
 void device_close(device *d); // an empty one is passed over
 
-// What the driver says of a device. Everything but the selector, which is the list's to give. What a driver does
-// not answer stays empty or 0.
+// What the driver says of a device. Everything but the selector, which is the list's to give. What
+// a driver does not answer stays empty or 0.
 void device_info_read(cl_device_id id, duet_device_info *info);
 
 // OpenCL objects of ours that are alive. Drivers hide a forgotten release from
-// leak checkers, so who makes an object counts it and tests assert 0 at their
-// end.
+// leak checkers, so each object is counted where it is made, and tests assert 0 at
+// their end.
 void device_object_made(void);
 void device_object_gone(void);
 int device_live_objects(void);
