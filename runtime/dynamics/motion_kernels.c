@@ -4,9 +4,10 @@
 
 #include "base/error.h"
 
+#include <assert.h>
 #include <string.h>
 
-enum { N_CHOICES = 15 };
+enum { MOST_PARAMS = 32 };
 
 static const gen_param *find_param(const gen_param *params, uint32_t n, const char *name)
 {
@@ -41,16 +42,18 @@ static int64_t order_of(duet_integrator integrator)
     return orders[integrator];
 }
 
-// All that the cards of these kernels can have.
-static void choose(const duet_motion *m, gen_setting all[N_CHOICES])
+// What the scene says of the parameters that the kernel's card has.
+static bool gather(duet_motion *m, const char *name, gen_setting settings[MOST_PARAMS], uint32_t *n,
+                   duet_error *err)
 {
     int64_t gyro = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) && m->facts.uneven;
     uint32_t origin_bits;
     memcpy(&origin_bits, &m->def.origin_edge, sizeof origin_bits);
-    const gen_setting choices[N_CHOICES] = {
+    const gen_setting choices[] = {
         {"DIMS", m->def.dims},
         {"DOUBLE", m->def.doubles},
         {"ORIGIN", origin_bits >> 23},
+        {"ORDER", order_of(m->def.integrator)},
         {"ROTATED", has(m, DUET_EFFECT_ROTATION)},
         {"ANGULAR_VELOCITY", has(m, DUET_EFFECT_ANGULAR_VELOCITY)},
         {"GYRO", gyro},
@@ -62,36 +65,25 @@ static void choose(const duet_motion *m, gen_setting all[N_CHOICES])
         {"CONTINUOUS", has(m, DUET_EFFECT_CONTINUOUS)},
         {"FILTER", has(m, DUET_EFFECT_FILTER)},
         {"SLEEP", has(m, DUET_EFFECT_SLEEP)},
+        {"SKIN", has(m, DUET_EFFECT_SKIN)},
         {"EVENTS", has(m, DUET_EFFECT_EVENTS)},
     };
-    memcpy(all, choices, sizeof choices);
-}
-
-// Those of the choices that the kernel's card has.
-static bool gather(duet_motion *m, const char *name, gen_setting settings[], uint32_t *n,
-                   duet_error *err)
-{
-    gen_setting all[N_CHOICES];
     const gen_param *params = NULL;
     uint32_t n_params = 0;
     gen_limits limits = program_set_limits(m->programs);
-    choose(m, all);
     if (!gen_params(m->gen, name, &limits, &params, &n_params, err))
         return false;
     *n = 0;
-    for (int i = 0; i < N_CHOICES; ++i)
-        if (find_param(params, n_params, all[i].name))
-            settings[(*n)++] = all[i];
-    if (find_param(params, n_params, "SKIN"))
-        settings[(*n)++] = (gen_setting){"SKIN", has(m, DUET_EFFECT_SKIN)};
-    if (find_param(params, n_params, "ORDER"))
-        settings[(*n)++] = (gen_setting){"ORDER", order_of(m->def.integrator)};
+    static_assert(sizeof choices / sizeof choices[0] <= MOST_PARAMS, "settings");
+    for (size_t i = 0; i < sizeof choices / sizeof choices[0]; ++i)
+        if (find_param(params, n_params, choices[i].name))
+            settings[(*n)++] = choices[i];
     return true;
 }
 
 static bool get(duet_motion *m, kernel **at, const char *name, const char *entry, duet_error *err)
 {
-    gen_setting settings[N_CHOICES + 2];
+    gen_setting settings[MOST_PARAMS];
     uint32_t n = 0;
     if (!gather(m, name, settings, &n, err))
         return false;

@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 // ---------------------------------------------------------------- inference
 
@@ -457,7 +458,7 @@ static void a_loaded_motion_goes_on_as_the_saved_one(void **state)
     (void)state;
     static const uint32_t wants[] = {0, DUET_EFFECT_SLEEP, DUET_EFFECT_EVENTS};
     char path[64];
-    snprintf(path, sizeof path, "/tmp/duet-motion-%d", rand());
+    snprintf(path, sizeof path, "/tmp/duet-motion-%ld", (long)getpid());
     for (int i = 0; i < 6; ++i) {
         uint32_t set =
             with_needs(DUET_EFFECT_ROTATION | DUET_EFFECT_ANGULAR_VELOCITY |
@@ -486,7 +487,7 @@ static void a_damaged_file_is_refused(void **state)
 {
     (void)state;
     char path[64];
-    snprintf(path, sizeof path, "/tmp/duet-motion-%d", rand());
+    snprintf(path, sizeof path, "/tmp/duet-motion-%ld", (long)getpid());
     duet_error err = {0};
     mover *m = make_scene(with_needs(DUET_EFFECT_CONTACT_RESPONSE));
     mover_run(m, 5);

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static duet_contact *contacts_of(mover *m, uint64_t *n)
 {
@@ -234,7 +235,7 @@ static void objects_put_back_by_a_file_are_searched_anew(void **state)
 {
     (void)state;
     char path[64];
-    snprintf(path, sizeof path, "skin-%d.motion", rand());
+    snprintf(path, sizeof path, "skin-%ld.motion", (long)getpid());
     duet_error err = {0};
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT;
