@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The ladder: a table of rungs, tried from the best grade down.
+// A table of grades, tried from the best down.
 #define _POSIX_C_SOURCE 200809L
 #include "profiles/lookup.h"
 
@@ -81,7 +81,7 @@ static bool turn_to_level(look *l, const char *level)
     return profile_workload_key(&l->at, l->workload, l->err) && text_ok(&l->family, l->err);
 }
 
-// ---------------------------------------------------------- rungs that are rows
+// ---------------------------------------------------------- grades that are rows
 
 static const sql_column found_columns[] = {
     SQL_COLUMN("p.share", profile_found, plan.share),
@@ -286,7 +286,7 @@ static bool look_stale(look *l, bool *held)
     return find_by_seats(l, stale_query, held) && (*held || refuse(l, "nor with other kernels"));
 }
 
-// ---------------------------------------------------------- rungs that are fits
+// ---------------------------------------------------------- grades that are fits
 
 // Takes the forecast where it is certain enough.
 static bool use_forecast(look *l, const forecast *f, bool *held)
@@ -433,12 +433,12 @@ static bool look_transferred(look *l, bool *held)
     return use_forecast(l, &f, held);
 }
 
-// -------------------------------------------------------------------- the ladder
+// -------------------------------------------------------------------- the grades
 
 static const struct {
     profile_grade grade;
     bool (*look)(look *l, bool *held);
-} rungs[] = {
+} grades[] = {
     {PROFILE_EXACT, look_exact},
     {PROFILE_OTHER_DRIVER, look_other_driver},
     {PROFILE_INTERPOLATED, look_interpolated},
@@ -446,18 +446,18 @@ static const struct {
     {PROFILE_STALE, look_stale},
 };
 
-static bool climb_down(look *l)
+static bool try_grades(look *l)
 {
-    for (size_t i = 0; i < sizeof rungs / sizeof rungs[0]; ++i) {
+    for (size_t i = 0; i < sizeof grades / sizeof grades[0]; ++i) {
         bool held = false;
         if (l->why)
-            text_add(l->why, "  %-12s ", profile_grade_name(rungs[i].grade));
-        if (!rungs[i].look(l, &held))
+            text_add(l->why, "  %-12s ", profile_grade_name(grades[i].grade));
+        if (!grades[i].look(l, &held))
             return false;
         if (l->why)
             text_add(l->why, "\n");
         if (held) {
-            l->found->grade = rungs[i].grade;
+            l->found->grade = grades[i].grade;
             return true;
         }
     }
@@ -495,7 +495,7 @@ static bool try_levels(look *l, profile_found *best)
         if (l->why)
             text_add(l->why, " level %s%s\n", request->levels[i],
                      measured ? "" : ": no like workload was measured at it");
-        if (measured && !climb_down(l))
+        if (measured && !try_grades(l))
             return false;
         if (is_better(&found, best))
             *best = found;
@@ -512,7 +512,7 @@ bool profile_lookup(store *s, const profile_request *request, profile_found *fou
     if (ok && request->n_levels > 0)
         ok = try_levels(&l, found);
     else if (ok)
-        ok = turn_to_level(&l, request->workload->level) && climb_down(&l);
+        ok = turn_to_level(&l, request->workload->level) && try_grades(&l);
     if (!ok)
         *found = (profile_found){.grade = PROFILE_DEFAULT};
     text_free(&l.family);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Which plan an application gets, and how good the grounds for it are.
 //
-// The ladder goes from what was measured here to what is a guess, and the
+// The grades go from what was measured here to what is a guess, and the
 // grade says where it ended. No row of other devices is ever handed out as if
 // it were these devices' own.
 //
@@ -66,7 +66,7 @@ typedef struct profile_found {
 } profile_found;
 
 // Looks in one store. found is always filled; why, unless NULL, takes one line
-// a rung of the ladder, with the reason why it did or did not hold.
+// a grade, with the reason why it did or did not hold.
 bool profile_lookup(store *s, const profile_request *request, profile_found *found, text *why,
                     duet_error *err);
 

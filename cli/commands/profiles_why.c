@@ -34,7 +34,7 @@ static const command_line line = {
     .least_operands = 1,
     .most_operands = 1,
     .about = "Says which profile an application with this scene would get here, and why. The\n"
-             "rungs are tried from the best ground down; docs/store.md explains them.",
+             "grades are tried from the best down; docs/store.md explains them.",
     .options = options,
 };
 

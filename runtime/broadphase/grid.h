@@ -13,7 +13,7 @@
 // u * cells (u = 2^-24) three times over: the edge is wider than the widest object
 // by the margin 2^-16 + cells * 2^-21, and an axis has at most 65 536 cells.
 // Hashed ones are computed in double, and an axis has at most 2^30 cells. No edge
-// is below 2^-125, so that 1 / edge is a float. docs/accuracy.md has the proof.
+// is below 2^-125, so that 1 / edge is a float. docs/notes/accuracy.md has the proof.
 #ifndef RUNTIME_GRID_H
 #define RUNTIME_GRID_H
 

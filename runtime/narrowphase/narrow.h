@@ -3,7 +3,7 @@
 //
 // The devices test pairs in float with a derived error bound; what the bound
 // leaves open comes here: double with its own bound, then exact integers.
-// Sets are closed: touching collides. docs/accuracy.md derives the bounds.
+// Sets are closed: touching collides. docs/notes/accuracy.md derives the bounds.
 //
 // Every answer is the same for (a, b) and (b, a) and for q and -q.
 #ifndef RUNTIME_NARROW_H
@@ -14,7 +14,7 @@
 typedef enum narrow_verdict { NARROW_SEPARATED, NARROW_COLLIDING, NARROW_UNDECIDED } narrow_verdict;
 
 // The error of an axis's separation is below NARROW_SLACK * u * (|t|_1 + all extents),
-// with u the unit of rounding: docs/accuracy.md, line by line.
+// with u the unit of rounding: docs/notes/accuracy.md, line by line.
 #define NARROW_SLACK 48
 
 // 15 axes (equation 3; in 2D: 4) in double with the bound of docs/accuracy.md.

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// ----------------------------------------------------------------------- the rungs
+// ----------------------------------------------------------------------- the grades
 
 static void what_was_measured_here_is_exact(void **state)
 {

@@ -230,7 +230,7 @@ static void every_look_up_goes_by_an_index(void **state)
     duet_error err = {0};
     assert_ok(profile_lookup(f.s, &request, &found, NULL, &err), err);
     sqlite3_trace_v2(f.s->db, 0, NULL, NULL);
-    assert_int_equal(found.grade, PROFILE_DEFAULT); // so that all rungs were tried
+    assert_int_equal(found.grade, PROFILE_DEFAULT); // so that all grades were tried
     assert_in_range(kept.n, 6, 32);
     text plan = {0};
     for (int i = 0; i < kept.n; ++i) {
