@@ -266,21 +266,12 @@ static void push_limits(lua_State *L, const gen_limits *limits)
     lua_setfield(L, -2, "cpu");
 }
 
-static void push_config(lua_State *L, const question *q)
-{
-    lua_createtable(L, 0, (int)q->card->n_params);
-    for (uint32_t i = 0; i < q->card->n_params; ++i) {
-        lua_pushinteger(L, q->config[i].value);
-        lua_setfield(L, -2, q->config[i].name);
-    }
-}
-
 // valid(p, limits), where the card has it. The table is at [2].
 static void ask_valid(lua_State *L, question *q)
 {
     q->is_valid = true;
     if (lua_getfield(L, 2, "valid") == LUA_TFUNCTION) {
-        push_config(L, q);
+        signature_push_config(L, q->config, q->card->n_params);
         push_limits(L, q->limits);
         lua_call(L, 2, 2);
         q->is_valid = lua_toboolean(L, -2);
@@ -305,7 +296,7 @@ static uint32_t launch_field(lua_State *L, const char *name)
 static void ask_launch(lua_State *L, question *q)
 {
     lua_getfield(L, 2, "launch");
-    push_config(L, q);
+    signature_push_config(L, q->config, q->card->n_params);
     lua_call(L, 1, 1);
     if (lua_type(L, -1) != LUA_TTABLE)
         luaL_error(L, "launch gives a %s, not { group = ..., per_item = ... }",

@@ -204,7 +204,6 @@ static void note_stack(script *s, bool is_new, size_t kind, const void *moved)
     if (s->stack_moves || (!s->stack && is_new && kind == 0))
         s->stack = (uintptr_t)moved;
     s->stack_grew = s->stack_grew || s->stack_moves;
-    s->stack_moves = false;
 }
 
 static void *take_block(script *s, void *at, size_t old_bytes, size_t bytes)

@@ -11,12 +11,10 @@
 
 static const struct {
     const char *name;
-    uint32_t bytes;
-    bool is_real;
+    uint32_t bytes; // of float, for a real
 } value_types[] = {
-    {"uint", 4, false},  {"int", 4, false},   {"float", 4, false},  {"float2", 8, false},
-    {"uint2", 8, false}, {"int4", 16, false}, {"uint4", 16, false}, {"float4", 16, false},
-    {"real", 4, true},   {"real2", 8, true},  {"real4", 16, true},
+    {"uint", 4},   {"int", 4},     {"float", 4}, {"float2", 8}, {"uint2", 8},  {"int4", 16},
+    {"uint4", 16}, {"float4", 16}, {"real", 4},  {"real2", 8},  {"real4", 16},
 };
 
 static bool is_real(const char *type)
@@ -29,7 +27,7 @@ static uint32_t value_bytes(const char *type, bool doubles)
 {
     for (size_t i = 0; i < sizeof value_types / sizeof value_types[0]; ++i)
         if (strcmp(value_types[i].name, type) == 0)
-            return value_types[i].bytes * (value_types[i].is_real && doubles ? 2 : 1);
+            return value_types[i].bytes * (doubles && is_real(type) ? 2 : 1);
     return 0;
 }
 
@@ -162,14 +160,19 @@ static int refuse_name(lua_State *L)
     return luaL_error(L, "no parameter '%s'", lua_tostring(L, 2));
 }
 
-// Pushes a table in which each parameter is a global, and no other name is.
-static void push_scope(lua_State *L, const gen_setting *config, uint32_t n)
+void signature_push_config(lua_State *L, const gen_setting *config, uint32_t n)
 {
     lua_createtable(L, 0, (int)n);
     for (uint32_t i = 0; i < n; ++i) {
         lua_pushinteger(L, config[i].value);
         lua_setfield(L, -2, config[i].name);
     }
+}
+
+// The globals of a condition: each parameter, and no other name.
+static void push_scope(lua_State *L, const gen_setting *config, uint32_t n)
+{
+    signature_push_config(L, config, n);
     lua_createtable(L, 0, 1);
     lua_pushcfunction(L, refuse_name);
     lua_setfield(L, -2, "__index");
@@ -183,8 +186,7 @@ static bool holds(lua_State *L, const signature *s, const signature_arg *a)
         return true;
     lua_rawgeti(L, LUA_REGISTRYINDEX, a->condition);
     lua_pushvalue(L, -2);
-    if (!lua_setupvalue(L, -2, 1))
-        lua_pop(L, 1); // a constant condition has no globals
+    lua_setupvalue(L, -2, 1);
     lua_call(L, 0, 1);
     if (lua_type(L, -1) != LUA_TBOOLEAN)
         luaL_error(L, "%s: the condition of '%s' gives a %s; expected a comparison", s->entry,

@@ -27,6 +27,9 @@ typedef struct signature {
     uint32_t n;
 } signature;
 
+// Pushes a table in which each parameter of a config is a field.
+void signature_push_config(lua_State *L, const gen_setting *config, uint32_t n);
+
 // Reads field `args` of the card's table, ordered by the entries' names; raises where it
 // is wrong. The list is the caller's, to free.
 void signature_read(lua_State *L, int table, signature **list, uint32_t *n);

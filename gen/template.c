@@ -132,11 +132,7 @@ static int expand(lua_State *L)
     const job *j = lua_touserdata(L, 3);
     lua_getfield(L, LIBRARY, "expand");
     lua_pushvalue(L, RUN);
-    lua_createtable(L, 0, (int)j->n);
-    for (uint32_t i = 0; i < j->n; ++i) {
-        lua_pushinteger(L, j->config[i].value);
-        lua_setfield(L, -2, j->config[i].name);
-    }
+    signature_push_config(L, j->config, j->n);
     lua_call(L, 2, 1);
     size_t n = 0;
     const char *chars = lua_tolstring(L, -1, &n);

@@ -130,13 +130,6 @@ static bool fill_returns(duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- contacts
 
-static void swap(duet_motion *m, motion_buffer a, motion_buffer b)
-{
-    buffer other = m->buffers[a];
-    m->buffers[a] = m->buffers[b];
-    m->buffers[b] = other;
-}
-
 static bool empty_contacts(duet_motion *m, duet_error *err)
 {
     uint64_t n = (uint64_t)m->n_contacts + 1;
@@ -170,10 +163,11 @@ static bool build_graph(duet_motion *m, duet_error *err)
     duet_result result;
     uint64_t most;
     uint32_t n_old = m->n_contacts;
-    swap(m, LINKS, OLD_LINKS);
-    swap(m, CONTACTS, OLD_CONTACTS);
-    swap(m, TOUCHES, OLD_TOUCHES);
-    swap(m, COLOUR_OF, OLD_COLOURS);
+    buffer *b = m->buffers;
+    buffer_swap(&b[LINKS], &b[OLD_LINKS]);
+    buffer_swap(&b[CONTACTS], &b[OLD_CONTACTS]);
+    buffer_swap(&b[TOUCHES], &b[OLD_TOUCHES]);
+    buffer_swap(&b[COLOUR_OF], &b[OLD_COLOURS]);
     m->rebuilt = true;
     m->has_graph = true;
     return compute_fat_aabbs(m, err) && find_pairs(m, &result, err) &&

@@ -137,7 +137,6 @@ struct duet_motion {
     double margin;     // contacts are kept to that far apart
     uint64_t step;
     cl_uint n_contacts; // in rows
-    uint32_t n_returns;
     colour_span colours[COLOUR_OVERFLOW + 1];
     uint32_t n_colours; // that are not empty
     uint32_t n_pushing; // contacts of all colours

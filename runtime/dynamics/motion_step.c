@@ -14,11 +14,6 @@
 
 // ---------------------------------------------------------------- response
 
-static bool update_sleep(duet_motion *m, duet_error *err)
-{
-    return motion_launch(m, "sleep", m->kernels.update_sleep, m->n, err);
-}
-
 static bool prepare_bodies(duet_motion *m, duet_error *err)
 {
     return motion_launch(m, "integrate", m->kernels.prepare_bodies, (uint64_t)m->n + MOTION_WALLS,
@@ -33,15 +28,15 @@ static bool touch(duet_motion *m, duet_error *err)
         return false;
     if (!motion_has(m, DUET_EFFECT_SLEEP))
         return true;
-    if (!update_sleep(m, err) || !motion_read_flags(m, err))
+    if (!motion_launch(m, "sleep", m->kernels.update_sleep, m->n, err) ||
+        !motion_read_flags(m, err))
         return false;
     return !m->flags[FLAG_FELL_ASLEEP] || (prepare_bodies(m, err) && motion_touch(m, true, err));
 }
 
 // Runs a kernel over one colour's contacts, in blocks or in the list. Those that found no
 // colour are taken in order, by one work-item.
-static bool launch_colour(duet_motion *m, const char *stage, const kernel *k, uint32_t colour,
-                          duet_error *err)
+static bool launch_colour(duet_motion *m, const kernel *k, uint32_t colour, duet_error *err)
 {
     const colour_span *span = &m->colours[colour];
     bool in_order = colour == COLOUR_OVERFLOW;
@@ -50,14 +45,15 @@ static bool launch_colour(duet_motion *m, const char *stage, const kernel *k, ui
     m->args.first_slot = span->slot;
     m->args.each = in_order ? span->count : k->per_item;
     m->args.apart = in_order ? m->layout.block : 1;
-    return motion_launch(m, stage, k, in_order && span->count > 0 ? 1 : span->count, err);
+    return motion_launch(m, "solve_contacts", k, in_order && span->count > 0 ? 1 : span->count,
+                         err);
 }
 
 static bool for_colours(duet_motion *m, const kernel *k, duet_error *err)
 {
     bool ok = true;
     for (uint32_t colour = 0; ok && colour <= COLOUR_OVERFLOW; ++colour)
-        ok = launch_colour(m, "solve_contacts", k, colour, err);
+        ok = launch_colour(m, k, colour, err);
     return ok;
 }
 

@@ -104,6 +104,13 @@ void buffer_release(buffer *b)
     *b = (buffer){0};
 }
 
+void buffer_swap(buffer *a, buffer *b)
+{
+    buffer other = *a;
+    *a = *b;
+    *b = other;
+}
+
 static bool lock_block(host_block *h, const device *d, size_t size)
 {
     cl_int code = CL_SUCCESS;

@@ -27,6 +27,9 @@ bool buffer_hold(buffer *b, const device *d, void *host, size_t bytes, duet_erro
 
 void buffer_release(buffer *b);
 
+// Each has the other's memory afterwards; nothing is moved.
+void buffer_swap(buffer *a, buffer *b);
+
 // Host memory that devices read and write fast: page-locked by the last of them
 // that copies, else plain and aligned.
 typedef struct host_block {

@@ -30,13 +30,6 @@ void radix_sort_close(radix_sort *r)
     *r = (radix_sort){0};
 }
 
-static void swap(buffer *a, buffer *b)
-{
-    buffer other = *a;
-    *a = *b;
-    *b = other;
-}
-
 static bool run_pass(radix_sort *r, timeline *t, const char *stage, const radix_lists *lists,
                      uint32_t bits, duet_error *err)
 {
@@ -50,8 +43,8 @@ static bool run_pass(radix_sort *r, timeline *t, const char *stage, const radix_
               timeline_launch(t, stage, r->count, r->n, r, err) &&
               scan_run(r->scan, t, stage, &r->tiles, n_counts, err) &&
               timeline_launch(t, stage, r->move, r->n, r, err);
-    swap(lists->keys, lists->keys_spare);
-    swap(lists->ids, lists->ids_spare);
+    buffer_swap(lists->keys, lists->keys_spare);
+    buffer_swap(lists->ids, lists->ids_spare);
     return ok;
 }
 
