@@ -34,12 +34,18 @@ void budget_leave(budget *b)
     tell(current ? current->deadline_ns : 0);
 }
 
+bool budget_check_stop(duet_error *err)
+{
+    return !(watcher && watcher->stopped && watcher->stopped()) ||
+           error_set(err, DUET_STATUS_INTERRUPTED, "stopped");
+}
+
 bool budget_check(duet_error *err)
 {
     if (!current)
         return true;
-    if (watcher && watcher->stopped && watcher->stopped())
-        return error_set(err, DUET_STATUS_INTERRUPTED, "stopped");
+    if (!budget_check_stop(err))
+        return false;
     if (current->deadline_ns == UINT64_MAX || clock_steady_ns() <= current->deadline_ns)
         return true;
     return error_set(err, DUET_STATUS_BAD_INPUT, "runs for more than the %g seconds it may take",

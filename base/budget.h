@@ -40,6 +40,10 @@ void budget_leave(budget *b);
 // BAD_INPUT where the time is over.
 bool budget_check(duet_error *err);
 
+// false with INTERRUPTED where the thread's program was told to stop, also where no script
+// runs: for what takes seconds and has brought nothing yet.
+bool budget_check_stop(duet_error *err);
+
 // Whether the host may take so many more bytes; false with NO_MEMORY.
 bool budget_space(size_t bytes, duet_error *err);
 

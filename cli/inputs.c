@@ -1,32 +1,47 @@
 // SPDX-License-Identifier: MIT
 #include "cli/inputs.h"
 
+#include "base/clock.h"
 #include "base/error.h"
 #include "base/text.h"
+#include "cli/say.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+// One device's kernels after the other's. A driver that kept them takes a moment to find
+// that out, which is not worth a line.
+enum { FOUND_BY_THEN_NS = 400000000 };
+
+static void show_compiling(void *context, const duet_device_info *device, const char *kernel,
+                           uint32_t k, uint32_t n)
+{
+    static progress shown;
+    static char what[160];
+    (void)context;
+    if (kernel && k == 1) {
+        snprintf(what, sizeof what, "%s: compiling (first run on this device), kernel",
+                 device->selector);
+        shown = progress_begin(what, n);
+    }
+    if (kernel && clock_steady_ns() - shown.begun_ns > FOUND_BY_THEN_NS)
+        progress_show(&shown, k);
+    if (!kernel)
+        progress_end(&shown);
+}
+
 duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err)
 {
     duet_device_pair_def def = duet_default_device_pair_def();
-    if (!selectors)
-        return duet_device_pair_create(&def, err);
-    char a[128];
-    const char *comma = strchr(selectors, ',');
-    if (!comma || strchr(comma + 1, ',') || (size_t)(comma - selectors) >= sizeof a) {
-        error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                  "--pair '%s': give two selectors with a comma between them, as pocl:0,pocl:0; "
-                  "'duet devices' lists them",
-                  selectors);
-        return NULL;
-    }
-    snprintf(a, sizeof a, "%.*s", (int)(comma - selectors), selectors);
-    def.a = a;
-    def.b = comma + 1;
-    return duet_device_pair_create(&def, err);
+    def.a = selectors ? selectors : def.a;
+    def.on_compile = show_compiling;
+    duet_device_pair *pair = duet_device_pair_create(&def, err);
+    duet_error why = {0};
+    if (pair && !duet_device_pair_check_cache(pair, &why))
+        fprintf(stderr, "duet: %s; set DUET_CACHE to another folder, or to off\n", why.text);
+    return pair;
 }
 
 // A scene takes names and values apart; "name=value" is cut in a copy.

@@ -38,16 +38,18 @@ typedef struct plan_options {
         OPTION_SETTINGS("set", member.settings, "K=V",                                          \
                         "any other parameter of the scene; may be repeated")
 
-#define PAIR_OPTION_ROW(member)        \
-    OPTION_TEXT("pair", member, "A,B", \
-                "two selectors of 'duet devices' (a CPU and a GPU, or a CPU's halves)")
+#define PAIR_OPTION_ROW(member) \
+    OPTION_TEXT(                \
+        "pair", member, "A,B",  \
+        "two devices, as cpu,gpu or as 'duet devices' calls them; one; or halves of the CPU")
 
-#define PLAN_OPTION_ROWS(member)                                                           \
-    OPTION_SHARE("share", member.share, "R", "A's part of the work, as 0.25 or 1/4"),      \
-        OPTION_TEXT("mode", member.mode, "M", "how grids are built: shared, own or slab"), \
-        OPTION_TEXT("variant", member.variant, "V",                                        \
-                    "kernels of both devices: auto, simd, gpu or paper"),                  \
-        OPTION_TEXT("variant-a", member.variants[0], "V", "kernels of A"),                 \
+#define PLAN_OPTION_ROWS(member)                                                      \
+    OPTION_SHARE("share", member.share, "R", "A's part of the work, as 0.25 or 1/4"), \
+        OPTION_TEXT("mode", member.mode, "M",                                         \
+                    "how grids are built: shared, own, slab or default"),             \
+        OPTION_TEXT("variant", member.variant, "V",                                   \
+                    "kernels of both devices: auto, simd, gpu or paper"),             \
+        OPTION_TEXT("variant-a", member.variants[0], "V", "kernels of A"),            \
         OPTION_TEXT("variant-b", member.variants[1], "V", "kernels of B")
 
 // What a world is asked to find: as the scene says, or as these do.

@@ -89,11 +89,8 @@ end
 -- The pairs that were asked for, each opened when its turn comes.
 function lab.each_pair(options)
   local defs = {}
-  for a, b in options.pair:gmatch "([^,;]+),([^,;]+)" do defs[#defs + 1] = { a = a, b = b } end
-  if #defs == 0 then
-    if options.pair ~= "" then fail("--pair '%s': give two selectors with a comma, as pocl:0,nvidia:0", options.pair) end
-    defs[1] = {}
-  end
+  for both in options.pair:gmatch "[^;]+" do defs[#defs + 1] = { a = both } end
+  if #defs == 0 then defs[1] = {} end
   local i, pair = 0, nil
   return function()
     if pair then pair:close() end

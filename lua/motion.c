@@ -129,7 +129,6 @@ static motion_objects objects_of_arrays(lua_State *L, duet_device_pair *pair)
                         .bodies = bodies ? bodies->rows : NULL,
                         .n = (uint32_t)poses->n};
     o.def.pair = pair;
-    o.def.plan = duet_default_plan(pair);
     return o;
 }
 

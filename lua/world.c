@@ -48,8 +48,6 @@ static duet_world_def read_def(lua_State *L, duet_device_pair *pair, const duet_
 {
     duet_world_def def = scene ? duet_scene_world_def(scene, pair) : duet_default_world_def();
     def.pair = pair;
-    if (!scene)
-        def.plan = duet_default_plan(pair);
     if (lua_isnoneornil(L, index))
         return def;
     member_read_table(L, index, "a world", def_members, &def);

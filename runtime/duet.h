@@ -123,18 +123,34 @@ DUET_API uint32_t duet_device_list_get_count(const duet_device_list *list);
 DUET_API const duet_device_info *duet_device_list_get_info(const duet_device_list *list,
                                                            uint32_t i);
 
-// An ordered device pair. A takes the share, B the rest.
+// An ordered device pair. A takes the share, B the rest. Where both are one device B does
+// all of the work, unless a share is asked for.
 typedef struct duet_device_pair duet_device_pair;
 
+// Told before a kernel is compiled, which can take seconds: it is the k-th of n, from 1,
+// that the device needs and that neither the cache nor the pair has. After the last it is
+// told once more, with kernel NULL. By the thread that makes or steps what needs them.
+typedef void duet_compile_callback(void *context, const duet_device_info *device,
+                                   const char *kernel, uint32_t k, uint32_t n);
+
 typedef struct duet_device_pair_def {
-    const char *a;          // selector; NULL for both: a CPU as A and the fastest GPU as
-    const char *b;          // B, or else the two halves of the only CPU
+    const char *a;          // selector of A, and
+    const char *b;          // of B; see below
     const char *kernel_dir; // reads kernels from this folder instead of the carried ones
-    const char *cache_dir;  // keeps built programs here; NULL: no cache of ours
+    const char *cache_dir;  // keeps built programs here. NULL: in $XDG_CACHE_HOME/duet or
+                            // ~/.cache/duet, but those of PoCL, which keeps its own; "": nowhere
+    duet_compile_callback *on_compile; // NULL: nobody is told
+    void *context;                     // handed to it
     int cookie;
 } duet_device_pair_def;
 
-// kernel_dir and cache_dir from DUET_KERNEL_DIR and DUET_CACHE.
+// A selector is "pocl:0"; "cpu" or "gpu", the strongest of each; or a part of a CPU, as its
+// units "pocl:0[0-3]" or as the k-th of n equal parts "cpu[1/2]". With b NULL, a is one
+// selector for both, "A,B" for the two, or "halves" for the two halves of the CPU. With
+// both NULL: the CPU and the strongest GPU, or where there is no GPU the CPU as both.
+
+// a, kernel_dir and cache_dir from DUET_PAIR, DUET_KERNEL_DIR and DUET_CACHE, "off" for
+// nowhere.
 DUET_API duet_device_pair_def duet_default_device_pair_def(void);
 
 // NO_DEVICE where there is none, NOT_FOUND for an unknown selector: the line
@@ -143,6 +159,9 @@ DUET_API duet_device_pair_def duet_default_device_pair_def(void);
 DUET_API duet_device_pair *duet_device_pair_create(const duet_device_pair_def *def,
                                                    duet_error *err);
 DUET_API void duet_device_pair_destroy(duet_device_pair *pair);
+// False, with a line that says why, where built programs are to be kept and cannot be: all
+// works, but they are compiled again each time.
+DUET_API bool duet_device_pair_check_cache(const duet_device_pair *pair, duet_error *err);
 DUET_API const duet_device_info *duet_device_pair_get_info(const duet_device_pair *pair,
                                                            int device); // 0: A, 1: B, else NULL
 
@@ -258,7 +277,9 @@ DUET_API const void *duet_scene_get_objects(const duet_scene *scene, duet_object
 typedef enum duet_mode {
     DUET_MODE_SHARED, // B builds the grid and A receives it (the paper, section 4.1)
     DUET_MODE_OWN,    // each device builds the whole grid from its own poses
-    DUET_MODE_SLAB    // each device builds only its slab of the grid and the ghost rows ahead
+    DUET_MODE_SLAB,   // each device builds only its slab of the grid and the ghost rows ahead
+    DUET_MODE_DEFAULT // slab between parts of one CPU, or two equal devices, where objects are of
+                      // about one size; own elsewhere
 } duet_mode;
 
 DUET_API const char *duet_mode_name(duet_mode mode); // "shared"; NULL outside
@@ -273,8 +294,8 @@ typedef struct duet_plan {
 } duet_plan;
 
 // What is done on this device pair where nothing was measured: "simd" on a CPU and "auto"
-// elsewhere, own grids, and a share by units between parts of one CPU, else 0. For NULL a
-// plan that leaves these to the world it is given to, as the default defs have it.
+// elsewhere, a share by units between parts of one CPU, or two equal devices, else 0. For
+// NULL a plan that leaves these to the world it is given to, as the default defs have it.
 DUET_API duet_plan duet_default_plan(const duet_device_pair *pair);
 
 // ---------------------------------------------------------------- worlds

@@ -358,8 +358,8 @@ static bool search_mode(tuning *t, duet_mode mode, const uint32_t *near, found *
 static bool mode_fits(const duet_plan *plan, duet_mode mode)
 {
     size_t a = strcspn(plan->variant_a, " "), b = strcspn(plan->variant_b, " ");
-    return mode != DUET_MODE_SHARED ||
-           (a == b && strncmp(plan->variant_a, plan->variant_b, a) == 0);
+    return mode == DUET_MODE_OWN || mode == DUET_MODE_SLAB ||
+           (mode == DUET_MODE_SHARED && a == b && strncmp(plan->variant_a, plan->variant_b, a) == 0);
 }
 
 static uint32_t list_modes(const tuning *t, duet_mode modes[MOST_MODES])

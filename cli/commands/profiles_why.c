@@ -159,7 +159,7 @@ static bool run(void *given, char **operands, duet_error *err)
     bool ok = scene;
     if (ok) {
         duet_world_def def = duet_scene_world_def(scene, pair);
-        a.fallback = def.plan;
+        a.fallback = duet_default_plan(pair);
         world = inputs_change_level(&args->level, &def, err) ? duet_world_create(&def, err) : NULL;
         ok = world && duet_world_set_scene(world, scene, err) &&
              profile_subject_read(world, &a.asked, err) && look(args, &a, err);

@@ -37,19 +37,28 @@ static void print_grid(const duet_scene_info *info, const duet_result *r)
     putchar('\n');
 }
 
+static bool is_one(const duet_device_pair *pair, const duet_plan *plan)
+{
+    const char *a = duet_device_pair_get_info(pair, 0)->selector;
+    const char *b = duet_device_pair_get_info(pair, 1)->selector;
+    return plan->share == 0 && strcmp(a, b) == 0;
+}
+
 static void print_devices(const duet_device_pair *pair, const duet_plan *plan)
 {
     double share = (double)plan->share / DUET_SHARE_ONE;
+    const bool one = is_one(pair, plan);
     table t = table_begin("lllrl");
-    for (int i = 0; i < 2; ++i) {
+    for (int i = one; i < 2; ++i) {
         const duet_device_info *d = duet_device_pair_get_info(pair, i);
-        table_cell(&t, "%c", "AB"[i]);
+        table_cell(&t, one ? "on" : "%c", "AB"[i]);
         table_words(&t, d->selector, d->name, NULL);
         table_cell(&t, "%.4g %%", 100 * (i == 0 ? share : 1 - share));
         table_cell(&t, "of the work, kernels '%s'", i == 0 ? plan->variant_a : plan->variant_b);
     }
     table_print(&t, stdout);
-    printf("grids: %s\n", duet_mode_name(plan->mode));
+    if (plan->share > 0 && plan->share < DUET_SHARE_ONE)
+        printf("grids: %s\n", duet_mode_name(plan->mode));
 }
 
 static void print_profile(const run_report *r)
@@ -105,6 +114,8 @@ static void print_stage(table *t, const stage_row *row, const double all_ms[2])
 {
     table_cell(t, "%s", row->name);
     for (int device = 0; device < 2; ++device) {
+        if (all_ms[device] <= 0)
+            continue;
         double ms = row->ms[device];
         double part = ms > 0 ? ms / all_ms[device] : 0;
         if (ms > 0) {
@@ -118,8 +129,8 @@ static void print_stage(table *t, const stage_row *row, const double all_ms[2])
 }
 
 // In the order of the device that went through more stages, then what only the
-// other did.
-static void print_stages(const timed_step *step)
+// other did. A device that had nothing to do has no columns.
+static void print_stages(const timed_step *step, bool one)
 {
     stage_row rows[STAGES_MOST] = {{0}};
     double all_ms[2] = {0, 0};
@@ -128,12 +139,22 @@ static void print_stages(const timed_step *step)
     n = add_stages(step, 1 - fuller, rows, n);
     for (uint32_t i = 0; i < step->n_stages; ++i)
         all_ms[step->stages[i].device == 1] += step->stages[i].ms;
-    table t = table_begin("lrrlrrl");
-    table_words(&t, "", "A ms", "%", "                ", "B ms", "%", "", NULL);
+    const bool both = all_ms[0] > 0 && all_ms[1] > 0;
+    table t = table_begin(both ? "lrrlrrl" : "lrrl");
+    table_words(&t, "", NULL);
+    for (int device = 0; device < 2; ++device)
+        if (all_ms[device] > 0)
+            table_words(&t,
+                        one           ? "ms"
+                        : device == 0 ? "A ms"
+                                      : "B ms",
+                        "%", "                ", NULL);
     for (uint32_t i = 0; i < n; ++i)
         print_stage(&t, &rows[i], all_ms);
     table_words(&t, "together", NULL);
     for (int device = 0; device < 2; ++device) {
+        if (all_ms[device] <= 0)
+            continue;
         table_cell(&t, "%.3f", all_ms[device]);
         table_words(&t, " ", " ", NULL);
     }
@@ -141,7 +162,7 @@ static void print_stages(const timed_step *step)
     putchar('\n');
 }
 
-static void print_totals(const timed *m, const char *level)
+static void print_totals(const timed *m, const char *level, bool one)
 {
     const duet_result *r = &m->last;
     const timed_step *median = timed_median(m);
@@ -158,7 +179,11 @@ static void print_totals(const timed *m, const char *level)
         table_cell(&t, "left out; the first is %u", r->first_bad);
     }
     table_words(&t, "memory", table_bytes(r->bytes[0] + r->bytes[1]).chars, NULL);
-    table_cell(&t, "A %s, B %s", table_bytes(r->bytes[0]).chars, table_bytes(r->bytes[1]).chars);
+    if (one)
+        table_words(&t, "", NULL);
+    else
+        table_cell(&t, "A %s, B %s", table_bytes(r->bytes[0]).chars,
+                   table_bytes(r->bytes[1]).chars);
     table_cell(&t, "time");
     table_cell(&t, "%.3f ms", median->total_ms);
     table_cell(&t, "median of %u, %.3f to %.3f; %.3g million boxes a second", m->n,
@@ -261,8 +286,8 @@ void run_report_text(const run_report *r)
     print_grid(r->scene, &r->timed->last);
     print_devices(r->pair, r->plan);
     print_profile(r);
-    print_stages(timed_median(r->timed));
-    print_totals(r->timed, r->level);
+    print_stages(timed_median(r->timed), is_one(r->pair, r->plan));
+    print_totals(r->timed, r->level, is_one(r->pair, r->plan));
     if (r->verdict.asked)
         print_verdict(&r->verdict);
 }

@@ -76,7 +76,7 @@ bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
     *p = (part){
         .device = &pair->devices[side], .devices = pair->devices, .least_chunk = LEAST_CHUNK};
     p->gen = gen_open(pair->kernel_dir, err);
-    p->programs = p->gen ? program_set_open(p->device, p->gen, pair->cache_dir, err) : NULL;
+    p->programs = p->gen ? program_set_open(p->device, p->gen, &pair->builder, err) : NULL;
     bool ok = p->programs &&
               buffer_reserve(&p->counters, p->device, COUNTERS * sizeof(uint32_t), err) &&
               buffer_reserve(&p->levels, p->device, sizeof((grid *)0)->levels, err);
@@ -294,7 +294,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         if (!p->kernels.narrow)
             return false;
     }
-    return all_settings_used(p, err);
+    return all_settings_used(p, err) && program_set_build(p->programs, err);
 }
 
 // ---------------------------------------------------------------- a step

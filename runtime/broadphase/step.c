@@ -57,6 +57,7 @@ static bool fit_grid(duet_world *world, duet_error *err)
     world->cell_widened = too_small;
     world->fitted = true;
     world->fitted_n = world->n;
+    world_choose_mode(world);
     world->split_stale = true;
     ++world->grid_version;
     world->prepared[0] = world->prepared[1] = false;

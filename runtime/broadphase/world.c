@@ -20,18 +20,24 @@ const char *duet_mode_name(duet_mode mode)
         return "own";
     case DUET_MODE_SLAB:
         return "slab";
+    case DUET_MODE_DEFAULT:
+        return "default";
     }
     return NULL;
 }
 
 // Parts of one CPU, or two equal devices, do work in proportion to their units;
 // how unequal ones compare is not known before it is measured.
-static uint32_t default_share(const duet_device_info *a, const duet_device_info *b)
+static bool are_alike(const duet_device_pair *pair)
 {
-    if (a->kind != b->kind || strcmp(a->name, b->name) != 0)
-        return 0;
-    uint64_t units = (uint64_t)a->units + b->units;
-    return units ? (uint32_t)(DUET_SHARE_ONE * (uint64_t)a->units / units) : 0;
+    const duet_device_info *a = &pair->devices[0].info, *b = &pair->devices[1].info;
+    return a->kind == b->kind && strcmp(a->name, b->name) == 0 && !device_pair_is_one(pair);
+}
+
+static uint32_t default_share(const duet_device_pair *pair)
+{
+    uint64_t a = pair->devices[0].info.units, b = pair->devices[1].info.units;
+    return are_alike(pair) && a + b > 0 ? (uint32_t)(DUET_SHARE_ONE * a / (a + b)) : 0;
 }
 
 static const char *default_variant(const duet_device_info *info)
@@ -42,19 +48,18 @@ static const char *default_variant(const duet_device_info *info)
 // What a plan leaves to the device pair.
 static duet_plan resolve_plan(duet_plan plan, const duet_device_pair *pair)
 {
-    const duet_device_info *a = &pair->devices[0].info, *b = &pair->devices[1].info;
     if (plan.share == DUET_SHARE_DEFAULT)
-        plan.share = default_share(a, b);
+        plan.share = default_share(pair);
     if (!*plan.variant_a)
-        strcpy(plan.variant_a, default_variant(a));
+        strcpy(plan.variant_a, default_variant(&pair->devices[0].info));
     if (!*plan.variant_b)
-        strcpy(plan.variant_b, default_variant(b));
+        strcpy(plan.variant_b, default_variant(&pair->devices[1].info));
     return plan;
 }
 
 duet_plan duet_default_plan(const duet_device_pair *pair)
 {
-    duet_plan plan = {.share = DUET_SHARE_DEFAULT, .mode = DUET_MODE_OWN};
+    duet_plan plan = {.share = DUET_SHARE_DEFAULT, .mode = DUET_MODE_DEFAULT};
     return pair ? resolve_plan(plan, pair) : plan;
 }
 
@@ -72,7 +77,7 @@ static bool check_world_box(const duet_world_def *def, duet_error *err)
         if (!isfinite(def->lower[k]) || !isfinite(def->upper[k]) || def->lower[k] > def->upper[k])
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "the world's %c runs from %g to %g; expected finite and rising",
-                             "xyz"[k], def->lower[k], def->upper[k]);
+                             "xyz"[k], def -> lower[k], def -> upper[k]);
     return true;
 }
 
@@ -158,8 +163,8 @@ static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_world_
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "share is %u of %u; expected at most all of it", plan->share,
                          DUET_SHARE_ONE);
-    if (plan->mode < DUET_MODE_SHARED || plan->mode > DUET_MODE_SLAB)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "mode is %d; expected shared, own or slab",
+    if (plan->mode < DUET_MODE_SHARED || plan->mode > DUET_MODE_DEFAULT)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "mode is %d; expected a duet_mode",
                          (int)plan->mode);
     if (!variant_parse(&a, plan->variant_a, &def->pair->devices[0].info, err) ||
         !variant_parse(&b, plan->variant_b, &def->pair->devices[1].info, err))
@@ -182,6 +187,23 @@ static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_world_
 
 // ---------------------------------------------------------------- owner
 
+// Which mode the default is depends on the grid, which slabs cut only where its cells are
+// of one size. To have them at any price was measured three times slower where sizes are mixed.
+void world_choose_mode(duet_world *world)
+{
+    bool one_size = world->grid.kind == GRID_DENSE && world->grid.n_levels == 1;
+    if (world->mode_open)
+        world->def.plan.mode =
+            one_size && are_alike(world->def.pair) ? DUET_MODE_SLAB : DUET_MODE_OWN;
+}
+
+static void take_plan(duet_world *world, const duet_plan *plan)
+{
+    world->def.plan = *plan;
+    world->mode_open = plan->mode == DUET_MODE_DEFAULT;
+    world_choose_mode(world);
+}
+
 duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
 {
     grid_wish wish;
@@ -196,7 +218,7 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
         return NULL;
     }
     world->def = *def;
-    world->def.plan = plan;
+    take_plan(world, &plan);
     world_hold(world);
     device_pair_hold(def->pair);
     pack_open(&world->pack);
@@ -256,7 +278,7 @@ bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *e
         world->prepared[0] = world->prepared[1] = false;
     world->prepared[0] &= strcmp(plan->variant_a, world->def.plan.variant_a) == 0;
     world->prepared[1] &= strcmp(plan->variant_b, world->def.plan.variant_b) == 0;
-    world->def.plan = *plan;
+    take_plan(world, plan);
     return true;
 }
 

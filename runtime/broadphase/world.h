@@ -24,6 +24,7 @@ struct duet_world {
     uint32_t n_sizes;
     uint64_t sizes_version;
     workload_stats stats; // of the objects that were set first
+    bool mode_open;       // the plan's mode is what the grid makes of the default
     bool prepared[2];     // the part's kernels are those of the plan and the grid
     bool fitted;          // the grid is that of these objects
     uint32_t fitted_n;
@@ -45,6 +46,9 @@ void world_change_level(duet_world *world, duet_level level);
 
 // The next step lays its grid anew, whatever the last one found.
 void world_forget_grid(duet_world *world);
+
+// The plan's mode, where it is open, for the grid that was fitted.
+void world_choose_mode(duet_world *world);
 
 grid_objects world_objects(const duet_world *world);
 

@@ -155,5 +155,5 @@ bool motion_prepare(duet_motion *m, duet_error *err)
         return false;
     if (response)
         m->layout.block = (uint32_t)kernel_param(k->solve_contacts, "BLOCK");
-    return true;
+    return program_set_build(m->programs, err);
 }

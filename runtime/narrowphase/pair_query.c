@@ -102,11 +102,12 @@ static bool open_side(side *s, const duet_pair_query_def *def, int which, duet_e
     *s = (side){.device = &def->pair->devices[which], .dims = def->dims};
     const gen_setting settings[] = {{"DIMS", def->dims}, {"ACCURACY", def->level}};
     s->gen = gen_open(def->pair->kernel_dir, err);
-    s->programs = s->gen ? program_set_open(s->device, s->gen, def->pair->cache_dir, err) : NULL;
+    s->programs = s->gen ? program_set_open(s->device, s->gen, &def->pair->builder, err) : NULL;
     if (s->programs)
         s->kernel = program_set_kernel(s->programs, "pair_query", "pair_query", settings, 2,
                                        side_bindings, err);
-    return s->kernel && buffer_reserve(&s->found, s->device, CHUNK, err);
+    return s->kernel && program_set_build(s->programs, err) &&
+           buffer_reserve(&s->found, s->device, CHUNK, err);
 }
 
 duet_pair_query *duet_pair_query_create(const duet_pair_query_def *def, duet_error *err)

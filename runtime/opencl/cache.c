@@ -15,9 +15,11 @@
 #include "base/output.h"
 
 #include <dirent.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <sha256.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
@@ -104,6 +106,33 @@ bool cache_check(const char *dir, duet_error *err)
     return why.status == DUET_STATUS_OK || error_set(err, why.status, "%s", why.text);
 }
 
+static void make_folder(const char *dir)
+{
+    char above[4096];
+    const char *end = strrchr(dir, '/');
+    if (mkdir(dir, 0700) == 0 || errno != ENOENT || !end || end == dir ||
+        (size_t)(end - dir) >= sizeof above)
+        return;
+    snprintf(above, sizeof above, "%.*s", (int)(end - dir), dir);
+    mkdir(above, 0700);
+    mkdir(dir, 0700);
+}
+
+bool cache_check_writable(const char *dir, duet_error *err)
+{
+    make_folder(dir);
+    duet_error why = {0};
+    int folder = open_folder(dir, &why);
+    bool writable = folder >= 0 && faccessat(folder, ".", W_OK, AT_EACCESS) == 0;
+    const char *reason = strerror(errno);
+    if (folder >= 0)
+        close(folder);
+    if (why.status != DUET_STATUS_OK)
+        return error_set(err, why.status, "%s", why.text);
+    return writable || error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                                 "built kernels cannot be kept in %s: %s", dir, reason);
+}
+
 // ------------------------------------------------------------------- entries
 
 static bool read_all(text *entry, int file)
@@ -125,6 +154,8 @@ static bool read_entry(text *entry, int folder, const char *key)
     struct stat info;
     bool read = file >= 0 && fstat(file, &info) == 0 && S_ISREG(info.st_mode) &&
                 !what_is_wrong(&info) && read_all(entry, file);
+    if (read)
+        futimens(file, NULL); // it was used
     if (file >= 0)
         close(file);
     return read;
@@ -166,19 +197,53 @@ static void make_room(int folder, const char *name)
         unlinkat(folder, name, 0);
 }
 
-static bool is_left_over(int folder, const char *name)
+typedef struct entry_file {
+    char name[80];
+    uint64_t bytes;
+    struct timespec used;
+} entry_file;
+
+typedef struct entry_list {
+    entry_file *files;
+    size_t n, capacity;
+    uint64_t bytes; // of all
+} entry_list;
+
+static bool ends_with(const char *name, const char *end)
 {
-    enum { WRITTEN_BY_THEN_S = 3600 };
-    struct stat info;
-    size_t n = strlen(name);
-    return n > 5 && strcmp(name + n - 5, ".part") == 0 &&
-           fstatat(folder, name, &info, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(info.st_mode) &&
-           time(NULL) - info.st_mtime > WRITTEN_BY_THEN_S;
+    size_t n = strlen(name), m = strlen(end);
+    return n > m && strcmp(name + n - m, end) == 0;
 }
 
-// Removes what killed processes left half-written.
-static void sweep(int folder)
+static void note_entry(entry_list *list, const char *name, const struct stat *info)
 {
+    if (list->n == list->capacity) {
+        size_t capacity = list->capacity ? 2 * list->capacity : 64;
+        entry_file *files = realloc(list->files, capacity * sizeof *files);
+        if (!files)
+            return;
+        list->files = files;
+        list->capacity = capacity;
+    }
+    entry_file *file = &list->files[list->n++];
+    snprintf(file->name, sizeof file->name, "%s", name);
+    file->bytes = (uint64_t)info->st_size;
+    file->used = info->st_mtim;
+    list->bytes += file->bytes;
+}
+
+static int by_use(const void *a, const void *b)
+{
+    const struct timespec *x = &((const entry_file *)a)->used, *y = &((const entry_file *)b)->used;
+    if (x->tv_sec != y->tv_sec)
+        return x->tv_sec < y->tv_sec ? -1 : 1;
+    return x->tv_nsec < y->tv_nsec ? -1 : x->tv_nsec > y->tv_nsec;
+}
+
+// Removes what killed processes left half-written, and notes the entries.
+static void look_through(int folder, entry_list *list)
+{
+    enum { WRITTEN_BY_THEN_S = 3600 };
     int again = openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     DIR *names = again >= 0 ? fdopendir(again) : NULL;
     if (!names) {
@@ -186,15 +251,36 @@ static void sweep(int folder)
             close(again);
         return;
     }
-    for (const struct dirent *e = readdir(names); e; e = readdir(names))
-        if (is_left_over(folder, e->d_name))
+    for (const struct dirent *e = readdir(names); e; e = readdir(names)) {
+        struct stat info;
+        if (fstatat(folder, e->d_name, &info, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(info.st_mode))
+            continue;
+        if (ends_with(e->d_name, ".part") && time(NULL) - info.st_mtime > WRITTEN_BY_THEN_S)
             unlinkat(folder, e->d_name, 0);
+        else if (ends_with(e->d_name, ".bin") && strlen(e->d_name) < sizeof list->files->name)
+            note_entry(list, e->d_name, &info);
+    }
     closedir(names);
+}
+
+// A quarter goes at once, so that not every new entry has to look for another to go.
+static void sweep(int folder)
+{
+    entry_list list = {0};
+    look_through(folder, &list);
+    if (list.bytes > CACHE_MOST_BYTES) {
+        qsort(list.files, list.n, sizeof *list.files, by_use);
+        for (size_t i = 0; i < list.n && list.bytes > CACHE_MOST_BYTES / 4 * 3; ++i) {
+            unlinkat(folder, list.files[i].name, 0);
+            list.bytes -= list.files[i].bytes;
+        }
+    }
+    free(list.files);
 }
 
 bool cache_put(const char *dir, const char key[65], const char *bytes, size_t n)
 {
-    mkdir(dir, 0700);
+    make_folder(dir);
     int folder = open_folder(dir, NULL);
     if (folder < 0)
         return false;

@@ -51,27 +51,46 @@ static bool fail_unknown(const char *selector, const device_root *roots, uint32_
     return false;
 }
 
+static bool is_word(const char *chars, size_t length, const char *word)
+{
+    return strlen(word) == length && memcmp(word, chars, length) == 0;
+}
+
+// "cpu" and "gpu" are the strongest of their kind.
 static const device_root *find_root(const char *selector, size_t length, duet_error *err)
 {
     const device_root *roots = NULL;
     uint32_t n = 0;
     if (!device_list_roots(&roots, &n, err))
         return NULL;
-    for (uint32_t i = 0; i < n; ++i) {
-        const char *name = roots[i].info.selector;
-        if (strlen(name) == length && memcmp(name, selector, length) == 0)
+    const device_root *strongest =
+        is_word(selector, length, "cpu")   ? device_list_strongest(DEVICE_CPU, NULL)
+        : is_word(selector, length, "gpu") ? device_list_strongest(DEVICE_GPU, NULL)
+                                           : NULL;
+    if (strongest)
+        return strongest;
+    for (uint32_t i = 0; i < n; ++i)
+        if (is_word(selector, length, roots[i].info.selector))
             return &roots[i];
-    }
     fail_unknown(selector, roots, n, err);
     return NULL;
 }
 
-// Reads "[first-last]"; nothing may follow.
-static bool read_part(const char *part, uint32_t *first, uint32_t *last)
+// Reads "[first-last]", or "[k/n]" for the k-th of n equal parts; nothing may follow.
+static bool read_part(const char *part, uint32_t units, uint32_t *first, uint32_t *last)
 {
+    uint32_t k = 0;
+    uint32_t n = 0;
     int end = 0;
-    bool digits = isdigit((unsigned char)part[1]);
-    return digits && sscanf(part, "[%9u-%9u]%n", first, last, &end) == 2 && part[end] == '\0';
+    if (!isdigit((unsigned char)part[1]))
+        return false;
+    if (sscanf(part, "[%9u-%9u]%n", first, last, &end) == 2 && part[end] == '\0')
+        return *first <= *last && *last < units;
+    if (sscanf(part, "[%9u/%9u]%n", &k, &n, &end) != 2 || part[end] != '\0')
+        return false;
+    *first = n ? (uint32_t)((uint64_t)units * (k - 1) / n) : 0;
+    *last = n ? (uint32_t)((uint64_t)units * k / n) - 1 : 0;
+    return k >= 1 && k <= n && n <= units;
 }
 
 static bool check_part(const device_root *root, const char *selector, uint32_t *first,
@@ -81,10 +100,11 @@ static bool check_part(const device_root *root, const char *selector, uint32_t *
     if (!info->can_cut)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: %s cannot be cut into parts%s",
                          selector, info->selector, info->units == 1 ? ", it has one unit" : "");
-    if (!read_part(strchr(selector, '['), first, last) || *first > *last || *last >= info->units)
+    if (!read_part(strchr(selector, '['), info->units, first, last))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: a part of %s is [first-last] with 0 <= first <= last <= %u", selector,
-                         info->selector, info->units - 1);
+                         "%s: a part of %s is [first-last] with 0 <= first <= last <= %u, or [k/n] "
+                         "with 1 <= k <= n <= %u",
+                         selector, info->selector, info->units - 1, info->units);
     return true;
 }
 

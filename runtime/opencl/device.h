@@ -24,6 +24,17 @@ typedef struct device {
     program_pool *built;
 } device;
 
+// Where built programs are kept, and who is told of those that are compiled.
+typedef struct program_builder {
+    const char *cache_dir; // NULL: no cache of ours
+    bool is_default;       // the user's folder, which nobody named
+    duet_compile_callback *on_compile;
+    void *context;
+} program_builder;
+
+// Whether built programs of a device are kept.
+bool program_builder_keeps(const program_builder *b, const duet_device_info *info);
+
 // Opens what a selector names: "pocl:0", or units 2 to 3 of it: "pocl:0[2-3]".
 // NO_DEVICE where there is none at all, NOT_FOUND for an unknown one,
 // BAD_ARGUMENT for a part that cannot be had; *d is then empty.

@@ -130,6 +130,30 @@ bool device_list_roots(const device_root **roots, uint32_t *n, duet_error *err)
                                     "install pocl-opencl-icd");
 }
 
+static bool is_of(device_group group, const duet_device_info *info)
+{
+    return group == DEVICE_CPU   ? info->kind == DUET_KIND_CPU
+           : group == DEVICE_GPU ? info->kind == DUET_KIND_GPU
+                                 : info->kind != DUET_KIND_CPU;
+}
+
+static uint64_t strength(const duet_device_info *info)
+{
+    return (uint64_t)info->units * (info->clock_mhz ? info->clock_mhz : 1);
+}
+
+const device_root *device_list_strongest(device_group group, const device_root *passed_over)
+{
+    const device_root *best = NULL;
+    for (uint32_t i = 0; i < found.n; ++i) {
+        const device_root *root = &found.roots[i];
+        if (root != passed_over && is_of(group, &root->info) &&
+            (!best || strength(&root->info) > strength(&best->info)))
+            best = root;
+    }
+    return best;
+}
+
 struct duet_device_list {
     const device_root *roots;
     uint32_t n;

@@ -19,4 +19,10 @@ typedef struct device_root {
 // NO_DEVICE where there is none.
 bool device_list_roots(const device_root **roots, uint32_t *n, duet_error *err);
 
+typedef enum device_group { DEVICE_CPU, DEVICE_NO_CPU, DEVICE_GPU } device_group;
+
+// The strongest of a group, by units and clock, but the one passed over; NULL where there
+// is none. Only to be called where device_list_roots has found some.
+const device_root *device_list_strongest(device_group group, const device_root *passed_over);
+
 #endif

@@ -26,89 +26,103 @@ static const char *variable(const char *name)
 
 duet_device_pair_def duet_default_device_pair_def(void)
 {
+    const char *cache = variable("DUET_CACHE");
     return (duet_device_pair_def){
+        .a = variable("DUET_PAIR"),
         .kernel_dir = variable("DUET_KERNEL_DIR"),
-        .cache_dir = variable("DUET_CACHE"),
+        .cache_dir = cache && strcmp(cache, "off") == 0 ? "" : cache,
         .cookie = COOKIE,
     };
 }
 
-static uint64_t strength(const duet_device_info *info)
+static void name_both(selector_pair *names, const device_root *a, const device_root *b)
 {
-    return (uint64_t)info->units * (info->clock_mhz ? info->clock_mhz : 1);
+    snprintf(names->a, sizeof names->a, "%s", a->info.selector);
+    snprintf(names->b, sizeof names->b, "%s", b->info.selector);
 }
 
-// The strongest CPU, or the strongest device that is none; NULL where there is
-// none of that kind. What is passed over is not looked at.
-static const duet_device_info *strongest(const device_root *roots, uint32_t n, bool cpu,
-                                         const duet_device_info *passed_over)
+// A CPU that cannot be cut, because it has one unit say, is both.
+static bool name_halves(selector_pair *names, duet_error *err)
 {
-    const duet_device_info *best = NULL;
-    for (uint32_t i = 0; i < n; ++i) {
-        const duet_device_info *info = &roots[i].info;
-        if (info == passed_over || (info->kind == DUET_KIND_CPU) != cpu)
-            continue;
-        if (!best || strength(info) > strength(best))
-            best = info;
+    const device_root *cpu = device_list_strongest(DEVICE_CPU, NULL);
+    if (!cpu)
+        return error_set(err, DUET_STATUS_NO_DEVICE,
+                         "halves: there is no CPU to cut; to work on it: apt install "
+                         "pocl-opencl-icd");
+    name_both(names, cpu, cpu);
+    if (cpu->info.can_cut) {
+        snprintf(names->a, sizeof names->a, "%s[1/2]", cpu->info.selector);
+        snprintf(names->b, sizeof names->b, "%s[2/2]", cpu->info.selector);
     }
-    return best;
+    return true;
 }
 
-static selector_pair name_both(const duet_device_info *a, const duet_device_info *b)
+// Two CPU devices are two views of the same cores, so one of them works alone; without a
+// CPU the two strongest devices share the work.
+static void choose(selector_pair *names)
 {
-    selector_pair names;
-    snprintf(names.a, sizeof names.a, "%s", a->selector);
-    snprintf(names.b, sizeof names.b, "%s", b->selector);
-    return names;
+    const device_root *cpu = device_list_strongest(DEVICE_CPU, NULL);
+    const device_root *first = device_list_strongest(DEVICE_NO_CPU, NULL);
+    const device_root *second = device_list_strongest(DEVICE_NO_CPU, first);
+    if (cpu)
+        name_both(names, cpu, first ? first : cpu);
+    else
+        name_both(names, first, second ? second : first);
 }
 
-static selector_pair name_halves(const duet_device_info *cpu)
+// "A,B", or one selector for both.
+static bool cut_list(selector_pair *names, const char *list, duet_error *err)
 {
-    if (!cpu->can_cut)
-        return name_both(cpu, cpu);
-    selector_pair names;
-    uint32_t half = cpu->units / 2;
-    snprintf(names.a, sizeof names.a, "%s[0-%u]", cpu->selector, half - 1);
-    snprintf(names.b, sizeof names.b, "%s[%u-%u]", cpu->selector, half, cpu->units - 1);
-    return names;
-}
-
-// Two CPU devices are two views of the same cores, so halves of one are the
-// better pair; without a CPU the two strongest devices share the work.
-static bool choose(selector_pair *names, duet_error *err)
-{
-    const device_root *roots = NULL;
-    uint32_t n = 0;
-    if (!device_list_roots(&roots, &n, err))
-        return false;
-    const duet_device_info *cpu = strongest(roots, n, true, NULL);
-    const duet_device_info *first = strongest(roots, n, false, NULL);
-    if (!first) {
-        *names = name_halves(cpu);
-    } else if (cpu) {
-        *names = name_both(cpu, first);
-    } else {
-        const duet_device_info *second = strongest(roots, n, false, first);
-        *names = name_both(first, second ? second : first);
-    }
+    size_t a = strcspn(list, ",");
+    const char *second = list[a] ? list + a + 1 : list;
+    size_t b = strcspn(second, ",");
+    if (a == 0 || b == 0 || second[b] || a >= sizeof names->a || b >= sizeof names->b)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "device pair '%s': expected two selectors with a comma between them, as "
+                         "cpu,gpu, or one, or halves; 'duet devices' lists the devices",
+                         list);
+    snprintf(names->a, sizeof names->a, "%.*s", (int)a, list);
+    snprintf(names->b, sizeof names->b, "%s", second);
     return true;
 }
 
 static bool open_devices(duet_device_pair *pair, const duet_device_pair_def *def, duet_error *err)
 {
     selector_pair chosen = {0};
-    const char *a = def->a;
-    const char *b = def->b;
-    if (!a != !b)
+    const device_root *roots = NULL;
+    uint32_t n = 0;
+    if (!def->a && def->b)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a device pair needs two selectors, or none to have them chosen");
-    if (!a) {
-        if (!choose(&chosen, err))
-            return false;
-        a = chosen.a;
-        b = chosen.b;
-    }
-    return device_open(&pair->devices[0], a, err) && device_open(&pair->devices[1], b, err);
+                         "a device pair has B '%s' and no A; expected both, A alone, or none",
+                         def->b);
+    if (!device_list_roots(&roots, &n, err))
+        return false;
+    if (!def->a)
+        choose(&chosen);
+    else if (!def->b && !(strcmp(def->a, "halves") == 0 ? name_halves(&chosen, err)
+                                                        : cut_list(&chosen, def->a, err)))
+        return false;
+    return device_open(&pair->devices[0], *chosen.a ? chosen.a : def->a, err) &&
+           device_open(&pair->devices[1], *chosen.b ? chosen.b : def->b, err);
+}
+
+bool device_pair_is_one(const duet_device_pair *pair)
+{
+    return strcmp(pair->devices[0].info.selector, pair->devices[1].info.selector) == 0;
+}
+
+// $XDG_CACHE_HOME/duet; NULL where there is no home.
+static char *default_cache(void)
+{
+    const char *base = variable("XDG_CACHE_HOME");
+    const char *home = variable("HOME");
+    char path[4096];
+    bool fits = false;
+    if (base && *base == '/')
+        fits = snprintf(path, sizeof path, "%s/duet", base) < (int)sizeof path;
+    else if (home)
+        fits = snprintf(path, sizeof path, "%s/.cache/duet", home) < (int)sizeof path;
+    return fits ? strdup(path) : NULL;
 }
 
 static bool keep_folder(char **kept, const char *folder, duet_error *err)
@@ -135,12 +149,26 @@ duet_device_pair *duet_device_pair_create(const duet_device_pair_def *def, duet_
     bool ok = keep_folder(&pair->kernel_dir, def->kernel_dir, err);
     ok = ok && keep_folder(&pair->cache_dir, def->cache_dir, err);
     ok = ok && (!pair->cache_dir || cache_check(pair->cache_dir, err));
+    if (!def->cache_dir)
+        pair->cache_dir = default_cache();
+    pair->builder =
+        (program_builder){pair->cache_dir, !def->cache_dir, def->on_compile, def->context};
     ok = ok && open_devices(pair, def, err);
     if (!ok) {
         duet_device_pair_destroy(pair);
         return NULL;
     }
     return pair;
+}
+
+bool duet_device_pair_check_cache(const duet_device_pair *pair, duet_error *err)
+{
+    if (!error_given(pair, __func__, "pair", err))
+        return false;
+    for (int i = 0; i < 2; ++i)
+        if (program_builder_keeps(&pair->builder, &pair->devices[i].info))
+            return cache_check_writable(pair->cache_dir, err);
+    return true;
 }
 
 void device_pair_hold(duet_device_pair *pair)

@@ -396,7 +396,6 @@ duet_world_def duet_scene_world_def(const duet_scene *scene, duet_device_pair *p
 {
     duet_world_def def = duet_default_world_def();
     def.pair = pair;
-    def.plan = duet_default_plan(pair);
     if (!scene)
         return def;
     const duet_scene_info *info = &scene->info;

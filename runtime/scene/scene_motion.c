@@ -309,7 +309,6 @@ duet_motion_def duet_scene_motion_def(const duet_scene *scene, duet_device_pair 
 {
     duet_motion_def def = scene ? scene->motion : duet_default_motion_def();
     def.pair = pair;
-    def.plan = duet_default_plan(pair);
     def.dims = scene ? scene->info.dims : def.dims;
     def.origin_edge = scene ? scene->info.origin_edge : 0.0f;
     return def;

@@ -73,7 +73,7 @@ static void names(void)
     assert_string_equal(duet_status_name((duet_status)-1), "UNKNOWN");
     assert_string_equal(duet_status_name((duet_status)1000), "UNKNOWN");
     assert_null(duet_mode_name((duet_mode)-1));
-    assert_null(duet_mode_name((duet_mode)3));
+    assert_null(duet_mode_name((duet_mode)(DUET_MODE_DEFAULT + 1)));
     assert_null(duet_grade_name((duet_grade)-1));
     assert_null(duet_grade_name((duet_grade)99));
     assert_null(duet_effect_name(0));
@@ -98,7 +98,7 @@ static void defaults(void)
     assert_int_equal(duet_default_world_def().dims, 3);
     assert_true(duet_default_tune_def().keep);
     assert_true(duet_default_online_def().most_extra > 0);
-    assert_null(duet_default_device_pair_def().a);
+    assert_null(duet_default_device_pair_def().b);
     assert_true(duet_default_plan(NULL).share == DUET_SHARE_DEFAULT);
 }
 
@@ -186,8 +186,10 @@ static void device_pairs(void)
 {
     duet_device_pair_def def = duet_default_device_pair_def();
     REFUSES(duet_device_pair_create(NULL, e));
-    def.a = "pocl:0";
+    def.a = NULL;
+    def.b = "pocl:0";
     REFUSES(duet_device_pair_create(&def, e));
+    REFUSES(duet_device_pair_check_cache(NULL, e));
     def = (duet_device_pair_def){0};
     REFUSES(duet_device_pair_create(&def, e));
     assert_null(duet_device_pair_get_info(NULL, 0));
@@ -507,7 +509,9 @@ static const struct {
     {"duet_device_list_create duet_device_list_destroy duet_device_list_get_count "
      "duet_device_list_get_info",
      device_lists},
-    {"duet_device_pair_create duet_device_pair_destroy duet_device_pair_get_info", device_pairs},
+    {"duet_device_pair_create duet_device_pair_destroy duet_device_pair_get_info "
+     "duet_device_pair_check_cache",
+     device_pairs},
     {"duet_scene_load duet_scene_load_pairs", load_scene},
     {"duet_scene_create", copy_scene},
     {"duet_scene_destroy duet_scene_get_info duet_scene_get_objects duet_scene_get_bodies "

@@ -188,7 +188,7 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         {"run " SCENE " --set n", "--set 'n'"},
         {"run " SCENE " --mode both", "--mode 'both': the modes are "},
         {"run " SCENE " --variant abacus", "abacus"},
-        {"run " SCENE " --pair pocl:0", "--pair 'pocl:0': give two selectors"},
+        {"run " SCENE " --pair pocl:0,", "device pair 'pocl:0,': expected two selectors"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         program p = program_run("%s", wrong[i][0]);

@@ -125,7 +125,7 @@ facts.holds("a wrong option is refused with one line", function()
     ["--sizes 1,x"] = "--sizes '1,x': give whole numbers",
     ["--sizes"] = "--sizes needs a value",
     ["--repeat 0"] = "--repeat '0': give a whole number from 1",
-    ["--pair x"] = "--pair 'x': give two selectors",
+    ["--pair x"] = "no device 'x'",
   } do
     facts.raises(says, run, "figure15", options)
   end

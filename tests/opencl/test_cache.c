@@ -382,6 +382,44 @@ static void threads_and_processes_may_share_a_folder(void **state)
     assert_kept(true);
 }
 
+// The least recently used go until a quarter is free; sparse files count by their length.
+static void a_cache_that_outgrew_its_limit_loses_what_was_not_used(void **state)
+{
+    (void)state;
+    enum { FILES = 5 };
+    char path[FILES][200];
+    assert_true(cache_put(dir, key, binary, sizeof binary)); // makes the folder
+    for (int i = 0; i < FILES; ++i) {
+        snprintf(path[i], sizeof path[i], "%.40s/%064d.bin", dir, i);
+        int file = open(path[i], O_CREAT | O_WRONLY, 0600);
+        assert_int_equal(ftruncate(file, CACHE_MOST_BYTES / 4), 0);
+        const struct timespec used[2] = {{.tv_sec = 1000 * (i + 1)}, {.tv_sec = 1000 * (i + 1)}};
+        assert_int_equal(futimens(file, used), 0);
+        close(file);
+    }
+    assert_kept(true); // is used now
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_kept(true);
+    for (int i = 0; i < FILES; ++i)
+        assert_int_equal(access(path[i], F_OK), i < 3 ? -1 : 0);
+}
+
+static void a_folder_that_cannot_be_written_is_said(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    char missing[96];
+    snprintf(missing, sizeof missing, "%.40s/a/b", dir);
+    assert_true(cache_put(dir, key, binary, sizeof binary));
+    assert_ok(cache_check_writable(missing, &err), err); // made, with the one above
+    assert_int_equal(access(missing, W_OK), 0);
+    assert_false(cache_check_writable("/proc/duet", &err));
+    assert_non_null(strstr(err.text, "built kernels cannot be kept in /proc/duet: "));
+    assert_int_equal(rmdir(missing), 0);
+    *strrchr(missing, '/') = '\0';
+    assert_int_equal(rmdir(missing), 0);
+}
+
 // ------------------------------------------------------- with a device
 
 typedef struct cell_start_args {
@@ -395,14 +433,26 @@ static const binding bound[] = {BIND_BUFFER(cell_start_args, "keys", "uint *", k
                                 BIND_VALUE(cell_start_args, "key_end", end),
                                 {0}};
 
+static uint32_t compiled;
+
+static void count_compiled(void *context, const duet_device_info *d, const char *name, uint32_t k,
+                           uint32_t n)
+{
+    (void)context;
+    assert_true(k >= 1 && k <= n && *d->selector);
+    compiled += name != NULL;
+}
+
 static void build_on(const device *d)
 {
     duet_error err = {0};
     gen *g = gen_open(NULL, &err);
     assert_ok(g, err);
-    program_set *set = program_set_open(d, g, dir, &err);
+    const program_builder builder = {.cache_dir = dir, .on_compile = count_compiled};
+    program_set *set = program_set_open(d, g, &builder, &err);
     assert_ok(set, err);
     assert_ok(program_set_kernel(set, "cell_start", "cell_start", NULL, 0, bound, &err), err);
+    assert_ok(program_set_build(set, &err), err);
     program_set_close(set);
     gen_close(g);
 }
@@ -436,11 +486,14 @@ static void a_program_is_built_from_its_entry_or_else_again(void **state)
     duet_error err = {0};
     char path[160];
     text entry = {0}, again = {0};
+    compiled = 0;
     build_one();
+    assert_int_equal(compiled, 1);
     only_entry(&entry, path, &err);
     struct stat before, after;
     assert_int_equal(stat(path, &before), 0);
     build_one();
+    assert_int_equal(compiled, 1);
     assert_int_equal(stat(path, &after), 0);
     assert_int_equal(before.st_ino, after.st_ino); // not built and kept once more
 
@@ -500,6 +553,8 @@ int main(void)
         IN_A_FOLDER(an_entry_of_another_user_is_not_taken),
         IN_A_FOLDER(a_link_that_flips_while_it_is_read_gives_nobody_elses_code),
         IN_A_FOLDER(what_was_left_half_written_is_cleared_away),
+        IN_A_FOLDER(a_cache_that_outgrew_its_limit_loses_what_was_not_used),
+        IN_A_FOLDER(a_folder_that_cannot_be_written_is_said),
         cmocka_unit_test(each_part_of_the_key_counts),
         IN_A_FOLDER(threads_and_processes_may_share_a_folder),
         IN_A_FOLDER(a_program_is_built_from_its_entry_or_else_again),

@@ -115,8 +115,28 @@ static void devices_of_a_pair_have_contexts_and_queues_of_their_own(void **state
     duet_device_pair_destroy(pair);
 }
 
-// Where there is a GPU the pair is a CPU and the GPU; else it is one CPU, in
-// halves that hold all its units between them, or twice where it has one.
+// A folder that nobody named holds what drivers do not keep themselves, as PoCL does.
+static void without_a_folder_the_users_cache_is_taken(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    setenv("XDG_CACHE_HOME", "/proc/nowhere", 1);
+    duet_device_pair *pair = open_pair(NULL, NULL, &err);
+    unsetenv("XDG_CACHE_HOME");
+    assert_ok(pair, err);
+    assert_string_equal(pair->cache_dir, "/proc/nowhere/duet");
+    duet_device_info other = pair->devices[0].info;
+    assert_false(program_builder_keeps(&pair->builder, &other));
+    assert_ok(duet_device_pair_check_cache(pair, &err), err);
+    strcpy(other.selector, "intel:0");
+    assert_true(program_builder_keeps(&pair->builder, &other));
+    strcpy(pair->devices[1].info.selector, "intel:0");
+    assert_false(duet_device_pair_check_cache(pair, &err));
+    assert_non_null(strstr(err.text, "built kernels cannot be kept in /proc/nowhere/duet: "));
+    duet_device_pair_destroy(pair);
+}
+
+// Where there is a GPU the pair is a CPU and the GPU; else one CPU is both, and B has all.
 static void without_selectors_a_whole_machine_is_chosen(void **state)
 {
     (void)state;
@@ -126,12 +146,67 @@ static void without_selectors_a_whole_machine_is_chosen(void **state)
     const device *a = &pair->devices[0];
     const device *b = &pair->devices[1];
     assert_int_equal(a->info.kind, DUET_KIND_CPU);
-    assert_int_equal(a->owns_part, b->owns_part);
-    if (a->owns_part)
-        assert_int_equal(a->info.units + b->info.units, cuttable_cpu()->units);
-    else if (b->info.kind == DUET_KIND_CPU)
-        assert_string_equal(a->info.selector, b->info.selector);
+    assert_false(a->owns_part || b->owns_part);
+    assert_int_equal(device_pair_is_one(pair), b->info.kind == DUET_KIND_CPU);
+    assert_int_equal(duet_default_plan(pair).share, 0);
     duet_device_pair_destroy(pair);
+}
+
+static void halves_hold_all_units_between_them(void **state)
+{
+    (void)state;
+    const duet_device_info *cpu = cuttable_cpu();
+    duet_error err = {0};
+    duet_device_pair *pair = open_pair("halves", NULL, &err);
+    assert_ok(pair, err);
+    const duet_device_info *a = duet_device_pair_get_info(pair, 0);
+    const duet_device_info *b = duet_device_pair_get_info(pair, 1);
+    assert_int_equal(a->units + b->units, cpu->units);
+    duet_plan plan = duet_default_plan(pair);
+    assert_int_equal(plan.share, DUET_SHARE_ONE * (uint64_t)a->units / cpu->units);
+    assert_int_equal(plan.mode, DUET_MODE_DEFAULT);
+    duet_device_pair *same = open_pair("cpu[1/2],cpu[2/2]", NULL, &err);
+    assert_ok(same, err);
+    assert_string_equal(duet_device_pair_get_info(same, 0)->selector, a->selector);
+    assert_string_equal(duet_device_pair_get_info(same, 1)->selector, b->selector);
+    duet_device_pair_destroy(same);
+    duet_device_pair_destroy(pair);
+}
+
+static void one_selector_is_a_pair_of_one(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair *pair = open_pair("cpu", NULL, &err);
+    assert_ok(pair, err);
+    assert_true(device_pair_is_one(pair));
+    assert_int_equal(duet_default_plan(pair).share, 0);
+    duet_device_pair_destroy(pair);
+}
+
+// The k-th of n equal parts: they follow each other, and the last ends with the device.
+static void equal_parts_are_cut_one_after_the_other(void **state)
+{
+    (void)state;
+    const duet_device_info *cpu = cuttable_cpu();
+    duet_error err = {0};
+    uint32_t sum = 0;
+    for (uint32_t k = 1; k <= cpu->units && cpu->units <= 8; ++k) {
+        char selector[96], expected[96];
+        device d;
+        snprintf(selector, sizeof selector, "%s[%u/%u]", cpu->selector, k, cpu->units);
+        snprintf(expected, sizeof expected, "%s[%u-%u]", cpu->selector, k - 1, k - 1);
+        assert_ok(device_open(&d, selector, &err), err);
+        assert_string_equal(d.info.selector, expected);
+        sum += d.info.units;
+        device_close(&d);
+    }
+    assert_true(sum == cpu->units || cpu->units > 8);
+    refused("cpu[0/2]", DUET_STATUS_BAD_ARGUMENT, "1 <= k <= n");
+    refused("cpu[3/2]", DUET_STATUS_BAD_ARGUMENT, "1 <= k <= n");
+    refused("cpu[1/0]", DUET_STATUS_BAD_ARGUMENT, "1 <= k <= n");
+    refused("cpu[1/999999]", DUET_STATUS_BAD_ARGUMENT, "1 <= k <= n");
+    refused("cpu[1/2]x", DUET_STATUS_BAD_ARGUMENT, "1 <= k <= n");
 }
 
 static void an_unknown_selector_is_answered_with_those_there_are(void **state)
@@ -192,8 +267,15 @@ static void half_a_pair_and_a_def_without_defaults_are_refused(void **state)
 {
     (void)state;
     duet_error err = {0};
-    assert_null(open_pair("pocl:0", NULL, &err));
+    assert_null(open_pair(NULL, "pocl:0", &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    static const char *const lists[] = {"", ",", "pocl:0,", ",pocl:0", "pocl:0,pocl:0,pocl:0"};
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i) {
+        err = (duet_error){0};
+        assert_null(open_pair(lists[i], NULL, &err));
+        assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+        assert_non_null(strstr(err.text, "expected two selectors"));
+    }
     err = (duet_error){0};
     assert_null(duet_device_pair_create(&(duet_device_pair_def){0}, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
@@ -205,7 +287,7 @@ static void folders_come_from_the_environment_and_are_copied(void **state)
     (void)state;
     char folder[] = "some/folder";
     setenv("DUET_KERNEL_DIR", folder, 1);
-    setenv("DUET_CACHE", "", 1);
+    setenv("DUET_CACHE", "off", 1);
     duet_error err = {0};
     duet_device_pair *pair = open_pair(NULL, NULL, &err);
     unsetenv("DUET_KERNEL_DIR");
@@ -213,6 +295,7 @@ static void folders_come_from_the_environment_and_are_copied(void **state)
     assert_ok(pair, err);
     assert_string_equal(pair->kernel_dir, "some/folder");
     assert_null(pair->cache_dir);
+    assert_ok(duet_device_pair_check_cache(pair, &err), err);
     duet_device_pair_destroy(pair);
 }
 
@@ -273,12 +356,11 @@ typedef struct clear_args {
     cl_uint n_counters, n_starts;
 } clear_args;
 
-static const binding clear_bindings[] = {
-    BIND_BUFFER(clear_args, "counters", "uint *", counters),
-    BIND_BUFFER(clear_args, "starts", "uint *", starts),
-    BIND_VALUE(clear_args, "n_counters", n_counters),
-    BIND_VALUE(clear_args, "n_starts", n_starts),
-    {0}};
+static const binding clear_bindings[] = {BIND_BUFFER(clear_args, "counters", "uint *", counters),
+                                         BIND_BUFFER(clear_args, "starts", "uint *", starts),
+                                         BIND_VALUE(clear_args, "n_counters", n_counters),
+                                         BIND_VALUE(clear_args, "n_starts", n_starts),
+                                         {0}};
 
 static void read_build_options(const char *selector, char options[128])
 {
@@ -288,7 +370,7 @@ static void read_build_options(const char *selector, char options[128])
     assert_ok(g && device_open(&d, selector, &err), err);
     program_set *set = program_set_open(&d, g, NULL, &err);
     kernel *k = program_set_kernel(set, "clear", "clear", NULL, 0, clear_bindings, &err);
-    assert_ok(k != NULL, err);
+    assert_ok(k != NULL && program_set_build(set, &err), err);
     cl_program program = NULL;
     clGetKernelInfo(k->cl, CL_KERNEL_PROGRAM, sizeof program, &program, NULL);
     assert_int_equal(
@@ -329,6 +411,10 @@ int main(void)
         FACT(a_part_has_the_units_it_names),
         FACT(devices_of_a_pair_have_contexts_and_queues_of_their_own),
         FACT(without_selectors_a_whole_machine_is_chosen),
+        FACT(halves_hold_all_units_between_them),
+        FACT(one_selector_is_a_pair_of_one),
+        FACT(equal_parts_are_cut_one_after_the_other),
+        FACT(without_a_folder_the_users_cache_is_taken),
         FACT(an_unknown_selector_is_answered_with_those_there_are),
         FACT(a_part_out_of_range_is_refused_with_the_range),
         FACT(a_part_of_what_cannot_be_cut_is_refused),
