@@ -31,6 +31,18 @@ static const member device_members[] = {
     {0},
 };
 
+static void push_device(lua_State *L, const duet_device_info *info)
+{
+    const char *quirk;
+    member_push_table(L, device_members, info);
+    lua_newtable(L);
+    for (uint32_t i = 0; (quirk = duet_device_info_get_quirk(info, i)); ++i) {
+        lua_pushstring(L, quirk);
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    }
+    lua_setfield(L, -2, "quirks");
+}
+
 // The list's userdata is only there to be collected where an error is raised.
 static int list_close(lua_State *L)
 {
@@ -52,7 +64,7 @@ static int devices(lua_State *L)
         return class_push_failure(L, &err);
     lua_newtable(L);
     for (uint32_t i = 0; i < duet_device_list_get_count(*list); ++i) {
-        member_push_table(L, device_members, duet_device_list_get_info(*list, i));
+        push_device(L, duet_device_list_get_info(*list, i));
         lua_rawseti(L, -2, (lua_Integer)i + 1);
     }
     duet_device_list_destroy(*list);
@@ -65,11 +77,17 @@ static int devices(lua_State *L)
 static int pair_close(lua_State *L);
 static int pair_device(lua_State *L);
 static int pair_plan(lua_State *L);
+static int pair_check_cache(lua_State *L);
 
-static const luaL_Reg methods[] = {{"close", pair_close},         {"device", pair_device},
-                                   {"plan", pair_plan},           {"tune", device_pair_tune_lua},
-                                   {"motion", motion_create_lua}, {"query", pair_query_create_lua},
-                                   {"world", world_create_lua},   {NULL, NULL}};
+static const luaL_Reg methods[] = {{"close", pair_close},
+                                   {"device", pair_device},
+                                   {"plan", pair_plan},
+                                   {"check_cache", pair_check_cache},
+                                   {"tune", device_pair_tune_lua},
+                                   {"motion", motion_create_lua},
+                                   {"query", pair_query_create_lua},
+                                   {"world", world_create_lua},
+                                   {NULL, NULL}};
 static const lua_class pair_class = {.name = "duet.device_pair", .methods = methods};
 
 static const member def_members[] = {
@@ -100,13 +118,17 @@ static int pair_close(lua_State *L)
     return 0;
 }
 
+// By a def, or by a string as --pair takes it.
 static int pair_open(lua_State *L)
 {
     duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     const char *const kernel_dir = def.kernel_dir;
     const char *const cache_dir = def.cache_dir;
-    member_read_table(L, 1, "a device pair", def_members, &def);
+    if (lua_type(L, 1) == LUA_TSTRING)
+        def.a = lua_tostring(L, 1);
+    else
+        member_read_table(L, 1, "a device pair", def_members, &def);
     if (def.kernel_dir != kernel_dir || def.cache_dir != cache_dir)
         policy_check_trusted(L, "choosing kernel_dir or cache_dir");
     device_pair_box *box = class_push(L, &pair_class, sizeof *box);
@@ -120,7 +142,7 @@ static int pair_device(lua_State *L)
     static const char *const names[] = {"A", "B", NULL};
     const duet_device_pair *pair = device_pair_check(L, 1);
     int device = luaL_checkoption(L, 2, NULL, names);
-    member_push_table(L, device_members, duet_device_pair_get_info(pair, device));
+    push_device(L, duet_device_pair_get_info(pair, device));
     return 1;
 }
 
@@ -129,6 +151,13 @@ static int pair_plan(lua_State *L)
     duet_plan plan = duet_default_plan(device_pair_check(L, 1));
     member_plan.push(L, NULL, &plan);
     return 1;
+}
+
+static int pair_check_cache(lua_State *L)
+{
+    duet_error err = {0};
+    bool ok = duet_device_pair_check_cache(device_pair_check(L, 1), &err);
+    return class_push_done(L, ok, &err);
 }
 
 void device_open_lua(lua_State *L)

@@ -123,6 +123,9 @@ DUET_API uint32_t duet_device_list_get_count(const duet_device_list *list);
 DUET_API const duet_device_info *duet_device_list_get_info(const duet_device_list *list,
                                                            uint32_t i);
 
+// What a driver does that Duet works round, a line each, from 0; NULL past the last.
+DUET_API const char *duet_device_info_get_quirk(const duet_device_info *info, uint32_t i);
+
 // An ordered device pair. A takes the share, B the rest. Where both are one device B does
 // all of the work, unless a share is asked for.
 typedef struct duet_device_pair duet_device_pair;

@@ -21,8 +21,11 @@ static const option options[] = {
 static const command_line line = {
     .name = "devices",
     .operands = "",
-    .about = "Lists the OpenCL devices here. A CPU can be cut into parts, which are devices too:\n"
-             "pocl:0[2-3] is units 2 and 3 of pocl:0. --pair takes two selectors: pocl:0,nvidia:0.",
+    .about =
+        "Lists the OpenCL devices here. A CPU can be cut into parts, which are devices too:\n"
+        "pocl:0[2-3] is units 2 and 3 of pocl:0, pocl:0[1/4] the first quarter. --pair takes two\n"
+        "selectors with a comma between them, one, or halves; cpu and gpu are the strongest of\n"
+        "their kind. Quirks are what Duet works round in a driver.",
     .options = options,
 };
 
@@ -51,6 +54,9 @@ static void print_device(const duet_device_info *d)
         table_cell(&t, "%s[first-last], units 0 to %u", d->selector, d->units - 1);
     else
         table_cell(&t, "none, it cannot be cut");
+    const char *quirk;
+    for (uint32_t i = 0; (quirk = duet_device_info_get_quirk(d, i)); ++i)
+        table_words(&t, " ", i == 0 ? "quirks" : "", quirk, NULL);
     table_print(&t, stdout);
     putchar('\n');
 }
@@ -59,7 +65,8 @@ static void print_default(const duet_device_pair *pair)
 {
     const duet_device_info *a = duet_device_pair_get_info(pair, 0);
     const duet_device_info *b = duet_device_pair_get_info(pair, 1);
-    printf("without --pair: %s,%s\n", a->selector, b->selector);
+    bool one = strcmp(a->selector, b->selector) == 0;
+    printf("without --pair: %s%s%s\n", a->selector, one ? "" : ",", one ? "" : b->selector);
 }
 
 static cJSON *device_json(const duet_device_info *d)
@@ -82,6 +89,10 @@ static cJSON *device_json(const duet_device_info *d)
     cJSON_AddBoolToObject(o, "host_memory", d->host_memory);
     cJSON_AddBoolToObject(o, "fp64", d->fp64);
     cJSON_AddBoolToObject(o, "can_cut", d->can_cut);
+    cJSON *quirks = cJSON_AddArrayToObject(o, "quirks");
+    const char *quirk;
+    for (uint32_t i = 0; (quirk = duet_device_info_get_quirk(d, i)); ++i)
+        cJSON_AddItemToArray(quirks, cJSON_CreateString(quirk));
     return o;
 }
 

@@ -6,7 +6,7 @@
 #include "base/text.h"
 #include "base/visible.h"
 #include "runtime/opencl/device_list.h"
-#include "runtime/opencl/driver_copy.h"
+#include "runtime/opencl/driver.h"
 
 #include <assert.h>
 #include <ctype.h>

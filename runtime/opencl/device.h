@@ -20,7 +20,7 @@ typedef struct device {
     duet_device_info info;
     bool owns_part; // id is a part that we cut off
     bool opened;    // has a copy
-    uint32_t copy;  // of its programs (runtime/opencl/driver_copy.h)
+    uint32_t copy;  // of its programs (runtime/opencl/driver.h)
     program_pool *built;
 } device;
 

@@ -4,6 +4,7 @@
 #include "base/budget.h"
 #include "base/error.h"
 #include "runtime/opencl/cache.h"
+#include "runtime/opencl/driver.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,12 +34,10 @@ struct program_set {
     program *first;
 };
 
-// Unless it is told to, a cache keeps nothing of PoCL, which has one of its own and compiles
-// all kernels a second time when it is asked for a binary: 6.9 s of processor time instead of 4.4
-// for a first run, 0.1 instead of 0.3 for the next.
+// Unless a folder was named, a driver that keeps its kernels itself is left to do so.
 bool program_builder_keeps(const program_builder *b, const duet_device_info *info)
 {
-    return b->cache_dir && !(b->is_default && strncmp(info->selector, "pocl", 4) == 0);
+    return b->cache_dir && !(b->is_default && driver_keeps_kernels(info));
 }
 
 // Contraction is off in the kernels' text; nothing here may loosen it.

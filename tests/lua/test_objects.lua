@@ -17,6 +17,14 @@ local three = duet.poses {
   { 9, 9, 9, 0.5, 0.5, 0.5, 0, 0, 0, 1 },
 }
 
+holds("a string opens a pair as --pair does", function()
+  local one <close> = assert(duet.device_pair "cpu")
+  equal(one:device("A").selector, one:device("B").selector)
+  equal(one:plan().share, 0)
+  equal(one:check_cache(), true)
+  refused("BAD_ARGUMENT", "expected two selectors", duet.device_pair, "cpu,")
+end)
+
 holds("any share and mode gives the reference's pairs", function()
   local world <close> = assert(pair:world(scene))
   for _, mode in ipairs(duet.modes()) do

@@ -5,7 +5,7 @@
 #include "runtime/opencl/buffer.h"
 #include "runtime/opencl/device_list.h"
 #include "runtime/opencl/device_pair.h"
-#include "runtime/opencl/driver_copy.h"
+#include "runtime/opencl/driver.h"
 #include "runtime/opencl/program.h"
 
 #include <pthread.h>
@@ -128,11 +128,13 @@ static void without_a_folder_the_users_cache_is_taken(void **state)
     duet_device_info other = pair->devices[0].info;
     assert_false(program_builder_keeps(&pair->builder, &other));
     assert_ok(duet_device_pair_check_cache(pair, &err), err);
-    strcpy(other.selector, "intel:0");
+    strcpy(other.platform, "Intel(R) OpenCL");
     assert_true(program_builder_keeps(&pair->builder, &other));
-    strcpy(pair->devices[1].info.selector, "intel:0");
+    const duet_device_info own = pair->devices[1].info;
+    pair->devices[1].info = other;
     assert_false(duet_device_pair_check_cache(pair, &err));
     assert_non_null(strstr(err.text, "built kernels cannot be kept in /proc/nowhere/duet: "));
+    pair->devices[1].info = own;
     duet_device_pair_destroy(pair);
 }
 
@@ -344,6 +346,11 @@ static void a_driver_that_mixes_up_programs_gets_a_copy_a_device(void **state)
         uint32_t first = driver_copy_take(&info), second = driver_copy_take(&info);
         assert_int_equal(first, 0);
         assert_int_equal(second, cases[i].mixes ? 1 : 0);
+        bool pocl = *cases[i].platform == 'P';
+        uint32_t n = 0;
+        while (duet_device_info_get_quirk(&info, n))
+            ++n;
+        assert_int_equal(n, cases[i].mixes ? 2 : pocl);
         driver_copy_return(&info, first);
         assert_int_equal(driver_copy_take(&info), 0);
         driver_copy_return(&info, 0);

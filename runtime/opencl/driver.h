@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Copies of programs for drivers that mix up equal ones.
+// What is known of drivers that Duet works round.
 //
-// PoCL before 6.0 keeps loaded kernels of all contexts in one list. When a launch
+// Copies of programs: PoCL before 6.0 keeps loaded kernels of all contexts in one list. When a launch
 // ends it looks its kernel up there by the program's hash and the group's size
 // alone, although entries also differ by the launch's width and offset. Two
 // devices that launch one program over different ranges at once then release
@@ -9,8 +9,8 @@
 // So no two open devices of such a driver have programs of one hash: the second
 // builds them with another definition. One device never has two launches under
 // way, because its queue runs them in order.
-#ifndef RUNTIME_DRIVER_COPY_H
-#define RUNTIME_DRIVER_COPY_H
+#ifndef RUNTIME_DRIVER_H
+#define RUNTIME_DRIVER_H
 
 #include "runtime/duet.h"
 
@@ -19,5 +19,10 @@
 // back when the device closes.
 uint32_t driver_copy_take(const duet_device_info *info);
 void driver_copy_return(const duet_device_info *info, uint32_t copy);
+
+// Whether the driver keeps what it compiled itself and compiles all again when it is asked
+// for a binary, as PoCL does: 6.9 s of processor time instead of 4.4 for a first run, and
+// 0.1 instead of 0.3 for the next.
+bool driver_keeps_kernels(const duet_device_info *info);
 
 #endif
