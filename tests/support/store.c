@@ -15,7 +15,8 @@
 test_folder test_folder_make(void)
 {
     test_folder folder;
-    snprintf(folder.path, sizeof folder.path, "test_store.XXXXXX");
+    // Where any user may enter: the clone of these sources may lie in a home that is closed.
+    snprintf(folder.path, sizeof folder.path, "/tmp/duet_test_store.XXXXXX");
     assert_non_null(mkdtemp(folder.path));
     snprintf(folder.store, sizeof folder.store, "%s/profiles.db", folder.path);
     return folder;
