@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "runtime/opencl/device.h"
+#include "runtime/opencl/pocl_cache.h"
 
 #include <ctype.h>
 #include <pthread.h>
@@ -14,7 +15,8 @@ static struct {
     pthread_once_t once;
     device_root *roots;
     uint32_t n;
-    bool failed; // memory ran out
+    bool failed;     // memory ran out
+    char empty[128]; // the name of a platform that lists no usable device
 } found = {.once = PTHREAD_ONCE_INIT};
 
 // "pocl" for "Portable Computing Language"; a platform that is not in the list
@@ -105,7 +107,10 @@ static void find_roots(void)
             char whole[128] = "";
             clGetPlatformInfo(platforms[p], CL_PLATFORM_NAME, sizeof whole - 1, whole, NULL);
             short_name(whole, names[p]);
+            uint32_t before = found.n;
             ok = add_devices(platforms[p], names[p], namesakes(names, p));
+            if (found.n == before)
+                snprintf(found.empty, sizeof found.empty, "%s", whole);
         }
     }
     found.failed = !ok;
@@ -119,15 +124,26 @@ static bool look(duet_error *err)
     return !found.failed || error_set(err, DUET_STATUS_NO_MEMORY, "the list of devices: no memory");
 }
 
+static bool refuse_none(duet_error *err)
+{
+    char name[32];
+    short_name(found.empty, name);
+    if (!*found.empty)
+        return error_set(err, DUET_STATUS_NO_DEVICE,
+                         "no OpenCL device is installed; to work on the CPU: apt install "
+                         "pocl-opencl-icd");
+    return (strcmp(name, "pocl") != 0 || pocl_cache_check(err)) &&
+           error_set(err, DUET_STATUS_NO_DEVICE, "the OpenCL platform '%s' lists no device",
+                     found.empty);
+}
+
 bool device_list_roots(const device_root **roots, uint32_t *n, duet_error *err)
 {
     if (!look(err))
         return false;
     *roots = found.roots;
     *n = found.n;
-    return found.n > 0 || error_set(err, DUET_STATUS_NO_DEVICE,
-                                    "no OpenCL device is installed; to work on the CPU: apt "
-                                    "install pocl-opencl-icd");
+    return found.n > 0 || refuse_none(err);
 }
 
 static bool is_of(device_group group, const duet_device_info *info)
