@@ -40,13 +40,28 @@ bool budget_check_stop(duet_error *err)
            error_set(err, DUET_STATUS_INTERRUPTED, "stopped");
 }
 
+void budget_listen(void (*told)(void *listener, uint64_t done, uint64_t total), void *listener)
+{
+    if (!watcher)
+        return;
+    watcher->told = told;
+    watcher->listener = listener;
+}
+
+void budget_tell(uint64_t done, uint64_t total)
+{
+    if (watcher && watcher->told)
+        watcher->told(watcher->listener, done, total);
+}
+
 bool budget_check(duet_error *err)
 {
-    if (!current)
+    bool listens = watcher && watcher->told;
+    if (!current && !listens)
         return true;
     if (!budget_check_stop(err))
         return false;
-    if (current->deadline_ns == UINT64_MAX || clock_steady_ns() <= current->deadline_ns)
+    if (!current || current->deadline_ns == UINT64_MAX || clock_steady_ns() <= current->deadline_ns)
         return true;
     return error_set(err, DUET_STATUS_BAD_INPUT, "runs for more than the %g seconds it may take",
                      current->seconds);

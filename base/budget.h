@@ -23,18 +23,28 @@ typedef struct budget {
     const struct budget *outer;
 } budget;
 
-// How a program hears of scripts and stops them; of the thread that sets it.
+// How a program hears of scripts and other long work, and stops them; of the thread that
+// sets it.
 typedef struct budget_watch {
     bool (*stopped)(void);        // asked now and then: true ends the script
     _Atomic uint64_t deadline_ns; // of the script that runs; 0: none runs
+    void (*told)(void *listener, uint64_t done, uint64_t total);
+    void *listener;
 } budget_watch;
 
 void budget_set_watch(budget_watch *watch);
+
+// Has `told` hear how far the work of the thread is, until NULL is given; total is 0 where
+// it is not known. While it does, `stopped` ends work outside of scripts too.
+void budget_listen(void (*told)(void *listener, uint64_t done, uint64_t total), void *listener);
 
 // Makes b the thread's. What is inside ends no later and has no more memory than
 // the one around it.
 void budget_enter(budget *b);
 void budget_leave(budget *b);
+
+// What long work of the host says.
+void budget_tell(uint64_t done, uint64_t total);
 
 // false with INTERRUPTED where the thread's program was told to stop, with
 // BAD_INPUT where the time is over.

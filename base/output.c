@@ -7,6 +7,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -67,6 +68,46 @@ static bool follow_link(text *path)
     return !path->failed;
 }
 
+// ------------------------------------------------------------------- half-written files
+
+enum { MAX_PARTS = 32, MAX_NAME = 256, FREE = 0, TAKEN, WRITTEN };
+
+// The temporary names of all outputs that are open. A name is random, so that removing one
+// that is there no more removes nothing else.
+static struct {
+    _Atomic int state; // FREE, TAKEN or WRITTEN
+    int folder;
+    char name[MAX_NAME];
+} parts[MAX_PARTS];
+
+static int enter_part(const output *o)
+{
+    for (int i = 0; i < MAX_PARTS; ++i) {
+        int expected = FREE;
+        if (!atomic_compare_exchange_strong(&parts[i].state, &expected, TAKEN))
+            continue;
+        parts[i].folder = o->folder;
+        snprintf(parts[i].name, sizeof parts[i].name, "%s", text_chars(&o->part));
+        atomic_store(&parts[i].state, WRITTEN);
+        return i;
+    }
+    return -1;
+}
+
+static void leave_part(output *o)
+{
+    if (o->slot >= 0)
+        atomic_store(&parts[o->slot].state, FREE);
+    o->slot = -1;
+}
+
+void output_remove_parts(void)
+{
+    for (int i = 0; i < MAX_PARTS; ++i)
+        if (atomic_load(&parts[i].state) == WRITTEN)
+            unlinkat(parts[i].folder, parts[i].name, 0);
+}
+
 // ------------------------------------------------------------------- opening
 
 static bool take_stream(output *o, int file, duet_error *err)
@@ -101,10 +142,12 @@ static bool open_part(output *o, mode_t mode, duet_error *err)
 {
     int file = -1;
     errno = EEXIST;
-    for (int i = 0; file < 0 && errno == EEXIST && i < MAX_TRIES; ++i)
-        if (name_part(o))
-            file = openat(o->folder, o->part.chars,
-                          O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
+    for (int i = 0; file < 0 && errno == EEXIST && i < MAX_TRIES && name_part(o); ++i) {
+        leave_part(o);
+        o->slot = enter_part(o);
+        file = openat(o->folder, o->part.chars,
+                      O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
+    }
     if (file < 0)
         text_free(&o->part);
     return take_stream(o, file, err);
@@ -112,7 +155,7 @@ static bool open_part(output *o, mode_t mode, duet_error *err)
 
 bool output_open_in(output *o, int folder, const char *name, mode_t mode, duet_error *err)
 {
-    *o = (output){.folder = folder};
+    *o = (output){.folder = folder, .slot = -1};
     text_add(&o->path, "%s", name);
     text_add(&o->name, "%s", name);
     return text_ok(&o->path, err) && text_ok(&o->name, err) && open_part(o, mode, err);
@@ -146,11 +189,20 @@ static bool open_place(output *o, const char *place, duet_error *err)
                                            : open_beside(o, place, err);
 }
 
+static bool open_stdout(output *o, duet_error *err)
+{
+    fflush(stdout);
+    return take_stream(o, fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0), err);
+}
+
 bool output_open(output *o, const char *path, duet_error *err)
 {
     text place = {0};
-    *o = (output){.folder = -1};
-    text_add(&o->path, "%s", path);
+    *o = (output){.folder = -1, .slot = -1};
+    bool is_stdout = strcmp(path, "-") == 0;
+    text_add(&o->path, "%s", is_stdout ? "stdout" : path);
+    if (is_stdout)
+        return text_ok(&o->path, err) && open_stdout(o, err);
     text_add(&place, "%s", path);
     int own = own_descriptor(path);
     for (int i = 0; own < 0 && i < MAX_LINKS && text_ok(&place, NULL) && follow_link(&place); ++i)
@@ -194,11 +246,12 @@ bool output_close(output *o, bool keep, duet_error *err)
         kept = kept && put_in_place(o, err);
         if (!kept && o->part.length > 0)
             unlinkat(o->folder, o->part.chars, 0);
+        leave_part(o);
         close(o->folder);
     }
     text_free(&o->path);
     text_free(&o->name);
     text_free(&o->part);
-    *o = (output){.folder = -1};
+    *o = (output){.folder = -1, .slot = -1};
     return kept;
 }

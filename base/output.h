@@ -2,7 +2,7 @@
 // Output files. A file is written under another name beside its place and
 // renamed there, so that nobody ever sees half of it. A link stays and the file
 // that it leads to is replaced. A device, a pipe or an open file of this
-// process (/dev/stdout) is written directly.
+// process (/dev/stdout) is written directly. "-" is stdout.
 //
 //     output o;
 //     bool ok = output_open(&o, path, err);
@@ -23,6 +23,7 @@ typedef struct output {
     text path;  // as it was asked for
     text name;
     text part; // the name until all is written
+    int slot;  // where output_remove_parts finds that; -1: nowhere
 } output;
 
 // IO_FAILED, naming the path. Call output_close whatever this returns.
@@ -35,5 +36,9 @@ bool output_open_in(output *o, int folder, const char *name, mode_t mode, duet_e
 // Puts the file in its place where `keep` holds and all of it was written; else
 // removes what there is. Gives back whether the file is in its place.
 bool output_close(output *o, bool keep, duet_error *err);
+
+// Removes what is half-written, for a program that is about to end in the middle. It
+// takes no lock, and makes only calls that a signal's handler may make.
+void output_remove_parts(void);
 
 #endif

@@ -75,7 +75,8 @@ void text_free(text *t)
 
 bool text_read_file(text *t, const char *path, duet_error *err)
 {
-    FILE *file = fopen(path, "rb");
+    bool is_stdin = strcmp(path, "-") == 0;
+    FILE *file = is_stdin ? stdin : fopen(path, "rb");
     if (!file)
         return error_set(err, errno == ENOENT ? DUET_STATUS_NOT_FOUND : DUET_STATUS_IO_FAILED,
                          "%s: %s", path, strerror(errno));
@@ -91,7 +92,8 @@ bool text_read_file(text *t, const char *path, duet_error *err)
     }
     if (ok && ferror(file))
         ok = error_set(err, DUET_STATUS_IO_FAILED, "%s: %s", path, strerror(errno));
-    fclose(file);
+    if (!is_stdin)
+        fclose(file);
     text_add_bytes(t, "", 0);
     return ok && text_ok(t, err);
 }

@@ -23,7 +23,7 @@ const char *text_chars(const text *t); // never NULL
 bool text_ok(const text *t, duet_error *err);
 void text_free(text *t);
 
-// Reads a whole file; the bytes end with a NUL that length does not count.
+// Reads a whole file, "-" for stdin; the bytes end with a NUL that length does not count.
 // false with NOT_FOUND or IO_FAILED, naming the path.
 bool text_read_file(text *t, const char *path, duet_error *err);
 

@@ -13,6 +13,7 @@ int command_profiles(int argc, char **argv);
 int command_report(int argc, char **argv);
 int command_explain(int argc, char **argv);
 int command_run(int argc, char **argv);
+int command_scenes(int argc, char **argv);
 int command_source(int argc, char **argv);
 int command_query(int argc, char **argv);
 int command_tune(int argc, char **argv);

@@ -4,14 +4,22 @@
 #include "base/error.h"
 #include "cli/interrupt.h"
 #include "cli/report/table.h"
+#include "cli/say.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+// Steps of all subjects so far.
+typedef struct tally {
+    progress shown;
+    uint64_t done;
+} tally;
+
 // A scene's motion, which may be changed.
 typedef struct subject {
+    tally *tally;
     duet_motion_def def;
     const duet_scene *scene;
     duet_body *bodies;
@@ -33,6 +41,8 @@ static bool advance(duet_motion *m, double *ms, duet_error *err)
     return ok && interrupt_check(err);
 }
 
+enum { WARM = 2 };
+
 static duet_motion *begin(const subject *s, duet_error *err)
 {
     return duet_motion_create_from_scene(&s->def, s->scene, s->bodies, err);
@@ -44,7 +54,6 @@ static duet_motion *begin(const subject *s, duet_error *err)
 static bool measure(const subject *s, const subject *beside, uint64_t steps, double *median,
                     duet_error *err)
 {
-    enum { WARM = 2 };
     double *times = calloc(steps, sizeof *times);
     if (!times)
         return error_set(err, DUET_STATUS_NO_MEMORY, "the times of steps: no memory");
@@ -56,6 +65,7 @@ static bool measure(const subject *s, const subject *beside, uint64_t steps, dou
         ok = advance(m, &own, err) && (!other || advance(other, &others, err));
         if (ok && k >= WARM)
             times[k - WARM] = other ? others / own : own;
+        progress_show(&s->tally->shown, ++s->tally->done);
     }
     qsort(times, steps, sizeof *times, by_value);
     *median = times[steps / 2];
@@ -124,27 +134,36 @@ static bool measure_effect(const subject *whole, double whole_ms, cost *row, uin
     double without = 1;
     row->measured = m && !(duet_motion_get_effects(m) & effect);
     duet_motion_destroy(m);
+    if (m && !row->measured)
+        s.tally->done += steps + WARM;
     ok = ok && (!row->measured || measure(whole, &s, steps, &without, err));
     row->ms = whole_ms * (1 - without);
     free(s.bodies);
     return ok;
 }
 
+static bool is_measured(const cost *row)
+{
+    return row->info.active && effect_named(row->info.name);
+}
+
 static bool measure_effects(costs *c, const subject *s, duet_error *err)
 {
+    uint64_t runs = 1;
+    for (uint32_t i = 0; i < c->n; ++i)
+        runs += is_measured(&c->rows[i]);
+    s->tally->shown = progress_begin("step", runs * (c->steps + WARM));
     bool ok = measure(s, NULL, c->steps, &c->step_ms, err);
     for (uint32_t i = 0; ok && i < c->n; ++i)
-        ok = !c->rows[i].info.active || !effect_named(c->rows[i].info.name) ||
-             measure_effect(s, c->step_ms, &c->rows[i], c->steps, err);
+        ok = !is_measured(&c->rows[i]) || measure_effect(s, c->step_ms, &c->rows[i], c->steps, err);
+    progress_end(&s->tally->shown);
     return ok;
 }
 
-static bool fill_subject(subject *s, const duet_scene *scene, duet_device_pair *pair,
+static bool fill_subject(subject *s, const duet_motion_def *def, const duet_scene *scene,
                          duet_error *err)
 {
-    *s = (subject){.def = duet_scene_motion_def(scene, pair),
-                   .scene = scene,
-                   .n = duet_scene_get_info(scene)->n};
+    *s = (subject){.def = *def, .scene = scene, .n = duet_scene_get_info(scene)->n};
     s->bodies = malloc(s->n * sizeof *s->bodies + 1);
     if (!s->bodies)
         return error_set(err, DUET_STATUS_NO_MEMORY, "%u bodies: no memory", s->n);
@@ -154,12 +173,14 @@ static bool fill_subject(subject *s, const duet_scene *scene, duet_device_pair *
     return true;
 }
 
-bool costs_measure(costs *c, duet_device_pair *pair, const duet_scene *scene, uint64_t steps,
+bool costs_measure(costs *c, const duet_motion_def *def, const duet_scene *scene, uint64_t steps,
                    duet_error *err)
 {
+    tally t = {.done = 0};
     subject s = {.n = 0};
     *c = (costs){.steps = steps};
-    bool ok = fill_subject(&s, scene, pair, err);
+    bool ok = fill_subject(&s, def, scene, err);
+    s.tally = &t;
     duet_motion *m = ok ? begin(&s, err) : NULL;
     while (m && c->n < COSTS_MOST && duet_motion_explain(m, c->n, &c->rows[c->n].info))
         ++c->n;

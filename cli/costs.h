@@ -25,7 +25,7 @@ typedef struct costs {
 } costs;
 
 // steps 0 tells the effects and measures nothing.
-bool costs_measure(costs *c, duet_device_pair *pair, const duet_scene *scene, uint64_t steps,
+bool costs_measure(costs *c, const duet_motion_def *def, const duet_scene *scene, uint64_t steps,
                    duet_error *err);
 
 // What `duet explain` tells: a table, JSON.

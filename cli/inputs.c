@@ -81,10 +81,27 @@ duet_scene *inputs_load_scene(const char *path, const scene_options *options, du
             snprintf(seed, sizeof seed, "%" PRIu64, options->seed);
             settings[count++] = (duet_setting){"seed", seed};
         }
+        char what[64];
+        snprintf(what, sizeof what, "reading %.50s", strcmp(path, "-") == 0 ? "stdin" : path);
+        progress p = progress_begin(what, 0);
+        progress_follow(&p);
         scene = duet_scene_load(path, settings, count, err);
+        progress_end(&p);
+        if (scene && duet_scene_get_info(scene)->n == 0)
+            fprintf(stderr, "duet: %s: there are no objects\n", duet_scene_get_info(scene)->name);
     }
     text_free(&copies);
     return scene;
+}
+
+bool inputs_find_reference(const duet_scene *scene, duet_level level, duet_pair **pairs,
+                           uint64_t *n, duet_error *err)
+{
+    progress p = progress_begin("reference", 0);
+    progress_follow(&p);
+    bool ok = duet_reference(scene, level, pairs, n, err);
+    progress_end(&p);
+    return ok;
 }
 
 duet_object_kind inputs_scene_kind(const duet_scene *scene)

@@ -30,12 +30,13 @@ typedef struct plan_options {
     }
 
 // Rows of an option table; member is one of the arguments.
-#define SCENE_OPTION_ROWS(member)                                                               \
-    OPTION_COUNT("n", member.n, "N", "number of objects, where the scene lets it be chosen", 0, \
-                 UINT32_MAX),                                                                   \
-        OPTION_COUNT("seed", member.seed, "S", "seed of the scene's random numbers", 0,         \
-                     UINT32_MAX),                                                               \
-        OPTION_SETTINGS("set", member.settings, "K=V",                                          \
+#define SCENE_OPTION_ROWS(member)                                                            \
+    OPTION_COUNT("objects", member.n, "N",                                                   \
+                 "number of objects, as 1000 or 250k, where the scene lets it be chosen", 0, \
+                 UINT32_MAX),                                                                \
+        OPTION_COUNT("seed", member.seed, "S", "seed of the scene's random numbers", 0,      \
+                     UINT32_MAX),                                                            \
+        OPTION_SETTINGS("set", member.settings, "K=V",                                       \
                         "any other parameter of the scene; may be repeated")
 
 #define PAIR_OPTION_ROW(member) \
@@ -89,6 +90,9 @@ bool inputs_change_level(const level_options *options, duet_world_def *def, duet
 // NULL selectors: the default pair.
 duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err);
 duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err);
+// duet_reference, with a line that tells how far it is.
+bool inputs_find_reference(const duet_scene *scene, duet_level level, duet_pair **pairs,
+                           uint64_t *n, duet_error *err);
 duet_object_kind inputs_scene_kind(const duet_scene *scene); // of its objects
 bool inputs_plan_given(const plan_options *options);         // anything of a plan
 // Puts what was given into the plan. BAD_ARGUMENT for an unknown mode.

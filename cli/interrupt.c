@@ -5,9 +5,13 @@
 #include "base/budget.h"
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/output.h"
 #include "cli/say.h"
 
+#include <errno.h>
+#include <poll.h>
 #include <pthread.h>
+#include <semaphore.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stddef.h>
@@ -20,25 +24,23 @@
 enum { LEAST_NS_APART = 200000000 };
 
 static _Atomic uint64_t asked_ns; // 0: not asked
+static _Atomic int asked_by;      // the signal
+static _Atomic bool insisted;     // a second time
+static _Atomic bool waits_for_person;
+static _Atomic bool told;
+static sem_t wake; // the guard
 
 static void note(int number)
 {
     uint64_t now = clock_steady_ns();
     uint64_t first = 0;
+    int code = errno;
     if (atomic_compare_exchange_strong(&asked_ns, &first, now))
-        return;
-    if (now > first && now - first > LEAST_NS_APART) {
-        signal(number, SIG_DFL);
-        raise(number);
-    }
-}
-
-void interrupt_watch(void)
-{
-    struct sigaction action = {.sa_handler = note, .sa_flags = SA_RESTART};
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
+        atomic_store(&asked_by, number);
+    else if (now > first && now - first > LEAST_NS_APART)
+        atomic_store(&insisted, true);
+    sem_post(&wake);
+    errno = code;
 }
 
 bool interrupt_asked(void)
@@ -57,6 +59,7 @@ static uint64_t interrupt_age_ns(void)
 void interrupt_forget(void)
 {
     atomic_store(&asked_ns, 0);
+    atomic_store(&insisted, false);
 }
 
 bool interrupt_check(duet_error *err)
@@ -64,7 +67,63 @@ bool interrupt_check(duet_error *err)
     return !interrupt_asked() || error_set(err, DUET_STATUS_INTERRUPTED, "stopped");
 }
 
-// ---------------------------------------------------------------- the watchdog
+void interrupt_wait(bool waits)
+{
+    atomic_store(&waits_for_person, waits);
+}
+
+void interrupt_told(void)
+{
+    atomic_store(&told, true);
+}
+
+// ---------------------------------------------------------------- the end
+
+static _Noreturn void end_by(int number)
+{
+    sigset_t only;
+    output_remove_parts();
+    signal(number, SIG_DFL);
+    sigemptyset(&only);
+    sigaddset(&only, number);
+    pthread_sigmask(SIG_UNBLOCK, &only, NULL);
+    raise(number);
+    _exit(EXIT_INTERRUPTED);
+}
+
+void interrupt_end(void)
+{
+    end_by(atomic_load(&asked_by) ? atomic_load(&asked_by) : SIGINT);
+}
+
+// A broken pipe elsewhere is a write that fails.
+static void on_pipe(int number)
+{
+    int code = errno;
+    struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
+    if (poll(&out, 1, 0) == 1 && (out.revents & POLLERR))
+        end_by(number);
+    errno = code;
+}
+
+// Neither stdio nor exit: another thread may hold their locks.
+static void say(const char *line, size_t n)
+{
+    static const char clear[] = "\r\033[K";
+    if (isatty(STDERR_FILENO) && write(STDERR_FILENO, clear, sizeof clear - 1) < 0)
+        return;
+    while (n > 0) {
+        ssize_t written = write(STDERR_FILENO, line, n);
+        if (written <= 0)
+            return;
+        line += written;
+        n -= (size_t)written;
+    }
+}
+
+#define SAY(line) say(line, sizeof(line) - 1)
+
+// ---------------------------------------------------------------- the guard
 
 #define LATE_NS 2000000000u
 #define DEAF_NS 1500000000u
@@ -74,53 +133,63 @@ bool interrupt_check(duet_error *err)
 
 static budget_watch watch = {.stopped = interrupt_asked};
 
-// Neither stdio nor exit: the script's thread may hold their locks.
-static void end_program(const char *line, size_t n)
-{
-    while (n > 0) {
-        ssize_t written = write(STDERR_FILENO, line, n);
-        if (written <= 0)
-            break;
-        line += written;
-        n -= (size_t)written;
-    }
-    _exit(EXIT_FAILED);
-}
-
-#define END_PROGRAM(line) end_program(line, sizeof(line) - 1)
-
 static void look(void)
 {
     uint64_t deadline = atomic_load(&watch.deadline_ns);
     uint64_t now = clock_steady_ns();
-    if (deadline == 0)
+    if (deadline != 0 && now > deadline && now - deadline > LATE_NS) {
+        SAY("duet: a script ran on for 2 s after its limit, and was ended\n");
+        output_remove_parts();
+        _exit(EXIT_FAILED);
+    }
+    bool deaf = interrupt_age_ns() > DEAF_NS && !atomic_load(&waits_for_person);
+    if (!deaf && !atomic_load(&insisted))
         return;
-    if (now > deadline && now - deadline > LATE_NS)
-        END_PROGRAM("duet: a script ran on for 2 s after its limit, and was ended\n");
-    if (interrupt_age_ns() > DEAF_NS)
-        END_PROGRAM("duet: stopped\n");
+    if (!atomic_load(&told))
+        SAY("duet: stopped\n");
+    interrupt_end();
 }
 
 static void *guard(void *unused)
 {
-    const struct timespec pause = {.tv_nsec = PAUSE_NS};
     for (;;) {
-        nanosleep(&pause, NULL);
+        struct timespec until;
+        clock_gettime(CLOCK_REALTIME, &until);
+        until.tv_nsec += PAUSE_NS;
+        until.tv_sec += until.tv_nsec / 1000000000;
+        until.tv_nsec %= 1000000000;
+        sem_timedwait(&wake, &until);
         look();
     }
     return unused;
 }
 
 // Signals are for the other threads: what they wait for is to end.
-void interrupt_guard_scripts(void)
+static void begin_guard(void)
 {
     pthread_t thread;
     sigset_t all;
     sigset_t before;
-    budget_set_watch(&watch);
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     if (pthread_create(&thread, NULL, guard, NULL) == 0)
         pthread_detach(thread);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+// SIGHUP stays ignored under nohup(1).
+void interrupt_watch(void)
+{
+    struct sigaction action = {.sa_handler = note, .sa_flags = SA_RESTART};
+    struct sigaction before;
+    sem_init(&wake, 0, 0);
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+        sigaction(SIGHUP, &action, NULL);
+    action.sa_handler = on_pipe;
+    sigaction(SIGPIPE, &action, NULL);
+    budget_set_watch(&watch);
+    begin_guard();
 }

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Ctrl-C: long work asks between two steps whether to stop, so that what was
-// done so far is kept. A second Ctrl-C ends the program at once.
+// Ctrl-C, SIGTERM and SIGHUP: long work asks between two steps whether to stop, so that
+// what was done so far is kept. Work that does not ask is ended 1.5 s later, and a second
+// Ctrl-C ends all at once; what is half-written is removed first.
+//
+// The program then ends by the signal itself, not by an exit status: so a shell knows that
+// it was interrupted, and a loop of commands ends too.
 #ifndef CLI_INTERRUPT_H
 #define CLI_INTERRUPT_H
 
@@ -8,17 +12,24 @@
 
 #include <stdbool.h>
 
+// Also watches scripts, which the library ends: where one of the calling thread is still
+// there 2 s after its limit of time, the program ends with a line and exit status 1. A
+// reader of stdout that goes away ends the program silently, by SIGPIPE.
 void interrupt_watch(void);
+
 bool interrupt_asked(void);
 void interrupt_forget(void); // what was asked so far: for a person who goes on typing
 
 // false with INTERRUPTED once Ctrl-C was pressed.
 bool interrupt_check(duet_error *err);
 
-// The last resort against a script that does not end: ends the program, with a
-// line and exit status 1, where a script of the calling thread is still there 2 s
-// after its limit of time, or 1.5 s after Ctrl-C or SIGTERM. The library never does
-// that: it ends the script, which an application survives.
-void interrupt_guard_scripts(void);
+// While the program waits for a person, there is no work to end.
+void interrupt_wait(bool waits);
+
+// A line has said that the program was stopped.
+void interrupt_told(void);
+
+// Ends the program by the signal that asked for it.
+_Noreturn void interrupt_end(void);
 
 #endif

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The program `duet`: finds the subcommand and ends with its exit status,
 // which is 0 where it did what was asked, 1 where that failed, and 2 where the
-// command line was wrong.
+// command line was wrong; a shell shows 130 where Ctrl-C ended it.
 #define _POSIX_C_SOURCE 200809L
+#include "base/nearest.h"
 #include "cli/commands.h"
 #include "cli/interrupt.h"
 #include "cli/say.h"
@@ -28,6 +29,7 @@ static const struct {
     {"query", command_query, "pairs of boxes from a file, each colliding or separated"},
     {"report", command_report, "one page for a browser with all that was measured"},
     {"run", command_run, "all pairs of a scene, and where the time went"},
+    {"scenes", command_scenes, "the scenes that come with Duet"},
     {"source", command_source, "the exact text of a kernel, and what it lets vary"},
     {"tune", command_tune, "how two devices share a scene's work best, and keeps it"},
 };
@@ -45,6 +47,17 @@ static void print_help(void)
            "DUET_PROFILE     the profile file\n"
            "DUET_KERNEL_DIR  a folder to read kernels from instead of the carried ones\n"
            "DUET_CACHE       a folder to keep built kernels in\n");
+}
+
+static int refuse(const char *name)
+{
+    nearest n = nearest_begin(name);
+    for (int i = 0; i < N_COMMANDS; ++i)
+        nearest_try(&n, commands[i].name);
+    fprintf(stderr, "duet: there is no subcommand '%s'; ", name);
+    fprintf(stderr, n.name ? "did you mean '%s'?\n" : "'duet --help' lists those there are\n",
+            n.name);
+    return EXIT_WRONG;
 }
 
 static int run(int argc, char **argv)
@@ -65,19 +78,17 @@ static int run(int argc, char **argv)
     for (int i = 0; i < N_COMMANDS; ++i)
         if (strcmp(name, commands[i].name) == 0)
             return commands[i].run(argc - 1, argv + 1);
-    fprintf(stderr, "duet: there is no subcommand '%s'; 'duet --help' lists those there are\n",
-            name);
-    return EXIT_WRONG;
+    return refuse(name);
 }
 
 int main(int argc, char **argv)
 {
     setlocale(LC_CTYPE, "");  // only to know whether bars may be drawn finely
-    signal(SIGPIPE, SIG_IGN); // a write that fails is told of by a line
-    signal(SIGXFSZ, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN); // a write that fails is told of by a line
     interrupt_watch();
-    interrupt_guard_scripts();
     int status = run(argc, argv);
     bool written = say_finish();
+    if (status == EXIT_INTERRUPTED)
+        interrupt_end();
     return status == EXIT_OK && !written ? EXIT_FAILED : status;
 }

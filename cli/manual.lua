@@ -22,9 +22,9 @@ end
 
 -- ---------------------------------------------------------------- reading
 
--- "  -n, --n N        text" -> { flags = "-n, --n", value = "N", text = ... }
+-- "  -n, --objects N  text" -> { flags = "-n, --objects", value = "N", text = ... }
 local function read_option(line)
-  local flags, rest = line:match("^  (%-%a, %-%-%a) (.*)")
+  local flags, rest = line:match("^  (%-%a, %-%-[%w-]+) (.*)")
   if not flags then flags, rest = line:match("^  (%-%-[%w-]+) (.*)") end
   if not flags then return nil end
   local value, text = rest:match("^(%u%S*) +(.*)")

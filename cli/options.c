@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "cli/options.h"
 
+#include "base/nearest.h"
+#include "cli/interrupt.h"
 #include "cli/say.h"
 #include "runtime/duet.h"
 
@@ -10,6 +12,29 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+static const struct {
+    char letter;
+    const char *name;
+} letters[] = {{'e', "eval"}, {'i', "interactive"}, {'n', "objects"}, {'o', "output"}};
+
+enum { N_LETTERS = sizeof letters / sizeof letters[0] };
+
+static const char *name_of_letter(char letter)
+{
+    for (int i = 0; i < N_LETTERS; ++i)
+        if (letters[i].letter == letter)
+            return letters[i].name;
+    return "";
+}
+
+static char letter_of_name(const char *name)
+{
+    for (int i = 0; i < N_LETTERS; ++i)
+        if (strcmp(letters[i].name, name) == 0)
+            return letters[i].letter;
+    return '\0';
+}
 
 static const option *find_name(const command_line *line, const char *name, size_t length)
 {
@@ -28,14 +53,37 @@ static bool read_number(const char *text, double *number)
     return *end == '\0' && isfinite(*number);
 }
 
-static bool read_count(const char *text, uint64_t *count)
+static double read_suffix(const char **at)
+{
+    static const char suffixes[] = "kMG";
+    const char *found = **at ? strchr(suffixes, **at == 'K' ? 'k' : **at) : NULL;
+    *at += found != NULL;
+    return found ? pow(1e3, (double)(found - suffixes + 1)) : 1;
+}
+
+// Digits alone are read exactly; with a point, an exponent or a suffix as a double.
+const char *options_read_count(const char *text, uint64_t *count)
 {
     char *end = NULL;
     if (!isdigit((unsigned char)*text))
-        return false;
+        return NULL;
     errno = 0;
     *count = strtoull(text, &end, 10);
-    return *end == '\0' && errno == 0;
+    if (!*end || !strchr(".eEkKMG", *end))
+        return errno == 0 ? end : NULL;
+    double number = strtod(text, &end);
+    const char *after = end;
+    number *= read_suffix(&after);
+    if (!(number < 0x1p64) || number != floor(number))
+        return NULL;
+    *count = (uint64_t)number;
+    return after;
+}
+
+static bool read_count(const char *text, uint64_t *count)
+{
+    const char *after = options_read_count(text, count);
+    return after && *after == '\0';
 }
 
 // "0.25", "1/4", "1" -> out of DUET_SHARE_ONE, to the nearest.
@@ -101,6 +149,7 @@ static bool set_value(const command_line *line, const option *o, const char *tex
         *(bool *)at = true;
         return true;
     case KIND_TEXT:
+    case KIND_OUTPUT:
         *(const char **)at = text;
         return true;
     case KIND_SETTINGS:
@@ -130,8 +179,8 @@ static void print_row(const char *name, const char *value, const char *help)
 {
     char left[64];
     char letter[8] = "";
-    if (strlen(name) == 1)
-        snprintf(letter, sizeof letter, "-%s, ", name);
+    if (letter_of_name(name))
+        snprintf(letter, sizeof letter, "-%c, ", letter_of_name(name));
     snprintf(left, sizeof left, "%s--%s%s%s", letter, name, value ? " " : "", value ? value : "");
     printf("  %-18s %s\n", left, help);
 }
@@ -152,21 +201,42 @@ typedef struct asked {
     bool help;
 } asked;
 
+static bool refuse_unknown(const command_line *line, const char *argument)
+{
+    char typed[64];
+    const char *dashes = "--";
+    const char *name = argument + strspn(argument, "-");
+    snprintf(typed, sizeof typed, "%.*s", (int)strcspn(name, "="), name);
+    nearest n = nearest_begin(typed);
+    for (const option *o = line->options; o->name; ++o) {
+        nearest_try(&n, o->name);
+        if (letter_of_name(o->name) == typed[0] && typed[1] == '\0') {
+            n.name = typed;
+            dashes = "-";
+        }
+    }
+    if (n.name)
+        say_wrong(line->name, "there is no option '%s'; did you mean '%s%s'?", argument, dashes,
+                  n.name);
+    else
+        say_wrong(line->name, "there is no option '%s'; 'duet %s --help' lists those there are",
+                  argument, line->name);
+    return false;
+}
+
 static bool recognise(const command_line *line, const char *argument, asked *a)
 {
     *a = (asked){0};
-    const char *name = argument + (argument[1] == '-' ? 2 : 1);
+    bool word = argument[1] == '-';
+    const char *name = argument + (word ? 2 : 1);
     size_t length = strcspn(name, "=");
-    if (argument[1] == '-' || length == 1) {
+    if (word)
         a->option = find_name(line, name, length);
-        a->value = name[length] == '=' ? name + length + 1 : NULL;
-        a->help = !a->option && (strcmp(name, "help") == 0 || strcmp(name, "h") == 0);
-    }
-    if (a->option || a->help)
-        return true;
-    say_wrong(line->name, "there is no option '%s'; 'duet %s --help' lists those there are",
-              argument, line->name);
-    return false;
+    else if (length == 1)
+        a->option = find_name(line, name_of_letter(*name), strlen(name_of_letter(*name)));
+    a->value = name[length] == '=' ? name + length + 1 : NULL;
+    a->help = !a->option && (strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0);
+    return a->option || a->help || refuse_unknown(line, argument);
 }
 
 // Sets one option; *i moves on where its value is the next argument.
@@ -187,6 +257,58 @@ static bool take_option(const command_line *line, const asked *a, int argc, char
         value = argv[++*i];
     }
     return set_value(line, o, value, args);
+}
+
+// Which options were given, by their place in the table.
+enum { OPTIONS_MOST = 64 };
+
+typedef struct given_options {
+    bool at[OPTIONS_MOST];
+} given_options;
+
+static bool is_given(const command_line *line, const given_options *given, const char *name)
+{
+    const option *o = find_name(line, name, strlen(name));
+    return o && given->at[o - line->options];
+}
+
+bool options_is_stdout(const char *path)
+{
+    return path && strcmp(path, "-") == 0;
+}
+
+// What stdout holds is one thing: one output, or the object of --json.
+static bool check_stdout(const command_line *line, const given_options *given, const void *args)
+{
+    const option *first = NULL;
+    for (const option *o = line->options; o->name; ++o) {
+        const char *at = (const char *)args + o->at;
+        bool prints = o->kind == KIND_OUTPUT ? options_is_stdout(*(const char *const *)at)
+                                             : strcmp(o->name, "json") == 0;
+        if (!prints || !given->at[o - line->options])
+            continue;
+        if (first) {
+            say_wrong(line->name, "--%s and --%s would both write to stdout", first->name, o->name);
+            return false;
+        }
+        first = o;
+    }
+    return true;
+}
+
+static bool check_rules(const command_line *line, const given_options *given)
+{
+    for (const option_rule *r = line->rules; r && r->option; ++r) {
+        if (!is_given(line, given, r->option) ||
+            is_given(line, given, r->other) == (r->kind == OPTION_NEEDS))
+            continue;
+        say_wrong(line->name,
+                  r->kind == OPTION_NEEDS ? "--%s does nothing without --%s"
+                                          : "--%s and --%s do not go together",
+                  r->option, r->other);
+        return false;
+    }
+    return true;
 }
 
 static bool check_operands(const command_line *line, int n, char **operands)
@@ -216,6 +338,7 @@ typedef struct parsed {
 static bool parse(const command_line *line, int argc, char **argv, void *args, parsed *p)
 {
     bool only_operands = false;
+    given_options given = {{false}};
     *p = (parsed){.operands = argv + 1, .exit_code = EXIT_WRONG};
     for (int i = 1; i < argc; ++i) {
         char *argument = argv[i];
@@ -238,9 +361,11 @@ static bool parse(const command_line *line, int argc, char **argv, void *args, p
         }
         if (!take_option(line, &a, argc, argv, &i, args))
             return false;
+        given.at[a.option - line->options] = true;
     }
     p->operands[p->n] = NULL;
-    return check_operands(line, p->n, p->operands);
+    return check_operands(line, p->n, p->operands) && check_rules(line, &given) &&
+           check_stdout(line, &given, args);
 }
 
 int options_run(const command_line *line, int argc, char **argv, void *args, command_body *run)
@@ -252,5 +377,12 @@ int options_run(const command_line *line, int argc, char **argv, void *args, com
     const char *wrong = line->refuse ? line->refuse(args, p.operands) : NULL;
     if (wrong)
         return say_wrong(line->name, "%s", wrong);
-    return run(args, p.operands, &err) ? EXIT_OK : say_failed(&err);
+    // What was done until Ctrl-C may be worth telling: it is not all that was asked for.
+    if (run(args, p.operands, &err) && interrupt_check(&err))
+        return EXIT_OK;
+    int status = say_failed(&err);
+    if (!interrupt_asked())
+        return status;
+    interrupt_told();
+    return EXIT_INTERRUPTED;
 }

@@ -2,8 +2,9 @@
 // The command line of a subcommand, as a table: parsing, checking and --help
 // are made from the same rows.
 //
-// "--name value" and "--name=value"; a name of one letter may have one dash, as
-// "-n 10". A lone "--" ends the options. --help belongs to every subcommand.
+// "--name value" and "--name=value". Some names have a letter too, the same in every
+// subcommand: -n --objects, -o --output, -e --eval, -i --interactive. A lone "--" ends
+// the options. --help belongs to every subcommand.
 #ifndef CLI_OPTIONS_H
 #define CLI_OPTIONS_H
 
@@ -16,6 +17,7 @@
 typedef enum option_kind {
     KIND_FLAG,     // bool
     KIND_TEXT,     // const char *
+    KIND_OUTPUT,   // const char *, a file to write; "-" is stdout
     KIND_SETTINGS, // option_list of "name=value"; may be given again and again
     KIND_COUNT,    // uint64_t, a whole number from least to most
     KIND_NUMBER,   // double, from least to most
@@ -48,6 +50,8 @@ typedef struct option {
     }
 #define OPTION_FLAG(name, member, about) OPTION_ROW(name, KIND_FLAG, member, NULL, about, 0, 0)
 #define OPTION_TEXT(name, member, as, about) OPTION_ROW(name, KIND_TEXT, member, as, about, 0, 0)
+#define OPTION_OUTPUT(name, member, as, about) \
+    OPTION_ROW(name, KIND_OUTPUT, member, as, about, 0, 0)
 #define OPTION_SETTINGS(name, member, as, about) \
     OPTION_ROW(name, KIND_SETTINGS, member, as, about, 0, 0)
 #define OPTION_SHARE(name, member, as, about) OPTION_ROW(name, KIND_SHARE, member, as, about, 0, 0)
@@ -56,15 +60,23 @@ typedef struct option {
 #define OPTION_NUMBER(name, member, as, about, from, to) \
     OPTION_ROW(name, KIND_NUMBER, member, as, about, from, to)
 
+// An option that does nothing without another one, or together with it.
+typedef struct option_rule {
+    const char *option;
+    enum { OPTION_NEEDS, OPTION_EXCLUDES } kind;
+    const char *other;
+} option_rule;
+
 // A subcommand's whole command line.
 typedef struct command_line {
     const char *name;     // "run"
     const char *operands; // "SCENE|FILE", or ""
     int least_operands;
     int most_operands;
-    const char *about;     // one line of help, a sentence
-    const option *options; // ends with a row without name
-    bool rest_is_operands; // what follows the first operand is passed on unread
+    const char *about;        // one line of help, a sentence
+    const option *options;    // ends with a row without name
+    const option_rule *rules; // ends with a row without option; NULL: none
+    bool rest_is_operands;    // what follows the first operand is passed on unread
     // What is wrong between options that are each right; NULL: nothing.
     const char *(*refuse)(const void *args, char **operands);
 } command_line;
@@ -75,5 +87,12 @@ typedef bool command_body(void *args, char **operands, duet_error *err);
 // Reads argv[1...] into args, which holds the defaults, and runs the subcommand.
 // Returns the exit status; a line on stderr says what is wrong or failed.
 int options_run(const command_line *line, int argc, char **argv, void *args, command_body *run);
+
+// Whether an output goes to stdout, which then holds nothing else. NULL: none is asked for.
+bool options_is_stdout(const char *path);
+
+// "1000", "1e6", "250k", "1.5M", "2G": a whole number of at most 2^64 - 1. Returns what
+// follows it, NULL where there is none.
+const char *options_read_count(const char *text, uint64_t *count);
 
 #endif

@@ -2,15 +2,18 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/say.h"
 
+#include "base/budget.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/visible.h"
 #include "cli/report/json.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 int say_failed(const duet_error *err)
@@ -79,7 +82,9 @@ bool say_finish(void)
 
 // ---------------------------------------------------------------- how far it is
 
-enum { LEAST_NS_BETWEEN = 100000000 };
+enum { LEAST_NS_BETWEEN = 100000000, LINE_MOST = 200 };
+
+static int depth; // of works that are one a part of another: the outermost is shown
 
 progress progress_begin(const char *what, uint64_t total)
 {
@@ -87,8 +92,40 @@ progress progress_begin(const char *what, uint64_t total)
         .what = what,
         .total = total,
         .begun_ns = clock_steady_ns(),
-        .on_terminal = isatty(STDERR_FILENO),
+        .on_terminal = depth++ == 0 && isatty(STDERR_FILENO),
     };
+}
+
+static size_t terminal_width(void)
+{
+    struct winsize size;
+    bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+    return known ? size.ws_col : 80;
+}
+
+static void show_line(const char *line)
+{
+    // A line that reached the last column would wrap, and could not be cleared.
+    fprintf(stderr, "\r\033[K%.*s", (int)terminal_width() - 1, line);
+    fflush(stderr);
+}
+
+// What the library tells is of no unit that a person would know.
+static int add_part(const progress *p, uint64_t done, double seconds, char *to, size_t size)
+{
+    if (p->total >= done && p->total > 0)
+        return snprintf(to, size, "%s: %.0f %%", p->what, 100 * (double)done / (double)p->total);
+    return snprintf(to, size, "%s: %.0f s", p->what, seconds);
+}
+
+static int add_count(const progress *p, uint64_t done, double seconds, char *to, size_t size)
+{
+    int n = snprintf(to, size, "%s %" PRIu64, p->what, done);
+    if (p->total > 0)
+        n += snprintf(to + n, size - (size_t)n, " of %" PRIu64, p->total);
+    if (done > 0 && seconds > 0)
+        n += snprintf(to + n, size - (size_t)n, ", %.3g a second", (double)done / seconds);
+    return n;
 }
 
 void progress_show(progress *p, uint64_t done)
@@ -97,20 +134,39 @@ void progress_show(progress *p, uint64_t done)
     if (!p->on_terminal || now - p->shown_ns < LEAST_NS_BETWEEN)
         return;
     p->shown_ns = now;
+    char line[LINE_MOST];
     double seconds = (double)(now - p->begun_ns) * 1e-9;
-    double rate = seconds > 0 ? (double)done / seconds : 0;
-    fprintf(stderr, "\r\033[K%s %llu", p->what, (unsigned long long)done);
-    if (p->total > 0)
-        fprintf(stderr, " of %llu", (unsigned long long)p->total);
-    if (done > 0)
-        fprintf(stderr, ", %.3g a second", rate);
-    if (done > 0 && p->total > done)
-        fprintf(stderr, ", %.0f s left", (double)(p->total - done) / rate);
-    fflush(stderr);
+    int n = (p->follows ? add_part : add_count)(p, done, seconds, line, sizeof line);
+    if (p->total > done && done > 0)
+        snprintf(line + n, sizeof line - (size_t)n, ", %.0f s left",
+                 seconds * (double)(p->total - done) / (double)done);
+    show_line(line);
+}
+
+static void hear(void *listener, uint64_t done, uint64_t total)
+{
+    progress *p = listener;
+    p->total = total;
+    progress_show(p, done);
+}
+
+void progress_follow(progress *p)
+{
+    p->follows = true;
+    budget_listen(hear, p);
+}
+
+void progress_hide(progress *p)
+{
+    if (p->on_terminal && p->shown_ns > 0)
+        fputs("\r\033[K", stderr);
+    p->shown_ns = 0;
 }
 
 void progress_end(progress *p)
 {
-    if (p->on_terminal && p->shown_ns > 0)
-        fputs("\r\033[K", stderr);
+    progress_hide(p);
+    if (p->follows)
+        budget_listen(NULL, NULL);
+    --depth;
 }

@@ -12,7 +12,7 @@
 struct cJSON;
 struct text;
 
-enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_WRONG = 2 };
+enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_WRONG = 2, EXIT_INTERRUPTED = 130 };
 
 // "duet: LINE" on stderr. Returns EXIT_FAILED, or EXIT_WRONG for BAD_ARGUMENT:
 // what the library finds wrong with a value came from the command line.
@@ -44,17 +44,23 @@ bool say_finish(void);
 
 // A line on the terminal that tells how far long work is: its rate and the
 // time left. Nothing is shown where stderr is not a terminal.
+// Of works that are a part of another only that one is shown.
 typedef struct progress {
-    const char *what; // "step", "launch"
+    const char *what; // "step", "launch"; up to 100 characters
     uint64_t total;   // 0: not known
     uint64_t begun_ns;
     uint64_t shown_ns;
     bool on_terminal;
+    bool follows; // what the library tells
 } progress;
 
 progress progress_begin(const char *what, uint64_t total);
 // Shows "what done of total, rate, time left", at most ten times a second.
 void progress_show(progress *p, uint64_t done);
-void progress_end(progress *p); // clears the line
+void progress_hide(progress *p); // before something else is printed
+void progress_end(progress *p);  // clears the line
+
+// Shows in percent how far the library's own work is until progress_end; Ctrl-C ends that.
+void progress_follow(progress *p);
 
 #endif

@@ -12,6 +12,7 @@
 
 #include <lauxlib.h>
 #include <lualib.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -132,6 +133,29 @@ static void load_show(lua_State *L)
     lua_rawsetp(L, LUA_REGISTRYINDEX, &show_key);
 }
 
+// os.execute, which lets no signal for the terminal through: what ends the command is
+// meant for the script too. Upvalue 1 is Lua's own.
+static int execute(lua_State *L)
+{
+    lua_pushvalue(L, lua_upvalueindex(1));
+    lua_insert(L, 1);
+    lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
+    bool by_signal = lua_gettop(L) == 3 && strcmp(lua_tostring(L, 2), "signal") == 0;
+    if (by_signal && lua_tointeger(L, 3) == SIGINT)
+        raise(SIGINT);
+    return lua_gettop(L);
+}
+
+static void open_libraries(lua_State *L)
+{
+    luaL_openlibs(L);
+    lua_getglobal(L, LUA_OSLIBNAME);
+    lua_getfield(L, -1, "execute");
+    lua_pushcclosure(L, execute, 1);
+    lua_setfield(L, -2, "execute");
+    lua_pop(L, 1);
+}
+
 // A C function: fills the globals of the session at 1.
 static int prepare(lua_State *L)
 {
@@ -144,7 +168,7 @@ static int prepare(lua_State *L)
         lua_setglobal(L, "duet");
         policy_restrict(L, s->def.arguments, s->def.n_arguments);
     } else {
-        luaL_openlibs(L);
+        open_libraries(L);
         luaL_requiref(L, "duet", luaopen_duet, 1);
     }
     set_arg(L, &s->def);
@@ -215,7 +239,8 @@ bool session_run_file(session *s, const char *path, duet_error *err)
     bool ok = text_read_file(&chars, path, err);
     if (ok && chars.length > 0 && chars.chars[0] == '#')
         memcpy(chars.chars, "--", chars.length > 1 ? 2 : 1);
-    ok = ok && load(s, path, chars.chars, chars.length, err) && call(s, 0, 0, err);
+    ok = ok && load(s, strcmp(path, "-") == 0 ? "stdin" : path, chars.chars, chars.length, err) &&
+         call(s, 0, 0, err);
     text_free(&chars);
     return ok;
 }

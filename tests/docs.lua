@@ -55,16 +55,20 @@ local function blocks(path)
   return found
 end
 
+-- The scenes that come with Duet, by name.
+local shipped = {}
+for name in assert(io.popen(("'%s' scenes"):format(program))):lines() do shipped[name:match("^%w+")] = true end
+
 -- The same command, done in a moment.
 local function small(line)
-  line = line:gsub("(%-%-?n[ =])[%d,]+", "%1" .. few)
+  line = line:gsub("(%-n )[%w,.]+", "%1" .. few)
   line = line:gsub("(%-%-sizes )[%d,]+", "%1" .. few)
   line = line:gsub("%-%-pair [^ ]+", "")
   line = line:gsub("^duet bench", "duet bench --quick --repeat 2")
-  local scene = line:match("^duet %a+ [^#]*%.lua") and not line:match("^duet lua")
-  if scene and not line:match("%-%-?n[ =]") and not line:match("%-%-config") then
-    line = line:gsub("%.lua", ".lua -n " .. few, 1)
-  end
+  local command, scene = line:match("^(duet %a+) (%S+)")
+  if scene == "why" then command, scene = line:match("^(duet profiles why) (%S+)") end
+  local is_scene = scene and (scene:match("%.lua$") or shipped[scene]) and not command:match("lua$")
+  if is_scene and not line:match("%-n ") then line = line:gsub("^" .. command, command .. " -n " .. few) end
   return line
 end
 

@@ -2,6 +2,7 @@
 // duet accuracy: what accuracy costs in time. Of a moving scene: each time step,
 // and how far the scene comes from where it should; of poses: each level of
 // accuracy on each device, and what it gets wrong.
+#include "base/error.h"
 #include "cli/commands.h"
 #include "cli/draw/canvas.h"
 #include "cli/inputs.h"
@@ -9,11 +10,13 @@
 #include "cli/say.h"
 #include "cli/timestep_study.h"
 
+enum { REPEAT = 9, TIME = 1, LIMIT = 120 };
+
 typedef struct arguments {
     scene_options scene;
     const char *pair;
-    uint64_t repeat;
-    double time;
+    uint64_t repeat; // 0: not given
+    double time;     // below 0: not given, as the next
     double limit;
     bool still;
     const char *csv;
@@ -30,11 +33,14 @@ static const option options[] = {
     OPTION_NUMBER("time", time, "S", "seconds of a moving scene, for each time step (1)", 1e-6,
                   1e6),
     OPTION_NUMBER("limit", limit, "S", "begin no other run after S seconds (120)", 0, 1e6),
-    OPTION_TEXT("csv", csv, "OUT.csv", "write the table, a line each"),
-    OPTION_TEXT("plot", plot, "OUT.svg", "draw it, as .svg or .png"),
+    OPTION_OUTPUT("csv", csv, "OUT.csv", "write the table, a line each"),
+    OPTION_OUTPUT("plot", plot, "OUT.svg", "draw it, as .svg or .png"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
+
+static const option_rule rules[] = {
+    {"time", OPTION_EXCLUDES, "still"}, {"limit", OPTION_EXCLUDES, "still"}, {0}};
 
 static const command_line line = {
     .name = "accuracy",
@@ -46,19 +52,27 @@ static const command_line line = {
              "energy drifts and how deep contacts get. One that does not: each level of\n"
              "accuracy, and what it gets wrong.",
     .options = options,
+    .rules = rules,
 };
+
+// Whether stdout is a file's.
+static bool is_elsewhere(const arguments *args)
+{
+    return options_is_stdout(args->csv) || options_is_stdout(args->plot);
+}
 
 static bool run_levels(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
                        duet_error *err)
 {
     level_costs p;
     level_costs_report r = {duet_scene_get_info(scene), pair, &p};
-    bool ok = level_costs_show(&p, pair, scene, (uint32_t)args->repeat, err);
+    bool ok =
+        level_costs_show(&p, pair, scene, args->repeat ? (uint32_t)args->repeat : REPEAT, err);
     ok = ok && (!args->csv || level_costs_report_csv(&r, args->csv, err));
     ok = ok && (!args->plot || level_costs_report_plot(&r, args->plot, err));
     if (ok && args->json)
         return say_json(level_costs_report_json(&r), err);
-    if (ok)
+    if (ok && !is_elsewhere(args))
         level_costs_report_text(&r);
     return ok;
 }
@@ -68,12 +82,13 @@ static bool run_timesteps(const arguments *args, duet_device_pair *pair, const d
 {
     timestep_study p;
     timestep_study_report r = {duet_scene_get_info(scene), pair, &p};
-    bool ok = timestep_study_measure(&p, pair, scene, args->time, args->limit, err);
+    bool ok = timestep_study_measure(&p, pair, scene, args->time < 0 ? TIME : args->time,
+                                     args->limit < 0 ? LIMIT : args->limit, err);
     ok = ok && (!args->csv || timestep_study_report_csv(&r, args->csv, err));
     ok = ok && (!args->plot || timestep_study_report_plot(&r, args->plot, err));
     if (ok && args->json)
         return timestep_study_report_json(&r, err);
-    if (ok)
+    if (ok && !is_elsewhere(args))
         timestep_study_report_text(&r);
     return ok;
 }
@@ -87,6 +102,17 @@ static bool check_plot(const char *path, duet_error *err)
     return ok;
 }
 
+static bool check_given(const arguments *args, bool moves, duet_error *err)
+{
+    if (moves && args->repeat > 0)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "--repeat is of the levels of a scene that does not move; this one moves "
+                         "(--still takes it as it begins)");
+    return moves || args->still || (args->time < 0 && args->limit < 0) ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "--time and --limit are of a scene that moves; this one does not");
+}
+
 static bool run(void *given, char **operands, duet_error *err)
 {
     const arguments *args = given;
@@ -94,6 +120,7 @@ static bool run(void *given, char **operands, duet_error *err)
     duet_scene *scene = pair ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
     bool moves = false;
     bool ok = scene && (args->still || timestep_study_applies(pair, scene, &moves, err));
+    ok = ok && check_given(args, moves, err);
     ok = ok && (moves ? run_timesteps : run_levels)(args, pair, scene, err);
     duet_scene_destroy(scene);
     duet_device_pair_destroy(pair);
@@ -102,6 +129,6 @@ static bool run(void *given, char **operands, duet_error *err)
 
 int command_accuracy(int argc, char **argv)
 {
-    arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .repeat = 9, .time = 1, .limit = 120};
+    arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .time = -1, .limit = -1};
     return options_run(&line, argc, argv, &args, run);
 }

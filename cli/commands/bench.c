@@ -34,12 +34,12 @@ static const option options[] = {
     PAIR_OPTION_ROW(pair),
     OPTION_TEXT("scene", scene, "NAME",
                 "only this one: paper, paper2d, clustered, mixed, planes, falling"),
-    OPTION_TEXT("out", out, "FILE.json", "keep the results, with all samples"),
+    OPTION_OUTPUT("output", out, "FILE.json", "keep the results, with all samples"),
     OPTION_TEXT("against", against, "OLD.json", "compare with results that were kept"),
     OPTION_COUNT("repeat", repeat, "K", "steps of each plan, after one to warm up (9)", 1,
                  BENCH_SAMPLES_MOST),
     OPTION_FLAG("quick", quick, "small scenes: does it all work, in seconds"),
-    OPTION_FLAG("json", json, "print one JSON object, as --out keeps it"),
+    OPTION_FLAG("json", json, "print one JSON object, as --output keeps it"),
     {0},
 };
 
@@ -213,16 +213,17 @@ typedef struct bench {
     duet_device_pair *pair;
     cJSON *results;
     cJSON *before; // NULL: nothing to compare with
+    bool tells;    // tables on stdout
     uint32_t failed;
+    progress shown;
+    uint64_t done; // cases
 } bench;
 
 static duet_scene *load_scene(const bench_scene *s, bool quick, duet_error *err)
 {
     const duet_setting settings[] = {{"n", quick ? s->quick_n : s->n},
                                      {"world", quick ? s->quick_world : s->world}};
-    char path[64];
-    snprintf(path, sizeof path, "lua/scenes/%s.lua", s->name);
-    return duet_scene_load(path, settings, s->world ? 2 : 1, err);
+    return duet_scene_load(s->name, settings, s->world ? 2 : 1, err);
 }
 
 // A plan that fails is a case that says so, and a line on stderr; other plans
@@ -267,6 +268,7 @@ static bool measure(bench *b, duet_world *world, const duet_scene *scene, const 
     else
         ok = keep_failure(b, info, plan, &failure, err);
     timed_free(&t);
+    progress_show(&b->shown, ++b->done);
     return ok && interrupt_check(err);
 }
 
@@ -291,7 +293,8 @@ static bool compare_plans(bench *b, const bench_scene *which, const duet_scene *
 {
     bool ok = measure_plans(b, which, scene, err);
     bench_compare(b->results, b->before);
-    if (!b->args->json)
+    progress_hide(&b->shown);
+    if (b->tells)
         bench_print_scene(b->results, duet_scene_get_info(scene)->name, b->before);
     return ok;
 }
@@ -303,9 +306,11 @@ static bool measure_levels(bench *b, const duet_scene *scene, duet_error *err)
         b->args->repeat < LEVEL_COSTS_ROUNDS ? (uint32_t)b->args->repeat : LEVEL_COSTS_ROUNDS;
     if (!level_costs_show(&p, b->pair, scene, rounds, err))
         return false;
+    ++b->done;
+    progress_hide(&b->shown);
     level_costs_report r = {duet_scene_get_info(scene), b->pair, &p};
     cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "accuracy"), level_costs_report_json(&r));
-    if (!b->args->json) {
+    if (b->tells) {
         level_costs_report_text(&r);
         putchar('\n');
     }
@@ -317,11 +322,14 @@ static bool measure_effects(bench *b, const duet_scene *scene, duet_error *err)
     enum { STEPS = 20, QUICK_STEPS = 3 };
     costs c;
     const duet_scene_info *info = duet_scene_get_info(scene);
-    if (!costs_measure(&c, b->pair, scene, b->args->quick ? QUICK_STEPS : STEPS, err))
+    progress_show(&b->shown, b->done++);
+    duet_motion_def def = duet_scene_motion_def(scene, b->pair);
+    if (!costs_measure(&c, &def, scene, b->args->quick ? QUICK_STEPS : STEPS, err))
         return false;
     cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "effects"),
                          costs_report_json(&c, info, b->pair));
-    if (!b->args->json) {
+    progress_hide(&b->shown);
+    if (b->tells) {
         printf("%s, %s objects that move\n", info->name, table_count(info->n).chars);
         costs_report_text(&c);
         putchar('\n');
@@ -355,22 +363,40 @@ static bool finish(bench *b, duet_error *err)
     if (b->args->json) {
         ok = say_json(b->results, err) && ok;
         b->results = NULL;
-    } else {
+    } else if (b->tells) {
         bench_print_verdicts(b->results, b->before);
     }
     return ok;
+}
+
+static bool is_asked_for(const bench *b, const bench_scene *s)
+{
+    return !b->args->scene || strcmp(b->args->scene, s->name) == 0;
+}
+
+// Plans, levels of accuracy and effects, each of a scene.
+static uint64_t count_cases(const bench *b)
+{
+    uint64_t n = 0;
+    duet_plan plans[BENCH_PLANS_MOST];
+    for (const bench_scene *s = bench_scenes; s->name; ++s)
+        if (is_asked_for(b, s))
+            n += (s->moves ? 1 : bench_plans(s, b->pair, plans)) + s->levels;
+    return n;
 }
 
 static bool measure_scenes(bench *b, duet_error *err)
 {
     bool ok = true;
     bool any = false;
+    b->shown = progress_begin("case", count_cases(b));
     for (const bench_scene *s = bench_scenes; ok && s->name; ++s) {
-        if (b->args->scene && strcmp(b->args->scene, s->name) != 0)
+        if (!is_asked_for(b, s))
             continue;
         any = true;
         ok = measure_scene(b, s, err);
     }
+    progress_end(&b->shown);
     return ok && (any || error_set(err, DUET_STATUS_BAD_ARGUMENT,
                                    "--scene '%s': the set has paper, paper2d, clustered, mixed, "
                                    "planes and falling",
@@ -391,7 +417,7 @@ static bool run(void *given, char **operands, duet_error *err)
 {
     (void)operands;
     const arguments *args = given;
-    bench b = {.args = args};
+    bench b = {.args = args, .tells = !args->json && !options_is_stdout(args->out)};
     b.before = args->against ? bench_read(args->against, err) : NULL;
     bool ok = b.before || !args->against;
     b.pair = ok ? inputs_open_pair(args->pair, err) : NULL;

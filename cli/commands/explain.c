@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // duet explain: what a scene calls for, by what, and what it costs. A scene that
 // moves calls for effects, a still one for the kernels that find its pairs.
+#include "base/error.h"
 #include "cli/commands.h"
 #include "cli/costs.h"
 #include "cli/inputs.h"
@@ -32,6 +33,8 @@ static const option options[] = {
     {0},
 };
 
+static const option_rule rules[] = {{"steps", OPTION_NEEDS, "measure"}, {0}};
+
 static const command_line line = {
     .name = "explain",
     .operands = "SCENE",
@@ -41,6 +44,7 @@ static const command_line line = {
              "bytes an object. Of a still one: the kernels that find its pairs and those that\n"
              "are left out, which property of the scene decides what, and what that means.",
     .options = options,
+    .rules = rules,
 };
 
 // ---------------------------------------------------------------- a still scene
@@ -156,8 +160,10 @@ static bool tell_effects(costs *c, const arguments *args, duet_device_pair *pair
                          const duet_scene *scene, duet_error *err)
 {
     *c = (costs){.n = 0};
-    return (!duet_scene_get_objects(scene, DUET_OBJECT_POSES) && !args->measure) ||
-           costs_measure(c, pair, scene, args->measure ? args->steps : 0, err);
+    duet_motion_def def = duet_scene_motion_def(scene, pair);
+    return !duet_scene_get_objects(scene, DUET_OBJECT_POSES) ||
+           (inputs_change_plan(&args->plan, &def.plan, err) &&
+            costs_measure(c, &def, scene, args->measure ? args->steps : 0, err));
 }
 
 static bool is_still(const costs *c)
@@ -166,6 +172,16 @@ static bool is_still(const costs *c)
         if (c->rows[i].info.active)
             return false;
     return true;
+}
+
+static bool check_given(const arguments *args, bool still, duet_error *err)
+{
+    if (still && args->measure)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "--measure is of a scene that moves; this one does not");
+    return still || !args->level ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "--level is of a scene that does not move; this one moves");
 }
 
 static bool tell_search(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
@@ -184,6 +200,7 @@ static bool run(void *given, char **operands, duet_error *err)
     duet_scene *scene = pair ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
     bool ok = scene && tell_effects(&c, args, pair, scene, err);
     bool still = ok && is_still(&c);
+    ok = ok && check_given(args, still, err);
     cJSON *o = ok && args->json ? costs_report_json(&c, duet_scene_get_info(scene), pair) : NULL;
     if (ok && still)
         ok = tell_search(args, pair, scene, o, err);

@@ -24,13 +24,16 @@ typedef struct arguments {
 } arguments;
 
 static const option options[] = {
-    OPTION_TEXT("e", code, "CODE", "run this text, before FILE"),
-    OPTION_FLAG("i", interactive, "run what is typed, after FILE; Ctrl-D ends"),
+    OPTION_TEXT("eval", code, "CODE", "run this text, before FILE"),
+    OPTION_FLAG("interactive", interactive, "run what is typed, after FILE; Ctrl-D ends"),
     OPTION_FLAG("trust", trust, "the whole language: files, processes, modules, no limits"),
     OPTION_COUNT("memory", memory_mib, "MIB", "of Lua, without --trust (256)", 1, 1 << 20),
     OPTION_NUMBER("seconds", seconds, "S", "of one run, without --trust (60)", 0.001, 1e6),
     {0},
 };
+
+static const option_rule rules[] = {
+    {"memory", OPTION_EXCLUDES, "trust"}, {"seconds", OPTION_EXCLUDES, "trust"}, {0}};
 
 static const char *refuse(const void *given, char **operands)
 {
@@ -49,6 +52,7 @@ static const command_line line = {
              "Without --trust it can compute, print and use devices, read what lies below the\n"
              "current folder or is named as an argument, and change nothing.",
     .options = options,
+    .rules = rules,
     .refuse = refuse,
 };
 
@@ -63,8 +67,13 @@ static bool is_terminal(void)
 // gets no prompt.
 static char *read_line(const char *prompt)
 {
-    if (is_terminal())
-        return readline(prompt);
+    if (is_terminal()) {
+        interrupt_wait(true);
+        char *line_typed = readline(prompt);
+        interrupt_wait(false);
+        interrupt_forget();
+        return line_typed;
+    }
     char *typed = NULL;
     size_t capacity = 0;
     ssize_t length = getline(&typed, &capacity, stdin);
@@ -96,7 +105,6 @@ static char *read_typed(session *s, duet_error *err, bool *ran)
             break;
         text_add(&typed, "%s%s", typed.length > 0 ? "\n" : "", next);
         free(next);
-        interrupt_forget();
         *ran = session_enter(s, text_chars(&typed), &more, err);
     }
     if (more && typed.length == 0) {

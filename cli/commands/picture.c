@@ -23,7 +23,7 @@ typedef struct arguments {
 } arguments;
 
 static const option options[] = {
-    OPTION_TEXT("o", out, "FILE", "the picture, a .svg or .png"),
+    OPTION_OUTPUT("output", out, "FILE", "the picture, a .svg or .png"),
     SCENE_OPTION_ROWS(scene),
     OPTION_COUNT("boxes", most, "K", "boxes that are drawn at most (500 in 2D, 400 in 3D)", 1,
                  100000),
@@ -269,7 +269,7 @@ static bool sketch_make(sketch *s, const duet_scene *scene, uint32_t most, duet_
     *s = (sketch){.info = duet_scene_get_info(scene)};
     s->n = s->info->n < most ? s->info->n : most;
     bool ok = look_at_all(s, scene, err);
-    ok = ok && duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &s->n_pairs, err);
+    ok = ok && inputs_find_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &s->n_pairs, err);
     ok = ok && take_sample(s, scene, pairs, err);
     duet_free(pairs);
     return ok;

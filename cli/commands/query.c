@@ -31,23 +31,20 @@ static const option options[] = {
     OPTION_TEXT("device", device, "D", "one device alone, as 'duet devices' names it"),
     PAIR_OPTION_ROW(pair),
     OPTION_SHARE("share", share, "R", "A's part of the pairs, as 0.25 or 1/4"),
-    OPTION_TEXT("out", out, "V.npy", "write the verdicts, uint8 or, for another ending, lines"),
+    OPTION_OUTPUT("output", out, "V.npy",
+                  "write the verdicts, uint8 or, for another ending, lines"),
     OPTION_FLAG("separations", separations,
                 "write the separations along the best axis too, float64 as V.separations.npy"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
 
-static const char *refuse(const void *given, char **operands)
-{
-    (void)operands;
-    const arguments *args = given;
-    if (args->device && (args->pair || args->share != UINT32_MAX))
-        return "--device is one device alone; --pair and --share are for two";
-    if (args->separations && !args->out)
-        return "--separations are written beside the verdicts; give --out V.npy";
-    return NULL;
-}
+static const option_rule rules[] = {
+    {"pair", OPTION_EXCLUDES, "device"}, // which is one device alone
+    {"share", OPTION_EXCLUDES, "device"},
+    {"separations", OPTION_NEEDS, "output"},
+    {0},
+};
 
 static const command_line line = {
     .name = "query",
@@ -59,7 +56,7 @@ static const command_line line = {
         "A row is two poses of 10 numbers, centre xyz, half extents xyz, quaternion xyzw; in 2D\n"
         "two of 5, centre xy, half extents xy, angle. Files are .npy, or numbers as text.",
     .options = options,
-    .refuse = refuse,
+    .rules = rules,
 };
 
 // ---------------------------------------------------------------- testing
@@ -210,7 +207,7 @@ static bool run_test(tested *t, const arguments *args, duet_error *err)
         ok = (is_npy(args->out) ? write_arrays : write_lines)(t, args->out, err);
     if (ok && args->json)
         ok = tell_json(t, err);
-    else if (ok)
+    else if (ok && !options_is_stdout(args->out))
         tell(t);
     free(t->separations);
     free(t->verdicts);
@@ -237,6 +234,8 @@ static bool run(void *given, char **operands, duet_error *err)
         t.def.dims = info->dims;
         t.poses = duet_scene_get_objects(pairs, DUET_OBJECT_POSES);
         t.n = info->n / 2;
+        if (t.n == 0)
+            fprintf(stderr, "duet: %s: there are no pairs\n", info->name);
         ok = run_test(&t, args, err);
     }
     duet_scene_destroy(pairs);

@@ -20,7 +20,7 @@ typedef struct arguments {
 } arguments;
 
 static const option options[] = {
-    OPTION_TEXT("o", out, "FILE.html", "the page (duet-report.html)"),
+    OPTION_OUTPUT("output", out, "FILE.html", "the page (duet-report.html)"),
     PROFILE_OPTION_ROW(store),
     {0},
 };
@@ -30,7 +30,7 @@ static const command_line line = {
     .operands = "[RESULTS.json...]",
     .most_operands = RESULTS_MOST,
     .about =
-        "Makes one HTML page of the profile store and of results of 'duet bench --out', the\n"
+        "Makes one HTML page of the profile store and of results of 'duet bench --output', the\n"
         "earliest first, 'duet accuracy --json' and 'duet explain --measure --json': profiles,\n"
         "searches, accuracy against time, what effects cost, stages, history.",
     .options = options,
@@ -90,7 +90,7 @@ static bool keep_file(results *r, cJSON *o, const char *path, duet_error *err)
     }
     if (strcmp(type, BENCH_TYPE) != 0)
         return error_set(err, DUET_STATUS_BAD_INPUT,
-                         "%s: no results of 'duet bench --out', 'duet accuracy --json' or 'duet "
+                         "%s: no results of 'duet bench --output', 'duet accuracy --json' or 'duet "
                          "explain --measure --json'",
                          path);
     keep_bench(r, o);

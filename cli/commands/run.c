@@ -53,20 +53,21 @@ static const option options[] = {
                  1000000000),
     OPTION_TEXT("picture", picture, "F.png", "draw the last of the steps"),
     OPTION_TEXT("frames", frames, "DIR", "draw 30 pictures a second of the scene"),
-    OPTION_TEXT("pairs", pairs_path, "OUT.csv", "write the pairs, a line each, ascending"),
+    OPTION_OUTPUT("pairs", pairs_path, "OUT.csv", "write the pairs, a line each, ascending"),
     OPTION_FLAG("check", check, "compare the pairs with the plain C reference"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
 
-static const char *refuse(const void *given, char **operands)
-{
-    (void)operands;
-    const arguments *args = given;
-    return !args->steps && (args->picture || args->frames)
-               ? "--picture and --frames draw a scene that moves; give --steps K"
-               : NULL;
-}
+// --steps advances a scene; without it one state is stepped again and again.
+static const option_rule rules[] = {
+    {"picture", OPTION_NEEDS, "steps"},          {"frames", OPTION_NEEDS, "steps"},
+    {"repeat", OPTION_EXCLUDES, "steps"},        {"resident", OPTION_EXCLUDES, "steps"},
+    {"pairs", OPTION_EXCLUDES, "steps"},         {"transforms", OPTION_EXCLUDES, "steps"},
+    {"check", OPTION_EXCLUDES, "steps"},         {"level", OPTION_EXCLUDES, "steps"},
+    {"missed", OPTION_EXCLUDES, "steps"},        {"false-rate", OPTION_EXCLUDES, "steps"},
+    {"resident", OPTION_EXCLUDES, "transforms"}, {0},
+};
 
 static const command_line line = {
     .name = "run",
@@ -77,7 +78,7 @@ static const command_line line = {
         "Finds all pairs of boxes that collide, on two devices, and says where the time went.\n"
         "A scene is a Lua file; a file is .npy, or numbers as text.",
     .options = options,
-    .refuse = refuse,
+    .rules = rules,
 };
 
 // ---------------------------------------------------------------- one state of a scene
@@ -94,7 +95,7 @@ static bool compare(const duet_scene *scene, duet_level level, const duet_pair *
                     verdict *v, duet_error *err)
 {
     duet_pair *expected = NULL;
-    if (!duet_reference(scene, level, &expected, &v->reference, err))
+    if (!inputs_find_reference(scene, level, &expected, &v->reference, err))
         return false;
     pair_list_count wrong = {0};
     pair_list_compare(pairs, n, expected, v->reference, pair_list_count_wrong, &wrong);
@@ -173,7 +174,7 @@ static bool run_world(const arguments *args, const duet_scene *scene, const duet
     ok = ok && use_pairs(args, scene, level, &t.last, &r.verdict, err);
     if (ok && args->json)
         ok = run_report_json(&r, err);
-    else if (ok)
+    else if (ok && !options_is_stdout(args->pairs_path))
         run_report_text(&r);
     if (ok && !verdict_is_right(&r.verdict))
         ok = error_set(err, DUET_STATUS_WRONG_RESULT, "%s: the pairs differ from the reference's",
@@ -195,6 +196,7 @@ typedef struct moved {
     duet_motion_result last;
     duet_state *states;
     snapshot look;
+    progress shown;
     uint64_t done;
     uint64_t frames;
     double total_ms;
@@ -254,6 +256,7 @@ static bool tell_step(moved *r, duet_error *err)
         return true;
     if (!duet_motion_get_energy(r->motion, &e, err))
         return false;
+    progress_hide(&r->shown);
     printf("%9" PRIu64 " %9.3f %12.5g %12.5g %12.5g %12" PRIu64 " %12" PRIu64 " %9.2f\n", r->done,
            r->last.time, e.kinetic + e.turning, e.potential, e.kinetic + e.turning + e.potential,
            r->last.pairs, r->last.contacts, r->last.total_ms);
@@ -370,12 +373,12 @@ static bool run_steps(moved *r, duet_error *err)
 {
     // The picture is drawn at the start too: where it cannot be written, that is told at once.
     bool ok = make_folder(r->args->frames, err) && draw_frame(r, err) && draw_picture(r, err);
-    progress p = progress_begin("step", r->args->steps);
+    r->shown = progress_begin("step", r->args->steps);
     while (ok && r->done < r->args->steps && !interrupt_asked()) {
         ok = step(r, err);
-        progress_show(&p, r->done);
+        progress_show(&r->shown, r->done);
     }
-    progress_end(&p);
+    progress_end(&r->shown);
     uint64_t hash = 0;
     ok = ok && duet_motion_get_hash(r->motion, &hash, err) && draw_picture(r, err);
     if (ok && r->args->json)

@@ -42,17 +42,18 @@ static const option options[] = {
     {0},
 };
 
+static const option_rule rules[] = {
+    {"list", OPTION_EXCLUDES, "check"},  {"most", OPTION_NEEDS, "check"},
+    {"seed", OPTION_NEEDS, "check"},     {"set", OPTION_EXCLUDES, "list"},
+    {"set", OPTION_EXCLUDES, "check"},   {"scene", OPTION_EXCLUDES, "list"},
+    {"scene", OPTION_EXCLUDES, "check"}, {0},
+};
+
 static const char *refuse(const void *given, char **operands)
 {
     const arguments *args = given;
     bool prints = !args->list && !args->check;
-    if (args->list && args->check)
-        return "--list and --check are two things: give one of them";
-    if (prints && !operands[0])
-        return "KERNEL is missing; 'duet source --list' lists them";
-    if (!prints && (args->settings.n > 0 || args->scene))
-        return "--set and --scene choose one text, --list and --check are about all of them";
-    return NULL;
+    return prints && !operands[0] ? "KERNEL is missing; 'duet source --list' lists them" : NULL;
 }
 
 static const command_line line = {
@@ -62,6 +63,7 @@ static const command_line line = {
     .about = "Prints the exact text of a kernel as it is compiled. Parameters that are not set\n"
              "take the default of the kernel's card.",
     .options = options,
+    .rules = rules,
     .refuse = refuse,
 };
 

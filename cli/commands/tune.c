@@ -43,7 +43,7 @@ typedef struct arguments {
 
 static const option options[] = {
     OPTION_TEXT("config", config, "FILE", "a tune.lua: workloads, strategy, budget, variants"),
-    OPTION_TEXT("n", numbers, "LIST", "numbers of objects, with commas between them"),
+    OPTION_TEXT("objects", numbers, "LIST", "numbers of objects, with commas between them"),
     OPTION_COUNT("seed", scene.seed, "S", "seed of the scene's random numbers", 0, UINT32_MAX),
     OPTION_SETTINGS("set", scene.settings, "K=V", "any other parameter of the scene"),
     PAIR_OPTION_ROW(pair),
@@ -86,13 +86,12 @@ static bool read_numbers(const char *list, int64_t *numbers, uint32_t *n, duet_e
 {
     *n = 0;
     for (const char *at = list; *at || *n == 0;) {
-        char *end;
-        uint64_t number = strtoull(at, &end, 10);
-        bool is_number = *at >= '0' && *at <= '9' && number <= UINT32_MAX;
-        if (!is_number || (*end != ',' && *end != '\0') || (*end == ',' && !end[1]) ||
-            *n == MOST_NUMBERS)
+        uint64_t number;
+        const char *end = options_read_count(at, &number);
+        if (!end || number > UINT32_MAX || (*end != ',' && *end != '\0') ||
+            (*end == ',' && !end[1]) || *n == MOST_NUMBERS)
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "--n '%s': give up to %d numbers with commas between them, as "
+                             "--objects '%s': give up to %d numbers with commas between them, as "
                              "250000,500000",
                              list, MOST_NUMBERS);
         numbers[(*n)++] = (int64_t)number;
@@ -177,7 +176,7 @@ static bool check_operands(const arguments *args, const char *path, duet_error *
                          "tune: give a scene, or a tune file with --config");
     if (args->config && args->numbers)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "--n: with --config the file says how many");
+                         "--objects: with --config the file says how many");
     return true;
 }
 
@@ -224,7 +223,6 @@ typedef struct tune_report {
 
 static tune_report report_begin(bool json)
 {
-    interrupt_watch();
     return (tune_report){
         .workloads = cJSON_CreateArray(), .json = json, .on_terminal = isatty(STDERR_FILENO)};
 }

@@ -39,7 +39,7 @@ static bool ends_with(const char *path, const char *ending)
 canvas *canvas_open(const char *path, double width, double height, duet_error *err)
 {
     bool is_png = ends_with(path, ".png");
-    if (!is_png && !ends_with(path, ".svg")) {
+    if (!is_png && !ends_with(path, ".svg") && strcmp(path, "-") != 0) {
         error_set(err, DUET_STATUS_BAD_ARGUMENT, "'%s': a picture's name ends with .svg or .png",
                   path);
         return NULL;

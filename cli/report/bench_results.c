@@ -182,7 +182,8 @@ static bool check_parts(const cJSON *o, const char *path, duet_error *err)
 bool bench_check(const cJSON *o, const char *path, duet_error *err)
 {
     if (strcmp(json_string(o, "type"), BENCH_TYPE) != 0)
-        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: no results of 'duet bench --out'", path);
+        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: no results of 'duet bench --output'",
+                         path);
     if (json_number(o, "version") != VERSION)
         return error_set(err, DUET_STATUS_BAD_INPUT,
                          "%s: results of version %g; this Duet reads %d", path,

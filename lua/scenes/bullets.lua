@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: MIT
--- A wall of boxes in layers, shot at by small fast ones that would pass through
--- it between two steps; `continuous` holds them.
+-- A wall of boxes in layers, shot at by small bullets. It moves.
+--
+-- The bullets would pass through the wall between two steps; `continuous` holds them.
 
 local p = parameters {
   n = 600, -- boxes of the wall; a tenth as many bullets

@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: MIT
--- Unit cubes in Gaussian clusters, with empty space between: most cells hold
--- nothing and a few hold many, so that equal shares of the cells or of the
--- objects are not equal shares of the work. Some cubes lie outside the world.
+-- Unit cubes in Gaussian clusters, with empty space between.
+--
+-- Most cells hold nothing and a few hold many, so that equal shares of the cells or of
+-- the objects are not equal shares of the work. Some cubes lie outside the world.
 
 local p = parameters {
   n = 100000,

@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: MIT
--- Cubes of sizes 1 : 100, equally many in each factor of two. One grid whose
--- cells fit the largest puts thousands of small ones into a cell: this is the
--- scene for grids of several levels. Its density is the same for every n.
+-- Cubes of sizes 1 : 100, equally many in each factor of two.
+--
+-- One grid whose cells fit the largest puts thousands of small ones into a cell: this is
+-- the scene for grids of several levels. Its density is the same for every n.
 
 local p = parameters {
   n = 250000,

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: MIT
--- Small boxes on orbits around a point, as rings of a planet: nothing touches,
--- so a step is one kernel, of fourth order. In 2D.
+-- Small boxes on orbits around a point, as rings of a planet, in 2D. It moves.
+--
+-- Nothing touches, so a step is one kernel, of fourth order.
 
 local p = parameters {
   n = 20000,

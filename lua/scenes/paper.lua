@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: MIT
--- The scene that the paper measures: n unit cubes, uniform in a world of
--- 200 x 200 x 200, each with a random rotation. For comparing with the paper
--- and with other programs, and as the scene that figures are quoted for.
+-- The scene that the paper measures: unit cubes at random in a cube, rotated.
+--
+-- The world is 200 x 200 x 200. For comparing with the paper and with other programs, and
+-- as the scene that figures are quoted for.
 
 local p = parameters {
   n = 1000000,

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: MIT
--- The paper's scene in 2D: n unit squares, uniform in a world of 2000 x 2000,
--- turned at random; with as many neighbours for each as a cube has in paper.lua.
+-- The paper's scene in 2D: unit squares at random in a square, rotated.
+--
+-- The world is 2000 x 2000; a square has as many neighbours as a cube has in paper.lua.
 
 local p = parameters {
   n = 1000000,

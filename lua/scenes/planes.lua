@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: MIT
--- Unit boxes on planes and on a line that touch their neighbours exactly: a
--- floor and a wall of cubes, plates without thickness on the floor, and a row
+-- Unit boxes on planes and on a line that touch their neighbours exactly.
+--
+-- A floor and a wall of cubes, plates without thickness on the floor, and a row
 -- of cubes along one edge. For closed sets (touching collides), for ties in the
 -- sort, and for grids that are one cell thick.
 --

@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: MIT
--- Boxes that call for no effect: no velocity, no gravity, nothing wanted. A
--- step launches nothing. To be compared with falling.lua.
+-- Boxes that call for no effect, to be compared with falling.
+--
+-- There is no velocity, no gravity, nothing wanted: a step launches nothing.
 
 local p = parameters { n = 100000, seed = 1 }
 

@@ -18,7 +18,12 @@
 #include <stdlib.h>
 
 // Tests between two looks at the budget: some milliseconds.
-enum { EACH_WITH_EACH_LIMIT = 2000, MAX_CLASSES = 512, TESTS_AT_ONCE = 1 << 14 };
+enum {
+    EACH_WITH_EACH_LIMIT = 2000,
+    MAX_CLASSES = 512,
+    TESTS_AT_ONCE = 1 << 14,
+    OBJECTS_AT_ONCE = 1 << 10
+};
 
 typedef struct bounds {
     double lower[3], upper[3];
@@ -314,6 +319,8 @@ static bool find_by_columns(finder *f)
     int n_classes = mark_classes(f, ends);
     int class = 0;
     for (size_t i = 0; i < n; ++i) {
+        if (i % OBJECTS_AT_ONCE == 0)
+            budget_tell(i, n);
         if (i == ends[class])
             ++class;
         if (!meet_classes(f, i, ends, class, n_classes))

@@ -8,10 +8,14 @@
 #include "base/visible.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/scene/scene_row.h"
+#include "runtime/scene/shipped.h"
 
 #include <locale.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
+
+#define STDIN_NAME "stdin"
 
 // ----------------------------------------------------------------- filling
 
@@ -209,28 +213,96 @@ static bool read_origin(const char *path, const duet_setting *settings, uint32_t
     return true;
 }
 
-static bool read_objects(duet_scene *scene, const char *path, const duet_setting *settings,
-                         uint32_t n_settings, duet_error *err)
+// ----------------------------------------------------------------- sources
+
+typedef enum source_kind { SOURCE_LUA, SOURCE_NPY, SOURCE_TEXT } source_kind;
+
+// A file says it by its ending, stdin by what it holds.
+static source_kind kind_of(const scene_source *source)
 {
-    if (has_ending(path, ".lua"))
-        return scene_read_lua(scene, path, settings, n_settings, err);
-    return has_ending(path, ".npy") ? scene_read_npy(scene, path, err)
-                                    : scene_read_text(scene, path, err);
+    if (strcmp(source->name, STDIN_NAME) != 0)
+        return has_ending(source->name, ".lua")   ? SOURCE_LUA
+               : has_ending(source->name, ".npy") ? SOURCE_NPY
+                                                  : SOURCE_TEXT;
+    if (source->length > 0 && source->bytes[0] == '\x93')
+        return SOURCE_NPY;
+    return scene_is_text(source) ? SOURCE_TEXT : SOURCE_LUA;
+}
+
+static bool refuse_path(const char *path, const duet_error *why, duet_error *err)
+{
+    shipped_scene near;
+    if (why->status != DUET_STATUS_NOT_FOUND || strpbrk(path, "/."))
+        return error_set(err, why->status, "%s", why->text);
+    if (shipped_find_nearest(path, &near))
+        return error_set(err, why->status, "%s: no such file or scene; did you mean '%s'?", path,
+                         near.name);
+    return error_set(err, why->status, "%s: no such file or scene; 'duet scenes' lists the scenes",
+                     path);
+}
+
+// What the path means: a scene that comes with Duet by its name, also by its path in the
+// source tree where that is not; "-", which is stdin; or a file. The bytes of the last two
+// are in *file.
+static bool open_source(const char *path, scene_source *source, text *file, duet_error *err)
+{
+    shipped_scene shipped;
+    const blob *carried = shipped_find(path, &shipped) ? shipped.file
+                          : access(path, F_OK) != 0    ? blob_find(path)
+                                                       : NULL;
+    if (carried) {
+        *source = (scene_source){carried->path, carried->bytes, carried->length};
+        return true;
+    }
+    duet_error why = {0};
+    if (!text_read_file(file, path, &why))
+        return refuse_path(path, &why, err);
+    *source =
+        (scene_source){strcmp(path, "-") == 0 ? STDIN_NAME : path, text_chars(file), file->length};
+    return true;
+}
+
+static bool read_objects(duet_scene *scene, const scene_source *source,
+                         const duet_setting *settings, uint32_t n_settings, duet_error *err)
+{
+    switch (kind_of(source)) {
+    case SOURCE_LUA:
+        return scene_read_lua(scene, source, settings, n_settings, err);
+    case SOURCE_NPY:
+        return scene_read_npy(scene, source, err);
+    case SOURCE_TEXT:
+        return scene_read_text(scene, source, err);
+    }
+    return false;
 }
 
 // A script says only after its objects whether they are to be placed.
-static bool read_file(duet_scene *scene, const char *path, const duet_setting *settings,
-                      uint32_t n_settings, duet_error *err)
+static bool read_source(duet_scene *scene, const scene_source *source, const duet_setting *settings,
+                        uint32_t n_settings, duet_error *err)
 {
-    bool lua = has_ending(path, ".lua");
+    bool lua = kind_of(source) == SOURCE_LUA;
     double edge = 0.0;
-    if (!lua && !read_origin(path, settings, n_settings, &edge, err))
+    if (lua && scene->per_row == 2)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: pairs are read from .npy or text",
+                         source->name);
+    if (!lua && !read_origin(source->name, settings, n_settings, &edge, err))
         return false;
     scene->keep_centres = lua || edge != 0.0;
     bool ok = scene_reserve(scene, 1, err) &&
-              read_objects(scene, path, settings, n_settings, err) &&
+              read_objects(scene, source, settings, n_settings, err) &&
               (edge == 0.0 || scene_set_origin(scene, edge, err));
     scene_forget_centres(scene);
+    return ok;
+}
+
+static bool read_path(duet_scene *scene, const char *path, const duet_setting *settings,
+                      uint32_t n_settings, duet_error *err)
+{
+    text file = {0};
+    scene_source source;
+    bool ok = open_source(path, &source, &file, err) && name_after_file(scene, source.name, err) &&
+              read_source(scene, &source, settings, n_settings, err);
+    text_free(&file);
     return ok;
 }
 
@@ -240,11 +312,11 @@ static duet_scene *load(const char *path, uint32_t per_row, const duet_setting *
     // Numbers have a decimal point whatever the application's language.
     locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
     duet_scene *scene = plain ? scene_new(err) : NULL;
-    bool ok = scene && name_after_file(scene, path, err);
+    bool ok = scene;
     if (ok) {
         scene->per_row = per_row;
         locale_t before = uselocale(plain);
-        ok = read_file(scene, path, settings, n_settings, err);
+        ok = read_path(scene, path, settings, n_settings, err);
         uselocale(before);
     }
     if (plain)
@@ -267,11 +339,7 @@ duet_scene *duet_scene_load(const char *path, const duet_setting *settings, uint
 
 duet_scene *duet_scene_load_pairs(const char *path, duet_error *err)
 {
-    if (path && !has_ending(path, ".lua"))
-        return load(path, 2, NULL, 0, err);
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: pairs are read from .npy or text",
-              path ? path : "no path");
-    return NULL;
+    return error_given(path, __func__, "path", err) ? load(path, 2, NULL, 0, err) : NULL;
 }
 
 static duet_scene *start_copy(duet_shape shape, const void *objects, uint32_t n, uint32_t dims,

@@ -60,10 +60,20 @@ duet_scene *scene_from_large_poses(const duet_large_pose *placed, uint32_t n, ui
 
 bool scene_set_name(duet_scene *scene, const char *name, size_t length, duet_error *err);
 
-// The readers: each adds a file's objects to an empty scene.
-bool scene_read_text(duet_scene *scene, const char *path, duet_error *err);
-bool scene_read_npy(duet_scene *scene, const char *path, duet_error *err);
-bool scene_read_lua(duet_scene *scene, const char *path, const duet_setting *settings,
+// What a scene is read from: a file, stdin, or what the library carries.
+typedef struct scene_source {
+    const char *name;  // what messages call it: the path
+    const char *bytes; // followed by a NUL
+    size_t length;
+} scene_source;
+
+// Whether its first line that is no comment and no header begins with a number.
+bool scene_is_text(const scene_source *source);
+
+// The readers: each adds its objects to an empty scene.
+bool scene_read_text(duet_scene *scene, const scene_source *source, duet_error *err);
+bool scene_read_npy(duet_scene *scene, const scene_source *source, duet_error *err);
+bool scene_read_lua(duet_scene *scene, const scene_source *source, const duet_setting *settings,
                     uint32_t n_settings, duet_error *err);
 
 #endif

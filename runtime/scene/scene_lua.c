@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 // A scene as a Lua file: it adds objects while it runs, and returns a table
 // with what else there is to say.
-#define _POSIX_C_SOURCE 200809L
 #include "runtime/scene/scene_lua.h"
 
-#include "base/blob.h"
+#include "base/budget.h"
 #include "base/error.h"
 #include "base/rng.h"
 #include "gen/field.h"
@@ -15,7 +14,6 @@
 #include <lauxlib.h>
 #include <math.h>
 #include <string.h>
-#include <unistd.h>
 
 // ---------------------------------------------------------------- parameters
 // What of a scene can be set from outside: parameters{n = 1000, seed = 1}.
@@ -119,6 +117,9 @@ static int word_parameters(lua_State *L)
     check_defaults(L);
     for (uint32_t i = 0; i < reading->n_settings; ++i)
         set_parameter(L, &reading->settings[i]);
+    if (lua_getfield(L, 1, "n") == LUA_TNUMBER && lua_tointeger(L, -1) > 0)
+        reading->expected = (uint64_t)lua_tointeger(L, -1);
+    lua_settop(L, 1);
     return 1;
 }
 
@@ -426,10 +427,15 @@ static scene_place place_of(lua_State *L, const scene_reading *reading)
     return (scene_place){.path = reading->path, .line = line};
 }
 
+// Objects between two words on how far the script is.
+enum { OBJECTS_AT_ONCE = 1 << 12 };
+
 static void add_row(lua_State *L, scene_reading *reading, const row *r)
 {
     duet_error err = {0};
     scene_place place = place_of(L, reading);
+    if (reading->scene->info.n % OBJECTS_AT_ONCE == 0)
+        budget_tell(reading->scene->info.n, reading->expected);
     if (scene_set_columns(reading->scene, r->n, place, &err) &&
         scene_add_row(reading->scene, r->value, place, &err))
         return;
@@ -645,19 +651,10 @@ static int read_result(lua_State *L)
     return 0;
 }
 
-// The scenes that come with Duet are there under their names in the source tree
-// also where that is not.
-static bool run_scene(script *s, const char *path, duet_error *err)
-{
-    const blob *carried = access(path, F_OK) == 0 ? NULL : blob_find(path);
-    return carried ? script_run(s, path, carried->bytes, carried->length, 1, err)
-                   : script_run_file(s, path, 1, err);
-}
-
-bool scene_read_lua(duet_scene *scene, const char *path, const duet_setting *settings,
+bool scene_read_lua(duet_scene *scene, const scene_source *source, const duet_setting *settings,
                     uint32_t n_settings, duet_error *err)
 {
-    scene_reading reading = {scene, path, settings, n_settings, false, err};
+    scene_reading reading = {scene, source->name, settings, n_settings, false, err, 0};
     script *s = script_open(&limits, err);
     if (!s)
         return false;
@@ -666,7 +663,7 @@ bool scene_read_lua(duet_scene *scene, const char *path, const duet_setting *set
     lua_pushlightuserdata(L, &reading);
     bool ok = script_call(s, 1, 0, err);
     lua_pushcfunction(L, read_result);
-    ok = ok && run_scene(s, path, err);
+    ok = ok && script_run(s, source->name, source->bytes, source->length, 1, err);
     lua_pushlightuserdata(L, &reading);
     ok = ok && script_call(s, 2, 0, err);
     script_close(s);

@@ -15,6 +15,7 @@ typedef struct scene_reading {
     uint32_t n_settings;
     bool declared; // the script has declared its parameters
     duet_error *err;
+    uint64_t expected; // objects, by the parameter n; 0: not known
 } scene_reading;
 
 #endif

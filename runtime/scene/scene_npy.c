@@ -253,20 +253,18 @@ static bool add_objects(duet_scene *scene, const npy *file, duet_error *err)
         for (uint64_t k = 0; k < columns; ++k)
             row[k] = read_item(file, file->fortran_order ? k * n + i : i * columns + k);
         ok = scene_add_row(scene, row, place, err);
-        ok = ok && (i % ROWS_AT_ONCE != 0 || budget_check(err));
+        if (i % ROWS_AT_ONCE == 0) {
+            budget_tell(i, n);
+            ok = ok && budget_check(err);
+        }
     }
     return ok;
 }
 
-bool scene_read_npy(duet_scene *scene, const char *path, duet_error *err)
+bool scene_read_npy(duet_scene *scene, const scene_source *source, duet_error *err)
 {
-    text bytes = {0};
-    npy file = {.path = path};
-    bool ok = text_read_file(&bytes, path, err);
-    ok = ok && cut_parts(&file, (const unsigned char *)text_chars(&bytes), bytes.length, err);
-    ok = ok && read_header(&file, err);
-    ok = ok && check_size(&file, scene, err);
-    ok = ok && add_objects(scene, &file, err);
-    text_free(&bytes);
-    return ok;
+    npy file = {.path = source->name};
+    return cut_parts(&file, (const unsigned char *)source->bytes, source->length, err) &&
+           read_header(&file, err) && check_size(&file, scene, err) &&
+           add_objects(scene, &file, err);
 }

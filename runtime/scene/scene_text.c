@@ -7,7 +7,6 @@
 
 #include "base/budget.h"
 #include "base/error.h"
-#include "base/text.h"
 
 #include <ctype.h>
 #include <stdlib.h>
@@ -113,12 +112,22 @@ static bool read_line(duet_scene *scene, const char *line, scene_place place, du
            scene_add_row(scene, row.value, place, err);
 }
 
-static bool read_lines(duet_scene *scene, const char *path, const char *at, duet_error *err)
+// Behind the UTF-8 byte order mark, where there is one.
+static const char *first_line(const scene_source *source)
 {
+    return source->bytes + (strncmp(source->bytes, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0);
+}
+
+static bool read_lines(duet_scene *scene, const scene_source *source, duet_error *err)
+{
+    const char *at = first_line(source);
     bool may_be_header = true;
-    for (scene_place place = {.path = path, .line = 1}; *at; ++place.line) {
-        if (place.line % LINES_AT_ONCE == 0 && !budget_check(err))
-            return false;
+    for (scene_place place = {.path = source->name, .line = 1}; *at; ++place.line) {
+        if (place.line % LINES_AT_ONCE == 0) {
+            budget_tell((uint64_t)(at - source->bytes), source->length);
+            if (!budget_check(err))
+                return false;
+        }
         bool blank = ends_line(*skip_blanks(at));
         bool header = may_be_header && !blank && is_header(at);
         if (!blank && !header && !read_line(scene, at, place, err))
@@ -131,24 +140,31 @@ static bool read_lines(duet_scene *scene, const char *path, const char *at, duet
 }
 
 // A NUL would end the text early, and a file of bytes is no text.
-static bool check_is_text(const text *file, const char *path, duet_error *err)
+static bool check_is_text(const scene_source *source, duet_error *err)
 {
-    const char *nul = memchr(text_chars(file), '\0', file->length);
+    const char *nul = memchr(source->bytes, '\0', source->length);
     return !nul || error_set(err, DUET_STATUS_BAD_INPUT,
                              "%s: byte %zu is NUL, so this is no text; data in "
                              "binary is read from .npy",
-                             path, (size_t)(nul - file->chars));
+                             source->name, (size_t)(nul - source->bytes));
 }
 
-bool scene_read_text(duet_scene *scene, const char *path, duet_error *err)
+bool scene_read_text(duet_scene *scene, const scene_source *source, duet_error *err)
 {
-    text file = {0};
-    bool ok = text_read_file(&file, path, err) && check_is_text(&file, path, err);
-    if (ok) {
-        const char *start = text_chars(&file);
-        bool has_mark = strncmp(start, "\xEF\xBB\xBF", 3) == 0; // UTF-8 byte order mark
-        ok = read_lines(scene, path, has_mark ? start + 3 : start, err);
+    return check_is_text(source, err) && read_lines(scene, source, err);
+}
+
+bool scene_is_text(const scene_source *source)
+{
+    bool header_seen = false;
+    for (const char *at = first_line(source); *at; at += *at == '\n') {
+        double value;
+        const char *field = skip_blanks(at);
+        bool header = !header_seen && !ends_line(*field) && is_header(at);
+        if (!ends_line(*field) && !header)
+            return read_number(field, &value);
+        header_seen = header_seen || header;
+        at += strcspn(at, "\n");
     }
-    text_free(&file);
-    return ok;
+    return true;
 }

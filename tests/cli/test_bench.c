@@ -27,7 +27,7 @@ static cJSON *read_json(const char *path)
 static int measure(void **state)
 {
     (void)state;
-    program p = program_run(BENCH "--repeat 7 --out " OUT);
+    program p = program_run(BENCH "--repeat 7 -o " OUT);
     if (p.exit_code != 0)
         fail_msg("%s", p.err);
     program_free(&p);
@@ -147,7 +147,7 @@ static void what_is_no_result_is_refused_in_one_line(void **state)
     static const char *const bad[][2] = {
         {"", OLD ": not JSON"},
         {"{", OLD ": not JSON"},
-        {"[]", OLD ": no results of 'duet bench --out'"},
+        {"[]", OLD ": no results of 'duet bench --output'"},
         {"{\"type\":\"duet bench\",\"version\":9}", OLD ": results of version 9"},
         {"{\"type\":\"duet bench\",\"version\":1}", OLD ": 'cases' or the two 'devices'"},
         {"{\"type\":\"duet bench\",\"version\":1,\"devices\":[{},{}],\"cases\":[7]}",

@@ -77,7 +77,7 @@ static const char *scene(const char *file)
 static cJSON *explain_paper(const char *options)
 {
     char arguments[768];
-    snprintf(arguments, sizeof arguments, "%s --n 500 %s", scene("paper.lua"), options);
+    snprintf(arguments, sizeof arguments, "%s -n 500 %s", scene("paper.lua"), options);
     return explain(arguments);
 }
 
@@ -142,7 +142,7 @@ static void bounds_that_overlap_are_the_answer(void **state)
 static void a_still_scene_is_told_as_text(void **state)
 {
     (void)state;
-    program p = program_run("explain %s --n 500 --share 0 --variant simd", scene("paper.lua"));
+    program p = program_run("explain %s -n 500 --share 0 --variant simd", scene("paper.lua"));
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "ROTATED=1"));
     assert_non_null(strstr(p.out, "\nruns "));
@@ -153,7 +153,7 @@ static void a_still_scene_is_told_as_text(void **state)
 static void a_scene_that_moves_is_told_by_its_effects(void **state)
 {
     (void)state;
-    program p = program_run("explain %s --n 50", scene("falling.lua"));
+    program p = program_run("explain %s -n 50", scene("falling.lua"));
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "gravity"));
     assert_null(strstr(p.out, "pair_search_simd"));
@@ -163,9 +163,9 @@ static void a_scene_that_moves_is_told_by_its_effects(void **state)
 static void what_is_wrong_with_a_plan_is_one_line(void **state)
 {
     (void)state;
-    program p = program_run("explain %s --n 50 --variant abacus", scene("paper.lua"));
+    program p = program_run("explain %s -n 50 --variant abacus", scene("paper.lua"));
     program_assert_refused(&p, 2, "variant 'abacus': expected auto, simd, gpu or paper");
-    p = program_run("explain %s --n 50 --level best", scene("paper.lua"));
+    p = program_run("explain %s -n 50 --level best", scene("paper.lua"));
     program_assert_refused(&p, 2, "best");
 }
 

@@ -114,8 +114,10 @@ static void wrong_files_are_refused_with_pair_and_pose(void **state)
     }
     remove("pairs.csv");
     duet_error err = {0};
+    write_text("pairs.lua", "return {}");
     assert_null(duet_scene_load_pairs("pairs.lua", &err));
     assert_string_equal(err.text, "pairs.lua: pairs are read from .npy or text");
+    remove("pairs.lua");
 }
 
 // ------------------------------------------------------------ writing
@@ -194,7 +196,7 @@ static void the_program_writes_verdicts_and_separations(void **state)
     write_text("pairs.csv", TOUCHING APART);
     static const char *const outs[] = {"verdicts.csv", "verdicts.npy"};
     for (int i = 0; i < 2; ++i) {
-        program p = program_run_with(CACHED, "query pairs.csv --separations --out %s", outs[i]);
+        program p = program_run_with(CACHED, "query pairs.csv --separations -o %s", outs[i]);
         assert_string_equal(p.err, "");
         assert_int_equal(p.exit_code, 0);
         program_free(&p);
@@ -221,12 +223,13 @@ static void wrong_usage_is_told(void **state)
         const char *says;
     } wrong[] = {
         {"query", 2, "PAIRS.npy|FILE"},
-        {"query pairs.csv --separations", 2, "give --out V.npy"},
-        {"query pairs.csv --device pocl:0 --share 0.5", 2, "--device is one device alone"},
+        {"query pairs.csv --separations", 2, "--separations does nothing without --output"},
+        {"query pairs.csv --device pocl:0 --share 0.5", 2,
+         "--share and --device do not go together"},
         {"query pairs.csv --level exact", 2, "the levels are certified, aabb"},
         {"query pairs.csv --device abacus:0", 1, "no device 'abacus:0'"},
         {"query none.npy", 1, "none.npy: No such file"},
-        {"query pairs.csv --out no/such/v.npy", 1, "no/such/v.npy: cannot be written"},
+        {"query pairs.csv -o no/such/v.npy", 1, "no/such/v.npy: cannot be written"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         program p = program_run("%s", wrong[i].arguments);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #define _POSIX_C_SOURCE 200809L
-#include "support/program.h"
+#include "support/json.h"
 #include "support/test.h"
 
 #include "runtime/duet.h"
 
 #include <cjson/cJSON.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -51,7 +52,25 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
     (void)state;
     static const char *const wrong[][2] = {
         {"", "a subcommand is missing"},
-        {"abacus", "there is no subcommand 'abacus'"},
+        {"abacus", "there is no subcommand 'abacus'; 'duet --help' lists"},
+        {"devcies", "there is no subcommand 'devcies'; did you mean 'devices'?"},
+        {"dev", "there is no subcommand 'dev'; did you mean 'devices'?"},
+        {"run x --chekc", "there is no option '--chekc'; did you mean '--check'?"},
+        {"run x --check-all=1", "there is no option '--check-all=1'; 'duet run --help' lists"},
+        {"run x -json", "there is no option '-json'; did you mean '--json'?"},
+        {"run x --n 3", "there is no option '--n'; did you mean '-n'?"},
+        {"run x -p", "there is no option '-p'; 'duet run --help' lists"},
+        {"run x --resident --transforms", "--resident and --transforms do not go together"},
+        {"run x --json --pairs -", "--pairs and --json would both write to stdout"},
+        {"accuracy x --csv - --plot -", "--csv and --plot would both write to stdout"},
+        {"accuracy x --still --time 2", "--time and --still do not go together"},
+        {"explain x --steps 9", "--steps does nothing without --measure"},
+        {"lua --trust --seconds 3 x", "--seconds and --trust do not go together"},
+        {"source x --most 3", "--most does nothing without --check"},
+        {"source x --seed 3", "--seed does nothing without --check"},
+        {"source x --list --set A=1", "--set and --list do not go together"},
+        {"scenes papr", "there is no scene 'papr'"},
+        {"scenes paper --json", "--json is of the list"},
         {"devices --abacus", "there is no option '--abacus'"},
         {"devices -x", "there is no option '-x'"},
         {"devices --json=1", "--json takes no value"},
@@ -62,6 +81,115 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         program p = program_run("%s", wrong[i][0]);
         program_assert_refused(&p, 2, wrong[i][1]);
     }
+}
+
+static uint64_t objects_of(const char *arguments)
+{
+    program p = program_run("run --json --repeat 1 --share 0 %s", arguments);
+    cJSON *o = json_of_program(&p);
+    uint64_t n = (uint64_t)json_number(o, "objects");
+    cJSON_Delete(o);
+    return n;
+}
+
+static void numbers_are_written_as_people_write_them(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *written;
+        uint64_t n; // UINT64_MAX: refused
+    } counts[] = {
+        {"250", 250},         {"1k", 1000},          {"1K", 1000},      {"0.3k", 300},
+        {"1e2", 100},         {"2.5e2", 250},        {"1E+2", 100},     {"1.5", UINT64_MAX},
+        {"1e-1", UINT64_MAX}, {"1kk", UINT64_MAX},   {"k", UINT64_MAX}, {".5k", UINT64_MAX},
+        {"5G", UINT64_MAX},   {"1e400", UINT64_MAX}, {"", UINT64_MAX},  {"1 k", UINT64_MAX},
+        {"0x10", UINT64_MAX}, {"1e", UINT64_MAX},    {"+5", UINT64_MAX}};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i) {
+        char arguments[64];
+        snprintf(arguments, sizeof arguments, "still --objects '%s'", counts[i].written);
+        if (counts[i].n != UINT64_MAX) {
+            assert_int_equal(objects_of(arguments), counts[i].n);
+            continue;
+        }
+        program p = program_run("run %s", arguments);
+        program_assert_refused(&p, 2, "--objects '");
+    }
+}
+
+static void scenes_are_known_by_name(void **state)
+{
+    (void)state;
+    program list = program_run("scenes");
+    assert_int_equal(list.exit_code, 0);
+    int n = 0;
+    for (char *row = strtok(list.out, "\n"); row; row = strtok(NULL, "\n"), ++n) {
+        char name[32];
+        assert_int_equal(sscanf(row, "%31[a-z0-9]  %*c", name), 1);
+        assert_true(strlen(row) > strlen(name) + 20); // and what it is
+        program shown = program_run("scenes %s", name);
+        assert_int_equal(strncmp(shown.out, "-- SPDX", 7), 0);
+        program_free(&shown);
+    }
+    assert_int_equal(n, 9);
+    program_free(&list);
+    program p = program_run("run papr");
+    program_assert_refused(&p, 1, "papr: no such file or scene; did you mean 'paper'?");
+    p = program_run("run abacus");
+    program_assert_refused(&p, 1, "abacus: no such file or scene; 'duet scenes' lists");
+}
+
+// A file of that name is meant by a path.
+static void a_name_is_a_scene_and_a_path_a_file(void **state)
+{
+    (void)state;
+    test_write_file("still", "0,0,0,1,1,1\n");
+    test_write_file("unlike", "0,0,0,1,1,1\n");
+    assert_int_equal(objects_of("still -n 20"), 20);
+    assert_int_equal(objects_of("./still"), 1);
+    assert_int_equal(objects_of("unlike"), 1);
+    remove("still");
+    remove("unlike");
+}
+
+static void a_dash_is_stdin_and_stdout(void **state)
+{
+    (void)state;
+    static const char *const inputs[] = {
+        "printf '0,0,0,1,1,1\\n.5,.5,.5,2,2,2\\n'",
+        "printf '# boxes\\n\\nlower_x x y z u v\\n0 0 0 1 1 1\\n-.5 0 0 2 2 2\\n'",
+        "printf 'for i = 0, 1 do\\n add(i / 2, 0, 0, i + 1, 1, 1)\\nend\\nreturn { dims = 3 }'",
+        "printf -- '-- two boxes\\nadd(0, 0, 0, 1, 1, 1) add(0, 0, 0, 2, 2, 2)\\nreturn {}'"};
+    for (size_t i = 0; i < sizeof inputs / sizeof *inputs; ++i) {
+        char before[256];
+        snprintf(before, sizeof before, "%s |", inputs[i]);
+        program p = program_run_with(before, "run - --pairs -");
+        assert_string_equal(p.err, "");
+        assert_string_equal(p.out, "0,1\n");
+        program_free(&p);
+    }
+    program p = program_run_with("printf 'print(6 * 7)' |", "lua -");
+    assert_string_equal(p.out, "42\n");
+    program_free(&p);
+    p = program_run_with("printf '1,2,x' |", "run -");
+    program_assert_refused(&p, 1, "stdin:1: column 3: 'x' is not a number");
+    p = program_run("picture still -n 3 -o -");
+    assert_string_equal(p.err, "");
+    assert_non_null(strstr(p.out, "<svg"));
+    program_free(&p);
+}
+
+static void an_empty_input_is_told_of(void **state)
+{
+    (void)state;
+    program p = program_run_with(": |", "run - --pairs -");
+    assert_int_equal(p.exit_code, 0);
+    assert_string_equal(p.out, "");
+    assert_string_equal(p.err, "duet: stdin: there are no objects\n");
+    program_free(&p);
+    p = program_run_with(": |", "query - -o -");
+    assert_string_equal(p.out, "");
+    assert_string_equal(p.err, "duet: stdin: there are no pairs\n");
+    program_free(&p);
 }
 
 static void devices_are_listed_as_one_json_object(void **state)
@@ -92,6 +220,14 @@ static void a_machine_without_opencl_is_told_what_to_install(void **state)
     }
 }
 
+// PoCL, which cannot make its cache folder, lists no device: it is installed for all that.
+static void a_cache_folder_that_cannot_be_made_is_told_of(void **state)
+{
+    (void)state;
+    program p = program_run_with("HOME=/nonexistent POCL_CACHE_DIR=/proc/x", "devices");
+    program_assert_refused(&p, 1, "its cache folder /proc/x cannot be written: No such file");
+}
+
 static void a_full_disk_is_a_failure(void **state)
 {
     (void)state;
@@ -99,18 +235,25 @@ static void a_full_disk_is_a_failure(void **state)
     program_assert_refused(&p, 1, "stdout: No space left on device");
 }
 
-static void a_reader_that_went_away_is_a_failure(void **state)
+// The program ends as others do: silently, by SIGPIPE, which a shell shows as 141.
+static void a_reader_that_went_away_ends_the_program(void **state)
 {
     (void)state;
     int ends[2];
     assert_int_equal(pipe(ends), 0);
     close(ends[0]);
     assert_int_equal(dup2(ends[1], 9), 9);
-    program p = program_run("--help >&9");
-    program_assert_refused(&p, 1, "stdout: Broken pipe");
+    static const char *const commands[] = {"--help >&9", "run planes -n 9 --repeat 1 --pairs - >&9",
+                                           "lua --trust -e 'while true do print(1) end' >&9"};
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; ++i) {
+        program p = program_run("%s", commands[i]);
+        assert_string_equal(p.err, "");
+        assert_int_equal(p.exit_code, 128 + SIGPIPE);
+        program_free(&p);
+    }
     close(9);
     close(ends[1]);
-    p = program_run("--help >&-");
+    program p = program_run("--help >&-");
     program_assert_refused(&p, 1, "stdout: ");
 }
 
@@ -120,10 +263,16 @@ int main(void)
         cmocka_unit_test(help_and_version_are_printed),
         cmocka_unit_test(every_subcommand_has_help),
         cmocka_unit_test(wrong_usage_is_one_line_and_exit_2),
+        cmocka_unit_test(numbers_are_written_as_people_write_them),
+        cmocka_unit_test(scenes_are_known_by_name),
+        cmocka_unit_test(a_name_is_a_scene_and_a_path_a_file),
+        cmocka_unit_test(a_dash_is_stdin_and_stdout),
+        cmocka_unit_test(an_empty_input_is_told_of),
         cmocka_unit_test(devices_are_listed_as_one_json_object),
         cmocka_unit_test(a_machine_without_opencl_is_told_what_to_install),
+        cmocka_unit_test(a_cache_folder_that_cannot_be_made_is_told_of),
         cmocka_unit_test(a_full_disk_is_a_failure),
-        cmocka_unit_test(a_reader_that_went_away_is_a_failure),
+        cmocka_unit_test(a_reader_that_went_away_ends_the_program),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

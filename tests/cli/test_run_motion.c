@@ -102,7 +102,8 @@ static void what_cannot_be_drawn_is_refused_before_the_steps(void **state)
         int exit_code;
         const char *says;
     } wrong[] = {
-        {"run --picture x.png " SCENE, 2, "give --steps K"},
+        {"run --picture x.png " SCENE, 2, "--picture does nothing without --steps"},
+        {"run --frames x " SCENE, 2, "--frames does nothing without --steps"},
         {"run --steps 1000000000 --json --picture x.svg " SCENE, 2, "ends with .png"},
         {"run --steps 1000000000 --json --picture no/such/x.png " SCENE, 1, "cannot be written"},
         {"run --steps 1000000000 --json --frames no/such/folder " SCENE, 1, "cannot be made"},
@@ -112,6 +113,19 @@ static void what_cannot_be_drawn_is_refused_before_the_steps(void **state)
         program p = program_run("%s", wrong[i].arguments);
         program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
     }
+}
+
+static void what_is_of_a_scene_at_rest_is_refused_with_steps(void **state)
+{
+    (void)state;
+    static const char *const options[] = {"--repeat 3",    "--resident",    "--transforms",
+                                          "--pairs x.csv", "--check",       "--level sat6",
+                                          "--missed 0",    "--false-rate 1"};
+    for (size_t i = 0; i < sizeof options / sizeof *options; ++i) {
+        program p = program_run("run --steps 3 %s " SCENE, options[i]);
+        program_assert_refused(&p, 2, "and --steps do not go together");
+    }
+    assert_int_not_equal(access("x.csv", F_OK), 0);
 }
 
 // What is no file is neither replaced nor removed.
@@ -135,6 +149,7 @@ int main(void)
         cmocka_unit_test(a_picture_and_frames_are_drawn),
         cmocka_unit_test(json_says_what_the_table_does),
         cmocka_unit_test(what_cannot_be_drawn_is_refused_before_the_steps),
+        cmocka_unit_test(what_is_of_a_scene_at_rest_is_refused_with_steps),
         cmocka_unit_test(a_full_disk_is_told_of),
     };
     return cmocka_run_group_tests(tests, make_scene, remove_files);

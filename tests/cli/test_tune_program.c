@@ -56,7 +56,7 @@ static void a_workload_is_tuned_once_and_known_ever_after(void **state)
 {
     (void)state;
     const cJSON *rows;
-    cJSON *first = tune_json(QUICK SCENE " --n 1000,2000", &rows);
+    cJSON *first = tune_json(QUICK SCENE " -n 1000,2000", &rows);
     assert_int_equal(cJSON_GetArraySize(rows), 2);
     const cJSON *row = cJSON_GetArrayItem(rows, 1);
     assert_int_equal(json_number(row, "objects"), 2000);
@@ -66,13 +66,13 @@ static void a_workload_is_tuned_once_and_known_ever_after(void **state)
     assert_false(json_true(row, "resumed"));
     double share = json_number(row, "share");
     cJSON_Delete(first);
-    cJSON *second = tune_json(QUICK SCENE " --n 2000", &rows);
+    cJSON *second = tune_json(QUICK SCENE " -n 2000", &rows);
     row = cJSON_GetArrayItem(rows, 0);
     assert_true(json_true(row, "resumed"));
     assert_int_equal(json_number(row, "launches"), 0);
     assert_true(json_number(row, "share") == share);
     cJSON_Delete(second);
-    cJSON *fresh = tune_json(QUICK SCENE " --n 2000 --fresh", &rows);
+    cJSON *fresh = tune_json(QUICK SCENE " -n 2000 --fresh", &rows);
     assert_true(json_number(cJSON_GetArrayItem(rows, 0), "launches") > 0);
     cJSON_Delete(fresh);
 }
@@ -226,7 +226,7 @@ static void what_is_wrong_on_the_command_line_is_one_line(void **state)
         const char *says;
     } rows[] = {
         {"tune", 2, "give a scene"},
-        {"tune " QUICK SCENE " --n 10,x", 2, "--n '10,x'"},
+        {"tune " QUICK SCENE " -n 10,x", 2, "--objects '10,x'"},
         {"tune " QUICK SCENE " --strategy guess", 1, "there are balance, fig12"},
         {"tune --variants nonsense --profile " STORE " " SCENE, 2, "nonsense"},
         {"tune " QUICK " no/such.lua", 1, "no/such.lua"},

@@ -9,7 +9,7 @@ if(NOT ICD)
   return()
 endif()
 
-set(small --n 150 --repeat 1 --check)
+set(small -n 150 --repeat 1 --check)
 # Pairs alone: seven, so that a group is not full.
 file(WRITE ${FOLDER}/pairs.txt "")
 foreach(at 0 0.5 0.9 1 1.1 2 3)

@@ -9,7 +9,7 @@ typedef struct program {
     char *err;
 } program;
 
-// arguments is a shell's text: "run scene.lua --n 10". The environment's
+// arguments is a shell's text: "run scene.lua -n 10". The environment's
 // DUET_PROGRAM says where the program is.
 program program_run(const char *arguments, ...) __attribute__((format(printf, 1, 2)));
 

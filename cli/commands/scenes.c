@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// duet scenes: the scenes that come with Duet; all subcommands take their names.
+#include "base/error.h"
+#include "cli/commands.h"
+#include "cli/options.h"
+#include "cli/report/json.h"
+#include "cli/report/table.h"
+#include "cli/say.h"
+#include "runtime/scene/shipped.h"
+
+#include <stdio.h>
+
+typedef struct arguments {
+    bool json;
+} arguments;
+
+static const option options[] = {
+    OPTION_FLAG("json", json, "print one JSON object"),
+    {0},
+};
+
+static const char *refuse(const void *given, char **operands)
+{
+    return operands[0] && ((const arguments *)given)->json
+               ? "--json is of the list; NAME prints a scene as it is"
+               : NULL;
+}
+
+static const command_line line = {
+    .name = "scenes",
+    .operands = "[NAME]",
+    .most_operands = 1,
+    .about = "Lists the scenes that come with Duet; all subcommands take their names, as in\n"
+             "'duet run paper'. With NAME prints the Lua text of one, to begin one's own with.",
+    .options = options,
+    .refuse = refuse,
+};
+
+static bool print_scene(const char *name, duet_error *err)
+{
+    shipped_scene scene;
+    if (!shipped_find(name, &scene))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "there is no scene '%s'; 'duet scenes' lists those there are", name);
+    fwrite(scene.file->bytes, 1, scene.file->length, stdout);
+    return true;
+}
+
+static bool list_json(duet_error *err)
+{
+    shipped_scene scene;
+    cJSON *o = cJSON_CreateObject();
+    cJSON *scenes = cJSON_AddArrayToObject(o, "scenes");
+    for (unsigned i = 0; shipped_at(i, &scene); ++i) {
+        cJSON *one = cJSON_CreateObject();
+        cJSON_AddStringToObject(one, "name", scene.name);
+        cJSON_AddStringToObject(one, "about", scene.about);
+        cJSON_AddItemToArray(scenes, one);
+    }
+    return say_json(o, err);
+}
+
+static bool list(void)
+{
+    shipped_scene scene;
+    table t = table_begin("ll");
+    for (unsigned i = 0; shipped_at(i, &scene); ++i)
+        table_words(&t, scene.name, scene.about, NULL);
+    table_print(&t, stdout);
+    return true;
+}
+
+static bool run(void *given, char **operands, duet_error *err)
+{
+    if (operands[0])
+        return print_scene(operands[0], err);
+    return ((const arguments *)given)->json ? list_json(err) : list();
+}
+
+int command_scenes(int argc, char **argv)
+{
+    arguments args = {0};
+    return options_run(&line, argc, argv, &args, run);
+}

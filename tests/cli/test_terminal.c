@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: MIT
+// The program at a terminal: Ctrl-C, and the line that tells how far long work is.
+//
+// A shell runs on a pseudo terminal of its own, and this program types.
+#define _GNU_SOURCE
+#include "support/test.h"
+
+#include "base/text.h"
+
+#include <poll.h>
+#include <pty.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#define CTRL_C "\003"
+
+// What is seen on the terminal until it closes. Types CTRL_C once `sign` was seen, and
+// `after` seconds later.
+typedef struct terminal {
+    text seen;
+    int status;           // of the shell, as waitpid gives it
+    double stopped_after; // seconds from Ctrl-C to the end
+} terminal;
+
+static double now_s(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static pid_t open_shell(int columns, const char *script, int *screen)
+{
+    struct winsize size = {.ws_row = 24, .ws_col = (unsigned short)columns};
+    fflush(NULL);
+    pid_t child = forkpty(screen, NULL, NULL, &size);
+    assert_true(child >= 0);
+    if (child == 0) {
+        signal(SIGINT, SIG_DFL);
+        execlp("bash", "bash", "-c", script, (char *)NULL);
+        _exit(127);
+    }
+    return child;
+}
+
+static terminal run_at_terminal(int columns, const char *script, const char *sign, double after)
+{
+    enum { PATIENCE_S = 100 };
+    int screen;
+    terminal t = {.seen = {0}};
+    double begun = now_s(), typed = 0, due = 0;
+    pid_t child = open_shell(columns, script, &screen);
+    for (;;) {
+        struct pollfd in = {.fd = screen, .events = POLLIN};
+        char bytes[4096];
+        ssize_t n = poll(&in, 1, 50) > 0 ? read(screen, bytes, sizeof bytes) : 0;
+        if (n < 0 || now_s() - begun > PATIENCE_S)
+            break;
+        text_add_bytes(&t.seen, bytes, (size_t)n);
+        if (sign && due == 0 && strstr(text_chars(&t.seen), sign))
+            due = now_s() + after;
+        if (due > 0 && typed == 0 && now_s() >= due) {
+            typed = now_s();
+            assert_int_equal(write(screen, CTRL_C, 1), 1);
+        }
+    }
+    close(screen);
+    assert_int_equal(waitpid(child, &t.status, 0), child);
+    t.stopped_after = now_s() - typed;
+    if (sign && typed == 0)
+        fail_msg("'%s' was not seen in\n%s", sign, text_chars(&t.seen));
+    return t;
+}
+
+static bool sees(const terminal *t, const char *words)
+{
+    return strstr(text_chars(&t->seen), words);
+}
+
+// ---------------------------------------------------------------- Ctrl-C
+
+// Each would take minutes; what it says at its begin is awaited.
+static void ctrl_c_ends_a_loop_of_commands_in_bash(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *command;
+        const char *sign;
+    } long_ones[] = {
+        {"run falling -n 200 --steps 1000000", "energy"},
+        {"lua --trust -e 'print(\"begins\") while true do end'", "begins"},
+        {"lua --trust -e 'print(\"begins\") io.stdout:flush() os.execute(\"sleep 60\")'", "begins"},
+        {"lua --trust -e 'print(\"begins\") io.stdout:flush(); "
+         "(\"a\"):rep(40):find((\"a*\"):rep(40) .. \"b\")'",
+         "begins"},
+        {"run - --pairs out.csv", "begins"},
+        {"picture paper -n 1M -o out.svg", "begins"},
+        {"accuracy planes -n 2000 --repeat 100", "begins"},
+        {"explain falling -n 200 --measure --steps 100000", "begins"},
+        {"bench --quick --repeat 100 -o out.json", "begins"},
+    };
+    remove("out.csv");
+    remove("out.svg");
+    for (size_t i = 0; i < sizeof long_ones / sizeof *long_ones; ++i) {
+        char script[512];
+        snprintf(script, sizeof script,
+                 "for i in 1 2; do echo begins $i; %s %s; echo goes on; done; echo the end",
+                 getenv("DUET_PROGRAM"), long_ones[i].command);
+        terminal t = run_at_terminal(100, script, long_ones[i].sign, 0.7);
+        if (sees(&t, "goes on") || sees(&t, "the end") || t.stopped_after > 60)
+            fail_msg("%s: %s", long_ones[i].command, text_chars(&t.seen));
+        assert_true(WIFSIGNALED(t.status) && WTERMSIG(t.status) == SIGINT);
+        print_message("%s: %.2f s\n", long_ones[i].command, t.stopped_after);
+        text_free(&t.seen);
+    }
+    assert_int_not_equal(access("out.csv", F_OK), 0);
+    assert_int_not_equal(access("out.svg", F_OK), 0);
+    remove("out.json"); // what was measured is kept
+}
+
+// A second one does not wait for anything.
+static void what_is_half_written_is_removed(void **state)
+{
+    (void)state;
+    char script[512];
+    snprintf(script, sizeof script,
+             "mkdir -p half && cd half && mkfifo fifo && { echo begins; "
+             "%s lua --trust -e 'for i = 1, 3e6 do print(i, i, i, i, i, i) end' >fifo & } && "
+             "%s run - --pairs out.csv <fifo",
+             getenv("DUET_PROGRAM"), getenv("DUET_PROGRAM"));
+    terminal t = run_at_terminal(100, script, "begins", 0.3);
+    text_free(&t.seen);
+    assert_int_equal(system("test \"$(ls half)\" = fifo && rm -r half"), 0);
+}
+
+// ---------------------------------------------------------------- progress
+
+// The longest line that was drawn, without what moves the cursor.
+static size_t widest(const char *seen)
+{
+    size_t most = 0;
+    while (*seen) {
+        size_t n = strcspn(seen, "\r\n\033");
+        most = n > most ? n : most;
+        seen += n;
+        seen += *seen == '\033' ? strspn(seen, "\033[K") : strspn(seen, "\r\n");
+    }
+    return most;
+}
+
+static void long_work_tells_how_far_it_is(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *command;
+        const char *says;
+    } works[] = {
+        {"run falling -n 300 --steps 150 --json >out", " of 150, "},
+        {"run paper -n 100000 --pairs out --repeat 1 --check", "reference"},
+        {"run paper -n 100000 --repeat 1", "reading paper"},
+        {"picture paper -n 250000 -o out.svg", "reference"},
+        {"explain falling -n 200 --measure --steps 20 --json >out", "step "},
+        {"bench --quick --repeat 9 --scene planes -o out", "case "},
+        {"accuracy planes -n 2000 --repeat 9", "step "},
+    };
+    for (size_t i = 0; i < sizeof works / sizeof *works; ++i) {
+        char script[512];
+        snprintf(script, sizeof script, "%s %s", getenv("DUET_PROGRAM"), works[i].command);
+        terminal t = run_at_terminal(100, script, NULL, 0);
+        if (!WIFEXITED(t.status) || WEXITSTATUS(t.status) != 0 || !sees(&t, works[i].says) ||
+            !sees(&t, " left"))
+            fail_msg("%s: %d, '%s' in\n%s", works[i].command, t.status, works[i].says,
+                     text_chars(&t.seen));
+        text_free(&t.seen);
+    }
+    remove("out");
+    remove("out.svg");
+}
+
+static void a_line_of_progress_is_no_wider_than_the_terminal(void **state)
+{
+    (void)state;
+    enum { COLUMNS = 20 };
+    char script[512];
+    snprintf(script, sizeof script, "%s run falling -n 300 --steps 150 --json >out",
+             getenv("DUET_PROGRAM"));
+    terminal t = run_at_terminal(COLUMNS, script, NULL, 0);
+    assert_true(sees(&t, "step "));
+    if (widest(text_chars(&t.seen)) >= COLUMNS)
+        fail_msg("%s", text_chars(&t.seen));
+    text_free(&t.seen);
+    remove("out");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ctrl_c_ends_a_loop_of_commands_in_bash),
+        cmocka_unit_test(what_is_half_written_is_removed),
+        cmocka_unit_test(long_work_tells_how_far_it_is),
+        cmocka_unit_test(a_line_of_progress_is_no_wider_than_the_terminal),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
