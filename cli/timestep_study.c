@@ -35,8 +35,10 @@ typedef struct survey {
 
 typedef struct run {
     duet_motion *motion;
-    double ms;        // of the windows that are over
-    double window_ms; // least of a step in this one
+    double ms;          // of the windows that are over
+    double noise;       // of that
+    double window_ms;   // least of a step in this one
+    double window_next; // and the next above it
     uint64_t window_steps;
     double least; // energy so far
     double gain;
@@ -86,7 +88,9 @@ static void end_window(run *r)
 {
     if (r->window_steps > 0)
         r->ms += r->window_ms * (double)r->window_steps;
-    r->window_ms = INFINITY;
+    if (r->window_steps > 1)
+        r->noise += (r->window_next - r->window_ms) * (double)r->window_steps;
+    r->window_ms = r->window_next = INFINITY;
     r->window_steps = 0;
 }
 
@@ -96,6 +100,7 @@ static bool advance(survey *s, run *r, const timestep_run *row, uint64_t steps, 
     for (uint64_t k = 0; k < steps; ++k) {
         if (!duet_motion_advance(r->motion, &result, err))
             return false;
+        r->window_next = fmin(r->window_next, fmax(r->window_ms, result.total_ms));
         r->window_ms = fmin(r->window_ms, result.total_ms);
         ++r->window_steps;
         progress_show(&s->shown, s->done += row->substeps);
@@ -140,6 +145,7 @@ static double rms_distance(const survey *s)
 static void judge(const survey *s, const run *r, timestep_run *row)
 {
     row->ms = r->ms / s->study->time;
+    row->noise = r->noise / s->study->time;
     row->error = rms_distance(s);
     row->energy = (r->energy - s->truth_energy) / s->kinetic;
     row->gain = r->gain / s->kinetic;
@@ -223,10 +229,16 @@ static int by_cost(const void *x, const void *y)
     return ((const timestep_run *)x)->dt > ((const timestep_run *)y)->dt ? -1 : 1;
 }
 
+static bool is_faster(const timestep_run *a, const timestep_run *b)
+{
+    return b->ms - a->ms > a->noise + b->noise;
+}
+
+// By time beyond noise, or by less error in a time that is not longer beyond noise.
 static bool beats(const timestep_run *a, const timestep_run *b)
 {
-    return a->finite && a->ms <= b->ms && a->error <= b->error &&
-           (a->ms < b->ms || a->error < b->error);
+    return a->finite &&
+           ((a->error <= b->error && is_faster(a, b)) || (a->error < b->error && !is_faster(b, a)));
 }
 
 static void find_front(timestep_study *p)

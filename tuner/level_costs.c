@@ -122,28 +122,59 @@ static uint64_t wrong(const level_cost *row)
     return row->missed + row->added;
 }
 
-static bool beats(const level_cost *a, const level_cost *b)
+// Least confidence with which a difference is told from noise.
+static const double CONFIDENCE = 0.95;
+
+// How many times as long a row's step takes as another's, round by round: what slows a
+// round slows both. Too few rounds show nothing.
+static stats_interval ratio_of(const survey *s, uint32_t row, uint32_t other, double *median)
 {
-    return a->device == b->device && a->step_ms <= b->step_ms && wrong(a) <= wrong(b) &&
-           (a->step_ms < b->step_ms || wrong(a) < wrong(b));
+    double ratios[LEVEL_COSTS_ROUNDS];
+    uint32_t n = s->costs->rounds;
+    for (uint32_t i = 0; i < n; ++i)
+        ratios[i] = s->ms[row][i] / s->ms[other][i];
+    if (median)
+        *median = stats_median(ratios, n);
+    stats_interval known = stats_median_interval(ratios, n, CONFIDENCE);
+    return known.level >= CONFIDENCE ? known : (stats_interval){0, INFINITY, known.level};
+}
+
+static bool is_faster(const survey *s, uint32_t row, uint32_t other)
+{
+    return row != other && ratio_of(s, row, other, NULL).high < 1;
+}
+
+// By time beyond noise, or by fewer wrong pairs in a time that is not longer beyond noise.
+static bool beats(const survey *s, uint32_t i, uint32_t k)
+{
+    const level_cost *a = &s->costs->rows[i], *b = &s->costs->rows[k];
+    return a->device == b->device && ((wrong(a) <= wrong(b) && is_faster(s, i, k)) ||
+                                      (wrong(a) < wrong(b) && !is_faster(s, k, i)));
+}
+
+static void compare_times(survey *s, uint32_t at, uint32_t textbook)
+{
+    level_cost *row = &s->costs->rows[at];
+    stats_interval known = ratio_of(s, at, textbook, &row->relative);
+    row->relative_low = known.low;
+    row->relative_high = known.high;
+    row->same = at != textbook && known.low <= 1 && known.high >= 1;
 }
 
 static void draw_conclusions(survey *s)
 {
     level_costs *p = s->costs;
-    double textbook[LEVEL_COSTS_BOTH + 1] = {0};
+    uint32_t textbook[LEVEL_COSTS_BOTH + 1] = {0};
     for (uint32_t i = 0; i < p->n; ++i) {
-        level_cost *row = &p->rows[i];
-        row->step_ms = stats_median(s->ms[i], p->rounds);
-        if (row->level == DUET_LEVEL_SAT15)
-            textbook[row->device] = row->step_ms;
+        p->rows[i].step_ms = stats_median(s->ms[i], p->rounds);
+        if (p->rows[i].level == DUET_LEVEL_SAT15)
+            textbook[p->rows[i].device] = i;
     }
     for (uint32_t i = 0; i < p->n; ++i) {
-        level_cost *row = &p->rows[i];
-        row->relative = row->step_ms / textbook[row->device];
-        row->front = true;
+        compare_times(s, i, textbook[p->rows[i].device]);
+        p->rows[i].front = true;
         for (uint32_t k = 0; k < p->n; ++k)
-            row->front &= !beats(&p->rows[k], row);
+            p->rows[i].front &= !beats(s, k, i);
     }
 }
 

@@ -13,7 +13,9 @@ typedef struct level_cost {
     duet_level level;
     int device;      // 0: A, 1: B, each alone; LEVEL_COSTS_BOTH: by the default plan
     double step_ms;  // the median
-    double relative; // to sat15 there
+    double relative; // to sat15 there, the median by round
+    double relative_low, relative_high; // its 95 % interval; 0 and infinity for few rounds
+    bool same; // as sat15 there, as far as these rounds show: the interval holds 1
     uint64_t pairs;
     uint64_t candidates;
     uint64_t undecided;    // by float, left to the host
@@ -21,7 +23,7 @@ typedef struct level_cost {
     uint64_t added;        // that do not
     double deepest_missed; // how deep the worst of those missed, the objects' unit
     double widest_added;   // how far apart the worst of those added
-    bool front;            // nothing there is both faster and more right
+    bool front;            // nothing there is both faster, beyond noise, and more right
 } level_cost;
 
 typedef struct level_costs {

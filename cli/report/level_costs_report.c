@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { BAR = 20 };
+enum { BAR = 20, ROUNDS_FOR_ONE = 6 }; // the least for an interval of 95 %
 
 static bool watch(void *shown, uint64_t done, uint64_t steps)
 {
@@ -69,7 +69,7 @@ static void print_row(table *t, const level_cost *row, double slowest)
 {
     table_words(t, row->front ? "*" : " ", name_of(row), NULL);
     table_cell(t, "%.3f", row->step_ms);
-    table_cell(t, "%.2f", row->relative);
+    table_cell(t, "%.2f%s", row->relative, row->same ? " ~" : "  ");
     table_words(t, table_bar(row->step_ms / slowest, BAR).chars, table_count(row->missed).chars,
                 table_count(row->added).chars, NULL);
     distance_cell(t, row->missed, row->deepest_missed);
@@ -98,7 +98,12 @@ void level_costs_report_text(const level_costs_report *r)
            r->costs->rounds);
     print_device(r, 0);
     print_device(r, 1);
-    printf("\n* nothing is both faster and more right. missed: pairs that collide; false: that do "
+    printf("\n* nothing is both faster and more right. ~ the difference from sat15 is noise in "
+           "these rounds.\n");
+    if (r->costs->rounds < ROUNDS_FOR_ONE)
+        printf("Fewer than %d rounds tell no difference from noise: give --repeat.\n",
+               ROUNDS_FOR_ONE);
+    printf("missed: pairs that collide; false: that do "
            "not.\ndeepest: overlap of the worst missed; widest: separation of the worst false one, "
            "in the "
            "scene's unit.\n");
@@ -113,6 +118,10 @@ static cJSON *row_json(const level_cost *row)
     cJSON_AddStringToObject(o, "device", row->device == 0 ? "A" : "B");
     cJSON_AddNumberToObject(o, "step_ms", row->step_ms);
     cJSON_AddNumberToObject(o, "relative", row->relative);
+    cJSON_AddBoolToObject(o, "same", row->same);
+    cJSON_AddNumberToObject(o, "relative_low", row->relative_low);
+    if (isfinite(row->relative_high))
+        cJSON_AddNumberToObject(o, "relative_high", row->relative_high);
     cJSON_AddNumberToObject(o, "pairs", (double)row->pairs);
     cJSON_AddNumberToObject(o, "missed", (double)row->missed);
     cJSON_AddNumberToObject(o, "false", (double)row->added);
@@ -166,13 +175,14 @@ bool level_costs_report_check(const cJSON *o, const char *path, duet_error *err)
 bool level_costs_report_csv(const level_costs_report *r, const char *path, duet_error *err)
 {
     text lines = {0};
-    text_add(&lines, "device,level,step_ms,relative,pairs,missed,false,deepest_missed,"
+    text_add(&lines, "device,level,step_ms,relative,same,pairs,missed,false,deepest_missed,"
                      "widest_false,undecided_share,front\n");
     for (uint32_t i = 0; i < r->costs->n; ++i) {
         const level_cost *row = &r->costs->rows[i];
-        text_add(&lines, "%s,%s,%.9g,%.9g,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%.9g,%.9g,%.9g,%d\n",
+        text_add(&lines,
+                 "%s,%s,%.9g,%.9g,%d,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%.9g,%.9g,%.9g,%d\n",
                  duet_device_pair_get_info(r->pair, row->device)->selector, name_of(row),
-                 row->step_ms, row->relative, row->pairs, row->missed, row->added,
+                 row->step_ms, row->relative, row->same, row->pairs, row->missed, row->added,
                  row->deepest_missed, row->widest_added, undecided_share(row), row->front);
     }
     return say_to_file(&lines, path, err);

@@ -81,6 +81,7 @@ static void print_row(table *t, const timestep_study *p, const timestep_run *row
     table_cell(t, "%u%s", row->substeps, row->own ? " <" : "  ");
     table_cell(t, "%s", timestep_integrator(row));
     table_cell(t, "%.1f", row->ms);
+    table_cell(t, "\u00b1%.1f", row->noise);
     table_cell(t, "%s", table_bar(row->ms / slowest_ms(p), BAR).chars);
     wrong_cells(t, p, row);
 }
@@ -94,9 +95,9 @@ void timestep_study_report_text(const timestep_study_report *r)
     printf("reference: dt 1/%.4g, substeps %u, %s: %.1f ms a second, gain %.2g %%\n\n",
            1 / p->reference.dt, p->reference.substeps, timestep_integrator(&p->reference),
            p->reference.ms, 100 * p->reference.gain);
-    table t = table_begin("lrrlrlrlrrr");
-    table_words(&t, " ", "dt", "substeps", "", "ms a second", "", "error", "", "energy", "gain",
-                "deepest", NULL);
+    table t = table_begin("lrrlrrlrlrrr");
+    table_words(&t, " ", "dt", "substeps", "", "ms a second", "noise", "", "error", "", "energy",
+                "gain", "deepest", NULL);
     for (uint32_t i = 0; i < p->n; ++i)
         print_row(&t, p, &p->rows[i]);
     table_print(&t, stdout);
@@ -105,6 +106,7 @@ void timestep_study_report_text(const timestep_study_report *r)
                p->n_asked - p->n);
     printf(
         "\n* nothing is both faster and nearer to the reference; < the scene's own.\n"
+        "noise: two times that differ by less than both of theirs may be the same.\n"
         "error: root mean square distance of the centres from the reference's, by powers of ten;"
         "\nenergy: less the reference's at the end, gain: greatest rise on the way, both in the "
         "greatest\nkinetic energy; deepest: overlap of the worst contact, in the scene's unit.\n");
@@ -120,6 +122,7 @@ static cJSON *row_json(const timestep_run *row)
     cJSON_AddStringToObject(o, "integrator", timestep_integrator(row));
     cJSON_AddBoolToObject(o, "own", row->own);
     cJSON_AddNumberToObject(o, "ms_a_second", row->ms);
+    cJSON_AddNumberToObject(o, "noise_ms", row->noise);
     cJSON_AddNumberToObject(o, "error", row->error);
     cJSON_AddNumberToObject(o, "energy", row->energy);
     cJSON_AddNumberToObject(o, "gain", row->gain);
@@ -148,13 +151,14 @@ bool timestep_study_report_json(const timestep_study_report *r, duet_error *err)
 bool timestep_study_report_csv(const timestep_study_report *r, const char *path, duet_error *err)
 {
     text lines = {0};
-    text_add(&lines,
-             "dt,substeps,integrator,own,ms_a_second,error,energy,gain,depth,finite,front\n");
+    text_add(
+        &lines,
+        "dt,substeps,integrator,own,ms_a_second,noise_ms,error,energy,gain,depth,finite,front\n");
     for (uint32_t i = 0; i < r->study->n; ++i) {
         const timestep_run *row = &r->study->rows[i];
-        text_add(&lines, "%.9g,%u,%s,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%d,%d\n", row->dt, row->substeps,
-                 timestep_integrator(row), row->own, row->ms, row->error, row->energy, row->gain,
-                 row->depth, row->finite, row->front);
+        text_add(&lines, "%.9g,%u,%s,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%d,%d\n", row->dt,
+                 row->substeps, timestep_integrator(row), row->own, row->ms, row->noise, row->error,
+                 row->energy, row->gain, row->depth, row->finite, row->front);
     }
     return say_to_file(&lines, path, err);
 }

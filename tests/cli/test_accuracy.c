@@ -112,6 +112,35 @@ static void each_levels_cost_is_told_for_each_device(void **state)
     program_free(&p);
 }
 
+// One of 95 % from 7 rounds leaves out none of them; from 5 rounds there is none.
+static void a_difference_from_sat15_is_noise_or_not(void **state)
+{
+    (void)state;
+    static const int rounds[] = {5, 7};
+    for (int i = 0; i < 2; ++i) {
+        program p = program_run("accuracy --json --repeat %d " SCENE, rounds[i]);
+        cJSON *o = cJSON_Parse(p.out);
+        assert_non_null(o);
+        const cJSON *row;
+        cJSON_ArrayForEach(row, cJSON_GetObjectItemCaseSensitive(o, "levels"))
+        {
+            const cJSON *high = cJSON_GetObjectItemCaseSensitive(row, "relative_high");
+            double low = number_of(row, "relative_low"), relative = number_of(row, "relative");
+            bool same = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(row, "same"));
+            const cJSON *level = cJSON_GetObjectItemCaseSensitive(row, "level");
+            bool is_sat15 = strcmp(level->valuestring, "sat15") == 0;
+            assert_true((high != NULL) == (rounds[i] == 7));
+            assert_true(low <= relative && (!high || relative <= high->valuedouble));
+            assert_true(is_sat15 || same == (low <= 1 && (!high || high->valuedouble >= 1)));
+        }
+        cJSON_Delete(o);
+        program_free(&p);
+    }
+    program p = program_run("accuracy --repeat 1 " SCENE);
+    assert_non_null(strstr(p.out, "Fewer than 6 rounds tell no difference from noise"));
+    program_free(&p);
+}
+
 static void the_table_and_the_plot_name_every_level(void **state)
 {
     (void)state;
@@ -233,6 +262,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_levels_cost_is_told_for_each_device),
+        cmocka_unit_test(a_difference_from_sat15_is_noise_or_not),
         cmocka_unit_test(the_table_and_the_plot_name_every_level),
         cmocka_unit_test(a_plot_of_another_kind_is_refused),
         cmocka_unit_test(flights_compare_integrators),
