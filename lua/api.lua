@@ -86,7 +86,7 @@ api.names = {
     "Takes such a file's rows in, all or none: how many were added, and how many known.",
     fails = true, c = "duet_profiles_import" },
   { "duet.scene", { "from: string|duet.Poses|duet.Bounds", "settings?: table|integer" }, "duet.Scene",
-    "Loads a scene from a file, with settings for a Lua scene; or copies rows, with dims 2 or 3.",
+    "Loads a scene from a file, or by name one that comes with Duet, with settings for a Lua scene; or copies rows, with dims 2 or 3.",
     fails = true,
     c = { "duet_scene_load", "duet_scene_create" } },
   { "duet.load_pairs", { "path: string" }, "duet.Scene",

@@ -254,8 +254,9 @@ typedef struct duet_setting {
     const char *value; // a number, true, false, or else a string
 } duet_setting;
 
-// Reads .lua, .npy, or numbers as text (.csv, .txt, any other ending); the
-// number of columns says what a row is (docs/formats.md). Values that are not
+// Reads .lua, .npy, or numbers as text (.csv, .txt, any other ending), and "-", stdin; the
+// number of columns says what a row is (docs/formats.md). A word without '/' and '.' is
+// first the name of a scene that comes with Duet, as "paper". Values that are not
 // finite, negative extents and zero quaternions are refused with their place.
 DUET_API duet_scene *duet_scene_load(const char *path, const duet_setting *settings,
                                      uint32_t n_settings, duet_error *err);

@@ -67,7 +67,7 @@ local function small(line)
   line = line:gsub("^duet bench", "duet bench --quick --repeat 2")
   local command, scene = line:match("^(duet %a+) (%S+)")
   if scene == "why" then command, scene = line:match("^(duet profiles why) (%S+)") end
-  local is_scene = scene and (scene:match("%.lua$") or shipped[scene]) and not command:match("lua$")
+  local is_scene = scene and (scene:match("%.lua$") or shipped[scene]) and not command:match("lua$") and command ~= "duet scenes"
   if is_scene and not line:match("%-n ") then line = line:gsub("^" .. command, command .. " -n " .. few) end
   return line
 end

@@ -3,6 +3,7 @@
 
 #include "gen/field.h"
 #include "runtime/narrowphase/accuracy.h"
+#include "runtime/scene/shipped.h"
 #include "tuner/strategy.h"
 
 #include <lauxlib.h>
@@ -31,7 +32,8 @@ static const char *find_scene(lua_State *L, int table)
         field_raise(L, "workloads", "a workload needs a scene, the path of a file");
     script_chunk(L, &file);
     const char *slash = file ? strrchr(file, '/') : NULL;
-    if (scene[0] == '/' || !slash)
+    shipped_scene shipped;
+    if (scene[0] == '/' || !slash || shipped_find(scene, &shipped))
         return scene;
     lua_pushlstring(L, file, (size_t)(slash - file) + 1);
     lua_pushstring(L, scene);

@@ -169,6 +169,29 @@ static void what_is_wrong_with_a_plan_is_one_line(void **state)
     program_assert_refused(&p, 2, "best");
 }
 
+// The scene decides whether these say anything.
+static void what_a_scene_has_no_use_for_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *command;
+        const char *scene;
+        const char *says;
+    } wrong[] = {
+        {"explain --measure", "paper.lua", "--measure is of a scene that moves"},
+        {"explain --level sat6", "falling.lua", "--level is of a scene that does not move"},
+        {"accuracy --time 2", "paper.lua", "--time and --limit are of a scene that moves"},
+        {"accuracy --repeat 2", "falling.lua",
+         "--repeat is of the levels of a scene that does not"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        program p = program_run("%s -n 50 %s", wrong[i].command, scene(wrong[i].scene));
+        program_assert_refused(&p, 2, wrong[i].says);
+    }
+    program p = program_run("explain %s -n 50 --mode nowhere", scene("falling.lua"));
+    program_assert_refused(&p, 2, "--mode 'nowhere'");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -178,6 +201,7 @@ int main(void)
         cmocka_unit_test(a_still_scene_is_told_as_text),
         cmocka_unit_test(a_scene_that_moves_is_told_by_its_effects),
         cmocka_unit_test(what_is_wrong_with_a_plan_is_one_line),
+        cmocka_unit_test(what_a_scene_has_no_use_for_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
