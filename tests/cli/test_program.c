@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-#define _POSIX_C_SOURCE 200809L
+#define _DEFAULT_SOURCE // S_IFMT
 #include "support/json.h"
+#include "support/store.h"
 #include "support/test.h"
 
 #include "runtime/duet.h"
@@ -9,6 +10,7 @@
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static void help_and_version_are_printed(void **state)
@@ -235,6 +237,52 @@ static void a_full_disk_is_a_failure(void **state)
     program_assert_refused(&p, 1, "stdout: No space left on device");
 }
 
+static bool is_kind(const char *path, mode_t kind)
+{
+    struct stat info;
+    return lstat(path, &info) == 0 && (info.st_mode & S_IFMT) == kind;
+}
+
+// OUT is a link: to a device, which is written and stays, or to a file.
+static void outputs_are_written_through_links(void **state)
+{
+    (void)state;
+    static const char *const commands[] = {
+        "picture planes -n 20 -o OUT.svg",
+        "run planes -n 20 --repeat 1 --pairs OUT.svg",
+        "query program.pairs -o OUT.svg",
+        "accuracy planes -n 20 --repeat 1 --csv OUT.svg",
+        "accuracy planes -n 20 --repeat 1 --plot OUT.svg",
+        "bench --quick --repeat 1 --scene planes -o OUT.svg",
+        "profiles export --profile program.db OUT.svg",
+        "report --profile program.db -o OUT.svg",
+    };
+    test_write_file("program.pairs", "0,0,0,1,1,1,0,0,0,1, 1,0,0,1,1,1,0,0,0,1\n");
+    store_close(test_store_open("program.db", STORE_WRITE));
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; ++i) {
+        remove("OUT.svg");
+        assert_int_equal(symlink("/dev/full", "OUT.svg"), 0);
+        program p = program_run("%s", commands[i]);
+        if (p.exit_code != 1 || !strstr(p.err, "OUT.svg: cannot be written: No space left"))
+            fail_msg("%s: %d %s", commands[i], p.exit_code, p.err);
+        program_free(&p);
+        assert_true(is_kind("OUT.svg", S_IFLNK) && is_kind("/dev/full", S_IFCHR));
+        remove("OUT.svg");
+        test_write_file("program.out", "");
+        assert_int_equal(symlink("program.out", "OUT.svg"), 0);
+        p = program_run("%s", commands[i]);
+        assert_int_equal(p.exit_code, 0);
+        program_free(&p);
+        struct stat info;
+        assert_true(is_kind("OUT.svg", S_IFLNK) && is_kind("program.out", S_IFREG));
+        assert_true(stat("program.out", &info) == 0 && info.st_size > 0);
+    }
+    remove("OUT.svg");
+    remove("program.out");
+    remove("program.pairs");
+    remove("program.db");
+}
+
 // The program ends as others do: silently, by SIGPIPE, which a shell shows as 141.
 static void a_reader_that_went_away_ends_the_program(void **state)
 {
@@ -272,6 +320,7 @@ int main(void)
         cmocka_unit_test(a_machine_without_opencl_is_told_what_to_install),
         cmocka_unit_test(a_cache_folder_that_cannot_be_made_is_told_of),
         cmocka_unit_test(a_full_disk_is_a_failure),
+        cmocka_unit_test(outputs_are_written_through_links),
         cmocka_unit_test(a_reader_that_went_away_ends_the_program),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
