@@ -80,7 +80,7 @@ bool text_read_file(text *t, const char *path, duet_error *err)
     if (!file)
         return error_set(err, errno == ENOENT ? DUET_STATUS_NOT_FOUND : DUET_STATUS_IO_FAILED,
                          "%s: %s", path, strerror(errno));
-    struct stat info;
+    struct stat info = {0};
     bool ok = true;
     if (fstat(fileno(file), &info) == 0 && S_ISDIR(info.st_mode))
         ok = error_set(err, DUET_STATUS_IO_FAILED, "%s: is a folder, not a file", path);
@@ -88,6 +88,7 @@ bool text_read_file(text *t, const char *path, duet_error *err)
     size_t n = 0;
     while (ok && (n = fread(block, 1, sizeof block, file)) > 0) {
         text_add_bytes(t, block, n);
+        budget_tell(t->length, S_ISREG(info.st_mode) ? (uint64_t)info.st_size : 0);
         ok = budget_check(err) && budget_space(t->length, err);
     }
     if (ok && ferror(file))

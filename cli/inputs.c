@@ -63,6 +63,22 @@ static bool cut_settings(const option_list *list, text *copies, duet_setting *se
     return true;
 }
 
+static progress begin_reading(const char *path, char *what, size_t size)
+{
+    snprintf(what, size, "reading %.50s", strcmp(path, "-") == 0 ? "stdin" : path);
+    return progress_begin(what, 0);
+}
+
+static duet_scene *load(const char *path, const duet_setting *settings, uint32_t n, duet_error *err)
+{
+    char what[64];
+    progress p = begin_reading(path, what, sizeof what);
+    progress_follow(&p);
+    duet_scene *scene = duet_scene_load(path, settings, n, err);
+    progress_end(&p);
+    return scene;
+}
+
 duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err)
 {
     duet_setting settings[OPTION_LIST_MOST + 2];
@@ -81,17 +97,24 @@ duet_scene *inputs_load_scene(const char *path, const scene_options *options, du
             snprintf(seed, sizeof seed, "%" PRIu64, options->seed);
             settings[count++] = (duet_setting){"seed", seed};
         }
-        char what[64];
-        snprintf(what, sizeof what, "reading %.50s", strcmp(path, "-") == 0 ? "stdin" : path);
-        progress p = progress_begin(what, 0);
-        progress_follow(&p);
-        scene = duet_scene_load(path, settings, count, err);
-        progress_end(&p);
+        scene = load(path, settings, count, err);
         if (scene && duet_scene_get_info(scene)->n == 0)
             fprintf(stderr, "duet: %s: there are no objects\n", duet_scene_get_info(scene)->name);
     }
     text_free(&copies);
     return scene;
+}
+
+duet_scene *inputs_load_pairs(const char *path, duet_error *err)
+{
+    char what[64];
+    progress p = begin_reading(path, what, sizeof what);
+    progress_follow(&p);
+    duet_scene *pairs = duet_scene_load_pairs(path, err);
+    progress_end(&p);
+    if (pairs && duet_scene_get_info(pairs)->n == 0)
+        fprintf(stderr, "duet: %s: there are no pairs\n", duet_scene_get_info(pairs)->name);
+    return pairs;
 }
 
 bool inputs_find_reference(const duet_scene *scene, duet_level level, duet_pair **pairs,

@@ -90,6 +90,8 @@ bool inputs_change_level(const level_options *options, duet_world_def *def, duet
 // NULL selectors: the default pair.
 duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err);
 duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err);
+duet_scene *inputs_load_pairs(const char *path, duet_error *err);
+
 // duet_reference, with a line that tells how far it is.
 bool inputs_find_reference(const duet_scene *scene, duet_level level, duet_pair **pairs,
                            uint64_t *n, duet_error *err);

@@ -85,7 +85,7 @@ void policy_check_read(lua_State *L, const char *path)
     int allowed = 1;
     if (lua_rawgetp(L, LUA_REGISTRYINDEX, &key) != LUA_TNIL) {
         lua_getfield(L, -1, path);
-        allowed = lua_toboolean(L, -1) || path_is_beneath(path);
+        allowed = lua_toboolean(L, -1) || (strcmp(path, "-") != 0 && path_is_beneath(path));
         lua_pop(L, 1);
     }
     lua_pop(L, 1);

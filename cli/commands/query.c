@@ -223,7 +223,7 @@ static bool run(void *given, char **operands, duet_error *err)
     if (!inputs_read_level(args->level, &level, err))
         return false;
     duet_device_pair *pair = open_devices(args, err);
-    duet_scene *pairs = pair ? duet_scene_load_pairs(path, err) : NULL;
+    duet_scene *pairs = pair ? inputs_load_pairs(path, err) : NULL;
     bool ok = false;
     if (pairs) {
         const duet_scene_info *info = duet_scene_get_info(pairs);
@@ -234,8 +234,6 @@ static bool run(void *given, char **operands, duet_error *err)
         t.def.dims = info->dims;
         t.poses = duet_scene_get_objects(pairs, DUET_OBJECT_POSES);
         t.n = info->n / 2;
-        if (t.n == 0)
-            fprintf(stderr, "duet: %s: there are no pairs\n", info->name);
         ok = run_test(&t, args, err);
     }
     duet_scene_destroy(pairs);
