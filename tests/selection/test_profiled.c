@@ -190,7 +190,7 @@ static void put_for(const char *path, const duet_world *world, const char *kerne
     snprintf(row.plan.level, sizeof row.plan.level, "%s", p.workload.level);
     assert_ok(profile_pair_put(s, &p.pair, &row.pair_id, &err), err);
     assert_ok(profile_workload_put(s, &p.workload, &row.workload_id, &err), err);
-    assert_ok(profile_put(s, &row, "put again", &err), err);
+    assert_ok(profile_put(s, &row, NULL, "put again", NULL, &err), err);
     store_close(s);
 }
 
