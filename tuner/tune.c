@@ -77,10 +77,8 @@ static uint32_t count_variants(const duet_tune_def *def)
 // Those that may be searched; some fit no pair of variants.
 static uint32_t count_modes(const duet_tune_def *def)
 {
-    uint32_t all = 0;
-    while (duet_mode_name((duet_mode)all))
-        ++all;
-    return def->n_modes > 0 && def->n_modes < all ? def->n_modes : all;
+    enum { EACH = DUET_MODE_DEFAULT };
+    return def->n_modes > 0 && def->n_modes < EACH ? def->n_modes : EACH;
 }
 
 // ---------------------------------------------------------------- trials
