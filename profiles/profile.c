@@ -222,10 +222,11 @@ static bool check_founded(store *s, const char *uid, duet_error *err)
     if (!sql_find(s, "SELECT id FROM profile WHERE uid = ? AND verdict = 'ambiguous'", uid, &id,
                   err))
         return false;
-    return id == 0 || error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                                "%s: profile %.8s cannot be put to use: " PROFILE_UNFOUNDED
-                                "; tune with a larger budget",
-                                s->path, uid);
+    return id == 0 ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "%s: profile %.8s cannot be put to use: too few rounds for a verdict; "
+                     "tune with a larger budget",
+                     s->path, uid);
 }
 
 static bool run_on(store *s, const char *statement, const char *uid, duet_error *err)

@@ -356,6 +356,10 @@ static bool choose_variants(tuning *t, duet_error *err)
     t->stage = "variant of B";
     if (!choose_variant(t, 1, 0, err))
         return false;
+    if (t->task->one_device) {
+        set_variant(&t->plan, 0, t->plan.variant_b);
+        return true;
+    }
     t->stage = "variant of A";
     return find_share_of_a(t, &share, err) && choose_variant(t, 0, share, err);
 }
@@ -444,7 +448,8 @@ static bool mode_fits(const duet_plan *plan, duet_mode mode)
 {
     size_t a = strcspn(plan->variant_a, " "), b = strcspn(plan->variant_b, " ");
     return mode == DUET_MODE_OWN || mode == DUET_MODE_SLAB ||
-           (mode == DUET_MODE_SHARED && a == b && strncmp(plan->variant_a, plan->variant_b, a) == 0);
+           (mode == DUET_MODE_SHARED && a == b &&
+            strncmp(plan->variant_a, plan->variant_b, a) == 0);
 }
 
 static uint32_t list_modes(const tuning *t, duet_mode modes[MOST_MODES])
@@ -466,7 +471,7 @@ static bool search_modes(tuning *t, found founds[MOST_MODES], uint32_t *n, duet_
 {
     duet_mode modes[MOST_MODES];
     const uint32_t *near = t->task->has_start ? &t->task->start : NULL;
-    *n = list_modes(t, modes);
+    *n = t->task->one_device ? 0 : list_modes(t, modes);
     t->stage = "share";
     for (uint32_t i = 0; i < *n; ++i) {
         t->stage_end = VARIANTS_END + (SEARCH_END - VARIANTS_END) * (i + 1) / *n;
@@ -604,6 +609,21 @@ static bool is_decided(const field *f, uint32_t best)
            race_compare(&f->race, best, 0).verdict != RACE_AMBIGUOUS;
 }
 
+// Without a rival: the time of a step, and its interval.
+static bool run_alone(tuning *t, field *f, duet_error *err)
+{
+    f->race = race_begin(f->n, NULL);
+    for (uint32_t i = 0; i < LEAST_RACED && within_budget(t); ++i) {
+        trial got;
+        if (!run_trial(t, &f->plans[0], &got, err))
+            return false;
+        if (got.usable)
+            race_add(&f->race, 0, (double)got.sample.total_ns);
+        f->terms[0] = got.terms;
+    }
+    return true;
+}
+
 // The best of what was found, raced against the better single device. What does
 // not prove to be faster is not used: tuned is never slower than one device.
 static bool reach_verdict(tuning *t, const found *founds, uint32_t n, duet_tune_outcome *outcome,
@@ -614,7 +634,7 @@ static bool reach_verdict(tuning *t, const found *founds, uint32_t n, duet_tune_
     t->stage = "verdict";
     t->stage_end = t->task->whole.open ? VERDICT_END : ALL;
     t->repeats = t->repeats < VERDICT_REPEATS ? t->repeats : VERDICT_REPEATS;
-    if (!run_race(t, &all, NULL, false, false, err))
+    if (!(all.n > 1 ? run_race(t, &all, NULL, false, false, err) : run_alone(t, &all, err)))
         return false;
     uint32_t alone = race_best(&all.race, 0, n_alone);
     uint32_t shared = race_best(&all.race, n_alone, all.n);
@@ -661,9 +681,10 @@ static bool race_whole(tuning *t, duet_tune_outcome *outcome, duet_error *err)
     duet_plan plans[2] = {outcome->plan};
     race r = race_begin(2, NULL);
     uint32_t rival;
-    if (!whole->open ||
-        !whole->open(whole->context, outcome->plan.variant_b, &machines[1], &plans[1]))
+    if (!whole->open)
         return true;
+    if (!whole->open(whole->context, outcome->plan.variant_b, &machines[1], &plans[1]))
+        return budget_check_stop(NULL) || stop(t, err);
     t->stage = "undivided";
     t->stage_end = ALL;
     while (within_budget(t) && race_next(&r, &rival)) {

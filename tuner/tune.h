@@ -28,6 +28,7 @@ typedef struct tune_task {
     measure_machine machine;
     tune_recorder recorder;
     tune_whole whole; // open NULL: there is none
+    bool one_device;  // both are the same: there is nothing to share
     duet_plan plan;   // its variants are the defaults that must work
     bool has_start;   // a share that is likely near the best
     uint32_t start;

@@ -224,6 +224,7 @@ typedef struct tune_report {
     uint32_t number;         // of it, from 1
     uint32_t n_workloads;
     char whole[80]; // the device that A and B may be parts of
+    bool one;       // A and B are the same device
     double budget_seconds;
     bool json;
     bool on_terminal;
@@ -315,6 +316,7 @@ static void report_add(tune_report *r, const duet_tune_outcome *o)
     cJSON_AddNumberToObject(row, "true_pairs", (double)o->true_pairs);
     json_add_plan(row, o->plan.share / (double)DUET_SHARE_ONE, duet_mode_name(o->plan.mode),
                   o->plan.variant_a, o->plan.variant_b);
+    cJSON_AddBoolToObject(row, "one_device", r->one);
     cJSON_AddNumberToObject(row, "best_share", o->best.share / (double)DUET_SHARE_ONE);
     cJSON_AddNumberToObject(row, "gain", o->gain);
     cJSON_AddNumberToObject(row, "gain_low", o->gain_low);
@@ -369,7 +371,11 @@ static void add_table_row(table *t, const cJSON *row)
     if (is_shared(row))
         table_cell(t, "A %.2f %%", 100 * json_number(row, "share"));
     else
-        table_words(t, share_of(row) == 0 ? "B alone" : "A alone", NULL);
+        table_words(t,
+                    json_true(row, "one_device") ? "one device"
+                    : share_of(row) == 0         ? "B alone"
+                                                 : "A alone",
+                    NULL);
     table_cell(t, "%.3f", json_number(row, "step_ms"));
     if (is_shared(row)) {
         table_cell(t, "%+.1f", 100 * json_number(row, "gain"));
@@ -421,7 +427,7 @@ static void print_details(const cJSON *row)
     printf("\n%s, level %s, %.0f launches\n", say_name(json_string(row, "workload")).chars,
            json_string(row, "level"), json_number(row, "launches"));
     print_plan(row);
-    if (!is_shared(row))
+    if (!is_shared(row) && !json_true(row, "one_device"))
         printf("  %s\n",
                table_gain(share_of(row), json_number(row, "gain"), json_number(row, "gain_low"),
                           json_number(row, "gain_high"), json_string(row, "verdict"))
@@ -523,10 +529,13 @@ static bool tune_workloads(const arguments *args, const tune_config *config, tun
     bool ok = def.pair;
     report->n_workloads = config->n_workloads;
     report->budget_seconds = config->budget_seconds;
-    if (ok)
+    if (ok) {
+        report->one = strcmp(duet_device_pair_get_info(def.pair, 0)->selector,
+                             duet_device_pair_get_info(def.pair, 1)->selector) == 0;
         snprintf(report->whole, sizeof report->whole, "%.*s",
                  (int)strcspn(duet_device_pair_get_info(def.pair, 0)->selector, "["),
                  duet_device_pair_get_info(def.pair, 0)->selector);
+    }
     for (uint32_t i = 0; ok && i < config->n_workloads; ++i) {
         duet_scene *scene = load_scene(args, &config->workloads[i], err);
         ok = scene && tune_workload(&def, scene, report, err);

@@ -109,7 +109,7 @@ static void what_was_not_asked_before_is_measured(void **state)
     for (int again = 0; again < 2; ++again) {
         for (size_t i = 0; i < N; ++i) {
             char arguments[256];
-            snprintf(arguments, sizeof arguments, QUICK FEW SCENE " --n 1000 %s", questions[i]);
+            snprintf(arguments, sizeof arguments, QUICK FEW SCENE " -n 1000 %s", questions[i]);
             if ((launches_of(arguments) == 0) != again)
                 fail_msg("%s: launches the %d. time", arguments, again + 1);
         }
@@ -126,11 +126,11 @@ static void what_was_not_asked_before_is_measured(void **state)
     assert_int_equal(research, 2);
     cJSON_Delete(o);
     // A line says what is known, and how to measure it again.
-    p = program_run("tune " QUICK FEW SCENE " --n 1000");
+    p = program_run("tune " QUICK FEW SCENE " -n 1000");
     assert_non_null(strstr(p.out, "known: the same was measured before; --fresh measures it"));
     program_free(&p);
     remove(STORE);
-    p = program_run("tune " QUICK FEW SCENE " --n 1000 --strategy grid --keep");
+    p = program_run("tune " QUICK FEW SCENE " -n 1000 --strategy grid --keep");
     assert_null(strstr(p.out, "not used by applications"));
     program_free(&p);
 }
@@ -140,7 +140,7 @@ static void a_stranger_can_read_the_table_and_type_the_plan(void **state)
 {
     (void)state;
     program p = program_run("tune " FEW "--variants auto,simd --trials 80 --profile " STORE
-                            " " SCENE " --n 1000,2000");
+                            " " SCENE " -n 1000,2000");
     assert_int_equal(p.exit_code, 0);
     assert_non_null(strstr(p.out, "plan: A's part of the work; B does the rest."));
     for (const char *at = p.out; *at; at += strcspn(at, "\n") + 1)
@@ -150,7 +150,7 @@ static void a_stranger_can_read_the_table_and_type_the_plan(void **state)
     assert_non_null(from);
     snprintf(plan, sizeof plan, "%.*s", (int)strcspn(from + 1, "\n"), from + 1);
     program_free(&p);
-    p = program_run("run " SCENE " --n 1000 --check --json %s", plan);
+    p = program_run("run " SCENE " -n 1000 --check --json %s", plan);
     cJSON *o = json_of_program(&p);
     assert_string_equal(json_string(o, "profile"), "given");
     cJSON_Delete(o);

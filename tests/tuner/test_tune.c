@@ -418,6 +418,25 @@ static void parts_are_raced_against_the_undivided_device(void **state)
     }
 }
 
+static void one_device_gets_its_best_kernels_and_no_share(void **state)
+{
+    (void)state;
+    static const char *const variants[] = {"slow", "auto"};
+    fake f = {.model = {.ratio = 1, .sigma = 0.02}, .random = rng_seed(test_seed())};
+    duet_tune_def def = fake_def(&f);
+    def.variants = variants;
+    def.n_variants = 2;
+    tune_task task = fake_task(&f, &def);
+    task.one_device = true;
+    duet_tune_outcome outcome = tune_task_fake(&task);
+    assert_int_equal(outcome.plan.share, 0);
+    assert_string_equal(outcome.plan.variant_a, "auto");
+    assert_string_equal(outcome.plan.variant_b, "auto");
+    assert_string_equal(outcome.verdict, "same");
+    assert_true(outcome.gain == 0 && outcome.step_low_ms < outcome.step_high_ms);
+    assert_in_range(f.launches, 20, 100);
+}
+
 // ---------------------------------------------------------------- Ctrl-C
 
 static bool stopped_now;
@@ -544,6 +563,7 @@ int main(void)
         cmocka_unit_test(a_budget_ends_the_search_and_leaves_room_for_a_verdict),
         cmocka_unit_test(seconds_that_cannot_do_are_refused_after_the_first_trial),
         cmocka_unit_test(parts_are_raced_against_the_undivided_device),
+        cmocka_unit_test(one_device_gets_its_best_kernels_and_no_share),
         cmocka_unit_test(a_stop_while_a_kernel_is_built_is_no_trial),
         cmocka_unit_test(a_start_from_a_neighbour_saves_trials),
         cmocka_unit_test(a_log_of_another_tuning_is_forgotten_where_it_differs),
