@@ -131,12 +131,13 @@ static bool within_budget(const tuning *t)
 }
 
 // What trials at least take, each half as long as one device alone, says after the
-// first of them whether the time can do.
+// first of them, whose kernels were built in it, whether the time can do.
 static bool check_budget(const tuning *t, const trial *first, duet_error *err)
 {
     const duet_tune_def *def = t->task->def;
     double launch_s = (double)first->sample.total_ns * 1e-9;
-    double least_s = 0.5 * launch_s * (1 + VERDICT_REPEATS) * tune_least_trials(def);
+    double least_s = (double)t->spent_ns * 1e-9 +
+                     0.5 * launch_s * (1 + VERDICT_REPEATS) * tune_least_trials(def);
     return def->budget_seconds <= 0 || least_s <= def->budget_seconds ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "a budget of %.3g s ends before a verdict: a step takes %.3g s; expected at "
