@@ -20,11 +20,14 @@
 enum { LEAST_NS_APART = 200000000 };
 
 static _Atomic uint64_t asked_ns; // 0: not asked
+static _Atomic int asked_by;      // the signal
+static _Atomic bool insisting;
 
 static void note(int number)
 {
     uint64_t now = clock_steady_ns();
     uint64_t first = 0;
+    atomic_store(&asked_by, number);
     if (atomic_compare_exchange_strong(&asked_ns, &first, now))
         return;
     if (now > first && now - first > LEAST_NS_APART) {
@@ -59,6 +62,20 @@ void interrupt_forget(void)
     atomic_store(&asked_ns, 0);
 }
 
+void interrupt_insist(void)
+{
+    atomic_store(&insisting, true);
+}
+
+void interrupt_die(void)
+{
+    int number = atomic_load(&asked_by);
+    if (!interrupt_asked())
+        return;
+    signal(number, SIG_DFL);
+    kill(getpid(), number); // the thread that calls may block it, not the others
+}
+
 bool interrupt_check(duet_error *err)
 {
     return !interrupt_asked() || error_set(err, DUET_STATUS_INTERRUPTED, "stopped");
@@ -74,8 +91,8 @@ bool interrupt_check(duet_error *err)
 
 static budget_watch watch = {.stopped = interrupt_asked};
 
-// Neither stdio nor exit: the script's thread may hold their locks.
-static void end_program(const char *line, size_t n)
+// Neither stdio nor exit: the program's thread may hold their locks.
+static void tell(const char *line, size_t n)
 {
     while (n > 0) {
         ssize_t written = write(STDERR_FILENO, line, n);
@@ -84,21 +101,24 @@ static void end_program(const char *line, size_t n)
         line += written;
         n -= (size_t)written;
     }
-    _exit(EXIT_FAILED);
 }
 
-#define END_PROGRAM(line) end_program(line, sizeof(line) - 1)
+#define TELL(line) tell(line, sizeof(line) - 1)
 
 static void look(void)
 {
     uint64_t deadline = atomic_load(&watch.deadline_ns);
     uint64_t now = clock_steady_ns();
-    if (deadline == 0)
+    if (deadline == 0 && !atomic_load(&insisting))
         return;
-    if (now > deadline && now - deadline > LATE_NS)
-        END_PROGRAM("duet: a script ran on for 2 s after its limit, and was ended\n");
-    if (interrupt_age_ns() > DEAF_NS)
-        END_PROGRAM("duet: stopped\n");
+    if (deadline != 0 && now > deadline && now - deadline > LATE_NS) {
+        TELL("duet: a script ran on for 2 s after its limit, and was ended\n");
+        _exit(EXIT_FAILED);
+    }
+    if (interrupt_age_ns() > DEAF_NS) {
+        TELL("duet: stopped\n");
+        interrupt_die();
+    }
 }
 
 static void *guard(void *unused)

@@ -15,9 +15,17 @@ void interrupt_forget(void); // what was asked so far: for a person who goes on 
 // false with INTERRUPTED once Ctrl-C was pressed.
 bool interrupt_check(duet_error *err);
 
+// For work that loses nothing by it: from here on the program ends by itself 1.5 s
+// after Ctrl-C, whatever it then does, as a long compilation.
+void interrupt_insist(void);
+
+// Ends the program by the signal that asked it to, so that a shell's loop ends too.
+// Comes back where none did.
+void interrupt_die(void);
+
 // The last resort against a script that does not end: ends the program, with a
-// line and exit status 1, where a script of the calling thread is still there 2 s
-// after its limit of time, or 1.5 s after Ctrl-C or SIGTERM. The library never does
+// line, where a script of the calling thread is still there 2 s after its limit of
+// time (exit status 1), or 1.5 s after Ctrl-C or SIGTERM (by that signal). The library never does
 // that: it ends the script, which an application survives.
 void interrupt_guard_scripts(void);
 

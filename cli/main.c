@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The program `duet`: finds the subcommand and ends with its exit status,
-// which is 0 where it did what was asked, 1 where that failed, and 2 where the
-// command line was wrong.
+// which is 0 where it did what was asked, 1 where that failed, 2 where the command
+// line was wrong, and 130 where Ctrl-C stopped it.
 #define _POSIX_C_SOURCE 200809L
 #include "cli/commands.h"
 #include "cli/interrupt.h"
@@ -79,5 +79,7 @@ int main(int argc, char **argv)
     interrupt_guard_scripts();
     int status = run(argc, argv);
     bool written = say_finish();
+    if (status == EXIT_INTERRUPTED)
+        interrupt_die();
     return status == EXIT_OK && !written ? EXIT_FAILED : status;
 }

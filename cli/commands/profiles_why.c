@@ -3,6 +3,7 @@
 // grounds.
 #include "cli/commands/profiles.h"
 #include "cli/inputs.h"
+#include "cli/interrupt.h"
 #include "cli/options.h"
 #include "cli/report/json.h"
 #include "cli/report/table.h"
@@ -168,6 +169,7 @@ static bool run(void *given, char **operands, duet_error *err)
 {
     const arguments *args = given;
     answer a = {0};
+    interrupt_insist(); // nothing is written
     duet_world *world = NULL;
     duet_device_pair *pair = inputs_open_pair(args->pair, err);
     duet_scene *scene = pair ? inputs_load_scene(operands[0], &args->scene, err) : NULL;

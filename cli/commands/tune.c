@@ -232,7 +232,7 @@ typedef struct tune_report {
 
 static tune_report report_begin(bool json)
 {
-    interrupt_watch();
+    interrupt_insist(); // what was measured is in the store
     return (tune_report){
         .workloads = cJSON_CreateArray(), .json = json, .on_terminal = isatty(STDERR_FILENO)};
 }

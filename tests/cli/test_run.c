@@ -243,7 +243,7 @@ static void ctrl_c_shows_what_was_timed(void **state)
     // in the foreground timeout(1) sends its signal once, as a person does
     program p = program_run_with("timeout --foreground --preserve-status -s INT 2",
                                  "run %s --repeat 100000 --json", SCENE);
-    assert_int_equal(p.exit_code, 1);
+    assert_int_equal(p.exit_code, 130);
     assert_string_equal(p.err, "duet: stopped\n");
     if (*p.out) {
         cJSON *o = cJSON_Parse(p.out);

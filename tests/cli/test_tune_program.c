@@ -268,6 +268,32 @@ static void a_stopped_tuning_is_taken_up_again(void **state)
     cJSON_Delete(root);
 }
 
+// A loop of tunings in a shell ends with the first, as its user meant; nothing is stored
+// of what was not measured.
+static void ctrl_c_ends_a_loop_of_tunings(void **state)
+{
+    (void)state;
+    text command = {0};
+    text_add(&command,
+             "setsid --wait bash -c '(sleep 1; kill -INT 0) & "
+             "for i in 1 2 3; do \"%s\" tune " QUICK "--repeat 32 -n 300000 lua/scenes/paper.lua "
+             ">/dev/null 2>>%s; echo $i >>%s; done' 2>/dev/null",
+             getenv("DUET_PROGRAM"), STRATEGY, CONFIG);
+    assert_int_not_equal(system(text_chars(&command)), 0);
+    text_free(&command);
+    text said = {0};
+    assert_false(text_read_file(&said, CONFIG, NULL)); // not even the first went on
+    assert_true(text_read_file(&said, STRATEGY, NULL));
+    assert_non_null(strstr(text_chars(&said), "stopped"));
+    assert_null(strstr(strstr(text_chars(&said), "stopped") + 1, "stopped"));
+    text_free(&said);
+    duet_error err = {0};
+    store *s = store_open(STORE, STORE_WRITE, &err);
+    if (s)
+        assert_int_equal(test_count(s, "trial WHERE outcome <> 'ok'"), 0);
+    store_close(s);
+}
+
 static void a_budget_of_trials_is_kept(void **state)
 {
     (void)state;
@@ -377,6 +403,7 @@ int main(void)
         cmocka_unit_test_setup(an_accuracy_out_of_reach_names_the_nearest_level, begin_afresh),
         cmocka_unit_test_setup(a_scene_says_which_level_it_wants, begin_afresh),
         cmocka_unit_test_setup(a_stopped_tuning_is_taken_up_again, begin_afresh),
+        cmocka_unit_test_setup(ctrl_c_ends_a_loop_of_tunings, begin_afresh),
         cmocka_unit_test_setup(a_budget_of_trials_is_kept, begin_afresh),
         cmocka_unit_test_setup(a_tune_file_sweeps_with_a_strategy_of_its_own, begin_afresh),
         cmocka_unit_test_setup(what_is_wrong_on_the_command_line_is_one_line, begin_afresh),
