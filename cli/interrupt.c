@@ -11,7 +11,6 @@
 #include <errno.h>
 #include <poll.h>
 #include <pthread.h>
-#include <semaphore.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stddef.h>
@@ -28,19 +27,16 @@ static _Atomic int asked_by;      // the signal
 static _Atomic bool insisted;     // a second time
 static _Atomic bool waits_for_person;
 static _Atomic bool told;
-static sem_t wake; // the guard
+static sigset_t heard; // by the guard
 
 static void note(int number)
 {
     uint64_t now = clock_steady_ns();
     uint64_t first = 0;
-    int code = errno;
     if (atomic_compare_exchange_strong(&asked_ns, &first, now))
         atomic_store(&asked_by, number);
     else if (now > first && now - first > LEAST_NS_APART)
         atomic_store(&insisted, true);
-    sem_post(&wake);
-    errno = code;
 }
 
 bool interrupt_asked(void)
@@ -67,8 +63,14 @@ bool interrupt_check(duet_error *err)
     return !interrupt_asked() || error_set(err, DUET_STATUS_INTERRUPTED, "stopped");
 }
 
+void interrupt_pass(bool passes)
+{
+    pthread_sigmask(passes ? SIG_UNBLOCK : SIG_BLOCK, &heard, NULL);
+}
+
 void interrupt_wait(bool waits)
 {
+    interrupt_pass(waits);
     atomic_store(&waits_for_person, waits);
 }
 
@@ -152,19 +154,18 @@ static void look(void)
 
 static void *guard(void *unused)
 {
+    const struct timespec pause = {.tv_nsec = PAUSE_NS};
     for (;;) {
-        struct timespec until;
-        clock_gettime(CLOCK_REALTIME, &until);
-        until.tv_nsec += PAUSE_NS;
-        until.tv_sec += until.tv_nsec / 1000000000;
-        until.tv_nsec %= 1000000000;
-        sem_timedwait(&wake, &until);
+        int number = sigtimedwait(&heard, NULL, &pause);
+        if (number > 0)
+            note(number);
         look();
     }
     return unused;
 }
 
-// Signals are for the other threads: what they wait for is to end.
+// The guard alone hears signals: LLVM inside PoCL listens too, and would spoil what it
+// compiles and complain of that.
 static void begin_guard(void)
 {
     pthread_t thread;
@@ -172,9 +173,12 @@ static void begin_guard(void)
     sigset_t before;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    if (pthread_create(&thread, NULL, guard, NULL) == 0)
-        pthread_detach(thread);
+    bool begun = pthread_create(&thread, NULL, guard, NULL) == 0;
     pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (!begun)
+        return;
+    pthread_detach(thread);
+    interrupt_pass(false);
 }
 
 // SIGHUP stays ignored under nohup(1).
@@ -182,12 +186,16 @@ void interrupt_watch(void)
 {
     struct sigaction action = {.sa_handler = note, .sa_flags = SA_RESTART};
     struct sigaction before;
-    sem_init(&wake, 0, 0);
     sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-    if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN)
-        sigaction(SIGHUP, &action, NULL);
+    sigemptyset(&heard);
+    const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
+        if (numbers[i] == SIGHUP &&
+            (sigaction(SIGHUP, NULL, &before) != 0 || before.sa_handler == SIG_IGN))
+            continue;
+        sigaction(numbers[i], &action, NULL);
+        sigaddset(&heard, numbers[i]);
+    }
     action.sa_handler = on_pipe;
     sigaction(SIGPIPE, &action, NULL);
     budget_set_watch(&watch);

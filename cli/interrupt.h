@@ -23,7 +23,11 @@ void interrupt_forget(void); // what was asked so far: for a person who goes on 
 // false with INTERRUPTED once Ctrl-C was pressed.
 bool interrupt_check(duet_error *err);
 
-// While the program waits for a person, there is no work to end.
+// Whether signals reach the calling thread and the processes that it starts, which by
+// default they do not.
+void interrupt_pass(bool passes);
+
+// While the program waits for a person, there is no work to end, and signals pass.
 void interrupt_wait(bool waits);
 
 // A line has said that the program was stopped.

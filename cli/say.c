@@ -20,7 +20,9 @@ int say_failed(const duet_error *err)
 {
     fflush(stdout);
     fprintf(stderr, "duet: %s\n", err->text);
-    return err->status == DUET_STATUS_BAD_ARGUMENT ? EXIT_WRONG : EXIT_FAILED;
+    return err->status == DUET_STATUS_BAD_ARGUMENT  ? EXIT_WRONG
+           : err->status == DUET_STATUS_INTERRUPTED ? EXIT_INTERRUPTED
+                                                    : EXIT_FAILED;
 }
 
 int say_wrong(const char *command, const char *format, ...)

@@ -14,8 +14,9 @@ struct text;
 
 enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_WRONG = 2, EXIT_INTERRUPTED = 130 };
 
-// "duet: LINE" on stderr. Returns EXIT_FAILED, or EXIT_WRONG for BAD_ARGUMENT:
-// what the library finds wrong with a value came from the command line.
+// "duet: LINE" on stderr. Returns EXIT_FAILED, EXIT_INTERRUPTED for INTERRUPTED, or
+// EXIT_WRONG for BAD_ARGUMENT: what the library finds wrong with a value came from
+// the command line.
 int say_failed(const duet_error *err);
 
 // "duet COMMAND: LINE" on stderr. Returns EXIT_WRONG.

@@ -40,6 +40,11 @@ static const member profile_members[] = {
     MEMBER(member_double, duet_stored_profile, gain_low),
     MEMBER(member_double, duet_stored_profile, gain_high),
     MEMBER(member_chars, duet_stored_profile, verdict),
+    MEMBER(member_count, duet_stored_profile, rounds),
+    MEMBER(member_double, duet_stored_profile, whole_ms),
+    MEMBER(member_double, duet_stored_profile, whole_gain),
+    MEMBER(member_double, duet_stored_profile, whole_gain_low),
+    MEMBER(member_double, duet_stored_profile, whole_gain_high),
     MEMBER(member_double, duet_stored_profile, missed_rate),
     MEMBER(member_double, duet_stored_profile, false_rate),
     MEMBER(member_chars, duet_stored_profile, origin),
@@ -134,6 +139,29 @@ static int profile_trials(lua_State *L)
     return 1;
 }
 
+typedef bool profile_change(const char *path, const char *uid, duet_error *err);
+
+static int change_profile(lua_State *L, profile_change *change, const char *what)
+{
+    duet_error err = {0};
+    const char *uid = luaL_checkstring(L, 1);
+    const char *path = luaL_optstring(L, 2, NULL);
+    policy_check_trusted(L, what);
+    return class_push_done(L, change(path, uid, &err), &err);
+}
+
+// duet.use_profile(uid, path)
+static int use_profile(lua_State *L)
+{
+    return change_profile(L, duet_profile_use, "duet.use_profile");
+}
+
+// duet.forget_profile(uid, path)
+static int forget_profile(lua_State *L)
+{
+    return change_profile(L, duet_profile_forget, "duet.forget_profile");
+}
+
 // duet.export_profiles(file, path)
 static int export_profiles(lua_State *L)
 {
@@ -206,6 +234,8 @@ void profiles_open_lua(lua_State *L)
 {
     static const luaL_Reg functions[] = {{"profiles", profiles},
                                          {"profile_trials", profile_trials},
+                                         {"use_profile", use_profile},
+                                         {"forget_profile", forget_profile},
                                          {"export_profiles", export_profiles},
                                          {"import_profiles", import_profiles},
                                          {NULL, NULL}};

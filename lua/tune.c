@@ -55,6 +55,16 @@ static void read_watch(lua_State *L, const member *m, void *at)
 
 static const member_type member_watch = {read_watch, NULL};
 
+// false: no store; true: what another strategy than the default one finds, too.
+static void read_keep(lua_State *L, const member *m, void *at)
+{
+    if (!lua_isboolean(L, -1))
+        member_refuse(L, m, "true or false");
+    *(duet_keep *)at = lua_toboolean(L, -1) ? DUET_KEEP_ALWAYS : DUET_KEEP_NOTHING;
+}
+
+static const member_type member_keep = {read_keep, NULL};
+
 // What a script says; the rest of the C def follows from it.
 typedef struct tune_def {
     duet_tune_def def;
@@ -72,7 +82,7 @@ typedef struct tune_def {
 
 static const member def_members[] = {
     OPTION(member_string, store),
-    OPTION(member_bool, keep),
+    OPTION(member_keep, keep),
     OPTION(member_bool, fresh),
     OPTION(member_string, strategy),
     OPTION(member_string, strategy_lua),
@@ -125,16 +135,23 @@ static const member outcome_members[] = {
     MEMBER(member_double, duet_tune_outcome, gain_low),
     MEMBER(member_double, duet_tune_outcome, gain_high),
     MEMBER(member_chars, duet_tune_outcome, verdict),
+    MEMBER(member_count, duet_tune_outcome, rounds),
     MEMBER(member_double, duet_tune_outcome, step_ms),
     MEMBER(member_double, duet_tune_outcome, step_low_ms),
     MEMBER(member_double, duet_tune_outcome, step_high_ms),
     MEMBER(member_double, duet_tune_outcome, single_ms),
+    MEMBER(member_double, duet_tune_outcome, whole_ms),
+    MEMBER(member_double, duet_tune_outcome, whole_gain),
+    MEMBER(member_double, duet_tune_outcome, whole_gain_low),
+    MEMBER(member_double, duet_tune_outcome, whole_gain_high),
     MEMBER(member_terms, duet_tune_outcome, terms),
     MEMBER(member_count, duet_tune_outcome, trials),
     MEMBER(member_count, duet_tune_outcome, launches),
     MEMBER(member_double, duet_tune_outcome, seconds),
     MEMBER(member_bool, duet_tune_outcome, known),
     MEMBER(member_bool, duet_tune_outcome, resumed),
+    MEMBER(member_chars, duet_tune_outcome, uid),
+    MEMBER(member_chars, duet_tune_outcome, unused),
     {0},
 };
 
@@ -142,6 +159,7 @@ static const member progress_members[] = {
     MEMBER(member_string, duet_tune_progress, stage),
     MEMBER(member_double, duet_tune_progress, ms),
     MEMBER(member_count, duet_tune_progress, trials),
+    MEMBER(member_count, duet_tune_progress, most_trials),
     MEMBER(member_count, duet_tune_progress, launches),
     MEMBER(member_double, duet_tune_progress, seconds),
     MEMBER(member_bool, duet_tune_progress, remembered),
@@ -204,7 +222,7 @@ static duet_level find_level(lua_State *L, const char *name)
 
 static void check_policy(lua_State *L, const duet_tune_def *def)
 {
-    if (def->keep)
+    if (def->keep != DUET_KEEP_NOTHING)
         policy_check_trusted(L, "keeping a profile (or else keep = false)");
     else if (def->store)
         policy_check_read(L, def->store);

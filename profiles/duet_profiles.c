@@ -2,10 +2,10 @@
 #include "profiles/duet_profiles.h"
 
 #include "profiles/exchange.h"
+#include "profiles/profile.h"
 #include "profiles/sql.h"
 
 #include <errno.h>
-#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -49,6 +49,11 @@ static const sql_column profile_columns[] = {
     SQL_COLUMN("p.gain_low", duet_stored_profile, gain_low),
     SQL_COLUMN("p.gain_high", duet_stored_profile, gain_high),
     SQL_COLUMN("p.verdict", duet_stored_profile, verdict),
+    SQL_COLUMN("p.rounds", duet_stored_profile, rounds),
+    SQL_COLUMN("p.whole_ns * 1e-6", duet_stored_profile, whole_ms),
+    SQL_COLUMN("p.whole_gain", duet_stored_profile, whole_gain),
+    SQL_COLUMN("p.whole_gain_low", duet_stored_profile, whole_gain_low),
+    SQL_COLUMN("p.whole_gain_high", duet_stored_profile, whole_gain_high),
     SQL_COLUMN("p.missed_rate", duet_stored_profile, missed_rate),
     SQL_COLUMN("p.false_rate", duet_stored_profile, false_rate),
     SQL_COLUMN("p.origin", duet_stored_profile, origin),
@@ -57,11 +62,10 @@ static const sql_column profile_columns[] = {
     {0},
 };
 
-static bool fill(duet_profile_list *list, store *s, const char *uid, bool replaced_too,
-                 duet_error *err)
+static bool fill(duet_profile_list *list, store *s, bool replaced_too, duet_error *err)
 {
     sql q = sql_select(s, profile_columns, profile_entry_from, err);
-    sql_text(&q, uid);
+    sql_text(&q, "");
     sql_int(&q, replaced_too);
     list->items = sql_rows(&q, profile_columns, sizeof *list->items, &list->n);
     return sql_close(&q);
@@ -73,7 +77,7 @@ duet_profile_list *duet_profile_list_create(const char *path, bool replaced_too,
     if (!s)
         return NULL;
     duet_profile_list *list = calloc(1, sizeof *list);
-    bool ok = list ? fill(list, s, "", replaced_too, err) && store_check_read(s, err)
+    bool ok = list ? fill(list, s, replaced_too, err) && store_check_read(s, err)
                    : error_set(err, DUET_STATUS_NO_MEMORY, "the profiles: no memory");
     store_close(s);
     if (ok)
@@ -118,33 +122,20 @@ static const sql_column trial_columns[] = {
     {0},
 };
 
-static bool check_one(const store *s, const duet_profile_list *found, const char *uid,
-                      duet_error *err)
-{
-    if (found->n == 0)
-        return error_set(err, DUET_STATUS_NOT_FOUND,
-                         "%s: no profile begins with '%s'; 'duet profiles list' shows them",
-                         store_path(s), uid);
-    return found->n == 1 || error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                                      "%s: %" PRIu32 " profiles begin with '%s'; give more digits",
-                                      store_path(s), found->n, uid);
-}
-
 // None where the profile has no session.
 static bool read_trials(store *s, const char *uid, duet_stored_trial **trials, uint32_t *n,
                         duet_error *err)
 {
-    duet_profile_list found = {0};
-    bool ok = fill(&found, s, uid, true, err) && check_one(s, &found, uid, err);
-    if (ok) {
-        sql q =
-            sql_select(s, trial_columns, " FROM trial WHERE session_id = ? ORDER BY number", err);
-        sql_text(&q, found.items[0].session);
-        *trials = sql_rows(&q, trial_columns, sizeof **trials, n);
-        ok = sql_close(&q);
-    }
-    free(found.items);
-    return ok;
+    char whole[PROFILE_ID];
+    if (!profile_find(s, uid, whole, err))
+        return false;
+    sql q = sql_select(s, trial_columns,
+                       " FROM trial WHERE session_id = (SELECT session_id FROM profile "
+                       "WHERE uid = ?) ORDER BY number",
+                       err);
+    sql_text(&q, whole);
+    *trials = sql_rows(&q, trial_columns, sizeof **trials, n);
+    return sql_close(&q);
 }
 
 bool duet_profile_get_trials(const char *path, const char *uid, duet_stored_trial **trials,
@@ -165,6 +156,28 @@ bool duet_profile_get_trials(const char *path, const char *uid, duet_stored_tria
     *trials = list;
     *n = ok ? n_list : 0;
     return ok;
+}
+
+// ---------------------------------------------------------------- which one is used
+
+typedef bool profile_change(store *s, const char *uid, duet_error *err);
+
+static bool change(const char *path, const char *uid, profile_change *by, duet_error *err)
+{
+    store *s = open_store(path, STORE_WRITE, err);
+    bool ok = s && by(s, uid, err);
+    store_close(s);
+    return ok;
+}
+
+bool duet_profile_use(const char *path, const char *uid, duet_error *err)
+{
+    return error_given(uid, __func__, "uid", err) && change(path, uid, profile_use, err);
+}
+
+bool duet_profile_forget(const char *path, const char *uid, duet_error *err)
+{
+    return error_given(uid, __func__, "uid", err) && change(path, uid, profile_forget, err);
 }
 
 // ---------------------------------------------------------------- rows out and in

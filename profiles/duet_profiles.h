@@ -26,7 +26,7 @@ typedef struct duet_stored_device {
 // One profile: the plan that a tuning chose, and what it is worth.
 typedef struct duet_stored_profile {
     char uid[72];       // its first digits name it
-    char replaced[256]; // why it serves no more; empty: it is live
+    char replaced[256]; // why it is not used; empty: it is live
     char scene[256];    // empty: not known
     uint32_t dims;
     uint64_t objects;
@@ -44,6 +44,11 @@ typedef struct duet_stored_profile {
     double gain_low;
     double gain_high;
     char verdict[16];
+    uint32_t rounds;   // of the race that the verdict is of; 0: not known
+    double whole_ms;   // a step by the device that A and B are parts of; 0: not raced
+    double whole_gain; // of the plan over it
+    double whole_gain_low;
+    double whole_gain_high;
     double missed_rate; // of the pairs that collide
     double false_rate;
     char origin[16];    // "measured", "online" or "manual"
@@ -81,6 +86,13 @@ typedef struct duet_stored_trial {
 // none where it was put in by hand. The caller frees them with duet_free.
 DUET_API bool duet_profile_get_trials(const char *path, const char *uid, duet_stored_trial **trials,
                                       uint32_t *n, duet_error *err);
+
+// Makes the profile that is named by its uid's first digits the one that
+// applications load in its place. BAD_ARGUMENT for one without a verdict.
+DUET_API bool duet_profile_use(const char *path, const char *uid, duet_error *err);
+
+// Removes such a profile; its trials stay.
+DUET_API bool duet_profile_forget(const char *path, const char *uid, duet_error *err);
 
 // Writes all rows as JSON lines (docs/store.md) to a file.
 DUET_API bool duet_profiles_export(const char *path, const char *file, duet_error *err);

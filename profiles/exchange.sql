@@ -200,7 +200,8 @@ SELECT ?2, value ->> 0, value ->> 1, value ->> 2, value ->> 3, value ->> 4, valu
 --@profile fields
 type uid a b workload kernels objective level share mode variant_a variant_b median_ns low_ns
 high_ns gain gain_low gain_high verdict missed_rate false_rate true_pairs single_ns best_share
-best_mode terms origin session trial created_ns live dead_reason
+best_mode terms rounds whole_ns whole_gain whole_gain_low whole_gain_high origin session trial
+created_ns live dead_reason
 
 --@profile out
 SELECT json_object('type', 'profile', 'uid', uid, 'a', a.key, 'b', b.key,
@@ -212,34 +213,41 @@ SELECT json_object('type', 'profile', 'uid', uid, 'a', a.key, 'b', b.key,
                    'false_rate', false_rate, 'true_pairs', true_pairs,
                    'single_ns', single_ns, 'best_share', best_share, 'best_mode', best_mode,
                    'terms', CASE WHEN json_valid(terms) THEN CASE json_type(terms) WHEN 'object' THEN json(terms)
-                                    END END, 'origin', origin, 'session', session_id,
+                                    END END, 'rounds', rounds, 'whole_ns', whole_ns,
+                   'whole_gain', whole_gain, 'whole_gain_low', whole_gain_low,
+                   'whole_gain_high', whole_gain_high, 'origin', origin, 'session', session_id,
                    'trial', trial, 'created_ns', created_ns, 'live', live,
                    'dead_reason', dead_reason)
   FROM profile p JOIN workload ON workload.id = workload_id JOIN pair ON pair.id = pair_id
   JOIN env a ON a.id = env_a JOIN env b ON b.id = env_b ORDER BY created_ns, uid
 
--- Where the store has a live profile for the key, that one stays live.
+-- Where the store has a live profile for the key, that one stays live. A plan without
+-- a verdict, which older versions loaded, is not live.
 
 --@profile in
 INSERT INTO profile (uid, pair_id, workload_id, kernels, objective, level, share, mode, variant_a,
                      variant_b, median_ns, low_ns, high_ns, gain, gain_low, gain_high, verdict,
                      missed_rate, false_rate, true_pairs, single_ns, best_share, best_mode, terms,
-                     origin, session_id, trial, created_ns, live, dead_reason)
+                     rounds, whole_ns, whole_gain, whole_gain_low, whole_gain_high, origin, session_id, trial, created_ns, live, dead_reason)
   WITH place (pair_id, workload_id) AS (SELECT
          (SELECT id FROM pair WHERE env_a = (SELECT id FROM env WHERE key = ?1 ->> 'a')
                                 AND env_b = (SELECT id FROM env WHERE key = ?1 ->> 'b')),
          (SELECT id FROM workload WHERE key = ?1 ->> 'workload')),
        own (there) AS (SELECT count(*) FROM place JOIN profile USING (pair_id, workload_id)
                         WHERE profile.live = 1 AND objective = ?1 ->> 'objective'
-                          AND kernels = ?1 ->> 'kernels' AND level = ?1 ->> 'level')
+                          AND kernels = ?1 ->> 'kernels' AND level = ?1 ->> 'level'),
+       unfounded (yes) AS (SELECT ?1 ->> 'verdict' = 'ambiguous')
 SELECT ?1 ->> 'uid', place.pair_id, place.workload_id, ?1 ->> 'kernels', ?1 ->> 'objective',
        ?1 ->> 'level', ?1 ->> 'share', ?1 ->> 'mode', ?1 ->> 'variant_a', ?1 ->> 'variant_b',
        ?1 ->> 'median_ns', ?1 ->> 'low_ns', ?1 ->> 'high_ns', ?1 ->> 'gain', ?1 ->> 'gain_low',
        ?1 ->> 'gain_high', ?1 ->> 'verdict', ?1 ->> 'missed_rate', ?1 ->> 'false_rate',
        ?1 ->> 'true_pairs', ?1 ->> 'single_ns', ?1 ->> 'best_share', ?1 ->> 'best_mode',
-       ?1 ->> 'terms',
+       ?1 ->> 'terms', ?1 ->> 'rounds', ?1 ->> 'whole_ns', ?1 ->> 'whole_gain',
+       ?1 ->> 'whole_gain_low', ?1 ->> 'whole_gain_high',
        ?1 ->> 'origin', ?1 ->> 'session', ?1 ->> 'trial', ?1 ->> 'created_ns',
-       iif(own.there, 0, ?1 ->> 'live'),
-       iif(own.there AND ?1 ->> 'live', 'the store had one of its own', ?1 ->> 'dead_reason')
-  FROM place, own WHERE true
+       iif(own.there OR unfounded.yes, 0, ?1 ->> 'live'),
+       iif(NOT ?1 ->> 'live', ?1 ->> 'dead_reason',
+           iif(unfounded.yes, 'too few rounds for a verdict',
+               iif(own.there, 'the store had one of its own', ?1 ->> 'dead_reason')))
+  FROM place, own, unfounded WHERE true
     ON CONFLICT DO NOTHING

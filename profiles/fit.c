@@ -426,6 +426,11 @@ static bool same_work(const profile_plan *a, const profile_plan *b)
            strcmp(a->variant_a, b->variant_a) == 0 && strcmp(a->variant_b, b->variant_b) == 0;
 }
 
+static bool covers(const forecast_ask *ask, const forecast *f)
+{
+    return ask->slack <= 0 || (ask->n * ask->slack >= f->n_min && ask->n <= f->n_max * ask->slack);
+}
+
 // Of many plans, the one that looks quickest is likely one that little is known
 // of; so the slow end of the interval decides.
 static double cautious_ns(const forecast *f)
@@ -444,7 +449,7 @@ bool forecast_best(store *s, const forecast_ask *ask, forecast *best, bool *foun
             forecast f;
             if (!match(&lists[0].fits[i], &lists[1].fits[j]) ||
                 !make_forecast(ask, lists, &lists[0].fits[i], &lists[1].fits[j], &f) ||
-                (ask->plan && !same_work(ask->plan, &f.plan)))
+                !covers(ask, &f) || (ask->plan && !same_work(ask->plan, &f.plan)))
                 continue;
             if (*found &&
                 (f.here != best->here ? best->here : cautious_ns(&f) >= cautious_ns(best)))

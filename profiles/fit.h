@@ -60,6 +60,7 @@ typedef struct forecast_ask {
     double n;
     double occupancy;
     const profile_plan *plan; // its mode, level and variants only; NULL: any
+    double slack;             // sizes measured may end so much below or above n; 0: anywhere
 } forecast_ask;
 
 typedef struct forecast {

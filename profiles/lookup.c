@@ -99,15 +99,21 @@ static const sql_column found_columns[] = {
     SQL_COLUMN("p.gain_low", profile_found, gain_low),
     SQL_COLUMN("p.gain_high", profile_found, gain_high),
     SQL_COLUMN("p.verdict", profile_found, verdict),
+    SQL_COLUMN("p.rounds", profile_found, rounds),
     SQL_COLUMN("coalesce(p.best_share, p.share)", profile_found, best_share),
     SQL_COLUMN("coalesce(p.best_mode, p.mode)", profile_found, best_mode),
     SQL_COLUMN("p.terms", profile_found, terms),
+    SQL_COLUMN("p.whole_ns", profile_found, whole_ns),
+    SQL_COLUMN("p.whole_gain", profile_found, whole_gain),
+    SQL_COLUMN("p.whole_gain_low", profile_found, whole_gain_low),
+    SQL_COLUMN("p.whole_gain_high", profile_found, whole_gain_high),
     SQL_COLUMN("p.missed_rate", profile_found, missed_rate),
     SQL_COLUMN("p.false_rate", profile_found, false_rate),
     SQL_COLUMN("coalesce(p.true_pairs, -1)", profile_found, true_pairs),
     SQL_COLUMN("p.created_ns", profile_found, created_ns),
     SQL_COLUMN("p.session_id", profile_found, session),
     SQL_COLUMN("p.uid", profile_found, uid),
+    SQL_COLUMN("p.dead_reason", profile_found, unused),
     {0},
 };
 
@@ -232,9 +238,33 @@ static bool tell_inaccuracy(look *l)
     return sql_close(&q);
 }
 
+// Why the last profile that was measured for just this is not used.
+static bool tell_unused(look *l, bool *told)
+{
+    sql q = sql_make(l->s,
+                     "SELECT p.uid, p.dead_reason FROM workload w "
+                     "JOIN profile p ON p.workload_id = w.id WHERE w.key = ?1 AND p.pair_id = ?2 "
+                     "AND p.kernels = ?3 AND p.objective = ?4 AND NOT EXISTS (SELECT 1 FROM "
+                     "profile WHERE workload_id = w.id AND pair_id = ?2 AND kernels = ?3 AND "
+                     "live = 1) ORDER BY p.created_ns DESC LIMIT 1",
+                     l->err);
+    sql_text(&q, l->workload);
+    sql_int(&q, l->pair_id);
+    sql_text(&q, l->request->kernels);
+    sql_text(&q, l->request->objective);
+    *told = sql_row(&q);
+    if (*told)
+        text_add(l->why, "no: it was measured, but profile %.8s is not used: %s",
+                 sql_get_text(&q, 0), sql_get_text(&q, 1));
+    return sql_close(&q);
+}
+
 // Which of what an exact profile needs is not there.
 static bool tell_what_is_missing(look *l)
 {
+    bool told;
+    if (!tell_unused(l, &told) || told)
+        return told;
 #define LIVE "SELECT 1 FROM workload w JOIN profile p ON p.workload_id = w.id AND p.live = 1 "
     static const struct {
         const char *query;
@@ -332,19 +362,21 @@ static bool find_one(look *l, const char *query, neighbour *near)
     return sql_close(&q);
 }
 
-// The one whose size is the nearest, by ratio.
-static bool find_neighbour(look *l, neighbour *near)
+// The nearest sizes below and above; the nearer of them, by ratio, comes first.
+static bool find_neighbours(look *l, neighbour near[2])
 {
-    neighbour above;
     double n = (double)l->at.n;
-    *near = (neighbour){0};
+    near[0] = near[1] = (neighbour){0};
     if (l->pair_id == 0)
         return true;
-    if (!find_one(l, NEIGHBOUR "AND w.n >= ?7 ORDER BY w.n LIMIT 1", &above) ||
-        !find_one(l, NEIGHBOUR "AND w.n < ?7 ORDER BY w.n DESC LIMIT 1", near))
+    if (!find_one(l, NEIGHBOUR "AND w.n < ?7 ORDER BY w.n DESC LIMIT 1", &near[0]) ||
+        !find_one(l, NEIGHBOUR "AND w.n >= ?7 ORDER BY w.n LIMIT 1", &near[1]))
         return false;
-    if (above.n > 0 && (near->n <= 0 || above.n / n < n / near->n))
-        *near = above;
+    if (near[1].n > 0 && (near[0].n <= 0 || near[1].n / n < n / near[0].n)) {
+        neighbour below = near[0];
+        near[0] = near[1];
+        near[1] = below;
+    }
     return true;
 }
 
@@ -363,6 +395,7 @@ static bool use_neighbour(look *l, const neighbour *near)
     found->low_ns *= n / near->n;
     found->high_ns *= n / near->n;
     found->single_ns *= n / near->n;
+    found->whole_ns *= n / near->n;
     found->share_low = (uint32_t)(found->plan.share / SIZE_SLACK);
     found->share_high = (uint32_t)fmin(found->plan.share * SIZE_SLACK, PROFILE_SHARE_ONE);
     if (l->why)
@@ -371,7 +404,8 @@ static bool use_neighbour(look *l, const neighbour *near)
     return true;
 }
 
-static bool forecast_best_of(look *l, const profile_plan *plan, forecast *f, bool *found)
+static bool forecast_best_of(look *l, const profile_plan *plan, double slack, forecast *f,
+                             bool *found)
 {
     forecast_ask ask = {
         .env_a = l->env[0],
@@ -382,6 +416,7 @@ static bool forecast_best_of(look *l, const profile_plan *plan, forecast *f, boo
         .n = (double)l->at.n,
         .occupancy = l->at.occ_mean,
         .plan = plan,
+        .slack = slack,
     };
     return forecast_best(l->s, &ask, f, found, l->err);
 }
@@ -393,31 +428,54 @@ static bool is_accurate_anywhere(const look *l)
     return !asked || strcmp(l->at.level, "certified") == 0;
 }
 
+// By the plan of the nearer neighbour, or of the other, or else by any, of those
+// that were measured at sizes around this one. Where one device did it all, a plan
+// says nothing of how they would share.
+static bool forecast_between(look *l, const neighbour near[2], forecast *f, bool *found)
+{
+    *found = false;
+    for (int i = 0; i < 2 && !*found; ++i) {
+        const profile_plan *plan = &near[i].found.plan;
+        bool shared = near[i].n > 0 && plan->share > 0 && plan->share < PROFILE_SHARE_ONE;
+        if (shared && !forecast_best_of(l, plan, SIZE_SLACK, f, found))
+            return false;
+    }
+    return *found || forecast_best_of(l, NULL, SIZE_SLACK, f, found);
+}
+
+// Why none of the plans that were measured does.
+static bool tell_gap(look *l, const neighbour near[2])
+{
+    double n = (double)l->at.n;
+    bool between = near[0].n > 0 && near[1].n > 0;
+    if (l->why && between)
+        text_add(l->why,
+                 "no: no plan was measured both at %.0f objects or fewer and at %.0f or more",
+                 fmin(near[0].n, near[1].n), fmax(near[0].n, near[1].n));
+    else if (l->why)
+        text_add(l->why, "no: the size is %s those measured, the nearest of which is %.0f",
+                 near[0].n < n ? "above" : "below", near[0].n);
+    return true;
+}
+
 static bool look_interpolated(look *l, bool *held)
 {
-    neighbour near;
+    neighbour near[2];
     forecast f;
     bool found = false;
-    double n = (double)l->at.n;
-    if (!find_neighbour(l, &near))
+    if (!find_neighbours(l, near))
         return false;
-    if (near.n <= 0)
+    if (near[0].n <= 0)
         return refuse(l, "no like workload was measured on these two devices");
-    *held =
-        is_about(near.n, n, SIZE_SLACK) && is_about(near.occupancy, l->at.occ_mean, CROWD_SLACK);
+    *held = is_about(near[0].n, (double)l->at.n, SIZE_SLACK) &&
+            is_about(near[0].occupancy, l->at.occ_mean, CROWD_SLACK);
     if (*held)
-        return use_neighbour(l, &near);
+        return use_neighbour(l, &near[0]);
     if (!is_accurate_anywhere(l))
         return refuse(l, "accuracy is asked for, which times of other sizes say nothing about");
-    // Where one device did it all, the plan says nothing of how they would share.
-    bool shared = near.found.plan.share > 0 && near.found.plan.share < PROFILE_SHARE_ONE;
-    if (!forecast_best_of(l, shared ? &near.found.plan : NULL, &f, &found))
+    if (!forecast_between(l, near, &f, &found))
         return false;
-    if (!found)
-        return refuse(l, "like workloads were measured, but too few shares to predict others");
-    if (n * SIZE_SLACK < f.n_min || n > f.n_max * SIZE_SLACK)
-        return refuse(l, "the size is beyond those measured");
-    return use_forecast(l, &f, held);
+    return found ? use_forecast(l, &f, held) : tell_gap(l, near);
 }
 
 static bool look_transferred(look *l, bool *held)
@@ -426,7 +484,7 @@ static bool look_transferred(look *l, bool *held)
         return refuse(l, "accuracy is asked for, which times of other sizes say nothing about");
     forecast f;
     bool found = false;
-    if (!forecast_best_of(l, NULL, &f, &found))
+    if (!forecast_best_of(l, NULL, 0, &f, &found))
         return false;
     if (!found)
         return refuse(l, "one of the devices was never measured on a like workload");
@@ -517,6 +575,18 @@ bool profile_lookup(store *s, const profile_request *request, profile_found *fou
         *found = (profile_found){.grade = PROFILE_DEFAULT};
     text_free(&l.family);
     return ok && (!why || text_ok(why, err));
+}
+
+bool profile_read(store *s, const char *uid, profile_found *found, duet_error *err)
+{
+    sql q = sql_select(s, found_columns, " FROM profile p WHERE p.uid = ?", err);
+    sql_text(&q, uid);
+    *found = (profile_found){.grade = PROFILE_DEFAULT};
+    if (sql_row(&q)) {
+        sql_read(&q, 0, found_columns, found);
+        found->grade = PROFILE_EXACT;
+    }
+    return sql_close(&q);
 }
 
 // ---------------------------------------------------------------------- two files

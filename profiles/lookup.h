@@ -54,21 +54,30 @@ typedef struct profile_found {
     double gain_low;
     double gain_high;
     char verdict[16];
+    uint32_t rounds;     // of the race that the gain is of; 0 where not known
     uint32_t best_share; // of the best plan that shares the work, which the gain is of
     char best_mode[16];
-    char terms[512];    // its equations 4 to 6, as JSON; empty where not known
+    char terms[512];   // its equations 4 to 6, as JSON; empty where not known
+    double whole_ns;   // a step by the undivided device of A and B; 0: it was not raced
+    double whole_gain; // of the plan over it
+    double whole_gain_low;
+    double whole_gain_high;
     double missed_rate; // by true pairs, as measured at that level
     double false_rate;
     int64_t true_pairs; // -1: the rates were not measured
     int64_t created_ns; // calendar; 0 where predicted
     char session[PROFILE_ID];
     char uid[PROFILE_ID]; // of the profile; empty where predicted
+    char unused[128];     // why it is not live; empty: it is
 } profile_found;
 
 // Looks in one store. found is always filled; why, unless NULL, takes one line
 // a grade, with the reason why it did or did not hold.
 bool profile_lookup(store *s, const profile_request *request, profile_found *found, text *why,
                     duet_error *err);
+
+// The one stored profile of that uid, live or not: as of grade exact.
+bool profile_read(store *s, const char *uid, profile_found *found, duet_error *err);
 
 // What an application does at its start: looks in the user's file and, where
 // that has nothing better, in the system's; neither is written, made, or

@@ -8,6 +8,7 @@
 #include "profiles/sql.h"
 
 #include "base/blob.h"
+#include "profiles/profile.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -113,6 +114,14 @@ const char *const migrate_upgrades[] = {
     "WHERE json_valid(search_state) AND json_type(search_state, '$.tape') = "
     "'array';" RENAME_VARIANTS("trial")
         RENAME_VARIANTS("profile") "UPDATE fit SET " RENAME_VARIANT("variant"),
+    // 4: how well a verdict is founded, and the race against the undivided device.
+    "ALTER TABLE profile ADD COLUMN rounds INTEGER;"
+    "ALTER TABLE profile ADD COLUMN whole_ns REAL;"
+    "ALTER TABLE profile ADD COLUMN whole_gain REAL;"
+    "ALTER TABLE profile ADD COLUMN whole_gain_low REAL;"
+    "ALTER TABLE profile ADD COLUMN whole_gain_high REAL;"
+    "UPDATE profile SET live = 0, dead_reason = '" PROFILE_UNFOUNDED "' "
+    "WHERE live = 1 AND verdict = 'ambiguous';",
     NULL,
 };
 

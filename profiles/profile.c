@@ -4,20 +4,29 @@
 #include "base/clock.h"
 #include "profiles/sql.h"
 
+#include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define LIVE_OF_KEY                                                                         \
+    "workload_id = ?1 AND pair_id = ?2 AND objective = ?3 AND kernels = ?4 AND level = ?5 " \
+    "AND live = 1"
+
+static void bind_key(sql *q, const profile_row *row)
+{
+    sql_int(q, row->workload_id);
+    sql_int(q, row->pair_id);
+    sql_text(q, row->objective);
+    sql_text(q, row->kernels);
+    sql_text(q, row->plan.level);
+}
 
 static bool retire_live(store *s, const profile_row *row, const char *reason, duet_error *err)
 {
-    sql q = sql_make(s,
-                     "UPDATE profile SET live = 0, dead_reason = ? WHERE workload_id = ? AND "
-                     "pair_id = ? AND objective = ? AND kernels = ? AND level = ? AND live = 1",
-                     err);
+    sql q = sql_make(s, "UPDATE profile SET live = 0, dead_reason = ?6 WHERE " LIVE_OF_KEY, err);
+    bind_key(&q, row);
     sql_text(&q, reason);
-    sql_int(&q, row->workload_id);
-    sql_int(&q, row->pair_id);
-    sql_text(&q, row->objective);
-    sql_text(&q, row->kernels);
-    sql_text(&q, row->plan.level);
     return sql_run(&q);
 }
 
@@ -38,9 +47,21 @@ static const sql_column row_columns[] = {
     SQL_COLUMN("missed_rate", profile_row, missed_rate),
     SQL_COLUMN("false_rate", profile_row, false_rate),
     SQL_COLUMN("terms", profile_row, terms),
+    SQL_COLUMN("rounds", profile_row, rounds),
     SQL_COLUMN("origin", profile_row, origin),
     {0},
 };
+
+// These exist only where the undivided device was raced.
+static const sql_column whole_columns[] = {
+    SQL_COLUMN("whole_ns", profile_row, whole_ns),
+    SQL_COLUMN("whole_gain", profile_row, whole_gain),
+    SQL_COLUMN("whole_gain_low", profile_row, whole_gain_low),
+    SQL_COLUMN("whole_gain_high", profile_row, whole_gain_high),
+    {0},
+};
+
+#define WHOLE "whole_ns, whole_gain, whole_gain_low, whole_gain_high"
 
 // -1 is no number.
 static void bind_number(sql *q, int64_t number)
@@ -51,34 +72,191 @@ static void bind_number(sql *q, int64_t number)
         sql_int(q, number);
 }
 
-static bool insert(store *s, const profile_row *row, const char *uid, duet_error *err)
+static bool insert(store *s, const profile_row *row, const profile_placed *placed, duet_error *err)
 {
     sql q = sql_insert(s, "profile", row_columns,
-                       "true_pairs, single_ns, best_share, best_mode, session_id, trial, uid, "
-                       "created_ns, live",
+                       WHOLE ", true_pairs, single_ns, best_share, best_mode, session_id, trial, "
+                             "uid, created_ns, live, dead_reason",
                        "", err);
+    bool live = !*placed->unused;
     sql_bind(&q, row_columns, row);
+    sql_bind(&q, whole_columns, row->whole_ns > 0 ? row : NULL);
     bind_number(&q, row->true_pairs);
     sql_real(&q, row->single_ns != 0 ? row->single_ns : NAN);
     sql_int(&q, row->best_mode ? row->best_share : row->plan.share);
     sql_text(&q, row->best_mode ? row->best_mode : row->plan.mode);
     sql_text(&q, row->session);
     bind_number(&q, row->trial_number);
-    sql_text(&q, uid);
+    sql_text(&q, placed->uid);
     sql_int(&q, clock_calendar_ns());
-    sql_int(&q, 1);
+    sql_int(&q, live);
+    sql_text(&q, live ? NULL : placed->unused);
     return sql_run(&q);
 }
 
-bool profile_put(store *s, const profile_row *row, const char *reason, duet_error *err)
+// ---------------------------------------------------------------- which one is live
+
+// How sure a gain is.
+typedef struct grounds {
+    char uid[PROFILE_ID]; // empty: there is no such profile
+    char verdict[16];
+    double gain_low;
+    double gain_high;
+    uint32_t rounds;
+    double high_ns;   // of a step
+    bool asked_alike; // by the session of the row that is compared
+} grounds;
+
+static const sql_column grounds_columns[] = {
+    SQL_COLUMN("uid", grounds, uid),
+    SQL_COLUMN("verdict", grounds, verdict),
+    SQL_COLUMN("gain_low", grounds, gain_low),
+    SQL_COLUMN("gain_high", grounds, gain_high),
+    SQL_COLUMN("rounds", grounds, rounds),
+    SQL_COLUMN("high_ns", grounds, high_ns),
+    SQL_COLUMN("coalesce((SELECT a.strategy = b.strategy AND a.options = b.options "
+               "FROM session a JOIN session b WHERE a.id = session_id AND b.id = ?6), 1)",
+               grounds, asked_alike),
+    {0},
+};
+
+static bool find_live(store *s, const profile_row *row, grounds *live, duet_error *err)
 {
-    char uid[PROFILE_ID];
+    sql q = sql_select(s, grounds_columns, " FROM profile WHERE " LIVE_OF_KEY, err);
+    bind_key(&q, row);
+    sql_text(&q, row->session);
+    *live = (grounds){0};
+    if (sql_row(&q))
+        sql_read(&q, 0, grounds_columns, live);
+    return sql_close(&q);
+}
+
+// `same` is what a noisy race says of anything, unless its interval is narrow.
+static bool is_founded_as_well(const profile_row *row, const grounds *live)
+{
+    double width = (1 + row->gain_high) / (1 + row->gain_low);
+    bool narrow = width <= (1 + live->gain_high) / (1 + live->gain_low);
+    if (row->rounds == 0 && live->rounds > 0)
+        return false;
+    if (strcmp(row->verdict, "same") == 0 && strcmp(live->verdict, "same") != 0)
+        return narrow;
+    return narrow || row->rounds >= live->rounds;
+}
+
+// A search with other options, as fewer kernels to choose from, may find a worse plan
+// and be as sure of it. The same search again says that the machine has changed.
+static bool is_worse(const profile_row *row, const grounds *live)
+{
+    return strcmp(row->origin, "measured") == 0 && !live->asked_alike &&
+           row->low_ns > live->high_ns;
+}
+
+static bool place(store *s, const profile_row *row, const char *unused, profile_placed *placed,
+                  duet_error *err)
+{
+    grounds live;
+    if (!find_live(s, row, &live, err))
+        return false;
+    if (strcmp(row->verdict, "ambiguous") == 0)
+        unused = PROFILE_UNFOUNDED;
+    if (unused)
+        snprintf(placed->unused, sizeof placed->unused, "%s", unused);
+    else if (*live.uid && !is_founded_as_well(row, &live))
+        snprintf(placed->unused, sizeof placed->unused, "%.8s is better founded", live.uid);
+    else if (*live.uid && is_worse(row, &live))
+        snprintf(placed->unused, sizeof placed->unused, "%.8s has the faster plan", live.uid);
+    return true;
+}
+
+bool profile_put(store *s, const profile_row *row, const char *unused, const char *reason,
+                 profile_placed *placed, duet_error *err)
+{
+    profile_placed here = {0};
     if (row->terms && !sql_check_object("a profile's terms", row->terms, err))
         return false;
-    if (!profile_new_id(uid, err) || !store_begin(s, err))
+    if (!profile_new_id(here.uid, err) || !store_begin(s, err))
         return false;
-    bool ok = retire_live(s, row, reason, err);
-    ok = ok && insert(s, row, uid, err);
+    bool ok = place(s, row, unused, &here, err);
+    ok = ok && (*here.unused || retire_live(s, row, reason, err));
+    ok = store_end(s, ok && insert(s, row, &here, err), err);
+    if (ok && placed)
+        *placed = here;
+    return ok;
+}
+
+bool profile_find(store *s, const char *uid, char whole[PROFILE_ID], duet_error *err)
+{
+    int64_t n = 0;
+    sql q = sql_make(s, "SELECT uid FROM profile WHERE substr(uid, 1, length(?1)) = ?1", err);
+    sql_text(&q, uid);
+    for (; sql_row(&q); ++n)
+        sql_copy(whole, PROFILE_ID, sql_get_text(&q, 0));
+    if (!sql_close(&q))
+        return false;
+    if (n == 0)
+        return error_set(err, DUET_STATUS_NOT_FOUND,
+                         "%s: no profile begins with '%s'; 'duet profiles list --dead' shows them",
+                         s->path, uid);
+    return n == 1 ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "%s: %" PRId64 " profiles begin with '%s'; give more digits", s->path, n, uid);
+}
+
+// The live profile of the same key makes room.
+static bool make_room(store *s, const char *uid, duet_error *err)
+{
+#define KEY "pair_id, workload_id, kernels, objective, level"
+    sql q = sql_make(s,
+                     "UPDATE profile SET live = 0, dead_reason = ?1 WHERE live = 1 AND uid <> ?2 "
+                     "AND (" KEY ") = (SELECT " KEY " FROM profile WHERE uid = ?2)",
+                     err);
+#undef KEY
+    sql_text(&q, "another was put to use");
+    sql_text(&q, uid);
+    return sql_run(&q);
+}
+
+static bool check_founded(store *s, const char *uid, duet_error *err)
+{
+    int64_t id = 0;
+    if (!sql_find(s, "SELECT id FROM profile WHERE uid = ? AND verdict = 'ambiguous'", uid, &id,
+                  err))
+        return false;
+    return id == 0 ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "%s: profile %.8s cannot be put to use: too few rounds for a verdict; "
+                     "tune with a larger budget",
+                     s->path, uid);
+}
+
+static bool run_on(store *s, const char *statement, const char *uid, duet_error *err)
+{
+    sql q = sql_make(s, statement, err);
+    sql_text(&q, uid);
+    return sql_run(&q);
+}
+
+bool profile_use(store *s, const char *uid, duet_error *err)
+{
+    char whole[PROFILE_ID];
+    if (!store_begin(s, err))
+        return false;
+    bool ok =
+        profile_find(s, uid, whole, err) && check_founded(s, whole, err) &&
+        make_room(s, whole, err) &&
+        run_on(s, "UPDATE profile SET live = 1, dead_reason = NULL WHERE uid = ?", whole, err) &&
+        store_audit(s, "use", whole, err);
+    return store_end(s, ok, err);
+}
+
+bool profile_forget(store *s, const char *uid, duet_error *err)
+{
+    char whole[PROFILE_ID];
+    if (!store_begin(s, err))
+        return false;
+    bool ok = profile_find(s, uid, whole, err) &&
+              run_on(s, "DELETE FROM profile WHERE uid = ?", whole, err) &&
+              store_audit(s, "forget", whole, err);
     return store_end(s, ok, err);
 }
 
@@ -96,6 +274,10 @@ const char profile_entry_from[] =
 static const sql_column entry_columns[] = {
     SQL_COLUMN("coalesce(p.true_pairs, -1)", profile_entry, row.true_pairs),
     SQL_COLUMN("p.single_ns", profile_entry, row.single_ns),
+    SQL_COLUMN("p.whole_ns", profile_entry, row.whole_ns),
+    SQL_COLUMN("p.whole_gain", profile_entry, row.whole_gain),
+    SQL_COLUMN("p.whole_gain_low", profile_entry, row.whole_gain_low),
+    SQL_COLUMN("p.whole_gain_high", profile_entry, row.whole_gain_high),
     SQL_COLUMN("p.best_share", profile_entry, row.best_share),
     SQL_COLUMN("p.best_mode", profile_entry, row.best_mode),
     SQL_COLUMN("p.uid", profile_entry, uid),

@@ -26,14 +26,44 @@ typedef struct profile_row {
     uint32_t best_share;   // of the best plan that shares the work, which the gain is of
     const char *best_mode; // NULL: the plan is that one
     const char *terms;     // of the best plan, a JSON object as a trial's; NULL: not known
-    const char *origin;    // "measured", "online" or "manual"
-    const char *session;   // NULL only for "manual"
-    int64_t trial_number;  // of that session, the plan's trial; -1: none
+    uint32_t rounds;       // of the race that the gain is of; 0: there was none, or not known
+    double whole_ns;       // a step by the undivided device of A and B; 0: it was not raced
+    double whole_gain;     // of the plan over it
+    double whole_gain_low;
+    double whole_gain_high;
+    const char *origin;   // "measured", "online" or "manual"
+    const char *session;  // NULL only for "manual"
+    int64_t trial_number; // of that session, the plan's trial; -1: none
 } profile_row;
 
-// Makes it the live profile of its pair, workload, kernels, objective and
-// level. One that was live stays in the store, dead for `reason`.
-bool profile_put(store *s, const profile_row *row, const char *reason, duet_error *err);
+// A plan that was not raced often enough is never loaded.
+#define PROFILE_UNFOUNDED "too few rounds for a verdict"
+
+// Where a row went.
+typedef struct profile_placed {
+    char uid[PROFILE_ID];
+    char unused[128]; // why it is not live; empty: it is
+} profile_placed;
+
+// Stores it. It becomes the live profile of its pair, workload, kernels,
+// objective and level, unless `unused` (else NULL) says why not, or one that
+// is live is better founded (it has a verdict, as `faster` says more than `same`,
+// more rounds, a narrower interval), or was searched with other options and has
+// the faster step for sure. One that was live stays in the store, dead for
+// `reason`. placed may be NULL.
+bool profile_put(store *s, const profile_row *row, const char *unused, const char *reason,
+                 profile_placed *placed, duet_error *err);
+
+// The one profile whose uid begins with `uid`. NOT_FOUND for none, BAD_ARGUMENT
+// for several.
+bool profile_find(store *s, const char *uid, char whole[PROFILE_ID], duet_error *err);
+
+// Makes a stored profile the live one of its key. BAD_ARGUMENT for one without a
+// verdict.
+bool profile_use(store *s, const char *uid, duet_error *err);
+
+// Removes a profile; its session and trials stay.
+bool profile_forget(store *s, const char *uid, duet_error *err);
 
 // ---------------------------------------------------------------- as people see it
 

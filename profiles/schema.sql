@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- The profile store, schema 3. Needs SQLite 3.37 for STRICT.
+-- The profile store, schema 4. Needs SQLite 3.37 for STRICT.
 -- Times end in _ns and are nanoseconds: INTEGER for moments since 1970 and for
 -- single launches, REAL for statistics. Shares are integers out of 65536.
 
@@ -152,7 +152,8 @@ CREATE TABLE sample (
   PRIMARY KEY (trial_id, number)
 ) STRICT, WITHOUT ROWID;
 
--- What an application loads. Replaced rows stay, dead, with the reason.
+-- What an application loads. Rows that were replaced, or are not founded well
+-- enough to be loaded, stay, dead, with the reason.
 CREATE TABLE profile (
   id          INTEGER PRIMARY KEY,
   uid         TEXT NOT NULL UNIQUE,      -- random, the same in every store
@@ -186,6 +187,11 @@ CREATE TABLE profile (
   best_share  INTEGER CHECK (best_share BETWEEN 0 AND 65536), -- of the plan that the gain is of
   best_mode   TEXT CHECK (best_mode IN ('shared', 'own', 'slab')),
   terms       TEXT CHECK (terms GLOB '{*}'),                  -- and its equations 4 to 6
+  rounds      INTEGER,                   -- of the race that the gain is of; NULL: not known
+  whole_ns    REAL,                      -- a step by the device that A and B are parts of;
+  whole_gain  REAL,                      -- NULL: they are of none, or it was not raced.
+  whole_gain_low  REAL,                  -- What the plan gains over it
+  whole_gain_high REAL,
   CHECK (origin = 'manual' OR session_id IS NOT NULL),
   CHECK ((live = 1) = (dead_reason IS NULL))
 ) STRICT;

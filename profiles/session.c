@@ -122,18 +122,20 @@ bool profile_session_begin(store *s, const profile_session *session, char id[PRO
     return store_end(s, ok, err);
 }
 
-// The latest one that is not at its end and asks for the same.
-static bool find_unfinished(store *s, const profile_session *session, profile_resumed *resumed,
-                            duet_error *err)
+// A session s that asks for the same. What is in a script decides only where the
+// script is the strategy.
+#define SAME_QUESTION                                                                   \
+    "s.workload_id = ?1 AND s.pair_id = ?2 AND s.kernels = ?3 AND s.strategy = ?4 AND " \
+    "s.objective = ?5 AND s.options = ?6 AND s.seed = ?7 AND "                          \
+    "(s.strategy <> 'lua' OR s.script IS ?8) "
+
+// key: of the script, which must live until sql_close.
+static sql ask(store *s, const char *query, const profile_session *session, char key[PROFILE_SHA],
+               duet_error *err)
 {
-    sql q = sql_make(
-        s,
-        "SELECT id, state, host, pid, pid_start, heartbeat_ns, coalesce(search_state, ''), "
-        "(SELECT count(*) FROM trial WHERE session_id = session.id) FROM session "
-        "WHERE workload_id = ? AND pair_id = ? AND kernels = ? AND strategy = ? AND objective = ? "
-        "AND options = ? AND seed = ? AND state IN ('running', 'stopped') "
-        "ORDER BY started_ns DESC LIMIT 1",
-        err);
+    if (session->script)
+        profile_sha(session->script, strlen(session->script), key);
+    sql q = sql_make(s, query, err);
     sql_int(&q, session->workload_id);
     sql_int(&q, session->pair_id);
     sql_text(&q, session->kernels);
@@ -141,15 +143,62 @@ static bool find_unfinished(store *s, const profile_session *session, profile_re
     sql_text(&q, session->objective);
     sql_text(&q, options_of(session));
     sql_int(&q, (int64_t)session->seed);
+    sql_text(&q, session->script ? key : NULL);
+    return q;
+}
+
+bool profile_session_known(store *s, const profile_session *session, char uid[PROFILE_ID],
+                           duet_error *err)
+{
+    char key[PROFILE_SHA];
+    sql q =
+        ask(s,
+            "SELECT p.uid FROM session s JOIN profile p ON p.session_id = s.id "
+            "WHERE s.state = 'complete' AND " SAME_QUESTION "ORDER BY p.created_ns DESC LIMIT 1",
+            session, key, err);
+    *uid = '\0';
+    if (sql_row(&q))
+        sql_copy(uid, PROFILE_ID, sql_get_text(&q, 0));
+    return sql_close(&q);
+}
+
+// Two searches at once would disturb each other's times.
+static bool find_owner(store *s, const profile_session *session, profile_resumed *resumed,
+                       duet_error *err)
+{
+    char here[PROFILE_SHA];
+    profile_host(here);
+    sql q = sql_make(s,
+                     "SELECT host, pid, pid_start, heartbeat_ns FROM session "
+                     "WHERE workload_id = ? AND (pair_id = ? OR host = ?) AND state = 'running'",
+                     err);
+    sql_int(&q, session->workload_id);
+    sql_int(&q, session->pair_id);
+    sql_text(&q, here);
+    while (resumed->claim != PROFILE_CLAIM_BUSY && sql_row(&q)) {
+        resumed->pid = sql_get_int(&q, 1);
+        if (owner_lives(sql_get_text(&q, 0), resumed->pid, sql_get_int(&q, 2), sql_get_int(&q, 3)))
+            resumed->claim = PROFILE_CLAIM_BUSY;
+    }
+    return sql_close(&q);
+}
+
+// The latest one that is not at its end.
+static bool find_unfinished(store *s, const profile_session *session, profile_resumed *resumed,
+                            duet_error *err)
+{
+    char key[PROFILE_SHA];
+    sql q = ask(s,
+                "SELECT id, coalesce(search_state, ''), "
+                "(SELECT count(*) FROM trial WHERE session_id = s.id) FROM session s "
+                "WHERE s.state IN ('running', 'stopped') AND " SAME_QUESTION
+                "ORDER BY started_ns DESC LIMIT 1",
+                session, key, err);
     if (sql_row(&q)) {
         sql_copy(resumed->id, sizeof resumed->id, sql_get_text(&q, 0));
-        resumed->pid = sql_get_int(&q, 3);
-        bool running = strcmp(sql_get_text(&q, 1), "running") == 0;
-        bool lives = running && owner_lives(sql_get_text(&q, 2), resumed->pid, sql_get_int(&q, 4),
-                                            sql_get_int(&q, 5));
-        resumed->claim = lives ? PROFILE_CLAIM_BUSY : PROFILE_CLAIM_RESUMED;
-        text_add(&resumed->search_state, "%s", sql_get_text(&q, 6));
-        resumed->trials = (uint32_t)sql_get_int(&q, 7);
+        resumed->claim = PROFILE_CLAIM_RESUMED;
+        text_add(&resumed->search_state, "%s", sql_get_text(&q, 1));
+        resumed->trials = (uint32_t)sql_get_int(&q, 2);
     }
     return sql_close(&q) && text_ok(&resumed->search_state, err);
 }
@@ -177,7 +226,9 @@ bool profile_session_resume(store *s, const profile_session *session, profile_re
     // Found and taken in one transaction, so that two processes never take one session.
     if (!store_begin(s, err))
         return false;
-    bool ok = find_unfinished(s, session, resumed, err);
+    bool ok = find_owner(s, session, resumed, err);
+    if (ok && resumed->claim == PROFILE_CLAIM_NONE)
+        ok = find_unfinished(s, session, resumed, err);
     if (ok && resumed->claim == PROFILE_CLAIM_RESUMED)
         ok = become_owner(s, resumed->id, err);
     return store_end(s, ok, err);

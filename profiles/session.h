@@ -47,8 +47,15 @@ bool profile_new_id(char id[PROFILE_ID], duet_error *err);
 bool profile_session_begin(store *s, const profile_session *session, char id[PROFILE_ID],
                            duet_error *err);
 
-// Takes up the latest unfinished session with the same pair, workload,
-// kernels, strategy, objective, options and seed, if its owner has gone.
+// The profile that the latest complete session of the same question left, live or
+// not: of the same pair, workload, kernels, strategy, objective, options and seed,
+// and for strategy "lua" of the same script. uid is empty where there is none.
+bool profile_session_known(store *s, const profile_session *session, char uid[PROFILE_ID],
+                           duet_error *err);
+
+// Takes up the latest unfinished session of the same question if its owner has
+// gone. BUSY while a living process measures the workload, whatever its question,
+// on this machine or on this pair.
 bool profile_session_resume(store *s, const profile_session *session, profile_resumed *resumed,
                             duet_error *err);
 void profile_resumed_free(profile_resumed *resumed);

@@ -21,8 +21,10 @@ enum { COOKIE = 0x0d0e7005, REPEATS = 3, GROUP = 128, CHOICE_ROUNDS = 7 };
 
 duet_tune_def duet_default_tune_def(void)
 {
-    return (duet_tune_def){
-        .strategy = strategies[0]->name, .keep = true, .repeats = REPEATS, .cookie = COOKIE};
+    return (duet_tune_def){.strategy = strategies[0]->name,
+                           .keep = DUET_KEEP_DEFAULT,
+                           .repeats = REPEATS,
+                           .cookie = COOKIE};
 }
 
 const char *duet_strategy_get_name(uint32_t i)
@@ -75,6 +77,16 @@ static bool check_levels(const duet_tune_def *def, duet_error *err)
     return !def->has_accuracy || accuracy_check(&def->accuracy, "the tuning's", err);
 }
 
+static bool check_budget(const duet_tune_def *def, duet_error *err)
+{
+    uint32_t least = tune_least_trials(def);
+    return def->budget_trials == 0 || def->budget_trials >= least ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "a budget of %u trials ends before a verdict; expected at least %u, or fewer "
+                     "variants or modes",
+                     def->budget_trials, least);
+}
+
 static bool check_def(const duet_tune_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
@@ -96,7 +108,7 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
         if (!variant_parse(&v, def->variants[i], duet_device_pair_get_info(def->pair, 0), err))
             return false;
     }
-    return check_levels(def, err) && check_strategy(def->strategy, err);
+    return check_levels(def, err) && check_strategy(def->strategy, err) && check_budget(def, err);
 }
 
 // ---------------------------------------------------------------- a tuning
@@ -109,6 +121,11 @@ typedef struct tuning_resources {
     profile_subject subject;
     record record; // without a store where nothing is kept
     trial_log state;
+    char whole_name[80];          // of the device that A and B are parts of
+    duet_device_pair *whole_pair; // that device, once it is raced
+    duet_world *whole_world;
+    measure_world whole;
+    uint64_t hash; // of the right pairs
 } tuning_resources;
 
 static void let_go(tuning_resources *h)
@@ -116,6 +133,8 @@ static void let_go(tuning_resources *h)
     record_close(&h->record);
     trial_log_free(&h->state);
     script_close(h->script);
+    duet_world_destroy(h->whole_world);
+    duet_device_pair_destroy(h->whole_pair);
     duet_world_destroy(h->world);
 }
 
@@ -164,7 +183,7 @@ static bool prepare(tuning_resources *h, const duet_tune_def *def, duet_error *e
 {
     h->def = complete_def(def);
     return make_world(h, err) && open_script(h, err) && describe_world(h, err) &&
-           (!def->keep || record_open(&h->record, def->store, err));
+           (def->keep == DUET_KEEP_NOTHING || record_open(&h->record, def->store, err));
 }
 
 // ---------------------------------------------------------------- the level
@@ -257,11 +276,6 @@ static bool settle_level(tuning_resources *h, duet_error *err)
 
 // ---------------------------------------------------------------- measuring
 
-static bool is_finished(const profile_found *found)
-{
-    return found->grade == PROFILE_EXACT;
-}
-
 static bool tell_known(const profile_found *found, duet_tune_outcome *outcome, duet_error *err)
 {
     *outcome = (duet_tune_outcome){
@@ -273,10 +287,17 @@ static bool tell_known(const profile_found *found, duet_tune_outcome *outcome, d
         .step_ms = found->median_ns * 1e-6,
         .step_low_ms = found->low_ns * 1e-6,
         .step_high_ms = found->high_ns * 1e-6,
+        .rounds = found->rounds,
         .single_ms = found->single_ns * 1e-6,
+        .whole_ms = found->whole_ns * 1e-6,
+        .whole_gain = found->whole_gain,
+        .whole_gain_low = found->whole_gain_low,
+        .whole_gain_high = found->whole_gain_high,
         .known = true,
     };
     memcpy(outcome->verdict, found->verdict, sizeof outcome->verdict);
+    memcpy(outcome->uid, found->uid, sizeof found->uid);
+    memcpy(outcome->unused, found->unused, sizeof outcome->unused);
     cJSON *terms = cJSON_ParseWithOpts(found->terms, NULL, true);
     terms_from_json(terms, &outcome->terms);
     cJSON_Delete(terms);
@@ -303,15 +324,14 @@ static bool measure_accuracy(const duet_scene *scene, const duet_pair *pairs, ui
 }
 
 // The pairs that every plan must find at the level, and how right they are.
-static bool find_right_pairs(const tuning_resources *h, uint64_t *hash, duet_tune_outcome *outcome,
-                             duet_error *err)
+static bool find_right_pairs(tuning_resources *h, duet_tune_outcome *outcome, duet_error *err)
 {
     duet_pair *pairs;
     uint64_t n;
     duet_level level = duet_world_get_level(h->world);
     if (!duet_reference(h->def.scene, level, &pairs, &n, err))
         return false;
-    *hash = duet_pairs_hash(pairs, n);
+    h->hash = duet_pairs_hash(pairs, n);
     outcome->true_pairs = n; // by certified's promise
     bool ok =
         level == DUET_LEVEL_CERTIFIED || measure_accuracy(h->def.scene, pairs, n, outcome, err);
@@ -326,27 +346,73 @@ static uint32_t least_share(uint32_t n)
     return share < 1 ? 1 : share > DUET_SHARE_ONE / 32 ? DUET_SHARE_ONE / 32 : (uint32_t)share;
 }
 
+static measure_world measured(const tuning_resources *h, duet_world *world)
+{
+    const duet_scene_info *info = duet_scene_get_info(h->def.scene);
+    return (measure_world){
+        .world = world, .shape = info->shape, .placed = info->origin_edge > 0, .n = info->n};
+}
+
+// "pocl:0" of "pocl:0[0-0]" and "pocl:0[1-1]"; false where A and B are not parts of
+// one device.
+static bool find_whole(const duet_device_pair *pair, char selector[80])
+{
+    const char *a = duet_device_pair_get_info(pair, 0)->selector;
+    const char *b = duet_device_pair_get_info(pair, 1)->selector;
+    size_t n = strcspn(a, "[");
+    snprintf(selector, 80, "%.*s", (int)n, a);
+    return a[n] && b[n] == '[' && strncmp(a, b, n) == 0;
+}
+
+// A world on all of the device, with the scene and the level that are tuned.
+static bool open_whole(void *context, const char *kernels, measure_machine *machine,
+                       duet_plan *plan)
+{
+    tuning_resources *h = context;
+    duet_device_pair_def devices = duet_default_device_pair_def();
+    devices.a = devices.b = h->whole_name;
+    h->whole_pair = duet_device_pair_create(&devices, NULL);
+    if (!h->whole_pair)
+        return false;
+    duet_world_def def = duet_scene_world_def(h->def.scene, h->whole_pair);
+    def.level = duet_world_get_level(h->world);
+    def.has_accuracy = false;
+    *plan = (duet_plan){.share = 0, .mode = DUET_MODE_OWN};
+    snprintf(plan->variant_a, sizeof plan->variant_a, "%s", kernels);
+    snprintf(plan->variant_b, sizeof plan->variant_b, "%s", kernels);
+    def.plan = *plan;
+    h->whole_world = duet_world_create(&def, NULL);
+    if (!h->whole_world || !duet_world_set_scene(h->whole_world, h->def.scene, NULL))
+        return false;
+    h->whole = measured(h, h->whole_world);
+    *machine = measure_world_machine(&h->whole, h->hash);
+    return true;
+}
+
 static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcome *outcome,
                 duet_error *err)
 {
-    uint64_t hash;
     const duet_scene_info *info = duet_scene_get_info(h->def.scene);
-    measure_world world = {
-        .world = h->world, .shape = info->shape, .placed = info->origin_edge > 0, .n = info->n};
+    measure_world world = measured(h, h->world);
     duet_tune_outcome right = {0};
-    if (!find_right_pairs(h, &hash, &right, err))
+    if (!find_right_pairs(h, &right, err))
         return false;
     bool guessed = near->grade == PROFILE_INTERPOLATED || near->grade == PROFILE_TRANSFERRED ||
                    near->grade == PROFILE_OTHER_DRIVER || near->grade == PROFILE_STALE;
     tune_task task = {
         .def = &h->def,
-        .machine = measure_world_machine(&world, hash),
+        .machine = measure_world_machine(&world, h->hash),
+
         .plan = *duet_world_get_plan(h->world),
         .has_start = guessed,
         .start = near->plan.share,
         .script = h->script,
         .least_share = least_share(info->n),
     };
+    task.one_device = strcmp(duet_device_pair_get_info(h->def.pair, 0)->selector,
+                             duet_device_pair_get_info(h->def.pair, 1)->selector) == 0;
+    if (find_whole(h->def.pair, h->whole_name))
+        task.whole = (tune_whole){h, open_whole};
     if (h->record.store)
         task.recorder = record_recorder(&h->record);
     bool ok = tune_run(&task, &h->state, outcome, err);
@@ -368,7 +434,7 @@ static bool run_recorded(tuning_resources *h, const profile_found *near, duet_tu
     const char *how = ok                                      ? "complete"
                       : why.status == DUET_STATUS_INTERRUPTED ? "stopped"
                                                               : "failed";
-    ok = record_end(&h->record, how, outcome, ok ? err : NULL) && ok;
+    ok = record_end(&h->record, how, &h->def, outcome, ok ? err : NULL) && ok;
     if (why.status != DUET_STATUS_OK && err && err->status == DUET_STATUS_OK)
         *err = why;
     return ok;
@@ -377,15 +443,17 @@ static bool run_recorded(tuning_resources *h, const profile_found *near, duet_tu
 bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_error *err)
 {
     tuning_resources h = {0};
-    profile_found found = {.grade = PROFILE_DEFAULT};
+    profile_found found = {.grade = PROFILE_DEFAULT}, known = found;
     if (!error_given(outcome, __func__, "outcome", err))
         return false;
     *outcome = (duet_tune_outcome){0};
     bool ok = check_def(def, err) && prepare(&h, def, err) && settle_level(&h, err);
+    if (ok && h.record.store && !def->fresh)
+        ok = record_known(&h.record, &h.def, &known, err);
     if (ok && h.record.store)
         ok = profile_lookup(h.record.store, &h.record.request, &found, NULL, err);
-    if (ok && is_finished(&found) && !def->fresh)
-        ok = tell_known(&found, outcome, err);
+    if (ok && known.grade == PROFILE_EXACT)
+        ok = tell_known(&known, outcome, err);
     else if (ok && h.record.store)
         ok = run_recorded(&h, &found, outcome, err);
     else if (ok)

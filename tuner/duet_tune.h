@@ -13,8 +13,9 @@ extern "C" {
 typedef struct duet_tune_progress {
     const char *stage; // "level", "variant of B", "share", "verdict"
     const duet_plan *plan;
-    double ms;       // of the trial; 0 where the plan did not run
-    uint32_t trials; // so far
+    double ms;            // of the trial; 0 where the plan did not run
+    uint32_t trials;      // so far
+    uint32_t most_trials; // there will be no more; 0: not known
     uint32_t launches;
     double seconds;
     bool remembered; // from an interrupted session, not measured again
@@ -23,11 +24,18 @@ typedef struct duet_tune_progress {
 // false stops the tuning: INTERRUPTED, and the same call resumes it.
 typedef bool duet_tune_watch(void *context, const duet_tune_progress *progress);
 
+// What becomes of a tuning's result.
+typedef enum duet_keep {
+    DUET_KEEP_NOTHING, // no store is used at all
+    DUET_KEEP_DEFAULT, // stored; applications load what the default strategy found
+    DUET_KEEP_ALWAYS   // and what another strategy found
+} duet_keep;
+
 typedef struct duet_tune_def {
     duet_device_pair *pair; // open for as long as the call takes, as the scene
     const duet_scene *scene;
-    const char *store;           // profile file; NULL: the user's (DUET_PROFILE)
-    bool keep;                   // false: uses no store at all
+    const char *store; // profile file; NULL: the user's (DUET_PROFILE)
+    duet_keep keep;
     bool fresh;                  // measures again what is finished
     const char *strategy;        // "balance"; duet_strategy lists them
     const char *strategy_lua;    // of "lua": text of a script that returns a function
@@ -40,7 +48,7 @@ typedef struct duet_tune_def {
     bool has_accuracy;        // chooses the quickest level that is within accuracy
     duet_accuracy accuracy;
     double budget_seconds;  // 0: no limit
-    uint32_t budget_trials; // 0: no limit
+    uint32_t budget_trials; // 0: no limit; BAD_ARGUMENT where a verdict takes more
     uint32_t repeats;       // launches of a trial, after one to warm up; 0: 3
     uint64_t seed;
     const char *script; // text of the tune.lua, kept with the session; may be NULL
@@ -82,20 +90,29 @@ typedef struct duet_tune_outcome {
     double gain_low;
     double gain_high;
     char verdict[16];   // of the best plan: "faster", "same", "slower" or "ambiguous"
+    uint32_t rounds;    // of the race that the verdict is of
     double step_ms;     // by the plan to use, the median
     double step_low_ms; // and its interval
     double step_high_ms;
-    double single_ms;      // by the better single device
+    double single_ms;  // by the better single device
+    double whole_ms;   // by the one device that A and B are parts of; 0: they are of none
+    double whole_gain; // of the plan to use over that one
+    double whole_gain_low;
+    double whole_gain_high;
     duet_tune_terms terms; // of the best plan; zero where a store has none
     uint32_t trials;
     uint32_t launches; // all, of interrupted sessions too
     double seconds;
-    bool known;   // finished before: nothing was measured
-    bool resumed; // continued an interrupted session
+    bool known;       // the same was asked and finished before: nothing was measured
+    bool resumed;     // continued an interrupted session
+    char uid[40];     // of the profile in the store; empty: none is kept
+    char unused[128]; // why applications do not load it; empty: they do
 } duet_tune_outcome;
 
 // Chooses the level where an accuracy is asked for, each device's variant, then
-// mode and share, then races the result against the single devices. NOT_FOUND
+// mode and share, then races the result against the single devices, and against
+// the whole device where both are parts of one. A profile that applications load
+// is replaced only by one that is founded at least as well (docs/store.md). NOT_FOUND
 // for an unknown strategy, or where no level is within the accuracy; WRONG_RESULT
 // where a plan of the default variant does not give the reference's pairs.
 DUET_API bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_error *err);
@@ -108,7 +125,8 @@ typedef struct duet_online duet_online;
 typedef struct duet_online_def {
     duet_world *world; // held until the close; begins with the plan that it has
     double most_extra; // a frame may be expected to take so much longer for a trial: 0.1
-    bool keep;         // stores at the close what was learned
+    bool keep;         // stores at the close what was learned; it is loaded from then on where a
+                       // tuned profile was before
     const char *store; // in this file; NULL: the user's (DUET_PROFILE)
     int cookie;
 } duet_online_def;

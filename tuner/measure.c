@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/measure.h"
 
+#include "base/budget.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "tuner/stats.h"
@@ -183,7 +184,7 @@ static const char *outcome_of(const duet_error *err)
 static bool launch_once(const measure_machine *machine, const duet_plan *plan, uint32_t flags,
                         measure_launch *launch, profile_sample *sample, duet_error *err)
 {
-    if (!machine->launch(machine->context, plan, launch, err))
+    if (!budget_check_stop(NULL) || !machine->launch(machine->context, plan, launch, err))
         return false;
     if (launch->hash != machine->hash)
         return error_set(err, DUET_STATUS_WRONG_RESULT,
@@ -236,6 +237,9 @@ measurement measure_plan(const measure_machine *machine, const duet_plan *plan, 
     for (bool ok = true; ok && m.n_samples <= repeats; m.n_samples += ok)
         ok = launch_once(machine, plan, m.n_samples ? 0 : PROFILE_SAMPLE_WARM_UP,
                          &launches[m.n_samples], &m.samples[m.n_samples], err);
+    // Ctrl-C reaches a driver's compiler as well, whose complaint is none of the plan's.
+    if (m.n_samples <= repeats && !budget_check_stop(NULL))
+        *err = (duet_error){.status = DUET_STATUS_INTERRUPTED, .text = "stopped"};
     m.spent_ns = clock_steady_ns() - begun;
     m.outcome = outcome_of(err);
     if (err->status == DUET_STATUS_OK)

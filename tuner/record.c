@@ -5,6 +5,7 @@
 #include "runtime/selection/profile_subject.h"
 
 #include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -105,6 +106,28 @@ static profile_session session_of(const record *r, const char *name)
     };
 }
 
+// What is asked: whatever decides what is measured. options must live as long.
+static profile_session question_of(const record *r, const duet_tune_def *def, text *options)
+{
+    write_options(def, options);
+    profile_session session = session_of(r, def->strategy);
+    session.options = text_chars(options);
+    session.seed = def->seed;
+    session.script = def->strategy_lua ? def->strategy_lua : def->script;
+    return session;
+}
+
+bool record_known(record *r, const duet_tune_def *def, profile_found *found, duet_error *err)
+{
+    text options = {0};
+    char uid[PROFILE_ID];
+    profile_session session = question_of(r, def, &options);
+    bool ok = text_ok(&options, err) && profile_session_known(r->store, &session, uid, err) &&
+              profile_read(r->store, uid, found, err);
+    text_free(&options);
+    return ok;
+}
+
 static bool take_up(record *r, const profile_session *session, trial_log *state, bool *resumed,
                     duet_error *err)
 {
@@ -129,14 +152,15 @@ bool record_begin(record *r, const duet_tune_def *def, trial_log *state, bool *r
                   duet_error *err)
 {
     text options = {0};
-    write_options(def, &options);
-    profile_session session = session_of(r, def->strategy);
-    session.options = text_chars(&options);
-    session.seed = def->seed;
-    session.script = def->strategy_lua ? def->strategy_lua : def->script;
-    bool ok = text_ok(&options, err) && take_up(r, &session, state, resumed, err);
-    if (ok && !*resumed)
-        ok = profile_session_begin(r->store, &session, r->session, err);
+    profile_session session = question_of(r, def, &options);
+    // One transaction, so that of two processes one begins.
+    bool ok = text_ok(&options, err) && store_begin(r->store, err);
+    if (ok) {
+        ok = take_up(r, &session, state, resumed, err);
+        if (ok && !*resumed)
+            ok = profile_session_begin(r->store, &session, r->session, err);
+        ok = store_end(r->store, ok, err);
+    }
     text_free(&options);
     return ok;
 }
@@ -196,9 +220,20 @@ static profile_row row_of(const record *r, const duet_plan *plan, const char *or
     };
 }
 
-static bool put_profile(record *r, const duet_tune_outcome *o, duet_error *err)
+// A search of another kind is research: applications load it by request only.
+static const char *unused_because(const duet_tune_def *def, char because[64])
 {
+    if (def->keep == DUET_KEEP_ALWAYS || strcmp(def->strategy, duet_strategy_get_name(0)) == 0)
+        return NULL;
+    snprintf(because, 64, "found by strategy '%s' without --keep", def->strategy);
+    return because;
+}
+
+static bool put_profile(record *r, const duet_tune_def *def, duet_tune_outcome *o, duet_error *err)
+{
+    char because[64];
     text terms = {0};
+    profile_placed placed;
     terms_to_json(&o->terms, &terms);
     profile_row row = row_of(r, &o->plan, "measured");
     row.median_ns = o->step_ms * 1e6;
@@ -211,20 +246,31 @@ static bool put_profile(record *r, const duet_tune_outcome *o, duet_error *err)
     row.missed_rate = o->accuracy.missed;
     row.false_rate = o->accuracy.false_rate;
     row.true_pairs = (int64_t)o->true_pairs;
+    row.rounds = o->rounds;
     row.single_ns = o->single_ms * 1e6;
+    row.whole_ns = o->whole_ms * 1e6;
+    row.whole_gain = o->whole_gain;
+    row.whole_gain_low = o->whole_gain_low;
+    row.whole_gain_high = o->whole_gain_high;
     row.best_share = o->best.share;
     row.best_mode = duet_mode_name(o->best.mode);
     row.terms = text_chars(&terms);
-    bool ok = text_ok(&terms, err) &&
-              profile_trial_find(r->store, r->session, &row.plan, &row.trial_number, err) &&
-              profile_put(r->store, &row, "tuned again", err);
+    bool ok =
+        text_ok(&terms, err) &&
+        profile_trial_find(r->store, r->session, &row.plan, &row.trial_number, err) &&
+        profile_put(r->store, &row, unused_because(def, because), "tuned again", &placed, err);
+    if (ok) {
+        memcpy(o->uid, placed.uid, sizeof placed.uid);
+        memcpy(o->unused, placed.unused, sizeof placed.unused);
+    }
     text_free(&terms);
     return ok;
 }
 
-bool record_end(record *r, const char *how, const duet_tune_outcome *outcome, duet_error *err)
+bool record_end(record *r, const char *how, const duet_tune_def *def, duet_tune_outcome *outcome,
+                duet_error *err)
 {
-    bool ok = strcmp(how, "complete") != 0 || put_profile(r, outcome, err);
+    bool ok = strcmp(how, "complete") != 0 || put_profile(r, def, outcome, err);
     return profile_session_end(r->store, r->session, ok ? how : "failed", err) && ok;
 }
 
@@ -246,10 +292,11 @@ bool record_online(record *r, const duet_plan *plan, double step_ns, duet_error 
         row.gain_low = before.gain_low;
         row.gain_high = before.gain_high;
         row.verdict = before.verdict;
+        row.rounds = before.rounds;
         row.missed_rate = before.missed_rate;
         row.false_rate = before.false_rate;
         row.true_pairs = before.true_pairs;
     }
-    bool ok = profile_put(r->store, &row, "tuned on line", err);
+    bool ok = profile_put(r->store, &row, NULL, "tuned on line", NULL, err);
     return profile_session_end(r->store, r->session, ok ? "complete" : "failed", err) && ok;
 }

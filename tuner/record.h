@@ -28,15 +28,21 @@ bool record_level_costs(record *r, profile_level_cost *costs, uint32_t *n, duet_
 bool record_keep_level_costs(record *r, const profile_level_cost *costs, uint32_t n,
                              duet_error *err);
 
+// What a session that asked the same has found before, live or not; of grade
+// default where none has.
+bool record_known(record *r, const duet_tune_def *def, profile_found *found, duet_error *err);
+
 // Takes up an interrupted session of the same tuning, whose log is then
-// filled, or begins one. STORE_FAILED where a living process has it.
+// filled, or begins one. STORE_FAILED where a living process tunes the workload.
 bool record_begin(record *r, const duet_tune_def *def, trial_log *state, bool *resumed,
                   duet_error *err);
 
 tune_recorder record_recorder(record *r);
 
-// how: "complete", "stopped" or "failed". A complete one leaves its profile.
-bool record_end(record *r, const char *how, const duet_tune_outcome *outcome, duet_error *err);
+// how: "complete", "stopped" or "failed". A complete one leaves its profile, and the
+// outcome says where.
+bool record_end(record *r, const char *how, const duet_tune_def *def, duet_tune_outcome *outcome,
+                duet_error *err);
 
 // Keeps a plan that was found while an application ran.
 bool record_online(record *r, const duet_plan *plan, double step_ns, duet_error *err);

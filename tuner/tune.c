@@ -15,9 +15,12 @@ enum {
     MOST_MODES = 8,
     VERDICT_REPEATS = 2, // at most, of which the quicker is typical
     LEAST_TRIALS = 8,    // from which a device's undisturbed time is taken
+    LEAST_SEARCHED = 3,  // trials of a mode
+    LEAST_RACED = 8,     // rounds from which a verdict has its confidence
 };
 
-static const double VARIANTS_END = 0.35, SEARCH_END = 0.7, VERDICT_END = 1; // parts of the budget
+// Parts of the budget. The search ends sooner where a verdict takes more trials.
+static const double VARIANTS_END = 0.35, SEARCH_END = 0.7, VERDICT_END = 0.9, ALL = 1;
 
 static const double WORTH_ALONE = 1.3; // A alone is raced where it may take so much of B alone
 static const double UNEVEN = 1.03;     // a step that could be so much shorter is evened out
@@ -32,6 +35,7 @@ typedef struct tuning {
     uint32_t repeats; // launches of a trial that count
     duet_plan plan;   // the variants chosen so far
     uint32_t launches;
+    uint32_t unlogged; // trials of the whole device, which the log has no plan for
     uint64_t spent_ns;
     bool cut;           // the budget ended a search
     duet_error failure; // of the first plan that did not run
@@ -44,7 +48,78 @@ typedef struct trial {
     duet_tune_terms terms;
 } trial;
 
+static const race_options quick_race = {
+    .least_rounds = 4, .most_rounds = 6, .level = 0.85, .dropped = 1};
+
+static const race_options last_race = {
+    .least_rounds = 14, .most_rounds = 40, .level = 0.99, .dropped = INFINITY, .margin = 0.03};
+
+// ---------------------------------------------------------------- what is asked
+
+static const char *const default_variants[] = {"auto", "simd", "auto sort=radix", "paper"};
+
+static const char *variant_at(const duet_tune_def *def, uint32_t i)
+{
+    enum { N_DEFAULT = sizeof default_variants / sizeof *default_variants };
+    if (def->n_variants > 0)
+        return i < def->n_variants ? def->variants[i] : NULL;
+    return i < N_DEFAULT ? default_variants[i] : NULL;
+}
+
+static uint32_t count_variants(const duet_tune_def *def)
+{
+    uint32_t n = 0;
+    while (variant_at(def, n))
+        ++n;
+    return n;
+}
+
+// Those that may be searched; some fit no pair of variants.
+static uint32_t count_modes(const duet_tune_def *def)
+{
+    enum { EACH = DUET_MODE_DEFAULT };
+    return def->n_modes > 0 && def->n_modes < EACH ? def->n_modes : EACH;
+}
+
 // ---------------------------------------------------------------- trials
+
+// Of the first race: all devices alone, and each mode's best share.
+static uint32_t most_rivals(const duet_tune_def *def)
+{
+    return 2 + count_modes(def);
+}
+
+uint32_t tune_least_trials(const duet_tune_def *def)
+{
+    uint32_t variants = count_variants(def);
+    return (variants > 1 ? 2 * variants + 2 : 0) + LEAST_SEARCHED * count_modes(def) +
+           LEAST_RACED * most_rivals(def) + LEAST_RACED * 2;
+}
+
+// What variants, search and verdict take at most.
+static uint32_t most_trials(const tuning *t)
+{
+    const duet_tune_def *def = t->task->def;
+    uint32_t variants = count_variants(def), modes = count_modes(def);
+    uint32_t searched = strategy_find(def->strategy)->launches;
+    uint32_t most = (variants > 1 ? 2 * variants * quick_race.most_rounds + 2 : 0) +
+                    modes * searched + most_rivals(def) * race_default_options().most_rounds +
+                    3 * last_race.most_rounds +
+                    (t->task->whole.open ? 2 * race_default_options().most_rounds : 0);
+    return def->budget_trials > 0 && def->budget_trials < most ? def->budget_trials : most;
+}
+
+// Trials at which the stage must end.
+static double last_trial(const tuning *t)
+{
+    const duet_tune_def *def = t->task->def;
+    double all = def->budget_trials;
+    double raced = all - (t->task->whole.open ? LEAST_RACED * 2 : 0);
+    double searched = fmin(SEARCH_END * raced, raced - LEAST_RACED * most_rivals(def));
+    if (t->stage_end <= SEARCH_END)
+        return t->stage_end / SEARCH_END * searched;
+    return t->stage_end < ALL ? raced : all;
+}
 
 // Of the stage.
 static bool within_budget(const tuning *t)
@@ -52,9 +127,29 @@ static bool within_budget(const tuning *t)
     const duet_tune_def *def = t->task->def;
     bool in_time =
         def->budget_seconds <= 0 || (double)t->spent_ns * 1e-9 < t->stage_end * def->budget_seconds;
-    bool in_trials =
-        def->budget_trials == 0 || t->state->played < t->stage_end * def->budget_trials;
-    return in_time && in_trials;
+    return in_time && (def->budget_trials == 0 || t->state->played + t->unlogged < last_trial(t));
+}
+
+// What trials at least take, each half as long as one device alone, says after the
+// first of them, whose kernels were built in it, whether the time can do.
+static bool check_budget(const tuning *t, const trial *first, duet_error *err)
+{
+    const duet_tune_def *def = t->task->def;
+    double launch_s = (double)first->sample.total_ns * 1e-9;
+    double least_s = (double)t->spent_ns * 1e-9 +
+                     0.5 * launch_s * (1 + VERDICT_REPEATS) * tune_least_trials(def);
+    return def->budget_seconds <= 0 || least_s <= def->budget_seconds ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "a budget of %.3g s ends before a verdict: a step takes %.3g s; expected at "
+                     "least %.3g s",
+                     def->budget_seconds, launch_s, ceil(least_s));
+}
+
+static bool stop(const tuning *t, duet_error *err)
+{
+    return error_set(err, DUET_STATUS_INTERRUPTED,
+                     "stopped after %u trials; the same command goes on from there",
+                     t->state->played);
 }
 
 static bool tell_watcher(const tuning *t, const trial_log_entry *entry, bool remembered,
@@ -65,16 +160,13 @@ static bool tell_watcher(const tuning *t, const trial_log_entry *entry, bool rem
         .stage = t->stage,
         .plan = &entry->plan,
         .ms = (double)entry->sample.total_ns * 1e-6,
-        .trials = t->state->played,
+        .trials = t->state->played + t->unlogged,
+        .most_trials = most_trials(t),
         .launches = t->launches,
         .seconds = (double)t->spent_ns * 1e-9,
         .remembered = remembered,
     };
-    if (def->watch && !def->watch(def->watch_context, &progress))
-        return error_set(err, DUET_STATUS_INTERRUPTED,
-                         "stopped after %u trials; the same command goes on from there",
-                         progress.trials);
-    return true;
+    return !def->watch || def->watch(def->watch_context, &progress) || stop(t, err);
 }
 
 static trial_log_entry entry_of(const duet_plan *plan, const measurement *m)
@@ -121,6 +213,8 @@ static bool measure_live(tuning *t, const duet_plan *plan, trial_log_entry *entr
     if (!budget_check(err))
         return false;
     measurement m = measure_plan(&task->machine, plan, t->repeats);
+    if (m.failure.status == DUET_STATUS_INTERRUPTED)
+        return stop(t, err);
     *entry = entry_of(plan, &m);
     if (!trial_log_add(t->state, entry, err))
         return false;
@@ -145,7 +239,8 @@ static bool run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *
     out->usable = entry.usable;
     out->sample = entry.sample;
     out->terms = entry.terms;
-    return tell_watcher(t, &entry, kept, err);
+    return tell_watcher(t, &entry, kept, err) &&
+           (t->state->played > 1 || check_budget(t, out, err));
 }
 
 // The chosen variants at a share.
@@ -209,16 +304,6 @@ static bool run_race(tuning *t, field *f, const race_options *options, bool of_a
 
 // ---------------------------------------------------------------- variants
 
-static const char *const default_variants[] = {"auto", "simd", "auto sort=radix", "paper"};
-
-static const char *variant_at(const duet_tune_def *def, uint32_t i)
-{
-    enum { N_DEFAULT = sizeof default_variants / sizeof *default_variants };
-    if (def->n_variants > 0)
-        return i < def->n_variants ? def->variants[i] : NULL;
-    return i < N_DEFAULT ? default_variants[i] : NULL;
-}
-
 static void set_variant(duet_plan *plan, int device, const char *variant)
 {
     char *to = device == 0 ? plan->variant_a : plan->variant_b;
@@ -228,8 +313,6 @@ static void set_variant(duet_plan *plan, int device, const char *variant)
 // Races the variants of one device at a share; the best one enters the plan.
 static bool choose_variant(tuning *t, int device, uint32_t share, duet_error *err)
 {
-    static const race_options quick = {
-        .least_rounds = 4, .most_rounds = 6, .level = 0.85, .dropped = 1};
     field f = {0};
     const char *variant;
     for (uint32_t i = 0; (variant = variant_at(t->task->def, i)); ++i) {
@@ -237,7 +320,7 @@ static bool choose_variant(tuning *t, int device, uint32_t share, duet_error *er
         set_variant(&plan, device, variant);
         enter(&f, plan);
     }
-    if (!run_race(t, &f, &quick, device == 0, true, err))
+    if (!run_race(t, &f, &quick_race, device == 0, true, err))
         return false;
     uint32_t leader = race_leader(&f.race);
     if (leader < f.n)
@@ -274,6 +357,10 @@ static bool choose_variants(tuning *t, duet_error *err)
     t->stage = "variant of B";
     if (!choose_variant(t, 1, 0, err))
         return false;
+    if (t->task->one_device) {
+        set_variant(&t->plan, 0, t->plan.variant_b);
+        return true;
+    }
     t->stage = "variant of A";
     return find_share_of_a(t, &share, err) && choose_variant(t, 0, share, err);
 }
@@ -348,6 +435,9 @@ static bool search_mode(tuning *t, duet_mode mode, const uint32_t *near, found *
     out->mode = mode;
     out->usable = out->usable && s.n > 0;
     out->share = search_pick(&s);
+    // Of a search that was cut short one device alone may only seem the best.
+    if (t->cut && (out->share == 0 || out->share == DUET_SHARE_ONE))
+        out->share = search_first_share(&s);
     out->a_alone_ns = expect_a_alone(&s);
     out->b_alone_ns = s.n > 0 && search_at(&s, 0) ? (double)search_at(&s, 0)->total_ns : INFINITY;
     search_end(&s);
@@ -359,7 +449,8 @@ static bool mode_fits(const duet_plan *plan, duet_mode mode)
 {
     size_t a = strcspn(plan->variant_a, " "), b = strcspn(plan->variant_b, " ");
     return mode == DUET_MODE_OWN || mode == DUET_MODE_SLAB ||
-           (mode == DUET_MODE_SHARED && a == b && strncmp(plan->variant_a, plan->variant_b, a) == 0);
+           (mode == DUET_MODE_SHARED && a == b &&
+            strncmp(plan->variant_a, plan->variant_b, a) == 0);
 }
 
 static uint32_t list_modes(const tuning *t, duet_mode modes[MOST_MODES])
@@ -381,7 +472,7 @@ static bool search_modes(tuning *t, found founds[MOST_MODES], uint32_t *n, duet_
 {
     duet_mode modes[MOST_MODES];
     const uint32_t *near = t->task->has_start ? &t->task->start : NULL;
-    *n = list_modes(t, modes);
+    *n = t->task->one_device ? 0 : list_modes(t, modes);
     t->stage = "share";
     for (uint32_t i = 0; i < *n; ++i) {
         t->stage_end = VARIANTS_END + (SEARCH_END - VARIANTS_END) * (i + 1) / *n;
@@ -456,6 +547,12 @@ static bool even_out(const tuning *t, const duet_plan *plan, duet_plan *even)
            even->share < DUET_SHARE_ONE;
 }
 
+static uint32_t fewer_rounds(const race *r, uint32_t rival, uint32_t other)
+{
+    uint32_t n = r->rivals[rival].rounds, m = r->rivals[other].rounds;
+    return n < m ? n : m;
+}
+
 static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t best,
                   duet_tune_outcome *outcome)
 {
@@ -470,6 +567,7 @@ static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t best
     outcome->gain = gain.ratio - 1;
     outcome->gain_low = gain.interval.low - 1;
     outcome->gain_high = gain.interval.high - 1;
+    outcome->rounds = best == alone ? 0 : fewer_rounds(&f->race, best, alone);
     snprintf(outcome->verdict, sizeof outcome->verdict, "%s", race_verdict_name(gain.verdict));
     stats_interval in =
         stats_median_interval(f->race.rivals[use].ns, f->race.rivals[use].rounds, 0.95);
@@ -495,15 +593,13 @@ static bool fail_unmeasured(const tuning *t, duet_error *err)
 static bool race_finalists(tuning *t, const duet_plan *alone, const duet_plan *shared, field *f,
                            duet_error *err)
 {
-    static const race_options to_the_end = {
-        .least_rounds = 14, .most_rounds = 40, .level = 0.99, .dropped = INFINITY, .margin = 0.03};
     duet_plan even;
     *f = (field){0};
     enter(f, *alone);
     enter(f, *shared);
     if (even_out(t, shared, &even))
         enter(f, even);
-    return run_race(t, f, &to_the_end, false, false, err);
+    return run_race(t, f, &last_race, false, false, err);
 }
 
 // The budget may have ended before or in this race: then the first one's samples
@@ -514,6 +610,21 @@ static bool is_decided(const field *f, uint32_t best)
            race_compare(&f->race, best, 0).verdict != RACE_AMBIGUOUS;
 }
 
+// Without a rival: the time of a step, and its interval.
+static bool run_alone(tuning *t, field *f, duet_error *err)
+{
+    f->race = race_begin(f->n, NULL);
+    for (uint32_t i = 0; i < LEAST_RACED && within_budget(t); ++i) {
+        trial got;
+        if (!run_trial(t, &f->plans[0], &got, err))
+            return false;
+        if (got.usable)
+            race_add(&f->race, 0, (double)got.sample.total_ns);
+        f->terms[0] = got.terms;
+    }
+    return true;
+}
+
 // The best of what was found, raced against the better single device. What does
 // not prove to be faster is not used: tuned is never slower than one device.
 static bool reach_verdict(tuning *t, const found *founds, uint32_t n, duet_tune_outcome *outcome,
@@ -522,9 +633,9 @@ static bool reach_verdict(tuning *t, const found *founds, uint32_t n, duet_tune_
     field all = {0}, finalists;
     uint32_t n_alone = enter_rivals(t, founds, n, &all);
     t->stage = "verdict";
-    t->stage_end = VERDICT_END;
+    t->stage_end = t->task->whole.open ? VERDICT_END : ALL;
     t->repeats = t->repeats < VERDICT_REPEATS ? t->repeats : VERDICT_REPEATS;
-    if (!run_race(t, &all, NULL, false, false, err))
+    if (!(all.n > 1 ? run_race(t, &all, NULL, false, false, err) : run_alone(t, &all, err)))
         return false;
     uint32_t alone = race_best(&all.race, 0, n_alone);
     uint32_t shared = race_best(&all.race, n_alone, all.n);
@@ -544,7 +655,58 @@ static bool reach_verdict(tuning *t, const found *founds, uint32_t n, duet_tune_
     return true;
 }
 
-// ---------------------------------------------------------------- the whole
+// ---------------------------------------------------------------- the undivided device
+
+// A trial of the plan to use on its two devices, or of the undivided one. No log
+// keeps it: a resumed tuning runs this race again.
+static bool run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan,
+                         double *ns, duet_error *err)
+{
+    measurement m = measure_plan(machine, plan, t->repeats);
+    if (m.failure.status == DUET_STATUS_INTERRUPTED)
+        return stop(t, err);
+    trial_log_entry entry = entry_of(plan, &m);
+    ++t->unlogged;
+    t->launches += entry.launches;
+    t->spent_ns += entry.spent_ns;
+    *ns = entry.usable ? (double)entry.sample.total_ns : 0;
+    return tell_watcher(t, &entry, false, err);
+}
+
+// Two parts of a device are worth opening only where they are not slower than all
+// of it.
+static bool race_whole(tuning *t, duet_tune_outcome *outcome, duet_error *err)
+{
+    const tune_whole *whole = &t->task->whole;
+    measure_machine machines[2] = {t->task->machine};
+    duet_plan plans[2] = {outcome->plan};
+    race r = race_begin(2, NULL);
+    uint32_t rival;
+    if (!whole->open)
+        return true;
+    if (!whole->open(whole->context, outcome->plan.variant_b, &machines[1], &plans[1]))
+        return budget_check_stop(NULL) || stop(t, err);
+    t->stage = "undivided";
+    t->stage_end = ALL;
+    while (within_budget(t) && race_next(&r, &rival)) {
+        double ns = 0;
+        if (!run_unlogged(t, &machines[rival], &plans[rival], &ns, err))
+            return false;
+        if (ns <= 0)
+            return true;
+        race_add(&r, rival, ns);
+    }
+    if (fewer_rounds(&r, 0, 1) < LEAST_RACED)
+        return true;
+    race_gain gain = race_compare(&r, 0, 1);
+    outcome->whole_ms = race_median(&r, 1) * 1e-6;
+    outcome->whole_gain = gain.ratio - 1;
+    outcome->whole_gain_low = gain.interval.low - 1;
+    outcome->whole_gain_high = gain.interval.high - 1;
+    return true;
+}
+
+// ---------------------------------------------------------------- the whole tuning
 
 bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcome, duet_error *err)
 {
@@ -554,8 +716,8 @@ bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcom
     state->played = 0;
     *outcome = (duet_tune_outcome){0};
     bool ok = choose_variants(&t, err) && search_modes(&t, founds, &n, err) &&
-              reach_verdict(&t, founds, n, outcome, err);
-    outcome->trials = state->played;
+              reach_verdict(&t, founds, n, outcome, err) && race_whole(&t, outcome, err);
+    outcome->trials = state->played + t.unlogged;
     outcome->launches = t.launches;
     outcome->seconds = (double)t.spent_ns * 1e-9;
     return ok;

@@ -16,16 +16,28 @@ typedef struct tune_recorder {
                   const trial_log *state, duet_error *err);
 } tune_recorder;
 
+// The one device that both devices are parts of.
+typedef struct tune_whole {
+    void *context;
+    // Asked once a winner is known, whose kernels it runs. false: it is not raced.
+    bool (*open)(void *context, const char *kernels, measure_machine *machine, duet_plan *plan);
+} tune_whole;
+
 typedef struct tune_task {
     const duet_tune_def *def; // what to choose from, budget, strategy, watch
     measure_machine machine;
     tune_recorder recorder;
-    duet_plan plan; // its variants are the defaults that must work
-    bool has_start; // a share that is likely near the best
+    tune_whole whole; // open NULL: there is none
+    bool one_device;  // both are the same: there is nothing to share
+    duet_plan plan;   // its variants are the defaults that must work
+    bool has_start;   // a share that is likely near the best
     uint32_t start;
     void *script;         // of the strategy "lua"
     uint32_t least_share; // shares nearer than this are the same
 } tune_task;
+
+// The fewest trials of a budget from which a verdict follows.
+uint32_t tune_least_trials(const duet_tune_def *def);
 
 // state is empty, or an interrupted tuning's. After INTERRUPTED it can be
 // handed in again. Fills all of outcome but known, resumed and objects.

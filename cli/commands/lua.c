@@ -150,6 +150,8 @@ static bool run(void *given, char **operands, duet_error *err)
         ++n;
     session_def def = session_default_def();
     def.trusted = args->trust;
+    if (args->trust)
+        interrupt_pass(true); // it may start processes, which are to hear of Ctrl-C
     def.memory_bytes = (size_t)args->memory_mib << 20;
     def.seconds = args->seconds;
     def.arguments = (const char *const *)operands;

@@ -105,7 +105,14 @@ cJSON *profiles_entry_json(const profile_entry *e)
     cJSON_AddNumberToObject(o, "gain_low", e->row.gain_low);
     cJSON_AddNumberToObject(o, "gain_high", e->row.gain_high);
     cJSON_AddStringToObject(o, "verdict", e->row.verdict);
+    cJSON_AddNumberToObject(o, "rounds", e->row.rounds);
     cJSON_AddNumberToObject(o, "single_ms", e->row.single_ns * 1e-6);
+    if (e->row.whole_ns > 0) {
+        cJSON_AddNumberToObject(o, "whole_ms", e->row.whole_ns * 1e-6);
+        cJSON_AddNumberToObject(o, "whole_gain", e->row.whole_gain);
+        cJSON_AddNumberToObject(o, "whole_gain_low", e->row.whole_gain_low);
+        cJSON_AddNumberToObject(o, "whole_gain_high", e->row.whole_gain_high);
+    }
     if (e->row.true_pairs >= 0) {
         cJSON_AddNumberToObject(o, "missed_rate", e->row.missed_rate);
         cJSON_AddNumberToObject(o, "false_rate", e->row.false_rate);
@@ -173,7 +180,7 @@ bool profiles_add_trials(cJSON *o, store *s, const char *session, duet_error *er
 
 static const option list_options[] = {
     PROFILE_OPTION_ROW(store),
-    OPTION_FLAG("dead", dead, "those that were replaced, too"),
+    OPTION_FLAG("dead", dead, "those that are not used, too, with the reason"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
@@ -188,6 +195,7 @@ static const command_line list_line = {
 // Rows are gathered while the pair stays the same.
 typedef struct listing {
     table rows;
+    text notes;
     uint64_t n;
     int64_t pair_id;
     bool dead;
@@ -217,9 +225,32 @@ static void add_row(table *t, const profile_entry *e)
     table_cell(t, "%.4f", row->plan.share / (double)PROFILE_SHARE_ONE);
     table_words(t, row->plan.mode, row->plan.variant_a, row->plan.variant_b, NULL);
     table_cell(t, "%.3f", row->median_ns * 1e-6);
-    table_cell(t, "%+.1f", 100 * row->gain);
-    table_words(t, row->verdict, profiles_when(e->created_ns).chars,
-                e->dead_reason ? e->dead_reason : where, NULL);
+    if (row->plan.share > 0 && row->plan.share < PROFILE_SHARE_ONE)
+        table_cell(t, "%+.1f", 100 * row->gain);
+    else
+        table_words(t, "-", NULL);
+    table_words(t,
+                row->plan.share == 0                   ? "B alone"
+                : row->plan.share == PROFILE_SHARE_ONE ? "A alone"
+                                                       : row->verdict,
+                profiles_when(e->created_ns).chars, e->dead_reason ? e->dead_reason : where, NULL);
+}
+
+// Below the table, since it is said of few rows.
+static void note_whole(text *notes, const profile_entry *e)
+{
+    const profile_row *row = &e->row;
+    if (row->whole_ns > 0 && row->whole_gain_high < 0)
+        text_add(notes, "%.*s: %s\n", UID_SHOWN, e->uid,
+                 table_whole(e->a.name, row->whole_gain, row->whole_gain_low, row->whole_gain_high)
+                     .chars);
+}
+
+static void print_rows(listing *l)
+{
+    table_print(&l->rows, stdout);
+    say_lines(text_chars(&l->notes));
+    text_free(&l->notes);
 }
 
 static bool list_entry(void *context, const profile_entry *e)
@@ -231,31 +262,32 @@ static bool list_entry(void *context, const profile_entry *e)
     bool dead = e->dead_reason != NULL;
     if (l->n == 1 || e->row.pair_id != l->pair_id || dead != l->dead) {
         if (l->n > 1) {
-            table_print(&l->rows, stdout);
+            print_rows(l);
             printf("\n");
         }
         if (dead && (l->n == 1 || !l->dead))
-            printf("replaced:\n");
+            printf("not used:\n");
         print_device("A: ", &e->a);
         print_device("B: ", &e->b);
         l->rows = begin_rows();
     }
     add_row(&l->rows, e);
+    note_whole(&l->notes, e);
     l->pair_id = e->row.pair_id;
     l->dead = dead;
     return true;
 }
 
-static bool list(store *s, const arguments *args, const char *operand, duet_error *err)
+static bool list(store *s, const arguments *args, char **operands, duet_error *err)
 {
-    (void)operand;
+    (void)operands;
     cJSON *o = args->json ? cJSON_CreateObject() : NULL;
     listing l = {.json = o ? cJSON_AddArrayToObject(o, "profiles") : NULL};
     if (o)
         cJSON_AddStringToObject(o, "store", store_path(s));
     bool ok = profile_entry_each(s, NULL, args->dead, list_entry, &l, err);
     if (!o && l.n > 0)
-        table_print(&l.rows, stdout);
+        print_rows(&l);
     else if (!o && ok)
         printf("%s: no profiles yet; duet tune makes them\n", say_name(store_path(s)).chars);
     if (ok && o)
@@ -344,6 +376,14 @@ static void print_entry(const profile_entry *e)
     table_text gain =
         table_gain(row->plan.share, row->gain, row->gain_low, row->gain_high, row->verdict);
     printf("gain      %s\n", say_name(gain.chars).chars);
+    if (row->rounds > 0)
+        printf("rounds    %u\n", row->rounds);
+    if (row->whole_ns > 0)
+        printf("whole     %.4f ms; %s\n", row->whole_ns * 1e-6,
+               say_name(table_whole(e->a.name, row->whole_gain, row->whole_gain_low,
+                                    row->whole_gain_high)
+                            .chars)
+                   .chars);
     if (row->true_pairs < 0)
         printf("accuracy  was not measured\n");
     else
@@ -394,28 +434,67 @@ static bool show_entry(void *context, const profile_entry *e)
     return false;
 }
 
-static bool count_entry(void *context, const profile_entry *e)
+static bool show(store *s, const arguments *args, char **operands, duet_error *err)
 {
-    (void)e;
-    ++*(uint64_t *)context;
-    return true;
+    char uid[PROFILE_ID];
+    showing sh = {.s = s, .json = args->json, .err = err};
+    return profile_find(s, operands[0], uid, err) &&
+           profile_entry_each(s, uid, true, show_entry, &sh, err) && sh.ok;
 }
 
-static bool show(store *s, const arguments *args, const char *uid, duet_error *err)
+// --------------------------------------------------------------------------- diff
+
+static const command_line diff_line = {
+    .name = "profiles diff",
+    .operands = "PROFILE PROFILE",
+    .least_operands = 2,
+    .most_operands = 2,
+    .about = "Shows two profiles side by side, and which of them is the quicker.",
+    .options = show_options,
+};
+
+static bool diff(store *s, const arguments *args, char **operands, duet_error *err)
 {
-    uint64_t n = 0;
-    if (!profile_entry_each(s, uid, true, count_entry, &n, err))
-        return false;
-    if (n == 0)
-        return error_set(err, DUET_STATUS_NOT_FOUND,
-                         "%s: no profile begins with '%s'; 'duet profiles list' shows them",
-                         store_path(s), uid);
-    if (n > 1)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: %" PRIu64 " profiles begin with '%s'; give more digits",
-                         store_path(s), n, uid);
-    showing sh = {.s = s, .json = args->json, .err = err};
-    return profile_entry_each(s, uid, true, show_entry, &sh, err) && sh.ok;
+    return profiles_diff(s, operands[0], operands[1], args->json, err);
+}
+
+// --------------------------------------------------------------------- use, forget
+
+static const option uid_options[] = {
+    PROFILE_OPTION_ROW(store),
+    {0},
+};
+
+static const command_line use_line = {
+    .name = "profiles use",
+    .operands = "PROFILE",
+    .least_operands = 1,
+    .most_operands = 1,
+    .about =
+        "Makes a stored profile the one that applications load in its place, as it was before\n"
+        "another replaced it. 'duet profiles list --dead' shows those that are not used.",
+    .options = uid_options,
+};
+
+static const command_line forget_line = {
+    .name = "profiles forget",
+    .operands = "PROFILE",
+    .least_operands = 1,
+    .most_operands = 1,
+    .about = "Removes a profile. What was measured for it stays, and no other takes its place.",
+    .options = uid_options,
+};
+
+static bool use(store *s, const arguments *args, char **operands, duet_error *err)
+{
+    (void)args;
+    return profile_use(s, operands[0], err);
+}
+
+static bool forget(store *s, const arguments *args, char **operands, duet_error *err)
+{
+    (void)args;
+    return profile_forget(s, operands[0], err);
 }
 
 // ------------------------------------------------------------------------- export
@@ -430,8 +509,9 @@ static const command_line export_line = {
     .options = export_options,
 };
 
-static bool export_rows(store *s, const arguments *args, const char *path, duet_error *err)
+static bool export_rows(store *s, const arguments *args, char **operands, duet_error *err)
 {
+    const char *path = operands[0];
     (void)args;
     return path ? profile_export_file(s, path, err) : profile_export(s, stdout, "stdout", err);
 }
@@ -476,8 +556,9 @@ static bool tell_counts(const arguments *args, const profile_import_counts *coun
     return say_json(o, err);
 }
 
-static bool import_rows(store *s, const arguments *args, const char *path, duet_error *err)
+static bool import_rows(store *s, const arguments *args, char **operands, duet_error *err)
 {
+    const char *path = operands[0];
     bool is_stdin = strcmp(path, "-") == 0;
     FILE *in = is_stdin ? stdin : fopen(path, "r");
     if (!in)
@@ -490,10 +571,10 @@ static bool import_rows(store *s, const arguments *args, const char *path, duet_
     return ok && tell_counts(args, &counts, err);
 }
 
-static bool merge_rows(store *s, const arguments *args, const char *path, duet_error *err)
+static bool merge_rows(store *s, const arguments *args, char **operands, duet_error *err)
 {
     profile_import_counts counts;
-    return profile_merge(s, path, &counts, err) && tell_counts(args, &counts, err);
+    return profile_merge(s, operands[0], &counts, err) && tell_counts(args, &counts, err);
 }
 
 // -------------------------------------------------------------------------- prune
@@ -514,9 +595,9 @@ static const command_line prune_line = {
     .options = prune_options,
 };
 
-static bool prune(store *s, const arguments *args, const char *operand, duet_error *err)
+static bool prune(store *s, const arguments *args, char **operands, duet_error *err)
 {
-    (void)operand;
+    (void)operands;
     const int64_t day_ns = 86400000000000;
     profile_prune_counts counts;
     profile_prune_def def = {
@@ -564,9 +645,9 @@ static bool print_report(const arguments *args, const char *report, duet_error *
     return say_json(o, err);
 }
 
-static bool check(store *s, const arguments *args, const char *operand, duet_error *err)
+static bool check(store *s, const arguments *args, char **operands, duet_error *err)
 {
-    (void)operand;
+    (void)operands;
     text report = {0};
     uint32_t problems = 0;
     bool ok =
@@ -587,12 +668,15 @@ struct verb {
     const char *about; // in the list of verbs
     const command_line *line;
     store_access access;
-    bool (*run)(store *s, const arguments *args, const char *operand, duet_error *err);
+    bool (*run)(store *s, const arguments *args, char **operands, duet_error *err);
 };
 
 static const verb verbs[] = {
     {"list", "the profiles there are", &list_line, STORE_READ, list},
     {"show", "one of them, with its trials and where it comes from", &show_line, STORE_READ, show},
+    {"diff", "two of them, side by side", &diff_line, STORE_READ, diff},
+    {"use", "makes one the profile that applications load", &use_line, STORE_WRITE, use},
+    {"forget", "removes one", &forget_line, STORE_WRITE, forget},
     {"why", "which profile a scene would get here, and on which grounds", NULL, STORE_READ, NULL},
     {"export", "the store as JSON lines", &export_line, STORE_READ, export_rows},
     {"import", "takes such lines in", &import_line, STORE_WRITE, import_rows},
@@ -607,7 +691,7 @@ static bool run(void *given, char **operands, duet_error *err)
 {
     const arguments *args = given;
     store *s = profiles_open(args->store, args->verb->access, err);
-    bool ok = s && args->verb->run(s, args, operands[0], err) && store_check_read(s, err);
+    bool ok = s && args->verb->run(s, args, operands, err) && store_check_read(s, err);
     store_close(s);
     return ok;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the profile store is opened by, and a verb of `duet profiles` with a file of
-// its own: argv[0] is "why"; the exit status comes back.
+// What the profile store is opened by, and the verbs of `duet profiles` with a file
+// of their own. argv[0] is "why"; the exit status comes back.
 #ifndef CLI_PROFILES_H
 #define CLI_PROFILES_H
 
@@ -8,6 +8,9 @@
 #include "profiles/store.h"
 
 int profiles_why(int argc, char **argv);
+
+// Two profiles, named by their first digits, and which is the quicker.
+bool profiles_diff(store *s, const char *first, const char *second, bool json, duet_error *err);
 
 // Opens the store at path, or the user's where that is NULL, and tells on
 // stderr what should be known of it.

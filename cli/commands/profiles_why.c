@@ -3,6 +3,7 @@
 // grounds.
 #include "cli/commands/profiles.h"
 #include "cli/inputs.h"
+#include "cli/interrupt.h"
 #include "cli/options.h"
 #include "cli/report/json.h"
 #include "cli/report/table.h"
@@ -67,6 +68,13 @@ static void print_device(const char *letter, const profile_env *env)
            env->part ? env->part : "", env->part ? "]" : "", env->driver);
 }
 
+static table_text whole_text(const answer *a)
+{
+    const profile_found *found = &a->found;
+    return table_whole(a->asked.pair.a.device.name, found->whole_gain, found->whole_gain_low,
+                       found->whole_gain_high);
+}
+
 static void print_text(const answer *a)
 {
     const profile_found *found = &a->found;
@@ -93,6 +101,8 @@ static void print_text(const answer *a)
     table_text gain =
         table_gain(plan->share, found->gain, found->gain_low, found->gain_high, found->verdict);
     printf("a step of %.4g ms, %s\n", found->median_ns * 1e-6, say_name(gain.chars).chars);
+    if (found->whole_ns > 0)
+        printf("%s\n", say_name(whole_text(a).chars).chars);
     if (found->true_pairs > 0)
         printf("by %s pairs that collide level %s misses %.3g and invents %.3g\n",
                table_count((uint64_t)found->true_pairs).chars, say_name(plan->level).chars,
@@ -135,6 +145,12 @@ static bool print_json(const answer *a, duet_error *err)
         cJSON_AddNumberToObject(o, "gain_low", found->gain_low);
         cJSON_AddNumberToObject(o, "gain_high", found->gain_high);
         cJSON_AddStringToObject(o, "verdict", found->verdict);
+        if (found->whole_ns > 0) {
+            cJSON_AddNumberToObject(o, "whole_ms", found->whole_ns * 1e-6);
+            cJSON_AddNumberToObject(o, "whole_gain", found->whole_gain);
+            cJSON_AddNumberToObject(o, "whole_gain_low", found->whole_gain_low);
+            cJSON_AddNumberToObject(o, "whole_gain_high", found->whole_gain_high);
+        }
         cJSON_AddStringToObject(o, "uid", found->uid);
         cJSON_AddStringToObject(o, "created", profiles_when(found->created_ns).chars);
     }

@@ -38,6 +38,7 @@ typedef struct arguments {
     uint64_t repeats;
     const char *store;
     bool fresh;
+    bool keep;
     bool json;
 } arguments;
 
@@ -63,7 +64,8 @@ static const option options[] = {
                  UINT32_MAX),
     OPTION_COUNT("repeat", repeats, "K", "launches of a trial, after one to warm up (3)", 1, 32),
     OPTION_TEXT("profile", store, "FILE", "the profile file (DUET_PROFILE, or the user's own)"),
-    OPTION_FLAG("fresh", fresh, "measure again what is finished"),
+    OPTION_FLAG("fresh", fresh, "measure again what was asked and finished before"),
+    OPTION_FLAG("keep", keep, "applications load what a strategy other than balance found, too"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
@@ -75,7 +77,8 @@ static const command_line line = {
     .most_operands = 1,
     .about = "Finds the kernels, the mode and the share with which two devices do a scene's work\n"
              "best, and keeps them in the profile file for 'duet run' and for applications.\n"
-             "With --config the scenes are those of the file, and options go before its fields.",
+             "With --config the scenes are those of the file, and options go before its fields.\n"
+             "A profile that applications load is replaced only by one that is founded as well.",
     .options = options,
 };
 
@@ -217,6 +220,11 @@ static bool make_config(arguments *args, const char *path, tune_config *config, 
 typedef struct tune_report {
     struct cJSON *workloads; // one object each
     char name[168];          // of the workload that is measured
+    uint32_t number;         // of it, from 1
+    uint32_t n_workloads;
+    char whole[80]; // the device that A and B may be parts of
+    bool one;       // A and B are the same device
+    double budget_seconds;
     bool json;
     bool on_terminal;
 } tune_report;
@@ -230,6 +238,7 @@ static tune_report report_begin(bool json)
 static void report_workload(tune_report *r, const duet_scene_info *scene)
 {
     snprintf(r->name, sizeof r->name, "%.30s, %s", scene->name, table_count(scene->n).chars);
+    ++r->number;
 }
 
 static void clear_line(const tune_report *r)
@@ -238,29 +247,45 @@ static void clear_line(const tune_report *r)
         fprintf(stderr, "\r\033[K");
 }
 
+// At most, by the trials or the time that are left; below 0 where nothing bounds it.
+static double seconds_left(const tune_report *r, const duet_tune_progress *p)
+{
+    double by_time = r->budget_seconds > 0 ? fmax(r->budget_seconds - p->seconds, 0) : -1;
+    if (p->trials == 0 || p->most_trials < p->trials)
+        return by_time;
+    double by_trials = p->seconds / p->trials * (p->most_trials - p->trials);
+    return by_time < 0 ? by_trials : fmin(by_time, by_trials);
+}
+
+static void write_progress(const tune_report *r, const duet_tune_progress *p, text *shown)
+{
+    double left = seconds_left(r, p);
+    text_add(shown, "%u/%u %.22s: %s", r->number, r->n_workloads, r->name, p->stage);
+    if (p->trials == 0) {
+        text_add(shown, ", step %u, %.1f s", p->launches, p->seconds);
+        return;
+    }
+    text_add(shown, " %.4f %s, trial %u", p->plan->share / (double)DUET_SHARE_ONE,
+             duet_mode_name(p->plan->mode), p->trials);
+    if (p->most_trials > 0)
+        text_add(shown, " of %u", p->most_trials);
+    if (left >= 0)
+        text_add(shown, ", %.0f s left", left);
+    text_add(shown, "%s", p->remembered ? " (known)" : "");
+}
+
 // A duet_tune_watch; stops after Ctrl-C.
 static bool report_watch(void *report, const duet_tune_progress *p)
 {
+    enum { COLUMNS = 79 };
     const tune_report *r = report;
     if (r->on_terminal) {
-        clear_line(r);
-        if (p->trials == 0) {
-            fprintf(stderr, "%s: levels of accuracy; step %u, %.1f s", r->name, p->launches,
-                    p->seconds);
-            return !interrupt_asked();
-        }
-        fprintf(stderr, "%s: %s %.4f, %s grids, %s|%s: %.3f ms; trial %u, %.1f s%s", r->name,
-                p->stage, p->plan->share / (double)DUET_SHARE_ONE, duet_mode_name(p->plan->mode),
-                p->plan->variant_a, p->plan->variant_b, p->ms, p->trials, p->seconds,
-                p->remembered ? ", remembered" : "");
+        text shown = {0};
+        write_progress(r, p, &shown);
+        fprintf(stderr, "\r\033[K%.*s", COLUMNS, text_chars(&shown));
+        text_free(&shown);
     }
     return !interrupt_asked();
-}
-
-static void variant_of(const duet_plan *plan, char both[200])
-{
-    bool same = strcmp(plan->variant_a, plan->variant_b) == 0;
-    snprintf(both, 200, "%s%s%s", plan->variant_a, same ? "" : " | ", same ? "" : plan->variant_b);
 }
 
 static void add_terms(cJSON *o, const duet_tune_terms *t)
@@ -280,29 +305,38 @@ static double break_even(const duet_tune_outcome *o)
 
 static void report_add(tune_report *r, const duet_tune_outcome *o)
 {
-    char variant[200];
     cJSON *row = cJSON_CreateObject();
-    variant_of(&o->plan, variant);
     cJSON_AddStringToObject(row, "workload", r->name);
     cJSON_AddNumberToObject(row, "objects", o->objects);
     cJSON_AddStringToObject(row, "level", duet_level_get_info(o->level)->name);
     cJSON_AddNumberToObject(row, "missed_rate", o->accuracy.missed);
     cJSON_AddNumberToObject(row, "false_rate", o->accuracy.false_rate);
     cJSON_AddNumberToObject(row, "true_pairs", (double)o->true_pairs);
-    cJSON_AddNumberToObject(row, "share", o->plan.share / (double)DUET_SHARE_ONE);
+    json_add_plan(row, o->plan.share / (double)DUET_SHARE_ONE, duet_mode_name(o->plan.mode),
+                  o->plan.variant_a, o->plan.variant_b);
+    cJSON_AddBoolToObject(row, "one_device", r->one);
     cJSON_AddNumberToObject(row, "best_share", o->best.share / (double)DUET_SHARE_ONE);
-    cJSON_AddStringToObject(row, "mode", duet_mode_name(o->plan.mode));
-    cJSON_AddStringToObject(row, "variant", variant);
     cJSON_AddNumberToObject(row, "gain", o->gain);
     cJSON_AddNumberToObject(row, "gain_low", o->gain_low);
     cJSON_AddNumberToObject(row, "gain_high", o->gain_high);
     cJSON_AddStringToObject(row, "verdict", o->verdict);
     cJSON_AddNumberToObject(row, "step_ms", o->step_ms);
+    cJSON_AddNumberToObject(row, "rounds", o->rounds);
     cJSON_AddNumberToObject(row, "single_ms", o->single_ms);
+    if (o->whole_ms > 0) {
+        cJSON_AddStringToObject(row, "whole", r->whole);
+        cJSON_AddNumberToObject(row, "whole_ms", o->whole_ms);
+        cJSON_AddNumberToObject(row, "whole_gain", o->whole_gain);
+        cJSON_AddNumberToObject(row, "whole_gain_low", o->whole_gain_low);
+        cJSON_AddNumberToObject(row, "whole_gain_high", o->whole_gain_high);
+    }
     cJSON_AddNumberToObject(row, "launches", o->launches);
     cJSON_AddNumberToObject(row, "seconds", o->seconds);
     cJSON_AddNumberToObject(row, "break_even_steps", break_even(o));
-    cJSON_AddBoolToObject(row, "resumed", o->known || o->resumed);
+    cJSON_AddBoolToObject(row, "known", o->known);
+    cJSON_AddBoolToObject(row, "resumed", o->resumed);
+    cJSON_AddStringToObject(row, "uid", o->uid);
+    cJSON_AddStringToObject(row, "unused", o->unused);
     add_terms(row, &o->terms);
     cJSON_AddItemToArray(r->workloads, row);
     clear_line(r);
@@ -313,34 +347,111 @@ static void print_accuracy(const cJSON *row)
 {
     if (strcmp(json_string(row, "level"), "certified") == 0)
         return;
-    printf("%s: of %s pairs that collide '%s' misses %.3g %% and invents %.3g %%\n",
-           say_name(json_string(row, "workload")).chars,
+    printf("  of %s pairs that collide '%s' misses %.3g %% and invents %.3g %%\n",
            table_count((uint64_t)json_number(row, "true_pairs")).chars, json_string(row, "level"),
            100 * json_number(row, "missed_rate"), 100 * json_number(row, "false_rate"));
 }
 
+// The share as it is stored.
+static uint32_t share_of(const cJSON *row)
+{
+    return (uint32_t)lround(json_number(row, "share") * DUET_SHARE_ONE);
+}
+
+static bool is_shared(const cJSON *row)
+{
+    return share_of(row) > 0 && share_of(row) < DUET_SHARE_ONE;
+}
+
+static void add_table_row(table *t, const cJSON *row)
+{
+    table_cell(t, "%.22s", json_string(row, "workload"));
+    if (is_shared(row))
+        table_cell(t, "A %.2f %%", 100 * json_number(row, "share"));
+    else
+        table_words(t,
+                    json_true(row, "one_device") ? "one device"
+                    : share_of(row) == 0         ? "B alone"
+                                                 : "A alone",
+                    NULL);
+    table_cell(t, "%.3f", json_number(row, "step_ms"));
+    if (is_shared(row)) {
+        table_cell(t, "%+.1f", 100 * json_number(row, "gain"));
+        table_cell(t, "%+.1f", 100 * json_number(row, "gain_low"));
+        table_cell(t, "%+.1f", 100 * json_number(row, "gain_high"));
+        table_words(t, json_string(row, "verdict"), NULL);
+    } else {
+        table_words(t, "-", "", "", "-", NULL);
+    }
+    table_cell(t, "%.1f", json_number(row, "seconds"));
+}
+
+static void print_variant(const char *name, const char *variant)
+{
+    bool has_space = strchr(variant, ' ');
+    printf(" --%s %s%s%s", name, has_space ? "'" : "", variant, has_space ? "'" : "");
+}
+
+// The plan as options of 'duet run'.
+static void print_plan(const cJSON *row)
+{
+    const char *a = json_string(row, "variant_a"), *b = json_string(row, "variant_b");
+    printf("  --share %.5g --mode %s", json_number(row, "share"), json_string(row, "mode"));
+    if (strcmp(a, b) == 0) {
+        print_variant("variant", a);
+    } else {
+        print_variant("variant-a", a);
+        print_variant("variant-b", b);
+    }
+    printf("\n");
+}
+
+// Why a plan is not loaded, and what would change that.
+static void print_use(const cJSON *row)
+{
+    const char *unused = json_string(row, "unused");
+    if (!*unused)
+        return;
+    printf("  not used by applications: %s\n", unused);
+    if (strcmp(json_string(row, "verdict"), "ambiguous") == 0)
+        printf("  a larger --trials or --budget reaches a verdict\n");
+    else
+        printf("  'duet profiles use %.8s' makes them use it\n", json_string(row, "uid"));
+}
+
+// What the table has no column for.
+static void print_details(const cJSON *row)
+{
+    printf("\n%s, level %s, %.0f launches\n", say_name(json_string(row, "workload")).chars,
+           json_string(row, "level"), json_number(row, "launches"));
+    print_plan(row);
+    if (!is_shared(row) && !json_true(row, "one_device"))
+        printf("  %s\n",
+               table_gain(share_of(row), json_number(row, "gain"), json_number(row, "gain_low"),
+                          json_number(row, "gain_high"), json_string(row, "verdict"))
+                   .chars);
+    if (json_number(row, "whole_ms") > 0)
+        printf("  %s\n",
+               table_whole(json_string(row, "whole"), json_number(row, "whole_gain"),
+                           json_number(row, "whole_gain_low"), json_number(row, "whole_gain_high"))
+                   .chars);
+    print_accuracy(row);
+    print_use(row);
+    if (json_true(row, "known"))
+        printf("  known: the same was measured before; --fresh measures it again\n");
+}
+
 static void print_table(const cJSON *workloads)
 {
-    table t = table_begin("llrllrrrrlrrl");
-    table_words(&t, "workload", "level", "share", "mode", "kernels", "ms", "gain", "from", "to",
-                "verdict", "launches", "seconds", "", NULL);
+    table t = table_begin("llrrrrlr");
+    table_words(&t, "workload", "plan", "ms", "gain %", "from", "to", "verdict", "seconds", NULL);
     const cJSON *row;
-    cJSON_ArrayForEach(row, workloads)
-    {
-        table_words(&t, json_string(row, "workload"), json_string(row, "level"), NULL);
-        table_cell(&t, "%.4f", json_number(row, "share"));
-        table_words(&t, json_string(row, "mode"), json_string(row, "variant"), NULL);
-        table_cell(&t, "%.3f", json_number(row, "step_ms"));
-        table_cell(&t, "%+.1f %%", 100 * json_number(row, "gain"));
-        table_cell(&t, "%+.1f", 100 * json_number(row, "gain_low"));
-        table_cell(&t, "%+.1f", 100 * json_number(row, "gain_high"));
-        table_cell(&t, "%s", json_string(row, "verdict"));
-        table_cell(&t, "%.0f", json_number(row, "launches"));
-        table_cell(&t, "%.1f", json_number(row, "seconds"));
-        table_cell(&t, "%s", json_true(row, "resumed") ? "known" : "");
-    }
+    cJSON_ArrayForEach(row, workloads) add_table_row(&t, row);
     table_print(&t, stdout);
-    cJSON_ArrayForEach(row, workloads) print_accuracy(row);
+    printf("plan: A's part of the work; B does the rest. ms: a step by this plan.\n"
+           "gain: by how much it is faster than the better device alone; it lies between\n"
+           "'from' and 'to' with 99 %% confidence.\n");
+    cJSON_ArrayForEach(row, workloads) print_details(row);
 }
 
 // Prints the table, or the object. After a failure only the table, of what was
@@ -366,6 +477,7 @@ static duet_tune_def make_def(const arguments *args, const tune_config *config, 
     duet_tune_def def = duet_default_tune_def();
     def.store = args->store;
     def.fresh = args->fresh;
+    def.keep = args->keep ? DUET_KEEP_ALWAYS : DUET_KEEP_DEFAULT;
     def.strategy = config->strategy ? config->strategy : def.strategy;
     def.strategy_lua = config->strategy_lua;
     def.script = args->config ? text_chars(&config->text) : NULL;
@@ -413,6 +525,15 @@ static bool tune_workloads(const arguments *args, const tune_config *config, tun
     duet_tune_def def = make_def(args, config, report);
     def.pair = inputs_open_pair(config->pair, err);
     bool ok = def.pair;
+    report->n_workloads = config->n_workloads;
+    report->budget_seconds = config->budget_seconds;
+    if (ok) {
+        report->one = strcmp(duet_device_pair_get_info(def.pair, 0)->selector,
+                             duet_device_pair_get_info(def.pair, 1)->selector) == 0;
+        snprintf(report->whole, sizeof report->whole, "%.*s",
+                 (int)strcspn(duet_device_pair_get_info(def.pair, 0)->selector, "["),
+                 duet_device_pair_get_info(def.pair, 0)->selector);
+    }
     for (uint32_t i = 0; ok && i < config->n_workloads; ++i) {
         duet_scene *scene = load_scene(args, &config->workloads[i], err);
         ok = scene && tune_workload(&def, scene, report, err);

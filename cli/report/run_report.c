@@ -71,6 +71,8 @@ static void print_profile(const run_report *r)
                "measures again\n\n");
     else if (p->grade == DUET_GRADE_DEFAULT)
         printf("plan: the default; 'duet tune' measures a better one\n\n");
+    else if (is_one(r->pair, r->plan))
+        printf("plan: from the profile, %s\n\n", duet_grade_name(p->grade));
     else
         printf("plan: from the profile, %s; %s\n\n", duet_grade_name(p->grade),
                say_name(

@@ -114,11 +114,48 @@ table_text table_bytes(uint64_t bytes)
 
 table_text table_gain(uint32_t share, double gain, double low, double high, const char *verdict)
 {
-    bool alone = share == 0 || share == DUET_SHARE_ONE;
+    const char *device = share == 0 ? "B" : "A";
     table_text t;
-    snprintf(t.chars, sizeof t.chars, "%s%+.1f %% (%+.1f to %+.1f)%s: %s",
-             alone ? "one device alone; sharing gains " : "", 100 * gain, 100 * low, 100 * high,
-             alone ? "" : " over the best single device", verdict);
+    if (share > 0 && share < DUET_SHARE_ONE)
+        snprintf(t.chars, sizeof t.chars,
+                 "%+.1f %% (%+.1f to %+.1f) over the best single device: %s", 100 * gain, 100 * low,
+                 100 * high, verdict);
+    else if (strcmp(verdict, "slower") == 0)
+        snprintf(t.chars, sizeof t.chars,
+                 "%s alone; sharing would be %.1f %% slower (%.1f to %.1f)", device, -100 * gain,
+                 -100 * high, -100 * low);
+    else if (strcmp(verdict, "ambiguous") == 0)
+        snprintf(t.chars, sizeof t.chars, "%s alone; too few rounds to tell what sharing gains",
+                 device);
+    else if (low < high)
+        snprintf(t.chars, sizeof t.chars,
+                 "%s alone; sharing may gain nothing: %+.1f %% (%+.1f to %+.1f)", device,
+                 100 * gain, 100 * low, 100 * high);
+    else
+        snprintf(t.chars, sizeof t.chars, "%s alone; no share promises more", device);
+    return t;
+}
+
+// Percent by which the other is quicker where one gains so much over it.
+static double lead_of_other(double gain)
+{
+    return 100 * (1 / (1 + gain) - 1);
+}
+
+table_text table_whole(const char *name, double gain, double low, double high)
+{
+    table_text t;
+    if (high < 0)
+        snprintf(t.chars, sizeof t.chars,
+                 "%.40s undivided is %.1f %% faster (%.1f to %.1f): open it as one device", name,
+                 lead_of_other(gain), lead_of_other(high), lead_of_other(low));
+    else if (low > 0)
+        snprintf(t.chars, sizeof t.chars, "%.1f %% faster than %.40s undivided (%.1f to %.1f)",
+                 100 * gain, name, 100 * low, 100 * high);
+    else
+        snprintf(t.chars, sizeof t.chars,
+                 "about as fast as %.40s undivided: %+.1f %% (%+.1f to %+.1f)", name, 100 * gain,
+                 100 * low, 100 * high);
     return t;
 }
 

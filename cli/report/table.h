@@ -35,9 +35,12 @@ table_text table_count(uint64_t n);
 // "12.3 MB"
 table_text table_bytes(uint64_t bytes);
 
-// What a plan with that share gains; where one device does it all, what sharing
-// would gain, which is why it does.
+// What a plan with that share gains; where one device does it all, which one, and
+// what sharing would gain, which is why it does.
 table_text table_gain(uint32_t share, double gain, double low, double high, const char *verdict);
+
+// How the undivided device compares with a plan that gains so much over it.
+table_text table_whole(const char *name, double gain, double low, double high);
 
 // A bar of at most width (<= 40) characters, as long as part (0..1) of it.
 table_text table_bar(double part, int width);

@@ -476,6 +476,8 @@ static void profiles(void)
     REFUSES(duet_profile_get_trials("store.db", NULL, &trials, &n_trials, e));
     REFUSES(duet_profile_get_trials("store.db", "1", NULL, &n_trials, e));
     REFUSES(duet_profile_get_trials("store.db", "1", &trials, NULL, e));
+    REFUSES(duet_profile_use("store.db", NULL, e));
+    REFUSES(duet_profile_forget("store.db", NULL, e));
     REFUSES(duet_profiles_export("store.db", NULL, e));
     REFUSES(duet_profiles_import("store.db", NULL, &counts, e));
 }
@@ -538,8 +540,8 @@ static const struct {
     {"duet_online_create duet_online_step duet_online_get_tunings duet_online_destroy",
      keep_online},
     {"duet_profile_list_create duet_profile_list_destroy duet_profile_list_get_count "
-     "duet_profile_list_get_profile duet_profile_get_trials duet_profiles_export "
-     "duet_profiles_import",
+     "duet_profile_list_get_profile duet_profile_get_trials duet_profile_use "
+     "duet_profile_forget duet_profiles_export duet_profiles_import",
      profiles},
     {"luaopen_duet luaopen_duet_frame luaopen_duet_lab luaopen_duet_plot", lua_modules},
 };

@@ -58,7 +58,7 @@ static bool fill(store *s, uint32_t n, duet_error *err)
     for (uint32_t i = 0; ok && i < n; ++i) {
         profile_workload workload = invent_workload(1000 + i);
         ok = profile_workload_put(s, &workload, &row.workload_id, err) &&
-             profile_put(s, &row, "filled again", err);
+             profile_put(s, &row, NULL, "filled again", NULL, err);
     }
     return store_end(s, ok, err);
 }

@@ -17,7 +17,7 @@ function(must)
     message(FATAL_ERROR "${ARGV}: ${error}")
   endif()
 endfunction()
-must(${PROGRAM} tune lua/scenes/paper.lua -n 1000,2000 --set world=20 --trials 12 --profile p.db)
+must(${PROGRAM} tune lua/scenes/paper.lua -n 1000,2000 --set world=20 --variants auto --trials 65 --profile p.db)
 must(${PROGRAM} bench --quick --repeat 2 -o bench.json)
 must(${PROGRAM} report --profile p.db -o report.html bench.json bench.json)
 

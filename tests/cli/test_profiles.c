@@ -108,6 +108,69 @@ static void show_gives_a_profile_with_its_trials(void **state)
     test_folder_remove(&folder);
 }
 
+// The store's third profile is dead, of 250 000 objects.
+static void a_stored_profile_is_compared_put_to_use_and_forgotten(void **state)
+{
+    (void)state;
+    test_folder folder = make_store();
+    char uids[3][40];
+    char arguments[160];
+    cJSON *o = run_json(&folder, "list --dead --json");
+    for (int i = 0; i < 3; ++i)
+        snprintf(uids[i], sizeof uids[i], "%s",
+                 json_string(cJSON_GetArrayItem(json_array(o, "profiles", 3), i), "uid"));
+    cJSON_Delete(o);
+    snprintf(arguments, sizeof arguments, "diff %s %s", uids[1], uids[2]);
+    assert_prints(&folder, arguments, "tuned again");
+    assert_prints(&folder, arguments, "0.0 % longer than one of");
+    snprintf(arguments, sizeof arguments, "diff %s %s", uids[0], uids[2]);
+    assert_prints(&folder, arguments, "Their workloads differ");
+    snprintf(arguments, sizeof arguments, "diff %s %s --json", uids[1], uids[2]);
+    o = run_json(&folder, arguments);
+    assert_true(json_true(cJSON_GetObjectItemCaseSensitive(o, "first"), "live"));
+    assert_string_equal(json_string(cJSON_GetObjectItemCaseSensitive(o, "second"), "uid"), uids[2]);
+    cJSON_Delete(o);
+    snprintf(arguments, sizeof arguments, "use %.9s", uids[2]);
+    assert_prints(&folder, arguments, "");
+    o = run_json(&folder, "list --json");
+    assert_string_equal(json_string(cJSON_GetArrayItem(json_array(o, "profiles", 2), 1), "uid"),
+                        uids[2]);
+    cJSON_Delete(o);
+    snprintf(arguments, sizeof arguments, "forget %s", uids[2]);
+    assert_prints(&folder, arguments, "");
+    assert_refused(&folder, arguments, 1, "no profile begins with");
+    assert_prints(&folder, "list --dead", "another was put to use");
+    assert_refused(&folder, "diff 1", 2, "PROFILE PROFILE is missing");
+    test_folder_remove(&folder);
+}
+
+// A row of one device says which, and what sharing would do; not the gain of a plan that
+// is not used.
+static void what_one_device_does_alone_is_told_as_such(void **state)
+{
+    (void)state;
+    test_folder folder = make_store();
+    duet_error err = {0};
+    char arguments[64];
+    store *s = store_open(folder.store, STORE_WRITE, &err);
+    assert_ok(s && sql_script(s,
+                              "UPDATE profile SET share = 0, gain = -0.261, gain_low = -0.3, "
+                              "gain_high = -0.2, verdict = 'slower', whole_ns = 1e6, "
+                              "whole_gain = -0.2, whole_gain_low = -0.25, whole_gain_high = -0.1",
+                              &err),
+              err);
+    store_close(s);
+    cJSON *o = run_json(&folder, "list --json");
+    const cJSON *first = cJSON_GetArrayItem(json_array(o, "profiles", 2), 0);
+    snprintf(arguments, sizeof arguments, "show %s", json_string(first, "uid"));
+    assert_prints(&folder, arguments, "B alone; sharing would be 26.1 % slower (20.0 to 30.0)");
+    assert_prints(&folder, arguments, "undivided is 25.0 % faster (11.1 to 33.3): open it as one");
+    assert_prints(&folder, "list", "-  B alone");
+    assert_prints(&folder, "list", "undivided is 25.0 % faster");
+    cJSON_Delete(o);
+    test_folder_remove(&folder);
+}
+
 static void rows_go_out_and_into_another_store(void **state)
 {
     (void)state;
@@ -239,6 +302,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(list_shows_what_an_application_would_load),
         cmocka_unit_test(show_gives_a_profile_with_its_trials),
+        cmocka_unit_test(a_stored_profile_is_compared_put_to_use_and_forgotten),
+        cmocka_unit_test(what_one_device_does_alone_is_told_as_such),
         cmocka_unit_test(rows_go_out_and_into_another_store),
         cmocka_unit_test(a_bad_line_is_named_and_the_store_untouched),
         cmocka_unit_test(prune_and_check_say_what_they_found),

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // duet tune, as a person calls it, and tune files.
 #define _POSIX_C_SOURCE 200809L
+#include "profiles/store.h"
 #include "support/json.h"
+#include "support/store.h"
 #include "support/test.h"
 
 #include "base/text.h"
@@ -15,7 +17,9 @@
 #define SCENE "test_tune.scene.lua"
 #define STORE "test_tune.db"
 #define CONFIG "test_tune.tune.lua"
+#define STRATEGY "test_tune.strategy.lua"
 #define QUICK "--variants auto --profile " STORE " "
+#define FEW "--trials 65 " // the fewest from which a verdict follows
 
 static const char scene_text[] =
     "local p = parameters { n = 2000, seed = 1 }\n"
@@ -29,7 +33,7 @@ static const char scene_text[] =
 static int remove_files(void **state)
 {
     (void)state;
-    static const char *const files[] = {SCENE, CONFIG, STORE, STORE "-wal", STORE "-shm"};
+    static const char *const files[] = {SCENE, CONFIG, STRATEGY, STORE, STORE "-wal", STORE "-shm"};
     for (size_t i = 0; i < sizeof files / sizeof *files; ++i)
         remove(files[i]);
     return 0;
@@ -63,12 +67,12 @@ static void a_workload_is_tuned_once_and_known_ever_after(void **state)
     assert_true(json_number(row, "launches") > 0 && json_number(row, "seconds") > 0);
     assert_true(json_number(row, "gain_low") <= json_number(row, "gain"));
     assert_true(json_number(row, "gain") <= json_number(row, "gain_high"));
-    assert_false(json_true(row, "resumed"));
+    assert_false(json_true(row, "known") || json_true(row, "resumed"));
     double share = json_number(row, "share");
     cJSON_Delete(first);
     cJSON *second = tune_json(QUICK SCENE " -n 2000", &rows);
     row = cJSON_GetArrayItem(rows, 0);
-    assert_true(json_true(row, "resumed"));
+    assert_true(json_true(row, "known"));
     assert_int_equal(json_number(row, "launches"), 0);
     assert_true(json_number(row, "share") == share);
     cJSON_Delete(second);
@@ -77,13 +81,88 @@ static void a_workload_is_tuned_once_and_known_ever_after(void **state)
     cJSON_Delete(fresh);
 }
 
+static double launches_of(const char *arguments)
+{
+    const cJSON *rows;
+    cJSON *root = tune_json(arguments, &rows);
+    const cJSON *row = cJSON_GetArrayItem(rows, 0);
+    double launches = json_number(row, "launches");
+    assert_int_equal(launches == 0, json_true(row, "known"));
+    cJSON_Delete(root);
+    return launches;
+}
+
+// And what is not the default search changes nothing that applications load, unless it
+// is to.
+static void what_was_not_asked_before_is_measured(void **state)
+{
+    (void)state;
+    static const char *const questions[] = {
+        "",
+        "--strategy grid",
+        "--strategy-lua " STRATEGY,
+        "--trials 66",
+    };
+    enum { N = sizeof questions / sizeof *questions };
+    test_write_file(STRATEGY, "return function(history)\n"
+                              "  if #history < 3 then return #history / 2 end\nend\n");
+    for (int again = 0; again < 2; ++again) {
+        for (size_t i = 0; i < N; ++i) {
+            char arguments[256];
+            snprintf(arguments, sizeof arguments, QUICK FEW SCENE " -n 1000 %s", questions[i]);
+            if ((launches_of(arguments) == 0) != again)
+                fail_msg("%s: launches the %d. time", arguments, again + 1);
+        }
+    }
+    program p = program_run("profiles list --dead --json --profile " STORE);
+    cJSON *o = json_of_program(&p);
+    const cJSON *row;
+    int research = 0;
+    cJSON_ArrayForEach(row, json_array(o, "profiles", N))
+    {
+        research +=
+            !json_true(row, "live") && strstr(json_string(row, "dead_reason"), "without --keep");
+    }
+    assert_int_equal(research, 2);
+    cJSON_Delete(o);
+    // A line says what is known, and how to measure it again.
+    p = program_run("tune " QUICK FEW SCENE " -n 1000");
+    assert_non_null(strstr(p.out, "known: the same was measured before; --fresh measures it"));
+    program_free(&p);
+    remove(STORE);
+    p = program_run("tune " QUICK FEW SCENE " -n 1000 --strategy grid --keep");
+    assert_null(strstr(p.out, "not used by applications"));
+    program_free(&p);
+}
+
+// Every line fits a terminal, and the plan can be typed.
+static void a_stranger_can_read_the_table_and_type_the_plan(void **state)
+{
+    (void)state;
+    program p = program_run("tune " FEW "--variants auto,simd --trials 80 --profile " STORE
+                            " " SCENE " -n 1000,2000");
+    assert_int_equal(p.exit_code, 0);
+    assert_non_null(strstr(p.out, "plan: A's part of the work; B does the rest."));
+    for (const char *at = p.out; *at; at += strcspn(at, "\n") + 1)
+        assert_in_range(strcspn(at, "\n"), 0, 80);
+    char plan[200];
+    const char *from = strstr(p.out, "\n  --share ");
+    assert_non_null(from);
+    snprintf(plan, sizeof plan, "%.*s", (int)strcspn(from + 1, "\n"), from + 1);
+    program_free(&p);
+    p = program_run("run " SCENE " -n 1000 --check --json %s", plan);
+    cJSON *o = json_of_program(&p);
+    assert_string_equal(json_string(o, "profile"), "given");
+    cJSON_Delete(o);
+}
+
 static void the_terms_of_a_known_workload_are_those_that_were_measured(void **state)
 {
     (void)state;
     const cJSON *rows;
-    cJSON *first = tune_json(QUICK "--trials 24 " SCENE, &rows);
+    cJSON *first = tune_json(QUICK FEW SCENE, &rows);
     const cJSON *measured = cJSON_GetArrayItem(rows, 0);
-    cJSON *second = tune_json(QUICK "--trials 24 " SCENE, &rows);
+    cJSON *second = tune_json(QUICK FEW SCENE, &rows);
     const cJSON *known = cJSON_GetArrayItem(rows, 0);
     static const char *const same[] = {"best_share", "gain", "gain_low", "gain_high", "single_ms"};
     for (size_t i = 0; i < sizeof same / sizeof *same; ++i)
@@ -106,7 +185,7 @@ static void an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more(void **s
 {
     (void)state;
     const cJSON *rows;
-    cJSON *root = tune_json(QUICK "--trials 16 --level sat6,aabb --false-rate 99 " SCENE, &rows);
+    cJSON *root = tune_json(QUICK FEW "--level sat6,aabb --false-rate 99 " SCENE, &rows);
     const cJSON *row = cJSON_GetArrayItem(rows, 0);
     char level[16];
     snprintf(level, sizeof level, "%s", json_string(row, "level"));
@@ -115,8 +194,8 @@ static void an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more(void **s
     assert_true(json_number(row, "missed_rate") == 0 && false_rate > 0.01);
     assert_true(json_number(row, "true_pairs") > 100);
     cJSON_Delete(root);
-    root = tune_json(QUICK "--trials 16 --level sat6,aabb --false-rate 99 " SCENE, &rows);
-    assert_true(json_true(cJSON_GetArrayItem(rows, 0), "resumed"));
+    root = tune_json(QUICK FEW "--level sat6,aabb --false-rate 99 " SCENE, &rows);
+    assert_true(json_true(cJSON_GetArrayItem(rows, 0), "known"));
     assert_string_equal(json_string(cJSON_GetArrayItem(rows, 0), "level"), level);
     cJSON_Delete(root);
     static const struct {
@@ -155,7 +234,7 @@ static void a_scene_says_which_level_it_wants(void **state)
     snprintf(scene, sizeof scene, "%.*s{ dims = 3, level = 'sat6' }\n",
              (int)(strstr(scene_text, "{ dims") - scene_text), scene_text);
     test_write_file(SCENE, scene);
-    cJSON *root = tune_json(QUICK "--trials 12 " SCENE, &rows);
+    cJSON *root = tune_json(QUICK FEW SCENE, &rows);
     assert_string_equal(json_string(cJSON_GetArrayItem(rows, 0), "level"), "sat6");
     assert_true(json_number(cJSON_GetArrayItem(rows, 0), "false_rate") > 0.01);
     cJSON_Delete(root);
@@ -184,16 +263,45 @@ static void a_stopped_tuning_is_taken_up_again(void **state)
     }
     const cJSON *rows;
     cJSON *root = tune_json(QUICK "--repeat 32 " SCENE, &rows);
-    assert_true(json_true(cJSON_GetArrayItem(rows, 0), "resumed"));
+    assert_true(json_true(cJSON_GetArrayItem(rows, 0), "resumed") ||
+                json_true(cJSON_GetArrayItem(rows, 0), "known"));
     cJSON_Delete(root);
+}
+
+// A loop of tunings in a shell ends with the first, as its user meant; nothing is stored
+// of what was not measured.
+static void ctrl_c_ends_a_loop_of_tunings(void **state)
+{
+    (void)state;
+    text command = {0};
+    text_add(&command,
+             "setsid --wait bash -c '(sleep 1; kill -INT 0) & "
+             "for i in 1 2 3; do \"%s\" tune " QUICK "--repeat 32 -n 300000 lua/scenes/paper.lua "
+             ">/dev/null 2>>%s; echo $i >>%s; done' 2>/dev/null",
+             getenv("DUET_PROGRAM"), STRATEGY, CONFIG);
+    assert_int_not_equal(system(text_chars(&command)), 0);
+    text_free(&command);
+    text said = {0};
+    assert_false(text_read_file(&said, CONFIG, NULL)); // not even the first went on
+    assert_true(text_read_file(&said, STRATEGY, NULL));
+    assert_non_null(strstr(text_chars(&said), "stopped"));
+    assert_null(strstr(strstr(text_chars(&said), "stopped") + 1, "stopped"));
+    text_free(&said);
+    duet_error err = {0};
+    store *s = store_open(STORE, STORE_WRITE, &err);
+    if (s)
+        assert_int_equal(test_count(s, "trial WHERE outcome <> 'ok'"), 0);
+    store_close(s);
 }
 
 static void a_budget_of_trials_is_kept(void **state)
 {
     (void)state;
     const cJSON *rows;
-    cJSON *root = tune_json(QUICK "--trials 12 --repeat 1 --strategy fig12 " SCENE, &rows);
-    assert_in_range(json_number(cJSON_GetArrayItem(rows, 0), "launches"), 1, 24);
+    cJSON *root = tune_json(QUICK FEW "--repeat 1 --strategy fig12 " SCENE, &rows);
+    const cJSON *row = cJSON_GetArrayItem(rows, 0);
+    assert_in_range(json_number(row, "launches"), 20, 2 * 65);
+    assert_string_not_equal(json_string(row, "verdict"), "ambiguous");
     cJSON_Delete(root);
 }
 
@@ -204,7 +312,7 @@ static void a_tune_file_sweeps_with_a_strategy_of_its_own(void **state)
                             "  workloads = { { scene = '" SCENE
                             "', n = { 500, 600 }, set = { seed = 3 } } },\n"
                             "  variants = { 'auto' }, modes = { 'own' }, repeats = 1,\n"
-                            "  budget = { trials = 30 },\n"
+                            "  budget = { trials = 43 },\n"
                             "  strategy = function(history)\n"
                             "    if #history < 3 then return #history / 2 end\n"
                             "  end,\n"
@@ -231,6 +339,7 @@ static void what_is_wrong_on_the_command_line_is_one_line(void **state)
         {"tune --variants nonsense --profile " STORE " " SCENE, 2, "nonsense"},
         {"tune " QUICK " no/such.lua", 1, "no/such.lua"},
         {"tune --profile " SCENE " " SCENE, 1, SCENE},
+        {"tune " QUICK SCENE " --trials 12", 2, "a budget of 12 trials ends before a verdict"},
         {"tune " QUICK SCENE " --level gjk", 2, "--level 'gjk': the levels are"},
         {"tune " QUICK SCENE " --level sat6,", 2, "--level ''"},
         {"tune " QUICK SCENE " --level sat6,aabb", 2, "give --missed or --false-rate"},
@@ -285,6 +394,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(a_workload_is_tuned_once_and_known_ever_after, begin_afresh),
+        cmocka_unit_test_setup(what_was_not_asked_before_is_measured, begin_afresh),
+        cmocka_unit_test_setup(a_stranger_can_read_the_table_and_type_the_plan, begin_afresh),
         cmocka_unit_test_setup(the_terms_of_a_known_workload_are_those_that_were_measured,
                                begin_afresh),
         cmocka_unit_test_setup(an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more,
@@ -292,6 +403,7 @@ int main(void)
         cmocka_unit_test_setup(an_accuracy_out_of_reach_names_the_nearest_level, begin_afresh),
         cmocka_unit_test_setup(a_scene_says_which_level_it_wants, begin_afresh),
         cmocka_unit_test_setup(a_stopped_tuning_is_taken_up_again, begin_afresh),
+        cmocka_unit_test_setup(ctrl_c_ends_a_loop_of_tunings, begin_afresh),
         cmocka_unit_test_setup(a_budget_of_trials_is_kept, begin_afresh),
         cmocka_unit_test_setup(a_tune_file_sweeps_with_a_strategy_of_its_own, begin_afresh),
         cmocka_unit_test_setup(what_is_wrong_on_the_command_line_is_one_line, begin_afresh),

@@ -110,13 +110,15 @@ static void fill(store *s)
     const profile_level_cost costs[] = {{"certified", 2e6, 70, 0, 0}, {"sat15", 1.9e6, 70, 3, 9}};
     test_tune(s, &pair, &workload);
     workload.level = "auto";
-    require(profile_workload_put(s, &workload, &key.workload_id, &err) &&
-                profile_level_costs_put(s, &key, costs, 2, &err) &&
-                sql_script(s,
-                           "UPDATE profile SET true_pairs = 70, single_ns = 3e6, best_share = 9, "
-                           "best_mode = 'slab', terms = '{\"T_1\":1.5}'",
-                           &err),
-            &err);
+    require(
+        profile_workload_put(s, &workload, &key.workload_id, &err) &&
+            profile_level_costs_put(s, &key, costs, 2, &err) &&
+            sql_script(s,
+                       "UPDATE profile SET true_pairs = 70, single_ns = 3e6, best_share = 9, "
+                       "best_mode = 'slab', terms = '{\"T_1\":1.5}', rounds = 20, whole_ns = 2e6, "
+                       "whole_gain = 0.1, whole_gain_low = 0.05, whole_gain_high = 0.2",
+                       &err),
+        &err);
 }
 
 // Small pages make a small file, of which a change hits more.

@@ -40,6 +40,15 @@ facts.holds("rows go out and come in once", function()
   assert(duet.profiles(other)[1].uid == duet.profiles(store)[1].uid)
 end)
 
+facts.holds("a profile is forgotten, and one is put to use", function()
+  local uid = assert(duet.profiles(store))[1].uid
+  facts.refused("NOT_FOUND", "no profile begins with 'zz'", duet.use_profile, "zz", store)
+  assert(duet.use_profile(uid:sub(1, 9), store))
+  assert(#duet.profiles(store) == 1)
+  assert(duet.forget_profile(uid, other))
+  assert(#duet.profiles(other, true) == 0)
+end)
+
 facts.holds("a world is told on which grounds it gets its plan", function()
   local world <close> = assert(pair:world(scene))
   assert(assert(world:explain_profile(store)):find "exact")

@@ -90,6 +90,10 @@ holds("a tuning that is kept is known the next time, and a world takes its plan"
   local first = assert(pair:tune(scene, quick { keep = true, store = store }))
   local second = assert(pair:tune(scene, quick { keep = true, store = store }))
   equal(first.known, false)
+  assert(#first.uid == 32 and first.unused == "" and first.rounds >= 0)
+  local grid = assert(pair:tune(scene, { store = store, repeats = 1, variants = { "auto" }, modes = { "own" },
+    strategy = "lua", strategy_lua = "return function(history) if #history < 3 then return #history / 2 end end" }))
+  assert(grid.known == false and grid.unused:find "without %-%-keep")
   equal(second.known, true)
   local world <close> = assert(pair:world(scene))
   equal(assert(world:load_profile(store)).plan.share, first.plan.share)
@@ -111,6 +115,9 @@ holds("an online share gives the same pairs, and outlives no world", function()
 end)
 
 holds("a tuning refuses what makes no sense", function()
+  refused("BAD_ARGUMENT", "42 trials ends before a verdict; expected at least 43", pair.tune, pair, scene,
+    quick { budget_trials = 42 })
+  raises("1, not true or false", pair.tune, pair, scene, { keep = 1 })
   raises("a tuning has no field 'budget'", pair.tune, pair, scene, { budget = 1 })
   raises("there is no mode 'fast'", pair.tune, pair, scene, { modes = { "fast" } })
   raises("a list of 1 to 32 names", pair.tune, pair, scene, { variants = {} })

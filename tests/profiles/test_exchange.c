@@ -78,11 +78,13 @@ static void cost_one(store *s)
     const profile_level_cost costs[] = {{"certified", 2e6, 70, 0, 0}, {"sat15", 1.9e6, 70, 3, 9}};
     assert_ok(profile_workload_put(s, &workload, &key.workload_id, &err), err);
     assert_ok(profile_level_costs_put(s, &key, costs, 2, &err), err);
-    assert_ok(sql_script(s,
-                         "UPDATE profile SET true_pairs = 70, single_ns = 3e6, best_share = 9, "
-                         "best_mode = 'slab', terms = '{\"T_1\":1.5}'",
-                         &err),
-              err);
+    assert_ok(
+        sql_script(s,
+                   "UPDATE profile SET true_pairs = 70, single_ns = 3e6, best_share = 9, "
+                   "best_mode = 'slab', terms = '{\"T_1\":1.5}', rounds = 20, whole_ns = 2e6, "
+                   "whole_gain = 0.1, whole_gain_low = 0.05, whole_gain_high = 0.2",
+                   &err),
+        err);
 }
 
 static void what_went_out_comes_in_as_it_was(void **state)
@@ -127,6 +129,36 @@ static void numbers_of_full_length_survive(void **state)
     close_two(&two);
 }
 
+static void replace_once(char **lines, const char *from, const char *to)
+{
+    char *at = strstr(*lines, from);
+    if (!at)
+        fail_msg("no line has %s", from);
+    text t = {0};
+    text_add_bytes(&t, *lines, (size_t)(at - *lines));
+    text_add(&t, "%s%s", to, at + strlen(from));
+    free(*lines);
+    *lines = t.chars;
+}
+
+// Versions before the fourth loaded plans without a verdict.
+static void a_plan_without_a_verdict_comes_in_unused(void **state)
+{
+    (void)state;
+    two_stores two = open_two();
+    tune_one(two.s, 1000);
+    char *lines = lines_of(two.s);
+    duet_error err = {0};
+    profile_import_counts counts;
+    replace_once(&lines, "\"verdict\":\"faster\"", "\"verdict\":\"ambiguous\"");
+    assert_ok(import_lines(two.other, lines, &counts, &err), err);
+    assert_int_equal(test_count(two.other, "profile WHERE live = 0 AND dead_reason = "
+                                           "'" PROFILE_UNFOUNDED "'"),
+                     1);
+    free(lines);
+    close_two(&two);
+}
+
 static void rows_that_are_known_are_not_taken_twice(void **state)
 {
     (void)state;
@@ -142,18 +174,6 @@ static void rows_that_are_known_are_not_taken_twice(void **state)
     assert_int_equal(test_count(two.s, "sample"), 36);
     free(lines);
     close_two(&two);
-}
-
-static void replace_once(char **lines, const char *from, const char *to)
-{
-    char *at = strstr(*lines, from);
-    if (!at)
-        fail_msg("no line has %s", from);
-    text t = {0};
-    text_add_bytes(&t, *lines, (size_t)(at - *lines));
-    text_add(&t, "%s%s", to, at + strlen(from));
-    free(*lines);
-    *lines = t.chars;
 }
 
 static int line_of(const char *lines, const char *what)
@@ -191,13 +211,13 @@ static void one_bad_line_refuses_the_file_and_is_named(void **state)
         {"\"options\":{\"launches\":16}", "\"options\":\"{\\\"x\\\":1},\\\"evil\\\":{}\"",
          "JSON object: options"},
         {"\"search_state\":{\"at\":1}", "\"search_state\":\"{} , {}\"", "search_state"},
-        {"\"terms\":null,\"origin\"",
-         "\"terms\":\"{\\\"x\\\":1},\\\"evil\\\":{\\\"a\\\":2}\",\"origin\"", "JSON object: terms"},
+        {"\"terms\":null,\"rounds\"",
+         "\"terms\":\"{\\\"x\\\":1},\\\"evil\\\":{\\\"a\\\":2}\",\"rounds\"", "JSON object: terms"},
         {"\"terms\":{\"T_CPU1\":1.5},\"samples\"", "\"terms\":\"{}\",\"samples\"",
          "JSON object: terms"},
-        {"\"terms\":null,\"origin\"", "\"terms\":7,\"origin\"", "JSON object: terms"},
+        {"\"terms\":null,\"rounds\"", "\"terms\":7,\"rounds\"", "JSON object: terms"},
         {"\"name\":\"", "\"name\":\"\xff", "not UTF-8"},
-        {"\"type\":\"store\",\"version\":3", "\"type\":\"store\",\"version\":4", "newer"},
+        {"\"type\":\"store\",\"version\":4", "\"type\":\"store\",\"version\":5", "newer"},
     };
     two_stores two = open_two();
     tune_one(two.s, 1000);
@@ -440,6 +460,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_went_out_comes_in_as_it_was),
         cmocka_unit_test(numbers_of_full_length_survive),
+        cmocka_unit_test(a_plan_without_a_verdict_comes_in_unused),
         cmocka_unit_test(rows_that_are_known_are_not_taken_twice),
         cmocka_unit_test(one_bad_line_refuses_the_file_and_is_named),
         cmocka_unit_test(a_poisoned_store_is_told_of_and_still_goes_out),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/test.h"
 
+#include "profiles/fit.h"
 #include "support/look.h"
 
 #include <math.h>
@@ -152,6 +153,77 @@ static void a_size_far_beyond_those_measured_is_a_guess_at_most(void **state)
     look_close(&f);
 }
 
+static void assert_why(look_fixture *f, uint64_t n, const char *says)
+{
+    profile_workload workload = test_workload(n);
+    profile_request request = test_request(&f->pair, &workload);
+    profile_found found;
+    duet_error err = {0};
+    text why = {0};
+    assert_ok(profile_lookup(f->s, &request, &found, &why, &err), err);
+    if (!strstr(text_chars(&why), says))
+        fail_msg("'%s' is not in:\n%s", says, text_chars(&why));
+    text_free(&why);
+}
+
+// The one size was best in another mode, with other kernels, or by one device.
+static void a_size_between_two_that_chose_otherwise_is_interpolated(void **state)
+{
+    (void)state;
+    static const char *const choices[] = {"mode = 'slab', variant_a = 'simd', variant_b = 'simd'",
+                                          "share = 0", "share = 65536"};
+    for (int i = 0; i < 3; ++i) {
+        look_fixture f = look_open();
+        look_tune(&f, 100000);
+        look_tune(&f, 400000);
+        char change[200];
+        snprintf(change, sizeof change,
+                 "UPDATE profile SET %s WHERE workload_id = (SELECT id FROM workload "
+                 "WHERE n = 400000)",
+                 choices[i]);
+        look_change(&f, change);
+        for (uint64_t n = 150000; n <= 300000; n += 150000) {
+            profile_found found = look_for(&f, &f.pair, n);
+            assert_int_equal(found.grade, PROFILE_INTERPOLATED);
+            assert_string_equal(found.plan.mode, "own");
+            assert_string_equal(found.verdict, "faster");
+            assert_true(fabs(found.plan.share / 65536.0 - best_share(n)) < 0.02);
+        }
+        look_close(&f);
+    }
+}
+
+static void a_size_that_cannot_be_interpolated_is_told_the_true_reason(void **state)
+{
+    (void)state;
+    look_fixture f = look_open();
+    look_tune(&f, 100000);
+    look_tune(&f, 400000);
+    assert_why(&f, 40000, "no: the size is below those measured, the nearest of which is 100000");
+    assert_why(&f, 900000, "no: the size is above those measured, the nearest of which is 400000");
+    // Each size was measured with kernels of its own.
+    duet_error err = {0};
+    look_change(&f, "UPDATE trial SET variant_a = 'simd', variant_b = 'simd' WHERE session_id = "
+                    "(SELECT s.id FROM session s JOIN workload w ON w.id = workload_id "
+                    "WHERE n = 400000); DELETE FROM fit");
+    assert_ok(fit_all(f.s, &err), err);
+    assert_why(&f, 200000,
+               "no: no plan was measured both at 100000 objects or fewer and at 400000 or more");
+    look_close(&f);
+}
+
+// However it came to be live no more.
+static void a_plan_without_a_verdict_is_not_followed(void **state)
+{
+    (void)state;
+    look_fixture f = look_open();
+    look_tune(&f, 100000);
+    look_change(&f, "UPDATE profile SET live = 0, dead_reason = 'too few rounds'");
+    assert_int_not_equal(look_for(&f, &f.pair, 100000).grade, PROFILE_EXACT);
+    assert_why(&f, 100000, " is not used: too few rounds");
+    look_close(&f);
+}
+
 static void devices_measured_apart_are_transferred(void **state)
 {
     (void)state;
@@ -245,7 +317,7 @@ static void tune_at(look_fixture *f, const char *level, double ms, double missed
     snprintf(row.plan.level, sizeof row.plan.level, "%s", level);
     assert_ok(profile_pair_put(f->s, &f->pair, &row.pair_id, &err), err);
     assert_ok(profile_workload_put(f->s, &workload, &row.workload_id, &err), err);
-    assert_ok(profile_put(f->s, &row, "tuned again", &err), err);
+    assert_ok(profile_put(f->s, &row, NULL, "tuned again", NULL, &err), err);
 }
 
 static void more_accuracy_than_was_given_is_not_served(void **state)
@@ -361,6 +433,9 @@ int main(void)
         cmocka_unit_test(a_size_next_to_one_that_was_measured_takes_its_plan),
         cmocka_unit_test(a_tie_does_not_hide_what_was_measured),
         cmocka_unit_test(a_size_far_beyond_those_measured_is_a_guess_at_most),
+        cmocka_unit_test(a_size_between_two_that_chose_otherwise_is_interpolated),
+        cmocka_unit_test(a_size_that_cannot_be_interpolated_is_told_the_true_reason),
+        cmocka_unit_test(a_plan_without_a_verdict_is_not_followed),
         cmocka_unit_test(devices_measured_apart_are_transferred),
         cmocka_unit_test(fits_of_two_machines_are_not_joined),
         cmocka_unit_test(changed_kernels_make_a_row_a_starting_point),

@@ -2,6 +2,7 @@
 // A store of an older or a newer Duet.
 #include "support/test.h"
 
+#include "profiles/profile.h"
 #include "profiles/sql.h"
 #include "support/store.h"
 #include "tuner/trial_log.h"
@@ -206,6 +207,22 @@ static void what_the_second_version_stored_is_kept_under_its_new_names(void **st
     test_folder_remove(&folder);
 }
 
+// The third version loaded plans that no race had spoken for.
+static void a_plan_without_a_verdict_of_the_third_version_is_not_used(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    store *s = upgrade_from(3, &folder);
+    assert_int_equal(test_count(s, "profile WHERE verdict = 'ambiguous' AND live = 0 AND "
+                                   "dead_reason = '" PROFILE_UNFOUNDED "'"),
+                     1);
+    assert_int_equal(test_count(s, "profile WHERE verdict = 'faster' AND live = 1 AND "
+                                   "rounds IS NULL AND whole_ns IS NULL"),
+                     1);
+    store_close(s);
+    test_folder_remove(&folder);
+}
+
 // The first version kept no count of wrong pairs: only certified has none by
 // itself.
 static void what_the_first_version_stored_serves_no_accuracy_but_certified(void **state)
@@ -245,6 +262,7 @@ int main(void)
         cmocka_unit_test(two_upgrades_keep_two_copies),
         cmocka_unit_test(an_upgraded_store_has_the_columns_of_a_fresh_one),
         cmocka_unit_test(what_the_second_version_stored_is_kept_under_its_new_names),
+        cmocka_unit_test(a_plan_without_a_verdict_of_the_third_version_is_not_used),
         cmocka_unit_test(what_the_first_version_stored_serves_no_accuracy_but_certified),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

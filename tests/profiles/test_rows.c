@@ -2,9 +2,11 @@
 // What a store keeps: devices, workloads, trials, profiles.
 #include "support/test.h"
 
+#include "profiles/profile.h"
 #include "profiles/sql.h"
 #include "support/store.h"
 
+#include <stdio.h>
 #include <string.h>
 
 // ------------------------------------------------------------------------- rows
@@ -219,6 +221,163 @@ static void a_replaced_profile_stays_dead_with_its_reason(void **state)
     store_close(s);
     test_folder_remove(&folder);
 }
+
+// ------------------------------------------------------------- which one is live
+
+// A profile of one workload on one pair.
+static profile_row gained(store *s, const char *verdict, double low, double high, uint32_t rounds)
+{
+    duet_error err = {0};
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    profile_row row = {
+        .kernels = TEST_KERNELS,
+        .objective = "time",
+        .plan = test_plan(0.25),
+        .gain = (low + high) / 2,
+        .gain_low = low,
+        .gain_high = high,
+        .verdict = verdict,
+        .rounds = rounds,
+        .origin = "manual",
+        .trial_number = -1,
+    };
+    assert_ok(profile_pair_put(s, &pair, &row.pair_id, &err), err);
+    assert_ok(profile_workload_put(s, &workload, &row.workload_id, &err), err);
+    return row;
+}
+
+static profile_placed put(store *s, const profile_row *row, const char *unused)
+{
+    profile_placed placed;
+    duet_error err = {0};
+    assert_ok(profile_put(s, row, unused, "tuned again", &placed, &err), err);
+    assert_int_equal(test_count(s, "profile WHERE live = 1 AND verdict = 'ambiguous'"), 0);
+    return placed;
+}
+
+static void a_live_profile_gives_way_only_to_one_that_is_founded_as_well(void **state)
+{
+    (void)state;
+    static const struct {
+        struct {
+            const char *verdict;
+            double low, high;
+            uint32_t rounds;
+        } live, next;
+        bool replaced;
+    } cases[] = {
+        {{"faster", 0.16, 0.31, 40}, {"ambiguous", -0.1, 0.1, 5}, false},
+        {{"faster", 0.16, 0.31, 40}, {"same", 0, 0, 0}, false},          // nothing was raced
+        {{"faster", 0.16, 0.31, 40}, {"same", -0.2, 0.5, 40}, false},    // says nothing
+        {{"faster", 0.16, 0.31, 40}, {"same", -0.01, 0.02, 14}, true},   // says a lot
+        {{"faster", 0.16, 0.31, 40}, {"faster", 0.02, 0.9, 8}, false},   // fewer and wider
+        {{"faster", 0.16, 0.31, 40}, {"faster", 0.02, 0.9, 40}, true},   // as many
+        {{"faster", 0.16, 0.31, 40}, {"slower", -0.4, -0.35, 14}, true}, // narrower
+        {{"same", -0.2, 0.5, 40}, {"faster", 0.1, 0.9, 40}, true},
+        {{"same", -0.2, 0.5, 40}, {"same", -0.3, 0.9, 8}, false},
+        {{"faster", 0.16, 0.31, 0}, {"faster", 0.02, 0.9, 8}, true}, // of an older version
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        test_folder folder = test_folder_make();
+        store *s = test_store_open(folder.store, STORE_WRITE);
+        profile_row live = gained(s, cases[i].live.verdict, cases[i].live.low, cases[i].live.high,
+                                  cases[i].live.rounds);
+        profile_row next = gained(s, cases[i].next.verdict, cases[i].next.low, cases[i].next.high,
+                                  cases[i].next.rounds);
+        profile_placed first = put(s, &live, NULL);
+        assert_string_equal(first.unused, "");
+        profile_placed second = put(s, &next, NULL);
+        if ((*second.unused == '\0') != cases[i].replaced)
+            fail_msg("case %zu: '%s'", i, second.unused);
+        assert_int_equal(test_count(s, "profile WHERE live = 1"), 1);
+        next.kernels = "newer";
+        if (strcmp(next.verdict, "ambiguous") != 0)
+            assert_string_equal(put(s, &next, NULL).unused, "");
+        store_close(s);
+        test_folder_remove(&folder);
+    }
+}
+
+// What a search among fewer kernels finds is as sure, and a worse plan.
+static void another_search_replaces_no_faster_plan(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *options;
+        double ns;
+        bool replaced;
+    } cases[] = {{"{\"launches\":16}", 9e6, true}, // the machine has changed
+                 {"{\"launches\":17}", 9e6, false},
+                 {"{\"launches\":17}", 2e6, true}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        test_folder folder = test_folder_make();
+        store *s = test_store_open(folder.store, STORE_WRITE);
+        duet_error err = {0};
+        char ids[2][PROFILE_ID];
+        profile_row row = gained(s, "faster", 0.1, 0.2, 20);
+        profile_session session = test_session(row.pair_id, row.workload_id);
+        assert_ok(profile_session_begin(s, &session, ids[0], &err), err);
+        session.options = cases[i].options;
+        assert_ok(profile_session_begin(s, &session, ids[1], &err), err);
+        row.origin = "measured";
+        row.session = ids[0];
+        row.median_ns = row.low_ns = row.high_ns = 3e6;
+        assert_string_equal(put(s, &row, NULL).unused, "");
+        row.session = ids[1];
+        row.median_ns = row.low_ns = row.high_ns = cases[i].ns;
+        profile_placed placed = put(s, &row, NULL);
+        assert_int_equal(*placed.unused == '\0', cases[i].replaced);
+        store_close(s);
+        test_folder_remove(&folder);
+    }
+}
+
+static int64_t is_live(store *s, const profile_placed *placed)
+{
+    char query[128];
+    snprintf(query, sizeof query, "profile WHERE live = 1 AND uid = '%s'", placed->uid);
+    return test_count(s, query);
+}
+
+static void a_stored_profile_is_put_to_use_and_forgotten(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    store *s = test_store_open(folder.store, STORE_WRITE);
+    duet_error err = {0};
+    profile_row row = gained(s, "faster", 0.1, 0.2, 20);
+    profile_row unfounded = gained(s, "ambiguous", -0.1, 0.2, 3);
+    profile_row elsewhere = row;
+    elsewhere.kernels = "others";
+    profile_placed kept = put(s, &row, NULL);
+    profile_placed other = put(s, &elsewhere, NULL);
+    profile_placed research = put(s, &row, "found by strategy 'grid' without --keep");
+    assert_string_equal(research.unused, "found by strategy 'grid' without --keep");
+    profile_placed few = put(s, &unfounded, NULL);
+    assert_string_equal(few.unused, PROFILE_UNFOUNDED);
+    assert_int_equal(is_live(s, &kept), 1);
+    assert_ok(profile_use(s, research.uid, &err), err);
+    assert_int_equal(is_live(s, &research), 1);
+    assert_int_equal(is_live(s, &kept), 0);
+    assert_int_equal(is_live(s, &other), 1);
+    assert_ok(profile_use(s, research.uid, &err), err); // again
+    assert_false(profile_use(s, few.uid, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    err = (duet_error){0};
+    assert_ok(profile_forget(s, research.uid, &err), err);
+    assert_int_equal(test_count(s, "profile"), 3);
+    assert_int_equal(test_count(s, "profile WHERE live = 1"), 1);
+    assert_false(profile_forget(s, research.uid, &err));
+    assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
+    err = (duet_error){0};
+    assert_false(profile_forget(s, "", &err));
+    assert_non_null(strstr(err.text, "3 profiles begin with ''"));
+    assert_int_equal(test_count(s, "audit WHERE what IN ('use', 'forget')"), 3);
+    store_close(s);
+    test_folder_remove(&folder);
+}
+
 static void what_is_not_json_is_refused(void **state)
 {
     (void)state;
@@ -250,6 +409,9 @@ int main(void)
         cmocka_unit_test(a_trial_comes_back_as_it_went_in),
         cmocka_unit_test(a_trial_without_measurements_needs_a_reason_and_no_times),
         cmocka_unit_test(a_replaced_profile_stays_dead_with_its_reason),
+        cmocka_unit_test(a_live_profile_gives_way_only_to_one_that_is_founded_as_well),
+        cmocka_unit_test(another_search_replaces_no_faster_plan),
+        cmocka_unit_test(a_stored_profile_is_put_to_use_and_forgotten),
         cmocka_unit_test(what_is_not_json_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

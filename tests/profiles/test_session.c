@@ -76,6 +76,83 @@ static void another_search_is_not_resumed(void **state)
     test_folder_remove(&folder);
 }
 
+// What was asked is part of what is finished.
+static void what_was_asked_and_finished_is_known(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    store *s = test_store_open(folder.store, STORE_WRITE);
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    test_tune(s, &pair, &workload);
+    duet_error err = {0};
+    char uid[PROFILE_ID];
+    profile_session session = test_session(1, 1);
+    session.script = "return { n = 1000 } -- a word that changes nothing";
+    assert_ok(profile_session_known(s, &session, uid, &err), err);
+    assert_int_equal(strlen(uid), PROFILE_ID - 1);
+    assert_ok(sql_script(s, "UPDATE profile SET live = 0, dead_reason = 'replaced'", &err), err);
+    assert_ok(profile_session_known(s, &session, uid, &err), err);
+    assert_int_equal(strlen(uid), PROFILE_ID - 1);
+    assert_ok(sql_script(s, "UPDATE session SET strategy = 'lua'", &err), err);
+    profile_session others[6] = {session, session, session, session, session, session};
+    others[0].strategy = "grid";
+    others[1].kernels = "changed";
+    others[2].seed = 2;
+    others[3].options = "{\"launches\":17}";
+    others[4].strategy = "lua"; // and another script
+    others[5].strategy = "lua";
+    others[5].script = NULL;
+    for (int i = 0; i < 6; ++i) {
+        assert_ok(profile_session_known(s, &others[i], uid, &err), err);
+        assert_string_equal(uid, "");
+    }
+    others[5].script = test_session(1, 1).script;
+    assert_ok(profile_session_known(s, &others[5], uid, &err), err);
+    assert_int_equal(strlen(uid), PROFILE_ID - 1);
+    store_close(s);
+    test_folder_remove(&folder);
+}
+
+static void one_process_measures_a_workload_whatever_it_asks(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    store *s = test_store_open(folder.store, STORE_WRITE);
+    duet_error err = {0};
+    profile_pair pair = test_pair(), swapped = {pair.b, pair.a};
+    profile_workload workloads[2] = {test_workload(1000), test_workload(2000)};
+    int64_t pairs[2], ids[2];
+    assert_ok(profile_pair_put(s, &pair, &pairs[0], &err), err);
+    assert_ok(profile_pair_put(s, &swapped, &pairs[1], &err), err);
+    for (int i = 0; i < 2; ++i)
+        assert_ok(profile_workload_put(s, &workloads[i], &ids[i], &err), err);
+    char id[PROFILE_ID];
+    profile_session session = test_session(pairs[0], ids[0]);
+    assert_ok(profile_session_begin(s, &session, id, &err), err);
+    profile_session others[4] = {session, session, session, session};
+    others[0].options = "{\"launches\":17}";
+    others[1].strategy = "grid";
+    others[2].pair_id = pairs[1];
+    others[3].workload_id = ids[1];
+    for (int i = 0; i < 4; ++i) {
+        profile_resumed resumed;
+        assert_ok(profile_session_resume(s, &others[i], &resumed, &err), err);
+        assert_int_equal(resumed.claim, i < 3 ? PROFILE_CLAIM_BUSY : PROFILE_CLAIM_NONE);
+        profile_resumed_free(&resumed);
+    }
+    // On another machine another pair is no disturbance.
+    assert_ok(sql_script(s, "UPDATE session SET host = 'elsewhere'", &err), err);
+    for (int i = 0; i < 3; ++i) {
+        profile_resumed resumed;
+        assert_ok(profile_session_resume(s, &others[i], &resumed, &err), err);
+        assert_int_equal(resumed.claim, i < 2 ? PROFILE_CLAIM_BUSY : PROFILE_CLAIM_NONE);
+        profile_resumed_free(&resumed);
+    }
+    store_close(s);
+    test_folder_remove(&folder);
+}
+
 static void a_dead_owners_session_is_resumed(void **state)
 {
     (void)state;
@@ -131,6 +208,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_stopped_session_is_resumed_with_its_state),
         cmocka_unit_test(another_search_is_not_resumed),
+        cmocka_unit_test(what_was_asked_and_finished_is_known),
+        cmocka_unit_test(one_process_measures_a_workload_whatever_it_asks),
         cmocka_unit_test(a_dead_owners_session_is_resumed),
         cmocka_unit_test(a_silent_owner_elsewhere_is_given_ten_minutes),
     };

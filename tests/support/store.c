@@ -216,7 +216,7 @@ void test_tune(store *s, const profile_pair *pair, const profile_workload *workl
     };
     row.low_ns = row.median_ns * 0.99;
     row.high_ns = row.median_ns * 1.01;
-    assert_ok(profile_put(s, &row, "tuned again", &err), err);
+    assert_ok(profile_put(s, &row, NULL, "tuned again", NULL, &err), err);
     assert_ok(profile_session_end(s, id, "complete", &err), err);
 }
 
@@ -238,7 +238,7 @@ void test_fill(store *s, uint32_t n)
         profile_workload workload = test_workload(1000 + i);
         row.plan.share = i;
         assert_ok(profile_workload_put(s, &workload, &row.workload_id, &err), err);
-        assert_ok(profile_put(s, &row, "filled again", &err), err);
+        assert_ok(profile_put(s, &row, NULL, "filled again", NULL, &err), err);
     }
     assert_ok(store_end(s, true, &err), err);
 }

@@ -148,7 +148,32 @@ static void steps_find_the_same_pairs_while_the_share_is_watched(void **state)
     destroy_world(&f);
 }
 
-static void what_was_learned_is_loaded_at_the_next_start(void **state)
+// As a tuning leaves it.
+static void put_tuned(record *r, const duet_plan *plan, const char *level)
+{
+    duet_error err = {0};
+    profile_row row = {
+        .pair_id = r->pair_id,
+        .workload_id = r->workload_id,
+        .kernels = r->request.kernels,
+        .objective = r->request.objective,
+        .plan = profile_subject_write_plan(plan, level),
+        .median_ns = 3e6,
+        .low_ns = 3e6,
+        .high_ns = 3e6,
+        .gain = 0.3,
+        .gain_low = 0.2,
+        .gain_high = 0.4,
+        .verdict = "faster",
+        .rounds = 20,
+        .origin = "manual",
+        .trial_number = -1,
+    };
+    assert_ok(profile_put(r->store, &row, NULL, "tuned again", NULL, &err), err);
+}
+
+// A share that nobody compared with one device alone is not followed.
+static void what_was_learned_is_loaded_at_the_next_start_of_what_was_tuned(void **state)
 {
     (void)state;
     fixture f;
@@ -161,14 +186,18 @@ static void what_was_learned_is_loaded_at_the_next_start(void **state)
     assert_ok(profile_subject_read(f.world, &known, &err), err);
     profile_request request = profile_subject_request(&known);
     duet_plan plan = *duet_world_get_plan(f.world);
-    plan.share = 12345;
-    assert_ok(record_open(&r, STORE, &err) && record_aim(&r, &request, &err), err);
-    assert_ok(record_online(&r, &plan, 2e6, &err), err);
-    record_close(&r);
-    assert_ok(duet_world_load_profile(f.world, STORE, &profile, &err), err);
-    assert_int_equal(profile.grade, DUET_GRADE_EXACT);
-    assert_int_equal(duet_world_get_plan(f.world)->share, 12345);
-    assert_string_equal(profile.verdict, "ambiguous");
+    for (int tuned = 0; tuned < 2; ++tuned) {
+        plan.share = 12345;
+        assert_ok(record_open(&r, STORE, &err) && record_aim(&r, &request, &err), err);
+        if (tuned)
+            put_tuned(&r, duet_world_get_plan(f.world), "certified");
+        assert_ok(record_online(&r, &plan, 2e6, &err), err);
+        record_close(&r);
+        assert_ok(duet_world_load_profile(f.world, STORE, &profile, &err), err);
+        assert_int_equal(profile.grade, tuned ? DUET_GRADE_EXACT : DUET_GRADE_DEFAULT);
+        assert_int_equal(duet_world_get_plan(f.world)->share, tuned ? 12345 : DUET_SHARE_ONE / 2);
+    }
+    assert_string_equal(profile.verdict, "faster");
     destroy_world(&f);
     remove_store();
 }
@@ -190,7 +219,7 @@ int main(void)
         cmocka_unit_test(a_trial_costs_no_more_than_was_allowed),
         cmocka_unit_test(a_plan_of_one_device_stays),
         cmocka_unit_test(steps_find_the_same_pairs_while_the_share_is_watched),
-        cmocka_unit_test(what_was_learned_is_loaded_at_the_next_start),
+        cmocka_unit_test(what_was_learned_is_loaded_at_the_next_start_of_what_was_tuned),
         cmocka_unit_test(a_def_that_is_no_def_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -2,11 +2,13 @@
 // The whole tuning on devices that are only arithmetic.
 #include "support/test.h"
 
+#include "base/budget.h"
 #include "support/simulated_pair.h"
 #include "tuner/race.h"
 #include "tuner/tune.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { RIGHT = 4711 };
@@ -19,6 +21,7 @@ typedef struct fake {
     double slowness; // of a device whose memory somebody else uses, for a while; 0: none
     bool slow[2];
     bool modes_tie; // else mode shared costs more
+    double factor;  // on all times; 0: 1
     uint32_t launches;
     uint32_t stop_after; // trials; 0: never
     uint32_t recorded;
@@ -54,6 +57,8 @@ static bool launch_fake(void *context, const duet_plan *plan, measure_launch *la
     double slow_b = b && strcmp(plan->variant_b, "slow") == 0 ? 3 : 1;
     launch->a_ns = (int64_t)slowed(f, 0, (double)s.a_ns);
     launch->b_ns = (int64_t)slowed(f, 1, slow_b * (double)s.b_ns);
+    launch->a_ns = (int64_t)((double)launch->a_ns * (f->factor > 0 ? f->factor : 1));
+    launch->b_ns = (int64_t)((double)launch->b_ns * (f->factor > 0 ? f->factor : 1));
     launch->total_ns = launch->a_ns > launch->b_ns ? launch->a_ns : launch->b_ns;
     bool wrong = (a && strcmp(plan->variant_a, "wrong") == 0) ||
                  (b && strcmp(plan->variant_b, "wrong") == 0);
@@ -91,15 +96,37 @@ static tune_task fake_task(fake *f, const duet_tune_def *def)
     };
 }
 
-static duet_tune_outcome tune_fake(fake *f, const duet_tune_def *def)
+static duet_tune_outcome tune_task_fake(const tune_task *task)
 {
     duet_tune_outcome outcome;
-    tune_task task = fake_task(f, def);
     trial_log state = {0};
     duet_error err = {0};
-    assert_ok(tune_run(&task, &state, &outcome, &err), err);
+    assert_ok(tune_run(task, &state, &outcome, &err), err);
     trial_log_free(&state);
     return outcome;
+}
+
+static duet_tune_outcome tune_fake(fake *f, const duet_tune_def *def)
+{
+    tune_task task = fake_task(f, def);
+    return tune_task_fake(&task);
+}
+
+static bool open_fake(void *whole, const char *kernels, measure_machine *machine, duet_plan *plan)
+{
+    *machine = (measure_machine){.context = whole, .launch = launch_fake, .hash = RIGHT};
+    snprintf(plan->variant_a, sizeof plan->variant_a, "%s", kernels);
+    snprintf(plan->variant_b, sizeof plan->variant_b, "%s", kernels);
+    plan->share = 0;
+    return true;
+}
+
+// Where both are parts of one device.
+static duet_tune_outcome tune_parts(fake *f, fake *whole, const duet_tune_def *def)
+{
+    tune_task task = fake_task(f, def);
+    task.whole = (tune_whole){whole, open_fake};
+    return tune_task_fake(&task);
 }
 
 static void two_equal_halves_are_shared_evenly_and_gain(void **state)
@@ -323,21 +350,147 @@ static void a_resumed_tuning_ends_as_an_uninterrupted_one(void **state)
     }
 }
 
+// Whatever is chosen from, from the least budget on.
 static void a_budget_ends_the_search_and_leaves_room_for_a_verdict(void **state)
 {
     (void)state;
-    fake f = {.model = {.ratio = 3, .sigma = 0.02}, .random = rng_seed(test_seed())};
+    static const char *const variants[] = {"auto", "slow", "slow"};
+    static const duet_mode modes[] = {DUET_MODE_OWN, DUET_MODE_SLAB};
+    static const char *const searches[] = {"balance", "fig12", "grid"};
+    rng r = rng_seed(test_seed());
+    for (uint32_t i = 0; i < 200; ++i) {
+        fake f = {.model = {.ratio = 0.3 + 4 * rng_unit(&r), .sigma = 0.03}, .random = r};
+        fake whole = {.model = {.ratio = 1}, .random = r};
+        duet_tune_def def = fake_def(&f);
+        def.strategy = searches[i % 3];
+        def.variants = variants;
+        def.n_variants = 1 + i % 2 * 2;
+        def.modes = modes;
+        def.n_modes = i / 2 % 3;
+        def.budget_trials = tune_least_trials(&def) + i % 20;
+        duet_tune_outcome outcome = i % 5 ? tune_fake(&f, &def) : tune_parts(&f, &whole, &def);
+        assert_string_not_equal(outcome.verdict, "ambiguous");
+        assert_in_range(outcome.rounds, 8, 40);
+        assert_in_range(outcome.trials, 10, def.budget_trials);
+        assert_true(outcome.step_ms > 0);
+        assert_int_equal(outcome.whole_ms > 0, i % 5 == 0);
+        r = f.random;
+    }
+}
+
+// A step takes 10 ms alone.
+static void seconds_that_cannot_do_are_refused_after_the_first_trial(void **state)
+{
+    (void)state;
+    fake f = {.model = {.ratio = 3}};
     duet_tune_def def = fake_def(&f);
-    def.budget_trials = 40;
-    duet_tune_outcome outcome = tune_fake(&f, &def);
-    assert_in_range(outcome.trials, 10, 40);
-    assert_true(outcome.step_ms > 0);
-    for (def.budget_trials = 40; def.budget_trials > 4; --def.budget_trials)
-        assert_in_range(tune_fake(&f, &def).trials, 1, def.budget_trials);
-    outcome = tune_fake(&f, &def);
-    assert_in_range(outcome.trials, 1, 4);
-    assert_string_equal(outcome.verdict, "ambiguous");
+    tune_task task = fake_task(&f, &def);
+    trial_log kept = {0};
+    duet_tune_outcome outcome;
+    duet_error err = {0};
+    def.budget_seconds = 1e-3;
+    assert_false(tune_run(&task, &kept, &outcome, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    assert_non_null(strstr(err.text, "a budget of 0.001 s ends before a verdict"));
+    assert_int_equal(kept.n, 1);
+    trial_log_free(&kept);
+}
+
+// ---------------------------------------------------------------- parts of one device
+
+static void parts_are_raced_against_the_undivided_device(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    static const double slower[] = {0.25, 4}; // than A and B: both times of the whole
+    for (int i = 0; i < 2; ++i) {
+        fake f = {.model = {.ratio = 1, .sigma = 0.02}, .random = r};
+        fake whole = {.model = {.ratio = 1, .sigma = 0.02}, .random = r, .factor = slower[i]};
+        duet_tune_def def = fake_def(&f);
+        duet_tune_outcome outcome = tune_parts(&f, &whole, &def);
+        assert_string_equal(outcome.verdict, "faster");
+        assert_true(i == 0 ? outcome.whole_gain_high < 0 : outcome.whole_gain_low > 0);
+        assert_true(fabs((1 + outcome.whole_gain) * outcome.step_ms - outcome.whole_ms) <
+                    0.1 * outcome.whole_ms);
+        assert_int_equal(outcome.launches, f.launches + whole.launches);
+        assert_in_range(whole.launches, 8, 80);
+        assert_int_equal(tune_fake(&f, &def).whole_ms, 0);
+    }
+}
+
+static void one_device_gets_its_best_kernels_and_no_share(void **state)
+{
+    (void)state;
+    static const char *const variants[] = {"slow", "auto"};
+    fake f = {.model = {.ratio = 1, .sigma = 0.02}, .random = rng_seed(test_seed())};
+    duet_tune_def def = fake_def(&f);
+    def.variants = variants;
+    def.n_variants = 2;
+    tune_task task = fake_task(&f, &def);
+    task.one_device = true;
+    duet_tune_outcome outcome = tune_task_fake(&task);
     assert_int_equal(outcome.plan.share, 0);
+    assert_string_equal(outcome.plan.variant_a, "auto");
+    assert_string_equal(outcome.plan.variant_b, "auto");
+    assert_string_equal(outcome.verdict, "same");
+    assert_true(outcome.gain == 0 && outcome.step_low_ms < outcome.step_high_ms);
+    assert_in_range(f.launches, 20, 100);
+}
+
+// ---------------------------------------------------------------- Ctrl-C
+
+static bool stopped_now;
+
+static bool is_stopped(void)
+{
+    return stopped_now;
+}
+
+// As Ctrl-C at a terminal, which reaches the driver's compiler too.
+static bool launch_stopped(void *context, const duet_plan *plan, measure_launch *launch,
+                           duet_error *err)
+{
+    fake *f = context;
+    if (f->launches == 10) {
+        stopped_now = true;
+        return error_set(err, DUET_STATUS_BUILD_FAILED, "the linker was killed");
+    }
+    return launch_fake(context, plan, launch, err);
+}
+
+static bool count_recorded(void *context, const duet_plan *plan, const measurement *m,
+                           const trial_log *state, duet_error *err)
+{
+    (void)plan;
+    (void)m;
+    (void)state;
+    (void)err;
+    ++((fake *)context)->recorded;
+    return true;
+}
+
+static void a_stop_while_a_kernel_is_built_is_no_trial(void **state)
+{
+    (void)state;
+    static budget_watch stops = {.stopped = is_stopped};
+    fake f = {.model = {.ratio = 3}};
+    duet_tune_def def = fake_def(&f);
+    tune_task task = fake_task(&f, &def);
+    task.machine.launch = launch_stopped;
+    task.recorder = (tune_recorder){&f, count_recorded};
+    trial_log kept = {0};
+    duet_tune_outcome outcome;
+    duet_error err = {0};
+    stopped_now = false;
+    budget_set_watch(&stops);
+    bool ran = tune_run(&task, &kept, &outcome, &err);
+    budget_set_watch(NULL);
+    assert_false(ran);
+    assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
+    assert_non_null(strstr(err.text, "stopped after 2 trials"));
+    assert_int_equal(kept.n, 2); // of four launches each; the third was cut
+    assert_int_equal(f.recorded, 2);
+    trial_log_free(&kept);
 }
 
 static void a_start_from_a_neighbour_saves_trials(void **state)
@@ -408,6 +561,10 @@ int main(void)
         cmocka_unit_test(nothing_that_builds_is_said_with_its_reason),
         cmocka_unit_test(a_resumed_tuning_ends_as_an_uninterrupted_one),
         cmocka_unit_test(a_budget_ends_the_search_and_leaves_room_for_a_verdict),
+        cmocka_unit_test(seconds_that_cannot_do_are_refused_after_the_first_trial),
+        cmocka_unit_test(parts_are_raced_against_the_undivided_device),
+        cmocka_unit_test(one_device_gets_its_best_kernels_and_no_share),
+        cmocka_unit_test(a_stop_while_a_kernel_is_built_is_no_trial),
         cmocka_unit_test(a_start_from_a_neighbour_saves_trials),
         cmocka_unit_test(a_log_of_another_tuning_is_forgotten_where_it_differs),
         cmocka_unit_test(a_measurement_keeps_the_warm_up_and_marks_outliers),
