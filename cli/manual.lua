@@ -79,7 +79,7 @@ local function man_page(page, summary)
     out[#out + 1] = man_row(row)
   end
   out[#out + 1] = ".SH EXIT STATUS\n0: done. 1: it failed; one line on stderr says why. "
-    .. "2: the command line is wrong.\n"
+    .. "2: the command line is wrong. 130, as a shell shows it: Ctrl\\-C ended it.\n"
   if name ~= "duet" then out[#out + 1] = ".SH SEE ALSO\n.BR duet (1)\n" end
   write(name .. ".1", table.concat(out))
 end

@@ -32,7 +32,7 @@ static const option options[] = {
     PAIR_OPTION_ROW(pair),
     OPTION_SHARE("share", share, "R", "A's part of the pairs, as 0.25 or 1/4"),
     OPTION_OUTPUT("output", out, "V.npy",
-                  "write the verdicts, uint8 or, for another ending, lines"),
+                  "write the verdicts, uint8 or, for another ending, lines; - is stdout"),
     OPTION_FLAG("separations", separations,
                 "write the separations along the best axis too, float64 as V.separations.npy"),
     OPTION_FLAG("json", json, "print one JSON object"),

@@ -53,7 +53,8 @@ static const option options[] = {
                  1000000000),
     OPTION_TEXT("picture", picture, "F.png", "draw the last of the steps"),
     OPTION_TEXT("frames", frames, "DIR", "draw 30 pictures a second of the scene"),
-    OPTION_OUTPUT("pairs", pairs_path, "OUT.csv", "write the pairs, a line each, ascending"),
+    OPTION_OUTPUT("pairs", pairs_path, "OUT.csv",
+                  "write the pairs, a line each, ascending; - is stdout"),
     OPTION_FLAG("check", check, "compare the pairs with the plain C reference"),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
@@ -76,7 +77,8 @@ static const command_line line = {
     .most_operands = 1,
     .about =
         "Finds all pairs of boxes that collide, on two devices, and says where the time went.\n"
-        "A scene is a Lua file; a file is .npy, or numbers as text.",
+        "SCENE is a name of 'duet scenes' or a Lua file; FILE is .npy, or numbers as text; - is\n"
+        "stdin.",
     .options = options,
     .rules = rules,
 };

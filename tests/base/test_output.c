@@ -224,6 +224,29 @@ static void what_is_not_kept_leaves_nothing(void **state)
     assert_int_equal(test_count_files(), 0);
 }
 
+// As a program does that ends in the middle of two outputs.
+static void what_is_half_written_is_removed(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"one", "two", "three"};
+    output o[3];
+    duet_error err = {0};
+    write_in("two", "old");
+    for (int i = 0; i < 3; ++i) {
+        assert_ok(output_open(&o[i], names[i], &err), err);
+        fputs("half", o[i].stream);
+    }
+    assert_ok(output_close(&o[2], true, &err), err);
+    assert_int_equal(system("test $(ls | wc -l) = 4"), 0);
+    output_remove_parts();
+    assert_int_equal(system("test \"$(echo *)\" = 'three two'"), 0);
+    assert_content("two", "old");
+    assert_content("three", "half");
+    assert_false(output_close(&o[0], true, NULL));
+    assert_false(output_close(&o[1], false, NULL));
+    assert_int_equal(system("test \"$(echo *)\" = 'three two'"), 0);
+}
+
 static void write_too_much(void)
 {
     static char bytes[100000];
@@ -281,6 +304,7 @@ int main(void)
         IN_A_FOLDER(stdout_is_written_to_whatever_it_is),
         IN_A_FOLDER(what_comes_between_is_not_replaced),
         IN_A_FOLDER(what_is_not_kept_leaves_nothing),
+        IN_A_FOLDER(what_is_half_written_is_removed),
         IN_A_FOLDER(what_does_not_fit_leaves_the_file_as_it_was),
         IN_A_FOLDER(the_program_says_that_a_file_became_too_large),
     };

@@ -123,21 +123,6 @@ static void ctrl_c_ends_a_loop_of_commands_in_bash(void **state)
     remove("out.json"); // what was measured is kept
 }
 
-// A second one does not wait for anything.
-static void what_is_half_written_is_removed(void **state)
-{
-    (void)state;
-    char script[512];
-    snprintf(script, sizeof script,
-             "mkdir -p half && cd half && mkfifo fifo && { echo begins; "
-             "%s lua --trust -e 'for i = 1, 3e6 do print(i, i, i, i, i, i) end' >fifo & } && "
-             "%s run - --pairs out.csv <fifo",
-             getenv("DUET_PROGRAM"), getenv("DUET_PROGRAM"));
-    terminal t = run_at_terminal(100, script, "begins", 0.3);
-    text_free(&t.seen);
-    assert_int_equal(system("test \"$(ls half)\" = fifo && rm -r half"), 0);
-}
-
 // ---------------------------------------------------------------- progress
 
 // The longest line that was drawn, without what moves the cursor.
@@ -201,7 +186,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ctrl_c_ends_a_loop_of_commands_in_bash),
-        cmocka_unit_test(what_is_half_written_is_removed),
         cmocka_unit_test(long_work_tells_how_far_it_is),
         cmocka_unit_test(a_line_of_progress_is_no_wider_than_the_terminal),
     };
