@@ -3,7 +3,6 @@
 // grounds.
 #include "cli/commands/profiles.h"
 #include "cli/inputs.h"
-#include "cli/interrupt.h"
 #include "cli/options.h"
 #include "cli/report/json.h"
 #include "cli/report/table.h"
