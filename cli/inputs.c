@@ -192,13 +192,14 @@ bool inputs_change_level(const level_options *options, duet_world_def *def, duet
     return inputs_read_level(options->level, &def->level, err);
 }
 
-static bool change_variant(const char *variant, char to[96], duet_error *err)
+static bool change_variant(const char *variant, char to[DUET_VARIANT], duet_error *err)
 {
     if (!variant)
         return true;
-    if (strlen(variant) >= 96)
+    if (strlen(variant) >= DUET_VARIANT)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a variant of %zu characters: 95 are the most", strlen(variant));
+                         "a variant of %zu characters: %d are the most", strlen(variant),
+                         DUET_VARIANT - 1);
     strcpy(to, variant);
     return true;
 }

@@ -124,9 +124,10 @@ api.names = {
     fails = true, c = { "duet_world_create", "duet_scene_world_def" } },
   { "duet.DevicePair:tune", { "scene: duet.Scene", "def?: table" }, "duet.Tuning",
     "Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, " ..
-    "strategy, strategy_lua, variants, modes, level (a name, or a list), accuracy, budget_seconds, budget_trials, repeats, seed, script, watch }; " ..
+    "strategy, strategy_lua, search, variants, modes, level (a name, or a list), accuracy, budget_seconds, budget_trials, repeats, seed, script, watch }; " ..
     "watch(progress) is called after each trial and stops the tuning with false. keep = false uses no store; " ..
-    "keep = true lets applications load what a strategy other than the default one finds, too.",
+    "keep = true lets applications load what a strategy other than the default one finds, too. " ..
+    "With search = \"kernels\", or a kernel's name, it searches the kernels' parameters too.",
     fails = true, c = "duet_tune_run" },
   { "duet.Tuning.plan", "duet.Plan", "to use" },
   { "duet.Tuning.best", "duet.Plan", "the best that shares the work; taken only where it is faster" },
@@ -148,6 +149,7 @@ api.names = {
   { "duet.Tuning.whole_gain_low", "number", "" },
   { "duet.Tuning.whole_gain_high", "number", "" },
   { "duet.Tuning.terms", "table<string, number>", "of equations 4 to 6: t1, cpu1, cpu2, gpu1 ... bus3, imbalance" },
+  { "duet.Tuning.kernels", "table[]", "what was searched of A's and B's: configs, tried, launches, gain, gain_low, gain_high, verdict" },
   { "duet.Tuning.trials", "integer", "" },
   { "duet.Tuning.launches", "integer", "all, of interrupted sessions too" },
   { "duet.Tuning.seconds", "number", "" },

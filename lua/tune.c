@@ -86,6 +86,7 @@ static const member def_members[] = {
     OPTION(member_bool, fresh),
     OPTION(member_string, strategy),
     OPTION(member_string, strategy_lua),
+    OPTION(member_string, search),
     MEMBER(member_names, tune_def, variants),
     MEMBER(member_names, tune_def, modes),
     OPTION(member_double, budget_seconds),
@@ -124,6 +125,31 @@ static void push_terms(lua_State *L, const member *m, const void *at)
 
 static const member_type member_terms = {NULL, push_terms};
 
+static const member kernels_members[] = {
+    MEMBER(member_count, duet_kernel_search, configs),
+    MEMBER(member_count, duet_kernel_search, tried),
+    MEMBER(member_count, duet_kernel_search, launches),
+    MEMBER(member_double, duet_kernel_search, gain),
+    MEMBER(member_double, duet_kernel_search, gain_low),
+    MEMBER(member_double, duet_kernel_search, gain_high),
+    MEMBER(member_chars, duet_kernel_search, verdict),
+    {0},
+};
+
+// A's and B's.
+static void push_kernels(lua_State *L, const member *m, const void *at)
+{
+    const duet_kernel_search *kernels = at;
+    (void)m;
+    lua_createtable(L, 2, 0);
+    for (int i = 0; i < 2; ++i) {
+        member_push_table(L, kernels_members, &kernels[i]);
+        lua_rawseti(L, -2, i + 1);
+    }
+}
+
+static const member_type member_kernels = {NULL, push_kernels};
+
 static const member outcome_members[] = {
     MEMBER(member_plan, duet_tune_outcome, plan),
     MEMBER(member_plan, duet_tune_outcome, best),
@@ -145,6 +171,7 @@ static const member outcome_members[] = {
     MEMBER(member_double, duet_tune_outcome, whole_gain_low),
     MEMBER(member_double, duet_tune_outcome, whole_gain_high),
     MEMBER(member_terms, duet_tune_outcome, terms),
+    MEMBER(member_kernels, duet_tune_outcome, kernels),
     MEMBER(member_count, duet_tune_outcome, trials),
     MEMBER(member_count, duet_tune_outcome, launches),
     MEMBER(member_double, duet_tune_outcome, seconds),

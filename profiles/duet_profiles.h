@@ -34,8 +34,8 @@ typedef struct duet_stored_profile {
     duet_stored_device b;
     uint32_t share; // A's part, out of 65536
     char mode[16];
-    char variant_a[96];
-    char variant_b[96];
+    char variant_a[192];
+    char variant_b[192];
     char level[16];
     double step_ms; // the median, and its interval
     double low_ms;
@@ -70,8 +70,8 @@ DUET_API const duet_stored_profile *duet_profile_list_get_profile(const duet_pro
 typedef struct duet_stored_trial {
     uint32_t share;
     char mode[16];
-    char variant_a[96];
-    char variant_b[96];
+    char variant_a[192];
+    char variant_b[192];
     uint32_t samples;
     double step_ms; // the median, and its interval; 0 unless ok, as those below
     double low_ms;

@@ -292,7 +292,7 @@ typedef struct named_fit {
     char role[8];
     char mode[16];
     char level[16];
-    char variant[96];
+    char variant[PROFILE_VARIANT];
     char covariance[512]; // f's, as stored
     fit f;
 } named_fit;

@@ -234,6 +234,28 @@ bool profile_session_resume(store *s, const profile_session *session, profile_re
     return store_end(s, ok, err);
 }
 
+bool profile_searched_variant(store *s, const profile_search *search, char variant[PROFILE_VARIANT],
+                              duet_error *err)
+{
+    sql q =
+        sql_make(s,
+                 "WITH own AS (SELECT iif(?, env_b, env_a) AS env FROM pair WHERE id = ?) "
+                 "SELECT iif(pair.env_a = own.env, p.variant_a, p.variant_b) "
+                 "FROM own JOIN pair ON own.env IN (pair.env_a, pair.env_b) "
+                 "JOIN profile p ON p.pair_id = pair.id JOIN session ON session.id = p.session_id "
+                 "WHERE p.workload_id = ? AND p.kernels = ? "
+                 "AND json_extract(session.options, '$.search') = ? "
+                 "ORDER BY p.created_ns DESC LIMIT 1",
+                 err);
+    sql_int(&q, search->device);
+    sql_int(&q, search->pair_id);
+    sql_int(&q, search->workload_id);
+    sql_text(&q, search->kernels);
+    sql_text(&q, search->what);
+    sql_copy(variant, PROFILE_VARIANT, sql_row(&q) ? sql_get_text(&q, 0) : "");
+    return sql_close(&q);
+}
+
 void profile_resumed_free(profile_resumed *resumed)
 {
     text_free(&resumed->search_state);

@@ -11,6 +11,7 @@
 #include "profiles/subject.h"
 
 #define PROFILE_ID 33 // 32 hex digits and a NUL
+#define PROFILE_VARIANT 192
 
 typedef struct profile_session {
     int64_t pair_id;
@@ -67,17 +68,31 @@ bool profile_session_save(store *s, const char *id, const char *search_state, du
 // trials enter the fits of its devices.
 bool profile_session_end(store *s, const char *id, const char *how, duet_error *err);
 
+// A search of kernels for a device of a pair, 0 being A.
+typedef struct profile_search {
+    int64_t pair_id;
+    int device;
+    int64_t workload_id;
+    const char *kernels;
+    const char *what; // the option "search" of its session
+} profile_search;
+
+// The variant in the latest profile that such a search led to, live or not, be the device's
+// partner another one; empty where there is none.
+bool profile_searched_variant(store *s, const profile_search *search,
+                              char variant[PROFILE_VARIANT], duet_error *err);
+
 // ---------------------------------------------------------------- trials
 
 #define PROFILE_SHARE_ONE 65536
 
 // How a step was done; mirrors the public plan, which this module does not know.
 typedef struct profile_plan {
-    uint32_t share;     // A's part out of PROFILE_SHARE_ONE
-    char mode[16];      // "shared", "own" or "slab"
-    char level[16];     // of accuracy, "certified"
-    char variant_a[96]; // "auto sort=radix"
-    char variant_b[96];
+    uint32_t share;                  // A's part out of PROFILE_SHARE_ONE
+    char mode[16];                   // "shared", "own" or "slab"
+    char level[16];                  // of accuracy, "certified"
+    char variant_a[PROFILE_VARIANT]; // "auto sort=radix"
+    char variant_b[PROFILE_VARIANT];
 } profile_plan;
 
 typedef enum profile_sample_flag {

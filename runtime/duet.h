@@ -288,13 +288,16 @@ typedef enum duet_mode {
 
 DUET_API const char *duet_mode_name(duet_mode mode); // "shared"; NULL outside
 
+#define DUET_VARIANT 192 // bytes of a variant's text, its end counted
+
 // How a step is to be done: what a tuner chooses and a profile stores.
 typedef struct duet_plan {
     uint32_t share; // A's part of the objects, out of DUET_SHARE_ONE (r in the paper), or
                     // DUET_SHARE_DEFAULT
     duet_mode mode;
-    char variant_a[96]; // "auto", "simd", "gpu" or "paper", or with settings: "auto sort=radix";
-    char variant_b[96]; // "" is the default one for the device
+    char variant_a[DUET_VARIANT]; // "auto", "simd", "gpu" or "paper", or with settings: "auto
+                                  // sort=radix";
+    char variant_b[DUET_VARIANT]; // "" is the default one for the device
 } duet_plan;
 
 // What is done on this device pair where nothing was measured: "simd" on a CPU and "auto"

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "gen/gen.h"
 #include "runtime/broadphase/variant.h"
 #include "runtime/narrowphase/accuracy.h"
 #include "runtime/selection/profile_subject.h"
@@ -87,6 +88,24 @@ static bool check_budget(const duet_tune_def *def, duet_error *err)
                      def->budget_trials, least);
 }
 
+// "kernels", or the name of one that there is.
+static bool check_search(const char *what, duet_error *err)
+{
+    if (!what || strcmp(what, "kernels") == 0)
+        return true;
+    gen *g = gen_open(NULL, err);
+    uint32_t i = 0;
+    while (g && gen_kernel(g, i) && strcmp(gen_kernel(g, i), what) != 0)
+        ++i;
+    bool ok = g && (gen_kernel(g, i) ||
+                    error_set(err, DUET_STATUS_NOT_FOUND,
+                              "search '%s': expected 'kernels' or a kernel's name; 'duet source "
+                              "--list' lists them",
+                              what));
+    gen_close(g);
+    return ok;
+}
+
 static bool check_def(const duet_tune_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
@@ -108,7 +127,8 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
         if (!variant_parse(&v, def->variants[i], duet_device_pair_get_info(def->pair, 0), err))
             return false;
     }
-    return check_levels(def, err) && check_strategy(def->strategy, err) && check_budget(def, err);
+    return check_levels(def, err) && check_strategy(def->strategy, err) && check_budget(def, err) &&
+           check_search(def->search, err);
 }
 
 // ---------------------------------------------------------------- a tuning
@@ -389,6 +409,14 @@ static bool open_whole(void *context, const char *kernels, measure_machine *mach
     return true;
 }
 
+static bool read_kernels(void *context, const duet_plan *plan, int device, kernel_space **spaces,
+                         uint32_t *n, duet_error *err)
+{
+    duet_world *world = context;
+    return duet_world_set_plan(world, plan, err) &&
+           kernel_spaces_read(world, device, spaces, n, err);
+}
+
 static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcome *outcome,
                 duet_error *err)
 {
@@ -402,7 +430,7 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
     tune_task task = {
         .def = &h->def,
         .machine = measure_world_machine(&world, h->hash),
-
+        .kernels = {.context = h->world, .read = read_kernels},
         .plan = *duet_world_get_plan(h->world),
         .has_start = guessed,
         .start = near->plan.share,
@@ -415,6 +443,10 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
         task.whole = (tune_whole){h, open_whole};
     if (h->record.store)
         task.recorder = record_recorder(&h->record);
+    bool looks = h->record.store && h->def.search && !h->def.fresh;
+    for (int device = 0; looks && device < 2; ++device)
+        if (!record_device_variant(&h->record, device, h->def.search, task.searched[device], err))
+            return false;
     bool ok = tune_run(&task, &h->state, outcome, err);
     outcome->accuracy = right.accuracy;
     outcome->true_pairs = right.true_pairs;

@@ -36,9 +36,10 @@ typedef struct duet_tune_def {
     const duet_scene *scene;
     const char *store; // profile file; NULL: the user's (DUET_PROFILE)
     duet_keep keep;
-    bool fresh;                  // measures again what is finished
-    const char *strategy;        // "balance"; duet_strategy lists them
-    const char *strategy_lua;    // of "lua": text of a script that returns a function
+    bool fresh;               // measures again what is finished
+    const char *strategy;     // "balance"; duet_strategy lists them
+    const char *strategy_lua; // of "lua": text of a script that returns a function
+    const char *search; // "kernels": their parameters too, or one kernel's by its name; NULL: none
     const char *const *variants; // to choose from, for each device
     uint32_t n_variants;         // 0: the default list
     const duet_mode *modes;
@@ -79,6 +80,17 @@ typedef struct duet_tune_terms {
     double imbalance; // what is left of equation 4, as part of its longer side
 } duet_tune_terms;
 
+// What a search of a device's kernels came to.
+typedef struct duet_kernel_search {
+    uint32_t configs; // of the kernels searched; 0: nothing was searched
+    uint32_t tried;
+    uint32_t launches; // until the last race
+    double gain;       // of all kernels of the device: 0.25 is a quarter faster
+    double gain_low;
+    double gain_high;
+    char verdict[16]; // they are used only where it is "faster"
+} duet_kernel_search;
+
 typedef struct duet_tune_outcome {
     duet_plan plan; // to use
     duet_plan best; // the best that shares the work; taken only where it is faster
@@ -99,7 +111,8 @@ typedef struct duet_tune_outcome {
     double whole_gain; // of the plan to use over that one
     double whole_gain_low;
     double whole_gain_high;
-    duet_tune_terms terms; // of the best plan; zero where a store has none
+    duet_tune_terms terms;         // of the best plan; zero where a store has none
+    duet_kernel_search kernels[2]; // A's, B's; a store keeps only what they led to
     uint32_t trials;
     uint32_t launches; // all, of interrupted sessions too
     double seconds;

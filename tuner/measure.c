@@ -26,13 +26,13 @@ typedef struct row {
 // A's own grid is work that A does before its search, so it is A's time. Only
 // B's pairs cross the bus in the paper; where A's do, that ends A's work.
 static const row rows[] = {
-    {"send objects", {AT(bus2), AT(t1)}},  {"hash", {AT(cpu1), AT(t1)}},
-    {"sort", {AT(cpu1), AT(t1)}},          {"bounds", {AT(cpu1), AT(t1)}},
-    {"reorder", {AT(cpu1), AT(gpu1)}},     {"cell start", {AT(cpu1), AT(gpu1)}},
-    {"clear", {AT(cpu1), AT(gpu2)}},       {"candidates", {AT(cpu1), AT(gpu2)}},
-    {"narrow", {AT(cpu2), AT(gpu3)}},      {"decide", {AT(cpu2), AT(gpu3)}},
-    {"send grid", {AT(bus1), AT(bus1)}},   {"receive grid", {AT(bus2), AT(bus2)}},
-    {"fetch pairs", {AT(cpu2), AT(bus3)}},
+    {"send objects", {AT(bus2), AT(t1)}},   {"hash", {AT(cpu1), AT(t1)}},
+    {"sort", {AT(cpu1), AT(t1)}},           {"bounds", {AT(cpu1), AT(t1)}},
+    {"reorder", {AT(cpu1), AT(gpu1)}},      {"cell start", {AT(cpu1), AT(gpu1)}},
+    {"clear", {AT(cpu1), AT(gpu2)}},        {"candidates", {AT(cpu1), AT(gpu2)}},
+    {"search", {AT(cpu1), AT(gpu2)}},       {"narrow", {AT(cpu2), AT(gpu3)}},
+    {"decide", {AT(cpu2), AT(gpu3)}},       {"send grid", {AT(bus1), AT(bus1)}},
+    {"receive grid", {AT(bus2), AT(bus2)}}, {"fetch pairs", {AT(cpu2), AT(bus3)}},
 };
 
 // What equation 4 leaves over: A's side less B's, as part of the longer.
@@ -159,7 +159,22 @@ static bool step_world(void *context, const duet_plan *plan, measure_launch *lau
     };
     for (uint32_t i = 0; i < result.n_stages; ++i)
         launch->transfer_ns += result.stages[i].transfer ? to_ns(result.stages[i].ms) : 0;
+    launch->n_stages = result.n_stages < MEASURE_STAGES ? result.n_stages : MEASURE_STAGES;
+    memcpy(launch->stages, result.stages, launch->n_stages * sizeof *launch->stages);
     return true;
+}
+
+uint64_t measure_stages_ns(const measure_launch *launch, int device, const char *const *names,
+                           uint32_t most)
+{
+    int64_t ns = 0;
+    for (uint32_t i = 0; i < launch->n_stages; ++i) {
+        const duet_stage *stage = &launch->stages[i];
+        for (uint32_t k = 0; k < most && names[k]; ++k)
+            if (stage->device == device && strcmp(stage->name, names[k]) == 0)
+                ns += to_ns(stage->ms);
+    }
+    return (uint64_t)ns;
 }
 
 measure_machine measure_world_machine(measure_world *world, uint64_t hash)
@@ -184,6 +199,7 @@ static const char *outcome_of(const duet_error *err)
 static bool launch_once(const measure_machine *machine, const duet_plan *plan, uint32_t flags,
                         measure_launch *launch, profile_sample *sample, duet_error *err)
 {
+    *launch = (measure_launch){0};
     if (!budget_check_stop(NULL) || !machine->launch(machine->context, plan, launch, err))
         return false;
     if (launch->hash != machine->hash)
@@ -201,14 +217,29 @@ static bool launch_once(const measure_machine *machine, const duet_plan *plan, u
     return true;
 }
 
+// A disturbance only ever adds to a kernel's time, which the device's own clock took:
+// what warmed up counts too.
+static void take_least_stages(measure_launch *launch, const measure_launch *launches, uint32_t n)
+{
+    for (uint32_t i = 0; i < launch->n_stages; ++i) {
+        duet_stage *stage = &launch->stages[i];
+        for (uint32_t k = 0; k < n; ++k) {
+            const duet_stage *other = &launches[k].stages[i];
+            if (i < launches[k].n_stages && other->device == stage->device &&
+                strcmp(other->name, stage->name) == 0)
+                stage->ms = fmin(stage->ms, other->ms);
+        }
+    }
+}
+
 // Statistics over all counted launches; outliers are marked and stay in.
-static void summarize(measurement *m, const measure_launch *launches)
+static void summarize(measurement *m, const measure_launch *launches, uint32_t first)
 {
     double totals[MEASURE_REPEATS];
     bool marks[MEASURE_REPEATS];
-    uint32_t n = m->n_samples - 1;
+    uint32_t n = m->n_samples - first;
     for (uint32_t i = 0; i < n; ++i)
-        totals[i] = (double)m->samples[1 + i].total_ns;
+        totals[i] = (double)m->samples[first + i].total_ns;
     m->outliers = stats_mark_outliers(totals, n, marks);
     m->median_ns = stats_median(totals, n);
     m->mad_ns = stats_mad(totals, n);
@@ -218,24 +249,27 @@ static void summarize(measurement *m, const measure_launch *launches)
     uint32_t typical = 0;
     for (uint32_t i = 0; i < n; ++i) {
         if (marks[i])
-            m->samples[1 + i].flags |= PROFILE_SAMPLE_OUTLIER;
+            m->samples[first + i].flags |= PROFILE_SAMPLE_OUTLIER;
         bool nearer = totals[i] <= m->median_ns && totals[i] > totals[typical];
         if (nearer || totals[typical] > m->median_ns)
             typical = i;
     }
-    m->typical = 1 + typical;
-    m->terms = launches[m->typical].terms;
+    m->typical = first + typical;
+    m->launch = launches[m->typical];
+    take_least_stages(&m->launch, launches, m->n_samples);
 }
 
-measurement measure_plan(const measure_machine *machine, const duet_plan *plan, uint32_t repeats)
+measurement measure_plan(const measure_machine *machine, const duet_plan *plan, bool warm,
+                         uint32_t repeats)
 {
     assert(repeats > 0 && repeats <= MEASURE_REPEATS);
     measurement m = {0};
     measure_launch launches[1 + MEASURE_REPEATS];
     duet_error *err = &m.failure;
+    uint32_t first = warm ? 0 : 1;
     uint64_t begun = clock_steady_ns();
-    for (bool ok = true; ok && m.n_samples <= repeats; m.n_samples += ok)
-        ok = launch_once(machine, plan, m.n_samples ? 0 : PROFILE_SAMPLE_WARM_UP,
+    for (bool ok = true; ok && m.n_samples < first + repeats; m.n_samples += ok)
+        ok = launch_once(machine, plan, m.n_samples < first ? PROFILE_SAMPLE_WARM_UP : 0,
                          &launches[m.n_samples], &m.samples[m.n_samples], err);
     // Ctrl-C reaches a driver's compiler as well, whose complaint is none of the plan's.
     if (m.n_samples <= repeats && !budget_check_stop(NULL))
@@ -243,6 +277,6 @@ measurement measure_plan(const measure_machine *machine, const duet_plan *plan, 
     m.spent_ns = clock_steady_ns() - begun;
     m.outcome = outcome_of(err);
     if (err->status == DUET_STATUS_OK)
-        summarize(&m, launches);
+        summarize(&m, launches, first);
     return m;
 }

@@ -11,7 +11,7 @@
 
 #include <cjson/cJSON.h>
 
-enum { MEASURE_REPEATS = 32 };
+enum { MEASURE_REPEATS = 32, MEASURE_STAGES = 48 };
 
 // What one step of a machine took and found.
 typedef struct measure_launch {
@@ -21,6 +21,8 @@ typedef struct measure_launch {
     int64_t transfer_ns;
     uint64_t hash; // of its pairs
     duet_tune_terms terms;
+    duet_stage stages[MEASURE_STAGES];
+    uint32_t n_stages;
 } measure_launch;
 
 // What plans are measured on: a world, or arithmetic in tests.
@@ -48,7 +50,7 @@ search_sample measure_sample(const duet_result *result, const duet_plan *plan);
 typedef struct measurement {
     const char *outcome;                         // as a profile_trial's
     duet_error failure;                          // why the outcome is not "ok"
-    profile_sample samples[1 + MEASURE_REPEATS]; // the first is the warm-up
+    profile_sample samples[1 + MEASURE_REPEATS]; // the first is the warm-up, if there is one
     uint32_t n_samples;
     uint32_t outliers;
     double median_ns;
@@ -56,13 +58,20 @@ typedef struct measurement {
     double low_ns;
     double high_ns;
     uint32_t typical;      // the sample with the median time, the lower one of two
-    duet_tune_terms terms; // of that sample
+    measure_launch launch; // that one, with the least that each stage took in any
     uint64_t spent_ns;     // by the clock, builds included
 } measurement;
 
-// One launch to warm up and verify, then `repeats`. A plan that does not
-// build, run or find the right pairs is a measurement whose outcome says so.
-measurement measure_plan(const measure_machine *machine, const duet_plan *plan, uint32_t repeats);
+// One launch to warm up, unless the plan is warm, then `repeats`; all are verified. A
+// plan that does not build, run or find the right pairs is a measurement whose outcome
+// says so.
+measurement measure_plan(const measure_machine *machine, const duet_plan *plan, bool warm,
+                         uint32_t repeats);
+
+// What the launch took on a device in stages of these names; names end with NULL or
+// after `most`.
+uint64_t measure_stages_ns(const measure_launch *launch, int device, const char *const *names,
+                           uint32_t most);
 
 // ---------------------------------------------------------------- terms
 

@@ -76,7 +76,18 @@ static void write_options(const duet_tune_def *def, text *json)
     text_add(json, "],\"modes\":[");
     for (uint32_t i = 0; i < def->n_modes; ++i)
         text_add(json, "%s\"%s\"", i ? "," : "", duet_mode_name(def->modes[i]));
-    text_add(json, "]}");
+    text_add(json, "]");
+    if (def->search)
+        text_add(json, ",\"search\":\"%s\"", def->search);
+    text_add(json, "}");
+}
+
+bool record_device_variant(const record *r, int device, const char *what,
+                           char variant[PROFILE_VARIANT], duet_error *err)
+{
+    return profile_searched_variant(
+        r->store, &(profile_search){r->pair_id, device, r->workload_id, r->request.kernels, what},
+        variant, err);
 }
 
 static double timer_resolution(void)
@@ -176,7 +187,7 @@ static bool keep_trial(void *context, const duet_plan *plan, const measurement *
     const profile_sample *typical = &m->samples[m->typical];
     int64_t number;
     trial_log_to_json(state, &json);
-    terms_to_json(&m->terms, &terms);
+    terms_to_json(&m->launch.terms, &terms);
     profile_trial trial = {
         .plan = profile_subject_write_plan(plan, r->request.workload->level),
         .outcome = m->outcome,

@@ -62,6 +62,8 @@ void trial_log_to_json(const trial_log *t, text *json)
                  e->sample.a_ns, e->sample.b_ns);
         text_add(json, "%" PRIu32 ",%" PRIu64 ",", e->launches, e->spent_ns);
         terms_to_json(&e->terms, json);
+        if (e->focus_ns > 0)
+            text_add(json, ",%" PRIu64, e->focus_ns);
         text_add(json, "]");
     }
     text_add(json, "]}");
@@ -76,9 +78,9 @@ static bool next_number(const cJSON **at, double most, uint64_t *number)
     return ok;
 }
 
-static bool next_variant(const cJSON **at, char variant[96])
+static bool next_variant(const cJSON **at, char variant[DUET_VARIANT])
 {
-    bool ok = cJSON_IsString(*at) && strlen((*at)->valuestring) < 96;
+    bool ok = cJSON_IsString(*at) && strlen((*at)->valuestring) < DUET_VARIANT;
     if (ok)
         strcpy(variant, (*at)->valuestring);
     *at = *at ? (*at)->next : NULL;
@@ -100,7 +102,9 @@ static bool read_entry(const cJSON *row, trial_log_entry *e)
     e->usable = usable;
     e->launches = (uint32_t)launches;
     terms_from_json(at, &e->terms); // a log of the store's first version has none
-    return ok && (!at || !at->next);
+    at = at ? at->next : NULL;
+    ok = ok && (!at || next_number(&at, 0x1p53, &e->focus_ns));
+    return ok && !at;
 }
 
 static bool read_log(const cJSON *rows, trial_log *t, duet_error *err)

@@ -15,6 +15,7 @@ typedef struct trial_log_entry {
     duet_plan plan;
     bool usable;           // it built, ran and found the right pairs
     search_sample sample;  // its typical launch
+    uint64_t focus_ns;     // of that one, in the stages whose kernel was varied; else 0
     duet_tune_terms terms; // of that one
     uint32_t launches;
     uint64_t spent_ns;

@@ -3,12 +3,14 @@
 
 #include "base/budget.h"
 #include "base/error.h"
+#include "tuner/kernel_search.h"
 #include "tuner/race.h"
 #include "tuner/search.h"
 #include "tuner/strategy.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -20,11 +22,20 @@ enum {
 };
 
 // Parts of the budget. The search ends sooner where a verdict takes more trials.
-static const double VARIANTS_END = 0.35, SEARCH_END = 0.7, VERDICT_END = 0.9, ALL = 1;
+static const double VARIANTS_END = 0.35, KERNELS_END = 0.55, SEARCH_END = 0.7, VERDICT_END = 0.9,
+                    ALL = 1;
 
-static const double WORTH_ALONE = 1.3; // A alone is raced where it may take so much of B alone
-static const double UNEVEN = 1.03;     // a step that could be so much shorter is evened out
-static const double HOPELESS = 2.0;    // a plan this much slower is dropped from a quick race
+static const double WORTH_ALONE = 1.3;   // A alone is raced where it may take so much of B alone
+static const double UNEVEN = 1.03;       // a step that could be so much shorter is evened out
+static const double HOPELESS = 2.0;      // a plan this much slower is dropped from a quick race
+static const double WORTH_SEARCH = 0.03; // a kernel that takes so much of its device's time
+
+// The stages of a device whose kernel is varied.
+typedef struct focus {
+    int device;
+    const char *const *stages; // NULL: none
+    uint32_t n;                // stages at most
+} focus;
 
 // A tuning under way.
 typedef struct tuning {
@@ -33,10 +44,14 @@ typedef struct tuning {
     const char *stage;
     double stage_end; // part of the budget that is used up when it must end
     uint32_t repeats; // launches of a trial that count
-    duet_plan plan;   // the variants chosen so far
+    bool keeps_warm;  // a plan that ran before is not warmed up again
+    uint32_t first;   // trial that this process measured
+    focus focus;
+    duet_plan plan; // the variants chosen so far
     uint32_t launches;
     uint32_t unlogged; // trials of the whole device, which the log has no plan for
     uint64_t spent_ns;
+    bool found;         // a kernel to be searched
     bool cut;           // the budget ended a search
     duet_error failure; // of the first plan that did not run
 } tuning;
@@ -45,6 +60,7 @@ typedef struct tuning {
 typedef struct trial {
     bool usable;
     search_sample sample;
+    uint64_t focus_ns;
     duet_tune_terms terms;
 } trial;
 
@@ -101,6 +117,8 @@ static uint32_t most_trials(const tuning *t)
 {
     const duet_tune_def *def = t->task->def;
     uint32_t variants = count_variants(def), modes = count_modes(def);
+    if (def->search)
+        return def->budget_trials; // nobody knows how many a search of kernels takes
     uint32_t searched = strategy_find(def->strategy)->launches;
     uint32_t most = (variants > 1 ? 2 * variants * quick_race.most_rounds + 2 : 0) +
                     modes * searched + most_rivals(def) * race_default_options().most_rounds +
@@ -169,7 +187,7 @@ static bool tell_watcher(const tuning *t, const trial_log_entry *entry, bool rem
     return !def->watch || def->watch(def->watch_context, &progress) || stop(t, err);
 }
 
-static trial_log_entry entry_of(const duet_plan *plan, const measurement *m)
+static trial_log_entry entry_of(const tuning *t, const duet_plan *plan, const measurement *m)
 {
     const profile_sample *typical = &m->samples[m->typical];
     trial_log_entry entry = {
@@ -183,7 +201,10 @@ static trial_log_entry entry_of(const duet_plan *plan, const measurement *m)
         entry.sample.total_ns = (uint64_t)typical->total_ns;
         entry.sample.a_ns = (uint64_t)typical->a_ns;
         entry.sample.b_ns = (uint64_t)typical->b_ns;
-        entry.terms = m->terms;
+        entry.terms = m->launch.terms;
+        if (t->focus.stages)
+            entry.focus_ns =
+                measure_stages_ns(&m->launch, t->focus.device, t->focus.stages, t->focus.n);
     }
     return entry;
 }
@@ -207,15 +228,24 @@ static bool check_measured(tuning *t, const duet_plan *plan, const measurement *
     return true;
 }
 
+// Its programs are built, for it ran in this process.
+static bool is_warm(const tuning *t, const duet_plan *plan)
+{
+    bool warm = false;
+    for (uint32_t i = t->first; t->keeps_warm && i < t->state->played && !warm; ++i)
+        warm = trial_log_same_plan(&t->state->entries[i].plan, plan);
+    return warm;
+}
+
 static bool measure_live(tuning *t, const duet_plan *plan, trial_log_entry *entry, duet_error *err)
 {
     const tune_task *task = t->task;
     if (!budget_check(err))
         return false;
-    measurement m = measure_plan(&task->machine, plan, t->repeats);
+    measurement m = measure_plan(&task->machine, plan, is_warm(t, plan), t->repeats);
     if (m.failure.status == DUET_STATUS_INTERRUPTED)
         return stop(t, err);
-    *entry = entry_of(plan, &m);
+    *entry = entry_of(t, plan, &m);
     if (!trial_log_add(t->state, entry, err))
         return false;
     ++t->state->played;
@@ -234,10 +264,12 @@ static bool run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *
         entry = *kept;
     else if (!measure_live(t, plan, &entry, err))
         return false;
+    t->first = kept ? t->state->played : t->first;
     t->launches += entry.launches;
     t->spent_ns += entry.spent_ns;
     out->usable = entry.usable;
     out->sample = entry.sample;
+    out->focus_ns = entry.focus_ns;
     out->terms = entry.terms;
     return tell_watcher(t, &entry, kept, err) &&
            (t->state->played > 1 || check_budget(t, out, err));
@@ -269,19 +301,26 @@ static void enter(field *f, duet_plan plan)
 }
 
 // What is so much slower is not worth another round.
-static void drop_hopeless(race *r)
+static void drop_hopeless(race *r, double hopeless)
 {
     uint32_t leader = race_leader(r);
     for (uint32_t i = 0; i < r->n && leader < r->n; ++i) {
-        if (r->rivals[i].rounds > 0 && race_compare(r, leader, i).ratio > HOPELESS)
+        if (r->rivals[i].rounds > 0 && race_compare(r, leader, i).ratio > hopeless)
             race_drop(r, i);
     }
 }
 
+// What of a launch is compared: the stages in focus, or A's part, or the step.
+static double time_of(const tuning *t, const trial *got, bool of_a)
+{
+    uint64_t step = of_a ? got->sample.a_ns : got->sample.total_ns;
+    return (double)(t->focus.stages ? got->focus_ns : step);
+}
+
 // Races until it is decided or the stage's part of the budget is spent. A
-// trial's time is the total, or A's own where that is what is chosen. Where it
-// is to be quick, who takes twice the leader's time runs no more.
-static bool run_race(tuning *t, field *f, const race_options *options, bool of_a, bool quick,
+// trial's time is the total, or A's own where that is what is chosen. Who takes
+// `hopeless` times the leader's time runs no more.
+static bool run_race(tuning *t, field *f, const race_options *options, bool of_a, double hopeless,
                      duet_error *err)
 {
     uint32_t rival;
@@ -290,13 +329,11 @@ static bool run_race(tuning *t, field *f, const race_options *options, bool of_a
         trial got;
         if (!run_trial(t, &f->plans[rival], &got, err))
             return false;
-        double ns = (double)(of_a ? got.sample.a_ns : got.sample.total_ns);
         if (got.usable)
-            race_add(&f->race, rival, ns);
+            race_add(&f->race, rival, time_of(t, &got, of_a));
         else
             race_drop(&f->race, rival);
-        if (quick)
-            drop_hopeless(&f->race);
+        drop_hopeless(&f->race, hopeless);
         f->terms[rival] = got.terms;
     }
     return true;
@@ -320,7 +357,7 @@ static bool choose_variant(tuning *t, int device, uint32_t share, duet_error *er
         set_variant(&plan, device, variant);
         enter(&f, plan);
     }
-    if (!run_race(t, &f, &quick_race, device == 0, true, err))
+    if (!run_race(t, &f, &quick_race, device == 0, HOPELESS, err))
         return false;
     uint32_t leader = race_leader(&f.race);
     if (leader < f.n)
@@ -363,6 +400,214 @@ static bool choose_variants(tuning *t, duet_error *err)
     }
     t->stage = "variant of A";
     return find_share_of_a(t, &share, err) && choose_variant(t, 0, share, err);
+}
+
+// ---------------------------------------------------------------- kernels
+
+static const char *variant_of(const duet_plan *plan, int device)
+{
+    return device == 0 ? plan->variant_a : plan->variant_b;
+}
+
+// The configs as plans; one whose text would be too long is left out.
+static uint32_t enter_configs(const duet_plan *plan, int device, const kernel_space *space,
+                              uint32_t *configs, uint32_t n, field *f)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        duet_plan with = *plan;
+        char *to = device == 0 ? with.variant_a : with.variant_b;
+        if (!kernel_space_write(space, configs[i], variant_of(plan, device), to, DUET_VARIANT))
+            continue;
+        enter(f, with);
+        configs[kept++] = configs[i];
+    }
+    return kept;
+}
+
+// Drops what is so much slower than the fastest; returns how many are left.
+static uint32_t drop_slower(double *times, bool *out, uint32_t n, double slower)
+{
+    double least = INFINITY;
+    uint32_t left = 0;
+    for (uint32_t i = 0; i < n; ++i)
+        least = fmin(least, times[i]);
+    for (uint32_t i = 0; i < n; ++i) {
+        out[i] = out[i] || !(times[i] <= slower * least);
+        left += !out[i];
+    }
+    return left;
+}
+
+// Launches the configs in turn, round by round, and leaves out who is behind, sooner the
+// further. A config's time is the least that its kernel took, by the device's own clock:
+// what disturbs a launch only adds to it. INFINITY for one that did not run.
+static bool screen_configs(tuning *t, const field *f, double times[KERNEL_SPACE_VALUES],
+                           duet_error *err)
+{
+    static const double slower[] = {1.1, 1.03};
+    bool out[KERNEL_SPACE_VALUES] = {false};
+    uint32_t left = f->n;
+    for (uint32_t i = 0; i < f->n; ++i)
+        times[i] = INFINITY;
+    for (size_t round = 0; left > 1 && round < sizeof slower / sizeof *slower; ++round) {
+        for (uint32_t k = 0; k < f->n; ++k) {
+            uint32_t i = (k + (uint32_t)round) % f->n;
+            trial got;
+            if (out[i] || !within_budget(t))
+                continue;
+            if (!run_trial(t, &f->plans[i], &got, err))
+                return false;
+            if (got.usable)
+                times[i] = fmin(times[i], (double)got.focus_ns);
+        }
+        left = drop_slower(times, out, f->n, slower[round]);
+    }
+    return true;
+}
+
+// Whether the kernel takes enough of its device's time for a search to pay.
+static bool is_worth_search(tuning *t, const duet_plan *plan, int device, bool *worth,
+                            duet_error *err)
+{
+    trial got;
+    if (!run_trial(t, plan, &got, err))
+        return false;
+    double whole = (double)(device == 0 ? got.sample.a_ns : got.sample.b_ns);
+    *worth = got.usable && (double)got.focus_ns > WORTH_SEARCH * whole;
+    return true;
+}
+
+// Varies the plan's kernel for a device, and keeps in the plan what was fastest.
+static bool search_kernel(tuning *t, int device, const kernel_space *space, duet_plan *plan,
+                          duet_kernel_search *told, duet_error *err)
+{
+    uint32_t configs[KERNEL_SPACE_VALUES], n;
+    double times[KERNEL_SPACE_VALUES];
+    bool worth;
+    kernel_search s = kernel_search_begin(space);
+    t->focus = (focus){device, space->stages, KERNEL_SPACE_STAGES};
+    if (!is_worth_search(t, plan, device, &worth, err))
+        return false;
+    while (worth && within_budget(t) && (n = kernel_search_next(&s, configs)) > 0) {
+        field f = {0};
+        n = enter_configs(plan, device, space, configs, n, &f);
+        if (!screen_configs(t, &f, times, err))
+            return false;
+        kernel_search_tell(&s, configs, times, n);
+    }
+    told->configs += worth ? space->n_configs : 0;
+    told->tried += worth ? s.tried : 0;
+    char variant[DUET_VARIANT];
+    if (kernel_space_write(space, s.best, variant_of(plan, device), variant, sizeof variant))
+        set_variant(plan, device, variant);
+    return true;
+}
+
+// What was found against what was there, by all kernels of the device. Only what is
+// faster for sure is used.
+static bool confirm_kernels(tuning *t, int device, const duet_plan *before, const duet_plan *after,
+                            duet_kernel_search *told, duet_error *err)
+{
+    static const race_options to_the_end = {
+        .least_rounds = 10, .most_rounds = 24, .level = 0.99, .dropped = INFINITY, .margin = 0.02};
+    static const char *const stages[] = {"search", "candidates", "narrow",     "reorder", "bounds",
+                                         "hash",   "sort",       "cell start", "clear"};
+    race_gain gain = {.verdict = RACE_SAME, .ratio = 1, .interval = {1, 1, 1}};
+    t->focus = (focus){device, stages, sizeof stages / sizeof *stages};
+    if (!trial_log_same_plan(before, after)) {
+        field f = {0};
+        enter(&f, *before);
+        enter(&f, *after);
+        if (!run_race(t, &f, &to_the_end, false, INFINITY, err))
+            return false;
+        gain.verdict = RACE_AMBIGUOUS;
+        if (f.race.rivals[0].rounds > 0 && f.race.rivals[1].rounds > 0)
+            gain = race_compare(&f.race, 1, 0);
+    }
+    if (gain.verdict == RACE_FASTER)
+        set_variant(&t->plan, device, variant_of(after, device));
+    told->gain = gain.ratio - 1;
+    told->gain_low = gain.interval.low - 1;
+    told->gain_high = gain.interval.high - 1;
+    snprintf(told->verdict, sizeof told->verdict, "%s", race_verdict_name(gain.verdict));
+    return true;
+}
+
+static bool is_meant(const char *what, const kernel_space *space)
+{
+    return strcmp(what, "kernels") == 0 || strcmp(what, space->kernel) == 0;
+}
+
+static bool search_device(tuning *t, int device, uint32_t share, duet_kernel_search *told,
+                          duet_error *err)
+{
+    const tune_kernels *kernels = &t->task->kernels;
+    kernel_space *spaces = NULL;
+    uint32_t n = 0, launches = t->launches;
+    trial got;
+    duet_plan before = plan_at(t, share, DUET_MODE_OWN), after = before;
+    if (!run_trial(t, &before, &got, err))
+        return false;
+    t->found |= !got.usable; // the verdict tells why
+    bool ok = !got.usable || kernels->read(kernels->context, &before, device, &spaces, &n, err);
+    for (uint32_t i = 0; ok && i < n && within_budget(t); ++i) {
+        if (!is_meant(t->task->def->search, &spaces[i]))
+            continue;
+        t->found = true;
+        ok = search_kernel(t, device, &spaces[i], &after, told, err);
+    }
+    free(spaces);
+    told->launches = t->launches - launches;
+    ok = ok && confirm_kernels(t, device, &before, &after, told, err);
+    t->focus.stages = NULL;
+    return ok;
+}
+
+// What a search led to on this device beside another one, if it is a variant that may
+// be chosen.
+static bool take_searched(tuning *t, int device)
+{
+    const char *searched = t->task->searched[device], *base;
+    bool taken = false;
+    for (uint32_t i = 0; *searched && !taken && (base = variant_at(t->task->def, i)); ++i) {
+        size_t length = strlen(base);
+        taken = strncmp(searched, base, length) == 0 &&
+                (searched[length] == '\0' || searched[length] == ' ');
+    }
+    if (taken)
+        set_variant(&t->plan, device, searched);
+    t->found |= taken;
+    return taken;
+}
+
+// The kernels of B doing all the work, then of A doing as much as it does meanwhile. A
+// launch of a plan that ran before needs none to warm up, and each counts.
+static bool search_kernels(tuning *t, duet_kernel_search told[2], duet_error *err)
+{
+    uint32_t repeats = t->repeats, share;
+    if (!t->task->def->search)
+        return true;
+    t->stage = "kernels of B";
+    t->stage_end = (VARIANTS_END + KERNELS_END) / 2;
+    t->keeps_warm = true;
+    t->repeats = 1;
+    bool ok = take_searched(t, 1) || !within_budget(t) || search_device(t, 1, 0, &told[1], err);
+    t->stage = "kernels of A";
+    t->stage_end = KERNELS_END;
+    if (t->task->one_device)
+        set_variant(&t->plan, 0, t->plan.variant_b);
+    else
+        ok = ok && (take_searched(t, 0) || !within_budget(t) ||
+                    (find_share_of_a(t, &share, err) && search_device(t, 0, share, &told[0], err)));
+    t->keeps_warm = false;
+    t->repeats = repeats;
+    if (ok && !t->found && within_budget(t))
+        return error_set(err, DUET_STATUS_NOT_FOUND,
+                         "search '%s': neither device runs it with several configs by '%s' and "
+                         "'%s'",
+                         t->task->def->search, t->plan.variant_a, t->plan.variant_b);
+    return ok;
 }
 
 // ---------------------------------------------------------------- share
@@ -475,7 +720,8 @@ static bool search_modes(tuning *t, found founds[MOST_MODES], uint32_t *n, duet_
     *n = t->task->one_device ? 0 : list_modes(t, modes);
     t->stage = "share";
     for (uint32_t i = 0; i < *n; ++i) {
-        t->stage_end = VARIANTS_END + (SEARCH_END - VARIANTS_END) * (i + 1) / *n;
+        double from = t->task->def->search ? KERNELS_END : VARIANTS_END;
+        t->stage_end = from + (SEARCH_END - from) * (i + 1) / *n;
         if (!search_mode(t, modes[i], near, &founds[i], err))
             return false;
         near = founds[i].usable ? &founds[i].share : near;
@@ -599,7 +845,7 @@ static bool race_finalists(tuning *t, const duet_plan *alone, const duet_plan *s
     enter(f, *shared);
     if (even_out(t, shared, &even))
         enter(f, even);
-    return run_race(t, f, &last_race, false, false, err);
+    return run_race(t, f, &last_race, false, INFINITY, err);
 }
 
 // The budget may have ended before or in this race: then the first one's samples
@@ -635,7 +881,7 @@ static bool reach_verdict(tuning *t, const found *founds, uint32_t n, duet_tune_
     t->stage = "verdict";
     t->stage_end = t->task->whole.open ? VERDICT_END : ALL;
     t->repeats = t->repeats < VERDICT_REPEATS ? t->repeats : VERDICT_REPEATS;
-    if (!(all.n > 1 ? run_race(t, &all, NULL, false, false, err) : run_alone(t, &all, err)))
+    if (!(all.n > 1 ? run_race(t, &all, NULL, false, INFINITY, err) : run_alone(t, &all, err)))
         return false;
     uint32_t alone = race_best(&all.race, 0, n_alone);
     uint32_t shared = race_best(&all.race, n_alone, all.n);
@@ -662,10 +908,10 @@ static bool reach_verdict(tuning *t, const found *founds, uint32_t n, duet_tune_
 static bool run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan,
                          double *ns, duet_error *err)
 {
-    measurement m = measure_plan(machine, plan, t->repeats);
+    measurement m = measure_plan(machine, plan, false, t->repeats);
     if (m.failure.status == DUET_STATUS_INTERRUPTED)
         return stop(t, err);
-    trial_log_entry entry = entry_of(plan, &m);
+    trial_log_entry entry = entry_of(t, plan, &m);
     ++t->unlogged;
     t->launches += entry.launches;
     t->spent_ns += entry.spent_ns;
@@ -715,8 +961,9 @@ bool tune_run(const tune_task *task, trial_log *state, duet_tune_outcome *outcom
     uint32_t n = 0;
     state->played = 0;
     *outcome = (duet_tune_outcome){0};
-    bool ok = choose_variants(&t, err) && search_modes(&t, founds, &n, err) &&
-              reach_verdict(&t, founds, n, outcome, err) && race_whole(&t, outcome, err);
+    bool ok = choose_variants(&t, err) && search_kernels(&t, outcome->kernels, err) &&
+              search_modes(&t, founds, &n, err) && reach_verdict(&t, founds, n, outcome, err) &&
+              race_whole(&t, outcome, err);
     outcome->trials = state->played + t.unlogged;
     outcome->launches = t.launches;
     outcome->seconds = (double)t.spent_ns * 1e-9;

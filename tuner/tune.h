@@ -6,6 +6,7 @@
 #ifndef TUNER_TUNE_H
 #define TUNER_TUNE_H
 
+#include "runtime/broadphase/kernel_space.h"
 #include "tuner/measure.h"
 #include "tuner/trial_log.h"
 
@@ -23,14 +24,23 @@ typedef struct tune_whole {
     bool (*open)(void *context, const char *kernels, measure_machine *machine, duet_plan *plan);
 } tune_whole;
 
+// What may be set of the kernels that a device runs by a plan; the caller frees *spaces.
+typedef struct tune_kernels {
+    void *context;
+    bool (*read)(void *context, const duet_plan *plan, int device, kernel_space **spaces,
+                 uint32_t *n, duet_error *err);
+} tune_kernels;
+
 typedef struct tune_task {
     const duet_tune_def *def; // what to choose from, budget, strategy, watch
     measure_machine machine;
     tune_recorder recorder;
-    tune_whole whole; // open NULL: there is none
-    bool one_device;  // both are the same: there is nothing to share
-    duet_plan plan;   // its variants are the defaults that must work
-    bool has_start;   // a share that is likely near the best
+    tune_whole whole;               // open NULL: there is none
+    tune_kernels kernels;           // asked only where def->search is given
+    bool one_device;                // both are the same: there is nothing to share
+    char searched[2][DUET_VARIANT]; // by device, what a search led to before; empty: none did
+    duet_plan plan;                 // its variants are the defaults that must work
+    bool has_start;                 // a share that is likely near the best
     uint32_t start;
     void *script;         // of the strategy "lua"
     uint32_t least_share; // shares nearer than this are the same

@@ -216,9 +216,9 @@ static void read_budget(lua_State *L, tune_config *c)
 // root, config -> the list that keeps strings
 static int read_config(lua_State *L)
 {
-    static const char *const names[] = {"workloads", "pair",   "strategy", "variants",
-                                        "modes",     "budget", "repeats",  "seed",
-                                        "objective", "level",  "accuracy", NULL};
+    static const char *const names[] = {
+        "workloads", "pair", "strategy",  "variants", "search",   "modes", "budget",
+        "repeats",   "seed", "objective", "level",    "accuracy", NULL};
     tune_config *c = lua_touserdata(L, CONFIG);
     lua_newtable(L);
     if (!lua_istable(L, ROOT))
@@ -233,6 +233,7 @@ static int read_config(lua_State *L)
     read_levels(L, c);
     read_accuracy(L, c);
     c->n_variants = read_list(L, "variants", c->variants, CONFIG_VARIANTS);
+    c->search = field_string(L, ROOT, "search", NULL);
     c->pair = field_string(L, ROOT, "pair", NULL);
     c->repeats = read_count(L, ROOT, "repeats", 32);
     c->seed = read_count(L, ROOT, "seed", INT32_MAX);

@@ -48,7 +48,8 @@ static const command_line line = {
     .operands = "",
     .about = "Measures a standard set: on five scenes each device alone, shares in between, the\n"
              "modes and the kernels; the levels of accuracy; on a sixth what each effect costs.\n"
-             "With --against says what became faster or slower.",
+             "With --against says what became faster or slower, and ends with exit code 1 where\n"
+             "something became slower for sure.",
     .options = options,
 };
 
@@ -407,9 +408,16 @@ static bool measure_all(bench *b, duet_error *err)
 {
     b->results = bench_begin(b->pair, b->args->quick);
     bool ok = measure_scenes(b, err);
+    char slower[BENCH_NAME];
+    uint32_t n_slower = 0;
+    bool any_slower = bench_first_slower(b->results, slower, &n_slower);
     ok = finish(b, ok ? err : NULL) && ok;
     if (ok && b->failed > 0)
         ok = error_set(err, DUET_STATUS_DEVICE_FAILED, "%u plans failed", b->failed);
+    if (ok && any_slower)
+        ok =
+            error_set(err, DUET_STATUS_WRONG_RESULT, "%u of the cases became slower for sure: %s%s",
+                      n_slower, slower, n_slower > 1 ? ", and others" : "");
     return ok;
 }
 

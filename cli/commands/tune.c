@@ -31,6 +31,7 @@ typedef struct arguments {
     const char *pair;
     const char *strategy;
     const char *strategy_path;
+    const char *search;
     const char *variants;
     level_options level;
     double budget_seconds;
@@ -55,11 +56,14 @@ static const option options[] = {
     OPTION_TEXT(
         "variants", variants, "LIST",
         "kernels to choose from, with commas between them (auto,simd,auto sort=radix,paper)"),
+    OPTION_TEXT("search", search, "WHAT",
+                "search parameters too: 'kernels' for those of all kernels, or one kernel's name"),
     OPTION_TEXT("level", level.level, "LIST",
                 "of accuracy, or several to choose from (the scene's; all, where how much may be "
                 "wrong is given)"),
     ACCURACY_OPTION_ROWS(level),
-    OPTION_NUMBER("budget", budget_seconds, "SECONDS", "time for each workload (no limit)", 0, 0),
+    OPTION_NUMBER("budget", budget_seconds, "SECONDS", "time for each workload (no limit)", 0.001,
+                  0),
     OPTION_COUNT("trials", budget_trials, "K", "trials for each workload (no limit)", 1,
                  UINT32_MAX),
     OPTION_COUNT("repeat", repeats, "K", "launches of a trial, after one to warm up (3)", 1, 32),
@@ -202,6 +206,7 @@ static bool make_config(arguments *args, const char *path, tune_config *config, 
             return false;
         config->strategy_lua = text_chars(&config->text);
     }
+    config->search = args->search ? args->search : config->search;
     config->pair = args->pair ? args->pair : config->pair;
     config->budget_seconds =
         args->budget_seconds > 0 ? args->budget_seconds : config->budget_seconds;
@@ -295,6 +300,29 @@ static void add_terms(cJSON *o, const duet_tune_terms *t)
         cJSON_AddNumberToObject(terms, f->name, terms_value(f, t));
 }
 
+// What was searched of either device's kernels.
+static void add_kernels(cJSON *row, const duet_tune_outcome *o)
+{
+    cJSON *list = cJSON_AddArrayToObject(row, "kernels");
+    for (int device = 0; device < 2; ++device) {
+        const duet_kernel_search *k = &o->kernels[device];
+        if (k->configs == 0)
+            continue;
+        cJSON *one = cJSON_CreateObject();
+        cJSON_AddStringToObject(one, "device", device == 0 ? "A" : "B");
+        cJSON_AddStringToObject(one, "variant",
+                                device == 0 ? o->plan.variant_a : o->plan.variant_b);
+        cJSON_AddNumberToObject(one, "configs", k->configs);
+        cJSON_AddNumberToObject(one, "tried", k->tried);
+        cJSON_AddNumberToObject(one, "launches", k->launches);
+        cJSON_AddNumberToObject(one, "gain", k->gain);
+        cJSON_AddNumberToObject(one, "gain_low", k->gain_low);
+        cJSON_AddNumberToObject(one, "gain_high", k->gain_high);
+        cJSON_AddStringToObject(one, "verdict", k->verdict);
+        cJSON_AddItemToArray(list, one);
+    }
+}
+
 // Steps after which the time that tuning took is won back; 0 where it is not,
 // or where it was not measured here.
 static double break_even(const duet_tune_outcome *o)
@@ -338,6 +366,7 @@ static void report_add(tune_report *r, const duet_tune_outcome *o)
     cJSON_AddStringToObject(row, "uid", o->uid);
     cJSON_AddStringToObject(row, "unused", o->unused);
     add_terms(row, &o->terms);
+    add_kernels(row, o);
     cJSON_AddItemToArray(r->workloads, row);
     clear_line(r);
 }
@@ -350,6 +379,18 @@ static void print_accuracy(const cJSON *row)
     printf("  of %s pairs that collide '%s' misses %.3g %% and invents %.3g %%\n",
            table_count((uint64_t)json_number(row, "true_pairs")).chars, json_string(row, "level"),
            100 * json_number(row, "missed_rate"), 100 * json_number(row, "false_rate"));
+}
+
+static void print_kernels(const cJSON *row)
+{
+    const cJSON *one;
+    cJSON_ArrayForEach(one, json_list(row, "kernels"))
+        printf("  kernels of %s: %.0f of %.0f configs tried in %.0f launches, %+.1f %% (%+.1f to "
+               "%+.1f): %s; '%s'\n",
+               json_string(one, "device"), json_number(one, "tried"), json_number(one, "configs"),
+               json_number(one, "launches"), 100 * json_number(one, "gain"),
+               100 * json_number(one, "gain_low"), 100 * json_number(one, "gain_high"),
+               json_string(one, "verdict"), json_string(one, "variant"));
 }
 
 // The share as it is stored.
@@ -439,6 +480,7 @@ static void print_details(const cJSON *row)
     print_use(row);
     if (json_true(row, "known"))
         printf("  known: the same was measured before; --fresh measures it again\n");
+    print_kernels(row);
 }
 
 static void print_table(const cJSON *workloads)
@@ -481,6 +523,7 @@ static duet_tune_def make_def(const arguments *args, const tune_config *config, 
     def.strategy = config->strategy ? config->strategy : def.strategy;
     def.strategy_lua = config->strategy_lua;
     def.script = args->config ? text_chars(&config->text) : NULL;
+    def.search = config->search;
     def.variants = config->variants;
     def.n_variants = config->n_variants;
     def.modes = config->modes;

@@ -274,6 +274,22 @@ void bench_compare(cJSON *results, const cJSON *before)
     }
 }
 
+bool bench_first_slower(const cJSON *results, char name[BENCH_NAME], uint32_t *n)
+{
+    const cJSON *one;
+    *n = 0;
+    cJSON_ArrayForEach(one, json_list(results, "cases"))
+    {
+        if (strcmp(json_string(one, "verdict"), race_verdict_name(RACE_SLOWER)) != 0 || (*n)++ > 0)
+            continue;
+        snprintf(name, BENCH_NAME, "%.60s by '%.190s' and '%.190s', mode %.10s, share %.2f",
+                 json_string(one, "scene"), json_string(one, "variant_a"),
+                 json_string(one, "variant_b"), json_string(one, "mode"),
+                 json_number(one, "share"));
+    }
+    return *n > 0;
+}
+
 // ---------------------------------------------------------------- tables
 
 static void kernels_cell(table *t, const cJSON *one)

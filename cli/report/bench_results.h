@@ -8,7 +8,7 @@
 #include "cli/report/json.h"
 #include "cli/timed.h"
 
-enum { BENCH_SAMPLES_MOST = 512 };
+enum { BENCH_SAMPLES_MOST = 512, BENCH_NAME = 512 };
 
 cJSON *bench_begin(const duet_device_pair *pair, bool quick);
 
@@ -28,6 +28,10 @@ void bench_print_scene(const cJSON *results, const char *scene, const cJSON *bef
 // How many cases became faster, stayed the same and so on; nothing where
 // before is NULL.
 void bench_print_verdicts(const cJSON *results, const cJSON *before);
+
+// The first case of verdict "slower", as one line names it: "paper by 'simd', mode own,
+// share 0.50". False where there is none; n counts them.
+bool bench_first_slower(const cJSON *results, char name[BENCH_NAME], uint32_t *n);
 
 // Adds to each case how it compares: against_ms, ratio, ratio_low, ratio_high
 // (above 1: faster now) and verdict. Nothing where before is NULL.

@@ -223,7 +223,7 @@ static cJSON *stages_json(const timed_step *step)
 
 static void add_plan(cJSON *o, const duet_device_pair *pair, const duet_plan *plan)
 {
-    char both[256];
+    char both[2 * DUET_VARIANT];
     json_add_pair(o, "pair", pair);
     cJSON_AddNumberToObject(o, "share", (double)plan->share / DUET_SHARE_ONE);
     cJSON_AddStringToObject(o, "mode", duet_mode_name(plan->mode));

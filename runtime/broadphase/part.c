@@ -102,14 +102,6 @@ void part_close(part *p)
 
 // ---------------------------------------------------------------- kernels
 
-// What the scene and the stage decide. A choice that is open may be set otherwise
-// by the variant.
-typedef struct choice {
-    const char *name;
-    int64_t value;
-    bool open;
-} choice;
-
 enum { MAX_SETTINGS = 24 };
 
 static bool is_meant(const variant *v, uint32_t i, const char *kernel_name)
@@ -117,7 +109,7 @@ static bool is_meant(const variant *v, uint32_t i, const char *kernel_name)
     return !v->settings[i].kernel[0] || strcmp(v->settings[i].kernel, kernel_name) == 0;
 }
 
-static bool set_by_variant(part *p, const char *kernel_name, const choice *choices,
+static bool set_by_variant(part *p, const char *kernel_name, const part_choice *choices,
                            uint32_t n_choices, gen_setting *setting, duet_error *err)
 {
     for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
@@ -137,9 +129,9 @@ static bool set_by_variant(part *p, const char *kernel_name, const choice *choic
 
 // Every parameter of the kernel's card that the scene, the stage or the variant
 // sets; the others keep the card's own value.
-static bool gather_settings(part *p, const char *name, const choice *choices, uint32_t n_choices,
-                            gen_setting settings[MAX_SETTINGS], uint32_t *n_settings,
-                            duet_error *err)
+static bool gather_settings(part *p, const char *name, const part_choice *choices,
+                            uint32_t n_choices, gen_setting settings[MAX_SETTINGS],
+                            uint32_t *n_settings, duet_error *err)
 {
     const gen_param *params = NULL;
     uint32_t n_params = 0;
@@ -158,12 +150,11 @@ static bool gather_settings(part *p, const char *name, const choice *choices, ui
     return true;
 }
 
-static kernel *get_kernel(part *p, const char *name, const char *entry, const choice *choices,
-                          uint32_t n_choices, duet_error *err)
+static kernel *get_kernel(part *p, const char *name, const char *entry, duet_error *err)
 {
     gen_setting settings[MAX_SETTINGS];
     uint32_t n = 0;
-    if (!gather_settings(p, name, choices, n_choices, settings, &n, err))
+    if (!gather_settings(p, name, p->choices, PART_CHOICES, settings, &n, err))
         return NULL;
     return program_set_kernel(p->programs, name, entry, settings, n, part_bindings, err);
 }
@@ -239,7 +230,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
     cl_int4 cells = compiled_cells(p, task);
     uint32_t origin_bits;
     memcpy(&origin_bits, &task->origin, sizeof origin_bits);
-    const choice choices[] = {
+    const part_choice choices[PART_CHOICES] = {
         {"DIMS", task->dims, false},
         {"SHAPE", task->shape, false},
         {"ORIGIN", origin_bits >> 23, false},
@@ -259,7 +250,6 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         {"FROM_IDS", 1, counting && !task->shared},
         {"FUSED", tested && p->variant.fused, tested},
     };
-    const uint32_t n = sizeof choices / sizeof choices[0];
     const struct {
         kernel **at;
         bool wanted;
@@ -274,12 +264,13 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
         {&p->kernels.candidates, true, searches[search].candidates, searches[search].candidates},
     };
     p->kernels = (part_kernels){0};
+    memcpy(p->choices, choices, sizeof choices);
     if (!open_sorts(p, err))
         return false;
     for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i) {
         if (!list[i].wanted)
             continue;
-        *list[i].at = get_kernel(p, list[i].name, list[i].entry, choices, n, err);
+        *list[i].at = get_kernel(p, list[i].name, list[i].entry, err);
         if (!*list[i].at)
             return false;
     }
@@ -290,7 +281,7 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
     // Fused rows leave to narrow what their buffers cannot hold, lanes nothing.
     if (tested && !(p->kernels.fused && search == SEARCH_SIMD)) {
         const char *narrow = searches[search].narrow;
-        p->kernels.narrow = get_kernel(p, narrow, narrow, choices, n, err);
+        p->kernels.narrow = get_kernel(p, narrow, narrow, err);
         if (!p->kernels.narrow)
             return false;
     }

@@ -67,6 +67,16 @@ typedef struct part_kernels {
     bool packed;    // objects have names
 } part_kernels;
 
+// What the scene and the stage decide of the kernels. A choice that is open may be set
+// otherwise by the variant.
+typedef struct part_choice {
+    const char *name;
+    int64_t value;
+    bool open;
+} part_choice;
+
+enum { PART_CHOICES = 18 };
+
 // What kernels are told besides the part's buffers, by the names that their cards use.
 typedef struct part_args {
     cl_uint n, n_levels, n_cells;
@@ -85,6 +95,7 @@ typedef struct part {
     gen *gen;
     program_set *programs;
     variant variant;
+    part_choice choices[PART_CHOICES];
     part_kernels kernels;
     part_args args;
     scan scan;

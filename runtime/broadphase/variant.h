@@ -31,7 +31,7 @@ typedef enum variant_grid {
 
 typedef enum variant_send { SEND_ALL, SEND_CHUNKS, SEND_PACKED } variant_send;
 
-enum { VARIANT_SETTINGS = 8 };
+enum { VARIANT_SETTINGS = 16 };
 
 typedef struct variant {
     variant_search search;

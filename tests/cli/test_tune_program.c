@@ -305,6 +305,49 @@ static void a_budget_of_trials_is_kept(void **state)
     cJSON_Delete(root);
 }
 
+// Searched once, followed by a run, and not searched again; what was tuned without
+// a search is.
+static void kernels_are_searched_once_and_runs_follow(void **state)
+{
+    (void)state;
+    static const char search[] = "--variants simd --trials 80 --repeat 1 --profile " STORE
+                                 " --search pair_search_simd " SCENE;
+    const cJSON *rows;
+    cJSON *root = tune_json("--variants simd --trials 66 --profile " STORE " " SCENE, &rows);
+    assert_int_equal(cJSON_GetArraySize(
+                         cJSON_GetObjectItemCaseSensitive(cJSON_GetArrayItem(rows, 0), "kernels")),
+                     0);
+    cJSON_Delete(root);
+    root = tune_json(search, &rows);
+    const cJSON *row = cJSON_GetArrayItem(rows, 0), *one;
+    const cJSON *kernels = cJSON_GetObjectItemCaseSensitive(row, "kernels");
+    assert_true(json_number(row, "launches") > 0);
+    assert_true(cJSON_GetArraySize(kernels) > 0);
+    cJSON_ArrayForEach(one, kernels)
+    {
+        assert_int_equal(json_number(one, "configs"), 48);
+        assert_in_range(json_number(one, "tried"), 2, 47);
+        assert_true(json_number(one, "gain_low") <= json_number(one, "gain_high"));
+        bool used = strstr(json_string(one, "variant"), " pair_search_simd.");
+        assert_int_equal(used, strcmp(json_string(one, "verdict"), "faster") == 0);
+    }
+    cJSON_Delete(root);
+    root = tune_json(search, &rows);
+    assert_int_equal(json_number(cJSON_GetArrayItem(rows, 0), "launches"), 0);
+    cJSON_Delete(root);
+    // Beside each other the other way round, the devices are the same.
+    program p = program_run("tune --pair 'pocl:0[1-1],pocl:0[0-0]' --json %s", search);
+    root = json_of_program(&p);
+    row = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(root, "workloads"), 0);
+    assert_true(json_number(row, "launches") > 0);
+    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(row, "kernels")), 0);
+    cJSON_Delete(root);
+    p = program_run_with("DUET_PROFILE=" STORE, "run --json --check " SCENE);
+    cJSON *o = json_of_program(&p);
+    assert_string_equal(json_string(o, "profile"), "exact");
+    cJSON_Delete(o);
+}
+
 static void a_tune_file_sweeps_with_a_strategy_of_its_own(void **state)
 {
     (void)state;
@@ -340,6 +383,10 @@ static void what_is_wrong_on_the_command_line_is_one_line(void **state)
         {"tune " QUICK " no/such.lua", 1, "no/such.lua"},
         {"tune --profile " SCENE " " SCENE, 1, SCENE},
         {"tune " QUICK SCENE " --trials 12", 2, "a budget of 12 trials ends before a verdict"},
+        {"tune " QUICK SCENE " --search abacus", 1, "search 'abacus': expected 'kernels' or"},
+        {"tune " QUICK SCENE " --search cell_start", 1, "search 'cell_start': neither device"},
+        {"tune " QUICK SCENE " --search kernels --budget 0", 2, "--budget '0'"},
+        {"tune " QUICK SCENE " --search kernels --trials 0", 2, "--trials '0'"},
         {"tune " QUICK SCENE " --level gjk", 2, "--level 'gjk': the levels are"},
         {"tune " QUICK SCENE " --level sat6,", 2, "--level ''"},
         {"tune " QUICK SCENE " --level sat6,aabb", 2, "give --missed or --false-rate"},
@@ -405,6 +452,7 @@ int main(void)
         cmocka_unit_test_setup(a_stopped_tuning_is_taken_up_again, begin_afresh),
         cmocka_unit_test_setup(ctrl_c_ends_a_loop_of_tunings, begin_afresh),
         cmocka_unit_test_setup(a_budget_of_trials_is_kept, begin_afresh),
+        cmocka_unit_test_setup(kernels_are_searched_once_and_runs_follow, begin_afresh),
         cmocka_unit_test_setup(a_tune_file_sweeps_with_a_strategy_of_its_own, begin_afresh),
         cmocka_unit_test_setup(what_is_wrong_on_the_command_line_is_one_line, begin_afresh),
         cmocka_unit_test_setup(what_is_wrong_in_a_tune_file_is_said_with_its_line, begin_afresh),

@@ -171,7 +171,7 @@ holds("a value of the wrong kind is an error that says what would be right", fun
   raises("field 'lower': 1, not {", pair.world, pair, { lower = 1 })
   raises("both corners", pair.world, pair, { lower = { 0, 0, 0 } })
   raises("field 'a': 1, not a string", duet.device_pair, { a = 1 })
-  raises("95 are the most", pair.world, pair, { plan = { variant_a = ("x"):rep(200) } })
+  raises("191 are the most", pair.world, pair, { plan = { variant_a = ("x"):rep(200) } })
   raises("duet.poses from 7 numbers: a row has 10", duet.poses, { 1, 2, 3, 4, 5, 6, 7 })
   raises("duet.poses from 3 bytes", duet.poses, "abc")
   raises("row 1: 2 numbers, and a row has 10", duet.poses, { { three:get(0) }, { 1, 2 } })

@@ -84,6 +84,16 @@ holds("a strategy can be a Lua function, as text", function()
   refused("BAD_INPUT", "", pair.tune, pair, scene, quick { strategy = "lua", strategy_lua = "return 1" })
 end)
 
+holds("kernels are searched where it is asked for", function()
+  local without = assert(pair:tune(scene, quick()))
+  equal(without.kernels[1].configs + without.kernels[2].configs, 0)
+  local found = assert(pair:tune(scene, quick { search = "clear", variants = { "simd" }, budget_trials = 80 }))
+  for _, kernels in ipairs(found.kernels) do
+    assert(kernels.tried <= kernels.configs and kernels.gain_low <= kernels.gain_high)
+  end
+  refused("NOT_FOUND", "search 'abacus'", pair.tune, pair, scene, quick { search = "abacus" })
+end)
+
 holds("a tuning that is kept is known the next time, and a world takes its plan", function()
   local store = os.tmpname()
   os.remove(store)

@@ -534,7 +534,7 @@ static void a_measurement_keeps_the_warm_up_and_marks_outliers(void **state)
               .random = rng_seed(test_seed())};
     measure_machine machine = {.context = &f, .launch = launch_fake, .hash = RIGHT};
     duet_plan plan = {.share = 16384, .variant_a = "auto", .variant_b = "auto"};
-    measurement m = measure_plan(&machine, &plan, 20);
+    measurement m = measure_plan(&machine, &plan, false, 20);
     assert_string_equal(m.outcome, "ok");
     assert_int_equal(m.n_samples, 21);
     assert_int_equal(m.samples[0].flags, PROFILE_SAMPLE_WARM_UP);

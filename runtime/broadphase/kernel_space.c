@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/broadphase/kernel_space.h"
+
+#include "base/error.h"
+#include "runtime/broadphase/world.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const struct {
+    const char *name;
+    size_t at; // in a part
+    const char *stages[KERNEL_SPACE_STAGES];
+} kernels[] = {
+    {"pair_search_simd", offsetof(part, kernels.candidates), {"search", "candidates", "narrow"}},
+    {"pair_search_gpu", offsetof(part, kernels.candidates), {"search", "candidates", "narrow"}},
+    {"pair_search_paper", offsetof(part, kernels.candidates), {"candidates"}},
+    {"narrow_simd", offsetof(part, kernels.narrow), {"narrow"}},
+    {"narrow", offsetof(part, kernels.narrow), {"narrow"}},
+    {"reorder_simd", offsetof(part, kernels.place), {"reorder"}},
+    {"reorder", offsetof(part, kernels.place), {"reorder"}},
+    {"bounds", offsetof(part, kernels.place), {"bounds"}},
+    {"hash", offsetof(part, kernels.hash), {"hash"}},
+    {"scatter", offsetof(part, kernels.scatter), {"sort"}},
+    {"radix", offsetof(part, radix.move), {"sort"}},
+    {"scan", offsetof(part, scan.blocks), {"sort"}},
+    {"cell_start", offsetof(part, kernels.starts), {"cell start"}},
+    {"clear", offsetof(part, kernels.clear), {"clear"}},
+};
+
+enum { N_KERNELS = sizeof kernels / sizeof kernels[0], MAX_SETTINGS = 24 };
+
+// ---------------------------------------------------------------- what is free
+
+static const part_choice *find_choice(const part *p, const char *param)
+{
+    for (uint32_t i = 0; i < PART_CHOICES; ++i)
+        if (strcmp(p->choices[i].name, param) == 0)
+            return &p->choices[i];
+    return NULL;
+}
+
+static bool set_by_variant(const part *p, const char *kernel_name, const char *param)
+{
+    for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
+        const char *whose = p->variant.settings[i].kernel;
+        if (strcmp(p->variant.settings[i].name, param) == 0 &&
+            (!*whose || strcmp(whose, kernel_name) == 0))
+            return true;
+    }
+    return false;
+}
+
+static bool is_free(const part *p, const char *kernel_name, const gen_param *param)
+{
+    return param->n_values > 1 && param->n_values <= KERNEL_SPACE_VALUES &&
+           !find_choice(p, param->name) && !set_by_variant(p, kernel_name, param->name);
+}
+
+// The value that ran; a range and a single value are not in the variant's name.
+static int64_t value_of(const part *p, const kernel *k, const gen_param *param)
+{
+    const part_choice *decided = find_choice(p, param->name);
+    if (param->n_values > 1)
+        return kernel_param(k, param->name);
+    return decided ? decided->value : param->fallback;
+}
+
+// ---------------------------------------------------------------- configs
+
+// A kernel's parameters, and which of them are the space's.
+typedef struct settings {
+    gen_setting at[MAX_SETTINGS];
+    uint32_t n;
+    uint32_t free[KERNEL_SPACE_PARAMS];
+} settings;
+
+static void add_param(kernel_space *space, settings *s, const gen_param *param)
+{
+    s->free[space->n_params] = s->n;
+    snprintf(space->params[space->n_params].name, sizeof space->params[0].name, "%s", param->name);
+    memcpy(space->params[space->n_params].values, param->values,
+           param->n_values * sizeof *param->values);
+    space->params[space->n_params++].n_values = param->n_values;
+}
+
+static bool list_params(const part *p, const kernel *k, kernel_space *space, settings *s,
+                        duet_error *err)
+{
+    const gen_param *params;
+    uint32_t n_params;
+    gen_limits limits = program_set_limits(p->programs);
+    if (!gen_params(p->gen, space->kernel, &limits, &params, &n_params, err))
+        return false;
+    for (uint32_t i = 0; i < n_params && s->n < MAX_SETTINGS; ++i) {
+        if (is_free(p, space->kernel, &params[i]) && space->n_params < KERNEL_SPACE_PARAMS)
+            add_param(space, s, &params[i]);
+        s->at[s->n++] = (gen_setting){params[i].name, value_of(p, k, &params[i])};
+    }
+    return true;
+}
+
+// What the card and the device allow; a card that is broken is an error.
+static bool check_config(const part *p, const kernel_space *space, const settings *s, bool *valid,
+                         duet_error *err)
+{
+    gen_variant made;
+    duet_error why = {0};
+    gen_limits limits = program_set_limits(p->programs);
+    *valid = gen_make(p->gen, space->kernel, s->at, s->n, &limits, &made, &why);
+    gen_variant_free(&made);
+    return *valid || why.status == DUET_STATUS_BAD_ARGUMENT ||
+           error_set(err, why.status, "%s", why.text);
+}
+
+// The next one in mixed radix order, the last parameter fastest; false after the last.
+static bool step_config(const kernel_space *space, uint8_t config[KERNEL_SPACE_PARAMS])
+{
+    for (uint32_t i = space->n_params; i-- > 0;) {
+        if (++config[i] < space->params[i].n_values)
+            return true;
+        config[i] = 0;
+    }
+    return false;
+}
+
+static bool list_configs(const part *p, const kernel *k, kernel_space *space, settings *s,
+                         duet_error *err)
+{
+    uint8_t config[KERNEL_SPACE_PARAMS] = {0};
+    do {
+        bool valid, now = true;
+        for (uint32_t i = 0; i < space->n_params; ++i) {
+            gen_setting *setting = &s->at[s->free[i]];
+            setting->value = space->params[i].values[config[i]];
+            now = now && setting->value == kernel_param(k, setting->name);
+        }
+        if (!check_config(p, space, s, &valid, err))
+            return false;
+        if (!valid)
+            continue;
+        if (now)
+            space->now = space->n_configs;
+        memcpy(space->configs[space->n_configs++], config, sizeof config);
+    } while (space->n_configs < KERNEL_SPACE_CONFIGS && step_config(space, config));
+    return true;
+}
+
+// ---------------------------------------------------------------- a kernel's space
+
+static const kernel *running(const part *p, uint32_t i)
+{
+    const kernel *k = *(kernel *const *)((const char *)p + kernels[i].at);
+    size_t length = strlen(kernels[i].name);
+    bool named = k && strncmp(k->name, kernels[i].name, length) == 0 &&
+                 (k->name[length] == '.' || !k->name[length]);
+    return named ? k : NULL;
+}
+
+static bool read_kernel(const part *p, uint32_t i, const kernel *k, kernel_space *space,
+                        duet_error *err)
+{
+    settings s = {.n = 0};
+    *space = (kernel_space){.n_configs = 0};
+    snprintf(space->kernel, sizeof space->kernel, "%s", kernels[i].name);
+    memcpy(space->stages, kernels[i].stages, sizeof space->stages);
+    return list_params(p, k, space, &s, err) && list_configs(p, k, space, &s, err);
+}
+
+static bool make_ready(duet_world *world, int side, duet_error *err)
+{
+    duet_result result;
+    return world->prepared[side] || duet_world_step(world, &result, err);
+}
+
+bool kernel_spaces_read(duet_world *world, int side, kernel_space **spaces, uint32_t *n,
+                        duet_error *err)
+{
+    *n = 0;
+    *spaces = NULL;
+    if (!make_ready(world, side, err))
+        return false;
+    *spaces = malloc(N_KERNELS * sizeof **spaces);
+    bool ok = *spaces || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for kernels' configs");
+    for (uint32_t i = 0; ok && world->prepared[side] && i < N_KERNELS; ++i) {
+        const part *p = &world->parts[side];
+        const kernel *k = running(p, i);
+        ok = !k || read_kernel(p, i, k, &(*spaces)[*n], err);
+        *n += ok && k && (*spaces)[*n].n_configs > 1;
+    }
+    return ok;
+}
+
+bool kernel_space_write(const kernel_space *space, uint32_t config, const char *base, char *text,
+                        size_t size)
+{
+    int n = snprintf(text, size, "%s", base);
+    for (uint32_t i = 0; i < space->n_params && n < (int)size; ++i) {
+        uint8_t value = space->configs[config][i];
+        if (value != space->configs[space->now][i])
+            n += snprintf(text + n, size - (size_t)n, " %s.%s=%" PRId64, space->kernel,
+                          space->params[i].name, space->params[i].values[value]);
+    }
+    return n < (int)size;
+}

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// What is free to be set of a kernel that a world runs: the parameters of its card that
+// neither the scene nor the variant decides, and the configs that are valid on the
+// device.
+#ifndef RUNTIME_KERNEL_SPACE_H
+#define RUNTIME_KERNEL_SPACE_H
+
+#include "runtime/duet.h"
+
+enum {
+    KERNEL_SPACE_PARAMS = 8,
+    KERNEL_SPACE_VALUES = 16,
+    KERNEL_SPACE_CONFIGS = 1024,
+    KERNEL_SPACE_STAGES = 3,
+};
+
+typedef struct kernel_space {
+    char kernel[48];
+    const char *stages[KERNEL_SPACE_STAGES]; // of a step, that the kernel's time is in
+    struct {
+        char name[24];
+        int64_t values[KERNEL_SPACE_VALUES];
+        uint32_t n_values;
+    } params[KERNEL_SPACE_PARAMS];
+    uint32_t n_params;
+    uint8_t configs[KERNEL_SPACE_CONFIGS][KERNEL_SPACE_PARAMS]; // which value of each parameter
+    uint32_t n_configs;
+    uint32_t now; // the config that ran
+} kernel_space;
+
+// The kernels of a device that have several configs, in the order in which a step mostly
+// spends its time on them; side 0 is A. Steps the world unless its last step was by the
+// plan's kernels. The caller frees *spaces; n is 0 where the device has no work.
+bool kernel_spaces_read(duet_world *world, int side, kernel_space **spaces, uint32_t *n,
+                        duet_error *err);
+
+// Adds to a variant's text what a config sets otherwise than the one that ran:
+// "gpu pair_search_gpu.WG=64". False where the text would be too long.
+bool kernel_space_write(const kernel_space *space, uint32_t config, const char *base, char *text,
+                        size_t size);
+
+#endif

@@ -1,0 +1,373 @@
+// SPDX-License-Identifier: MIT
+// The search of kernels' parameters on kernels that are only arithmetic.
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "tuner/kernel_search.h"
+#include "tuner/tune.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { RIGHT = 4711, PARAMS = 4, KERNEL_MS = 6, REST_MS = 4 };
+
+// One kernel on either device. A launch by a config takes the product of its values'
+// factors, and values that do not suit each other take longer.
+typedef struct fake {
+    kernel_space space;
+    double factor[PARAMS][KERNEL_SPACE_VALUES];
+    double together[PARAMS][KERNEL_SPACE_VALUES][KERNEL_SPACE_VALUES]; // with the next parameter
+    double sigma;
+    double spike_chance; // of a launch that takes up to twice as long
+    rng random;
+    int64_t wrong, broken; // values of P0 that find other pairs, that do not build; 0: none
+    uint32_t launches, stop_after;
+} fake;
+
+// As many values as the kernels that search pairs have on a GPU and on a CPU.
+static const uint32_t gpu_values[PARAMS] = {2, 5, 3, 4}, cpu_values[PARAMS] = {4, 4, 3, 1};
+
+static bool is_valid(const uint8_t config[PARAMS])
+{
+    return config[1] < 4 || config[3] == 0;
+}
+
+static void fill_space(fake *f, const uint32_t n_values[PARAMS])
+{
+    kernel_space *s = &f->space;
+    *s = (kernel_space){.kernel = "k", .stages = {"search"}, .n_params = PARAMS};
+    for (uint32_t i = 0; i < PARAMS; ++i) {
+        snprintf(s->params[i].name, sizeof s->params[i].name, "P%" PRIu32, i);
+        s->params[i].n_values = n_values[i];
+        for (uint32_t v = 0; v < n_values[i]; ++v)
+            s->params[i].values[v] = 1 << v;
+    }
+    uint8_t c[PARAMS];
+    for (c[0] = 0; c[0] < n_values[0]; ++c[0])
+        for (c[1] = 0; c[1] < n_values[1]; ++c[1])
+            for (c[2] = 0; c[2] < n_values[2]; ++c[2])
+                for (c[3] = 0; c[3] < n_values[3]; ++c[3])
+                    if (is_valid(c))
+                        memcpy(s->configs[s->n_configs++], c, sizeof c);
+    s->now = s->n_configs / 2;
+}
+
+static void invent(fake *f, const uint32_t n_values[PARAMS])
+{
+    fill_space(f, n_values);
+    for (uint32_t p = 0; p < PARAMS; ++p)
+        for (uint32_t v = 0; v < KERNEL_SPACE_VALUES; ++v) {
+            f->factor[p][v] = 1 + 0.5 * rng_unit(&f->random) * rng_unit(&f->random);
+            for (uint32_t w = 0; w < KERNEL_SPACE_VALUES; ++w)
+                f->together[p][v][w] = 1 + 0.05 * rng_unit(&f->random);
+        }
+}
+
+static double time_of(const fake *f, const uint8_t config[PARAMS])
+{
+    double ms = KERNEL_MS;
+    for (uint32_t p = 0; p < PARAMS; ++p)
+        ms *=
+            f->factor[p][config[p]] * f->together[p][config[p]][p + 1 < PARAMS ? config[p + 1] : 0];
+    return ms;
+}
+
+static double least_time(const fake *f)
+{
+    double least = 1e9;
+    for (uint32_t i = 0; i < f->space.n_configs; ++i) {
+        double ms = time_of(f, f->space.configs[i]);
+        least = ms < least ? ms : least;
+    }
+    return least;
+}
+
+// The config that a variant's text sets; fails the test where it is not of the space.
+static void read_config(const fake *f, const char *variant, uint8_t config[PARAMS])
+{
+    memcpy(config, f->space.configs[f->space.now], PARAMS);
+    for (const char *at = strstr(variant, " k.P"); at; at = strstr(at + 1, " k.P")) {
+        int64_t value = strtoll(at + 6, NULL, 10);
+        uint32_t v = 0, p = (uint32_t)(at[4] - '0');
+        while (v < f->space.params[p].n_values && f->space.params[p].values[v] != value)
+            ++v;
+        assert_true(v < f->space.params[p].n_values);
+        config[p] = (uint8_t)v;
+    }
+    if (!is_valid(config))
+        fail_msg("'%s' was tried, which is not valid", variant);
+}
+
+static double disturbed(fake *f, double ms)
+{
+    ms *= 1 + f->sigma * (rng_unit(&f->random) + rng_unit(&f->random) + rng_unit(&f->random) - 1.5);
+    return rng_unit(&f->random) < f->spike_chance ? ms * (1 + rng_unit(&f->random)) : ms;
+}
+
+static bool launch_fake(void *context, const duet_plan *plan, measure_launch *launch,
+                        duet_error *err)
+{
+    fake *f = context;
+    const char *variants[] = {plan->variant_a, plan->variant_b};
+    double part[] = {plan->share / 65536.0, 1 - plan->share / 65536.0};
+    ++f->launches;
+    launch->hash = RIGHT;
+    for (int device = 0; device < 2; ++device) {
+        uint8_t config[PARAMS];
+        read_config(f, variants[device], config);
+        int64_t p0 = f->space.params[0].values[config[0]];
+        if (part[device] > 0 && p0 == f->broken) {
+            strcpy(err->text, "broken does not build");
+            err->status = DUET_STATUS_BUILD_FAILED;
+            return false;
+        }
+        if (part[device] > 0 && p0 == f->wrong)
+            launch->hash = 1;
+        double kernel_ms = part[device] * disturbed(f, time_of(f, config));
+        double ms = kernel_ms + part[device] * disturbed(f, REST_MS);
+        launch->stages[launch->n_stages++] = (duet_stage){"search", device, kernel_ms, false};
+        *(device == 0 ? &launch->a_ns : &launch->b_ns) = (int64_t)(ms * 1e6);
+    }
+    launch->total_ns = launch->a_ns > launch->b_ns ? launch->a_ns : launch->b_ns;
+    return true;
+}
+
+static bool read_fake(void *context, const duet_plan *plan, int device, kernel_space **spaces,
+                      uint32_t *n, duet_error *err)
+{
+    const fake *f = context;
+    (void)plan, (void)device, (void)err;
+    *spaces = malloc(sizeof **spaces);
+    assert_non_null(*spaces);
+    **spaces = f->space;
+    *n = 1;
+    return true;
+}
+
+// ---------------------------------------------------------------- tunings
+
+static bool watch_fake(void *context, const duet_tune_progress *p)
+{
+    const fake *f = context;
+    return f->stop_after == 0 || p->remembered || p->trials % f->stop_after != 0;
+}
+
+static duet_tune_def fake_def(fake *f)
+{
+    static const char *const one[] = {"auto"};
+    return (duet_tune_def){.strategy = "balance",
+                           .search = "kernels",
+                           .variants = one,
+                           .n_variants = 1,
+                           .repeats = 3,
+                           .watch = watch_fake,
+                           .watch_context = f};
+}
+
+static bool run_fake(fake *f, const duet_tune_def *def, trial_log *state,
+                     duet_tune_outcome *outcome, duet_error *err)
+{
+    tune_task task = {.def = def,
+                      .machine = {.context = f, .launch = launch_fake, .hash = RIGHT},
+                      .kernels = {.context = f, .read = read_fake},
+                      .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
+                      .least_share = 8};
+    return tune_run(&task, state, outcome, err);
+}
+
+static duet_tune_outcome tune_fake(fake *f, const duet_tune_def *def, trial_log *state)
+{
+    duet_tune_outcome outcome;
+    duet_error err = {0};
+    assert_ok(run_fake(f, def, state, &outcome, &err), err);
+    return outcome;
+}
+
+// How much longer the chosen kernel takes than the fastest one.
+static double excess(const fake *f, const char *variant)
+{
+    uint8_t config[PARAMS];
+    read_config(f, variant, config);
+    return time_of(f, config) / least_time(f) - 1;
+}
+
+// A search of all configs would launch each of them seven times.
+static void a_search_comes_near_the_best_in_few_launches(void **state)
+{
+    (void)state;
+    enum { TIMES = 200, REPEATS = 7 };
+    static const struct {
+        const char *name;
+        const uint32_t *n_values;
+        double most; // launches, as a part of those
+    } kinds[] = {{"gpu", gpu_values, 0.1}, {"cpu", cpu_values, 0.15}};
+    fake f = {.random = rng_seed(test_seed()), .sigma = 0.02, .spike_chance = 0.01};
+    duet_tune_def def = fake_def(&f);
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; ++k) {
+        uint32_t near = 0, launches = 0, all = 0;
+        double mean = 0;
+        for (int i = 0; i < TIMES; ++i) {
+            trial_log log = {0};
+            invent(&f, kinds[k].n_values);
+            duet_tune_outcome o = tune_fake(&f, &def, &log);
+            assert_int_equal(o.kernels[1].configs, f.space.n_configs);
+            assert_in_range(o.kernels[1].tried, 2, f.space.n_configs - 1);
+            double off = excess(&f, o.plan.variant_b);
+            near += off <= 0.03;
+            mean += off / TIMES;
+            launches += o.kernels[1].launches;
+            all += REPEATS * f.space.n_configs;
+            trial_log_free(&log);
+        }
+        print_message("%s: %" PRIu32 " of %d within 3 %%, %.2f %% off; %.1f launches of %.1f\n",
+                      kinds[k].name, near, TIMES, 100 * mean, (double)launches / TIMES,
+                      (double)all / TIMES);
+        assert_true(near >= 0.9 * TIMES && mean < 0.015);
+        assert_true(launches <= kinds[k].most * all);
+    }
+}
+
+// Every other value takes longer: neither noise nor the best of many may hide it.
+static void what_is_slower_is_not_chosen(void **state)
+{
+    (void)state;
+    enum { TIMES = 300 };
+    fake f = {.random = rng_seed(test_seed()), .sigma = 0.06, .spike_chance = 0.1};
+    duet_tune_def def = fake_def(&f);
+    uint32_t changed = 0;
+    for (int i = 0; i < TIMES; ++i) {
+        trial_log log = {0};
+        invent(&f, cpu_values);
+        const uint8_t *now = f.space.configs[f.space.now];
+        for (uint32_t p = 0; p < PARAMS; ++p)
+            for (uint32_t v = 0; v < KERNEL_SPACE_VALUES; ++v)
+                f.factor[p][v] = v == now[p] ? 1 : 1.2 + 0.5 * rng_unit(&f.random);
+        duet_tune_outcome o = tune_fake(&f, &def, &log);
+        for (int device = 0; device < 2; ++device) {
+            const char *variant = device == 0 ? o.plan.variant_a : o.plan.variant_b;
+            changed += strcmp(variant, "auto") != 0;
+            assert_string_not_equal(o.kernels[device].verdict, "");
+        }
+        trial_log_free(&log);
+    }
+    assert_int_equal(changed, 0);
+}
+
+static void what_finds_other_pairs_or_does_not_build_is_not_chosen(void **state)
+{
+    (void)state;
+    fake f = {.random = rng_seed(test_seed()), .sigma = 0.01};
+    duet_tune_def def = fake_def(&f);
+    trial_log log = {0};
+    invent(&f, cpu_values);
+    uint8_t now = f.space.configs[f.space.now][0];
+    uint8_t wrong = now == 0 ? 1 : 0, broken = now == 3 ? 2 : 3;
+    f.wrong = f.space.params[0].values[wrong];
+    f.broken = f.space.params[0].values[broken];
+    f.factor[0][wrong] = f.factor[0][broken] = 0.1;
+    duet_tune_outcome o = tune_fake(&f, &def, &log);
+    uint8_t chosen[PARAMS];
+    read_config(&f, o.plan.variant_b, chosen);
+    assert_int_not_equal(chosen[0], wrong);
+    assert_int_not_equal(chosen[0], broken);
+    trial_log_free(&log);
+}
+
+static void kernels_that_do_not_build_at_all_are_said_with_their_reason(void **state)
+{
+    (void)state;
+    fake f = {.random = rng_seed(test_seed())};
+    duet_tune_def def = fake_def(&f);
+    trial_log log = {0};
+    duet_tune_outcome o;
+    duet_error err = {0};
+    invent(&f, cpu_values);
+    f.broken = f.space.params[0].values[f.space.configs[f.space.now][0]];
+    assert_false(run_fake(&f, &def, &log, &o, &err));
+    assert_int_equal(err.status, DUET_STATUS_BUILD_FAILED);
+    assert_non_null(strstr(err.text, "broken does not build"));
+    trial_log_free(&log);
+}
+
+// A value that is valid only beside another one of the others is reached all the same.
+static void values_that_go_together_are_reached(void **state)
+{
+    (void)state;
+    fake f = {.random = rng_seed(test_seed())};
+    duet_tune_def def = fake_def(&f);
+    trial_log log = {0};
+    invent(&f, gpu_values);
+    for (uint32_t p = 0; p < PARAMS; ++p)
+        for (uint32_t v = 0; v < KERNEL_SPACE_VALUES; ++v)
+            f.factor[p][v] = p == 1 && v == 4 ? 0.2 : 1;
+    while (f.space.configs[f.space.now][3] == 0)
+        ++f.space.now;
+    duet_tune_outcome o = tune_fake(&f, &def, &log);
+    uint8_t chosen[PARAMS];
+    read_config(&f, o.plan.variant_b, chosen);
+    assert_int_equal(chosen[1], 4);
+    trial_log_free(&log);
+}
+
+// Stopped after every few trials, and taken up from JSON each time.
+static void a_resumed_search_ends_as_an_uninterrupted_one(void **state)
+{
+    (void)state;
+    fake whole = {.random = rng_seed(test_seed())};
+    duet_tune_def def = fake_def(&whole);
+    trial_log log = {0};
+    invent(&whole, cpu_values);
+    fake f = whole;
+    duet_tune_outcome expected = tune_fake(&whole, &def, &log), o;
+    trial_log_free(&log);
+    duet_error err = {0};
+    f.stop_after = 5;
+    def.watch_context = &f;
+    uint32_t stops = 0;
+    while (!run_fake(&f, &def, &log, &o, &err)) {
+        assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
+        text json = {0};
+        err = (duet_error){0};
+        trial_log_to_json(&log, &json);
+        trial_log_free(&log);
+        assert_ok(trial_log_from_json(&log, text_chars(&json), &err), err);
+        text_free(&json);
+        assert_true(++stops < 200);
+    }
+    assert_true(stops > 3);
+    assert_string_equal(o.plan.variant_a, expected.plan.variant_a);
+    assert_string_equal(o.plan.variant_b, expected.plan.variant_b);
+    assert_int_equal(o.kernels[1].tried, expected.kernels[1].tried);
+    trial_log_free(&log);
+}
+
+static void a_budget_ends_the_search_and_leaves_the_rest_of_the_tuning(void **state)
+{
+    (void)state;
+    fake f = {.random = rng_seed(test_seed()), .sigma = 0.02};
+    duet_tune_def def = fake_def(&f);
+    invent(&f, gpu_values);
+    for (def.budget_trials = 70; def.budget_trials < 200; def.budget_trials += 10) {
+        trial_log log = {0};
+        duet_tune_outcome o = tune_fake(&f, &def, &log);
+        assert_in_range(o.trials, 1, def.budget_trials);
+        assert_true(o.step_ms > 0);
+        trial_log_free(&log);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_search_comes_near_the_best_in_few_launches),
+        cmocka_unit_test(what_is_slower_is_not_chosen),
+        cmocka_unit_test(what_finds_other_pairs_or_does_not_build_is_not_chosen),
+        cmocka_unit_test(kernels_that_do_not_build_at_all_are_said_with_their_reason),
+        cmocka_unit_test(values_that_go_together_are_reached),
+        cmocka_unit_test(a_resumed_search_ends_as_an_uninterrupted_one),
+        cmocka_unit_test(a_budget_ends_the_search_and_leaves_the_rest_of_the_tuning),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

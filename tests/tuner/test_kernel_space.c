@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+// What is free to be set of the kernels that a world really runs.
+#include "support/test.h"
+
+#include "runtime/broadphase/kernel_space.h"
+#include "tuner/measure.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { BOXES = 300 };
+
+typedef struct fixture {
+    duet_device_pair *pair;
+    duet_world *world;
+    measure_world at;
+} fixture;
+
+static int begin(void **state)
+{
+    static fixture f;
+    duet_error err = {0};
+    duet_device_pair_def devices = duet_default_device_pair_def();
+    duet_world_def def = duet_default_world_def();
+    assert_ok((f.pair = duet_device_pair_create(&devices, &err)), err);
+    def.pair = f.pair;
+    assert_ok((f.world = duet_world_create(&def, &err)), err);
+    duet_pose poses[BOXES];
+    for (int i = 0; i < BOXES; ++i)
+        poses[i] =
+            (duet_pose){{0.7f * (float)(i % 17), 0.8f * (float)(i % 5), 0.9f * (float)(i % 13)},
+                        {0.5f, 0.5f, 0.5f},
+                        {0, 0, 0, 1}};
+    assert_ok(duet_world_set_objects(f.world, DUET_OBJECT_POSES, poses, BOXES, &err), err);
+    f.at = (measure_world){.world = f.world, .shape = DUET_SHAPE_POSES, .n = BOXES};
+    *state = &f;
+    return 0;
+}
+
+static int end(void **state)
+{
+    fixture *f = *state;
+    duet_world_destroy(f->world);
+    duet_device_pair_destroy(f->pair);
+    return 0;
+}
+
+static duet_plan plan_of_b(const char *variant)
+{
+    duet_plan plan = {.mode = DUET_MODE_OWN, .variant_a = "simd"};
+    strcpy(plan.variant_b, variant);
+    return plan;
+}
+
+static kernel_space *read_b(fixture *f, const char *variant, uint32_t *n)
+{
+    duet_error err = {0};
+    kernel_space *spaces;
+    duet_plan plan = plan_of_b(variant);
+    assert_ok(duet_world_set_plan(f->world, &plan, &err), err);
+    assert_ok(kernel_spaces_read(f->world, 1, &spaces, n, &err), err);
+    return spaces;
+}
+
+static const kernel_space *find(const kernel_space *spaces, uint32_t n, const char *kernel)
+{
+    for (uint32_t i = 0; i < n; ++i)
+        if (strcmp(spaces[i].kernel, kernel) == 0)
+            return &spaces[i];
+    fail_msg("'%s' has no space", kernel);
+    return NULL;
+}
+
+// Neither what the scene decides nor what has one value is free.
+static void the_search_of_a_cpu_has_48_configs(void **state)
+{
+    static const char *const names[] = {"BUF", "AHEAD", "PER_ITEM"};
+    static const int64_t now[] = {512, 32, 1024};
+    uint32_t n;
+    kernel_space *spaces = read_b(*state, "simd", &n);
+    const kernel_space *s = find(spaces, n, "pair_search_simd");
+    assert_ptr_equal(s, spaces); // first, as what takes longest
+    assert_int_equal(s->n_configs, 4 * 4 * 3);
+    assert_int_equal(s->n_params, 3);
+    for (uint32_t i = 0; i < 3; ++i) {
+        assert_string_equal(s->params[i].name, names[i]);
+        assert_int_equal(s->params[i].values[s->configs[s->now][i]], now[i]);
+    }
+    free(spaces);
+}
+
+static void what_a_variant_sets_is_not_free(void **state)
+{
+    uint32_t n;
+    kernel_space *spaces = read_b(*state, "simd pair_search_simd.BUF=256", &n);
+    assert_int_equal(find(spaces, n, "pair_search_simd")->n_configs, 4 * 3);
+    free(spaces);
+}
+
+// What the card rules out is no config: on a CPU 2 * 3 * 4 * 2 less those whose BATCH is
+// no multiple of LANES.
+static void configs_that_are_not_valid_are_left_out(void **state)
+{
+    uint32_t n;
+    kernel_space *spaces = read_b(*state, "simd", &n);
+    assert_int_equal(find(spaces, n, "hash")->n_configs, (2 * 3 - 1) * 4 * 2);
+    free(spaces);
+}
+
+static void a_config_as_text_runs_and_finds_the_same_pairs(void **state)
+{
+    fixture *f = *state;
+    uint32_t n;
+    char variant[DUET_VARIANT];
+    duet_error err = {0};
+    measure_launch plain = {0}, set = {0};
+    kernel_space *spaces = read_b(f, "simd", &n);
+    const kernel_space *s = find(spaces, n, "clear");
+    assert_true(kernel_space_write(s, s->now, "simd", variant, sizeof variant));
+    assert_string_equal(variant, "simd");
+    uint32_t other = s->now == 0 ? 1 : 0;
+    assert_true(kernel_space_write(s, other, "simd", variant, sizeof variant));
+    assert_ptr_equal(strstr(variant, "simd clear."), variant);
+    assert_false(kernel_space_write(s, other, "simd", variant, 8));
+    assert_true(kernel_space_write(s, other, "simd", variant, sizeof variant));
+    measure_machine machine = measure_world_machine(&f->at, 0);
+    duet_plan plan = plan_of_b("simd");
+    assert_ok(machine.launch(machine.context, &plan, &plain, &err), err);
+    strcpy(plan.variant_b, variant);
+    assert_ok(machine.launch(machine.context, &plan, &set, &err), err);
+    assert_true(plain.hash == set.hash && plain.hash != 0);
+    free(spaces);
+}
+
+// The search of a CPU tests what it finds: its stage is a part of T_GPU2 all the same.
+static void terms_count_the_search_that_tests(void **state)
+{
+    static const char *const stages[] = {"search"};
+    fixture *f = *state;
+    duet_error err = {0};
+    measure_launch launch = {0};
+    measure_machine machine = measure_world_machine(&f->at, 0);
+    duet_plan plan = plan_of_b("simd");
+    assert_ok(machine.launch(machine.context, &plan, &launch, &err), err);
+    double ms = (double)measure_stages_ns(&launch, 1, stages, 1) * 1e-6;
+    assert_true(ms > 0);
+    assert_int_equal(measure_stages_ns(&launch, 0, stages, 1), 0);
+    assert_true(launch.terms.gpu2 > 0.999 * ms);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_search_of_a_cpu_has_48_configs),
+        cmocka_unit_test(what_a_variant_sets_is_not_free),
+        cmocka_unit_test(configs_that_are_not_valid_are_left_out),
+        cmocka_unit_test(a_config_as_text_runs_and_finds_the_same_pairs),
+        cmocka_unit_test(terms_count_the_search_that_tests),
+    };
+    return cmocka_run_group_tests(tests, begin, end);
+}

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#include "tuner/kernel_search.h"
+
+static const double BEHIND = 1.1; // in times of the fastest
+
+kernel_search kernel_search_begin(const kernel_space *space)
+{
+    kernel_search s = {.space = space, .best = space->now, .tried = 1};
+    s.seen[space->now] = true;
+    return s;
+}
+
+static uint32_t distance(const kernel_search *s, uint32_t config)
+{
+    const uint8_t *best = s->space->configs[s->best], *other = s->space->configs[config];
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < s->space->n_params; ++i)
+        n += best[i] != other[i];
+    return n;
+}
+
+// The config with that value of the parameter that is nearest to the best one: where
+// the value is not valid beside the best one's others, some of these differ too.
+static uint32_t nearest_with(const kernel_search *s, uint32_t param, uint32_t value)
+{
+    uint32_t nearest = s->best, least = UINT32_MAX;
+    for (uint32_t i = 0; i < s->space->n_configs; ++i) {
+        if (s->space->configs[i][param] == value && distance(s, i) < least) {
+            least = distance(s, i);
+            nearest = i;
+        }
+    }
+    return nearest;
+}
+
+static uint32_t list_rivals(kernel_search *s, uint32_t configs[KERNEL_SPACE_VALUES])
+{
+    uint32_t n = 1;
+    configs[0] = s->best;
+    for (uint32_t value = 0; value < s->space->params[s->param].n_values; ++value) {
+        uint32_t config = nearest_with(s, s->param, value);
+        if (s->seen[config] || s->behind[s->param][value])
+            continue;
+        s->seen[config] = true;
+        configs[n++] = config;
+    }
+    s->tried += n - 1;
+    return n;
+}
+
+uint32_t kernel_search_next(kernel_search *s, uint32_t configs[KERNEL_SPACE_VALUES])
+{
+    while (s->idle < s->space->n_params) {
+        uint32_t n = list_rivals(s, configs);
+        if (n > 1)
+            return n;
+        ++s->idle;
+        s->param = (s->param + 1) % s->space->n_params;
+    }
+    return 0;
+}
+
+void kernel_search_tell(kernel_search *s, const uint32_t *configs, const double *times, uint32_t n)
+{
+    uint32_t fastest = 0;
+    for (uint32_t i = 1; i < n; ++i)
+        if (times[i] < times[fastest])
+            fastest = i;
+    for (uint32_t i = 0; i < n; ++i)
+        s->behind[s->param][s->space->configs[configs[i]][s->param]] =
+            !(times[i] <= BEHIND * times[fastest]);
+    s->best = configs[fastest];
+    s->idle = 1;
+    s->param = (s->param + 1) % s->space->n_params;
+}
