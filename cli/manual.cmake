@@ -7,10 +7,11 @@ add_custom_command(
   COMMAND ${CMAKE_COMMAND} -E make_directory ${manual_dir}
   COMMAND duet lua --trust ${CMAKE_CURRENT_LIST_DIR}/manual.lua $<TARGET_FILE:duet>
           ${PROJECT_VERSION} ${manual_dir}
+  COMMAND sh -c "gzip -9nk ${manual_dir}/*.1"
   DEPENDS duet ${CMAKE_CURRENT_LIST_DIR}/manual.lua
   VERBATIM)
 add_custom_target(manual ALL DEPENDS ${manual_dir}/duet.bash)
-install(DIRECTORY ${manual_dir}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1
-  FILES_MATCHING PATTERN "*.1")
+install(DIRECTORY ${manual_dir}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program
+  FILES_MATCHING PATTERN "*.1.gz")
 install(FILES ${manual_dir}/duet.bash RENAME duet
-  DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
