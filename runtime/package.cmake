@@ -27,7 +27,8 @@ set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "") # each package has its own
 
 set(changelog_debian ${CMAKE_CURRENT_BINARY_DIR}/changelog.Debian)
-string(TIMESTAMP package_date "%a, %d %b %Y %H:%M:%S +0000" UTC)
+execute_process(COMMAND date -uRd ${duet_date} OUTPUT_VARIABLE package_date
+  OUTPUT_STRIP_TRAILING_WHITESPACE)
 file(WRITE ${changelog_debian} "duet (${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) unstable; urgency=medium
 
   * Duet ${PROJECT_VERSION}. The file changelog.gz beside this one says what is new in it.
