@@ -133,20 +133,22 @@ end
 
 local store <const> = { "$XDG_DATA_HOME/duet/profiles.db, ~/.local/share/duet/profiles.db",
   "The profile store, where DUET_PROFILE names no other." }
+local cache <const> = { "$XDG_CACHE_HOME/duet, ~/.cache/duet", "Built kernels, where DUET_CACHE names no other folder." }
 local folders <const> = { "/usr/share/duet, /usr/share/doc/duet",
   "Scenes and experiments to begin with, and documents, where Duet was installed from packages." }
 local files <const> = {
-  duet = { store, folders },
+  duet = { store, cache, folders },
   ["duet-lua"] = { { "$XDG_STATE_HOME/duet/lua_history, ~/.local/state/duet/lua_history",
-    "What was typed at the prompt. Where it cannot be written, nothing is kept." }, store, folders },
+    "What was typed at the prompt. Where it cannot be written, nothing is kept." }, store, cache, folders },
 }
 
--- Those with an option for the store, or a plan that may come from it.
+-- The store of those that name it or take a plan from it, and the cache of those that use devices.
 local function files_of(page)
-  for _, option in ipairs(page.options) do
-    if option.flags[1] == "--profile" or option.flags[1] == "--share" then return { store } end
-  end
-  return {}
+  local options, found = {}, {}
+  for _, option in ipairs(page.options) do options[option.flags[1]] = true end
+  if options["--profile"] or options["--share"] then found[#found + 1] = store end
+  if options["--pair"] or options["--device"] then found[#found + 1] = cache end
+  return found
 end
 
 -- The pages that a page names, as 'duet tune', and those above and below it.
@@ -202,6 +204,7 @@ local function man_page(page, pages, main, examples)
   add(entry(bold "0", "It did what was asked."))
   add(entry(bold "1", "It failed; one line on stderr says what, where and why."))
   add(entry(bold "2", "The command line is wrong."))
+  add(entry(bold "130", "Ctrl-C stopped it; what was measured until then is kept."))
   section "SEE ALSO"
   local names = related(page, pages)
   for i, name in ipairs(names) do
@@ -269,7 +272,8 @@ _duet_profiles() { duet profiles list "$@" 2>/dev/null | sed -n 's/^\([0-9a-f]\{
 # What may follow this option.
 _duet_value() {
   case $1 in
-@VALUES    --pair | --device) _duet_words "$(_duet_devices)" ;;
+@VALUES    --pair) _duet_words "$(_duet_devices) cpu gpu halves" ;;
+    --device) _duet_words "$(_duet_devices) cpu gpu" ;;
     *) COMPREPLY=() ;; # a file
   esac
 }

@@ -4,6 +4,8 @@
 #include "lua/nouns.h"
 #include "lua/policy.h"
 
+#include <string.h>
+
 static const char *kind_name(int value)
 {
     static const char *const names[] = {"CPU", "GPU", "accelerator"};
@@ -153,7 +155,10 @@ static int pair_about(lua_State *L)
     const duet_device_pair *pair = device_pair_check(L, 1);
     const duet_device_info *a = duet_device_pair_get_info(pair, 0);
     const duet_device_info *b = duet_device_pair_get_info(pair, 1);
-    lua_pushfstring(L, "A = %s %s, B = %s %s", a->selector, a->name, b->selector, b->name);
+    if (strcmp(a->selector, b->selector) == 0)
+        lua_pushfstring(L, "A = B = %s %s", a->selector, a->name);
+    else
+        lua_pushfstring(L, "A = %s %s, B = %s %s", a->selector, a->name, b->selector, b->name);
     return 1;
 }
 

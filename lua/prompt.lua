@@ -44,7 +44,7 @@ end
 local overview <const> = [[
 The value of an expression is printed; Tab completes names; Ctrl-C stops what runs, Ctrl-D ends.
 
-  pair = duet.device_pair()              two devices: a CPU and a GPU, or a CPU's halves
+  pair = duet.device_pair()              a CPU and a GPU; or with "halves" a CPU's halves
   scene = duet.scene("scene.lua")        objects, from a file
   world = pair:world(scene)              the objects on the devices
   result = world:step()                  all pairs that collide

@@ -37,7 +37,7 @@ offers 'duet profiles list --de' -- --dead
 offers 'duet abacus --x' -- ''
 
 # Values: of the help texts, of the program, of the machine.
-offers 'duet run x.lua --mode ' -- 'shared own slab'
+offers 'duet run x.lua --mode s' -- 'shared slab'
 offers 'duet run x.lua --level sat' -- 'sat6 sat15'
 offers 'duet run x.lua --level=sat1' -- 'sat15'
 offers 'duet run x.lua --variant-b s' -- simd
@@ -45,6 +45,7 @@ offers 'duet tune x.lua --level certified,sat' -- 'certified,sat6 certified,sat1
 offers 'duet tune --strategy f' -- fig12
 offers 'duet bench --scene pl' -- planes
 offers 'duet run x.lua --pair n' -- 'nvidia:0'
+offers 'duet run x.lua --pair h' -- 'halves'
 offers 'duet run x.lua --pair pocl:0,n' -- '0,nvidia:0'
 offers 'duet query --device nvidia:' -- '0'
 offers 'duet source radi' -- radix

@@ -79,10 +79,13 @@ static void what_is_typed_is_run_and_shown(void **state)
 static void what_is_shown_says_what_it_is(void **state)
 {
     (void)state;
-    write_script("p = duet.device_pair()\n"
+    write_script("p = duet.device_pair('halves')\n"
                  "tostring(p) == ('duet.device_pair { A = %s %s, B = %s %s }'):format(\n"
                  "p:device('A').selector, p:device('A').name, p:device('B').selector, "
                  "p:device('B').name)\n"
+                 "q = duet.device_pair(p:device('A').selector)\n"
+                 "tostring(q) == ('duet.device_pair { A = B = %s %s }'):format(\n"
+                 "q:device('A').selector, q:device('A').name)\n"
                  "p:world { plan = { share = 0.25, mode = 'own', variant_a = 'simd', variant_b = "
                  "'gpu' } }\n"
                  "s = duet.scene(duet.poses { { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1 } }, 3)\n"
@@ -91,7 +94,7 @@ static void what_is_shown_says_what_it_is(void **state)
                  "s\n");
     assert_prints(
         "lua <" SCRIPT,
-        "true\n"
+        "true\ntrue\n"
         "duet.world { share = 0.25, mode = own, variant_a = simd, variant_b = gpu, level = "
         "certified }\n"
         "duet.motion { objects = 1, effects = {  } }\n"
