@@ -3,6 +3,10 @@
 set(manual_dir ${CMAKE_CURRENT_BINARY_DIR}/manual)
 file(STRINGS CHANGELOG.md duet_date LIMIT_COUNT 1 REGEX "^## ${PROJECT_VERSION}, ")
 string(REGEX REPLACE ".*, " "" duet_date "${duet_date}")
+if(NOT duet_date)
+  message(FATAL_ERROR "CHANGELOG.md has no heading '## ${PROJECT_VERSION}, YEAR-MONTH-DAY'")
+endif()
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS CHANGELOG.md)
 add_custom_command(
   OUTPUT ${manual_dir}/duet.bash
   COMMAND ${CMAKE_COMMAND} -E rm -rf ${manual_dir}

@@ -328,7 +328,7 @@ local function write_completion(ordered, pages, main)
     if page ~= main then
       add("CASES", "%s", case(("'%s '%s"):format(page.command, #page.verbs > 0 and "' '" or "*"), page))
     end
-    if page.usage:match "SCENE" and scenes ~= "" then
+    if (page.usage:match "SCENE" or page.command == "scenes") and scenes ~= "" then
       add("OPERANDS", "    '%s') _duet_words '%s' ;;\n", page.command, scenes)
     end
     for _, option in ipairs(page.options) do
