@@ -8,6 +8,7 @@ local names_of_object <const> = ...
 
 local WIDTH <const> = 100
 local DEEPEST <const> = 6
+local ROWS <const> = 8
 
 local kinds = { number = 1, string = 2, boolean = 3 }
 
@@ -119,8 +120,27 @@ local function describe_records(list, names)
   return table.concat(lines, "\n")
 end
 
+-- The first rows of an array, each after its place.
+local function show_rows(array)
+  local rows, widths, lines = {}, {}, { tostring(array) }
+  for i = 1, math.min(#array, ROWS) do
+    rows[i] = { i - 1, array:get(i - 1) }
+    for k, value in ipairs(rows[i]) do
+      rows[i][k] = scalar(value)
+      widths[k] = math.max(widths[k] or 0, #rows[i][k])
+    end
+  end
+  for i, row in ipairs(rows) do
+    for k, text in ipairs(row) do row[k] = (" "):rep(widths[k] - #text) .. text end
+    lines[i + 1] = "  " .. table.concat(row, "  ")
+  end
+  if #array > ROWS then lines[#lines + 1] = "  ..." end
+  return table.concat(lines, "\n")
+end
+
 local function show_object(value, fields)
   local lines, width = { (tostring(value):match "^%S+") }, 0
+  if tostring(value):find " rows$" then return show_rows(value) end
   if #fields == 0 or tostring(value):find "%(closed%)$" then return tostring(value) end
   for _, name in ipairs(fields) do width = math.max(width, #name) end
   for _, name in ipairs(fields) do

@@ -116,13 +116,13 @@ static void begin_typing(session *s, text *history_path)
     using_history();
     stifle_history(HISTORY_LINES);
     find_history(history_path);
-    if (history_path->chars)
+    if (text_ok(history_path, NULL) && history_path->chars)
         read_history(history_path->chars);
 }
 
 static void end_typing(const text *history_path)
 {
-    if (is_terminal() && history_path->chars)
+    if (is_terminal() && text_ok(history_path, NULL) && history_path->chars)
         write_history(history_path->chars);
 }
 

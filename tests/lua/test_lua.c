@@ -99,13 +99,19 @@ static void what_is_shown_says_what_it_is(void **state)
         "certified }\n"
         "duet.motion { objects = 1, effects = {  } }\n"
         "duet.scene (closed)\n");
-    write_script("duet.bounds(2)\n"
+    write_script("duet.bounds { { 0, 0, 0, 1, 2, 3.5 }, { -10, 0, 0, 1, 1, 1 } }\n"
+                 "duet.pairs(9)\n"
                  "s = duet.scene(duet.bounds(2), 3)\n"
                  "s\n"
                  "duet.kernels()\n");
     program p = program_run("lua <" SCRIPT);
     assert_int_equal(p.exit_code, 0);
-    assert_true(strncmp(p.out, "duet.bounds of 2 rows\nduet.scene\n", 33) == 0);
+    static const char rows[] = "duet.bounds of 2 rows\n"
+                               "  0    0  0  0  1  2  3.5\n"
+                               "  1  -10  0  0  1  1    1\n"
+                               "duet.pairs of 9 rows\n";
+    assert_true(strncmp(p.out, rows, strlen(rows)) == 0);
+    assert_non_null(strstr(p.out, "\n  7  0  0\n  ...\nduet.scene\n"));
     assert_non_null(strstr(p.out, "\n  shape         \"bounds\"\n"));
     assert_non_null(strstr(p.out, "\nname    "));
     assert_non_null(strstr(p.out, "\nclear   "));
@@ -170,11 +176,16 @@ static void terminal_type(terminal *t, const char *keys)
     assert_int_equal(write(t->end, keys, strlen(keys)), (ssize_t)strlen(keys));
 }
 
+// Types Ctrl-D until the program ends: one that comes before the line is edited is lost.
 static int terminal_close(terminal *t)
 {
     int status = 0;
-    terminal_type(t, "\004");
-    assert_int_equal(waitpid(t->process, &status, 0), t->process);
+    int tries = 0;
+    for (pid_t ended = 0; ended == 0; ended = waitpid(t->process, &status, WNOHANG)) {
+        assert_true(++tries < 600);
+        terminal_type(t, "\004");
+        poll(NULL, 0, 100);
+    }
     close(t->end);
     text_free(&t->seen);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
