@@ -48,6 +48,7 @@ offers 'duet run x.lua --pair n' -- 'nvidia:0'
 offers 'duet run x.lua --pair h' -- 'halves'
 offers 'duet run x.lua --pair pocl:0,n' -- '0,nvidia:0'
 offers 'duet query --device nvidia:' -- '0'
+offers 'duet run pape' -- 'paper paper2d'
 offers 'duet source radi' -- radix
 offers 'duet profiles show f' -- f13c9469
 

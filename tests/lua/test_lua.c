@@ -176,15 +176,19 @@ static void terminal_type(terminal *t, const char *keys)
     assert_int_equal(write(t->end, keys, strlen(keys)), (ssize_t)strlen(keys));
 }
 
-// Types Ctrl-D until the program ends: one that comes before the line is edited is lost.
+// Empties the line and types Ctrl-D until the program ends: a key that comes before the line
+// is edited may be lost. What it shows is read, so that it never waits for that.
 static int terminal_close(terminal *t)
 {
     int status = 0;
     int tries = 0;
     for (pid_t ended = 0; ended == 0; ended = waitpid(t->process, &status, WNOHANG)) {
+        struct pollfd one = {.fd = t->end, .events = POLLIN};
+        char shown[256];
         assert_true(++tries < 600);
-        terminal_type(t, "\004");
-        poll(NULL, 0, 100);
+        terminal_type(t, "\025\004");
+        if (poll(&one, 1, 100) > 0 && read(t->end, shown, sizeof shown) <= 0)
+            poll(NULL, 0, 10); // it is about to end
     }
     close(t->end);
     text_free(&t->seen);
