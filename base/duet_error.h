@@ -41,9 +41,10 @@ typedef enum duet_status {
 #undef X
 } duet_status;
 
+// Begin with {0}, or in C++ with {}.
 typedef struct duet_error {
+    int cl_code; // the OpenCL code where a device failed, else 0
     duet_status status;
-    int cl_code;    // the OpenCL code where a device failed, else 0
     char text[480]; // one English line: what, where, what would be right
 } duet_error;
 

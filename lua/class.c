@@ -21,7 +21,7 @@ static int find_member(lua_State *L)
     return 1;
 }
 
-// Puts a text in the place of the value on top; { 1, 2, 3 } for a vector.
+// Puts a text in the place of the value on top; { 1, 2, 3 } for a vector, { ... } for a record.
 static void push_text(lua_State *L)
 {
     if (!lua_istable(L, -1)) {
@@ -34,6 +34,10 @@ static void push_text(lua_State *L)
         lua_pushstring(L, i > 1 ? ", " : "");
         lua_rawgeti(L, -3, (lua_Integer)i);
         lua_concat(L, 3);
+    }
+    if (lua_rawlen(L, -2) == 0) {
+        lua_pushliteral(L, "...");
+        lua_concat(L, 2);
     }
     lua_pushliteral(L, " }");
     lua_concat(L, 2);
@@ -64,16 +68,54 @@ static int class_tostring(lua_State *L)
 {
     const lua_class *c = lua_touserdata(L, lua_upvalueindex(1));
     luaL_checkudata(L, 1, c->name);
-    lua_pushvalue(L, lua_upvalueindex(1));
-    lua_pushcclosure(L, describe, 1);
-    lua_pushvalue(L, 1);
-    if (!c->members)
+    if (!c->members && !c->about) {
         lua_pushstring(L, c->name);
-    else if (lua_pcall(L, 1, 1, 0) == LUA_OK)
+        return 1;
+    }
+    lua_pushvalue(L, lua_upvalueindex(1));
+    lua_pushcclosure(L, c->about ? c->about : describe, 1);
+    lua_pushvalue(L, 1);
+    if (lua_pcall(L, 1, 1, 0) == LUA_OK)
         lua_pushfstring(L, "%s { %s }", c->name, lua_tostring(L, -1));
     else
         lua_pushfstring(L, "%s (closed)", c->name);
     return 1;
+}
+
+// The class of the value at 1, and its methods on top; else NULL, and nothing pushed.
+static const lua_class *find_class(lua_State *L)
+{
+    const lua_class *c = NULL;
+    if (!lua_isuserdata(L, 1) || !luaL_getmetafield(L, 1, "__index"))
+        return NULL;
+    if (lua_tocfunction(L, -1) == find_member) {
+        lua_getupvalue(L, -1, 1);
+        c = lua_touserdata(L, -1);
+        lua_getupvalue(L, -2, 2);
+        lua_replace(L, -3);
+    }
+    lua_pop(L, 1);
+    return c;
+}
+
+int class_names(lua_State *L)
+{
+    lua_settop(L, 1);
+    const lua_class *c = find_class(L);
+    if (!c)
+        return 0;
+    lua_pushstring(L, c->name);
+    lua_newtable(L);
+    for (int i = 0; c->members && c->members[i].name; ++i) {
+        lua_pushstring(L, c->members[i].name);
+        lua_rawseti(L, -2, i + 1);
+    }
+    lua_newtable(L);
+    for (lua_pushnil(L); lua_next(L, 2); lua_pop(L, 1)) {
+        lua_pushvalue(L, -2);
+        lua_rawseti(L, 5, (lua_Integer)lua_rawlen(L, 5) + 1);
+    }
+    return 3;
 }
 
 void class_open(lua_State *L, const lua_class *c)

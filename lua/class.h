@@ -18,10 +18,15 @@ typedef struct lua_class {
     const luaL_Reg *metas;                  // __len ...; NULL: none
     const member *members;                  // NULL: none
     const void *(*struct_of)(lua_State *L); // the struct of the userdata at 1; raises if closed
+    lua_CFunction about; // of one without members: pushes what it is in words; raises if closed
 } lua_class;
 
 // Makes the metatable, once a state.
 void class_open(lua_State *L, const lua_class *c);
+
+// A Lua function: of an object of ours its class's name, then the names of its fields
+// in order and those of its methods, as two lists; of anything else nothing.
+int class_names(lua_State *L);
 
 // Pushes a zeroed userdata with space for one uservalue: its parent.
 void *class_push(lua_State *L, const lua_class *c, size_t bytes);

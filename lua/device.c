@@ -4,6 +4,8 @@
 #include "lua/nouns.h"
 #include "lua/policy.h"
 
+#include <string.h>
+
 static const char *kind_name(int value)
 {
     static const char *const names[] = {"CPU", "GPU", "accelerator"};
@@ -78,6 +80,7 @@ static int pair_close(lua_State *L);
 static int pair_device(lua_State *L);
 static int pair_plan(lua_State *L);
 static int pair_check_cache(lua_State *L);
+static int pair_about(lua_State *L);
 
 static const luaL_Reg methods[] = {{"close", pair_close},
                                    {"device", pair_device},
@@ -88,7 +91,8 @@ static const luaL_Reg methods[] = {{"close", pair_close},
                                    {"query", pair_query_create_lua},
                                    {"world", world_create_lua},
                                    {NULL, NULL}};
-static const lua_class pair_class = {.name = "duet.device_pair", .methods = methods};
+static const lua_class pair_class = {
+    .name = "duet.device_pair", .methods = methods, .about = pair_about};
 
 static const member def_members[] = {
     MEMBER(member_string, duet_device_pair_def, a),
@@ -143,6 +147,18 @@ static int pair_device(lua_State *L)
     const duet_device_pair *pair = device_pair_check(L, 1);
     int device = luaL_checkoption(L, 2, NULL, names);
     push_device(L, duet_device_pair_get_info(pair, device));
+    return 1;
+}
+
+static int pair_about(lua_State *L)
+{
+    const duet_device_pair *pair = device_pair_check(L, 1);
+    const duet_device_info *a = duet_device_pair_get_info(pair, 0);
+    const duet_device_info *b = duet_device_pair_get_info(pair, 1);
+    if (strcmp(a->selector, b->selector) == 0)
+        lua_pushfstring(L, "A = B = %s %s", a->selector, a->name);
+    else
+        lua_pushfstring(L, "A = %s %s, B = %s %s", a->selector, a->name, b->selector, b->name);
     return 1;
 }
 

@@ -6,8 +6,7 @@ add_library(duet_lua MODULE ${duet_objects})
 set_target_properties(duet_lua PROPERTIES PREFIX "" OUTPUT_NAME duet
   LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lua)
 target_link_libraries(duet_lua PRIVATE ${duet_needs} duet_options)
-install(TARGETS duet_lua LIBRARY DESTINATION ${DUET_LUA_DIR})
-install(DIRECTORY lua/experiments DESTINATION ${CMAKE_INSTALL_DATADIR}/duet/lua)
+install(TARGETS duet_lua LIBRARY DESTINATION ${DUET_LUA_DIR} COMPONENT lua)
 
 # What an editor knows of the API, made from its list.
 set(definitions ${CMAKE_BINARY_DIR}/lua/definitions/duet.lua)
@@ -17,4 +16,5 @@ add_custom_command(OUTPUT ${definitions}
           > ${definitions}
   DEPENDS duet ${CMAKE_CURRENT_LIST_DIR}/define.lua ${CMAKE_CURRENT_LIST_DIR}/api.lua VERBATIM)
 add_custom_target(definitions ALL DEPENDS ${definitions})
-install(FILES ${definitions} DESTINATION ${CMAKE_INSTALL_DATADIR}/duet/lua/definitions)
+install(FILES ${definitions} DESTINATION ${CMAKE_INSTALL_DATADIR}/duet/lua/definitions
+  COMPONENT lua)

@@ -391,7 +391,26 @@ static const luaL_Reg methods[] = {{"advance", motion_advance},
                                    {"close", motion_close},
                                    {NULL, NULL}};
 static const luaL_Reg metas[] = {{"__len", motion_length}, {NULL, NULL}};
-static const lua_class motion_class = {.name = "duet.motion", .methods = methods, .metas = metas};
+static int motion_about(lua_State *L)
+{
+    const duet_motion *motion = check_motion(L);
+    uint32_t effects = duet_motion_get_effects(motion);
+    const char *before = "";
+    lua_pushfstring(L, "objects = %d, effects = { ", (int)duet_motion_get_count(motion));
+    for (uint32_t i = 0; effect_at(i); ++i) {
+        if (!(effects & 1u << i))
+            continue;
+        lua_pushfstring(L, "%s%s", before, effect_at(i));
+        lua_concat(L, 2);
+        before = ", ";
+    }
+    lua_pushliteral(L, " }");
+    lua_concat(L, 2);
+    return 1;
+}
+
+static const lua_class motion_class = {
+    .name = "duet.motion", .methods = methods, .metas = metas, .about = motion_about};
 
 void motion_open_lua(lua_State *L)
 {

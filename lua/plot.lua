@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- Pictures by gnuplot, as PATH.svg and PATH.png.
+-- Pictures by gnuplot, as PATH.svg and PATH.png; the SVG is dark on a dark page.
 --
 --   plot.draw("out/times", {
 --     title = "...", x = "objects", y = "ms", -- what the axes say
@@ -100,10 +100,10 @@ local function line_parts(chart)
     local style = series.style or "both"
     local with = ({ lines = "lines linewidth 2", points = "points pointtype 7 pointsize 0.8",
       both = "linespoints linewidth 2 pointtype 7 pointsize 0.8" })[style]
-    parts[#parts + 1] = ("$s%d using 1:2 with %s linecolor rgb %s title %s"):format(i, with, colour, quoted(series.name))
-    if has_intervals { series = { series } } then
+    if has_intervals { series = { series } } then -- beneath the points, for gnuplot erases what is under a bar
       parts[#parts + 1] = ("$s%d using 1:2:3:4 with yerrorbars pointtype 0 linecolor rgb %s notitle"):format(i, colour)
     end
+    parts[#parts + 1] = ("$s%d using 1:2 with %s linecolor rgb %s title %s"):format(i, with, colour, quoted(series.name))
   end
   return parts
 end
@@ -166,8 +166,8 @@ function plot.script(path, chart)
   add_style(lines, chart)
   local parts = (chart.kind == "map" and map_parts or chart.kind == "lines" and line_parts or bar_parts)(chart)
   for _, form in ipairs {
-    { "svg", "svg size 860,520 dynamic font 'sans,12' background rgb 'white'" },
-    { "png", "pngcairo size 1290,780 font 'sans,14' background rgb 'white'" },
+    { "svg", "svg size 860,520 dynamic noenhanced font 'sans,12' background rgb 'white'" },
+    { "png", "pngcairo size 1290,780 noenhanced font 'sans,14' background rgb 'white'" },
   } do
     add(lines, "set terminal %s", form[2])
     add(lines, "set output %s", quoted(path .. "." .. form[1]))
@@ -186,6 +186,36 @@ local function run(script_path)
   return nil, "gnuplot: " .. (said:match "[^\n]*line %d+:[^\n]*" or said:gsub("%s+", " "))
 end
 
+-- What gnuplot writes, and what it is on a dark page.
+local on_dark = {
+  { 'fill="#ffffff"', "#14181f" }, { 'fill="black"', "#e3e8ef" }, { 'fill="rgb(51,51,51)"', "#c6ceda" },
+  { 'color="black"', "#e3e8ef" }, { 'stroke="black"', "#e3e8ef" }, { 'stroke="rgb(221, 221, 221)"', "#333c49" },
+  { 'stroke="rgb( 68,  68,  68)"', "#c6ceda" }, { 'stroke="rgb(255, 255, 255)"', "#14181f" },
+  { 'color="rgb( 85,  85,  85)"', "#a3abb5" }, { 'fill="rgb( 85,  85,  85)"', "#a3abb5" },
+  { 'stroke="rgb( 85,  85,  85)"', "#a3abb5" },
+}
+
+local entities = { ["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;" }
+
+-- The SVG with the chart's title in place of gnuplot's name, and with a style for dark pages.
+local function finish_svg(svg, chart)
+  local rules = {}
+  for i, rule in ipairs(on_dark) do
+    rules[i] = ("[%s]{%s:%s}"):format(rule[1], rule[1]:match "^%a+", rule[2])
+  end
+  local head = ("<title>%s</title>\n<style>@media(prefers-color-scheme:dark){%s}</style>"):format(
+    chart.title:gsub("\n", " "):gsub("[&<>]", entities), table.concat(rules))
+  return (svg:gsub("<title>.-</title>", function() return head end, 1))
+end
+
+local function finish_file(path, chart)
+  local file <close> = io.open(path, "r+")
+  if not file then return nil, path .. ": gnuplot wrote no such file" end
+  local svg = finish_svg(file:read "a", chart)
+  file:seek("set")
+  return file:write(svg)
+end
+
 -- true, or nil and a line that says why there is no picture.
 function plot.draw(path, chart)
   for _, series in ipairs(chart.series or {}) do
@@ -198,7 +228,9 @@ function plot.draw(path, chart)
   file:close()
   local ok, why = run(script_path)
   os.remove(script_path)
-  return ok, why
+  if not ok then return nil, why end
+  ok, why = finish_file(path .. ".svg", chart)
+  return ok and true, why
 end
 
 return plot

@@ -4,10 +4,10 @@
 
 #include "base/blob.h"
 #include "base/budget.h"
-#include "base/text.h"
 #include "base/visible.h"
 #include "duet_lua.h"
 #include "gen/script.h"
+#include "lua/class.h"
 #include "lua/policy.h"
 
 #include <lauxlib.h>
@@ -27,8 +27,9 @@ struct session {
     lua_State *lua; // the script's, or one of its own
 };
 
-// In the registry: the function that prints what was typed.
+// In the registry: the functions of the prompt.
 static const char show_key = 0;
+static const char complete_key = 0;
 
 session_def session_default_def(void)
 {
@@ -124,13 +125,31 @@ static void set_arg(lua_State *L, const session_def *def)
     lua_setglobal(L, "arg");
 }
 
-static void load_show(lua_State *L)
+static void load_carried(lua_State *L, const char *name)
 {
-    const blob *b = blob_find("lua/show.lua");
-    if (luaL_loadbufferx(L, b->bytes, b->length, "@lua/show.lua", "t") != LUA_OK)
+    const blob *b = blob_find(name);
+    text at_name = {0};
+    text_add(&at_name, "@%s", name);
+    int status = luaL_loadbufferx(L, b->bytes, b->length, text_chars(&at_name), "t");
+    text_free(&at_name);
+    if (status != LUA_OK)
         lua_error(L);
-    lua_call(L, 0, 1);
+}
+
+// What is typed is shown and completed by these, and the global help is for it too.
+static void load_prompt(lua_State *L)
+{
+    load_carried(L, "lua/show.lua");
+    lua_pushcfunction(L, class_names);
+    lua_call(L, 1, 1);
     lua_rawsetp(L, LUA_REGISTRYINDEX, &show_key);
+    load_carried(L, "lua/prompt.lua");
+    lua_pushcfunction(L, class_names);
+    load_carried(L, "lua/api.lua");
+    lua_call(L, 0, 1);
+    lua_call(L, 2, 2);
+    lua_setglobal(L, "help");
+    lua_rawsetp(L, LUA_REGISTRYINDEX, &complete_key);
 }
 
 // os.execute, which lets no signal for the terminal through: what ends the command is
@@ -172,7 +191,8 @@ static int prepare(lua_State *L)
         luaL_requiref(L, "duet", luaopen_duet, 1);
     }
     set_arg(L, &s->def);
-    load_show(L);
+    if (s->def.prompt)
+        load_prompt(L);
     return 0;
 }
 
@@ -273,6 +293,14 @@ static bool load_typed(session *s, const char *chars, bool *more, duet_error *er
     return ok;
 }
 
+// "help" alone is a call of it.
+static bool asks_for_help(const char *chars)
+{
+    size_t before = strspn(chars, " \t");
+    size_t after = strspn(chars + before + strcspn(chars + before, " \t"), " \t");
+    return strncmp(chars + before, "help", 4) == 0 && strlen(chars + before) == 4 + after;
+}
+
 // show(results...) under the results of a call, the number of which varies.
 static bool show_results(session *s, int top, duet_error *err)
 {
@@ -288,7 +316,20 @@ bool session_enter(session *s, const char *chars, bool *more, duet_error *err)
 {
     *more = false;
     int top = lua_gettop(s->lua);
-    if (!load_typed(s, chars, more, err))
+    if (!load_typed(s, asks_for_help(chars) ? "help()" : chars, more, err))
         return *more;
     return call(s, 0, LUA_MULTRET, err) && show_results(s, top, err);
+}
+
+bool session_complete(session *s, const char *word, text *words)
+{
+    duet_error err = {0};
+    lua_rawgetp(s->lua, LUA_REGISTRYINDEX, &complete_key);
+    lua_pushstring(s->lua, word);
+    lua_pushglobaltable(s->lua);
+    if (!call(s, 2, 1, &err))
+        return false;
+    text_add(words, "%s", lua_tostring(s->lua, -1));
+    lua_pop(s->lua, 1);
+    return text_ok(words, NULL);
 }

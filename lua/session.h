@@ -7,6 +7,7 @@
 #ifndef LUA_SESSION_H
 #define LUA_SESSION_H
 
+#include "base/text.h"
 #include "duet_error.h"
 
 #include <stdbool.h>
@@ -16,6 +17,7 @@ typedef struct session session;
 
 typedef struct session_def {
     bool trusted;
+    bool prompt;                  // session_enter and session_complete are called
     size_t memory_bytes;          // of the state, where not trusted
     double seconds;               // of one run, where not trusted
     const char *const *arguments; // the global arg, [0] the script; borrowed
@@ -35,5 +37,9 @@ bool session_run_text(session *s, const char *name, const char *chars, duet_erro
 // Runs what was typed: an expression's values are printed. *more is set, and
 // nothing run, where the text is only the beginning of something.
 bool session_enter(session *s, const char *chars, bool *more, duet_error *err);
+
+// The names that begin with "duet.de" or "pair:wo", whole and in order, a line each. False
+// where there is no such object.
+bool session_complete(session *s, const char *word, text *words);
 
 #endif

@@ -1,10 +1,14 @@
 -- SPDX-License-Identifier: MIT
 -- Prints values so that a person can read them: tables in order, on one line
--- where they fit, and a list of records as columns. Gives back the function
+-- where they fit, a list of records as columns, an object as its fields, one
+-- below the other. Gets class_names of lua/class.h and gives back the function
 -- that prints; it needs no more of Lua than an untrusted script has.
+
+local names_of_object <const> = ...
 
 local WIDTH <const> = 100
 local DEEPEST <const> = 6
+local ROWS <const> = 8
 
 local kinds = { number = 1, string = 2, boolean = 3 }
 
@@ -63,14 +67,15 @@ end
 
 -- ---------------------------------------------------------------- records
 
--- The columns of a list of tables with names for scalars; nil for all else.
+-- The columns of a list of records; nil for all else. The name leads, and what is a
+-- table is only counted.
 local function columns_of(list)
   local seen, names = {}, {}
   if #list < 2 or #keys_of(list) ~= #list then return nil end
   for _, record in ipairs(list) do
     if type(record) ~= "table" then return nil end
     for _, key in ipairs(keys_of(record)) do
-      if type(key) ~= "string" or type(record[key]) == "table" then return nil end
+      if type(key) ~= "string" then return nil end
       if not seen[key] then names[#names + 1] = key end
       seen[key] = true
     end
@@ -83,6 +88,7 @@ end
 
 local function cell(value)
   if value == nil then return "" end
+  if type(value) == "table" then return ("{ %d }"):format(#keys_of(value)) end
   if type(value) ~= "string" then return scalar(value) end
   return (value:gsub("%c", function(c) return ("\\x%02x"):format(c:byte()) end))
 end
@@ -114,8 +120,39 @@ local function describe_records(list, names)
   return table.concat(lines, "\n")
 end
 
+-- The first rows of an array, each after its place.
+local function show_rows(array)
+  local rows, widths, lines = {}, {}, { tostring(array) }
+  for i = 1, math.min(#array, ROWS) do
+    rows[i] = { i - 1, array:get(i - 1) }
+    for k, value in ipairs(rows[i]) do
+      rows[i][k] = scalar(value)
+      widths[k] = math.max(widths[k] or 0, #rows[i][k])
+    end
+  end
+  for i, row in ipairs(rows) do
+    for k, text in ipairs(row) do row[k] = (" "):rep(widths[k] - #text) .. text end
+    lines[i + 1] = "  " .. table.concat(row, "  ")
+  end
+  if #array > ROWS then lines[#lines + 1] = "  ..." end
+  return table.concat(lines, "\n")
+end
+
+local function show_object(value, fields)
+  local lines, width = { (tostring(value):match "^%S+") }, 0
+  if tostring(value):find " rows$" then return show_rows(value) end
+  if #fields == 0 or tostring(value):find "%(closed%)$" then return tostring(value) end
+  for _, name in ipairs(fields) do width = math.max(width, #name) end
+  for _, name in ipairs(fields) do
+    lines[#lines + 1] = ("  %s%s  %s"):format(name, (" "):rep(width - #name), describe(value[name], "", {}))
+  end
+  return table.concat(lines, "\n")
+end
+
 local function show(value)
   if type(value) == "string" then return value end
+  local class, fields = names_of_object(value)
+  if class then return show_object(value, fields) end
   if type(value) ~= "table" then return scalar(value) end
   local names = columns_of(value)
   return names and describe_records(value, names) or describe(value, "", {})

@@ -232,7 +232,19 @@ static const luaL_Reg methods[] = {{"close", world_close},
                                    {"level", world_level},
                                    {"step", world_step},
                                    {NULL, NULL}};
-static const lua_class world_class = {.name = "duet.world", .methods = methods};
+// What its next step does.
+static int world_about(lua_State *L)
+{
+    const duet_world *world = world_check(L, 1)->world;
+    const duet_plan *plan = duet_world_get_plan(world);
+    lua_pushfstring(L, "share = %f, mode = %s, variant_a = %s, variant_b = %s, level = %s",
+                    (double)plan->share / DUET_SHARE_ONE, duet_mode_name(plan->mode),
+                    plan->variant_a, plan->variant_b, level_name(duet_world_get_level(world)));
+    return 1;
+}
+
+static const lua_class world_class = {
+    .name = "duet.world", .methods = methods, .about = world_about};
 
 void world_open_lua(lua_State *L)
 {

@@ -385,8 +385,8 @@ DUET_API const char *duet_grade_name(duet_grade grade); // "other driver"; NULL 
 
 // What a store of profiles knows of a world.
 typedef struct duet_profile {
+    duet_plan plan; // the world's after the call
     duet_grade grade;
-    duet_plan plan;         // the world's after the call
     duet_level level;       // and its level
     duet_accuracy accuracy; // of that level, as measured with the plan
     uint64_t true_pairs;    // that it was measured on; 0: it was not

@@ -32,15 +32,24 @@ configure_file(runtime/duet.pc.in duet.pc @ONLY)
 
 file(GLOB public_headers CONFIGURE_DEPENDS runtime/duet.h base/duet_error.h
   profiles/duet_*.h tuner/duet_*.h lua/duet_*.h)
-install(TARGETS duet)
-install(TARGETS duet_shared EXPORT duet)
-install(TARGETS duet_static EXPORT duet-static)
-install(FILES ${public_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/duet)
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
-install(DIRECTORY lua/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/duet OPTIONAL)
-install(EXPORT duet NAMESPACE duet:: FILE duet-targets.cmake DESTINATION ${config_dir})
+install(TARGETS duet COMPONENT program)
+install(TARGETS duet_shared EXPORT duet LIBRARY COMPONENT library NAMELINK_COMPONENT development)
+install(TARGETS duet_static EXPORT duet-static ARCHIVE COMPONENT development)
+install(FILES ${public_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/duet COMPONENT development)
+install(EXPORT duet NAMESPACE duet:: FILE duet-targets.cmake DESTINATION ${config_dir}
+  COMPONENT development)
 install(EXPORT duet-static NAMESPACE duet:: FILE duet-static-targets.cmake
-  DESTINATION ${config_dir})
+  DESTINATION ${config_dir} COMPONENT development)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/duet-config.cmake
-  ${CMAKE_CURRENT_BINARY_DIR}/duet-config-version.cmake DESTINATION ${config_dir})
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/duet.pc DESTINATION ${pc_dir})
+  ${CMAKE_CURRENT_BINARY_DIR}/duet-config-version.cmake DESTINATION ${config_dir}
+  COMPONENT development)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/duet.pc DESTINATION ${pc_dir} COMPONENT development)
+
+# Scenes and experiments lie beside each other, as in the source.
+install(DIRECTORY lua/scenes lua/experiments DESTINATION ${CMAKE_INSTALL_DATADIR}/duet/lua
+  COMPONENT program)
+install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program
+  PATTERN "*.dot" EXCLUDE)
+install(FILES CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT plain)
+install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)

@@ -13,6 +13,8 @@
 #include <editline/readline.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 typedef struct arguments {
@@ -35,25 +37,17 @@ static const option options[] = {
 static const option_rule rules[] = {
     {"memory", OPTION_EXCLUDES, "trust"}, {"seconds", OPTION_EXCLUDES, "trust"}, {0}};
 
-static const char *refuse(const void *given, char **operands)
-{
-    const arguments *args = given;
-    return operands[0] || args->code || args->interactive
-               ? NULL
-               : "nothing to run: give FILE, -e CODE, or -i to type";
-}
-
 static const command_line line = {
     .name = "lua",
     .operands = "[FILE [ARGUMENT...]]",
     .most_operands = 1 << 20,
     .rest_is_operands = true,
-    .about = "Runs a Lua script that uses the module 'duet'; its arguments are in 'arg'.\n"
+    .about = "Runs a Lua script that uses the module 'duet'; its arguments are in 'arg'. Without\n"
+             "FILE and CODE it runs what is typed; 'help' there says how to begin.\n"
              "Without --trust it can compute, print and use devices, read what lies below the\n"
              "current folder or is named as an argument, and change nothing.",
     .options = options,
     .rules = rules,
-    .refuse = refuse,
 };
 
 // ---------------------------------------------------------------- the prompt
@@ -61,6 +55,75 @@ static const command_line line = {
 static bool is_terminal(void)
 {
     return isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
+}
+
+enum { HISTORY_LINES = 1000 };
+
+// What completes names; libedit has no place for it in a call.
+static session *completing;
+
+// The next name of the list, for libedit to free; NULL after the last.
+static char *next_name(const char *word, int n)
+{
+    static text names;
+    static char *at;
+    if (n == 0) {
+        text_free(&names);
+        at = session_complete(completing, word, &names) ? names.chars : NULL;
+    }
+    size_t length = at ? strcspn(at, "\n") : 0;
+    if (length == 0)
+        return NULL;
+    char *name = strndup(at, length);
+    at += length + (at[length] == '\n');
+    return name;
+}
+
+static char **complete(const char *word, int start, int end)
+{
+    (void)start;
+    (void)end;
+    rl_attempted_completion_over = 1; // names of files are none
+    rl_completion_append_character = '\0';
+    return rl_completion_matches(word, next_name);
+}
+
+// Where lines are kept between sessions; empty where there is no such place.
+static void find_history(text *path)
+{
+    const char *state = getenv("XDG_STATE_HOME");
+    const char *home = getenv("HOME");
+    if (state && *state == '/')
+        text_add(path, "%s/duet/lua_history", state);
+    else if (home && *home == '/')
+        text_add(path, "%s/.local/state/duet/lua_history", home);
+    for (char *at = path->chars; at && (at = strchr(at + 1, '/'));) {
+        *at = '\0';
+        mkdir(path->chars, 0700);
+        *at = '/';
+    }
+}
+
+// Without a place for it there is no history, and nothing is said: it is no part of the work.
+static void begin_typing(session *s, text *history_path)
+{
+    if (!is_terminal())
+        return;
+    completing = s;
+    rl_readline_name = "duet";
+    rl_attempted_completion_function = complete;
+    rl_basic_word_break_characters = " \t\n\"'=<>~+-*/%^#&|(){}[];,";
+    using_history();
+    stifle_history(HISTORY_LINES);
+    find_history(history_path);
+    if (text_ok(history_path, NULL) && history_path->chars)
+        read_history(history_path->chars);
+}
+
+static void end_typing(const text *history_path)
+{
+    if (is_terminal() && text_ok(history_path, NULL) && history_path->chars)
+        write_history(history_path->chars);
 }
 
 // The next line without its end, given back by free; NULL at the end. A file or a pipe
@@ -118,10 +181,8 @@ static char *read_typed(session *s, duet_error *err, bool *ran)
 }
 
 // A person sees an error and goes on; a pipe ends with the first one.
-static bool talk(session *s, duet_error *err)
+static bool read_all(session *s, duet_error *err)
 {
-    if (is_terminal())
-        printf("duet %s, Lua 5.4; Ctrl-D ends\n", duet_version());
     for (;;) {
         bool ran = true;
         duet_error why = {0};
@@ -140,6 +201,18 @@ static bool talk(session *s, duet_error *err)
     }
 }
 
+static bool talk(session *s, duet_error *err)
+{
+    text history_path = {0};
+    begin_typing(s, &history_path);
+    if (is_terminal())
+        printf("duet %s, Lua 5.4; help says how to begin, Ctrl-D ends\n", duet_version());
+    bool ok = read_all(s, err);
+    end_typing(&history_path);
+    text_free(&history_path);
+    return ok;
+}
+
 // ---------------------------------------------------------------- the command
 
 static bool run(void *given, char **operands, duet_error *err)
@@ -148,10 +221,12 @@ static bool run(void *given, char **operands, duet_error *err)
     int n = 0;
     while (operands[n])
         ++n;
+    bool typed = args->interactive || (n == 0 && !args->code);
     session_def def = session_default_def();
     def.trusted = args->trust;
     if (args->trust)
         interrupt_pass(true); // it may start processes, which are to hear of Ctrl-C
+    def.prompt = typed;
     def.memory_bytes = (size_t)args->memory_mib << 20;
     def.seconds = args->seconds;
     def.arguments = (const char *const *)operands;
@@ -160,7 +235,7 @@ static bool run(void *given, char **operands, duet_error *err)
     bool ok = s != NULL;
     ok = ok && (!args->code || session_run_text(s, "-e", args->code, err));
     ok = ok && (n == 0 || session_run_file(s, operands[0], err));
-    ok = ok && (!args->interactive || talk(s, err));
+    ok = ok && (!typed || talk(s, err));
     session_close(s);
     return ok;
 }

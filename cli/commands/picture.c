@@ -44,8 +44,8 @@ static const command_line line = {
     .operands = "SCENE|FILE",
     .least_operands = 1,
     .most_operands = 1,
-    .about = "Draws a scene with its cells and its pairs; of a large one the boxes about a\n"
-             "collision, and the whole of it in a corner.",
+    .about = "Draws a scene with its cells and its pairs, and a bar for scale; of a large one the\n"
+             "boxes about a collision, and the whole of it in a corner.",
     .options = options,
     .refuse = refuse,
 };
@@ -412,7 +412,7 @@ static void sketch_draw(const sketch *s, canvas *c, double width, double height)
     const double margin = 24;
     const double corner = 190;
     bool all = s->n == s->info->n;
-    double below = all ? 86 : corner + 16;
+    double below = all ? 116 : corner + 16;
     const extent *shown = all ? &s->whole : &s->part;
     if (s->n > 0) {
         view v = view_fit(&isometric, s->info->dims, shown, (point){margin, margin},
@@ -421,6 +421,7 @@ static void sketch_draw(const sketch *s, canvas *c, double width, double height)
         view_frame(&v, c, shown, canvas_grey);
         draw_boxes(s, &v, c);
         draw_links(s, &v, c);
+        view_scale_bar(&v, c, (point){margin, height - 92}, words_px, canvas_grey);
         if (!all)
             draw_corner(s, c, (point){width - corner - 8, height - corner - 8},
                         (point){width - 8, height - 8});

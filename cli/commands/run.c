@@ -233,13 +233,15 @@ static bool draw_frame(moved *r, duet_error *err)
     if (n < 0 || (size_t)n >= sizeof path)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "--frames: the folder's name is too long");
     return duet_motion_get_states(r->motion, r->states, err) &&
-           snapshot_frame(&r->look, path, r->states, err);
+           snapshot_frame(&r->look, path, r->states, time, err);
 }
 
 static bool draw_picture(moved *r, duet_error *err)
 {
-    return !r->args->picture || (duet_motion_get_states(r->motion, r->states, err) &&
-                                 snapshot_picture(&r->look, r->args->picture, r->states, err));
+    double time = (double)r->done * r->def.dt;
+    return !r->args->picture ||
+           (duet_motion_get_states(r->motion, r->states, err) &&
+            snapshot_picture(&r->look, r->args->picture, r->states, time, err));
 }
 
 static bool make_folder(const char *path, duet_error *err)

@@ -5,6 +5,7 @@
 #include "cli/draw/view.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -262,8 +263,31 @@ static canvas *open_canvas(const char *path, duet_error *err)
     return NULL;
 }
 
+static bool has_shot(const snapshot *s)
+{
+    for (uint32_t i = 0; i < s->n; ++i)
+        if (s->is_shot[i])
+            return true;
+    return false;
+}
+
+static void write_caption(const snapshot *s, const view *v, canvas *c, double time)
+{
+    const double left = 24, words_px = 15;
+    char words[256];
+    snprintf(words, sizeof words, "%.80s: %u boxes in %uD after %.3f s",
+             duet_scene_get_info(s->scene)->name, s->n, v->dims, time);
+    canvas_words(c, (point){left, HEIGHT - 44}, words_px, canvas_ink, words);
+    snprintf(words, sizeof words, "colour: how %s a box began%s",
+             s->def->attraction == 0.0 ? "high" : "far from the centre",
+             has_shot(s) ? "; red: shot" : "");
+    canvas_words(c, (point){left, HEIGHT - 20}, words_px, canvas_grey, words);
+    if (s->n > 0)
+        view_scale_bar(v, c, (point){WIDTH - 330, HEIGHT - 25}, words_px, canvas_grey);
+}
+
 static bool draw(const snapshot *s, const char *path, const duet_state *states, const extent *part,
-                 duet_error *err)
+                 double time, duet_error *err)
 {
     static const point page[4] = {{0, 0}, {WIDTH, 0}, {WIDTH, HEIGHT}, {0, HEIGHT}};
     canvas *c = open_canvas(path, err);
@@ -271,26 +295,28 @@ static bool draw(const snapshot *s, const char *path, const duet_state *states, 
         return false;
     block *blocks = calloc((size_t)s->n + 1, sizeof *blocks);
     view v = view_fit(&aside, s->def->dims, part, (point){0.05 * WIDTH, 0.05 * HEIGHT},
-                      (point){0.95 * WIDTH, 0.95 * HEIGHT});
+                      (point){0.95 * WIDTH, HEIGHT - 76});
     canvas_polygon(c, page, 4, paper, paper);
     draw_ground(&v, c, s->def);
     if (blocks)
         draw_blocks(s, &v, c, blocks, states);
-    else
+    write_caption(s, &v, c, time);
+    if (!blocks)
         error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for a picture", path);
     bool ok = canvas_close(c, blocks, err);
     free(blocks);
     return ok;
 }
 
-bool snapshot_frame(const snapshot *s, const char *path, const duet_state *states, duet_error *err)
+bool snapshot_frame(const snapshot *s, const char *path, const duet_state *states, double time,
+                    duet_error *err)
 {
-    return draw(s, path, states, &s->part, err);
+    return draw(s, path, states, &s->part, time, err);
 }
 
-bool snapshot_picture(const snapshot *s, const char *path, const duet_state *states,
+bool snapshot_picture(const snapshot *s, const char *path, const duet_state *states, double time,
                       duet_error *err)
 {
     extent part;
-    return find_part(s, states, &part, err) && draw(s, path, states, &part, err);
+    return find_part(s, states, &part, err) && draw(s, path, states, &part, time, err);
 }

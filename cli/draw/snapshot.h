@@ -23,9 +23,11 @@ bool snapshot_begin(snapshot *s, const duet_motion_def *def, const duet_scene *s
 void snapshot_end(snapshot *s);
 
 // One of many pictures, which all show the same part of space; or one by itself,
-// which shows where the objects are. The few outermost may lie outside.
-bool snapshot_frame(const snapshot *s, const char *path, const duet_state *states, duet_error *err);
-bool snapshot_picture(const snapshot *s, const char *path, const duet_state *states,
+// which shows where the objects are. The few outermost may lie outside. Words below say
+// what is seen, and at which time of the scene in seconds.
+bool snapshot_frame(const snapshot *s, const char *path, const duet_state *states, double time,
+                    duet_error *err);
+bool snapshot_picture(const snapshot *s, const char *path, const duet_state *states, double time,
                       duet_error *err);
 
 #endif

@@ -2,6 +2,7 @@
 #include "cli/draw/view.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 const look isometric = {
@@ -140,6 +141,31 @@ void view_box(const view *v, canvas *c, const corners *box, const box_ink *ink)
     }
     face(v, box, 2, 0, walk);
     canvas_polygon(c, walk, 4, ink->fill, ink->edge);
+}
+
+// The greatest that is drawn at most so long, in units.
+static double bar_length(double pixels_a_unit, double most_px)
+{
+    static const double times[] = {5, 2, 1};
+    double power = pow(10, floor(log10(most_px / pixels_a_unit)));
+    for (int i = 0; i < 3; ++i)
+        if (times[i] * power * pixels_a_unit <= most_px)
+            return times[i] * power;
+    return power;
+}
+
+void view_scale_bar(const view *v, canvas *c, point at, double words_px, colour ink)
+{
+    const double most_px = 140, tick_px = 4;
+    double pixels = v->scale * (v->dims == 3 ? sqrt(dot(v->look->right, v->look->right)) : 1);
+    double length = bar_length(pixels, most_px);
+    point end = {at.x + length * pixels, at.y};
+    char words[64];
+    canvas_line(c, at, end, ink, 2);
+    canvas_line(c, (point){at.x, at.y - tick_px}, (point){at.x, at.y + tick_px}, ink, 2);
+    canvas_line(c, (point){end.x, end.y - tick_px}, (point){end.x, end.y + tick_px}, ink, 2);
+    snprintf(words, sizeof words, "%.6g unit%s of length", length, length == 1 ? "" : "s");
+    canvas_words(c, (point){end.x + 8, at.y + 0.35 * words_px}, words_px, ink, words);
 }
 
 void view_frame(const view *v, canvas *c, const extent *e, colour ink)

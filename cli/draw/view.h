@@ -60,6 +60,10 @@ typedef struct box_ink {
 // Its outline filled, or in 3D the faces that are seen, shaded by direction.
 void view_box(const view *v, canvas *c, const corners *box, const box_ink *ink);
 
+// A bar of 1, 2 or 5 times a power of ten units, its left end at the point, with its
+// length in words behind it. In 3D it measures what faces the eye.
+void view_scale_bar(const view *v, canvas *c, point at, double words_px, colour ink);
+
 // The edges alone.
 void view_frame(const view *v, canvas *c, const extent *e, colour ink);
 

@@ -22,9 +22,16 @@ body{margin:0;background:var(--paper);color:var(--ink);font:16px/1.5 system-ui,s
 main{max-width:1200px;margin:0 auto;padding:16px}
 h1{font-size:1.6rem;margin:.4em 0}h2{font-size:1.2rem;margin:1.8em 0 .5em;border-bottom:1px solid var(--line)}
 p{margin:.4em 0;color:var(--dim);overflow-wrap:anywhere}
-.wide{overflow-x:auto}table{border-collapse:collapse;font-size:.85rem;white-space:nowrap}
-th,td{padding:.25em .7em;border-bottom:1px solid var(--line);text-align:left}
-th{color:var(--dim);font-weight:600}.r{text-align:right;font-variant-numeric:tabular-nums}
+.found{font-size:1.05rem;color:var(--ink);margin:.6em 0;padding-left:1.2em}.found li{margin:.2em 0}
+h3{font-size:1rem;font-weight:600;margin:1.2em 0 .3em;overflow-wrap:anywhere}
+table{border-collapse:collapse;font-size:.85rem}
+th,td{padding:.25em .6em;border-bottom:1px solid var(--line);text-align:left;overflow-wrap:break-word}
+@media(max-width:1080px){th{display:none}tr{display:grid;grid-template-columns:max-content 1fr;
+  border-bottom:1px solid var(--line);padding:.4em 0}td{display:contents}
+  td:before{content:attr(data-head);color:var(--dim);padding-right:1em;text-align:left}}
+dl{display:grid;grid-template-columns:max-content 1fr;gap:.3em 1.2em;margin:.5em 0;font-size:.9rem}
+dt{font-weight:600}dd{margin:0;color:var(--dim)}
+th{color:var(--dim);font-weight:600}.r{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
 .charts{display:grid;gap:14px;grid-template-columns:repeat(auto-fill,minmax(min(340px,100%),1fr));
   align-items:start}
 figure{margin:0;padding:10px;background:var(--card);border:1px solid var(--line);border-radius:8px}
@@ -71,6 +78,24 @@ local function count(n)
   return (digits:reverse():gsub("(%d%d%d)", "%1 "):reverse():gsub("^ ", ""))
 end
 
+-- What the longest bar or the axis stands for: the greatest value, or the greatest but a
+-- few (at most a fifth) that lie far above all others and would make these flat.
+local function most_shown(values)
+  table.sort(values)
+  local n = #values
+  local bound = 3 * (values[math.ceil(0.75 * n)] or 0)
+  for i = n, math.max(1, n - n // 5), -1 do
+    if bound == 0 or values[i] <= bound then return values[i] end
+  end
+  return values[n] or 0
+end
+
+local function most_shown_of(rows, value)
+  local values = {}
+  for i, row in ipairs(rows) do values[i] = value(row) end
+  return most_shown(values)
+end
+
 -- At most so many bytes, and no part of a character.
 local function cut(s, most)
   if #s <= most then return s end
@@ -102,23 +127,24 @@ local function charts(body)
   add("</div>\n")
 end
 
--- A table that scrolls by itself where the page is narrow. align has a letter a
--- column, l or r; the first row is the heads.
+-- A table whose rows become lists, each cell after its head, where the page is narrow.
+-- align has a letter a column, l or r; the first row is the heads.
 local function rows_begin(align, heads)
   local row = function(tag, cells)
     add("<tr>")
     for i, cell in ipairs(cells) do
       local class = align:sub(i, i) == "r" and ' class="r"' or ""
-      add("<%s%s>%s</%s>", tag, class, words(cell), tag)
+      local head = tag == "td" and (' data-head="%s"'):format(words(heads[i])) or ""
+      add("<%s%s%s>%s</%s>", tag, class, head, words(cell), tag)
     end
     add("</tr>\n")
   end
-  add('<div class="wide"><table>\n')
+  add("<table>\n")
   row("th", heads)
   return function(cells) row("td", cells) end
 end
 
-local function rows_end() add("</table></div>\n") end
+local function rows_end() add("</table>\n") end
 
 local function key(colour, name)
   return ('<span class="key"><i style="background:var(--%s)"></i>%s</span>'):format(colour, words(name))
@@ -151,18 +177,20 @@ end
 
 -- Functions from values to places, and how far ticks are apart; y begins at 0.
 local function find_scales(c)
-  local low, high, most = c.mark or math.huge, c.mark or -math.huge, 0
+  local low, high, values = c.mark or math.huge, c.mark or -math.huge, {}
   for _, s in ipairs(c.series) do
     for _, p in ipairs(s.points) do
-      low, high, most = math.min(low, p.x), math.max(high, p.x), math.max(most, p.y)
+      low, high = math.min(low, p.x), math.max(high, p.x)
+      values[#values + 1] = p.y
     end
   end
+  local most = most_shown(values)
   if not (high > low) then low, high = low - 0.5, high + 0.5 end
   most = most > 0 and most * 1.05 or 1
   local x = { low = low, high = high, step = math.max(step_for(high - low), c.counted and 1 or 0) }
   local y = { high = most, step = step_for(most) }
   x.at = function(value) return left + (right - left) * (value - low) / (high - low) end
-  y.at = function(value) return bottom - (bottom - top) * value / most end
+  y.at = function(value) return bottom - (bottom - top) * math.min(value / most, 1) end
   return x, y
 end
 
@@ -193,9 +221,27 @@ local function draw_series(s, x, y)
     add('"/>\n')
   end
   for _, p in ipairs(s.points) do
-    add('<circle cx="%.1f" cy="%.1f" r="%d" fill="var(--%s)"><title>%s</title></circle>\n', x.at(p.x), y.at(p.y),
-      s.loose and 2 or 3, s.colour, words(p.says))
+    local at, height_of = x.at(p.x), y.at(p.y)
+    if p.y > y.high then
+      add('<path d="M%.1f %.1fl-4 7h8z" fill="var(--%s)"><title>%s</title></path>\n', at, height_of - 3, s.colour,
+        words(p.says))
+    else
+      add('<circle cx="%.1f" cy="%.1f" r="%d" fill="var(--%s)"><title>%s</title></circle>\n', at, height_of,
+        s.loose and 2 or 3, s.colour, words(p.says))
+    end
   end
+end
+
+-- Says of the series how high what lies above the axis goes.
+local function above_words(c, y)
+  local n, most = 0, 0
+  for _, s in ipairs(c.series) do
+    for _, p in ipairs(s.points) do
+      n = n + (p.y > y.high and 1 or 0)
+      most = math.max(most, p.y)
+    end
+  end
+  return n > 0 and ("%d above, up to %.3g ms"):format(n, most)
 end
 
 -- Points over x: title, x_label, y_label; series: a list of name, colour (of the page),
@@ -207,6 +253,8 @@ local function draw_chart(c)
   for _, s in ipairs(c.series) do
     if #s.points > 0 then keys[#keys + 1] = key(s.colour, s.name) end
   end
+  local above = above_words(c, y)
+  if above then keys[#keys + 1] = ('<span class="key">▲ %s</span>'):format(above) end
   figure(c.title, height, table.concat(keys))
   draw_axes(c, x, y)
   if c.mark then
@@ -220,26 +268,31 @@ local function draw_chart(c)
   figure_end()
 end
 
-local function part_of(value, most) return most > 0 and value > 0 and value / most or 0 end
+local function part_of(value, most) return most > 0 and value > 0 and math.min(value / most, 1) or 0 end
+
+-- Behind a bar that is longer than could be shown.
+local function cut_mark(value, most) return value > most and "… " or "" end
 
 -- A bar at y that is cut into parts, each with name, value and colour.
-local function draw_parts(y, name, parts, most)
+local function draw_parts(y, name, parts, all, most)
   local tall <const> = 8
-  local x = 16
+  local x, shown = 16, 0
   label(2, y + tall, name)
   for _, part in ipairs(parts) do
-    local wide = (width - 18) * part_of(part.value, most)
+    local wide = (width - 90) * (part_of(shown + part.value, most) - part_of(shown, most))
+    shown = shown + part.value
     add('<rect x="%.2f" y="%.1f" width="%.2f" height="%.1f" fill="var(--s%d)"><title>%s</title></rect>\n', x, y, wide,
       tall, part.colour, words(("%s: %.3f ms"):format(part.name, part.value)))
     x = x + wide
   end
+  label(x + 5, y + tall, all > 0 and ("%s%.3g ms"):format(cut_mark(all, most), all) or "no work")
   return y + tall + 3
 end
 
 -- Rows: a name, and beside it a bar with words behind it in each of two columns. A row
 -- has name, says and two cells of part (of the longest bar, 0 to 1), colour, pale, words.
 local function draw_rows(title, heads, rows)
-  local names <const>, behind <const>, tall <const>, bar <const> = 98, 102, 22, 12 -- pixels on a phone
+  local names <const>, behind <const>, tall <const>, bar <const> = 106, 110, 22, 12 -- pixels on a phone
   local column = (width - names) / 2
   local y = 4
   figure(title, tall * (#rows + 1) + 4)
@@ -273,20 +326,30 @@ local function device_words(d)
   return ("%s%s, driver %s"):format(d.name, d.part ~= "" and (" [%s]"):format(d.part) or "", d.driver)
 end
 
+local function pair_words(p) return ("A: %s. B: %s."):format(device_words(p.a), device_words(p.b)) end
+
+local function profile_row(row, p)
+  row { p.scene ~= "" and p.scene or "-", count(p.objects), ("%.1f %%"):format(100 * p.share), p.mode, p.variant_a,
+    p.variant_b, p.level, ("%.3f (%.3f to %.3f)"):format(p.ms, p.low_ms, p.high_ms),
+    ("%+.1f (%+.1f to %+.1f)"):format(100 * p.gain, 100 * p.gain_low, 100 * p.gain_high), p.verdict, p.created }
+end
+
+-- A table for each device pair.
 local function add_profiles(profiles)
-  paragraph("What applications load. The share is A's part of the work; the gain is over the better of the two "
-    .. "devices alone.")
-  local row = rows_begin("lrrllllrrrrllll", { "scene", "objects", "share", "mode", "A's kernels", "B's kernels",
-    "level", "ms", "interval", "gain", "interval", "verdict", "measured", "A", "B" })
-  for _, p in ipairs(profiles) do
-    if p.live then
-      row { p.scene ~= "" and p.scene or "-", count(p.objects), ("%.4f"):format(p.share), p.mode, p.variant_a,
-        p.variant_b, p.level, ("%.3f"):format(p.ms), ("%.3f to %.3f"):format(p.low_ms, p.high_ms),
-        ("%+.1f %%"):format(100 * p.gain), ("%+.1f to %+.1f"):format(100 * p.gain_low, 100 * p.gain_high),
-        p.verdict, p.created, device_words(p.a), device_words(p.b) }
+  paragraph("What applications load.")
+  local seen = {}
+  for _, first in ipairs(profiles) do
+    if first.live and not seen[pair_words(first)] then
+      seen[pair_words(first)] = true
+      add("<h3>%s</h3>\n", words(pair_words(first)))
+      local row = rows_begin("lrrllllrrll", { "scene", "objects", "share of A", "mode", "A's kernels", "B's kernels",
+        "level", "step, ms", "gain, %", "verdict", "measured, UTC" })
+      for _, p in ipairs(profiles) do
+        if p.live and pair_words(p) == pair_words(first) then profile_row(row, p) end
+      end
+      rows_end()
     end
   end
-  rows_end()
 end
 
 -- Trials of one share become one point, the one with their median time.
@@ -349,7 +412,7 @@ local function has_levels(profiles)
 end
 
 local function add_accuracy(profiles)
-  local row = rows_begin("llrr", { "workload", "level", "ms", "wrong pairs" })
+  local row = rows_begin("llrr", { "workload", "level", "step, ms", "wrong pairs" })
   for _, p in ipairs(profiles) do
     if p.live then
       local wrong = number(p, "missed_rate") + number(p, "false_rate")
@@ -394,7 +457,7 @@ local function add_store(store)
   end
   section("Profiles", function() add_profiles(profiles) end)
   section("Searches", function() add_searches(profiles) end)
-  if has_levels(profiles) then section("Accuracy against time", function() add_accuracy(profiles) end) end
+  if has_levels(profiles) then section("Levels of the profiles", function() add_accuracy(profiles) end) end
   section("What became of the profiles", function() add_replaced(profiles) end)
 end
 
@@ -410,6 +473,7 @@ local function digits_of_wrong(row) return math.log(1 + wrong(row), 10) end
 
 local function draw_levels(result, letter, colour)
   local levels, rows = list(result, "levels"), {}
+  local slowest = most_shown_of(levels, step_ms)
   for _, row in ipairs(levels) do
     if text(row, "device") == letter then
       local beaten = row.front ~= true
@@ -417,16 +481,16 @@ local function draw_levels(result, letter, colour)
         name = text(row, "level"),
         says = ("%s: %.4g ms a step; %.0f pairs missed, %.0f false"):format(cut(text(row, "level"), 20), step_ms(row),
           number(row, "missed"), number(row, "false")),
-        { part = part_of(step_ms(row), greatest(levels, step_ms)), colour = colour, pale = beaten,
-          words = ("%.3g ms  %.2f×"):format(step_ms(row), number(row, "relative")) },
+        { part = part_of(step_ms(row), slowest), colour = colour, pale = beaten,
+          words = ("%s%.3g ms  %.3g×"):format(cut_mark(step_ms(row), slowest), step_ms(row), number(row, "relative")) },
         { part = part_of(digits_of_wrong(row), greatest(levels, digits_of_wrong)), colour = "mark", pale = beaten,
-          words = wrong(row) > 0 and count(wrong(row)) or "none" },
+          words = wrong(row) > 0 and count(wrong(row)) .. " pairs" or "none" },
       }
     end
   end
   local title = ("%s, %s pairs; %s: %s"):format(scene_words(result), count(number(result, "pairs")), letter,
     cut(text(result, letter:lower()), 60))
-  draw_rows(title, { "a step, and against sat15", "wrong pairs" }, rows)
+  draw_rows(title, { "a step, against sat15", "wrong pairs" }, rows)
 end
 
 local function add_levels(results)
@@ -445,20 +509,22 @@ local function bytes(row) return number(row, "bytes") end
 
 local function draw_effects(result)
   local effects, rows = list(result, "effects"), {}
+  local slowest = most_shown_of(effects, effect_ms)
   for _, row in ipairs(effects) do
     if type(row) == "table" and row.active == true then
       rows[#rows + 1] = {
         name = text(row, "effect"),
         says = ("%s, called for by: %s"):format(cut(text(row, "effect"), 20), cut(text(row, "called_by"), 200)),
-        { part = part_of(effect_ms(row), greatest(effects, effect_ms)), colour = "step",
-          words = row.ms == nil and "with others" or ("%.3f ms"):format(effect_ms(row)) },
+        { part = part_of(effect_ms(row), slowest), colour = "step",
+          words = row.ms == nil and "with others" or cut_mark(effect_ms(row), slowest)
+            .. ("%.3f ms"):format(effect_ms(row)) },
         { part = part_of(bytes(row), greatest(effects, bytes)), colour = "a",
           words = ("%.0f bytes"):format(bytes(row)) },
       }
     end
   end
   draw_rows(("%s: %.3f ms a step with all of them"):format(scene_words(result), step_ms(result)),
-    { "a step", "an object" }, rows)
+    { "of a step", "of an object" }, rows)
 end
 
 local function add_effects(results)
@@ -552,17 +618,27 @@ local function case_words(one)
 end
 
 local function draw_stages(cases, places)
-  local y, most = 0, 0
+  local y, all = 0, {}
   for _, one in ipairs(cases) do
-    for _, letter in ipairs { "A", "B" } do most = math.max(most, (select(2, parts_of(one, letter, places)))) end
+    for _, letter in ipairs { "A", "B" } do all[#all + 1] = select(2, parts_of(one, letter, places)) end
   end
+  local most = most_shown(all)
   figure(scene_words(cases[1]), 40 * #cases + 6)
   for _, one in ipairs(cases) do
     label(2, y + 14, case_words(one))
-    y = draw_parts(y + 18, "A", parts_of(one, "A", places), most)
-    y = draw_parts(y, "B", parts_of(one, "B", places), most)
+    y = y + 18
+    for _, letter in ipairs { "A", "B" } do
+      local parts, ms = parts_of(one, letter, places)
+      y = draw_parts(y, letter, parts, ms, most)
+    end
   end
   figure_end()
+end
+
+-- "2026-01-31T12:30:59Z" as "2026-01-31 12:30 UTC"
+local function moment(result)
+  local day, minute = text(result, "time"):match "^(%d+%-%d+%-%d+)T(%d+:%d+)"
+  return day and ("%s %s UTC"):format(day, minute) or cut(text(result, "time"), 30)
 end
 
 -- The best step of a scene in each of the results.
@@ -577,7 +653,7 @@ local function draw_history(results, first)
     end
     if best then
       local ms = number(best, "median_ms")
-      local says = ("%s, Duet %s: %.3f ms"):format(cut(text(result, "time"), 30), cut(text(result, "duet"), 20), ms)
+      local says = ("%s, Duet %s: %.3f ms"):format(moment(result), cut(text(result, "duet"), 20), ms)
       points[#points + 1] = { x = i, y = ms, says = says }
     end
   end
@@ -597,7 +673,7 @@ local function add_bench(results)
   local scenes = scenes_of(latest)
   local names, places = find_stages(latest)
   section("Standard set: shares", function()
-    paragraph("Measured %s by Duet %s.", text(latest, "time"), text(latest, "duet"))
+    paragraph("Measured %s by Duet %s.", moment(latest), text(latest, "duet"))
     add_devices(latest)
     charts(function()
       for _, cases in ipairs(scenes) do draw_shares(cases) end
@@ -618,6 +694,107 @@ local function add_bench(results)
   end)
 end
 
+-- ---------------------------------------------------------------- what was found
+
+local function gain_words(p)
+  return ("%s, %s objects: a step takes %.3g ms, %.0f %% faster than on the better device alone; A has %.0f %% of the work")
+    :format(cut(p.scene ~= "" and p.scene or "a scene", 60), count(p.objects), p.ms, 100 * p.gain, 100 * p.share)
+end
+
+local function found_in_store(found, profiles)
+  local live, best, n_faster = 0, nil, 0
+  for _, p in ipairs(profiles) do
+    live = live + (p.live and 1 or 0)
+    if p.live and p.verdict == "faster" then
+      n_faster = n_faster + 1
+      if not best or p.gain > best.gain then best = p end
+    end
+  end
+  if live == 0 then return end
+  found[#found + 1] = ("Sharing the work is faster than the better device alone for %d of %d profiles."):format(n_faster, live)
+  if best then found[#found + 1] = gain_words(best) .. "." end
+end
+
+-- The fastest case of each scene.
+local function found_in_bench(found, result)
+  for _, cases in ipairs((scenes_of(result))) do
+    local best = cases[1]
+    for _, one in ipairs(cases) do
+      if number(one, "median_ms") < number(best, "median_ms") then best = one end
+    end
+    found[#found + 1] = ("%s: the fastest step takes %.3g ms, with %.0f %% of the work on A."):format(scene_words(best),
+      number(best, "median_ms"), 100 * number(best, "share"))
+  end
+end
+
+local function found_in_levels(found, results)
+  for _, result in ipairs(results) do
+    local exact, best
+    for _, row in ipairs(list(result, "levels")) do
+      if text(row, "device") == "B" and text(row, "level") == "certified" then exact = row end
+    end
+    for _, row in ipairs(list(result, "levels")) do
+      local beats = exact and text(row, "device") == "B" and step_ms(row) < step_ms(exact)
+      if beats and (not best or step_ms(row) < step_ms(best)) then best = row end
+    end
+    if exact then
+      found[#found + 1] = ("%s: the exact step takes %.3g ms on B; %s"):format(scene_words(result), step_ms(exact),
+        best and ("level %s takes %.3g ms and gets %s pairs wrong."):format(cut(text(best, "level"), 20), step_ms(best),
+          count(wrong(best))) or "no other level is faster.")
+    end
+  end
+end
+
+-- Devices by name: of the newest results, or else of the first profile.
+local function subject_words(data)
+  local devices = #data.bench > 0 and list(data.bench[#data.bench], "devices") or {}
+  local live = data.store and data.store.profiles[1]
+  local names = {}
+  for i, device in ipairs(#devices > 0 and devices or live and { live.a, live.b } or {}) do
+    local at = text(device, "selector")
+    names[i] = cut(text(device, "name"), 60) .. (at ~= "" and (" (%s)"):format(cut(at, 30)) or "")
+  end
+  return table.concat(names, " and ")
+end
+
+local function add_found(data)
+  local found = {}
+  if data.store then found_in_store(found, data.store.profiles) end
+  if #data.bench > 0 then found_in_bench(found, data.bench[#data.bench]) end
+  found_in_levels(found, data.levels)
+  local subject = subject_words(data)
+  if subject ~= "" then paragraph("On %s.", subject) end
+  if #found == 0 then return end
+  add('<ul class="found">\n')
+  for _, line in ipairs(found) do add("<li>%s</li>\n", words(line)) end
+  add("</ul>\n")
+end
+
+-- ---------------------------------------------------------------- the legend
+
+local legend <const> = {
+  { "A, B", "the two devices of a pair; A takes the share, B the rest" },
+  { "share", "A's part of the objects, in percent or from 0 to 1" },
+  { "step", "one search for all pairs that collide; times are medians, in milliseconds" },
+  { "(… to …)", "the interval in which the median lies with at least 95 %" },
+  { "gain", "how much faster a step is than on the better of the two devices alone" },
+  { "verdict", "whether that is certain: faster, same, slower, or ambiguous where the interval does not say" },
+  { "mode", "how grids are built: shared (B builds, A receives), own (each the whole), slab (each a part)" },
+  { "kernels", "the variant that a device runs: auto chooses by device, simd, gpu or paper" },
+  { "level", "of accuracy: certified is exact, the others are faster or simpler and can be wrong" },
+  { "wrong pairs", "pairs that a level misses and pairs that it invents" },
+  { "profile", "what an application loads: kernels, mode and share for a scene on a device pair" },
+  { "…, ▲", "a value that is too far above the others to be drawn to scale" },
+}
+
+local function add_legend()
+  section("What the words mean", function()
+    add("<dl>\n")
+    for _, one in ipairs(legend) do add("<dt>%s</dt><dd>%s</dd>\n", words(one[1]), words(one[2])) end
+    add("</dl>\n")
+  end)
+end
+
 -- ---------------------------------------------------------------- all of it
 
 return function(data)
@@ -626,12 +803,14 @@ return function(data)
   add('<meta name="viewport" content="width=device-width,initial-scale=1">\n')
   add('<meta name="color-scheme" content="light dark">\n<title>%s</title>\n', title)
   add("<style>\n%s</style></head>\n<body><main>\n<h1>%s</h1>\n", style, title)
+  add_found(data)
   paragraph("Made %s by Duet %s.", data.made, data.duet)
   if data.no_store then paragraph("%s", data.no_store) end
   if data.store then add_store(data.store) end
   if #data.levels > 0 then section("Accuracy against time", function() add_levels(data.levels) end) end
   if #data.effects > 0 then section("What effects cost", function() add_effects(data.effects) end) end
   if #data.bench > 0 then add_bench(data.bench) end
+  add_legend()
   add("</main></body></html>\n")
   return table.concat(page)
 end

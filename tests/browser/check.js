@@ -13,7 +13,7 @@ for (const chart of charts) {
   if (drawn.length === 0)
     wrong.push(`'${name}' has no data`)
   const frame = chart.getBoundingClientRect()
-  for (const part of chart.querySelectorAll('circle, rect, text, polyline, line')) {
+  for (const part of chart.querySelectorAll('circle, rect, path, text, polyline, line')) {
     const box = part.getBoundingClientRect()
     if (box.left < frame.left - 1 || box.right > frame.right + 1 ||
         box.top < frame.top - 1 || box.bottom > frame.bottom + 1)

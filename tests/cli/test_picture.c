@@ -95,6 +95,16 @@ static void a_sample_has_as_many_boxes_as_asked(void **state)
     text_free(&boxes);
 }
 
+// A box of edge 1 fills 860 pixels: a tenth of it is the greatest bar below 140.
+static void a_bar_shows_the_scale(void **state)
+{
+    (void)state;
+    write_scene("0 0 1 1\n");
+    text svg = draw(SVG, "");
+    assert_non_null(strstr(svg.chars, "M24908L110908"));
+    text_free(&svg);
+}
+
 static void a_png_has_the_asked_width(void **state)
 {
     (void)state;
@@ -155,6 +165,7 @@ int main(void)
         cmocka_unit_test(boxes_that_collide_are_filled_in_their_own_colour),
         cmocka_unit_test(of_a_box_in_3d_three_faces_are_seen),
         cmocka_unit_test(a_sample_has_as_many_boxes_as_asked),
+        cmocka_unit_test(a_bar_shows_the_scale),
         cmocka_unit_test(a_png_has_the_asked_width),
         cmocka_unit_test(extreme_scenes_are_drawn),
         cmocka_unit_test(what_cannot_be_drawn_is_one_line),

@@ -94,12 +94,45 @@ static void the_page_shows_profile_search_stages_and_history(void **state)
                                       "1 234",
                                       "1.5 ms  0.75×",
                                       "2.500 ms a step with all of them",
-                                      "0.375 ms"};
+                                      "0.375 ms",
+                                      "s, 9 objects: the fastest step takes 2 ms, with 0 % of the "
+                                      "work on A.",
+                                      "On first and second.",
+                                      "data-head=\"gain, %\"",
+                                      "<h2>What the words mean</h2>",
+                                      "1.25 ms</text>"};
     for (size_t i = 0; i < sizeof has / sizeof has[0]; ++i)
         if (!strstr(page.chars, has[i]))
             fail_msg("'%s' is not on the page", has[i]);
     assert_null(strstr(page.chars, ">drag<"));
     text_free(&page);
+}
+
+static void one_slow_step_does_not_flatten_the_others(void **state)
+{
+    (void)state;
+    text results = {0};
+    text page = {0};
+    duet_error err = {0};
+    text_add(&results, "{\"type\":\"duet bench\",\"version\":1,\"duet\":\"1.0.0\",\"time\":"
+                       "\"then\",\"devices\":[{},{}],\"cases\":[");
+    for (int i = 0; i < 5; ++i)
+        text_add(&results,
+                 "%s{\"scene\":\"s\",\"objects\":9,\"share\":%g,\"mode\":\"own\","
+                 "\"variant_a\":\"auto\",\"variant_b\":\"auto\",\"hash\":\"0\","
+                 "\"median_ms\":%d,\"low_ms\":1,\"high_ms\":3,\"a_ms\":1,\"b_ms\":2,"
+                 "\"samples_ms\":[2],\"stages\":[]}",
+                 i ? "," : "", i / 4.0, i == 2 ? 700 : 2);
+    text_add(&results, "]}");
+    test_write_file(PAGE, text_chars(&results));
+    program p = program_run("report --profile %s -o " PAGE " " PAGE, folder.store);
+    assert_int_equal(p.exit_code, 0);
+    assert_ok(text_read_file(&page, PAGE, &err), err);
+    assert_non_null(strstr(page.chars, "1 above, up to 700 ms"));
+    assert_non_null(strstr(page.chars, ">1.5</text>")); // a tick of an axis that ends near 2
+    text_free(&results);
+    text_free(&page);
+    program_free(&p);
 }
 
 static void the_page_loads_nothing(void **state)
@@ -174,6 +207,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_page_shows_profile_search_stages_and_history),
+        cmocka_unit_test(one_slow_step_does_not_flatten_the_others),
         cmocka_unit_test(the_page_loads_nothing),
         cmocka_unit_test(names_are_words_and_no_markup),
         cmocka_unit_test(what_cannot_be_read_or_written_is_one_line),

@@ -22,11 +22,11 @@ file(GLOB_RECURSE pc ${prefix}/duet.pc)
 get_filename_component(pc_dir ${pc} DIRECTORY)
 set(ENV{PKG_CONFIG_PATH} ${pc_dir})
 run(${CMAKE_COMMAND} -S ${CONSUMER} -B ${built} -G Ninja -DCMAKE_PREFIX_PATH=${prefix}
-  -DHELLO=${HELLO} -DCMAKE_C_FLAGS=-Werror)
+  -DHELLO=${HELLO} -DCMAKE_C_FLAGS=-Werror -DCMAKE_CXX_FLAGS=-Werror)
 run(${CMAKE_COMMAND} --build ${built})
 
 set(ENV{LD_LIBRARY_PATH} ${pc_dir}/..)
-foreach(way with_shared with_static with_own_names with_pkg_config)
+foreach(way with_shared with_static with_own_names with_cxx with_pkg_config)
   run(${built}/${way})
   if(NOT out STREQUAL "0 and 1 collide\n")
     message(FATAL_ERROR "${way} says '${out}', not '0 and 1 collide'")

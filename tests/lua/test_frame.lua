@@ -55,9 +55,18 @@ end)
 
 facts.holds("a title may have any characters", function()
   local base = os.tmpname()
-  local chart = { title = [[a "b" \c $d `e` 'f']], x = "x", y = "y", kind = "bars",
+  local chart = { title = [[a "b" \c $d `e` 'f' g_h & <i>]], x = "x", y = "y", kind = "bars",
     series = { { name = "s\"s", points = { { "n\"n", 2 } } } } }
   assert(plot.draw(base, chart))
+  local svg <close> = assert(io.open(base .. ".svg"))
+  local text = svg:read "a"
+  assert(text:find([[<title>a "b" \c $d `e` 'f' g_h &amp; &lt;i&gt;</title>]], 1, true), "gnuplot's own title")
+  assert(text:find([[g_h &amp; &lt;i></text>]], 1, true), "an underscore made an index")
+  assert(text:find("prefers-color-scheme:dark", 1, true), "not for dark pages")
+  local drawn = text:gsub("<style>.-</style>", "")
+  for _, ink in ipairs { '"black"', '"rgb(51,51,51)"', '"#ffffff"', "rgb(221, 221, 221)" } do
+    assert(drawn:find(ink, 1, true), "gnuplot draws with other inks: no " .. ink)
+  end
   for _, ending in ipairs { "", ".svg", ".png" } do os.remove(base .. ending) end
 end)
 

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: MIT
 // duet lua, as a person calls it, and what a hostile script can do with it.
+#define _DEFAULT_SOURCE
 #include "support/program.h"
 #include "support/test.h"
 
 #include "base/clock.h"
 #include "base/text.h"
 
+#include <poll.h>
+#include <pty.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #define SCRIPT "test_lua.script.lua"
 
@@ -71,6 +76,161 @@ static void what_is_typed_is_run_and_shown(void **state)
                   "{ 3, 4, name = \"a b\" }\n42\ttext\n42\nn    s\n  1  a\n100  b\n");
 }
 
+static void what_is_shown_says_what_it_is(void **state)
+{
+    (void)state;
+    write_script("p = duet.device_pair('halves')\n"
+                 "tostring(p) == ('duet.device_pair { A = %s %s, B = %s %s }'):format(\n"
+                 "p:device('A').selector, p:device('A').name, p:device('B').selector, "
+                 "p:device('B').name)\n"
+                 "q = duet.device_pair(p:device('A').selector)\n"
+                 "tostring(q) == ('duet.device_pair { A = B = %s %s }'):format(\n"
+                 "q:device('A').selector, q:device('A').name)\n"
+                 "p:world { plan = { share = 0.25, mode = 'own', variant_a = 'simd', variant_b = "
+                 "'gpu' } }\n"
+                 "s = duet.scene(duet.poses { { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1 } }, 3)\n"
+                 "p:motion(s)\n"
+                 "s:close()\n"
+                 "s\n");
+    assert_prints(
+        "lua <" SCRIPT,
+        "true\ntrue\n"
+        "duet.world { share = 0.25, mode = own, variant_a = simd, variant_b = gpu, level = "
+        "certified }\n"
+        "duet.motion { objects = 1, effects = {  } }\n"
+        "duet.scene (closed)\n");
+    write_script("duet.bounds { { 0, 0, 0, 1, 2, 3.5 }, { -10, 0, 0, 1, 1, 1 } }\n"
+                 "duet.pairs(9)\n"
+                 "s = duet.scene(duet.bounds(2), 3)\n"
+                 "s\n"
+                 "duet.kernels()\n");
+    program p = program_run("lua <" SCRIPT);
+    assert_int_equal(p.exit_code, 0);
+    static const char rows[] = "duet.bounds of 2 rows\n"
+                               "  0    0  0  0  1  2  3.5\n"
+                               "  1  -10  0  0  1  1    1\n"
+                               "duet.pairs of 9 rows\n";
+    assert_true(strncmp(p.out, rows, strlen(rows)) == 0);
+    assert_non_null(strstr(p.out, "\n  7  0  0\n  ...\nduet.scene\n"));
+    assert_non_null(strstr(p.out, "\n  shape         \"bounds\"\n"));
+    assert_non_null(strstr(p.out, "\nname    "));
+    assert_non_null(strstr(p.out, "\nclear   "));
+    program_free(&p);
+}
+
+static void help_is_of_the_prompt(void **state)
+{
+    (void)state;
+    write_script("help\nhelp(duet.scene)\nhelp(duet.bounds(1))\nhelp 'DevicePair'\nhelp 'no'\n");
+    program p = program_run("lua <" SCRIPT);
+    assert_int_equal(p.exit_code, 0);
+    assert_non_null(strstr(p.out, "Tab completes names"));
+    assert_non_null(strstr(p.out, "  duet.scene(from, settings?)  "));
+    assert_non_null(strstr(p.out, "  duet.Bounds:each("));
+    assert_non_null(strstr(p.out, "  duet.DevicePair:world(scene?, def?)  "));
+    assert_non_null(strstr(p.out, "there is no help on 'no'"));
+    program_free(&p);
+    assert_prints("lua -e 'print(help)'", "nil\n");
+}
+
+// ---------------------------------------------------------------- a terminal
+
+typedef struct terminal {
+    pid_t process;
+    int end;
+    text seen;
+} terminal;
+
+// The prompt on a terminal, with its history below a folder.
+static terminal terminal_open(const char *state_home)
+{
+    terminal t = {0};
+    t.process = forkpty(&t.end, NULL, NULL, NULL);
+    assert_true(t.process >= 0);
+    if (t.process == 0) {
+        setenv("XDG_STATE_HOME", state_home, 1);
+        setenv("TERM", "vt100", 1);
+        execl(getenv("DUET_PROGRAM"), "duet", "lua", (char *)NULL);
+        _exit(127);
+    }
+    return t;
+}
+
+// Reads until the terminal has shown this after what it was waited for before.
+static void terminal_wait(terminal *t, const char *shown)
+{
+    char chars[256];
+    struct pollfd one = {.fd = t->end, .events = POLLIN};
+    while (!t->seen.chars || !strstr(t->seen.chars, shown)) {
+        assert_true(poll(&one, 1, 60000) > 0);
+        ssize_t n = read(t->end, chars, sizeof chars);
+        if (n <= 0)
+            fail_msg("no '%s' in '%s'", shown, text_chars(&t->seen));
+        text_add_bytes(&t->seen, chars, (size_t)n);
+    }
+    t->seen.length = 0;
+}
+
+static void terminal_type(terminal *t, const char *keys)
+{
+    assert_int_equal(write(t->end, keys, strlen(keys)), (ssize_t)strlen(keys));
+}
+
+// Empties the line and types Ctrl-D until the program ends: a key that comes before the line
+// is edited may be lost. What it shows is read, so that it never waits for that.
+static int terminal_close(terminal *t)
+{
+    int status = 0;
+    int tries = 0;
+    for (pid_t ended = 0; ended == 0; ended = waitpid(t->process, &status, WNOHANG)) {
+        struct pollfd one = {.fd = t->end, .events = POLLIN};
+        char shown[256];
+        assert_true(++tries < 600);
+        terminal_type(t, "\025\004");
+        if (poll(&one, 1, 100) > 0 && read(t->end, shown, sizeof shown) <= 0)
+            poll(NULL, 0, 10); // it is about to end
+    }
+    close(t->end);
+    text_free(&t->seen);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+#define HISTORY "test_lua.state/duet/lua_history"
+
+static void tab_completes_and_history_is_kept(void **state)
+{
+    (void)state;
+    char here[4096];
+    text home = {0};
+    text_add(&home, "%s/test_lua.state", getcwd(here, sizeof here));
+    terminal t = terminal_open(home.chars);
+    terminal_wait(&t, "> ");
+    terminal_type(&t, "duet.strat\t()[1].name .. 6 * 7\r");
+    terminal_wait(&t, "balance42");
+    terminal_type(&t, "b = duet.bounds(3)\r");
+    terminal_type(&t, "#b:by\t() // 24 + 2000\r");
+    terminal_wait(&t, "2003");
+    terminal_type(&t, "#duet.bou\t(5) + 1000\r");
+    terminal_wait(&t, "1005");
+    assert_int_equal(terminal_close(&t), 0);
+
+    t = terminal_open(home.chars);
+    terminal_wait(&t, "> ");
+    terminal_type(&t, "\033[A\r"); // the last line of the session before
+    terminal_wait(&t, "1005");
+    assert_int_equal(terminal_close(&t), 0);
+    assert_int_equal(remove(HISTORY), 0);
+    rmdir("test_lua.state/duet");
+    rmdir("test_lua.state");
+    text_free(&home);
+
+    t = terminal_open("/dev/null"); // no place for it
+    terminal_wait(&t, "> ");
+    terminal_type(&t, "6 * 700\r");
+    terminal_wait(&t, "4200");
+    assert_int_equal(terminal_close(&t), 0);
+}
+
 static void a_step_can_be_made_without_trust(void **state)
 {
     (void)state;
@@ -93,7 +253,6 @@ static void assert_refused(const char *arguments, int exit_code, const char *say
 static void a_wrong_command_line_is_refused(void **state)
 {
     (void)state;
-    assert_refused("lua", 2, "nothing to run");
     assert_refused("lua nowhere.lua", 1, "nowhere.lua: No such file");
     assert_refused("lua -e 'x x'", 1, "-e:1: syntax error near 'x'");
     assert_refused("lua --trust -e 'x x'", 1, "-e:1: syntax error near 'x'");
@@ -224,6 +383,9 @@ int main(void)
         cmocka_unit_test(text_file_and_arguments_run),
         cmocka_unit_test(trust_gives_the_whole_language),
         cmocka_unit_test(what_is_typed_is_run_and_shown),
+        cmocka_unit_test(what_is_shown_says_what_it_is),
+        cmocka_unit_test(help_is_of_the_prompt),
+        cmocka_unit_test(tab_completes_and_history_is_kept),
         cmocka_unit_test(a_step_can_be_made_without_trust),
         cmocka_unit_test(a_wrong_command_line_is_refused),
         cmocka_unit_test(a_hostile_script_ends_with_its_line),

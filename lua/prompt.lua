@@ -1,0 +1,109 @@
+-- SPDX-License-Identifier: MIT
+-- What the prompt of `duet lua` knows: which names may follow what is typed, and help.
+-- Gets class_names of lua/class.h and the list of api.lua; gives back complete(word,
+-- globals) and help(value). It needs no more of Lua than an untrusted script has.
+
+local names_of_object <const>, api <const> = ...
+
+-- ---------------------------------------------------------------- completion
+
+local keywords <const> = { "and", "break", "do", "else", "elseif", "end", "false", "for", "function", "goto", "if", "in",
+  "local", "nil", "not", "or", "repeat", "return", "then", "true", "until", "while" }
+
+local function names_in(value, methods_only)
+  local class, fields, methods = names_of_object(value)
+  if class then return methods_only and methods or fields end
+  local names = {}
+  for key, member in pairs(type(value) == "table" and value or {}) do
+    if type(key) == "string" and (not methods_only or type(member) == "function") then names[#names + 1] = key end
+  end
+  return names
+end
+
+-- "duet.de", "pair:wo", "du" -> the whole words, in order, a line each.
+local function complete(word, globals)
+  local path, separator, part = word:match "^(.*)([.:])([%w_]*)$"
+  local value, names = globals, keywords
+  if path then
+    for name in path:gmatch "[^.:]+" do value = value[name] end
+    names = {}
+  end
+  local before, found = path and path .. separator or "", {}
+  part = part or word
+  for _, list in ipairs { names, names_in(value, separator == ":") } do
+    for _, name in ipairs(list) do
+      if name:sub(1, #part) == part and name:find "^[%a_][%w_]*$" then found[#found + 1] = before .. name end
+    end
+  end
+  table.sort(found)
+  return table.concat(found, "\n")
+end
+
+-- ---------------------------------------------------------------- help
+
+local overview <const> = [[
+The value of an expression is printed; Tab completes names; Ctrl-C stops what runs, Ctrl-D ends.
+
+  pair = duet.device_pair()              a CPU and a GPU; or with "halves" a CPU's halves
+  scene = duet.scene("scene.lua")        objects, from a file
+  world = pair:world(scene)              the objects on the devices
+  result = world:step()                  all pairs that collide
+  result:stages()                        where the time went
+
+help(pair), help(duet.scene) and help "World" tell more. The names of the module:
+]]
+
+-- "duet.scene(from, settings?)"; for a value its name alone.
+local function heading(row)
+  if type(row[2]) == "string" then return row[1] end
+  local names = {}
+  for i, parameter in ipairs(row[2]) do names[i] = parameter:match "^[^:]+" end
+  return ("%s(%s)"):format(row[1], table.concat(names, ", "))
+end
+
+local function about(row) return type(row[2]) == "string" and row[3] or row[4] end
+
+local function print_rows(rows)
+  local width = 0
+  for _, row in ipairs(rows) do width = math.max(width, #heading(row)) end
+  for _, row in ipairs(rows) do
+    print(("  %s%s  %s"):format(heading(row), (" "):rep(width - #heading(row)), about(row) or ""))
+  end
+end
+
+local function rows_where(matches)
+  local rows = {}
+  for _, row in ipairs(api.names) do
+    if matches(row[1]) then rows[#rows + 1] = row end
+  end
+  return rows
+end
+
+-- "duet.device_pair", "DevicePair" and "pair" alike.
+local function plain(name) return (name:gsub("^duet%.", ""):gsub("_", ""):lower()) end
+
+local function name_of(value)
+  if type(value) == "string" then return value end
+  for name, member in pairs(duet) do
+    if member == value then return "duet." .. name end
+  end
+  return (names_of_object(value))
+end
+
+local function help(value)
+  if value == nil then
+    print(overview)
+    return print_rows(rows_where(function(name) return name:find "^duet%.%l[%w_]*$" end))
+  end
+  local wanted = plain(name_of(value) or tostring(value))
+  for _, class in ipairs(api.classes) do
+    if plain(class[1]) == wanted then print(class[1] .. ": " .. class[2]) end
+  end
+  local rows = rows_where(function(name)
+    return plain(name) == wanted or plain(name:match "^(.*)[.:]" or "") == wanted
+  end)
+  print_rows(rows)
+  if #rows == 0 then print(("there is no help on '%s'; help() lists the names"):format(wanted)) end
+end
+
+return complete, help
