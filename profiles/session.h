@@ -79,8 +79,8 @@ typedef struct profile_search {
 
 // The variant in the latest profile that such a search led to, live or not, be the device's
 // partner another one; empty where there is none.
-bool profile_searched_variant(store *s, const profile_search *search,
-                              char variant[PROFILE_VARIANT], duet_error *err);
+bool profile_searched_variant(store *s, const profile_search *search, char variant[PROFILE_VARIANT],
+                              duet_error *err);
 
 // ---------------------------------------------------------------- trials
 

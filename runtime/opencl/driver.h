@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 // What is known of drivers that Duet works round.
 //
-// Copies of programs: PoCL before 6.0 keeps loaded kernels of all contexts in one list. When a launch
-// ends it looks its kernel up there by the program's hash and the group's size
-// alone, although entries also differ by the launch's width and offset. Two
-// devices that launch one program over different ranges at once then release
-// each other's entries: the driver aborts, or unloads a kernel that still runs.
-// So no two open devices of such a driver have programs of one hash: the second
-// builds them with another definition. One device never has two launches under
+// Copies of programs: PoCL before 6.0 keeps loaded kernels of all contexts in one list. When a
+// launch ends it looks its kernel up there by the program's hash and the group's size alone,
+// although entries also differ by the launch's width and offset. Two devices that launch one
+// program over different ranges at once then release each other's entries: the driver aborts, or
+// unloads a kernel that still runs. So no two open devices of such a driver have programs of one
+// hash: the second builds them with another definition. One device never has two launches under
 // way, because its queue runs them in order.
 #ifndef RUNTIME_DRIVER_H
 #define RUNTIME_DRIVER_H

@@ -12,35 +12,48 @@ enum { N = 2000 };
 
 static duet_pose poses[N];
 
-static void scatter(void)
+// Every so many-th is ten times as wide; 0: none is.
+static void scatter(int wide)
 {
     rng r = rng_seed(test_seed());
     for (int i = 0; i < N; ++i) {
         poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
+        for (int k = 0; k < 3 && wide && i % wide == 0; ++k)
+            poses[i].half_extents[k] = 5.0f;
         for (int k = 0; k < 3; ++k)
             poses[i].centre[k] = (float)rng_between(&r, 0, 12);
     }
 }
 
-static void a_default_world_uses_both_devices(void **state)
+// Slabs cut grids of one size of cells; whole grids are built where objects differ.
+static void step_default(int wide, duet_mode mode)
 {
-    (void)state;
-    duet_device_pair *pair = devices;
     duet_world_def def = duet_default_world_def();
-    def.pair = pair;
+    def.pair = devices;
     duet_error err = {0};
     duet_world *world = duet_world_create(&def, &err);
     assert_ok(world, err);
-    duet_plan plan = duet_default_plan(pair);
-    assert_memory_equal(duet_world_get_plan(world), &plan, sizeof plan);
-    assert_in_range(plan.share, 1, DUET_SHARE_ONE - 1);
-    scatter();
+    duet_plan usual = duet_default_plan(devices);
+    const duet_plan *plan = duet_world_get_plan(world);
+    assert_int_equal(plan->share, usual.share);
+    assert_string_equal(plan->variant_a, usual.variant_a);
+    assert_string_equal(plan->variant_b, usual.variant_b);
+    assert_in_range(plan->share, 1, DUET_SHARE_ONE - 1);
+    scatter(wide);
     duet_result result;
     assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
     assert_ok(duet_world_step(world, &result, &err), err);
     for (int d = 0; d < 2; ++d)
         assert_true(result.spans[d].n > 0);
+    assert_int_equal(duet_world_get_plan(world)->mode, mode);
     duet_world_destroy(world);
+}
+
+static void a_default_world_uses_both_devices(void **state)
+{
+    (void)state;
+    step_default(0, DUET_MODE_SLAB);
+    step_default(100, DUET_MODE_OWN);
 }
 
 // What a plan says is done, and what it leaves open is the default's.

@@ -376,8 +376,7 @@ static void why_names_the_plan_and_run_uses_it(void **state)
     program_free(&p);
     test_store_run(folder.store, "UPDATE profile SET share = 0, verdict = 'same'");
     p = program_run_with(variables, "run %s --repeat 1", SCENE);
-    assert_non_null(
-        strstr(p.out, "exact; B alone; no share promises more"));
+    assert_non_null(strstr(p.out, "exact; B alone; no share promises more"));
     program_free(&p);
     remove(SCENE);
     test_folder_remove(&folder);
