@@ -44,9 +44,10 @@ static void print_help(void)
     for (int i = 0; i < N_COMMANDS; ++i)
         printf("  %-10s %s\n", commands[i].name, commands[i].about);
     printf("\n'duet SUBCOMMAND --help' lists its options.\n\n"
+           "DUET_PAIR        the devices without --pair, as that takes them\n"
            "DUET_PROFILE     the profile file\n"
            "DUET_KERNEL_DIR  a folder to read kernels from instead of the carried ones\n"
-           "DUET_CACHE       a folder to keep built kernels in\n");
+           "DUET_CACHE       a folder to keep built kernels in, or off\n");
 }
 
 static int refuse(const char *name)
