@@ -132,7 +132,7 @@ typedef struct duet_device_pair duet_device_pair;
 
 // Told before a kernel is compiled, which can take seconds: it is the k-th of n, from 1,
 // that the device needs and that neither the cache nor the pair has. After the last it is
-// told once more, with kernel NULL. By the thread that makes or steps what needs them.
+// told once more, with kernel NULL. One call comes after the other, from any thread.
 typedef void duet_compile_callback(void *context, const duet_device_info *device,
                                    const char *kernel, uint32_t k, uint32_t n);
 

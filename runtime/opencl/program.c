@@ -5,12 +5,14 @@
 #include "base/error.h"
 #include "runtime/opencl/cache.h"
 #include "runtime/opencl/driver.h"
+#include "runtime/opencl/thread_pool.h"
 
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_ENTRIES = 4 };
+enum { MAX_ENTRIES = 4, MOST_HELPERS = 3 };
 
 typedef struct program {
     struct program *next;
@@ -224,22 +226,75 @@ static uint32_t take_what_is_built(program_set *set)
     return left;
 }
 
+// Programs that are compiled by several threads, each the next one that nobody has taken.
+typedef struct compilation {
+    program_set *set;
+    pthread_mutex_t lock;
+    program *next;
+    uint32_t taken, n;
+    duet_error why; // of the first that failed: no other is begun
+} compilation;
+
+static program *take_next(compilation *c)
+{
+    pthread_mutex_lock(&c->lock);
+    program *p = c->why.status == DUET_STATUS_OK ? c->next : NULL;
+    while (p && p->cl)
+        p = p->next;
+    if (p) {
+        c->next = p->next;
+        tell(c->set, p->name, ++c->taken, c->n);
+    }
+    pthread_mutex_unlock(&c->lock);
+    return p;
+}
+
+static void fail_with(compilation *c, const duet_error *why)
+{
+    pthread_mutex_lock(&c->lock);
+    if (c->why.status == DUET_STATUS_OK)
+        c->why = *why;
+    pthread_mutex_unlock(&c->lock);
+}
+
+static void compile_some(void *arg)
+{
+    compilation *c = arg;
+    duet_error why = {0};
+    program *p;
+    while (budget_check_stop(&why) && (p = take_next(c)) && build_source(c->set, p, &why)) {
+        keep_binary(c->set, p);
+        program_pool_put(c->set->device->built, p->sha256, p->cl);
+    }
+    if (why.status != DUET_STATUS_OK)
+        fail_with(c, &why);
+}
+
+// PoCL compiles under one lock, and a thread more would only wait.
+static uint32_t helpers_for(const program_set *set, uint32_t n)
+{
+    if (n < 2 || driver_keeps_kernels(&set->device->info))
+        return 0;
+    return n - 1 < MOST_HELPERS ? n - 1 : MOST_HELPERS;
+}
+
 static bool compile_the_others(program_set *set, uint32_t n, duet_error *err)
 {
-    uint32_t k = 0;
-    for (program *p = set->first; p; p = p->next) {
-        if (p->cl)
-            continue;
-        tell(set, p->name, ++k, n);
-        if (!budget_check_stop(err))
-            return false;
-        duet_error why = {0};
-        if (!build_source(set, p, &why)) // Ctrl-C ends the processes of a compiler, too
-            return budget_check_stop(err) && error_set(err, why.status, "%s", why.text);
-        keep_binary(set, p);
-        program_pool_put(set->device->built, p->sha256, p->cl);
-    }
-    return true;
+    uint32_t n_helpers = helpers_for(set, n);
+    compilation c = {.set = set, .next = set->first, .n = n};
+    thread_pool *helpers = n_helpers > 0 ? thread_pool_open(n_helpers, NULL) : NULL;
+    pthread_mutex_init(&c.lock, NULL);
+    if (helpers)
+        thread_pool_start(helpers, compile_some, &c);
+    compile_some(&c);
+    if (helpers)
+        thread_pool_wait(helpers);
+    thread_pool_close(helpers);
+    pthread_mutex_destroy(&c.lock);
+    if (c.why.status == DUET_STATUS_OK)
+        return true;
+    // Ctrl-C ends the processes of a compiler, too, which then has its own complaint.
+    return budget_check_stop(err) && error_set(err, c.why.status, "%s", c.why.text);
 }
 
 static bool create_kernels(const program_set *set, program *p, duet_error *err)
