@@ -10,9 +10,10 @@
 #include "tuner/level_costs.h"
 #include "tuner/measure.h"
 #include "tuner/pair_list.h"
-#include "tuner/race.h"
 #include "tuner/record.h"
 #include "tuner/strategy.h"
+#include "tuner/trial_budget.h"
+#include "tuner/tune.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -80,7 +81,7 @@ static bool check_levels(const duet_tune_def *def, duet_error *err)
 
 static bool check_budget(const duet_tune_def *def, duet_error *err)
 {
-    uint32_t least = tune_least_trials(def);
+    uint32_t least = trial_budget_least(def);
     return def->budget_trials == 0 || def->budget_trials >= least ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "a budget of %u trials ends before a verdict; expected at least %u, or fewer "

@@ -35,11 +35,16 @@ static race_verdict judge(stats_interval in, double level)
     return in.high < 1 ? RACE_SLOWER : RACE_SAME;
 }
 
+uint32_t race_rounds(const race *r, uint32_t rival, uint32_t other)
+{
+    uint32_t n = r->rivals[rival].rounds, m = r->rivals[other].rounds;
+    return n < m ? n : m;
+}
+
 race_gain race_compare(const race *r, uint32_t rival, uint32_t other)
 {
     const double *own = r->rivals[rival].ns, *others = r->rivals[other].ns;
-    uint32_t n = r->rivals[rival].rounds < r->rivals[other].rounds ? r->rivals[rival].rounds
-                                                                   : r->rivals[other].rounds;
+    uint32_t n = race_rounds(r, rival, other);
     double ratios[RACE_ROUNDS];
     for (uint32_t i = 0; i < n; ++i)
         ratios[i] = others[i] / own[i];

@@ -72,6 +72,9 @@ uint32_t race_leader(const race *r);
 // than another in the same round; to where none has run.
 uint32_t race_best(const race *r, uint32_t from, uint32_t to);
 
+// Rounds that both ran.
+uint32_t race_rounds(const race *r, uint32_t rival, uint32_t other);
+
 double race_median(const race *r, uint32_t rival);
 
 // Compares over the rounds that both ran; at least one.

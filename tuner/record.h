@@ -5,7 +5,7 @@
 
 #include "profiles/lookup.h"
 #include "profiles/profile.h"
-#include "tuner/tune.h"
+#include "tuner/task.h"
 
 typedef struct record {
     store *store;

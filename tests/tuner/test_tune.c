@@ -5,6 +5,7 @@
 #include "base/budget.h"
 #include "support/simulated_pair.h"
 #include "tuner/race.h"
+#include "tuner/trial_budget.h"
 #include "tuner/tune.h"
 
 #include <math.h>
@@ -367,7 +368,7 @@ static void a_budget_ends_the_search_and_leaves_room_for_a_verdict(void **state)
         def.n_variants = 1 + i % 2 * 2;
         def.modes = modes;
         def.n_modes = i / 2 % 3;
-        def.budget_trials = tune_least_trials(&def) + i % 20;
+        def.budget_trials = trial_budget_least(&def) + i % 20;
         duet_tune_outcome outcome = i % 5 ? tune_fake(&f, &def) : tune_parts(&f, &whole, &def);
         assert_string_not_equal(outcome.verdict, "ambiguous");
         assert_in_range(outcome.rounds, 8, 40);

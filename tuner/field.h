@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// Plans that race against each other in trials of a tuning.
+#ifndef TUNER_FIELD_H
+#define TUNER_FIELD_H
+
+#include "tuner/race.h"
+#include "tuner/tuning.h"
+
+// With the terms of each plan's last trial.
+typedef struct field {
+    duet_plan plans[RACE_RIVALS];
+    duet_tune_terms terms[RACE_RIVALS];
+    uint32_t n;
+    race race;
+} field;
+
+// Beyond RACE_RIVALS none enters.
+void field_enter(field *f, duet_plan plan);
+
+// Races until it is decided or the stage's part of the budget is spent. A trial's time
+// is that of the stages in focus or else the total, or A's own where that is what is
+// chosen. Who takes `hopeless` times the leader's time runs no more. options NULL: the
+// default ones.
+bool field_race(tuning *t, field *f, const race_options *options, bool of_a, double hopeless,
+                duet_error *err);
+
+#endif

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+#include "tuner/kernel_tuning.h"
+
+#include "base/error.h"
+#include "tuner/field.h"
+#include "tuner/kernel_search.h"
+#include "tuner/trial_budget.h"
+#include "tuner/variants.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double WORTH_SEARCH = 0.03; // a kernel that takes so much of its device's time
+
+// The configs as plans; one whose text would be too long is left out.
+static uint32_t enter_configs(const duet_plan *plan, int device, const kernel_space *space,
+                              uint32_t *configs, uint32_t n, field *f)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        duet_plan with = *plan;
+        char *to = device == 0 ? with.variant_a : with.variant_b;
+        if (!kernel_space_write(space, configs[i], plan_variant(plan, device), to, DUET_VARIANT))
+            continue;
+        field_enter(f, with);
+        configs[kept++] = configs[i];
+    }
+    return kept;
+}
+
+// Drops what is so much slower than the fastest; returns how many are left.
+static uint32_t drop_slower(double *times, bool *out, uint32_t n, double slower)
+{
+    double least = INFINITY;
+    uint32_t left = 0;
+    for (uint32_t i = 0; i < n; ++i)
+        least = fmin(least, times[i]);
+    for (uint32_t i = 0; i < n; ++i) {
+        out[i] = out[i] || !(times[i] <= slower * least);
+        left += !out[i];
+    }
+    return left;
+}
+
+// Launches the configs in turn, round by round, and leaves out who is behind, sooner the
+// further. A config's time is the least that its kernel took, by the device's own clock:
+// what disturbs a launch only adds to it. INFINITY for one that did not run.
+static bool screen_configs(tuning *t, const field *f, double times[KERNEL_SPACE_VALUES],
+                           duet_error *err)
+{
+    static const double slower[] = {1.1, 1.03};
+    bool out[KERNEL_SPACE_VALUES] = {false};
+    uint32_t left = f->n;
+    for (uint32_t i = 0; i < f->n; ++i)
+        times[i] = INFINITY;
+    for (size_t round = 0; left > 1 && round < sizeof slower / sizeof *slower; ++round) {
+        for (uint32_t k = 0; k < f->n; ++k) {
+            uint32_t i = (k + (uint32_t)round) % f->n;
+            trial got;
+            if (out[i] || !tuning_within_budget(t))
+                continue;
+            if (!tuning_run_trial(t, &f->plans[i], &got, err))
+                return false;
+            if (got.usable)
+                times[i] = fmin(times[i], (double)got.focus_ns);
+        }
+        left = drop_slower(times, out, f->n, slower[round]);
+    }
+    return true;
+}
+
+// Whether the kernel takes enough of its device's time for a search to pay.
+static bool is_worth_search(tuning *t, const duet_plan *plan, int device, bool *worth,
+                            duet_error *err)
+{
+    trial got;
+    if (!tuning_run_trial(t, plan, &got, err))
+        return false;
+    double whole = (double)(device == 0 ? got.sample.a_ns : got.sample.b_ns);
+    *worth = got.usable && (double)got.focus_ns > WORTH_SEARCH * whole;
+    return true;
+}
+
+// Varies the plan's kernel for a device, and keeps in the plan what was fastest.
+static bool search_kernel(tuning *t, int device, const kernel_space *space, duet_plan *plan,
+                          duet_kernel_search *told, duet_error *err)
+{
+    uint32_t configs[KERNEL_SPACE_VALUES], n;
+    double times[KERNEL_SPACE_VALUES];
+    bool worth;
+    kernel_search s = kernel_search_begin(space);
+    t->focus = (focus){device, space->stages, KERNEL_SPACE_STAGES};
+    if (!is_worth_search(t, plan, device, &worth, err))
+        return false;
+    while (worth && tuning_within_budget(t) && (n = kernel_search_next(&s, configs)) > 0) {
+        field f = {0};
+        n = enter_configs(plan, device, space, configs, n, &f);
+        if (!screen_configs(t, &f, times, err))
+            return false;
+        kernel_search_tell(&s, configs, times, n);
+    }
+    told->configs += worth ? space->n_configs : 0;
+    told->tried += worth ? s.tried : 0;
+    char variant[DUET_VARIANT];
+    if (kernel_space_write(space, s.best, plan_variant(plan, device), variant, sizeof variant))
+        plan_set_variant(plan, device, variant);
+    return true;
+}
+
+// What was found against what was there, by all kernels of the device. Only what is
+// faster for sure is used.
+static bool confirm_kernels(tuning *t, int device, const duet_plan *before, const duet_plan *after,
+                            duet_kernel_search *told, duet_error *err)
+{
+    static const race_options to_the_end = {
+        .least_rounds = 10, .most_rounds = 24, .level = 0.99, .dropped = INFINITY, .margin = 0.02};
+    static const char *const stages[] = {"search", "candidates", "narrow",     "reorder", "bounds",
+                                         "hash",   "sort",       "cell start", "clear"};
+    race_gain gain = {.verdict = RACE_SAME, .ratio = 1, .interval = {1, 1, 1}};
+    t->focus = (focus){device, stages, sizeof stages / sizeof *stages};
+    if (!trial_log_same_plan(before, after)) {
+        field f = {0};
+        field_enter(&f, *before);
+        field_enter(&f, *after);
+        if (!field_race(t, &f, &to_the_end, false, INFINITY, err))
+            return false;
+        gain.verdict = RACE_AMBIGUOUS;
+        if (f.race.rivals[0].rounds > 0 && f.race.rivals[1].rounds > 0)
+            gain = race_compare(&f.race, 1, 0);
+    }
+    if (gain.verdict == RACE_FASTER)
+        plan_set_variant(&t->plan, device, plan_variant(after, device));
+    told->gain = gain.ratio - 1;
+    told->gain_low = gain.interval.low - 1;
+    told->gain_high = gain.interval.high - 1;
+    snprintf(told->verdict, sizeof told->verdict, "%s", race_verdict_name(gain.verdict));
+    return true;
+}
+
+static bool is_meant(const char *what, const kernel_space *space)
+{
+    return strcmp(what, "kernels") == 0 || strcmp(what, space->kernel) == 0;
+}
+
+static bool search_device(tuning *t, int device, uint32_t share, duet_kernel_search *told,
+                          duet_error *err)
+{
+    const tune_kernels *kernels = &t->task->kernels;
+    kernel_space *spaces = NULL;
+    uint32_t n = 0, launches = t->launches;
+    trial got;
+    duet_plan before = tuning_plan(t, share, DUET_MODE_OWN), after = before;
+    if (!tuning_run_trial(t, &before, &got, err))
+        return false;
+    t->found |= !got.usable; // the verdict tells why
+    bool ok = !got.usable || kernels->read(kernels->context, &before, device, &spaces, &n, err);
+    for (uint32_t i = 0; ok && i < n && tuning_within_budget(t); ++i) {
+        if (!is_meant(t->task->def->search, &spaces[i]))
+            continue;
+        t->found = true;
+        ok = search_kernel(t, device, &spaces[i], &after, told, err);
+    }
+    free(spaces);
+    told->launches = t->launches - launches;
+    ok = ok && confirm_kernels(t, device, &before, &after, told, err);
+    t->focus.stages = NULL;
+    return ok;
+}
+
+// What a search led to on this device beside another one, if it is a variant that may
+// be chosen.
+static bool take_searched(tuning *t, int device)
+{
+    const char *searched = t->task->searched[device], *base;
+    bool taken = false;
+    for (uint32_t i = 0; *searched && !taken && (base = task_variant(t->task->def, i)); ++i) {
+        size_t length = strlen(base);
+        taken = strncmp(searched, base, length) == 0 &&
+                (searched[length] == '\0' || searched[length] == ' ');
+    }
+    if (taken)
+        plan_set_variant(&t->plan, device, searched);
+    t->found |= taken;
+    return taken;
+}
+
+bool kernel_tuning_run(tuning *t, duet_kernel_search told[2], duet_error *err)
+{
+    uint32_t repeats = t->repeats, share;
+    if (!t->task->def->search)
+        return true;
+    t->stage = "kernels of B";
+    t->stage_end = (VARIANTS_END + KERNELS_END) / 2;
+    t->keeps_warm = true;
+    t->repeats = 1;
+    bool ok =
+        take_searched(t, 1) || !tuning_within_budget(t) || search_device(t, 1, 0, &told[1], err);
+    t->stage = "kernels of A";
+    t->stage_end = KERNELS_END;
+    if (t->task->one_device)
+        plan_set_variant(&t->plan, 0, t->plan.variant_b);
+    else
+        ok = ok &&
+             (take_searched(t, 0) || !tuning_within_budget(t) ||
+              (variants_share_of_a(t, &share, err) && search_device(t, 0, share, &told[0], err)));
+    t->keeps_warm = false;
+    t->repeats = repeats;
+    if (ok && !t->found && tuning_within_budget(t))
+        return error_set(err, DUET_STATUS_NOT_FOUND,
+                         "search '%s': neither device runs it with several configs by '%s' and "
+                         "'%s'",
+                         t->task->def->search, t->plan.variant_a, t->plan.variant_b);
+    return ok;
+}

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#include "tuner/trial_budget.h"
+
+#include "tuner/strategy.h"
+
+#include <math.h>
+
+enum { LEAST_SEARCHED = 3 }; // trials of a mode
+
+const race_options trial_budget_quick_race = {
+    .least_rounds = 4, .most_rounds = 6, .level = 0.85, .dropped = 1};
+
+const race_options trial_budget_last_race = {
+    .least_rounds = 14, .most_rounds = 40, .level = 0.99, .dropped = INFINITY, .margin = 0.03};
+
+// Of the first race: all devices alone, and each mode's best share.
+static uint32_t most_rivals(const duet_tune_def *def)
+{
+    return 2 + task_count_modes(def);
+}
+
+uint32_t trial_budget_least(const duet_tune_def *def)
+{
+    uint32_t variants = task_count_variants(def);
+    return (variants > 1 ? 2 * variants + 2 : 0) + LEAST_SEARCHED * task_count_modes(def) +
+           LEAST_RACED * most_rivals(def) + LEAST_RACED * 2;
+}
+
+uint32_t trial_budget_most(const tune_task *task)
+{
+    const duet_tune_def *def = task->def;
+    uint32_t variants = task_count_variants(def), modes = task_count_modes(def);
+    if (def->search)
+        return def->budget_trials; // nobody knows how many a search of kernels takes
+    uint32_t searched = strategy_find(def->strategy)->launches;
+    uint32_t most = (variants > 1 ? 2 * variants * trial_budget_quick_race.most_rounds + 2 : 0) +
+                    modes * searched + most_rivals(def) * race_default_options().most_rounds +
+                    3 * trial_budget_last_race.most_rounds +
+                    (task->whole.open ? 2 * race_default_options().most_rounds : 0);
+    return def->budget_trials > 0 && def->budget_trials < most ? def->budget_trials : most;
+}
+
+double trial_budget_end(const tune_task *task, double stage_end)
+{
+    const duet_tune_def *def = task->def;
+    double all = def->budget_trials;
+    double raced = all - (task->whole.open ? LEAST_RACED * 2 : 0);
+    double searched = fmin(SEARCH_END * raced, raced - LEAST_RACED * most_rivals(def));
+    if (stage_end <= SEARCH_END)
+        return stage_end / SEARCH_END * searched;
+    return stage_end < ALL ? raced : all;
+}

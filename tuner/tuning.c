@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+#include "tuner/tuning.h"
+
+#include "base/budget.h"
+#include "base/error.h"
+#include "tuner/trial_budget.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+const char *plan_variant(const duet_plan *plan, int device)
+{
+    return device == 0 ? plan->variant_a : plan->variant_b;
+}
+
+void plan_set_variant(duet_plan *plan, int device, const char *variant)
+{
+    char *to = device == 0 ? plan->variant_a : plan->variant_b;
+    snprintf(to, sizeof plan->variant_a, "%s", variant);
+}
+
+duet_plan tuning_plan(const tuning *t, uint32_t share, duet_mode mode)
+{
+    duet_plan plan = t->plan;
+    plan.share = share;
+    plan.mode = mode;
+    return plan;
+}
+
+bool tuning_within_budget(const tuning *t)
+{
+    const duet_tune_def *def = t->task->def;
+    bool in_time =
+        def->budget_seconds <= 0 || (double)t->spent_ns * 1e-9 < t->stage_end * def->budget_seconds;
+    return in_time && (def->budget_trials == 0 ||
+                       t->state->played + t->unlogged < trial_budget_end(t->task, t->stage_end));
+}
+
+// What trials at least take, each half as long as one device alone, says after the
+// first of them, whose kernels were built in it, whether the time can do.
+static bool check_budget(const tuning *t, const trial *first, duet_error *err)
+{
+    const duet_tune_def *def = t->task->def;
+    double launch_s = (double)first->sample.total_ns * 1e-9;
+    double least_s = (double)t->spent_ns * 1e-9 +
+                     0.5 * launch_s * (1 + VERDICT_REPEATS) * trial_budget_least(def);
+    return def->budget_seconds <= 0 || least_s <= def->budget_seconds ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "a budget of %.3g s ends before a verdict: a step takes %.3g s; expected at "
+                     "least %.3g s",
+                     def->budget_seconds, launch_s, ceil(least_s));
+}
+
+bool tuning_stop(const tuning *t, duet_error *err)
+{
+    return error_set(err, DUET_STATUS_INTERRUPTED,
+                     "stopped after %u trials; the same command goes on from there",
+                     t->state->played);
+}
+
+static bool tell_watcher(const tuning *t, const trial_log_entry *entry, bool remembered,
+                         duet_error *err)
+{
+    const duet_tune_def *def = t->task->def;
+    duet_tune_progress progress = {
+        .stage = t->stage,
+        .plan = &entry->plan,
+        .ms = (double)entry->sample.total_ns * 1e-6,
+        .trials = t->state->played + t->unlogged,
+        .most_trials = trial_budget_most(t->task),
+        .launches = t->launches,
+        .seconds = (double)t->spent_ns * 1e-9,
+        .remembered = remembered,
+    };
+    return !def->watch || def->watch(def->watch_context, &progress) || tuning_stop(t, err);
+}
+
+static trial_log_entry entry_of(const tuning *t, const duet_plan *plan, const measurement *m)
+{
+    const profile_sample *typical = &m->samples[m->typical];
+    trial_log_entry entry = {
+        .plan = *plan,
+        .usable = strcmp(m->outcome, "ok") == 0,
+        .sample = {.share = plan->share},
+        .launches = m->n_samples,
+        .spent_ns = m->spent_ns,
+    };
+    if (entry.usable) {
+        entry.sample.total_ns = (uint64_t)typical->total_ns;
+        entry.sample.a_ns = (uint64_t)typical->a_ns;
+        entry.sample.b_ns = (uint64_t)typical->b_ns;
+        entry.terms = m->launch.terms;
+        if (t->focus.stages)
+            entry.focus_ns =
+                measure_stages_ns(&m->launch, t->focus.device, t->focus.stages, t->focus.n);
+    }
+    return entry;
+}
+
+static bool has_default_variants(const tune_task *task, const duet_plan *plan)
+{
+    return strcmp(plan->variant_a, task->plan.variant_a) == 0 &&
+           strcmp(plan->variant_b, task->plan.variant_b) == 0;
+}
+
+// The default variants must be right; any other that is wrong is passed over.
+static bool check_measured(tuning *t, const duet_plan *plan, const measurement *m, duet_error *err)
+{
+    if (strcmp(m->outcome, "ok") == 0)
+        return true;
+    error_set(&t->failure, m->failure.status, "no plan runs: %s", m->failure.text);
+    if (strcmp(m->outcome, "wrong") == 0 && has_default_variants(t->task, plan))
+        return error_set(err, DUET_STATUS_WRONG_RESULT,
+                         "share %u of %u, variants '%s' and '%s': %s", plan->share, DUET_SHARE_ONE,
+                         plan->variant_a, plan->variant_b, m->failure.text);
+    return true;
+}
+
+// Its programs are built, for it ran in this process.
+static bool is_warm(const tuning *t, const duet_plan *plan)
+{
+    bool warm = false;
+    for (uint32_t i = t->first; t->keeps_warm && i < t->state->played && !warm; ++i)
+        warm = trial_log_same_plan(&t->state->entries[i].plan, plan);
+    return warm;
+}
+
+static bool measure_live(tuning *t, const duet_plan *plan, trial_log_entry *entry, duet_error *err)
+{
+    const tune_task *task = t->task;
+    if (!budget_check(err))
+        return false;
+    measurement m = measure_plan(&task->machine, plan, is_warm(t, plan), t->repeats);
+    if (m.failure.status == DUET_STATUS_INTERRUPTED)
+        return tuning_stop(t, err);
+    *entry = entry_of(t, plan, &m);
+    if (!trial_log_add(t->state, entry, err))
+        return false;
+    ++t->state->played;
+    const tune_recorder *recorder = &task->recorder;
+    return (!recorder->trial || recorder->trial(recorder->context, plan, &m, t->state, err)) &&
+           check_measured(t, plan, &m, err);
+}
+
+bool tuning_run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *err)
+{
+    const trial_log_entry *kept = trial_log_next(t->state, plan);
+    trial_log_entry entry;
+    *out = (trial){0};
+    if (kept)
+        entry = *kept;
+    else if (!measure_live(t, plan, &entry, err))
+        return false;
+    t->first = kept ? t->state->played : t->first;
+    t->launches += entry.launches;
+    t->spent_ns += entry.spent_ns;
+    out->usable = entry.usable;
+    out->sample = entry.sample;
+    out->focus_ns = entry.focus_ns;
+    out->terms = entry.terms;
+    return tell_watcher(t, &entry, kept, err) &&
+           (t->state->played > 1 || check_budget(t, out, err));
+}
+
+bool tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan,
+                         double *ns, duet_error *err)
+{
+    measurement m = measure_plan(machine, plan, false, t->repeats);
+    if (m.failure.status == DUET_STATUS_INTERRUPTED)
+        return tuning_stop(t, err);
+    trial_log_entry entry = entry_of(t, plan, &m);
+    ++t->unlogged;
+    t->launches += entry.launches;
+    t->spent_ns += entry.spent_ns;
+    *ns = entry.usable ? (double)entry.sample.total_ns : 0;
+    return tell_watcher(t, &entry, false, err);
+}

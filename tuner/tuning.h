@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+// A tuning under way: runs trials within the budget, each from the log or else from the
+// machine, and tells the recorder and the watcher.
+#ifndef TUNER_TUNING_H
+#define TUNER_TUNING_H
+
+#include "tuner/task.h"
+
+// The stages of a device whose kernel is varied.
+typedef struct focus {
+    int device;
+    const char *const *stages; // NULL: none
+    uint32_t n;                // stages at most
+} focus;
+
+typedef struct tuning {
+    const tune_task *task;
+    trial_log *state;
+    const char *stage;
+    double stage_end; // part of the budget that is used up when it must end
+    uint32_t repeats; // launches of a trial that count
+    bool keeps_warm;  // a plan that ran before is not warmed up again
+    uint32_t first;   // trial that this process measured
+    focus focus;
+    duet_plan plan; // the variants chosen so far
+    uint32_t launches;
+    uint32_t unlogged; // trials of the whole device, which the log has no plan for
+    uint64_t spent_ns;
+    bool found;         // a kernel to be searched
+    bool cut;           // the budget ended a search
+    duet_error failure; // of the first plan that did not run
+} tuning;
+
+// What a trial gave to decide from.
+typedef struct trial {
+    bool usable;
+    search_sample sample;
+    uint64_t focus_ns;
+    duet_tune_terms terms;
+} trial;
+
+// Of the stage.
+bool tuning_within_budget(const tuning *t);
+
+// Adds the trial to the log. False where the budget can reach no verdict, the default
+// variants find wrong pairs, the log cannot be kept, or somebody stops the tuning; a
+// plan that does not run is a trial that is not usable.
+bool tuning_run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *err);
+
+// The same on any machine, without the log: a resumed tuning runs it again. *ns is 0
+// where the plan does not run.
+bool tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan,
+                         double *ns, duet_error *err);
+
+// INTERRUPTED; always false.
+bool tuning_stop(const tuning *t, duet_error *err);
+
+// The chosen variants at a share.
+duet_plan tuning_plan(const tuning *t, uint32_t share, duet_mode mode);
+
+// A plan's variant by device; A is 0.
+const char *plan_variant(const duet_plan *plan, int device);
+void plan_set_variant(duet_plan *plan, int device, const char *variant);
+
+#endif

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "tuner/variants.h"
+
+#include "tuner/field.h"
+#include "tuner/trial_budget.h"
+
+#include <math.h>
+
+static const double HOPELESS = 2.0; // a plan this much slower is dropped from a quick race
+
+// Races the variants of one device at a share; the best one enters the plan.
+static bool choose_variant(tuning *t, int device, uint32_t share, duet_error *err)
+{
+    field f = {0};
+    const char *variant;
+    for (uint32_t i = 0; (variant = task_variant(t->task->def, i)); ++i) {
+        duet_plan plan = tuning_plan(t, share, DUET_MODE_OWN);
+        plan_set_variant(&plan, device, variant);
+        field_enter(&f, plan);
+    }
+    if (!field_race(t, &f, &trial_budget_quick_race, device == 0, HOPELESS, err))
+        return false;
+    uint32_t leader = race_leader(&f.race);
+    if (leader < f.n)
+        plan_set_variant(&t->plan, device, plan_variant(&f.plans[leader], device));
+    return true;
+}
+
+bool variants_share_of_a(tuning *t, uint32_t *share, duet_error *err)
+{
+    trial whole, part;
+    duet_plan b_alone = tuning_plan(t, 0, DUET_MODE_OWN);
+    duet_plan probe = tuning_plan(t, DUET_SHARE_ONE / 16, DUET_MODE_OWN);
+    *share = probe.share;
+    if (!tuning_run_trial(t, &b_alone, &whole, err) || !tuning_run_trial(t, &probe, &part, err))
+        return false;
+    if (whole.usable && part.usable && part.sample.a_ns > 0) {
+        double fits = (double)whole.sample.total_ns / (double)part.sample.a_ns;
+        *share = (uint32_t)(probe.share * fmin(fmax(fits, 1), 16));
+    }
+    return true;
+}
+
+bool variants_choose(tuning *t, duet_error *err)
+{
+    uint32_t share;
+    for (int device = 0; device < 2; ++device)
+        plan_set_variant(&t->plan, device, task_variant(t->task->def, 0));
+    if (!task_variant(t->task->def, 1))
+        return true;
+    t->stage_end = VARIANTS_END;
+    t->stage = "variant of B";
+    if (!choose_variant(t, 1, 0, err))
+        return false;
+    if (t->task->one_device) {
+        plan_set_variant(&t->plan, 0, t->plan.variant_b);
+        return true;
+    }
+    t->stage = "variant of A";
+    return variants_share_of_a(t, &share, err) && choose_variant(t, 0, share, err);
+}

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// The choice of each device's variant, in races of its own.
+#ifndef TUNER_VARIANTS_H
+#define TUNER_VARIANTS_H
+
+#include "tuner/tuning.h"
+
+// Leaves in the tuning's plan the fastest variants, or the first ones where there is
+// nothing to choose from.
+bool variants_choose(tuning *t, duet_error *err);
+
+// As much work for A as it does in the time that B needs for all of it: its
+// variants are compared there without an expensive launch.
+bool variants_share_of_a(tuning *t, uint32_t *share, duet_error *err);
+
+#endif

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "tuner/verdict.h"
+
+#include "base/budget.h"
+#include "base/error.h"
+#include "tuner/field.h"
+#include "tuner/strategy.h"
+#include "tuner/trial_budget.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { LEAST_TRIALS = 8 }; // from which a device's undisturbed time is taken
+
+static const double WORTH_ALONE = 1.3; // A alone is raced where it may take so much of B alone
+static const double UNEVEN = 1.03;     // a step that could be so much shorter is evened out
+
+// The devices alone come first, then the best share of each mode.
+static uint32_t enter_rivals(const tuning *t, const mode_found *founds, uint32_t n, field *f)
+{
+    double a_alone_ns = INFINITY, b_alone_ns = INFINITY;
+    for (uint32_t i = 0; i < n; ++i) {
+        a_alone_ns = fmin(a_alone_ns, founds[i].a_alone_ns);
+        b_alone_ns = fmin(b_alone_ns, founds[i].b_alone_ns);
+    }
+    field_enter(f, tuning_plan(t, 0, DUET_MODE_OWN));
+    if (a_alone_ns < WORTH_ALONE * b_alone_ns)
+        field_enter(f, tuning_plan(t, DUET_SHARE_ONE, DUET_MODE_OWN));
+    uint32_t n_alone = f->n;
+    for (uint32_t i = 0; i < n; ++i) {
+        if (founds[i].usable && founds[i].share > 0 && founds[i].share < DUET_SHARE_ONE)
+            field_enter(f, tuning_plan(t, founds[i].share, founds[i].mode));
+    }
+    return n_alone;
+}
+
+// Both devices' undisturbed times in all trials of a plan; false where there
+// are too few.
+static bool undisturbed(const trial_log *state, const duet_plan *plan, double ns[2])
+{
+    double times[2][STATS_MOST];
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < state->played && n < STATS_MOST; ++i) {
+        const trial_log_entry *entry = &state->entries[i];
+        if (!entry->usable || !trial_log_same_plan(&entry->plan, plan))
+            continue;
+        times[0][n] = (double)entry->sample.a_ns;
+        times[1][n++] = (double)entry->sample.b_ns;
+    }
+    for (int device = 0; device < 2 && n > 0; ++device)
+        ns[device] = stats_quartile(times[device], n);
+    return n >= LEAST_TRIALS;
+}
+
+// The share at which both devices would end together, by what each took for its
+// part. A search has few launches, and while they lasted one device may have
+// been slower than it mostly is.
+static bool even_out(const tuning *t, const duet_plan *plan, duet_plan *even)
+{
+    double ns[2];
+    if (!strategy_find(t->task->def->strategy)->evened || !undisturbed(t->state, plan, ns))
+        return false;
+    double part = (double)plan->share / DUET_SHARE_ONE;
+    double a = ns[0] / part, b = ns[1] / (1 - part); // for all the work
+    double fair = b / (a + b);
+    double quanta = floor(fair * DUET_SHARE_ONE / t->task->least_share + 0.5);
+    *even = *plan;
+    even->share = (uint32_t)quanta * t->task->least_share;
+    return fmax(ns[0], ns[1]) > UNEVEN * fair * a && even->share > 0 &&
+           even->share < DUET_SHARE_ONE;
+}
+
+static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t best,
+                  duet_tune_outcome *outcome)
+{
+    race_gain gain = {
+        .verdict = t->cut ? RACE_AMBIGUOUS : RACE_SAME, .ratio = 1, .interval = {1, 1, 1}};
+    if (best != alone)
+        gain = race_compare(&f->race, best, alone);
+    uint32_t use = gain.verdict == RACE_FASTER ? best : alone;
+    outcome->best = f->plans[best];
+    outcome->plan = f->plans[use];
+    outcome->terms = f->terms[best];
+    outcome->gain = gain.ratio - 1;
+    outcome->gain_low = gain.interval.low - 1;
+    outcome->gain_high = gain.interval.high - 1;
+    outcome->rounds = best == alone ? 0 : race_rounds(&f->race, best, alone);
+    snprintf(outcome->verdict, sizeof outcome->verdict, "%s", race_verdict_name(gain.verdict));
+    stats_interval in =
+        stats_median_interval(f->race.rivals[use].ns, f->race.rivals[use].rounds, 0.95);
+    outcome->step_ms = race_median(&f->race, use) * 1e-6;
+    outcome->step_low_ms = in.low * 1e-6;
+    outcome->step_high_ms = in.high * 1e-6;
+    outcome->single_ms = race_median(&f->race, alone) * 1e-6;
+}
+
+static bool fail_unmeasured(const tuning *t, duet_error *err)
+{
+    if (t->failure.status == DUET_STATUS_OK)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the budget ended before the devices were compared; expected more "
+                         "than %u trials or %.3g seconds",
+                         t->state->played, (double)t->spent_ns * 1e-9);
+    if (err && err->status == DUET_STATUS_OK)
+        *err = t->failure;
+    return false;
+}
+
+// The single device and the shared plan once more, with its evened share.
+static bool race_finalists(tuning *t, const duet_plan *alone, const duet_plan *shared, field *f,
+                           duet_error *err)
+{
+    duet_plan even;
+    *f = (field){0};
+    field_enter(f, *alone);
+    field_enter(f, *shared);
+    if (even_out(t, shared, &even))
+        field_enter(f, even);
+    return field_race(t, f, &trial_budget_last_race, false, INFINITY, err);
+}
+
+// The budget may have ended before or in this race: then the first one's samples
+// must do.
+static bool is_decided(const field *f, uint32_t best)
+{
+    return best < f->n && f->race.rivals[0].rounds > 0 &&
+           race_compare(&f->race, best, 0).verdict != RACE_AMBIGUOUS;
+}
+
+// Without a rival: the time of a step, and its interval.
+static bool run_alone(tuning *t, field *f, duet_error *err)
+{
+    f->race = race_begin(f->n, NULL);
+    for (uint32_t i = 0; i < LEAST_RACED && tuning_within_budget(t); ++i) {
+        trial got;
+        if (!tuning_run_trial(t, &f->plans[0], &got, err))
+            return false;
+        if (got.usable)
+            race_add(&f->race, 0, (double)got.sample.total_ns);
+        f->terms[0] = got.terms;
+    }
+    return true;
+}
+
+bool verdict_reach(tuning *t, const mode_found *founds, uint32_t n, duet_tune_outcome *outcome,
+                   duet_error *err)
+{
+    field all = {0}, finalists;
+    uint32_t n_alone = enter_rivals(t, founds, n, &all);
+    t->stage = "verdict";
+    t->stage_end = t->task->whole.open ? VERDICT_END : ALL;
+    t->repeats = t->repeats < VERDICT_REPEATS ? t->repeats : VERDICT_REPEATS;
+    if (!(all.n > 1 ? field_race(t, &all, NULL, false, INFINITY, err) : run_alone(t, &all, err)))
+        return false;
+    uint32_t alone = race_best(&all.race, 0, n_alone);
+    uint32_t shared = race_best(&all.race, n_alone, all.n);
+    if (alone == n_alone)
+        return fail_unmeasured(t, err);
+    if (shared == all.n) {
+        judge(t, &all, alone, alone, outcome);
+        return true;
+    }
+    if (!race_finalists(t, &all.plans[alone], &all.plans[shared], &finalists, err))
+        return false;
+    uint32_t best = race_best(&finalists.race, 1, finalists.n);
+    if (is_decided(&finalists, best))
+        judge(t, &finalists, 0, best, outcome);
+    else
+        judge(t, &all, alone, shared, outcome);
+    return true;
+}
+
+bool verdict_race_whole(tuning *t, duet_tune_outcome *outcome, duet_error *err)
+{
+    const tune_whole *whole = &t->task->whole;
+    measure_machine machines[2] = {t->task->machine};
+    duet_plan plans[2] = {outcome->plan};
+    race r = race_begin(2, NULL);
+    uint32_t rival;
+    if (!whole->open)
+        return true;
+    if (!whole->open(whole->context, outcome->plan.variant_b, &machines[1], &plans[1]))
+        return budget_check_stop(NULL) || tuning_stop(t, err);
+    t->stage = "undivided";
+    t->stage_end = ALL;
+    while (tuning_within_budget(t) && race_next(&r, &rival)) {
+        double ns = 0;
+        if (!tuning_run_unlogged(t, &machines[rival], &plans[rival], &ns, err))
+            return false;
+        if (ns <= 0)
+            return true;
+        race_add(&r, rival, ns);
+    }
+    if (race_rounds(&r, 0, 1) < LEAST_RACED)
+        return true;
+    race_gain gain = race_compare(&r, 0, 1);
+    outcome->whole_ms = race_median(&r, 1) * 1e-6;
+    outcome->whole_gain = gain.ratio - 1;
+    outcome->whole_gain_low = gain.interval.low - 1;
+    outcome->whole_gain_high = gain.interval.high - 1;
+    return true;
+}
