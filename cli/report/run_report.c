@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cli/report/run_report.h"
 
+#include "cli/inputs.h"
 #include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
@@ -39,9 +40,7 @@ static void print_grid(const duet_scene_info *info, const duet_result *r)
 
 static bool is_one(const duet_device_pair *pair, const duet_plan *plan)
 {
-    const char *a = duet_device_pair_get_info(pair, 0)->selector;
-    const char *b = duet_device_pair_get_info(pair, 1)->selector;
-    return plan->share == 0 && strcmp(a, b) == 0;
+    return plan->share == 0 && inputs_pair_is_one(pair);
 }
 
 static void print_devices(const duet_device_pair *pair, const duet_plan *plan)

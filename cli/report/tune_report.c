@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L
+#include "cli/report/tune_report.h"
+
+#include "cli/inputs.h"
+#include "cli/interrupt.h"
+#include "cli/report/table.h"
+#include "cli/say.h"
+#include "tuner/measure.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+tune_report tune_report_begin(bool json)
+{
+    return (tune_report){
+        .workloads = cJSON_CreateArray(), .json = json, .on_terminal = isatty(STDERR_FILENO)};
+}
+
+void tune_report_expect(tune_report *r, const duet_device_pair *pair, uint32_t n_workloads,
+                        double budget_seconds)
+{
+    const char *a = duet_device_pair_get_info(pair, 0)->selector;
+    r->one = inputs_pair_is_one(pair);
+    snprintf(r->whole, sizeof r->whole, "%.*s", (int)strcspn(a, "["), a);
+    r->n_workloads = n_workloads;
+    r->budget_seconds = budget_seconds;
+}
+
+void tune_report_workload(tune_report *r, const duet_scene_info *scene)
+{
+    snprintf(r->name, sizeof r->name, "%.30s, %s", scene->name, table_count(scene->n).chars);
+    ++r->number;
+}
+
+static void clear_line(const tune_report *r)
+{
+    if (r->on_terminal)
+        fprintf(stderr, "\r\033[K");
+}
+
+// At most, by the trials or the time that are left; below 0 where nothing bounds it.
+static double seconds_left(const tune_report *r, const duet_tune_progress *p)
+{
+    double by_time = r->budget_seconds > 0 ? fmax(r->budget_seconds - p->seconds, 0) : -1;
+    if (p->trials == 0 || p->most_trials < p->trials)
+        return by_time;
+    double by_trials = p->seconds / p->trials * (p->most_trials - p->trials);
+    return by_time < 0 ? by_trials : fmin(by_time, by_trials);
+}
+
+static void write_progress(const tune_report *r, const duet_tune_progress *p, text *shown)
+{
+    double left = seconds_left(r, p);
+    text_add(shown, "%u/%u %.22s: %s", r->number, r->n_workloads, r->name, p->stage);
+    if (p->trials == 0) {
+        text_add(shown, ", step %u, %.1f s", p->launches, p->seconds);
+        return;
+    }
+    text_add(shown, " %.4f %s, trial %u", p->plan->share / (double)DUET_SHARE_ONE,
+             duet_mode_name(p->plan->mode), p->trials);
+    if (p->most_trials > 0)
+        text_add(shown, " of %u", p->most_trials);
+    if (left >= 0)
+        text_add(shown, ", %.0f s left", left);
+    text_add(shown, "%s", p->remembered ? " (known)" : "");
+}
+
+bool tune_report_watch(void *report, const duet_tune_progress *p)
+{
+    enum { COLUMNS = 79 };
+    const tune_report *r = report;
+    if (r->on_terminal) {
+        text shown = {0};
+        write_progress(r, p, &shown);
+        fprintf(stderr, "\r\033[K%.*s", COLUMNS, text_chars(&shown));
+        text_free(&shown);
+    }
+    return !interrupt_asked();
+}
+
+static void add_terms(cJSON *o, const duet_tune_terms *t)
+{
+    cJSON *terms = cJSON_AddObjectToObject(o, "terms");
+    for (const terms_field *f = terms_fields; f->name; ++f)
+        cJSON_AddNumberToObject(terms, f->name, terms_value(f, t));
+}
+
+// What was searched of either device's kernels.
+static void add_kernels(cJSON *row, const duet_tune_outcome *o)
+{
+    cJSON *list = cJSON_AddArrayToObject(row, "kernels");
+    for (int device = 0; device < 2; ++device) {
+        const duet_kernel_search *k = &o->kernels[device];
+        if (k->configs == 0)
+            continue;
+        cJSON *one = cJSON_CreateObject();
+        cJSON_AddStringToObject(one, "device", device == 0 ? "A" : "B");
+        cJSON_AddStringToObject(one, "variant",
+                                device == 0 ? o->plan.variant_a : o->plan.variant_b);
+        cJSON_AddNumberToObject(one, "configs", k->configs);
+        cJSON_AddNumberToObject(one, "tried", k->tried);
+        cJSON_AddNumberToObject(one, "launches", k->launches);
+        cJSON_AddNumberToObject(one, "gain", k->gain);
+        cJSON_AddNumberToObject(one, "gain_low", k->gain_low);
+        cJSON_AddNumberToObject(one, "gain_high", k->gain_high);
+        cJSON_AddStringToObject(one, "verdict", k->verdict);
+        cJSON_AddItemToArray(list, one);
+    }
+}
+
+// Steps after which the time that tuning took is won back; 0 where it is not,
+// or where it was not measured here.
+static double break_even(const duet_tune_outcome *o)
+{
+    double won_ms = o->single_ms - o->step_ms;
+    return won_ms > 0 ? ceil(o->seconds * 1e3 / won_ms) : 0;
+}
+
+void tune_report_add(tune_report *r, const duet_tune_outcome *o)
+{
+    cJSON *row = cJSON_CreateObject();
+    cJSON_AddStringToObject(row, "workload", r->name);
+    cJSON_AddNumberToObject(row, "objects", o->objects);
+    cJSON_AddStringToObject(row, "level", duet_level_get_info(o->level)->name);
+    cJSON_AddNumberToObject(row, "missed_rate", o->accuracy.missed);
+    cJSON_AddNumberToObject(row, "false_rate", o->accuracy.false_rate);
+    cJSON_AddNumberToObject(row, "true_pairs", (double)o->true_pairs);
+    json_add_plan(row, o->plan.share / (double)DUET_SHARE_ONE, duet_mode_name(o->plan.mode),
+                  o->plan.variant_a, o->plan.variant_b);
+    cJSON_AddBoolToObject(row, "one_device", r->one);
+    cJSON_AddNumberToObject(row, "best_share", o->best.share / (double)DUET_SHARE_ONE);
+    cJSON_AddNumberToObject(row, "gain", o->gain);
+    cJSON_AddNumberToObject(row, "gain_low", o->gain_low);
+    cJSON_AddNumberToObject(row, "gain_high", o->gain_high);
+    cJSON_AddStringToObject(row, "verdict", o->verdict);
+    cJSON_AddNumberToObject(row, "step_ms", o->step_ms);
+    cJSON_AddNumberToObject(row, "rounds", o->rounds);
+    cJSON_AddNumberToObject(row, "single_ms", o->single_ms);
+    if (o->whole_ms > 0) {
+        cJSON_AddStringToObject(row, "whole", r->whole);
+        cJSON_AddNumberToObject(row, "whole_ms", o->whole_ms);
+        cJSON_AddNumberToObject(row, "whole_gain", o->whole_gain);
+        cJSON_AddNumberToObject(row, "whole_gain_low", o->whole_gain_low);
+        cJSON_AddNumberToObject(row, "whole_gain_high", o->whole_gain_high);
+    }
+    cJSON_AddNumberToObject(row, "launches", o->launches);
+    cJSON_AddNumberToObject(row, "seconds", o->seconds);
+    cJSON_AddNumberToObject(row, "break_even_steps", break_even(o));
+    cJSON_AddBoolToObject(row, "known", o->known);
+    cJSON_AddBoolToObject(row, "resumed", o->resumed);
+    cJSON_AddStringToObject(row, "uid", o->uid);
+    cJSON_AddStringToObject(row, "unused", o->unused);
+    add_terms(row, &o->terms);
+    add_kernels(row, o);
+    cJSON_AddItemToArray(r->workloads, row);
+    clear_line(r);
+}
+
+// Certified needs no word: nothing of it is wrong.
+static void print_accuracy(const cJSON *row)
+{
+    if (strcmp(json_string(row, "level"), "certified") == 0)
+        return;
+    printf("  of %s pairs that collide '%s' misses %.3g %% and invents %.3g %%\n",
+           table_count((uint64_t)json_number(row, "true_pairs")).chars, json_string(row, "level"),
+           100 * json_number(row, "missed_rate"), 100 * json_number(row, "false_rate"));
+}
+
+static void print_kernels(const cJSON *row)
+{
+    const cJSON *one;
+    cJSON_ArrayForEach(one, json_list(row, "kernels"))
+        printf("  kernels of %s: %.0f of %.0f configs tried in %.0f launches, %+.1f %% (%+.1f to "
+               "%+.1f): %s; '%s'\n",
+               json_string(one, "device"), json_number(one, "tried"), json_number(one, "configs"),
+               json_number(one, "launches"), 100 * json_number(one, "gain"),
+               100 * json_number(one, "gain_low"), 100 * json_number(one, "gain_high"),
+               json_string(one, "verdict"), json_string(one, "variant"));
+}
+
+// The share as it is stored.
+static uint32_t share_of(const cJSON *row)
+{
+    return (uint32_t)lround(json_number(row, "share") * DUET_SHARE_ONE);
+}
+
+static bool is_shared(const cJSON *row)
+{
+    return share_of(row) > 0 && share_of(row) < DUET_SHARE_ONE;
+}
+
+static void add_table_row(table *t, const cJSON *row)
+{
+    table_cell(t, "%.22s", json_string(row, "workload"));
+    if (is_shared(row))
+        table_cell(t, "A %.2f %%", 100 * json_number(row, "share"));
+    else
+        table_words(t,
+                    json_true(row, "one_device") ? "one device"
+                    : share_of(row) == 0         ? "B alone"
+                                                 : "A alone",
+                    NULL);
+    table_cell(t, "%.3f", json_number(row, "step_ms"));
+    if (is_shared(row)) {
+        table_cell(t, "%+.1f", 100 * json_number(row, "gain"));
+        table_cell(t, "%+.1f", 100 * json_number(row, "gain_low"));
+        table_cell(t, "%+.1f", 100 * json_number(row, "gain_high"));
+        table_words(t, json_string(row, "verdict"), NULL);
+    } else {
+        table_words(t, "-", "", "", "-", NULL);
+    }
+    table_cell(t, "%.1f", json_number(row, "seconds"));
+}
+
+static void print_variant(const char *name, const char *variant)
+{
+    bool has_space = strchr(variant, ' ');
+    printf(" --%s %s%s%s", name, has_space ? "'" : "", variant, has_space ? "'" : "");
+}
+
+// The plan as options of 'duet run'.
+static void print_plan(const cJSON *row)
+{
+    const char *a = json_string(row, "variant_a"), *b = json_string(row, "variant_b");
+    printf("  --share %.5g --mode %s", json_number(row, "share"), json_string(row, "mode"));
+    if (strcmp(a, b) == 0) {
+        print_variant("variant", a);
+    } else {
+        print_variant("variant-a", a);
+        print_variant("variant-b", b);
+    }
+    printf("\n");
+}
+
+// Why a plan is not loaded, and what would change that.
+static void print_use(const cJSON *row)
+{
+    const char *unused = json_string(row, "unused");
+    if (!*unused)
+        return;
+    printf("  not used by applications: %s\n", unused);
+    if (strcmp(json_string(row, "verdict"), "ambiguous") == 0)
+        printf("  a larger --trials or --budget reaches a verdict\n");
+    else
+        printf("  'duet profiles use %.8s' makes them use it\n", json_string(row, "uid"));
+}
+
+// What the table has no column for.
+static void print_details(const cJSON *row)
+{
+    printf("\n%s, level %s, %.0f launches\n", say_name(json_string(row, "workload")).chars,
+           json_string(row, "level"), json_number(row, "launches"));
+    print_plan(row);
+    if (!is_shared(row) && !json_true(row, "one_device"))
+        printf("  %s\n",
+               table_gain(share_of(row), json_number(row, "gain"), json_number(row, "gain_low"),
+                          json_number(row, "gain_high"), json_string(row, "verdict"))
+                   .chars);
+    if (json_number(row, "whole_ms") > 0)
+        printf("  %s\n",
+               table_whole(json_string(row, "whole"), json_number(row, "whole_gain"),
+                           json_number(row, "whole_gain_low"), json_number(row, "whole_gain_high"))
+                   .chars);
+    print_accuracy(row);
+    print_use(row);
+    if (json_true(row, "known"))
+        printf("  known: the same was measured before; --fresh measures it again\n");
+    print_kernels(row);
+}
+
+static void print_table(const cJSON *workloads)
+{
+    table t = table_begin("llrrrrlr");
+    table_words(&t, "workload", "plan", "ms", "gain %", "from", "to", "verdict", "seconds", NULL);
+    const cJSON *row;
+    cJSON_ArrayForEach(row, workloads) add_table_row(&t, row);
+    table_print(&t, stdout);
+    printf("plan: A's part of the work; B does the rest. ms: a step by this plan.\n"
+           "gain: by how much it is faster than the better device alone; it lies between\n"
+           "'from' and 'to' with 99 %% confidence.\n");
+    cJSON_ArrayForEach(row, workloads) print_details(row);
+}
+
+bool tune_report_end(tune_report *r, bool ok, duet_error *err)
+{
+    clear_line(r);
+    if (r->json && ok) {
+        cJSON *o = cJSON_CreateObject();
+        cJSON_AddItemToObject(o, "workloads", r->workloads);
+        return say_json(o, err);
+    }
+    if (!r->json && cJSON_GetArraySize(r->workloads) > 0)
+        print_table(r->workloads);
+    cJSON_Delete(r->workloads);
+    return true;
+}
