@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
 // duet profiles: looks into the profile store, and moves rows in and out.
-#define _POSIX_C_SOURCE 200809L
 #include "cli/commands/profiles.h"
 
 #include "base/clock.h"
 #include "base/error.h"
 #include "cli/commands.h"
 #include "cli/options.h"
-#include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "profiles/exchange.h"
@@ -18,7 +16,6 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <string.h>
-#include <time.h>
 
 typedef struct verb verb;
 
@@ -42,140 +39,6 @@ store *profiles_open(const char *path, store_access access, duet_error *err)
     return s;
 }
 
-profiles_date profiles_when(int64_t calendar_ns)
-{
-    profiles_date date = {""};
-    time_t seconds = (time_t)(calendar_ns / 1000000000);
-    struct tm parts;
-    if (calendar_ns > 0 && gmtime_r(&seconds, &parts))
-        strftime(date.chars, sizeof date.chars, "%Y-%m-%d %H:%M", &parts);
-    return date;
-}
-
-enum { UID_SHOWN = 8 }; // digits that tell profiles of one store apart
-
-static const char *or_none(const char *chars)
-{
-    return chars && *chars ? chars : "-";
-}
-
-static bool is_here(const profile_entry *e)
-{
-    char host[PROFILE_SHA];
-    profile_host(host);
-    return e->session.host && strcmp(e->session.host, host) == 0;
-}
-
-// --------------------------------------------------------------------------- JSON
-
-static void add_device(cJSON *o, const char *name, const profile_entry_device *d)
-{
-    cJSON *device = cJSON_AddObjectToObject(o, name);
-    cJSON_AddStringToObject(device, "name", d->name);
-    cJSON_AddStringToObject(device, "part", d->part ? d->part : "");
-    cJSON_AddStringToObject(device, "driver", d->driver);
-    cJSON_AddStringToObject(device, "platform_version", d->platform_version);
-}
-
-static void add_plan(cJSON *o, const profile_plan *plan)
-{
-    json_add_plan(o, plan->share / (double)PROFILE_SHARE_ONE, plan->mode, plan->variant_a,
-                  plan->variant_b);
-    cJSON_AddStringToObject(o, "level", plan->level);
-}
-
-cJSON *profiles_entry_json(const profile_entry *e)
-{
-    cJSON *o = cJSON_CreateObject();
-    cJSON_AddStringToObject(o, "uid", e->uid);
-    cJSON_AddBoolToObject(o, "live", !e->dead_reason);
-    if (e->dead_reason)
-        cJSON_AddStringToObject(o, "dead_reason", e->dead_reason);
-    cJSON_AddStringToObject(o, "scene", e->scene ? e->scene : "");
-    cJSON_AddStringToObject(o, "family", e->family);
-    cJSON_AddNumberToObject(o, "dims", (double)e->dims);
-    cJSON_AddNumberToObject(o, "objects", (double)e->n);
-    add_device(o, "a", &e->a);
-    add_device(o, "b", &e->b);
-    add_plan(o, &e->row.plan);
-    cJSON_AddNumberToObject(o, "ms", e->row.median_ns * 1e-6);
-    cJSON_AddNumberToObject(o, "low_ms", e->row.low_ns * 1e-6);
-    cJSON_AddNumberToObject(o, "high_ms", e->row.high_ns * 1e-6);
-    cJSON_AddNumberToObject(o, "gain", e->row.gain);
-    cJSON_AddNumberToObject(o, "gain_low", e->row.gain_low);
-    cJSON_AddNumberToObject(o, "gain_high", e->row.gain_high);
-    cJSON_AddStringToObject(o, "verdict", e->row.verdict);
-    cJSON_AddNumberToObject(o, "rounds", e->row.rounds);
-    cJSON_AddNumberToObject(o, "single_ms", e->row.single_ns * 1e-6);
-    if (e->row.whole_ns > 0) {
-        cJSON_AddNumberToObject(o, "whole_ms", e->row.whole_ns * 1e-6);
-        cJSON_AddNumberToObject(o, "whole_gain", e->row.whole_gain);
-        cJSON_AddNumberToObject(o, "whole_gain_low", e->row.whole_gain_low);
-        cJSON_AddNumberToObject(o, "whole_gain_high", e->row.whole_gain_high);
-    }
-    if (e->row.true_pairs >= 0) {
-        cJSON_AddNumberToObject(o, "missed_rate", e->row.missed_rate);
-        cJSON_AddNumberToObject(o, "false_rate", e->row.false_rate);
-        cJSON_AddNumberToObject(o, "true_pairs", (double)e->row.true_pairs);
-    }
-    if (e->row.terms)
-        json_add_object(o, "terms", e->row.terms);
-    cJSON_AddStringToObject(o, "objective", e->row.objective);
-    cJSON_AddStringToObject(o, "origin", e->row.origin);
-    cJSON_AddStringToObject(o, "kernels", e->row.kernels);
-    cJSON_AddStringToObject(o, "created", profiles_when(e->created_ns).chars);
-    cJSON_AddBoolToObject(o, "here", is_here(e));
-    return o;
-}
-
-static void add_session(cJSON *o, const profile_entry_session *s)
-{
-    if (!s->id)
-        return;
-    cJSON *session = cJSON_AddObjectToObject(o, "session");
-    cJSON_AddStringToObject(session, "id", s->id);
-    cJSON_AddStringToObject(session, "state", s->state);
-    cJSON_AddStringToObject(session, "strategy", s->strategy);
-    json_add_object(session, "options", s->options);
-    if (s->script)
-        cJSON_AddStringToObject(session, "script", s->script);
-    cJSON_AddStringToObject(session, "tool_version", s->tool_version);
-    cJSON_AddStringToObject(session, "host", s->host);
-    cJSON_AddNumberToObject(session, "seed", (double)s->seed);
-    cJSON_AddNumberToObject(session, "resumed", (double)s->resumed);
-    cJSON_AddNumberToObject(session, "launches", (double)s->launches);
-    cJSON_AddNumberToObject(session, "load", s->load);
-    cJSON_AddNumberToObject(session, "timer_ns", s->timer_ns);
-    cJSON_AddStringToObject(session, "started", profiles_when(s->started_ns).chars);
-    cJSON_AddStringToObject(session, "ended", profiles_when(s->ended_ns).chars);
-}
-
-static bool add_trial(void *context, int64_t number, const profile_trial *trial)
-{
-    cJSON *o = cJSON_CreateObject();
-    cJSON_AddNumberToObject(o, "number", (double)number);
-    add_plan(o, &trial->plan);
-    cJSON_AddStringToObject(o, "outcome", trial->outcome);
-    if (trial->reason)
-        cJSON_AddStringToObject(o, "reason", trial->reason);
-    cJSON_AddNumberToObject(o, "samples", trial->n_samples);
-    cJSON_AddNumberToObject(o, "outliers", trial->outliers);
-    cJSON_AddNumberToObject(o, "ms", trial->median_ns * 1e-6);
-    cJSON_AddNumberToObject(o, "low_ms", trial->low_ns * 1e-6);
-    cJSON_AddNumberToObject(o, "high_ms", trial->high_ns * 1e-6);
-    cJSON_AddNumberToObject(o, "a_ms", trial->a_ns * 1e-6);
-    cJSON_AddNumberToObject(o, "b_ms", trial->b_ns * 1e-6);
-    if (trial->terms)
-        json_add_object(o, "terms", trial->terms);
-    return cJSON_AddItemToArray(context, o);
-}
-
-bool profiles_add_trials(cJSON *o, store *s, const char *session, duet_error *err)
-{
-    cJSON *trials = cJSON_AddArrayToObject(o, "trials");
-    return !session || profile_trial_each(s, session, add_trial, trials, err);
-}
-
 // --------------------------------------------------------------------------- list
 
 static const option list_options[] = {
@@ -192,108 +55,10 @@ static const command_line list_line = {
     .options = list_options,
 };
 
-// Rows are gathered while the pair stays the same.
-typedef struct listing {
-    table rows;
-    text notes;
-    uint64_t n;
-    int64_t pair_id;
-    bool dead;
-    cJSON *json; // an array; NULL: prints
-} listing;
-
-static void print_device(const char *label, const profile_entry_device *d)
-{
-    printf("%s%s%s%s%s, driver %s\n", label, say_name(d->name).chars, d->part ? " [" : "",
-           say_name(d->part).chars, d->part ? "]" : "", say_name(d->driver).chars);
-}
-
-static table begin_rows(void)
-{
-    table t = table_begin("llrlrlllrrlll");
-    table_words(&t, "profile", "scene", "objects", "level", "share", "mode", "A", "B", "ms",
-                "gain %", "verdict", "when", "where", NULL);
-    return t;
-}
-
-static void add_row(table *t, const profile_entry *e)
-{
-    const profile_row *row = &e->row;
-    const char *where = is_here(e) ? "here" : "elsewhere";
-    table_cell(t, "%.*s", UID_SHOWN, e->uid);
-    table_words(t, or_none(e->scene), table_count((uint64_t)e->n).chars, row->plan.level, NULL);
-    table_cell(t, "%.4f", row->plan.share / (double)PROFILE_SHARE_ONE);
-    table_words(t, row->plan.mode, row->plan.variant_a, row->plan.variant_b, NULL);
-    table_cell(t, "%.3f", row->median_ns * 1e-6);
-    if (row->plan.share > 0 && row->plan.share < PROFILE_SHARE_ONE)
-        table_cell(t, "%+.1f", 100 * row->gain);
-    else
-        table_words(t, "-", NULL);
-    table_words(t,
-                row->plan.share == 0                   ? "B alone"
-                : row->plan.share == PROFILE_SHARE_ONE ? "A alone"
-                                                       : row->verdict,
-                profiles_when(e->created_ns).chars, e->dead_reason ? e->dead_reason : where, NULL);
-}
-
-// Below the table, since it is said of few rows.
-static void note_whole(text *notes, const profile_entry *e)
-{
-    const profile_row *row = &e->row;
-    if (row->whole_ns > 0 && row->whole_gain_high < 0)
-        text_add(notes, "%.*s: %s\n", UID_SHOWN, e->uid,
-                 table_whole(e->a.name, row->whole_gain, row->whole_gain_low, row->whole_gain_high)
-                     .chars);
-}
-
-static void print_rows(listing *l)
-{
-    table_print(&l->rows, stdout);
-    say_lines(text_chars(&l->notes));
-    text_free(&l->notes);
-}
-
-static bool list_entry(void *context, const profile_entry *e)
-{
-    listing *l = context;
-    ++l->n;
-    if (l->json)
-        return cJSON_AddItemToArray(l->json, profiles_entry_json(e));
-    bool dead = e->dead_reason != NULL;
-    if (l->n == 1 || e->row.pair_id != l->pair_id || dead != l->dead) {
-        if (l->n > 1) {
-            print_rows(l);
-            printf("\n");
-        }
-        if (dead && (l->n == 1 || !l->dead))
-            printf("not used:\n");
-        print_device("A: ", &e->a);
-        print_device("B: ", &e->b);
-        l->rows = begin_rows();
-    }
-    add_row(&l->rows, e);
-    note_whole(&l->notes, e);
-    l->pair_id = e->row.pair_id;
-    l->dead = dead;
-    return true;
-}
-
 static bool list(store *s, const arguments *args, char **operands, duet_error *err)
 {
     (void)operands;
-    cJSON *o = args->json ? cJSON_CreateObject() : NULL;
-    listing l = {.json = o ? cJSON_AddArrayToObject(o, "profiles") : NULL};
-    if (o)
-        cJSON_AddStringToObject(o, "store", store_path(s));
-    bool ok = profile_entry_each(s, NULL, args->dead, list_entry, &l, err);
-    if (!o && l.n > 0)
-        print_rows(&l);
-    else if (!o && ok)
-        printf("%s: no profiles yet; duet tune makes them\n", say_name(store_path(s)).chars);
-    if (ok && o)
-        return say_json(o, err);
-    cJSON_Delete(o);
-    return ok;
+    return profiles_list(s, args->dead, args->json, err);
 }
 
 // --------------------------------------------------------------------------- show
@@ -314,132 +79,9 @@ static const command_line show_line = {
     .options = show_options,
 };
 
-static bool add_trial_row(void *context, int64_t number, const profile_trial *trial)
-{
-    table *t = context;
-    table_cell(t, "%" PRId64, number);
-    table_cell(t, "%.4f", trial->plan.share / (double)PROFILE_SHARE_ONE);
-    table_words(t, trial->plan.mode, trial->plan.variant_a, trial->plan.variant_b, NULL);
-    table_cell(t, "%u", trial->n_samples);
-    table_cell(t, "%.3f", trial->median_ns * 1e-6);
-    table_cell(t, "%.3f", trial->low_ns * 1e-6);
-    table_cell(t, "%.3f", trial->high_ns * 1e-6);
-    table_cell(t, "%.3f", trial->a_ns * 1e-6);
-    table_cell(t, "%.3f", trial->b_ns * 1e-6);
-    table_cell(t, "%s%s%s", trial->outcome, trial->reason ? ": " : "",
-               trial->reason ? trial->reason : "");
-    return true;
-}
-
-static void print_lines(const char *label, const char *lines)
-{
-    printf("%s", label);
-    say_lines(lines);
-    printf("\n");
-}
-
-static void print_session(const profile_entry *e)
-{
-    const profile_entry_session *s = &e->session;
-    if (!s->id) {
-        printf("session   none: put in by hand\n");
-        return;
-    }
-    printf("session   %s, %s, duet %s on %s machine, load %.2f, clock of %.0f ns\n",
-           say_name(s->id).chars, say_name(s->state).chars, say_name(s->tool_version).chars,
-           is_here(e) ? "this" : "another", s->load, s->timer_ns);
-    printf("search    %s, seed %" PRId64 ", %" PRId64 " trials, %" PRId64
-           " launches, resumed %" PRId64 " times\n",
-           say_name(s->strategy).chars, s->seed, s->trials, s->launches, s->resumed);
-    print_lines("options   ", s->options);
-    printf("when      %s to %s UTC\n", profiles_when(s->started_ns).chars,
-           or_none(profiles_when(s->ended_ns).chars));
-    if (s->script)
-        print_lines("script\n", s->script);
-}
-
-static void print_entry(const profile_entry *e)
-{
-    const profile_row *row = &e->row;
-    printf("profile   %s%s%s\n", say_name(e->uid).chars, e->dead_reason ? ", dead: " : "",
-           say_name(e->dead_reason).chars);
-    print_device("A         ", &e->a);
-    print_device("B         ", &e->b);
-    printf("workload  %s, %s objects: %s\n", say_name(or_none(e->scene)).chars,
-           table_count((uint64_t)e->n).chars, say_name(e->family).chars);
-    printf("plan      share %.5f (%u of %d), mode %s, A %s, B %s, level %s\n",
-           row->plan.share / (double)PROFILE_SHARE_ONE, row->plan.share, PROFILE_SHARE_ONE,
-           say_name(row->plan.mode).chars, say_name(row->plan.variant_a).chars,
-           say_name(row->plan.variant_b).chars, say_name(row->plan.level).chars);
-    printf("step      %.4f ms (%.4f to %.4f)\n", row->median_ns * 1e-6, row->low_ns * 1e-6,
-           row->high_ns * 1e-6);
-    table_text gain =
-        table_gain(row->plan.share, row->gain, row->gain_low, row->gain_high, row->verdict);
-    printf("gain      %s\n", say_name(gain.chars).chars);
-    if (row->rounds > 0)
-        printf("rounds    %u\n", row->rounds);
-    if (row->whole_ns > 0)
-        printf("whole     %.4f ms; %s\n", row->whole_ns * 1e-6,
-               say_name(table_whole(e->a.name, row->whole_gain, row->whole_gain_low,
-                                    row->whole_gain_high)
-                            .chars)
-                   .chars);
-    if (row->true_pairs < 0)
-        printf("accuracy  was not measured\n");
-    else
-        printf("accuracy  by %s true pairs %g are missed, %g invented\n",
-               table_count((uint64_t)row->true_pairs).chars, row->missed_rate, row->false_rate);
-    if (row->terms)
-        print_lines("terms     ", row->terms);
-    printf("kernels   %s\n", say_name(row->kernels).chars);
-    print_session(e);
-}
-
-// Prints while the entry is there, since it is gone after the visit.
-typedef struct showing {
-    store *s;
-    bool json;
-    bool ok;
-    duet_error *err;
-} showing;
-
-static bool show_json(showing *show, const profile_entry *e)
-{
-    cJSON *o = profiles_entry_json(e);
-    bool ok = profiles_add_trials(o, show->s, e->session.id, show->err);
-    add_session(o, &e->session);
-    if (ok)
-        return say_json(o, show->err);
-    cJSON_Delete(o);
-    return false;
-}
-
-static bool show_text(showing *show, const profile_entry *e)
-{
-    print_entry(e);
-    if (!e->session.id)
-        return true;
-    table t = table_begin("rrlllrrrrrrl");
-    table_words(&t, "trial", "share", "mode", "A", "B", "samples", "ms", "low", "high", "A ms",
-                "B ms", "outcome", NULL);
-    bool ok = profile_trial_each(show->s, e->session.id, add_trial_row, &t, show->err);
-    table_print(&t, stdout);
-    return ok;
-}
-
-static bool show_entry(void *context, const profile_entry *e)
-{
-    showing *show = context;
-    show->ok = show->json ? show_json(show, e) : show_text(show, e);
-    return false;
-}
-
 static bool show(store *s, const arguments *args, char **operands, duet_error *err)
 {
-    char uid[PROFILE_ID];
-    showing sh = {.s = s, .json = args->json, .err = err};
-    return profile_find(s, operands[0], uid, err) &&
-           profile_entry_each(s, uid, true, show_entry, &sh, err) && sh.ok;
+    return profiles_show(s, operands[0], args->json, err);
 }
 
 // --------------------------------------------------------------------------- diff

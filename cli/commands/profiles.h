@@ -9,24 +9,17 @@
 
 int profiles_why(int argc, char **argv);
 
+bool profiles_list(store *s, bool dead, bool json, duet_error *err);
+
+// A profile, named by its first digits.
+bool profiles_show(store *s, const char *uid, bool json, duet_error *err);
+
 // Two profiles, named by their first digits, and which is the quicker.
 bool profiles_diff(store *s, const char *first, const char *second, bool json, duet_error *err);
 
 // Opens the store at path, or the user's where that is NULL, and tells on
 // stderr what should be known of it.
 store *profiles_open(const char *path, store_access access, duet_error *err);
-
-// "2026-11-21 08:17", UTC; empty for 0.
-typedef struct profiles_date {
-    char chars[32];
-} profiles_date;
-
-profiles_date profiles_when(int64_t calendar_ns);
-
-// A profile as `duet profiles` prints it, and the trials of its session, which may be
-// NULL.
-struct cJSON *profiles_entry_json(const profile_entry *e);
-bool profiles_add_trials(struct cJSON *o, store *s, const char *session, duet_error *err);
 
 #define PROFILE_OPTION_ROW(member) \
     OPTION_TEXT("profile", member, "FILE", "the store (DUET_PROFILE, or the user's own)")

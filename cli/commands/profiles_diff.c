@@ -2,6 +2,7 @@
 // duet profiles diff: two profiles side by side, and which is the quicker.
 #include "cli/commands/profiles.h"
 #include "cli/report/json.h"
+#include "cli/report/profile_report.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 
@@ -9,7 +10,7 @@
 
 static bool keep_json(void *context, const profile_entry *e)
 {
-    cJSON *o = profiles_entry_json(e);
+    cJSON *o = profile_report_json(e);
     if (e->session.strategy)
         cJSON_AddStringToObject(o, "strategy", e->session.strategy);
     if (e->session.options)

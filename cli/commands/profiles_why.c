@@ -5,6 +5,7 @@
 #include "cli/inputs.h"
 #include "cli/options.h"
 #include "cli/report/json.h"
+#include "cli/report/profile_report.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "runtime/selection/profile_subject.h"
@@ -151,7 +152,7 @@ static bool print_json(const answer *a, duet_error *err)
             cJSON_AddNumberToObject(o, "whole_gain_high", found->whole_gain_high);
         }
         cJSON_AddStringToObject(o, "uid", found->uid);
-        cJSON_AddStringToObject(o, "created", profiles_when(found->created_ns).chars);
+        cJSON_AddStringToObject(o, "created", profile_report_when(found->created_ns).chars);
     }
     cJSON *why = cJSON_AddArrayToObject(o, "why");
     for (const char *at = text_chars(&a->why); *at;) {

@@ -4,7 +4,7 @@
 #include "base/blob.h"
 #include "base/error.h"
 #include "base/visible.h"
-#include "cli/commands/profiles.h"
+#include "cli/report/profile_report.h"
 #include "gen/script.h"
 #include "runtime/duet.h"
 
@@ -40,12 +40,12 @@ typedef struct gathering {
 static bool gather(void *context, const profile_entry *e)
 {
     gathering *g = context;
-    cJSON *o = profiles_entry_json(e);
+    cJSON *o = profile_report_json(e);
     cJSON_AddNumberToObject(o, "pair_id", (double)e->row.pair_id);
     cJSON_AddNumberToObject(o, "workload_id", (double)e->row.workload_id);
     cJSON_AddNumberToObject(o, "created_ns", (double)e->created_ns);
     cJSON_AddItemToArray(g->profiles, o);
-    g->ok = e->dead_reason || profiles_add_trials(o, g->s, e->session.id, g->err);
+    g->ok = e->dead_reason || profile_report_add_trials(o, g->s, e->session.id, g->err);
     return g->ok;
 }
 

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// duet profiles list: the profiles by device pair and size.
+#include "cli/commands/profiles.h"
+#include "cli/report/profile_report.h"
+#include "cli/report/table.h"
+#include "cli/say.h"
+
+#include <stdio.h>
+
+enum { UID_SHOWN = 8 }; // digits that tell profiles of one store apart
+
+// Rows are gathered while the pair stays the same.
+typedef struct listing {
+    table rows;
+    text notes;
+    uint64_t n;
+    int64_t pair_id;
+    bool dead;
+    cJSON *json; // an array; NULL: prints
+} listing;
+
+static table begin_rows(void)
+{
+    table t = table_begin("llrlrlllrrlll");
+    table_words(&t, "profile", "scene", "objects", "level", "share", "mode", "A", "B", "ms",
+                "gain %", "verdict", "when", "where", NULL);
+    return t;
+}
+
+static void add_row(table *t, const profile_entry *e)
+{
+    const profile_row *row = &e->row;
+    const char *where = profile_report_is_here(e) ? "here" : "elsewhere";
+    table_cell(t, "%.*s", UID_SHOWN, e->uid);
+    table_words(t, e->scene && *e->scene ? e->scene : "-", table_count((uint64_t)e->n).chars,
+                row->plan.level, NULL);
+    table_cell(t, "%.4f", row->plan.share / (double)PROFILE_SHARE_ONE);
+    table_words(t, row->plan.mode, row->plan.variant_a, row->plan.variant_b, NULL);
+    table_cell(t, "%.3f", row->median_ns * 1e-6);
+    if (row->plan.share > 0 && row->plan.share < PROFILE_SHARE_ONE)
+        table_cell(t, "%+.1f", 100 * row->gain);
+    else
+        table_words(t, "-", NULL);
+    table_words(t,
+                row->plan.share == 0                   ? "B alone"
+                : row->plan.share == PROFILE_SHARE_ONE ? "A alone"
+                                                       : row->verdict,
+                profile_report_when(e->created_ns).chars, e->dead_reason ? e->dead_reason : where,
+                NULL);
+}
+
+// Below the table, since it is said of few rows.
+static void note_whole(text *notes, const profile_entry *e)
+{
+    const profile_row *row = &e->row;
+    if (row->whole_ns > 0 && row->whole_gain_high < 0)
+        text_add(notes, "%.*s: %s\n", UID_SHOWN, e->uid,
+                 table_whole(e->a.name, row->whole_gain, row->whole_gain_low, row->whole_gain_high)
+                     .chars);
+}
+
+static void print_rows(listing *l)
+{
+    table_print(&l->rows, stdout);
+    say_lines(text_chars(&l->notes));
+    text_free(&l->notes);
+}
+
+static bool list_entry(void *context, const profile_entry *e)
+{
+    listing *l = context;
+    ++l->n;
+    if (l->json)
+        return cJSON_AddItemToArray(l->json, profile_report_json(e));
+    bool dead = e->dead_reason != NULL;
+    if (l->n == 1 || e->row.pair_id != l->pair_id || dead != l->dead) {
+        if (l->n > 1) {
+            print_rows(l);
+            printf("\n");
+        }
+        if (dead && (l->n == 1 || !l->dead))
+            printf("not used:\n");
+        profile_report_device("A: ", &e->a);
+        profile_report_device("B: ", &e->b);
+        l->rows = begin_rows();
+    }
+    add_row(&l->rows, e);
+    note_whole(&l->notes, e);
+    l->pair_id = e->row.pair_id;
+    l->dead = dead;
+    return true;
+}
+
+bool profiles_list(store *s, bool dead, bool json, duet_error *err)
+{
+    cJSON *o = json ? cJSON_CreateObject() : NULL;
+    listing l = {.json = o ? cJSON_AddArrayToObject(o, "profiles") : NULL};
+    if (o)
+        cJSON_AddStringToObject(o, "store", store_path(s));
+    bool ok = profile_entry_each(s, NULL, dead, list_entry, &l, err);
+    if (!o && l.n > 0)
+        print_rows(&l);
+    else if (!o && ok)
+        printf("%s: no profiles yet; duet tune makes them\n", say_name(store_path(s)).chars);
+    if (ok && o)
+        return say_json(o, err);
+    cJSON_Delete(o);
+    return ok;
+}

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// duet profiles show: a profile with the session it comes from and all its trials.
+#include "cli/commands/profiles.h"
+#include "cli/report/profile_report.h"
+#include "cli/report/table.h"
+#include "cli/say.h"
+
+#include <inttypes.h>
+
+static bool add_trial_row(void *context, int64_t number, const profile_trial *trial)
+{
+    table *t = context;
+    table_cell(t, "%" PRId64, number);
+    table_cell(t, "%.4f", trial->plan.share / (double)PROFILE_SHARE_ONE);
+    table_words(t, trial->plan.mode, trial->plan.variant_a, trial->plan.variant_b, NULL);
+    table_cell(t, "%u", trial->n_samples);
+    table_cell(t, "%.3f", trial->median_ns * 1e-6);
+    table_cell(t, "%.3f", trial->low_ns * 1e-6);
+    table_cell(t, "%.3f", trial->high_ns * 1e-6);
+    table_cell(t, "%.3f", trial->a_ns * 1e-6);
+    table_cell(t, "%.3f", trial->b_ns * 1e-6);
+    table_cell(t, "%s%s%s", trial->outcome, trial->reason ? ": " : "",
+               trial->reason ? trial->reason : "");
+    return true;
+}
+
+// Prints while the entry is there, since it is gone after the visit.
+typedef struct showing {
+    store *s;
+    bool json;
+    bool ok;
+    duet_error *err;
+} showing;
+
+static bool show_json(showing *show, const profile_entry *e)
+{
+    cJSON *o = profile_report_json(e);
+    bool ok = profile_report_add_trials(o, show->s, e->session.id, show->err);
+    profile_report_add_session(o, &e->session);
+    if (ok)
+        return say_json(o, show->err);
+    cJSON_Delete(o);
+    return false;
+}
+
+static bool show_text(showing *show, const profile_entry *e)
+{
+    profile_report_text(e);
+    if (!e->session.id)
+        return true;
+    table t = table_begin("rrlllrrrrrrl");
+    table_words(&t, "trial", "share", "mode", "A", "B", "samples", "ms", "low", "high", "A ms",
+                "B ms", "outcome", NULL);
+    bool ok = profile_trial_each(show->s, e->session.id, add_trial_row, &t, show->err);
+    table_print(&t, stdout);
+    return ok;
+}
+
+static bool show_entry(void *context, const profile_entry *e)
+{
+    showing *show = context;
+    show->ok = show->json ? show_json(show, e) : show_text(show, e);
+    return false;
+}
+
+bool profiles_show(store *s, const char *uid, bool json, duet_error *err)
+{
+    char whole[PROFILE_ID];
+    showing sh = {.s = s, .json = json, .err = err};
+    return profile_find(s, uid, whole, err) &&
+           profile_entry_each(s, whole, true, show_entry, &sh, err) && sh.ok;
+}

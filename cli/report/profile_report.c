@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+#define _POSIX_C_SOURCE 200809L
+#include "cli/report/profile_report.h"
+
+#include "cli/report/table.h"
+#include "cli/say.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+profile_report_date profile_report_when(int64_t calendar_ns)
+{
+    profile_report_date date = {""};
+    time_t seconds = (time_t)(calendar_ns / 1000000000);
+    struct tm parts;
+    if (calendar_ns > 0 && gmtime_r(&seconds, &parts))
+        strftime(date.chars, sizeof date.chars, "%Y-%m-%d %H:%M", &parts);
+    return date;
+}
+
+bool profile_report_is_here(const profile_entry *e)
+{
+    char host[PROFILE_SHA];
+    profile_host(host);
+    return e->session.host && strcmp(e->session.host, host) == 0;
+}
+
+// --------------------------------------------------------------------------- JSON
+
+static void add_device(cJSON *o, const char *name, const profile_entry_device *d)
+{
+    cJSON *device = cJSON_AddObjectToObject(o, name);
+    cJSON_AddStringToObject(device, "name", d->name);
+    cJSON_AddStringToObject(device, "part", d->part ? d->part : "");
+    cJSON_AddStringToObject(device, "driver", d->driver);
+    cJSON_AddStringToObject(device, "platform_version", d->platform_version);
+}
+
+static void add_plan(cJSON *o, const profile_plan *plan)
+{
+    json_add_plan(o, plan->share / (double)PROFILE_SHARE_ONE, plan->mode, plan->variant_a,
+                  plan->variant_b);
+    cJSON_AddStringToObject(o, "level", plan->level);
+}
+
+cJSON *profile_report_json(const profile_entry *e)
+{
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "uid", e->uid);
+    cJSON_AddBoolToObject(o, "live", !e->dead_reason);
+    if (e->dead_reason)
+        cJSON_AddStringToObject(o, "dead_reason", e->dead_reason);
+    cJSON_AddStringToObject(o, "scene", e->scene ? e->scene : "");
+    cJSON_AddStringToObject(o, "family", e->family);
+    cJSON_AddNumberToObject(o, "dims", (double)e->dims);
+    cJSON_AddNumberToObject(o, "objects", (double)e->n);
+    add_device(o, "a", &e->a);
+    add_device(o, "b", &e->b);
+    add_plan(o, &e->row.plan);
+    cJSON_AddNumberToObject(o, "ms", e->row.median_ns * 1e-6);
+    cJSON_AddNumberToObject(o, "low_ms", e->row.low_ns * 1e-6);
+    cJSON_AddNumberToObject(o, "high_ms", e->row.high_ns * 1e-6);
+    cJSON_AddNumberToObject(o, "gain", e->row.gain);
+    cJSON_AddNumberToObject(o, "gain_low", e->row.gain_low);
+    cJSON_AddNumberToObject(o, "gain_high", e->row.gain_high);
+    cJSON_AddStringToObject(o, "verdict", e->row.verdict);
+    cJSON_AddNumberToObject(o, "rounds", e->row.rounds);
+    cJSON_AddNumberToObject(o, "single_ms", e->row.single_ns * 1e-6);
+    if (e->row.whole_ns > 0) {
+        cJSON_AddNumberToObject(o, "whole_ms", e->row.whole_ns * 1e-6);
+        cJSON_AddNumberToObject(o, "whole_gain", e->row.whole_gain);
+        cJSON_AddNumberToObject(o, "whole_gain_low", e->row.whole_gain_low);
+        cJSON_AddNumberToObject(o, "whole_gain_high", e->row.whole_gain_high);
+    }
+    if (e->row.true_pairs >= 0) {
+        cJSON_AddNumberToObject(o, "missed_rate", e->row.missed_rate);
+        cJSON_AddNumberToObject(o, "false_rate", e->row.false_rate);
+        cJSON_AddNumberToObject(o, "true_pairs", (double)e->row.true_pairs);
+    }
+    if (e->row.terms)
+        json_add_object(o, "terms", e->row.terms);
+    cJSON_AddStringToObject(o, "objective", e->row.objective);
+    cJSON_AddStringToObject(o, "origin", e->row.origin);
+    cJSON_AddStringToObject(o, "kernels", e->row.kernels);
+    cJSON_AddStringToObject(o, "created", profile_report_when(e->created_ns).chars);
+    cJSON_AddBoolToObject(o, "here", profile_report_is_here(e));
+    return o;
+}
+
+void profile_report_add_session(cJSON *o, const profile_entry_session *s)
+{
+    if (!s->id)
+        return;
+    cJSON *session = cJSON_AddObjectToObject(o, "session");
+    cJSON_AddStringToObject(session, "id", s->id);
+    cJSON_AddStringToObject(session, "state", s->state);
+    cJSON_AddStringToObject(session, "strategy", s->strategy);
+    json_add_object(session, "options", s->options);
+    if (s->script)
+        cJSON_AddStringToObject(session, "script", s->script);
+    cJSON_AddStringToObject(session, "tool_version", s->tool_version);
+    cJSON_AddStringToObject(session, "host", s->host);
+    cJSON_AddNumberToObject(session, "seed", (double)s->seed);
+    cJSON_AddNumberToObject(session, "resumed", (double)s->resumed);
+    cJSON_AddNumberToObject(session, "launches", (double)s->launches);
+    cJSON_AddNumberToObject(session, "load", s->load);
+    cJSON_AddNumberToObject(session, "timer_ns", s->timer_ns);
+    cJSON_AddStringToObject(session, "started", profile_report_when(s->started_ns).chars);
+    cJSON_AddStringToObject(session, "ended", profile_report_when(s->ended_ns).chars);
+}
+
+static bool add_trial(void *context, int64_t number, const profile_trial *trial)
+{
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddNumberToObject(o, "number", (double)number);
+    add_plan(o, &trial->plan);
+    cJSON_AddStringToObject(o, "outcome", trial->outcome);
+    if (trial->reason)
+        cJSON_AddStringToObject(o, "reason", trial->reason);
+    cJSON_AddNumberToObject(o, "samples", trial->n_samples);
+    cJSON_AddNumberToObject(o, "outliers", trial->outliers);
+    cJSON_AddNumberToObject(o, "ms", trial->median_ns * 1e-6);
+    cJSON_AddNumberToObject(o, "low_ms", trial->low_ns * 1e-6);
+    cJSON_AddNumberToObject(o, "high_ms", trial->high_ns * 1e-6);
+    cJSON_AddNumberToObject(o, "a_ms", trial->a_ns * 1e-6);
+    cJSON_AddNumberToObject(o, "b_ms", trial->b_ns * 1e-6);
+    if (trial->terms)
+        json_add_object(o, "terms", trial->terms);
+    return cJSON_AddItemToArray(context, o);
+}
+
+bool profile_report_add_trials(cJSON *o, store *s, const char *session, duet_error *err)
+{
+    cJSON *trials = cJSON_AddArrayToObject(o, "trials");
+    return !session || profile_trial_each(s, session, add_trial, trials, err);
+}
+
+// --------------------------------------------------------------------------- text
+
+static const char *or_none(const char *chars)
+{
+    return chars && *chars ? chars : "-";
+}
+
+void profile_report_device(const char *label, const profile_entry_device *d)
+{
+    printf("%s%s%s%s%s, driver %s\n", label, say_name(d->name).chars, d->part ? " [" : "",
+           say_name(d->part).chars, d->part ? "]" : "", say_name(d->driver).chars);
+}
+
+static void print_lines(const char *label, const char *lines)
+{
+    printf("%s", label);
+    say_lines(lines);
+    printf("\n");
+}
+
+static void print_session(const profile_entry *e)
+{
+    const profile_entry_session *s = &e->session;
+    if (!s->id) {
+        printf("session   none: put in by hand\n");
+        return;
+    }
+    printf("session   %s, %s, duet %s on %s machine, load %.2f, clock of %.0f ns\n",
+           say_name(s->id).chars, say_name(s->state).chars, say_name(s->tool_version).chars,
+           profile_report_is_here(e) ? "this" : "another", s->load, s->timer_ns);
+    printf("search    %s, seed %" PRId64 ", %" PRId64 " trials, %" PRId64
+           " launches, resumed %" PRId64 " times\n",
+           say_name(s->strategy).chars, s->seed, s->trials, s->launches, s->resumed);
+    print_lines("options   ", s->options);
+    printf("when      %s to %s UTC\n", profile_report_when(s->started_ns).chars,
+           or_none(profile_report_when(s->ended_ns).chars));
+    if (s->script)
+        print_lines("script\n", s->script);
+}
+
+void profile_report_text(const profile_entry *e)
+{
+    const profile_row *row = &e->row;
+    printf("profile   %s%s%s\n", say_name(e->uid).chars, e->dead_reason ? ", dead: " : "",
+           say_name(e->dead_reason).chars);
+    profile_report_device("A         ", &e->a);
+    profile_report_device("B         ", &e->b);
+    printf("workload  %s, %s objects: %s\n", say_name(or_none(e->scene)).chars,
+           table_count((uint64_t)e->n).chars, say_name(e->family).chars);
+    printf("plan      share %.5f (%u of %d), mode %s, A %s, B %s, level %s\n",
+           row->plan.share / (double)PROFILE_SHARE_ONE, row->plan.share, PROFILE_SHARE_ONE,
+           say_name(row->plan.mode).chars, say_name(row->plan.variant_a).chars,
+           say_name(row->plan.variant_b).chars, say_name(row->plan.level).chars);
+    printf("step      %.4f ms (%.4f to %.4f)\n", row->median_ns * 1e-6, row->low_ns * 1e-6,
+           row->high_ns * 1e-6);
+    table_text gain =
+        table_gain(row->plan.share, row->gain, row->gain_low, row->gain_high, row->verdict);
+    printf("gain      %s\n", say_name(gain.chars).chars);
+    if (row->rounds > 0)
+        printf("rounds    %u\n", row->rounds);
+    if (row->whole_ns > 0)
+        printf("whole     %.4f ms; %s\n", row->whole_ns * 1e-6,
+               say_name(table_whole(e->a.name, row->whole_gain, row->whole_gain_low,
+                                    row->whole_gain_high)
+                            .chars)
+                   .chars);
+    if (row->true_pairs < 0)
+        printf("accuracy  was not measured\n");
+    else
+        printf("accuracy  by %s true pairs %g are missed, %g invented\n",
+               table_count((uint64_t)row->true_pairs).chars, row->missed_rate, row->false_rate);
+    if (row->terms)
+        print_lines("terms     ", row->terms);
+    printf("kernels   %s\n", say_name(row->kernels).chars);
+    print_session(e);
+}
