@@ -456,15 +456,6 @@ bool script_run(script *s, const char *name, const char *chars, size_t n, int n_
     return ok;
 }
 
-bool script_run_file(script *s, const char *path, int n_results, duet_error *err)
-{
-    text chars = {0};
-    bool ok = text_read_file(&chars, path, err) &&
-              script_run(s, path, chars.chars, chars.length, n_results, err);
-    text_free(&chars);
-    return ok;
-}
-
 // ---------------------------------------------------------------- names
 
 // The registry's table of the objects that were shown, with their numbers.

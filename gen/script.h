@@ -47,7 +47,6 @@ bool script_call(script *s, int n_args, int n_results, duet_error *err);
 // Both of the above, without arguments.
 bool script_run(script *s, const char *name, const char *chars, size_t n, int n_results,
                 duet_error *err);
-bool script_run_file(script *s, const char *path, int n_results, duet_error *err);
 
 // The text of the chunk loaded last, and its name, until the next is loaded.
 const char *script_chunk(lua_State *L, const char **name);

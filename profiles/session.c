@@ -261,7 +261,8 @@ void profile_resumed_free(profile_resumed *resumed)
     text_free(&resumed->search_state);
 }
 
-bool profile_session_save(store *s, const char *id, const char *search_state, duet_error *err)
+// Keeps the search's state, a JSON object, and shows that the owner lives.
+static bool save_state(store *s, const char *id, const char *search_state, duet_error *err)
 {
     if (search_state && !sql_check_object("a search's state", search_state, err))
         return false;
@@ -377,7 +378,7 @@ bool profile_trial_add(store *s, const char *session, const profile_trial *trial
         return false;
     if (!store_begin(s, err))
         return false;
-    bool ok = profile_session_save(s, session, search_state, err);
+    bool ok = save_state(s, session, search_state, err);
     ok = ok && sql_find(s, "SELECT count(*) FROM trial WHERE session_id = ?", session, number, err);
     ok = ok && insert_trial(s, session, *number, trial, err);
     ok = ok && insert_samples(s, sqlite3_last_insert_rowid(s->db), trial, err);

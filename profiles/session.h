@@ -61,9 +61,6 @@ bool profile_session_resume(store *s, const profile_session *session, profile_re
                             duet_error *err);
 void profile_resumed_free(profile_resumed *resumed);
 
-// Keeps the search's state, a JSON object, and shows that the owner lives.
-bool profile_session_save(store *s, const char *id, const char *search_state, duet_error *err);
-
 // how: "complete", "stopped" (to be resumed) or "failed". A complete session's
 // trials enter the fits of its devices.
 bool profile_session_end(store *s, const char *id, const char *how, duet_error *err);

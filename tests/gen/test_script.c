@@ -278,18 +278,6 @@ static void memory_that_ends_while_the_stack_grows_is_told_with_a_line(void **st
     }
 }
 
-static void a_missing_file_is_named(void **state)
-{
-    (void)state;
-    duet_error err = {0};
-    script *s = script_open(NULL, &err);
-    assert_ok(s, err);
-    assert_false(script_run_file(s, "no/such.lua", 0, &err));
-    assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
-    assert_non_null(strstr(err.text, "no/such.lua"));
-    script_close(s);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -308,7 +296,6 @@ int main(void)
         cmocka_unit_test(few_instructions_that_move_many_bytes_end_in_time),
         cmocka_unit_test(too_little_memory_for_a_state_is_an_error),
         cmocka_unit_test(memory_that_ends_while_the_stack_grows_is_told_with_a_line),
-        cmocka_unit_test(a_missing_file_is_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
