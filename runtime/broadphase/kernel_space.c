@@ -44,13 +44,10 @@ static const part_choice *find_choice(const part *p, const char *param)
 
 static bool set_by_variant(const part *p, const char *kernel_name, const char *param)
 {
-    for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
-        const char *whose = p->variant.settings[i].kernel;
-        if (strcmp(p->variant.settings[i].name, param) == 0 &&
-            (!*whose || strcmp(whose, kernel_name) == 0))
-            return true;
-    }
-    return false;
+    bool set = false;
+    for (uint32_t i = 0; i < p->variant.n_settings && !set; ++i)
+        set = variant_sets(&p->variant, i, kernel_name, param);
+    return set;
 }
 
 static bool is_free(const part *p, const char *kernel_name, const gen_param *param)

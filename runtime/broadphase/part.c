@@ -104,17 +104,11 @@ void part_close(part *p)
 
 enum { MAX_SETTINGS = 24 };
 
-static bool is_meant(const variant *v, uint32_t i, const char *kernel_name)
-{
-    return !v->settings[i].kernel[0] || strcmp(v->settings[i].kernel, kernel_name) == 0;
-}
-
 static bool set_by_variant(part *p, const char *kernel_name, const part_choice *choices,
                            uint32_t n_choices, gen_setting *setting, duet_error *err)
 {
     for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
-        if (!is_meant(&p->variant, i, kernel_name) ||
-            strcmp(p->variant.settings[i].name, setting->name) != 0)
+        if (!variant_sets(&p->variant, i, kernel_name, setting->name))
             continue;
         for (uint32_t k = 0; k < n_choices; ++k)
             if (strcmp(choices[k].name, setting->name) == 0 && !choices[k].open)

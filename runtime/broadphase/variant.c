@@ -134,3 +134,9 @@ bool variant_parse(variant *v, const char *text, const duet_device_info *device,
         ok = take_setting(v, word, err);
     return ok;
 }
+
+bool variant_sets(const variant *v, uint32_t i, const char *kernel, const char *param)
+{
+    const char *whose = v->settings[i].kernel;
+    return strcmp(v->settings[i].name, param) == 0 && (!*whose || strcmp(whose, kernel) == 0);
+}

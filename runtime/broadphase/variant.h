@@ -52,4 +52,7 @@ typedef struct variant {
 // BAD_ARGUMENT names the word that is wrong and what would be right.
 bool variant_parse(variant *v, const char *text, const duet_device_info *device, duet_error *err);
 
+// Whether setting i is one of that parameter of that kernel.
+bool variant_sets(const variant *v, uint32_t i, const char *kernel, const char *param);
+
 #endif
