@@ -150,10 +150,7 @@ static bool list_configs(const part *p, const kernel *k, kernel_space *space, se
 static const kernel *running(const part *p, uint32_t i)
 {
     const kernel *k = *(kernel *const *)((const char *)p + kernels[i].at);
-    size_t length = strlen(kernels[i].name);
-    bool named = k && strncmp(k->name, kernels[i].name, length) == 0 &&
-                 (k->name[length] == '.' || !k->name[length]);
-    return named ? k : NULL;
+    return kernel_is(k, kernels[i].name) ? k : NULL;
 }
 
 static bool read_kernel(const part *p, uint32_t i, const kernel *k, kernel_space *space,

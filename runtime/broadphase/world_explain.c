@@ -123,11 +123,8 @@ static const char *why_not(const part *p, reason left_out)
 static const kernel *running(const part *p, const char *name, size_t at)
 {
     const kernel *k = *(kernel *const *)((const char *)p + at);
-    size_t length = strlen(name);
-    bool is_meant =
-        k && strncmp(k->name, name, length) == 0 && (k->name[length] == '.' || !k->name[length]);
     bool is_launched = k != p->kernels.scatter || p->kernels.from_ids;
-    return is_meant && is_launched ? k : NULL;
+    return kernel_is(k, name) && is_launched ? k : NULL;
 }
 
 bool world_kernel_at(const duet_world *world, int side, uint32_t i, world_kernel *k)

@@ -93,6 +93,12 @@ int64_t kernel_param(const kernel *k, const char *param)
     return 0;
 }
 
+bool kernel_is(const kernel *k, const char *name)
+{
+    size_t length = strlen(name);
+    return k && strncmp(k->name, name, length) == 0 && (k->name[length] == '.' || !k->name[length]);
+}
+
 static void free_program(program *p)
 {
     for (int i = 0; i < p->n_entries; ++i) {

@@ -20,6 +20,9 @@ typedef struct kernel {
 // than one value for it.
 int64_t kernel_param(const kernel *k, const char *param);
 
+// Whether k is a variant of the kernel of that name; false for NULL.
+bool kernel_is(const kernel *k, const char *name);
+
 // What of a device its variants depend on.
 gen_limits program_limits(const duet_device_info *info);
 
