@@ -13,7 +13,7 @@
 
 // One device's kernels after the other's. A driver that kept them takes a moment to find
 // that out, which is not worth a line.
-enum { FOUND_BY_THEN_NS = 400000000 };
+enum { FOUND_BY_THEN_NS = 1000000000 };
 
 static void show_compiling(void *context, const duet_device_info *device, const char *kernel,
                            uint32_t k, uint32_t n)
@@ -37,8 +37,10 @@ duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err)
     duet_device_pair_def def = duet_default_device_pair_def();
     def.a = selectors ? selectors : def.a;
     def.on_compile = show_compiling;
-    duet_device_pair *pair = duet_device_pair_create(&def, err);
     duet_error why = {0};
+    duet_device_pair *pair = duet_device_pair_create(&def, &why);
+    if (!pair)
+        error_set(err, why.status, "%s%s", !selectors && def.a ? "DUET_PAIR: " : "", why.text);
     if (pair && !duet_device_pair_check_cache(pair, &why))
         fprintf(stderr, "duet: %s; set DUET_CACHE to another folder, or to off\n", why.text);
     return pair;

@@ -68,10 +68,9 @@ void interrupt_pass(bool passes)
     pthread_sigmask(passes ? SIG_UNBLOCK : SIG_BLOCK, &heard, NULL);
 }
 
-void interrupt_wait(bool waits)
+void interrupt_wait(void)
 {
-    interrupt_pass(waits);
-    atomic_store(&waits_for_person, waits);
+    atomic_store(&waits_for_person, true);
 }
 
 void interrupt_told(void)

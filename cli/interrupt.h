@@ -27,8 +27,9 @@ bool interrupt_check(duet_error *err);
 // default they do not.
 void interrupt_pass(bool passes);
 
-// While the program waits for a person, there is no work to end, and signals pass.
-void interrupt_wait(bool waits);
+// From here on a person types what to do: Ctrl-C ends what runs, and only a second one while
+// that goes on ends the program.
+void interrupt_wait(void);
 
 // A line has said that the program was stopped.
 void interrupt_told(void);

@@ -113,13 +113,12 @@ static bool run(void *given, char **operands, duet_error *err)
     duet_device_list *list = duet_device_list_create(err);
     duet_device_pair *pair = list ? inputs_open_pair(NULL, err) : NULL;
     bool ok = pair;
-    if (ok && args->json) {
+    for (uint32_t i = 0; !args->json && i < duet_device_list_get_count(list); ++i)
+        print_device(duet_device_list_get_info(list, i));
+    if (ok && args->json)
         ok = print_json(list, pair, err);
-    } else if (ok) {
-        for (uint32_t i = 0; i < duet_device_list_get_count(list); ++i)
-            print_device(duet_device_list_get_info(list, i));
+    else if (ok)
         print_default(pair);
-    }
     duet_device_pair_destroy(pair);
     duet_device_list_destroy(list);
     return ok;

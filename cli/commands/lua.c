@@ -126,14 +126,17 @@ static void end_typing(const text *history_path)
         write_history(history_path->chars);
 }
 
-// The next line without its end, given back by free; NULL at the end. A file or a pipe
-// gets no prompt.
-static char *read_line(const char *prompt)
+// The next line without its end, given back by free; NULL at the end, and where Ctrl-C
+// dropped what was typed. A file or a pipe gets no prompt.
+static char *read_line(const char *prompt, bool *dropped)
 {
+    *dropped = false;
     if (is_terminal()) {
-        interrupt_wait(true);
+        interrupt_forget();
+        interrupt_pass(true);
         char *line_typed = readline(prompt);
-        interrupt_wait(false);
+        interrupt_pass(false);
+        *dropped = !line_typed && interrupt_asked();
         interrupt_forget();
         return line_typed;
     }
@@ -163,7 +166,13 @@ static char *read_typed(session *s, duet_error *err, bool *ran)
     bool more = true;
     *ran = true;
     while (more) {
-        char *next = read_line(typed.length > 0 ? ">> " : "> ");
+        bool dropped;
+        char *next = read_line(typed.length > 0 ? ">> " : "> ", &dropped);
+        if (dropped) {
+            putchar('\n');
+            text_free(&typed);
+            return strdup("");
+        }
         if (!next)
             break;
         text_add(&typed, "%s%s", typed.length > 0 ? "\n" : "", next);
@@ -205,6 +214,8 @@ static bool talk(session *s, duet_error *err)
 {
     text history_path = {0};
     begin_typing(s, &history_path);
+    if (is_terminal())
+        interrupt_wait();
     if (is_terminal())
         printf("duet %s, Lua 5.4; help says how to begin, Ctrl-D ends\n", duet_version());
     bool ok = read_all(s, err);

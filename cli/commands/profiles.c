@@ -130,13 +130,19 @@ static const command_line forget_line = {
 static bool use(store *s, const arguments *args, char **operands, duet_error *err)
 {
     (void)args;
-    return profile_use(s, operands[0], err);
+    if (!profile_use(s, operands[0], err))
+        return false;
+    printf("applications load %s from now on\n", operands[0]);
+    return true;
 }
 
 static bool forget(store *s, const arguments *args, char **operands, duet_error *err)
 {
     (void)args;
-    return profile_forget(s, operands[0], err);
+    if (!profile_forget(s, operands[0], err))
+        return false;
+    printf("%s is forgotten; 'duet tune --fresh' measures again\n", operands[0]);
+    return true;
 }
 
 // ------------------------------------------------------------------------- export

@@ -316,7 +316,7 @@ static void tell_times(const moved *r)
         table_cell(&t, "%s", table_bar(mean > 0 ? ms / mean : 0.0, 24).chars);
     }
     table_print(&t, stdout);
-    printf("\n%.3f ms a step, the slowest %.3f: %.4g steps a second\n", mean, r->slowest_ms,
+    printf("\n%.3f ms a step after the first, the slowest %.3f: %.4g steps a second\n", mean, r->slowest_ms,
            mean > 0 ? 1e3 / mean : 0.0);
 }
 

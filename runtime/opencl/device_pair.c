@@ -76,7 +76,8 @@ static bool cut_list(selector_pair *names, const char *list, duet_error *err)
     size_t a = strcspn(list, ",");
     const char *second = list[a] ? list + a + 1 : list;
     size_t b = strcspn(second, ",");
-    if (a == 0 || b == 0 || second[b] || a >= sizeof names->a || b >= sizeof names->b)
+    bool halves = list[a] && strstr(list, "halves");
+    if (a == 0 || b == 0 || second[b] || halves || a >= sizeof names->a || b >= sizeof names->b)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "device pair '%s': expected two selectors with a comma between them, as "
                          "cpu,gpu, or one, or halves; 'duet devices' lists the devices",

@@ -207,6 +207,11 @@ static void tab_completes_and_history_is_kept(void **state)
     terminal_wait(&t, "> ");
     terminal_type(&t, "duet.strat\t()[1].name .. 6 * 7\r");
     terminal_wait(&t, "balance42");
+    terminal_wait(&t, "> ");
+    terminal_type(&t, "kept = 4000; half typed\003"); // dropped, and the prompt goes on
+    terminal_wait(&t, "> ");
+    terminal_type(&t, "kept, 5000 + 5\r");
+    terminal_wait(&t, "5005");
     terminal_type(&t, "b = duet.bounds(3)\r");
     terminal_type(&t, "#b:by\t() // 24 + 2000\r");
     terminal_wait(&t, "2003");
