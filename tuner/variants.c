@@ -5,6 +5,7 @@
 #include "tuner/trial_budget.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double HOPELESS = 2.0; // a plan this much slower is dropped from a quick race
 
@@ -41,9 +42,38 @@ bool variants_share_of_a(tuning *t, uint32_t *share, duet_error *err)
     return true;
 }
 
+static bool is_listed(const duet_tune_def *def, const char *variant)
+{
+    const char *other;
+    for (uint32_t i = 0; (other = task_variant(def, i)); ++i)
+        if (strcmp(other, variant) == 0)
+            return true;
+    return false;
+}
+
+// No verdict follows for a device that shares with none. So what won the quick race is used
+// only where it is surely faster than the usual variant, if that is among those to try.
+static bool confirm_variant(tuning *t, const char *usual, duet_error *err)
+{
+    if (!is_listed(t->task->def, usual) || strcmp(t->plan.variant_b, usual) == 0)
+        return true;
+    field f = {0};
+    duet_plan plan = tuning_plan(t, 0, DUET_MODE_OWN);
+    plan_set_variant(&plan, 1, usual);
+    field_enter(&f, plan);
+    field_enter(&f, tuning_plan(t, 0, DUET_MODE_OWN));
+    t->stage_end = VERDICT_END;
+    if (!field_race(t, &f, &trial_budget_last_race, false, INFINITY, err))
+        return false;
+    if (race_rounds(&f.race, 0, 1) == 0 || race_compare(&f.race, 1, 0).verdict != RACE_FASTER)
+        plan_set_variant(&t->plan, 1, usual);
+    return true;
+}
+
 bool variants_choose(tuning *t, duet_error *err)
 {
     uint32_t share;
+    const duet_plan usual = t->plan;
     for (int device = 0; device < 2; ++device)
         plan_set_variant(&t->plan, device, task_variant(t->task->def, 0));
     if (!task_variant(t->task->def, 1))
@@ -53,6 +83,8 @@ bool variants_choose(tuning *t, duet_error *err)
     if (!choose_variant(t, 1, 0, err))
         return false;
     if (t->task->one_device) {
+        if (!confirm_variant(t, usual.variant_b, err))
+            return false;
         plan_set_variant(&t->plan, 0, t->plan.variant_b);
         return true;
     }

@@ -436,6 +436,27 @@ static void one_device_gets_its_best_kernels_and_no_share(void **state)
     assert_string_equal(outcome.verdict, "same");
     assert_true(outcome.gain == 0 && outcome.step_low_ms < outcome.step_high_ms);
     assert_in_range(f.launches, 20, 100);
+    strcpy(task.plan.variant_b, "slow");
+    assert_string_equal(tune_task_fake(&task).plan.variant_b, "auto");
+}
+
+// Luck in a quick race is no reason to leave the usual kernels.
+static void one_device_keeps_its_usual_kernels_unless_others_are_surely_faster(void **state)
+{
+    (void)state;
+    enum { TIMES = 200 };
+    static const char *const variants[] = {"auto", "other", "another"};
+    fake f = {.model = {.ratio = 1, .sigma = 0.1}, .random = rng_seed(test_seed())};
+    duet_tune_def def = fake_def(&f);
+    def.variants = variants;
+    def.n_variants = 3;
+    tune_task task = fake_task(&f, &def);
+    task.one_device = true;
+    int left = 0;
+    for (int i = 0; i < TIMES; ++i)
+        left += strcmp(tune_task_fake(&task).plan.variant_b, "auto") != 0;
+    print_message("%d of %d left the usual kernels\n", left, TIMES);
+    assert_in_range(left, 0, 0.03 * TIMES);
 }
 
 // ---------------------------------------------------------------- Ctrl-C
@@ -565,6 +586,7 @@ int main(void)
         cmocka_unit_test(seconds_that_cannot_do_are_refused_after_the_first_trial),
         cmocka_unit_test(parts_are_raced_against_the_undivided_device),
         cmocka_unit_test(one_device_gets_its_best_kernels_and_no_share),
+        cmocka_unit_test(one_device_keeps_its_usual_kernels_unless_others_are_surely_faster),
         cmocka_unit_test(a_stop_while_a_kernel_is_built_is_no_trial),
         cmocka_unit_test(a_start_from_a_neighbour_saves_trials),
         cmocka_unit_test(a_log_of_another_tuning_is_forgotten_where_it_differs),
