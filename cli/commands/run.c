@@ -131,7 +131,14 @@ static duet_world *make_world(const arguments *args, const duet_scene *scene,
         !inputs_change_plan(&args->plan, &def.plan, err))
         return NULL;
     def.separate_sizes = args->transforms;
-    return duet_world_create(&def, err);
+    duet_world *world = duet_world_create(&def, err);
+    bool idle_a = world && inputs_pair_is_one(pair) && duet_world_get_plan(world)->share == 0;
+    if (!idle_a || !args->plan.variants[0])
+        return world;
+    error_set(err, DUET_STATUS_BAD_ARGUMENT,
+              "--variant-a: A and B are one device, which works as B; expected --variant");
+    duet_world_destroy(world);
+    return NULL;
 }
 
 // A plan that was given is kept; else the world gets the one that was measured.
@@ -316,8 +323,8 @@ static void tell_times(const moved *r)
         table_cell(&t, "%s", table_bar(mean > 0 ? ms / mean : 0.0, 24).chars);
     }
     table_print(&t, stdout);
-    printf("\n%.3f ms a step after the first, the slowest %.3f: %.4g steps a second\n", mean, r->slowest_ms,
-           mean > 0 ? 1e3 / mean : 0.0);
+    printf("\n%.3f ms a step after the first, the slowest %.3f: %.4g steps a second\n", mean,
+           r->slowest_ms, mean > 0 ? 1e3 / mean : 0.0);
 }
 
 static void tell_end(const moved *r, uint64_t hash)

@@ -260,12 +260,21 @@ static bool tune_workload(duet_tune_def *def, const duet_scene *scene, tune_repo
     return true;
 }
 
+static bool check_strategy(const arguments *args, const duet_device_pair *pair, duet_error *err)
+{
+    return !inputs_pair_is_one(pair) || (!args->strategy && !args->strategy_path) ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "--strategy%s: %s is one device and has no share to search; expected --pair "
+                     "with two, or halves",
+                     args->strategy ? "" : "-lua", duet_device_pair_get_info(pair, 0)->selector);
+}
+
 static bool tune_workloads(const arguments *args, const tune_config *config, tune_report *report,
                            duet_error *err)
 {
     duet_tune_def def = make_def(args, config, report);
     def.pair = inputs_open_pair(config->pair, err);
-    bool ok = def.pair;
+    bool ok = def.pair && check_strategy(args, def.pair, err);
     if (ok)
         tune_report_expect(report, def.pair, config->n_workloads, config->budget_seconds);
     for (uint32_t i = 0; ok && i < config->n_workloads; ++i) {

@@ -379,6 +379,7 @@ static void what_is_wrong_on_the_command_line_is_one_line(void **state)
         {"tune", 2, "give a scene"},
         {"tune " QUICK SCENE " -n 10,x", 2, "--objects '10,x'"},
         {"tune " QUICK SCENE " --strategy guess", 1, "there are balance, fig12"},
+        {"tune " QUICK SCENE " --pair cpu --strategy grid", 2, "is one device and has no share"},
         {"tune --variants nonsense --profile " STORE " " SCENE, 2, "nonsense"},
         {"tune " QUICK " no/such.lua", 1, "no/such.lua"},
         {"tune --profile " SCENE " " SCENE, 1, SCENE},
