@@ -385,8 +385,8 @@ static bool is_about(double a, double b, double slack)
     return a <= b * slack && b <= a * slack;
 }
 
-// What was measured for almost such a workload is better than what fits say.
-static bool use_neighbour(look *l, const neighbour *near)
+// The neighbour's plan, and its times for so many objects.
+static void take_neighbour(look *l, const neighbour *near)
 {
     profile_found *found = l->found;
     double n = (double)l->at.n;
@@ -398,6 +398,13 @@ static bool use_neighbour(look *l, const neighbour *near)
     found->whole_ns *= n / near->n;
     found->share_low = (uint32_t)(found->plan.share / SIZE_SLACK);
     found->share_high = (uint32_t)fmin(found->plan.share * SIZE_SLACK, PROFILE_SHARE_ONE);
+}
+
+// What was measured for almost such a workload is better than what fits say.
+static bool use_neighbour(look *l, const neighbour *near)
+{
+    const profile_found *found = &near->found;
+    take_neighbour(l, near);
     if (l->why)
         text_add(l->why, "yes: %.0f objects were measured, which is next to it%s%s", near->n,
                  found->session[0] ? ", session " : "", found->session);
@@ -443,6 +450,26 @@ static bool forecast_between(look *l, const neighbour near[2], forecast *f, bool
     return *found || forecast_best_of(l, NULL, SIZE_SLACK, f, found);
 }
 
+// Whether one device did it all at both sizes, by the same kernels. There may be no fits
+// that say how two would share, as where both are one device.
+static bool is_alone_at_both(const neighbour near[2])
+{
+    const profile_plan *a = &near[0].found.plan, *b = &near[1].found.plan;
+    return near[0].n > 0 && near[1].n > 0 && a->share == b->share &&
+           (a->share == 0 || a->share == PROFILE_SHARE_ONE) &&
+           strcmp(a->variant_a, b->variant_a) == 0 && strcmp(a->variant_b, b->variant_b) == 0;
+}
+
+static bool use_both(look *l, const neighbour near[2], bool *held)
+{
+    *held = true;
+    take_neighbour(l, &near[0]);
+    if (l->why)
+        text_add(l->why, "yes: one device did it best at %.0f and at %.0f objects, alike",
+                 fmin(near[0].n, near[1].n), fmax(near[0].n, near[1].n));
+    return true;
+}
+
 // Why none of the plans that were measured does.
 static bool tell_gap(look *l, const neighbour near[2])
 {
@@ -475,7 +502,9 @@ static bool look_interpolated(look *l, bool *held)
         return refuse(l, "accuracy is asked for, which times of other sizes say nothing about");
     if (!forecast_between(l, near, &f, &found))
         return false;
-    return found ? use_forecast(l, &f, held) : tell_gap(l, near);
+    if (found)
+        return use_forecast(l, &f, held);
+    return is_alone_at_both(near) ? use_both(l, near, held) : tell_gap(l, near);
 }
 
 static bool look_transferred(look *l, bool *held)

@@ -193,6 +193,24 @@ static void a_size_between_two_that_chose_otherwise_is_interpolated(void **state
     }
 }
 
+// Without fits, as where both devices are one: its kernels were the same at both sizes.
+static void a_size_between_two_of_one_device_has_its_plan(void **state)
+{
+    (void)state;
+    look_fixture f = look_open();
+    look_tune(&f, 100000);
+    look_tune(&f, 400000);
+    look_change(&f, "UPDATE profile SET share = 0; DELETE FROM trial; DELETE FROM fit");
+    profile_found found = look_for(&f, &f.pair, 200000);
+    assert_int_equal(found.grade, PROFILE_INTERPOLATED);
+    assert_int_equal(found.plan.share, 0);
+    assert_why(&f, 200000, "yes: one device did it best at 100000 and at 400000 objects, alike");
+    look_change(&f, "UPDATE profile SET variant_b = 'simd' WHERE workload_id = "
+                    "(SELECT id FROM workload WHERE n = 400000)");
+    assert_int_equal(look_for(&f, &f.pair, 200000).grade, PROFILE_DEFAULT);
+    look_close(&f);
+}
+
 static void a_size_that_cannot_be_interpolated_is_told_the_true_reason(void **state)
 {
     (void)state;
@@ -434,6 +452,7 @@ int main(void)
         cmocka_unit_test(a_tie_does_not_hide_what_was_measured),
         cmocka_unit_test(a_size_far_beyond_those_measured_is_a_guess_at_most),
         cmocka_unit_test(a_size_between_two_that_chose_otherwise_is_interpolated),
+        cmocka_unit_test(a_size_between_two_of_one_device_has_its_plan),
         cmocka_unit_test(a_size_that_cannot_be_interpolated_is_told_the_true_reason),
         cmocka_unit_test(a_plan_without_a_verdict_is_not_followed),
         cmocka_unit_test(devices_measured_apart_are_transferred),
