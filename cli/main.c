@@ -61,6 +61,16 @@ static int refuse(const char *name)
     return EXIT_WRONG;
 }
 
+static int help_with(char *name)
+{
+    char help[] = "--help";
+    char *argv[] = {name, help, NULL};
+    for (int i = 0; i < N_COMMANDS; ++i)
+        if (strcmp(name, commands[i].name) == 0)
+            return commands[i].run(2, argv);
+    return refuse(name);
+}
+
 static int run(int argc, char **argv)
 {
     if (argc < 2) {
@@ -68,7 +78,10 @@ static int run(int argc, char **argv)
         return EXIT_WRONG;
     }
     const char *name = argv[1];
-    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
+    bool asks = strcmp(name, "help") == 0;
+    if (asks && argc > 2)
+        return help_with(argv[2]);
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || asks) {
         print_help();
         return EXIT_OK;
     }

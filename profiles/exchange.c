@@ -134,6 +134,7 @@ typedef struct import {
     const char *name; // of the file, for messages
     uint64_t line;
     profile_import_counts *counts;
+    bool has_lines; // one that is not blank
 } import;
 
 static bool bad_line(const import *in, duet_error *err, const char *what, const char *which)
@@ -289,6 +290,7 @@ static bool take_line(void *context, const char *line, duet_error *err)
     ++in->line;
     if (line[strspn(line, " \t\r\n")] == '\0')
         return true;
+    in->has_lines = true;
     if (!utf8_is_valid(line))
         return bad_line(in, err, "is not UTF-8", "");
     const line_type *type = NULL;
@@ -310,6 +312,9 @@ static bool take_file(import *in, FILE *file, duet_error *err)
         ok = error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be read: %s", in->name,
                        strerror(errno));
     free(line);
+    if (ok && !in->has_lines)
+        ok = error_set(err, DUET_STATUS_BAD_INPUT,
+                       "%s: is empty; expected what 'duet profiles export' wrote", in->name);
     return ok;
 }
 

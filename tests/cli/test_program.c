@@ -42,6 +42,9 @@ static void every_subcommand_has_help(void **state)
         assert_int_equal(p.exit_code, 0);
         assert_int_equal(strncmp(p.out, begin, strlen(begin)), 0);
         assert_non_null(strstr(p.out, "--help"));
+        program other = program_run("help %s", name);
+        assert_string_equal(other.out, p.out);
+        program_free(&other);
         program_free(&p);
         ++n;
     }
@@ -55,6 +58,7 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
     static const char *const wrong[][2] = {
         {"", "a subcommand is missing"},
         {"abacus", "there is no subcommand 'abacus'; 'duet --help' lists"},
+        {"help devcies", "there is no subcommand 'devcies'; did you mean 'devices'?"},
         {"devcies", "there is no subcommand 'devcies'; did you mean 'devices'?"},
         {"dev", "there is no subcommand 'dev'; did you mean 'devices'?"},
         {"run x --chekc", "there is no option '--chekc'; did you mean '--check'?"},

@@ -176,6 +176,21 @@ static void rows_that_are_known_are_not_taken_twice(void **state)
     close_two(&two);
 }
 
+static void a_file_without_lines_is_refused(void **state)
+{
+    (void)state;
+    two_stores two = open_two();
+    profile_import_counts counts;
+    static const char *const empty[] = {"", "\n \n"};
+    for (size_t i = 0; i < sizeof empty / sizeof *empty; ++i) {
+        duet_error err = {0};
+        assert_false(import_lines(two.s, empty[i], &counts, &err));
+        assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
+        assert_non_null(strstr(err.text, "rows.jsonl: is empty; expected what"));
+    }
+    close_two(&two);
+}
+
 static int line_of(const char *lines, const char *what)
 {
     int line = 1;
@@ -465,6 +480,7 @@ int main(void)
         cmocka_unit_test(one_bad_line_refuses_the_file_and_is_named),
         cmocka_unit_test(a_poisoned_store_is_told_of_and_still_goes_out),
         cmocka_unit_test(a_row_whose_pair_is_nowhere_is_refused),
+        cmocka_unit_test(a_file_without_lines_is_refused),
         cmocka_unit_test(spoilt_bytes_never_break_the_store),
         cmocka_unit_test(a_merge_keeps_two_machines_apart),
         cmocka_unit_test(a_merge_does_not_replace_the_stores_own_profile),
