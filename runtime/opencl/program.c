@@ -352,11 +352,9 @@ bool program_set_build(program_set *set, duet_error *err)
     return ok;
 }
 
-static program *find_or_add(program_set *set, gen_variant *variant, duet_error *err)
+// Takes the variant's text.
+static program *new_program(gen_variant *variant, duet_error *err)
 {
-    for (program *p = set->first; p; p = p->next)
-        if (strcmp(p->sha256, variant->sha256) == 0)
-            return p;
     program *p = calloc(1, sizeof *p);
     if (!p) {
         error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the program %s", variant->name);
@@ -366,8 +364,19 @@ static program *find_or_add(program_set *set, gen_variant *variant, duet_error *
     memcpy(p->name, variant->name, sizeof p->name);
     p->text = variant->text;
     variant->text = NULL;
-    p->next = set->first;
-    set->first = p;
+    return p;
+}
+
+static program *find_or_add(program_set *set, gen_variant *variant, duet_error *err)
+{
+    for (program *p = set->first; p; p = p->next)
+        if (strcmp(p->sha256, variant->sha256) == 0)
+            return p;
+    program *p = new_program(variant, err);
+    if (p) {
+        p->next = set->first;
+        set->first = p;
+    }
     return p;
 }
 
@@ -429,16 +438,10 @@ bool program_set_check(program_set *set, const char *kernel_name, const gen_sett
                        uint32_t n_settings, duet_error *err)
 {
     gen_variant variant = {0};
-    program *p = calloc(1, sizeof *p);
-    bool ok =
-        p || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the program %s", kernel_name);
-    ok = ok && gen_make(set->gen, kernel_name, settings, n_settings, &set->limits, &variant, err);
-    if (ok) {
-        memcpy(p->name, variant.name, sizeof p->name);
-        p->text = variant.text;
-        variant.text = NULL;
-        ok = build_source(set, p, err);
-    }
+    if (!gen_make(set->gen, kernel_name, settings, n_settings, &set->limits, &variant, err))
+        return false;
+    program *p = new_program(&variant, err);
+    bool ok = p && build_source(set, p, err);
     if (p)
         free_program(p);
     gen_variant_free(&variant);
