@@ -255,3 +255,22 @@ bool output_close(output *o, bool keep, duet_error *err)
     *o = (output){.folder = -1, .slot = -1};
     return kept;
 }
+
+bool output_make_folders(const char *path, mode_t mode, text *failed)
+{
+    text folder = {0};
+    text_add(&folder, "%s", path);
+    bool ok = text_ok(&folder, NULL);
+    int code = ok ? 0 : ENOMEM;
+    for (char *at = ok ? strchr(folder.chars + 1, '/') : NULL; ok && at; at = strchr(at + 1, '/')) {
+        *at = '\0';
+        ok = mkdir(folder.chars, mode) == 0 || errno == EEXIST;
+        code = errno;
+        if (!ok && failed)
+            text_add(failed, "%s", folder.chars);
+        *at = '/';
+    }
+    text_free(&folder);
+    errno = code;
+    return ok;
+}

@@ -37,6 +37,10 @@ bool output_open_in(output *o, int folder, const char *name, mode_t mode, duet_e
 // removes what there is. Gives back whether the file is in its place.
 bool output_close(output *o, bool keep, duet_error *err);
 
+// Makes the folders that a path lies in, those that are missing. false with errno, and the
+// path of the one that cannot be made in `failed`, an empty text or NULL.
+bool output_make_folders(const char *path, mode_t mode, text *failed);
+
 // Removes what is half-written, for a program that is about to end in the middle. It
 // takes no lock, and makes only calls that a signal's handler may make.
 void output_remove_parts(void);

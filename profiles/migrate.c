@@ -8,6 +8,7 @@
 #include "profiles/sql.h"
 
 #include "base/blob.h"
+#include "base/output.h"
 #include "profiles/profile.h"
 
 #include <assert.h>
@@ -22,17 +23,11 @@
 
 static bool make_folders(const char *path, duet_error *err)
 {
-    text folder = {0};
-    text_add(&folder, "%s", path);
-    bool ok = text_ok(&folder, err);
-    for (char *at = ok ? strchr(folder.chars + 1, '/') : NULL; ok && at; at = strchr(at + 1, '/')) {
-        *at = '\0';
-        if (mkdir(folder.chars, 0755) != 0 && errno != EEXIST)
-            ok = error_set(err, DUET_STATUS_STORE_FAILED, "%s: its folder %s cannot be made: %s",
-                           path, folder.chars, strerror(errno));
-        *at = '/';
-    }
-    text_free(&folder);
+    text failed = {0};
+    bool ok = output_make_folders(path, 0755, &failed) ||
+              error_set(err, DUET_STATUS_STORE_FAILED, "%s: its folder %s cannot be made: %s", path,
+                        text_chars(&failed), strerror(errno));
+    text_free(&failed);
     return ok;
 }
 

@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "runtime/opencl/pocl_cache.h"
 
-#include "base/text.h"
+#include "base/output.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -28,17 +28,9 @@ static void add_folder(text *path)
     text_add(path, "/tmp/pocl/kcache");
 }
 
-// Makes all folders of the path.
-static bool make_folders(char *path)
+static bool make_folder(const char *path)
 {
-    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        bool made = mkdir(path, 0700) == 0 || errno == EEXIST;
-        *slash = '/';
-        if (!made)
-            return false;
-    }
-    return mkdir(path, 0700) == 0 || errno == EEXIST;
+    return output_make_folders(path, 0700, NULL) && (mkdir(path, 0700) == 0 || errno == EEXIST);
 }
 
 bool pocl_cache_check(duet_error *err)
@@ -46,7 +38,7 @@ bool pocl_cache_check(duet_error *err)
     text path = {0};
     add_folder(&path);
     bool ok = text_ok(&path, err);
-    if (ok && (!make_folders(path.chars) || access(path.chars, W_OK | X_OK) != 0))
+    if (ok && (!make_folder(path.chars) || access(path.chars, W_OK | X_OK) != 0))
         ok = error_set(err, DUET_STATUS_NO_DEVICE,
                        "PoCL lists no device, since its cache folder %s cannot be written: %s; set "
                        "POCL_CACHE_DIR to a folder that can be written",
