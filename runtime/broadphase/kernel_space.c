@@ -11,23 +11,22 @@
 
 static const struct {
     const char *name;
-    size_t at; // in a part
     const char *stages[KERNEL_SPACE_STAGES];
 } kernels[] = {
-    {"pair_search_simd", offsetof(part, kernels.candidates), {"search", "candidates", "narrow"}},
-    {"pair_search_gpu", offsetof(part, kernels.candidates), {"search", "candidates", "narrow"}},
-    {"pair_search_paper", offsetof(part, kernels.candidates), {"candidates"}},
-    {"narrow_simd", offsetof(part, kernels.narrow), {"narrow"}},
-    {"narrow", offsetof(part, kernels.narrow), {"narrow"}},
-    {"reorder_simd", offsetof(part, kernels.place), {"reorder"}},
-    {"reorder", offsetof(part, kernels.place), {"reorder"}},
-    {"bounds", offsetof(part, kernels.place), {"bounds"}},
-    {"hash", offsetof(part, kernels.hash), {"hash"}},
-    {"scatter", offsetof(part, kernels.scatter), {"sort"}},
-    {"radix", offsetof(part, radix.move), {"sort"}},
-    {"scan", offsetof(part, scan.blocks), {"sort"}},
-    {"cell_start", offsetof(part, kernels.starts), {"cell start"}},
-    {"clear", offsetof(part, kernels.clear), {"clear"}},
+    {"pair_search_simd", {"search", "candidates", "narrow"}},
+    {"pair_search_gpu", {"search", "candidates", "narrow"}},
+    {"pair_search_paper", {"candidates"}},
+    {"narrow_simd", {"narrow"}},
+    {"narrow", {"narrow"}},
+    {"reorder_simd", {"reorder"}},
+    {"reorder", {"reorder"}},
+    {"bounds", {"bounds"}},
+    {"hash", {"hash"}},
+    {"scatter", {"sort"}},
+    {"radix", {"sort"}},
+    {"scan", {"sort"}},
+    {"cell_start", {"cell start"}},
+    {"clear", {"clear"}},
 };
 
 enum { N_KERNELS = sizeof kernels / sizeof kernels[0], MAX_SETTINGS = 24 };
@@ -147,12 +146,6 @@ static bool list_configs(const part *p, const kernel *k, kernel_space *space, se
 
 // ---------------------------------------------------------------- a kernel's space
 
-static const kernel *running(const part *p, uint32_t i)
-{
-    const kernel *k = *(kernel *const *)((const char *)p + kernels[i].at);
-    return kernel_is(k, kernels[i].name) ? k : NULL;
-}
-
 static bool read_kernel(const part *p, uint32_t i, const kernel *k, kernel_space *space,
                         duet_error *err)
 {
@@ -180,7 +173,7 @@ bool kernel_spaces_read(duet_world *world, int side, kernel_space **spaces, uint
     bool ok = *spaces || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for kernels' configs");
     for (uint32_t i = 0; ok && world->prepared[side] && i < N_KERNELS; ++i) {
         const part *p = &world->parts[side];
-        const kernel *k = running(p, i);
+        const kernel *k = part_kernel(p, kernels[i].name);
         ok = !k || read_kernel(p, i, k, &(*spaces)[*n], err);
         *n += ok && k && (*spaces)[*n].n_configs > 1;
     }

@@ -282,6 +282,17 @@ bool part_prepare(part *p, const char *variant_text, const part_task *task, duet
     return all_settings_used(p, err) && program_set_build(p->programs, err);
 }
 
+const kernel *part_kernel(const part *p, const char *name)
+{
+    const part_kernels *k = &p->kernels;
+    const kernel *all[] = {k->clear,  k->hash,       k->scatter,     k->starts,    k->place,
+                           k->narrow, k->candidates, p->scan.blocks, p->radix.move};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
+        if (kernel_is(all[i], name))
+            return all[i];
+    return NULL;
+}
+
 // ---------------------------------------------------------------- a step
 
 grid_objects part_objects(const part_task *task)

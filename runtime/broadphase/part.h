@@ -144,6 +144,9 @@ void part_close(part *p);
 // Generates and builds what the variant needs for such objects.
 bool part_prepare(part *p, const char *variant_text, const part_task *task, duet_error *err);
 
+// The kernel of that name that the part has prepared; NULL where it runs another.
+const kernel *part_kernel(const part *p, const char *name);
+
 // After a step that failed: waits for what is under way. What was sent may not have
 // arrived, so the next step sends all of it again.
 void part_distrust(part *p);

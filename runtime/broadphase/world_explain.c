@@ -81,24 +81,23 @@ typedef enum reason { NEVER, BY_SORT, BY_SEARCH, BY_TEST } reason;
 
 static const struct {
     const char *name;
-    size_t at; // in a part
     const char *called_by;
     reason left_out;
 } kernels[] = {
-    {"clear", offsetof(part, kernels.clear), "every step", NEVER},
-    {"hash", offsetof(part, kernels.hash), "every step: the cell of each object", NEVER},
-    {"scan", offsetof(part, scan.blocks), "every step: places are sums of counts", NEVER},
-    {"scatter", offsetof(part, kernels.scatter), "sort=counting: ids to their places", BY_SORT},
-    {"radix", offsetof(part, radix.move), "sort=radix, passes over the keys", BY_SORT},
-    {"cell_start", offsetof(part, kernels.starts), "sort=radix: where cells begin", BY_SORT},
-    {"reorder", offsetof(part, kernels.place), "search gpu:  cell order", BY_SEARCH},
-    {"reorder_simd", offsetof(part, kernels.place), "search simd: cell order", BY_SEARCH},
-    {"bounds", offsetof(part, kernels.place), "search paper: bounds by id", BY_SEARCH},
-    {"pair_search_gpu", offsetof(part, kernels.candidates), "search gpu", BY_SEARCH},
-    {"pair_search_simd", offsetof(part, kernels.candidates), "search simd", BY_SEARCH},
-    {"pair_search_paper", offsetof(part, kernels.candidates), "search paper", BY_SEARCH},
-    {"narrow", offsetof(part, kernels.narrow), "candidates that are listed", BY_TEST},
-    {"narrow_simd", offsetof(part, kernels.narrow), "candidates that are listed", BY_TEST},
+    {"clear", "every step", NEVER},
+    {"hash", "every step: the cell of each object", NEVER},
+    {"scan", "every step: places are sums of counts", NEVER},
+    {"scatter", "sort=counting: ids to their places", BY_SORT},
+    {"radix", "sort=radix, passes over the keys", BY_SORT},
+    {"cell_start", "sort=radix: where cells begin", BY_SORT},
+    {"reorder", "search gpu:  cell order", BY_SEARCH},
+    {"reorder_simd", "search simd: cell order", BY_SEARCH},
+    {"bounds", "search paper: bounds by id", BY_SEARCH},
+    {"pair_search_gpu", "search gpu", BY_SEARCH},
+    {"pair_search_simd", "search simd", BY_SEARCH},
+    {"pair_search_paper", "search paper", BY_SEARCH},
+    {"narrow", "candidates that are listed", BY_TEST},
+    {"narrow_simd", "candidates that are listed", BY_TEST},
 };
 
 static const char *why_not(const part *p, reason left_out)
@@ -119,12 +118,11 @@ static const char *why_not(const part *p, reason left_out)
     return searches[p->variant.search];
 }
 
-// The kernel of that name, where the part runs it.
-static const kernel *running(const part *p, const char *name, size_t at)
+// What the part launches of what it has prepared.
+static const kernel *launched(const part *p, const char *name)
 {
-    const kernel *k = *(kernel *const *)((const char *)p + at);
-    bool is_launched = k != p->kernels.scatter || p->kernels.from_ids;
-    return kernel_is(k, name) && is_launched ? k : NULL;
+    const kernel *k = part_kernel(p, name);
+    return k != p->kernels.scatter || p->kernels.from_ids ? k : NULL;
 }
 
 bool world_kernel_at(const duet_world *world, int side, uint32_t i, world_kernel *k)
@@ -132,7 +130,7 @@ bool world_kernel_at(const duet_world *world, int side, uint32_t i, world_kernel
     if (!world->prepared[side] || i >= sizeof kernels / sizeof kernels[0])
         return false;
     const part *p = &world->parts[side];
-    const kernel *ran = running(p, kernels[i].name, kernels[i].at);
+    const kernel *ran = launched(p, kernels[i].name);
     *k = (world_kernel){
         .name = ran ? ran->name : kernels[i].name,
         .runs = ran,
