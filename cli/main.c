@@ -61,14 +61,19 @@ static int refuse(const char *name)
     return EXIT_WRONG;
 }
 
+static int run_command(const char *name, int argc, char **argv)
+{
+    for (int i = 0; i < N_COMMANDS; ++i)
+        if (strcmp(name, commands[i].name) == 0)
+            return commands[i].run(argc, argv);
+    return refuse(name);
+}
+
 static int help_with(char *name)
 {
     char help[] = "--help";
     char *argv[] = {name, help, NULL};
-    for (int i = 0; i < N_COMMANDS; ++i)
-        if (strcmp(name, commands[i].name) == 0)
-            return commands[i].run(2, argv);
-    return refuse(name);
+    return run_command(name, 2, argv);
 }
 
 static int run(int argc, char **argv)
@@ -89,10 +94,7 @@ static int run(int argc, char **argv)
         printf("duet %s\n", duet_version());
         return EXIT_OK;
     }
-    for (int i = 0; i < N_COMMANDS; ++i)
-        if (strcmp(name, commands[i].name) == 0)
-            return commands[i].run(argc - 1, argv + 1);
-    return refuse(name);
+    return run_command(name, argc - 1, argv + 1);
 }
 
 int main(int argc, char **argv)

@@ -44,8 +44,8 @@ static uint32_t drop_slower(double *times, bool *out, uint32_t n, double slower)
     return left;
 }
 
-// Launches the configs in turn, round by round, and leaves out who is behind, sooner the
-// further. A config's time is the least that its kernel took, by the device's own clock:
+// Launches the configs in turn, round by round. A config that is far behind is left out
+// after the first round, one that is a little behind after the second. A config's time is the least that its kernel took, by the device's own clock:
 // what disturbs a launch only adds to it. INFINITY for one that did not run.
 static bool screen_configs(tuning *t, const field *f, double times[KERNEL_SPACE_VALUES],
                            duet_error *err)

@@ -2,7 +2,7 @@
 // duet lua: runs scripts that use the module `duet`, or what a person types.
 #define _POSIX_C_SOURCE 200809L
 #include "base/error.h"
-#include "base/text.h"
+#include "base/output.h"
 #include "cli/commands.h"
 #include "cli/interrupt.h"
 #include "cli/options.h"
@@ -14,7 +14,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 typedef struct arguments {
@@ -97,11 +96,8 @@ static void find_history(text *path)
         text_add(path, "%s/duet/lua_history", state);
     else if (home && *home == '/')
         text_add(path, "%s/.local/state/duet/lua_history", home);
-    for (char *at = path->chars; at && (at = strchr(at + 1, '/'));) {
-        *at = '\0';
-        mkdir(path->chars, 0700);
-        *at = '/';
-    }
+    if (path->length > 0)
+        output_make_folders(path->chars, 0700, NULL);
 }
 
 // Without a place for it there is no history, and nothing is said: it is no part of the work.
@@ -214,10 +210,10 @@ static bool talk(session *s, duet_error *err)
 {
     text history_path = {0};
     begin_typing(s, &history_path);
-    if (is_terminal())
+    if (is_terminal()) {
         interrupt_wait();
-    if (is_terminal())
         printf("duet %s, Lua 5.4; help says how to begin, Ctrl-D ends\n", duet_version());
+    }
     bool ok = read_all(s, err);
     end_typing(&history_path);
     text_free(&history_path);
