@@ -46,12 +46,6 @@ duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err)
     return pair;
 }
 
-bool inputs_pair_is_one(const duet_device_pair *pair)
-{
-    return strcmp(duet_device_pair_get_info(pair, 0)->selector,
-                  duet_device_pair_get_info(pair, 1)->selector) == 0;
-}
-
 // A scene takes names and values apart; "name=value" is cut in a copy.
 static bool cut_settings(const option_list *list, text *copies, duet_setting *settings,
                          duet_error *err)

@@ -90,9 +90,6 @@ bool inputs_change_level(const level_options *options, duet_world_def *def, duet
 // NULL selectors: the default pair.
 duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err);
 
-// A and B are the same device.
-bool inputs_pair_is_one(const duet_device_pair *pair);
-
 duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err);
 duet_scene *inputs_load_pairs(const char *path, duet_error *err);
 

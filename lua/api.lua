@@ -59,6 +59,7 @@ api.others = {
     "duet_large_pose_set",
     "duet_large_poses_collide", "duet_large_poses_separation",
   },
+  ["tostring of a device pair"] = { "duet_device_pair_is_one" },
   ["require"] = {
     "luaopen_duet", "luaopen_duet_frame", "luaopen_duet_lab", "luaopen_duet_plot",
   },

@@ -4,7 +4,6 @@
 #include "lua/nouns.h"
 #include "lua/policy.h"
 
-#include <string.h>
 
 static const char *kind_name(int value)
 {
@@ -155,7 +154,7 @@ static int pair_about(lua_State *L)
     const duet_device_pair *pair = device_pair_check(L, 1);
     const duet_device_info *a = duet_device_pair_get_info(pair, 0);
     const duet_device_info *b = duet_device_pair_get_info(pair, 1);
-    if (strcmp(a->selector, b->selector) == 0)
+    if (duet_device_pair_is_one(pair))
         lua_pushfstring(L, "A = B = %s %s", a->selector, a->name);
     else
         lua_pushfstring(L, "A = %s %s, B = %s %s", a->selector, a->name, b->selector, b->name);

@@ -162,6 +162,9 @@ DUET_API duet_device_pair_def duet_default_device_pair_def(void);
 DUET_API duet_device_pair *duet_device_pair_create(const duet_device_pair_def *def,
                                                    duet_error *err);
 DUET_API void duet_device_pair_destroy(duet_device_pair *pair);
+// Whether A and B are the same device, so that B does all of the work by default; false
+// for NULL.
+DUET_API bool duet_device_pair_is_one(const duet_device_pair *pair);
 // False, with a line that says why, where built programs are to be kept and cannot be: all
 // works, but they are compiled again each time.
 DUET_API bool duet_device_pair_check_cache(const duet_device_pair *pair, duet_error *err);

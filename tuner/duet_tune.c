@@ -438,8 +438,7 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
         .script = h->script,
         .least_share = least_share(info->n),
     };
-    task.one_device = strcmp(duet_device_pair_get_info(h->def.pair, 0)->selector,
-                             duet_device_pair_get_info(h->def.pair, 1)->selector) == 0;
+    task.one_device = duet_device_pair_is_one(h->def.pair);
     if (find_whole(h->def.pair, h->whole_name))
         task.whole = (tune_whole){h, open_whole};
     if (h->record.store)

@@ -7,7 +7,6 @@
 #include "cli/say.h"
 
 #include <stdio.h>
-#include <string.h>
 
 typedef struct arguments {
     bool json;
@@ -65,7 +64,7 @@ static void print_default(const duet_device_pair *pair)
 {
     const duet_device_info *a = duet_device_pair_get_info(pair, 0);
     const duet_device_info *b = duet_device_pair_get_info(pair, 1);
-    bool one = strcmp(a->selector, b->selector) == 0;
+    bool one = duet_device_pair_is_one(pair);
     printf("without --pair: %s%s%s\n", a->selector, one ? "" : ",", one ? "" : b->selector);
 }
 

@@ -132,7 +132,7 @@ static duet_world *make_world(const arguments *args, const duet_scene *scene,
         return NULL;
     def.separate_sizes = args->transforms;
     duet_world *world = duet_world_create(&def, err);
-    bool idle_a = world && inputs_pair_is_one(pair) && duet_world_get_plan(world)->share == 0;
+    bool idle_a = world && duet_device_pair_is_one(pair) && duet_world_get_plan(world)->share == 0;
     if (!idle_a || !args->plan.variants[0])
         return world;
     error_set(err, DUET_STATUS_BAD_ARGUMENT,

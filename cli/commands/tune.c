@@ -262,7 +262,7 @@ static bool tune_workload(duet_tune_def *def, const duet_scene *scene, tune_repo
 
 static bool check_strategy(const arguments *args, const duet_device_pair *pair, duet_error *err)
 {
-    return !inputs_pair_is_one(pair) || (!args->strategy && !args->strategy_path) ||
+    return !duet_device_pair_is_one(pair) || (!args->strategy && !args->strategy_path) ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "--strategy%s: %s is one device and has no share to search; expected --pair "
                      "with two, or halves",

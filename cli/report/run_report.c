@@ -40,7 +40,7 @@ static void print_grid(const duet_scene_info *info, const duet_result *r)
 
 static bool is_one(const duet_device_pair *pair, const duet_plan *plan)
 {
-    return plan->share == 0 && inputs_pair_is_one(pair);
+    return plan->share == 0 && duet_device_pair_is_one(pair);
 }
 
 static void print_devices(const duet_device_pair *pair, const duet_plan *plan)

@@ -23,7 +23,7 @@ void tune_report_expect(tune_report *r, const duet_device_pair *pair, uint32_t n
                         double budget_seconds)
 {
     const char *a = duet_device_pair_get_info(pair, 0)->selector;
-    r->one = inputs_pair_is_one(pair);
+    r->one = duet_device_pair_is_one(pair);
     snprintf(r->whole, sizeof r->whole, "%.*s", (int)strcspn(a, "["), a);
     r->n_workloads = n_workloads;
     r->budget_seconds = budget_seconds;

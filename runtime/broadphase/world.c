@@ -31,7 +31,7 @@ const char *duet_mode_name(duet_mode mode)
 static bool are_alike(const duet_device_pair *pair)
 {
     const duet_device_info *a = &pair->devices[0].info, *b = &pair->devices[1].info;
-    return a->kind == b->kind && strcmp(a->name, b->name) == 0 && !device_pair_is_one(pair);
+    return a->kind == b->kind && strcmp(a->name, b->name) == 0 && !duet_device_pair_is_one(pair);
 }
 
 static uint32_t default_share(const duet_device_pair *pair)

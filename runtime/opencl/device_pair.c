@@ -107,9 +107,9 @@ static bool open_devices(duet_device_pair *pair, const duet_device_pair_def *def
            device_open(&pair->devices[1], *chosen.b ? chosen.b : def->b, err);
 }
 
-bool device_pair_is_one(const duet_device_pair *pair)
+bool duet_device_pair_is_one(const duet_device_pair *pair)
 {
-    return strcmp(pair->devices[0].info.selector, pair->devices[1].info.selector) == 0;
+    return pair && strcmp(pair->devices[0].info.selector, pair->devices[1].info.selector) == 0;
 }
 
 // $XDG_CACHE_HOME/duet; NULL where there is no home.

@@ -15,9 +15,6 @@ struct duet_device_pair {
     program_builder builder;
 };
 
-// Whether A and B are the same device, so that B does all of the work by default.
-bool device_pair_is_one(const duet_device_pair *pair);
-
 // One user more, until it closes the pair.
 void device_pair_hold(duet_device_pair *pair);
 

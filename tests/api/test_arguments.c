@@ -194,6 +194,7 @@ static void device_pairs(void)
     def = (duet_device_pair_def){0};
     REFUSES(duet_device_pair_create(&def, e));
     assert_null(duet_device_pair_get_info(NULL, 0));
+    assert_false(duet_device_pair_is_one(NULL));
     assert_null(duet_device_pair_get_info(pair, 2));
     assert_null(duet_device_pair_get_info(pair, -1));
     duet_device_pair_destroy(NULL);
@@ -513,7 +514,7 @@ static const struct {
      "duet_device_list_get_info duet_device_info_get_quirk",
      device_lists},
     {"duet_device_pair_create duet_device_pair_destroy duet_device_pair_get_info "
-     "duet_device_pair_check_cache",
+     "duet_device_pair_check_cache duet_device_pair_is_one",
      device_pairs},
     {"duet_scene_load duet_scene_load_pairs", load_scene},
     {"duet_scene_create", copy_scene},

@@ -149,7 +149,7 @@ static void without_selectors_a_whole_machine_is_chosen(void **state)
     const device *b = &pair->devices[1];
     assert_int_equal(a->info.kind, DUET_KIND_CPU);
     assert_false(a->owns_part || b->owns_part);
-    assert_int_equal(device_pair_is_one(pair), b->info.kind == DUET_KIND_CPU);
+    assert_int_equal(duet_device_pair_is_one(pair), b->info.kind == DUET_KIND_CPU);
     assert_int_equal(duet_default_plan(pair).share, 0);
     duet_device_pair_destroy(pair);
 }
@@ -181,7 +181,7 @@ static void one_selector_is_a_pair_of_one(void **state)
     duet_error err = {0};
     duet_device_pair *pair = open_pair("cpu", NULL, &err);
     assert_ok(pair, err);
-    assert_true(device_pair_is_one(pair));
+    assert_true(duet_device_pair_is_one(pair));
     assert_int_equal(duet_default_plan(pair).share, 0);
     duet_device_pair_destroy(pair);
 }
