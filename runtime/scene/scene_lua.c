@@ -13,6 +13,7 @@
 
 #include <lauxlib.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 // ---------------------------------------------------------------- parameters
@@ -476,10 +477,26 @@ static int word_add(lua_State *L)
 
 // ---------------------------------------------------------------- a scene
 
-// Enough for tens of millions of objects by add, or a million in a list; an
-// endless loop ends within seconds.
+// Enough for ten million objects by add, or a million in a list; an endless loop ends
+// within seconds.
 static const script_limits limits = {
     .memory_bytes = (size_t)512 << 20, .instructions = 1000000000, .seconds = 30};
+
+// Whoever asks for n objects waits for them: several times what the shipped scenes take
+// for each. The script's own default of n is not asked for.
+static script_limits limits_for(const duet_setting *settings, uint32_t n_settings)
+{
+    enum { INSTRUCTIONS_AN_OBJECT = 250, NS_AN_OBJECT = 20000 };
+    script_limits given = limits;
+    for (uint32_t i = 0; i < n_settings; ++i) {
+        double n = strcmp(settings[i].name, "n") == 0 ? strtod(settings[i].value, NULL) : 0;
+        if (n > 0 && n <= UINT32_MAX) {
+            given.instructions += INSTRUCTIONS_AN_OBJECT * (uint64_t)n;
+            given.seconds += 1e-9 * NS_AN_OBJECT * n;
+        }
+    }
+    return given;
+}
 
 static const struct {
     const char *name;
@@ -655,7 +672,8 @@ bool scene_read_lua(duet_scene *scene, const scene_source *source, const duet_se
                     uint32_t n_settings, duet_error *err)
 {
     scene_reading reading = {scene, source->name, settings, n_settings, false, err, 0};
-    script *s = script_open(&limits, err);
+    script_limits given = limits_for(settings, n_settings);
+    script *s = script_open(&given, err);
     if (!s)
         return false;
     lua_State *L = script_lua(s);

@@ -4,6 +4,7 @@
 
 #include "base/rng.h"
 #include "base/text.h"
+#include "gen/script.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -12,6 +13,8 @@
 #include <string.h>
 
 #define FILE_NAME "test_scene_lua.lua"
+
+static bool limited;
 
 static duet_scene *assert_scene(const char *chars)
 {
@@ -250,11 +253,47 @@ static void a_wrong_scene_is_refused_with_its_place(void **state)
         scene_assert_refused(FILE_NAME, wrong[i].chars, wrong[i].status, wrong[i].says);
 }
 
+// The linker leads script_open here: what a script may take is a thousandth of what it may.
+script *__wrap_script_open(const script_limits *limits, duet_error *err);
+script *__real_script_open(const script_limits *limits, duet_error *err);
+
+script *__wrap_script_open(const script_limits *limits, duet_error *err)
+{
+    script_limits less = *limits;
+    less.instructions /= limited ? 1000 : 1;
+    return __real_script_open(&less, err);
+}
+
 static void an_endless_scene_ends_with_its_line(void **state)
 {
     (void)state;
+    limited = true;
     scene_assert_refused(FILE_NAME, "\nwhile true do add(0, 0, 1, 1) end", DUET_STATUS_BAD_INPUT,
                          FILE_NAME ":2: runs for more than");
+    limited = false;
+}
+
+static bool runs_with_n(const char *chars, const char *n)
+{
+    const duet_setting setting = {"n", n};
+    duet_error err = {0};
+    limited = true;
+    duet_scene *scene = scene_from_bytes(FILE_NAME, chars, strlen(chars), &setting, n != NULL, &err);
+    limited = false;
+    if (!scene && !strstr(err.text, "runs for more than"))
+        fail_msg("%s", err.text);
+    duet_scene_destroy(scene);
+    return scene != NULL;
+}
+
+static void who_asks_for_more_objects_lets_the_script_run_longer(void **state)
+{
+    (void)state;
+    const char *two_million = "parameters { n = 30000000 } for i = 1, 2e6 do end return {}";
+    assert_false(runs_with_n(two_million, NULL));
+    assert_false(runs_with_n(two_million, "1000"));
+    assert_false(runs_with_n(two_million, "-30000000"));
+    assert_true(runs_with_n(two_million, "3e7"));
 }
 
 // --------------------------------------------------------------- parameters
@@ -476,6 +515,7 @@ int main(void)
         cmocka_unit_test(a_gimbal_lock_is_a_rotation_as_any_other),
         cmocka_unit_test(a_wrong_scene_is_refused_with_its_place),
         cmocka_unit_test(an_endless_scene_ends_with_its_line),
+        cmocka_unit_test(who_asks_for_more_objects_lets_the_script_run_longer),
         cmocka_unit_test(settings_take_the_place_of_defaults),
         cmocka_unit_test(a_wrong_setting_says_what_is_right),
         cmocka_unit_test(shipped_scenes_have_as_many_objects_as_asked_for),
