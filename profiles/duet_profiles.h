@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The store of profiles as a program sees it: what is in it, and rows out and
-// in. What an application loads from it is duet_world_load_profile (duet.h).
+// in. What an application loads from it is duet_world_load_profile (duet_world.h).
 //
 // A path of NULL is the user's store (DUET_PROFILE). NOT_FOUND where there is
 // no file, STORE_FAILED where it is none of ours or cannot be read. What else is

@@ -30,7 +30,7 @@ configure_package_config_file(runtime/duet-config.cmake.in duet-config.cmake
 write_basic_package_version_file(duet-config-version.cmake COMPATIBILITY SameMajorVersion)
 configure_file(runtime/duet.pc.in duet.pc @ONLY)
 
-file(GLOB public_headers CONFIGURE_DEPENDS runtime/duet.h base/duet_error.h
+file(GLOB public_headers CONFIGURE_DEPENDS runtime/duet*.h base/duet_*.h
   profiles/duet_*.h tuner/duet_*.h lua/duet_*.h)
 install(TARGETS duet COMPONENT program)
 install(TARGETS duet_shared EXPORT duet LIBRARY COMPONENT library NAMELINK_COMPONENT development)

@@ -566,8 +566,11 @@ static int rows_of(const char *call)
     return found;
 }
 
-static const char *const headers[] = {"runtime/duet.h", "base/duet_error.h", "tuner/duet_tune.h",
-                                      "profiles/duet_profiles.h", "lua/duet_lua.h"};
+static const char *const headers[] = {
+    "runtime/duet.h",        "runtime/duet_device.h",     "runtime/duet_level.h",
+    "runtime/duet_motion.h", "runtime/duet_object.h",     "runtime/duet_pair_query.h",
+    "runtime/duet_scene.h",  "runtime/duet_world.h",      "base/duet_error.h",
+    "tuner/duet_tune.h",     "profiles/duet_profiles.h", "lua/duet_lua.h"};
 
 // The name before the first bracket behind DUET_API.
 static uint32_t check_header(const char *header)

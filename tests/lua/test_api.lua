@@ -17,7 +17,7 @@ end
 local function c_names()
   local names = {}
   local headers <close> = assert(io.popen("cd '" .. facts.root .. "' && ls " ..
-    "runtime/duet.h base/duet_error.h */duet_*.h"))
+    "runtime/duet.h */duet_*.h"))
   for header in headers:lines() do add_c_names(facts.root .. "/" .. header, names) end
   return names
 end

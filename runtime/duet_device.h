@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+// Devices, and the device pair that shares the work.
+#ifndef DUET_DEVICE_H
+#define DUET_DEVICE_H
+
+#include "duet_error.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum duet_device_kind {
+    DUET_KIND_CPU,
+    DUET_KIND_GPU,
+    DUET_KIND_ACCELERATOR
+} duet_device_kind;
+
+typedef struct duet_device_info {
+    char selector[64]; // "pocl:0", "nvidia:1"; a part of a CPU is "pocl:0[0-1]"
+    char platform[128];
+    char platform_version[128];
+    char name[256];
+    char vendor[128];
+    char driver[128];
+    char cl_version[128];
+    duet_device_kind kind;
+    uint32_t units; // compute units
+    uint32_t clock_mhz;
+    uint32_t max_group; // work-items in a work-group
+    uint64_t global_bytes;
+    uint64_t local_bytes;
+    uint64_t max_buffer_bytes;
+    bool host_memory; // works on host memory without copies
+    bool fp64;        // has double
+    bool can_cut;     // its units can be cut into parts with [first-last]
+} duet_device_info;
+
+typedef struct duet_device_list duet_device_list;
+
+// All root devices of all platforms. A list may be empty; NULL only where
+// memory runs out.
+DUET_API duet_device_list *duet_device_list_create(duet_error *err);
+DUET_API void duet_device_list_destroy(duet_device_list *list);
+DUET_API uint32_t duet_device_list_get_count(const duet_device_list *list);
+DUET_API const duet_device_info *duet_device_list_get_info(const duet_device_list *list,
+                                                           uint32_t i);
+
+// What a driver does that Duet works round, a line each, from 0; NULL past the last.
+DUET_API const char *duet_device_info_get_quirk(const duet_device_info *info, uint32_t i);
+
+// An ordered device pair. A takes the share, B the rest. Where both are one device B does
+// all of the work, unless a share is asked for.
+typedef struct duet_device_pair duet_device_pair;
+
+// Told before a kernel is compiled, which can take seconds: it is the k-th of n, from 1,
+// that the device needs and that neither the cache nor the pair has. After the last it is
+// told once more, with kernel NULL. One call comes after the other, from any thread.
+typedef void duet_compile_callback(void *context, const duet_device_info *device,
+                                   const char *kernel, uint32_t k, uint32_t n);
+
+typedef struct duet_device_pair_def {
+    const char *a;          // selector of A, and
+    const char *b;          // of B; see below
+    const char *kernel_dir; // reads kernels from this folder instead of the carried ones
+    const char *cache_dir;  // keeps built programs here. NULL: in $XDG_CACHE_HOME/duet or
+                            // ~/.cache/duet, but those of PoCL, which keeps its own; "": nowhere
+    duet_compile_callback *on_compile; // NULL: nobody is told
+    void *context;                     // handed to it
+    int cookie;
+} duet_device_pair_def;
+
+// A selector is "pocl:0"; "cpu" or "gpu", the strongest of each; or a part of a CPU, as its
+// units "pocl:0[0-3]" or as the k-th of n equal parts "cpu[1/2]". With b NULL, a is one
+// selector for both, "A,B" for the two, or "halves" for the two halves of the CPU. With
+// both NULL: the CPU and the strongest GPU, or where there is no GPU the CPU as both.
+
+// a, kernel_dir and cache_dir from DUET_PAIR, DUET_KERNEL_DIR and DUET_CACHE, "off" for
+// nowhere.
+DUET_API duet_device_pair_def duet_default_device_pair_def(void);
+
+// NO_DEVICE where there is none, NOT_FOUND for an unknown selector: the line
+// lists what is there. Closing may come before the worlds made on the pair are destroyed:
+// the devices are let go with the last of them.
+DUET_API duet_device_pair *duet_device_pair_create(const duet_device_pair_def *def,
+                                                   duet_error *err);
+DUET_API void duet_device_pair_destroy(duet_device_pair *pair);
+// Whether A and B are the same device, so that B does all of the work by default; false
+// for NULL.
+DUET_API bool duet_device_pair_is_one(const duet_device_pair *pair);
+// False, with a line that says why, where built programs are to be kept and cannot be: all
+// works, but they are compiled again each time.
+DUET_API bool duet_device_pair_check_cache(const duet_device_pair *pair, duet_error *err);
+DUET_API const duet_device_info *duet_device_pair_get_info(const duet_device_pair *pair,
+                                                           int device); // 0: A, 1: B, else NULL
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+// Motions: objects that move, touch and sleep.
+#ifndef DUET_MOTION_H
+#define DUET_MOTION_H
+
+#include "duet_world.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// What a scene can call for. A motion runs those that its objects and its def
+// call for and nothing else: docs/effects.md says by what each is called for.
+typedef enum duet_effect {
+    DUET_EFFECT_ROTATION = 1u << 0,         // orientation matters
+    DUET_EFFECT_MOTION = 1u << 1,           // objects have velocities
+    DUET_EFFECT_ANGULAR_VELOCITY = 1u << 2, // and turn
+    DUET_EFFECT_GRAVITY = 1u << 3,          // uniform, or towards a point
+    DUET_EFFECT_DRAG = 1u << 4,             // velocities decay
+    DUET_EFFECT_BOUNDARY = 1u << 5,         // walls, or a world that repeats itself
+    DUET_EFFECT_CONTACT = 1u << 6,          // where objects touch
+    DUET_EFFECT_CONTACT_RESPONSE = 1u << 7, // contacts push, and bounce
+    DUET_EFFECT_FRICTION = 1u << 8,         // contacts have friction
+    DUET_EFFECT_CONTINUOUS = 1u << 9,       // fast bodies do not tunnel through thin ones
+    DUET_EFFECT_FILTER = 1u << 10,          // groups and masks
+    DUET_EFFECT_SLEEP = 1u << 11,           // what rests leaves the work
+    DUET_EFFECT_SKIN = 1u << 12,            // the grid lasts until something leaves its skin
+    DUET_EFFECT_EVENTS = 1u << 13,          // contacts that begin and end are told
+    DUET_EFFECT_ALL = (1u << 14) - 1
+} duet_effect;
+
+DUET_API const char *duet_effect_name(uint32_t effect); // one bit: "rotation"; NULL for others
+
+// What an object is besides its pose.
+typedef struct duet_body {
+    float velocity[3];         // of the centre, a second
+    float angular_velocity[3]; // angular velocity, radians a second, along the world's axes
+    float mass;                // 0: nothing changes its velocity
+    float restitution;         // what of an impact's speed comes back, 0 .. 1
+    float friction;            // >= 0; a contact has the geometric mean of its two objects'
+    uint32_t group;            // two objects can touch where each one's group has a bit
+    uint32_t mask;             // of the other's mask
+    bool fixed_rotation;       // never turned by others
+} duet_body;
+
+DUET_API duet_body duet_default_body(void); // at rest, mass 1, friction 0, all groups
+
+// Where an object is and how it moves. In 2D only z of rotation and angular velocity count.
+typedef struct duet_state {
+    double centre[3];
+    double rotation[4]; // of length 1
+    double velocity[3];
+    double angular_velocity[3];
+} duet_state;
+
+typedef enum duet_boundary {
+    DUET_BOUNDARY_NONE,
+    DUET_BOUNDARY_WALLS,   // lower and upper are walls
+    DUET_BOUNDARY_PERIODIC // what leaves on one side comes in on the other
+} duet_boundary;
+
+typedef enum duet_integrator {
+    DUET_INTEGRATOR_EULER,  // semi-implicit, first order
+    DUET_INTEGRATOR_VERLET, // second order, symmetric; without contact response
+    DUET_INTEGRATOR_YOSHIDA // fourth order, symmetric; without contact response
+} duet_integrator;
+
+typedef struct duet_motion_def {
+    duet_device_pair *pair; // held; B has the state, both find pairs
+    duet_plan plan;         // how pairs are found
+    uint32_t dims;          // 2 or 3
+    uint32_t wants;         // effects asked for besides those that the objects call for
+    bool doubles;           // the state is in double
+    double origin[3];       // where the poses' 0 lies; far away needs doubles, or origin cells
+    float origin_edge;      // above 0: the state is in origin cells of that edge, a power of two
+    double gravity[3];      // an acceleration
+    double attraction;      // not 0: attraction / distance^2 towards the point `centre`
+    double centre[3];
+    double drag; // a velocity falls by the factor e in 1 / drag seconds
+    duet_boundary boundary;
+    double lower[3]; // the world's box
+    double upper[3];
+    double dt;
+    uint32_t substeps;
+    duet_integrator integrator;
+    double skin;                  // > 0: how far bounds are grown so that the grid lasts
+    double slop;                  // contacts are kept to 4 slops apart; 0: from the objects' sizes
+    double max_push_speed;        // greatest speed at which overlap is resolved
+    double restitution_threshold; // impacts below it do not bounce
+    double sleep_speed; // what is slower rests, and what is faster takes back twice the time
+    double sleep_after; // seconds of rest: sleeps, if nothing that moves touches it
+    int cookie;
+} duet_motion_def;
+
+DUET_API duet_motion_def duet_default_motion_def(void); // 60 steps a second, 4 substeps
+
+// Objects that move.
+typedef struct duet_motion duet_motion;
+
+// A def with what the scene says of motion, the default one for NULL, and its objects'
+// bodies: [n], or NULL where nothing is said of any.
+DUET_API duet_motion_def duet_scene_motion_def(const duet_scene *scene, duet_device_pair *pair);
+DUET_API const duet_body *duet_scene_get_bodies(const duet_scene *scene);
+
+// Copies n poses and bodies (NULL: duet_default_body each). BAD_ARGUMENT names
+// the field of the def, BAD_OBJECT the object, that is wrong and what would be
+// right.
+DUET_API duet_motion *duet_motion_create(const duet_motion_def *def, const duet_pose *poses,
+                                         const duet_body *bodies, uint32_t n, duet_error *err);
+// The same of a scene's objects, in its origin cells where it has some. bodies
+// NULL: those that the scene gives.
+DUET_API duet_motion *duet_motion_create_from_scene(const duet_motion_def *def,
+                                                    const duet_scene *scene,
+                                                    const duet_body *bodies, duet_error *err);
+DUET_API void duet_motion_destroy(duet_motion *motion);
+
+// A contact that began or ended, a < b; a wall 2 k or 2 k + 1, the lower or
+// upper one of axis k, is object n + 2 k or n + 2 k + 1.
+typedef struct duet_event {
+    uint32_t a;
+    uint32_t b;
+    bool begins;
+} duet_event;
+
+// What a step did. Its memory is the motion's and lasts until the next step.
+typedef struct duet_motion_result {
+    uint64_t step;     // steps since the start
+    double time;       // step * dt
+    uint64_t pairs;    // that may touch
+    uint64_t contacts; // that push
+    uint32_t colours;  // rounds of a solution
+    bool rebuilt;      // pairs were searched in this step
+    const duet_event *events;
+    uint64_t n_events;
+    double total_ms;
+    const duet_stage *stages; // named by effect
+    uint32_t n_stages;
+} duet_motion_result;
+
+// Advances all objects by dt. After a failure half a step may be done: until a saved
+// motion is loaded into it, the motion can only be destroyed, and the calls below that
+// take an error are BAD_ARGUMENT.
+DUET_API bool duet_motion_advance(duet_motion *motion, duet_motion_result *result, duet_error *err);
+
+DUET_API uint32_t duet_motion_get_effects(const duet_motion *motion); // bits of duet_effect
+DUET_API uint32_t duet_motion_get_count(const duet_motion *motion);
+
+// Copies the state of all objects to states [n]. BAD_OBJECT where a number of it is no
+// longer finite; the states are copied all the same.
+DUET_API bool duet_motion_get_states(duet_motion *motion, duet_state *states, duet_error *err);
+
+// A sum over the state's bits, equal on all devices, at any share and in any
+// split mode.
+DUET_API bool duet_motion_get_hash(duet_motion *motion, uint64_t *hash, duet_error *err);
+
+typedef struct duet_energy {
+    double kinetic; // of objects with a mass
+    double turning; // of their rotation
+    double potential;
+    double momentum[3];
+    double angular[3]; // momentum about the origin
+} duet_energy;
+
+DUET_API bool duet_motion_get_energy(duet_motion *motion, duet_energy *energy, duet_error *err);
+
+// Where two objects touched in the last step.
+typedef struct duet_contact {
+    uint32_t a, b;   // a has a mass; b may be below a, or a wall as in duet_event
+    float normal[3]; // from a to b
+    uint32_t n;      // points, 1 .. 4
+    struct {
+        float anchor[3];      // from a's centre
+        float separation;     // below 0: depth
+        float normal_impulse; // of the last substep, with contact response
+    } points[4];
+} duet_contact;
+
+// Copies those contacts; the caller frees *contacts with duet_free. They are
+// ascending.
+DUET_API bool duet_motion_get_contacts(duet_motion *motion, duet_contact **contacts, uint64_t *n,
+                                       duet_error *err);
+
+// A motion as a file: advanced after loading, it goes on bit for bit as the
+// saved one does. Objects, bodies and def must be those of the saved motion.
+// BAD_INPUT where the file says what this motion could not have saved; files may come
+// from anyone. After a failure the motion is as before.
+DUET_API bool duet_motion_save(duet_motion *motion, const char *path, duet_error *err);
+DUET_API bool duet_motion_load(duet_motion *motion, const char *path, duet_error *err);
+
+// One effect of a motion, as duet explain shows it.
+typedef struct duet_effect_info {
+    const char *name;
+    bool active;
+    const char *called_by; // what calls for it, or would
+    const char *kernels;   // those that have code for it
+    uint32_t bytes;        // of state an object, on B
+} duet_effect_info;
+
+// Effect i, and after the last one how positions are kept ("origin"); false past that.
+DUET_API bool duet_motion_explain(const duet_motion *motion, uint32_t i, duet_effect_info *info);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

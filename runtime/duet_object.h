@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// Objects: boxes, however they are given, and the pairs of those that collide.
+#ifndef DUET_OBJECT_H
+#define DUET_OBJECT_H
+
+#include "duet_error.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// An oriented box. The rotation is M(q)/|q|^2, so any quaternion but zero is
+// legal. In 2D centre[2], half[2], rotation[0] and rotation[1] are not read.
+typedef struct duet_pose {
+    float centre[3];
+    float half_extents[3]; // half extents, >= 0
+    float rotation[4];     // quaternion x y z w
+} duet_pose;
+
+// Where a box is, apart from its size: what changes from step to step.
+typedef struct duet_transform {
+    float centre[3];
+    float rotation[4]; // as a pose's
+} duet_transform;
+
+typedef struct duet_size {
+    float half_extents[3]; // half extents, >= 0
+} duet_size;
+
+// An oriented box however far from 0: along each axis its centre is at
+// cell * edge + pose.centre, the edge being a power of two that the scene or the
+// world states (origin_edge). Offsets are kept to 2^-24 of an edge, so that precision
+// is the same everywhere up to 2^30 edges from 0.
+typedef struct duet_large_pose {
+    duet_pose pose;
+    int32_t cell[3];
+    int32_t unused;
+} duet_large_pose;
+
+// Sets cell and pose.centre to the position nearest to a centre. BAD_ARGUMENT
+// for another edge than a power of two, BAD_OBJECT beyond 2^30 edges.
+DUET_API bool duet_large_pose_set(duet_large_pose *pose, const double centre[3], float edge,
+                                  duet_error *err);
+
+// An axis-aligned box. In 2D lower[2] and upper[2] are not read.
+typedef struct duet_bounds {
+    float lower[3];
+    float upper[3]; // >= lower
+} duet_bounds;
+
+// A confirmed collision, a < b.
+typedef struct duet_pair {
+    uint32_t a;
+    uint32_t b;
+} duet_pair;
+
+// The sum over pairs that every variant, device and share must agree on: see
+// duet_result_get_hash. Independent of the pairs' order.
+DUET_API uint64_t duet_pairs_hash(const duet_pair *pairs, uint64_t n);
+
+// What an array of objects holds.
+typedef enum duet_object_kind {
+    DUET_OBJECT_POSES,       // duet_pose
+    DUET_OBJECT_BOUNDS,      // duet_bounds
+    DUET_OBJECT_LARGE_POSES, // duet_large_pose
+    DUET_OBJECT_TRANSFORMS,  // duet_transform, with
+    DUET_OBJECT_SIZES        // duet_size
+} duet_object_kind;
+
+typedef enum duet_shape {
+    DUET_SHAPE_POSES, // oriented boxes
+    DUET_SHAPE_BOUNDS // axis-aligned boxes, given by their corners
+} duet_shape;
+
+// true where the exact boxes share a point; false where one is no box, or dims is
+// neither 2 nor 3.
+DUET_API bool duet_poses_collide(const duet_pose *a, const duet_pose *b, uint32_t dims);
+
+// How far two boxes are apart along the best of the 15 (4) axes, each of length
+// one, in double; below 0 it is how deep they are in each other. NaN where there is none.
+DUET_API double duet_poses_separation(const duet_pose *a, const duet_pose *b, uint32_t dims);
+
+// The same for large poses, in origin cells of that edge.
+DUET_API bool duet_large_poses_collide(const duet_large_pose *a, const duet_large_pose *b,
+                                       float edge, uint32_t dims);
+DUET_API double duet_large_poses_separation(const duet_large_pose *a, const duet_large_pose *b,
+                                            float edge, uint32_t dims);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+// Worlds: objects on a device pair that do not move by themselves, the plan of a step, its result,
+// and the profile that brings the best plan known.
+#ifndef DUET_WORLD_H
+#define DUET_WORLD_H
+
+#include "duet_device.h"
+#include "duet_scene.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// ---------------------------------------------------------------- plans
+
+#define DUET_SHARE_ONE 65536u
+#define DUET_SHARE_DEFAULT UINT32_MAX // that of duet_default_plan for the device pair
+
+typedef enum duet_mode {
+    DUET_MODE_SHARED, // B builds the grid and A receives it (the paper, section 4.1)
+    DUET_MODE_OWN,    // each device builds the whole grid from its own poses
+    DUET_MODE_SLAB,   // each device builds only its slab of the grid and the ghost rows ahead
+    DUET_MODE_DEFAULT // slab between parts of one CPU, or two equal devices, where objects are of
+                      // about one size; own elsewhere
+} duet_mode;
+
+DUET_API const char *duet_mode_name(duet_mode mode); // "shared"; NULL outside
+
+#define DUET_VARIANT 192 // bytes of a variant's text, its end counted
+
+// How a step is to be done: what a tuner chooses and a profile stores.
+typedef struct duet_plan {
+    uint32_t share; // A's part of the objects, out of DUET_SHARE_ONE (r in the paper), or
+                    // DUET_SHARE_DEFAULT
+    duet_mode mode;
+    char variant_a[DUET_VARIANT]; // "auto", "simd", "gpu" or "paper", or with settings: "auto
+                                  // sort=radix";
+    char variant_b[DUET_VARIANT]; // "" is the default one for the device
+} duet_plan;
+
+// What is done on this device pair where nothing was measured: "simd" on a CPU and "auto"
+// elsewhere, a share by units between parts of one CPU, or two equal devices, else 0. For
+// NULL a plan that leaves these to the world it is given to, as the default defs have it.
+DUET_API duet_plan duet_default_plan(const duet_device_pair *pair);
+
+// ---------------------------------------------------------------- worlds
+
+// Objects on a device pair, stepped again and again.
+typedef struct duet_world duet_world;
+
+typedef struct duet_world_def {
+    duet_device_pair *pair; // held until the world is destroyed
+    duet_plan plan;
+    uint32_t dims; // 2 or 3
+    duet_shape shape;
+    duet_level level; // of accuracy, for poses; bounds are exact
+    // With has_accuracy a profile may bring any level that was measured to be
+    // within accuracy; until then level holds. Without, level always holds.
+    bool has_accuracy;
+    duet_accuracy accuracy;
+    bool rotated;    // false promises identity rotations: fewer axes are tested
+    float cell;      // cell edge; 0: the largest extent found
+    bool cell_fixed; // CELL_TOO_SMALL instead of widening
+    bool has_world;  // lower and upper are given; objects outside are still found
+    float lower[3];
+    float upper[3];
+    float origin_edge;   // above 0: large poses, in origin cells of that edge, a power of two
+    bool separate_sizes; // objects are transforms, and their sizes are set by themselves
+    bool keep_bad;       // leave bad objects out and count them, instead of BAD_OBJECT
+    uint64_t max_pairs;  // TOO_MANY above it; 0: as memory allows
+    int cookie;
+} duet_world_def;
+
+DUET_API duet_world_def duet_default_world_def(void);
+// A def with the scene's dims, shape, cell, world, level and accuracy; the default one
+// for NULL.
+DUET_API duet_world_def duet_scene_world_def(const duet_scene *scene, duet_device_pair *pair);
+
+DUET_API duet_world *duet_world_create(const duet_world_def *def, duet_error *err);
+DUET_API void duet_world_destroy(duet_world *world);
+
+// Copies n objects of the kind that the world was made for: BOUNDS for the shape
+// bounds, else POSES, or LARGE_POSES where it has an origin_edge. POSES may also be set
+// in a world with separate_sizes, which takes them apart.
+DUET_API bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void *objects,
+                                     uint32_t n, duet_error *err);
+DUET_API bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err);
+
+// Space for n objects in memory that the devices read without a copy of ours; for the
+// same n it keeps what it held. Valid until the next map, set or destroy: map, write,
+// then step. Objects that were neither set nor mapped since the last step are not sent
+// again.
+//
+// Offsets of LARGE_POSES must be multiples of 2^-24 of an edge, from 0 up to below it, as
+// duet_large_pose_set makes them: others are bad objects.
+//
+// In a world with separate_sizes TRANSFORMS are what a step sends, 28 bytes an object
+// instead of 40, and SIZES are sent again only once they were mapped again. There must
+// be as many of both when the world is stepped.
+DUET_API void *duet_world_map_objects(duet_world *world, duet_object_kind kind, uint32_t n,
+                                      duet_error *err);
+
+DUET_API bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err);
+DUET_API const duet_plan *duet_world_get_plan(const duet_world *world);
+
+// From the next step on, and whatever profile is loaded later.
+DUET_API bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err);
+DUET_API duet_level duet_world_get_level(const duet_world *world); // certified for NULL
+
+// ---------------------------------------------------------------- results
+
+// Where a step's time went: one kernel or transfer on one device.
+typedef struct duet_stage {
+    const char *name; // "hash", "sort", ... ; static
+    int device;       // 0: A, 1: B
+    double ms;        // from OpenCL events; a host stage from the clock
+    bool transfer;
+} duet_stage;
+
+typedef struct duet_span {
+    const duet_pair *pairs;
+    uint64_t n;
+} duet_span;
+
+// What a step found. Its memory is the world's and lasts until the next step.
+typedef struct duet_result {
+    uint32_t objects;
+    uint32_t bad;       // objects left out (keep_bad)
+    uint32_t first_bad; // the least id among them
+    uint64_t candidates;
+    uint64_t pairs;
+    duet_span spans[2];  // A's pairs and B's (the paper, section 4.2)
+    uint64_t undecided;  // pairs that float left open and the host decided
+    double total_ms;     // wall clock, poses in to pairs on the host
+    double device_ms[2]; // wall clock of each device's part
+    double kernel_ms[2]; // from the begin of its first kernel to the end of its last
+    const duet_stage *stages;
+    uint32_t n_stages;
+    uint64_t bytes[2]; // memory held on each device
+    uint32_t cells[3]; // of the grid's finest level
+    float cell;        // their least edge
+    uint32_t levels;   // sizes of cells
+    bool hashed;       // cells share a table's entries, as in a sparse world
+    bool cell_widened; // the edge asked for was below the largest object
+    uint32_t runs;     // 1, or more where a buffer had to grow
+} duet_result;
+
+// Finds all pairs among the world's objects.
+//
+// BAD_OBJECT names the first object that is NaN, infinite, negative or without
+// rotation; CELL_TOO_SMALL names edge and extent (cell_fixed only); TOO_MANY
+// names the count; BUILD_FAILED the kernel. After a failure the world can be
+// stepped again.
+DUET_API bool duet_world_step(duet_world *world, duet_result *result, duet_error *err);
+
+// Pair i of both spans, i < result->pairs; 0 and 0, which is no pair, past the end.
+DUET_API duet_pair duet_result_get_pair(const duet_result *result, uint64_t i);
+
+// The pair hash: for each pair k = a << 32 | b; k *= 0x9E3779B97F4A7C15;
+// k ^= k >> 29; k *= 0xBF58476D1CE4E5B9; k ^= k >> 32; summed modulo 2^64.
+DUET_API uint64_t duet_result_get_hash(const duet_result *result);
+
+// ---------------------------------------------------------------- profiles
+
+// How good the grounds of a plan are, best first; docs/store.md says more.
+typedef enum duet_grade {
+    DUET_GRADE_EXACT,        // measured on these devices, drivers and kernels, for such objects
+    DUET_GRADE_OTHER_DRIVER, // the same, under another version of a driver
+    DUET_GRADE_INTERPOLATED, // between sizes that were measured on this pair
+    DUET_GRADE_TRANSFERRED,  // from what each of the devices took elsewhere
+    DUET_GRADE_STALE,        // measured with other kernels: not used
+    DUET_GRADE_DEFAULT       // nothing is known
+} duet_grade;
+
+DUET_API const char *duet_grade_name(duet_grade grade); // "other driver"; NULL outside
+
+// What a store of profiles knows of a world.
+typedef struct duet_profile {
+    duet_plan plan; // the world's after the call
+    duet_grade grade;
+    duet_level level;       // and its level
+    duet_accuracy accuracy; // of that level, as measured with the plan
+    uint64_t true_pairs;    // that it was measured on; 0: it was not
+    double step_ms; // by that plan; predicted, unless measured. 0 from STALE on, as what follows
+    double gain;    // over the best single device: 0.25 is a quarter faster
+    double gain_low;
+    double gain_high;
+    char verdict[16];   // "faster", "same", "slower", "ambiguous"; empty from STALE on
+    int64_t measured_s; // since 1970, UTC; 0: predicted
+} duet_profile;
+
+// Gives the world the best plan that is known for its objects, which must be
+// set. A world with a level gets what was measured at that level and keeps it.
+// One with has_accuracy gets, of the levels that were measured to be within its
+// accuracy, the best founded and then the fastest, and that level with it; where
+// there is none it keeps its own. So no profile ever brings less than was asked
+// for. path is the store; NULL is the user's (DUET_PROFILE) and under it the
+// system's. Nothing is written, and no file need be there. On failure (a store
+// that cannot be read) the plan is still that of whatever could be, or as it
+// was: an application may go on.
+DUET_API bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *profile,
+                                      duet_error *err);
+
+// Why: a line for each ground that was looked for, from the best down, and what
+// came of it. The caller frees *why with duet_free. The world stays as it is.
+DUET_API bool duet_world_explain_profile(duet_world *world, const char *path, char **why,
+                                         duet_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
