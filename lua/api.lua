@@ -30,7 +30,7 @@ api.classes = {
   { "duet.States", "Where objects are and how they move: rows of centre xyz, rotation xyzw, velocity xyz, angular velocity xyz." },
   { "duet.Contacts", "Where objects touch: rows of a, b, normal xyz, n, and four times anchor xyz, separation, normal impulse." },
   { "duet.PairQuery", "The narrow phase alone: tests pairs that the script brings." },
-  { "duet.Verdicts", "Rows of one number: 0 separated, 1 colliding." },
+  { "duet.Answers", "Rows of one number: 0 separated, 1 colliding." },
   { "duet.Separations", "Rows of one number: how far apart two poses are; below 0, how deep in each other." },
   { "duet.PairQueryResult", "A table: what a test found and took." },
   { "duet.Kernel", "A table: a kernel and its card." },
@@ -252,6 +252,8 @@ api.names = {
   { "duet.Result.cells", "integer[]", "the grid" },
   { "duet.Result.cell", "number", "its least edge" },
   { "duet.Result.cell_widened", "boolean", "the edge asked for was below the largest object" },
+  { "duet.Result.grid_levels", "integer", "each with cells of its own size" },
+  { "duet.Result.hashed", "boolean", "cells share a table's entries, as in a sparse world" },
   { "duet.Result.runs", "integer", "1, or more where a buffer had to grow" },
 
   { "duet.Pairs:hash", {}, "string", "The pair hash, 16 hex digits.", c = "duet_pairs_hash" },
@@ -264,7 +266,7 @@ api.names = {
     "Readies both devices to test pairs at a level; A has the share, of the default plan where none is given.",
     fails = true, c = "duet_pair_query_create" },
   { "duet.PairQuery:run", { "poses: duet.Poses|string|number[]|number[][]", "with_separations?: boolean" },
-    "duet.Verdicts, duet.PairQueryResult, duet.Separations?", "Tests rows 0 and 1, 2 and 3 ... with each other.",
+    "duet.Answers, duet.PairQueryResult, duet.Separations?", "Tests rows 0 and 1, 2 and 3 ... with each other.",
     fails = true, c = "duet_pair_query_run" },
   { "duet.PairQuery:close", {}, nil, "Gives the devices' memory back.", c = "duet_pair_query_destroy" },
   { "duet.PairQueryResult.colliding", "integer", "pairs" },
@@ -432,7 +434,7 @@ for class, columns in pairs {
   Bodies = ("f"):rep(9) .. "IIB",
   States = ("d"):rep(13),
   Contacts = "IIfffI" .. ("f"):rep(20),
-  Verdicts = "C",
+  Answers = "C",
   Separations = "d",
 } do
   local types = {}

@@ -25,7 +25,7 @@ static const struct {
     [ARRAY_BODIES] = {"fffffffffIIB", sizeof(duet_body)},
     [ARRAY_STATES] = {"ddddddddddddd", sizeof(duet_state)},
     [ARRAY_CONTACTS] = {"IIfffIffffffffffffffffffff", sizeof(duet_contact)},
-    [ARRAY_VERDICTS] = {"C", sizeof(uint8_t)},
+    [ARRAY_ANSWERS] = {"C", sizeof(uint8_t)},
     [ARRAY_SEPARATIONS] = {"d", sizeof(double)},
 };
 
@@ -467,7 +467,7 @@ static const lua_class classes[] = {
     [ARRAY_BODIES] = {.name = "duet.bodies", .methods = methods, .metas = metas},
     [ARRAY_STATES] = {.name = "duet.states", .methods = methods, .metas = metas},
     [ARRAY_CONTACTS] = {.name = "duet.contacts", .methods = methods, .metas = metas},
-    [ARRAY_VERDICTS] = {.name = "duet.verdicts", .methods = methods, .metas = metas},
+    [ARRAY_ANSWERS] = {.name = "duet.answers", .methods = methods, .metas = metas},
     [ARRAY_SEPARATIONS] = {.name = "duet.separations", .methods = methods, .metas = metas},
 };
 

@@ -19,7 +19,7 @@ typedef enum array_kind {
     ARRAY_BODIES,
     ARRAY_STATES,
     ARRAY_CONTACTS,
-    ARRAY_VERDICTS,
+    ARRAY_ANSWERS,
     ARRAY_SEPARATIONS,
     ARRAY_KINDS
 } array_kind;

@@ -120,13 +120,13 @@ end
 -- The interval of the median between two order statistics that holds it with
 -- at least this confidence, by the binomial distribution; all values where
 -- they are too few.
-function lab.median_interval(values, level)
+function lab.median_interval(values, confidence)
   local sorted = table.move(values, 1, #values, 1, {})
   table.sort(sorted)
   local n, below, chance, rank = #sorted, 0, 0.5 ^ #sorted, 1
   for k = 0, n // 2 - 1 do
     below = below + chance -- that at most k values lie below the median
-    if 1 - 2 * below < (level or 0.95) then break end
+    if 1 - 2 * below < (confidence or 0.95) then break end
     rank = k + 1
     chance = chance * (n - k) / (k + 1)
   end

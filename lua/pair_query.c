@@ -40,7 +40,7 @@ int pair_query_create_lua(lua_State *L)
     return box->query ? 1 : class_push_failure(L, &err);
 }
 
-// query:run(poses, with_separations) -> verdicts, result, separations
+// query:run(poses, with_separations) -> answers, result, separations
 static int query_run(lua_State *L)
 {
     duet_error err = {0};
@@ -51,9 +51,9 @@ static int query_run(lua_State *L)
     luaL_argcheck(L, poses->n % 2 == 0, 2, "an even number of rows: two a pair");
     bool with_separations = lua_toboolean(L, 3);
     uint64_t n = poses->n / 2;
-    array *verdicts = array_push(L, ARRAY_VERDICTS, n);
+    array *answers = array_push(L, ARRAY_ANSWERS, n);
     array *separations = array_push(L, ARRAY_SEPARATIONS, with_separations ? n : 0);
-    if (!duet_pair_query_run(box->query, poses->rows, n, verdicts->rows,
+    if (!duet_pair_query_run(box->query, poses->rows, n, answers->rows,
                              with_separations ? separations->rows : NULL, &result, &err))
         return class_push_failure(L, &err);
     member_push_table(L, result_members, &result);

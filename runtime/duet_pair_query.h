@@ -41,14 +41,14 @@ DUET_API void duet_pair_query_destroy(duet_pair_query *test);
 
 // Tests n pairs; pair i is poses[2 i] and poses[2 i + 1].
 //
-//   verdicts [n] 0 separated, 1 colliding; the same for (a, b) and (b, a)
+//   answers [n] 0 separated, 1 colliding; the same for (a, b) and (b, a)
 //   separations     [n] duet_poses_separation of each, on the host; NULL: not wanted
 //
-// A verdict depends on its two poses alone, as if both were rotated. BAD_OBJECT
+// A answer depends on its two poses alone, as if both were rotated. BAD_OBJECT
 // names the first pair with a pose that is NaN, infinite, negative or without
-// rotation; verdicts and separations are then not to be used.
+// rotation; answers and separations are then not to be used.
 DUET_API bool duet_pair_query_run(duet_pair_query *test, const duet_pose *poses, uint64_t n,
-                                  uint8_t *verdicts, double *separations,
+                                  uint8_t *answers, double *separations,
                                   duet_pair_query_result *result, duet_error *err);
 
 #ifdef __cplusplus

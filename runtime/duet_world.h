@@ -139,13 +139,13 @@ typedef struct duet_result {
     double kernel_ms[2]; // from the begin of its first kernel to the end of its last
     const duet_stage *stages;
     uint32_t n_stages;
-    uint64_t bytes[2]; // memory held on each device
-    uint32_t cells[3]; // of the grid's finest level
-    float cell;        // their least edge
-    uint32_t levels;   // sizes of cells
-    bool hashed;       // cells share a table's entries, as in a sparse world
-    bool cell_widened; // the edge asked for was below the largest object
-    uint32_t runs;     // 1, or more where a buffer had to grow
+    uint64_t bytes[2];    // memory held on each device
+    uint32_t cells[3];    // of the grid's finest level
+    float cell;           // their least edge
+    uint32_t grid_levels; // each with cells of its own size
+    bool hashed;          // cells share a table's entries, as in a sparse world
+    bool cell_widened;    // the edge asked for was below the largest object
+    uint32_t runs;        // 1, or more where a buffer had to grow
 } duet_result;
 
 // Finds all pairs among the world's objects.

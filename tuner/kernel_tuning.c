@@ -45,8 +45,9 @@ static uint32_t drop_slower(double *times, bool *out, uint32_t n, double slower)
 }
 
 // Launches the configs in turn, round by round. A config that is far behind is left out
-// after the first round, one that is a little behind after the second. A config's time is the least that its kernel took, by the device's own clock:
-// what disturbs a launch only adds to it. INFINITY for one that did not run.
+// after the first round, one that is a little behind after the second. A config's time is the least
+// that its kernel took, by the device's own clock: what disturbs a launch only adds to it. INFINITY
+// for one that did not run.
 static bool screen_configs(tuning *t, const field *f, double times[KERNEL_SPACE_VALUES],
                            duet_error *err)
 {
@@ -114,8 +115,11 @@ static bool search_kernel(tuning *t, int device, const kernel_space *space, duet
 static bool confirm_kernels(tuning *t, int device, const duet_plan *before, const duet_plan *after,
                             duet_kernel_search *told, duet_error *err)
 {
-    static const race_options to_the_end = {
-        .least_rounds = 10, .most_rounds = 24, .level = 0.99, .dropped = INFINITY, .margin = 0.02};
+    static const race_options to_the_end = {.least_rounds = 10,
+                                            .most_rounds = 24,
+                                            .confidence = 0.99,
+                                            .dropped = INFINITY,
+                                            .margin = 0.02};
     static const char *const stages[] = {"search", "candidates", "narrow",     "reorder", "bounds",
                                          "hash",   "sort",       "cell start", "clear"};
     race_gain gain = {.verdict = RACE_SAME, .ratio = 1, .interval = {1, 1, 1}};

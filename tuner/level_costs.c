@@ -136,7 +136,7 @@ static stats_interval ratio_of(const survey *s, uint32_t row, uint32_t other, do
     if (median)
         *median = stats_median(ratios, n);
     stats_interval known = stats_median_interval(ratios, n, CONFIDENCE);
-    return known.level >= CONFIDENCE ? known : (stats_interval){0, INFINITY, known.level};
+    return known.confidence >= CONFIDENCE ? known : (stats_interval){0, INFINITY, known.confidence};
 }
 
 static bool is_faster(const survey *s, uint32_t row, uint32_t other)

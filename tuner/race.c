@@ -9,7 +9,7 @@
 race_options race_default_options(void)
 {
     return (race_options){
-        .least_rounds = 8, .most_rounds = 20, .level = 0.99, .dropped = 1.03, .margin = 0.03};
+        .least_rounds = 8, .most_rounds = 20, .confidence = 0.99, .dropped = 1.03, .margin = 0.03};
 }
 
 const char *race_verdict_name(race_verdict verdict)
@@ -26,9 +26,9 @@ race race_begin(uint32_t n, const race_options *options)
     return r;
 }
 
-static race_verdict judge(stats_interval in, double level)
+static race_verdict judge(stats_interval in, double confidence)
 {
-    if (in.level < level)
+    if (in.confidence < confidence)
         return RACE_AMBIGUOUS;
     if (in.low > 1)
         return RACE_FASTER;
@@ -49,8 +49,8 @@ race_gain race_compare(const race *r, uint32_t rival, uint32_t other)
     for (uint32_t i = 0; i < n; ++i)
         ratios[i] = others[i] / own[i];
     race_gain gain = {.ratio = stats_median(ratios, n)};
-    gain.interval = stats_median_interval(ratios, n, r->options.level);
-    gain.verdict = judge(gain.interval, r->options.level);
+    gain.interval = stats_median_interval(ratios, n, r->options.confidence);
+    gain.verdict = judge(gain.interval, r->options.confidence);
     return gain;
 }
 
@@ -179,16 +179,16 @@ void race_drop(race *r, uint32_t rival)
 }
 
 race_gain race_compare_apart(const double *own, uint32_t n_own, const double *others,
-                             uint32_t n_others, double level)
+                             uint32_t n_others, double confidence)
 {
-    // Both hold at once with `level` where each misses half as often.
-    double each = 1 - (1 - level) / 2;
+    // Both hold at once with that confidence where each misses half as often.
+    double each = 1 - (1 - confidence) / 2;
     stats_interval mine = stats_median_interval(own, n_own, each);
     stats_interval theirs = stats_median_interval(others, n_others, each);
     race_gain gain = {.ratio = stats_median(others, n_others) / stats_median(own, n_own)};
     gain.interval = (stats_interval){.low = theirs.low / mine.high,
                                      .high = theirs.high / mine.low,
-                                     .level = mine.level + theirs.level - 1};
-    gain.verdict = judge(gain.interval, level);
+                                     .confidence = mine.confidence + theirs.confidence - 1};
+    gain.verdict = judge(gain.interval, confidence);
     return gain;
 }

@@ -16,7 +16,7 @@ enum { RACE_RIVALS = 32, RACE_ROUNDS = 64 };
 typedef struct race_options {
     uint32_t least_rounds; // before anyone drops out
     uint32_t most_rounds;  // up to RACE_ROUNDS
-    double level;          // confidence of the intervals
+    double confidence;     // of the intervals
     double dropped;        // who surely takes so many times the leader's time drops out
     double margin;         // the race ends once all ratios are known to it; 0: none is
 } race_options;
@@ -84,6 +84,6 @@ race_gain race_compare(const race *r, uint32_t rival, uint32_t other);
 // interval is as wide as those of both medians together, and a machine that
 // was slower for another reason is not told from a slower program.
 race_gain race_compare_apart(const double *own, uint32_t n_own, const double *others,
-                             uint32_t n_others, double level);
+                             uint32_t n_others, double confidence);
 
 #endif

@@ -63,12 +63,12 @@ static double chance_below(uint32_t k, uint32_t n)
     return chance;
 }
 
-stats_interval stats_median_interval(const double *values, uint32_t n, double level)
+stats_interval stats_median_interval(const double *values, uint32_t n, double confidence)
 {
     double sorted[STATS_MOST];
     sort_into(sorted, values, n);
     uint32_t cut = 0; // values left out at each end
-    while (2 * (cut + 1) < n && 1 - 2 * chance_below(cut + 2, n) >= level)
+    while (2 * (cut + 1) < n && 1 - 2 * chance_below(cut + 2, n) >= confidence)
         ++cut;
     return (stats_interval){sorted[cut], sorted[n - 1 - cut], 1 - 2 * chance_below(cut + 1, n)};
 }

@@ -13,7 +13,7 @@
 typedef struct stats_interval {
     double low;
     double high;
-    double level; // the confidence it really has
+    double confidence; // that it really has
 } stats_interval;
 
 // Of n > 0 values, in any order; up to STATS_MOST of them.
@@ -34,9 +34,9 @@ uint32_t stats_mark_outliers(const double *values, uint32_t n, bool *marks);
 // The interval of the median between two order statistics, from the binomial
 // distribution of how many values lie below it (Conover, "Practical
 // Nonparametric Statistics", section 3.2). It is the narrowest symmetric one
-// with at least the asked level; where n is too small for that, all the values
-// and the level that they give.
-stats_interval stats_median_interval(const double *values, uint32_t n, double level);
+// with at least the confidence asked for; where n is too small for that, all the values
+// and what confidence they give.
+stats_interval stats_median_interval(const double *values, uint32_t n, double confidence);
 
 // Sequential test for the sign of what differences scatter about. Returns -1
 // or 1 once the median of d lies further from 0 than `width` deviations of a

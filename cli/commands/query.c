@@ -32,7 +32,7 @@ static const option options[] = {
     PAIR_OPTION_ROW(pair),
     OPTION_SHARE("share", share, "R", "A's part of the pairs, as 0.25 or 1/4"),
     OPTION_OUTPUT("output", out, "V.npy",
-                  "write the verdicts, uint8 or, for another ending, lines; - is stdout"),
+                  "write the answers, uint8 or, for another ending, lines; - is stdout"),
     OPTION_FLAG("separations", separations,
                 "write the separations along the best axis too, float64 as V.separations.npy"),
     OPTION_FLAG("json", json, "print one JSON object"),
@@ -66,7 +66,7 @@ typedef struct tested {
     const char *path;
     const duet_pose *poses;
     uint64_t n; // pairs
-    uint8_t *verdicts;
+    uint8_t *answers;
     double *separations; // NULL: not wanted
     uint64_t colliding, undecided;
     double seconds;
@@ -81,7 +81,7 @@ static bool warm_up(tested *t, duet_pair_query *test, duet_error *err)
 {
     duet_pair_query_result result;
     uint64_t n = t->n < DUET_SHARE_ONE ? t->n : DUET_SHARE_ONE;
-    return duet_pair_query_run(test, t->poses, n, t->verdicts, NULL, &result, err);
+    return duet_pair_query_run(test, t->poses, n, t->answers, NULL, &result, err);
 }
 
 static bool test_slices(tested *t, duet_pair_query *test, duet_error *err)
@@ -92,7 +92,7 @@ static bool test_slices(tested *t, duet_pair_query *test, duet_error *err)
         duet_pair_query_result result;
         uint64_t left = t->n - done;
         ok = duet_pair_query_run(test, t->poses + 2 * done, left < SLICE ? left : SLICE,
-                                 t->verdicts + done, t->separations ? t->separations + done : NULL,
+                                 t->answers + done, t->separations ? t->separations + done : NULL,
                                  &result, err) &&
              interrupt_check(err);
         if (!ok)
@@ -108,10 +108,10 @@ static bool test_slices(tested *t, duet_pair_query *test, duet_error *err)
 
 static bool reserve(tested *t, bool separations, duet_error *err)
 {
-    t->verdicts = malloc(t->n + 1);
+    t->answers = malloc(t->n + 1);
     t->separations = separations ? malloc((t->n + 1) * sizeof *t->separations) : NULL;
-    return (t->verdicts && (t->separations || !separations)) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for the verdicts of %llu pairs",
+    return (t->answers && (t->separations || !separations)) ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for the answers of %llu pairs",
                      t->path, (unsigned long long)t->n);
 }
 
@@ -125,7 +125,7 @@ static bool is_npy(const char *path)
 
 static bool write_arrays(const tested *t, const char *path, duet_error *err)
 {
-    if (!npy_write(path, NPY_UINT8, t->verdicts, t->n, err))
+    if (!npy_write(path, NPY_UINT8, t->answers, t->n, err))
         return false;
     if (!t->separations)
         return true;
@@ -141,7 +141,7 @@ static bool write_lines(const tested *t, const char *path, duet_error *err)
 {
     text lines = {0};
     for (uint64_t i = 0; i < t->n; ++i) {
-        text_add(&lines, "%d", t->verdicts[i]);
+        text_add(&lines, "%d", t->answers[i]);
         if (t->separations)
             text_add(&lines, ",%.17g", t->separations[i]);
         text_add(&lines, "\n");
@@ -210,7 +210,7 @@ static bool run_test(tested *t, const arguments *args, duet_error *err)
     else if (ok && !options_is_stdout(args->out))
         tell(t);
     free(t->separations);
-    free(t->verdicts);
+    free(t->answers);
     duet_pair_query_destroy(test);
     return ok;
 }

@@ -94,23 +94,23 @@ static bool write_pairs(const char *path, const duet_pair *pairs, uint64_t n, du
 }
 
 static bool compare(const duet_scene *scene, duet_level level, const duet_pair *pairs, uint64_t n,
-                    verdict *v, duet_error *err)
+                    reference_check *check, duet_error *err)
 {
     duet_pair *expected = NULL;
-    if (!inputs_find_reference(scene, level, &expected, &v->reference, err))
+    if (!inputs_find_reference(scene, level, &expected, &check->reference, err))
         return false;
     pair_list_count wrong = {0};
-    pair_list_compare(pairs, n, expected, v->reference, pair_list_count_wrong, &wrong);
-    v->extra = wrong.added;
-    v->missing = wrong.missed;
+    pair_list_compare(pairs, n, expected, check->reference, pair_list_count_wrong, &wrong);
+    check->extra = wrong.added;
+    check->missing = wrong.missed;
     duet_free(expected);
     return true;
 }
 
 static bool use_pairs(const arguments *args, const duet_scene *scene, duet_level level,
-                      const duet_result *result, verdict *v, duet_error *err)
+                      const duet_result *result, reference_check *check, duet_error *err)
 {
-    v->asked = args->check;
+    check->asked = args->check;
     if (!args->check && !args->pairs_path)
         return true;
     duet_pair *pairs = pair_list_sorted(result, err);
@@ -118,7 +118,7 @@ static bool use_pairs(const arguments *args, const duet_scene *scene, duet_level
     if (ok && args->pairs_path)
         ok = write_pairs(args->pairs_path, pairs, result->pairs, err);
     if (ok && args->check)
-        ok = compare(scene, level, pairs, result->pairs, v, err);
+        ok = compare(scene, level, pairs, result->pairs, check, err);
     free(pairs);
     return ok;
 }
@@ -180,12 +180,12 @@ static bool run_world(const arguments *args, const duet_scene *scene, const duet
     duet_level level = duet_world_get_level(world);
     r.level = duet_level_get_info(level)->name;
     ok = ok && timed_run(&t, world, scene, (uint32_t)args->repeat, sends(args), err);
-    ok = ok && use_pairs(args, scene, level, &t.last, &r.verdict, err);
+    ok = ok && use_pairs(args, scene, level, &t.last, &r.check, err);
     if (ok && args->json)
         ok = run_report_json(&r, err);
     else if (ok && !options_is_stdout(args->pairs_path))
         run_report_text(&r);
-    if (ok && !verdict_is_right(&r.verdict))
+    if (ok && !reference_check_is_right(&r.check))
         ok = error_set(err, DUET_STATUS_WRONG_RESULT, "%s: the pairs differ from the reference's",
                        r.scene->name);
     timed_free(&t);

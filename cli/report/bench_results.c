@@ -63,7 +63,7 @@ static void add_times(cJSON *o, const timed *t)
     cJSON_AddNumberToObject(o, "median_ms", stats_median(ms, t->n));
     cJSON_AddNumberToObject(o, "low_ms", in.low);
     cJSON_AddNumberToObject(o, "high_ms", in.high);
-    cJSON_AddNumberToObject(o, "level", in.level);
+    cJSON_AddNumberToObject(o, "confidence", in.confidence);
     cJSON_AddNumberToObject(o, "a_ms", median->device_ms[0]);
     cJSON_AddNumberToObject(o, "b_ms", median->device_ms[1]);
     cJSON_AddItemToObject(o, "samples_ms", cJSON_CreateDoubleArray(ms, (int)t->n));

@@ -10,9 +10,9 @@
 #include <stdio.h>
 #include <string.h>
 
-bool verdict_is_right(const verdict *v)
+bool reference_check_is_right(const reference_check *check)
 {
-    return v->missing == 0 && v->extra == 0;
+    return check->missing == 0 && check->extra == 0;
 }
 
 // ---------------------------------------------------------------- as text
@@ -31,8 +31,8 @@ static void print_grid(const duet_scene_info *info, const duet_result *r)
     if (info->dims == 3)
         printf(" x %u", r->cells[2]);
     printf("%s cells of edge %.6g", r->hashed ? " hashed" : "", (double)r->cell);
-    if (r->levels > 1)
-        printf(" and coarser, %u levels", r->levels);
+    if (r->grid_levels > 1)
+        printf(" and coarser, %u grid levels", r->grid_levels);
     if (r->cell_widened)
         printf(", widened from %.6g to hold the largest box", (double)info->cell);
     putchar('\n');
@@ -193,15 +193,15 @@ static void print_totals(const timed *m, const char *level, bool one)
     table_print(&t, stdout);
 }
 
-static void print_verdict(const verdict *v)
+static void print_check(const reference_check *check)
 {
-    if (verdict_is_right(v))
+    if (reference_check_is_right(check))
         printf("check: the same %s pairs as the plain C reference\n",
-               table_count(v->reference).chars);
+               table_count(check->reference).chars);
     else
         printf("check: WRONG: of the reference's %s pairs %s are missing, and %s are too many\n",
-               table_count(v->reference).chars, table_count(v->missing).chars,
-               table_count(v->extra).chars);
+               table_count(check->reference).chars, table_count(check->missing).chars,
+               table_count(check->extra).chars);
 }
 
 // ---------------------------------------------------------------- as JSON
@@ -249,7 +249,7 @@ static void add_counts(cJSON *o, const duet_scene_info *info, const timed *m)
     for (uint32_t i = 0; i < info->dims; ++i)
         cJSON_AddItemToArray(cells, cJSON_CreateNumber(r->cells[i]));
     cJSON_AddNumberToObject(o, "cell", (double)r->cell);
-    cJSON_AddNumberToObject(o, "levels", r->levels);
+    cJSON_AddNumberToObject(o, "grid_levels", r->grid_levels);
     cJSON_AddBoolToObject(o, "hashed", r->hashed);
     cJSON_AddBoolToObject(o, "cell_widened", r->cell_widened);
     cJSON_AddNumberToObject(o, "bytes_a", (double)r->bytes[0]);
@@ -270,13 +270,13 @@ static void add_times(cJSON *o, const timed *m)
     cJSON_AddItemToObject(o, "stages", stages_json(median));
 }
 
-static void add_verdict(cJSON *o, const verdict *v)
+static void add_check(cJSON *o, const reference_check *check)
 {
-    cJSON *check = cJSON_AddObjectToObject(o, "check");
-    cJSON_AddBoolToObject(check, "right", verdict_is_right(v));
-    cJSON_AddNumberToObject(check, "reference", (double)v->reference);
-    cJSON_AddNumberToObject(check, "missing", (double)v->missing);
-    cJSON_AddNumberToObject(check, "extra", (double)v->extra);
+    cJSON *one = cJSON_AddObjectToObject(o, "check");
+    cJSON_AddBoolToObject(one, "right", reference_check_is_right(check));
+    cJSON_AddNumberToObject(one, "reference", (double)check->reference);
+    cJSON_AddNumberToObject(one, "missing", (double)check->missing);
+    cJSON_AddNumberToObject(one, "extra", (double)check->extra);
 }
 
 // ---------------------------------------------------------------- the whole
@@ -289,8 +289,8 @@ void run_report_text(const run_report *r)
     print_profile(r);
     print_stages(timed_median(r->timed), is_one(r->pair, r->plan));
     print_totals(r->timed, r->level, is_one(r->pair, r->plan));
-    if (r->verdict.asked)
-        print_verdict(&r->verdict);
+    if (r->check.asked)
+        print_check(&r->check);
 }
 
 bool run_report_json(const run_report *r, duet_error *err)
@@ -304,7 +304,7 @@ bool run_report_json(const run_report *r, duet_error *err)
     cJSON_AddBoolToObject(o, "resident", r->resident);
     cJSON_AddBoolToObject(o, "transforms", r->transforms);
     add_times(o, r->timed);
-    if (r->verdict.asked)
-        add_verdict(o, &r->verdict);
+    if (r->check.asked)
+        add_check(o, &r->check);
     return say_json(o, err);
 }

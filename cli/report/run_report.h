@@ -6,14 +6,14 @@
 #include "cli/timed.h"
 
 // How the pairs compare with the reference's.
-typedef struct verdict {
+typedef struct reference_check {
     bool asked;
     uint64_t reference; // pairs there should be
     uint64_t missing;
     uint64_t extra;
-} verdict;
+} reference_check;
 
-bool verdict_is_right(const verdict *v);
+bool reference_check_is_right(const reference_check *check);
 
 typedef struct run_report {
     const duet_scene_info *scene;
@@ -25,7 +25,7 @@ typedef struct run_report {
     const timed *timed;
     bool resident;
     bool transforms; // sizes were not sent again
-    verdict verdict;
+    reference_check check;
 } run_report;
 
 void run_report_text(const run_report *r);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Verdicts of pairs that the caller brings, by the text that tests a step's
+// Answers about pairs that the caller brings, by the text that tests a step's
 // candidates: bounds first, then what ACCURACY asks for.
 //
 // Float may see (a, b) other than (b, a). The lower box is taken for the first,
-// so that both ways round give the same verdict, bit for bit.
+// so that both ways round give the same answer, bit for bit.
 //
 //   poses    [2 n][10] pair i is rows 2 i and 2 i + 1
-//   verdicts [n, rounded up to LANES]
+//   answers  [n, rounded up to LANES]
 #define SEPARATED 0
 #define COLLIDING 1
 #define UNDECIDED 2 // left to the host
@@ -54,6 +54,6 @@ pair_query(PAIR_QUERY_ARGS)
             second[k] = 2 * pair + 1;
         }
         object a = object_at(poses, first), b = object_at(poses, second);
-        store_bytes(test(&a, &b), verdicts + from);
+        store_bytes(test(&a, &b), answers + from);
     }
 }

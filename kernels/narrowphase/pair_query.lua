@@ -5,7 +5,7 @@ return {
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0 }, default = 0, about = "poses: bounds need no test" },
-    { "ROTATED", values = { 1 }, default = 1, about = "a pair's verdict is its own, whatever the others are" },
+    { "ROTATED", values = { 1 }, default = 1, about = "a pair's answer is its own, whatever the others are" },
     { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
       about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
@@ -19,7 +19,7 @@ return {
     pair_query = [[
       const float *poses
       uint n
-      uchar *verdicts
+      uchar *answers
     ]],
   },
   valid = function(p, limits)

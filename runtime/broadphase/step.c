@@ -349,7 +349,7 @@ static void fill_result(duet_world *world, duet_result *result)
         .bytes = {part_bytes(a), part_bytes(b)},
         .cells = {(uint32_t)finest->cells.s[0], (uint32_t)finest->cells.s[1],
                   (uint32_t)finest->cells.s[2]},
-        .levels = world->grid.n_levels,
+        .grid_levels = world->grid.n_levels,
         .hashed = world->grid.kind == GRID_HASHED,
         .cell = world->grid.edge,
         .cell_widened = world->cell_widened,

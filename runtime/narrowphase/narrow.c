@@ -148,7 +148,7 @@ static double largest(const double v[3])
     return larger(v[0], larger(v[1], v[2]));
 }
 
-static narrow_verdict verdict_of(const separations *g, const view *v)
+static narrow_answer answer_of(const separations *g, const view *v)
 {
     if (g->greatest > g->slack)
         return NARROW_SEPARATED;
@@ -233,8 +233,8 @@ static sum exact_way(float from, float to, double shift)
 // Boxes along the world's axes need two sums of two floats an axis, which high
 // and low hold exactly, and rounding keeps order: so comparing highs, then lows,
 // is exact.
-static narrow_verdict compare_upright(const duet_pose *a, const duet_pose *b, const double shift[3],
-                                      const approach *p, int dims)
+static narrow_answer compare_upright(const duet_pose *a, const duet_pose *b, const double shift[3],
+                                     const approach *p, int dims)
 {
     for (int i = 0; i < dims; ++i) {
         sum t = exact_way(a->centre[i], b->centre[i], shift[i]);
@@ -247,14 +247,14 @@ static narrow_verdict compare_upright(const duet_pose *a, const duet_pose *b, co
     return NARROW_COLLIDING;
 }
 
-static narrow_verdict test_axes(const approach *p, int dims)
+static narrow_answer test_axes(const approach *p, int dims)
 {
     view v = view_of(&p->a, &p->b, p->t);
     separations g = {SLACK * p->size, -INFINITY, -INFINITY, 0};
     add_faces(&g, &v, dims);
     if (dims == 3 && g.greatest <= g.slack)
         add_cross_axes(&g, &v);
-    return verdict_of(&g, &v);
+    return answer_of(&g, &v);
 }
 
 duet_pose narrow_flat(const duet_pose *pose, uint32_t dims)
@@ -280,8 +280,8 @@ bool narrow_is_box(const duet_pose *pose, uint32_t dims)
     return turned;
 }
 
-static narrow_verdict double_apart(const duet_pose *pose_a, const duet_pose *pose_b,
-                                   const double shift[3], uint32_t dims)
+static narrow_answer double_apart(const duet_pose *pose_a, const duet_pose *pose_b,
+                                  const double shift[3], uint32_t dims)
 {
     duet_pose a = narrow_flat(pose_a, dims), b = narrow_flat(pose_b, dims);
     approach p = approach_of(&a, &b, shift, dims);
@@ -292,7 +292,7 @@ static narrow_verdict double_apart(const duet_pose *pose_a, const duet_pose *pos
     return test_axes(&p, (int)dims);
 }
 
-narrow_verdict narrow_double(const duet_pose *a, const duet_pose *b, uint32_t dims)
+narrow_answer narrow_double(const duet_pose *a, const duet_pose *b, uint32_t dims)
 {
     return double_apart(a, b, narrow_here, dims);
 }
@@ -346,10 +346,10 @@ double narrow_widest_separation(const duet_pose *pose_a, const duet_pose *pose_b
 bool narrow_decide_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
                          uint32_t dims)
 {
-    narrow_verdict verdict = double_apart(a, b, shift, dims);
-    if (verdict == NARROW_UNDECIDED)
+    narrow_answer answer = double_apart(a, b, shift, dims);
+    if (answer == NARROW_UNDECIDED)
         return narrow_exact_apart(a, b, shift, dims);
-    return verdict == NARROW_COLLIDING;
+    return answer == NARROW_COLLIDING;
 }
 
 bool narrow_decide(const duet_pose *a, const duet_pose *b, uint32_t dims)

@@ -11,7 +11,7 @@
 
 #include "runtime/duet.h"
 
-typedef enum narrow_verdict { NARROW_SEPARATED, NARROW_COLLIDING, NARROW_UNDECIDED } narrow_verdict;
+typedef enum narrow_answer { NARROW_SEPARATED, NARROW_COLLIDING, NARROW_UNDECIDED } narrow_answer;
 
 // The error of an axis's separation is below NARROW_SLACK * u * (|t|_1 + all extents),
 // with u the unit of rounding: docs/notes/accuracy.md, line by line.
@@ -20,7 +20,7 @@ typedef enum narrow_verdict { NARROW_SEPARATED, NARROW_COLLIDING, NARROW_UNDECID
 // 15 axes (equation 3; in 2D: 4) in double with the bound of docs/accuracy.md.
 // Boxes along the world's axes, turned by quarters or not at all, are always
 // decided, and poses that hold a NaN, an infinity or a zero quaternion never.
-narrow_verdict narrow_double(const duet_pose *a, const duet_pose *b, uint32_t dims);
+narrow_answer narrow_double(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
 // The greatest separation along the 15 (4) axes in double: above 0 it separates the
 // boxes, up to its error of NARROW_SLACK * 2^-53 * (|t|_1 + all extents). An

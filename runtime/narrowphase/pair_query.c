@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The narrow phase alone: verdicts of pairs that the caller brings.
+// The narrow phase alone: answers of pairs that the caller brings.
 //
 // A takes the first share of the pairs and B the rest, at the same time. Each
 // device takes its pairs a chunk at a time, so that any number fits, and what
@@ -26,7 +26,7 @@ enum { UNDECIDED = 2, NO_BOX = 3 };
 // What the caller brought, and which of its pairs are meant.
 typedef struct work {
     const duet_pose *poses;
-    uint8_t *verdicts;
+    uint8_t *answers;
     double *separations;
     uint64_t first, last;
 } work;
@@ -51,7 +51,7 @@ typedef struct side {
 } side;
 
 static const binding side_bindings[] = {BIND_BUFFER(side, "poses", "float *", poses),
-                                        BIND_BUFFER(side, "verdicts", "uchar *", found),
+                                        BIND_BUFFER(side, "answers", "uchar *", found),
                                         BIND_VALUE(side, "n", n),
                                         {0}};
 
@@ -162,7 +162,7 @@ static bool ask_device(side *s, uint64_t first, uint32_t n)
     s->n = n;
     return send_poses(s, w->poses + 2 * first, bytes) &&
            timeline_launch(&s->times, "test", s->kernel, n, s, &s->err) &&
-           timeline_read(&s->times, "fetch verdicts", &s->found, w->verdicts + first, n, &s->err);
+           timeline_read(&s->times, "fetch answers", &s->found, w->answers + first, n, &s->err);
 }
 
 static bool refuse(side *s, uint64_t pair)
@@ -178,14 +178,14 @@ static bool refuse(side *s, uint64_t pair)
 static bool decide(side *s, uint64_t pair)
 {
     const duet_pose *poses = s->work.poses + 2 * pair;
-    uint8_t *verdict = &s->work.verdicts[pair];
-    if (*verdict == NO_BOX)
+    uint8_t *answer = &s->work.answers[pair];
+    if (*answer == NO_BOX)
         return refuse(s, pair);
-    if (*verdict == UNDECIDED) {
-        *verdict = narrow_decide(&poses[0], &poses[1], s->dims);
+    if (*answer == UNDECIDED) {
+        *answer = narrow_decide(&poses[0], &poses[1], s->dims);
         ++s->undecided;
     }
-    s->colliding += *verdict;
+    s->colliding += *answer;
     return true;
 }
 
@@ -264,17 +264,17 @@ static uint64_t part_of(uint64_t n, uint32_t share)
 }
 
 bool duet_pair_query_run(duet_pair_query *test, const duet_pose *poses, uint64_t n,
-                         uint8_t *verdicts, double *separations, duet_pair_query_result *result,
+                         uint8_t *answers, double *separations, duet_pair_query_result *result,
                          duet_error *err)
 {
     if (!error_given(test, __func__, "test", err) || !error_given(result, __func__, "result", err))
         return false;
     uint64_t begun = clock_steady_ns();
-    if (n > 0 && (!poses || !verdicts))
+    if (n > 0 && (!poses || !answers))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%llu pairs, but no memory for their %s",
-                         (unsigned long long)n, poses ? "verdicts" : "poses");
+                         (unsigned long long)n, poses ? "answers" : "poses");
     side *a = &test->sides[0], *b = &test->sides[1];
-    const work w = {.poses = poses, .verdicts = verdicts, .separations = separations};
+    const work w = {.poses = poses, .answers = answers, .separations = separations};
     uint64_t cut = part_of(n, test->def.share);
     begin_side(a, &w, 0, cut);
     begin_side(b, &w, cut, n);

@@ -336,16 +336,16 @@ static void query_pairs(void)
     duet_pair_query_def def = duet_default_pair_query_def();
     duet_pair_query_result found;
     duet_pose two[2] = {pose, pose};
-    uint8_t verdict;
+    uint8_t answer;
     REFUSES(duet_pair_query_create(NULL, e));
     REFUSES(duet_pair_query_create(&def, e));
     def.pair = pair;
     def.share = DUET_SHARE_ONE + 1;
     REFUSES(duet_pair_query_create(&def, e));
-    REFUSES(duet_pair_query_run(NULL, two, 1, &verdict, NULL, &found, e));
-    REFUSES(duet_pair_query_run(test, NULL, 1, &verdict, NULL, &found, e));
+    REFUSES(duet_pair_query_run(NULL, two, 1, &answer, NULL, &found, e));
+    REFUSES(duet_pair_query_run(test, NULL, 1, &answer, NULL, &found, e));
     REFUSES(duet_pair_query_run(test, two, 1, NULL, NULL, &found, e));
-    REFUSES(duet_pair_query_run(test, two, 1, &verdict, NULL, NULL, e));
+    REFUSES(duet_pair_query_run(test, two, 1, &answer, NULL, NULL, e));
     TAKES(duet_pair_query_run(test, NULL, 0, NULL, NULL, &found, e));
     duet_pair_query_destroy(NULL);
 }
@@ -567,9 +567,9 @@ static int rows_of(const char *call)
 }
 
 static const char *const headers[] = {
-    "runtime/duet.h",        "runtime/duet_device.h",     "runtime/duet_level.h",
-    "runtime/duet_motion.h", "runtime/duet_object.h",     "runtime/duet_pair_query.h",
-    "runtime/duet_scene.h",  "runtime/duet_world.h",      "base/duet_error.h",
+    "runtime/duet.h",        "runtime/duet_device.h",    "runtime/duet_level.h",
+    "runtime/duet_motion.h", "runtime/duet_object.h",    "runtime/duet_pair_query.h",
+    "runtime/duet_scene.h",  "runtime/duet_world.h",     "base/duet_error.h",
     "tuner/duet_tune.h",     "profiles/duet_profiles.h", "lua/duet_lua.h"};
 
 // The name before the first bracket behind DUET_API.

@@ -106,7 +106,7 @@ static void use(owners *o)
     duet_result result;
     duet_motion_result moved;
     duet_pair_query_result tested;
-    uint8_t verdicts[N];
+    uint8_t answers[N];
     if (o->world) {
         assert_ok(duet_world_step(o->world, &result, &err), err);
         assert_true(duet_result_get_hash(&result) == right);
@@ -118,7 +118,7 @@ static void use(owners *o)
     if (o->motion)
         assert_ok(duet_motion_advance(o->motion, &moved, &err), err);
     if (o->test) {
-        assert_ok(duet_pair_query_run(o->test, poses, N, verdicts, NULL, &tested, &err), err);
+        assert_ok(duet_pair_query_run(o->test, poses, N, answers, NULL, &tested, &err), err);
         assert_true(tested.colliding == right_colliding);
     }
 }

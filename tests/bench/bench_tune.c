@@ -68,7 +68,7 @@ static bool choose(const measure_machine *machine, const char *name, chosen *out
 static bool race_all(const measure_machine *machine, const chosen *found, race *r, duet_error *err)
 {
     race_options options = {
-        .least_rounds = ROUNDS, .most_rounds = ROUNDS, .level = 0.99, .dropped = INFINITY};
+        .least_rounds = ROUNDS, .most_rounds = ROUNDS, .confidence = 0.99, .dropped = INFINITY};
     *r = race_begin(N_NAMES + GRID + 1, &options);
     uint32_t rival;
     while (race_next(r, &rival)) {

@@ -127,24 +127,24 @@ static void arrays_are_written_as_numpy_reads_them(void **state)
     (void)state;
     duet_error err = {0};
     text bytes = {0};
-    const uint8_t verdicts[3] = {1, 0, 1};
-    assert_ok(npy_write("verdicts.npy", NPY_UINT8, verdicts, 3, &err), err);
-    assert_ok(text_read_file(&bytes, "verdicts.npy", &err), err);
+    const uint8_t answers[3] = {1, 0, 1};
+    assert_ok(npy_write("answers.npy", NPY_UINT8, answers, 3, &err), err);
+    assert_ok(text_read_file(&bytes, "answers.npy", &err), err);
     assert_int_equal(bytes.length, 128 + 3);
     assert_memory_equal(bytes.chars, "\x93NUMPY\1\0\x76\0", 10);
     static const char literal[] = "{'descr': '|u1', 'fortran_order': False, 'shape': (3,), } ";
     assert_memory_equal(bytes.chars + 10, literal, sizeof literal - 1);
     assert_int_equal(bytes.chars[127], '\n');
-    assert_memory_equal(bytes.chars + 128, verdicts, 3);
+    assert_memory_equal(bytes.chars + 128, answers, 3);
     text_free(&bytes);
     const double separations[2] = {0.5, -1e300};
-    assert_ok(npy_write("verdicts.npy", NPY_FLOAT64, separations, 2, &err), err);
-    assert_ok(text_read_file(&bytes, "verdicts.npy", &err), err);
+    assert_ok(npy_write("answers.npy", NPY_FLOAT64, separations, 2, &err), err);
+    assert_ok(text_read_file(&bytes, "answers.npy", &err), err);
     assert_int_equal(bytes.length, 128 + 16);
     assert_memory_equal(bytes.chars + 128, separations, 16);
     text_free(&bytes);
-    remove("verdicts.npy");
-    assert_false(npy_write("no/such/folder/v.npy", NPY_UINT8, verdicts, 3, &err));
+    remove("answers.npy");
+    assert_false(npy_write("no/such/folder/v.npy", NPY_UINT8, answers, 3, &err));
     assert_non_null(strstr(err.text, "no/such/folder/v.npy: cannot be written"));
 }
 
@@ -188,28 +188,28 @@ static void assert_file(const char *path, const char *expected)
     remove(path);
 }
 
-static void the_program_writes_verdicts_and_separations(void **state)
+static void the_program_writes_answers_and_separations(void **state)
 {
     (void)state;
     duet_error err = {0};
     text bytes = {0};
     write_text("pairs.csv", TOUCHING APART);
-    static const char *const outs[] = {"verdicts.csv", "verdicts.npy"};
+    static const char *const outs[] = {"answers.csv", "answers.npy"};
     for (int i = 0; i < 2; ++i) {
         program p = program_run_with(CACHED, "query pairs.csv --separations -o %s", outs[i]);
         assert_string_equal(p.err, "");
         assert_int_equal(p.exit_code, 0);
         program_free(&p);
     }
-    assert_file("verdicts.csv", "1,0\n0,1\n");
-    assert_ok(text_read_file(&bytes, "verdicts.npy", &err), err);
+    assert_file("answers.csv", "1,0\n0,1\n");
+    assert_ok(text_read_file(&bytes, "answers.npy", &err), err);
     assert_memory_equal(bytes.chars + 128, "\1\0", 2);
     text_free(&bytes);
-    assert_ok(text_read_file(&bytes, "verdicts.separations.npy", &err), err);
+    assert_ok(text_read_file(&bytes, "answers.separations.npy", &err), err);
     assert_memory_equal(bytes.chars + 128, ((const double[2]){0, 1}), 16);
     text_free(&bytes);
-    remove("verdicts.npy");
-    remove("verdicts.separations.npy");
+    remove("answers.npy");
+    remove("answers.separations.npy");
     remove("pairs.csv");
 }
 
@@ -246,7 +246,7 @@ int main(void)
         cmocka_unit_test(wrong_files_are_refused_with_pair_and_pose),
         cmocka_unit_test(arrays_are_written_as_numpy_reads_them),
         cmocka_unit_test(the_program_tests_a_file_at_every_level),
-        cmocka_unit_test(the_program_writes_verdicts_and_separations),
+        cmocka_unit_test(the_program_writes_answers_and_separations),
         cmocka_unit_test(wrong_usage_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -135,8 +135,8 @@ static atomic_uint_fast64_t done;
 
 static bool check(worker *w, const hard_pair *p, bool exactly)
 {
-    narrow_verdict in_float = narrow_float(&p->a, &p->b, 3, true);
-    narrow_verdict in_double = narrow_double(&p->a, &p->b, 3);
+    narrow_answer in_float = narrow_float(&p->a, &p->b, 3, true);
+    narrow_answer in_double = narrow_double(&p->a, &p->b, 3);
     bool open = in_double == NARROW_UNDECIDED;
     bool truth = open || exactly ? narrow_exact(&p->a, &p->b, 3) : in_double == NARROW_COLLIDING;
     w->open_in_float += in_float == NARROW_UNDECIDED;

@@ -77,15 +77,15 @@ static void more_pairs_than_31_bits_count_are_counted(void **state)
     (void)state;
     const uint64_t n = ((uint64_t)1 << 31) + 12345;
     tiles poses = tiles_open(2 * sizeof(duet_pose) * PAIRS_A_BLOCK, 2 * sizeof(duet_pose) * n);
-    tiles verdicts = tiles_open(PAIRS_A_BLOCK, n);
+    tiles answers = tiles_open(PAIRS_A_BLOCK, n);
     fill_block((duet_pose *)poses.bytes);
     duet_pair_query_result result;
-    hard_test_verdicts(devices, DUET_LEVEL_SPHERE, 3, DUET_SHARE_ONE / 2,
-                       (const duet_pose *)poses.bytes, n, (uint8_t *)verdicts.bytes, &result);
+    hard_test_answers(devices, DUET_LEVEL_SPHERE, 3, DUET_SHARE_ONE / 2,
+                      (const duet_pose *)poses.bytes, n, (uint8_t *)answers.bytes, &result);
     print_message("%" PRIu64 " of %" PRIu64 " pairs collide, %.1f s\n", result.colliding, n,
                   result.total_ms * 1e-3);
     assert_true(result.colliding == n - n / 4);
-    tiles_close(&verdicts);
+    tiles_close(&answers);
     tiles_close(&poses);
 }
 

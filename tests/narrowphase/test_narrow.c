@@ -96,8 +96,8 @@ static void hard_pairs_are_hard(void **state)
 static bool float_and_double_do_not_err(const hard_pair *p, uint32_t dims)
 {
     bool truth = narrow_exact(&p->a, &p->b, dims);
-    narrow_verdict in_float = narrow_float(&p->a, &p->b, dims, true);
-    narrow_verdict in_double = narrow_double(&p->a, &p->b, dims);
+    narrow_answer in_float = narrow_float(&p->a, &p->b, dims, true);
+    narrow_answer in_double = narrow_double(&p->a, &p->b, dims);
     return (in_float == NARROW_UNDECIDED || (in_float == NARROW_COLLIDING) == truth) &&
            (in_double == NARROW_UNDECIDED || (in_double == NARROW_COLLIDING) == truth) &&
            narrow_decide(&p->a, &p->b, dims) == truth;
@@ -153,7 +153,7 @@ static bool upright_float_is_exact(const hard_pair *p, uint32_t dims)
     memcpy(a.rotation, (float[]){0, 0, 0, 1}, sizeof a.rotation);
     memcpy(b.rotation, (float[]){0, 0, 0, -2}, sizeof b.rotation);
     bool truth = narrow_exact(&a, &b, dims);
-    narrow_verdict in_float = narrow_float(&a, &b, dims, false);
+    narrow_answer in_float = narrow_float(&a, &b, dims, false);
     bool huge = a.half_extents[0] + b.half_extents[0] > 0x1p99f;
     return (in_float == NARROW_UNDECIDED ? huge : (in_float == NARROW_COLLIDING) == truth) &&
            narrow_double(&a, &b, dims) == (truth ? NARROW_COLLIDING : NARROW_SEPARATED);

@@ -123,8 +123,8 @@ static void close_launch(launch *l)
     clReleaseCommandQueue(l->queue);
 }
 
-static void read_list(launch *l, list which, uint32_t n, narrow_verdict as,
-                      narrow_verdict verdicts[PAIRS])
+static void read_list(launch *l, list which, uint32_t n, narrow_answer as,
+                      narrow_answer answers[PAIRS])
 {
     static duet_pair found[PAIRS];
     assert_in_range(n, 0, PAIRS);
@@ -134,12 +134,12 @@ static void read_list(launch *l, list which, uint32_t n, narrow_verdict as,
                                          found, 0, NULL, NULL),
                      CL_SUCCESS);
     for (uint32_t i = 0; i < n; ++i)
-        verdicts[found[i].a / 2] = as;
+        answers[found[i].a / 2] = as;
 }
 
 // What a device says of the pairs 0 1, 2 3, ...
 static void run(const device *d, const gen_variant *made, cl_program program, duet_pose *poses,
-                narrow_verdict verdicts[PAIRS])
+                narrow_answer answers[PAIRS])
 {
     launch l;
     cl_uint counts[COUNTERS];
@@ -153,9 +153,9 @@ static void run(const device *d, const gen_variant *made, cl_program program, du
         clEnqueueReadBuffer(l.queue, l.counters, CL_TRUE, 0, sizeof counts, counts, 0, NULL, NULL),
         CL_SUCCESS);
     for (int i = 0; i < PAIRS; ++i)
-        verdicts[i] = NARROW_SEPARATED;
-    read_list(&l, COLLIDING, counts[COUNT_PAIRS], NARROW_COLLIDING, verdicts);
-    read_list(&l, UNDECIDED, counts[COUNT_UNDECIDED], NARROW_UNDECIDED, verdicts);
+        answers[i] = NARROW_SEPARATED;
+    read_list(&l, COLLIDING, counts[COUNT_PAIRS], NARROW_COLLIDING, answers);
+    read_list(&l, UNDECIDED, counts[COUNT_UNDECIDED], NARROW_UNDECIDED, answers);
     close_launch(&l);
 }
 
@@ -177,22 +177,22 @@ static void fill_with_hard_pairs(duet_pose poses[OBJECTS], uint32_t dims)
 static void compare_with_specification(int side, uint32_t dims, const char *options)
 {
     static duet_pose poses[OBJECTS];
-    static narrow_verdict verdicts[PAIRS];
+    static narrow_answer answers[PAIRS];
     const device *d = &devices->devices[side];
     fill_with_hard_pairs(poses, dims);
     gen_variant made = make_narrow(d, dims);
     cl_program program = build(d, &made, options);
     assert_non_null(program);
-    run(d, &made, program, poses, verdicts);
+    run(d, &made, program, poses, answers);
     clReleaseProgram(program);
     gen_variant_free(&made);
     for (int i = 0; i < PAIRS; ++i) {
         hard_pair pair = {poses[2 * i], poses[2 * i + 1]};
-        narrow_verdict right = narrow_float(&pair.a, &pair.b, dims, true);
-        if (verdicts[i] == right)
+        narrow_answer right = narrow_float(&pair.a, &pair.b, dims, true);
+        if (answers[i] == right)
             continue;
         hard_pair_print(&pair, dims);
-        fail_msg("%s with %s: verdict %d; expected %d", d->info.selector, options, verdicts[i],
+        fail_msg("%s with %s: answer %d; expected %d", d->info.selector, options, answers[i],
                  right);
     }
 }
@@ -205,7 +205,7 @@ static void a_device_says_what_the_specification_says(void **state)
             compare_with_specification(side, dims, PLAIN);
 }
 
-static void fusing_products_and_sums_changes_no_verdict(void **state)
+static void fusing_products_and_sums_changes_no_answer(void **state)
 {
     (void)state;
     for (int side = 0; side < 2; ++side)
@@ -216,7 +216,7 @@ static void fusing_products_and_sums_changes_no_verdict(void **state)
 // ------------------------------------------------------------ all levels
 
 static void ask_test_pairs(const device *d, cl_program program, const gen_variant *made,
-                           duet_pose *poses, uint8_t verdicts[PAIRS])
+                           duet_pose *poses, uint8_t answers[PAIRS])
 {
     cl_uint n = PAIRS;
     size_t group = made->group, tile = group * made->per_item;
@@ -232,9 +232,8 @@ static void ask_test_pairs(const device *d, cl_program program, const gen_varian
     assert_int_equal(
         clEnqueueNDRangeKernel(l.queue, l.kernel, 1, NULL, &items, &group, 0, NULL, NULL),
         CL_SUCCESS);
-    assert_int_equal(
-        clEnqueueReadBuffer(l.queue, found, CL_TRUE, 0, PAIRS, verdicts, 0, NULL, NULL),
-        CL_SUCCESS);
+    assert_int_equal(clEnqueueReadBuffer(l.queue, found, CL_TRUE, 0, PAIRS, answers, 0, NULL, NULL),
+                     CL_SUCCESS);
     clReleaseMemObject(objects);
     clReleaseMemObject(found);
     clReleaseKernel(l.kernel);
@@ -244,7 +243,7 @@ static void ask_test_pairs(const device *d, cl_program program, const gen_varian
 // The compiler may fuse and contract all it likes: beside the option the text
 // loses the line that forbids it.
 static void ask_level(const device *d, duet_level level, bool contracted, duet_pose *poses,
-                      uint8_t verdicts[PAIRS])
+                      uint8_t answers[PAIRS])
 {
     duet_error err = {0};
     gen_variant made;
@@ -257,13 +256,13 @@ static void ask_level(const device *d, duet_level level, bool contracted, duet_p
         memcpy(off, "FP_CONTRACT ON ", strlen("FP_CONTRACT ON "));
     cl_program program = build(d, &made, contracted ? PLAIN " -cl-mad-enable" : PLAIN);
     assert_non_null(program);
-    ask_test_pairs(d, program, &made, poses, verdicts);
+    ask_test_pairs(d, program, &made, poses, answers);
     clReleaseProgram(program);
     gen_variant_free(&made);
 }
 
 // Level double has plain sums of products, whose last bits may differ.
-static void contraction_changes_no_verdict_at_any_level(void **state)
+static void contraction_changes_no_answer_at_any_level(void **state)
 {
     (void)state;
     static duet_pose poses[OBJECTS];
@@ -304,8 +303,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_device_says_what_the_specification_says),
-        cmocka_unit_test(fusing_products_and_sums_changes_no_verdict),
-        cmocka_unit_test(contraction_changes_no_verdict_at_any_level),
+        cmocka_unit_test(fusing_products_and_sums_changes_no_answer),
+        cmocka_unit_test(contraction_changes_no_answer_at_any_level),
         cmocka_unit_test(relaxed_arithmetic_is_refused_by_every_kernel),
     };
     return cmocka_run_group_tests(tests, open_devices, close_devices);

@@ -132,7 +132,7 @@ static void check_moved(const hard_pair *pair, uint32_t dims, rng *r)
     assert_memory_equal(&separation, &separation_off, sizeof separation);
 }
 
-static void hard_pairs_have_one_verdict_wherever_they_are(void **state)
+static void hard_pairs_have_one_answer_wherever_they_are(void **state)
 {
     (void)state;
     rng r = rng_seed(test_seed());
@@ -430,7 +430,7 @@ int main(void)
         cmocka_unit_test(a_position_is_kept_to_2_25_of_an_edge_anywhere),
         cmocka_unit_test(an_offset_outside_its_cell_is_settled_in_another),
         cmocka_unit_test(what_is_too_far_or_no_edge_is_refused),
-        cmocka_unit_test(hard_pairs_have_one_verdict_wherever_they_are),
+        cmocka_unit_test(hard_pairs_have_one_answer_wherever_they_are),
         cmocka_unit_test(far_pairs_collide_where_the_same_near_0_do),
         cmocka_unit_test(a_float_coordinate_loses_what_cells_keep),
         cmocka_unit_test(a_cloud_far_away_has_the_pairs_of_the_one_at_0),

@@ -98,7 +98,7 @@ static void a_step_s_candidates_tested_alone_are_its_pairs(void **state)
     uint64_t n = result.pairs;
     duet_pair *pairs = malloc(n * sizeof *pairs);
     duet_pose *poses = malloc(2 * n * sizeof *poses);
-    uint8_t *verdicts = malloc(n);
+    uint8_t *answers = malloc(n);
     for (uint64_t i = 0; i < n; ++i) {
         pairs[i] = duet_result_get_pair(&result, i);
         poses[2 * i] = objects[pairs[i].a];
@@ -107,16 +107,16 @@ static void a_step_s_candidates_tested_alone_are_its_pairs(void **state)
     for (int level = 0; level < DUET_LEVELS; ++level) {
         duet_pair_query_result tested;
         uint64_t hash = 0;
-        hard_test_verdicts(devices, (duet_level)level, 3, DUET_SHARE_ONE / 2, poses, n, verdicts,
-                           &tested);
+        hard_test_answers(devices, (duet_level)level, 3, DUET_SHARE_ONE / 2, poses, n, answers,
+                          &tested);
         for (uint64_t i = 0; i < n; ++i)
-            hash += verdicts[i] ? duet_pairs_hash(&pairs[i], 1) : 0;
+            hash += answers[i] ? duet_pairs_hash(&pairs[i], 1) : 0;
         step_at(world, (duet_level)level, &result);
         assert_int_equal(tested.colliding, result.pairs);
         assert_int_equal(hash, duet_result_get_hash(&result));
         assert_true(level != DUET_LEVEL_CERTIFIED || tested.undecided == result.undecided);
     }
-    free(verdicts);
+    free(answers);
     free(poses);
     free(pairs);
     duet_world_destroy(world);
@@ -131,8 +131,8 @@ static void any_number_of_pairs_is_tested_and_nothing_else_written(void **state)
     static const uint64_t counts[] = {0, 1, 2, 7, 8, 9, 513, 262143, 262145, 524289 + 5};
     enum { MOST = 524289 + 5, GUARD = 64 };
     duet_pose *poses = malloc(2 * MOST * sizeof *poses);
-    uint8_t *verdicts = malloc(MOST + GUARD);
-    assert_true(poses && verdicts);
+    uint8_t *answers = malloc(MOST + GUARD);
+    assert_true(poses && answers);
     fill_row(poses, MOST);
     for (uint32_t share = 0; share <= DUET_SHARE_ONE; share += DUET_SHARE_ONE / 2) {
         duet_pair_query *test = open_test(DUET_LEVEL_SPHERE, share);
@@ -140,18 +140,18 @@ static void any_number_of_pairs_is_tested_and_nothing_else_written(void **state)
             duet_error err = {0};
             duet_pair_query_result result;
             uint64_t n = counts[c];
-            memset(verdicts, 77, MOST + GUARD);
-            assert_ok(duet_pair_query_run(test, poses, n, verdicts, NULL, &result, &err), err);
+            memset(answers, 77, MOST + GUARD);
+            assert_ok(duet_pair_query_run(test, poses, n, answers, NULL, &result, &err), err);
             uint64_t colliding = 0;
             for (uint64_t i = 0; i < MOST + GUARD; ++i) {
-                assert_int_equal(verdicts[i], i < n ? i % 3 != 2 : 77);
-                colliding += verdicts[i] == 1;
+                assert_int_equal(answers[i], i < n ? i % 3 != 2 : 77);
+                colliding += answers[i] == 1;
             }
             assert_int_equal(result.colliding, colliding);
         }
         duet_pair_query_destroy(test);
     }
-    free(verdicts);
+    free(answers);
     free(poses);
 }
 
@@ -160,16 +160,16 @@ static void gaps_are_those_of_the_best_axis_at_any_share(void **state)
     (void)state;
     enum { N = 100 };
     duet_pose poses[2 * N];
-    uint8_t verdicts[N];
+    uint8_t answers[N];
     double separations[N];
     fill_row(poses, N);
     for (uint32_t share = 0; share <= DUET_SHARE_ONE; share += DUET_SHARE_ONE / 4) {
         duet_error err = {0};
         duet_pair_query_result result;
         duet_pair_query *test = open_test(DUET_LEVEL_CERTIFIED, share);
-        assert_ok(duet_pair_query_run(test, poses, N, verdicts, separations, &result, &err), err);
+        assert_ok(duet_pair_query_run(test, poses, N, answers, separations, &result, &err), err);
         for (int i = 0; i < N; ++i) {
-            assert_int_equal(verdicts[i], i % 3 != 2);
+            assert_int_equal(answers[i], i % 3 != 2);
             assert_true(separations[i] == (i % 3 == 2 ? 0.5 : -0.25));
         }
         duet_pair_query_destroy(test);
@@ -181,13 +181,13 @@ static void touching_pairs_are_decided_on_the_host_and_counted(void **state)
     (void)state;
     duet_error err = {0};
     duet_pair_query_result result;
-    uint8_t verdicts[2];
+    uint8_t answers[2];
     const duet_pose poses[] = {cube_at(0, 0, 0), cube_at(1, 0, 0), cube_at(0, 0, 0),
                                cube_at(nextafterf(1, 2), 0, 0)};
     duet_pair_query *test = open_test(DUET_LEVEL_CERTIFIED, 0);
-    assert_ok(duet_pair_query_run(test, poses, 2, verdicts, NULL, &result, &err), err);
-    assert_int_equal(verdicts[0], 1);
-    assert_int_equal(verdicts[1], 0);
+    assert_ok(duet_pair_query_run(test, poses, 2, answers, NULL, &result, &err), err);
+    assert_int_equal(answers[0], 1);
+    assert_int_equal(answers[1], 0);
     assert_int_equal(result.undecided, 2);
     duet_pair_query_destroy(test);
 }
@@ -198,13 +198,13 @@ static void expect_refused(const duet_pose *poses, uint64_t n, uint32_t share, c
 {
     duet_error err = {0};
     duet_pair_query_result result;
-    uint8_t *verdicts = malloc(n);
+    uint8_t *answers = malloc(n);
     duet_pair_query *test = open_test(DUET_LEVEL_SAT15, share);
-    assert_false(duet_pair_query_run(test, poses, n, verdicts, NULL, &result, &err));
+    assert_false(duet_pair_query_run(test, poses, n, answers, NULL, &result, &err));
     assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
     assert_string_equal(err.text, why);
     duet_pair_query_destroy(test);
-    free(verdicts);
+    free(answers);
 }
 
 static void each_kind_of_bad_pose_is_named_with_its_pair(void **state)
@@ -248,15 +248,15 @@ static void a_test_goes_on_after_a_refusal(void **state)
     (void)state;
     duet_error err = {0};
     duet_pair_query_result result;
-    uint8_t verdict;
+    uint8_t answer;
     duet_pose poses[2] = {cube_at(0, 0, 0), cube_at(0, 0, 0)};
     duet_pair_query *test = open_test(DUET_LEVEL_DOUBLE, 0);
     poses[0].half_extents[0] = NAN;
-    assert_false(duet_pair_query_run(test, poses, 1, &verdict, NULL, &result, NULL));
+    assert_false(duet_pair_query_run(test, poses, 1, &answer, NULL, &result, NULL));
     poses[0].half_extents[0] = 1;
-    assert_ok(duet_pair_query_run(test, poses, 1, &verdict, NULL, &result, &err), err);
-    assert_int_equal(verdict, 1);
-    assert_false(duet_pair_query_run(test, NULL, 1, &verdict, NULL, &result, &err));
+    assert_ok(duet_pair_query_run(test, poses, 1, &answer, NULL, &result, &err), err);
+    assert_int_equal(answer, 1);
+    assert_false(duet_pair_query_run(test, NULL, 1, &answer, NULL, &result, &err));
     assert_string_equal(err.text, "1 pairs, but no memory for their poses");
     duet_pair_query_destroy(test);
 }

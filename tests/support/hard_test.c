@@ -21,7 +21,7 @@ typedef struct crowd {
     duet_pose *exchanged; // second pose first
     duet_pose *negated;   // -q for q
     bool *truth;          // [n]
-    uint8_t *verdicts;    // of B alone
+    uint8_t *answers;     // of B alone
     uint8_t *others;
 } crowd;
 
@@ -58,7 +58,7 @@ static void gather(crowd *c)
     c->exchanged = block_for(2 * c->n, sizeof *c->poses);
     c->negated = block_for(2 * c->n, sizeof *c->poses);
     c->truth = block_for(c->n, sizeof *c->truth);
-    c->verdicts = block_for(c->n, sizeof *c->verdicts);
+    c->answers = block_for(c->n, sizeof *c->answers);
     c->others = block_for(c->n, sizeof *c->others);
     rng r = rng_seed(test_seed() + c->dims);
     for (uint64_t i = 0; i < c->n; ++i) {
@@ -69,16 +69,16 @@ static void gather(crowd *c)
 
 static void let_go(crowd *c)
 {
-    void *const blocks[] = {c->poses, c->exchanged, c->negated, c->truth, c->verdicts, c->others};
+    void *const blocks[] = {c->poses, c->exchanged, c->negated, c->truth, c->answers, c->others};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i)
         free(blocks[i]);
 }
 
 // ------------------------------------------------------------ asking
 
-void hard_test_verdicts(duet_device_pair *devices, duet_level level, uint32_t dims, uint32_t share,
-                        const duet_pose *poses, uint64_t n, uint8_t *verdicts,
-                        duet_pair_query_result *result)
+void hard_test_answers(duet_device_pair *devices, duet_level level, uint32_t dims, uint32_t share,
+                       const duet_pose *poses, uint64_t n, uint8_t *answers,
+                       duet_pair_query_result *result)
 {
     duet_error err = {0};
     duet_pair_query_result ignored;
@@ -89,7 +89,7 @@ void hard_test_verdicts(duet_device_pair *devices, duet_level level, uint32_t di
     def.dims = dims;
     duet_pair_query *test = duet_pair_query_create(&def, &err);
     assert_ok(test, err);
-    assert_ok(duet_pair_query_run(test, poses, n, verdicts, NULL, result ? result : &ignored, &err),
+    assert_ok(duet_pair_query_run(test, poses, n, answers, NULL, result ? result : &ignored, &err),
               err);
     duet_pair_query_destroy(test);
 }
@@ -100,8 +100,8 @@ static void fail_at(const crowd *c, duet_level level, uint64_t i, const char *wh
 {
     hard_pair pair = {c->poses[2 * i], c->poses[2 * i + 1]};
     hard_pair_print(&pair, c->dims);
-    fail_msg("level %s, '%s': verdict %d %s", duet_level_get_info(level)->name,
-             hard_classes[i / (uint64_t)c->each].name, c->verdicts[i], what);
+    fail_msg("level %s, '%s': answer %d %s", duet_level_get_info(level)->name,
+             hard_classes[i / (uint64_t)c->each].name, c->answers[i], what);
 }
 
 static bool comes_first(const duet_pose *a, const duet_pose *b, uint32_t dims)
@@ -124,7 +124,7 @@ static void judge(const crowd *c, duet_level level)
     const duet_level_info *info = duet_level_get_info(level);
     for (uint64_t i = 0; i < c->n; ++i) {
         hard_pair pair = {c->poses[2 * i], c->poses[2 * i + 1]};
-        bool answer = c->verdicts[i];
+        bool answer = c->answers[i];
         if (answer != c->truth[i] &&
             !promise_allows(info->missed, info->added, &pair, c->dims, answer))
             fail_at(c, level, i, "breaks the level's promise");
@@ -136,9 +136,9 @@ static void judge(const crowd *c, duet_level level)
 static void compare(crowd *c, duet_level level, uint32_t share, const duet_pose *poses,
                     const char *how)
 {
-    hard_test_verdicts(c->devices, level, c->dims, share, poses, c->n, c->others, NULL);
+    hard_test_answers(c->devices, level, c->dims, share, poses, c->n, c->others, NULL);
     for (uint64_t i = 0; i < c->n; ++i)
-        if (c->others[i] != c->verdicts[i])
+        if (c->others[i] != c->answers[i])
             fail_at(c, level, i, how);
 }
 
@@ -148,7 +148,7 @@ void hard_test_run(duet_device_pair *devices, uint32_t dims, int each)
     gather(&c);
     for (int l = 0; l < DUET_LEVELS; ++l) {
         duet_level level = (duet_level)l;
-        hard_test_verdicts(devices, level, dims, 0, c.poses, c.n, c.verdicts, NULL);
+        hard_test_answers(devices, level, dims, 0, c.poses, c.n, c.answers, NULL);
         judge(&c, level);
         compare(&c, level, DUET_SHARE_ONE, c.poses, "is another on A");
         compare(&c, level, DUET_SHARE_ONE / 3, c.exchanged, "is another with the poses exchanged");

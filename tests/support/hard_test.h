@@ -6,14 +6,14 @@
 #include "runtime/duet.h"
 
 // Tests so many pairs of each hard class at every level, on A, on B and on both
-// at once, as they are, exchanged, and with -q for q. Each verdict must be what
+// at once, as they are, exchanged, and with -q for q. Each answer must be what
 // the level promises, what its specification in C says, and everywhere the same;
 // else a line is printed that repeats the pair, and the test fails.
 void hard_test_run(duet_device_pair *devices, uint32_t dims, int each);
 
-// One level's verdicts of n pairs; A has the share.
-void hard_test_verdicts(duet_device_pair *devices, duet_level level, uint32_t dims, uint32_t share,
-                        const duet_pose *poses, uint64_t n, uint8_t *verdicts,
-                        duet_pair_query_result *result);
+// One level's answers of n pairs; A has the share.
+void hard_test_answers(duet_device_pair *devices, duet_level level, uint32_t dims, uint32_t share,
+                       const duet_pose *poses, uint64_t n, uint8_t *answers,
+                       duet_pair_query_result *result);
 
 #endif

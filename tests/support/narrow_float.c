@@ -17,7 +17,7 @@ static float largest(const float v[3])
     return fmaxf(v[0], fmaxf(v[1], v[2]));
 }
 
-static narrow_verdict test_frame(const sat_frame *m)
+static narrow_answer test_frame(const sat_frame *m)
 {
     float slack = SLACK * m->size;
     float needed = sat_frame_face_separation(m);
@@ -41,8 +41,8 @@ static narrow_verdict test_frame(const sat_frame *m)
 // Without rotation. What rounding leaves over of a sum of two floats is a float
 // too, and rounding keeps order: comparing the sums, then what is left over, is
 // exact. The device must have denormal numbers.
-static narrow_verdict test_upright(const duet_pose *a, const duet_pose *b, const double shift[3],
-                                   int dims)
+static narrow_answer test_upright(const duet_pose *a, const duet_pose *b, const double shift[3],
+                                  int dims)
 {
     bool apart = false;
     bool trusted = true;
@@ -69,13 +69,13 @@ static narrow_verdict test_upright(const duet_pose *a, const duet_pose *b, const
     return apart ? NARROW_SEPARATED : NARROW_COLLIDING;
 }
 
-narrow_verdict narrow_float(const duet_pose *a, const duet_pose *b, uint32_t dims, bool rotated)
+narrow_answer narrow_float(const duet_pose *a, const duet_pose *b, uint32_t dims, bool rotated)
 {
     return narrow_float_apart(a, b, narrow_here, dims, rotated);
 }
 
-narrow_verdict narrow_float_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
-                                  uint32_t dims, bool rotated)
+narrow_answer narrow_float_apart(const duet_pose *a, const duet_pose *b, const double shift[3],
+                                 uint32_t dims, bool rotated)
 {
     if (!narrow_is_box(a, dims) || !narrow_is_box(b, dims))
         return NARROW_UNDECIDED; // the devices leave such objects out

@@ -36,12 +36,12 @@ static void the_interval_of_a_median_follows_the_binomial_table(void **state)
         ranks[i] = i + 1;
     stats_interval of_20 = stats_median_interval(ranks, 20, 0.95);
     assert_true(of_20.low == 6 && of_20.high == 15);
-    assert_true(fabs(of_20.level - 0.9586) < 0.0001);
+    assert_true(fabs(of_20.confidence - 0.9586) < 0.0001);
     stats_interval of_8 = stats_median_interval(ranks, 8, 0.99);
     assert_true(of_8.low == 1 && of_8.high == 8);
-    assert_true(fabs(of_8.level - 0.9922) < 0.0001);
+    assert_true(fabs(of_8.confidence - 0.9922) < 0.0001);
     stats_interval of_3 = stats_median_interval(ranks, 3, 0.95);
-    assert_true(of_3.low == 1 && of_3.high == 3 && fabs(of_3.level - 0.75) < 0.0001);
+    assert_true(of_3.low == 1 && of_3.high == 3 && fabs(of_3.confidence - 0.75) < 0.0001);
 }
 
 static void an_interval_of_95_percent_holds_the_median_that_often(void **state)
@@ -223,7 +223,7 @@ static void times_measured_apart_are_told_by_both_intervals(void **state)
     assert_int_equal(gain.verdict, RACE_FASTER);
     assert_true(gain.ratio == 21.5 / 10.8);
     assert_true(gain.interval.low == 20 / 12.0 && gain.interval.high == 23 / 10.0);
-    assert_true(gain.interval.level >= 0.95);
+    assert_true(gain.interval.confidence >= 0.95);
     assert_int_equal(race_compare_apart(slow, 7, fast, 7, 0.95).verdict, RACE_SLOWER);
     assert_int_equal(race_compare_apart(slow, 7, slow, 7, 0.95).verdict, RACE_SAME);
     assert_int_equal(race_compare_apart(fast, 6, slow, 6, 0.95).verdict, RACE_AMBIGUOUS);
