@@ -80,7 +80,7 @@ static const uint32_t NOT_DRAWN = UINT32_MAX;
 static grid_objects objects_of(const duet_scene *scene)
 {
     const duet_scene_info *info = duet_scene_get_info(scene);
-    return (grid_objects){.rows = duet_scene_get_objects(scene, inputs_scene_kind(scene)),
+    return (grid_objects){.array = duet_scene_get_objects(scene, inputs_scene_kind(scene)),
                           .shape = info->shape,
                           .origin = info->origin_edge,
                           .n = info->n,
@@ -101,11 +101,11 @@ static duet_pose box_of(const sketch *s, const duet_scene *scene, uint32_t id)
     duet_pose box = {.rotation = {0, 0, 0, 1}};
     double centre[3];
     if (s->info->shape == DUET_SHAPE_BOUNDS) {
-        const duet_bounds *b = &((const duet_bounds *)objects.rows)[id];
+        const duet_bounds *b = &((const duet_bounds *)objects.array)[id];
         for (int k = 0; k < 3; ++k)
             box.half_extents[k] = 0.5F * b->upper[k] - 0.5F * b->lower[k];
     } else {
-        box = *origin_pose(objects.rows, objects.origin, id);
+        box = *origin_pose(objects.array, objects.origin, id);
     }
     centre_of(s, scene, id, centre);
     for (int k = 0; k < 3; ++k)
@@ -152,7 +152,7 @@ static bool look_at_all(sketch *s, const duet_scene *scene, duet_error *err)
 {
     s->whole = extent_empty();
     if (s->info->n > 0)
-        origin_corner(s->from, objects_of(scene).rows, s->info->origin_edge, 0);
+        origin_corner(s->from, objects_of(scene).array, s->info->origin_edge, 0);
     for (uint32_t id = 0; id < s->info->n; ++id) {
         duet_pose box = box_of(s, scene, id);
         add_box(&s->whole, &box, s->info->dims);

@@ -446,7 +446,7 @@ static double widest_of_bounds(const duet_bounds *b, uint32_t dims)
     return widest;
 }
 
-size_t grid_row_bytes(const grid_objects *objects)
+size_t grid_object_bytes(const grid_objects *objects)
 {
     return objects->sizes ? sizeof(duet_transform)
                           : origin_row_bytes(objects->shape, objects->origin);
@@ -463,8 +463,8 @@ duet_transform grid_transform_of(const duet_pose *pose)
 const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *scratch)
 {
     if (!objects->sizes)
-        return origin_pose(objects->rows, objects->origin, id);
-    const duet_transform *t = &((const duet_transform *)objects->rows)[id];
+        return origin_pose(objects->array, objects->origin, id);
+    const duet_transform *t = &((const duet_transform *)objects->array)[id];
     memcpy(scratch->centre, t->centre, sizeof scratch->centre);
     memcpy(scratch->half_extents, objects->sizes[id].half_extents, sizeof scratch->half_extents);
     memcpy(scratch->rotation, t->rotation, sizeof scratch->rotation);
@@ -485,7 +485,7 @@ static inline void find_point(double point[3], const grid_objects *objects, uint
 {
     point[2] = 0.0;
     if (objects->shape == DUET_SHAPE_BOUNDS) {
-        const duet_bounds *b = &((const duet_bounds *)objects->rows)[id];
+        const duet_bounds *b = &((const duet_bounds *)objects->array)[id];
         for (uint32_t k = 0; k < objects->dims; ++k)
             point[k] = (double)b->lower[k];
         return;
@@ -493,7 +493,7 @@ static inline void find_point(double point[3], const grid_objects *objects, uint
     double corner[3];
     duet_pose scratch;
     const duet_pose *p = grid_pose_of(objects, id, &scratch);
-    origin_corner(corner, objects->rows, objects->origin, id);
+    origin_corner(corner, objects->array, objects->origin, id);
     for (uint32_t k = 0; k < objects->dims; ++k)
         point[k] = corner[k] + (double)p->centre[k];
 }
@@ -508,7 +508,7 @@ void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)
     find_point(centre, objects, id);
     if (objects->shape != DUET_SHAPE_BOUNDS)
         return;
-    const duet_bounds *b = &((const duet_bounds *)objects->rows)[id];
+    const duet_bounds *b = &((const duet_bounds *)objects->array)[id];
     for (uint32_t k = 0; k < objects->dims; ++k)
         centre[k] = 0.5 * (centre[k] + (double)b->upper[k]);
 }
@@ -518,7 +518,7 @@ static double widest_of(const grid_objects *objects, uint32_t id, double *roundi
     duet_pose scratch;
     *rounding = 0.0;
     if (objects->shape == DUET_SHAPE_BOUNDS)
-        return widest_of_bounds(&((const duet_bounds *)objects->rows)[id], objects->dims);
+        return widest_of_bounds(&((const duet_bounds *)objects->array)[id], objects->dims);
     const duet_pose *pose = grid_pose_of(objects, id, &scratch);
     *rounding = rounding_of_pose(pose, objects);
     return widest_of_pose(pose, objects->dims);

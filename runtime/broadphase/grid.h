@@ -50,15 +50,15 @@ typedef struct grid_needs {
 // What objects a grid is for: poses or bounds, with origin cells large poses, or
 // with sizes transforms.
 typedef struct grid_objects {
-    const void *rows;
+    const void *array;
     duet_shape shape;
     float origin; // the edge of origin cells, or 0
     uint32_t n;
     uint32_t dims;
-    const duet_size *sizes; // that the rows are without, or NULL
+    const duet_size *sizes; // that the objects are without, or NULL
 } grid_objects;
 
-size_t grid_row_bytes(const grid_objects *objects);
+size_t grid_object_bytes(const grid_objects *objects);
 
 // A pose without its size.
 duet_transform grid_transform_of(const duet_pose *pose);

@@ -16,23 +16,16 @@ typedef struct part_task {
     bool shared;   // the grid is for both parts
     bool receives; // the grid comes from the other part
     bool packed;   // the part is sent the objects of its slab, with their ids
-    uint32_t dims;
-    duet_shape shape;
-    float origin; // the edge of origin cells, where poses are placed, or 0
     bool rotated;
     duet_level level;         // of accuracy, for poses
-    uint32_t n;               // that the part is sent
-    const void *objects;      // [all] poses or bounds on the host, or transforms
+    grid_objects objects;     // that the part is sent; the array has all of them
     uint64_t objects_version; // changes with the objects' content
-    const duet_size *sizes;   // [all + 1] of transforms, or NULL
     uint64_t sizes_version;   // changes with the sizes
     grid grid;
     uint64_t grid_version; // changes with the grid
     bool cells_vary;       // the grid had other cells before
     uint64_t max_pairs;
 } part_task;
-
-grid_objects part_objects(const part_task *task);
 
 // Which of the objects a part deals with. Its grid has the keys from key_from
 // to key_to; of those it searches around the ones up to home_to, and of the
@@ -89,6 +82,19 @@ typedef struct part_args {
     buffer found; // pairs, or candidates where they are tested later
 } part_args;
 
+// What the counters say (kernels/counters.h).
+typedef struct part_found {
+    uint64_t candidates; // that were listed
+    uint64_t tested;     // candidates that were tested where they were found
+    uint64_t pairs, undecided;
+    uint32_t bad;       // objects that were left out
+    uint32_t first_bad; // the least id among them
+    uint32_t placed;    // objects in the grid
+    float widest;       // the largest extent that did not fit; 0: all fit
+} part_found;
+
+part_found part_found_of(const uint32_t counts[COUNTERS]);
+
 typedef struct part {
     const device *device;
     const device *devices; // the device pair, for host memory
@@ -126,11 +132,11 @@ typedef struct part {
     buffer candidates, pairs, undecided;
     buffer counters;
 
-    uint32_t counts[COUNTERS]; // the counters as read last
-    host_block fetched;        // pairs on the host, where the device has memory of its own
-    uint64_t pairs_ahead;      // of them, sent before their number was known
-    host_block news;           // what is sent ahead besides them
-    host_block sent;           // grid on its way to the other part
+    part_found found;     // by what was read last of the counters
+    host_block fetched;   // pairs on the host, where the device has memory of its own
+    uint64_t pairs_ahead; // of them, sent before their number was known
+    host_block news;      // what is sent ahead besides them
+    host_block sent;      // grid on its way to the other part
     duet_span span;
     uint64_t n_candidates, n_undecided;
     uint32_t runs; // searches, more than one where a buffer had to grow
@@ -142,7 +148,7 @@ bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
 void part_close(part *p);
 
 // Generates and builds what the variant needs for such objects.
-bool part_prepare(part *p, const char *variant_text, const part_task *task, duet_error *err);
+bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err);
 
 // The kernel of that name that the part has prepared; NULL where it runs another.
 const kernel *part_kernel(const part *p, const char *name);
@@ -153,9 +159,6 @@ void part_distrust(part *p);
 
 // Forgets what the last step found, counted and took.
 void part_forget(part *p);
-
-// Tells the kernels of the range of objects that they are to deal with.
-void part_set_args(part *p, const part_task *task, const part_range *range);
 
 // Starts a step: hands the objects over, unless they are packed, and the grid's
 // levels.
@@ -177,24 +180,6 @@ bool part_receive_grid(part *to, part *from, const part_task *task, const part_r
 bool part_search(part *p, const part_task *task, const part_range *range, bool *placed,
                  duet_error *err);
 
-// Bad objects and widest extent that did not fit, once a search or grid was
-// finished.
-uint32_t part_bad(const part *p);
-uint32_t part_first_bad(const part *p);
-float part_widest(const part *p); // 0: all fit
-
 uint64_t part_bytes(const part *p); // memory held on the device
-
-uint64_t part_count(const part *p, int counter);
-
-// Reads the counters, which waits for all that was launched.
-bool part_read_counters(part *p, duet_error *err);
-
-// The same behind a search, whose pairs may be on their way already.
-bool part_hear(part *p, duet_error *err);
-
-// Brings the pairs of the last search to the host, as the part's span, with
-// those of the undecided ones that collide. Ends the step's timeline.
-bool part_fetch(part *p, const part_task *task, duet_error *err);
 
 #endif

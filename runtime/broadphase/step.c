@@ -20,9 +20,6 @@ enum { REFIT_FACTOR = 2 };
 // A second widening would mean that objects grew while the step ran.
 enum { MOST_FITS = 3 };
 
-// Packing must keep one object in so many from a device.
-enum { LEAST_LEFT_OUT = 16 };
-
 static double ms_since(uint64_t begun)
 {
     return (double)(clock_steady_ns() - begun) * 1e-6;
@@ -58,7 +55,7 @@ static bool fit_grid(duet_world *world, duet_error *err)
     world->fitted = true;
     world->fitted_n = world->n;
     world_choose_mode(world);
-    world->split_stale = true;
+    world->split.stale = true;
     ++world->grid_version;
     world->prepared[0] = world->prepared[1] = false;
     return true;
@@ -75,15 +72,10 @@ static part_task describe_task(const duet_world *world)
 {
     return (part_task){
         .shared = world->def.plan.mode == DUET_MODE_SHARED,
-        .dims = world->def.dims,
-        .shape = world->def.shape,
-        .origin = world->def.origin_edge,
         .rotated = world->def.rotated,
         .level = world->def.level,
-        .n = world->n,
-        .objects = world->objects.bytes,
+        .objects = world_objects(world),
         .objects_version = world->objects_version,
-        .sizes = world->def.separate_sizes ? world->sizes.bytes : NULL,
         .sizes_version = world->sizes_version,
         .grid = world->grid,
         .grid_version = world->grid_version,
@@ -133,28 +125,6 @@ static bool has_work(const job *j)
     return j->range.first < j->range.last;
 }
 
-// An object's slab is known only once its row is, so that each device's part of
-// the objects is packed by all threads that there are.
-static bool start_packing(duet_world *world, const job jobs[2], bool *packing, duet_error *err)
-{
-    bool wanted[2];
-    for (int side = 0; side < 2; ++side)
-        wanted[side] = jobs[side].task.packed &&
-                       !part_has_slab(jobs[side].part, &jobs[side].task, &jobs[side].range);
-    const part_range ranges[2] = {jobs[0].range, jobs[1].range};
-    *packing = false;
-    if (!pack_begin(&world->pack, &jobs[0].task, ranges, wanted, jobs[0].part->devices, err))
-        return false;
-    if (!wanted[0] && !wanted[1])
-        return true;
-    if (!world->packers)
-        world->packers = thread_pool_open(pack_threads(), err);
-    *packing = world->packers;
-    if (*packing)
-        thread_pool_start(world->packers, pack_blocks, &world->pack);
-    return *packing;
-}
-
 // Own grids, whole ones or slabs.
 static bool run_own(duet_world *world, job jobs[2])
 {
@@ -192,26 +162,27 @@ static bool run_shared(duet_world *world, job jobs[2])
     return a->ok && b->ok;
 }
 
+// An object's slab is known only once its row of cells is, so that each device's part of the
+// objects is packed by all threads that there are.
 static bool run_slabs(duet_world *world, job jobs[2], duet_error *err)
 {
-    bool packing = false;
-    if (!start_packing(world, jobs, &packing, err))
+    const part_range ranges[2] = {jobs[0].range, jobs[1].range};
+    const bool packed[2] = {jobs[0].task.packed, jobs[1].task.packed};
+    if (!pack_start(&world->pack, world->parts, &jobs[0].task, ranges, packed, err))
         return false;
     bool ok = run_own(world, jobs);
-    if (packing)
-        thread_pool_wait(world->packers);
+    pack_wait(&world->pack);
     return ok;
 }
 
 static bool prepare(duet_world *world, const job jobs[2], const bool use[2], duet_error *err)
 {
-    const char *variants[2] = {world->def.plan.variant_a, world->def.plan.variant_b};
     for (int side = 0; side < 2; ++side) {
         const part_task *task = &jobs[side].task;
         part *p = &world->parts[side];
         if (!use[side] || (world->prepared[side] && p->kernels.packed == task->packed))
             continue;
-        world->prepared[side] = part_prepare(p, variants[side], task, err);
+        world->prepared[side] = part_prepare(p, &world->variants[side], task, err);
         if (!world->prepared[side])
             return false;
     }
@@ -228,35 +199,15 @@ static void forget_last_step(duet_world *world)
 static bool divide(duet_world *world, const part_task *task, part_range ranges[2], duet_error *err)
 {
     uint32_t share = world->def.plan.share;
-    if (world->def.plan.mode == DUET_MODE_SLAB) {
-        if (world->split_stale && !split_count(&world->split, task, err))
-            return false;
-        world->split_stale = false;
-        split_cut(&world->split, task, share, ranges);
-        return true;
-    }
+    if (world->def.plan.mode == DUET_MODE_SLAB)
+        return split_cut(&world->split, task, share, ranges, err);
     uint32_t n_cells = task->grid.n_cells;
-    uint32_t cut = (uint32_t)((uint64_t)task->n * share / DUET_SHARE_ONE);
-    part_range whole = {.home_to = n_cells, .key_to = n_cells, .expected = task->n};
+    uint32_t cut = (uint32_t)((uint64_t)task->objects.n * share / DUET_SHARE_ONE);
+    part_range whole = {.home_to = n_cells, .key_to = n_cells, .expected = task->objects.n};
     ranges[0] = ranges[1] = whole;
     ranges[0].last = ranges[1].first = cut;
-    ranges[1].last = task->n;
+    ranges[1].last = task->objects.n;
     return true;
-}
-
-// A device that copies is sent its slab alone where that leaves out enough to
-// pay for packing. The paper's kernels want every object by its id; large poses
-// and transforms are not packed.
-static bool pays_to_pack(const duet_world *world, int side, const part_range ranges[2])
-{
-    const char *variants[2] = {world->def.plan.variant_a, world->def.plan.variant_b};
-    variant v;
-    return world->def.plan.mode == DUET_MODE_SLAB && world->def.origin_edge == 0.0f &&
-           !world->def.separate_sizes && !world->parts[side].device->info.host_memory &&
-           ranges[0].last > 0 && ranges[1].last > 0 &&
-           ranges[side].expected <= world->n - world->n / LEAST_LEFT_OUT &&
-           variant_parse(&v, variants[side], &world->parts[side].device->info, NULL) &&
-           v.search == SEARCH_GPU && v.send == SEND_PACKED;
 }
 
 // *placed is false where a slab had more objects than it had space for.
@@ -267,6 +218,7 @@ static bool run_parts(duet_world *world, bool *placed, duet_error *err)
     forget_last_step(world);
     if (!divide(world, &task, ranges, err))
         return false;
+    bool slabs = world->def.plan.mode == DUET_MODE_SLAB;
     job jobs[2];
     for (int side = 0; side < 2; ++side) {
         jobs[side] = (job){.part = &world->parts[side],
@@ -275,7 +227,8 @@ static bool run_parts(duet_world *world, bool *placed, duet_error *err)
                            .task = task,
                            .range = ranges[side],
                            .placed = true};
-        jobs[side].task.packed = pays_to_pack(world, side, ranges);
+        jobs[side].task.packed =
+            slabs && pack_pays(&task, ranges, side, &world->parts[side], &world->variants[side]);
     }
     bool shared = world->def.plan.mode == DUET_MODE_SHARED && has_work(&jobs[0]);
     const bool use[2] = {has_work(&jobs[0]), shared || has_work(&jobs[1])};
@@ -307,8 +260,8 @@ static uint32_t smallest(uint32_t a, uint32_t b)
 // grids are identical.
 static uint32_t count_bad(const duet_world *world)
 {
-    uint32_t a = part_bad(&world->parts[0]);
-    uint32_t b = part_bad(&world->parts[1]);
+    uint32_t a = world->parts[0].found.bad;
+    uint32_t b = world->parts[1].found.bad;
     return world->def.plan.mode == DUET_MODE_SLAB ? a + b : largest(a, b);
 }
 
@@ -322,7 +275,7 @@ static bool check_bad(const duet_world *world, duet_error *err)
     return error_set(err, DUET_STATUS_BAD_OBJECT,
                      "object %u of %u is not a number, infinite, negative or without rotation "
                      "(%u such objects)",
-                     smallest(part_first_bad(a), part_first_bad(b)), world->n, bad);
+                     smallest(a->found.first_bad, b->found.first_bad), world->n, bad);
 }
 
 static double kernel_ms(const part *p)
@@ -339,7 +292,7 @@ static void fill_result(duet_world *world, duet_result *result)
     *result = (duet_result){
         .objects = world->n,
         .bad = bad,
-        .first_bad = bad ? smallest(part_first_bad(a), part_first_bad(b)) : 0,
+        .first_bad = bad ? smallest(a->found.first_bad, b->found.first_bad) : 0,
         .candidates = a->n_candidates + b->n_candidates,
         .pairs = a->span.n + b->span.n,
         .spans = {a->span, b->span},
@@ -382,9 +335,9 @@ bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
         bool placed = true;
         if (!run_parts(world, &placed, err))
             return false;
-        float widest = fmaxf(part_widest(&world->parts[0]), part_widest(&world->parts[1]));
+        float widest = fmaxf(world->parts[0].found.widest, world->parts[1].found.widest);
         world->fitted = !(widest > 0.0f);
-        world->split_stale |= !placed;
+        world->split.stale |= !placed;
         fits = world->fitted && placed;
         if (!fits && fit == MOST_FITS)
             return error_set(err, DUET_STATUS_CELL_TOO_SMALL,
@@ -396,4 +349,41 @@ bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
     fill_result(world, result);
     result->total_ms = ms_since(begun);
     return true;
+}
+
+// ---------------------------------------------------------------- pairs
+
+// Pairs as a set, whoever found them and in whatever order.
+static uint64_t mix(duet_pair pair)
+{
+    uint64_t key = (uint64_t)pair.a << 32 | pair.b;
+    key *= 0x9E3779B97F4A7C15u;
+    key ^= key >> 29;
+    key *= 0xBF58476D1CE4E5B9u;
+    key ^= key >> 32;
+    return key;
+}
+
+uint64_t duet_pairs_hash(const duet_pair *pairs, uint64_t n)
+{
+    uint64_t sum = 0;
+    for (uint64_t i = 0; pairs && i < n; ++i)
+        sum += mix(pairs[i]);
+    return sum;
+}
+
+uint64_t duet_result_get_hash(const duet_result *result)
+{
+    if (!result)
+        return 0;
+    return duet_pairs_hash(result->spans[0].pairs, result->spans[0].n) +
+           duet_pairs_hash(result->spans[1].pairs, result->spans[1].n);
+}
+
+duet_pair duet_result_get_pair(const duet_result *result, uint64_t i)
+{
+    if (!result || i >= result->spans[0].n + result->spans[1].n)
+        return (duet_pair){0, 0};
+    const duet_span *a = &result->spans[0];
+    return i < a->n ? a->pairs[i] : result->spans[1].pairs[i - a->n];
 }

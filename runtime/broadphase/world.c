@@ -150,11 +150,11 @@ static bool check_ends(const char *name, const char *chars, size_t capacity, due
                      capacity);
 }
 
-static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_world_def *def,
-                       duet_error *err)
+// What the plan asks of the grid and of each device.
+static bool read_plan(grid_wish *wish, variant variants[2], const duet_plan *plan,
+                      const duet_world_def *def, duet_error *err)
 {
-    variant a;
-    variant b;
+    variant *a = &variants[0], *b = &variants[1];
     *wish = (grid_wish){0};
     if (!check_ends("variant_a", plan->variant_a, sizeof plan->variant_a, err) ||
         !check_ends("variant_b", plan->variant_b, sizeof plan->variant_b, err))
@@ -166,23 +166,24 @@ static bool check_plan(grid_wish *wish, const duet_plan *plan, const duet_world_
     if (plan->mode < DUET_MODE_SHARED || plan->mode > DUET_MODE_DEFAULT)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "mode is %d; expected a duet_mode",
                          (int)plan->mode);
-    if (!variant_parse(&a, plan->variant_a, &def->pair->devices[0].info, err) ||
-        !variant_parse(&b, plan->variant_b, &def->pair->devices[1].info, err))
+    if (!variant_parse(a, plan->variant_a, &def->pair->devices[0].info, err) ||
+        !variant_parse(b, plan->variant_b, &def->pair->devices[1].info, err))
         return false;
-    bool paper = a.search == SEARCH_PAPER || b.search == SEARCH_PAPER;
+    bool paper = a->search == SEARCH_PAPER || b->search == SEARCH_PAPER;
     if (paper && (def->origin_edge > 0.0f || def->separate_sizes))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the paper's search knows no %s ('%s', '%s'); expected "
                          "auto, simd or gpu",
                          def->separate_sizes ? "sizes apart" : "origin cells", plan->variant_a,
                          plan->variant_b);
-    if (plan->mode == DUET_MODE_SHARED && (a.search == SEARCH_PAPER) != (b.search == SEARCH_PAPER))
+    if (plan->mode == DUET_MODE_SHARED &&
+        (a->search == SEARCH_PAPER) != (b->search == SEARCH_PAPER))
         return error_set(
             err, DUET_STATUS_BAD_ARGUMENT,
             "mode shared: A cannot search B's grid as '%s' where B does '%s'; expected "
             "the same search, or mode own",
             plan->variant_a, plan->variant_b);
-    return find_wish(wish, plan, &a, &b, err);
+    return find_wish(wish, plan, a, b, err);
 }
 
 // ---------------------------------------------------------------- owner
@@ -197,9 +198,13 @@ void world_choose_mode(duet_world *world)
             one_size && are_alike(world->def.pair) ? DUET_MODE_SLAB : DUET_MODE_OWN;
 }
 
-static void take_plan(duet_world *world, const duet_plan *plan)
+static void take_plan(duet_world *world, const duet_plan *plan, const grid_wish *wish,
+                      const variant variants[2])
 {
     world->def.plan = *plan;
+    world->wish = *wish;
+    world->variants[0] = variants[0];
+    world->variants[1] = variants[1];
     world->mode_open = plan->mode == DUET_MODE_DEFAULT;
     world_choose_mode(world);
 }
@@ -207,10 +212,11 @@ static void take_plan(duet_world *world, const duet_plan *plan)
 duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
 {
     grid_wish wish;
+    variant variants[2];
     if (!check_def(def, err))
         return NULL;
     duet_plan plan = resolve_plan(def->plan, def->pair);
-    if (!check_plan(&wish, &plan, def, err))
+    if (!read_plan(&wish, variants, &plan, def, err))
         return NULL;
     duet_world *world = calloc(1, sizeof *world);
     if (!world) {
@@ -218,11 +224,10 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
         return NULL;
     }
     world->def = *def;
-    take_plan(world, &plan);
+    take_plan(world, &plan, &wish, variants);
     world_hold(world);
     device_pair_hold(def->pair);
     pack_open(&world->pack);
-    world->wish = wish;
     world->driver = thread_pool_open(1, err);
     bool ok = world->driver && part_open(&world->parts[0], def->pair, 0, err) &&
               part_open(&world->parts[1], def->pair, 1, err);
@@ -243,7 +248,6 @@ void duet_world_destroy(duet_world *world)
     if (!world || --world->users > 0)
         return;
     thread_pool_close(world->driver);
-    thread_pool_close(world->packers);
     part_close(&world->parts[0]);
     part_close(&world->parts[1]);
     host_block_release(&world->objects);
@@ -264,21 +268,21 @@ void world_forget_grid(duet_world *world)
 bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *err)
 {
     grid_wish wish;
+    variant variants[2];
     if (!error_given(world, __func__, "world", err) || !error_given(plan, __func__, "plan", err))
         return false;
     duet_plan whole = resolve_plan(*plan, world->def.pair);
     plan = &whole;
-    if (!check_plan(&wish, plan, &world->def, err))
+    if (!read_plan(&wish, variants, plan, &world->def, err))
         return false;
     if (wish.uniform != world->wish.uniform || wish.dense != world->wish.dense ||
         wish.hashed != world->wish.hashed)
         world_forget_grid(world);
-    world->wish = wish;
     if ((plan->mode == DUET_MODE_SHARED) != (world->def.plan.mode == DUET_MODE_SHARED))
         world->prepared[0] = world->prepared[1] = false;
     world->prepared[0] &= strcmp(plan->variant_a, world->def.plan.variant_a) == 0;
     world->prepared[1] &= strcmp(plan->variant_b, world->def.plan.variant_b) == 0;
-    take_plan(world, plan);
+    take_plan(world, plan, &wish, variants);
     return true;
 }
 
@@ -317,7 +321,7 @@ grid_objects world_objects(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
     return (grid_objects){
-        .rows = world->objects.bytes,
+        .array = world->objects.bytes,
         .shape = def->shape,
         .origin = def->origin_edge,
         .n = world->n,

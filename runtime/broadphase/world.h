@@ -3,19 +3,17 @@
 #ifndef RUNTIME_WORLD_H
 #define RUNTIME_WORLD_H
 
-#include "runtime/broadphase/pack.h"
 #include "runtime/broadphase/part.h"
-#include "runtime/broadphase/split.h"
+#include "runtime/broadphase/slab.h"
 #include "runtime/broadphase/workload_stats.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/thread_pool.h"
 
 struct duet_world {
     duet_world_def def;
-    uint32_t users;       // who created it, and shares that are kept on line
-    part parts[2];        // A, B
-    thread_pool *driver;  // drives A while the caller's thread drives B
-    thread_pool *packers; // pack while the drivers send; NULL before the first time
+    uint32_t users;      // who created it, and shares that are kept on line
+    part parts[2];       // A, B
+    thread_pool *driver; // drives A while the caller's thread drives B
     pack pack;
     host_block objects; // [n] poses or bounds, or transforms
     uint32_t n;
@@ -28,12 +26,12 @@ struct duet_world {
     bool prepared[2];     // the part's kernels are those of the plan and the grid
     bool fitted;          // the grid is that of these objects
     uint32_t fitted_n;
-    grid_wish wish; // of the plan
+    grid_wish wish;      // of the plan
+    variant variants[2]; // of the plan
     grid grid;
     uint64_t grid_version;
     bool cells_vary; // with the objects: the plan's grid had other cells before
     split split;     // of these objects, where slabs are searched
-    bool split_stale;
     bool cell_widened;
     duet_stage stages[2 * TIMELINE_STAGES]; // of the last step
 };

@@ -40,9 +40,10 @@ static void places_beyond_32_bits_lead_to_their_pairs(void **state)
 static void a_device_s_counters_have_64_bits(void **state)
 {
     (void)state;
-    part p = {.counts = {[COUNT_PAIRS] = 5, [COUNT_PAIRS + 1] = 3}};
-    assert_true(part_count(&p, COUNT_PAIRS) == 3 * ((uint64_t)1 << 32) + 5);
-    assert_true(part_count(&p, COUNT_CANDIDATES) == 0);
+    const uint32_t counts[COUNTERS] = {[COUNT_PAIRS] = 5, [COUNT_PAIRS + 1] = 3};
+    part_found found = part_found_of(counts);
+    assert_true(found.pairs == 3 * ((uint64_t)1 << 32) + 5);
+    assert_true(found.candidates == 0);
 }
 
 int main(void)

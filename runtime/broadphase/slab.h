@@ -1,5 +1,33 @@
 // SPDX-License-Identifier: MIT
-// Sorts out on the host which objects each slab needs, so that a device with
+// The slabs of the grid: where it is cut in two, and how a slab's objects reach its device.
+#ifndef RUNTIME_SLAB_H
+#define RUNTIME_SLAB_H
+
+#include "runtime/broadphase/part.h"
+#include "runtime/opencl/thread_pool.h"
+
+#include <stdatomic.h>
+
+// The grid is cut by the work that lies on each side.
+//
+// A cut lies between two rows of cells, so that each slab is one run of keys.
+// Pairs are found from the object that comes first, whose neighbours are at
+// most one layer, one row and one cell ahead: so many ghost rows are added to
+// the slab before the cut, and none to the one after it.
+typedef struct split {
+    uint32_t *cell_rows; // [n_rows] objects in each row of cells
+    uint32_t n_rows;
+    bool stale; // the objects are to be counted again
+} split;
+
+void split_free(split *s);
+
+// The slabs of A and B, of a dense grid of one level: A's home has about share of the work.
+// A slab without rows is empty: its first and last are 0.
+bool split_cut(split *s, const part_task *task, uint32_t share, part_range ranges[2],
+               duet_error *err);
+
+// A pack sorts out on the host which objects each slab needs, so that a device with
 // memory of its own is sent no others.
 //
 // Threads take blocks of objects as they come and put each object where its
@@ -8,13 +36,6 @@
 // a step waits for the slower of the two and not for their sum. A chunk's memory
 // is written again once it was sent, so that it stays in the caches: memory is
 // then only read, and once.
-#ifndef RUNTIME_PACK_H
-#define RUNTIME_PACK_H
-
-#include "runtime/broadphase/part.h"
-
-#include <stdatomic.h>
-
 enum { PACK_CHUNKS = 128 };
 
 // Objects on their way to one device, in the order in which they were found.
@@ -45,32 +66,27 @@ typedef struct pack {
     atomic_uint done;
     atomic_bool abandoned; // a device sends no more; what is packed is lost
     pack_slab slabs[2];
+    thread_pool *threads; // pack while the drivers send; NULL before the first time
+    bool under_way;
 } pack;
 
 void pack_open(pack *p);
 void pack_close(pack *p);
 
-// Makes space for the slabs that are wanted; devices are the pair.
-bool pack_begin(pack *p, const part_task *task, const part_range ranges[2], const bool wanted[2],
-                const device devices[2], duet_error *err);
+// The device has memory of its own, and its slab leaves out enough of the objects to pay for
+// packing. The paper's kernels want every object by its id; large poses and transforms are
+// not packed.
+bool pack_pays(const part_task *task, const part_range ranges[2], int side, const part *p,
+               const variant *v);
 
-// Sorts out blocks of objects until none is left. Any number of threads may do
-// so, other than those that send: it waits for chunks to be sent.
-void pack_blocks(void *pack);
+// Starts to pack for each part whose objects are to be packed and that does not have them
+// yet. pack_wait ends what was started.
+bool pack_start(pack *p, const part parts[2], const part_task *task, const part_range ranges[2],
+                const bool packed[2], duet_error *err);
+void pack_wait(pack *p);
 
-bool pack_is_done(pack *p);
-void pack_abandon(pack *p); // lets those who wait go, whatever they had to write
-bool pack_is_abandoned(pack *p);
-
-// The chunk is whole and all of it written.
-bool pack_chunk_is_full(pack_stream *s, uint32_t chunk);
-
-// Threads that this machine has to spare for packing, besides the two that
-// drive the devices.
-uint32_t pack_threads(void);
-
-// The part still has what it would be sent.
-bool part_has_slab(const part *p, const part_task *task, const part_range *range);
+// Lets those who wait go, whatever they had to write.
+void pack_abandon(pack *p);
 
 // Sends the part the objects of its slab; task->n becomes their number. *placed
 // is false where there was no space for them: the rows must be counted again.

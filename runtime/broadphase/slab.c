@@ -1,12 +1,112 @@
 // SPDX-License-Identifier: MIT
 #define _GNU_SOURCE // sched_getaffinity
-#include "runtime/broadphase/pack.h"
+#include "runtime/broadphase/slab.h"
 
 #include "base/clock.h"
+#include "base/error.h"
 
 #include <assert.h>
 #include <sched.h>
+#include <stdlib.h>
 #include <string.h>
+
+// ---------------------------------------------------------------- where the grid is cut
+
+// What an object costs on the way into the grid, in tests.
+static const double object_cost = 8.0;
+
+static bool count_objects(split *s, const part_task *task, duet_error *err)
+{
+    uint32_t n_rows = grid_rows(&task->grid);
+    uint32_t *rows = calloc(n_rows, sizeof *rows);
+    if (!rows)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to count %u rows of cells",
+                         n_rows);
+    for (uint32_t id = 0; id < task->objects.n; ++id)
+        ++rows[grid_row_of(&task->grid, &task->objects, id)];
+    free(s->cell_rows);
+    *s = (split){.cell_rows = rows, .n_rows = n_rows};
+    return true;
+}
+
+void split_free(split *s)
+{
+    free(s->cell_rows);
+    *s = (split){0};
+}
+
+// Every object meets half the neighbourhood of its cell.
+static double work_of(uint32_t objects, const part_task *task)
+{
+    double neighbourhood = task->objects.dims == 3 ? 13.5 : 4.5;
+    double a_cell = (double)objects / task->grid.levels[0].cells.s[0];
+    return objects * (object_cost + neighbourhood * a_cell);
+}
+
+static uint32_t sum_rows(const split *s, uint32_t from, uint32_t to)
+{
+    uint64_t n = 0;
+    for (uint32_t r = from; r < to; ++r)
+        n += s->cell_rows[r];
+    return (uint32_t)n;
+}
+
+// The rows before the cut.
+static uint32_t find_cut(const split *s, const part_task *task, uint32_t share)
+{
+    double total = 0.0;
+    for (uint32_t r = 0; r < s->n_rows; ++r)
+        total += work_of(s->cell_rows[r], task);
+    double wanted = total * share / DUET_SHARE_ONE;
+    double before = 0.0;
+    uint32_t cut = 0;
+    while (cut < s->n_rows && before + 0.5 * work_of(s->cell_rows[cut], task) < wanted)
+        before += work_of(s->cell_rows[cut++], task);
+    return share == DUET_SHARE_ONE ? s->n_rows : cut;
+}
+
+// Objects move between counts, so there is space for some more.
+static uint32_t with_reserve(uint32_t n, uint32_t all)
+{
+    uint64_t capacity = (uint64_t)n + n / 16 + 256;
+    return capacity < all ? (uint32_t)capacity : all;
+}
+
+static part_range slab_of(const split *s, const part_task *task, uint32_t from, uint32_t to,
+                          uint32_t ghost_to)
+{
+    if (from == to)
+        return (part_range){0};
+    uint32_t nx = (uint32_t)task->grid.levels[0].cells.s[0];
+    uint32_t homes = with_reserve(sum_rows(s, from, to), task->objects.n);
+    uint32_t ghosts = with_reserve(sum_rows(s, to, ghost_to), task->objects.n);
+    uint64_t both = (uint64_t)homes + ghosts;
+    return (part_range){
+        .key_from = from * nx,
+        .home_to = to * nx,
+        .key_to = ghost_to * nx,
+        .last = UINT32_MAX,
+        .expected = both < task->objects.n ? (uint32_t)both : task->objects.n,
+        .expected_homes = homes,
+        .expected_ghosts = ghosts,
+    };
+}
+
+bool split_cut(split *s, const part_task *task, uint32_t share, part_range ranges[2],
+               duet_error *err)
+{
+    if (s->stale && !count_objects(s, task, err))
+        return false;
+    uint32_t cut = find_cut(s, task, share);
+    uint32_t layer = task->objects.dims == 3 ? (uint32_t)task->grid.levels[0].cells.s[1] : 0;
+    uint64_t ahead = (uint64_t)cut + layer + 1;
+    uint32_t ghost_to = ahead < s->n_rows ? (uint32_t)ahead : s->n_rows;
+    ranges[0] = slab_of(s, task, 0, cut, ghost_to);
+    ranges[1] = slab_of(s, task, cut, s->n_rows, s->n_rows);
+    return true;
+}
+
+// ---------------------------------------------------------------- packing
 
 // Objects that a thread takes at once: with their rows they stay in its cache.
 enum { BLOCK = 1024 };
@@ -17,17 +117,19 @@ enum { LEAST_CHUNK = 32 * BLOCK };
 // Chunks under way at a time: one travels, one waits to, the others fill.
 enum { SLOTS = 6 };
 
-// More only wait for the same memory.
+// More threads only wait for the same memory.
 enum { MOST_THREADS = 30 };
 
-uint32_t pack_threads(void)
+// Packing must keep one object in so many from a device.
+enum { LEAST_LEFT_OUT = 16 };
+
+// Threads that this machine has to spare, besides the two that drive the devices.
+static uint32_t spare_threads(void)
 {
     cpu_set_t cpus;
     int n = sched_getaffinity(0, sizeof cpus, &cpus) == 0 ? CPU_COUNT(&cpus) : 1;
     return n <= 3 ? 1 : n - 2 < MOST_THREADS ? (uint32_t)n - 2 : MOST_THREADS;
 }
-
-// ---------------------------------------------------------------- capacity
 
 static size_t object_bytes(duet_shape shape)
 {
@@ -64,37 +166,16 @@ static bool begin_stream(pack_stream *s, uint32_t capacity, uint32_t least_chunk
 static bool begin_slab(pack *p, pack_slab *slab, const part_range *range, const device *to,
                        duet_error *err)
 {
-    size_t bytes = object_bytes(p->task.shape);
+    size_t bytes = object_bytes(p->task.objects.shape);
     return begin_stream(&slab->homes, range->expected_homes, p->least_chunk, SLOTS, bytes, to,
                         err) &&
            begin_stream(&slab->ghosts, range->expected_ghosts, p->least_chunk, PACK_CHUNKS, bytes,
                         to, err);
 }
 
-bool pack_begin(pack *p, const part_task *task, const part_range ranges[2], const bool wanted[2],
-                const device devices[2], duet_error *err)
-{
-    uint32_t nx = (uint32_t)task->grid.levels[0].cells.s[0];
-    p->task = *task;
-    p->n_blocks = (uint32_t)(((uint64_t)task->n + BLOCK - 1) / BLOCK);
-    atomic_init(&p->begun, 0);
-    atomic_init(&p->done, 0);
-    atomic_init(&p->abandoned, false);
-    for (int side = 0; side < 2; ++side) {
-        pack_slab *slab = &p->slabs[side];
-        const part_range *range = &ranges[side];
-        slab->wanted = wanted[side];
-        slab->row_from = range->key_from / nx;
-        slab->row_home_to = range->home_to / nx;
-        slab->row_to = range->key_to / nx;
-        if (wanted[side] && !begin_slab(p, slab, range, &devices[side], err))
-            return false;
-    }
-    return true;
-}
-
 void pack_close(pack *p)
 {
+    thread_pool_close(p->threads);
     for (int side = 0; side < 2; ++side) {
         pack_stream *streams[] = {&p->slabs[side].homes, &p->slabs[side].ghosts};
         for (int i = 0; i < 2; ++i) {
@@ -104,7 +185,7 @@ void pack_close(pack *p)
     }
 }
 
-// ---------------------------------------------------------------- rows
+// ---------------------------------------------------------------- rows of cells
 
 static float point_of_pose(const void *objects, uint32_t id, int axis)
 {
@@ -127,12 +208,12 @@ static inline void find_cells(uint32_t *cells, float (*point_of)(const void *, u
     cl_int along = level->cells.s[axis];
     for (uint32_t k = 0; k < n; ++k)
         cells[k] =
-            grid_cell_along(point_of(task->objects, first + k, axis), lower, per_cell, along);
+            grid_cell_along(point_of(task->objects.array, first + k, axis), lower, per_cell, along);
 }
 
 static void find_along(uint32_t *cells, const part_task *task, uint32_t first, uint32_t n, int axis)
 {
-    if (task->shape == DUET_SHAPE_POSES)
+    if (task->objects.shape == DUET_SHAPE_POSES)
         find_cells(cells, point_of_pose, task, first, n, axis);
     else
         find_cells(cells, point_of_bounds, task, first, n, axis);
@@ -141,7 +222,7 @@ static void find_along(uint32_t *cells, const part_task *task, uint32_t first, u
 static void find_rows(uint32_t rows[BLOCK], const part_task *task, uint32_t first, uint32_t n)
 {
     find_along(rows, task, first, n, 1);
-    if (task->dims == 2)
+    if (task->objects.dims == 2)
         return;
     uint32_t layers[BLOCK];
     uint32_t ny = (uint32_t)task->grid.levels[0].cells.s[1];
@@ -168,14 +249,14 @@ static void copy_objects(const pack_stream *s, const part_task *task, uint32_t t
                          const uint16_t *picked, uint32_t n)
 {
     size_t at = to % (s->n_slots * s->chunk);
-    if (task->shape == DUET_SHAPE_POSES) {
+    if (task->objects.shape == DUET_SHAPE_POSES) {
         duet_pose *out = (duet_pose *)s->objects.bytes + at;
-        const duet_pose *in = (const duet_pose *)task->objects + first;
+        const duet_pose *in = (const duet_pose *)task->objects.array + first;
         for (uint32_t i = 0; i < n; ++i)
             out[i] = in[picked[i]];
     } else {
         duet_bounds *out = (duet_bounds *)s->objects.bytes + at;
-        const duet_bounds *in = (const duet_bounds *)task->objects + first;
+        const duet_bounds *in = (const duet_bounds *)task->objects.array + first;
         for (uint32_t i = 0; i < n; ++i)
             out[i] = in[picked[i]];
     }
@@ -184,12 +265,17 @@ static void copy_objects(const pack_stream *s, const part_task *task, uint32_t t
         names[i] = first + picked[i];
 }
 
+static bool is_abandoned(pack *p)
+{
+    return atomic_load(&p->abandoned);
+}
+
 // False where the slot will not be free any more. Who waits for a chunk has
 // written all that it took of those before it, so that they can be sent.
 static bool wait_for_slot(pack *p, pack_stream *s, uint32_t chunk)
 {
     while (chunk >= atomic_load_explicit(&s->sent, memory_order_acquire) + s->n_slots) {
-        if (pack_is_abandoned(p))
+        if (is_abandoned(p))
             return false;
         sched_yield();
     }
@@ -220,7 +306,7 @@ static void pack_block(pack *p, uint32_t block)
     uint32_t rows[BLOCK];
     uint16_t picked[BLOCK];
     uint32_t first = block * BLOCK;
-    uint32_t n = p->task.n - first < BLOCK ? p->task.n - first : BLOCK;
+    uint32_t n = p->task.objects.n - first < BLOCK ? p->task.objects.n - first : BLOCK;
     find_rows(rows, &p->task, first, n);
     for (int side = 0; side < 2; ++side) {
         pack_slab *slab = &p->slabs[side];
@@ -234,7 +320,41 @@ static void pack_block(pack *p, uint32_t block)
     atomic_fetch_add_explicit(&p->done, 1, memory_order_release);
 }
 
-void pack_blocks(void *arg)
+static bool is_done(pack *p)
+{
+    return atomic_load_explicit(&p->done, memory_order_acquire) == p->n_blocks;
+}
+
+static bool is_full(pack_stream *s, uint32_t chunk)
+{
+    return chunk < PACK_CHUNKS &&
+           atomic_load_explicit(&s->filled[chunk], memory_order_acquire) == s->chunk;
+}
+
+// Makes space for the slabs that are wanted.
+static bool begin_pack(pack *p, const part_task *task, const part_range ranges[2],
+                       const bool wanted[2], const device devices[2], duet_error *err)
+{
+    uint32_t nx = (uint32_t)task->grid.levels[0].cells.s[0];
+    p->task = *task;
+    p->n_blocks = (uint32_t)(((uint64_t)task->objects.n + BLOCK - 1) / BLOCK);
+    atomic_init(&p->begun, 0);
+    atomic_init(&p->done, 0);
+    atomic_init(&p->abandoned, false);
+    for (int side = 0; side < 2; ++side) {
+        pack_slab *slab = &p->slabs[side];
+        const part_range *range = &ranges[side];
+        slab->wanted = wanted[side];
+        slab->row_from = range->key_from / nx;
+        slab->row_home_to = range->home_to / nx;
+        slab->row_to = range->key_to / nx;
+        if (wanted[side] && !begin_slab(p, slab, range, &devices[side], err))
+            return false;
+    }
+    return true;
+}
+
+static void pack_blocks(void *arg)
 {
     pack *p = arg;
     uint32_t block = 0;
@@ -242,25 +362,52 @@ void pack_blocks(void *arg)
         pack_block(p, block);
 }
 
-bool pack_is_done(pack *p)
+// The part still has what it would be sent.
+static bool has_slab(const part *p, const part_task *task, const part_range *range)
 {
-    return atomic_load_explicit(&p->done, memory_order_acquire) == p->n_blocks;
+    return p->packed.objects_version == task->objects_version &&
+           p->packed.grid_version == task->grid_version && p->packed.key_from == range->key_from &&
+           p->packed.key_to == range->key_to;
 }
 
-bool pack_chunk_is_full(pack_stream *s, uint32_t chunk)
+bool pack_pays(const part_task *task, const part_range ranges[2], int side, const part *p,
+               const variant *v)
 {
-    return chunk < PACK_CHUNKS &&
-           atomic_load_explicit(&s->filled[chunk], memory_order_acquire) == s->chunk;
+    uint32_t n = task->objects.n;
+    return task->objects.origin == 0.0f && !task->objects.sizes && !p->device->info.host_memory &&
+           ranges[0].last > 0 && ranges[1].last > 0 &&
+           ranges[side].expected <= n - n / LEAST_LEFT_OUT && v->search == SEARCH_GPU &&
+           v->send == SEND_PACKED;
+}
+
+bool pack_start(pack *p, const part parts[2], const part_task *task, const part_range ranges[2],
+                const bool packed[2], duet_error *err)
+{
+    bool wanted[2];
+    for (int side = 0; side < 2; ++side)
+        wanted[side] = packed[side] && !has_slab(&parts[side], task, &ranges[side]);
+    if (!begin_pack(p, task, ranges, wanted, parts[0].devices, err))
+        return false;
+    if (!wanted[0] && !wanted[1])
+        return true;
+    if (!p->threads)
+        p->threads = thread_pool_open(spare_threads(), err);
+    p->under_way = p->threads;
+    if (p->threads)
+        thread_pool_start(p->threads, pack_blocks, p);
+    return p->threads;
+}
+
+void pack_wait(pack *p)
+{
+    if (p->under_way)
+        thread_pool_wait(p->threads);
+    p->under_way = false;
 }
 
 void pack_abandon(pack *p)
 {
     atomic_store(&p->abandoned, true);
-}
-
-bool pack_is_abandoned(pack *p)
-{
-    return atomic_load(&p->abandoned);
 }
 
 // ---------------------------------------------------------------- sending
@@ -317,14 +464,14 @@ static bool send_while_packing(part *p, pack *from, pack_stream *homes, uint32_t
                                duet_error *err)
 {
     cl_event travels[PACK_CHUNKS];
-    size_t bytes = object_bytes(from->task.shape);
+    size_t bytes = object_bytes(from->task.objects.shape);
     uint32_t chunk = 0;
     bool done = false;
     bool ok = true;
     while (ok && !done) {
-        done = pack_is_done(from);
+        done = is_done(from);
         free_slots(&p->times, homes, travels, chunk);
-        if (pack_chunk_is_full(homes, chunk)) {
+        if (is_full(homes, chunk)) {
             ok = send_chunk(p, homes, bytes, 0, chunk, homes->chunk, err);
             travels[chunk++] = timeline_last_event(&p->times);
             if (ok && chunk % NAMES_EVERY == 0)
@@ -364,18 +511,11 @@ static bool send_slab(part *p, pack *from, pack_slab *slab, bool *placed, duet_e
     timeline_add_host(&p->times, "pack", (double)(clock_steady_ns() - begun) * 1e-6);
     uint32_t n_homes = taken(&slab->homes);
     uint32_t n_ghosts = taken(&slab->ghosts);
-    *placed = !pack_is_abandoned(from) && n_homes <= slab->homes.capacity &&
-              n_ghosts <= slab->ghosts.capacity;
+    *placed =
+        !is_abandoned(from) && n_homes <= slab->homes.capacity && n_ghosts <= slab->ghosts.capacity;
     p->packed.n = n_homes + n_ghosts;
     p->packed.n_homes = n_homes;
-    return !*placed || send_rest(p, slab, n_chunks, object_bytes(from->task.shape), err);
-}
-
-bool part_has_slab(const part *p, const part_task *task, const part_range *range)
-{
-    return p->packed.objects_version == task->objects_version &&
-           p->packed.grid_version == task->grid_version && p->packed.key_from == range->key_from &&
-           p->packed.key_to == range->key_to;
+    return !*placed || send_rest(p, slab, n_chunks, object_bytes(from->task.objects.shape), err);
 }
 
 bool part_receive_slab(part *p, pack *from, int side, part_task *task, const part_range *range,
@@ -386,7 +526,8 @@ bool part_receive_slab(part *p, pack *from, int side, part_task *task, const par
     if (slab->wanted) {
         size_t capacity = (size_t)slab->homes.capacity + slab->ghosts.capacity;
         p->objects_version = p->packed.objects_version = 0;
-        if (!buffer_reserve(&p->objects, p->device, capacity * object_bytes(task->shape), err) ||
+        if (!buffer_reserve(&p->objects, p->device, capacity * object_bytes(task->objects.shape),
+                            err) ||
             !buffer_reserve(&p->names, p->device, capacity * sizeof(uint32_t), err) ||
             !send_slab(p, from, slab, placed, err))
             return false;
@@ -395,6 +536,6 @@ bool part_receive_slab(part *p, pack *from, int side, part_task *task, const par
         p->packed.key_from = range->key_from;
         p->packed.key_to = range->key_to;
     }
-    task->n = p->packed.n;
+    task->objects.n = p->packed.n;
     return true;
 }

@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: MIT
+// What a device's part is made of: its buffers, its kernels and what these are told.
+#include "runtime/broadphase/part.h"
+
+#include "base/error.h"
+#include "runtime/narrowphase/level.h"
+#include "runtime/narrowphase/origin.h"
+#include "runtime/opencl/device_pair.h"
+
+#include <stddef.h>
+#include <string.h>
+
+// Of 5 MB: they travel for 0.1 ms, a launch takes some 3 microseconds.
+enum { LEAST_CHUNK = 1 << 17 };
+
+// Where a part has its buffers.
+static const size_t buffers[] = {
+    offsetof(part, objects),   offsetof(part, sizes),     offsetof(part, names),
+    offsetof(part, keys),      offsetof(part, ids),       offsetof(part, keys_spare),
+    offsetof(part, ids_spare), offsetof(part, starts),    offsetof(part, bounds),
+    offsetof(part, boxes),     offsetof(part, counters),  offsetof(part, candidates),
+    offsetof(part, pairs),     offsetof(part, undecided), offsetof(part, levels)};
+
+#define BUFFER(name, type, member) BIND_BUFFER(part, name, type, member)
+#define VALUE(name) BIND_VALUE(part, #name, args.name)
+
+// What the arguments in kernels/grid and kernels/narrowphase mean. Bounds and boxes are
+// laid out as the search asks for.
+static const binding part_bindings[] = {BUFFER("objects", "float *", objects),
+                                        BUFFER("sizes", "float *", sizes),
+                                        BUFFER("names", "uint *", names),
+                                        BUFFER("levels", "grid_level *", levels),
+                                        BUFFER("keys", "uint *", keys),
+                                        BUFFER("ids", "uint *", ids),
+                                        BUFFER("ranks", "uint *", keys_spare),
+                                        BUFFER("counts", "uint *", starts),
+                                        BUFFER("starts", "uint *", starts),
+                                        BUFFER("key_starts", "uint *", starts),
+                                        BUFFER("bounds", "float4 *", bounds),
+                                        BUFFER("bounds", "float *", bounds),
+                                        BUFFER("bounds_by_id", "float4 *", bounds),
+                                        BUFFER("sorted_bounds", "float4 *", bounds),
+                                        BUFFER("sorted_bounds", "float *", bounds),
+                                        BUFFER("boxes", "float4 *", boxes),
+                                        BUFFER("boxes", "float *", boxes),
+                                        BUFFER("sorted_boxes", "float4 *", boxes),
+                                        BUFFER("sorted_boxes", "float *", boxes),
+                                        BUFFER("candidates", "uint2 *", candidates),
+                                        BUFFER("found", "uint2 *", args.found),
+                                        BUFFER("pairs", "uint2 *", pairs),
+                                        BUFFER("undecided", "uint2 *", undecided),
+                                        BUFFER("counters", "uint *", counters),
+                                        BIND_VALUE(part, "n_keys", args.n),
+                                        BIND_VALUE(part, "place_capacity", place_capacity),
+                                        VALUE(n),
+                                        VALUE(n_levels),
+                                        VALUE(n_cells),
+                                        VALUE(key_from),
+                                        VALUE(key_home_to),
+                                        VALUE(key_to),
+                                        VALUE(key_end),
+                                        VALUE(n_home_cells),
+                                        VALUE(n_own_cells),
+                                        VALUE(n_counters),
+                                        VALUE(n_starts),
+                                        VALUE(first),
+                                        VALUE(last),
+                                        VALUE(found_capacity),
+                                        VALUE(candidate_capacity),
+                                        VALUE(pair_capacity),
+                                        VALUE(undecided_capacity),
+                                        VALUE(cells),
+                                        {0}};
+
+bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
+{
+    *p = (part){
+        .device = &pair->devices[side], .devices = pair->devices, .least_chunk = LEAST_CHUNK};
+    p->gen = gen_open(pair->kernel_dir, err);
+    p->programs = p->gen ? program_set_open(p->device, p->gen, &pair->builder, err) : NULL;
+    bool ok = p->programs &&
+              buffer_reserve(&p->counters, p->device, COUNTERS * sizeof(uint32_t), err) &&
+              buffer_reserve(&p->levels, p->device, sizeof((grid *)0)->levels, err);
+    if (!ok)
+        part_close(p);
+    return ok;
+}
+
+void part_close(part *p)
+{
+    timeline_clear(&p->times);
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i)
+        buffer_release((buffer *)((char *)p + buffers[i]));
+    scan_close(&p->scan);
+    radix_sort_close(&p->radix);
+    host_block_release(&p->fetched);
+    host_block_release(&p->news);
+    host_block_release(&p->sent);
+    program_set_close(p->programs);
+    gen_close(p->gen);
+    *p = (part){0};
+}
+
+// ---------------------------------------------------------------- kernels
+
+enum { MAX_SETTINGS = 24 };
+
+static bool set_by_variant(part *p, const char *kernel_name, const part_choice *choices,
+                           uint32_t n_choices, gen_setting *setting, duet_error *err)
+{
+    for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
+        if (!variant_sets(&p->variant, i, kernel_name, setting->name))
+            continue;
+        for (uint32_t k = 0; k < n_choices; ++k)
+            if (strcmp(choices[k].name, setting->name) == 0 && !choices[k].open)
+                return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                                 "variant: %s is what the scene decides, and cannot be set",
+                                 setting->name);
+        setting->value = p->variant.settings[i].value;
+        p->variant.settings[i].used = true;
+    }
+    return true;
+}
+
+// Every parameter of the kernel's card that the scene, the stage or the variant
+// sets; the others keep the card's own value.
+static bool gather_settings(part *p, const char *name, const part_choice *choices,
+                            uint32_t n_choices, gen_setting settings[MAX_SETTINGS],
+                            uint32_t *n_settings, duet_error *err)
+{
+    const gen_param *params = NULL;
+    uint32_t n_params = 0;
+    gen_limits limits = program_set_limits(p->programs);
+    if (!gen_params(p->gen, name, &limits, &params, &n_params, err))
+        return false;
+    *n_settings = n_params < MAX_SETTINGS ? n_params : MAX_SETTINGS;
+    for (uint32_t i = 0; i < *n_settings; ++i) {
+        settings[i] = (gen_setting){params[i].name, params[i].fallback};
+        for (uint32_t k = 0; k < n_choices; ++k)
+            if (strcmp(choices[k].name, params[i].name) == 0)
+                settings[i].value = choices[k].value;
+        if (!set_by_variant(p, name, choices, n_choices, &settings[i], err))
+            return false;
+    }
+    return true;
+}
+
+static kernel *get_kernel(part *p, const char *name, const char *entry, duet_error *err)
+{
+    gen_setting settings[MAX_SETTINGS];
+    uint32_t n = 0;
+    if (!gather_settings(p, name, p->choices, PART_CHOICES, settings, &n, err))
+        return NULL;
+    return program_set_kernel(p->programs, name, entry, settings, n, part_bindings, err);
+}
+
+// The primitives, with what the variant sets of them.
+static bool open_sorts(part *p, duet_error *err)
+{
+    gen_setting settings[MAX_SETTINGS];
+    uint32_t n = 0;
+    p->radix.count = p->radix.move = NULL; // of a variant before
+    if (!gather_settings(p, "scan", NULL, 0, settings, &n, err) ||
+        !scan_open(&p->scan, p->device, p->programs, settings, n, err))
+        return false;
+    return p->variant.sort == SORT_COUNTING ||
+           (gather_settings(p, "radix", NULL, 0, settings, &n, err) &&
+            radix_sort_open(&p->radix, p->device, p->programs, &p->scan, settings, n, err));
+}
+
+static bool all_settings_used(const part *p, duet_error *err)
+{
+    for (uint32_t i = 0; i < p->variant.n_settings; ++i)
+        if (!p->variant.settings[i].used)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "variant: no kernel that it runs has a parameter '%s%s%s'",
+                             p->variant.settings[i].kernel,
+                             p->variant.settings[i].kernel[0] ? "." : "",
+                             p->variant.settings[i].name);
+    return true;
+}
+
+// Where nothing is rotated most levels are one.
+static duet_level level_of(const part_task *task)
+{
+    bool differs = task->objects.shape == DUET_SHAPE_POSES &&
+                   (task->rotated || level_tests_upright(task->level));
+    return differs ? task->level : DUET_LEVEL_CERTIFIED;
+}
+
+// The cells that kernels have compiled in, or none: a grid whose cells change is
+// read, so that objects that move never make the kernels be built again.
+static cl_int4 compiled_cells(const part *p, const part_task *task)
+{
+    bool fixed = p->variant.fixed && !task->cells_vary && task->grid.kind == GRID_DENSE &&
+                 task->grid.n_levels == 1;
+    return fixed ? task->grid.levels[0].cells : (cl_int4){{0}};
+}
+
+bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err)
+{
+    static const struct {
+        const char *starts;
+        const char *place[2]; // kernel and its entry
+        const char *candidates;
+        const char *narrow;
+        bool in_cell_order;
+    } searches[] = {
+        [SEARCH_GPU] = {"row_start", {"reorder", "reorder"}, "pair_search_gpu", "narrow", true},
+        [SEARCH_SIMD] = {"row_start",
+                         {"reorder_simd", "reorder_simd"},
+                         "pair_search_simd",
+                         "narrow_simd",
+                         true},
+        [SEARCH_PAPER] =
+            {"cell_start", {"bounds", "find_bounds"}, "pair_search_paper", "narrow", false},
+    };
+    p->variant = *asked;
+    const int search = p->variant.search;
+    bool counting = p->variant.sort == SORT_COUNTING;
+    bool poses = task->objects.shape == DUET_SHAPE_POSES;
+    duet_level level = level_of(task);
+    bool tested = poses && level != DUET_LEVEL_AABB;
+    cl_int4 cells = compiled_cells(p, task);
+    uint32_t origin_bits;
+    memcpy(&origin_bits, &task->objects.origin, sizeof origin_bits);
+    const part_choice choices[PART_CHOICES] = {
+        {"DIMS", task->objects.dims, false},
+        {"SHAPE", task->objects.shape, false},
+        {"ORIGIN", origin_bits >> 23, false},
+        {"APART", task->objects.sizes != NULL, false},
+        {"ROTATED", poses && task->rotated, false},
+        {"RANK", counting, false},
+        {"SORTED", searches[search].in_cell_order, false},
+        {"IDS", !tested, false},
+        {"ACCURACY", level, false},
+        {"GRID", task->grid.kind, false},
+        {"LEVELS", task->grid.n_levels > 1, false},
+        {"ROOMY", grid_is_roomy(&task->grid, task->objects.dims), false},
+        {"CELLS_X", cells.s[0], false},
+        {"CELLS_Y", cells.s[1], false},
+        {"CELLS_Z", cells.s[2], false},
+        {"PACKED", task->packed, false},
+        {"FROM_IDS", 1, counting && !task->shared},
+        {"FUSED", tested && p->variant.fused, tested},
+    };
+    const struct {
+        kernel **at;
+        bool wanted;
+        const char *name;
+        const char *entry;
+    } list[] = {
+        {&p->kernels.clear, true, "clear", "clear"},
+        {&p->kernels.hash, true, "hash", "hash"},
+        {&p->kernels.scatter, counting, "scatter", "scatter"},
+        {&p->kernels.starts, !counting, "cell_start", searches[search].starts},
+        {&p->kernels.place, true, searches[search].place[0], searches[search].place[1]},
+        {&p->kernels.candidates, true, searches[search].candidates, searches[search].candidates},
+    };
+    p->kernels = (part_kernels){0};
+    memcpy(p->choices, choices, sizeof choices);
+    if (!open_sorts(p, err))
+        return false;
+    for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i) {
+        if (!list[i].wanted)
+            continue;
+        *list[i].at = get_kernel(p, list[i].name, list[i].entry, err);
+        if (!*list[i].at)
+            return false;
+    }
+    p->kernels.from_ids = search != SEARCH_GPU || kernel_param(p->kernels.place, "FROM_IDS") == 1;
+    p->kernels.packed = task->packed;
+    p->kernels.listed = !tested;
+    p->kernels.fused = kernel_param(p->kernels.candidates, "FUSED") == 1;
+    // Fused rows leave to narrow what their buffers cannot hold, lanes nothing.
+    if (tested && !(p->kernels.fused && search == SEARCH_SIMD)) {
+        const char *narrow = searches[search].narrow;
+        p->kernels.narrow = get_kernel(p, narrow, narrow, err);
+        if (!p->kernels.narrow)
+            return false;
+    }
+    return all_settings_used(p, err) && program_set_build(p->programs, err);
+}
+
+const kernel *part_kernel(const part *p, const char *name)
+{
+    const part_kernels *k = &p->kernels;
+    const kernel *all[] = {k->clear,  k->hash,       k->scatter,     k->starts,    k->place,
+                           k->narrow, k->candidates, p->scan.blocks, p->radix.move};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
+        if (kernel_is(all[i], name))
+            return all[i];
+    return NULL;
+}
+
+uint64_t part_bytes(const part *p)
+{
+    uint64_t bytes = p->scan.sums.bytes + p->radix.tiles.bytes;
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i)
+        bytes += ((const buffer *)((const char *)p + buffers[i]))->bytes;
+    return bytes;
+}
