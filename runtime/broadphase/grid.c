@@ -273,9 +273,27 @@ bool grid_is_roomy(const grid *g, uint32_t dims)
     return g->kind == GRID_DENSE && g->n_levels == 1 && cells[0] > 2 && (dims == 2 || cells[1] > 2);
 }
 
-uint32_t grid_rows(const grid *g)
+uint32_t grid_cell_rows(const grid *g)
 {
     return g->n_cells / (uint32_t)g->levels[0].cells.s[0];
+}
+
+// The point that decides an object's cell; z is 0 in 2D.
+static inline void find_point(double point[3], const grid_objects *objects, uint32_t id)
+{
+    point[2] = 0.0;
+    if (objects->shape == DUET_SHAPE_BOUNDS) {
+        const duet_bounds *b = &((const duet_bounds *)objects->array)[id];
+        for (uint32_t k = 0; k < objects->dims; ++k)
+            point[k] = (double)b->lower[k];
+        return;
+    }
+    double corner[3];
+    duet_pose scratch;
+    const duet_pose *p = grid_pose_of(objects, id, &scratch);
+    origin_corner(corner, objects->array, objects->origin, id);
+    for (uint32_t k = 0; k < objects->dims; ++k)
+        point[k] = corner[k] + (double)p->centre[k];
 }
 
 // An object's cell along an axis, as the kernels have it but for rounding with
@@ -284,7 +302,7 @@ static uint32_t cell_of(const grid_level *level, const grid_objects *objects, ui
                         uint32_t axis)
 {
     double point[3];
-    grid_point_of(point, objects, id);
+    find_point(point, objects, id);
     float lower = level->lower.s[axis], per_cell = level->per_cell.s[axis];
     cl_int cells = level->cells.s[axis];
     if (objects->origin > 0.0f)
@@ -293,7 +311,7 @@ static uint32_t cell_of(const grid_level *level, const grid_objects *objects, ui
     return grid_cell_along((float)point[axis], lower, per_cell, cells);
 }
 
-uint32_t grid_row_of(const grid *g, const grid_objects *objects, uint32_t id)
+uint32_t grid_cell_row_of(const grid *g, const grid_objects *objects, uint32_t id)
 {
     const grid_level *level = &g->levels[0];
     uint32_t z = objects->dims == 3 ? cell_of(level, objects, id, 2) : 0;
@@ -310,7 +328,7 @@ static bool count_crowd(double *others, const grid *g, const grid_objects *objec
     if (!counts)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to count %zu cells", cells);
     for (uint32_t id = 0; id < objects->n; ++id)
-        ++counts[(size_t)grid_row_of(g, objects, id) * nx + cell_of(level, objects, id, 0)];
+        ++counts[(size_t)grid_cell_row_of(g, objects, id) * nx + cell_of(level, objects, id, 0)];
     double pairs = 0.0;
     for (size_t c = 0; c < cells; ++c)
         pairs += (double)counts[c] * ((double)counts[c] - 1.0);
@@ -479,28 +497,6 @@ static inline double rounding_of_pose(const duet_pose *p, const grid_objects *ob
     for (uint32_t k = 0; k < objects->dims; ++k)
         farthest = greater(farthest, fabs((double)p->centre[k]));
     return 0x1.8p-21 * farthest + 0x1p-23 * (double)objects->origin + 0x1p-123;
-}
-
-static inline void find_point(double point[3], const grid_objects *objects, uint32_t id)
-{
-    point[2] = 0.0;
-    if (objects->shape == DUET_SHAPE_BOUNDS) {
-        const duet_bounds *b = &((const duet_bounds *)objects->array)[id];
-        for (uint32_t k = 0; k < objects->dims; ++k)
-            point[k] = (double)b->lower[k];
-        return;
-    }
-    double corner[3];
-    duet_pose scratch;
-    const duet_pose *p = grid_pose_of(objects, id, &scratch);
-    origin_corner(corner, objects->array, objects->origin, id);
-    for (uint32_t k = 0; k < objects->dims; ++k)
-        point[k] = corner[k] + (double)p->centre[k];
-}
-
-void grid_point_of(double point[3], const grid_objects *objects, uint32_t id)
-{
-    find_point(point, objects, id);
 }
 
 void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)

@@ -68,8 +68,7 @@ const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pos
 
 void grid_needs_of(grid_needs *needs, const grid_objects *objects);
 
-// The point that decides an object's cell, and its centre; z is 0 in 2D.
-void grid_point_of(double point[3], const grid_objects *objects, uint32_t id);
+// An object's centre; z is 0 in 2D.
 void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id);
 
 // Where a level begins along an axis.
@@ -97,7 +96,7 @@ bool grid_is_roomy(const grid *g, uint32_t dims);
 
 // How many rows of cells a dense grid of one level has; in key order each row
 // is cells[0] keys long.
-uint32_t grid_rows(const grid *g);
+uint32_t grid_cell_rows(const grid *g);
 
 // A coordinate's cell along one axis of a dense grid, in the kernels' own float
 // arithmetic: what is not a number lies in the first.
@@ -110,6 +109,6 @@ static inline uint32_t grid_cell_along(float at, float lower, float per_cell, cl
 }
 
 // The row of an object, in a dense grid of one level.
-uint32_t grid_row_of(const grid *g, const grid_objects *objects, uint32_t id);
+uint32_t grid_cell_row_of(const grid *g, const grid_objects *objects, uint32_t id);
 
 #endif

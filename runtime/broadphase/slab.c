@@ -17,13 +17,13 @@ static const double object_cost = 8.0;
 
 static bool count_objects(split *s, const part_task *task, duet_error *err)
 {
-    uint32_t n_rows = grid_rows(&task->grid);
+    uint32_t n_rows = grid_cell_rows(&task->grid);
     uint32_t *rows = calloc(n_rows, sizeof *rows);
     if (!rows)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to count %u rows of cells",
                          n_rows);
     for (uint32_t id = 0; id < task->objects.n; ++id)
-        ++rows[grid_row_of(&task->grid, &task->objects, id)];
+        ++rows[grid_cell_row_of(&task->grid, &task->objects, id)];
     free(s->cell_rows);
     *s = (split){.cell_rows = rows, .n_rows = n_rows};
     return true;

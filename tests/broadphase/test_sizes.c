@@ -82,13 +82,14 @@ static void map_transforms(duet_world *world, uint32_t n)
     }
 }
 
-static void map_sizes(duet_world *world, uint32_t n)
+static duet_size *map_sizes(duet_world *world, uint32_t n)
 {
     duet_error err = {0};
     duet_size *to = duet_world_map_objects(world, DUET_OBJECT_SIZES, n, &err);
     assert_ok(to != NULL, err);
     for (uint32_t i = 0; i < n; ++i)
         memcpy(to[i].half_extents, poses[i].half_extents, sizeof to->half_extents);
+    return to;
 }
 
 static void assert_step_is_the_reference(duet_world *world, uint32_t n)
@@ -162,11 +163,10 @@ static void sizes_are_sent_once(void **state)
     tell_of_memory(false);
     duet_world *world = make_world(3, DUET_MODE_OWN, "gpu");
     fill(&r, CAPACITY, 3);
-    map_sizes(world, CAPACITY);
+    duet_size *sizes = map_sizes(world, CAPACITY);
     map_transforms(world, CAPACITY);
     assert_step_is_the_reference(world, CAPACITY);
     // What was written behind the world's back is not looked at.
-    duet_size *sizes = world->sizes.bytes;
     for (uint32_t i = 0; i < CAPACITY; ++i)
         sizes[i] = (duet_size){{-1.0f, -1.0f, -1.0f}};
     map_transforms(world, CAPACITY);

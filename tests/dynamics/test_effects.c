@@ -300,17 +300,15 @@ enum { N_KERNELS = sizeof kernels / sizeof kernels[0] };
 // The kernel's text with every effect on, or with all but one.
 static char *text_without(gen *g, const char *name, const gen_limits *limits, int off)
 {
-    static const char *const all[] = {
-        "ROTATED",  "ANGULAR_VELOCITY", "GYRO",   "GRAVITY", "DRAG", "BOUNDARY", "CONTACT_RESPONSE",
-        "FRICTION", "CONTINUOUS",       "FILTER", "SLEEP",   "SKIN", "EVENTS"};
-    gen_setting settings[16];
+    gen_setting settings[N_WORDS + 1];
     uint32_t n = 0;
-    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i) {
-        if (!has_param(g, name, limits, all[i]))
+    for (int i = 0; i <= N_WORDS; ++i) {
+        const char *param = i < N_WORDS ? words[i].param : "GYRO";
+        if (!has_param(g, name, limits, param))
             continue;
-        bool is_off = off >= 0 && (strcmp(all[i], words[off].param) == 0 ||
-                                   (words[off].off_too && strstr(words[off].off_too, all[i])));
-        settings[n++] = (gen_setting){all[i], !is_off};
+        bool is_off = off >= 0 && (strcmp(param, words[off].param) == 0 ||
+                                   (words[off].off_too && strstr(words[off].off_too, param)));
+        settings[n++] = (gen_setting){param, !is_off};
     }
     gen_variant v = {0};
     duet_error err = {0};

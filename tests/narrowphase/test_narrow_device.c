@@ -7,7 +7,7 @@
 #include "support/promise.h"
 
 #include "gen/gen.h"
-#include "runtime/broadphase/part.h"
+#include "kernels/counters.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/program.h"
 #include "support/narrow_float.h"

@@ -6,7 +6,6 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "runtime/broadphase/world.h"
 #include "runtime/selection/profile_subject.h"
 
 #include <cjson/cJSON.h>
@@ -17,8 +16,19 @@
 
 typedef struct fixture {
     duet_device_pair *pair;
+    duet_world_def def;
+    duet_pose *poses;
+    uint32_t n;
     duet_world *world;
 } fixture;
+
+static void open_world(fixture *f)
+{
+    duet_error err = {0};
+    f->world = duet_world_create(&f->def, &err);
+    assert_ok(f->world, err);
+    assert_ok(duet_world_set_objects(f->world, DUET_OBJECT_POSES, f->poses, f->n, &err), err);
+}
 
 // n unit cubes in a world of 20^3, drawn with the seed; one is `giant` wide.
 static fixture make_world(uint32_t n, uint64_t seed, float giant, const char *words)
@@ -38,20 +48,19 @@ static fixture make_world(uint32_t n, uint64_t seed, float giant, const char *wo
     duet_device_pair_def pair_def = duet_default_device_pair_def();
     f.pair = duet_device_pair_create(&pair_def, &err);
     assert_ok(f.pair, err);
-    duet_world_def def = duet_default_world_def();
-    def.pair = f.pair;
-    def.dims = 3;
-    def.rotated = false;
-    def.plan = duet_default_plan(f.pair);
-    strcpy(def.plan.variant_a, words);
-    strcpy(def.plan.variant_b, words);
-    def.has_world = true;
+    f.def = duet_default_world_def();
+    f.def.pair = f.pair;
+    f.def.dims = 3;
+    f.def.rotated = false;
+    f.def.plan = duet_default_plan(f.pair);
+    strcpy(f.def.plan.variant_a, words);
+    strcpy(f.def.plan.variant_b, words);
+    f.def.has_world = true;
     for (int k = 0; k < 3; ++k)
-        def.upper[k] = 20;
-    f.world = duet_world_create(&def, &err);
-    assert_ok(f.world, err);
-    assert_ok(duet_world_set_objects(f.world, DUET_OBJECT_POSES, poses, n, &err), err);
-    free(poses);
+        f.def.upper[k] = 20;
+    f.poses = poses;
+    f.n = n;
+    open_world(&f);
     return f;
 }
 
@@ -59,6 +68,16 @@ static void drop_world(fixture *f)
 {
     duet_world_destroy(f->world);
     duet_device_pair_destroy(f->pair);
+    free(f->poses);
+}
+
+// The same world, which takes any level within the accuracy.
+static void ask_for(fixture *f, duet_accuracy accuracy)
+{
+    duet_world_destroy(f->world);
+    f->def.has_accuracy = true;
+    f->def.accuracy = accuracy;
+    open_world(f);
 }
 
 static profile_subject describe(const fixture *f)
@@ -231,13 +250,12 @@ static void a_world_gets_no_less_than_it_asked_for(void **state)
     assert_ok(duet_world_set_level(f.world, DUET_LEVEL_CERTIFIED, &err), err);
     assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
-    f.world->def.has_accuracy = true;
-    f.world->def.accuracy = (duet_accuracy){0, 0.0199};
+    ask_for(&f, (duet_accuracy){0, 0.0199});
     assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
     assert_int_equal(profile.level, DUET_LEVEL_CERTIFIED);
     assert_int_equal(duet_world_get_level(f.world), DUET_LEVEL_CERTIFIED);
-    f.world->def.accuracy = (duet_accuracy){0, 0.02};
+    ask_for(&f, (duet_accuracy){0, 0.02});
     assert_ok(duet_world_load_profile(f.world, folder.store, &profile, &err), err);
     assert_int_equal(profile.grade, DUET_GRADE_EXACT);
     assert_int_equal(profile.level, DUET_LEVEL_SAT6);
@@ -254,7 +272,7 @@ static void an_accuracy_that_cannot_be_is_refused(void **state)
     fixture f = make_world(10, test_seed(), 0, "auto");
     static const duet_accuracy bad[] = {{-0.1, 0}, {1.5, 0}, {0, -1}, {0, INFINITY}, {NAN, 0}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
-        duet_world_def def = f.world->def;
+        duet_world_def def = f.def;
         duet_error err = {0};
         def.has_accuracy = true;
         def.accuracy = bad[i];
