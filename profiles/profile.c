@@ -202,7 +202,7 @@ bool profile_find(store *s, const char *uid, char whole[PROFILE_ID], duet_error 
                      "%s: %" PRId64 " profiles begin with '%s'; give more digits", s->path, n, uid);
 }
 
-// The live profile of the same key makes room.
+// The live profile of the same key gives way.
 static bool make_room(store *s, const char *uid, duet_error *err)
 {
 #define KEY "pair_id, workload_id, kernels, objective, level"

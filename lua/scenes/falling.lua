@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 -- Boxes that fall onto a floor between walls and pile up. It moves.
 --
--- All of them turn, rub and bounce a little. For `duet run --steps`.
+-- All of them turn, have friction and bounce a little. For `duet run --steps`.
 
 local p = parameters {
   n = 100000,
