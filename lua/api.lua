@@ -33,6 +33,10 @@ api.classes = {
   { "duet.Answers", "Rows of one number: 0 separated, 1 colliding." },
   { "duet.Separations", "Rows of one number: how far apart two poses are; below 0, how deep in each other." },
   { "duet.PairQueryResult", "A table: what a test found and took." },
+  { "duet.RayQuery", "Boxes in a tree on both devices, for rays." },
+  { "duet.Rays", "Rows of origin xyz, direction xyz, t_max." },
+  { "duet.Hits", "Rows of a ray, the id of the box that it meets, and where: origin + t direction." },
+  { "duet.RayQueryResult", "A table: what casting rays took." },
   { "duet.Kernel", "A table: a kernel and its card." },
   { "duet.Source", "A table: the text of a variant." },
   { "duet.Level", "A table: a level of accuracy." },
@@ -54,6 +58,7 @@ api.others = {
   ["fields that a table leaves out"] = {
     "duet_default_device_pair_def", "duet_default_world_def", "duet_default_tune_def",
     "duet_default_online_def", "duet_default_motion_def", "duet_default_body", "duet_default_pair_query_def",
+    "duet_default_ray_query_def",
   },
   ["a scene with origin = \"cell\""] = {
     "duet_large_pose_set",
@@ -274,6 +279,20 @@ api.names = {
   { "duet.PairQueryResult.total_ms", "number", "wall clock" },
   { "duet.PairQueryResult.device_ms", "number[]", "of A and of B" },
 
+  { "duet.DevicePair:ray_query", { "def?: { wants?: string, share?: number, dims?: integer }" }, "duet.RayQuery",
+    "Readies both devices for rays; wants is closest, any or every.",
+    fails = true, c = { "duet_ray_query_create", "duet_ray_wants_name" } },
+  { "duet.RayQuery:set_objects", { "poses: duet.Poses|string|number[]|number[][]" }, "duet.RayQuery",
+    "The boxes from now on; they are copied.", fails = true, c = "duet_ray_query_set_objects" },
+  { "duet.RayQuery:run", { "rays: duet.Rays|string|number[]|number[][]" }, "duet.Hits, duet.RayQueryResult",
+    "Casts rays: a hit for each, or by wants = \"every\" all of them, by ray, t and id.",
+    fails = true, c = "duet_ray_query_run" },
+  { "duet.RayQuery:close", {}, nil, "Gives the devices' memory back.", c = "duet_ray_query_destroy" },
+  { "duet.RayQueryResult.undecided", "integer", "hits that float left open and the host decided" },
+  { "duet.RayQueryResult.total_ms", "number", "wall clock" },
+  { "duet.RayQueryResult.device_ms", "number[]", "of A and of B" },
+  { "duet.NO_OBJECT", "integer", "the id where a ray meets no box" },
+
   { "duet.kernels", { "limits?: { max_group?: integer, local_bytes?: integer, fp64?: boolean, cpu?: boolean }" },
     "duet.Kernel[]", "The kernels, and what their cards let vary on a device of these limits.", fails = true },
   { "duet.source", { "kernel: string", "settings?: table<string, integer>", "limits?: table" }, "duet.Source",
@@ -436,6 +455,8 @@ for class, columns in pairs {
   Contacts = "IIfffI" .. ("f"):rep(20),
   Answers = "C",
   Separations = "d",
+  Rays = ("f"):rep(7),
+  Hits = "IIf",
 } do
   local types = {}
   for letter in columns:gmatch "." do types[#types + 1] = letters[letter] end

@@ -27,6 +27,8 @@ static const struct {
     [ARRAY_CONTACTS] = {"IIfffIffffffffffffffffffff", sizeof(duet_contact)},
     [ARRAY_ANSWERS] = {"C", sizeof(uint8_t)},
     [ARRAY_SEPARATIONS] = {"d", sizeof(double)},
+    [ARRAY_RAYS] = {"fffffff", sizeof(duet_ray)},
+    [ARRAY_HITS] = {"IIf", sizeof(duet_ray_hit)},
 };
 
 _Static_assert(offsetof(duet_pose, rotation[3]) == 9 * 4, "a pose is ten floats");
@@ -34,6 +36,8 @@ _Static_assert(offsetof(duet_bounds, upper[2]) == 5 * 4, "bounds are six floats"
 _Static_assert(offsetof(duet_transform, rotation[3]) == 6 * 4, "a transform is seven floats");
 _Static_assert(offsetof(duet_body, fixed_rotation) == 11 * 4,
                "eleven numbers, then fixed_rotation");
+_Static_assert(offsetof(duet_ray, t_max) == 6 * 4, "a ray is seven floats");
+_Static_assert(offsetof(duet_ray_hit, t) == 2 * 4, "all of four bytes");
 _Static_assert(offsetof(duet_state, angular_velocity[2]) == 12 * 8, "a state is thirteen doubles");
 _Static_assert(offsetof(duet_contact, points[3].normal_impulse) == 25 * 4, "all of four bytes");
 
@@ -469,6 +473,8 @@ static const lua_class classes[] = {
     [ARRAY_CONTACTS] = {.name = "duet.contacts", .methods = methods, .metas = metas},
     [ARRAY_ANSWERS] = {.name = "duet.answers", .methods = methods, .metas = metas},
     [ARRAY_SEPARATIONS] = {.name = "duet.separations", .methods = methods, .metas = metas},
+    [ARRAY_RAYS] = {.name = "duet.rays", .methods = methods, .metas = metas},
+    [ARRAY_HITS] = {.name = "duet.hits", .methods = methods, .metas = metas},
 };
 
 void array_open(lua_State *L)

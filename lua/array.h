@@ -21,6 +21,8 @@ typedef enum array_kind {
     ARRAY_CONTACTS,
     ARRAY_ANSWERS,
     ARRAY_SEPARATIONS,
+    ARRAY_RAYS,
+    ARRAY_HITS,
     ARRAY_KINDS
 } array_kind;
 

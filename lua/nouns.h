@@ -21,6 +21,7 @@ void motion_open_lua(lua_State *L);
 void source_open_lua(lua_State *L);
 void profiles_open_lua(lua_State *L);
 void pair_query_open_lua(lua_State *L);
+void ray_query_open_lua(lua_State *L);
 
 extern const member_type member_plan; // a duet_plan as a table
 const char *shape_name(int shape);
@@ -35,6 +36,7 @@ int world_create_lua(lua_State *L);
 int device_pair_tune_lua(lua_State *L);
 int motion_create_lua(lua_State *L);
 int pair_query_create_lua(lua_State *L);
+int ray_query_create_lua(lua_State *L);
 
 typedef struct world_box {
     duet_world *world;

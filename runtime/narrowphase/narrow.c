@@ -10,7 +10,8 @@
 // parallel edges").
 #include "runtime/narrowphase/narrow.h"
 
-#include <gmp.h>
+#include "runtime/narrowphase/exact.h"
+
 #include <limits.h>
 #include <math.h>
 
@@ -28,27 +29,28 @@ typedef struct box {
     double norm;       // |q|^2
 } box;
 
-static void set_rotation(box *b, double x, double y, double z, double w)
+double narrow_axes(double axis[3][3], const float q[4])
 {
-    b->norm = (w * w + x * x) + (y * y + z * z);
-    double scale = 1.0 / b->norm;
+    double x = q[0], y = q[1], z = q[2], w = q[3];
+    double norm = (w * w + x * x) + (y * y + z * z);
+    double scale = 1.0 / norm;
     double twice = 2.0 * scale;
-    b->axis[0][0] = scale * ((w * w + x * x) - (y * y + z * z));
-    b->axis[0][1] = twice * (x * y + w * z);
-    b->axis[0][2] = twice * (x * z - w * y);
-    b->axis[1][0] = twice * (x * y - w * z);
-    b->axis[1][1] = scale * ((w * w + y * y) - (x * x + z * z));
-    b->axis[1][2] = twice * (y * z + w * x);
-    b->axis[2][0] = twice * (x * z + w * y);
-    b->axis[2][1] = twice * (y * z - w * x);
-    b->axis[2][2] = scale * ((w * w + z * z) - (x * x + y * y));
+    axis[0][0] = scale * ((w * w + x * x) - (y * y + z * z));
+    axis[0][1] = twice * (x * y + w * z);
+    axis[0][2] = twice * (x * z - w * y);
+    axis[1][0] = twice * (x * y - w * z);
+    axis[1][1] = scale * ((w * w + y * y) - (x * x + z * z));
+    axis[1][2] = twice * (y * z + w * x);
+    axis[2][0] = twice * (x * z + w * y);
+    axis[2][1] = twice * (y * z - w * x);
+    axis[2][2] = scale * ((w * w + z * z) - (x * x + y * y));
+    return norm;
 }
 
 static box box_of_pose(const duet_pose *pose)
 {
-    const float *q = pose->rotation;
     box b = {.half_extents = {pose->half_extents[0], pose->half_extents[1], pose->half_extents[2]}};
-    set_rotation(&b, q[0], q[1], q[2], q[3]);
+    b.norm = narrow_axes(b.axis, pose->rotation);
     return b;
 }
 
@@ -399,68 +401,6 @@ typedef union pool {
     mpz_t all[sizeof(numbers) / sizeof(mpz_t)];
 } pool;
 
-// The power of two that makes integers of all n values, if below so_far.
-static int least_power(const float *values, int n, int so_far)
-{
-    for (int i = 0; i < n; ++i) {
-        int power;
-        frexp(values[i], &power);
-        if (values[i] != 0 && power - 24 < so_far)
-            so_far = power - 24;
-    }
-    return so_far;
-}
-
-static void set_integer(mpz_t out, double value, int power)
-{
-    mpz_set_d(out, ldexp(value, -power));
-}
-
-// out = 2 (x y + sign z w)
-static void set_twice(mpz_t out, const mpz_t x, const mpz_t y, int sign, const mpz_t z,
-                      const mpz_t w)
-{
-    mpz_mul(out, x, y);
-    (sign > 0 ? mpz_addmul : mpz_submul)(out, z, w);
-    mpz_mul_2exp(out, out, 1);
-}
-
-// out = w w + plus plus - minus minus - less less
-static void set_diagonal(mpz_t out, const mpz_t w, const mpz_t plus, const mpz_t minus,
-                         const mpz_t less)
-{
-    mpz_mul(out, w, w);
-    mpz_addmul(out, plus, plus);
-    mpz_submul(out, minus, minus);
-    mpz_submul(out, less, less);
-}
-
-static void set_axes(mpz_t axis[3][3], mpz_t norm, mpz_t q[4], const float rotation[4])
-{
-    int power = least_power(rotation, 4, INT_MAX);
-    mpz_set_ui(norm, 0);
-    for (int i = 0; i < 4; ++i) {
-        set_integer(q[i], rotation[i], power);
-        mpz_addmul(norm, q[i], q[i]);
-    }
-    set_diagonal(axis[0][0], q[3], q[0], q[1], q[2]);
-    set_twice(axis[0][1], q[0], q[1], 1, q[3], q[2]);
-    set_twice(axis[0][2], q[0], q[2], -1, q[3], q[1]);
-    set_twice(axis[1][0], q[0], q[1], -1, q[3], q[2]);
-    set_diagonal(axis[1][1], q[3], q[1], q[0], q[2]);
-    set_twice(axis[1][2], q[1], q[2], 1, q[3], q[0]);
-    set_twice(axis[2][0], q[0], q[2], 1, q[3], q[1]);
-    set_twice(axis[2][1], q[1], q[2], -1, q[3], q[0]);
-    set_diagonal(axis[2][2], q[3], q[2], q[0], q[1]);
-}
-
-static void set_dot(mpz_t out, mpz_t u[3], mpz_t v[3])
-{
-    mpz_mul(out, u[0], v[0]);
-    mpz_addmul(out, u[1], v[1]);
-    mpz_addmul(out, u[2], v[2]);
-}
-
 // A shift is a difference of cells, of 32 bits at most.
 static int least_power_of_shift(const double shift[3], int so_far)
 {
@@ -475,33 +415,33 @@ static int least_power_of_shift(const double shift[3], int so_far)
 
 static void set_lengths(numbers *n, const duet_pose *a, const duet_pose *b, const double shift[3])
 {
-    int power = least_power(a->centre, 3, INT_MAX);
-    power = least_power(b->centre, 3, power);
-    power = least_power(a->half_extents, 3, power);
-    power = least_power(b->half_extents, 3, power);
+    int power = exact_least_power(a->centre, 3, INT_MAX);
+    power = exact_least_power(b->centre, 3, power);
+    power = exact_least_power(a->half_extents, 3, power);
+    power = exact_least_power(b->half_extents, 3, power);
     power = least_power_of_shift(shift, power);
     for (int i = 0; i < 3; ++i) {
-        set_integer(n->t[i], b->centre[i], power);
-        set_integer(n->term, a->centre[i], power);
+        exact_integer(n->t[i], b->centre[i], power);
+        exact_integer(n->term, a->centre[i], power);
         mpz_sub(n->t[i], n->t[i], n->term);
-        set_integer(n->term, shift[i], power);
+        exact_integer(n->term, shift[i], power);
         mpz_add(n->t[i], n->t[i], n->term);
-        set_integer(n->half_a[i], a->half_extents[i], power);
-        set_integer(n->half_b[i], b->half_extents[i], power);
+        exact_integer(n->half_a[i], a->half_extents[i], power);
+        exact_integer(n->half_b[i], b->half_extents[i], power);
     }
 }
 
 static void set_numbers(numbers *n, const duet_pose *a, const duet_pose *b, const double shift[3])
 {
     set_lengths(n, a, b, shift);
-    set_axes(n->axis_a, n->norm_a, n->q, a->rotation);
-    set_axes(n->axis_b, n->norm_b, n->q, b->rotation);
+    exact_axes(n->axis_a, n->norm_a, n->q, a->rotation);
+    exact_axes(n->axis_b, n->norm_b, n->q, b->rotation);
     mpz_mul(n->norms, n->norm_a, n->norm_b);
     for (int i = 0; i < 3; ++i) {
-        set_dot(n->t_a[i], n->t, n->axis_a[i]);
-        set_dot(n->t_b[i], n->t, n->axis_b[i]);
+        exact_dot(n->t_a[i], n->t, n->axis_a[i]);
+        exact_dot(n->t_b[i], n->t, n->axis_b[i]);
         for (int j = 0; j < 3; ++j) {
-            set_dot(n->c[i][j], n->axis_a[i], n->axis_b[j]);
+            exact_dot(n->c[i][j], n->axis_a[i], n->axis_b[j]);
             mpz_abs(n->by_a[i][j], n->c[i][j]);
             mpz_abs(n->by_b[j][i], n->c[i][j]);
         }

@@ -55,6 +55,9 @@ bool narrow_bounds(const duet_bounds *a, const duet_bounds *b, uint32_t dims);
 // Finite, no negative extent, a rotation: the components that dims reads.
 bool narrow_is_box(const duet_pose *pose, uint32_t dims);
 
+// axis[i]: the direction of edge i. Returns |q|^2.
+double narrow_axes(double axis[3][3], const float q[4]);
+
 // A 2D pose as the 3D one that lies in the plane z = 0; a 3D pose as it is.
 duet_pose narrow_flat(const duet_pose *pose, uint32_t dims);
 

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+// A tree over boxes, for queries.
+//
+//   objects [n] poses
+//   keys    [n, and 7 more] where each box comes in the tree: large ones first, those of
+//                           one size class along a curve
+//   ids     [n] sorted by their keys
+//   boxes   [slots][TREE_BOX_WORDS] in that order; slots is n rounded up to TREE_WIDTH
+//   nodes   [..][NODE_WORDS] the lowest level first, the root last
+//   rays    [n][RAY_WORDS]
+//
+// A key decides only how good the tree is, never what a query finds.
+#define CLASSES 16
+#define BITS (DIMS == 3 ? 9 : 14) // of a cell's number along an axis
+
+// The place along Hilbert's curve of the cell that a point is in. The cells' numbers are
+// turned and mirrored bit by bit, as the curve is from one square to the next smaller one
+// (Skilling 2004, "Programming the Hilbert curve").
+static inline word curve_place(const real point[3], float4 lower, float4 per_cell)
+{
+    const float from[3] = {lower.x, lower.y, lower.z}, scale[3] = {per_cell.x, per_cell.y, per_cell.z};
+    word cell[3];
+    for (int k = 0; k < DIMS; ++k) {
+        real at = (point[k] - from[k]) * scale[k];
+        at = select(ALL(0.0f), at, at > ALL(0.0f));
+        cell[k] = to_word(fmin(at, ALL((float)((1 << BITS) - 1))));
+    }
+    for (uint bit = 1u << (BITS - 1); bit > 1; bit >>= 1)
+        for (int k = 0; k < DIMS; ++k) {
+            word mirrored = (word)(0) - ((cell[k] & bit) / bit);
+            word swapped = (cell[0] ^ cell[k]) & (bit - 1) & ~mirrored;
+            cell[0] ^= swapped | (mirrored & (bit - 1));
+            cell[k] ^= swapped;
+        }
+    for (int k = 1; k < DIMS; ++k)
+        cell[k] ^= cell[k - 1];
+    word turn = (word)(0);
+    for (uint bit = 1u << (BITS - 1); bit > 1; bit >>= 1)
+        turn ^= ((word)(0) - ((cell[DIMS - 1] & bit) / bit)) & (bit - 1);
+    word place = (word)(0);
+    for (int bit = BITS - 1; bit >= 0; --bit)
+        for (int k = 0; k < DIMS; ++k)
+            place = place << 1 | ((cell[k] ^ turn) >> bit & 1);
+    return place;
+}
+
+// Sizes that differ by less than a factor of two are of a class, or neighbours.
+static inline word size_class(const object *o, float widest)
+{
+    real size = fmax(fmax(o->halves[0], o->halves[1]), o->halves[2]);
+    word exponent = as_word(size) >> 23;
+    word most = (word)(as_uint(widest) >> 23);
+    return min(most - min(most, exponent), (word)(CLASSES - 1));
+}
+
+static inline object boxes_at(__global const float *objects, const uint ids[LANES])
+{
+    return object_at(objects, ids);
+}
+
+// Not a box, or so far away or wide that float could overflow.
+static inline mask is_refused(const object *o)
+{
+    mask refused = object_is_bad(o);
+#pragma unroll
+    for (int k = 0; k < 3; ++k)
+        refused |= (fabs(o->centre[k]) > ALL(MOST_COORDINATE)) | (o->halves[k] > ALL(MOST_COORDINATE));
+    return refused;
+}
+
+__kernel void tree_keys(TREE_KEYS_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    for (uint from = first; from < min(first + PER_ITEM, n); from += LANES) {
+        uint ids[LANES], key[LANES], refused[LANES];
+        for (uint k = 0; k < LANES; ++k)
+            ids[k] = min(from + k, n - 1);
+        object o = boxes_at(objects, ids);
+        word place = curve_place(o.centre, lower, per_cell);
+        spread(size_class(&o, lower.w) << (DIMS * BITS) | place, key);
+        spread(as_word(is_refused(&o)), refused);
+        for (uint k = 0; k < LANES && from + k < n; ++k) {
+            keys[from + k] = key[k];
+            if (refused[k])
+                atomic_max(counters + BAD_LATEST, ~(from + k));
+        }
+    }
+}
+
+__kernel void tree_leaves(TREE_LEAVES_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    for (uint from = first; from < min(first + PER_ITEM, slots); from += LANES) {
+        uint places[LANES], names[LANES], missing[LANES];
+        for (uint k = 0; k < LANES; ++k) {
+            places[k] = from + k;
+            names[k] = ids[min(from + k, n - 1)];
+            missing[k] = from + k < n ? 0 : ~0u;
+        }
+        object o = boxes_at(objects, names);
+        bounds b = object_bounds(&o);
+        real axis[3][3], row[TREE_BOX_WORDS];
+        set_axes(axis, o.rotation);
+        for (int k = 0; k < 3; ++k) {
+            row[k] = o.centre[k];
+            row[3 + k] = o.halves[k];
+        }
+        for (int k = 0; k < 9; ++k)
+            row[TREE_BOX_AXES + k] = axis[k / 3][k % 3];
+        __global float *node = nodes + (size_t)(from / TREE_WIDTH) * NODE_WORDS + from % TREE_WIDTH;
+#if LANES == 1
+        row[TREE_BOX_ID] = as_float(names[0]);
+        clear_bounds(&b, as_int(missing[0]));
+        for (int k = 0; k < DIMS; ++k) {
+            node[k * TREE_WIDTH] = b.lower[k];
+            node[(3 + k) * TREE_WIDTH] = b.upper[k];
+        }
+#else
+        row[TREE_BOX_ID] = as_float8(vload8(0, names));
+        clear_bounds(&b, as_int8(vload8(0, missing)));
+        for (int k = 0; k < DIMS; ++k) {
+            vstore8(b.lower[k], 0, node + k * TREE_WIDTH);
+            vstore8(b.upper[k], 0, node + (3 + k) * TREE_WIDTH);
+        }
+#endif
+        store_eight(boxes, places, TREE_BOX_WORDS, 0, row, (word)(1));
+        store_eight(boxes, places, TREE_BOX_WORDS, 8, row + 8, (word)(1));
+    }
+}
+
+// Rays that begin near each other walk through the same nodes.
+__kernel void ray_keys(RAY_KEYS_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    for (uint from = first; from < min(first + PER_ITEM, n); from += LANES) {
+        uint key[LANES];
+        float origin[3][LANES];
+        for (uint k = 0; k < LANES; ++k)
+            for (int i = 0; i < 3; ++i)
+                origin[i][k] = rays[(size_t)min(from + k, n - 1) * RAY_WORDS + i];
+        real point[3];
+        for (int i = 0; i < 3; ++i)
+#if LANES == 1
+            point[i] = origin[i][0];
+#else
+            point[i] = vload8(0, origin[i]);
+#endif
+        spread(curve_place(point, lower, per_cell), key);
+        for (uint k = 0; k < LANES && from + k < n; ++k)
+            keys[from + k] = key[k];
+    }
+}
+
+static inline float least_of(float8 v)
+{
+    float4 four = fmin(v.lo, v.hi);
+    float2 two = fmin(four.lo, four.hi);
+    return fmin(two.x, two.y);
+}
+
+// Nodes of a level from the n_below ones that begin at `below`.
+__kernel void tree_level(TREE_LEVEL_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    for (uint i = first; i < min(first + PER_ITEM, n_slots); ++i) {
+        __global const float *from = nodes + (size_t)(below + min(i, n_below - 1)) * NODE_WORDS;
+        __global float *to = nodes + (size_t)(at + i / TREE_WIDTH) * NODE_WORDS + i % TREE_WIDTH;
+        for (int k = 0; k < DIMS; ++k) {
+            float least = least_of(vload8(0, from + k * TREE_WIDTH));
+            float greatest = -least_of(-vload8(0, from + (3 + k) * TREE_WIDTH));
+            to[k * TREE_WIDTH] = i < n_below ? least : INFINITY;
+            to[(3 + k) * TREE_WIDTH] = i < n_below ? greatest : -INFINITY;
+        }
+    }
+}

@@ -1,0 +1,49 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "a tree over boxes, for queries",
+  uses = { "lanes.clh", "narrowphase/object.clh", "queries/tree.h", "queries/limits.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "SHAPE", values = { 0 }, default = 0, about = "poses" },
+    { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
+    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
+      about = "boxes side by side in a work-item" },
+    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
+      about = "boxes a work-item" },
+  },
+  args = {
+    tree_keys = [[
+      const float *objects
+      uint n
+      float4 lower
+      float4 per_cell
+      uint *keys
+      volatile uint *counters
+    ]],
+    ray_keys = [[
+      const float *rays
+      uint n
+      float4 lower
+      float4 per_cell
+      uint *keys
+    ]],
+    tree_leaves = [[
+      const float *objects
+      const uint *ids
+      uint n
+      uint slots
+      float *boxes
+      float *nodes
+    ]],
+    tree_level = [[
+      float *nodes
+      uint below
+      uint n_below
+      uint at
+      uint n_slots
+    ]],
+  },
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

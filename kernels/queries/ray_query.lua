@@ -1,0 +1,34 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "which boxes rays meet",
+  uses = { "lanes.clh", "queries/tree.h", "queries/limits.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "WANTS", values = { 0, 1, 2 }, default = 0, about = "0 the closest hit, 1 whether there is any, 2 every hit" },
+    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
+      about = "children of a node side by side" },
+    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 64 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
+      about = "rays a work-item" },
+  },
+  args = {
+    ray_query = [[
+      const float *rays
+      uint n
+      uint first_ray
+      const uint *order
+      uint in_order
+      const float *boxes
+      const float *nodes
+      const uint *levels
+      uint n_levels
+      uint *hits
+      uint hits_capacity     if WANTS == 2
+      uint *open
+      uint open_capacity
+      volatile uint *counters
+    ]],
+  },
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// How a box tree lies in memory, for kernels and host alike.
+//
+// The boxes are sorted along a curve, and each eight of them have a node with their
+// bounds. Each eight nodes have one above them, up to a single root. So child k of node
+// i is node 8 i + k of the level below, and no node says where its children are.
+#ifndef KERNELS_QUERIES_TREE_H
+#define KERNELS_QUERIES_TREE_H
+
+#define TREE_WIDTH 8  // children of a node
+#define TREE_LEVELS 10 // at most: 2^30 boxes
+// A node: its children's lower corners, eight x, eight y, eight z, then the upper ones.
+#define NODE_WORDS (6 * TREE_WIDTH)
+// A box: its centre, half extents, the directions of its three edges, its id.
+#define TREE_BOX_WORDS 16
+#define TREE_BOX_AXES 6
+#define TREE_BOX_ID 15
+
+#define RAY_WORDS 7 // of a ray: origin, direction, t_max
+
+// Counters; a 64-bit count is two words.
+#define COUNT_HITS 0
+#define COUNT_OPEN 2 // boxes that float leaves open
+#define BAD_LATEST 4 // ~least number of a bad object or ray; 0: none
+#define QUERY_COUNTERS 8
+
+// A hit on the device: the ray, the box's id, and how far along the ray.
+#define HIT_WORDS 3
+#define NO_OBJECT 0xffffffffu // where nothing was hit
+
+#endif

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// Which boxes rays meet: the nearest, whether there is any, or every one. Both devices hold
+// the boxes, in a tree, and share the rays.
+#ifndef DUET_RAY_QUERY_H
+#define DUET_RAY_QUERY_H
+
+#include "duet_device.h"
+#include "duet_object.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define DUET_NO_OBJECT UINT32_MAX
+
+// The points origin + t direction for t from 0 to t_max, both included. The direction may
+// have any length, and 0: the ray is then its origin. In 2D z counts for nothing.
+typedef struct duet_ray {
+    float origin[3];
+    float direction[3];
+    float t_max; // INFINITY: without end
+} duet_ray;
+
+// t: where the ray enters the box, 0 where it begins inside. Of the error of t
+// docs/accuracy.md, "Rays".
+typedef struct duet_ray_hit {
+    uint32_t ray;
+    uint32_t id; // of the box; DUET_NO_OBJECT: the ray meets none
+    float t;
+} duet_ray_hit;
+
+typedef enum duet_ray_wants {
+    DUET_RAY_CLOSEST, // of each ray the hit with the least t, of several the one with the least id
+    DUET_RAY_ANY,     // whether there is one: id and t are 0 where there is
+    DUET_RAY_EVERY    // all hits, by ray, t and id
+} duet_ray_wants;
+
+// "closest", "any", "every"; NULL outside
+DUET_API const char *duet_ray_wants_name(duet_ray_wants wants);
+
+typedef struct duet_ray_query duet_ray_query;
+
+typedef struct duet_ray_query_def {
+    duet_device_pair *pair; // held until the close
+    uint32_t share;         // A's part of the rays, out of DUET_SHARE_ONE; 0: B alone;
+                            // DUET_SHARE_DEFAULT: that of the pair's default plan
+    duet_ray_wants wants;
+    uint32_t dims; // 2 or 3
+    int cookie;
+} duet_ray_query_def;
+
+DUET_API duet_ray_query_def duet_default_ray_query_def(void); // closest, 3D, the default share
+
+typedef struct duet_ray_query_result {
+    const duet_ray_hit *hits; // [n_hits] the query's, until its next call: one a ray, or every
+    uint64_t n_hits;
+    uint64_t undecided;  // hits that float left open and the host decided
+    double total_ms;     // wall clock
+    double device_ms[2]; // of each device's part
+} duet_ray_query_result;
+
+// Builds the kernels that it needs; it has no boxes yet.
+DUET_API duet_ray_query *duet_ray_query_create(const duet_ray_query_def *def, duet_error *err);
+DUET_API void duet_ray_query_destroy(duet_ray_query *query);
+
+// The boxes from now on, n of them, at most 2^30; they are copied. BAD_OBJECT names the
+// first that is not a box or has a number above 2^100; the query has no boxes then.
+DUET_API bool duet_ray_query_set_objects(duet_ray_query *query, const duet_pose *poses, uint32_t n,
+                                         duet_error *err);
+
+// Casts n rays, fewer than 2^32. Which boxes they meet is exact, touching included, and the
+// same on every device and at every share. BAD_OBJECT names the first ray that is not valid: a
+// number that is none, an origin above 2^100, a direction above 2^100 or, unless 0, below
+// 2^-100, or a t_max below 0.
+DUET_API bool duet_ray_query_run(duet_ray_query *query, const duet_ray *rays, uint64_t n,
+                                 duet_ray_query_result *result, duet_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// Boxes in whole numbers: a float is an integer times a power of two.
+#ifndef RUNTIME_EXACT_H
+#define RUNTIME_EXACT_H
+
+#include <gmp.h>
+
+// The power of two that makes integers of all n values, if below so_far.
+int exact_least_power(const float *values, int n, int so_far);
+
+// out = value / 2^power, which is an integer
+void exact_integer(mpz_t out, double value, int power);
+
+// axis[i]: the direction of edge i, of length norm = |q|^2. The quaternion's own power of
+// two is left out, for M(q)/|q|^2 does not feel it.
+void exact_axes(mpz_t axis[3][3], mpz_t norm, mpz_t q[4], const float rotation[4]);
+
+void exact_dot(mpz_t out, mpz_t u[3], mpz_t v[3]);
+
+#endif

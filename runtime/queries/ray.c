@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/queries/ray.h"
+
+#include "runtime/narrowphase/exact.h"
+#include "runtime/narrowphase/narrow.h"
+
+#include <math.h>
+
+bool ray_is_valid(const duet_ray *ray, uint32_t dims)
+{
+    float greatest = 0;
+    for (uint32_t k = 0; k < dims; ++k) {
+        if (!(fabsf(ray->origin[k]) <= 0x1p100f) || !isfinite(ray->direction[k]))
+            return false;
+        greatest = fmaxf(greatest, fabsf(ray->direction[k]));
+    }
+    bool has_length = greatest >= 0x1p-100f && greatest <= 0x1p100f;
+    return ray->t_max >= 0 && (greatest == 0 || has_length);
+}
+
+// ---------------------------------------------------------------- double
+
+typedef enum met { MISSED, MET, OPEN } met;
+
+// As kernels/queries/ray_query.cl, with the unit of rounding of a double.
+#define SLACK (64 * 0x1p-53)
+#define SLOW 0x1p-60
+
+static double dot(const double u[3], const double v[3])
+{
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+}
+
+static met meet_in_double(const duet_ray *ray, const duet_pose *box, int dims)
+{
+    double axis[3][3], way[3] = {0}, direction[3] = {0};
+    double size = 0, length = 0;
+    narrow_axes(axis, box->rotation);
+    for (int k = 0; k < dims; ++k) {
+        way[k] = (double)ray->origin[k] - box->centre[k];
+        direction[k] = ray->direction[k];
+        size += fabs(way[k]) + box->half_extents[k];
+        length = fmax(length, fabs(direction[k]));
+    }
+    double doubt = SLACK * size, surely_enter = 0, maybe_enter = 0;
+    double surely_leave = length > 0 ? ray->t_max : 0, maybe_leave = surely_leave;
+    bool open = !(size > 0x1p-140); // what underflows could count
+    for (int k = 0; k < dims; ++k) {
+        double at = dot(axis[k], way), speed = dot(axis[k], direction);
+        double half = box->half_extents[k];
+        if (fabs(speed) <= SLOW * length) {
+            if (fabs(at) > half + doubt)
+                return open ? OPEN : MISSED;
+            open = open || fabs(at) > half - doubt;
+            continue;
+        }
+        at = speed > 0 ? at : -at;
+        double inverse = 1 / fabs(speed), in = (-half - at) * inverse, out = (half - at) * inverse;
+        surely_enter = fmax(surely_enter, in + doubt * inverse);
+        maybe_enter = fmax(maybe_enter, in - doubt * inverse);
+        surely_leave = fmin(surely_leave, out - doubt * inverse);
+        maybe_leave = fmin(maybe_leave, out + doubt * inverse);
+    }
+    if (maybe_enter > maybe_leave && !open)
+        return MISSED;
+    return !open && surely_enter <= surely_leave ? MET : OPEN;
+}
+
+// ---------------------------------------------------------------- integers
+
+typedef struct numbers {
+    mpz_t q[4], norm, axis[3][3];
+    mpz_t way[3];       // from the box to the ray's origin
+    mpz_t step[3];      // from there to its end; without an end, its direction
+    mpz_t at[3], go[3]; // the two along the box's edges
+    mpz_t reach[3];     // half extents, as long
+    mpz_t left, right, term;
+} numbers;
+
+typedef union pool {
+    numbers of;
+    mpz_t all[sizeof(numbers) / sizeof(mpz_t)];
+} pool;
+
+// Ways and half extents share a power of two with the step, unless that has no end.
+static void set_numbers(numbers *n, const duet_ray *ray, const duet_pose *box)
+{
+    bool ends = isfinite(ray->t_max);
+    const float t_max = ends ? ray->t_max : 1;
+    int t_power = exact_least_power(&t_max, 1, 0);
+    int v_power = exact_least_power(ray->direction, 3, 0);
+    int power = exact_least_power(ray->origin, 3, ends ? t_power + v_power : 0);
+    power = exact_least_power(box->centre, 3, power);
+    power = exact_least_power(box->half_extents, 3, power);
+    exact_axes(n->axis, n->norm, n->q, box->rotation);
+    exact_integer(n->right, t_max, t_power);
+    for (int k = 0; k < 3; ++k) {
+        exact_integer(n->way[k], ray->origin[k], power);
+        exact_integer(n->left, box->centre[k], power);
+        mpz_sub(n->way[k], n->way[k], n->left);
+        exact_integer(n->step[k], ray->direction[k], v_power);
+        if (ends) {
+            mpz_mul(n->step[k], n->step[k], n->right);
+            mpz_mul_2exp(n->step[k], n->step[k], (mp_bitcnt_t)(t_power + v_power - power));
+        }
+    }
+    for (int k = 0; k < 3; ++k) {
+        exact_dot(n->at[k], n->way, n->axis[k]);
+        exact_dot(n->go[k], n->step, n->axis[k]);
+        exact_integer(n->reach[k], box->half_extents[k], power);
+        mpz_mul(n->reach[k], n->reach[k], n->norm);
+    }
+}
+
+// Both ends are beyond one of the two faces.
+static bool face_separates(numbers *n, int k, bool ends)
+{
+    if (mpz_cmpabs(n->at[k], n->reach[k]) <= 0)
+        return false;
+    int side = mpz_sgn(n->at[k]);
+    if (!ends)
+        return side * mpz_sgn(n->go[k]) >= 0;
+    mpz_add(n->left, n->at[k], n->go[k]);
+    return mpz_sgn(n->left) == side && mpz_cmpabs(n->left, n->reach[k]) > 0;
+}
+
+// Along the product of the ray and an edge.
+static bool edge_separates(numbers *n, int i, int j)
+{
+    mpz_mul(n->left, n->at[i], n->go[j]);
+    mpz_submul(n->left, n->at[j], n->go[i]);
+    mpz_mul(n->right, n->reach[i], n->go[j]);
+    mpz_mul(n->term, n->reach[j], n->go[i]);
+    mpz_abs(n->right, n->right);
+    mpz_abs(n->term, n->term);
+    mpz_add(n->right, n->right, n->term);
+    return mpz_cmpabs(n->left, n->right) > 0;
+}
+
+static bool is_separated(numbers *n, bool ends)
+{
+    for (int k = 0; k < 3; ++k)
+        if (face_separates(n, k, ends) || edge_separates(n, k, (k + 1) % 3))
+            return true;
+    return false;
+}
+
+static duet_ray flat_ray(const duet_ray *ray, uint32_t dims)
+{
+    duet_ray flat = *ray;
+    if (dims == 2)
+        flat.origin[2] = flat.direction[2] = 0;
+    return flat;
+}
+
+bool ray_meets_exactly(const duet_ray *ray, const duet_pose *box, uint32_t dims)
+{
+    duet_ray flat = flat_ray(ray, dims);
+    duet_pose pose = narrow_flat(box, dims);
+    pool p;
+    size_t n = sizeof p.all / sizeof *p.all;
+    for (size_t i = 0; i < n; ++i)
+        mpz_init(p.all[i]);
+    set_numbers(&p.of, &flat, &pose);
+    bool separated = is_separated(&p.of, isfinite(ray->t_max));
+    for (size_t i = 0; i < n; ++i)
+        mpz_clear(p.all[i]);
+    return !separated;
+}
+
+bool ray_meets(const duet_ray *ray, const duet_pose *box, uint32_t dims)
+{
+    duet_ray flat = flat_ray(ray, dims);
+    duet_pose pose = narrow_flat(box, dims);
+    met found = meet_in_double(&flat, &pose, (int)dims);
+    return found == OPEN ? ray_meets_exactly(ray, box, dims) : found == MET;
+}

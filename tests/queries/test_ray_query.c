@@ -1,0 +1,400 @@
+// SPDX-License-Identifier: MIT
+// Rays against boxes: every hit against a sweep over all boxes in exact arithmetic, the
+// other two questions against every hit, and the same bits on every device and share.
+#include "support/test.h"
+
+#include "support/devices.h"
+
+#include "base/rng.h"
+#include "runtime/queries/ray.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static duet_ray_query *open_query(duet_ray_wants wants, uint32_t dims, uint32_t share,
+                                  const duet_pose *poses, uint32_t n)
+{
+    duet_error err = {0};
+    duet_ray_query_def def = duet_default_ray_query_def();
+    def.pair = devices;
+    def.wants = wants;
+    def.dims = dims;
+    def.share = share;
+    duet_ray_query *query = duet_ray_query_create(&def, &err);
+    assert_ok(query, err);
+    assert_ok(duet_ray_query_set_objects(query, poses, n, &err), err);
+    return query;
+}
+
+static duet_ray_query_result cast(duet_ray_query *query, const duet_ray *rays, uint64_t n)
+{
+    duet_error err = {0};
+    duet_ray_query_result result;
+    assert_ok(duet_ray_query_run(query, rays, n, &result, &err), err);
+    return result;
+}
+
+// ---------------------------------------------------------------- worlds
+
+enum { BOXES = 500, RAYS = 1500 };
+
+static float between(rng *r, double from, double to)
+{
+    return (float)rng_between(r, from, to);
+}
+
+// Boxes of sizes from a thousandth to a third of the world; every fourth stands upright.
+static void fill_boxes(rng *r, duet_pose *poses, uint32_t n, uint32_t dims)
+{
+    for (uint32_t i = 0; i < n; ++i) {
+        float size = between(r, 0, 1) < 0.02f ? 3.0f : 0.01f * powf(50, between(r, 0, 1));
+        memset(&poses[i], 0, sizeof poses[i]);
+        for (uint32_t k = 0; k < 3; ++k) {
+            poses[i].centre[k] = between(r, -5, 5);
+            poses[i].half_extents[k] = size * between(r, 0.3, 1);
+        }
+        if (i % 4 == 0)
+            poses[i].centre[0] = roundf(poses[i].centre[0]);
+        for (uint32_t k = 0; k < 4; ++k)
+            poses[i].rotation[k] = i % 4 == 0 || (dims == 2 && k < 2) ? 0 : (float)rng_normal(r);
+        if (i % 4 == 0)
+            poses[i].rotation[3] = 1;
+    }
+}
+
+// A point of the box's surface, exactly so where the box stands upright.
+static void point_on(rng *r, const duet_pose *box, float point[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        float side = rng_below(r, 2) ? 1.0f : -1.0f;
+        point[k] = box->centre[k] + side * box->half_extents[k];
+    }
+}
+
+// Some go anywhere, some along an axis, some begin where boxes are, many aim at corners and
+// end there, and some stand still.
+static void fill_rays(rng *r, duet_ray *rays, uint32_t n, const duet_pose *boxes, uint32_t n_boxes)
+{
+    for (uint32_t i = 0; i < n; ++i) {
+        duet_ray *ray = &rays[i];
+        float target[3];
+        point_on(r, &boxes[rng_below(r, n_boxes)], target);
+        for (int k = 0; k < 3; ++k) {
+            ray->origin[k] = between(r, -8, 8);
+            ray->direction[k] = i % 3 == 0 ? between(r, -1, 1) : target[k] - ray->origin[k];
+        }
+        ray->t_max = i % 3 == 0 ? INFINITY : i % 3 == 1 ? 1.0f : between(r, 0, 2);
+        if (i % 7 == 0) { // along an axis, touching a face or an edge
+            memcpy(ray->origin, target, sizeof target);
+            ray->origin[i % 2] -= 16;
+            memset(ray->direction, 0, sizeof ray->direction);
+            ray->direction[i % 2] = i % 14 == 0 ? 1 : 0.0625f;
+            ray->t_max = i % 21 == 0 ? 16.0f : INFINITY;
+        }
+        if (i % 11 == 0)
+            memset(ray->direction, 0, sizeof ray->direction);
+        if (i % 13 == 0)
+            ray->direction[i % 3] *= 1e-20f;
+        if (i % 17 == 0)
+            for (int k = 0; k < 3; ++k)
+                ray->direction[k] *= 0x1p60f;
+    }
+}
+
+typedef struct world {
+    duet_pose boxes[BOXES];
+    duet_ray rays[RAYS];
+} world;
+
+static world *make_world(uint32_t dims)
+{
+    world *w = calloc(1, sizeof *w);
+    rng r = rng_seed(test_seed());
+    fill_boxes(&r, w->boxes, BOXES, dims);
+    fill_rays(&r, w->rays, RAYS, w->boxes, BOXES);
+    return w;
+}
+
+// ---------------------------------------------------------------- truth
+
+// Where a ray enters a box, in long double; the ray is known to meet it.
+static long double enters_at(const duet_ray *ray, const duet_pose *box, uint32_t dims,
+                             long double *least_speed)
+{
+    const float *q = box->rotation;
+    long double x = dims == 3 ? q[0] : 0, y = dims == 3 ? q[1] : 0, z = q[2], w = q[3];
+    long double norm = x * x + y * y + z * z + w * w;
+    const long double axis[3][3] = {
+        {w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)},
+        {2 * (x * y - w * z), w * w + y * y - x * x - z * z, 2 * (y * z + w * x)},
+        {2 * (x * z + w * y), 2 * (y * z - w * x), w * w + z * z - x * x - y * y}};
+    long double enter = 0;
+    *least_speed = 1;
+    for (uint32_t i = 0; i < dims; ++i) {
+        long double at = 0, speed = 0;
+        for (uint32_t k = 0; k < dims; ++k) {
+            at += axis[i][k] / norm * ((long double)ray->origin[k] - box->centre[k]);
+            speed += axis[i][k] / norm * ray->direction[k];
+        }
+        if (fabsl(speed) < 1e-30L)
+            continue;
+        long double in = (-box->half_extents[i] - (speed > 0 ? at : -at)) / fabsl(speed);
+        if (in > enter) {
+            enter = in;
+            *least_speed = fabsl(speed);
+        }
+    }
+    return enter;
+}
+
+static long double size_of(const duet_ray *ray, const duet_pose *box, uint32_t dims)
+{
+    long double size = 0;
+    for (uint32_t k = 0; k < dims; ++k)
+        size += fabsl((long double)ray->origin[k] - box->centre[k]) + box->half_extents[k];
+    return size;
+}
+
+// The point at t is as near to the box's face as docs/accuracy.md promises.
+static void assert_enters_there(const duet_ray *ray, const duet_pose *box, uint32_t dims, float t)
+{
+    long double speed;
+    long double enter = enters_at(ray, box, dims, &speed);
+    long double size = size_of(ray, box, dims);
+    long double error = fabsl(t - enter) * speed;
+    if (error > 128 * 0x1p-24L * size)
+        fail_msg("t %.9g, expected %.9Lg: off by %.3Lg of a size of %.3Lg", (double)t, enter, error,
+                 size);
+}
+
+static void every_hit_is_found_and_no_other(uint32_t dims, uint32_t share)
+{
+    world *w = make_world(dims);
+    duet_ray_query *query = open_query(DUET_RAY_EVERY, dims, share, w->boxes, BOXES);
+    duet_ray_query_result found = cast(query, w->rays, RAYS);
+    uint64_t at = 0, expected = 0;
+    for (uint32_t i = 0; i < RAYS; ++i) {
+        bool met[BOXES] = {false};
+        float last = 0;
+        for (; at < found.n_hits && found.hits[at].ray == i; ++at) {
+            const duet_ray_hit *hit = &found.hits[at];
+            assert_true(hit->id < BOXES && !met[hit->id] && hit->t >= last);
+            assert_true(hit->t <= w->rays[i].t_max);
+            met[hit->id] = true;
+            last = hit->t;
+            assert_enters_there(&w->rays[i], &w->boxes[hit->id], dims, hit->t);
+        }
+        for (uint32_t id = 0; id < BOXES; ++id) {
+            bool meets = (i + id) % 16 == 0 || met[id]
+                             ? ray_meets_exactly(&w->rays[i], &w->boxes[id], dims)
+                             : ray_meets(&w->rays[i], &w->boxes[id], dims);
+            expected += meets;
+            if (meets != met[id])
+                fail_msg("ray %u %s box %u", i, meets ? "misses" : "meets", id);
+        }
+    }
+    assert_int_equal(found.n_hits, expected);
+    assert_true(expected > RAYS && found.undecided > 0);
+    print_message("%uD: %" PRIu64 " hits, %" PRIu64 " undecided\n", dims, found.n_hits,
+                  found.undecided);
+    duet_ray_query_destroy(query);
+    free(w);
+}
+
+static void every_hit_in_3d(void **state)
+{
+    (void)state;
+    every_hit_is_found_and_no_other(3, DUET_SHARE_ONE / 3);
+}
+
+static void every_hit_in_2d(void **state)
+{
+    (void)state;
+    every_hit_is_found_and_no_other(2, 0);
+}
+
+// ---------------------------------------------------------------- the other two questions
+
+static void closest_and_any_are_of_every_hit(void **state)
+{
+    (void)state;
+    world *w = make_world(3);
+    duet_ray_query *every = open_query(DUET_RAY_EVERY, 3, 0, w->boxes, BOXES);
+    duet_ray_query *closest = open_query(DUET_RAY_CLOSEST, 3, DUET_SHARE_ONE / 2, w->boxes, BOXES);
+    duet_ray_query *any = open_query(DUET_RAY_ANY, 3, DUET_SHARE_ONE / 2, w->boxes, BOXES);
+    duet_ray_query_result all = cast(every, w->rays, RAYS);
+    duet_ray_query_result nearest = cast(closest, w->rays, RAYS);
+    duet_ray_query_result some = cast(any, w->rays, RAYS);
+    assert_int_equal(nearest.n_hits, RAYS);
+    assert_int_equal(some.n_hits, RAYS);
+    uint64_t at = 0;
+    for (uint32_t i = 0; i < RAYS; ++i) {
+        bool hits = at < all.n_hits && all.hits[at].ray == i;
+        duet_ray_hit first = hits ? all.hits[at] : (duet_ray_hit){i, DUET_NO_OBJECT, INFINITY};
+        assert_memory_equal(&nearest.hits[i], &first, sizeof first);
+        const duet_ray_hit yes = {i, hits ? 0 : DUET_NO_OBJECT, 0};
+        assert_memory_equal(&some.hits[i], &yes, sizeof yes);
+        while (at < all.n_hits && all.hits[at].ray == i)
+            ++at;
+    }
+    duet_ray_query_destroy(every);
+    duet_ray_query_destroy(closest);
+    duet_ray_query_destroy(any);
+    free(w);
+}
+
+static void share_and_order_of_boxes_change_nothing(void **state)
+{
+    (void)state;
+    world *w = make_world(3);
+    duet_ray_query *one = open_query(DUET_RAY_CLOSEST, 3, 0, w->boxes, BOXES);
+    duet_ray_query *two = open_query(DUET_RAY_CLOSEST, 3, DUET_SHARE_ONE, w->boxes, BOXES);
+    duet_ray_query_result a = cast(one, w->rays, RAYS), b = cast(two, w->rays, RAYS);
+    assert_memory_equal(a.hits, b.hits, RAYS * sizeof *a.hits);
+    assert_int_equal(a.undecided, b.undecided);
+    // Another box first makes another tree.
+    duet_error err = {0};
+    duet_pose *turned = malloc(sizeof w->boxes);
+    for (uint32_t id = 0; id < BOXES; ++id)
+        turned[id] = w->boxes[(id + 77) % BOXES];
+    assert_ok(duet_ray_query_set_objects(two, turned, BOXES, &err), err);
+    b = cast(two, w->rays, RAYS);
+    for (uint32_t i = 0; i < RAYS; ++i) {
+        assert_true(a.hits[i].t == b.hits[i].t);
+        assert_true((a.hits[i].id == DUET_NO_OBJECT) == (b.hits[i].id == DUET_NO_OBJECT));
+    }
+    free(turned);
+    duet_ray_query_destroy(one);
+    duet_ray_query_destroy(two);
+    free(w);
+}
+
+// ---------------------------------------------------------------- closed forms
+
+// A wall of unit cubes on whole numbers: a ray along their common faces touches the cubes
+// of both sides, and one along an edge those of four.
+static void touching_counts(void **state)
+{
+    (void)state;
+    enum { WIDE = 6 };
+    duet_pose cubes[WIDE * WIDE * WIDE];
+    for (int i = 0; i < WIDE * WIDE * WIDE; ++i)
+        cubes[i] = (duet_pose){{(float)(i % WIDE), (float)(i / WIDE % WIDE), (float)(i / 36)},
+                               {0.5f, 0.5f, 0.5f},
+                               {0, 0, 0, 1}};
+    const struct {
+        duet_ray ray;
+        uint64_t hits;
+    } known[] = {
+        {{{-3, 2, 2}, {1, 0, 0}, INFINITY}, WIDE},           // through the centres
+        {{{-3, 2.5f, 2}, {1, 0, 0}, INFINITY}, 2 * WIDE},    // along faces
+        {{{-3, 2.5f, 2.5f}, {1, 0, 0}, INFINITY}, 4 * WIDE}, // along edges
+        {{{-3, 5.5f, 5.5f}, {1, 0, 0}, INFINITY}, WIDE},     // along the outermost edge
+        {{{-3, 5.5000005f, 2}, {1, 0, 0}, INFINITY}, 0},
+        {{{-3, 2, 2}, {1, 0, 0}, 2.5f}, 1}, // ends at the first face
+        {{{-3, 2, 2}, {1, 0, 0}, 2.4999998f}, 0},
+        {{{2.5f, 2.5f, 2.5f}, {0, 0, 0}, 1}, 8}, // a corner of eight
+        {{{-0.5f, -0.5f, -3}, {0, 0, 1}, INFINITY}, WIDE},
+        {{{5, 5, 5}, {1, 1, 1}, INFINITY}, 1},
+        {{{-1, -1, -1}, {1, 1, 1}, INFINITY}, WIDE + 6 * (WIDE - 1)}, // the diagonal
+        {{{8, 2, 2}, {1, 0, 0}, INFINITY}, 0},                        // behind it
+    };
+    enum { N = sizeof known / sizeof *known };
+    duet_ray rays[N];
+    for (int i = 0; i < N; ++i)
+        rays[i] = known[i].ray;
+    duet_ray_query *query = open_query(DUET_RAY_EVERY, 3, 0, cubes, WIDE * WIDE * WIDE);
+    duet_ray_query_result found = cast(query, rays, N);
+    uint64_t hits[N] = {0};
+    for (uint64_t i = 0; i < found.n_hits; ++i)
+        ++hits[found.hits[i].ray];
+    for (int i = 0; i < N; ++i)
+        if (hits[i] != known[i].hits)
+            fail_msg("ray %d: %" PRIu64 " hits, expected %" PRIu64, i, hits[i], known[i].hits);
+    duet_ray_query_destroy(query);
+}
+
+// More hits than the lists hold at first.
+static void lists_grow(void **state)
+{
+    (void)state;
+    enum { N = 300 };
+    duet_pose *boxes = calloc(N, sizeof *boxes);
+    duet_ray *rays = calloc(N, sizeof *rays);
+    for (int i = 0; i < N; ++i) {
+        boxes[i] = (duet_pose){{0}, {1, 1, 1}, {0, 0, 0, 1}};
+        rays[i] = (duet_ray){{i % 2 ? 1.0f : 0.5f, 0, -5}, {0, 0, 1}, INFINITY};
+    }
+    duet_ray_query *query = open_query(DUET_RAY_EVERY, 3, 0, boxes, N);
+    duet_ray_query_result found = cast(query, rays, N);
+    assert_int_equal(found.n_hits, N * N);
+    assert_int_equal(found.undecided, N * N / 2);
+    for (uint64_t i = 0; i < found.n_hits; ++i)
+        assert_true(found.hits[i].ray == i / N && found.hits[i].id == i % N &&
+                    found.hits[i].t == 4);
+    duet_ray_query_destroy(query);
+    free(boxes);
+    free(rays);
+}
+
+static void no_boxes_and_no_rays_are_no_error(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    const duet_pose box = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
+    const duet_ray ray = {{0, 0, -5}, {0, 0, 1}, INFINITY};
+    duet_ray_query *query = open_query(DUET_RAY_CLOSEST, 3, 0, NULL, 0);
+    duet_ray_query_result found = cast(query, &ray, 1);
+    assert_true(found.n_hits == 1 && found.hits[0].id == DUET_NO_OBJECT);
+    assert_ok(duet_ray_query_set_objects(query, &box, 1, &err), err);
+    found = cast(query, &ray, 1);
+    assert_true(found.n_hits == 1 && found.hits[0].id == 0 && found.hits[0].t == 4);
+    assert_int_equal(cast(query, NULL, 0).n_hits, 0);
+    duet_ray_query_destroy(query);
+}
+
+static void what_is_no_ray_or_box_is_refused_by_its_number(void **state)
+{
+    (void)state;
+    const duet_pose good = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
+    duet_ray_query *query = open_query(DUET_RAY_CLOSEST, 3, 0, &good, 1);
+    const duet_ray bad_rays[] = {{{NAN, 0, 0}, {1, 0, 0}, 1},      {{0, 0, 0}, {INFINITY, 0, 0}, 1},
+                                 {{0, 0, 0}, {1, 0, 0}, -1},       {{0, 0, 0}, {1, 0, 0}, NAN},
+                                 {{0x1p101f, 0, 0}, {1, 0, 0}, 1}, {{0, 0, 0}, {1e-35f, 0, 0}, 1}};
+    for (size_t i = 0; i < sizeof bad_rays / sizeof *bad_rays; ++i) {
+        duet_error err = {0};
+        duet_ray_query_result found;
+        const duet_ray rays[3] = {{{0}, {1, 0, 0}, 1}, {{0}, {1, 0, 0}, 1}, bad_rays[i]};
+        assert_false(ray_is_valid(&bad_rays[i], 3));
+        assert_false(duet_ray_query_run(query, rays, 3, &found, &err));
+        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
+        assert_non_null(strstr(err.text, "ray 2:"));
+    }
+    duet_pose boxes[3] = {good, good, good};
+    boxes[1].centre[2] = NAN;
+    duet_error err = {0};
+    assert_false(duet_ray_query_set_objects(query, boxes, 3, &err));
+    assert_non_null(strstr(err.text, "object 1 "));
+    // It has no boxes now.
+    const duet_ray ray = {{0, 0, -5}, {0, 0, 1}, INFINITY};
+    assert_int_equal(cast(query, &ray, 1).hits[0].id, DUET_NO_OBJECT);
+    duet_ray_query_destroy(query);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_hit_in_3d),
+        cmocka_unit_test(every_hit_in_2d),
+        cmocka_unit_test(closest_and_any_are_of_every_hit),
+        cmocka_unit_test(share_and_order_of_boxes_change_nothing),
+        cmocka_unit_test(touching_counts),
+        cmocka_unit_test(lists_grow),
+        cmocka_unit_test(no_boxes_and_no_rays_are_no_error),
+        cmocka_unit_test(what_is_no_ray_or_box_is_refused_by_its_number),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}
