@@ -38,7 +38,7 @@
 // fields of a constraint lie a block of constraints apart.
 #define IN_OWNER 0 // a uint, as the next two
 #define IN_OTHER 1
-#define IN_POINTS 2 // how many, and above them a bit for each that stopped an impact
+#define IN_POINTS 2 // how many
 #define IN_RESTITUTION 3
 #define IN_NORMAL 4    // 3
 #define IN_OFFSET 7    // 3, from the owner's centre to the other's
@@ -50,6 +50,7 @@
 #define BY_NORMAL_MASS 3     // effective, along the normal
 #define BY_SEPARATION 4      // when the step began
 #define BY_CURRENT 5         // the separation after the last substep
+#define BY_LOAD 5            // between a substep's two passes: the most that the next begins with
 #define BY_NORMAL_IMPULSE 6  // accumulated in the last substep
 #define BY_MAX_IMPULSE 7     // greatest normal impulse of the step
 #define BY_TANGENT_IMPULSE 8 // with friction: impulse along each tangent, then its mass

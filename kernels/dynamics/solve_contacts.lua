@@ -28,7 +28,7 @@ return {
       float per_h
       float4 spring
       float4 hard_spring
-      float slop
+      float kick
     ]],
     apply_restitution = [[
       uint count

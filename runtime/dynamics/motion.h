@@ -87,7 +87,7 @@ typedef struct motion_args {
     arg_real dt_real;
     cl_float h, per_h, drag; // of a substep
     cl_float4 spring, hard_spring, pull;
-    cl_float slop, margin, least_speed;
+    cl_float kick, margin, least_speed;
     cl_float sleep_speed, sleep_after;
     cl_int4 base; // the cell that others are counted from
 

@@ -67,7 +67,7 @@ const binding motion_bindings[] = {
     VALUE(spring),
     VALUE(hard_spring),
     VALUE(pull),
-    VALUE(slop),
+    VALUE(kick),
     VALUE(margin),
     VALUE(aabb_margin),
     VALUE(least_speed),
@@ -139,16 +139,19 @@ static cl_float4 spring_of(const duet_motion *m, double h, double hertz)
 static void set_solver(duet_motion *m, double h)
 {
     const duet_motion_def *d = &m->def;
-    double hertz = 0.25 / h; // four substeps a swing, as fast as they can follow
+    double hertz = 1.0 / (6.0 * h); // six substeps a swing: a stiffer one shakes what it holds
     m->args.spring = spring_of(m, h, hertz);
     m->args.hard_spring = spring_of(m, h, 2.0 * hertz);
-    m->args.slop = (float)(m->margin / MOTION_SLOPS);
     m->args.least_speed = (float)d->restitution_threshold;
     // What a substep adds to the velocity of all that falls, and 1 / its time. An
     // attraction, which differs from place to place, is left out.
     double part = d->attraction != 0.0 ? 0.0 : h;
     m->args.pull = float4_of(part * d->gravity[0], part * d->gravity[1],
                              d->dims == 3 ? part * d->gravity[2] : 0.0, 1.0 / h);
+    // What a load adds to a closing speed in a substep. Less than a slop in a step is rest.
+    const cl_float *pull = m->args.pull.s;
+    double fall = sqrt(pull[0] * pull[0] + pull[1] * pull[1] + pull[2] * pull[2]);
+    m->args.kick = (float)(fall + m->margin / MOTION_SLOPS / d->dt);
 }
 
 // Where there are none, walls are far away.

@@ -182,7 +182,7 @@ __kernel void store_impulses(STORE_IMPULSES_ARGS)
         __global float *constraint = constraint_at(blocks, first_slot + k * apart);
         __global float *record = contacts + (size_t)list[first + k] * RECORD;
         ask_for(contacts + (size_t)list[first + min(k + 8, end - 1)] * RECORD + HEAD);
-        uint n = as_uint(constraint[IN_POINTS * BLOCK]) & POINTS_MASK;
+        uint n = as_uint(constraint[IN_POINTS * BLOCK]);
         for (uint p = 0; p < n; ++p) {
             __global const float *point = point_at(constraint, p);
             __global float *saved = record + HEAD + p * POINT_FLOATS;

@@ -27,7 +27,7 @@
     float per_h, \
     float4 spring, \
     float4 hard_spring, \
-    float slop
+    float kick
 #line 1 "kernels/common.clh"
 #line 1 "kernels/lanes.clh"
 #line 1 "kernels/dynamics/vector.clh"
@@ -47,8 +47,8 @@
 //           `apart` slots from each other, `each` a work-item
 //   spring  bias rate, mass scale, impulse scale, greatest speed of push-out;
 //           hard_spring: against bodies that never move
-//   slop    a point that closes faster than this in a substep is an impact; its
-//           impulse is not used as a warm start
+//   kick    the speed that a load can add to a point in a substep: what asks for more
+//           than that, and twice the last push, is an impact
 
 // ------------------------------------------------------------ solving
 
@@ -57,7 +57,8 @@ typedef struct {
     real speed;  // along the normal, at least
     real weight; // part of the mass that answers
     real decay;  // part of the push that is let go
-    mask impact; // closes faster than a slop in a substep
+    real load;   // the most that the next substep may begin with
+    mask impact; // asks for more
 } demand;
 
 // The separation after positions were integrated; the next substep begins with it.
@@ -70,16 +71,19 @@ static inline real find_separation(const pair *p, __global float *point, vec anc
 }
 
 static inline demand demand_of(const pair *p, __global float *point, uint soft, float per_h, float4 spring,
-                               float4 hard_spring, float slop)
+                               float4 hard_spring, float kick)
 {
     vec anchor = get_vec(point, BY_ANCHOR);
-    real separation = soft ? get(point, BY_CURRENT) : find_separation(p, point, anchor);
+    real mass = get(point, BY_NORMAL_MASS), push = get(point, BY_NORMAL_IMPULSE);
     demand d;
+    d.load = soft ? fma(mass, (real)(kick), push + push) : get(point, BY_LOAD);
+    d.impact = fma(-mass, vec_dot(velocity_between(p, anchor), p->normal), push) > d.load;
+    real separation = soft ? get(point, BY_CURRENT) : find_separation(p, point, anchor);
     d.speed = select((real)(0.0f), separation * per_h, separation > 0.0f);
     d.weight = 1.0f;
     d.decay = 0.0f;
-    d.impact = vec_dot(velocity_between(p, anchor), p->normal) < -slop * per_h;
     if (soft) {
+        put(point, BY_LOAD, d.load);
         mask pressed = separation <= 0.0f;
         mask hard = !(p->b.inverse_mass > 0.0f) | !(p->a.inverse_mass > 0.0f);
         real rate = select((real)(spring.x), (real)(hard_spring.x), hard);
@@ -106,17 +110,21 @@ static inline void press(pair *p, __global float *point, demand d, mask where)
     real speed = vec_dot(velocity_between(p, anchor), p->normal);
     add_impulse(p, point, anchor, fma(-get(point, BY_NORMAL_MASS) * d.weight, speed + d.speed, fma(-d.decay, old, old)), where);
 }
-#line 128 "kernels/dynamics/solve_contacts.cl.in"
+#line 132 "kernels/dynamics/solve_contacts.cl.in"
 
-// A push that stopped an impact: once is enough.
-static inline void forget_impacts(__global float *point, mask stopped)
+// An impact is stopped once: the next substep begins with a load's part of the push.
+static inline void forget_impact(__global float *point, real load)
 {
-    put(point, BY_NORMAL_IMPULSE, select(get(point, BY_NORMAL_IMPULSE), (real)(0.0f), stopped));
-#line 139 "kernels/dynamics/solve_contacts.cl.in"
+    real push = get(point, BY_NORMAL_IMPULSE);
+    mask over = push > load;
+    if (!any_lane(over))
+        return;
+    put(point, BY_NORMAL_IMPULSE, select(push, load, over));
+#line 148 "kernels/dynamics/solve_contacts.cl.in"
 }
 
 static inline void solve_slots(__global float *constraint, __global float4 *bodies, uint soft, float per_h,
-                               float4 spring, float4 hard_spring, float slop)
+                               float4 spring, float4 hard_spring, float kick)
 {
     pair p;
     load_pair(&p, constraint, bodies);
@@ -124,31 +132,21 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
         load_turn(&p.a, bodies, p.owner);
         load_turn(&p.b, bodies, p.other);
     }
-#line 155 "kernels/dynamics/solve_contacts.cl.in"
+#line 164 "kernels/dynamics/solve_contacts.cl.in"
     demand demands[POINTS];
-    mask stiff = p.n > 1u;
+    mask stiff = p.n > 1u, struck = 0;
     for (int k = 0; k < p.most; ++k) {
-        demands[k] = demand_of(&p, point_at(constraint, k), soft, per_h, spring, hard_spring, slop);
+        demands[k] = demand_of(&p, point_at(constraint, k), soft, per_h, spring, hard_spring, kick);
         stiff &= (demands[k].decay == 0.0f) | !has_point(&p, k);
+        struck |= demands[k].impact & has_point(&p, k);
     }
-#line 165 "kernels/dynamics/solve_contacts.cl.in"
+#line 175 "kernels/dynamics/solve_contacts.cl.in"
     for (int turn = 0; turn < p.most; ++turn) { // to and fro, so that no side is favoured
         int k = soft ? turn : p.most - 1 - turn;
         press(&p, point_at(constraint, k), demands[k], has_point(&p, k));
     }
-    word marks = p.n;
-    for (int k = 0; k < p.most; ++k) {
-        __global float *point = point_at(constraint, k);
-        mask stopped = demands[k].impact & (get(point, BY_NORMAL_IMPULSE) > 0.0f);
-        marks |= select((word)(0u), (word)(IMPACT(k)), stopped);
-        if (!soft) {
-            stopped |= (p.marks & (word)(IMPACT(k))) != (word)(0u);
-            if (any_lane(stopped))
-                forget_impacts(point, stopped);
-        }
-    }
-    if (soft && any_lane(marks != p.marks))
-        put(constraint, IN_POINTS, as_real(marks));
+    for (int k = 0; k < p.most && !soft; ++k)
+        forget_impact(point_at(constraint, k), demands[k].load);
     keep_velocity(bodies, p.owner, &p.a);
     keep_velocity(bodies, p.other, &p.b);
     if (!soft)
@@ -196,7 +194,7 @@ __kernel void solve_contacts(SOLVE_CONTACTS_ARGS)
         if (next < to)
             ask_for_bodies(constraint_at(blocks, first_slot + next * apart), bodies, soft);
 #endif
-        solve_slots(constraint_at(blocks, first_slot + k * apart), bodies, soft, per_h, spring, hard_spring, slop);
+        solve_slots(constraint_at(blocks, first_slot + k * apart), bodies, soft, per_h, spring, hard_spring, kick);
     }
 }
 

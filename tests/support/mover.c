@@ -113,6 +113,14 @@ double mover_speed(const mover *m, uint32_t id)
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
+double mover_greatest_speed(const mover *m)
+{
+    double greatest = 0.0;
+    for (uint32_t id = 0; id < m->n; ++id)
+        greatest = fmax(greatest, mover_speed(m, id));
+    return greatest;
+}
+
 void mover_assert_finite(const mover *m)
 {
     const double *numbers = (const double *)m->states;
@@ -153,6 +161,41 @@ void mover_add_pile(mover *m, uint32_t n)
         mover_turn(m, id, 1, i % 3, i % 5, 0.1 * (i % 60));
         m->bodies[id].friction = 0.5f;
         m->bodies[id].restitution = 0.2f;
+    }
+}
+
+void mover_add_pyramid(mover *m, uint32_t rows)
+{
+    mover_add_floor(m, rows);
+    for (uint32_t row = 0; row < rows; ++row)
+        for (uint32_t i = 0; i < rows - row; ++i)
+            mover_add_rough_cube(m, i - 0.5 * (rows - row - 1), 0, row + 0.5);
+}
+
+static void add_card(mover *m, double x, double z, double lean)
+{
+    uint32_t id = mover_add(m, x, 0, z, 0.01, 0.2, 0.2);
+    mover_turn(m, id, 0, 1, 0, lean);
+    m->bodies[id].friction = 0.7f;
+}
+
+void mover_add_card_house(mover *m, uint32_t levels)
+{
+    const double lean = 25 * 3.14159265358979323846 / 180, half = 0.2, thin = 0.01;
+    double apart = half * sin(lean) + thin * cos(lean); // the middles of a pair from its edge
+    double tall = 2 * (half * cos(lean) + thin * sin(lean)), pitch = 2 * half + 0.002, z = 0;
+    uint32_t floor = mover_add_floor(m, 5);
+    m->bodies[floor].friction = 0.7f;
+    for (uint32_t pairs = levels; pairs > 0; --pairs) {
+        double first = -0.5 * (pairs - 1) * pitch;
+        for (uint32_t i = 0; i < pairs; ++i) {
+            add_card(m, first + i * pitch - apart, z + tall / 2, lean);
+            add_card(m, first + i * pitch + apart, z + tall / 2, -lean);
+        }
+        z += tall;
+        for (uint32_t i = 0; i + 1 < pairs; ++i)
+            add_card(m, first + (i + 0.5) * pitch, z + thin, 3.14159265358979323846 / 2);
+        z += 2 * thin;
     }
 }
 

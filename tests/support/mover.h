@@ -39,6 +39,12 @@ uint32_t mover_add_floor(mover *m, double half);
 uint32_t mover_add_rough_cube(mover *m, double x, double y, double z);
 void mover_add_pile(mover *m, uint32_t n);
 
+// On a floor of their own: unit cubes in rows, each half on two of the row below; a house
+// of cards, 20 x 400 x 400 mm with friction 0.7, pairs that lean on each other under cards
+// that lie.
+void mover_add_pyramid(mover *m, uint32_t rows);
+void mover_add_card_house(mover *m, uint32_t levels);
+
 // Makes the motion, if there is none, advances it and reads the states.
 void mover_run(mover *m, uint32_t steps);
 void mover_restart(mover *m); // forgets the motion
@@ -46,6 +52,7 @@ duet_energy mover_energy(mover *m);
 uint64_t mover_hash(mover *m);
 double mover_total(mover *m); // energy of all kinds
 double mover_speed(const mover *m, uint32_t id);
+double mover_greatest_speed(const mover *m);
 void mover_assert_finite(const mover *m); // what mover_run read
 
 // CMocka compares floats.
