@@ -145,6 +145,11 @@ const char *gen_kernel(const gen *g, uint32_t i)
     return i < g->n_kernels ? g->kernels[i].name : NULL;
 }
 
+const char *gen_built_ins(const gen *g)
+{
+    return g->dir ? NULL : blob_find("kernels/built_ins.clh")->bytes;
+}
+
 static kernel *find_kernel(gen *g, const char *name, duet_error *err)
 {
     for (uint32_t i = 0; i < g->n_kernels; ++i) {

@@ -25,6 +25,16 @@ bool driver_keeps_kernels(const duet_device_info *info)
     return is_pocl(info);
 }
 
+const char *driver_header_option(const duet_device_info *info)
+{
+    return is_pocl(info) ? "-D _OPENCL_H_" : NULL; // what guards Clang's opencl-c.h
+}
+
+static bool reads_header(const duet_device_info *info)
+{
+    return driver_header_option(info);
+}
+
 const char *duet_device_info_get_quirk(const duet_device_info *info, uint32_t i)
 {
     static const struct {
@@ -34,6 +44,8 @@ const char *duet_device_info_get_quirk(const duet_device_info *info, uint32_t i)
         {mixes_up_programs, "mixes up equal programs of two devices: each open device has its own"},
         {driver_keeps_kernels,
          "compiles twice when asked for binaries: what it built is left to its own cache"},
+        {reads_header,
+         "reads 17,000 lines of declarations for each program: Duet's kernels have their own"},
     };
     for (size_t k = 0; info && k < sizeof known / sizeof *known; ++k)
         if (known[k].has(info) && i-- == 0)

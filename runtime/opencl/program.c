@@ -99,6 +99,15 @@ bool kernel_is(const kernel *k, const char *name)
     return k && strncmp(k->name, name, length) == 0 && (k->name[length] == '.' || !k->name[length]);
 }
 
+static void release_built(program *p)
+{
+    if (!p->cl)
+        return;
+    clReleaseProgram(p->cl);
+    device_object_gone();
+    p->cl = NULL;
+}
+
 static void free_program(program *p)
 {
     for (int i = 0; i < p->n_entries; ++i) {
@@ -107,10 +116,7 @@ static void free_program(program *p)
         clReleaseKernel(p->entries[i].k.cl);
         device_object_gone();
     }
-    if (p->cl) {
-        clReleaseProgram(p->cl);
-        device_object_gone();
-    }
+    release_built(p);
     free(p->text);
     free(p);
 }
@@ -143,15 +149,37 @@ static bool fail_with_log(const program_set *set, cl_program cl, const char *nam
                      length ? from : "the compiler is silent");
 }
 
+static cl_int build_sources(const program_set *set, program *p, cl_uint n, const char *sources[],
+                            const char *options)
+{
+    cl_int code = CL_SUCCESS;
+    p->cl = clCreateProgramWithSource(set->device->context, n, sources, NULL, &code);
+    if (!p->cl)
+        return code;
+    device_object_made();
+    return clBuildProgram(p->cl, 1, &set->device->id, options, NULL, NULL);
+}
+
+// With declarations of ours in the place of the driver's header.
+static bool build_declared(const program_set *set, program *p)
+{
+    const char *leave_out = driver_header_option(&set->device->info);
+    const char *sources[] = {gen_built_ins(set->gen), p->text};
+    char options[96];
+    snprintf(options, sizeof options, "%s %s", set->build_options, leave_out ? leave_out : "");
+    return leave_out && sources[0] && build_sources(set, p, 2, sources, options) == CL_SUCCESS;
+}
+
+// What a driver refuses with our declarations is built with its own, and its messages count.
 static bool build_source(const program_set *set, program *p, duet_error *err)
 {
+    if (build_declared(set, p))
+        return true;
+    release_built(p);
     const char *source = p->text;
-    cl_int code = CL_SUCCESS;
-    p->cl = clCreateProgramWithSource(set->device->context, 1, &source, NULL, &code);
+    cl_int code = build_sources(set, p, 1, &source, set->build_options);
     if (!p->cl)
         return error_set_cl(err, code, "%s on %s", p->name, set->device->info.selector);
-    device_object_made();
-    code = clBuildProgram(p->cl, 1, &set->device->id, set->build_options, NULL, NULL);
     return code == CL_SUCCESS || fail_with_log(set, p->cl, p->name, err);
 }
 
