@@ -240,10 +240,10 @@ static void what_cannot_be_written_is_not_half_written(void **state)
 static void ctrl_c_shows_what_was_timed(void **state)
 {
     (void)state;
-    cJSON_Delete(run_json(SCENE " --repeat 300"));
+    cJSON_Delete(run_json(SCENE " -n 3000 --repeat 20"));
     // in the foreground timeout(1) sends its signal once, as a person does
     program p = program_run_with("timeout --foreground --preserve-status -s INT 2",
-                                 "run %s --repeat 100000 --json", SCENE);
+                                 "run %s -n 3000 --repeat 100000 --json", SCENE);
     assert_int_equal(p.exit_code, 130); // a shell's word for an end by SIGINT
     assert_string_equal(p.err, "duet: stopped\n");
     if (*p.out) {
