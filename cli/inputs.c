@@ -22,7 +22,7 @@ static void show_compiling(void *context, const duet_device_info *device, const 
     static char what[160];
     (void)context;
     if (kernel && k == 1) {
-        snprintf(what, sizeof what, "%s: compiling (first run on this device), kernel",
+        snprintf(what, sizeof what, "%s: first run, compiling kernel",
                  device->selector);
         shown = progress_begin(what, n);
     }

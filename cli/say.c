@@ -86,31 +86,8 @@ bool say_finish(void)
 
 enum { LEAST_NS_BETWEEN = 100000000, LINE_MOST = 200 };
 
-static int depth; // of works that are one a part of another: the outermost is shown
-
-progress progress_begin(const char *what, uint64_t total)
-{
-    return (progress){
-        .what = what,
-        .total = total,
-        .begun_ns = clock_steady_ns(),
-        .on_terminal = depth++ == 0 && isatty(STDERR_FILENO),
-    };
-}
-
-static size_t terminal_width(void)
-{
-    struct winsize size;
-    bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-    return known ? size.ws_col : 80;
-}
-
-static void show_line(const char *line)
-{
-    // A line that reached the last column would wrap, and could not be cleared.
-    fprintf(stderr, "\r\033[K%.*s", (int)terminal_width() - 1, line);
-    fflush(stderr);
-}
+static int depth;             // of works that are one a part of another
+static char whole[LINE_MOST]; // how far the outermost is, without its rate
 
 // What the library tells is of no unit that a person would know.
 static int add_part(const progress *p, uint64_t done, double seconds, char *to, size_t size)
@@ -120,29 +97,67 @@ static int add_part(const progress *p, uint64_t done, double seconds, char *to, 
     return snprintf(to, size, "%s: %.0f s", p->what, seconds);
 }
 
-static int add_count(const progress *p, uint64_t done, double seconds, char *to, size_t size)
+static int add_count(const progress *p, uint64_t done, char *to, size_t size)
 {
     int n = snprintf(to, size, "%s %" PRIu64, p->what, done);
     if (p->total > 0)
         n += snprintf(to + n, size - (size_t)n, " of %" PRIu64, p->total);
-    if (done > 0 && seconds > 0)
-        n += snprintf(to + n, size - (size_t)n, ", %.3g a second", (double)done / seconds);
     return n;
+}
+
+static void write_line(const progress *p, uint64_t done, bool rate, char line[LINE_MOST])
+{
+    double seconds = (double)(clock_steady_ns() - p->begun_ns) * 1e-9;
+    int n = p->follows ? add_part(p, done, seconds, line, LINE_MOST)
+                       : add_count(p, done, line, LINE_MOST);
+    if (rate && !p->follows && done > 0 && seconds > 0)
+        n += snprintf(line + n, LINE_MOST - (size_t)n, ", %.3g a second", (double)done / seconds);
+    if (p->total > done && done > 0)
+        snprintf(line + n, LINE_MOST - (size_t)n, ", %.0f s left",
+                 seconds * (double)(p->total - done) / (double)done);
+}
+
+progress progress_begin(const char *what, uint64_t total)
+{
+    progress p = {
+        .what = what,
+        .total = total,
+        .begun_ns = clock_steady_ns(),
+        .on_terminal = isatty(STDERR_FILENO),
+        .is_part = depth++ > 0,
+    };
+    if (!p.is_part)
+        write_line(&p, 0, false, whole);
+    return p;
+}
+
+static size_t terminal_width(void)
+{
+    struct winsize size;
+    bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+    return known ? size.ws_col : 80;
+}
+
+static void show_line(const char *before, const char *line)
+{
+    // A line that reached the last column would wrap, and could not be cleared.
+    char shown[2 * LINE_MOST + 2];
+    snprintf(shown, sizeof shown, "%s%s%s", before, *before ? "; " : "", line);
+    fprintf(stderr, "\r\033[K%.*s", (int)terminal_width() - 1, shown);
+    fflush(stderr);
 }
 
 void progress_show(progress *p, uint64_t done)
 {
     uint64_t now = clock_steady_ns();
+    char line[LINE_MOST];
     if (!p->on_terminal || now - p->shown_ns < LEAST_NS_BETWEEN)
         return;
     p->shown_ns = now;
-    char line[LINE_MOST];
-    double seconds = (double)(now - p->begun_ns) * 1e-9;
-    int n = (p->follows ? add_part : add_count)(p, done, seconds, line, sizeof line);
-    if (p->total > done && done > 0)
-        snprintf(line + n, sizeof line - (size_t)n, ", %.0f s left",
-                 seconds * (double)(p->total - done) / (double)done);
-    show_line(line);
+    write_line(p, done, !p->is_part, line);
+    if (!p->is_part)
+        write_line(p, done, false, whole);
+    show_line(p->is_part ? whole : "", line);
 }
 
 static void hear(void *listener, uint64_t done, uint64_t total)

@@ -44,14 +44,16 @@ bool say_to_file(struct text *chars, const char *path, duet_error *err);
 bool say_finish(void);
 
 // A line on the terminal that tells how far long work is: its rate and the
-// time left. Nothing is shown where stderr is not a terminal.
-// Of works that are a part of another only that one is shown.
+// time left. Nothing is shown where stderr is not a terminal. Of works that are
+// a part of another the outermost is shown, and how far the innermost is in it:
+// "case 3 of 24, 40 s left; kernel 2 of 9".
 typedef struct progress {
     const char *what; // "step", "launch"; up to 100 characters
     uint64_t total;   // 0: not known
     uint64_t begun_ns;
     uint64_t shown_ns;
     bool on_terminal;
+    bool is_part; // of another
     bool follows; // what the library tells
 } progress;
 

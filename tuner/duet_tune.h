@@ -15,7 +15,8 @@ typedef struct duet_tune_progress {
     const duet_plan *plan;
     double ms;            // of the trial; 0 where the plan did not run
     uint32_t trials;      // so far
-    uint32_t most_trials; // there will be no more; 0: not known
+    uint32_t most_trials; // there will be no more, or about so many where kernels are searched; 0:
+                          // not known
     uint32_t launches;
     double seconds;
     bool remembered; // from an interrupted session, not measured again

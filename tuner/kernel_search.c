@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/kernel_search.h"
 
-static const double BEHIND = 1.1; // in times of the fastest
+#include <math.h>
+
+static const double BEHIND = 1.07; // in times of the fastest
 
 kernel_search kernel_search_begin(const kernel_space *space)
 {
-    kernel_search s = {.space = space, .best = space->now, .tried = 1};
+    kernel_search s = {.space = space, .best = space->now, .best_ns = INFINITY, .tried = 1};
     s.seen[space->now] = true;
     return s;
 }
@@ -70,6 +72,7 @@ void kernel_search_tell(kernel_search *s, const uint32_t *configs, const double 
         s->behind[s->param][s->space->configs[configs[i]][s->param]] =
             !(times[i] <= BEHIND * times[fastest]);
     s->best = configs[fastest];
+    s->best_ns = times[fastest];
     s->idle = 1;
     s->param = (s->param + 1) % s->space->n_params;
 }

@@ -13,6 +13,7 @@
 typedef struct kernel_search {
     const kernel_space *space;
     uint32_t best;  // config
+    double best_ns; // by the race before; INFINITY: it was in none
     uint32_t param; // to be varied next
     uint32_t idle;  // parameters in a row that brought nothing new to try
     uint32_t tried; // configs, the one at the start counted

@@ -12,7 +12,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double WORTH_SEARCH = 0.03; // a kernel that takes so much of its device's time
+static const double BEHIND = 1.07;        // in times of the fastest
+static const double TRIALS_A_VALUE = 2.6; // of a parameter, on invented kernels
+static const double WORTH_SEARCH = 0.03;  // a kernel that takes so much of its device's time
+
+static const race_options confirmation = {
+    .least_rounds = 10, .most_rounds = 24, .confidence = 0.99, .dropped = INFINITY, .margin = 0.02};
 
 // The configs as plans; one whose text would be too long is left out.
 static uint32_t enter_configs(const duet_plan *plan, int device, const kernel_space *space,
@@ -30,56 +35,68 @@ static uint32_t enter_configs(const duet_plan *plan, int device, const kernel_sp
     return kept;
 }
 
-// Drops what is so much slower than the fastest; returns how many are left.
-static uint32_t drop_slower(double *times, bool *out, uint32_t n, double slower)
+// Who takes so much longer than the fastest is out; returns how many are left.
+static uint32_t drop_slower(const double *times, bool *out, uint32_t n)
 {
     double least = INFINITY;
     uint32_t left = 0;
     for (uint32_t i = 0; i < n; ++i)
         least = fmin(least, times[i]);
     for (uint32_t i = 0; i < n; ++i) {
-        out[i] = out[i] || !(times[i] <= slower * least);
+        out[i] = !(times[i] <= BEHIND * least);
         left += !out[i];
     }
     return left;
 }
 
-// Launches the configs in turn, round by round. A config that is far behind is left out
-// after the first round, one that is a little behind after the second. A config's time is the least
-// that its kernel took, by the device's own clock: what disturbs a launch only adds to it. INFINITY
-// for one that did not run.
-static bool screen_configs(tuning *t, const field *f, double times[KERNEL_SPACE_VALUES],
+// One launch of each config that is still in. A config's time is the least that its kernel
+// took, by the device's own clock: what disturbs a launch only adds to it. It stays INFINITY
+// for one that does not run.
+static bool launch_configs(tuning *t, const field *f, const bool *out, double *times,
                            duet_error *err)
 {
-    static const double slower[] = {1.1, 1.03};
-    bool out[KERNEL_SPACE_VALUES] = {false};
-    uint32_t left = f->n;
-    for (uint32_t i = 0; i < f->n; ++i)
-        times[i] = INFINITY;
-    for (size_t round = 0; left > 1 && round < sizeof slower / sizeof *slower; ++round) {
-        for (uint32_t k = 0; k < f->n; ++k) {
-            uint32_t i = (k + (uint32_t)round) % f->n;
-            trial got;
-            if (out[i] || !tuning_within_budget(t))
-                continue;
-            if (!tuning_run_trial(t, &f->plans[i], &got, err))
-                return false;
-            if (got.usable)
-                times[i] = fmin(times[i], (double)got.focus_ns);
-        }
-        left = drop_slower(times, out, f->n, slower[round]);
+    for (uint32_t i = 0; i < f->n; ++i) {
+        trial got;
+        if (out[i] || !tuning_within_budget(t))
+            continue;
+        if (!tuning_run_trial(t, &f->plans[i], &got, err))
+            return false;
+        if (got.usable)
+            times[i] = fmin(times[i], (double)got.focus_ns);
     }
     return true;
 }
 
+// Races the best config so far, which is the first, with others. At first the others run
+// alone: one that is clearly behind what the best took in the race before is out. Only
+// where some are left the best runs too, in turn with them, since the machine may have
+// become slower or faster.
+static bool screen_configs(tuning *t, const field *f, double best_ns,
+                           double times[KERNEL_SPACE_VALUES], duet_error *err)
+{
+    bool out[KERNEL_SPACE_VALUES] = {true};
+    for (uint32_t i = 0; i < f->n; ++i)
+        times[i] = INFINITY;
+    if (!launch_configs(t, f, out, times, err))
+        return false;
+    times[0] = best_ns;
+    uint32_t left = drop_slower(times, out, f->n);
+    if (left == 1 && !out[0])
+        return true;
+    out[0] = false;
+    times[0] = INFINITY;
+    return launch_configs(t, f, out, times, err);
+}
+
 // Whether the kernel takes enough of its device's time for a search to pay.
 static bool is_worth_search(tuning *t, const duet_plan *plan, int device, bool *worth,
-                            duet_error *err)
+                            double *kernel_ns, duet_error *err)
 {
     trial got;
     if (!tuning_run_trial(t, plan, &got, err))
         return false;
     double whole = (double)(device == 0 ? got.sample.a_ns : got.sample.b_ns);
+    *kernel_ns = (double)got.focus_ns;
     *worth = got.usable && (double)got.focus_ns > WORTH_SEARCH * whole;
     return true;
 }
@@ -93,12 +110,12 @@ static bool search_kernel(tuning *t, int device, const kernel_space *space, duet
     bool worth;
     kernel_search s = kernel_search_begin(space);
     t->focus = (focus){device, space->stages, KERNEL_SPACE_STAGES};
-    if (!is_worth_search(t, plan, device, &worth, err))
+    if (!is_worth_search(t, plan, device, &worth, &s.best_ns, err))
         return false;
     while (worth && tuning_within_budget(t) && (n = kernel_search_next(&s, configs)) > 0) {
         field f = {0};
         n = enter_configs(plan, device, space, configs, n, &f);
-        if (!screen_configs(t, &f, times, err))
+        if (!screen_configs(t, &f, s.best_ns, times, err))
             return false;
         kernel_search_tell(&s, configs, times, n);
     }
@@ -115,11 +132,6 @@ static bool search_kernel(tuning *t, int device, const kernel_space *space, duet
 static bool confirm_kernels(tuning *t, int device, const duet_plan *before, const duet_plan *after,
                             duet_kernel_search *told, duet_error *err)
 {
-    static const race_options to_the_end = {.least_rounds = 10,
-                                            .most_rounds = 24,
-                                            .confidence = 0.99,
-                                            .dropped = INFINITY,
-                                            .margin = 0.02};
     static const char *const stages[] = {"search", "candidates", "narrow",     "reorder", "bounds",
                                          "hash",   "sort",       "cell start", "clear"};
     race_gain gain = {.verdict = RACE_SAME, .ratio = 1, .interval = {1, 1, 1}};
@@ -128,7 +140,7 @@ static bool confirm_kernels(tuning *t, int device, const duet_plan *before, cons
         field f = {0};
         field_enter(&f, *before);
         field_enter(&f, *after);
-        if (!field_race(t, &f, &to_the_end, false, INFINITY, err))
+        if (!field_race(t, &f, &confirmation, false, INFINITY, err))
             return false;
         gain.verdict = RACE_AMBIGUOUS;
         if (f.race.rivals[0].rounds > 0 && f.race.rivals[1].rounds > 0)
@@ -148,12 +160,27 @@ static bool is_meant(const char *what, const kernel_space *space)
     return strcmp(what, "kernels") == 0 || strcmp(what, space->kernel) == 0;
 }
 
+// What is still to be searched and confirmed of this device takes about so many trials, and
+// the next device as many as this one.
+static void expect_trials(tuning *t, int device, const kernel_space *spaces, uint32_t n,
+                          uint32_t so_far)
+{
+    uint32_t left = 2 * confirmation.most_rounds;
+    for (uint32_t i = 0; i < n; ++i)
+        for (uint32_t p = 0; is_meant(t->task->def->search, &spaces[i]) && p < spaces[i].n_params;
+             ++p)
+            left += (uint32_t)(TRIALS_A_VALUE * (spaces[i].params[p].n_values - 1));
+    uint32_t next = device == 1 && !t->task->one_device ? so_far + left : 0;
+    t->search_known = true;
+    t->search_trials = t->state->played - t->search_begun + left + next;
+}
+
 static bool search_device(tuning *t, int device, uint32_t share, duet_kernel_search *told,
                           duet_error *err)
 {
     const tune_kernels *kernels = &t->task->kernels;
     kernel_space *spaces = NULL;
-    uint32_t n = 0, launches = t->launches;
+    uint32_t n = 0, launches = t->launches, begun = t->state->played;
     trial got;
     duet_plan before = tuning_plan(t, share, DUET_MODE_OWN), after = before;
     if (!tuning_run_trial(t, &before, &got, err))
@@ -164,6 +191,7 @@ static bool search_device(tuning *t, int device, uint32_t share, duet_kernel_sea
         if (!is_meant(t->task->def->search, &spaces[i]))
             continue;
         t->found = true;
+        expect_trials(t, device, &spaces[i], n - i, t->state->played - begun);
         ok = search_kernel(t, device, &spaces[i], &after, told, err);
     }
     free(spaces);
@@ -195,6 +223,7 @@ bool kernel_tuning_run(tuning *t, duet_kernel_search told[2], duet_error *err)
     uint32_t repeats = t->repeats, share;
     if (!t->task->def->search)
         return true;
+    t->search_begun = t->state->played;
     t->stage = "kernels of B";
     t->stage_end = (VARIANTS_END + KERNELS_END) / 2;
     t->keeps_warm = true;
@@ -211,6 +240,8 @@ bool kernel_tuning_run(tuning *t, duet_kernel_search told[2], duet_error *err)
               (variants_share_of_a(t, &share, err) && search_device(t, 0, share, &told[0], err)));
     t->keeps_warm = false;
     t->repeats = repeats;
+    t->search_known = true;
+    t->search_trials = t->state->played - t->search_begun;
     if (ok && !t->found && tuning_within_budget(t))
         return error_set(err, DUET_STATUS_NOT_FOUND,
                          "search '%s': neither device runs it with several configs by '%s' and "

@@ -26,14 +26,13 @@ uint32_t trial_budget_least(const duet_tune_def *def)
            LEAST_RACED * most_rivals(def) + LEAST_RACED * 2;
 }
 
-uint32_t trial_budget_most(const tune_task *task)
+uint32_t trial_budget_most(const tune_task *task, uint32_t kernels)
 {
     const duet_tune_def *def = task->def;
     uint32_t variants = task_count_variants(def), modes = task_count_modes(def);
-    if (def->search)
-        return def->budget_trials; // nobody knows how many a search of kernels takes
     uint32_t searched = strategy_find(def->strategy)->launches;
-    uint32_t most = (variants > 1 ? 2 * variants * trial_budget_quick_race.most_rounds + 2 : 0) +
+    uint32_t most = kernels +
+                    (variants > 1 ? 2 * variants * trial_budget_quick_race.most_rounds + 2 : 0) +
                     modes * searched + most_rivals(def) * race_default_options().most_rounds +
                     3 * trial_budget_last_race.most_rounds +
                     (task->whole.open ? 2 * race_default_options().most_rounds : 0);

@@ -25,8 +25,8 @@ extern const race_options trial_budget_last_race;  // of the verdict
 // The fewest trials of a budget from which a verdict follows.
 uint32_t trial_budget_least(const duet_tune_def *def);
 
-// What variants, search and verdict take at most; 0: nobody knows.
-uint32_t trial_budget_most(const tune_task *task);
+// What variants, search and verdict take at most, beside the kernels' search.
+uint32_t trial_budget_most(const tune_task *task, uint32_t kernels);
 
 // Trials at which the stage with that end must end, of a budget in trials.
 double trial_budget_end(const tune_task *task, double stage_end);

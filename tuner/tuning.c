@@ -59,6 +59,13 @@ bool tuning_stop(const tuning *t, duet_error *err)
                      t->state->played);
 }
 
+// Before the kernels are known that are searched, nobody knows; but a budget ends it.
+static uint32_t most_trials(const tuning *t)
+{
+    bool known = t->search_known || !t->task->def->search;
+    return known ? trial_budget_most(t->task, t->search_trials) : t->task->def->budget_trials;
+}
+
 static bool tell_watcher(const tuning *t, const trial_log_entry *entry, bool remembered,
                          duet_error *err)
 {
@@ -68,7 +75,7 @@ static bool tell_watcher(const tuning *t, const trial_log_entry *entry, bool rem
         .plan = &entry->plan,
         .ms = (double)entry->sample.total_ns * 1e-6,
         .trials = t->state->played + t->unlogged,
-        .most_trials = trial_budget_most(t->task),
+        .most_trials = most_trials(t),
         .launches = t->launches,
         .seconds = (double)t->spent_ns * 1e-9,
         .remembered = remembered,

@@ -22,7 +22,10 @@ typedef struct tuning {
     bool keeps_warm;  // a plan that ran before is not warmed up again
     uint32_t first;   // trial that this process measured
     focus focus;
-    duet_plan plan; // the variants chosen so far
+    duet_plan plan;         // the variants chosen so far
+    bool search_known;      // how many trials the search of kernels takes
+    uint32_t search_begun;  // at this trial
+    uint32_t search_trials; // about
     uint32_t launches;
     uint32_t unlogged; // trials of the whole device, which the log has no plan for
     uint64_t spent_ns;

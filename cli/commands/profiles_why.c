@@ -62,6 +62,18 @@ static bool look(const arguments *args, answer *a, duet_error *err)
     return ok;
 }
 
+// Of many millions of objects it takes seconds.
+static bool read_subject(duet_world *world, const duet_scene *scene, profile_subject *asked,
+                         duet_error *err)
+{
+    progress p = progress_begin("looking at the objects", 0);
+    progress_follow(&p);
+    progress_show(&p, 0);
+    bool ok = duet_world_set_scene(world, scene, err) && profile_subject_read(world, asked, err);
+    progress_end(&p);
+    return ok;
+}
+
 static void print_device(const char *letter, const profile_env *env)
 {
     printf("%s         %s%s%s%s, driver %s\n", letter, env->device.name, env->part ? " [" : "",
@@ -177,8 +189,7 @@ static bool run(void *given, char **operands, duet_error *err)
         duet_world_def def = duet_scene_world_def(scene, pair);
         a.fallback = duet_default_plan(pair);
         world = inputs_change_level(&args->level, &def, err) ? duet_world_create(&def, err) : NULL;
-        ok = world && duet_world_set_scene(world, scene, err) &&
-             profile_subject_read(world, &a.asked, err) && look(args, &a, err);
+        ok = world && read_subject(world, scene, &a.asked, err) && look(args, &a, err);
     }
     if (ok && args->json)
         ok = print_json(&a, err);

@@ -169,16 +169,25 @@ static void print_accuracy(const cJSON *row)
            100 * json_number(row, "missed_rate"), 100 * json_number(row, "false_rate"));
 }
 
+static void print_search(const cJSON *o)
+{
+    const char *verdict = json_string(o, "verdict"), *variant = json_string(o, "variant");
+    printf("  kernels of %s: %.0f of %.0f sets of parameters tried in %.0f launches:\n    ",
+           json_string(o, "device"), json_number(o, "tried"), json_number(o, "configs"),
+           json_number(o, "launches"));
+    if (strcmp(verdict, "faster") == 0)
+        printf("%.1f %% faster (%.1f to %.1f) by '%s'\n", 100 * json_number(o, "gain"),
+               100 * json_number(o, "gain_low"), 100 * json_number(o, "gain_high"), variant);
+    else if (strcmp(verdict, "ambiguous") == 0)
+        printf("the budget ended before one was surely faster; '%s' stays\n", variant);
+    else
+        printf("no faster set was found; '%s' stays\n", variant);
+}
+
 static void print_kernels(const cJSON *row)
 {
     const cJSON *one;
-    cJSON_ArrayForEach(one, json_list(row, "kernels"))
-        printf("  kernels of %s: %.0f of %.0f configs tried in %.0f launches, %+.1f %% (%+.1f to "
-               "%+.1f): %s; '%s'\n",
-               json_string(one, "device"), json_number(one, "tried"), json_number(one, "configs"),
-               json_number(one, "launches"), 100 * json_number(one, "gain"),
-               100 * json_number(one, "gain_low"), 100 * json_number(one, "gain_high"),
-               json_string(one, "verdict"), json_string(one, "variant"));
+    cJSON_ArrayForEach(one, json_list(row, "kernels")) print_search(one);
 }
 
 // The share as it is stored.
