@@ -83,7 +83,7 @@ local function read_examples(path)
       text, commands = {}, nil
     elseif commands then
       commands[#commands + 1] = line
-    elseif list and line ~= "" then
+    elseif list and line ~= "" and not line:match "^<!%-%-" then
       text[#text + 1] = line
     end
   end
@@ -187,8 +187,8 @@ local function man_page(page, pages, main, examples)
   for _, verb in ipairs(page.verbs) do add(entry(bold(verb.name), verb.text)) end
   if #page.options > 0 then section "OPTIONS" end
   for _, option in ipairs(page.options) do add(option_entry(option)) end
-  if examples then section "EXAMPLES" end
-  for i, example in ipairs(examples or {}) do
+  section "EXAMPLES"
+  for i, example in ipairs(examples) do
     if i > 1 then add ".PP\n" end
     add(paragraph(example.text))
     add ".PP\n.EX\n"
@@ -365,5 +365,7 @@ end
 add_pages(main)
 
 local examples = read_examples(examples_path)
-for _, page in ipairs(ordered) do man_page(page, pages, main, examples[page.command]) end
+for _, page in ipairs(ordered) do
+  man_page(page, pages, main, assert(examples[page.command], page.name .. ": examples.md has no example of it"))
+end
 write_completion(ordered, pages, main)
