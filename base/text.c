@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE // memrchr
 #include "base/text.h"
 
 #include "base/budget.h"
@@ -73,7 +73,29 @@ void text_free(text *t)
     *t = (text){0};
 }
 
-bool text_read_file(text *t, const char *path, duet_error *err)
+// NumPy's files begin with this byte, and hold any.
+static const char NPY = '\x93';
+
+// The first wrong byte ends the reading: a device may never end.
+static bool check_text(const text *t, const char *block, size_t n, size_t *line, const char *path,
+                       duet_error *err)
+{
+    size_t before = t->length - n;
+    if (t->chars[0] == NPY)
+        return true;
+    const char *nul = memchr(block, '\0', n);
+    if (nul)
+        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: byte %zu is NUL, so this is no text",
+                         path, before + (size_t)(nul - block));
+    const char *end = memrchr(block, '\n', n);
+    *line = end ? (size_t)(block + n - end) - 1 : *line + n;
+    return *line <= TEXT_LINE_MOST ||
+           error_set(err, DUET_STATUS_BAD_INPUT,
+                     "%s: has a line of more than %d MiB, so this is no text", path,
+                     TEXT_LINE_MOST >> 20);
+}
+
+static bool read_file(text *t, const char *path, bool is_text, duet_error *err)
 {
     bool is_stdin = strcmp(path, "-") == 0;
     FILE *file = is_stdin ? stdin : fopen(path, "rb");
@@ -82,14 +104,17 @@ bool text_read_file(text *t, const char *path, duet_error *err)
                          "%s: %s", path, strerror(errno));
     struct stat info = {0};
     bool ok = true;
+    path = is_stdin ? "stdin" : path;
     if (fstat(fileno(file), &info) == 0 && S_ISDIR(info.st_mode))
         ok = error_set(err, DUET_STATUS_IO_FAILED, "%s: is a folder, not a file", path);
     char block[65536];
     size_t n = 0;
+    size_t line = 0;
     while (ok && (n = fread(block, 1, sizeof block, file)) > 0) {
         text_add_bytes(t, block, n);
         budget_tell(t->length, S_ISREG(info.st_mode) ? (uint64_t)info.st_size : 0);
-        ok = budget_check(err) && budget_space(t->length, err);
+        ok = text_ok(t, err) && budget_check(err) && budget_space(t->length, err) &&
+             (!is_text || check_text(t, block, n, &line, path, err));
     }
     if (ok && ferror(file))
         ok = error_set(err, DUET_STATUS_IO_FAILED, "%s: %s", path, strerror(errno));
@@ -97,6 +122,16 @@ bool text_read_file(text *t, const char *path, duet_error *err)
         fclose(file);
     text_add_bytes(t, "", 0);
     return ok && text_ok(t, err);
+}
+
+bool text_read_file(text *t, const char *path, duet_error *err)
+{
+    return read_file(t, path, false, err);
+}
+
+bool text_read_lines(text *t, const char *path, duet_error *err)
+{
+    return read_file(t, path, true, err);
 }
 
 bool text_write_file(const char *path, const char *bytes, size_t n, duet_error *err)

@@ -256,7 +256,7 @@ bool session_run_text(session *s, const char *name, const char *chars, duet_erro
 bool session_run_file(session *s, const char *path, duet_error *err)
 {
     text chars = {0};
-    bool ok = text_read_file(&chars, path, err);
+    bool ok = text_read_lines(&chars, path, err);
     if (ok && chars.length > 0 && chars.chars[0] == '#')
         memcpy(chars.chars, "--", chars.length > 1 ? 2 : 1);
     ok = ok && load(s, strcmp(path, "-") == 0 ? "stdin" : path, chars.chars, chars.length, err) &&

@@ -299,19 +299,34 @@ static bool take_line(void *context, const char *line, duet_error *err)
                       take_row(in, type, line, err)));
 }
 
+// With its end; a NUL ends it too, and too many bytes: a device may never end a line.
+static bool read_line(FILE *file, text *line)
+{
+    int c = 0;
+    line->length = 0;
+    while (line->length <= TEXT_LINE_MOST && !line->failed && (c = getc(file)) != EOF) {
+        text_add_bytes(line, &(char){(char)c}, 1);
+        if (c == '\n' || c == '\0')
+            break;
+    }
+    return line->length > 0 || line->failed;
+}
+
 static bool take_file(import *in, FILE *file, duet_error *err)
 {
-    char *line = NULL;
-    size_t capacity = 0;
-    ssize_t n = 0;
+    text line = {0};
     bool ok = true;
-    while (ok && (n = getline(&line, &capacity, file)) >= 0)
-        ok = strlen(line) == (size_t)n ? take_line(in, line, err)
-                                       : (++in->line, bad_line(in, err, "has a NUL byte", ""));
+    while (ok && read_line(file, &line)) {
+        const char *wrong = !text_ok(&line, NULL)              ? "is too long for the memory"
+                            : line.length > TEXT_LINE_MOST     ? "is longer than 16 MiB"
+                            : strlen(line.chars) < line.length ? "has a NUL byte"
+                                                               : NULL;
+        ok = wrong ? (++in->line, bad_line(in, err, wrong, "")) : take_line(in, line.chars, err);
+    }
     if (ok && ferror(file))
         ok = error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be read: %s", in->name,
                        strerror(errno));
-    free(line);
+    text_free(&line);
     if (ok && !in->has_lines)
         ok = error_set(err, DUET_STATUS_BAD_INPUT,
                        "%s: is empty; expected what 'duet profiles export' wrote", in->name);

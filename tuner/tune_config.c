@@ -245,7 +245,7 @@ bool tune_config_load(tune_config *c, const char *path, duet_error *err)
 {
     *c = (tune_config){0};
     c->script = script_open(NULL, err);
-    bool ok = c->script && text_read_file(&c->text, path, err) &&
+    bool ok = c->script && text_read_lines(&c->text, path, err) &&
               script_run(c->script, path, text_chars(&c->text), c->text.length, 1, err);
     if (ok) {
         lua_State *L = script_lua(c->script);

@@ -194,7 +194,7 @@ static bool make_config(arguments *args, const char *path, tune_config *config, 
     if (args->strategy_path) {
         config->strategy = "lua";
         text_free(&config->text);
-        if (!text_read_file(&config->text, args->strategy_path, err))
+        if (!text_read_lines(&config->text, args->strategy_path, err))
             return false;
         config->strategy_lua = text_chars(&config->text);
     }

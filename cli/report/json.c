@@ -13,7 +13,7 @@
 cJSON *json_read(const char *path, duet_error *err)
 {
     text chars = {0};
-    if (!text_read_file(&chars, path, err))
+    if (!text_read_lines(&chars, path, err))
         return NULL;
     const char *end = NULL;
     cJSON *o = cJSON_ParseWithOpts(text_chars(&chars), &end, true);

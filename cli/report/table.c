@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#define _POSIX_C_SOURCE 200809L
+#define _DEFAULT_SOURCE // TIOCGWINSZ
 #include "cli/report/table.h"
 
 #include "base/visible.h"
@@ -8,6 +8,7 @@
 #include <langinfo.h>
 #include <stdarg.h>
 #include <string.h>
+#include <sys/ioctl.h>
 
 table table_begin(const char *align)
 {
@@ -56,27 +57,93 @@ static void measure(const table *t, uint32_t n_columns, int *widths)
     }
 }
 
-static void print_cell(FILE *out, const char *cell, int width, char align, bool is_last)
+// So wide as the terminal; 80 columns where there is none.
+static int width_to_fill(FILE *out)
 {
-    int pad = width - width_of(cell);
+    struct winsize size;
+    bool known = ioctl(fileno(out), TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+    return known ? size.ws_col : 80;
+}
+
+enum { FOLDED_LEAST = 12, GAP = 2 };
+
+// The widest column of words becomes narrower until a row fits.
+static void fit(const char *align, uint32_t n_columns, int *widths, int most)
+{
+    int all = -GAP;
+    for (uint32_t i = 0; i < n_columns; ++i)
+        all += widths[i] + GAP;
+    while (all > most) {
+        uint32_t widest = n_columns;
+        for (uint32_t i = 0; i < n_columns; ++i)
+            if (align[i] == 'l' && widths[i] > FOLDED_LEAST &&
+                (widest == n_columns || widths[i] > widths[widest]))
+                widest = i;
+        if (widest == n_columns)
+            return;
+        --widths[widest];
+        --all;
+    }
+}
+
+// The bytes of a cell that fill a line of its column: up to the last blank or comma that
+// fits, or else as many characters as do.
+static size_t line_length(const char *cell, int width)
+{
+    size_t n = 0;
+    size_t whole = 0;
+    int shown = 0;
+    while (cell[n] && (shown < width || ((unsigned char)cell[n] & 0xc0) == 0x80)) {
+        shown += ((unsigned char)cell[n] & 0xc0) != 0x80;
+        ++n;
+        if (cell[n - 1] == ' ' || cell[n - 1] == ',')
+            whole = n;
+    }
+    return cell[n] && cell[n] != ' ' && whole > 0 ? whole : n;
+}
+
+static void print_cell(FILE *out, const char *cell, size_t n, int width, char align, bool is_last)
+{
+    char line[512];
+    snprintf(line, sizeof line, "%.*s", (int)n, cell);
+    int pad = width - width_of(line);
     if (align == 'r')
-        fprintf(out, "%*s%s", pad, "", cell);
+        fprintf(out, "%*s%s", pad, "", line);
     else
-        fprintf(out, "%s%*s", cell, is_last ? 0 : pad, "");
+        fprintf(out, "%s%*s", line, is_last ? 0 : pad, "");
     fputs(is_last ? "\n" : "  ", out);
+}
+
+// Cells that are wider than their column go on in the lines below.
+static void print_row(FILE *out, const char **rests, const char *align, const int *widths,
+                      uint32_t n_columns)
+{
+    bool more = true;
+    while (more) {
+        more = false;
+        for (uint32_t i = 0; i < n_columns; ++i) {
+            size_t n = line_length(rests[i], widths[i]);
+            print_cell(out, rests[i], n, widths[i], align[i], i + 1 == n_columns);
+            rests[i] += n + strspn(rests[i] + n, " ");
+            more |= *rests[i] != '\0';
+        }
+    }
 }
 
 void table_print(table *t, FILE *out)
 {
     uint32_t n_columns = (uint32_t)strlen(t->align);
     int widths[TABLE_COLUMNS_MOST] = {0};
+    const char *row[TABLE_COLUMNS_MOST];
     const char *cell = text_chars(&t->cells);
     if (!t->cells.failed) {
         measure(t, n_columns, widths);
+        fit(t->align, n_columns, widths, width_to_fill(out));
         for (uint32_t i = 0; i < t->n_cells; ++i) {
-            uint32_t column = i % n_columns;
-            print_cell(out, cell, widths[column], t->align[column], column + 1 == n_columns);
+            row[i % n_columns] = cell;
             cell += strlen(cell) + 1;
+            if (i % n_columns + 1 == n_columns)
+                print_row(out, row, t->align, widths, n_columns);
         }
     }
     text_free(&t->cells);

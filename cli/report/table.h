@@ -22,7 +22,8 @@ table table_begin(const char *align);
 void table_cell(table *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
 // Cells that are words, up to a NULL.
 void table_words(table *t, const char *first, ...) __attribute__((sentinel));
-// Prints what was added, a newline after every full row, and frees it.
+// Prints what was added, a newline after every full row, and frees it. Where rows are wider
+// than the terminal, or 80 columns elsewhere, columns of words are folded.
 void table_print(table *t, FILE *out);
 
 typedef struct table_text {

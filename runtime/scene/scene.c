@@ -255,7 +255,7 @@ static bool open_source(const char *path, scene_source *source, text *file, duet
         return true;
     }
     duet_error why = {0};
-    if (!text_read_file(file, path, &why))
+    if (!text_read_lines(file, path, &why))
         return refuse_path(path, &why, err);
     *source =
         (scene_source){strcmp(path, "-") == 0 ? STDIN_NAME : path, text_chars(file), file->length};

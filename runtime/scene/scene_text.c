@@ -139,19 +139,9 @@ static bool read_lines(duet_scene *scene, const scene_source *source, duet_error
     return true;
 }
 
-// A NUL would end the text early, and a file of bytes is no text.
-static bool check_is_text(const scene_source *source, duet_error *err)
-{
-    const char *nul = memchr(source->bytes, '\0', source->length);
-    return !nul || error_set(err, DUET_STATUS_BAD_INPUT,
-                             "%s: byte %zu is NUL, so this is no text; data in "
-                             "binary is read from .npy",
-                             source->name, (size_t)(nul - source->bytes));
-}
-
 bool scene_read_text(duet_scene *scene, const scene_source *source, duet_error *err)
 {
-    return check_is_text(source, err) && read_lines(scene, source, err);
+    return read_lines(scene, source, err);
 }
 
 bool scene_is_text(const scene_source *source)

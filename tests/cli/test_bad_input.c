@@ -122,6 +122,38 @@ static void a_wrong_array_is_refused(void **state)
     remove("test_bad_input.npy");
 }
 
+// What never ends is left at the first byte or line that no text has.
+static void what_is_no_text_is_refused_at_once(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *command;
+        const char *says;
+    } wrong[] = {
+        {"run /dev/zero", "/dev/zero: byte 0 is NUL"},
+        {"run - </dev/zero", "stdin: byte 0 is NUL"},
+        {"query /dev/zero", "/dev/zero: byte 0 is NUL"},
+        {"lua /dev/zero", "/dev/zero: byte 0 is NUL"},
+        {"tune --config /dev/zero", "/dev/zero: byte 0 is NUL"},
+        {"tune paper --strategy-lua /dev/zero", "/dev/zero: byte 0 is NUL"},
+        {"bench --against /dev/zero", "/dev/zero: byte 0 is NUL"},
+        {"report /dev/zero -o test_bad_input.html", "/dev/zero: byte 0 is NUL"},
+        {"profiles import /dev/zero", "/dev/zero"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        program p = program_run("%s", wrong[i].command);
+        program_assert_refused(&p, 1, wrong[i].says);
+    }
+    text line = {0};
+    for (size_t i = 0; i < TEXT_LINE_MOST / 8 + 1; ++i)
+        text_add(&line, "0,0,0,1,");
+    write_bytes("test_bad_input.csv", line.chars, line.length);
+    text_free(&line);
+    assert_run_refused(1, "test_bad_input.csv",
+                       "test_bad_input.csv: has a line of more than 16 MiB");
+    remove("test_bad_input.csv");
+}
+
 static void a_wrong_scene_is_named_by_line(void **state)
 {
     (void)state;
@@ -248,6 +280,7 @@ int main(void)
         cmocka_unit_test(a_missing_file_is_named),
         cmocka_unit_test(a_wrong_row_is_named_by_line_and_object),
         cmocka_unit_test(a_wrong_array_is_refused),
+        cmocka_unit_test(what_is_no_text_is_refused_at_once),
         cmocka_unit_test(a_wrong_scene_is_named_by_line),
         cmocka_unit_test(a_wrong_option_is_wrong_usage),
         cmocka_unit_test(a_parameter_that_the_scene_lacks_is_named),

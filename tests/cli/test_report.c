@@ -163,7 +163,7 @@ static void what_cannot_be_read_or_written_is_one_line(void **state)
     p = program_run("report -o " PAGE " no/such.json");
     program_assert_refused(&p, 1, "no/such.json");
     p = program_run("report -o " PAGE " %s", folder.store);
-    program_assert_refused(&p, 1, "not JSON");
+    program_assert_refused(&p, 1, "so this is no text");
     duet_error err = {0};
     static const char unmeasured[] = "{\"type\":\"duet explain\",\"scene\":\"s\",\"objects\":1,"
                                      "\"steps\":0,\"effects\":[]}";
