@@ -208,7 +208,7 @@ void costs_report_text(const costs *c)
 {
     bool measured = c->steps > 0;
     table t = table_begin(measured ? "lllrlr" : "lllrl");
-    table_words(&t, "effect", "", "called for by", "bytes an object", "kernels",
+    table_words(&t, "effect", "", "called for by", "bytes each", "kernels",
                 measured ? "ms a step" : NULL, NULL);
     for (uint32_t i = 0; i < c->n; ++i)
         print_row(&t, c, &c->rows[i]);

@@ -112,25 +112,27 @@ static void use_kernels(duet_plan *plan, const char *variant)
 enum { BENCH_PLANS_MOST = 16 };
 
 // The plans for a scene on this pair: each device alone, shares in between, the
-// other modes and the other kernels, each at half. Returns how many.
+// other modes and the other kernels, each at half; of one device its kernels. Returns
+// how many.
 static uint32_t bench_plans(const bench_scene *scene, const duet_device_pair *pair,
                             duet_plan plans[BENCH_PLANS_MOST])
 {
     plan_list list = {plans, 0};
     duet_plan plan = duet_default_plan(pair);
     plan.mode = DUET_MODE_OWN;
-    for (size_t i = 0; i < sizeof shares / sizeof *shares; ++i) {
+    const bool one = duet_device_pair_is_one(pair);
+    for (size_t i = 0; i < (one ? 1 : sizeof shares / sizeof *shares); ++i) {
         plan.share = shares[i];
         add(&list, &plan);
     }
-    plan.share = DUET_SHARE_ONE / 2;
+    plan.share = one ? 0 : DUET_SHARE_ONE / 2;
     for (size_t i = 0; i < sizeof variants / sizeof *variants; ++i) {
         use_kernels(&plan, variants[i].variant);
         if (!(variants[i].one_size && scene->mixed))
             add(&list, &plan);
     }
     use_kernels(&plan, "auto");
-    for (size_t i = 0; i < sizeof modes / sizeof *modes && !scene->mixed; ++i) {
+    for (size_t i = 0; i < sizeof modes / sizeof *modes && !scene->mixed && !one; ++i) {
         plan.mode = modes[i];
         add(&list, &plan);
     }
@@ -331,7 +333,7 @@ static bool measure_effects(bench *b, const duet_scene *scene, duet_error *err)
                          costs_report_json(&c, info, b->pair));
     progress_hide(&b->shown);
     if (b->tells) {
-        printf("%s, %s objects that move\n", info->name, table_count(info->n).chars);
+        printf("%s, %s that move\n", info->name, table_things(info->n, "object", "objects").chars);
         costs_report_text(&c);
         putchar('\n');
     }

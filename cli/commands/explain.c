@@ -78,10 +78,11 @@ static void print(const duet_world *world, const duet_device_pair *pair)
 {
     const duet_plan *plan = duet_world_get_plan(world);
     const char *variants[] = {plan->variant_a, plan->variant_b};
+    bool one = duet_device_pair_is_one(pair);
     for (int side = 0; side < 2; ++side) {
         if (!world->prepared[side])
             continue;
-        printf("%s  %s, kernels '%s'\n\n", sides[side],
+        printf("%s%s%s, kernels '%s'\n\n", one ? "" : sides[side], one ? "" : "  ",
                duet_device_pair_get_info(pair, side)->selector, variants[side]);
         print_facts(world, side);
         printf("\n");

@@ -389,9 +389,10 @@ static void write_words(const sketch *s, canvas *c, double left, double height)
 {
     char words[512];
     const duet_scene_info *info = s->info;
-    snprintf(words, sizeof words, "%s: %s boxes in %uD, %s pairs collide (%s boxes)", info->name,
-             table_count(info->n).chars, info->dims, table_count(s->n_pairs).chars,
-             table_count(s->n_colliding).chars);
+    snprintf(words, sizeof words, "%s: %s in %uD, %s (%s)", info->name,
+             table_things(info->n, "box", "boxes").chars, info->dims,
+             table_things(s->n_pairs, "pair collides", "pairs collide").chars,
+             table_things(s->n_colliding, "box", "boxes").chars);
     canvas_words(c, (point){left, height - 62}, words_px, canvas_ink, words);
     write_cells(s, words, sizeof words);
     canvas_words(c, (point){left, height - 40}, words_px, canvas_grey, words);
@@ -401,8 +402,8 @@ static void write_words(const sketch *s, canvas *c, double left, double height)
     at.x = canvas_words(c, at, words_px, pair_ink, "\u2014 a pair   ");
     if (s->n == info->n)
         return;
-    snprintf(words, sizeof words, "a sample: the %s boxes nearest to a collision",
-             table_count(s->n).chars);
+    snprintf(words, sizeof words, "a sample: the %s nearest to a collision",
+             table_things(s->n, "box", "boxes").chars);
     canvas_words(c, at, words_px, canvas_ink, words);
 }
 

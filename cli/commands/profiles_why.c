@@ -45,6 +45,7 @@ typedef struct answer {
     profile_found found;
     text why; // a line for each rung
     duet_plan fallback;
+    bool one_device;
 } answer;
 
 static bool look(const arguments *args, answer *a, duet_error *err)
@@ -76,7 +77,7 @@ static bool read_subject(duet_world *world, const duet_scene *scene, profile_sub
 
 static void print_device(const char *letter, const profile_env *env)
 {
-    printf("%s         %s%s%s%s, driver %s\n", letter, env->device.name, env->part ? " [" : "",
+    printf("%-8s  %s%s%s%s, driver %s\n", letter, env->device.name, env->part ? " [" : "",
            env->part ? env->part : "", env->part ? "]" : "", env->driver);
 }
 
@@ -95,24 +96,34 @@ static void print_text(const answer *a)
     profile_workload_text(&a->asked.workload, &workload);
     printf("workload  %s\n", say_name(text_chars(&workload)).chars);
     text_free(&workload);
-    print_device("A", &a->asked.pair.a);
-    print_device("B", &a->asked.pair.b);
+    if (!a->one_device)
+        print_device("A", &a->asked.pair.a);
+    print_device(a->one_device ? "device" : "B", &a->asked.pair.b);
     printf("\n");
     say_lines(text_chars(&a->why));
     printf("\n");
     printf("%s: ", profile_grade_name(found->grade));
     if (found->grade == PROFILE_DEFAULT) {
-        printf("share %.4f, mode %s, A %s, B %s, which nothing speaks for or against\n",
-               a->fallback.share / (double)DUET_SHARE_ONE, duet_mode_name(a->fallback.mode),
-               a->fallback.variant_a, a->fallback.variant_b);
+        if (a->one_device)
+            printf("kernels %s, which nothing speaks for or against\n", a->fallback.variant_b);
+        else
+            printf("share %.4f, mode %s, A %s, B %s, which nothing speaks for or against\n",
+                   a->fallback.share / (double)DUET_SHARE_ONE, duet_mode_name(a->fallback.mode),
+                   a->fallback.variant_a, a->fallback.variant_b);
         return;
     }
-    printf("share %.4f, mode %s, A %s, B %s, level %s\n", plan->share / (double)PROFILE_SHARE_ONE,
-           say_name(plan->mode).chars, say_name(plan->variant_a).chars,
-           say_name(plan->variant_b).chars, say_name(plan->level).chars);
+    if (a->one_device)
+        printf("kernels %s, level %s\n", say_name(plan->variant_b).chars,
+               say_name(plan->level).chars);
+    else
+        printf("share %.4f, mode %s, A %s, B %s, level %s\n",
+               plan->share / (double)PROFILE_SHARE_ONE, say_name(plan->mode).chars,
+               say_name(plan->variant_a).chars, say_name(plan->variant_b).chars,
+               say_name(plan->level).chars);
     table_text gain =
         table_gain(plan->share, found->gain, found->gain_low, found->gain_high, found->verdict);
-    printf("a step of %.4g ms, %s\n", found->median_ns * 1e-6, say_name(gain.chars).chars);
+    printf("a step of %.4g ms%s%s\n", found->median_ns * 1e-6, a->one_device ? "" : ", ",
+           a->one_device ? "" : say_name(gain.chars).chars);
     if (found->whole_ns > 0)
         printf("%s\n", say_name(whole_text(a).chars).chars);
     if (found->true_pairs > 0)
@@ -188,6 +199,7 @@ static bool run(void *given, char **operands, duet_error *err)
     if (ok) {
         duet_world_def def = duet_scene_world_def(scene, pair);
         a.fallback = duet_default_plan(pair);
+        a.one_device = duet_device_pair_is_one(pair);
         world = inputs_change_level(&args->level, &def, err) ? duet_world_create(&def, err) : NULL;
         ok = world && read_subject(world, scene, &a.asked, err) && look(args, &a, err);
     }

@@ -154,14 +154,19 @@ static bool write_lines(const tested *t, const char *path, duet_error *err)
 static void tell(const tested *t)
 {
     double share = (double)t->def.share / DUET_SHARE_ONE;
-    printf("%s: %s pairs in %uD, level %s\n", say_name(t->path).chars, table_count(t->n).chars,
-           t->def.dims, duet_level_get_info(t->def.level)->name);
+    const char *a = duet_device_pair_get_info(t->def.pair, 0)->selector;
+    const char *b = duet_device_pair_get_info(t->def.pair, 1)->selector;
+    printf("%s: %s in %uD, level %s\n", say_name(t->path).chars,
+           table_things(t->n, "pair", "pairs").chars, t->def.dims,
+           duet_level_get_info(t->def.level)->name);
     printf("%s colliding, %s separated, %s left undecided by float\n",
            table_count(t->colliding).chars, table_count(t->n - t->colliding).chars,
            table_count(t->undecided).chars);
-    printf("%.6f s, A %s %.1f %%, B %s %.1f %%\n", t->seconds,
-           duet_device_pair_get_info(t->def.pair, 0)->selector, 100 * share,
-           duet_device_pair_get_info(t->def.pair, 1)->selector, 100 * (1 - share));
+    if (duet_device_pair_is_one(t->def.pair))
+        printf("%.6f s on %s\n", t->seconds, b);
+    else
+        printf("%.6f s, A %s %.1f %%, B %s %.1f %%\n", t->seconds, a, 100 * share, b,
+               100 * (1 - share));
 }
 
 static bool tell_json(const tested *t, duet_error *err)

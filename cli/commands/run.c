@@ -289,18 +289,38 @@ static bool step(moved *r, duet_error *err)
     return tell_step(r, err) && draw_frame(r, err);
 }
 
+// What was not given is the device pair's default.
+static duet_plan plan_used(const moved *r)
+{
+    const duet_plan *given = &r->def.plan;
+    duet_plan plan = duet_default_plan(r->def.pair);
+    if (given->share != DUET_SHARE_DEFAULT)
+        plan.share = given->share;
+    if (given->mode != DUET_MODE_DEFAULT)
+        plan.mode = given->mode;
+    if (*given->variant_a)
+        memcpy(plan.variant_a, given->variant_a, sizeof plan.variant_a);
+    if (*given->variant_b)
+        memcpy(plan.variant_b, given->variant_b, sizeof plan.variant_b);
+    return plan;
+}
+
 static void tell_begin(const moved *r)
 {
     const duet_scene_info *info = duet_scene_get_info(r->scene);
     if (r->args->json)
         return;
-    printf("%s: %s boxes, %uD; effects:", info->name, table_count(info->n).chars, info->dims);
+    printf("%s: %s, %uD; effects:", info->name, table_things(info->n, "box", "boxes").chars,
+           info->dims);
     uint32_t effects = duet_motion_get_effects(r->motion);
     for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
         if (effects & bit)
             printf(" %s", duet_effect_name(bit));
-    printf("%s\n%u substeps of %.6g s\n\n", effects ? "" : " none", r->def.substeps,
-           r->def.dt / r->def.substeps);
+    printf("%s\n%s of %.6g s\n", effects ? "" : " none",
+           table_things(r->def.substeps, "substep", "substeps").chars, r->def.dt / r->def.substeps);
+    duet_plan plan = plan_used(r);
+    run_report_devices(r->def.pair, &plan);
+    printf("plan: %s\n\n", inputs_plan_given(&r->args->plan) ? "as given" : "the default");
     printf("%9s %9s %12s %12s %12s %12s %12s %9s\n", "step", "time", "kinetic", "potential",
            "energy", "pairs", "contacts", "ms");
 }

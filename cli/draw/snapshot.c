@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "cli/draw/view.h"
+#include "cli/report/table.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -275,8 +276,9 @@ static void write_caption(const snapshot *s, const view *v, canvas *c, double ti
 {
     const double left = 24, words_px = 15;
     char words[256];
-    snprintf(words, sizeof words, "%.80s: %u boxes in %uD after %.3f s",
-             duet_scene_get_info(s->scene)->name, s->n, v->dims, time);
+    snprintf(words, sizeof words, "%.80s: %s in %uD after %.3f s",
+             duet_scene_get_info(s->scene)->name, table_things(s->n, "box", "boxes").chars, v->dims,
+             time);
     canvas_words(c, (point){left, HEIGHT - 44}, words_px, canvas_ink, words);
     snprintf(words, sizeof words, "colour: how %s a box began%s",
              s->def->attraction == 0.0 ? "high" : "far from the centre",

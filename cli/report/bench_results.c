@@ -338,11 +338,11 @@ void bench_print_scene(const cJSON *results, const char *scene, const cJSON *bef
         if (strcmp(json_string(one, "scene"), scene) != 0)
             continue;
         if (!begun) {
-            printf("%s, %s objects, %.0fD\n", say_name(scene).chars,
-                   table_count((uint64_t)json_number(one, "objects")).chars,
+            printf("%s, %s, %.0fD\n", say_name(scene).chars,
+                   table_things((uint64_t)json_number(one, "objects"), "object", "objects").chars,
                    json_number(one, "dims"));
             table_words(&t, "share", "mode", "kernels", "ms", "from", "to", "A ms", "B ms",
-                        before ? "before" : NULL, "ratio", "from", "to", "", NULL);
+                        before ? "before" : NULL, "before/now", "from", "to", "", NULL);
         }
         begun = true;
         case_row(&t, one, before != NULL);
@@ -379,7 +379,10 @@ void bench_print_verdicts(const cJSON *results, const cJSON *before)
     printf("against %s:", say_name(json_string(before, "time")).chars);
     for (int v = 0; v <= RACE_AMBIGUOUS; ++v)
         printf("%s %u %s", v ? "," : "", counts[v], race_verdict_name((race_verdict)v));
-    printf(" (intervals of %.0f %%)\n", 100 * level);
+    printf(
+        "\nbefore/now: 1.10 is 10 %% faster now than before; it lies between 'from' and 'to' with\n"
+        "%.0f %% confidence\n",
+        100 * level);
     printf("other programs used %.0f %% of the processors, and then %.0f %%; what they may be to "
            "blame for is ambiguous\n",
            100 * mean_others(results), 100 * mean_others(before));

@@ -93,9 +93,9 @@ static void print_device(const level_costs_report *r, int device)
 
 void level_costs_report_text(const level_costs_report *r)
 {
-    printf("%s: %s objects, ", r->scene->name, table_count(r->scene->n).chars);
-    printf("%s pairs collide; median of %u steps\n", table_count(r->costs->truth).chars,
-           r->costs->rounds);
+    printf("%s: %s, ", r->scene->name, table_things(r->scene->n, "object", "objects").chars);
+    printf("%s; median of %u steps\n",
+           table_things(r->costs->truth, "pair collides", "pairs collide").chars, r->costs->rounds);
     print_device(r, 0);
     print_device(r, 1);
     printf("\n* nothing is both faster and more right. ~ the difference from sat15 is noise in "
@@ -264,8 +264,8 @@ bool level_costs_report_plot(const level_costs_report *r, const char *path, duet
     if (!c)
         return false;
     char words[256];
-    snprintf(words, sizeof words, "What accuracy costs: %.80s, %s boxes", r->scene->name,
-             table_count(r->scene->n).chars);
+    snprintf(words, sizeof words, "What accuracy costs: %.80s, %s", r->scene->name,
+             table_things(r->scene->n, "box", "boxes").chars);
     canvas_words(c, (point){names_x, 34}, 20, canvas_ink, words);
     canvas_words(c, (point){times_x, 66}, words_px, canvas_ink, "time a step, and against sat15");
     canvas_words(c, (point){wrongs_x, 66}, words_px, canvas_ink, "wrong pairs, by powers of ten");

@@ -184,8 +184,8 @@ void profile_report_text(const profile_entry *e)
            say_name(e->dead_reason).chars);
     profile_report_device("A         ", &e->a);
     profile_report_device("B         ", &e->b);
-    printf("workload  %s, %s objects: %s\n", say_name(or_none(e->scene)).chars,
-           table_count((uint64_t)e->n).chars, say_name(e->family).chars);
+    printf("workload  %s, %s: %s\n", say_name(or_none(e->scene)).chars,
+           table_things((uint64_t)e->n, "object", "objects").chars, say_name(e->family).chars);
     printf("plan      share %.5f (%u of %d), mode %s, A %s, B %s, level %s\n",
            row->plan.share / (double)PROFILE_SHARE_ONE, row->plan.share, PROFILE_SHARE_ONE,
            say_name(row->plan.mode).chars, say_name(row->plan.variant_a).chars,

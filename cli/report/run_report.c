@@ -19,10 +19,11 @@ bool reference_check_is_right(const reference_check *check)
 
 static void print_scene(const duet_scene_info *info)
 {
-    const char *kind = info->shape == DUET_SHAPE_BOUNDS ? "axis-aligned boxes"
-                       : info->rotated                  ? "rotated boxes"
-                                                        : "boxes";
-    printf("%s: %s %s, %uD\n", info->name, table_count(info->n).chars, kind, info->dims);
+    const char *kind = info->shape == DUET_SHAPE_BOUNDS ? "axis-aligned "
+                       : info->rotated                  ? "rotated "
+                                                        : "";
+    printf("%s: %s %s%s, %uD\n", info->name, table_count(info->n).chars, kind,
+           info->n == 1 ? "box" : "boxes", info->dims);
 }
 
 static void print_grid(const duet_scene_info *info, const duet_result *r)
@@ -43,7 +44,7 @@ static bool is_one(const duet_device_pair *pair, const duet_plan *plan)
     return plan->share == 0 && duet_device_pair_is_one(pair);
 }
 
-static void print_devices(const duet_device_pair *pair, const duet_plan *plan)
+void run_report_devices(const duet_device_pair *pair, const duet_plan *plan)
 {
     double share = (double)plan->share / DUET_SHARE_ONE;
     const bool one = is_one(pair, plan);
@@ -285,7 +286,7 @@ void run_report_text(const run_report *r)
 {
     print_scene(r->scene);
     print_grid(r->scene, &r->timed->last);
-    print_devices(r->pair, r->plan);
+    run_report_devices(r->pair, r->plan);
     print_profile(r);
     print_stages(timed_median(r->timed), is_one(r->pair, r->plan));
     print_totals(r->timed, r->level, is_one(r->pair, r->plan));

@@ -28,6 +28,9 @@ typedef struct run_report {
     reference_check check;
 } run_report;
 
+// Which device does how much of the work by which kernels.
+void run_report_devices(const duet_device_pair *pair, const duet_plan *plan);
+
 void run_report_text(const run_report *r);
 bool run_report_json(const run_report *r, duet_error *err);
 

@@ -5,7 +5,9 @@
 #include "base/visible.h"
 #include "runtime/duet.h"
 
+#include <ctype.h>
 #include <langinfo.h>
+#include <limits.h>
 #include <stdarg.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -57,18 +59,47 @@ static void measure(const table *t, uint32_t n_columns, int *widths)
     }
 }
 
-// So wide as the terminal; 80 columns where there is none.
+// What no terminal shows keeps its rows whole, as grep wants them.
 static int width_to_fill(FILE *out)
 {
     struct winsize size;
     bool known = ioctl(fileno(out), TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-    return known ? size.ws_col : 80;
+    return known ? size.ws_col : INT_MAX;
 }
 
 enum { FOLDED_LEAST = 12, GAP = 2 };
 
-// The widest column of words becomes narrower until a row fits.
-static void fit(const char *align, uint32_t n_columns, int *widths, int most)
+// Whether a line may end after that byte of a cell.
+static bool is_break(const char *at)
+{
+    return *at == ' ' || *at == ',' || (*at == '.' && isalpha((unsigned char)at[1]));
+}
+
+static int longest_word(const char *cell)
+{
+    int longest = 0;
+    for (int length = 1; *cell; ++cell, ++length) {
+        longest = length > longest ? length : longest;
+        if (is_break(cell))
+            length = 0;
+    }
+    return longest;
+}
+
+static void measure_words(const table *t, uint32_t n_columns, int *least)
+{
+    const char *cell = text_chars(&t->cells);
+    for (uint32_t i = 0; i < t->n_cells; ++i) {
+        int word = longest_word(cell);
+        int *longest = &least[i % n_columns];
+        *longest = word > *longest ? word : *longest;
+        cell += strlen(cell) + 1;
+    }
+}
+
+// The widest columns of words become narrower, each down to its least width at most, until
+// a row fits.
+static void fit(const char *align, uint32_t n_columns, int *widths, const int *least, int most)
 {
     int all = -GAP;
     for (uint32_t i = 0; i < n_columns; ++i)
@@ -76,7 +107,7 @@ static void fit(const char *align, uint32_t n_columns, int *widths, int most)
     while (all > most) {
         uint32_t widest = n_columns;
         for (uint32_t i = 0; i < n_columns; ++i)
-            if (align[i] == 'l' && widths[i] > FOLDED_LEAST &&
+            if (align[i] == 'l' && widths[i] > least[i] &&
                 (widest == n_columns || widths[i] > widths[widest]))
                 widest = i;
         if (widest == n_columns)
@@ -86,8 +117,19 @@ static void fit(const char *align, uint32_t n_columns, int *widths, int most)
     }
 }
 
-// The bytes of a cell that fill a line of its column: up to the last blank or comma that
-// fits, or else as many characters as do.
+// Between words where that does, else through them.
+static void fold(const table *t, uint32_t n_columns, int *widths, int most)
+{
+    int least[TABLE_COLUMNS_MOST] = {0};
+    measure_words(t, n_columns, least);
+    fit(t->align, n_columns, widths, least, most);
+    for (uint32_t i = 0; i < n_columns; ++i)
+        least[i] = FOLDED_LEAST;
+    fit(t->align, n_columns, widths, least, most);
+}
+
+// The bytes of a cell that fill a line of its column: up to where a word ends, or else as
+// many characters as fit.
 static size_t line_length(const char *cell, int width)
 {
     size_t n = 0;
@@ -95,9 +137,8 @@ static size_t line_length(const char *cell, int width)
     int shown = 0;
     while (cell[n] && (shown < width || ((unsigned char)cell[n] & 0xc0) == 0x80)) {
         shown += ((unsigned char)cell[n] & 0xc0) != 0x80;
+        whole = is_break(&cell[n]) ? n + 1 : whole;
         ++n;
-        if (cell[n - 1] == ' ' || cell[n - 1] == ',')
-            whole = n;
     }
     return cell[n] && cell[n] != ' ' && whole > 0 ? whole : n;
 }
@@ -105,6 +146,8 @@ static size_t line_length(const char *cell, int width)
 static void print_cell(FILE *out, const char *cell, size_t n, int width, char align, bool is_last)
 {
     char line[512];
+    while (n > 0 && cell[n - 1] == ' ')
+        --n;
     snprintf(line, sizeof line, "%.*s", (int)n, cell);
     int pad = width - width_of(line);
     if (align == 'r')
@@ -138,7 +181,7 @@ void table_print(table *t, FILE *out)
     const char *cell = text_chars(&t->cells);
     if (!t->cells.failed) {
         measure(t, n_columns, widths);
-        fit(t->align, n_columns, widths, width_to_fill(out));
+        fold(t, n_columns, widths, width_to_fill(out));
         for (uint32_t i = 0; i < t->n_cells; ++i) {
             row[i % n_columns] = cell;
             cell += strlen(cell) + 1;
@@ -162,6 +205,13 @@ table_text table_count(uint64_t n)
         *to++ = digits[i];
     }
     return grouped;
+}
+
+table_text table_things(uint64_t n, const char *one, const char *many)
+{
+    table_text t;
+    snprintf(t.chars, sizeof t.chars, "%.40s %.40s", table_count(n).chars, n == 1 ? one : many);
+    return t;
 }
 
 table_text table_bytes(uint64_t bytes)

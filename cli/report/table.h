@@ -22,8 +22,8 @@ table table_begin(const char *align);
 void table_cell(table *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
 // Cells that are words, up to a NULL.
 void table_words(table *t, const char *first, ...) __attribute__((sentinel));
-// Prints what was added, a newline after every full row, and frees it. Where rows are wider
-// than the terminal, or 80 columns elsewhere, columns of words are folded.
+// Prints what was added, a newline after every full row, and frees it. Columns of words
+// are folded where rows are wider than the terminal that shows them.
 void table_print(table *t, FILE *out);
 
 typedef struct table_text {
@@ -32,6 +32,9 @@ typedef struct table_text {
 
 // "1 677 345"
 table_text table_count(uint64_t n);
+
+// "1 box", "2 000 boxes"
+table_text table_things(uint64_t n, const char *one, const char *many);
 
 // "12.3 MB"
 table_text table_bytes(uint64_t bytes);

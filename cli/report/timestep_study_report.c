@@ -89,8 +89,8 @@ static void print_row(table *t, const timestep_study *p, const timestep_run *row
 void timestep_study_report_text(const timestep_study_report *r)
 {
     const timestep_study *p = r->study;
-    printf("%s: %s objects, %.3g s of the scene, on %s\n", r->scene->name,
-           table_count(r->scene->n).chars, p->time,
+    printf("%s: %s, %.3g s of the scene, on %s\n", r->scene->name,
+           table_things(r->scene->n, "object", "objects").chars, p->time,
            duet_device_pair_get_info(r->pair, 1)->selector);
     printf("reference: dt 1/%.4g, substeps %u, %s: %.1f ms a second, gain %.2g %%\n\n",
            1 / p->reference.dt, p->reference.substeps, timestep_integrator(&p->reference),
@@ -248,8 +248,8 @@ static void draw_ticks(canvas *c, const axis *a, bool across)
 static void draw_frame(canvas *c, const timestep_study_report *r, const axis *x, const axis *y)
 {
     char words[256];
-    snprintf(words, sizeof words, "What accuracy costs: %.60s, %s boxes, %.3g s", r->scene->name,
-             table_count(r->scene->n).chars, r->study->time);
+    snprintf(words, sizeof words, "What accuracy costs: %.60s, %s, %.3g s", r->scene->name,
+             table_things(r->scene->n, "box", "boxes").chars, r->study->time);
     canvas_words(c, (point){24, 32}, 19, canvas_ink, words);
     canvas_words(c, (point){24, 56}, WORDS, canvas_ink,
                  "distance from the reference at the end (root mean square)");

@@ -174,7 +174,7 @@ static void long_work_tells_how_far_it_is(void **state)
         {"run paper -n %d --repeat 1", 100000, "reading paper"},
         {"picture paper -n %d -o out.svg", 250000, "reference"},
         {"explain falling -n 200 --measure --steps %d --json >out", 20, "step "},
-        {"bench --quick --repeat %d --scene planes -o out", 6, "case "},
+        {"bench --quick --repeat %d --scene planes -o out", 6, "; step "},
         {"accuracy planes -n %d --repeat 9", 2000, "step "},
     };
     for (size_t i = 0; i < sizeof works / sizeof *works; ++i) {
@@ -197,12 +197,28 @@ static void a_line_of_progress_is_no_wider_than_the_terminal(void **state)
     remove("out");
 }
 
+static void tables_are_folded_to_the_terminal(void **state)
+{
+    (void)state;
+    enum { COLUMNS = 80 };
+    static const char *const commands[] = {"explain paper -n 100", "explain falling -n 100"};
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; ++i) {
+        char script[512];
+        snprintf(script, sizeof script, "%s %s", getenv("DUET_PROGRAM"), commands[i]);
+        terminal t = run_at_terminal(COLUMNS, script, NULL, 0);
+        if (widest(text_chars(&t.seen)) > COLUMNS)
+            fail_msg("%s", text_chars(&t.seen));
+        text_free(&t.seen);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ctrl_c_ends_a_loop_of_commands_in_bash),
         cmocka_unit_test(long_work_tells_how_far_it_is),
         cmocka_unit_test(a_line_of_progress_is_no_wider_than_the_terminal),
+        cmocka_unit_test(tables_are_folded_to_the_terminal),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
