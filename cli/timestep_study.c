@@ -37,6 +37,7 @@ typedef struct run {
     duet_motion *motion;
     double ms;          // of the windows that are over
     double noise;       // of that
+    bool noise_known;   // a part of the run had two steps
     double window_ms;   // least of a step in this one
     double window_next; // and the next above it
     uint64_t window_steps;
@@ -88,8 +89,10 @@ static void end_window(run *r)
 {
     if (r->window_steps > 0)
         r->ms += r->window_ms * (double)r->window_steps;
-    if (r->window_steps > 1)
+    if (r->window_steps > 1) {
         r->noise += (r->window_next - r->window_ms) * (double)r->window_steps;
+        r->noise_known = true;
+    }
     r->window_ms = r->window_next = INFINITY;
     r->window_steps = 0;
 }
@@ -145,7 +148,7 @@ static double rms_distance(const survey *s)
 static void judge(const survey *s, const run *r, timestep_run *row)
 {
     row->ms = r->ms / s->study->time;
-    row->noise = r->noise / s->study->time;
+    row->noise = r->noise_known ? r->noise / s->study->time : INFINITY;
     row->error = rms_distance(s);
     row->energy = (r->energy - s->truth_energy) / s->kinetic;
     row->gain = r->gain / s->kinetic;

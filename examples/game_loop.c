@@ -15,19 +15,22 @@ static void move_boxes(duet_pose *poses, int frame)
 {
     for (int i = 0; i < BOXES; ++i) {
         float phase = 0.1f * (float)frame + (float)(i % 97);
-        poses[i] = (duet_pose){
-            .centre = {1.2f * (float)(i % ACROSS) + 0.2f * sinf(phase),
-                       1.2f * (float)(i / ACROSS % ACROSS) + 0.2f * cosf(phase),
-                       1.2f * (float)(i / ACROSS / ACROSS)},
-            .half_extents = {0.5f, 0.5f, 0.5f},
-            .rotation = {0, 0, sinf(0.5f * phase), cosf(0.5f * phase)},
+        const duet_pose pose = {
+            // centre
+            {1.2f * (float)(i % ACROSS) + 0.2f * sinf(phase),
+             1.2f * (float)(i / ACROSS % ACROSS) + 0.2f * cosf(phase),
+             1.2f * (float)(i / ACROSS / ACROSS)},
+            // half extents, rotation
+            {0.5f, 0.5f, 0.5f},
+            {0, 0, sinf(0.5f * phase), cosf(0.5f * phase)},
         };
+        poses[i] = pose;
     }
 }
 
 static bool do_frame(duet_world *world, int frame, duet_result *result, duet_error *err)
 {
-    duet_pose *poses = duet_world_map_objects(world, DUET_OBJECT_POSES, BOXES, err);
+    duet_pose *poses = (duet_pose *)duet_world_map_objects(world, DUET_OBJECT_POSES, BOXES, err);
     if (!poses)
         return false;
     move_boxes(poses, frame);
@@ -37,7 +40,7 @@ static bool do_frame(duet_world *world, int frame, duet_result *result, duet_err
 // The plan needs to know the objects, so the first frame's are there before.
 static bool start(duet_world *world, duet_error *err)
 {
-    duet_pose *poses = duet_world_map_objects(world, DUET_OBJECT_POSES, BOXES, err);
+    duet_pose *poses = (duet_pose *)duet_world_map_objects(world, DUET_OBJECT_POSES, BOXES, err);
     if (!poses)
         return false;
     move_boxes(poses, 0);

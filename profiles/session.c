@@ -151,14 +151,13 @@ bool profile_session_known(store *s, const profile_session *session, char uid[PR
                            duet_error *err)
 {
     char key[PROFILE_SHA];
-    sql q =
-        ask(s,
-            "SELECT p.uid FROM session s JOIN profile p ON p.session_id = s.id "
-            "WHERE s.state = 'complete' AND " SAME_QUESTION "ORDER BY p.created_ns DESC LIMIT 1",
-            session, key, err);
+    sql q = ask(s,
+                "SELECT p.uid FROM session s LEFT JOIN profile p ON p.session_id = s.id "
+                "WHERE s.state = 'complete' AND " SAME_QUESTION "ORDER BY s.ended_ns DESC LIMIT 1",
+                session, key, err);
     *uid = '\0';
-    if (sql_row(&q))
-        sql_copy(uid, PROFILE_ID, sql_get_text(&q, 0));
+    const char *found = sql_row(&q) ? sql_get_text(&q, 0) : NULL; // NULL: it was forgotten
+    sql_copy(uid, PROFILE_ID, found ? found : "");
     return sql_close(&q);
 }
 

@@ -141,7 +141,7 @@ static bool forget(store *s, const arguments *args, char **operands, duet_error 
     (void)args;
     if (!profile_forget(s, operands[0], err))
         return false;
-    printf("%s is forgotten; 'duet tune --fresh' measures again\n", operands[0]);
+    printf("%s is forgotten; 'duet tune' measures again\n", operands[0]);
     return true;
 }
 

@@ -81,7 +81,10 @@ static void print_row(table *t, const timestep_study *p, const timestep_run *row
     table_cell(t, "%u%s", row->substeps, row->own ? " <" : "  ");
     table_cell(t, "%s", timestep_integrator(row));
     table_cell(t, "%.1f", row->ms);
-    table_cell(t, "\u00b1%.1f", row->noise);
+    if (isfinite(row->noise))
+        table_cell(t, "\u00b1%.1f", row->noise);
+    else
+        table_cell(t, "?");
     table_cell(t, "%s", table_bar(row->ms / slowest_ms(p), BAR).chars);
     wrong_cells(t, p, row);
 }
@@ -106,7 +109,8 @@ void timestep_study_report_text(const timestep_study_report *r)
                p->n_asked - p->n);
     printf(
         "\n* nothing is both faster and nearer to the reference; < the scene's own.\n"
-        "noise: two times that differ by less than both of theirs may be the same.\n"
+        "noise: two times that differ by less than both of theirs may be the same; ? where a run\n"
+        "had too few steps to know it: a longer --time has more.\n"
         "error: root mean square distance of the centres from the reference's, by powers of ten;"
         "\nenergy: less the reference's at the end, gain: greatest rise on the way, both in the "
         "greatest\nkinetic energy; deepest: overlap of the worst contact, in the scene's unit.\n");
@@ -122,7 +126,8 @@ static cJSON *row_json(const timestep_run *row)
     cJSON_AddStringToObject(o, "integrator", timestep_integrator(row));
     cJSON_AddBoolToObject(o, "own", row->own);
     cJSON_AddNumberToObject(o, "ms_a_second", row->ms);
-    cJSON_AddNumberToObject(o, "noise_ms", row->noise);
+    if (isfinite(row->noise))
+        cJSON_AddNumberToObject(o, "noise_ms", row->noise);
     cJSON_AddNumberToObject(o, "error", row->error);
     cJSON_AddNumberToObject(o, "energy", row->energy);
     cJSON_AddNumberToObject(o, "gain", row->gain);

@@ -77,8 +77,15 @@ static void a_workload_is_tuned_once_and_known_ever_after(void **state)
     assert_true(json_number(row, "share") == share);
     cJSON_Delete(second);
     cJSON *fresh = tune_json(QUICK SCENE " -n 2000 --fresh", &rows);
-    assert_true(json_number(cJSON_GetArrayItem(rows, 0), "launches") > 0);
+    row = cJSON_GetArrayItem(rows, 0);
+    assert_true(json_number(row, "launches") > 0);
+    program p = program_run("profiles forget --profile " STORE " %s", json_string(row, "uid"));
+    assert_int_equal(p.exit_code, 0);
+    program_free(&p);
     cJSON_Delete(fresh);
+    cJSON *forgotten = tune_json(QUICK SCENE " -n 2000", &rows); // the one before is none either
+    assert_false(json_true(cJSON_GetArrayItem(rows, 0), "known"));
+    cJSON_Delete(forgotten);
 }
 
 static double launches_of(const char *arguments)

@@ -42,6 +42,14 @@ if(NOT out STREQUAL "after 1.00 s the cube is at height 0.50\n")
 endif()
 run(${prefix}/bin/duet --version)
 
+# They are C++ too. {0} is how C begins an empty struct, of which g++ warns.
+get_filename_component(examples ${HELLO} DIRECTORY)
+file(GLOB examples ${examples}/*.c)
+foreach(example IN LISTS examples)
+  run(c++ -x c++ -std=c++17 -Wall -Wextra -pedantic -Werror -Wno-missing-field-initializers
+    -I${prefix}/include -fsyntax-only ${example})
+endforeach()
+
 # pkg-config looks for what is required in private even for the shared library,
 # whose users need not have it.
 run(pkg-config --print-requires-private duet)
