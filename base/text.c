@@ -6,11 +6,14 @@
 #include "base/output.h"
 
 #include <errno.h>
+#include <poll.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
 
 static bool reserve(text *t, size_t more)
 {
@@ -95,6 +98,29 @@ static bool check_text(const text *t, const char *block, size_t n, size_t *line,
                      TEXT_LINE_MOST >> 20);
 }
 
+// What comes through a pipe may come late or never: Ctrl-C is heard meanwhile.
+static size_t read_block(FILE *file, char *block, size_t size)
+{
+    enum { PATIENCE_MS = 100 };
+    if (file != stdin)
+        return fread(block, 1, size, file);
+    struct pollfd in = {.fd = STDIN_FILENO, .events = POLLIN};
+    while (poll(&in, 1, PATIENCE_MS) == 0)
+        if (!budget_check_stop(NULL))
+            return 0;
+    ssize_t n = read(STDIN_FILENO, block, size);
+    return n < 0 ? fread(block, 1, size, file) : (size_t)n; // which keeps the failure
+}
+
+// Ctrl-C ends the program that writes into a pipe as well, and maybe before it is heard here.
+static bool check_end(const text *t, duet_error *err)
+{
+    const struct timespec moment = {.tv_nsec = 50000000};
+    if (t->length == 0)
+        nanosleep(&moment, NULL);
+    return budget_check_stop(err);
+}
+
 static bool read_file(text *t, const char *path, bool is_text, duet_error *err)
 {
     bool is_stdin = strcmp(path, "-") == 0;
@@ -110,12 +136,13 @@ static bool read_file(text *t, const char *path, bool is_text, duet_error *err)
     char block[65536];
     size_t n = 0;
     size_t line = 0;
-    while (ok && (n = fread(block, 1, sizeof block, file)) > 0) {
+    while (ok && (n = read_block(file, block, sizeof block)) > 0) {
         text_add_bytes(t, block, n);
         budget_tell(t->length, S_ISREG(info.st_mode) ? (uint64_t)info.st_size : 0);
         ok = text_ok(t, err) && budget_check(err) && budget_space(t->length, err) &&
              (!is_text || check_text(t, block, n, &line, path, err));
     }
+    ok = ok && (!is_stdin || check_end(t, err));
     if (ok && ferror(file))
         ok = error_set(err, DUET_STATUS_IO_FAILED, "%s: %s", path, strerror(errno));
     if (!is_stdin)

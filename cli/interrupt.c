@@ -27,6 +27,7 @@ static _Atomic int asked_by;      // the signal
 static _Atomic bool insisted;     // a second time
 static _Atomic bool waits_for_person;
 static _Atomic bool told;
+static _Atomic bool told_waiting;
 static sigset_t heard; // by the guard
 
 static void note(int number)
@@ -56,6 +57,7 @@ void interrupt_forget(void)
 {
     atomic_store(&asked_ns, 0);
     atomic_store(&insisted, false);
+    atomic_store(&told_waiting, false);
 }
 
 bool interrupt_check(duet_error *err)
@@ -128,6 +130,7 @@ static void say(const char *line, size_t n)
 
 #define LATE_NS 2000000000u
 #define DEAF_NS 1500000000u
+#define WAITS_NS 300000000u
 
 // So seldom that it disturbs no measurement.
 #define PAUSE_NS 200000000
@@ -143,6 +146,9 @@ static void look(void)
         output_remove_parts();
         _exit(EXIT_FAILED);
     }
+    bool waits = interrupt_age_ns() > WAITS_NS && atomic_load(&waits_for_person);
+    if (waits && !atomic_exchange(&told_waiting, true))
+        SAY("duet: stops once the call under way returns; Ctrl-C again ends the program\n");
     bool deaf = interrupt_age_ns() > DEAF_NS && !atomic_load(&waits_for_person);
     if (!deaf && !atomic_load(&insisted))
         return;

@@ -27,8 +27,8 @@ bool interrupt_check(duet_error *err);
 // default they do not.
 void interrupt_pass(bool passes);
 
-// From here on a person types what to do: Ctrl-C ends what runs, and only a second one while
-// that goes on ends the program.
+// From here on a person types what to do: Ctrl-C ends what runs, a line says where that has
+// to be waited for, and only a second one meanwhile ends the program.
 void interrupt_wait(void);
 
 // A line has said that the program was stopped.

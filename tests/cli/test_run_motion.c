@@ -76,6 +76,8 @@ static void a_picture_and_frames_are_drawn(void **state)
     }
     assert_int_not_equal(access(FRAMES "/00005.png", F_OK), 0);
     assert_non_null(strstr(p.out, "effects:"));
+    assert_non_null(strstr(p.out, "of the work, kernels '"));
+    assert_non_null(strstr(p.out, "plan: the default"));
     assert_non_null(strstr(p.out, " contact_response"));
     program_free(&p);
 }
