@@ -116,8 +116,8 @@ bool part_begin(part *p, const part_task *task, duet_error *err)
     p->n_chunks = 0;
     if (bytes == 0)
         return true;
-    return (task->packed || send_objects(p, task, bytes, err)) && send_sizes(p, task, err) &&
-           send_levels(p, task, err);
+    return (task->packed || task->resident || send_objects(p, task, bytes, err)) &&
+           send_sizes(p, task, err) && send_levels(p, task, err);
 }
 
 // ---------------------------------------------------------------- grid
@@ -149,6 +149,7 @@ static void set_args(part *p, const part_task *task, const part_range *range)
         .first = range->first,
         .last = paper ? range->last : placed,
         .cells = task->grid.levels[0].cells,
+        .objects = task->resident ? *task->resident : p->objects,
     };
 }
 
@@ -491,10 +492,10 @@ static bool ask_ahead(part *p, cl_event *told, duet_error *err)
                                      bytes, err);
 }
 
-static bool hear(part *p, duet_error *err)
+static bool hear(part *p, const part_task *task, duet_error *err)
 {
     cl_event told = NULL;
-    if (p->device->info.host_memory)
+    if (p->device->info.host_memory || task->resident)
         return read_counters(p, err);
     if (!ask_ahead(p, &told, err))
         return false;
@@ -510,14 +511,14 @@ static bool hear(part *p, duet_error *err)
 static bool test_listed(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     if (!p->kernels.narrow)
-        return hear(p, err);
+        return hear(p, task, err);
     if (!p->kernels.fused)
-        return run_narrow(p, narrow_work(p, search_work(task, range)), err) && hear(p, err);
-    if (!hear(p, err))
+        return run_narrow(p, narrow_work(p, search_work(task, range)), err) && hear(p, task, err);
+    if (!hear(p, task, err))
         return false;
     uint64_t listed = p->found.candidates;
     return listed == 0 || listed > capacity_of(&p->candidates) ||
-           (run_narrow(p, listed, err) && hear(p, err));
+           (run_narrow(p, listed, err) && hear(p, task, err));
 }
 
 // The first search finds its counters as the step cleared them.
@@ -649,8 +650,13 @@ static bool fetch_and_decide(part *p, const part_task *task, duet_pair *collidin
     return ok;
 }
 
+// Pairs of resident objects stay where they are, and the span only counts them.
 static bool fetch(part *p, const part_task *task, duet_error *err)
 {
+    if (task->resident) {
+        p->span.n = p->found.pairs;
+        return timeline_finish(&p->times, err);
+    }
     p->n_undecided = p->found.undecided;
     size_t bytes = (size_t)p->n_undecided * sizeof(duet_pair);
     duet_pair *colliding = malloc(bytes + 1);

@@ -19,6 +19,7 @@ typedef struct part_task {
     bool rotated;
     duet_level level;         // of accuracy, for poses
     grid_objects objects;     // that the part is sent; the array has all of them
+    const buffer *resident;   // the objects where the part's device made them, or NULL
     uint64_t objects_version; // changes with the objects' content
     uint64_t sizes_version;   // changes with the sizes
     grid grid;
@@ -79,6 +80,7 @@ typedef struct part_args {
     cl_uint first, last;
     cl_uint found_capacity, candidate_capacity, pair_capacity, undecided_capacity;
     cl_int4 cells;
+    buffer objects;
     buffer found; // pairs, or candidates where they are tested later
 } part_args;
 

@@ -26,7 +26,7 @@ static const size_t buffers[] = {
 
 // What the arguments in kernels/grid and kernels/narrowphase mean. Bounds and boxes are
 // laid out as the search asks for.
-static const binding part_bindings[] = {BUFFER("objects", "float *", objects),
+static const binding part_bindings[] = {BUFFER("objects", "float *", args.objects),
                                         BUFFER("sizes", "float *", sizes),
                                         BUFFER("names", "uint *", names),
                                         BUFFER("levels", "grid_level *", levels),

@@ -27,9 +27,22 @@ static double ms_since(uint64_t begun)
 
 // ---------------------------------------------------------------- the grid
 
+// The grid is fitted on the host.
+static bool bring_resident(duet_world *world, duet_error *err)
+{
+    grid_objects objects = world_objects(world);
+    size_t bytes = world->n * grid_object_bytes(&objects);
+    timeline *t = &world->parts[1].times;
+    timeline_begin(t, world->parts[1].device);
+    return host_block_reserve(&world->objects, world->def.pair->devices, 2, bytes, err) &&
+           timeline_read(t, "fetch objects", &world->resident, world->objects.bytes, bytes, err);
+}
+
 static bool fit_grid(duet_world *world, duet_error *err)
 {
     const duet_world_def *def = &world->def;
+    if (world->resident.mem && !bring_resident(world, err))
+        return false;
     grid_objects objects = world_objects(world);
     grid_needs needs;
     grid_needs_of(&needs, &objects);
@@ -75,6 +88,7 @@ static part_task describe_task(const duet_world *world)
         .rotated = world->def.rotated,
         .level = world->def.level,
         .objects = world_objects(world),
+        .resident = world->resident.mem ? &world->resident : NULL,
         .objects_version = world->objects_version,
         .sizes_version = world->sizes_version,
         .grid = world->grid,
@@ -349,6 +363,18 @@ bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
     fill_result(world, result);
     result->total_ms = ms_since(begun);
     return true;
+}
+
+bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, duet_result *result,
+                         const buffer **pairs, duet_error *err)
+{
+    world->resident = *bounds;
+    world->n = n;
+    ++world->objects_version;
+    bool ok = duet_world_step(world, result, err);
+    world->resident = (buffer){0};
+    *pairs = &world->parts[1].pairs;
+    return ok;
 }
 
 // ---------------------------------------------------------------- pairs

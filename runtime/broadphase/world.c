@@ -198,6 +198,13 @@ void world_choose_mode(duet_world *world)
             one_size && are_alike(world->def.pair) ? DUET_MODE_SLAB : DUET_MODE_OWN;
 }
 
+bool world_is_b_alone(const duet_world *world)
+{
+    const duet_plan *plan = &world->def.plan;
+    bool slabs = plan->mode == DUET_MODE_SLAB || (world->mode_open && are_alike(world->def.pair));
+    return plan->share == 0 && !slabs;
+}
+
 static void take_plan(duet_world *world, const duet_plan *plan, const grid_wish *wish,
                       const variant variants[2])
 {

@@ -16,6 +16,7 @@ struct duet_world {
     thread_pool *driver; // drives A while the caller's thread drives B
     pack pack;
     host_block objects; // [n] poses or bounds, or transforms
+    buffer resident;    // the objects, where B made them; else empty
     uint32_t n;
     uint64_t objects_version;
     host_block sizes; // [n_sizes + 1] of transforms
@@ -52,5 +53,13 @@ grid_objects world_objects(const duet_world *world);
 
 // Whether every object has a size, whichever of the two was set first.
 bool world_check_sizes(const duet_world *world, duet_error *err);
+
+// Whether B searches around all objects and needs nothing of A or the host for it.
+bool world_is_b_alone(const duet_world *world);
+
+// A step of such a world over n bounds in B's memory. *pairs has as many as the result
+// says, in B's memory until the next step; its spans have none.
+bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, duet_result *result,
+                         const buffer **pairs, duet_error *err);
 
 #endif

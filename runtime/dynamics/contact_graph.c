@@ -2,6 +2,7 @@
 // From bounds to rows: which objects may touch which, and the contacts that
 // they had before.
 #include "base/error.h"
+#include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
 
 #include <string.h>
@@ -28,15 +29,48 @@ static bool skin_holds(duet_motion *m, bool *holds, duet_error *err)
 
 // ---------------------------------------------------------------- pairs
 
-static bool find_pairs(duet_motion *m, duet_result *result, duet_error *err)
+// What A and what B found, one behind the other.
+static bool send_pairs(duet_motion *m, const duet_result *result, duet_error *err)
+{
+    const size_t size = sizeof *result->spans[0].pairs;
+    bool ok = motion_reserve(m, PAIRS, result->pairs + 1, size, err);
+    size_t at = 0;
+    for (int i = 0; ok && i < 2; ++i) {
+        size_t bytes = (size_t)result->spans[i].n * size;
+        ok = timeline_write_at(&m->times, "contact_graph", &m->buffers[PAIRS], at,
+                               result->spans[i].pairs, bytes, err);
+        at += bytes;
+    }
+    m->args.pairs = m->buffers[PAIRS];
+    return ok;
+}
+
+// Where both devices search, bounds and pairs go through the host.
+static bool search_on_both(duet_motion *m, duet_result *result, duet_error *err)
 {
     duet_bounds *bounds = duet_world_map_objects(m->world, DUET_OBJECT_BOUNDS, m->n, err);
-    bool ok = bounds && timeline_read(&m->times, "grid", &m->buffers[BOXES], bounds,
-                                      m->n * sizeof *bounds, err);
-    ok = ok && duet_world_step(m->world, result, err);
+    return bounds &&
+           timeline_read(&m->times, "grid", &m->buffers[BOXES], bounds, m->n * sizeof *bounds,
+                         err) &&
+           duet_world_step(m->world, result, err) && send_pairs(m, result, err);
+}
+
+static bool search_on_b(duet_motion *m, duet_result *result, duet_error *err)
+{
+    const buffer *pairs = NULL;
+    bool ok = world_step_resident(m->world, &m->buffers[BOXES], m->n, result, &pairs, err);
+    m->args.pairs = *pairs;
+    return ok;
+}
+
+static bool find_pairs(duet_motion *m, duet_error *err)
+{
+    duet_result result;
+    bool ok =
+        world_is_b_alone(m->world) ? search_on_b(m, &result, err) : search_on_both(m, &result, err);
     if (ok)
-        timeline_add_host(&m->times, "pairs", result->total_ms);
-    m->n_pairs = ok ? result->pairs : 0;
+        timeline_add_host(&m->times, "pairs", result.total_ms);
+    m->n_pairs = ok ? result.pairs : 0;
     return ok;
 }
 
@@ -47,21 +81,6 @@ static bool check_capacity(const duet_motion *m, uint64_t *most, duet_error *err
     return *most <= UINT32_MAX - 1 ||
            error_set(err, DUET_STATUS_TOO_MANY, "%llu pairs of bounds, and a motion holds %u",
                      (unsigned long long)*most, UINT32_MAX - 1);
-}
-
-// What A and what B found, one behind the other.
-static bool send_pairs(duet_motion *m, const duet_result *result, duet_error *err)
-{
-    const size_t size = sizeof *result->spans[0].pairs;
-    bool ok = motion_reserve(m, PAIRS, m->n_pairs + 1, size, err);
-    size_t at = 0;
-    for (int i = 0; ok && i < 2; ++i) {
-        size_t bytes = (size_t)result->spans[i].n * size;
-        ok = timeline_write_at(&m->times, "contact_graph", &m->buffers[PAIRS], at,
-                               result->spans[i].pairs, bytes, err);
-        at += bytes;
-    }
-    return ok;
 }
 
 // Counts (fill 0) or writes (fill 1) what each object may touch.
@@ -160,7 +179,6 @@ static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
 
 static bool build_graph(duet_motion *m, duet_error *err)
 {
-    duet_result result;
     uint64_t most;
     uint32_t n_old = m->n_contacts;
     buffer *b = m->buffers;
@@ -170,10 +188,9 @@ static bool build_graph(duet_motion *m, duet_error *err)
     buffer_swap(&b[COLOUR_OF], &b[OLD_COLOURS]);
     m->rebuilt = true;
     m->has_graph = true;
-    return compute_fat_aabbs(m, err) && find_pairs(m, &result, err) &&
-           check_capacity(m, &most, err) && send_pairs(m, &result, err) && count_rows(m, err) &&
-           fill_rows(m, most, err) && fill_returns(m, err) && empty_contacts(m, err) &&
-           reserve_events(m, n_old, err) && match_contacts(m, n_old, err);
+    return compute_fat_aabbs(m, err) && find_pairs(m, err) && check_capacity(m, &most, err) &&
+           count_rows(m, err) && fill_rows(m, most, err) && fill_returns(m, err) &&
+           empty_contacts(m, err) && reserve_events(m, n_old, err) && match_contacts(m, n_old, err);
 }
 
 bool motion_build_graph(duet_motion *m, duet_error *err)

@@ -39,7 +39,7 @@ typedef enum motion_buffer {
     RETURN_STARTS,
     USED,
     CHOICES,
-    PAIRS,  // by pair of A, while rows are made
+    PAIRS,  // of both devices, while rows are made
     OTHERS, // by contact
     LINKS,
     RETURNS,
@@ -97,6 +97,7 @@ typedef struct motion_args {
     cl_uint fill, woken, soft;
     cl_uint first, count, first_slot, each, apart;
     cl_uint key_end;
+    buffer pairs; // that rows are made of
     buffer row_starts, row_values;
 } motion_args;
 
