@@ -19,7 +19,7 @@ return {
       about = "pairs side by side in a work-item, of turned boxes in float" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
+    { "PER_ITEM", values = { 1, 4, 8, 256 }, default = function(limits) return limits.cpu and 256 or 4 end,
       about = "objects, pairs or contacts a work-item" },
   },
   args = {
@@ -47,6 +47,8 @@ return {
     ]],
   },
   valid = function(p, limits)
+    if p.WG > 1 and p.LANES == 8 then return false, "lanes are for a work-item a group" end
+    if p.WG > 1 and p.WG * p.PER_ITEM * 4 + 64 > limits.local_bytes then return false, "pairs above the device's local memory" end
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
     if p.ANGULAR_VELOCITY == 1 and p.ROTATED == 0 then return false, "what turns is rotated" end

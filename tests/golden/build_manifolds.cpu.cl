@@ -139,21 +139,26 @@ static inline void look_at_pair(const scene *s, uint i, uint2 link)
 }
 #line 433 "kernels/dynamics/build_manifolds.cl.in"
 
+#line 475 "kernels/dynamics/build_manifolds.cl.in"
+
+#line 479 "kernels/dynamics/build_manifolds.cl.in"
 __kernel void build_manifolds(BUILD_MANIFOLDS_ARGS)
+#line 481 "kernels/dynamics/build_manifolds.cl.in"
 {
     scene s = {links, n, centres,
-#line 440 "kernels/dynamics/build_manifolds.cl.in"
+#line 486 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 459 "kernels/dynamics/build_manifolds.cl.in"
+#line 505 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
+#line 511 "kernels/dynamics/build_manifolds.cl.in"
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_contacts);
-#line 466 "kernels/dynamics/build_manifolds.cl.in"
+#line 517 "kernels/dynamics/build_manifolds.cl.in"
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-#line 479 "kernels/dynamics/build_manifolds.cl.in"
+#line 530 "kernels/dynamics/build_manifolds.cl.in"
         look_at_pair(&s, i, link);
-#line 489 "kernels/dynamics/build_manifolds.cl.in"
+#line 540 "kernels/dynamics/build_manifolds.cl.in"
     }
-#line 499 "kernels/dynamics/build_manifolds.cl.in"
+#line 551 "kernels/dynamics/build_manifolds.cl.in"
 }

@@ -1,4 +1,4 @@
-// build_manifolds.DIMS3.DOUBLE0.ROTATED0.ANGULAR_VELOCITY0.BOUNDARY0.CONTACT_RESPONSE0.FRICTION0.CONTINUOUS0.SLEEP0.EVENTS0.LANES1.WG64.PER_ITEM1
+// build_manifolds.DIMS3.DOUBLE0.ROTATED0.ANGULAR_VELOCITY0.BOUNDARY0.CONTACT_RESPONSE0.FRICTION0.CONTINUOUS0.SLEEP0.EVENTS0.LANES1.WG64.PER_ITEM4
 #define DIMS 3
 #define DOUBLE 0
 #define ORIGIN 0
@@ -12,7 +12,7 @@
 #define EVENTS 0
 #define LANES 1
 #define WG 64
-#define PER_ITEM 1
+#define PER_ITEM 4
 #define BUILD_MANIFOLDS_ARGS \
     __global const uint2 *restrict links, \
     uint n_contacts, \
@@ -139,21 +139,52 @@ static inline void look_at_pair(const scene *s, uint i, uint2 link)
 }
 #line 433 "kernels/dynamics/build_manifolds.cl.in"
 
-__kernel void build_manifolds(BUILD_MANIFOLDS_ARGS)
+#line 435 "kernels/dynamics/build_manifolds.cl.in"
+
+static inline void look_at_one(const scene *s, uint i)
+{
+    uint2 link = s->links[i];
+#line 445 "kernels/dynamics/build_manifolds.cl.in"
+    look_at_pair(s, i, link);
+}
+
+// A group's pairs that had points a step ago lie first in `places`, and those that had
+// none, which are soon seen to be apart, last, so that work-items side by side have as
+// much to do.
+static inline void look_at_group(const scene *s, uint n_contacts, __local uint *places,
+                                 volatile __local uint *n_places)
+{
+    const uint most = WG * PER_ITEM;
+    uint first = get_group_id(0) * most, at = get_local_id(0);
+    if (at < 2)
+        n_places[at] = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint k = first + at; k < min(first + most, n_contacts); k += WG) {
+#line 464 "kernels/dynamics/build_manifolds.cl.in"
+        if (s->touches[k] & TOUCH_POINTS)
+            places[atomic_inc(n_places)] = k;
+        else
+            places[most - 1 - atomic_inc(n_places + 1)] = k;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    uint touched = n_places[0], all = touched + n_places[1];
+    for (uint k = at; k < all; k += WG)
+        look_at_one(s, places[k < touched ? k : most - 1 - (k - touched)]);
+}
+#line 475 "kernels/dynamics/build_manifolds.cl.in"
+
+#line 477 "kernels/dynamics/build_manifolds.cl.in"
+__kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void build_manifolds(BUILD_MANIFOLDS_ARGS)
+#line 481 "kernels/dynamics/build_manifolds.cl.in"
 {
     scene s = {links, n, centres,
-#line 440 "kernels/dynamics/build_manifolds.cl.in"
+#line 486 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 459 "kernels/dynamics/build_manifolds.cl.in"
+#line 505 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
-    uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n_contacts);
-#line 466 "kernels/dynamics/build_manifolds.cl.in"
-    for (uint i = first; i < last; ++i) {
-        uint2 link = links[i];
-#line 479 "kernels/dynamics/build_manifolds.cl.in"
-        look_at_pair(&s, i, link);
-#line 489 "kernels/dynamics/build_manifolds.cl.in"
-    }
-#line 499 "kernels/dynamics/build_manifolds.cl.in"
+#line 507 "kernels/dynamics/build_manifolds.cl.in"
+    __local uint places[WG * PER_ITEM];
+    __local uint n_places[2];
+    look_at_group(&s, n_contacts, places, n_places);
+#line 551 "kernels/dynamics/build_manifolds.cl.in"
 }

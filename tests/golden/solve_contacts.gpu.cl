@@ -153,7 +153,15 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
         store_warm_impulses(&p, constraint, bodies);
 }
 
-#if LANES > 1
+#if LANES == 1
+
+// What comes after a field that is written would be asked for only then.
+static inline void ask_for_fields(__global const float *constraint)
+{
+    for (int field = 0; field < IN_SPEEDS; ++field)
+        ask_for(constraint + field * BLOCK);
+}
+#else
 #define BLOCKS_AHEAD 4
 
 // Blocks come from memory once a pass and are asked for in time, as many points
@@ -193,6 +201,8 @@ __kernel void solve_contacts(SOLVE_CONTACTS_ARGS)
                           most_points(points_of(constraint_at(blocks, first_slot + k * apart))));
         if (next < to)
             ask_for_bodies(constraint_at(blocks, first_slot + next * apart), bodies, soft);
+#else
+        ask_for_fields(constraint_at(blocks, first_slot + k * apart));
 #endif
         solve_slots(constraint_at(blocks, first_slot + k * apart), bodies, soft, per_h, spring, hard_spring, kick);
     }
