@@ -23,6 +23,8 @@ return {
       const real4 *angular_velocities  if ANGULAR_VELOCITY == 1
       const float4 *inertias           if ANGULAR_VELOCITY == 1
       const uint *asleep               if SLEEP == 1
+      uint woken                       if SLEEP == 1
+      const uint *flags                if SLEEP == 1
       uint n
       float4 *bodies
     ]],

@@ -40,7 +40,7 @@ return {
       float dt                if CONTINUOUS == 1
       uint4 *events           if EVENTS == 1
       uint event_capacity     if EVENTS == 1
-      volatile uint *flags    if EVENTS == 1
+      volatile uint *flags    if EVENTS + SLEEP > 0
       float margin
       uint *touches
       float *contacts

@@ -1,11 +1,12 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "the contact graph: which bodies each body may touch",
-  uses = { "dynamics/motion.clh" },
+  uses = { "dynamics/motion.clh", "dynamics/records.h" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "BOUNDARY", values = { 0, 1 }, default = 0, about = "1: walls" },
+    { "CONTACT_RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push back" },
     { "FILTER", values = { 0, 1 }, default = 0, about = "1: groups and masks" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
@@ -44,6 +45,8 @@ return {
       const real4 *velocities
       uint fill
       uint2 *links
+      uint *touches
+      uint *colours           if CONTACT_RESPONSE == 1
       volatile uint *return_starts
       uint *returns
     ]],

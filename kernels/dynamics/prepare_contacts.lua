@@ -25,21 +25,19 @@ return {
       const float *frictions  if FRICTION == 1
       uint n
       const uint *list
-      uint first
-      uint count
-      uint first_slot
+      const uint4 *spans
+      uint from_colour
+      uint to_colour
       uint each
-      uint apart
       float *blocks
       float4 *bodies
     ]],
     store_impulses = [[
       const uint *list
-      uint first
-      uint count
-      uint first_slot
+      const uint4 *spans
+      uint from_colour
+      uint to_colour
       uint each
-      uint apart
       float *blocks
       float *contacts
     ]],

@@ -98,6 +98,7 @@
 #define FLAG_RECOLOURED 2  // some contact has another colour than before
 #define FLAG_EVENTS 3      // events written
 #define FLAG_FELL_ASLEEP 4 // something fell asleep or woke
-#define FLAGS 5
+#define FLAG_AWAKE 5       // something neither sleeps nor stands still for ever
+#define FLAGS 6
 
 #endif

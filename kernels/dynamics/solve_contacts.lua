@@ -18,10 +18,10 @@ return {
   },
   args = {
     solve_contacts = [[
-      uint count
-      uint first_slot
+      const uint4 *spans
+      uint from_colour
+      uint to_colour
       uint each
-      uint apart
       float *blocks
       float4 *bodies
       uint soft
@@ -31,10 +31,10 @@ return {
       float kick
     ]],
     apply_restitution = [[
-      uint count
-      uint first_slot
+      const uint4 *spans
+      uint from_colour
+      uint to_colour
       uint each
-      uint apart
       float *blocks
       float4 *bodies
       float4 pull

@@ -17,12 +17,17 @@ static bool compute_fat_aabbs(duet_motion *m, duet_error *err)
     return motion_launch(m, "grid", m->kernels.compute_fat_aabbs, m->n, err);
 }
 
-// Whether everything is still inside the bounds that the rows were made from.
-static bool skin_holds(duet_motion *m, bool *holds, duet_error *err)
+bool motion_check_bounds(duet_motion *m, duet_error *err)
 {
     m->args.aabb_margin = motion_real(m, 0.5 * m->margin);
-    bool ok = motion_launch(m, "fat_aabbs", m->kernels.check_fat_aabbs, m->n, err) &&
-              motion_read_flags(m, err);
+    return motion_launch(m, "fat_aabbs", m->kernels.check_fat_aabbs, m->n, err);
+}
+
+// Whether everything is still inside the bounds that the rows were made from. What a step
+// moves last is checked at its end.
+static bool skin_holds(duet_motion *m, bool *holds, duet_error *err)
+{
+    bool ok = m->bounds_checked || (motion_check_bounds(m, err) && motion_read_flags(m, err));
     *holds = !m->flags[FLAG_MOVED];
     return ok;
 }
@@ -104,10 +109,8 @@ static bool sort_rows(duet_motion *m, motion_buffer starts, motion_buffer values
 // The last of the starts: how many there are.
 static bool read_total(duet_motion *m, motion_buffer starts, uint32_t *total, duet_error *err)
 {
-    cl_int code = clEnqueueReadBuffer(m->device->queue, m->buffers[starts].mem, CL_TRUE,
-                                      m->n * sizeof *total, sizeof *total, total, 0, NULL, NULL);
-    return code == CL_SUCCESS ||
-           error_set_cl(err, code, "%s: reading a count", m->device->info.selector);
+    return timeline_read_at(&m->times, "contact_graph", &m->buffers[starts], m->n * sizeof *total,
+                            total, sizeof *total, err);
 }
 
 static bool scan_starts(duet_motion *m, motion_buffer starts, duet_error *err)
@@ -135,12 +138,21 @@ static bool put_returns(duet_motion *m, uint32_t fill, duet_error *err)
     return motion_launch(m, "contact_graph", m->kernels.contact_graph_reverse, m->n, err);
 }
 
+static bool reserve_contacts(duet_motion *m, duet_error *err)
+{
+    uint64_t n = (uint64_t)m->n_contacts + 1;
+    return motion_reserve(m, LINKS, n, 2 * sizeof(uint32_t), err) &&
+           motion_reserve(m, CONTACTS, n * m->layout.record, sizeof(float), err) &&
+           motion_reserve(m, TOUCHES, n, sizeof(uint32_t), err) &&
+           (!motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) ||
+            motion_reserve(m, COLOUR_OF, n, sizeof(uint32_t), err));
+}
+
 static bool fill_returns(duet_motion *m, duet_error *err)
 {
     size_t n_starts = (size_t)m->n + 1;
     uint64_t n = (uint64_t)m->n_contacts + 1;
-    return motion_reserve(m, LINKS, n, 2 * sizeof(uint32_t), err) &&
-           motion_reserve(m, RETURNS, n, sizeof(uint32_t), err) &&
+    return reserve_contacts(m, err) && motion_reserve(m, RETURNS, n, sizeof(uint32_t), err) &&
            timeline_fill(&m->times, "contact_graph", &m->buffers[RETURN_STARTS], 0, 0, n_starts,
                          err) &&
            put_returns(m, 0, err) && scan_starts(m, RETURN_STARTS, err) && put_returns(m, 1, err) &&
@@ -148,19 +160,6 @@ static bool fill_returns(duet_motion *m, duet_error *err)
 }
 
 // ---------------------------------------------------------------- contacts
-
-static bool empty_contacts(duet_motion *m, duet_error *err)
-{
-    uint64_t n = (uint64_t)m->n_contacts + 1;
-    bool ok = motion_reserve(m, CONTACTS, n * m->layout.record, sizeof(float), err) &&
-              motion_reserve(m, TOUCHES, n, sizeof(uint32_t), err) &&
-              timeline_fill(&m->times, "contact_graph", &m->buffers[TOUCHES], 0, 0, (size_t)n, err);
-    if (ok && motion_has(m, DUET_EFFECT_CONTACT_RESPONSE))
-        ok = motion_reserve(m, COLOUR_OF, n, sizeof(uint32_t), err) &&
-             timeline_fill(&m->times, "contact_graph", &m->buffers[COLOUR_OF], COLOUR_NONE, 0,
-                           (size_t)n, err);
-    return ok;
-}
 
 // As many as can begin and end: devices cannot ask for more space.
 static bool reserve_events(duet_motion *m, uint32_t n_old, duet_error *err)
@@ -190,7 +189,7 @@ static bool build_graph(duet_motion *m, duet_error *err)
     m->has_graph = true;
     return compute_fat_aabbs(m, err) && find_pairs(m, err) && check_capacity(m, &most, err) &&
            count_rows(m, err) && fill_rows(m, most, err) && fill_returns(m, err) &&
-           empty_contacts(m, err) && reserve_events(m, n_old, err) && match_contacts(m, n_old, err);
+           reserve_events(m, n_old, err) && match_contacts(m, n_old, err);
 }
 
 bool motion_build_graph(duet_motion *m, duet_error *err)
@@ -202,13 +201,6 @@ bool motion_build_graph(duet_motion *m, duet_error *err)
     return holds || build_graph(m, err);
 }
 
-bool motion_touch(duet_motion *m, bool woken, duet_error *err)
-{
-    m->args.woken = woken;
-    m->args.event_capacity = (uint32_t)m->event_capacity;
-    return motion_launch(m, "manifolds", m->kernels.build_manifolds, m->n_contacts, err);
-}
-
 // ---------------------------------------------------------------- graph colouring
 
 // Contacts into colours, and the list that goes colour by colour.
@@ -216,12 +208,12 @@ bool motion_touch(duet_motion *m, bool woken, duet_error *err)
 // Rounds that are sent before the host looks whether any contact still waits.
 enum { ROUNDS_AT_ONCE = 4 };
 
-// ---------------------------------------------------------------- sorting
-
 static bool reserve_lists(duet_motion *m, duet_error *err)
 {
     static const motion_buffer lists[] = {LIST, LIST_SPARE, LIST_KEYS, LIST_KEYS_SPARE};
-    bool ok = motion_reserve(m, COLOUR_STARTS, KEYS + 1, sizeof(uint32_t), err);
+    bool ok = motion_reserve(m, COLOUR_STARTS, KEYS + 1, sizeof(uint32_t), err) &&
+              motion_reserve(m, SPANS, sizeof m->colours / sizeof m->colours[0],
+                             sizeof m->colours[0], err);
     for (size_t i = 0; ok && i < sizeof lists / sizeof lists[0]; ++i)
         ok = motion_reserve(m, lists[i], (uint64_t)m->n_contacts + 1, sizeof(uint32_t), err);
     return ok;
@@ -245,62 +237,64 @@ static void lay_colours(duet_motion *m, const uint32_t starts[KEYS + 1])
     m->n_blocks = n_blocks;
 }
 
-static bool read_starts(duet_motion *m, duet_error *err)
+// Contacts of one colour after the other into LIST. Reads the flags as well.
+static bool sort_colours(duet_motion *m, duet_error *err)
 {
     uint32_t starts[KEYS + 1];
-    bool ok =
-        motion_launch(m, "graph_colour", m->kernels.row_start, (uint64_t)m->n_contacts + 1, err) &&
-        timeline_read(&m->times, "graph_colour", &m->buffers[COLOUR_STARTS], starts, sizeof starts,
-                      err);
+    buffer *b = m->buffers;
+    const radix_lists lists = {&b[LIST_KEYS], &b[LIST], &b[LIST_KEYS_SPARE], &b[LIST_SPARE]};
+    const char *stage = "graph_colour";
+    bool ok = motion_launch(m, stage, m->kernels.graph_colour_key, m->n_contacts, err) &&
+              radix_sort_run(&m->radix, &m->times, stage, &lists, m->n_contacts, KEY_BITS, err) &&
+              motion_launch(m, stage, m->kernels.row_start, (uint64_t)m->n_contacts + 1, err) &&
+              timeline_start_read(&m->times, "flags", &b[FLAG_WORDS], 0, m->flags, sizeof m->flags,
+                                  err) &&
+              timeline_read(&m->times, stage, &b[COLOUR_STARTS], starts, sizeof starts, err);
     if (ok)
         lay_colours(m, starts);
     return ok;
 }
 
-// Contacts of one colour after the other into LIST.
-static bool sort_colours(duet_motion *m, duet_error *err)
+static bool run_rounds(duet_motion *m, duet_error *err)
 {
-    const uint32_t none[KEYS + 1] = {0};
-    buffer *b = m->buffers;
-    const radix_lists lists = {&b[LIST_KEYS], &b[LIST], &b[LIST_KEYS_SPARE], &b[LIST_SPARE]};
-    lay_colours(m, none);
-    if (m->n_contacts == 0)
-        return true;
-    return reserve_lists(m, err) &&
-           motion_launch(m, "graph_colour", m->kernels.graph_colour_key, m->n_contacts, err) &&
-           radix_sort_run(&m->radix, &m->times, "graph_colour", &lists, m->n_contacts, KEY_BITS,
-                          err) &&
-           read_starts(m, err) &&
-           motion_reserve(m, BLOCKS, (uint64_t)m->n_blocks * m->layout.block,
-                          m->layout.constraint * sizeof(float), err);
-}
-
-// ---------------------------------------------------------------- colours
-
-static bool mark(duet_motion *m, duet_error *err)
-{
-    return motion_launch(m, "graph_colour", m->kernels.graph_colour_mark, m->n_contacts, err) &&
-           motion_read_flags(m, err);
-}
-
-static bool run_round(duet_motion *m, duet_error *err)
-{
-    return motion_launch(m, "graph_colour", m->kernels.graph_colour_choose, m->n, err) &&
-           motion_launch(m, "graph_colour", m->kernels.graph_colour_take, m->n, err);
+    bool ok = true;
+    for (int i = 0; ok && i < ROUNDS_AT_ONCE; ++i)
+        ok = motion_launch(m, "graph_colour", m->kernels.graph_colour_choose, m->n, err) &&
+             motion_launch(m, "graph_colour", m->kernels.graph_colour_take, m->n, err);
+    return ok;
 }
 
 // Each round colours at least the contact of greatest rank, so rounds end.
+static bool list_colours(duet_motion *m, duet_error *err)
+{
+    bool ok = reserve_lists(m, err);
+    bool waits = m->recoloured;
+    do {
+        waits = waits || m->flags[FLAG_UNCOLOURED] > 0;
+        ok = ok && (!waits || run_rounds(m, err)) && sort_colours(m, err);
+    } while (ok && m->flags[FLAG_UNCOLOURED] > 0);
+    return ok &&
+           motion_reserve(m, BLOCKS, (uint64_t)m->n_blocks * m->layout.block,
+                          m->layout.constraint * sizeof(float), err) &&
+           timeline_write_at(&m->times, "graph_colour", &m->buffers[SPANS], 0, m->colours,
+                             sizeof m->colours, err);
+}
+
+// Where colours changed in the last step they do mostly again, and nobody need ask.
 bool motion_colour(duet_motion *m, duet_error *err)
 {
-    bool ok = mark(m, err);
-    while (ok && m->flags[FLAG_UNCOLOURED] > 0) {
-        for (int i = 0; ok && i < ROUNDS_AT_ONCE; ++i)
-            ok = run_round(m, err);
-        ok = ok && motion_read_flags(m, err);
+    const uint32_t none[KEYS + 1] = {0};
+    if (m->n_contacts == 0) {
+        lay_colours(m, none);
+        return true;
     }
-    m->list_stale = m->list_stale || m->rebuilt || m->flags[FLAG_RECOLOURED];
-    if (!ok || !m->list_stale)
-        return ok;
-    m->list_stale = !sort_colours(m, err);
+    if (!motion_launch(m, "graph_colour", m->kernels.graph_colour_mark, m->n_contacts, err) ||
+        (!m->recoloured && !motion_read_flags(m, err)))
+        return false;
+    m->list_stale = m->list_stale || m->rebuilt || m->recoloured || m->flags[FLAG_RECOLOURED];
+    if (!m->list_stale)
+        return true;
+    m->list_stale = !list_colours(m, err);
+    m->recoloured = m->flags[FLAG_RECOLOURED];
     return !m->list_stale;
 }

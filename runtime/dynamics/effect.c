@@ -8,8 +8,8 @@
 static const effect_row rows[] = {
     {DUET_EFFECT_CONTACT_RESPONSE, "contact_response", DUET_EFFECT_CONTACT | DUET_EFFECT_MOTION,
      "a restitution or a friction, or wants", "pushes",
-     "match_contacts, build_manifolds, graph_colour, prepare_contacts, bodies, solve_contacts, "
-     "integrate_positions"},
+     "contact_graph, match_contacts, build_manifolds, graph_colour, prepare_contacts, bodies, "
+     "solve_contacts, integrate_positions"},
     {DUET_EFFECT_EVENTS, "events", DUET_EFFECT_CONTACT, "wants", "events",
      "build_manifolds, match_contacts"},
     {DUET_EFFECT_CONTACT, "contact", 0, "contact_response, or wants", NULL,

@@ -365,11 +365,6 @@ bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size
     return buffer_reserve(b, m->device, (size_t)(grows ? roomy : bytes), err);
 }
 
-bool motion_clear_flags(duet_motion *m, duet_error *err)
-{
-    return timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0, 0, FLAGS, err);
-}
-
 bool motion_read_flags(duet_motion *m, duet_error *err)
 {
     return timeline_read(&m->times, "flags", &m->buffers[FLAG_WORDS], m->flags, sizeof m->flags,

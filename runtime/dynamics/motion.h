@@ -55,6 +55,7 @@ typedef enum motion_buffer {
     LIST_SPARE,
     LIST_KEYS_SPARE,
     COLOUR_STARTS,
+    SPANS,
     BLOCKS, // contacts by colour while they are solved
     EVENTS,
     FLAG_WORDS,
@@ -95,7 +96,7 @@ typedef struct motion_args {
     arg_real aabb_margin;
     cl_uint n_pairs, n_old, event_capacity;
     cl_uint fill, woken, soft;
-    cl_uint first, count, first_slot, each, apart;
+    cl_uint from_colour, to_colour, each;
     cl_uint key_end;
     buffer pairs; // that rows are made of
     buffer row_starts, row_values;
@@ -109,11 +110,12 @@ typedef struct motion_layout {
     uint32_t constraint, block; // a block is so many constraints
 } motion_layout;
 
-// Contacts of one colour: where in the list, and where in blocks.
+// Contacts of one colour: where in the list, and where in blocks. A uint4 on devices.
 typedef struct colour_span {
-    uint32_t first;
-    uint32_t count;
-    uint32_t slot;
+    cl_uint first;
+    cl_uint count;
+    cl_uint slot;
+    cl_uint spare;
 } colour_span;
 
 struct duet_motion {
@@ -144,7 +146,10 @@ struct duet_motion {
     uint32_t n_blocks;
     uint64_t n_pairs;
     bool has_graph;
-    bool list_stale; // the list by colour is not that of the contacts
+    bool bounds_checked; // since something moved, against the bounds that rows are made of
+    bool list_stale;     // the list by colour is not that of the contacts
+    bool recoloured;     // some contacts had another colour in the last step
+    bool at_rest;        // everything sleeps: a step changes nothing
     bool rebuilt;
     bool broken; // a step failed half-way: only a load makes it whole again
     uint32_t flags[FLAGS];
@@ -179,7 +184,7 @@ uint32_t motion_words(const duet_motion *m, motion_buffer which);
 
 // Where objects may touch: pairs to rows, rows to contacts, contacts to colours.
 bool motion_build_graph(duet_motion *m, duet_error *err);
-bool motion_touch(duet_motion *m, bool woken, duet_error *err); // woken: only what just woke
+bool motion_check_bounds(duet_motion *m, duet_error *err); // sets FLAG_MOVED
 bool motion_colour(duet_motion *m, duet_error *err);
 
 extern const binding motion_bindings[]; // of a duet_motion
@@ -194,7 +199,6 @@ bool motion_launch(duet_motion *m, const char *stage, const kernel *k, uint64_t 
 
 // Reads the flags, which waits for all that was launched.
 bool motion_read_flags(duet_motion *m, duet_error *err);
-bool motion_clear_flags(duet_motion *m, duet_error *err);
 
 // Space for n elements of `size` bytes in a buffer.
 bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err);

@@ -39,6 +39,7 @@ const binding motion_bindings[] = {
     BUFFER(LIST, "list", "uint *"),
     BUFFER(LIST_KEYS, "keys", "uint *"),
     BUFFER(COLOUR_STARTS, "key_starts", "uint *"),
+    BUFFER(SPANS, "spans", "uint4 *"),
     BUFFER(BLOCKS, "blocks", "float *"),
     BUFFER(EVENTS, "events", "uint4 *"),
     BUFFER(FLAG_WORDS, "flags", "uint *"),
@@ -77,11 +78,9 @@ const binding motion_bindings[] = {
     VALUE(fill),
     VALUE(woken),
     VALUE(soft),
-    VALUE(first),
-    VALUE(count),
-    VALUE(first_slot),
+    VALUE(from_colour),
+    VALUE(to_colour),
     VALUE(each),
-    VALUE(apart),
     {0}};
 
 arg_real motion_real(const duet_motion *m, double value)

@@ -266,6 +266,7 @@ bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
     m->event_capacity = event_capacity(&parts);
     m->n_pairs = h.n_pairs;
     m->has_graph = h.has_graph;
+    m->bounds_checked = m->at_rest = false;
     m->list_stale = true;
     m->broken = false;
     return true;

@@ -14,8 +14,17 @@
 
 // ---------------------------------------------------------------- response
 
-static bool prepare_bodies(duet_motion *m, duet_error *err)
+// woken: only of what woke in this step, where anything did.
+static bool find_manifolds(duet_motion *m, uint32_t woken, duet_error *err)
 {
+    m->args.woken = woken;
+    m->args.event_capacity = (uint32_t)m->event_capacity;
+    return motion_launch(m, "manifolds", m->kernels.build_manifolds, m->n_contacts, err);
+}
+
+static bool prepare_bodies(duet_motion *m, uint32_t woken, duet_error *err)
+{
+    m->args.woken = woken;
     return motion_launch(m, "integrate", m->kernels.prepare_bodies, (uint64_t)m->n + MOTION_WALLS,
                          err);
 }
@@ -24,37 +33,51 @@ static bool prepare_bodies(duet_motion *m, duet_error *err)
 // before it is pushed.
 static bool touch(duet_motion *m, duet_error *err)
 {
-    if (!prepare_bodies(m, err) || !motion_touch(m, false, err))
-        return false;
-    if (!motion_has(m, DUET_EFFECT_SLEEP))
-        return true;
-    if (!motion_launch(m, "sleep", m->kernels.update_sleep, m->n, err) ||
-        !motion_read_flags(m, err))
-        return false;
-    return !m->flags[FLAG_FELL_ASLEEP] || (prepare_bodies(m, err) && motion_touch(m, true, err));
+    return prepare_bodies(m, 0, err) && find_manifolds(m, 0, err) &&
+           (!motion_has(m, DUET_EFFECT_SLEEP) ||
+            (motion_launch(m, "sleep", m->kernels.update_sleep, m->n, err) &&
+             prepare_bodies(m, 1, err) && find_manifolds(m, 1, err)));
 }
 
-// Runs a kernel over one colour's contacts, in blocks or in the list. Those that found no
-// colour are taken in order, by one work-item.
-static bool launch_colour(duet_motion *m, const kernel *k, uint32_t colour, duet_error *err)
+static uint32_t most_of(const duet_motion *m, uint32_t from, uint32_t to)
 {
-    const colour_span *span = &m->colours[colour];
-    bool in_order = colour == COLOUR_OVERFLOW;
-    m->args.first = span->first;
-    m->args.count = span->count;
-    m->args.first_slot = span->slot;
-    m->args.each = in_order ? span->count : k->per_item;
-    m->args.apart = in_order ? m->layout.block : 1;
-    return motion_launch(m, "solve_contacts", k, in_order && span->count > 0 ? 1 : span->count,
-                         err);
+    uint32_t most = 0;
+    for (uint32_t colour = from; colour < to; ++colour)
+        most = m->colours[colour].count > most ? m->colours[colour].count : most;
+    return most;
 }
 
+// Runs a kernel over the contacts of these colours, one colour after the other.
+static bool launch_colours(duet_motion *m, const kernel *k, uint32_t from, uint32_t to,
+                           uint32_t each, uint64_t work, duet_error *err)
+{
+    m->args.from_colour = from;
+    m->args.to_colour = to;
+    m->args.each = each;
+    return motion_launch(m, "solve_contacts", k, work, err);
+}
+
+// Colours that one work-group has space for are taken by the same one.
+static uint32_t end_of_few(const duet_motion *m, const kernel *k, uint32_t from)
+{
+    uint32_t to = from + 1;
+    if (m->colours[from].count <= k->group * k->per_item)
+        while (to < COLOUR_OVERFLOW && m->colours[to].count <= k->group * k->per_item)
+            ++to;
+    return to;
+}
+
+// What found no colour is taken in order, by one work-item.
 static bool for_colours(duet_motion *m, const kernel *k, duet_error *err)
 {
+    uint32_t in_order = m->colours[COLOUR_OVERFLOW].count;
     bool ok = true;
-    for (uint32_t colour = 0; ok && colour <= COLOUR_OVERFLOW; ++colour)
-        ok = launch_colour(m, k, colour, err);
-    return ok;
+    for (uint32_t from = 0, to = 0; ok && from < COLOUR_OVERFLOW; from = to) {
+        to = end_of_few(m, k, from);
+        ok = launch_colours(m, k, from, to, k->per_item, most_of(m, from, to), err);
+    }
+    return ok && (in_order == 0 ||
+                  launch_colours(m, k, COLOUR_OVERFLOW, COLOUR_OVERFLOW + 1, in_order, 1, err));
 }
 
 static bool solve(duet_motion *m, uint32_t soft, duet_error *err)
@@ -71,6 +94,14 @@ static bool substep(duet_motion *m, duet_error *err)
            solve(m, 0, err);
 }
 
+// Each contact has its own.
+static bool store_impulses(duet_motion *m, duet_error *err)
+{
+    const kernel *k = m->kernels.store_impulses;
+    return launch_colours(m, k, 0, COLOUR_OVERFLOW + 1, k->per_item,
+                          most_of(m, 0, COLOUR_OVERFLOW + 1), err);
+}
+
 static bool respond(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
@@ -79,32 +110,47 @@ static bool respond(duet_motion *m, duet_error *err)
     for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
         ok = substep(m, err);
     ok = ok && (!m->facts.elastic || for_colours(m, k->apply_restitution, err));
-    return ok && for_colours(m, k->store_impulses, err) &&
-           motion_launch(m, "integrate", k->finalize_bodies, m->n, err);
+    ok = ok && store_impulses(m, err) &&
+         motion_launch(m, "integrate", k->finalize_bodies, m->n, err);
+    if (!motion_has(m, DUET_EFFECT_SKIN))
+        return ok;
+    m->bounds_checked = ok && motion_check_bounds(m, err);
+    return m->bounds_checked;
 }
 
 // ---------------------------------------------------------------- a step
 
 static bool run_effects(duet_motion *m, duet_error *err)
 {
-    if (m->n == 0 || m->def.dt == 0.0 || m->effects == 0)
-        return true;
     bool contact = motion_has(m, DUET_EFFECT_CONTACT);
     bool flies = motion_has(m, DUET_EFFECT_MOTION);
     motion_set_args(m);
-    if (contact && !motion_clear_flags(m, err))
+    if (contact && !timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0, 0, FLAGS, err))
         return false;
     if (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE))
         return respond(m, err);
     if (flies && !motion_launch(m, "integrate", m->kernels.integrate_free_flight, m->n, err))
         return false;
-    return !contact || (motion_build_graph(m, err) && motion_touch(m, false, err));
+    return !contact || (motion_build_graph(m, err) && find_manifolds(m, 0, err));
 }
 
-static bool fetch_events(duet_motion *m, duet_error *err)
+// What the step leaves to be known: whether bounds still hold, what sleeps, and events.
+static bool hear(duet_motion *m, duet_error *err)
 {
-    bool any = motion_has(m, DUET_EFFECT_EVENTS) && m->n > 0 && m->def.dt > 0.0;
-    return !any || (motion_read_flags(m, err) && motion_fetch_events(m, err));
+    if (!motion_has(m, DUET_EFFECT_SKIN | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS))
+        return true;
+    if (!motion_read_flags(m, err))
+        return false;
+    m->at_rest =
+        motion_has(m, DUET_EFFECT_SLEEP) && !m->flags[FLAG_AWAKE] && !m->flags[FLAG_FELL_ASLEEP];
+    return !motion_has(m, DUET_EFFECT_EVENTS) || motion_fetch_events(m, err);
+}
+
+// Nothing is sent to the device where nothing would change.
+static bool run_step(duet_motion *m, duet_error *err)
+{
+    bool still = m->n == 0 || m->def.dt == 0.0 || m->effects == 0 || m->at_rest;
+    return still || (run_effects(m, err) && hear(m, err) && timeline_finish(&m->times, err));
 }
 
 static void fill_result(duet_motion *m, duet_motion_result *result)
@@ -132,7 +178,7 @@ bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error 
     timeline_begin(&m->times, m->device);
     m->rebuilt = false;
     m->n_events = 0;
-    bool ok = run_effects(m, err) && fetch_events(m, err) && timeline_finish(&m->times, err);
+    bool ok = run_step(m, err);
     m->broken = !ok;
     if (!ok) {
         timeline_clear(&m->times);

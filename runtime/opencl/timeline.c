@@ -12,6 +12,7 @@ void timeline_begin(timeline *t, const device *d)
     timeline_clear(t);
     t->device = d;
     t->n_stages = 0;
+    t->n_launches = t->n_waits = 0;
     t->first_begin = t->last_end = 0;
 }
 
@@ -76,6 +77,7 @@ bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint
                                          after ? 1 : 0, after ? &after : NULL, &event);
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "%s on %s: launch", k->name, t->device->info.selector);
+    ++t->n_launches;
     return keep_event(t, stage, false, event, err);
 }
 
@@ -147,6 +149,7 @@ static bool enqueue_read(timeline *t, const char *stage, buffer *b, size_t at, v
 {
     if (bytes == 0)
         return true;
+    t->n_waits += wait;
     if (b->host == to)
         return hand_over(t, b, CL_MAP_READ, bytes, err);
     cl_event event = NULL;
@@ -160,7 +163,13 @@ static bool enqueue_read(timeline *t, const char *stage, buffer *b, size_t at, v
 bool timeline_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
                    duet_error *err)
 {
-    return enqueue_read(t, stage, b, 0, to, bytes, CL_TRUE, err);
+    return timeline_read_at(t, stage, b, 0, to, bytes, err);
+}
+
+bool timeline_read_at(timeline *t, const char *stage, buffer *b, size_t at, void *to, size_t bytes,
+                      duet_error *err)
+{
+    return enqueue_read(t, stage, b, at, to, bytes, CL_TRUE, err);
 }
 
 bool timeline_start_read(timeline *t, const char *stage, buffer *b, size_t at, void *to,

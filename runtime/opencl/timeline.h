@@ -17,6 +17,8 @@ typedef struct timeline {
     int n_events;
     duet_stage stages[TIMELINE_STAGES]; // in order of first appearance
     int n_stages;
+    uint32_t n_launches;  // of kernels
+    uint32_t n_waits;     // reads that the host waited for
     cl_ulong first_begin; // of the kernels, on the device's clock; 0: none ran
     cl_ulong last_end;
     bool beside; // something was written beside the kernels
@@ -50,6 +52,8 @@ bool timeline_write_at(timeline *t, const char *stage, buffer *b, size_t at, con
                        size_t bytes, duet_error *err); // always copies, to byte `at`
 bool timeline_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
                    duet_error *err);
+bool timeline_read_at(timeline *t, const char *stage, buffer *b, size_t at, void *to, size_t bytes,
+                      duet_error *err); // from byte `at`
 
 // Copies to byte `at` beside the kernels, which do not wait for it unless they
 // are launched after its event. Nothing else may use the buffer's bytes meanwhile.

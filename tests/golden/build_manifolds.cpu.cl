@@ -150,15 +150,15 @@ __kernel void build_manifolds(BUILD_MANIFOLDS_ARGS)
                halves,
 #line 505 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
-#line 511 "kernels/dynamics/build_manifolds.cl.in"
+#line 515 "kernels/dynamics/build_manifolds.cl.in"
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_contacts);
-#line 517 "kernels/dynamics/build_manifolds.cl.in"
+#line 521 "kernels/dynamics/build_manifolds.cl.in"
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-#line 530 "kernels/dynamics/build_manifolds.cl.in"
+#line 534 "kernels/dynamics/build_manifolds.cl.in"
         look_at_pair(&s, i, link);
-#line 540 "kernels/dynamics/build_manifolds.cl.in"
+#line 544 "kernels/dynamics/build_manifolds.cl.in"
     }
-#line 551 "kernels/dynamics/build_manifolds.cl.in"
+#line 555 "kernels/dynamics/build_manifolds.cl.in"
 }

@@ -182,9 +182,9 @@ __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void build_manifolds(BU
                halves,
 #line 505 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
-#line 507 "kernels/dynamics/build_manifolds.cl.in"
+#line 511 "kernels/dynamics/build_manifolds.cl.in"
     __local uint places[WG * PER_ITEM];
     __local uint n_places[2];
     look_at_group(&s, n_contacts, places, n_places);
-#line 551 "kernels/dynamics/build_manifolds.cl.in"
+#line 555 "kernels/dynamics/build_manifolds.cl.in"
 }

@@ -1,7 +1,8 @@
-// contact_graph.DIMS2.DOUBLE0.BOUNDARY0.FILTER0.WG1.PER_ITEM1024
+// contact_graph.DIMS2.DOUBLE0.BOUNDARY0.CONTACT_RESPONSE0.FILTER0.WG1.PER_ITEM1024
 #define DIMS 2
 #define DOUBLE 0
 #define BOUNDARY 0
+#define CONTACT_RESPONSE 0
 #define FILTER 0
 #define WG 1
 #define PER_ITEM 1024
@@ -19,6 +20,7 @@
     __global const float4 *restrict velocities, \
     uint fill, \
     __global uint2 *restrict links, \
+    __global uint *restrict touches, \
     volatile __global uint *restrict return_starts, \
     __global uint *restrict returns
 #define CONTACT_GRAPH_SORT_ARGS \
@@ -36,6 +38,7 @@
     __global uint *restrict others
 #line 1 "kernels/common.clh"
 #line 1 "kernels/dynamics/motion.clh"
+#line 1 "kernels/dynamics/records.h"
 #line 1 "kernels/dynamics/contact_graph.cl.in"
 // SPDX-License-Identifier: MIT
 // The contact graph in compressed sparse rows: for each body the ascending ids of
@@ -49,6 +52,7 @@
 //   starts  [n + 1]
 //   others  [n_contacts] the other's id; n + k: wall k
 //   links   [n_contacts] owner and other of each contact
+//   touches, colours  as of contacts that begin
 //   returns [n_returns]  for each object the contacts where it is the other
 static inline void count_or_put(volatile __global uint *starts, __global uint *row_values, uint row, uint value, uint fill)
 {
@@ -63,7 +67,7 @@ __kernel void contact_graph_pairs(CONTACT_GRAPH_PAIRS_ARGS)
     uint last = min(first + PER_ITEM, n_pairs);
     for (uint i = first; i < last; ++i) {
         uint a = min(pairs[i].x, pairs[i].y), b = max(pairs[i].x, pairs[i].y);
-#line 32 "kernels/dynamics/contact_graph.cl.in"
+#line 33 "kernels/dynamics/contact_graph.cl.in"
         bool moves_a = velocities[a].w > 0, moves_b = velocities[b].w > 0;
         if (moves_a)
             count_or_put(starts, others, a, b, fill);
@@ -71,7 +75,7 @@ __kernel void contact_graph_pairs(CONTACT_GRAPH_PAIRS_ARGS)
             count_or_put(starts, others, b, a, fill);
     }
 }
-#line 59 "kernels/dynamics/contact_graph.cl.in"
+#line 60 "kernels/dynamics/contact_graph.cl.in"
 
 static inline void sink_down(__global uint *values, uint at, uint n)
 {
@@ -130,8 +134,11 @@ __kernel void contact_graph_reverse(CONTACT_GRAPH_REVERSE_ARGS)
     for (uint row = first; row < last; ++row) {
         for (uint i = starts[row]; i < starts[row + 1]; ++i) {
             uint other = others[i];
-            if (!fill)
+            if (!fill) {
                 links[i] = (uint2)(row, other);
+                touches[i] = 0;
+#line 124 "kernels/dynamics/contact_graph.cl.in"
+            }
             if (other < n && velocities[other].w > 0)
                 count_or_put(return_starts, returns, other, i, fill);
         }

@@ -42,6 +42,20 @@ static inline uint place_of(__global const uint *others, uint low, uint high, ui
     return low;
 }
 
+// Two floats at a time, where a record has an even number.
+#if RECORD % 2
+typedef float piece;
+#else
+typedef float2 piece;
+#endif
+
+static inline void copy_record(__global float *to, __global const float *from, uint floats)
+{
+    const uint each = sizeof(piece) / sizeof(float);
+    for (uint k = 0; k * each < floats; ++k)
+        ((__global piece *)to)[k] = ((__global const piece *)from)[k];
+}
+
 __kernel void match_contacts(MATCH_CONTACTS_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
@@ -65,10 +79,10 @@ __kernel void match_contacts(MATCH_CONTACTS_ARGS)
         __global const float *old = old_contacts + (size_t)i * RECORD;
         if (low < end && others[low] == link.y) {
             touches[low] = touch;
-            for (uint k = 0; points > 0 && k < HEAD + points * POINT_FLOATS; ++k)
-                contacts[(size_t)low * RECORD + k] = old[k];
-#line 59 "kernels/dynamics/match_contacts.cl.in"
+            if (points > 0)
+                copy_record(contacts + (size_t)low * RECORD, old, HEAD + points * POINT_FLOATS);
+#line 73 "kernels/dynamics/match_contacts.cl.in"
         }
-#line 79 "kernels/dynamics/match_contacts.cl.in"
+#line 93 "kernels/dynamics/match_contacts.cl.in"
     }
 }

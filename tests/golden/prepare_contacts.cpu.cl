@@ -14,20 +14,18 @@
     __global const float *restrict restitutions, \
     uint n, \
     __global const uint *restrict list, \
-    uint first, \
-    uint count, \
-    uint first_slot, \
+    __global const uint4 *restrict spans, \
+    uint from_colour, \
+    uint to_colour, \
     uint each, \
-    uint apart, \
     __global float *restrict blocks, \
     __global float4 *restrict bodies
 #define STORE_IMPULSES_ARGS \
     __global const uint *restrict list, \
-    uint first, \
-    uint count, \
-    uint first_slot, \
+    __global const uint4 *restrict spans, \
+    uint from_colour, \
+    uint to_colour, \
     uint each, \
-    uint apart, \
     __global float *restrict blocks, \
     __global float *restrict contacts
 #line 1 "kernels/common.clh"
@@ -44,15 +42,16 @@
 // Impulses of the last step are added up for each body, colour by colour, because no
 // two contacts of a colour share a body that moves: the first substep's warm start.
 //
-//   list    contacts by colour; this one's are list[first, first + count)
-//   blocks  constraints (constraint.clh); the colour's begin at first_slot and are
-//           `apart` slots from each other, `each` a work-item
+//   spans   of each colour: first in the list, count, first slot
+//   list    contacts by colour
+//   blocks  constraints (constraint.clh)
+//   each    contacts of a colour that a work-item takes
 typedef struct {
     __global const uint2 *links;
     __global const uint *touches;
     __global const float *contacts;
     __global const float *restitutions;
-#line 19 "kernels/dynamics/prepare_contacts.cl.in"
+#line 20 "kernels/dynamics/prepare_contacts.cl.in"
     uint objects;
 } source;
 
@@ -66,7 +65,7 @@ static inline void fill_lane(__global float *lane, const source *from, uint i, b
     lane[IN_OTHER * BLOCK] = as_float(empty ? from->objects : link.y);
     lane[IN_POINTS * BLOCK] = as_float(empty ? 0u : from->touches[i] & TOUCH_POINTS);
     lane[IN_RESTITUTION * BLOCK] = fmax(from->restitutions[link.x], from->restitutions[partner]);
-#line 35 "kernels/dynamics/prepare_contacts.cl.in"
+#line 36 "kernels/dynamics/prepare_contacts.cl.in"
 }
 
 static inline void fill_point(__global float *point, const source *from, const uint places[LANES], int k, mask where)
@@ -79,7 +78,7 @@ static inline void fill_point(__global float *point, const source *from, const u
                   select(zero, saved[OF_ANCHOR + 2], where)});
     put(point, BY_SEPARATION, select(zero, saved[OF_SEPARATION], where));
     put(point, BY_NORMAL_IMPULSE, select(zero, saved[OF_NORMAL_IMPULSE], where));
-#line 51 "kernels/dynamics/prepare_contacts.cl.in"
+#line 52 "kernels/dynamics/prepare_contacts.cl.in"
 }
 
 // The first n lanes are contacts.
@@ -99,7 +98,7 @@ static inline void fill_lanes(__global float *constraint, const source *from, __
     for (int k = 0; k < most; ++k)
         fill_point(point_at(constraint, k), from, places, k, points > (word)(uint)k);
 }
-#line 93 "kernels/dynamics/prepare_contacts.cl.in"
+#line 94 "kernels/dynamics/prepare_contacts.cl.in"
 
 static inline real mass_along(const pair *p, vec anchor, vec direction, mask where)
 {
@@ -116,14 +115,14 @@ static inline void weigh(const pair *p, __global float *constraint, int k)
     put(point, BY_CURRENT, get(point, BY_SEPARATION));
     put(point, BY_MAX_IMPULSE, get(point, BY_NORMAL_IMPULSE));
     put(constraint, IN_SPEEDS + k, vec_dot(velocity_between(p, anchor), p->normal));
-#line 115 "kernels/dynamics/prepare_contacts.cl.in"
+#line 116 "kernels/dynamics/prepare_contacts.cl.in"
 }
 
 static inline void prepare_lanes(__global float *constraint, const source *from, __global const uint *list, uint n,
                                  __global float4 *bodies)
 {
     fill_lanes(constraint, from, list, n);
-#line 124 "kernels/dynamics/prepare_contacts.cl.in"
+#line 125 "kernels/dynamics/prepare_contacts.cl.in"
     pair p;
     load_pair(&p, constraint, bodies);
     for (int k = 0; k < p.most; ++k)
@@ -157,38 +156,49 @@ static inline void ask_for_bodies(const source *from, __global const uint *list,
 __kernel void prepare_contacts(PREPARE_CONTACTS_ARGS)
 {
     source from = {links, touches, contacts, restitutions,
-#line 160 "kernels/dynamics/prepare_contacts.cl.in"
+#line 161 "kernels/dynamics/prepare_contacts.cl.in"
                    n};
-    uint begin = get_global_id(0) * each;
-    uint end = min(begin + each, count);
-    for (uint k = begin; k < end; k += STRIDE(apart)) {
+    for (uint colour = from_colour; colour < to_colour; ++colour) {
+        uint first = spans[colour].x, apart = APART(colour);
+        uint begin = get_global_id(0) * each;
+        uint end = min(begin + each, spans[colour].y);
+        for (uint k = begin; k < end; k += STRIDE(apart)) {
 #if LANES > 1
-        if (k + 3 * LANES <= end)
-            ask_for_records(&from, list + first + k + 2 * LANES);
-        if (k + 2 * LANES <= end)
-            ask_for_bodies(&from, list + first + k + LANES, bodies);
+            if (k + 3 * LANES <= end)
+                ask_for_records(&from, list + first + k + 2 * LANES);
+            if (k + 2 * LANES <= end)
+                ask_for_bodies(&from, list + first + k + LANES, bodies);
 #endif
-        prepare_lanes(constraint_at(blocks, first_slot + k * apart), &from, list + first + k,
-                      min(end - k, (uint)STRIDE(apart)), bodies);
+            prepare_lanes(constraint_at(blocks, spans[colour].z + k * apart), &from, list + first + k,
+                          min(end - k, (uint)STRIDE(apart)), bodies);
+        }
+        END_COLOUR;
     }
 }
 
-// Pushes of the last substep.
+static inline void store_contact(__global float *constraint, __global float *record)
+{
+    uint n = as_uint(constraint[IN_POINTS * BLOCK]);
+    for (uint p = 0; p < n; ++p) {
+        __global const float *point = point_at(constraint, p);
+        __global float *saved = record + HEAD + p * POINT_FLOATS;
+        saved[OF_NORMAL_IMPULSE] = point[BY_NORMAL_IMPULSE * BLOCK];
+        saved[OF_MAX_IMPULSE] = point[BY_MAX_IMPULSE * BLOCK];
+#line 192 "kernels/dynamics/prepare_contacts.cl.in"
+    }
+}
+
+// Pushes of the last substep. A work-item takes its contacts of every colour.
 __kernel void store_impulses(STORE_IMPULSES_ARGS)
 {
-    uint begin = get_global_id(0) * each;
-    uint end = min(begin + each, count);
-    for (uint k = begin; k < end; ++k) {
-        __global float *constraint = constraint_at(blocks, first_slot + k * apart);
-        __global float *record = contacts + (size_t)list[first + k] * RECORD;
-        ask_for(contacts + (size_t)list[first + min(k + 8, end - 1)] * RECORD + HEAD);
-        uint n = as_uint(constraint[IN_POINTS * BLOCK]);
-        for (uint p = 0; p < n; ++p) {
-            __global const float *point = point_at(constraint, p);
-            __global float *saved = record + HEAD + p * POINT_FLOATS;
-            saved[OF_NORMAL_IMPULSE] = point[BY_NORMAL_IMPULSE * BLOCK];
-            saved[OF_MAX_IMPULSE] = point[BY_MAX_IMPULSE * BLOCK];
-#line 194 "kernels/dynamics/prepare_contacts.cl.in"
+    for (uint colour = from_colour; colour < to_colour; ++colour) {
+        uint first = spans[colour].x;
+        uint begin = get_global_id(0) * each;
+        uint end = min(begin + each, spans[colour].y);
+        for (uint k = begin; k < end; ++k) {
+            ask_for(contacts + (size_t)list[first + min(k + 8, end - 1)] * RECORD + HEAD);
+            store_contact(constraint_at(blocks, spans[colour].z + k * APART(colour)),
+                          contacts + (size_t)list[first + k] * RECORD);
         }
     }
 }

@@ -8,19 +8,19 @@
 #define WG 64
 #define PER_ITEM 1
 #define APPLY_RESTITUTION_ARGS \
-    uint count, \
-    uint first_slot, \
+    __global const uint4 *restrict spans, \
+    uint from_colour, \
+    uint to_colour, \
     uint each, \
-    uint apart, \
     __global float *restrict blocks, \
     __global float4 *restrict bodies, \
     float4 pull, \
     float least_speed
 #define SOLVE_CONTACTS_ARGS \
-    uint count, \
-    uint first_slot, \
+    __global const uint4 *restrict spans, \
+    uint from_colour, \
+    uint to_colour, \
     uint each, \
-    uint apart, \
     __global float *restrict blocks, \
     __global float4 *restrict bodies, \
     uint soft, \
@@ -43,8 +43,9 @@
 // separation could close within the substep is a stop. Without `soft` (the relaxing
 // pass) every point is only a stop, which takes back the velocity that springs added.
 //
-//   blocks  constraints (constraint.clh); the colour's begin at first_slot and are
-//           `apart` slots from each other, `each` a work-item
+//   spans   of each colour: first in the list, count, first slot
+//   blocks  constraints (constraint.clh)
+//   each    contacts of a colour that a work-item takes
 //   spring  bias rate, mass scale, impulse scale, greatest speed of push-out;
 //           hard_spring: against bodies that never move
 //   kick    the speed that a load can add to a point in a substep: what asks for more
@@ -110,7 +111,7 @@ static inline void press(pair *p, __global float *point, demand d, mask where)
     real speed = vec_dot(velocity_between(p, anchor), p->normal);
     add_impulse(p, point, anchor, fma(-get(point, BY_NORMAL_MASS) * d.weight, speed + d.speed, fma(-d.decay, old, old)), where);
 }
-#line 132 "kernels/dynamics/solve_contacts.cl.in"
+#line 133 "kernels/dynamics/solve_contacts.cl.in"
 
 // An impact is stopped once: the next substep begins with a load's part of the push.
 static inline void forget_impact(__global float *point, real load)
@@ -120,7 +121,7 @@ static inline void forget_impact(__global float *point, real load)
     if (!any_lane(over))
         return;
     put(point, BY_NORMAL_IMPULSE, select(push, load, over));
-#line 148 "kernels/dynamics/solve_contacts.cl.in"
+#line 149 "kernels/dynamics/solve_contacts.cl.in"
 }
 
 static inline void solve_slots(__global float *constraint, __global float4 *bodies, uint soft, float per_h,
@@ -132,7 +133,7 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
         load_turn(&p.a, bodies, p.owner);
         load_turn(&p.b, bodies, p.other);
     }
-#line 164 "kernels/dynamics/solve_contacts.cl.in"
+#line 165 "kernels/dynamics/solve_contacts.cl.in"
     demand demands[POINTS];
     mask stiff = p.n > 1u, struck = 0;
     for (int k = 0; k < p.most; ++k) {
@@ -140,7 +141,7 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
         stiff &= (demands[k].decay == 0.0f) | !has_point(&p, k);
         struck |= demands[k].impact & has_point(&p, k);
     }
-#line 175 "kernels/dynamics/solve_contacts.cl.in"
+#line 176 "kernels/dynamics/solve_contacts.cl.in"
     for (int turn = 0; turn < p.most; ++turn) { // to and fro, so that no side is favoured
         int k = soft ? turn : p.most - 1 - turn;
         press(&p, point_at(constraint, k), demands[k], has_point(&p, k));
@@ -191,20 +192,24 @@ static inline void ask_for_bodies(__global const float *constraint, __global con
 
 __kernel void solve_contacts(SOLVE_CONTACTS_ARGS)
 {
-    uint from = get_global_id(0) * each;
-    uint to = min(from + each, count);
-    for (uint k = from; k < to; k += STRIDE(apart)) {
+    for (uint colour = from_colour; colour < to_colour; ++colour) {
+        uint apart = APART(colour), first_slot = spans[colour].z;
+        uint from = get_global_id(0) * each;
+        uint to = min(from + each, spans[colour].y);
+        for (uint k = from; k < to; k += STRIDE(apart)) {
 #if LANES > 1
-        uint next = k + STRIDE(apart), later = k + BLOCKS_AHEAD * STRIDE(apart);
-        if (later < to)
-            ask_for_block(constraint_at(blocks, first_slot + later * apart),
-                          most_points(points_of(constraint_at(blocks, first_slot + k * apart))));
-        if (next < to)
-            ask_for_bodies(constraint_at(blocks, first_slot + next * apart), bodies, soft);
+            uint next = k + STRIDE(apart), later = k + BLOCKS_AHEAD * STRIDE(apart);
+            if (later < to)
+                ask_for_block(constraint_at(blocks, first_slot + later * apart),
+                              most_points(points_of(constraint_at(blocks, first_slot + k * apart))));
+            if (next < to)
+                ask_for_bodies(constraint_at(blocks, first_slot + next * apart), bodies, soft);
 #else
-        ask_for_fields(constraint_at(blocks, first_slot + k * apart));
+            ask_for_fields(constraint_at(blocks, first_slot + k * apart));
 #endif
-        solve_slots(constraint_at(blocks, first_slot + k * apart), bodies, soft, per_h, spring, hard_spring, kick);
+            solve_slots(constraint_at(blocks, first_slot + k * apart), bodies, soft, per_h, spring, hard_spring, kick);
+        }
+        END_COLOUR;
     }
 }
 
@@ -289,8 +294,12 @@ static inline void restore_speeds(__global float *constraint, __global float4 *b
 
 __kernel void apply_restitution(APPLY_RESTITUTION_ARGS)
 {
-    uint from = get_global_id(0) * each;
-    uint to = min(from + each, count);
-    for (uint k = from; k < to; k += STRIDE(apart))
-        restore_speeds(constraint_at(blocks, first_slot + k * apart), bodies, pull, least_speed);
+    for (uint colour = from_colour; colour < to_colour; ++colour) {
+        uint apart = APART(colour);
+        uint from = get_global_id(0) * each;
+        uint to = min(from + each, spans[colour].y);
+        for (uint k = from; k < to; k += STRIDE(apart))
+            restore_speeds(constraint_at(blocks, spans[colour].z + k * apart), bodies, pull, least_speed);
+        END_COLOUR;
+    }
 }

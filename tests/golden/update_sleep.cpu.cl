@@ -73,11 +73,15 @@ __kernel void update_sleep(UPDATE_SLEEP_ARGS)
     };
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
+    bool awake = false;
     for (uint id = first; id < last; ++id) {
         bool slept = asleep[id] & SLEEPS;
         bool sleeps = rests[id] > 0.0f && rests[id] >= sleep_after && touches_rest_only(&t, id);
         if (sleeps != slept)
             atomic_or(flags + FLAG_FELL_ASLEEP, 1u);
         asleep[id] = (sleeps ? SLEEPS : 0u) | (slept && !sleeps ? WOKE : 0u);
+        awake = awake || !(sleeps || (!(velocities[id].w > 0) && is_at_rest(&t, id)));
     }
+    if (awake)
+        atomic_or(flags + FLAG_AWAKE, 1u);
 }
