@@ -6,6 +6,7 @@
 #include "support/test.h"
 
 #include "gen/gen.h"
+#include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
 
 #include <math.h>
@@ -448,6 +449,95 @@ static void explain_tells_effects_and_bytes(void **state)
     mover_free(m);
 }
 
+// ---------------------------------------------------------------- launches
+
+// What a step sends to B: kernels, and reads that the host waits for.
+typedef struct traffic {
+    uint32_t launches, waits;
+} traffic;
+
+static traffic step_once(mover *m)
+{
+    duet_error err = {0};
+    assert_ok(duet_motion_advance(m->motion, &m->last, &err), err);
+    const timeline *own = &m->motion->times, *search = &m->motion->world->parts[1].times;
+    bool searched = m->last.rebuilt;
+    return (traffic){own->n_launches + (searched ? search->n_launches : 0),
+                     own->n_waits + (searched ? search->n_waits : 0)};
+}
+
+// A pile this small has no colour that needs more than a work-group.
+static void launches_do_not_grow_with_colours(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    mover_add_pile(m, 100);
+    m->def.wants |= DUET_EFFECT_SLEEP;
+    m->def.skin = 0.05;
+    mover_run(m, 60);
+    uint32_t colours = 0;
+    for (int step = 0; step < 20; ++step) {
+        traffic t = step_once(m);
+        colours = m->last.colours > colours ? m->last.colours : colours;
+        if (t.launches > 70 || t.waits > 5)
+            fail_msg("step %d: %u launches, %u reads", step, t.launches, t.waits);
+    }
+    assert_true(colours >= 6);
+    assert_null(m->motion->buffers[PAIRS].mem); // they stayed where B found them
+    mover_free(m);
+}
+
+static mover *make_sleepers(void)
+{
+    mover *m = mover_new(3);
+    mover_add_floor(m, 10);
+    for (int i = 0; i < 4; ++i)
+        mover_add_rough_cube(m, 2 * i, 0, 0.5);
+    m->def.wants |= DUET_EFFECT_SLEEP;
+    m->def.skin = 0.05;
+    return m;
+}
+
+// What changes a motion from outside is a load.
+static void a_step_at_rest_sends_nothing(void **state)
+{
+    (void)state;
+    char path[64];
+    snprintf(path, sizeof path, "/tmp/duet-rest-%ld", (long)getpid());
+    duet_error err = {0};
+    mover *m = make_sleepers();
+    mover_run(m, 9);
+    assert_true(step_once(m).launches > 10);
+    assert_ok(duet_motion_save(m->motion, path, &err), err);
+    mover_run(m, 50);
+    uint64_t hash = mover_hash(m);
+    traffic t = step_once(m);
+    assert_int_equal(m->last.step, 61);
+    assert_int_equal(m->last.contacts, 0);
+    assert_int_equal(t.launches, 0);
+    assert_int_equal(t.waits, 0);
+    assert_true(mover_hash(m) == hash);
+    assert_ok(duet_motion_load(m->motion, path, &err), err);
+    assert_true(step_once(m).launches > 10);
+    assert_int_equal(m->last.step, 11);
+    mover_free(m);
+    remove(path);
+}
+
+static void what_moves_without_mass_keeps_a_step_from_resting(void **state)
+{
+    (void)state;
+    mover *m = make_sleepers();
+    uint32_t cart = mover_add_cube(m, 0, 5, 3, 1);
+    m->bodies[cart].mass = 0.0f;
+    m->bodies[cart].velocity[0] = 0.5f;
+    mover_run(m, 60);
+    assert_int_equal(m->last.contacts, 0); // the others sleep
+    assert_true(step_once(m).launches > 10);
+    assert_close(m->states[cart].centre[0], 0.5, 1e-4);
+    mover_free(m);
+}
+
 // ---------------------------------------------------------------- files
 
 // Saved in the middle, loaded into another motion, it goes on bit for bit.
@@ -517,6 +607,9 @@ int main(void)
         cmocka_unit_test(buffers_are_those_that_are_called_for),
         cmocka_unit_test(kernels_are_those_that_are_called_for),
         cmocka_unit_test(explain_tells_effects_and_bytes),
+        cmocka_unit_test(launches_do_not_grow_with_colours),
+        cmocka_unit_test(a_step_at_rest_sends_nothing),
+        cmocka_unit_test(what_moves_without_mass_keeps_a_step_from_resting),
         cmocka_unit_test(a_loaded_motion_goes_on_as_the_saved_one),
         cmocka_unit_test(a_damaged_file_is_refused),
         cmocka_unit_test(pairs_of_effects_equal_the_general_step),
