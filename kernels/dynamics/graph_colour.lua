@@ -40,6 +40,7 @@ return {
       const real4 *velocities
       const uint *used
       const uint *choices
+      uint round
       uint *colours
       volatile uint *flags
     ]],

@@ -26,6 +26,7 @@ return {
       uint n
       const uint *list
       const uint4 *spans
+      int4 span
       uint from_colour
       uint to_colour
       uint each
@@ -35,6 +36,7 @@ return {
     store_impulses = [[
       const uint *list
       const uint4 *spans
+      int4 span
       uint from_colour
       uint to_colour
       uint each

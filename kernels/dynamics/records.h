@@ -99,6 +99,7 @@
 #define FLAG_EVENTS 3      // events written
 #define FLAG_FELL_ASLEEP 4 // something fell asleep or woke
 #define FLAG_AWAKE 5       // something neither sleeps nor stands still for ever
-#define FLAGS 6
+#define FLAG_ROUNDS 6      // of the colouring that coloured something
+#define FLAGS 7
 
 #endif

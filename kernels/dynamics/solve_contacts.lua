@@ -19,6 +19,7 @@ return {
   args = {
     solve_contacts = [[
       const uint4 *spans
+      int4 span
       uint from_colour
       uint to_colour
       uint each
@@ -32,6 +33,7 @@ return {
     ]],
     apply_restitution = [[
       const uint4 *spans
+      int4 span
       uint from_colour
       uint to_colour
       uint each

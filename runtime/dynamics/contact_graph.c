@@ -205,8 +205,8 @@ bool motion_build_graph(duet_motion *m, duet_error *err)
 
 // Contacts into colours, and the list that goes colour by colour.
 
-// Rounds that are sent before the host looks whether any contact still waits.
-enum { ROUNDS_AT_ONCE = 4 };
+// Rounds that are sent at once where those of the last step were too few.
+enum { ROUNDS_MORE = 4 };
 
 static bool reserve_lists(duet_motion *m, duet_error *err)
 {
@@ -255,24 +255,28 @@ static bool sort_colours(duet_motion *m, duet_error *err)
     return ok;
 }
 
-static bool run_rounds(duet_motion *m, duet_error *err)
+static bool run_rounds(duet_motion *m, uint32_t from, uint32_t to, duet_error *err)
 {
     bool ok = true;
-    for (int i = 0; ok && i < ROUNDS_AT_ONCE; ++i)
+    for (m->args.round = from + 1; ok && m->args.round <= to; ++m->args.round)
         ok = motion_launch(m, "graph_colour", m->kernels.graph_colour_choose, m->n, err) &&
              motion_launch(m, "graph_colour", m->kernels.graph_colour_take, m->n, err);
     return ok;
 }
 
-// Each round colours at least the contact of greatest rank, so rounds end.
+// Each round colours at least the contact of greatest rank, so rounds end. As many as in
+// the last step and one more are sent before the host looks whether any contact still waits.
 static bool list_colours(duet_motion *m, duet_error *err)
 {
     bool ok = reserve_lists(m, err);
-    bool waits = m->recoloured;
+    bool waits = m->recoloured || m->flags[FLAG_UNCOLOURED] > 0;
+    uint32_t from = 0, to = waits ? m->rounds + 1 : 0;
     do {
-        waits = waits || m->flags[FLAG_UNCOLOURED] > 0;
-        ok = ok && (!waits || run_rounds(m, err)) && sort_colours(m, err);
+        ok = ok && run_rounds(m, from, to, err) && sort_colours(m, err);
+        from = to;
+        to += ROUNDS_MORE;
     } while (ok && m->flags[FLAG_UNCOLOURED] > 0);
+    m->rounds = m->flags[FLAG_ROUNDS];
     return ok &&
            motion_reserve(m, BLOCKS, (uint64_t)m->n_blocks * m->layout.block,
                           m->layout.constraint * sizeof(float), err) &&

@@ -97,6 +97,8 @@ typedef struct motion_args {
     cl_uint n_pairs, n_old, event_capacity;
     cl_uint fill, woken, soft;
     cl_uint from_colour, to_colour, each;
+    cl_int4 span; // of from_colour
+    cl_uint round;
     cl_uint key_end;
     buffer pairs; // that rows are made of
     buffer row_starts, row_values;
@@ -149,6 +151,7 @@ struct duet_motion {
     bool bounds_checked; // since something moved, against the bounds that rows are made of
     bool list_stale;     // the list by colour is not that of the contacts
     bool recoloured;     // some contacts had another colour in the last step
+    uint32_t rounds;     // that gave them colours
     bool at_rest;        // everything sleeps: a step changes nothing
     bool rebuilt;
     bool broken; // a step failed half-way: only a load makes it whole again

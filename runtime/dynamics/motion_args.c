@@ -78,6 +78,8 @@ const binding motion_bindings[] = {
     VALUE(fill),
     VALUE(woken),
     VALUE(soft),
+    VALUE(span),
+    VALUE(round),
     VALUE(from_colour),
     VALUE(to_colour),
     VALUE(each),

@@ -51,6 +51,8 @@ static uint32_t most_of(const duet_motion *m, uint32_t from, uint32_t to)
 static bool launch_colours(duet_motion *m, const kernel *k, uint32_t from, uint32_t to,
                            uint32_t each, uint64_t work, duet_error *err)
 {
+    const colour_span *span = &m->colours[from];
+    m->args.span = (cl_int4){{(cl_int)span->first, (cl_int)span->count, (cl_int)span->slot}};
     m->args.from_colour = from;
     m->args.to_colour = to;
     m->args.each = each;

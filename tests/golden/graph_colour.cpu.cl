@@ -35,6 +35,7 @@
     __global const float4 *restrict velocities, \
     __global const uint *restrict used, \
     __global const uint *restrict choices, \
+    uint round, \
     __global uint *restrict colours, \
     volatile __global uint *restrict flags
 #line 1 "kernels/common.clh"
@@ -144,8 +145,10 @@ __kernel void graph_colour_take(GRAPH_COLOUR_TAKE_ARGS)
         colours[i] = colour <= LAST_COLOUR ? colour : COLOUR_OVERFLOW;
         ++done;
     }
-    if (done)
+    if (done) {
         atomic_sub(flags + FLAG_UNCOLOURED, done);
+        atomic_max(flags + FLAG_ROUNDS, round);
+    }
 }
 
 // What contacts are sorted by: the colour, and within it most points first, so

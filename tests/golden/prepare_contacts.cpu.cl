@@ -15,6 +15,7 @@
     uint n, \
     __global const uint *restrict list, \
     __global const uint4 *restrict spans, \
+    int4 span, \
     uint from_colour, \
     uint to_colour, \
     uint each, \
@@ -23,6 +24,7 @@
 #define STORE_IMPULSES_ARGS \
     __global const uint *restrict list, \
     __global const uint4 *restrict spans, \
+    int4 span, \
     uint from_colour, \
     uint to_colour, \
     uint each, \
@@ -159,9 +161,10 @@ __kernel void prepare_contacts(PREPARE_CONTACTS_ARGS)
 #line 161 "kernels/dynamics/prepare_contacts.cl.in"
                    n};
     for (uint colour = from_colour; colour < to_colour; ++colour) {
-        uint first = spans[colour].x, apart = APART(colour);
+        uint4 where = SPAN_OF(colour);
+        uint first = where.x, apart = APART(colour);
         uint begin = get_global_id(0) * each;
-        uint end = min(begin + each, spans[colour].y);
+        uint end = min(begin + each, where.y);
         for (uint k = begin; k < end; k += STRIDE(apart)) {
 #if LANES > 1
             if (k + 3 * LANES <= end)
@@ -169,7 +172,7 @@ __kernel void prepare_contacts(PREPARE_CONTACTS_ARGS)
             if (k + 2 * LANES <= end)
                 ask_for_bodies(&from, list + first + k + LANES, bodies);
 #endif
-            prepare_lanes(constraint_at(blocks, spans[colour].z + k * apart), &from, list + first + k,
+            prepare_lanes(constraint_at(blocks, where.z + k * apart), &from, list + first + k,
                           min(end - k, (uint)STRIDE(apart)), bodies);
         }
         END_COLOUR;
@@ -184,7 +187,7 @@ static inline void store_contact(__global float *constraint, __global float *rec
         __global float *saved = record + HEAD + p * POINT_FLOATS;
         saved[OF_NORMAL_IMPULSE] = point[BY_NORMAL_IMPULSE * BLOCK];
         saved[OF_MAX_IMPULSE] = point[BY_MAX_IMPULSE * BLOCK];
-#line 192 "kernels/dynamics/prepare_contacts.cl.in"
+#line 193 "kernels/dynamics/prepare_contacts.cl.in"
     }
 }
 
@@ -192,12 +195,13 @@ static inline void store_contact(__global float *constraint, __global float *rec
 __kernel void store_impulses(STORE_IMPULSES_ARGS)
 {
     for (uint colour = from_colour; colour < to_colour; ++colour) {
-        uint first = spans[colour].x;
+        uint4 where = SPAN_OF(colour);
+        uint first = where.x;
         uint begin = get_global_id(0) * each;
-        uint end = min(begin + each, spans[colour].y);
+        uint end = min(begin + each, where.y);
         for (uint k = begin; k < end; ++k) {
             ask_for(contacts + (size_t)list[first + min(k + 8, end - 1)] * RECORD + HEAD);
-            store_contact(constraint_at(blocks, spans[colour].z + k * APART(colour)),
+            store_contact(constraint_at(blocks, where.z + k * APART(colour)),
                           contacts + (size_t)list[first + k] * RECORD);
         }
     }

@@ -9,6 +9,7 @@
 #define PER_ITEM 256
 #define APPLY_RESTITUTION_ARGS \
     __global const uint4 *restrict spans, \
+    int4 span, \
     uint from_colour, \
     uint to_colour, \
     uint each, \
@@ -18,6 +19,7 @@
     float least_speed
 #define SOLVE_CONTACTS_ARGS \
     __global const uint4 *restrict spans, \
+    int4 span, \
     uint from_colour, \
     uint to_colour, \
     uint each, \
@@ -193,9 +195,10 @@ static inline void ask_for_bodies(__global const float *constraint, __global con
 __kernel void solve_contacts(SOLVE_CONTACTS_ARGS)
 {
     for (uint colour = from_colour; colour < to_colour; ++colour) {
-        uint apart = APART(colour), first_slot = spans[colour].z;
+        uint4 where = SPAN_OF(colour);
+        uint apart = APART(colour), first_slot = where.z;
         uint from = get_global_id(0) * each;
-        uint to = min(from + each, spans[colour].y);
+        uint to = min(from + each, where.y);
         for (uint k = from; k < to; k += STRIDE(apart)) {
 #if LANES > 1
             uint next = k + STRIDE(apart), later = k + BLOCKS_AHEAD * STRIDE(apart);
@@ -295,11 +298,12 @@ static inline void restore_speeds(__global float *constraint, __global float4 *b
 __kernel void apply_restitution(APPLY_RESTITUTION_ARGS)
 {
     for (uint colour = from_colour; colour < to_colour; ++colour) {
+        uint4 where = SPAN_OF(colour);
         uint apart = APART(colour);
         uint from = get_global_id(0) * each;
-        uint to = min(from + each, spans[colour].y);
+        uint to = min(from + each, where.y);
         for (uint k = from; k < to; k += STRIDE(apart))
-            restore_speeds(constraint_at(blocks, spans[colour].z + k * apart), bodies, pull, least_speed);
+            restore_speeds(constraint_at(blocks, where.z + k * apart), bodies, pull, least_speed);
         END_COLOUR;
     }
 }
