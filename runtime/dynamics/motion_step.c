@@ -139,7 +139,7 @@ static bool run_effects(duet_motion *m, duet_error *err)
 // What the step leaves to be known: whether bounds still hold, what sleeps, and events.
 static bool hear(duet_motion *m, duet_error *err)
 {
-    if (!motion_has(m, DUET_EFFECT_SKIN | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS))
+    if (!m->bounds_checked && !motion_has(m, DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS))
         return true;
     if (!motion_read_flags(m, err))
         return false;
