@@ -474,6 +474,8 @@ static void launches_do_not_grow_with_colours(void **state)
     mover_add_pile(m, 100);
     m->def.wants |= DUET_EFFECT_SLEEP;
     m->def.skin = 0.05;
+    m->def.plan.share = 0;
+    m->def.plan.mode = DUET_MODE_OWN;
     mover_run(m, 60);
     uint32_t colours = 0;
     for (int step = 0; step < 20; ++step) {
