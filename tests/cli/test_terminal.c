@@ -92,7 +92,7 @@ static void ctrl_c_ends_a_loop_of_commands_in_bash(void **state)
         const char *command;
         const char *sign;
     } long_ones[] = {
-        {"run falling -n 200 --steps 1000000", "energy"},
+        {"run orbit2d -n 200 --steps 1000000000", "energy"},
         {"lua --trust -e 'print(\"begins\") while true do end'", "begins"},
         {"lua --trust -e 'print(\"begins\") io.stdout:flush() os.execute(\"sleep 60\")'", "begins"},
         {"lua --trust -e 'print(\"begins\") io.stdout:flush(); "
@@ -101,7 +101,7 @@ static void ctrl_c_ends_a_loop_of_commands_in_bash(void **state)
         {"run - --pairs out.csv", "begins"},
         {"picture paper -n 4M -o out.svg", "begins"},
         {"accuracy planes -n 20000 --repeat 100", "begins"},
-        {"explain falling -n 200 --measure --steps 100000", "begins"},
+        {"explain orbit2d -n 200 --measure --steps 100000", "begins"},
         {"bench --quick --repeat 100 -o out.json", "begins"},
     };
     remove("out.csv");
@@ -169,11 +169,11 @@ static void long_work_tells_how_far_it_is(void **state)
 {
     (void)state;
     static const work works[] = {
-        {"run falling -n 300 --steps %d --json >out", 150, " of "},
+        {"run orbit2d -n 300 --steps %d --json >out", 150, " of "},
         {"run paper -n %d --pairs out --repeat 1 --check", 100000, "reference"},
         {"run paper -n %d --repeat 1", 100000, "reading paper"},
         {"picture paper -n %d -o out.svg", 250000, "reference"},
-        {"explain falling -n 200 --measure --steps %d --json >out", 20, "step "},
+        {"explain orbit2d -n 200 --measure --steps %d --json >out", 20, "step "},
         {"bench --quick --repeat %d --scene planes -o out", 6, "; step "},
         {"accuracy planes -n %d --repeat 9", 2000, "step "},
     };
@@ -189,7 +189,7 @@ static void a_line_of_progress_is_no_wider_than_the_terminal(void **state)
 {
     (void)state;
     enum { COLUMNS = 20 };
-    static const work falling = {"run falling -n 300 --steps %d --json >out", 150, "step "};
+    static const work falling = {"run orbit2d -n 300 --steps %d --json >out", 150, "step "};
     terminal t = run_until_told(&falling, COLUMNS);
     if (widest(text_chars(&t.seen)) >= COLUMNS)
         fail_msg("%s", text_chars(&t.seen));

@@ -466,7 +466,9 @@ static traffic step_once(mover *m)
                      own->n_waits + (searched ? search->n_waits : 0)};
 }
 
-// A pile this small has no colour that needs more than a work-group.
+// A pile this small has no colour that needs more than a work-group. What varies is how
+// many rounds the colouring takes, at two launches each; a launch for each colour and
+// substep would be 50 more.
 static void launches_do_not_grow_with_colours(void **state)
 {
     (void)state;
@@ -481,7 +483,7 @@ static void launches_do_not_grow_with_colours(void **state)
     for (int step = 0; step < 20; ++step) {
         traffic t = step_once(m);
         colours = m->last.colours > colours ? m->last.colours : colours;
-        if (t.launches > 70 || t.waits > 5)
+        if (t.launches > 90 || t.waits > 5)
             fail_msg("step %d: %u launches, %u reads", step, t.launches, t.waits);
     }
     assert_true(colours >= 6);
