@@ -15,6 +15,11 @@ static bool is_pocl(const duet_device_info *info)
     return strncmp(info->platform, "Portable Computing Language", 27) == 0;
 }
 
+static bool is_oclgrind(const duet_device_info *info)
+{
+    return strcmp(info->platform, "Oclgrind") == 0;
+}
+
 static bool mixes_up_programs(const duet_device_info *info)
 {
     return is_pocl(info) && strtol(info->driver, NULL, 10) < MENDED_IN;
@@ -23,6 +28,11 @@ static bool mixes_up_programs(const duet_device_info *info)
 bool driver_keeps_kernels(const duet_device_info *info)
 {
     return is_pocl(info);
+}
+
+bool driver_compiles_one_by_one(const duet_device_info *info)
+{
+    return is_pocl(info) || is_oclgrind(info);
 }
 
 const char *driver_header_option(const duet_device_info *info)
@@ -44,6 +54,7 @@ const char *duet_device_info_get_quirk(const duet_device_info *info, uint32_t i)
         {mixes_up_programs, "mixes up equal programs of two devices: each open device has its own"},
         {driver_keeps_kernels,
          "compiles twice when asked for binaries: what it built is left to its own cache"},
+        {is_oclgrind, "breaks when two threads compile at once: programs are compiled one by one"},
         {reads_header,
          "reads 17,000 lines of declarations for each program: Duet's kernels have their own"},
     };

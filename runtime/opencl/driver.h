@@ -24,6 +24,10 @@ void driver_copy_return(const duet_device_info *info, uint32_t copy);
 // 0.1 instead of 0.2 for the next.
 bool driver_keeps_kernels(const duet_device_info *info);
 
+// Whether several threads are not to compile at once: PoCL compiles under one lock, and a
+// thread more would only wait; Oclgrind's programs share a state of LLVM that no lock guards.
+bool driver_compiles_one_by_one(const duet_device_info *info);
+
 // The option that leaves out the header of OpenCL's functions, where the driver reads one for each
 // program: the program must then declare what it calls. NULL where the driver reads none. A first
 // run takes 3.2 s of processor time instead of 4.6, and the next 0.2 instead of 0.4.

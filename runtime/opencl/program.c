@@ -304,10 +304,9 @@ static void compile_some(void *arg)
         fail_with(c, &why);
 }
 
-// PoCL compiles under one lock, and a thread more would only wait.
 static uint32_t helpers_for(const program_set *set, uint32_t n)
 {
-    if (n < 2 || driver_keeps_kernels(&set->device->info))
+    if (n < 2 || driver_compiles_one_by_one(&set->device->info))
         return 0;
     return n - 1 < MOST_HELPERS ? n - 1 : MOST_HELPERS;
 }
