@@ -356,6 +356,31 @@ static int compare_hits(const void *x, const void *y)
     return is_before(b, a) - is_before(a, b);
 }
 
+// By ray first, which is a place, then the few hits of each ray.
+static bool sort_hits(side *s, duet_ray_hit *hits, uint64_t n)
+{
+    uint64_t *end = calloc((size_t)s->n + 1, sizeof *end);
+    duet_ray_hit *by_ray = malloc((size_t)(n + 1) * sizeof *by_ray);
+    bool ok = end && by_ray;
+    for (uint64_t i = 0; ok && i < n; ++i)
+        ++end[hits[i].ray - s->first_ray + 1];
+    for (cl_uint ray = 0; ok && ray < s->n; ++ray)
+        end[ray + 1] += end[ray];
+    for (uint64_t i = 0; ok && i < n; ++i)
+        by_ray[end[hits[i].ray - s->first_ray]++] = hits[i];
+    for (cl_uint ray = 0; ok && ray < s->n; ++ray) {
+        uint64_t first = ray > 0 ? end[ray - 1] : 0;
+        if (end[ray] - first > 1)
+            qsort(by_ray + first, (size_t)(end[ray] - first), sizeof *hits, compare_hits);
+    }
+    if (ok && n > 0)
+        memcpy(hits, by_ray, (size_t)n * sizeof *hits);
+    free(end);
+    free(by_ray);
+    return ok || error_set(&s->err, DUET_STATUS_NO_MEMORY, "no host memory to sort %llu hits",
+                           (unsigned long long)n);
+}
+
 // `hits` are those of the chunk that the list ends with.
 static void take_open_hit(side *s, duet_ray_hit *hits, const duet_ray_hit *open)
 {
@@ -404,9 +429,7 @@ static bool fetch(side *s, const cl_uint counters[QUERY_COUNTERS])
     qsort(s->open_hits, (size_t)n_open, sizeof *hits, compare_hits); // listed in any order
     for (uint64_t i = 0; i < n_open; ++i)
         take_open_hit(s, hits, &s->open_hits[i]);
-    if (every)
-        qsort(hits, (size_t)(s->found.n - begin), sizeof *hits, compare_hits);
-    return true;
+    return !every || sort_hits(s, hits, s->found.n - begin);
 }
 
 static bool refuse_ray(side *s, const cl_uint counters[QUERY_COUNTERS])
