@@ -29,6 +29,7 @@ bench_run bench_generate;
 bench_run bench_growth;
 bench_run bench_limit;
 bench_run bench_lookup;
+bench_run bench_rays;
 bench_run bench_share;
 bench_run bench_step;
 bench_run bench_still;
