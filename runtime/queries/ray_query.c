@@ -50,8 +50,8 @@ typedef struct side {
     uint32_t n_poses;
     uint64_t first, last;
     hit_list found;
-    duet_ray_hit *open_hits; // [open_room]
-    uint64_t open_room;
+    duet_ray_hit *open_hits; // [n_open_hits]
+    uint64_t n_open_hits;
     uint64_t undecided;
     double wall_ms;
     bool ok;
@@ -400,14 +400,14 @@ static void take_open_hit(side *s, duet_ray_hit *hits, const duet_ray_hit *open)
 
 static bool fetch_open(side *s, uint64_t n)
 {
-    if (n > s->open_room) {
+    if (n > s->n_open_hits) {
         free(s->open_hits);
-        s->open_room = 0;
+        s->n_open_hits = 0;
         s->open_hits = malloc((size_t)n * sizeof *s->open_hits);
         if (!s->open_hits)
             return error_set(&s->err, DUET_STATUS_NO_MEMORY, "no host memory for %llu hits",
                              (unsigned long long)n);
-        s->open_room = n;
+        s->n_open_hits = n;
     }
     return n == 0 || timeline_read(&s->times, "fetch hits", &s->open, s->open_hits,
                                    (size_t)n * sizeof *s->open_hits, &s->err);
