@@ -162,7 +162,7 @@ static bool place(store *s, const profile_row *row, const char *unused, profile_
     if (unused)
         snprintf(placed->unused, sizeof placed->unused, "%s", unused);
     else if (*live.uid && !is_founded_as_well(row, &live))
-        snprintf(placed->unused, sizeof placed->unused, "%.8s is better founded", live.uid);
+        snprintf(placed->unused, sizeof placed->unused, "%.8s is better measured", live.uid);
     else if (*live.uid && is_worse(row, &live))
         snprintf(placed->unused, sizeof placed->unused, "%.8s has the faster plan", live.uid);
     return true;

@@ -74,7 +74,7 @@ static const command_line line = {
     .about = "Finds the kernels, the mode and the share with which two devices do a scene's work\n"
              "best, and keeps them in the profile file for 'duet run' and for applications.\n"
              "With --config the scenes are those of the file, and options go before its fields.\n"
-             "A profile that applications load is replaced only by one that is founded as well.",
+             "A profile that applications load is replaced only by one that is as well measured.",
     .options = options,
 };
 
