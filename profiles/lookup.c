@@ -331,9 +331,11 @@ static bool use_forecast(look *l, const forecast *f, bool *held)
                  f->points, f->n_min, f->n_max, f->both.ns * 1e-6, 100 * f->doubt, f->share,
                  f->share_sd, f->one.ns * 1e-6);
     else if (l->why)
-        text_add(l->why, "no: from what was measured of %.0f to %.0f objects a step's time is known only to "
-                 "within %.0f %%",
-                 f->n_min, f->n_max, 100 * f->doubt);
+        text_add(
+            l->why,
+            "no: from what was measured of %.0f to %.0f objects a step's time is known only to "
+            "within %.0f %%",
+            f->n_min, f->n_max, 100 * f->doubt);
     return true;
 }
 
