@@ -148,7 +148,10 @@ static bool read_file(text *t, const char *path, bool is_text, duet_error *err)
     if (!is_stdin)
         fclose(file);
     text_add_bytes(t, "", 0);
-    return ok && text_ok(t, err);
+    ok = ok && text_ok(t, err);
+    if (!ok)
+        text_free(t);
+    return ok;
 }
 
 bool text_read_file(text *t, const char *path, duet_error *err)

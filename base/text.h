@@ -24,7 +24,7 @@ bool text_ok(const text *t, duet_error *err);
 void text_free(text *t);
 
 // Reads a whole file, "-" for stdin; the bytes end with a NUL that length does not count.
-// false with NOT_FOUND or IO_FAILED, naming the path.
+// false with NOT_FOUND or IO_FAILED, naming the path; the text is then empty.
 bool text_read_file(text *t, const char *path, duet_error *err);
 
 // The same of a text or a NumPy file. BAD_INPUT at once for what is neither, as a device

@@ -426,7 +426,8 @@ static bool fetch(side *s, const cl_uint counters[QUERY_COUNTERS])
         !timeline_read(&s->times, "fetch hits", &s->hits, hits, (size_t)n * sizeof *hits, &s->err))
         return false;
     s->found.n += n;
-    qsort(s->open_hits, (size_t)n_open, sizeof *hits, compare_hits); // listed in any order
+    if (n_open > 0) // listed in any order
+        qsort(s->open_hits, (size_t)n_open, sizeof *hits, compare_hits);
     for (uint64_t i = 0; i < n_open; ++i)
         take_open_hit(s, hits, &s->open_hits[i]);
     return !every || sort_hits(s, hits, s->found.n - begin);
