@@ -317,6 +317,8 @@ api.names = {
     fails = true, c = { "duet_motion_create", "duet_motion_create_from_scene", "duet_scene_motion_def" } },
   { "duet.Motion:advance", {}, "duet.MotionResult", "Advances all objects by dt.", fails = true,
     c = "duet_motion_advance" },
+  { "duet.Motion:plan", {}, "duet.Plan?", "The plan by which it seeks pairs; nil where it seeks none.",
+    c = "duet_motion_get_plan" },
   { "duet.Motion:effects", {}, "string[]", "Those that run. #motion is the number of objects.",
     c = { "duet_motion_get_effects", "duet_motion_get_count" } },
   { "duet.Motion:read", { "into?: duet.States" }, "duet.States", "The state of all objects.", fails = true,

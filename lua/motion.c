@@ -278,6 +278,17 @@ static int motion_effects(lua_State *L)
     return 1;
 }
 
+// motion:plan() -> the plan by which it seeks pairs; nil where it seeks none
+static int motion_plan(lua_State *L)
+{
+    const duet_plan *plan = duet_motion_get_plan(check_motion(L));
+    if (plan)
+        member_plan.push(L, NULL, plan);
+    else
+        lua_pushnil(L);
+    return 1;
+}
+
 static int motion_length(lua_State *L)
 {
     lua_pushinteger(L, duet_motion_get_count(check_motion(L)));
@@ -379,17 +390,11 @@ static int motion_explain(lua_State *L)
     return 1;
 }
 
-static const luaL_Reg methods[] = {{"advance", motion_advance},
-                                   {"effects", motion_effects},
-                                   {"read", motion_read},
-                                   {"hash", motion_hash},
-                                   {"energy", motion_energy},
-                                   {"contacts", motion_contacts},
-                                   {"save", motion_save},
-                                   {"load", motion_load},
-                                   {"explain", motion_explain},
-                                   {"close", motion_close},
-                                   {NULL, NULL}};
+static const luaL_Reg methods[] = {
+    {"advance", motion_advance},   {"effects", motion_effects}, {"plan", motion_plan},
+    {"read", motion_read},         {"hash", motion_hash},       {"energy", motion_energy},
+    {"contacts", motion_contacts}, {"save", motion_save},       {"load", motion_load},
+    {"explain", motion_explain},   {"close", motion_close},     {NULL, NULL}};
 static const luaL_Reg metas[] = {{"__len", motion_length}, {NULL, NULL}};
 static int motion_about(lua_State *L)
 {

@@ -146,6 +146,8 @@ typedef struct duet_motion_result {
 DUET_API bool duet_motion_advance(duet_motion *motion, duet_motion_result *result, duet_error *err);
 
 DUET_API uint32_t duet_motion_get_effects(const duet_motion *motion); // bits of duet_effect
+// The plan of its steps, the motion's; NULL where it finds no pairs.
+DUET_API const duet_plan *duet_motion_get_plan(const duet_motion *motion);
 DUET_API uint32_t duet_motion_get_count(const duet_motion *motion);
 
 // Copies the state of all objects to states [n]. BAD_OBJECT where a number of it is no

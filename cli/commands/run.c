@@ -289,19 +289,12 @@ static bool step(moved *r, duet_error *err)
     return tell_step(r, err) && draw_frame(r, err);
 }
 
-// What was not given is the device pair's default.
+// Where no pairs are sought B does all.
 static duet_plan plan_used(const moved *r)
 {
-    const duet_plan *given = &r->def.plan;
-    duet_plan plan = duet_default_plan(r->def.pair);
-    if (given->share != DUET_SHARE_DEFAULT)
-        plan.share = given->share;
-    if (given->mode != DUET_MODE_DEFAULT)
-        plan.mode = given->mode;
-    if (*given->variant_a)
-        memcpy(plan.variant_a, given->variant_a, sizeof plan.variant_a);
-    if (*given->variant_b)
-        memcpy(plan.variant_b, given->variant_b, sizeof plan.variant_b);
+    const duet_plan *of_pairs = duet_motion_get_plan(r->motion);
+    duet_plan plan = of_pairs ? *of_pairs : duet_default_plan(r->def.pair);
+    plan.share = of_pairs ? plan.share : 0;
     return plan;
 }
 

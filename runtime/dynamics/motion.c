@@ -332,6 +332,11 @@ void duet_motion_destroy(duet_motion *m)
     free(m);
 }
 
+const duet_plan *duet_motion_get_plan(const duet_motion *m)
+{
+    return m && m->world ? duet_world_get_plan(m->world) : NULL;
+}
+
 uint32_t duet_motion_get_effects(const duet_motion *m)
 {
     return m ? m->effects : 0;

@@ -419,6 +419,8 @@ static void read_motion(void)
     REFUSES(duet_motion_get_contacts(motion, NULL, &n, e));
     REFUSES(duet_motion_get_contacts(motion, &contacts, NULL, e));
     assert_int_equal(duet_motion_get_effects(NULL), 0);
+    assert_null(duet_motion_get_plan(NULL));
+    assert_null(duet_motion_get_plan(motion)); // it seeks no pairs
     assert_int_equal(duet_motion_get_count(NULL), 0);
 }
 
@@ -560,7 +562,7 @@ static const struct {
     {"duet_reference", references},
     {"duet_motion_create duet_motion_create_from_scene duet_motion_destroy", create_motion},
     {"duet_motion_get_states duet_motion_get_hash duet_motion_get_energy duet_motion_get_contacts "
-     "duet_motion_get_effects duet_motion_get_count",
+     "duet_motion_get_effects duet_motion_get_count duet_motion_get_plan",
      read_motion},
     {"duet_motion_advance", advance_motion},
     {"duet_motion_save duet_motion_load", keep_motion},

@@ -29,6 +29,7 @@ end)
 holds("a cube falls, and comes to rest on the floor", function()
   local motion <close> = assert(pair:motion(poses, bodies, falling))
   equal(#motion, 2)
+  equal(motion:plan().share, pair:plan().share)
   local begun = {}
   for _ = 1, 90 do
     local result = assert(motion:advance())
