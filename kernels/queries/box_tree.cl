@@ -53,11 +53,6 @@ static inline word size_class(const object *o, float widest)
     return min(most - min(most, exponent), (word)(CLASSES - 1));
 }
 
-static inline object boxes_at(__global const float *objects, const uint ids[LANES])
-{
-    return object_at(objects, ids);
-}
-
 // Not a box, or so far away or wide that float could overflow.
 static inline mask is_refused(const object *o)
 {
@@ -75,7 +70,7 @@ __kernel void tree_keys(TREE_KEYS_ARGS)
         uint ids[LANES], key[LANES], refused[LANES];
         for (uint k = 0; k < LANES; ++k)
             ids[k] = min(from + k, n - 1);
-        object o = boxes_at(objects, ids);
+        object o = object_at(objects, ids);
         word place = curve_place(o.centre, lower, per_cell);
         spread(size_class(&o, lower.w) << (DIMS * BITS) | place, key);
         spread(as_word(is_refused(&o)), refused);
@@ -97,7 +92,7 @@ __kernel void tree_leaves(TREE_LEAVES_ARGS)
             names[k] = ids[min(from + k, n - 1)];
             missing[k] = from + k < n ? 0 : ~0u;
         }
-        object o = boxes_at(objects, names);
+        object o = object_at(objects, names);
         bounds b = object_bounds(&o);
         real axis[3][3], row[TREE_BOX_WORDS];
         set_axes(axis, o.rotation);
