@@ -16,6 +16,11 @@ uint64_t clock_steady_ns(void)
     return (uint64_t)read_ns(CLOCK_MONOTONIC);
 }
 
+double clock_ms_since(uint64_t begun_ns)
+{
+    return (double)(clock_steady_ns() - begun_ns) * 1e-6;
+}
+
 int64_t clock_calendar_ns(void)
 {
     return read_ns(CLOCK_REALTIME);

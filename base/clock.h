@@ -5,7 +5,8 @@
 
 #include <stdint.h>
 
-uint64_t clock_steady_ns(void);  // since some fixed moment; never goes back
-int64_t clock_calendar_ns(void); // since 1970-01-01 UTC
+uint64_t clock_steady_ns(void);           // since some fixed moment; never goes back
+double clock_ms_since(uint64_t begun_ns); // of the steady clock
+int64_t clock_calendar_ns(void);          // since 1970-01-01 UTC
 
 #endif

@@ -627,7 +627,7 @@ static uint64_t decide(part *p, const part_task *task, const duet_pair *open, du
             colliding[n++] = open[i];
     }
     if (p->n_undecided > 0)
-        timeline_add_host(&p->times, "decide", (double)(clock_steady_ns() - begun) * 1e-6);
+        timeline_add_host(&p->times, "decide", clock_ms_since(begun));
     return n;
 }
 

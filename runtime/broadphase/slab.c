@@ -508,7 +508,7 @@ static bool send_slab(part *p, pack *from, pack_slab *slab, bool *placed, duet_e
     uint32_t n_chunks = 0;
     if (!send_while_packing(p, from, &slab->homes, &n_chunks, err))
         return false;
-    timeline_add_host(&p->times, "pack", (double)(clock_steady_ns() - begun) * 1e-6);
+    timeline_add_host(&p->times, "pack", clock_ms_since(begun));
     uint32_t n_homes = taken(&slab->homes);
     uint32_t n_ghosts = taken(&slab->ghosts);
     *placed =

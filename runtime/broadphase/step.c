@@ -20,11 +20,6 @@ enum { REFIT_FACTOR = 2 };
 // A second widening would mean that objects grew while the step ran.
 enum { MOST_FITS = 3 };
 
-static double ms_since(uint64_t begun)
-{
-    return (double)(clock_steady_ns() - begun) * 1e-6;
-}
-
 // ---------------------------------------------------------------- the grid
 
 // The grid is fitted on the host.
@@ -131,7 +126,7 @@ static void run_job(void *arg)
         pack_abandon(j->pack);
     else if (j->placed)
         j->ok = part_search(j->part, &j->task, &j->range, &j->placed, &j->err);
-    j->part->wall_ms += ms_since(begun);
+    j->part->wall_ms += clock_ms_since(begun);
 }
 
 static bool has_work(const job *j)
@@ -143,14 +138,8 @@ static bool has_work(const job *j)
 static bool run_own(duet_world *world, job jobs[2])
 {
     bool use[2] = {has_work(&jobs[0]), has_work(&jobs[1])};
-    if (use[0] && use[1])
-        thread_pool_start(world->driver, run_job, &jobs[0]);
-    else if (use[0])
-        run_job(&jobs[0]);
-    if (use[1])
-        run_job(&jobs[1]);
-    if (use[0] && use[1])
-        thread_pool_wait(world->driver);
+    thread_pool_run_both(world->driver, run_job, use[0] ? &jobs[0] : NULL,
+                         use[1] ? &jobs[1] : NULL);
     return (!use[0] || jobs[0].ok) && (!use[1] || jobs[1].ok);
 }
 
@@ -164,14 +153,14 @@ static bool run_shared(duet_world *world, job jobs[2])
     b->ok = part_begin(b->part, &b->task, &b->err) && part_begin(a->part, &a->task, &b->err) &&
             part_build_grid(b->part, &b->task, &b->range, &b->err) &&
             part_send_grid(b->part, a->part, &b->task, &b->err);
-    b->part->wall_ms = ms_since(begun);
+    b->part->wall_ms = clock_ms_since(begun);
     if (!b->ok)
         return false;
     a->grid_from = b->part;
     thread_pool_start(world->driver, run_job, a);
     begun = clock_steady_ns();
     b->ok = part_search(b->part, &b->task, &b->range, &b->placed, &b->err);
-    b->part->wall_ms += ms_since(begun);
+    b->part->wall_ms += clock_ms_since(begun);
     thread_pool_wait(world->driver);
     return a->ok && b->ok;
 }
@@ -361,7 +350,7 @@ bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
     if (!check_bad(world, err))
         return false;
     fill_result(world, result);
-    result->total_ms = ms_since(begun);
+    result->total_ms = clock_ms_since(begun);
     return true;
 }
 

@@ -188,6 +188,6 @@ bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error 
     }
     ++m->step;
     fill_result(m, result);
-    result->total_ms = (double)(clock_steady_ns() - begun) * 1e-6;
+    result->total_ms = clock_ms_since(begun);
     return true;
 }

@@ -205,11 +205,6 @@ static bool test_chunk(side *s, uint64_t first, uint32_t n)
 
 // ---------------------------------------------------------------- all pairs
 
-static double ms_since(uint64_t begun)
-{
-    return (double)(clock_steady_ns() - begun) * 1e-6;
-}
-
 static bool has_work(const side *s)
 {
     return s->work.first < s->work.last;
@@ -229,21 +224,7 @@ static void run_side(void *arg)
     timeline_clear(&s->times);
     if (s->poses.borrowed) // the caller may free it
         buffer_release(&s->poses);
-    s->wall_ms = ms_since(begun);
-}
-
-static void run_sides(duet_pair_query *test)
-{
-    side *a = &test->sides[0], *b = &test->sides[1];
-    bool together = has_work(a) && has_work(b);
-    if (together)
-        thread_pool_start(test->driver, run_side, a);
-    else if (has_work(a))
-        run_side(a);
-    if (has_work(b))
-        run_side(b);
-    if (together)
-        thread_pool_wait(test->driver);
+    s->wall_ms = clock_ms_since(begun);
 }
 
 static void begin_side(side *s, const work *w, uint64_t first, uint64_t last)
@@ -278,7 +259,7 @@ bool duet_pair_query_run(duet_pair_query *test, const duet_pose *poses, uint64_t
     uint64_t cut = part_of(n, test->def.share);
     begin_side(a, &w, 0, cut);
     begin_side(b, &w, cut, n);
-    run_sides(test);
+    thread_pool_run_both(test->driver, run_side, has_work(a) ? a : NULL, has_work(b) ? b : NULL);
     const side *failed = a->ok ? b : a; // A's pairs are the first ones
     if (!failed->ok) {
         if (err && err->status == DUET_STATUS_OK)
@@ -287,7 +268,7 @@ bool duet_pair_query_run(duet_pair_query *test, const duet_pose *poses, uint64_t
     }
     *result = (duet_pair_query_result){.colliding = a->colliding + b->colliding,
                                        .undecided = a->undecided + b->undecided,
-                                       .total_ms = ms_since(begun),
+                                       .total_ms = clock_ms_since(begun),
                                        .device_ms = {a->wall_ms, b->wall_ms}};
     return true;
 }

@@ -96,3 +96,15 @@ void thread_pool_wait(thread_pool *c)
         pthread_cond_wait(&c->done, &c->lock);
     pthread_mutex_unlock(&c->lock);
 }
+
+void thread_pool_run_both(thread_pool *c, void (*job)(void *), void *a, void *b)
+{
+    if (a && b)
+        thread_pool_start(c, job, a);
+    else if (a)
+        job(a);
+    if (b)
+        job(b);
+    if (a && b)
+        thread_pool_wait(c);
+}

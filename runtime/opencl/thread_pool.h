@@ -14,4 +14,8 @@ void thread_pool_close(thread_pool *c); // waits for the job under way
 void thread_pool_start(thread_pool *c, void (*job)(void *), void *arg);
 void thread_pool_wait(thread_pool *c);
 
+// job(a) in the pool's only thread and job(b) in the caller's, at the same time. NULL: that one
+// has nothing to do; with one of them the pool is not needed.
+void thread_pool_run_both(thread_pool *c, void (*job)(void *), void *a, void *b);
+
 #endif

@@ -199,24 +199,11 @@ static bool run_sides(duet_ray_query *query, void (*work)(void *), const bool ta
         query->sides[which].err = (duet_error){0};
         query->sides[which].wall_ms = 0;
     }
-    bool together = takes_part[0] && takes_part[1];
-    if (together)
-        thread_pool_start(query->driver, work, a);
-    else if (takes_part[0])
-        work(a);
-    if (takes_part[1])
-        work(b);
-    if (together)
-        thread_pool_wait(query->driver);
+    thread_pool_run_both(query->driver, work, takes_part[0] ? a : NULL, takes_part[1] ? b : NULL);
     const side *failed = a->ok ? b : a;
     if (!failed->ok && err && err->status == DUET_STATUS_OK)
         *err = failed->err;
     return failed->ok;
-}
-
-static double ms_since(uint64_t begun)
-{
-    return (double)(clock_steady_ns() - begun) * 1e-6;
 }
 
 // ---------------------------------------------------------------- objects
@@ -485,7 +472,7 @@ static void cast_all(void *arg)
     timeline_clear(&s->times);
     if (s->rays.borrowed) // the caller may free it
         buffer_release(&s->rays);
-    s->wall_ms = ms_since(begun);
+    s->wall_ms = clock_ms_since(begun);
 }
 
 // ---------------------------------------------------------------- all rays
@@ -543,7 +530,7 @@ bool duet_ray_query_run(duet_ray_query *query, const duet_ray *rays, uint64_t n,
         return false;
     const side *a = &query->sides[0], *b = &query->sides[1];
     found.undecided = a->undecided + b->undecided;
-    found.total_ms = ms_since(begun);
+    found.total_ms = clock_ms_since(begun);
     found.device_ms[0] = a->wall_ms;
     found.device_ms[1] = b->wall_ms;
     *result = found;
