@@ -195,7 +195,7 @@ static void list_rows(level_costs *p, const level_costs_def *def, int device)
 bool level_costs_measure(level_costs *p, const level_costs_def *def, duet_error *err)
 {
     *p = (level_costs){0};
-    if (def->alone)
+    if (def->alone && !duet_device_pair_is_one(def->pair))
         list_rows(p, def, 0);
     list_rows(p, def, def->alone ? 1 : LEVEL_COSTS_BOTH);
     duet_world_def world = duet_scene_world_def(def->scene, def->pair);

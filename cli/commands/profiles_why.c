@@ -75,10 +75,47 @@ static bool read_subject(duet_world *world, const duet_scene *scene, profile_sub
     return ok;
 }
 
-static void print_device(const char *letter, const profile_env *env)
+static void add_device_row(table *t, const char *label, const profile_env *env)
 {
-    printf("%-8s  %s%s%s%s, driver %s\n", letter, env->device.name, env->part ? " [" : "",
-           env->part ? env->part : "", env->part ? "]" : "", env->driver);
+    table_words(t, label, NULL);
+    table_cell(t, "%s%s%s%s, driver %s", env->device.name, env->part ? " [" : "",
+               env->part ? env->part : "", env->part ? "]" : "", env->driver);
+}
+
+static void print_subject(const answer *a)
+{
+    text workload = {0};
+    profile_workload_text(&a->asked.workload, &workload);
+    table t = table_begin("ll");
+    table_words(&t, "workload", say_name(text_chars(&workload)).chars, NULL);
+    text_free(&workload);
+    if (!a->one_device)
+        add_device_row(&t, "A", &a->asked.pair.a);
+    add_device_row(&t, a->one_device ? "device" : "B", &a->asked.pair.b);
+    table_print(&t, stdout);
+}
+
+// A rung is "  exact        yes: ...": such lines become rows of a table, others stay.
+static void print_rungs(const char *why)
+{
+    table t = table_begin("ll");
+    for (const char *at = why; *at;) {
+        char rung[512];
+        int length = (int)strcspn(at, "\n");
+        snprintf(rung, sizeof rung, "%.*s", length, at);
+        at += length + (at[length] == '\n');
+        size_t grade = strncmp(rung, "  ", 2) == 0 ? 2 + strcspn(rung + 2, " ") : 0;
+        if (grade > 0) {
+            table_cell(&t, "%.*s", (int)grade, rung);
+            table_words(&t, say_name(rung + grade + strspn(rung + grade, " ")).chars, NULL);
+            continue;
+        }
+        table_print(&t, stdout);
+        t = table_begin("ll");
+        say_lines(rung);
+        putchar('\n');
+    }
+    table_print(&t, stdout);
 }
 
 static table_text whole_text(const answer *a)
@@ -92,15 +129,9 @@ static void print_text(const answer *a)
 {
     const profile_found *found = &a->found;
     const profile_plan *plan = &found->plan;
-    text workload = {0};
-    profile_workload_text(&a->asked.workload, &workload);
-    printf("workload  %s\n", say_name(text_chars(&workload)).chars);
-    text_free(&workload);
-    if (!a->one_device)
-        print_device("A", &a->asked.pair.a);
-    print_device(a->one_device ? "device" : "B", &a->asked.pair.b);
+    print_subject(a);
     printf("\n");
-    say_lines(text_chars(&a->why));
+    print_rungs(text_chars(&a->why));
     printf("\n");
     printf("%s: ", profile_grade_name(found->grade));
     if (found->grade == PROFILE_DEFAULT) {

@@ -312,13 +312,16 @@ static void comparison_cells(table *t, const cJSON *one)
     table_cell(t, "%s", json_string(one, "verdict"));
 }
 
-static void case_row(table *t, const cJSON *one, bool compared)
+// shared: by two devices, so that there is a share and a time of each.
+static void case_row(table *t, const cJSON *one, bool shared, bool compared)
 {
     static const char *const times[] = {"median_ms", "low_ms", "high_ms", "a_ms", "b_ms"};
-    table_cell(t, "%.2f", json_number(one, "share"));
-    table_cell(t, "%s", json_string(one, "mode"));
+    if (shared) {
+        table_cell(t, "%.2f", json_number(one, "share"));
+        table_cell(t, "%s", json_string(one, "mode"));
+    }
     kernels_cell(t, one);
-    for (int i = 0; i < 5; ++i) {
+    for (int i = 0; i < (shared ? 5 : 3); ++i) {
         if (*json_string(one, "failed"))
             table_cell(t, i == 0 ? "failed" : "-");
         else
@@ -330,7 +333,13 @@ static void case_row(table *t, const cJSON *one, bool compared)
 
 void bench_print_scene(const cJSON *results, const char *scene, const cJSON *before)
 {
-    table t = table_begin(before ? "rllrrrrrrrrrl" : "rllrrrrr");
+    const cJSON *devices = json_list(results, "devices");
+    bool shared =
+        !cJSON_Compare(cJSON_GetArrayItem(devices, 0), cJSON_GetArrayItem(devices, 1), true);
+    const char *aligned = shared ? "rllrrrrrrrrrl" : "lrrrrrrrl";
+    char align[16];
+    snprintf(align, sizeof align, "%.*s", before ? 13 : shared ? 8 : 4, aligned);
+    table t = table_begin(align);
     bool begun = false;
     const cJSON *one;
     cJSON_ArrayForEach(one, json_list(results, "cases"))
@@ -341,11 +350,16 @@ void bench_print_scene(const cJSON *results, const char *scene, const cJSON *bef
             printf("%s, %s, %.0fD\n", say_name(scene).chars,
                    table_things((uint64_t)json_number(one, "objects"), "object", "objects").chars,
                    json_number(one, "dims"));
-            table_words(&t, "share", "mode", "kernels", "ms", "from", "to", "A ms", "B ms",
-                        before ? "before" : NULL, "before/now", "from", "to", "", NULL);
+            if (shared)
+                table_words(&t, "share", "mode", NULL);
+            table_words(&t, "kernels", "ms", "from", "to", NULL);
+            if (shared)
+                table_words(&t, "A ms", "B ms", NULL);
+            if (before)
+                table_words(&t, "before", "before/now", "from", "to", "", NULL);
         }
         begun = true;
-        case_row(&t, one, before != NULL);
+        case_row(&t, one, shared, before != NULL);
     }
     table_print(&t, stdout);
     putchar('\n');

@@ -77,10 +77,22 @@ static void print_row(table *t, const level_cost *row, double slowest)
     table_cell(t, "%.2g %%", 100 * undecided_share(row));
 }
 
-static void print_device(const level_costs_report *r, int device)
+// "A: pocl:0[0], its name", without the letter where the device is the only one.
+static text device_words(const level_costs_report *r, int device)
 {
     const duet_device_info *info = duet_device_pair_get_info(r->pair, device);
-    printf("\n%c %s, %s, alone\n", "AB"[device], info -> selector, info -> name);
+    text words = {0};
+    if (!duet_device_pair_is_one(r->pair))
+        text_add(&words, "%c alone: ", "AB"[device]);
+    text_add(&words, "%.60s, %.120s", info->selector, info->name);
+    return words;
+}
+
+static void print_device(const level_costs_report *r, int device)
+{
+    text words = device_words(r, device);
+    printf("\n%s\n", text_chars(&words));
+    text_free(&words);
     table t = table_begin("llrrlrrrrr");
     table_words(&t, " ", "level", "ms a step", "/ sat15", " ", "missed", "false", "deepest",
                 "widest", "undecided", NULL);
@@ -96,8 +108,8 @@ void level_costs_report_text(const level_costs_report *r)
     printf("%s: %s, ", r->scene->name, table_things(r->scene->n, "object", "objects").chars);
     printf("%s; median of %u steps\n",
            table_things(r->costs->truth, "pair collides", "pairs collide").chars, r->costs->rounds);
-    print_device(r, 0);
-    print_device(r, 1);
+    for (int device = duet_device_pair_is_one(r->pair); device < 2; ++device)
+        print_device(r, device);
     printf("\n* nothing is both faster and more right. ~ the difference from sat15 is noise in "
            "these rounds.\n");
     if (r->costs->rounds < ROUNDS_FOR_ONE)
@@ -242,11 +254,9 @@ static void draw_row(canvas *c, const level_costs *p, const level_cost *row, dou
 
 static void draw_device(canvas *c, const level_costs_report *r, int device, double *y)
 {
-    char words[256];
-    const duet_device_info *info = duet_device_pair_get_info(r->pair, device);
-    snprintf(words, sizeof words, "%c: %.60s, %.120s", "AB"[device], info -> selector,
-             info -> name);
-    canvas_words(c, (point){names_x, *y}, words_px, canvas_grey, words);
+    text words = device_words(r, device);
+    canvas_words(c, (point){names_x, *y}, words_px, canvas_grey, text_chars(&words));
+    text_free(&words);
     *y += ROW;
     for (uint32_t i = 0; i < r->costs->n; ++i) {
         if (r->costs->rows[i].device != device)
@@ -259,7 +269,8 @@ static void draw_device(canvas *c, const level_costs_report *r, int device, doub
 
 bool level_costs_report_plot(const level_costs_report *r, const char *path, duet_error *err)
 {
-    double height = HEAD + 2 * DEVICE_HEAD + ROW * (double)r->costs->n + FOOT;
+    const int first = duet_device_pair_is_one(r->pair);
+    double height = HEAD + (2 - first) * DEVICE_HEAD + ROW * (double)r->costs->n + FOOT;
     canvas *c = canvas_open(path, WIDTH, height, err);
     if (!c)
         return false;
@@ -270,8 +281,8 @@ bool level_costs_report_plot(const level_costs_report *r, const char *path, duet
     canvas_words(c, (point){times_x, 66}, words_px, canvas_ink, "time a step, and against sat15");
     canvas_words(c, (point){wrongs_x, 66}, words_px, canvas_ink, "wrong pairs, by powers of ten");
     double y = HEAD;
-    draw_device(c, r, 0, &y);
-    draw_device(c, r, 1, &y);
+    for (int device = first; device < 2; ++device)
+        draw_device(c, r, device, &y);
     canvas_words(c, (point){names_x, y}, words_px, canvas_grey,
                  "Pale: another level on that device is at least as fast and as right.");
     return canvas_close(c, true, err);

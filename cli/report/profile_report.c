@@ -150,66 +150,86 @@ void profile_report_device(const char *label, const profile_entry_device *d)
            say_name(d->part).chars, d->part ? "]" : "", say_name(d->driver).chars);
 }
 
-static void print_lines(const char *label, const char *lines)
+static void add_device_row(table *t, const char *label, const profile_entry_device *d)
 {
-    printf("%s", label);
-    say_lines(lines);
-    printf("\n");
+    table_words(t, label, NULL);
+    table_cell(t, "%s%s%s%s, driver %s", say_name(d->name).chars, d->part ? " [" : "",
+               say_name(d->part).chars, d->part ? "]" : "", say_name(d->driver).chars);
 }
 
-static void print_session(const profile_entry *e)
+static void add_search(table *t, const profile_entry *e)
 {
     const profile_entry_session *s = &e->session;
+    table_words(t, "session", NULL);
     if (!s->id) {
-        printf("session   none: put in by hand\n");
+        table_words(t, "none: put in by hand", NULL);
         return;
     }
-    printf("session   %s, %s, duet %s on %s machine, load %.2f, clock of %.0f ns\n",
-           say_name(s->id).chars, say_name(s->state).chars, say_name(s->tool_version).chars,
-           profile_report_is_here(e) ? "this" : "another", s->load, s->timer_ns);
-    printf("search    %s, seed %" PRId64 ", %" PRId64 " trials, %" PRId64
-           " launches, resumed %" PRId64 " times\n",
-           say_name(s->strategy).chars, s->seed, s->trials, s->launches, s->resumed);
-    print_lines("options   ", s->options);
-    printf("when      %s to %s UTC\n", profile_report_when(s->started_ns).chars,
-           or_none(profile_report_when(s->ended_ns).chars));
-    if (s->script)
-        print_lines("script\n", s->script);
+    table_cell(t, "%s, %s, duet %s on %s machine, load %.2f, clock of %.0f ns",
+               say_name(s->id).chars, say_name(s->state).chars, say_name(s->tool_version).chars,
+               profile_report_is_here(e) ? "this" : "another", s->load, s->timer_ns);
+    table_words(t, "search", NULL);
+    table_cell(t,
+               "%s, seed %" PRId64 ", %" PRId64 " trials, %" PRId64 " launches, resumed %" PRId64
+               " times",
+               say_name(s->strategy).chars, s->seed, s->trials, s->launches, s->resumed);
+    table_words(t, "options", say_name(s->options).chars, "when", NULL);
+    table_cell(t, "%s to %s UTC", profile_report_when(s->started_ns).chars,
+               or_none(profile_report_when(s->ended_ns).chars));
+}
+
+static void add_result(table *t, const profile_entry *e)
+{
+    const profile_row *row = &e->row;
+    table_words(t, "plan", NULL);
+    table_cell(t, "share %.5f (%u of %d), mode %s, A %s, B %s, level %s",
+               row->plan.share / (double)PROFILE_SHARE_ONE, row->plan.share, PROFILE_SHARE_ONE,
+               say_name(row->plan.mode).chars, say_name(row->plan.variant_a).chars,
+               say_name(row->plan.variant_b).chars, say_name(row->plan.level).chars);
+    table_words(t, "step", NULL);
+    table_cell(t, "%.4f ms (%.4f to %.4f)", row->median_ns * 1e-6, row->low_ns * 1e-6,
+               row->high_ns * 1e-6);
+    table_text gain =
+        table_gain(row->plan.share, row->gain, row->gain_low, row->gain_high, row->verdict);
+    table_words(t, "gain", say_name(gain.chars).chars, NULL);
+    if (row->rounds > 0) {
+        table_words(t, "rounds", NULL);
+        table_cell(t, "%u", row->rounds);
+    }
+    if (row->whole_ns > 0) {
+        table_text whole =
+            table_whole(e->a.name, row->whole_gain, row->whole_gain_low, row->whole_gain_high);
+        table_words(t, "whole", NULL);
+        table_cell(t, "%.4f ms; %s", row->whole_ns * 1e-6, say_name(whole.chars).chars);
+    }
+    table_words(t, "accuracy", NULL);
+    if (row->true_pairs < 0)
+        table_words(t, "was not measured", NULL);
+    else
+        table_cell(t, "by %s true pairs %g are missed, %g invented",
+                   table_count((uint64_t)row->true_pairs).chars, row->missed_rate, row->false_rate);
+    if (row->terms)
+        table_words(t, "terms", say_name(row->terms).chars, NULL);
+    table_words(t, "kernels", say_name(row->kernels).chars, NULL);
 }
 
 void profile_report_text(const profile_entry *e)
 {
-    const profile_row *row = &e->row;
-    printf("profile   %s%s%s\n", say_name(e->uid).chars, e->dead_reason ? ", dead: " : "",
-           say_name(e->dead_reason).chars);
-    profile_report_device("A         ", &e->a);
-    profile_report_device("B         ", &e->b);
-    printf("workload  %s, %s: %s\n", say_name(or_none(e->scene)).chars,
-           table_things((uint64_t)e->n, "object", "objects").chars, say_name(e->family).chars);
-    printf("plan      share %.5f (%u of %d), mode %s, A %s, B %s, level %s\n",
-           row->plan.share / (double)PROFILE_SHARE_ONE, row->plan.share, PROFILE_SHARE_ONE,
-           say_name(row->plan.mode).chars, say_name(row->plan.variant_a).chars,
-           say_name(row->plan.variant_b).chars, say_name(row->plan.level).chars);
-    printf("step      %.4f ms (%.4f to %.4f)\n", row->median_ns * 1e-6, row->low_ns * 1e-6,
-           row->high_ns * 1e-6);
-    table_text gain =
-        table_gain(row->plan.share, row->gain, row->gain_low, row->gain_high, row->verdict);
-    printf("gain      %s\n", say_name(gain.chars).chars);
-    if (row->rounds > 0)
-        printf("rounds    %u\n", row->rounds);
-    if (row->whole_ns > 0)
-        printf("whole     %.4f ms; %s\n", row->whole_ns * 1e-6,
-               say_name(table_whole(e->a.name, row->whole_gain, row->whole_gain_low,
-                                    row->whole_gain_high)
-                            .chars)
-                   .chars);
-    if (row->true_pairs < 0)
-        printf("accuracy  was not measured\n");
-    else
-        printf("accuracy  by %s true pairs %g are missed, %g invented\n",
-               table_count((uint64_t)row->true_pairs).chars, row->missed_rate, row->false_rate);
-    if (row->terms)
-        print_lines("terms     ", row->terms);
-    printf("kernels   %s\n", say_name(row->kernels).chars);
-    print_session(e);
+    table t = table_begin("ll");
+    table_words(&t, "profile", NULL);
+    table_cell(&t, "%s%s%s", say_name(e->uid).chars, e->dead_reason ? ", dead: " : "",
+               say_name(e->dead_reason).chars);
+    add_device_row(&t, "A", &e->a);
+    add_device_row(&t, "B", &e->b);
+    table_words(&t, "workload", NULL);
+    table_cell(&t, "%s, %s: %s", say_name(or_none(e->scene)).chars,
+               table_things((uint64_t)e->n, "object", "objects").chars, say_name(e->family).chars);
+    add_result(&t, e);
+    add_search(&t, e);
+    table_print(&t, stdout);
+    if (e->session.id && e->session.script) {
+        printf("script\n");
+        say_lines(e->session.script);
+        printf("\n");
+    }
 }

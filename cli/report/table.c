@@ -40,12 +40,17 @@ void table_words(table *t, const char *first, ...)
 
 // Characters, not bytes: what follows the first byte of a character does not
 // count.
-static int width_of(const char *cell)
+static int width_of_bytes(const char *cell, size_t n)
 {
     int width = 0;
-    for (; *cell; ++cell)
-        width += ((unsigned char)*cell & 0xc0) != 0x80;
+    for (size_t i = 0; i < n; ++i)
+        width += ((unsigned char)cell[i] & 0xc0) != 0x80;
     return width;
+}
+
+static int width_of(const char *cell)
+{
+    return width_of_bytes(cell, strlen(cell));
 }
 
 static void measure(const table *t, uint32_t n_columns, int *widths)
@@ -145,15 +150,12 @@ static size_t line_length(const char *cell, int width)
 
 static void print_cell(FILE *out, const char *cell, size_t n, int width, char align, bool is_last)
 {
-    char line[512];
     while (n > 0 && cell[n - 1] == ' ')
         --n;
-    snprintf(line, sizeof line, "%.*s", (int)n, cell);
-    int pad = width - width_of(line);
-    if (align == 'r')
-        fprintf(out, "%*s%s", pad, "", line);
-    else
-        fprintf(out, "%s%*s", line, is_last ? 0 : pad, "");
+    int pad = width - width_of_bytes(cell, n);
+    fprintf(out, "%*s", align == 'r' ? pad : 0, "");
+    fwrite(cell, 1, n, out);
+    fprintf(out, "%*s", align == 'r' || is_last ? 0 : pad, "");
     fputs(is_last ? "\n" : "  ", out);
 }
 

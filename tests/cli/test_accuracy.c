@@ -112,6 +112,18 @@ static void each_levels_cost_is_told_for_each_device(void **state)
     program_free(&p);
 }
 
+static void an_only_device_is_measured_once(void **state)
+{
+    (void)state;
+    program p = program_run("accuracy --repeat 1 --pair cpu " SCENE);
+    assert_int_equal(p.exit_code, 0);
+    const char *first = strstr(p.out, "certified");
+    assert_non_null(first);
+    assert_null(strstr(first + 1, "certified"));
+    assert_null(strstr(p.out, "alone"));
+    program_free(&p);
+}
+
 // One of 95 % from 7 rounds leaves out none of them; from 5 rounds there is none.
 static void a_difference_from_sat15_is_noise_or_not(void **state)
 {
@@ -262,6 +274,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_levels_cost_is_told_for_each_device),
+        cmocka_unit_test(an_only_device_is_measured_once),
         cmocka_unit_test(a_difference_from_sat15_is_noise_or_not),
         cmocka_unit_test(the_table_and_the_plot_name_every_level),
         cmocka_unit_test(a_plot_of_another_kind_is_refused),

@@ -106,6 +106,17 @@ static void what_other_programs_may_be_to_blame_for_is_ambiguous(void **state)
     assert_verdicts("--repeat 7", "ambiguous");
 }
 
+static void an_only_device_has_no_share(void **state)
+{
+    (void)state;
+    program p = program_run("bench --quick --scene paper2d --repeat 1 --pair cpu");
+    assert_int_equal(p.exit_code, 0);
+    assert_non_null(strstr(p.out, "kernels"));
+    assert_null(strstr(p.out, "share"));
+    assert_null(strstr(p.out, "A ms"));
+    program_free(&p);
+}
+
 static void the_whole_set_costs_levels_and_effects(void **state)
 {
     (void)state;
@@ -186,6 +197,7 @@ int main(void)
         cmocka_unit_test(results_hold_every_sample_and_the_devices),
         cmocka_unit_test(a_millionfold_difference_is_seen_and_few_samples_are_ambiguous),
         cmocka_unit_test(what_other_programs_may_be_to_blame_for_is_ambiguous),
+        cmocka_unit_test(an_only_device_has_no_share),
         cmocka_unit_test(the_whole_set_costs_levels_and_effects),
         cmocka_unit_test(text_says_what_it_was_compared_with),
         cmocka_unit_test(what_is_no_result_is_refused_in_one_line),
