@@ -10,6 +10,20 @@ rng rng_seed(uint64_t seed)
     return r;
 }
 
+// A number of which each bit depends on each of x (the finaliser of SplitMix64).
+static uint64_t mix(uint64_t x)
+{
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+    return x ^ x >> 31;
+}
+
+// Seeds that are neighbours would begin on the one sequence with numbers that are related.
+rng rng_stream(uint64_t seed, uint64_t number)
+{
+    return rng_seed(mix(mix(seed) + number * 0x9e3779b97f4a7c15u));
+}
+
 uint32_t rng_next(rng *r)
 {
     uint64_t old = r->state;

@@ -11,6 +11,7 @@ typedef struct rng {
 } rng;
 
 rng rng_seed(uint64_t seed);
+rng rng_stream(uint64_t seed, uint64_t number);     // one of many sources of a seed
 uint32_t rng_next(rng *r);                          // 0 .. 2^32-1
 uint32_t rng_below(rng *r, uint32_t bound);         // 0 .. bound-1, without bias; bound > 0
 double rng_unit(rng *r);                            // [0, 1), 53 bits

@@ -67,10 +67,22 @@ static bool reserve_one_more(duet_scene *scene, duet_error *err)
     return scene_reserve(scene, n > doubled ? n : doubled, err);
 }
 
+uint64_t scene_pass_over(duet_scene *scene, uint64_t n)
+{
+    uint64_t next = scene->n_read >= scene->end    ? UINT64_MAX
+                    : scene->n_read < scene->first ? scene->first
+                                                   : scene->n_read;
+    uint64_t passed = next - scene->n_read < n ? next - scene->n_read : n;
+    scene->n_read += passed;
+    return passed;
+}
+
 static bool add(duet_scene *scene, const scene_layout *l, const double *row, scene_place place,
                 duet_error *err)
 {
-    if (!scene_row_check(l, row, scene->info.n, place, err) || !reserve_one_more(scene, err))
+    if (scene_pass_over(scene, 1) > 0)
+        return true;
+    if (!scene_row_check(l, row, scene->n_read, place, err) || !reserve_one_more(scene, err))
         return false;
     void *object = (char *)scene->objects + scene->info.n * object_size(scene);
     l->store(row, object);
@@ -82,6 +94,7 @@ static bool add(duet_scene *scene, const scene_layout *l, const double *row, sce
         for (uint32_t k = 0; k < 3; ++k)
             scene->centres[scene->info.n][k] = k < l->dims ? row[k] : 0.0;
     ++scene->info.n;
+    ++scene->n_read;
     return true;
 }
 
@@ -117,13 +130,13 @@ bool scene_set_columns(duet_scene *scene, uint32_t columns, scene_place place, d
 {
     const scene_layout *l = layout_of(scene, columns);
     const char *what = scene->per_row == 1 ? "object" : "pair";
-    uint32_t i = scene->info.n / scene->per_row;
+    unsigned long long i = scene->n_read / scene->per_row;
     if (scene->columns != 0 && columns != scene->columns)
         return error_set(err, DUET_STATUS_BAD_INPUT,
-                         "%s%s %u has %u numbers, where those before it have %u",
+                         "%s%s %llu has %u numbers, where those before it have %u",
                          scene_place_name(place).chars, what, i, columns, scene->columns);
     if (!l)
-        return error_set(err, DUET_STATUS_BAD_INPUT, "%s%s %u has %u numbers; it must have %s",
+        return error_set(err, DUET_STATUS_BAD_INPUT, "%s%s %llu has %u numbers; it must have %s",
                          scene_place_name(place).chars, what, i, columns,
                          scene_columns_right(scene));
     scene->columns = columns;
@@ -160,6 +173,7 @@ static duet_scene *scene_new(duet_error *err)
     scene->info.dims = 3;
     scene->info.shape = DUET_SHAPE_POSES;
     scene->per_row = 1;
+    scene->end = UINT64_MAX;
     scene->motion = duet_default_motion_def();
     scene->body = duet_default_body();
     return scene;
@@ -306,8 +320,14 @@ static bool read_path(duet_scene *scene, const char *path, const duet_setting *s
     return ok;
 }
 
-static duet_scene *load(const char *path, uint32_t per_row, const duet_setting *settings,
-                        uint32_t n_settings, duet_error *err)
+// Which objects of a source are kept, and how many it has.
+typedef struct scene_range {
+    uint64_t first, end;
+    uint64_t n;
+} scene_range;
+
+static duet_scene *load(const char *path, uint32_t per_row, scene_range *range,
+                        const duet_setting *settings, uint32_t n_settings, duet_error *err)
 {
     // Numbers have a decimal point whatever the application's language.
     locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
@@ -315,9 +335,12 @@ static duet_scene *load(const char *path, uint32_t per_row, const duet_setting *
     bool ok = scene;
     if (ok) {
         scene->per_row = per_row;
+        scene->first = range->first;
+        scene->end = range->end;
         locale_t before = uselocale(plain);
         ok = read_path(scene, path, settings, n_settings, err);
         uselocale(before);
+        range->n = scene->n_read;
     }
     if (plain)
         freelocale(plain);
@@ -326,20 +349,31 @@ static duet_scene *load(const char *path, uint32_t per_row, const duet_setting *
     return keep_if(ok, scene);
 }
 
+duet_scene *scene_load_range(const char *path, const duet_setting *settings, uint32_t n_settings,
+                             uint64_t first, uint64_t end, uint64_t *n, duet_error *err)
+{
+    scene_range range = {.first = first, .end = end};
+    duet_scene *scene = load(path, 1, &range, settings, n_settings, err);
+    *n = range.n;
+    return scene;
+}
+
 duet_scene *duet_scene_load(const char *path, const duet_setting *settings, uint32_t n_settings,
                             duet_error *err)
 {
+    scene_range all = {.end = UINT64_MAX};
     bool ok = error_given(path, __func__, "path", err) &&
               (n_settings == 0 || error_given(settings, __func__, "settings", err));
     for (uint32_t i = 0; ok && i < n_settings; ++i)
         ok = error_given(settings[i].name, __func__, "a setting's name", err) &&
              error_given(settings[i].value, __func__, "a setting's value", err);
-    return ok ? load(path, 1, settings, n_settings, err) : NULL;
+    return ok ? load(path, 1, &all, settings, n_settings, err) : NULL;
 }
 
 duet_scene *duet_scene_load_pairs(const char *path, duet_error *err)
 {
-    return error_given(path, __func__, "path", err) ? load(path, 2, NULL, 0, err) : NULL;
+    scene_range all = {.end = UINT64_MAX};
+    return error_given(path, __func__, "path", err) ? load(path, 2, &all, NULL, 0, err) : NULL;
 }
 
 static duet_scene *start_copy(duet_shape shape, const void *objects, uint32_t n, uint32_t dims,

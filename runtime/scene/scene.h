@@ -23,6 +23,8 @@ struct duet_scene {
     bool keep_centres;    // a reader that does not know yet whether it will be asked for an origin
     double (*centres)[3]; // [n] poses' centres as they were read
     uint64_t capacity;    // objects that fit
+    uint64_t n_read;      // objects so far, kept or not
+    uint64_t first, end;  // of those the ones that are kept: [first, end)
 
     duet_motion_def motion; // as far as the scene says it
     duet_body body;         // of objects that have none of their own
@@ -45,13 +47,23 @@ bool scene_reserve(duet_scene *scene, uint64_t n, duet_error *err);
 bool scene_columns_fit(const duet_scene *scene, uint64_t columns);
 const char *scene_columns_right(const duet_scene *scene);
 
-// Adds the next object, or two. False with BAD_OBJECT, naming place, object and number.
+// Adds the next object, or two, unless they are among those that are passed over. False with
+// BAD_OBJECT, naming place, object and number.
 bool scene_add_row(duet_scene *scene, const double *row, scene_place place, duet_error *err);
 
 // Poses become placed ones in origin cells of that edge, by the centres that were
 // kept; to be called once, after the last object.
 bool scene_set_origin(duet_scene *scene, double edge, duet_error *err);
 void scene_forget_centres(duet_scene *scene);
+
+// duet_scene_load that keeps the objects [first, end) of all that the scene has, whose number
+// it writes to *n. Objects that `each` makes are made only where they are kept; others are
+// read and passed over.
+duet_scene *scene_load_range(const char *path, const duet_setting *settings, uint32_t n_settings,
+                             uint64_t first, uint64_t end, uint64_t *n, duet_error *err);
+
+// Passes over the next objects, at most n, up to one that is kept. Returns how many.
+uint64_t scene_pass_over(duet_scene *scene, uint64_t n);
 
 // duet_scene_create of these kinds.
 duet_scene *scene_from_poses(const duet_pose *poses, uint32_t n, uint32_t dims, duet_error *err);

@@ -120,6 +120,8 @@ static int word_parameters(lua_State *L)
         set_parameter(L, &reading->settings[i]);
     if (lua_getfield(L, 1, "n") == LUA_TNUMBER && lua_tointeger(L, -1) > 0)
         reading->expected = (uint64_t)lua_tointeger(L, -1);
+    lua_getfield(L, 1, "seed");
+    reading->seed = (uint64_t)lua_tointeger(L, -1);
     lua_settop(L, 1);
     return 1;
 }
@@ -201,18 +203,25 @@ static int draw_quaternion(lua_State *L)
     return 4;
 }
 
-// random(seed) -> a table of functions that draw from one source
-static int word_random(lua_State *L)
+// Pushes a table of functions that draw from one source, which is returned.
+static rng *push_random(lua_State *L)
 {
     static const luaL_Reg draws[] = {
         {"uniform", draw_uniform}, {"integer", draw_integer},       {"normal", draw_normal},
         {"angle", draw_angle},     {"quaternion", draw_quaternion}, {NULL, NULL},
     };
-    lua_Integer seed = luaL_checkinteger(L, 1);
     luaL_newlibtable(L, draws);
     rng *source = lua_newuserdatauv(L, sizeof *source, 0);
-    *source = rng_seed((uint64_t)seed);
+    *source = rng_seed(0);
     luaL_setfuncs(L, draws, 1);
+    return source;
+}
+
+// random(seed)
+static int word_random(lua_State *L)
+{
+    uint64_t seed = (uint64_t)luaL_checkinteger(L, 1);
+    *push_random(L) = rng_seed(seed);
     return 1;
 }
 
@@ -299,8 +308,9 @@ static int refuse(lua_State *L, const scene_reading *reading, const char *field,
 {
     lua_Debug caller;
     if (lua_getstack(L, 1, &caller))
-        return luaL_error(L, "object %I: %s", (LUAI_UACINT)reading->scene->info.n, what);
-    return field_raise(L, field, "object %u: %s", reading->scene->info.n, what);
+        return luaL_error(L, "object %I: %s", (LUAI_UACINT)reading->scene->n_read, what);
+    return field_raise(L, field, "object %llu: %s", (unsigned long long)reading->scene->n_read,
+                       what);
 }
 
 static double read_number(lua_State *L, const scene_reading *reading, const char *field)
@@ -435,8 +445,8 @@ static void add_row(lua_State *L, scene_reading *reading, const row *r)
 {
     duet_error err = {0};
     scene_place place = place_of(L, reading);
-    if (reading->scene->info.n % OBJECTS_AT_ONCE == 0)
-        budget_tell(reading->scene->info.n, reading->expected);
+    if (reading->scene->n_read % OBJECTS_AT_ONCE == 0)
+        budget_tell(reading->scene->n_read, reading->expected);
     if (scene_set_columns(reading->scene, r->n, place, &err) &&
         scene_add_row(reading->scene, r->value, place, &err))
         return;
@@ -453,8 +463,10 @@ static void add_table(lua_State *L, scene_reading *reading)
     bool is_list = lua_rawlen(L, -1) > 0;
     scene_body body = {.given = 0};
     row r = is_list ? read_list(L, reading) : read_parts(L, reading, &body);
+    uint32_t kept = reading->scene->info.n;
     add_row(L, reading, &r);
-    if (body.given && !scene_keep_body(reading->scene, &body, reading->err))
+    if (body.given && reading->scene->info.n > kept &&
+        !scene_keep_body(reading->scene, &body, reading->err))
         luaL_error(L, "object %d: no memory", (int)reading->scene->info.n);
 }
 
@@ -472,6 +484,50 @@ static int word_add(lua_State *L)
     for (int i = 0; i < n && i < SCENE_MAX_COLUMNS; ++i)
         r.value[i] = luaL_checknumber(L, i + 1);
     add_row(L, reading, &r);
+    return 0;
+}
+
+// ---------------------------------------------------------------- each
+// Objects that do not know of each other: whoever wants a range of a scene makes
+// no more than that.
+
+// Calls the function at 2 with i and the table of draws at 3.
+static void make_one(lua_State *L, const duet_scene *scene, lua_Integer i)
+{
+    uint64_t before = scene->n_read;
+    lua_pushvalue(L, 2);
+    lua_pushinteger(L, i);
+    lua_pushvalue(L, 3);
+    lua_call(L, 2, 0);
+    if (scene->n_read != before + 1)
+        luaL_error(L, "each: %I objects were added for i = %I; expected 1",
+                   (LUAI_UACINT)(scene->n_read - before), (LUAI_UACINT)i);
+}
+
+// each(n, function(i, random) ... end); upvalue 1 is the reading.
+static int word_each(lua_State *L)
+{
+    scene_reading *reading = lua_touserdata(L, lua_upvalueindex(1));
+    duet_scene *scene = reading->scene;
+    lua_Integer n = luaL_checkinteger(L, 1);
+    luaL_argcheck(L, n >= 0 && n < (lua_Integer)1 << 62, 1, "expected 0 or more, below 2^62");
+    luaL_checktype(L, 2, LUA_TFUNCTION);
+    if (reading->in_each)
+        return luaL_error(L, "each: called by the function of another each");
+    lua_settop(L, 2);
+    rng *source = push_random(L);
+    uint64_t seed = rng_stream(reading->seed, reading->n_each++).state;
+    reading->in_each = true;
+    for (lua_Integer i = 1; i <= n; ++i) {
+        // The first tells what kind of objects they are, kept or not.
+        if (scene->columns != 0)
+            i += (lua_Integer)scene_pass_over(scene, (uint64_t)(n - i + 1));
+        if (i > n)
+            break;
+        *source = rng_stream(seed, (uint64_t)i);
+        make_one(L, scene, i);
+    }
+    reading->in_each = false;
     return 0;
 }
 
@@ -503,6 +559,7 @@ static const struct {
     lua_CFunction function;
 } words[] = {
     {"add", word_add},
+    {"each", word_each},
     {"euler", word_euler},
     {"random", word_random},
     {"parameters", word_parameters},
@@ -671,7 +728,11 @@ static int read_result(lua_State *L)
 bool scene_read_lua(duet_scene *scene, const scene_source *source, const duet_setting *settings,
                     uint32_t n_settings, duet_error *err)
 {
-    scene_reading reading = {scene, source->name, settings, n_settings, false, err, 0};
+    scene_reading reading = {.scene = scene,
+                             .path = source->name,
+                             .settings = settings,
+                             .n_settings = n_settings,
+                             .err = err};
     script_limits given = limits_for(settings, n_settings);
     script *s = script_open(&given, err);
     if (!s)

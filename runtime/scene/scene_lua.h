@@ -16,6 +16,9 @@ typedef struct scene_reading {
     bool declared; // the script has declared its parameters
     duet_error *err;
     uint64_t expected; // objects, by the parameter n; 0: not known
+    uint64_t seed;     // the parameter of that name; 0 where there is none
+    uint64_t n_each;   // calls of each until now
+    bool in_each;
 } scene_reading;
 
 #endif

@@ -245,9 +245,11 @@ static bool add_objects(duet_scene *scene, const npy *file, duet_error *err)
 {
     uint64_t n = file->shape[0];
     uint64_t columns = file->shape[1];
+    uint64_t kept = scene->end - scene->first;
     scene_place place = {.path = file->path};
-    bool ok = scene_set_columns(scene, (uint32_t)columns, place, err) &&
-              scene_reserve(scene, n * scene->per_row, err);
+    kept = n * scene->per_row < kept ? n * scene->per_row : kept;
+    bool ok =
+        scene_set_columns(scene, (uint32_t)columns, place, err) && scene_reserve(scene, kept, err);
     for (uint64_t i = 0; ok && i < n; ++i) {
         double row[SCENE_MAX_NUMBERS];
         for (uint64_t k = 0; k < columns; ++k)

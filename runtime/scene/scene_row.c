@@ -8,6 +8,7 @@
 #include "base/error.h"
 
 #include <float.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -189,24 +190,24 @@ scene_place_text scene_place_name(scene_place place)
 }
 
 // "boxes.csv:17: object 14", "pairs.npy: pair 3, second pose"
-static scene_place_text scene_place_object(scene_place place, uint32_t id)
+static scene_place_text scene_place_object(scene_place place, uint64_t id)
 {
     scene_place_text t = scene_place_name(place);
     size_t length = strlen(t.chars);
     char *rest = t.chars + length;
     if (place.in_pairs)
-        snprintf(rest, sizeof t.chars - length, "pair %u, %s pose", id / 2,
+        snprintf(rest, sizeof t.chars - length, "pair %" PRIu64 ", %s pose", id / 2,
                  id % 2 ? "second" : "first");
     else
-        snprintf(rest, sizeof t.chars - length, "object %u", id);
+        snprintf(rest, sizeof t.chars - length, "object %" PRIu64, id);
     return t;
 }
 
-static bool refuse(uint32_t id, scene_place place, duet_error *err, const char *format, ...)
+static bool refuse(uint64_t id, scene_place place, duet_error *err, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
 // BAD_OBJECT with the object's place and id before what is wrong.
-static bool refuse(uint32_t id, scene_place place, duet_error *err, const char *format, ...)
+static bool refuse(uint64_t id, scene_place place, duet_error *err, const char *format, ...)
 {
     char what[128];
     va_list args;
@@ -217,7 +218,7 @@ static bool refuse(uint32_t id, scene_place place, duet_error *err, const char *
                      what);
 }
 
-static bool check_number(const scene_column *c, double value, uint32_t id, scene_place place,
+static bool check_number(const scene_column *c, double value, uint64_t id, scene_place place,
                          duet_error *err)
 {
     if (!isfinite(value))
@@ -232,7 +233,7 @@ static bool check_number(const scene_column *c, double value, uint32_t id, scene
     return true;
 }
 
-static bool check_corners(const scene_layout *l, const double *row, uint32_t id, scene_place place,
+static bool check_corners(const scene_layout *l, const double *row, uint64_t id, scene_place place,
                           duet_error *err)
 {
     for (uint32_t i = 0; i < l->dims; ++i)
@@ -247,7 +248,7 @@ static bool check_corners(const scene_layout *l, const double *row, uint32_t id,
 #define WIDEST_RATIO 276
 #define HALF_OF_LEAST 0x1p-150
 
-static bool check_quaternion(const scene_column *columns, const double *q, int n, uint32_t id,
+static bool check_quaternion(const scene_column *columns, const double *q, int n, uint64_t id,
                              scene_place place, duet_error *err)
 {
     if (is_ordinary(q, n))
@@ -266,7 +267,7 @@ static bool check_quaternion(const scene_column *columns, const double *q, int n
 }
 
 // The half of an angle near 0 is its sine, beside a cosine of 1.
-static bool check_angle(double angle, uint32_t id, scene_place place, duet_error *err)
+static bool check_angle(double angle, uint64_t id, scene_place place, duet_error *err)
 {
     double least = ldexp(1, 1 - WIDEST_RATIO);
     return angle == 0 || fabs(angle) >= least ||
@@ -274,7 +275,7 @@ static bool check_angle(double angle, uint32_t id, scene_place place, duet_error
                   least);
 }
 
-static bool check_rotation(const scene_layout *l, const double *row, uint32_t id, scene_place place,
+static bool check_rotation(const scene_layout *l, const double *row, uint64_t id, scene_place place,
                            duet_error *err)
 {
     uint32_t from = 2 * l->dims; // after centre and half extents
@@ -284,7 +285,7 @@ static bool check_rotation(const scene_layout *l, const double *row, uint32_t id
                                   err);
 }
 
-bool scene_row_check(const scene_layout *l, const double *row, uint32_t id, scene_place place,
+bool scene_row_check(const scene_layout *l, const double *row, uint64_t id, scene_place place,
                      duet_error *err)
 {
     for (uint32_t i = 0; i < l->n; ++i)

@@ -52,7 +52,7 @@ const scene_layout *scene_layout_find(uint32_t columns);
 extern const scene_layout scene_layout_pose_2d;
 
 // False with BAD_OBJECT, naming place, object and number.
-bool scene_row_check(const scene_layout *l, const double *row, uint32_t id, scene_place place,
+bool scene_row_check(const scene_layout *l, const double *row, uint64_t id, scene_place place,
                      duet_error *err);
 
 #endif

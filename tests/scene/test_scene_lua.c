@@ -5,6 +5,7 @@
 #include "base/rng.h"
 #include "base/text.h"
 #include "gen/script.h"
+#include "runtime/scene/scene.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -13,6 +14,7 @@
 #include <string.h>
 
 #define FILE_NAME "test_scene_lua.lua"
+#define TEXT_NAME "test_scene_lua.txt"
 
 static bool limited;
 
@@ -247,6 +249,16 @@ static void a_wrong_scene_is_refused_with_its_place(void **state)
          ":2: parameter 'n': its default must be"},
         {"parameters {}\nparameters {}", DUET_STATUS_BAD_INPUT,
          ":2: parameters are declared a second time"},
+        {"\neach(2, function() end)", DUET_STATUS_BAD_INPUT,
+         ":2: each: 0 objects were added for i = 1; expected 1"},
+        {"each(2, function(i)\nadd(0, 0, 1, 1) if i > 1 then add(0, 0, 1, 1) end end)",
+         DUET_STATUS_BAD_INPUT, ":1: each: 2 objects were added for i = 2; expected 1"},
+        {"each(1, function()\neach(1, add) end)", DUET_STATUS_BAD_INPUT,
+         ":2: each: called by the function of another each"},
+        {"\neach(-1, add)", DUET_STATUS_BAD_INPUT, ":2: bad argument #1 to 'each'"},
+        {"\neach(1, 1)", DUET_STATUS_BAD_INPUT, ":2: bad argument #2 to 'each'"},
+        {"each(9, function(i) add(0, 0,\n8 - i, 1) end)", DUET_STATUS_BAD_OBJECT,
+         "object 8: min x = 0 is above max x = -1"},
         {"\nrandom(1).integer(2, 1)", DUET_STATUS_BAD_INPUT, ":2: bad argument #2 to 'integer'"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
@@ -278,7 +290,8 @@ static bool runs_with_n(const char *chars, const char *n)
     const duet_setting setting = {"n", n};
     duet_error err = {0};
     limited = true;
-    duet_scene *scene = scene_from_bytes(FILE_NAME, chars, strlen(chars), &setting, n != NULL, &err);
+    duet_scene *scene =
+        scene_from_bytes(FILE_NAME, chars, strlen(chars), &setting, n != NULL, &err);
     limited = false;
     if (!scene && !strstr(err.text, "runs for more than"))
         fail_msg("%s", err.text);
@@ -349,7 +362,7 @@ static void a_wrong_setting_says_what_is_right(void **state)
 
 // ------------------------------------------------------------ shipped scenes
 
-static const char *const shipped[] = {"paper", "paper2d", "clustered", "mixed", "planes"};
+static const char *const shipped[] = {"paper", "paper2d", "clustered", "mixed", "planes", "grains"};
 
 #define N_SHIPPED (sizeof shipped / sizeof shipped[0])
 
@@ -467,6 +480,97 @@ static void the_papers_scene_is_the_same_on_every_machine(void **state)
     duet_scene_destroy(other);
 }
 
+// ------------------------------------------------------------------- ranges
+
+// 3 + 5 + 4 + 2 objects: what is added once, what each makes, and a list.
+#define IN_PARTS                                                                                 \
+    "local p = parameters { seed = 7 }\n"                                                        \
+    "local function box(i, random)\n"                                                            \
+    "  add { centre = { random.uniform(), i, 0 }, half_extents = { 1, 1, 1 },\n"                 \
+    "        rotation = { random.quaternion() }, velocity = { i, 0, 0 } }\n"                     \
+    "end\n"                                                                                      \
+    "for i = 1, 3 do add(i, 0, 0, 1, 1, 1, 0, 0, 0, 1) end\n"                                    \
+    "each(5, box)\n"                                                                             \
+    "each(0, box)\n"                                                                             \
+    "each(4, box)\n"                                                                             \
+    "return { objects = { { 1, 2, 3, 1, 1, 1, 0, 0, 0, 1 }, { 3, 2, 1, 1, 1, 1, 0, 0, 0, 1 } } " \
+    "}\n"
+
+enum { IN_ALL = 14 };
+
+static duet_scene *load_range(const char *path, uint64_t first, uint64_t end)
+{
+    duet_error err = {0};
+    uint64_t n = 0;
+    duet_scene *scene = scene_load_range(path, NULL, 0, first, end, &n, &err);
+    assert_ok(scene, err);
+    assert_int_equal(n, IN_ALL);
+    return scene;
+}
+
+// Every range holds the objects, and the bodies, of the whole.
+static void assert_ranges_hold_the_whole(const char *path, const char *chars)
+{
+    duet_error err = {0};
+    assert_ok(text_write_file(path, chars, strlen(chars), &err), err);
+    duet_scene *whole = load_range(path, 0, UINT64_MAX);
+    const duet_pose *all = duet_scene_get_objects(whole, DUET_OBJECT_POSES);
+    const duet_body *bodies = duet_scene_get_bodies(whole);
+    assert_int_equal(duet_scene_get_info(whole)->n, IN_ALL);
+    for (uint32_t first = 0; first <= IN_ALL; ++first) {
+        for (uint32_t end = first; end <= IN_ALL; ++end) {
+            duet_scene *part = load_range(path, first, end);
+            assert_int_equal(duet_scene_get_info(part)->n, end - first);
+            assert_int_equal(duet_scene_get_info(part)->dims, 3);
+            assert_memory_equal(duet_scene_get_objects(part, DUET_OBJECT_POSES), all + first,
+                                (end - first) * sizeof *all);
+            const duet_body *own = duet_scene_get_bodies(part);
+            for (uint32_t i = 0; own && i < end - first; ++i)
+                assert_memory_equal(&own[i], &bodies[first + i], sizeof *own);
+            duet_scene_destroy(part);
+        }
+    }
+    duet_scene_destroy(whole);
+    remove(path);
+}
+
+static void a_range_of_a_scene_is_that_part_of_the_whole(void **state)
+{
+    (void)state;
+    text rows = {0};
+    for (int i = 0; i < IN_ALL; ++i)
+        text_add(&rows, "%d 0 %d 1 1 1 0 0 %d 1\n", i, 2 * i, i % 3);
+    assert_ranges_hold_the_whole(FILE_NAME, IN_PARTS);
+    assert_ranges_hold_the_whole(TEXT_NAME, text_chars(&rows));
+    text_free(&rows);
+}
+
+// What one box draws depends on its number and its each, and on nothing else.
+static void sources_of_each_are_independent(void **state)
+{
+    (void)state;
+    duet_scene *scene = assert_scene(IN_PARTS);
+    const duet_pose *p = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
+    for (int i = 3; i < 12; ++i)
+        for (int k = 3; k < i; ++k)
+            assert_true(p[i].centre[0] != p[k].centre[0]);
+    duet_scene_destroy(scene);
+}
+
+// Of a thousand million only what is kept is made.
+static void a_range_of_a_great_scene_is_quick(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    uint64_t n = 0;
+    const duet_setting setting = {"n", "1000000000"};
+    duet_scene *scene = scene_load_range("grains", &setting, 1, 999999990, UINT64_MAX, &n, &err);
+    assert_ok(scene, err);
+    assert_int_equal(n, 1000000000);
+    assert_int_equal(duet_scene_get_info(scene)->n, 10);
+    duet_scene_destroy(scene);
+}
+
 // ------------------------------------------------------------- random input
 
 #define SAMPLE                                                                \
@@ -523,6 +627,9 @@ int main(void)
         cmocka_unit_test(shipped_scenes_open_with_what_they_are_for),
         cmocka_unit_test(neighbours_on_planes_touch_exactly),
         cmocka_unit_test(the_papers_scene_is_the_same_on_every_machine),
+        cmocka_unit_test(a_range_of_a_scene_is_that_part_of_the_whole),
+        cmocka_unit_test(sources_of_each_are_independent),
+        cmocka_unit_test(a_range_of_a_great_scene_is_quick),
         cmocka_unit_test(every_beginning_of_a_scene_is_read_or_refused),
         cmocka_unit_test(changed_bytes_are_read_or_refused),
     };

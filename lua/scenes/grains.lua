@@ -1,0 +1,26 @@
+-- SPDX-License-Identifier: MIT
+-- Boxes of many sizes at random in a cube that grows with their number.
+--
+-- The density is one at any n, and each box draws from a source of its own: who wants a part
+-- of the scene makes no more than that. For large worlds, and for work on several machines.
+
+local p = parameters {
+  n = 1000000,
+  seed = 1,
+  rotated = true, -- false: all boxes stay parallel to the axes
+  room = 8.0, -- volume of the world for each box
+}
+
+local edge = (p.n * p.room) ^ (1 / 3)
+
+each(p.n, function(_, random)
+  local x, y, z = random.uniform(0, edge), random.uniform(0, edge), random.uniform(0, edge)
+  local a, b, c = random.uniform(0.2, 0.6), random.uniform(0.2, 0.6), random.uniform(0.2, 0.6)
+  if not p.rotated then return add(x, y, z, a, b, c, 0, 0, 0, 1) end
+  add(x, y, z, a, b, c, random.quaternion())
+end)
+
+return {
+  dims = 3,
+  world = { lower = { 0, 0, 0 }, upper = { edge, edge, edge } },
+}
