@@ -219,7 +219,7 @@ static void bad_input_is_one_line_and_exit_1(void **state)
     program_assert_refused(&p, 1, "abacus");
     p = program_run("run %s --pair abacus:0,abacus:1", SCENE);
     program_assert_refused(&p, 1, "no device 'abacus:0'");
-    p = program_run_with("OCL_ICD_VENDORS=no/such/folder", "run %s", SCENE);
+    p = program_run_with("OCL_ICD_FILENAMES= OCL_ICD_VENDORS=no/such/folder", "run %s", SCENE);
     program_assert_refused(&p, 1, "apt install pocl-opencl-icd");
     p = program_run_with("DUET_KERNEL_DIR=no/such/folder", "run %s", SCENE);
     program_assert_refused(&p, 1, "no/such/folder");

@@ -121,7 +121,7 @@ static void without_a_folder_the_users_cache_is_taken(void **state)
     (void)state;
     duet_error err = {0};
     setenv("XDG_CACHE_HOME", "/proc/nowhere", 1);
-    duet_device_pair *pair = open_pair(NULL, NULL, &err);
+    duet_device_pair *pair = open_pair("pocl:0", "pocl:0", &err);
     unsetenv("XDG_CACHE_HOME");
     assert_ok(pair, err);
     assert_string_equal(pair->cache_dir, "/proc/nowhere/duet");
