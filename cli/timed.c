@@ -5,7 +5,7 @@
 #include "cli/inputs.h"
 #include "cli/interrupt.h"
 #include "cli/say.h"
-#include "runtime/broadphase/grid.h"
+#include "runtime/broadphase/world.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -34,23 +34,14 @@ static int by_time(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static bool hand_transforms(duet_world *world, const duet_scene *scene, duet_error *err)
-{
-    uint32_t n = duet_scene_get_info(scene)->n;
-    const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
-    duet_transform *to = duet_world_map_objects(world, DUET_OBJECT_TRANSFORMS, n, err);
-    for (uint32_t i = 0; to && i < n; ++i)
-        to[i] = grid_transform_of(&poses[i]);
-    return to;
-}
-
 static bool hand_over(duet_world *world, const duet_scene *scene, timed_sends sends,
                       duet_error *err)
 {
     if (sends == TIMED_SENDS_NOTHING)
         return true;
     if (sends == TIMED_SENDS_TRANSFORMS)
-        return hand_transforms(world, scene, err);
+        return world_take_transforms(world, duet_scene_get_objects(scene, DUET_OBJECT_POSES),
+                                     duet_scene_get_info(scene)->n, err);
     duet_object_kind kind = inputs_scene_kind(scene);
     return duet_world_set_objects(world, kind, duet_scene_get_objects(scene, kind),
                                   duet_scene_get_info(scene)->n, err);

@@ -21,6 +21,7 @@ api.classes = {
   { "duet.Poses", "Oriented boxes: rows of centre xyz, half extents xyz, quaternion xyzw." },
   { "duet.Bounds", "Axis-aligned boxes: rows of lower xyz, upper xyz." },
   { "duet.Transforms", "Where boxes are: rows of centre xyz, quaternion xyzw." },
+  { "duet.CompactTransforms", "The same in 20 bytes: the quaternion's parts are whole numbers." },
   { "duet.Sizes", "How large boxes are: rows of half extents xyz." },
   { "duet.Pairs", "Collisions: rows of two ids a < b, from 0." },
   { "duet.Search", "A strategy that looks for the best share, asked and told by a script." },
@@ -64,6 +65,7 @@ api.others = {
     "duet_large_pose_set",
     "duet_large_poses_collide", "duet_large_poses_separation",
   },
+  ["set_poses of a world with compact_transforms"] = { "duet_compact_transform_set" },
   ["tostring of a device pair"] = { "duet_device_pair_is_one" },
   ["require"] = {
     "luaopen_duet", "luaopen_duet_frame", "luaopen_duet_lab", "luaopen_duet_plot",
@@ -126,7 +128,7 @@ api.names = {
     c = "duet_default_plan" },
   { "duet.DevicePair:world", { "scene?: duet.Scene|table", "def?: table" }, "duet.World",
     "A world by a def { plan, dims, shape, level, accuracy, rotated, cell, cell_fixed, lower, upper, " ..
-    "separate_sizes, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.",
+    "separate_sizes, compact_transforms, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.",
     fails = true, c = { "duet_world_create", "duet_scene_world_def" } },
   { "duet.DevicePair:tune", { "scene: duet.Scene", "def?: table" }, "duet.Tuning",
     "Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, " ..
@@ -204,6 +206,8 @@ api.names = {
   { "duet.World:map_transforms", { "n: integer" }, "duet.Transforms",
     "The same for a world with separate_sizes: what a step sends there.", fails = true,
     c = "duet_world_map_objects" },
+  { "duet.World:map_compact_transforms", { "n: integer" }, "duet.CompactTransforms",
+    "The same for a world with compact_transforms.", fails = true, c = "duet_world_map_objects" },
   { "duet.World:map_sizes", { "n: integer" }, "duet.Sizes",
     "Their sizes, which are sent again only once they were mapped again.", fails = true,
     c = "duet_world_map_objects" },
@@ -444,12 +448,13 @@ api.names = {
 }
 
 -- Arrays are made, read and written alike; a letter says what a column is.
-local letters = { f = "number", d = "number", I = "integer", C = "integer", B = "boolean" }
+local letters = { f = "number", d = "number", I = "integer", h = "integer", C = "integer", B = "boolean" }
 
 for class, columns in pairs {
   Poses = ("f"):rep(10),
   Bounds = ("f"):rep(6),
   Transforms = ("f"):rep(7),
+  CompactTransforms = ("f"):rep(3) .. ("h"):rep(4),
   Sizes = ("f"):rep(3),
   Pairs = "II",
   Bodies = ("f"):rep(9) .. "IIB",
@@ -464,7 +469,7 @@ for class, columns in pairs {
   for letter in columns:gmatch "." do types[#types + 1] = letters[letter] end
   local row = table.concat(types, ", ")
   for _, name in ipairs {
-    { "." .. class:lower(), { "from: integer|string|any[]" }, "duet." .. class,
+    { "." .. class:gsub("(%l)(%u)", "%1_%2"):lower(), { "from: integer|string|any[]" }, "duet." .. class,
       "Space for so many rows, or a copy of packed rows, of numbers one after the other, or of rows." },
     { "." .. class .. ":get", { "place: integer" }, row, "The row at a place from 0." },
     { "." .. class .. ":set", { "place: integer", "...: any" }, nil, ("Writes a row: %d values."):format(#columns) },

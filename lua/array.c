@@ -12,7 +12,7 @@
 static const lua_class classes[ARRAY_KINDS];
 
 // A row is a C struct; columns has a letter for each of its members in order:
-// f float, d double, I uint32_t, C uint8_t, B bool.
+// f float, d double, I uint32_t, h int16_t, C uint8_t, B bool.
 static const struct {
     const char *columns;
     size_t bytes;
@@ -20,6 +20,7 @@ static const struct {
     [ARRAY_POSES] = {"ffffffffff", sizeof(duet_pose)},
     [ARRAY_BOUNDS] = {"ffffff", sizeof(duet_bounds)},
     [ARRAY_TRANSFORMS] = {"fffffff", sizeof(duet_transform)},
+    [ARRAY_COMPACT_TRANSFORMS] = {"fffhhhh", sizeof(duet_compact_transform)},
     [ARRAY_SIZES] = {"fff", sizeof(duet_size)},
     [ARRAY_PAIRS] = {"II", sizeof(duet_pair)},
     [ARRAY_BODIES] = {"fffffffffIIB", sizeof(duet_body)},
@@ -34,6 +35,8 @@ static const struct {
 _Static_assert(offsetof(duet_pose, rotation[3]) == 9 * 4, "a pose is ten floats");
 _Static_assert(offsetof(duet_bounds, upper[2]) == 5 * 4, "bounds are six floats");
 _Static_assert(offsetof(duet_transform, rotation[3]) == 6 * 4, "a transform is seven floats");
+_Static_assert(offsetof(duet_compact_transform, rotation[3]) == 3 * 4 + 3 * 2,
+               "three floats and four short integers");
 _Static_assert(offsetof(duet_body, fixed_rotation) == 11 * 4,
                "eleven numbers, then fixed_rotation");
 _Static_assert(offsetof(duet_ray, t_max) == 6 * 4, "a ray is seven floats");
@@ -51,11 +54,14 @@ static void *row_at(const array *a, uint64_t i)
     return (char *)a->rows + i * layouts[a->kind].bytes;
 }
 
-// All members but the last are of one size.
+// All members but the last are of one size, and short ones come after the others.
 static void *column_at(const array *a, uint64_t i, int column)
 {
-    size_t bytes = layouts[a->kind].columns[0] == 'd' ? 8 : 4;
-    return (char *)row_at(a, i) + (size_t)column * bytes;
+    const char *columns = layouts[a->kind].columns;
+    size_t at = (size_t)column * (columns[0] == 'd' ? 8 : 4);
+    for (int k = column - 1; k >= 0 && columns[k] == 'h'; --k)
+        at -= sizeof(float) - sizeof(int16_t);
+    return (char *)row_at(a, i) + at;
 }
 
 // ---------------------------------------------------------------- making
@@ -109,11 +115,11 @@ static void refuse_value(lua_State *L, const array *a, uint64_t i, int column, c
 }
 
 static lua_Integer take_whole(lua_State *L, const array *a, uint64_t i, int column,
-                              lua_Integer most, const char *wanted)
+                              lua_Integer least, lua_Integer most, const char *wanted)
 {
     int is_whole = 0;
     lua_Integer value = lua_tointegerx(L, -1, &is_whole);
-    if (!is_whole || value < 0 || value > most)
+    if (!is_whole || value < least || value > most)
         refuse_value(L, a, i, column, wanted);
     return value;
 }
@@ -136,11 +142,16 @@ static void take_column(lua_State *L, const array *a, uint64_t i, int column)
     switch (layouts[a->kind].columns[column]) {
     case 'I':
         *(uint32_t *)column_at(a, i, column) =
-            (uint32_t)take_whole(L, a, i, column, UINT32_MAX, "a whole number from 0 to 2^32 - 1");
+            (uint32_t)take_whole(L, a, i, column, 0, UINT32_MAX, "a whole number from 0 to 2^32 - 1");
+        break;
+    case 'h':
+        *(int16_t *)column_at(a, i, column) =
+            (int16_t)take_whole(L, a, i, column, INT16_MIN, INT16_MAX,
+                                "a whole number from -32768 to 32767");
         break;
     case 'C':
         *(uint8_t *)column_at(a, i, column) =
-            (uint8_t)take_whole(L, a, i, column, UINT8_MAX, "a whole number from 0 to 255");
+            (uint8_t)take_whole(L, a, i, column, 0, UINT8_MAX, "a whole number from 0 to 255");
         break;
     case 'B':
         if (!lua_isboolean(L, -1))
@@ -228,6 +239,8 @@ static void push_blank(lua_State *L, array_kind kind, lua_Integer n)
         ((duet_pose *)a->rows)[i].rotation[3] = 1;
     for (uint64_t i = 0; kind == ARRAY_TRANSFORMS && i < a->n; ++i)
         ((duet_transform *)a->rows)[i].rotation[3] = 1;
+    for (uint64_t i = 0; kind == ARRAY_COMPACT_TRANSFORMS && i < a->n; ++i)
+        ((duet_compact_transform *)a->rows)[i].rotation[3] = 1;
     for (uint64_t i = 0; kind == ARRAY_BODIES && i < a->n; ++i)
         ((duet_body *)a->rows)[i] = duet_default_body();
 }
@@ -300,6 +313,9 @@ static void push_column(lua_State *L, const array *a, uint64_t i, int column)
     switch (layouts[a->kind].columns[column]) {
     case 'I':
         lua_pushinteger(L, *(const uint32_t *)at);
+        break;
+    case 'h':
+        lua_pushinteger(L, *(const int16_t *)at);
         break;
     case 'C':
         lua_pushinteger(L, *(const uint8_t *)at);
@@ -466,6 +482,9 @@ static const lua_class classes[] = {
     [ARRAY_POSES] = {.name = "duet.poses", .methods = poses_methods, .metas = metas},
     [ARRAY_BOUNDS] = {.name = "duet.bounds", .methods = methods, .metas = metas},
     [ARRAY_TRANSFORMS] = {.name = "duet.transforms", .methods = methods, .metas = metas},
+    [ARRAY_COMPACT_TRANSFORMS] = {.name = "duet.compact_transforms",
+                                  .methods = methods,
+                                  .metas = metas},
     [ARRAY_SIZES] = {.name = "duet.sizes", .methods = methods, .metas = metas},
     [ARRAY_PAIRS] = {.name = "duet.pairs", .methods = pairs_methods, .metas = metas},
     [ARRAY_BODIES] = {.name = "duet.bodies", .methods = methods, .metas = metas},

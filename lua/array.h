@@ -14,6 +14,7 @@ typedef enum array_kind {
     ARRAY_POSES,
     ARRAY_BOUNDS,
     ARRAY_TRANSFORMS,
+    ARRAY_COMPACT_TRANSFORMS,
     ARRAY_SIZES,
     ARRAY_PAIRS,
     ARRAY_BODIES,

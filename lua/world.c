@@ -15,6 +15,7 @@ static const member def_members[] = {
     MEMBER(member_float, duet_world_def, lower),
     MEMBER(member_float, duet_world_def, upper),
     MEMBER(member_bool, duet_world_def, separate_sizes),
+    MEMBER(member_bool, duet_world_def, compact_transforms),
     MEMBER(member_bool, duet_world_def, keep_bad),
     MEMBER(member_count, duet_world_def, max_pairs),
     MEMBER(member_accuracy, duet_world_def, accuracy),
@@ -164,6 +165,11 @@ static int world_map_transforms(lua_State *L)
     return map_objects(L, DUET_OBJECT_TRANSFORMS, ARRAY_TRANSFORMS);
 }
 
+static int world_map_compact_transforms(lua_State *L)
+{
+    return map_objects(L, DUET_OBJECT_COMPACT_TRANSFORMS, ARRAY_COMPACT_TRANSFORMS);
+}
+
 static int world_map_sizes(lua_State *L)
 {
     return map_objects(L, DUET_OBJECT_SIZES, ARRAY_SIZES);
@@ -222,6 +228,7 @@ static const luaL_Reg methods[] = {{"close", world_close},
                                    {"map_poses", world_map_poses},
                                    {"map_bounds", world_map_bounds},
                                    {"map_transforms", world_map_transforms},
+                                   {"map_compact_transforms", world_map_compact_transforms},
                                    {"map_sizes", world_map_sizes},
                                    {"plan", world_plan},
                                    {"set_plan", world_set_plan},

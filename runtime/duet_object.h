@@ -26,6 +26,19 @@ typedef struct duet_transform {
     float rotation[4]; // as a pose's
 } duet_transform;
 
+// A transform in 20 bytes. The rotation's parts are whole numbers; their common factor does
+// not count, so that the box is exactly that of a pose with the same numbers as floats.
+typedef struct duet_compact_transform {
+    float centre[3];
+    int16_t rotation[4]; // x y z w; in 2D the first two are not read
+} duet_compact_transform;
+
+// The nearest compact transform: its box is turned by at most 5.3e-5 rad from the given one.
+// In 2D the rotation's first two parts must be 0. BAD_OBJECT where the rotation is zero or not
+// finite.
+DUET_API bool duet_compact_transform_set(duet_compact_transform *compact,
+                                         const duet_transform *transform, duet_error *err);
+
 typedef struct duet_size {
     float half_extents[3]; // half extents, >= 0
 } duet_size;
@@ -63,11 +76,12 @@ DUET_API uint64_t duet_pairs_hash(const duet_pair *pairs, uint64_t n);
 
 // What an array of objects holds.
 typedef enum duet_object_kind {
-    DUET_OBJECT_POSES,       // duet_pose
-    DUET_OBJECT_BOUNDS,      // duet_bounds
-    DUET_OBJECT_LARGE_POSES, // duet_large_pose
-    DUET_OBJECT_TRANSFORMS,  // duet_transform, with
-    DUET_OBJECT_SIZES        // duet_size
+    DUET_OBJECT_POSES,             // duet_pose
+    DUET_OBJECT_BOUNDS,            // duet_bounds
+    DUET_OBJECT_LARGE_POSES,       // duet_large_pose
+    DUET_OBJECT_TRANSFORMS,        // duet_transform, with
+    DUET_OBJECT_SIZES,             // duet_size; or
+    DUET_OBJECT_COMPACT_TRANSFORMS // duet_compact_transform, with sizes
 } duet_object_kind;
 
 typedef enum duet_shape {

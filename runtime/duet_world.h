@@ -67,10 +67,11 @@ typedef struct duet_world_def {
     bool has_world;  // lower and upper are given; objects outside are still found
     float lower[3];
     float upper[3];
-    float origin_edge;   // above 0: large poses, in origin cells of that edge, a power of two
-    bool separate_sizes; // objects are transforms, and their sizes are set by themselves
-    bool keep_bad;       // leave bad objects out and count them, instead of BAD_OBJECT
-    uint64_t max_pairs;  // TOO_MANY above it; 0: as memory allows
+    float origin_edge;       // above 0: large poses, in origin cells of that edge, a power of two
+    bool separate_sizes;     // objects are transforms, and their sizes are set by themselves
+    bool compact_transforms; // these are compact; means separate_sizes too
+    bool keep_bad;           // leave bad objects out and count them, instead of BAD_OBJECT
+    uint64_t max_pairs;      // TOO_MANY above it; 0: as memory allows
     int cookie;
 } duet_world_def;
 
@@ -84,7 +85,8 @@ DUET_API void duet_world_destroy(duet_world *world);
 
 // Copies n objects of the kind that the world was made for: BOUNDS for the shape
 // bounds, else POSES, or LARGE_POSES where it has an origin_edge. POSES may also be set
-// in a world with separate_sizes, which takes them apart.
+// in a world with separate_sizes, which takes them apart, and where its transforms are
+// compact rounds them (duet_compact_transform_set).
 DUET_API bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void *objects,
                                      uint32_t n, duet_error *err);
 DUET_API bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err);
@@ -98,8 +100,9 @@ DUET_API bool duet_world_set_scene(duet_world *world, const duet_scene *scene, d
 // duet_large_pose_set makes them: others are bad objects.
 //
 // In a world with separate_sizes TRANSFORMS are what a step sends, 28 bytes an object
-// instead of 40, and SIZES are sent again only once they were mapped again. There must
-// be as many of both when the world is stepped.
+// instead of 40, or with compact_transforms COMPACT_TRANSFORMS, 20 bytes. SIZES are sent
+// again only once they were mapped again. There must be as many of both when the world is
+// stepped.
 DUET_API void *duet_world_map_objects(duet_world *world, duet_object_kind kind, uint32_t n,
                                       duet_error *err);
 

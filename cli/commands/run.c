@@ -35,6 +35,7 @@ typedef struct arguments {
     const char *frames;  // a folder for PNGs, 30 of a second of the scene
     bool resident;
     bool transforms;
+    bool compact;
     const char *pairs_path;
     bool check;
     bool json;
@@ -49,6 +50,7 @@ static const option options[] = {
                  100000),
     OPTION_FLAG("resident", resident, "leave the objects on the devices between the steps"),
     OPTION_FLAG("transforms", transforms, "send no sizes again, only centres and rotations"),
+    OPTION_FLAG("compact", compact, "the same, with rotations rounded to 16 bits: 20 bytes a box"),
     OPTION_COUNT("steps", steps, "K", "advance a scene that moves by K steps instead", 1,
                  1000000000),
     OPTION_TEXT("picture", picture, "F.png", "draw the last of the steps"),
@@ -67,7 +69,9 @@ static const option_rule rules[] = {
     {"pairs", OPTION_EXCLUDES, "steps"},         {"transforms", OPTION_EXCLUDES, "steps"},
     {"check", OPTION_EXCLUDES, "steps"},         {"level", OPTION_EXCLUDES, "steps"},
     {"missed", OPTION_EXCLUDES, "steps"},        {"false-rate", OPTION_EXCLUDES, "steps"},
-    {"resident", OPTION_EXCLUDES, "transforms"}, {0},
+    {"resident", OPTION_EXCLUDES, "transforms"}, {"compact", OPTION_EXCLUDES, "transforms"},
+    {"compact", OPTION_EXCLUDES, "resident"},    {"compact", OPTION_EXCLUDES, "steps"},
+    {"compact", OPTION_EXCLUDES, "check"},       {0},
 };
 
 static const command_line line = {
@@ -131,6 +135,7 @@ static duet_world *make_world(const arguments *args, const duet_scene *scene,
         !inputs_change_plan(&args->plan, &def.plan, err))
         return NULL;
     def.separate_sizes = args->transforms;
+    def.compact_transforms = args->compact;
     duet_world *world = duet_world_create(&def, err);
     bool idle_a = world && duet_device_pair_is_one(pair) && duet_world_get_plan(world)->share == 0;
     if (!idle_a || !args->plan.variants[0])
@@ -162,7 +167,7 @@ static timed_sends sends(const arguments *args)
 {
     if (args->resident)
         return TIMED_SENDS_NOTHING;
-    return args->transforms ? TIMED_SENDS_TRANSFORMS : TIMED_SENDS_OBJECTS;
+    return args->transforms || args->compact ? TIMED_SENDS_TRANSFORMS : TIMED_SENDS_OBJECTS;
 }
 
 // The world is stepped, its pairs are used, and all of it is told.
@@ -175,7 +180,8 @@ static bool run_world(const arguments *args, const duet_scene *scene, const duet
                     .plan = duet_world_get_plan(world),
                     .timed = &t,
                     .resident = args->resident,
-                    .transforms = args->transforms};
+                    .transforms = args->transforms,
+                    .compact = args->compact};
     bool ok = choose_plan(args, scene, world, &r, err);
     duet_level level = duet_world_get_level(world);
     r.level = duet_level_get_info(level)->name;

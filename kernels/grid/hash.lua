@@ -8,7 +8,7 @@ return {
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
-    { "APART", values = { 0, 1 }, default = 0, about = "1: poses are transforms, and their sizes apart" },
+    { "APART", values = { 0, 1, 2 }, default = 0, about = "1: poses are transforms, and their sizes apart; 2: compact ones" },
     { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "RANK", values = { 0, 1 }, default = 1, about = "count objects a cell, for the counting sort" },
@@ -28,7 +28,7 @@ return {
   args = {
     hash = [[
       const float *objects
-      const float *sizes     if APART == 1
+      const float *sizes     if APART > 0
       uint n
       const uint *names      if PACKED == 1
       constant grid_level *levels
@@ -47,8 +47,8 @@ return {
     if p.BATCH % p.LANES ~= 0 then return false, "BATCH is not a multiple of LANES" end
     if p.BATCH > p.LANES and not limits.cpu then return false, "BATCH above LANES is for CPUs" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
-    if p.APART == 1 and (p.SHAPE == 1 or p.ORIGIN > 0) then return false, "only poses from 0 have their sizes apart" end
-    if p.APART == 1 and p.PACKED == 1 then return false, "what is packed is whole poses" end
+    if p.APART > 0 and (p.SHAPE == 1 or p.ORIGIN > 0) then return false, "only poses from 0 have their sizes apart" end
+    if p.APART > 0 and p.PACKED == 1 then return false, "what is packed is whole poses" end
     if (p.CELLS_X == 0) ~= (p.CELLS_Y == 0) or (p.CELLS_X == 0) ~= (p.CELLS_Z == 0) then return false, "CELLS_X, CELLS_Y and CELLS_Z go together" end
     if p.CELLS_X > 0 and (p.GRID == 1 or p.LEVELS == 1) then return false, "CELLS_X is for dense grids of one size" end
     return true

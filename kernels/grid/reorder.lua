@@ -8,7 +8,7 @@ return {
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
-    { "APART", values = { 0, 1 }, default = 0, about = "1: poses are transforms, and their sizes apart" },
+    { "APART", values = { 0, 1, 2 }, default = 0, about = "1: poses are transforms, and their sizes apart; 2: compact ones" },
     { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "FROM_IDS", values = { 0, 1 }, default = 1, about = "1: gathers by sorted ids, 0: scatters by cell and rank" },
@@ -24,7 +24,7 @@ return {
   args = {
     reorder = [[
       const float *objects
-      const float *sizes    if APART == 1
+      const float *sizes    if APART > 0
       const uint *names     if PACKED == 1
       const uint *ids       if FROM_IDS == 1
       const uint *keys      if FROM_IDS == 0
@@ -42,8 +42,8 @@ return {
   },
   valid = function(p)
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
-    if p.APART == 1 and (p.SHAPE == 1 or p.ORIGIN > 0) then return false, "only poses from 0 have their sizes apart" end
-    if p.APART == 1 and p.PACKED == 1 then return false, "what is packed is whole poses" end
+    if p.APART > 0 and (p.SHAPE == 1 or p.ORIGIN > 0) then return false, "only poses from 0 have their sizes apart" end
+    if p.APART > 0 and p.PACKED == 1 then return false, "what is packed is whole poses" end
     return true
   end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,

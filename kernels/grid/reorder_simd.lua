@@ -8,7 +8,7 @@ return {
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
-    { "APART", values = { 0, 1 }, default = 0, about = "1: poses are transforms, and their sizes apart" },
+    { "APART", values = { 0, 1, 2 }, default = 0, about = "1: poses are transforms, and their sizes apart; 2: compact ones" },
     { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
       about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
     { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
@@ -26,7 +26,7 @@ return {
   args = {
     reorder_simd = [[
       const float *objects
-      const float *sizes   if APART == 1
+      const float *sizes   if APART > 0
       const uint *ids
       uint n
       const uint *starts
@@ -45,7 +45,7 @@ return {
     if p.AHEAD > 0 and not limits.cpu then return false, "AHEAD is for CPUs" end
     if p.ROOMY == 1 and (p.GRID == 1 or p.LEVELS == 1) then return false, "ROOMY is for dense grids of one size" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
-    if p.APART == 1 and (p.SHAPE == 1 or p.ORIGIN > 0) then return false, "only poses from 0 have their sizes apart" end
+    if p.APART > 0 and (p.SHAPE == 1 or p.ORIGIN > 0) then return false, "only poses from 0 have their sizes apart" end
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
     if (p.CELLS_X == 0) ~= (p.CELLS_Y == 0) or (p.CELLS_X == 0) ~= (p.CELLS_Z == 0) then return false, "CELLS_X, CELLS_Y and CELLS_Z go together" end
     if p.CELLS_X > 0 and (p.GRID == 1 or p.LEVELS == 1) then return false, "CELLS_X is for dense grids of one size" end

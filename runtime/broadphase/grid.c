@@ -466,8 +466,9 @@ static double widest_of_bounds(const duet_bounds *b, uint32_t dims)
 
 size_t grid_object_bytes(const grid_objects *objects)
 {
-    return objects->sizes ? sizeof(duet_transform)
-                          : origin_row_bytes(objects->shape, objects->origin);
+    return !objects->sizes    ? origin_row_bytes(objects->shape, objects->origin)
+           : objects->compact ? sizeof(duet_compact_transform)
+                              : sizeof(duet_transform);
 }
 
 duet_transform grid_transform_of(const duet_pose *pose)
@@ -482,9 +483,16 @@ const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pos
 {
     if (!objects->sizes)
         return origin_pose(objects->array, objects->origin, id);
+    memcpy(scratch->half_extents, objects->sizes[id].half_extents, sizeof scratch->half_extents);
+    if (objects->compact) {
+        const duet_compact_transform *c = &((const duet_compact_transform *)objects->array)[id];
+        memcpy(scratch->centre, c->centre, sizeof scratch->centre);
+        for (int k = 0; k < 4; ++k)
+            scratch->rotation[k] = c->rotation[k];
+        return scratch;
+    }
     const duet_transform *t = &((const duet_transform *)objects->array)[id];
     memcpy(scratch->centre, t->centre, sizeof scratch->centre);
-    memcpy(scratch->half_extents, objects->sizes[id].half_extents, sizeof scratch->half_extents);
     memcpy(scratch->rotation, t->rotation, sizeof scratch->rotation);
     return scratch;
 }

@@ -56,6 +56,7 @@ typedef struct grid_objects {
     uint32_t n;
     uint32_t dims;
     const duet_size *sizes; // that the objects are without, or NULL
+    bool compact;           // compact transforms then
 } grid_objects;
 
 size_t grid_object_bytes(const grid_objects *objects);

@@ -228,7 +228,7 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {"DIMS", task->objects.dims, false},
         {"SHAPE", task->objects.shape, false},
         {"ORIGIN", origin_bits >> 23, false},
-        {"APART", task->objects.sizes != NULL, false},
+        {"APART", task->objects.sizes ? 1 + task->objects.compact : 0, false},
         {"ROTATED", poses && task->rotated, false},
         {"RANK", counting, false},
         {"SORTED", searches[search].in_cell_order, false},

@@ -96,10 +96,10 @@ static bool check_origin(const duet_world_def *def, duet_error *err)
 static bool check_sizes_apart(const duet_world_def *def, duet_error *err)
 {
     bool plain = def->shape == DUET_SHAPE_POSES && def->origin_edge == 0.0f;
-    return !def->separate_sizes || plain ||
+    return plain || !(def->separate_sizes || def->compact_transforms) ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "separate_sizes is for poses; expected false for bounds and for large "
-                     "poses");
+                     "%s is for poses; expected false for bounds and for large poses",
+                     def->compact_transforms ? "compact_transforms" : "separate_sizes");
 }
 
 static bool check_def(const duet_world_def *def, duet_error *err)
@@ -223,14 +223,16 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
     if (!check_def(def, err))
         return NULL;
     duet_plan plan = resolve_plan(def->plan, def->pair);
-    if (!read_plan(&wish, variants, &plan, def, err))
+    duet_world_def own = *def;
+    own.separate_sizes |= own.compact_transforms;
+    if (!read_plan(&wish, variants, &plan, &own, err))
         return NULL;
     duet_world *world = calloc(1, sizeof *world);
     if (!world) {
         error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a world");
         return NULL;
     }
-    world->def = *def;
+    world->def = own;
     take_plan(world, &plan, &wish, variants);
     world_hold(world);
     device_pair_hold(def->pair);
@@ -334,6 +336,7 @@ grid_objects world_objects(const duet_world *world)
         .n = world->n,
         .dims = def->dims,
         .sizes = def->separate_sizes ? world->sizes.bytes : NULL,
+        .compact = def->compact_transforms,
     };
 }
 
@@ -346,6 +349,7 @@ static const struct {
     [DUET_OBJECT_LARGE_POSES] = {"large poses", sizeof(duet_large_pose)},
     [DUET_OBJECT_TRANSFORMS] = {"transforms", sizeof(duet_transform)},
     [DUET_OBJECT_SIZES] = {"sizes", sizeof(duet_size)},
+    [DUET_OBJECT_COMPACT_TRANSFORMS] = {"compact transforms", sizeof(duet_compact_transform)},
 };
 
 // What the world was made for.
@@ -354,9 +358,10 @@ static duet_object_kind kind_of(const duet_world *world)
     const duet_world_def *def = &world->def;
     if (def->shape == DUET_SHAPE_BOUNDS)
         return DUET_OBJECT_BOUNDS;
-    return def->origin_edge > 0.0f ? DUET_OBJECT_LARGE_POSES
-           : def->separate_sizes   ? DUET_OBJECT_TRANSFORMS
-                                   : DUET_OBJECT_POSES;
+    return def->origin_edge > 0.0f   ? DUET_OBJECT_LARGE_POSES
+           : def->compact_transforms ? DUET_OBJECT_COMPACT_TRANSFORMS
+           : def->separate_sizes     ? DUET_OBJECT_TRANSFORMS
+                                     : DUET_OBJECT_POSES;
 }
 
 static bool can_have(const duet_world *world, duet_object_kind kind, uint32_t n, const char *call,
@@ -364,11 +369,11 @@ static bool can_have(const duet_world *world, duet_object_kind kind, uint32_t n,
 {
     if (!error_given(world, call, "world", err))
         return false;
-    if (kind < DUET_OBJECT_POSES || kind > DUET_OBJECT_SIZES)
+    if (kind < DUET_OBJECT_POSES || kind > DUET_OBJECT_COMPACT_TRANSFORMS)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "kind is %d; expected a duet_object_kind",
                          (int)kind);
     duet_object_kind right = kind_of(world);
-    bool size = kind == DUET_OBJECT_SIZES && right == DUET_OBJECT_TRANSFORMS;
+    bool size = kind == DUET_OBJECT_SIZES && world->def.separate_sizes;
     if (kind != right && !size)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the world was made for %s, not for %s",
                          kinds[right].name, kinds[kind].name);
@@ -412,15 +417,27 @@ bool world_check_sizes(const duet_world *world, duet_error *err)
                      world->n, world->n_sizes);
 }
 
-static bool take_apart(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
+static bool take_sizes(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
 {
-    duet_transform *transforms = duet_world_map_objects(world, DUET_OBJECT_TRANSFORMS, n, err);
-    duet_size *sizes = transforms ? duet_world_map_objects(world, DUET_OBJECT_SIZES, n, err) : NULL;
-    for (uint32_t i = 0; sizes && i < n; ++i) {
-        transforms[i] = grid_transform_of(&poses[i]);
+    duet_size *sizes = duet_world_map_objects(world, DUET_OBJECT_SIZES, n, err);
+    for (uint32_t i = 0; sizes && i < n; ++i)
         memcpy(sizes[i].half_extents, poses[i].half_extents, sizeof poses->half_extents);
-    }
     return sizes;
+}
+
+bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
+{
+    void *to = duet_world_map_objects(world, kind_of(world), n, err);
+    for (uint32_t i = 0; to && i < n; ++i) {
+        duet_transform t = grid_transform_of(&poses[i]);
+        if (world->def.dims == 2)
+            t.rotation[0] = t.rotation[1] = 0.0f;
+        if (!world->def.compact_transforms)
+            ((duet_transform *)to)[i] = t;
+        else // what has no rotation is the step's to report
+            duet_compact_transform_set(&((duet_compact_transform *)to)[i], &t, NULL);
+    }
+    return to;
 }
 
 // The first objects are counted at once: who then asks for a profile need not
@@ -433,7 +450,7 @@ bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void
         (n > 0 && !error_given(objects, __func__, "objects", err)))
         return false;
     if (kind == DUET_OBJECT_POSES && world->def.separate_sizes)
-        return take_apart(world, objects, n, err);
+        return world_take_transforms(world, objects, n, err) && take_sizes(world, objects, n, err);
     void *to = duet_world_map_objects(world, kind, n, err);
     if (!to || n == 0)
         return to;

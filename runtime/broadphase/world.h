@@ -51,6 +51,9 @@ void world_choose_mode(duet_world *world);
 
 grid_objects world_objects(const duet_world *world);
 
+// Maps n transforms, of the kind that the world was made for, and fills them from poses.
+bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err);
+
 // Whether every object has a size, whichever of the two was set first.
 bool world_check_sizes(const duet_world *world, duet_error *err);
 

@@ -448,6 +448,7 @@ duet_scene *duet_scene_create(duet_object_kind kind, const void *objects, uint32
         return scene_from_large_poses(objects, n, dims, origin_edge, err);
     case DUET_OBJECT_TRANSFORMS:
     case DUET_OBJECT_SIZES:
+    case DUET_OBJECT_COMPACT_TRANSFORMS:
         break;
     }
     error_set(err, DUET_STATUS_BAD_ARGUMENT,
@@ -489,6 +490,7 @@ const void *duet_scene_get_objects(const duet_scene *scene, duet_object_kind kin
         return large ? scene->objects : NULL;
     case DUET_OBJECT_TRANSFORMS:
     case DUET_OBJECT_SIZES:
+    case DUET_OBJECT_COMPACT_TRANSFORMS:
         break;
     }
     return NULL;

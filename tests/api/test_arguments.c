@@ -106,6 +106,10 @@ static void defaults(void)
 static void place(void)
 {
     const double centre[3] = {0};
+    const duet_transform still = {.rotation = {0}};
+    duet_compact_transform compact;
+    REFUSES(duet_compact_transform_set(NULL, &still, e));
+    REFUSES(duet_compact_transform_set(&compact, NULL, e));
     REFUSES(duet_large_pose_set(NULL, centre, 1.0f, e));
     REFUSES(duet_large_pose_set(&placed, NULL, 1.0f, e));
     REFUSES(duet_large_pose_set(&placed, centre, 3.0f, e));
@@ -531,7 +535,7 @@ static const struct {
      "duet_default_tune_def duet_default_online_def duet_default_device_pair_def "
      "duet_default_plan",
      defaults},
-    {"duet_large_pose_set", place},
+    {"duet_compact_transform_set duet_large_pose_set", place},
     {"duet_poses_collide duet_poses_separation", exact},
     {"duet_large_poses_collide duet_large_poses_separation", exact_placed},
     {"duet_level_get_info duet_level_from_name duet_level_covers", levels},

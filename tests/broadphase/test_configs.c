@@ -128,8 +128,9 @@ typedef struct scene {
     duet_shape shape;
     bool rotated;
     duet_level level;
-    bool hashed, levels, roomy, packed, apart;
-    bool fixed; // its cells are compiled in
+    bool hashed, levels, roomy, packed;
+    bool apart, compact; // sizes are, and transforms are
+    bool fixed;          // its cells are compiled in
     uint32_t n;
     duet_pose poses[OBJECTS];
     duet_bounds bounds[OBJECTS];
@@ -152,6 +153,9 @@ static duet_pose random_pose(const scene *s, rng *r)
         p.centre[k] = (float)rng_between(r, 0, k == 0 && !s->roomy ? 2.0 : width);
     for (int k = 0; s->rotated && k < 4; ++k)
         p.rotation[k] = (float)rng_normal(r);
+    // Compact ones are these very numbers.
+    for (int k = 0; s->rotated && s->compact && k < 4; ++k)
+        p.rotation[k] = k < 3 ? 32767.0f - (float)rng_below(r, 65535) : 32767.0f;
     return p;
 }
 
@@ -175,7 +179,8 @@ static void make_scene(scene *s, const config *c, rng *r)
         .hashed = value_of(c, "GRID", 0),
         .levels = value_of(c, "LEVELS", 0),
         .packed = value_of(c, "PACKED", 0),
-        .apart = value_of(c, "APART", 0),
+        .apart = value_of(c, "APART", 0) > 0,
+        .compact = value_of(c, "APART", 0) == 2,
     };
     int64_t bounds = strcmp(c->kernel, "pair_search_paper") == 0 ? value_of(c, "IDS", 0) : 0;
     s->shape = (duet_shape)value_of(c, "SHAPE", bounds);
@@ -269,6 +274,7 @@ static duet_world *open_world(const scene *s, const duet_plan *plan)
     def.rotated = s->rotated;
     def.level = s->level;
     def.separate_sizes = s->apart;
+    def.compact_transforms = s->compact;
     def.plan = *plan;
     for (int side = 0; side < 2; ++side)
         devices->devices[side].info.host_memory = !s->packed;

@@ -13,6 +13,7 @@ enum { CAPACITY = 3000 };
 static duet_device_pair *devices;
 static bool have_host_memory[2];
 static duet_pose poses[CAPACITY];
+static bool compact; // worlds have compact transforms
 
 static int open_devices(void **state)
 {
@@ -53,6 +54,10 @@ static void fill(rng *r, uint32_t n, uint32_t dims)
         }
         for (int k = 0; k < 4; ++k)
             poses[i].rotation[k] = (float)rng_normal(r);
+        // Of any length; the last is odd, so that none is zero.
+        for (int k = 0; compact && k < 4; ++k)
+            poses[i].rotation[k] =
+                (float)((int16_t)(rng_next(r) >> 16 >> rng_below(r, 16)) | (k == 3));
     }
 }
 
@@ -65,15 +70,33 @@ static duet_world *make_world(uint32_t dims, duet_mode mode, const char *text)
     def.plan = (duet_plan){.share = DUET_SHARE_ONE / 3, .mode = mode};
     strcpy(def.plan.variant_a, text);
     strcpy(def.plan.variant_b, text);
-    def.separate_sizes = true;
+    def.separate_sizes = !compact;
+    def.compact_transforms = compact;
     duet_world *world = duet_world_create(&def, &err);
     assert_ok(world != NULL, err);
     return world;
 }
 
+static void map_compact_transforms(duet_world *world, uint32_t n)
+{
+    duet_error err = {0};
+    duet_compact_transform *to =
+        duet_world_map_objects(world, DUET_OBJECT_COMPACT_TRANSFORMS, n, &err);
+    assert_ok(to != NULL, err);
+    for (uint32_t i = 0; i < n; ++i) {
+        memcpy(to[i].centre, poses[i].centre, sizeof to->centre);
+        for (int k = 0; k < 4; ++k)
+            to[i].rotation[k] = (int16_t)poses[i].rotation[k];
+    }
+}
+
 static void map_transforms(duet_world *world, uint32_t n)
 {
     duet_error err = {0};
+    if (compact) {
+        map_compact_transforms(world, n);
+        return;
+    }
     duet_transform *to = duet_world_map_objects(world, DUET_OBJECT_TRANSFORMS, n, &err);
     assert_ok(to != NULL, err);
     for (uint32_t i = 0; i < n; ++i) {
@@ -152,6 +175,75 @@ static void transforms_and_sizes_have_the_pairs_of_their_poses(void **state)
         for (size_t p = 0; p < sizeof plans / sizeof *plans; ++p)
             follow(p % 2 ? 2 : 3, plans[p].mode, plans[p].variant, &r);
     }
+}
+
+static void compact_transforms_have_the_pairs_of_their_poses(void **state)
+{
+    compact = true;
+    transforms_and_sizes_have_the_pairs_of_their_poses(state);
+    compact = false;
+}
+
+// The angle between two rotations, in double.
+static double turned(const float q[4], const int16_t c[4])
+{
+    double dot = 0, qq = 0, cc = 0;
+    for (int k = 0; k < 4; ++k) {
+        dot += (double)q[k] * c[k];
+        qq += (double)q[k] * (double)q[k];
+        cc += (double)c[k] * c[k];
+    }
+    double across = 0; // |q|^2 |c|^2 - (q c)^2, as a sum of squares
+    for (int i = 0; i < 4; ++i)
+        for (int k = 0; k < i; ++k)
+            across += pow((double)q[i] * c[k] - (double)q[k] * c[i], 2);
+    return 2 * atan2(sqrt(across), fabs(dot)) * (qq > 0 && cc > 0);
+}
+
+static void the_nearest_compact_transform_is_as_near_as_is_said(void **state)
+{
+    (void)state;
+    rng r = {test_seed()};
+    double worst = 0;
+    for (int i = 0; i < 200000; ++i) {
+        duet_transform t = {.centre = {1, 2, 3}};
+        double length = exp(rng_between(&r, -60, 60));
+        for (int k = 0; k < 4; ++k)
+            t.rotation[k] = (float)(length * (rng_below(&r, 5) ? rng_normal(&r) : i % 3 - 1));
+        t.rotation[rng_below(&r, 4)] = (float)length;
+        duet_compact_transform c;
+        duet_error err = {0};
+        assert_ok(duet_compact_transform_set(&c, &t, &err), err);
+        assert_memory_equal(c.centre, t.centre, sizeof c.centre);
+        worst = fmax(worst, turned(t.rotation, c.rotation));
+    }
+    assert_true(worst <= 5.3e-5);
+    assert_true(worst > 3e-5); // else less could be said
+}
+
+static void what_has_no_rotation_has_no_compact_one(void **state)
+{
+    (void)state;
+    static const float wrong[][4] = {{0, 0, 0, 0}, {NAN, 0, 0, 1}, {0, 0, INFINITY, 1}};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        duet_transform t = {{0}, {0}};
+        duet_compact_transform c;
+        duet_error err = {0};
+        memcpy(t.rotation, wrong[i], sizeof t.rotation);
+        assert_false(duet_compact_transform_set(&c, &t, &err));
+        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
+    }
+    // As a pose of a compact world it is a bad object of the step.
+    compact = true;
+    duet_error err = {0};
+    duet_result result;
+    duet_world *world = make_world(3, DUET_MODE_OWN, "gpu");
+    const duet_pose still = {.half_extents = {1, 1, 1}};
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, &still, 1, &err), err);
+    assert_false(duet_world_step(world, &result, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
+    duet_world_destroy(world);
+    compact = false;
 }
 
 static void sizes_are_sent_once(void **state)
@@ -303,6 +395,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(transforms_and_sizes_have_the_pairs_of_their_poses),
+        cmocka_unit_test(compact_transforms_have_the_pairs_of_their_poses),
+        cmocka_unit_test(the_nearest_compact_transform_is_as_near_as_is_said),
+        cmocka_unit_test(what_has_no_rotation_has_no_compact_one),
         cmocka_unit_test(sizes_are_sent_once),
         cmocka_unit_test(poses_are_taken_apart),
         cmocka_unit_test(what_float_leaves_open_is_decided),

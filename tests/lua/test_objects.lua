@@ -129,6 +129,25 @@ holds("sizes apart from transforms have the same pairs", function()
   refused("BAD_ARGUMENT", "made for transforms, not for poses", world.map_poses, world, 1)
 end)
 
+holds("compact transforms have the pairs of their poses", function()
+  local world <close> = assert(pair:world { compact_transforms = true })
+  local sizes = assert(world:map_sizes(#three))
+  local transforms = assert(world:map_compact_transforms(#three))
+  for place, x, y, z, hx, hy, hz in three:each() do
+    sizes:set(place, hx, hy, hz)
+    transforms:set(place, x, y, z, -32768, 0, 5, 32767)
+  end
+  equal(table.concat({ transforms:get(1) }, " ", 4), "-32768 0 5 32767")
+  equal(#transforms:bytes(), 20 * #three)
+  local ok, line = pcall(transforms.set, transforms, 0, 0, 0, 0, 0, 0, 0, 32768)
+  equal(ok, false)
+  assert(line:find("row 0, column 7: 32768, not a whole number from -32768 to 32767", 1, true), line)
+  equal(table.concat({ assert(world:step()):pair(0) }, " "), "0 1")
+  equal(select(7, duet.compact_transforms(1):get(0)), 1)
+  assert(world:set_poses(three))
+  equal(#assert(world:step()), 1)
+end)
+
 holds("each gives every place once", function()
   local places = {}
   for place, x in three:each() do places[#places + 1] = place .. ":" .. x end
