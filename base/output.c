@@ -80,14 +80,14 @@ static struct {
     char name[MAX_NAME];
 } parts[MAX_PARTS];
 
-static int enter_part(const output *o)
+static int enter_part(int folder, const char *name)
 {
     for (int i = 0; i < MAX_PARTS; ++i) {
         int expected = FREE;
         if (!atomic_compare_exchange_strong(&parts[i].state, &expected, TAKEN))
             continue;
-        parts[i].folder = o->folder;
-        snprintf(parts[i].name, sizeof parts[i].name, "%s", text_chars(&o->part));
+        parts[i].folder = folder;
+        snprintf(parts[i].name, sizeof parts[i].name, "%s", name);
         atomic_store(&parts[i].state, WRITTEN);
         return i;
     }
@@ -106,6 +106,27 @@ void output_remove_parts(void)
     for (int i = 0; i < MAX_PARTS; ++i)
         if (atomic_load(&parts[i].state) == WRITTEN)
             unlinkat(parts[i].folder, parts[i].name, 0);
+}
+
+int output_watch_part(const char *path)
+{
+    text folder = {0};
+    add_folder(&folder, path);
+    int file = text_ok(&folder, NULL) ? open(folder.chars, O_PATH | O_DIRECTORY | O_CLOEXEC) : -1;
+    int slot = file >= 0 ? enter_part(file, last_name(path)) : -1;
+    if (slot < 0 && file >= 0)
+        close(file);
+    text_free(&folder);
+    return slot;
+}
+
+void output_forget_part(int slot)
+{
+    if (slot < 0)
+        return;
+    int folder = parts[slot].folder;
+    atomic_store(&parts[slot].state, FREE);
+    close(folder);
 }
 
 // ------------------------------------------------------------------- opening
@@ -144,7 +165,7 @@ static bool open_part(output *o, mode_t mode, duet_error *err)
     errno = EEXIST;
     for (int i = 0; file < 0 && errno == EEXIST && i < MAX_TRIES && name_part(o); ++i) {
         leave_part(o);
-        o->slot = enter_part(o);
+        o->slot = enter_part(o->folder, text_chars(&o->part));
         file = openat(o->folder, o->part.chars,
                       O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
     }
@@ -212,6 +233,23 @@ bool output_open(output *o, const char *path, duet_error *err)
                          : open_place(o, place.chars, err));
     text_free(&place);
     return ok;
+}
+
+bool output_part_path(const output *o, text *path, duet_error *err)
+{
+    char link[64];
+    char folder[4096];
+    if (o->folder < 0)
+        return error_set(err, DUET_STATUS_IO_FAILED,
+                         "%s: cannot be written by several ranks; expected a plain file",
+                         text_chars(&o->path));
+    snprintf(link, sizeof link, "/proc/self/fd/%d", o->folder);
+    ssize_t n = readlink(link, folder, sizeof folder);
+    if (n < 0 || (size_t)n == sizeof folder)
+        return fail(o, n < 0 ? errno : ENAMETOOLONG, err);
+    text_add_bytes(path, folder, (size_t)n);
+    text_add(path, "/%s", text_chars(&o->part));
+    return text_ok(path, err);
 }
 
 // ------------------------------------------------------------------- closing

@@ -41,6 +41,15 @@ bool output_close(output *o, bool keep, duet_error *err);
 // path of the one that cannot be made in `failed`, an empty text or NULL.
 bool output_make_folders(const char *path, mode_t mode, text *failed);
 
+// The whole path of the temporary name, for others who write into the file. IO_FAILED where
+// there is none: it is written directly.
+bool output_part_path(const output *o, text *path, duet_error *err);
+
+// Has output_remove_parts remove the file of such a path, which another process has opened,
+// until it is forgotten. -1: it does not.
+int output_watch_part(const char *path);
+void output_forget_part(int slot);
+
 // Removes what is half-written, for a program that is about to end in the middle. It
 // takes no lock, and makes only calls that a signal's handler may make.
 void output_remove_parts(void);

@@ -6,6 +6,7 @@
 
 int command_accuracy(int argc, char **argv);
 int command_bench(int argc, char **argv);
+int command_cluster(int argc, char **argv);
 int command_devices(int argc, char **argv);
 int command_lua(int argc, char **argv);
 int command_picture(int argc, char **argv);

@@ -15,15 +15,14 @@
 // that out, which is not worth a line.
 enum { FOUND_BY_THEN_NS = 1000000000 };
 
-static void show_compiling(void *context, const duet_device_info *device, const char *kernel,
+void inputs_show_compiling(void *context, const duet_device_info *device, const char *kernel,
                            uint32_t k, uint32_t n)
 {
     static progress shown;
     static char what[160];
     (void)context;
     if (kernel && k == 1) {
-        snprintf(what, sizeof what, "%s: first run, compiling kernel",
-                 device->selector);
+        snprintf(what, sizeof what, "%s: first run, compiling kernel", device->selector);
         shown = progress_begin(what, n);
     }
     if (kernel && clock_steady_ns() - shown.begun_ns > FOUND_BY_THEN_NS)
@@ -36,7 +35,7 @@ duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err)
 {
     duet_device_pair_def def = duet_default_device_pair_def();
     def.a = selectors ? selectors : def.a;
-    def.on_compile = show_compiling;
+    def.on_compile = inputs_show_compiling;
     duet_error why = {0};
     duet_device_pair *pair = duet_device_pair_create(&def, &why);
     if (!pair)

@@ -87,6 +87,10 @@ bool inputs_accuracy_given(const level_options *options, duet_accuracy *accuracy
 // Puts what was given in the place of what the scene says.
 bool inputs_change_level(const level_options *options, duet_world_def *def, duet_error *err);
 
+// A duet_compile_callback that tells how far it is.
+void inputs_show_compiling(void *context, const duet_device_info *device, const char *kernel,
+                           uint32_t k, uint32_t n);
+
 // NULL selectors: the default pair.
 duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err);
 

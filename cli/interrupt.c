@@ -26,6 +26,7 @@ static _Atomic uint64_t asked_ns; // 0: not asked
 static _Atomic int asked_by;      // the signal
 static _Atomic bool insisted;     // a second time
 static _Atomic bool waits_for_person;
+static _Atomic bool at_once;
 static _Atomic bool told;
 static _Atomic bool told_waiting;
 static sigset_t heard; // by the guard
@@ -73,6 +74,12 @@ void interrupt_pass(bool passes)
 void interrupt_wait(void)
 {
     atomic_store(&waits_for_person, true);
+}
+
+void interrupt_at_once(bool tells)
+{
+    atomic_store(&at_once, true);
+    atomic_store(&told, !tells);
 }
 
 void interrupt_told(void)
@@ -149,7 +156,8 @@ static void look(void)
     bool waits = interrupt_age_ns() > WAITS_NS && atomic_load(&waits_for_person);
     if (waits && !atomic_exchange(&told_waiting, true))
         SAY("duet: stops once the call under way returns; Ctrl-C again ends the program\n");
-    bool deaf = interrupt_age_ns() > DEAF_NS && !atomic_load(&waits_for_person);
+    uint64_t patience_ns = atomic_load(&at_once) ? 0 : DEAF_NS;
+    bool deaf = interrupt_age_ns() > patience_ns && !atomic_load(&waits_for_person);
     if (!deaf && !atomic_load(&insisted))
         return;
     if (!atomic_load(&told))

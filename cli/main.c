@@ -21,6 +21,7 @@ static const struct {
 } commands[] = {
     {"accuracy", command_accuracy, "what each level of accuracy costs, and gets wrong"},
     {"bench", command_bench, "a standard set of measurements, compared with earlier ones"},
+    {"cluster", command_cluster, "all pairs of a scene, found by several machines or devices"},
     {"devices", command_devices, "what OpenCL offers here, and the selectors for --pair"},
     {"explain", command_explain, "which effects or kernels a scene calls for, and what each costs"},
     {"lua", command_lua, "scripts that use all of this, and a prompt to try it at"},

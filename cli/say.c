@@ -20,6 +20,11 @@ int say_failed(const duet_error *err)
 {
     fflush(stdout);
     fprintf(stderr, "duet: %s\n", err->text);
+    return say_status(err);
+}
+
+int say_status(const duet_error *err)
+{
     return err->status == DUET_STATUS_BAD_ARGUMENT  ? EXIT_WRONG
            : err->status == DUET_STATUS_INTERRUPTED ? EXIT_INTERRUPTED
                                                     : EXIT_FAILED;
@@ -86,6 +91,7 @@ bool say_finish(void)
 
 enum { LEAST_NS_BETWEEN = 100000000, LINE_MOST = 200 };
 
+static bool shows_on_terminal;
 static int depth;             // of works that are one a part of another
 static char whole[LINE_MOST]; // how far the outermost is, without its rate
 
@@ -117,13 +123,18 @@ static void write_line(const progress *p, uint64_t done, bool rate, char line[LI
                  seconds * (double)(p->total - done) / (double)done);
 }
 
+void say_on_terminal(void)
+{
+    shows_on_terminal = true;
+}
+
 progress progress_begin(const char *what, uint64_t total)
 {
     progress p = {
         .what = what,
         .total = total,
         .begun_ns = clock_steady_ns(),
-        .on_terminal = isatty(STDERR_FILENO),
+        .on_terminal = shows_on_terminal || isatty(STDERR_FILENO),
         .is_part = depth++ > 0,
     };
     if (!p.is_part)

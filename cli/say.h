@@ -19,6 +19,9 @@ enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_WRONG = 2, EXIT_INTERRUPTED = 130 };
 // the command line.
 int say_failed(const duet_error *err);
 
+// That exit status alone.
+int say_status(const duet_error *err);
+
 // "duet COMMAND: LINE" on stderr. Returns EXIT_WRONG.
 int say_wrong(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
@@ -56,6 +59,9 @@ typedef struct progress {
     bool is_part; // of another
     bool follows; // what the library tells
 } progress;
+
+// Has progress shown where stderr is a pipe to a terminal.
+void say_on_terminal(void);
 
 progress progress_begin(const char *what, uint64_t total);
 // Shows "what done of total, rate, time left", at most ten times a second.

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "cli/commands.h"
+#include "cli/commands/cluster.h"
 #include "cli/draw/snapshot.h"
 #include "cli/inputs.h"
 #include "cli/interrupt.h"
@@ -454,8 +455,24 @@ static bool run(void *given, char **operands, duet_error *err)
     return ok;
 }
 
+// Each rank would do all of the work.
+static bool refuse_job(void)
+{
+    unsigned long rank = 0, n_ranks = 0;
+    if (!cluster_job(&rank, &n_ranks) || n_ranks < 2)
+        return false;
+    if (rank == 0)
+        say_wrong("run",
+                  "this is an MPI job of %lu ranks, and each would find all pairs; expected "
+                  "'mpirun -np %lu duet cluster'",
+                  n_ranks, n_ranks);
+    return true;
+}
+
 int command_run(int argc, char **argv)
 {
+    if (refuse_job())
+        return EXIT_WRONG;
     arguments args = {.scene = SCENE_OPTIONS_DEFAULT,
                       .plan = PLAN_OPTIONS_DEFAULT,
                       .level = LEVEL_OPTIONS_DEFAULT,

@@ -17,7 +17,7 @@ bool reference_check_is_right(const reference_check *check)
 
 // ---------------------------------------------------------------- as text
 
-static void print_scene(const duet_scene_info *info)
+void run_report_scene(const duet_scene_info *info)
 {
     const char *kind = info->shape == DUET_SHAPE_BOUNDS ? "axis-aligned "
                        : info->rotated                  ? "rotated "
@@ -194,7 +194,7 @@ static void print_totals(const timed *m, const char *level, bool one)
     table_print(&t, stdout);
 }
 
-static void print_check(const reference_check *check)
+void run_report_check(const reference_check *check)
 {
     if (reference_check_is_right(check))
         printf("check: the same %s pairs as the plain C reference\n",
@@ -271,7 +271,7 @@ static void add_times(cJSON *o, const timed *m)
     cJSON_AddItemToObject(o, "stages", stages_json(median));
 }
 
-static void add_check(cJSON *o, const reference_check *check)
+void run_report_add_check(cJSON *o, const reference_check *check)
 {
     cJSON *one = cJSON_AddObjectToObject(o, "check");
     cJSON_AddBoolToObject(one, "right", reference_check_is_right(check));
@@ -284,14 +284,14 @@ static void add_check(cJSON *o, const reference_check *check)
 
 void run_report_text(const run_report *r)
 {
-    print_scene(r->scene);
+    run_report_scene(r->scene);
     print_grid(r->scene, &r->timed->last);
     run_report_devices(r->pair, r->plan);
     print_profile(r);
     print_stages(timed_median(r->timed), is_one(r->pair, r->plan));
     print_totals(r->timed, r->level, is_one(r->pair, r->plan));
     if (r->check.asked)
-        print_check(&r->check);
+        run_report_check(&r->check);
 }
 
 bool run_report_json(const run_report *r, duet_error *err)
@@ -307,6 +307,6 @@ bool run_report_json(const run_report *r, duet_error *err)
     cJSON_AddBoolToObject(o, "compact", r->compact);
     add_times(o, r->timed);
     if (r->check.asked)
-        add_check(o, &r->check);
+        run_report_add_check(o, &r->check);
     return say_json(o, err);
 }

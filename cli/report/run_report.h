@@ -29,6 +29,12 @@ typedef struct run_report {
     reference_check check;
 } run_report;
 
+// What the scene is, and how the pairs compare with the reference's: a line each, and as a field.
+struct cJSON;
+void run_report_scene(const duet_scene_info *info);
+void run_report_check(const reference_check *check);
+void run_report_add_check(struct cJSON *o, const reference_check *check);
+
 // Which device does how much of the work by which kernels.
 void run_report_devices(const duet_device_pair *pair, const duet_plan *plan);
 

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+// duet cluster: finds all pairs of a scene on the ranks of an MPI job. The program duet itself
+// knows nothing of MPI: each rank becomes duet-cluster, which lies beside it.
+#define _GNU_SOURCE
+#include "cli/commands/cluster.h"
+
+#include "base/error.h"
+#include "base/text.h"
+#include "cli/commands.h"
+#include "cli/interrupt.h"
+#include "cli/say.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef cluster_arguments arguments;
+
+static const option options[] = {
+    SCENE_OPTION_ROWS(scene),
+    OPTION_COUNT("ranks", ranks, "R", "start so many ranks on this machine by mpirun", 1, 65536),
+    OPTION_TEXT("weights", weights, "W,W",
+                "a number for each rank: its part of the objects, by their sum"),
+    OPTION_TEXT("pair", pair, "A,B",
+                "each rank's two devices; without, its part of its machine's devices"),
+    OPTION_FLAG("plain", plain, "use no devices but the plain C reference"),
+    PLAN_OPTION_ROWS(plan),
+    OPTION_TEXT("level", level, "L",
+                "of accuracy: certified, aabb, sphere, sat6, sat15 or double (the scene's)"),
+    OPTION_COUNT("repeat", repeat, "K", "steps that are timed, after one to warm up (5)", 1,
+                 100000),
+    OPTION_FLAG("resident", resident, "leave the objects where they are between the steps"),
+    OPTION_TEXT("pairs", pairs_path, "P.npy", "write the pairs, by all ranks into one file"),
+    OPTION_FLAG("sorted", sorted, "write them ascending: the same bytes for any number of ranks"),
+    OPTION_FLAG("check", check, "compare the pairs' number and hash with the plain C reference"),
+    OPTION_FLAG("json", json, "print one JSON object"),
+    {0},
+};
+
+static const option_rule rules[] = {
+    {"sorted", OPTION_NEEDS, "pairs"},       {"plain", OPTION_EXCLUDES, "pair"},
+    {"plain", OPTION_EXCLUDES, "share"},     {"plain", OPTION_EXCLUDES, "mode"},
+    {"plain", OPTION_EXCLUDES, "variant"},   {"plain", OPTION_EXCLUDES, "variant-a"},
+    {"plain", OPTION_EXCLUDES, "variant-b"}, {0},
+};
+
+static const char *refuse(const void *given, char **operands)
+{
+    const arguments *args = given;
+    size_t length = args->pairs_path ? strlen(args->pairs_path) : 0;
+    (void)operands;
+    return args->pairs_path && (length < 5 || strcmp(args->pairs_path + length - 4, ".npy") != 0)
+               ? "--pairs: expected a file whose name ends in .npy"
+               : NULL;
+}
+
+const command_line cluster_line = {
+    .name = "cluster",
+    .operands = "SCENE|FILE",
+    .least_operands = 1,
+    .most_operands = 1,
+    .about =
+        "Finds all pairs of boxes that collide, on all ranks of an MPI job: each rank finds those\n"
+        "of its part of the world on devices of its own. The pairs, and their hash, are those of\n"
+        "'duet run' at any number of ranks. On several machines, or by another launcher:\n"
+        "mpirun -np 4 duet cluster SCENE.",
+    .options = options,
+    .rules = rules,
+    .refuse = refuse,
+};
+
+// ---------------------------------------------------------------- the job
+
+static bool read_variable(const char *name, unsigned long *number)
+{
+    const char *value = getenv(name);
+    char *end = NULL;
+    if (!value || !*value)
+        return false;
+    *number = strtoul(value, &end, 10);
+    return *end == '\0';
+}
+
+// As Open MPI and MPICH, and with it Slurm, tell their processes.
+bool cluster_job(unsigned long *rank, unsigned long *n_ranks)
+{
+    return (read_variable("OMPI_COMM_WORLD_SIZE", n_ranks) &&
+            read_variable("OMPI_COMM_WORLD_RANK", rank)) ||
+           (read_variable("PMI_SIZE", n_ranks) && read_variable("PMI_RANK", rank));
+}
+
+// ---------------------------------------------------------------- becoming it
+
+static bool find_beside(text *path, duet_error *err)
+{
+    char own[4096];
+    ssize_t n = readlink("/proc/self/exe", own, sizeof own - 1);
+    if (n < 0)
+        return error_set(err, DUET_STATUS_IO_FAILED, "/proc/self/exe: %s", strerror(errno));
+    own[n] = '\0';
+    const char *slash = strrchr(own, '/');
+    text_add(path, "%.*s/duet-cluster", slash ? (int)(slash - own) : 0, own);
+    if (!text_ok(path, err))
+        return false;
+    return access(path->chars, X_OK) == 0 ||
+           error_set(err, DUET_STATUS_NOT_FOUND,
+                     "%s: %s; this Duet was built without MPI, or its package duet-cluster is not "
+                     "installed",
+                     path->chars, strerror(errno));
+}
+
+// Ranks share the machine: mpirun would give each one core, and refuse more of them than there
+// are. Under another MPI these variables mean nothing.
+static void prepare_mpirun(void)
+{
+    setenv("OMPI_MCA_hwloc_base_binding_policy", "none", 0);
+    setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
+    setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
+    setenv("OMPI_MCA_orte_execute_quiet", "1", 0);
+    if (isatty(STDERR_FILENO))
+        setenv(CLUSTER_TERMINAL, "1", 1);
+}
+
+typedef struct launch {
+    arguments args;
+    char **argv;
+    int argc;
+} launch;
+
+static bool become(launch *l, duet_error *err)
+{
+    char ranks[24];
+    text program = {0};
+    bool starts = l->args.ranks > 0;
+    char **argv = calloc((size_t)l->argc + 4, sizeof *argv);
+    if (!argv || !find_beside(&program, err)) {
+        free(argv);
+        text_free(&program);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "duet-cluster: no memory");
+    }
+    snprintf(ranks, sizeof ranks, "%llu", (unsigned long long)l->args.ranks);
+    char *begin[] = {"mpirun", "-n", ranks, program.chars};
+    int n = 0;
+    for (int i = starts ? 0 : 3; i < 4; ++i)
+        argv[n++] = begin[i];
+    for (int i = 1; i < l->argc; ++i)
+        argv[n++] = l->argv[i];
+    if (starts)
+        prepare_mpirun();
+    interrupt_pass(true);
+    execvp(argv[0], argv);
+    bool no_mpirun = starts && errno == ENOENT;
+    error_set(err, no_mpirun ? DUET_STATUS_NOT_FOUND : DUET_STATUS_IO_FAILED, "%s: %s%s", argv[0],
+              strerror(errno), no_mpirun ? "; on Debian: apt install openmpi-bin" : "");
+    free(argv);
+    text_free(&program);
+    return false;
+}
+
+static bool run(void *given, char **operands, duet_error *err)
+{
+    launch *l = given;
+    duet_plan plan = duet_default_plan(NULL);
+    duet_level level;
+    unsigned long rank = 0, n_ranks = 0;
+    (void)operands;
+    if (l->args.ranks > 0 && cluster_job(&rank, &n_ranks))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "--ranks: this is rank %lu of %lu of an MPI job already; expected one of "
+                         "mpirun and --ranks",
+                         rank, n_ranks);
+    return inputs_change_plan(&l->args.plan, &plan, err) &&
+           inputs_read_level(l->args.level, &level, err) && become(l, err);
+}
+
+// options_run moves the operands together in argv, and the ranks need it as it was. What is
+// wrong with it is told by rank 0; the others hear of it when that one ends.
+int command_cluster(int argc, char **argv)
+{
+    unsigned long rank = 0, n_ranks = 0;
+    duet_error err = {0};
+    launch l = {.args = CLUSTER_ARGUMENTS_DEFAULT, .argc = argc};
+    l.argv = calloc((size_t)argc + 1, sizeof *l.argv);
+    if (!l.argv) {
+        error_set(&err, DUET_STATUS_NO_MEMORY, "the command line: no memory");
+        return say_failed(&err);
+    }
+    memcpy(l.argv, argv, (size_t)argc * sizeof *argv);
+    bool is_later = cluster_job(&rank, &n_ranks) && rank > 0;
+    int status = is_later ? (become(&l, &err), say_failed(&err))
+                          : options_run(&cluster_line, argc, argv, &l, run);
+    free(l.argv);
+    return status;
+}

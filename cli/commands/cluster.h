@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// The command line of `duet cluster`, which the program duet checks before any rank begins and
+// each rank reads again.
+#ifndef CLI_COMMANDS_CLUSTER_H
+#define CLI_COMMANDS_CLUSTER_H
+
+#include "cli/inputs.h"
+
+typedef struct cluster_arguments {
+    scene_options scene;
+    plan_options plan;
+    const char *level;
+    const char *pair;
+    const char *weights; // NULL: all ranks are alike
+    const char *pairs_path;
+    uint64_t ranks; // to start; 0: this is one of those that there are
+    uint64_t repeat;
+    bool plain;
+    bool resident;
+    bool sorted;
+    bool check;
+    bool json;
+} cluster_arguments;
+
+#define CLUSTER_ARGUMENTS_DEFAULT                                                  \
+    {                                                                              \
+        .scene = SCENE_OPTIONS_DEFAULT, .plan = PLAN_OPTIONS_DEFAULT, .repeat = 5, \
+    }
+
+extern const command_line cluster_line;
+
+// Set where the terminal that the ranks' lines go to can show how far they are.
+#define CLUSTER_TERMINAL "DUET_CLUSTER_TERMINAL"
+
+// Which rank of an MPI job this process is, by what its launcher says; false for none.
+bool cluster_job(unsigned long *rank, unsigned long *n_ranks);
+
+#endif

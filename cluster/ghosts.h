@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+// Ghosts: objects of other ranks that this rank's homes may touch, and whose pairs with them
+// this rank finds. Exact whatever the objects' sizes: no width is chosen.
+#ifndef CLUSTER_GHOSTS_H
+#define CLUSTER_GHOSTS_H
+
+#include "cluster/homes.h"
+
+// The messages that arrive become *in. Collective.
+bool ghosts_exchange(const homes *h, ranks *r, parcels *in, duet_error *err);
+
+#endif

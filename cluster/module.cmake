@@ -1,0 +1,39 @@
+# The module cluster, the program duet-cluster and libduet_cluster.so, where MPI and Zoltan
+# are there. README.md says why they are apart from duet and libduet.so.
+set(DUET_HAS_CLUSTER OFF)
+set(duet_arrows "${duet_arrows}  cluster -> selection\n")
+if(DUET_CLUSTER STREQUAL "OFF" OR DUET_SANITIZE MATCHES "thread|fuzzer")
+  return()
+endif()
+
+find_package(MPI COMPONENTS C QUIET)
+find_path(ZOLTAN_INCLUDE zoltan.h PATH_SUFFIXES trilinos)
+find_library(ZOLTAN_LIBRARY NAMES trilinos_zoltan zoltan)
+if(NOT MPI_C_FOUND OR NOT ZOLTAN_INCLUDE OR NOT ZOLTAN_LIBRARY)
+  if(DUET_CLUSTER STREQUAL "ON")
+    message(FATAL_ERROR "DUET_CLUSTER is ON, and MPI or Zoltan is missing; on Debian: apt install "
+      "libopenmpi-dev openmpi-bin libtrilinos-zoltan-dev")
+  endif()
+  message(STATUS "without duet-cluster: MPI or Zoltan is missing")
+  return()
+endif()
+set(DUET_HAS_CLUSTER ON)
+
+set(arrows "${duet_arrows}")
+set(objects "${duet_module_objects}")
+duet_module(cluster FOLDER cluster KNOWS selection LINKS MPI::MPI_C PUBLIC cluster/duet_cluster.h)
+set(duet_arrows "${arrows}")
+set(duet_module_objects "${objects}")
+target_include_directories(duet_cluster SYSTEM PRIVATE ${ZOLTAN_INCLUDE})
+set(duet_cluster_needs ${ZOLTAN_LIBRARY} MPI::MPI_C)
+
+add_executable(duet-cluster cli/cluster/main.c $<TARGET_OBJECTS:duet_cli>
+  $<TARGET_OBJECTS:duet_cluster> ${duet_objects})
+target_link_libraries(duet-cluster PRIVATE duet_cli duet_cluster duet_options ${duet_cluster_needs})
+add_dependencies(duet duet-cluster)
+
+add_library(duet_cluster_shared SHARED $<TARGET_OBJECTS:duet_cluster> ${duet_objects})
+set_target_properties(duet_cluster_shared PROPERTIES OUTPUT_NAME duet_cluster EXPORT_NAME cluster
+  VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
+target_link_libraries(duet_cluster_shared PRIVATE ${duet_needs} ${duet_cluster_needs}
+  $<BUILD_INTERFACE:duet_options>)

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// Objects with their global ids, as rows that travel between ranks, and where they are.
+#ifndef CLUSTER_OBJECTS_H
+#define CLUSTER_OBJECTS_H
+
+#include "runtime/duet.h"
+
+// What every rank's objects have in common.
+typedef struct object_form {
+    uint32_t dims;
+    duet_shape shape;
+    bool rotated;
+    float origin;   // the edge of origin cells, or 0
+    uint32_t bytes; // of an object
+} object_form;
+
+object_form object_form_of(const duet_world_def *def);
+duet_object_kind object_form_kind(const object_form *form);
+
+// Bounds that contain all that the devices or the reference take for the object's, and in
+// 2D 0 along z.
+typedef struct reach {
+    double lower[3];
+    double upper[3];
+} reach;
+
+extern const reach reach_none; // of nothing
+reach reach_of(const object_form *form, const void *object);
+void reach_add(reach *to, const reach *other);
+bool reaches_meet(const reach *a, const reach *b);
+double reach_widest(const reach *e);
+
+// The point that decides an object's home.
+void object_centre(const object_form *form, const void *object, double centre[3]);
+bool object_is_sound(const object_form *form, const void *object);
+
+// Objects in one array and their ids in another, by ascending id.
+typedef struct object_rows {
+    uint64_t *ids;
+    unsigned char *objects; // [n][form.bytes]
+    uint32_t n;
+} object_rows;
+
+bool object_rows_begin(object_rows *rows, const object_form *form, uint64_t n, duet_error *err);
+void object_rows_end(object_rows *rows);
+static inline void *object_row(const object_rows *rows, const object_form *form, uint32_t i)
+{
+    return rows->objects + (size_t)i * form->bytes;
+}
+
+// The bytes of a message's row: an id and its object.
+uint32_t object_message_bytes(const object_form *form);
+void object_write_message(const object_form *form, void *message, uint64_t id, const void *object);
+
+// An object in a message.
+typedef struct arrival {
+    uint64_t id;
+    const void *object;
+    uint64_t place; // its row among the messages
+} arrival;
+
+// Those of n messages by ascending id, to be freed; NULL with NO_MEMORY.
+arrival *arrivals_sort(const object_form *form, const void *messages, uint64_t n, duet_error *err);
+
+// The homes that `stays` marks, all for NULL, and n arrivals become *to, which has space for
+// them, by ascending id. sources[i], unless NULL, becomes the place of row i among the
+// homes, or of an arrival's message after them. False with BAD_ARGUMENT where an id is there
+// twice.
+bool object_rows_merge(object_rows *to, const object_form *form, const object_rows *homes,
+                       const bool *stays, const arrival *arrivals, uint64_t n, uint64_t *sources,
+                       duet_error *err);
+
+#endif

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// What finds the pairs among the objects that a rank sees, homes and ghosts alike: its device
+// pair, or the plain C reference.
+#ifndef CLUSTER_WORKER_H
+#define CLUSTER_WORKER_H
+
+#include "runtime/duet.h"
+
+typedef struct worker worker;
+
+// What was found, by places in the objects' array, a < b. The worker's until it finds again.
+typedef struct worker_found {
+    duet_span spans[2];
+    bool has_bad; // an object that its devices refuse
+    uint32_t first_bad;
+} worker_found;
+
+struct worker {
+    const char *name; // of its devices, "A,B"
+    // Space for n objects, which are to be written before the next find.
+    void *(*map)(worker *w, uint32_t n, duet_error *err);
+    bool (*find)(worker *w, worker_found *found, duet_error *err);
+    bool (*set_level)(worker *w, duet_level level, duet_error *err);
+    bool (*set_plan)(worker *w, const duet_plan *plan, duet_error *err);
+    bool (*load_profile)(worker *w, const char *path, duet_profile *profile, duet_error *err);
+    void (*close)(worker *w);
+};
+
+worker *worker_open_pair(const duet_world_def *def, duet_error *err);
+worker *worker_open_plain(const duet_world_def *def, duet_error *err);
+
+#endif

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+// A world of its own on the rank's device pair. Its grid lies around what the rank sees, not
+// around the whole world.
+#include "cluster/worker.h"
+
+#include "base/error.h"
+#include "cluster/objects.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+typedef struct pair_worker {
+    worker base;
+    duet_world *world;
+    duet_object_kind kind;
+    char name[132];
+} pair_worker;
+
+static void *map(worker *w, uint32_t n, duet_error *err)
+{
+    pair_worker *p = (pair_worker *)w;
+    return duet_world_map_objects(p->world, p->kind, n, err);
+}
+
+static bool find(worker *w, worker_found *found, duet_error *err)
+{
+    pair_worker *p = (pair_worker *)w;
+    duet_result result;
+    if (!duet_world_step(p->world, &result, err))
+        return false;
+    *found = (worker_found){{result.spans[0], result.spans[1]}, result.bad > 0, result.first_bad};
+    return true;
+}
+
+static bool set_level(worker *w, duet_level level, duet_error *err)
+{
+    return duet_world_set_level(((pair_worker *)w)->world, level, err);
+}
+
+static bool set_plan(worker *w, const duet_plan *plan, duet_error *err)
+{
+    return duet_world_set_plan(((pair_worker *)w)->world, plan, err);
+}
+
+static bool load_profile(worker *w, const char *path, duet_profile *profile, duet_error *err)
+{
+    return duet_world_load_profile(((pair_worker *)w)->world, path, profile, err);
+}
+
+static void close_pair(worker *w)
+{
+    duet_world_destroy(((pair_worker *)w)->world);
+    free(w);
+}
+
+static void name_pair(pair_worker *p, const duet_device_pair *pair)
+{
+    snprintf(p->name, sizeof p->name, "%s,%s", duet_device_pair_get_info(pair, 0)->selector,
+             duet_device_pair_get_info(pair, 1)->selector);
+    p->base.name = p->name;
+}
+
+worker *worker_open_pair(const duet_world_def *def, duet_error *err)
+{
+    pair_worker *p = calloc(1, sizeof *p);
+    if (!p) {
+        error_set(err, DUET_STATUS_NO_MEMORY, "a rank's world: no memory");
+        return NULL;
+    }
+    duet_world_def own = *def;
+    object_form form = object_form_of(def);
+    own.has_world = false;
+    own.keep_bad = true; // so that it is the cluster that names a bad object
+    p->base = (worker){.map = map,
+                       .find = find,
+                       .set_level = set_level,
+                       .set_plan = set_plan,
+                       .load_profile = load_profile,
+                       .close = close_pair};
+    p->kind = object_form_kind(&form);
+    p->world = duet_world_create(&own, err);
+    if (!p->world) {
+        free(p);
+        return NULL;
+    }
+    name_pair(p, def->pair);
+    return &p->base;
+}
