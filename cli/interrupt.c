@@ -76,15 +76,15 @@ void interrupt_wait(void)
     atomic_store(&waits_for_person, true);
 }
 
-void interrupt_at_once(bool tells)
-{
-    atomic_store(&at_once, true);
-    atomic_store(&told, !tells);
-}
-
 void interrupt_told(void)
 {
     atomic_store(&told, true);
+}
+
+void interrupt_at_once(void)
+{
+    atomic_store(&at_once, true);
+    interrupt_told();
 }
 
 // ---------------------------------------------------------------- the end
@@ -156,8 +156,7 @@ static void look(void)
     bool waits = interrupt_age_ns() > WAITS_NS && atomic_load(&waits_for_person);
     if (waits && !atomic_exchange(&told_waiting, true))
         SAY("duet: stops once the call under way returns; Ctrl-C again ends the program\n");
-    uint64_t patience_ns = atomic_load(&at_once) ? 0 : DEAF_NS;
-    bool deaf = interrupt_age_ns() > patience_ns && !atomic_load(&waits_for_person);
+    bool deaf = interrupt_age_ns() > DEAF_NS && !atomic_load(&waits_for_person);
     if (!deaf && !atomic_load(&insisted))
         return;
     if (!atomic_load(&told))
@@ -170,6 +169,8 @@ static void *guard(void *unused)
     const struct timespec pause = {.tv_nsec = PAUSE_NS};
     for (;;) {
         int number = sigtimedwait(&heard, NULL, &pause);
+        if (number > 0 && atomic_load(&at_once))
+            end_by(number);
         if (number > 0)
             note(number);
         look();

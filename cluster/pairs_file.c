@@ -141,9 +141,8 @@ static bool write_pairs(duet_cluster *c, const char *path, const void *pairs, ui
         ok = write_values(c, name, told.values_at + before * sizeof(duet_pair64), pairs, n, path,
                           err);
     }
-    if (opens)
-        ok = output_close(&o, ok, err);
-    ok = ranks_agree(r, ok, err);
+    bool closed = !opens || output_close(&o, ok, ok ? err : NULL);
+    ok = ok && ranks_agree(r, closed, err);
     output_forget_part(slot);
     free(name);
     text_free(&part);

@@ -287,15 +287,17 @@ int main(int argc, char **argv)
     int level = 0, rank = 0;
     setlocale(LC_CTYPE, "");
     signal(SIGXFSZ, SIG_IGN);
+    interrupt_watch(); // before MPI's threads, so that the guard alone hears signals
+    interrupt_at_once();
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &level);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    interrupt_watch();
-    interrupt_at_once(rank == 0);
-    if (rank == 0 && getenv(CLUSTER_TERMINAL))
+    const char *started = getenv(CLUSTER_STARTED);
+    if (rank == 0 && started && strcmp(started, "terminal") == 0)
         say_on_terminal();
     int status = options_run(&cluster_line, argc, argv, &own, run);
     status = status == EXIT_OK ? own.quiet_status : status;
     MPI_Finalize();
     bool written = say_finish();
-    return status == EXIT_OK && !written ? EXIT_FAILED : status;
+    status = status == EXIT_OK && !written ? EXIT_FAILED : status;
+    return started && status != EXIT_OK ? CLUSTER_TOLD + status : status;
 }

@@ -11,9 +11,13 @@
 #include "cli/say.h"
 
 #include <errno.h>
+#include <signal.h>
+#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 typedef cluster_arguments arguments;
@@ -111,52 +115,116 @@ static bool find_beside(text *path, duet_error *err)
                      path->chars, strerror(errno));
 }
 
-// Ranks share the machine: mpirun would give each one core, and refuse more of them than there
-// are. Under another MPI these variables mean nothing.
+typedef struct launch {
+    arguments args; // first: the table of options fills it
+    char **argv;
+    int argc;
+    int status; // of ranks that have told why
+} launch;
+
+// The command line behind `begin`, which ends with NULL.
+static char **make_argv(const launch *l, char *const *begin, duet_error *err)
+{
+    char **argv = calloc((size_t)l->argc + 8, sizeof *argv);
+    int n = 0;
+    if (!argv) {
+        error_set(err, DUET_STATUS_NO_MEMORY, "the command line: no memory");
+        return NULL;
+    }
+    while (*begin)
+        argv[n++] = *begin++;
+    for (int i = 1; i < l->argc; ++i)
+        argv[n++] = l->argv[i];
+    return argv;
+}
+
+// Comes back only where it fails.
+static bool become_rank(launch *l, char *program, duet_error *err)
+{
+    char *begin[] = {program, NULL};
+    char **argv = make_argv(l, begin, err);
+    if (!argv)
+        return false;
+    interrupt_pass(true);
+    execv(program, argv);
+    error_set(err, DUET_STATUS_IO_FAILED, "%s: %s", program, strerror(errno));
+    free(argv);
+    return false;
+}
+
+// ---------------------------------------------------------------- starting ranks
+
+// Ranks share the machine: by itself mpirun gives each one core, and refuses more of them than
+// there are. It stays quiet where they fail, for they have told why. Under another MPI these
+// variables mean nothing.
 static void prepare_mpirun(void)
 {
     setenv("OMPI_MCA_hwloc_base_binding_policy", "none", 0);
     setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
     setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
     setenv("OMPI_MCA_orte_execute_quiet", "1", 0);
-    if (isatty(STDERR_FILENO))
-        setenv(CLUSTER_TERMINAL, "1", 1);
+    setenv(CLUSTER_STARTED, isatty(STDERR_FILENO) ? "terminal" : "pipe", 1);
 }
 
-typedef struct launch {
-    arguments args;
-    char **argv;
-    int argc;
-} launch;
-
-static bool become(launch *l, duet_error *err)
+static bool wait_for(pid_t job, int *status)
 {
-    char ranks[24];
-    text program = {0};
-    bool starts = l->args.ranks > 0;
-    char **argv = calloc((size_t)l->argc + 4, sizeof *argv);
-    if (!argv || !find_beside(&program, err)) {
-        free(argv);
-        text_free(&program);
-        return error_set(err, DUET_STATUS_NO_MEMORY, "duet-cluster: no memory");
+    const struct timespec pause = {.tv_nsec = 20000000};
+    bool told = false;
+    pid_t ended;
+    while ((ended = waitpid(job, status, WNOHANG)) == 0) {
+        if (interrupt_asked() && !told)
+            told = kill(job, SIGTERM) == 0;
+        nanosleep(&pause, NULL);
     }
+    return ended == job;
+}
+
+static bool explain(launch *l, int status, duet_error *err)
+{
+    int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    if (interrupt_asked())
+        return interrupt_check(err);
+    if (code > 128)
+        return error_set(err, DUET_STATUS_IO_FAILED,
+                         "a rank was ended by signal %d (%s), and with it the job", code - 128,
+                         strsignal(code - 128));
+    l->status = code == 0 ? EXIT_OK : code - CLUSTER_TOLD;
+    return code == 0 || l->status == EXIT_FAILED || l->status == EXIT_WRONG ||
+           error_set(err, DUET_STATUS_IO_FAILED,
+                     "mpirun ended with status %d; 'mpirun -np %llu duet cluster' says why", code,
+                     (unsigned long long)l->args.ranks);
+}
+
+static bool start_ranks(launch *l, char *program, duet_error *err)
+{
+    char mpirun[] = "mpirun", flag[] = "-n", ranks[24];
+    char *begin[] = {mpirun, flag, ranks, program, NULL};
     snprintf(ranks, sizeof ranks, "%llu", (unsigned long long)l->args.ranks);
-    char *begin[] = {"mpirun", "-n", ranks, program.chars};
-    int n = 0;
-    for (int i = starts ? 0 : 3; i < 4; ++i)
-        argv[n++] = begin[i];
-    for (int i = 1; i < l->argc; ++i)
-        argv[n++] = l->argv[i];
-    if (starts)
-        prepare_mpirun();
+    char **argv = make_argv(l, begin, err);
+    if (!argv)
+        return false;
+    prepare_mpirun();
+    pid_t job = 0;
+    int status = 0;
     interrupt_pass(true);
-    execvp(argv[0], argv);
-    bool no_mpirun = starts && errno == ENOENT;
-    error_set(err, no_mpirun ? DUET_STATUS_NOT_FOUND : DUET_STATUS_IO_FAILED, "%s: %s%s", argv[0],
-              strerror(errno), no_mpirun ? "; on Debian: apt install openmpi-bin" : "");
+    int code = posix_spawnp(&job, mpirun, NULL, NULL, argv, environ);
+    interrupt_pass(false);
     free(argv);
+    if (code != 0)
+        return error_set(err, DUET_STATUS_NOT_FOUND, "mpirun: %s%s", strerror(code),
+                         code == ENOENT ? "; on Debian: apt install openmpi-bin" : "");
+    return (wait_for(job, &status) ||
+            error_set(err, DUET_STATUS_IO_FAILED, "mpirun is gone: %s", strerror(errno))) &&
+           explain(l, status, err);
+}
+
+static bool start(launch *l, duet_error *err)
+{
+    text program = {0};
+    bool ok = find_beside(&program, err) &&
+              (l->args.ranks > 0 ? start_ranks : become_rank)(l, program.chars, err);
     text_free(&program);
-    return false;
+    return ok;
 }
 
 static bool run(void *given, char **operands, duet_error *err)
@@ -172,7 +240,7 @@ static bool run(void *given, char **operands, duet_error *err)
                          "mpirun and --ranks",
                          rank, n_ranks);
     return inputs_change_plan(&l->args.plan, &plan, err) &&
-           inputs_read_level(l->args.level, &level, err) && become(l, err);
+           inputs_read_level(l->args.level, &level, err) && start(l, err);
 }
 
 // options_run moves the operands together in argv, and the ranks need it as it was. What is
@@ -189,8 +257,9 @@ int command_cluster(int argc, char **argv)
     }
     memcpy(l.argv, argv, (size_t)argc * sizeof *argv);
     bool is_later = cluster_job(&rank, &n_ranks) && rank > 0;
-    int status = is_later ? (become(&l, &err), say_failed(&err))
-                          : options_run(&cluster_line, argc, argv, &l, run);
+    int status = is_later ? EXIT_FAILED : options_run(&cluster_line, argc, argv, &l, run);
+    if (is_later && !start(&l, &err))
+        status = say_failed(&err);
     free(l.argv);
-    return status;
+    return status == EXIT_OK ? l.status : status;
 }

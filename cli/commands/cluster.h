@@ -29,8 +29,11 @@ typedef struct cluster_arguments {
 
 extern const command_line cluster_line;
 
-// Set where the terminal that the ranks' lines go to can show how far they are.
-#define CLUSTER_TERMINAL "DUET_CLUSTER_TERMINAL"
+// Set for ranks that `duet cluster --ranks` started: they end with CLUSTER_TOLD more than their
+// exit status, unless that is 0, so that it is known that a line was told. "terminal": lines go
+// to one, through a pipe.
+#define CLUSTER_STARTED "DUET_CLUSTER_STARTED"
+enum { CLUSTER_TOLD = 64 };
 
 // Which rank of an MPI job this process is, by what its launcher says; false for none.
 bool cluster_job(unsigned long *rank, unsigned long *n_ranks);

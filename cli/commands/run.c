@@ -455,24 +455,28 @@ static bool run(void *given, char **operands, duet_error *err)
     return ok;
 }
 
-// Each rank would do all of the work.
-static bool refuse_job(void)
+// Each rank would do all of the work. The first says so, and the others end as if all were well:
+// a launcher ends the job with the first that fails.
+static bool refuse_job(int *status)
 {
     unsigned long rank = 0, n_ranks = 0;
     if (!cluster_job(&rank, &n_ranks) || n_ranks < 2)
         return false;
+    *status = EXIT_OK;
     if (rank == 0)
-        say_wrong("run",
-                  "this is an MPI job of %lu ranks, and each would find all pairs; expected "
-                  "'mpirun -np %lu duet cluster'",
-                  n_ranks, n_ranks);
+        *status =
+            say_wrong("run",
+                      "this is an MPI job of %lu ranks, and each would find all pairs; expected "
+                      "'mpirun -np %lu duet cluster'",
+                      n_ranks, n_ranks);
     return true;
 }
 
 int command_run(int argc, char **argv)
 {
-    if (refuse_job())
-        return EXIT_WRONG;
+    int status;
+    if (refuse_job(&status))
+        return status;
     arguments args = {.scene = SCENE_OPTIONS_DEFAULT,
                       .plan = PLAN_OPTIONS_DEFAULT,
                       .level = LEVEL_OPTIONS_DEFAULT,

@@ -1,0 +1,652 @@
+// SPDX-License-Identifier: MIT
+// What must hold for any number of ranks, in one job: its ranks are cut into smaller groups,
+// each a cluster of its own, and what these find is compared with the plain C reference.
+//
+// Every rank runs this; a fact that does not hold on one ends the job with a line.
+#include "cluster/cluster.h"
+
+#include "base/error.h"
+#include "base/rng.h"
+#include "base/text.h"
+#include "cluster/owner.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static int rank; // of the whole job
+static const int groups[] = {1, 2, 3, 4, 8};
+
+enum { N_GROUPS = sizeof groups / sizeof groups[0], MOST_OBJECTS = 300 };
+
+_Noreturn static void end_job(const char *fact, const char *file, int line, const char *why)
+{
+    fprintf(stderr, "rank %d, %s:%d: %s: %s\n", rank, file, line, fact, why);
+    MPI_Abort(MPI_COMM_WORLD, 1);
+    abort();
+}
+
+#define MUST(fact, why)                                \
+    do {                                               \
+        if (!(fact))                                   \
+            end_job(#fact, __FILE__, __LINE__, (why)); \
+    } while (0)
+#define MUST_OK(call, err) MUST(call, (err).text)
+
+// The first n ranks of the job; MPI_COMM_NULL on the others.
+static MPI_Comm group_of(int n)
+{
+    MPI_Comm comm;
+    MPI_Comm_split(MPI_COMM_WORLD, rank < n ? 0 : MPI_UNDEFINED, rank, &comm);
+    return comm;
+}
+
+// ---------------------------------------------------------------- objects
+
+// Objects of a test, the same on all ranks, and what the reference finds among them.
+typedef struct crowd {
+    duet_world_def world;
+    uint32_t n;
+    char name[64];
+    duet_pose poses[MOST_OBJECTS];
+    duet_bounds bounds[MOST_OBJECTS];
+    duet_large_pose large[MOST_OBJECTS];
+    duet_pair *pairs;
+    uint64_t n_pairs;
+} crowd;
+
+static duet_object_kind kind_of(const crowd *c)
+{
+    object_form form = object_form_of(&c->world);
+    return object_form_kind(&form);
+}
+
+static const void *objects_of(const crowd *c)
+{
+    return kind_of(c) == DUET_OBJECT_BOUNDS        ? (const void *)c->bounds
+           : kind_of(c) == DUET_OBJECT_LARGE_POSES ? (const void *)c->large
+                                                   : (const void *)c->poses;
+}
+
+static uint64_t hash_of(const crowd *c)
+{
+    return duet_pairs_hash(c->pairs, c->n_pairs);
+}
+
+// By rank 0, for all of the job.
+static void find_expected(crowd *c)
+{
+    duet_error err = {0};
+    duet_free(c->pairs);
+    c->pairs = NULL;
+    if (rank == 0) {
+        duet_scene *scene = duet_scene_create(kind_of(c), objects_of(c), c->n, c->world.dims,
+                                              c->world.origin_edge, &err);
+        MUST_OK(scene, err);
+        MUST_OK(duet_reference(scene, c->world.level, &c->pairs, &c->n_pairs, &err), err);
+        duet_scene_destroy(scene);
+    }
+    MPI_Bcast(&c->n_pairs, 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
+    if (rank > 0)
+        c->pairs = malloc((c->n_pairs + 1) * sizeof *c->pairs);
+    MUST(c->pairs || c->n_pairs == 0, "memory");
+    MPI_Bcast(c->pairs, (int)(c->n_pairs * sizeof *c->pairs), MPI_BYTE, 0, MPI_COMM_WORLD);
+}
+
+// Sizes of many octaves, of which a few are as wide as all of it, or points.
+static double some_half(rng *r, double edge)
+{
+    uint32_t kind = rng_below(r, 40);
+    return kind == 0 ? edge : kind == 1 ? 0.0 : kind < 20 ? exp2(rng_between(r, -12, 1)) : 0.5;
+}
+
+static duet_pose some_pose(rng *r, double edge)
+{
+    duet_pose p = {.half_extents = {(float)some_half(r, edge), (float)some_half(r, edge),
+                                    (float)some_half(r, edge)}};
+    for (int k = 0; k < 3; ++k)
+        p.centre[k] = (float)rng_between(r, -edge, edge);
+    for (int k = 0; k < 4; ++k)
+        p.rotation[k] = (float)rng_normal(r);
+    return p;
+}
+
+static void make_crowd(crowd *c, rng *r, uint32_t i)
+{
+    static const uint32_t counts[] = {MOST_OBJECTS, 200, 40, 5, 1, 0};
+    c->world = duet_default_world_def();
+    c->world.dims = 2 + (i & 1);
+    c->world.shape = i % 3 == 2 ? DUET_SHAPE_BOUNDS : DUET_SHAPE_POSES;
+    c->world.origin_edge = i % 3 == 1 ? 0.25f : 0.0f;
+    c->n = i % 5 == 4 ? counts[rng_below(r, 6)] : MOST_OBJECTS;
+    double edge = i % 7 == 6 ? 0.0 : rng_between(r, 1, 8); // 0: all in one place
+    for (uint32_t k = 0; k < c->n; ++k) {
+        duet_pose p = c->poses[k] = some_pose(r, edge);
+        duet_large_pose *large = &c->large[k];
+        double far = k % 2 ? 1e7 : -1e7;
+        double centre[3] = {(double)p.centre[0] + far, (double)p.centre[1], (double)p.centre[2]};
+        *large = (duet_large_pose){.pose = p};
+        MUST(duet_large_pose_set(large, centre, 0.25f, NULL), "a large pose");
+        for (int d = 0; d < 3; ++d) {
+            c->bounds[k].lower[d] = p.centre[d] - p.half_extents[d];
+            c->bounds[k].upper[d] = p.centre[d] + p.half_extents[d];
+        }
+    }
+    snprintf(c->name, sizeof c->name, "crowd %u of %u objects", i, c->n);
+    find_expected(c);
+}
+
+// ---------------------------------------------------------------- clusters
+
+static duet_cluster *open_cluster(MPI_Comm *comm, const duet_world_def *world, double weight)
+{
+    duet_error err = {0};
+    duet_cluster_def def = duet_default_cluster_def();
+    def.comm = comm;
+    def.world = *world;
+    def.plain = true;
+    def.weight = weight;
+    duet_cluster *c = duet_cluster_create(&def, &err);
+    MUST_OK(c, err);
+    return c;
+}
+
+// Each object is some rank's to bring, at random: `salt` says whose.
+static void hand_over(duet_cluster *cluster, const crowd *c, uint64_t first_id, uint32_t salt)
+{
+    duet_error err = {0};
+    object_form form = object_form_of(&c->world);
+    uint64_t ids[MOST_OBJECTS];
+    unsigned char *rows = malloc((size_t)MOST_OBJECTS * form.bytes);
+    uint32_t n = 0;
+    MUST(rows, "memory");
+    for (uint32_t i = 0; i < c->n; ++i) {
+        uint32_t k = c->n - 1 - i; // not in the order of ids
+        if ((int)((k * 2654435761u ^ salt) >> 7) % duet_cluster_get_rank_count(cluster) !=
+            duet_cluster_get_rank(cluster))
+            continue;
+        ids[n] = first_id + k;
+        memcpy(rows + (size_t)n++ * form.bytes,
+               (const char *)objects_of(c) + (size_t)k * form.bytes, form.bytes);
+    }
+    MUST_OK(duet_cluster_set_objects(cluster, kind_of(c), ids, rows, n, &err), err);
+    free(rows);
+}
+
+static duet_cluster_result step(duet_cluster *cluster)
+{
+    duet_error err = {0};
+    duet_cluster_result result;
+    MUST_OK(duet_cluster_step(cluster, &result, &err), err);
+    return result;
+}
+
+static void must_find(duet_cluster *cluster, const crowd *c)
+{
+    duet_cluster_result result = step(cluster);
+    if (result.pairs != c->n_pairs || result.hash != hash_of(c) || result.objects != c->n) {
+        char why[200];
+        snprintf(why, sizeof why, "%s, %d ranks: %" PRIu64 " pairs for %" PRIu64, c->name,
+                 duet_cluster_get_rank_count(cluster), result.pairs, c->n_pairs);
+        end_job("the pairs are the reference's", __FILE__, __LINE__, why);
+    }
+}
+
+// ---------------------------------------------------------------- facts
+
+static void random_crowds_have_the_same_pairs(uint64_t seed)
+{
+    static crowd c;
+    rng r = rng_seed(seed);
+    for (uint32_t i = 0; i < 42; ++i) {
+        make_crowd(&c, &r, i);
+        double weight = exp2(rng_between(&r, -2, 2) * (i % 2 ? rank : 0));
+        for (int g = 0; g < N_GROUPS; ++g) {
+            MPI_Comm comm = group_of(groups[g]);
+            if (comm == MPI_COMM_NULL)
+                continue;
+            duet_cluster *cluster = open_cluster(&comm, &c.world, weight);
+            hand_over(cluster, &c, 0, (uint32_t)rng_seed(i).state);
+            must_find(cluster, &c);
+            must_find(cluster, &c); // nothing moved
+            duet_cluster_destroy(cluster);
+            MPI_Comm_free(&comm);
+        }
+    }
+}
+
+typedef struct shipped {
+    const char *name;
+    duet_setting settings[3];
+    duet_level level;
+} shipped;
+
+static void must_have_the_pairs_of(const shipped *s)
+{
+    duet_error err = {0};
+    uint64_t expected[3] = {0}; // objects, pairs and their hash
+    if (rank == 0) {
+        duet_pair *pairs = NULL;
+        duet_scene *scene = duet_scene_load(s->name, s->settings, 3, &err);
+        MUST_OK(scene, err);
+        MUST_OK(duet_reference(scene, s->level, &pairs, &expected[1], &err), err);
+        expected[0] = duet_scene_get_info(scene)->n;
+        expected[2] = duet_pairs_hash(pairs, expected[1]);
+        duet_free(pairs);
+        duet_scene_destroy(scene);
+    }
+    MPI_Bcast(expected, 3, MPI_UINT64_T, 0, MPI_COMM_WORLD);
+    for (int g = 0; g < N_GROUPS; ++g) {
+        MPI_Comm comm = group_of(groups[g]);
+        if (comm == MPI_COMM_NULL)
+            continue;
+        duet_world_def world = duet_default_world_def();
+        duet_cluster *cluster = open_cluster(&comm, &world, 1);
+        MUST_OK(duet_cluster_load_scene(cluster, rank == 0 ? s->name : NULL, s->settings, 3, &err),
+                err);
+        MUST_OK(duet_cluster_set_level(cluster, s->level, &err), err);
+        duet_cluster_result result = step(cluster);
+        if (result.pairs != expected[1] || result.hash != expected[2])
+            end_job("the pairs are the reference's", __FILE__, __LINE__, s->name);
+        const duet_scene_info *info = duet_cluster_get_scene_info(cluster);
+        MUST(strcmp(info->name, s->name) == 0 && info->n == expected[0], s->name);
+        duet_cluster_destroy(cluster);
+        MPI_Comm_free(&comm);
+    }
+}
+
+static void scenes_have_the_same_pairs(void)
+{
+    static const shipped scenes[] = {
+        {"paper", {{"n", "900"}, {"world", "18"}, {"giants", "2"}}, DUET_LEVEL_CERTIFIED},
+        {"paper", {{"n", "900"}, {"world", "18"}, {"tiny", ".5"}}, DUET_LEVEL_AABB},
+        {"paper", {{"n", "900"}, {"world", "18"}, {"seed", "3"}}, DUET_LEVEL_SAT15},
+        {"paper", {{"n", "900"}, {"world", "18"}, {"rotated", "false"}}, DUET_LEVEL_CERTIFIED},
+        {"paper2d", {{"n", "900"}, {"world", "40"}, {"seed", "2"}}, DUET_LEVEL_CERTIFIED},
+        {"mixed", {{"n", "900"}, {"ratio", "100"}, {"seed", "2"}}, DUET_LEVEL_CERTIFIED},
+        {"clustered", {{"n", "900"}, {"clusters", "5"}, {"seed", "2"}}, DUET_LEVEL_CERTIFIED},
+        {"planes", {{"n", "900"}, {"rotated", "true"}, {"n", "900"}}, DUET_LEVEL_CERTIFIED},
+        {"paper",
+         {{"n", "900"}, {"world", "20000"}, {"seed", "2"}},
+         DUET_LEVEL_CERTIFIED}, // sparse
+        {"orbit2d", {{"n", "5"}, {"n", "5"}, {"n", "5"}}, DUET_LEVEL_CERTIFIED},
+        {"paper", {{"n", "0"}, {"world", "20"}, {"seed", "2"}}, DUET_LEVEL_CERTIFIED},
+    };
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; ++i)
+        must_have_the_pairs_of(&scenes[i]);
+}
+
+// Where an object is at a step is known by its id alone.
+static void move(duet_pose *p, uint64_t id, uint32_t at)
+{
+    rng r = rng_seed(id * 1000 + at);
+    for (int k = 0; k < 3; ++k)
+        p->centre[k] += (float)rng_between(&r, -1, 1);
+    if (id % 50 == at % 50) // far away, and out of all parts
+        p->centre[0] = (float)rng_between(&r, -40, 40);
+}
+
+static void objects_that_move_have_the_references_pairs(uint64_t seed)
+{
+    static crowd c;
+    rng r = rng_seed(seed);
+    make_crowd(&c, &r, 3); // poses in 3D
+    duet_cluster *clusters[N_GROUPS] = {NULL};
+    MPI_Comm comms[N_GROUPS];
+    for (int g = 1; g < N_GROUPS; ++g) {
+        comms[g] = group_of(groups[g]);
+        if (comms[g] == MPI_COMM_NULL)
+            continue;
+        clusters[g] = open_cluster(&comms[g], &c.world, 1 + rank % 2);
+        hand_over(clusters[g], &c, 0, 7);
+    }
+    uint64_t left = 0;
+    for (uint32_t at = 0; at < 50; ++at) {
+        for (uint32_t id = 0; id < c.n; ++id)
+            move(&c.poses[id], id, at);
+        find_expected(&c);
+        for (int g = 1; g < N_GROUPS; ++g) {
+            duet_error err = {0};
+            const uint64_t *ids;
+            uint32_t n;
+            if (!clusters[g])
+                continue;
+            duet_pose *own = duet_cluster_map_homes(clusters[g], DUET_OBJECT_POSES, &ids, &n, &err);
+            MUST_OK(own, err);
+            for (uint32_t i = 0; i < n; ++i)
+                move(&own[i], ids[i], at);
+            uint64_t first = n > 0 ? ids[0] : 0;
+            must_find(clusters[g], &c);
+            left +=
+                n > 0 && clusters[g]->homes.rows.n > 0 && clusters[g]->homes.rows.ids[0] != first;
+        }
+    }
+    MPI_Allreduce(MPI_IN_PLACE, &left, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
+    MUST(left > 0, "objects changed ranks");
+    for (int g = 1; g < N_GROUPS; ++g) {
+        duet_cluster_destroy(clusters[g]);
+        if (comms[g] != MPI_COMM_NULL)
+            MPI_Comm_free(&comms[g]);
+    }
+}
+
+// What moved away from the cut is cut anew.
+static void a_cut_that_became_uneven_is_made_anew(void)
+{
+    static crowd c;
+    rng r = rng_seed(5);
+    make_crowd(&c, &r, 3);
+    MPI_Comm comm = group_of(4);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
+    hand_over(cluster, &c, 0, 1);
+    must_find(cluster, &c);
+    duet_error err = {0};
+    const uint64_t *ids;
+    uint32_t n;
+    duet_pose *own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
+    MUST_OK(own, err);
+    for (uint32_t i = 0; i < n; ++i)
+        own[i].centre[0] = (float)(1000 + (double)ids[i]);
+    step(cluster);
+    own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
+    MUST_OK(own, err);
+    MUST(n > 70 && n < 80, "a quarter of 300 objects");
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
+static void ranks_get_objects_by_their_weights(void)
+{
+    static crowd c;
+    rng r = rng_seed(6);
+    make_crowd(&c, &r, 3);
+    MPI_Comm comm = group_of(3);
+    if (comm == MPI_COMM_NULL)
+        return;
+    static const double weights[] = {1, 1, 2};
+    static const uint64_t due[] = {75, 75, 150};
+    duet_cluster *cluster = open_cluster(&comm, &c.world, weights[rank]);
+    duet_cluster_rank rows[3];
+    duet_error err = {0};
+    hand_over(cluster, &c, 0, 1);
+    duet_cluster_result result = step(cluster);
+    MUST_OK(duet_cluster_get_ranks(cluster, rows, &err), err);
+    uint64_t objects = 0, pairs = 0;
+    for (int q = 0; q < 3; ++q) {
+        MUST(rows[q].objects + 2 >= due[q] && rows[q].objects <= due[q] + 2, "its part");
+        MUST(strcmp(rows[q].pair, "plain") == 0 && rows[q].host[0], "what it is");
+        objects += rows[q].objects;
+        pairs += rows[q].pairs;
+    }
+    MUST(objects == result.objects && pairs == result.pairs, "each is counted once");
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
+// A giant as wide as the world touches objects of all ranks; it travels and they do not.
+static void only_giants_travel_far(void)
+{
+    static crowd c;
+    rng r = rng_seed(8);
+    make_crowd(&c, &r, 3);
+    for (uint32_t i = 0; i < c.n; ++i)
+        for (int k = 0; k < 3; ++k) {
+            c.poses[i].half_extents[k] = i == 0 ? 200.0f : 1e-3f;
+            c.poses[i].centre[k] = i == 0 ? 0.0f : (float)rng_between(&r, -100, 100);
+        }
+    find_expected(&c);
+    MPI_Comm comm = group_of(8);
+    duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
+    hand_over(cluster, &c, 0, 1);
+    must_find(cluster, &c);
+    MUST(c.n_pairs >= c.n - 1u, "the giant touches all");
+    MUST(cluster->last.ghosts <= 3, "of the small ones hardly any is a ghost");
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
+// 64 bits: the hash of ids from 2^40 on is the same for any number of ranks.
+static void large_ids_have_one_hash(void)
+{
+    static crowd c;
+    const uint64_t first = (uint64_t)1 << 40;
+    rng r = rng_seed(4);
+    make_crowd(&c, &r, 3);
+    uint64_t expected = 0;
+    for (uint64_t i = 0; i < c.n_pairs; ++i)
+        expected += pair64_hash((duet_pair64){first + c.pairs[i].a, first + c.pairs[i].b});
+    MUST(expected != hash_of(&c), "other ids, another hash");
+    for (int g = 0; g < N_GROUPS; ++g) {
+        MPI_Comm comm = group_of(groups[g]);
+        if (comm == MPI_COMM_NULL)
+            continue;
+        duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
+        hand_over(cluster, &c, first, 3);
+        duet_cluster_result result = step(cluster);
+        MUST(result.pairs == c.n_pairs && result.hash == expected, "the hash of large ids");
+        for (uint64_t i = 0; i < result.n_own_pairs; ++i)
+            MUST(result.own_pairs[i].a >= first && result.own_pairs[i].a < result.own_pairs[i].b,
+                 "global ids, a < b");
+        duet_cluster_destroy(cluster);
+        MPI_Comm_free(&comm);
+    }
+}
+
+// ---------------------------------------------------------------- files
+
+static void read_file(text *t, const char *path)
+{
+    duet_error err = {0};
+    MUST_OK(text_read_file(t, path, &err), err);
+}
+
+static void sorted_pairs_are_the_same_bytes(void)
+{
+    static crowd c;
+    static const char path[] = "cluster_ranks.npy";
+    text first = {0};
+    rng r = rng_seed(9);
+    make_crowd(&c, &r, 3);
+    MUST(c.n_pairs > 100, "a file worth writing");
+    for (int g = 0; g < N_GROUPS; ++g) {
+        duet_error err = {0};
+        MPI_Comm comm = group_of(groups[g]);
+        if (comm == MPI_COMM_NULL)
+            continue;
+        duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
+        hand_over(cluster, &c, 0, 3);
+        step(cluster);
+        MUST_OK(duet_cluster_save_pairs(cluster, path, false, &err), err);
+        text unsorted = {0}, now = {0};
+        if (rank == 0)
+            read_file(&unsorted, path);
+        MPI_Barrier(comm);
+        MUST_OK(duet_cluster_save_pairs(cluster, path, true, &err), err);
+        if (rank == 0) {
+            read_file(&now, path);
+            MUST(unsorted.length == now.length, "as many pairs unsorted");
+            if (g == 0)
+                first = now;
+            else
+                MUST(now.length == first.length && memcmp(now.chars, first.chars, now.length) == 0,
+                     "the bytes of one rank");
+            const uint64_t *values = (const uint64_t *)(const void *)(now.chars + 128);
+            MUST(now.length == 128 + 16 * c.n_pairs, "a header and the pairs");
+            for (uint64_t i = 0; i < c.n_pairs; ++i)
+                MUST(values[2 * i] == c.pairs[i].a && values[2 * i + 1] == c.pairs[i].b,
+                     "the reference's pairs, ascending");
+            if (g > 0)
+                text_free(&now);
+            remove(path);
+        }
+        text_free(&unsorted);
+        duet_cluster_destroy(cluster);
+        MPI_Comm_free(&comm);
+    }
+    text_free(&first);
+}
+
+// ---------------------------------------------------------------- failures
+
+static void must_fail(bool ok, const duet_error *err, duet_status status, const char *says)
+{
+    MUST(!ok && err->status == status && strstr(err->text, says) && !strchr(err->text, '\n'),
+         err->text);
+}
+
+static void a_failure_is_that_of_all_ranks(void)
+{
+    duet_pose pose = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
+    uint64_t ids[] = {7, 7};
+    duet_pose two[] = {pose, pose};
+    duet_world_def world = duet_default_world_def();
+    MPI_Comm comm = group_of(3);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_cluster *c = open_cluster(&comm, &world, 1);
+    duet_error err = {0};
+    duet_cluster_result result;
+
+    must_fail(duet_cluster_set_objects(c, rank == 1 ? DUET_OBJECT_BOUNDS : DUET_OBJECT_POSES, ids,
+                                       two, 0, &err),
+              &err, DUET_STATUS_BAD_ARGUMENT, "rank 1 on ");
+    err = (duet_error){0};
+    must_fail(duet_cluster_set_objects(c, DUET_OBJECT_POSES, ids, two, rank == 2 ? 2 : 0, &err),
+              &err, DUET_STATUS_BAD_ARGUMENT, "object 7 is there twice");
+    MUST(!duet_cluster_set_objects(c, DUET_OBJECT_POSES, ids, two, 2, NULL), "without an error");
+
+    // On two ranks bad objects: all name the lesser.
+    uint64_t own[] = {(uint64_t)(100 - 10 * rank), (uint64_t)rank};
+    two[0].centre[1] = rank == 0 ? 0.0f : NAN;
+    err = (duet_error){0};
+    MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, own, two, 2, &err), err);
+    must_fail(duet_cluster_step(c, &result, &err), &err, DUET_STATUS_BAD_OBJECT,
+              "object 80 of 6 is not a number, infinite, negative or without rotation (2 such");
+    err = (duet_error){0};
+    two[0] = pose;
+    MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, own, two, 2, &err), err);
+    result = step(c);
+    MUST(result.pairs == 15, "six boxes in one place, after a failure");
+
+    err = (duet_error){0};
+    must_fail(duet_cluster_save_pairs(c, "no/such/folder/p.npy", true, &err), &err,
+              DUET_STATUS_IO_FAILED, "no/such/folder/p.npy: cannot be written");
+    err = (duet_error){0};
+    must_fail(duet_cluster_save_pairs(c, "/dev/null", false, &err), &err, DUET_STATUS_IO_FAILED,
+              "expected a plain file");
+    err = (duet_error){0};
+    must_fail(duet_cluster_load_scene(c, "papr", NULL, 0, &err), &err, DUET_STATUS_NOT_FOUND,
+              "rank 0 on ");
+    MUST(duet_cluster_get_scene_info(c) == NULL, "there is no scene");
+    MUST(step(c).pairs == 15, "what was there stays");
+    duet_cluster_destroy(c);
+
+    duet_cluster_def def = duet_default_cluster_def();
+    def.comm = &comm;
+    def.plain = true;
+    def.weight = rank == 2 ? 0 : 1;
+    err = (duet_error){0};
+    must_fail(duet_cluster_create(&def, &err), &err, DUET_STATUS_BAD_ARGUMENT,
+              "weight is 0; expected a number above 0");
+    MPI_Comm_free(&comm);
+}
+
+// Every call refuses NULL; what is not a cluster has no ranks.
+static void nothing_is_refused(void)
+{
+    duet_error err = {0};
+    duet_cluster_result result;
+    duet_cluster_rank rows[8];
+    duet_profile profile;
+    duet_plan plan = duet_default_plan(NULL);
+    const uint64_t *ids;
+    uint32_t n;
+    MUST(duet_cluster_get_rank(NULL) == -1 && duet_cluster_get_rank_count(NULL) == 0, "no ranks");
+    MUST(!duet_cluster_get_scene_info(NULL), "no scene");
+    duet_cluster_destroy(NULL);
+#define REFUSED(call)                                                       \
+    do {                                                                    \
+        err = (duet_error){0};                                              \
+        MUST(!(call) && err.status == DUET_STATUS_BAD_ARGUMENT, "refused"); \
+    } while (0)
+    REFUSED(duet_cluster_create(NULL, &err));
+    REFUSED(duet_cluster_load_scene(NULL, "paper", NULL, 0, &err));
+    REFUSED(duet_cluster_set_objects(NULL, DUET_OBJECT_POSES, NULL, NULL, 0, &err));
+    REFUSED(duet_cluster_map_homes(NULL, DUET_OBJECT_POSES, &ids, &n, &err));
+    REFUSED(duet_cluster_set_plan(NULL, &plan, &err));
+    REFUSED(duet_cluster_set_level(NULL, DUET_LEVEL_AABB, &err));
+    REFUSED(duet_cluster_load_profile(NULL, NULL, &profile, NULL, &err));
+    REFUSED(duet_cluster_step(NULL, &result, &err));
+    REFUSED(duet_cluster_get_ranks(NULL, rows, &err));
+    REFUSED(duet_cluster_save_pairs(NULL, "p.npy", true, &err));
+
+    MPI_Comm comm = group_of(2);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_world_def world = duet_default_world_def();
+    duet_cluster *c = open_cluster(&comm, &world, 1);
+    uint64_t id = 0;
+    REFUSED(duet_cluster_load_scene(c, NULL, NULL, 0, &err));
+    REFUSED(duet_cluster_set_objects(c, DUET_OBJECT_POSES, NULL, &id, 1, &err));
+    REFUSED(duet_cluster_set_objects(c, DUET_OBJECT_POSES, &id, NULL, 1, &err));
+    REFUSED(duet_cluster_map_homes(c, DUET_OBJECT_POSES, NULL, &n, &err));
+    REFUSED(duet_cluster_map_homes(c, DUET_OBJECT_POSES, &ids, NULL, &err));
+    REFUSED(duet_cluster_map_homes(c, DUET_OBJECT_SIZES, &ids, &n, &err));
+    REFUSED(duet_cluster_set_plan(c, NULL, &err));
+    REFUSED(duet_cluster_set_level(c, (duet_level)99, &err));
+    REFUSED(duet_cluster_load_profile(c, NULL, NULL, NULL, &err));
+    REFUSED(duet_cluster_step(c, NULL, &err));
+    REFUSED(duet_cluster_get_ranks(c, NULL, &err));
+    REFUSED(duet_cluster_save_pairs(c, NULL, true, &err));
+    duet_cluster_destroy(c);
+    MPI_Comm_free(&comm);
+#undef REFUSED
+}
+
+// ---------------------------------------------------------------- levels
+
+static void levels_are_octaves_below_the_widest(void)
+{
+    MUST(level_of(8, 8) == LEVELS - 1 && level_of(7.9, 8) == LEVELS - 2, "the widest has its own");
+    MUST(level_of(0, 8) == 0 && level_of(0, 0) == LEVELS - 1, "points");
+    MUST(level_of(1e-30, 8) == 0 && level_of(INFINITY, INFINITY) == LEVELS - 1, "the ends");
+    MUST(level_of(1, INFINITY) == 0, "below what has no end");
+    rng r = rng_seed(3);
+    for (int i = 0; i < 1000; ++i) {
+        double a = exp2(rng_between(&r, -20, 3)), b = exp2(rng_between(&r, -20, 3));
+        MUST(!(a < b) || level_of(a, 8) <= level_of(b, 8), "wider is no lower");
+    }
+}
+
+int main(int argc, char **argv)
+{
+    const char *given = getenv("DUET_TEST_SEED");
+    uint64_t seed = given ? strtoull(given, NULL, 10) : 20261122;
+    MPI_Init(&argc, &argv);
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    int n = 0;
+    MPI_Comm_size(MPI_COMM_WORLD, &n);
+    MUST(n == 8, "run by mpirun -np 8");
+    if (rank == 0)
+        printf("DUET_TEST_SEED=%" PRIu64 "\n", seed);
+    levels_are_octaves_below_the_widest();
+    nothing_is_refused();
+    a_failure_is_that_of_all_ranks();
+    random_crowds_have_the_same_pairs(seed);
+    scenes_have_the_same_pairs();
+    objects_that_move_have_the_references_pairs(seed);
+    a_cut_that_became_uneven_is_made_anew();
+    ranks_get_objects_by_their_weights();
+    only_giants_travel_far();
+    large_ids_have_one_hash();
+    sorted_pairs_are_the_same_bytes();
+    if (rank == 0)
+        printf("all facts hold on 1, 2, 3, 4 and 8 ranks\n");
+    MPI_Finalize();
+    return 0;
+}

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+// duet cluster as a person runs it; cluster_ranks.c has what must hold for its ranks. Skipped
+// where Duet was built without MPI.
+#define _POSIX_C_SOURCE 200809L
+#include "support/json.h"
+#include "support/test.h"
+
+#include "base/text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static void skip_without_mpi(void)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s-cluster", getenv("DUET_PROGRAM"));
+    if (access(path, X_OK) != 0) {
+        print_message("%s: Duet was built without MPI\n", path);
+        skip();
+    }
+}
+
+static void assert_same_pairs(const char *scene, int ranks)
+{
+    program one = program_run("run --repeat 1 --json %s", scene);
+    program all = program_run("cluster --ranks %d --repeat 1 --json %s", ranks, scene);
+    cJSON *expected = json_of_program(&one);
+    cJSON *found = json_of_program(&all);
+    assert_true(json_number(expected, "pairs") > 0);
+    assert_string_equal(json_string(found, "hash"), json_string(expected, "hash"));
+    assert_true(json_number(found, "pairs") == json_number(expected, "pairs"));
+    assert_true(json_number(found, "objects") == json_number(expected, "objects"));
+    cJSON_Delete(expected);
+    cJSON_Delete(found);
+}
+
+static void ranks_with_devices_find_the_pairs_of_run(void **state)
+{
+    (void)state;
+    skip_without_mpi();
+    assert_same_pairs("paper -n 900 --set world=18", 2);
+    assert_same_pairs("paper2d -n 900 --set world=40", 3);
+}
+
+// Its pair, the sums of all ranks, and nothing of stdin lost.
+static void each_rank_has_its_row_and_its_part_of_the_devices(void **state)
+{
+    (void)state;
+    skip_without_mpi();
+    program p =
+        program_run_with("printf '0,0,0,1,1,1\\n.5,.5,.5,2,2,2\\n9,9,9,9,9,9\\n' | DUET_PAIR=",
+                         "cluster --ranks 2 --weights 1,2 --check --json -");
+    cJSON *o = json_of_program(&p);
+    const cJSON *rows = json_array(o, "ranks", 2);
+    const cJSON *first = cJSON_GetArrayItem(rows, 0), *second = cJSON_GetArrayItem(rows, 1);
+    program list = program_run("devices --json");
+    cJSON *devices = json_of_program(&list);
+    const cJSON *device = cJSON_GetArrayItem(cJSON_GetObjectItem(devices, "devices"), 0);
+    if (cJSON_GetArraySize(cJSON_GetObjectItem(devices, "devices")) == 1 &&
+        json_number(device, "units") > 1)
+        assert_string_not_equal(json_string(first, "pair"), json_string(second, "pair"));
+    assert_string_equal(json_string(first, "host"), json_string(second, "host"));
+    assert_true(json_number(second, "rank") == 1);
+    assert_true(json_number(first, "objects") + json_number(second, "objects") == 3);
+    assert_true(json_number(first, "pairs") + json_number(second, "pairs") == 1);
+    assert_true(json_number(o, "pairs") == 1);
+    assert_true(json_true(cJSON_GetObjectItem(o, "check"), "right"));
+    cJSON_Delete(devices);
+    cJSON_Delete(o);
+}
+
+static void a_person_reads_a_table(void **state)
+{
+    (void)state;
+    skip_without_mpi();
+    program p = program_run("cluster --ranks 3 --plain --check --resident planes -n 60");
+    assert_int_equal(p.exit_code, 0);
+    assert_string_equal(p.err, "");
+    assert_non_null(strstr(p.out, "3 ranks"));
+    assert_non_null(strstr(p.out, "   2  "));
+    assert_non_null(strstr(p.out, "same "));
+    program_free(&p);
+}
+
+static void the_file_of_pairs_is_that_of_one_rank(void **state)
+{
+    (void)state;
+    skip_without_mpi();
+    text files[2] = {{0}, {0}};
+    duet_error err = {0};
+    for (int i = 0; i < 2; ++i) {
+        program p = program_run("cluster --plain --repeat 1 --json --ranks %d --sorted "
+                                "--pairs test_cluster.npy planes -n 90",
+                                2 * i + 1);
+        cJSON *o = json_of_program(&p);
+        assert_ok(text_read_file(&files[i], "test_cluster.npy", &err), err);
+        assert_int_equal(files[i].length, 128 + 16 * (size_t)json_number(o, "pairs"));
+        cJSON_Delete(o);
+        remove("test_cluster.npy");
+    }
+    assert_int_equal(files[0].length, files[1].length);
+    assert_memory_equal(files[0].chars, files[1].chars, files[0].length);
+    text_free(&files[0]);
+    text_free(&files[1]);
+}
+
+static void a_failure_is_one_line(void **state)
+{
+    (void)state;
+    skip_without_mpi();
+    static const struct {
+        const char *arguments;
+        int exit_code;
+        const char *says;
+    } wrong[] = {
+        {"cluster --ranks 2 papr", 1, "duet: rank 0 on "},
+        {"cluster --ranks 2 papr", 1, "papr: no such file or scene; did you mean 'paper'?"},
+        {"cluster papr", 1, "duet: papr: no such file or scene"},
+        {"cluster --ranks 3 --pair abacus still -n 2", 1, ": no device 'abacus'; there is "},
+        {"cluster --ranks 2 --plain --weights 1,1,1 still", 2, "3 numbers for 2 ranks"},
+        {"cluster --ranks 2 --plain --weights 1,0 still", 2, "give numbers above 0"},
+        {"cluster --ranks 2 --plain --pairs no/such/p.npy still -n 3", 1,
+         "p.npy: cannot be written"},
+        {"cluster --pairs p.csv still", 2, "expected a file whose name ends in .npy"},
+        {"cluster --sorted still", 2, "--sorted does nothing without --pairs"},
+        {"cluster --plain --mode own still", 2, "--plain and --mode do not go together"},
+        {"cluster --mode abacus still", 2, "--mode 'abacus': the modes are"},
+        {"cluster --level abacus still", 2, "--level 'abacus': the levels are"},
+        {"cluster --ranks 0 still", 2, "--ranks '0': give a whole number"},
+        {"cluster", 2, "SCENE|FILE is missing"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        program p = program_run("%s", wrong[i].arguments);
+        // What was found is told before a file that cannot be written.
+        if (p.out && strstr(wrong[i].arguments, "no/such"))
+            *p.out = '\0';
+        program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
+    }
+    program p = program_run_with("printf '0,0,0,1,1,1\\n0,0,0,1,1,inf\\n' |",
+                                 "cluster --ranks 3 --plain -");
+    program_assert_refused(&p, 1, "stdin:2: object 1: ");
+    p = program_run_with("OMPI_COMM_WORLD_SIZE=3 OMPI_COMM_WORLD_RANK=0",
+                         "cluster --ranks 2 still");
+    program_assert_refused(&p, 2, "this is rank 0 of 3 of an MPI job already");
+}
+
+// One rank of a job says so, and no other is in its way.
+static void run_is_refused_in_a_job(void **state)
+{
+    (void)state;
+    program p = program_run_with("OMPI_COMM_WORLD_SIZE=4 OMPI_COMM_WORLD_RANK=0", "run still");
+    program_assert_refused(&p, 2,
+                           "an MPI job of 4 ranks, and each would find all pairs; expected "
+                           "'mpirun -np 4 duet cluster'");
+    p = program_run_with("PMI_SIZE=4 PMI_RANK=0", "run still");
+    program_assert_refused(&p, 2, "expected 'mpirun -np 4 duet cluster'");
+    p = program_run_with("PMI_SIZE=4 PMI_RANK=3", "run still");
+    assert_int_equal(p.exit_code, 0);
+    assert_string_equal(p.out, "");
+    assert_string_equal(p.err, "");
+    program_free(&p);
+    p = program_run_with("PMI_SIZE=1 PMI_RANK=0", "run still -n 3 --repeat 1 --json");
+    assert_int_equal(p.exit_code, 0);
+    program_free(&p);
+}
+
+// mpirun is the program's child, and the ranks are mpirun's. Some seconds later that one would
+// still be at work.
+static void a_rank_that_is_killed_ends_the_job_and_leaves_no_file(void **state)
+{
+    (void)state;
+    skip_without_mpi();
+    static const char kill_one[] =
+        "& job=$!; children() { cat /proc/$1/task/*/children 2>/dev/null; }; rank=; "
+        "until [ -n \"$rank\" ]; do for child in $(children $job); do "
+        "for rank in $(children $child); do :; done; done; done; kill -9 $rank; wait $job";
+    program p = program_run("cluster --ranks 3 --plain --repeat 100000 --pairs killed.npy paper "
+                            "-n 30000 %s",
+                            kill_one);
+    assert_string_equal(p.out, "");
+    program_assert_refused(&p, 1, "a rank was ended by signal 9 (Killed), and with it the job");
+    assert_int_equal(access("killed.npy", F_OK), -1);
+    assert_int_equal(system("ls killed.npy* >/dev/null 2>&1") == 0, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ranks_with_devices_find_the_pairs_of_run),
+        cmocka_unit_test(each_rank_has_its_row_and_its_part_of_the_devices),
+        cmocka_unit_test(a_person_reads_a_table),
+        cmocka_unit_test(the_file_of_pairs_is_that_of_one_rank),
+        cmocka_unit_test(a_failure_is_one_line),
+        cmocka_unit_test(run_is_refused_in_a_job),
+        cmocka_unit_test(a_rank_that_is_killed_ends_the_job_and_leaves_no_file),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
