@@ -1,5 +1,5 @@
-# Four Debian packages of what `cmake --install` installs: duet, libduet1,
-# libduet-dev and lua-duet. The preset `package` makes them:
+# Debian packages of what `cmake --install` installs: duet, libduet1, libduet-dev, lua-duet,
+# and duet-cluster where MPI is there. The preset `package` makes them:
 #
 #   cmake --preset package && cmake --build --preset package
 #
@@ -20,6 +20,9 @@ set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXE
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL program library development lua)
+if(DUET_HAS_CLUSTER)
+  list(APPEND CPACK_COMPONENTS_ALL cluster)
+endif()
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
@@ -71,6 +74,13 @@ duet_package(lua lua-duet interpreters "collisions among millions of boxes - mod
 ${box_words}
 .
 This package has the module that a stock Lua 5.4 finds by require.")
+if(DUET_HAS_CLUSTER)
+  duet_package(cluster duet-cluster science "collisions among millions of boxes - several machines by MPI
+${box_words}
+.
+This package has what 'duet cluster' runs on each rank of an MPI job, and the
+library for applications that do the same.")
+endif()
 
 set(opencl_driver "pocl-opencl-icd | opencl-icd")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "${opencl_driver}, gnuplot-nox")
@@ -78,6 +88,9 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "libduet-dev, lua-duet")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS "${opencl_driver}")
 file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/triggers "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_BINARY_DIR}/triggers)
+set(CPACK_DEBIAN_CLUSTER_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_BINARY_DIR}/triggers)
+set(CPACK_DEBIAN_CLUSTER_PACKAGE_DEPENDS
+  "duet (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), openmpi-bin")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "libduet1 (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 # What the static library needs.
