@@ -25,7 +25,8 @@ typedef struct duet_cluster_def {
     void *comm; // an MPI_Comm *, of which a copy is used. NULL: MPI_COMM_WORLD; where MPI was
                 // not begun, create begins it and destroy ends it
     duet_world_def world; // the same on all ranks, except pair and plan. has_accuracy, keep_bad
-                          // and separate_sizes are refused
+                          // and separate_sizes are refused; max_pairs is of each rank, ghosts'
+                          // pairs included
     const char *pair;     // where world.pair is NULL: a rank's devices, as duet_device_pair_def.a
                           // has them. NULL: DUET_PAIR, or else this rank's part of its host: a
                           // GPU, or of the CPU's units
@@ -86,7 +87,9 @@ typedef struct duet_pair64 {
 typedef struct duet_cluster_result {
     uint64_t objects; // of all ranks, as are
     uint64_t pairs;
-    uint64_t hash;   // the pair hash: duet_result_get_hash of one world with these objects
+    uint64_t hash;   // the pair hash: duet_result_get_hash of one world with these objects. Of
+                     // ids from 2^32 on, k is made of the lower 32 bits, and before anything
+                     // else k ^= mixed(a >> 32 << 32 | b >> 32), as k itself is mixed
     double total_ms; // wall clock of the rank that took longest
     const duet_pair64 *own_pairs; // those that this rank found, in no order; the cluster's, until
     uint64_t n_own_pairs;         // the next step. Each pair is one rank's

@@ -82,20 +82,22 @@ static void write_leavers(const homes *h, const int *destinations, const bool *s
                                  h->rows.ids[i], object_row(&h->rows, &h->form, i));
 }
 
-static bool take_arrivals(homes *h, const bool *stays, const parcels *in, uint64_t staying,
-                          duet_error *err)
+// No rank lets go of what left it before all have taken what came.
+static bool take_arrivals(homes *h, ranks *r, const bool *stays, const parcels *in,
+                          uint64_t staying, duet_error *err)
 {
     object_rows rows = {0};
     arrival *arrivals = arrivals_sort(&h->form, in->rows, in->n, err);
     bool ok = arrivals && object_rows_begin(&rows, &h->form, staying + in->n, err);
     ok = ok && object_rows_merge(&rows, &h->form, &h->rows, stays, arrivals, in->n, NULL, err);
+    ok = ranks_agree(r, ok, err);
     free(arrivals);
     if (ok) {
-        object_rows_end(&h->rows);
+        object_rows before = h->rows;
         h->rows = rows;
-    } else {
-        object_rows_end(&rows);
+        rows = before;
     }
+    object_rows_end(&rows);
     return ok;
 }
 
@@ -115,8 +117,7 @@ static bool move_leavers(homes *h, ranks *r, const cut *c, duet_error *err)
     if (ok)
         write_leavers(h, destinations, stays, places, &out);
     ok = ranks_exchange(r, ok, &out, &in, err);
-    if (ok)
-        ok = ranks_agree(r, take_arrivals(h, stays, &in, h->rows.n - leaving, err), err);
+    ok = ok && take_arrivals(h, r, stays, &in, h->rows.n - leaving, err);
     parcels_end(&in);
     parcels_end(&out);
     free(places);

@@ -8,7 +8,7 @@
 -- it built, `./hello`, is what that prints.
 -- A block that cannot be run in a test has a comment above it that says why:
 -- <!-- not run: it needs a GPU -->
--- Blocks with 'duet cluster' are passed over where Duet was built without MPI.
+-- Blocks with 'duet cluster' or mpirun are passed over where Duet was built without MPI.
 -- The blocks of a tutorial build on each other. It begins with a comment,
 -- <!-- all blocks in one folder -->, and a block of C or Lua in it whose first line is
 -- a comment with a file's name, `// game.c`, becomes that file.
@@ -42,8 +42,9 @@ local function blocks(path)
     if block and line:match("^```") then
       block.name = block.is_text and block.commands[1]:match("^[/-][/-] ([%w_]+%.%a+)$")
       block.one_folder = one_folder
-      local uses_cluster = table.concat(block.commands, "\n"):find("duet cluster", 1, true)
-      block.skipped = block.skipped or uses_cluster and not has_cluster
+      local commands = table.concat(block.commands, "\n")
+      local uses_mpi = commands:find("duet cluster", 1, true) or commands:find("duet_cluster", 1, true) or commands:find("mpirun", 1, true)
+      block.skipped = block.skipped or uses_mpi and not has_cluster
       if block.name and one_folder or not block.is_text then found[#found + 1] = block end
       for _, command in ipairs(block.is_text and {} or block.commands) do
         cats = cats or (command:match("^cat ") or command:match("%./%w+$")) and block
