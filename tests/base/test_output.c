@@ -247,6 +247,45 @@ static void what_is_half_written_is_removed(void **state)
     assert_int_equal(system("test \"$(echo *)\" = 'three two'"), 0);
 }
 
+// Another process has opened the file, and any of those that write into it may outlive it.
+static void what_others_began_is_removed_until_it_is_forgotten(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    output o;
+    text path = {0};
+    assert_int_equal(mkdir("folder", 0777), 0);
+    assert_ok(output_open(&o, "folder/out", &err), err);
+    assert_ok(output_part_path(&o, &path, &err), err);
+    assert_int_equal(access(path.chars, F_OK), 0);
+    assert_int_equal(output_watch_part("no/such/folder/out"), -1);
+    output_forget_part(-1);
+    pid_t child = fork();
+    if (child == 0) {
+        int slot = output_watch_part(path.chars);
+        output_forget_part(slot);
+        slot = output_watch_part(path.chars);
+        output_remove_parts();
+        _exit(slot >= 0 ? 0 : 1);
+    }
+    int status = 0;
+    assert_true(waitpid(child, &status, 0) == child && WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+    assert_int_equal(access(path.chars, F_OK), -1);
+    assert_false(output_close(&o, true, NULL));
+    text_free(&path);
+
+    assert_ok(output_open(&o, "folder/out", &err), err);
+    assert_ok(output_part_path(&o, &path, &err), err);
+    output_forget_part(output_watch_part(path.chars));
+    assert_ok(output_close(&o, true, &err), err);
+    text_free(&path);
+    assert_ok(output_open(&o, "/dev/null", &err), err);
+    assert_false(output_part_path(&o, &path, &err));
+    assert_non_null(strstr(err.text, "/dev/null: cannot be written by several ranks"));
+    output_close(&o, false, NULL);
+}
+
 static void write_too_much(void)
 {
     static char bytes[100000];
@@ -305,6 +344,7 @@ int main(void)
         IN_A_FOLDER(what_comes_between_is_not_replaced),
         IN_A_FOLDER(what_is_not_kept_leaves_nothing),
         IN_A_FOLDER(what_is_half_written_is_removed),
+        IN_A_FOLDER(what_others_began_is_removed_until_it_is_forgotten),
         IN_A_FOLDER(what_does_not_fit_leaves_the_file_as_it_was),
         IN_A_FOLDER(the_program_says_that_a_file_became_too_large),
     };
