@@ -163,7 +163,8 @@ static bool measure(homes *h, ranks *r, duet_error *err)
     h->widest = 0;
     for (uint32_t i = 0; i < h->rows.n; ++i) {
         h->reaches[i] = reach_of(&h->form, object_row(&h->rows, &h->form, i));
-        h->widest = fmax(h->widest, reach_widest(&h->reaches[i]));
+        double width = reach_widest(&h->reaches[i]);
+        h->widest = width > h->widest ? width : h->widest;
     }
     ranks_greatest(r, &h->widest, 1);
     for (uint32_t i = 0; i < h->rows.n; ++i)

@@ -4,7 +4,6 @@
 #include "base/error.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/origin.h"
-#include "runtime/narrowphase/sat_frame.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -14,9 +13,10 @@
 // A world holds as many.
 #define MOST_OBJECTS 4294967294u
 
-// Beyond what the devices round: shares of a reach, and of an origin cell, whose corners
-// are up to 2^30 edges from 0.
-#define EXTENT_SLACK 0x1p-15
+// Beyond what the devices round: parts of a box's size, which they widen by less than 2^-17;
+// of its coordinates as floats; and of an origin cell, whose corners lie up to 2^30 edges from 0.
+#define SIZE_SLACK 0x1p-12
+#define FLOAT_SLACK 0x1p-20
 #define ORIGIN_SLACK 0x1p-20
 
 // ---------------------------------------------------------------- one object
@@ -41,40 +41,73 @@ duet_object_kind object_form_kind(const object_form *form)
 
 const reach reach_none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 
-double reach_widest(const reach *e)
+// Unlike fmin and fmax these are no calls, which would take longer than the rest.
+static inline double lesser(double a, double b)
 {
-    return fmax(e->upper[0] - e->lower[0],
-                fmax(e->upper[1] - e->lower[1], e->upper[2] - e->lower[2]));
+    return a < b ? a : b;
+}
+
+static inline double greater(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+double reach_widest(const reach *r)
+{
+    double widest = greater(r->upper[0] - r->lower[0], r->upper[1] - r->lower[1]);
+    return greater(widest, r->upper[2] - r->lower[2]);
+}
+
+static void widen(reach *r, const double slack[3], uint32_t dims)
+{
+    for (uint32_t k = 0; k < dims; ++k) {
+        r->lower[k] -= slack[k];
+        r->upper[k] += slack[k];
+    }
+}
+
+// Around the bounding sphere where boxes are rotated: which rank needs an object is decided
+// faster than its bounds are found.
+static reach reach_of_pose(const object_form *form, const void *object)
+{
+    const duet_pose *p = origin_pose(object, form->origin, 0);
+    double corner[3], half[3], slack[3], squares = 0;
+    reach r = {{0}, {0}};
+    origin_corner(corner, object, form->origin, 0);
+    for (uint32_t k = 0; k < form->dims; ++k) {
+        half[k] = (double)p->half_extents[k];
+        squares += half[k] * half[k];
+    }
+    double radius = sqrt(squares);
+    for (uint32_t k = 0; k < form->dims; ++k) {
+        double centre = (double)p->centre[k], to = form->rotated ? radius : half[k];
+        r.lower[k] = corner[k] + (centre - to);
+        r.upper[k] = corner[k] + (centre + to);
+        slack[k] =
+            SIZE_SLACK * radius + FLOAT_SLACK * fabs(centre) + ORIGIN_SLACK * (double)form->origin;
+    }
+    widen(&r, slack, form->dims);
+    return r;
 }
 
 reach reach_of(const object_form *form, const void *object)
 {
-    double corner[3] = {0, 0, 0};
-    duet_bounds b;
-    if (form->shape == DUET_SHAPE_POSES) {
-        b = sat_bounds(origin_pose(object, form->origin, 0), form->dims, form->rotated);
-        origin_corner(corner, object, form->origin, 0);
-    } else {
-        memcpy(&b, object, sizeof b);
-    }
-    reach e = {{0}, {0}};
+    if (form->shape == DUET_SHAPE_POSES)
+        return reach_of_pose(form, object);
+    const duet_bounds *b = object;
+    reach r = {{0}, {0}};
     for (uint32_t k = 0; k < form->dims; ++k) {
-        e.lower[k] = corner[k] + (double)b.lower[k];
-        e.upper[k] = corner[k] + (double)b.upper[k];
+        r.lower[k] = (double)b->lower[k];
+        r.upper[k] = (double)b->upper[k];
     }
-    double slack = EXTENT_SLACK * reach_widest(&e) + ORIGIN_SLACK * (double)form->origin;
-    for (uint32_t k = 0; k < form->dims; ++k) {
-        e.lower[k] -= slack;
-        e.upper[k] += slack;
-    }
-    return e;
+    return r;
 }
 
 void reach_add(reach *to, const reach *other)
 {
     for (int k = 0; k < 3; ++k) {
-        to->lower[k] = fmin(to->lower[k], other->lower[k]);
-        to->upper[k] = fmax(to->upper[k], other->upper[k]);
+        to->lower[k] = lesser(to->lower[k], other->lower[k]);
+        to->upper[k] = greater(to->upper[k], other->upper[k]);
     }
 }
 
