@@ -80,29 +80,42 @@ static duet_scene *load(const char *path, const duet_setting *settings, uint32_t
     return scene;
 }
 
+bool inputs_make_settings(scene_settings *s, const scene_options *options, duet_error *err)
+{
+    *s = (scene_settings){.n = options->settings.n};
+    if (!cut_settings(&options->settings, &s->copies, s->list, err))
+        return false;
+    if (options->n != UINT64_MAX) {
+        snprintf(s->objects, sizeof s->objects, "%" PRIu64, options->n);
+        s->list[s->n++] = (duet_setting){"n", s->objects};
+    }
+    if (options->seed != UINT64_MAX) {
+        snprintf(s->seed, sizeof s->seed, "%" PRIu64, options->seed);
+        s->list[s->n++] = (duet_setting){"seed", s->seed};
+    }
+    return true;
+}
+
+void inputs_free_settings(scene_settings *s)
+{
+    text_free(&s->copies);
+}
+
+void inputs_tell_empty(const duet_scene_info *info)
+{
+    if (info->n == 0)
+        fprintf(stderr, "duet: %s: there are no objects\n", info->name);
+}
+
 duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err)
 {
-    duet_setting settings[OPTION_LIST_MOST + 2];
-    char n[24];
-    char seed[24];
-    uint32_t count = 0;
-    text copies = {0};
+    scene_settings settings;
     duet_scene *scene = NULL;
-    if (cut_settings(&options->settings, &copies, settings, err)) {
-        count = options->settings.n;
-        if (options->n != UINT64_MAX) {
-            snprintf(n, sizeof n, "%" PRIu64, options->n);
-            settings[count++] = (duet_setting){"n", n};
-        }
-        if (options->seed != UINT64_MAX) {
-            snprintf(seed, sizeof seed, "%" PRIu64, options->seed);
-            settings[count++] = (duet_setting){"seed", seed};
-        }
-        scene = load(path, settings, count, err);
-        if (scene && duet_scene_get_info(scene)->n == 0)
-            fprintf(stderr, "duet: %s: there are no objects\n", duet_scene_get_info(scene)->name);
-    }
-    text_free(&copies);
+    if (inputs_make_settings(&settings, options, err))
+        scene = load(path, settings.list, settings.n, err);
+    if (scene)
+        inputs_tell_empty(duet_scene_get_info(scene));
+    inputs_free_settings(&settings);
     return scene;
 }
 

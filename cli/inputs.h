@@ -4,6 +4,7 @@
 #ifndef CLI_INPUTS_H
 #define CLI_INPUTS_H
 
+#include "base/text.h"
 #include "cli/options.h"
 #include "runtime/duet.h"
 
@@ -93,6 +94,19 @@ void inputs_show_compiling(void *context, const duet_device_info *device, const 
 
 // NULL selectors: the default pair.
 duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err);
+
+// What a scene is asked to be, as the library takes it.
+typedef struct scene_settings {
+    duet_setting list[OPTION_LIST_MOST + 2];
+    uint32_t n;
+    char objects[24];
+    char seed[24];
+    text copies;
+} scene_settings;
+
+bool inputs_make_settings(scene_settings *s, const scene_options *options, duet_error *err);
+void inputs_free_settings(scene_settings *s);
+void inputs_tell_empty(const duet_scene_info *info); // a line where there are no objects
 
 duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err);
 duet_scene *inputs_load_pairs(const char *path, duet_error *err);

@@ -135,15 +135,16 @@ static int by_id(const void *left, const void *right)
     return (p->id > q->id) - (p->id < q->id);
 }
 
+// Ids count from `first` on where there are none.
 static bool copy_rows(object_rows *rows, const object_form *form, const uint64_t *ids,
-                      const void *objects, uint32_t n, duet_error *err)
+                      uint64_t first, const void *objects, uint32_t n, duet_error *err)
 {
     const object_rows none = {0};
     arrival *arrivals = malloc(((size_t)n + 1) * sizeof *arrivals);
     bool ok = arrivals || error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", n);
     for (uint32_t i = 0; ok && i < n; ++i)
         arrivals[i] =
-            (arrival){ids ? ids[i] : i, (const char *)objects + (size_t)i * form->bytes, i};
+            (arrival){ids ? ids[i] : first + i, (const char *)objects + (size_t)i * form->bytes, i};
     if (ok && ids)
         qsort(arrivals, n, sizeof *arrivals, by_id);
     ok = ok && object_rows_begin(rows, form, n, err);
@@ -171,7 +172,7 @@ bool duet_cluster_set_objects(duet_cluster *c, duet_object_kind kind, const uint
     bool ok = check_kind(c, kind, &own);
     ok = ok && (n == 0 || (error_given(ids, __func__, "ids", &own) &&
                            error_given(objects, __func__, "objects", &own)));
-    ok = ok && copy_rows(&rows, &c->homes.form, ids, objects, n, &own);
+    ok = ok && copy_rows(&rows, &c->homes.form, ids, 0, objects, n, &own);
     ok = agree(c, ok, &own, err);
     if (ok)
         take(c, &rows);
@@ -181,29 +182,37 @@ bool duet_cluster_set_objects(duet_cluster *c, duet_object_kind kind, const uint
 
 // ---------------------------------------------------------------- scenes
 
-// What a scene says of itself, as it goes to the other ranks.
+// What rank 0 tells the others of a scene.
 typedef struct told_scene {
     duet_scene_info info; // without its name
     uint64_t name_bytes;
 } told_scene;
 
-static bool tell_scene(duet_cluster *c, const duet_scene *scene, duet_error *err)
+static bool tell_scene(duet_cluster *c, const duet_scene *own_part, uint64_t n, duet_error *own)
 {
     told_scene told = {0};
-    if (scene)
-        told.info = *duet_scene_get_info(scene);
+    uint64_t rotated = own_part && own_part->info.rotated; // some object of any rank's part
+    ranks_sum(&c->ranks, &rotated, 1);
+    if (c->ranks.self == 0)
+        told.info = own_part->info;
     const char *name = told.info.name;
     told.name_bytes = name ? strlen(name) + 1 : 1;
     ranks_tell(&c->ranks, &told, sizeof told);
-    free(c->scene_name);
-    c->scene_name = calloc(told.name_bytes, 1);
-    if (!agree(c, c->scene_name, err, err))
+    char *copy = calloc(told.name_bytes, 1);
+    if (!ranks_agree(&c->ranks, copy || error_set(own, DUET_STATUS_NO_MEMORY, "a name: no memory"),
+                     own)) {
+        free(copy);
         return false;
+    }
     if (name)
-        memcpy(c->scene_name, name, told.name_bytes);
-    ranks_tell(&c->ranks, c->scene_name, told.name_bytes);
+        memcpy(copy, name, told.name_bytes);
+    ranks_tell(&c->ranks, copy, told.name_bytes);
+    free(c->scene_name);
+    c->scene_name = copy;
     c->scene = told.info;
-    c->scene.name = c->scene_name;
+    c->scene.name = copy;
+    c->scene.n = n < UINT32_MAX ? (uint32_t)n : UINT32_MAX;
+    c->scene.rotated = rotated > 0;
     return true;
 }
 
@@ -217,30 +226,80 @@ static duet_world_def def_of_scene(const duet_cluster *c)
     return def;
 }
 
-bool cluster_take_scene(duet_cluster *c, bool ok, const duet_scene *scene, duet_error *err)
+// Objects of a scene that rank 0 has read, or of a part that each rank has.
+typedef struct scene_part {
+    duet_scene *scene;
+    uint64_t first; // the id of its first object
+    uint64_t n;     // of all ranks' parts
+} scene_part;
+
+// Rank 0 reads the scene. Where objects are made by `each`, it only counts them, and each rank
+// makes as many of them as the others.
+static bool read_part(duet_cluster *c, const char *path, const duet_setting *settings,
+                      uint32_t n_settings, bool whole, scene_part *part, duet_error *own)
 {
-    duet_error own = err ? *err : (duet_error){0};
+    uint64_t told[2] = {0}; // objects, and those that are not made
+    bool reads = c->ranks.self == 0;
+    whole = whole || strcmp(path, "-") == 0; // which only rank 0 has
+    *part = (scene_part){0};
+    if (reads && whole)
+        part->scene = duet_scene_load(path, settings, n_settings, own);
+    else if (reads)
+        part->scene = scene_load_deferred(path, settings, n_settings, &told[0], &told[1], own);
+    if (!ranks_agree(&c->ranks, !reads || part->scene, own))
+        return false;
+    if (reads && whole)
+        told[0] = part->scene->info.n;
+    ranks_tell(&c->ranks, told, sizeof told);
+    part->n = told[0];
+    if (told[1] == 0)
+        return true;
+    uint64_t each = part->n / (uint64_t)c->ranks.n + 1, end;
+    part->first =
+        each * (uint64_t)c->ranks.self < part->n ? each * (uint64_t)c->ranks.self : part->n;
+    end = part->first + each < part->n ? part->first + each : part->n;
+    duet_scene_destroy(part->scene);
+    part->scene = scene_load_range(path, settings, n_settings, part->first, end, &told[0], own);
+    bool ok = part->scene && (told[0] == part->n ||
+                              error_set(own, DUET_STATUS_BAD_INPUT,
+                                        "%s: it has %llu objects here and %llu on rank 0", path,
+                                        (unsigned long long)told[0], (unsigned long long)part->n));
+    return ranks_agree(&c->ranks, ok, own);
+}
+
+static bool take_part(duet_cluster *c, const scene_part *part, duet_error *own)
+{
     object_rows rows = {0};
-    if (!ranks_agree(&c->ranks, ok, &own) || !tell_scene(c, scene, &own))
-        goto done;
+    if (!tell_scene(c, part->scene, part->n, own))
+        return false;
     c->def.world = def_of_scene(c);
-    ok = open_worker(c, &own);
-    if (ok && scene) {
-        const void *objects = duet_scene_get_objects(scene, object_form_kind(&c->homes.form));
-        ok = copy_rows(&rows, &c->homes.form, NULL, objects, c->scene.n, &own);
-    } else if (ok) {
-        ok = object_rows_begin(&rows, &c->homes.form, 0, &own);
-    }
-    if (!ranks_agree(&c->ranks, ok, &own))
-        goto done;
-    take(c, &rows);
-    c->has_scene = true;
-    return true;
-done:
+    bool ok = open_worker(c, own);
+    const void *objects =
+        ok && part->scene ? duet_scene_get_objects(part->scene, object_form_kind(&c->homes.form))
+                          : NULL;
+    ok = ok && copy_rows(&rows, &c->homes.form, NULL, part->first, objects,
+                         part->scene ? part->scene->info.n : 0, own);
+    ok = ranks_agree(&c->ranks, ok, own);
+    if (ok)
+        take(c, &rows);
     object_rows_end(&rows);
-    if (err)
-        *err = own;
-    return false;
+    c->has_scene = c->has_scene || ok;
+    return ok;
+}
+
+bool cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *settings,
+                        uint32_t n_settings, duet_scene **whole, duet_error *err)
+{
+    duet_error own = {0};
+    scene_part part;
+    bool ok =
+        read_part(c, path, settings, n_settings, whole, &part, &own) && take_part(c, &part, &own);
+    if (ok && whole) {
+        *whole = part.scene;
+        part.scene = NULL;
+    }
+    duet_scene_destroy(part.scene);
+    return ok || error_set(err, own.status, "%s", own.text);
 }
 
 bool duet_cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *settings,
@@ -249,13 +308,8 @@ bool duet_cluster_load_scene(duet_cluster *c, const char *path, const duet_setti
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    duet_scene *scene = NULL;
-    bool reads = c->ranks.self == 0;
-    if (reads && error_given(path, __func__, "path", &own))
-        scene = duet_scene_load(path, settings, n_settings, &own);
-    bool ok = cluster_take_scene(c, !reads || scene, scene, &own);
-    duet_scene_destroy(scene);
-    return ok || error_set(err, own.status, "%s", own.text);
+    return agree(c, error_given(path, __func__, "path", &own), &own, err) &&
+           cluster_load_scene(c, path, settings, n_settings, NULL, err);
 }
 
 const duet_scene_info *duet_cluster_get_scene_info(const duet_cluster *c)

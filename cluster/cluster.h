@@ -24,8 +24,9 @@ struct duet_cluster {
     duet_cluster_rank last; // of this rank
 };
 
-// Takes the scene that rank 0 has read, on the others NULL; where `ok` is false there its err
-// says why there is none.
-bool cluster_take_scene(duet_cluster *c, bool ok, const duet_scene *scene, duet_error *err);
+// duet_cluster_load_scene. With `whole` rank 0 reads all of the scene and hands it over, to be
+// destroyed; the others get NULL.
+bool cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *settings,
+                        uint32_t n_settings, duet_scene **whole, duet_error *err);
 
 #endif

@@ -68,12 +68,28 @@ static bool open_cluster(run_state *r, duet_error *err)
     return r->cluster;
 }
 
+static bool read_scene(run_state *r, const char *path, duet_error *err)
+{
+    char what[64];
+    scene_settings settings;
+    snprintf(what, sizeof what, "reading %.50s", strcmp(path, "-") == 0 ? "stdin" : path);
+    progress p = progress_begin(what, 0);
+    progress_follow(&p);
+    bool ok = inputs_make_settings(&settings, &r->args->scene, err);
+    ok = ranks_agree(&r->cluster->ranks, ok, err) &&
+         cluster_load_scene(r->cluster, path, settings.list, settings.n,
+                            r->args->check ? &r->scene : NULL, err);
+    progress_end(&p);
+    inputs_free_settings(&settings);
+    return ok;
+}
+
 static bool load(run_state *r, const char *path, duet_error *err)
 {
-    bool reads = r->rank == 0;
-    r->scene = reads ? inputs_load_scene(path, &r->args->scene, err) : NULL;
-    if (!cluster_take_scene(r->cluster, !reads || r->scene, r->scene, err))
+    if (!read_scene(r, path, err))
         return false;
+    if (r->rank == 0)
+        inputs_tell_empty(duet_cluster_get_scene_info(r->cluster));
     duet_level level;
     if (!r->args->level)
         return true;

@@ -324,6 +324,8 @@ static bool read_path(duet_scene *scene, const char *path, const duet_setting *s
 typedef struct scene_range {
     uint64_t first, end;
     uint64_t n;
+    bool defers;
+    uint64_t n_deferred;
 } scene_range;
 
 static duet_scene *load(const char *path, uint32_t per_row, scene_range *range,
@@ -337,10 +339,12 @@ static duet_scene *load(const char *path, uint32_t per_row, scene_range *range,
         scene->per_row = per_row;
         scene->first = range->first;
         scene->end = range->end;
+        scene->defers = range->defers;
         locale_t before = uselocale(plain);
         ok = read_path(scene, path, settings, n_settings, err);
         uselocale(before);
         range->n = scene->n_read;
+        range->n_deferred = scene->n_deferred;
     }
     if (plain)
         freelocale(plain);
@@ -358,15 +362,33 @@ duet_scene *scene_load_range(const char *path, const duet_setting *settings, uin
     return scene;
 }
 
+static bool check_settings(const duet_setting *settings, uint32_t n, const char *call,
+                           duet_error *err)
+{
+    bool ok = n == 0 || error_given(settings, call, "settings", err);
+    for (uint32_t i = 0; ok && i < n; ++i)
+        ok = error_given(settings[i].name, call, "a setting's name", err) &&
+             error_given(settings[i].value, call, "a setting's value", err);
+    return ok;
+}
+
+duet_scene *scene_load_deferred(const char *path, const duet_setting *settings, uint32_t n_settings,
+                                uint64_t *n, uint64_t *deferred, duet_error *err)
+{
+    scene_range range = {.end = UINT64_MAX, .defers = true};
+    bool ok = check_settings(settings, n_settings, "duet_cluster_load_scene", err);
+    duet_scene *scene = ok ? load(path, 1, &range, settings, n_settings, err) : NULL;
+    *n = range.n;
+    *deferred = range.n_deferred;
+    return scene;
+}
+
 duet_scene *duet_scene_load(const char *path, const duet_setting *settings, uint32_t n_settings,
                             duet_error *err)
 {
     scene_range all = {.end = UINT64_MAX};
     bool ok = error_given(path, __func__, "path", err) &&
-              (n_settings == 0 || error_given(settings, __func__, "settings", err));
-    for (uint32_t i = 0; ok && i < n_settings; ++i)
-        ok = error_given(settings[i].name, __func__, "a setting's name", err) &&
-             error_given(settings[i].value, __func__, "a setting's value", err);
+              check_settings(settings, n_settings, __func__, err);
     return ok ? load(path, 1, &all, settings, n_settings, err) : NULL;
 }
 

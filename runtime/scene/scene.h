@@ -25,6 +25,8 @@ struct duet_scene {
     uint64_t capacity;    // objects that fit
     uint64_t n_read;      // objects so far, kept or not
     uint64_t first, end;  // of those the ones that are kept: [first, end)
+    bool defers;          // `each` makes only its first object, and
+    uint64_t n_deferred;  // these are left out
 
     duet_motion_def motion; // as far as the scene says it
     duet_body body;         // of objects that have none of their own
@@ -61,6 +63,11 @@ void scene_forget_centres(duet_scene *scene);
 // read and passed over.
 duet_scene *scene_load_range(const char *path, const duet_setting *settings, uint32_t n_settings,
                              uint64_t first, uint64_t end, uint64_t *n, duet_error *err);
+
+// duet_scene_load in which `each` makes only its first object: *deferred are left out of all
+// *n. Where there are any, parts of the scene are better read by their ranges.
+duet_scene *scene_load_deferred(const char *path, const duet_setting *settings, uint32_t n_settings,
+                                uint64_t *n, uint64_t *deferred, duet_error *err);
 
 // Passes over the next objects, at most n, up to one that is kept. Returns how many.
 uint64_t scene_pass_over(duet_scene *scene, uint64_t n);

@@ -524,6 +524,11 @@ static int word_each(lua_State *L)
             i += (lua_Integer)scene_pass_over(scene, (uint64_t)(n - i + 1));
         if (i > n)
             break;
+        if (scene->defers && i > 1) {
+            scene->n_read += (uint64_t)(n - i + 1);
+            scene->n_deferred += (uint64_t)(n - i + 1);
+            break;
+        }
         *source = rng_stream(seed, (uint64_t)i);
         make_one(L, scene, i);
     }
