@@ -76,7 +76,9 @@ duet_cluster *duet_cluster_create(const duet_cluster_def *def, duet_error *err)
     c->def = *def;
     bool ok = ranks_begin(&c->ranks, def->comm, err);
     if (ok) {
-        ok = check_def(def, &own) && open_pair(c, &own) && open_worker(c, &own);
+        c->homes.threads = &c->threads;
+        ok = parallel_begin(&c->threads, c->ranks.n_on_host, &own) && check_def(def, &own) &&
+             open_pair(c, &own) && open_worker(c, &own);
         ok = ranks_agree(&c->ranks, ok, &own) && cut_begin(&c->cut, &c->ranks, def->weight, &own);
         if (!ok)
             error_set(err, own.status, "%s", own.text);
@@ -99,6 +101,7 @@ void duet_cluster_destroy(duet_cluster *c)
     seen_end(&c->seen);
     homes_end(&c->homes);
     cut_end(&c->cut);
+    parallel_end(&c->threads);
     ranks_end(&c->ranks);
     free(c->scene_name);
     free(c);
@@ -148,7 +151,7 @@ static bool copy_rows(object_rows *rows, const object_form *form, const uint64_t
     if (ok && ids)
         qsort(arrivals, n, sizeof *arrivals, by_id);
     ok = ok && object_rows_begin(rows, form, n, err);
-    ok = ok && object_rows_merge(rows, form, &none, NULL, arrivals, n, NULL, err);
+    ok = ok && object_rows_merge(rows, form, &none, NULL, 0, arrivals, n, err);
     free(arrivals);
     return ok;
 }
@@ -324,7 +327,7 @@ static bool check_worker_result(const duet_cluster *c, const worker_found *found
     return !found->has_bad ||
            error_set(err, DUET_STATUS_BAD_OBJECT,
                      "object %llu is not a number, infinite, negative or without rotation",
-                     (unsigned long long)c->seen.ids[found->first_bad]);
+                     (unsigned long long)c->seen.rows.ids[found->first_bad]);
 }
 
 // Brings homes and ghosts to where they belong, and hands them to the worker.

@@ -10,6 +10,7 @@ struct duet_cluster {
     duet_cluster_def def;       // with this rank's pair
     duet_device_pair *own_pair; // NULL: the caller's
     ranks ranks;
+    parallel threads;
     cut cut;
     homes homes;
     worker *worker;

@@ -146,13 +146,26 @@ static int partition(cut *c)
     return code;
 }
 
+static void keep_part(cut *c, int part)
+{
+    int dims = 0;
+    bool known = c->is_made &&
+                 Zoltan_RCB_Box(c->zoltan, part, &dims, &c->lower[0], &c->lower[1], &c->lower[2],
+                                &c->upper[0], &c->upper[1], &c->upper[2]) == ZOLTAN_OK;
+    for (int k = 0; k < 3 && !known; ++k) {
+        c->lower[k] = c->zoltan ? INFINITY : -INFINITY;
+        c->upper[k] = -c->lower[k];
+    }
+}
+
 bool cut_make(cut *c, ranks *r, const object_form *form, const object_rows *rows, duet_error *err)
 {
+    c->is_made = false;
+    keep_part(c, r->self);
     if (!c->zoltan)
         return true;
     uint64_t n = rows->n;
     ranks_sum(r, &n, 1);
-    c->is_made = n > 0;
     if (n == 0)
         return true;
     double points = fmax(LEAST_SAMPLE, (double)SAMPLE_A_RANK * r->n);
@@ -163,7 +176,9 @@ bool cut_make(cut *c, ranks *r, const object_form *form, const object_rows *rows
     Zoltan_Set_Num_Geom_Fn(c->zoltan, count_dims, &s);
     Zoltan_Set_Geom_Multi_Fn(c->zoltan, find_points, &s);
     bool ok = ranks_agree(r, check(r, set_part_sizes(c, r), err), err);
-    return ok && ranks_agree(r, check(r, partition(c), err), err);
+    c->is_made = ok && ranks_agree(r, check(r, partition(c), err), err);
+    keep_part(c, r->self);
+    return c->is_made;
 }
 
 int cut_home(const cut *c, const double centre[3])

@@ -7,12 +7,22 @@
 #include "cluster/homes.h"
 #include "cluster/worker.h"
 
+// A ghost among what is seen.
+typedef struct seen_ghost {
+    uint32_t place;
+    uint32_t key; // the owner's
+} seen_ghost;
+
 // By ascending id, so that the order of two objects, which may decide a float's last bit, is
 // that of one world with all objects.
 typedef struct seen {
-    uint64_t *ids;  // [n]
-    uint32_t *keys; // [n] twice the owner's key, and 1 for a home
-    uint32_t n;
+    object_rows rows;   // whose objects are the worker's memory
+    uint8_t *is_ghost;  // a bit each
+    seen_ghost *ghosts; // ascending
+    uint64_t n_ghosts;
+    uint64_t capacity, ghost_capacity; // for which there is memory
+    const homes *homes;
+    int self, n_ranks;
 } seen;
 
 // Writes the homes and n ghosts, those of each rank after those of the rank before, into the
@@ -26,6 +36,7 @@ typedef struct own_pairs {
     duet_pair64 *pairs;
     uint64_t n;
     uint64_t hash;
+    uint64_t capacity; // of pairs, for which there is memory
 } own_pairs;
 
 bool own_pairs_take(own_pairs *own, const seen *s, const worker_found *found, duet_error *err);

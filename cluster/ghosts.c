@@ -9,28 +9,6 @@
 
 #include <stdlib.h>
 
-typedef struct level_boxes {
-    reach upto[LEVELS];
-} level_boxes;
-
-static level_boxes find_boxes(const homes *h)
-{
-    level_boxes boxes;
-    for (int l = 0; l < LEVELS; ++l)
-        boxes.upto[l] = reach_none;
-    for (uint32_t i = 0; i < h->rows.n; ++i)
-        reach_add(&boxes.upto[h->levels[i]], &h->reaches[i]);
-    for (int l = 1; l < LEVELS; ++l)
-        reach_add(&boxes.upto[l], &boxes.upto[l - 1]);
-    return boxes;
-}
-
-static bool needs(const level_boxes *boxes, int rank, const ranks *r, const homes *h, uint32_t i)
-{
-    int level = h->levels[i] - (rank > r->self);
-    return level >= 0 && reaches_meet(&boxes->upto[level], &h->reaches[i]);
-}
-
 // A home that is a ghost elsewhere.
 typedef struct visit {
     uint32_t home;
@@ -43,14 +21,13 @@ typedef struct visits {
     uint64_t capacity;
 } visits;
 
-static bool add_visit(visits *v, uint32_t home, int rank, duet_error *err)
+static bool add_visit(visits *v, uint32_t home, int rank)
 {
     if (v->n == v->capacity) {
         uint64_t capacity = v->capacity ? 2 * v->capacity : 1024;
         visit *list = realloc(v->list, capacity * sizeof *list);
         if (!list)
-            return error_set(err, DUET_STATUS_NO_MEMORY, "ghosts: no memory for %llu",
-                             (unsigned long long)capacity);
+            return false;
         v->list = list;
         v->capacity = capacity;
     }
@@ -68,20 +45,69 @@ static int find_neighbours(const level_boxes *all, const ranks *r, int *neighbou
     return n;
 }
 
+typedef struct search {
+    const homes *h;
+    const level_boxes *all; // [n of ranks]
+    int self;
+    int *neighbours;
+    int n_neighbours;
+    visits parts[PARALLEL_MOST];
+    bool failed[PARALLEL_MOST];
+} search;
+
+// No reach is longer than `widest`; most homes are farther than that from all neighbours.
+static bool is_near(const search *s, const double centre[3])
+{
+    double far = s->h->widest;
+    const reach around = {{centre[0] - far, centre[1] - far, centre[2] - far},
+                          {centre[0] + far, centre[1] + far, centre[2] + far}};
+    for (int k = 0; k < s->n_neighbours; ++k)
+        if (reaches_meet(&s->all[s->neighbours[k]].upto[LEVELS - 1], &around))
+            return true;
+    return false;
+}
+
+static void search_part(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    search *s = context;
+    const homes *h = s->h;
+    for (uint32_t i = (uint32_t)first; i < end; ++i) {
+        const void *object = object_row(&h->rows, &h->form, i);
+        double centre[3];
+        object_centre(&h->form, object, centre);
+        if (!is_near(s, centre))
+            continue;
+        reach e = reach_of(&h->form, object);
+        int own_level = level_of(reach_widest(&e), h->widest);
+        for (int k = 0; k < s->n_neighbours; ++k) {
+            int rank = s->neighbours[k], level = own_level - (rank > s->self);
+            if (level >= 0 && reaches_meet(&s->all[rank].upto[level], &e))
+                s->failed[part] |= !add_visit(&s->parts[part], i, rank);
+        }
+    }
+}
+
 static bool find_visits(visits *v, const level_boxes *all, const ranks *r, const homes *h,
                         duet_error *err)
 {
+    search *s = calloc(1, sizeof *s);
     int *neighbours = malloc((size_t)r->n * sizeof *neighbours);
-    if (!neighbours)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
-    int n = find_neighbours(all, r, neighbours);
-    bool ok = true;
-    for (uint32_t i = 0; ok && i < h->rows.n; ++i)
-        for (int k = 0; ok && k < n; ++k)
-            if (needs(&all[neighbours[k]], neighbours[k], r, h, i))
-                ok = add_visit(v, i, neighbours[k], err);
+    bool ok = s && neighbours;
+    if (ok) {
+        *s = (search){.h = h, .all = all, .self = r->self, .neighbours = neighbours};
+        s->n_neighbours = find_neighbours(all, r, neighbours);
+        if (s->n_neighbours > 0)
+            parallel_each(h->threads, h->rows.n, search_part, s);
+    }
+    for (int part = 0; s && part < PARALLEL_MOST; ++part) {
+        ok = ok && !s->failed[part];
+        for (uint64_t k = 0; ok && k < s->parts[part].n; ++k)
+            ok = add_visit(v, s->parts[part].list[k].home, s->parts[part].list[k].rank);
+        free(s->parts[part].list);
+    }
     free(neighbours);
-    return ok;
+    free(s);
+    return ok || error_set(err, DUET_STATUS_NO_MEMORY, "ghosts: no memory");
 }
 
 static bool write_visits(const visits *v, const ranks *r, const homes *h, parcels *out,
@@ -104,14 +130,13 @@ static bool write_visits(const visits *v, const ranks *r, const homes *h, parcel
 
 bool ghosts_exchange(const homes *h, ranks *r, parcels *in, duet_error *err)
 {
-    level_boxes own = find_boxes(h);
     level_boxes *all = malloc((size_t)r->n * sizeof *all);
     visits v = {0};
     parcels out = {0};
     bool ok = all || error_set(err, DUET_STATUS_NO_MEMORY, "boxes of %d ranks: no memory", r->n);
     ok = ranks_agree(r, ok, err);
     if (ok) {
-        ranks_gather(r, &own, all, sizeof own);
+        ranks_gather(r, &h->boxes, all, sizeof h->boxes);
         ok = find_visits(&v, all, r, h, err);
         ok = parcels_begin(&out, r, object_message_bytes(&h->form), err) && ok;
         ok = ok && write_visits(&v, r, h, &out, err);

@@ -9,19 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void forget_extents(homes *h)
-{
-    free(h->reaches);
-    free(h->levels);
-    h->reaches = NULL;
-    h->levels = NULL;
-}
-
 void homes_take(homes *h, object_rows *rows)
 {
     object_rows_end(&h->rows);
-    forget_extents(h);
     h->rows = *rows;
+    h->widest = 0;
     h->is_cut = false;
     *rows = (object_rows){0};
 }
@@ -29,26 +21,113 @@ void homes_take(homes *h, object_rows *rows)
 void homes_end(homes *h)
 {
     object_rows_end(&h->rows);
-    forget_extents(h);
+    object_rows_end(&h->spare);
 }
 
-// ---------------------------------------------------------------- soundness
+// ---------------------------------------------------------------- a look at all
+
+// What one thread sees.
+typedef struct glance {
+    uint64_t bad;
+    uint64_t first_bad; // its id
+    double widest;
+    level_boxes boxes; // each of its level alone
+    uint32_t *leavers; // ascending; these may be leavers
+    uint64_t n_leavers;
+    uint64_t capacity;
+    bool failed; // no memory
+} glance;
+
+typedef struct look {
+    const homes *h;
+    const cut *c;
+    glance *parts; // [PARALLEL_MOST]
+    glance all;    // without leavers
+} look;
+
+static void forget(glance *g)
+{
+    *g = (glance){.first_bad = UINT64_MAX};
+    for (int l = 0; l < LEVELS; ++l)
+        g->boxes.upto[l] = reach_none;
+}
+
+static void note_leaver(glance *g, uint32_t i)
+{
+    if (g->failed || g->n_leavers == g->capacity) {
+        uint64_t capacity = g->capacity ? 2 * g->capacity : 256;
+        uint32_t *leavers = realloc(g->leavers, capacity * sizeof *leavers);
+        g->failed = !leavers;
+        if (!leavers) {
+            ++g->n_leavers; // so that all ranks know that there is one
+            return;
+        }
+        g->leavers = leavers;
+        g->capacity = capacity;
+    }
+    g->leavers[g->n_leavers++] = i;
+}
+
+static void look_at_part(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    look *l = context;
+    const homes *h = l->h;
+    glance *g = &l->parts[part];
+    for (uint32_t i = (uint32_t)first; i < end; ++i) {
+        const void *object = object_row(&h->rows, &h->form, i);
+        if (!object_is_sound(&h->form, object)) {
+            g->first_bad = g->bad == 0 ? h->rows.ids[i] : g->first_bad;
+            ++g->bad;
+            continue;
+        }
+        reach e = reach_of(&h->form, object);
+        double width = reach_widest(&e);
+        g->widest = fmax(g->widest, width);
+        reach_add(&g->boxes.upto[level_of(width, h->widest)], &e);
+        double centre[3];
+        object_centre(&h->form, object, centre);
+        if (h->is_cut && !cut_surely_keeps(l->c, centre))
+            note_leaver(g, i);
+    }
+}
+
+static void look_again(look *l)
+{
+    for (int i = 0; i < PARALLEL_MOST; ++i) {
+        free(l->parts[i].leavers);
+        forget(&l->parts[i]);
+    }
+    uint32_t n = parallel_each(l->h->threads, l->h->rows.n, look_at_part, l);
+    forget(&l->all);
+    for (uint32_t i = 0; i < n; ++i) {
+        const glance *g = &l->parts[i];
+        l->all.bad += g->bad;
+        l->all.first_bad = l->all.first_bad < g->first_bad ? l->all.first_bad : g->first_bad;
+        l->all.widest = fmax(l->all.widest, g->widest);
+        l->all.n_leavers += g->n_leavers;
+        l->all.failed |= g->failed;
+        for (int k = 0; k < LEVELS; ++k)
+            reach_add(&l->all.boxes.upto[k], &g->boxes.upto[k]);
+    }
+}
+
+static void end_look(look *l)
+{
+    for (int i = 0; l->parts && i < PARALLEL_MOST; ++i)
+        free(l->parts[i].leavers);
+    free(l->parts);
+}
 
 // The line is the same on all ranks, whichever holds the object.
-static bool check_objects(const homes *h, ranks *r, duet_error *err)
+static bool check_objects(const look *l, ranks *r, duet_error *err)
 {
-    uint64_t counts[2] = {h->rows.n, 0};
-    uint64_t first = UINT64_MAX;
-    for (uint32_t i = 0; i < h->rows.n; ++i) {
-        if (object_is_sound(&h->form, object_row(&h->rows, &h->form, i)))
-            continue;
-        first = first < h->rows.ids[i] ? first : h->rows.ids[i];
-        ++counts[1];
-    }
+    uint64_t counts[2] = {l->h->rows.n, l->all.bad};
+    uint64_t first = l->all.first_bad;
     ranks_sum(r, counts, 2);
+    if (counts[1] == 0)
+        return true;
     ranks_least(r, &first, 1);
-    return counts[1] == 0 ||
-           error_set(err, DUET_STATUS_BAD_OBJECT,
+    return error_set(err, DUET_STATUS_BAD_OBJECT,
                      "object %" PRIu64 " of %" PRIu64 " is not a number, infinite, negative or "
                      "without rotation (%" PRIu64 " such objects)",
                      first, counts[0], counts[1]);
@@ -56,73 +135,91 @@ static bool check_objects(const homes *h, ranks *r, duet_error *err)
 
 // ---------------------------------------------------------------- leavers
 
-// Where each home belongs, and how many go to each rank.
-static uint64_t find_leavers(const homes *h, const ranks *r, const cut *c, int *destinations,
-                             bool *stays, uint64_t *counts)
+// Leavers with where each belongs.
+typedef struct leavers {
+    uint32_t *list;
+    int *destinations;
+    uint64_t n;
+} leavers;
+
+static bool find_leavers(leavers *out, const look *l, const ranks *r, uint64_t *counts,
+                         duet_error *err)
 {
-    uint64_t leaving = 0;
-    for (uint32_t i = 0; i < h->rows.n; ++i) {
-        double centre[3];
-        object_centre(&h->form, object_row(&h->rows, &h->form, i), centre);
-        destinations[i] = cut_home(c, centre);
-        stays[i] = destinations[i] == r->self;
-        leaving += !stays[i];
-        counts[destinations[i]] += !stays[i];
+    uint64_t most = l->all.n_leavers + 1;
+    out->list = malloc(most * sizeof *out->list);
+    out->destinations = malloc(most * sizeof *out->destinations);
+    if (!out->list || !out->destinations || l->all.failed)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects that leave: no memory",
+                         most);
+    for (int part = 0; part < PARALLEL_MOST; ++part) {
+        const glance *g = &l->parts[part];
+        for (uint64_t k = 0; k < g->n_leavers; ++k) {
+            double centre[3];
+            uint32_t i = g->leavers[k];
+            object_centre(&l->h->form, object_row(&l->h->rows, &l->h->form, i), centre);
+            int to = cut_home(l->c, centre);
+            if (to == r->self)
+                continue;
+            out->list[out->n] = i;
+            out->destinations[out->n++] = to;
+            ++counts[to];
+        }
     }
-    return leaving;
+    return true;
 }
 
-static void write_leavers(const homes *h, const int *destinations, const bool *stays,
-                          uint64_t *places, parcels *out)
+static void write_leavers(const homes *h, const leavers *l, uint64_t *places, parcels *out)
 {
     unsigned char *messages = out->rows;
-    for (uint32_t i = 0; i < h->rows.n; ++i)
-        if (!stays[i])
-            object_write_message(&h->form, messages + places[destinations[i]]++ * out->row_bytes,
-                                 h->rows.ids[i], object_row(&h->rows, &h->form, i));
+    for (uint64_t k = 0; k < l->n; ++k)
+        object_write_message(&h->form, messages + places[l->destinations[k]]++ * out->row_bytes,
+                             h->rows.ids[l->list[k]], object_row(&h->rows, &h->form, l->list[k]));
 }
 
-// No rank lets go of what left it before all have taken what came.
-static bool take_arrivals(homes *h, ranks *r, const bool *stays, const parcels *in,
-                          uint64_t staying, duet_error *err)
+static void add_arrivals(homes *h, const arrival *arrivals, uint64_t n)
 {
-    object_rows rows = {0};
+    for (uint64_t i = 0; i < n; ++i) {
+        reach e = reach_of(&h->form, arrivals[i].object);
+        reach_add(&h->boxes.upto[level_of(reach_widest(&e), h->widest)], &e);
+    }
+}
+
+// The homes that leave are let go of once all ranks have taken what came to them.
+static bool take_arrivals(homes *h, ranks *r, const leavers *l, const parcels *in, duet_error *err)
+{
     arrival *arrivals = arrivals_sort(&h->form, in->rows, in->n, err);
-    bool ok = arrivals && object_rows_begin(&rows, &h->form, staying + in->n, err);
-    ok = ok && object_rows_merge(&rows, &h->form, &h->rows, stays, arrivals, in->n, NULL, err);
+    bool ok = arrivals && object_rows_reserve(&h->spare, &h->form, h->rows.n - l->n + in->n, err);
+    ok =
+        ok && object_rows_merge(&h->spare, &h->form, &h->rows, l->list, l->n, arrivals, in->n, err);
     ok = ranks_agree(r, ok, err);
-    free(arrivals);
     if (ok) {
         object_rows before = h->rows;
-        h->rows = rows;
-        rows = before;
+        add_arrivals(h, arrivals, in->n);
+        h->rows = h->spare;
+        h->spare = before;
     }
-    object_rows_end(&rows);
+    free(arrivals);
     return ok;
 }
 
-static bool move_leavers(homes *h, ranks *r, const cut *c, duet_error *err)
+static bool move_leavers(const look *seen, homes *h, ranks *r, duet_error *err)
 {
-    int *destinations = malloc(((size_t)h->rows.n + 1) * sizeof *destinations);
-    bool *stays = malloc(((size_t)h->rows.n + 1) * sizeof *stays);
     uint64_t *places = calloc((size_t)r->n, sizeof *places);
+    leavers l = {0};
     parcels out = {0}, in = {0};
-    uint64_t leaving = 0;
     bool ok = parcels_begin(&out, r, object_message_bytes(&h->form), err);
-    if (ok && !(destinations && stays && places))
-        ok = error_set(err, DUET_STATUS_NO_MEMORY, "homes of %u objects: no memory", h->rows.n);
+    if (ok && !places)
+        ok = error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
+    ok = ok && find_leavers(&l, seen, r, out.counts, err) && parcels_reserve(&out, r, places, err);
     if (ok)
-        leaving = find_leavers(h, r, c, destinations, stays, out.counts);
-    ok = ok && parcels_reserve(&out, r, places, err);
-    if (ok)
-        write_leavers(h, destinations, stays, places, &out);
+        write_leavers(h, &l, places, &out);
     ok = ranks_exchange(r, ok, &out, &in, err);
-    ok = ok && take_arrivals(h, r, stays, &in, h->rows.n - leaving, err);
+    ok = ok && take_arrivals(h, r, &l, &in, err);
     parcels_end(&in);
     parcels_end(&out);
     free(places);
-    free(stays);
-    free(destinations);
+    free(l.list);
+    free(l.destinations);
     return ok;
 }
 
@@ -139,45 +236,73 @@ static double find_unevenness(const homes *h, ranks *r, const cut *c)
     return fmax(most, 1);
 }
 
-static bool cut_again(homes *h, ranks *r, cut *c, duet_error *err)
+// ---------------------------------------------------------------- settling
+
+// Levels are those of the widest object there was: until one is wider, or they are too fine by
+// far. The same on all ranks.
+static bool keep_widest(homes *h, ranks *r, const look *l)
 {
-    if (!cut_make(c, r, &h->form, &h->rows, err) || !move_leavers(h, r, c, err))
-        return false;
-    h->unevenness = find_unevenness(h, r, c);
-    h->is_cut = true;
-    return true;
+    double widest = l->all.widest;
+    ranks_greatest(r, &widest, 1);
+    if (widest <= h->widest && h->widest <= 4 * widest)
+        return true;
+    h->widest = widest;
+    return false;
 }
 
-// ---------------------------------------------------------------- reaches
-
-static bool measure(homes *h, ranks *r, duet_error *err)
+static void keep_boxes(homes *h, const look *l)
 {
-    forget_extents(h);
-    h->reaches = malloc(((size_t)h->rows.n + 1) * sizeof *h->reaches);
-    h->levels = malloc((size_t)h->rows.n + 1);
-    bool ok = h->reaches && h->levels;
-    if (!ok)
-        error_set(err, DUET_STATUS_NO_MEMORY, "bounds of %u objects: no memory", h->rows.n);
-    if (!ranks_agree(r, ok, err))
+    h->boxes = l->all.boxes;
+}
+
+static void join_levels(homes *h)
+{
+    for (int k = 1; k < LEVELS; ++k)
+        reach_add(&h->boxes.upto[k], &h->boxes.upto[k - 1]);
+}
+
+// A look tells who leaves. What has arrived where a new cut has it is looked at again.
+static bool settle(look *l, homes *h, ranks *r, cut *c, double imbalance, duet_error *err)
+{
+    bool is_new = false;
+    look_again(l);
+    if (!check_objects(l, r, err))
         return false;
-    h->widest = 0;
-    for (uint32_t i = 0; i < h->rows.n; ++i) {
-        h->reaches[i] = reach_of(&h->form, object_row(&h->rows, &h->form, i));
-        double width = reach_widest(&h->reaches[i]);
-        h->widest = width > h->widest ? width : h->widest;
+    for (;;) {
+        if (!h->is_cut) {
+            if (!cut_make(c, r, &h->form, &h->rows, err))
+                return false;
+            h->is_cut = is_new = true;
+            look_again(l);
+        }
+        if (!keep_widest(h, r, l))
+            look_again(l);
+        keep_boxes(h, l);
+        uint64_t leaving = l->all.n_leavers;
+        ranks_sum(r, &leaving, 1);
+        if (leaving > 0 && !move_leavers(l, h, r, err))
+            return false;
+        double unevenness = find_unevenness(h, r, c);
+        if (is_new) {
+            h->unevenness = unevenness;
+            break;
+        }
+        if (unevenness <= imbalance * h->unevenness)
+            return true;
+        h->is_cut = false;
     }
-    ranks_greatest(r, &h->widest, 1);
-    for (uint32_t i = 0; i < h->rows.n; ++i)
-        h->levels[i] = (uint8_t)level_of(reach_widest(&h->reaches[i]), h->widest);
+    look_again(l);
+    keep_boxes(h, l);
     return true;
 }
 
 bool homes_settle(homes *h, ranks *r, cut *c, double imbalance, duet_error *err)
 {
-    bool ok = check_objects(h, r, err);
-    if (ok && h->is_cut)
-        ok = move_leavers(h, r, c, err);
-    if (ok && (!h->is_cut || find_unevenness(h, r, c) > imbalance * h->unevenness))
-        ok = cut_again(h, r, c, err);
-    return ok && measure(h, r, err);
+    look l = {.h = h, .c = c, .parts = calloc(PARALLEL_MOST, sizeof *l.parts)};
+    bool ok = l.parts || error_set(err, DUET_STATUS_NO_MEMORY, "a look at the homes: no memory");
+    ok = ranks_agree(r, ok, err) && settle(&l, h, r, c, imbalance, err);
+    if (ok)
+        join_levels(h);
+    end_look(&l);
+    return ok;
 }

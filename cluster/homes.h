@@ -4,15 +4,23 @@
 #define CLUSTER_HOMES_H
 
 #include "cluster/cut.h"
+#include "cluster/owner.h"
+#include "cluster/parallel.h"
+
+// Around the objects of each level and of all finer ones.
+typedef struct level_boxes {
+    reach upto[LEVELS];
+} level_boxes;
 
 typedef struct homes {
     object_form form;
     object_rows rows;
-    reach *reaches;    // [rows.n], as are
-    uint8_t *levels;   // by owner.h
-    double widest;     // of all ranks' objects
+    object_rows spare; // memory for the rows of the next step
+    level_boxes boxes; // around the homes, or more
+    double widest;     // of all ranks' objects, or a little more
     double unevenness; // what the last cut left: the most objects for those that are due
     bool is_cut;       // the objects are where the cut has them
+    parallel *threads;
 } homes;
 
 // Takes these objects, of which it owns the memory from here on, wherever they lie.
@@ -20,7 +28,7 @@ void homes_take(homes *h, object_rows *rows);
 void homes_end(homes *h);
 
 // Checks the objects, brings each to its rank, cuts the world where that was not done or where
-// a rank has `imbalance` times what the last cut left it, and finds reaches and levels. Collective.
+// a rank has `imbalance` times what the last cut left it, and finds their boxes. Collective.
 bool homes_settle(homes *h, ranks *r, cut *c, double imbalance, duet_error *err);
 
 #endif

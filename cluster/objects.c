@@ -134,10 +134,23 @@ void object_centre(const object_form *form, const void *object, double centre[3]
                       : 0.5 * ((double)b->lower[k] + (double)b->upper[k]);
 }
 
+// Sound in 3D, found without a branch for each number; a flat box may be sound where that says no.
+static bool is_plainly_sound(const duet_pose *p)
+{
+    const float *c = p->centre, *h = p->half_extents, *q = p->rotation;
+    float zero = 0.0f * (c[0] + c[1] + c[2]) + 0.0f * (h[0] + h[1] + h[2]) +
+                 0.0f * (q[0] + q[1] + q[2] + q[3]);
+    float least = h[0] < h[1] ? h[0] : h[1];
+    least = h[2] < least ? h[2] : least;
+    return zero == 0.0f && least >= 0.0f && (q[2] != 0.0f || q[3] != 0.0f);
+}
+
 bool object_is_sound(const object_form *form, const void *object)
 {
-    if (form->shape == DUET_SHAPE_POSES)
-        return narrow_is_box(origin_pose(object, form->origin, 0), form->dims);
+    if (form->shape == DUET_SHAPE_POSES) {
+        const duet_pose *p = origin_pose(object, form->origin, 0);
+        return is_plainly_sound(p) || narrow_is_box(p, form->dims);
+    }
     const duet_bounds *b = object;
     for (uint32_t k = 0; k < form->dims; ++k)
         if (!isfinite(b->lower[k]) || !isfinite(b->upper[k]) || b->lower[k] > b->upper[k])
@@ -147,20 +160,30 @@ bool object_is_sound(const object_form *form, const void *object)
 
 // ---------------------------------------------------------------- rows
 
-bool object_rows_begin(object_rows *rows, const object_form *form, uint64_t n, duet_error *err)
+bool object_rows_reserve(object_rows *rows, const object_form *form, uint64_t n, duet_error *err)
 {
-    *rows = (object_rows){0};
     if (n > MOST_OBJECTS)
         return error_set(err, DUET_STATUS_TOO_MANY,
                          "%" PRIu64 " objects on one rank; a rank holds at most %u", n,
                          MOST_OBJECTS);
+    if (!rows->ids || n > rows->capacity) {
+        object_rows_end(rows);
+        rows->capacity = n + n / 16;
+        rows->ids = malloc((rows->capacity + 1) * sizeof *rows->ids);
+        rows->objects = malloc((rows->capacity + 1) * form->bytes);
+    }
+    if (!rows->ids || !rows->objects) {
+        object_rows_end(rows);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects: no memory", n);
+    }
     rows->n = (uint32_t)n;
-    rows->ids = malloc((n + 1) * sizeof *rows->ids);
-    rows->objects = malloc((n + 1) * form->bytes);
-    if (rows->ids && rows->objects)
-        return true;
-    object_rows_end(rows);
-    return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects: no memory", n);
+    return true;
+}
+
+bool object_rows_begin(object_rows *rows, const object_form *form, uint64_t n, duet_error *err)
+{
+    *rows = (object_rows){0};
+    return object_rows_reserve(rows, form, n, err);
 }
 
 void object_rows_end(object_rows *rows)
@@ -204,27 +227,57 @@ arrival *arrivals_sort(const object_form *form, const void *messages, uint64_t n
     return arrivals;
 }
 
-bool object_rows_merge(object_rows *to, const object_form *form, const object_rows *homes,
-                       const bool *stays, const arrival *arrivals, uint64_t n, uint64_t *sources,
-                       duet_error *err)
+// False where the first of them has the id of the row before it.
+static bool append(object_rows *to, const object_form *form, const uint64_t *ids,
+                   const void *objects, uint32_t n, duet_error *err)
 {
-    uint64_t next = 0;
-    to->n = 0;
-    for (uint32_t i = 0; i < homes->n || next < n;) {
-        if (i < homes->n && stays && !stays[i]) {
-            ++i;
-            continue;
-        }
-        bool home_is_next = next == n || (i < homes->n && homes->ids[i] < arrivals[next].id);
-        const void *object = home_is_next ? object_row(homes, form, i) : arrivals[next].object;
-        uint32_t at = to->n++;
-        if (sources)
-            sources[at] = home_is_next ? i : homes->n + arrivals[next].place;
-        to->ids[at] = home_is_next ? homes->ids[i++] : arrivals[next++].id;
-        memcpy(object_row(to, form, at), object, form->bytes);
-        if (at > 0 && to->ids[at] == to->ids[at - 1])
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "object %" PRIu64 " is there twice",
-                             to->ids[at]);
+    uint32_t at = to->n;
+    if (n == 0)
+        return true;
+    memcpy(to->ids + at, ids, (size_t)n * sizeof *ids);
+    memcpy(object_row(to, form, at), objects, (size_t)n * form->bytes);
+    to->n += n;
+    return at == 0 || to->ids[at] != to->ids[at - 1] ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "object %" PRIu64 " is there twice",
+                     to->ids[at]);
+}
+
+uint32_t object_rows_find(const object_rows *rows, uint32_t first, uint32_t end, uint64_t id)
+{
+    uint32_t width = 1; // it is near, where few come among many
+    while (width < end - first && rows->ids[first + width] < id)
+        width *= 2;
+    uint32_t last = width < end - first ? first + width : end;
+    while (first < last) {
+        uint32_t middle = first + (last - first) / 2;
+        if (rows->ids[middle] < id)
+            first = middle + 1;
+        else
+            last = middle;
     }
-    return true;
+    return first;
+}
+
+bool object_rows_merge(object_rows *to, const object_form *form, const object_rows *homes,
+                       const uint32_t *leavers, uint64_t n_leavers, const arrival *arrivals,
+                       uint64_t n, duet_error *err)
+{
+    uint64_t leaver = 0, next = 0;
+    uint32_t i = 0;
+    bool ok = true;
+    to->n = 0;
+    while (ok && (i < homes->n || next < n)) {
+        uint32_t end = leaver < n_leavers ? leavers[leaver] : homes->n;
+        uint32_t run = next < n ? object_rows_find(homes, i, end, arrivals[next].id) : end;
+        ok = append(to, form, homes->ids + i, object_row(homes, form, i), run - i, err);
+        i = run;
+        if (i == end && leaver < n_leavers) {
+            ++leaver;
+            ++i;
+        } else if (ok && next < n) {
+            ok = append(to, form, &arrivals[next].id, arrivals[next].object, 1, err);
+            ++next;
+        }
+    }
+    return ok;
 }

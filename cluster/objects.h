@@ -17,8 +17,8 @@ typedef struct object_form {
 object_form object_form_of(const duet_world_def *def);
 duet_object_kind object_form_kind(const object_form *form);
 
-// Bounds that contain all that the devices or the reference take for the object's, and in
-// 2D 0 along z.
+// Bounds that contain all that the devices or the reference take for the object's, however a
+// box is turned, and in 2D 0 along z.
 typedef struct reach {
     double lower[3];
     double upper[3];
@@ -39,8 +39,11 @@ typedef struct object_rows {
     uint64_t *ids;
     unsigned char *objects; // [n][form.bytes]
     uint32_t n;
+    uint64_t capacity; // rows for which there is memory
 } object_rows;
 
+// Space for n rows, of which it says that they are n; what it held is lost where it grows.
+bool object_rows_reserve(object_rows *rows, const object_form *form, uint64_t n, duet_error *err);
 bool object_rows_begin(object_rows *rows, const object_form *form, uint64_t n, duet_error *err);
 void object_rows_end(object_rows *rows);
 static inline void *object_row(const object_rows *rows, const object_form *form, uint32_t i)
@@ -62,12 +65,13 @@ typedef struct arrival {
 // Those of n messages by ascending id, to be freed; NULL with NO_MEMORY.
 arrival *arrivals_sort(const object_form *form, const void *messages, uint64_t n, duet_error *err);
 
-// The homes that `stays` marks, all for NULL, and n arrivals become *to, which has space for
-// them, by ascending id. sources[i], unless NULL, becomes the place of row i among the
-// homes, or of an arrival's message after them. False with BAD_ARGUMENT where an id is there
-// twice.
+// The first of rows [first, end) whose id is not below that one; end where there is none.
+uint32_t object_rows_find(const object_rows *rows, uint32_t first, uint32_t end, uint64_t id);
+
+// The homes but the leavers, places that ascend, and n arrivals become *to, which has space for
+// them, by ascending id. False with BAD_ARGUMENT where an id is there twice.
 bool object_rows_merge(object_rows *to, const object_form *form, const object_rows *homes,
-                       const bool *stays, const arrival *arrivals, uint64_t n, uint64_t *sources,
-                       duet_error *err);
+                       const uint32_t *leavers, uint64_t n_leavers, const arrival *arrivals,
+                       uint64_t n, duet_error *err);
 
 #endif

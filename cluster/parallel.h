@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// Loops over many objects, by all threads that a rank has.
+#ifndef CLUSTER_PARALLEL_H
+#define CLUSTER_PARALLEL_H
+
+#include "duet_error.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { PARALLEL_MOST = 64 }; // parts of a loop
+
+typedef struct parallel {
+    struct thread_pool *pool; // NULL: the caller's thread alone
+    uint32_t n;               // threads
+} parallel;
+
+// Threads for one of n_on_host ranks: its part of the processors that the process may use.
+bool parallel_begin(parallel *p, int n_on_host, duet_error *err);
+void parallel_end(parallel *p);
+
+// Calls body for each part [first, end) of [0, n), several at the same time. Parts are
+// numbered from 0 in ascending order. Returns how many there were, at most PARALLEL_MOST.
+typedef void parallel_body(void *context, uint32_t part, uint64_t first, uint64_t end);
+uint32_t parallel_each(parallel *p, uint64_t n, parallel_body *body, void *context);
+
+#endif
