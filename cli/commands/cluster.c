@@ -163,6 +163,9 @@ static void prepare_mpirun(void)
     setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
     setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
     setenv("OMPI_MCA_orte_execute_quiet", "1", 0);
+    // Else mpirun lists OpenCL's devices, and a loader that it calls for that cuts
+    // OCL_ICD_FILENAMES in the environment, which the ranks inherit, after its first driver.
+    setenv("HWLOC_COMPONENTS", "-opencl", 0);
     setenv(CLUSTER_STARTED, isatty(STDERR_FILENO) ? "terminal" : "pipe", 1);
 }
 
