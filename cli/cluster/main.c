@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The program duet-cluster: one rank of `duet cluster`. All ranks do the same; rank 0 reads the
 // scene and tells what there is to tell.
+#define _GNU_SOURCE // CPU_COUNT
 #include "base/error.h"
-#include "base/output.h"
 #include "cli/commands/cluster.h"
 #include "cli/interrupt.h"
 #include "cli/report/json.h"
@@ -13,6 +13,7 @@
 
 #include <inttypes.h>
 #include <locale.h>
+#include <sched.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -55,6 +56,26 @@ static bool read_weight(const run_state *r, double *weight, duet_error *err)
                      r->args->weights, n, r->n_ranks);
 }
 
+// A CPU device has a thread for each of its cores, and a launcher may have put all of them on
+// one.
+static void tell_binding(const run_state *r)
+{
+    const duet_device_pair *pair = r->cluster->def.world.pair;
+    cpu_set_t allowed;
+    uint32_t units = 0;
+    for (int i = duet_device_pair_is_one(pair); pair && i < 2; ++i) {
+        const duet_device_info *info = duet_device_pair_get_info(pair, i);
+        units += info->kind == DUET_KIND_CPU ? info->units : 0;
+    }
+    if (r->rank > 0 || sched_getaffinity(0, sizeof allowed, &allowed) != 0 ||
+        (uint32_t)CPU_COUNT(&allowed) >= units)
+        return;
+    fprintf(stderr,
+            "duet: rank 0 may use %d of the %u cores of its devices; expected 'mpirun --bind-to "
+            "none'\n",
+            CPU_COUNT(&allowed), units);
+}
+
 static bool open_cluster(run_state *r, duet_error *err)
 {
     duet_cluster_def def = duet_default_cluster_def();
@@ -65,6 +86,8 @@ static bool open_cluster(run_state *r, duet_error *err)
         !inputs_change_plan(&r->args->plan, &def.world.plan, err))
         return false;
     r->cluster = duet_cluster_create(&def, err);
+    if (r->cluster)
+        tell_binding(r);
     return r->cluster;
 }
 

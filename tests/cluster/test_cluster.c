@@ -71,6 +71,21 @@ static void each_rank_has_its_row_and_its_part_of_the_devices(void **state)
     cJSON_Delete(o);
 }
 
+static void a_rank_that_is_bound_to_one_core_of_several_is_told_of(void **state)
+{
+    (void)state;
+    skip_without_mpi();
+    program list = program_run("devices --json");
+    cJSON *devices = json_of_program(&list);
+    double units =
+        json_number(cJSON_GetArrayItem(cJSON_GetObjectItem(devices, "devices"), 0), "units");
+    program p = program_run_with("DUET_PAIR=pocl:0 taskset -c 0", "cluster --repeat 1 still -n 3");
+    assert_int_equal(p.exit_code, 0);
+    assert_true((units > 1) == (strstr(p.err, "duet: rank 0 may use 1 of the ") != NULL));
+    cJSON_Delete(devices);
+    program_free(&p);
+}
+
 static void a_person_reads_a_table(void **state)
 {
     (void)state;
@@ -190,6 +205,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ranks_with_devices_find_the_pairs_of_run),
         cmocka_unit_test(each_rank_has_its_row_and_its_part_of_the_devices),
+        cmocka_unit_test(a_rank_that_is_bound_to_one_core_of_several_is_told_of),
         cmocka_unit_test(a_person_reads_a_table),
         cmocka_unit_test(the_file_of_pairs_is_that_of_one_rank),
         cmocka_unit_test(a_failure_is_one_line),
