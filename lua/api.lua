@@ -38,6 +38,8 @@ api.classes = {
   { "duet.Rays", "Rows of origin xyz, direction xyz, t_max." },
   { "duet.Hits", "Rows of a ray, the id of the box that it meets, and where: origin + t direction." },
   { "duet.RayQueryResult", "A table: what casting rays took." },
+  { "duet.ContactQuery", "The narrow phase of contacts, for pairs that a world found or a script brings." },
+  { "duet.ContactQueryResult", "A table: what finding contacts took." },
   { "duet.Kernel", "A table: a kernel and its card." },
   { "duet.Source", "A table: the text of a variant." },
   { "duet.Level", "A table: a level of accuracy." },
@@ -59,7 +61,7 @@ api.others = {
   ["fields that a table leaves out"] = {
     "duet_default_device_pair_def", "duet_default_world_def", "duet_default_tune_def",
     "duet_default_online_def", "duet_default_motion_def", "duet_default_body", "duet_default_pair_query_def",
-    "duet_default_ray_query_def",
+    "duet_default_ray_query_def", "duet_default_contact_query_def",
   },
   ["a scene with origin = \"cell\""] = {
     "duet_large_pose_set",
@@ -296,6 +298,18 @@ api.names = {
   { "duet.RayQueryResult.total_ms", "number", "wall clock" },
   { "duet.RayQueryResult.device_ms", "number[]", "of A and of B" },
   { "duet.NO_OBJECT", "integer", "the id where a ray meets no box" },
+
+  { "duet.DevicePair:contact_query", { "def?: { share?: number, dims?: integer, margin?: number }" }, "duet.ContactQuery",
+    "Readies both devices to find where pairs touch; points are kept up to a separation of margin.",
+    fails = true, c = "duet_contact_query_create" },
+  { "duet.ContactQuery:run",
+    { "poses: duet.Poses|string|number[]|number[][]", "pairs: duet.Pairs|string|number[]|number[][]" },
+    "duet.Contacts, duet.ContactQueryResult", "A contact for each pair, in their order; its n is 0 where boxes do not touch.",
+    fails = true, c = "duet_contact_query_run" },
+  { "duet.ContactQuery:close", {}, nil, "Gives the devices' memory back.", c = "duet_contact_query_destroy" },
+  { "duet.ContactQueryResult.touching", "integer", "contacts with points" },
+  { "duet.ContactQueryResult.total_ms", "number", "wall clock" },
+  { "duet.ContactQueryResult.device_ms", "number[]", "of A and of B" },
 
   { "duet.kernels", { "limits?: { max_group?: integer, local_bytes?: integer, fp64?: boolean, cpu?: boolean }" },
     "duet.Kernel[]", "The kernels, and what their cards let vary on a device of these limits.", fails = true },

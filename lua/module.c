@@ -66,6 +66,7 @@ int luaopen_duet(lua_State *L)
     profiles_open_lua(L);
     pair_query_open_lua(L);
     ray_query_open_lua(L);
+    contact_query_open_lua(L);
     preload_carried(L);
     return 1;
 }

@@ -22,6 +22,7 @@ void source_open_lua(lua_State *L);
 void profiles_open_lua(lua_State *L);
 void pair_query_open_lua(lua_State *L);
 void ray_query_open_lua(lua_State *L);
+void contact_query_open_lua(lua_State *L);
 
 extern const member_type member_plan; // a duet_plan as a table
 const char *shape_name(int shape);
@@ -37,6 +38,7 @@ int device_pair_tune_lua(lua_State *L);
 int motion_create_lua(lua_State *L);
 int pair_query_create_lua(lua_State *L);
 int ray_query_create_lua(lua_State *L);
+int contact_query_create_lua(lua_State *L);
 
 typedef struct world_box {
     duet_world *world;

@@ -28,6 +28,7 @@ static duet_world *apart_world;
 static duet_motion *motion;
 static duet_pair_query *test;
 static duet_ray_query *rays;
+static duet_contact_query *touching;
 static duet_online *online;
 static duet_pose pose = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
 static duet_large_pose placed;
@@ -379,6 +380,31 @@ static void cast_rays(void)
     duet_ray_query_destroy(NULL);
 }
 
+static void find_contacts(void)
+{
+    duet_contact_query_def def = duet_default_contact_query_def();
+    duet_contact_query_result found;
+    const duet_pose two[2] = {pose, pose};
+    const duet_pair first = {0, 1};
+    const duet_span one[2] = {{&first, 1}, {0}}, none[2] = {{0}}, lost[2] = {{NULL, 1}, {0}};
+    REFUSES(duet_contact_query_create(NULL, e));
+    REFUSES(duet_contact_query_create(&def, e));
+    def.pair = pair;
+    def.share = DUET_SHARE_ONE + 1;
+    REFUSES(duet_contact_query_create(&def, e));
+    def.share = 0;
+    def.margin = -1;
+    REFUSES(duet_contact_query_create(&def, e));
+    REFUSES(duet_contact_query_run(NULL, two, 2, one, &found, e));
+    REFUSES(duet_contact_query_run(touching, NULL, 2, one, &found, e));
+    REFUSES(duet_contact_query_run(touching, two, 2, NULL, &found, e));
+    REFUSES(duet_contact_query_run(touching, two, 2, lost, &found, e));
+    REFUSES(duet_contact_query_run(touching, two, 1, one, &found, e));
+    REFUSES(duet_contact_query_run(touching, two, 2, one, NULL, e));
+    TAKES(duet_contact_query_run(touching, NULL, 0, none, &found, e));
+    duet_contact_query_destroy(NULL);
+}
+
 static void references(void)
 {
     REFUSES(duet_reference(NULL, DUET_LEVEL_CERTIFIED, &pairs, &n, e));
@@ -563,6 +589,9 @@ static const struct {
     {"duet_ray_query_create duet_ray_query_destroy duet_ray_query_run "
      "duet_ray_query_set_objects duet_ray_wants_name duet_default_ray_query_def",
      cast_rays},
+    {"duet_contact_query_create duet_contact_query_destroy duet_contact_query_run "
+     "duet_default_contact_query_def",
+     find_contacts},
     {"duet_reference", references},
     {"duet_motion_create duet_motion_create_from_scene duet_motion_destroy", create_motion},
     {"duet_motion_get_states duet_motion_get_hash duet_motion_get_energy duet_motion_get_contacts "
@@ -601,6 +630,7 @@ static int rows_of(const char *call)
 }
 
 static const char *const headers[] = {
+    "runtime/duet_contact_query.h",
     "runtime/duet.h",        "runtime/duet_device.h",    "runtime/duet_level.h",
     "runtime/duet_motion.h", "runtime/duet_object.h",    "runtime/duet_pair_query.h",
     "runtime/duet_ray_query.h", "runtime/duet_scene.h",  "runtime/duet_world.h",     "base/duet_error.h",
@@ -713,6 +743,11 @@ static int open_all(void **state)
     casting.share = 0;
     rays = duet_ray_query_create(&casting, &err);
     assert_ok(rays, err);
+    duet_contact_query_def finding = duet_default_contact_query_def();
+    finding.pair = pair;
+    finding.share = 0;
+    touching = duet_contact_query_create(&finding, &err);
+    assert_ok(touching, err);
     duet_online_def tuning = duet_default_online_def();
     tuning.world = world;
     online = duet_online_create(&tuning, &err);
@@ -727,6 +762,7 @@ static int close_all(void **state)
     duet_online_destroy(online, NULL);
     duet_pair_query_destroy(test);
     duet_ray_query_destroy(rays);
+    duet_contact_query_destroy(touching);
     duet_motion_destroy(motion);
     duet_world_destroy(bounds_world);
     duet_world_destroy(placed_world);

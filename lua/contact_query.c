@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// device_pair:contact_query: where pairs of boxes touch.
+#include "lua/nouns.h"
+
+#include <string.h>
+
+typedef struct query_box {
+    duet_contact_query *query;
+} query_box;
+
+static const lua_class query_class;
+
+static const member def_members[] = {
+    MEMBER(member_share, duet_contact_query_def, share),
+    MEMBER(member_count, duet_contact_query_def, dims),
+    MEMBER(member_float, duet_contact_query_def, margin),
+    {0},
+};
+
+static const member result_members[] = {
+    MEMBER(member_count, duet_contact_query_result, touching),
+    MEMBER(member_double, duet_contact_query_result, total_ms),
+    MEMBER(member_double, duet_contact_query_result, device_ms),
+    {0},
+};
+
+// device_pair:contact_query(def)
+int contact_query_create_lua(lua_State *L)
+{
+    duet_error err = {0};
+    duet_contact_query_def def = duet_default_contact_query_def();
+    def.pair = device_pair_check(L, 1);
+    if (!lua_isnoneornil(L, 2))
+        member_read_table(L, 2, "a contact query", def_members, &def);
+    query_box *box = class_push(L, &query_class, sizeof *box);
+    lua_pushvalue(L, 1);
+    lua_setiuservalue(L, -2, 1);
+    box->query = duet_contact_query_create(&def, &err);
+    return box->query ? 1 : class_push_failure(L, &err);
+}
+
+// query:run(poses, pairs) -> contacts, result
+static int query_run(lua_State *L)
+{
+    duet_error err = {0};
+    duet_contact_query_result result = {0};
+    query_box *box = luaL_checkudata(L, 1, query_class.name);
+    luaL_argcheck(L, box->query, 1, "the query is closed");
+    const array *poses = array_check(L, 2, ARRAY_POSES);
+    const array *pairs = array_check(L, 3, ARRAY_PAIRS);
+    luaL_argcheck(L, poses->n <= UINT32_MAX, 2, "fewer than 2^32 rows");
+    const duet_span spans[2] = {{pairs->rows, pairs->n}, {NULL, 0}};
+    if (!duet_contact_query_run(box->query, poses->rows, (uint32_t)poses->n, spans, &result, &err))
+        return class_push_failure(L, &err);
+    array *contacts = array_push(L, ARRAY_CONTACTS, result.n_contacts);
+    if (result.n_contacts > 0)
+        memcpy(contacts->rows, result.contacts,
+               (size_t)result.n_contacts * sizeof *result.contacts);
+    member_push_table(L, result_members, &result);
+    return 2;
+}
+
+static int query_close(lua_State *L)
+{
+    query_box *box = luaL_checkudata(L, 1, query_class.name);
+    duet_contact_query_destroy(box->query);
+    box->query = NULL;
+    return 0;
+}
+
+static const luaL_Reg methods[] = {{"close", query_close}, {"run", query_run}, {NULL, NULL}};
+static const lua_class query_class = {.name = "duet.contact_query", .methods = methods};
+
+void contact_query_open_lua(lua_State *L)
+{
+    class_open(L, &query_class);
+}

@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: MIT
+// Contacts of pairs that a world found or the caller brings.
+//
+// A takes the first share of the pairs and B the rest, at the same time; each gets all
+// boxes, and its pairs a chunk at a time.
+#include "base/budget.h"
+#include "base/clock.h"
+#include "base/error.h"
+#include "runtime/narrowphase/narrow.h"
+#include "runtime/opencl/device_pair.h"
+#include "runtime/opencl/thread_pool.h"
+#include "runtime/opencl/timeline.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+
+enum { COOKIE = 0x0d0e700b };
+
+// Some 27 MB of contacts: launches cost nothing beside it, and few devices lack it.
+enum { CHUNK = 1 << 18 };
+
+// Of kernels/dynamics/contact_query.cl: the points of a pair with an object that is no box.
+#define NO_BOX UINT32_MAX
+
+static_assert(sizeof(duet_contact) == 26 * sizeof(uint32_t), "a row as the kernel writes it");
+static_assert(offsetof(duet_contact, points) == 6 * sizeof(uint32_t), "points follow their number");
+
+// One device, and what it does of a call: pairs first to last of both spans.
+typedef struct side {
+    const device *device;
+    gen *gen;
+    program_set *programs;
+    kernel *kernel;
+    timeline times;
+    buffer poses, pairs, contacts;
+    cl_uint n; // of the pairs that were launched last
+    cl_float margin;
+    uint32_t dims;
+
+    const duet_pose *all_poses;
+    uint32_t n_poses;
+    const duet_span *spans;
+    duet_contact *found; // of all pairs
+    uint64_t first, last;
+    uint64_t touching;
+    double wall_ms;
+    bool ok;
+    duet_error err;
+} side;
+
+static const binding side_bindings[] = {BIND_BUFFER(side, "poses", "float *", poses),
+                                        BIND_BUFFER(side, "pairs", "uint *", pairs),
+                                        BIND_BUFFER(side, "contacts", "uint *", contacts),
+                                        BIND_VALUE(side, "n", n),
+                                        BIND_VALUE(side, "margin", margin),
+                                        {0}};
+
+struct duet_contact_query {
+    duet_contact_query_def def;
+    side sides[2];       // A, B
+    thread_pool *driver; // drives A while the caller's thread drives B
+    duet_contact *contacts;
+    uint64_t capacity;
+};
+
+duet_contact_query_def duet_default_contact_query_def(void)
+{
+    return (duet_contact_query_def){.share = DUET_SHARE_DEFAULT, .dims = 3, .cookie = COOKIE};
+}
+
+// ---------------------------------------------------------------- owner
+
+static bool check_def(const duet_contact_query_def *def, duet_error *err)
+{
+    if (!def || def->cookie != COOKIE)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the query's def does not come from duet_default_contact_query_def");
+    if (!def->pair)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no device pair");
+    if (def->dims != 2 && def->dims != 3)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
+    if (!(def->margin >= 0.0f) || !isfinite(def->margin))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "margin is %g; expected 0 or a length above it", (double)def->margin);
+    if (def->share > DUET_SHARE_ONE && def->share != DUET_SHARE_DEFAULT)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "share is %u of %u; expected at most all of it", def->share,
+                         DUET_SHARE_ONE);
+    return true;
+}
+
+static void close_side(side *s)
+{
+    timeline_clear(&s->times);
+    buffer_release(&s->poses);
+    buffer_release(&s->pairs);
+    buffer_release(&s->contacts);
+    program_set_close(s->programs);
+    gen_close(s->gen);
+    *s = (side){0};
+}
+
+static bool open_side(side *s, const duet_contact_query_def *def, int which, duet_error *err)
+{
+    *s = (side){.device = &def->pair->devices[which], .dims = def->dims, .margin = def->margin};
+    const gen_setting settings[] = {{"DIMS", def->dims}};
+    s->gen = gen_open(def->pair->kernel_dir, err);
+    s->programs = s->gen ? program_set_open(s->device, s->gen, &def->pair->builder, err) : NULL;
+    if (s->programs)
+        s->kernel = program_set_kernel(s->programs, "contact_query", "contact_query", settings, 1,
+                                       side_bindings, err);
+    return s->kernel && program_set_build(s->programs, err);
+}
+
+duet_contact_query *duet_contact_query_create(const duet_contact_query_def *def, duet_error *err)
+{
+    if (!check_def(def, err))
+        return NULL;
+    duet_contact_query *query = calloc(1, sizeof *query);
+    if (!query) {
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
+        return NULL;
+    }
+    query->def = *def;
+    if (def->share == DUET_SHARE_DEFAULT)
+        query->def.share = duet_default_plan(def->pair).share;
+    device_pair_hold(def->pair);
+    const bool used[2] = {query->def.share > 0, query->def.share < DUET_SHARE_ONE};
+    bool ok = true;
+    for (int which = 0; which < 2; ++which)
+        ok = ok && (!used[which] || open_side(&query->sides[which], def, which, err));
+    if (ok && used[0] && used[1])
+        ok = (query->driver = thread_pool_open(1, err)) != NULL;
+    if (!ok) {
+        duet_contact_query_destroy(query);
+        return NULL;
+    }
+    return query;
+}
+
+void duet_contact_query_destroy(duet_contact_query *query)
+{
+    if (!query)
+        return;
+    thread_pool_close(query->driver);
+    close_side(&query->sides[0]);
+    close_side(&query->sides[1]);
+    duet_device_pair_destroy(query->def.pair);
+    free(query->contacts);
+    free(query);
+}
+
+// ---------------------------------------------------------------- a chunk
+
+// A buffer over memory that is the caller's, or as large as it.
+static bool send(side *s, buffer *b, const char *stage, const void *rows, size_t bytes)
+{
+    return buffer_hold(b, s->device, (void *)rows, bytes, &s->err) &&
+           timeline_write(&s->times, stage, b, rows, bytes, &s->err);
+}
+
+static bool ask_device(side *s, const duet_pair *pairs, uint64_t first, uint32_t n)
+{
+    duet_contact *found = s->found + first;
+    s->n = n;
+    return send(s, &s->pairs, "send pairs", pairs, n * sizeof *pairs) &&
+           buffer_hold(&s->contacts, s->device, found, n * sizeof *found, &s->err) &&
+           timeline_launch(&s->times, "contacts", s->kernel, n, s, &s->err) &&
+           timeline_read(&s->times, "fetch contacts", &s->contacts, found, n * sizeof *found,
+                         &s->err);
+}
+
+static bool refuse(side *s, uint64_t i)
+{
+    const duet_contact *c = &s->found[i];
+    bool first_is_box = narrow_is_box(&s->all_poses[c->a], s->dims);
+    return error_set(&s->err, DUET_STATUS_BAD_OBJECT,
+                     "object %u of %u is not a number, infinite, negative or without rotation",
+                     first_is_box ? c->b : c->a, s->n_poses);
+}
+
+static bool look_at_chunk(side *s, const duet_pair *pairs, uint64_t first, uint32_t n)
+{
+    if (!budget_check(&s->err) || !ask_device(s, pairs, first, n))
+        return false;
+    for (uint64_t i = first; i < first + n; ++i) {
+        if (s->found[i].n == NO_BOX)
+            return refuse(s, i);
+        s->touching += s->found[i].n > 0;
+    }
+    return true;
+}
+
+// ---------------------------------------------------------------- all pairs
+
+static bool has_work(const side *s)
+{
+    return s->first < s->last;
+}
+
+// The pairs of a span that are the side's; `before` are in the spans before it.
+static bool look_at_span(side *s, const duet_span *span, uint64_t before)
+{
+    uint64_t end = s->last < before + span->n ? s->last : before + span->n;
+    bool ok = true;
+    for (uint64_t at = s->first > before ? s->first : before; ok && at < end; at += CHUNK) {
+        uint32_t n = end - at < CHUNK ? (uint32_t)(end - at) : CHUNK;
+        ok = look_at_chunk(s, span->pairs + (at - before), at, n);
+    }
+    return ok;
+}
+
+static void release_borrowed(buffer *b)
+{
+    if (b->borrowed) // the caller may free it
+        buffer_release(b);
+}
+
+static void run_side(void *arg)
+{
+    side *s = arg;
+    uint64_t begun = clock_steady_ns();
+    timeline_begin(&s->times, s->device);
+    s->ok = send(s, &s->poses, "send objects", s->all_poses, s->n_poses * sizeof *s->all_poses) &&
+            look_at_span(s, &s->spans[0], 0) && look_at_span(s, &s->spans[1], s->spans[0].n) &&
+            timeline_finish(&s->times, &s->err);
+    timeline_clear(&s->times);
+    release_borrowed(&s->poses);
+    release_borrowed(&s->pairs);
+    release_borrowed(&s->contacts);
+    s->wall_ms = clock_ms_since(begun);
+}
+
+// A's part of n, without a product that overflows.
+static uint64_t part_of(uint64_t n, uint32_t share)
+{
+    return n / DUET_SHARE_ONE * share + n % DUET_SHARE_ONE * share / DUET_SHARE_ONE;
+}
+
+static bool check_pairs(const duet_span *span, uint32_t n, uint64_t before, duet_error *err)
+{
+    for (uint64_t i = 0; i < span->n; ++i) {
+        duet_pair p = span->pairs[i];
+        if (p.a >= n || p.b >= n || p.a == p.b)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "pair %llu is of objects %u and %u; expected two of %u",
+                             (unsigned long long)(before + i), p.a, p.b, n);
+    }
+    return true;
+}
+
+static bool check_rows(const duet_pose *poses, const duet_span spans[2], uint32_t n,
+                       duet_error *err)
+{
+    for (int k = 0; k < 2; ++k)
+        if (spans[k].n > 0 && (!spans[k].pairs || !poses))
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%llu pairs, but no %s",
+                             (unsigned long long)spans[k].n, poses ? "rows of them" : "poses");
+    return check_pairs(&spans[0], n, 0, err) && check_pairs(&spans[1], n, spans[0].n, err);
+}
+
+static bool reserve_contacts(duet_contact_query *query, uint64_t n, duet_error *err)
+{
+    if (n <= query->capacity)
+        return true;
+    free(query->contacts);
+    query->capacity = 0;
+    bool fits = n <= SIZE_MAX / sizeof *query->contacts;
+    query->contacts = fits ? malloc((size_t)n * sizeof *query->contacts) : NULL;
+    if (!query->contacts)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %llu contacts",
+                         (unsigned long long)n);
+    query->capacity = n;
+    return true;
+}
+
+bool duet_contact_query_run(duet_contact_query *query, const duet_pose *poses, uint32_t n,
+                            const duet_span spans[2], duet_contact_query_result *result,
+                            duet_error *err)
+{
+    if (!error_given(query, __func__, "query", err) ||
+        !error_given(spans, __func__, "spans", err) ||
+        !error_given(result, __func__, "result", err))
+        return false;
+    uint64_t begun = clock_steady_ns();
+    uint64_t n_pairs = spans[0].n + spans[1].n;
+    if (!check_rows(poses, spans, n, err) || !reserve_contacts(query, n_pairs, err))
+        return false;
+    uint64_t cut = part_of(n_pairs, query->def.share);
+    side *a = &query->sides[0], *b = &query->sides[1];
+    for (int which = 0; which < 2; ++which) {
+        side *s = &query->sides[which];
+        s->all_poses = poses;
+        s->n_poses = n;
+        s->spans = spans;
+        s->found = query->contacts;
+        s->first = which == 0 ? 0 : cut;
+        s->last = which == 0 ? cut : n_pairs;
+        s->touching = 0;
+        s->wall_ms = 0;
+        s->ok = true;
+        s->err = (duet_error){0};
+    }
+    thread_pool_run_both(query->driver, run_side, has_work(a) ? a : NULL, has_work(b) ? b : NULL);
+    const side *failed = a->ok ? b : a; // A's pairs are the first ones
+    if (!failed->ok) {
+        if (err && err->status == DUET_STATUS_OK)
+            *err = failed->err;
+        return false;
+    }
+    *result = (duet_contact_query_result){.contacts = query->contacts,
+                                          .n_contacts = n_pairs,
+                                          .touching = a->touching + b->touching,
+                                          .total_ms = clock_ms_since(begun),
+                                          .device_ms = {a->wall_ms, b->wall_ms}};
+    return true;
+}
