@@ -330,7 +330,7 @@ api.names = {
   { "duet.DevicePair:motion", { "objects: duet.Scene|duet.Poses|string|any[]", "bodies?: duet.Bodies|string|any[]|table",
     "def?: table" },
     "duet.Motion", "Objects that move: of a scene, with def second, or poses with bodies. A def { plan, dims, wants, doubles, origin, origin_edge, gravity, attraction, centre, drag, " ..
-    "boundary, lower, upper, dt, substeps, integrator, skin, slop, max_push_speed, restitution_threshold, sleep_speed, sleep_after }; " ..
+    "boundary, lower, upper, dt, substeps, integrator, skin, slop, max_push_speed, restitution_threshold, sleep_speed, sleep_after, hit_speed, event_mask }; " ..
     "wants is a list of effects, boundary none, walls or periodic, integrator euler, verlet or yoshida.",
     fails = true, c = { "duet_motion_create", "duet_motion_create_from_scene", "duet_scene_motion_def" } },
   { "duet.Motion:advance", {}, "duet.MotionResult", "Advances all objects by dt.", fails = true,
@@ -354,6 +354,10 @@ api.names = {
     "Every effect, and what calls for it, or would; last, how positions are kept.", c = "duet_motion_explain" },
   { "duet.Motion:close", {}, nil, "Gives the devices' memory back.", c = "duet_motion_destroy" },
   { "duet.MotionResult:events", {}, "fun(): integer, integer, boolean", "for a, b, begins in result:events() do" },
+  { "duet.MotionResult:stays", {}, "fun(): integer, integer", "for a, b in result:stays() do" },
+  { "duet.MotionResult:hits", {},
+    "fun(): integer, integer, number, number, number, number, number, number, number, number",
+    "for a, b, x, y, z, nx, ny, nz, speed, impulse in result:hits() do" },
   { "duet.MotionResult:stages", {}, "duet.Stage[]", "Where the time went, by effect." },
   { "duet.MotionResult:close", {}, nil, "Forgets the motion." },
   { "duet.MotionResult.step", "integer", "steps since the start" },
@@ -363,6 +367,8 @@ api.names = {
   { "duet.MotionResult.colours", "integer", "rounds of a solution" },
   { "duet.MotionResult.rebuilt", "boolean", "pairs were searched in this step" },
   { "duet.MotionResult.n_events", "integer", "contacts that began or ended" },
+  { "duet.MotionResult.n_stays", "integer", "contacts that touch and did so in the last step" },
+  { "duet.MotionResult.n_hits", "integer", "impacts above hit_speed" },
   { "duet.MotionResult.total_ms", "number", "" },
   { "duet.Energy.kinetic", "number", "of objects with a mass" },
   { "duet.Energy.turning", "number", "of their rotation" },

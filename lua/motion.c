@@ -96,6 +96,8 @@ static const member def_members[] = {
     MEMBER(member_double, duet_motion_def, restitution_threshold),
     MEMBER(member_double, duet_motion_def, sleep_speed),
     MEMBER(member_double, duet_motion_def, sleep_after),
+    MEMBER(member_double, duet_motion_def, hit_speed),
+    MEMBER(member_count, duet_motion_def, event_mask),
     {0},
 };
 
@@ -190,6 +192,8 @@ static const member step_members[] = {
     MEMBER(member_count, duet_motion_result, colours),
     MEMBER(member_bool, duet_motion_result, rebuilt),
     MEMBER(member_count, duet_motion_result, n_events),
+    MEMBER(member_count, duet_motion_result, n_stays),
+    MEMBER(member_count, duet_motion_result, n_hits),
     MEMBER(member_double, duet_motion_result, total_ms),
     {0},
 };
@@ -215,30 +219,93 @@ static int step_stages(lua_State *L)
     return 1;
 }
 
-// The next event; upvalues: the result, the place.
-static int next_event(lua_State *L)
+// Pushes what is at place i of the result, and says how many values that is.
+typedef int push_row(lua_State *L, const duet_motion_result *result, uint64_t i);
+
+// One of a result's rows after the other; upvalues: the result, the place.
+static int next_row(lua_State *L, uint64_t n, push_row *push)
 {
     const step_box *box = lua_touserdata(L, lua_upvalueindex(1));
     lua_Integer i = lua_tointeger(L, lua_upvalueindex(2));
     check_step(L, box);
-    if ((uint64_t)i >= box->result.n_events)
+    if ((uint64_t)i >= n)
         return 0;
     lua_pushinteger(L, i + 1);
     lua_replace(L, lua_upvalueindex(2));
-    const duet_event *event = &box->result.events[i];
-    lua_pushinteger(L, event->a);
-    lua_pushinteger(L, event->b);
-    lua_pushboolean(L, event->begins);
-    return 3;
+    return push(L, &box->result, (uint64_t)i);
 }
 
-static int step_events(lua_State *L)
+static const duet_motion_result *upvalue_result(lua_State *L)
+{
+    return &((const step_box *)lua_touserdata(L, lua_upvalueindex(1)))->result;
+}
+
+static int push_iterator(lua_State *L, lua_CFunction next)
 {
     step_struct(L);
     lua_pushvalue(L, 1);
     lua_pushinteger(L, 0);
-    lua_pushcclosure(L, next_event, 2);
+    lua_pushcclosure(L, next, 2);
     return 1;
+}
+
+static int push_event(lua_State *L, const duet_motion_result *result, uint64_t i)
+{
+    lua_pushinteger(L, result->events[i].a);
+    lua_pushinteger(L, result->events[i].b);
+    lua_pushboolean(L, result->events[i].begins);
+    return 3;
+}
+
+static int push_stay(lua_State *L, const duet_motion_result *result, uint64_t i)
+{
+    lua_pushinteger(L, result->stays[i].a);
+    lua_pushinteger(L, result->stays[i].b);
+    return 2;
+}
+
+static int push_hit(lua_State *L, const duet_motion_result *result, uint64_t i)
+{
+    const duet_hit_event *hit = &result->hits[i];
+    lua_pushinteger(L, hit->a);
+    lua_pushinteger(L, hit->b);
+    for (int k = 0; k < 3; ++k)
+        lua_pushnumber(L, hit->point[k]);
+    for (int k = 0; k < 3; ++k)
+        lua_pushnumber(L, (lua_Number)hit->normal[k]);
+    lua_pushnumber(L, (lua_Number)hit->speed);
+    lua_pushnumber(L, (lua_Number)hit->impulse);
+    return 10;
+}
+
+static int next_event(lua_State *L)
+{
+    return next_row(L, upvalue_result(L)->n_events, push_event);
+}
+
+static int next_stay(lua_State *L)
+{
+    return next_row(L, upvalue_result(L)->n_stays, push_stay);
+}
+
+static int next_hit(lua_State *L)
+{
+    return next_row(L, upvalue_result(L)->n_hits, push_hit);
+}
+
+static int step_events(lua_State *L)
+{
+    return push_iterator(L, next_event);
+}
+
+static int step_stays(lua_State *L)
+{
+    return push_iterator(L, next_stay);
+}
+
+static int step_hits(lua_State *L)
+{
+    return push_iterator(L, next_hit);
 }
 
 static int step_close(lua_State *L)
@@ -248,8 +315,9 @@ static int step_close(lua_State *L)
     return 0;
 }
 
-static const luaL_Reg step_methods[] = {
-    {"stages", step_stages}, {"events", step_events}, {"close", step_close}, {NULL, NULL}};
+static const luaL_Reg step_methods[] = {{"stages", step_stages}, {"events", step_events},
+                                        {"stays", step_stays},   {"hits", step_hits},
+                                        {"close", step_close},   {NULL, NULL}};
 static const lua_class step_class = {.name = "duet.motion_result",
                                      .methods = step_methods,
                                      .members = step_members,

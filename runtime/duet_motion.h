@@ -28,7 +28,7 @@ typedef enum duet_effect {
     DUET_EFFECT_FILTER = 1u << 10,          // groups and masks
     DUET_EFFECT_SLEEP = 1u << 11,           // what rests leaves the work
     DUET_EFFECT_SKIN = 1u << 12,            // the grid lasts until something leaves its skin
-    DUET_EFFECT_EVENTS = 1u << 13,          // contacts that begin and end are told
+    DUET_EFFECT_EVENTS = 1u << 13,          // contacts that begin, stay and end, and hits
     DUET_EFFECT_ALL = (1u << 14) - 1
 } duet_effect;
 
@@ -92,6 +92,8 @@ typedef struct duet_motion_def {
     double restitution_threshold; // impacts below it do not bounce
     double sleep_speed; // what is slower rests, and what is faster takes back twice the time
     double sleep_after; // seconds of rest: sleeps, if nothing that moves touches it
+    double hit_speed;    // > 0: impacts above that speed are told as hits
+    uint32_t event_mask; // events are those of objects, one of the two, whose group has a bit of it
     int cookie;
 } duet_motion_def;
 
@@ -117,13 +119,24 @@ DUET_API duet_motion *duet_motion_create_from_scene(const duet_motion_def *def,
                                                     const duet_body *bodies, duet_error *err);
 DUET_API void duet_motion_destroy(duet_motion *motion);
 
-// A contact that began or ended, a < b; a wall 2 k or 2 k + 1, the lower or
-// upper one of axis k, is object n + 2 k or n + 2 k + 1.
+// Two objects touch in a step if a point of theirs overlaps or pushes. A contact that began
+// to touch or ended, a < b; a wall 2 k or 2 k + 1, the lower or upper one of axis k, is
+// object n + 2 k or n + 2 k + 1.
 typedef struct duet_event {
     uint32_t a;
     uint32_t b;
     bool begins;
 } duet_event;
+
+// An impact: two objects that push came together faster than hit_speed, a < b.
+typedef struct duet_hit_event {
+    uint32_t a;
+    uint32_t b;
+    double point[3]; // of the world: the fastest point of the contact
+    float normal[3]; // from a to b
+    float speed;     // along the normal, when the step began
+    float impulse;   // along the normal, the greatest of a substep, of all points
+} duet_hit_event;
 
 // What a step did. Its memory is the motion's and lasts until the next step.
 typedef struct duet_motion_result {
@@ -133,8 +146,12 @@ typedef struct duet_motion_result {
     uint64_t contacts; // that push
     uint32_t colours;  // rounds of a solution
     bool rebuilt;      // pairs were searched in this step
-    const duet_event *events;
+    const duet_event *events; // that begin and end, ascending by a and b
     uint64_t n_events;
+    const duet_pair *stays; // that touch, and did so in the last step; likewise
+    uint64_t n_stays;
+    const duet_hit_event *hits; // likewise
+    uint64_t n_hits;
     double total_ms;
     const duet_stage *stages; // named by effect
     uint32_t n_stages;

@@ -14,7 +14,6 @@ return {
     { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
     { "CONTINUOUS", values = { 0, 1 }, default = 0, about = "1: fast bodies do not tunnel through thin ones" },
     { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
-    { "EVENTS", values = { 0, 1 }, default = 0, about = "1: reports contacts that begin and end" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "pairs side by side in a work-item, of turned boxes in float" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
@@ -38,9 +37,7 @@ return {
       uint woken              if SLEEP == 1
       float *rests            if SLEEP == 1
       float dt                if CONTINUOUS == 1
-      uint4 *events           if EVENTS == 1
-      uint event_capacity     if EVENTS == 1
-      volatile uint *flags    if EVENTS + SLEEP > 0
+      volatile uint *flags    if SLEEP == 1
       float margin
       uint *touches
       float *contacts

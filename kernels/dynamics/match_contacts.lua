@@ -8,7 +8,6 @@ return {
     { "CONTACT_RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push back" },
     { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
     { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
-    { "EVENTS", values = { 0, 1 }, default = 0, about = "1: reports contacts that begin and end" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
@@ -22,9 +21,6 @@ return {
       uint n_old
       const uint *old_colours  if CONTACT_RESPONSE == 1
       uint *colours            if CONTACT_RESPONSE == 1
-      uint4 *events            if EVENTS == 1
-      uint event_capacity      if EVENTS == 1
-      volatile uint *flags     if EVENTS == 1
       const uint *asleep       if SLEEP == 1
       uint n                   if SLEEP == 1
       float *rests             if SLEEP == 1

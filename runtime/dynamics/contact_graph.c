@@ -161,18 +161,9 @@ static bool fill_returns(duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- contacts
 
-// As many as can begin and end: devices cannot ask for more space.
-static bool reserve_events(duet_motion *m, uint32_t n_old, duet_error *err)
-{
-    m->event_capacity = (uint64_t)m->n_contacts + 2 * (uint64_t)n_old + 1;
-    return !motion_has(m, DUET_EFFECT_EVENTS) ||
-           motion_reserve(m, EVENTS, m->event_capacity, 4 * sizeof(uint32_t), err);
-}
-
 static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
 {
     m->args.n_old = n_old;
-    m->args.event_capacity = (uint32_t)m->event_capacity;
     return motion_launch(m, "match_contacts", m->kernels.match_contacts, n_old, err);
 }
 
@@ -189,7 +180,7 @@ static bool build_graph(duet_motion *m, duet_error *err)
     m->has_graph = true;
     return compute_fat_aabbs(m, err) && find_pairs(m, err) && check_capacity(m, &most, err) &&
            count_rows(m, err) && fill_rows(m, most, err) && fill_returns(m, err) &&
-           reserve_events(m, n_old, err) && match_contacts(m, n_old, err);
+           match_contacts(m, n_old, err);
 }
 
 bool motion_build_graph(duet_motion *m, duet_error *err)

@@ -9,9 +9,9 @@ static const effect_row rows[] = {
     {DUET_EFFECT_CONTACT_RESPONSE, "contact_response", DUET_EFFECT_CONTACT | DUET_EFFECT_MOTION,
      "a restitution or a friction, or wants", "pushes",
      "contact_graph, match_contacts, build_manifolds, graph_colour, prepare_contacts, bodies, "
-     "solve_contacts, integrate_positions"},
-    {DUET_EFFECT_EVENTS, "events", DUET_EFFECT_CONTACT, "wants", "events",
-     "build_manifolds, match_contacts"},
+     "solve_contacts, integrate_positions, contact_events"},
+    {DUET_EFFECT_EVENTS, "events", DUET_EFFECT_CONTACT, "wants, or a hit_speed", "touching",
+     "contact_events"},
     {DUET_EFFECT_CONTACT, "contact", 0, "contact_response, or wants", NULL,
      "fat_aabbs, contact_graph, build_manifolds, match_contacts"},
     {DUET_EFFECT_MOTION, "motion", 0, "a velocity, gravity on a mass, or contact_response", NULL,
@@ -25,13 +25,13 @@ static const effect_row rows[] = {
     {DUET_EFFECT_ANGULAR_VELOCITY, "angular_velocity", DUET_EFFECT_ROTATION | DUET_EFFECT_MOTION,
      "an angular velocity, or contact_response for an object that may turn", "angular_velocity",
      "integrate_free_flight, match_contacts, build_manifolds, update_sleep, graph_colour, "
-     "prepare_contacts, bodies, solve_contacts, integrate_positions"},
+     "prepare_contacts, bodies, solve_contacts, integrate_positions, contact_events"},
     {DUET_EFFECT_ROTATION, "rotation", 0,
      "a rotation that is not the identity, with motion or contact; or angular_velocity",
      "rotations", "integrate_free_flight, fat_aabbs, build_manifolds"},
     {DUET_EFFECT_FRICTION, "friction", DUET_EFFECT_CONTACT_RESPONSE, "a friction", "friction",
      "match_contacts, build_manifolds, update_sleep, graph_colour, prepare_contacts, "
-     "solve_contacts, integrate_positions"},
+     "solve_contacts, integrate_positions, contact_events"},
     {DUET_EFFECT_CONTINUOUS, "continuous", DUET_EFFECT_CONTACT_RESPONSE,
      "something that moves more than half its least half extent in a step", "swept",
      "fat_aabbs, build_manifolds"},
@@ -146,6 +146,8 @@ static bool is_called(uint32_t effect, const duet_motion_def *def, const effect_
         return pushes && f->reach > 0.5;
     case DUET_EFFECT_FILTER:
         return (so_far & DUET_EFFECT_CONTACT) && f->filtered;
+    case DUET_EFFECT_EVENTS:
+        return def->hit_speed > 0.0;
     case DUET_EFFECT_SKIN:
         return (so_far & DUET_EFFECT_CONTACT) && def->skin > 0.0;
     default:

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
-// What contacts there are, and which began and ended, for the caller.
+// What contacts there are, for the caller.
 #include "runtime/dynamics/motion.h"
 
 #include "base/error.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-// ---------------------------------------------------------------- contacts
 
 static duet_contact read_record(const duet_motion *m, const uint32_t link[2], uint32_t n,
                                 const float *record)
@@ -59,48 +57,5 @@ bool duet_motion_get_contacts(duet_motion *m, duet_contact **contacts, uint64_t 
     *contacts = ok ? found : NULL;
     if (!ok)
         free(found);
-    return ok;
-}
-
-// ---------------------------------------------------------------- events
-
-static int by_ids(const void *a, const void *b)
-{
-    const duet_event *x = a;
-    const duet_event *y = b;
-    if (x->a != y->a)
-        return x->a < y->a ? -1 : 1;
-    if (x->b != y->b)
-        return x->b < y->b ? -1 : 1;
-    return y->begins - x->begins; // one that did both began first
-}
-
-static duet_event event_of(const uint32_t words[4])
-{
-    uint32_t a = words[0] < words[1] ? words[0] : words[1];
-    return (duet_event){a, words[0] ^ words[1] ^ a, words[2]};
-}
-
-// Devices write them in any order.
-bool motion_fetch_events(duet_motion *m, duet_error *err)
-{
-    size_t n = m->flags[FLAG_EVENTS];
-    m->n_events = 0;
-    if (n == 0)
-        return true;
-    uint32_t(*words)[4] = malloc(n * sizeof *words);
-    duet_event *events = realloc(m->events, n * sizeof *events);
-    if (events)
-        m->events = events;
-    bool ok = words && events;
-    if (!ok)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu events", n);
-    ok = ok && fetch(m, EVENTS, words, n * sizeof *words, err);
-    for (size_t i = 0; ok && i < n; ++i)
-        events[i] = event_of(words[i]);
-    if (ok)
-        qsort(events, n, sizeof *events, by_ids);
-    m->n_events = ok ? n : 0;
-    free(words);
     return ok;
 }

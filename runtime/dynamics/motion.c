@@ -29,6 +29,7 @@ duet_motion_def duet_default_motion_def(void)
         .restitution_threshold = 1.0,
         .sleep_speed = 0.05,
         .sleep_after = 0.5,
+        .event_mask = UINT32_MAX,
         .cookie = COOKIE,
     };
 }
@@ -56,6 +57,7 @@ static bool check_numbers(const duet_motion_def *def, duet_error *err)
         {"restitution_threshold", def->restitution_threshold, 0.0, "0 or a speed above it"},
         {"sleep_speed", def->sleep_speed, 0.0, "0 or a speed above it"},
         {"sleep_after", def->sleep_after, 0.0, "0 or a time above it"},
+        {"hit_speed", def->hit_speed, 0.0, "0 or a speed above it"},
         {"attraction", def->attraction, -1e30, "a finite number"},
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i)
@@ -327,7 +329,7 @@ void duet_motion_destroy(duet_motion *m)
     free(m->poses);
     free(m->cells);
     free(m->bodies);
-    free(m->events);
+    motion_free_events(&m->told);
     duet_device_pair_destroy(m->def.pair);
     free(m);
 }

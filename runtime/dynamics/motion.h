@@ -8,6 +8,7 @@
 
 #include "kernels/dynamics/records.h"
 #include "runtime/dynamics/effect.h"
+#include "runtime/dynamics/motion_events.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/radix_sort.h"
 
@@ -56,8 +57,9 @@ typedef enum motion_buffer {
     LIST_KEYS_SPARE,
     COLOUR_STARTS,
     SPANS,
-    BLOCKS, // contacts by colour while they are solved
-    EVENTS,
+    BLOCKS,   // contacts by colour while they are solved
+    TOUCHING, // a bit for each contact
+    HITS,
     FLAG_WORDS,
     MOTION_BUFFERS
 } motion_buffer;
@@ -69,6 +71,7 @@ typedef struct motion_kernels {
     kernel *match_contacts;
     kernel *build_manifolds;
     kernel *update_sleep;
+    kernel *contact_events;
     kernel *prepare_bodies, *integrate_velocities, *integrate_positions, *finalize_bodies;
     kernel *graph_colour_mark, *graph_colour_choose, *graph_colour_take, *graph_colour_key;
     kernel *prepare_contacts, *store_impulses;
@@ -90,11 +93,12 @@ typedef struct motion_args {
     cl_float4 spring, hard_spring, pull;
     cl_float kick, margin, least_speed;
     cl_float sleep_speed, sleep_after;
+    cl_float hit_speed;
     cl_int4 base; // the cell that others are counted from
 
     // of a launch
     arg_real aabb_margin;
-    cl_uint n_pairs, n_old, event_capacity;
+    cl_uint n_pairs, n_old;
     cl_uint fill, woken, soft;
     cl_uint from_colour, to_colour, each;
     cl_int4 span; // of from_colour
@@ -156,14 +160,18 @@ struct duet_motion {
     bool rebuilt;
     bool broken; // a step failed half-way: only a load makes it whole again
     uint32_t flags[FLAGS];
-    duet_event *events;
-    uint64_t event_capacity;
-    uint64_t n_events;
+    motion_events told;
 };
 
 static inline bool motion_has(const duet_motion *m, uint32_t effect)
 {
     return m->effects & effect;
+}
+
+static inline bool motion_tells_hits(const duet_motion *m)
+{
+    return motion_has(m, DUET_EFFECT_EVENTS) && motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) &&
+           m->def.hit_speed > 0.0;
 }
 
 // The objects of a motion: poses, or with origin cells large_poses [n]; the other is NULL.
@@ -205,7 +213,5 @@ bool motion_read_flags(duet_motion *m, duet_error *err);
 
 // Space for n elements of `size` bytes in a buffer.
 bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err);
-
-bool motion_fetch_events(duet_motion *m, duet_error *err);
 
 #endif

@@ -206,11 +206,6 @@ static bool put_buffer(duet_motion *m, buffer *to, size_t capacity, const void *
            timeline_write_at(&m->times, "send", to, 0, from, bytes, err);
 }
 
-static uint64_t event_capacity(const motion_saved *s)
-{
-    return (uint64_t)s->n_contacts + 1;
-}
-
 static bool put_all(duet_motion *m, const motion_saved *s, buffer fresh[], duet_error *err)
 {
     bool ok = true;
@@ -219,10 +214,6 @@ static bool put_all(duet_motion *m, const motion_saved *s, buffer fresh[], duet_
         size_t bytes = bytes_of(m, which, s->n_contacts);
         ok = bytes == 0 ||
              put_buffer(m, &fresh[which], capacity_of(m, which, bytes), s->at[which], bytes, err);
-    }
-    if (ok && motion_has(m, DUET_EFFECT_EVENTS)) {
-        size_t bytes = (size_t)event_capacity(s) * 4 * sizeof(uint32_t);
-        ok = buffer_reserve(&fresh[EVENTS], m->device, capacity_of(m, EVENTS, bytes), err);
     }
     return ok && timeline_finish(&m->times, err);
 }
@@ -263,11 +254,12 @@ bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
         return false;
     m->step = h.step;
     m->n_contacts = h.n_contacts;
-    m->event_capacity = event_capacity(&parts);
     m->n_pairs = h.n_pairs;
     m->has_graph = h.has_graph;
     m->bounds_checked = m->at_rest = false;
     m->list_stale = true;
+    m->told.known = false;
+    m->told.touching.n = 0;
     m->broken = false;
     return true;
 }

@@ -66,7 +66,7 @@ static bool gather(duet_motion *m, const char *name, gen_setting settings[MOST_P
         {"FILTER", has(m, DUET_EFFECT_FILTER)},
         {"SLEEP", has(m, DUET_EFFECT_SLEEP)},
         {"SKIN", has(m, DUET_EFFECT_SKIN)},
-        {"EVENTS", has(m, DUET_EFFECT_EVENTS)},
+        {"HITS", motion_tells_hits(m)},
     };
     const gen_param *params = NULL;
     uint32_t n_params = 0;
@@ -131,6 +131,7 @@ bool motion_prepare(duet_motion *m, duet_error *err)
         {&k->match_contacts, contact, "match_contacts", "match_contacts"},
         {&k->build_manifolds, contact, "build_manifolds", "build_manifolds"},
         {&k->update_sleep, motion_has(m, DUET_EFFECT_SLEEP), "update_sleep", "update_sleep"},
+        {&k->contact_events, motion_has(m, DUET_EFFECT_EVENTS), "contact_events", "contact_events"},
         {&k->prepare_bodies, response, "bodies", "prepare_bodies"},
         {&k->integrate_velocities, response, "bodies", "integrate_velocities"},
         {&k->integrate_positions, response, "integrate_positions", "integrate_positions"},

@@ -18,7 +18,6 @@
 static bool find_manifolds(duet_motion *m, uint32_t woken, duet_error *err)
 {
     m->args.woken = woken;
-    m->args.event_capacity = (uint32_t)m->event_capacity;
     return motion_launch(m, "manifolds", m->kernels.build_manifolds, m->n_contacts, err);
 }
 
@@ -112,7 +111,7 @@ static bool respond(duet_motion *m, duet_error *err)
     for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
         ok = substep(m, err);
     ok = ok && (!m->facts.elastic || for_colours(m, k->apply_restitution, err));
-    ok = ok && store_impulses(m, err) &&
+    ok = ok && store_impulses(m, err) && motion_note_events(m, err) &&
          motion_launch(m, "integrate", k->finalize_bodies, m->n, err);
     if (!motion_has(m, DUET_EFFECT_SKIN))
         return ok;
@@ -127,13 +126,16 @@ static bool run_effects(duet_motion *m, duet_error *err)
     bool contact = motion_has(m, DUET_EFFECT_CONTACT);
     bool flies = motion_has(m, DUET_EFFECT_MOTION);
     motion_set_args(m);
+    if (!motion_recall_events(m, err))
+        return false;
     if (contact && !timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0, 0, FLAGS, err))
         return false;
     if (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE))
         return respond(m, err);
     if (flies && !motion_launch(m, "integrate", m->kernels.integrate_free_flight, m->n, err))
         return false;
-    return !contact || (motion_build_graph(m, err) && find_manifolds(m, 0, err));
+    return !contact ||
+           (motion_build_graph(m, err) && find_manifolds(m, 0, err) && motion_note_events(m, err));
 }
 
 // What the step leaves to be known: whether bounds still hold, what sleeps, and events.
@@ -152,7 +154,8 @@ static bool hear(duet_motion *m, duet_error *err)
 static bool run_step(duet_motion *m, duet_error *err)
 {
     bool still = m->n == 0 || m->def.dt == 0.0 || m->effects == 0 || m->at_rest;
-    return still || (run_effects(m, err) && hear(m, err) && timeline_finish(&m->times, err));
+    return still ? motion_keep_events(m, err)
+                 : run_effects(m, err) && hear(m, err) && timeline_finish(&m->times, err);
 }
 
 static void fill_result(duet_motion *m, duet_motion_result *result)
@@ -164,8 +167,12 @@ static void fill_result(duet_motion *m, duet_motion_result *result)
         .contacts = m->n_pushing,
         .colours = m->n_colours,
         .rebuilt = m->rebuilt,
-        .events = m->events,
-        .n_events = m->n_events,
+        .events = m->told.events,
+        .n_events = m->told.n_events,
+        .stays = m->told.stays.pairs,
+        .n_stays = m->told.stays.n,
+        .hits = m->told.hits,
+        .n_hits = m->told.n_hits,
         .stages = m->times.stages,
         .n_stages = (uint32_t)m->times.n_stages,
     };
@@ -179,7 +186,6 @@ bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error 
     uint64_t begun = clock_steady_ns();
     timeline_begin(&m->times, m->device);
     m->rebuilt = false;
-    m->n_events = 0;
     bool ok = run_step(m, err);
     m->broken = !ok;
     if (!ok) {

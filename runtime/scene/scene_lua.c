@@ -701,8 +701,8 @@ static const struct {
 
 // Fields that others above read along with theirs.
 static const char *const more_names[] = {
-    "origin_edge",           "drag",        "skin",        "slop",     "max_push_speed",
-    "restitution_threshold", "sleep_speed", "sleep_after", "substeps", "doubles"};
+    "origin_edge", "drag",        "skin",     "slop",    "max_push_speed", "restitution_threshold",
+    "sleep_speed", "sleep_after", "substeps", "doubles", "hit_speed",      "event_mask"};
 
 #define N_MORE (sizeof more_names / sizeof more_names[0])
 

@@ -284,6 +284,7 @@ void scene_read_motion_numbers(lua_State *L, scene_reading *reading)
         {"restitution_threshold", &def->restitution_threshold},
         {"sleep_speed", &def->sleep_speed},
         {"sleep_after", &def->sleep_after},
+        {"hit_speed", &def->hit_speed},
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
         *numbers[i].value = field_number(L, 1, numbers[i].name, *numbers[i].value);
@@ -295,6 +296,10 @@ void scene_read_motion_numbers(lua_State *L, scene_reading *reading)
     if (substeps < 1 || substeps > 1000)
         field_raise(L, "substeps", "substeps is %lld; it must be 1 to 1000", (long long)substeps);
     def->substeps = (uint32_t)substeps;
+    int64_t event_mask = field_integer(L, 1, "event_mask", def->event_mask);
+    if (event_mask < 0 || event_mask > UINT32_MAX)
+        field_raise(L, "event_mask", "event_mask must be a whole number below 2^32");
+    def->event_mask = (uint32_t)event_mask;
     def->doubles = field_boolean(L, 1, "doubles", false);
 }
 

@@ -278,23 +278,23 @@ static const struct {
     {"GRAVITY", "gravity", "gravity", NULL},
     {"DRAG", "drag", "drag", NULL},
     {"BOUNDARY", "boundary", "wall", NULL},
-    {"CONTACT_RESPONSE", "contact_response", "pushes", "FRICTION CONTINUOUS SLEEP"},
+    {"CONTACT_RESPONSE", "contact_response", "pushes", "FRICTION CONTINUOUS SLEEP HITS"},
     {"FRICTION", "friction", "friction", NULL},
     {"CONTINUOUS", "continuous", "swept", NULL},
     {"FILTER", "filter", "filter", NULL},
     {"SLEEP", "sleep", "asleep", NULL},
     {"SKIN", "skin", "check_fat_aabbs", NULL},
-    {"EVENTS", "events", "events", NULL},
+    {"HITS", "events", "hits", NULL},
     {"ROTATED", "rotation", "rotations", "ANGULAR_VELOCITY GYRO"},
 };
 
 enum { N_WORDS = sizeof words / sizeof words[0] };
 
 static const char *const kernels[] = {
-    "integrate_free_flight", "fat_aabbs",          "contact_graph",
-    "match_contacts",        "build_manifolds",    "update_sleep",
-    "graph_colour",          "prepare_contacts",   "bodies",
-    "solve_contacts",        "integrate_positions"};
+    "integrate_free_flight", "fat_aabbs",           "contact_graph",
+    "match_contacts",        "build_manifolds",     "update_sleep",
+    "graph_colour",          "prepare_contacts",    "bodies",
+    "solve_contacts",        "integrate_positions", "contact_events"};
 
 enum { N_KERNELS = sizeof kernels / sizeof kernels[0] };
 
@@ -395,7 +395,7 @@ static void buffers_are_those_that_are_called_for(void **state)
         {DUET_EFFECT_FRICTION, FRICTIONS},
         {DUET_EFFECT_FILTER, FILTERS},
         {DUET_EFFECT_SLEEP, ASLEEP},
-        {DUET_EFFECT_EVENTS, EVENTS},
+        {DUET_EFFECT_EVENTS, TOUCHING},
     };
     for (int i = 0; i < N_EFFECTS; ++i) {
         mover *m = make_scene(with_needs(effects[i]));

@@ -22,9 +22,9 @@ static bool take_all;
 // ---------------------------------------------------------------- launches
 
 static const char *const names[] = {
-    "integrate_free_flight", "fat_aabbs", "contact_graph", "build_manifolds",  "match_contacts",
-    "update_sleep",          "bodies",    "graph_colour",  "prepare_contacts", "solve_contacts",
-    "integrate_positions"};
+    "integrate_free_flight", "fat_aabbs",     "contact_graph", "build_manifolds",  "match_contacts",
+    "update_sleep",          "bodies",        "graph_colour",  "prepare_contacts", "solve_contacts",
+    "integrate_positions",   "contact_events"};
 
 enum { KERNELS = sizeof names / sizeof *names };
 

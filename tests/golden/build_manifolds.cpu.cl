@@ -1,4 +1,4 @@
-// build_manifolds.DIMS2.DOUBLE0.ROTATED0.ANGULAR_VELOCITY0.BOUNDARY0.CONTACT_RESPONSE0.FRICTION0.CONTINUOUS0.SLEEP0.EVENTS0.LANES8.WG1.PER_ITEM256
+// build_manifolds.DIMS2.DOUBLE0.ROTATED0.ANGULAR_VELOCITY0.BOUNDARY0.CONTACT_RESPONSE0.FRICTION0.CONTINUOUS0.SLEEP0.LANES8.WG1.PER_ITEM256
 #define DIMS 2
 #define DOUBLE 0
 #define ORIGIN 0
@@ -9,7 +9,6 @@
 #define FRICTION 0
 #define CONTINUOUS 0
 #define SLEEP 0
-#define EVENTS 0
 #define LANES 8
 #define WG 1
 #define PER_ITEM 256
@@ -71,7 +70,7 @@ typedef struct {
     __global const real4 *centres;
 #line 198 "kernels/dynamics/build_manifolds.cl.in"
     __global const float4 *halves;
-#line 221 "kernels/dynamics/build_manifolds.cl.in"
+#line 216 "kernels/dynamics/build_manifolds.cl.in"
     float margin;
     __global uint *touches;
     __global float *contacts;
@@ -79,20 +78,20 @@ typedef struct {
 
 static inline solid solid_of(const scene *s, uint id)
 {
-#line 231 "kernels/dynamics/build_manifolds.cl.in"
+#line 226 "kernels/dynamics/build_manifolds.cl.in"
     return solid_at(s->halves[id]);
-#line 233 "kernels/dynamics/build_manifolds.cl.in"
+#line 228 "kernels/dynamics/build_manifolds.cl.in"
 }
 
 static inline float4 way_of(const scene *s, uint2 link)
 {
-#line 240 "kernels/dynamics/build_manifolds.cl.in"
+#line 235 "kernels/dynamics/build_manifolds.cl.in"
     float4 d = convert_float4(s->centres[link.y] - s->centres[link.x]);
-#line 242 "kernels/dynamics/build_manifolds.cl.in"
+#line 237 "kernels/dynamics/build_manifolds.cl.in"
     d.w = 0.0f;
     return d;
 }
-#line 271 "kernels/dynamics/build_manifolds.cl.in"
+#line 266 "kernels/dynamics/build_manifolds.cl.in"
 
 // Writes the points into the record; extents: the owner's half extents. True where a
 // point touches, or had an impulse in the last step.
@@ -100,7 +99,7 @@ static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extent
 {
     __global float *record = s->contacts + (size_t)i * RECORD;
     bool touching = false;
-#line 287 "kernels/dynamics/build_manifolds.cl.in"
+#line 282 "kernels/dynamics/build_manifolds.cl.in"
     put_float4(record + AT_NORMAL, m->normal);
     for (int k = 0; k < m->n; ++k) {
         __global float *saved = record + HEAD + k * POINT_FLOATS;
@@ -108,7 +107,7 @@ static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extent
         put_float4(saved + OF_ANCHOR, anchor);
         saved[OF_SEPARATION] = anchor.w;
         touching = touching || anchor.w <= 0.0f;
-#line 305 "kernels/dynamics/build_manifolds.cl.in"
+#line 300 "kernels/dynamics/build_manifolds.cl.in"
     }
     return touching;
 }
@@ -121,10 +120,10 @@ static inline void keep(const scene *s, uint i, float4 extents, float4 d, manifo
     bool touching = false;
     if (m->n > 0)
         touching = keep_points(s, i, link, extents, d, m);
-#line 329 "kernels/dynamics/build_manifolds.cl.in"
+#line 316 "kernels/dynamics/build_manifolds.cl.in"
     s->touches[i] = (uint)m->n | (touching ? TOUCH_MEETS : 0u) | axis << TOUCH_AXIS;
 }
-#line 353 "kernels/dynamics/build_manifolds.cl.in"
+#line 340 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void look_at_pair(const scene *s, uint i, uint2 link)
 {
@@ -132,33 +131,33 @@ static inline void look_at_pair(const scene *s, uint i, uint2 link)
     float4 d = way_of(s, link);
     uint axis = s->touches[i] >> TOUCH_AXIS;
     manifold m;
-#line 361 "kernels/dynamics/build_manifolds.cl.in"
+#line 348 "kernels/dynamics/build_manifolds.cl.in"
     touch_boxes(&a, &b, d, s->margin, &m, &axis);
-#line 375 "kernels/dynamics/build_manifolds.cl.in"
+#line 362 "kernels/dynamics/build_manifolds.cl.in"
     keep(s, i, s->halves[link.x], d, &m, axis);
 }
-#line 433 "kernels/dynamics/build_manifolds.cl.in"
+#line 420 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 475 "kernels/dynamics/build_manifolds.cl.in"
+#line 462 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 479 "kernels/dynamics/build_manifolds.cl.in"
+#line 466 "kernels/dynamics/build_manifolds.cl.in"
 __kernel void build_manifolds(BUILD_MANIFOLDS_ARGS)
-#line 481 "kernels/dynamics/build_manifolds.cl.in"
+#line 468 "kernels/dynamics/build_manifolds.cl.in"
 {
     scene s = {links, n, centres,
-#line 486 "kernels/dynamics/build_manifolds.cl.in"
+#line 473 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 505 "kernels/dynamics/build_manifolds.cl.in"
+#line 489 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
-#line 515 "kernels/dynamics/build_manifolds.cl.in"
+#line 499 "kernels/dynamics/build_manifolds.cl.in"
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_contacts);
-#line 521 "kernels/dynamics/build_manifolds.cl.in"
+#line 505 "kernels/dynamics/build_manifolds.cl.in"
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-#line 534 "kernels/dynamics/build_manifolds.cl.in"
+#line 518 "kernels/dynamics/build_manifolds.cl.in"
         look_at_pair(&s, i, link);
-#line 544 "kernels/dynamics/build_manifolds.cl.in"
+#line 528 "kernels/dynamics/build_manifolds.cl.in"
     }
-#line 555 "kernels/dynamics/build_manifolds.cl.in"
+#line 539 "kernels/dynamics/build_manifolds.cl.in"
 }

@@ -1,10 +1,9 @@
-// match_contacts.DIMS3.ANGULAR_VELOCITY0.CONTACT_RESPONSE0.FRICTION0.SLEEP0.EVENTS0.WG64.PER_ITEM1
+// match_contacts.DIMS3.ANGULAR_VELOCITY0.CONTACT_RESPONSE0.FRICTION0.SLEEP0.WG64.PER_ITEM1
 #define DIMS 3
 #define ANGULAR_VELOCITY 0
 #define CONTACT_RESPONSE 0
 #define FRICTION 0
 #define SLEEP 0
-#define EVENTS 0
 #define WG 64
 #define PER_ITEM 1
 #define MATCH_CONTACTS_ARGS \
@@ -27,7 +26,6 @@
 //   starts, others  the new rows
 #define NO_ROW 0xffffffffu
 #define AHEAD 8 // contacts whose records are asked for in time
-#line 17 "kernels/dynamics/match_contacts.cl.in"
 
 // The first place from low on whose other is not below.
 static inline uint place_of(__global const uint *others, uint low, uint high, uint other)
@@ -81,8 +79,8 @@ __kernel void match_contacts(MATCH_CONTACTS_ARGS)
             touches[low] = touch;
             if (points > 0)
                 copy_record(contacts + (size_t)low * RECORD, old, HEAD + points * POINT_FLOATS);
-#line 73 "kernels/dynamics/match_contacts.cl.in"
+#line 64 "kernels/dynamics/match_contacts.cl.in"
         }
-#line 93 "kernels/dynamics/match_contacts.cl.in"
+#line 70 "kernels/dynamics/match_contacts.cl.in"
     }
 }

@@ -16,7 +16,7 @@ local bodies = duet.bodies {
   { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, false },
   { 0, 0, 0, 0, 0, 0, 0, 0, 0.5, 1, mask, false },
 }
-local falling <const> = { gravity = { 0, 0, -10 }, wants = { "contact_response", "events" } }
+local falling <const> = { gravity = { 0, 0, -10 }, wants = { "contact_response", "events" }, hit_speed = 1 }
 
 holds("what is not said about a body is its default", function()
   local body = { duet.bodies(1):get(0) }
@@ -30,14 +30,20 @@ holds("a cube falls, and comes to rest on the floor", function()
   local motion <close> = assert(pair:motion(poses, bodies, falling))
   equal(#motion, 2)
   equal(motion:plan().share, pair:plan().share)
-  local begun = {}
+  local begun, hits, stays = {}, 0, 0
   for _ = 1, 90 do
     local result = assert(motion:advance())
+    for a, b, x, y, z, nx, ny, nz, speed, impulse in result:hits() do
+      assert(a == 0 and b == 1 and nz == -1 and speed > 4 and impulse > 0 and math.abs(z) < 0.1)
+      hits = hits + 1
+    end
+    for a, b in result:stays() do stays = stays + a + b end
+    assert(result.n_hits <= 1 and result.n_stays <= 1)
     for a, b, begins in result:events() do
       if begins then begun[a .. " " .. b] = true end
     end
   end
-  assert(begun["0 1"])
+  assert(begun["0 1"] and hits == 1 and stays > 10)
   local _, _, z = assert(motion:read()):get(0)
   assert(math.abs(z - 0.5) < 0.02, z)
   local a, b, _, _, normal_z, n = assert(motion:contacts()):get(0)

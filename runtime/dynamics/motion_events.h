@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// Which pairs touch, and what came of it in a step: begins, stays, ends and hits.
+#ifndef RUNTIME_MOTION_EVENTS_H
+#define RUNTIME_MOTION_EVENTS_H
+
+#include "runtime/duet.h"
+
+// Words of a hit as kernels/dynamics/contact_events.cl.in writes it.
+enum { HIT_WORDS = 16, HIT_CENTRE = 10 };
+
+typedef struct pair_list {
+    duet_pair *pairs;
+    size_t n, capacity;
+} pair_list;
+
+typedef struct motion_events {
+    pair_list links;    // owner and other of each contact, as the device has them
+    pair_list touching; // after the last step, ascending
+    bool known;         // links and touching are those of the state
+    pair_list stays, before;
+    duet_event *events;
+    size_t n_events, event_capacity;
+    duet_hit_event *hits;
+    size_t n_hits, hit_capacity;
+} motion_events;
+
+// Before a step: what touches, where a state was loaded.
+bool motion_recall_events(duet_motion *m, duet_error *err);
+
+// In a step, before anything is moved: sends for what touches and hits.
+bool motion_note_events(duet_motion *m, duet_error *err);
+
+// At its end.
+bool motion_fetch_events(duet_motion *m, duet_error *err);
+
+// A step in which nothing moved.
+bool motion_keep_events(duet_motion *m, duet_error *err);
+
+void motion_free_events(motion_events *e);
+
+#endif

@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: MIT
+// Events of a motion. What is true is taken from the contacts' records, each step anew, and
+// from falls whose end is known.
+#include "support/mover.h"
+#include "support/test.h"
+
+#include "runtime/dynamics/motion.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---------------------------------------------------------------- against the records
+
+enum { PILE = 60, WIDE = PILE + MOTION_WALLS };
+
+typedef struct touching {
+    bool pair[PILE][WIDE];
+} touching;
+
+static void read(duet_motion *m, motion_buffer which, void *to, size_t bytes)
+{
+    duet_error err = {0};
+    assert_ok(timeline_read(&m->times, "test", &m->buffers[which], to, bytes, &err), err);
+}
+
+// From all records, whatever order they are in.
+static touching *what_touches(duet_motion *m)
+{
+    touching *t = calloc(1, sizeof *t);
+    uint32_t n = m->n_contacts;
+    uint32_t(*links)[2] = calloc(n + 1, sizeof *links);
+    uint32_t *touches = calloc(n + 1, sizeof *touches);
+    float *records = calloc((size_t)n + 1, m->layout.record * sizeof *records);
+    if (n > 0) {
+        read(m, LINKS, links, n * sizeof *links);
+        read(m, TOUCHES, touches, n * sizeof *touches);
+        read(m, CONTACTS, records, (size_t)n * m->layout.record * sizeof *records);
+    }
+    for (uint32_t i = 0; i < n; ++i)
+        for (uint32_t k = 0; k < (touches[i] & TOUCH_POINTS); ++k) {
+            const float *point = records + (size_t)i * m->layout.record + m->layout.head +
+                                 (size_t)k * m->layout.point;
+            bool pushes = motion_has(m, DUET_EFFECT_CONTACT_RESPONSE) && point[OF_MAX_IMPULSE] > 0;
+            uint32_t a = links[i][0], b = links[i][1];
+            if (point[OF_SEPARATION] <= 0 || pushes)
+                t->pair[a < b ? a : b][a < b ? b : a] = true;
+        }
+    free(links);
+    free(touches);
+    free(records);
+    return t;
+}
+
+typedef struct counts {
+    uint64_t begins, ends, stays, hits;
+} counts;
+
+// Both arrays are exactly what two steps' records say, in order.
+static void assert_events(const mover *m, const touching *before, const touching *now,
+                          uint32_t event_mask, counts *c)
+{
+    uint64_t event = 0, stay = 0;
+    for (uint32_t a = 0; a < m->n; ++a)
+        for (uint32_t b = a + 1; b < m->n + MOTION_WALLS; ++b) {
+            uint32_t groups = m->bodies[a].group | (b < m->n ? m->bodies[b].group : 0);
+            bool was = before->pair[a][b], is = now->pair[a][b];
+            if (!(groups & event_mask) || (!was && !is))
+                continue;
+            if (was && is) {
+                assert_true(stay < m->last.n_stays);
+                assert_true(m->last.stays[stay].a == a && m->last.stays[stay].b == b);
+                ++stay;
+                continue;
+            }
+            assert_true(event < m->last.n_events);
+            const duet_event *e = &m->last.events[event++];
+            assert_true(e->a == a && e->b == b && e->begins == is);
+            c->begins += is;
+            c->ends += was;
+        }
+    assert_int_equal(event, m->last.n_events);
+    assert_int_equal(stay, m->last.n_stays);
+    c->stays += stay;
+}
+
+static void assert_hits(const mover *m, counts *c)
+{
+    for (uint64_t i = 0; i < m->last.n_hits; ++i) {
+        const duet_hit_event *h = &m->last.hits[i];
+        assert_true(h->a < h->b && h->speed > m->def.hit_speed && h->impulse > 0);
+        assert_true(i == 0 || h[-1].a < h->a || (h[-1].a == h->a && h[-1].b < h->b));
+        bool told = false;
+        for (uint64_t k = 0; k < m->last.n_events; ++k)
+            told |= m->last.events[k].a == h->a && m->last.events[k].b == h->b &&
+                    m->last.events[k].begins;
+        for (uint64_t k = 0; k < m->last.n_stays; ++k)
+            told |= m->last.stays[k].a == h->a && m->last.stays[k].b == h->b;
+        assert_true(told);
+    }
+    c->hits += m->last.n_hits;
+}
+
+// Boxes without mass among those that fall, and walls.
+static mover *new_pile(void)
+{
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_EVENTS | DUET_EFFECT_SLEEP;
+    m->def.hit_speed = 1.0;
+    m->def.sleep_speed = 0.3;
+    m->def.sleep_after = 0.2;
+    mover_add_pile(m, PILE);
+    for (uint32_t id = 20; id < 25; ++id)
+        m->bodies[id].mass = 0;
+    return m;
+}
+
+static counts run_and_compare(mover *m, uint32_t steps)
+{
+    counts c = {0};
+    touching *before = m->motion ? what_touches(m->motion) : calloc(1, sizeof *before);
+    for (uint32_t i = 0; i < steps; ++i) {
+        mover_run(m, 1);
+        touching *now = what_touches(m->motion);
+        assert_events(m, before, now, m->def.event_mask, &c);
+        assert_hits(m, &c);
+        free(before);
+        before = now;
+    }
+    free(before);
+    return c;
+}
+
+static void events_are_those_of_the_records(void **state)
+{
+    (void)state;
+    for (int way = 0; way < 3; ++way) {
+        mover *m = new_pile();
+        m->def.skin = way == 1 ? 0.2 : 0;
+        m->def.doubles = way == 2;
+        counts c = run_and_compare(m, 150);
+        assert_true(c.begins > 2 * PILE && c.ends > PILE / 2 && c.stays > 50 * PILE);
+        assert_true(c.hits > PILE / 2);
+        print_message("%d begin, %d end, %d hit\n", (int)c.begins, (int)c.ends, (int)c.hits);
+        mover_free(m);
+    }
+}
+
+static void a_mask_leaves_the_events_of_its_groups(void **state)
+{
+    (void)state;
+    mover *m = new_pile();
+    for (uint32_t id = 0; id < m->n; ++id)
+        m->bodies[id].group = id % 6 == 0 ? 2 : 1;
+    m->def.event_mask = 2;
+    counts c = run_and_compare(m, 100);
+    assert_true(c.begins > PILE / 6);
+    for (uint64_t i = 0; i < m->last.n_stays; ++i)
+        assert_true(m->last.stays[i].a % 6 == 0 || m->last.stays[i].b % 6 == 0);
+    mover_free(m);
+}
+
+static void without_response_events_are_overlaps(void **state)
+{
+    (void)state;
+    mover *m = mover_new(2);
+    m->def.wants = DUET_EFFECT_EVENTS;
+    for (uint32_t i = 0; i < PILE; ++i) {
+        uint32_t id = mover_add_cube(m, i % 8 * 1.5, i / 8 * 1.5, 0, 1);
+        m->bodies[id].velocity[0] = (float)(i % 3) - 1.0f;
+        m->bodies[id].velocity[1] = (float)(i % 5) - 2.0f;
+    }
+    counts c = run_and_compare(m, 120);
+    assert_true(c.begins > PILE && c.ends > PILE && c.hits == 0);
+    mover_free(m);
+}
+
+// ---------------------------------------------------------------- closed forms
+
+static const double fall = 1.0, gravity = 9.81;
+
+// A unit cube whose lower face is `fall` above a floor.
+static mover *new_fall(uint32_t dims, float restitution)
+{
+    mover *m = mover_new(dims);
+    uint32_t floor = mover_add_floor(m, 5);
+    uint32_t cube = dims == 3 ? mover_add_rough_cube(m, 0, 0, 0.5 + fall)
+                              : mover_add_rough_cube(m, 0, 0.5 + fall, 0);
+    m->bodies[floor].restitution = m->bodies[cube].restitution = restitution;
+    m->def.wants |= DUET_EFFECT_EVENTS;
+    m->def.hit_speed = 0.5;
+    return m;
+}
+
+typedef struct story {
+    uint32_t begins, ends, hits;
+    uint64_t first_begin, first_hit, first_end;
+    duet_hit_event first;
+} story;
+
+static story run_story(mover *m, uint32_t steps)
+{
+    story s = {0};
+    for (uint32_t i = 0; i < steps; ++i) {
+        mover_run(m, 1);
+        for (uint64_t k = 0; k < m->last.n_events; ++k) {
+            const duet_event *e = &m->last.events[k];
+            assert_true(e->a == 0 && e->b == 1);
+            if (e->begins && s.begins++ == 0)
+                s.first_begin = m->last.step;
+            if (!e->begins && s.ends++ == 0)
+                s.first_end = m->last.step;
+        }
+        assert_true(m->last.n_hits <= 1);
+        if (m->last.n_hits == 1 && s.hits++ == 0) {
+            s.first_hit = m->last.step;
+            s.first = m->last.hits[0];
+        }
+    }
+    return s;
+}
+
+static void a_cube_that_falls_begins_once_and_hits_once(void **state)
+{
+    (void)state;
+    for (uint32_t dims = 2; dims <= 3; ++dims) {
+        mover *m = new_fall(dims, 0);
+        m->def.wants |= DUET_EFFECT_SLEEP;
+        story s = run_story(m, 240);
+        double speed = sqrt(2 * gravity * fall), time = sqrt(2 * fall / gravity);
+        assert_int_equal(s.begins, 1);
+        assert_int_equal(s.ends, 0);
+        assert_int_equal(s.hits, 1);
+        assert_int_equal(s.first_hit, s.first_begin);
+        assert_close((double)s.first_hit * m->def.dt, time, 1.5 * m->def.dt);
+        assert_close(s.first.speed, speed, 1.5 * gravity * m->def.dt);
+        assert_close(s.first.impulse, speed, 0.1 * speed); // of mass 1
+        assert_true(s.first.normal[dims - 1] == 1);        // from the floor to the cube
+        assert_close(s.first.point[dims - 1], 0, speed * m->def.dt);
+        assert_close(fabs(s.first.point[0]), 0.5, 0.02);
+        assert_int_equal(m->last.n_stays, 1); // asleep
+        assert_int_equal(m->last.n_stages, 0);
+        mover_free(m);
+    }
+}
+
+static void a_cube_that_bounces_ends_when_it_leaves(void **state)
+{
+    (void)state;
+    mover *m = new_fall(3, 1);
+    const uint32_t bounce = (uint32_t)(2 * sqrt(2 * fall / gravity) / m->def.dt);
+    story s = run_story(m, 4 * bounce);
+    assert_in_range(s.hits, 3, 4);
+    assert_int_equal(s.begins, s.hits);
+    assert_in_range(s.ends, s.begins - 1, s.begins);
+    assert_in_range(s.first_end, s.first_hit + 1, s.first_hit + 3);
+    mover_free(m);
+}
+
+static void a_hit_far_away_is_where_it_is(void **state)
+{
+    (void)state;
+    for (int way = 0; way < 2; ++way) {
+        mover *m = new_fall(3, 0);
+        m->def.doubles = way == 0;
+        m->def.origin_edge = way == 0 ? 0 : 1;
+        m->def.origin[0] = 1e7;
+        story s = run_story(m, 60);
+        assert_int_equal(s.hits, 1);
+        assert_close(fabs(s.first.point[0] - 1e7), 0.5, 0.02);
+        mover_free(m);
+    }
+}
+
+// ---------------------------------------------------------------- the same
+
+static uint64_t hash_events(const mover *m, uint64_t sum)
+{
+    const duet_motion_result *r = &m->last;
+    for (uint64_t i = 0; i < r->n_events; ++i)
+        sum = sum * 1000003 + r->events[i].a * 977 + 2 * r->events[i].b + r->events[i].begins;
+    for (uint64_t i = 0; i < r->n_stays; ++i)
+        sum = sum * 1000003 + r->stays[i].a * 977 + r->stays[i].b;
+    for (uint64_t i = 0; i < r->n_hits; ++i) {
+        const duet_hit_event *h = &r->hits[i];
+        double numbers[8] = {h->point[0],  h->point[1],  h->point[2], h->normal[0],
+                             h->normal[1], h->normal[2], h->speed,    h->impulse};
+        for (int k = 0; k < 8; ++k) {
+            uint64_t bits;
+            memcpy(&bits, &numbers[k], sizeof bits);
+            sum = sum * 1000003 + bits;
+        }
+    }
+    return sum;
+}
+
+static void share_and_launch_change_no_event(void **state)
+{
+    (void)state;
+    uint64_t expected = 0;
+    duet_device_info *info = &mover_pair()->devices[1].info;
+    duet_device_kind kind = info->kind;
+    for (int way = 0; way < 4; ++way) {
+        mover *m = new_pile();
+        m->def.plan.share = way == 1 ? DUET_SHARE_ONE / 2 : 0;
+        m->def.plan.mode = way == 2 ? DUET_MODE_SLAB : DUET_MODE_OWN;
+        info->kind = way == 3 ? DUET_KIND_GPU : kind;
+        uint64_t sum = 0;
+        for (int i = 0; i < 100; ++i) {
+            mover_run(m, 1);
+            info->kind = kind;
+            sum = hash_events(m, sum);
+        }
+        if (way == 0)
+            expected = sum;
+        assert_true(sum == expected);
+        mover_free(m);
+    }
+}
+
+static void a_loaded_motion_tells_what_the_saved_one_does(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    mover *m = new_pile(), *other = new_pile();
+    m->def.skin = other->def.skin = 0.2;
+    mover_run(m, 80);
+    assert_ok(duet_motion_save(m->motion, "events.motion", &err), err);
+    mover_run(other, 30);
+    assert_ok(duet_motion_load(other->motion, "events.motion", &err), err);
+    remove("events.motion");
+    for (int i = 0; i < 60; ++i) {
+        mover_run(m, 1);
+        mover_run(other, 1);
+        assert_true(hash_events(m, 0) == hash_events(other, 0));
+    }
+    mover_free(m);
+    mover_free(other);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(events_are_those_of_the_records),
+        cmocka_unit_test(a_mask_leaves_the_events_of_its_groups),
+        cmocka_unit_test(without_response_events_are_overlaps),
+        cmocka_unit_test(a_cube_that_falls_begins_once_and_hits_once),
+        cmocka_unit_test(a_cube_that_bounces_ends_when_it_leaves),
+        cmocka_unit_test(a_hit_far_away_is_where_it_is),
+        cmocka_unit_test(share_and_launch_change_no_event),
+        cmocka_unit_test(a_loaded_motion_tells_what_the_saved_one_does),
+    };
+    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
+}
