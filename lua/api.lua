@@ -40,6 +40,7 @@ api.classes = {
   { "duet.RayQueryResult", "A table: what casting rays took." },
   { "duet.ContactQuery", "The narrow phase of contacts, for pairs that a world found or a script brings." },
   { "duet.ContactQueryResult", "A table: what finding contacts took." },
+  { "duet.PairDelta", "The pairs of a still world's last step." },
   { "duet.Kernel", "A table: a kernel and its card." },
   { "duet.Source", "A table: the text of a variant." },
   { "duet.Level", "A table: a level of accuracy." },
@@ -298,6 +299,12 @@ api.names = {
   { "duet.RayQueryResult.total_ms", "number", "wall clock" },
   { "duet.RayQueryResult.device_ms", "number[]", "of A and of B" },
   { "duet.NO_OBJECT", "integer", "the id where a ray meets no box" },
+
+  { "duet.pair_delta", {}, "duet.PairDelta", "Compares a still world's pairs from step to step.", fails = true,
+    c = "duet_pair_delta_create" },
+  { "duet.PairDelta:update", { "pairs: duet.Pairs|string|number[]|number[][]" }, "duet.Pairs, duet.Pairs, duet.Pairs",
+    "The pairs that began, ended and stay since the last update; ascending.", fails = true, c = "duet_pair_delta_update" },
+  { "duet.PairDelta:close", {}, nil, "Gives the memory back.", c = "duet_pair_delta_destroy" },
 
   { "duet.DevicePair:contact_query", { "def?: { share?: number, dims?: integer, margin?: number }" }, "duet.ContactQuery",
     "Readies both devices to find where pairs touch; points are kept up to a separation of margin.",

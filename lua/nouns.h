@@ -23,6 +23,7 @@ void profiles_open_lua(lua_State *L);
 void pair_query_open_lua(lua_State *L);
 void ray_query_open_lua(lua_State *L);
 void contact_query_open_lua(lua_State *L);
+void pair_delta_open_lua(lua_State *L);
 
 extern const member_type member_plan; // a duet_plan as a table
 const char *shape_name(int shape);

@@ -28,6 +28,7 @@
 #include "duet_level.h"
 #include "duet_motion.h"
 #include "duet_object.h"
+#include "duet_pair_delta.h"
 #include "duet_pair_query.h"
 #include "duet_ray_query.h"
 #include "duet_scene.h"

@@ -9,30 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool reserve(void **rows, size_t *capacity, size_t n, size_t size, duet_error *err)
-{
-    if (n <= *capacity)
-        return true;
-    void *grown = realloc(*rows, n * size);
-    if (!grown)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu events", n);
-    *rows = grown;
-    *capacity = n;
-    return true;
-}
-
-static bool reserve_pairs(pair_list *list, size_t n, duet_error *err)
-{
-    return reserve((void **)&list->pairs, &list->capacity, n, sizeof *list->pairs, err);
-}
-
 void motion_free_events(motion_events *e)
 {
-    free(e->links.pairs);
-    free(e->touching.pairs);
-    free(e->stays.pairs);
-    free(e->before.pairs);
-    free(e->events);
+    pair_list_free(&e->links);
+    pair_list_free(&e->touching);
+    pair_list_free(&e->before);
+    pair_changes_free(&e->changes);
     free(e->hits);
     *e = (motion_events){0};
 }
@@ -43,54 +25,22 @@ static bool is_told(const duet_motion *m, duet_pair p)
     return groups & m->def.event_mask;
 }
 
-static duet_pair ordered(duet_pair link)
-{
-    return link.a < link.b ? link : (duet_pair){link.b, link.a};
-}
-
 // ---------------------------------------------------------------- what touches
-
-// Of one a all b come in order already, for either a owns all its contacts with those above
-// it or, without a mass, none.
-static bool sort_by_first(pair_list *list, uint32_t n_objects, duet_error *err)
-{
-    bool sorted = true;
-    for (size_t i = 1; sorted && i < list->n; ++i)
-        sorted = list->pairs[i - 1].a <= list->pairs[i].a;
-    if (sorted)
-        return true;
-    size_t *places = calloc((size_t)n_objects + 1, sizeof *places);
-    duet_pair *pairs = malloc(list->n * sizeof *pairs);
-    bool ok = places && pairs;
-    if (!ok)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu events", list->n);
-    for (size_t i = 0; ok && i < list->n; ++i)
-        ++places[list->pairs[i].a + 1];
-    for (uint32_t id = 0; ok && id < n_objects; ++id)
-        places[id + 1] += places[id];
-    for (size_t i = 0; ok && i < list->n; ++i)
-        pairs[places[list->pairs[i].a]++] = list->pairs[i];
-    if (ok)
-        memcpy(list->pairs, pairs, list->n * sizeof *pairs);
-    free(places);
-    free(pairs);
-    return ok;
-}
 
 static bool list_touching(duet_motion *m, const uint32_t *words, duet_error *err)
 {
     motion_events *e = &m->told;
-    if (!reserve_pairs(&e->touching, e->links.n, err))
+    if (!pair_list_reserve(&e->touching, e->links.n, err))
         return false;
     e->touching.n = 0;
     for (size_t i = 0; i < e->links.n; ++i) {
         if (!(words[i / 32] >> i % 32 & 1u))
             continue;
-        duet_pair p = ordered(e->links.pairs[i]);
+        duet_pair p = pair_ordered(e->links.pairs[i]);
         if (is_told(m, p))
             e->touching.pairs[e->touching.n++] = p;
     }
-    return sort_by_first(&e->touching, m->n, err);
+    return pair_list_sort(&e->touching, err);
 }
 
 // Rows are those of the last step until pairs are searched again.
@@ -100,7 +50,7 @@ static bool fetch_links(duet_motion *m, duet_error *err)
     if (e->known && !m->rebuilt)
         return true;
     e->links.n = 0;
-    if (!reserve_pairs(&e->links, m->n_contacts, err) ||
+    if (!pair_list_reserve(&e->links, m->n_contacts, err) ||
         !timeline_read(&m->times, "events", &m->buffers[LINKS], e->links.pairs,
                        m->n_contacts * sizeof *e->links.pairs, err))
         return false;
@@ -144,36 +94,6 @@ bool motion_recall_events(duet_motion *m, duet_error *err)
     return m->told.known;
 }
 
-// ---------------------------------------------------------------- what changed
-
-static int compare(duet_pair x, duet_pair y)
-{
-    return x.a != y.a ? (x.a < y.a ? -1 : 1) : x.b != y.b ? (x.b < y.b ? -1 : 1) : 0;
-}
-
-static bool compare_steps(motion_events *e, duet_error *err)
-{
-    const pair_list *before = &e->before, *now = &e->touching;
-    if (!reserve_pairs(&e->stays, now->n, err) ||
-        !reserve((void **)&e->events, &e->event_capacity, before->n + now->n, sizeof *e->events,
-                 err))
-        return false;
-    e->n_events = e->stays.n = 0;
-    for (size_t i = 0, k = 0; i < before->n || k < now->n;) {
-        int order = i == before->n ? 1
-                    : k == now->n  ? -1
-                                   : compare(before->pairs[i], now->pairs[k]);
-        duet_pair p = order < 0 ? before->pairs[i] : now->pairs[k];
-        i += order <= 0;
-        k += order >= 0;
-        if (order == 0)
-            e->stays.pairs[e->stays.n++] = p;
-        else
-            e->events[e->n_events++] = (duet_event){p.a, p.b, order > 0};
-    }
-    return true;
-}
-
 // ---------------------------------------------------------------- hits
 
 static float float_at(const uint32_t *word)
@@ -213,7 +133,7 @@ static duet_hit_event hit_of(const duet_motion *m, const uint32_t words[HIT_WORD
 static int by_ids(const void *x, const void *y)
 {
     const duet_hit_event *a = x, *b = y;
-    return compare((duet_pair){a->a, a->b}, (duet_pair){b->a, b->b});
+    return pair_compare((duet_pair){a->a, a->b}, (duet_pair){b->a, b->b});
 }
 
 // Devices write them in any order.
@@ -227,7 +147,7 @@ static bool fetch_hits(duet_motion *m, duet_error *err)
     uint32_t(*words)[HIT_WORDS] = malloc(n * sizeof *words);
     if (!words)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu events", n);
-    bool ok = reserve((void **)&e->hits, &e->hit_capacity, n, sizeof *e->hits, err) &&
+    bool ok = pair_list_grow((void **)&e->hits, &e->hit_capacity, n, sizeof *e->hits, err) &&
               timeline_read(&m->times, "events", &m->buffers[HITS], words, n * sizeof *words, err);
     for (size_t i = 0; ok && i < n; ++i) {
         duet_hit_event hit = hit_of(m, words[i]);
@@ -253,17 +173,14 @@ bool motion_fetch_events(duet_motion *m, duet_error *err)
 {
     motion_events *e = &m->told;
     swap(&e->before, &e->touching);
-    return fetch_touching(m, err) && compare_steps(e, err) && fetch_hits(m, err);
+    return fetch_touching(m, err) &&
+           pair_changes_find(&e->changes, &e->before, &e->touching, err) && fetch_hits(m, err);
 }
 
+// What touches stays.
 bool motion_keep_events(duet_motion *m, duet_error *err)
 {
     motion_events *e = &m->told;
-    e->n_hits = e->n_events = 0;
-    if (!reserve_pairs(&e->stays, e->touching.n, err))
-        return false;
-    e->stays.n = e->touching.n;
-    if (e->touching.n > 0)
-        memcpy(e->stays.pairs, e->touching.pairs, e->touching.n * sizeof *e->stays.pairs);
-    return true;
+    e->n_hits = 0;
+    return pair_changes_find(&e->changes, &e->touching, &e->touching, err);
 }

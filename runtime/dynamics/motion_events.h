@@ -3,23 +3,17 @@
 #ifndef RUNTIME_MOTION_EVENTS_H
 #define RUNTIME_MOTION_EVENTS_H
 
-#include "runtime/duet.h"
+#include "runtime/dynamics/pair_list.h"
 
 // Words of a hit as kernels/dynamics/contact_events.cl.in writes it.
 enum { HIT_WORDS = 16, HIT_CENTRE = 10 };
-
-typedef struct pair_list {
-    duet_pair *pairs;
-    size_t n, capacity;
-} pair_list;
 
 typedef struct motion_events {
     pair_list links;    // owner and other of each contact, as the device has them
     pair_list touching; // after the last step, ascending
     bool known;         // links and touching are those of the state
-    pair_list stays, before;
-    duet_event *events;
-    size_t n_events, event_capacity;
+    pair_list before;   // the step before
+    pair_changes changes;
     duet_hit_event *hits;
     size_t n_hits, hit_capacity;
 } motion_events;

@@ -405,6 +405,21 @@ static void find_contacts(void)
     duet_contact_query_destroy(NULL);
 }
 
+static void compare_pairs(void)
+{
+    duet_pair_delta_result found;
+    const duet_pair first = {0, 1};
+    const duet_span one[2] = {{&first, 1}, {0}}, lost[2] = {{NULL, 1}, {0}};
+    duet_pair_delta *delta = duet_pair_delta_create(NULL);
+    REFUSES(duet_pair_delta_update(NULL, one, &found, e));
+    REFUSES(duet_pair_delta_update(delta, NULL, &found, e));
+    REFUSES(duet_pair_delta_update(delta, lost, &found, e));
+    REFUSES(duet_pair_delta_update(delta, one, NULL, e));
+    TAKES(duet_pair_delta_update(delta, one, &found, e));
+    duet_pair_delta_destroy(delta);
+    duet_pair_delta_destroy(NULL);
+}
+
 static void references(void)
 {
     REFUSES(duet_reference(NULL, DUET_LEVEL_CERTIFIED, &pairs, &n, e));
@@ -592,6 +607,7 @@ static const struct {
     {"duet_contact_query_create duet_contact_query_destroy duet_contact_query_run "
      "duet_default_contact_query_def",
      find_contacts},
+    {"duet_pair_delta_create duet_pair_delta_destroy duet_pair_delta_update", compare_pairs},
     {"duet_reference", references},
     {"duet_motion_create duet_motion_create_from_scene duet_motion_destroy", create_motion},
     {"duet_motion_get_states duet_motion_get_hash duet_motion_get_energy duet_motion_get_contacts "
@@ -630,7 +646,7 @@ static int rows_of(const char *call)
 }
 
 static const char *const headers[] = {
-    "runtime/duet_contact_query.h",
+    "runtime/duet_contact_query.h", "runtime/duet_pair_delta.h",
     "runtime/duet.h",        "runtime/duet_device.h",    "runtime/duet_level.h",
     "runtime/duet_motion.h", "runtime/duet_object.h",    "runtime/duet_pair_query.h",
     "runtime/duet_ray_query.h", "runtime/duet_scene.h",  "runtime/duet_world.h",     "base/duet_error.h",

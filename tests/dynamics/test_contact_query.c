@@ -482,6 +482,61 @@ static void the_pairs_of_a_world_have_points(void **state)
     duet_world_destroy(world);
 }
 
+// ---------------------------------------------------------------- from step to step
+
+// Against a matrix of the pairs, two steps of a world whose boxes move.
+static void a_delta_is_what_two_steps_differ_by(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_pose poses[BOXES];
+    static bool was[BOXES][BOXES], is[BOXES][BOXES];
+    rng r = rng_seed(test_seed());
+    fill(&r, poses, 3);
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    duet_world *world = duet_world_create(&def, &err);
+    duet_pair_delta *delta = duet_pair_delta_create(&err);
+    assert_ok(world && delta, err);
+    uint64_t told[3] = {0};
+    memset(was, 0, sizeof was);
+    for (int step = 0; step < 6; ++step) {
+        duet_result result;
+        duet_pair_delta_result found;
+        duet_plan plan = *duet_world_get_plan(world);
+        plan.share = step % 2 ? DUET_SHARE_ONE / 2 : 0;
+        assert_ok(duet_world_set_plan(world, &plan, &err), err);
+        assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, BOXES, &err), err);
+        assert_ok(duet_world_step(world, &result, &err), err);
+        assert_ok(duet_pair_delta_update(delta, result.spans, &found, &err), err);
+        memset(is, 0, sizeof is);
+        for (uint64_t i = 0; i < result.pairs; ++i)
+            is[duet_result_get_pair(&result, i).a][duet_result_get_pair(&result, i).b] = true;
+        uint64_t event = 0, stay = 0;
+        for (uint32_t a = 0; a < BOXES; ++a)
+            for (uint32_t b = 0; b < BOXES; ++b) {
+                if (was[a][b] && is[a][b]) {
+                    assert_true(stay < found.n_stays && found.stays[stay].a == a &&
+                                found.stays[stay].b == b);
+                    ++stay;
+                } else if (was[a][b] || is[a][b]) {
+                    assert_true(event < found.n_events);
+                    const duet_event *e = &found.events[event++];
+                    assert_true(e->a == a && e->b == b && e->begins == is[a][b]);
+                    ++told[is[a][b]];
+                }
+            }
+        assert_true(event == found.n_events && stay == found.n_stays);
+        told[2] += stay;
+        memcpy(was, is, sizeof was);
+        for (uint32_t i = 0; i < BOXES; ++i)
+            poses[i].centre[i % 3] += (float)rng_between(&r, -0.5, 0.5);
+    }
+    assert_true(told[0] > BOXES && told[1] > BOXES && told[2] > BOXES);
+    duet_pair_delta_destroy(delta);
+    duet_world_destroy(world);
+}
+
 // ---------------------------------------------------------------- what is refused
 
 static void assert_refused(const duet_pose *poses, uint32_t n, duet_pair pair, duet_status status,
@@ -522,6 +577,7 @@ int main(void)
         cmocka_unit_test(the_other_way_round_has_the_same_points),
         cmocka_unit_test(share_and_launch_change_no_bit),
         cmocka_unit_test(the_pairs_of_a_world_have_points),
+        cmocka_unit_test(a_delta_is_what_two_steps_differ_by),
         cmocka_unit_test(what_is_no_pair_of_boxes_is_refused),
     };
     return cmocka_run_group_tests(tests, open_devices, close_devices);

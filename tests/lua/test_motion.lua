@@ -51,6 +51,15 @@ holds("a cube falls, and comes to rest on the floor", function()
   assert(motion:energy().kinetic < 1e-3)
 end)
 
+holds("a delta says which pairs began, ended and stay", function()
+  local delta <close> = assert(duet.pair_delta())
+  local begun, ended, stays = delta:update { { 3, 4 }, { 0, 2 } }
+  assert(#begun == 2 and #ended == 0 and #stays == 0)
+  begun, ended, stays = delta:update { { 4, 3 }, { 1, 2 } }
+  assert(#begun == 1 and #ended == 1 and #stays == 1)
+  assert(begun:get(0) == 1 and ended:get(0) == 0 and stays:get(0) == 3)
+end)
+
 holds("a motion that was saved goes on bit for bit", function()
   local path = os.tmpname()
   local motion <close> = assert(pair:motion(poses, bodies, falling))
