@@ -40,6 +40,7 @@ api.classes = {
   { "duet.RayQueryResult", "A table: what casting rays took." },
   { "duet.ContactQuery", "The narrow phase of contacts, for pairs that a world found or a script brings." },
   { "duet.ContactQueryResult", "A table: what finding contacts took." },
+  { "duet.Ids", "Ids of objects." },
   { "duet.PairDelta", "The pairs of a still world's last step." },
   { "duet.Kernel", "A table: a kernel and its card." },
   { "duet.Source", "A table: the text of a variant." },
@@ -351,6 +352,13 @@ api.names = {
   { "duet.Motion:hash", {}, "string", "A sum over the state's bits, the same at any share.", fails = true,
     c = "duet_motion_get_hash" },
   { "duet.Motion:energy", {}, "duet.Energy", "Energies and momenta.", fails = true, c = "duet_motion_get_energy" },
+  { "duet.Motion:read_of", { "ids: duet.Ids|string|integer[]" }, "duet.States", "The states of the objects with these ids.",
+    fails = true, c = "duet_motion_get_states_of" },
+  { "duet.Motion:moved", {}, "duet.Ids, duet.States",
+    "The objects whose centre or rotation changed since the last call; all the first time.", fails = true,
+    c = "duet_motion_get_moved" },
+  { "duet.states_between", { "from: duet.States", "to: duet.States", "fraction: number" }, "duet.States",
+    "States from one step's (0) to the next one's (1), for drawing.", c = "duet_state_between" },
   { "duet.Motion:contacts", {}, "duet.Contacts", "Where objects touched in the last step; ascending.", fails = true,
     c = "duet_motion_get_contacts" },
   { "duet.Motion:save", { "path: string" }, "true", "Writes the motion to a file.", fails = true,
@@ -491,6 +499,7 @@ for class, columns in pairs {
   Separations = "d",
   Rays = ("f"):rep(7),
   Hits = "IIf",
+  Ids = "I",
 } do
   local types = {}
   for letter in columns:gmatch "." do types[#types + 1] = letters[letter] end

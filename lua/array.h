@@ -24,6 +24,7 @@ typedef enum array_kind {
     ARRAY_SEPARATIONS,
     ARRAY_RAYS,
     ARRAY_HITS,
+    ARRAY_IDS,
     ARRAY_KINDS
 } array_kind;
 

@@ -378,6 +378,48 @@ static int motion_read(lua_State *L)
     return duet_motion_get_states(motion, states->rows, &err) ? 1 : class_push_failure(L, &err);
 }
 
+// motion:read_of(ids) -> the states of those
+static int motion_read_of(lua_State *L)
+{
+    duet_error err = {0};
+    duet_motion *motion = check_motion(L);
+    const array *ids = array_check(L, 2, ARRAY_IDS);
+    luaL_argcheck(L, ids->n <= UINT32_MAX, 2, "fewer than 2^32 ids");
+    array *states = array_push(L, ARRAY_STATES, ids->n);
+    return duet_motion_get_states_of(motion, ids->rows, (uint32_t)ids->n, states->rows, &err)
+               ? 1
+               : class_push_failure(L, &err);
+}
+
+// motion:moved() -> ids, states
+static int motion_moved(lua_State *L)
+{
+    duet_error err = {0};
+    duet_moved moved = {0};
+    if (!duet_motion_get_moved(check_motion(L), &moved, &err))
+        return class_push_failure(L, &err);
+    array *ids = array_push(L, ARRAY_IDS, moved.n);
+    array *states = array_push(L, ARRAY_STATES, moved.n);
+    if (moved.n > 0) {
+        memcpy(ids->rows, moved.ids, moved.n * sizeof *moved.ids);
+        memcpy(states->rows, moved.states, moved.n * sizeof *moved.states);
+    }
+    return 2;
+}
+
+// duet.states_between(from, to, fraction): row by row
+static int states_between(lua_State *L)
+{
+    const array *from = array_check(L, 1, ARRAY_STATES), *to = array_check(L, 2, ARRAY_STATES);
+    double fraction = luaL_checknumber(L, 3);
+    luaL_argcheck(L, from->n == to->n, 2, "as many states as the first");
+    const duet_state *a = from->rows, *b = to->rows;
+    duet_state *out = array_push(L, ARRAY_STATES, from->n)->rows;
+    for (uint64_t i = 0; i < from->n; ++i)
+        out[i] = duet_state_between(&a[i], &b[i], fraction);
+    return 1;
+}
+
 static int motion_hash(lua_State *L)
 {
     duet_error err = {0};
@@ -458,11 +500,13 @@ static int motion_explain(lua_State *L)
     return 1;
 }
 
-static const luaL_Reg methods[] = {
-    {"advance", motion_advance},   {"effects", motion_effects}, {"plan", motion_plan},
-    {"read", motion_read},         {"hash", motion_hash},       {"energy", motion_energy},
-    {"contacts", motion_contacts}, {"save", motion_save},       {"load", motion_load},
-    {"explain", motion_explain},   {"close", motion_close},     {NULL, NULL}};
+static const luaL_Reg methods[] = {{"advance", motion_advance},   {"effects", motion_effects},
+                                   {"plan", motion_plan},         {"read", motion_read},
+                                   {"read_of", motion_read_of},   {"moved", motion_moved},
+                                   {"hash", motion_hash},         {"energy", motion_energy},
+                                   {"contacts", motion_contacts}, {"save", motion_save},
+                                   {"load", motion_load},         {"explain", motion_explain},
+                                   {"close", motion_close},       {NULL, NULL}};
 static const luaL_Reg metas[] = {{"__len", motion_length}, {NULL, NULL}};
 static int motion_about(lua_State *L)
 {
@@ -487,7 +531,8 @@ static const lua_class motion_class = {
 
 void motion_open_lua(lua_State *L)
 {
-    static const luaL_Reg functions[] = {{"effects", list_effects}, {NULL, NULL}};
+    static const luaL_Reg functions[] = {
+        {"effects", list_effects}, {"states_between", states_between}, {NULL, NULL}};
     class_open(L, &motion_class);
     class_open(L, &step_class);
     luaL_setfuncs(L, functions, 0);

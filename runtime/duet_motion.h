@@ -171,6 +171,26 @@ DUET_API uint32_t duet_motion_get_count(const duet_motion *motion);
 // longer finite; the states are copied all the same.
 DUET_API bool duet_motion_get_states(duet_motion *motion, duet_state *states, duet_error *err);
 
+// Copies the states of the objects with these ids to states [n]; no others travel.
+// BAD_ARGUMENT names the first id that is none.
+DUET_API bool duet_motion_get_states_of(duet_motion *motion, const uint32_t *ids, uint32_t n,
+                                        duet_state *states, duet_error *err);
+
+typedef struct duet_moved {
+    const uint32_t *ids; // [n] ascending
+    const duet_state *states;
+    uint32_t n;
+} duet_moved;
+
+// The objects whose centre or rotation changed since this was called last, all of them the
+// first time. Their memory is the motion's and lasts until the next call.
+DUET_API bool duet_motion_get_moved(duet_motion *motion, duet_moved *moved, duet_error *err);
+
+// A state from one step's to the next one's, for drawing: fraction 0 is from, and 1 is to.
+// The rotation takes the shorter way. At the seam of a periodic world it is not to be used.
+DUET_API duet_state duet_state_between(const duet_state *from, const duet_state *to,
+                                       double fraction);
+
 // A sum over the state's bits, equal on all devices, at any share and in any
 // split mode.
 DUET_API bool duet_motion_get_hash(duet_motion *motion, uint64_t *hash, duet_error *err);

@@ -330,6 +330,7 @@ void duet_motion_destroy(duet_motion *m)
     free(m->cells);
     free(m->bodies);
     motion_free_events(&m->told);
+    motion_free_reading(&m->reading);
     duet_device_pair_destroy(m->def.pair);
     free(m);
 }

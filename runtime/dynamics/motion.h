@@ -9,6 +9,7 @@
 #include "kernels/dynamics/records.h"
 #include "runtime/dynamics/effect.h"
 #include "runtime/dynamics/motion_events.h"
+#include "runtime/dynamics/motion_read.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/radix_sort.h"
 
@@ -61,6 +62,12 @@ typedef enum motion_buffer {
     TOUCHING, // a bit for each contact
     HITS,
     FLAG_WORDS,
+    READ_IDS, // while states are read
+    GATHERED,
+    CHANGED,
+    LAST_CENTRES, // as they were read last
+    LAST_CELLS,
+    LAST_ROTATIONS,
     MOTION_BUFFERS
 } motion_buffer;
 
@@ -106,6 +113,8 @@ typedef struct motion_args {
     cl_uint key_end;
     buffer pairs; // that rows are made of
     buffer row_starts, row_values;
+    buffer rows, last_rows; // of a state, by object
+    cl_uint row_words, n_ids;
 } motion_args;
 
 // How long the records of kernels/dynamics/records.h are, in floats; bodies in vectors
@@ -161,6 +170,7 @@ struct duet_motion {
     bool broken; // a step failed half-way: only a load makes it whole again
     uint32_t flags[FLAGS];
     motion_events told;
+    motion_reading reading;
 };
 
 static inline bool motion_has(const duet_motion *m, uint32_t effect)
@@ -183,11 +193,17 @@ duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
 // where it has not.
 bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err);
 
+// A kernel with what the scene says of its parameters, once it is built.
+bool motion_ask(duet_motion *m, kernel **at, const char *name, const char *entry, duet_error *err);
+
 // Generates and builds what the effects need.
 bool motion_prepare(duet_motion *m, duet_error *err);
 
 // Puts poses and bodies into B's buffers, and 0 into what they lack.
 bool motion_reset(duet_motion *m, duet_error *err);
+
+// The rotation and the angular velocity that an object was given.
+void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state);
 
 // 32-bit words of state that an object has in a buffer; 0: not by object, or
 // not called for.

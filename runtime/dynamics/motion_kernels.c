@@ -81,7 +81,7 @@ static bool gather(duet_motion *m, const char *name, gen_setting settings[MOST_P
     return true;
 }
 
-static bool get(duet_motion *m, kernel **at, const char *name, const char *entry, duet_error *err)
+bool motion_ask(duet_motion *m, kernel **at, const char *name, const char *entry, duet_error *err)
 {
     gen_setting settings[MOST_PARAMS];
     uint32_t n = 0;
@@ -148,7 +148,7 @@ bool motion_prepare(duet_motion *m, duet_error *err)
     };
     m->layout = lay_out(m);
     for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i)
-        if (list[i].wanted && !get(m, list[i].at, list[i].name, list[i].entry, err))
+        if (list[i].wanted && !motion_ask(m, list[i].at, list[i].name, list[i].entry, err))
             return false;
     if (contact && !scan_open(&m->scan, m->device, m->programs, NULL, 0, err))
         return false;

@@ -202,6 +202,13 @@ bool motion_reset(duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- back
 
+void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state)
+{
+    entry rotation = rotation_of(m, id), angular = angular_velocity_of(m, id);
+    memcpy(state->rotation, rotation.at, sizeof state->rotation);
+    memcpy(state->angular_velocity, angular.at, sizeof state->angular_velocity);
+}
+
 // Four numbers of each object, or what was given where the buffer is not
 // called for.
 static bool fetch(duet_motion *m, motion_buffer which,

@@ -405,6 +405,22 @@ static void find_contacts(void)
     duet_contact_query_destroy(NULL);
 }
 
+static void read_some(void)
+{
+    const uint32_t id = 0, none = 2;
+    duet_state state;
+    duet_moved moved;
+    REFUSES(duet_motion_get_states_of(NULL, &id, 1, &state, e));
+    REFUSES(duet_motion_get_states_of(motion, NULL, 1, &state, e));
+    REFUSES(duet_motion_get_states_of(motion, &id, 1, NULL, e));
+    REFUSES(duet_motion_get_states_of(motion, &none, 1, &state, e));
+    TAKES(duet_motion_get_states_of(motion, NULL, 0, NULL, e));
+    REFUSES(duet_motion_get_moved(NULL, &moved, e));
+    REFUSES(duet_motion_get_moved(motion, NULL, e));
+    assert_true(duet_state_between(NULL, &state, 0.5).rotation[3] == 1);
+    assert_true(duet_state_between(&state, NULL, 0.5).rotation[3] == 1);
+}
+
 static void compare_pairs(void)
 {
     duet_pair_delta_result found;
@@ -607,6 +623,7 @@ static const struct {
     {"duet_contact_query_create duet_contact_query_destroy duet_contact_query_run "
      "duet_default_contact_query_def",
      find_contacts},
+    {"duet_motion_get_states_of duet_motion_get_moved duet_state_between", read_some},
     {"duet_pair_delta_create duet_pair_delta_destroy duet_pair_delta_update", compare_pairs},
     {"duet_reference", references},
     {"duet_motion_create duet_motion_create_from_scene duet_motion_destroy", create_motion},

@@ -1,0 +1,28 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "rows of some objects together, and which rows have changed",
+  uses = {},
+  params = {
+    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 64 }, default = function(limits) return limits.cpu and 64 or 1 end,
+      about = "rows, or words of 32 rows, a work-item" },
+  },
+  args = {
+    gather_rows = [[
+      const uint *rows
+      uint row_words
+      const uint *ids
+      uint n_ids
+      uint *gathered
+    ]],
+    changed_rows = [[
+      const uint *rows
+      uint row_words
+      uint n
+      uint *last_rows
+      uint *changed
+    ]],
+  },
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: MIT
+// States of some bodies: of given ids, and of those that moved. The device gathers them, so
+// that no others travel; what it needs is built and reserved when it is first asked for.
+#include "runtime/dynamics/motion.h"
+
+#include "base/error.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void motion_free_reading(motion_reading *r)
+{
+    free(r->ids);
+    free(r->states);
+    *r = (motion_reading){0};
+}
+
+static bool prepare(duet_motion *m, duet_error *err)
+{
+    motion_reading *r = &m->reading;
+    if (r->changed_rows)
+        return true;
+    kernel *gather = NULL, *changed = NULL;
+    if (!motion_ask(m, &gather, "read_rows", "gather_rows", err) ||
+        !motion_ask(m, &changed, "read_rows", "changed_rows", err) ||
+        !program_set_build(m->programs, err))
+        return false;
+    r->gather_rows = gather;
+    r->changed_rows = changed;
+    return true;
+}
+
+// ---------------------------------------------------------------- of given ids
+
+// One part of a state, and where it lies there.
+static const struct {
+    motion_buffer which;
+    size_t at;
+    size_t numbers;
+} parts[] = {
+    {CENTRES, offsetof(duet_state, centre), 3},
+    {ROTATIONS, offsetof(duet_state, rotation), 4},
+    {VELOCITIES, offsetof(duet_state, velocity), 3},
+    {ANGULAR_VELOCITIES, offsetof(duet_state, angular_velocity), 3},
+};
+
+enum { PARTS = sizeof parts / sizeof parts[0], MOST_WORDS = 8 };
+
+static bool gather(duet_motion *m, motion_buffer which, uint32_t n, uint32_t *rows, duet_error *err)
+{
+    uint32_t words = motion_words(m, which);
+    m->args.rows = m->buffers[which];
+    m->args.row_words = words;
+    m->args.n_ids = n;
+    return motion_launch(m, "fetch", m->reading.gather_rows, n, err) &&
+           timeline_read(&m->times, "fetch", &m->buffers[GATHERED], rows,
+                         (size_t)n * words * sizeof *rows, err);
+}
+
+static double number_at(const duet_motion *m, const uint32_t *row, size_t k)
+{
+    float number;
+    double wide;
+    memcpy(&number, row + k, sizeof number);
+    memcpy(&wide, row + (m->def.doubles ? 2 * k : 0), sizeof wide);
+    return m->def.doubles ? wide : (double)number;
+}
+
+static bool fetch_parts(duet_motion *m, uint32_t n, duet_state *states, uint32_t *rows,
+                        duet_error *err)
+{
+    for (size_t p = 0; p < PARTS; ++p) {
+        uint32_t words = motion_words(m, parts[p].which);
+        if (words > 0 && !gather(m, parts[p].which, n, rows, err))
+            return false;
+        for (uint32_t i = 0; words > 0 && i < n; ++i)
+            for (size_t k = 0; k < parts[p].numbers; ++k)
+                ((double *)((char *)&states[i] + parts[p].at))[k] =
+                    number_at(m, rows + (size_t)i * words, k);
+    }
+    if (!m->cells)
+        return true;
+    if (!gather(m, CELLS, n, rows, err))
+        return false;
+    for (uint32_t i = 0; i < n; ++i)
+        for (uint32_t k = 0; k < m->def.dims; ++k)
+            states[i].centre[k] += (double)(int32_t)rows[4 * (size_t)i + k] * m->def.origin_edge;
+    return true;
+}
+
+static bool check_finite(const duet_motion *m, const uint32_t *ids, uint32_t n,
+                         const duet_state *states, duet_error *err)
+{
+    for (uint32_t i = 0; i < n; ++i)
+        for (size_t k = 0; k < sizeof *states / sizeof(double); ++k)
+            if (!isfinite(((const double *)&states[i])[k]))
+                return error_set(err, DUET_STATUS_BAD_OBJECT,
+                                 "object %u of %u: its state after step %llu is not finite", ids[i],
+                                 m->n, (unsigned long long)m->step);
+    return true;
+}
+
+// The ids are valid.
+static bool fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_state *states,
+                         duet_error *err)
+{
+    if (n == 0)
+        return true;
+    uint32_t *rows = malloc(((size_t)n + 1) * MOST_WORDS * sizeof *rows);
+    if (!rows)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", n);
+    for (uint32_t i = 0; i < n; ++i)
+        motion_given_state(m, ids[i], &states[i]);
+    bool ok =
+        timeline_finish(&m->times, err) && prepare(m, err) &&
+        motion_reserve(m, READ_IDS, n, sizeof *ids, err) &&
+        motion_reserve(m, GATHERED, n, MOST_WORDS * sizeof *rows, err) &&
+        timeline_write_at(&m->times, "send", &m->buffers[READ_IDS], 0, ids, n * sizeof *ids, err) &&
+        fetch_parts(m, n, states, rows, err) && timeline_finish(&m->times, err);
+    free(rows);
+    return ok && check_finite(m, ids, n, states, err);
+}
+
+bool duet_motion_get_states_of(duet_motion *m, const uint32_t *ids, uint32_t n, duet_state *states,
+                               duet_error *err)
+{
+    if (!motion_is_whole(m, __func__, err) ||
+        (n > 0 && (!error_given(ids, __func__, "ids", err) ||
+                   !error_given(states, __func__, "states", err))))
+        return false;
+    for (uint32_t i = 0; i < n; ++i)
+        if (ids[i] >= m->n)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "id %u, in row %u; expected one below %u", ids[i], i, m->n);
+    return fetch_states(m, ids, n, states, err);
+}
+
+// ---------------------------------------------------------------- what moved
+
+static const struct {
+    motion_buffer which, last;
+} places[] = {{CENTRES, LAST_CENTRES}, {CELLS, LAST_CELLS}, {ROTATIONS, LAST_ROTATIONS}};
+
+enum { PLACES = sizeof places / sizeof places[0] };
+
+static bool find_changed(duet_motion *m, uint32_t *words, duet_error *err)
+{
+    size_t n_words = ((size_t)m->n + 31) / 32;
+    bool ok = motion_reserve(m, CHANGED, n_words, sizeof *words, err) &&
+              timeline_fill(&m->times, "moved", &m->buffers[CHANGED], 0, 0, n_words, err);
+    for (int i = 0; ok && i < PLACES; ++i) {
+        uint32_t row_words = motion_words(m, places[i].which);
+        if (row_words == 0)
+            continue;
+        ok = motion_reserve(m, places[i].last, m->n, row_words * sizeof *words, err);
+        m->args.rows = m->buffers[places[i].which];
+        m->args.last_rows = m->buffers[places[i].last];
+        m->args.row_words = row_words;
+        ok = ok && motion_launch(m, "moved", m->reading.changed_rows, n_words, err);
+    }
+    return ok && timeline_read(&m->times, "moved", &m->buffers[CHANGED], words,
+                               n_words * sizeof *words, err);
+}
+
+static bool reserve_reading(duet_motion *m, duet_error *err)
+{
+    motion_reading *r = &m->reading;
+    if (!r->ids)
+        r->ids = malloc(((size_t)m->n + 1) * sizeof *r->ids);
+    if (!r->states)
+        r->states = malloc(((size_t)m->n + 1) * sizeof *r->states);
+    return (r->ids && r->states) ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
+}
+
+// What was never read has moved.
+static uint32_t list_moved(duet_motion *m, const uint32_t *words)
+{
+    uint32_t n = 0;
+    for (uint32_t id = 0; id < m->n; ++id)
+        if (!m->reading.begun || (words[id / 32] >> id % 32 & 1u))
+            m->reading.ids[n++] = id;
+    return n;
+}
+
+// After a failure all is told again.
+static bool read_moved(duet_motion *m, uint32_t *words, duet_moved *moved, duet_error *err)
+{
+    motion_reading *r = &m->reading;
+    bool ok = m->n == 0 || find_changed(m, words, err);
+    uint32_t n = ok ? list_moved(m, words) : 0;
+    ok = ok && fetch_states(m, r->ids, n, r->states, err);
+    r->begun = ok;
+    *moved = (duet_moved){.ids = r->ids, .states = r->states, .n = n};
+    return ok;
+}
+
+bool duet_motion_get_moved(duet_motion *m, duet_moved *moved, duet_error *err)
+{
+    if (!motion_is_whole(m, __func__, err) || !error_given(moved, __func__, "moved", err))
+        return false;
+    uint32_t *words = calloc((size_t)m->n / 32 + 1, sizeof *words);
+    if (!words)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
+    bool ok = timeline_finish(&m->times, err) && prepare(m, err) && reserve_reading(m, err) &&
+              read_moved(m, words, moved, err);
+    free(words);
+    return ok;
+}
+
+// ---------------------------------------------------------------- between two states
+
+static void mix(const double *from, const double *to, double fraction, double *out, int n)
+{
+    for (int k = 0; k < n; ++k)
+        out[k] = (1.0 - fraction) * from[k] + fraction * to[k];
+}
+
+// The way a rotation goes from step to step is short, so that a straight line between the
+// quaternions, brought back to length 1, is it within a third of a degree for 45 degrees.
+duet_state duet_state_between(const duet_state *from, const duet_state *to, double fraction)
+{
+    duet_state out = {.rotation = {0, 0, 0, 1}};
+    if (!from || !to)
+        return out;
+    double along = 0, nearer[4];
+    for (int k = 0; k < 4; ++k)
+        along += from->rotation[k] * to->rotation[k];
+    for (int k = 0; k < 4; ++k)
+        nearer[k] = along < 0 ? -to->rotation[k] : to->rotation[k];
+    mix(from->centre, to->centre, fraction, out.centre, 3);
+    mix(from->velocity, to->velocity, fraction, out.velocity, 3);
+    mix(from->angular_velocity, to->angular_velocity, fraction, out.angular_velocity, 3);
+    mix(from->rotation, nearer, fraction, out.rotation, 4);
+    double length = 0;
+    for (int k = 0; k < 4; ++k)
+        length += out.rotation[k] * out.rotation[k];
+    length = sqrt(length);
+    for (int k = 0; k < 4; ++k)
+        out.rotation[k] = length > 0 ? out.rotation[k] / length : from->rotation[k];
+    return out;
+}
