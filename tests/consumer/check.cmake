@@ -40,6 +40,10 @@ run(${built}/fall)
 if(NOT out STREQUAL "after 1.00 s the cube is at height 0.50\n")
   message(FATAL_ERROR "fall says '${out}'")
 endif()
+run(${built}/hits)
+if(NOT out MATCHES "^(cube [0-9]+ hit the floor [1-9] times\n)+the hardest was cube 10, at 1[0-9]\.[0-9] m/s\n$")
+  message(FATAL_ERROR "hits says '${out}'")
+endif()
 run(${prefix}/bin/duet --version)
 
 # They are C++ too. {0} is how C begins an empty struct, of which g++ warns.
