@@ -163,15 +163,25 @@ static bool find_changed(duet_motion *m, uint32_t *words, duet_error *err)
                                n_words * sizeof *words, err);
 }
 
+// Where there are more or fewer bodies than before, all is told again.
 static bool reserve_reading(duet_motion *m, duet_error *err)
 {
     motion_reading *r = &m->reading;
-    if (!r->ids)
-        r->ids = malloc(((size_t)m->n + 1) * sizeof *r->ids);
-    if (!r->states)
-        r->states = malloc(((size_t)m->n + 1) * sizeof *r->states);
-    return (r->ids && r->states) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
+    if (r->ids && r->n == m->n)
+        return true;
+    free(r->ids);
+    free(r->states);
+    r->begun = false;
+    r->n = m->n;
+    r->ids = malloc(((size_t)m->n + 1) * sizeof *r->ids);
+    r->states = malloc(((size_t)m->n + 1) * sizeof *r->states);
+    if (r->ids && r->states)
+        return true;
+    free(r->ids);
+    free(r->states);
+    r->ids = NULL;
+    r->states = NULL;
+    return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
 }
 
 // What was never read has moved.

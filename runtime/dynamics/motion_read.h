@@ -8,7 +8,8 @@
 typedef struct motion_reading {
     kernel *gather_rows, *changed_rows; // NULL until something is read
     bool begun;                         // the device has what was read last
-    uint32_t *ids;                      // [n] that moved
+    uint32_t n;
+    uint32_t *ids; // [n] that moved
     duet_state *states;
 } motion_reading;
 

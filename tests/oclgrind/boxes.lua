@@ -70,6 +70,7 @@ return {
   gravity = p.attraction == 0 and vector(0, -9.81) or nil,
   attraction = p.attraction ~= 0 and { strength = p.attraction, centre = vector(0, -3) } or nil,
   wants = wants,
+  hit_speed = p.events and 0.1 or nil,
   skin = p.skin > 0 and p.skin or nil,
   sleep_speed = p.sleep and 100 or nil,
   sleep_after = p.sleep and 0.03 or nil,

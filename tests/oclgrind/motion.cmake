@@ -44,6 +44,26 @@ foreach(case
   endif()
 endforeach()
 
+# Reads and contact queries, which no run of a scene makes.
+function(numbers_of device result)
+  execute_process(
+    COMMAND ${PROGRAM} lua --trust ${CMAKE_CURRENT_LIST_DIR}/reads.lua ${DIMS} ${device}
+    RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE err)
+  string(REGEX MATCHALL "[^\n]*0x[^\n]*\n" numbers "${out}")
+  if(NOT status EQUAL 0 OR NOT err STREQUAL "" OR numbers STREQUAL "")
+    message(FATAL_ERROR "reads on ${device}: ${status}\n${err}\n${out}")
+  endif()
+  set(${result} ${numbers} PARENT_SCOPE)
+  string(REGEX MATCHALL "kernel '[a-z_]+'" names "${out}")
+  set(launched ${launched} ${names} PARENT_SCOPE)
+endfunction()
+
+numbers_of(oclgrind:0 simulated)
+numbers_of(pocl:0 right)
+if(NOT simulated STREQUAL right)
+  message(FATAL_ERROR "reads: ${simulated}, not ${right}")
+endif()
+
 set(lacking "")
 file(GLOB paths ${KERNELS}/dynamics/*.cl ${KERNELS}/dynamics/*.cl.in)
 foreach(path IN LISTS paths)

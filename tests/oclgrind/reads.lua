@@ -1,0 +1,31 @@
+-- SPDX-License-Identifier: MIT
+-- What a motion is asked, and the contacts of a still world, on a B of the caller's choice:
+-- prints all numbers, bit for bit.
+local duet = require "duet"
+local dims, device = math.tointeger(arg[1]), arg[2]
+local pair <close> = assert(duet.device_pair("pocl:0," .. device))
+
+local function tell(rows)
+  for _, n in ipairs { rows:get(0) } do io.write(("%a "):format(n)) end
+  print(#rows)
+end
+
+local up = dims == 3 and { 0, 0, 1 } or { 0, 1, 0 }
+local poses = duet.poses(40)
+for i = 0, 39 do
+  local high = i * 0.9
+  poses:set(i, up[1] * high, up[2] * high, up[3] * high, 0.5, 0.5, 0.5, 0, 0, 0.1 * (i % 5), 1)
+end
+local motion <close> = assert(pair:motion(poses, nil, { dims = dims, wants = { "contact_response" }, plan = { share = 0 },
+  gravity = { -10 * up[1], -10 * up[2], -10 * up[3] } }))
+assert(motion:advance())
+tell(assert(motion:read_of { 7, 3, 39 }))
+assert(motion:moved())
+assert(motion:advance())
+local _, moved = assert(motion:moved())
+tell(moved)
+
+local query <close> = assert(pair:contact_query { dims = dims, share = 0 })
+local pairs_of = duet.pairs(39)
+for i = 0, 38 do pairs_of:set(i, i, i + 1) end
+tell(assert(query:run(poses, pairs_of)))
