@@ -14,10 +14,11 @@ int main(void)
     for (int i = 0; i <= CUBES; ++i) {
         bodies[i] = duet_default_body();
         bodies[i].restitution = 0.5f;
+        const duet_pose cube = {{3.0f * (float)(i % 5), 3.0f * (float)(i / 5), (float)i},
+                                {0.5f, 0.5f, 0.5f},
+                                {0, 0, 0, 1}};
         if (i > 0)
-            poses[i] = (duet_pose){{3.0f * (float)(i % 5), 3.0f * (float)(i / 5), (float)i},
-                                   {0.5f, 0.5f, 0.5f},
-                                   {0, 0, 0, 1}};
+            poses[i] = cube;
     }
     bodies[0].mass = 0;
     duet_error err = {0};
