@@ -65,6 +65,7 @@ int luaopen_duet(lua_State *L)
     source_open_lua(L);
     profiles_open_lua(L);
     pair_query_open_lua(L);
+    tree_open_lua(L);
     ray_query_open_lua(L);
     preload_carried(L);
     return 1;

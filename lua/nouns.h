@@ -21,6 +21,7 @@ void motion_open_lua(lua_State *L);
 void source_open_lua(lua_State *L);
 void profiles_open_lua(lua_State *L);
 void pair_query_open_lua(lua_State *L);
+void tree_open_lua(lua_State *L);
 void ray_query_open_lua(lua_State *L);
 
 extern const member_type member_plan; // a duet_plan as a table
@@ -36,6 +37,12 @@ int world_create_lua(lua_State *L);
 int device_pair_tune_lua(lua_State *L);
 int motion_create_lua(lua_State *L);
 int pair_query_create_lua(lua_State *L);
+int tree_create_lua(lua_State *L);
+
+duet_tree *tree_check(lua_State *L, int index);
+array_kind tree_array_kind(lua_State *L, int index); // of its objects
+
+// The method tree:ray_query; with the tree's other methods.
 int ray_query_create_lua(lua_State *L);
 
 typedef struct world_box {

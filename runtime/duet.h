@@ -30,6 +30,7 @@
 #include "duet_pair_query.h"
 #include "duet_ray_query.h"
 #include "duet_scene.h"
+#include "duet_tree.h"
 #include "duet_world.h"
 
 #include <stddef.h> // NULL

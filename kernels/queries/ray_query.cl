@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Which boxes rays meet, by walking down a box tree (queries/tree.h).
 //
-//   rays     [n][RAY_WORDS] origin xyz, direction xyz, t_max
+//   items    [n][RAY_WORDS] rays: origin xyz, direction xyz, t_max
 //   order    [n] of rays, by where they begin; in_order 1: as they come
 //   boxes, nodes    of the tree
 //   levels   [n_levels] first node of each level, the lowest first
@@ -20,8 +20,8 @@
 #define ANY 1
 #define EVERY 2
 
-#define STACK (TREE_WIDTH * TREE_LEVELS)
-#define LEVEL_SHIFT 28
+#define RAY_WORDS 7
+#define HIT_WORDS 3 // the ray, the box's id, how far along the ray
 
 #define SLACK (64.0f * 0x1p-24f) // of a box's size, as seen from the ray's origin
 #define LEAST_SIZE 0x1p-70f
@@ -39,6 +39,21 @@ typedef struct {
     float t_max;        // scaled
     float scale;        // of what is scaled, to the caller's
 } ray;
+
+struct walk {
+    ray r;
+    __global const float *boxes;
+    uint number;
+    float best; // CLOSEST: t and id of the nearest hit so far
+    uint id;
+#if WANTS == EVERY
+    __global uint *hits;
+    uint hits_capacity;
+#endif
+    __global uint *open;
+    uint open_capacity;
+    volatile __global uint *counters;
+};
 
 static inline bool is_zero(float x)
 {
@@ -93,20 +108,12 @@ static inline ray ray_of(const float given[RAY_WORDS])
 
 // ------------------------------------------------------------ bounds
 
-static inline real load_lanes(__global const float *from)
-{
-#if LANES == 1
-    return *from;
-#else
-    return vload8(0, from);
-#endif
-}
-
 // Whether the ray meets the bounds of children from `node` on, and from which t. A
 // difference has the right sign, so what counts of `near` is above 0, and what is below 0
 // of `far` is a miss whatever the slack.
-static inline mask meets_bounds(const ray *r, __global const float *node, real *from)
+static inline mask meets_bounds(const walk *w, __global const float *node, real *from)
 {
+    const ray *r = &w->r;
     real near = (real)(0.0f), far = (real)(r->t_max);
     mask beside = (mask)(0);
 #pragma unroll
@@ -141,6 +148,51 @@ static inline float along(__global const float *axis, const float v[3])
     return fma(axis[0], v[0], axis[1] * v[1]);
 #endif
 }
+
+#if SHAPE // bounds
+
+// Where denormal numbers may be lost on the way to a difference.
+static inline bool is_tiny(float a, float b)
+{
+    return fabs(a - b) < LEAST_DIRECTION && as_uint(a) != as_uint(b) && !(is_zero(a) && is_zero(b));
+}
+
+// A difference has the right sign and is off by a part of itself, as all that follows:
+// BOUNDS_SLACK is above them together.
+static inline uint meet_box(const ray *r, __global const float *box, float *t)
+{
+    float enter = *t, surely_enter = 0.0f, maybe_enter = 0.0f;
+    float surely_leave = r->t_max, maybe_leave = r->t_max;
+    bool open = false;
+#pragma unroll
+    for (int k = 0; k < DIMS; ++k) {
+        float inverse = r->inverse[k];
+        if (inverse == 0.0f) {
+            if (box[k] > r->origin[k] || box[3 + k] < r->origin[k])
+                return MISSED;
+            continue;
+        }
+        if (inverse != inverse) {
+            open = true;
+            continue;
+        }
+        if (is_tiny(box[k], r->origin[k]) || is_tiny(box[3 + k], r->origin[k]))
+            return OPEN;
+        float lower = box[k] - r->origin[k], upper = box[3 + k] - r->origin[k];
+        float in = inverse > 0.0f ? lower : upper, out = inverse > 0.0f ? upper : lower;
+        enter = fmax(enter, in * inverse);
+        surely_enter = fmax(surely_enter, in * r->farther[k]);
+        maybe_enter = fmax(maybe_enter, in * r->nearer[k]);
+        surely_leave = fmin(surely_leave, out * r->nearer[k]);
+        maybe_leave = fmin(maybe_leave, out * r->farther[k]);
+    }
+    if (maybe_enter > maybe_leave)
+        return MISSED;
+    *t = fmin(enter, r->t_max);
+    return !open && surely_enter <= surely_leave ? MET : OPEN;
+}
+
+#else
 
 // Where the ray is between the two faces of each edge, widened and narrowed by what
 // float may be wrong by. `t` is at least that of the box's bounds.
@@ -183,36 +235,27 @@ static inline uint meet_box(const ray *r, __global const float *box, float *t)
     return !open && surely_enter <= surely_leave ? MET : OPEN;
 }
 
+#endif
+
 // ------------------------------------------------------------ the walk
 
-typedef struct {
-    ray r;
-    uint number;
-    float best; // CLOSEST: t and id of the nearest hit so far
-    uint id;
-#if WANTS == EVERY
-    __global uint *hits;
-    uint hits_capacity;
-#endif
-    __global uint *open;
-    uint open_capacity;
-    volatile __global uint *counters;
-} walk;
-
-static inline void list_hit(__global uint *list, uint capacity, volatile __global uint *counter, uint number, uint id,
-                            float t)
+static inline float farthest(const walk *w)
 {
-    uint at = reserve(counter, 1);
-    if (at >= capacity)
-        return;
-    list[(size_t)at * HIT_WORDS] = number;
-    list[(size_t)at * HIT_WORDS + 1] = id;
-    list[(size_t)at * HIT_WORDS + 2] = as_uint(t);
+    return w->best;
 }
 
-// Returns whether the walk is over.
-static inline bool visit_box(walk *w, __global const float *box, float from)
+static inline void list_hit(const walk *w, __global uint *row, uint id, float t)
 {
+    if (!row)
+        return;
+    row[0] = w->number;
+    row[1] = id;
+    row[2] = as_uint(t * w->r.scale);
+}
+
+static inline bool visit_box(walk *w, uint slot, float from)
+{
+    __global const float *box = w->boxes + (size_t)slot * TREE_BOX_WORDS;
     float t = from;
     uint id = as_uint(box[TREE_BOX_ID]);
     uint found = meet_box(&w->r, box, &t);
@@ -220,85 +263,15 @@ static inline bool visit_box(walk *w, __global const float *box, float from)
     if (found == MISSED || needless)
         return false;
     if (found == OPEN) {
-        list_hit(w->open, w->open_capacity, w->counters + COUNT_OPEN, w->number, id, t * w->r.scale);
+        list_hit(w, add_row(w->open, w->open_capacity, w->counters + COUNT_OPEN, HIT_WORDS), id, t);
         return false;
     }
 #if WANTS == EVERY
-    list_hit(w->hits, w->hits_capacity, w->counters + COUNT_HITS, w->number, id, t * w->r.scale);
+    list_hit(w, add_row(w->hits, w->hits_capacity, w->counters + COUNT_HITS, HIT_WORDS), id, t);
 #endif
     w->best = WANTS == EVERY ? INFINITY : t;
     w->id = id;
     return WANTS == ANY;
-}
-
-// The children that the ray meets, and from which t.
-static inline uint meet_children(const ray *r, __global const float *node, uint children[TREE_WIDTH],
-                                 float from[TREE_WIDTH])
-{
-    uint n = 0;
-    for (uint k = 0; k < TREE_WIDTH; k += LANES) {
-        real near;
-        mask met = meets_bounds(r, node + k, &near);
-        if (!any_lane(met))
-            continue;
-        uint is_met[LANES];
-        float t[LANES];
-        spread(as_word(met), is_met);
-#if LANES == 1
-        t[0] = near;
-#else
-        vstore8(near, 0, t);
-#endif
-        for (uint i = 0; i < LANES; ++i) {
-            children[n] = k + i;
-            from[n] = t[i];
-            n += is_met[i] != 0;
-        }
-    }
-    return n;
-}
-
-// The nearest comes last, and is taken first.
-static inline uint push_sorted(uint nodes[STACK], float nears[STACK], uint depth, uint bottom, uint node, float near)
-{
-    uint at = depth;
-    for (; at > bottom && nears[at - 1] < near; --at) {
-        nodes[at] = nodes[at - 1];
-        nears[at] = nears[at - 1];
-    }
-    nodes[at] = node;
-    nears[at] = near;
-    return depth + 1;
-}
-
-static inline void walk_tree(walk *w, __global const float *boxes, __global const float *nodes,
-                             __global const uint *levels, uint n_levels)
-{
-    uint waiting[STACK];
-    float nears[STACK];
-    waiting[0] = (n_levels - 1) << LEVEL_SHIFT;
-    nears[0] = 0.0f;
-    for (uint depth = 1; depth > 0;) {
-        uint node = waiting[--depth];
-        if (nears[depth] > w->best)
-            continue;
-        uint level = node >> LEVEL_SHIFT, place = node & ((1u << LEVEL_SHIFT) - 1);
-        uint children[TREE_WIDTH + 1];
-        float from[TREE_WIDTH + 1];
-        uint n = meet_children(&w->r, nodes + (size_t)(levels[level] + place) * NODE_WORDS, children, from);
-        if (level == 0) {
-            for (uint k = 0; k < n; ++k)
-                if (from[k] <= w->best &&
-                    visit_box(w, boxes + ((size_t)place * TREE_WIDTH + children[k]) * TREE_BOX_WORDS, from[k]))
-                    return;
-            continue;
-        }
-        uint bottom = depth;
-        for (uint k = 0; k < n; ++k)
-            if (from[k] <= w->best)
-                depth = push_sorted(waiting, nears, depth, bottom,
-                                    (level - 1) << LEVEL_SHIFT | (place * TREE_WIDTH + children[k]), from[k]);
-    }
 }
 
 __kernel void ray_query(RAY_QUERY_ARGS)
@@ -308,11 +281,12 @@ __kernel void ray_query(RAY_QUERY_ARGS)
         uint at = in_order ? i : order[i];
         float given[RAY_WORDS];
         for (int k = 0; k < RAY_WORDS; ++k)
-            given[k] = rays[(size_t)at * RAY_WORDS + k];
+            given[k] = items[(size_t)at * RAY_WORDS + k];
         walk w;
-        w.number = first_ray + at;
+        w.number = first_item + at;
         w.best = INFINITY;
         w.id = NO_OBJECT;
+        w.boxes = boxes;
         w.open = open;
         w.open_capacity = open_capacity;
         w.counters = counters;
@@ -325,9 +299,9 @@ __kernel void ray_query(RAY_QUERY_ARGS)
             continue;
         }
         w.r = ray_of(given);
-        walk_tree(&w, boxes, nodes, levels, n_levels);
+        walk_tree(&w, nodes, levels, n_levels);
 #if WANTS != EVERY
-        hits[(size_t)at * HIT_WORDS] = first_ray + at;
+        hits[(size_t)at * HIT_WORDS] = first_item + at;
         hits[(size_t)at * HIT_WORDS + 1] = WANTS == ANY && w.id != NO_OBJECT ? 0 : w.id;
         hits[(size_t)at * HIT_WORDS + 2] = WANTS == ANY ? 0 : as_uint(w.best * w.r.scale);
 #endif

@@ -27,6 +27,7 @@ static duet_world *bounds_world;
 static duet_world *apart_world;
 static duet_motion *motion;
 static duet_pair_query *test;
+static duet_tree *tree;
 static duet_ray_query *rays;
 static duet_online *online;
 static duet_pose pose = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
@@ -355,6 +356,28 @@ static void query_pairs(void)
     duet_pair_query_destroy(NULL);
 }
 
+static void fill_tree(void)
+{
+    duet_tree_def def = duet_default_tree_def();
+    REFUSES(duet_tree_create(NULL, e));
+    REFUSES(duet_tree_create(&def, e));
+    def.pair = pair;
+    def.share = DUET_SHARE_ONE + 1;
+    REFUSES(duet_tree_create(&def, e));
+    def.share = 0;
+    def.dims = 4;
+    REFUSES(duet_tree_create(&def, e));
+    def.dims = 3;
+    def.shape = (duet_shape)2;
+    REFUSES(duet_tree_create(&def, e));
+    REFUSES(duet_tree_set_objects(NULL, DUET_OBJECT_POSES, &pose, 1, e));
+    REFUSES(duet_tree_set_objects(tree, DUET_OBJECT_POSES, NULL, 1, e));
+    REFUSES(duet_tree_set_objects(tree, DUET_OBJECT_BOUNDS, &bounds, 1, e));
+    REFUSES(duet_tree_set_objects(tree, DUET_OBJECT_SIZES, &pose, 1, e));
+    TAKES(duet_tree_set_objects(tree, DUET_OBJECT_POSES, NULL, 0, e));
+    duet_tree_destroy(NULL);
+}
+
 static void cast_rays(void)
 {
     duet_ray_query_def def = duet_default_ray_query_def();
@@ -363,15 +386,9 @@ static void cast_rays(void)
     assert_null(duet_ray_wants_name((duet_ray_wants)3));
     REFUSES(duet_ray_query_create(NULL, e));
     REFUSES(duet_ray_query_create(&def, e));
-    def.pair = pair;
+    def.tree = tree;
     def.wants = (duet_ray_wants)3;
     REFUSES(duet_ray_query_create(&def, e));
-    def.wants = DUET_RAY_ANY;
-    def.share = DUET_SHARE_ONE + 1;
-    REFUSES(duet_ray_query_create(&def, e));
-    REFUSES(duet_ray_query_set_objects(NULL, &pose, 1, e));
-    REFUSES(duet_ray_query_set_objects(rays, NULL, 1, e));
-    TAKES(duet_ray_query_set_objects(rays, NULL, 0, e));
     REFUSES(duet_ray_query_run(NULL, &ray, 1, &found, e));
     REFUSES(duet_ray_query_run(rays, NULL, 1, &found, e));
     REFUSES(duet_ray_query_run(rays, &ray, 1, NULL, e));
@@ -560,8 +577,9 @@ static const struct {
     {"duet_world_load_profile duet_world_explain_profile", load_profile},
     {"duet_world_step", step_world},
     {"duet_pair_query_create duet_pair_query_destroy duet_pair_query_run", query_pairs},
+    {"duet_tree_create duet_tree_destroy duet_tree_set_objects duet_default_tree_def", fill_tree},
     {"duet_ray_query_create duet_ray_query_destroy duet_ray_query_run "
-     "duet_ray_query_set_objects duet_ray_wants_name duet_default_ray_query_def",
+     "duet_ray_wants_name duet_default_ray_query_def",
      cast_rays},
     {"duet_reference", references},
     {"duet_motion_create duet_motion_create_from_scene duet_motion_destroy", create_motion},
@@ -603,7 +621,8 @@ static int rows_of(const char *call)
 static const char *const headers[] = {
     "runtime/duet.h",        "runtime/duet_device.h",    "runtime/duet_level.h",
     "runtime/duet_motion.h", "runtime/duet_object.h",    "runtime/duet_pair_query.h",
-    "runtime/duet_ray_query.h", "runtime/duet_scene.h",  "runtime/duet_world.h",     "base/duet_error.h",
+    "runtime/duet_ray_query.h", "runtime/duet_tree.h",   "runtime/duet_scene.h",
+    "runtime/duet_world.h",  "base/duet_error.h",
     "tuner/duet_tune.h",     "profiles/duet_profiles.h", "lua/duet_lua.h"};
 
 // The name before the first bracket behind DUET_API.
@@ -708,9 +727,13 @@ static int open_all(void **state)
     testing.pair = pair;
     test = duet_pair_query_create(&testing, &err);
     assert_ok(test, err);
+    duet_tree_def planting = duet_default_tree_def();
+    planting.pair = pair;
+    planting.share = 0;
+    tree = duet_tree_create(&planting, &err);
+    assert_ok(tree, err);
     duet_ray_query_def casting = duet_default_ray_query_def();
-    casting.pair = pair;
-    casting.share = 0;
+    casting.tree = tree;
     rays = duet_ray_query_create(&casting, &err);
     assert_ok(rays, err);
     duet_online_def tuning = duet_default_online_def();
@@ -727,6 +750,7 @@ static int close_all(void **state)
     duet_online_destroy(online, NULL);
     duet_pair_query_destroy(test);
     duet_ray_query_destroy(rays);
+    duet_tree_destroy(tree);
     duet_motion_destroy(motion);
     duet_world_destroy(bounds_world);
     duet_world_destroy(placed_world);
