@@ -39,6 +39,9 @@ api.classes = {
   { "duet.Rays", "Rows of origin xyz, direction xyz, t_max." },
   { "duet.Hits", "Rows of a ray, the id of the box that it meets, and where: origin + t direction." },
   { "duet.RayQueryResult", "A table: what casting rays took." },
+  { "duet.BoxQuery", "Tests boxes against those of a tree." },
+  { "duet.BoxHits", "Rows of a box that was asked about, and the id of the tree's box that it collides with." },
+  { "duet.BoxQueryResult", "A table: what testing boxes took." },
   { "duet.Kernel", "A table: a kernel and its card." },
   { "duet.Source", "A table: the text of a variant." },
   { "duet.Level", "A table: a level of accuracy." },
@@ -60,7 +63,7 @@ api.others = {
   ["fields that a table leaves out"] = {
     "duet_default_device_pair_def", "duet_default_world_def", "duet_default_tune_def",
     "duet_default_online_def", "duet_default_motion_def", "duet_default_body", "duet_default_pair_query_def",
-    "duet_default_tree_def", "duet_default_ray_query_def",
+    "duet_default_tree_def", "duet_default_ray_query_def", "duet_default_box_query_def",
   },
   ["a scene with origin = \"cell\""] = {
     "duet_large_pose_set",
@@ -305,6 +308,17 @@ api.names = {
   { "duet.RayQueryResult.total_ms", "number", "wall clock" },
   { "duet.RayQueryResult.device_ms", "number[]", "of A and of B" },
 
+  { "duet.Tree:box_query", { "def?: { level?: string }" }, "duet.BoxQuery",
+    "Readies both devices to test boxes against the tree's, at a level.",
+    fails = true, c = "duet_box_query_create" },
+  { "duet.BoxQuery:run", { "boxes: duet.Poses|duet.Bounds|string|number[]|number[][]" },
+    "duet.BoxHits, duet.BoxQueryResult", "Which of the tree's boxes each collides with, by box and id.",
+    fails = true, c = "duet_box_query_run" },
+  { "duet.BoxQuery:close", {}, nil, "Gives the devices' memory back.", c = "duet_box_query_destroy" },
+  { "duet.BoxQueryResult.undecided", "integer", "hits that float left open and the host decided" },
+  { "duet.BoxQueryResult.total_ms", "number", "wall clock" },
+  { "duet.BoxQueryResult.device_ms", "number[]", "of A and of B" },
+
   { "duet.kernels", { "limits?: { max_group?: integer, local_bytes?: integer, fp64?: boolean, cpu?: boolean }" },
     "duet.Kernel[]", "The kernels, and what their cards let vary on a device of these limits.", fails = true },
   { "duet.source", { "kernel: string", "settings?: table<string, integer>", "limits?: table" }, "duet.Source",
@@ -472,6 +486,7 @@ for class, columns in pairs {
   Separations = "d",
   Rays = ("f"):rep(7),
   Hits = "IIf",
+  BoxHits = "II",
 } do
   local types = {}
   for letter in columns:gmatch "." do types[#types + 1] = letters[letter] end

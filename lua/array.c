@@ -30,6 +30,7 @@ static const struct {
     [ARRAY_SEPARATIONS] = {"d", sizeof(double)},
     [ARRAY_RAYS] = {"fffffff", sizeof(duet_ray)},
     [ARRAY_HITS] = {"IIf", sizeof(duet_ray_hit)},
+    [ARRAY_BOX_HITS] = {"II", sizeof(duet_box_hit)},
 };
 
 _Static_assert(offsetof(duet_pose, rotation[3]) == 9 * 4, "a pose is ten floats");
@@ -494,6 +495,7 @@ static const lua_class classes[] = {
     [ARRAY_SEPARATIONS] = {.name = "duet.separations", .methods = methods, .metas = metas},
     [ARRAY_RAYS] = {.name = "duet.rays", .methods = methods, .metas = metas},
     [ARRAY_HITS] = {.name = "duet.hits", .methods = methods, .metas = metas},
+    [ARRAY_BOX_HITS] = {.name = "duet.box_hits", .methods = methods, .metas = metas},
 };
 
 void array_open(lua_State *L)

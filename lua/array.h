@@ -24,6 +24,7 @@ typedef enum array_kind {
     ARRAY_SEPARATIONS,
     ARRAY_RAYS,
     ARRAY_HITS,
+    ARRAY_BOX_HITS,
     ARRAY_KINDS
 } array_kind;
 

@@ -67,6 +67,7 @@ int luaopen_duet(lua_State *L)
     pair_query_open_lua(L);
     tree_open_lua(L);
     ray_query_open_lua(L);
+    box_query_open_lua(L);
     preload_carried(L);
     return 1;
 }

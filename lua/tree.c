@@ -74,6 +74,7 @@ static int tree_close(lua_State *L)
 static const luaL_Reg methods[] = {{"close", tree_close},
                                    {"set_objects", tree_set_objects},
                                    {"ray_query", ray_query_create_lua},
+                                   {"box_query", box_query_create_lua},
                                    {NULL, NULL}};
 static const lua_class tree_class = {.name = "duet.tree", .methods = methods};
 

@@ -22,6 +22,7 @@
 #ifndef DUET_H
 #define DUET_H
 
+#include "duet_box_query.h"
 #include "duet_device.h"
 #include "duet_error.h"
 #include "duet_level.h"

@@ -70,20 +70,6 @@ static inline word size_class(const object *o, float widest)
     return min(most - min(most, exponent), (word)(CLASSES - 1));
 }
 
-// None, or so far away or wide that float could overflow.
-static inline mask is_refused(const object *o)
-{
-    mask refused = object_is_bad(o);
-#pragma unroll
-    for (int k = 0; k < 3; ++k)
-#if SHAPE == SHAPE_POSES
-        refused |= (fabs(o->centre[k]) > ALL(MOST_COORDINATE)) | (o->halves[k] > ALL(MOST_COORDINATE));
-#else
-        refused |= (fabs(o->lower[k]) > ALL(MOST_COORDINATE)) | (fabs(o->upper[k]) > ALL(MOST_COORDINATE));
-#endif
-    return refused;
-}
-
 __kernel void tree_keys(TREE_KEYS_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;

@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "a tree over boxes, for queries",
-  uses = { "lanes.clh", "narrowphase/object.clh", "queries/tree.h", "queries/limits.clh" },
+  uses = { "lanes.clh", "narrowphase/object.clh", "queries/tree.h", "queries/limits.clh",
+    "queries/refused.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },

@@ -159,14 +159,21 @@ static bool copy_objects(duet_tree *tree, const void *objects, uint32_t n, duet_
     return true;
 }
 
+bool tree_takes(const duet_tree *tree, duet_object_kind kind, duet_error *err)
+{
+    bool poses = tree->def.shape == DUET_SHAPE_POSES;
+    return kind == (poses ? DUET_OBJECT_POSES : DUET_OBJECT_BOUNDS) ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "objects of kind %d; the tree is of %s",
+                     (int)kind, poses ? "poses" : "bounds");
+}
+
 bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, const void *objects, uint32_t n,
                            duet_error *err)
 {
     if (!error_given(tree, __func__, "tree", err))
         return false;
-    if (kind != (tree->def.shape == DUET_SHAPE_POSES ? DUET_OBJECT_POSES : DUET_OBJECT_BOUNDS))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "objects of kind %d in a tree of %s",
-                         (int)kind, tree->def.shape == DUET_SHAPE_POSES ? "poses" : "bounds");
+    if (!tree_takes(tree, kind, err))
+        return false;
     if (n > 0 && !objects)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%u objects, but no memory with them", n);
     if (n > TREE_MOST_BOXES)

@@ -30,6 +30,9 @@ struct duet_tree {
 
 void tree_hold(duet_tree *tree);
 
+// BAD_ARGUMENT where objects of that kind are not of the tree's shape.
+bool tree_takes(const duet_tree *tree, duet_object_kind kind, duet_error *err);
+
 // Does the work with a and b at the same time; NULL: that side has none. The first failure
 // counts: A's, if it has one.
 bool tree_run(duet_tree *tree, void (*work)(void *), void *a, void *b, duet_error *err);

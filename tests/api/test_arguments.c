@@ -29,6 +29,7 @@ static duet_motion *motion;
 static duet_pair_query *test;
 static duet_tree *tree;
 static duet_ray_query *rays;
+static duet_box_query *boxes;
 static duet_online *online;
 static duet_pose pose = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
 static duet_large_pose placed;
@@ -396,6 +397,23 @@ static void cast_rays(void)
     duet_ray_query_destroy(NULL);
 }
 
+static void join_boxes(void)
+{
+    duet_box_query_def def = duet_default_box_query_def();
+    duet_box_query_result found;
+    REFUSES(duet_box_query_create(NULL, e));
+    REFUSES(duet_box_query_create(&def, e));
+    def.tree = tree;
+    def.level = (duet_level)DUET_LEVELS;
+    REFUSES(duet_box_query_create(&def, e));
+    REFUSES(duet_box_query_run(NULL, DUET_OBJECT_POSES, &pose, 1, &found, e));
+    REFUSES(duet_box_query_run(boxes, DUET_OBJECT_BOUNDS, &bounds, 1, &found, e));
+    REFUSES(duet_box_query_run(boxes, DUET_OBJECT_POSES, NULL, 1, &found, e));
+    REFUSES(duet_box_query_run(boxes, DUET_OBJECT_POSES, &pose, 1, NULL, e));
+    TAKES(duet_box_query_run(boxes, DUET_OBJECT_POSES, &pose, 1, &found, e));
+    duet_box_query_destroy(NULL);
+}
+
 static void references(void)
 {
     REFUSES(duet_reference(NULL, DUET_LEVEL_CERTIFIED, &pairs, &n, e));
@@ -581,6 +599,8 @@ static const struct {
     {"duet_ray_query_create duet_ray_query_destroy duet_ray_query_run "
      "duet_ray_wants_name duet_default_ray_query_def",
      cast_rays},
+    {"duet_box_query_create duet_box_query_destroy duet_box_query_run duet_default_box_query_def",
+     join_boxes},
     {"duet_reference", references},
     {"duet_motion_create duet_motion_create_from_scene duet_motion_destroy", create_motion},
     {"duet_motion_get_states duet_motion_get_hash duet_motion_get_energy duet_motion_get_contacts "
@@ -618,12 +638,21 @@ static int rows_of(const char *call)
     return found;
 }
 
-static const char *const headers[] = {
-    "runtime/duet.h",        "runtime/duet_device.h",    "runtime/duet_level.h",
-    "runtime/duet_motion.h", "runtime/duet_object.h",    "runtime/duet_pair_query.h",
-    "runtime/duet_ray_query.h", "runtime/duet_tree.h",   "runtime/duet_scene.h",
-    "runtime/duet_world.h",  "base/duet_error.h",
-    "tuner/duet_tune.h",     "profiles/duet_profiles.h", "lua/duet_lua.h"};
+static const char *const headers[] = {"runtime/duet.h",
+                                      "runtime/duet_box_query.h",
+                                      "runtime/duet_device.h",
+                                      "runtime/duet_level.h",
+                                      "runtime/duet_motion.h",
+                                      "runtime/duet_object.h",
+                                      "runtime/duet_pair_query.h",
+                                      "runtime/duet_ray_query.h",
+                                      "runtime/duet_tree.h",
+                                      "runtime/duet_scene.h",
+                                      "runtime/duet_world.h",
+                                      "base/duet_error.h",
+                                      "tuner/duet_tune.h",
+                                      "profiles/duet_profiles.h",
+                                      "lua/duet_lua.h"};
 
 // The name before the first bracket behind DUET_API.
 static uint32_t check_header(const char *header)
@@ -736,6 +765,10 @@ static int open_all(void **state)
     casting.tree = tree;
     rays = duet_ray_query_create(&casting, &err);
     assert_ok(rays, err);
+    duet_box_query_def joining = duet_default_box_query_def();
+    joining.tree = tree;
+    boxes = duet_box_query_create(&joining, &err);
+    assert_ok(boxes, err);
     duet_online_def tuning = duet_default_online_def();
     tuning.world = world;
     online = duet_online_create(&tuning, &err);
@@ -750,6 +783,7 @@ static int close_all(void **state)
     duet_online_destroy(online, NULL);
     duet_pair_query_destroy(test);
     duet_ray_query_destroy(rays);
+    duet_box_query_destroy(boxes);
     duet_tree_destroy(tree);
     duet_motion_destroy(motion);
     duet_world_destroy(bounds_world);

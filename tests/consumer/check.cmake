@@ -40,6 +40,12 @@ run(${built}/fall)
 if(NOT out STREQUAL "after 1.00 s the cube is at height 0.50\n")
   message(FATAL_ERROR "fall says '${out}'")
 endif()
+run(${built}/join)
+string(REGEX MATCHALL "region [0-9] has box [0-9]+\n" regions "${out}")
+list(LENGTH regions n_regions)
+if(NOT n_regions EQUAL 13 OR NOT out MATCHES "^region 0 has box 0\n.*region 2 has box 559\n$")
+  message(FATAL_ERROR "join says '${out}'")
+endif()
 run(${prefix}/bin/duet --version)
 
 # They are C++ too. {0} is how C begins an empty struct, of which g++ warns.
