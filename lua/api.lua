@@ -42,6 +42,10 @@ api.classes = {
   { "duet.BoxQuery", "Tests boxes against those of a tree." },
   { "duet.BoxHits", "Rows of a box that was asked about, and the id of the tree's box that it collides with." },
   { "duet.BoxQueryResult", "A table: what testing boxes took." },
+  { "duet.PointQuery", "Asks which boxes of a tree contain points, or are nearest to them." },
+  { "duet.Points", "Rows of xyz." },
+  { "duet.PointHits", "Rows of a point, the id of a box, and the distance between them." },
+  { "duet.PointQueryResult", "A table: what asking about points took." },
   { "duet.Kernel", "A table: a kernel and its card." },
   { "duet.Source", "A table: the text of a variant." },
   { "duet.Level", "A table: a level of accuracy." },
@@ -64,6 +68,7 @@ api.others = {
     "duet_default_device_pair_def", "duet_default_world_def", "duet_default_tune_def",
     "duet_default_online_def", "duet_default_motion_def", "duet_default_body", "duet_default_pair_query_def",
     "duet_default_tree_def", "duet_default_ray_query_def", "duet_default_box_query_def",
+    "duet_default_point_query_def",
   },
   ["a scene with origin = \"cell\""] = {
     "duet_large_pose_set",
@@ -319,6 +324,18 @@ api.names = {
   { "duet.BoxQueryResult.total_ms", "number", "wall clock" },
   { "duet.BoxQueryResult.device_ms", "number[]", "of A and of B" },
 
+  { "duet.Tree:point_query", { "def?: { nearest?: integer }" }, "duet.PointQuery",
+    "Readies both devices for points: so many of the nearest boxes of each, or without `nearest` those that contain it.",
+    fails = true, c = "duet_point_query_create" },
+  { "duet.PointQuery:run", { "points: duet.Points|string|number[]|number[][]" },
+    "duet.PointHits, duet.PointQueryResult",
+    "The boxes that contain each point, by point and id; or its nearest ones, by distance and id.",
+    fails = true, c = "duet_point_query_run" },
+  { "duet.PointQuery:close", {}, nil, "Gives the devices' memory back.", c = "duet_point_query_destroy" },
+  { "duet.PointQueryResult.undecided", "integer", "hits that float left open and the host decided" },
+  { "duet.PointQueryResult.total_ms", "number", "wall clock" },
+  { "duet.PointQueryResult.device_ms", "number[]", "of A and of B" },
+
   { "duet.kernels", { "limits?: { max_group?: integer, local_bytes?: integer, fp64?: boolean, cpu?: boolean }" },
     "duet.Kernel[]", "The kernels, and what their cards let vary on a device of these limits.", fails = true },
   { "duet.source", { "kernel: string", "settings?: table<string, integer>", "limits?: table" }, "duet.Source",
@@ -487,6 +504,8 @@ for class, columns in pairs {
   Rays = ("f"):rep(7),
   Hits = "IIf",
   BoxHits = "II",
+  Points = "fff",
+  PointHits = "IIf",
 } do
   local types = {}
   for letter in columns:gmatch "." do types[#types + 1] = letters[letter] end

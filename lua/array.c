@@ -31,6 +31,8 @@ static const struct {
     [ARRAY_RAYS] = {"fffffff", sizeof(duet_ray)},
     [ARRAY_HITS] = {"IIf", sizeof(duet_ray_hit)},
     [ARRAY_BOX_HITS] = {"II", sizeof(duet_box_hit)},
+    [ARRAY_POINTS] = {"fff", sizeof(duet_point)},
+    [ARRAY_POINT_HITS] = {"IIf", sizeof(duet_point_hit)},
 };
 
 _Static_assert(offsetof(duet_pose, rotation[3]) == 9 * 4, "a pose is ten floats");
@@ -42,6 +44,7 @@ _Static_assert(offsetof(duet_body, fixed_rotation) == 11 * 4,
                "eleven numbers, then fixed_rotation");
 _Static_assert(offsetof(duet_ray, t_max) == 6 * 4, "a ray is seven floats");
 _Static_assert(offsetof(duet_ray_hit, t) == 2 * 4, "all of four bytes");
+_Static_assert(offsetof(duet_point_hit, distance) == 2 * 4, "all of four bytes");
 _Static_assert(offsetof(duet_state, angular_velocity[2]) == 12 * 8, "a state is thirteen doubles");
 _Static_assert(offsetof(duet_contact, points[3].normal_impulse) == 25 * 4, "all of four bytes");
 
@@ -496,6 +499,8 @@ static const lua_class classes[] = {
     [ARRAY_RAYS] = {.name = "duet.rays", .methods = methods, .metas = metas},
     [ARRAY_HITS] = {.name = "duet.hits", .methods = methods, .metas = metas},
     [ARRAY_BOX_HITS] = {.name = "duet.box_hits", .methods = methods, .metas = metas},
+    [ARRAY_POINTS] = {.name = "duet.points", .methods = methods, .metas = metas},
+    [ARRAY_POINT_HITS] = {.name = "duet.point_hits", .methods = methods, .metas = metas},
 };
 
 void array_open(lua_State *L)

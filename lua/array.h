@@ -25,6 +25,8 @@ typedef enum array_kind {
     ARRAY_RAYS,
     ARRAY_HITS,
     ARRAY_BOX_HITS,
+    ARRAY_POINTS,
+    ARRAY_POINT_HITS,
     ARRAY_KINDS
 } array_kind;
 

@@ -24,6 +24,7 @@ void pair_query_open_lua(lua_State *L);
 void tree_open_lua(lua_State *L);
 void ray_query_open_lua(lua_State *L);
 void box_query_open_lua(lua_State *L);
+void point_query_open_lua(lua_State *L);
 
 extern const member_type member_plan; // a duet_plan as a table
 const char *shape_name(int shape);
@@ -43,9 +44,10 @@ int tree_create_lua(lua_State *L);
 duet_tree *tree_check(lua_State *L, int index);
 array_kind tree_array_kind(lua_State *L, int index); // of its objects
 
-// The methods tree:ray_query, :box_query; with the tree's other methods.
+// The methods tree:ray_query, :box_query, :point_query; with the tree's other methods.
 int ray_query_create_lua(lua_State *L);
 int box_query_create_lua(lua_State *L);
+int point_query_create_lua(lua_State *L);
 
 typedef struct world_box {
     duet_world *world;

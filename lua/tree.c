@@ -75,6 +75,7 @@ static const luaL_Reg methods[] = {{"close", tree_close},
                                    {"set_objects", tree_set_objects},
                                    {"ray_query", ray_query_create_lua},
                                    {"box_query", box_query_create_lua},
+                                   {"point_query", point_query_create_lua},
                                    {NULL, NULL}};
 static const lua_class tree_class = {.name = "duet.tree", .methods = methods};
 

@@ -29,6 +29,7 @@
 #include "duet_motion.h"
 #include "duet_object.h"
 #include "duet_pair_query.h"
+#include "duet_point_query.h"
 #include "duet_ray_query.h"
 #include "duet_scene.h"
 #include "duet_tree.h"

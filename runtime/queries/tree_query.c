@@ -291,6 +291,8 @@ static bool fetch(query_side *s, const cl_uint counters[QUERY_COUNTERS])
         qsort(s->open_hits.words, (size_t)n_open, hit_bytes(q), comparison_of(q));
     for (uint64_t i = 0; i < n_open; ++i)
         take_open_hit(s, hits, hit_at(q, &s->open_hits, i));
+    for (uint64_t i = begin; q->kind->finish && i < s->found.n; ++i)
+        q->kind->finish(q->tree, item_at(q, *hit_at(q, &s->found, i)), hit_at(q, &s->found, i));
     return q->wants != QUERY_EVERY || sort_hits(s, s->found.n - begin);
 }
 

@@ -14,8 +14,6 @@ typedef enum query_wants {
     QUERY_NEAREST  // `each` hits an item, as the device has them
 } query_wants;
 
-enum { QUERY_LEAST_HIT_WORDS = 2, QUERY_MOST_HIT_WORDS = 3 };
-
 // A hit is an item's number, an object's id and, where there are three words, a value.
 typedef struct query_kind {
     const char *item;   // "ray"
@@ -25,6 +23,8 @@ typedef struct query_kind {
     uint32_t hit_words;
     // Whether an item meets an object of the tree; exact. NULL: float leaves nothing open.
     bool (*meets)(const duet_tree *tree, const void *item, uint32_t id);
+    // Makes of what the device wrote what the caller reads, a hit at a time; NULL: it is that.
+    void (*finish)(const duet_tree *tree, const void *item, uint32_t *hit);
 } query_kind;
 
 typedef struct hit_list {

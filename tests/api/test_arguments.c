@@ -30,6 +30,7 @@ static duet_pair_query *test;
 static duet_tree *tree;
 static duet_ray_query *rays;
 static duet_box_query *boxes;
+static duet_point_query *points;
 static duet_online *online;
 static duet_pose pose = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
 static duet_large_pose placed;
@@ -414,6 +415,23 @@ static void join_boxes(void)
     duet_box_query_destroy(NULL);
 }
 
+static void ask_about_points(void)
+{
+    duet_point_query_def def = duet_default_point_query_def();
+    duet_point_query_result found;
+    const duet_point point = {{0}};
+    REFUSES(duet_point_query_create(NULL, e));
+    REFUSES(duet_point_query_create(&def, e));
+    def.tree = tree;
+    def.nearest = DUET_MOST_NEAREST + 1;
+    REFUSES(duet_point_query_create(&def, e));
+    REFUSES(duet_point_query_run(NULL, &point, 1, &found, e));
+    REFUSES(duet_point_query_run(points, NULL, 1, &found, e));
+    REFUSES(duet_point_query_run(points, &point, 1, NULL, e));
+    TAKES(duet_point_query_run(points, &point, 1, &found, e));
+    duet_point_query_destroy(NULL);
+}
+
 static void references(void)
 {
     REFUSES(duet_reference(NULL, DUET_LEVEL_CERTIFIED, &pairs, &n, e));
@@ -601,6 +619,9 @@ static const struct {
      cast_rays},
     {"duet_box_query_create duet_box_query_destroy duet_box_query_run duet_default_box_query_def",
      join_boxes},
+    {"duet_point_query_create duet_point_query_destroy duet_point_query_run "
+     "duet_default_point_query_def",
+     ask_about_points},
     {"duet_reference", references},
     {"duet_motion_create duet_motion_create_from_scene duet_motion_destroy", create_motion},
     {"duet_motion_get_states duet_motion_get_hash duet_motion_get_energy duet_motion_get_contacts "
@@ -645,6 +666,7 @@ static const char *const headers[] = {"runtime/duet.h",
                                       "runtime/duet_motion.h",
                                       "runtime/duet_object.h",
                                       "runtime/duet_pair_query.h",
+                                      "runtime/duet_point_query.h",
                                       "runtime/duet_ray_query.h",
                                       "runtime/duet_tree.h",
                                       "runtime/duet_scene.h",
@@ -769,6 +791,10 @@ static int open_all(void **state)
     joining.tree = tree;
     boxes = duet_box_query_create(&joining, &err);
     assert_ok(boxes, err);
+    duet_point_query_def asking = duet_default_point_query_def();
+    asking.tree = tree;
+    points = duet_point_query_create(&asking, &err);
+    assert_ok(points, err);
     duet_online_def tuning = duet_default_online_def();
     tuning.world = world;
     online = duet_online_create(&tuning, &err);
@@ -784,6 +810,7 @@ static int close_all(void **state)
     duet_pair_query_destroy(test);
     duet_ray_query_destroy(rays);
     duet_box_query_destroy(boxes);
+    duet_point_query_destroy(points);
     duet_tree_destroy(tree);
     duet_motion_destroy(motion);
     duet_world_destroy(bounds_world);
