@@ -46,6 +46,11 @@ api.classes = {
   { "duet.Points", "Rows of xyz." },
   { "duet.PointHits", "Rows of a point, the id of a box, and the distance between them." },
   { "duet.PointQueryResult", "A table: what asking about points took." },
+  { "duet.SweepQuery", "Moves boxes along straight lines, to what they meet in a tree." },
+  { "duet.Sweeps", "Rows of a pose, direction xyz, t_max." },
+  { "duet.BoundsSweeps", "Rows of lower xyz, upper xyz, direction xyz, t_max." },
+  { "duet.SweepHits", "Rows of a sweep, the id of the box that it meets, t, and the normal there." },
+  { "duet.SweepQueryResult", "A table: what moving boxes took." },
   { "duet.Kernel", "A table: a kernel and its card." },
   { "duet.Source", "A table: the text of a variant." },
   { "duet.Level", "A table: a level of accuracy." },
@@ -68,7 +73,7 @@ api.others = {
     "duet_default_device_pair_def", "duet_default_world_def", "duet_default_tune_def",
     "duet_default_online_def", "duet_default_motion_def", "duet_default_body", "duet_default_pair_query_def",
     "duet_default_tree_def", "duet_default_ray_query_def", "duet_default_box_query_def",
-    "duet_default_point_query_def",
+    "duet_default_point_query_def", "duet_default_sweep_query_def",
   },
   ["a scene with origin = \"cell\""] = {
     "duet_large_pose_set",
@@ -304,7 +309,7 @@ api.names = {
 
   { "duet.Tree:ray_query", { "def?: { wants?: string }" }, "duet.RayQuery",
     "Readies both devices for rays; wants is closest, any or every.",
-    fails = true, c = { "duet_ray_query_create", "duet_ray_wants_name" } },
+    fails = true, c = { "duet_ray_query_create", "duet_query_wants_name" } },
   { "duet.RayQuery:run", { "rays: duet.Rays|string|number[]|number[][]" }, "duet.Hits, duet.RayQueryResult",
     "Casts rays: a hit for each, or by wants = \"every\" all of them, by ray, t and id.",
     fails = true, c = "duet_ray_query_run" },
@@ -335,6 +340,18 @@ api.names = {
   { "duet.PointQueryResult.undecided", "integer", "hits that float left open and the host decided" },
   { "duet.PointQueryResult.total_ms", "number", "wall clock" },
   { "duet.PointQueryResult.device_ms", "number[]", "of A and of B" },
+
+  { "duet.Tree:sweep_query", { "def?: { wants?: string }" }, "duet.SweepQuery",
+    "Readies both devices for boxes that move; wants is closest, any or every.",
+    fails = true, c = "duet_sweep_query_create" },
+  { "duet.SweepQuery:run", { "sweeps: duet.Sweeps|duet.BoundsSweeps|string|number[]|number[][]" },
+    "duet.SweepHits, duet.SweepQueryResult",
+    "Moves boxes: a hit for each, or by wants = \"every\" all of them, by sweep, t and id.",
+    fails = true, c = "duet_sweep_query_run" },
+  { "duet.SweepQuery:close", {}, nil, "Gives the devices' memory back.", c = "duet_sweep_query_destroy" },
+  { "duet.SweepQueryResult.undecided", "integer", "hits that float left open and the host decided" },
+  { "duet.SweepQueryResult.total_ms", "number", "wall clock" },
+  { "duet.SweepQueryResult.device_ms", "number[]", "of A and of B" },
 
   { "duet.kernels", { "limits?: { max_group?: integer, local_bytes?: integer, fp64?: boolean, cpu?: boolean }" },
     "duet.Kernel[]", "The kernels, and what their cards let vary on a device of these limits.", fails = true },
@@ -506,6 +523,9 @@ for class, columns in pairs {
   BoxHits = "II",
   Points = "fff",
   PointHits = "IIf",
+  Sweeps = ("f"):rep(14),
+  BoundsSweeps = ("f"):rep(10),
+  SweepHits = "IIffff",
 } do
   local types = {}
   for letter in columns:gmatch "." do types[#types + 1] = letters[letter] end

@@ -27,6 +27,9 @@ typedef enum array_kind {
     ARRAY_BOX_HITS,
     ARRAY_POINTS,
     ARRAY_POINT_HITS,
+    ARRAY_SWEEPS,
+    ARRAY_BOUNDS_SWEEPS,
+    ARRAY_SWEEP_HITS,
     ARRAY_KINDS
 } array_kind;
 

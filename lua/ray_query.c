@@ -10,13 +10,8 @@ typedef struct query_box {
 
 static const lua_class query_class;
 
-static const char *wants_name(int wants)
-{
-    return duet_ray_wants_name((duet_ray_wants)wants);
-}
-
 static const member def_members[] = {
-    MEMBER_ENUM(duet_ray_query_def, wants, wants_name),
+    MEMBER_ENUM(duet_ray_query_def, wants, query_wants_name),
     {0},
 };
 

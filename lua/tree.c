@@ -2,6 +2,11 @@
 // device_pair:tree: boxes that queries ask about.
 #include "lua/nouns.h"
 
+const char *query_wants_name(int wants)
+{
+    return duet_query_wants_name((duet_query_wants)wants);
+}
+
 typedef struct tree_box {
     duet_tree *tree;
     duet_shape shape;
@@ -76,6 +81,7 @@ static const luaL_Reg methods[] = {{"close", tree_close},
                                    {"ray_query", ray_query_create_lua},
                                    {"box_query", box_query_create_lua},
                                    {"point_query", point_query_create_lua},
+                                   {"sweep_query", sweep_query_create_lua},
                                    {NULL, NULL}};
 static const lua_class tree_class = {.name = "duet.tree", .methods = methods};
 

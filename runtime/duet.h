@@ -32,6 +32,7 @@
 #include "duet_point_query.h"
 #include "duet_ray_query.h"
 #include "duet_scene.h"
+#include "duet_sweep_query.h"
 #include "duet_tree.h"
 #include "duet_world.h"
 

@@ -28,20 +28,11 @@ typedef struct duet_ray_hit {
     float t;
 } duet_ray_hit;
 
-typedef enum duet_ray_wants {
-    DUET_RAY_CLOSEST, // of each ray the hit with the least t, of several the one with the least id
-    DUET_RAY_ANY,     // whether there is one: id and t are 0 where there is
-    DUET_RAY_EVERY    // all hits, by ray, t and id
-} duet_ray_wants;
-
-// "closest", "any", "every"; NULL outside
-DUET_API const char *duet_ray_wants_name(duet_ray_wants wants);
-
 typedef struct duet_ray_query duet_ray_query;
 
 typedef struct duet_ray_query_def {
     duet_tree *tree; // held until the query is destroyed
-    duet_ray_wants wants;
+    duet_query_wants wants;
     int cookie;
 } duet_ray_query_def;
 

@@ -38,6 +38,16 @@ DUET_API void duet_tree_destroy(duet_tree *tree); // its queries may outlive it
 DUET_API bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, const void *objects,
                                     uint32_t n, duet_error *err);
 
+// What a query along a line wants of each item.
+typedef enum duet_query_wants {
+    DUET_QUERY_CLOSEST, // the hit with the least t, of several the one with the least id
+    DUET_QUERY_ANY,     // whether there is one: id and t are 0 where there is
+    DUET_QUERY_EVERY    // all hits, by item, t and id
+} duet_query_wants;
+
+// "closest", "any", "every"; NULL outside
+DUET_API const char *duet_query_wants_name(duet_query_wants wants);
+
 #ifdef __cplusplus
 }
 #endif

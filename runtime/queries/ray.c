@@ -70,61 +70,33 @@ typedef union pool {
     mpz_t all[sizeof(numbers) / sizeof(mpz_t)];
 } pool;
 
-// The ray's step, in units of 2^power, which ways and half extents share with it unless it has
-// no end.
-static int set_step(numbers *n, const duet_ray *ray, int power)
+// Ways and half extents share a power of two with the step, unless that has no end.
+static void set_numbers(numbers *n, const duet_ray *ray, const duet_pose *box)
 {
     bool ends = isfinite(ray->t_max);
     const float t_max = ends ? ray->t_max : 1;
     int t_power = exact_least_power(&t_max, 1, 0);
     int v_power = exact_least_power(ray->direction, 3, 0);
-    if (ends && t_power + v_power < power)
-        power = t_power + v_power;
+    int power = exact_least_power(ray->origin, 3, ends ? t_power + v_power : 0);
+    power = exact_least_power(box->centre, 3, power);
+    power = exact_least_power(box->half_extents, 3, power);
+    exact_axes(n->axis, n->norm, n->q, box->rotation);
     exact_integer(n->right, t_max, t_power);
     for (int k = 0; k < 3; ++k) {
+        exact_integer(n->way[k], ray->origin[k], power);
+        exact_integer(n->left, box->centre[k], power);
+        mpz_sub(n->way[k], n->way[k], n->left);
         exact_integer(n->step[k], ray->direction[k], v_power);
         if (ends) {
             mpz_mul(n->step[k], n->step[k], n->right);
             mpz_mul_2exp(n->step[k], n->step[k], (mp_bitcnt_t)(t_power + v_power - power));
         }
     }
-    return power;
-}
-
-static void set_numbers(numbers *n, const duet_ray *ray, const duet_pose *box)
-{
-    int power = exact_least_power(ray->origin, 3, 0);
-    power = exact_least_power(box->centre, 3, power);
-    power = set_step(n, ray, exact_least_power(box->half_extents, 3, power));
-    exact_axes(n->axis, n->norm, n->q, box->rotation);
-    for (int k = 0; k < 3; ++k) {
-        exact_integer(n->way[k], ray->origin[k], power);
-        exact_integer(n->left, box->centre[k], power);
-        mpz_sub(n->way[k], n->way[k], n->left);
-    }
     for (int k = 0; k < 3; ++k) {
         exact_dot(n->at[k], n->way, n->axis[k]);
         exact_dot(n->go[k], n->step, n->axis[k]);
         exact_integer(n->reach[k], box->half_extents[k], power);
         mpz_mul(n->reach[k], n->reach[k], n->norm);
-    }
-}
-
-// All of it twice as long, so that the middle of bounds is an integer too.
-static void set_bounds_numbers(numbers *n, const duet_ray *ray, const duet_bounds *box)
-{
-    int power = exact_least_power(ray->origin, 3, 0);
-    power = exact_least_power(box->lower, 3, power);
-    power = set_step(n, ray, exact_least_power(box->upper, 3, power));
-    for (int k = 0; k < 3; ++k) {
-        exact_integer(n->left, box->lower[k], power);
-        exact_integer(n->right, box->upper[k], power);
-        mpz_sub(n->reach[k], n->right, n->left);
-        exact_integer(n->at[k], ray->origin[k], power);
-        mpz_mul_2exp(n->at[k], n->at[k], 1);
-        mpz_sub(n->at[k], n->at[k], n->left);
-        mpz_sub(n->at[k], n->at[k], n->right);
-        mpz_mul_2exp(n->go[k], n->step[k], 1);
     }
 }
 
@@ -169,40 +141,19 @@ static duet_ray flat_ray(const duet_ray *ray, uint32_t dims)
     return flat;
 }
 
-static void pool_open(pool *p)
-{
-    for (size_t i = 0; i < sizeof p->all / sizeof *p->all; ++i)
-        mpz_init(p->all[i]);
-}
-
-static bool pool_decide(pool *p, const duet_ray *ray)
-{
-    bool separated = is_separated(&p->of, isfinite(ray->t_max));
-    for (size_t i = 0; i < sizeof p->all / sizeof *p->all; ++i)
-        mpz_clear(p->all[i]);
-    return !separated;
-}
-
 bool ray_meets_exactly(const duet_ray *ray, const duet_pose *box, uint32_t dims)
 {
     duet_ray flat = flat_ray(ray, dims);
     duet_pose pose = narrow_flat(box, dims);
     pool p;
-    pool_open(&p);
+    size_t n = sizeof p.all / sizeof *p.all;
+    for (size_t i = 0; i < n; ++i)
+        mpz_init(p.all[i]);
     set_numbers(&p.of, &flat, &pose);
-    return pool_decide(&p, ray);
-}
-
-bool ray_meets_bounds(const duet_ray *ray, const duet_bounds *box, uint32_t dims)
-{
-    duet_ray flat = flat_ray(ray, dims);
-    duet_bounds bounds = *box;
-    pool p;
-    if (dims == 2)
-        bounds.lower[2] = bounds.upper[2] = 0;
-    pool_open(&p);
-    set_bounds_numbers(&p.of, &flat, &bounds);
-    return pool_decide(&p, ray);
+    bool separated = is_separated(&p.of, isfinite(ray->t_max));
+    for (size_t i = 0; i < n; ++i)
+        mpz_clear(p.all[i]);
+    return !separated;
 }
 
 bool ray_meets(const duet_ray *ray, const duet_pose *box, uint32_t dims)

@@ -12,7 +12,4 @@ bool ray_meets(const duet_ray *ray, const duet_pose *box, uint32_t dims);
 // By integers alone.
 bool ray_meets_exactly(const duet_ray *ray, const duet_pose *box, uint32_t dims);
 
-// The same for bounds, by integers.
-bool ray_meets_bounds(const duet_ray *ray, const duet_bounds *box, uint32_t dims);
-
 #endif

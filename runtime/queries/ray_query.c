@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
 #include "runtime/queries/ray.h"
+#include "runtime/queries/sweep.h"
 #include "runtime/queries/tree_query.h"
 
-#include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { COOKIE = 0x0d0e700a };
 
@@ -14,28 +15,26 @@ struct duet_ray_query {
 
 _Static_assert(sizeof(duet_ray) == 7 * sizeof(float), "a ray is seven floats");
 _Static_assert(sizeof(duet_ray_hit) == 3 * sizeof(uint32_t), "a hit is three words");
-_Static_assert(QUERY_CLOSEST == (int)DUET_RAY_CLOSEST && QUERY_ANY == (int)DUET_RAY_ANY &&
-                   QUERY_EVERY == (int)DUET_RAY_EVERY,
-               "one enumeration");
-
-static const char *const wants_names[] = {"closest", "any", "every"};
-
-enum { N_WANTS = sizeof wants_names / sizeof *wants_names };
-
-const char *duet_ray_wants_name(duet_ray_wants wants)
-{
-    return (unsigned)wants < N_WANTS ? wants_names[wants] : NULL;
-}
 
 duet_ray_query_def duet_default_ray_query_def(void)
 {
     return (duet_ray_query_def){.cookie = COOKIE};
 }
 
+// Bounds that a ray begins in are a point.
+static bool meets_bounds(const duet_ray *ray, const duet_bounds *box, uint32_t dims)
+{
+    duet_bounds_sweep sweep = {.t_max = ray->t_max};
+    memcpy(sweep.bounds.lower, ray->origin, sizeof ray->origin);
+    memcpy(sweep.bounds.upper, ray->origin, sizeof ray->origin);
+    memcpy(sweep.direction, ray->direction, sizeof ray->direction);
+    return sweep_meets_bounds(&sweep, box, dims);
+}
+
 static bool meets(const duet_tree *tree, const void *item, uint32_t id)
 {
     if (tree->def.shape == DUET_SHAPE_BOUNDS)
-        return ray_meets_bounds(item, (const duet_bounds *)tree->objects + id, tree->def.dims);
+        return meets_bounds(item, (const duet_bounds *)tree->objects + id, tree->def.dims);
     return ray_meets(item, (const duet_pose *)tree->objects + id, tree->def.dims);
 }
 
@@ -56,10 +55,7 @@ static bool check_def(const duet_ray_query_def *def, duet_error *err)
                          "the query's def does not come from duet_default_ray_query_def");
     if (!def->tree)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no tree");
-    if (!duet_ray_wants_name(def->wants))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "wants is %d; expected a duet_ray_wants",
-                         (int)def->wants);
-    return true;
+    return tree_query_knows(def->wants, err);
 }
 
 duet_ray_query *duet_ray_query_create(const duet_ray_query_def *def, duet_error *err)
@@ -75,7 +71,7 @@ duet_ray_query *duet_ray_query_create(const duet_ray_query_def *def, duet_error 
                                 .tree = def->tree,
                                 .wants = (query_wants)def->wants,
                                 .item_words = sizeof(duet_ray) / sizeof(float),
-                                .each = def->wants != DUET_RAY_EVERY};
+                                .each = def->wants != DUET_QUERY_EVERY};
     const gen_setting settings[] = {{"WANTS", def->wants}};
     if (tree_query_open(&query->asked, settings, 1, err))
         return query;

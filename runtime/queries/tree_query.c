@@ -34,6 +34,22 @@ static const binding side_bindings[] = {BIND_BUFFER(query_side, "items", "float 
                                         BIND_VALUE(query_side, "each", each),
                                         {0}};
 
+static const char *const wants_names[] = {"closest", "any", "every"};
+
+enum { N_WANTS = sizeof wants_names / sizeof *wants_names };
+
+const char *duet_query_wants_name(duet_query_wants wants)
+{
+    return (unsigned)wants < N_WANTS ? wants_names[wants] : NULL;
+}
+
+bool tree_query_knows(duet_query_wants wants, duet_error *err)
+{
+    return duet_query_wants_name(wants) ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "wants is %d; expected a duet_query_wants",
+                     (int)wants);
+}
+
 // ---------------------------------------------------------------- owner
 
 enum { MOST_SETTINGS = 4 };
@@ -274,6 +290,18 @@ static bool read_hits(query_side *s, buffer *from, uint32_t *to, uint64_t n)
                                    (size_t)n * hit_bytes(s->query), &s->tree->err);
 }
 
+static void finish_hits(query_side *s, uint64_t begin)
+{
+    const tree_query *q = s->query;
+    if (!q->kind->finish || q->wants == QUERY_ANY)
+        return;
+    for (uint64_t i = begin; i < s->found.n; ++i) {
+        uint32_t *hit = hit_at(q, &s->found, i);
+        if (hit[1] != DUET_NO_OBJECT)
+            q->kind->finish(q->tree, item_at(q, hit[0]), hit);
+    }
+}
+
 static bool fetch(query_side *s, const cl_uint counters[QUERY_COUNTERS])
 {
     const tree_query *q = s->query;
@@ -291,8 +319,7 @@ static bool fetch(query_side *s, const cl_uint counters[QUERY_COUNTERS])
         qsort(s->open_hits.words, (size_t)n_open, hit_bytes(q), comparison_of(q));
     for (uint64_t i = 0; i < n_open; ++i)
         take_open_hit(s, hits, hit_at(q, &s->open_hits, i));
-    for (uint64_t i = begin; q->kind->finish && i < s->found.n; ++i)
-        q->kind->finish(q->tree, item_at(q, *hit_at(q, &s->found, i)), hit_at(q, &s->found, i));
+    finish_hits(s, begin);
     return q->wants != QUERY_EVERY || sort_hits(s, s->found.n - begin);
 }
 

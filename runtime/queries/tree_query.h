@@ -8,13 +8,13 @@
 #include "runtime/queries/tree.h"
 
 typedef enum query_wants {
-    QUERY_CLOSEST, // a hit an item: the one with the least value, of several with the least id
-    QUERY_ANY,     // a hit an item: id and value are 0 where there is one
-    QUERY_EVERY,   // all hits, by item, value and id
-    QUERY_NEAREST  // `each` hits an item, as the device has them
+    QUERY_CLOSEST = DUET_QUERY_CLOSEST,
+    QUERY_ANY = DUET_QUERY_ANY,
+    QUERY_EVERY = DUET_QUERY_EVERY,
+    QUERY_NEAREST // `each` hits an item, as the device has them
 } query_wants;
 
-// A hit is an item's number, an object's id and, where there are three words, a value.
+// A hit is an item's number, an object's id and, where there are more than two words, a value.
 typedef struct query_kind {
     const char *item;   // "ray"
     const char *items;  // "rays"
@@ -23,7 +23,7 @@ typedef struct query_kind {
     uint32_t hit_words;
     // Whether an item meets an object of the tree; exact. NULL: float leaves nothing open.
     bool (*meets)(const duet_tree *tree, const void *item, uint32_t id);
-    // Makes of what the device wrote what the caller reads, a hit at a time; NULL: it is that.
+    // Makes of a hit on an object, as the device wrote it, what the caller reads; NULL: it is that.
     void (*finish)(const duet_tree *tree, const void *item, uint32_t *hit);
 } query_kind;
 
@@ -68,6 +68,9 @@ typedef struct query_result {
     double total_ms;
     double device_ms[2];
 } query_result;
+
+// BAD_ARGUMENT for no duet_query_wants.
+bool tree_query_knows(duet_query_wants wants, duet_error *err);
 
 // Builds the kernel of q->kind with these settings and DIMS, SHAPE. kind, tree, wants, item_words
 // and each are set.

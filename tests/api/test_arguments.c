@@ -31,6 +31,7 @@ static duet_tree *tree;
 static duet_ray_query *rays;
 static duet_box_query *boxes;
 static duet_point_query *points;
+static duet_sweep_query *sweeps;
 static duet_online *online;
 static duet_pose pose = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
 static duet_large_pose placed;
@@ -385,11 +386,11 @@ static void cast_rays(void)
     duet_ray_query_def def = duet_default_ray_query_def();
     duet_ray_query_result found;
     const duet_ray ray = {{0}, {1, 0, 0}, 1};
-    assert_null(duet_ray_wants_name((duet_ray_wants)3));
+    assert_null(duet_query_wants_name((duet_query_wants)3));
     REFUSES(duet_ray_query_create(NULL, e));
     REFUSES(duet_ray_query_create(&def, e));
     def.tree = tree;
-    def.wants = (duet_ray_wants)3;
+    def.wants = (duet_query_wants)3;
     REFUSES(duet_ray_query_create(&def, e));
     REFUSES(duet_ray_query_run(NULL, &ray, 1, &found, e));
     REFUSES(duet_ray_query_run(rays, NULL, 1, &found, e));
@@ -430,6 +431,25 @@ static void ask_about_points(void)
     REFUSES(duet_point_query_run(points, &point, 1, NULL, e));
     TAKES(duet_point_query_run(points, &point, 1, &found, e));
     duet_point_query_destroy(NULL);
+}
+
+static void move_boxes(void)
+{
+    duet_sweep_query_def def = duet_default_sweep_query_def();
+    duet_sweep_query_result found;
+    const duet_sweep sweep = {pose, {1, 0, 0}, 1};
+    const duet_bounds_sweep bounds_sweep = {bounds, {1, 0, 0}, 1};
+    REFUSES(duet_sweep_query_create(NULL, e));
+    REFUSES(duet_sweep_query_create(&def, e));
+    def.tree = tree;
+    def.wants = (duet_query_wants)3;
+    REFUSES(duet_sweep_query_create(&def, e));
+    REFUSES(duet_sweep_query_run(NULL, DUET_OBJECT_POSES, &sweep, 1, &found, e));
+    REFUSES(duet_sweep_query_run(sweeps, DUET_OBJECT_BOUNDS, &bounds_sweep, 1, &found, e));
+    REFUSES(duet_sweep_query_run(sweeps, DUET_OBJECT_POSES, NULL, 1, &found, e));
+    REFUSES(duet_sweep_query_run(sweeps, DUET_OBJECT_POSES, &sweep, 1, NULL, e));
+    TAKES(duet_sweep_query_run(sweeps, DUET_OBJECT_POSES, &sweep, 1, &found, e));
+    duet_sweep_query_destroy(NULL);
 }
 
 static void references(void)
@@ -613,15 +633,20 @@ static const struct {
     {"duet_world_load_profile duet_world_explain_profile", load_profile},
     {"duet_world_step", step_world},
     {"duet_pair_query_create duet_pair_query_destroy duet_pair_query_run", query_pairs},
-    {"duet_tree_create duet_tree_destroy duet_tree_set_objects duet_default_tree_def", fill_tree},
+    {"duet_tree_create duet_tree_destroy duet_tree_set_objects duet_default_tree_def "
+     "duet_query_wants_name",
+     fill_tree},
     {"duet_ray_query_create duet_ray_query_destroy duet_ray_query_run "
-     "duet_ray_wants_name duet_default_ray_query_def",
+     "duet_default_ray_query_def",
      cast_rays},
     {"duet_box_query_create duet_box_query_destroy duet_box_query_run duet_default_box_query_def",
      join_boxes},
     {"duet_point_query_create duet_point_query_destroy duet_point_query_run "
      "duet_default_point_query_def",
      ask_about_points},
+    {"duet_sweep_query_create duet_sweep_query_destroy duet_sweep_query_run "
+     "duet_default_sweep_query_def",
+     move_boxes},
     {"duet_reference", references},
     {"duet_motion_create duet_motion_create_from_scene duet_motion_destroy", create_motion},
     {"duet_motion_get_states duet_motion_get_hash duet_motion_get_energy duet_motion_get_contacts "
@@ -668,6 +693,7 @@ static const char *const headers[] = {"runtime/duet.h",
                                       "runtime/duet_pair_query.h",
                                       "runtime/duet_point_query.h",
                                       "runtime/duet_ray_query.h",
+                                      "runtime/duet_sweep_query.h",
                                       "runtime/duet_tree.h",
                                       "runtime/duet_scene.h",
                                       "runtime/duet_world.h",
@@ -795,6 +821,10 @@ static int open_all(void **state)
     asking.tree = tree;
     points = duet_point_query_create(&asking, &err);
     assert_ok(points, err);
+    duet_sweep_query_def sweeping = duet_default_sweep_query_def();
+    sweeping.tree = tree;
+    sweeps = duet_sweep_query_create(&sweeping, &err);
+    assert_ok(sweeps, err);
     duet_online_def tuning = duet_default_online_def();
     tuning.world = world;
     online = duet_online_create(&tuning, &err);
@@ -811,6 +841,7 @@ static int close_all(void **state)
     duet_ray_query_destroy(rays);
     duet_box_query_destroy(boxes);
     duet_point_query_destroy(points);
+    duet_sweep_query_destroy(sweeps);
     duet_tree_destroy(tree);
     duet_motion_destroy(motion);
     duet_world_destroy(bounds_world);

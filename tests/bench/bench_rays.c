@@ -66,7 +66,7 @@ static uint64_t count_met(const duet_ray_query_result *found)
     return n;
 }
 
-static bool measure(duet_ray_wants wants, duet_device_pair *pair, const duet_pose *poses,
+static bool measure(duet_query_wants wants, duet_device_pair *pair, const duet_pose *poses,
                     const duet_ray *rays, uint32_t n, uint32_t runs, duet_error *err)
 {
     subject *s = calloc(1, sizeof *s);
@@ -85,7 +85,7 @@ static bool measure(duet_ray_wants wants, duet_device_pair *pair, const duet_pos
             s->tree.n = s->tree_cpu.n = s->cast.n = s->cast_cpu.n = 0;
     }
     if (ok)
-        printf("%-8s %9.1f %9.1f %9.1f %9.1f %10llu %8.2f\n", duet_ray_wants_name(wants),
+        printf("%-8s %9.1f %9.1f %9.1f %9.1f %10llu %8.2f\n", duet_query_wants_name(wants),
                series_median(&s->tree), series_median(&s->tree_cpu), series_median(&s->cast),
                series_median(&s->cast_cpu), (unsigned long long)count_met(&s->found),
                n / series_median(&s->cast) * 1e-3);
@@ -110,8 +110,8 @@ bool bench_rays(const bench_options *options, duet_error *err)
     if (ok)
         printf("%-8s %9s %9s %9s %9s %10s %8s\n", "wants", "tree ms", "CPU ms", "rays ms", "CPU ms",
                "hits", "M rays/s");
-    for (int wants = DUET_RAY_CLOSEST; ok && wants <= DUET_RAY_ANY; ++wants)
-        ok = measure((duet_ray_wants)wants, pair, poses, rays, n, options->runs, err);
+    for (int wants = DUET_QUERY_CLOSEST; ok && wants <= DUET_QUERY_ANY; ++wants)
+        ok = measure((duet_query_wants)wants, pair, poses, rays, n, options->runs, err);
     duet_device_pair_destroy(pair);
     free(rays);
     free(poses);

@@ -80,8 +80,10 @@ static world *make_world(void)
 static bool contains(const world *w, bool bounds, uint32_t id, const duet_point *p, uint32_t dims)
 {
     duet_ray ray = {{p->at[0], p->at[1], p->at[2]}, {0}, 0};
-    return bounds ? ray_meets_bounds(&ray, &w->bounds[id], dims)
-                  : ray_meets_exactly(&ray, &w->boxes[id], dims);
+    bool inside = true;
+    for (uint32_t k = 0; k < dims; ++k)
+        inside = inside && w->bounds[id].lower[k] <= p->at[k] && p->at[k] <= w->bounds[id].upper[k];
+    return bounds ? inside : ray_meets_exactly(&ray, &w->boxes[id], dims);
 }
 
 static void containing_boxes_are_exact_in(duet_tree *tree, const world *w, bool bounds,

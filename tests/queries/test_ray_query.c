@@ -8,6 +8,7 @@
 
 #include "base/rng.h"
 #include "runtime/queries/ray.h"
+#include "runtime/queries/sweep.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -15,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static duet_ray_query *open_query(duet_tree *tree, duet_ray_wants wants)
+static duet_ray_query *open_query(duet_tree *tree, duet_query_wants wants)
 {
     duet_error err = {0};
     duet_ray_query_def def = duet_default_ray_query_def();
@@ -27,7 +28,7 @@ static duet_ray_query *open_query(duet_tree *tree, duet_ray_wants wants)
 }
 
 // With a tree of its own.
-static duet_ray_query *open_alone(duet_ray_wants wants, uint32_t dims, uint32_t share,
+static duet_ray_query *open_alone(duet_query_wants wants, uint32_t dims, uint32_t share,
                                   const duet_pose *poses, uint32_t n)
 {
     duet_tree *tree = open_tree(dims, share, poses, n);
@@ -180,7 +181,7 @@ static void assert_enters_there(const duet_ray *ray, const duet_pose *box, uint3
 static void every_hit_is_found_and_no_other(uint32_t dims, uint32_t share)
 {
     world *w = make_world(dims);
-    duet_ray_query *query = open_alone(DUET_RAY_EVERY, dims, share, w->boxes, BOXES);
+    duet_ray_query *query = open_alone(DUET_QUERY_EVERY, dims, share, w->boxes, BOXES);
     duet_ray_query_result found = cast(query, w->rays, RAYS);
     uint64_t at = 0, expected = 0;
     for (uint32_t i = 0; i < RAYS; ++i) {
@@ -250,6 +251,16 @@ static long double enters_bounds_at(const duet_ray *ray, const duet_bounds *box,
     return enter;
 }
 
+static bool ray_meets_bounds(const duet_ray *ray, const duet_bounds *box, uint32_t dims)
+{
+    duet_bounds_sweep sweep = {.t_max = ray->t_max};
+    for (int k = 0; k < 3; ++k) {
+        sweep.bounds.lower[k] = sweep.bounds.upper[k] = ray->origin[k];
+        sweep.direction[k] = ray->direction[k];
+    }
+    return sweep_meets_bounds(&sweep, box, dims);
+}
+
 static void hits_of_bounds_are_exact_in(uint32_t dims)
 {
     world *w = make_world(dims);
@@ -261,7 +272,7 @@ static void hits_of_bounds_are_exact_in(uint32_t dims)
             w->rays[i].origin[k] =
                 i % 2 ? bounds[i % BOXES].upper[k] : roundf(w->rays[i].origin[k]);
     duet_tree *tree = open_bounds_tree(dims, DUET_SHARE_ONE / 3, bounds, BOXES);
-    duet_ray_query *query = open_query(tree, DUET_RAY_EVERY);
+    duet_ray_query *query = open_query(tree, DUET_QUERY_EVERY);
     duet_ray_query_result found = cast(query, w->rays, RAYS);
     uint64_t at = 0;
     for (uint32_t i = 0; i < RAYS; ++i) {
@@ -317,10 +328,10 @@ static void closest_and_any_are_of_every_hit(void **state)
 {
     (void)state;
     world *w = make_world(3);
-    duet_ray_query *every = open_alone(DUET_RAY_EVERY, 3, 0, w->boxes, BOXES);
+    duet_ray_query *every = open_alone(DUET_QUERY_EVERY, 3, 0, w->boxes, BOXES);
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 2, w->boxes, BOXES);
-    duet_ray_query *closest = open_query(tree, DUET_RAY_CLOSEST);
-    duet_ray_query *any = open_query(tree, DUET_RAY_ANY);
+    duet_ray_query *closest = open_query(tree, DUET_QUERY_CLOSEST);
+    duet_ray_query *any = open_query(tree, DUET_QUERY_ANY);
     duet_tree_destroy(tree);
     duet_ray_query_result all = cast(every, w->rays, RAYS);
     duet_ray_query_result nearest = cast(closest, w->rays, RAYS);
@@ -347,9 +358,9 @@ static void share_and_order_of_boxes_change_nothing(void **state)
 {
     (void)state;
     world *w = make_world(3);
-    duet_ray_query *one = open_alone(DUET_RAY_CLOSEST, 3, 0, w->boxes, BOXES);
+    duet_ray_query *one = open_alone(DUET_QUERY_CLOSEST, 3, 0, w->boxes, BOXES);
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE, w->boxes, BOXES);
-    duet_ray_query *two = open_query(tree, DUET_RAY_CLOSEST);
+    duet_ray_query *two = open_query(tree, DUET_QUERY_CLOSEST);
     duet_ray_query_result a = cast(one, w->rays, RAYS), b = cast(two, w->rays, RAYS);
     assert_memory_equal(a.hits, b.hits, RAYS * sizeof *a.hits);
     assert_int_equal(a.undecided, b.undecided);
@@ -404,7 +415,7 @@ static void touching_counts(void **state)
     duet_ray rays[N];
     for (int i = 0; i < N; ++i)
         rays[i] = known[i].ray;
-    duet_ray_query *query = open_alone(DUET_RAY_EVERY, 3, 0, cubes, WIDE * WIDE * WIDE);
+    duet_ray_query *query = open_alone(DUET_QUERY_EVERY, 3, 0, cubes, WIDE * WIDE * WIDE);
     duet_ray_query_result found = cast(query, rays, N);
     uint64_t hits[N] = {0};
     for (uint64_t i = 0; i < found.n_hits; ++i)
@@ -426,7 +437,7 @@ static void lists_grow(void **state)
         boxes[i] = (duet_pose){{0}, {1, 1, 1}, {0, 0, 0, 1}};
         rays[i] = (duet_ray){{i % 2 ? 1.0f : 0.5f, 0, -5}, {0, 0, 1}, INFINITY};
     }
-    duet_ray_query *query = open_alone(DUET_RAY_EVERY, 3, 0, boxes, N);
+    duet_ray_query *query = open_alone(DUET_QUERY_EVERY, 3, 0, boxes, N);
     duet_ray_query_result found = cast(query, rays, N);
     assert_int_equal(found.n_hits, N * N);
     assert_int_equal(found.undecided, N * N / 2);
@@ -444,7 +455,7 @@ static void no_boxes_and_no_rays_are_no_error(void **state)
     const duet_pose box = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
     const duet_ray ray = {{0, 0, -5}, {0, 0, 1}, INFINITY};
     duet_tree *tree = open_tree(3, 0, NULL, 0);
-    duet_ray_query *query = open_query(tree, DUET_RAY_CLOSEST);
+    duet_ray_query *query = open_query(tree, DUET_QUERY_CLOSEST);
     duet_ray_query_result found = cast(query, &ray, 1);
     assert_true(found.n_hits == 1 && found.hits[0].id == DUET_NO_OBJECT);
     set_poses(tree, &box, 1);
@@ -460,7 +471,7 @@ static void what_is_no_ray_or_box_is_refused_by_its_number(void **state)
     (void)state;
     const duet_pose good = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
     duet_tree *tree = open_tree(3, 0, &good, 1);
-    duet_ray_query *query = open_query(tree, DUET_RAY_CLOSEST);
+    duet_ray_query *query = open_query(tree, DUET_QUERY_CLOSEST);
     const duet_ray bad_rays[] = {{{NAN, 0, 0}, {1, 0, 0}, 1},      {{0, 0, 0}, {INFINITY, 0, 0}, 1},
                                  {{0, 0, 0}, {1, 0, 0}, -1},       {{0, 0, 0}, {1, 0, 0}, NAN},
                                  {{0x1p101f, 0, 0}, {1, 0, 0}, 1}, {{0, 0, 0}, {1e-35f, 0, 0}, 1}};
