@@ -383,6 +383,8 @@ api.names = {
     c = { "duet_motion_get_effects", "duet_motion_get_count" } },
   { "duet.Motion:read", { "into?: duet.States" }, "duet.States", "The state of all objects.", fails = true,
     c = "duet_motion_get_states" },
+  { "duet.Motion:poses", {}, "duet.Poses", "A copy of where all objects are, as a tree or a world takes them.",
+    fails = true, c = "duet_motion_get_poses" },
   { "duet.Motion:hash", {}, "string", "A sum over the state's bits, the same at any share.", fails = true,
     c = "duet_motion_get_hash" },
   { "duet.Motion:energy", {}, "duet.Energy", "Energies and momenta.", fails = true, c = "duet_motion_get_energy" },

@@ -154,6 +154,10 @@ DUET_API uint32_t duet_motion_get_count(const duet_motion *motion);
 // longer finite; the states are copied all the same.
 DUET_API bool duet_motion_get_states(duet_motion *motion, duet_state *states, duet_error *err);
 
+// Copies where all objects are to poses [n], as a tree or a world takes them: in floats, to which
+// a state in double or in origin cells is rounded.
+DUET_API bool duet_motion_get_poses(duet_motion *motion, duet_pose *poses, duet_error *err);
+
 // A sum over the state's bits, equal on all devices, at any share and in any
 // split mode.
 DUET_API bool duet_motion_get_hash(duet_motion *motion, uint64_t *hash, duet_error *err);

@@ -488,6 +488,8 @@ static void read_motion(void)
     uint64_t hash;
     REFUSES(duet_motion_get_states(NULL, states, e));
     REFUSES(duet_motion_get_states(motion, NULL, e));
+    REFUSES(duet_motion_get_poses(NULL, &pose, e));
+    REFUSES(duet_motion_get_poses(motion, NULL, e));
     REFUSES(duet_motion_get_hash(NULL, &hash, e));
     REFUSES(duet_motion_get_hash(motion, NULL, e));
     REFUSES(duet_motion_get_energy(NULL, &energy, e));
@@ -650,7 +652,7 @@ static const struct {
     {"duet_reference", references},
     {"duet_motion_create duet_motion_create_from_scene duet_motion_destroy", create_motion},
     {"duet_motion_get_states duet_motion_get_hash duet_motion_get_energy duet_motion_get_contacts "
-     "duet_motion_get_effects duet_motion_get_count duet_motion_get_plan",
+     "duet_motion_get_effects duet_motion_get_count duet_motion_get_plan duet_motion_get_poses",
      read_motion},
     {"duet_motion_advance", advance_motion},
     {"duet_motion_save duet_motion_load", keep_motion},

@@ -46,6 +46,10 @@ list(LENGTH regions n_regions)
 if(NOT n_regions EQUAL 13 OR NOT out MATCHES "^region 0 has box 0\n.*region 2 has box 559\n$")
   message(FATAL_ERROR "join says '${out}'")
 endif()
+run(${built}/range_sensor)
+if(NOT out MATCHES "^after 0.00 s\n  ray 0 sees box 3 at 6.5\n  ray 3 .*after 2.00 s\n  ray 0 sees box 1 at 2.5\n  ray 3 sees box 0 at 0.5\n$")
+  message(FATAL_ERROR "range_sensor says '${out}'")
+endif()
 run(${prefix}/bin/duet --version)
 
 # They are C++ too. {0} is how C begins an empty struct, of which g++ warns.

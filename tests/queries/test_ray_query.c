@@ -381,6 +381,48 @@ static void share_and_order_of_boxes_change_nothing(void **state)
     free(w);
 }
 
+// ---------------------------------------------------------------- moving worlds
+
+// A body falls through the ray; the motion goes on as one that nobody asks about.
+static void rays_meet_bodies_where_they_are(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    const duet_pose start = {{5, 0, 2}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
+    const duet_ray ray = {{0, 0, 0}, {1, 0, 0}, INFINITY};
+    duet_motion_def def = duet_default_motion_def();
+    duet_motion *asked[2];
+    duet_motion_result result;
+    def.pair = devices;
+    def.gravity[2] = -10;
+    for (int i = 0; i < 2; ++i)
+        assert_ok(asked[i] = duet_motion_create(&def, &start, NULL, 1, &err), err);
+    duet_tree *tree = open_tree(3, 0, NULL, 0);
+    duet_ray_query *query = open_query(tree, DUET_QUERY_CLOSEST);
+    uint32_t met = 0;
+    for (int step = 0; step < 60; ++step) {
+        duet_state where;
+        duet_pose pose;
+        assert_ok(duet_motion_advance(asked[0], &result, &err), err);
+        assert_ok(duet_motion_advance(asked[1], &result, &err), err);
+        assert_ok(duet_motion_get_states(asked[1], &where, &err), err);
+        assert_ok(duet_motion_get_poses(asked[0], &pose, &err), err);
+        set_poses(tree, &pose, 1);
+        bool meets = fabs(where.centre[2]) <= 0.5;
+        assert_int_equal(cast(query, &ray, 1).hits[0].id, meets ? 0 : DUET_NO_OBJECT);
+        met += meets;
+    }
+    assert_true(met > 5 && met < 50);
+    uint64_t hashes[2];
+    for (int i = 0; i < 2; ++i) {
+        assert_ok(duet_motion_get_hash(asked[i], &hashes[i], &err), err);
+        duet_motion_destroy(asked[i]);
+    }
+    assert_true(hashes[0] == hashes[1]);
+    duet_ray_query_destroy(query);
+    duet_tree_destroy(tree);
+}
+
 // ---------------------------------------------------------------- closed forms
 
 // A wall of unit cubes on whole numbers: a ray along their common faces touches the cubes
@@ -504,6 +546,7 @@ int main(void)
         cmocka_unit_test(integers_agree_on_poses_and_bounds),
         cmocka_unit_test(closest_and_any_are_of_every_hit),
         cmocka_unit_test(share_and_order_of_boxes_change_nothing),
+        cmocka_unit_test(rays_meet_bodies_where_they_are),
         cmocka_unit_test(touching_counts),
         cmocka_unit_test(lists_grow),
         cmocka_unit_test(no_boxes_and_no_rays_are_no_error),
