@@ -16,8 +16,9 @@ static duet_motion *drop(duet_device_pair *pair, duet_error *err)
     duet_body bodies[BOXES] = {duet_default_body()};
     bodies[0].mass = 0;
     for (int i = 1; i < BOXES; ++i) {
-        poses[i] =
-            (duet_pose){{1 + 2.0f * (float)i, 0, 4 - (float)i}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
+        const duet_pose box = {
+            {1 + 2.0f * (float)i, 0, 4 - (float)i}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
+        poses[i] = box;
         bodies[i] = duet_default_body();
     }
     def.pair = pair;
@@ -26,7 +27,7 @@ static duet_motion *drop(duet_device_pair *pair, duet_error *err)
     return duet_motion_create(&def, poses, bodies, BOXES, err);
 }
 
-// From half above the ground, flat, to four sides.
+// From half a unit above the ground: to the right, ahead, to the left and down.
 static bool look(duet_motion *motion, duet_tree *tree, duet_ray_query *query, duet_error *err)
 {
     static const duet_ray rays[RAYS] = {{{0, 0, 0.5f}, {1, 0, 0}, 50},
