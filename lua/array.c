@@ -31,6 +31,12 @@ static const struct {
     [ARRAY_RAYS] = {"fffffff", sizeof(duet_ray)},
     [ARRAY_HITS] = {"IIf", sizeof(duet_ray_hit)},
     [ARRAY_IDS] = {"I", sizeof(uint32_t)},
+    [ARRAY_BOX_HITS] = {"II", sizeof(duet_box_hit)},
+    [ARRAY_POINTS] = {"fff", sizeof(duet_point)},
+    [ARRAY_POINT_HITS] = {"IIf", sizeof(duet_point_hit)},
+    [ARRAY_SWEEPS] = {"ffffffffffffff", sizeof(duet_sweep)},
+    [ARRAY_BOUNDS_SWEEPS] = {"ffffffffff", sizeof(duet_bounds_sweep)},
+    [ARRAY_SWEEP_HITS] = {"IIffff", sizeof(duet_sweep_hit)},
 };
 
 _Static_assert(offsetof(duet_pose, rotation[3]) == 9 * 4, "a pose is ten floats");
@@ -42,6 +48,10 @@ _Static_assert(offsetof(duet_body, fixed_rotation) == 11 * 4,
                "eleven numbers, then fixed_rotation");
 _Static_assert(offsetof(duet_ray, t_max) == 6 * 4, "a ray is seven floats");
 _Static_assert(offsetof(duet_ray_hit, t) == 2 * 4, "all of four bytes");
+_Static_assert(offsetof(duet_point_hit, distance) == 2 * 4, "all of four bytes");
+_Static_assert(offsetof(duet_sweep, t_max) == 13 * 4, "a sweep is fourteen floats");
+_Static_assert(offsetof(duet_bounds_sweep, t_max) == 9 * 4, "or ten");
+_Static_assert(offsetof(duet_sweep_hit, normal[2]) == 5 * 4, "all of four bytes");
 _Static_assert(offsetof(duet_state, angular_velocity[2]) == 12 * 8, "a state is thirteen doubles");
 _Static_assert(offsetof(duet_contact, points[3].normal_impulse) == 25 * 4, "all of four bytes");
 
@@ -496,6 +506,12 @@ static const lua_class classes[] = {
     [ARRAY_RAYS] = {.name = "duet.rays", .methods = methods, .metas = metas},
     [ARRAY_HITS] = {.name = "duet.hits", .methods = methods, .metas = metas},
     [ARRAY_IDS] = {.name = "duet.ids", .methods = methods, .metas = metas},
+    [ARRAY_BOX_HITS] = {.name = "duet.box_hits", .methods = methods, .metas = metas},
+    [ARRAY_POINTS] = {.name = "duet.points", .methods = methods, .metas = metas},
+    [ARRAY_POINT_HITS] = {.name = "duet.point_hits", .methods = methods, .metas = metas},
+    [ARRAY_SWEEPS] = {.name = "duet.sweeps", .methods = methods, .metas = metas},
+    [ARRAY_BOUNDS_SWEEPS] = {.name = "duet.bounds_sweeps", .methods = methods, .metas = metas},
+    [ARRAY_SWEEP_HITS] = {.name = "duet.sweep_hits", .methods = methods, .metas = metas},
 };
 
 void array_open(lua_State *L)

@@ -25,6 +25,12 @@ typedef enum array_kind {
     ARRAY_RAYS,
     ARRAY_HITS,
     ARRAY_IDS,
+    ARRAY_BOX_HITS,
+    ARRAY_POINTS,
+    ARRAY_POINT_HITS,
+    ARRAY_SWEEPS,
+    ARRAY_BOUNDS_SWEEPS,
+    ARRAY_SWEEP_HITS,
     ARRAY_KINDS
 } array_kind;
 

@@ -88,8 +88,8 @@ static const luaL_Reg methods[] = {{"close", pair_close},
                                    {"tune", device_pair_tune_lua},
                                    {"motion", motion_create_lua},
                                    {"query", pair_query_create_lua},
-                                   {"ray_query", ray_query_create_lua},
                                    {"contact_query", contact_query_create_lua},
+                                   {"tree", tree_create_lua},
                                    {"world", world_create_lua},
                                    {NULL, NULL}};
 static const lua_class pair_class = {

@@ -65,9 +65,13 @@ int luaopen_duet(lua_State *L)
     source_open_lua(L);
     profiles_open_lua(L);
     pair_query_open_lua(L);
+    tree_open_lua(L);
     ray_query_open_lua(L);
     contact_query_open_lua(L);
     pair_delta_open_lua(L);
+    box_query_open_lua(L);
+    point_query_open_lua(L);
+    sweep_query_open_lua(L);
     preload_carried(L);
     return 1;
 }

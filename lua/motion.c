@@ -446,6 +446,14 @@ static int motion_energy(lua_State *L)
     return 1;
 }
 
+static int motion_poses(lua_State *L)
+{
+    duet_error err = {0};
+    duet_motion *motion = check_motion(L);
+    array *poses = array_push(L, ARRAY_POSES, duet_motion_get_count(motion));
+    return duet_motion_get_poses(motion, poses->rows, &err) ? 1 : class_push_failure(L, &err);
+}
+
 static int motion_contacts(lua_State *L)
 {
     duet_error err = {0};
@@ -500,13 +508,12 @@ static int motion_explain(lua_State *L)
     return 1;
 }
 
-static const luaL_Reg methods[] = {{"advance", motion_advance},   {"effects", motion_effects},
-                                   {"plan", motion_plan},         {"read", motion_read},
-                                   {"read_of", motion_read_of},   {"moved", motion_moved},
-                                   {"hash", motion_hash},         {"energy", motion_energy},
-                                   {"contacts", motion_contacts}, {"save", motion_save},
-                                   {"load", motion_load},         {"explain", motion_explain},
-                                   {"close", motion_close},       {NULL, NULL}};
+static const luaL_Reg methods[] = {
+    {"advance", motion_advance},   {"effects", motion_effects}, {"plan", motion_plan},
+    {"read", motion_read},         {"read_of", motion_read_of}, {"moved", motion_moved},
+    {"poses", motion_poses},       {"hash", motion_hash},       {"energy", motion_energy},
+    {"contacts", motion_contacts}, {"save", motion_save},       {"load", motion_load},
+    {"explain", motion_explain},   {"close", motion_close},     {NULL, NULL}};
 static const luaL_Reg metas[] = {{"__len", motion_length}, {NULL, NULL}};
 static int motion_about(lua_State *L)
 {

@@ -21,13 +21,18 @@ void motion_open_lua(lua_State *L);
 void source_open_lua(lua_State *L);
 void profiles_open_lua(lua_State *L);
 void pair_query_open_lua(lua_State *L);
+void tree_open_lua(lua_State *L);
 void ray_query_open_lua(lua_State *L);
 void contact_query_open_lua(lua_State *L);
 void pair_delta_open_lua(lua_State *L);
+void box_query_open_lua(lua_State *L);
+void point_query_open_lua(lua_State *L);
+void sweep_query_open_lua(lua_State *L);
 
 extern const member_type member_plan; // a duet_plan as a table
 const char *shape_name(int shape);
 const char *level_name(int level);
+const char *query_wants_name(int wants);
 duet_level level_check(lua_State *L, int index);
 extern const member_type member_accuracy; // a duet_accuracy as a table
 
@@ -38,8 +43,17 @@ int world_create_lua(lua_State *L);
 int device_pair_tune_lua(lua_State *L);
 int motion_create_lua(lua_State *L);
 int pair_query_create_lua(lua_State *L);
+int tree_create_lua(lua_State *L);
+
+duet_tree *tree_check(lua_State *L, int index);
+array_kind tree_array_kind(lua_State *L, int index); // of its objects
+
+// The methods tree:ray_query, :box_query, :point_query, :sweep_query; with the tree's other methods.
 int ray_query_create_lua(lua_State *L);
 int contact_query_create_lua(lua_State *L);
+int box_query_create_lua(lua_State *L);
+int point_query_create_lua(lua_State *L);
+int sweep_query_create_lua(lua_State *L);
 
 typedef struct world_box {
     duet_world *world;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// device_pair:ray_query: which boxes rays meet.
+// tree:ray_query: which boxes rays meet.
 #include "lua/nouns.h"
 
 #include <string.h>
@@ -10,15 +10,8 @@ typedef struct query_box {
 
 static const lua_class query_class;
 
-static const char *wants_name(int wants)
-{
-    return duet_ray_wants_name((duet_ray_wants)wants);
-}
-
 static const member def_members[] = {
-    MEMBER(member_share, duet_ray_query_def, share),
-    MEMBER_ENUM(duet_ray_query_def, wants, wants_name),
-    MEMBER(member_count, duet_ray_query_def, dims),
+    MEMBER_ENUM(duet_ray_query_def, wants, query_wants_name),
     {0},
 };
 
@@ -29,12 +22,12 @@ static const member result_members[] = {
     {0},
 };
 
-// device_pair:ray_query(def)
+// tree:ray_query(def)
 int ray_query_create_lua(lua_State *L)
 {
     duet_error err = {0};
     duet_ray_query_def def = duet_default_ray_query_def();
-    def.pair = device_pair_check(L, 1);
+    def.tree = tree_check(L, 1);
     if (!lua_isnoneornil(L, 2))
         member_read_table(L, 2, "a ray query", def_members, &def);
     query_box *box = class_push(L, &query_class, sizeof *box);
@@ -49,19 +42,6 @@ static duet_ray_query *query_check(lua_State *L)
     query_box *box = luaL_checkudata(L, 1, query_class.name);
     luaL_argcheck(L, box->query, 1, "the query is closed");
     return box->query;
-}
-
-// query:set_objects(poses) -> query
-static int query_set_objects(lua_State *L)
-{
-    duet_error err = {0};
-    duet_ray_query *query = query_check(L);
-    const array *poses = array_check(L, 2, ARRAY_POSES);
-    luaL_argcheck(L, poses->n <= UINT32_MAX, 2, "fewer than 2^32 rows");
-    if (!duet_ray_query_set_objects(query, poses->rows, (uint32_t)poses->n, &err))
-        return class_push_failure(L, &err);
-    lua_settop(L, 1);
-    return 1;
 }
 
 // query:run(rays) -> hits, result
@@ -88,13 +68,10 @@ static int query_close(lua_State *L)
     return 0;
 }
 
-static const luaL_Reg methods[] = {
-    {"close", query_close}, {"set_objects", query_set_objects}, {"run", query_run}, {NULL, NULL}};
+static const luaL_Reg methods[] = {{"close", query_close}, {"run", query_run}, {NULL, NULL}};
 static const lua_class query_class = {.name = "duet.ray_query", .methods = methods};
 
 void ray_query_open_lua(lua_State *L)
 {
     class_open(L, &query_class);
-    lua_pushinteger(L, DUET_NO_OBJECT);
-    lua_setfield(L, -2, "NO_OBJECT");
 }

@@ -22,6 +22,7 @@
 #ifndef DUET_H
 #define DUET_H
 
+#include "duet_box_query.h"
 #include "duet_contact_query.h"
 #include "duet_device.h"
 #include "duet_error.h"
@@ -30,8 +31,11 @@
 #include "duet_object.h"
 #include "duet_pair_delta.h"
 #include "duet_pair_query.h"
+#include "duet_point_query.h"
 #include "duet_ray_query.h"
 #include "duet_scene.h"
+#include "duet_sweep_query.h"
+#include "duet_tree.h"
 #include "duet_world.h"
 
 #include <stddef.h> // NULL

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Which boxes rays meet: the nearest, whether there is any, or every one. Both devices hold
-// the boxes, in a tree, and share the rays.
+// Which boxes of a tree rays meet: the nearest, whether there is any, or every one.
 #ifndef DUET_RAY_QUERY_H
 #define DUET_RAY_QUERY_H
 
-#include "duet_device.h"
-#include "duet_object.h"
+#include "duet_tree.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -13,8 +11,6 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-#define DUET_NO_OBJECT UINT32_MAX
 
 // The points origin + t direction for t from 0 to t_max, both included. The direction may
 // have any length, and 0: the ray is then its origin. In 2D z counts for nothing.
@@ -32,27 +28,15 @@ typedef struct duet_ray_hit {
     float t;
 } duet_ray_hit;
 
-typedef enum duet_ray_wants {
-    DUET_RAY_CLOSEST, // of each ray the hit with the least t, of several the one with the least id
-    DUET_RAY_ANY,     // whether there is one: id and t are 0 where there is
-    DUET_RAY_EVERY    // all hits, by ray, t and id
-} duet_ray_wants;
-
-// "closest", "any", "every"; NULL outside
-DUET_API const char *duet_ray_wants_name(duet_ray_wants wants);
-
 typedef struct duet_ray_query duet_ray_query;
 
 typedef struct duet_ray_query_def {
-    duet_device_pair *pair; // held until the close
-    uint32_t share;         // A's part of the rays, out of DUET_SHARE_ONE; 0: B alone;
-                            // DUET_SHARE_DEFAULT: that of the pair's default plan
-    duet_ray_wants wants;
-    uint32_t dims; // 2 or 3
+    duet_tree *tree; // held until the query is destroyed
+    duet_query_wants wants;
     int cookie;
 } duet_ray_query_def;
 
-DUET_API duet_ray_query_def duet_default_ray_query_def(void); // closest, 3D, the default share
+DUET_API duet_ray_query_def duet_default_ray_query_def(void); // closest
 
 typedef struct duet_ray_query_result {
     const duet_ray_hit *hits; // [n_hits] the query's, until its next call: one a ray, or every
@@ -62,14 +46,9 @@ typedef struct duet_ray_query_result {
     double device_ms[2]; // of each device's part
 } duet_ray_query_result;
 
-// Builds the kernels that it needs; it has no boxes yet.
+// Builds the kernels that it needs.
 DUET_API duet_ray_query *duet_ray_query_create(const duet_ray_query_def *def, duet_error *err);
 DUET_API void duet_ray_query_destroy(duet_ray_query *query);
-
-// The boxes from now on, n of them, at most 2^30; they are copied. BAD_OBJECT names the
-// first that is not a box or has a number above 2^100; the query has no boxes then.
-DUET_API bool duet_ray_query_set_objects(duet_ray_query *query, const duet_pose *poses, uint32_t n,
-                                         duet_error *err);
 
 // Casts n rays, fewer than 2^32. Which boxes they meet is exact, touching included, and the
 // same on every device and at every share. BAD_OBJECT names the first ray that is not valid: a

@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "separating axis test of pairs that the caller brings",
-  uses = { "lanes.clh", "narrowphase/object.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh" },
+  uses = { "lanes.clh", "narrowphase/object.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh",
+    "narrowphase/answer.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0 }, default = 0, about = "poses: bounds need no test" },

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // A tree over boxes, for queries.
 //
-//   objects [n] poses
+//   objects [n] poses or bounds, by SHAPE
 //   keys    [n, and 7 more] where each box comes in the tree: large ones first, those of
 //                           one size class along a curve
 //   ids     [n] sorted by their keys
 //   boxes   [slots][TREE_BOX_WORDS] in that order; slots is n rounded up to TREE_WIDTH
 //   nodes   [..][NODE_WORDS] the lowest level first, the root last
-//   rays    [n][RAY_WORDS]
+//   items   [n][item_words], each begins with a point
 //
 // A key decides only how good the tree is, never what a query finds.
 #define CLASSES 16
@@ -44,23 +44,30 @@ static inline word curve_place(const real point[3], float4 lower, float4 per_cel
     return place;
 }
 
+static inline real greatest_of(const real v[3])
+{
+    return fmax(fmax(v[0], v[1]), v[2]);
+}
+
+// Half of the widest edge.
+static inline real object_half(const object *o)
+{
+#if SHAPE == SHAPE_POSES
+    return greatest_of(o->halves);
+#else
+    real halves[3];
+    for (int k = 0; k < 3; ++k)
+        halves[k] = o->upper[k] * 0.5f - o->lower[k] * 0.5f;
+    return greatest_of(halves);
+#endif
+}
+
 // Sizes that differ by less than a factor of two are of a class, or neighbours.
 static inline word size_class(const object *o, float widest)
 {
-    real size = fmax(fmax(o->halves[0], o->halves[1]), o->halves[2]);
-    word exponent = as_word(size) >> 23;
+    word exponent = as_word(object_half(o)) >> 23;
     word most = (word)(as_uint(widest) >> 23);
     return min(most - min(most, exponent), (word)(CLASSES - 1));
-}
-
-// Not a box, or so far away or wide that float could overflow.
-static inline mask is_refused(const object *o)
-{
-    mask refused = object_is_bad(o);
-#pragma unroll
-    for (int k = 0; k < 3; ++k)
-        refused |= (fabs(o->centre[k]) > ALL(MOST_COORDINATE)) | (o->halves[k] > ALL(MOST_COORDINATE));
-    return refused;
 }
 
 __kernel void tree_keys(TREE_KEYS_ARGS)
@@ -71,7 +78,9 @@ __kernel void tree_keys(TREE_KEYS_ARGS)
         for (uint k = 0; k < LANES; ++k)
             ids[k] = min(from + k, n - 1);
         object o = object_at(objects, ids);
-        word place = curve_place(o.centre, lower, per_cell);
+        real point[3];
+        object_point(&o, point);
+        word place = curve_place(point, lower, per_cell);
         spread(size_class(&o, lower.w) << (DIMS * BITS) | place, key);
         spread(as_word(is_refused(&o)), refused);
         for (uint k = 0; k < LANES && from + k < n; ++k) {
@@ -94,7 +103,9 @@ __kernel void tree_leaves(TREE_LEAVES_ARGS)
         }
         object o = object_at(objects, names);
         bounds b = object_bounds(&o);
-        real axis[3][3], row[TREE_BOX_WORDS];
+        real row[TREE_BOX_WORDS];
+#if SHAPE == SHAPE_POSES
+        real axis[3][3];
         set_axes(axis, o.rotation);
         for (int k = 0; k < 3; ++k) {
             row[k] = o.centre[k];
@@ -102,6 +113,13 @@ __kernel void tree_leaves(TREE_LEAVES_ARGS)
         }
         for (int k = 0; k < 9; ++k)
             row[TREE_BOX_AXES + k] = axis[k / 3][k % 3];
+#else
+        for (int k = 0; k < 3; ++k) {
+            row[k] = o.lower[k];
+            row[3 + k] = o.upper[k];
+        }
+        row[6] = ALL(0.0f);
+#endif
         __global float *node = nodes + (size_t)(from / TREE_WIDTH) * NODE_WORDS + from % TREE_WIDTH;
 #if LANES == 1
         row[TREE_BOX_ID] = as_float(names[0]);
@@ -118,27 +136,27 @@ __kernel void tree_leaves(TREE_LEAVES_ARGS)
             vstore8(b.upper[k], 0, node + (3 + k) * TREE_WIDTH);
         }
 #endif
-        store_eight(boxes, places, TREE_BOX_WORDS, 0, row, (word)(1));
-        store_eight(boxes, places, TREE_BOX_WORDS, 8, row + 8, (word)(1));
+        for (int k = 0; k < TREE_BOX_WORDS; k += 8)
+            store_eight(boxes, places, TREE_BOX_WORDS, k, row + k, (word)(1));
     }
 }
 
-// Rays that begin near each other walk through the same nodes.
-__kernel void ray_keys(RAY_KEYS_ARGS)
+// Items that begin near each other walk through the same nodes.
+__kernel void item_keys(ITEM_KEYS_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     for (uint from = first; from < min(first + PER_ITEM, n); from += LANES) {
         uint key[LANES];
-        float origin[3][LANES];
+        float begin[3][LANES];
         for (uint k = 0; k < LANES; ++k)
             for (int i = 0; i < 3; ++i)
-                origin[i][k] = rays[(size_t)min(from + k, n - 1) * RAY_WORDS + i];
+                begin[i][k] = items[(size_t)min(from + k, n - 1) * item_words + i];
         real point[3];
         for (int i = 0; i < 3; ++i)
 #if LANES == 1
-            point[i] = origin[i][0];
+            point[i] = begin[i][0];
 #else
-            point[i] = vload8(0, origin[i]);
+            point[i] = vload8(0, begin[i]);
 #endif
         spread(curve_place(point, lower, per_cell), key);
         for (uint k = 0; k < LANES && from + k < n; ++k)

@@ -1,10 +1,11 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "a tree over boxes, for queries",
-  uses = { "lanes.clh", "narrowphase/object.clh", "queries/tree.h", "queries/limits.clh" },
+  uses = { "lanes.clh", "narrowphase/object.clh", "queries/tree.h", "queries/limits.clh",
+    "queries/refused.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0 }, default = 0, about = "poses" },
+    { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
     { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "boxes side by side in a work-item" },
@@ -22,8 +23,9 @@ return {
       uint *keys
       volatile uint *counters
     ]],
-    ray_keys = [[
-      const float *rays
+    item_keys = [[
+      const float *items
+      uint item_words
       uint n
       float4 lower
       float4 per_cell

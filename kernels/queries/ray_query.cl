@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Which boxes rays meet, by walking down a box tree (queries/tree.h).
+// Which boxes of a tree (queries/tree.h) rays meet, or with SWEPT boxes that move.
 //
-//   rays     [n][RAY_WORDS] origin xyz, direction xyz, t_max
-//   order    [n] of rays, by where they begin; in_order 1: as they come
+//   items    [n][ITEM_WORDS] rays: origin xyz, direction xyz, t_max; boxes that move: a pose
+//            or bounds, by SHAPE, as the tree's objects, direction xyz, t_max
+//   order    [n] of items, by where they begin; in_order 1: as they come
 //   boxes, nodes    of the tree
 //   levels   [n_levels] first node of each level, the lowest first
-//   hits     [n][HIT_WORDS]; for all hits [hits_capacity][HIT_WORDS], in any order
+//   hits     [n][HIT_WORDS]; for all hits [hits_capacity][HIT_WORDS], in any order: the item,
+//            the box's id, t; with SWEPT space for a normal
 //   open     [open_capacity][HIT_WORDS] boxes that float leaves to the host, those that a
 //            nearer hit makes needless left out
 //
-// A ray's direction is scaled by a power of two to 1 .. 2, and `t` with it, so that
-// nothing is rounded. docs/accuracy.md, "Rays", has the error bounds.
-//
-// What a ray finds does not depend on the tree. The distance to a box is never below
+// What is found does not depend on the tree. The distance to a box is never below
 // that to its bounds, and the distance to bounds never below that to wider ones: each
 // operation on the way is monotone. So a node that is passed over for being further away
 // than the nearest hit holds nothing nearer.
@@ -20,118 +19,52 @@
 #define ANY 1
 #define EVERY 2
 
-#define STACK (TREE_WIDTH * TREE_LEVELS)
-#define LEVEL_SHIFT 28
+#define ITEM_WORDS (SWEPT ? OBJECT_WIDTH + 4 : 7)
+#define HIT_WORDS (SWEPT ? 6 : 3)
 
 #define SLACK (64.0f * 0x1p-24f) // of a box's size, as seen from the ray's origin
-#define LEAST_SIZE 0x1p-70f
 #define GREATEST_SIZE 0x1p110f
-#define BOUNDS_SLACK 0x1p-18f
-#define LEAST_SPEED 0x1p-60f   // along an axis of the world, of a direction of 1 .. 2
-#define SLOW 0x1p-40f          // along an edge of a box
-#define LEAST_DIRECTION 0x1p-100f
 
-typedef struct {
-    float origin[3];
-    float direction[3]; // scaled
-    float inverse[3];   // of it; 0: no speed along that axis, NaN: too little to tell
-    float nearer[3], farther[3]; // the same, less and more by BOUNDS_SLACK
-    float t_max;        // scaled
-    float scale;        // of what is scaled, to the caller's
-} ray;
-
-static inline bool is_zero(float x)
-{
-    return (as_uint(x) & 0x7FFFFFFFu) == 0;
-}
-
-static inline bool ray_is_bad(const float r[RAY_WORDS])
-{
-    float greatest = 0.0f, sum = 0.0f;
-    bool zero = true;
-    for (int k = 0; k < 3; ++k) {
-        bool counts = k < DIMS;
-        sum = fma(counts ? r[k] : 0.0f, 0.0f, fma(counts ? r[3 + k] : 0.0f, 0.0f, sum));
-        if (counts) {
-            sum = fabs(r[k]) > MOST_COORDINATE ? NAN : sum;
-            greatest = fmax(greatest, fabs(r[3 + k]));
-            zero = zero && is_zero(r[3 + k]);
-        }
-    }
-    bool has_length = greatest >= LEAST_DIRECTION && greatest <= MOST_COORDINATE;
-    return sum != 0.0f || !(r[6] >= 0.0f) || !(zero || has_length);
-}
-
-static inline float signed_inverse(float component, float scaled)
-{
-    if (is_zero(component))
-        return 0.0f;
-    if (fabs(scaled) < LEAST_SPEED)
-        return NAN;
-    return copysign(inverse_of(fabs(scaled)), scaled);
-}
-
-static inline ray ray_of(const float given[RAY_WORDS])
-{
-    ray r;
-    float greatest = 0.0f;
-    for (int k = 0; k < DIMS; ++k)
-        greatest = fmax(greatest, fabs(given[3 + k]));
-    uint exponent = as_uint(greatest) & 0x7F800000u;
-    bool still = exponent == 0;
-    r.scale = still ? 1.0f : as_float(0x7F000000u - exponent);
-    r.t_max = still ? 0.0f : given[6] * as_float(exponent);
-    for (int k = 0; k < 3; ++k) {
-        r.origin[k] = k < DIMS ? given[k] : 0.0f;
-        r.direction[k] = k < DIMS ? given[3 + k] * r.scale : 0.0f;
-        r.inverse[k] = k < DIMS ? signed_inverse(given[3 + k], r.direction[k]) : 0.0f;
-        r.nearer[k] = r.inverse[k] * (1.0f - BOUNDS_SLACK);
-        r.farther[k] = r.inverse[k] * (1.0f + BOUNDS_SLACK);
-    }
-    return r;
-}
-
-// ------------------------------------------------------------ bounds
-
-static inline real load_lanes(__global const float *from)
-{
-#if LANES == 1
-    return *from;
-#else
-    return vload8(0, from);
+struct walk {
+    line l;
+#if SWEPT && !SHAPE
+    mover m;
 #endif
-}
+    __global const float *boxes;
+    uint number;
+    float best; // CLOSEST: t and id of the nearest hit so far
+    uint id;
+#if WANTS == EVERY
+    __global uint *hits;
+    uint hits_capacity;
+#endif
+    __global uint *open;
+    uint open_capacity;
+    volatile __global uint *counters;
+};
 
-// Whether the ray meets the bounds of children from `node` on, and from which t. A
-// difference has the right sign, so what counts of `near` is above 0, and what is below 0
-// of `far` is a miss whatever the slack.
-static inline mask meets_bounds(const ray *r, __global const float *node, real *from)
+static inline mask meets_bounds(const walk *w, __global const float *node, real *from)
 {
-    real near = (real)(0.0f), far = (real)(r->t_max);
-    mask beside = (mask)(0);
-#pragma unroll
-    for (int k = 0; k < DIMS; ++k) {
-        real lower = load_lanes(node + k * TREE_WIDTH);
-        real upper = load_lanes(node + (3 + k) * TREE_WIDTH);
-        float inverse = r->inverse[k];
-        if (inverse == 0.0f) {
-            beside |= (lower > (real)(r->origin[k])) | (upper < (real)(r->origin[k]));
-        } else if (inverse == inverse) {
-            near = fmax(near, ((inverse > 0.0f ? lower : upper) - r->origin[k]) * r->nearer[k]);
-            far = fmin(far, ((inverse > 0.0f ? upper : lower) - r->origin[k]) * r->farther[k]);
-        } else {
-            beside |= lower > upper; // no box here
-        }
-    }
-    *from = near;
-    return (near <= far) & !beside;
+    return line_meets_nodes(&w->l, node, from);
 }
 
 // ------------------------------------------------------------ a box
 
-#define MISSED 0
-#define MET 1
-#define OPEN 2
+#if SHAPE
+
+static inline uint meet_box(const walk *w, __global const float *box, float *t)
+{
+    return line_meets_bounds(&w->l, box, t);
+}
+
+#elif SWEPT
+
+static inline uint meet_box(const walk *w, __global const float *box, float *t)
+{
+    return mover_meets(&w->m, &w->l, box, t);
+}
+
+#else
 
 static inline float along(__global const float *axis, const float v[3])
 {
@@ -144,12 +77,13 @@ static inline float along(__global const float *axis, const float v[3])
 
 // Where the ray is between the two faces of each edge, widened and narrowed by what
 // float may be wrong by. `t` is at least that of the box's bounds.
-static inline uint meet_box(const ray *r, __global const float *box, float *t)
+static inline uint meet_box(const walk *w, __global const float *box, float *t)
 {
+    const line *r = &w->l;
     float way[3], size = 0.0f;
 #pragma unroll
     for (int k = 0; k < DIMS; ++k) {
-        way[k] = r->origin[k] - box[k];
+        way[k] = r->lower[k] - box[k];
         size += fabs(way[k]) + box[3 + k];
     }
     if (!(size >= LEAST_SIZE && size <= GREATEST_SIZE))
@@ -183,122 +117,77 @@ static inline uint meet_box(const ray *r, __global const float *box, float *t)
     return !open && surely_enter <= surely_leave ? MET : OPEN;
 }
 
+#endif
+
 // ------------------------------------------------------------ the walk
 
-typedef struct {
-    ray r;
-    uint number;
-    float best; // CLOSEST: t and id of the nearest hit so far
-    uint id;
-#if WANTS == EVERY
-    __global uint *hits;
-    uint hits_capacity;
-#endif
-    __global uint *open;
-    uint open_capacity;
-    volatile __global uint *counters;
-} walk;
-
-static inline void list_hit(__global uint *list, uint capacity, volatile __global uint *counter, uint number, uint id,
-                            float t)
+static inline float farthest(const walk *w)
 {
-    uint at = reserve(counter, 1);
-    if (at >= capacity)
-        return;
-    list[(size_t)at * HIT_WORDS] = number;
-    list[(size_t)at * HIT_WORDS + 1] = id;
-    list[(size_t)at * HIT_WORDS + 2] = as_uint(t);
+    return w->best;
 }
 
-// Returns whether the walk is over.
-static inline bool visit_box(walk *w, __global const float *box, float from)
+static inline void list_hit(const walk *w, __global uint *row, uint id, float t)
 {
+    if (!row)
+        return;
+    row[0] = w->number;
+    row[1] = id;
+    row[2] = as_uint(t * w->l.scale);
+    for (int k = 3; k < HIT_WORDS; ++k)
+        row[k] = 0;
+}
+
+static inline bool visit_box(walk *w, uint slot, float from)
+{
+    __global const float *box = w->boxes + (size_t)slot * TREE_BOX_WORDS;
     float t = from;
     uint id = as_uint(box[TREE_BOX_ID]);
-    uint found = meet_box(&w->r, box, &t);
+    uint found = meet_box(w, box, &t);
     bool needless = WANTS == CLOSEST && (t > w->best || (t == w->best && id > w->id));
     if (found == MISSED || needless)
         return false;
     if (found == OPEN) {
-        list_hit(w->open, w->open_capacity, w->counters + COUNT_OPEN, w->number, id, t * w->r.scale);
+        list_hit(w, add_row(w->open, w->open_capacity, w->counters + COUNT_OPEN, HIT_WORDS), id, t);
         return false;
     }
 #if WANTS == EVERY
-    list_hit(w->hits, w->hits_capacity, w->counters + COUNT_HITS, w->number, id, t * w->r.scale);
+    list_hit(w, add_row(w->hits, w->hits_capacity, w->counters + COUNT_HITS, HIT_WORDS), id, t);
 #endif
     w->best = WANTS == EVERY ? INFINITY : t;
     w->id = id;
     return WANTS == ANY;
 }
 
-// The children that the ray meets, and from which t.
-static inline uint meet_children(const ray *r, __global const float *node, uint children[TREE_WIDTH],
-                                 float from[TREE_WIDTH])
+// Whether the row is an item at all.
+static inline bool load_item(walk *w, __global const float *row)
 {
-    uint n = 0;
-    for (uint k = 0; k < TREE_WIDTH; k += LANES) {
-        real near;
-        mask met = meets_bounds(r, node + k, &near);
-        if (!any_lane(met))
-            continue;
-        uint is_met[LANES];
-        float t[LANES];
-        spread(as_word(met), is_met);
-#if LANES == 1
-        t[0] = near;
-#else
-        vstore8(near, 0, t);
+    float lower[3], upper[3];
+#if SWEPT
+    const uint same[LANES] = {0};
+    object o = object_at(row, same);
+    bounds b = object_bounds(&o);
+    uint refused[LANES];
+    spread(as_word(is_refused(&o)), refused);
+    for (int k = 0; k < 3; ++k) {
+        lower[k] = FIRST_LANE(b.lower[k]);
+        upper[k] = FIRST_LANE(b.upper[k]);
+    }
+#if !SHAPE
+    set_mover(&w->m, &o);
 #endif
-        for (uint i = 0; i < LANES; ++i) {
-            children[n] = k + i;
-            from[n] = t[i];
-            n += is_met[i] != 0;
-        }
-    }
-    return n;
-}
-
-// The nearest comes last, and is taken first.
-static inline uint push_sorted(uint nodes[STACK], float nears[STACK], uint depth, uint bottom, uint node, float near)
-{
-    uint at = depth;
-    for (; at > bottom && nears[at - 1] < near; --at) {
-        nodes[at] = nodes[at - 1];
-        nears[at] = nears[at - 1];
-    }
-    nodes[at] = node;
-    nears[at] = near;
-    return depth + 1;
-}
-
-static inline void walk_tree(walk *w, __global const float *boxes, __global const float *nodes,
-                             __global const uint *levels, uint n_levels)
-{
-    uint waiting[STACK];
-    float nears[STACK];
-    waiting[0] = (n_levels - 1) << LEVEL_SHIFT;
-    nears[0] = 0.0f;
-    for (uint depth = 1; depth > 0;) {
-        uint node = waiting[--depth];
-        if (nears[depth] > w->best)
-            continue;
-        uint level = node >> LEVEL_SHIFT, place = node & ((1u << LEVEL_SHIFT) - 1);
-        uint children[TREE_WIDTH + 1];
-        float from[TREE_WIDTH + 1];
-        uint n = meet_children(&w->r, nodes + (size_t)(levels[level] + place) * NODE_WORDS, children, from);
-        if (level == 0) {
-            for (uint k = 0; k < n; ++k)
-                if (from[k] <= w->best &&
-                    visit_box(w, boxes + ((size_t)place * TREE_WIDTH + children[k]) * TREE_BOX_WORDS, from[k]))
-                    return;
-            continue;
-        }
-        uint bottom = depth;
-        for (uint k = 0; k < n; ++k)
-            if (from[k] <= w->best)
-                depth = push_sorted(waiting, nears, depth, bottom,
-                                    (level - 1) << LEVEL_SHIFT | (place * TREE_WIDTH + children[k]), from[k]);
-    }
+    if (refused[0])
+        return false;
+#else
+    for (int k = 0; k < DIMS; ++k)
+        if (!(fabs(row[k]) <= MOST_COORDINATE))
+            return false;
+    for (int k = 0; k < 3; ++k)
+        lower[k] = upper[k] = row[k];
+#endif
+    if (line_is_bad(row + ITEM_WORDS - 4))
+        return false;
+    set_line(&w->l, lower, upper, row + ITEM_WORDS - 4);
+    return true;
 }
 
 __kernel void ray_query(RAY_QUERY_ARGS)
@@ -306,11 +195,9 @@ __kernel void ray_query(RAY_QUERY_ARGS)
     uint first = get_global_id(0) * PER_ITEM;
     for (uint i = first; i < min(first + PER_ITEM, n); ++i) {
         uint at = in_order ? i : order[i];
-        float given[RAY_WORDS];
-        for (int k = 0; k < RAY_WORDS; ++k)
-            given[k] = rays[(size_t)at * RAY_WORDS + k];
         walk w;
-        w.number = first_ray + at;
+        w.boxes = boxes;
+        w.number = first_item + at;
         w.best = INFINITY;
         w.id = NO_OBJECT;
         w.open = open;
@@ -320,16 +207,14 @@ __kernel void ray_query(RAY_QUERY_ARGS)
         w.hits = hits;
         w.hits_capacity = hits_capacity;
 #endif
-        if (ray_is_bad(given)) {
+        if (!load_item(&w, items + (size_t)at * ITEM_WORDS)) {
             atomic_max(counters + BAD_LATEST, ~at);
             continue;
         }
-        w.r = ray_of(given);
-        walk_tree(&w, boxes, nodes, levels, n_levels);
+        walk_tree(&w, nodes, levels, n_levels);
 #if WANTS != EVERY
-        hits[(size_t)at * HIT_WORDS] = first_ray + at;
-        hits[(size_t)at * HIT_WORDS + 1] = WANTS == ANY && w.id != NO_OBJECT ? 0 : w.id;
-        hits[(size_t)at * HIT_WORDS + 2] = WANTS == ANY ? 0 : as_uint(w.best * w.r.scale);
+        list_hit(&w, hits + (size_t)at * HIT_WORDS, WANTS == ANY && w.id != NO_OBJECT ? 0 : w.id,
+                 WANTS == ANY ? 0.0f : w.best);
 #endif
     }
 }

@@ -1,9 +1,13 @@
 -- SPDX-License-Identifier: MIT
 return {
-  about = "which boxes rays meet",
-  uses = { "lanes.clh", "queries/tree.h", "queries/limits.clh" },
+  about = "which boxes rays meet, or boxes that move",
+  uses = { "lanes.clh", "narrowphase/object.clh", "queries/tree.h", "queries/limits.clh", "queries/refused.clh",
+    "queries/walk.clh", "queries/line.clh", "queries/sweep.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
+    { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
+    { "SWEPT", values = { 0, 1 }, default = 0, about = "0 rays, 1 boxes that move along them" },
     { "WANTS", values = { 0, 1, 2 }, default = 0, about = "0 the closest hit, 1 whether there is any, 2 every hit" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "children of a node side by side" },
@@ -14,9 +18,9 @@ return {
   },
   args = {
     ray_query = [[
-      const float *rays
+      const float *items
       uint n
-      uint first_ray
+      uint first_item
       const uint *order
       uint in_order
       const float *boxes

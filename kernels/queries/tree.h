@@ -11,21 +11,17 @@
 #define TREE_LEVELS 10 // at most: 2^30 boxes
 // A node: its children's lower corners, eight x, eight y, eight z, then the upper ones.
 #define NODE_WORDS (6 * TREE_WIDTH)
-// A box: its centre, half extents, the directions of its three edges, its id.
-#define TREE_BOX_WORDS 16
+// A box: its centre, half extents, the directions of its three edges, its id; as bounds
+// lower and upper corner, -, its id.
+#define TREE_BOX_WORDS_OF(is_bounds) ((is_bounds) ? 8 : 16)
 #define TREE_BOX_AXES 6
-#define TREE_BOX_ID 15
-
-#define RAY_WORDS 7 // of a ray: origin, direction, t_max
 
 // Counters; a 64-bit count is two words.
 #define COUNT_HITS 0
 #define COUNT_OPEN 2 // boxes that float leaves open
-#define BAD_LATEST 4 // ~least number of a bad object or ray; 0: none
+#define BAD_LATEST 4 // ~least number of a bad object or item; 0: none
 #define QUERY_COUNTERS 8
 
-// A hit on the device: the ray, the box's id, and how far along the ray.
-#define HIT_WORDS 3
 #define NO_OBJECT 0xffffffffu // where nothing was hit
 
 #endif

@@ -5,16 +5,15 @@
 
 #include <math.h>
 
-enum { MOST_BOXES = 1 << 30 };
-
 static const binding tree_bindings[] = {BIND_BUFFER(box_tree, "objects", "float *", objects),
-                                        BIND_BUFFER(box_tree, "rays", "float *", rays),
+                                        BIND_BUFFER(box_tree, "items", "float *", items),
                                         BIND_BUFFER(box_tree, "keys", "uint *", keys),
                                         BIND_BUFFER(box_tree, "ids", "uint *", ids),
                                         BIND_BUFFER(box_tree, "boxes", "float *", boxes),
                                         BIND_BUFFER(box_tree, "nodes", "float *", nodes),
                                         BIND_BUFFER(box_tree, "counters", "uint *", counters),
                                         BIND_VALUE(box_tree, "n", n),
+                                        BIND_VALUE(box_tree, "item_words", item_words),
                                         BIND_VALUE(box_tree, "slots", slots),
                                         BIND_VALUE(box_tree, "lower", lower),
                                         BIND_VALUE(box_tree, "per_cell", per_cell),
@@ -24,21 +23,21 @@ static const binding tree_bindings[] = {BIND_BUFFER(box_tree, "objects", "float 
                                         BIND_VALUE(box_tree, "n_slots", n_slots),
                                         {0}};
 
-static kernel *ask(program_set *programs, const char *entry, uint32_t dims, duet_error *err)
+static kernel *ask(box_tree *t, program_set *programs, const char *entry, duet_error *err)
 {
-    const gen_setting settings[] = {{"DIMS", dims}};
-    return program_set_kernel(programs, "box_tree", entry, settings, 1, tree_bindings, err);
+    const gen_setting settings[] = {{"DIMS", t->dims}, {"SHAPE", t->shape}};
+    return program_set_kernel(programs, "box_tree", entry, settings, 2, tree_bindings, err);
 }
 
 bool box_tree_open(box_tree *t, const device *d, program_set *programs, uint32_t dims,
-                   duet_error *err)
+                   duet_shape shape, duet_error *err)
 {
-    *t = (box_tree){.device = d};
-    t->key = ask(programs, "tree_keys", dims, err);
-    t->leaves = t->key ? ask(programs, "tree_leaves", dims, err) : NULL;
-    t->level = t->leaves ? ask(programs, "tree_level", dims, err) : NULL;
-    t->ray_key = t->level ? ask(programs, "ray_keys", dims, err) : NULL;
-    return t->ray_key && scan_open(&t->scan, d, programs, NULL, 0, err) &&
+    *t = (box_tree){.device = d, .dims = dims, .shape = shape};
+    t->key = ask(t, programs, "tree_keys", err);
+    t->leaves = t->key ? ask(t, programs, "tree_leaves", err) : NULL;
+    t->level = t->leaves ? ask(t, programs, "tree_level", err) : NULL;
+    t->item_key = t->level ? ask(t, programs, "item_keys", err) : NULL;
+    return t->item_key && scan_open(&t->scan, d, programs, NULL, 0, err) &&
            radix_sort_open(&t->radix, d, programs, &t->scan, NULL, 0, err);
 }
 
@@ -55,21 +54,36 @@ void box_tree_close(box_tree *t)
 
 // ---------------------------------------------------------------- the curve
 
+// An object's point and half of its size along an axis.
+static float point_of(const box_tree *t, const void *objects, uint32_t i, uint32_t k)
+{
+    return t->shape == DUET_SHAPE_POSES ? ((const duet_pose *)objects)[i].centre[k]
+                                        : ((const duet_bounds *)objects)[i].lower[k];
+}
+
+static float half_of(const box_tree *t, const void *objects, uint32_t i, uint32_t k)
+{
+    if (t->shape == DUET_SHAPE_POSES)
+        return ((const duet_pose *)objects)[i].half_extents[k];
+    const duet_bounds *b = &((const duet_bounds *)objects)[i];
+    return b->upper[k] * 0.5f - b->lower[k] * 0.5f;
+}
+
 // Where the boxes are and how wide they get, from a sample: it decides how good the tree
 // is and nothing else.
-static void fit_curve(box_tree *t, const duet_pose *poses, uint32_t n, uint32_t dims)
+static void fit_curve(box_tree *t, const void *objects)
 {
     enum { SAMPLE = 1 << 16 };
-    const float cells = dims == 3 ? 512 : 16384;
+    const float cells = t->dims == 3 ? 512 : 16384;
     float lower[3] = {INFINITY, INFINITY, INFINITY};
     float upper[3] = {-INFINITY, -INFINITY, -INFINITY};
     float widest = 0;
-    uint32_t step = n / SAMPLE + 1;
-    for (uint32_t i = 0; i < n; i += step)
-        for (uint32_t k = 0; k < dims; ++k) {
-            lower[k] = fminf(lower[k], poses[i].centre[k]);
-            upper[k] = fmaxf(upper[k], poses[i].centre[k]);
-            widest = fmaxf(widest, poses[i].half_extents[k]);
+    uint32_t step = t->n / SAMPLE + 1;
+    for (uint32_t i = 0; i < t->n; i += step)
+        for (uint32_t k = 0; k < t->dims; ++k) {
+            lower[k] = fminf(lower[k], point_of(t, objects, i, k));
+            upper[k] = fmaxf(upper[k], point_of(t, objects, i, k));
+            widest = fmaxf(widest, half_of(t, objects, i, k));
         }
     for (uint32_t k = 0; k < 3; ++k) {
         float edge = upper[k] - lower[k];
@@ -92,11 +106,11 @@ static uint32_t plan_levels(box_tree *t, cl_uint first[TREE_LEVELS + 1])
     uint32_t n_nodes = 0;
     uint32_t n = t->n;
     t->n_levels = 0;
-    do {
+    while (n > 1 || (n == 1 && t->n_levels == 0)) {
         n = nodes_for(n);
         first[t->n_levels++] = n_nodes;
         n_nodes += n;
-    } while (n > 1);
+    }
     return n_nodes;
 }
 
@@ -111,7 +125,8 @@ static bool reserve_lists(box_tree *t, uint32_t n, duet_error *err)
 
 static bool reserve(box_tree *t, uint32_t n_nodes, duet_error *err)
 {
-    size_t boxes = (size_t)t->slots * TREE_BOX_WORDS * sizeof(cl_float);
+    uint32_t box_words = TREE_BOX_WORDS_OF(t->shape == DUET_SHAPE_BOUNDS);
+    size_t boxes = (size_t)t->slots * box_words * sizeof(cl_float);
     size_t nodes = (size_t)n_nodes * NODE_WORDS * sizeof(cl_float);
     return reserve_lists(t, t->n, err) && buffer_reserve(&t->boxes, t->device, boxes, err) &&
            buffer_reserve(&t->nodes, t->device, nodes, err) &&
@@ -125,14 +140,18 @@ static bool sort_keys(box_tree *t, timeline *times, uint32_t n, duet_error *err)
     return radix_sort_run(&t->radix, times, "sort", &lists, n, 32, err);
 }
 
-static bool sort_boxes(box_tree *t, timeline *times, const duet_pose *poses, uint32_t dims,
-                       duet_error *err)
+static bool send_objects(box_tree *t, timeline *times, const void *objects, duet_error *err)
 {
-    size_t bytes = (size_t)t->n * sizeof *poses;
-    fit_curve(t, poses, t->n, dims);
-    return buffer_hold(&t->objects, t->device, (void *)poses, bytes, err) &&
-           timeline_write(times, "send objects", &t->objects, poses, bytes, err) &&
-           timeline_fill(times, "clear", &t->counters, 0, 0, QUERY_COUNTERS, err) &&
+    size_t width = t->shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds);
+    if (t->n == 0)
+        return buffer_reserve(&t->objects, t->device, width, err);
+    return buffer_hold(&t->objects, t->device, (void *)objects, t->n * width, err) &&
+           timeline_write(times, "send objects", &t->objects, objects, t->n * width, err);
+}
+
+static bool sort_boxes(box_tree *t, timeline *times, duet_error *err)
+{
+    return timeline_fill(times, "clear", &t->counters, 0, 0, QUERY_COUNTERS, err) &&
            timeline_launch(times, "keys", t->key, t->n, t, err) && sort_keys(t, times, t->n, err);
 }
 
@@ -144,9 +163,11 @@ static bool check_objects(box_tree *t, timeline *times, duet_error *err)
     if (counters[BAD_LATEST] == 0)
         return true;
     return error_set(err, DUET_STATUS_BAD_OBJECT,
-                     "object %u is not a number, infinite, negative, without rotation, or above "
+                     "object %u is not a number, infinite, %s, or above "
                      "2^100",
-                     ~counters[BAD_LATEST]);
+                     ~counters[BAD_LATEST],
+                     t->shape == DUET_SHAPE_POSES ? "negative, without rotation"
+                                                  : "with a lower corner above its upper one");
 }
 
 static bool make_levels(box_tree *t, timeline *times, const cl_uint *first, uint32_t n_nodes,
@@ -164,34 +185,35 @@ static bool make_levels(box_tree *t, timeline *times, const cl_uint *first, uint
     return ok;
 }
 
-bool box_tree_build(box_tree *t, timeline *times, const duet_pose *poses, uint32_t n, uint32_t dims,
-                    duet_error *err)
+bool box_tree_build(box_tree *t, timeline *times, const void *objects, uint32_t n, duet_error *err)
 {
     cl_uint first[TREE_LEVELS + 1] = {0};
-    if (n > MOST_BOXES)
-        return error_set(err, DUET_STATUS_TOO_MANY, "%u objects; a query takes at most %d", n,
-                         MOST_BOXES);
     t->n = n;
-    if (n == 0)
-        return true;
-    uint32_t n_nodes = plan_levels(t, first);
     t->slots = nodes_for(n) * TREE_WIDTH;
-    bool ok = reserve(t, n_nodes, err) && sort_boxes(t, times, poses, dims, err) &&
-              timeline_write(times, "send objects", &t->levels, first, TREE_LEVELS * sizeof *first,
-                             err) &&
-              make_levels(t, times, first, n_nodes, err) && check_objects(t, times, err);
-    if (t->objects.borrowed) // the caller may free it
-        buffer_release(&t->objects);
-    return ok;
+    uint32_t n_nodes = plan_levels(t, first);
+    fit_curve(t, objects);
+    if (!reserve(t, n_nodes, err) || !send_objects(t, times, objects, err))
+        return false;
+    return n == 0 || (sort_boxes(t, times, err) &&
+                      timeline_write(times, "send objects", &t->levels, first,
+                                     TREE_LEVELS * sizeof *first, err) &&
+                      make_levels(t, times, first, n_nodes, err) && check_objects(t, times, err));
 }
 
-bool box_tree_order_rays(box_tree *t, timeline *times, const buffer *rays, uint32_t n,
-                         duet_error *err)
+void box_tree_forget_objects(box_tree *t)
+{
+    if (t->objects.borrowed)
+        buffer_release(&t->objects);
+}
+
+bool box_tree_order(box_tree *t, timeline *times, const buffer *items, uint32_t item_words,
+                    uint32_t n, duet_error *err)
 {
     uint32_t n_boxes = t->n;
-    t->rays = *rays;
+    t->items = *items;
+    t->item_words = item_words;
     t->n = n;
-    bool ok = reserve_lists(t, n, err) && timeline_launch(times, "keys", t->ray_key, n, t, err) &&
+    bool ok = reserve_lists(t, n, err) && timeline_launch(times, "keys", t->item_key, n, t, err) &&
               sort_keys(t, times, n, err);
     t->n = n_boxes;
     return ok;

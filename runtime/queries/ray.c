@@ -6,18 +6,6 @@
 
 #include <math.h>
 
-bool ray_is_valid(const duet_ray *ray, uint32_t dims)
-{
-    float greatest = 0;
-    for (uint32_t k = 0; k < dims; ++k) {
-        if (!(fabsf(ray->origin[k]) <= 0x1p100f) || !isfinite(ray->direction[k]))
-            return false;
-        greatest = fmaxf(greatest, fabsf(ray->direction[k]));
-    }
-    bool has_length = greatest >= 0x1p-100f && greatest <= 0x1p100f;
-    return ray->t_max >= 0 && (greatest == 0 || has_length);
-}
-
 // ---------------------------------------------------------------- double
 
 typedef enum met { MISSED, MET, OPEN } met;

@@ -12,8 +12,4 @@ bool ray_meets(const duet_ray *ray, const duet_pose *box, uint32_t dims);
 // By integers alone.
 bool ray_meets_exactly(const duet_ray *ray, const duet_pose *box, uint32_t dims);
 
-// Finite, no part of the origin above 2^100, the direction's greatest part 0 or in
-// 2^-100 .. 2^100, t_max from 0 up, infinity included.
-bool ray_is_valid(const duet_ray *ray, uint32_t dims);
-
 #endif

@@ -27,8 +27,12 @@ static duet_world *bounds_world;
 static duet_world *apart_world;
 static duet_motion *motion;
 static duet_pair_query *test;
+static duet_tree *tree;
 static duet_ray_query *rays;
 static duet_contact_query *touching;
+static duet_box_query *boxes;
+static duet_point_query *points;
+static duet_sweep_query *sweeps;
 static duet_online *online;
 static duet_pose pose = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
 static duet_large_pose placed;
@@ -356,23 +360,39 @@ static void query_pairs(void)
     duet_pair_query_destroy(NULL);
 }
 
+static void fill_tree(void)
+{
+    duet_tree_def def = duet_default_tree_def();
+    REFUSES(duet_tree_create(NULL, e));
+    REFUSES(duet_tree_create(&def, e));
+    def.pair = pair;
+    def.share = DUET_SHARE_ONE + 1;
+    REFUSES(duet_tree_create(&def, e));
+    def.share = 0;
+    def.dims = 4;
+    REFUSES(duet_tree_create(&def, e));
+    def.dims = 3;
+    def.shape = (duet_shape)2;
+    REFUSES(duet_tree_create(&def, e));
+    REFUSES(duet_tree_set_objects(NULL, DUET_OBJECT_POSES, &pose, 1, e));
+    REFUSES(duet_tree_set_objects(tree, DUET_OBJECT_POSES, NULL, 1, e));
+    REFUSES(duet_tree_set_objects(tree, DUET_OBJECT_BOUNDS, &bounds, 1, e));
+    REFUSES(duet_tree_set_objects(tree, DUET_OBJECT_SIZES, &pose, 1, e));
+    TAKES(duet_tree_set_objects(tree, DUET_OBJECT_POSES, NULL, 0, e));
+    duet_tree_destroy(NULL);
+}
+
 static void cast_rays(void)
 {
     duet_ray_query_def def = duet_default_ray_query_def();
     duet_ray_query_result found;
     const duet_ray ray = {{0}, {1, 0, 0}, 1};
-    assert_null(duet_ray_wants_name((duet_ray_wants)3));
+    assert_null(duet_query_wants_name((duet_query_wants)3));
     REFUSES(duet_ray_query_create(NULL, e));
     REFUSES(duet_ray_query_create(&def, e));
-    def.pair = pair;
-    def.wants = (duet_ray_wants)3;
+    def.tree = tree;
+    def.wants = (duet_query_wants)3;
     REFUSES(duet_ray_query_create(&def, e));
-    def.wants = DUET_RAY_ANY;
-    def.share = DUET_SHARE_ONE + 1;
-    REFUSES(duet_ray_query_create(&def, e));
-    REFUSES(duet_ray_query_set_objects(NULL, &pose, 1, e));
-    REFUSES(duet_ray_query_set_objects(rays, NULL, 1, e));
-    TAKES(duet_ray_query_set_objects(rays, NULL, 0, e));
     REFUSES(duet_ray_query_run(NULL, &ray, 1, &found, e));
     REFUSES(duet_ray_query_run(rays, NULL, 1, &found, e));
     REFUSES(duet_ray_query_run(rays, &ray, 1, NULL, e));
@@ -436,6 +456,59 @@ static void compare_pairs(void)
     duet_pair_delta_destroy(NULL);
 }
 
+static void join_boxes(void)
+{
+    duet_box_query_def def = duet_default_box_query_def();
+    duet_box_query_result found;
+    REFUSES(duet_box_query_create(NULL, e));
+    REFUSES(duet_box_query_create(&def, e));
+    def.tree = tree;
+    def.level = (duet_level)DUET_LEVELS;
+    REFUSES(duet_box_query_create(&def, e));
+    REFUSES(duet_box_query_run(NULL, DUET_OBJECT_POSES, &pose, 1, &found, e));
+    REFUSES(duet_box_query_run(boxes, DUET_OBJECT_BOUNDS, &bounds, 1, &found, e));
+    REFUSES(duet_box_query_run(boxes, DUET_OBJECT_POSES, NULL, 1, &found, e));
+    REFUSES(duet_box_query_run(boxes, DUET_OBJECT_POSES, &pose, 1, NULL, e));
+    TAKES(duet_box_query_run(boxes, DUET_OBJECT_POSES, &pose, 1, &found, e));
+    duet_box_query_destroy(NULL);
+}
+
+static void ask_about_points(void)
+{
+    duet_point_query_def def = duet_default_point_query_def();
+    duet_point_query_result found;
+    const duet_point point = {{0}};
+    REFUSES(duet_point_query_create(NULL, e));
+    REFUSES(duet_point_query_create(&def, e));
+    def.tree = tree;
+    def.nearest = DUET_MOST_NEAREST + 1;
+    REFUSES(duet_point_query_create(&def, e));
+    REFUSES(duet_point_query_run(NULL, &point, 1, &found, e));
+    REFUSES(duet_point_query_run(points, NULL, 1, &found, e));
+    REFUSES(duet_point_query_run(points, &point, 1, NULL, e));
+    TAKES(duet_point_query_run(points, &point, 1, &found, e));
+    duet_point_query_destroy(NULL);
+}
+
+static void move_boxes(void)
+{
+    duet_sweep_query_def def = duet_default_sweep_query_def();
+    duet_sweep_query_result found;
+    const duet_sweep sweep = {pose, {1, 0, 0}, 1};
+    const duet_bounds_sweep bounds_sweep = {bounds, {1, 0, 0}, 1};
+    REFUSES(duet_sweep_query_create(NULL, e));
+    REFUSES(duet_sweep_query_create(&def, e));
+    def.tree = tree;
+    def.wants = (duet_query_wants)3;
+    REFUSES(duet_sweep_query_create(&def, e));
+    REFUSES(duet_sweep_query_run(NULL, DUET_OBJECT_POSES, &sweep, 1, &found, e));
+    REFUSES(duet_sweep_query_run(sweeps, DUET_OBJECT_BOUNDS, &bounds_sweep, 1, &found, e));
+    REFUSES(duet_sweep_query_run(sweeps, DUET_OBJECT_POSES, NULL, 1, &found, e));
+    REFUSES(duet_sweep_query_run(sweeps, DUET_OBJECT_POSES, &sweep, 1, NULL, e));
+    TAKES(duet_sweep_query_run(sweeps, DUET_OBJECT_POSES, &sweep, 1, &found, e));
+    duet_sweep_query_destroy(NULL);
+}
+
 static void references(void)
 {
     REFUSES(duet_reference(NULL, DUET_LEVEL_CERTIFIED, &pairs, &n, e));
@@ -472,6 +545,8 @@ static void read_motion(void)
     uint64_t hash;
     REFUSES(duet_motion_get_states(NULL, states, e));
     REFUSES(duet_motion_get_states(motion, NULL, e));
+    REFUSES(duet_motion_get_poses(NULL, &pose, e));
+    REFUSES(duet_motion_get_poses(motion, NULL, e));
     REFUSES(duet_motion_get_hash(NULL, &hash, e));
     REFUSES(duet_motion_get_hash(motion, NULL, e));
     REFUSES(duet_motion_get_energy(NULL, &energy, e));
@@ -617,18 +692,29 @@ static const struct {
     {"duet_world_load_profile duet_world_explain_profile", load_profile},
     {"duet_world_step", step_world},
     {"duet_pair_query_create duet_pair_query_destroy duet_pair_query_run", query_pairs},
+    {"duet_tree_create duet_tree_destroy duet_tree_set_objects duet_default_tree_def "
+     "duet_query_wants_name",
+     fill_tree},
     {"duet_ray_query_create duet_ray_query_destroy duet_ray_query_run "
-     "duet_ray_query_set_objects duet_ray_wants_name duet_default_ray_query_def",
+     "duet_default_ray_query_def",
      cast_rays},
     {"duet_contact_query_create duet_contact_query_destroy duet_contact_query_run "
      "duet_default_contact_query_def",
      find_contacts},
     {"duet_motion_get_states_of duet_motion_get_moved duet_state_between", read_some},
     {"duet_pair_delta_create duet_pair_delta_destroy duet_pair_delta_update", compare_pairs},
+    {"duet_box_query_create duet_box_query_destroy duet_box_query_run duet_default_box_query_def",
+     join_boxes},
+    {"duet_point_query_create duet_point_query_destroy duet_point_query_run "
+     "duet_default_point_query_def",
+     ask_about_points},
+    {"duet_sweep_query_create duet_sweep_query_destroy duet_sweep_query_run "
+     "duet_default_sweep_query_def",
+     move_boxes},
     {"duet_reference", references},
     {"duet_motion_create duet_motion_create_from_scene duet_motion_destroy", create_motion},
     {"duet_motion_get_states duet_motion_get_hash duet_motion_get_energy duet_motion_get_contacts "
-     "duet_motion_get_effects duet_motion_get_count duet_motion_get_plan",
+     "duet_motion_get_effects duet_motion_get_count duet_motion_get_plan duet_motion_get_poses",
      read_motion},
     {"duet_motion_advance", advance_motion},
     {"duet_motion_save duet_motion_load", keep_motion},
@@ -662,12 +748,25 @@ static int rows_of(const char *call)
     return found;
 }
 
-static const char *const headers[] = {
-    "runtime/duet_contact_query.h", "runtime/duet_pair_delta.h",
-    "runtime/duet.h",        "runtime/duet_device.h",    "runtime/duet_level.h",
-    "runtime/duet_motion.h", "runtime/duet_object.h",    "runtime/duet_pair_query.h",
-    "runtime/duet_ray_query.h", "runtime/duet_scene.h",  "runtime/duet_world.h",     "base/duet_error.h",
-    "tuner/duet_tune.h",     "profiles/duet_profiles.h", "lua/duet_lua.h"};
+static const char *const headers[] = {"runtime/duet.h",
+                                      "runtime/duet_box_query.h",
+                                      "runtime/duet_contact_query.h",
+                                      "runtime/duet_pair_delta.h",
+                                      "runtime/duet_device.h",
+                                      "runtime/duet_level.h",
+                                      "runtime/duet_motion.h",
+                                      "runtime/duet_object.h",
+                                      "runtime/duet_pair_query.h",
+                                      "runtime/duet_point_query.h",
+                                      "runtime/duet_ray_query.h",
+                                      "runtime/duet_sweep_query.h",
+                                      "runtime/duet_tree.h",
+                                      "runtime/duet_scene.h",
+                                      "runtime/duet_world.h",
+                                      "base/duet_error.h",
+                                      "tuner/duet_tune.h",
+                                      "profiles/duet_profiles.h",
+                                      "lua/duet_lua.h"};
 
 // The name before the first bracket behind DUET_API.
 static uint32_t check_header(const char *header)
@@ -771,9 +870,13 @@ static int open_all(void **state)
     testing.pair = pair;
     test = duet_pair_query_create(&testing, &err);
     assert_ok(test, err);
+    duet_tree_def planting = duet_default_tree_def();
+    planting.pair = pair;
+    planting.share = 0;
+    tree = duet_tree_create(&planting, &err);
+    assert_ok(tree, err);
     duet_ray_query_def casting = duet_default_ray_query_def();
-    casting.pair = pair;
-    casting.share = 0;
+    casting.tree = tree;
     rays = duet_ray_query_create(&casting, &err);
     assert_ok(rays, err);
     duet_contact_query_def finding = duet_default_contact_query_def();
@@ -781,6 +884,18 @@ static int open_all(void **state)
     finding.share = 0;
     touching = duet_contact_query_create(&finding, &err);
     assert_ok(touching, err);
+    duet_box_query_def joining = duet_default_box_query_def();
+    joining.tree = tree;
+    boxes = duet_box_query_create(&joining, &err);
+    assert_ok(boxes, err);
+    duet_point_query_def asking = duet_default_point_query_def();
+    asking.tree = tree;
+    points = duet_point_query_create(&asking, &err);
+    assert_ok(points, err);
+    duet_sweep_query_def sweeping = duet_default_sweep_query_def();
+    sweeping.tree = tree;
+    sweeps = duet_sweep_query_create(&sweeping, &err);
+    assert_ok(sweeps, err);
     duet_online_def tuning = duet_default_online_def();
     tuning.world = world;
     online = duet_online_create(&tuning, &err);
@@ -796,6 +911,10 @@ static int close_all(void **state)
     duet_pair_query_destroy(test);
     duet_ray_query_destroy(rays);
     duet_contact_query_destroy(touching);
+    duet_box_query_destroy(boxes);
+    duet_point_query_destroy(points);
+    duet_sweep_query_destroy(sweeps);
+    duet_tree_destroy(tree);
     duet_motion_destroy(motion);
     duet_world_destroy(bounds_world);
     duet_world_destroy(placed_world);

@@ -13,6 +13,7 @@
 #include <time.h>
 
 typedef struct subject {
+    duet_tree *tree_of_boxes;
     duet_ray_query *query;
     duet_ray_query_result found;
     series tree, tree_cpu, cast, cast_cpu;
@@ -44,7 +45,7 @@ static bool run_once(subject *s, const duet_pose *poses, const duet_ray *rays, u
 {
     uint64_t begun = clock_steady_ns();
     double cpu = cpu_ms();
-    if (!duet_ray_query_set_objects(s->query, poses, n, err))
+    if (!duet_tree_set_objects(s->tree_of_boxes, DUET_OBJECT_POSES, poses, n, err))
         return false;
     uint64_t built = clock_steady_ns();
     double built_cpu = cpu_ms();
@@ -65,16 +66,18 @@ static uint64_t count_met(const duet_ray_query_result *found)
     return n;
 }
 
-static bool measure(duet_ray_wants wants, duet_device_pair *pair, const duet_pose *poses,
+static bool measure(duet_query_wants wants, duet_device_pair *pair, const duet_pose *poses,
                     const duet_ray *rays, uint32_t n, uint32_t runs, duet_error *err)
 {
     subject *s = calloc(1, sizeof *s);
+    duet_tree_def tree_def = duet_default_tree_def();
     duet_ray_query_def def = duet_default_ray_query_def();
-    def.pair = pair;
+    tree_def.pair = pair;
     def.wants = wants;
     if (!s)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the samples");
-    s->query = duet_ray_query_create(&def, err);
+    s->tree_of_boxes = def.tree = duet_tree_create(&tree_def, err);
+    s->query = def.tree ? duet_ray_query_create(&def, err) : NULL;
     bool ok = s->query;
     for (uint32_t i = 0; ok && i <= runs; ++i) {
         ok = run_once(s, poses, rays, n, err);
@@ -82,11 +85,12 @@ static bool measure(duet_ray_wants wants, duet_device_pair *pair, const duet_pos
             s->tree.n = s->tree_cpu.n = s->cast.n = s->cast_cpu.n = 0;
     }
     if (ok)
-        printf("%-8s %9.1f %9.1f %9.1f %9.1f %10llu %8.2f\n", duet_ray_wants_name(wants),
+        printf("%-8s %9.1f %9.1f %9.1f %9.1f %10llu %8.2f\n", duet_query_wants_name(wants),
                series_median(&s->tree), series_median(&s->tree_cpu), series_median(&s->cast),
                series_median(&s->cast_cpu), (unsigned long long)count_met(&s->found),
                n / series_median(&s->cast) * 1e-3);
     duet_ray_query_destroy(s->query);
+    duet_tree_destroy(s->tree_of_boxes);
     free(s);
     return ok;
 }
@@ -106,8 +110,8 @@ bool bench_rays(const bench_options *options, duet_error *err)
     if (ok)
         printf("%-8s %9s %9s %9s %9s %10s %8s\n", "wants", "tree ms", "CPU ms", "rays ms", "CPU ms",
                "hits", "M rays/s");
-    for (int wants = DUET_RAY_CLOSEST; ok && wants <= DUET_RAY_ANY; ++wants)
-        ok = measure((duet_ray_wants)wants, pair, poses, rays, n, options->runs, err);
+    for (int wants = DUET_QUERY_CLOSEST; ok && wants <= DUET_QUERY_ANY; ++wants)
+        ok = measure((duet_query_wants)wants, pair, poses, rays, n, options->runs, err);
     duet_device_pair_destroy(pair);
     free(rays);
     free(poses);

@@ -1,9 +1,10 @@
 -- SPDX-License-Identifier: MIT
--- docs/lua.md tells the truth: its Lua blocks print what stands under them, and
--- its figures are those that the experiments find.
+-- docs/lua.md and docs/queries.md tell the truth: their Lua blocks print what stands under
+-- them, and figures are those that the experiments find.
 local facts = require "facts"
 
 local guide = facts.read_file(facts.root .. "/docs/lua.md")
+local queries = facts.read_file(facts.root .. "/docs/queries.md")
 local lua = os.getenv "DUET_LUA" or "lua5.4"
 
 local function run(command)
@@ -17,17 +18,22 @@ local function write_file(path, text)
   file:write(text)
 end
 
-facts.holds("every Lua block prints what stands under it", function()
+local function check_blocks(text)
   local path, n = os.tmpname(), 0
-  for block, says in guide:gmatch "```lua\n(.-)```\n\n```text\n(.-)```" do
+  for block, says in text:gmatch "```lua\n(.-)```\n\n```text\n(.-)```" do
     write_file(path, block)
     local printed = run(lua .. " " .. path)
     facts.equal(printed, says)
     n = n + 1
   end
   os.remove(path)
-  local _, blocks = guide:gsub("```lua\n", "")
+  local _, blocks = text:gsub("```lua\n", "")
   facts.equal(n, blocks)
+end
+
+facts.holds("every Lua block prints what stands under it", function()
+  check_blocks(guide)
+  check_blocks(queries)
 end)
 
 facts.holds("what figure 12 is said to find is what it finds", function()

@@ -4,9 +4,11 @@
 #include "support/test.h"
 
 #include "support/devices.h"
+#include "support/trees.h"
 
 #include "base/rng.h"
 #include "runtime/queries/ray.h"
+#include "runtime/queries/sweep.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -14,18 +16,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-static duet_ray_query *open_query(duet_ray_wants wants, uint32_t dims, uint32_t share,
-                                  const duet_pose *poses, uint32_t n)
+static duet_ray_query *open_query(duet_tree *tree, duet_query_wants wants)
 {
     duet_error err = {0};
     duet_ray_query_def def = duet_default_ray_query_def();
-    def.pair = devices;
+    def.tree = tree;
     def.wants = wants;
-    def.dims = dims;
-    def.share = share;
     duet_ray_query *query = duet_ray_query_create(&def, &err);
     assert_ok(query, err);
-    assert_ok(duet_ray_query_set_objects(query, poses, n, &err), err);
+    return query;
+}
+
+// With a tree of its own.
+static duet_ray_query *open_alone(duet_query_wants wants, uint32_t dims, uint32_t share,
+                                  const duet_pose *poses, uint32_t n)
+{
+    duet_tree *tree = open_tree(dims, share, poses, n);
+    duet_ray_query *query = open_query(tree, wants);
+    duet_tree_destroy(tree);
     return query;
 }
 
@@ -173,7 +181,7 @@ static void assert_enters_there(const duet_ray *ray, const duet_pose *box, uint3
 static void every_hit_is_found_and_no_other(uint32_t dims, uint32_t share)
 {
     world *w = make_world(dims);
-    duet_ray_query *query = open_query(DUET_RAY_EVERY, dims, share, w->boxes, BOXES);
+    duet_ray_query *query = open_alone(DUET_QUERY_EVERY, dims, share, w->boxes, BOXES);
     duet_ray_query_result found = cast(query, w->rays, RAYS);
     uint64_t at = 0, expected = 0;
     for (uint32_t i = 0; i < RAYS; ++i) {
@@ -216,15 +224,115 @@ static void every_hit_in_2d(void **state)
     every_hit_is_found_and_no_other(2, 0);
 }
 
+// ---------------------------------------------------------------- bounds
+
+// Some are flat, or points; corners of many are whole numbers, as those of neighbours are.
+static void fill_bounds(rng *r, duet_bounds *bounds, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; ++i)
+        for (int k = 0; k < 3; ++k) {
+            float lower = between(r, -5, 5), size = i % 9 == 0 ? 0 : between(r, 0, 1);
+            bounds[i].lower[k] = i % 3 == 0 ? roundf(lower) : lower;
+            bounds[i].upper[k] = bounds[i].lower[k] + (i % 3 == 0 ? roundf(2 * size) : size);
+        }
+}
+
+// Where a ray enters bounds that it meets.
+static long double enters_bounds_at(const duet_ray *ray, const duet_bounds *box, uint32_t dims)
+{
+    long double enter = 0;
+    for (uint32_t k = 0; k < dims; ++k) {
+        long double speed = ray->direction[k];
+        if (speed != 0)
+            enter = fmaxl(
+                enter, ((speed > 0 ? box->lower[k] : box->upper[k]) - (long double)ray->origin[k]) /
+                           speed);
+    }
+    return enter;
+}
+
+static bool ray_meets_bounds(const duet_ray *ray, const duet_bounds *box, uint32_t dims)
+{
+    duet_bounds_sweep sweep = {.t_max = ray->t_max};
+    for (int k = 0; k < 3; ++k) {
+        sweep.bounds.lower[k] = sweep.bounds.upper[k] = ray->origin[k];
+        sweep.direction[k] = ray->direction[k];
+    }
+    return sweep_meets_bounds(&sweep, box, dims);
+}
+
+static void hits_of_bounds_are_exact_in(uint32_t dims)
+{
+    world *w = make_world(dims);
+    duet_bounds bounds[BOXES];
+    rng r = rng_seed(test_seed() + 1);
+    fill_bounds(&r, bounds, BOXES);
+    for (uint32_t i = 0; i < RAYS; i += 3) // begin and end on corners
+        for (int k = 0; k < 3; ++k)
+            w->rays[i].origin[k] =
+                i % 2 ? bounds[i % BOXES].upper[k] : roundf(w->rays[i].origin[k]);
+    duet_tree *tree = open_bounds_tree(dims, DUET_SHARE_ONE / 3, bounds, BOXES);
+    duet_ray_query *query = open_query(tree, DUET_QUERY_EVERY);
+    duet_ray_query_result found = cast(query, w->rays, RAYS);
+    uint64_t at = 0;
+    for (uint32_t i = 0; i < RAYS; ++i) {
+        bool met[BOXES] = {false};
+        for (; at < found.n_hits && found.hits[at].ray == i; ++at) {
+            const duet_ray_hit *hit = &found.hits[at];
+            long double enter = enters_bounds_at(&w->rays[i], &bounds[hit->id], dims);
+            if (fabsl(hit->t - enter) > 8 * 0x1p-24L * enter)
+                fail_msg("t %.9g, expected %.9Lg", (double)hit->t, enter);
+            met[hit->id] = true;
+        }
+        for (uint32_t id = 0; id < BOXES; ++id)
+            if (met[id] != ray_meets_bounds(&w->rays[i], &bounds[id], dims))
+                fail_msg("ray %u, bounds %u: %d is wrong", i, id, met[id]);
+    }
+    assert_true(at == found.n_hits && at > RAYS / 2);
+    duet_tree_destroy(tree);
+    duet_ray_query_destroy(query);
+    free(w);
+}
+
+static void hits_of_bounds_are_exact(void **state)
+{
+    (void)state;
+    hits_of_bounds_are_exact_in(3);
+    hits_of_bounds_are_exact_in(2);
+}
+
+// A box that is not turned is bounds too, where its corners are floats.
+static void integers_agree_on_poses_and_bounds(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed() + 2);
+    for (int i = 0; i < 20000; ++i) {
+        duet_pose pose = {.rotation = {0, 0, 0, 1}};
+        duet_bounds bounds;
+        duet_ray ray = {.t_max = i % 3 == 0 ? INFINITY : (float)rng_below(&r, 4)};
+        for (int k = 0; k < 3; ++k) {
+            pose.centre[k] = (float)rng_below(&r, 8);
+            pose.half_extents[k] = (float)rng_below(&r, 3);
+            bounds.lower[k] = pose.centre[k] - pose.half_extents[k];
+            bounds.upper[k] = pose.centre[k] + pose.half_extents[k];
+            ray.origin[k] = (float)rng_below(&r, 8);
+            ray.direction[k] = (float)rng_below(&r, 5) - 2;
+        }
+        assert_int_equal(ray_meets_bounds(&ray, &bounds, 3), ray_meets_exactly(&ray, &pose, 3));
+    }
+}
+
 // ---------------------------------------------------------------- the other two questions
 
 static void closest_and_any_are_of_every_hit(void **state)
 {
     (void)state;
     world *w = make_world(3);
-    duet_ray_query *every = open_query(DUET_RAY_EVERY, 3, 0, w->boxes, BOXES);
-    duet_ray_query *closest = open_query(DUET_RAY_CLOSEST, 3, DUET_SHARE_ONE / 2, w->boxes, BOXES);
-    duet_ray_query *any = open_query(DUET_RAY_ANY, 3, DUET_SHARE_ONE / 2, w->boxes, BOXES);
+    duet_ray_query *every = open_alone(DUET_QUERY_EVERY, 3, 0, w->boxes, BOXES);
+    duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 2, w->boxes, BOXES);
+    duet_ray_query *closest = open_query(tree, DUET_QUERY_CLOSEST);
+    duet_ray_query *any = open_query(tree, DUET_QUERY_ANY);
+    duet_tree_destroy(tree);
     duet_ray_query_result all = cast(every, w->rays, RAYS);
     duet_ray_query_result nearest = cast(closest, w->rays, RAYS);
     duet_ray_query_result some = cast(any, w->rays, RAYS);
@@ -250,26 +358,69 @@ static void share_and_order_of_boxes_change_nothing(void **state)
 {
     (void)state;
     world *w = make_world(3);
-    duet_ray_query *one = open_query(DUET_RAY_CLOSEST, 3, 0, w->boxes, BOXES);
-    duet_ray_query *two = open_query(DUET_RAY_CLOSEST, 3, DUET_SHARE_ONE, w->boxes, BOXES);
+    duet_ray_query *one = open_alone(DUET_QUERY_CLOSEST, 3, 0, w->boxes, BOXES);
+    duet_tree *tree = open_tree(3, DUET_SHARE_ONE, w->boxes, BOXES);
+    duet_ray_query *two = open_query(tree, DUET_QUERY_CLOSEST);
     duet_ray_query_result a = cast(one, w->rays, RAYS), b = cast(two, w->rays, RAYS);
     assert_memory_equal(a.hits, b.hits, RAYS * sizeof *a.hits);
     assert_int_equal(a.undecided, b.undecided);
     // Another box first makes another tree.
-    duet_error err = {0};
     duet_pose *turned = malloc(sizeof w->boxes);
     for (uint32_t id = 0; id < BOXES; ++id)
         turned[id] = w->boxes[(id + 77) % BOXES];
-    assert_ok(duet_ray_query_set_objects(two, turned, BOXES, &err), err);
+    set_poses(tree, turned, BOXES);
     b = cast(two, w->rays, RAYS);
     for (uint32_t i = 0; i < RAYS; ++i) {
         assert_true(a.hits[i].t == b.hits[i].t);
         assert_true((a.hits[i].id == DUET_NO_OBJECT) == (b.hits[i].id == DUET_NO_OBJECT));
     }
     free(turned);
+    duet_tree_destroy(tree);
     duet_ray_query_destroy(one);
     duet_ray_query_destroy(two);
     free(w);
+}
+
+// ---------------------------------------------------------------- moving worlds
+
+// A body falls through the ray; the motion goes on as one that nobody asks about.
+static void rays_meet_bodies_where_they_are(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    const duet_pose start = {{5, 0, 2}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
+    const duet_ray ray = {{0, 0, 0}, {1, 0, 0}, INFINITY};
+    duet_motion_def def = duet_default_motion_def();
+    duet_motion *asked[2];
+    duet_motion_result result;
+    def.pair = devices;
+    def.gravity[2] = -10;
+    for (int i = 0; i < 2; ++i)
+        assert_ok(asked[i] = duet_motion_create(&def, &start, NULL, 1, &err), err);
+    duet_tree *tree = open_tree(3, 0, NULL, 0);
+    duet_ray_query *query = open_query(tree, DUET_QUERY_CLOSEST);
+    uint32_t met = 0;
+    for (int step = 0; step < 60; ++step) {
+        duet_state where;
+        duet_pose pose;
+        assert_ok(duet_motion_advance(asked[0], &result, &err), err);
+        assert_ok(duet_motion_advance(asked[1], &result, &err), err);
+        assert_ok(duet_motion_get_states(asked[1], &where, &err), err);
+        assert_ok(duet_motion_get_poses(asked[0], &pose, &err), err);
+        set_poses(tree, &pose, 1);
+        bool meets = fabs(where.centre[2]) <= 0.5;
+        assert_int_equal(cast(query, &ray, 1).hits[0].id, meets ? 0 : DUET_NO_OBJECT);
+        met += meets;
+    }
+    assert_true(met > 5 && met < 50);
+    uint64_t hashes[2];
+    for (int i = 0; i < 2; ++i) {
+        assert_ok(duet_motion_get_hash(asked[i], &hashes[i], &err), err);
+        duet_motion_destroy(asked[i]);
+    }
+    assert_true(hashes[0] == hashes[1]);
+    duet_ray_query_destroy(query);
+    duet_tree_destroy(tree);
 }
 
 // ---------------------------------------------------------------- closed forms
@@ -306,7 +457,7 @@ static void touching_counts(void **state)
     duet_ray rays[N];
     for (int i = 0; i < N; ++i)
         rays[i] = known[i].ray;
-    duet_ray_query *query = open_query(DUET_RAY_EVERY, 3, 0, cubes, WIDE * WIDE * WIDE);
+    duet_ray_query *query = open_alone(DUET_QUERY_EVERY, 3, 0, cubes, WIDE * WIDE * WIDE);
     duet_ray_query_result found = cast(query, rays, N);
     uint64_t hits[N] = {0};
     for (uint64_t i = 0; i < found.n_hits; ++i)
@@ -328,7 +479,7 @@ static void lists_grow(void **state)
         boxes[i] = (duet_pose){{0}, {1, 1, 1}, {0, 0, 0, 1}};
         rays[i] = (duet_ray){{i % 2 ? 1.0f : 0.5f, 0, -5}, {0, 0, 1}, INFINITY};
     }
-    duet_ray_query *query = open_query(DUET_RAY_EVERY, 3, 0, boxes, N);
+    duet_ray_query *query = open_alone(DUET_QUERY_EVERY, 3, 0, boxes, N);
     duet_ray_query_result found = cast(query, rays, N);
     assert_int_equal(found.n_hits, N * N);
     assert_int_equal(found.undecided, N * N / 2);
@@ -343,16 +494,17 @@ static void lists_grow(void **state)
 static void no_boxes_and_no_rays_are_no_error(void **state)
 {
     (void)state;
-    duet_error err = {0};
     const duet_pose box = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
     const duet_ray ray = {{0, 0, -5}, {0, 0, 1}, INFINITY};
-    duet_ray_query *query = open_query(DUET_RAY_CLOSEST, 3, 0, NULL, 0);
+    duet_tree *tree = open_tree(3, 0, NULL, 0);
+    duet_ray_query *query = open_query(tree, DUET_QUERY_CLOSEST);
     duet_ray_query_result found = cast(query, &ray, 1);
     assert_true(found.n_hits == 1 && found.hits[0].id == DUET_NO_OBJECT);
-    assert_ok(duet_ray_query_set_objects(query, &box, 1, &err), err);
+    set_poses(tree, &box, 1);
     found = cast(query, &ray, 1);
     assert_true(found.n_hits == 1 && found.hits[0].id == 0 && found.hits[0].t == 4);
     assert_int_equal(cast(query, NULL, 0).n_hits, 0);
+    duet_tree_destroy(tree);
     duet_ray_query_destroy(query);
 }
 
@@ -360,7 +512,8 @@ static void what_is_no_ray_or_box_is_refused_by_its_number(void **state)
 {
     (void)state;
     const duet_pose good = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
-    duet_ray_query *query = open_query(DUET_RAY_CLOSEST, 3, 0, &good, 1);
+    duet_tree *tree = open_tree(3, 0, &good, 1);
+    duet_ray_query *query = open_query(tree, DUET_QUERY_CLOSEST);
     const duet_ray bad_rays[] = {{{NAN, 0, 0}, {1, 0, 0}, 1},      {{0, 0, 0}, {INFINITY, 0, 0}, 1},
                                  {{0, 0, 0}, {1, 0, 0}, -1},       {{0, 0, 0}, {1, 0, 0}, NAN},
                                  {{0x1p101f, 0, 0}, {1, 0, 0}, 1}, {{0, 0, 0}, {1e-35f, 0, 0}, 1}};
@@ -368,7 +521,6 @@ static void what_is_no_ray_or_box_is_refused_by_its_number(void **state)
         duet_error err = {0};
         duet_ray_query_result found;
         const duet_ray rays[3] = {{{0}, {1, 0, 0}, 1}, {{0}, {1, 0, 0}, 1}, bad_rays[i]};
-        assert_false(ray_is_valid(&bad_rays[i], 3));
         assert_false(duet_ray_query_run(query, rays, 3, &found, &err));
         assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
         assert_non_null(strstr(err.text, "ray 2:"));
@@ -376,11 +528,12 @@ static void what_is_no_ray_or_box_is_refused_by_its_number(void **state)
     duet_pose boxes[3] = {good, good, good};
     boxes[1].centre[2] = NAN;
     duet_error err = {0};
-    assert_false(duet_ray_query_set_objects(query, boxes, 3, &err));
+    assert_false(duet_tree_set_objects(tree, DUET_OBJECT_POSES, boxes, 3, &err));
     assert_non_null(strstr(err.text, "object 1 "));
     // It has no boxes now.
     const duet_ray ray = {{0, 0, -5}, {0, 0, 1}, INFINITY};
     assert_int_equal(cast(query, &ray, 1).hits[0].id, DUET_NO_OBJECT);
+    duet_tree_destroy(tree);
     duet_ray_query_destroy(query);
 }
 
@@ -389,8 +542,11 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_hit_in_3d),
         cmocka_unit_test(every_hit_in_2d),
+        cmocka_unit_test(hits_of_bounds_are_exact),
+        cmocka_unit_test(integers_agree_on_poses_and_bounds),
         cmocka_unit_test(closest_and_any_are_of_every_hit),
         cmocka_unit_test(share_and_order_of_boxes_change_nothing),
+        cmocka_unit_test(rays_meet_bodies_where_they_are),
         cmocka_unit_test(touching_counts),
         cmocka_unit_test(lists_grow),
         cmocka_unit_test(no_boxes_and_no_rays_are_no_error),

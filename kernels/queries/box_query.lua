@@ -1,0 +1,43 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "which objects of a tree other boxes collide with",
+  uses = { "lanes.clh", "narrowphase/object.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh",
+    "narrowphase/answer.clh", "queries/tree.h", "queries/limits.clh", "queries/refused.clh", "queries/walk.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
+    { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
+    { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
+      about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
+    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
+      about = "boxes side by side in a work-item" },
+    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 64 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
+      about = "boxes a work-item" },
+  },
+  args = {
+    box_query = [[
+      const float *items
+      uint n
+      uint first_item
+      const uint *order
+      uint in_order
+      const float *objects
+      const float *boxes
+      const float *nodes
+      const uint *levels
+      uint n_levels
+      uint *hits
+      uint hits_capacity
+      uint *open
+      uint open_capacity
+      volatile uint *counters
+    ]],
+  },
+  valid = function(p, limits)
+    if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
+    return true
+  end,
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

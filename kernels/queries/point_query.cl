@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+// Which boxes of a tree (queries/tree.h) are at points: those that contain them (WANTS
+// EVERY), or the `each` nearest ones.
+//
+//   items    [n][3] points
+//   order    [n] of them; in_order 1: as they come
+//   boxes, nodes    of the tree
+//   levels   [n_levels] first node of each level, the lowest first
+//   hits     [hits_capacity][3] point, id, 0, in any order; of nearest ones [n][each][3] with
+//            the square of the distance, by that and id
+//   open     [open_capacity][3] boxes that float leaves to the host
+//
+// What is found does not depend on the tree: a box is never nearer than its bounds, nor these
+// than wider ones, for each operation on the way is monotone.
+#define POINT_WORDS 3
+#define EVERY 2
+#define NEAREST 3
+#define HIT_WORDS 3
+
+#define SLACK (64.0f * 0x1p-24f) // of a box's size, as seen from the point
+#define LEAST_SIZE 0x1p-70f
+#define GREATEST_SIZE 0x1p110f
+
+struct walk {
+    float point[3];
+    __global const float *boxes;
+    uint number;
+    __global uint *hits;
+    volatile __global uint *counters;
+#if WANTS == EVERY
+    uint hits_capacity;
+    __global uint *open;
+    uint open_capacity;
+#else
+    uint each, n; // the point's row has n hits
+    float worst;  // of them, once there are as many as asked for
+#endif
+};
+
+static inline bool point_is_bad(const float point[3])
+{
+    bool bad = false;
+    for (int k = 0; k < DIMS; ++k)
+        bad = bad || !(fabs(point[k]) <= MOST_COORDINATE);
+    return bad;
+}
+
+static inline float farthest(const walk *w)
+{
+#if WANTS == EVERY
+    return 0.0f;
+#else
+    return w->worst;
+#endif
+}
+
+// The square of the distance to bounds; 0 where they hold the point, for a difference has
+// the right sign.
+static inline mask meets_bounds(const walk *w, __global const float *node, real *from)
+{
+    real square = (real)(0.0f);
+    mask beside = (mask)(0);
+#pragma unroll
+    for (int k = 0; k < DIMS; ++k) {
+        real lower = load_lanes(node + k * TREE_WIDTH), upper = load_lanes(node + (3 + k) * TREE_WIDTH);
+        real point = (real)(w->point[k]);
+        real beyond = fmax(fmax(lower - point, point - upper), (real)(0.0f));
+        square = fma(beyond, beyond, square);
+        beside |= WANTS == EVERY ? (lower > point) | (upper < point) : lower > upper; // no box here
+    }
+    *from = WANTS == EVERY ? (real)(0.0f) : square;
+    return !beside;
+}
+
+// How far beyond the two faces across an edge the point is; below 0: inside.
+static inline float beyond_faces(const walk *w, __global const float *box, const float way[3], int k)
+{
+#if SHAPE // bounds
+    return fmax(box[k] - w->point[k], w->point[k] - box[3 + k]);
+#elif DIMS == 3
+    __global const float *axis = box + TREE_BOX_AXES + 3 * k;
+    return fabs(fma(axis[0], way[0], fma(axis[1], way[1], axis[2] * way[2]))) - box[3 + k];
+#else
+    __global const float *axis = box + TREE_BOX_AXES + 3 * k;
+    return fabs(fma(axis[0], way[0], axis[1] * way[1])) - box[3 + k];
+#endif
+}
+
+#if WANTS == EVERY
+
+static inline void list_hit(__global uint *row, uint number, uint id)
+{
+    if (!row)
+        return;
+    row[0] = number;
+    row[1] = id;
+    row[2] = 0;
+}
+
+static inline bool visit_box(walk *w, uint slot, float from)
+{
+    __global const float *box = w->boxes + (size_t)slot * TREE_BOX_WORDS;
+    bool open = false;
+#if !SHAPE
+    float way[3], size = 0.0f;
+    for (int k = 0; k < DIMS; ++k) {
+        way[k] = w->point[k] - box[k];
+        size += fabs(way[k]) + box[3 + k];
+    }
+    float doubt = SLACK * size;
+    bool known = size >= LEAST_SIZE && size <= GREATEST_SIZE;
+    open = !known;
+    for (int k = 0; k < DIMS; ++k) {
+        float beyond = beyond_faces(w, box, way, k);
+        if (known && beyond > doubt)
+            return false;
+        open = open || beyond >= -doubt;
+    }
+#endif
+    uint id = as_uint(box[TREE_BOX_ID]);
+    if (open)
+        list_hit(add_row(w->open, w->open_capacity, w->counters + COUNT_OPEN, HIT_WORDS), w->number, id);
+    else
+        list_hit(add_row(w->hits, w->hits_capacity, w->counters + COUNT_HITS, HIT_WORDS), w->number, id);
+    return false;
+}
+
+#else
+
+// Into the point's row, which is sorted.
+static inline void keep_hit(walk *w, uint id, float square)
+{
+    uint at = w->n < w->each ? w->n++ : w->each - 1;
+    for (; at > 0; --at) {
+        __global const uint *other = w->hits + (size_t)(at - 1) * HIT_WORDS;
+        float of_other = as_float(other[2]);
+        if (of_other < square || (of_other == square && other[1] < id))
+            break;
+        w->hits[(size_t)at * HIT_WORDS + 1] = other[1];
+        w->hits[(size_t)at * HIT_WORDS + 2] = other[2];
+    }
+    w->hits[(size_t)at * HIT_WORDS + 1] = id;
+    w->hits[(size_t)at * HIT_WORDS + 2] = as_uint(square);
+    if (w->n == w->each)
+        w->worst = as_float(w->hits[(size_t)(w->each - 1) * HIT_WORDS + 2]);
+}
+
+static inline bool visit_box(walk *w, uint slot, float from)
+{
+    __global const float *box = w->boxes + (size_t)slot * TREE_BOX_WORDS;
+    uint id = as_uint(box[TREE_BOX_ID]);
+    float way[3], square = 0.0f;
+    for (int k = 0; k < DIMS; ++k)
+        way[k] = w->point[k] - box[k];
+    for (int k = 0; k < DIMS; ++k) {
+        float beyond = fmax(beyond_faces(w, box, way, k), 0.0f);
+        square = fma(beyond, beyond, square);
+    }
+    square = fmax(square, from);
+    bool is_kept = w->n < w->each || square < w->worst ||
+                   (square == w->worst && id < w->hits[(size_t)(w->each - 1) * HIT_WORDS + 1]);
+    if (is_kept)
+        keep_hit(w, id, square);
+    return false;
+}
+
+#endif
+
+__kernel void point_query(POINT_QUERY_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    for (uint i = first; i < min(first + PER_ITEM, n); ++i) {
+        uint at = in_order ? i : order[i];
+        walk w;
+        for (int k = 0; k < 3; ++k)
+            w.point[k] = items[(size_t)at * POINT_WORDS + k];
+        if (point_is_bad(w.point)) {
+            atomic_max(counters + BAD_LATEST, ~at);
+            continue;
+        }
+        w.boxes = boxes;
+        w.number = first_item + at;
+        w.counters = counters;
+#if WANTS == EVERY
+        w.hits = hits;
+        w.hits_capacity = hits_capacity;
+        w.open = open;
+        w.open_capacity = open_capacity;
+#else
+        w.hits = hits + (size_t)at * each * HIT_WORDS;
+        w.each = each;
+        w.n = 0;
+        w.worst = INFINITY;
+        for (uint k = 0; k < each; ++k) {
+            w.hits[(size_t)k * HIT_WORDS] = w.number;
+            w.hits[(size_t)k * HIT_WORDS + 1] = NO_OBJECT;
+            w.hits[(size_t)k * HIT_WORDS + 2] = as_uint(INFINITY);
+        }
+#endif
+        walk_tree(&w, nodes, levels, n_levels);
+    }
+}

@@ -1,0 +1,36 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "which boxes of a tree contain points, or are nearest to them",
+  uses = { "lanes.clh", "queries/tree.h", "queries/limits.clh", "queries/walk.clh" },
+  params = {
+    { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
+    { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
+    { "WANTS", values = { 2, 3 }, default = 2, about = "2 those that contain the point, 3 the nearest ones" },
+    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
+      about = "children of a node side by side" },
+    { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 64 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
+      about = "points a work-item" },
+  },
+  args = {
+    point_query = [[
+      const float *items
+      uint n
+      uint first_item
+      const uint *order
+      uint in_order
+      const float *boxes
+      const float *nodes
+      const uint *levels
+      uint n_levels
+      uint *hits
+      uint hits_capacity     if WANTS == 2
+      uint *open             if WANTS == 2
+      uint open_capacity     if WANTS == 2
+      uint each              if WANTS == 3
+      volatile uint *counters
+    ]],
+  },
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+// device_pair:tree: boxes that queries ask about.
+#include "lua/nouns.h"
+
+const char *query_wants_name(int wants)
+{
+    return duet_query_wants_name((duet_query_wants)wants);
+}
+
+typedef struct tree_box {
+    duet_tree *tree;
+    duet_shape shape;
+} tree_box;
+
+static const lua_class tree_class;
+
+static const member def_members[] = {
+    MEMBER(member_share, duet_tree_def, share),
+    MEMBER(member_count, duet_tree_def, dims),
+    MEMBER_ENUM(duet_tree_def, shape, shape_name),
+    {0},
+};
+
+// device_pair:tree(def)
+int tree_create_lua(lua_State *L)
+{
+    duet_error err = {0};
+    duet_tree_def def = duet_default_tree_def();
+    def.pair = device_pair_check(L, 1);
+    if (!lua_isnoneornil(L, 2))
+        member_read_table(L, 2, "a tree", def_members, &def);
+    tree_box *box = class_push(L, &tree_class, sizeof *box);
+    lua_pushvalue(L, 1);
+    lua_setiuservalue(L, -2, 1);
+    box->shape = def.shape;
+    box->tree = duet_tree_create(&def, &err);
+    return box->tree ? 1 : class_push_failure(L, &err);
+}
+
+static tree_box *box_check(lua_State *L, int index)
+{
+    tree_box *box = luaL_checkudata(L, index, tree_class.name);
+    luaL_argcheck(L, box->tree, index, "the tree is closed");
+    return box;
+}
+
+duet_tree *tree_check(lua_State *L, int index)
+{
+    return box_check(L, index)->tree;
+}
+
+array_kind tree_array_kind(lua_State *L, int index)
+{
+    return box_check(L, index)->shape == DUET_SHAPE_POSES ? ARRAY_POSES : ARRAY_BOUNDS;
+}
+
+// tree:set_objects(poses or bounds) -> tree
+static int tree_set_objects(lua_State *L)
+{
+    duet_error err = {0};
+    tree_box *box = box_check(L, 1);
+    const array *objects = array_check(L, 2, tree_array_kind(L, 1));
+    duet_object_kind kind = box->shape == DUET_SHAPE_POSES ? DUET_OBJECT_POSES : DUET_OBJECT_BOUNDS;
+    luaL_argcheck(L, objects->n <= UINT32_MAX, 2, "fewer than 2^32 rows");
+    if (!duet_tree_set_objects(box->tree, kind, objects->rows, (uint32_t)objects->n, &err))
+        return class_push_failure(L, &err);
+    lua_settop(L, 1);
+    return 1;
+}
+
+static int tree_close(lua_State *L)
+{
+    tree_box *box = luaL_checkudata(L, 1, tree_class.name);
+    duet_tree_destroy(box->tree);
+    box->tree = NULL;
+    return 0;
+}
+
+static const luaL_Reg methods[] = {{"close", tree_close},
+                                   {"set_objects", tree_set_objects},
+                                   {"ray_query", ray_query_create_lua},
+                                   {"box_query", box_query_create_lua},
+                                   {"point_query", point_query_create_lua},
+                                   {"sweep_query", sweep_query_create_lua},
+                                   {NULL, NULL}};
+static const lua_class tree_class = {.name = "duet.tree", .methods = methods};
+
+void tree_open_lua(lua_State *L)
+{
+    class_open(L, &tree_class);
+    lua_pushinteger(L, DUET_NO_OBJECT);
+    lua_setfield(L, -2, "NO_OBJECT");
+}

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// Which objects of a tree the caller's boxes collide with: a join of two sets.
+#ifndef DUET_BOX_QUERY_H
+#define DUET_BOX_QUERY_H
+
+#include "duet_tree.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct duet_box_hit {
+    uint32_t box; // of the caller's
+    uint32_t id;  // of the tree's object
+} duet_box_hit;
+
+typedef struct duet_box_query duet_box_query;
+
+typedef struct duet_box_query_def {
+    duet_tree *tree;  // held until the query is destroyed
+    duet_level level; // of accuracy, for poses; bounds are exact
+    int cookie;
+} duet_box_query_def;
+
+DUET_API duet_box_query_def duet_default_box_query_def(void); // certified
+
+typedef struct duet_box_query_result {
+    const duet_box_hit *hits; // [n_hits] the query's, until its next call; by box and id
+    uint64_t n_hits;
+    uint64_t undecided;  // hits that float left open and the host decided
+    double total_ms;     // wall clock
+    double device_ms[2]; // of each device's part
+} duet_box_query_result;
+
+// Builds the kernels that it needs.
+DUET_API duet_box_query *duet_box_query_create(const duet_box_query_def *def, duet_error *err);
+DUET_API void duet_box_query_destroy(duet_box_query *query);
+
+// Tests n boxes, fewer than 2^32, against all objects. kind is POSES or BOUNDS, as the tree's
+// shape. An answer about two poses is that of a pair query at the level; the hits are the same
+// on every device and at every share. BAD_OBJECT names the first box that is none or
+// has a number above 2^100.
+DUET_API bool duet_box_query_run(duet_box_query *query, duet_object_kind kind, const void *boxes,
+                                 uint64_t n, duet_box_query_result *result, duet_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

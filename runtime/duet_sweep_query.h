@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// Which boxes of a tree boxes meet that move along a straight line: shape casts.
+#ifndef DUET_SWEEP_QUERY_H
+#define DUET_SWEEP_QUERY_H
+
+#include "duet_tree.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// The box at centre + t direction for t from 0 to t_max, both included; it does not turn. The
+// direction may have any length, and 0: the box then stays. In 2D z counts for nothing.
+typedef struct duet_sweep {
+    duet_pose box;
+    float direction[3];
+    float t_max; // INFINITY: without end
+} duet_sweep;
+
+typedef struct duet_bounds_sweep {
+    duet_bounds bounds;
+    float direction[3];
+    float t_max;
+} duet_bounds_sweep;
+
+// Of the error of t docs/accuracy.md, "Swept boxes".
+typedef struct duet_sweep_hit {
+    uint32_t sweep;
+    uint32_t id;     // of the object; DUET_NO_OBJECT: the box meets none
+    float t;         // where it first touches it, 0 where it does so at the begin
+    float normal[3]; // of length 1, towards the box that moves; 0 where t is 0, and for ANY
+} duet_sweep_hit;
+
+typedef struct duet_sweep_query duet_sweep_query;
+
+typedef struct duet_sweep_query_def {
+    duet_tree *tree; // held until the query is destroyed
+    duet_query_wants wants;
+    int cookie;
+} duet_sweep_query_def;
+
+DUET_API duet_sweep_query_def duet_default_sweep_query_def(void); // closest
+
+typedef struct duet_sweep_query_result {
+    const duet_sweep_hit *hits; // [n_hits] the query's, until its next call: one a sweep, or every
+    uint64_t n_hits;
+    uint64_t undecided;  // hits that float left open and the host decided
+    double total_ms;     // wall clock
+    double device_ms[2]; // of each device's part
+} duet_sweep_query_result;
+
+// Builds the kernels that it needs.
+DUET_API duet_sweep_query *duet_sweep_query_create(const duet_sweep_query_def *def,
+                                                   duet_error *err);
+DUET_API void duet_sweep_query_destroy(duet_sweep_query *query);
+
+// Moves n boxes, fewer than 2^32: duet_sweep for the kind POSES, duet_bounds_sweep for BOUNDS,
+// as the tree's shape. Which objects they meet is exact, touching included, and the same on
+// every device and at every share. BAD_OBJECT names the first that is not valid: no box, a
+// number above 2^100, a direction that is below 2^-100 and not 0, or a t_max below 0.
+DUET_API bool duet_sweep_query_run(duet_sweep_query *query, duet_object_kind kind,
+                                   const void *sweeps, uint64_t n, duet_sweep_query_result *result,
+                                   duet_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// Boxes in a tree on both devices, for queries of any kind.
+#ifndef DUET_TREE_H
+#define DUET_TREE_H
+
+#include "duet_world.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define DUET_NO_OBJECT UINT32_MAX
+
+// Objects that queries ask about. Its queries and itself are one thread's at a time.
+typedef struct duet_tree duet_tree;
+
+typedef struct duet_tree_def {
+    duet_device_pair *pair; // held until the tree and its queries are destroyed
+    uint32_t share;         // A's part of what a query asks, out of DUET_SHARE_ONE; 0: B alone;
+                            // DUET_SHARE_DEFAULT: that of the pair's default plan
+    uint32_t dims;          // 2 or 3
+    duet_shape shape;       // of its objects
+    int cookie;
+} duet_tree_def;
+
+DUET_API duet_tree_def duet_default_tree_def(void); // poses in 3D, the default share
+
+// Builds the kernels that it needs; it has no objects yet.
+DUET_API duet_tree *duet_tree_create(const duet_tree_def *def, duet_error *err);
+DUET_API void duet_tree_destroy(duet_tree *tree); // its queries may outlive it
+
+// The objects from now on, n of them, at most 2^30; they are copied. kind is POSES or
+// BOUNDS, as the tree's shape. BAD_OBJECT names the first that is none or has a number above
+// 2^100; the tree is empty then.
+DUET_API bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, const void *objects,
+                                    uint32_t n, duet_error *err);
+
+// What a query along a line wants of each item.
+typedef enum duet_query_wants {
+    DUET_QUERY_CLOSEST, // the hit with the least t, of several the one with the least id
+    DUET_QUERY_ANY,     // whether there is one: id and t are 0 where there is
+    DUET_QUERY_EVERY    // all hits, by item, t and id
+} duet_query_wants;
+
+// "closest", "any", "every"; NULL outside
+DUET_API const char *duet_query_wants_name(duet_query_wants wants);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// Where bodies are as boxes, for queries and worlds.
+#include "runtime/dynamics/motion.h"
+
+#include "base/error.h"
+
+#include <stdlib.h>
+
+static duet_pose pose_of(const duet_motion *m, uint32_t id, const duet_state *state)
+{
+    duet_pose pose = m->poses[id];
+    for (int k = 0; k < 3; ++k)
+        pose.centre[k] = (float)state->centre[k];
+    for (int k = 0; k < 4; ++k)
+        pose.rotation[k] = (float)state->rotation[k];
+    return pose;
+}
+
+bool duet_motion_get_poses(duet_motion *m, duet_pose *poses, duet_error *err)
+{
+    if (!motion_is_whole(m, __func__, err) ||
+        (m->n > 0 && !error_given(poses, __func__, "poses", err)))
+        return false;
+    duet_state *states = calloc((size_t)m->n + 1, sizeof *states);
+    if (!states)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
+    bool ok = duet_motion_get_states(m, states, err);
+    for (uint32_t id = 0; ok && id < m->n; ++id)
+        poses[id] = pose_of(m, id, &states[id]);
+    free(states);
+    return ok;
+}

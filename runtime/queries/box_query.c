@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "base/error.h"
+#include "runtime/narrowphase/narrow.h"
+#include "runtime/queries/tree_query.h"
+
+#include <stdlib.h>
+
+enum { COOKIE = 0x0d0e700c };
+
+struct duet_box_query {
+    tree_query asked;
+};
+
+_Static_assert(sizeof(duet_box_hit) == 2 * sizeof(uint32_t), "a hit is two words");
+
+duet_box_query_def duet_default_box_query_def(void)
+{
+    return (duet_box_query_def){.cookie = COOKIE};
+}
+
+static bool meets(const duet_tree *tree, const void *item, uint32_t id)
+{
+    return narrow_decide(item, (const duet_pose *)tree->objects + id, tree->def.dims);
+}
+
+static const query_kind kind_of_poses = {
+    .item = "box",
+    .items = "boxes",
+    .wrong = "not a number, infinite, negative, without rotation, or above 2^100",
+    .kernel = "box_query",
+    .hit_words = 2,
+    .meets = meets,
+};
+
+static const query_kind kind_of_bounds = {
+    .item = "box",
+    .items = "boxes",
+    .wrong = "not a number, infinite, with a lower corner above its upper one, or above 2^100",
+    .kernel = "box_query",
+    .hit_words = 2,
+};
+
+static bool check_def(const duet_box_query_def *def, duet_error *err)
+{
+    if (!def || def->cookie != COOKIE)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the query's def does not come from duet_default_box_query_def");
+    if (!def->tree)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no tree");
+    if (!duet_level_get_info(def->level))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
+                         (int)def->level);
+    return true;
+}
+
+duet_box_query *duet_box_query_create(const duet_box_query_def *def, duet_error *err)
+{
+    if (!check_def(def, err))
+        return NULL;
+    duet_box_query *query = calloc(1, sizeof *query);
+    if (!query) {
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
+        return NULL;
+    }
+    bool poses = def->tree->def.shape == DUET_SHAPE_POSES;
+    size_t bytes = poses ? sizeof(duet_pose) : sizeof(duet_bounds);
+    query->asked = (tree_query){.kind = poses ? &kind_of_poses : &kind_of_bounds,
+                                .tree = def->tree,
+                                .wants = QUERY_EVERY,
+                                .item_words = (uint32_t)(bytes / sizeof(float))};
+    const gen_setting settings[] = {{"ACCURACY", poses ? def->level : DUET_LEVEL_CERTIFIED}};
+    if (tree_query_open(&query->asked, settings, 1, err))
+        return query;
+    duet_box_query_destroy(query);
+    return NULL;
+}
+
+void duet_box_query_destroy(duet_box_query *query)
+{
+    if (query)
+        tree_query_close(&query->asked);
+    free(query);
+}
+
+bool duet_box_query_run(duet_box_query *query, duet_object_kind kind, const void *boxes, uint64_t n,
+                        duet_box_query_result *result, duet_error *err)
+{
+    query_result found;
+    if (!error_given(query, __func__, "query", err) ||
+        !error_given(result, __func__, "result", err) ||
+        !tree_takes(query->asked.tree, kind, err) ||
+        !tree_query_run(&query->asked, boxes, n, &found, err))
+        return false;
+    *result = (duet_box_query_result){.hits = (const duet_box_hit *)found.hits,
+                                      .n_hits = found.n_hits,
+                                      .undecided = found.undecided,
+                                      .total_ms = found.total_ms,
+                                      .device_ms = {found.device_ms[0], found.device_ms[1]}};
+    return true;
+}

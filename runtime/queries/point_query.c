@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include "base/error.h"
+#include "runtime/queries/ray.h"
+#include "runtime/queries/tree_query.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COOKIE = 0x0d0e700d };
+
+struct duet_point_query {
+    tree_query asked;
+};
+
+_Static_assert(sizeof(duet_point) == 3 * sizeof(float), "a point is three floats");
+_Static_assert(sizeof(duet_point_hit) == 3 * sizeof(uint32_t), "a hit is three words");
+
+duet_point_query_def duet_default_point_query_def(void)
+{
+    return (duet_point_query_def){.cookie = COOKIE};
+}
+
+// A ray that stays where it begins.
+static bool meets(const duet_tree *tree, const void *item, uint32_t id)
+{
+    duet_ray ray = {.t_max = 0};
+    memcpy(ray.origin, item, sizeof ray.origin);
+    return ray_meets(&ray, (const duet_pose *)tree->objects + id, tree->def.dims);
+}
+
+static void take_root(const duet_tree *tree, const void *item, uint32_t *hit)
+{
+    (void)tree, (void)item;
+    duet_point_hit *found = (duet_point_hit *)hit;
+    found->distance = sqrtf(found->distance);
+}
+
+static const query_kind kind = {
+    .item = "point",
+    .items = "points",
+    .wrong = "not a number or above 2^100",
+    .kernel = "point_query",
+    .hit_words = 3,
+    .meets = meets,
+    .finish = take_root,
+};
+
+static bool check_def(const duet_point_query_def *def, duet_error *err)
+{
+    if (!def || def->cookie != COOKIE)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the query's def does not come from duet_default_point_query_def");
+    if (!def->tree)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no tree");
+    if (def->nearest > DUET_MOST_NEAREST)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "nearest is %u; expected at most %u",
+                         def->nearest, DUET_MOST_NEAREST);
+    return true;
+}
+
+duet_point_query *duet_point_query_create(const duet_point_query_def *def, duet_error *err)
+{
+    if (!check_def(def, err))
+        return NULL;
+    duet_point_query *query = calloc(1, sizeof *query);
+    if (!query) {
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
+        return NULL;
+    }
+    query->asked = (tree_query){.kind = &kind,
+                                .tree = def->tree,
+                                .wants = def->nearest > 0 ? QUERY_NEAREST : QUERY_EVERY,
+                                .item_words = sizeof(duet_point) / sizeof(float),
+                                .each = def->nearest};
+    const gen_setting settings[] = {{"WANTS", query->asked.wants}};
+    if (tree_query_open(&query->asked, settings, 1, err))
+        return query;
+    duet_point_query_destroy(query);
+    return NULL;
+}
+
+void duet_point_query_destroy(duet_point_query *query)
+{
+    if (query)
+        tree_query_close(&query->asked);
+    free(query);
+}
+
+bool duet_point_query_run(duet_point_query *query, const duet_point *points, uint64_t n,
+                          duet_point_query_result *result, duet_error *err)
+{
+    query_result found;
+    if (!error_given(query, __func__, "query", err) ||
+        !error_given(result, __func__, "result", err) ||
+        !tree_query_run(&query->asked, points, n, &found, err))
+        return false;
+    *result = (duet_point_query_result){.hits = (const duet_point_hit *)found.hits,
+                                        .n_hits = found.n_hits,
+                                        .undecided = found.undecided,
+                                        .total_ms = found.total_ms,
+                                        .device_ms = {found.device_ms[0], found.device_ms[1]}};
+    return true;
+}

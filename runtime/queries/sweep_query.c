@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+#include "base/error.h"
+#include "runtime/queries/sweep.h"
+#include "runtime/queries/tree_query.h"
+
+#include <stdlib.h>
+
+enum { COOKIE = 0x0d0e700e };
+
+struct duet_sweep_query {
+    tree_query asked;
+};
+
+_Static_assert(sizeof(duet_sweep) == 14 * sizeof(float), "a sweep is a pose and four floats");
+_Static_assert(sizeof(duet_bounds_sweep) == 10 * sizeof(float), "and so with bounds");
+_Static_assert(sizeof(duet_sweep_hit) == 6 * sizeof(uint32_t), "a hit is six words");
+
+duet_sweep_query_def duet_default_sweep_query_def(void)
+{
+    return (duet_sweep_query_def){.cookie = COOKIE};
+}
+
+static bool meets(const duet_tree *tree, const void *item, uint32_t id)
+{
+    return sweep_meets(item, (const duet_pose *)tree->objects + id, tree->def.dims);
+}
+
+static bool meets_bounds(const duet_tree *tree, const void *item, uint32_t id)
+{
+    return sweep_meets_bounds(item, (const duet_bounds *)tree->objects + id, tree->def.dims);
+}
+
+static void enter(const duet_tree *tree, const void *item, uint32_t *hit)
+{
+    duet_sweep_hit *h = (duet_sweep_hit *)hit;
+    const duet_pose *box = (const duet_pose *)tree->objects + h->id;
+    h->t = sweep_enter(item, box, tree->def.dims, h->normal);
+}
+
+static void enter_bounds(const duet_tree *tree, const void *item, uint32_t *hit)
+{
+    duet_sweep_hit *h = (duet_sweep_hit *)hit;
+    const duet_bounds *box = (const duet_bounds *)tree->objects + h->id;
+    h->t = sweep_enter_bounds(item, box, tree->def.dims, h->normal);
+}
+
+static const query_kind kinds[] = {
+    [DUET_SHAPE_POSES] = {.item = "sweep",
+                          .items = "sweeps",
+                          .wrong =
+                              "no box, a number that is none or above 2^100, a direction below "
+                              "2^-100, or a t_max below 0",
+                          .kernel = "ray_query",
+                          .hit_words = 6,
+                          .meets = meets,
+                          .finish = enter},
+    [DUET_SHAPE_BOUNDS] = {.item = "sweep",
+                           .items = "sweeps",
+                           .wrong = "no bounds, a number that is none or above 2^100, a direction "
+                                    "below 2^-100, or a t_max below 0",
+                           .kernel = "ray_query",
+                           .hit_words = 6,
+                           .meets = meets_bounds,
+                           .finish = enter_bounds},
+};
+
+static bool check_def(const duet_sweep_query_def *def, duet_error *err)
+{
+    if (!def || def->cookie != COOKIE)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the query's def does not come from duet_default_sweep_query_def");
+    if (!def->tree)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no tree");
+    return tree_query_knows(def->wants, err);
+}
+
+duet_sweep_query *duet_sweep_query_create(const duet_sweep_query_def *def, duet_error *err)
+{
+    if (!check_def(def, err))
+        return NULL;
+    duet_sweep_query *query = calloc(1, sizeof *query);
+    if (!query) {
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
+        return NULL;
+    }
+    duet_shape shape = def->tree->def.shape;
+    size_t bytes = shape == DUET_SHAPE_POSES ? sizeof(duet_sweep) : sizeof(duet_bounds_sweep);
+    query->asked = (tree_query){.kind = &kinds[shape],
+                                .tree = def->tree,
+                                .wants = (query_wants)def->wants,
+                                .item_words = (uint32_t)(bytes / sizeof(float)),
+                                .each = def->wants != DUET_QUERY_EVERY};
+    const gen_setting settings[] = {{"WANTS", def->wants}, {"SWEPT", 1}};
+    if (tree_query_open(&query->asked, settings, 2, err))
+        return query;
+    duet_sweep_query_destroy(query);
+    return NULL;
+}
+
+void duet_sweep_query_destroy(duet_sweep_query *query)
+{
+    if (query)
+        tree_query_close(&query->asked);
+    free(query);
+}
+
+bool duet_sweep_query_run(duet_sweep_query *query, duet_object_kind kind, const void *sweeps,
+                          uint64_t n, duet_sweep_query_result *result, duet_error *err)
+{
+    query_result found;
+    if (!error_given(query, __func__, "query", err) ||
+        !error_given(result, __func__, "result", err) ||
+        !tree_takes(query->asked.tree, kind, err) ||
+        !tree_query_run(&query->asked, sweeps, n, &found, err))
+        return false;
+    *result = (duet_sweep_query_result){.hits = (const duet_sweep_hit *)found.hits,
+                                        .n_hits = found.n_hits,
+                                        .undecided = found.undecided,
+                                        .total_ms = found.total_ms,
+                                        .device_ms = {found.device_ms[0], found.device_ms[1]}};
+    return true;
+}

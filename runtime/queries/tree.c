@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/queries/tree.h"
+
+#include "base/error.h"
+#include "runtime/opencl/device_pair.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { COOKIE = 0x0d0e700b };
+
+duet_tree_def duet_default_tree_def(void)
+{
+    return (duet_tree_def){.share = DUET_SHARE_DEFAULT, .dims = 3, .cookie = COOKIE};
+}
+
+// ---------------------------------------------------------------- owner
+
+static bool check_def(const duet_tree_def *def, duet_error *err)
+{
+    if (!def || def->cookie != COOKIE)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the tree's def does not come from duet_default_tree_def");
+    if (!def->pair)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the tree's def has no device pair");
+    if (def->dims != 2 && def->dims != 3)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
+    if (def->shape != DUET_SHAPE_POSES && def->shape != DUET_SHAPE_BOUNDS)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "shape is %d; expected a duet_shape",
+                         (int)def->shape);
+    if (def->share > DUET_SHARE_ONE && def->share != DUET_SHARE_DEFAULT)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "share is %u of %u; expected at most all of it", def->share,
+                         DUET_SHARE_ONE);
+    return true;
+}
+
+static void close_side(tree_side *s)
+{
+    timeline_clear(&s->times);
+    box_tree_close(&s->boxes);
+    program_set_close(s->programs);
+    gen_close(s->gen);
+    *s = (tree_side){0};
+}
+
+static bool open_side(tree_side *s, const duet_tree_def *def, int which, duet_error *err)
+{
+    *s = (tree_side){.device = &def->pair->devices[which]};
+    s->gen = gen_open(def->pair->kernel_dir, err);
+    s->programs = s->gen ? program_set_open(s->device, s->gen, &def->pair->builder, err) : NULL;
+    return s->programs &&
+           box_tree_open(&s->boxes, s->device, s->programs, def->dims, def->shape, err) &&
+           program_set_build(s->programs, err);
+}
+
+duet_tree *duet_tree_create(const duet_tree_def *def, duet_error *err)
+{
+    if (!check_def(def, err))
+        return NULL;
+    duet_tree *tree = calloc(1, sizeof *tree);
+    if (!tree) {
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a tree");
+        return NULL;
+    }
+    tree->def = *def;
+    if (def->share == DUET_SHARE_DEFAULT)
+        tree->def.share = duet_default_plan(def->pair).share;
+    device_pair_hold(def->pair);
+    tree_hold(tree);
+    const bool used[2] = {tree->def.share > 0, tree->def.share < DUET_SHARE_ONE};
+    bool ok = true;
+    for (int which = 0; which < 2; ++which)
+        ok = ok && (!used[which] || open_side(&tree->sides[which], def, which, err));
+    if (ok && used[0] && used[1])
+        ok = (tree->driver = thread_pool_open(1, err)) != NULL;
+    ok = ok && duet_tree_set_objects(tree, (duet_object_kind)def->shape, NULL, 0, err);
+    if (!ok) {
+        duet_tree_destroy(tree);
+        return NULL;
+    }
+    return tree;
+}
+
+void tree_hold(duet_tree *tree)
+{
+    atomic_fetch_add(&tree->users, 1);
+}
+
+void duet_tree_destroy(duet_tree *tree)
+{
+    if (!tree || atomic_fetch_sub(&tree->users, 1) > 1)
+        return;
+    thread_pool_close(tree->driver);
+    close_side(&tree->sides[0]);
+    close_side(&tree->sides[1]);
+    duet_device_pair_destroy(tree->def.pair);
+    free(tree->objects);
+    free(tree);
+}
+
+// ---------------------------------------------------------------- both sides
+
+bool tree_run(duet_tree *tree, void (*work)(void *), void *a, void *b, duet_error *err)
+{
+    for (int which = 0; which < 2; ++which) {
+        tree->sides[which].ok = true;
+        tree->sides[which].err = (duet_error){0};
+    }
+    thread_pool_run_both(tree->driver, work, a, b);
+    const tree_side *failed = &tree->sides[tree->sides[0].ok];
+    if (!failed->ok && err && err->status == DUET_STATUS_OK)
+        *err = failed->err;
+    return failed->ok;
+}
+
+// ---------------------------------------------------------------- objects
+
+typedef struct building {
+    tree_side *side;
+    const void *objects;
+    uint32_t n;
+} building;
+
+static void build(void *arg)
+{
+    building *b = arg;
+    tree_side *s = b->side;
+    timeline_begin(&s->times, s->device);
+    s->ok = box_tree_build(&s->boxes, &s->times, b->objects, b->n, &s->err) &&
+            timeline_finish(&s->times, &s->err);
+    timeline_clear(&s->times);
+}
+
+static bool build_all(duet_tree *tree, uint32_t n, duet_error *err)
+{
+    building work[2];
+    void *args[2];
+    for (int which = 0; which < 2; ++which) {
+        work[which] = (building){&tree->sides[which], tree->objects, n};
+        args[which] = tree->sides[which].device ? &work[which] : NULL;
+    }
+    return tree_run(tree, build, args[0], args[1], err);
+}
+
+// What devices wrap is given back before it moves.
+static bool copy_objects(duet_tree *tree, const void *objects, uint32_t n, duet_error *err)
+{
+    size_t bytes =
+        n * (tree->def.shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds));
+    box_tree_forget_objects(&tree->sides[0].boxes);
+    box_tree_forget_objects(&tree->sides[1].boxes);
+    void *copy = realloc(tree->objects, bytes + 1);
+    if (!copy)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %u objects", n);
+    tree->objects = copy;
+    if (n > 0)
+        memcpy(copy, objects, bytes);
+    return true;
+}
+
+bool tree_takes(const duet_tree *tree, duet_object_kind kind, duet_error *err)
+{
+    bool poses = tree->def.shape == DUET_SHAPE_POSES;
+    return kind == (poses ? DUET_OBJECT_POSES : DUET_OBJECT_BOUNDS) ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "objects of kind %d; the tree is of %s",
+                     (int)kind, poses ? "poses" : "bounds");
+}
+
+bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, const void *objects, uint32_t n,
+                           duet_error *err)
+{
+    if (!error_given(tree, __func__, "tree", err))
+        return false;
+    if (!tree_takes(tree, kind, err))
+        return false;
+    if (n > 0 && !objects)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%u objects, but no memory with them", n);
+    if (n > TREE_MOST_BOXES)
+        return error_set(err, DUET_STATUS_TOO_MANY, "%u objects; a tree takes at most %d", n,
+                         TREE_MOST_BOXES);
+    bool ok = copy_objects(tree, objects, n, err) && build_all(tree, n, err);
+    tree->n = ok ? n : 0;
+    if (!ok)
+        build_all(tree, 0, NULL);
+    return ok;
+}

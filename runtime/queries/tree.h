@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// What a public tree is, for its queries.
+#ifndef RUNTIME_TREE_H
+#define RUNTIME_TREE_H
+
+#include "runtime/opencl/thread_pool.h"
+#include "runtime/queries/box_tree.h"
+
+#include <stdatomic.h>
+
+// One device's copy; device is NULL where it takes no part.
+typedef struct tree_side {
+    const device *device;
+    gen *gen;
+    program_set *programs; // of the tree's kernels and its queries'
+    box_tree boxes;
+    timeline times;
+    bool ok; // of the work that both sides did last
+    duet_error err;
+} tree_side;
+
+struct duet_tree {
+    atomic_uint users; // the caller, and each query
+    duet_tree_def def;
+    tree_side sides[2];  // A, B
+    thread_pool *driver; // drives A while the caller's thread drives B
+    void *objects;       // [n] poses or bounds, by the def's shape
+    uint32_t n;
+};
+
+void tree_hold(duet_tree *tree);
+
+// BAD_ARGUMENT where objects of that kind are not of the tree's shape.
+bool tree_takes(const duet_tree *tree, duet_object_kind kind, duet_error *err);
+
+// Does the work with a and b at the same time; NULL: that side has none. The first failure
+// counts: A's, if it has one.
+bool tree_run(duet_tree *tree, void (*work)(void *), void *a, void *b, duet_error *err);
+
+#endif

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// What queries of all kinds share: items of a caller (rays, boxes ...), divided between the
+// devices, sent in chunks, each of which walks down its tree; hits that come back, and those
+// that float leaves open, which the host decides.
+#ifndef RUNTIME_TREE_QUERY_H
+#define RUNTIME_TREE_QUERY_H
+
+#include "runtime/queries/tree.h"
+
+typedef enum query_wants {
+    QUERY_CLOSEST = DUET_QUERY_CLOSEST,
+    QUERY_ANY = DUET_QUERY_ANY,
+    QUERY_EVERY = DUET_QUERY_EVERY,
+    QUERY_NEAREST // `each` hits an item, as the device has them
+} query_wants;
+
+// A hit is an item's number, an object's id and, where there are more than two words, a value.
+typedef struct query_kind {
+    const char *item;   // "ray"
+    const char *items;  // "rays"
+    const char *wrong;  // what may be wrong with one, in a message
+    const char *kernel; // of kernels/queries, and its entry
+    uint32_t hit_words;
+    // Whether an item meets an object of the tree; exact. NULL: float leaves nothing open.
+    bool (*meets)(const duet_tree *tree, const void *item, uint32_t id);
+    // Makes of a hit on an object, as the device wrote it, what the caller reads; NULL: it is that.
+    void (*finish)(const duet_tree *tree, const void *item, uint32_t *hit);
+} query_kind;
+
+typedef struct hit_list {
+    uint32_t *words;
+    uint64_t n, capacity; // hits
+} hit_list;
+
+// One device's part of a run.
+typedef struct query_side {
+    const struct tree_query *query;
+    tree_side *tree;
+    kernel *kernel;
+    buffer items, hits, open, counters;
+    cl_uint n, first_item, hits_capacity, open_capacity; // of the chunk that was launched last
+    cl_uint n_levels, n_boxes, in_order, each;
+    buffer objects, boxes, nodes, levels, order; // the tree's
+
+    uint64_t first, last;
+    hit_list found;
+    hit_list open_hits;
+    uint64_t undecided;
+    double wall_ms;
+} query_side;
+
+typedef struct tree_query {
+    const query_kind *kind;
+    duet_tree *tree; // held
+    query_wants wants;
+    uint32_t item_words;
+    uint32_t each; // hits an item; 0 for QUERY_EVERY
+    query_side sides[2];
+    const char *items; // of the run
+    hit_list joined;
+} tree_query;
+
+// What a run found; the query's, until its next.
+typedef struct query_result {
+    const uint32_t *hits;
+    uint64_t n_hits;
+    uint64_t undecided;
+    double total_ms;
+    double device_ms[2];
+} query_result;
+
+// BAD_ARGUMENT for no duet_query_wants.
+bool tree_query_knows(duet_query_wants wants, duet_error *err);
+
+// Builds the kernel of q->kind with these settings and DIMS, SHAPE. kind, tree, wants, item_words
+// and each are set.
+bool tree_query_open(tree_query *q, const gen_setting *settings, uint32_t n_settings,
+                     duet_error *err);
+void tree_query_close(tree_query *q);
+
+// n items of 4 item_words bytes. BAD_OBJECT names the first that the kernel takes for none.
+bool tree_query_run(tree_query *q, const void *items, uint64_t n, query_result *result,
+                    duet_error *err);
+
+#endif

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: MIT
+// Boxes against a tree: every hit against a sweep over all pairs on the host, at every level
+// against a pair query, and a world with itself.
+#include "support/test.h"
+
+#include "support/devices.h"
+#include "support/hard_pairs.h"
+#include "support/trees.h"
+
+#include "base/rng.h"
+#include "runtime/narrowphase/narrow.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static duet_box_query *open_query(duet_tree *tree, duet_level level)
+{
+    duet_error err = {0};
+    duet_box_query_def def = duet_default_box_query_def();
+    def.tree = tree;
+    def.level = level;
+    duet_box_query *query = duet_box_query_create(&def, &err);
+    assert_ok(query, err);
+    return query;
+}
+
+static duet_box_query_result ask(duet_box_query *query, duet_object_kind kind, const void *boxes,
+                                 uint64_t n)
+{
+    duet_error err = {0};
+    duet_box_query_result result;
+    assert_ok(duet_box_query_run(query, kind, boxes, n, &result, &err), err);
+    return result;
+}
+
+enum { BOXES = 700, ASKED = 400 };
+
+// Hard pairs: one of each is asked, the other in the tree, and some big ones meet many.
+static void fill(uint32_t dims, duet_pose *boxes, duet_pose *asked)
+{
+    rng r = rng_seed(test_seed());
+    uint32_t n_classes = 0;
+    while (hard_classes[n_classes].name)
+        ++n_classes;
+    for (uint32_t i = 0; i < BOXES; ++i) {
+        hard_pair pair = hard_classes[i % n_classes].make(&r, dims);
+        boxes[i] = pair.b;
+        if (i < ASKED)
+            asked[i] = pair.a;
+    }
+}
+
+// Poses of hard classes that no query takes are left out of the comparison.
+static bool is_taken(const duet_pose *pose, uint32_t dims)
+{
+    for (uint32_t k = 0; k < dims; ++k)
+        if (fabsf(pose->centre[k]) > 0x1p100f || pose->half_extents[k] > 0x1p100f)
+            return false;
+    return narrow_is_box(pose, dims);
+}
+
+static uint32_t keep_taken(duet_pose *poses, uint32_t n, uint32_t dims)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < n; ++i)
+        if (is_taken(&poses[i], dims))
+            poses[kept++] = poses[i];
+    return kept;
+}
+
+static void hits_are_those_of_a_sweep_in(uint32_t dims, uint32_t share)
+{
+    duet_pose *boxes = calloc(BOXES, sizeof *boxes), *asked = calloc(ASKED, sizeof *asked);
+    fill(dims, boxes, asked);
+    uint32_t n = keep_taken(boxes, BOXES, dims), m = keep_taken(asked, ASKED, dims);
+    assert_true(n > BOXES / 2 && m > ASKED / 2);
+    duet_tree *tree = open_tree(dims, share, boxes, n);
+    duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);
+    duet_box_query_result found = ask(query, DUET_OBJECT_POSES, asked, m);
+    uint64_t at = 0;
+    for (uint32_t i = 0; i < m; ++i)
+        for (uint32_t id = 0; id < n; ++id) {
+            bool met = at < found.n_hits && found.hits[at].box == i && found.hits[at].id == id;
+            bool meets = (i + id) % 64 == 0 ? narrow_exact(&asked[i], &boxes[id], dims)
+                                            : narrow_decide(&asked[i], &boxes[id], dims);
+            at += met;
+            if (met != meets)
+                fail_msg("box %u and object %u: %d is wrong", i, id, met);
+        }
+    assert_int_equal(at, found.n_hits);
+    assert_true(found.n_hits > m / 4 && found.undecided > 0);
+    print_message("%uD: %" PRIu64 " hits, %" PRIu64 " undecided\n", dims, found.n_hits,
+                  found.undecided);
+    duet_box_query_destroy(query);
+    duet_tree_destroy(tree);
+    free(boxes);
+    free(asked);
+}
+
+static void hits_are_those_of_a_sweep(void **state)
+{
+    (void)state;
+    hits_are_those_of_a_sweep_in(3, DUET_SHARE_ONE / 3);
+    hits_are_those_of_a_sweep_in(2, 0);
+}
+
+// Of all pairs of these two sets, as a pair query answers.
+static uint64_t count_by_pairs(duet_level level, const duet_pose *boxes, uint32_t n,
+                               const duet_pose *asked, uint32_t m,
+                               const duet_box_query_result *found)
+{
+    duet_error err = {0};
+    duet_pair_query_def def = duet_default_pair_query_def();
+    duet_pair_query_result result;
+    def.pair = devices;
+    def.level = level;
+    duet_pair_query *test = duet_pair_query_create(&def, &err);
+    assert_ok(test, err);
+    duet_pose *pairs = calloc((size_t)n * m * 2, sizeof *pairs);
+    uint8_t *answers = calloc((size_t)n * m, 1);
+    for (uint64_t i = 0; i < (uint64_t)n * m; ++i) {
+        pairs[2 * i] = asked[i / n];
+        pairs[2 * i + 1] = boxes[i % n];
+    }
+    assert_ok(duet_pair_query_run(test, pairs, (uint64_t)n * m, answers, NULL, &result, &err), err);
+    for (uint64_t i = 0; i < found->n_hits; ++i)
+        assert_true(answers[(uint64_t)found->hits[i].box * n + found->hits[i].id] == 1);
+    free(pairs);
+    free(answers);
+    duet_pair_query_destroy(test);
+    return result.colliding;
+}
+
+static void every_level_answers_as_a_pair_query(void **state)
+{
+    (void)state;
+    enum { N = 150, M = 100 };
+    duet_pose boxes[N], asked[M];
+    rng r = rng_seed(test_seed());
+    for (uint32_t i = 0; i < N; ++i)
+        for (int k = 0; k < 4; ++k) {
+            duet_pose *of[] = {&boxes[i], &asked[i % M]};
+            for (int which = 0; which < 2; ++which) {
+                of[which]->rotation[k] = (float)rng_normal(&r);
+                if (k < 3) {
+                    of[which]->centre[k] = (float)rng_between(&r, 0, 4);
+                    of[which]->half_extents[k] = (float)rng_between(&r, 0.1, 0.6);
+                }
+            }
+        }
+    duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 2, boxes, N);
+    uint64_t bounds_hits = 0;
+    for (int level = 0; level < DUET_LEVELS; ++level) {
+        duet_box_query *query = open_query(tree, (duet_level)level);
+        duet_box_query_result found = ask(query, DUET_OBJECT_POSES, asked, M);
+        assert_int_equal(found.n_hits,
+                         count_by_pairs((duet_level)level, boxes, N, asked, M, &found));
+        bounds_hits = level == DUET_LEVEL_AABB ? found.n_hits : bounds_hits;
+        assert_true(level <= DUET_LEVEL_AABB || found.n_hits < bounds_hits);
+        duet_box_query_destroy(query);
+    }
+    duet_tree_destroy(tree);
+}
+
+static void bounds_meet_where_comparisons_say_so(void **state)
+{
+    (void)state;
+    enum { N = 600 };
+    duet_bounds bounds[N];
+    rng r = rng_seed(test_seed());
+    for (uint32_t i = 0; i < N; ++i)
+        for (int k = 0; k < 3; ++k) {
+            bounds[i].lower[k] = (float)rng_below(&r, 20);
+            bounds[i].upper[k] = bounds[i].lower[k] + (float)rng_below(&r, 4);
+        }
+    for (uint32_t dims = 2; dims <= 3; ++dims) {
+        duet_tree *tree = open_bounds_tree(dims, DUET_SHARE_ONE / 4, bounds, N);
+        duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);
+        duet_box_query_result found = ask(query, DUET_OBJECT_BOUNDS, bounds, N);
+        uint64_t at = 0;
+        for (uint32_t i = 0; i < N; ++i)
+            for (uint32_t id = 0; id < N; ++id) {
+                if (!narrow_bounds(&bounds[i], &bounds[id], dims))
+                    continue;
+                assert_true(at < found.n_hits && found.hits[at].box == i &&
+                            found.hits[at].id == id);
+                ++at;
+            }
+        assert_true(at == found.n_hits && at > N);
+        duet_box_query_destroy(query);
+        duet_tree_destroy(tree);
+    }
+}
+
+// Enough boxes to be sorted before they are asked about, and lists that grow.
+static void a_set_joined_with_itself_has_a_worlds_pairs(void **state)
+{
+    (void)state;
+    enum { N = 20000 };
+    duet_error err = {0};
+    duet_pose *poses = calloc(N, sizeof *poses);
+    rng r = rng_seed(test_seed());
+    for (uint32_t i = 0; i < N; ++i)
+        for (int k = 0; k < 4; ++k) {
+            poses[i].rotation[k] = (float)rng_normal(&r);
+            if (k < 3) {
+                poses[i].centre[k] = (float)rng_between(&r, 0, 25);
+                poses[i].half_extents[k] = 0.5f;
+            }
+        }
+    duet_world_def def = duet_default_world_def();
+    duet_result result;
+    def.pair = devices;
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world, err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
+    assert_ok(duet_world_step(world, &result, &err), err);
+    duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 3, poses, N);
+    duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);
+    duet_box_query_result found = ask(query, DUET_OBJECT_POSES, poses, N);
+    assert_int_equal(found.n_hits, N + 2 * result.pairs);
+    duet_pair *pairs = calloc((size_t)result.pairs, sizeof *pairs);
+    uint64_t n = 0;
+    for (uint64_t i = 0; i < found.n_hits; ++i)
+        if (found.hits[i].box < found.hits[i].id)
+            pairs[n++] = (duet_pair){found.hits[i].box, found.hits[i].id};
+    assert_int_equal(n, result.pairs);
+    assert_true(duet_pairs_hash(pairs, n) == duet_result_get_hash(&result));
+    free(pairs);
+    free(poses);
+    duet_box_query_destroy(query);
+    duet_tree_destroy(tree);
+    duet_world_destroy(world);
+}
+
+static void what_is_no_box_is_refused_by_its_number(void **state)
+{
+    (void)state;
+    const duet_pose good = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
+    duet_pose asked[3] = {good, good, good};
+    duet_error err = {0};
+    duet_box_query_result found;
+    duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 2, &good, 1);
+    duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);
+    duet_tree_destroy(tree); // the query holds it
+    asked[2].half_extents[1] = -1;
+    assert_false(duet_box_query_run(query, DUET_OBJECT_POSES, asked, 3, &found, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
+    assert_non_null(strstr(err.text, "box 2:"));
+    assert_int_equal(ask(query, DUET_OBJECT_POSES, asked, 2).n_hits, 2);
+    assert_int_equal(ask(query, DUET_OBJECT_POSES, NULL, 0).n_hits, 0);
+    duet_box_query_destroy(query);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(hits_are_those_of_a_sweep),
+        cmocka_unit_test(every_level_answers_as_a_pair_query),
+        cmocka_unit_test(bounds_meet_where_comparisons_say_so),
+        cmocka_unit_test(a_set_joined_with_itself_has_a_worlds_pairs),
+        cmocka_unit_test(what_is_no_box_is_refused_by_its_number),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}

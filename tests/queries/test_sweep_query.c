@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: MIT
+// Boxes that move: every hit against a sweep over all boxes in integers, those integers against
+// rays and against boxes that stand, and where a hit is said to be against separations in
+// double.
+#include "support/test.h"
+
+#include "support/devices.h"
+#include "support/hard_pairs.h"
+#include "support/trees.h"
+
+#include "base/rng.h"
+#include "runtime/narrowphase/narrow.h"
+#include "runtime/queries/ray.h"
+#include "runtime/queries/sweep.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static duet_sweep_query *open_query(duet_tree *tree, duet_query_wants wants)
+{
+    duet_error err = {0};
+    duet_sweep_query_def def = duet_default_sweep_query_def();
+    def.tree = tree;
+    def.wants = wants;
+    duet_sweep_query *query = duet_sweep_query_create(&def, &err);
+    assert_ok(query, err);
+    return query;
+}
+
+static duet_sweep_query_result ask(duet_sweep_query *query, duet_object_kind kind,
+                                   const void *sweeps, uint64_t n)
+{
+    duet_error err = {0};
+    duet_sweep_query_result result;
+    assert_ok(duet_sweep_query_run(query, kind, sweeps, n, &result, &err), err);
+    return result;
+}
+
+// ---------------------------------------------------------------- worlds
+
+enum { BOXES = 250, SWEEPS = 500 };
+
+typedef struct world {
+    duet_pose boxes[BOXES];
+    duet_sweep sweeps[SWEEPS];
+} world;
+
+// Every third box stands upright on round numbers, every fifth but for a little; some are flat.
+static void fill_box(rng *r, uint32_t i, duet_pose *box)
+{
+    for (int k = 0; k < 4; ++k) {
+        box->rotation[k] = k == 3;
+        if (i % 3 != 0)
+            box->rotation[k] += (float)rng_normal(r) * (i % 5 == 0 ? 1e-5f : 1);
+        if (k == 3)
+            break;
+        box->centre[k] = (float)rng_between(r, -4, 4);
+        box->half_extents[k] = i % 17 == 0 && k == 1 ? 0 : (float)rng_between(r, 0.05, 0.5);
+        if (i % 3 == 0) {
+            box->centre[k] = roundf(box->centre[k]);
+            box->half_extents[k] = 0.5f;
+        }
+    }
+}
+
+static world *make_world(void)
+{
+    world *w = calloc(1, sizeof *w);
+    rng r = rng_seed(test_seed());
+    for (uint32_t i = 0; i < BOXES; ++i)
+        fill_box(&r, i, &w->boxes[i]);
+    for (uint32_t i = 0; i < SWEEPS; ++i) {
+        duet_sweep *s = &w->sweeps[i];
+        fill_box(&r, i, &s->box);
+        for (int k = 0; k < 3; ++k)
+            s->direction[k] = i % 6 == 0 ? (k == (int)(i % 4)) : (float)rng_between(&r, -3, 3);
+        s->t_max = i % 7 == 0 ? INFINITY : i % 6 == 0 ? (float)rng_below(&r, 4) : 1;
+    }
+    return w;
+}
+
+// ---------------------------------------------------------------- truth of the truth
+
+static void integers_agree_with_rays_and_with_boxes_that_stand(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    world *w = make_world();
+    uint32_t n_met = 0;
+    for (uint32_t i = 0; i < SWEEPS; ++i)
+        for (uint32_t dims = 2; dims <= 3; ++dims) {
+            const duet_pose *box = &w->boxes[rng_below(&r, BOXES)];
+            duet_sweep point = w->sweeps[i], still = w->sweeps[i];
+            duet_ray ray = {.t_max = point.t_max};
+            memset(point.box.half_extents, 0, sizeof point.box.half_extents);
+            memset(still.direction, 0, sizeof still.direction);
+            for (int k = 0; k < 3; ++k)
+                point.direction[k] = box->centre[k] - point.box.centre[k] +
+                                     (float)((int)rng_below(&r, 3) - 1) * box->half_extents[k];
+            memcpy(ray.origin, point.box.centre, sizeof ray.origin);
+            memcpy(ray.direction, point.direction, sizeof ray.direction);
+            bool met = ray_meets_exactly(&ray, box, dims);
+            assert_int_equal(sweep_meets_exactly(&point, box, dims), met);
+            assert_int_equal(sweep_meets(&point, box, dims), met);
+            still.box.centre[0] = box->centre[0] + 0.5f;
+            still.box.centre[1] = box->centre[1];
+            assert_int_equal(sweep_meets_exactly(&still, box, dims),
+                             narrow_exact(&still.box, box, dims));
+            n_met += met;
+        }
+    assert_true(n_met > SWEEPS / 4);
+    free(w);
+}
+
+// Hard pairs that are pushed apart and back: the way has t = 1 on it, where they stand.
+static void double_agrees_with_integers_on_hard_pairs(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    uint32_t n_classes = 0, n_met = 0;
+    while (hard_classes[n_classes].name)
+        ++n_classes;
+    for (uint32_t i = 0; i < 3000; ++i) {
+        hard_pair pair = hard_classes[i % n_classes].make(&r, 3);
+        duet_sweep sweep = {.box = pair.a, .t_max = i % 2 ? 1 : 2};
+        bool usual = narrow_is_box(&pair.a, 3) && narrow_is_box(&pair.b, 3);
+        for (int k = 0; k < 3; ++k) {
+            float size = pair.a.half_extents[k] + pair.b.half_extents[k];
+            sweep.direction[k] = (float)((int)rng_below(&r, 5) - 2) * size;
+            sweep.box.centre[k] -= sweep.direction[k];
+            usual = usual && fabsf(sweep.box.centre[k]) < 0x1p100f && size < 0x1p90f &&
+                    (sweep.direction[k] == 0 || fabsf(sweep.direction[k]) > 0x1p-90f);
+        }
+        if (!usual)
+            continue;
+        bool met = sweep_meets_exactly(&sweep, &pair.b, 3);
+        n_met += met;
+        assert_int_equal(sweep_meets(&sweep, &pair.b, 3), met);
+    }
+    assert_true(n_met > 500);
+}
+
+// ---------------------------------------------------------------- hits
+
+static long double size_of(const duet_sweep *s, const duet_pose *box)
+{
+    long double size = 0;
+    for (int k = 0; k < 3; ++k)
+        size += fabsl((long double)s->box.centre[k] - box->centre[k]) + s->box.half_extents[k] +
+                box->half_extents[k];
+    return size;
+}
+
+static double separation_at(const duet_sweep *s, const duet_pose *box, double t, uint32_t dims)
+{
+    const double shift[3] = {t * s->direction[0], t * s->direction[1],
+                             dims == 3 ? t * s->direction[2] : 0};
+    return narrow_widest_separation(box, &s->box, shift, dims);
+}
+
+// They touch at t, not before, and the normal points from one to the other.
+static void check_hit(const duet_sweep *s, const duet_pose *box, const duet_sweep_hit *hit,
+                      uint32_t dims)
+{
+    double error = 0x1p-22 * (double)size_of(s, box);
+    double at = separation_at(s, box, hit->t, dims), length = 0, toward = 0;
+    assert_true(hit->t >= 0 && hit->t <= s->t_max);
+    if (at > error || (hit->t > 0 && at < -error))
+        fail_msg("at t %.9g the boxes are %.3g apart, expected 0 within %.3g", (double)hit->t, at,
+                 error);
+    for (int k = 0; k < 3; ++k) {
+        length += (double)hit->normal[k] * hit->normal[k];
+        toward += (double)hit->normal[k] * s->direction[k];
+    }
+    assert_true(hit->t == 0 || (fabs(length - 1) < 1e-6 && toward < 0));
+    for (int i = 1; i < 8; ++i)
+        assert_true(hit->t == 0 || separation_at(s, box, hit->t * i / 8, dims) > -error);
+}
+
+static void every_hit_in(uint32_t dims, uint32_t share)
+{
+    world *w = make_world();
+    duet_tree *tree = open_tree(dims, share, w->boxes, BOXES);
+    duet_sweep_query *query = open_query(tree, DUET_QUERY_EVERY);
+    duet_sweep_query_result found = ask(query, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
+    uint64_t at = 0;
+    for (uint32_t i = 0; i < SWEEPS; ++i) {
+        bool met[BOXES] = {false};
+        float last = 0;
+        for (; at < found.n_hits && found.hits[at].sweep == i; ++at) {
+            const duet_sweep_hit *hit = &found.hits[at];
+            assert_true(hit->id < BOXES && !met[hit->id] && hit->t >= last);
+            met[hit->id] = true;
+            last = hit->t;
+            check_hit(&w->sweeps[i], &w->boxes[hit->id], hit, dims);
+        }
+        for (uint32_t id = 0; id < BOXES; ++id)
+            if (met[id] != sweep_meets_exactly(&w->sweeps[i], &w->boxes[id], dims))
+                fail_msg("sweep %u, box %u: %d is wrong", i, id, met[id]);
+    }
+    assert_true(at == found.n_hits && at > SWEEPS / 4);
+    print_message("%uD: %" PRIu64 " hits, %" PRIu64 " undecided\n", dims, found.n_hits,
+                  found.undecided);
+    assert_true(found.undecided < found.n_hits);
+    duet_sweep_query_destroy(query);
+    duet_tree_destroy(tree);
+    free(w);
+}
+
+static void every_hit_is_found_and_no_other(void **state)
+{
+    (void)state;
+    every_hit_in(3, DUET_SHARE_ONE / 3);
+    every_hit_in(2, DUET_SHARE_ONE);
+}
+
+// The closest is one of all, and none is closer by more than float is wrong by.
+static void closest_and_any_are_of_every_hit(void **state)
+{
+    (void)state;
+    world *w = make_world();
+    duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 2, w->boxes, BOXES);
+    duet_tree *other = open_tree(3, 0, w->boxes, BOXES);
+    duet_sweep_query *every = open_query(tree, DUET_QUERY_EVERY);
+    duet_sweep_query *closest = open_query(tree, DUET_QUERY_CLOSEST);
+    duet_sweep_query *again = open_query(other, DUET_QUERY_CLOSEST);
+    duet_sweep_query *any = open_query(tree, DUET_QUERY_ANY);
+    duet_sweep_query_result all = ask(every, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
+    duet_sweep_query_result nearest = ask(closest, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
+    duet_sweep_query_result same = ask(again, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
+    duet_sweep_query_result some = ask(any, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
+    assert_int_equal(nearest.n_hits, SWEEPS);
+    assert_memory_equal(nearest.hits, same.hits, SWEEPS * sizeof *same.hits);
+    uint64_t at = 0, n_same = 0, n_hit = 0;
+    for (uint32_t i = 0; i < SWEEPS; ++i) {
+        const duet_sweep_hit *first = &all.hits[at], *hit = &nearest.hits[i];
+        bool hits = at < all.n_hits && first->sweep == i, listed = false;
+        const duet_sweep_hit yes = {i, hits ? 0 : DUET_NO_OBJECT, 0, {0}};
+        assert_memory_equal(&some.hits[i], &yes, sizeof yes);
+        assert_int_equal(hit->id == DUET_NO_OBJECT, !hits);
+        n_hit += hits;
+        n_same += hits && first->id == hit->id;
+        float least = hits ? first->t : 0;
+        for (; at < all.n_hits && all.hits[at].sweep == i; ++at)
+            listed = listed || memcmp(&all.hits[at], hit, sizeof *hit) == 0;
+        assert_int_equal(listed, hits);
+        assert_true(!hits || hit->t <= least + 0.05f); // of ways of some units a unit of t
+    }
+    assert_true(n_same * 50 >= n_hit * 49);
+    duet_sweep_query_destroy(every);
+    duet_sweep_query_destroy(closest);
+    duet_sweep_query_destroy(again);
+    duet_sweep_query_destroy(any);
+    duet_tree_destroy(tree);
+    duet_tree_destroy(other);
+    free(w);
+}
+
+// ---------------------------------------------------------------- bounds
+
+static void moving_bounds_are_exact_in(uint32_t dims)
+{
+    enum { N = 300 };
+    static duet_bounds boxes[N];
+    static duet_bounds_sweep sweeps[N];
+    rng r = rng_seed(test_seed());
+    for (uint32_t i = 0; i < N; ++i)
+        for (int k = 0; k < 3; ++k) {
+            float round = i % 2 ? 1.0f : 0.3f;
+            boxes[i].lower[k] = round * (float)rng_below(&r, 12);
+            boxes[i].upper[k] = boxes[i].lower[k] + round * (float)rng_below(&r, 3);
+            sweeps[i].bounds = boxes[(i * 7) % (i + 1)];
+            sweeps[i].direction[k] = (float)rng_below(&r, 5) - 2;
+            sweeps[i].t_max = i % 5 ? 2 : INFINITY;
+        }
+    duet_tree *tree = open_bounds_tree(dims, DUET_SHARE_ONE / 3, boxes, N);
+    duet_sweep_query *query = open_query(tree, DUET_QUERY_EVERY);
+    duet_sweep_query_result found = ask(query, DUET_OBJECT_BOUNDS, sweeps, N);
+    uint64_t at = 0;
+    for (uint32_t i = 0; i < N; ++i) {
+        bool met[N] = {false};
+        for (; at < found.n_hits && found.hits[at].sweep == i; ++at) {
+            const duet_sweep_hit *hit = &found.hits[at];
+            long double enter = 0;
+            met[hit->id] = true;
+            for (uint32_t k = 0; k < dims; ++k) {
+                float speed = sweeps[i].direction[k];
+                long double gap =
+                    speed > 0 ? (long double)boxes[hit->id].lower[k] - sweeps[i].bounds.upper[k]
+                              : (long double)boxes[hit->id].upper[k] - sweeps[i].bounds.lower[k];
+                enter = speed != 0 ? fmaxl(enter, gap / speed) : enter;
+            }
+            assert_true(fabsl(hit->t - enter) <= 0x1p-23L * enter);
+        }
+        for (uint32_t id = 0; id < N; ++id)
+            if (met[id] != sweep_meets_bounds(&sweeps[i], &boxes[id], dims))
+                fail_msg("sweep %u, bounds %u: %d is wrong", i, id, met[id]);
+    }
+    assert_true(at == found.n_hits && at > N);
+    duet_sweep_query_destroy(query);
+    duet_tree_destroy(tree);
+}
+
+static void moving_bounds_are_exact(void **state)
+{
+    (void)state;
+    moving_bounds_are_exact_in(3);
+    moving_bounds_are_exact_in(2);
+}
+
+// ---------------------------------------------------------------- closed forms
+
+static void a_cube_stops_at_a_wall(void **state)
+{
+    (void)state;
+    const duet_pose wall = {{5, 0, 0}, {1, 9, 9}, {0, 0, 0, 1}};
+    const duet_pose cube = {{0, 0, 0}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
+    const duet_sweep sweeps[] = {
+        {cube, {1, 0, 0}, INFINITY},
+        {cube, {7, 0, 0}, 0.5f},                                           // ends as it touches
+        {cube, {7, 0, 0}, 0.49999997f},                                    // one float short of it
+        {cube, {0, 1, 0}, INFINITY},                                       // beside it
+        {{{4, 0, 0}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}}, {-1, 0, 0}, 1},    // begins inside
+        {{{3.5f, 0, 0}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}}, {-1, 0, 0}, 1}, // begins as it touches
+        {{{0, 0, 0}, {0.5f, 0.5f, 0.5f}, {0, 0, 0.38268343f, 0.92387953f}}, {1, 0, 0}, INFINITY}};
+    enum { N = sizeof sweeps / sizeof *sweeps };
+    const duet_sweep_hit expected[] = {{0, 0, 3.5f, {-1, 0, 0}},
+                                       {1, 0, 0.5f, {-1, 0, 0}},
+                                       {2, DUET_NO_OBJECT, INFINITY, {0}},
+                                       {3, DUET_NO_OBJECT, INFINITY, {0}},
+                                       {4, 0, 0, {0}},
+                                       {5, 0, 0, {0}}};
+    duet_tree *tree = open_tree(3, 0, &wall, 1);
+    duet_sweep_query *query = open_query(tree, DUET_QUERY_CLOSEST);
+    duet_sweep_query_result found = ask(query, DUET_OBJECT_POSES, sweeps, N);
+    assert_int_equal(found.n_hits, N);
+    for (int i = 0; i < N - 1; ++i)
+        for (int k = 0; k < 3; ++k)
+            assert_true(found.hits[i].id == expected[i].id && found.hits[i].t == expected[i].t &&
+                        found.hits[i].normal[k] == expected[i].normal[k]);
+    assert_true(fabsf(found.hits[N - 1].t - (4 - sqrtf(0.5f))) < 1e-6f); // edge first
+    duet_sweep_query_destroy(query);
+    duet_tree_destroy(tree);
+}
+
+static void what_is_no_sweep_is_refused_by_its_number(void **state)
+{
+    (void)state;
+    const duet_pose box = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
+    duet_tree *tree = open_tree(3, 0, &box, 1);
+    duet_sweep_query *query = open_query(tree, DUET_QUERY_CLOSEST);
+    const duet_sweep good = {box, {1, 0, 0}, 1};
+    duet_sweep bad[] = {good, good, good, good};
+    bad[0].box.half_extents[2] = -1;
+    bad[1].direction[0] = NAN;
+    bad[2].t_max = -1;
+    bad[3].direction[0] = 1e-35f;
+    for (int i = 0; i < 4; ++i) {
+        duet_error err = {0};
+        duet_sweep_query_result found;
+        const duet_sweep sweeps[3] = {good, good, bad[i]};
+        assert_false(duet_sweep_query_run(query, DUET_OBJECT_POSES, sweeps, 3, &found, &err));
+        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
+        assert_non_null(strstr(err.text, "sweep 2:"));
+    }
+    duet_sweep_query_destroy(query);
+    duet_tree_destroy(tree);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(integers_agree_with_rays_and_with_boxes_that_stand),
+        cmocka_unit_test(double_agrees_with_integers_on_hard_pairs),
+        cmocka_unit_test(every_hit_is_found_and_no_other),
+        cmocka_unit_test(closest_and_any_are_of_every_hit),
+        cmocka_unit_test(moving_bounds_are_exact),
+        cmocka_unit_test(a_cube_stops_at_a_wall),
+        cmocka_unit_test(what_is_no_sweep_is_refused_by_its_number),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}
