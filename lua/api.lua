@@ -37,6 +37,9 @@ api.classes = {
   { "duet.RayQuery", "Boxes in a tree on both devices, for rays." },
   { "duet.Rays", "Rows of origin xyz, direction xyz, t_max." },
   { "duet.Hits", "Rows of a ray, the id of the box that it meets, and where: origin + t direction." },
+  { "duet.Ids", "Rows of one whole number: bodies' ids, or what a script keeps for them." },
+  { "duet.Forces", "What pushes in the next step: rows of force xyz, torque xyz." },
+  { "duet.Impulses", "What pushes at once: rows of impulse xyz, anchor xyz, from the centre." },
   { "duet.RayQueryResult", "A table: what casting rays took." },
   { "duet.Kernel", "A table: a kernel and its card." },
   { "duet.Source", "A table: the text of a variant." },
@@ -338,6 +341,46 @@ api.names = {
     c = "duet_motion_load" },
   { "duet.Motion:explain", {}, "duet.Effect[]",
     "Every effect, and what calls for it, or would; last, how positions are kept.", c = "duet_motion_explain" },
+  { "duet.Motion:add_bodies", { "poses: duet.Poses|string|any[]", "bodies?: duet.Bodies|string|any[]" }, "duet.Ids",
+    "Bodies that come; their ids. Where a parameter is called ids it is a duet.Ids, a list, one id, or " ..
+    "{ first = place, n = count }.", fails = true, c = "duet_motion_add_bodies" },
+  { "duet.Motion:remove_bodies", { "ids: duet.Ids|integer[]|integer|table" }, "true",
+    "What touched them wakes. A removed body's id never is another's.", fails = true, c = "duet_motion_remove_bodies" },
+  { "duet.Motion:disable_bodies", { "ids: duet.Ids|integer[]|integer|table" }, "true",
+    "They take no part until they are enabled.", fails = true, c = "duet_motion_disable_bodies" },
+  { "duet.Motion:enable_bodies", { "ids: duet.Ids|integer[]|integer|table" }, "true", "They come back, at rest.",
+    fails = true, c = "duet_motion_enable_bodies" },
+  { "duet.Motion:wake_bodies", { "ids: duet.Ids|integer[]|integer|table" }, "true", "With the effect sleep.",
+    fails = true, c = "duet_motion_wake_bodies" },
+  { "duet.Motion:sleep_bodies", { "ids: duet.Ids|integer[]|integer|table" }, "true",
+    "They sleep unless they touch something that moves.", fails = true, c = "duet_motion_sleep_bodies" },
+  { "duet.Motion:ids", { "first?: integer", "n?: integer" }, "duet.Ids",
+    "The ids of the bodies at some places, or all; duet.NO_BODY where there is none.", fails = true,
+    c = "duet_motion_get_ids" },
+  { "duet.Motion:has_body", { "id: integer" }, "boolean", "Whether it is the id of a body that is there.",
+    c = "duet_motion_has_body" },
+  { "duet.Motion:set_user_data", { "ids: duet.Ids|integer[]|integer|table", "data: duet.Ids|integer[]" }, "true",
+    "Keeps a whole number for each.", fails = true, c = "duet_motion_set_user_data" },
+  { "duet.Motion:user_data", { "ids: duet.Ids|integer[]|integer|table" }, "duet.Ids", "Those numbers; 0 at first.",
+    fails = true, c = "duet_motion_get_user_data" },
+  { "duet.Motion:set_bodies", { "ids: duet.Ids|integer[]|integer|table", "fields: string|string[]",
+    "bodies: duet.Bodies|string|any[]" }, "true",
+    "Sets velocity, angular_velocity, mass, restitution, friction, filter or fixed_rotation; the other columns are not read.",
+    fails = true, c = { "duet_motion_set_bodies", "duet_body_field_name" } },
+  { "duet.Motion:set_poses", { "ids: duet.Ids|integer[]|integer|table", "poses: duet.Poses|string|any[]" }, "true",
+    "Puts them elsewhere, with these sizes.", fails = true, c = "duet_motion_set_poses" },
+  { "duet.Motion:set_targets", { "ids: duet.Ids|integer[]|integer|table", "targets: duet.Transforms|string|any[]" },
+    "true", "The next step moves these bodies of mass 0 there, and what they touch feels it.", fails = true,
+    c = "duet_motion_set_targets" },
+  { "duet.Motion:set_def", { "changes: table" }, "true",
+    "Changes gravity, attraction, centre, drag, lower, upper, max_push_speed, restitution_threshold, sleep_speed, sleep_after.",
+    fails = true, c = "duet_motion_set_def" },
+  { "duet.Motion:def", {}, "table", "What set_def can change, as it is.", c = "duet_motion_get_def" },
+  { "duet.Motion:apply_forces", { "ids: duet.Ids|integer[]|integer|table", "forces: duet.Forces|string|any[]" },
+    "true", "For the next step; with the effect forces.", fails = true, c = "duet_motion_apply_forces" },
+  { "duet.Motion:apply_impulses", { "ids: duet.Ids|integer[]|integer|table", "impulses: duet.Impulses|string|any[]" },
+    "true", "Changes velocities at once.", fails = true, c = "duet_motion_apply_impulses" },
+  { "duet.NO_BODY", "integer", "the id where a place has no body" },
   { "duet.Motion:close", {}, nil, "Gives the devices' memory back.", c = "duet_motion_destroy" },
   { "duet.MotionResult:events", {}, "fun(): integer, integer, boolean", "for a, b, begins in result:events() do" },
   { "duet.MotionResult:stages", {}, "duet.Stage[]", "Where the time went, by effect." },
@@ -448,7 +491,7 @@ api.names = {
 }
 
 -- Arrays are made, read and written alike; a letter says what a column is.
-local letters = { f = "number", d = "number", I = "integer", h = "integer", C = "integer", B = "boolean" }
+local letters = { f = "number", d = "number", I = "integer", Q = "integer", h = "integer", C = "integer", B = "boolean" }
 
 for class, columns in pairs {
   Poses = ("f"):rep(10),
@@ -464,6 +507,9 @@ for class, columns in pairs {
   Separations = "d",
   Rays = ("f"):rep(7),
   Hits = "IIf",
+  Ids = "Q",
+  Forces = ("f"):rep(6),
+  Impulses = ("f"):rep(6),
 } do
   local types = {}
   for letter in columns:gmatch "." do types[#types + 1] = letters[letter] end

@@ -12,7 +12,7 @@
 static const lua_class classes[ARRAY_KINDS];
 
 // A row is a C struct; columns has a letter for each of its members in order:
-// f float, d double, I uint32_t, h int16_t, C uint8_t, B bool.
+// f float, d double, I uint32_t, Q uint64_t, h int16_t, C uint8_t, B bool.
 static const struct {
     const char *columns;
     size_t bytes;
@@ -30,6 +30,9 @@ static const struct {
     [ARRAY_SEPARATIONS] = {"d", sizeof(double)},
     [ARRAY_RAYS] = {"fffffff", sizeof(duet_ray)},
     [ARRAY_HITS] = {"IIf", sizeof(duet_ray_hit)},
+    [ARRAY_IDS] = {"Q", sizeof(uint64_t)},
+    [ARRAY_FORCES] = {"ffffff", sizeof(duet_force)},
+    [ARRAY_IMPULSES] = {"ffffff", sizeof(duet_impulse)},
 };
 
 _Static_assert(offsetof(duet_pose, rotation[3]) == 9 * 4, "a pose is ten floats");
@@ -58,7 +61,7 @@ static void *row_at(const array *a, uint64_t i)
 static void *column_at(const array *a, uint64_t i, int column)
 {
     const char *columns = layouts[a->kind].columns;
-    size_t at = (size_t)column * (columns[0] == 'd' ? 8 : 4);
+    size_t at = (size_t)column * (strchr("dQ", columns[0]) ? 8 : 4);
     for (int k = column - 1; k >= 0 && columns[k] == 'h'; --k)
         at -= sizeof(float) - sizeof(int16_t);
     return (char *)row_at(a, i) + at;
@@ -148,6 +151,10 @@ static void take_column(lua_State *L, const array *a, uint64_t i, int column)
         *(int16_t *)column_at(a, i, column) =
             (int16_t)take_whole(L, a, i, column, INT16_MIN, INT16_MAX,
                                 "a whole number from -32768 to 32767");
+        break;
+    case 'Q':
+        *(uint64_t *)column_at(a, i, column) =
+            (uint64_t)take_whole(L, a, i, column, 0, LUA_MAXINTEGER, "a whole number from 0");
         break;
     case 'C':
         *(uint8_t *)column_at(a, i, column) =
@@ -316,6 +323,9 @@ static void push_column(lua_State *L, const array *a, uint64_t i, int column)
         break;
     case 'h':
         lua_pushinteger(L, *(const int16_t *)at);
+        break;
+    case 'Q':
+        lua_pushinteger(L, (lua_Integer) * (const uint64_t *)at);
         break;
     case 'C':
         lua_pushinteger(L, *(const uint8_t *)at);
@@ -494,6 +504,9 @@ static const lua_class classes[] = {
     [ARRAY_SEPARATIONS] = {.name = "duet.separations", .methods = methods, .metas = metas},
     [ARRAY_RAYS] = {.name = "duet.rays", .methods = methods, .metas = metas},
     [ARRAY_HITS] = {.name = "duet.hits", .methods = methods, .metas = metas},
+    [ARRAY_IDS] = {.name = "duet.ids", .methods = methods, .metas = metas},
+    [ARRAY_FORCES] = {.name = "duet.forces", .methods = methods, .metas = metas},
+    [ARRAY_IMPULSES] = {.name = "duet.impulses", .methods = methods, .metas = metas},
 };
 
 void array_open(lua_State *L)

@@ -24,6 +24,9 @@ typedef enum array_kind {
     ARRAY_SEPARATIONS,
     ARRAY_RAYS,
     ARRAY_HITS,
+    ARRAY_IDS,
+    ARRAY_FORCES,
+    ARRAY_IMPULSES,
     ARRAY_KINDS
 } array_kind;
 

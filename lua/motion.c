@@ -158,7 +158,7 @@ static motion_box *check_box(lua_State *L)
     return box;
 }
 
-static duet_motion *check_motion(lua_State *L)
+duet_motion *motion_check_lua(lua_State *L)
 {
     return check_box(L)->motion;
 }
@@ -274,14 +274,14 @@ static int motion_advance(lua_State *L)
 
 static int motion_effects(lua_State *L)
 {
-    push_effects(L, duet_motion_get_effects(check_motion(L)));
+    push_effects(L, duet_motion_get_effects(motion_check_lua(L)));
     return 1;
 }
 
 // motion:plan() -> the plan by which it seeks pairs; nil where it seeks none
 static int motion_plan(lua_State *L)
 {
-    const duet_plan *plan = duet_motion_get_plan(check_motion(L));
+    const duet_plan *plan = duet_motion_get_plan(motion_check_lua(L));
     if (plan)
         member_plan.push(L, NULL, plan);
     else
@@ -291,7 +291,7 @@ static int motion_plan(lua_State *L)
 
 static int motion_length(lua_State *L)
 {
-    lua_pushinteger(L, duet_motion_get_count(check_motion(L)));
+    lua_pushinteger(L, duet_motion_get_count(motion_check_lua(L)));
     return 1;
 }
 
@@ -299,7 +299,7 @@ static int motion_length(lua_State *L)
 static int motion_read(lua_State *L)
 {
     duet_error err = {0};
-    duet_motion *motion = check_motion(L);
+    duet_motion *motion = motion_check_lua(L);
     uint32_t n = duet_motion_get_count(motion);
     if (lua_isnoneornil(L, 2))
         array_push(L, ARRAY_STATES, n);
@@ -314,7 +314,7 @@ static int motion_hash(lua_State *L)
 {
     duet_error err = {0};
     uint64_t hash = 0;
-    if (!duet_motion_get_hash(check_motion(L), &hash, &err))
+    if (!duet_motion_get_hash(motion_check_lua(L), &hash, &err))
         return class_push_failure(L, &err);
     array_push_hash(L, hash);
     return 1;
@@ -330,7 +330,7 @@ static int motion_energy(lua_State *L)
 {
     duet_error err = {0};
     duet_energy energy = {0};
-    if (!duet_motion_get_energy(check_motion(L), &energy, &err))
+    if (!duet_motion_get_energy(motion_check_lua(L), &energy, &err))
         return class_push_failure(L, &err);
     member_push_table(L, energy_members, &energy);
     return 1;
@@ -339,7 +339,7 @@ static int motion_energy(lua_State *L)
 static int motion_contacts(lua_State *L)
 {
     duet_error err = {0};
-    duet_motion *motion = check_motion(L);
+    duet_motion *motion = motion_check_lua(L);
     array *found = array_push_empty(L, ARRAY_CONTACTS);
     duet_contact *contacts = NULL;
     uint64_t n = 0;
@@ -352,7 +352,7 @@ static int motion_contacts(lua_State *L)
 static int motion_save(lua_State *L)
 {
     duet_error err = {0};
-    duet_motion *motion = check_motion(L);
+    duet_motion *motion = motion_check_lua(L);
     const char *path = luaL_checkstring(L, 2);
     policy_check_trusted(L, "saving a motion");
     return class_push_done(L, duet_motion_save(motion, path, &err), &err);
@@ -381,7 +381,7 @@ static const member effect_members[] = {
 static int motion_explain(lua_State *L)
 {
     duet_effect_info info = {0};
-    const duet_motion *motion = check_motion(L);
+    const duet_motion *motion = motion_check_lua(L);
     lua_newtable(L);
     for (uint32_t i = 0; duet_motion_explain(motion, i, &info); ++i) {
         member_push_table(L, effect_members, &info);
@@ -398,7 +398,7 @@ static const luaL_Reg methods[] = {
 static const luaL_Reg metas[] = {{"__len", motion_length}, {NULL, NULL}};
 static int motion_about(lua_State *L)
 {
-    const duet_motion *motion = check_motion(L);
+    const duet_motion *motion = motion_check_lua(L);
     uint32_t effects = duet_motion_get_effects(motion);
     const char *before = "";
     lua_pushfstring(L, "objects = %d, effects = { ", (int)duet_motion_get_count(motion));
@@ -415,7 +415,12 @@ static int motion_about(lua_State *L)
 }
 
 static const lua_class motion_class = {
-    .name = "duet.motion", .methods = methods, .metas = metas, .about = motion_about};
+    .name = "duet.motion",
+    .methods = methods,
+    .more_methods = motion_command_methods,
+    .metas = metas,
+    .about = motion_about,
+};
 
 void motion_open_lua(lua_State *L)
 {
@@ -423,4 +428,6 @@ void motion_open_lua(lua_State *L)
     class_open(L, &motion_class);
     class_open(L, &step_class);
     luaL_setfuncs(L, functions, 0);
+    lua_pushinteger(L, (lua_Integer)DUET_NO_BODY);
+    lua_setfield(L, -2, "NO_BODY");
 }

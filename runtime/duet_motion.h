@@ -29,7 +29,8 @@ typedef enum duet_effect {
     DUET_EFFECT_SLEEP = 1u << 11,           // what rests leaves the work
     DUET_EFFECT_SKIN = 1u << 12,            // the grid lasts until something leaves its skin
     DUET_EFFECT_EVENTS = 1u << 13,          // contacts that begin and end are told
-    DUET_EFFECT_ALL = (1u << 14) - 1
+    DUET_EFFECT_FORCES = 1u << 14,          // commands push (duet_motion_commands.h)
+    DUET_EFFECT_ALL = (1u << 15) - 1
 } duet_effect;
 
 DUET_API const char *duet_effect_name(uint32_t effect); // one bit: "rotation"; NULL for others

@@ -92,7 +92,7 @@ static inline float4 way_of(const scene *s, uint2 link)
     d.w = 0.0f;
     return d;
 }
-#line 271 "kernels/dynamics/build_manifolds.cl.in"
+#line 282 "kernels/dynamics/build_manifolds.cl.in"
 
 // Writes the points into the record; extents: the owner's half extents. True where a
 // point touches, or had an impulse in the last step.
@@ -100,7 +100,7 @@ static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extent
 {
     __global float *record = s->contacts + (size_t)i * RECORD;
     bool touching = false;
-#line 287 "kernels/dynamics/build_manifolds.cl.in"
+#line 298 "kernels/dynamics/build_manifolds.cl.in"
     put_float4(record + AT_NORMAL, m->normal);
     for (int k = 0; k < m->n; ++k) {
         __global float *saved = record + HEAD + k * POINT_FLOATS;
@@ -108,7 +108,7 @@ static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extent
         put_float4(saved + OF_ANCHOR, anchor);
         saved[OF_SEPARATION] = anchor.w;
         touching = touching || anchor.w <= 0.0f;
-#line 305 "kernels/dynamics/build_manifolds.cl.in"
+#line 316 "kernels/dynamics/build_manifolds.cl.in"
     }
     return touching;
 }
@@ -121,10 +121,10 @@ static inline void keep(const scene *s, uint i, float4 extents, float4 d, manifo
     bool touching = false;
     if (m->n > 0)
         touching = keep_points(s, i, link, extents, d, m);
-#line 329 "kernels/dynamics/build_manifolds.cl.in"
+#line 340 "kernels/dynamics/build_manifolds.cl.in"
     s->touches[i] = (uint)m->n | (touching ? TOUCH_MEETS : 0u) | axis << TOUCH_AXIS;
 }
-#line 353 "kernels/dynamics/build_manifolds.cl.in"
+#line 364 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void look_at_pair(const scene *s, uint i, uint2 link)
 {
@@ -132,33 +132,33 @@ static inline void look_at_pair(const scene *s, uint i, uint2 link)
     float4 d = way_of(s, link);
     uint axis = s->touches[i] >> TOUCH_AXIS;
     manifold m;
-#line 361 "kernels/dynamics/build_manifolds.cl.in"
+#line 372 "kernels/dynamics/build_manifolds.cl.in"
     touch_boxes(&a, &b, d, s->margin, &m, &axis);
-#line 375 "kernels/dynamics/build_manifolds.cl.in"
+#line 386 "kernels/dynamics/build_manifolds.cl.in"
     keep(s, i, s->halves[link.x], d, &m, axis);
 }
-#line 433 "kernels/dynamics/build_manifolds.cl.in"
+#line 444 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 475 "kernels/dynamics/build_manifolds.cl.in"
+#line 486 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 479 "kernels/dynamics/build_manifolds.cl.in"
+#line 490 "kernels/dynamics/build_manifolds.cl.in"
 __kernel void build_manifolds(BUILD_MANIFOLDS_ARGS)
-#line 481 "kernels/dynamics/build_manifolds.cl.in"
+#line 492 "kernels/dynamics/build_manifolds.cl.in"
 {
     scene s = {links, n, centres,
-#line 486 "kernels/dynamics/build_manifolds.cl.in"
+#line 497 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 505 "kernels/dynamics/build_manifolds.cl.in"
+#line 516 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
-#line 515 "kernels/dynamics/build_manifolds.cl.in"
+#line 526 "kernels/dynamics/build_manifolds.cl.in"
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_contacts);
-#line 521 "kernels/dynamics/build_manifolds.cl.in"
+#line 532 "kernels/dynamics/build_manifolds.cl.in"
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-#line 534 "kernels/dynamics/build_manifolds.cl.in"
+#line 545 "kernels/dynamics/build_manifolds.cl.in"
         look_at_pair(&s, i, link);
-#line 544 "kernels/dynamics/build_manifolds.cl.in"
-    }
 #line 555 "kernels/dynamics/build_manifolds.cl.in"
+    }
+#line 566 "kernels/dynamics/build_manifolds.cl.in"
 }
