@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Commands to a motion: what is set, pushed or aimed at, and bodies that come and go.
+// Commands to a motion: what is set, pushed or aimed at, and bodies that come and go. With
+// --all random ones go to worlds of all kinds.
 #include "support/mover.h"
 #include "support/test.h"
 
@@ -497,10 +498,14 @@ static void what_commands_left_is_saved(void **state)
 
 enum { PLAYERS = 5, MOST_IDS = 4096 };
 
-static int n_fuzzed_steps = 200;
+static int n_fuzzed_steps = 200, n_worlds = 1;
+
+// Worlds that kernels and buffers differ in.
+typedef enum world_kind { USUAL, FLAT, DOUBLES, PLACED, FLIGHT, WORLD_KINDS } world_kind;
 
 // One stream of commands goes to motions with several plans.
 typedef struct play {
+    world_kind kind;
     rng r;
     mover *movers[PLAYERS];
     uint64_t ids[MOST_IDS], stale[MOST_IDS];
@@ -516,6 +521,8 @@ static float between(play *p, double from, double to)
 static duet_pose random_pose(play *p)
 {
     duet_pose pose = {.rotation = {between(p, -1, 1), between(p, -1, 1), between(p, -1, 1), 1}};
+    if (p->kind == FLAT)
+        pose.rotation[0] = pose.rotation[1] = 0;
     for (int k = 0; k < 3; ++k) {
         pose.centre[k] = between(p, 0.5, k == 2 ? 12 : 11.5);
         pose.half_extents[k] = between(p, 0.1, 0.4);
@@ -533,6 +540,8 @@ static duet_body random_body(play *p)
     b.mass = rng_below(&p->r, 8) ? between(p, 0.5, 3) : 0;
     if (b.mass == 0 && rng_below(&p->r, 2))
         memset(b.velocity, 0, sizeof b.velocity);
+    if (p->kind == FLIGHT)
+        return b;
     b.friction = between(p, 0, 1);
     b.restitution = between(p, 0, 0.5);
     b.group = 1u << rng_below(&p->r, 3);
@@ -678,6 +687,8 @@ static bool command_all(play *p, verb what, order *o)
 static void command_once(play *p)
 {
     verb what = (verb)rng_below(&p->r, VERBS);
+    if (p->kind == FLIGHT && (what == WAKE || what == PUT_TO_SLEEP))
+        return;
     order o = random_order(p);
     if ((what == ADD && p->n_ids > 320) || (what == REMOVE && p->n_ids < 160) ||
         (what == CHANGE && rng_below(&p->r, 4)))
@@ -719,7 +730,26 @@ static void assert_all_are_equal(play *p, int step)
             fail_msg("player %d differs after step %d", k, step);
 }
 
-static play begin_play(uint64_t seed)
+static void set_world(mover *m, world_kind kind)
+{
+    duet_motion_def *d = &m->def;
+    d->wants = DUET_EFFECT_FORCES | DUET_EFFECT_SLEEP | DUET_EFFECT_FILTER | DUET_EFFECT_EVENTS;
+    d->sleep_after = 0.1;
+    d->gravity[kind == FLAT ? 1 : 2] = -9.81;
+    d->doubles = kind == DOUBLES || kind == FLIGHT;
+    d->origin_edge = kind == PLACED ? 4 : 0;
+    d->boundary = kind == PLACED ? DUET_BOUNDARY_NONE : DUET_BOUNDARY_WALLS;
+    for (int k = 0; k < 3; ++k)
+        d->upper[k] = k == (kind == FLAT ? 1 : 2) ? 40 : 12;
+    if (kind != FLIGHT)
+        return;
+    d->wants = DUET_EFFECT_FORCES;
+    d->boundary = DUET_BOUNDARY_PERIODIC;
+    d->integrator = DUET_INTEGRATOR_VERLET;
+    d->skin = 0;
+}
+
+static play begin_play(world_kind kind, uint64_t seed)
 {
     static const struct {
         uint32_t share;
@@ -732,19 +762,14 @@ static play begin_play(uint64_t seed)
         {DUET_SHARE_ONE / 2, DUET_MODE_SLAB, 0},
         {DUET_SHARE_ONE / 2, DUET_MODE_OWN, 0.2},
     };
-    play p = {.r = rng_seed(seed), .n_ids = 200};
+    play p = {.kind = kind, .r = rng_seed(seed), .n_ids = 200};
     name_file(p.path);
     for (int k = 0; k < PLAYERS; ++k) {
-        mover *m = p.movers[k] = mover_new(3);
+        mover *m = p.movers[k] = mover_new(kind == FLAT ? 2 : 3);
         m->def.plan.share = ways[k].share;
         m->def.plan.mode = ways[k].mode;
         m->def.skin = ways[k].skin;
-        m->def.wants = DUET_EFFECT_SLEEP | DUET_EFFECT_FORCES | DUET_EFFECT_FILTER;
-        m->def.sleep_after = 0.1;
-        m->def.gravity[2] = -9.81;
-        m->def.boundary = DUET_BOUNDARY_WALLS;
-        m->def.upper[0] = m->def.upper[1] = 12;
-        m->def.upper[2] = 40;
+        set_world(m, p.kind);
         m->n = 200;
         rng r = p.r;
         for (uint32_t i = 0; i < m->n; ++i) {
@@ -760,12 +785,9 @@ static play begin_play(uint64_t seed)
     return p;
 }
 
-static void the_same_commands_give_the_same_bits(void **state)
+static void play_once(world_kind kind, uint64_t seed)
 {
-    (void)state;
-    uint64_t seed = test_seed();
-    print_message("DUET_TEST_SEED=%llu\n", (unsigned long long)seed);
-    play p = begin_play(seed);
+    play p = begin_play(kind, seed);
     for (int step = 0; step < n_fuzzed_steps; ++step) {
         for (uint32_t n = rng_below(&p.r, 4); n > 0; --n)
             command_once(&p);
@@ -778,17 +800,28 @@ static void the_same_commands_give_the_same_bits(void **state)
         if (step % 5 == 0 || step + 1 == n_fuzzed_steps)
             assert_all_are_equal(&p, step);
     }
-    print_message("%u bodies, %u places, %u ids that are stale\n", p.n_ids,
+    print_message("world %d: %u bodies, %u places, %u stale ids\n", kind, p.n_ids,
                   duet_motion_get_count(p.movers[0]->motion), p.n_stale);
     for (int k = 0; k < PLAYERS; ++k)
         mover_free(p.movers[k]);
     remove(p.path);
 }
 
+static void the_same_commands_give_the_same_bits(void **state)
+{
+    (void)state;
+    uint64_t seed = test_seed();
+    print_message("DUET_TEST_SEED=%llu\n", (unsigned long long)seed);
+    for (int kind = 0; kind < n_worlds; ++kind)
+        play_once((world_kind)kind, seed + (uint64_t)kind);
+}
+
 int main(int argc, char **argv)
 {
-    if (argc > 1 && strcmp(argv[1], "--all") == 0)
-        n_fuzzed_steps = 1000;
+    if (argc > 1 && strcmp(argv[1], "--all") == 0) {
+        n_fuzzed_steps = 500;
+        n_worlds = WORLD_KINDS;
+    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_field_that_is_set_is_what_the_step_begins_with),
         cmocka_unit_test(a_pose_that_is_set_wakes_and_falls),
