@@ -727,8 +727,9 @@ static bool arrive(duet_motion *m, duet_error *err)
         keep_poses(m, places, poses, cells, n);
     ok = ok &&
          motion_send_places(m, places, n, PART_POSE | PART_VELOCITY | PART_ANGULAR_VELOCITY, err);
+    // What it reaches there has not felt it yet.
+    ok = ok && motion_wake_places(m, places, n, err);
     c->n_targets = 0;
-    m->bounds_checked = false;
     free(cells);
     free(poses);
     free(places);

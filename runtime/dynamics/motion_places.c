@@ -186,18 +186,17 @@ static bool mark_rests(duet_motion *m, const uint32_t *places, uint32_t n, bool 
     return motion_rows_close(m, &rows, err);
 }
 
-static bool mark_asleep(duet_motion *m, const uint32_t *places, uint32_t n, bool sleeps,
-                        duet_error *err)
+// What is sent to sleep is awake for the step that finds it at rest: its contacts are then
+// those of where it lies.
+static bool mark_awake(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
 {
     uint32_t first, last;
     motion_rows rows;
     motion_span_of(places, n, &first, &last);
     if (!motion_rows_open(m, ASLEEP, first, last, 1, false, &rows, err))
         return false;
-    for (uint32_t i = 0; i < n; ++i) {
-        bool can = m->bodies[places[i]].mass > 0.0f && !motion_is_hidden(m, places[i]);
-        *(uint32_t *)motion_row(&rows, places[i]) = sleeps && can ? SLEEPS : 0;
-    }
+    for (uint32_t i = 0; i < n; ++i)
+        *(uint32_t *)motion_row(&rows, places[i]) = 0;
     return motion_rows_close(m, &rows, err);
 }
 
@@ -205,7 +204,7 @@ static bool mark(duet_motion *m, const uint32_t *places, uint32_t n, bool sleeps
 {
     m->at_rest = m->bounds_checked = false;
     return n == 0 || !motion_has(m, DUET_EFFECT_SLEEP) ||
-           (mark_rests(m, places, n, sleeps, err) && mark_asleep(m, places, n, sleeps, err));
+           (mark_rests(m, places, n, sleeps, err) && mark_awake(m, places, n, err));
 }
 
 bool motion_wake_places(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)

@@ -259,6 +259,21 @@ static void what_has_no_mass_and_moves_wakes_what_it_newly_reaches(void **state)
     mover_free(m);
 }
 
+static void a_target_wakes_what_it_reaches_in_one_step(void **state)
+{
+    (void)state;
+    mover *m = make_rows(1, 1);
+    uint32_t ram = mover_add_cube(m, 8, 0, 0.6, 1);
+    m->bodies[ram].mass = 0;
+    mover_run(m, 60);
+    assert_int_equal(n_asleep(m), 3);
+    const duet_transform there = {{0.8f, 0, 0.6f}, {0, 0, 0, 1}};
+    assert_done(duet_motion_set_targets(m->motion, one(ram), &there, &err));
+    mover_run(m, 30);
+    assert_true(m->states[1].centre[0] < -0.1); // pushed out
+    mover_free(m);
+}
+
 static void what_has_no_mass_and_is_put_elsewhere_wakes_its_neighbours(void **state)
 {
     (void)state;
@@ -411,6 +426,30 @@ static void a_floor_can_get_a_mass(void **state)
     for (uint32_t id = plate + 1; id < m->n; ++id)
         assert_close(m->states[id].centre[2], 1, 0.05);
     mover_free(m);
+}
+
+// Whether a search dropped what it touched before or kept it within its skin is the same.
+static void what_is_sent_to_sleep_in_flight_does_not_depend_on_the_skin(void **state)
+{
+    (void)state;
+    enum { N = 60 };
+    uint64_t hashes[2];
+    for (int k = 0; k < 2; ++k) {
+        mover *m = make_rows(N, 1);
+        m->def.skin = 0.5 * k;
+        for (uint32_t i = 1; i <= N; ++i) {
+            m->poses[i].centre[2] = 0.7f;
+            m->bodies[i].restitution = 0.9f;
+        }
+        for (uint32_t i = 1; i <= N; ++i) {
+            mover_run(m, 1);
+            assert_done(duet_motion_sleep_bodies(m->motion, one(i), &err));
+        }
+        mover_run(m, 10);
+        hashes[k] = mover_hash(m);
+        mover_free(m);
+    }
+    assert_true(hashes[0] == hashes[1]);
 }
 
 // ------------------------------------------------------------ files
@@ -831,12 +870,14 @@ int main(int argc, char **argv)
         cmocka_unit_test(an_impulse_beside_the_centre_turns),
         cmocka_unit_test(a_target_is_reached_exactly_and_carries_what_lies_on_it),
         cmocka_unit_test(what_has_no_mass_and_moves_wakes_what_it_newly_reaches),
+        cmocka_unit_test(a_target_wakes_what_it_reaches_in_one_step),
         cmocka_unit_test(what_has_no_mass_and_is_put_elsewhere_wakes_its_neighbours),
         cmocka_unit_test(ids_are_handles_and_places_are_used_again),
         cmocka_unit_test(what_lay_on_a_removed_body_falls),
         cmocka_unit_test(a_body_that_comes_falls_as_one_that_was_there),
         cmocka_unit_test(a_motion_can_begin_empty),
         cmocka_unit_test(a_floor_can_get_a_mass),
+        cmocka_unit_test(what_is_sent_to_sleep_in_flight_does_not_depend_on_the_skin),
         cmocka_unit_test(a_file_of_the_last_version_still_loads),
         cmocka_unit_test(what_commands_left_is_saved),
         cmocka_unit_test(the_same_commands_give_the_same_bits),
