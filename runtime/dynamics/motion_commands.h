@@ -85,6 +85,22 @@ bool motion_forget_targets(duet_motion *m, const uint32_t *places, uint32_t n, d
 bool motion_place_poses(const duet_motion *m, duet_pose *poses, uint32_t n, cl_int4 **cells,
                         const char *call, duet_error *err);
 
+// What poses and bodies say of some places, which the caller frees; NULL without memory.
+duet_pose *motion_poses_at(const duet_motion *m, const uint32_t *places, uint32_t n,
+                           duet_error *err);
+duet_body *motion_bodies_at(const duet_motion *m, const uint32_t *places, uint32_t n,
+                            duet_error *err);
+
+bool motion_check_poses(const duet_motion *m, const duet_pose *poses, uint32_t n, const char *call,
+                        duet_error *err);
+
+// Says new ones of some places, to be sent; cells NULL without.
+void motion_keep_poses(duet_motion *m, const uint32_t *places, const duet_pose *poses,
+                       const cl_int4 *cells, uint32_t n);
+
+// Puts bodies exactly where their targets are.
+bool motion_arrive(duet_motion *m, duet_error *err);
+
 // What a step leaves of commands: targets are reached, forces are over, and what was
 // removed is forgotten.
 bool motion_end_commands(duet_motion *m, duet_error *err);

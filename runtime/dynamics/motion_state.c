@@ -2,6 +2,7 @@
 // The state of a motion: onto B, back, and sums over it.
 #include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_rows.h"
+#include "runtime/dynamics/vector.h"
 
 #include "base/error.h"
 
@@ -459,18 +460,6 @@ bool duet_motion_get_hash(duet_motion *m, uint64_t *hash, duet_error *err)
     return true;
 }
 
-static void cross(const double a[3], const double b[3], double c[3])
-{
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 // Axis k of a box turned by q, |q| = 1.
 static void axis_of(const double q[4], int k, double axis[3])
 {
@@ -488,9 +477,9 @@ static double potential_of(const duet_motion_def *def, const duet_state *s, doub
     if (def->attraction != 0.0) {
         double to[3] = {def->centre[0] - s->centre[0], def->centre[1] - s->centre[1],
                         def->dims == 3 ? def->centre[2] - s->centre[2] : 0.0};
-        return -mass * def->attraction / sqrt(dot(to, to));
+        return -mass * def->attraction / sqrt(vector_dot(to, to, 3));
     }
-    return -mass * dot(def->gravity, s->centre);
+    return -mass * vector_dot(def->gravity, s->centre, 3);
 }
 
 static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, duet_energy *e)
@@ -498,8 +487,8 @@ static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, d
     double mass = m->bodies[id].mass;
     entry inverse = inertia_of(m, id);
     double swing[3];
-    cross(s->centre, s->velocity, swing);
-    e->kinetic += 0.5 * mass * dot(s->velocity, s->velocity);
+    vector_cross(s->centre, s->velocity, swing);
+    e->kinetic += 0.5 * mass * vector_dot(s->velocity, s->velocity, 3);
     if (motion_has(m, DUET_EFFECT_GRAVITY))
         e->potential += potential_of(&m->def, s, mass);
     for (int k = 0; k < 3; ++k) {
@@ -509,7 +498,7 @@ static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, d
     for (int k = 0; k < 3; ++k) {
         double axis[3];
         axis_of(s->rotation, k, axis);
-        double along = dot(axis, s->angular_velocity);
+        double along = vector_dot(axis, s->angular_velocity, 3);
         double inertia = inverse.at[k] > 0.0 ? 1.0 / inverse.at[k] : 0.0;
         e->turning += 0.5 * inertia * along * along;
         for (int j = 0; j < 3; ++j)
