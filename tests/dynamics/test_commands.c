@@ -824,10 +824,11 @@ static play begin_play(world_kind kind, uint64_t seed)
     return p;
 }
 
-static void play_once(world_kind kind, uint64_t seed)
+// The state's hash at the end.
+static uint64_t play_once(world_kind kind, int n_steps, uint64_t seed)
 {
     play p = begin_play(kind, seed);
-    for (int step = 0; step < n_fuzzed_steps; ++step) {
+    for (int step = 0; step < n_steps; ++step) {
         for (uint32_t n = rng_below(&p.r, 4); n > 0; --n)
             command_once(&p);
         assert_stale_ids_are_refused(&p);
@@ -836,14 +837,16 @@ static void play_once(world_kind kind, uint64_t seed)
         duet_error err = {0};
         for (int k = 0; k < PLAYERS; ++k)
             assert_ok(duet_motion_advance(p.movers[k]->motion, &p.movers[k]->last, &err), err);
-        if (step % 5 == 0 || step + 1 == n_fuzzed_steps)
+        if (step % 5 == 0 || step + 1 == n_steps)
             assert_all_are_equal(&p, step);
     }
     print_message("world %d: %u bodies, %u places, %u stale ids\n", kind, p.n_ids,
                   duet_motion_get_count(p.movers[0]->motion), p.n_stale);
+    uint64_t hash = mover_hash(p.movers[0]);
     for (int k = 0; k < PLAYERS; ++k)
         mover_free(p.movers[k]);
     remove(p.path);
+    return hash;
 }
 
 static void the_same_commands_give_the_same_bits(void **state)
@@ -852,7 +855,25 @@ static void the_same_commands_give_the_same_bits(void **state)
     uint64_t seed = test_seed();
     print_message("DUET_TEST_SEED=%llu\n", (unsigned long long)seed);
     for (int kind = 0; kind < n_worlds; ++kind)
-        play_once((world_kind)kind, seed + (uint64_t)kind);
+        play_once((world_kind)kind, n_fuzzed_steps, seed + (uint64_t)kind);
+}
+
+static void set_host_memory(bool host)
+{
+    for (int side = 0; side < 2; ++side)
+        mover_pair()->devices[side].info.host_memory = host;
+}
+
+// Rows are then fetched, changed and sent back.
+static void devices_with_memory_of_their_own_give_the_same_bits(void **state)
+{
+    (void)state;
+    uint64_t seed = test_seed();
+    bool host = mover_pair()->devices[1].info.host_memory;
+    uint64_t hash = play_once(USUAL, 60, seed);
+    set_host_memory(false);
+    assert_true(play_once(USUAL, 60, seed) == hash);
+    set_host_memory(host);
 }
 
 int main(int argc, char **argv)
@@ -881,6 +902,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_file_of_the_last_version_still_loads),
         cmocka_unit_test(what_commands_left_is_saved),
         cmocka_unit_test(the_same_commands_give_the_same_bits),
+        cmocka_unit_test(devices_with_memory_of_their_own_give_the_same_bits),
     };
     return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
 }
