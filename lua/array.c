@@ -12,7 +12,7 @@
 static const lua_class classes[ARRAY_KINDS];
 
 // A row is a C struct; columns has a letter for each of its members in order:
-// f float, d double, I uint32_t, h int16_t, C uint8_t, B bool.
+// f float, d double, I uint32_t, Q uint64_t, h int16_t, C uint8_t, B bool.
 static const struct {
     const char *columns;
     size_t bytes;
@@ -30,13 +30,16 @@ static const struct {
     [ARRAY_SEPARATIONS] = {"d", sizeof(double)},
     [ARRAY_RAYS] = {"fffffff", sizeof(duet_ray)},
     [ARRAY_HITS] = {"IIf", sizeof(duet_ray_hit)},
-    [ARRAY_IDS] = {"I", sizeof(uint32_t)},
+    [ARRAY_PLACES] = {"I", sizeof(uint32_t)},
     [ARRAY_BOX_HITS] = {"II", sizeof(duet_box_hit)},
     [ARRAY_POINTS] = {"fff", sizeof(duet_point)},
     [ARRAY_POINT_HITS] = {"IIf", sizeof(duet_point_hit)},
     [ARRAY_SWEEPS] = {"ffffffffffffff", sizeof(duet_sweep)},
     [ARRAY_BOUNDS_SWEEPS] = {"ffffffffff", sizeof(duet_bounds_sweep)},
     [ARRAY_SWEEP_HITS] = {"IIffff", sizeof(duet_sweep_hit)},
+    [ARRAY_IDS] = {"Q", sizeof(uint64_t)},
+    [ARRAY_FORCES] = {"ffffff", sizeof(duet_force)},
+    [ARRAY_IMPULSES] = {"ffffff", sizeof(duet_impulse)},
 };
 
 _Static_assert(offsetof(duet_pose, rotation[3]) == 9 * 4, "a pose is ten floats");
@@ -69,7 +72,7 @@ static void *row_at(const array *a, uint64_t i)
 static void *column_at(const array *a, uint64_t i, int column)
 {
     const char *columns = layouts[a->kind].columns;
-    size_t at = (size_t)column * (columns[0] == 'd' ? 8 : 4);
+    size_t at = (size_t)column * (strchr("dQ", columns[0]) ? 8 : 4);
     for (int k = column - 1; k >= 0 && columns[k] == 'h'; --k)
         at -= sizeof(float) - sizeof(int16_t);
     return (char *)row_at(a, i) + at;
@@ -159,6 +162,10 @@ static void take_column(lua_State *L, const array *a, uint64_t i, int column)
         *(int16_t *)column_at(a, i, column) =
             (int16_t)take_whole(L, a, i, column, INT16_MIN, INT16_MAX,
                                 "a whole number from -32768 to 32767");
+        break;
+    case 'Q':
+        *(uint64_t *)column_at(a, i, column) =
+            (uint64_t)take_whole(L, a, i, column, 0, LUA_MAXINTEGER, "a whole number from 0");
         break;
     case 'C':
         *(uint8_t *)column_at(a, i, column) =
@@ -327,6 +334,9 @@ static void push_column(lua_State *L, const array *a, uint64_t i, int column)
         break;
     case 'h':
         lua_pushinteger(L, *(const int16_t *)at);
+        break;
+    case 'Q':
+        lua_pushinteger(L, (lua_Integer) * (const uint64_t *)at);
         break;
     case 'C':
         lua_pushinteger(L, *(const uint8_t *)at);
@@ -505,6 +515,7 @@ static const lua_class classes[] = {
     [ARRAY_SEPARATIONS] = {.name = "duet.separations", .methods = methods, .metas = metas},
     [ARRAY_RAYS] = {.name = "duet.rays", .methods = methods, .metas = metas},
     [ARRAY_HITS] = {.name = "duet.hits", .methods = methods, .metas = metas},
+    [ARRAY_PLACES] = {.name = "duet.places", .methods = methods, .metas = metas},
     [ARRAY_IDS] = {.name = "duet.ids", .methods = methods, .metas = metas},
     [ARRAY_BOX_HITS] = {.name = "duet.box_hits", .methods = methods, .metas = metas},
     [ARRAY_POINTS] = {.name = "duet.points", .methods = methods, .metas = metas},
@@ -512,6 +523,8 @@ static const lua_class classes[] = {
     [ARRAY_SWEEPS] = {.name = "duet.sweeps", .methods = methods, .metas = metas},
     [ARRAY_BOUNDS_SWEEPS] = {.name = "duet.bounds_sweeps", .methods = methods, .metas = metas},
     [ARRAY_SWEEP_HITS] = {.name = "duet.sweep_hits", .methods = methods, .metas = metas},
+    [ARRAY_FORCES] = {.name = "duet.forces", .methods = methods, .metas = metas},
+    [ARRAY_IMPULSES] = {.name = "duet.impulses", .methods = methods, .metas = metas},
 };
 
 void array_open(lua_State *L)

@@ -24,6 +24,7 @@ typedef enum array_kind {
     ARRAY_SEPARATIONS,
     ARRAY_RAYS,
     ARRAY_HITS,
+    ARRAY_PLACES,
     ARRAY_IDS,
     ARRAY_BOX_HITS,
     ARRAY_POINTS,
@@ -31,6 +32,8 @@ typedef enum array_kind {
     ARRAY_SWEEPS,
     ARRAY_BOUNDS_SWEEPS,
     ARRAY_SWEEP_HITS,
+    ARRAY_FORCES,
+    ARRAY_IMPULSES,
     ARRAY_KINDS
 } array_kind;
 

@@ -132,6 +132,8 @@ void class_open(lua_State *L, const lua_class *c)
     lua_pushlightuserdata(L, (void *)c);
     lua_newtable(L);
     luaL_setfuncs(L, c->methods, 0);
+    if (c->more_methods)
+        luaL_setfuncs(L, c->more_methods, 0);
     lua_getfield(L, -1, "close");
     lua_pushvalue(L, -1);
     lua_setfield(L, -5, "__gc");

@@ -15,6 +15,7 @@
 typedef struct lua_class {
     const char *name;                       // "duet.scene"
     const luaL_Reg *methods;                // "close" is __gc and __close too
+    const luaL_Reg *more_methods;           // of another file; NULL: none
     const luaL_Reg *metas;                  // __len ...; NULL: none
     const member *members;                  // NULL: none
     const void *(*struct_of)(lua_State *L); // the struct of the userdata at 1; raises if closed

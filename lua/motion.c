@@ -160,7 +160,7 @@ static motion_box *check_box(lua_State *L)
     return box;
 }
 
-static duet_motion *check_motion(lua_State *L)
+duet_motion *motion_check_lua(lua_State *L)
 {
     return check_box(L)->motion;
 }
@@ -342,14 +342,14 @@ static int motion_advance(lua_State *L)
 
 static int motion_effects(lua_State *L)
 {
-    push_effects(L, duet_motion_get_effects(check_motion(L)));
+    push_effects(L, duet_motion_get_effects(motion_check_lua(L)));
     return 1;
 }
 
 // motion:plan() -> the plan by which it seeks pairs; nil where it seeks none
 static int motion_plan(lua_State *L)
 {
-    const duet_plan *plan = duet_motion_get_plan(check_motion(L));
+    const duet_plan *plan = duet_motion_get_plan(motion_check_lua(L));
     if (plan)
         member_plan.push(L, NULL, plan);
     else
@@ -359,7 +359,7 @@ static int motion_plan(lua_State *L)
 
 static int motion_length(lua_State *L)
 {
-    lua_pushinteger(L, duet_motion_get_count(check_motion(L)));
+    lua_pushinteger(L, duet_motion_get_count(motion_check_lua(L)));
     return 1;
 }
 
@@ -367,7 +367,7 @@ static int motion_length(lua_State *L)
 static int motion_read(lua_State *L)
 {
     duet_error err = {0};
-    duet_motion *motion = check_motion(L);
+    duet_motion *motion = motion_check_lua(L);
     uint32_t n = duet_motion_get_count(motion);
     if (lua_isnoneornil(L, 2))
         array_push(L, ARRAY_STATES, n);
@@ -378,12 +378,12 @@ static int motion_read(lua_State *L)
     return duet_motion_get_states(motion, states->rows, &err) ? 1 : class_push_failure(L, &err);
 }
 
-// motion:read_of(ids) -> the states of those
+// motion:read_of(places) -> the states of those
 static int motion_read_of(lua_State *L)
 {
     duet_error err = {0};
-    duet_motion *motion = check_motion(L);
-    const array *ids = array_check(L, 2, ARRAY_IDS);
+    duet_motion *motion = motion_check_lua(L);
+    const array *ids = array_check(L, 2, ARRAY_PLACES);
     luaL_argcheck(L, ids->n <= UINT32_MAX, 2, "fewer than 2^32 ids");
     array *states = array_push(L, ARRAY_STATES, ids->n);
     return duet_motion_get_states_of(motion, ids->rows, (uint32_t)ids->n, states->rows, &err)
@@ -391,17 +391,17 @@ static int motion_read_of(lua_State *L)
                : class_push_failure(L, &err);
 }
 
-// motion:moved() -> ids, states
+// motion:moved() -> places, states
 static int motion_moved(lua_State *L)
 {
     duet_error err = {0};
     duet_moved moved = {0};
-    if (!duet_motion_get_moved(check_motion(L), &moved, &err))
+    if (!duet_motion_get_moved(motion_check_lua(L), &moved, &err))
         return class_push_failure(L, &err);
-    array *ids = array_push(L, ARRAY_IDS, moved.n);
+    array *ids = array_push(L, ARRAY_PLACES, moved.n);
     array *states = array_push(L, ARRAY_STATES, moved.n);
     if (moved.n > 0) {
-        memcpy(ids->rows, moved.ids, moved.n * sizeof *moved.ids);
+        memcpy(ids->rows, moved.places, moved.n * sizeof *moved.places);
         memcpy(states->rows, moved.states, moved.n * sizeof *moved.states);
     }
     return 2;
@@ -424,7 +424,7 @@ static int motion_hash(lua_State *L)
 {
     duet_error err = {0};
     uint64_t hash = 0;
-    if (!duet_motion_get_hash(check_motion(L), &hash, &err))
+    if (!duet_motion_get_hash(motion_check_lua(L), &hash, &err))
         return class_push_failure(L, &err);
     array_push_hash(L, hash);
     return 1;
@@ -440,7 +440,7 @@ static int motion_energy(lua_State *L)
 {
     duet_error err = {0};
     duet_energy energy = {0};
-    if (!duet_motion_get_energy(check_motion(L), &energy, &err))
+    if (!duet_motion_get_energy(motion_check_lua(L), &energy, &err))
         return class_push_failure(L, &err);
     member_push_table(L, energy_members, &energy);
     return 1;
@@ -449,7 +449,7 @@ static int motion_energy(lua_State *L)
 static int motion_poses(lua_State *L)
 {
     duet_error err = {0};
-    duet_motion *motion = check_motion(L);
+    duet_motion *motion = motion_check_lua(L);
     array *poses = array_push(L, ARRAY_POSES, duet_motion_get_count(motion));
     return duet_motion_get_poses(motion, poses->rows, &err) ? 1 : class_push_failure(L, &err);
 }
@@ -457,7 +457,7 @@ static int motion_poses(lua_State *L)
 static int motion_contacts(lua_State *L)
 {
     duet_error err = {0};
-    duet_motion *motion = check_motion(L);
+    duet_motion *motion = motion_check_lua(L);
     array *found = array_push_empty(L, ARRAY_CONTACTS);
     duet_contact *contacts = NULL;
     uint64_t n = 0;
@@ -470,7 +470,7 @@ static int motion_contacts(lua_State *L)
 static int motion_save(lua_State *L)
 {
     duet_error err = {0};
-    duet_motion *motion = check_motion(L);
+    duet_motion *motion = motion_check_lua(L);
     const char *path = luaL_checkstring(L, 2);
     policy_check_trusted(L, "saving a motion");
     return class_push_done(L, duet_motion_save(motion, path, &err), &err);
@@ -499,7 +499,7 @@ static const member effect_members[] = {
 static int motion_explain(lua_State *L)
 {
     duet_effect_info info = {0};
-    const duet_motion *motion = check_motion(L);
+    const duet_motion *motion = motion_check_lua(L);
     lua_newtable(L);
     for (uint32_t i = 0; duet_motion_explain(motion, i, &info); ++i) {
         member_push_table(L, effect_members, &info);
@@ -517,7 +517,7 @@ static const luaL_Reg methods[] = {
 static const luaL_Reg metas[] = {{"__len", motion_length}, {NULL, NULL}};
 static int motion_about(lua_State *L)
 {
-    const duet_motion *motion = check_motion(L);
+    const duet_motion *motion = motion_check_lua(L);
     uint32_t effects = duet_motion_get_effects(motion);
     const char *before = "";
     lua_pushfstring(L, "objects = %d, effects = { ", (int)duet_motion_get_count(motion));
@@ -534,7 +534,12 @@ static int motion_about(lua_State *L)
 }
 
 static const lua_class motion_class = {
-    .name = "duet.motion", .methods = methods, .metas = metas, .about = motion_about};
+    .name = "duet.motion",
+    .methods = methods,
+    .more_methods = motion_command_methods,
+    .metas = metas,
+    .about = motion_about,
+};
 
 void motion_open_lua(lua_State *L)
 {
@@ -543,4 +548,6 @@ void motion_open_lua(lua_State *L)
     class_open(L, &motion_class);
     class_open(L, &step_class);
     luaL_setfuncs(L, functions, 0);
+    lua_pushinteger(L, (lua_Integer)DUET_NO_BODY);
+    lua_setfield(L, -2, "NO_BODY");
 }

@@ -55,6 +55,9 @@ int box_query_create_lua(lua_State *L);
 int point_query_create_lua(lua_State *L);
 int sweep_query_create_lua(lua_State *L);
 
+duet_motion *motion_check_lua(lua_State *L);         // the one at 1
+extern const luaL_Reg motion_command_methods[]; // lua/motion_commands.c
+
 typedef struct world_box {
     duet_world *world;
     uint64_t steps;     // results of earlier ones no longer hold

@@ -29,7 +29,8 @@ typedef enum duet_effect {
     DUET_EFFECT_SLEEP = 1u << 11,           // what rests leaves the work
     DUET_EFFECT_SKIN = 1u << 12,            // the grid lasts until something leaves its skin
     DUET_EFFECT_EVENTS = 1u << 13,          // contacts that begin, stay and end, and hits
-    DUET_EFFECT_ALL = (1u << 14) - 1
+    DUET_EFFECT_FORCES = 1u << 14,          // commands push (duet_motion_commands.h)
+    DUET_EFFECT_ALL = (1u << 15) - 1
 } duet_effect;
 
 DUET_API const char *duet_effect_name(uint32_t effect); // one bit: "rotation"; NULL for others
@@ -171,19 +172,20 @@ DUET_API uint32_t duet_motion_get_count(const duet_motion *motion);
 // longer finite; the states are copied all the same.
 DUET_API bool duet_motion_get_states(duet_motion *motion, duet_state *states, duet_error *err);
 
-// Copies the states of the objects with these ids to states [n]; no others travel.
-// BAD_ARGUMENT names the first id that is none.
-DUET_API bool duet_motion_get_states_of(duet_motion *motion, const uint32_t *ids, uint32_t n,
+// Copies the states of the objects in these places, which are their ids where no body came or
+// went, to states [n]; no others travel. BAD_ARGUMENT names the first place that is none.
+DUET_API bool duet_motion_get_states_of(duet_motion *motion, const uint32_t *places, uint32_t n,
                                         duet_state *states, duet_error *err);
 
 typedef struct duet_moved {
-    const uint32_t *ids; // [n] ascending
+    const uint32_t *places; // [n] ascending
     const duet_state *states;
     uint32_t n;
 } duet_moved;
 
-// The objects whose centre or rotation changed since this was called last, all of them the
-// first time. Their memory is the motion's and lasts until the next call.
+// The objects whose centre or rotation changed since this was called last; all of them the
+// first time, and after bodies came or went. Their memory is the motion's and lasts until the
+// next call.
 DUET_API bool duet_motion_get_moved(duet_motion *motion, duet_moved *moved, duet_error *err);
 
 // A state from one step's to the next one's, for drawing: fraction 0 is from, and 1 is to.

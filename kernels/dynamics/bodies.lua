@@ -10,6 +10,7 @@ return {
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
     { "DRAG", values = { 0, 1 }, default = 0, about = "1: velocities decay" },
+    { "FORCES", values = { 0, 1 }, default = 0, about = "1: commands push" },
     { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
@@ -34,6 +35,7 @@ return {
       float4 gravity        if GRAVITY > 0
       const real4 *centres  if GRAVITY == 2
       float drag            if DRAG == 1
+      const float4 *forces  if FORCES == 1
       float h
     ]],
     finalize_bodies = [[

@@ -12,6 +12,7 @@ return {
     { "GYRO", values = { 0, 1 }, default = 0, about = "1: some have no isotropic inertia" },
     { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
     { "DRAG", values = { 0, 1 }, default = 0, about = "1: velocities decay" },
+    { "FORCES", values = { 0, 1 }, default = 0, about = "1: commands push" },
     { "BOUNDARY", values = { 0, 1, 2 }, default = 0, about = "1: walls, 2: periodic" },
     { "ORDER", values = { 1, 2, 4 }, default = 1, about = "of the integrator" },
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
@@ -26,7 +27,8 @@ return {
       real4 *velocities
       real4 *rotations           if ANGULAR_VELOCITY == 1
       real4 *angular_velocities  if ANGULAR_VELOCITY == 1
-      const float4 *inertias     if GYRO == 1
+      const float4 *inertias     if GYRO == 1 or FORCES == 1 and ANGULAR_VELOCITY == 1
+      const float4 *forces       if FORCES == 1
       real4 gravity              if GRAVITY > 0
       real4 drags                if DRAG == 1
       real4 lower                if BOUNDARY > 0

@@ -318,6 +318,16 @@ uint32_t grid_cell_row_of(const grid *g, const grid_objects *objects, uint32_t i
     return z * (uint32_t)level->cells.s[1] + cell_of(level, objects, id, 1);
 }
 
+// Bounds that end before they begin: bad ones, which no search takes.
+static bool is_left_out(const grid_objects *objects, uint32_t id)
+{
+    const duet_bounds *b = &((const duet_bounds *)objects->array)[id];
+    bool left_out = false;
+    for (uint32_t k = 0; objects->shape == DUET_SHAPE_BOUNDS && k < objects->dims; ++k)
+        left_out |= b->upper[k] < b->lower[k];
+    return left_out;
+}
+
 // The mean number of others in an object's cell of the finest level.
 static bool count_crowd(double *others, const grid *g, const grid_objects *objects, duet_error *err)
 {
@@ -328,7 +338,9 @@ static bool count_crowd(double *others, const grid *g, const grid_objects *objec
     if (!counts)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to count %zu cells", cells);
     for (uint32_t id = 0; id < objects->n; ++id)
-        ++counts[(size_t)grid_cell_row_of(g, objects, id) * nx + cell_of(level, objects, id, 0)];
+        if (!is_left_out(objects, id))
+            ++counts[(size_t)grid_cell_row_of(g, objects, id) * nx +
+                     cell_of(level, objects, id, 0)];
     double pairs = 0.0;
     for (size_t c = 0; c < cells; ++c)
         pairs += (double)counts[c] * ((double)counts[c] - 1.0);
@@ -456,12 +468,16 @@ static double widest_of_pose(const duet_pose *p, uint32_t dims)
     return scale * (dims == 3 ? greater(widest, rz) : widest);
 }
 
+// Below 0 where a corner lies before the other: no box.
 static double widest_of_bounds(const duet_bounds *b, uint32_t dims)
 {
-    double widest = 0.0;
-    for (uint32_t k = 0; k < dims; ++k)
-        widest = greater(widest, (double)b->upper[k] - (double)b->lower[k]);
-    return widest;
+    double widest = 0.0, narrowest = 0.0;
+    for (uint32_t k = 0; k < dims; ++k) {
+        double along = (double)b->upper[k] - (double)b->lower[k];
+        widest = greater(widest, along);
+        narrowest = lesser(narrowest, along);
+    }
+    return narrowest < 0.0 ? narrowest : widest;
 }
 
 size_t grid_object_bytes(const grid_objects *objects)

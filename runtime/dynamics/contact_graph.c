@@ -3,7 +3,7 @@
 // they had before.
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
-#include "runtime/dynamics/motion.h"
+#include "runtime/dynamics/motion_commands.h"
 
 #include <string.h>
 
@@ -68,11 +68,24 @@ static bool search_on_b(duet_motion *m, duet_result *result, duet_error *err)
     return ok;
 }
 
+// What is hidden is left out, and nothing else may be.
+static bool check_left_out(duet_motion *m, const duet_result *result, duet_error *err)
+{
+    uint32_t hidden = m->commands ? m->commands->n_hidden : 0;
+    return result->bad == hidden ||
+           (motion_check_states(m, err) &&
+            error_set(err, DUET_STATUS_BAD_OBJECT,
+                      "the bounds of %u objects of %u are not finite after step %llu",
+                      result->bad - hidden, m->n - hidden, (unsigned long long)m->step));
+}
+
 static bool find_pairs(duet_motion *m, duet_error *err)
 {
     duet_result result;
+    m->world->def.keep_bad = m->commands && m->commands->n_hidden > 0;
     bool ok =
         world_is_b_alone(m->world) ? search_on_b(m, &result, err) : search_on_both(m, &result, err);
+    ok = ok && check_left_out(m, &result, err);
     if (ok)
         timeline_add_host(&m->times, "pairs", result.total_ms);
     m->n_pairs = ok ? result.pairs : 0;
@@ -178,6 +191,7 @@ static bool build_graph(duet_motion *m, duet_error *err)
     buffer_swap(&b[COLOUR_OF], &b[OLD_COLOURS]);
     m->rebuilt = true;
     m->has_graph = true;
+    m->rows_stale = false;
     return compute_fat_aabbs(m, err) && find_pairs(m, err) && check_capacity(m, &most, err) &&
            count_rows(m, err) && fill_rows(m, most, err) && fill_returns(m, err) &&
            match_contacts(m, n_old, err);
@@ -187,7 +201,8 @@ bool motion_build_graph(duet_motion *m, duet_error *err)
 {
     m->rebuilt = false;
     bool holds = false;
-    if (m->has_graph && motion_has(m, DUET_EFFECT_SKIN) && !skin_holds(m, &holds, err))
+    bool skin = m->has_graph && !m->rows_stale && motion_has(m, DUET_EFFECT_SKIN);
+    if (skin && !skin_holds(m, &holds, err))
         return false;
     return holds || build_graph(m, err);
 }

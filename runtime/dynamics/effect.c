@@ -18,6 +18,8 @@ static const effect_row rows[] = {
      "integrate_free_flight, or bodies"},
     {DUET_EFFECT_GRAVITY, "gravity", DUET_EFFECT_MOTION, "gravity or attraction, and a mass",
      "gravity", "integrate_free_flight, bodies"},
+    {DUET_EFFECT_FORCES, "forces", DUET_EFFECT_MOTION, "wants", "forces",
+     "integrate_free_flight, bodies"},
     {DUET_EFFECT_DRAG, "drag", DUET_EFFECT_MOTION, "drag, and a mass that moves", "drag",
      "integrate_free_flight, bodies"},
     {DUET_EFFECT_BOUNDARY, "boundary", DUET_EFFECT_MOTION, "walls or a periodic world, and motion",
@@ -155,20 +157,11 @@ static bool is_called(uint32_t effect, const duet_motion_def *def, const effect_
     }
 }
 
-// Without a mass nothing is pushed, whatever is asked for.
-static uint32_t possible(uint32_t effects, const effect_facts *f)
-{
-    const uint32_t pushed = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FRICTION |
-                            DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP;
-    return f->massive ? effects : effects & ~pushed;
-}
-
 uint32_t effect_infer(const duet_motion_def *def, const effect_facts *facts)
 {
     uint32_t effects = 0;
-    uint32_t wants = possible(def->wants, facts);
     for (int i = 0; i < N_ROWS; ++i)
-        if ((wants & rows[i].effect) || is_called(rows[i].effect, def, facts, effects))
+        if ((def->wants & rows[i].effect) || is_called(rows[i].effect, def, facts, effects))
             effects |= rows[i].effect | rows[i].needs;
     // What a later row needs may call for an earlier one.
     for (int i = 0; i < N_ROWS; ++i)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "runtime/dynamics/motion.h"
+#include "runtime/dynamics/motion_commands.h"
 
 #include "base/error.h"
 #include "runtime/narrowphase/origin.h"
@@ -101,7 +101,7 @@ static bool check_origin(const duet_motion_def *def, duet_error *err)
                      "be doubles without them");
 }
 
-static bool check_def(const duet_motion_def *def, duet_error *err)
+bool motion_check_def(const duet_motion_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
@@ -149,7 +149,7 @@ static bool all_finite(const float *values, int n)
     return true;
 }
 
-static const char *pose_fault(const duet_pose *p, uint32_t dims)
+const char *motion_pose_fault(const duet_pose *p, uint32_t dims)
 {
     int n = (int)dims;
     const float *q = p->rotation;
@@ -164,7 +164,7 @@ static const char *pose_fault(const duet_pose *p, uint32_t dims)
     return norm > 0.0 ? NULL : "its rotation is zero";
 }
 
-static const char *body_fault(const duet_body *b)
+const char *motion_body_fault(const duet_body *b)
 {
     if (!all_finite(b->velocity, 3) || !all_finite(b->angular_velocity, 3))
         return "a velocity or angular velocity is not finite";
@@ -178,9 +178,9 @@ static const char *body_fault(const duet_body *b)
 static bool check_objects(const duet_motion *m, duet_error *err)
 {
     for (uint32_t id = 0; id < m->n; ++id) {
-        const char *fault = pose_fault(&m->poses[id], m->def.dims);
+        const char *fault = motion_pose_fault(&m->poses[id], m->def.dims);
         if (!fault)
-            fault = body_fault(&m->bodies[id]);
+            fault = motion_body_fault(&m->bodies[id]);
         if (fault)
             return error_set(err, DUET_STATUS_BAD_OBJECT, "object %u of %u: %s", id, m->n, fault);
     }
@@ -281,10 +281,9 @@ static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_large
 
 static bool check_count(const duet_pose *poses, uint32_t n, duet_error *err)
 {
-    const uint32_t most = UINT32_MAX - 2 - MOTION_WALLS;
-    if (n > most)
+    if (n > MOTION_MOST)
         return error_set(err, DUET_STATUS_TOO_MANY, "%u objects; a motion holds at most %u", n,
-                         most);
+                         MOTION_MOST);
     return n == 0 || error_given(poses, "duet_motion_create", "poses", err);
 }
 
@@ -292,7 +291,7 @@ duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
                            const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
                            duet_error *err)
 {
-    if (!check_def(def, err) || !check_count(poses, n, err))
+    if (!motion_check_def(def, err) || !check_count(poses, n, err))
         return NULL;
     duet_motion *m = calloc(1, sizeof *m);
     if (!m) {
@@ -331,6 +330,7 @@ void duet_motion_destroy(duet_motion *m)
     free(m->bodies);
     motion_free_events(&m->told);
     motion_free_reading(&m->reading);
+    motion_forget_commands(m->commands);
     duet_device_pair_destroy(m->def.pair);
     free(m);
 }

@@ -15,6 +15,8 @@
 
 enum { MOTION_WALLS = 6 };
 
+#define MOTION_MOST (UINT32_MAX - 2 - MOTION_WALLS) // objects
+
 // Contacts are kept while a separation is below this many slops.
 enum { MOTION_SLOPS = 4 };
 
@@ -35,6 +37,7 @@ typedef enum motion_buffer {
     FILTERS,
     RESTS,
     ASLEEP,
+    FORCES,
     BODIES,
     BOXES,
     STARTS,
@@ -133,6 +136,9 @@ typedef struct colour_span {
     cl_uint spare;
 } colour_span;
 
+// What commands (runtime/duet_motion_commands.h) leave behind.
+typedef struct motion_commands motion_commands;
+
 struct duet_motion {
     duet_motion_def def;
     uint32_t effects;
@@ -150,6 +156,7 @@ struct duet_motion {
     scan scan;
     radix_sort radix;
     timeline times;
+    motion_commands *commands; // NULL before the first
     buffer buffers[MOTION_BUFFERS];
     duet_world *world; // of bounds; NULL without contact
     double margin;     // contacts are kept to that far apart
@@ -161,6 +168,7 @@ struct duet_motion {
     uint32_t n_blocks;
     uint64_t n_pairs;
     bool has_graph;
+    bool rows_stale;     // they are not of the bodies that there are
     bool bounds_checked; // since something moved, against the bounds that rows are made of
     bool list_stale;     // the list by colour is not that of the contacts
     bool recoloured;     // some contacts had another colour in the last step
@@ -196,8 +204,14 @@ bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err);
 // A kernel with what the scene says of its parameters, once it is built.
 bool motion_ask(duet_motion *m, kernel **at, const char *name, const char *entry, duet_error *err);
 
-// Generates and builds what the effects need.
+// What is wrong with a pose, a body or a def; a def's fault is told by err.
+const char *motion_pose_fault(const duet_pose *pose, uint32_t dims);
+const char *motion_body_fault(const duet_body *body);
+bool motion_check_def(const duet_motion_def *def, duet_error *err);
+
+// Generates and builds what the effects need; again: for facts that have changed.
 bool motion_prepare(duet_motion *m, duet_error *err);
+bool motion_prepare_again(duet_motion *m, duet_error *err);
 
 // Puts poses and bodies into B's buffers, and 0 into what they lack.
 bool motion_reset(duet_motion *m, duet_error *err);
@@ -208,6 +222,23 @@ void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state);
 // 32-bit words of state that an object has in a buffer; 0: not by object, or
 // not called for.
 uint32_t motion_words(const duet_motion *m, motion_buffer which);
+
+// Puts what poses and bodies say of some objects into B's buffers.
+enum motion_part {
+    PART_POSE = 1 << 0, // centre and rotation
+    PART_SIZE = 1 << 1,
+    PART_VELOCITY = 1 << 2,
+    PART_ANGULAR_VELOCITY = 1 << 3,
+    PART_MASS = 1 << 4,
+    PART_SURFACE = 1 << 5, // restitution and friction
+    PART_FILTER = 1 << 6,
+    PART_ALL = (1 << 7) - 1
+};
+bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t parts,
+                        duet_error *err);
+
+// Space for the n objects that there are, of which old_n had it; the others' state is 0.
+bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
 
 // Where objects may touch: pairs to rows, rows to contacts, contacts to colours.
 bool motion_build_graph(duet_motion *m, duet_error *err);
@@ -229,5 +260,8 @@ bool motion_read_flags(duet_motion *m, duet_error *err);
 
 // Space for n elements of `size` bytes in a buffer.
 bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err);
+
+// BAD_OBJECT where a number of the state is no longer finite.
+bool motion_check_states(duet_motion *m, duet_error *err);
 
 #endif

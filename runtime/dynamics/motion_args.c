@@ -20,6 +20,7 @@ const binding motion_bindings[] = {
     BUFFER(FILTERS, "filters", "uint2 *"),
     BUFFER(RESTS, "rests", "float *"),
     BUFFER(ASLEEP, "asleep", "uint *"),
+    BUFFER(FORCES, "forces", "float4 *"),
     BUFFER(BODIES, "bodies", "float4 *"),
     BUFFER(BOXES, "boxes", "float *"),
     BUFFER(STARTS, "starts", "uint *"),

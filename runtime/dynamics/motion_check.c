@@ -2,6 +2,7 @@
 #include "runtime/dynamics/motion_check.h"
 
 #include "base/error.h"
+#include "runtime/dynamics/motion_commands.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -38,6 +39,11 @@ static bool bad_contact(const motion_saved *s, uint32_t i, const char *what, due
 
 // ---------------------------------------------------------------- objects
 
+static bool moves(const duet_motion *m, uint32_t id)
+{
+    return id < m->n && m->bodies[id].mass > 0.0f && !motion_is_hidden(m, id);
+}
+
 static bool are_finite(const duet_motion *m, const motion_saved *s, uint32_t id)
 {
     static const motion_buffer reals[] = {CENTRES, VELOCITIES, ROTATIONS, ANGULAR_VELOCITIES};
@@ -51,7 +57,7 @@ static bool are_finite(const duet_motion *m, const motion_saved *s, uint32_t id)
 static bool has_right_mass(const duet_motion *m, const motion_saved *s, uint32_t id)
 {
     float mass = m->bodies[id].mass;
-    double right = mass > 0.0f ? 1.0 / (double)mass : 0.0;
+    double right = moves(m, id) ? 1.0 / (double)mass : 0.0;
     double saved = real_of(m, s, VELOCITIES, 4 * (size_t)id + 3);
     return saved == (m->def.doubles ? right : (double)(float)right);
 }
@@ -81,18 +87,21 @@ static bool is_in_cell(const duet_motion *m, const motion_saved *s, uint32_t id)
 static bool has_box(const duet_motion *m, const motion_saved *s, uint32_t id)
 {
     const float *boxes = floats_of(s, BOXES);
+    bool empty = s->rows_stale || motion_is_hidden(m, id);
     for (uint32_t k = 0; boxes && k < 3; ++k) {
         float lower = boxes[6 * (size_t)id + k], upper = boxes[6 * (size_t)id + 3 + k];
-        if (!isfinite(lower) || !isfinite(upper) || (k < m->def.dims && lower > upper))
+        if (!isfinite(lower) || !isfinite(upper) || (!empty && k < m->def.dims && lower > upper))
             return false;
     }
     return true;
 }
 
-static bool has_rest(const motion_saved *s, uint32_t id)
+// Below 0: a command changed something without mass.
+static bool has_rest(const duet_motion *m, const motion_saved *s, uint32_t id)
 {
     const float *rests = floats_of(s, RESTS);
-    return !rests || (isfinite(rests[id]) && rests[id] >= 0.0f);
+    return !rests ||
+           (isfinite(rests[id]) && (rests[id] >= 0.0f || (rests[id] == -1.0f && !moves(m, id))));
 }
 
 static bool check_object(const duet_motion *m, const motion_saved *s, uint32_t id, duet_error *err)
@@ -107,7 +116,7 @@ static bool check_object(const duet_motion *m, const motion_saved *s, uint32_t i
         return bad_object(s, id, "it is at no place of its origin cell", err);
     if (!has_box(m, s, id))
         return bad_object(s, id, "its bounds are not finite or not rising", err);
-    if (!has_rest(s, id))
+    if (!has_rest(m, s, id))
         return bad_object(s, id, "its time at rest is not finite or below 0", err);
     if (s->at[ASLEEP] && words_of(s, ASLEEP)[id] > (SLEEPS | WOKE))
         return bad_object(s, id, "whether it sleeps is said by no such word", err);
@@ -142,11 +151,6 @@ static bool check_starts(const duet_motion *m, const motion_saved *s, motion_buf
                            "%s: the saved motion's rows do not rise from 0 to the %u that there "
                            "are",
                            s->path, last);
-}
-
-static bool moves(const duet_motion *m, uint32_t id)
-{
-    return id < m->n && m->bodies[id].mass > 0.0f;
 }
 
 static bool may_touch(const duet_motion *m, uint32_t a, uint32_t b)
@@ -263,7 +267,19 @@ static bool check_returns(const duet_motion *m, const motion_saved *s, uint32_t 
                                           s->path, starts[m->n], n);
 }
 
-static bool check_contacts(const duet_motion *m, const motion_saved *s, duet_error *err)
+// That links, from which contacts are taken over, are of objects that there are.
+static bool check_links(const duet_motion *m, const motion_saved *s, duet_error *err)
+{
+    const uint32_t *links = words_of(s, LINKS);
+    for (uint32_t i = 0; i < s->n_contacts; ++i)
+        if (links[2 * (size_t)i] >= m->n || links[2 * (size_t)i + 1] >= m->n + 2 * m->def.dims ||
+            links[2 * (size_t)i] == links[2 * (size_t)i + 1])
+            return bad_contact(s, i, "its objects cannot touch", err);
+    return true;
+}
+
+static bool check_rows(const duet_motion *m, const motion_saved *s, uint32_t *places,
+                       duet_error *err)
 {
     uint32_t n_returns = words_of(s, RETURN_STARTS)[m->n];
     bool ok = check_starts(m, s, STARTS, s->n_contacts, err) &&
@@ -271,13 +287,18 @@ static bool check_contacts(const duet_motion *m, const motion_saved *s, duet_err
                            n_returns < s->n_contacts ? n_returns : s->n_contacts, err);
     for (uint32_t id = 0; ok && id < m->n; ++id)
         ok = check_row(m, s, id, err);
-    for (uint32_t i = 0; ok && i < s->n_contacts; ++i)
-        ok = check_contact(m, s, i, err);
+    return ok && check_returns(m, s, places, err);
+}
+
+static bool check_contacts(const duet_motion *m, const motion_saved *s, duet_error *err)
+{
     uint32_t *words = calloc((size_t)m->n + 1, 2 * sizeof *words);
     if (!words)
         return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u rows", s->path, m->n);
-    ok = ok && check_returns(m, s, words, err) &&
-         (!s->at[COLOUR_OF] || check_colours(m, s, words + m->n, err));
+    bool ok = s->rows_stale ? check_links(m, s, err) : check_rows(m, s, words, err);
+    for (uint32_t i = 0; ok && i < s->n_contacts; ++i)
+        ok = check_contact(m, s, i, err);
+    ok = ok && (!s->at[COLOUR_OF] || check_colours(m, s, words + m->n, err));
     free(words);
     return ok;
 }

@@ -2,6 +2,7 @@
 // A motion as a file: what it is, and all that its next step reads. A sum at
 // the end tells a damaged file.
 #include "runtime/dynamics/motion_check.h"
+#include "runtime/dynamics/motion_file_commands.h"
 
 #include "base/error.h"
 #include "base/text.h"
@@ -27,7 +28,9 @@ typedef struct header {
 // What follows is read where it lies, doubles first.
 static_assert(sizeof(header) % sizeof(double) == 0, "doubles would lie askew");
 
+// Commands have a part of their own, in files of motions that got some.
 static const char magic[16] = "duet motion 2\n";
+static const char magic_commands[16] = "duet motion 3\n";
 
 // By object first, then by contact. Rows are kept for those that sleep and for
 // skins.
@@ -71,7 +74,7 @@ static header header_of(const duet_motion *m)
                 .origin_edge = m->def.origin_edge,
                 .step = m->step,
                 .n_pairs = m->n_pairs};
-    memcpy(h.magic, magic, sizeof magic);
+    memcpy(h.magic, m->commands ? magic_commands : magic, sizeof magic);
     return h;
 }
 
@@ -89,6 +92,7 @@ static motion_saved parts_of(const duet_motion *m, const header *h, const char *
     motion_saved s = {.path = path,
                       .n_contacts = h->n_contacts,
                       .has_graph = h->has_graph,
+                      .rows_stale = m->rows_stale,
                       .n_pairs = h->n_pairs};
     const char *at = bytes + sizeof *h;
     for (int i = 0; i < N_KEPT; ++i) {
@@ -138,7 +142,8 @@ bool duet_motion_save(duet_motion *m, const char *path, duet_error *err)
         ok = add_buffer(m, kept[i], &file, err);
     if (ok && text_ok(&file, err)) {
         motion_saved parts = parts_of(m, &h, file.chars, path);
-        ok = motion_check(m, &parts, err) && write_file(&file, path, err);
+        ok = motion_check(m, &parts, err) &&
+             (!m->commands || motion_add_commands(m, &file, err)) && write_file(&file, path, err);
     } else {
         ok = false;
     }
@@ -171,23 +176,43 @@ static bool check_header(const duet_motion *m, const header *h, const char *path
                      (double)h->origin_edge, (double)m->def.origin_edge);
 }
 
-static bool check_file(const duet_motion *m, const text *file, const char *path, header *h,
+// Bytes of the header and the buffers.
+static size_t kept_bytes(const duet_motion *m, const header *h)
+{
+    size_t bytes = sizeof *h;
+    for (int i = 0; i < N_KEPT; ++i)
+        bytes += bytes_of(m, kept[i], h->n_contacts);
+    return bytes;
+}
+
+static bool has_commands(const header *h)
+{
+    return memcmp(h->magic, magic_commands, sizeof magic_commands) == 0;
+}
+
+static bool read_header(const text *file, const char *path, header *h, duet_error *err)
+{
+    *h = (header){.n = 0};
+    if (file->length >= sizeof *h + sizeof(uint64_t))
+        memcpy(h, file->chars, sizeof *h);
+    return has_commands(h) || memcmp(h->magic, magic, sizeof magic) == 0 ||
+           error_set(err, DUET_STATUS_BAD_INPUT, "%s: not a saved motion", path);
+}
+
+// m has as many objects as the file's commands say.
+static bool check_file(const duet_motion *m, const text *file, const char *path, const header *h,
                        duet_error *err)
 {
-    uint64_t sum = 0;
-    size_t whole = sizeof *h + sizeof sum;
-    if (file->length < whole || memcmp(file->chars, magic, sizeof magic) != 0)
-        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: not a saved motion", path);
-    memcpy(h, file->chars, sizeof *h);
-    memcpy(&sum, file->chars + file->length - sizeof sum, sizeof sum);
     if (!check_header(m, h, path, err))
         return false;
-    for (int i = 0; i < N_KEPT; ++i)
-        whole += bytes_of(m, kept[i], h->n_contacts);
-    if (file->length != whole || sum != sum_of(file->chars, file->length - sizeof sum))
-        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion is cut short or damaged",
-                         path);
-    return true;
+    uint64_t sum = 0;
+    size_t end = file->length - sizeof sum, whole = kept_bytes(m, h);
+    memcpy(&sum, file->chars + end, sizeof sum);
+    if (has_commands(h) && whole < end)
+        whole += motion_commands_size(file->chars + whole, end - whole, h->n);
+    return (end == whole && sum == sum_of(file->chars, end)) ||
+           error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion is cut short or damaged",
+                     path);
 }
 
 // As large as the motion's own, and space for the record after the last, as rows that
@@ -236,19 +261,42 @@ static bool replace_all(duet_motion *m, const motion_saved *s, duet_error *err)
     return ok;
 }
 
+static bool put_parts(duet_motion *m, const text *file, const char *path, const header *h,
+                      duet_error *err)
+{
+    motion_saved parts = parts_of(m, h, file->chars, path);
+    return motion_check(m, &parts, err) && timeline_finish(&m->times, err) &&
+           replace_all(m, &parts, err);
+}
+
+// Into a motion of other objects than the file's, beside it first.
+static bool replace_objects(duet_motion *m, const text *file, const char *path, const header *h,
+                            duet_error *err)
+{
+    duet_motion as = *m;
+    as.n = has_commands(h) ? h->n : m->commands->given.n;
+    if (!timeline_finish(&m->times, err) || !check_file(&as, file, path, h, err))
+        return false;
+    const char *commands = has_commands(h) ? file->chars + kept_bytes(&as, h) : NULL;
+    bool ok = motion_take_commands(&as, commands, path, err) && put_parts(&as, file, path, h, err);
+    if (ok)
+        motion_adopt(m, &as);
+    else
+        motion_forget_copy(&as);
+    return ok;
+}
+
 bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
 {
     if (!error_given(m, __func__, "motion", err) || !error_given(path, __func__, "path", err))
         return false;
     text file = {0};
     header h;
-    motion_saved parts = {0};
-    bool ok = text_read_file(&file, path, err) && check_file(m, &file, path, &h, err);
-    if (ok) {
-        parts = parts_of(m, &h, file.chars, path);
-        ok = motion_check(m, &parts, err) && timeline_finish(&m->times, err) &&
-             replace_all(m, &parts, err);
-    }
+    bool ok = text_read_file(&file, path, err) && read_header(&file, path, &h, err);
+    if (ok && (has_commands(&h) || m->commands))
+        ok = replace_objects(m, &file, path, &h, err);
+    else
+        ok = ok && check_file(m, &file, path, &h, err) && put_parts(m, &file, path, &h, err);
     text_free(&file);
     if (!ok)
         return false;

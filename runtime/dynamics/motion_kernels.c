@@ -59,6 +59,7 @@ static bool gather(duet_motion *m, const char *name, gen_setting settings[MOST_P
         {"GYRO", gyro},
         {"GRAVITY", gravity_kind(m)},
         {"DRAG", has(m, DUET_EFFECT_DRAG)},
+        {"FORCES", has(m, DUET_EFFECT_FORCES)},
         {"BOUNDARY", boundary_kind(m)},
         {"CONTACT_RESPONSE", has(m, DUET_EFFECT_CONTACT_RESPONSE)},
         {"FRICTION", has(m, DUET_EFFECT_FRICTION)},
@@ -108,7 +109,7 @@ static motion_layout lay_out(const duet_motion *m)
     return l;
 }
 
-bool motion_prepare(duet_motion *m, duet_error *err)
+static bool choose_kernels(duet_motion *m, duet_error *err)
 {
     motion_kernels *k = &m->kernels;
     bool contact = motion_has(m, DUET_EFFECT_CONTACT);
@@ -150,11 +151,23 @@ bool motion_prepare(duet_motion *m, duet_error *err)
     for (size_t i = 0; i < sizeof list / sizeof list[0]; ++i)
         if (list[i].wanted && !motion_ask(m, list[i].at, list[i].name, list[i].entry, err))
             return false;
-    if (contact && !scan_open(&m->scan, m->device, m->programs, NULL, 0, err))
-        return false;
-    if (response && !radix_sort_open(&m->radix, m->device, m->programs, &m->scan, NULL, 0, err))
-        return false;
     if (response)
         m->layout.block = (uint32_t)kernel_param(k->solve_contacts, "BLOCK");
-    return program_set_build(m->programs, err);
+    return true;
+}
+
+bool motion_prepare(duet_motion *m, duet_error *err)
+{
+    bool contact = motion_has(m, DUET_EFFECT_CONTACT);
+    bool response = motion_has(m, DUET_EFFECT_CONTACT_RESPONSE);
+    return choose_kernels(m, err) &&
+           (!contact || scan_open(&m->scan, m->device, m->programs, NULL, 0, err)) &&
+           (!response ||
+            radix_sort_open(&m->radix, m->device, m->programs, &m->scan, NULL, 0, err)) &&
+           program_set_build(m->programs, err);
+}
+
+bool motion_prepare_again(duet_motion *m, duet_error *err)
+{
+    return choose_kernels(m, err) && program_set_build(m->programs, err);
 }

@@ -122,18 +122,18 @@ static bool fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_s
     return ok && check_finite(m, ids, n, states, err);
 }
 
-bool duet_motion_get_states_of(duet_motion *m, const uint32_t *ids, uint32_t n, duet_state *states,
+bool duet_motion_get_states_of(duet_motion *m, const uint32_t *places, uint32_t n, duet_state *states,
                                duet_error *err)
 {
     if (!motion_is_whole(m, __func__, err) ||
-        (n > 0 && (!error_given(ids, __func__, "ids", err) ||
+        (n > 0 && (!error_given(places, __func__, "places", err) ||
                    !error_given(states, __func__, "states", err))))
         return false;
     for (uint32_t i = 0; i < n; ++i)
-        if (ids[i] >= m->n)
+        if (places[i] >= m->n)
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "id %u, in row %u; expected one below %u", ids[i], i, m->n);
-    return fetch_states(m, ids, n, states, err);
+                             "place %u, in row %u; expected one below %u", places[i], i, m->n);
+    return fetch_states(m, places, n, states, err);
 }
 
 // ---------------------------------------------------------------- what moved
@@ -202,7 +202,7 @@ static bool read_moved(duet_motion *m, uint32_t *words, duet_moved *moved, duet_
     uint32_t n = ok ? list_moved(m, words) : 0;
     ok = ok && fetch_states(m, r->ids, n, r->states, err);
     r->begun = ok;
-    *moved = (duet_moved){.ids = r->ids, .states = r->states, .n = n};
+    *moved = (duet_moved){.places = r->ids, .states = r->states, .n = n};
     return ok;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The state of a motion: onto B, back, and sums over it.
-#include "runtime/dynamics/motion.h"
+#include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_rows.h"
+#include "runtime/dynamics/vector.h"
 
 #include "base/error.h"
 
@@ -26,6 +28,7 @@ static const struct {
     [FILTERS] = {DUET_EFFECT_FILTER, 0, 2},
     [RESTS] = {DUET_EFFECT_SLEEP, 0, 1},
     [ASLEEP] = {DUET_EFFECT_SLEEP, 0, 1},
+    [FORCES] = {DUET_EFFECT_FORCES, 0, 8},
     [BOXES] = {DUET_EFFECT_CONTACT, 0, 6},
     [STARTS] = {DUET_EFFECT_CONTACT, 0, 1},
     [RETURN_STARTS] = {DUET_EFFECT_CONTACT, 0, 1},
@@ -63,6 +66,8 @@ static entry velocity_of(const duet_motion *m, uint32_t id)
 {
     const duet_body *b = &m->bodies[id];
     double z = m->def.dims == 3 ? b->velocity[2] : 0.0;
+    if (motion_is_hidden(m, id))
+        return (entry){{0}};
     return (entry){{b->velocity[0], b->velocity[1], z, b->mass > 0.0f ? 1.0 / b->mass : 0.0}};
 }
 
@@ -79,6 +84,8 @@ static entry angular_velocity_of(const duet_motion *m, uint32_t id)
 {
     const float *w = m->bodies[id].angular_velocity;
     bool solid = m->def.dims == 3;
+    if (motion_is_hidden(m, id))
+        return (entry){{0}};
     return (entry){{solid ? w[0] : 0.0, solid ? w[1] : 0.0, w[2]}};
 }
 
@@ -92,7 +99,8 @@ static entry inertia_of(const duet_motion *m, uint32_t id)
 {
     const float *h = m->poses[id].half_extents;
     const duet_body *b = &m->bodies[id];
-    double third = b->fixed_rotation ? 0.0 : (double)b->mass / 3.0;
+    bool fixed = b->fixed_rotation || motion_is_hidden(m, id);
+    double third = fixed ? 0.0 : (double)b->mass / 3.0;
     double xx = (double)h[0] * h[0], yy = (double)h[1] * h[1], zz = (double)h[2] * h[2];
     if (m->def.dims == 2)
         return (entry){{0.0, 0.0, inverse_of(third * (xx + yy))}};
@@ -100,8 +108,12 @@ static entry inertia_of(const duet_motion *m, uint32_t id)
                     inverse_of(third * (xx + yy))}};
 }
 
+// Bounds of what is hidden end before they begin, and no search takes such ones.
 static entry half_of(const duet_motion *m, uint32_t id)
 {
+    const double hidden = -1e18;
+    if (motion_is_hidden(m, id))
+        return (entry){{hidden, hidden, m->def.dims == 3 ? hidden : 0.0}};
     const float *h = m->poses[id].half_extents;
     return (entry){{h[0], h[1], m->def.dims == 3 ? h[2] : 0.0}};
 }
@@ -173,19 +185,30 @@ static bool reserve_all(duet_motion *m, duet_error *err)
     return ok;
 }
 
+// What is sent, and the numbers of an entry that each part has.
+static const struct {
+    motion_buffer which;
+    entry (*of)(const duet_motion *, uint32_t);
+    uint32_t parts;
+    uint32_t from, to;
+} sent[] = {
+    {CENTRES, centre_of, PART_POSE, 0, 4},
+    {VELOCITIES, velocity_of, PART_VELOCITY, 0, 3},
+    {VELOCITIES, velocity_of, PART_MASS, 3, 4},
+    {ROTATIONS, rotation_of, PART_POSE, 0, 4},
+    {ANGULAR_VELOCITIES, angular_velocity_of, PART_ANGULAR_VELOCITY, 0, 4},
+    {INERTIAS, inertia_of, PART_MASS | PART_SIZE, 0, 4},
+    {HALVES, half_of, PART_SIZE, 0, 4},
+    {RESTITUTIONS, restitution_of, PART_SURFACE, 0, 1},
+    {FRICTIONS, friction_of, PART_SURFACE, 0, 1},
+};
+
 bool motion_reset(duet_motion *m, duet_error *err)
 {
-    static const struct {
-        motion_buffer which;
-        entry (*of)(const duet_motion *, uint32_t);
-    } sent[] = {
-        {CENTRES, centre_of},           {VELOCITIES, velocity_of},
-        {ROTATIONS, rotation_of},       {ANGULAR_VELOCITIES, angular_velocity_of},
-        {INERTIAS, inertia_of},         {HALVES, half_of},
-        {RESTITUTIONS, restitution_of}, {FRICTIONS, friction_of},
-    };
     bool ok = reserve_all(m, err);
     for (size_t i = 0; ok && i < sizeof sent / sizeof sent[0]; ++i) {
+        if (sent[i].from > 0)
+            continue;
         motion_buffer which = sent[i].which;
         if (motion_words(m, which) == 0)
             continue;
@@ -197,6 +220,104 @@ bool motion_reset(duet_motion *m, duet_error *err)
     if (ok && m->cells)
         ok = timeline_write(&m->times, "send", &m->buffers[CELLS], m->cells,
                             m->n * sizeof *m->cells, err);
+    return ok && timeline_finish(&m->times, err);
+}
+
+// ---------------------------------------------------------------- some objects
+
+static bool send_some_cells(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
+{
+    uint32_t first, last;
+    motion_rows rows;
+    motion_span_of(places, n, &first, &last);
+    if (!motion_rows_open(m, CELLS, first, last, 4, false, &rows, err))
+        return false;
+    for (uint32_t i = 0; i < n; ++i)
+        memcpy(motion_row(&rows, places[i]), &m->cells[places[i]], sizeof *m->cells);
+    return motion_rows_close(m, &rows, err);
+}
+
+static bool send_some_filters(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
+{
+    uint32_t first, last;
+    motion_rows rows;
+    motion_span_of(places, n, &first, &last);
+    if (!motion_rows_open(m, FILTERS, first, last, 2, false, &rows, err))
+        return false;
+    for (uint32_t i = 0; i < n; ++i) {
+        const duet_body *b = &m->bodies[places[i]];
+        const uint32_t filter[2] = {b->group, b->mask};
+        memcpy(motion_row(&rows, places[i]), filter, sizeof filter);
+    }
+    return motion_rows_close(m, &rows, err);
+}
+
+static bool send_some(duet_motion *m, const uint32_t *places, uint32_t n, size_t what,
+                      duet_error *err)
+{
+    motion_buffer which = sent[what].which;
+    uint32_t first, last;
+    motion_rows rows;
+    motion_span_of(places, n, &first, &last);
+    if (!motion_rows_open(m, which, first, last, by_object[which].reals + by_object[which].words,
+                          by_object[which].reals > 0, &rows, err))
+        return false;
+    for (uint32_t i = 0; i < n; ++i) {
+        entry e = sent[what].of(m, places[i]);
+        for (uint32_t k = sent[what].from; k < sent[what].to; ++k)
+            motion_row_set(&rows, places[i], k, e.at[k]);
+    }
+    return motion_rows_close(m, &rows, err);
+}
+
+bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t parts,
+                        duet_error *err)
+{
+    bool ok = true;
+    if (n == 0)
+        return true;
+    for (size_t i = 0; ok && i < sizeof sent / sizeof sent[0]; ++i)
+        if ((parts & sent[i].parts) && motion_words(m, sent[i].which) > 0)
+            ok = send_some(m, places, n, i, err);
+    return ok && (!(parts & PART_POSE) || !m->cells || send_some_cells(m, places, n, err)) &&
+           (!(parts & PART_FILTER) || !motion_has(m, DUET_EFFECT_FILTER) ||
+            send_some_filters(m, places, n, err));
+}
+
+// A buffer of more rows that keeps what it has; new rows are 0.
+static bool grow(duet_motion *m, motion_buffer which, uint32_t old_n, duet_error *err)
+{
+    size_t words = motion_words(m, which), row = words * sizeof(uint32_t);
+    size_t kept = old_n * row, bytes = ((size_t)m->n + MOTION_WALLS) * row;
+    buffer *b = &m->buffers[which];
+    buffer fresh = {0};
+    if (b->bytes < bytes) {
+        size_t roomy = bytes + bytes / 4;
+        if (!buffer_reserve(&fresh, m->device,
+                            roomy <= m->device->info.max_buffer_bytes ? roomy : bytes, err))
+            return false;
+        cl_int code = kept == 0 ? CL_SUCCESS
+                                : clEnqueueCopyBuffer(m->device->queue, b->mem, fresh.mem, 0, 0,
+                                                      kept, 0, NULL, NULL);
+        if (code == CL_SUCCESS)
+            code = clFinish(m->device->queue);
+        if (code != CL_SUCCESS) {
+            buffer_release(&fresh);
+            return error_set_cl(err, code, "%s: copying %zu bytes", m->device->info.selector, kept);
+        }
+        buffer_swap(b, &fresh);
+        buffer_release(&fresh);
+    }
+    return timeline_fill(&m->times, "clear", b, 0, old_n * words,
+                         ((size_t)m->n + MOTION_WALLS) * words, err);
+}
+
+bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err)
+{
+    bool ok = true;
+    for (int which = 0; ok && which < MOTION_BUFFERS; ++which)
+        if (motion_words(m, (motion_buffer)which) > 0)
+            ok = grow(m, (motion_buffer)which, old_n, err);
     return ok && timeline_finish(&m->times, err);
 }
 
@@ -310,6 +431,13 @@ static duet_state *read_states(duet_motion *m, duet_error *err)
     return NULL;
 }
 
+bool motion_check_states(duet_motion *m, duet_error *err)
+{
+    duet_state *states = read_states(m, err);
+    free(states);
+    return states;
+}
+
 // -0 counts as 0: which of the two a sum of nothing is does not matter.
 static uint64_t mix(uint64_t sum, double value, uint64_t place)
 {
@@ -339,18 +467,6 @@ bool duet_motion_get_hash(duet_motion *m, uint64_t *hash, duet_error *err)
     return true;
 }
 
-static void cross(const double a[3], const double b[3], double c[3])
-{
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 // Axis k of a box turned by q, |q| = 1.
 static void axis_of(const double q[4], int k, double axis[3])
 {
@@ -368,9 +484,9 @@ static double potential_of(const duet_motion_def *def, const duet_state *s, doub
     if (def->attraction != 0.0) {
         double to[3] = {def->centre[0] - s->centre[0], def->centre[1] - s->centre[1],
                         def->dims == 3 ? def->centre[2] - s->centre[2] : 0.0};
-        return -mass * def->attraction / sqrt(dot(to, to));
+        return -mass * def->attraction / sqrt(vector_dot(to, to, 3));
     }
-    return -mass * dot(def->gravity, s->centre);
+    return -mass * vector_dot(def->gravity, s->centre, 3);
 }
 
 static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, duet_energy *e)
@@ -378,8 +494,8 @@ static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, d
     double mass = m->bodies[id].mass;
     entry inverse = inertia_of(m, id);
     double swing[3];
-    cross(s->centre, s->velocity, swing);
-    e->kinetic += 0.5 * mass * dot(s->velocity, s->velocity);
+    vector_cross(s->centre, s->velocity, swing);
+    e->kinetic += 0.5 * mass * vector_dot(s->velocity, s->velocity, 3);
     if (motion_has(m, DUET_EFFECT_GRAVITY))
         e->potential += potential_of(&m->def, s, mass);
     for (int k = 0; k < 3; ++k) {
@@ -389,7 +505,7 @@ static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, d
     for (int k = 0; k < 3; ++k) {
         double axis[3];
         axis_of(s->rotation, k, axis);
-        double along = dot(axis, s->angular_velocity);
+        double along = vector_dot(axis, s->angular_velocity, 3);
         double inertia = inverse.at[k] > 0.0 ? 1.0 / inverse.at[k] : 0.0;
         e->turning += 0.5 * inertia * along * along;
         for (int j = 0; j < 3; ++j)
@@ -406,7 +522,7 @@ bool duet_motion_get_energy(duet_motion *m, duet_energy *energy, duet_error *err
         return false;
     *energy = (duet_energy){0};
     for (uint32_t id = 0; id < m->n; ++id)
-        if (m->bodies[id].mass > 0.0f)
+        if (m->bodies[id].mass > 0.0f && !motion_is_hidden(m, id))
             add_object(m, id, &states[id], energy);
     free(states);
     return true;

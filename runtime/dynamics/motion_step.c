@@ -4,7 +4,7 @@
 // Without response each object flies free, and where it then touches is looked
 // at afterwards. With response the contacts of the step's beginning are solved
 // in substeps.
-#include "runtime/dynamics/motion.h"
+#include "runtime/dynamics/motion_commands.h"
 
 #include "base/budget.h"
 #include "base/clock.h"
@@ -186,7 +186,7 @@ bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error 
     uint64_t begun = clock_steady_ns();
     timeline_begin(&m->times, m->device);
     m->rebuilt = false;
-    bool ok = run_step(m, err);
+    bool ok = run_step(m, err) && (!m->commands || motion_end_commands(m, err));
     m->broken = !ok;
     if (!ok) {
         timeline_clear(&m->times);

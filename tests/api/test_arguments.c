@@ -575,6 +575,46 @@ static void keep_motion(void)
     REFUSES(duet_motion_load(motion, NULL, e));
 }
 
+static void command_motion(void)
+{
+    const duet_body_list all = {.n = 1};
+    const duet_body body = duet_default_body();
+    const duet_transform transform = {.rotation = {0, 0, 0, 1}};
+    const duet_force force = {0};
+    const duet_impulse impulse = {0};
+    uint64_t ids[1] = {0};
+    REFUSES(duet_motion_add_bodies(NULL, &pose, NULL, 1, ids, e));
+    REFUSES(duet_motion_add_bodies(motion, NULL, NULL, 1, ids, e));
+    REFUSES(duet_motion_remove_bodies(NULL, all, e));
+    REFUSES(duet_motion_disable_bodies(NULL, all, e));
+    REFUSES(duet_motion_enable_bodies(NULL, all, e));
+    REFUSES(duet_motion_wake_bodies(NULL, all, e));
+    REFUSES(duet_motion_sleep_bodies(NULL, all, e));
+    REFUSES(duet_motion_get_ids(NULL, 0, 1, ids, e));
+    REFUSES(duet_motion_get_ids(motion, 0, 1, NULL, e));
+    REFUSES(duet_motion_get_ids(motion, 1, UINT32_MAX, ids, e));
+    assert_false(duet_motion_has_body(NULL, 0));
+    REFUSES(duet_motion_set_user_data(NULL, all, ids, e));
+    REFUSES(duet_motion_set_user_data(motion, all, NULL, e));
+    REFUSES(duet_motion_get_user_data(NULL, all, ids, e));
+    REFUSES(duet_motion_get_user_data(motion, all, NULL, e));
+    REFUSES(duet_motion_set_bodies(NULL, all, DUET_BODY_MASS, &body, e));
+    REFUSES(duet_motion_set_bodies(motion, all, DUET_BODY_MASS, NULL, e));
+    REFUSES(duet_motion_set_bodies(motion, all, UINT32_MAX, &body, e));
+    assert_null(duet_body_field_name(3));
+    REFUSES(duet_motion_set_poses(NULL, all, &pose, e));
+    REFUSES(duet_motion_set_poses(motion, all, NULL, e));
+    REFUSES(duet_motion_set_targets(NULL, all, &transform, e));
+    REFUSES(duet_motion_set_targets(motion, all, NULL, e));
+    REFUSES(duet_motion_set_def(NULL, duet_motion_get_def(motion), e));
+    REFUSES(duet_motion_set_def(motion, NULL, e));
+    assert_null(duet_motion_get_def(NULL));
+    REFUSES(duet_motion_apply_forces(NULL, all, &force, e));
+    REFUSES(duet_motion_apply_forces(motion, all, NULL, e));
+    REFUSES(duet_motion_apply_impulses(NULL, all, &impulse, e));
+    REFUSES(duet_motion_apply_impulses(motion, all, NULL, e));
+}
+
 static void explain_motion(void)
 {
     duet_effect_info info;
@@ -719,6 +759,12 @@ static const struct {
     {"duet_motion_advance", advance_motion},
     {"duet_motion_save duet_motion_load", keep_motion},
     {"duet_motion_explain", explain_motion},
+    {"duet_motion_add_bodies duet_motion_remove_bodies duet_motion_disable_bodies "
+     "duet_motion_enable_bodies duet_motion_wake_bodies duet_motion_sleep_bodies "
+     "duet_motion_get_ids duet_motion_has_body duet_motion_set_user_data duet_motion_get_user_data "
+     "duet_motion_set_bodies duet_body_field_name duet_motion_set_poses duet_motion_set_targets "
+     "duet_motion_set_def duet_motion_get_def duet_motion_apply_forces duet_motion_apply_impulses",
+     command_motion},
     {"duet_tune_run", tune},
     {"duet_online_create duet_online_step duet_online_get_tunings duet_online_destroy",
      keep_online},
@@ -755,6 +801,7 @@ static const char *const headers[] = {"runtime/duet.h",
                                       "runtime/duet_device.h",
                                       "runtime/duet_level.h",
                                       "runtime/duet_motion.h",
+                                      "runtime/duet_motion_commands.h",
                                       "runtime/duet_object.h",
                                       "runtime/duet_pair_query.h",
                                       "runtime/duet_point_query.h",

@@ -285,6 +285,7 @@ static const struct {
     {"SLEEP", "sleep", "asleep", NULL},
     {"SKIN", "skin", "check_fat_aabbs", NULL},
     {"HITS", "events", "hits", NULL},
+    {"FORCES", "forces", "forces", NULL},
     {"ROTATED", "rotation", "rotations", "ANGULAR_VELOCITY GYRO"},
 };
 
@@ -396,6 +397,7 @@ static void buffers_are_those_that_are_called_for(void **state)
         {DUET_EFFECT_FILTER, FILTERS},
         {DUET_EFFECT_SLEEP, ASLEEP},
         {DUET_EFFECT_EVENTS, TOUCHING},
+        {DUET_EFFECT_FORCES, FORCES},
     };
     for (int i = 0; i < N_EFFECTS; ++i) {
         mover *m = make_scene(with_needs(effects[i]));

@@ -21,10 +21,19 @@
 // ------------------------------------------------------------ motions
 
 // Of every kind of buffer that a file can have.
-typedef enum kind { PILE, FLAT_GROUPS, PLACED, DOUBLES, ONLY_CONTACTS, FLIGHT, KINDS } kind;
+typedef enum kind {
+    PILE,
+    FLAT_GROUPS,
+    PLACED,
+    DOUBLES,
+    ONLY_CONTACTS,
+    FLIGHT,
+    COMMANDED,
+    KINDS
+} kind;
 
-static const char *const kind_names[KINDS] = {"pile",    "flat groups",   "placed",
-                                              "doubles", "only contacts", "flight"};
+static const char *const kind_names[KINDS] = {"pile",          "flat groups", "placed",   "doubles",
+                                              "only contacts", "flight",      "commanded"};
 
 static void add_walls(mover *m, double half)
 {
@@ -42,6 +51,7 @@ static mover *make_mover(kind of)
     m->def.wants = of == FLIGHT ? 0 : DUET_EFFECT_CONTACT;
     if (of != ONLY_CONTACTS && of != FLIGHT)
         m->def.wants |= DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS;
+    m->def.wants |= of == COMMANDED ? DUET_EFFECT_FORCES : 0;
     m->def.skin = of == PILE || of == ONLY_CONTACTS ? 0.3 : 0.0;
     m->def.gravity[1] = -5.0;
     m->def.doubles = of == DOUBLES || of == FLIGHT;
@@ -64,6 +74,25 @@ static mover *make_mover(kind of)
             mover_turn(m, id, 0, 0, 1, 0.02 * i);
     }
     return m;
+}
+
+// Every kind of command, some before a step and some after it.
+static void command(mover *m)
+{
+    duet_error err = {0};
+    const duet_body_list going = {.first = 3, .n = 2}, some = {.first = 7, .n = 1};
+    const duet_transform there = {.centre = {-1, 0.1f, 1}, .rotation = {0, 0, 0, 1}};
+    const duet_force force = {.force = {1, 2, 3}, .torque = {0, 0, 1}};
+    const duet_pose pose = {
+        .centre = {0, 3, 0}, .half_extents = {0.3f, 0.4f, 0.5f}, .rotation = {0, 0, 0, 1}};
+    assert_ok(duet_motion_add_bodies(m->motion, &pose, NULL, 1, NULL, &err), err);
+    assert_ok(duet_motion_remove_bodies(m->motion, going, &err), err);
+    mover_run(m, 1);
+    assert_ok(duet_motion_add_bodies(m->motion, &pose, NULL, 1, NULL, &err), err);
+    assert_ok(duet_motion_disable_bodies(m->motion, some, &err), err);
+    const duet_body_list kinematic = {.first = 14, .n = 1}, pushed = {.first = 9, .n = 1};
+    assert_ok(duet_motion_set_targets(m->motion, kinematic, &there, &err), err);
+    assert_ok(duet_motion_apply_forces(m->motion, pushed, &force, &err), err);
 }
 
 // ------------------------------------------------------------ files
@@ -165,6 +194,8 @@ static forger open_forger(kind of)
     forger f = {.m = make_mover(of)};
     snprintf(f.path, sizeof f.path, "/tmp/duet-forged-%ld", (long)getpid());
     mover_run(f.m, 5);
+    if (of == COMMANDED)
+        command(f.m);
     assert_ok(duet_motion_save(f.m->motion, f.path, &err), err);
     assert_ok(text_read_file(&f.right, f.path, &err), err);
     f.bytes = malloc(f.right.length + 64);
@@ -172,7 +203,8 @@ static forger open_forger(kind of)
     memcpy(&f.n_contacts, f.right.chars + AT_N_CONTACTS, 4);
     assert_ok(duet_motion_get_hash(f.m->motion, &f.hash, &err), err);
     assert_true(of == FLIGHT || f.n_contacts > 10);
-    assert_int_equal(place_of(&f, SECTIONS) + sizeof(uint64_t), f.right.length);
+    if (of != COMMANDED)
+        assert_int_equal(place_of(&f, SECTIONS) + sizeof(uint64_t), f.right.length);
     load_right(&f);
     return f;
 }
@@ -305,9 +337,12 @@ static uint32_t random_word(rng *r, const forger *f, uint32_t before)
     }
 }
 
-// A word of the header behind the magic, or of a section.
+// A word of the header behind the magic, of a section, or of what commands left.
 static size_t random_place(rng *r, const forger *f)
 {
+    size_t end = place_of(f, SECTIONS), left = f->right.length - sizeof(uint64_t) - end;
+    if (left > 0 && rng_below(r, 2))
+        return end + 4 * rng_below(r, (uint32_t)left / 4);
     int section = (int)rng_below(r, SECTIONS + 1) - 1;
     if (section < 0)
         return 16 + 4 * rng_below(r, (HEADER - 16) / 4);

@@ -72,7 +72,7 @@ static void what_moved_is_what_differs_from_the_last_read(void **state)
                 if (read > 0 && !is_elsewhere(&last[id], &m->states[id]))
                     continue;
                 assert_true(at < moved.n);
-                assert_int_equal(moved.ids[at], id);
+                assert_int_equal(moved.places[at], id);
                 assert_memory_equal(&moved.states[at], &m->states[id], sizeof last[id]);
                 ++at;
             }

@@ -165,10 +165,11 @@ static void put_entry(void)
 
 // ---------------------------------------------------------------- motions
 
-// At the start, and where the boxes touch.
+// At the start, where the boxes touch, and after a command.
 static void put_states(void)
 {
     duet_error err = {0};
+    const duet_body_list first = {.n = 1};
     duet_device_pair *pair = motions_open_pair(&err);
     require(pair, &err);
     for (int which = 0; which < MOTIONS; ++which) {
@@ -180,6 +181,7 @@ static void put_states(void)
             snprintf(name, sizeof name, "%d.%d.motion", which, step);
             place p = place_of("motion", name);
             require(step % 15 > 0 || duet_motion_save(m, p.chars, &err), &err);
+            require(step != 20 || duet_motion_remove_bodies(m, first, &err), &err);
             require(duet_motion_advance(m, &result, &err), &err);
         }
         duet_motion_destroy(m);

@@ -1,10 +1,11 @@
-// bodies.DIMS3.DOUBLE0.ANGULAR_VELOCITY0.GRAVITY0.DRAG0.SLEEP0.WG64.PER_ITEM1
+// bodies.DIMS3.DOUBLE0.ANGULAR_VELOCITY0.GRAVITY0.DRAG0.FORCES0.SLEEP0.WG64.PER_ITEM1
 #define DIMS 3
 #define DOUBLE 0
 #define ORIGIN 0
 #define ANGULAR_VELOCITY 0
 #define GRAVITY 0
 #define DRAG 0
+#define FORCES 0
 #define SLEEP 0
 #define WG 64
 #define PER_ITEM 1
@@ -48,8 +49,8 @@ __kernel void prepare_bodies(PREPARE_BODIES_ARGS)
     }
 }
 
-// Velocities of a substep: gravity and drag, and the warm-start impulses of the
-// last one.
+// Velocities of a substep: gravity, drag, what commands push with, and the warm-start
+// impulses of the last one.
 __kernel void integrate_velocities(INTEGRATE_VELOCITIES_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
@@ -60,28 +61,28 @@ __kernel void integrate_velocities(INTEGRATE_VELOCITIES_ARGS)
         float inverse_mass = velocity.w;
         if (!(inverse_mass > 0.0f))
             continue;
-#line 80 "kernels/dynamics/bodies.cl.in"
+#line 83 "kernels/dynamics/bodies.cl.in"
         body[BODY_VELOCITY].xyz = add_float(velocity, inverse_mass, body[BODY_WARM_IMPULSE]).xyz;
         body[BODY_WARM_IMPULSE] = (float4)(0.0f);
-#line 94 "kernels/dynamics/bodies.cl.in"
+#line 100 "kernels/dynamics/bodies.cl.in"
     }
 }
 
-#line 108 "kernels/dynamics/bodies.cl.in"
+#line 114 "kernels/dynamics/bodies.cl.in"
 __kernel void finalize_bodies(FINALIZE_BODIES_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         __global const float4 *body = bodies + (size_t)id * BODY;
-#line 123 "kernels/dynamics/bodies.cl.in"
+#line 129 "kernels/dynamics/bodies.cl.in"
         float4 velocity = body[BODY_VELOCITY];
         real4 centre = centres[id];
         centre.xyz += convert_real4(body[BODY_DELTA_POSITION]).xyz;
-#line 129 "kernels/dynamics/bodies.cl.in"
+#line 135 "kernels/dynamics/bodies.cl.in"
         centres[id] = centre;
         velocities[id].xyz = convert_real4(velocity).xyz;
         float fastest = dot_float(velocity, velocity);
-#line 144 "kernels/dynamics/bodies.cl.in"
+#line 150 "kernels/dynamics/bodies.cl.in"
     }
 }

@@ -91,7 +91,7 @@ static inline float4 way_of(const scene *s, uint2 link)
     d.w = 0.0f;
     return d;
 }
-#line 266 "kernels/dynamics/build_manifolds.cl.in"
+#line 277 "kernels/dynamics/build_manifolds.cl.in"
 
 // Writes the points into the record; extents: the owner's half extents. True where a
 // point touches, or had an impulse in the last step.
@@ -99,7 +99,7 @@ static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extent
 {
     __global float *record = s->contacts + (size_t)i * RECORD;
     bool touching = false;
-#line 282 "kernels/dynamics/build_manifolds.cl.in"
+#line 293 "kernels/dynamics/build_manifolds.cl.in"
     put_float4(record + AT_NORMAL, m->normal);
     for (int k = 0; k < m->n; ++k) {
         __global float *saved = record + HEAD + k * POINT_FLOATS;
@@ -107,7 +107,7 @@ static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extent
         put_float4(saved + OF_ANCHOR, anchor);
         saved[OF_SEPARATION] = anchor.w;
         touching = touching || anchor.w <= 0.0f;
-#line 300 "kernels/dynamics/build_manifolds.cl.in"
+#line 311 "kernels/dynamics/build_manifolds.cl.in"
     }
     return touching;
 }
@@ -120,10 +120,10 @@ static inline void keep(const scene *s, uint i, float4 extents, float4 d, manifo
     bool touching = false;
     if (m->n > 0)
         touching = keep_points(s, i, link, extents, d, m);
-#line 316 "kernels/dynamics/build_manifolds.cl.in"
+#line 327 "kernels/dynamics/build_manifolds.cl.in"
     s->touches[i] = (uint)m->n | (touching ? TOUCH_MEETS : 0u) | axis << TOUCH_AXIS;
 }
-#line 340 "kernels/dynamics/build_manifolds.cl.in"
+#line 351 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void look_at_pair(const scene *s, uint i, uint2 link)
 {
@@ -131,33 +131,33 @@ static inline void look_at_pair(const scene *s, uint i, uint2 link)
     float4 d = way_of(s, link);
     uint axis = s->touches[i] >> TOUCH_AXIS;
     manifold m;
-#line 348 "kernels/dynamics/build_manifolds.cl.in"
+#line 359 "kernels/dynamics/build_manifolds.cl.in"
     touch_boxes(&a, &b, d, s->margin, &m, &axis);
-#line 362 "kernels/dynamics/build_manifolds.cl.in"
+#line 373 "kernels/dynamics/build_manifolds.cl.in"
     keep(s, i, s->halves[link.x], d, &m, axis);
 }
-#line 420 "kernels/dynamics/build_manifolds.cl.in"
+#line 431 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 462 "kernels/dynamics/build_manifolds.cl.in"
+#line 473 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 466 "kernels/dynamics/build_manifolds.cl.in"
+#line 477 "kernels/dynamics/build_manifolds.cl.in"
 __kernel void build_manifolds(BUILD_MANIFOLDS_ARGS)
-#line 468 "kernels/dynamics/build_manifolds.cl.in"
+#line 479 "kernels/dynamics/build_manifolds.cl.in"
 {
     scene s = {links, n, centres,
-#line 473 "kernels/dynamics/build_manifolds.cl.in"
+#line 484 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 489 "kernels/dynamics/build_manifolds.cl.in"
+#line 500 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
-#line 499 "kernels/dynamics/build_manifolds.cl.in"
+#line 510 "kernels/dynamics/build_manifolds.cl.in"
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_contacts);
-#line 505 "kernels/dynamics/build_manifolds.cl.in"
+#line 516 "kernels/dynamics/build_manifolds.cl.in"
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-#line 518 "kernels/dynamics/build_manifolds.cl.in"
+#line 529 "kernels/dynamics/build_manifolds.cl.in"
         look_at_pair(&s, i, link);
-#line 528 "kernels/dynamics/build_manifolds.cl.in"
-    }
 #line 539 "kernels/dynamics/build_manifolds.cl.in"
+    }
+#line 550 "kernels/dynamics/build_manifolds.cl.in"
 }

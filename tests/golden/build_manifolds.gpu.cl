@@ -91,7 +91,7 @@ static inline float4 way_of(const scene *s, uint2 link)
     d.w = 0.0f;
     return d;
 }
-#line 266 "kernels/dynamics/build_manifolds.cl.in"
+#line 277 "kernels/dynamics/build_manifolds.cl.in"
 
 // Writes the points into the record; extents: the owner's half extents. True where a
 // point touches, or had an impulse in the last step.
@@ -99,7 +99,7 @@ static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extent
 {
     __global float *record = s->contacts + (size_t)i * RECORD;
     bool touching = false;
-#line 282 "kernels/dynamics/build_manifolds.cl.in"
+#line 293 "kernels/dynamics/build_manifolds.cl.in"
     put_float4(record + AT_NORMAL, m->normal);
     for (int k = 0; k < m->n; ++k) {
         __global float *saved = record + HEAD + k * POINT_FLOATS;
@@ -107,7 +107,7 @@ static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extent
         put_float4(saved + OF_ANCHOR, anchor);
         saved[OF_SEPARATION] = anchor.w;
         touching = touching || anchor.w <= 0.0f;
-#line 300 "kernels/dynamics/build_manifolds.cl.in"
+#line 311 "kernels/dynamics/build_manifolds.cl.in"
     }
     return touching;
 }
@@ -120,10 +120,10 @@ static inline void keep(const scene *s, uint i, float4 extents, float4 d, manifo
     bool touching = false;
     if (m->n > 0)
         touching = keep_points(s, i, link, extents, d, m);
-#line 316 "kernels/dynamics/build_manifolds.cl.in"
+#line 327 "kernels/dynamics/build_manifolds.cl.in"
     s->touches[i] = (uint)m->n | (touching ? TOUCH_MEETS : 0u) | axis << TOUCH_AXIS;
 }
-#line 340 "kernels/dynamics/build_manifolds.cl.in"
+#line 351 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void look_at_pair(const scene *s, uint i, uint2 link)
 {
@@ -131,19 +131,19 @@ static inline void look_at_pair(const scene *s, uint i, uint2 link)
     float4 d = way_of(s, link);
     uint axis = s->touches[i] >> TOUCH_AXIS;
     manifold m;
-#line 348 "kernels/dynamics/build_manifolds.cl.in"
+#line 359 "kernels/dynamics/build_manifolds.cl.in"
     touch_boxes(&a, &b, d, s->margin, &m, &axis);
-#line 362 "kernels/dynamics/build_manifolds.cl.in"
+#line 373 "kernels/dynamics/build_manifolds.cl.in"
     keep(s, i, s->halves[link.x], d, &m, axis);
 }
-#line 420 "kernels/dynamics/build_manifolds.cl.in"
+#line 431 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 422 "kernels/dynamics/build_manifolds.cl.in"
+#line 433 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void look_at_one(const scene *s, uint i)
 {
     uint2 link = s->links[i];
-#line 432 "kernels/dynamics/build_manifolds.cl.in"
+#line 443 "kernels/dynamics/build_manifolds.cl.in"
     look_at_pair(s, i, link);
 }
 
@@ -159,7 +159,7 @@ static inline void look_at_group(const scene *s, uint n_contacts, __local uint *
         n_places[at] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint k = first + at; k < min(first + most, n_contacts); k += WG) {
-#line 451 "kernels/dynamics/build_manifolds.cl.in"
+#line 462 "kernels/dynamics/build_manifolds.cl.in"
         if (s->touches[k] & TOUCH_POINTS)
             places[atomic_inc(n_places)] = k;
         else
@@ -170,20 +170,20 @@ static inline void look_at_group(const scene *s, uint n_contacts, __local uint *
     for (uint k = at; k < all; k += WG)
         look_at_one(s, places[k < touched ? k : most - 1 - (k - touched)]);
 }
-#line 462 "kernels/dynamics/build_manifolds.cl.in"
+#line 473 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 464 "kernels/dynamics/build_manifolds.cl.in"
+#line 475 "kernels/dynamics/build_manifolds.cl.in"
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void build_manifolds(BUILD_MANIFOLDS_ARGS)
-#line 468 "kernels/dynamics/build_manifolds.cl.in"
+#line 479 "kernels/dynamics/build_manifolds.cl.in"
 {
     scene s = {links, n, centres,
-#line 473 "kernels/dynamics/build_manifolds.cl.in"
+#line 484 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 489 "kernels/dynamics/build_manifolds.cl.in"
+#line 500 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
-#line 495 "kernels/dynamics/build_manifolds.cl.in"
+#line 506 "kernels/dynamics/build_manifolds.cl.in"
     __local uint places[WG * PER_ITEM];
     __local uint n_places[2];
     look_at_group(&s, n_contacts, places, n_places);
-#line 539 "kernels/dynamics/build_manifolds.cl.in"
+#line 550 "kernels/dynamics/build_manifolds.cl.in"
 }

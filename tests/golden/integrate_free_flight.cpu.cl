@@ -1,4 +1,4 @@
-// integrate_free_flight.DIMS2.DOUBLE0.ROTATED0.ANGULAR_VELOCITY0.GYRO0.GRAVITY0.DRAG0.BOUNDARY0.ORDER1.WG1.PER_ITEM1024
+// integrate_free_flight.DIMS2.DOUBLE0.ROTATED0.ANGULAR_VELOCITY0.GYRO0.GRAVITY0.DRAG0.FORCES0.BOUNDARY0.ORDER1.WG1.PER_ITEM1024
 #define DIMS 2
 #define DOUBLE 0
 #define ORIGIN 0
@@ -7,6 +7,7 @@
 #define GYRO 0
 #define GRAVITY 0
 #define DRAG 0
+#define FORCES 0
 #define BOUNDARY 0
 #define ORDER 1
 #define WG 1
@@ -35,34 +36,35 @@ typedef struct {
     real4 velocity; // w: inverse mass
 #line 25 "kernels/dynamics/integrate_free_flight.cl.in"
     real4 moved; // since the step began, as a solved step has it
-#line 38 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 44 "kernels/dynamics/integrate_free_flight.cl.in"
 } body;
-#line 53 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 59 "kernels/dynamics/integrate_free_flight.cl.in"
 
+#line 70 "kernels/dynamics/integrate_free_flight.cl.in"
 static inline void move(body *b, real time)
 {
-#line 57 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 73 "kernels/dynamics/integrate_free_flight.cl.in"
     b->moved = add_scaled(b->moved, time, (real4)(b->velocity.xyz, 0));
-#line 61 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 77 "kernels/dynamics/integrate_free_flight.cl.in"
 }
-#line 100 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 116 "kernels/dynamics/integrate_free_flight.cl.in"
 
 static inline void advance(body *b,
-#line 108 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 124 "kernels/dynamics/integrate_free_flight.cl.in"
                            real time)
 {
-#line 117 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 136 "kernels/dynamics/integrate_free_flight.cl.in"
     move(b, time);
-#line 140 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 165 "kernels/dynamics/integrate_free_flight.cl.in"
 }
-#line 142 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 167 "kernels/dynamics/integrate_free_flight.cl.in"
 
 static inline void arrive(body *b)
 {
     b->centre.xyz += b->moved.xyz;
-#line 149 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 174 "kernels/dynamics/integrate_free_flight.cl.in"
 }
-#line 175 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 200 "kernels/dynamics/integrate_free_flight.cl.in"
 
 __kernel void integrate_free_flight(INTEGRATE_FREE_FLIGHT_ARGS)
 {
@@ -72,21 +74,21 @@ __kernel void integrate_free_flight(INTEGRATE_FREE_FLIGHT_ARGS)
         body b;
         b.centre = centres[id];
         b.velocity = velocities[id];
-#line 185 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 210 "kernels/dynamics/integrate_free_flight.cl.in"
         b.moved = (real4)(0);
-#line 199 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 233 "kernels/dynamics/integrate_free_flight.cl.in"
         for (uint k = 0; k < substeps; ++k) {
-#line 202 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 236 "kernels/dynamics/integrate_free_flight.cl.in"
             advance(&b,
-#line 209 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 243 "kernels/dynamics/integrate_free_flight.cl.in"
                     times.x);
-#line 211 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 245 "kernels/dynamics/integrate_free_flight.cl.in"
         }
-#line 213 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 247 "kernels/dynamics/integrate_free_flight.cl.in"
         arrive(&b);
-#line 239 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 273 "kernels/dynamics/integrate_free_flight.cl.in"
         centres[id] = b.centre;
         velocities[id] = b.velocity;
-#line 245 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 279 "kernels/dynamics/integrate_free_flight.cl.in"
     }
 }

@@ -28,7 +28,7 @@
 // that moves. A moving body wakes what it touches, and that wakes what it touches. A
 // body that lost a contact was woken before, by having its rest time set to 0.
 //
-//   rests   [n] seconds at rest, 0 for what moves
+//   rests   [n] seconds at rest, 0 for what moves; below 0: has no mass, and a command changed it
 //   asleep  [n] SLEEPS, or what it did until now, WOKE
 typedef struct {
     __global const uint2 *links;
@@ -49,8 +49,10 @@ static inline bool is_at_rest(const touched *t, uint id)
     real4 velocity = t->velocities[id];
     if (velocity.w > 0)
         return t->rests[id] > 0.0f;
+    if (t->rests[id] < 0.0f)
+        return false;
     real fastest = dot_product(velocity, velocity);
-#line 33 "kernels/dynamics/update_sleep.cl.in"
+#line 35 "kernels/dynamics/update_sleep.cl.in"
     return !(fastest > 0);
 }
 
@@ -69,7 +71,7 @@ static inline bool touches_rest_only(const touched *t, uint id)
 __kernel void update_sleep(UPDATE_SLEEP_ARGS)
 {
     const touched t = {links, touches, starts, return_starts, returns, n, rests, velocities,
-#line 54 "kernels/dynamics/update_sleep.cl.in"
+#line 56 "kernels/dynamics/update_sleep.cl.in"
     };
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: MIT
+// Bodies that come and go.
+#include "base/error.h"
+#include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_rows.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// ---------------------------------------------------------------- coming
+
+// What is to be added, checked and placed.
+typedef struct arrivals {
+    uint32_t n;
+    duet_pose *poses;
+    duet_body *bodies;
+    cl_int4 *cells; // NULL without
+    uint32_t *places;
+    uint32_t n_places; // of the motion afterwards
+} arrivals;
+
+static void forget_arrivals(arrivals *a)
+{
+    free(a->poses);
+    free(a->bodies);
+    free(a->cells);
+    free(a->places);
+}
+
+static bool copy_arrivals(arrivals *a, const duet_pose *poses, const duet_body *bodies, uint32_t n,
+                          const char *call, duet_error *err)
+{
+    a->n = n;
+    a->poses = malloc((size_t)n * sizeof *poses + 1);
+    a->bodies = malloc((size_t)n * sizeof *bodies + 1);
+    a->places = malloc((size_t)n * sizeof *a->places + 1);
+    if (!a->poses || !a->bodies || !a->places)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u bodies", call, n);
+    for (uint32_t i = 0; i < n; ++i) {
+        a->poses[i] = poses[i];
+        a->bodies[i] = bodies ? bodies[i] : duet_default_body();
+    }
+    return true;
+}
+
+static bool check_arrivals(const duet_motion *m, const arrivals *a, const char *call,
+                           duet_error *err)
+{
+    for (uint32_t i = 0; i < a->n; ++i) {
+        const char *fault = motion_pose_fault(&a->poses[i], m->def.dims);
+        if (!fault)
+            fault = motion_body_fault(&a->bodies[i]);
+        if (fault)
+            return error_set(err, DUET_STATUS_BAD_OBJECT, "%s: body %u of %u: %s", call, i, a->n,
+                             fault);
+    }
+    return true;
+}
+
+// The lowest empty places, and then new ones at the end.
+static bool choose_places(const duet_motion *m, arrivals *a, const char *call, duet_error *err)
+{
+    uint32_t place = m->commands->first_empty;
+    for (uint32_t i = 0; i < a->n; ++i) {
+        while (place < m->n && m->commands->states[place] != PLACE_EMPTY)
+            ++place;
+        if (place >= MOTION_MOST)
+            return error_set(err, DUET_STATUS_TOO_MANY, "%s: a motion has at most %u places", call,
+                             MOTION_MOST);
+        a->places[i] = place++;
+    }
+    a->n_places = place > m->n ? place : m->n;
+    return true;
+}
+
+// at: a pointer to an array, of whatever type.
+static bool widen(void *at, size_t each, uint32_t n)
+{
+    void *array;
+    memcpy(&array, at, sizeof array);
+    array = realloc(array, (size_t)n * each + each);
+    if (array)
+        memcpy(at, &array, sizeof array);
+    return array;
+}
+
+static bool reserve_host(duet_motion *m, uint32_t n, duet_error *err)
+{
+    motion_commands *c = m->commands;
+    if (n <= c->capacity)
+        return true;
+    uint64_t roomy = n + (uint64_t)n / 2;
+    uint32_t most = (uint32_t)(roomy < MOTION_MOST ? roomy : MOTION_MOST);
+    if (!widen(&m->poses, sizeof *m->poses, most) || !widen(&m->bodies, sizeof *m->bodies, most) ||
+        (m->cells && !widen(&m->cells, sizeof *m->cells, most)) ||
+        !widen(&c->generations, sizeof *c->generations, most) ||
+        !widen(&c->states, sizeof *c->states, most) ||
+        !widen(&c->user_data, sizeof *c->user_data, most))
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", most);
+    c->capacity = most;
+    return true;
+}
+
+// Walls are the objects after the last.
+static bool move_walls(duet_motion *m, uint32_t old_n, duet_error *err)
+{
+    motion_rows rows;
+    if (!m->kernels.contact_graph_walls || m->n_contacts == 0)
+        return true;
+    if (!motion_rows_open(m, LINKS, 0, m->n_contacts, 2, false, &rows, err))
+        return false;
+    for (uint32_t i = 0; i < m->n_contacts; ++i) {
+        uint32_t *link = motion_row(&rows, i);
+        link[1] += link[1] >= old_n ? m->n - old_n : 0;
+    }
+    return motion_rows_close(m, &rows, err);
+}
+
+static bool make_space(duet_motion *m, uint32_t n, duet_error *err)
+{
+    uint32_t old_n = m->n;
+    if (n == old_n)
+        return true;
+    if (!reserve_host(m, n, err))
+        return false;
+    motion_commands *c = m->commands;
+    memset(c->generations + old_n, 0, (n - old_n) * sizeof *c->generations);
+    memset(c->user_data + old_n, 0, (n - old_n) * sizeof *c->user_data);
+    memset(c->states + old_n, PLACE_EMPTY, n - old_n);
+    c->n_hidden += n - old_n;
+    m->n = n;
+    return motion_keep_whole(m, motion_grow(m, old_n, err) && move_walls(m, old_n, err));
+}
+
+static bool settle(duet_motion *m, const arrivals *a, uint64_t *ids, duet_error *err)
+{
+    motion_commands *c = m->commands;
+    m->rows_stale = true;
+    m->reading.begun = false;
+    for (uint32_t i = 0; i < a->n; ++i) {
+        uint32_t place = a->places[i];
+        m->poses[place] = a->poses[i];
+        m->bodies[place] = a->bodies[i];
+        if (m->cells)
+            m->cells[place] = a->cells[i];
+        --c->n_hidden;
+        c->states[place] = PLACE_ENABLED;
+        if (ids)
+            ids[i] = (uint64_t)c->generations[place] << 32 | place;
+    }
+    if (a->n > 0)
+        c->first_empty = a->places[a->n - 1] + 1;
+    return motion_send_places(m, a->places, a->n, PART_ALL, err) &&
+           motion_wake_places(m, a->places, a->n, err);
+}
+
+bool duet_motion_add_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
+                            uint32_t n, uint64_t *ids, duet_error *err)
+{
+    if (!motion_is_whole(m, __func__, err) ||
+        (n > 0 && !error_given(poses, __func__, "poses", err)))
+        return false;
+    arrivals a = {0};
+    bool ok = timeline_finish(&m->times, err) && motion_begin_commands(m, err) &&
+              copy_arrivals(&a, poses, bodies, n, __func__, err) &&
+              check_arrivals(m, &a, __func__, err) &&
+              motion_place_poses(m, a.poses, n, &a.cells, __func__, err) &&
+              choose_places(m, &a, __func__, err) &&
+              motion_admit(m, a.poses, a.bodies, n, __func__, err) &&
+              make_space(m, a.n_places, err) && motion_keep_whole(m, settle(m, &a, ids, err));
+    forget_arrivals(&a);
+    return ok;
+}
+
+// ---------------------------------------------------------------- going
+
+static bool send_presence(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
+{
+    m->rows_stale = true;
+    m->reading.begun = false;
+    return motion_send_places(m, places, n,
+                              PART_SIZE | PART_VELOCITY | PART_ANGULAR_VELOCITY | PART_MASS, err) &&
+           motion_wake_places(m, places, n, err);
+}
+
+static void leave(duet_motion *m, uint32_t place)
+{
+    motion_commands *c = m->commands;
+    c->n_hidden += c->states[place] == PLACE_ENABLED;
+    c->states[place] = PLACE_LEFT;
+    c->any_left = true;
+    ++c->generations[place];
+    c->user_data[place] = 0;
+    m->bodies[place] = duet_default_body();
+    m->bodies[place].mass = 0.0f;
+}
+
+// One id twice in a list would be stale the second time.
+static bool check_twice(const duet_motion *m, const uint32_t *places, uint32_t n, const char *call,
+                        duet_error *err)
+{
+    uint8_t *seen = calloc((size_t)m->n + 1, 1);
+    if (!seen)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u places", call, m->n);
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        if (seen[places[i]]++)
+            ok = error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                           "%s: body %u of %u: the body at place %u is listed twice", call, i, n,
+                           places[i]);
+    }
+    free(seen);
+    return ok;
+}
+
+bool duet_motion_remove_bodies(duet_motion *m, duet_body_list list, duet_error *err)
+{
+    uint32_t *places = motion_places_of(m, list, false, __func__, err);
+    bool ok = places && check_twice(m, places, list.n, __func__, err) &&
+              motion_forget_targets(m, places, list.n, err);
+    for (uint32_t i = 0; ok && i < list.n; ++i)
+        leave(m, places[i]);
+    ok = ok && motion_keep_whole(m, send_presence(m, places, list.n, err));
+    free(places);
+    return ok;
+}
+
+bool duet_motion_disable_bodies(duet_motion *m, duet_body_list list, duet_error *err)
+{
+    uint32_t *places = motion_places_of(m, list, false, __func__, err);
+    bool ok = places && motion_forget_targets(m, places, list.n, err);
+    for (uint32_t i = 0; ok && i < list.n; ++i) {
+        if (motion_is_hidden(m, places[i]))
+            continue;
+        m->commands->states[places[i]] = PLACE_DISABLED;
+        ++m->commands->n_hidden;
+        motion_stop(m, places[i]);
+    }
+    ok = ok && motion_keep_whole(m, send_presence(m, places, list.n, err));
+    free(places);
+    return ok;
+}
+
+// Those that are enabled already keep what they do.
+bool duet_motion_enable_bodies(duet_motion *m, duet_body_list list, duet_error *err)
+{
+    uint32_t *places = motion_places_of(m, list, false, __func__, err);
+    uint32_t n = 0;
+    for (uint32_t i = 0; places && i < list.n; ++i) {
+        if (!motion_is_hidden(m, places[i]))
+            continue;
+        m->commands->states[places[i]] = PLACE_ENABLED;
+        --m->commands->n_hidden;
+        places[n++] = places[i];
+    }
+    bool ok = places && (n == 0 || motion_keep_whole(m, send_presence(m, places, n, err)));
+    free(places);
+    return ok;
+}

@@ -1,0 +1,430 @@
+// SPDX-License-Identifier: MIT
+// What is set, pushed or aimed at while a motion runs.
+#include "runtime/dynamics/motion_commands.h"
+
+#include "base/error.h"
+#include "runtime/dynamics/motion_rows.h"
+#include "runtime/narrowphase/origin.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const field_names[] = {
+    "velocity", "angular_velocity", "mass", "restitution", "friction", "filter", "fixed_rotation"};
+
+enum { N_FIELDS = sizeof field_names / sizeof field_names[0] };
+
+const char *duet_body_field_name(uint32_t field)
+{
+    for (int i = 0; i < N_FIELDS; ++i)
+        if (field == 1u << i)
+            return field_names[i];
+    return NULL;
+}
+
+void motion_stop(duet_motion *m, uint32_t place)
+{
+    memset(m->bodies[place].velocity, 0, sizeof m->bodies[place].velocity);
+    memset(m->bodies[place].angular_velocity, 0, sizeof m->bodies[place].angular_velocity);
+}
+
+bool motion_keep_whole(duet_motion *m, bool made)
+{
+    m->broken = m->broken || !made;
+    return made;
+}
+
+// ---------------------------------------------------------------- effects
+
+static bool lacks(uint32_t missing, const char *call, const char *what, duet_error *err)
+{
+    for (uint32_t i = 0; effect_at(i); ++i)
+        if (missing & effect_at(i)->effect)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "%s: %sneeds the effect %s; expected the motion's wants to ask for it",
+                             call, what, effect_at(i)->name);
+    return true;
+}
+
+bool motion_needs(const duet_motion *m, uint32_t effect, const char *call, duet_error *err)
+{
+    return lacks(effect & ~m->effects, call, "it ", err);
+}
+
+// What is known of the motion's objects and of some that join them. How fast those are is
+// not looked at: continuous is called for by what a motion begins with.
+static effect_facts joined(const duet_motion *m, const effect_facts *more)
+{
+    effect_facts f = m->facts;
+    f.rotated |= more->rotated;
+    f.moving |= more->moving;
+    f.turning |= more->turning;
+    f.massive |= more->massive;
+    f.turnable |= more->turnable;
+    f.uneven |= more->uneven;
+    f.elastic |= more->elastic;
+    f.rough |= more->rough;
+    f.filtered |= more->filtered;
+    return f;
+}
+
+static uint32_t missing_for(const duet_motion *m, const effect_facts *more)
+{
+    effect_facts f = joined(m, more);
+    return effect_infer(&m->def, &f) & ~m->effects;
+}
+
+static bool tell_who_lacks(const duet_motion *m, const duet_pose *poses, const duet_body *bodies,
+                           uint32_t n, const char *call, duet_error *err)
+{
+    for (uint32_t i = 0; i < n; ++i) {
+        effect_facts f = effect_facts_of(&m->def, &poses[i], &bodies[i], 1);
+        char what[48];
+        snprintf(what, sizeof what, "body %u of %u ", i, n);
+        if (!lacks(missing_for(m, &f), call, what, err))
+            return false;
+    }
+    return false;
+}
+
+bool motion_admit(duet_motion *m, const duet_pose *poses, const duet_body *bodies, uint32_t n,
+                  const char *call, duet_error *err)
+{
+    effect_facts more = effect_facts_of(&m->def, poses, bodies, n);
+    if (missing_for(m, &more))
+        return tell_who_lacks(m, poses, bodies, n, call, err);
+    const effect_facts before = m->facts;
+    m->facts = joined(m, &more);
+    bool tumbles = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) && m->facts.uneven && !before.uneven;
+    if (!tumbles || motion_prepare_again(m, err))
+        return true;
+    m->facts = before;
+    return false;
+}
+
+// ---------------------------------------------------------------- fields
+
+static void copy_fields(duet_body *to, const duet_body *from, uint32_t fields)
+{
+    if (fields & DUET_BODY_VELOCITY)
+        memcpy(to->velocity, from->velocity, sizeof to->velocity);
+    if (fields & DUET_BODY_ANGULAR_VELOCITY)
+        memcpy(to->angular_velocity, from->angular_velocity, sizeof to->angular_velocity);
+    if (fields & DUET_BODY_MASS)
+        to->mass = from->mass;
+    if (fields & DUET_BODY_RESTITUTION)
+        to->restitution = from->restitution;
+    if (fields & DUET_BODY_FRICTION)
+        to->friction = from->friction;
+    if (fields & DUET_BODY_FILTER) {
+        to->group = from->group;
+        to->mask = from->mask;
+    }
+    if (fields & DUET_BODY_FIXED_ROTATION)
+        to->fixed_rotation = from->fixed_rotation;
+}
+
+static uint32_t parts_of(uint32_t fields)
+{
+    static const uint32_t parts[N_FIELDS] = {PART_VELOCITY, PART_ANGULAR_VELOCITY, PART_MASS,
+                                             PART_SURFACE,  PART_SURFACE,          PART_FILTER,
+                                             PART_MASS};
+    uint32_t all = 0;
+    for (int i = 0; i < N_FIELDS; ++i)
+        all |= fields & 1u << i ? parts[i] : 0;
+    return all;
+}
+
+duet_pose *motion_poses_at(const duet_motion *m, const uint32_t *places, uint32_t n,
+                           duet_error *err)
+{
+    duet_pose *poses = malloc((size_t)n * sizeof *poses + 1);
+    if (!poses)
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u poses", n);
+    for (uint32_t i = 0; poses && i < n; ++i)
+        poses[i] = m->poses[places[i]];
+    return poses;
+}
+
+// Contacts of one colour share no body that moves; those of a body that has a mass from now
+// on may have done so.
+static bool uncolour(duet_motion *m, const uint8_t *gained, duet_error *err)
+{
+    motion_rows links, colours;
+    if (m->n_contacts == 0 || !motion_has(m, DUET_EFFECT_CONTACT_RESPONSE))
+        return true;
+    if (!motion_rows_open(m, LINKS, 0, m->n_contacts, 2, false, &links, err))
+        return false;
+    if (!motion_rows_open(m, COLOUR_OF, 0, m->n_contacts, 1, false, &colours, err)) {
+        motion_rows_drop(&links);
+        return false;
+    }
+    for (uint32_t i = 0; i < m->n_contacts; ++i) {
+        const uint32_t *link = motion_row(&links, i);
+        if (gained[link[0]] || (link[1] < m->n && gained[link[1]]))
+            *(uint32_t *)motion_row(&colours, i) = COLOUR_NONE;
+    }
+    motion_rows_drop(&links);
+    return motion_rows_close(m, &colours, err);
+}
+
+// Whether each has a mass decides whose the contacts are.
+static bool change_masses(duet_motion *m, const uint32_t *places, const duet_body *bodies,
+                          uint32_t n, duet_error *err)
+{
+    uint8_t *gained = calloc((size_t)m->n + 1, 1);
+    bool any = false;
+    if (!gained)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u places", m->n);
+    for (uint32_t i = 0; i < n; ++i) {
+        bool had = m->bodies[places[i]].mass > 0.0f, has = bodies[i].mass > 0.0f;
+        m->rows_stale |= had != has;
+        gained[places[i]] |= has && !had;
+        any |= has && !had;
+    }
+    bool ok = !any || uncolour(m, gained, err);
+    free(gained);
+    return ok;
+}
+
+static bool set_fields(duet_motion *m, const uint32_t *places, const duet_body *bodies, uint32_t n,
+                       uint32_t fields, duet_error *err)
+{
+    const uint32_t moving = DUET_BODY_VELOCITY | DUET_BODY_ANGULAR_VELOCITY | DUET_BODY_MASS;
+    if ((fields & moving) && !motion_forget_targets(m, places, n, err))
+        return false;
+    if ((fields & DUET_BODY_MASS) && !change_masses(m, places, bodies, n, err))
+        return false;
+    m->rows_stale |= (fields & DUET_BODY_FILTER) != 0;
+    for (uint32_t i = 0; i < n; ++i)
+        copy_fields(&m->bodies[places[i]], &bodies[i], fields);
+    return motion_send_places(m, places, n, parts_of(fields), err) &&
+           motion_wake_places(m, places, n, err);
+}
+
+// What the bodies will be.
+static duet_body *merge_fields(const duet_motion *m, const uint32_t *places, duet_body_list list,
+                               uint32_t fields, const duet_body *bodies, const char *call,
+                               duet_error *err)
+{
+    duet_body *merged = malloc((size_t)list.n * sizeof *merged + 1);
+    bool ok = merged ||
+              error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u bodies", call, list.n);
+    for (uint32_t i = 0; ok && i < list.n; ++i) {
+        merged[i] = m->bodies[places[i]];
+        copy_fields(&merged[i], &bodies[i], fields);
+        const char *fault = motion_body_fault(&merged[i]);
+        ok = !fault || error_set(err, DUET_STATUS_BAD_OBJECT, "%s: body %u of %u: %s", call, i,
+                                 list.n, fault);
+    }
+    if (ok)
+        return merged;
+    free(merged);
+    return NULL;
+}
+
+bool duet_motion_set_bodies(duet_motion *m, duet_body_list list, uint32_t fields,
+                            const duet_body *bodies, duet_error *err)
+{
+    if (fields & ~(uint32_t)DUET_BODY_ALL)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: fields is %#x; expected bits of "
+                         "duet_body_field",
+                         __func__, fields);
+    if (list.n > 0 && !error_given(bodies, __func__, "bodies", err))
+        return false;
+    uint32_t *places = motion_places_of(m, list, false, __func__, err);
+    duet_body *merged =
+        places ? merge_fields(m, places, list, fields, bodies, __func__, err) : NULL;
+    duet_pose *poses = merged ? motion_poses_at(m, places, list.n, err) : NULL;
+    bool ok = poses && motion_admit(m, poses, merged, list.n, __func__, err) &&
+              motion_keep_whole(m, set_fields(m, places, merged, list.n, fields, err));
+    free(poses);
+    free(merged);
+    free(places);
+    return ok;
+}
+
+// ---------------------------------------------------------------- poses
+
+bool motion_place_poses(const duet_motion *m, duet_pose *poses, uint32_t n, cl_int4 **cells,
+                        const char *call, duet_error *err)
+{
+    *cells = NULL;
+    if (!m->cells)
+        return true;
+    *cells = calloc((size_t)n + 1, sizeof **cells);
+    if (!*cells)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u cells", call, n);
+    for (uint32_t i = 0; i < n; ++i) {
+        duet_large_pose p = {.pose = poses[i]};
+        double at[3];
+        for (int k = 0; k < 3; ++k)
+            at[k] = m->def.origin[k] + (double)poses[i].centre[k];
+        if (!origin_place(&p, at, m->def.origin_edge))
+            return error_set(err, DUET_STATUS_BAD_OBJECT,
+                             "%s: body %u of %u is beyond 2^30 origin cells of edge %g", call, i, n,
+                             (double)m->def.origin_edge);
+        poses[i] = p.pose;
+        for (uint32_t k = 0; k < m->def.dims; ++k)
+            (*cells)[i].s[k] = p.cell[k];
+    }
+    return true;
+}
+
+void motion_keep_poses(duet_motion *m, const uint32_t *places, const duet_pose *poses,
+                       const cl_int4 *cells, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; ++i) {
+        m->poses[places[i]] = poses[i];
+        if (cells)
+            m->cells[places[i]] = cells[i];
+    }
+}
+
+static bool put_poses(duet_motion *m, const uint32_t *places, const duet_pose *poses,
+                      const cl_int4 *cells, uint32_t n, duet_error *err)
+{
+    if (!motion_forget_targets(m, places, n, err))
+        return false;
+    motion_keep_poses(m, places, poses, cells, n);
+    return motion_send_places(m, places, n, PART_POSE | PART_SIZE, err) &&
+           motion_wake_places(m, places, n, err);
+}
+
+bool motion_check_poses(const duet_motion *m, const duet_pose *poses, uint32_t n, const char *call,
+                        duet_error *err)
+{
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        const char *fault = motion_pose_fault(&poses[i], m->def.dims);
+        ok = !fault ||
+             error_set(err, DUET_STATUS_BAD_OBJECT, "%s: body %u of %u: %s", call, i, n, fault);
+    }
+    return ok;
+}
+
+duet_body *motion_bodies_at(const duet_motion *m, const uint32_t *places, uint32_t n,
+                            duet_error *err)
+{
+    duet_body *bodies = malloc((size_t)n * sizeof *bodies + 1);
+    if (!bodies)
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", n);
+    for (uint32_t i = 0; bodies && i < n; ++i)
+        bodies[i] = m->bodies[places[i]];
+    return bodies;
+}
+
+bool duet_motion_set_poses(duet_motion *m, duet_body_list list, const duet_pose *poses,
+                           duet_error *err)
+{
+    if (list.n > 0 && !error_given(poses, __func__, "poses", err))
+        return false;
+    uint32_t *places = motion_places_of(m, list, false, __func__, err);
+    duet_pose *copy = places ? motion_poses_at(m, places, list.n, err) : NULL;
+    duet_body *bodies = copy ? motion_bodies_at(m, places, list.n, err) : NULL;
+    cl_int4 *cells = NULL;
+    if (bodies && list.n > 0)
+        memcpy(copy, poses, list.n * sizeof *copy);
+    bool ok = bodies && motion_check_poses(m, copy, list.n, __func__, err) &&
+              motion_place_poses(m, copy, list.n, &cells, __func__, err) &&
+              motion_admit(m, copy, bodies, list.n, __func__, err) &&
+              motion_keep_whole(m, put_poses(m, places, copy, cells, list.n, err));
+    free(cells);
+    free(bodies);
+    free(copy);
+    free(places);
+    return ok;
+}
+
+// ---------------------------------------------------------------- the world
+
+const duet_motion_def *duet_motion_get_def(const duet_motion *m)
+{
+    return m ? &m->def : NULL;
+}
+
+static bool check_same(const duet_motion_def *a, const duet_motion_def *b, const char *call,
+                       duet_error *err)
+{
+    const struct {
+        const char *name;
+        double of, motion;
+    } same[] = {
+        {"dims", a->dims, b->dims},
+        {"wants", a->wants, b->wants},
+        {"doubles", a->doubles, b->doubles},
+        {"origin[0]", a->origin[0], b->origin[0]},
+        {"origin[1]", a->origin[1], b->origin[1]},
+        {"origin[2]", a->origin[2], b->origin[2]},
+        {"origin_edge", a->origin_edge, b->origin_edge},
+        {"boundary", a->boundary, b->boundary},
+        {"dt", a->dt, b->dt},
+        {"substeps", a->substeps, b->substeps},
+        {"integrator", a->integrator, b->integrator},
+        {"skin", a->skin, b->skin},
+        {"slop", a->slop, b->slop},
+    };
+    for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i)
+        if (same[i].of != same[i].motion)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "%s: %s is %g; expected the motion's %g, which cannot change", call,
+                             same[i].name, same[i].of, same[i].motion);
+    return (a->attraction != 0.0) == (b->attraction != 0.0) ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "%s: the attraction is %g, the motion's %g; expected none or both to be 0",
+                     call, a->attraction, b->attraction);
+}
+
+static bool change_world(duet_motion *m, const duet_motion_def *def, duet_error *err)
+{
+    const duet_plan plan = m->def.plan;
+    m->def = *def;
+    m->def.plan = plan;
+    m->rows_stale = true; // walls are elsewhere
+    return motion_wake_all(m, err);
+}
+
+bool duet_motion_set_def(duet_motion *m, const duet_motion_def *def, duet_error *err)
+{
+    if (!motion_is_whole(m, __func__, err) || !motion_check_def(def, err) ||
+        !check_same(def, &m->def, __func__, err))
+        return false;
+    if (def->pair != m->def.pair)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: pair is another; expected the motion's, which cannot change",
+                         __func__);
+    return lacks(effect_infer(def, &m->facts) & ~m->effects, __func__, "it ", err) &&
+           timeline_finish(&m->times, err) && motion_begin_commands(m, err) &&
+           motion_keep_whole(m, change_world(m, def, err));
+}
+
+// ---------------------------------------------------------------- after a step
+
+static bool forget_forces(duet_motion *m, duet_error *err)
+{
+    m->commands->pushed = false;
+    return timeline_fill(&m->times, "clear", &m->buffers[FORCES], 0, 0, (size_t)m->n * 8, err);
+}
+
+static void empty_places(duet_motion *m)
+{
+    motion_commands *c = m->commands;
+    c->any_left = false;
+    for (uint32_t place = m->n; place-- > 0;) {
+        if (c->states[place] != PLACE_LEFT)
+            continue;
+        c->states[place] = PLACE_EMPTY;
+        c->first_empty = place < c->first_empty ? place : c->first_empty;
+    }
+}
+
+bool motion_end_commands(duet_motion *m, duet_error *err)
+{
+    motion_commands *c = m->commands;
+    if (c->any_left && (!m->rows_stale || !motion_has(m, DUET_EFFECT_CONTACT)))
+        empty_places(m);
+    return (c->n_targets == 0 || motion_arrive(m, err)) && (!c->pushed || forget_forces(m, err));
+}

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// Rows of a buffer by object, changed by the host between steps.
+//
+// Where B works on host memory they are changed in place. Else those between the first
+// and the last that is asked for are fetched, changed, and sent back.
+#ifndef RUNTIME_MOTION_ROWS_H
+#define RUNTIME_MOTION_ROWS_H
+
+#include "runtime/dynamics/motion.h"
+
+typedef struct motion_rows {
+    buffer *of;
+    uint32_t first; // the row that bytes begins with
+    size_t row;     // bytes of one
+    size_t size;
+    bool doubles;
+    char *bytes;
+} motion_rows;
+
+// Rows [first, last) of `words` words each, in double where the state's reals are.
+// Afterwards they are closed, or dropped if nothing was changed.
+bool motion_rows_open(duet_motion *m, motion_buffer which, uint32_t first, uint32_t last,
+                      uint32_t words, bool reals, motion_rows *rows, duet_error *err);
+bool motion_rows_close(duet_motion *m, motion_rows *rows, duet_error *err);
+void motion_rows_drop(motion_rows *rows);
+
+// The least span [first, last) with all these places.
+void motion_span_of(const uint32_t *places, uint32_t n, uint32_t *first, uint32_t *last);
+
+static inline void *motion_row(const motion_rows *rows, uint32_t place)
+{
+    return rows->bytes + (size_t)(place - rows->first) * rows->row;
+}
+
+// Number k of a row of floats, or of doubles.
+static inline double motion_row_get(const motion_rows *rows, uint32_t place, uint32_t k)
+{
+    const void *row = motion_row(rows, place);
+    return rows->doubles ? ((const double *)row)[k] : (double)((const float *)row)[k];
+}
+
+static inline void motion_row_set(const motion_rows *rows, uint32_t place, uint32_t k, double value)
+{
+    void *row = motion_row(rows, place);
+    if (rows->doubles)
+        ((double *)row)[k] = value;
+    else
+        ((float *)row)[k] = (float)value;
+}
+
+#endif

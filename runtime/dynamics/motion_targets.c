@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+// Kinematic targets: where the next step takes bodies without mass.
+#include "base/error.h"
+#include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/vector.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// The steady angular velocity that turns `from` into `to` in the time.
+static void turn_between(const double from[4], const double to[4], double time, float velocity[3])
+{
+    const double norm = sqrt(vector_dot(to, to, 4) * vector_dot(from, from, 4));
+    double v[3], across[3], w = vector_dot(to, from, 4) / norm;
+    vector_cross(from, to, across);
+    for (int k = 0; k < 3; ++k) // to * conjugate(from)
+        v[k] = (from[3] * to[k] - to[3] * from[k] + across[k]) / norm;
+    double sine = sqrt(vector_dot(v, v, 3));
+    double angle = 2.0 * atan2(sine, fabs(w)) * (w < 0.0 ? -1.0 : 1.0);
+    for (int k = 0; k < 3; ++k)
+        velocity[k] = sine > 0.0 ? (float)(v[k] / sine * angle / time) : 0.0f;
+}
+
+// A pose with a target's place and rotation; z of both only in 3D.
+static duet_pose aimed(const duet_motion *m, duet_pose pose, const duet_transform *target)
+{
+    bool solid = m->def.dims == 3;
+    for (int k = 0; k < 3; ++k)
+        pose.centre[k] = k < (int)m->def.dims ? target->centre[k] : 0.0f;
+    for (int k = 0; k < 4; ++k)
+        pose.rotation[k] = solid || k >= 2 ? target->rotation[k] : 0.0f;
+    return pose;
+}
+
+// What the state's bodies need to get to their targets in a step.
+static bool find_velocities(duet_motion *m, const uint32_t *places, const duet_pose *poses,
+                            const cl_int4 *cells, uint32_t n, duet_body *bodies, duet_error *err)
+{
+    duet_state *states = malloc((size_t)m->n * sizeof *states + 1);
+    if (!states)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
+    bool ok = duet_motion_get_states(m, states, err);
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        const duet_state *s = &states[places[i]];
+        const float *q = poses[i].rotation;
+        const double to[4] = {q[0], q[1], q[2], q[3]};
+        for (uint32_t k = 0; k < m->def.dims; ++k) {
+            double base =
+                cells ? (double)cells[i].s[k] * (double)m->def.origin_edge : m->def.origin[k];
+            bodies[i].velocity[k] =
+                (float)((base + (double)poses[i].centre[k] - s->centre[k]) / m->def.dt);
+        }
+        turn_between(s->rotation, to, m->def.dt, bodies[i].angular_velocity);
+    }
+    free(states);
+    return ok;
+}
+
+static bool check_kinematic(const duet_motion *m, const uint32_t *places, uint32_t n,
+                            const char *call, duet_error *err)
+{
+    if (m->def.dt == 0.0)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: dt is 0; expected steps that take a time", call);
+    for (uint32_t i = 0; i < n; ++i)
+        if (m->bodies[places[i]].mass > 0.0f)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "%s: body %u of %u has a mass of %g; expected one of mass 0", call, i,
+                             n, (double)m->bodies[places[i]].mass);
+    return true;
+}
+
+static bool aim(duet_motion *m, const uint32_t *places, const duet_transform *targets,
+                const duet_body *bodies, uint32_t n, duet_error *err)
+{
+    motion_commands *c = m->commands;
+    motion_target *more = realloc(c->targets, ((size_t)c->n_targets + n + 1) * sizeof *more);
+    if (!more)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u targets", n);
+    c->targets = more;
+    for (uint32_t i = 0; i < n; ++i) {
+        c->targets[c->n_targets++] = (motion_target){places[i], targets[i]};
+        duet_body *b = &m->bodies[places[i]];
+        memcpy(b->velocity, bodies[i].velocity, sizeof b->velocity);
+        memcpy(b->angular_velocity, bodies[i].angular_velocity, sizeof b->angular_velocity);
+    }
+    return motion_send_places(m, places, n, PART_VELOCITY | PART_ANGULAR_VELOCITY, err) &&
+           motion_wake_places(m, places, n, err);
+}
+
+bool duet_motion_set_targets(duet_motion *m, duet_body_list list, const duet_transform *targets,
+                             duet_error *err)
+{
+    if (list.n > 0 && !error_given(targets, __func__, "targets", err))
+        return false;
+    uint32_t *places = motion_places_of(m, list, true, __func__, err);
+    duet_pose *poses = places ? motion_poses_at(m, places, list.n, err) : NULL;
+    duet_body *bodies = poses ? motion_bodies_at(m, places, list.n, err) : NULL;
+    cl_int4 *cells = NULL;
+    for (uint32_t i = 0; bodies && i < list.n; ++i)
+        poses[i] = aimed(m, poses[i], &targets[i]);
+    bool ok = bodies && check_kinematic(m, places, list.n, __func__, err) &&
+              motion_check_poses(m, poses, list.n, __func__, err) &&
+              motion_place_poses(m, poses, list.n, &cells, __func__, err) &&
+              find_velocities(m, places, poses, cells, list.n, bodies, err) &&
+              motion_admit(m, poses, bodies, list.n, __func__, err) &&
+              motion_keep_whole(m, aim(m, places, targets, bodies, list.n, err));
+    free(cells);
+    free(bodies);
+    free(poses);
+    free(places);
+    return ok;
+}
+
+bool motion_forget_targets(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
+{
+    motion_commands *c = m->commands;
+    if (c->n_targets == 0)
+        return true;
+    uint8_t *named = calloc((size_t)m->n + 1, 1);
+    uint32_t *stopped = malloc((size_t)c->n_targets * sizeof *stopped);
+    uint32_t n_kept = 0, n_stopped = 0;
+    bool ok = named && stopped;
+    if (!ok)
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u places", m->n);
+    for (uint32_t i = 0; ok && i < n; ++i)
+        named[places[i]] = 1;
+    for (uint32_t i = 0; ok && i < c->n_targets; ++i) {
+        if (named[c->targets[i].place])
+            stopped[n_stopped++] = c->targets[i].place;
+        else
+            c->targets[n_kept++] = c->targets[i];
+    }
+    for (uint32_t i = 0; i < n_stopped; ++i)
+        motion_stop(m, stopped[i]);
+    if (ok) {
+        c->n_targets = n_kept;
+        ok = motion_keep_whole(m, motion_send_places(m, stopped, n_stopped,
+                                                     PART_VELOCITY | PART_ANGULAR_VELOCITY, err));
+    }
+    free(stopped);
+    free(named);
+    return ok;
+}
+
+bool motion_arrive(duet_motion *m, duet_error *err)
+{
+    motion_commands *c = m->commands;
+    uint32_t n = c->n_targets;
+    uint32_t *places = malloc((size_t)n * sizeof *places + 1);
+    duet_pose *poses = malloc((size_t)n * sizeof *poses + 1);
+    cl_int4 *cells = NULL;
+    bool ok = places && poses;
+    if (!ok)
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u targets", n);
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        places[i] = c->targets[i].place;
+        poses[i] = aimed(m, m->poses[places[i]], &c->targets[i].pose);
+        motion_stop(m, places[i]);
+    }
+    ok = ok && motion_place_poses(m, poses, n, &cells, __func__, err);
+    if (ok)
+        motion_keep_poses(m, places, poses, cells, n);
+    ok = ok &&
+         motion_send_places(m, places, n, PART_POSE | PART_VELOCITY | PART_ANGULAR_VELOCITY, err);
+    // What it reaches there has not felt it yet.
+    ok = ok && motion_wake_places(m, places, n, err);
+    c->n_targets = 0;
+    free(cells);
+    free(poses);
+    free(places);
+    return ok;
+}
