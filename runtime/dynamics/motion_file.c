@@ -27,7 +27,7 @@ typedef struct header {
 // What follows is read where it lies, doubles first.
 static_assert(sizeof(header) % sizeof(double) == 0, "doubles would lie askew");
 
-static const char magic[16] = "duet motion 2\n";
+static const char magic[16] = "duet motion 3\n";
 
 // By object first, then by contact. Rows are kept for those that sleep and for
 // skins.
