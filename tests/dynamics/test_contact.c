@@ -612,6 +612,27 @@ static void events_begin_and_end(void **state)
 // ---------------------------------------------------------------- the same
 
 // The state is equal bit for bit, however the search for pairs is shared.
+// Half a skin is passed in two steps, and what the bounds reach ahead in four more.
+static void bounds_last_while_a_body_flies(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS;
+    m->def.skin = 0.05;
+    mover_add_floor(m, 5);
+    uint32_t box = mover_add_rough_cube(m, 0, 0, 3);
+    m->bodies[box].velocity[0] = 1.0f;
+    m->def.gravity[2] = 0.0;
+    int searches = 0;
+    for (int step = 0; step < 60; ++step) {
+        mover_run(m, 1);
+        searches += m->last.rebuilt;
+    }
+    assert_close(m->states[box].centre[0], 1.0, 1e-4);
+    assert_in_range(searches, 8, 15);
+    mover_free(m);
+}
+
 static void the_share_changes_nothing(void **state)
 {
     (void)state;
@@ -717,6 +738,7 @@ int main(void)
         cmocka_unit_test(what_slept_on_a_box_that_is_gone_falls),
         cmocka_unit_test(what_is_mostly_slow_sleeps),
         cmocka_unit_test(events_begin_and_end),
+        cmocka_unit_test(bounds_last_while_a_body_flies),
         cmocka_unit_test(the_share_changes_nothing),
         cmocka_unit_test(one_lane_gives_the_bits_of_eight),
         cmocka_unit_test(a_pile_stays_between_its_walls_and_rests),

@@ -92,7 +92,7 @@ static inline float4 way_of(const scene *s, uint2 link)
     d.w = 0.0f;
     return d;
 }
-#line 332 "kernels/dynamics/build_manifolds.cl.in"
+#line 331 "kernels/dynamics/build_manifolds.cl.in"
 
 // Writes the points into the record; extents: the owner's half extents. True where a
 // point touches, or had an impulse in the last step.
@@ -100,20 +100,21 @@ static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extent
 {
     __global float *record = s->contacts + (size_t)i * RECORD;
     bool touching = false;
-#line 348 "kernels/dynamics/build_manifolds.cl.in"
+#line 347 "kernels/dynamics/build_manifolds.cl.in"
     put_float4(record + AT_NORMAL, m->normal);
+#line 352 "kernels/dynamics/build_manifolds.cl.in"
     for (int k = 0; k < m->n; ++k) {
         __global float *saved = record + HEAD + k * POINT_FLOATS;
         float4 anchor = m->point[k];
         put_float4(saved + OF_ANCHOR, anchor);
         saved[OF_SEPARATION] = fma(-at, speed, anchor.w);
         touching = touching || saved[OF_SEPARATION] <= 0.0f;
-#line 367 "kernels/dynamics/build_manifolds.cl.in"
+#line 369 "kernels/dynamics/build_manifolds.cl.in"
     }
     return touching;
 }
 
-#line 416 "kernels/dynamics/build_manifolds.cl.in"
+#line 418 "kernels/dynamics/build_manifolds.cl.in"
 
 // axis: what separates those without points. The manifold is where they are after a time
 // `at`, at this speed along its normal.
@@ -125,10 +126,10 @@ static inline void keep(const scene *s, uint i, float4 extents, float4 d, float 
     bool touching = false;
     if (m->n > 0)
         touching = keep_points(s, i, link, extents, d, at, speed, m);
-#line 439 "kernels/dynamics/build_manifolds.cl.in"
+#line 441 "kernels/dynamics/build_manifolds.cl.in"
     s->touches[i] = (uint)m->n | (touching ? TOUCH_MEETS : 0u) | (m->n > 0 ? m->axis : axis) << TOUCH_AXIS;
 }
-#line 463 "kernels/dynamics/build_manifolds.cl.in"
+#line 465 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void look_at_pair(const scene *s, uint i, uint2 link)
 {
@@ -137,19 +138,19 @@ static inline void look_at_pair(const scene *s, uint i, uint2 link)
     uint axis = s->touches[i] >> TOUCH_AXIS;
     float at = 0.0f, speed = 0.0f;
     manifold m;
-#line 472 "kernels/dynamics/build_manifolds.cl.in"
+#line 474 "kernels/dynamics/build_manifolds.cl.in"
     touch_boxes(&a, &b, d, s->margin, &m, &axis);
-#line 486 "kernels/dynamics/build_manifolds.cl.in"
+#line 488 "kernels/dynamics/build_manifolds.cl.in"
     keep(s, i, s->halves[link.x], d, at, speed, &m, axis);
 }
-#line 544 "kernels/dynamics/build_manifolds.cl.in"
-
 #line 546 "kernels/dynamics/build_manifolds.cl.in"
+
+#line 548 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void look_at_one(const scene *s, uint i)
 {
     uint2 link = s->links[i];
-#line 560 "kernels/dynamics/build_manifolds.cl.in"
+#line 562 "kernels/dynamics/build_manifolds.cl.in"
     look_at_pair(s, i, link);
 }
 
@@ -165,7 +166,7 @@ static inline void look_at_group(const scene *s, uint n_contacts, __local uint *
         n_places[at] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint k = first + at; k < min(first + most, n_contacts); k += WG) {
-#line 579 "kernels/dynamics/build_manifolds.cl.in"
+#line 581 "kernels/dynamics/build_manifolds.cl.in"
         if (s->touches[k] & TOUCH_POINTS)
             places[atomic_inc(n_places)] = k;
         else
@@ -176,20 +177,20 @@ static inline void look_at_group(const scene *s, uint n_contacts, __local uint *
     for (uint k = at; k < all; k += WG)
         look_at_one(s, places[k < touched ? k : most - 1 - (k - touched)]);
 }
-#line 590 "kernels/dynamics/build_manifolds.cl.in"
-
 #line 592 "kernels/dynamics/build_manifolds.cl.in"
+
+#line 594 "kernels/dynamics/build_manifolds.cl.in"
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void build_manifolds(BUILD_MANIFOLDS_ARGS)
-#line 596 "kernels/dynamics/build_manifolds.cl.in"
+#line 598 "kernels/dynamics/build_manifolds.cl.in"
 {
     scene s = {links, n, centres,
-#line 601 "kernels/dynamics/build_manifolds.cl.in"
+#line 603 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 620 "kernels/dynamics/build_manifolds.cl.in"
+#line 622 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
-#line 626 "kernels/dynamics/build_manifolds.cl.in"
+#line 628 "kernels/dynamics/build_manifolds.cl.in"
     __local uint places[WG * PER_ITEM];
     __local uint n_places[2];
     look_at_group(&s, n_contacts, places, n_places);
-#line 674 "kernels/dynamics/build_manifolds.cl.in"
+#line 676 "kernels/dynamics/build_manifolds.cl.in"
 }
