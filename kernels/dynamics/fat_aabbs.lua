@@ -8,6 +8,7 @@ return {
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "ROTATED", values = { 0, 1 }, default = 0, about = "1: orientation matters" },
+    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "CONTINUOUS", values = { 0, 1 }, default = 0, about = "1: fast bodies do not tunnel through thin ones" },
     { "SKIN", values = { 0, 1 }, default = 0, about = "1: the contact graph lasts until a body leaves its fat AABB" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
@@ -21,8 +22,10 @@ return {
       const int4 *cells        if ORIGIN > 0
       int4 base                if ORIGIN > 0
       const real4 *rotations   if ROTATED == 1
-      const real4 *velocities  if CONTINUOUS == 1
-      real dt                  if CONTINUOUS == 1
+      const real4 *velocities          if CONTINUOUS + SKIN > 0
+      const real4 *angular_velocities  if SKIN == 1 and ANGULAR_VELOCITY == 1
+      real dt                          if CONTINUOUS + SKIN > 0
+      real skin                        if SKIN == 1
       const float4 *halves
       real aabb_margin
       uint n

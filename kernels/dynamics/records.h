@@ -12,9 +12,14 @@
 //
 // The normal points from the first object, which owns the contact, to the other. Anchors
 // reach from the owner's centre to the point, along the world's axes.
+//
+// With response a manifold is kept while its pair hardly moves: anchors, offset, rotations
+// and bases are those of when it was made.
 #define AT_NORMAL 0 // 3
 #define AT_OFFSET 3 // 3, with response: from the owner's centre to the other's
-#define HEAD_OF(RESPONSE) ((RESPONSE) ? 6 : 3)
+#define AT_BASES 6  // with response: separation of each point
+#define AT_ROTATIONS_OF(POINTS) (6 + (POINTS)) // where bodies turn: the owner's and the other's
+#define HEAD_OF(RESPONSE, TURNS, POINTS) ((RESPONSE) ? 6 + (POINTS) + ((TURNS) ? 8 : 0) : 3)
 
 #define OF_ANCHOR 0          // 3
 #define OF_SEPARATION 3      // along the normal; below 0: depth
@@ -27,7 +32,8 @@
 #define POINTS_OF(RESPONSE, TURNS, DIMS) ((RESPONSE) && !(TURNS) ? 1 : (DIMS) == 3 ? 4 : 2)
 
 // A word for each contact: its number of points, whether one of them touches or had an
-// impulse, and without points the axis that separates the boxes (box_contact.clh).
+// impulse, and the axis that the normal lies along or, without points, that separates the
+// boxes (box_contact.clh).
 #define TOUCH_POINTS 7u
 #define TOUCH_MEETS 8u
 #define TOUCH_AXIS 4 // the least of its bits

@@ -26,8 +26,9 @@ static const effect_row rows[] = {
      "wall", "integrate_free_flight, contact_graph, build_manifolds"},
     {DUET_EFFECT_ANGULAR_VELOCITY, "angular_velocity", DUET_EFFECT_ROTATION | DUET_EFFECT_MOTION,
      "an angular velocity, or contact_response for an object that may turn", "angular_velocity",
-     "integrate_free_flight, match_contacts, build_manifolds, update_sleep, graph_colour, "
-     "prepare_contacts, bodies, solve_contacts, integrate_positions, contact_events"},
+     "integrate_free_flight, fat_aabbs, match_contacts, build_manifolds, update_sleep, "
+     "graph_colour, prepare_contacts, bodies, solve_contacts, integrate_positions, "
+     "contact_events"},
     {DUET_EFFECT_ROTATION, "rotation", 0,
      "a rotation that is not the identity, with motion or contact; or angular_velocity",
      "rotations", "integrate_free_flight, fat_aabbs, build_manifolds"},

@@ -102,6 +102,7 @@ typedef struct motion_args {
     cl_float h, per_h, drag; // of a substep
     cl_float4 spring, hard_spring, pull;
     cl_float kick, margin, least_speed;
+    arg_real skin;
     cl_float sleep_speed, sleep_after;
     cl_float hit_speed;
     cl_int4 base; // the cell that others are counted from

@@ -79,6 +79,7 @@ const binding motion_bindings[] = {
     VALUE(kick),
     VALUE(margin),
     VALUE(aabb_margin),
+    VALUE(skin),
     VALUE(least_speed),
     VALUE(sleep_speed),
     VALUE(sleep_after),
@@ -149,9 +150,9 @@ static cl_float4 spring_of(const duet_motion *m, double h, double hertz)
 static void set_solver(duet_motion *m, double h)
 {
     const duet_motion_def *d = &m->def;
-    double hertz = 1.0 / (6.0 * h); // six substeps a swing: a stiffer one shakes what it holds
-    m->args.spring = spring_of(m, h, hertz);
-    m->args.hard_spring = spring_of(m, h, 2.0 * hertz);
+    // Six substeps a swing, and five against what never moves: fewer than 4.5 shake what they hold.
+    m->args.spring = spring_of(m, h, 1.0 / (6.0 * h));
+    m->args.hard_spring = spring_of(m, h, 1.0 / (5.0 * h));
     m->args.least_speed = (float)d->restitution_threshold;
     // What a substep adds to the velocity of all that falls, and 1 / its time. An
     // attraction, which differs from place to place, is left out.
@@ -188,6 +189,7 @@ void motion_set_args(duet_motion *m)
         .per_h = (float)(1.0 / h),
         .drag = (float)exp(-d->drag * h),
         .margin = (float)m->margin,
+        .skin = motion_real(m, d->skin),
         .sleep_speed = (float)d->sleep_speed,
         .sleep_after = (float)d->sleep_after,
         .hit_speed = (float)d->hit_speed,

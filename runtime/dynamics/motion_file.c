@@ -28,9 +28,11 @@ typedef struct header {
 // What follows is read where it lies, doubles first.
 static_assert(sizeof(header) % sizeof(double) == 0, "doubles would lie askew");
 
-// Commands have a part of their own, in files of motions that got some.
-static const char magic[16] = "duet motion 2\n";
-static const char magic_commands[16] = "duet motion 3\n";
+// Commands have a part of their own, in files of motions that got some. Records of version 2
+// do not say how a pair lay when its manifold was made.
+static const char magic_2[16] = "duet motion 2\n";
+static const char magic[16] = "duet motion 3\n";
+static const char magic_commands[16] = "duet motion 4\n";
 
 // By object first, then by contact. Rows are kept for those that sleep and for
 // skins.
@@ -142,8 +144,8 @@ bool duet_motion_save(duet_motion *m, const char *path, duet_error *err)
         ok = add_buffer(m, kept[i], &file, err);
     if (ok && text_ok(&file, err)) {
         motion_saved parts = parts_of(m, &h, file.chars, path);
-        ok = motion_check(m, &parts, err) &&
-             (!m->commands || motion_add_commands(m, &file, err)) && write_file(&file, path, err);
+        ok = motion_check(m, &parts, err) && (!m->commands || motion_add_commands(m, &file, err)) &&
+             write_file(&file, path, err);
     } else {
         ok = false;
     }
@@ -190,12 +192,17 @@ static bool has_commands(const header *h)
     return memcmp(h->magic, magic_commands, sizeof magic_commands) == 0;
 }
 
+static bool is_version_2(const header *h)
+{
+    return memcmp(h->magic, magic_2, sizeof magic_2) == 0;
+}
+
 static bool read_header(const text *file, const char *path, header *h, duet_error *err)
 {
     *h = (header){.n = 0};
     if (file->length >= sizeof *h + sizeof(uint64_t))
         memcpy(h, file->chars, sizeof *h);
-    return has_commands(h) || memcmp(h->magic, magic, sizeof magic) == 0 ||
+    return has_commands(h) || is_version_2(h) || memcmp(h->magic, magic, sizeof magic) == 0 ||
            error_set(err, DUET_STATUS_BAD_INPUT, "%s: not a saved motion", path);
 }
 
@@ -213,6 +220,55 @@ static bool check_file(const duet_motion *m, const text *file, const char *path,
     return (end == whole && sum == sum_of(file->chars, end)) ||
            error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion is cut short or damaged",
                      path);
+}
+
+// Where a pair lay unlike any pair can lie, its manifold is made anew in the next step.
+enum { OLD_HEAD = AT_BASES };
+static const float nowhere = 1e18f;
+
+static void add_records(const duet_motion *m, const char *old, uint32_t old_record, uint32_t n,
+                        text *to)
+{
+    const motion_layout *l = &m->layout;
+    float record[64] = {0};
+    assert(l->record <= sizeof record / sizeof *record);
+    size_t points = (size_t)l->points * l->point * sizeof(float);
+    for (uint32_t i = 0; i < n; ++i, old += old_record * sizeof(float)) {
+        memcpy(record, old, OLD_HEAD * sizeof(float));
+        for (int k = 0; k < 3; ++k)
+            record[AT_OFFSET + k] = nowhere;
+        memcpy(record + l->head, old + OLD_HEAD * sizeof(float), points);
+        text_add_bytes(to, (const char *)record, l->record * sizeof(float));
+    }
+}
+
+// Makes what version 2 wrote what it would be today.
+static bool renew(const duet_motion *m, text *file, const char *path, header *h, duet_error *err)
+{
+    duet_motion as = *m;
+    as.n = h->n;
+    if (motion_has(m, DUET_EFFECT_CONTACT_RESPONSE))
+        as.layout.record -= m->layout.head - OLD_HEAD;
+    if (!check_file(&as, file, path, h, err))
+        return false;
+    text renewed = {0};
+    const char *at = file->chars + sizeof *h;
+    memcpy(h->magic, magic, sizeof magic);
+    h->record = m->layout.record;
+    text_add_bytes(&renewed, (const char *)h, sizeof *h);
+    for (int i = 0; i < N_KEPT; ++i) {
+        size_t bytes = bytes_of(&as, kept[i], h->n_contacts);
+        if (kept[i] == CONTACTS && as.layout.record != m->layout.record && bytes > 0)
+            add_records(m, at, as.layout.record, h->n_contacts, &renewed);
+        else
+            text_add_bytes(&renewed, at, bytes);
+        at += bytes;
+    }
+    uint64_t sum = text_ok(&renewed, err) ? sum_of(renewed.chars, renewed.length) : 0;
+    text_add_bytes(&renewed, (const char *)&sum, sizeof sum);
+    text_free(file);
+    *file = renewed;
+    return text_ok(file, err);
 }
 
 // As large as the motion's own, and space for the record after the last, as rows that
@@ -292,7 +348,8 @@ bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
         return false;
     text file = {0};
     header h;
-    bool ok = text_read_file(&file, path, err) && read_header(&file, path, &h, err);
+    bool ok = text_read_file(&file, path, err) && read_header(&file, path, &h, err) &&
+              (!is_version_2(&h) || renew(m, &file, path, &h, err));
     if (ok && (has_commands(&h) || m->commands))
         ok = replace_objects(m, &file, path, &h, err);
     else

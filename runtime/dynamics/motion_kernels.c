@@ -98,10 +98,11 @@ static motion_layout lay_out(const duet_motion *m)
     bool turns = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY);
     bool friction = motion_has(m, DUET_EFFECT_FRICTION);
     uint32_t dims = m->def.dims;
+    uint32_t points = POINTS_OF(response, turns, dims);
     motion_layout l = {
-        .head = HEAD_OF(response),
+        .head = HEAD_OF(response, turns, points),
         .point = POINT_FLOATS_OF(response, friction, dims),
-        .points = POINTS_OF(response, turns, dims),
+        .points = points,
         .body = BODY_OF(turns),
     };
     l.record = l.head + l.points * l.point;

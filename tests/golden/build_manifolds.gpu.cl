@@ -51,7 +51,7 @@ static inline solid solid_at(float4 extents)
     s.halves[2] = extents.z;
     return s;
 }
-#line 179 "kernels/dynamics/build_manifolds.cl.in"
+#line 180 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void keep_deepest(manifold *m)
 {
@@ -68,9 +68,9 @@ typedef struct {
     __global const uint2 *links;
     uint objects;
     __global const real4 *centres;
-#line 198 "kernels/dynamics/build_manifolds.cl.in"
+#line 199 "kernels/dynamics/build_manifolds.cl.in"
     __global const float4 *halves;
-#line 216 "kernels/dynamics/build_manifolds.cl.in"
+#line 217 "kernels/dynamics/build_manifolds.cl.in"
     float margin;
     __global uint *touches;
     __global float *contacts;
@@ -78,72 +78,78 @@ typedef struct {
 
 static inline solid solid_of(const scene *s, uint id)
 {
-#line 226 "kernels/dynamics/build_manifolds.cl.in"
+#line 227 "kernels/dynamics/build_manifolds.cl.in"
     return solid_at(s->halves[id]);
-#line 228 "kernels/dynamics/build_manifolds.cl.in"
+#line 229 "kernels/dynamics/build_manifolds.cl.in"
 }
 
 static inline float4 way_of(const scene *s, uint2 link)
 {
-#line 235 "kernels/dynamics/build_manifolds.cl.in"
+#line 236 "kernels/dynamics/build_manifolds.cl.in"
     float4 d = convert_float4(s->centres[link.y] - s->centres[link.x]);
-#line 237 "kernels/dynamics/build_manifolds.cl.in"
+#line 238 "kernels/dynamics/build_manifolds.cl.in"
     d.w = 0.0f;
     return d;
 }
-#line 277 "kernels/dynamics/build_manifolds.cl.in"
+#line 337 "kernels/dynamics/build_manifolds.cl.in"
 
 // Writes the points into the record; extents: the owner's half extents. True where a
 // point touches, or had an impulse in the last step.
-static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extents, float4 d, manifold *m)
+static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extents, float4 d, float at, float speed, manifold *m)
 {
     __global float *record = s->contacts + (size_t)i * RECORD;
     bool touching = false;
-#line 293 "kernels/dynamics/build_manifolds.cl.in"
+#line 353 "kernels/dynamics/build_manifolds.cl.in"
     put_float4(record + AT_NORMAL, m->normal);
+#line 358 "kernels/dynamics/build_manifolds.cl.in"
     for (int k = 0; k < m->n; ++k) {
         __global float *saved = record + HEAD + k * POINT_FLOATS;
         float4 anchor = m->point[k];
         put_float4(saved + OF_ANCHOR, anchor);
-        saved[OF_SEPARATION] = anchor.w;
-        touching = touching || anchor.w <= 0.0f;
-#line 311 "kernels/dynamics/build_manifolds.cl.in"
+        saved[OF_SEPARATION] = fma(-at, speed, anchor.w);
+        touching = touching || saved[OF_SEPARATION] <= 0.0f;
+#line 375 "kernels/dynamics/build_manifolds.cl.in"
     }
     return touching;
 }
 
-// axis: what separates those without points.
-static inline void keep(const scene *s, uint i, float4 extents, float4 d, manifold *m, uint axis)
+#line 424 "kernels/dynamics/build_manifolds.cl.in"
+
+// axis: what separates those without points. The manifold is where they are after a time
+// `at`, at this speed along its normal.
+static inline void keep(const scene *s, uint i, float4 extents, float4 d, float at, float speed, manifold *m,
+                        uint axis)
 {
     uint2 link = s->links[i];
     uint old = s->touches[i];
     bool touching = false;
     if (m->n > 0)
-        touching = keep_points(s, i, link, extents, d, m);
-#line 327 "kernels/dynamics/build_manifolds.cl.in"
-    s->touches[i] = (uint)m->n | (touching ? TOUCH_MEETS : 0u) | axis << TOUCH_AXIS;
+        touching = keep_points(s, i, link, extents, d, at, speed, m);
+#line 439 "kernels/dynamics/build_manifolds.cl.in"
+    s->touches[i] = (uint)m->n | (touching ? TOUCH_MEETS : 0u) | (m->n > 0 ? m->axis : axis) << TOUCH_AXIS;
 }
-#line 351 "kernels/dynamics/build_manifolds.cl.in"
+#line 463 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void look_at_pair(const scene *s, uint i, uint2 link)
 {
     solid a = solid_of(s, link.x), b = solid_of(s, link.y);
     float4 d = way_of(s, link);
     uint axis = s->touches[i] >> TOUCH_AXIS;
+    float at = 0.0f, speed = 0.0f;
     manifold m;
-#line 359 "kernels/dynamics/build_manifolds.cl.in"
+#line 472 "kernels/dynamics/build_manifolds.cl.in"
     touch_boxes(&a, &b, d, s->margin, &m, &axis);
-#line 373 "kernels/dynamics/build_manifolds.cl.in"
-    keep(s, i, s->halves[link.x], d, &m, axis);
+#line 486 "kernels/dynamics/build_manifolds.cl.in"
+    keep(s, i, s->halves[link.x], d, at, speed, &m, axis);
 }
-#line 431 "kernels/dynamics/build_manifolds.cl.in"
+#line 544 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 433 "kernels/dynamics/build_manifolds.cl.in"
+#line 546 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void look_at_one(const scene *s, uint i)
 {
     uint2 link = s->links[i];
-#line 443 "kernels/dynamics/build_manifolds.cl.in"
+#line 560 "kernels/dynamics/build_manifolds.cl.in"
     look_at_pair(s, i, link);
 }
 
@@ -159,7 +165,7 @@ static inline void look_at_group(const scene *s, uint n_contacts, __local uint *
         n_places[at] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint k = first + at; k < min(first + most, n_contacts); k += WG) {
-#line 462 "kernels/dynamics/build_manifolds.cl.in"
+#line 579 "kernels/dynamics/build_manifolds.cl.in"
         if (s->touches[k] & TOUCH_POINTS)
             places[atomic_inc(n_places)] = k;
         else
@@ -170,20 +176,20 @@ static inline void look_at_group(const scene *s, uint n_contacts, __local uint *
     for (uint k = at; k < all; k += WG)
         look_at_one(s, places[k < touched ? k : most - 1 - (k - touched)]);
 }
-#line 473 "kernels/dynamics/build_manifolds.cl.in"
+#line 590 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 475 "kernels/dynamics/build_manifolds.cl.in"
+#line 592 "kernels/dynamics/build_manifolds.cl.in"
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void build_manifolds(BUILD_MANIFOLDS_ARGS)
-#line 479 "kernels/dynamics/build_manifolds.cl.in"
+#line 596 "kernels/dynamics/build_manifolds.cl.in"
 {
     scene s = {links, n, centres,
-#line 484 "kernels/dynamics/build_manifolds.cl.in"
+#line 601 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 500 "kernels/dynamics/build_manifolds.cl.in"
+#line 617 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
-#line 506 "kernels/dynamics/build_manifolds.cl.in"
+#line 623 "kernels/dynamics/build_manifolds.cl.in"
     __local uint places[WG * PER_ITEM];
     __local uint n_places[2];
     look_at_group(&s, n_contacts, places, n_places);
-#line 550 "kernels/dynamics/build_manifolds.cl.in"
+#line 671 "kernels/dynamics/build_manifolds.cl.in"
 }

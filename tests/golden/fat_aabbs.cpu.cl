@@ -1,8 +1,9 @@
-// fat_aabbs.DIMS2.DOUBLE0.ROTATED0.CONTINUOUS0.SKIN0.WG1.PER_ITEM1024
+// fat_aabbs.DIMS2.DOUBLE0.ROTATED0.ANGULAR_VELOCITY0.CONTINUOUS0.SKIN0.WG1.PER_ITEM1024
 #define DIMS 2
 #define DOUBLE 0
 #define ORIGIN 0
 #define ROTATED 0
+#define ANGULAR_VELOCITY 0
 #define CONTINUOUS 0
 #define SKIN 0
 #define WG 1
@@ -59,14 +60,17 @@ static inline float_bounds object_bounds(uint id, real margin, __global const re
     return b;
 }
 
+#line 79 "kernels/dynamics/fat_aabbs.cl.in"
+
 __kernel void compute_fat_aabbs(COMPUTE_FAT_AABBS_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         float_bounds b = object_bounds(id, aabb_margin, centres,
-#line 70 "kernels/dynamics/fat_aabbs.cl.in"
+#line 95 "kernels/dynamics/fat_aabbs.cl.in"
                                        halves);
+#line 106 "kernels/dynamics/fat_aabbs.cl.in"
         vstore3(b.lower.xyz, 2 * (size_t)id, boxes);
         vstore3(b.upper.xyz, 2 * (size_t)id + 1, boxes);
     }

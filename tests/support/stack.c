@@ -21,14 +21,14 @@ stack_figures stack_figures_read(void)
 {
     double f[10];
     figures("effects.md",
-            "stack of #, #, # boxes, # s | needs #, #, # substeps; drift below # % of an edge; # "
-            "boxes with # substeps fall",
+            "stack of #, #, # boxes, # s | needs #, #, # substeps; sways by less than # % of its "
+            "height; # boxes with # substeps fall",
             10, f);
     return (stack_figures){
         .heights = {(uint32_t)f[0], (uint32_t)f[1], (uint32_t)f[2]},
         .seconds = (uint32_t)f[3],
         .substeps = {(uint32_t)f[4], (uint32_t)f[5], (uint32_t)f[6]},
-        .drift = f[7] / 100,
+        .sway = f[7] / 100,
         .falling_height = (uint32_t)f[8],
         .falling_substeps = (uint32_t)f[9],
     };
@@ -36,11 +36,11 @@ stack_figures stack_figures_read(void)
 
 // Box i, counted from 1: not further aside than the document says, and no lower
 // than what is below it is pressed.
-static bool is_in_place(const mover *m, const stack *s, uint32_t i, double drift)
+static bool is_in_place(const mover *m, const stack *s, uint32_t i, double sway)
 {
     const double *c = m->states[i].centre;
     double sideways = hypot(c[0] - s->x, s->dims == 3 ? c[1] : 0.0);
-    return sideways < drift && fabs(c[s->dims - 1] - (i - 0.5)) < 0.15 * i &&
+    return sideways < sway && fabs(c[s->dims - 1] - (i - 0.5)) < 0.15 * i &&
            mover_speed(m, i) < 0.02;
 }
 
@@ -48,9 +48,9 @@ bool stack_stands(const stack *s, uint32_t seconds)
 {
     mover *m = build(s);
     mover_run(m, 60 * seconds);
-    double drift = stack_figures_read().drift;
+    double sway = stack_figures_read().sway * s->height;
     uint32_t i = 1;
-    while (i <= s->height && is_in_place(m, s, i, drift))
+    while (i <= s->height && is_in_place(m, s, i, sway))
         ++i;
     const double *c = m->states[i <= s->height ? i : 0].centre;
     if (i <= s->height)

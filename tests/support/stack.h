@@ -17,10 +17,10 @@ typedef struct stack {
 // Whether all boxes are in their places, at rest, after so many seconds; else
 // the first that is not is printed.
 // What docs/effects.md says of stacks: heights with the substeps that they need, for
-// so many seconds, how far their boxes may drift in edges, and one that falls.
+// so many seconds, how far their boxes may sway in parts of the height, and one that falls.
 typedef struct stack_figures {
     uint32_t heights[3], substeps[3], seconds;
-    double drift;
+    double sway;
     uint32_t falling_height, falling_substeps;
 } stack_figures;
 
