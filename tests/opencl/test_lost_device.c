@@ -50,10 +50,13 @@ static bool told(bool ok, const duet_error *err)
     return ok;
 }
 
+static bool have_host_memory[2];
+
+// A device that works on host memory can be told that it does not.
 static void set_memory(bool copies)
 {
     for (int side = 0; side < 2; ++side)
-        pair->devices[side].info.host_memory = !copies;
+        pair->devices[side].info.host_memory = have_host_memory[side] && !copies;
 }
 
 // Nothing holds a queue but its device, so nothing waits in it.
@@ -367,6 +370,8 @@ static int open_devices(void **state)
     lost_begin(LOST_FOR_EVER, UINT32_MAX);
     pair = duet_device_pair_create(&def, &err);
     assert_ok(pair, err);
+    for (int side = 0; side < 2; ++side)
+        have_host_memory[side] = pair->devices[side].info.host_memory;
     lost_know(pair);
     snprintf(saved, sizeof saved, "/tmp/duet-lost-%ld", (long)getpid());
     snprintf(scratch, sizeof scratch, "%s-scratch", saved);
