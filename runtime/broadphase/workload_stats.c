@@ -3,6 +3,7 @@
 // matters. How they crowd is told from a sample, which takes no time.
 #include "runtime/broadphase/workload_stats.h"
 
+#include "base/budget.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/narrowphase/origin.h"
 
@@ -39,18 +40,24 @@ static inline float size_of_pose(const duet_pose *p, const duet_world_def *def)
     return def->rotated ? x * x + y * y + z * z : larger(larger(x, y), z);
 }
 
-static workload_stats see_poses(workload_stats c, const duet_world *world)
+// Each sees the objects [first, end).
+typedef workload_stats see_range(workload_stats c, const duet_world *world, uint64_t first,
+                                 uint64_t end);
+
+static workload_stats see_poses(workload_stats c, const duet_world *world, uint64_t first,
+                                uint64_t end)
 {
     const duet_pose *poses = world->objects.bytes;
-    for (const duet_pose *p = poses; p < poses + world->n; ++p)
+    for (const duet_pose *p = poses + first; p < poses + end; ++p)
         see_object(&c, p->centre[0], p->centre[1], p->centre[2], size_of_pose(p, &world->def));
     return c;
 }
 
-static workload_stats see_transforms(workload_stats c, const duet_world *world)
+static workload_stats see_transforms(workload_stats c, const duet_world *world, uint64_t first,
+                                     uint64_t end)
 {
     grid_objects objects = world_objects(world);
-    for (uint32_t id = 0; id < world->n; ++id) {
+    for (uint32_t id = (uint32_t)first; id < end; ++id) {
         duet_pose scratch;
         const duet_pose *p = grid_pose_of(&objects, id, &scratch);
         see_object(&c, p->centre[0], p->centre[1], p->centre[2], size_of_pose(p, &world->def));
@@ -58,10 +65,11 @@ static workload_stats see_transforms(workload_stats c, const duet_world *world)
     return c;
 }
 
-static workload_stats see_large_poses(workload_stats c, const duet_world *world)
+static workload_stats see_large_poses(workload_stats c, const duet_world *world, uint64_t first,
+                                      uint64_t end)
 {
     const duet_large_pose *placed = world->objects.bytes;
-    for (uint32_t id = 0; id < world->n; ++id) {
+    for (uint32_t id = (uint32_t)first; id < end; ++id) {
         const duet_pose *p = &placed[id].pose;
         double corner[3];
         origin_corner(corner, placed, world->def.origin_edge, id);
@@ -71,10 +79,11 @@ static workload_stats see_large_poses(workload_stats c, const duet_world *world)
     return c;
 }
 
-static workload_stats see_bounds(workload_stats c, const duet_world *world)
+static workload_stats see_bounds(workload_stats c, const duet_world *world, uint64_t first,
+                                 uint64_t end)
 {
     const duet_bounds *bounds = world->objects.bytes;
-    for (const duet_bounds *b = bounds; b < bounds + world->n; ++b) {
+    for (const duet_bounds *b = bounds + first; b < bounds + end; ++b) {
         float sides[3] = {0}, centre[3] = {0};
         for (uint32_t k = 0; k < world->def.dims; ++k) {
             sides[k] = b->upper[k] - b->lower[k];
@@ -86,16 +95,23 @@ static workload_stats see_bounds(workload_stats c, const duet_world *world)
     return c;
 }
 
+// Of many millions of objects it takes seconds, and tells how far it is.
 static workload_stats see_all(const duet_world *world)
 {
-    const workload_stats nothing = {.lower = {FLT_MAX, FLT_MAX, FLT_MAX},
-                                    .upper = {-FLT_MAX, -FLT_MAX, -FLT_MAX},
-                                    .narrowest = FLT_MAX};
-    if (world->def.shape == DUET_SHAPE_BOUNDS)
-        return see_bounds(nothing, world);
-    if (world->def.separate_sizes)
-        return see_transforms(nothing, world);
-    return world->def.origin_edge > 0 ? see_large_poses(nothing, world) : see_poses(nothing, world);
+    enum { AT_ONCE = 1 << 18 };
+    const duet_world_def *def = &world->def;
+    workload_stats c = {.lower = {FLT_MAX, FLT_MAX, FLT_MAX},
+                        .upper = {-FLT_MAX, -FLT_MAX, -FLT_MAX},
+                        .narrowest = FLT_MAX};
+    see_range *see = def->shape == DUET_SHAPE_BOUNDS ? see_bounds
+                     : def->separate_sizes           ? see_transforms
+                     : def->origin_edge > 0          ? see_large_poses
+                                                     : see_poses;
+    for (uint64_t first = 0; first < world->n; first += AT_ONCE) {
+        budget_tell(first, world->n);
+        c = see(c, world, first, first + AT_ONCE < world->n ? first + AT_ONCE : world->n);
+    }
+    return c;
 }
 
 // Extents are diagonals of boxes that may be turned, else longest sides.
