@@ -132,12 +132,6 @@ static void take(duet_cluster *c, object_rows *rows)
     c->changed = true;
 }
 
-static int by_id(const void *left, const void *right)
-{
-    const arrival *p = left, *q = right;
-    return (p->id > q->id) - (p->id < q->id);
-}
-
 // Ids count from `first` on where there are none.
 static bool copy_rows(object_rows *rows, const object_form *form, const uint64_t *ids,
                       uint64_t first, const void *objects, uint32_t n, duet_error *err)
@@ -149,7 +143,7 @@ static bool copy_rows(object_rows *rows, const object_form *form, const uint64_t
         arrivals[i] =
             (arrival){ids ? ids[i] : first + i, (const char *)objects + (size_t)i * form->bytes, i};
     if (ok && ids)
-        qsort(arrivals, n, sizeof *arrivals, by_id);
+        arrivals_sort(arrivals, n);
     ok = ok && object_rows_begin(rows, form, n, err);
     ok = ok && object_rows_merge(rows, form, &none, NULL, 0, arrivals, n, err);
     free(arrivals);

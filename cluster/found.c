@@ -47,7 +47,6 @@ static bool reserve(seen *s, uint64_t n, uint64_t n_ghosts, duet_error *err)
 typedef struct filling {
     seen *s;
     const homes *h;
-    const ranks *r;
     const parcels *messages;
     const arrival *arrivals;
     duet_error errors[PARALLEL_MOST];
@@ -103,7 +102,7 @@ bool seen_fill(seen *s, const homes *h, const ranks *r, const parcels *ghosts, w
                          "%u objects and %" PRIu64 " ghosts on one rank; expected more ranks",
                          h->rows.n, ghosts->n);
     filling *f = calloc(1, sizeof *f);
-    arrival *arrivals = arrivals_sort(&h->form, ghosts->rows, ghosts->n, err);
+    arrival *arrivals = arrivals_read(&h->form, ghosts->rows, ghosts->n, err);
     bool ok = f || error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects: no memory", n);
     ok = ok && arrivals && reserve(s, n, ghosts->n, err);
     if (ok) {
@@ -114,7 +113,7 @@ bool seen_fill(seen *s, const homes *h, const ranks *r, const parcels *ghosts, w
         ok = s->rows.objects;
     }
     if (ok) {
-        *f = (filling){.s = s, .h = h, .r = r, .messages = ghosts, .arrivals = arrivals};
+        *f = (filling){.s = s, .h = h, .messages = ghosts, .arrivals = arrivals};
         uint32_t parts = parallel_each(h->threads, h->rows.n, fill_part, f);
         for (uint32_t i = 0; ok && i < parts; ++i)
             ok = f->errors[i].status == DUET_STATUS_OK ||
@@ -162,10 +161,8 @@ static bool is_ghost(const seen *s, uint32_t place)
     return s->is_ghost[place / 8] >> place % 8 & 1;
 }
 
-static uint32_t key_at(const seen *s, uint32_t place)
+static uint32_t key_of_ghost(const seen *s, uint32_t place)
 {
-    if (!is_ghost(s, place))
-        return key_of(s, object_row(&s->rows, &s->homes->form, place), s->self);
     uint64_t first = 0, last = s->n_ghosts;
     while (last - first > 1) {
         uint64_t middle = first + (last - first) / 2;
@@ -183,8 +180,8 @@ static bool is_own(const seen *s, duet_pair pair)
     bool a = is_ghost(s, pair.a), b = is_ghost(s, pair.b);
     if (a == b)
         return !a;
-    uint32_t home = key_at(s, a ? pair.b : pair.a), ghost = key_at(s, a ? pair.a : pair.b);
-    return home < ghost;
+    uint32_t home = a ? pair.b : pair.a, ghost = a ? pair.a : pair.b;
+    return key_of(s, object_row(&s->rows, &s->homes->form, home), s->self) < key_of_ghost(s, ghost);
 }
 
 typedef struct taking {

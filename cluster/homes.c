@@ -187,7 +187,7 @@ static void add_arrivals(homes *h, const arrival *arrivals, uint64_t n)
 // The homes that leave are let go of once all ranks have taken what came to them.
 static bool take_arrivals(homes *h, ranks *r, const leavers *l, const parcels *in, duet_error *err)
 {
-    arrival *arrivals = arrivals_sort(&h->form, in->rows, in->n, err);
+    arrival *arrivals = arrivals_read(&h->form, in->rows, in->n, err);
     bool ok = arrivals && object_rows_reserve(&h->spare, &h->form, h->rows.n - l->n + in->n, err);
     ok =
         ok && object_rows_merge(&h->spare, &h->form, &h->rows, l->list, l->n, arrivals, in->n, err);
@@ -250,11 +250,6 @@ static bool keep_widest(homes *h, ranks *r, const look *l)
     return false;
 }
 
-static void keep_boxes(homes *h, const look *l)
-{
-    h->boxes = l->all.boxes;
-}
-
 static void join_levels(homes *h)
 {
     for (int k = 1; k < LEVELS; ++k)
@@ -277,7 +272,7 @@ static bool settle(look *l, homes *h, ranks *r, cut *c, double imbalance, duet_e
         }
         if (!keep_widest(h, r, l))
             look_again(l);
-        keep_boxes(h, l);
+        h->boxes = l->all.boxes;
         uint64_t leaving = l->all.n_leavers;
         ranks_sum(r, &leaving, 1);
         if (leaving > 0 && !move_leavers(l, h, r, err))
@@ -292,7 +287,7 @@ static bool settle(look *l, homes *h, ranks *r, cut *c, double imbalance, duet_e
         h->is_cut = false;
     }
     look_again(l);
-    keep_boxes(h, l);
+    h->boxes = l->all.boxes;
     return true;
 }
 

@@ -210,7 +210,12 @@ static int by_id(const void *left, const void *right)
     return (p->id > q->id) - (p->id < q->id);
 }
 
-arrival *arrivals_sort(const object_form *form, const void *messages, uint64_t n, duet_error *err)
+void arrivals_sort(arrival *arrivals, uint64_t n)
+{
+    qsort(arrivals, n, sizeof *arrivals, by_id);
+}
+
+arrival *arrivals_read(const object_form *form, const void *messages, uint64_t n, duet_error *err)
 {
     const unsigned char *message = messages;
     arrival *arrivals = malloc((n + 1) * sizeof *arrivals);
@@ -223,7 +228,7 @@ arrival *arrivals_sort(const object_form *form, const void *messages, uint64_t n
         arrivals[i].object = message + sizeof arrivals[i].id;
         arrivals[i].place = i;
     }
-    qsort(arrivals, n, sizeof *arrivals, by_id);
+    arrivals_sort(arrivals, n);
     return arrivals;
 }
 

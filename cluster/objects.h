@@ -62,8 +62,10 @@ typedef struct arrival {
     uint64_t place; // its row among the messages
 } arrival;
 
-// Those of n messages by ascending id, to be freed; NULL with NO_MEMORY.
-arrival *arrivals_sort(const object_form *form, const void *messages, uint64_t n, duet_error *err);
+void arrivals_sort(arrival *arrivals, uint64_t n); // by ascending id
+
+// Those of n messages, sorted, to be freed; NULL with NO_MEMORY.
+arrival *arrivals_read(const object_form *form, const void *messages, uint64_t n, duet_error *err);
 
 // The first of rows [first, end) whose id is not below that one; end where there is none.
 uint32_t object_rows_find(const object_rows *rows, uint32_t first, uint32_t end, uint64_t id);

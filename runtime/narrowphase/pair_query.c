@@ -149,10 +149,8 @@ void duet_pair_query_destroy(duet_pair_query *test)
 
 static bool send_poses(side *s, const duet_pose *poses, size_t bytes)
 {
-    bool ok = s->device->info.host_memory
-                  ? buffer_borrow(&s->poses, s->device, (void *)poses, bytes, &s->err)
-                  : buffer_reserve(&s->poses, s->device, bytes, &s->err);
-    return ok && timeline_write(&s->times, "send poses", &s->poses, poses, bytes, &s->err);
+    return buffer_hold(&s->poses, s->device, (void *)poses, bytes, &s->err) &&
+           timeline_write(&s->times, "send poses", &s->poses, poses, bytes, &s->err);
 }
 
 static bool ask_device(side *s, uint64_t first, uint32_t n)
