@@ -32,9 +32,9 @@ static bool check_def(const duet_cluster_def *def, duet_error *err)
     if (def->world.keep_bad)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "keep_bad is for one world; expected false");
-    if (def->world.separate_sizes)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "separate_sizes is for one world; expected false");
+    if (def->world.separate_sizes || def->world.compact_transforms)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s is for one world; expected false",
+                         def->world.separate_sizes ? "separate_sizes" : "compact_transforms");
     return def->imbalance > 1 ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT, "imbalance is %g; expected a number above 1",
                      def->imbalance);

@@ -640,6 +640,11 @@ static void nothing_is_refused(void)
     REFUSED(duet_cluster_get_ranks(c, NULL, &err));
     REFUSED(duet_cluster_save_pairs(c, NULL, true, &err));
     duet_cluster_destroy(c);
+    duet_cluster_def wrong = duet_default_cluster_def();
+    wrong.comm = &comm;
+    wrong.plain = true;
+    wrong.world.compact_transforms = true; // else they would be taken for poses
+    REFUSED(duet_cluster_create(&wrong, &err));
     MPI_Comm_free(&comm);
 #undef REFUSED
 }
