@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "cluster/owner.h"
+#include "runtime/broadphase/pair_hash.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -140,20 +141,11 @@ void seen_end(seen *s)
 
 // ---------------------------------------------------------------- pairs
 
-static uint64_t mix(uint64_t key)
-{
-    key *= 0x9E3779B97F4A7C15u;
-    key ^= key >> 29;
-    key *= 0xBF58476D1CE4E5B9u;
-    key ^= key >> 32;
-    return key;
-}
-
 uint64_t pair64_hash(duet_pair64 pair)
 {
     uint64_t low = (pair.a << 32) | (pair.b & UINT32_MAX);
     uint64_t high = (pair.a >> 32 << 32) | (pair.b >> 32);
-    return mix(low ^ mix(high)); // mix(0) is 0
+    return pair_hash(low ^ pair_hash(high));
 }
 
 static bool is_ghost(const seen *s, uint32_t place)

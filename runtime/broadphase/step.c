@@ -5,6 +5,7 @@
 // A takes the first share of the objects in cell order and B the rest. Each
 // pair is found from its first object, so no pair is found twice and none is
 // lost between the parts.
+#include "runtime/broadphase/pair_hash.h"
 #include "runtime/broadphase/world.h"
 
 #include "base/budget.h"
@@ -369,21 +370,11 @@ bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, du
 // ---------------------------------------------------------------- pairs
 
 // Pairs as a set, whoever found them and in whatever order.
-static uint64_t mix(duet_pair pair)
-{
-    uint64_t key = (uint64_t)pair.a << 32 | pair.b;
-    key *= 0x9E3779B97F4A7C15u;
-    key ^= key >> 29;
-    key *= 0xBF58476D1CE4E5B9u;
-    key ^= key >> 32;
-    return key;
-}
-
 uint64_t duet_pairs_hash(const duet_pair *pairs, uint64_t n)
 {
     uint64_t sum = 0;
     for (uint64_t i = 0; pairs && i < n; ++i)
-        sum += mix(pairs[i]);
+        sum += pair_hash((uint64_t)pairs[i].a << 32 | pairs[i].b);
     return sum;
 }
 
