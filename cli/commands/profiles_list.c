@@ -6,6 +6,7 @@
 #include "cli/say.h"
 
 #include <stdio.h>
+#include <string.h>
 
 enum { UID_SHOWN = 8 }; // digits that tell profiles of one store apart
 
@@ -21,31 +22,48 @@ typedef struct listing {
 
 static table begin_rows(void)
 {
-    table t = table_begin("llrlrlllrrlll");
-    table_words(&t, "profile", "scene", "objects", "level", "share", "mode", "A", "B", "ms",
-                "gain %", "verdict", "when", "where", NULL);
+    table t = table_begin("lllrrlll");
+    table_words(&t, "profile", "workload", "plan", "ms", "gain %", "verdict", "when", "where",
+                NULL);
     return t;
+}
+
+// Certified needs no word: nothing of it is wrong.
+static void add_workload(table *t, const profile_entry *e)
+{
+    bool certified = strcmp(e->row.plan.level, "certified") == 0;
+    table_cell(t, "%s, %s%s%s", e->scene && *e->scene ? e->scene : "-",
+               table_count((uint64_t)e->n).chars, certified ? "" : ", ",
+               certified ? "" : e->row.plan.level);
 }
 
 static void add_row(table *t, const profile_entry *e)
 {
+    enum { DAY = 10 }; // characters of a date without its time
     const profile_row *row = &e->row;
-    const char *where = profile_report_is_here(e) ? "here" : "elsewhere";
+    uint32_t share = row->plan.share;
+    bool shared = share > 0 && share < PROFILE_SHARE_ONE;
     table_cell(t, "%.*s", UID_SHOWN, e->uid);
-    table_words(t, e->scene && *e->scene ? e->scene : "-", table_count((uint64_t)e->n).chars,
-                row->plan.level, NULL);
-    table_cell(t, "%.4f", row->plan.share / (double)PROFILE_SHARE_ONE);
-    table_words(t, row->plan.mode, row->plan.variant_a, row->plan.variant_b, NULL);
+    add_workload(t, e);
+    if (shared)
+        table_cell(t, "A %.2f %%", 100.0 * share / PROFILE_SHARE_ONE);
+    else
+        table_words(t,
+                    profile_report_is_one(e) ? "one device"
+                    : share == 0             ? "B alone"
+                                             : "A alone",
+                    NULL);
     table_cell(t, "%.3f", row->median_ns * 1e-6);
-    if (row->plan.share > 0 && row->plan.share < PROFILE_SHARE_ONE)
+    if (shared)
         table_cell(t, "%+.1f", 100 * row->gain);
     else
         table_words(t, "-", NULL);
+    table_words(t, shared ? row->verdict : "-", NULL);
+    table_cell(t, "%.*s", DAY, profile_report_when(e->created_ns).chars);
     table_words(t,
-                row->plan.share == 0                   ? "B alone"
-                : row->plan.share == PROFILE_SHARE_ONE ? "A alone"
-                                                       : row->verdict,
-                profile_report_when(e->created_ns).chars, e->dead_reason ? e->dead_reason : where,
+                e->dead_reason              ? e->dead_reason
+                : profile_report_is_here(e) ? "here"
+                                            : "elsewhere",
                 NULL);
 }
 
@@ -80,8 +98,9 @@ static bool list_entry(void *context, const profile_entry *e)
         }
         if (dead && (l->n == 1 || !l->dead))
             printf("not used:\n");
-        profile_report_device("A: ", &e->a);
-        profile_report_device("B: ", &e->b);
+        profile_report_device(profile_report_is_one(e) ? "" : "A: ", &e->a);
+        if (!profile_report_is_one(e))
+            profile_report_device("B: ", &e->b);
         l->rows = begin_rows();
     }
     add_row(&l->rows, e);
@@ -98,9 +117,11 @@ bool profiles_list(store *s, bool dead, bool json, duet_error *err)
     if (o)
         cJSON_AddStringToObject(o, "store", store_path(s));
     bool ok = profile_entry_each(s, NULL, dead, list_entry, &l, err);
-    if (!o && l.n > 0)
+    if (!o && l.n > 0) {
         print_rows(&l);
-    else if (!o && ok)
+        printf(
+            "plan: A's part of the work; B does the rest. gain: over the better device alone.\n");
+    } else if (!o && ok)
         printf("%s: no profiles yet; duet tune makes them\n", say_name(store_path(s)).chars);
     if (ok && o)
         return say_json(o, err);

@@ -6,13 +6,34 @@
 #include "cli/say.h"
 
 #include <inttypes.h>
+#include <string.h>
+
+// The trials' kernels, each told once and numbered as it is met.
+typedef struct trial_table {
+    table rows;
+    text kernels; // each ends with a NUL
+    unsigned n_kernels;
+} trial_table;
+
+static unsigned kernels_number(trial_table *t, const char *variant)
+{
+    const char *known = text_chars(&t->kernels);
+    for (unsigned i = 1; i <= t->n_kernels; ++i, known += strlen(known) + 1)
+        if (strcmp(known, variant) == 0)
+            return i;
+    text_add_bytes(&t->kernels, variant, strlen(variant) + 1);
+    return ++t->n_kernels;
+}
 
 static bool add_trial_row(void *context, int64_t number, const profile_trial *trial)
 {
-    table *t = context;
+    trial_table *all = context;
+    table *t = &all->rows;
     table_cell(t, "%" PRId64, number);
     table_cell(t, "%.4f", trial->plan.share / (double)PROFILE_SHARE_ONE);
-    table_words(t, trial->plan.mode, trial->plan.variant_a, trial->plan.variant_b, NULL);
+    table_words(t, trial->plan.mode, NULL);
+    table_cell(t, "%u", kernels_number(all, trial->plan.variant_a));
+    table_cell(t, "%u", kernels_number(all, trial->plan.variant_b));
     table_cell(t, "%u", trial->n_samples);
     table_cell(t, "%.3f", trial->median_ns * 1e-6);
     table_cell(t, "%.3f", trial->low_ns * 1e-6);
@@ -22,6 +43,18 @@ static bool add_trial_row(void *context, int64_t number, const profile_trial *tr
     table_cell(t, "%s%s%s", trial->outcome, trial->reason ? ": " : "",
                trial->reason ? trial->reason : "");
     return true;
+}
+
+static void print_kernels(const trial_table *t)
+{
+    table names = table_begin("rl");
+    table_words(&names, "A, B", "kernels", NULL);
+    const char *name = text_chars(&t->kernels);
+    for (unsigned i = 1; i <= t->n_kernels; ++i, name += strlen(name) + 1) {
+        table_cell(&names, "%u", i);
+        table_words(&names, say_name(name).chars, NULL);
+    }
+    table_print(&names, stdout);
 }
 
 // Prints while the entry is there, since it is gone after the visit.
@@ -48,11 +81,15 @@ static bool show_text(showing *show, const profile_entry *e)
     profile_report_text(e);
     if (!e->session.id)
         return true;
-    table t = table_begin("rrlllrrrrrrl");
-    table_words(&t, "trial", "share", "mode", "A", "B", "samples", "ms", "low", "high", "A ms",
+    trial_table t = {.rows = table_begin("rrlrrrrrrrrl")};
+    table_words(&t.rows, "trial", "share", "mode", "A", "B", "runs", "ms", "low", "high", "A ms",
                 "B ms", "outcome", NULL);
     bool ok = profile_trial_each(show->s, e->session.id, add_trial_row, &t, show->err);
-    table_print(&t, stdout);
+    printf("\n");
+    table_print(&t.rows, stdout);
+    printf("\n");
+    print_kernels(&t);
+    text_free(&t.kernels);
     return ok;
 }
 

@@ -27,6 +27,17 @@ bool profile_report_is_here(const profile_entry *e)
     return e->session.host && strcmp(e->session.host, host) == 0;
 }
 
+static bool same_words(const char *a, const char *b)
+{
+    return strcmp(a ? a : "", b ? b : "") == 0;
+}
+
+bool profile_report_is_one(const profile_entry *e)
+{
+    return same_words(e->a.name, e->b.name) && same_words(e->a.part, e->b.part) &&
+           same_words(e->a.driver, e->b.driver);
+}
+
 // --------------------------------------------------------------------------- JSON
 
 static void add_device(cJSON *o, const char *name, const profile_entry_device *d)
@@ -182,16 +193,22 @@ static void add_result(table *t, const profile_entry *e)
 {
     const profile_row *row = &e->row;
     table_words(t, "plan", NULL);
-    table_cell(t, "share %.5f (%u of %d), mode %s, A %s, B %s, level %s",
-               row->plan.share / (double)PROFILE_SHARE_ONE, row->plan.share, PROFILE_SHARE_ONE,
-               say_name(row->plan.mode).chars, say_name(row->plan.variant_a).chars,
-               say_name(row->plan.variant_b).chars, say_name(row->plan.level).chars);
+    if (profile_report_is_one(e))
+        table_cell(t, "%s, level %s", say_name(row->plan.variant_b).chars,
+                   say_name(row->plan.level).chars);
+    else
+        table_cell(t, "share %.5f (%u of %d), mode %s, A %s, B %s, level %s",
+                   row->plan.share / (double)PROFILE_SHARE_ONE, row->plan.share, PROFILE_SHARE_ONE,
+                   say_name(row->plan.mode).chars, say_name(row->plan.variant_a).chars,
+                   say_name(row->plan.variant_b).chars, say_name(row->plan.level).chars);
     table_words(t, "step", NULL);
     table_cell(t, "%.4f ms (%.4f to %.4f)", row->median_ns * 1e-6, row->low_ns * 1e-6,
                row->high_ns * 1e-6);
-    table_text gain =
-        table_gain(row->plan.share, row->gain, row->gain_low, row->gain_high, row->verdict);
-    table_words(t, "gain", say_name(gain.chars).chars, NULL);
+    if (!profile_report_is_one(e)) {
+        table_text gain =
+            table_gain(row->plan.share, row->gain, row->gain_low, row->gain_high, row->verdict);
+        table_words(t, "gain", say_name(gain.chars).chars, NULL);
+    }
     if (row->rounds > 0) {
         table_words(t, "rounds", NULL);
         table_cell(t, "%u", row->rounds);
@@ -219,8 +236,10 @@ void profile_report_text(const profile_entry *e)
     table_words(&t, "profile", NULL);
     table_cell(&t, "%s%s%s", say_name(e->uid).chars, e->dead_reason ? ", dead: " : "",
                say_name(e->dead_reason).chars);
-    add_device_row(&t, "A", &e->a);
-    add_device_row(&t, "B", &e->b);
+    bool one = profile_report_is_one(e);
+    add_device_row(&t, one ? "device" : "A", &e->a);
+    if (!one)
+        add_device_row(&t, "B", &e->b);
     table_words(&t, "workload", NULL);
     table_cell(&t, "%s, %s: %s", say_name(or_none(e->scene)).chars,
                table_things((uint64_t)e->n, "object", "objects").chars, say_name(e->family).chars);

@@ -16,6 +16,9 @@ profile_report_date profile_report_when(int64_t calendar_ns);
 // Whether it was measured on this machine.
 bool profile_report_is_here(const profile_entry *e);
 
+// Whether A and B are the same: a pair of one device.
+bool profile_report_is_one(const profile_entry *e);
+
 cJSON *profile_report_json(const profile_entry *e);
 
 // Adds the session; nothing for a profile that has none.

@@ -79,6 +79,10 @@ static void list_shows_what_an_application_would_load(void **state)
     assert_prints(&folder, "list", "A: pthread-AMD EPYC 7763 64-Core Processor [0-0], driver 3.1");
     assert_prints(&folder, "list", "250 000");
     assert_prints(&folder, "list --dead", "tuned again");
+    program p = run_on(&folder, "list");
+    for (const char *line = p.out; *line; line += strcspn(line, "\n") + 1)
+        assert_in_range(strcspn(line, "\n"), 0, 80);
+    program_free(&p);
     test_folder_remove(&folder);
 }
 
@@ -165,7 +169,7 @@ static void what_one_device_does_alone_is_told_as_such(void **state)
     snprintf(arguments, sizeof arguments, "show %s", json_string(first, "uid"));
     assert_prints(&folder, arguments, "B alone; sharing would be 26.1 % slower (20.0 to 30.0)");
     assert_prints(&folder, arguments, "undivided is 25.0 % faster (11.1 to 33.3): open it as one");
-    assert_prints(&folder, "list", "-  B alone");
+    assert_prints(&folder, "list", "B alone");
     assert_prints(&folder, "list", "undivided is 25.0 % faster");
     cJSON_Delete(o);
     test_folder_remove(&folder);
