@@ -576,8 +576,9 @@ static void cells_that_fit_the_world_tightly_hold_their_objects(void **state)
     }
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    test_begin(argc, argv);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cells_that_fit_the_world_tightly_hold_their_objects),
         cmocka_unit_test(centres_on_cell_borders_meet_all_neighbours),

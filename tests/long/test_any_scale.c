@@ -129,6 +129,7 @@ static void scenes_of_any_scale_are_found_whole(void **state)
 
 int main(void)
 {
+    test_take_all();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scenes_of_any_scale_are_found_whole),
     };

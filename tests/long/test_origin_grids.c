@@ -121,6 +121,7 @@ static void every_level_finds_its_reference_s_pairs_far_away(void **state)
 
 int main(void)
 {
+    test_take_all();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cloud_far_away_has_the_pairs_of_the_one_at_0),
         cmocka_unit_test(boxes_of_many_sizes_far_away_are_all_found),

@@ -24,8 +24,6 @@ static const char *const searches[] = {
     "gpu pair_search_gpu.FUSED=1 pair_search_gpu.WG=64 pair_search_gpu.PER_ITEM=4",
 };
 
-static bool try_all; // every search at every level, not half of them by the seed
-
 static const uint32_t shares[] = {0, DUET_SHARE_ONE / 3, DUET_SHARE_ONE};
 
 typedef struct crowd {
@@ -125,8 +123,8 @@ static void try_levels(duet_device_pair *pair, const crowd *c)
         for (size_t s = 0; s < sizeof searches / sizeof *searches; ++s) {
             if (level == DUET_LEVEL_AABB && strstr(searches[s], "FUSED="))
                 continue; // there is no test to fuse
-            if (!try_all && (l + s + c->dims + c->rotated + test_seed()) % 2)
-                continue; // another seed's turn
+            if (!test_takes((uint64_t)l + s + c->dims + c->rotated, 3))
+                continue;
             for (size_t k = 0; k < sizeof shares / sizeof *shares; ++k)
                 if (shares[k] < DUET_SHARE_ONE || s == (size_t)l)
                     step(world, c, level, &truth, searches[s], shares[k]);
@@ -171,7 +169,7 @@ static void a_level_that_there_is_not_is_refused(void **state)
 
 int main(int argc, char **argv)
 {
-    try_all = argc > 1 && strcmp(argv[1], "--all") == 0;
+    test_begin(argc, argv);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(devices_find_each_levels_reference),
         cmocka_unit_test(a_level_that_there_is_not_is_refused),

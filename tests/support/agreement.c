@@ -122,7 +122,7 @@ static void step(check *c, duet_world *world, const duet_plan *plan)
 static void step_all_plans(check *c, duet_world *world)
 {
     for (size_t w = 0; w < sizeof ways / sizeof *ways; ++w)
-        for (int halves = 0; halves < 2; ++halves) {
+        for (int halves = 0; test_takes(w, 2) && halves < 2; ++halves) {
             if (c->def->shape == DUET_SHAPE_BOUNDS && strstr(ways[w].variant, "FUSED"))
                 continue; // bounds need no test
             if (c->def->origin_edge > 0 && strcmp(ways[w].variant, "paper") == 0)

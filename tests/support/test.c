@@ -8,12 +8,35 @@
 #include <stdlib.h>
 #include <string.h>
 
-uint64_t test_seed(void)
+static uint64_t seed_of_run(void)
 {
     const char *given = getenv("DUET_TEST_SEED");
-    uint64_t seed = given ? strtoull(given, NULL, 0) : 20261121;
+    return given ? strtoull(given, NULL, 0) : 20261121;
+}
+
+uint64_t test_seed(void)
+{
+    uint64_t seed = seed_of_run();
     print_message("DUET_TEST_SEED=%" PRIu64 "\n", seed);
     return seed;
+}
+
+static bool takes_all;
+
+void test_take_all(void)
+{
+    takes_all = true;
+}
+
+void test_begin(int argc, char **argv)
+{
+    if (argc > 1 && strcmp(argv[1], "--all") == 0)
+        test_take_all();
+}
+
+bool test_takes(uint64_t way, unsigned of)
+{
+    return takes_all || (way + seed_of_run()) % of == 0;
 }
 
 void test_write_file(const char *path, const char *content)

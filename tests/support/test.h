@@ -16,6 +16,12 @@
 // can be repeated.
 uint64_t test_seed(void);
 
+// Where kernels are compiled for each of many ways, a test takes one in `of` of them, by the
+// seed; every one with --all, as the label long has it.
+void test_begin(int argc, char **argv);
+void test_take_all(void);
+bool test_takes(uint64_t way, unsigned of);
+
 void test_write_file(const char *path, const char *content);
 
 // A scene's objects by their type.
