@@ -19,7 +19,7 @@
 
 // A script's seconds here. What it may take beyond them is the promise of
 // docs/lua.md, 2 s; a sanitized build is given more.
-static const double SECONDS = 0.1;
+static const double SECONDS = 0.05;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 static const double SLACK = 10;
 #else
