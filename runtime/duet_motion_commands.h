@@ -114,7 +114,8 @@ typedef struct duet_impulse {
     float anchor[3]; // where it acts, from the centre, along the world's axes
 } duet_impulse;
 
-// Changes velocities at once. Does nothing to a body of mass 0.
+// Changes velocities at once. Does nothing to a body of mass 0. BAD_OBJECT where a velocity
+// would not be finite; likewise for the sum of a body's forces, and the way to a target.
 DUET_API bool duet_motion_apply_impulses(duet_motion *motion, duet_body_list list,
                                          const duet_impulse *impulses, duet_error *err);
 

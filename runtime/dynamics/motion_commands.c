@@ -193,11 +193,16 @@ static bool set_fields(duet_motion *m, const uint32_t *places, const duet_body *
                        uint32_t fields, duet_error *err)
 {
     const uint32_t moving = DUET_BODY_VELOCITY | DUET_BODY_ANGULAR_VELOCITY | DUET_BODY_MASS;
+    if (n == 0)
+        return true;
     if ((fields & moving) && !motion_forget_targets(m, places, n, err))
         return false;
     if ((fields & DUET_BODY_MASS) && !change_masses(m, places, bodies, n, err))
         return false;
-    m->rows_stale |= (fields & DUET_BODY_FILTER) != 0;
+    if (fields & DUET_BODY_FILTER) {
+        m->rows_stale = true;
+        m->told.known = false; // events are told by groups
+    }
     for (uint32_t i = 0; i < n; ++i)
         copy_fields(&m->bodies[places[i]], &bodies[i], fields);
     return motion_send_places(m, places, n, parts_of(fields), err) &&
@@ -366,6 +371,8 @@ static bool check_same(const duet_motion_def *a, const duet_motion_def *b, const
         {"integrator", a->integrator, b->integrator},
         {"skin", a->skin, b->skin},
         {"slop", a->slop, b->slop},
+        {"hit_speed", a->hit_speed, b->hit_speed},
+        {"event_mask", a->event_mask, b->event_mask},
     };
     for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i)
         if (same[i].of != same[i].motion)
@@ -409,12 +416,13 @@ static bool forget_forces(duet_motion *m, duet_error *err)
     return timeline_fill(&m->times, "clear", &m->buffers[FORCES], 0, 0, (size_t)m->n * 8, err);
 }
 
+// A place whose ids are used up is never empty again.
 static void empty_places(duet_motion *m)
 {
     motion_commands *c = m->commands;
     c->any_left = false;
     for (uint32_t place = m->n; place-- > 0;) {
-        if (c->states[place] != PLACE_LEFT)
+        if (c->states[place] != PLACE_LEFT || c->generations[place] == 0)
             continue;
         c->states[place] = PLACE_EMPTY;
         c->first_empty = place < c->first_empty ? place : c->first_empty;

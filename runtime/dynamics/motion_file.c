@@ -365,6 +365,7 @@ bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
     m->list_stale = true;
     m->told.known = false;
     m->told.touching.n = 0;
+    m->reading.begun = false;
     m->broken = false;
     return true;
 }

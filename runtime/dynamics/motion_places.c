@@ -202,8 +202,10 @@ static bool mark_awake(duet_motion *m, const uint32_t *places, uint32_t n, duet_
 
 static bool mark(duet_motion *m, const uint32_t *places, uint32_t n, bool sleeps, duet_error *err)
 {
+    if (n == 0)
+        return true;
     m->at_rest = m->bounds_checked = false;
-    return n == 0 || !motion_has(m, DUET_EFFECT_SLEEP) ||
+    return !motion_has(m, DUET_EFFECT_SLEEP) ||
            (mark_rests(m, places, n, sleeps, err) && mark_awake(m, places, n, err));
 }
 
