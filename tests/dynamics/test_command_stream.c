@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Random commands, queries, saves and loads: the same bits with any plan, and the answers of
 // a plain C twin. With --all they go to worlds of all kinds, and to many bodies.
+#include "support/asker.h"
 #include "support/commands.h"
 
 #include "base/rng.h"
@@ -13,7 +14,8 @@
 
 enum { PLAYERS = 5, MOST_IDS = 4096 };
 
-static int n_fuzzed_steps = 200, n_worlds = 1;
+static int n_fuzzed_steps = 120, n_worlds = 1;
+static uint32_t n_bodies = 200;
 
 // Worlds that kernels and buffers differ in.
 typedef enum world_kind { USUAL, FLAT, DOUBLES, PLACED, FLIGHT, WORLD_KINDS } world_kind;
@@ -22,10 +24,18 @@ typedef enum world_kind { USUAL, FLAT, DOUBLES, PLACED, FLIGHT, WORLD_KINDS } wo
 typedef struct play {
     world_kind kind;
     rng r;
+    double size; // of the world, so that bodies are as dense in each
     mover *movers[PLAYERS];
+    asker *askers[PLAYERS];
     uint64_t ids[MOST_IDS], stale[MOST_IDS];
     uint32_t n_ids, n_stale;
     char path[64];
+    struct {
+        uint64_t ids[MOST_IDS], stale[MOST_IDS];
+        uint32_t n_ids, n_stale;
+        bool known;
+        char paths[2][80]; // of a motion without skin, and of one with
+    } past;
 } play;
 
 static float between(play *p, double from, double to)
@@ -39,7 +49,7 @@ static duet_pose random_pose(play *p)
     if (p->kind == FLAT)
         pose.rotation[0] = pose.rotation[1] = 0;
     for (int k = 0; k < 3; ++k) {
-        pose.centre[k] = between(p, 0.5, k == 2 ? 12 : 11.5);
+        pose.centre[k] = between(p, 0.5, k == 2 ? p->size : p->size - 0.5);
         pose.half_extents[k] = between(p, 0.1, 0.4);
     }
     return pose;
@@ -205,7 +215,8 @@ static void command_once(play *p)
     if (p->kind == FLIGHT && (what == WAKE || what == PUT_TO_SLEEP))
         return;
     order o = random_order(p);
-    if ((what == ADD && p->n_ids > 320) || (what == REMOVE && p->n_ids < 160) ||
+    if ((what == ADD && p->n_ids > n_bodies + n_bodies / 2) ||
+        (what == REMOVE && p->n_ids < n_bodies - n_bodies / 5) ||
         (what == CHANGE && rng_below(&p->r, 4)))
         return;
     without_twins(&o);
@@ -213,14 +224,24 @@ static void command_once(play *p)
         forget_ids(p, &o);
 }
 
+// By every call that takes ids, wherever the stale one is in the list.
 static void assert_stale_ids_are_refused(play *p)
 {
     if (p->n_stale == 0)
         return;
-    uint32_t n = p->n_stale < MOST_IDS ? p->n_stale : MOST_IDS;
-    const uint64_t id = p->stale[rng_below(&p->r, n)];
-    assert_refused(duet_motion_remove_bodies(p->movers[0]->motion, by_ids(&id, 1), &err),
-                   "was removed");
+    order o = random_order(p);
+    o.n = 2;
+    o.ids[0] = p->ids[rng_below(&p->r, p->n_ids)];
+    o.ids[1] = p->stale[rng_below(&p->r, p->n_stale < MOST_IDS ? p->n_stale : MOST_IDS)];
+    verb what = (verb)rng_below(&p->r, VERBS);
+    if (what == ADD || what == CHANGE || what == AIM)
+        what = REMOVE;
+    duet_error err = {0};
+    duet_motion *m = p->movers[rng_below(&p->r, PLAYERS)]->motion;
+    assert_false(duet_motion_has_body(m, o.ids[1]));
+    assert_false(obey(what, m, &o, NULL, &err));
+    if (!strstr(err.text, "was removed") && !strstr(err.text, "is disabled"))
+        fail_msg("command %d with a stale id is told '%s'", what, err.text);
 }
 
 // What one player saved another goes on with, perhaps as one that is new. Rows are those of
@@ -237,15 +258,61 @@ static void save_and_load(play *p)
     assert_done(duet_motion_load(p->movers[to]->motion, p->path, &err));
 }
 
+// All go back to where they were once, or will come back to where they are.
+static void remember_or_go_back(play *p)
+{
+    for (int k = 0; k < PLAYERS; ++k) {
+        bool skin = p->movers[k]->def.skin > 0;
+        duet_motion *m = p->movers[k]->motion;
+        if (p->past.known)
+            assert_done(duet_motion_load(m, p->past.paths[skin], &err));
+        else if (k == 0 || skin)
+            assert_done(duet_motion_save(m, p->past.paths[skin], &err));
+    }
+    if (p->past.known) {
+        memcpy(p->ids, p->past.ids, sizeof p->ids);
+        memcpy(p->stale, p->past.stale, sizeof p->stale);
+        p->n_ids = p->past.n_ids;
+        p->n_stale = p->past.n_stale;
+    } else {
+        memcpy(p->past.ids, p->ids, sizeof p->ids);
+        memcpy(p->past.stale, p->stale, sizeof p->stale);
+        p->past.n_ids = p->n_ids;
+        p->past.n_stale = p->n_stale;
+    }
+    p->past.known = !p->past.known;
+}
+
+static void ask_all(play *p, int step)
+{
+    questions q = questions_random(&p->r, p->kind == FLAT ? 2 : 3, p->size);
+    uint64_t first = 0;
+    for (int k = 0; k < PLAYERS; ++k) {
+        uint64_t sum = asker_ask(p->askers[k], p->movers[k]->motion, &q, k == step % PLAYERS);
+        first = k == 0 ? sum : first;
+        if (sum != first)
+            fail_msg("player %d is answered otherwise after step %d", k, step);
+    }
+}
+
 static void assert_all_are_equal(play *p, int step)
 {
     uint64_t hash = mover_hash(p->movers[0]);
     for (int k = 1; k < PLAYERS; ++k)
         if (mover_hash(p->movers[k]) != hash)
             fail_msg("player %d differs after step %d", k, step);
+    const duet_motion_result *first = &p->movers[0]->last;
+    for (int k = 1; k < PLAYERS; ++k) {
+        const duet_motion_result *last = &p->movers[k]->last;
+        assert_true(last->n_events == first->n_events && last->n_stays == first->n_stays);
+        for (uint64_t i = 0; i < first->n_events; ++i)
+            assert_true(last->events[i].a == first->events[i].a &&
+                        last->events[i].b == first->events[i].b &&
+                        last->events[i].begins == first->events[i].begins);
+    }
 }
 
-static void set_world(mover *m, world_kind kind)
+static void set_world(mover *m, world_kind kind, double size)
 {
     duet_motion_def *d = &m->def;
     d->wants = DUET_EFFECT_FORCES | DUET_EFFECT_SLEEP | DUET_EFFECT_FILTER | DUET_EFFECT_EVENTS;
@@ -255,7 +322,7 @@ static void set_world(mover *m, world_kind kind)
     d->origin_edge = kind == PLACED ? 4 : 0;
     d->boundary = kind == PLACED ? DUET_BOUNDARY_NONE : DUET_BOUNDARY_WALLS;
     for (int k = 0; k < 3; ++k)
-        d->upper[k] = k == (kind == FLAT ? 1 : 2) ? 40 : 12;
+        d->upper[k] = k == (kind == FLAT ? 1 : 2) ? 40 + size : size;
     if (kind != FLIGHT)
         return;
     d->wants = DUET_EFFECT_FORCES;
@@ -277,15 +344,18 @@ static play begin_play(world_kind kind, uint64_t seed)
         {DUET_SHARE_ONE / 2, DUET_MODE_SLAB, 0},
         {DUET_SHARE_ONE / 2, DUET_MODE_OWN, 0.2},
     };
-    play p = {.kind = kind, .r = rng_seed(seed), .n_ids = 200};
+    play p = {.kind = kind, .r = rng_seed(seed), .n_ids = n_bodies};
+    p.size = 12 * cbrt(n_bodies / 200.0);
     name_file(p.path);
+    for (int k = 0; k < 2; ++k)
+        snprintf(p.past.paths[k], sizeof p.past.paths[k], "%s-%d", p.path, k);
     for (int k = 0; k < PLAYERS; ++k) {
         mover *m = p.movers[k] = mover_new(kind == FLAT ? 2 : 3);
         m->def.plan.share = ways[k].share;
         m->def.plan.mode = ways[k].mode;
         m->def.skin = ways[k].skin;
-        set_world(m, p.kind);
-        m->n = 200;
+        set_world(m, p.kind, p.size);
+        m->n = n_bodies;
         rng r = p.r;
         for (uint32_t i = 0; i < m->n; ++i) {
             m->poses[i] = random_pose(&p);
@@ -294,6 +364,7 @@ static play begin_play(world_kind kind, uint64_t seed)
         if (k + 1 < PLAYERS)
             p.r = r;
         mover_run(m, 0);
+        p.askers[k] = asker_open(m->def.pair, m->def.dims, ways[k].share);
     }
     for (uint32_t i = 0; i < p.n_ids; ++i)
         p.ids[i] = i;
@@ -310,18 +381,26 @@ static uint64_t play_once(world_kind kind, int n_steps, uint64_t seed)
         assert_stale_ids_are_refused(&p);
         if (rng_below(&p.r, 16) == 0)
             save_and_load(&p);
+        if (rng_below(&p.r, 24) == 0)
+            remember_or_go_back(&p);
         duet_error err = {0};
         for (int k = 0; k < PLAYERS; ++k)
             assert_ok(duet_motion_advance(p.movers[k]->motion, &p.movers[k]->last, &err), err);
         if (step % 5 == 0 || step + 1 == n_steps)
             assert_all_are_equal(&p, step);
+        if (rng_below(&p.r, 12) == 0)
+            ask_all(&p, step);
     }
     print_message("world %d: %u bodies, %u places, %u stale ids\n", kind, p.n_ids,
                   duet_motion_get_count(p.movers[0]->motion), p.n_stale);
     uint64_t hash = mover_hash(p.movers[0]);
-    for (int k = 0; k < PLAYERS; ++k)
+    for (int k = 0; k < PLAYERS; ++k) {
+        asker_close(p.askers[k]);
         mover_free(p.movers[k]);
+    }
     remove(p.path);
+    remove(p.past.paths[0]);
+    remove(p.past.paths[1]);
     return hash;
 }
 
@@ -346,9 +425,9 @@ static void devices_with_memory_of_their_own_give_the_same_bits(void **state)
     (void)state;
     uint64_t seed = test_seed();
     bool host = mover_pair()->devices[1].info.host_memory;
-    uint64_t hash = play_once(USUAL, 60, seed);
+    uint64_t hash = play_once(USUAL, 30, seed);
     set_host_memory(false);
-    assert_true(play_once(USUAL, 60, seed) == hash);
+    assert_true(play_once(USUAL, 30, seed) == hash);
     set_host_memory(host);
 }
 
@@ -356,6 +435,7 @@ int main(int argc, char **argv)
 {
     if (argc > 1 && strcmp(argv[1], "--all") == 0) {
         n_fuzzed_steps = 500;
+        n_bodies = 2000;
         n_worlds = WORLD_KINDS;
     }
     const struct CMUnitTest tests[] = {
