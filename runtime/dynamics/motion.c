@@ -189,15 +189,20 @@ static bool check_objects(const duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- owner
 
+// Of what can push.
 static double mean_least_extent(const duet_motion *m)
 {
     double sum = 0.0;
+    uint32_t n = 0;
     for (uint32_t id = 0; id < m->n; ++id) {
+        if (m->bodies[id].sensor)
+            continue;
+        ++n;
         const float *h = m->poses[id].half_extents;
         double least = fmin(h[0], h[1]);
         sum += 2.0 * (m->def.dims == 3 ? fmin(least, h[2]) : least);
     }
-    return m->n > 0 ? sum / m->n : 0.0;
+    return n > 0 ? sum / n : 0.0;
 }
 
 // Each centre into its origin cell: those of poses count from def.origin.

@@ -35,6 +35,7 @@ typedef enum motion_buffer {
     RESTITUTIONS,
     FRICTIONS,
     FILTERS,
+    SENSORS,
     RESTS,
     ASLEEP,
     FORCES,
@@ -233,7 +234,8 @@ enum motion_part {
     PART_MASS = 1 << 4,
     PART_SURFACE = 1 << 5, // restitution and friction
     PART_FILTER = 1 << 6,
-    PART_ALL = (1 << 7) - 1
+    PART_SENSOR = 1 << 7,
+    PART_ALL = (1 << 8) - 1
 };
 bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t parts,
                         duet_error *err);

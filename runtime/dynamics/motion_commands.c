@@ -64,6 +64,7 @@ static effect_facts joined(const duet_motion *m, const effect_facts *more)
     f.massive |= more->massive;
     f.turnable |= more->turnable;
     f.uneven |= more->uneven;
+    f.sensing |= more->sensing;
     f.elastic |= more->elastic;
     f.rough |= more->rough;
     f.filtered |= more->filtered;

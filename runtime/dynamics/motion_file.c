@@ -329,9 +329,11 @@ static bool put_parts(duet_motion *m, const text *file, const char *path, const 
 static bool replace_objects(duet_motion *m, const text *file, const char *path, const header *h,
                             duet_error *err)
 {
+    if (!timeline_finish(&m->times, err)) // what it waits for is not to be released twice
+        return false;
     duet_motion as = *m;
     as.n = has_commands(h) ? h->n : m->commands->given.n;
-    if (!timeline_finish(&m->times, err) || !check_file(&as, file, path, h, err))
+    if (!check_file(&as, file, path, h, err))
         return false;
     const char *commands = has_commands(h) ? file->chars + kept_bytes(&as, h) : NULL;
     bool ok = motion_take_commands(&as, commands, path, err) && put_parts(&as, file, path, h, err);

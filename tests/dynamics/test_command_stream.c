@@ -14,7 +14,7 @@
 
 enum { PLAYERS = 5, MOST_IDS = 4096 };
 
-static int n_fuzzed_steps = 120, n_worlds = 1;
+static int n_fuzzed_steps = 120, first_world = 0, n_worlds = 1;
 static uint32_t n_bodies = 200;
 
 // Worlds that kernels and buffers differ in.
@@ -409,7 +409,7 @@ static void the_same_commands_give_the_same_bits(void **state)
     (void)state;
     uint64_t seed = test_seed();
     print_message("DUET_TEST_SEED=%llu\n", (unsigned long long)seed);
-    for (int kind = 0; kind < n_worlds; ++kind)
+    for (int kind = first_world; kind < n_worlds; ++kind)
         play_once((world_kind)kind, n_fuzzed_steps, seed + (uint64_t)kind);
 }
 
@@ -433,7 +433,9 @@ static void devices_with_memory_of_their_own_give_the_same_bits(void **state)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1 && strcmp(argv[1], "--all") == 0) {
+    if (argc > 2 && strcmp(argv[1], "--world") == 0)
+        first_world = atoi(argv[2]);
+    if (argc > 1) {
         n_fuzzed_steps = 500;
         n_bodies = 2000;
         n_worlds = WORLD_KINDS;

@@ -166,6 +166,27 @@ static void a_list_of_none_changes_nothing(void **state)
     mover_free(m);
 }
 
+// What the step's end sent to the device is waited for once; the group's end counts.
+static void a_file_can_be_loaded_right_after_a_step_with_forces(void **state)
+{
+    (void)state;
+    char path[64];
+    name_file(path);
+    mover *m = make_rows(2, 1);
+    mover_run(m, 1);
+    const duet_force lift = {.force = {0, 0, 30}};
+    assert_done(duet_motion_apply_forces(m->motion, one(1), &lift, &err));
+    assert_done(duet_motion_save(m->motion, path, &err));
+    for (int k = 0; k < 3; ++k) {
+        assert_done(duet_motion_advance(m->motion, &m->last, &err));
+        assert_done(duet_motion_load(m->motion, path, &err));
+    }
+    mover_run(m, 1);
+    assert_true(m->states[1].velocity[2] > 0.1);
+    remove(path);
+    mover_free(m);
+}
+
 static void a_body_that_came_by_a_file_is_told_as_moved(void **state)
 {
     (void)state;
@@ -303,6 +324,7 @@ int main(void)
         cmocka_unit_test(events_of_changed_groups_do_not_depend_on_a_file),
         cmocka_unit_test(a_place_that_had_all_its_bodies_is_used_no_more),
         cmocka_unit_test(a_list_of_none_changes_nothing),
+        cmocka_unit_test(a_file_can_be_loaded_right_after_a_step_with_forces),
         cmocka_unit_test(a_body_that_came_by_a_file_is_told_as_moved),
         cmocka_unit_test(a_body_of_another_kind_that_went_is_forgotten_in_a_file_too),
         cmocka_unit_test(all_bodies_can_go_and_others_come),
