@@ -153,11 +153,16 @@ int motion_create_lua(lua_State *L)
     return box->motion ? 1 : class_push_failure(L, &err);
 }
 
+static motion_box *check_box_at(lua_State *L, int index)
+{
+    motion_box *box = luaL_checkudata(L, index, motion_class.name);
+    luaL_argcheck(L, box->motion, index, "the motion is closed");
+    return box;
+}
+
 static motion_box *check_box(lua_State *L)
 {
-    motion_box *box = luaL_checkudata(L, 1, motion_class.name);
-    luaL_argcheck(L, box->motion, 1, "the motion is closed");
-    return box;
+    return check_box_at(L, 1);
 }
 
 duet_motion *motion_check_lua(lua_State *L)
@@ -323,19 +328,30 @@ static const lua_class step_class = {.name = "duet.motion_result",
                                      .members = step_members,
                                      .struct_of = step_struct};
 
-static int motion_advance(lua_State *L)
+int motion_advance_by(lua_State *L, int index, advance_call *advance, void *by)
 {
     duet_error err = {0};
-    motion_box *motion = check_box(L);
+    motion_box *motion = check_box_at(L, index);
     step_box *box = class_push(L, &step_class, sizeof *box);
     ++motion->steps;
-    if (!duet_motion_advance(motion->motion, &box->result, &err))
+    if (!advance(by, motion->motion, &box->result, &err))
         return class_push_failure(L, &err);
-    lua_pushvalue(L, 1);
+    lua_pushvalue(L, index);
     lua_setiuservalue(L, -2, 1);
     box->motion = motion;
     box->step = motion->steps;
     return 1;
+}
+
+static bool advance_once(void *by, duet_motion *motion, duet_motion_result *result, duet_error *err)
+{
+    (void)by;
+    return duet_motion_advance(motion, result, err);
+}
+
+static int motion_advance(lua_State *L)
+{
+    return motion_advance_by(L, 1, advance_once, NULL);
 }
 
 // ---------------------------------------------------------------- state
@@ -486,6 +502,21 @@ static int motion_load(lua_State *L)
     return class_push_done(L, duet_motion_load(box->motion, path, &err), &err);
 }
 
+static int motion_record(lua_State *L)
+{
+    duet_error err = {0};
+    return class_push_done(L, duet_motion_record(motion_check_lua(L), &err), &err);
+}
+
+static int motion_save_recording(lua_State *L)
+{
+    duet_error err = {0};
+    duet_motion *motion = motion_check_lua(L);
+    const char *path = luaL_checkstring(L, 2);
+    policy_check_trusted(L, "saving a recording");
+    return class_push_done(L, duet_motion_save_recording(motion, path, &err), &err);
+}
+
 static const member effect_members[] = {
     MEMBER(member_string, duet_effect_info, name),
     MEMBER(member_bool, duet_effect_info, active),
@@ -508,12 +539,23 @@ static int motion_explain(lua_State *L)
     return 1;
 }
 
-static const luaL_Reg methods[] = {
-    {"advance", motion_advance},   {"effects", motion_effects}, {"plan", motion_plan},
-    {"read", motion_read},         {"read_of", motion_read_of}, {"moved", motion_moved},
-    {"poses", motion_poses},       {"hash", motion_hash},       {"energy", motion_energy},
-    {"contacts", motion_contacts}, {"save", motion_save},       {"load", motion_load},
-    {"explain", motion_explain},   {"close", motion_close},     {NULL, NULL}};
+static const luaL_Reg methods[] = {{"advance", motion_advance},
+                                   {"effects", motion_effects},
+                                   {"plan", motion_plan},
+                                   {"read", motion_read},
+                                   {"read_of", motion_read_of},
+                                   {"moved", motion_moved},
+                                   {"poses", motion_poses},
+                                   {"hash", motion_hash},
+                                   {"energy", motion_energy},
+                                   {"contacts", motion_contacts},
+                                   {"save", motion_save},
+                                   {"load", motion_load},
+                                   {"explain", motion_explain},
+                                   {"close", motion_close},
+                                   {"record", motion_record},
+                                   {"save_recording", motion_save_recording},
+                                   {NULL, NULL}};
 static const luaL_Reg metas[] = {{"__len", motion_length}, {NULL, NULL}};
 static int motion_about(lua_State *L)
 {

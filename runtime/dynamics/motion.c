@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/recording.h"
 
 #include "base/error.h"
 #include "runtime/narrowphase/origin.h"
@@ -336,6 +337,7 @@ void duet_motion_destroy(duet_motion *m)
     motion_free_events(&m->told);
     motion_free_reading(&m->reading);
     motion_forget_commands(m->commands);
+    motion_forget_recording(m);
     duet_device_pair_destroy(m->def.pair);
     free(m);
 }

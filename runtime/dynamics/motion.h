@@ -140,6 +140,7 @@ typedef struct colour_span {
 
 // What commands (runtime/duet_motion_commands.h) leave behind.
 typedef struct motion_commands motion_commands;
+typedef struct motion_recording motion_recording;
 
 struct duet_motion {
     duet_motion_def def;
@@ -158,7 +159,8 @@ struct duet_motion {
     scan scan;
     radix_sort radix;
     timeline times;
-    motion_commands *commands; // NULL before the first
+    motion_commands *commands;   // NULL before the first
+    motion_recording *recording; // NULL where nothing is recorded
     buffer buffers[MOTION_BUFFERS];
     duet_world *world; // of bounds; NULL without contact
     double margin;     // contacts are kept to that far apart

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_rows.h"
+#include "runtime/dynamics/recording.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -170,6 +171,8 @@ bool duet_motion_add_bodies(duet_motion *m, const duet_pose *poses, const duet_b
               choose_places(m, &a, __func__, err) &&
               motion_admit(m, a.poses, a.bodies, n, __func__, err) &&
               make_space(m, a.n_places, err) && motion_keep_whole(m, settle(m, &a, ids, err));
+    if (ok)
+        motion_note_arrivals(m, poses, a.bodies, n);
     forget_arrivals(&a);
     return ok;
 }
@@ -224,6 +227,8 @@ bool duet_motion_remove_bodies(duet_motion *m, duet_body_list list, duet_error *
     for (uint32_t i = 0; ok && i < list.n; ++i)
         leave(m, places[i]);
     ok = ok && motion_keep_whole(m, send_presence(m, places, list.n, err));
+    if (ok)
+        motion_note(m, RECORDED_REMOVE, places, list.n, NULL);
     free(places);
     return ok;
 }
@@ -240,6 +245,8 @@ bool duet_motion_disable_bodies(duet_motion *m, duet_body_list list, duet_error 
         motion_stop(m, places[i]);
     }
     ok = ok && motion_keep_whole(m, send_presence(m, places, list.n, err));
+    if (ok)
+        motion_note(m, RECORDED_DISABLE, places, list.n, NULL);
     free(places);
     return ok;
 }
@@ -257,6 +264,8 @@ bool duet_motion_enable_bodies(duet_motion *m, duet_body_list list, duet_error *
         places[n++] = places[i];
     }
     bool ok = places && motion_keep_whole(m, send_presence(m, places, n, err));
+    if (ok)
+        motion_note(m, RECORDED_ENABLE, places, n, NULL);
     free(places);
     return ok;
 }

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "runtime/dynamics/motion_rows.h"
+#include "runtime/dynamics/recording.h"
 #include "runtime/narrowphase/origin.h"
 
 #include <math.h>
@@ -247,6 +248,8 @@ bool duet_motion_set_bodies(duet_motion *m, duet_body_list list, uint32_t fields
     duet_pose *poses = merged ? motion_poses_at(m, places, list.n, err) : NULL;
     bool ok = poses && motion_admit(m, poses, merged, list.n, __func__, err) &&
               motion_keep_whole(m, set_fields(m, places, merged, list.n, fields, err));
+    if (ok)
+        motion_note_bodies(m, places, list.n, fields, merged);
     free(poses);
     free(merged);
     free(places);
@@ -338,6 +341,8 @@ bool duet_motion_set_poses(duet_motion *m, duet_body_list list, const duet_pose 
               motion_place_poses(m, copy, list.n, &cells, __func__, err) &&
               motion_admit(m, copy, bodies, list.n, __func__, err) &&
               motion_keep_whole(m, put_poses(m, places, copy, cells, list.n, err));
+    if (ok)
+        motion_note(m, RECORDED_POSES, places, list.n, poses);
     free(cells);
     free(bodies);
     free(copy);
@@ -404,9 +409,12 @@ bool duet_motion_set_def(duet_motion *m, const duet_motion_def *def, duet_error 
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: pair is another; expected the motion's, which cannot change",
                          __func__);
-    return lacks(effect_infer(def, &m->facts) & ~m->effects, __func__, "it ", err) &&
-           timeline_finish(&m->times, err) && motion_begin_commands(m, err) &&
-           motion_keep_whole(m, change_world(m, def, err));
+    bool ok = lacks(effect_infer(def, &m->facts) & ~m->effects, __func__, "it ", err) &&
+              timeline_finish(&m->times, err) && motion_begin_commands(m, err) &&
+              motion_keep_whole(m, change_world(m, def, err));
+    if (ok)
+        motion_note_def(m);
+    return ok;
 }
 
 // ---------------------------------------------------------------- after a step

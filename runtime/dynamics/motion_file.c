@@ -3,6 +3,7 @@
 // the end tells a damaged file.
 #include "runtime/dynamics/motion_check.h"
 #include "runtime/dynamics/motion_file_commands.h"
+#include "runtime/dynamics/recording.h"
 
 #include "base/error.h"
 #include "base/text.h"
@@ -359,6 +360,7 @@ bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
     text_free(&file);
     if (!ok)
         return false;
+    motion_forget_recording(m);
     m->step = h.step;
     m->n_contacts = h.n_contacts;
     m->n_pairs = h.n_pairs;

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_rows.h"
+#include "runtime/dynamics/recording.h"
 #include "runtime/dynamics/vector.h"
 
 #include <math.h>
@@ -103,6 +104,8 @@ bool duet_motion_apply_forces(duet_motion *m, duet_body_list list, const duet_fo
     bool ok = places && motion_needs(m, DUET_EFFECT_FORCES, __func__, err) &&
               check_numbers(forces, sizeof *forces / sizeof(float), list.n, __func__, err) &&
               add_forces(m, places, forces, list.n, __func__, err);
+    if (ok)
+        motion_note(m, RECORDED_FORCES, places, list.n, forces);
     free(places);
     return ok;
 }
@@ -239,6 +242,8 @@ bool duet_motion_apply_impulses(duet_motion *m, duet_body_list list, const duet_
     bool ok = places && motion_needs(m, DUET_EFFECT_MOTION, __func__, err) &&
               check_numbers(impulses, sizeof *impulses / sizeof(float), list.n, __func__, err) &&
               give_impulses(m, places, impulses, list.n, __func__, err);
+    if (ok)
+        motion_note(m, RECORDED_IMPULSES, places, list.n, impulses);
     free(places);
     return ok;
 }

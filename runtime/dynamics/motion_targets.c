@@ -2,6 +2,7 @@
 // Kinematic targets: where the next step takes bodies without mass.
 #include "base/error.h"
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/recording.h"
 #include "runtime/dynamics/vector.h"
 
 #include <math.h>
@@ -119,6 +120,8 @@ bool duet_motion_set_targets(duet_motion *m, duet_body_list list, const duet_tra
               check_velocities(bodies, list.n, __func__, err) &&
               motion_admit(m, poses, bodies, list.n, __func__, err) &&
               motion_keep_whole(m, aim(m, places, targets, bodies, list.n, err));
+    if (ok)
+        motion_note(m, RECORDED_TARGETS, places, list.n, targets);
     free(cells);
     free(bodies);
     free(poses);

@@ -2,6 +2,8 @@
 // Commands as nobody should give them, and what they meet in unusual worlds.
 #include "support/commands.h"
 
+#include "base/rng.h"
+#include "base/text.h"
 #include "runtime/dynamics/motion_commands.h"
 
 #include <math.h>
@@ -315,6 +317,149 @@ static void what_moves_without_mass_wakes_in_every_kind_of_world(void **state)
     }
 }
 
+// ------------------------------------------------------------ recordings
+
+static mover *make_player(uint32_t share, duet_mode mode)
+{
+    mover *m = make_rows(3, 2);
+    m->def.wants |= DUET_EFFECT_EVENTS | DUET_EFFECT_FILTER | DUET_EFFECT_SENSORS;
+    m->def.plan.share = share;
+    m->def.plan.mode = mode;
+    uint32_t lift = mover_add_cube(m, 9, 0, 4, 1);
+    m->bodies[lift].mass = 0;
+    mover_run(m, 5);
+    return m;
+}
+
+// Every command once, with steps between them.
+static void command_all(mover *m)
+{
+    duet_motion *motion = m->motion;
+    const duet_pose poses[2] = {{{-4, 0, 5}, {0.5f, 0.25f, 0.5f}, {0, 0, 0.2f, 1}},
+                                {{3, 0, 6}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}}};
+    duet_body bodies[2] = {duet_default_body(), duet_default_body()};
+    bodies[0].fixed_rotation = true;
+    bodies[1].sensor = true;
+    const uint64_t data[2] = {7, UINT64_MAX};
+    const duet_force force = {.force = {5, 0, 20}};
+    const duet_impulse impulse = {.impulse = {0, 1, 0}, .anchor = {0.5f, 0, 0}};
+    const duet_transform there = {{9, 0, 4.5f}, {0, 0, 0, 1}};
+    uint64_t ids[2];
+    assert_done(duet_motion_remove_bodies(motion, one(6), &err));
+    mover_run(m, 1);
+    assert_done(duet_motion_add_bodies(motion, poses, bodies, 2, ids, &err));
+    assert_done(duet_motion_set_user_data(motion, by_ids(ids, 2), data, &err));
+    assert_done(duet_motion_apply_forces(motion, one(2), &force, &err));
+    assert_done(duet_motion_apply_impulses(motion, one(4), &impulse, &err));
+    assert_done(duet_motion_set_targets(motion, one(7), &there, &err));
+    mover_run(m, 3);
+    assert_done(duet_motion_disable_bodies(motion, one(5), &err));
+    assert_done(duet_motion_sleep_bodies(motion, one(1), &err));
+    assert_done(duet_motion_set_bodies(motion, one(3), DUET_BODY_VELOCITY | DUET_BODY_FILTER,
+                                       bodies, &err));
+    mover_run(m, 2);
+    assert_done(duet_motion_enable_bodies(motion, one(5), &err));
+    assert_done(duet_motion_wake_bodies(motion, one(1), &err));
+    assert_done(duet_motion_set_poses(motion, by_ids(ids, 1), poses, &err));
+    duet_motion_def def = *duet_motion_get_def(motion);
+    def.gravity[0] = 0.5;
+    assert_done(duet_motion_set_def(motion, &def, &err));
+    mover_run(m, 20);
+    assert_done(duet_motion_remove_bodies(motion, by_ids(ids, 1), &err));
+}
+
+static void recorded_commands_give_the_same_hash_with_any_plan(void **state)
+{
+    (void)state;
+    char path[64];
+    name_file(path);
+    mover *m = make_player(0, DUET_MODE_OWN);
+    assert_done(duet_motion_record(m->motion, &err));
+    command_all(m);
+    assert_done(duet_motion_save_recording(m->motion, path, &err));
+    mover *other = make_player(DUET_SHARE_ONE / 2, DUET_MODE_SLAB);
+    duet_error why = {0};
+    duet_replay *replay = duet_replay_create(path, &why);
+    assert_ok(replay, why);
+    duet_replay_info info = duet_replay_get_info(replay);
+    assert_true(info.steps == 26 && info.commands == 14);
+    for (uint64_t i = 0; i < info.steps; ++i)
+        assert_ok(duet_replay_advance(replay, other->motion, &other->last, &why), why);
+    assert_true(mover_hash(m) == mover_hash(other));
+    assert_true(m->last.step == other->last.step);
+    uint64_t data = 0;
+    assert_done(duet_motion_get_user_data(other->motion, one(8), &data, &err));
+    assert_true(data == UINT64_MAX);
+    assert_refused(duet_replay_advance(replay, other->motion, &other->last, &err),
+                   "steps are done");
+    duet_replay_destroy(replay);
+    replay = duet_replay_create(path, &why);
+    assert_refused(duet_replay_advance(replay, other->motion, &other->last, &err),
+                   "recorded from step 5, 8 places");
+    duet_replay_destroy(replay);
+    assert_done(duet_motion_save(m->motion, path, &err));
+    assert_done(duet_motion_load(m->motion, path, &err));
+    assert_refused(duet_motion_save_recording(m->motion, path, &err), "nothing is recorded");
+    remove(path);
+    mover_free(m);
+    mover_free(other);
+}
+
+static void sum_file(unsigned char *bytes, size_t n)
+{
+    uint64_t sum = UINT64_C(0xcbf29ce484222325);
+    for (size_t i = 0; i + 8 < n; ++i)
+        sum = (sum ^ bytes[i]) * UINT64_C(0x100000001b3);
+    memcpy(bytes + n - 8, &sum, 8);
+}
+
+// Words of a recording that are changed, with a sum that is right: each is refused by one
+// line, or is done.
+static void forged_recordings_are_refused_or_done(void **state)
+{
+    (void)state;
+    char path[64];
+    name_file(path);
+    mover *m = make_player(0, DUET_MODE_OWN);
+    assert_done(duet_motion_record(m->motion, &err));
+    command_all(m);
+    assert_done(duet_motion_save_recording(m->motion, path, &err));
+    text file = {0}, forged = {0};
+    assert_done(text_read_file(&file, path, &err));
+    assert_done(text_read_file(&forged, path, &err));
+    rng r = rng_seed(test_seed());
+    static const uint32_t words[] = {0, 1, UINT32_MAX, 0x7fc00000, 0x7f800000, 14, 1u << 30};
+    uint32_t refused = 0, tries = 60;
+    for (uint32_t i = 0; i < tries; ++i) {
+        duet_error why = {0};
+        size_t at = 48 + 4 * (size_t)rng_below(&r, (uint32_t)(file.length - 56) / 4);
+        memcpy(forged.chars, file.chars, file.length);
+        memcpy(forged.chars + at, &words[rng_below(&r, 7)], 4);
+        size_t length =
+            i % 8 == 0 ? file.length - rng_below(&r, (uint32_t)file.length) : file.length;
+        if (length > 8)
+            sum_file((unsigned char *)forged.chars, length);
+        assert_done(text_write_file(path, forged.chars, length, &err));
+        duet_replay *replay = duet_replay_create(path, &why);
+        mover *other = replay ? make_player(0, DUET_MODE_OWN) : NULL;
+        duet_replay_info info = duet_replay_get_info(replay);
+        bool ok = replay;
+        for (uint64_t step = 0; ok && step < info.steps && step < 40; ++step)
+            ok = duet_replay_advance(replay, other->motion, &other->last, &why);
+        refused += !ok;
+        if (!ok && (why.text[0] == 0 || strchr(why.text, '\n')))
+            fail_msg("word %zu: '%s'", at / 4, why.text);
+        duet_replay_destroy(replay);
+        if (other)
+            mover_free(other);
+    }
+    assert_true(refused > tries / 4);
+    remove(path);
+    text_free(&file);
+    text_free(&forged);
+    mover_free(m);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -330,6 +475,8 @@ int main(void)
         cmocka_unit_test(all_bodies_can_go_and_others_come),
         cmocka_unit_test(bodies_in_the_same_place_part),
         cmocka_unit_test(what_moves_without_mass_wakes_in_every_kind_of_world),
+        cmocka_unit_test(recorded_commands_give_the_same_hash_with_any_plan),
+        cmocka_unit_test(forged_recordings_are_refused_or_done),
     };
     return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
 }
