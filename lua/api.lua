@@ -407,8 +407,9 @@ api.names = {
   { "duet.DevicePair:motion", { "objects: duet.Scene|duet.Poses|string|any[]", "bodies?: duet.Bodies|string|any[]|table",
     "def?: table" },
     "duet.Motion", "Objects that move: of a scene, with def second, or poses with bodies. A def { plan, dims, wants, doubles, origin, origin_edge, gravity, attraction, centre, drag, " ..
-    "boundary, lower, upper, dt, substeps, integrator, skin, slop, max_push_speed, restitution_threshold, sleep_speed, sleep_after, hit_speed, event_mask }; " ..
-    "wants is a list of effects, boundary none, walls or periodic, integrator euler, verlet or yoshida.",
+    "boundary, lower, upper, dt, substeps, integrator, skin, slop, max_push_speed, restitution_threshold, sleep_speed, sleep_after, hit_speed, event_mask, script }; " ..
+    "wants is a list of effects, boundary none, walls or periodic, integrator euler, verlet or yoshida. Before each step script(step, motion) is called, " ..
+    "with the number of the step that comes.",
     fails = true, c = { "duet_motion_create", "duet_motion_create_from_scene", "duet_scene_motion_def" } },
   { "duet.Motion:advance", {}, "duet.MotionResult", "Advances all objects by dt.", fails = true,
     c = "duet_motion_advance" },
@@ -416,6 +417,7 @@ api.names = {
     c = "duet_motion_get_plan" },
   { "duet.Motion:effects", {}, "string[]", "Those that run. #motion is the number of objects.",
     c = { "duet_motion_get_effects", "duet_motion_get_count" } },
+  { "duet.Motion:step", {}, "integer", "Steps since the start.", c = "duet_motion_get_step" },
   { "duet.Motion:read", { "into?: duet.States" }, "duet.States", "The state of all objects.", fails = true,
     c = "duet_motion_get_states" },
   { "duet.Motion:poses", {}, "duet.Poses", "A copy of where all objects are, as a tree or a world takes them.",

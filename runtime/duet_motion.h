@@ -169,6 +169,7 @@ DUET_API uint32_t duet_motion_get_effects(const duet_motion *motion); // bits of
 // The plan of its steps, the motion's; NULL where it finds no pairs.
 DUET_API const duet_plan *duet_motion_get_plan(const duet_motion *motion);
 DUET_API uint32_t duet_motion_get_count(const duet_motion *motion);
+DUET_API uint64_t duet_motion_get_step(const duet_motion *motion); // steps since the start
 
 // Copies the state of all objects to states [n]. BAD_OBJECT where a number of it is no
 // longer finite; the states are copied all the same.

@@ -357,6 +357,11 @@ uint32_t duet_motion_get_count(const duet_motion *m)
     return m ? m->n : 0;
 }
 
+uint64_t duet_motion_get_step(const duet_motion *m)
+{
+    return m ? m->step : 0;
+}
+
 bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err)
 {
     return error_given(m, call, "motion", err) &&

@@ -766,7 +766,8 @@ static const struct {
     {"duet_reference", references},
     {"duet_motion_create duet_motion_create_from_scene duet_motion_destroy", create_motion},
     {"duet_motion_get_states duet_motion_get_hash duet_motion_get_energy duet_motion_get_contacts "
-     "duet_motion_get_effects duet_motion_get_count duet_motion_get_plan duet_motion_get_poses",
+     "duet_motion_get_effects duet_motion_get_count duet_motion_get_step duet_motion_get_plan "
+     "duet_motion_get_poses",
      read_motion},
     {"duet_motion_advance", advance_motion},
     {"duet_motion_save duet_motion_load", keep_motion},

@@ -27,6 +27,28 @@ holds("what is not said about a body is its default", function()
   equal(body[13], false)
 end)
 
+holds("a script acts between steps", function()
+  local seen = {}
+  local function lift(step, motion)
+    seen[#seen + 1] = step
+    if step == 3 then assert(motion:apply_impulses(0, { 0, 0, 5, 0, 0, 0 })) end
+  end
+  local motion <close> = assert(pair:motion(poses, bodies, {
+    gravity = { 0, 0, -10 }, wants = { "contact_response" }, script = lift,
+  }))
+  for _ = 1, 4 do assert(motion:advance()) end
+  equal(motion:step(), 4)
+  equal(table.concat(seen, " "), "1 2 3 4")
+  local states = assert(motion:read())
+  equal(select(10, states:get(0)) > 4, true) -- velocity z
+  raises("not a function of the step and the motion", pair.motion, pair, poses, bodies, { script = 3 })
+  local again <close> = assert(pair:motion(poses, bodies, { script = function(_, m) m:advance() end }))
+  raises("its script is running", again.advance, again)
+  local broken <close> = assert(pair:motion(poses, bodies, { script = function() error "no more" end }))
+  raises("no more", broken.advance, broken)
+  equal(broken:step(), 0)
+end)
+
 holds("recorded commands give the same hash", function()
   local path <const> = os.tmpname()
   local motion <close> = assert(pair:motion(poses, bodies, falling))
