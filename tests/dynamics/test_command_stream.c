@@ -67,6 +67,7 @@ static duet_body random_body(play *p)
         memset(b.velocity, 0, sizeof b.velocity);
     if (p->kind == FLIGHT)
         return b;
+    b.sensor = rng_below(&p->r, 12) == 0;
     b.friction = between(p, 0, 1);
     b.restitution = between(p, 0, 0.5);
     b.group = 1u << rng_below(&p->r, 3);
@@ -315,7 +316,7 @@ static void assert_all_are_equal(play *p, int step)
 static void set_world(mover *m, world_kind kind, double size)
 {
     duet_motion_def *d = &m->def;
-    d->wants = DUET_EFFECT_FORCES | DUET_EFFECT_SLEEP | DUET_EFFECT_FILTER | DUET_EFFECT_EVENTS;
+    d->wants = DUET_EFFECT_FORCES | DUET_EFFECT_SLEEP | DUET_EFFECT_FILTER | DUET_EFFECT_SENSORS;
     d->sleep_after = 0.1;
     d->gravity[kind == FLAT ? 1 : 2] = -9.81;
     d->doubles = kind == DOUBLES || kind == FLIGHT;
