@@ -82,7 +82,8 @@ typedef enum duet_body_field {
 
 DUET_API const char *duet_body_field_name(uint32_t field); // one bit: "velocity"; NULL for others
 
-// Sets those fields of bodies [list.n]; the others are not read.
+// Sets those fields of bodies [list.n]; the others are not read. Whether a body is a sensor
+// does not change.
 DUET_API bool duet_motion_set_bodies(duet_motion *motion, duet_body_list list, uint32_t fields,
                                      const duet_body *bodies, duet_error *err);
 
