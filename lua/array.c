@@ -23,7 +23,7 @@ static const struct {
     [ARRAY_COMPACT_TRANSFORMS] = {"fffhhhh", sizeof(duet_compact_transform)},
     [ARRAY_SIZES] = {"fff", sizeof(duet_size)},
     [ARRAY_PAIRS] = {"II", sizeof(duet_pair)},
-    [ARRAY_BODIES] = {"fffffffffIIB", sizeof(duet_body)},
+    [ARRAY_BODIES] = {"fffffffffIIBB", sizeof(duet_body)},
     [ARRAY_STATES] = {"ddddddddddddd", sizeof(duet_state)},
     [ARRAY_CONTACTS] = {"IIfffIffffffffffffffffffff", sizeof(duet_contact)},
     [ARRAY_ANSWERS] = {"C", sizeof(uint8_t)},
@@ -47,8 +47,9 @@ _Static_assert(offsetof(duet_bounds, upper[2]) == 5 * 4, "bounds are six floats"
 _Static_assert(offsetof(duet_transform, rotation[3]) == 6 * 4, "a transform is seven floats");
 _Static_assert(offsetof(duet_compact_transform, rotation[3]) == 3 * 4 + 3 * 2,
                "three floats and four short integers");
-_Static_assert(offsetof(duet_body, fixed_rotation) == 11 * 4,
-               "eleven numbers, then fixed_rotation");
+_Static_assert(offsetof(duet_body, fixed_rotation) == 11 * 4 &&
+                   offsetof(duet_body, sensor) == 11 * 4 + 1,
+               "eleven numbers, then two of one byte");
 _Static_assert(offsetof(duet_ray, t_max) == 6 * 4, "a ray is seven floats");
 _Static_assert(offsetof(duet_ray_hit, t) == 2 * 4, "all of four bytes");
 _Static_assert(offsetof(duet_point_hit, distance) == 2 * 4, "all of four bytes");
@@ -73,8 +74,8 @@ static void *column_at(const array *a, uint64_t i, int column)
 {
     const char *columns = layouts[a->kind].columns;
     size_t at = (size_t)column * (strchr("dQ", columns[0]) ? 8 : 4);
-    for (int k = column - 1; k >= 0 && columns[k] == 'h'; --k)
-        at -= sizeof(float) - sizeof(int16_t);
+    for (int k = column - 1; k >= 0 && strchr("hB", columns[k]); --k)
+        at -= sizeof(float) - (columns[k] == 'h' ? sizeof(int16_t) : sizeof(bool));
     return (char *)row_at(a, i) + at;
 }
 
@@ -230,6 +231,11 @@ static void push_from_bytes(lua_State *L, int index, array_kind kind)
                    (int)width);
     array *a = array_push(L, kind, length / width);
     memcpy(a->rows, bytes, length);
+    for (uint64_t i = 0; kind == ARRAY_BODIES && i < a->n; ++i)
+        for (int column = 11; column < width_of(a); ++column) { // any other byte is no bool
+            unsigned char *flag = column_at(a, i, column);
+            *flag = *flag != 0;
+        }
 }
 
 static void push_from_value(lua_State *L, int index, array_kind kind)

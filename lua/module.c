@@ -69,6 +69,7 @@ int luaopen_duet(lua_State *L)
     ray_query_open_lua(L);
     contact_query_open_lua(L);
     pair_delta_open_lua(L);
+    replay_open_lua(L);
     box_query_open_lua(L);
     point_query_open_lua(L);
     sweep_query_open_lua(L);

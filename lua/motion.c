@@ -5,9 +5,11 @@
 
 #include <string.h>
 
+// The uservalue is its device pair or, where it has a script, { pair, script }.
 typedef struct motion_box {
     duet_motion *motion;
     uint64_t steps; // results of earlier ones no longer hold
+    bool in_script;
 } motion_box;
 
 static const lua_class motion_class;
@@ -73,7 +75,18 @@ static const char *integrator_name(int integrator)
     return integrator < 3 ? names[integrator] : NULL;
 }
 
+// script = function(step, motion): kept beside the pair.
+static void read_script(lua_State *L, const member *m, void *at)
+{
+    (void)at;
+    if (!lua_isfunction(L, -1))
+        member_refuse(L, m, "a function of the step and the motion");
+}
+
+static const member_type member_script = {read_script, NULL};
+
 static const member def_members[] = {
+    {"script", &member_script, 0, 1, NULL},
     MEMBER(member_plan, duet_motion_def, plan),
     MEMBER(member_count, duet_motion_def, dims),
     MEMBER(member_effects, duet_motion_def, wants),
@@ -134,6 +147,21 @@ static motion_objects objects_of_arrays(lua_State *L, duet_device_pair *pair)
     return o;
 }
 
+// What the motion on top of the stack needs: the pair at 1, and the script of the def.
+static void keep_owners(lua_State *L, int def)
+{
+    lua_pushvalue(L, 1);
+    if (lua_istable(L, def) && lua_getfield(L, def, "script") == LUA_TFUNCTION) {
+        lua_createtable(L, 2, 0);
+        lua_insert(L, -3);
+        lua_rawseti(L, -3, 2);
+        lua_rawseti(L, -2, 1);
+    } else if (lua_istable(L, def)) {
+        lua_pop(L, 1);
+    }
+    lua_setiuservalue(L, -2, 1);
+}
+
 // device_pair:motion(scene, def), or (poses, bodies, def); without bodies all
 // are at rest.
 int motion_create_lua(lua_State *L)
@@ -146,18 +174,22 @@ int motion_create_lua(lua_State *L)
         of_scene ? objects_of_scene(L, scene_check(L, 2), pair) : objects_of_arrays(L, pair);
     member_read_table(L, of_scene ? 3 : 4, "a motion", def_members, &o.def);
     motion_box *box = class_push(L, &motion_class, sizeof *box);
-    lua_pushvalue(L, 1);
-    lua_setiuservalue(L, -2, 1);
+    keep_owners(L, of_scene ? 3 : 4);
     box->motion = of_scene ? duet_motion_create_from_scene(&o.def, scene_check(L, 2), NULL, &err)
                            : duet_motion_create(&o.def, o.poses, o.bodies, o.n, &err);
     return box->motion ? 1 : class_push_failure(L, &err);
 }
 
+static motion_box *check_box_at(lua_State *L, int index)
+{
+    motion_box *box = luaL_checkudata(L, index, motion_class.name);
+    luaL_argcheck(L, box->motion, index, "the motion is closed");
+    return box;
+}
+
 static motion_box *check_box(lua_State *L)
 {
-    motion_box *box = luaL_checkudata(L, 1, motion_class.name);
-    luaL_argcheck(L, box->motion, 1, "the motion is closed");
-    return box;
+    return check_box_at(L, 1);
 }
 
 duet_motion *motion_check_lua(lua_State *L)
@@ -323,19 +355,49 @@ static const lua_class step_class = {.name = "duet.motion_result",
                                      .members = step_members,
                                      .struct_of = step_struct};
 
-static int motion_advance(lua_State *L)
+int motion_advance_by(lua_State *L, int index, advance_call *advance, void *by)
 {
     duet_error err = {0};
-    motion_box *motion = check_box(L);
+    motion_box *motion = check_box_at(L, index);
     step_box *box = class_push(L, &step_class, sizeof *box);
     ++motion->steps;
-    if (!duet_motion_advance(motion->motion, &box->result, &err))
+    if (!advance(by, motion->motion, &box->result, &err))
         return class_push_failure(L, &err);
-    lua_pushvalue(L, 1);
+    lua_pushvalue(L, index);
     lua_setiuservalue(L, -2, 1);
     box->motion = motion;
     box->step = motion->steps;
     return 1;
+}
+
+static bool advance_once(void *by, duet_motion *motion, duet_motion_result *result, duet_error *err)
+{
+    (void)by;
+    return duet_motion_advance(motion, result, err);
+}
+
+// Calls script(step, motion), where the motion has one.
+static void run_script(lua_State *L)
+{
+    motion_box *box = check_box(L);
+    if (lua_getiuservalue(L, 1, 1) == LUA_TTABLE) {
+        luaL_argcheck(L, !box->in_script, 1, "its script is running: it cannot be advanced by it");
+        lua_rawgeti(L, -1, 2);
+        lua_pushinteger(L, (lua_Integer)duet_motion_get_step(box->motion) + 1);
+        lua_pushvalue(L, 1);
+        box->in_script = true;
+        int status = lua_pcall(L, 2, 0, 0);
+        box->in_script = false;
+        if (status != LUA_OK)
+            lua_error(L);
+    }
+    lua_pop(L, 1);
+}
+
+static int motion_advance(lua_State *L)
+{
+    run_script(L);
+    return motion_advance_by(L, 1, advance_once, NULL);
 }
 
 // ---------------------------------------------------------------- state
@@ -354,6 +416,12 @@ static int motion_plan(lua_State *L)
         member_plan.push(L, NULL, plan);
     else
         lua_pushnil(L);
+    return 1;
+}
+
+static int motion_step(lua_State *L)
+{
+    lua_pushinteger(L, (lua_Integer)duet_motion_get_step(motion_check_lua(L)));
     return 1;
 }
 
@@ -486,6 +554,21 @@ static int motion_load(lua_State *L)
     return class_push_done(L, duet_motion_load(box->motion, path, &err), &err);
 }
 
+static int motion_record(lua_State *L)
+{
+    duet_error err = {0};
+    return class_push_done(L, duet_motion_record(motion_check_lua(L), &err), &err);
+}
+
+static int motion_save_recording(lua_State *L)
+{
+    duet_error err = {0};
+    duet_motion *motion = motion_check_lua(L);
+    const char *path = luaL_checkstring(L, 2);
+    policy_check_trusted(L, "saving a recording");
+    return class_push_done(L, duet_motion_save_recording(motion, path, &err), &err);
+}
+
 static const member effect_members[] = {
     MEMBER(member_string, duet_effect_info, name),
     MEMBER(member_bool, duet_effect_info, active),
@@ -509,11 +592,15 @@ static int motion_explain(lua_State *L)
 }
 
 static const luaL_Reg methods[] = {
-    {"advance", motion_advance},   {"effects", motion_effects}, {"plan", motion_plan},
-    {"read", motion_read},         {"read_of", motion_read_of}, {"moved", motion_moved},
-    {"poses", motion_poses},       {"hash", motion_hash},       {"energy", motion_energy},
-    {"contacts", motion_contacts}, {"save", motion_save},       {"load", motion_load},
-    {"explain", motion_explain},   {"close", motion_close},     {NULL, NULL}};
+    {"advance", motion_advance}, {"effects", motion_effects},
+    {"plan", motion_plan},       {"read", motion_read},
+    {"read_of", motion_read_of}, {"moved", motion_moved},
+    {"poses", motion_poses},     {"hash", motion_hash},
+    {"energy", motion_energy},   {"contacts", motion_contacts},
+    {"save", motion_save},       {"load", motion_load},
+    {"explain", motion_explain}, {"close", motion_close},
+    {"record", motion_record},   {"save_recording", motion_save_recording},
+    {"step", motion_step},       {NULL, NULL}};
 static const luaL_Reg metas[] = {{"__len", motion_length}, {NULL, NULL}};
 static int motion_about(lua_State *L)
 {

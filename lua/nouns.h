@@ -25,6 +25,7 @@ void tree_open_lua(lua_State *L);
 void ray_query_open_lua(lua_State *L);
 void contact_query_open_lua(lua_State *L);
 void pair_delta_open_lua(lua_State *L);
+void replay_open_lua(lua_State *L);
 void box_query_open_lua(lua_State *L);
 void point_query_open_lua(lua_State *L);
 void sweep_query_open_lua(lua_State *L);
@@ -42,6 +43,11 @@ duet_device_pair *device_pair_check(lua_State *L, int index);
 int world_create_lua(lua_State *L);
 int device_pair_tune_lua(lua_State *L);
 int motion_create_lua(lua_State *L);
+
+// Advances the motion at the index in this way, and pushes the result, or the failure.
+typedef bool advance_call(void *by, duet_motion *motion, duet_motion_result *result,
+                          duet_error *err);
+int motion_advance_by(lua_State *L, int index, advance_call *advance, void *by);
 int pair_query_create_lua(lua_State *L);
 int tree_create_lua(lua_State *L);
 

@@ -34,6 +34,7 @@
 #include "duet_pair_query.h"
 #include "duet_point_query.h"
 #include "duet_ray_query.h"
+#include "duet_replay.h"
 #include "duet_scene.h"
 #include "duet_sweep_query.h"
 #include "duet_tree.h"

@@ -30,7 +30,8 @@ typedef enum duet_effect {
     DUET_EFFECT_SKIN = 1u << 12,            // the grid lasts until something leaves its skin
     DUET_EFFECT_EVENTS = 1u << 13,          // contacts that begin, stay and end, and hits
     DUET_EFFECT_FORCES = 1u << 14,          // commands push (duet_motion_commands.h)
-    DUET_EFFECT_ALL = (1u << 15) - 1
+    DUET_EFFECT_SENSORS = 1u << 15,         // bodies that touch without pushing
+    DUET_EFFECT_ALL = (1u << 16) - 1
 } duet_effect;
 
 DUET_API const char *duet_effect_name(uint32_t effect); // one bit: "rotation"; NULL for others
@@ -45,6 +46,7 @@ typedef struct duet_body {
     uint32_t group;            // two objects can touch where each one's group has a bit
     uint32_t mask;             // of the other's mask
     bool fixed_rotation;       // never turned by others
+    bool sensor;               // what touches it is told as events, and not pushed
 } duet_body;
 
 DUET_API duet_body duet_default_body(void); // at rest, mass 1, friction 0, all groups
@@ -167,6 +169,7 @@ DUET_API uint32_t duet_motion_get_effects(const duet_motion *motion); // bits of
 // The plan of its steps, the motion's; NULL where it finds no pairs.
 DUET_API const duet_plan *duet_motion_get_plan(const duet_motion *motion);
 DUET_API uint32_t duet_motion_get_count(const duet_motion *motion);
+DUET_API uint64_t duet_motion_get_step(const duet_motion *motion); // steps since the start
 
 // Copies the state of all objects to states [n]. BAD_OBJECT where a number of it is no
 // longer finite; the states are copied all the same.

@@ -82,7 +82,8 @@ typedef enum duet_body_field {
 
 DUET_API const char *duet_body_field_name(uint32_t field); // one bit: "velocity"; NULL for others
 
-// Sets those fields of bodies [list.n]; the others are not read.
+// Sets those fields of bodies [list.n]; the others are not read. Whether a body is a sensor
+// does not change.
 DUET_API bool duet_motion_set_bodies(duet_motion *motion, duet_body_list list, uint32_t fields,
                                      const duet_body *bodies, duet_error *err);
 
@@ -114,7 +115,8 @@ typedef struct duet_impulse {
     float anchor[3]; // where it acts, from the centre, along the world's axes
 } duet_impulse;
 
-// Changes velocities at once. Does nothing to a body of mass 0.
+// Changes velocities at once. Does nothing to a body of mass 0. BAD_OBJECT where a velocity
+// would not be finite; likewise for the sum of a body's forces, and the way to a target.
 DUET_API bool duet_motion_apply_impulses(duet_motion *motion, duet_body_list list,
                                          const duet_impulse *impulses, duet_error *err);
 

@@ -34,6 +34,8 @@ typedef struct arguments {
     uint64_t steps;      // 0: the scene is not advanced
     const char *picture; // a PNG of the last step
     const char *frames;  // a folder for PNGs, 30 of a second of the scene
+    const char *record;  // where the scene's commands go
+    const char *replay;  // where they come from
     bool resident;
     bool transforms;
     bool compact;
@@ -56,6 +58,9 @@ static const option options[] = {
                  1000000000),
     OPTION_TEXT("picture", picture, "F.png", "draw the last of the steps"),
     OPTION_TEXT("frames", frames, "DIR", "draw 30 pictures a second of the scene"),
+    OPTION_OUTPUT("record", record, "F.replay", "write commands, steps and the state's hash"),
+    OPTION_TEXT("replay", replay, "F.replay",
+                "give the scene recorded commands, and compare the hash"),
     OPTION_OUTPUT("pairs", pairs_path, "OUT.csv",
                   "write the pairs, a line each, ascending; - is stdout"),
     OPTION_FLAG("check", check, "compare the pairs with the plain C reference"),
@@ -66,6 +71,7 @@ static const option options[] = {
 // --steps advances a scene; without it one state is stepped again and again.
 static const option_rule rules[] = {
     {"picture", OPTION_NEEDS, "steps"},          {"frames", OPTION_NEEDS, "steps"},
+    {"record", OPTION_NEEDS, "steps"},           {"replay", OPTION_NEEDS, "steps"},
     {"repeat", OPTION_EXCLUDES, "steps"},        {"resident", OPTION_EXCLUDES, "steps"},
     {"pairs", OPTION_EXCLUDES, "steps"},         {"transforms", OPTION_EXCLUDES, "steps"},
     {"check", OPTION_EXCLUDES, "steps"},         {"level", OPTION_EXCLUDES, "steps"},
@@ -209,6 +215,7 @@ typedef struct moved {
     const duet_scene *scene;
     duet_motion_def def;
     duet_motion *motion;
+    duet_replay *replay; // NULL: no recorded commands
     duet_motion_result last;
     duet_state *states;
     snapshot look;
@@ -284,7 +291,8 @@ static bool tell_step(moved *r, duet_error *err)
 
 static bool step(moved *r, duet_error *err)
 {
-    if (!duet_motion_advance(r->motion, &r->last, err))
+    if (!(r->replay ? duet_replay_advance(r->replay, r->motion, &r->last, err)
+                    : duet_motion_advance(r->motion, &r->last, err)))
         return false;
     ++r->done;
     if (r->done > 1) { // the first builds kernels and makes space
@@ -400,6 +408,23 @@ static bool open_motion(moved *r, duet_device_pair *pair, duet_error *err)
     return snapshot_begin(&r->look, &r->def, r->scene, r->states, err);
 }
 
+static bool open_replay(moved *r, duet_error *err)
+{
+    if (!r->args->replay)
+        return true;
+    r->replay = duet_replay_create(r->args->replay, err);
+    uint64_t recorded = duet_replay_get_info(r->replay).steps;
+    return r->replay && (r->args->steps <= recorded ||
+                         error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                                   "--steps %" PRIu64 ": %s has %" PRIu64 " recorded steps",
+                                   r->args->steps, r->args->replay, recorded));
+}
+
+static bool save_recording(moved *r, duet_error *err)
+{
+    return !r->args->record || duet_motion_save_recording(r->motion, r->args->record, err);
+}
+
 static bool run_steps(moved *r, duet_error *err)
 {
     // The picture is drawn at the start too: where it cannot be written, that is told at once.
@@ -411,7 +436,8 @@ static bool run_steps(moved *r, duet_error *err)
     }
     progress_end(&r->shown);
     uint64_t hash = 0;
-    ok = ok && duet_motion_get_hash(r->motion, &hash, err) && draw_picture(r, err);
+    ok = ok && duet_motion_get_hash(r->motion, &hash, err) && draw_picture(r, err) &&
+         save_recording(r, err);
     if (ok && r->args->json)
         return tell_json(r, hash, err);
     if (ok)
@@ -425,11 +451,13 @@ static bool run_motion(const arguments *args, const duet_scene *scene, duet_devi
                        duet_error *err)
 {
     moved r = {.args = args, .scene = scene};
-    bool ok = open_motion(&r, pair, err);
+    bool ok = open_motion(&r, pair, err) && open_replay(&r, err) &&
+              (!args->record || duet_motion_record(r.motion, err));
     if (ok)
         tell_begin(&r);
     ok = ok && run_steps(&r, err);
     snapshot_end(&r.look);
+    duet_replay_destroy(r.replay);
     duet_motion_destroy(r.motion);
     free(r.states);
     return ok;

@@ -8,6 +8,7 @@ return {
     { "BOUNDARY", values = { 0, 1 }, default = 0, about = "1: walls" },
     { "CONTACT_RESPONSE", values = { 0, 1 }, default = 0, about = "1: contacts push back" },
     { "FILTER", values = { 0, 1 }, default = 0, about = "1: groups and masks" },
+    { "SENSORS", values = { 0, 1 }, default = 0, about = "1: some bodies are sensors" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
@@ -19,6 +20,7 @@ return {
       uint n_pairs
       const real4 *velocities
       const uint2 *filters  if FILTER == 1
+      const float *sensors  if SENSORS == 1
       uint fill
       volatile uint *starts
       uint *others
@@ -26,6 +28,7 @@ return {
     contact_graph_walls = [[
       const float *boxes
       const real4 *velocities
+      const float *sensors  if SENSORS == 1
       real4 lower
       real4 upper
       uint n

@@ -8,6 +8,7 @@ return {
     { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
     { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
     { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
+    { "SENSORS", values = { 0, 1 }, default = 0, about = "1: some bodies are sensors" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
@@ -24,6 +25,7 @@ return {
       const float *rests
       const real4 *velocities
       const real4 *angular_velocities  if ANGULAR_VELOCITY == 1
+      const float *sensors             if SENSORS == 1
       float sleep_after
       uint *asleep
       volatile uint *flags

@@ -10,6 +10,8 @@ static const effect_row rows[] = {
      "a restitution or a friction, or wants", "pushes",
      "contact_graph, match_contacts, build_manifolds, graph_colour, prepare_contacts, bodies, "
      "solve_contacts, integrate_positions, contact_events"},
+    {DUET_EFFECT_SENSORS, "sensors", DUET_EFFECT_EVENTS | DUET_EFFECT_CONTACT, "a sensor, or wants",
+     "sensors", "contact_graph, graph_colour, update_sleep"},
     {DUET_EFFECT_EVENTS, "events", DUET_EFFECT_CONTACT, "wants, or a hit_speed", "touching",
      "contact_events"},
     {DUET_EFFECT_CONTACT, "contact", 0, "contact_response, or wants", NULL,
@@ -99,6 +101,7 @@ static void add_object(effect_facts *f, const duet_pose *p, const duet_body *b, 
     f->uneven |= dims == 3 && b->mass > 0.0f && (h[0] != h[1] || h[1] != h[2]);
     f->elastic |= b->restitution > 0.0f;
     f->rough |= b->friction > 0.0f;
+    f->sensing |= b->sensor;
     f->filtered |= b->group != UINT32_MAX || b->mask != UINT32_MAX;
     f->reach = fmax(f->reach, reach_of(p, b, dims, dt));
 }
@@ -149,6 +152,8 @@ static bool is_called(uint32_t effect, const duet_motion_def *def, const effect_
         return pushes && f->reach > 0.5;
     case DUET_EFFECT_FILTER:
         return (so_far & DUET_EFFECT_CONTACT) && f->filtered;
+    case DUET_EFFECT_SENSORS:
+        return f->sensing;
     case DUET_EFFECT_EVENTS:
         return def->hit_speed > 0.0;
     case DUET_EFFECT_SKIN:

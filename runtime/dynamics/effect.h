@@ -16,6 +16,7 @@ typedef struct effect_facts {
     bool elastic;  // some restitution is not 0
     bool rough;    // some friction is not 0
     bool filtered; // some group or mask is not all
+    bool sensing;  // some body is a sensor
     double reach;  // the most that something moves in a step, in its least half extents
 } effect_facts;
 

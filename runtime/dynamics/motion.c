@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/recording.h"
 
 #include "base/error.h"
 #include "runtime/narrowphase/origin.h"
@@ -189,15 +190,20 @@ static bool check_objects(const duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- owner
 
+// Of what can push.
 static double mean_least_extent(const duet_motion *m)
 {
     double sum = 0.0;
+    uint32_t n = 0;
     for (uint32_t id = 0; id < m->n; ++id) {
+        if (m->bodies[id].sensor)
+            continue;
+        ++n;
         const float *h = m->poses[id].half_extents;
         double least = fmin(h[0], h[1]);
         sum += 2.0 * (m->def.dims == 3 ? fmin(least, h[2]) : least);
     }
-    return m->n > 0 ? sum / m->n : 0.0;
+    return n > 0 ? sum / n : 0.0;
 }
 
 // Each centre into its origin cell: those of poses count from def.origin.
@@ -331,6 +337,7 @@ void duet_motion_destroy(duet_motion *m)
     motion_free_events(&m->told);
     motion_free_reading(&m->reading);
     motion_forget_commands(m->commands);
+    motion_forget_recording(m);
     duet_device_pair_destroy(m->def.pair);
     free(m);
 }
@@ -348,6 +355,11 @@ uint32_t duet_motion_get_effects(const duet_motion *m)
 uint32_t duet_motion_get_count(const duet_motion *m)
 {
     return m ? m->n : 0;
+}
+
+uint64_t duet_motion_get_step(const duet_motion *m)
+{
+    return m ? m->step : 0;
 }
 
 bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err)

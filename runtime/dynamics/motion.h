@@ -35,6 +35,7 @@ typedef enum motion_buffer {
     RESTITUTIONS,
     FRICTIONS,
     FILTERS,
+    SENSORS,
     RESTS,
     ASLEEP,
     FORCES,
@@ -139,6 +140,7 @@ typedef struct colour_span {
 
 // What commands (runtime/duet_motion_commands.h) leave behind.
 typedef struct motion_commands motion_commands;
+typedef struct motion_recording motion_recording;
 
 struct duet_motion {
     duet_motion_def def;
@@ -157,7 +159,8 @@ struct duet_motion {
     scan scan;
     radix_sort radix;
     timeline times;
-    motion_commands *commands; // NULL before the first
+    motion_commands *commands;   // NULL before the first
+    motion_recording *recording; // NULL where nothing is recorded
     buffer buffers[MOTION_BUFFERS];
     duet_world *world; // of bounds; NULL without contact
     double margin;     // contacts are kept to that far apart
@@ -233,7 +236,8 @@ enum motion_part {
     PART_MASS = 1 << 4,
     PART_SURFACE = 1 << 5, // restitution and friction
     PART_FILTER = 1 << 6,
-    PART_ALL = (1 << 7) - 1
+    PART_SENSOR = 1 << 7,
+    PART_ALL = (1 << 8) - 1
 };
 bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t parts,
                         duet_error *err);

@@ -18,6 +18,7 @@ const binding motion_bindings[] = {
     BUFFER(RESTITUTIONS, "restitutions", "float *"),
     BUFFER(FRICTIONS, "frictions", "float *"),
     BUFFER(FILTERS, "filters", "uint2 *"),
+    BUFFER(SENSORS, "sensors", "float *"),
     BUFFER(RESTS, "rests", "float *"),
     BUFFER(ASLEEP, "asleep", "uint *"),
     BUFFER(FORCES, "forces", "float4 *"),

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_rows.h"
+#include "runtime/dynamics/recording.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -129,12 +130,15 @@ static bool make_space(duet_motion *m, uint32_t n, duet_error *err)
     memset(c->states + old_n, PLACE_EMPTY, n - old_n);
     c->n_hidden += n - old_n;
     m->n = n;
+    m->told.known = false; // walls have other numbers
     return motion_keep_whole(m, motion_grow(m, old_n, err) && move_walls(m, old_n, err));
 }
 
 static bool settle(duet_motion *m, const arrivals *a, uint64_t *ids, duet_error *err)
 {
     motion_commands *c = m->commands;
+    if (a->n == 0)
+        return true;
     m->rows_stale = true;
     m->reading.begun = false;
     for (uint32_t i = 0; i < a->n; ++i) {
@@ -148,8 +152,7 @@ static bool settle(duet_motion *m, const arrivals *a, uint64_t *ids, duet_error 
         if (ids)
             ids[i] = (uint64_t)c->generations[place] << 32 | place;
     }
-    if (a->n > 0)
-        c->first_empty = a->places[a->n - 1] + 1;
+    c->first_empty = a->places[a->n - 1] + 1;
     return motion_send_places(m, a->places, a->n, PART_ALL, err) &&
            motion_wake_places(m, a->places, a->n, err);
 }
@@ -168,6 +171,8 @@ bool duet_motion_add_bodies(duet_motion *m, const duet_pose *poses, const duet_b
               choose_places(m, &a, __func__, err) &&
               motion_admit(m, a.poses, a.bodies, n, __func__, err) &&
               make_space(m, a.n_places, err) && motion_keep_whole(m, settle(m, &a, ids, err));
+    if (ok)
+        motion_note_arrivals(m, poses, a.bodies, n);
     forget_arrivals(&a);
     return ok;
 }
@@ -176,6 +181,8 @@ bool duet_motion_add_bodies(duet_motion *m, const duet_pose *poses, const duet_b
 
 static bool send_presence(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
 {
+    if (n == 0)
+        return true;
     m->rows_stale = true;
     m->reading.begun = false;
     return motion_send_places(m, places, n,
@@ -191,8 +198,7 @@ static void leave(duet_motion *m, uint32_t place)
     c->any_left = true;
     ++c->generations[place];
     c->user_data[place] = 0;
-    m->bodies[place] = duet_default_body();
-    m->bodies[place].mass = 0.0f;
+    m->bodies[place] = (duet_body){.group = m->bodies[place].group, .mask = m->bodies[place].mask};
 }
 
 // One id twice in a list would be stale the second time.
@@ -221,6 +227,8 @@ bool duet_motion_remove_bodies(duet_motion *m, duet_body_list list, duet_error *
     for (uint32_t i = 0; ok && i < list.n; ++i)
         leave(m, places[i]);
     ok = ok && motion_keep_whole(m, send_presence(m, places, list.n, err));
+    if (ok)
+        motion_note(m, RECORDED_REMOVE, places, list.n, NULL);
     free(places);
     return ok;
 }
@@ -237,6 +245,8 @@ bool duet_motion_disable_bodies(duet_motion *m, duet_body_list list, duet_error 
         motion_stop(m, places[i]);
     }
     ok = ok && motion_keep_whole(m, send_presence(m, places, list.n, err));
+    if (ok)
+        motion_note(m, RECORDED_DISABLE, places, list.n, NULL);
     free(places);
     return ok;
 }
@@ -253,7 +263,9 @@ bool duet_motion_enable_bodies(duet_motion *m, duet_body_list list, duet_error *
         --m->commands->n_hidden;
         places[n++] = places[i];
     }
-    bool ok = places && (n == 0 || motion_keep_whole(m, send_presence(m, places, n, err)));
+    bool ok = places && motion_keep_whole(m, send_presence(m, places, n, err));
+    if (ok)
+        motion_note(m, RECORDED_ENABLE, places, n, NULL);
     free(places);
     return ok;
 }

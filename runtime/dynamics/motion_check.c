@@ -159,10 +159,16 @@ static bool may_touch(const duet_motion *m, uint32_t a, uint32_t b)
     return !motion_has(m, DUET_EFFECT_FILTER) || ((x->group & y->mask) && (y->group & x->mask));
 }
 
-// Of two that move the first owns the contact; what does not move owns none.
+static bool is_sensor(const duet_motion *m, uint32_t id)
+{
+    return id < m->n && m->bodies[id].sensor;
+}
+
+// Of two that move the first owns the contact; what does not move owns none. Sensors meet
+// no walls and no sensors.
 static bool can_meet(const duet_motion *m, uint32_t owner, uint32_t other)
 {
-    if (!moves(m, owner))
+    if (!moves(m, owner) || (is_sensor(m, owner) && (other >= m->n || is_sensor(m, other))))
         return false;
     if (other >= m->n)
         return m->kernels.contact_graph_walls && other - m->n < 2 * m->def.dims;

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "runtime/dynamics/motion_rows.h"
+#include "runtime/dynamics/recording.h"
 #include "runtime/narrowphase/origin.h"
 
 #include <math.h>
@@ -64,6 +65,7 @@ static effect_facts joined(const duet_motion *m, const effect_facts *more)
     f.massive |= more->massive;
     f.turnable |= more->turnable;
     f.uneven |= more->uneven;
+    f.sensing |= more->sensing;
     f.elastic |= more->elastic;
     f.rough |= more->rough;
     f.filtered |= more->filtered;
@@ -193,11 +195,16 @@ static bool set_fields(duet_motion *m, const uint32_t *places, const duet_body *
                        uint32_t fields, duet_error *err)
 {
     const uint32_t moving = DUET_BODY_VELOCITY | DUET_BODY_ANGULAR_VELOCITY | DUET_BODY_MASS;
+    if (n == 0)
+        return true;
     if ((fields & moving) && !motion_forget_targets(m, places, n, err))
         return false;
     if ((fields & DUET_BODY_MASS) && !change_masses(m, places, bodies, n, err))
         return false;
-    m->rows_stale |= (fields & DUET_BODY_FILTER) != 0;
+    if (fields & DUET_BODY_FILTER) {
+        m->rows_stale = true;
+        m->told.known = false; // events are told by groups
+    }
     for (uint32_t i = 0; i < n; ++i)
         copy_fields(&m->bodies[places[i]], &bodies[i], fields);
     return motion_send_places(m, places, n, parts_of(fields), err) &&
@@ -241,6 +248,8 @@ bool duet_motion_set_bodies(duet_motion *m, duet_body_list list, uint32_t fields
     duet_pose *poses = merged ? motion_poses_at(m, places, list.n, err) : NULL;
     bool ok = poses && motion_admit(m, poses, merged, list.n, __func__, err) &&
               motion_keep_whole(m, set_fields(m, places, merged, list.n, fields, err));
+    if (ok)
+        motion_note_bodies(m, places, list.n, fields, merged);
     free(poses);
     free(merged);
     free(places);
@@ -332,6 +341,8 @@ bool duet_motion_set_poses(duet_motion *m, duet_body_list list, const duet_pose 
               motion_place_poses(m, copy, list.n, &cells, __func__, err) &&
               motion_admit(m, copy, bodies, list.n, __func__, err) &&
               motion_keep_whole(m, put_poses(m, places, copy, cells, list.n, err));
+    if (ok)
+        motion_note(m, RECORDED_POSES, places, list.n, poses);
     free(cells);
     free(bodies);
     free(copy);
@@ -366,6 +377,8 @@ static bool check_same(const duet_motion_def *a, const duet_motion_def *b, const
         {"integrator", a->integrator, b->integrator},
         {"skin", a->skin, b->skin},
         {"slop", a->slop, b->slop},
+        {"hit_speed", a->hit_speed, b->hit_speed},
+        {"event_mask", a->event_mask, b->event_mask},
     };
     for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i)
         if (same[i].of != same[i].motion)
@@ -396,9 +409,12 @@ bool duet_motion_set_def(duet_motion *m, const duet_motion_def *def, duet_error 
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: pair is another; expected the motion's, which cannot change",
                          __func__);
-    return lacks(effect_infer(def, &m->facts) & ~m->effects, __func__, "it ", err) &&
-           timeline_finish(&m->times, err) && motion_begin_commands(m, err) &&
-           motion_keep_whole(m, change_world(m, def, err));
+    bool ok = lacks(effect_infer(def, &m->facts) & ~m->effects, __func__, "it ", err) &&
+              timeline_finish(&m->times, err) && motion_begin_commands(m, err) &&
+              motion_keep_whole(m, change_world(m, def, err));
+    if (ok)
+        motion_note_def(m);
+    return ok;
 }
 
 // ---------------------------------------------------------------- after a step
@@ -409,12 +425,13 @@ static bool forget_forces(duet_motion *m, duet_error *err)
     return timeline_fill(&m->times, "clear", &m->buffers[FORCES], 0, 0, (size_t)m->n * 8, err);
 }
 
+// A place whose ids are used up is never empty again.
 static void empty_places(duet_motion *m)
 {
     motion_commands *c = m->commands;
     c->any_left = false;
     for (uint32_t place = m->n; place-- > 0;) {
-        if (c->states[place] != PLACE_LEFT)
+        if (c->states[place] != PLACE_LEFT || c->generations[place] == 0)
             continue;
         c->states[place] = PLACE_EMPTY;
         c->first_empty = place < c->first_empty ? place : c->first_empty;

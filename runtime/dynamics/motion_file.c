@@ -3,6 +3,7 @@
 // the end tells a damaged file.
 #include "runtime/dynamics/motion_check.h"
 #include "runtime/dynamics/motion_file_commands.h"
+#include "runtime/dynamics/recording.h"
 
 #include "base/error.h"
 #include "base/text.h"
@@ -329,9 +330,11 @@ static bool put_parts(duet_motion *m, const text *file, const char *path, const 
 static bool replace_objects(duet_motion *m, const text *file, const char *path, const header *h,
                             duet_error *err)
 {
+    if (!timeline_finish(&m->times, err)) // what it waits for is not to be released twice
+        return false;
     duet_motion as = *m;
     as.n = has_commands(h) ? h->n : m->commands->given.n;
-    if (!timeline_finish(&m->times, err) || !check_file(&as, file, path, h, err))
+    if (!check_file(&as, file, path, h, err))
         return false;
     const char *commands = has_commands(h) ? file->chars + kept_bytes(&as, h) : NULL;
     bool ok = motion_take_commands(&as, commands, path, err) && put_parts(&as, file, path, h, err);
@@ -357,6 +360,7 @@ bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
     text_free(&file);
     if (!ok)
         return false;
+    motion_forget_recording(m);
     m->step = h.step;
     m->n_contacts = h.n_contacts;
     m->n_pairs = h.n_pairs;
@@ -365,6 +369,7 @@ bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
     m->list_stale = true;
     m->told.known = false;
     m->told.touching.n = 0;
+    m->reading.begun = false;
     m->broken = false;
     return true;
 }

@@ -21,7 +21,7 @@ typedef struct saved_head {
 typedef struct saved_place {
     duet_pose pose;
     float velocity[3], angular_velocity[3], mass, restitution, friction;
-    uint32_t group, mask, fixed_rotation;
+    uint32_t group, mask, flags;
     uint32_t generation, state;
     uint64_t user_data;
     int32_t cell[4];
@@ -32,6 +32,7 @@ static_assert(sizeof(saved_head) == 160 && sizeof(saved_place) == 120 &&
               "no byte of a file is left to chance");
 
 enum { FORCE_WORDS = 8 };
+enum { SAVED_FIXED = 1, SAVED_SENSOR = 2 }; // flags
 
 // ---------------------------------------------------------------- saving
 
@@ -63,7 +64,8 @@ static saved_place place_of(const duet_motion *m, uint32_t place)
                      .friction = b->friction,
                      .group = b->group,
                      .mask = b->mask,
-                     .fixed_rotation = b->fixed_rotation,
+                     .flags =
+                         (b->fixed_rotation ? SAVED_FIXED : 0) | (b->sensor ? SAVED_SENSOR : 0),
                      .generation = m->commands->generations[place],
                      .state = m->commands->states[place],
                      .user_data = m->commands->user_data[place]};
@@ -148,7 +150,7 @@ static bool take_head(duet_motion *as, const saved_head *h, const char *path, du
 static const char *place_fault(const duet_motion *as, const saved_place *s)
 {
     uint32_t place_is_empty = s->state == PLACE_EMPTY || s->state == PLACE_LEFT;
-    if (s->state >= PLACE_STATES || s->fixed_rotation > 1)
+    if (s->state >= PLACE_STATES || s->flags > (SAVED_FIXED | SAVED_SENSOR))
         return "there is no such word for its body";
     if (place_is_empty && s->mass != 0.0f)
         return "it is empty and has a mass";
@@ -167,7 +169,8 @@ static bool take_place(duet_motion *as, uint32_t place, const saved_place *s, co
                      .friction = s->friction,
                      .group = s->group,
                      .mask = s->mask,
-                     .fixed_rotation = s->fixed_rotation == 1};
+                     .fixed_rotation = s->flags & SAVED_FIXED,
+                     .sensor = s->flags & SAVED_SENSOR};
     memcpy(b->velocity, s->velocity, sizeof b->velocity);
     memcpy(b->angular_velocity, s->angular_velocity, sizeof b->angular_velocity);
     as->poses[place] = s->pose;

@@ -67,6 +67,7 @@ static bool gather(duet_motion *m, const char *name, gen_setting settings[MOST_P
         {"FILTER", has(m, DUET_EFFECT_FILTER)},
         {"SLEEP", has(m, DUET_EFFECT_SLEEP)},
         {"SKIN", has(m, DUET_EFFECT_SKIN)},
+        {"SENSORS", has(m, DUET_EFFECT_SENSORS)},
         {"HITS", motion_tells_hits(m)},
     };
     const gen_param *params = NULL;

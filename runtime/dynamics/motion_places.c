@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_rows.h"
+#include "runtime/dynamics/recording.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -149,6 +150,8 @@ bool duet_motion_set_user_data(duet_motion *m, duet_body_list list, const uint64
     uint32_t *places = motion_places_of(m, list, false, __func__, err);
     for (uint32_t i = 0; places && i < list.n; ++i)
         m->commands->user_data[places[i]] = data[i];
+    if (places)
+        motion_note(m, RECORDED_USER_DATA, places, list.n, data);
     free(places);
     return places;
 }
@@ -202,8 +205,10 @@ static bool mark_awake(duet_motion *m, const uint32_t *places, uint32_t n, duet_
 
 static bool mark(duet_motion *m, const uint32_t *places, uint32_t n, bool sleeps, duet_error *err)
 {
+    if (n == 0)
+        return true;
     m->at_rest = m->bounds_checked = false;
-    return n == 0 || !motion_has(m, DUET_EFFECT_SLEEP) ||
+    return !motion_has(m, DUET_EFFECT_SLEEP) ||
            (mark_rests(m, places, n, sleeps, err) && mark_awake(m, places, n, err));
 }
 
@@ -227,6 +232,8 @@ static bool put_to(duet_motion *m, duet_body_list list, bool sleeps, const char 
     uint32_t *places = motion_places_of(m, list, true, call, err);
     bool ok = places && motion_needs(m, DUET_EFFECT_SLEEP, call, err) &&
               motion_keep_whole(m, mark(m, places, list.n, sleeps, err));
+    if (ok)
+        motion_note(m, sleeps ? RECORDED_SLEEP : RECORDED_WAKE, places, list.n, NULL);
     free(places);
     return ok;
 }

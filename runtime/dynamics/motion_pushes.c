@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_rows.h"
+#include "runtime/dynamics/recording.h"
 #include "runtime/dynamics/vector.h"
 
 #include <math.h>
@@ -28,8 +29,58 @@ static bool check_numbers(const void *of, size_t floats, uint32_t n, const char 
     return true;
 }
 
+// Whether a number of a row is finite with so many times that much added. A list that names
+// a body often adds at most that.
+static bool stays_finite(const motion_rows *rows, uint32_t place, uint32_t k, double by, uint32_t n)
+{
+    double value = motion_row_get(rows, place, k) + n * by;
+    return rows->doubles ? isfinite(value) : isfinite((float)value);
+}
+
+static bool too_much(const char *call, uint32_t i, uint32_t n, const char *what, duet_error *err)
+{
+    return error_set(err, DUET_STATUS_BAD_OBJECT, "%s: body %u of %u: %s would not be finite", call,
+                     i, n, what);
+}
+
+// The eight numbers of a row, of those that the world has.
+static void put_force(const duet_motion *m, const duet_force *force, float by[8])
+{
+    for (int k = 0; k < 3; ++k) {
+        by[k] = k < (int)m->def.dims ? force->force[k] : 0.0f;
+        by[4 + k] = m->def.dims == 3 || k == 2 ? force->torque[k] : 0.0f;
+    }
+    by[3] = by[7] = 0.0f;
+}
+
+static bool check_sums(const duet_motion *m, const motion_rows *rows, const uint32_t *places,
+                       const duet_force *forces, uint32_t n, const char *call, duet_error *err)
+{
+    for (uint32_t i = 0; i < n; ++i) {
+        float by[8];
+        put_force(m, &forces[i], by);
+        for (uint32_t k = 0; k < 8; ++k)
+            if (!stays_finite(rows, places[i], k, (double)by[k], n))
+                return too_much(call, i, n, "the sum of its forces", err);
+    }
+    return true;
+}
+
+static bool write_forces(duet_motion *m, motion_rows *rows, const uint32_t *places,
+                         const duet_force *forces, uint32_t n, duet_error *err)
+{
+    for (uint32_t i = 0; i < n; ++i) {
+        float *row = motion_row(rows, places[i]), by[8];
+        put_force(m, &forces[i], by);
+        for (int k = 0; k < 8; ++k)
+            row[k] += by[k];
+    }
+    m->commands->pushed = true;
+    return motion_rows_close(m, rows, err) && motion_wake_places(m, places, n, err);
+}
+
 static bool add_forces(duet_motion *m, const uint32_t *places, const duet_force *forces, uint32_t n,
-                       duet_error *err)
+                       const char *call, duet_error *err)
 {
     uint32_t first, last;
     motion_rows rows;
@@ -38,15 +89,10 @@ static bool add_forces(duet_motion *m, const uint32_t *places, const duet_force 
     motion_span_of(places, n, &first, &last);
     if (!motion_rows_open(m, FORCES, first, last, 8, false, &rows, err))
         return false;
-    for (uint32_t i = 0; i < n; ++i) {
-        float *row = motion_row(&rows, places[i]);
-        for (int k = 0; k < 3; ++k) {
-            row[k] += k < (int)m->def.dims ? forces[i].force[k] : 0.0f;
-            row[4 + k] += m->def.dims == 3 || k == 2 ? forces[i].torque[k] : 0.0f;
-        }
-    }
-    m->commands->pushed = true;
-    return motion_rows_close(m, &rows, err) && motion_wake_places(m, places, n, err);
+    if (check_sums(m, &rows, places, forces, n, call, err))
+        return motion_keep_whole(m, write_forces(m, &rows, places, forces, n, err));
+    motion_rows_drop(&rows);
+    return false;
 }
 
 bool duet_motion_apply_forces(duet_motion *m, duet_body_list list, const duet_force *forces,
@@ -57,7 +103,9 @@ bool duet_motion_apply_forces(duet_motion *m, duet_body_list list, const duet_fo
     uint32_t *places = motion_places_of(m, list, true, __func__, err);
     bool ok = places && motion_needs(m, DUET_EFFECT_FORCES, __func__, err) &&
               check_numbers(forces, sizeof *forces / sizeof(float), list.n, __func__, err) &&
-              motion_keep_whole(m, add_forces(m, places, forces, list.n, err));
+              add_forces(m, places, forces, list.n, __func__, err);
+    if (ok)
+        motion_note(m, RECORDED_FORCES, places, list.n, forces);
     free(places);
     return ok;
 }
@@ -78,24 +126,6 @@ static void turn(const double q[4], bool back, const double v[3], double to[3])
         to[k] = v[k] + q[3] * t[k] + s[k];
 }
 
-static bool push(duet_motion *m, const uint32_t *places, const duet_impulse *impulses, uint32_t n,
-                 duet_error *err)
-{
-    uint32_t first, last;
-    motion_rows rows;
-    motion_span_of(places, n, &first, &last);
-    if (!motion_rows_open(m, VELOCITIES, first, last, 4, true, &rows, err))
-        return false;
-    for (uint32_t i = 0; i < n; ++i) {
-        double per_mass = motion_row_get(&rows, places[i], 3);
-        for (uint32_t k = 0; k < m->def.dims; ++k)
-            motion_row_set(&rows, places[i], k,
-                           motion_row_get(&rows, places[i], k) +
-                               per_mass * (double)impulses[i].impulse[k]);
-    }
-    return motion_rows_close(m, &rows, err);
-}
-
 // What an impulse changes the angular velocity by, for a body with this rotation and
 // inverse inertia along its own axes.
 static void spin_of(const duet_motion *m, const duet_impulse *impulse, const double q[4],
@@ -114,37 +144,93 @@ static void spin_of(const duet_motion *m, const duet_impulse *impulse, const dou
     turn(q, false, own, by);
 }
 
-static bool twist(duet_motion *m, const uint32_t *places, const duet_impulse *impulses, uint32_t n,
-                  duet_error *err)
+// What impulses read and change. The last three are empty where nothing turns.
+typedef struct pushed {
+    motion_rows velocities, spins, rotations, inertias;
+} pushed;
+
+static bool open_pushed(duet_motion *m, const uint32_t *places, uint32_t n, pushed *p,
+                        duet_error *err)
 {
     uint32_t first, last;
-    motion_rows rows = {0}, rotations = {0}, inertias = {0};
     motion_span_of(places, n, &first, &last);
-    bool ok = motion_rows_open(m, ROTATIONS, first, last, 4, true, &rotations, err) &&
-              motion_rows_open(m, INERTIAS, first, last, 4, false, &inertias, err) &&
-              motion_rows_open(m, ANGULAR_VELOCITIES, first, last, 4, true, &rows, err);
-    for (uint32_t i = 0; ok && i < n; ++i) {
-        double q[4], inverse[3], by[3];
-        for (uint32_t k = 0; k < 4; ++k)
-            q[k] = motion_row_get(&rotations, places[i], k);
-        for (uint32_t k = 0; k < 3; ++k)
-            inverse[k] = motion_row_get(&inertias, places[i], k);
-        spin_of(m, &impulses[i], q, inverse, by);
-        for (uint32_t k = 0; k < 3; ++k)
-            motion_row_set(&rows, places[i], k, motion_row_get(&rows, places[i], k) + by[k]);
+    return motion_rows_open(m, VELOCITIES, first, last, 4, true, &p->velocities, err) &&
+           (!motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) ||
+            (motion_rows_open(m, ROTATIONS, first, last, 4, true, &p->rotations, err) &&
+             motion_rows_open(m, INERTIAS, first, last, 4, false, &p->inertias, err) &&
+             motion_rows_open(m, ANGULAR_VELOCITIES, first, last, 4, true, &p->spins, err)));
+}
+
+// By how much an impulse changes the velocity and the angular velocity of a place.
+static void changes_of(const duet_motion *m, const pushed *p, uint32_t place,
+                       const duet_impulse *impulse, double velocity[3], double spin[3])
+{
+    double per_mass = motion_row_get(&p->velocities, place, 3), q[4], inverse[3];
+    for (uint32_t k = 0; k < 3; ++k) {
+        velocity[k] = k < m->def.dims ? per_mass * (double)impulse->impulse[k] : 0.0;
+        spin[k] = 0.0;
     }
-    motion_rows_drop(&rotations);
-    motion_rows_drop(&inertias);
-    return ok && motion_rows_close(m, &rows, err);
+    if (!p->spins.of)
+        return;
+    for (uint32_t k = 0; k < 4; ++k)
+        q[k] = motion_row_get(&p->rotations, place, k);
+    for (uint32_t k = 0; k < 3; ++k)
+        inverse[k] = motion_row_get(&p->inertias, place, k);
+    spin_of(m, impulse, q, inverse, spin);
+}
+
+static bool check_changes(const duet_motion *m, const pushed *p, const uint32_t *places,
+                          const duet_impulse *impulses, uint32_t n, const char *call,
+                          duet_error *err)
+{
+    for (uint32_t i = 0; i < n; ++i) {
+        double velocity[3], spin[3];
+        changes_of(m, p, places[i], &impulses[i], velocity, spin);
+        for (uint32_t k = 0; k < 3; ++k) {
+            if (!stays_finite(&p->velocities, places[i], k, velocity[k], n))
+                return too_much(call, i, n, "its velocity", err);
+            if (p->spins.of && !stays_finite(&p->spins, places[i], k, spin[k], n))
+                return too_much(call, i, n, "its angular velocity", err);
+        }
+    }
+    return true;
+}
+
+static void add_to(motion_rows *rows, uint32_t place, const double by[3])
+{
+    for (uint32_t k = 0; k < 3; ++k)
+        motion_row_set(rows, place, k, motion_row_get(rows, place, k) + by[k]);
+}
+
+static bool push(duet_motion *m, pushed *p, const uint32_t *places, const duet_impulse *impulses,
+                 uint32_t n, duet_error *err)
+{
+    for (uint32_t i = 0; i < n; ++i) {
+        double velocity[3], spin[3];
+        changes_of(m, p, places[i], &impulses[i], velocity, spin);
+        add_to(&p->velocities, places[i], velocity);
+        if (p->spins.of)
+            add_to(&p->spins, places[i], spin);
+    }
+    return motion_rows_close(m, &p->velocities, err) &&
+           (!p->spins.of || motion_rows_close(m, &p->spins, err)) &&
+           motion_wake_places(m, places, n, err);
 }
 
 static bool give_impulses(duet_motion *m, const uint32_t *places, const duet_impulse *impulses,
-                          uint32_t n, duet_error *err)
+                          uint32_t n, const char *call, duet_error *err)
 {
-    return n == 0 ||
-           (push(m, places, impulses, n, err) &&
-            (!motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) || twist(m, places, impulses, n, err)) &&
-            motion_wake_places(m, places, n, err));
+    pushed p = {0};
+    if (n == 0)
+        return true;
+    bool ok = open_pushed(m, places, n, &p, err) &&
+              check_changes(m, &p, places, impulses, n, call, err) &&
+              motion_keep_whole(m, push(m, &p, places, impulses, n, err));
+    motion_rows_drop(&p.velocities);
+    motion_rows_drop(&p.spins);
+    motion_rows_drop(&p.rotations);
+    motion_rows_drop(&p.inertias);
+    return ok;
 }
 
 bool duet_motion_apply_impulses(duet_motion *m, duet_body_list list, const duet_impulse *impulses,
@@ -155,7 +241,9 @@ bool duet_motion_apply_impulses(duet_motion *m, duet_body_list list, const duet_
     uint32_t *places = motion_places_of(m, list, true, __func__, err);
     bool ok = places && motion_needs(m, DUET_EFFECT_MOTION, __func__, err) &&
               check_numbers(impulses, sizeof *impulses / sizeof(float), list.n, __func__, err) &&
-              motion_keep_whole(m, give_impulses(m, places, impulses, list.n, err));
+              give_impulses(m, places, impulses, list.n, __func__, err);
+    if (ok)
+        motion_note(m, RECORDED_IMPULSES, places, list.n, impulses);
     free(places);
     return ok;
 }

@@ -26,6 +26,7 @@ static const struct {
     [RESTITUTIONS] = {DUET_EFFECT_CONTACT_RESPONSE, 0, 1},
     [FRICTIONS] = {DUET_EFFECT_FRICTION, 0, 1},
     [FILTERS] = {DUET_EFFECT_FILTER, 0, 2},
+    [SENSORS] = {DUET_EFFECT_SENSORS, 0, 1},
     [RESTS] = {DUET_EFFECT_SLEEP, 0, 1},
     [ASLEEP] = {DUET_EFFECT_SLEEP, 0, 1},
     [FORCES] = {DUET_EFFECT_FORCES, 0, 8},
@@ -128,6 +129,12 @@ static entry friction_of(const duet_motion *m, uint32_t id)
     return (entry){{m->bodies[id].friction}};
 }
 
+// 1: touches without pushing.
+static entry sensor_of(const duet_motion *m, uint32_t id)
+{
+    return (entry){{m->bodies[id].sensor ? 1.0 : 0.0}};
+}
+
 // Sends n entries of `width` numbers, as doubles or floats.
 static bool send(duet_motion *m, motion_buffer which, entry (*of)(const duet_motion *, uint32_t),
                  uint32_t width, bool doubles, duet_error *err)
@@ -201,6 +208,7 @@ static const struct {
     {HALVES, half_of, PART_SIZE, 0, 4},
     {RESTITUTIONS, restitution_of, PART_SURFACE, 0, 1},
     {FRICTIONS, friction_of, PART_SURFACE, 0, 1},
+    {SENSORS, sensor_of, PART_SENSOR, 0, 1},
 };
 
 bool motion_reset(duet_motion *m, duet_error *err)

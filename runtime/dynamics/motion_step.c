@@ -5,6 +5,7 @@
 // at afterwards. With response the contacts of the step's beginning are solved
 // in substeps.
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/recording.h"
 
 #include "base/budget.h"
 #include "base/clock.h"
@@ -190,9 +191,11 @@ bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error 
     m->broken = !ok;
     if (!ok) {
         timeline_clear(&m->times);
+        motion_forget_recording(m);
         return false;
     }
     ++m->step;
+    motion_note_step(m);
     fill_result(m, result);
     result->total_ms = clock_ms_since(begun);
     return true;

@@ -2,6 +2,7 @@
 // Kinematic targets: where the next step takes bodies without mass.
 #include "base/error.h"
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/recording.h"
 #include "runtime/dynamics/vector.h"
 
 #include <math.h>
@@ -71,6 +72,18 @@ static bool check_kinematic(const duet_motion *m, const uint32_t *places, uint32
     return true;
 }
 
+// A pose may be too far away for a step.
+static bool check_velocities(const duet_body *bodies, uint32_t n, const char *call, duet_error *err)
+{
+    for (uint32_t i = 0; i < n; ++i) {
+        const char *fault = motion_body_fault(&bodies[i]);
+        if (fault)
+            return error_set(err, DUET_STATUS_BAD_OBJECT, "%s: body %u of %u: to get there, %s",
+                             call, i, n, fault);
+    }
+    return true;
+}
+
 static bool aim(duet_motion *m, const uint32_t *places, const duet_transform *targets,
                 const duet_body *bodies, uint32_t n, duet_error *err)
 {
@@ -104,8 +117,11 @@ bool duet_motion_set_targets(duet_motion *m, duet_body_list list, const duet_tra
               motion_check_poses(m, poses, list.n, __func__, err) &&
               motion_place_poses(m, poses, list.n, &cells, __func__, err) &&
               find_velocities(m, places, poses, cells, list.n, bodies, err) &&
+              check_velocities(bodies, list.n, __func__, err) &&
               motion_admit(m, poses, bodies, list.n, __func__, err) &&
               motion_keep_whole(m, aim(m, places, targets, bodies, list.n, err));
+    if (ok)
+        motion_note(m, RECORDED_TARGETS, places, list.n, targets);
     free(cells);
     free(bodies);
     free(poses);

@@ -717,6 +717,11 @@ static int read_result(lua_State *L)
     if (reading->n_settings > 0 && !reading->declared)
         return field_raise(L, NULL, "no parameter '%s'; the scene declares none",
                            reading->settings[0].name);
+    if (lua_getfield(L, 1, "script") != LUA_TNIL)
+        return field_raise(L, "script",
+                           "a scene cannot act between steps; expected the function in the def of "
+                           "pair:motion, in a script that 'duet lua' runs");
+    lua_pop(L, 1);
     const char *names[N_FIELDS + N_MORE + 1] = {NULL};
     for (size_t i = 0; i < N_FIELDS; ++i)
         names[i] = fields[i].name;

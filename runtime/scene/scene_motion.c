@@ -26,6 +26,7 @@ static const struct {
     {"group", BITS, offsetof(duet_body, group)},
     {"mask", BITS, offsetof(duet_body, mask)},
     {"fixed_rotation", BOOLEAN, offsetof(duet_body, fixed_rotation)},
+    {"sensor", BOOLEAN, offsetof(duet_body, sensor)},
 };
 
 enum { N_BODY_FIELDS = sizeof body_fields / sizeof body_fields[0] };

@@ -16,7 +16,7 @@ typedef struct scene_body {
 // bodies have no such field; the fields are named by scene_body_names.
 bool scene_read_body_field(lua_State *L, const char *name, scene_body *body);
 #define SCENE_BODY_NAMES \
-    "angular_velocity, fixed_rotation, friction, group, mask, mass, restitution, velocity"
+    "angular_velocity, fixed_rotation, friction, group, mask, mass, restitution, sensor, velocity"
 
 // Keeps what was given for the object that was added last.
 bool scene_keep_body(duet_scene *scene, const scene_body *body, duet_error *err);

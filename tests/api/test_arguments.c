@@ -575,6 +575,18 @@ static void keep_motion(void)
     REFUSES(duet_motion_load(motion, NULL, e));
 }
 
+static void replay_commands(void)
+{
+    duet_motion_result step;
+    REFUSES(duet_motion_record(NULL, e));
+    REFUSES(duet_motion_save_recording(NULL, "file", e));
+    REFUSES(duet_motion_save_recording(motion, NULL, e));
+    REFUSES(duet_replay_advance(NULL, motion, &step, e));
+    assert_null(duet_replay_create(NULL, NULL));
+    assert_int_equal(duet_replay_get_info(NULL).steps, 0);
+    duet_replay_destroy(NULL);
+}
+
 static void command_motion(void)
 {
     const duet_body_list all = {.n = 1};
@@ -754,11 +766,15 @@ static const struct {
     {"duet_reference", references},
     {"duet_motion_create duet_motion_create_from_scene duet_motion_destroy", create_motion},
     {"duet_motion_get_states duet_motion_get_hash duet_motion_get_energy duet_motion_get_contacts "
-     "duet_motion_get_effects duet_motion_get_count duet_motion_get_plan duet_motion_get_poses",
+     "duet_motion_get_effects duet_motion_get_count duet_motion_get_step duet_motion_get_plan "
+     "duet_motion_get_poses",
      read_motion},
     {"duet_motion_advance", advance_motion},
     {"duet_motion_save duet_motion_load", keep_motion},
     {"duet_motion_explain", explain_motion},
+    {"duet_motion_record duet_motion_save_recording duet_replay_create duet_replay_destroy "
+     "duet_replay_get_info duet_replay_advance",
+     replay_commands},
     {"duet_motion_add_bodies duet_motion_remove_bodies duet_motion_disable_bodies "
      "duet_motion_enable_bodies duet_motion_wake_bodies duet_motion_sleep_bodies "
      "duet_motion_get_ids duet_motion_has_body duet_motion_set_user_data duet_motion_get_user_data "
@@ -806,6 +822,7 @@ static const char *const headers[] = {"runtime/duet.h",
                                       "runtime/duet_pair_query.h",
                                       "runtime/duet_point_query.h",
                                       "runtime/duet_ray_query.h",
+                                      "runtime/duet_replay.h",
                                       "runtime/duet_sweep_query.h",
                                       "runtime/duet_tree.h",
                                       "runtime/duet_scene.h",

@@ -16,6 +16,7 @@
 #define PICTURE "test_run_motion.png"
 #define FULL "test_run_motion.full.png"
 #define FRAMES "test_run_motion.frames"
+#define RECORDING "test_run_motion.replay"
 
 // A pile that falls, and a bullet.
 static const char scene_text[] =
@@ -46,6 +47,7 @@ static int remove_files(void **state)
     }
     remove(FRAMES);
     remove(PICTURE);
+    remove(RECORDING);
     remove(SCENE);
     return 0;
 }
@@ -145,6 +147,32 @@ static void a_full_disk_is_told_of(void **state)
     program_assert_refused(&p, 1, "No space left");
 }
 
+static void a_recording_gives_the_same_hash_with_another_plan(void **state)
+{
+    (void)state;
+    program p = program_run("run --steps 8 --record " RECORDING " --share 0 " SCENE);
+    if (p.exit_code != 0)
+        fail_msg("run --record: %s", p.err);
+    const char *hash = strstr(p.out, "state hash");
+    assert_non_null(hash);
+    program q = program_run("run --steps 8 --replay " RECORDING " --share 0.5 --mode slab " SCENE);
+    if (q.exit_code != 0)
+        fail_msg("run --replay: %s", q.err);
+    assert_string_equal(strstr(q.out, "state hash"), hash);
+    program_free(&p);
+    program_free(&q);
+    p = program_run("run --steps 9 --replay " RECORDING " " SCENE);
+    program_assert_refused(&p, 2, RECORDING " has 8 recorded steps");
+    p = program_run("run --steps 8 --replay " SCENE " " SCENE);
+    program_assert_refused(&p, 1, "not a recording of version 1");
+    p = program_run("run --steps 8 --replay " RECORDING " falling -n 9");
+    assert_int_equal(p.exit_code, 1);
+    assert_non_null(strstr(p.err, "recorded from step 0, 9 places"));
+    program_free(&p);
+    p = program_run("run --replay " RECORDING " " SCENE);
+    program_assert_refused(&p, 2, "--replay");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -152,6 +180,7 @@ int main(void)
         cmocka_unit_test(json_says_what_the_table_does),
         cmocka_unit_test(what_cannot_be_drawn_is_refused_before_the_steps),
         cmocka_unit_test(what_is_of_a_scene_at_rest_is_refused_with_steps),
+        cmocka_unit_test(a_recording_gives_the_same_hash_with_another_plan),
         cmocka_unit_test(a_full_disk_is_told_of),
     };
     return cmocka_run_group_tests(tests, make_scene, remove_files);

@@ -96,8 +96,8 @@ static mover *make_scene_in(medium in, uint32_t set)
     double apart = pushes ? 1.02 : 6.0;
     const int side = flat ? 5 : 3, n = flat ? 25 : 27;
     m->def.doubles = in.doubles;
-    m->def.wants = set & (DUET_EFFECT_CONTACT | DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP |
-                          DUET_EFFECT_EVENTS);
+    m->def.wants = set & (DUET_EFFECT_SENSORS | DUET_EFFECT_CONTACT | DUET_EFFECT_CONTACT_RESPONSE |
+                          DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS | DUET_EFFECT_SENSORS);
     m->def.gravity[1] = set & DUET_EFFECT_GRAVITY ? -3.0 : 0.0;
     m->def.drag = set & DUET_EFFECT_DRAG ? 0.3 : 0.0;
     m->def.skin = set & DUET_EFFECT_SKIN ? 0.1 : 0.0;
@@ -166,6 +166,7 @@ static const uint32_t effects[] = {
     DUET_EFFECT_SLEEP,
     DUET_EFFECT_SKIN,
     DUET_EFFECT_EVENTS,
+    DUET_EFFECT_SENSORS,
 };
 
 enum { N_EFFECTS = sizeof effects / sizeof effects[0] };
@@ -174,6 +175,7 @@ static uint32_t with_needs(uint32_t set)
 {
     const uint32_t needs_response =
         DUET_EFFECT_FRICTION | DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP;
+    set |= set & DUET_EFFECT_SENSORS ? DUET_EFFECT_EVENTS : 0;
     const uint32_t needs_contact =
         DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FILTER | DUET_EFFECT_SKIN | DUET_EFFECT_EVENTS;
     set |= set & needs_response ? DUET_EFFECT_CONTACT_RESPONSE : 0;
@@ -286,6 +288,7 @@ static const struct {
     {"SKIN", "skin", "check_fat_aabbs", NULL},
     {"HITS", "events", "hits", NULL},
     {"FORCES", "forces", "forces", NULL},
+    {"SENSORS", "sensors", "sensors", NULL},
     {"ROTATED", "rotation", "rotations", "ANGULAR_VELOCITY GYRO"},
 };
 
@@ -397,6 +400,7 @@ static void buffers_are_those_that_are_called_for(void **state)
         {DUET_EFFECT_FILTER, FILTERS},
         {DUET_EFFECT_SLEEP, ASLEEP},
         {DUET_EFFECT_EVENTS, TOUCHING},
+        {DUET_EFFECT_SENSORS, SENSORS},
         {DUET_EFFECT_FORCES, FORCES},
     };
     for (int i = 0; i < N_EFFECTS; ++i) {

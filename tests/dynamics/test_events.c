@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Events of a motion. What is true is taken from the contacts' records, each step anew, and
 // from falls whose end is known.
-#include "support/mover.h"
-#include "support/test.h"
+#include "support/commands.h"
 
 #include "runtime/dynamics/motion.h"
 
@@ -339,6 +338,143 @@ static void a_loaded_motion_tells_what_the_saved_one_does(void **state)
     mover_free(other);
 }
 
+// ---------------------------------------------------------------- sensors
+
+// A floor, and a cube on it that goes to sleep, and one above that falls.
+static mover *make_cubes(bool doubles)
+{
+    mover *m = mover_new(3);
+    m->def.wants = DUET_EFFECT_EVENTS | DUET_EFFECT_SLEEP | DUET_EFFECT_SENSORS;
+    m->def.sleep_after = 0.1;
+    m->def.doubles = doubles;
+    mover_add_floor(m, 20);
+    mover_add_rough_cube(m, 0, 0, 0.5);
+    mover_add_rough_cube(m, 5, 0, 4);
+    return m;
+}
+
+static uint32_t add_sensor(mover *m, double x, double z, double half)
+{
+    uint32_t id = mover_add(m, x, 0, z, half, half, half);
+    m->bodies[id].mass = 0;
+    m->bodies[id].sensor = true;
+    return id;
+}
+
+static counts events_with(const mover *m, uint32_t id)
+{
+    counts c = {0};
+    for (uint64_t i = 0; i < m->last.n_events; ++i)
+        if (m->last.events[i].a == id || m->last.events[i].b == id)
+            ++*(m->last.events[i].begins ? &c.begins : &c.ends);
+    for (uint64_t i = 0; i < m->last.n_stays; ++i)
+        c.stays += m->last.stays[i].a == id || m->last.stays[i].b == id;
+    return c;
+}
+
+// Runs the mover and adds up a sensor's events.
+static counts run_sensor(mover *m, uint32_t id, uint32_t steps)
+{
+    counts sum = {0};
+    for (uint32_t i = 0; i < steps; ++i) {
+        mover_run(m, 1);
+        counts c = events_with(m, id);
+        sum.begins += c.begins;
+        sum.ends += c.ends;
+        sum.stays += c.stays;
+    }
+    return sum;
+}
+
+static void what_falls_through_a_sensor_is_told_and_not_pushed(void **state)
+{
+    (void)state;
+    for (int doubles = 0; doubles < 2; ++doubles) {
+        mover *m = make_cubes(doubles), *without = make_cubes(doubles);
+        uint32_t sensor = add_sensor(m, 5, 2, 0.25);
+        counts c = run_sensor(m, sensor, 90);
+        mover_run(without, 90);
+        assert_true(c.begins == 1 && c.ends == 1 && c.stays > 5 && c.stays < 40);
+        assert_memory_equal(m->states, without->states, 3 * sizeof *m->states);
+        assert_true(mover_speed(m, 2) == 0.0); // asleep
+        mover_free(m);
+        mover_free(without);
+    }
+}
+
+static void a_sensor_sees_what_sleeps_and_does_not_wake_it(void **state)
+{
+    (void)state;
+    mover *m = make_cubes(false);
+    uint32_t still = add_sensor(m, 0, 1, 0.3), guide = add_sensor(m, -5, 0.5, 0.3);
+    mover_run(m, 120);
+    assert_int_equal(events_with(m, still).stays, 1); // the cube, not the floor
+    assert_int_equal(events_with(m, guide).stays, 0);
+    assert_int_equal(m->last.n_stages, 0); // all sleeps
+    duet_error err = {0};
+    const duet_body goes = {.velocity = {2, 0, 0}};
+    const duet_body_list list = {.first = guide, .n = 1};
+    assert_ok(duet_motion_set_bodies(m->motion, list, DUET_BODY_VELOCITY, &goes, &err), err);
+    counts c = run_sensor(m, guide, 360);
+    assert_true(c.begins == 2 && c.ends == 2 && c.stays > 60);
+    assert_close(mover_speed(m, 1) + mover_speed(m, 2), 0, 0);
+    duet_pose away = m->poses[still];
+    away.centre[0] = 9;
+    const duet_body_list other = {.first = still, .n = 1};
+    assert_ok(duet_motion_set_poses(m->motion, other, &away, &err), err);
+    mover_run(m, 1);
+    assert_int_equal(events_with(m, still).ends, 1);
+    assert_close(mover_speed(m, 1), 0, 0);
+    mover_free(m);
+}
+
+// Sensors fall through floors, walls and each other, and see what their masks allow.
+static void sensors_do_not_see_sensors_and_fall_through_all(void **state)
+{
+    (void)state;
+    mover *m = make_cubes(false);
+    m->def.boundary = DUET_BOUNDARY_WALLS;
+    for (int k = 0; k < 3; ++k) {
+        m->def.lower[k] = -9;
+        m->def.upper[k] = 9;
+    }
+    uint32_t falls = add_sensor(m, 0, 2, 0.3), other = add_sensor(m, 0, 2.2, 0.3);
+    uint32_t blind = add_sensor(m, 0, 0.5, 0.3);
+    m->bodies[falls].mass = m->bodies[other].mass = 1;
+    m->bodies[blind].mask = 2;
+    m->bodies[falls].group = m->bodies[1].group = 1;
+    counts c = run_sensor(m, falls, 120);
+    assert_true(c.begins == 2 && c.ends == 2); // the cube and the floor
+    assert_true(m->states[falls].centre[2] < -10);
+    assert_int_equal(events_with(m, blind).stays, 0);
+    mover_free(m);
+}
+
+static void a_sensor_that_came_by_a_command_is_saved(void **state)
+{
+    (void)state;
+    char path[64];
+    name_file(path);
+    mover *m = make_cubes(false), *fresh = make_cubes(false);
+    mover_run(m, 10);
+    mover_run(fresh, 1);
+    duet_error err = {0};
+    const duet_pose pose = {{5, 0, 2}, {0.25f, 0.25f, 0.25f}, {0, 0, 0, 1}};
+    duet_body sensor = duet_default_body();
+    sensor.mass = 0;
+    sensor.sensor = true;
+    assert_ok(duet_motion_add_bodies(m->motion, &pose, &sensor, 1, NULL, &err), err);
+    assert_ok(duet_motion_save(m->motion, path, &err), err);
+    assert_ok(duet_motion_load(fresh->motion, path, &err), err);
+    m->n = fresh->n = 4;
+    counts c = run_sensor(m, 3, 90), d = run_sensor(fresh, 3, 90);
+    assert_true(c.begins == 1 && c.ends == 1 && c.stays == d.stays && d.begins == 1);
+    assert_true(mover_hash(m) == mover_hash(fresh));
+    remove(path);
+    mover_free(m);
+    mover_free(fresh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -350,6 +486,10 @@ int main(void)
         cmocka_unit_test(a_hit_far_away_is_where_it_is),
         cmocka_unit_test(share_and_launch_change_no_event),
         cmocka_unit_test(a_loaded_motion_tells_what_the_saved_one_does),
+        cmocka_unit_test(what_falls_through_a_sensor_is_told_and_not_pushed),
+        cmocka_unit_test(a_sensor_sees_what_sleeps_and_does_not_wake_it),
+        cmocka_unit_test(sensors_do_not_see_sensors_and_fall_through_all),
+        cmocka_unit_test(a_sensor_that_came_by_a_command_is_saved),
     };
     return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
 }

@@ -180,9 +180,15 @@ static void put_states(void)
             duet_motion_result result;
             snprintf(name, sizeof name, "%d.%d.motion", which, step);
             place p = place_of("motion", name);
+            if (step == 0 && which == 0)
+                require(duet_motion_record(m, &err), &err);
             require(step % 15 > 0 || duet_motion_save(m, p.chars, &err), &err);
             require(step != 20 || duet_motion_remove_bodies(m, first, &err), &err);
             require(duet_motion_advance(m, &result, &err), &err);
+        }
+        if (which == 0) {
+            place p = place_of("replay", "0.replay");
+            require(duet_motion_save_recording(m, p.chars, &err), &err);
         }
         duet_motion_destroy(m);
     }

@@ -1,9 +1,10 @@
-// contact_graph.DIMS3.DOUBLE0.BOUNDARY0.CONTACT_RESPONSE0.FILTER0.WG64.PER_ITEM1
+// contact_graph.DIMS3.DOUBLE0.BOUNDARY0.CONTACT_RESPONSE0.FILTER0.SENSORS0.WG64.PER_ITEM1
 #define DIMS 3
 #define DOUBLE 0
 #define BOUNDARY 0
 #define CONTACT_RESPONSE 0
 #define FILTER 0
+#define SENSORS 0
 #define WG 64
 #define PER_ITEM 1
 #define CONTACT_GRAPH_PAIRS_ARGS \
@@ -67,7 +68,7 @@ __kernel void contact_graph_pairs(CONTACT_GRAPH_PAIRS_ARGS)
     uint last = min(first + PER_ITEM, n_pairs);
     for (uint i = first; i < last; ++i) {
         uint a = min(pairs[i].x, pairs[i].y), b = max(pairs[i].x, pairs[i].y);
-#line 33 "kernels/dynamics/contact_graph.cl.in"
+#line 37 "kernels/dynamics/contact_graph.cl.in"
         bool moves_a = velocities[a].w > 0, moves_b = velocities[b].w > 0;
         if (moves_a)
             count_or_put(starts, others, a, b, fill);
@@ -75,7 +76,7 @@ __kernel void contact_graph_pairs(CONTACT_GRAPH_PAIRS_ARGS)
             count_or_put(starts, others, b, a, fill);
     }
 }
-#line 60 "kernels/dynamics/contact_graph.cl.in"
+#line 68 "kernels/dynamics/contact_graph.cl.in"
 
 static inline void sink_down(__global uint *values, uint at, uint n)
 {
@@ -137,7 +138,7 @@ __kernel void contact_graph_reverse(CONTACT_GRAPH_REVERSE_ARGS)
             if (!fill) {
                 links[i] = (uint2)(row, other);
                 touches[i] = 0;
-#line 124 "kernels/dynamics/contact_graph.cl.in"
+#line 132 "kernels/dynamics/contact_graph.cl.in"
             }
             if (other < n && velocities[other].w > 0)
                 count_or_put(return_starts, returns, other, i, fill);

@@ -1,9 +1,10 @@
-// graph_colour.DIMS2.DOUBLE0.ANGULAR_VELOCITY0.FRICTION0.WG1.PER_ITEM1024
+// graph_colour.DIMS2.DOUBLE0.ANGULAR_VELOCITY0.FRICTION0.SENSORS0.WG1.PER_ITEM1024
 #define DIMS 2
 #define DOUBLE 0
 #define ANGULAR_VELOCITY 0
 #define FRICTION 0
 #define CONTACT_RESPONSE 1
+#define SENSORS 0
 #define WG 1
 #define PER_ITEM 1024
 #define GRAPH_COLOUR_CHOOSE_ARGS \
@@ -75,6 +76,7 @@ __kernel void graph_colour_mark(GRAPH_COLOUR_MARK_ARGS)
         uint2 link = links[i];
         bool pushes = (touches[i] & TOUCH_POINTS) && (bodies[(size_t)link.x * BODY + BODY_VELOCITY].w > 0.0f ||
                                                       bodies[(size_t)link.y * BODY + BODY_VELOCITY].w > 0.0f);
+#line 36 "kernels/dynamics/graph_colour.cl.in"
         uint old = colours[i];
         uint colour = !pushes ? COLOUR_NONE : old == COLOUR_NONE ? COLOUR_WAITS : old;
         changed |= colour != old;

@@ -1,9 +1,10 @@
-// update_sleep.DIMS2.DOUBLE0.ANGULAR_VELOCITY0.FRICTION0.WG1.PER_ITEM1024
+// update_sleep.DIMS2.DOUBLE0.ANGULAR_VELOCITY0.FRICTION0.SENSORS0.WG1.PER_ITEM1024
 #define DIMS 2
 #define DOUBLE 0
 #define ANGULAR_VELOCITY 0
 #define FRICTION 0
 #define CONTACT_RESPONSE 1
+#define SENSORS 0
 #define WG 1
 #define PER_ITEM 1024
 #define UPDATE_SLEEP_ARGS \
@@ -39,7 +40,7 @@ typedef struct {
     uint n;
     __global const float *rests;
     __global const real4 *velocities;
-#line 20 "kernels/dynamics/update_sleep.cl.in"
+#line 23 "kernels/dynamics/update_sleep.cl.in"
 } touched;
 
 static inline bool is_at_rest(const touched *t, uint id)
@@ -52,26 +53,32 @@ static inline bool is_at_rest(const touched *t, uint id)
     if (t->rests[id] < 0.0f)
         return false;
     real fastest = dot_product(velocity, velocity);
-#line 35 "kernels/dynamics/update_sleep.cl.in"
+#line 38 "kernels/dynamics/update_sleep.cl.in"
     return !(fastest > 0);
 }
 
+#line 48 "kernels/dynamics/update_sleep.cl.in"
 static inline bool touches_rest_only(const touched *t, uint id)
 {
     bool only = true;
+#line 55 "kernels/dynamics/update_sleep.cl.in"
     for (uint i = t->starts[id]; only && i < t->starts[id + 1]; ++i)
         if (t->touches[i] & TOUCH_POINTS)
+#line 60 "kernels/dynamics/update_sleep.cl.in"
             only = is_at_rest(t, t->links[i].y);
+#line 62 "kernels/dynamics/update_sleep.cl.in"
     for (uint k = t->return_starts[id]; only && k < t->return_starts[id + 1]; ++k)
         if (t->touches[t->returns[k]] & TOUCH_POINTS)
+#line 67 "kernels/dynamics/update_sleep.cl.in"
             only = is_at_rest(t, t->links[t->returns[k]].x);
+#line 69 "kernels/dynamics/update_sleep.cl.in"
     return only;
 }
 
 __kernel void update_sleep(UPDATE_SLEEP_ARGS)
 {
     const touched t = {links, touches, starts, return_starts, returns, n, rests, velocities,
-#line 56 "kernels/dynamics/update_sleep.cl.in"
+#line 83 "kernels/dynamics/update_sleep.cl.in"
     };
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);

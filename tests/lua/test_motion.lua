@@ -13,17 +13,60 @@ local poses = duet.poses {
 }
 local mask <const> = 0xffffffff
 local bodies = duet.bodies {
-  { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, false },
-  { 0, 0, 0, 0, 0, 0, 0, 0, 0.5, 1, mask, false },
+  { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, false, false },
+  { 0, 0, 0, 0, 0, 0, 0, 0, 0.5, 1, mask, false, false },
 }
 local falling <const> = { gravity = { 0, 0, -10 }, wants = { "contact_response", "events" }, hit_speed = 1 }
 
 holds("what is not said about a body is its default", function()
   local body = { duet.bodies(1):get(0) }
-  equal(#body, 12)
+  equal(#body, 13)
   equal(body[7], 1) -- mass
   equal(body[11], mask)
   equal(body[12], false)
+  equal(body[13], false)
+end)
+
+holds("a script acts between steps", function()
+  local seen = {}
+  local function lift(step, motion)
+    seen[#seen + 1] = step
+    if step == 3 then assert(motion:apply_impulses(0, { 0, 0, 5, 0, 0, 0 })) end
+  end
+  local motion <close> = assert(pair:motion(poses, bodies, {
+    gravity = { 0, 0, -10 }, wants = { "contact_response" }, script = lift,
+  }))
+  for _ = 1, 4 do assert(motion:advance()) end
+  equal(motion:step(), 4)
+  equal(table.concat(seen, " "), "1 2 3 4")
+  local states = assert(motion:read())
+  equal(select(10, states:get(0)) > 4, true) -- velocity z
+  raises("not a function of the step and the motion", pair.motion, pair, poses, bodies, { script = 3 })
+  local again <close> = assert(pair:motion(poses, bodies, { script = function(_, m) m:advance() end }))
+  raises("its script is running", again.advance, again)
+  local broken <close> = assert(pair:motion(poses, bodies, { script = function() error "no more" end }))
+  raises("no more", broken.advance, broken)
+  equal(broken:step(), 0)
+end)
+
+holds("recorded commands give the same hash", function()
+  local path <const> = os.tmpname()
+  local motion <close> = assert(pair:motion(poses, bodies, falling))
+  local again <close> = assert(pair:motion(poses, bodies, falling))
+  assert(motion:record())
+  assert(motion:apply_impulses(0, { 1, 0, 0, 0, 0, 0 }))
+  for _ = 1, 5 do assert(motion:advance()) end
+  assert(motion:save_recording(path))
+  local replay <close> = assert(duet.replay(path))
+  equal(replay:info().steps, 5)
+  equal(replay:info().commands, 1)
+  for k = 1, 5 do equal(assert(replay:advance(again)).step, k) end
+  equal(replay:info().steps_done, 5)
+  equal(again:hash(), motion:hash())
+  local done, message = replay:advance(again)
+  equal(done, nil)
+  assert(message:find("steps are done", 1, true), message)
+  os.remove(path)
 end)
 
 holds("a cube falls, and comes to rest on the floor", function()
@@ -129,8 +172,9 @@ holds("a motion refuses what makes no sense", function()
   raises("there is no effect 'magic'; duet.effects() lists them", pair.motion, pair, poses, nil, { wants = { "magic" } })
   raises("'sphere'; expected one of none, walls, periodic", pair.motion, pair, poses, nil, { boundary = "sphere" })
   raises("as many bodies as poses", pair.motion, pair, poses, duet.bodies(1))
-  raises("column 12: 1, not true or false", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, 1 } })
-  raises("column 10: -1, not a whole number", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, -1, mask, false } })
+  raises("column 12: 1, not true or false", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, 1, false } })
+  raises("column 13: 1, not true or false", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, true, 1 } })
+  raises("column 10: -1, not a whole number", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, -1, mask, false, false } })
   refused("BAD_ARGUMENT", "substeps is 0", pair.motion, pair, poses, nil, { substeps = 0 })
   refused("BAD_OBJECT", "", pair.motion, pair, { 0, 0, 0, -1, 1, 1, 0, 0, 0, 1 })
 end)

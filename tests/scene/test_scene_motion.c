@@ -68,6 +68,8 @@ static void what_is_wrong_is_refused_with_its_name(void **state)
          "velocity must be 2 or 3"},
         {"add{centre={0,0,0}, half_extents={1,1,1}, group=-1} return {}",
          "group must be a whole number"},
+        {"return {script = function(step, world) end}",
+         "a scene cannot act between steps; expected the function in the def of pair:motion"},
         {"add{centre={0,0,0}, half_extents={1,1,1}, fixed_rotation=1} return {}",
          "fixed_rotation must be true or false"},
     };

@@ -1,0 +1,482 @@
+// SPDX-License-Identifier: MIT
+// Commands as nobody should give them, and what they meet in unusual worlds.
+#include "support/commands.h"
+
+#include "base/rng.h"
+#include "base/text.h"
+#include "runtime/dynamics/motion_commands.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static void numbers_that_overflow_are_refused(void **state)
+{
+    (void)state;
+    mover *m = make_rows(1, 1);
+    uint32_t ram = mover_add_cube(m, 8, 0, 0.6, 1);
+    m->bodies[ram].mass = 0;
+    mover_run(m, 60);
+    const uint64_t hash = mover_hash(m);
+    duet_motion *motion = m->motion;
+    const duet_transform far = {{3e38f, 0, 0}, {0, 0, 0, 1}};
+    const duet_force forces[2] = {{.force = {3e38f, 0, 0}}, {.force = {3e38f, 0, 0}}};
+    const duet_impulse push = {.impulse = {3e38f, 0, 0}}, spin = {{0, 3e38f, 0}, {3e38f, 0, 0}};
+    const uint64_t twice[2] = {1, 1};
+    assert_refused(duet_motion_set_targets(motion, one(ram), &far, &err), "body 0 of 1: ");
+    assert_refused(duet_motion_apply_forces(motion, by_ids(twice, 2), forces, &err),
+                   "body 0 of 2: ");
+    const duet_body light = {.mass = 1e-3f};
+    assert_done(duet_motion_set_bodies(motion, one(1), DUET_BODY_MASS, &light, &err));
+    assert_refused(duet_motion_apply_impulses(motion, one(1), &push, &err), "body 0 of 1: ");
+    assert_refused(duet_motion_apply_impulses(motion, one(1), &spin, &err), "body 0 of 1: ");
+    assert_true(mover_hash(m) == hash);
+    mover_run(m, 10);
+    mover_assert_finite(m);
+    mover_free(m);
+}
+
+static void what_events_are_told_of_cannot_change(void **state)
+{
+    (void)state;
+    mover *m = make_rows(1, 1);
+    m->def.wants |= DUET_EFFECT_EVENTS;
+    m->def.hit_speed = 1;
+    mover_run(m, 1);
+    duet_motion_def def = *duet_motion_get_def(m->motion);
+    def.hit_speed = 0;
+    assert_refused(duet_motion_set_def(m->motion, &def, &err), "hit_speed is 0; expected");
+    def.hit_speed = 1;
+    def.event_mask = 1;
+    assert_refused(duet_motion_set_def(m->motion, &def, &err), "event_mask is 1; expected");
+    mover_free(m);
+}
+
+// With bodies that come, walls get other numbers; what touched them stays.
+static void walls_that_get_other_numbers_are_touched_all_the_same(void **state)
+{
+    (void)state;
+    mover *m = mover_new(3);
+    m->def.wants |= DUET_EFFECT_EVENTS;
+    m->def.boundary = DUET_BOUNDARY_WALLS;
+    m->def.gravity[2] = -9.81;
+    for (int k = 0; k < 3; ++k)
+        m->def.upper[k] = 12;
+    mover_add_rough_cube(m, 2, 2, 0.5);
+    mover_run(m, 30);
+    assert_int_equal(m->last.n_stays, 1);
+    const duet_pose high = {{8, 8, 8}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
+    assert_done(duet_motion_add_bodies(m->motion, &high, NULL, 1, NULL, &err));
+    mover_run(m, 1);
+    assert_int_equal(m->last.n_events, 0);
+    assert_int_equal(m->last.n_stays, 1);
+    assert_true(m->last.stays[0].a == 0 && m->last.stays[0].b == 2 + 4);
+    mover_free(m);
+}
+
+typedef struct event_sums {
+    uint64_t begins, ends, stays;
+} event_sums;
+
+// Of three cubes on a floor: the first changes its group, the second goes.
+static event_sums events_of_changed_groups(bool saved)
+{
+    char path[64];
+    name_file(path);
+    mover *m = make_rows(3, 1);
+    m->def.wants |= DUET_EFFECT_EVENTS | DUET_EFFECT_FILTER;
+    m->def.event_mask = 4;
+    for (uint32_t i = 0; i < m->n; ++i)
+        m->bodies[i].group = 1;
+    mover_run(m, 3);
+    const duet_body told = {.group = 4, .mask = UINT32_MAX};
+    assert_done(duet_motion_set_bodies(m->motion, one(1), DUET_BODY_FILTER, &told, &err));
+    assert_done(duet_motion_remove_bodies(m->motion, one(2), &err));
+    if (saved) {
+        assert_done(duet_motion_save(m->motion, path, &err));
+        mover_restart(m);
+        mover_run(m, 0);
+        assert_done(duet_motion_load(m->motion, path, &err));
+        remove(path);
+    }
+    mover_run(m, 1);
+    event_sums sums = {.stays = m->last.n_stays};
+    for (uint64_t i = 0; i < m->last.n_events; ++i) {
+        sums.begins += m->last.events[i].begins;
+        sums.ends += !m->last.events[i].begins;
+    }
+    mover_free(m);
+    return sums;
+}
+
+static void events_of_changed_groups_do_not_depend_on_a_file(void **state)
+{
+    (void)state;
+    const event_sums usual = events_of_changed_groups(false),
+                     saved = events_of_changed_groups(true);
+    assert_true(usual.begins == saved.begins && usual.ends == saved.ends &&
+                usual.stays == saved.stays);
+    assert_int_equal(usual.begins + usual.stays, 1);
+    assert_int_equal(usual.ends, 0); // nobody asked for those of the body that went
+}
+
+static void a_place_that_had_all_its_bodies_is_used_no_more(void **state)
+{
+    (void)state;
+    mover *m = make_rows(1, 1);
+    mover_run(m, 1);
+    const duet_pose pose = {{-5, 0, 5}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
+    uint64_t id = 1;
+    assert_done(duet_motion_remove_bodies(m->motion, one(1), &err));
+    m->motion->commands->generations[1] = UINT32_MAX;
+    mover_run(m, 1);
+    assert_done(duet_motion_add_bodies(m->motion, &pose, NULL, 1, &id, &err));
+    assert_true(id == (UINT64_C(0xffffffff) << 32 | 1));
+    assert_done(duet_motion_remove_bodies(m->motion, by_ids(&id, 1), &err));
+    mover_run(m, 2);
+    assert_false(duet_motion_has_body(m->motion, 1));
+    assert_done(duet_motion_add_bodies(m->motion, &pose, NULL, 1, &id, &err));
+    assert_true(id == 2);
+    mover_free(m);
+}
+
+static void a_list_of_none_changes_nothing(void **state)
+{
+    (void)state;
+    mover *m = make_rows(2, 1);
+    m->def.skin = 0.2;
+    mover_run(m, 60);
+    duet_motion *motion = m->motion;
+    const duet_body_list none = {.ids = NULL};
+    duet_moved moved;
+    assert_done(duet_motion_get_moved(motion, &moved, &err));
+    assert_done(duet_motion_add_bodies(motion, NULL, NULL, 0, NULL, &err));
+    assert_done(duet_motion_remove_bodies(motion, none, &err));
+    assert_done(duet_motion_disable_bodies(motion, none, &err));
+    assert_done(duet_motion_enable_bodies(motion, none, &err));
+    assert_done(duet_motion_set_bodies(motion, none, DUET_BODY_ALL, NULL, &err));
+    assert_done(duet_motion_set_poses(motion, none, NULL, &err));
+    assert_done(duet_motion_set_targets(motion, none, NULL, &err));
+    assert_done(duet_motion_apply_forces(motion, none, NULL, &err));
+    assert_done(duet_motion_apply_impulses(motion, none, NULL, &err));
+    assert_done(duet_motion_wake_bodies(motion, none, &err));
+    mover_run(m, 1);
+    assert_false(m->last.rebuilt);
+    assert_int_equal(m->last.n_stages, 0); // all sleeps on
+    assert_done(duet_motion_get_moved(motion, &moved, &err));
+    assert_int_equal(moved.n, 0);
+    mover_free(m);
+}
+
+// What the step's end sent to the device is waited for once; the group's end counts.
+static void a_file_can_be_loaded_right_after_a_step_with_forces(void **state)
+{
+    (void)state;
+    char path[64];
+    name_file(path);
+    mover *m = make_rows(2, 1);
+    mover_run(m, 1);
+    const duet_force lift = {.force = {0, 0, 30}};
+    assert_done(duet_motion_apply_forces(m->motion, one(1), &lift, &err));
+    assert_done(duet_motion_save(m->motion, path, &err));
+    for (int k = 0; k < 3; ++k) {
+        assert_done(duet_motion_advance(m->motion, &m->last, &err));
+        assert_done(duet_motion_load(m->motion, path, &err));
+    }
+    mover_run(m, 1);
+    assert_true(m->states[1].velocity[2] > 0.1);
+    remove(path);
+    mover_free(m);
+}
+
+static void a_body_that_came_by_a_file_is_told_as_moved(void **state)
+{
+    (void)state;
+    char path[64];
+    name_file(path);
+    mover *m = make_rows(2, 1);
+    mover_run(m, 60);
+    duet_moved moved;
+    assert_done(duet_motion_save(m->motion, path, &err));
+    assert_done(duet_motion_get_moved(m->motion, &moved, &err));
+    assert_done(duet_motion_remove_bodies(m->motion, one(1), &err));
+    mover_run(m, 1);
+    assert_done(duet_motion_get_moved(m->motion, &moved, &err));
+    assert_done(duet_motion_load(m->motion, path, &err));
+    assert_done(duet_motion_get_moved(m->motion, &moved, &err));
+    assert_int_equal(moved.n, 3);
+    remove(path);
+    mover_free(m);
+}
+
+// What went has left no trace in how the others are computed.
+static void a_body_of_another_kind_that_went_is_forgotten_in_a_file_too(void **state)
+{
+    (void)state;
+    char path[64];
+    name_file(path);
+    mover *m = make_rows(3, 2);
+    m->bodies[1].angular_velocity[0] = 2;
+    m->bodies[1].angular_velocity[2] = 1;
+    mover_run(m, 1);
+    const duet_pose brick = {{-4, 0, 5}, {0.5f, 0.25f, 0.125f}, {0, 0, 0, 1}};
+    duet_body elastic = duet_default_body();
+    elastic.restitution = 0.9f;
+    uint64_t id;
+    assert_done(duet_motion_add_bodies(m->motion, &brick, &elastic, 1, &id, &err));
+    mover_run(m, 1);
+    assert_done(duet_motion_remove_bodies(m->motion, by_ids(&id, 1), &err));
+    const duet_pose high = {{0.3f, 0.2f, 6}, {0.5f, 0.5f, 0.5f}, {0.3f, 0.1f, 0, 1}};
+    const duet_body turns = {.angular_velocity = {3, 1, 2}};
+    assert_done(duet_motion_set_poses(m->motion, one(2), &high, &err));
+    assert_done(
+        duet_motion_set_bodies(m->motion, one(2), DUET_BODY_ANGULAR_VELOCITY, &turns, &err));
+    mover_run(m, 1);
+    assert_done(duet_motion_save(m->motion, path, &err));
+    mover *fresh = make_rows(3, 2);
+    fresh->bodies[1] = m->bodies[1];
+    mover_run(fresh, 0);
+    assert_done(duet_motion_load(fresh->motion, path, &err));
+    for (int k = 0; k < 8; ++k) {
+        mover_run(m, 10);
+        mover_run(fresh, 10);
+        assert_true(mover_hash(m) == mover_hash(fresh));
+    }
+    remove(path);
+    mover_free(m);
+    mover_free(fresh);
+}
+
+static void all_bodies_can_go_and_others_come(void **state)
+{
+    (void)state;
+    for (uint32_t dims = 2; dims <= 3; ++dims)
+        for (int mode = 0; mode < 3; ++mode) {
+            mover *m = mover_new(dims);
+            m->def.gravity[dims - 1] = -9.81;
+            m->def.wants = DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS | DUET_EFFECT_ANGULAR_VELOCITY;
+            m->def.plan.mode = (duet_mode)mode;
+            m->def.plan.share = DUET_SHARE_ONE / 2;
+            m->def.skin = 0.1 * mode;
+            for (int i = 0; i < 9; ++i)
+                mover_add_cube(m, 0.5 * i, 0, 0, 1);
+            mover_run(m, 2);
+            assert_true(m->last.contacts > 0);
+            const duet_body_list all = {.n = 9};
+            assert_done(duet_motion_remove_bodies(m->motion, all, &err));
+            mover_run(m, 1);
+            assert_true(m->last.contacts == 0 && m->last.n_stays == 0 && m->last.n_events > 0);
+            mover_run(m, 2);
+            assert_true(m->last.pairs == 0 && m->last.n_events == 0);
+            uint64_t ids[9];
+            assert_done(duet_motion_add_bodies(m->motion, m->poses, NULL, 9, ids, &err));
+            assert_true(ids[8] == ((UINT64_C(1) << 32) | 8));
+            mover_run(m, 2);
+            assert_true(m->last.contacts > 0);
+            mover_assert_finite(m);
+            mover_free(m);
+        }
+}
+
+// At once, and one in the place of the other.
+static void bodies_in_the_same_place_part(void **state)
+{
+    (void)state;
+    mover *m = make_rows(2, 1);
+    mover_run(m, 60);
+    duet_pose poses[8];
+    for (int i = 0; i < 8; ++i)
+        poses[i] = m->poses[1];
+    assert_done(duet_motion_add_bodies(m->motion, poses, NULL, 8, NULL, &err));
+    m->n += 8;
+    mover_run(m, 240);
+    mover_assert_finite(m);
+    mover_free(m);
+}
+
+static void what_moves_without_mass_wakes_in_every_kind_of_world(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < 5; ++kind) {
+        mover *m = make_rows(2, 1);
+        uint32_t ram = mover_add(m, -4, 0, 0.6, 1, 0.5, 0.5);
+        m->bodies[ram].mass = 0;
+        m->def.skin = kind == 1 ? 0.5 : 0;
+        m->def.wants |= kind == 2 ? DUET_EFFECT_CONTINUOUS : 0;
+        m->def.doubles = kind == 3;
+        m->bodies[ram].velocity[0] = kind < 4 ? 1 : 0;
+        if (kind == 4) { // its corner comes round
+            m->poses[ram].centre[0] = -1.6f;
+            m->bodies[ram].angular_velocity[2] = 0.12f;
+        }
+        mover_run(m, 60);
+        assert_true(mover_speed(m, 1) == 0.0);
+        mover_run(m, 180);
+        assert_true(fabs(m->states[1].centre[0]) > 0.005);
+        mover_free(m);
+    }
+}
+
+// ------------------------------------------------------------ recordings
+
+static mover *make_player(uint32_t share, duet_mode mode)
+{
+    mover *m = make_rows(3, 2);
+    m->def.wants |= DUET_EFFECT_EVENTS | DUET_EFFECT_FILTER | DUET_EFFECT_SENSORS;
+    m->def.plan.share = share;
+    m->def.plan.mode = mode;
+    uint32_t lift = mover_add_cube(m, 9, 0, 4, 1);
+    m->bodies[lift].mass = 0;
+    mover_run(m, 5);
+    return m;
+}
+
+// Every command once, with steps between them.
+static void command_all(mover *m)
+{
+    duet_motion *motion = m->motion;
+    const duet_pose poses[2] = {{{-4, 0, 5}, {0.5f, 0.25f, 0.5f}, {0, 0, 0.2f, 1}},
+                                {{3, 0, 6}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}}};
+    duet_body bodies[2] = {duet_default_body(), duet_default_body()};
+    bodies[0].fixed_rotation = true;
+    bodies[1].sensor = true;
+    const uint64_t data[2] = {7, UINT64_MAX};
+    const duet_force force = {.force = {5, 0, 20}};
+    const duet_impulse impulse = {.impulse = {0, 1, 0}, .anchor = {0.5f, 0, 0}};
+    const duet_transform there = {{9, 0, 4.5f}, {0, 0, 0, 1}};
+    uint64_t ids[2];
+    assert_done(duet_motion_remove_bodies(motion, one(6), &err));
+    mover_run(m, 1);
+    assert_done(duet_motion_add_bodies(motion, poses, bodies, 2, ids, &err));
+    assert_done(duet_motion_set_user_data(motion, by_ids(ids, 2), data, &err));
+    assert_done(duet_motion_apply_forces(motion, one(2), &force, &err));
+    assert_done(duet_motion_apply_impulses(motion, one(4), &impulse, &err));
+    assert_done(duet_motion_set_targets(motion, one(7), &there, &err));
+    mover_run(m, 3);
+    assert_done(duet_motion_disable_bodies(motion, one(5), &err));
+    assert_done(duet_motion_sleep_bodies(motion, one(1), &err));
+    assert_done(duet_motion_set_bodies(motion, one(3), DUET_BODY_VELOCITY | DUET_BODY_FILTER,
+                                       bodies, &err));
+    mover_run(m, 2);
+    assert_done(duet_motion_enable_bodies(motion, one(5), &err));
+    assert_done(duet_motion_wake_bodies(motion, one(1), &err));
+    assert_done(duet_motion_set_poses(motion, by_ids(ids, 1), poses, &err));
+    duet_motion_def def = *duet_motion_get_def(motion);
+    def.gravity[0] = 0.5;
+    assert_done(duet_motion_set_def(motion, &def, &err));
+    mover_run(m, 20);
+    assert_done(duet_motion_remove_bodies(motion, by_ids(ids, 1), &err));
+}
+
+static void recorded_commands_give_the_same_hash_with_any_plan(void **state)
+{
+    (void)state;
+    char path[64];
+    name_file(path);
+    mover *m = make_player(0, DUET_MODE_OWN);
+    assert_done(duet_motion_record(m->motion, &err));
+    command_all(m);
+    assert_done(duet_motion_save_recording(m->motion, path, &err));
+    mover *other = make_player(DUET_SHARE_ONE / 2, DUET_MODE_SLAB);
+    duet_error why = {0};
+    duet_replay *replay = duet_replay_create(path, &why);
+    assert_ok(replay, why);
+    duet_replay_info info = duet_replay_get_info(replay);
+    assert_true(info.steps == 26 && info.commands == 14);
+    for (uint64_t i = 0; i < info.steps; ++i)
+        assert_ok(duet_replay_advance(replay, other->motion, &other->last, &why), why);
+    assert_true(mover_hash(m) == mover_hash(other));
+    assert_true(m->last.step == other->last.step);
+    uint64_t data = 0;
+    assert_done(duet_motion_get_user_data(other->motion, one(8), &data, &err));
+    assert_true(data == UINT64_MAX);
+    assert_refused(duet_replay_advance(replay, other->motion, &other->last, &err),
+                   "steps are done");
+    duet_replay_destroy(replay);
+    replay = duet_replay_create(path, &why);
+    assert_refused(duet_replay_advance(replay, other->motion, &other->last, &err),
+                   "recorded from step 5, 8 places");
+    duet_replay_destroy(replay);
+    assert_done(duet_motion_save(m->motion, path, &err));
+    assert_done(duet_motion_load(m->motion, path, &err));
+    assert_refused(duet_motion_save_recording(m->motion, path, &err), "nothing is recorded");
+    remove(path);
+    mover_free(m);
+    mover_free(other);
+}
+
+static void sum_file(unsigned char *bytes, size_t n)
+{
+    uint64_t sum = UINT64_C(0xcbf29ce484222325);
+    for (size_t i = 0; i + 8 < n; ++i)
+        sum = (sum ^ bytes[i]) * UINT64_C(0x100000001b3);
+    memcpy(bytes + n - 8, &sum, 8);
+}
+
+// Words of a recording that are changed, with a sum that is right: each is refused by one
+// line, or is done.
+static void forged_recordings_are_refused_or_done(void **state)
+{
+    (void)state;
+    char path[64];
+    name_file(path);
+    mover *m = make_player(0, DUET_MODE_OWN);
+    assert_done(duet_motion_record(m->motion, &err));
+    command_all(m);
+    assert_done(duet_motion_save_recording(m->motion, path, &err));
+    text file = {0}, forged = {0};
+    assert_done(text_read_file(&file, path, &err));
+    assert_done(text_read_file(&forged, path, &err));
+    rng r = rng_seed(test_seed());
+    static const uint32_t words[] = {0, 1, UINT32_MAX, 0x7fc00000, 0x7f800000, 14, 1u << 30};
+    uint32_t refused = 0, tries = 60;
+    for (uint32_t i = 0; i < tries; ++i) {
+        duet_error why = {0};
+        size_t at = 48 + 4 * (size_t)rng_below(&r, (uint32_t)(file.length - 56) / 4);
+        memcpy(forged.chars, file.chars, file.length);
+        memcpy(forged.chars + at, &words[rng_below(&r, 7)], 4);
+        size_t length =
+            i % 8 == 0 ? file.length - rng_below(&r, (uint32_t)file.length) : file.length;
+        if (length > 8)
+            sum_file((unsigned char *)forged.chars, length);
+        assert_done(text_write_file(path, forged.chars, length, &err));
+        duet_replay *replay = duet_replay_create(path, &why);
+        mover *other = replay ? make_player(0, DUET_MODE_OWN) : NULL;
+        duet_replay_info info = duet_replay_get_info(replay);
+        bool ok = replay;
+        for (uint64_t step = 0; ok && step < info.steps && step < 40; ++step)
+            ok = duet_replay_advance(replay, other->motion, &other->last, &why);
+        refused += !ok;
+        if (!ok && (why.text[0] == 0 || strchr(why.text, '\n')))
+            fail_msg("word %zu: '%s'", at / 4, why.text);
+        duet_replay_destroy(replay);
+        if (other)
+            mover_free(other);
+    }
+    assert_true(refused > tries / 4);
+    remove(path);
+    text_free(&file);
+    text_free(&forged);
+    mover_free(m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_that_overflow_are_refused),
+        cmocka_unit_test(what_events_are_told_of_cannot_change),
+        cmocka_unit_test(walls_that_get_other_numbers_are_touched_all_the_same),
+        cmocka_unit_test(events_of_changed_groups_do_not_depend_on_a_file),
+        cmocka_unit_test(a_place_that_had_all_its_bodies_is_used_no_more),
+        cmocka_unit_test(a_list_of_none_changes_nothing),
+        cmocka_unit_test(a_file_can_be_loaded_right_after_a_step_with_forces),
+        cmocka_unit_test(a_body_that_came_by_a_file_is_told_as_moved),
+        cmocka_unit_test(a_body_of_another_kind_that_went_is_forgotten_in_a_file_too),
+        cmocka_unit_test(all_bodies_can_go_and_others_come),
+        cmocka_unit_test(bodies_in_the_same_place_part),
+        cmocka_unit_test(what_moves_without_mass_wakes_in_every_kind_of_world),
+        cmocka_unit_test(recorded_commands_give_the_same_hash_with_any_plan),
+        cmocka_unit_test(forged_recordings_are_refused_or_done),
+    };
+    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
+}
