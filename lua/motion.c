@@ -7,7 +7,8 @@
 
 typedef struct motion_box {
     duet_motion *motion;
-    uint64_t steps; // results of earlier ones no longer hold
+    uint64_t steps;   // results of earlier ones no longer hold
+    uint64_t maps[4]; // so with mapped rows, by part of the state
 } motion_box;
 
 static const lua_class motion_class;
@@ -173,7 +174,14 @@ static int motion_close(lua_State *L)
     duet_motion_destroy(box->motion);
     box->motion = NULL;
     ++box->steps;
+    for (int part = 0; part < 4; ++part)
+        ++box->maps[part];
     return 0;
+}
+
+uint64_t *motion_maps_lua(lua_State *L)
+{
+    return check_box(L)->maps;
 }
 
 // ---------------------------------------------------------------- steps
@@ -508,12 +516,23 @@ static int motion_explain(lua_State *L)
     return 1;
 }
 
-static const luaL_Reg methods[] = {
-    {"advance", motion_advance},   {"effects", motion_effects}, {"plan", motion_plan},
-    {"read", motion_read},         {"read_of", motion_read_of}, {"moved", motion_moved},
-    {"poses", motion_poses},       {"hash", motion_hash},       {"energy", motion_energy},
-    {"contacts", motion_contacts}, {"save", motion_save},       {"load", motion_load},
-    {"explain", motion_explain},   {"close", motion_close},     {NULL, NULL}};
+static const luaL_Reg methods[] = {{"advance", motion_advance},
+                                   {"effects", motion_effects},
+                                   {"plan", motion_plan},
+                                   {"read", motion_read},
+                                   {"read_of", motion_read_of},
+                                   {"moved", motion_moved},
+                                   {"poses", motion_poses},
+                                   {"hash", motion_hash},
+                                   {"energy", motion_energy},
+                                   {"contacts", motion_contacts},
+                                   {"save", motion_save},
+                                   {"load", motion_load},
+                                   {"explain", motion_explain},
+                                   {"close", motion_close},
+                                   {"map_states", motion_map_states_lua},
+                                   {"unmap_states", motion_unmap_states_lua},
+                                   {NULL, NULL}};
 static const luaL_Reg metas[] = {{"__len", motion_length}, {NULL, NULL}};
 static int motion_about(lua_State *L)
 {

@@ -495,7 +495,7 @@ static bool ask_ahead(part *p, cl_event *told, duet_error *err)
 static bool hear(part *p, const part_task *task, duet_error *err)
 {
     cl_event told = NULL;
-    if (p->device->info.host_memory || task->resident)
+    if (p->device->info.host_memory || task->keeps_pairs)
         return read_counters(p, err);
     if (!ask_ahead(p, &told, err))
         return false;
@@ -612,7 +612,7 @@ static bool fetch_open(part *p, const duet_pair **open, duet_pair *scratch, duet
 }
 
 // Decides on the host what float left open. Returns how many of them collide,
-// which are written to colliding.
+// which are written to colliding, which may be where the open ones are.
 static uint64_t decide(part *p, const part_task *task, const duet_pair *open, duet_pair *colliding)
 {
     uint64_t begun = clock_steady_ns();
@@ -650,19 +650,31 @@ static bool fetch_and_decide(part *p, const part_task *task, duet_pair *collidin
     return ok;
 }
 
-// Pairs of resident objects stay where they are, and the span only counts them.
+// The pairs stay where they are, those that are decided follow them, and the span only
+// counts them.
+static bool keep_and_decide(part *p, const part_task *task, duet_pair *colliding, duet_error *err)
+{
+    uint64_t n_colliding = 0;
+    bool ok = timeline_read(&p->times, "fetch pairs", &p->undecided, colliding,
+                            p->n_undecided * sizeof *colliding, err);
+    if (ok)
+        n_colliding = decide(p, task, colliding, colliding);
+    p->span.n = p->found.pairs + n_colliding;
+    return ok &&
+           timeline_write_at(&p->times, "send pairs", &p->pairs, p->found.pairs * sizeof *colliding,
+                             colliding, (size_t)n_colliding * sizeof *colliding, err) &&
+           timeline_finish(&p->times, err);
+}
+
 static bool fetch(part *p, const part_task *task, duet_error *err)
 {
-    if (task->resident) {
-        p->span.n = p->found.pairs;
-        return timeline_finish(&p->times, err);
-    }
     p->n_undecided = p->found.undecided;
     size_t bytes = (size_t)p->n_undecided * sizeof(duet_pair);
     duet_pair *colliding = malloc(bytes + 1);
     if (!colliding)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu bytes", bytes);
-    bool ok = fetch_and_decide(p, task, colliding, err);
+    bool ok = task->keeps_pairs ? keep_and_decide(p, task, colliding, err)
+                                : fetch_and_decide(p, task, colliding, err);
     free(colliding);
     return ok;
 }

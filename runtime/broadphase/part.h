@@ -19,7 +19,8 @@ typedef struct part_task {
     bool rotated;
     duet_level level;         // of accuracy, for poses
     grid_objects objects;     // that the part is sent; the array has all of them
-    const buffer *resident;   // the objects where the part's device made them, or NULL
+    const buffer *resident;   // the objects where the part's device has them already, or NULL
+    bool keeps_pairs;         // they stay on the device
     uint64_t objects_version; // changes with the objects' content
     uint64_t sizes_version;   // changes with the sizes
     grid grid;
