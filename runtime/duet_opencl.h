@@ -71,8 +71,8 @@ typedef struct duet_pair_buffers {
 // the world's next step. They do not come to the host: a result's spans count them without
 // having any, and its hash is 0.
 //
-// Where `pairs` is too small the step fails with TOO_MANY and a line that says how many it must
-// hold; the buffers are then as before, and the result is filled in.
+// Where `pairs` is too small the step fails with TOO_MANY and a line that says how many bytes it
+// must have, and the result is filled in. After any failure `pairs` is as before, and `count` is 0.
 DUET_API bool duet_world_leave_pairs(duet_world *world, int device, cl_mem pairs, cl_mem count,
                                      duet_error *err);
 
@@ -83,10 +83,10 @@ DUET_API bool duet_world_bring_pairs(duet_world *world, duet_error *err);
 DUET_API bool duet_world_get_pair_buffers(duet_world *world, duet_pair_buffers *buffers,
                                           duet_error *err);
 
-// duet_world_step_begin with an event, which the caller releases: it is over once the pairs are in
-// their buffers, and failed, with a status below 0, where the step did. Commands that wait for it
-// can be enqueued at once, in the context of the buffers. duet_world_step_end is called all the
-// same.
+// duet_world_step_begin with an event, which the caller releases: it is over once the pairs and
+// their number are in their buffers, and a step that fails leaves the number 0. Commands that wait
+// for it can be enqueued at once, in the context of the buffers. duet_world_step_end is called all
+// the same. Only where a device is lost does the event fail, with a status below 0.
 DUET_API bool duet_world_step_begin_event(duet_world *world, cl_event *done, duet_error *err);
 
 // ---------------------------------------------------------------- states

@@ -80,17 +80,22 @@ bool pair_buffers_fill(pair_buffers *b, part *const parts[2], const bool kept[2]
 {
     uint64_t begun = clock_steady_ns();
     uint64_t n = parts[0]->span.n + parts[1]->span.n;
-    b->last = (duet_pair_buffers){0};
     if (!check_space(b, n, err))
         return false;
-    b->last.n = n;
+    b->last = (duet_pair_buffers){.n = n};
     part *sole = sole_finder(b, parts);
     bool ok = (sole ? show(b, sole, err) : gather(b, parts, kept, err)) && write_count(b, err);
-    if (!ok)
-        b->last = (duet_pair_buffers){0};
     timeline_add_host(&parts[b->device == parts[1]->device]->times, "leave pairs",
                       clock_ms_since(begun));
     return ok;
+}
+
+bool pair_buffers_clear(pair_buffers *b)
+{
+    b->last = (duet_pair_buffers){0};
+    bool cleared = write_count(b, NULL);
+    b->last = (duet_pair_buffers){0};
+    return cleared;
 }
 
 void pair_buffers_drop(pair_buffers *b)

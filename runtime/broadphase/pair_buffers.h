@@ -21,6 +21,10 @@ bool pair_buffers_can_copy(const pair_buffers *b, const device *from);
 // caller's buffer has no space for them.
 bool pair_buffers_fill(pair_buffers *b, part *const parts[2], const bool kept[2], duet_error *err);
 
+// After a step that failed: no pairs, so that kernels which read the number do nothing. False where
+// that cannot be written either.
+bool pair_buffers_clear(pair_buffers *b);
+
 void pair_buffers_drop(pair_buffers *b);
 
 #endif

@@ -375,7 +375,7 @@ static bool leave_pairs(duet_world *world, duet_result *result, duet_error *err)
     return ok;
 }
 
-bool world_run_step(duet_world *world, duet_result *result, duet_error *err)
+static bool run_step(duet_world *world, duet_result *result, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
     choose_keepers(world);
@@ -390,10 +390,18 @@ bool world_run_step(duet_world *world, duet_result *result, duet_error *err)
     return ok;
 }
 
+bool world_run_step(duet_world *world, duet_result *result, bool *told, duet_error *err)
+{
+    bool ok = run_step(world, result, err);
+    *told = ok || (world->left.device && pair_buffers_clear(&world->left));
+    return ok;
+}
+
 bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
 {
+    bool told;
     return world_is_idle(world, __func__, err) && error_given(result, __func__, "result", err) &&
-           world_run_step(world, result, err);
+           world_run_step(world, result, &told, err);
 }
 
 bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, duet_result *result,

@@ -50,8 +50,9 @@ struct duet_world {
 bool world_is_under_way(const duet_world *world);
 bool world_is_idle(const duet_world *world, const char *call, duet_error *err);
 
-// A step; the arguments are right, and no other is under way.
-bool world_run_step(duet_world *world, duet_result *result, duet_error *err);
+// A step; the arguments are right, and no other is under way. *told: where pairs are left on a
+// device their number is there, 0 after a failure.
+bool world_run_step(duet_world *world, duet_result *result, bool *told, duet_error *err);
 
 // Waits for a step that has begun, and forgets it.
 void world_end_half(duet_world *world);
