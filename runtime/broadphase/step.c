@@ -183,7 +183,9 @@ static bool prepare(duet_world *world, const job jobs[2], const bool use[2], due
     for (int side = 0; side < 2; ++side) {
         const part_task *task = &jobs[side].task;
         part *p = &world->parts[side];
-        if (!use[side] || (world->prepared[side] && p->kernels.packed == task->packed))
+        bool as_before =
+            p->kernels.packed == task->packed && (p->kernels.gather || !part_gathers(p, task));
+        if (!use[side] || (world->prepared[side] && as_before))
             continue;
         world->prepared[side] = part_prepare(p, &world->variants[side], task, err);
         if (!world->prepared[side])
@@ -214,12 +216,15 @@ static bool divide(duet_world *world, const part_task *task, part_range ranges[2
 }
 
 // Whether the host must see objects that a device has: to send them to the other one, or to
-// decide what float leaves open.
+// decide in the device's memory what float leaves open.
 static bool needs_sight(const duet_world *world, const bool use[2])
 {
-    const resident *r = &world->resident;
-    bool decides = world->def.shape == DUET_SHAPE_POSES;
-    return decides || (use[0] && !r->on[0]) || (use[1] && !r->on[1]);
+    bool needs = false;
+    for (int side = 0; side < 2; ++side)
+        needs |= use[side] &&
+                 (!world->resident.on[side] || (world->def.shape == DUET_SHAPE_POSES &&
+                                                world->parts[side].device->info.host_memory));
+    return needs;
 }
 
 // *placed is false where a slab had more objects than it had space for.

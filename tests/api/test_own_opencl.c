@@ -60,6 +60,11 @@ static int open_program(void **state)
         poses[i].rotation[2] = (float)rng_normal(&r);
         poses[i].rotation[3] = (float)rng_normal(&r);
     }
+    // These just touch, which float cannot decide.
+    for (int i = N - 20; i < N; ++i)
+        poses[i] = (duet_pose){.centre = {(float)(i % 2), (float)(i / 2 % 5) * 2.5f, 20.0f},
+                               .half_extents = {0.5f, 0.5f, 0.5f},
+                               .rotation = {0, 0, 0, 1}};
     return 0;
 }
 
@@ -305,7 +310,7 @@ static void steps_are_those_of_the_host(duet_device_pair *pair, duet_world_def d
     }
     set_plan(host, DUET_MODE_OWN, 0);
     duet_result right = step(host);
-    assert_true(right.pairs > 10);
+    assert_true(right.pairs > 10 && (def.shape == DUET_SHAPE_BOUNDS || right.undecided > 0));
     for (size_t p = 0; p < sizeof plans / sizeof *plans; ++p) {
         set_by_buffer(world, g);
         set_plan(world, plans[p].mode, plans[p].share);
