@@ -141,6 +141,14 @@ static duet_world *make_world(duet_device_pair *pair, duet_world_def def)
     return world;
 }
 
+static uint64_t hash_of(duet_world *world)
+{
+    duet_error err = {0};
+    duet_result result;
+    assert_ok(duet_world_step(world, &result, &err), err);
+    return duet_result_get_hash(&result);
+}
+
 static void set_plan(duet_world *world, duet_mode mode, uint32_t share)
 {
     duet_error err = {0};
@@ -230,14 +238,17 @@ static void profiles_are_those_of_the_device(void **state)
     assert_ok(named, err);
     duet_device_pair *pairs[] = {pair, named};
     profile_subject subjects[2];
+    uint64_t hashes[2];
     for (int i = 0; i < 2; ++i) {
         duet_profile profile;
         duet_world *world = make_world(pairs[i], duet_default_world_def());
         assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
         assert_ok(profile_subject_read(world, &subjects[i], &err), err);
         assert_ok(duet_world_load_profile(world, NULL, &profile, &err), err);
+        hashes[i] = hash_of(world); // the program has released its queue and context
         duet_world_destroy(world);
     }
+    assert_true(hashes[0] == hashes[1]);
     assert_string_equal(subjects[0].pair.a.device.name, subjects[1].pair.a.device.name);
     assert_int_equal(subjects[0].pair.a.device.units, subjects[1].pair.a.device.units);
     assert_null(subjects[0].pair.b.part);
@@ -282,12 +293,6 @@ static void set_by_buffer(duet_world *world, given g)
     cl_mem mem = make_buffer(g.rows, N * g.bytes, CL_MEM_READ_ONLY);
     assert_ok(duet_world_set_objects_buffer(world, g.kind, mem, N, 0, NULL, &err), err);
     clReleaseMemObject(mem); // which the world holds
-}
-
-static uint64_t hash_of(duet_world *world)
-{
-    duet_result result = step(world);
-    return duet_result_get_hash(&result);
 }
 
 static void steps_are_those_of_the_host(duet_device_pair *pair, duet_world_def def, given g)
