@@ -13,9 +13,8 @@ int main(void)
     };
     duet_error err = {0};
     duet_result result = {0};
-    duet_device_pair_def devices = duet_default_device_pair_def();
     duet_world_def def = duet_default_world_def();
-    duet_device_pair *pair = duet_device_pair_create(&devices, &err);
+    duet_device_pair *pair = duet_device_pair_open(NULL, &err);
     def.pair = pair;
     duet_world *world = pair ? duet_world_create(&def, &err) : NULL;
     bool ok = world && duet_world_set_objects(world, DUET_OBJECT_POSES, boxes, 3, &err);

@@ -41,6 +41,8 @@ api.classes = {
   { "duet.Ids", "Rows of one whole number: bodies' ids, or what a script keeps for them." },
   { "duet.Forces", "What pushes in the next step: rows of force xyz, torque xyz." },
   { "duet.Impulses", "What pushes at once: rows of impulse xyz, anchor xyz, from the centre." },
+  { "duet.StateRows", "A part of a motion's state in place: rows of four numbers." },
+  { "duet.DoubleStateRows", "The same of a motion with doubles." },
   { "duet.RayQueryResult", "A table: what casting rays took." },
   { "duet.ContactQuery", "The narrow phase of contacts, for pairs that a world found or a script brings." },
   { "duet.ContactQueryResult", "A table: what finding contacts took." },
@@ -96,6 +98,11 @@ api.others = {
     "duet_cluster_save_pairs", "duet_cluster_set_level", "duet_cluster_set_objects",
     "duet_cluster_set_plan", "duet_cluster_step", "duet_default_cluster_def",
   },
+  ["an OpenCL program in C: scripts have no OpenCL of their own"] = {
+    "duet_device_pair_create_on_queues", "duet_world_set_objects_buffer", "duet_world_leave_pairs",
+    "duet_world_bring_pairs", "duet_world_get_pair_buffers", "duet_world_step_begin_event",
+    "duet_motion_copy_states",
+  },
   ["set_poses of a world with compact_transforms"] = { "duet_compact_transform_set" },
   ["tostring of a device pair"] = { "duet_device_pair_is_one" },
   ["require"] = {
@@ -110,7 +117,7 @@ api.names = {
           "duet_device_list_get_info", "duet_device_info_get_quirk" } },
   { "duet.device_pair", { "def?: string|{ a?: string, b?: string, kernel_dir?: string, cache_dir?: string }" },
     "duet.DevicePair", "Opens two devices, as \"cpu,gpu\", \"halves\" or by their selectors; the default pair without.",
-    fails = true, c = "duet_device_pair_create" },
+    fails = true, c = { "duet_device_pair_create", "duet_device_pair_open" } },
   { "duet.profiles", { "path?: string", "replaced_too?: boolean" }, "duet.StoredProfile[]",
     "The profiles of a store, the user's without a path; those that are not used come last.",
     fails = true, c = { "duet_profile_list_create", "duet_profile_list_destroy",
@@ -265,6 +272,10 @@ api.names = {
   { "duet.Level.missed", "number", "how deep, as part of the sizes, a collision may be that is missed" },
   { "duet.Level.added", "number", "how far apart what is added may be" },
   { "duet.World:step", {}, "duet.Result", "Finds all pairs.", fails = true, c = "duet_world_step" },
+  { "duet.World:step_begin", {}, "true", "Begins a step that a thread of Duet's carries while the script goes on.",
+    fails = true, c = "duet_world_step_begin" },
+  { "duet.World:step_end", {}, "duet.Result", "Waits for the step that began; nothing else can be done to the world before.",
+    fails = true, c = "duet_world_step_end" },
   { "duet.World:online", { "def?: { most_extra?: number, keep?: boolean, store?: string }" }, "duet.Online",
     "Begins to watch the frames' times.", fails = true, c = "duet_online_create" },
   { "duet.Online:step", {}, "duet.Result", "In the place of world:step.", fails = true, c = "duet_online_step" },
@@ -455,6 +466,12 @@ api.names = {
   { "duet.ReplayInfo.steps_done", "integer", "so far" },
   { "duet.Motion:explain", {}, "duet.Effect[]",
     "Every effect, and what calls for it, or would; last, how positions are kept.", c = "duet_motion_explain" },
+  { "duet.Motion:map_states", { "part: string", "access: string", "first?: integer", "n?: integer" },
+    "duet.StateRows|duet.DoubleStateRows",
+    "The motion's own rows of centres, rotations, velocities or angular_velocities, to read or to write; until they are unmapped the motion does nothing else.",
+    fails = true, c = { "duet_motion_map_states", "duet_state_part_name" } },
+  { "duet.Motion:unmap_states", { "part: string" }, "true", "What was written is what the next step begins with.",
+    fails = true, c = "duet_motion_unmap_states" },
   { "duet.Motion:add_bodies", { "poses: duet.Poses|string|any[]", "bodies?: duet.Bodies|string|any[]" }, "duet.Ids",
     "Bodies that come; their ids. Where a parameter is called ids it is a duet.Ids, a list, one id, or " ..
     "{ first = place, n = count }.", fails = true, c = "duet_motion_add_bodies" },
@@ -637,6 +654,8 @@ for class, columns in pairs {
   Ids = "Q",
   Forces = ("f"):rep(6),
   Impulses = ("f"):rep(6),
+  StateRows = ("f"):rep(4),
+  DoubleStateRows = ("f"):rep(4),
 } do
   local types = {}
   for letter in columns:gmatch "." do types[#types + 1] = letters[letter] end

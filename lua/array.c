@@ -40,6 +40,8 @@ static const struct {
     [ARRAY_IDS] = {"Q", sizeof(uint64_t)},
     [ARRAY_FORCES] = {"ffffff", sizeof(duet_force)},
     [ARRAY_IMPULSES] = {"ffffff", sizeof(duet_impulse)},
+    [ARRAY_STATE_ROWS] = {"ffff", 4 * sizeof(float)},
+    [ARRAY_DOUBLE_STATE_ROWS] = {"dddd", 4 * sizeof(double)},
 };
 
 _Static_assert(offsetof(duet_pose, rotation[3]) == 9 * 4, "a pose is ten floats");
@@ -378,7 +380,7 @@ static int array_set(lua_State *L)
     const array *a = check_self(L);
     uint64_t i = check_place(L, 2, a);
     int width = width_of(a);
-    luaL_argcheck(L, !a->fixed, 1, "the objects of a scene cannot be changed");
+    luaL_argcheck(L, !a->fixed, 1, "these rows cannot be changed");
     if (lua_gettop(L) != width + 2)
         return luaL_error(L, "%s: row %I: %d numbers, and a row has %d", classes[a->kind].name,
                           (LUAI_UACINT)i, lua_gettop(L) - 2, width);
@@ -531,6 +533,10 @@ static const lua_class classes[] = {
     [ARRAY_SWEEP_HITS] = {.name = "duet.sweep_hits", .methods = methods, .metas = metas},
     [ARRAY_FORCES] = {.name = "duet.forces", .methods = methods, .metas = metas},
     [ARRAY_IMPULSES] = {.name = "duet.impulses", .methods = methods, .metas = metas},
+    [ARRAY_STATE_ROWS] = {.name = "duet.state_rows", .methods = methods, .metas = metas},
+    [ARRAY_DOUBLE_STATE_ROWS] = {.name = "duet.double_state_rows",
+                                 .methods = methods,
+                                 .metas = metas},
 };
 
 void array_open(lua_State *L)

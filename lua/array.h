@@ -34,6 +34,8 @@ typedef enum array_kind {
     ARRAY_SWEEP_HITS,
     ARRAY_FORCES,
     ARRAY_IMPULSES,
+    ARRAY_STATE_ROWS,
+    ARRAY_DOUBLE_STATE_ROWS,
     ARRAY_KINDS
 } array_kind;
 

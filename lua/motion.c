@@ -8,7 +8,8 @@
 // The uservalue is its device pair or, where it has a script, { pair, script }.
 typedef struct motion_box {
     duet_motion *motion;
-    uint64_t steps; // results of earlier ones no longer hold
+    uint64_t steps;   // results of earlier ones no longer hold
+    uint64_t maps[4]; // so with mapped rows, by part of the state
     bool in_script;
 } motion_box;
 
@@ -205,7 +206,14 @@ static int motion_close(lua_State *L)
     duet_motion_destroy(box->motion);
     box->motion = NULL;
     ++box->steps;
+    for (int part = 0; part < 4; ++part)
+        ++box->maps[part];
     return 0;
+}
+
+uint64_t *motion_maps_lua(lua_State *L)
+{
+    return check_box(L)->maps;
 }
 
 // ---------------------------------------------------------------- steps
@@ -591,16 +599,26 @@ static int motion_explain(lua_State *L)
     return 1;
 }
 
-static const luaL_Reg methods[] = {
-    {"advance", motion_advance}, {"effects", motion_effects},
-    {"plan", motion_plan},       {"read", motion_read},
-    {"read_of", motion_read_of}, {"moved", motion_moved},
-    {"poses", motion_poses},     {"hash", motion_hash},
-    {"energy", motion_energy},   {"contacts", motion_contacts},
-    {"save", motion_save},       {"load", motion_load},
-    {"explain", motion_explain}, {"close", motion_close},
-    {"record", motion_record},   {"save_recording", motion_save_recording},
-    {"step", motion_step},       {NULL, NULL}};
+static const luaL_Reg methods[] = {{"advance", motion_advance},
+                                   {"effects", motion_effects},
+                                   {"plan", motion_plan},
+                                   {"read", motion_read},
+                                   {"read_of", motion_read_of},
+                                   {"moved", motion_moved},
+                                   {"poses", motion_poses},
+                                   {"hash", motion_hash},
+                                   {"energy", motion_energy},
+                                   {"contacts", motion_contacts},
+                                   {"save", motion_save},
+                                   {"load", motion_load},
+                                   {"explain", motion_explain},
+                                   {"close", motion_close},
+                                   {"record", motion_record},
+                                   {"save_recording", motion_save_recording},
+                                   {"step", motion_step},
+                                   {"map_states", motion_map_states_lua},
+                                   {"unmap_states", motion_unmap_states_lua},
+                                   {NULL, NULL}};
 static const luaL_Reg metas[] = {{"__len", motion_length}, {NULL, NULL}};
 static int motion_about(lua_State *L)
 {

@@ -63,6 +63,11 @@ int sweep_query_create_lua(lua_State *L);
 
 duet_motion *motion_check_lua(lua_State *L);         // the one at 1
 extern const luaL_Reg motion_command_methods[]; // lua/motion_commands.c
+uint64_t *motion_maps_lua(lua_State *L); // of the one at 1, by part: views of others no longer hold
+
+// The methods motion:map_states and :unmap_states.
+int motion_map_states_lua(lua_State *L);
+int motion_unmap_states_lua(lua_State *L);
 
 typedef struct world_box {
     duet_world *world;

@@ -179,7 +179,11 @@ static int world_map_sizes(lua_State *L)
 
 static int world_plan(lua_State *L)
 {
-    member_plan.push(L, NULL, duet_world_get_plan(world_check(L, 1)->world));
+    const duet_plan *plan = duet_world_get_plan(world_check(L, 1)->world);
+    if (plan)
+        member_plan.push(L, NULL, plan);
+    else
+        lua_pushnil(L); // a step is under way
     return 1;
 }
 
@@ -189,7 +193,8 @@ static int world_set_plan(lua_State *L)
     duet_error err = {0};
     static const member argument = {.name = "plan"};
     world_box *box = world_check(L, 1);
-    duet_plan plan = *duet_world_get_plan(box->world);
+    const duet_plan *now = duet_world_get_plan(box->world);
+    duet_plan plan = now ? *now : duet_default_plan(NULL);
     lua_settop(L, 2);
     member_plan.read(L, &argument, &plan);
     return class_push_done(L, duet_world_set_plan(box->world, &plan, &err), &err);
@@ -221,6 +226,28 @@ static int world_step(lua_State *L)
     return 1;
 }
 
+static int world_step_begin(lua_State *L)
+{
+    duet_error err = {0};
+    world_box *box = world_check(L, 1);
+    bool ok = duet_world_step_begin(box->world, &err);
+    if (ok) {
+        ++box->steps;
+        world_forget_views(box);
+    }
+    return class_push_done(L, ok, &err);
+}
+
+static int world_step_end(lua_State *L)
+{
+    duet_error err = {0};
+    duet_result result = {0};
+    if (!duet_world_step_end(world_check(L, 1)->world, &result, &err))
+        return class_push_failure(L, &err);
+    result_push(L, 1, &result);
+    return 1;
+}
+
 static const luaL_Reg methods[] = {{"close", world_close},
                                    {"set_poses", world_set_poses},
                                    {"set_bounds", world_set_bounds},
@@ -238,12 +265,18 @@ static const luaL_Reg methods[] = {{"close", world_close},
                                    {"set_level", world_set_level},
                                    {"level", world_level},
                                    {"step", world_step},
+                                   {"step_begin", world_step_begin},
+                                   {"step_end", world_step_end},
                                    {NULL, NULL}};
 // What its next step does.
 static int world_about(lua_State *L)
 {
     const duet_world *world = world_check(L, 1)->world;
     const duet_plan *plan = duet_world_get_plan(world);
+    if (!plan) {
+        lua_pushliteral(L, "a step is under way");
+        return 1;
+    }
     lua_pushfstring(L, "share = %f, mode = %s, variant_a = %s, variant_b = %s, level = %s",
                     (double)plan->share / DUET_SHARE_ONE, duet_mode_name(plan->mode),
                     plan->variant_a, plan->variant_b, level_name(duet_world_get_level(world)));

@@ -29,6 +29,7 @@
 #include "duet_level.h"
 #include "duet_motion.h"
 #include "duet_motion_commands.h"
+#include "duet_motion_map.h"
 #include "duet_object.h"
 #include "duet_pair_delta.h"
 #include "duet_pair_query.h"

@@ -86,6 +86,9 @@ DUET_API duet_device_pair_def duet_default_device_pair_def(void);
 // the devices are let go with the last of them.
 DUET_API duet_device_pair *duet_device_pair_create(const duet_device_pair_def *def,
                                                    duet_error *err);
+// The same by the default def, with selectors as its a: one device with "gpu", two with
+// "cpu,gpu". NULL: the default pair.
+DUET_API duet_device_pair *duet_device_pair_open(const char *selectors, duet_error *err);
 DUET_API void duet_device_pair_destroy(duet_device_pair *pair);
 // Whether A and B are the same device, so that B does all of the work by default; false
 // for NULL.

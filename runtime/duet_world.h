@@ -159,6 +159,14 @@ typedef struct duet_result {
 // stepped again.
 DUET_API bool duet_world_step(duet_world *world, duet_result *result, duet_error *err);
 
+// A step in two halves: begin returns at once and a thread of Duet's own carries the step, while
+// the caller does other things; end waits for it, and is the step's result or failure. What was
+// mapped is not to be written meanwhile. Between the two the only other calls to the world are
+// duet_world_destroy, which waits, and duet_world_get_level; duet_world_get_plan is NULL and the
+// others are BAD_ARGUMENT.
+DUET_API bool duet_world_step_begin(duet_world *world, duet_error *err);
+DUET_API bool duet_world_step_end(duet_world *world, duet_result *result, duet_error *err);
+
 // Pair i of both spans, i < result->pairs; 0 and 0, which is no pair, past the end.
 DUET_API duet_pair duet_result_get_pair(const duet_result *result, uint64_t i);
 

@@ -93,7 +93,7 @@ set(CPACK_DEBIAN_CLUSTER_PACKAGE_DEPENDS
   "duet (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), openmpi-bin")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "libduet1 (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
-# What the static library needs.
+# What the static library needs, and duet_opencl.h of the first.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS
   "ocl-icd-opencl-dev, liblua5.4-dev, libsqlite3-dev, libcjson-dev, libmd-dev, libgmp-dev")
 set(CPACK_DEBIAN_LUA_PACKAGE_RECOMMENDS "lua5.4, ${opencl_driver}")

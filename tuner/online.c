@@ -180,6 +180,8 @@ duet_online *duet_online_create(const duet_online_def *def, duet_error *err)
                   "the def has no world or does not come from duet_default_online_def");
         return NULL;
     }
+    if (!world_is_idle(def->world, __func__, err))
+        return NULL;
     if (!(def->most_extra >= 0) || !isfinite(def->most_extra)) {
         error_set(err, DUET_STATUS_BAD_ARGUMENT, "most_extra is %g; expected a part, as 0.1",
                   def->most_extra);
@@ -198,7 +200,8 @@ duet_online *duet_online_create(const duet_online_def *def, duet_error *err)
 
 bool duet_online_step(duet_online *o, duet_result *result, duet_error *err)
 {
-    if (!error_given(o, __func__, "online", err) || !error_given(result, __func__, "result", err))
+    if (!error_given(o, __func__, "online", err) || !error_given(result, __func__, "result", err) ||
+        !world_is_idle(o->def.world, __func__, err))
         return false;
     duet_plan plan = *duet_world_get_plan(o->def.world);
     if (!online_share(&o->online, &plan.share, err) ||
@@ -218,6 +221,8 @@ static bool keep(const duet_online *o, duet_error *err)
 {
     profile_subject known;
     record r;
+    if (!world_is_idle(o->def.world, "duet_online_destroy", err))
+        return false;
     duet_plan plan = *duet_world_get_plan(o->def.world);
     plan.share = o->online.share;
     if (!profile_subject_read(o->def.world, &known, err))

@@ -495,7 +495,7 @@ static bool ask_ahead(part *p, cl_event *told, duet_error *err)
 static bool hear(part *p, const part_task *task, duet_error *err)
 {
     cl_event told = NULL;
-    if (p->device->info.host_memory || task->resident)
+    if (p->device->info.host_memory || task->keeps_pairs)
         return read_counters(p, err);
     if (!ask_ahead(p, &told, err))
         return false;
@@ -611,19 +611,62 @@ static bool fetch_open(part *p, const duet_pair **open, duet_pair *scratch, duet
                          p->n_undecided * sizeof **open, err);
 }
 
+// What the host decides with: all objects, or where it does not see them those of the open
+// pairs, two for each.
+typedef struct open_objects {
+    grid_objects objects;
+    void *rows; // gathered; NULL: all are seen
+    duet_size *sizes;
+} open_objects;
+
+static void free_open_objects(open_objects *o)
+{
+    free(o->rows);
+    free(o->sizes);
+}
+
+static bool gather(part *p, const part_task *task, const duet_pair *open, open_objects *o,
+                   duet_error *err)
+{
+    size_t row = grid_object_bytes(&task->objects), n = 2 * (size_t)p->n_undecided;
+    o->rows = malloc(n * row);
+    o->sizes = malloc(n * sizeof *o->sizes);
+    if (!o->rows || !o->sizes)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu objects", n);
+    for (size_t i = 0; task->objects.sizes && i < n; ++i)
+        o->sizes[i] = task->objects.sizes[i % 2 ? open[i / 2].b : open[i / 2].a];
+    o->objects.array = o->rows;
+    o->objects.sizes = task->objects.sizes ? o->sizes : NULL;
+    if (!buffer_reserve(&p->gathered, p->device, n * row, err))
+        return false;
+    p->args.row_words = (cl_uint)(row / sizeof(cl_uint));
+    p->args.n_ids = (cl_uint)n;
+    return timeline_launch(&p->times, "fetch objects", p->kernels.gather, n, p, err) &&
+           timeline_read(&p->times, "fetch objects", &p->gathered, o->rows, n * row, err);
+}
+
+static bool see_open_objects(part *p, const part_task *task, const duet_pair *open, open_objects *o,
+                             duet_error *err)
+{
+    *o = (open_objects){.objects = task->objects};
+    return task->objects.array || p->n_undecided == 0 || gather(p, task, open, o, err);
+}
+
 // Decides on the host what float left open. Returns how many of them collide,
-// which are written to colliding.
-static uint64_t decide(part *p, const part_task *task, const duet_pair *open, duet_pair *colliding)
+// which are written to colliding, which may be where the open ones are.
+static uint64_t decide(part *p, const open_objects *o, const duet_pair *open, duet_pair *colliding)
 {
     uint64_t begun = clock_steady_ns();
     uint64_t n = 0;
     for (uint64_t i = 0; i < p->n_undecided; ++i) {
         double shift[3];
         duet_pose scratch[2];
-        const duet_pose *a = grid_pose_of(&task->objects, open[i].a, &scratch[0]);
-        const duet_pose *b = grid_pose_of(&task->objects, open[i].b, &scratch[1]);
-        origin_shift(shift, task->objects.array, task->objects.origin, open[i].a, open[i].b);
-        if (narrow_decide_apart(a, b, shift, task->objects.dims))
+        uint32_t first = o->rows ? 2 * (uint32_t)i : open[i].a;
+        uint32_t second = o->rows ? first + 1 : open[i].b;
+        const duet_pose *a = grid_pose_of(&o->objects, first, &scratch[0]);
+        const duet_pose *b = grid_pose_of(&o->objects, second, &scratch[1]);
+        origin_shift(shift, o->objects.array, o->objects.origin, first, second);
+        if (narrow_decide_apart(a, b, shift, o->objects.dims))
             colliding[n++] = open[i];
     }
     if (p->n_undecided > 0)
@@ -639,10 +682,12 @@ static bool fetch_and_decide(part *p, const part_task *task, duet_pair *collidin
     const duet_pair *open = NULL;
     uint64_t n = p->found.pairs;
     uint64_t n_colliding = 0;
+    open_objects seen = {0};
     bool ok = reserve_span(p, &pairs, err) && fetch_rest(p, pairs, n, err) &&
-              fetch_open(p, &open, colliding, err);
+              fetch_open(p, &open, colliding, err) && see_open_objects(p, task, open, &seen, err);
     if (ok)
-        n_colliding = decide(p, task, open, colliding);
+        n_colliding = decide(p, &seen, open, colliding);
+    free_open_objects(&seen);
     ok = ok && timeline_finish(&p->times, err);
     if (ok && n_colliding > 0)
         memcpy(pairs + n, colliding, (size_t)n_colliding * sizeof *pairs);
@@ -650,19 +695,34 @@ static bool fetch_and_decide(part *p, const part_task *task, duet_pair *collidin
     return ok;
 }
 
-// Pairs of resident objects stay where they are, and the span only counts them.
+// The pairs stay where they are, those that are decided follow them, and the span only
+// counts them.
+static bool keep_and_decide(part *p, const part_task *task, duet_pair *colliding, duet_error *err)
+{
+    uint64_t n_colliding = 0;
+    open_objects seen = {0};
+    bool ok = timeline_read(&p->times, "fetch pairs", &p->undecided, colliding,
+                            p->n_undecided * sizeof *colliding, err) &&
+              see_open_objects(p, task, colliding, &seen, err);
+    if (ok)
+        n_colliding = decide(p, &seen, colliding, colliding);
+    free_open_objects(&seen);
+    p->span.n = p->found.pairs + n_colliding;
+    return ok &&
+           timeline_write_at(&p->times, "send pairs", &p->pairs, p->found.pairs * sizeof *colliding,
+                             colliding, (size_t)n_colliding * sizeof *colliding, err) &&
+           timeline_finish(&p->times, err);
+}
+
 static bool fetch(part *p, const part_task *task, duet_error *err)
 {
-    if (task->resident) {
-        p->span.n = p->found.pairs;
-        return timeline_finish(&p->times, err);
-    }
     p->n_undecided = p->found.undecided;
     size_t bytes = (size_t)p->n_undecided * sizeof(duet_pair);
     duet_pair *colliding = malloc(bytes + 1);
     if (!colliding)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu bytes", bytes);
-    bool ok = fetch_and_decide(p, task, colliding, err);
+    bool ok = task->keeps_pairs ? keep_and_decide(p, task, colliding, err)
+                                : fetch_and_decide(p, task, colliding, err);
     free(colliding);
     return ok;
 }

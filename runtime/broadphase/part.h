@@ -19,7 +19,8 @@ typedef struct part_task {
     bool rotated;
     duet_level level;         // of accuracy, for poses
     grid_objects objects;     // that the part is sent; the array has all of them
-    const buffer *resident;   // the objects where the part's device made them, or NULL
+    const buffer *resident;   // the objects where the part's device has them already, or NULL
+    bool keeps_pairs;         // they stay on the device
     uint64_t objects_version; // changes with the objects' content
     uint64_t sizes_version;   // changes with the sizes
     grid grid;
@@ -55,6 +56,7 @@ typedef struct part_kernels {
     kernel *place; // bounds by id (paper), or everything into cell order (rows, lanes)
     kernel *candidates;
     kernel *narrow; // NULL where the candidates' kernel finds pairs
+    kernel *gather; // NULL where the host sees objects that are to be decided
     bool fused;     // candidates are tested where they are found
     bool listed;    // what overlaps is a pair, without a test
     bool from_ids;  // objects reach cell order by their sorted ids
@@ -79,6 +81,7 @@ typedef struct part_args {
     cl_uint n_counters, n_starts;
     cl_uint first, last;
     cl_uint found_capacity, candidate_capacity, pair_capacity, undecided_capacity;
+    cl_uint row_words, n_ids; // gathered
     cl_int4 cells;
     buffer objects;
     buffer found; // pairs, or candidates where they are tested later
@@ -132,6 +135,7 @@ typedef struct part {
     buffer boxes;                 // [n][3], in cell order; lanes: rows of numbers
     cl_uint place_capacity;       // objects that have a place in both
     buffer candidates, pairs, undecided;
+    buffer gathered; // objects of the undecided pairs
     buffer counters;
 
     part_found found;     // by what was read last of the counters
@@ -154,6 +158,9 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
 
 // The kernel of that name that the part has prepared; NULL where it runs another.
 const kernel *part_kernel(const part *p, const char *name);
+
+// Whether the device alone has objects that the host may have to decide.
+bool part_gathers(const part *p, const part_task *task);
 
 // After a step that failed: waits for what is under way. What was sent may not have
 // arrived, so the next step sends all of it again.

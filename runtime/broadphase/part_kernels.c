@@ -19,7 +19,8 @@ static const size_t buffers[] = {
     offsetof(part, keys),      offsetof(part, ids),       offsetof(part, keys_spare),
     offsetof(part, ids_spare), offsetof(part, starts),    offsetof(part, bounds),
     offsetof(part, boxes),     offsetof(part, counters),  offsetof(part, candidates),
-    offsetof(part, pairs),     offsetof(part, undecided), offsetof(part, levels)};
+    offsetof(part, pairs),     offsetof(part, undecided), offsetof(part, levels),
+    offsetof(part, gathered)};
 
 #define BUFFER(name, type, member) BIND_BUFFER(part, name, type, member)
 #define VALUE(name) BIND_VALUE(part, #name, args.name)
@@ -71,6 +72,18 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         VALUE(undecided_capacity),
                                         VALUE(cells),
                                         {0}};
+
+// In kernels/dynamics/read_rows.cl ids are those of the undecided pairs. Of its two entries the
+// first alone is launched.
+static const binding gather_bindings[] = {BUFFER("rows", "uint *", args.objects),
+                                          BUFFER("ids", "uint *", undecided),
+                                          BUFFER("gathered", "uint *", gathered),
+                                          BUFFER("last_rows", "uint *", gathered),
+                                          BUFFER("changed", "uint *", gathered),
+                                          VALUE(row_words),
+                                          VALUE(n_ids),
+                                          VALUE(n),
+                                          {0}};
 
 bool part_open(part *p, const duet_device_pair *pair, int side, duet_error *err)
 {
@@ -152,6 +165,24 @@ static kernel *get_kernel(part *p, const char *name, const char *entry, duet_err
     if (!gather_settings(p, name, p->choices, PART_CHOICES, settings, &n, err))
         return NULL;
     return program_set_kernel(p->programs, name, entry, settings, n, part_bindings, err);
+}
+
+bool part_gathers(const part *p, const part_task *task)
+{
+    return task->resident && !p->device->info.host_memory &&
+           task->objects.shape == DUET_SHAPE_POSES;
+}
+
+static bool ask_gather(part *p, const part_task *task, duet_error *err)
+{
+    gen_setting settings[MAX_SETTINGS];
+    uint32_t n = 0;
+    if (!part_gathers(p, task))
+        return true;
+    if (gather_settings(p, "read_rows", NULL, 0, settings, &n, err))
+        p->kernels.gather = program_set_kernel(p->programs, "read_rows", "gather_rows", settings, n,
+                                               gather_bindings, err);
+    return p->kernels.gather;
 }
 
 // The primitives, with what the variant sets of them.
@@ -279,7 +310,8 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         if (!p->kernels.narrow)
             return false;
     }
-    return all_settings_used(p, err) && program_set_build(p->programs, err);
+    return ask_gather(p, task, err) && all_settings_used(p, err) &&
+           program_set_build(p->programs, err);
 }
 
 const kernel *part_kernel(const part *p, const char *name)

@@ -23,21 +23,10 @@ enum { MOST_FITS = 3 };
 
 // ---------------------------------------------------------------- the grid
 
-// The grid is fitted on the host.
-static bool bring_resident(duet_world *world, duet_error *err)
-{
-    grid_objects objects = world_objects(world);
-    size_t bytes = world->n * grid_object_bytes(&objects);
-    timeline *t = &world->parts[1].times;
-    timeline_begin(t, world->parts[1].device);
-    return host_block_reserve(&world->objects, world->def.pair->devices, 2, bytes, err) &&
-           timeline_read(t, "fetch objects", &world->resident, world->objects.bytes, bytes, err);
-}
-
 static bool fit_grid(duet_world *world, duet_error *err)
 {
     const duet_world_def *def = &world->def;
-    if (world->resident.mem && !bring_resident(world, err))
+    if (!world_see_objects(world, err))
         return false;
     grid_objects objects = world_objects(world);
     grid_needs needs;
@@ -77,14 +66,24 @@ static bool needs_fit(const duet_world *world)
            REFIT_FACTOR * n < world->fitted_n;
 }
 
-static part_task describe_task(const duet_world *world)
+// Where pairs stay on a device that has memory of its own.
+static void choose_keepers(duet_world *world)
 {
+    for (int side = 0; side < 2; ++side)
+        world->keeps_pairs[side] =
+            pair_buffers_can_copy(&world->left, &world->def.pair->devices[side]);
+}
+
+static part_task describe_task(const duet_world *world, int side)
+{
+    const resident *r = &world->resident;
     return (part_task){
         .shared = world->def.plan.mode == DUET_MODE_SHARED,
         .rotated = world->def.rotated,
         .level = world->def.level,
         .objects = world_objects(world),
-        .resident = world->resident.mem ? &world->resident : NULL,
+        .resident = r->on[side] ? &r->objects : NULL,
+        .keeps_pairs = world->keeps_pairs[side],
         .objects_version = world->objects_version,
         .sizes_version = world->sizes_version,
         .grid = world->grid,
@@ -184,7 +183,9 @@ static bool prepare(duet_world *world, const job jobs[2], const bool use[2], due
     for (int side = 0; side < 2; ++side) {
         const part_task *task = &jobs[side].task;
         part *p = &world->parts[side];
-        if (!use[side] || (world->prepared[side] && p->kernels.packed == task->packed))
+        bool as_before =
+            p->kernels.packed == task->packed && (p->kernels.gather || !part_gathers(p, task));
+        if (!use[side] || (world->prepared[side] && as_before))
             continue;
         world->prepared[side] = part_prepare(p, &world->variants[side], task, err);
         if (!world->prepared[side])
@@ -214,28 +215,46 @@ static bool divide(duet_world *world, const part_task *task, part_range ranges[2
     return true;
 }
 
+// Whether the host must see objects that a device has: to send them to the other one, or to
+// decide in the device's memory what float leaves open.
+static bool needs_sight(const duet_world *world, const bool use[2])
+{
+    bool needs = false;
+    for (int side = 0; side < 2; ++side)
+        needs |= use[side] &&
+                 (!world->resident.on[side] || (world->def.shape == DUET_SHAPE_POSES &&
+                                                world->parts[side].device->info.host_memory));
+    return needs;
+}
+
 // *placed is false where a slab had more objects than it had space for.
 static bool run_parts(duet_world *world, bool *placed, duet_error *err)
 {
-    part_task task = describe_task(world);
+    bool slabs = world->def.plan.mode == DUET_MODE_SLAB;
+    if (slabs && world->split.stale && !world_see_objects(world, err))
+        return false;
+    part_task task = describe_task(world, 1);
     part_range ranges[2];
     forget_last_step(world);
     if (!divide(world, &task, ranges, err))
         return false;
-    bool slabs = world->def.plan.mode == DUET_MODE_SLAB;
+    bool shared = world->def.plan.mode == DUET_MODE_SHARED && ranges[0].first < ranges[0].last;
+    const bool use[2] = {ranges[0].first < ranges[0].last,
+                         shared || ranges[1].first < ranges[1].last};
+    if (needs_sight(world, use) && !world_see_objects(world, err))
+        return false;
     job jobs[2];
     for (int side = 0; side < 2; ++side) {
+        part_task own = describe_task(world, side);
+        own.packed = slabs && !own.resident &&
+                     pack_pays(&own, ranges, side, &world->parts[side], &world->variants[side]);
         jobs[side] = (job){.part = &world->parts[side],
                            .pack = &world->pack,
                            .side = side,
-                           .task = task,
+                           .task = own,
                            .range = ranges[side],
                            .placed = true};
-        jobs[side].task.packed =
-            slabs && pack_pays(&task, ranges, side, &world->parts[side], &world->variants[side]);
     }
-    bool shared = world->def.plan.mode == DUET_MODE_SHARED && has_work(&jobs[0]);
-    const bool use[2] = {has_work(&jobs[0]), shared || has_work(&jobs[1])};
     if (!prepare(world, jobs, use, err))
         return false;
     bool ok = shared ? run_shared(world, jobs) : run_slabs(world, jobs, err);
@@ -322,15 +341,9 @@ static void fill_result(duet_world *world, duet_result *result)
     }
 }
 
-bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
+static bool find_pairs(duet_world *world, duet_error *err)
 {
-    if (!error_given(world, __func__, "world", err) ||
-        !error_given(result, __func__, "result", err))
-        return false;
-    uint64_t begun = clock_steady_ns();
     bool fits = world->n == 0;
-    if (!world_check_sizes(world, err))
-        return false;
     if (fits)
         forget_last_step(world);
     for (int fit = 0; !fits; ++fit) {
@@ -348,23 +361,71 @@ bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
                              "an object's extent of %g does not fit a cell of %g", widest,
                              world->grid.edge);
     }
-    if (!check_bad(world, err))
-        return false;
+    return check_bad(world, err);
+}
+
+static bool find_pairs_when_ready(duet_world *world, duet_error *err)
+{
+    bool ok = resident_await(&world->resident, err) && find_pairs(world, err);
+    world_end_sight(world);
+    return ok;
+}
+
+static bool leave_pairs(duet_world *world, duet_result *result, duet_error *err)
+{
+    part *parts[2] = {&world->parts[0], &world->parts[1]};
+    bool ok = pair_buffers_fill(&world->left, parts, world->keeps_pairs, err);
     fill_result(world, result);
+    result->spans[0].pairs = result->spans[1].pairs = NULL;
+    return ok;
+}
+
+static bool run_step(duet_world *world, duet_result *result, duet_error *err)
+{
+    uint64_t begun = clock_steady_ns();
+    choose_keepers(world);
+    if (!world_check_sizes(world, err) || !find_pairs_when_ready(world, err))
+        return false;
+    bool ok = true;
+    if (world->left.device)
+        ok = leave_pairs(world, result, err);
+    else
+        fill_result(world, result);
     result->total_ms = clock_ms_since(begun);
-    return true;
+    return ok;
+}
+
+bool world_run_step(duet_world *world, duet_result *result, bool *told, duet_error *err)
+{
+    bool ok = run_step(world, result, err);
+    *told = ok || (world->left.device && pair_buffers_clear(&world->left));
+    return ok;
+}
+
+bool duet_world_step(duet_world *world, duet_result *result, duet_error *err)
+{
+    bool told;
+    return world_is_idle(world, __func__, err) && error_given(result, __func__, "result", err) &&
+           world_run_step(world, result, &told, err);
 }
 
 bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, duet_result *result,
                          const buffer **pairs, duet_error *err)
 {
-    world->resident = *bounds;
+    uint64_t begun = clock_steady_ns();
+    world->resident = (resident){.objects = *bounds, .on = {false, true}};
+    world->keeps_pairs[0] = false;
+    world->keeps_pairs[1] = true;
     world->n = n;
     ++world->objects_version;
-    bool ok = duet_world_step(world, result, err);
-    world->resident = (buffer){0};
+    bool ok = find_pairs_when_ready(world, err);
+    world->resident = (resident){0};
     *pairs = &world->parts[1].pairs;
-    return ok;
+    if (!ok)
+        return false;
+    fill_result(world, result);
+    result->total_ms = clock_ms_since(begun);
+    return true;
 }
 
 // ---------------------------------------------------------------- pairs
@@ -390,6 +451,7 @@ duet_pair duet_result_get_pair(const duet_result *result, uint64_t i)
 {
     if (!result || i >= result->spans[0].n + result->spans[1].n)
         return (duet_pair){0, 0};
-    const duet_span *a = &result->spans[0];
-    return i < a->n ? a->pairs[i] : result->spans[1].pairs[i - a->n];
+    bool of_a = i < result->spans[0].n;
+    const duet_pair *pairs = result->spans[of_a ? 0 : 1].pairs;
+    return pairs ? pairs[of_a ? i : i - result->spans[0].n] : (duet_pair){0, 0};
 }

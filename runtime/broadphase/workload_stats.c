@@ -47,7 +47,7 @@ typedef workload_stats see_range(workload_stats c, const duet_world *world, uint
 static workload_stats see_poses(workload_stats c, const duet_world *world, uint64_t first,
                                 uint64_t end)
 {
-    const duet_pose *poses = world->objects.bytes;
+    const duet_pose *poses = world_objects(world).array;
     for (const duet_pose *p = poses + first; p < poses + end; ++p)
         see_object(&c, p->centre[0], p->centre[1], p->centre[2], size_of_pose(p, &world->def));
     return c;
@@ -68,7 +68,7 @@ static workload_stats see_transforms(workload_stats c, const duet_world *world, 
 static workload_stats see_large_poses(workload_stats c, const duet_world *world, uint64_t first,
                                       uint64_t end)
 {
-    const duet_large_pose *placed = world->objects.bytes;
+    const duet_large_pose *placed = world_objects(world).array;
     for (uint32_t id = (uint32_t)first; id < end; ++id) {
         const duet_pose *p = &placed[id].pose;
         double corner[3];
@@ -82,7 +82,7 @@ static workload_stats see_large_poses(workload_stats c, const duet_world *world,
 static workload_stats see_bounds(workload_stats c, const duet_world *world, uint64_t first,
                                  uint64_t end)
 {
-    const duet_bounds *bounds = world->objects.bytes;
+    const duet_bounds *bounds = world_objects(world).array;
     for (const duet_bounds *b = bounds + first; b < bounds + end; ++b) {
         float sides[3] = {0}, centre[3] = {0};
         for (uint32_t k = 0; k < world->def.dims; ++k) {

@@ -256,9 +256,12 @@ void duet_world_destroy(duet_world *world)
 {
     if (!world || --world->users > 0)
         return;
+    world_end_half(world);
     thread_pool_close(world->driver);
     part_close(&world->parts[0]);
     part_close(&world->parts[1]);
+    resident_drop(&world->resident);
+    pair_buffers_drop(&world->left);
     host_block_release(&world->objects);
     host_block_release(&world->sizes);
     pack_close(&world->pack);
@@ -278,7 +281,7 @@ bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *e
 {
     grid_wish wish;
     variant variants[2];
-    if (!error_given(world, __func__, "world", err) || !error_given(plan, __func__, "plan", err))
+    if (!world_is_idle(world, __func__, err) || !error_given(plan, __func__, "plan", err))
         return false;
     duet_plan whole = resolve_plan(*plan, world->def.pair);
     plan = &whole;
@@ -297,12 +300,12 @@ bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *e
 
 const duet_plan *duet_world_get_plan(const duet_world *world)
 {
-    return world ? &world->def.plan : NULL;
+    return world && !world_is_under_way(world) ? &world->def.plan : NULL;
 }
 
 bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err)
 {
-    if (!error_given(world, __func__, "world", err))
+    if (!world_is_idle(world, __func__, err))
         return false;
     if (!duet_level_get_info(level))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
@@ -330,7 +333,7 @@ grid_objects world_objects(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
     return (grid_objects){
-        .array = world->objects.bytes,
+        .array = world->resident.objects.mem ? world->resident.seen : world->objects.bytes,
         .shape = def->shape,
         .origin = def->origin_edge,
         .n = world->n,
@@ -340,16 +343,28 @@ grid_objects world_objects(const duet_world *world)
     };
 }
 
-static const struct {
-    const char *name;
-    size_t bytes;
-} kinds[] = {
-    [DUET_OBJECT_POSES] = {"poses", sizeof(duet_pose)},
-    [DUET_OBJECT_BOUNDS] = {"bounds", sizeof(duet_bounds)},
-    [DUET_OBJECT_LARGE_POSES] = {"large poses", sizeof(duet_large_pose)},
-    [DUET_OBJECT_TRANSFORMS] = {"transforms", sizeof(duet_transform)},
-    [DUET_OBJECT_SIZES] = {"sizes", sizeof(duet_size)},
-    [DUET_OBJECT_COMPACT_TRANSFORMS] = {"compact transforms", sizeof(duet_compact_transform)},
+bool world_see_objects(duet_world *world, duet_error *err)
+{
+    grid_objects objects = world_objects(world);
+    const device *devices = world->def.pair->devices;
+    return objects.array || !world->resident.objects.mem ||
+           (resident_await(&world->resident, err) &&
+            resident_see(&world->resident, world->n * grid_object_bytes(&objects), &world->objects,
+                         devices, world->parts, err));
+}
+
+void world_end_sight(duet_world *world)
+{
+    resident_end_sight(&world->resident, world->def.pair->devices);
+}
+
+static const world_kind kinds[] = {
+    {DUET_OBJECT_POSES, "poses", sizeof(duet_pose)},
+    {DUET_OBJECT_BOUNDS, "bounds", sizeof(duet_bounds)},
+    {DUET_OBJECT_LARGE_POSES, "large poses", sizeof(duet_large_pose)},
+    {DUET_OBJECT_TRANSFORMS, "transforms", sizeof(duet_transform)},
+    {DUET_OBJECT_SIZES, "sizes", sizeof(duet_size)},
+    {DUET_OBJECT_COMPACT_TRANSFORMS, "compact transforms", sizeof(duet_compact_transform)},
 };
 
 // What the world was made for.
@@ -364,10 +379,10 @@ static duet_object_kind kind_of(const duet_world *world)
                                      : DUET_OBJECT_POSES;
 }
 
-static bool can_have(const duet_world *world, duet_object_kind kind, uint32_t n, const char *call,
-                     duet_error *err)
+bool world_can_have(const duet_world *world, duet_object_kind kind, uint32_t n, const char *call,
+                    world_kind *what, duet_error *err)
 {
-    if (!error_given(world, call, "world", err))
+    if (!world_is_idle(world, call, err))
         return false;
     if (kind < DUET_OBJECT_POSES || kind > DUET_OBJECT_COMPACT_TRANSFORMS)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "kind is %d; expected a duet_object_kind",
@@ -377,6 +392,7 @@ static bool can_have(const duet_world *world, duet_object_kind kind, uint32_t n,
     if (kind != right && !size)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the world was made for %s, not for %s",
                          kinds[right].name, kinds[kind].name);
+    *what = kinds[kind];
     return n <= UINT32_MAX - 2 ||
            error_set(err, DUET_STATUS_TOO_MANY, "%u objects; a world holds at most %u", n,
                      UINT32_MAX - 2);
@@ -397,12 +413,13 @@ static void *map_sizes(duet_world *world, uint32_t n, duet_error *err)
 
 void *duet_world_map_objects(duet_world *world, duet_object_kind kind, uint32_t n, duet_error *err)
 {
-    if (!can_have(world, kind, n, __func__, err))
+    world_kind what;
+    if (!world_can_have(world, kind, n, __func__, &what, err))
         return NULL;
     if (kind == DUET_OBJECT_SIZES)
         return map_sizes(world, n, err);
-    if (!host_block_reserve(&world->objects, world->def.pair->devices, 2, n * kinds[kind].bytes,
-                            err))
+    resident_drop(&world->resident);
+    if (!host_block_reserve(&world->objects, world->def.pair->devices, 2, n * what.bytes, err))
         return NULL;
     world->n = n;
     ++world->objects_version;
@@ -446,7 +463,7 @@ bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n
 bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void *objects,
                             uint32_t n, duet_error *err)
 {
-    if (!error_given(world, __func__, "world", err) ||
+    if (!world_is_idle(world, __func__, err) ||
         (n > 0 && !error_given(objects, __func__, "objects", err)))
         return false;
     if (kind == DUET_OBJECT_POSES && world->def.separate_sizes)

@@ -3,11 +3,16 @@
 #ifndef RUNTIME_WORLD_H
 #define RUNTIME_WORLD_H
 
+#include "runtime/broadphase/pair_buffers.h"
 #include "runtime/broadphase/part.h"
+#include "runtime/broadphase/resident.h"
 #include "runtime/broadphase/slab.h"
 #include "runtime/broadphase/workload_stats.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/thread_pool.h"
+
+// A step that has begun (step_halves.c).
+typedef struct step_half step_half;
 
 struct duet_world {
     duet_world_def def;
@@ -16,7 +21,7 @@ struct duet_world {
     thread_pool *driver; // drives A while the caller's thread drives B
     pack pack;
     host_block objects; // [n] poses or bounds, or transforms
-    buffer resident;    // the objects, where B made them; else empty
+    resident resident;  // the objects, where a device has them; else empty
     uint32_t n;
     uint64_t objects_version;
     host_block sizes; // [n_sizes + 1] of transforms
@@ -34,8 +39,34 @@ struct duet_world {
     bool cells_vary; // with the objects: the plan's grid had other cells before
     split split;     // of these objects, where slabs are searched
     bool cell_widened;
+    bool keeps_pairs[2];                    // on that device in the last step
+    pair_buffers left;                      // where pairs are left
+    step_half *half;                        // NULL before the first step in two halves
     duet_stage stages[2 * TIMELINE_STAGES]; // of the last step
 };
+
+// Whether a step has begun that was not ended; whether a public call has a world where none
+// has, BAD_ARGUMENT where it has not.
+bool world_is_under_way(const duet_world *world);
+bool world_is_idle(const duet_world *world, const char *call, duet_error *err);
+
+// A step; the arguments are right, and no other is under way. *told: where pairs are left on a
+// device their number is there, 0 after a failure.
+bool world_run_step(duet_world *world, duet_result *result, bool *told, duet_error *err);
+
+// Waits for a step that has begun, and forgets it.
+void world_end_half(duet_world *world);
+
+// What the world was made for, and a row's bytes.
+typedef struct world_kind {
+    duet_object_kind kind;
+    const char *name;
+    size_t bytes;
+} world_kind;
+
+// Whether n objects of a kind suit the world, what they are then; BAD_ARGUMENT or TOO_MANY.
+bool world_can_have(const duet_world *world, duet_object_kind kind, uint32_t n, const char *call,
+                    world_kind *what, duet_error *err);
 
 // One user more, until it destroys the world.
 void world_hold(duet_world *world);
@@ -49,7 +80,13 @@ void world_forget_grid(duet_world *world);
 // The plan's mode, where it is open, for the grid that was fitted.
 void world_choose_mode(duet_world *world);
 
+// The array is NULL where the host does not see the objects.
 grid_objects world_objects(const duet_world *world);
+
+// Makes them visible, once what they wait for is over; world_end_sight ends what resident_see
+// began.
+bool world_see_objects(duet_world *world, duet_error *err);
+void world_end_sight(duet_world *world);
 
 // Maps n transforms, of the kind that the world was made for, and fills them from poses.
 bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err);

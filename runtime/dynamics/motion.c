@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_map.h"
 #include "runtime/dynamics/recording.h"
 
 #include "base/error.h"
@@ -324,6 +325,7 @@ void duet_motion_destroy(duet_motion *m)
     if (!m)
         return;
     timeline_clear(&m->times);
+    motion_forget_maps(m);
     for (int i = 0; i < MOTION_BUFFERS; ++i)
         buffer_release(&m->buffers[i]);
     scan_close(&m->scan);
@@ -363,6 +365,11 @@ uint64_t duet_motion_get_step(const duet_motion *m)
 }
 
 bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err)
+{
+    return motion_is_steady(m, call, err) && motion_is_unmapped(m, call, err);
+}
+
+bool motion_is_steady(const duet_motion *m, const char *call, duet_error *err)
 {
     return error_given(m, call, "motion", err) &&
            (!m->broken ||

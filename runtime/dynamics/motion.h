@@ -161,6 +161,7 @@ struct duet_motion {
     timeline times;
     motion_commands *commands;   // NULL before the first
     motion_recording *recording; // NULL where nothing is recorded
+    struct motion_map *maps;   // [parts of the state], likewise (motion_map.h)
     buffer buffers[MOTION_BUFFERS];
     duet_world *world; // of bounds; NULL without contact
     double margin;     // contacts are kept to that far apart
@@ -201,8 +202,9 @@ duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
                            const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
                            duet_error *err);
 
-// Whether a public call has a motion whose state is that of a whole step; BAD_ARGUMENT
-// where it has not.
+// Whether a public call has a motion whose state is that of a whole step, and of which nothing
+// is mapped; BAD_ARGUMENT where it has not. Steady: something may be mapped.
+bool motion_is_steady(const duet_motion *m, const char *call, duet_error *err);
 bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err);
 
 // A kernel with what the scene says of its parameters, once it is built.

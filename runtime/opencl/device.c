@@ -170,20 +170,20 @@ static bool make_queue(cl_command_queue *queue, const device *d, duet_error *err
     return true;
 }
 
-static bool make_queues(device *d, duet_error *err)
+static bool make_context(device *d, duet_error *err)
 {
     cl_int code = CL_SUCCESS;
     d->context = clCreateContext(NULL, 1, &d->id, NULL, NULL, &code);
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "making a context on %s", d->info.selector);
     device_object_made();
-    return make_queue(&d->queue, d, err) && make_queue(&d->beside, d, err);
+    return true;
 }
 
-bool device_open(device *d, const char *selector, duet_error *err)
+// With the context. Closes the device where it is not ready.
+static bool make_ready(device *d, bool has_context, duet_error *err)
 {
-    *d = (device){0};
-    if (choose_id(d, selector, err) && make_queues(d, err)) {
+    if (has_context && make_queue(&d->queue, d, err) && make_queue(&d->beside, d, err)) {
         d->built = program_pool_open();
         d->copy = driver_copy_take(&d->info);
         d->opened = true;
@@ -191,6 +191,69 @@ bool device_open(device *d, const char *selector, duet_error *err)
     }
     device_close(d);
     return false;
+}
+
+bool device_open(device *d, const char *selector, duet_error *err)
+{
+    *d = (device){0};
+    return make_ready(d, choose_id(d, selector, err) && make_context(d, err), err);
+}
+
+// ---------------------------------------------------------------- a caller's queue
+
+// Which units a part has only those know who cut it off.
+static void name_part(device *d)
+{
+    cl_device_id root = d->id, parent = d->id;
+    while (parent) {
+        root = parent;
+        parent = NULL;
+        clGetDeviceInfo(root, CL_DEVICE_PARENT_DEVICE, sizeof parent, &parent, NULL);
+    }
+    const device_root *whole = device_list_find(root);
+    uint32_t units = d->info.units;
+    snprintf(d->info.selector, sizeof d->info.selector, "%.40s[%u unit%s]",
+             whole ? whole->info.selector : "device", units, units == 1 ? "" : "s");
+    d->info.can_cut = false;
+}
+
+static void know_id(device *d)
+{
+    const device_root *root = device_list_find(d->id);
+    if (root) {
+        d->info = root->info;
+        return;
+    }
+    device_info_read(d->id, &d->info);
+    name_part(d);
+}
+
+static bool hold_context(device *d, cl_command_queue queue, duet_error *err)
+{
+    cl_context context = NULL;
+    cl_int code = clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof context, &context, NULL);
+    if (code == CL_SUCCESS)
+        code = clGetCommandQueueInfo(queue, CL_QUEUE_DEVICE, sizeof d->id, &d->id, NULL);
+    if (code == CL_SUCCESS)
+        code = clRetainCommandQueue(queue);
+    if (code != CL_SUCCESS)
+        return error_set_cl(err, code, "a queue of the caller's: asking for its device");
+    d->callers = queue;
+    device_object_made();
+    clRetainContext(context);
+    d->context = context;
+    device_object_made();
+    clRetainDevice(d->id);
+    d->owns_part = true;
+    device_object_made();
+    know_id(d);
+    return true;
+}
+
+bool device_open_on_queue(device *d, cl_command_queue queue, duet_error *err)
+{
+    *d = (device){0};
+    return make_ready(d, hold_context(d, queue, err), err);
 }
 
 // A driver's thread lets go of a command, and with it of the queue, a moment
@@ -221,6 +284,10 @@ void device_close(device *d)
             clReleaseCommandQueue(queues[i]);
             device_object_gone();
         }
+    }
+    if (d->callers) {
+        clReleaseCommandQueue(d->callers);
+        device_object_gone();
     }
     if (d->context) {
         clReleaseContext(d->context);

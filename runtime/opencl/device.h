@@ -3,7 +3,8 @@
 //
 // Each has a context and a queue of its own, also where two are parts of one
 // CPU: all pairs of devices, of one platform or of two, then work alike, and
-// parts of a CPU were measured to run truly side by side this way.
+// parts of a CPU were measured to run truly side by side this way. One that is
+// opened on a queue of the caller's has that queue's context, and queues of its own.
 #ifndef RUNTIME_DEVICE_H
 #define RUNTIME_DEVICE_H
 
@@ -15,10 +16,11 @@
 typedef struct device {
     cl_device_id id;
     cl_context context;
-    cl_command_queue queue;  // in order, with profiling
-    cl_command_queue beside; // the same, for what is sent while kernels run
+    cl_command_queue queue;   // in order, with profiling
+    cl_command_queue beside;  // the same, for what is sent while kernels run
+    cl_command_queue callers; // whose context and device these are; NULL: our own
     duet_device_info info;
-    bool owns_part; // id is a part that we cut off
+    bool owns_part; // id is a part that we cut off, or the caller's that we hold
     bool opened;    // has a copy
     uint32_t copy;  // of its programs (runtime/opencl/driver.h)
     program_pool *built;
@@ -39,6 +41,8 @@ bool program_builder_keeps(const program_builder *b, const duet_device_info *inf
 // NO_DEVICE where there is none at all, NOT_FOUND for an unknown one,
 // BAD_ARGUMENT for a part that cannot be had; *d is then empty.
 bool device_open(device *d, const char *selector, duet_error *err);
+// Opens the device of a queue of the caller's in the queue's context.
+bool device_open_on_queue(device *d, cl_command_queue queue, duet_error *err);
 void device_close(device *d); // an empty one is passed over
 
 // What the driver says of a device. Everything but the selector, which is the list's to give. What

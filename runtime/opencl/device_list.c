@@ -146,6 +146,14 @@ bool device_list_roots(const device_root **roots, uint32_t *n, duet_error *err)
     return found.n > 0 || refuse_none(err);
 }
 
+const device_root *device_list_find(cl_device_id id)
+{
+    for (uint32_t i = 0; look(NULL) && i < found.n; ++i)
+        if (found.roots[i].id == id)
+            return &found.roots[i];
+    return NULL;
+}
+
 static bool is_of(device_group group, const duet_device_info *info)
 {
     return group == DEVICE_CPU   ? info->kind == DUET_KIND_CPU

@@ -19,6 +19,9 @@ typedef struct device_root {
 // NO_DEVICE where there is none.
 bool device_list_roots(const device_root **roots, uint32_t *n, duet_error *err);
 
+// The one with that id; NULL where there is none.
+const device_root *device_list_find(cl_device_id id);
+
 typedef enum device_group { DEVICE_CPU, DEVICE_NO_CPU, DEVICE_GPU } device_group;
 
 // The strongest of a group, by units and clock, but the one passed over; NULL where there

@@ -3,6 +3,7 @@
 #include "runtime/opencl/device_pair.h"
 
 #include "base/error.h"
+#include "runtime/duet_opencl.h"
 #include "runtime/opencl/cache.h"
 #include "runtime/opencl/device_list.h"
 
@@ -109,7 +110,11 @@ static bool open_devices(duet_device_pair *pair, const duet_device_pair_def *def
 
 bool duet_device_pair_is_one(const duet_device_pair *pair)
 {
-    return pair && strcmp(pair->devices[0].info.selector, pair->devices[1].info.selector) == 0;
+    if (!pair)
+        return false;
+    const device *a = &pair->devices[0], *b = &pair->devices[1];
+    bool alike = strcmp(a->info.selector, b->info.selector) == 0;
+    return a->id == b->id || (alike && !a->callers && !b->callers);
 }
 
 // $XDG_CACHE_HOME/duet; NULL where there is no home.
@@ -134,7 +139,8 @@ static bool keep_folder(char **kept, const char *folder, duet_error *err)
     return *kept || error_set(err, DUET_STATUS_NO_MEMORY, "a device pair: no memory");
 }
 
-duet_device_pair *duet_device_pair_create(const duet_device_pair_def *def, duet_error *err)
+// All but the devices; NULL where that cannot be had.
+static duet_device_pair *make_pair(const duet_device_pair_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE) {
         error_set(err, DUET_STATUS_BAD_ARGUMENT,
@@ -154,12 +160,50 @@ duet_device_pair *duet_device_pair_create(const duet_device_pair_def *def, duet_
         pair->cache_dir = default_cache();
     pair->builder =
         (program_builder){pair->cache_dir, !def->cache_dir, def->on_compile, def->context};
-    ok = ok && open_devices(pair, def, err);
-    if (!ok) {
-        duet_device_pair_destroy(pair);
+    if (ok)
+        return pair;
+    duet_device_pair_destroy(pair);
+    return NULL;
+}
+
+static duet_device_pair *keep_opened(duet_device_pair *pair, bool opened)
+{
+    if (opened)
+        return pair;
+    duet_device_pair_destroy(pair);
+    return NULL;
+}
+
+duet_device_pair *duet_device_pair_create(const duet_device_pair_def *def, duet_error *err)
+{
+    duet_device_pair *pair = make_pair(def, err);
+    return keep_opened(pair, pair && open_devices(pair, def, err));
+}
+
+duet_device_pair *duet_device_pair_open(const char *selectors, duet_error *err)
+{
+    duet_device_pair_def def = duet_default_device_pair_def();
+    def.a = selectors ? selectors : def.a;
+    return duet_device_pair_create(&def, err);
+}
+
+// A device without a queue is opened by its selector, or else is the other's.
+static bool open_on(device *d, cl_command_queue own, const char *selector, cl_command_queue others,
+                    duet_error *err)
+{
+    return !own && selector ? device_open(d, selector, err)
+                            : device_open_on_queue(d, own ? own : others, err);
+}
+
+duet_device_pair *duet_device_pair_create_on_queues(const duet_device_pair_def *def,
+                                                    cl_command_queue a, cl_command_queue b,
+                                                    duet_error *err)
+{
+    if (!error_given(a ? a : b, __func__, "queue", err))
         return NULL;
-    }
-    return pair;
+    duet_device_pair *pair = make_pair(def, err);
+    return keep_opened(pair, pair && open_on(&pair->devices[0], a, def->a, b, err) &&
+                                 open_on(&pair->devices[1], b, def->b, a, err));
 }
 
 bool duet_device_pair_check_cache(const duet_device_pair *pair, duet_error *err)

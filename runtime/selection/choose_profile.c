@@ -65,8 +65,7 @@ static bool use(duet_world *world, const profile_found *found, duet_profile *pro
 bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *profile,
                              duet_error *err)
 {
-    if (!error_given(world, __func__, "world", err) ||
-        !error_given(profile, __func__, "profile", err))
+    if (!world_is_idle(world, __func__, err) || !error_given(profile, __func__, "profile", err))
         return false;
     *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT,
                               .plan = *duet_world_get_plan(world),
@@ -82,7 +81,7 @@ bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *
 
 bool duet_world_explain_profile(duet_world *world, const char *path, char **why, duet_error *err)
 {
-    if (!error_given(world, __func__, "world", err) || !error_given(why, __func__, "why", err))
+    if (!world_is_idle(world, __func__, err) || !error_given(why, __func__, "why", err))
         return false;
     profile_subject asked;
     profile_found found;

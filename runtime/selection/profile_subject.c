@@ -136,7 +136,7 @@ static profile_workload describe_workload(const duet_world *world)
     };
 }
 
-bool profile_subject_read(const duet_world *world, profile_subject *p, duet_error *err)
+bool profile_subject_read(duet_world *world, profile_subject *p, duet_error *err)
 {
     *p = (profile_subject){0};
     if (world->n == 0)
@@ -148,7 +148,10 @@ bool profile_subject_read(const duet_world *world, profile_subject *p, duet_erro
     const device *devices = world->def.pair->devices;
     p->pair.a = describe_device(&devices[0], p->parts[0]);
     p->pair.b = describe_device(&devices[1], p->parts[1]);
+    if (!world_see_objects(world, err))
+        return false;
     p->workload = describe_workload(world);
+    world_end_sight(world);
     if (world->def.has_accuracy)
         ask_any_level(p, &world->def.accuracy);
     return hash_kernels(world->def.pair->kernel_dir, p->kernels, err);

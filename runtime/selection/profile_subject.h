@@ -21,7 +21,7 @@ typedef struct profile_subject {
 #define PROFILE_ANY_LEVEL "auto"
 
 // Looks at every object. BAD_ARGUMENT for a world without objects.
-bool profile_subject_read(const duet_world *world, profile_subject *p, duet_error *err);
+bool profile_subject_read(duet_world *world, profile_subject *p, duet_error *err);
 
 // From here on it is the workload at that level, whatever was asked for.
 void profile_subject_settle(profile_subject *p, duet_level level);

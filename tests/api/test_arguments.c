@@ -5,6 +5,7 @@
 #include "support/test.h"
 
 #include "runtime/duet.h"
+#include "runtime/duet_opencl.h"
 #include "tuner/duet_tune.h"
 
 #include "base/text.h"
@@ -200,6 +201,7 @@ static void device_pairs(void)
     def.a = NULL;
     def.b = "pocl:0";
     REFUSES(duet_device_pair_create(&def, e));
+    REFUSES(duet_device_pair_open("cpu,cpu,cpu", e));
     REFUSES(duet_device_pair_check_cache(NULL, e));
     def = (duet_device_pair_def){0};
     REFUSES(duet_device_pair_create(&def, e));
@@ -339,6 +341,48 @@ static void step_world(void)
 {
     REFUSES(duet_world_step(NULL, &result, e));
     REFUSES(duet_world_step(world, NULL, e));
+    REFUSES(duet_world_step_begin(NULL, e));
+    REFUSES(duet_world_step_end(NULL, &result, e));
+    REFUSES(duet_world_step_end(world, &result, e));
+    TAKES(duet_world_step_begin(world, e));
+    REFUSES(duet_world_step_end(world, NULL, e));
+    TAKES(duet_world_step_end(world, &result, e));
+}
+
+static void own_opencl(void)
+{
+    duet_device_pair_def def = duet_default_device_pair_def();
+    duet_pair_buffers buffers;
+    cl_event done = NULL;
+    REFUSES(duet_device_pair_create_on_queues(NULL, NULL, NULL, e));
+    REFUSES(duet_device_pair_create_on_queues(&def, NULL, NULL, e));
+    REFUSES(duet_world_set_objects_buffer(NULL, DUET_OBJECT_POSES, NULL, 1, 0, NULL, e));
+    REFUSES(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, NULL, 1, 0, NULL, e));
+    REFUSES(duet_world_set_objects_buffer(world, (duet_object_kind)99, NULL, 1, 0, NULL, e));
+    REFUSES(duet_world_leave_pairs(NULL, 0, NULL, NULL, e));
+    REFUSES(duet_world_leave_pairs(world, -1, NULL, NULL, e));
+    REFUSES(duet_world_bring_pairs(NULL, e));
+    REFUSES(duet_world_get_pair_buffers(NULL, &buffers, e));
+    REFUSES(duet_world_get_pair_buffers(world, NULL, e));
+    REFUSES(duet_world_get_pair_buffers(world, &buffers, e));
+    REFUSES(duet_world_step_begin_event(NULL, &done, e));
+    REFUSES(duet_world_step_begin_event(world, NULL, e));
+    REFUSES(duet_world_step_begin_event(world, &done, e));
+    REFUSES(duet_motion_copy_states(NULL, DUET_STATE_CENTRES, NULL, 0, NULL, NULL, e));
+    REFUSES(duet_motion_copy_states(motion, DUET_STATE_CENTRES, NULL, 0, NULL, NULL, e));
+    REFUSES(duet_motion_copy_states(motion, (duet_state_part)-1, NULL, 0, NULL, NULL, e));
+}
+
+static void map_motion(void)
+{
+    REFUSES(duet_motion_map_states(NULL, DUET_STATE_CENTRES, DUET_MAP_READ, 0, 1, e));
+    REFUSES(duet_motion_map_states(motion, (duet_state_part)-1, DUET_MAP_READ, 0, 1, e));
+    REFUSES(duet_motion_map_states(motion, DUET_STATE_CENTRES, (duet_map_access)-1, 0, 1, e));
+    REFUSES(duet_motion_map_states(motion, DUET_STATE_CENTRES, DUET_MAP_READ, UINT32_MAX, 2, e));
+    REFUSES(duet_motion_unmap_states(NULL, DUET_STATE_CENTRES, e));
+    REFUSES(duet_motion_unmap_states(motion, DUET_STATE_CENTRES, e));
+    REFUSES(duet_motion_unmap_states(motion, (duet_state_part)99, e));
+    assert_null(duet_state_part_name((duet_state_part)-1));
 }
 
 static void query_pairs(void)
@@ -729,7 +773,7 @@ static const struct {
      "duet_device_list_get_info duet_device_info_get_quirk",
      device_lists},
     {"duet_device_pair_create duet_device_pair_destroy duet_device_pair_get_info "
-     "duet_device_pair_check_cache duet_device_pair_is_one",
+     "duet_device_pair_check_cache duet_device_pair_is_one duet_device_pair_open",
      device_pairs},
     {"duet_scene_load duet_scene_load_pairs", load_scene},
     {"duet_scene_create", copy_scene},
@@ -742,7 +786,12 @@ static const struct {
     {"duet_world_set_plan duet_world_get_plan duet_world_set_level duet_world_get_level",
      plan_world},
     {"duet_world_load_profile duet_world_explain_profile", load_profile},
-    {"duet_world_step", step_world},
+    {"duet_world_step duet_world_step_begin duet_world_step_end", step_world},
+    {"duet_device_pair_create_on_queues duet_world_set_objects_buffer duet_world_leave_pairs "
+     "duet_world_bring_pairs duet_world_get_pair_buffers duet_world_step_begin_event "
+     "duet_motion_copy_states",
+     own_opencl},
+    {"duet_motion_map_states duet_motion_unmap_states duet_state_part_name", map_motion},
     {"duet_pair_query_create duet_pair_query_destroy duet_pair_query_run", query_pairs},
     {"duet_tree_create duet_tree_destroy duet_tree_set_objects duet_default_tree_def "
      "duet_query_wants_name",
@@ -818,7 +867,9 @@ static const char *const headers[] = {"runtime/duet.h",
                                       "runtime/duet_level.h",
                                       "runtime/duet_motion.h",
                                       "runtime/duet_motion_commands.h",
+                                      "runtime/duet_motion_map.h",
                                       "runtime/duet_object.h",
+                                      "runtime/duet_opencl.h",
                                       "runtime/duet_pair_query.h",
                                       "runtime/duet_point_query.h",
                                       "runtime/duet_ray_query.h",

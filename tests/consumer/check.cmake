@@ -62,6 +62,10 @@ run(${built}/crane)
 if(NOT out STREQUAL "the fork is at 3.00 2.10, and the crate on it at 3.0 2.7\n")
   message(FATAL_ERROR "crane says '${out}'")
 endif()
+run(${built}/own_opencl)
+if(NOT out MATCHES "^[1-9][0-9]+ pairs; the kernel met each twice: yes; no box has more than [1-9] neighbours\n$")
+  message(FATAL_ERROR "own_opencl says '${out}'")
+endif()
 run(${prefix}/bin/duet --version)
 
 # They are C++ too. {0} is how C begins an empty struct, of which g++ warns.

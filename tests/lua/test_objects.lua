@@ -100,6 +100,20 @@ holds("objects come as an array, as rows, as numbers, packed, or in the world's 
   equal(#assert(world:step()), 1)
 end)
 
+holds("a step has two halves, and nothing goes between them", function()
+  local world <close> = assert(pair:world(scene))
+  local expected = assert(world:step()):hash()
+  assert(world:step_begin())
+  equal(world:plan(), nil)
+  local function busy(call, ...) refused("BAD_ARGUMENT", "a step of the world is under way", call, world, ...) end
+  busy(world.step)
+  busy(world.set_plan, { share = 0.5 })
+  busy(world.set_poses, three)
+  assert(tostring(world):find "a step is under way")
+  equal(assert(world:step_end()):hash(), expected)
+  refused("BAD_ARGUMENT", "no step is under way", world.step_end, world)
+end)
+
 holds("bounds and 2D work too", function()
   local world <close> = assert(pair:world { dims = 2, shape = "bounds" })
   assert(world:set_bounds { { 0, 0, 0, 1, 1, 0 }, { 1, 1, 0, 2, 2, 0 }, { 3, 3, 0, 4, 4, 0 } })

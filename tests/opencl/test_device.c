@@ -183,7 +183,15 @@ static void one_selector_is_a_pair_of_one(void **state)
     assert_ok(pair, err);
     assert_true(duet_device_pair_is_one(pair));
     assert_int_equal(duet_default_plan(pair).share, 0);
+    duet_device_pair *opened = duet_device_pair_open("cpu", &err);
+    assert_ok(opened, err);
+    assert_true(duet_device_pair_is_one(opened));
+    assert_string_equal(duet_device_pair_get_info(opened, 0)->selector,
+                        duet_device_pair_get_info(pair, 0)->selector);
+    duet_device_pair_destroy(opened);
     duet_device_pair_destroy(pair);
+    assert_null(duet_device_pair_open("cpu,nowhere", &err));
+    assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
 }
 
 // The k-th of n equal parts: they follow each other, and the last ends with the device.

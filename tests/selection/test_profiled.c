@@ -187,7 +187,7 @@ static void a_plan_survives_being_stored(void **state)
 // ------------------------------------------------------------ an application's start
 
 // Puts a profile for the world into the store, as a tuner would.
-static void put_for(const char *path, const duet_world *world, const char *kernels)
+static void put_for(const char *path, duet_world *world, const char *kernels)
 {
     duet_error err = {0};
     profile_subject p;

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/dynamics/motion_map.h"
+
+#include "base/error.h"
+#include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_rows.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { PARTS = 4 };
+
+struct motion_map {
+    motion_rows rows;
+    bool mapped;
+    bool written;
+    uint32_t n;
+};
+
+static const struct {
+    const char *name;
+    motion_buffer which;
+    uint32_t effect; // that the part needs
+    uint32_t writes; // and that writing it does
+} parts[PARTS] = {
+    [DUET_STATE_CENTRES] = {"centres", CENTRES, 0, 0},
+    [DUET_STATE_ROTATIONS] = {"rotations", ROTATIONS, DUET_EFFECT_ROTATION, 0},
+    [DUET_STATE_VELOCITIES] = {"velocities", VELOCITIES, 0, DUET_EFFECT_MOTION},
+    [DUET_STATE_ANGULAR_VELOCITIES] = {"angular_velocities", ANGULAR_VELOCITIES,
+                                       DUET_EFFECT_ANGULAR_VELOCITY, 0},
+};
+
+const char *duet_state_part_name(duet_state_part part)
+{
+    return (int)part >= 0 && (int)part < PARTS ? parts[part].name : NULL;
+}
+
+bool motion_part_buffer(const duet_motion *m, duet_state_part part, motion_buffer *which,
+                        const char *call, duet_error *err)
+{
+    if (!duet_state_part_name(part))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: part is %d; expected a duet_state_part", call, (int)part);
+    if (part == DUET_STATE_CENTRES && m->cells)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: centres are in origin cells; expected duet_motion_get_states, or "
+                         "duet_motion_set_poses",
+                         call);
+    *which = parts[part].which;
+    return motion_needs(m, parts[part].effect, call, err);
+}
+
+bool motion_is_unmapped(const duet_motion *m, const char *call, duet_error *err)
+{
+    for (int part = 0; m->maps && part < PARTS; ++part)
+        if (m->maps[part].mapped)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "%s: %s are mapped; expected duet_motion_unmap_states first", call,
+                             parts[part].name);
+    return true;
+}
+
+void motion_forget_maps(duet_motion *m)
+{
+    for (int part = 0; m->maps && part < PARTS; ++part)
+        motion_rows_drop(&m->maps[part].rows);
+    free(m->maps);
+    m->maps = NULL;
+}
+
+// ---------------------------------------------------------------- begin
+
+static bool check_range(const duet_motion *m, uint32_t first, uint32_t n, const char *call,
+                        duet_error *err)
+{
+    return (first <= m->n && n <= m->n - first) ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "%s: places %u to %llu; the motion has %u places", call, first,
+                     (unsigned long long)first + n, m->n);
+}
+
+static bool begin_maps(duet_motion *m, duet_error *err)
+{
+    if (!m->maps)
+        m->maps = calloc(PARTS, sizeof *m->maps);
+    return m->maps || error_set(err, DUET_STATUS_NO_MEMORY, "no memory to map states");
+}
+
+// Other parts may be mapped.
+static bool can_map(duet_motion *m, duet_state_part part, duet_map_access access, const char *call,
+                    duet_error *err)
+{
+    motion_buffer which;
+    if (!motion_is_steady(m, call, err) || !motion_part_buffer(m, part, &which, call, err))
+        return false;
+    if (access != DUET_MAP_READ && access != DUET_MAP_WRITE)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: access is %d; expected a duet_map_access", call, (int)access);
+    if (m->maps && m->maps[part].mapped)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: %s are mapped already", call,
+                         parts[part].name);
+    if (access == DUET_MAP_WRITE && m->recording)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: what is written in place is not recorded; expected "
+                         "duet_motion_set_poses or duet_motion_set_bodies",
+                         call);
+    return access == DUET_MAP_READ ||
+           (motion_needs(m, parts[part].writes, call, err) && motion_begin_commands(m, err));
+}
+
+// Bodies that are written to stand still where a target was to take them.
+static bool forget_targets(duet_motion *m, uint32_t first, uint32_t n, duet_error *err)
+{
+    if (m->commands->n_targets == 0)
+        return true;
+    uint32_t *places = malloc((size_t)n * sizeof *places + 1);
+    if (!places)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u places", n);
+    for (uint32_t i = 0; i < n; ++i)
+        places[i] = first + i;
+    bool ok = motion_forget_targets(m, places, n, err);
+    free(places);
+    return ok;
+}
+
+void *duet_motion_map_states(duet_motion *m, duet_state_part part, duet_map_access access,
+                             uint32_t first, uint32_t n, duet_error *err)
+{
+    if (!can_map(m, part, access, __func__, err) || !check_range(m, first, n, __func__, err) ||
+        !begin_maps(m, err) || !timeline_finish(&m->times, err))
+        return NULL;
+    if (access == DUET_MAP_WRITE && !forget_targets(m, first, n, err))
+        return NULL;
+    struct motion_map *map = &m->maps[part];
+    if (!motion_rows_open(m, parts[part].which, first, first + n, 4, true, &map->rows, err))
+        return NULL;
+    map->mapped = true;
+    map->written = access == DUET_MAP_WRITE;
+    map->n = n;
+    return map->rows.bytes;
+}
+
+// ---------------------------------------------------------------- end
+
+static const char *fault_of(const duet_motion *m, duet_state_part part, const motion_rows *rows,
+                            uint32_t place)
+{
+    bool turns = part == DUET_STATE_ROTATIONS;
+    double norm = 0;
+    for (uint32_t k = 0; k < (turns ? 4u : 3u); ++k) {
+        double number = motion_row_get(rows, place, k);
+        bool counts = m->def.dims == 3 || (part == DUET_STATE_CENTRES || !turns ? k < 2 : k >= 2);
+        counts |= part == DUET_STATE_ANGULAR_VELOCITIES && k == 2;
+        if (counts && !isfinite(number))
+            return "a number of it is not finite";
+        norm += counts ? number * number : 0.0;
+    }
+    return turns && !(norm > 0.0 && isfinite(norm)) ? "it is no rotation" : NULL;
+}
+
+static bool check_rows(const duet_motion *m, duet_state_part part, const struct motion_map *map,
+                       const char *call, duet_error *err)
+{
+    for (uint32_t i = 0; i < map->n; ++i) {
+        const char *fault = fault_of(m, part, &map->rows, map->rows.first + i);
+        if (fault)
+            return error_set(err, DUET_STATUS_BAD_OBJECT, "%s: row %u of %u of the %s: %s", call, i,
+                             map->n, parts[part].name, fault);
+    }
+    return true;
+}
+
+// A rotation that is one up to rounding stays as it is, bit for bit.
+static void settle_rotation(const duet_motion *m, const motion_rows *rows, uint32_t place)
+{
+    const double near = rows->doubles ? 0x1p-40 : 0x1p-16;
+    double q[4], norm = 0;
+    for (uint32_t k = 0; k < 4; ++k) {
+        q[k] = m->def.dims == 3 || k >= 2 ? motion_row_get(rows, place, k) : 0.0;
+        norm += q[k] * q[k];
+    }
+    double length = fabs(norm - 1.0) <= near ? 1.0 : sqrt(norm);
+    for (uint32_t k = 0; k < 4; ++k)
+        motion_row_set(rows, place, k, q[k] / length);
+}
+
+// What is not the caller's to write is as the motion has it.
+static void settle_numbers(const duet_motion *m, duet_state_part part, const motion_rows *rows,
+                           uint32_t place)
+{
+    bool moves = part != DUET_STATE_CENTRES, hidden = motion_is_hidden(m, place);
+    bool turns = part == DUET_STATE_ANGULAR_VELOCITIES;
+    for (uint32_t k = 0; k < 3; ++k)
+        if ((moves && hidden) || (m->def.dims == 2 && (turns ? k < 2 : k == 2)))
+            motion_row_set(rows, place, k, 0.0);
+    float mass = part == DUET_STATE_VELOCITIES && !hidden ? m->bodies[place].mass : 0.0f;
+    motion_row_set(rows, place, 3, mass > 0.0f ? 1.0 / mass : 0.0);
+}
+
+static uint32_t *settle(const duet_motion *m, duet_state_part part, const struct motion_map *map,
+                        uint32_t *n_awake, duet_error *err)
+{
+    uint32_t *awake = malloc((size_t)map->n * sizeof *awake + 1);
+    *n_awake = 0;
+    if (!awake)
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u places", map->n);
+    for (uint32_t i = 0; awake && i < map->n; ++i) {
+        uint32_t place = map->rows.first + i;
+        if (part == DUET_STATE_ROTATIONS)
+            settle_rotation(m, &map->rows, place);
+        else
+            settle_numbers(m, part, &map->rows, place);
+        if (!motion_is_hidden(m, place))
+            awake[(*n_awake)++] = place;
+    }
+    return awake;
+}
+
+static bool write_back(duet_motion *m, struct motion_map *map, const uint32_t *awake, uint32_t n,
+                       duet_error *err)
+{
+    return (map->n == 0 || motion_rows_close(m, &map->rows, err)) &&
+           motion_wake_places(m, awake, n, err);
+}
+
+bool duet_motion_unmap_states(duet_motion *m, duet_state_part part, duet_error *err)
+{
+    if (!motion_is_steady(m, __func__, err))
+        return false;
+    struct motion_map *map = m->maps && duet_state_part_name(part) ? &m->maps[part] : NULL;
+    if (!map || !map->mapped)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: %s are not mapped; expected duet_motion_map_states first", __func__,
+                         duet_state_part_name(part) ? parts[part].name : "states");
+    if (map->written) {
+        uint32_t n = 0;
+        if (!check_rows(m, part, map, __func__, err))
+            return false;
+        uint32_t *awake = settle(m, part, map, &n, err);
+        bool ok = awake && motion_keep_whole(m, write_back(m, map, awake, n, err));
+        free(awake);
+        if (!ok && !m->broken)
+            return false;
+        motion_rows_drop(&map->rows);
+        *map = (struct motion_map){0};
+        return ok;
+    }
+    motion_rows_drop(&map->rows);
+    *map = (struct motion_map){0};
+    return true;
+}

@@ -1,0 +1,846 @@
+// SPDX-License-Identifier: MIT
+// Duet inside a program that has contexts, queues, buffers and events of its own: same pairs as
+// with the host's arrays, nothing of the program's is kept or lost, and each misuse ends in a line.
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "runtime/broadphase/world.h"
+#include "runtime/duet_opencl.h"
+#include "runtime/selection/profile_subject.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { N = 600 };
+
+// The program: one context with the CPU's two halves where it can be cut, else with the CPU twice.
+static struct {
+    cl_device_id ids[2];
+    bool cut;
+    cl_context context;
+    cl_command_queue queues[2];
+} own;
+
+static duet_pose poses[N];
+
+// ------------------------------------------------------------ the program
+
+static cl_device_id first_device(void)
+{
+    cl_platform_id platform = NULL;
+    cl_device_id id = NULL;
+    assert_int_equal(clGetPlatformIDs(1, &platform, NULL), CL_SUCCESS);
+    assert_int_equal(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 1, &id, NULL), CL_SUCCESS);
+    return id;
+}
+
+static int open_program(void **state)
+{
+    (void)state;
+    const cl_device_partition_property halves[] = {CL_DEVICE_PARTITION_BY_COUNTS, 1, 1,
+                                                   CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
+    cl_device_id root = first_device();
+    cl_uint n = 0;
+    own.cut = clCreateSubDevices(root, halves, 2, own.ids, &n) == CL_SUCCESS && n == 2;
+    if (!own.cut)
+        own.ids[0] = own.ids[1] = root;
+    own.context = clCreateContext(NULL, own.cut ? 2 : 1, own.ids, NULL, NULL, NULL);
+    assert_non_null(own.context);
+    for (int i = 0; i < 2; ++i) {
+        own.queues[i] = clCreateCommandQueue(own.context, own.ids[i], 0, NULL);
+        assert_non_null(own.queues[i]);
+    }
+    rng r = {test_seed()};
+    for (int i = 0; i < N; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            poses[i].centre[k] = (float)rng_between(&r, 0.0, 12.0);
+            poses[i].half_extents[k] = (float)rng_between(&r, 0.2, 0.5);
+        }
+        poses[i].rotation[2] = (float)rng_normal(&r);
+        poses[i].rotation[3] = (float)rng_normal(&r);
+    }
+    // These just touch, which float cannot decide.
+    for (int i = N - 20; i < N; ++i)
+        poses[i] = (duet_pose){.centre = {(float)(i % 2), (float)(i / 2 % 5) * 2.5f, 20.0f},
+                               .half_extents = {0.5f, 0.5f, 0.5f},
+                               .rotation = {0, 0, 0, 1}};
+    return 0;
+}
+
+static cl_uint context_references(void)
+{
+    cl_uint n = 0;
+    clGetContextInfo(own.context, CL_CONTEXT_REFERENCE_COUNT, sizeof n, &n, NULL);
+    return n;
+}
+
+static cl_uint queue_references(int i)
+{
+    cl_uint n = 0;
+    clGetCommandQueueInfo(own.queues[i], CL_QUEUE_REFERENCE_COUNT, sizeof n, &n, NULL);
+    return n;
+}
+
+static cl_uint references(cl_mem mem)
+{
+    cl_uint n = 0;
+    clGetMemObjectInfo(mem, CL_MEM_REFERENCE_COUNT, sizeof n, &n, NULL);
+    return n;
+}
+
+static int close_program(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; ++i) {
+        clFinish(own.queues[i]);
+        assert_int_equal(queue_references(i), 1);
+        clReleaseCommandQueue(own.queues[i]);
+    }
+    clReleaseContext(own.context);
+    for (int i = 0; own.cut && i < 2; ++i)
+        clReleaseDevice(own.ids[i]);
+    return 0;
+}
+
+static int nothing_is_left(void **state)
+{
+    (void)state;
+    assert_int_equal(device_live_objects(), 0);
+    return 0;
+}
+
+static cl_mem make_buffer(const void *bytes, size_t size, cl_mem_flags flags)
+{
+    cl_int code = 0;
+    cl_mem mem = clCreateBuffer(own.context, flags, size, NULL, &code);
+    assert_int_equal(code, CL_SUCCESS);
+    if (bytes)
+        assert_int_equal(
+            clEnqueueWriteBuffer(own.queues[0], mem, CL_TRUE, 0, size, bytes, 0, NULL, NULL),
+            CL_SUCCESS);
+    return mem;
+}
+
+static duet_device_pair *open_pair(cl_command_queue a, cl_command_queue b)
+{
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    def.a = def.b = NULL;
+    duet_device_pair *pair = duet_device_pair_create_on_queues(&def, a, b, &err);
+    assert_ok(pair, err);
+    return pair;
+}
+
+static duet_world *make_world(duet_device_pair *pair, duet_world_def def)
+{
+    duet_error err = {0};
+    def.pair = pair;
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world, err);
+    return world;
+}
+
+static uint64_t hash_of(duet_world *world)
+{
+    duet_error err = {0};
+    duet_result result;
+    assert_ok(duet_world_step(world, &result, &err), err);
+    return duet_result_get_hash(&result);
+}
+
+static void set_plan(duet_world *world, duet_mode mode, uint32_t share)
+{
+    duet_error err = {0};
+    duet_plan plan = *duet_world_get_plan(world);
+    plan.mode = mode;
+    plan.share = share;
+    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+}
+
+static duet_result step(duet_world *world)
+{
+    duet_error err = {0};
+    duet_result result;
+    assert_ok(duet_world_step(world, &result, &err), err);
+    return result;
+}
+
+static void refused(const duet_error *err, duet_status status, const char *says)
+{
+    if (err->status != status || !strstr(err->text, says))
+        fail_msg("%s: '%s', not '%s'", duet_status_name(err->status), err->text, says);
+    assert_null(strchr(err->text, '\n'));
+}
+
+// ------------------------------------------------------------ device pairs
+
+static void a_pair_holds_what_it_uses_and_lets_all_of_it_go(void **state)
+{
+    (void)state;
+    const cl_uint before = context_references();
+    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    assert_true(context_references() > before);
+    assert_int_equal(queue_references(0), 2);
+    assert_ptr_equal(pair->devices[0].context, own.context);
+    assert_ptr_not_equal(pair->devices[0].queue, own.queues[0]);
+    assert_int_equal(duet_device_pair_is_one(pair), !own.cut);
+    const char *selector = duet_device_pair_get_info(pair, 0)->selector;
+    assert_int_equal(strstr(selector, "[1 unit]") != NULL, own.cut);
+    duet_device_pair_destroy(pair);
+    assert_int_equal(context_references(), before);
+    assert_int_equal(queue_references(0), 1);
+}
+
+static void one_queue_is_a_pair_of_one(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; ++i) {
+        duet_device_pair *pair = open_pair(i ? NULL : own.queues[0], i ? own.queues[0] : NULL);
+        assert_true(duet_device_pair_is_one(pair));
+        assert_int_equal(duet_default_plan(pair).share, 0);
+        duet_device_pair_destroy(pair);
+    }
+}
+
+static void a_device_without_a_queue_is_opened_by_its_selector(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    def.a = "cpu";
+    duet_device_pair *pair = duet_device_pair_create_on_queues(&def, NULL, own.queues[1], &err);
+    assert_ok(pair, err);
+    assert_ptr_not_equal(pair->devices[0].context, own.context);
+    assert_ptr_equal(pair->devices[1].context, own.context);
+    duet_device_pair_destroy(pair);
+    def.a = "nowhere";
+    assert_null(duet_device_pair_create_on_queues(&def, NULL, own.queues[1], &err));
+    refused(&err, DUET_STATUS_NOT_FOUND, "no device 'nowhere'");
+    err = (duet_error){0};
+    assert_null(duet_device_pair_create_on_queues(&def, NULL, NULL, &err));
+    refused(&err, DUET_STATUS_BAD_ARGUMENT, "queue is NULL");
+}
+
+// A profile that was measured on the device by its selector is one for the caller's queue.
+static void profiles_are_those_of_the_device(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    cl_device_id root = first_device();
+    cl_context context = clCreateContext(NULL, 1, &root, NULL, NULL, NULL);
+    cl_command_queue queue = clCreateCommandQueue(context, root, 0, NULL);
+    duet_device_pair *pair = open_pair(queue, NULL);
+    clReleaseCommandQueue(queue);
+    clReleaseContext(context);
+    duet_device_pair *named =
+        duet_device_pair_open(duet_device_pair_get_info(pair, 0)->selector, &err);
+    assert_ok(named, err);
+    duet_device_pair *pairs[] = {pair, named};
+    profile_subject subjects[2];
+    uint64_t hashes[2];
+    for (int i = 0; i < 2; ++i) {
+        duet_profile profile;
+        duet_world *world = make_world(pairs[i], duet_default_world_def());
+        assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
+        assert_ok(profile_subject_read(world, &subjects[i], &err), err);
+        assert_ok(duet_world_load_profile(world, NULL, &profile, &err), err);
+        hashes[i] = hash_of(world); // the program has released its queue and context
+        duet_world_destroy(world);
+    }
+    assert_true(hashes[0] == hashes[1]);
+    assert_string_equal(subjects[0].pair.a.device.name, subjects[1].pair.a.device.name);
+    assert_int_equal(subjects[0].pair.a.device.units, subjects[1].pair.a.device.units);
+    assert_null(subjects[0].pair.b.part);
+    duet_device_pair_destroy(named);
+    duet_device_pair_destroy(pair);
+}
+
+// ------------------------------------------------------------ objects
+
+typedef struct given {
+    duet_object_kind kind;
+    size_t bytes;
+    const void *rows;
+} given;
+
+static duet_bounds bounds[N];
+static duet_transform transforms[N];
+static duet_size sizes[N];
+static duet_compact_transform compact[N];
+static duet_large_pose large[N];
+
+static void fill_kinds(void)
+{
+    for (int i = 0; i < N; ++i) {
+        const double at[3] = {poses[i].centre[0], poses[i].centre[1], poses[i].centre[2]};
+        for (int k = 0; k < 3; ++k) {
+            bounds[i].lower[k] = poses[i].centre[k];
+            bounds[i].upper[k] = poses[i].centre[k] + poses[i].half_extents[k];
+        }
+        memcpy(transforms[i].centre, poses[i].centre, sizeof poses[i].centre);
+        memcpy(transforms[i].rotation, poses[i].rotation, sizeof poses[i].rotation);
+        memcpy(sizes[i].half_extents, poses[i].half_extents, sizeof sizes[i]);
+        assert_true(duet_compact_transform_set(&compact[i], &transforms[i], NULL));
+        large[i].pose = poses[i];
+        assert_true(duet_large_pose_set(&large[i], at, 4.0f, NULL));
+    }
+}
+
+static void set_by_buffer(duet_world *world, given g)
+{
+    duet_error err = {0};
+    cl_mem mem = make_buffer(g.rows, N * g.bytes, CL_MEM_READ_ONLY);
+    assert_ok(duet_world_set_objects_buffer(world, g.kind, mem, N, 0, NULL, &err), err);
+    clReleaseMemObject(mem); // which the world holds
+}
+
+static void steps_are_those_of_the_host(duet_device_pair *pair, duet_world_def def, given g)
+{
+    static const struct {
+        duet_mode mode;
+        uint32_t share;
+    } plans[] = {{DUET_MODE_OWN, 0},
+                 {DUET_MODE_OWN, DUET_SHARE_ONE / 3},
+                 {DUET_MODE_OWN, DUET_SHARE_ONE},
+                 {DUET_MODE_SLAB, DUET_SHARE_ONE / 2},
+                 {DUET_MODE_SHARED, DUET_SHARE_ONE / 2}};
+    duet_error err = {0};
+    duet_world *host = make_world(pair, def), *world = make_world(pair, def);
+    const given apart = {DUET_OBJECT_SIZES, sizeof *sizes, sizes};
+    assert_ok(duet_world_set_objects(host, g.kind, g.rows, N, &err), err);
+    if (def.separate_sizes || def.compact_transforms) {
+        assert_ok(duet_world_set_objects(host, DUET_OBJECT_SIZES, sizes, N, &err), err);
+        set_by_buffer(world, apart);
+    }
+    set_plan(host, DUET_MODE_OWN, 0);
+    duet_result right = step(host);
+    assert_true(right.pairs > 10 && (def.shape == DUET_SHAPE_BOUNDS || right.undecided > 0));
+    for (size_t p = 0; p < sizeof plans / sizeof *plans; ++p) {
+        set_by_buffer(world, g);
+        set_plan(world, plans[p].mode, plans[p].share);
+        assert_true(hash_of(world) == duet_result_get_hash(&right));
+        assert_true(hash_of(world) == duet_result_get_hash(&right)); // as they were
+    }
+    duet_world_destroy(world);
+    duet_world_destroy(host);
+}
+
+static void every_kind(duet_device_pair *pair, uint32_t dims)
+{
+    duet_world_def def = duet_default_world_def();
+    def.dims = dims;
+    steps_are_those_of_the_host(pair, def, (given){DUET_OBJECT_POSES, sizeof *poses, poses});
+    def.shape = DUET_SHAPE_BOUNDS;
+    steps_are_those_of_the_host(pair, def, (given){DUET_OBJECT_BOUNDS, sizeof *bounds, bounds});
+    if (dims == 2)
+        return;
+    def.shape = DUET_SHAPE_POSES;
+    def.separate_sizes = true;
+    steps_are_those_of_the_host(pair, def,
+                                (given){DUET_OBJECT_TRANSFORMS, sizeof *transforms, transforms});
+    def.compact_transforms = true;
+    steps_are_those_of_the_host(pair, def,
+                                (given){DUET_OBJECT_COMPACT_TRANSFORMS, sizeof *compact, compact});
+    def.separate_sizes = def.compact_transforms = false;
+    def.origin_edge = 4.0f;
+    steps_are_those_of_the_host(pair, def, (given){DUET_OBJECT_LARGE_POSES, sizeof *large, large});
+}
+
+static void set_host_memory(duet_device_pair *pair, bool a, bool b)
+{
+    pair->devices[0].info.host_memory = a;
+    pair->devices[1].info.host_memory = b;
+}
+
+static void objects_of_a_buffer_are_those_of_the_host(void **state)
+{
+    (void)state;
+    fill_kinds();
+    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    every_kind(pair, 3);
+    every_kind(pair, 2);
+    duet_device_pair_destroy(pair);
+}
+
+static void a_device_of_another_context_gets_them_through_the_host(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_world_def def = duet_default_world_def();
+    duet_device_pair_def devices = duet_default_device_pair_def();
+    devices.a = devices.b = "cpu[1/1]";
+    for (int side = 0; side < 2; ++side) {
+        duet_device_pair *pair = duet_device_pair_create_on_queues(
+            &devices, side ? NULL : own.queues[0], side ? own.queues[1] : NULL, &err);
+        assert_ok(pair, err);
+        steps_are_those_of_the_host(pair, def, (given){DUET_OBJECT_POSES, sizeof *poses, poses});
+        duet_device_pair_destroy(pair);
+    }
+}
+
+// Such devices are told of them here; the CPU does what they would.
+static void devices_with_memory_of_their_own_find_the_same(void **state)
+{
+    (void)state;
+    fill_kinds();
+    duet_world_def def = duet_default_world_def();
+    for (int i = 0; i < 2; ++i) {
+        duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+        set_host_memory(pair, i, false);
+        steps_are_those_of_the_host(pair, def, (given){DUET_OBJECT_POSES, sizeof *poses, poses});
+        duet_world_def apart = def;
+        apart.compact_transforms = true;
+        steps_are_those_of_the_host(
+            pair, apart, (given){DUET_OBJECT_COMPACT_TRANSFORMS, sizeof *compact, compact});
+        set_host_memory(pair, true, true);
+        duet_device_pair_destroy(pair);
+    }
+}
+
+static void objects_are_checked_as_the_hosts(void **state)
+{
+    (void)state;
+    duet_error err = {0}, own_err = {0};
+    duet_result result;
+    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_world *host = make_world(pair, duet_default_world_def());
+    duet_world *world = make_world(pair, duet_default_world_def());
+    const given g = {DUET_OBJECT_POSES, sizeof *poses, poses};
+    set_by_buffer(world, g);
+    const uint64_t right = hash_of(world);
+    float *const numbers[] = {&poses[7].centre[1], &poses[9].half_extents[0], &poses[11].centre[0]};
+    const float bad[] = {NAN, -1.0f, INFINITY};
+    for (int i = 0; i < 3; ++i) {
+        const float kept = *numbers[i];
+        *numbers[i] = bad[i];
+        err = own_err = (duet_error){0};
+        set_by_buffer(world, g);
+        assert_ok(duet_world_set_objects(host, g.kind, poses, N, &err), err);
+        assert_false(duet_world_step(host, &result, &err));
+        assert_false(duet_world_step(world, &result, &own_err));
+        assert_int_equal(own_err.status, DUET_STATUS_BAD_OBJECT);
+        assert_string_equal(own_err.text, err.text);
+        *numbers[i] = kept;
+    }
+    // One that outgrows its cells makes the grid be laid anew.
+    const float kept = poses[3].half_extents[1];
+    poses[3].half_extents[1] = 5.0f;
+    err = (duet_error){0};
+    set_by_buffer(world, g);
+    assert_ok(duet_world_set_objects(host, g.kind, poses, N, &err), err);
+    assert_true(hash_of(world) == hash_of(host));
+    assert_true(hash_of(world) != right);
+    poses[3].half_extents[1] = kept;
+    set_by_buffer(world, g);
+    assert_true(hash_of(world) == right);
+    duet_world_destroy(world);
+    duet_world_destroy(host);
+    duet_device_pair_destroy(pair);
+}
+
+static void a_step_reads_objects_once_what_it_waits_for_is_over(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_result result;
+    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_world *world = make_world(pair, duet_default_world_def());
+    cl_mem mem = make_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
+    assert_ok(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 0, NULL, &err), err);
+    const uint64_t right = hash_of(world);
+    // Nonsense is there until the program's own event lets the poses come.
+    const cl_uint nothing = 0;
+    for (int by_event = 0; by_event < 2; ++by_event) {
+        cl_event gate = clCreateUserEvent(own.context, NULL), written = NULL;
+        assert_int_equal(clEnqueueFillBuffer(own.queues[0], mem, &nothing, sizeof nothing, 0,
+                                             sizeof poses, 0, NULL, NULL),
+                         CL_SUCCESS);
+        clFinish(own.queues[0]);
+        assert_int_equal(clEnqueueWriteBuffer(own.queues[0], mem, CL_FALSE, 0, sizeof poses, poses,
+                                              1, &gate, &written),
+                         CL_SUCCESS);
+        clFlush(own.queues[0]);
+        assert_ok(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, (cl_uint)by_event,
+                                                by_event ? &written : NULL, &err),
+                  err);
+        assert_ok(duet_world_step_begin(world, &err), err);
+        clSetUserEventStatus(gate, CL_COMPLETE);
+        assert_ok(duet_world_step_end(world, &result, &err), err);
+        assert_true(duet_result_get_hash(&result) == right);
+        clReleaseEvent(written);
+        clReleaseEvent(gate);
+    }
+    assert_true(references(mem) == 2);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
+    assert_true(references(mem) == 1);
+    assert_true(hash_of(world) == right);
+    clReleaseMemObject(mem);
+    duet_world_destroy(world);
+    duet_device_pair_destroy(pair);
+}
+
+static void what_was_waited_for_in_vain_is_told(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_result result;
+    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_world *world = make_world(pair, duet_default_world_def());
+    cl_mem mem = make_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
+    cl_event gate = clCreateUserEvent(own.context, NULL);
+    assert_ok(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 1, &gate, &err), err);
+    clSetUserEventStatus(gate, -5);
+    assert_false(duet_world_step(world, &result, &err));
+    refused(&err, DUET_STATUS_DEVICE_FAILED, "an event that the objects wait for has failed");
+    clReleaseEvent(gate);
+    clReleaseMemObject(mem);
+    duet_world_destroy(world);
+    duet_device_pair_destroy(pair);
+}
+
+// ------------------------------------------------------------ pairs
+
+static uint64_t hash_of_buffers(const duet_pair_buffers *b)
+{
+    cl_ulong n = 0;
+    duet_pair *pairs = malloc((size_t)b->n * sizeof *pairs + 1);
+    assert_non_null(pairs);
+    assert_int_equal(
+        clEnqueueReadBuffer(own.queues[0], b->count, CL_TRUE, 0, sizeof n, &n, 0, NULL, NULL),
+        CL_SUCCESS);
+    assert_true(n == b->n);
+    if (n > 0)
+        assert_int_equal(clEnqueueReadBuffer(own.queues[0], b->pairs, CL_TRUE, 0,
+                                             (size_t)n * sizeof *pairs, pairs, 0, NULL, NULL),
+                         CL_SUCCESS);
+    uint64_t hash = duet_pairs_hash(pairs, n);
+    free(pairs);
+    return hash;
+}
+
+static void leave_everywhere(duet_device_pair *pair)
+{
+    static const uint32_t shares[] = {0, DUET_SHARE_ONE / 3, DUET_SHARE_ONE};
+    duet_error err = {0};
+    duet_world *world = make_world(pair, duet_default_world_def());
+    const given g = {DUET_OBJECT_POSES, sizeof *poses, poses};
+    set_by_buffer(world, g);
+    const duet_result right = step(world);
+    const uint64_t hash = duet_result_get_hash(&right), n = right.pairs;
+    cl_mem pairs = make_buffer(NULL, n * sizeof(duet_pair), CL_MEM_READ_WRITE);
+    cl_mem count = make_buffer(NULL, sizeof(cl_ulong), CL_MEM_READ_WRITE);
+    for (int i = 0; i < 12; ++i) {
+        bool mine = i % 2;
+        duet_pair_buffers buffers;
+        assert_ok(duet_world_leave_pairs(world, i / 2 % 2, mine ? pairs : NULL, mine ? count : NULL,
+                                         &err),
+                  err);
+        set_plan(world, DUET_MODE_OWN, shares[i / 4]);
+        duet_result result = step(world);
+        assert_int_equal(result.pairs, n);
+        assert_int_equal(result.spans[0].n + result.spans[1].n, n);
+        assert_null(result.spans[0].pairs);
+        assert_true(duet_result_get_hash(&result) == 0);
+        assert_int_equal(duet_result_get_pair(&result, 0).b, 0);
+        assert_ok(duet_world_get_pair_buffers(world, &buffers, &err), err);
+        assert_int_equal(mine, buffers.pairs == pairs);
+        assert_int_equal(mine, buffers.count == count);
+        assert_true(hash_of_buffers(&buffers) == hash);
+    }
+    assert_ok(duet_world_bring_pairs(world, &err), err);
+    assert_int_equal(references(pairs), 1);
+    assert_int_equal(references(count), 1);
+    assert_true(hash_of(world) == hash);
+    clReleaseMemObject(pairs);
+    clReleaseMemObject(count);
+    duet_world_destroy(world);
+}
+
+static void pairs_are_left_in_buffers(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 3; ++i) {
+        duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+        set_host_memory(pair, i > 1, i > 0);
+        leave_everywhere(pair);
+        set_host_memory(pair, true, true);
+        duet_device_pair_destroy(pair);
+    }
+}
+
+static void a_buffer_too_small_for_the_pairs_is_left_as_it_was(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_result result;
+    duet_pair_buffers buffers;
+    duet_device_pair *pair = open_pair(own.queues[0], NULL);
+    duet_world *world = make_world(pair, duet_default_world_def());
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
+    const uint64_t n = step(world).pairs;
+    duet_pair kept[3] = {{1, 2}, {3, 4}, {5, 6}}, now[3];
+    cl_mem pairs = make_buffer(kept, sizeof kept, CL_MEM_READ_WRITE);
+    assert_ok(duet_world_leave_pairs(world, 1, pairs, NULL, &err), err);
+    assert_false(duet_world_step(world, &result, &err));
+    refused(&err, DUET_STATUS_TOO_MANY, "the caller's buffer holds 3; expected one of");
+    assert_int_equal(result.pairs, n);
+    clEnqueueReadBuffer(own.queues[0], pairs, CL_TRUE, 0, sizeof now, now, 0, NULL, NULL);
+    assert_memory_equal(now, kept, sizeof now);
+    err = (duet_error){0};
+    assert_false(duet_world_get_pair_buffers(world, &buffers, &err));
+    refused(&err, DUET_STATUS_BAD_ARGUMENT, "no step has left its pairs");
+    clReleaseMemObject(pairs);
+    duet_world_destroy(world);
+    duet_device_pair_destroy(pair);
+}
+
+// ------------------------------------------------------------ two halves
+
+static void commands_that_wait_for_a_step_see_its_pairs(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_result result;
+    duet_pair_buffers buffers;
+    cl_event done = NULL;
+    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_world *world = make_world(pair, duet_default_world_def());
+    cl_mem mem = make_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
+    cl_mem count = make_buffer(NULL, sizeof(cl_ulong), CL_MEM_READ_WRITE);
+    cl_ulong read = 0;
+    assert_false(duet_world_step_begin_event(world, &done, &err));
+    refused(&err, DUET_STATUS_BAD_ARGUMENT, "pairs come to the host");
+    err = (duet_error){0};
+    assert_ok(duet_world_leave_pairs(world, 1, NULL, count, &err), err);
+    for (int i = 0; i < 3; ++i) {
+        read = 0;
+        assert_ok(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 0, NULL, &err),
+                  err);
+        assert_ok(duet_world_step_begin_event(world, &done, &err), err);
+        assert_int_equal(clEnqueueReadBuffer(own.queues[1], count, CL_TRUE, 0, sizeof read, &read,
+                                             1, &done, NULL),
+                         CL_SUCCESS);
+        assert_ok(duet_world_step_end(world, &result, &err), err);
+        assert_int_equal(read, result.pairs);
+        assert_ok(duet_world_get_pair_buffers(world, &buffers, &err), err);
+        assert_ptr_equal(buffers.count, count);
+        clReleaseEvent(done);
+    }
+    // A step that fails has left no pairs.
+    poses[5].centre[0] = NAN;
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err), err);
+    poses[5].centre[0] = 1.0f;
+    assert_ok(duet_world_step_begin_event(world, &done, &err), err);
+    assert_false(duet_world_step_end(world, &result, &err));
+    refused(&err, DUET_STATUS_BAD_OBJECT, "object 5 of");
+    read = 9;
+    assert_int_equal(
+        clEnqueueReadBuffer(own.queues[1], count, CL_TRUE, 0, sizeof read, &read, 1, &done, NULL),
+        CL_SUCCESS);
+    assert_int_equal(read, 0);
+    err = (duet_error){0};
+    assert_false(duet_world_get_pair_buffers(world, &buffers, &err));
+    clReleaseEvent(done);
+    clReleaseMemObject(count);
+    clReleaseMemObject(mem);
+    duet_world_destroy(world);
+    duet_device_pair_destroy(pair);
+}
+
+static void between_the_halves_of_a_step_nothing_else_is_taken(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_result result;
+    duet_pair_buffers buffers;
+    duet_profile profile;
+    char *why = NULL;
+    cl_event done = NULL;
+    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_world *world = make_world(pair, duet_default_world_def());
+    cl_mem mem = make_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
+    assert_false(duet_world_step_end(world, &result, &err));
+    refused(&err, DUET_STATUS_BAD_ARGUMENT, "no step is under way");
+    // It is under way as long as its objects are not there.
+    cl_event gate = clCreateUserEvent(own.context, NULL);
+    err = (duet_error){0};
+    const duet_plan plan = *duet_world_get_plan(world);
+    assert_ok(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 1, &gate, &err), err);
+    assert_ok(duet_world_step_begin(world, &err), err);
+    assert_null(duet_world_get_plan(world));
+    assert_int_equal(duet_world_get_level(world), DUET_LEVEL_CERTIFIED);
+#define REFUSED(call)                                                \
+    do {                                                             \
+        err = (duet_error){0};                                       \
+        assert_false(call);                                          \
+        refused(&err, DUET_STATUS_BAD_ARGUMENT,                      \
+                "is under way; expected duet_world_step_end first"); \
+    } while (0)
+    REFUSED(duet_world_step(world, &result, &err));
+    REFUSED(duet_world_step_begin(world, &err));
+    REFUSED(duet_world_step_begin_event(world, &done, &err));
+    REFUSED(duet_world_map_objects(world, DUET_OBJECT_POSES, N, &err));
+    REFUSED(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err));
+    REFUSED(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 0, NULL, &err));
+    REFUSED(duet_world_set_plan(world, &plan, &err));
+    REFUSED(duet_world_set_level(world, DUET_LEVEL_AABB, &err));
+    REFUSED(duet_world_leave_pairs(world, 0, NULL, NULL, &err));
+    REFUSED(duet_world_bring_pairs(world, &err));
+    REFUSED(duet_world_get_pair_buffers(world, &buffers, &err));
+    REFUSED(duet_world_load_profile(world, NULL, &profile, &err));
+    REFUSED(duet_world_explain_profile(world, NULL, &why, &err));
+    clSetUserEventStatus(gate, CL_COMPLETE);
+    clReleaseEvent(gate);
+    err = (duet_error){0};
+    assert_ok(duet_world_step_end(world, &result, &err), err);
+    assert_ok(duet_world_step_begin(world, &err), err);
+    duet_world_destroy(world); // which waits
+    clReleaseMemObject(mem);
+    duet_device_pair_destroy(pair);
+}
+
+// ------------------------------------------------------------ states
+
+static void states_are_copied_into_a_buffer(void **state)
+{
+    (void)state;
+    enum { SOME = 20 };
+    duet_error err = {0};
+    duet_motion_result result;
+    duet_state states[SOME];
+    float rows[SOME][4];
+    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_motion_def def = duet_default_motion_def();
+    def.pair = pair;
+    def.gravity[1] = -10.0;
+    duet_motion *motion = duet_motion_create(&def, poses, NULL, SOME, &err);
+    assert_ok(motion, err);
+    cl_mem mem = make_buffer(NULL, sizeof rows, CL_MEM_READ_WRITE);
+    cl_mem small = make_buffer(NULL, sizeof rows - 1, CL_MEM_READ_WRITE);
+    for (int i = 0; i < 2; ++i) {
+        cl_event gate = clCreateUserEvent(own.context, NULL), done = NULL;
+        assert_ok(duet_motion_advance(motion, &result, &err), err);
+        clSetUserEventStatus(gate, CL_COMPLETE);
+        assert_ok(duet_motion_copy_states(motion, DUET_STATE_CENTRES, mem, 1, &gate,
+                                          i ? &done : NULL, &err),
+                  err);
+        assert_int_equal(clEnqueueReadBuffer(own.queues[0], mem, CL_TRUE, 0, sizeof rows, rows,
+                                             i ? 1 : 0, i ? &done : NULL, NULL),
+                         CL_SUCCESS);
+        assert_ok(duet_motion_get_states(motion, states, &err), err);
+        for (int id = 0; id < SOME; ++id)
+            for (int k = 0; k < 3; ++k)
+                assert_true((double)rows[id][k] == states[id].centre[k]);
+        clReleaseEvent(gate);
+        if (done)
+            clReleaseEvent(done);
+    }
+    assert_false(duet_motion_copy_states(motion, DUET_STATE_CENTRES, small, 0, NULL, NULL, &err));
+    refused(&err, DUET_STATUS_BAD_ARGUMENT, "rows has 319 bytes; expected at least 320");
+    err = (duet_error){0};
+    assert_false(
+        duet_motion_copy_states(motion, DUET_STATE_ANGULAR_VELOCITIES, mem, 0, NULL, NULL, &err));
+    refused(&err, DUET_STATUS_BAD_ARGUMENT, "needs the effect angular_velocity");
+    clReleaseMemObject(small);
+    clReleaseMemObject(mem);
+    duet_motion_destroy(motion);
+    duet_device_pair_destroy(pair);
+}
+
+// ------------------------------------------------------------ misuse
+
+static void what_is_no_fit_buffer_is_refused_by_name(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_world *world = make_world(pair, duet_default_world_def());
+    cl_device_id root = first_device();
+    cl_context other = clCreateContext(NULL, 1, &root, NULL, NULL, NULL);
+    cl_mem foreign = clCreateBuffer(other, CL_MEM_READ_WRITE, sizeof poses, NULL, NULL);
+    cl_event event = clCreateUserEvent(other, NULL);
+    cl_mem small = make_buffer(NULL, 79, CL_MEM_READ_WRITE);
+    cl_mem tiny = make_buffer(NULL, 4, CL_MEM_READ_WRITE);
+    cl_mem unread = make_buffer(NULL, sizeof poses, CL_MEM_WRITE_ONLY);
+    cl_mem unwritten = make_buffer(NULL, sizeof poses, CL_MEM_READ_ONLY);
+    cl_mem hidden = make_buffer(NULL, sizeof poses, CL_MEM_READ_WRITE | CL_MEM_HOST_NO_ACCESS);
+    const struct {
+        cl_mem objects;
+        const char *says;
+    } objects[] = {{NULL, "objects is NULL"},
+                   {foreign, "objects is of another context; expected that of"},
+                   {small, "objects has 79 bytes; expected at least 80"},
+                   {unread, "objects cannot be read by devices"},
+                   {hidden, "objects cannot be read by the host"}};
+    for (size_t i = 0; i < sizeof objects / sizeof *objects; ++i) {
+        err = (duet_error){0};
+        assert_false(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, objects[i].objects, 2,
+                                                   0, NULL, &err));
+        refused(&err, DUET_STATUS_BAD_ARGUMENT, objects[i].says);
+        assert_non_null(strstr(err.text, "duet_world_set_objects_buffer: "));
+    }
+    const struct {
+        cl_mem pairs, count;
+        const char *says;
+    } outputs[] = {{foreign, NULL, "pairs is of another context"},
+                   {tiny, NULL, "pairs has 4 bytes; expected at least 8"},
+                   {unwritten, NULL, "pairs cannot be written by devices"},
+                   {NULL, foreign, "count is of another context"},
+                   {NULL, tiny, "count has 4 bytes; expected at least 8"},
+                   {small, unwritten, "count cannot be written by devices"}};
+    for (size_t i = 0; i < sizeof outputs / sizeof *outputs; ++i) {
+        err = (duet_error){0};
+        assert_false(duet_world_leave_pairs(world, 0, outputs[i].pairs, outputs[i].count, &err));
+        refused(&err, DUET_STATUS_BAD_ARGUMENT, outputs[i].says);
+    }
+    err = (duet_error){0};
+    assert_false(duet_world_leave_pairs(world, 2, NULL, NULL, &err));
+    refused(&err, DUET_STATUS_BAD_ARGUMENT, "device is 2; expected 0 for A, 1 for B");
+    err = (duet_error){0};
+    assert_false(
+        duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, unwritten, 2, 1, &event, &err));
+    refused(&err, DUET_STATUS_BAD_ARGUMENT, "event 0 of 1 is of another context");
+    err = (duet_error){0};
+    assert_false(
+        duet_world_set_objects_buffer(world, DUET_OBJECT_BOUNDS, unwritten, 2, 0, NULL, &err));
+    refused(&err, DUET_STATUS_BAD_ARGUMENT, "the world was made for poses, not for bounds");
+    err = (duet_error){0};
+    def.cookie = 0;
+    assert_null(duet_device_pair_create_on_queues(&def, own.queues[0], NULL, &err));
+    refused(&err, DUET_STATUS_BAD_ARGUMENT, "begins with duet_default_device_pair_def");
+    duet_world_destroy(world);
+    duet_device_pair_destroy(pair);
+    cl_mem mems[] = {foreign, small, tiny, unread, unwritten, hidden};
+    for (size_t i = 0; i < sizeof mems / sizeof *mems; ++i) {
+        assert_int_equal(references(mems[i]), 1);
+        clReleaseMemObject(mems[i]);
+    }
+    clReleaseEvent(event);
+    clReleaseContext(other);
+}
+
+int main(void)
+{
+#define FACT(name) cmocka_unit_test_teardown(name, nothing_is_left)
+    const struct CMUnitTest tests[] = {
+        FACT(a_pair_holds_what_it_uses_and_lets_all_of_it_go),
+        FACT(one_queue_is_a_pair_of_one),
+        FACT(a_device_without_a_queue_is_opened_by_its_selector),
+        FACT(profiles_are_those_of_the_device),
+        FACT(objects_of_a_buffer_are_those_of_the_host),
+        FACT(a_device_of_another_context_gets_them_through_the_host),
+        FACT(devices_with_memory_of_their_own_find_the_same),
+        FACT(objects_are_checked_as_the_hosts),
+        FACT(a_step_reads_objects_once_what_it_waits_for_is_over),
+        FACT(what_was_waited_for_in_vain_is_told),
+        FACT(pairs_are_left_in_buffers),
+        FACT(a_buffer_too_small_for_the_pairs_is_left_as_it_was),
+        FACT(commands_that_wait_for_a_step_see_its_pairs),
+        FACT(between_the_halves_of_a_step_nothing_else_is_taken),
+        FACT(states_are_copied_into_a_buffer),
+        FACT(what_is_no_fit_buffer_is_refused_by_name),
+    };
+    return cmocka_run_group_tests(tests, open_program, close_program);
+}

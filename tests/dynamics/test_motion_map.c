@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: MIT
+// Mapped states: what is written is what is sent, as by the commands that set the same.
+#include "support/mover.h"
+#include "support/test.h"
+
+#include "runtime/duet_motion_commands.h"
+#include "runtime/duet_motion_map.h"
+#include "runtime/dynamics/motion.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { CUBES = 24 };
+
+// Cubes above a floor, at place 0, that stay apart for a while.
+static mover *make_shower(uint32_t dims, bool doubles)
+{
+    mover *m = mover_new(dims);
+    m->def.doubles = doubles;
+    m->def.wants = DUET_EFFECT_SLEEP | DUET_EFFECT_ANGULAR_VELOCITY | DUET_EFFECT_MOTION;
+    mover_add_floor(m, 20.0);
+    for (int i = 0; i < CUBES; ++i)
+        mover_add_rough_cube(m, 1.5 * (i % 5), 1.0 + i / 5, dims == 3 ? 0.3 * i : 0.0);
+    mover_run(m, 2);
+    return m;
+}
+
+static void *map(mover *m, duet_state_part part, duet_map_access access, uint32_t first, uint32_t n)
+{
+    duet_error err = {0};
+    void *rows = duet_motion_map_states(m->motion, part, access, first, n, &err);
+    assert_ok(rows, err);
+    return rows;
+}
+
+static void unmap(mover *m, duet_state_part part)
+{
+    duet_error err = {0};
+    assert_ok(duet_motion_unmap_states(m->motion, part, &err), err);
+}
+
+static void refused(bool ok, const duet_error *err, duet_status status, const char *says)
+{
+    assert_false(ok);
+    if (err->status != status || !strstr(err->text, says))
+        fail_msg("%s: '%s', not '%s'", duet_status_name(err->status), err->text, says);
+}
+
+static void set_host_memory(bool host)
+{
+    for (int side = 0; side < 2; ++side)
+        mover_pair()->devices[side].info.host_memory = host;
+}
+
+// ------------------------------------------------------------ facts
+
+// Places 3 to 7 are put elsewhere and thrown, in one motion by commands.
+static void write_some(mover *by_map, mover *by_command, bool doubles)
+{
+    duet_error err = {0};
+    duet_pose poses[5];
+    duet_body bodies[5];
+    const duet_body_list list = {.first = 3, .n = 5};
+    void *rows[3];
+    for (int part = 0; part < 3; ++part)
+        rows[part] = map(by_map, (duet_state_part)part, DUET_MAP_WRITE, 3, 5);
+    for (int i = 0; i < 5; ++i) {
+        bool solid = by_map->def.dims == 3;
+        const float numbers[3][4] = {{2.0f * (float)i, 9.5f, solid ? 1.25f : 0.0f, 0},
+                                     {solid ? 0.5f : 0.0f, 0, 0.25f * (float)i, 1.5f},
+                                     {1.0f, -3.0f, solid ? 0.5f : 0.0f, 77.0f}};
+        for (int part = 0; part < 3; ++part)
+            for (int k = 0; k < 4; ++k) {
+                if (doubles)
+                    ((double *)rows[part])[4 * i + k] = (double)numbers[part][k];
+                else
+                    ((float *)rows[part])[4 * i + k] = numbers[part][k];
+            }
+        poses[i] = by_map->poses[3 + i];
+        memcpy(poses[i].centre, numbers[0], sizeof poses[i].centre);
+        memcpy(poses[i].rotation, numbers[1], sizeof poses[i].rotation);
+        bodies[i] = by_map->bodies[3 + i];
+        memcpy(bodies[i].velocity, numbers[2], sizeof bodies[i].velocity);
+    }
+    for (int part = 0; part < 3; ++part)
+        unmap(by_map, (duet_state_part)part);
+    assert_ok(duet_motion_set_poses(by_command->motion, list, poses, &err), err);
+    assert_ok(duet_motion_set_bodies(by_command->motion, list, DUET_BODY_VELOCITY, bodies, &err),
+              err);
+}
+
+static void written_is_as_set_in(uint32_t dims, bool doubles)
+{
+    mover *by_map = make_shower(dims, doubles), *by_command = make_shower(dims, doubles);
+    const uint64_t before = mover_hash(by_map);
+    write_some(by_map, by_command, doubles);
+    assert_true(mover_hash(by_map) != before);
+    for (int i = 0; i < 3; ++i) {
+        assert_true(mover_hash(by_map) == mover_hash(by_command));
+        mover_run(by_map, 20);
+        mover_run(by_command, 20);
+    }
+    mover_free(by_map);
+    mover_free(by_command);
+}
+
+static void what_is_written_is_what_is_set(void **state)
+{
+    (void)state;
+    bool host = mover_pair()->devices[1].info.host_memory;
+    written_is_as_set_in(3, false);
+    written_is_as_set_in(2, false);
+    set_host_memory(false);
+    written_is_as_set_in(3, false);
+    set_host_memory(host);
+    if (mover_pair()->devices[1].info.fp64)
+        written_is_as_set_in(3, true);
+}
+
+static void what_is_read_is_the_state_without_a_copy(void **state)
+{
+    (void)state;
+    static const duet_state_part all[] = {DUET_STATE_CENTRES, DUET_STATE_ROTATIONS,
+                                          DUET_STATE_VELOCITIES, DUET_STATE_ANGULAR_VELOCITIES};
+    static const motion_buffer buffers[] = {CENTRES, ROTATIONS, VELOCITIES, ANGULAR_VELOCITIES};
+    mover *m = make_shower(3, false);
+    mover_run(m, 30);
+    const uint64_t hash = mover_hash(m);
+    for (int p = 0; p < 4; ++p) {
+        const float *rows = map(m, all[p], DUET_MAP_READ, 1, CUBES);
+        const buffer *b = &m->motion->buffers[buffers[p]];
+        if (b->host)
+            assert_ptr_equal(rows, (const float *)b->host + 4);
+        for (uint32_t i = 0; i < CUBES; ++i) {
+            const duet_state *s = &m->states[i + 1];
+            const double *parts[] = {s->centre, s->rotation, s->velocity, s->angular_velocity};
+            for (int k = 0; k < (p == 1 ? 4 : 3); ++k)
+                assert_true((double)rows[4 * i + (uint32_t)k] == parts[p][k]);
+        }
+        if (p == 2)
+            assert_true(rows[3] == 1.0f / m->bodies[1].mass);
+    }
+    for (int p = 0; p < 4; ++p)
+        unmap(m, all[p]);
+    assert_true(mover_hash(m) == hash);
+    mover_free(m);
+}
+
+// But that everything wakes.
+static void what_is_mapped_and_not_written_stays_bit_for_bit(void **state)
+{
+    (void)state;
+    mover *m = make_shower(3, false), *same = make_shower(3, false);
+    for (int i = 0; i < 3; ++i) {
+        for (int part = 0; part < 4; ++part)
+            map(m, (duet_state_part)part, DUET_MAP_WRITE, 0, m->n);
+        for (int part = 0; part < 4; ++part)
+            unmap(m, (duet_state_part)part);
+        assert_true(mover_hash(m) == mover_hash(same));
+        mover_run(m, 5);
+        mover_run(same, 5);
+    }
+    mover_free(m);
+    mover_free(same);
+}
+
+static void a_row_that_is_no_number_stays_mapped_to_be_mended(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    mover *m = make_shower(3, false);
+    float *centres = map(m, DUET_STATE_CENTRES, DUET_MAP_WRITE, 2, 4);
+    float *rotations = map(m, DUET_STATE_ROTATIONS, DUET_MAP_WRITE, 2, 4);
+    const float kept = centres[4 + 1];
+    float turned[4];
+    memcpy(turned, rotations + 12, sizeof turned);
+    centres[4 + 1] = NAN;
+    memset(rotations + 12, 0, sizeof turned);
+    refused(duet_motion_unmap_states(m->motion, DUET_STATE_CENTRES, &err), &err,
+            DUET_STATUS_BAD_OBJECT, "row 1 of 4 of the centres: a number of it is not finite");
+    err = (duet_error){0};
+    refused(duet_motion_unmap_states(m->motion, DUET_STATE_ROTATIONS, &err), &err,
+            DUET_STATUS_BAD_OBJECT, "row 3 of 4 of the rotations: it is no rotation");
+    centres[4 + 1] = kept;
+    memcpy(rotations + 12, turned, sizeof turned);
+    unmap(m, DUET_STATE_CENTRES);
+    unmap(m, DUET_STATE_ROTATIONS);
+    mover_run(m, 2);
+    mover_assert_finite(m);
+    mover_free(m);
+}
+
+static void a_sleeper_that_is_written_wakes_and_a_target_is_forgotten(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    mover *m = make_shower(3, false);
+    mover_run(m, 200);
+    assert_true(m->motion->at_rest);
+    float *velocities = map(m, DUET_STATE_VELOCITIES, DUET_MAP_WRITE, CUBES, 1);
+    velocities[1] = 4.0f;
+    unmap(m, DUET_STATE_VELOCITIES);
+    const double height = m->states[CUBES].centre[1];
+    mover_run(m, 3);
+    assert_true(m->states[CUBES].centre[1] > height + 0.1);
+
+    const duet_transform target = {.centre = {0, -4.0f, 0}, .rotation = {0, 0, 0, 1}};
+    const duet_body_list floor = {.first = 0, .n = 1};
+    assert_ok(duet_motion_set_targets(m->motion, floor, &target, &err), err);
+    map(m, DUET_STATE_VELOCITIES, DUET_MAP_WRITE, 0, 1);
+    unmap(m, DUET_STATE_VELOCITIES);
+    const double before = m->states[0].centre[1];
+    mover_run(m, 1);
+    assert_true(m->states[0].centre[1] == before);
+    mover_free(m);
+}
+
+static void a_disabled_body_stands_still_whatever_is_written(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    mover *m = make_shower(3, false);
+    const duet_body_list fifth = {.first = 5, .n = 1};
+    assert_ok(duet_motion_disable_bodies(m->motion, fifth, &err), err);
+    float *velocities = map(m, DUET_STATE_VELOCITIES, DUET_MAP_WRITE, 4, 3);
+    velocities[4] = 9.0f;
+    velocities[7] = 1.0f;
+    unmap(m, DUET_STATE_VELOCITIES);
+    mover_run(m, 1);
+    const double at = m->states[5].centre[0];
+    mover_run(m, 2);
+    assert_true(m->states[5].centre[0] == at && m->states[5].velocity[0] == 0.0);
+    mover_free(m);
+}
+
+static void while_states_are_mapped_other_calls_are_refused(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_motion_result result;
+    duet_state states[CUBES + 1];
+    uint64_t hash;
+    mover *m = make_shower(3, false);
+    const duet_body_list list = {.first = 1, .n = 1};
+    map(m, DUET_STATE_VELOCITIES, DUET_MAP_READ, 0, 2);
+#define REFUSED(call)                                                              \
+    do {                                                                           \
+        err = (duet_error){0};                                                     \
+        refused(call, &err, DUET_STATUS_BAD_ARGUMENT,                              \
+                "velocities are mapped; expected duet_motion_unmap_states first"); \
+    } while (0)
+    REFUSED(duet_motion_advance(m->motion, &result, &err));
+    REFUSED(duet_motion_get_states(m->motion, states, &err));
+    REFUSED(duet_motion_get_hash(m->motion, &hash, &err));
+    REFUSED(duet_motion_wake_bodies(m->motion, list, &err));
+    REFUSED(duet_motion_set_poses(m->motion, list, m->poses, &err));
+    REFUSED(duet_motion_add_bodies(m->motion, m->poses, NULL, 1, NULL, &err));
+    REFUSED(duet_motion_set_def(m->motion, &m->def, &err));
+    REFUSED(duet_motion_save(m->motion, "mapped.duet", &err));
+    REFUSED(duet_motion_load(m->motion, "mapped.duet", &err));
+    assert_int_equal(duet_motion_get_count(m->motion), m->n);
+    err = (duet_error){0};
+    refused(duet_motion_map_states(m->motion, DUET_STATE_VELOCITIES, DUET_MAP_READ, 0, 1, &err),
+            &err, DUET_STATUS_BAD_ARGUMENT, "velocities are mapped already");
+    mover_free(m); // mapped as it is
+}
+
+static void what_cannot_be_mapped_is_refused_by_name(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    mover *plain = mover_new(3);
+    mover_add_cube(plain, 0, 0, 0, 1);
+    plain->bodies[0].velocity[0] = 1.0f;
+    mover_run(plain, 1);
+    duet_motion *m = plain->motion;
+    const struct {
+        int part, access;
+        uint32_t first, n;
+        const char *says;
+    } wrong[] = {
+        {9, DUET_MAP_READ, 0, 1, "part is 9; expected a duet_state_part"},
+        {DUET_STATE_CENTRES, 5, 0, 1, "access is 5; expected a duet_map_access"},
+        {DUET_STATE_CENTRES, DUET_MAP_READ, 1, 1, "places 1 to 2; the motion has 1 places"},
+        {DUET_STATE_CENTRES, DUET_MAP_READ, 0, UINT32_MAX, "the motion has 1 places"},
+        {DUET_STATE_ANGULAR_VELOCITIES, DUET_MAP_READ, 0, 1, "needs the effect angular_velocity"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        err = (duet_error){0};
+        refused(duet_motion_map_states(m, (duet_state_part)wrong[i].part,
+                                       (duet_map_access)wrong[i].access, wrong[i].first, wrong[i].n,
+                                       &err),
+                &err, DUET_STATUS_BAD_ARGUMENT, wrong[i].says);
+    }
+    err = (duet_error){0};
+    refused(duet_motion_unmap_states(m, DUET_STATE_CENTRES, &err), &err, DUET_STATUS_BAD_ARGUMENT,
+            "centres are not mapped; expected duet_motion_map_states first");
+    assert_string_equal(duet_state_part_name(DUET_STATE_ROTATIONS), "rotations");
+    assert_null(duet_state_part_name((duet_state_part)9));
+    map(plain, DUET_STATE_CENTRES, DUET_MAP_WRITE, 1, 0); // of no rows
+    unmap(plain, DUET_STATE_CENTRES);
+    assert_ok(duet_motion_record(m, &err), err);
+    refused(duet_motion_map_states(m, DUET_STATE_CENTRES, DUET_MAP_WRITE, 0, 1, &err), &err,
+            DUET_STATUS_BAD_ARGUMENT, "what is written in place is not recorded");
+    map(plain, DUET_STATE_CENTRES, DUET_MAP_READ, 0, 1);
+    mover_free(plain);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_written_is_what_is_set),
+        cmocka_unit_test(what_is_read_is_the_state_without_a_copy),
+        cmocka_unit_test(what_is_mapped_and_not_written_stays_bit_for_bit),
+        cmocka_unit_test(a_row_that_is_no_number_stays_mapped_to_be_mended),
+        cmocka_unit_test(a_sleeper_that_is_written_wakes_and_a_target_is_forgotten),
+        cmocka_unit_test(a_disabled_body_stands_still_whatever_is_written),
+        cmocka_unit_test(while_states_are_mapped_other_calls_are_refused),
+        cmocka_unit_test(what_cannot_be_mapped_is_refused_by_name),
+    };
+    return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
+}
