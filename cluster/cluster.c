@@ -35,6 +35,11 @@ static bool check_def(const duet_cluster_def *def, duet_error *err)
     if (def->world.separate_sizes || def->world.compact_transforms)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s is for one world; expected false",
                          def->world.separate_sizes ? "separate_sizes" : "compact_transforms");
+    if (def->world.shape == DUET_SHAPE_ROUNDED_BOXES || def->world.shape == DUET_SHAPE_SPHERES)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the cluster's shape is %s, which are for one world; expected poses or "
+                         "bounds",
+                         def->world.shape == DUET_SHAPE_SPHERES ? "spheres" : "rounded boxes");
     return def->imbalance > 1 ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT, "imbalance is %g; expected a number above 1",
                      def->imbalance);

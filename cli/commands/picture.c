@@ -8,6 +8,7 @@
 #include "cli/report/table.h"
 #include "runtime/broadphase/grid.h"
 #include "runtime/narrowphase/origin.h"
+#include "runtime/scene/scene.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -80,7 +81,7 @@ static const uint32_t NOT_DRAWN = UINT32_MAX;
 static grid_objects objects_of(const duet_scene *scene)
 {
     const duet_scene_info *info = duet_scene_get_info(scene);
-    return (grid_objects){.array = duet_scene_get_objects(scene, inputs_scene_kind(scene)),
+    return (grid_objects){.array = duet_scene_get_objects(scene, scene_kind(info)),
                           .shape = info->shape,
                           .origin = info->origin_edge,
                           .n = info->n,
