@@ -116,15 +116,20 @@ static bool read_body(const char *dir, kernel *k, duet_error *err)
     return read_template(dir, k, shaped, err);
 }
 
+static bool read_choices(kernel *k, duet_error *err)
+{
+    char name[FILE_SIZE + sizeof " and its headers"];
+    snprintf(name, sizeof name, "%s and its headers", k->name);
+    k->choices = template_open_choices(&k->plain, name, err);
+    return k->choices;
+}
+
 bool kernel_read(kernel *k, const char *dir, duet_error *err)
 {
     bool ok = read_card(dir, k, err);
     ok = ok && read_headers(dir, k, err);
     ok = ok && read_body(dir, k, err);
-    if (ok && template_has_choices(&k->plain)) {
-        k->choices = template_open_choices(&k->plain, k->name, err);
-        ok = k->choices;
-    }
+    ok = ok && (!template_has_choices(&k->plain) || read_choices(k, err));
     if (!ok)
         kernel_forget(k);
     return ok;

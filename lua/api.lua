@@ -618,6 +618,8 @@ for class, columns in pairs {
   Transforms = ("f"):rep(7),
   CompactTransforms = ("f"):rep(3) .. ("h"):rep(4),
   Sizes = ("f"):rep(3),
+  RoundedBoxes = ("f"):rep(11),
+  Spheres = ("f"):rep(4),
   Pairs = "II",
   Bodies = ("f"):rep(9) .. "IIB",
   States = ("d"):rep(13),

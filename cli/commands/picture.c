@@ -440,6 +440,15 @@ static uint32_t most_boxes(const arguments *args, const duet_scene *scene)
     return duet_scene_get_info(scene)->dims == 2 ? BOXES_2D : BOXES_3D;
 }
 
+static bool can_be_drawn(const duet_scene *scene, duet_error *err)
+{
+    const duet_scene_info *info = duet_scene_get_info(scene);
+    return info->shape == DUET_SHAPE_POSES || info->shape == DUET_SHAPE_BOUNDS ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "%s: its objects have radii, which no picture shows; expected boxes",
+                     info->name);
+}
+
 static bool run(void *given, char **operands, duet_error *err)
 {
     const arguments *args = given;
@@ -447,7 +456,8 @@ static bool run(void *given, char **operands, duet_error *err)
     double width = (double)args->width;
     canvas *c = canvas_open(args->out, width, width, err);
     duet_scene *scene = c ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
-    bool ok = scene && sketch_make(&s, scene, most_boxes(args, scene), err);
+    bool ok = scene && can_be_drawn(scene, err) &&
+              sketch_make(&s, scene, most_boxes(args, scene), err);
     if (ok)
         sketch_draw(&s, c, width, width);
     ok = canvas_close(c, ok, err);
