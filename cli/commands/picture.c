@@ -444,7 +444,7 @@ static bool can_be_drawn(const duet_scene *scene, duet_error *err)
 {
     const duet_scene_info *info = duet_scene_get_info(scene);
     return info->shape == DUET_SHAPE_POSES || info->shape == DUET_SHAPE_BOUNDS ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+           error_set(err, DUET_STATUS_BAD_INPUT,
                      "%s: its objects have radii, which no picture shows; expected boxes",
                      info->name);
 }

@@ -186,6 +186,30 @@ static void levels_are_those_of_the_reference(void **state)
     assert_finds_the_reference(&scenes[3], DUET_LEVEL_AABB, DUET_MODE_OWN, 0, "gpu");
 }
 
+// From where float does not trust itself to where it does, and beyond.
+static void any_size_has_the_references_pairs(void **state)
+{
+    (void)state;
+    static const int powers[] = {-130, -75, -45, 45, 95};
+    rng r = rng_seed(test_seed());
+    for (size_t p = 0; p < sizeof powers / sizeof *powers; ++p) {
+        fill(&scenes[0], &r);
+        for (int i = 0; i < OBJECTS; ++i) {
+            duet_rounded_box *b = &boxes[i];
+            b->radius = ldexpf(b->radius, powers[p]);
+            spheres[i].radius = ldexpf(spheres[i].radius, powers[p]);
+            for (int k = 0; k < 3; ++k) {
+                b->pose.half_extents[k] = ldexpf(b->pose.half_extents[k], powers[p]);
+                b->pose.centre[k] = spheres[i].centre[k] = ldexpf(b->pose.centre[k], powers[p]);
+            }
+        }
+        assert_finds_the_reference(&scenes[0], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN,
+                                   DUET_SHARE_ONE / 2, "simd");
+        assert_finds_the_reference(&scenes[3], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN,
+                                   DUET_SHARE_ONE / 2, "gpu");
+    }
+}
+
 static void touching_spheres_of_a_lattice_collide(void **state)
 {
     (void)state;
@@ -281,6 +305,7 @@ int main(void)
         cmocka_unit_test(both_searches_find_the_references_pairs),
         cmocka_unit_test(grids_modes_and_sorts_make_no_difference),
         cmocka_unit_test(levels_are_those_of_the_reference),
+        cmocka_unit_test(any_size_has_the_references_pairs),
         cmocka_unit_test(touching_spheres_of_a_lattice_collide),
         cmocka_unit_test(bad_radii_are_named),
         cmocka_unit_test(what_knows_no_radii_says_so),
