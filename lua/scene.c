@@ -223,14 +223,11 @@ static int scene_length(lua_State *L)
     return 1;
 }
 
-static const luaL_Reg methods[] = {{"close", scene_close},
-                                   {"poses", scene_poses},
-                                   {"bounds", scene_bounds},
-                                   {"rounded_boxes", scene_rounded_boxes},
-                                   {"spheres", scene_spheres},
-                                   {"bodies", scene_bodies},
-                                   {"reference", scene_reference},
-                                   {NULL, NULL}};
+static const luaL_Reg methods[] = {
+    {"close", scene_close},         {"poses", scene_poses},
+    {"bounds", scene_bounds},       {"rounded_boxes", scene_rounded_boxes},
+    {"spheres", scene_spheres},     {"bodies", scene_bodies},
+    {"reference", scene_reference}, {NULL, NULL}};
 static const luaL_Reg metas[] = {{"__len", scene_length}, {NULL, NULL}};
 static const lua_class scene_class = {.name = "duet.scene",
                                       .methods = methods,

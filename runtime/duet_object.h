@@ -89,10 +89,10 @@ DUET_API uint64_t duet_pairs_hash(const duet_pair *pairs, uint64_t n);
 
 // What an array of objects holds.
 typedef enum duet_object_kind {
-    DUET_OBJECT_POSES,             // duet_pose
-    DUET_OBJECT_BOUNDS,            // duet_bounds
-    DUET_OBJECT_LARGE_POSES,       // duet_large_pose
-    DUET_OBJECT_TRANSFORMS,        // duet_transform, with
+    DUET_OBJECT_POSES,              // duet_pose
+    DUET_OBJECT_BOUNDS,             // duet_bounds
+    DUET_OBJECT_LARGE_POSES,        // duet_large_pose
+    DUET_OBJECT_TRANSFORMS,         // duet_transform, with
     DUET_OBJECT_SIZES,              // duet_size; or
     DUET_OBJECT_COMPACT_TRANSFORMS, // duet_compact_transform, with sizes
     DUET_OBJECT_ROUNDED_BOXES,      // duet_rounded_box

@@ -456,8 +456,8 @@ static bool run(void *given, char **operands, duet_error *err)
     double width = (double)args->width;
     canvas *c = canvas_open(args->out, width, width, err);
     duet_scene *scene = c ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
-    bool ok = scene && can_be_drawn(scene, err) &&
-              sketch_make(&s, scene, most_boxes(args, scene), err);
+    bool ok =
+        scene && can_be_drawn(scene, err) && sketch_make(&s, scene, most_boxes(args, scene), err);
     if (ok)
         sketch_draw(&s, c, width, width);
     ok = canvas_close(c, ok, err);

@@ -239,7 +239,8 @@ static bool place(part *p, const part_task *task, duet_error *err)
                            gathers ? p->place_capacity : task->objects.n, p, err);
 }
 
-// Rotated boxes that have a radius: a quaternion and that, in 2D fewer (kernels/narrowphase/sat.clh).
+// Rotated boxes that have a radius: a quaternion and that, in 2D fewer
+// (kernels/narrowphase/sat.clh).
 enum { ROUNDED_MORE = 5 };
 
 typedef struct place_bytes {

@@ -119,11 +119,11 @@ static workload_stats see_all(const duet_world *world)
     workload_stats c = {.lower = {FLT_MAX, FLT_MAX, FLT_MAX},
                         .upper = {-FLT_MAX, -FLT_MAX, -FLT_MAX},
                         .narrowest = FLT_MAX};
-    see_range *see = def->shape == DUET_SHAPE_BOUNDS ? see_bounds
+    see_range *see = def->shape == DUET_SHAPE_BOUNDS  ? see_bounds
                      : def->shape != DUET_SHAPE_POSES ? see_rounded
-                     : def->separate_sizes           ? see_transforms
-                     : def->origin_edge > 0          ? see_large_poses
-                                                     : see_poses;
+                     : def->separate_sizes            ? see_transforms
+                     : def->origin_edge > 0           ? see_large_poses
+                                                      : see_poses;
     for (uint64_t first = 0; first < world->n; first += AT_ONCE) {
         budget_tell(first, world->n);
         c = see(c, world, first, first + AT_ONCE < world->n ? first + AT_ONCE : world->n);

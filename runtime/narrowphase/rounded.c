@@ -427,8 +427,8 @@ static bool any_edges_are_near(numbers *n)
         for (int j = 0; j < 3; ++j) {
             cross(n->across, n->a.axis[i], n->b.axis[j]);
             exact_dot(n->squared, n->across, n->across);
-            bool skew = mpz_sgn(n->squared) > 0 && mpz_sgn(n->a.half[i]) > 0 &&
-                        mpz_sgn(n->b.half[j]) > 0;
+            bool skew =
+                mpz_sgn(n->squared) > 0 && mpz_sgn(n->a.half[i]) > 0 && mpz_sgn(n->b.half[j]) > 0;
             for (int bits = 0; skew && bits < 64; ++bits) {
                 if (!is_first(&n->a, bits & 7, i) || !is_first(&n->b, bits >> 3, j))
                     continue;

@@ -243,8 +243,8 @@ static bool join_radii(duet_scene *scene, duet_shape shape, duet_error *err)
 // What is read from a source has the shape that costs least.
 static bool settle_radii(duet_scene *scene, duet_error *err)
 {
-    duet_shape shape = scene->radii && all_are_spheres(scene) ? DUET_SHAPE_SPHERES
-                                                              : DUET_SHAPE_ROUNDED_BOXES;
+    duet_shape shape =
+        scene->radii && all_are_spheres(scene) ? DUET_SHAPE_SPHERES : DUET_SHAPE_ROUNDED_BOXES;
     return !scene->radii || join_radii(scene, shape, err);
 }
 
@@ -598,7 +598,8 @@ duet_scene *duet_scene_create(duet_object_kind kind, const void *objects, uint32
     }
     error_set(err, DUET_STATUS_BAD_ARGUMENT,
               "kind is %d; expected poses, bounds, large poses, rounded boxes or spheres for a "
-              "scene", (int)kind);
+              "scene",
+              (int)kind);
     return NULL;
 }
 

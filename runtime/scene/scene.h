@@ -14,11 +14,10 @@
 
 struct duet_scene {
     duet_scene_info info;
-    char *name;       // info.name
-    uint32_t columns; // of a row; 0: none was read yet
-    uint32_t per_row; // objects in a row: 1, or 2 in a file of pairs
-    void
-        *objects; // as info.shape says, or with an origin duet_large_pose
+    char *name;           // info.name
+    uint32_t columns;     // of a row; 0: none was read yet
+    uint32_t per_row;     // objects in a row: 1, or 2 in a file of pairs
+    void *objects;        // as info.shape says, or with an origin duet_large_pose
     duet_pose *rounded;   // with an origin: the poses with their centres rounded to float
     float *radii;         // [n] of poses while they are read, where one has some
     bool mixes;           // rows with and without a radius may stand side by side

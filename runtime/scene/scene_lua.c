@@ -421,9 +421,10 @@ static row read_parts(lua_State *L, const scene_reading *reading, scene_body *bo
         given[id] = read_part(L, reading, id);
     }
     if (!fit_together(given))
-        refuse(L, reading, NULL,
-               "it must have centre and half_extents or radius or both, with angle in 2D, rotation or "
-               "euler in 3D; or lower and upper");
+        refuse(
+            L, reading, NULL,
+            "it must have centre and half_extents or radius or both, with angle in 2D, rotation or "
+            "euler in 3D; or lower and upper");
     return join_parts(given);
 }
 

@@ -126,16 +126,13 @@ static void assert_finds_the_reference(const scene *s, duet_level level, duet_mo
     if (duet_result_get_hash(&result) != expected)
         fail_msg("'%s' in %" PRIu32 "D, shape %d, rotated %d, level %d, mode %d: %" PRIu64
                  " pairs, %" PRIu64 " are the reference's",
-                 words, s->dims, (int)s->shape, s->rotated, (int)level, (int)mode, result.pairs,
-                 n);
+                 words, s->dims, (int)s->shape, s->rotated, (int)level, (int)mode, result.pairs, n);
     duet_world_destroy(world);
 }
 
 static const scene scenes[] = {
-    {3, DUET_SHAPE_ROUNDED_BOXES, true, false},
-    {2, DUET_SHAPE_ROUNDED_BOXES, true, false},
-    {3, DUET_SHAPE_ROUNDED_BOXES, false, false},
-    {3, DUET_SHAPE_SPHERES, false, false},
+    {3, DUET_SHAPE_ROUNDED_BOXES, true, false},  {2, DUET_SHAPE_ROUNDED_BOXES, true, false},
+    {3, DUET_SHAPE_ROUNDED_BOXES, false, false}, {3, DUET_SHAPE_SPHERES, false, false},
     {2, DUET_SHAPE_SPHERES, false, false},
 };
 

@@ -67,8 +67,7 @@ static void a_wrong_row_is_named_by_line_and_object(void **state)
         const char *says;
     } wrong[] = {
         {"0,0,1,1\n1,2,3,4,5,6,7\n", ".csv:2: object 1 has 7 numbers"},
-        {"1,2,3,4,5,6,7,8\n",
-         ".csv:1: object 0 has 8 numbers; it must have 4, 5, 6, 7, 10 or 11"},
+        {"1,2,3,4,5,6,7,8\n", ".csv:1: object 0 has 8 numbers; it must have 4, 5, 6, 7, 10 or 11"},
         {"0,0,1,1\n0,nan,1,1\n", ".csv:2: object 1: min y is nan"},
         {"0,0,1,1\n0,0,inf,1\n", ".csv:2: object 1: max x is inf"},
         {"0,0,1,1,0\n0,0,-1,1,0\n", ".csv:2: object 1: hx = -1 is negative"},

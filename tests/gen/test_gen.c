@@ -401,7 +401,8 @@ static void lines_of_lua_choose_in_plain_text(void **state)
         const char *body;
         const char *end; // of the text
     } cases[] = {
-        {"int a; // no //@ line\n//@ if A == 1 then\n  int @{b};\n//@ else\nint c;\n//@ end\nint d;",
+        {"int a; // no //@ line\n//@ if A == 1 then\n  int @{b};\n//@ else\nint c;\n//@ end\nint "
+         "d;",
          "#line 1 \"kernels/k.cl\"\nint a; // no //@ line\n  int @{b};\nint d;\n"},
         {"//@ if A ~= 1 then\nint b;\n  //@ end\n", "// shared\n"},
     };

@@ -248,8 +248,8 @@ typedef struct touching {
 } touching;
 
 // Cosine 3/5, sine 4/5 about z.
-#define TURNED \
-    {          \
+#define TURNED     \
+    {              \
         0, 0, 1, 2 \
     }
 #define STRAIGHT   \
