@@ -141,14 +141,6 @@ bool inputs_find_reference(const duet_scene *scene, duet_level level, duet_pair 
     return ok;
 }
 
-duet_object_kind inputs_scene_kind(const duet_scene *scene)
-{
-    const duet_scene_info *info = duet_scene_get_info(scene);
-    if (info->shape == DUET_SHAPE_BOUNDS)
-        return DUET_OBJECT_BOUNDS;
-    return info->origin_edge > 0 ? DUET_OBJECT_LARGE_POSES : DUET_OBJECT_POSES;
-}
-
 static bool change_mode(const char *name, duet_mode *mode, duet_error *err)
 {
     text known = {0};

@@ -114,8 +114,7 @@ duet_scene *inputs_load_pairs(const char *path, duet_error *err);
 // duet_reference, with a line that tells how far it is.
 bool inputs_find_reference(const duet_scene *scene, duet_level level, duet_pair **pairs,
                            uint64_t *n, duet_error *err);
-duet_object_kind inputs_scene_kind(const duet_scene *scene); // of its objects
-bool inputs_plan_given(const plan_options *options);         // anything of a plan
+bool inputs_plan_given(const plan_options *options); // anything of a plan
 // Puts what was given into the plan. BAD_ARGUMENT for an unknown mode.
 bool inputs_change_plan(const plan_options *options, duet_plan *plan, duet_error *err);
 

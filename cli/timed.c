@@ -6,6 +6,7 @@
 #include "cli/interrupt.h"
 #include "cli/say.h"
 #include "runtime/broadphase/world.h"
+#include "runtime/scene/scene.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -42,7 +43,7 @@ static bool hand_over(duet_world *world, const duet_scene *scene, timed_sends se
     if (sends == TIMED_SENDS_TRANSFORMS)
         return world_take_transforms(world, duet_scene_get_objects(scene, DUET_OBJECT_POSES),
                                      duet_scene_get_info(scene)->n, err);
-    duet_object_kind kind = inputs_scene_kind(scene);
+    duet_object_kind kind = scene_kind(duet_scene_get_info(scene));
     return duet_world_set_objects(world, kind, duet_scene_get_objects(scene, kind),
                                   duet_scene_get_info(scene)->n, err);
 }

@@ -24,6 +24,15 @@ duet_cluster_def duet_default_cluster_def(void)
         .world = duet_default_world_def(), .weight = 1, .imbalance = 1.2, .cookie = COOKIE};
 }
 
+static bool check_shape(duet_shape shape, duet_error *err)
+{
+    bool has_radii = shape == DUET_SHAPE_ROUNDED_BOXES || shape == DUET_SHAPE_SPHERES;
+    return !has_radii || error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                                   "the cluster's shape is %s, which are for one world; expected "
+                                   "poses or bounds",
+                                   shape == DUET_SHAPE_SPHERES ? "spheres" : "rounded boxes");
+}
+
 static bool check_def(const duet_cluster_def *def, duet_error *err)
 {
     if (def->world.has_accuracy)
@@ -35,6 +44,8 @@ static bool check_def(const duet_cluster_def *def, duet_error *err)
     if (def->world.separate_sizes || def->world.compact_transforms)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s is for one world; expected false",
                          def->world.separate_sizes ? "separate_sizes" : "compact_transforms");
+    if (!check_shape(def->world.shape, err))
+        return false;
     return def->imbalance > 1 ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT, "imbalance is %g; expected a number above 1",
                      def->imbalance);
@@ -267,7 +278,8 @@ static bool read_part(duet_cluster *c, const char *path, const duet_setting *set
 static bool take_part(duet_cluster *c, const scene_part *part, duet_error *own)
 {
     object_rows rows = {0};
-    if (!tell_scene(c, part->scene, part->n, own))
+    bool known = !part->scene || check_shape(part->scene->info.shape, own);
+    if (!ranks_agree(&c->ranks, known, own) || !tell_scene(c, part->scene, part->n, own))
         return false;
     c->def.world = def_of_scene(c);
     bool ok = open_worker(c, own);

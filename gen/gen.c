@@ -229,11 +229,12 @@ static void add_prelude(const card *c, const gen_setting *config, const gen_vari
 
 static bool add_kernel_text(const kernel *k, const gen_setting *config, text *out, duet_error *err)
 {
-    text_add_bytes(out, k->headers.chars, k->headers.length);
-    if (k->template)
-        return template_expand(k->template, config, k->card.n_params, out, err);
-    text_add_bytes(out, k->body.chars, k->body.length);
-    return text_ok(out, err);
+    if (!k->choices)
+        text_add_bytes(out, k->plain.chars, k->plain.length);
+    else if (!template_expand(k->choices, config, k->card.n_params, out, err))
+        return false;
+    return k->template ? template_expand(k->template, config, k->card.n_params, out, err)
+                       : text_ok(out, err);
 }
 
 bool gen_make(gen *g, const char *name, const gen_setting *settings, uint32_t n_settings,

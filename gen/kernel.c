@@ -60,10 +60,10 @@ void kernel_forget(kernel *k)
     if (k->is_read)
         card_close(&k->card);
     space_free(&k->space);
-    text_free(&k->headers);
-    text_free(&k->body);
+    text_free(&k->plain);
+    template_close(k->choices);
     template_close(k->template);
-    k->template = NULL;
+    k->choices = k->template = NULL;
     k->is_read = false;
 }
 
@@ -83,9 +83,9 @@ static bool read_card(const char *dir, kernel *k, duet_error *err)
 
 static bool read_headers(const char *dir, kernel *k, duet_error *err)
 {
-    bool ok = add_file(dir, "common.clh", &k->headers, err);
+    bool ok = add_file(dir, "common.clh", &k->plain, err);
     for (uint32_t i = 0; ok && i < k->card.uses.n; ++i)
-        ok = add_file(dir, k->card.uses.at[i], &k->headers, err);
+        ok = add_file(dir, k->card.uses.at[i], &k->plain, err);
     return ok;
 }
 
@@ -109,11 +109,19 @@ static bool read_body(const char *dir, kernel *k, duet_error *err)
     snprintf(plain, sizeof plain, "%s%s.cl", k->folder, k->name);
     snprintf(shaped, sizeof shaped, "%s%s.cl.in", k->folder, k->name);
     if (!file_exists(dir, shaped))
-        return add_file(dir, plain, &k->body, err);
+        return add_file(dir, plain, &k->plain, err);
     if (file_exists(dir, plain))
         return error_set(err, DUET_STATUS_BUILD_FAILED, "%s/%s stands beside %s: keep one of them",
                          dir ? dir : "kernels", plain, shaped);
     return read_template(dir, k, shaped, err);
+}
+
+static bool read_choices(kernel *k, duet_error *err)
+{
+    char name[FILE_SIZE + sizeof " and its headers"];
+    snprintf(name, sizeof name, "%s and its headers", k->name);
+    k->choices = template_open_choices(&k->plain, name, err);
+    return k->choices;
 }
 
 bool kernel_read(kernel *k, const char *dir, duet_error *err)
@@ -121,6 +129,7 @@ bool kernel_read(kernel *k, const char *dir, duet_error *err)
     bool ok = read_card(dir, k, err);
     ok = ok && read_headers(dir, k, err);
     ok = ok && read_body(dir, k, err);
+    ok = ok && (!template_has_choices(&k->plain) || read_choices(k, err));
     if (!ok)
         kernel_forget(k);
     return ok;

@@ -14,8 +14,8 @@ typedef struct kernel {
     bool is_read;
     card card;
     space space;
-    text headers;       // common.clh and what the card uses, with #lines
-    text body;          // of a .cl, with its #line
+    text plain;         // common.clh, what the card uses, and a .cl, with #lines
+    template *choices;  // of these, where some line is Lua, else NULL
     template *template; // of a .cl.in, else NULL
 } kernel;
 

@@ -6,6 +6,7 @@
 
 #include <lauxlib.h>
 #include <stdlib.h>
+#include <string.h>
 
 // What lies at the bottom of the state's stack for good.
 enum { LIBRARY = 1, RUN = 2 };
@@ -76,7 +77,7 @@ static bool open_modules(template *t, const card_names *emit, duet_error *err)
 static int translate(lua_State *L)
 {
     const job *j = lua_touserdata(L, 2);
-    lua_getfield(L, LIBRARY, "translate");
+    lua_getfield(L, LIBRARY, j->line_name ? "translate" : "translate_choices");
     lua_pushlstring(L, j->chars->chars, j->chars->length);
     lua_pushstring(L, j->path);
     lua_pushstring(L, j->line_name);
@@ -116,6 +117,25 @@ template *template_open(const text *chars, const char *path, const char *line_na
         return t;
     template_close(t);
     return NULL;
+}
+
+template *template_open_choices(const text *chars, const char *path, duet_error *err)
+{
+    static const card_names none = {0};
+    return template_open(chars, path, NULL, &none, err);
+}
+
+// At the begin of a line or behind blanks.
+bool template_has_choices(const text *chars)
+{
+    for (const char *at = strstr(text_chars(chars), "//@"); at; at = strstr(at + 1, "//@")) {
+        const char *line = at;
+        while (line > chars->chars && (line[-1] == ' ' || line[-1] == '\t'))
+            --line;
+        if (line == chars->chars || line[-1] == '\n')
+            return true;
+    }
+    return false;
 }
 
 void template_close(template *t)

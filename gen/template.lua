@@ -42,6 +42,32 @@ function template.translate(text, path, line_name)
   return "local _put, _ENV = ... " .. table.concat(chunk, "\n")
 end
 
+-- The same for headers and plain kernels, one after the other: lines of Lua only choose
+-- among the others, which stay as they are and get no #line of their own. A file of which
+-- nothing stays leaves no #line 1 either.
+function template.translate_choices(text)
+  local chunk, rows = { "local _head = '' " }, {}
+  local function put_rows()
+    if #rows == 0 then return end
+    chunk[#chunk + 1] = ("_put(_head, %q) _head = ''"):format(table.concat(rows))
+    rows = {}
+  end
+  for row in (text:gsub("\n?$", "\n", 1)):gmatch("(.-\n)") do
+    local lua = row:match("^%s*//@(.*)\n$")
+    if lua then
+      put_rows()
+      chunk[#chunk + 1] = " " .. lua .. "\n"
+    elseif row:match("^#line 1 ") then
+      put_rows()
+      chunk[#chunk + 1] = (" _head = %q "):format(row)
+    else
+      rows[#rows + 1] = row
+    end
+  end
+  put_rows()
+  return "local _put, _ENV = ... " .. table.concat(chunk)
+end
+
 -- Runs a translated template, which finds the names in scope, the modules and
 -- the library as its globals.
 function template.expand(run, scope)

@@ -22,6 +22,8 @@ static const struct {
     [ARRAY_TRANSFORMS] = {"fffffff", sizeof(duet_transform)},
     [ARRAY_COMPACT_TRANSFORMS] = {"fffhhhh", sizeof(duet_compact_transform)},
     [ARRAY_SIZES] = {"fff", sizeof(duet_size)},
+    [ARRAY_ROUNDED_BOXES] = {"fffffffffff", sizeof(duet_rounded_box)},
+    [ARRAY_SPHERES] = {"ffff", sizeof(duet_sphere)},
     [ARRAY_PAIRS] = {"II", sizeof(duet_pair)},
     [ARRAY_BODIES] = {"fffffffffIIBB", sizeof(duet_body)},
     [ARRAY_STATES] = {"ddddddddddddd", sizeof(duet_state)},
@@ -46,6 +48,8 @@ static const struct {
 
 _Static_assert(offsetof(duet_pose, rotation[3]) == 9 * 4, "a pose is ten floats");
 _Static_assert(offsetof(duet_bounds, upper[2]) == 5 * 4, "bounds are six floats");
+_Static_assert(offsetof(duet_rounded_box, radius) == 10 * 4, "a rounded box is eleven floats");
+_Static_assert(offsetof(duet_sphere, radius) == 3 * 4, "a sphere is four floats");
 _Static_assert(offsetof(duet_transform, rotation[3]) == 6 * 4, "a transform is seven floats");
 _Static_assert(offsetof(duet_compact_transform, rotation[3]) == 3 * 4 + 3 * 2,
                "three floats and four short integers");
@@ -450,12 +454,12 @@ static int pairs_hash(lua_State *L)
     return 1;
 }
 
-// (poses, a, b, dims) of the calling method -> two rows and the dimensions
-static uint32_t check_two(lua_State *L, const duet_pose **first, const duet_pose **second)
+// (rows, a, b, dims) of the calling method -> two rows and the dimensions
+static uint32_t check_two(lua_State *L, array_kind kind, const void *rows[2])
 {
-    const array *a = array_check(L, 1, ARRAY_POSES);
-    *first = row_at(a, check_place(L, 2, a));
-    *second = row_at(a, check_place(L, 3, a));
+    const array *a = array_check(L, 1, kind);
+    rows[0] = row_at(a, check_place(L, 2, a));
+    rows[1] = row_at(a, check_place(L, 3, a));
     lua_Integer dims = luaL_optinteger(L, 4, 3);
     luaL_argcheck(L, dims == 2 || dims == 3, 4, "2 or 3 dimensions");
     return (uint32_t)dims;
@@ -463,19 +467,33 @@ static uint32_t check_two(lua_State *L, const duet_pose **first, const duet_pose
 
 static int poses_collide(lua_State *L)
 {
-    const duet_pose *first = NULL;
-    const duet_pose *second = NULL;
-    uint32_t dims = check_two(L, &first, &second);
-    lua_pushboolean(L, duet_poses_collide(first, second, dims));
+    const void *rows[2];
+    uint32_t dims = check_two(L, ARRAY_POSES, rows);
+    lua_pushboolean(L, duet_poses_collide(rows[0], rows[1], dims));
     return 1;
 }
 
 static int poses_separation(lua_State *L)
 {
-    const duet_pose *first = NULL;
-    const duet_pose *second = NULL;
-    uint32_t dims = check_two(L, &first, &second);
-    lua_pushnumber(L, duet_poses_separation(first, second, dims));
+    const void *rows[2];
+    uint32_t dims = check_two(L, ARRAY_POSES, rows);
+    lua_pushnumber(L, duet_poses_separation(rows[0], rows[1], dims));
+    return 1;
+}
+
+static int rounded_boxes_collide(lua_State *L)
+{
+    const void *rows[2];
+    uint32_t dims = check_two(L, ARRAY_ROUNDED_BOXES, rows);
+    lua_pushboolean(L, duet_rounded_boxes_collide(rows[0], rows[1], dims));
+    return 1;
+}
+
+static int rounded_boxes_separation(lua_State *L)
+{
+    const void *rows[2];
+    uint32_t dims = check_two(L, ARRAY_ROUNDED_BOXES, rows);
+    lua_pushnumber(L, duet_rounded_boxes_separation(rows[0], rows[1], dims));
     return 1;
 }
 
@@ -502,6 +520,10 @@ static int array_close(lua_State *L)
 
 static const luaL_Reg poses_methods[] = {
     EVERY_KIND, {"collide", poses_collide}, {"separation", poses_separation}, {NULL, NULL}};
+static const luaL_Reg rounded_boxes_methods[] = {EVERY_KIND,
+                                                 {"collide", rounded_boxes_collide},
+                                                 {"separation", rounded_boxes_separation},
+                                                 {NULL, NULL}};
 static const luaL_Reg pairs_methods[] = {EVERY_KIND, {"hash", pairs_hash}, {NULL, NULL}};
 static const luaL_Reg methods[] = {EVERY_KIND, {NULL, NULL}};
 static const luaL_Reg metas[] = {
@@ -515,6 +537,10 @@ static const lua_class classes[] = {
                                   .methods = methods,
                                   .metas = metas},
     [ARRAY_SIZES] = {.name = "duet.sizes", .methods = methods, .metas = metas},
+    [ARRAY_ROUNDED_BOXES] = {.name = "duet.rounded_boxes",
+                             .methods = rounded_boxes_methods,
+                             .metas = metas},
+    [ARRAY_SPHERES] = {.name = "duet.spheres", .methods = methods, .metas = metas},
     [ARRAY_PAIRS] = {.name = "duet.pairs", .methods = pairs_methods, .metas = metas},
     [ARRAY_BODIES] = {.name = "duet.bodies", .methods = methods, .metas = metas},
     [ARRAY_STATES] = {.name = "duet.states", .methods = methods, .metas = metas},

@@ -14,8 +14,8 @@ typedef struct scene_box {
 
 const char *shape_name(int value)
 {
-    static const char *const names[] = {"poses", "bounds"};
-    return value < 2 ? names[value] : NULL;
+    static const char *const names[DUET_SHAPES] = {"poses", "bounds", "rounded boxes", "spheres"};
+    return value < DUET_SHAPES ? names[value] : NULL;
 }
 
 static const lua_class scene_class;
@@ -85,8 +85,9 @@ static int finish(lua_State *L, scene_box *box, const duet_error *err)
 {
     if (!box->scene)
         return class_push_failure(L, err);
-    size_t row = duet_scene_get_objects(box->scene, DUET_OBJECT_POSES) ? sizeof(duet_pose)
-                                                                       : sizeof(duet_bounds);
+    static const size_t bytes[DUET_SHAPES] = {sizeof(duet_pose), sizeof(duet_bounds),
+                                              sizeof(duet_rounded_box), sizeof(duet_sphere)};
+    size_t row = bytes[duet_scene_get_info(box->scene)->shape];
     row += duet_scene_get_bodies(box->scene) ? sizeof(duet_body) : 0;
     box->bytes = row * duet_scene_get_info(box->scene)->n;
     budget_hold(box->bytes);
@@ -105,7 +106,7 @@ static int scene_load(lua_State *L)
     return finish(L, box, &err);
 }
 
-// duet.scene(path, settings), or duet.scene(poses or bounds, dims)
+// duet.scene(path, settings), or duet.scene(poses, bounds, rounded boxes or spheres, dims)
 static int scene_make(lua_State *L)
 {
     duet_error err = {0};
@@ -113,12 +114,24 @@ static int scene_make(lua_State *L)
         return scene_load(L);
     lua_Integer dims = luaL_optinteger(L, 2, 3);
     luaL_argcheck(L, dims == 2 || dims == 3, 2, "2 or 3 dimensions");
-    bool by_corners = luaL_testudata(L, 1, "duet.bounds");
-    const array *a = array_check(L, 1, by_corners ? ARRAY_BOUNDS : ARRAY_POSES);
+    static const struct {
+        const char *name;
+        array_kind rows;
+        duet_object_kind kind;
+    } others[] = {{"duet.bounds", ARRAY_BOUNDS, DUET_OBJECT_BOUNDS},
+                  {"duet.rounded_boxes", ARRAY_ROUNDED_BOXES, DUET_OBJECT_ROUNDED_BOXES},
+                  {"duet.spheres", ARRAY_SPHERES, DUET_OBJECT_SPHERES}};
+    array_kind rows = ARRAY_POSES;
+    duet_object_kind kind = DUET_OBJECT_POSES;
+    for (size_t i = 0; i < sizeof others / sizeof *others; ++i)
+        if (luaL_testudata(L, 1, others[i].name)) {
+            rows = others[i].rows;
+            kind = others[i].kind;
+        }
+    const array *a = array_check(L, 1, rows);
     luaL_argcheck(L, a->n <= UINT32_MAX, 1, "more than 2^32 - 1 objects");
     uint32_t n = (uint32_t)a->n;
     scene_box *box = class_push(L, &scene_class, sizeof *box);
-    duet_object_kind kind = by_corners ? DUET_OBJECT_BOUNDS : DUET_OBJECT_POSES;
     box->scene = duet_scene_create(kind, a->rows, n, (uint32_t)dims, 0, &err);
     return finish(L, box, &err);
 }
@@ -172,6 +185,18 @@ static int scene_bounds(lua_State *L)
                      duet_scene_get_objects(scene_check(L, 1), DUET_OBJECT_BOUNDS));
 }
 
+static int scene_rounded_boxes(lua_State *L)
+{
+    return push_rows(L, ARRAY_ROUNDED_BOXES,
+                     duet_scene_get_objects(scene_check(L, 1), DUET_OBJECT_ROUNDED_BOXES));
+}
+
+static int scene_spheres(lua_State *L)
+{
+    return push_rows(L, ARRAY_SPHERES,
+                     duet_scene_get_objects(scene_check(L, 1), DUET_OBJECT_SPHERES));
+}
+
 static int scene_bodies(lua_State *L)
 {
     return push_rows(L, ARRAY_BODIES, duet_scene_get_bodies(scene_check(L, 1)));
@@ -198,9 +223,11 @@ static int scene_length(lua_State *L)
     return 1;
 }
 
-static const luaL_Reg methods[] = {{"close", scene_close},         {"poses", scene_poses},
-                                   {"bounds", scene_bounds},       {"bodies", scene_bodies},
-                                   {"reference", scene_reference}, {NULL, NULL}};
+static const luaL_Reg methods[] = {
+    {"close", scene_close},         {"poses", scene_poses},
+    {"bounds", scene_bounds},       {"rounded_boxes", scene_rounded_boxes},
+    {"spheres", scene_spheres},     {"bodies", scene_bodies},
+    {"reference", scene_reference}, {NULL, NULL}};
 static const luaL_Reg metas[] = {{"__len", scene_length}, {NULL, NULL}};
 static const lua_class scene_class = {.name = "duet.scene",
                                       .methods = methods,

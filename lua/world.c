@@ -119,6 +119,16 @@ static int world_set_poses(lua_State *L)
     return set_objects(L, DUET_OBJECT_POSES, ARRAY_POSES);
 }
 
+static int world_set_rounded_boxes(lua_State *L)
+{
+    return set_objects(L, DUET_OBJECT_ROUNDED_BOXES, ARRAY_ROUNDED_BOXES);
+}
+
+static int world_set_spheres(lua_State *L)
+{
+    return set_objects(L, DUET_OBJECT_SPHERES, ARRAY_SPHERES);
+}
+
 static int world_set_bounds(lua_State *L)
 {
     return set_objects(L, DUET_OBJECT_BOUNDS, ARRAY_BOUNDS);
@@ -158,6 +168,16 @@ static int world_map_poses(lua_State *L)
 static int world_map_bounds(lua_State *L)
 {
     return map_objects(L, DUET_OBJECT_BOUNDS, ARRAY_BOUNDS);
+}
+
+static int world_map_rounded_boxes(lua_State *L)
+{
+    return map_objects(L, DUET_OBJECT_ROUNDED_BOXES, ARRAY_ROUNDED_BOXES);
+}
+
+static int world_map_spheres(lua_State *L)
+{
+    return map_objects(L, DUET_OBJECT_SPHERES, ARRAY_SPHERES);
 }
 
 static int world_map_transforms(lua_State *L)
@@ -251,9 +271,13 @@ static int world_step_end(lua_State *L)
 static const luaL_Reg methods[] = {{"close", world_close},
                                    {"set_poses", world_set_poses},
                                    {"set_bounds", world_set_bounds},
+                                   {"set_rounded_boxes", world_set_rounded_boxes},
+                                   {"set_spheres", world_set_spheres},
                                    {"set_scene", world_set_scene},
                                    {"map_poses", world_map_poses},
                                    {"map_bounds", world_map_bounds},
+                                   {"map_rounded_boxes", world_map_rounded_boxes},
+                                   {"map_spheres", world_map_spheres},
                                    {"map_transforms", world_map_transforms},
                                    {"map_compact_transforms", world_map_compact_transforms},
                                    {"map_sizes", world_map_sizes},

@@ -63,7 +63,7 @@ typedef struct profile_workload {
     double occ_mean;     // objects in a cell, over all cells
     double occ_p99;      // and in the fullest hundredth of them
     double size_ratio;   // largest extent by smallest; 1: all alike
-    const char *shape;   // "poses" or "bounds"
+    const char *shape;   // "poses", "bounds", "rounded boxes" or "spheres"
     bool rotated;        // some object has a rotation
     const char *effects; // words in any order, "gravity motion"; NULL: none
     const char *level;   // of accuracy, "certified"; "auto": any that meets the budget

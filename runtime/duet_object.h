@@ -64,6 +64,19 @@ typedef struct duet_bounds {
     float upper[3]; // >= lower
 } duet_bounds;
 
+// A rounded box: all points that are at most `radius` from the pose's box, its core. Where all
+// half extents are 0 that is a sphere, where one is not a capsule.
+typedef struct duet_rounded_box {
+    duet_pose pose;
+    float radius; // >= 0
+} duet_rounded_box;
+
+// A sphere, in 2D a disc; then centre[2] is not read.
+typedef struct duet_sphere {
+    float centre[3];
+    float radius; // >= 0
+} duet_sphere;
+
 // A confirmed collision, a < b.
 typedef struct duet_pair {
     uint32_t a;
@@ -76,26 +89,41 @@ DUET_API uint64_t duet_pairs_hash(const duet_pair *pairs, uint64_t n);
 
 // What an array of objects holds.
 typedef enum duet_object_kind {
-    DUET_OBJECT_POSES,             // duet_pose
-    DUET_OBJECT_BOUNDS,            // duet_bounds
-    DUET_OBJECT_LARGE_POSES,       // duet_large_pose
-    DUET_OBJECT_TRANSFORMS,        // duet_transform, with
-    DUET_OBJECT_SIZES,             // duet_size; or
-    DUET_OBJECT_COMPACT_TRANSFORMS // duet_compact_transform, with sizes
+    DUET_OBJECT_POSES,              // duet_pose
+    DUET_OBJECT_BOUNDS,             // duet_bounds
+    DUET_OBJECT_LARGE_POSES,        // duet_large_pose
+    DUET_OBJECT_TRANSFORMS,         // duet_transform, with
+    DUET_OBJECT_SIZES,              // duet_size; or
+    DUET_OBJECT_COMPACT_TRANSFORMS, // duet_compact_transform, with sizes
+    DUET_OBJECT_ROUNDED_BOXES,      // duet_rounded_box
+    DUET_OBJECT_SPHERES             // duet_sphere
 } duet_object_kind;
 
 typedef enum duet_shape {
-    DUET_SHAPE_POSES, // oriented boxes
-    DUET_SHAPE_BOUNDS // axis-aligned boxes, given by their corners
+    DUET_SHAPE_POSES,         // oriented boxes
+    DUET_SHAPE_BOUNDS,        // axis-aligned boxes, given by their corners
+    DUET_SHAPE_ROUNDED_BOXES, // oriented boxes with a radius, so capsules and spheres too
+    DUET_SHAPE_SPHERES        // spheres alone
 } duet_shape;
+
+#define DUET_SHAPES 4
 
 // true where the exact boxes share a point; false where one is no box, or dims is
 // neither 2 nor 3.
 DUET_API bool duet_poses_collide(const duet_pose *a, const duet_pose *b, uint32_t dims);
 
+// The same of rounded boxes.
+DUET_API bool duet_rounded_boxes_collide(const duet_rounded_box *a, const duet_rounded_box *b,
+                                         uint32_t dims);
+
 // How far two boxes are apart along the best of the 15 (4) axes, each of length
 // one, in double; below 0 it is how deep they are in each other. NaN where there is none.
 DUET_API double duet_poses_separation(const duet_pose *a, const duet_pose *b, uint32_t dims);
+
+// How far two rounded boxes are apart, in double: the distance of their cores less both radii, or
+// where the cores collide their separation less both.
+DUET_API double duet_rounded_boxes_separation(const duet_rounded_box *a, const duet_rounded_box *b,
+                                              uint32_t dims);
 
 // The same for large poses, in origin cells of that edge.
 DUET_API bool duet_large_poses_collide(const duet_large_pose *a, const duet_large_pose *b,

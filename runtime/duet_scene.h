@@ -42,14 +42,15 @@ typedef struct duet_setting {
 // Reads .lua, .npy, or numbers as text (.csv, .txt, any other ending), and "-", stdin; the
 // number of columns says what a row is (docs/formats.md). A word without '/' and '.' is
 // first the name of a scene that comes with Duet, as "paper". Values that are not
-// finite, negative extents and zero quaternions are refused with their place.
+// finite, negative extents and radii, and zero quaternions are refused with their place. A
+// file whose objects have radii has the shape ROUNDED_BOXES, or SPHERES where all are.
 DUET_API duet_scene *duet_scene_load(const char *path, const duet_setting *settings,
                                      uint32_t n_settings, duet_error *err);
 // Reads pairs for duet_pair_query_run, .npy or text: two poses a row, 20 numbers or in
 // 2D 10. Objects 2 i and 2 i + 1 are row i's.
 DUET_API duet_scene *duet_scene_load_pairs(const char *path, duet_error *err);
-// Copies n objects: POSES, BOUNDS or LARGE_POSES. dims is 2 or 3. origin_edge is that
-// of the origin cells of LARGE_POSES, a power of two, else 0.
+// Copies n objects: POSES, BOUNDS, LARGE_POSES, ROUNDED_BOXES or SPHERES. dims is 2 or 3.
+// origin_edge is that of the origin cells of LARGE_POSES, a power of two, else 0.
 DUET_API duet_scene *duet_scene_create(duet_object_kind kind, const void *objects, uint32_t n,
                                        uint32_t dims, float origin_edge, duet_error *err);
 DUET_API void duet_scene_destroy(duet_scene *scene);

@@ -6,6 +6,7 @@
 #include "gen/gen.h"
 #include "runtime/broadphase/variant.h"
 #include "runtime/narrowphase/accuracy.h"
+#include "runtime/scene/scene.h"
 #include "runtime/selection/profile_subject.h"
 #include "tuner/level_costs.h"
 #include "tuner/measure.h"
@@ -370,8 +371,7 @@ static uint32_t least_share(uint32_t n)
 static measure_world measured(const tuning_resources *h, duet_world *world)
 {
     const duet_scene_info *info = duet_scene_get_info(h->def.scene);
-    return (measure_world){
-        .world = world, .shape = info->shape, .placed = info->origin_edge > 0, .n = info->n};
+    return (measure_world){.world = world, .kind = scene_kind(info), .n = info->n};
 }
 
 // "pocl:0" of "pocl:0[0-0]" and "pocl:0[1-1]"; false where A and B are not parts of

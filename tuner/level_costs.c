@@ -3,6 +3,7 @@
 
 #include "base/budget.h"
 #include "base/error.h"
+#include "runtime/scene/scene.h"
 #include "tuner/pair_list.h"
 #include "tuner/stats.h"
 
@@ -36,6 +37,10 @@ static double separation_of(const duet_scene *scene, duet_pair pair)
     if (placed)
         return duet_large_poses_separation(&placed[pair.a], &placed[pair.b], info->origin_edge,
                                            info->dims);
+    if (info->shape == DUET_SHAPE_ROUNDED_BOXES || info->shape == DUET_SHAPE_SPHERES) {
+        duet_rounded_box a = scene_rounded_box(scene, pair.a), b = scene_rounded_box(scene, pair.b);
+        return duet_rounded_boxes_separation(&a, &b, info->dims);
+    }
     return poses ? duet_poses_separation(&poses[pair.a], &poses[pair.b], info->dims) : 0;
 }
 
@@ -72,9 +77,7 @@ static bool compare(survey *s, level_cost *row, duet_error *err)
 static bool hand_over(survey *s, duet_error *err)
 {
     const duet_scene_info *info = duet_scene_get_info(s->scene);
-    duet_object_kind kind = info->origin_edge > 0             ? DUET_OBJECT_LARGE_POSES
-                            : info->shape == DUET_SHAPE_POSES ? DUET_OBJECT_POSES
-                                                              : DUET_OBJECT_BOUNDS;
+    duet_object_kind kind = scene_kind(info);
     return duet_world_set_objects(s->world, kind, duet_scene_get_objects(s->scene, kind), info->n,
                                   err);
 }

@@ -135,10 +135,7 @@ search_sample measure_sample(const duet_result *result, const duet_plan *plan)
 // Mapped memory keeps what it holds and counts as written.
 static bool hand_over_objects(const measure_world *at, duet_error *err)
 {
-    duet_object_kind kind = at->placed                      ? DUET_OBJECT_LARGE_POSES
-                            : at->shape == DUET_SHAPE_POSES ? DUET_OBJECT_POSES
-                                                            : DUET_OBJECT_BOUNDS;
-    return duet_world_map_objects(at->world, kind, at->n, err);
+    return duet_world_map_objects(at->world, at->kind, at->n, err);
 }
 
 static bool step_world(void *context, const duet_plan *plan, measure_launch *launch,

@@ -36,8 +36,7 @@ typedef struct measure_machine {
 // objects afresh.
 typedef struct measure_world {
     duet_world *world;
-    duet_shape shape;
-    bool placed; // poses in origin cells
+    duet_object_kind kind;
     uint32_t n;
 } measure_world;
 

@@ -8,6 +8,7 @@
 #include "cli/report/table.h"
 #include "runtime/broadphase/grid.h"
 #include "runtime/narrowphase/origin.h"
+#include "runtime/scene/scene.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -80,7 +81,7 @@ static const uint32_t NOT_DRAWN = UINT32_MAX;
 static grid_objects objects_of(const duet_scene *scene)
 {
     const duet_scene_info *info = duet_scene_get_info(scene);
-    return (grid_objects){.array = duet_scene_get_objects(scene, inputs_scene_kind(scene)),
+    return (grid_objects){.array = duet_scene_get_objects(scene, scene_kind(info)),
                           .shape = info->shape,
                           .origin = info->origin_edge,
                           .n = info->n,
@@ -439,6 +440,15 @@ static uint32_t most_boxes(const arguments *args, const duet_scene *scene)
     return duet_scene_get_info(scene)->dims == 2 ? BOXES_2D : BOXES_3D;
 }
 
+static bool can_be_drawn(const duet_scene *scene, duet_error *err)
+{
+    const duet_scene_info *info = duet_scene_get_info(scene);
+    return info->shape == DUET_SHAPE_POSES || info->shape == DUET_SHAPE_BOUNDS ||
+           error_set(err, DUET_STATUS_BAD_INPUT,
+                     "%s: its objects have radii, which no picture shows; expected boxes",
+                     info->name);
+}
+
 static bool run(void *given, char **operands, duet_error *err)
 {
     const arguments *args = given;
@@ -446,7 +456,8 @@ static bool run(void *given, char **operands, duet_error *err)
     double width = (double)args->width;
     canvas *c = canvas_open(args->out, width, width, err);
     duet_scene *scene = c ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
-    bool ok = scene && sketch_make(&s, scene, most_boxes(args, scene), err);
+    bool ok =
+        scene && can_be_drawn(scene, err) && sketch_make(&s, scene, most_boxes(args, scene), err);
     if (ok)
         sketch_draw(&s, c, width, width);
     ok = canvas_close(c, ok, err);

@@ -117,7 +117,7 @@ static bool add_scene(gen *g, const char *name, const gen_limits *limits, const 
     const gen_setting decided[] = {
         {"DIMS", info->dims},
         {"SHAPE", info->shape},
-        {"ROTATED", info->shape == DUET_SHAPE_POSES && info->rotated},
+        {"ROTATED", info->shape != DUET_SHAPE_BOUNDS && info->rotated},
         {"ORIGIN", origin_bits >> 23},
     };
     for (size_t i = 0; i < sizeof decided / sizeof decided[0]; ++i)

@@ -19,11 +19,14 @@ bool reference_check_is_right(const reference_check *check)
 
 void run_report_scene(const duet_scene_info *info)
 {
-    const char *kind = info->shape == DUET_SHAPE_BOUNDS ? "axis-aligned "
-                       : info->rotated                  ? "rotated "
-                                                        : "";
-    printf("%s: %s %s%s, %uD\n", info->name, table_count(info->n).chars, kind,
-           info->n == 1 ? "box" : "boxes", info->dims);
+    static const char *const kinds[DUET_SHAPES][2] = {
+        [DUET_SHAPE_POSES] = {"box", "boxes"},
+        [DUET_SHAPE_BOUNDS] = {"axis-aligned box", "axis-aligned boxes"},
+        [DUET_SHAPE_ROUNDED_BOXES] = {"rounded box", "rounded boxes"},
+        [DUET_SHAPE_SPHERES] = {"sphere", "spheres"},
+    };
+    printf("%s: %s %s%s, %uD\n", info->name, table_count(info->n).chars,
+           info->rotated ? "rotated " : "", kinds[info->shape][info->n != 1], info->dims);
 }
 
 static void print_grid(const duet_scene_info *info, const duet_result *r)

@@ -4,7 +4,8 @@ return {
   uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
+    { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0,
+      about = "0 poses, 1 bounds, 2 rounded boxes, 3 spheres" },
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
@@ -47,7 +48,9 @@ return {
     if p.BATCH % p.LANES ~= 0 then return false, "BATCH is not a multiple of LANES" end
     if p.BATCH > p.LANES and not limits.cpu then return false, "BATCH above LANES is for CPUs" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
-    if p.APART > 0 and (p.SHAPE == 1 or p.ORIGIN > 0) then return false, "only poses from 0 have their sizes apart" end
+    if p.SHAPE == 3 and p.ROTATED == 1 then return false, "spheres have no rotation" end
+    if p.SHAPE >= 2 and p.ORIGIN > 0 then return false, "what has a radius is not in origin cells" end
+    if p.APART > 0 and (p.SHAPE >= 1 or p.ORIGIN > 0) then return false, "only poses from 0 have their sizes apart" end
     if p.APART > 0 and p.PACKED == 1 then return false, "what is packed is whole poses" end
     if (p.CELLS_X == 0) ~= (p.CELLS_Y == 0) or (p.CELLS_X == 0) ~= (p.CELLS_Z == 0) then return false, "CELLS_X, CELLS_Y and CELLS_Z go together" end
     if p.CELLS_X > 0 and (p.GRID == 1 or p.LEVELS == 1) then return false, "CELLS_X is for dense grids of one size" end

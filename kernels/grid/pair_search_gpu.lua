@@ -1,11 +1,13 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "pair search for GPUs: each object and half of the cells around it",
-  uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "narrowphase/boxes.clh" },
+  uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh",
+    "narrowphase/rounded.clh", "narrowphase/boxes.clh" },
   emit = { "stencil" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
+    { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0,
+      about = "0 poses, 1 bounds, 2 rounded boxes, 3 spheres" },
     { "GRID", values = { 0, 1 }, default = 0, about = "0 dense, 1 hashed" },
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
@@ -31,7 +33,7 @@ return {
   args = {
     pair_search_gpu = [[
       const float4 *bounds
-      const float4 *boxes      if SHAPE == 0
+      const float4 *boxes      if SHAPE ~= 1
       const uint *starts
       constant grid_level *levels
       uint n_levels
@@ -53,6 +55,8 @@ return {
     if p.BUF * 16 + 64 > limits.local_bytes then return false, "BUF above the device's local memory" end
     if (p.SHAPE == 1 or p.ACCURACY == 1) and p.FUSED == 1 then return false, "bounds need no test" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
+    if p.SHAPE == 3 and p.ROTATED == 1 then return false, "spheres have no rotation" end
+    if p.SHAPE >= 2 and p.ORIGIN > 0 then return false, "what has a radius is not in origin cells" end
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
     if (p.CELLS_X == 0) ~= (p.CELLS_Y == 0) or (p.CELLS_X == 0) ~= (p.CELLS_Z == 0) then return false, "CELLS_X, CELLS_Y and CELLS_Z go together" end
     if p.CELLS_X > 0 and (p.GRID == 1 or p.LEVELS == 1) then return false, "CELLS_X is for dense grids of one size" end

@@ -1,11 +1,13 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "pair search for SIMD: half of the cells around, and the axis test, eight at a time",
-  uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "narrowphase/box_rows.clh", "narrowphase/collide.clh", "grid/corners.clh" },
+  uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh",
+    "narrowphase/rounded.clh", "narrowphase/box_rows.clh", "narrowphase/collide.clh", "grid/corners.clh" },
   emit = { "stencil" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
+    { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0,
+      about = "0 poses, 1 bounds, 2 rounded boxes, 3 spheres" },
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
@@ -26,7 +28,7 @@ return {
     pair_search_simd = [[
       const float *bounds
       uint place_capacity
-      const float *boxes       if SHAPE == 0
+      const float *boxes       if SHAPE ~= 1
       const uint *ids          if SHAPE == 1
       const uint *starts
       constant grid_level *levels
@@ -49,6 +51,8 @@ return {
     if p.ROOMY == 1 and (p.GRID == 1 or p.LEVELS == 1) then return false, "ROOMY is for dense grids of one size" end
     if (p.SHAPE == 1 or p.ACCURACY == 1) and p.FUSED == 1 then return false, "bounds need no test" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
+    if p.SHAPE == 3 and p.ROTATED == 1 then return false, "spheres have no rotation" end
+    if p.SHAPE >= 2 and p.ORIGIN > 0 then return false, "what has a radius is not in origin cells" end
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
     return true
   end,

@@ -38,7 +38,11 @@ static inline void put(const order *to, size_t place, const object *o, uint id)
     to->bounds[BOUNDS_QUADS * place + 1] = (float4)(b.upper[0], b.upper[1], b.upper[2], as_float(level));
 #if SHAPE == SHAPE_POSES
     to->boxes[BOX_QUADS * place] = (float4)(o->centre[0], o->centre[1], o->centre[2], as_float(id));
+//@ if SHAPE >= 2 then
+    to->boxes[BOX_QUADS * place + 1] = (float4)(o->halves[0], o->halves[1], o->halves[2], o->radius);
+//@ else
     to->boxes[BOX_QUADS * place + 1] = (float4)(o->halves[0], o->halves[1], o->halves[2], 0.0f);
+//@ end
     to->boxes[BOX_QUADS * place + 2] = (float4)(o->rotation[0], o->rotation[1], o->rotation[2], o->rotation[3]);
 #endif
 #if ORIGIN

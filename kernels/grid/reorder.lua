@@ -4,7 +4,8 @@ return {
   uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "grid/places.h", "grid/grid.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
+    { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0,
+      about = "0 poses, 1 bounds, 2 rounded boxes, 3 spheres" },
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
@@ -36,13 +37,15 @@ return {
       constant grid_level *levels
       uint n_levels
       float4 *sorted_bounds
-      float4 *sorted_boxes  if SHAPE == 0
+      float4 *sorted_boxes  if SHAPE ~= 1
       volatile uint *counters
     ]],
   },
   valid = function(p)
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
-    if p.APART > 0 and (p.SHAPE == 1 or p.ORIGIN > 0) then return false, "only poses from 0 have their sizes apart" end
+    if p.SHAPE == 3 and p.ROTATED == 1 then return false, "spheres have no rotation" end
+    if p.SHAPE >= 2 and p.ORIGIN > 0 then return false, "what has a radius is not in origin cells" end
+    if p.APART > 0 and (p.SHAPE >= 1 or p.ORIGIN > 0) then return false, "only poses from 0 have their sizes apart" end
     if p.APART > 0 and p.PACKED == 1 then return false, "what is packed is whole poses" end
     return true
   end,

@@ -1,10 +1,12 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "separating axis test of the candidates",
-  uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh", "grid/places.h", "narrowphase/boxes.clh" },
+  uses = { "counters.h", "lanes.clh", "narrowphase/object.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh",
+    "narrowphase/rounded.clh", "grid/places.h", "narrowphase/boxes.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0 }, default = 0, about = "poses: bounds need no test" },
+    { "SHAPE", values = { 0 }, min = 0, max = 3, default = 0,
+      about = "0 poses, 2 rounded boxes, 3 spheres; bounds need no test" },
     { "ROTATED", values = { 0, 1 }, default = 1, about = "0: every rotation is the identity" },
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
@@ -31,6 +33,8 @@ return {
     ]],
   },
   valid = function(p, limits)
+    if p.SHAPE == 1 then return false, "bounds need no test" end
+    if p.SHAPE == 3 and p.ROTATED == 1 then return false, "spheres have no rotation" end
     if p.WG * p.PER_ITEM * 8 + 64 > limits.local_bytes then return false, "pairs above the device's local memory" end
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
     return true

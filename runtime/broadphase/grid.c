@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "runtime/narrowphase/origin.h"
+#include "runtime/narrowphase/rounded.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -193,7 +194,7 @@ double grid_corner(const grid_level *level, float origin, uint32_t axis)
 // what rounding does to both ends where positions are in origin cells.
 static float reach_of(double along, double limit, duet_shape shape)
 {
-    double reach = shape == DUET_SHAPE_POSES ? limit / 2 : limit;
+    double reach = shape == DUET_SHAPE_BOUNDS ? limit : limit / 2;
     return (cl_float)(reach + 2 * (along - limit));
 }
 
@@ -497,6 +498,12 @@ duet_transform grid_transform_of(const duet_pose *pose)
 
 const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *scratch)
 {
+    if (objects->shape == DUET_SHAPE_ROUNDED_BOXES)
+        return &((const duet_rounded_box *)objects->array)[id].pose;
+    if (objects->shape == DUET_SHAPE_SPHERES) {
+        *scratch = rounded_of_sphere(&((const duet_sphere *)objects->array)[id]).pose;
+        return scratch;
+    }
     if (!objects->sizes)
         return origin_pose(objects->array, objects->origin, id);
     memcpy(scratch->half_extents, objects->sizes[id].half_extents, sizeof scratch->half_extents);
@@ -511,6 +518,26 @@ const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pos
     memcpy(scratch->centre, t->centre, sizeof scratch->centre);
     memcpy(scratch->rotation, t->rotation, sizeof scratch->rotation);
     return scratch;
+}
+
+bool grid_has_radii(const grid_objects *objects)
+{
+    return objects->shape == DUET_SHAPE_ROUNDED_BOXES || objects->shape == DUET_SHAPE_SPHERES;
+}
+
+float grid_radius_of(const grid_objects *objects, uint32_t id)
+{
+    return objects->shape == DUET_SHAPE_ROUNDED_BOXES
+               ? ((const duet_rounded_box *)objects->array)[id].radius
+           : objects->shape == DUET_SHAPE_SPHERES ? ((const duet_sphere *)objects->array)[id].radius
+                                                  : 0.0f;
+}
+
+duet_rounded_box grid_rounded_box_of(const grid_objects *objects, uint32_t id)
+{
+    return objects->shape == DUET_SHAPE_SPHERES
+               ? rounded_of_sphere(&((const duet_sphere *)objects->array)[id])
+               : ((const duet_rounded_box *)objects->array)[id];
 }
 
 // What the rounding of a device's bounds adds to an extent (kernels/narrowphase/object.clh,
@@ -541,7 +568,9 @@ static double widest_of(const grid_objects *objects, uint32_t id, double *roundi
         return widest_of_bounds(&((const duet_bounds *)objects->array)[id], objects->dims);
     const duet_pose *pose = grid_pose_of(objects, id, &scratch);
     *rounding = rounding_of_pose(pose, objects);
-    return widest_of_pose(pose, objects->dims);
+    double radius = grid_radius_of(objects, id);
+    double widest = widest_of_pose(pose, objects->dims) + 2.0 * radius;
+    return radius < 0.0 ? radius : widest;
 }
 
 void grid_needs_of(grid_needs *needs, const grid_objects *objects)

@@ -47,7 +47,7 @@ typedef struct grid_needs {
     double octave_widest[GRID_OCTAVES];
 } grid_needs;
 
-// What objects a grid is for: poses or bounds, with origin cells large poses, or
+// What objects a grid is for: as the shape says, with origin cells large poses, or
 // with sizes transforms.
 typedef struct grid_objects {
     const void *array;
@@ -64,8 +64,16 @@ size_t grid_object_bytes(const grid_objects *objects);
 // A pose without its size.
 duet_transform grid_transform_of(const duet_pose *pose);
 
-// The pose of an object that has one; *scratch holds it where its size lies apart.
+// The pose of an object that has one; *scratch holds it where its size lies apart, or for a
+// sphere. A rounded box's is that of its core.
 const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *scratch);
+
+// 0 where objects have none.
+float grid_radius_of(const grid_objects *objects, uint32_t id);
+bool grid_has_radii(const grid_objects *objects);
+
+// An object that has a radius.
+duet_rounded_box grid_rounded_box_of(const grid_objects *objects, uint32_t id);
 
 void grid_needs_of(grid_needs *needs, const grid_objects *objects);
 

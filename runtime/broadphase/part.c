@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/origin.h"
+#include "runtime/narrowphase/rounded.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -238,6 +239,10 @@ static bool place(part *p, const part_task *task, duet_error *err)
                            gathers ? p->place_capacity : task->objects.n, p, err);
 }
 
+// Rotated boxes that have a radius: a quaternion and that, in 2D fewer
+// (kernels/narrowphase/sat.clh).
+enum { ROUNDED_MORE = 5 };
+
 typedef struct place_bytes {
     size_t bounds;
     size_t boxes;
@@ -247,11 +252,15 @@ typedef struct place_bytes {
 // past n, for whole vectors are read and written there.
 static place_bytes bytes_of_places(const part *p, const part_task *task, size_t n)
 {
-    bool poses = task->objects.shape == DUET_SHAPE_POSES;
+    bool poses = task->objects.shape != DUET_SHAPE_BOUNDS;
+    bool turned = task->rotated && task->objects.shape != DUET_SHAPE_SPHERES;
     bool has_origin = task->objects.origin > 0.0f;
     if (p->variant.search == SEARCH_SIMD) {
         size_t columns = BOUNDS_COLUMNS_OF(task->objects.dims, has_origin);
-        size_t words = BOX_WORDS_OF(MOST_MORE_OF(task->objects.dims, task->rotated), has_origin);
+        size_t more = MOST_MORE_OF(task->objects.dims, turned);
+        if (grid_has_radii(&task->objects) && turned)
+            more = ROUNDED_MORE;
+        size_t words = BOX_WORDS_OF(more, has_origin);
         return (place_bytes){.bounds = COLUMN(n) * columns * sizeof(float),
                              .boxes = poses ? COLUMN(n) * words * sizeof(float) : 0};
     }
@@ -543,7 +552,7 @@ static bool reserve_first(part *p, const part_task *task, uint32_t objects, duet
 {
     uint64_t guess = objects;
     bool ok = p->pairs.mem || reserve_pairs(p, &p->pairs, guess, err);
-    if (task->objects.shape == DUET_SHAPE_POSES)
+    if (task->objects.shape != DUET_SHAPE_BOUNDS)
         ok = ok && (p->undecided.mem || reserve_pairs(p, &p->undecided, guess / 64, err));
     if (p->kernels.narrow)
         ok = ok &&
@@ -611,6 +620,21 @@ static bool fetch_open(part *p, const duet_pair **open, duet_pair *scratch, duet
                          p->n_undecided * sizeof **open, err);
 }
 
+static bool collide(const grid_objects *objects, uint32_t a, uint32_t b)
+{
+    if (grid_has_radii(objects)) {
+        const duet_rounded_box of_a = grid_rounded_box_of(objects, a);
+        const duet_rounded_box of_b = grid_rounded_box_of(objects, b);
+        return rounded_decide(&of_a, &of_b, objects->dims);
+    }
+    double shift[3];
+    duet_pose scratch[2];
+    const duet_pose *of_a = grid_pose_of(objects, a, &scratch[0]);
+    const duet_pose *of_b = grid_pose_of(objects, b, &scratch[1]);
+    origin_shift(shift, objects->array, objects->origin, a, b);
+    return narrow_decide_apart(of_a, of_b, shift, objects->dims);
+}
+
 // What the host decides with: all objects, or where it does not see them those of the open
 // pairs, two for each.
 typedef struct open_objects {
@@ -659,14 +683,9 @@ static uint64_t decide(part *p, const open_objects *o, const duet_pair *open, du
     uint64_t begun = clock_steady_ns();
     uint64_t n = 0;
     for (uint64_t i = 0; i < p->n_undecided; ++i) {
-        double shift[3];
-        duet_pose scratch[2];
         uint32_t first = o->rows ? 2 * (uint32_t)i : open[i].a;
         uint32_t second = o->rows ? first + 1 : open[i].b;
-        const duet_pose *a = grid_pose_of(&o->objects, first, &scratch[0]);
-        const duet_pose *b = grid_pose_of(&o->objects, second, &scratch[1]);
-        origin_shift(shift, o->objects.array, o->objects.origin, first, second);
-        if (narrow_decide_apart(a, b, shift, o->objects.dims))
+        if (collide(&o->objects, first, second))
             colliding[n++] = open[i];
     }
     if (p->n_undecided > 0)

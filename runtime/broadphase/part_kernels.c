@@ -211,11 +211,12 @@ static bool all_settings_used(const part *p, duet_error *err)
     return true;
 }
 
-// Where nothing is rotated most levels are one.
+// Where nothing is rotated, or objects have radii, most levels are one.
 static duet_level level_of(const part_task *task)
 {
-    bool differs = task->objects.shape == DUET_SHAPE_POSES &&
-                   (task->rotated || level_tests_upright(task->level));
+    bool turned_boxes = task->objects.shape == DUET_SHAPE_POSES && task->rotated;
+    bool differs = task->objects.shape != DUET_SHAPE_BOUNDS &&
+                   (turned_boxes || level_tests_upright(task->level));
     return differs ? task->level : DUET_LEVEL_CERTIFIED;
 }
 
@@ -249,7 +250,8 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
     p->variant = *asked;
     const int search = p->variant.search;
     bool counting = p->variant.sort == SORT_COUNTING;
-    bool poses = task->objects.shape == DUET_SHAPE_POSES;
+    bool poses = task->objects.shape != DUET_SHAPE_BOUNDS;
+    bool turned = poses && task->rotated && task->objects.shape != DUET_SHAPE_SPHERES;
     duet_level level = level_of(task);
     bool tested = poses && level != DUET_LEVEL_AABB;
     cl_int4 cells = compiled_cells(p, task);
@@ -260,7 +262,7 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {"SHAPE", task->objects.shape, false},
         {"ORIGIN", origin_bits >> 23, false},
         {"APART", task->objects.sizes ? 1 + task->objects.compact : 0, false},
-        {"ROTATED", poses && task->rotated, false},
+        {"ROTATED", turned, false},
         {"RANK", counting, false},
         {"SORTED", searches[search].in_cell_order, false},
         {"IDS", !tested, false},

@@ -374,10 +374,10 @@ bool pack_pays(const part_task *task, const part_range ranges[2], int side, cons
                const variant *v)
 {
     uint32_t n = task->objects.n;
-    return task->objects.origin == 0.0f && !task->objects.sizes && !p->device->info.host_memory &&
-           ranges[0].last > 0 && ranges[1].last > 0 &&
-           ranges[side].expected <= n - n / LEAST_LEFT_OUT && v->search == SEARCH_GPU &&
-           v->send == SEND_PACKED;
+    return task->objects.origin == 0.0f && !task->objects.sizes &&
+           !grid_has_radii(&task->objects) && !p->device->info.host_memory && ranges[0].last > 0 &&
+           ranges[1].last > 0 && ranges[side].expected <= n - n / LEAST_LEFT_OUT &&
+           v->search == SEARCH_GPU && v->send == SEND_PACKED;
 }
 
 bool pack_start(pack *p, const part parts[2], const part_task *task, const part_range ranges[2],

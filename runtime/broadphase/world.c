@@ -69,6 +69,38 @@ duet_world_def duet_default_world_def(void)
         .plan = duet_default_plan(NULL), .dims = 3, .rotated = true, .cookie = COOKIE};
 }
 
+// ---------------------------------------------------------------- kinds of objects
+
+static const world_kind kinds[] = {
+    [DUET_OBJECT_POSES] = {DUET_OBJECT_POSES, "poses", sizeof(duet_pose)},
+    [DUET_OBJECT_BOUNDS] = {DUET_OBJECT_BOUNDS, "bounds", sizeof(duet_bounds)},
+    [DUET_OBJECT_LARGE_POSES] = {DUET_OBJECT_LARGE_POSES, "large poses", sizeof(duet_large_pose)},
+    [DUET_OBJECT_TRANSFORMS] = {DUET_OBJECT_TRANSFORMS, "transforms", sizeof(duet_transform)},
+    [DUET_OBJECT_SIZES] = {DUET_OBJECT_SIZES, "sizes", sizeof(duet_size)},
+    [DUET_OBJECT_COMPACT_TRANSFORMS] = {DUET_OBJECT_COMPACT_TRANSFORMS, "compact transforms",
+                                        sizeof(duet_compact_transform)},
+    [DUET_OBJECT_ROUNDED_BOXES] = {DUET_OBJECT_ROUNDED_BOXES, "rounded boxes",
+                                   sizeof(duet_rounded_box)},
+    [DUET_OBJECT_SPHERES] = {DUET_OBJECT_SPHERES, "spheres", sizeof(duet_sphere)},
+};
+
+// What a world is made for.
+static duet_object_kind kind_of(const duet_world_def *def)
+{
+    static const duet_object_kind of_shape[DUET_SHAPES] = {
+        [DUET_SHAPE_POSES] = DUET_OBJECT_POSES,
+        [DUET_SHAPE_BOUNDS] = DUET_OBJECT_BOUNDS,
+        [DUET_SHAPE_ROUNDED_BOXES] = DUET_OBJECT_ROUNDED_BOXES,
+        [DUET_SHAPE_SPHERES] = DUET_OBJECT_SPHERES,
+    };
+    if (def->shape != DUET_SHAPE_POSES)
+        return of_shape[def->shape];
+    return def->origin_edge > 0.0f   ? DUET_OBJECT_LARGE_POSES
+           : def->compact_transforms ? DUET_OBJECT_COMPACT_TRANSFORMS
+           : def->separate_sizes     ? DUET_OBJECT_TRANSFORMS
+                                     : DUET_OBJECT_POSES;
+}
+
 // ---------------------------------------------------------------- checks
 
 static bool check_world_box(const duet_world_def *def, duet_error *err)
@@ -90,16 +122,19 @@ static bool check_origin(const duet_world_def *def, duet_error *err)
                          (double)def->origin_edge);
     return def->origin_edge == 0.0f || def->shape == DUET_SHAPE_POSES ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "origin cells are for poses; expected 0 for bounds");
+                     "origin cells are for poses; expected an origin_edge of 0 for %s",
+                     kinds[kind_of(def)].name);
 }
 
 static bool check_sizes_apart(const duet_world_def *def, duet_error *err)
 {
     bool plain = def->shape == DUET_SHAPE_POSES && def->origin_edge == 0.0f;
+    duet_world_def plain_def = *def;
+    plain_def.separate_sizes = plain_def.compact_transforms = false;
     return plain || !(def->separate_sizes || def->compact_transforms) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%s is for poses; expected false for bounds and for large poses",
-                     def->compact_transforms ? "compact_transforms" : "separate_sizes");
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s is for poses; expected false for %s",
+                     def->compact_transforms ? "compact_transforms" : "separate_sizes",
+                     kinds[kind_of(&plain_def)].name);
 }
 
 static bool check_def(const duet_world_def *def, duet_error *err)
@@ -111,8 +146,9 @@ static bool check_def(const duet_world_def *def, duet_error *err)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the world's def has no device pair");
     if (def->dims != 2 && def->dims != 3)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
-    if (def->shape != DUET_SHAPE_POSES && def->shape != DUET_SHAPE_BOUNDS)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "shape is neither POSES nor BOUNDS");
+    if (def->shape < DUET_SHAPE_POSES || def->shape >= DUET_SHAPES)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "shape is %d; expected a duet_shape",
+                         (int)def->shape);
     if (!duet_level_get_info(def->level))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
                          (int)def->level);
@@ -170,12 +206,16 @@ static bool read_plan(grid_wish *wish, variant variants[2], const duet_plan *pla
         !variant_parse(b, plan->variant_b, &def->pair->devices[1].info, err))
         return false;
     bool paper = a->search == SEARCH_PAPER || b->search == SEARCH_PAPER;
-    if (paper && (def->origin_edge > 0.0f || def->separate_sizes))
+    const char *unknown = def->separate_sizes                      ? "sizes apart"
+                          : def->origin_edge > 0.0f                ? "origin cells"
+                          : def->shape == DUET_SHAPE_ROUNDED_BOXES ? "rounded boxes"
+                          : def->shape == DUET_SHAPE_SPHERES       ? "spheres"
+                                                                   : NULL;
+    if (paper && unknown)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the paper's search knows no %s ('%s', '%s'); expected "
                          "auto, simd or gpu",
-                         def->separate_sizes ? "sizes apart" : "origin cells", plan->variant_a,
-                         plan->variant_b);
+                         unknown, plan->variant_a, plan->variant_b);
     if (plan->mode == DUET_MODE_SHARED &&
         (a->search == SEARCH_PAPER) != (b->search == SEARCH_PAPER))
         return error_set(
@@ -358,36 +398,15 @@ void world_end_sight(duet_world *world)
     resident_end_sight(&world->resident, world->def.pair->devices);
 }
 
-static const world_kind kinds[] = {
-    {DUET_OBJECT_POSES, "poses", sizeof(duet_pose)},
-    {DUET_OBJECT_BOUNDS, "bounds", sizeof(duet_bounds)},
-    {DUET_OBJECT_LARGE_POSES, "large poses", sizeof(duet_large_pose)},
-    {DUET_OBJECT_TRANSFORMS, "transforms", sizeof(duet_transform)},
-    {DUET_OBJECT_SIZES, "sizes", sizeof(duet_size)},
-    {DUET_OBJECT_COMPACT_TRANSFORMS, "compact transforms", sizeof(duet_compact_transform)},
-};
-
-// What the world was made for.
-static duet_object_kind kind_of(const duet_world *world)
-{
-    const duet_world_def *def = &world->def;
-    if (def->shape == DUET_SHAPE_BOUNDS)
-        return DUET_OBJECT_BOUNDS;
-    return def->origin_edge > 0.0f   ? DUET_OBJECT_LARGE_POSES
-           : def->compact_transforms ? DUET_OBJECT_COMPACT_TRANSFORMS
-           : def->separate_sizes     ? DUET_OBJECT_TRANSFORMS
-                                     : DUET_OBJECT_POSES;
-}
-
 bool world_can_have(const duet_world *world, duet_object_kind kind, uint32_t n, const char *call,
                     world_kind *what, duet_error *err)
 {
     if (!world_is_idle(world, call, err))
         return false;
-    if (kind < DUET_OBJECT_POSES || kind > DUET_OBJECT_COMPACT_TRANSFORMS)
+    if (kind < DUET_OBJECT_POSES || kind > DUET_OBJECT_SPHERES)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "kind is %d; expected a duet_object_kind",
                          (int)kind);
-    duet_object_kind right = kind_of(world);
+    duet_object_kind right = kind_of(&world->def);
     bool size = kind == DUET_OBJECT_SIZES && world->def.separate_sizes;
     if (kind != right && !size)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the world was made for %s, not for %s",
@@ -444,7 +463,7 @@ static bool take_sizes(duet_world *world, const duet_pose *poses, uint32_t n, du
 
 bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
 {
-    void *to = duet_world_map_objects(world, kind_of(world), n, err);
+    void *to = duet_world_map_objects(world, kind_of(&world->def), n, err);
     for (uint32_t i = 0; to && i < n; ++i) {
         duet_transform t = grid_transform_of(&poses[i]);
         if (world->def.dims == 2)

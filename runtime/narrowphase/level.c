@@ -2,6 +2,7 @@
 #include "runtime/narrowphase/level.h"
 
 #include "runtime/narrowphase/narrow.h"
+#include "runtime/narrowphase/rounded.h"
 #include "runtime/narrowphase/sat_frame.h"
 
 #include <math.h>
@@ -104,4 +105,16 @@ bool level_collide(duet_level level, const duet_pose *a, const duet_pose *b, con
         return false;
     return rotated || level_tests_upright(level) ? levels[level].test(a, b, shift, dims)
                                                  : narrow_decide_apart(a, b, shift, dims);
+}
+
+bool level_collide_rounded(duet_level level, const duet_rounded_box *a, const duet_rounded_box *b,
+                           uint32_t dims, bool rotated)
+{
+    duet_bounds bounds_a = sat_rounded_bounds(a, dims, rotated);
+    duet_bounds bounds_b = sat_rounded_bounds(b, dims, rotated);
+    if (!sat_bounds_overlap(&bounds_a, &bounds_b, narrow_here, dims))
+        return false;
+    return level == DUET_LEVEL_AABB ||
+           (level == DUET_LEVEL_SPHERE ? sat_rounded_spheres_overlap(a, b, dims)
+                                       : rounded_decide(a, b, dims));
 }

@@ -12,6 +12,10 @@
 bool level_collide(duet_level level, const duet_pose *a, const duet_pose *b, const double shift[3],
                    uint32_t dims, bool rotated);
 
+// The same of boxes that have a radius: all levels but aabb and sphere are exact.
+bool level_collide_rounded(duet_level level, const duet_rounded_box *a, const duet_rounded_box *b,
+                           uint32_t dims, bool rotated);
+
 // Whether the level differs from certified where nothing is rotated.
 bool level_tests_upright(duet_level level);
 

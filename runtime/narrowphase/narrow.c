@@ -182,6 +182,16 @@ static double half_along(const box *b, int k)
     return b->half_extents[edge];
 }
 
+bool narrow_is_upright(const duet_pose *pose, double reach[3])
+{
+    if (!keeps_axes(pose))
+        return false;
+    box b = box_of_pose(pose);
+    for (int k = 0; k < 3; ++k)
+        reach[k] = half_along(&b, k);
+    return true;
+}
+
 // A sum of two doubles as its rounding and what that left over.
 typedef struct sum {
     double high, low;

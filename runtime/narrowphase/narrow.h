@@ -55,6 +55,10 @@ bool narrow_bounds(const duet_bounds *a, const duet_bounds *b, uint32_t dims);
 // Finite, no negative extent, a rotation: the components that dims reads.
 bool narrow_is_box(const duet_pose *pose, uint32_t dims);
 
+// Whether the box lies along the world's axes, turned by quarters or not at all, and how far it
+// reaches along them.
+bool narrow_is_upright(const duet_pose *pose, double reach[3]);
+
 // axis[i]: the direction of edge i. Returns |q|^2.
 double narrow_axes(double axis[3][3], const float q[4]);
 

@@ -53,9 +53,13 @@ bool origin_place(duet_large_pose *large, const double centre[3], float edge)
 
 size_t origin_row_bytes(duet_shape shape, float edge)
 {
-    if (shape == DUET_SHAPE_BOUNDS)
-        return sizeof(duet_bounds);
-    return edge > 0.0f ? sizeof(duet_large_pose) : sizeof(duet_pose);
+    static const size_t bytes[DUET_SHAPES] = {
+        [DUET_SHAPE_POSES] = sizeof(duet_pose),
+        [DUET_SHAPE_BOUNDS] = sizeof(duet_bounds),
+        [DUET_SHAPE_ROUNDED_BOXES] = sizeof(duet_rounded_box),
+        [DUET_SHAPE_SPHERES] = sizeof(duet_sphere),
+    };
+    return edge > 0.0f ? sizeof(duet_large_pose) : bytes[shape];
 }
 
 static void set_shift(double shift[3], const duet_large_pose *a, const duet_large_pose *b,

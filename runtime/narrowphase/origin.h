@@ -20,7 +20,7 @@ bool origin_settle(duet_large_pose *large, float edge);
 // The nearest position to a centre; false as above.
 bool origin_place(duet_large_pose *large, const double centre[3], float edge);
 
-// Rows of objects: poses or bounds, or with an edge above 0 large poses.
+// Rows of objects of a shape, or with an edge above 0 large poses.
 size_t origin_row_bytes(duet_shape shape, float edge);
 static inline const duet_pose *origin_pose(const void *rows, float edge, uint32_t id)
 {

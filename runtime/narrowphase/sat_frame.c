@@ -99,19 +99,34 @@ static void set_reach(float reach[3], const duet_pose *box, bool rotated)
     }
 }
 
-duet_bounds sat_bounds(const duet_pose *pose, uint32_t dims, bool rotated)
+static duet_bounds bounds_around(const duet_pose *box, const float reach[3], uint32_t dims)
 {
-    duet_pose box = load(pose, dims);
     duet_bounds b = {{0}, {0}};
-    float reach[3];
-    set_reach(reach, &box, rotated);
     for (uint32_t k = 0; k < dims; ++k) {
-        float lower = box.centre[k] - reach[k];
-        float upper = box.centre[k] + reach[k];
+        float lower = box->centre[k] - reach[k];
+        float upper = box->centre[k] + reach[k];
         b.lower[k] = lower - fmaf(fabsf(lower), 0x1p-23f, 0x1p-125f);
         b.upper[k] = upper + fmaf(fabsf(upper), 0x1p-23f, 0x1p-125f);
     }
     return b;
+}
+
+duet_bounds sat_bounds(const duet_pose *pose, uint32_t dims, bool rotated)
+{
+    duet_pose box = load(pose, dims);
+    float reach[3];
+    set_reach(reach, &box, rotated);
+    return bounds_around(&box, reach, dims);
+}
+
+duet_bounds sat_rounded_bounds(const duet_rounded_box *rounded, uint32_t dims, bool rotated)
+{
+    duet_pose box = load(&rounded->pose, dims);
+    float reach[3];
+    set_reach(reach, &box, rotated);
+    for (int k = 0; k < 3; ++k)
+        reach[k] = fmaf(reach[k] + rounded->radius, 0x1p-22f, reach[k] + rounded->radius);
+    return bounds_around(&box, reach, dims);
 }
 
 bool sat_bounds_overlap(const duet_bounds *a, const duet_bounds *b, const double shift[3],
@@ -256,14 +271,14 @@ static bool is_beyond(const float t[3], float reach)
     return dot(t, t) > reach * reach * (1.0f + 0x1p-18f);
 }
 
-bool sat_spheres_overlap(const duet_pose *pose_a, const duet_pose *pose_b, const double shift[3],
-                         uint32_t dims)
+static bool spheres_overlap(const duet_pose *pose_a, float radius_a, const duet_pose *pose_b,
+                            float radius_b, const double shift[3], uint32_t dims)
 {
     duet_pose a = narrow_flat(pose_a, dims), b = narrow_flat(pose_b, dims);
     float t[3];
     set_way(t, &a, &b, shift, dims);
     float size = sum_of_sizes(t, a.half_extents, b.half_extents);
-    float reach = radius_of(a.half_extents) + radius_of(b.half_extents);
+    float reach = (radius_of(a.half_extents) + radius_a) + (radius_of(b.half_extents) + radius_b);
     bool apart = is_beyond(t, reach);
     if (!(size >= 0x1p-40f && size <= 0x1p40f)) { // squares near 1
         float scale = inverse_power_of(size);
@@ -272,4 +287,16 @@ bool sat_spheres_overlap(const duet_pose *pose_a, const duet_pose *pose_b, const
         apart = is_beyond(t, scale * reach);
     }
     return !(apart && is_trusted(size));
+}
+
+bool sat_spheres_overlap(const duet_pose *a, const duet_pose *b, const double shift[3],
+                         uint32_t dims)
+{
+    return spheres_overlap(a, 0, b, 0, shift, dims);
+}
+
+bool sat_rounded_spheres_overlap(const duet_rounded_box *a, const duet_rounded_box *b,
+                                 uint32_t dims)
+{
+    return spheres_overlap(&a->pose, a->radius, &b->pose, b->radius, narrow_here, dims);
 }

@@ -31,6 +31,8 @@ float sat_frame_edge_separation(const sat_frame *m, int i, int j);
 // Bounds that contain the box. rotated false takes its rotation for the identity.
 duet_bounds sat_bounds(const duet_pose *pose, uint32_t dims, bool rotated);
 
+duet_bounds sat_rounded_bounds(const duet_rounded_box *box, uint32_t dims, bool rotated);
+
 // Whether bounds overlap of which b's count from `shift` further on.
 bool sat_bounds_overlap(const duet_bounds *a, const duet_bounds *b, const double shift[3],
                         uint32_t dims);
@@ -38,5 +40,7 @@ bool sat_bounds_overlap(const duet_bounds *a, const duet_bounds *b, const double
 // Whether the bounding spheres may share a point; they are rounded outward.
 bool sat_spheres_overlap(const duet_pose *a, const duet_pose *b, const double shift[3],
                          uint32_t dims);
+bool sat_rounded_spheres_overlap(const duet_rounded_box *a, const duet_rounded_box *b,
+                                 uint32_t dims);
 
 #endif

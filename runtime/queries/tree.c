@@ -25,6 +25,11 @@ static bool check_def(const duet_tree_def *def, duet_error *err)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the tree's def has no device pair");
     if (def->dims != 2 && def->dims != 3)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
+    if (def->shape == DUET_SHAPE_ROUNDED_BOXES || def->shape == DUET_SHAPE_SPHERES)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the tree's shape is %s, which queries do not know; expected poses or "
+                         "bounds",
+                         def->shape == DUET_SHAPE_SPHERES ? "spheres" : "rounded boxes");
     if (def->shape != DUET_SHAPE_POSES && def->shape != DUET_SHAPE_BOUNDS)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "shape is %d; expected a duet_shape",
                          (int)def->shape);

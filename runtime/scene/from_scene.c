@@ -3,6 +3,18 @@
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
+#include "runtime/scene/scene.h"
+
+duet_object_kind scene_kind(const duet_scene_info *info)
+{
+    static const duet_object_kind of_shape[DUET_SHAPES] = {
+        [DUET_SHAPE_POSES] = DUET_OBJECT_POSES,
+        [DUET_SHAPE_BOUNDS] = DUET_OBJECT_BOUNDS,
+        [DUET_SHAPE_ROUNDED_BOXES] = DUET_OBJECT_ROUNDED_BOXES,
+        [DUET_SHAPE_SPHERES] = DUET_OBJECT_SPHERES,
+    };
+    return info->origin_edge > 0.0f ? DUET_OBJECT_LARGE_POSES : of_shape[info->shape];
+}
 
 bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err)
 {
@@ -18,9 +30,7 @@ bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error
                          "the scene %s has the origin %g, the world %g", info->name,
                          (double)info->origin_edge, (double)world->def.origin_edge);
     world_forget_grid(world);
-    duet_object_kind kind = info->origin_edge > 0.0f          ? DUET_OBJECT_LARGE_POSES
-                            : info->shape == DUET_SHAPE_POSES ? DUET_OBJECT_POSES
-                                                              : DUET_OBJECT_BOUNDS;
+    duet_object_kind kind = scene_kind(info);
     return duet_world_set_objects(world, kind, duet_scene_get_objects(scene, kind), info->n, err);
 }
 
@@ -32,6 +42,12 @@ duet_motion *duet_motion_create_from_scene(const duet_motion_def *def, const due
     const duet_scene_info *info = duet_scene_get_info(scene);
     const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
     const duet_body *own = bodies ? bodies : duet_scene_get_bodies(scene);
+    if (info->shape == DUET_SHAPE_ROUNDED_BOXES || info->shape == DUET_SHAPE_SPHERES) {
+        error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                  "%s: its objects have radii, which a motion does not know; expected boxes",
+                  info->name);
+        return NULL;
+    }
     if (!poses) {
         error_set(err, DUET_STATUS_BAD_ARGUMENT,
                   "%s: its objects are corners, which do not move; expected centres and half "

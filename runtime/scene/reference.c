@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/origin.h"
+#include "runtime/narrowphase/rounded.h"
 #include "runtime/narrowphase/sat_frame.h"
 
 #include <inttypes.h>
@@ -90,6 +91,33 @@ static bounds bounds_of_corners(const duet_bounds *corners, uint32_t dims)
     return b;
 }
 
+static bool has_radii(const reference_objects *o)
+{
+    return o->shape == DUET_SHAPE_ROUNDED_BOXES || o->shape == DUET_SHAPE_SPHERES;
+}
+
+static duet_rounded_box rounded_box_of(const reference_objects *o, uint32_t id)
+{
+    return o->shape == DUET_SHAPE_SPHERES ? rounded_of_sphere(&o->spheres[id])
+                                          : o->rounded_boxes[id];
+}
+
+static bounds bounds_of_rounded(const reference_objects *o, uint32_t id)
+{
+    duet_rounded_box box = rounded_box_of(o, id);
+    if (o->level != DUET_LEVEL_CERTIFIED) {
+        bool turned = o->rotated && o->shape != DUET_SHAPE_SPHERES;
+        duet_bounds in_float = sat_rounded_bounds(&box, o->dims, turned);
+        return bounds_of_corners(&in_float, o->dims);
+    }
+    bounds b = bounds_of_pose(&box.pose, o->dims);
+    for (uint32_t i = 0; i < o->dims; ++i) {
+        b.lower[i] = nextafter(b.lower[i] - box.radius, -INFINITY);
+        b.upper[i] = nextafter(b.upper[i] + box.radius, INFINITY);
+    }
+    return b;
+}
+
 // From the corner of its origin cell to 0, and not smaller.
 static bounds move_by(bounds b, const double corner[3])
 {
@@ -105,6 +133,8 @@ static bounds bounds_of(const reference_objects *objects, uint32_t id)
     uint32_t dims = objects->dims;
     if (objects->shape == DUET_SHAPE_BOUNDS)
         return bounds_of_corners(&objects->bounds[id], dims);
+    if (has_radii(objects))
+        return bounds_of_rounded(objects, id);
     const duet_pose *pose = origin_pose(objects->poses, objects->origin, id);
     duet_bounds in_float = sat_bounds(pose, dims, objects->rotated);
     bounds b = objects->level == DUET_LEVEL_CERTIFIED ? bounds_of_pose(pose, dims)
@@ -149,6 +179,13 @@ static bool collide(const reference_objects *o, uint32_t a, uint32_t b)
 {
     if (o->shape == DUET_SHAPE_BOUNDS)
         return narrow_bounds(&o->bounds[a], &o->bounds[b], o->dims);
+    if (has_radii(o)) {
+        bool turned = o->rotated && o->shape != DUET_SHAPE_SPHERES;
+        duet_rounded_box box_a = rounded_box_of(o, a), box_b = rounded_box_of(o, b);
+        return o->level == DUET_LEVEL_CERTIFIED
+                   ? rounded_decide(&box_a, &box_b, o->dims)
+                   : level_collide_rounded(o->level, &box_a, &box_b, o->dims, turned);
+    }
     const duet_pose *pose_a = origin_pose(o->poses, o->origin, a);
     const duet_pose *pose_b = origin_pose(o->poses, o->origin, b);
     double shift[3];
@@ -382,6 +419,8 @@ bool duet_reference(const duet_scene *scene, duet_level level, duet_pair **pairs
         .poses = duet_scene_get_objects(scene, info->origin_edge > 0 ? DUET_OBJECT_LARGE_POSES
                                                                      : DUET_OBJECT_POSES),
         .bounds = duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS),
+        .rounded_boxes = duet_scene_get_objects(scene, DUET_OBJECT_ROUNDED_BOXES),
+        .spheres = duet_scene_get_objects(scene, DUET_OBJECT_SPHERES),
         .level = level,
         .rotated = info->rotated,
         .origin = info->origin_edge,

@@ -7,14 +7,16 @@
 
 #include "runtime/narrowphase/level.h"
 
-// Objects as the caller holds them; one of poses and bounds, as shape says.
+// Objects as the caller holds them; one of the four arrays, as shape says.
 typedef struct reference_objects {
     uint32_t dims;
     duet_shape shape;
     uint32_t n;
     const duet_pose *poses; // with an origin placed ones: duet_large_pose [n]
     const duet_bounds *bounds;
-    duet_level level; // of poses; by default certified
+    const duet_rounded_box *rounded_boxes;
+    const duet_sphere *spheres;
+    duet_level level; // but of bounds; by default certified
     bool rotated;     // for other levels: false promises identity rotations
     float origin;     // the edge of origin cells, or 0
 } reference_objects;

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/visible.h"
 #include "runtime/narrowphase/origin.h"
+#include "runtime/narrowphase/rounded.h"
 #include "runtime/scene/scene_row.h"
 #include "runtime/scene/shipped.h"
 
@@ -36,6 +37,27 @@ static bool reserve_centres(duet_scene *scene, uint64_t n, duet_error *err)
     return true;
 }
 
+// The first object that has a radius: those before it have none.
+static bool begin_radii(duet_scene *scene, duet_error *err)
+{
+    if (!scene->radii)
+        scene->radii = calloc(scene->capacity, sizeof *scene->radii);
+    return scene->radii || error_set(err, DUET_STATUS_NO_MEMORY, "%llu radii: no memory",
+                                     (unsigned long long)scene->capacity);
+}
+
+static bool reserve_radii(duet_scene *scene, uint64_t n, duet_error *err)
+{
+    if (!scene->radii)
+        return true;
+    float *radii = realloc(scene->radii, n * sizeof *radii);
+    if (!radii)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%llu radii: no memory",
+                         (unsigned long long)n);
+    scene->radii = radii;
+    return true;
+}
+
 bool scene_reserve(duet_scene *scene, uint64_t n, duet_error *err)
 {
     if (n <= scene->capacity)
@@ -50,7 +72,7 @@ bool scene_reserve(duet_scene *scene, uint64_t n, duet_error *err)
         return error_set(err, DUET_STATUS_NO_MEMORY, "%llu objects of %zu bytes: no memory",
                          (unsigned long long)n, object_size(scene));
     scene->objects = objects;
-    if (!reserve_centres(scene, n, err))
+    if (!reserve_centres(scene, n, err) || !reserve_radii(scene, n, err))
         return false;
     scene->capacity = n;
     return true;
@@ -90,6 +112,11 @@ static bool add(duet_scene *scene, const scene_layout *l, const double *row, sce
         const float *q = ((const duet_pose *)object)->rotation;
         scene->info.rotated |= q[0] != 0 || q[1] != 0 || q[2] != 0;
     }
+    bool rounded = scene_layout_has_radius(l);
+    if (rounded && !begin_radii(scene, err))
+        return false;
+    if (scene->radii)
+        scene->radii[scene->info.n] = rounded ? (float)row[l->n - 1] : 0.0f;
     if (scene->keep_centres)
         for (uint32_t k = 0; k < 3; ++k)
             scene->centres[scene->info.n][k] = k < l->dims ? row[k] : 0.0;
@@ -102,8 +129,8 @@ static const scene_layout *layout_of(const duet_scene *scene, uint32_t columns)
 {
     const scene_layout *l = scene_layout_find(columns / scene->per_row);
     bool whole = columns % scene->per_row == 0;
-    bool pairs_are_poses = scene->per_row == 1 || (l && l->shape == DUET_SHAPE_POSES);
-    return whole && pairs_are_poses ? l : NULL;
+    bool poses = l && l->shape == DUET_SHAPE_POSES && !scene_layout_has_radius(l);
+    return whole && (scene->per_row == 1 || poses) ? l : NULL;
 }
 
 bool scene_columns_fit(const duet_scene *scene, uint64_t columns)
@@ -113,7 +140,7 @@ bool scene_columns_fit(const duet_scene *scene, uint64_t columns)
 
 const char *scene_columns_right(const duet_scene *scene)
 {
-    return scene->per_row == 1 ? "4, 5, 6 or 10" : "20, or 10 in 2D";
+    return scene->per_row == 1 ? "4, 5, 6, 7, 10 or 11" : "20, or 10 in 2D";
 }
 
 bool scene_add_row(duet_scene *scene, const double *row, scene_place place, duet_error *err)
@@ -126,12 +153,19 @@ bool scene_add_row(duet_scene *scene, const double *row, scene_place place, duet
     return true;
 }
 
+// Whether such rows are boxes as those before them, but for the radius.
+static bool may_mix(const duet_scene *scene, const scene_layout *l)
+{
+    return scene->mixes && l && l->shape == DUET_SHAPE_POSES && l->dims == scene->info.dims &&
+           scene->info.shape == DUET_SHAPE_POSES;
+}
+
 bool scene_set_columns(duet_scene *scene, uint32_t columns, scene_place place, duet_error *err)
 {
     const scene_layout *l = layout_of(scene, columns);
     const char *what = scene->per_row == 1 ? "object" : "pair";
     unsigned long long i = scene->n_read / scene->per_row;
-    if (scene->columns != 0 && columns != scene->columns)
+    if (scene->columns != 0 && columns != scene->columns && !may_mix(scene, l))
         return error_set(err, DUET_STATUS_BAD_INPUT,
                          "%s%s %llu has %u numbers, where those before it have %u",
                          scene_place_name(place).chars, what, i, columns, scene->columns);
@@ -158,6 +192,60 @@ bool scene_set_name(duet_scene *scene, const char *name, size_t length, duet_err
     scene->name = shown.chars;
     scene->info.name = shown.chars;
     return true;
+}
+
+// ------------------------------------------------------------------ radii
+
+static bool all_are_spheres(const duet_scene *scene)
+{
+    const duet_pose *poses = scene->objects;
+    bool all = true;
+    for (uint32_t i = 0; all && i < scene->info.n; ++i)
+        for (uint32_t k = 0; k < scene->info.dims; ++k)
+            all &= poses[i].half_extents[k] == 0;
+    return all;
+}
+
+static void make_rounded(const duet_scene *scene, uint32_t i, void *objects)
+{
+    const duet_pose *pose = &((const duet_pose *)scene->objects)[i];
+    if (scene->info.shape == DUET_SHAPE_SPHERES) {
+        duet_sphere *s = &((duet_sphere *)objects)[i];
+        memcpy(s->centre, pose->centre, sizeof s->centre);
+        s->radius = scene->radii[i];
+        return;
+    }
+    ((duet_rounded_box *)objects)[i] = (duet_rounded_box){*pose, scene->radii[i]};
+}
+
+// Makes poses and their radii into objects of that shape.
+static bool join_radii(duet_scene *scene, duet_shape shape, duet_error *err)
+{
+    uint32_t n = scene->info.n;
+    scene->info.shape = shape;
+    size_t bytes = (n > 0 ? n : 1) * object_size(scene);
+    void *objects = budget_space(bytes, err) ? malloc(bytes) : NULL;
+    if (!objects)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%u objects of %zu bytes: no memory", n,
+                         object_size(scene));
+    for (uint32_t i = 0; i < n; ++i)
+        make_rounded(scene, i, objects);
+    if (shape == DUET_SHAPE_SPHERES)
+        scene->info.rotated = false;
+    free(scene->objects);
+    free(scene->radii);
+    scene->objects = objects;
+    scene->radii = NULL;
+    scene->capacity = n > 0 ? n : 1;
+    return true;
+}
+
+// What is read from a source has the shape that costs least.
+static bool settle_radii(duet_scene *scene, duet_error *err)
+{
+    duet_shape shape =
+        scene->radii && all_are_spheres(scene) ? DUET_SHAPE_SPHERES : DUET_SHAPE_ROUNDED_BOXES;
+    return !scene->radii || join_radii(scene, shape, err);
 }
 
 // ------------------------------------------------------------------ makers
@@ -304,7 +392,7 @@ static bool read_source(duet_scene *scene, const scene_source *source, const due
     scene->keep_centres = lua || edge != 0.0;
     bool ok = scene_reserve(scene, 1, err) &&
               read_objects(scene, source, settings, n_settings, err) &&
-              (edge == 0.0 || scene_set_origin(scene, edge, err));
+              (edge == 0.0 || scene_set_origin(scene, edge, err)) && settle_radii(scene, err);
     scene_forget_centres(scene);
     return ok;
 }
@@ -435,6 +523,37 @@ duet_scene *scene_from_poses(const duet_pose *poses, uint32_t n, uint32_t dims, 
     return keep_if(ok, scene);
 }
 
+static duet_scene *from_rounded_boxes(const duet_rounded_box *boxes, uint32_t n, uint32_t dims,
+                                      duet_error *err)
+{
+    duet_scene *scene = start_copy(DUET_SHAPE_POSES, boxes, n, dims, err);
+    bool ok = scene && begin_radii(scene, err);
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        const float *c = boxes[i].pose.centre, *h = boxes[i].pose.half_extents;
+        const float *q = boxes[i].pose.rotation, r = boxes[i].radius;
+        const double in_2d[] = {c[0], c[1], h[0], h[1], q[2], q[3], r};
+        const double in_3d[] = {c[0], c[1], c[2], h[0], h[1], h[2], q[0], q[1], q[2], q[3], r};
+        ok = add(scene, scene_layout_rounded_box(dims), dims == 2 ? in_2d : in_3d, (scene_place){0},
+                 err);
+    }
+    return keep_if(ok && join_radii(scene, DUET_SHAPE_ROUNDED_BOXES, err), scene);
+}
+
+static duet_scene *from_spheres(const duet_sphere *spheres, uint32_t n, uint32_t dims,
+                                duet_error *err)
+{
+    duet_scene *scene = start_copy(DUET_SHAPE_POSES, spheres, n, dims, err);
+    bool ok = scene && begin_radii(scene, err);
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        const float *c = spheres[i].centre, r = spheres[i].radius;
+        const double in_2d[] = {c[0], c[1], 0, 0, 0, 1, r};
+        const double in_3d[] = {c[0], c[1], c[2], 0, 0, 0, 0, 0, 0, 1, r};
+        ok = add(scene, scene_layout_rounded_box(dims), dims == 2 ? in_2d : in_3d, (scene_place){0},
+                 err);
+    }
+    return keep_if(ok && join_radii(scene, DUET_SHAPE_SPHERES, err), scene);
+}
+
 static duet_scene *from_bounds(const duet_bounds *bounds, uint32_t n, uint32_t dims,
                                duet_error *err)
 {
@@ -468,13 +587,19 @@ duet_scene *duet_scene_create(duet_object_kind kind, const void *objects, uint32
         return from_bounds(objects, n, dims, err);
     case DUET_OBJECT_LARGE_POSES:
         return scene_from_large_poses(objects, n, dims, origin_edge, err);
+    case DUET_OBJECT_ROUNDED_BOXES:
+        return from_rounded_boxes(objects, n, dims, err);
+    case DUET_OBJECT_SPHERES:
+        return from_spheres(objects, n, dims, err);
     case DUET_OBJECT_TRANSFORMS:
     case DUET_OBJECT_SIZES:
     case DUET_OBJECT_COMPACT_TRANSFORMS:
         break;
     }
     error_set(err, DUET_STATUS_BAD_ARGUMENT,
-              "kind is %d; expected poses, bounds or large poses for a scene", (int)kind);
+              "kind is %d; expected poses, bounds, large poses, rounded boxes or spheres for a "
+              "scene",
+              (int)kind);
     return NULL;
 }
 
@@ -484,6 +609,7 @@ void duet_scene_destroy(duet_scene *scene)
         return;
     free(scene->objects);
     free(scene->centres);
+    free(scene->radii);
     free(scene->rounded);
     free(scene->name);
     free(scene->given);
@@ -502,20 +628,32 @@ const void *duet_scene_get_objects(const duet_scene *scene, duet_object_kind kin
 {
     if (!scene)
         return NULL;
-    bool large = scene->info.origin_edge > 0.0f, poses = scene->info.shape == DUET_SHAPE_POSES;
+    duet_shape shape = scene->info.shape;
+    bool large = scene->info.origin_edge > 0.0f;
     switch (kind) {
     case DUET_OBJECT_POSES:
-        return large ? scene->rounded : poses ? scene->objects : NULL;
+        return large ? scene->rounded : shape == DUET_SHAPE_POSES ? scene->objects : NULL;
     case DUET_OBJECT_BOUNDS:
-        return poses ? NULL : scene->objects;
+        return shape == DUET_SHAPE_BOUNDS ? scene->objects : NULL;
     case DUET_OBJECT_LARGE_POSES:
         return large ? scene->objects : NULL;
+    case DUET_OBJECT_ROUNDED_BOXES:
+        return shape == DUET_SHAPE_ROUNDED_BOXES ? scene->objects : NULL;
+    case DUET_OBJECT_SPHERES:
+        return shape == DUET_SHAPE_SPHERES ? scene->objects : NULL;
     case DUET_OBJECT_TRANSFORMS:
     case DUET_OBJECT_SIZES:
     case DUET_OBJECT_COMPACT_TRANSFORMS:
         break;
     }
     return NULL;
+}
+
+duet_rounded_box scene_rounded_box(const duet_scene *scene, uint32_t id)
+{
+    return scene->info.shape == DUET_SHAPE_SPHERES
+               ? rounded_of_sphere(&((const duet_sphere *)scene->objects)[id])
+               : ((const duet_rounded_box *)scene->objects)[id];
 }
 
 duet_world_def duet_scene_world_def(const duet_scene *scene, duet_device_pair *pair)

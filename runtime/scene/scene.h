@@ -14,12 +14,13 @@
 
 struct duet_scene {
     duet_scene_info info;
-    char *name;       // info.name
-    uint32_t columns; // of a row; 0: none was read yet
-    uint32_t per_row; // objects in a row: 1, or 2 in a file of pairs
-    void
-        *objects; // duet_pose or duet_bounds, as info.shape says, or with an origin duet_large_pose
+    char *name;           // info.name
+    uint32_t columns;     // of a row; 0: none was read yet
+    uint32_t per_row;     // objects in a row: 1, or 2 in a file of pairs
+    void *objects;        // as info.shape says, or with an origin duet_large_pose
     duet_pose *rounded;   // with an origin: the poses with their centres rounded to float
+    float *radii;         // [n] of poses while they are read, where one has some
+    bool mixes;           // rows with and without a radius may stand side by side
     bool keep_centres;    // a reader that does not know yet whether it will be asked for an origin
     double (*centres)[3]; // [n] poses' centres as they were read
     uint64_t capacity;    // objects that fit
@@ -71,6 +72,12 @@ duet_scene *scene_load_deferred(const char *path, const duet_setting *settings, 
 
 // Passes over the next objects, at most n, up to one that is kept. Returns how many.
 uint64_t scene_pass_over(duet_scene *scene, uint64_t n);
+
+// Of which kind a scene's objects are.
+duet_object_kind scene_kind(const duet_scene_info *info);
+
+// An object of a scene whose objects have radii.
+duet_rounded_box scene_rounded_box(const duet_scene *scene, uint32_t id);
 
 // duet_scene_create of these kinds.
 duet_scene *scene_from_poses(const duet_pose *poses, uint32_t n, uint32_t dims, duet_error *err);

@@ -233,7 +233,17 @@ static int word_random(lua_State *L)
 #define ADD_INSTRUCTIONS 20
 
 // The named parts that an object can have, and how many numbers each takes.
-typedef enum part_id { CENTRE, HALF, ROTATION, EULER, ANGLE, LOWER, UPPER, N_PARTS } part_id;
+typedef enum part_id {
+    CENTRE,
+    HALF,
+    RADIUS,
+    ROTATION,
+    EULER,
+    ANGLE,
+    LOWER,
+    UPPER,
+    N_PARTS
+} part_id;
 
 static const struct {
     const char *name;
@@ -243,6 +253,7 @@ static const struct {
 } parts[N_PARTS] = {
     [CENTRE] = {"centre", 2, 3, "2 or 3"},     // xyz
     [HALF] = {"half_extents", 2, 3, "2 or 3"}, // half extents
+    [RADIUS] = {"radius", 1, 1, "1"},          // of a rounded box
     [ROTATION] = {"rotation", 4, 4, "4"},      // quaternion xyzw, 3D
     [EULER] = {"euler", 3, 3, "3"},            // phi, theta, psi in radians, 3D
     [ANGLE] = {"angle", 1, 1, "1"},            // radians, 2D
@@ -328,7 +339,7 @@ static part_id find_part(lua_State *L, const scene_reading *reading, const char 
     const char *what =
         lua_pushfstring(L,
                         "no field '%s'; it has angle, centre, euler, half_extents, lower, "
-                        "rotation, upper; " SCENE_BODY_NAMES,
+                        "radius, rotation, upper; " SCENE_BODY_NAMES,
                         name);
     refuse(L, reading, name, what);
     return N_PARTS;
@@ -355,15 +366,16 @@ static part read_part(lua_State *L, const scene_reading *reading, part_id id)
 }
 
 // Bounds are two corners; a pose is centre and half extents, and a rotation
-// of the kind that its dimensions have.
+// of the kind that its dimensions have. What has a radius may have no extents besides.
 static bool fit_together(const part *p)
 {
     bool corners = p[LOWER].n > 0 && p[LOWER].n == p[UPPER].n;
-    bool pose = p[CENTRE].n > 0 && p[CENTRE].n == p[HALF].n;
+    bool sphere = p[RADIUS].n > 0 && p[HALF].n == 0;
+    bool pose = p[CENTRE].n > 0 && (p[CENTRE].n == p[HALF].n || sphere);
     uint32_t rotations = (p[ROTATION].n > 0) + (p[EULER].n > 0);
     uint32_t angles = p[ANGLE].n > 0;
     if (corners)
-        return !p[CENTRE].n && !p[HALF].n && rotations + angles == 0;
+        return !p[CENTRE].n && !p[HALF].n && !p[RADIUS].n && rotations + angles == 0;
     if (!pose || p[LOWER].n || p[UPPER].n)
         return false;
     return p[CENTRE].n == 2 ? rotations == 0 : rotations <= 1 && angles == 0;
@@ -386,11 +398,14 @@ static row join_parts(const part *p)
     append(&r, p[LOWER].value, p[LOWER].n);
     append(&r, p[UPPER].value, p[UPPER].n);
     append(&r, p[CENTRE].value, p[CENTRE].n);
-    append(&r, p[HALF].value, p[HALF].n);
-    if (p[CENTRE].n == 2)
+    append(&r, p[HALF].value, p[CENTRE].n);
+    if (p[CENTRE].n == 2 && p[RADIUS].n > 0)
+        append(&r, (double[]){sin(p[ANGLE].value[0] / 2), cos(p[ANGLE].value[0] / 2)}, 2);
+    else if (p[CENTRE].n == 2)
         append(&r, p[ANGLE].value, 1);
     if (p[CENTRE].n == 3)
         append(&r, rotation, 4);
+    append(&r, p[RADIUS].value, p[RADIUS].n);
     return r;
 }
 
@@ -406,9 +421,10 @@ static row read_parts(lua_State *L, const scene_reading *reading, scene_body *bo
         given[id] = read_part(L, reading, id);
     }
     if (!fit_together(given))
-        refuse(L, reading, NULL,
-               "it must have centre and half, with angle in 2D, rotation or euler in 3D; or lower "
-               "and upper");
+        refuse(
+            L, reading, NULL,
+            "it must have centre and half_extents or radius or both, with angle in 2D, rotation or "
+            "euler in 3D; or lower and upper");
     return join_parts(given);
 }
 
@@ -744,6 +760,7 @@ bool scene_read_lua(duet_scene *scene, const scene_source *source, const duet_se
                              .n_settings = n_settings,
                              .err = err};
     script_limits given = limits_for(settings, n_settings);
+    scene->mixes = true;
     script *s = script_open(&given, err);
     if (!s)
         return false;

@@ -155,6 +155,32 @@ static const scene_layout layouts[] = {
       {"qz", COLUMN_ROTATION},
       {"qw", COLUMN_ROTATION}},
      store_pose_3d},
+    {7,
+     2,
+     DUET_SHAPE_POSES,
+     {{"cx", COLUMN_COORDINATE},
+      {"cy", COLUMN_COORDINATE},
+      {"hx", COLUMN_HALF},
+      {"hy", COLUMN_HALF},
+      {"qz", COLUMN_ROTATION},
+      {"qw", COLUMN_ROTATION},
+      {"radius", COLUMN_RADIUS}},
+     store_pose_2d},
+    {11,
+     3,
+     DUET_SHAPE_POSES,
+     {{"cx", COLUMN_COORDINATE},
+      {"cy", COLUMN_COORDINATE},
+      {"cz", COLUMN_COORDINATE},
+      {"hx", COLUMN_HALF},
+      {"hy", COLUMN_HALF},
+      {"hz", COLUMN_HALF},
+      {"qx", COLUMN_ROTATION},
+      {"qy", COLUMN_ROTATION},
+      {"qz", COLUMN_ROTATION},
+      {"qw", COLUMN_ROTATION},
+      {"radius", COLUMN_RADIUS}},
+     store_pose_3d},
 };
 
 // What duet_scene_from_poses makes of a pose in 2D; in no file.
@@ -175,6 +201,16 @@ const scene_layout *scene_layout_find(uint32_t columns)
         if (layouts[i].n == columns)
             return &layouts[i];
     return NULL;
+}
+
+const scene_layout *scene_layout_rounded_box(uint32_t dims)
+{
+    return scene_layout_find(dims == 2 ? 7 : 11);
+}
+
+bool scene_layout_has_radius(const scene_layout *l)
+{
+    return l->columns[l->n - 1].kind == COLUMN_RADIUS;
 }
 
 // ------------------------------------------------------------------ checks
@@ -223,13 +259,15 @@ static bool check_number(const scene_column *c, double value, uint64_t id, scene
 {
     if (!isfinite(value))
         return refuse(id, place, err, "%s is %g; every number must be finite", c->name, value);
-    bool stored_as_given = c->kind == COLUMN_COORDINATE || c->kind == COLUMN_HALF;
+    bool stored_as_given = c->kind != COLUMN_ANGLE && c->kind != COLUMN_ROTATION;
     if (stored_as_given && !isfinite((float)value))
         return refuse(id, place, err, "%s = %g does not fit a 32-bit float (at most %g)", c->name,
                       value, (double)FLT_MAX);
     if (c->kind == COLUMN_HALF && value < 0)
         return refuse(id, place, err, "%s = %g is negative; a half extent is 0 or more", c->name,
                       value);
+    if (c->kind == COLUMN_RADIUS && value < 0)
+        return refuse(id, place, err, "%s = %g is negative; a radius is 0 or more", c->name, value);
     return true;
 }
 
@@ -281,7 +319,7 @@ static bool check_rotation(const scene_layout *l, const double *row, uint64_t id
     uint32_t from = 2 * l->dims; // after centre and half extents
     return l->columns[from].kind == COLUMN_ANGLE
                ? check_angle(row[from], id, place, err)
-               : check_quaternion(&l->columns[from], row + from, (int)(l->n - from), id, place,
+               : check_quaternion(&l->columns[from], row + from, l->dims == 2 ? 2 : 4, id, place,
                                   err);
 }
 

@@ -5,7 +5,7 @@
 
 #include "runtime/duet.h"
 
-#define SCENE_MAX_COLUMNS 10 // of an object
+#define SCENE_MAX_COLUMNS 11 // of an object
 #define SCENE_MAX_NUMBERS 20 // of a row: two poses in a file of pairs
 
 // Where a row comes from, for messages: "path:line: ", "path: " for line 0,
@@ -26,6 +26,7 @@ scene_place_text scene_place_name(scene_place place);
 typedef enum column_kind {
     COLUMN_COORDINATE,
     COLUMN_HALF,    // >= 0
+    COLUMN_RADIUS,  // >= 0; the last one
     COLUMN_ANGLE,   // radians; not stored, so it may be any finite double
     COLUMN_ROTATION // part of a quaternion; scaled before it is stored
 } column_kind;
@@ -41,8 +42,10 @@ typedef struct scene_layout {
     uint32_t dims;
     duet_shape shape;
     scene_column columns[SCENE_MAX_COLUMNS];
-    void (*store)(const double *row, void *object);
+    void (*store)(const double *row, void *object); // but for the radius
 } scene_layout;
+
+bool scene_layout_has_radius(const scene_layout *l);
 
 // The layout of files with so many columns (docs/formats.md); NULL where no
 // file has them.
@@ -50,6 +53,9 @@ const scene_layout *scene_layout_find(uint32_t columns);
 
 // cx cy hx hy qz qw: what a duet_pose holds in 2D; in no file.
 extern const scene_layout scene_layout_pose_2d;
+
+// And with a radius: 7 numbers, or 11 in 3D.
+const scene_layout *scene_layout_rounded_box(uint32_t dims);
 
 // False with BAD_OBJECT, naming place, object and number.
 bool scene_row_check(const scene_layout *l, const double *row, uint64_t id, scene_place place,

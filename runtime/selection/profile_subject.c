@@ -121,7 +121,13 @@ static profile_workload describe_workload(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
     workload_summary s = workload_summarise(world);
-    bool poses = def->shape == DUET_SHAPE_POSES;
+    static const char *const shapes[DUET_SHAPES] = {
+        [DUET_SHAPE_POSES] = "poses",
+        [DUET_SHAPE_BOUNDS] = "bounds",
+        [DUET_SHAPE_ROUNDED_BOXES] = "rounded boxes",
+        [DUET_SHAPE_SPHERES] = "spheres",
+    };
+    bool turns = def->shape == DUET_SHAPE_POSES || def->shape == DUET_SHAPE_ROUNDED_BOXES;
     return (profile_workload){
         .dims = def->dims,
         .n = world->n,
@@ -130,8 +136,8 @@ static profile_workload describe_workload(const duet_world *world)
         .occ_mean = s.mean_occupancy,
         .occ_p99 = s.crowding,
         .size_ratio = s.size_ratio,
-        .shape = poses ? "poses" : "bounds",
-        .rotated = poses && def->rotated,
+        .shape = shapes[def->shape],
+        .rotated = turns && def->rotated,
         .level = duet_level_get_info(def->level)->name,
     };
 }

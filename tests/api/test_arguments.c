@@ -135,6 +135,19 @@ static void exact(void)
     assert_true(duet_poses_separation(&pose, &pose, 2) < 0);
 }
 
+static void exact_rounded(void)
+{
+    const duet_rounded_box rounded = {pose, 0.5f};
+    assert_false(duet_rounded_boxes_collide(NULL, &rounded, 3));
+    assert_false(duet_rounded_boxes_collide(&rounded, NULL, 3));
+    assert_false(duet_rounded_boxes_collide(&rounded, &rounded, 4));
+    assert_true(duet_rounded_boxes_collide(&rounded, &rounded, 3));
+    assert_true(isnan(duet_rounded_boxes_separation(NULL, &rounded, 3)));
+    assert_true(isnan(duet_rounded_boxes_separation(&rounded, NULL, 3)));
+    assert_true(isnan(duet_rounded_boxes_separation(&rounded, &rounded, 1)));
+    assert_true(duet_rounded_boxes_separation(&rounded, &rounded, 2) < -1);
+}
+
 static void exact_placed(void)
 {
     duet_large_pose p = {.pose = pose};
@@ -228,6 +241,9 @@ static void copy_scene(void)
     REFUSES(duet_scene_create(DUET_OBJECT_POSES, &pose, 1, 4, 0, e));
     REFUSES(duet_scene_create(DUET_OBJECT_BOUNDS, NULL, 1, 3, 0, e));
     REFUSES(duet_scene_create(DUET_OBJECT_BOUNDS, &bounds, 1, 1, 0, e));
+    REFUSES(duet_scene_create(DUET_OBJECT_ROUNDED_BOXES, NULL, 1, 3, 0, e));
+    REFUSES(duet_scene_create(DUET_OBJECT_SPHERES, NULL, 1, 3, 0, e));
+    REFUSES(duet_scene_create(DUET_OBJECT_SPHERES, &pose, 1, 3, 1.0f, e));
     REFUSES(duet_scene_create(DUET_OBJECT_LARGE_POSES, NULL, 1, 3, 1.0f, e));
     REFUSES(duet_scene_create(DUET_OBJECT_LARGE_POSES, NULL, UINT32_MAX, 3, 1.0f, e));
     REFUSES(duet_scene_create(DUET_OBJECT_LARGE_POSES, &placed, 0, 0, 1.0f, e));
@@ -765,6 +781,7 @@ static const struct {
      defaults},
     {"duet_compact_transform_set duet_large_pose_set", place},
     {"duet_poses_collide duet_poses_separation", exact},
+    {"duet_rounded_boxes_collide duet_rounded_boxes_separation", exact_rounded},
     {"duet_large_poses_collide duet_large_poses_separation", exact_placed},
     {"duet_level_get_info duet_level_from_name duet_level_covers", levels},
     {"duet_pairs_hash duet_result_get_hash duet_result_get_pair", results},

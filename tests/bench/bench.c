@@ -27,6 +27,8 @@ static const struct {
     {"lookup", bench_lookup, "opening the profile store and looking up, with --n profiles in it"},
     {"join", bench_join, "a hundredth of the paper's scene against all of it, and a step of both"},
     {"rays", bench_rays, "a tree over the paper's scene, and as many rays through it"},
+    {"spheres", bench_spheres,
+     "a million equal spheres, and as many unrotated cubes in their places"},
     {"tune", bench_tune, "searches for the share on this machine, one device slowed down"},
     {"strategies", bench_strategies, "searches for the share on invented device pairs"},
 };

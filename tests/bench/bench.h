@@ -28,6 +28,7 @@ bench_run bench_candidates;
 bench_run bench_generate;
 bench_run bench_growth;
 bench_run bench_join;
+bench_run bench_spheres;
 bench_run bench_limit;
 bench_run bench_lookup;
 bench_run bench_rays;

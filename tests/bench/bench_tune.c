@@ -112,7 +112,7 @@ static bool compare(duet_world *world, const measure_machine *machine, uint32_t 
 static bool run_world(duet_world *world, uint32_t n, duet_error *err)
 {
     static const uint32_t slower[] = {1, 5, 10};
-    measure_world at = {.world = world, .shape = DUET_SHAPE_POSES, .n = n};
+    measure_world at = {.world = world, .kind = DUET_OBJECT_POSES, .n = n};
     duet_plan whole = plan_at(0);
     duet_result result;
     if (!duet_world_set_plan(world, &whole, err) || !duet_world_step(world, &result, err))

@@ -67,7 +67,7 @@ static void a_wrong_row_is_named_by_line_and_object(void **state)
         const char *says;
     } wrong[] = {
         {"0,0,1,1\n1,2,3,4,5,6,7\n", ".csv:2: object 1 has 7 numbers"},
-        {"1,2,3,4,5,6,7\n", ".csv:1: object 0 has 7 numbers; it must have 4, 5, 6 or 10"},
+        {"1,2,3,4,5,6,7,8\n", ".csv:1: object 0 has 8 numbers; it must have 4, 5, 6, 7, 10 or 11"},
         {"0,0,1,1\n0,nan,1,1\n", ".csv:2: object 1: min y is nan"},
         {"0,0,1,1\n0,0,inf,1\n", ".csv:2: object 1: max x is inf"},
         {"0,0,1,1,0\n0,0,-1,1,0\n", ".csv:2: object 1: hx = -1 is negative"},
@@ -102,8 +102,8 @@ static void a_wrong_array_is_refused(void **state)
     } wrong[] = {
         {"{'descr': '<f4', 'fortran_order': False, 'shape': (2, 4), }", 31,
          ".npy: cut short: the shape (2, 4) needs 32 bytes of data, and 31 follow the header"},
-        {"{'descr': '<f4', 'fortran_order': False, 'shape': (2, 7), }", 56,
-         ".npy: the shape is (2, 7); the second number must be 4, 5, 6 or 10"},
+        {"{'descr': '<f4', 'fortran_order': False, 'shape': (2, 8), }", 64,
+         ".npy: the shape is (2, 8); the second number must be 4, 5, 6, 7, 10 or 11"},
         {"{'descr': '<f4', 'fortran_order': False, 'shape': (8,), }", 32,
          ".npy: the array has 1 dimensions"},
         {"{'descr': '<i4', 'fortran_order': False, 'shape': (2, 4), }", 32,

@@ -146,6 +146,8 @@ static void what_cannot_be_drawn_is_one_line(void **state)
     program_assert_refused(&p, 2, "'scene.jpg': a picture's name ends with .svg or .png");
     p = program_run("picture no/such.lua -o %s", SVG);
     program_assert_refused(&p, 1, "no/such.lua");
+    p = program_run("picture spheres -n 9 -o scene.svg");
+    program_assert_refused(&p, 1, "spheres: its objects have radii, which no picture shows");
     p = program_run("picture %s -o no/such/folder.svg", SCENE);
     program_assert_refused(&p, 1, "no/such/folder.svg");
 }

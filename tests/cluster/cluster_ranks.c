@@ -645,6 +645,9 @@ static void nothing_is_refused(void)
     wrong.plain = true;
     wrong.world.compact_transforms = true; // else they would be taken for poses
     REFUSED(duet_cluster_create(&wrong, &err));
+    wrong.world.compact_transforms = false;
+    wrong.world.shape = DUET_SHAPE_SPHERES;
+    REFUSED(duet_cluster_create(&wrong, &err));
     MPI_Comm_free(&comm);
 #undef REFUSED
 }

@@ -144,6 +144,7 @@ static void a_failure_is_one_line(void **state)
         {"cluster --mode abacus still", 2, "--mode 'abacus': the modes are"},
         {"cluster --level abacus still", 2, "--level 'abacus': the levels are"},
         {"cluster --ranks 0 still", 2, "--ranks '0': give a whole number"},
+        {"cluster --ranks 2 --plain rounded -n 9", 2, "the cluster's shape is rounded boxes"},
         {"cluster", 2, "SCENE|FILE is missing"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {

@@ -394,6 +394,28 @@ static void a_template_without_lua_comes_out_as_it_went_in(void **state)
     assert_string_equal(begin, body);
 }
 
+static void lines_of_lua_choose_in_plain_text(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *body;
+        const char *end; // of the text
+    } cases[] = {
+        {"int a; // no //@ line\n//@ if A == 1 then\n  int @{b};\n//@ else\nint c;\n//@ end\nint "
+         "d;",
+         "#line 1 \"kernels/k.cl\"\nint a; // no //@ line\n  int @{b};\nint d;\n"},
+        {"//@ if A ~= 1 then\nint b;\n  //@ end\n", "// shared\n"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        duet_error err = make_with(CARD("{ 'A', values = { 1 } }", ""), "k.cl", cases[i].body);
+        assert_ok(err.status == DUET_STATUS_OK, err);
+        assert_string_equal(strstr(made, i == 0 ? "#line 1 \"kernels/k" : "// shared"),
+                            cases[i].end);
+    }
+    expect(make_with(CARD("{ 'A', values = { 1 } }", ""), "k.cl", "//@ if A then\n"),
+           DUET_STATUS_BUILD_FAILED, "k and its headers:");
+}
+
 static void a_broken_kernel_does_not_stop_the_others(void **state)
 {
     (void)state;
@@ -504,6 +526,7 @@ int main(void)
         cmocka_unit_test(a_broken_card_is_told_with_its_line),
         cmocka_unit_test(a_broken_template_is_told_with_its_line),
         cmocka_unit_test(a_template_without_lua_comes_out_as_it_went_in),
+        cmocka_unit_test(lines_of_lua_choose_in_plain_text),
         cmocka_unit_test(a_broken_kernel_does_not_stop_the_others),
         cmocka_unit_test(damage_is_an_error_or_a_variant),
         cmocka_unit_test(a_folder_is_never_mixed_with_carried_files),

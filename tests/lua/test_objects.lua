@@ -130,6 +130,40 @@ holds("bounds and 2D work too", function()
   equal(flat:bounds():get(0), 0)
 end)
 
+holds("rounded boxes and spheres", function()
+  local capsule = { 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0.5 }
+  local box = { 0, 2, 0, 1, 1, 1, 0, 0, 0, 1, 0.5 } -- touches it
+  local rounded = duet.rounded_boxes { capsule, box }
+  equal(rounded:collide(0, 1), true)
+  equal(rounded:separation(0, 1), 0.0)
+  equal(#rounded:bytes(), 2 * 44)
+  local world <close> = assert(pair:world { shape = "rounded boxes" })
+  assert(world:set_rounded_boxes(rounded))
+  equal(#assert(world:step()), 1)
+  local mapped = assert(world:map_rounded_boxes(2))
+  mapped:set(0, table.unpack(capsule))
+  box[11] = 0
+  mapped:set(1, table.unpack(box))
+  equal(#assert(world:step()), 0)
+  local balls <close> = assert(pair:world { shape = "spheres" })
+  assert(balls:set_spheres { { 0, 0, 0, 3 }, { 2, 3, 6, 4 }, { 9, 9, 9, 1 } })
+  equal(#assert(balls:step()), 1) -- 7 from centre to centre
+  equal(#assert(balls:map_spheres(1)), 1)
+  refused("BAD_ARGUMENT", "made for spheres, not for poses", balls.map_poses, balls, 1)
+  refused("BAD_ARGUMENT", "the tree's shape is spheres, which queries do not know",
+    pair.tree, pair, { shape = "spheres" })
+  local scene <close> = assert(duet.scene(duet.spheres { 0, 0, 0, 1, 2, 0, 0, 1 }))
+  equal(scene.shape, "spheres")
+  equal(scene:poses(), nil)
+  equal(scene:bounds(), nil)
+  equal(scene:rounded_boxes(), nil)
+  equal(select(4, scene:spheres():get(1)), 1.0)
+  equal(#scene:reference(), 1)
+  local of_boxes <close> = assert(duet.scene(rounded))
+  equal(of_boxes.shape, "rounded boxes")
+  equal(select(11, of_boxes:rounded_boxes():get(0)), 0.5)
+end)
+
 holds("sizes apart from transforms have the same pairs", function()
   local world <close> = assert(pair:world { separate_sizes = true })
   local sizes = assert(world:map_sizes(#three))

@@ -226,7 +226,13 @@ static void a_wrong_scene_is_refused_with_its_place(void **state)
          "object 0: a number is wanted"},
         {"return { objects = {\n { centre = {0, 0}, haf = {1, 1} } } }", DUET_STATUS_BAD_INPUT,
          ":2: object 0: no field 'haf'; it has angle, centre, euler, half_extents, lower, "
-         "rotation, upper"},
+         "radius, rotation, upper"},
+        {"add { centre = {0, 0, 0}, radius = -1 }", DUET_STATUS_BAD_OBJECT,
+         FILE_NAME ":1: object 0: radius = -1 is negative; a radius is 0 or more"},
+        {"add { lower = {0, 0}, upper = {1, 1}, radius = 1 }", DUET_STATUS_BAD_INPUT,
+         ":1: object 0: it must have centre and half_extents or radius or both"},
+        {"add { centre = {0, 0, 0}, radius = 1 } return { origin = 'cell' }", DUET_STATUS_BAD_INPUT,
+         "origin cells are for boxes without a radius"},
         {"return { objects = { { centre = {0, 0, 0, 0}, half_extents = {1, 1} } } }",
          DUET_STATUS_BAD_INPUT, ":1: object 0: centre has 4 numbers; it must have 2 or 3"},
         {"return { objects = { { centre = {0, 0, 0} } } }", DUET_STATUS_BAD_INPUT,
@@ -393,6 +399,47 @@ static void shipped_scenes_have_as_many_objects_as_asked_for(void **state)
             assert_true(info->has_world);
             duet_scene_destroy(scene);
         }
+}
+
+static void scenes_with_radii_have_the_shape_that_costs_least(void **state)
+{
+    (void)state;
+    duet_scene *scene = load_shipped("spheres", "300", NULL, NULL);
+    const duet_sphere *spheres = duet_scene_get_objects(scene, DUET_OBJECT_SPHERES);
+    assert_int_equal(duet_scene_get_info(scene)->shape, DUET_SHAPE_SPHERES);
+    assert_int_equal(duet_scene_get_info(scene)->n, 300);
+    assert_true(spheres[299].radius == 0.5f && !test_poses(scene));
+    duet_scene_destroy(scene);
+    scene = load_shipped("rounded", "300", NULL, NULL);
+    const duet_rounded_box *boxes = duet_scene_get_objects(scene, DUET_OBJECT_ROUNDED_BOXES);
+    assert_int_equal(duet_scene_get_info(scene)->shape, DUET_SHAPE_ROUNDED_BOXES);
+    assert_true(duet_scene_get_info(scene)->rotated);
+    assert_true(boxes[0].radius == 0.25f && boxes[0].pose.half_extents[0] == 0.4f);
+    assert_true(boxes[3].radius == 0.0f && boxes[3].pose.half_extents[2] == 0.3f);
+    assert_true(!test_poses(scene) && !duet_scene_get_objects(scene, DUET_OBJECT_SPHERES));
+    duet_scene_destroy(scene);
+}
+
+// A box may stand before the first that has a radius, and behind it.
+static void radii_may_stand_beside_none(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_scene *scene = scene_from_text(FILE_NAME,
+                                        "add(1, 2, .5, .5, 0)\n"
+                                        "add { centre = {3, 4}, half_extents = {1, 0}, radius = 2, "
+                                        "angle = 1 }\n"
+                                        "add(5, 6, .5, .5, 1)\n"
+                                        "return {}",
+                                        &err);
+    assert_ok(scene, err);
+    const duet_rounded_box *boxes = duet_scene_get_objects(scene, DUET_OBJECT_ROUNDED_BOXES);
+    assert_int_equal(duet_scene_get_info(scene)->n, 3);
+    assert_int_equal(duet_scene_get_info(scene)->dims, 2);
+    assert_true(boxes[0].radius == 0 && boxes[1].radius == 2 && boxes[2].radius == 0);
+    assert_memory_equal(boxes[1].pose.rotation, boxes[2].pose.rotation,
+                        sizeof boxes[1].pose.rotation);
+    duet_scene_destroy(scene);
 }
 
 static void shipped_scenes_turn_their_boxes_only_if_asked_to(void **state)
@@ -625,6 +672,8 @@ int main(void)
         cmocka_unit_test(shipped_scenes_have_as_many_objects_as_asked_for),
         cmocka_unit_test(shipped_scenes_turn_their_boxes_only_if_asked_to),
         cmocka_unit_test(shipped_scenes_open_with_what_they_are_for),
+        cmocka_unit_test(scenes_with_radii_have_the_shape_that_costs_least),
+        cmocka_unit_test(radii_may_stand_beside_none),
         cmocka_unit_test(neighbours_on_planes_touch_exactly),
         cmocka_unit_test(the_papers_scene_is_the_same_on_every_machine),
         cmocka_unit_test(a_range_of_a_scene_is_that_part_of_the_whole),

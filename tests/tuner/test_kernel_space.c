@@ -32,7 +32,7 @@ static int begin(void **state)
                         {0.5f, 0.5f, 0.5f},
                         {0, 0, 0, 1}};
     assert_ok(duet_world_set_objects(f.world, DUET_OBJECT_POSES, poses, BOXES, &err), err);
-    f.at = (measure_world){.world = f.world, .shape = DUET_SHAPE_POSES, .n = BOXES};
+    f.at = (measure_world){.world = f.world, .kind = DUET_OBJECT_POSES, .n = BOXES};
     *state = &f;
     return 0;
 }

@@ -1,0 +1,474 @@
+// SPDX-License-Identifier: MIT
+// Distances of boxes against the sum of two radii.
+//
+// In double as on the devices (kernels/narrowphase/rounded.clh): two points of the cores that are
+// near enough show that the boxes collide, a gap along the way between them that they do not.
+#include "runtime/narrowphase/rounded.h"
+
+#include "runtime/narrowphase/exact.h"
+
+#include <limits.h>
+#include <math.h>
+
+#define SLACK (NARROW_SLACK * 0x1p-53)
+#define STEPS 64
+
+static duet_rounded_box flat(const duet_rounded_box *box, uint32_t dims)
+{
+    return (duet_rounded_box){narrow_flat(&box->pose, dims), box->radius};
+}
+
+bool rounded_is_sound(const duet_rounded_box *box, uint32_t dims)
+{
+    return narrow_is_box(&box->pose, dims) && isfinite(box->radius) && box->radius >= 0;
+}
+
+duet_rounded_box rounded_of_sphere(const duet_sphere *sphere)
+{
+    return (duet_rounded_box){
+        .pose = {.centre = {sphere->centre[0], sphere->centre[1], sphere->centre[2]},
+                 .rotation = {0, 0, 0, 1}},
+        .radius = sphere->radius};
+}
+
+static bool is_point(const duet_pose *core)
+{
+    const float *h = core->half_extents;
+    return h[0] == 0 && h[1] == 0 && h[2] == 0;
+}
+
+// |t|_1, all extents and both radii.
+static double size_of(const duet_rounded_box *a, const duet_rounded_box *b)
+{
+    double size = (double)a->radius + b->radius;
+    for (int k = 0; k < 3; ++k)
+        size += fabs((double)b->pose.centre[k] - a->pose.centre[k]) +
+                ((double)a->pose.half_extents[k] + b->pose.half_extents[k]);
+    return size;
+}
+
+// ---------------------------------------------------------------- along the world's axes
+
+// A number, and whether any rounding was lost on the way to it.
+typedef struct tally {
+    double value;
+    bool exact;
+} tally;
+
+static tally sum(tally a, tally b)
+{
+    double value = a.value + b.value, part = value - a.value;
+    double lost = (a.value - (value - part)) + (b.value - part);
+    return (tally){value, a.exact && b.exact && lost == 0};
+}
+
+// A square that is not 0 is far above the least double.
+static tally square(tally a)
+{
+    double value = a.value * a.value;
+    return (tally){value, a.exact && fma(a.value, a.value, -value) == 0};
+}
+
+static tally number(double value)
+{
+    return (tally){value, true};
+}
+
+static bool reach_upright(const duet_pose *core, double reach[3])
+{
+    reach[0] = reach[1] = reach[2] = 0;
+    return is_point(core) || narrow_is_upright(core, reach);
+}
+
+static narrow_answer compare_upright(const duet_rounded_box *a, const duet_rounded_box *b,
+                                     const double reach_a[3], const double reach_b[3])
+{
+    tally squares = number(0), reach = sum(number(a->radius), number(b->radius));
+    for (int k = 0; k < 3; ++k) {
+        tally way = sum(number(b->pose.centre[k]), number(-(double)a->pose.centre[k]));
+        tally both = sum(number(reach_a[k]), number(reach_b[k]));
+        way.value = fabs(way.value);
+        both.value = -both.value;
+        tally gap = sum(way, both);
+        if (gap.value < 0)
+            gap.value = 0;
+        squares = sum(squares, square(gap));
+    }
+    tally limit = square(reach);
+    double distance = sqrt(squares.value), slack = SLACK * size_of(a, b);
+    if (squares.exact && limit.exact)
+        return squares.value <= limit.value ? NARROW_COLLIDING : NARROW_SEPARATED;
+    return distance > reach.value + slack   ? NARROW_SEPARATED
+           : distance < reach.value - slack ? NARROW_COLLIDING
+                                            : NARROW_UNDECIDED;
+}
+
+// ---------------------------------------------------------------- turned
+
+// Two cores seen along a's edges.
+typedef struct cores {
+    double way[3];  // from a's centre to b's
+    double c[3][3]; // cosines between edges of a and of b
+    double a[3], b[3];
+} cores;
+
+// Points of both, along the edges of each.
+typedef struct points {
+    double x[3], y[3];
+} points;
+
+static double dot(const double u[3], const double v[3])
+{
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+}
+
+static double from_column(const cores *m, const double v[3], int j)
+{
+    return m->c[0][j] * v[0] + m->c[1][j] * v[1] + m->c[2][j] * v[2];
+}
+
+static double held(double at, double half)
+{
+    return fmin(fmax(at, -half), half);
+}
+
+static cores cores_of(const duet_pose *a, const duet_pose *b)
+{
+    cores m;
+    double axis_a[3][3], axis_b[3][3], t[3];
+    narrow_axes(axis_a, a->rotation);
+    narrow_axes(axis_b, b->rotation);
+    for (int i = 0; i < 3; ++i)
+        t[i] = (double)b->centre[i] - a->centre[i];
+    for (int i = 0; i < 3; ++i) {
+        m.a[i] = a->half_extents[i];
+        m.b[i] = b->half_extents[i];
+        m.way[i] = dot(axis_a[i], t);
+        for (int j = 0; j < 3; ++j)
+            m.c[i][j] = dot(axis_a[i], axis_b[j]);
+    }
+    return m;
+}
+
+// The point of b nearest to a's, then that of a nearest to b's; gap is the way between.
+static void draw_near(const cores *m, points *p, double gap[3])
+{
+    double back[3];
+    for (int i = 0; i < 3; ++i)
+        back[i] = p->x[i] - m->way[i];
+    for (int j = 0; j < 3; ++j)
+        p->y[j] = held(from_column(m, back, j), m->b[j]);
+    for (int i = 0; i < 3; ++i) {
+        double at = m->way[i] + dot(m->c[i], p->y);
+        p->x[i] = held(at, m->a[i]);
+        gap[i] = at - p->x[i];
+    }
+}
+
+// The separation along the gap, times its length.
+static double separation_along(const cores *m, const double gap[3])
+{
+    double separation = dot(gap, m->way);
+    for (int k = 0; k < 3; ++k)
+        separation -= m->a[k] * fabs(gap[k]) + m->b[k] * fabs(from_column(m, gap, k));
+    return separation;
+}
+
+// How many times `part` an edge has space for from `at` on.
+static double room(double at, double part, double half)
+{
+    return part > 0 ? (half - at) / part : part < 0 ? (half + at) / -part : INFINITY;
+}
+
+// Goes on in the direction of the last step to where the gap is least, but not out of a box:
+// what approaches slowly approaches along a line.
+static void go_on(const cores *m, points *p, const points *last, const double gap[3])
+{
+    double dx[3], dy[3], change[3];
+    for (int k = 0; k < 3; ++k) {
+        dx[k] = p->x[k] - last->x[k];
+        dy[k] = p->y[k] - last->y[k];
+    }
+    for (int i = 0; i < 3; ++i)
+        change[i] = dot(m->c[i], dy) - dx[i];
+    double squared = dot(change, change);
+    double times = squared > 0 ? fmax(-dot(change, gap) / squared, 0) : 0;
+    for (int k = 0; k < 3; ++k)
+        times = fmin(times, fmin(room(p->x[k], dx[k], m->a[k]), room(p->y[k], dy[k], m->b[k])));
+    for (int k = 0; k < 3; ++k)
+        p->x[k] = held(p->x[k] + times * dx[k], m->a[k]);
+}
+
+static narrow_answer find_points(const duet_rounded_box *a, const duet_rounded_box *b)
+{
+    cores m = cores_of(&a->pose, &b->pose);
+    double slack = SLACK * size_of(a, b), reach = (double)a->radius + b->radius;
+    points p = {{0}, {0}}, last;
+    for (int k = 0; k < 3; ++k)
+        p.x[k] = held(m.way[k], m.a[k]);
+    last = p;
+    for (int step = 0; step < STEPS; ++step) {
+        double gap[3];
+        draw_near(&m, &p, gap);
+        double length = sqrt(dot(gap, gap));
+        if (length < reach - slack)
+            return NARROW_COLLIDING;
+        if (length > slack && separation_along(&m, gap) > (reach + slack) * length)
+            return NARROW_SEPARATED;
+        if (step > 0 && step % 2 == 0)
+            go_on(&m, &p, &last, gap);
+        last = p;
+    }
+    return NARROW_UNDECIDED;
+}
+
+// As near as the points come.
+static double find_distance(const duet_pose *a, const duet_pose *b)
+{
+    cores m = cores_of(a, b);
+    points p = {{0}, {0}}, last = p;
+    double gap[3];
+    for (int step = 0; step < STEPS; ++step) {
+        draw_near(&m, &p, gap);
+        if (step > 0 && step % 2 == 0)
+            go_on(&m, &p, &last, gap);
+        last = p;
+    }
+    draw_near(&m, &p, gap);
+    return sqrt(dot(gap, gap));
+}
+
+double duet_rounded_boxes_separation(const duet_rounded_box *first, const duet_rounded_box *second,
+                                     uint32_t dims)
+{
+    if (!first || !second || (dims != 2 && dims != 3))
+        return NAN;
+    duet_rounded_box a = flat(first, dims), b = flat(second, dims);
+    double of_cores = narrow_widest_separation(&a.pose, &b.pose, narrow_here, dims);
+    double between = of_cores > 0 ? find_distance(&a.pose, &b.pose) : of_cores;
+    return between - ((double)a.radius + b.radius);
+}
+
+static bool turns_into_numbers(const duet_pose *core)
+{
+    double axis[3][3];
+    double norm = narrow_axes(axis, core->rotation);
+    return norm > 0 && norm < INFINITY;
+}
+
+narrow_answer rounded_double(const duet_rounded_box *first, const duet_rounded_box *second,
+                             uint32_t dims)
+{
+    duet_rounded_box a = flat(first, dims), b = flat(second, dims);
+    double reach_a[3], reach_b[3];
+    if (reach_upright(&a.pose, reach_a) && reach_upright(&b.pose, reach_b))
+        return compare_upright(&a, &b, reach_a, reach_b);
+    narrow_answer of_cores = narrow_double(&a.pose, &b.pose, dims);
+    bool sharp = a.radius == 0 && b.radius == 0;
+    if (of_cores == NARROW_COLLIDING || sharp)
+        return of_cores;
+    bool sound = turns_into_numbers(&a.pose) && turns_into_numbers(&b.pose);
+    return sound ? find_points(&a, &b) : NARROW_UNDECIDED;
+}
+
+// ---------------------------------------------------------------- exact integers
+
+// The two cores in integers: lengths share a power of two, an axis has the length of its
+// quaternion's square. Cores that do not meet are nearest where a corner of one is nearest to the
+// other, or inside two edges, so these cases are enough. Nothing is divided: with
+// n = |qa|^2 |qb|^2 a distance d is n d, and what is compared are squares.
+typedef struct side {
+    mpz_t half[3];
+    mpz_t axis[3][3];
+    mpz_t norm;
+} side;
+
+typedef struct numbers {
+    side a, b;
+    mpz_t t[3]; // from a's centre to b's
+    mpz_t q[4];
+    mpz_t reach, norms, limit; // n times the reach, squared
+    mpz_t way[3], corner[3];   // n times
+    mpz_t across[3], squared;
+    mpz_t moment[3];
+    mpz_t at, bound, term;
+} numbers;
+
+typedef union pool {
+    numbers of;
+    mpz_t all[sizeof(numbers) / sizeof(mpz_t)];
+} pool;
+
+static void set_lengths(numbers *n, const duet_rounded_box *a, const duet_rounded_box *b)
+{
+    const float radii[2] = {a->radius, b->radius};
+    int power = exact_least_power(radii, 2, INT_MAX);
+    power = exact_least_power(a->pose.centre, 3, power);
+    power = exact_least_power(b->pose.centre, 3, power);
+    power = exact_least_power(a->pose.half_extents, 3, power);
+    power = exact_least_power(b->pose.half_extents, 3, power);
+    exact_integer(n->reach, radii[0], power);
+    exact_integer(n->term, radii[1], power);
+    mpz_add(n->reach, n->reach, n->term);
+    for (int k = 0; k < 3; ++k) {
+        exact_integer(n->t[k], b->pose.centre[k], power);
+        exact_integer(n->term, a->pose.centre[k], power);
+        mpz_sub(n->t[k], n->t[k], n->term);
+        exact_integer(n->a.half[k], a->pose.half_extents[k], power);
+        exact_integer(n->b.half[k], b->pose.half_extents[k], power);
+    }
+}
+
+static void set_numbers(numbers *n, const duet_rounded_box *a, const duet_rounded_box *b)
+{
+    set_lengths(n, a, b);
+    exact_axes(n->a.axis, n->a.norm, n->q, a->pose.rotation);
+    exact_axes(n->b.axis, n->b.norm, n->q, b->pose.rotation);
+    mpz_mul(n->norms, n->a.norm, n->b.norm);
+    mpz_mul(n->limit, n->reach, n->norms);
+    mpz_mul(n->limit, n->limit, n->limit);
+}
+
+// way = n t
+static void begin_way(numbers *n)
+{
+    for (int k = 0; k < 3; ++k)
+        mpz_mul(n->way[k], n->norms, n->t[k]);
+}
+
+// way += n (-1)^away the half of edge i of a side, in the direction of bit i; but for edge `but`.
+static void add_halves(numbers *n, const side *s, const mpz_t norm_other, int bits, int but,
+                       bool away)
+{
+    for (int i = 0; i < 3; ++i) {
+        if (i == but)
+            continue;
+        mpz_mul(n->term, s->half[i], norm_other);
+        bool plus = ((bits >> i & 1) != 0) != away;
+        for (int k = 0; k < 3; ++k)
+            (plus ? mpz_addmul : mpz_submul)(n->way[k], n->term, s->axis[i][k]);
+    }
+}
+
+// Whether bits names a corner, or with `but` an edge, that none before it was: an edge of no
+// length has one end.
+static bool is_first(const side *s, int bits, int but)
+{
+    for (int i = 0; i < 3; ++i)
+        if ((bits >> i & 1) && (i == but || mpz_sgn(s->half[i]) == 0))
+            return false;
+    return true;
+}
+
+// Whether the point at n times `way` from the box's centre is within reach of the box.
+static bool is_near_box(numbers *n, side *box)
+{
+    mpz_set_ui(n->squared, 0);
+    for (int i = 0; i < 3; ++i) {
+        exact_dot(n->at, n->way, box->axis[i]);
+        mpz_abs(n->at, n->at);
+        mpz_mul(n->bound, n->norms, box->half[i]);
+        mpz_submul(n->at, n->bound, box->norm);
+        if (mpz_sgn(n->at) > 0)
+            mpz_addmul(n->squared, n->at, n->at);
+    }
+    mpz_mul(n->bound, n->limit, box->norm);
+    mpz_mul(n->bound, n->bound, box->norm);
+    return mpz_cmp(n->squared, n->bound) <= 0;
+}
+
+// In a's frame b's corners are ahead of t; in b's frame a's corners are back from it.
+static bool any_corner_is_near(numbers *n, side *box, side *other, bool away)
+{
+    for (int bits = 0; bits < 8; ++bits) {
+        if (!is_first(other, bits, -1))
+            continue;
+        begin_way(n);
+        add_halves(n, other, box->norm, bits, -1, away);
+        if (is_near_box(n, box))
+            return true;
+    }
+    return false;
+}
+
+static void cross(mpz_t out[3], mpz_t u[3], mpz_t v[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        mpz_mul(out[k], u[(k + 1) % 3], v[(k + 2) % 3]);
+        mpz_submul(out[k], u[(k + 2) % 3], v[(k + 1) % 3]);
+    }
+}
+
+// Whether the point of one line that is nearest to the other lies in its edge: `along` is the
+// other's direction, half and norm are the edge's.
+static bool is_inside(numbers *n, mpz_t along[3], const mpz_t half, const mpz_t norm_other)
+{
+    cross(n->moment, n->way, along);
+    exact_dot(n->at, n->moment, n->across);
+    mpz_mul(n->bound, half, norm_other);
+    mpz_mul(n->bound, n->bound, n->squared);
+    return mpz_cmpabs(n->at, n->bound) <= 0;
+}
+
+static bool edges_are_near(numbers *n, int i, int j)
+{
+    if (!is_inside(n, n->b.axis[j], n->a.half[i], n->b.norm) ||
+        !is_inside(n, n->a.axis[i], n->b.half[j], n->a.norm))
+        return false;
+    exact_dot(n->at, n->way, n->across);
+    mpz_mul(n->at, n->at, n->at);
+    mpz_mul(n->bound, n->limit, n->squared);
+    return mpz_cmp(n->at, n->bound) <= 0;
+}
+
+static bool any_edges_are_near(numbers *n)
+{
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            cross(n->across, n->a.axis[i], n->b.axis[j]);
+            exact_dot(n->squared, n->across, n->across);
+            bool skew =
+                mpz_sgn(n->squared) > 0 && mpz_sgn(n->a.half[i]) > 0 && mpz_sgn(n->b.half[j]) > 0;
+            for (int bits = 0; skew && bits < 64; ++bits) {
+                if (!is_first(&n->a, bits & 7, i) || !is_first(&n->b, bits >> 3, j))
+                    continue;
+                begin_way(n);
+                add_halves(n, &n->a, n->b.norm, bits & 7, i, true);
+                add_halves(n, &n->b, n->a.norm, bits >> 3, j, false);
+                if (edges_are_near(n, i, j))
+                    return true;
+            }
+        }
+    return false;
+}
+
+bool rounded_exact(const duet_rounded_box *first, const duet_rounded_box *second, uint32_t dims)
+{
+    if (!rounded_is_sound(first, dims) || !rounded_is_sound(second, dims))
+        return false;
+    duet_rounded_box a = flat(first, dims), b = flat(second, dims);
+    if (narrow_exact(&a.pose, &b.pose, dims))
+        return true;
+    pool p;
+    size_t n = sizeof p.all / sizeof *p.all;
+    for (size_t i = 0; i < n; ++i)
+        mpz_init(p.all[i]);
+    set_numbers(&p.of, &a, &b);
+    bool near = any_corner_is_near(&p.of, &p.of.a, &p.of.b, false) ||
+                any_corner_is_near(&p.of, &p.of.b, &p.of.a, true) || any_edges_are_near(&p.of);
+    for (size_t i = 0; i < n; ++i)
+        mpz_clear(p.all[i]);
+    return near;
+}
+
+bool rounded_decide(const duet_rounded_box *a, const duet_rounded_box *b, uint32_t dims)
+{
+    narrow_answer answer = rounded_double(a, b, dims);
+    return answer == NARROW_UNDECIDED ? rounded_exact(a, b, dims) : answer == NARROW_COLLIDING;
+}
+
+bool duet_rounded_boxes_collide(const duet_rounded_box *a, const duet_rounded_box *b, uint32_t dims)
+{
+    return a && b && (dims == 2 || dims == 3) && rounded_is_sound(a, dims) &&
+           rounded_is_sound(b, dims) && rounded_decide(a, b, dims);
+}

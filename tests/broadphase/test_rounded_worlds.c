@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: MIT
+// Worlds of rounded boxes and of spheres: on any device, at any share, in any grid and mode the
+// pairs are the reference's, and what has no radius, or a bad one, is named.
+#include "support/test.h"
+
+#include "base/rng.h"
+#include "runtime/broadphase/world.h"
+#include "runtime/scene/reference.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+enum { OBJECTS = 900, EDGE = 7 };
+
+static duet_device_pair *devices;
+static duet_rounded_box boxes[OBJECTS];
+static duet_sphere spheres[OBJECTS];
+
+static int open_devices(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_device_pair_def def = duet_default_device_pair_def();
+    devices = duet_device_pair_create(&def, &err);
+    assert_ok(devices, err);
+    return 0;
+}
+
+static int close_devices(void **state)
+{
+    (void)state;
+    duet_device_pair_destroy(devices);
+    assert_int_equal(device_live_objects(), 0);
+    return 0;
+}
+
+// ------------------------------------------------------------ scenes
+
+typedef struct scene {
+    uint32_t dims;
+    duet_shape shape;
+    bool rotated;
+    bool giants; // some that are ten times as wide
+} scene;
+
+// Boxes, capsules, spheres and boxes with a radius, some so that they touch along an axis.
+static void fill(const scene *s, rng *r)
+{
+    double world = s->dims == 3 ? 1.1 * cbrt(OBJECTS) : 1.3 * sqrt(OBJECTS);
+    for (int i = 0; i < OBJECTS; ++i) {
+        duet_rounded_box b = {.pose.rotation = {0, 0, 0, 1}};
+        float scale = s->giants && rng_below(r, 64) == 0 ? 10.0f : 1.0f;
+        uint32_t kind = rng_below(r, 4);
+        for (int k = 0; k < 3; ++k) {
+            double at = rng_between(r, 0, world);
+            b.pose.centre[k] = (float)(rng_below(r, 8) ? at : rint(4 * at) / 4);
+            bool has_extent = kind == 0 || kind == 1 || (kind == 2 && k == 0);
+            b.pose.half_extents[k] = has_extent ? scale * 0.125f * (float)rng_below(r, 4) : 0.0f;
+        }
+        for (int k = 0; s->rotated && k < 4; ++k)
+            b.pose.rotation[k] = (float)rng_normal(r);
+        b.radius = kind == 0 ? 0.0f : scale * 0.125f * (float)(1 + rng_below(r, 3));
+        boxes[i] = b;
+        memcpy(spheres[i].centre, b.pose.centre, sizeof spheres[i].centre);
+        spheres[i].radius = 0.5f * scale;
+    }
+}
+
+static uint64_t reference_hash(const scene *s, duet_level level, uint64_t *n)
+{
+    duet_error err = {0};
+    reference_objects objects = {.dims = s->dims,
+                                 .shape = s->shape,
+                                 .n = OBJECTS,
+                                 .rounded_boxes = boxes,
+                                 .spheres = spheres,
+                                 .level = level,
+                                 .rotated = s->rotated};
+    reference_found each = {0}, columns = {0};
+    assert_ok(reference_find(&objects, REFERENCE_EACH_WITH_EACH, &each, &err), err);
+    assert_ok(reference_find(&objects, REFERENCE_COLUMNS, &columns, &err), err);
+    uint64_t hash = duet_pairs_hash(each.pairs, each.n);
+    assert_true(hash == duet_pairs_hash(columns.pairs, columns.n));
+    *n = each.n;
+    duet_free(each.pairs);
+    duet_free(columns.pairs);
+    return hash;
+}
+
+static duet_world_def def_of(const scene *s, duet_level level, duet_mode mode, uint32_t share,
+                             const char *words)
+{
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    def.dims = s->dims;
+    def.shape = s->shape;
+    def.rotated = s->rotated;
+    def.level = level;
+    def.plan = (duet_plan){.share = share, .mode = mode};
+    strcpy(def.plan.variant_a, words);
+    strcpy(def.plan.variant_b, words);
+    return def;
+}
+
+static bool set_objects(duet_world *world, const scene *s, duet_error *err)
+{
+    bool round = s->shape == DUET_SHAPE_SPHERES;
+    return duet_world_set_objects(world, round ? DUET_OBJECT_SPHERES : DUET_OBJECT_ROUNDED_BOXES,
+                                  round ? (const void *)spheres : boxes, OBJECTS, err);
+}
+
+static void assert_finds_the_reference(const scene *s, duet_level level, duet_mode mode,
+                                       uint32_t share, const char *words)
+{
+    duet_error err = {0};
+    duet_result result;
+    uint64_t n;
+    uint64_t expected = reference_hash(s, level, &n);
+    duet_world_def def = def_of(s, level, mode, share, words);
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world, err);
+    assert_ok(set_objects(world, s, &err), err);
+    assert_ok(duet_world_step(world, &result, &err), err);
+    assert_true(n > OBJECTS / 8);
+    if (duet_result_get_hash(&result) != expected)
+        fail_msg("'%s' in %" PRIu32 "D, shape %d, rotated %d, level %d, mode %d: %" PRIu64
+                 " pairs, %" PRIu64 " are the reference's",
+                 words, s->dims, (int)s->shape, s->rotated, (int)level, (int)mode, result.pairs, n);
+    duet_world_destroy(world);
+}
+
+static const scene scenes[] = {
+    {3, DUET_SHAPE_ROUNDED_BOXES, true, false},  {2, DUET_SHAPE_ROUNDED_BOXES, true, false},
+    {3, DUET_SHAPE_ROUNDED_BOXES, false, false}, {3, DUET_SHAPE_SPHERES, false, false},
+    {2, DUET_SHAPE_SPHERES, false, false},
+};
+
+enum { SCENES = sizeof scenes / sizeof *scenes };
+
+static void both_searches_find_the_references_pairs(void **state)
+{
+    (void)state;
+    uint64_t seed = test_seed();
+    rng r = rng_seed(seed);
+    print_message("DUET_TEST_SEED=%" PRIu64 "\n", seed);
+    for (int i = 0; i < SCENES; ++i) {
+        fill(&scenes[i], &r);
+        assert_finds_the_reference(&scenes[i], DUET_LEVEL_CERTIFIED, DUET_MODE_SLAB,
+                                   DUET_SHARE_ONE / 3, "simd");
+        assert_finds_the_reference(&scenes[i], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN,
+                                   DUET_SHARE_ONE / 2, "gpu");
+    }
+}
+
+static void grids_modes_and_sorts_make_no_difference(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    const scene mixed = {3, DUET_SHAPE_ROUNDED_BOXES, true, true};
+    fill(&mixed, &r);
+    assert_finds_the_reference(&mixed, DUET_LEVEL_CERTIFIED, DUET_MODE_OWN, DUET_SHARE_ONE / 4,
+                               "simd grid=dense");
+    assert_finds_the_reference(&mixed, DUET_LEVEL_CERTIFIED, DUET_MODE_SHARED, DUET_SHARE_ONE / 4,
+                               "gpu grid=hashed sort=radix");
+    const scene balls = {3, DUET_SHAPE_SPHERES, false, true};
+    assert_finds_the_reference(&balls, DUET_LEVEL_CERTIFIED, DUET_MODE_OWN, 0,
+                               "simd pair_search_simd.FUSED=0 grid=hashed");
+    assert_finds_the_reference(&balls, DUET_LEVEL_CERTIFIED, DUET_MODE_SLAB, DUET_SHARE_ONE / 2,
+                               "gpu FUSED=1 send=packed");
+}
+
+static void levels_are_those_of_the_reference(void **state)
+{
+    (void)state;
+    rng r = rng_seed(test_seed());
+    fill(&scenes[0], &r);
+    for (int l = 0; l < DUET_LEVELS; ++l)
+        assert_finds_the_reference(&scenes[0], (duet_level)l, DUET_MODE_OWN, DUET_SHARE_ONE / 3,
+                                   "simd");
+    assert_finds_the_reference(&scenes[0], DUET_LEVEL_SPHERE, DUET_MODE_OWN, 0, "gpu");
+    assert_finds_the_reference(&scenes[3], DUET_LEVEL_SPHERE, DUET_MODE_OWN, 0, "simd");
+    assert_finds_the_reference(&scenes[3], DUET_LEVEL_AABB, DUET_MODE_OWN, 0, "gpu");
+}
+
+// From where float does not trust itself to where it does, and beyond.
+static void any_size_has_the_references_pairs(void **state)
+{
+    (void)state;
+    static const int powers[] = {-130, -75, -45, 45, 95};
+    rng r = rng_seed(test_seed());
+    for (size_t p = 0; p < sizeof powers / sizeof *powers; ++p) {
+        fill(&scenes[0], &r);
+        for (int i = 0; i < OBJECTS; ++i) {
+            duet_rounded_box *b = &boxes[i];
+            b->radius = ldexpf(b->radius, powers[p]);
+            spheres[i].radius = ldexpf(spheres[i].radius, powers[p]);
+            for (int k = 0; k < 3; ++k) {
+                b->pose.half_extents[k] = ldexpf(b->pose.half_extents[k], powers[p]);
+                b->pose.centre[k] = spheres[i].centre[k] = ldexpf(b->pose.centre[k], powers[p]);
+            }
+        }
+        assert_finds_the_reference(&scenes[0], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN,
+                                   DUET_SHARE_ONE / 2, "simd");
+        assert_finds_the_reference(&scenes[3], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN,
+                                   DUET_SHARE_ONE / 2, "gpu");
+    }
+}
+
+static void touching_spheres_of_a_lattice_collide(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_result result;
+    enum { N = EDGE * EDGE * EDGE };
+    for (int i = 0; i < N; ++i)
+        spheres[i] = (duet_sphere){
+            {(float)(i % EDGE), (float)(i / EDGE % EDGE), (float)(i / EDGE / EDGE)}, 0.5f};
+    duet_world_def def = def_of(&scenes[3], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN, 0, "simd");
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world, err);
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_SPHERES, spheres, N, &err), err);
+    assert_ok(duet_world_step(world, &result, &err), err);
+    assert_int_equal(result.pairs, 3 * EDGE * EDGE * (EDGE - 1));
+    duet_world_destroy(world);
+}
+
+// ------------------------------------------------------------ refused
+
+static void bad_radii_are_named(void **state)
+{
+    (void)state;
+    const float bad[] = {-1.0f, NAN, INFINITY};
+    duet_error err = {0};
+    duet_result result;
+    rng r = rng_seed(test_seed());
+    for (int i = 0; i < SCENES; i += 3) {
+        fill(&scenes[i], &r);
+        duet_world_def def = def_of(&scenes[i], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN, 0, "simd");
+        duet_world *world = duet_world_create(&def, &err);
+        assert_ok(world, err);
+        for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
+            boxes[17].radius = spheres[17].radius = bad[k];
+            assert_ok(set_objects(world, &scenes[i], &err), err);
+            assert_false(duet_world_step(world, &result, &err));
+            assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
+            assert_non_null(strstr(err.text, "17"));
+            err = (duet_error){0};
+        }
+        duet_world_destroy(world);
+    }
+}
+
+static void refuse(duet_world_def def, const char *why)
+{
+    duet_error err = {0};
+    assert_null(duet_world_create(&def, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    if (!strstr(err.text, why))
+        fail_msg("'%s' says nothing of '%s'", err.text, why);
+}
+
+static void what_knows_no_radii_says_so(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_world_def def = def_of(&scenes[3], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN, 0, "simd");
+    duet_world_def other = def;
+    other.separate_sizes = true;
+    refuse(other, "separate_sizes is for poses; expected false for spheres");
+    other = def;
+    other.compact_transforms = true;
+    refuse(other, "compact_transforms is for poses; expected false for spheres");
+    other = def;
+    other.origin_edge = 1.0f;
+    refuse(other, "origin cells are for poses; expected an origin_edge of 0 for spheres");
+    other = def_of(&scenes[0], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN, 0, "paper");
+    refuse(other, "the paper's search knows no rounded boxes");
+    duet_tree_def tree = duet_default_tree_def();
+    tree.pair = devices;
+    tree.shape = DUET_SHAPE_SPHERES;
+    assert_null(duet_tree_create(&tree, &err));
+    assert_non_null(strstr(err.text, "the tree's shape is spheres, which queries do not know"));
+    err = (duet_error){0};
+    duet_world *world = duet_world_create(&def, &err);
+    assert_ok(world, err);
+    assert_false(duet_world_set_objects(world, DUET_OBJECT_POSES, boxes, 1, &err));
+    assert_string_equal(err.text, "the world was made for spheres, not for poses");
+    duet_world_destroy(world);
+    err = (duet_error){0};
+    duet_scene *made = duet_scene_create(DUET_OBJECT_SPHERES, spheres, 3, 3, 0, &err);
+    assert_ok(made, err);
+    duet_motion_def motion = duet_scene_motion_def(made, devices);
+    assert_null(duet_motion_create_from_scene(&motion, made, NULL, &err));
+    assert_non_null(strstr(err.text, "its objects have radii, which a motion does not know"));
+    duet_scene_destroy(made);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(both_searches_find_the_references_pairs),
+        cmocka_unit_test(grids_modes_and_sorts_make_no_difference),
+        cmocka_unit_test(levels_are_those_of_the_reference),
+        cmocka_unit_test(any_size_has_the_references_pairs),
+        cmocka_unit_test(touching_spheres_of_a_lattice_collide),
+        cmocka_unit_test(bad_radii_are_named),
+        cmocka_unit_test(what_knows_no_radii_says_so),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}
