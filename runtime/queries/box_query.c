@@ -18,9 +18,9 @@ duet_box_query_def duet_default_box_query_def(void)
     return (duet_box_query_def){.cookie = COOKIE};
 }
 
-static bool meets(const duet_tree *tree, const void *item, uint32_t id)
+static bool meets(const duet_tree *tree, const void *item, uint32_t *hit)
 {
-    return narrow_decide(item, (const duet_pose *)tree->objects + id, tree->def.dims);
+    return narrow_decide(item, (const duet_pose *)tree->objects + hit[1], tree->def.dims);
 }
 
 static const query_kind kind_of_poses = {

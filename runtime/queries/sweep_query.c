@@ -20,14 +20,14 @@ duet_sweep_query_def duet_default_sweep_query_def(void)
     return (duet_sweep_query_def){.cookie = COOKIE};
 }
 
-static bool meets(const duet_tree *tree, const void *item, uint32_t id)
+static bool meets(const duet_tree *tree, const void *item, uint32_t *hit)
 {
-    return sweep_meets(item, (const duet_pose *)tree->objects + id, tree->def.dims);
+    return sweep_meets(item, (const duet_pose *)tree->objects + hit[1], tree->def.dims);
 }
 
-static bool meets_bounds(const duet_tree *tree, const void *item, uint32_t id)
+static bool meets_bounds(const duet_tree *tree, const void *item, uint32_t *hit)
 {
-    return sweep_meets_bounds(item, (const duet_bounds *)tree->objects + id, tree->def.dims);
+    return sweep_meets_bounds(item, (const duet_bounds *)tree->objects + hit[1], tree->def.dims);
 }
 
 static void enter(const duet_tree *tree, const void *item, uint32_t *hit)

@@ -266,16 +266,22 @@ static bool ask(query_side *s, cl_uint counters[QUERY_COUNTERS])
     return false;
 }
 
+static bool is_better(const tree_query *q, const uint32_t *hit, const uint32_t *known)
+{
+    return q->wants != QUERY_ANY && compare_hits(hit, known) < 0;
+}
+
 // `hits` are those of the chunk.
-static void take_open_hit(query_side *s, uint32_t *hits, const uint32_t *open)
+static void take_open_hit(query_side *s, uint32_t *hits, uint32_t *open)
 {
     const tree_query *q = s->query;
     uint32_t *known = s->each > 0 ? hits + (open[0] - s->first_item) * q->kind->hit_words : NULL;
     bool has_hit = known && known[1] != DUET_NO_OBJECT;
-    if (has_hit && (q->wants == QUERY_ANY || compare_hits(open, known) >= 0))
+    if (has_hit && !is_better(q, open, known))
         return;
     ++s->undecided;
-    if (!q->kind->meets(q->tree, item_at(q, open[0]), open[1]))
+    if (!q->kind->meets(q->tree, item_at(q, open[0]), open) ||
+        (has_hit && !is_better(q, open, known)))
         return;
     if (!known)
         known = hit_at(q, &s->found, s->found.n++); // reserved

@@ -21,8 +21,9 @@ typedef struct query_kind {
     const char *wrong;  // what may be wrong with one, in a message
     const char *kernel; // of kernels/queries, and its entry
     uint32_t hit_words;
-    // Whether an item meets an object of the tree; exact. NULL: float leaves nothing open.
-    bool (*meets)(const duet_tree *tree, const void *item, uint32_t id);
+    // Whether an item meets the object of a hit that float leaves open; exact. Its value, which is
+    // never above the true one, may then be raised. NULL: float leaves nothing open.
+    bool (*meets)(const duet_tree *tree, const void *item, uint32_t *hit);
     // Makes of a hit on an object, as the device wrote it, what the caller reads; NULL: it is that.
     void (*finish)(const duet_tree *tree, const void *item, uint32_t *hit);
 } query_kind;

@@ -301,6 +301,29 @@ static void hits_of_bounds_are_exact(void **state)
     hits_of_bounds_are_exact_in(2);
 }
 
+// Towards the faces across y the ray is too slow for float: the host finds where it enters.
+static void a_slow_ray_enters_bounds_where_it_does(void **state)
+{
+    (void)state;
+    const float slow = 0x1p-70f;
+    const duet_bounds bounds[] = {{{0, 2 * slow, 0}, {4, 1, 1}}, {{1, 0, 0}, {4, 1, 1}}};
+    const duet_ray ray = {{0, 0, 0}, {1, slow, 0}, INFINITY};
+    duet_tree *tree = open_bounds_tree(3, 0, bounds, 2);
+    duet_ray_query *closest = open_query(tree, DUET_QUERY_CLOSEST);
+    duet_ray_query *every = open_query(tree, DUET_QUERY_EVERY);
+    duet_ray_hit first = cast(closest, &ray, 1).hits[0];
+    duet_ray_query_result all = cast(every, &ray, 1);
+    assert_int_equal(first.id, 1);
+    assert_true(first.t == 1);
+    assert_int_equal(all.n_hits, 2);
+    assert_int_equal(all.hits[0].id, 1);
+    assert_int_equal(all.hits[1].id, 0);
+    assert_true(all.hits[1].t == 2);
+    duet_tree_destroy(tree);
+    duet_ray_query_destroy(closest);
+    duet_ray_query_destroy(every);
+}
+
 // A box that is not turned is bounds too, where its corners are floats.
 static void integers_agree_on_poses_and_bounds(void **state)
 {
@@ -543,6 +566,7 @@ int main(void)
         cmocka_unit_test(every_hit_in_3d),
         cmocka_unit_test(every_hit_in_2d),
         cmocka_unit_test(hits_of_bounds_are_exact),
+        cmocka_unit_test(a_slow_ray_enters_bounds_where_it_does),
         cmocka_unit_test(integers_agree_on_poses_and_bounds),
         cmocka_unit_test(closest_and_any_are_of_every_hit),
         cmocka_unit_test(share_and_order_of_boxes_change_nothing),
