@@ -56,6 +56,7 @@ int point_query_create_lua(lua_State *L);
 int sweep_query_create_lua(lua_State *L);
 
 duet_motion *motion_check_lua(lua_State *L);         // the one at 1
+duet_motion *motion_check_at(lua_State *L, int index);
 extern const luaL_Reg motion_command_methods[]; // lua/motion_commands.c
 
 typedef struct world_box {

@@ -68,6 +68,16 @@ static int tree_set_objects(lua_State *L)
     return 1;
 }
 
+// tree:set_motion(motion) -> tree
+static int tree_set_motion(lua_State *L)
+{
+    duet_error err = {0};
+    if (!duet_tree_set_motion(tree_check(L, 1), motion_check_at(L, 2), &err))
+        return class_push_failure(L, &err);
+    lua_settop(L, 1);
+    return 1;
+}
+
 static int tree_close(lua_State *L)
 {
     tree_box *box = luaL_checkudata(L, 1, tree_class.name);
@@ -78,6 +88,7 @@ static int tree_close(lua_State *L)
 
 static const luaL_Reg methods[] = {{"close", tree_close},
                                    {"set_objects", tree_set_objects},
+                                   {"set_motion", tree_set_motion},
                                    {"ray_query", ray_query_create_lua},
                                    {"box_query", box_query_create_lua},
                                    {"point_query", point_query_create_lua},

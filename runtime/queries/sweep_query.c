@@ -53,7 +53,8 @@ static const query_kind kinds[] = {
                           .kernel = "ray_query",
                           .hit_words = 6,
                           .meets = meets,
-                          .finish = enter},
+                          .finish = enter,
+                          .finish_reads = true},
     [DUET_SHAPE_BOUNDS] = {.item = "sweep",
                            .items = "sweeps",
                            .wrong = "no bounds, a number that is none or above 2^100, a direction "
@@ -61,7 +62,8 @@ static const query_kind kinds[] = {
                            .kernel = "ray_query",
                            .hit_words = 6,
                            .meets = meets_bounds,
-                           .finish = enter_bounds},
+                           .finish = enter_bounds,
+                           .finish_reads = true},
 };
 
 static bool check_def(const duet_sweep_query_def *def, duet_error *err)

@@ -117,45 +117,92 @@ bool tree_run(duet_tree *tree, void (*work)(void *), void *a, void *b, duet_erro
 // ---------------------------------------------------------------- objects
 
 typedef struct building {
+    duet_tree *tree;
     tree_side *side;
-    const void *objects;
-    uint32_t n;
+    uint32_t n_hidden;
+    bool sent; // the side has the objects
 } building;
+
+static size_t objects_bytes(const duet_tree *tree)
+{
+    return tree->n *
+           (tree->def.shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds));
+}
+
+static bool send_objects(const duet_tree *tree, tree_side *s)
+{
+    buffer *to = &s->boxes.objects;
+    return box_tree_hold(&s->boxes, s->device, tree->objects, tree->n, &s->err) &&
+           (tree->n == 0 || timeline_write(&s->times, "send objects", to, tree->objects,
+                                           objects_bytes(tree), &s->err));
+}
 
 static void build(void *arg)
 {
     building *b = arg;
     tree_side *s = b->side;
     timeline_begin(&s->times, s->device);
-    s->ok = box_tree_build(&s->boxes, &s->times, b->objects, b->n, &s->err) &&
+    s->ok = (b->sent || send_objects(b->tree, s)) &&
+            box_tree_build(&s->boxes, &s->times, b->tree->n, b->n_hidden, &s->err) &&
             timeline_finish(&s->times, &s->err);
     timeline_clear(&s->times);
 }
 
-static bool build_all(duet_tree *tree, uint32_t n, duet_error *err)
+static bool build_all(duet_tree *tree, uint32_t n_hidden, bool b_has_them, duet_error *err)
 {
     building work[2];
     void *args[2];
     for (int which = 0; which < 2; ++which) {
-        work[which] = (building){&tree->sides[which], tree->objects, n};
+        work[which] = (building){tree, &tree->sides[which], n_hidden, b_has_them && which == 1};
         args[which] = tree->sides[which].device ? &work[which] : NULL;
     }
     return tree_run(tree, build, args[0], args[1], err);
 }
 
-// What devices wrap is given back before it moves.
-static bool copy_objects(duet_tree *tree, const void *objects, uint32_t n, duet_error *err)
+bool tree_build(duet_tree *tree, uint32_t n_hidden, bool b_has_them, duet_error *err)
 {
-    size_t bytes =
-        n * (tree->def.shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds));
+    tree->fetched = !b_has_them;
+    if ((!tree->sides[0].device || tree_fetch_objects(tree, err)) &&
+        build_all(tree, n_hidden, b_has_them, err))
+        return true;
+    tree_clear(tree);
+    return false;
+}
+
+void tree_clear(duet_tree *tree)
+{
+    tree->n = 0;
+    build_all(tree, 0, false, NULL);
+}
+
+bool tree_fetch_objects(duet_tree *tree, duet_error *err)
+{
+    timeline times = {0};
+    if (tree->fetched || tree->n == 0)
+        return true;
+    timeline_begin(&times, &tree->def.pair->devices[1]);
+    tree->fetched = timeline_read(&times, "fetch objects", &tree->sides[1].boxes.objects,
+                                  tree->objects, objects_bytes(tree), err) &&
+                    timeline_finish(&times, err);
+    timeline_clear(&times);
+    return tree->fetched;
+}
+
+// What devices wrap is given back before it moves.
+bool tree_reserve_objects(duet_tree *tree, uint32_t n, duet_error *err)
+{
+    if (n > TREE_MOST_BOXES)
+        return error_set(err, DUET_STATUS_TOO_MANY, "%u objects; a tree takes at most %d", n,
+                         TREE_MOST_BOXES);
     box_tree_forget_objects(&tree->sides[0].boxes);
     box_tree_forget_objects(&tree->sides[1].boxes);
-    void *copy = realloc(tree->objects, bytes + 1);
-    if (!copy)
+    tree->n = n;
+    void *objects = realloc(tree->objects, objects_bytes(tree) + 1);
+    if (!objects) {
+        tree_clear(tree);
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %u objects", n);
-    tree->objects = copy;
-    if (n > 0)
-        memcpy(copy, objects, bytes);
+    }
+    tree->objects = objects;
     return true;
 }
 
@@ -176,12 +223,9 @@ bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, const void *o
         return false;
     if (n > 0 && !objects)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%u objects, but no memory with them", n);
-    if (n > TREE_MOST_BOXES)
-        return error_set(err, DUET_STATUS_TOO_MANY, "%u objects; a tree takes at most %d", n,
-                         TREE_MOST_BOXES);
-    bool ok = copy_objects(tree, objects, n, err) && build_all(tree, n, err);
-    tree->n = ok ? n : 0;
-    if (!ok)
-        build_all(tree, 0, NULL);
-    return ok;
+    if (!tree_reserve_objects(tree, n, err))
+        return false;
+    if (n > 0)
+        memcpy(tree->objects, objects, objects_bytes(tree));
+    return tree_build(tree, 0, false, err);
 }

@@ -17,6 +17,7 @@ enum { CHUNK = 1 << 20, LEAST_LIST = 1 << 14 };
 enum { LEAST_SORTED = 1 << 13 };
 
 static const binding side_bindings[] = {BIND_BUFFER(query_side, "items", "float *", items),
+                                        BIND_BUFFER(query_side, "filters", "uint2 *", filters),
                                         BIND_BUFFER(query_side, "objects", "float *", objects),
                                         BIND_BUFFER(query_side, "boxes", "float *", boxes),
                                         BIND_BUFFER(query_side, "nodes", "float *", nodes),
@@ -80,7 +81,7 @@ bool tree_query_open(tree_query *q, const gen_setting *settings, uint32_t n_sett
 
 static void close_side(query_side *s)
 {
-    buffer *const all[] = {&s->items, &s->hits, &s->open, &s->counters};
+    buffer *const all[] = {&s->items, &s->filters, &s->hits, &s->open, &s->counters};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
         buffer_release(all[i]);
     free(s->found.words);
@@ -203,8 +204,23 @@ static const char *item_at(const tree_query *q, uint64_t i)
     return q->items + i * q->item_words * sizeof(float);
 }
 
+static bool send_filters(query_side *s)
+{
+    tree_side *t = s->tree;
+    const duet_filter *filters = s->query->filters;
+    size_t bytes = s->query->tree->n * sizeof *filters;
+    if (!buffer_reserve(&s->filters, t->device, bytes, &t->err))
+        return false;
+    return filters ? timeline_write(&t->times, "send filters", &s->filters, filters, bytes, &t->err)
+                   : timeline_fill(&t->times, "clear", &s->filters, UINT32_MAX, 0,
+                                   bytes / sizeof(cl_uint), &t->err);
+}
+
+// The device has the tree's objects.
 static bool send_items(query_side *s)
 {
+    if (s->query->itself)
+        return true;
     const char *items = item_at(s->query, s->first_item);
     size_t bytes = (size_t)s->n * s->query->item_words * sizeof(float);
     return buffer_hold(&s->items, s->tree->device, (void *)items, bytes, &s->tree->err) &&
@@ -213,9 +229,12 @@ static bool send_items(query_side *s)
 
 static bool order_items(query_side *s)
 {
+    box_tree *t = &s->tree->boxes;
+    bool itself = s->query->itself;
     s->in_order = s->n < LEAST_SORTED;
-    return s->in_order || box_tree_order(&s->tree->boxes, &s->tree->times, &s->items,
-                                         s->query->item_words, s->n, &s->tree->err);
+    return s->in_order ||
+           box_tree_order(t, &s->tree->times, itself ? &t->objects : &s->items,
+                          s->query->item_words, itself ? s->first_item : 0, s->n, &s->tree->err);
 }
 
 static uint64_t count_of(const cl_uint *words)
@@ -321,6 +340,9 @@ static bool fetch(query_side *s, const cl_uint counters[QUERY_COUNTERS])
     if (!read_hits(s, &s->hits, hits, n) || !read_hits(s, &s->open, s->open_hits.words, n_open))
         return false;
     s->found.n += n;
+    if ((n_open > 0 || (n > 0 && q->kind->finish_reads)) &&
+        !tree_fetch_objects(q->tree, &s->tree->err))
+        return false;
     if (n_open > 0) // listed in any order
         qsort(s->open_hits.words, (size_t)n_open, hit_bytes(q), comparison_of(q));
     for (uint64_t i = 0; i < n_open; ++i)
@@ -352,6 +374,7 @@ static void run_side(void *arg)
     uint64_t begun = clock_steady_ns();
     uint64_t chunk = s->each > 1 ? CHUNK / s->each + 1 : CHUNK;
     timeline_begin(&t->times, t->device);
+    t->ok = !s->query->itself || send_filters(s);
     for (uint64_t first = s->first; t->ok && first < s->last; first += chunk) {
         uint64_t left = s->last - first;
         t->ok =
