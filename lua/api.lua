@@ -322,6 +322,8 @@ api.names = {
   { "duet.Tree:set_motion", { "motion: duet.Motion" }, "duet.Tree",
     "The boxes from now on are a motion's bodies where they are, by place; removed and disabled ones are left out.",
     fails = true, c = "duet_tree_set_motion" },
+  { "duet.Tree:set_share", { "share: number" }, "duet.Tree", "A's part of what its queries ask from now on, 0 to 1.",
+    fails = true, c = "duet_tree_set_share" },
   { "duet.Tree:close", {}, nil, "Gives the devices' memory back, once its queries are closed.",
     c = "duet_tree_destroy" },
   { "duet.NO_OBJECT", "integer", "the id where a query finds no box" },

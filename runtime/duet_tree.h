@@ -46,6 +46,10 @@ DUET_API bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, cons
 // empty then.
 DUET_API bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err);
 
+// Its queries divide what they are asked so from now on. A device that gets its first share builds
+// its kernels and its tree, and keeps both up to date from then on. The hits are the same.
+DUET_API bool duet_tree_set_share(duet_tree *tree, uint32_t share, duet_error *err);
+
 // What a query along a line wants of each item.
 typedef enum duet_query_wants {
     DUET_QUERY_CLOSEST, // the hit with the least t, of several the one with the least id

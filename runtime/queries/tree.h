@@ -25,7 +25,7 @@ struct duet_tree {
     tree_side sides[2];  // A, B
     thread_pool *driver; // drives A while the caller's thread drives B
     void *objects;       // [n] poses or bounds, by the def's shape; stale until they are fetched
-    uint32_t n;
+    uint32_t n, n_hidden;
     bool fetched;
 };
 

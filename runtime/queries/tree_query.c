@@ -53,32 +53,6 @@ bool tree_query_knows(duet_query_wants wants, duet_error *err)
 
 // ---------------------------------------------------------------- owner
 
-enum { MOST_SETTINGS = 4 };
-
-static bool open_side(query_side *s, tree_query *q, tree_side *tree, const gen_setting *settings,
-                      uint32_t n, duet_error *err)
-{
-    *s = (query_side){.query = q, .tree = tree, .each = q->each};
-    s->kernel = program_set_kernel(tree->programs, q->kind->kernel, q->kind->kernel, settings, n,
-                                   side_bindings, err);
-    return s->kernel && program_set_build(tree->programs, err) &&
-           buffer_reserve(&s->counters, tree->device, QUERY_COUNTERS * sizeof(cl_uint), err);
-}
-
-bool tree_query_open(tree_query *q, const gen_setting *settings, uint32_t n_settings,
-                     duet_error *err)
-{
-    gen_setting all[MOST_SETTINGS] = {{"DIMS", q->tree->def.dims}, {"SHAPE", q->tree->def.shape}};
-    tree_hold(q->tree);
-    for (uint32_t i = 0; i < n_settings; ++i)
-        all[2 + i] = settings[i];
-    bool ok = true;
-    for (int which = 0; ok && which < 2; ++which)
-        ok = !q->tree->sides[which].device ||
-             open_side(&q->sides[which], q, &q->tree->sides[which], all, 2 + n_settings, err);
-    return ok;
-}
-
 static void close_side(query_side *s)
 {
     buffer *const all[] = {&s->items, &s->filters, &s->hits, &s->open, &s->counters};
@@ -86,6 +60,41 @@ static void close_side(query_side *s)
         buffer_release(all[i]);
     free(s->found.words);
     free(s->open_hits.words);
+    *s = (query_side){0};
+}
+
+static bool open_side(query_side *s, tree_query *q, tree_side *tree, duet_error *err)
+{
+    *s = (query_side){.query = q, .tree = tree, .each = q->each};
+    s->kernel = program_set_kernel(tree->programs, q->kind->kernel, q->kind->kernel, q->settings,
+                                   q->n_settings, side_bindings, err);
+    if (s->kernel && program_set_build(tree->programs, err) &&
+        buffer_reserve(&s->counters, tree->device, QUERY_COUNTERS * sizeof(cl_uint), err))
+        return true;
+    close_side(s);
+    return false;
+}
+
+// Those that the tree has had since the last run, too.
+static bool open_sides(tree_query *q, duet_error *err)
+{
+    bool ok = true;
+    for (int which = 0; ok && which < 2; ++which)
+        ok = !q->tree->sides[which].device || q->sides[which].kernel ||
+             open_side(&q->sides[which], q, &q->tree->sides[which], err);
+    return ok;
+}
+
+bool tree_query_open(tree_query *q, const gen_setting *settings, uint32_t n_settings,
+                     duet_error *err)
+{
+    tree_hold(q->tree);
+    q->settings[0] = (gen_setting){"DIMS", q->tree->def.dims};
+    q->settings[1] = (gen_setting){"SHAPE", q->tree->def.shape};
+    for (uint32_t i = 0; i < n_settings; ++i)
+        q->settings[2 + i] = settings[i];
+    q->n_settings = 2 + n_settings;
+    return open_sides(q, err);
 }
 
 void tree_query_close(tree_query *q)
@@ -429,6 +438,8 @@ bool tree_query_run(tree_query *q, const void *items, uint64_t n, query_result *
     if (n > UINT32_MAX)
         return error_set(err, DUET_STATUS_TOO_MANY, "%llu %s; expected fewer than 2^32",
                          (unsigned long long)n, plural);
+    if (!open_sides(q, err))
+        return false;
     uint64_t cut = n * q->tree->def.share / DUET_SHARE_ONE;
     q->items = items;
     query_side *a = begin_side(q, 0, 0, cut), *b = begin_side(q, 1, cut, n);

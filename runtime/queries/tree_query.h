@@ -7,6 +7,8 @@
 
 #include "runtime/queries/tree.h"
 
+enum { QUERY_SETTINGS = 4 };
+
 typedef enum query_wants {
     QUERY_CLOSEST = DUET_QUERY_CLOSEST,
     QUERY_ANY = DUET_QUERY_ANY,
@@ -58,6 +60,8 @@ typedef struct tree_query {
     uint32_t item_words;
     uint32_t each; // hits an item; 0 for QUERY_EVERY
     bool itself;   // its items are the tree's objects
+    gen_setting settings[QUERY_SETTINGS];
+    uint32_t n_settings;
     query_side sides[2];
     const char *items;          // of the run
     const duet_filter *filters; // of the objects, where these are the items; NULL: all touch

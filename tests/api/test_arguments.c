@@ -379,6 +379,9 @@ static void fill_tree(void)
     REFUSES(duet_tree_set_objects(tree, DUET_OBJECT_BOUNDS, &bounds, 1, e));
     REFUSES(duet_tree_set_objects(tree, DUET_OBJECT_SIZES, &pose, 1, e));
     TAKES(duet_tree_set_objects(tree, DUET_OBJECT_POSES, NULL, 0, e));
+    REFUSES(duet_tree_set_share(NULL, 0, e));
+    REFUSES(duet_tree_set_share(tree, DUET_SHARE_ONE + 1, e));
+    TAKES(duet_tree_set_share(tree, 0, e));
     REFUSES(duet_tree_set_motion(NULL, motion, e));
     REFUSES(duet_tree_set_motion(tree, NULL, e));
     duet_tree_destroy(NULL);
@@ -739,6 +742,7 @@ static const struct {
     {"duet_world_step", step_world},
     {"duet_pair_query_create duet_pair_query_destroy duet_pair_query_run", query_pairs},
     {"duet_tree_create duet_tree_destroy duet_tree_set_objects duet_tree_set_motion "
+     "duet_tree_set_share "
      "duet_default_tree_def "
      "duet_query_wants_name",
      fill_tree},
