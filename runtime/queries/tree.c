@@ -2,7 +2,7 @@
 #include "runtime/queries/tree.h"
 
 #include "base/error.h"
-#include "runtime/opencl/device_pair.h"
+#include "runtime/opencl/shared_work.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -16,13 +16,6 @@ duet_tree_def duet_default_tree_def(void)
 
 // ---------------------------------------------------------------- owner
 
-static bool check_share(uint32_t share, duet_error *err)
-{
-    return share <= DUET_SHARE_ONE || share == DUET_SHARE_DEFAULT ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "share is %u of %u; expected at most all of it",
-                     share, DUET_SHARE_ONE);
-}
-
 static bool check_def(const duet_tree_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
@@ -35,7 +28,7 @@ static bool check_def(const duet_tree_def *def, duet_error *err)
     if (def->shape != DUET_SHAPE_POSES && def->shape != DUET_SHAPE_BOUNDS)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "shape is %d; expected a duet_shape",
                          (int)def->shape);
-    return check_share(def->share, err);
+    return def->share == DUET_SHARE_DEFAULT || shared_work_check(def->share, err);
 }
 
 static void close_side(tree_side *s)
@@ -121,11 +114,11 @@ static bool open_sides(duet_tree *tree, uint32_t share, duet_error *err)
 
 bool duet_tree_set_share(duet_tree *tree, uint32_t share, duet_error *err)
 {
-    if (!error_given(tree, __func__, "tree", err) || !check_share(share, err))
+    if (!error_given(tree, __func__, "tree", err))
         return false;
     if (share == DUET_SHARE_DEFAULT)
         share = duet_default_plan(tree->def.pair).share;
-    if (!open_sides(tree, share, err))
+    if (!shared_work_check(share, err) || !open_sides(tree, share, err))
         return false;
     tree->def.share = share;
     return true;
