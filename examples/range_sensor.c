@@ -34,10 +34,8 @@ static bool look(duet_motion *motion, duet_tree *tree, duet_ray_query *query, du
                                         {{0, 0, 0.5f}, {0, 1, 0}, 50},
                                         {{0, 0, 0.5f}, {-1, 0, 0}, 50},
                                         {{0, 0, 0.5f}, {0, 0, -1}, 50}};
-    duet_pose poses[BOXES];
     duet_ray_query_result seen;
-    bool ok = duet_motion_get_poses(motion, poses, err) &&
-              duet_tree_set_objects(tree, DUET_OBJECT_POSES, poses, BOXES, err) &&
+    bool ok = duet_tree_set_motion(tree, motion, err) &&
               duet_ray_query_run(query, rays, RAYS, &seen, err);
     for (uint64_t i = 0; ok && i < seen.n_hits; ++i)
         if (seen.hits[i].id != DUET_NO_OBJECT)

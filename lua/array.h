@@ -29,6 +29,7 @@ typedef enum array_kind {
     ARRAY_PLACES,
     ARRAY_IDS,
     ARRAY_BOX_HITS,
+    ARRAY_FILTERS,
     ARRAY_POINTS,
     ARRAY_POINT_HITS,
     ARRAY_SWEEPS,

@@ -199,6 +199,13 @@ duet_motion *motion_check_lua(lua_State *L)
     return check_box(L)->motion;
 }
 
+duet_motion *motion_check_at(lua_State *L, int index)
+{
+    motion_box *box = luaL_checkudata(L, index, motion_class.name);
+    luaL_argcheck(L, box->motion, index, "the motion is closed");
+    return box->motion;
+}
+
 static int motion_close(lua_State *L)
 {
     motion_box *box = luaL_checkudata(L, 1, motion_class.name);

@@ -62,6 +62,7 @@ int point_query_create_lua(lua_State *L);
 int sweep_query_create_lua(lua_State *L);
 
 duet_motion *motion_check_lua(lua_State *L);         // the one at 1
+duet_motion *motion_check_at(lua_State *L, int index);
 extern const luaL_Reg motion_command_methods[]; // lua/motion_commands.c
 uint64_t *motion_maps_lua(lua_State *L); // of the one at 1, by part: views of others no longer hold
 

@@ -2,6 +2,8 @@
 // device_pair:tree: boxes that queries ask about.
 #include "lua/nouns.h"
 
+#include <math.h>
+
 const char *query_wants_name(int wants)
 {
     return duet_query_wants_name((duet_query_wants)wants);
@@ -68,6 +70,29 @@ static int tree_set_objects(lua_State *L)
     return 1;
 }
 
+// tree:set_motion(motion) -> tree
+static int tree_set_motion(lua_State *L)
+{
+    duet_error err = {0};
+    if (!duet_tree_set_motion(tree_check(L, 1), motion_check_at(L, 2), &err))
+        return class_push_failure(L, &err);
+    lua_settop(L, 1);
+    return 1;
+}
+
+// tree:set_share(share) -> tree
+static int tree_set_share(lua_State *L)
+{
+    duet_error err = {0};
+    duet_tree *tree = tree_check(L, 1);
+    lua_Number share = luaL_checknumber(L, 2);
+    luaL_argcheck(L, share >= 0 && share <= 1, 2, "a share from 0 to 1");
+    if (!duet_tree_set_share(tree, (uint32_t)lround(share * DUET_SHARE_ONE), &err))
+        return class_push_failure(L, &err);
+    lua_settop(L, 1);
+    return 1;
+}
+
 static int tree_close(lua_State *L)
 {
     tree_box *box = luaL_checkudata(L, 1, tree_class.name);
@@ -78,6 +103,8 @@ static int tree_close(lua_State *L)
 
 static const luaL_Reg methods[] = {{"close", tree_close},
                                    {"set_objects", tree_set_objects},
+                                   {"set_motion", tree_set_motion},
+                                   {"set_share", tree_set_share},
                                    {"ray_query", ray_query_create_lua},
                                    {"box_query", box_query_create_lua},
                                    {"point_query", point_query_create_lua},

@@ -3,7 +3,7 @@
 #ifndef DUET_TREE_H
 #define DUET_TREE_H
 
-#include "duet_world.h"
+#include "duet_motion.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -37,6 +37,18 @@ DUET_API void duet_tree_destroy(duet_tree *tree); // its queries may outlive it
 // 2^100; the tree is empty then.
 DUET_API bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, const void *objects,
                                     uint32_t n, duet_error *err);
+
+// The objects from now on are a motion's bodies where they are, as duet_motion_get_poses says, and
+// their ids are their places (docs/commands.md, "Ids"); those that were removed or are disabled
+// are left out. Where B keeps the motion's sizes, as for contacts, the poses stay on B, unless A
+// has a share. The motion goes on as before. BAD_ARGUMENT for a tree of bounds or
+// of other dims, BAD_OBJECT where a body is at no finite place or above 2^100; the tree is
+// empty then.
+DUET_API bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err);
+
+// Its queries divide what they are asked so from now on. A device that gets its first share builds
+// its kernels and its tree, and keeps both up to date from then on. The hits are the same.
+DUET_API bool duet_tree_set_share(duet_tree *tree, uint32_t share, duet_error *err);
 
 // What a query along a line wants of each item.
 typedef enum duet_query_wants {

@@ -18,21 +18,39 @@
 // distance (docs/notes/accuracy.md, "Contacts").
 #define SLACK 0x1p-17f
 
-static inline solid solid_of(const object *o)
+// LANES pairs, each from its first box's centre.
+typedef struct {
+    solid a[LANES], b[LANES];
+    float4 d[LANES];
+    float slack[LANES];
+} pairs_at;
+
+static inline void put_lanes(real numbers, float to[LANES])
 {
-    float axis[3][3];
-    set_axes(axis, o->rotation);
-    solid s;
-    for (int k = 0; k < 3; ++k) {
-        s.axis[k] = (float4)(axis[k][0], axis[k][1], axis[k][2], 0.0f);
-        s.halves[k] = o->halves[k];
-    }
-    return s;
+    uint words[LANES];
+    spread(as_word(numbers), words);
+    for (int k = 0; k < LANES; ++k)
+        to[k] = as_float(words[k]);
 }
 
-static inline float slack_of(const object *a, const object *b, float4 d)
+static inline void set_solids(solid to[LANES], real axis[3][3], const object *o)
 {
-    float size = fabs(d.x) + fabs(d.y) + fabs(d.z);
+    float turned[3][3][LANES], halves[3][LANES];
+    for (int i = 0; i < 3; ++i) {
+        put_lanes(o->halves[i], halves[i]);
+        for (int k = 0; k < 3; ++k)
+            put_lanes(axis[i][k], turned[i][k]);
+    }
+    for (int lane = 0; lane < LANES; ++lane)
+        for (int i = 0; i < 3; ++i) {
+            to[lane].axis[i] = (float4)(turned[i][0][lane], turned[i][1][lane], turned[i][2][lane], 0.0f);
+            to[lane].halves[i] = halves[i][lane];
+        }
+}
+
+static inline real slack_of(const object *a, const object *b, const real d[3])
+{
+    real size = fabs(d[0]) + fabs(d[1]) + fabs(d[2]);
     for (int k = 0; k < 3; ++k)
         size += a->halves[k] + b->halves[k];
     return SLACK * size;
@@ -86,13 +104,12 @@ static inline bool edges_cross(const solid *a, const solid *b, float4 d, const m
     return has_point(a, at - half_way, slack) && has_point(b, at + half_way - d, slack);
 }
 
-// Points from a's centre, up to the margin. False where there are none: the boxes are
-// further apart, or faces are beside each other.
-static inline bool touch(const solid *a, const solid *b, float4 d, float margin, float slack, manifold *m)
+// Points from a's centre, up to the margin, once the axes are known. False where there are none:
+// the boxes are further apart, or faces are beside each other.
+static inline bool touch(const solid *a, const solid *b, float4 d, best_axis best, best_axis face, float margin,
+                         float slack, manifold *m)
 {
     float lead = lead_of(margin) + slack;
-    best_axis face;
-    best_axis best = find_axis(a, b, d, lead, margin + slack, &face);
     m->n = 0;
     if (best.separation > margin + slack)
         return false;
@@ -112,13 +129,79 @@ static inline bool touch(const solid *a, const solid *b, float4 d, float margin,
     return m->n > 0;
 }
 
-// With a margin some pairs that meet have no points, where they do without.
-static inline void find_points(const object *a, const object *b, float4 d, float margin, manifold *m)
+// ------------------------------------------------------------ axes
+
+#if LANES == 8 && DIMS == 3
+
+// As offer_lanes and find_axes of box_lanes.clh, where each pair has a lead and a margin of its own.
+static inline void offer_each(best_lanes *best, float8 separation, float8 lead, int8 a, int8 b, int8 where)
 {
-    solid one = solid_of(a), other = solid_of(b);
-    float slack = slack_of(a, b, d);
-    if (!touch(&one, &other, d, margin, slack, m) && margin > 0.0f)
-        touch(&one, &other, d, 0.0f, slack, m);
+    where &= separation > best->separation + lead;
+    best->separation = select(best->separation, separation, where);
+    best->a = select(best->a, a, where);
+    best->b = select(best->b, b, where);
+}
+
+static inline best_lanes find_each(const solid_lanes *a, const solid_lanes *b, vec_lanes d, float8 lead,
+                                   float8 margin, best_lanes *face)
+{
+    const int8 none = -1, all = -1;
+    const float8 no_lead = 0.0f;
+    best_lanes best = {-INFINITY, none, none}, edges = best;
+    for (int i = 0; i < 3; ++i)
+        offer_each(&best, fabs(dot_lanes(d, a->axis[i])) - (a->halves[i] + supports_along(b, a->axis[i])), no_lead, i,
+                   none, all);
+    for (int j = 0; j < 3; ++j)
+        offer_each(&best, fabs(dot_lanes(d, b->axis[j])) - (b->halves[j] + supports_along(a, b->axis[j])), lead, none,
+                   j, all);
+    *face = best;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            vec_lanes direction = cross_lanes(a->axis[i], b->axis[j]);
+            float8 length2 = dot_lanes(direction, direction);
+            int8 counts = (length2 >= PARALLEL_EDGES) & !(edges.separation > margin + lead);
+            float8 reach = supports_along(a, direction) + supports_along(b, direction);
+            float8 separation = fabs(dot_lanes(d, direction)) - reach;
+            offer_each(&edges, separation * inverse_root_lanes(length2), no_lead, i, j, counts);
+        }
+    offer_each(&best, edges.separation, lead, edges.a, edges.b, best.separation <= margin);
+    return best;
+}
+
+static inline void put_bests(const best_lanes *from, best_axis to[8])
+{
+    float separations[8];
+    int a[8], b[8];
+    vstore8(from->separation, 0, separations);
+    vstore8(from->a, 0, a);
+    vstore8(from->b, 0, b);
+    for (int k = 0; k < 8; ++k)
+        to[k] = (best_axis){separations[k], a[k], b[k]};
+}
+
+static inline solid_lanes lanes_of(const object *o, real axis[3][3])
+{
+    solid_lanes s;
+    for (int i = 0; i < 3; ++i) {
+        s.axis[i] = (vec_lanes){axis[i][0], axis[i][1], axis[i][2]};
+        s.halves[i] = o->halves[i];
+    }
+    return s;
+}
+
+#endif
+
+// ------------------------------------------------------------ pairs
+
+static inline void find_points(const pairs_at *p, int k, best_axis best, best_axis face, float margin, manifold *m)
+{
+    const solid *a = &p->a[k], *b = &p->b[k];
+    float slack = p->slack[k];
+    if (touch(a, b, p->d[k], best, face, margin, slack, m) || margin == 0.0f)
+        return;
+    // With a margin some pairs that meet have no points, where they do without.
+    best = find_axis(a, b, p->d[k], slack, slack, &face);
+    touch(a, b, p->d[k], best, face, 0.0f, slack, m);
 }
 
 static inline void put_vector(float4 v, __global uint *to)
@@ -142,31 +225,62 @@ static inline void put_contact(manifold *m, float4 d, bool flipped, __global uin
     }
 }
 
-static inline void look_at(__global const float *poses, uint a, uint b, float margin, __global uint *row)
+// Pairs from `from` on, LANES of them or as many as there are up to n.
+static inline void look_at(__global const float *poses, __global const uint *pairs, uint from, uint n, float margin,
+                           __global uint *contacts)
 {
-    uint first[1] = {min(a, b)}, second[1] = {max(a, b)};
-    object one = object_at(poses, first), other = object_at(poses, second);
-    float4 d = (float4)(other.centre[0] - one.centre[0], other.centre[1] - one.centre[1],
-                        other.centre[2] - one.centre[2], 0.0f);
-    manifold m;
-    bool bad = object_is_bad(&one) || object_is_bad(&other);
-    m.n = 0;
-    if (!bad)
-        find_points(&one, &other, d, margin, &m);
-    put_contact(&m, d, a > b, row);
-    if (bad)
-        row[AT_POINTS] = NO_BOX;
+    uint firsts[LANES], seconds[LANES], bad[LANES];
+    for (uint k = 0; k < LANES; ++k) {
+        __global const uint *ids = pairs + 2 * (size_t)min(from + k, n - 1);
+        firsts[k] = min(ids[0], ids[1]);
+        seconds[k] = max(ids[0], ids[1]);
+    }
+    object one = object_at(poses, firsts), other = object_at(poses, seconds);
+    spread(as_word(object_is_bad(&one) | object_is_bad(&other)), bad);
+    real axis_a[3][3], axis_b[3][3], d[3];
+    set_axes(axis_a, one.rotation);
+    set_axes(axis_b, other.rotation);
+    for (int k = 0; k < 3; ++k)
+        d[k] = other.centre[k] - one.centre[k];
+    real slack = slack_of(&one, &other, d);
+    pairs_at p;
+    float ways[3][LANES];
+    set_solids(p.a, axis_a, &one);
+    set_solids(p.b, axis_b, &other);
+    put_lanes(slack, p.slack);
+    for (int k = 0; k < 3; ++k)
+        put_lanes(d[k], ways[k]);
+    best_axis bests[LANES], faces[LANES];
+#if LANES == 8 && DIMS == 3
+    solid_lanes a = lanes_of(&one, axis_a), b = lanes_of(&other, axis_b);
+    best_lanes face, best =
+        find_each(&a, &b, (vec_lanes){d[0], d[1], d[2]}, lead_of(margin) + slack, margin + slack, &face);
+    put_bests(&best, bests);
+    put_bests(&face, faces);
+#endif
+    for (uint k = 0; k < LANES && from + k < n; ++k) {
+        __global const uint *ids = pairs + 2 * (size_t)(from + k);
+        __global uint *row = contacts + (size_t)(from + k) * WORDS;
+        p.d[k] = (float4)(ways[0][k], ways[1][k], ways[2][k], 0.0f);
+#if LANES == 1 || DIMS == 2
+        bests[k] = find_axis(&p.a[k], &p.b[k], p.d[k], lead_of(margin) + p.slack[k], margin + p.slack[k], &faces[k]);
+#endif
+        manifold m;
+        m.n = 0;
+        if (!bad[k])
+            find_points(&p, k, bests[k], faces[k], margin, &m);
+        row[0] = ids[0];
+        row[1] = ids[1];
+        put_contact(&m, p.d[k], ids[0] > ids[1], row);
+        if (bad[k])
+            row[AT_POINTS] = NO_BOX;
+    }
 }
 
 __kernel void contact_query(CONTACT_QUERY_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
-    for (uint i = first; i < last; ++i) {
-        uint a = pairs[2 * (size_t)i], b = pairs[2 * (size_t)i + 1];
-        __global uint *row = contacts + (size_t)i * WORDS;
-        row[0] = a;
-        row[1] = b;
-        look_at(poses, a, b, margin, row);
-    }
+    for (uint i = first; i < last; i += LANES)
+        look_at(poses, pairs, i, last, margin, contacts);
 }

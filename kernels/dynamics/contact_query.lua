@@ -1,12 +1,13 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "where pairs of boxes touch that the caller brings",
-  uses = { "lanes.clh", "narrowphase/object.clh", "dynamics/box_contact.clh" },
+  uses = { "lanes.clh", "narrowphase/object.clh", "dynamics/box_contact.clh", "dynamics/box_lanes.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0 }, default = 0, about = "poses" },
     { "ROTATED", values = { 1 }, default = 1, about = "a pair's contact is its own, whatever the others are" },
-    { "LANES", values = { 1 }, default = 1, about = "pairs side by side in a work-item" },
+    { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
+      about = "pairs side by side in a work-item" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Which objects of a box tree (queries/tree.h) other boxes share a point with, as ACCURACY asks.
 //
-//   items    [n] poses or bounds, by SHAPE, as the tree's objects
+//   items    [n] poses or bounds, by SHAPE, as the tree's objects; with ITSELF these are meant, from
+//            first_item on, each pair of them is found once, the lower id first, and only where
+//   filters  of both, a group and a mask each, let them touch
 //   order    [n] of items; in_order 1: as they come
 //   objects, boxes, nodes    of the tree
 //   levels   [n_levels] first node of each level, the lowest first
@@ -10,6 +12,14 @@
 //
 // What a walk meets is kept until there are LANES of it, from whichever items.
 #define HIT_WORDS 2
+
+#if ITSELF
+#define ITEMS objects
+#define NUMBER(place, first_item) (place)
+#else
+#define ITEMS items
+#define NUMBER(place, first_item) ((first_item) + (place))
+#endif
 
 typedef struct {
     __global const float *items;
@@ -28,6 +38,10 @@ struct walk {
     float lower[3], upper[3];
     __global const float *boxes;
     uint place;
+#if ITSELF
+    __global const uint2 *filters;
+    uint2 filter;
+#endif
     tester *candidates;
 };
 
@@ -49,7 +63,7 @@ static inline void test_candidates(tester *t)
     uint answers[LANES];
     spread(answer_of(&a, &b), answers);
     for (uint k = 0; k < t->n; ++k) {
-        uint item = t->first_item + t->places[k];
+        uint item = NUMBER(t->places[k], t->first_item);
         if (answers[k] == COLLIDING)
             list_hit(add_row(t->hits, t->hits_capacity, t->counters + COUNT_HITS, HIT_WORDS), item, t->ids[k]);
         else if (answers[k] == UNDECIDED)
@@ -78,8 +92,16 @@ static inline mask meets_bounds(const walk *w, __global const float *node, real 
 static inline bool visit_box(walk *w, uint slot, float from)
 {
     tester *t = w->candidates;
+    uint id = as_uint(w->boxes[(size_t)slot * TREE_BOX_WORDS + TREE_BOX_ID]);
+#if ITSELF
+    if (id <= w->place)
+        return false;
+    uint2 other = w->filters[id];
+    if (!(other.x & w->filter.y) || !(w->filter.x & other.y))
+        return false;
+#endif
     t->places[t->n] = w->place;
-    t->ids[t->n++] = as_uint(w->boxes[(size_t)slot * TREE_BOX_WORDS + TREE_BOX_ID]);
+    t->ids[t->n++] = id;
     if (t->n == LANES)
         test_candidates(t);
     return false;
@@ -106,7 +128,7 @@ static inline void load_items(__global const float *items, const uint places[LAN
 __kernel void box_query(BOX_QUERY_ARGS)
 {
     tester t;
-    t.items = items;
+    t.items = ITEMS;
     t.objects = objects;
     t.first_item = first_item;
     t.hits = hits;
@@ -122,16 +144,25 @@ __kernel void box_query(BOX_QUERY_ARGS)
         for (uint k = 0; k < LANES; ++k) {
             uint i = min(from + k, n - 1);
             places[k] = in_order ? i : order[i];
+#if ITSELF
+            places[k] += first_item;
+#endif
         }
-        load_items(items, places, lower, upper, refused);
+        load_items(ITEMS, places, lower, upper, refused);
         for (uint k = 0; k < LANES && from + k < n; ++k) {
             if (refused[k]) {
+#if !ITSELF // no query finds it
                 atomic_max(counters + BAD_LATEST, ~places[k]);
+#endif
                 continue;
             }
             walk w;
             w.boxes = boxes;
             w.place = places[k];
+#if ITSELF
+            w.filters = filters;
+            w.filter = filters[places[k]];
+#endif
             w.candidates = &t;
             for (int axis = 0; axis < DIMS; ++axis) {
                 w.lower[axis] = lower[axis][k];

@@ -9,6 +9,7 @@ return {
     { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
     { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
       about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
+    { "ITSELF", values = { 0, 1 }, default = 0, about = "1: the tree's objects against each other, by their filters" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "boxes side by side in a work-item" },
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 64 end,
@@ -18,7 +19,8 @@ return {
   },
   args = {
     box_query = [[
-      const float *items
+      const float *items     if ITSELF == 0
+      const uint2 *filters   if ITSELF == 1
       uint n
       uint first_item
       const uint *order

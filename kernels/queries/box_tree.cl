@@ -1,27 +1,58 @@
 // SPDX-License-Identifier: MIT
 // A tree over boxes, for queries.
 //
-//   objects [n] poses or bounds, by SHAPE
+//   objects [n] poses or bounds, by SHAPE; those that are refused are left out
+//   extent  [EXTENT_WORDS] what a sample of them extends over
 //   keys    [n, and 7 more] where each box comes in the tree: large ones first, those of
 //                           one size class along a curve
 //   ids     [n] sorted by their keys
 //   boxes   [slots][TREE_BOX_WORDS] in that order; slots is n rounded up to TREE_WIDTH
 //   nodes   [..][NODE_WORDS] the lowest level first, the root last
-//   items   [n][item_words], each begins with a point
+//   items   [first_item + n][item_words], each begins with a point
 //
 // A key decides only how good the tree is, never what a query finds.
 #define CLASSES 16
 #define BITS (DIMS == 3 ? 9 : 14) // of a cell's number along an axis
 
+// Words that are in the order of the numbers; above 0.
+static inline word rising(real x)
+{
+    word bits = as_word(x);
+    return bits ^ (((word)(0) - (bits >> 31)) | 0x80000000u);
+}
+
+static inline float number_of(uint rising)
+{
+    return as_float(rising >> 31 ? rising ^ 0x80000000u : ~rising);
+}
+
+// What keys are made with; without any object of the sample cells are NaN or 0, and all is in the first.
+typedef struct {
+    float lower[3], per_cell[3];
+    float widest; // half of the widest edge
+} curve;
+
+static inline curve load_curve(__global const uint *extent)
+{
+    curve c;
+    for (int k = 0; k < 3; ++k) {
+        float upper = number_of(extent[k]);
+        c.lower[k] = -number_of(extent[3 + k]);
+        float edge = upper - c.lower[k];
+        c.per_cell[k] = edge > 0x1p-100f ? (float)(1 << BITS) * inverse_of(edge) : 0.0f;
+    }
+    c.widest = number_of(extent[6]);
+    return c;
+}
+
 // The place along Hilbert's curve of the cell that a point is in. The cells' numbers are
 // turned and mirrored bit by bit, as the curve is from one square to the next smaller one
 // (Skilling 2004, "Programming the Hilbert curve").
-static inline word curve_place(const real point[3], float4 lower, float4 per_cell)
+static inline word curve_place(const real point[3], const curve *c)
 {
-    const float from[3] = {lower.x, lower.y, lower.z}, scale[3] = {per_cell.x, per_cell.y, per_cell.z};
     word cell[3];
     for (int k = 0; k < DIMS; ++k) {
-        real at = (point[k] - from[k]) * scale[k];
+        real at = (point[k] - c->lower[k]) * c->per_cell[k];
         at = select(ALL(0.0f), at, at > ALL(0.0f));
         cell[k] = to_word(fmin(at, ALL((float)((1 << BITS) - 1))));
     }
@@ -70,8 +101,37 @@ static inline word size_class(const object *o, float widest)
     return min(most - min(most, exponent), (word)(CLASSES - 1));
 }
 
+// Of n objects, `step` apart. It decides how good the tree is and nothing else.
+__kernel void tree_extent(TREE_EXTENT_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    word greatest[EXTENT_WORDS];
+    for (int i = 0; i < EXTENT_WORDS; ++i)
+        greatest[i] = (word)(0);
+    for (uint from = first; from < min(first + PER_ITEM, n); from += LANES) {
+        uint ids[LANES];
+        for (uint k = 0; k < LANES; ++k)
+            ids[k] = min(from + k, n - 1) * step;
+        object o = object_at(objects, ids);
+        mask refused = is_refused(&o);
+        real point[3];
+        object_point(&o, point);
+        for (int i = 0; i < EXTENT_WORDS; ++i) {
+            word at = rising(i < 3 ? point[i] : i < 6 ? -point[i - 3] : object_half(&o));
+            greatest[i] = max(greatest[i], select(at, (word)(0), as_word(refused)));
+        }
+    }
+    for (int i = 0; i < EXTENT_WORDS; ++i) {
+        uint each[LANES];
+        spread(greatest[i], each);
+        for (uint k = 0; k < LANES; ++k)
+            atomic_max(extent + i, each[k]);
+    }
+}
+
 __kernel void tree_keys(TREE_KEYS_ARGS)
 {
+    curve c = load_curve(extent);
     uint first = get_global_id(0) * PER_ITEM;
     for (uint from = first; from < min(first + PER_ITEM, n); from += LANES) {
         uint ids[LANES], key[LANES], refused[LANES];
@@ -80,13 +140,15 @@ __kernel void tree_keys(TREE_KEYS_ARGS)
         object o = object_at(objects, ids);
         real point[3];
         object_point(&o, point);
-        word place = curve_place(point, lower, per_cell);
-        spread(size_class(&o, lower.w) << (DIMS * BITS) | place, key);
+        word place = curve_place(point, &c);
+        spread(size_class(&o, c.widest) << (DIMS * BITS) | place, key);
         spread(as_word(is_refused(&o)), refused);
         for (uint k = 0; k < LANES && from + k < n; ++k) {
             keys[from + k] = key[k];
-            if (refused[k])
+            if (refused[k]) {
                 atomic_max(counters + BAD_LATEST, ~(from + k));
+                atomic_inc(counters + COUNT_BAD);
+            }
         }
     }
 }
@@ -102,6 +164,7 @@ __kernel void tree_leaves(TREE_LEAVES_ARGS)
             missing[k] = from + k < n ? 0 : ~0u;
         }
         object o = object_at(objects, names);
+        mask refused = is_refused(&o);
         bounds b = object_bounds(&o);
         real row[TREE_BOX_WORDS];
 #if SHAPE == SHAPE_POSES
@@ -123,14 +186,14 @@ __kernel void tree_leaves(TREE_LEAVES_ARGS)
         __global float *node = nodes + (size_t)(from / TREE_WIDTH) * NODE_WORDS + from % TREE_WIDTH;
 #if LANES == 1
         row[TREE_BOX_ID] = as_float(names[0]);
-        clear_bounds(&b, as_int(missing[0]));
+        clear_bounds(&b, refused | as_int(missing[0]));
         for (int k = 0; k < DIMS; ++k) {
             node[k * TREE_WIDTH] = b.lower[k];
             node[(3 + k) * TREE_WIDTH] = b.upper[k];
         }
 #else
         row[TREE_BOX_ID] = as_float8(vload8(0, names));
-        clear_bounds(&b, as_int8(vload8(0, missing)));
+        clear_bounds(&b, refused | as_int8(vload8(0, missing)));
         for (int k = 0; k < DIMS; ++k) {
             vstore8(b.lower[k], 0, node + k * TREE_WIDTH);
             vstore8(b.upper[k], 0, node + (3 + k) * TREE_WIDTH);
@@ -144,13 +207,14 @@ __kernel void tree_leaves(TREE_LEAVES_ARGS)
 // Items that begin near each other walk through the same nodes.
 __kernel void item_keys(ITEM_KEYS_ARGS)
 {
+    curve c = load_curve(extent);
     uint first = get_global_id(0) * PER_ITEM;
     for (uint from = first; from < min(first + PER_ITEM, n); from += LANES) {
         uint key[LANES];
         float begin[3][LANES];
         for (uint k = 0; k < LANES; ++k)
             for (int i = 0; i < 3; ++i)
-                begin[i][k] = items[(size_t)min(from + k, n - 1) * item_words + i];
+                begin[i][k] = items[((size_t)first_item + min(from + k, n - 1)) * item_words + i];
         real point[3];
         for (int i = 0; i < 3; ++i)
 #if LANES == 1
@@ -158,7 +222,7 @@ __kernel void item_keys(ITEM_KEYS_ARGS)
 #else
             point[i] = vload8(0, begin[i]);
 #endif
-        spread(curve_place(point, lower, per_cell), key);
+        spread(curve_place(point, &c), key);
         for (uint k = 0; k < LANES && from + k < n; ++k)
             keys[from + k] = key[k];
     }

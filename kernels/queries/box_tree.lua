@@ -15,20 +15,25 @@ return {
       about = "boxes a work-item" },
   },
   args = {
+    tree_extent = [[
+      const float *objects
+      uint n
+      uint step
+      volatile uint *extent
+    ]],
     tree_keys = [[
       const float *objects
       uint n
-      float4 lower
-      float4 per_cell
+      const uint *extent
       uint *keys
       volatile uint *counters
     ]],
     item_keys = [[
       const float *items
+      uint first_item
       uint item_words
       uint n
-      float4 lower
-      float4 per_cell
+      const uint *extent
       uint *keys
     ]],
     tree_leaves = [[

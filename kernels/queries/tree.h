@@ -20,7 +20,12 @@
 #define COUNT_HITS 0
 #define COUNT_OPEN 2 // boxes that float leaves open
 #define BAD_LATEST 4 // ~least number of a bad object or item; 0: none
+#define COUNT_BAD 5  // bad objects
 #define QUERY_COUNTERS 8
+
+// Greatest x, y, z of points, greatest -x, -y, -z, and greatest half extent; each as a word that
+// is in the order of the numbers, 0: none.
+#define EXTENT_WORDS 7
 
 #define NO_OBJECT 0xffffffffu // where nothing was hit
 

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Contacts of pairs that a world found or the caller brings.
 //
-// A takes the first share of the pairs and B the rest, at the same time; each gets all
-// boxes, and its pairs a chunk at a time.
+// Each device gets all boxes, and its pairs a chunk at a time.
 #include "base/budget.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "runtime/narrowphase/narrow.h"
-#include "runtime/opencl/device_pair.h"
-#include "runtime/opencl/thread_pool.h"
-#include "runtime/opencl/timeline.h"
+#include "runtime/opencl/shared_work.h"
 
 #include <assert.h>
 #include <math.h>
@@ -28,11 +25,8 @@ static_assert(offsetof(duet_contact, points) == 6 * sizeof(uint32_t), "points fo
 
 // One device, and what it does of a call: pairs first to last of both spans.
 typedef struct side {
-    const device *device;
-    gen *gen;
-    program_set *programs;
+    work_side work;
     kernel *kernel;
-    timeline times;
     buffer poses, pairs, contacts;
     cl_uint n; // of the pairs that were launched last
     cl_float margin;
@@ -42,11 +36,7 @@ typedef struct side {
     uint32_t n_poses;
     const duet_span *spans;
     duet_contact *found; // of all pairs
-    uint64_t first, last;
     uint64_t touching;
-    double wall_ms;
-    bool ok;
-    duet_error err;
 } side;
 
 static const binding side_bindings[] = {BIND_BUFFER(side, "poses", "float *", poses),
@@ -57,9 +47,8 @@ static const binding side_bindings[] = {BIND_BUFFER(side, "poses", "float *", po
                                         {0}};
 
 struct duet_contact_query {
-    duet_contact_query_def def;
-    side sides[2];       // A, B
-    thread_pool *driver; // drives A while the caller's thread drives B
+    shared_work work;
+    side sides[2]; // A, B
     duet_contact *contacts;
     uint64_t capacity;
 };
@@ -83,34 +72,19 @@ static bool check_def(const duet_contact_query_def *def, duet_error *err)
     if (!(def->margin >= 0.0f) || !isfinite(def->margin))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "margin is %g; expected 0 or a length above it", (double)def->margin);
-    if (def->share > DUET_SHARE_ONE && def->share != DUET_SHARE_DEFAULT)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "share is %u of %u; expected at most all of it", def->share,
-                         DUET_SHARE_ONE);
-    return true;
+    return def->share == DUET_SHARE_DEFAULT || shared_work_check(def->share, err);
 }
 
-static void close_side(side *s)
+static bool open_side(side *s, const duet_contact_query_def *def, duet_error *err)
 {
-    timeline_clear(&s->times);
-    buffer_release(&s->poses);
-    buffer_release(&s->pairs);
-    buffer_release(&s->contacts);
-    program_set_close(s->programs);
-    gen_close(s->gen);
-    *s = (side){0};
-}
-
-static bool open_side(side *s, const duet_contact_query_def *def, int which, duet_error *err)
-{
-    *s = (side){.device = &def->pair->devices[which], .dims = def->dims, .margin = def->margin};
     const gen_setting settings[] = {{"DIMS", def->dims}};
-    s->gen = gen_open(def->pair->kernel_dir, err);
-    s->programs = s->gen ? program_set_open(s->device, s->gen, &def->pair->builder, err) : NULL;
-    if (s->programs)
-        s->kernel = program_set_kernel(s->programs, "contact_query", "contact_query", settings, 1,
-                                       side_bindings, err);
-    return s->kernel && program_set_build(s->programs, err);
+    s->dims = def->dims;
+    s->margin = def->margin;
+    if (!s->work.device)
+        return true;
+    s->kernel = program_set_kernel(s->work.programs, "contact_query", "contact_query", settings, 1,
+                                   side_bindings, err);
+    return s->kernel && program_set_build(s->work.programs, err);
 }
 
 duet_contact_query *duet_contact_query_create(const duet_contact_query_def *def, duet_error *err)
@@ -122,17 +96,12 @@ duet_contact_query *duet_contact_query_create(const duet_contact_query_def *def,
         error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
         return NULL;
     }
-    query->def = *def;
-    if (def->share == DUET_SHARE_DEFAULT)
-        query->def.share = duet_default_plan(def->pair).share;
-    device_pair_hold(def->pair);
-    const bool used[2] = {query->def.share > 0, query->def.share < DUET_SHARE_ONE};
-    bool ok = true;
-    for (int which = 0; which < 2; ++which)
-        ok = ok && (!used[which] || open_side(&query->sides[which], def, which, err));
-    if (ok && used[0] && used[1])
-        ok = (query->driver = thread_pool_open(1, err)) != NULL;
-    if (!ok) {
+    side *a = &query->sides[0], *b = &query->sides[1];
+    uint32_t share = def->share;
+    if (share == DUET_SHARE_DEFAULT)
+        share = duet_default_plan(def->pair).share;
+    if (!shared_work_open(&query->work, def->pair, share, &a->work, &b->work, err) ||
+        !open_side(a, def, err) || !open_side(b, def, err)) {
         duet_contact_query_destroy(query);
         return NULL;
     }
@@ -143,10 +112,12 @@ void duet_contact_query_destroy(duet_contact_query *query)
 {
     if (!query)
         return;
-    thread_pool_close(query->driver);
-    close_side(&query->sides[0]);
-    close_side(&query->sides[1]);
-    duet_device_pair_destroy(query->def.pair);
+    for (int which = 0; which < 2; ++which) {
+        buffer_release(&query->sides[which].poses);
+        buffer_release(&query->sides[which].pairs);
+        buffer_release(&query->sides[which].contacts);
+    }
+    shared_work_close(&query->work);
     free(query->contacts);
     free(query);
 }
@@ -156,8 +127,8 @@ void duet_contact_query_destroy(duet_contact_query *query)
 // A buffer over memory that is the caller's, or as large as it.
 static bool send(side *s, buffer *b, const char *stage, const void *rows, size_t bytes)
 {
-    return buffer_hold(b, s->device, (void *)rows, bytes, &s->err) &&
-           timeline_write(&s->times, stage, b, rows, bytes, &s->err);
+    return buffer_hold(b, s->work.device, (void *)rows, bytes, &s->work.err) &&
+           timeline_write(&s->work.times, stage, b, rows, bytes, &s->work.err);
 }
 
 static bool ask_device(side *s, const duet_pair *pairs, uint64_t first, uint32_t n)
@@ -165,24 +136,24 @@ static bool ask_device(side *s, const duet_pair *pairs, uint64_t first, uint32_t
     duet_contact *found = s->found + first;
     s->n = n;
     return send(s, &s->pairs, "send pairs", pairs, n * sizeof *pairs) &&
-           buffer_hold(&s->contacts, s->device, found, n * sizeof *found, &s->err) &&
-           timeline_launch(&s->times, "contacts", s->kernel, n, s, &s->err) &&
-           timeline_read(&s->times, "fetch contacts", &s->contacts, found, n * sizeof *found,
-                         &s->err);
+           buffer_hold(&s->contacts, s->work.device, found, n * sizeof *found, &s->work.err) &&
+           timeline_launch(&s->work.times, "contacts", s->kernel, n, s, &s->work.err) &&
+           timeline_read(&s->work.times, "fetch contacts", &s->contacts, found, n * sizeof *found,
+                         &s->work.err);
 }
 
 static bool refuse(side *s, uint64_t i)
 {
     const duet_contact *c = &s->found[i];
     bool first_is_box = narrow_is_box(&s->all_poses[c->a], s->dims);
-    return error_set(&s->err, DUET_STATUS_BAD_OBJECT,
+    return error_set(&s->work.err, DUET_STATUS_BAD_OBJECT,
                      "object %u of %u is not a number, infinite, negative or without rotation",
                      first_is_box ? c->b : c->a, s->n_poses);
 }
 
 static bool look_at_chunk(side *s, const duet_pair *pairs, uint64_t first, uint32_t n)
 {
-    if (!budget_check(&s->err) || !ask_device(s, pairs, first, n))
+    if (!budget_check(&s->work.err) || !ask_device(s, pairs, first, n))
         return false;
     for (uint64_t i = first; i < first + n; ++i) {
         if (s->found[i].n == NO_BOX)
@@ -194,48 +165,33 @@ static bool look_at_chunk(side *s, const duet_pair *pairs, uint64_t first, uint3
 
 // ---------------------------------------------------------------- all pairs
 
-static bool has_work(const side *s)
-{
-    return s->first < s->last;
-}
-
 // The pairs of a span that are the side's; `before` are in the spans before it.
 static bool look_at_span(side *s, const duet_span *span, uint64_t before)
 {
-    uint64_t end = s->last < before + span->n ? s->last : before + span->n;
+    uint64_t end = s->work.last < before + span->n ? s->work.last : before + span->n;
     bool ok = true;
-    for (uint64_t at = s->first > before ? s->first : before; ok && at < end; at += CHUNK) {
+    for (uint64_t at = s->work.first > before ? s->work.first : before; ok && at < end;
+         at += CHUNK) {
         uint32_t n = end - at < CHUNK ? (uint32_t)(end - at) : CHUNK;
         ok = look_at_chunk(s, span->pairs + (at - before), at, n);
     }
     return ok;
 }
 
-static void release_borrowed(buffer *b)
+// The caller may free what was wrapped.
+static void give_back(side *s)
 {
-    if (b->borrowed) // the caller may free it
-        buffer_release(b);
+    buffer *const all[] = {&s->poses, &s->pairs, &s->contacts};
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
+        if (all[i]->borrowed)
+            buffer_release(all[i]);
 }
 
-static void run_side(void *arg)
+static bool look_at_part(work_side *w)
 {
-    side *s = arg;
-    uint64_t begun = clock_steady_ns();
-    timeline_begin(&s->times, s->device);
-    s->ok = send(s, &s->poses, "send objects", s->all_poses, s->n_poses * sizeof *s->all_poses) &&
-            look_at_span(s, &s->spans[0], 0) && look_at_span(s, &s->spans[1], s->spans[0].n) &&
-            timeline_finish(&s->times, &s->err);
-    timeline_clear(&s->times);
-    release_borrowed(&s->poses);
-    release_borrowed(&s->pairs);
-    release_borrowed(&s->contacts);
-    s->wall_ms = clock_ms_since(begun);
-}
-
-// A's part of n, without a product that overflows.
-static uint64_t part_of(uint64_t n, uint32_t share)
-{
-    return n / DUET_SHARE_ONE * share + n % DUET_SHARE_ONE * share / DUET_SHARE_ONE;
+    side *s = (side *)w;
+    return send(s, &s->poses, "send objects", s->all_poses, s->n_poses * sizeof *s->all_poses) &&
+           look_at_span(s, &s->spans[0], 0) && look_at_span(s, &s->spans[1], s->spans[0].n);
 }
 
 static bool check_pairs(const duet_span *span, uint32_t n, uint64_t before, duet_error *err)
@@ -287,7 +243,6 @@ bool duet_contact_query_run(duet_contact_query *query, const duet_pose *poses, u
     uint64_t n_pairs = spans[0].n + spans[1].n;
     if (!check_rows(poses, spans, n, err) || !reserve_contacts(query, n_pairs, err))
         return false;
-    uint64_t cut = part_of(n_pairs, query->def.share);
     side *a = &query->sides[0], *b = &query->sides[1];
     for (int which = 0; which < 2; ++which) {
         side *s = &query->sides[which];
@@ -295,24 +250,17 @@ bool duet_contact_query_run(duet_contact_query *query, const duet_pose *poses, u
         s->n_poses = n;
         s->spans = spans;
         s->found = query->contacts;
-        s->first = which == 0 ? 0 : cut;
-        s->last = which == 0 ? cut : n_pairs;
         s->touching = 0;
-        s->wall_ms = 0;
-        s->ok = true;
-        s->err = (duet_error){0};
     }
-    thread_pool_run_both(query->driver, run_side, has_work(a) ? a : NULL, has_work(b) ? b : NULL);
-    const side *failed = a->ok ? b : a; // A's pairs are the first ones
-    if (!failed->ok) {
-        if (err && err->status == DUET_STATUS_OK)
-            *err = failed->err;
+    bool ok = shared_work_run(&query->work, n_pairs, look_at_part, err);
+    give_back(a);
+    give_back(b);
+    if (!ok)
         return false;
-    }
     *result = (duet_contact_query_result){.contacts = query->contacts,
                                           .n_contacts = n_pairs,
                                           .touching = a->touching + b->touching,
                                           .total_ms = clock_ms_since(begun),
-                                          .device_ms = {a->wall_ms, b->wall_ms}};
+                                          .device_ms = {a->work.wall_ms, b->work.wall_ms}};
     return true;
 }

@@ -88,6 +88,7 @@ typedef struct motion_kernels {
     kernel *prepare_contacts, *store_impulses;
     kernel *solve_contacts, *apply_restitution;
     kernel *row_start;
+    kernel *write_poses; // NULL until a tree asks for it
 } motion_kernels;
 
 // What kernels are told besides the motion's buffers, by the names that their cards use.
@@ -119,6 +120,7 @@ typedef struct motion_args {
     buffer pairs; // that rows are made of
     buffer row_starts, row_values;
     buffer rows, last_rows; // of a state, by object
+    buffer poses;           // a tree's
     cl_uint row_words, n_ids;
 } motion_args;
 

@@ -54,6 +54,7 @@ const binding motion_bindings[] = {
     BUFFER(CHANGED, "changed", "uint *"),
     BIND_BUFFER(duet_motion, "rows", "uint *", args.rows),
     BIND_BUFFER(duet_motion, "last_rows", "uint *", args.last_rows),
+    BIND_BUFFER(duet_motion, "poses", "float *", args.poses),
     VALUE(row_words),
     VALUE(n_ids),
     BIND_VALUE(duet_motion, "n", n),

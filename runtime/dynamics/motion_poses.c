@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Where bodies are as boxes, for queries and worlds.
-#include "runtime/dynamics/motion.h"
+#include "runtime/dynamics/motion_poses.h"
 
 #include "base/error.h"
+#include "runtime/dynamics/motion_commands.h"
 
 #include <stdlib.h>
 
@@ -29,4 +30,35 @@ bool duet_motion_get_poses(duet_motion *m, duet_pose *poses, duet_error *err)
         poses[id] = pose_of(m, id, &states[id]);
     free(states);
     return ok;
+}
+
+bool motion_copy_poses(duet_motion *m, duet_pose *poses, duet_error *err)
+{
+    if (!duet_motion_get_poses(m, poses, err))
+        return false;
+    for (uint32_t id = 0; id < m->n; ++id)
+        if (motion_is_hidden(m, id))
+            poses[id].half_extents[0] = -1;
+    return true;
+}
+
+uint32_t motion_count_hidden(const duet_motion *m)
+{
+    return m->commands ? m->commands->n_hidden : 0;
+}
+
+// ---------------------------------------------------------------- on B
+
+bool motion_has_poses(const duet_motion *m)
+{
+    return motion_words(m, HALVES) > 0 && !m->cells;
+}
+
+bool motion_write_poses(duet_motion *m, const buffer *poses, duet_error *err)
+{
+    kernel **write = &m->kernels.write_poses;
+    m->args.poses = *poses;
+    return (*write || (motion_ask(m, write, "write_poses", "write_poses", err) &&
+                       program_set_build(m->programs, err))) &&
+           motion_launch(m, "fetch", *write, m->n, err) && timeline_finish(&m->times, err);
 }

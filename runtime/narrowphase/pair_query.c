@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The narrow phase alone: answers of pairs that the caller brings.
 //
-// A takes the first share of the pairs and B the rest, at the same time. Each
-// device takes its pairs a chunk at a time, so that any number fits, and what
+// Each device takes its pairs a chunk at a time, so that any number fits, and what
 // float leaves open of a chunk is decided before the next one.
 #include "base/budget.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "runtime/narrowphase/narrow.h"
-#include "runtime/opencl/device_pair.h"
-#include "runtime/opencl/thread_pool.h"
-#include "runtime/opencl/timeline.h"
+#include "runtime/opencl/shared_work.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,31 +20,19 @@ enum { CHUNK = 1 << 18 };
 // What a device says of a pair besides 0 and 1, as in kernels/narrowphase/pair_query.cl.
 enum { UNDECIDED = 2, NO_BOX = 3 };
 
-// What the caller brought, and which of its pairs are meant.
-typedef struct work {
-    const duet_pose *poses;
-    uint8_t *answers;
-    double *separations;
-    uint64_t first, last;
-} work;
-
 // One device, and what it does of a call.
 typedef struct side {
-    const device *device;
-    gen *gen;
-    program_set *programs;
+    work_side work;
     kernel *kernel;
-    timeline times;
     buffer poses;
     buffer found;
     cl_uint n; // of the pairs that were launched last
     uint32_t dims;
 
-    work work;
+    const duet_pose *all_poses; // what the caller brought
+    uint8_t *answers;
+    double *separations;
     uint64_t colliding, undecided;
-    double wall_ms;
-    bool ok;
-    duet_error err;
 } side;
 
 static const binding side_bindings[] = {BIND_BUFFER(side, "poses", "float *", poses),
@@ -56,9 +41,8 @@ static const binding side_bindings[] = {BIND_BUFFER(side, "poses", "float *", po
                                         {0}};
 
 struct duet_pair_query {
-    duet_pair_query_def def;
-    side sides[2];       // A, B
-    thread_pool *driver; // drives A while the caller's thread drives B
+    shared_work work;
+    side sides[2]; // A, B
 };
 
 duet_pair_query_def duet_default_pair_query_def(void)
@@ -80,34 +64,20 @@ static bool check_def(const duet_pair_query_def *def, duet_error *err)
     if (!duet_level_get_info(def->level))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
                          (int)def->level);
-    if (def->share > DUET_SHARE_ONE)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "share is %u of %u; expected at most all of it", def->share,
-                         DUET_SHARE_ONE);
-    return true;
+    return shared_work_check(def->share, err);
 }
 
-static void close_side(side *s)
+static bool open_side(side *s, const duet_pair_query_def *def, duet_error *err)
 {
-    timeline_clear(&s->times);
-    buffer_release(&s->poses);
-    buffer_release(&s->found);
-    program_set_close(s->programs);
-    gen_close(s->gen);
-    *s = (side){0};
-}
-
-static bool open_side(side *s, const duet_pair_query_def *def, int which, duet_error *err)
-{
-    *s = (side){.device = &def->pair->devices[which], .dims = def->dims};
     const gen_setting settings[] = {{"DIMS", def->dims}, {"ACCURACY", def->level}};
-    s->gen = gen_open(def->pair->kernel_dir, err);
-    s->programs = s->gen ? program_set_open(s->device, s->gen, &def->pair->builder, err) : NULL;
-    if (s->programs)
-        s->kernel = program_set_kernel(s->programs, "pair_query", "pair_query", settings, 2,
-                                       side_bindings, err);
-    return s->kernel && program_set_build(s->programs, err) &&
-           buffer_reserve(&s->found, s->device, CHUNK, err);
+    work_side *w = &s->work;
+    s->dims = def->dims;
+    if (!w->device)
+        return true;
+    s->kernel = program_set_kernel(w->programs, "pair_query", "pair_query", settings, 2,
+                                   side_bindings, err);
+    return s->kernel && program_set_build(w->programs, err) &&
+           buffer_reserve(&s->found, w->device, CHUNK, err);
 }
 
 duet_pair_query *duet_pair_query_create(const duet_pair_query_def *def, duet_error *err)
@@ -119,15 +89,9 @@ duet_pair_query *duet_pair_query_create(const duet_pair_query_def *def, duet_err
         error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a test");
         return NULL;
     }
-    test->def = *def;
-    device_pair_hold(def->pair);
-    const bool used[2] = {def->share > 0, def->share < DUET_SHARE_ONE};
-    bool ok = true;
-    for (int which = 0; which < 2; ++which)
-        ok = ok && (!used[which] || open_side(&test->sides[which], def, which, err));
-    if (ok && used[0] && used[1])
-        ok = (test->driver = thread_pool_open(1, err)) != NULL;
-    if (!ok) {
+    side *a = &test->sides[0], *b = &test->sides[1];
+    if (!shared_work_open(&test->work, def->pair, def->share, &a->work, &b->work, err) ||
+        !open_side(a, def, err) || !open_side(b, def, err)) {
         duet_pair_query_destroy(test);
         return NULL;
     }
@@ -138,10 +102,11 @@ void duet_pair_query_destroy(duet_pair_query *test)
 {
     if (!test)
         return;
-    thread_pool_close(test->driver);
-    close_side(&test->sides[0]);
-    close_side(&test->sides[1]);
-    duet_device_pair_destroy(test->def.pair);
+    for (int which = 0; which < 2; ++which) {
+        buffer_release(&test->sides[which].poses);
+        buffer_release(&test->sides[which].found);
+    }
+    shared_work_close(&test->work);
     free(test);
 }
 
@@ -149,24 +114,24 @@ void duet_pair_query_destroy(duet_pair_query *test)
 
 static bool send_poses(side *s, const duet_pose *poses, size_t bytes)
 {
-    return buffer_hold(&s->poses, s->device, (void *)poses, bytes, &s->err) &&
-           timeline_write(&s->times, "send poses", &s->poses, poses, bytes, &s->err);
+    return buffer_hold(&s->poses, s->work.device, (void *)poses, bytes, &s->work.err) &&
+           timeline_write(&s->work.times, "send poses", &s->poses, poses, bytes, &s->work.err);
 }
 
 static bool ask_device(side *s, uint64_t first, uint32_t n)
 {
-    const work *w = &s->work;
     size_t bytes = 2 * (size_t)n * sizeof(duet_pose);
     s->n = n;
-    return send_poses(s, w->poses + 2 * first, bytes) &&
-           timeline_launch(&s->times, "test", s->kernel, n, s, &s->err) &&
-           timeline_read(&s->times, "fetch answers", &s->found, w->answers + first, n, &s->err);
+    return send_poses(s, s->all_poses + 2 * first, bytes) &&
+           timeline_launch(&s->work.times, "test", s->kernel, n, s, &s->work.err) &&
+           timeline_read(&s->work.times, "fetch answers", &s->found, s->answers + first, n,
+                         &s->work.err);
 }
 
 static bool refuse(side *s, uint64_t pair)
 {
-    bool first_is_box = narrow_is_box(&s->work.poses[2 * pair], s->dims);
-    return error_set(&s->err, DUET_STATUS_BAD_OBJECT,
+    bool first_is_box = narrow_is_box(&s->all_poses[2 * pair], s->dims);
+    return error_set(&s->work.err, DUET_STATUS_BAD_OBJECT,
                      "pair %llu: the %s pose is not a number, infinite, negative or without "
                      "rotation",
                      (unsigned long long)pair, first_is_box ? "second" : "first");
@@ -175,8 +140,8 @@ static bool refuse(side *s, uint64_t pair)
 // The device's word is the last one but where float is undecided.
 static bool decide(side *s, uint64_t pair)
 {
-    const duet_pose *poses = s->work.poses + 2 * pair;
-    uint8_t *answer = &s->work.answers[pair];
+    const duet_pose *poses = s->all_poses + 2 * pair;
+    uint8_t *answer = &s->answers[pair];
     if (*answer == NO_BOX)
         return refuse(s, pair);
     if (*answer == UNDECIDED) {
@@ -191,55 +156,26 @@ static bool test_chunk(side *s, uint64_t first, uint32_t n)
 {
     if (!ask_device(s, first, n))
         return false;
-    const work *w = &s->work;
     for (uint64_t pair = first; pair < first + n; ++pair)
         if (!decide(s, pair))
             return false;
-    for (uint64_t pair = first; w->separations && pair < first + n; ++pair)
-        w->separations[pair] =
-            duet_poses_separation(&w->poses[2 * pair], &w->poses[2 * pair + 1], s->dims);
+    for (uint64_t pair = first; s->separations && pair < first + n; ++pair)
+        s->separations[pair] =
+            duet_poses_separation(&s->all_poses[2 * pair], &s->all_poses[2 * pair + 1], s->dims);
     return true;
 }
 
 // ---------------------------------------------------------------- all pairs
 
-static bool has_work(const side *s)
+static bool test_part(work_side *w)
 {
-    return s->work.first < s->work.last;
-}
-
-static void run_side(void *arg)
-{
-    side *s = arg;
-    uint64_t begun = clock_steady_ns();
-    timeline_begin(&s->times, s->device);
-    for (uint64_t first = s->work.first; s->ok && first < s->work.last; first += CHUNK) {
-        uint64_t left = s->work.last - first;
-        s->ok =
-            budget_check(&s->err) && test_chunk(s, first, left < CHUNK ? (uint32_t)left : CHUNK);
+    side *s = (side *)w;
+    bool ok = true;
+    for (uint64_t first = w->first; ok && first < w->last; first += CHUNK) {
+        uint64_t left = w->last - first;
+        ok = budget_check(&w->err) && test_chunk(s, first, left < CHUNK ? (uint32_t)left : CHUNK);
     }
-    s->ok = s->ok && timeline_finish(&s->times, &s->err);
-    timeline_clear(&s->times);
-    if (s->poses.borrowed) // the caller may free it
-        buffer_release(&s->poses);
-    s->wall_ms = clock_ms_since(begun);
-}
-
-static void begin_side(side *s, const work *w, uint64_t first, uint64_t last)
-{
-    s->work = *w;
-    s->work.first = first;
-    s->work.last = last;
-    s->colliding = s->undecided = 0;
-    s->wall_ms = 0;
-    s->ok = true;
-    s->err = (duet_error){0};
-}
-
-// A's part of n, without a product that overflows.
-static uint64_t part_of(uint64_t n, uint32_t share)
-{
-    return n / DUET_SHARE_ONE * share + n % DUET_SHARE_ONE * share / DUET_SHARE_ONE;
+    return ok;
 }
 
 bool duet_pair_query_run(duet_pair_query *test, const duet_pose *poses, uint64_t n,
@@ -253,20 +189,22 @@ bool duet_pair_query_run(duet_pair_query *test, const duet_pose *poses, uint64_t
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%llu pairs, but no memory for their %s",
                          (unsigned long long)n, poses ? "answers" : "poses");
     side *a = &test->sides[0], *b = &test->sides[1];
-    const work w = {.poses = poses, .answers = answers, .separations = separations};
-    uint64_t cut = part_of(n, test->def.share);
-    begin_side(a, &w, 0, cut);
-    begin_side(b, &w, cut, n);
-    thread_pool_run_both(test->driver, run_side, has_work(a) ? a : NULL, has_work(b) ? b : NULL);
-    const side *failed = a->ok ? b : a; // A's pairs are the first ones
-    if (!failed->ok) {
-        if (err && err->status == DUET_STATUS_OK)
-            *err = failed->err;
-        return false;
+    for (int which = 0; which < 2; ++which) {
+        side *s = &test->sides[which];
+        s->all_poses = poses;
+        s->answers = answers;
+        s->separations = separations;
+        s->colliding = s->undecided = 0;
     }
+    bool ok = shared_work_run(&test->work, n, test_part, err);
+    for (int which = 0; which < 2; ++which)
+        if (test->sides[which].poses.borrowed) // the caller may free it
+            buffer_release(&test->sides[which].poses);
+    if (!ok)
+        return false;
     *result = (duet_pair_query_result){.colliding = a->colliding + b->colliding,
                                        .undecided = a->undecided + b->undecided,
                                        .total_ms = clock_ms_since(begun),
-                                       .device_ms = {a->wall_ms, b->wall_ms}};
+                                       .device_ms = {a->work.wall_ms, b->work.wall_ms}};
     return true;
 }

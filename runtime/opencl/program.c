@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_ENTRIES = 4, MOST_HELPERS = 3 };
+enum { MAX_ENTRIES = 5, MOST_HELPERS = 3 };
 
 typedef struct program {
     struct program *next;

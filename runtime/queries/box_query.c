@@ -9,18 +9,21 @@ enum { COOKIE = 0x0d0e700c };
 
 struct duet_box_query {
     tree_query asked;
+    tree_query itself; // of the tree's objects; without kind until it is asked for
+    duet_level level;
 };
 
 _Static_assert(sizeof(duet_box_hit) == 2 * sizeof(uint32_t), "a hit is two words");
+_Static_assert(sizeof(duet_filter) == 2 * sizeof(uint32_t), "a filter is two words");
 
 duet_box_query_def duet_default_box_query_def(void)
 {
     return (duet_box_query_def){.cookie = COOKIE};
 }
 
-static bool meets(const duet_tree *tree, const void *item, uint32_t id)
+static bool meets(const duet_tree *tree, const void *item, uint32_t *hit)
 {
-    return narrow_decide(item, (const duet_pose *)tree->objects + id, tree->def.dims);
+    return narrow_decide(item, (const duet_pose *)tree->objects + hit[1], tree->def.dims);
 }
 
 static const query_kind kind_of_poses = {
@@ -53,6 +56,20 @@ static bool check_def(const duet_box_query_def *def, duet_error *err)
     return true;
 }
 
+static bool open(tree_query *q, duet_tree *tree, duet_level level, bool itself, duet_error *err)
+{
+    bool poses = tree->def.shape == DUET_SHAPE_POSES;
+    size_t bytes = poses ? sizeof(duet_pose) : sizeof(duet_bounds);
+    *q = (tree_query){.kind = poses ? &kind_of_poses : &kind_of_bounds,
+                      .tree = tree,
+                      .wants = QUERY_EVERY,
+                      .item_words = (uint32_t)(bytes / sizeof(float)),
+                      .itself = itself};
+    const gen_setting settings[] = {{"ACCURACY", poses ? level : DUET_LEVEL_CERTIFIED},
+                                    {"ITSELF", itself}};
+    return tree_query_open(q, settings, 2, err);
+}
+
 duet_box_query *duet_box_query_create(const duet_box_query_def *def, duet_error *err)
 {
     if (!check_def(def, err))
@@ -62,14 +79,8 @@ duet_box_query *duet_box_query_create(const duet_box_query_def *def, duet_error 
         error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
         return NULL;
     }
-    bool poses = def->tree->def.shape == DUET_SHAPE_POSES;
-    size_t bytes = poses ? sizeof(duet_pose) : sizeof(duet_bounds);
-    query->asked = (tree_query){.kind = poses ? &kind_of_poses : &kind_of_bounds,
-                                .tree = def->tree,
-                                .wants = QUERY_EVERY,
-                                .item_words = (uint32_t)(bytes / sizeof(float))};
-    const gen_setting settings[] = {{"ACCURACY", poses ? def->level : DUET_LEVEL_CERTIFIED}};
-    if (tree_query_open(&query->asked, settings, 1, err))
+    query->level = def->level;
+    if (open(&query->asked, def->tree, def->level, false, err))
         return query;
     duet_box_query_destroy(query);
     return NULL;
@@ -77,9 +88,20 @@ duet_box_query *duet_box_query_create(const duet_box_query_def *def, duet_error 
 
 void duet_box_query_destroy(duet_box_query *query)
 {
+    if (query && query->itself.kind)
+        tree_query_close(&query->itself);
     if (query)
         tree_query_close(&query->asked);
     free(query);
+}
+
+static duet_box_query_result result_of(const query_result *found)
+{
+    return (duet_box_query_result){.hits = (const duet_box_hit *)found->hits,
+                                   .n_hits = found->n_hits,
+                                   .undecided = found->undecided,
+                                   .total_ms = found->total_ms,
+                                   .device_ms = {found->device_ms[0], found->device_ms[1]}};
 }
 
 bool duet_box_query_run(duet_box_query *query, duet_object_kind kind, const void *boxes, uint64_t n,
@@ -91,10 +113,31 @@ bool duet_box_query_run(duet_box_query *query, duet_object_kind kind, const void
         !tree_takes(query->asked.tree, kind, err) ||
         !tree_query_run(&query->asked, boxes, n, &found, err))
         return false;
-    *result = (duet_box_query_result){.hits = (const duet_box_hit *)found.hits,
-                                      .n_hits = found.n_hits,
-                                      .undecided = found.undecided,
-                                      .total_ms = found.total_ms,
-                                      .device_ms = {found.device_ms[0], found.device_ms[1]}};
+    *result = result_of(&found);
+    return true;
+}
+
+bool duet_box_query_run_itself(duet_box_query *query, const duet_filter *filters, uint64_t n,
+                               duet_box_query_result *result, duet_error *err)
+{
+    query_result found;
+    if (!error_given(query, __func__, "query", err) ||
+        !error_given(result, __func__, "result", err))
+        return false;
+    tree_query *q = &query->itself;
+    uint32_t n_objects = query->asked.tree->n;
+    if (filters && n != n_objects)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%llu filters; expected one for each of the tree's %u objects",
+                         (unsigned long long)n, n_objects);
+    if (!q->kind && !open(q, query->asked.tree, query->level, true, err)) {
+        tree_query_close(q);
+        q->kind = NULL;
+        return false;
+    }
+    q->filters = filters;
+    if (!tree_query_run(q, q->tree->objects, n_objects, &found, err))
+        return false;
+    *result = result_of(&found);
     return true;
 }

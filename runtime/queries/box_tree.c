@@ -3,20 +3,19 @@
 
 #include "base/error.h"
 
-#include <math.h>
-
 static const binding tree_bindings[] = {BIND_BUFFER(box_tree, "objects", "float *", objects),
                                         BIND_BUFFER(box_tree, "items", "float *", items),
                                         BIND_BUFFER(box_tree, "keys", "uint *", keys),
                                         BIND_BUFFER(box_tree, "ids", "uint *", ids),
                                         BIND_BUFFER(box_tree, "boxes", "float *", boxes),
                                         BIND_BUFFER(box_tree, "nodes", "float *", nodes),
+                                        BIND_BUFFER(box_tree, "extent", "uint *", extent),
                                         BIND_BUFFER(box_tree, "counters", "uint *", counters),
-                                        BIND_VALUE(box_tree, "n", n),
+                                        BIND_VALUE(box_tree, "n", n_listed),
+                                        BIND_VALUE(box_tree, "step", step),
+                                        BIND_VALUE(box_tree, "first_item", first_item),
                                         BIND_VALUE(box_tree, "item_words", item_words),
                                         BIND_VALUE(box_tree, "slots", slots),
-                                        BIND_VALUE(box_tree, "lower", lower),
-                                        BIND_VALUE(box_tree, "per_cell", per_cell),
                                         BIND_VALUE(box_tree, "below", below),
                                         BIND_VALUE(box_tree, "n_below", n_below),
                                         BIND_VALUE(box_tree, "at", at),
@@ -33,7 +32,8 @@ bool box_tree_open(box_tree *t, const device *d, program_set *programs, uint32_t
                    duet_shape shape, duet_error *err)
 {
     *t = (box_tree){.device = d, .dims = dims, .shape = shape};
-    t->key = ask(t, programs, "tree_keys", err);
+    t->measure = ask(t, programs, "tree_extent", err);
+    t->key = t->measure ? ask(t, programs, "tree_keys", err) : NULL;
     t->leaves = t->key ? ask(t, programs, "tree_leaves", err) : NULL;
     t->level = t->leaves ? ask(t, programs, "tree_level", err) : NULL;
     t->item_key = t->level ? ask(t, programs, "item_keys", err) : NULL;
@@ -44,53 +44,12 @@ bool box_tree_open(box_tree *t, const device *d, program_set *programs, uint32_t
 void box_tree_close(box_tree *t)
 {
     buffer *const all[] = {&t->objects, &t->keys,  &t->ids,    &t->keys_spare, &t->ids_spare,
-                           &t->boxes,   &t->nodes, &t->levels, &t->counters};
+                           &t->boxes,   &t->nodes, &t->levels, &t->extent,     &t->counters};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
         buffer_release(all[i]);
     radix_sort_close(&t->radix);
     scan_close(&t->scan);
     *t = (box_tree){0};
-}
-
-// ---------------------------------------------------------------- the curve
-
-// An object's point and half of its size along an axis.
-static float point_of(const box_tree *t, const void *objects, uint32_t i, uint32_t k)
-{
-    return t->shape == DUET_SHAPE_POSES ? ((const duet_pose *)objects)[i].centre[k]
-                                        : ((const duet_bounds *)objects)[i].lower[k];
-}
-
-static float half_of(const box_tree *t, const void *objects, uint32_t i, uint32_t k)
-{
-    if (t->shape == DUET_SHAPE_POSES)
-        return ((const duet_pose *)objects)[i].half_extents[k];
-    const duet_bounds *b = &((const duet_bounds *)objects)[i];
-    return b->upper[k] * 0.5f - b->lower[k] * 0.5f;
-}
-
-// Where the boxes are and how wide they get, from a sample: it decides how good the tree
-// is and nothing else.
-static void fit_curve(box_tree *t, const void *objects)
-{
-    enum { SAMPLE = 1 << 16 };
-    const float cells = t->dims == 3 ? 512 : 16384;
-    float lower[3] = {INFINITY, INFINITY, INFINITY};
-    float upper[3] = {-INFINITY, -INFINITY, -INFINITY};
-    float widest = 0;
-    uint32_t step = t->n / SAMPLE + 1;
-    for (uint32_t i = 0; i < t->n; i += step)
-        for (uint32_t k = 0; k < t->dims; ++k) {
-            lower[k] = fminf(lower[k], point_of(t, objects, i, k));
-            upper[k] = fmaxf(upper[k], point_of(t, objects, i, k));
-            widest = fmaxf(widest, half_of(t, objects, i, k));
-        }
-    for (uint32_t k = 0; k < 3; ++k) {
-        float edge = upper[k] - lower[k];
-        t->lower.s[k] = isfinite(lower[k]) ? lower[k] : 0;
-        t->per_cell.s[k] = edge > 0x1p-100f && isfinite(edge) ? cells / edge : 0;
-    }
-    t->lower.s[3] = isfinite(widest) ? widest : 0;
 }
 
 // ---------------------------------------------------------------- building
@@ -131,6 +90,7 @@ static bool reserve(box_tree *t, uint32_t n_nodes, duet_error *err)
     return reserve_lists(t, t->n, err) && buffer_reserve(&t->boxes, t->device, boxes, err) &&
            buffer_reserve(&t->nodes, t->device, nodes, err) &&
            buffer_reserve(&t->levels, t->device, TREE_LEVELS * sizeof(cl_uint), err) &&
+           buffer_reserve(&t->extent, t->device, EXTENT_WORDS * sizeof(cl_uint), err) &&
            buffer_reserve(&t->counters, t->device, QUERY_COUNTERS * sizeof(cl_uint), err);
 }
 
@@ -140,13 +100,16 @@ static bool sort_keys(box_tree *t, timeline *times, uint32_t n, duet_error *err)
     return radix_sort_run(&t->radix, times, "sort", &lists, n, 32, err);
 }
 
-static bool send_objects(box_tree *t, timeline *times, const void *objects, duet_error *err)
+// Of a sample.
+static bool measure(box_tree *t, timeline *times, duet_error *err)
 {
-    size_t width = t->shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds);
-    if (t->n == 0)
-        return buffer_reserve(&t->objects, t->device, width, err);
-    return buffer_hold(&t->objects, t->device, (void *)objects, t->n * width, err) &&
-           timeline_write(times, "send objects", &t->objects, objects, t->n * width, err);
+    enum { SAMPLE = 1 << 13 };
+    t->step = t->n / SAMPLE + 1;
+    t->n_listed = t->n / t->step + (t->n % t->step != 0);
+    bool ok = timeline_fill(times, "clear", &t->extent, 0, 0, EXTENT_WORDS, err) &&
+              timeline_launch(times, "keys", t->measure, t->n_listed, t, err);
+    t->n_listed = t->n;
+    return ok;
 }
 
 static bool sort_boxes(box_tree *t, timeline *times, duet_error *err)
@@ -155,13 +118,17 @@ static bool sort_boxes(box_tree *t, timeline *times, duet_error *err)
            timeline_launch(times, "keys", t->key, t->n, t, err) && sort_keys(t, times, t->n, err);
 }
 
-static bool check_objects(box_tree *t, timeline *times, duet_error *err)
+static bool check_objects(box_tree *t, timeline *times, uint32_t n_hidden, duet_error *err)
 {
     cl_uint counters[QUERY_COUNTERS];
     if (!timeline_read(times, "check", &t->counters, counters, sizeof counters, err))
         return false;
-    if (counters[BAD_LATEST] == 0)
+    if (counters[COUNT_BAD] == n_hidden)
         return true;
+    if (n_hidden > 0)
+        return error_set(err, DUET_STATUS_BAD_OBJECT,
+                         "%u bodies of %u are at no finite place, or above 2^100",
+                         counters[COUNT_BAD] - n_hidden, t->n - n_hidden);
     return error_set(err, DUET_STATUS_BAD_OBJECT,
                      "object %u is not a number, infinite, %s, or above "
                      "2^100",
@@ -185,19 +152,25 @@ static bool make_levels(box_tree *t, timeline *times, const cl_uint *first, uint
     return ok;
 }
 
-bool box_tree_build(box_tree *t, timeline *times, const void *objects, uint32_t n, duet_error *err)
+bool box_tree_hold(box_tree *t, const device *d, void *objects, uint32_t n, duet_error *err)
+{
+    size_t width = t->shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds);
+    return n > 0 ? buffer_hold(&t->objects, d, objects, n * width, err)
+                 : buffer_reserve(&t->objects, d, width, err);
+}
+
+bool box_tree_build(box_tree *t, timeline *times, uint32_t n, uint32_t n_hidden, duet_error *err)
 {
     cl_uint first[TREE_LEVELS + 1] = {0};
     t->n = n;
     t->slots = nodes_for(n) * TREE_WIDTH;
     uint32_t n_nodes = plan_levels(t, first);
-    fit_curve(t, objects);
-    if (!reserve(t, n_nodes, err) || !send_objects(t, times, objects, err))
-        return false;
-    return n == 0 || (sort_boxes(t, times, err) &&
-                      timeline_write(times, "send objects", &t->levels, first,
-                                     TREE_LEVELS * sizeof *first, err) &&
-                      make_levels(t, times, first, n_nodes, err) && check_objects(t, times, err));
+    return reserve(t, n_nodes, err) && measure(t, times, err) &&
+           (n == 0 ||
+            (sort_boxes(t, times, err) &&
+             timeline_write(times, "send objects", &t->levels, first, TREE_LEVELS * sizeof *first,
+                            err) &&
+             make_levels(t, times, first, n_nodes, err) && check_objects(t, times, n_hidden, err)));
 }
 
 void box_tree_forget_objects(box_tree *t)
@@ -207,14 +180,12 @@ void box_tree_forget_objects(box_tree *t)
 }
 
 bool box_tree_order(box_tree *t, timeline *times, const buffer *items, uint32_t item_words,
-                    uint32_t n, duet_error *err)
+                    uint32_t first, uint32_t n, duet_error *err)
 {
-    uint32_t n_boxes = t->n;
     t->items = *items;
+    t->first_item = first;
     t->item_words = item_words;
-    t->n = n;
-    bool ok = reserve_lists(t, n, err) && timeline_launch(times, "keys", t->item_key, n, t, err) &&
-              sort_keys(t, times, n, err);
-    t->n = n_boxes;
-    return ok;
+    t->n_listed = n;
+    return reserve_lists(t, n, err) && timeline_launch(times, "keys", t->item_key, n, t, err) &&
+           sort_keys(t, times, n, err);
 }

@@ -8,7 +8,7 @@
 
 typedef struct box_tree {
     const device *device;
-    kernel *key, *leaves, *level, *item_key;
+    kernel *measure, *key, *leaves, *level, *item_key;
     scan scan;
     radix_sort radix;
 
@@ -21,10 +21,11 @@ typedef struct box_tree {
     buffer boxes;  // [slots][TREE_BOX_WORDS]
     buffer nodes;  // [..][NODE_WORDS]
     buffer levels; // [n_levels]
+    buffer extent; // [EXTENT_WORDS]
     buffer counters;
     cl_uint n, slots, n_levels; // of an empty tree 0
-    cl_uint item_words;
-    cl_float4 lower, per_cell;           // of the cells along the curve
+    cl_uint first_item, item_words;
+    cl_uint n_listed, step;              // of what is measured or gets keys: boxes or items
     cl_uint below, n_below, at, n_slots; // of the level that is made
 } box_tree;
 
@@ -35,17 +36,20 @@ bool box_tree_open(box_tree *t, const device *d, program_set *programs, uint32_t
                    duet_shape shape, duet_error *err);
 void box_tree_close(box_tree *t);
 
-// Makes the tree of n objects, at most TREE_MOST_BOXES, which outlive it. BAD_OBJECT names
-// the first one that is none, or has a number above 2^100; the tree is then to be made
-// again.
-bool box_tree_build(box_tree *t, timeline *times, const void *objects, uint32_t n, duet_error *err);
+// Memory for n objects: what the host has, which outlives the tree, or as much of the device's.
+bool box_tree_hold(box_tree *t, const device *d, void *objects, uint32_t n, duet_error *err);
+
+// Makes the tree of the n objects that it holds, at most TREE_MOST_BOXES. BAD_OBJECT names the
+// first one that is none, or has a number above 2^100, where there are more of these than
+// hidden ones, which no query finds; the tree is then to be made again.
+bool box_tree_build(box_tree *t, timeline *times, uint32_t n, uint32_t n_hidden, duet_error *err);
 
 // No longer reads what it was made of, which may move then.
 void box_tree_forget_objects(box_tree *t);
 
-// Sorts n rows of so many words by the point that each begins with; their numbers are in
-// ids then.
+// Sorts n rows of so many words, from row `first` on, by the point that each begins with; their
+// numbers, which count from there, are in ids then.
 bool box_tree_order(box_tree *t, timeline *times, const buffer *items, uint32_t item_words,
-                    uint32_t n, duet_error *err);
+                    uint32_t first, uint32_t n, duet_error *err);
 
 #endif

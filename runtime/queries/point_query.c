@@ -22,11 +22,11 @@ duet_point_query_def duet_default_point_query_def(void)
 }
 
 // A ray that stays where it begins.
-static bool meets(const duet_tree *tree, const void *item, uint32_t id)
+static bool meets(const duet_tree *tree, const void *item, uint32_t *hit)
 {
     duet_ray ray = {.t_max = 0};
     memcpy(ray.origin, item, sizeof ray.origin);
-    return ray_meets(&ray, (const duet_pose *)tree->objects + id, tree->def.dims);
+    return ray_meets(&ray, (const duet_pose *)tree->objects + hit[1], tree->def.dims);
 }
 
 static void take_root(const duet_tree *tree, const void *item, uint32_t *hit)

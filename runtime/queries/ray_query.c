@@ -4,6 +4,7 @@
 #include "runtime/queries/sweep.h"
 #include "runtime/queries/tree_query.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,21 +22,28 @@ duet_ray_query_def duet_default_ray_query_def(void)
     return (duet_ray_query_def){.cookie = COOKIE};
 }
 
-// Bounds that a ray begins in are a point.
-static bool meets_bounds(const duet_ray *ray, const duet_bounds *box, uint32_t dims)
+// Bounds that a ray begins in are a point. Float may have left out an axis along which the ray
+// is slow.
+static bool meets_bounds(const duet_ray *ray, const duet_bounds *box, uint32_t dims, float *t)
 {
+    float normal[3];
     duet_bounds_sweep sweep = {.t_max = ray->t_max};
     memcpy(sweep.bounds.lower, ray->origin, sizeof ray->origin);
     memcpy(sweep.bounds.upper, ray->origin, sizeof ray->origin);
     memcpy(sweep.direction, ray->direction, sizeof ray->direction);
-    return sweep_meets_bounds(&sweep, box, dims);
+    if (!sweep_meets_bounds(&sweep, box, dims))
+        return false;
+    *t = fmaxf(*t, sweep_enter_bounds(&sweep, box, dims, normal));
+    return true;
 }
 
-static bool meets(const duet_tree *tree, const void *item, uint32_t id)
+static bool meets(const duet_tree *tree, const void *item, uint32_t *hit)
 {
+    duet_ray_hit *h = (duet_ray_hit *)hit;
     if (tree->def.shape == DUET_SHAPE_BOUNDS)
-        return meets_bounds(item, (const duet_bounds *)tree->objects + id, tree->def.dims);
-    return ray_meets(item, (const duet_pose *)tree->objects + id, tree->def.dims);
+        return meets_bounds(item, (const duet_bounds *)tree->objects + h->id, tree->def.dims,
+                            &h->t);
+    return ray_meets(item, (const duet_pose *)tree->objects + h->id, tree->def.dims);
 }
 
 static const query_kind kind = {

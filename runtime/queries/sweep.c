@@ -29,6 +29,7 @@ typedef struct passage {
     interval maybe, surely[2]; // by all axes, by those that are not across parallel edges
     double enter;
     double normal[3];
+    double apart; // at the begin, along the axis where they are the most
 } passage;
 
 static double dot(const double u[3], const double v[3])
@@ -61,9 +62,9 @@ static void keep_normal(passage *p, double enter, double speed, const double axi
 static bool pass_axis(passage *p, const double axis[3], double at, double speed, double reach,
                       bool parallel)
 {
-    double narrow = p->doubt + p->lost;
+    double narrow = p->doubt + p->lost, beyond = fabs(at) - reach;
+    p->apart = fmax(p->apart, beyond);
     if (fabs(speed) <= SLOW * p->length) {
-        double beyond = fabs(at) - reach;
         p->surely[0].open |= beyond > -p->doubt;
         p->surely[1].open |= !parallel && beyond > -narrow;
         return beyond <= p->doubt;
@@ -183,13 +184,13 @@ static met meet_in_double(const duet_sweep *sweep, const duet_pose *box, int dim
     return is_sure(&p.surely[0]) || is_sure(&p.surely[1]) ? MET : OPEN;
 }
 
-// What is reported: no t above t_max, and no 0 below 0.
+// What is reported: no t above t_max, no 0 below 0, and no normal where t is 0.
 static float report(const passage *p, float t_max, float normal[3])
 {
-    float rounded = (float)p->enter;
+    float rounded = (float)p->enter, t = rounded < t_max ? rounded : t_max;
     for (int k = 0; k < 3; ++k)
-        normal[k] = (float)p->normal[k] + 0.0f;
-    return rounded < t_max ? rounded : t_max;
+        normal[k] = t > 0 ? (float)p->normal[k] + 0.0f : 0.0f;
+    return t;
 }
 
 float sweep_enter(const duet_sweep *sweep, const duet_pose *box, uint32_t dims, float normal[3])
@@ -199,6 +200,8 @@ float sweep_enter(const duet_sweep *sweep, const duet_pose *box, uint32_t dims, 
     passage p = {0};
     frame f = frame_of(&flat, &pose, &p);
     may_meet(&p, &f, (int)dims);
+    if (p.enter > 0 && p.apart <= p.doubt && narrow_decide(&sweep->box, box, dims))
+        p.enter = 0;
     return report(&p, sweep->t_max, normal);
 }
 

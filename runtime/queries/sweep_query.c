@@ -20,14 +20,14 @@ duet_sweep_query_def duet_default_sweep_query_def(void)
     return (duet_sweep_query_def){.cookie = COOKIE};
 }
 
-static bool meets(const duet_tree *tree, const void *item, uint32_t id)
+static bool meets(const duet_tree *tree, const void *item, uint32_t *hit)
 {
-    return sweep_meets(item, (const duet_pose *)tree->objects + id, tree->def.dims);
+    return sweep_meets(item, (const duet_pose *)tree->objects + hit[1], tree->def.dims);
 }
 
-static bool meets_bounds(const duet_tree *tree, const void *item, uint32_t id)
+static bool meets_bounds(const duet_tree *tree, const void *item, uint32_t *hit)
 {
-    return sweep_meets_bounds(item, (const duet_bounds *)tree->objects + id, tree->def.dims);
+    return sweep_meets_bounds(item, (const duet_bounds *)tree->objects + hit[1], tree->def.dims);
 }
 
 static void enter(const duet_tree *tree, const void *item, uint32_t *hit)
@@ -53,7 +53,8 @@ static const query_kind kinds[] = {
                           .kernel = "ray_query",
                           .hit_words = 6,
                           .meets = meets,
-                          .finish = enter},
+                          .finish = enter,
+                          .finish_reads = true},
     [DUET_SHAPE_BOUNDS] = {.item = "sweep",
                            .items = "sweeps",
                            .wrong = "no bounds, a number that is none or above 2^100, a direction "
@@ -61,7 +62,8 @@ static const query_kind kinds[] = {
                            .kernel = "ray_query",
                            .hit_words = 6,
                            .meets = meets_bounds,
-                           .finish = enter_bounds},
+                           .finish = enter_bounds,
+                           .finish_reads = true},
 };
 
 static bool check_def(const duet_sweep_query_def *def, duet_error *err)

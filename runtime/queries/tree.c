@@ -2,7 +2,7 @@
 #include "runtime/queries/tree.h"
 
 #include "base/error.h"
-#include "runtime/opencl/device_pair.h"
+#include "runtime/opencl/shared_work.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -33,11 +33,7 @@ static bool check_def(const duet_tree_def *def, duet_error *err)
     if (def->shape != DUET_SHAPE_POSES && def->shape != DUET_SHAPE_BOUNDS)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "shape is %d; expected a duet_shape",
                          (int)def->shape);
-    if (def->share > DUET_SHARE_ONE && def->share != DUET_SHARE_DEFAULT)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "share is %u of %u; expected at most all of it", def->share,
-                         DUET_SHARE_ONE);
-    return true;
+    return def->share == DUET_SHARE_DEFAULT || shared_work_check(def->share, err);
 }
 
 static void close_side(tree_side *s)
@@ -59,6 +55,80 @@ static bool open_side(tree_side *s, const duet_tree_def *def, int which, duet_er
            program_set_build(s->programs, err);
 }
 
+typedef struct building {
+    duet_tree *tree;
+    tree_side *side;
+    uint32_t n_hidden;
+    bool sent; // the side has the objects
+} building;
+
+static size_t objects_bytes(const duet_tree *tree)
+{
+    return tree->n *
+           (tree->def.shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds));
+}
+
+static bool send_objects(const duet_tree *tree, tree_side *s)
+{
+    buffer *to = &s->boxes.objects;
+    return box_tree_hold(&s->boxes, s->device, tree->objects, tree->n, &s->err) &&
+           (tree->n == 0 || timeline_write(&s->times, "send objects", to, tree->objects,
+                                           objects_bytes(tree), &s->err));
+}
+
+static void build(void *arg)
+{
+    building *b = arg;
+    tree_side *s = b->side;
+    timeline_begin(&s->times, s->device);
+    s->ok = (b->sent || send_objects(b->tree, s)) &&
+            box_tree_build(&s->boxes, &s->times, b->tree->n, b->n_hidden, &s->err) &&
+            timeline_finish(&s->times, &s->err);
+    timeline_clear(&s->times);
+}
+
+// A device that gets its first share, with the objects that there are.
+static bool add_side(duet_tree *tree, int which, duet_error *err)
+{
+    tree_side *s = &tree->sides[which];
+    building work = {.tree = tree, .side = s, .n_hidden = tree->n_hidden};
+    if (s->device)
+        return true;
+    if (!tree_fetch_objects(tree, err))
+        return false;
+    box_tree_close(&s->boxes); // B's, which the objects came from
+    if (open_side(s, &tree->def, which, err)) {
+        build(&work);
+        if (s->ok)
+            return true;
+        if (err && err->status == DUET_STATUS_OK)
+            *err = s->err;
+    }
+    close_side(s);
+    return false;
+}
+
+static bool open_sides(duet_tree *tree, uint32_t share, duet_error *err)
+{
+    const bool used[2] = {share > 0 || tree->sides[0].device,
+                          share < DUET_SHARE_ONE || tree->sides[1].device};
+    if (used[0] && used[1] && !tree->driver && !(tree->driver = thread_pool_open(1, err)))
+        return false;
+    return (!used[0] || add_side(tree, 0, err)) && (!used[1] || add_side(tree, 1, err));
+}
+
+bool duet_tree_set_share(duet_tree *tree, uint32_t share, duet_error *err)
+{
+    if (!error_given(tree, __func__, "tree", err))
+        return false;
+    if (share == DUET_SHARE_DEFAULT)
+        share = duet_default_plan(tree->def.pair).share;
+    if (!shared_work_check(share, err) || !open_sides(tree, share, err))
+        return false;
+    tree->def.share = share;
+    return true;
+}
+
 duet_tree *duet_tree_create(const duet_tree_def *def, duet_error *err)
 {
     if (!check_def(def, err))
@@ -73,14 +143,7 @@ duet_tree *duet_tree_create(const duet_tree_def *def, duet_error *err)
         tree->def.share = duet_default_plan(def->pair).share;
     device_pair_hold(def->pair);
     tree_hold(tree);
-    const bool used[2] = {tree->def.share > 0, tree->def.share < DUET_SHARE_ONE};
-    bool ok = true;
-    for (int which = 0; which < 2; ++which)
-        ok = ok && (!used[which] || open_side(&tree->sides[which], def, which, err));
-    if (ok && used[0] && used[1])
-        ok = (tree->driver = thread_pool_open(1, err)) != NULL;
-    ok = ok && duet_tree_set_objects(tree, (duet_object_kind)def->shape, NULL, 0, err);
-    if (!ok) {
+    if (!open_sides(tree, tree->def.share, err)) {
         duet_tree_destroy(tree);
         return NULL;
     }
@@ -121,46 +184,62 @@ bool tree_run(duet_tree *tree, void (*work)(void *), void *a, void *b, duet_erro
 
 // ---------------------------------------------------------------- objects
 
-typedef struct building {
-    tree_side *side;
-    const void *objects;
-    uint32_t n;
-} building;
-
-static void build(void *arg)
-{
-    building *b = arg;
-    tree_side *s = b->side;
-    timeline_begin(&s->times, s->device);
-    s->ok = box_tree_build(&s->boxes, &s->times, b->objects, b->n, &s->err) &&
-            timeline_finish(&s->times, &s->err);
-    timeline_clear(&s->times);
-}
-
-static bool build_all(duet_tree *tree, uint32_t n, duet_error *err)
+static bool build_all(duet_tree *tree, uint32_t n_hidden, bool b_has_them, duet_error *err)
 {
     building work[2];
     void *args[2];
     for (int which = 0; which < 2; ++which) {
-        work[which] = (building){&tree->sides[which], tree->objects, n};
+        work[which] = (building){tree, &tree->sides[which], n_hidden, b_has_them && which == 1};
         args[which] = tree->sides[which].device ? &work[which] : NULL;
     }
     return tree_run(tree, build, args[0], args[1], err);
 }
 
-// What devices wrap is given back before it moves.
-static bool copy_objects(duet_tree *tree, const void *objects, uint32_t n, duet_error *err)
+bool tree_build(duet_tree *tree, uint32_t n_hidden, bool b_has_them, duet_error *err)
 {
-    size_t bytes =
-        n * (tree->def.shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds));
+    tree->fetched = !b_has_them;
+    tree->n_hidden = n_hidden;
+    if ((!tree->sides[0].device || tree_fetch_objects(tree, err)) &&
+        build_all(tree, n_hidden, b_has_them, err))
+        return true;
+    tree_clear(tree);
+    return false;
+}
+
+void tree_clear(duet_tree *tree)
+{
+    tree->n = tree->n_hidden = 0;
+    build_all(tree, 0, false, NULL);
+}
+
+bool tree_fetch_objects(duet_tree *tree, duet_error *err)
+{
+    timeline times = {0};
+    if (tree->fetched || tree->n == 0)
+        return true;
+    timeline_begin(&times, &tree->def.pair->devices[1]);
+    tree->fetched = timeline_read(&times, "fetch objects", &tree->sides[1].boxes.objects,
+                                  tree->objects, objects_bytes(tree), err) &&
+                    timeline_finish(&times, err);
+    timeline_clear(&times);
+    return tree->fetched;
+}
+
+// What devices wrap is given back before it moves.
+bool tree_reserve_objects(duet_tree *tree, uint32_t n, duet_error *err)
+{
+    if (n > TREE_MOST_BOXES)
+        return error_set(err, DUET_STATUS_TOO_MANY, "%u objects; a tree takes at most %d", n,
+                         TREE_MOST_BOXES);
     box_tree_forget_objects(&tree->sides[0].boxes);
     box_tree_forget_objects(&tree->sides[1].boxes);
-    void *copy = realloc(tree->objects, bytes + 1);
-    if (!copy)
+    tree->n = n;
+    void *objects = realloc(tree->objects, objects_bytes(tree) + 1);
+    if (!objects) {
+        tree_clear(tree);
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %u objects", n);
-    tree->objects = copy;
-    if (n > 0)
-        memcpy(copy, objects, bytes);
+    }
+    tree->objects = objects;
     return true;
 }
 
@@ -181,12 +260,9 @@ bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, const void *o
         return false;
     if (n > 0 && !objects)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%u objects, but no memory with them", n);
-    if (n > TREE_MOST_BOXES)
-        return error_set(err, DUET_STATUS_TOO_MANY, "%u objects; a tree takes at most %d", n,
-                         TREE_MOST_BOXES);
-    bool ok = copy_objects(tree, objects, n, err) && build_all(tree, n, err);
-    tree->n = ok ? n : 0;
-    if (!ok)
-        build_all(tree, 0, NULL);
-    return ok;
+    if (!tree_reserve_objects(tree, n, err))
+        return false;
+    if (n > 0)
+        memcpy(tree->objects, objects, objects_bytes(tree));
+    return tree_build(tree, 0, false, err);
 }

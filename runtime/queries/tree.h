@@ -24,14 +24,27 @@ struct duet_tree {
     duet_tree_def def;
     tree_side sides[2];  // A, B
     thread_pool *driver; // drives A while the caller's thread drives B
-    void *objects;       // [n] poses or bounds, by the def's shape
-    uint32_t n;
+    void *objects;       // [n] poses or bounds, by the def's shape; stale until they are fetched
+    uint32_t n, n_hidden;
+    bool fetched;
 };
 
 void tree_hold(duet_tree *tree);
 
 // BAD_ARGUMENT where objects of that kind are not of the tree's shape.
 bool tree_takes(const duet_tree *tree, duet_object_kind kind, duet_error *err);
+
+// Space for n objects, which nothing knows yet.
+bool tree_reserve_objects(duet_tree *tree, uint32_t n, duet_error *err);
+
+// Makes both trees of the objects that are there: on the host, or in B's memory. The tree is empty
+// after a failure.
+bool tree_build(duet_tree *tree, uint32_t n_hidden, bool b_has_them, duet_error *err);
+
+void tree_clear(duet_tree *tree);
+
+// The host has the objects afterwards.
+bool tree_fetch_objects(duet_tree *tree, duet_error *err);
 
 // Does the work with a and b at the same time; NULL: that side has none. The first failure
 // counts: A's, if it has one.

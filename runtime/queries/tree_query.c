@@ -17,6 +17,7 @@ enum { CHUNK = 1 << 20, LEAST_LIST = 1 << 14 };
 enum { LEAST_SORTED = 1 << 13 };
 
 static const binding side_bindings[] = {BIND_BUFFER(query_side, "items", "float *", items),
+                                        BIND_BUFFER(query_side, "filters", "uint2 *", filters),
                                         BIND_BUFFER(query_side, "objects", "float *", objects),
                                         BIND_BUFFER(query_side, "boxes", "float *", boxes),
                                         BIND_BUFFER(query_side, "nodes", "float *", nodes),
@@ -52,39 +53,48 @@ bool tree_query_knows(duet_query_wants wants, duet_error *err)
 
 // ---------------------------------------------------------------- owner
 
-enum { MOST_SETTINGS = 4 };
+static void close_side(query_side *s)
+{
+    buffer *const all[] = {&s->items, &s->filters, &s->hits, &s->open, &s->counters};
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
+        buffer_release(all[i]);
+    free(s->found.words);
+    free(s->open_hits.words);
+    *s = (query_side){0};
+}
 
-static bool open_side(query_side *s, tree_query *q, tree_side *tree, const gen_setting *settings,
-                      uint32_t n, duet_error *err)
+static bool open_side(query_side *s, tree_query *q, tree_side *tree, duet_error *err)
 {
     *s = (query_side){.query = q, .tree = tree, .each = q->each};
-    s->kernel = program_set_kernel(tree->programs, q->kind->kernel, q->kind->kernel, settings, n,
-                                   side_bindings, err);
-    return s->kernel && program_set_build(tree->programs, err) &&
-           buffer_reserve(&s->counters, tree->device, QUERY_COUNTERS * sizeof(cl_uint), err);
+    s->kernel = program_set_kernel(tree->programs, q->kind->kernel, q->kind->kernel, q->settings,
+                                   q->n_settings, side_bindings, err);
+    if (s->kernel && program_set_build(tree->programs, err) &&
+        buffer_reserve(&s->counters, tree->device, QUERY_COUNTERS * sizeof(cl_uint), err))
+        return true;
+    close_side(s);
+    return false;
+}
+
+// Those that the tree has had since the last run, too.
+static bool open_sides(tree_query *q, duet_error *err)
+{
+    bool ok = true;
+    for (int which = 0; ok && which < 2; ++which)
+        ok = !q->tree->sides[which].device || q->sides[which].kernel ||
+             open_side(&q->sides[which], q, &q->tree->sides[which], err);
+    return ok;
 }
 
 bool tree_query_open(tree_query *q, const gen_setting *settings, uint32_t n_settings,
                      duet_error *err)
 {
-    gen_setting all[MOST_SETTINGS] = {{"DIMS", q->tree->def.dims}, {"SHAPE", q->tree->def.shape}};
     tree_hold(q->tree);
+    q->settings[0] = (gen_setting){"DIMS", q->tree->def.dims};
+    q->settings[1] = (gen_setting){"SHAPE", q->tree->def.shape};
     for (uint32_t i = 0; i < n_settings; ++i)
-        all[2 + i] = settings[i];
-    bool ok = true;
-    for (int which = 0; ok && which < 2; ++which)
-        ok = !q->tree->sides[which].device ||
-             open_side(&q->sides[which], q, &q->tree->sides[which], all, 2 + n_settings, err);
-    return ok;
-}
-
-static void close_side(query_side *s)
-{
-    buffer *const all[] = {&s->items, &s->hits, &s->open, &s->counters};
-    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
-        buffer_release(all[i]);
-    free(s->found.words);
-    free(s->open_hits.words);
+        q->settings[2 + i] = settings[i];
+    q->n_settings = 2 + n_settings;
+    return open_sides(q, err);
 }
 
 void tree_query_close(tree_query *q)
@@ -203,8 +213,23 @@ static const char *item_at(const tree_query *q, uint64_t i)
     return q->items + i * q->item_words * sizeof(float);
 }
 
+static bool send_filters(query_side *s)
+{
+    tree_side *t = s->tree;
+    const duet_filter *filters = s->query->filters;
+    size_t bytes = s->query->tree->n * sizeof *filters;
+    if (!buffer_reserve(&s->filters, t->device, bytes, &t->err))
+        return false;
+    return filters ? timeline_write(&t->times, "send filters", &s->filters, filters, bytes, &t->err)
+                   : timeline_fill(&t->times, "clear", &s->filters, UINT32_MAX, 0,
+                                   bytes / sizeof(cl_uint), &t->err);
+}
+
+// The device has the tree's objects.
 static bool send_items(query_side *s)
 {
+    if (s->query->itself)
+        return true;
     const char *items = item_at(s->query, s->first_item);
     size_t bytes = (size_t)s->n * s->query->item_words * sizeof(float);
     return buffer_hold(&s->items, s->tree->device, (void *)items, bytes, &s->tree->err) &&
@@ -213,9 +238,12 @@ static bool send_items(query_side *s)
 
 static bool order_items(query_side *s)
 {
+    box_tree *t = &s->tree->boxes;
+    bool itself = s->query->itself;
     s->in_order = s->n < LEAST_SORTED;
-    return s->in_order || box_tree_order(&s->tree->boxes, &s->tree->times, &s->items,
-                                         s->query->item_words, s->n, &s->tree->err);
+    return s->in_order ||
+           box_tree_order(t, &s->tree->times, itself ? &t->objects : &s->items,
+                          s->query->item_words, itself ? s->first_item : 0, s->n, &s->tree->err);
 }
 
 static uint64_t count_of(const cl_uint *words)
@@ -266,16 +294,22 @@ static bool ask(query_side *s, cl_uint counters[QUERY_COUNTERS])
     return false;
 }
 
+static bool is_better(const tree_query *q, const uint32_t *hit, const uint32_t *known)
+{
+    return q->wants != QUERY_ANY && compare_hits(hit, known) < 0;
+}
+
 // `hits` are those of the chunk.
-static void take_open_hit(query_side *s, uint32_t *hits, const uint32_t *open)
+static void take_open_hit(query_side *s, uint32_t *hits, uint32_t *open)
 {
     const tree_query *q = s->query;
     uint32_t *known = s->each > 0 ? hits + (open[0] - s->first_item) * q->kind->hit_words : NULL;
     bool has_hit = known && known[1] != DUET_NO_OBJECT;
-    if (has_hit && (q->wants == QUERY_ANY || compare_hits(open, known) >= 0))
+    if (has_hit && !is_better(q, open, known))
         return;
     ++s->undecided;
-    if (!q->kind->meets(q->tree, item_at(q, open[0]), open[1]))
+    if (!q->kind->meets(q->tree, item_at(q, open[0]), open) ||
+        (has_hit && !is_better(q, open, known)))
         return;
     if (!known)
         known = hit_at(q, &s->found, s->found.n++); // reserved
@@ -315,6 +349,9 @@ static bool fetch(query_side *s, const cl_uint counters[QUERY_COUNTERS])
     if (!read_hits(s, &s->hits, hits, n) || !read_hits(s, &s->open, s->open_hits.words, n_open))
         return false;
     s->found.n += n;
+    if ((n_open > 0 || (n > 0 && q->kind->finish_reads)) &&
+        !tree_fetch_objects(q->tree, &s->tree->err))
+        return false;
     if (n_open > 0) // listed in any order
         qsort(s->open_hits.words, (size_t)n_open, hit_bytes(q), comparison_of(q));
     for (uint64_t i = 0; i < n_open; ++i)
@@ -346,6 +383,7 @@ static void run_side(void *arg)
     uint64_t begun = clock_steady_ns();
     uint64_t chunk = s->each > 1 ? CHUNK / s->each + 1 : CHUNK;
     timeline_begin(&t->times, t->device);
+    t->ok = !s->query->itself || send_filters(s);
     for (uint64_t first = s->first; t->ok && first < s->last; first += chunk) {
         uint64_t left = s->last - first;
         t->ok =
@@ -400,6 +438,8 @@ bool tree_query_run(tree_query *q, const void *items, uint64_t n, query_result *
     if (n > UINT32_MAX)
         return error_set(err, DUET_STATUS_TOO_MANY, "%llu %s; expected fewer than 2^32",
                          (unsigned long long)n, plural);
+    if (!open_sides(q, err))
+        return false;
     uint64_t cut = n * q->tree->def.share / DUET_SHARE_ONE;
     q->items = items;
     query_side *a = begin_side(q, 0, 0, cut), *b = begin_side(q, 1, cut, n);

@@ -7,6 +7,8 @@
 
 #include "runtime/queries/tree.h"
 
+enum { QUERY_SETTINGS = 4 };
+
 typedef enum query_wants {
     QUERY_CLOSEST = DUET_QUERY_CLOSEST,
     QUERY_ANY = DUET_QUERY_ANY,
@@ -21,10 +23,12 @@ typedef struct query_kind {
     const char *wrong;  // what may be wrong with one, in a message
     const char *kernel; // of kernels/queries, and its entry
     uint32_t hit_words;
-    // Whether an item meets an object of the tree; exact. NULL: float leaves nothing open.
-    bool (*meets)(const duet_tree *tree, const void *item, uint32_t id);
+    // Whether an item meets the object of a hit that float leaves open; exact. Its value, which is
+    // never above the true one, may then be raised. NULL: float leaves nothing open.
+    bool (*meets)(const duet_tree *tree, const void *item, uint32_t *hit);
     // Makes of a hit on an object, as the device wrote it, what the caller reads; NULL: it is that.
     void (*finish)(const duet_tree *tree, const void *item, uint32_t *hit);
+    bool finish_reads; // the tree's objects
 } query_kind;
 
 typedef struct hit_list {
@@ -37,7 +41,7 @@ typedef struct query_side {
     const struct tree_query *query;
     tree_side *tree;
     kernel *kernel;
-    buffer items, hits, open, counters;
+    buffer items, filters, hits, open, counters;
     cl_uint n, first_item, hits_capacity, open_capacity; // of the chunk that was launched last
     cl_uint n_levels, n_boxes, in_order, each;
     buffer objects, boxes, nodes, levels, order; // the tree's
@@ -55,8 +59,12 @@ typedef struct tree_query {
     query_wants wants;
     uint32_t item_words;
     uint32_t each; // hits an item; 0 for QUERY_EVERY
+    bool itself;   // its items are the tree's objects
+    gen_setting settings[QUERY_SETTINGS];
+    uint32_t n_settings;
     query_side sides[2];
-    const char *items; // of the run
+    const char *items;          // of the run
+    const duet_filter *filters; // of the objects, where these are the items; NULL: all touch
     hit_list joined;
 } tree_query;
 

@@ -439,6 +439,11 @@ static void fill_tree(void)
     REFUSES(duet_tree_set_objects(tree, DUET_OBJECT_BOUNDS, &bounds, 1, e));
     REFUSES(duet_tree_set_objects(tree, DUET_OBJECT_SIZES, &pose, 1, e));
     TAKES(duet_tree_set_objects(tree, DUET_OBJECT_POSES, NULL, 0, e));
+    REFUSES(duet_tree_set_share(NULL, 0, e));
+    REFUSES(duet_tree_set_share(tree, DUET_SHARE_ONE + 1, e));
+    TAKES(duet_tree_set_share(tree, 0, e));
+    REFUSES(duet_tree_set_motion(NULL, motion, e));
+    REFUSES(duet_tree_set_motion(tree, NULL, e));
     duet_tree_destroy(NULL);
 }
 
@@ -530,6 +535,10 @@ static void join_boxes(void)
     REFUSES(duet_box_query_run(boxes, DUET_OBJECT_POSES, NULL, 1, &found, e));
     REFUSES(duet_box_query_run(boxes, DUET_OBJECT_POSES, &pose, 1, NULL, e));
     TAKES(duet_box_query_run(boxes, DUET_OBJECT_POSES, &pose, 1, &found, e));
+    REFUSES(duet_box_query_run_itself(NULL, NULL, 0, &found, e));
+    REFUSES(duet_box_query_run_itself(boxes, NULL, 0, NULL, e));
+    TAKES(duet_box_query_run_itself(boxes, NULL, 0, &found, e));
+    REFUSES(duet_box_query_run_itself(boxes, &(duet_filter){1, 1}, 2, &found, e));
     duet_box_query_destroy(NULL);
 }
 
@@ -810,7 +819,9 @@ static const struct {
      own_opencl},
     {"duet_motion_map_states duet_motion_unmap_states duet_state_part_name", map_motion},
     {"duet_pair_query_create duet_pair_query_destroy duet_pair_query_run", query_pairs},
-    {"duet_tree_create duet_tree_destroy duet_tree_set_objects duet_default_tree_def "
+    {"duet_tree_create duet_tree_destroy duet_tree_set_objects duet_tree_set_motion "
+     "duet_tree_set_share "
+     "duet_default_tree_def "
      "duet_query_wants_name",
      fill_tree},
     {"duet_ray_query_create duet_ray_query_destroy duet_ray_query_run "
@@ -821,7 +832,8 @@ static const struct {
      find_contacts},
     {"duet_motion_get_states_of duet_motion_get_moved duet_state_between", read_some},
     {"duet_pair_delta_create duet_pair_delta_destroy duet_pair_delta_update", compare_pairs},
-    {"duet_box_query_create duet_box_query_destroy duet_box_query_run duet_default_box_query_def",
+    {"duet_box_query_create duet_box_query_destroy duet_box_query_run duet_box_query_run_itself "
+     "duet_default_box_query_def",
      join_boxes},
     {"duet_point_query_create duet_point_query_destroy duet_point_query_run "
      "duet_default_point_query_def",

@@ -194,6 +194,52 @@ static void bounds_meet_where_comparisons_say_so(void **state)
     }
 }
 
+// Of all pairs those whose filters let them touch, in their order.
+static void meets_itself(duet_box_query *query, const duet_filter *filters, uint32_t count,
+                         const duet_pair *pairs, uint64_t n)
+{
+    duet_error err = {0};
+    duet_box_query_result found;
+    uint64_t at = 0;
+    assert_ok(duet_box_query_run_itself(query, filters, filters ? count : 0, &found, &err), err);
+    for (uint64_t i = 0; i < n; ++i) {
+        uint32_t a = pairs[i].a, b = pairs[i].b;
+        if (filters && !(filters[a].group & filters[b].mask && filters[b].group & filters[a].mask))
+            continue;
+        assert_true(at < found.n_hits && found.hits[at].box == a && found.hits[at].id == b);
+        ++at;
+    }
+    assert_true(at == found.n_hits && at > 0 && (at < n || !filters));
+}
+
+// A tree without objects, and one with a body that was taken out of its motion.
+static void what_is_not_there_meets_nothing(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    const duet_pose poses[3] = {{{0}, {1, 1, 1}, {0, 0, 0, 1}},
+                                {{0}, {1, 1, 1}, {0, 0, 0, 1}},
+                                {{1}, {1, 1, 1}, {0, 0, 0, 1}}};
+    duet_box_query_result found;
+    duet_motion_def def = duet_default_motion_def();
+    def.pair = devices;
+    def.wants = DUET_EFFECT_CONTACT;
+    duet_motion *motion = duet_motion_create(&def, poses, NULL, 3, &err);
+    assert_ok(motion, err);
+    duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 3, NULL, 0);
+    duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);
+    assert_ok(duet_box_query_run_itself(query, NULL, 0, &found, &err), err);
+    assert_int_equal(found.n_hits, 0);
+    assert_ok(duet_motion_remove_bodies(motion, (duet_body_list){.first = 1, .n = 1}, &err), err);
+    assert_ok(duet_tree_set_motion(tree, motion, &err), err);
+    assert_ok(duet_box_query_run_itself(query, NULL, 0, &found, &err), err);
+    assert_int_equal(found.n_hits, 1);
+    assert_true(found.hits[0].box == 0 && found.hits[0].id == 2);
+    duet_motion_destroy(motion);
+    duet_box_query_destroy(query);
+    duet_tree_destroy(tree);
+}
+
 // Enough boxes to be sorted before they are asked about, and lists that grow.
 static void a_set_joined_with_itself_has_a_worlds_pairs(void **state)
 {
@@ -228,6 +274,12 @@ static void a_set_joined_with_itself_has_a_worlds_pairs(void **state)
             pairs[n++] = (duet_pair){found.hits[i].box, found.hits[i].id};
     assert_int_equal(n, result.pairs);
     assert_true(duet_pairs_hash(pairs, n) == duet_result_get_hash(&result));
+    duet_filter *filters = calloc(N, sizeof *filters);
+    for (uint32_t i = 0; i < N; ++i)
+        filters[i] = (duet_filter){1u << rng_below(&r, 4), rng_below(&r, 16)};
+    meets_itself(query, NULL, N, pairs, n);
+    meets_itself(query, filters, N, pairs, n);
+    free(filters);
     free(pairs);
     free(poses);
     duet_box_query_destroy(query);
@@ -261,6 +313,7 @@ int main(void)
         cmocka_unit_test(every_level_answers_as_a_pair_query),
         cmocka_unit_test(bounds_meet_where_comparisons_say_so),
         cmocka_unit_test(a_set_joined_with_itself_has_a_worlds_pairs),
+        cmocka_unit_test(what_is_not_there_meets_nothing),
         cmocka_unit_test(what_is_no_box_is_refused_by_its_number),
     };
     return cmocka_run_group_tests(tests, open_devices, close_devices);

@@ -301,6 +301,29 @@ static void hits_of_bounds_are_exact(void **state)
     hits_of_bounds_are_exact_in(2);
 }
 
+// Towards the faces across y the ray is too slow for float: the host finds where it enters.
+static void a_slow_ray_enters_bounds_where_it_does(void **state)
+{
+    (void)state;
+    const float slow = 0x1p-70f;
+    const duet_bounds bounds[] = {{{0, 2 * slow, 0}, {4, 1, 1}}, {{1, 0, 0}, {4, 1, 1}}};
+    const duet_ray ray = {{0, 0, 0}, {1, slow, 0}, INFINITY};
+    duet_tree *tree = open_bounds_tree(3, 0, bounds, 2);
+    duet_ray_query *closest = open_query(tree, DUET_QUERY_CLOSEST);
+    duet_ray_query *every = open_query(tree, DUET_QUERY_EVERY);
+    duet_ray_hit first = cast(closest, &ray, 1).hits[0];
+    duet_ray_query_result all = cast(every, &ray, 1);
+    assert_int_equal(first.id, 1);
+    assert_true(first.t == 1);
+    assert_int_equal(all.n_hits, 2);
+    assert_int_equal(all.hits[0].id, 1);
+    assert_int_equal(all.hits[1].id, 0);
+    assert_true(all.hits[1].t == 2);
+    duet_tree_destroy(tree);
+    duet_ray_query_destroy(closest);
+    duet_ray_query_destroy(every);
+}
+
 // A box that is not turned is bounds too, where its corners are floats.
 static void integers_agree_on_poses_and_bounds(void **state)
 {
@@ -375,6 +398,18 @@ static void share_and_order_of_boxes_change_nothing(void **state)
         assert_true((a.hits[i].id == DUET_NO_OBJECT) == (b.hits[i].id == DUET_NO_OBJECT));
     }
     free(turned);
+    // A query of a tree that gets other shares, the first being A's alone.
+    duet_error err = {0};
+    const uint32_t shares[] = {DUET_SHARE_ONE / 3, 0, DUET_SHARE_DEFAULT, DUET_SHARE_ONE};
+    set_poses(tree, w->boxes, BOXES);
+    for (size_t i = 0; i < sizeof shares / sizeof *shares; ++i) {
+        assert_ok(duet_tree_set_share(tree, shares[i], &err), err);
+        b = cast(two, w->rays, RAYS);
+        assert_memory_equal(a.hits, b.hits, RAYS * sizeof *a.hits);
+        assert_true((b.device_ms[0] > 0) == (i != 1));
+        if (i == 0)
+            assert_true(b.device_ms[1] > 0);
+    }
     duet_tree_destroy(tree);
     duet_ray_query_destroy(one);
     duet_ray_query_destroy(two);
@@ -421,6 +456,153 @@ static void rays_meet_bodies_where_they_are(void **state)
     assert_true(hashes[0] == hashes[1]);
     duet_ray_query_destroy(query);
     duet_tree_destroy(tree);
+}
+
+enum { BODIES = 40 };
+
+// Turned boxes above a floor, body 0. `doubles` and contact: what the state is in, and whether B
+// has the bodies' sizes.
+static duet_motion *drop_boxes(bool doubles, bool contact)
+{
+    duet_error err = {0};
+    rng r = rng_seed(test_seed() + 4);
+    duet_motion_def def = duet_default_motion_def();
+    duet_pose poses[BODIES] = {{{0, 0, -1}, {20, 20, 1}, {0, 0, 0, 1}}};
+    duet_body bodies[BODIES] = {duet_default_body()};
+    bodies[0].mass = 0;
+    for (int i = 1; i < BODIES; ++i) {
+        poses[i] = (duet_pose){{between(&r, -5, 5), between(&r, -5, 5), between(&r, 1, 5)},
+                               {0.5f, 0.25f, between(&r, 0.1, 0.6)},
+                               {between(&r, -1, 1), between(&r, -1, 1), 0.5f, 1}};
+        bodies[i] = duet_default_body();
+    }
+    def.pair = devices;
+    def.doubles = doubles;
+    def.gravity[2] = -10;
+    def.wants = contact ? DUET_EFFECT_CONTACT_RESPONSE : 0;
+    duet_motion *motion = duet_motion_create(&def, poses, bodies, BODIES, &err);
+    assert_ok(motion, err);
+    return motion;
+}
+
+// Some leave, some come, and what is left out has a pose that no ray meets.
+static void change_bodies(duet_motion *motion)
+{
+    duet_error err = {0};
+    const duet_body_list removed = {.first = 5, .n = 6}, disabled = {.first = 20, .n = 3};
+    const duet_pose added = {{0, 0, 3}, {2, 2, 0.5f}, {0, 0, 0, 1}};
+    uint64_t id;
+    assert_ok(duet_motion_remove_bodies(motion, removed, &err), err);
+    assert_ok(duet_motion_disable_bodies(motion, disabled, &err), err);
+    assert_ok(duet_motion_add_bodies(motion, &added, NULL, 1, &id, &err), err);
+}
+
+static void set_bodies(duet_tree *tree, duet_motion *motion, bool changed)
+{
+    duet_error err = {0};
+    duet_pose poses[BODIES + 1];
+    uint32_t n = duet_motion_get_count(motion);
+    assert_true(n <= BODIES + 1);
+    assert_ok(duet_motion_get_poses(motion, poses, &err), err);
+    for (uint32_t i = 0; changed && i < n; ++i)
+        if ((i >= 5 && i < 11) || (i >= 20 && i < 23))
+            poses[i] = (duet_pose){{1000, 1000, 1000}, {0}, {0, 0, 0, 1}};
+    set_poses(tree, poses, n);
+}
+
+static void meet_the_bodies_of(bool doubles, bool contact)
+{
+    duet_error err = {0};
+    world *w = make_world(3);
+    duet_motion_result result;
+    duet_motion *asked = drop_boxes(doubles, contact), *alone = drop_boxes(doubles, contact);
+    duet_tree *by_host = open_tree(3, 0, NULL, 0), *trees[3];
+    duet_ray_query *expected = open_query(by_host, DUET_QUERY_EVERY), *queries[3];
+    for (uint32_t i = 0; i < 3; ++i) {
+        trees[i] = open_tree(3, DUET_SHARE_ONE / 2 * i, NULL, 0);
+        queries[i] = open_query(trees[i], DUET_QUERY_EVERY);
+    }
+    for (int step = 0; step < 12; ++step) {
+        if (step == 6) {
+            change_bodies(asked);
+            change_bodies(alone);
+        }
+        set_bodies(by_host, asked, step >= 6);
+        duet_ray_query_result known = cast(expected, w->rays, 300);
+        assert_true(known.n_hits > 0);
+        for (int i = 0; i < 3; ++i) {
+            assert_ok(duet_tree_set_motion(trees[i], asked, &err), err);
+            duet_ray_query_result found = cast(queries[i], w->rays, 300);
+            assert_int_equal(found.n_hits, known.n_hits);
+            assert_memory_equal(found.hits, known.hits, known.n_hits * sizeof *known.hits);
+        }
+        assert_ok(duet_motion_advance(asked, &result, &err), err);
+        assert_ok(duet_motion_advance(alone, &result, &err), err);
+    }
+    set_bodies(by_host, asked, true);
+    assert_ok(duet_tree_set_motion(trees[2], asked, &err), err);
+    assert_ok(duet_tree_set_motion(trees[0], asked, &err), err);
+    assert_ok(duet_tree_set_share(trees[2], 0, &err), err);
+    assert_ok(duet_tree_set_share(trees[0], DUET_SHARE_ONE, &err), err);
+    duet_ray_query_result known = cast(expected, w->rays, 300);
+    for (int i = 0; i < 3; i += 2) {
+        duet_ray_query_result found = cast(queries[i], w->rays, 300);
+        assert_int_equal(found.n_hits, known.n_hits);
+        assert_memory_equal(found.hits, known.hits, known.n_hits * sizeof *known.hits);
+    }
+    uint64_t hashes[2];
+    assert_ok(duet_motion_get_hash(asked, &hashes[0], &err), err);
+    assert_ok(duet_motion_get_hash(alone, &hashes[1], &err), err);
+    assert_true(hashes[0] == hashes[1]);
+    duet_motion_destroy(asked);
+    duet_motion_destroy(alone);
+    for (int i = 0; i < 3; ++i) { // a tree outlives its motion
+        cast(queries[i], w->rays, 300);
+        duet_tree_destroy(trees[i]);
+        duet_ray_query_destroy(queries[i]);
+    }
+    duet_tree_destroy(by_host);
+    duet_ray_query_destroy(expected);
+    free(w);
+}
+
+static void a_tree_of_a_motion_has_its_bodies(void **state)
+{
+    (void)state;
+    meet_the_bodies_of(false, true);
+    meet_the_bodies_of(true, true);
+    meet_the_bodies_of(false, false); // by way of the host
+}
+
+static void a_motion_that_no_tree_takes_is_refused(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_motion_def def = duet_default_motion_def();
+    const duet_pose far[2] = {{{0, 0, 0}, {1, 1, 1}, {0, 0, 0, 1}},
+                              {{0x1p101f, 0, 0}, {1, 1, 1}, {0, 0, 0, 1}}};
+    def.pair = devices;
+    def.wants = DUET_EFFECT_CONTACT;
+    duet_motion *motion = duet_motion_create(&def, far, NULL, 2, &err);
+    assert_ok(motion, err);
+    duet_tree *bounds = open_bounds_tree(3, 0, NULL, 0), *flat = open_tree(2, 0, NULL, 0);
+    duet_tree *tree = open_tree(3, 0, &far[0], 1);
+    assert_false(duet_tree_set_motion(bounds, motion, &err));
+    assert_string_equal(err.text, "a motion's bodies are poses; the tree is of bounds");
+    err = (duet_error){0};
+    assert_false(duet_tree_set_motion(flat, motion, &err));
+    assert_string_equal(err.text, "the motion has dims 3; the tree has 2");
+    err = (duet_error){0};
+    assert_false(duet_tree_set_motion(tree, motion, &err));
+    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
+    assert_non_null(strstr(err.text, "object 1 "));
+    duet_ray_query *query = open_query(tree, DUET_QUERY_ANY);
+    assert_int_equal(cast(query, &(duet_ray){.t_max = 1}, 1).hits[0].id, DUET_NO_OBJECT);
+    duet_ray_query_destroy(query);
+    duet_tree_destroy(bounds);
+    duet_tree_destroy(flat);
+    duet_tree_destroy(tree);
+    duet_motion_destroy(motion);
 }
 
 // ---------------------------------------------------------------- closed forms
@@ -543,10 +725,13 @@ int main(void)
         cmocka_unit_test(every_hit_in_3d),
         cmocka_unit_test(every_hit_in_2d),
         cmocka_unit_test(hits_of_bounds_are_exact),
+        cmocka_unit_test(a_slow_ray_enters_bounds_where_it_does),
         cmocka_unit_test(integers_agree_on_poses_and_bounds),
         cmocka_unit_test(closest_and_any_are_of_every_hit),
         cmocka_unit_test(share_and_order_of_boxes_change_nothing),
         cmocka_unit_test(rays_meet_bodies_where_they_are),
+        cmocka_unit_test(a_tree_of_a_motion_has_its_bodies),
+        cmocka_unit_test(a_motion_that_no_tree_takes_is_refused),
         cmocka_unit_test(touching_counts),
         cmocka_unit_test(lists_grow),
         cmocka_unit_test(no_boxes_and_no_rays_are_no_error),

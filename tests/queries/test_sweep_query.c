@@ -345,6 +345,27 @@ static void a_cube_stops_at_a_wall(void **state)
     duet_tree_destroy(tree);
 }
 
+// Turned boxes that touch exactly: where they do is rounded, and yet no way is left.
+static void what_touches_at_the_begin_has_no_normal(void **state)
+{
+    (void)state;
+    const duet_pose box = {{1, 2, 2}, {4, 2, 3}, {1, 1, 1, 1}};
+    const duet_pose mover = {{4, -2, 0}, {0, 2, 4}, {3, 1, -2, 5}};
+    const duet_sweep sweeps[] = {
+        {mover, {0, 0, 2}, 0}, {mover, {0, 0, 2}, 1}, {mover, {0, 0, -2}, 1}, {mover, {0, 0, 0}, 1}};
+    enum { N = sizeof sweeps / sizeof *sweeps };
+    assert_true(narrow_exact(&mover, &box, 3));
+    duet_tree *tree = open_tree(3, 0, &box, 1);
+    duet_sweep_query *query = open_query(tree, DUET_QUERY_CLOSEST);
+    const duet_sweep_hit *hits = ask(query, DUET_OBJECT_POSES, sweeps, N).hits;
+    for (int i = 0; i < N; ++i) {
+        assert_true(hits[i].id == 0 && hits[i].t == 0);
+        assert_true(hits[i].normal[0] == 0 && hits[i].normal[1] == 0 && hits[i].normal[2] == 0);
+    }
+    duet_sweep_query_destroy(query);
+    duet_tree_destroy(tree);
+}
+
 static void what_is_no_sweep_is_refused_by_its_number(void **state)
 {
     (void)state;
@@ -378,6 +399,7 @@ int main(void)
         cmocka_unit_test(closest_and_any_are_of_every_hit),
         cmocka_unit_test(moving_bounds_are_exact),
         cmocka_unit_test(a_cube_stops_at_a_wall),
+        cmocka_unit_test(what_touches_at_the_begin_has_no_normal),
         cmocka_unit_test(what_is_no_sweep_is_refused_by_its_number),
     };
     return cmocka_run_group_tests(tests, open_devices, close_devices);

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// Where a motion's bodies are as boxes, for a tree: hidden ones
+// (runtime/dynamics/motion_commands.h) have negative half extents.
+#ifndef RUNTIME_MOTION_POSES_H
+#define RUNTIME_MOTION_POSES_H
+
+#include "runtime/dynamics/motion.h"
+
+// Whether B's state says all of it.
+bool motion_has_poses(const duet_motion *m);
+
+// Puts them into poses [n] in B's memory.
+bool motion_write_poses(duet_motion *m, const buffer *poses, duet_error *err);
+
+// The same by way of the host, of any motion.
+bool motion_copy_poses(duet_motion *m, duet_pose *poses, duet_error *err);
+
+uint32_t motion_count_hidden(const duet_motion *m);
+
+#endif

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// A tree of a motion's bodies. Where the motion is on the tree's devices, B writes them from its
+// state; the host gets them where A or an open hit needs them.
+#include "base/error.h"
+#include "runtime/dynamics/motion_poses.h"
+#include "runtime/queries/tree.h"
+
+static bool check(const duet_tree *tree, const duet_motion *motion, duet_error *err)
+{
+    if (tree->def.shape != DUET_SHAPE_POSES)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "a motion's bodies are poses; the tree is of bounds");
+    return tree->def.dims == motion->def.dims ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "the motion has dims %u; the tree has %u",
+                     motion->def.dims, tree->def.dims);
+}
+
+// Where they are as B has them, or by way of the host.
+static bool write_on_b(duet_tree *tree, duet_motion *motion, duet_error *err)
+{
+    tree_side *b = &tree->sides[1];
+    return box_tree_hold(&b->boxes, motion->device, tree->objects, tree->n, err) &&
+           motion_write_poses(motion, &b->boxes.objects, err);
+}
+
+bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err)
+{
+    if (!error_given(tree, __func__, "tree", err) || !motion_is_whole(motion, __func__, err) ||
+        !check(tree, motion, err))
+        return false;
+    bool on_b = motion->n > 0 && motion_has_poses(motion) && motion->def.pair == tree->def.pair;
+    if (!tree_reserve_objects(tree, motion->n, err))
+        return false;
+    if (!(on_b ? write_on_b(tree, motion, err) : motion_copy_poses(motion, tree->objects, err))) {
+        tree_clear(tree);
+        return false;
+    }
+    return tree_build(tree, motion_count_hidden(motion), on_b, err);
+}
