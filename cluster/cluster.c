@@ -118,9 +118,9 @@ int duet_cluster_get_rank_count(const duet_cluster *c)
 }
 
 // A call's failure on one rank, NULL arguments included, becomes that of all.
-static bool agree(duet_cluster *c, bool ok, duet_error *own, duet_error *err)
+static bool agree_on(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err)
 {
-    return ranks_agree(&c->ranks, ok, own) || error_set(err, own->status, "%s", own->text);
+    return ranks_agree_on(&c->ranks, call, ok, own) || error_set(err, own->status, "%s", own->text);
 }
 
 // ---------------------------------------------------------------- objects
@@ -170,7 +170,7 @@ bool duet_cluster_set_objects(duet_cluster *c, duet_object_kind kind, const uint
     ok = ok && (n == 0 || (error_given(ids, __func__, "ids", &own) &&
                            error_given(objects, __func__, "objects", &own)));
     ok = ok && copy_rows(&rows, &c->homes.form, ids, 0, objects, n, &own);
-    ok = agree(c, ok, &own, err);
+    ok = agree_on(c, __func__, ok, &own, err);
     if (ok)
         take(c, &rows);
     object_rows_end(&rows);
@@ -305,7 +305,7 @@ bool duet_cluster_load_scene(duet_cluster *c, const char *path, const duet_setti
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    return agree(c, error_given(path, __func__, "path", &own), &own, err) &&
+    return agree_on(c, __func__, error_given(path, __func__, "path", &own), &own, err) &&
            cluster_load_scene(c, path, settings, n_settings, NULL, err);
 }
 
@@ -386,7 +386,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    if (!agree(c, error_given(result, __func__, "result", &own), &own, err))
+    if (!agree_on(c, __func__, error_given(result, __func__, "result", &own), &own, err))
         return false;
     uint64_t begun_ns = clock_steady_ns();
     c->ranks.wait_ns = c->ranks.sent_bytes = 0;
@@ -414,7 +414,7 @@ bool duet_cluster_get_ranks(duet_cluster *c, duet_cluster_rank *rows, duet_error
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    if (!agree(c, error_given(rows, __func__, "ranks", &own), &own, err))
+    if (!agree_on(c, __func__, error_given(rows, __func__, "ranks", &own), &own, err))
         return false;
     ranks_gather(&c->ranks, &c->last, rows, (int)sizeof c->last);
     return true;
@@ -430,7 +430,7 @@ void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint6
     duet_error own = {0};
     bool ok = error_given(ids, __func__, "ids", &own) && error_given(n, __func__, "n", &own) &&
               check_kind(c, kind, &own);
-    if (!agree(c, ok, &own, err))
+    if (!agree_on(c, __func__, ok, &own, err))
         return NULL;
     if (!settle(c, &own)) {
         error_set(err, own.status, "%s", own.text);
@@ -452,7 +452,7 @@ bool duet_cluster_set_plan(duet_cluster *c, const duet_plan *plan, duet_error *e
     if (ok)
         c->def.world.plan = *plan;
     c->is_cold = true;
-    return agree(c, ok, &own, err);
+    return agree_on(c, __func__, ok, &own, err);
 }
 
 bool duet_cluster_set_level(duet_cluster *c, duet_level level, duet_error *err)
@@ -467,7 +467,7 @@ bool duet_cluster_set_level(duet_cluster *c, duet_level level, duet_error *err)
     if (ok)
         c->def.world.level = level;
     c->is_cold = true;
-    return agree(c, ok, &own, err);
+    return agree_on(c, __func__, ok, &own, err);
 }
 
 bool duet_cluster_load_profile(duet_cluster *c, const char *path, duet_profile *profile,
@@ -476,7 +476,7 @@ bool duet_cluster_load_profile(duet_cluster *c, const char *path, duet_profile *
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    if (!agree(c, error_given(profile, __func__, "profile", &own), &own, err))
+    if (!agree_on(c, __func__, error_given(profile, __func__, "profile", &own), &own, err))
         return false;
     if (!settle(c, &own))
         return error_set(err, own.status, "%s", own.text);

@@ -82,11 +82,13 @@ static bool share_weights(cut *c, ranks *r, double weight, duet_error *err)
     ok = ranks_agree(r, ok, err);
     if (ok)
         ranks_gather(r, &weight, weights, sizeof weight);
-    double sum = 0;
+    double sum = 0, greatest = weight;
     for (int q = 0; ok && q < r->n; ++q)
-        sum += weights[q];
+        greatest = fmax(greatest, weights[q]);
     for (int q = 0; ok && q < r->n; ++q)
-        c->parts[q] = (float)(weights[q] / sum);
+        sum += weights[q] / greatest; // which has no end for several of 1e308
+    for (int q = 0; ok && q < r->n; ++q)
+        c->parts[q] = (float)(weights[q] / greatest / sum);
     free(weights);
     return ok;
 }

@@ -4,7 +4,8 @@
 //
 // All calls are collective: every rank makes the same calls in the same order. Each ends on
 // all ranks in the same way; where it fails on one, all return false with that rank's line,
-// which begins with the rank and its host. Only getters and destroy's argument NULL are a
+// which begins with the rank and its host. Where ranks make different calls, each of these fails
+// with BAD_ARGUMENT and the cluster is as before. Only getters and destroy's argument NULL are a
 // rank's own. One thread of a rank calls MPI.
 //
 // A global id is 64 bits. A rank's homes are the objects that it is responsible for; its
@@ -25,15 +26,15 @@ typedef struct duet_cluster_def {
     void *comm; // an MPI_Comm *, of which a copy is used. NULL: MPI_COMM_WORLD; where MPI was
                 // not begun, create begins it and destroy ends it
     duet_world_def world; // the same on all ranks, except pair and plan. has_accuracy, keep_bad,
-                          // separate_sizes and compact_transforms are refused; max_pairs is of each rank, ghosts'
-                          // pairs included
-    const char *pair;     // where world.pair is NULL: a rank's devices, as duet_device_pair_def.a
-                          // has them. NULL: DUET_PAIR, or else this rank's part of its host: a
-                          // GPU, or of the CPU's units
-    bool plain;           // no devices: pairs are found by the plain C reference
-    double weight;        // of this rank: it gets this part of all ranks' sum. 1
-    double imbalance;     // the cut is made anew where a rank has this many times the objects
-                          // that are due to it; above 1
+                          // separate_sizes and compact_transforms are refused; max_pairs is of each
+                          // rank, ghosts' pairs included
+    const char *pair; // where world.pair is NULL: a rank's devices, as duet_device_pair_def.a
+                      // has them. NULL: DUET_PAIR, or else this rank's part of its host: a
+                      // GPU, or of the CPU's units
+    bool plain;       // no devices: pairs are found by the plain C reference
+    double weight;    // of this rank: it gets this part of all ranks' sum. 1
+    double imbalance; // the cut is made anew where a rank has this many times the objects
+                      // that are due to it; above 1
     duet_compile_callback *on_compile; // of a pair that is taken where world.pair is NULL
     void *context;                     // handed to it
     int cookie;

@@ -13,6 +13,7 @@
 
 #include <inttypes.h>
 #include <locale.h>
+#include <math.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdio.h>
@@ -44,7 +45,7 @@ static bool read_weight(const run_state *r, double *weight, duet_error *err)
     for (bool more = at; more; ++n) {
         char *end = NULL;
         double number = strtod(at, &end);
-        if (end == at || (*end && *end != ',') || !(number > 0))
+        if (end == at || (*end && *end != ',') || !(number > 0) || isinf(number))
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "--weights '%s': give numbers above 0, as 1,1,2", r->args->weights);
         *weight = n == r->rank ? number : *weight;

@@ -136,6 +136,7 @@ static void a_failure_is_one_line(void **state)
         {"cluster --ranks 3 --pair abacus still -n 2", 1, ": no device 'abacus'; there is "},
         {"cluster --ranks 2 --plain --weights 1,1,1 still", 2, "3 numbers for 2 ranks"},
         {"cluster --ranks 2 --plain --weights 1,0 still", 2, "give numbers above 0"},
+        {"cluster --ranks 2 --plain --weights 1,inf still", 2, "give numbers above 0"},
         {"cluster --ranks 2 --plain --pairs no/such/p.npy still -n 3", 1,
          "p.npy: cannot be written"},
         {"cluster --pairs p.csv still", 2, "expected a file whose name ends in .npy"},
