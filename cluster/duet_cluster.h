@@ -28,13 +28,13 @@ typedef struct duet_cluster_def {
     duet_world_def world; // the same on all ranks, except pair and plan. has_accuracy, keep_bad,
                           // separate_sizes and compact_transforms are refused; max_pairs is of each
                           // rank, ghosts' pairs included
-    const char *pair; // where world.pair is NULL: a rank's devices, as duet_device_pair_def.a
-                      // has them. NULL: DUET_PAIR, or else this rank's part of its host: a
-                      // GPU, or of the CPU's units
-    bool plain;       // no devices: pairs are found by the plain C reference
-    double weight;    // of this rank: it gets this part of all ranks' sum. 1
-    double imbalance; // the cut is made anew where a rank has this many times the objects
-                      // that are due to it; above 1
+    const char *pair;     // where world.pair is NULL: a rank's devices, as duet_device_pair_def.a
+                          // has them. NULL: DUET_PAIR, or else this rank's part of its host: a
+                          // GPU, or of the CPU's units
+    bool plain;           // no devices: pairs are found by the plain C reference
+    double weight;        // of this rank: it gets this part of all ranks' sum. 1
+    double imbalance;     // the cut is made anew where a rank has this many times the objects
+                          // that are due to it; above 1
     duet_compile_callback *on_compile; // of a pair that is taken where world.pair is NULL
     void *context;                     // handed to it
     int cookie;
