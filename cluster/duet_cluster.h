@@ -33,8 +33,11 @@ typedef struct duet_cluster_def {
                           // GPU, or of the CPU's units
     bool plain;           // no devices: pairs are found by the plain C reference
     double weight;        // of this rank: it gets this part of all ranks' sum. 1
-    double imbalance;     // the cut is made anew where a rank has this many times the objects
-                          // that are due to it; above 1
+    uint32_t parts;   // in which this rank's devices see its homes, one after the other: they need
+                      // memory for two of them. 1, up to 1024
+    bool drops_pairs; // own_pairs of a result stays empty: pairs are counted, and have a hash
+    double imbalance; // the cut is made anew where a rank has this many times the objects
+                      // that are due to it; above 1
     duet_compile_callback *on_compile; // of a pair that is taken where world.pair is NULL
     void *context;                     // handed to it
     int cookie;

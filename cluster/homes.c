@@ -247,10 +247,10 @@ static bool keep_widest(homes *h, ranks *r, const look *l)
     return false;
 }
 
-static void join_levels(homes *h)
+void level_boxes_join(level_boxes *boxes)
 {
     for (int k = 1; k < LEVELS; ++k)
-        reach_add(&h->boxes.upto[k], &h->boxes.upto[k - 1]);
+        reach_add(&boxes->upto[k], &boxes->upto[k - 1]);
 }
 
 // A look tells who leaves. What has arrived where a new cut has it is looked at again.
@@ -265,6 +265,7 @@ static bool settle(look *l, homes *h, ranks *r, cut *c, double imbalance, duet_e
             if (!cut_make(c, r, &h->form, &h->rows, err))
                 return false;
             h->is_cut = is_new = true;
+            ++h->n_cuts;
             look_again(l);
         }
         if (!keep_widest(h, r, l))
@@ -294,7 +295,7 @@ bool homes_settle(homes *h, ranks *r, cut *c, double imbalance, duet_error *err)
     bool ok = l.parts || error_set(err, DUET_STATUS_NO_MEMORY, "a look at the homes: no memory");
     ok = ranks_agree(r, ok, err) && settle(&l, h, r, c, imbalance, err);
     if (ok)
-        join_levels(h);
+        level_boxes_join(&h->boxes);
     end_look(&l);
     return ok;
 }

@@ -161,7 +161,12 @@ bool duet_cluster_save_pairs(duet_cluster *c, const char *path, bool sorted, due
         return false;
     duet_error own = {0};
     parcels in_order = {0};
-    bool ok = ranks_agree_on(&c->ranks, __func__, error_given(path, __func__, "path", &own), &own);
+    bool ok = error_given(path, __func__, "path", &own) &&
+              (!c->own.drops || error_set(&own, DUET_STATUS_BAD_ARGUMENT,
+                                          "%s: this cluster drops its pairs; expected a def "
+                                          "without drops_pairs",
+                                          path));
+    ok = ranks_agree_on(&c->ranks, __func__, ok, &own);
     ok = ok && (!sorted || sort_pairs(c, &in_order, &own));
     if (ok)
         ok = sorted ? write_pairs(c, path, in_order.rows, in_order.n, &own)

@@ -167,6 +167,8 @@ static void make_crowd(crowd *c, rng *r, uint32_t i)
 
 // ---------------------------------------------------------------- clusters
 
+static uint32_t n_parts = 1; // of the clusters that are opened
+
 static duet_cluster *open_cluster(MPI_Comm *comm, const duet_world_def *world, double weight)
 {
     duet_error err = {0};
@@ -175,6 +177,7 @@ static duet_cluster *open_cluster(MPI_Comm *comm, const duet_world_def *world, d
     def.world = *world;
     def.plain = true;
     def.weight = weight;
+    def.parts = n_parts;
     duet_cluster *c = duet_cluster_create(&def, &err);
     MUST_OK(c, err);
     return c;
@@ -234,7 +237,9 @@ static void random_crowds_have_the_same_pairs(uint64_t seed)
             MPI_Comm comm = group_of(groups[g]);
             if (comm == MPI_COMM_NULL)
                 continue;
+            n_parts = 1 + (i + (uint32_t)(g + rank)) * 7 % 13 % 6; // they differ from rank to rank
             duet_cluster *cluster = open_cluster(&comm, &c.world, weight);
+            n_parts = 1;
             hand_over(cluster, &c, 0, (uint32_t)rng_seed(i).state);
             must_find(cluster, &c);
             must_find(cluster, &c); // nothing moved
@@ -353,7 +358,9 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
         comms[g] = group_of(groups[g]);
         if (comms[g] == MPI_COMM_NULL)
             continue;
+        n_parts = g == 2 ? 3 : 1;
         clusters[g] = open_cluster(&comms[g], &c.world, 1 + rank % 2);
+        n_parts = 1;
         hand_over(clusters[g], &c, 0, 7);
     }
     uint64_t left = 0;
@@ -709,6 +716,15 @@ static void nothing_is_refused(void)
     wrong.plain = true;
     wrong.world.compact_transforms = true; // else they would be taken for poses
     REFUSED(duet_cluster_create(&wrong, &err));
+    wrong.world.compact_transforms = false;
+    wrong.parts = rank == 0 ? 0 : 1;
+    REFUSED(duet_cluster_create(&wrong, &err));
+    wrong.parts = 1;
+    wrong.drops_pairs = true;
+    c = duet_cluster_create(&wrong, &err);
+    MUST(c, err.text);
+    REFUSED(duet_cluster_save_pairs(c, "p.npy", true, &err));
+    duet_cluster_destroy(c);
     MPI_Comm_free(&comm);
 #undef REFUSED
 }
