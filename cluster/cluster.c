@@ -543,7 +543,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
                                     .hash = sums[2],
                                     .total_ms = total_ms,
                                     .own_pairs = c->own.pairs,
-                                    .n_own_pairs = c->own.n};
+                                    .n_own_pairs = c->own.drops ? 0 : c->own.n};
     return true;
 }
 

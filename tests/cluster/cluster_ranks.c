@@ -723,6 +723,11 @@ static void nothing_is_refused(void)
     wrong.drops_pairs = true;
     c = duet_cluster_create(&wrong, &err);
     MUST(c, err.text);
+    duet_pose unit = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
+    id = (uint64_t)rank;
+    MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, &id, &unit, 1, &err), err);
+    result = step(c);
+    MUST(result.pairs == 1 && result.n_own_pairs == 0, "a pair that is counted and not kept");
     REFUSED(duet_cluster_save_pairs(c, "p.npy", true, &err));
     duet_cluster_destroy(c);
     MPI_Comm_free(&comm);
