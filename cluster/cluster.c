@@ -10,18 +10,22 @@
 #include "runtime/scene/scene.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { COOKIE = 0x0d0e7010 };
+enum { COOKIE = 0x0d0e7011, MOST_PARTS = 1024, OBJECTS_AT_ONCE = 1 << 20 };
 
 // ---------------------------------------------------------------- owner
 
 duet_cluster_def duet_default_cluster_def(void)
 {
-    return (duet_cluster_def){
-        .world = duet_default_world_def(), .weight = 1, .imbalance = 1.2, .cookie = COOKIE};
+    return (duet_cluster_def){.world = duet_default_world_def(),
+                              .weight = 1,
+                              .parts = 1,
+                              .imbalance = 1.2,
+                              .cookie = COOKIE};
 }
 
 static bool check_shape(duet_shape shape, duet_error *err)
@@ -46,20 +50,40 @@ static bool check_def(const duet_cluster_def *def, duet_error *err)
                          def->world.separate_sizes ? "separate_sizes" : "compact_transforms");
     if (!check_shape(def->world.shape, err))
         return false;
+    if (def->parts < 1 || def->parts > MOST_PARTS)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "parts is %u; expected 1 to %d", def->parts,
+                         MOST_PARTS);
     return def->imbalance > 1 ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT, "imbalance is %g; expected a number above 1",
                      def->imbalance);
 }
 
-static bool open_worker(duet_cluster *c, duet_error *err)
+static int count_workers(const duet_cluster *c)
 {
-    if (c->worker)
-        c->worker->close(c->worker);
-    c->worker =
-        c->def.plain ? worker_open_plain(&c->def.world, err) : worker_open_pair(&c->def.world, err);
+    return c->parts.n > 1 ? 2 : 1;
+}
+
+static void close_workers(duet_cluster *c)
+{
+    for (int i = 0; i < 2; ++i) {
+        if (c->workers[i])
+            c->workers[i]->close(c->workers[i]);
+        c->workers[i] = NULL;
+    }
+}
+
+static bool open_workers(duet_cluster *c, duet_error *err)
+{
+    bool ok = true;
+    close_workers(c);
+    for (int i = 0; ok && i < count_workers(c); ++i) {
+        c->workers[i] = c->def.plain ? worker_open_plain(&c->def.world, err)
+                                     : worker_open_pair(&c->def.world, err);
+        ok = c->workers[i];
+    }
     c->homes.form = object_form_of(&c->def.world);
     c->changed = c->is_cold = true;
-    return c->worker;
+    return ok;
 }
 
 static bool open_pair(duet_cluster *c, duet_error *err)
@@ -85,11 +109,13 @@ duet_cluster *duet_cluster_create(const duet_cluster_def *def, duet_error *err)
         return NULL;
     }
     c->def = *def;
+    c->own.drops = def->drops_pairs;
     bool ok = ranks_begin(&c->ranks, def->comm, err);
     if (ok) {
         c->homes.threads = &c->threads;
         ok = parallel_begin(&c->threads, c->ranks.n_on_host, &own) && check_def(def, &own) &&
-             open_pair(c, &own) && open_worker(c, &own);
+             parts_begin(&c->parts, def->parts, &c->ranks, &own) && open_pair(c, &own) &&
+             open_workers(c, &own);
         ok = ranks_agree(&c->ranks, ok, &own) && cut_begin(&c->cut, &c->ranks, def->weight, &own);
         if (!ok)
             error_set(err, own.status, "%s", own.text);
@@ -105,11 +131,12 @@ void duet_cluster_destroy(duet_cluster *c)
 {
     if (!c)
         return;
-    if (c->worker)
-        c->worker->close(c->worker);
+    close_workers(c);
     duet_device_pair_destroy(c->own_pair);
     own_pairs_end(&c->own);
-    seen_end(&c->seen);
+    for (int i = 0; i < 2; ++i)
+        seen_end(&c->seen[i]);
+    parts_end(&c->parts);
     homes_end(&c->homes);
     cut_end(&c->cut);
     parallel_end(&c->threads);
@@ -129,9 +156,9 @@ int duet_cluster_get_rank_count(const duet_cluster *c)
 }
 
 // A call's failure on one rank, NULL arguments included, becomes that of all.
-static bool agree(duet_cluster *c, bool ok, duet_error *own, duet_error *err)
+static bool agree_on(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err)
 {
-    return ranks_agree(&c->ranks, ok, own) || error_set(err, own->status, "%s", own->text);
+    return ranks_agree_on(&c->ranks, call, ok, own) || error_set(err, own->status, "%s", own->text);
 }
 
 // ---------------------------------------------------------------- objects
@@ -143,17 +170,15 @@ static void take(duet_cluster *c, object_rows *rows)
     c->changed = true;
 }
 
-// Ids count from `first` on where there are none.
 static bool copy_rows(object_rows *rows, const object_form *form, const uint64_t *ids,
-                      uint64_t first, const void *objects, uint32_t n, duet_error *err)
+                      const void *objects, uint32_t n, duet_error *err)
 {
     const object_rows none = {0};
     arrival *arrivals = malloc(((size_t)n + 1) * sizeof *arrivals);
     bool ok = arrivals || error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", n);
     for (uint32_t i = 0; ok && i < n; ++i)
-        arrivals[i] =
-            (arrival){ids ? ids[i] : first + i, (const char *)objects + (size_t)i * form->bytes, i};
-    if (ok && ids)
+        arrivals[i] = (arrival){ids[i], (const char *)objects + (size_t)i * form->bytes};
+    if (ok)
         arrivals_sort(arrivals, n);
     ok = ok && object_rows_begin(rows, form, n, err);
     ok = ok && object_rows_merge(rows, form, &none, NULL, 0, arrivals, n, err);
@@ -180,8 +205,8 @@ bool duet_cluster_set_objects(duet_cluster *c, duet_object_kind kind, const uint
     bool ok = check_kind(c, kind, &own);
     ok = ok && (n == 0 || (error_given(ids, __func__, "ids", &own) &&
                            error_given(objects, __func__, "objects", &own)));
-    ok = ok && copy_rows(&rows, &c->homes.form, ids, 0, objects, n, &own);
-    ok = agree(c, ok, &own, err);
+    ok = ok && copy_rows(&rows, &c->homes.form, ids, objects, n, &own);
+    ok = agree_on(c, __func__, ok, &own, err);
     if (ok)
         take(c, &rows);
     object_rows_end(&rows);
@@ -190,19 +215,27 @@ bool duet_cluster_set_objects(duet_cluster *c, duet_object_kind kind, const uint
 
 // ---------------------------------------------------------------- scenes
 
+// What a rank has read of a scene: rank 0 all of it, or each rank a part.
+typedef struct scene_part {
+    duet_scene *scene; // NULL: nothing; else it, or its first objects
+    object_rows rows;
+    bool rotated; // one of them
+    uint64_t n;   // of all ranks' parts
+} scene_part;
+
 // What rank 0 tells the others of a scene.
 typedef struct told_scene {
     duet_scene_info info; // without its name
     uint64_t name_bytes;
 } told_scene;
 
-static bool tell_scene(duet_cluster *c, const duet_scene *own_part, uint64_t n, duet_error *own)
+static bool tell_scene(duet_cluster *c, const scene_part *part, duet_error *own)
 {
     told_scene told = {0};
-    uint64_t rotated = own_part && own_part->info.rotated; // some object of any rank's part
+    uint64_t rotated = part->rotated;
     ranks_sum(&c->ranks, &rotated, 1);
     if (c->ranks.self == 0)
-        told.info = own_part->info;
+        told.info = part->scene->info;
     const char *name = told.info.name;
     told.name_bytes = name ? strlen(name) + 1 : 1;
     ranks_tell(&c->ranks, &told, sizeof told);
@@ -219,7 +252,7 @@ static bool tell_scene(duet_cluster *c, const duet_scene *own_part, uint64_t n, 
     c->scene_name = copy;
     c->scene = told.info;
     c->scene.name = copy;
-    c->scene.n = n < UINT32_MAX ? (uint32_t)n : UINT32_MAX;
+    c->scene.n = part->n < UINT32_MAX ? (uint32_t)part->n : UINT32_MAX;
     c->scene.rotated = rotated > 0;
     return true;
 }
@@ -234,12 +267,57 @@ static duet_world_def def_of_scene(const duet_cluster *c)
     return def;
 }
 
-// Objects of a scene that rank 0 has read, or of a part that each rank has.
-typedef struct scene_part {
-    duet_scene *scene;
-    uint64_t first; // the id of its first object
-    uint64_t n;     // of all ranks' parts
-} scene_part;
+// Rows for n objects, whose ids count from `first` on; those of the scene are the first.
+static bool begin_rows(scene_part *part, uint64_t first, uint64_t n, duet_error *own)
+{
+    duet_world_def def = duet_scene_world_def(part->scene, NULL);
+    object_form form = object_form_of(&def);
+    bool ok = check_shape(def.shape, own) && object_rows_begin(&part->rows, &form, n, own);
+    for (uint64_t i = 0; ok && i < n; ++i)
+        part->rows.ids[i] = first + i;
+    part->rows.n = 0;
+    return ok;
+}
+
+static void add_objects(scene_part *part, const duet_scene *from)
+{
+    duet_world_def def = duet_scene_world_def(part->scene, NULL);
+    object_form form = object_form_of(&def);
+    const void *objects = duet_scene_get_objects(from, object_form_kind(&form));
+    object_rows_append(&part->rows, &form, part->rows.ids + part->rows.n, objects, from->info.n);
+    part->rotated = part->rotated || from->info.rotated;
+}
+
+static bool are_of_one_kind(const duet_scene *a, const duet_scene *b)
+{
+    return a->info.dims == b->info.dims && a->info.shape == b->info.shape &&
+           a->info.origin_edge == b->info.origin_edge;
+}
+
+// Some objects at a time, so that a part is not there twice.
+static bool read_range(scene_part *part, const char *path, const duet_setting *settings,
+                       uint32_t n_settings, uint64_t first, uint64_t end, duet_error *own)
+{
+    bool ok = true;
+    for (uint64_t at = first; ok && (at < end || !part->scene);) {
+        uint64_t n = 0, to = end - at < OBJECTS_AT_ONCE ? end : at + OBJECTS_AT_ONCE;
+        duet_scene *some = scene_load_range(path, settings, n_settings, at, to, &n, own);
+        bool is_first = !part->scene;
+        part->scene = is_first ? some : part->scene;
+        ok = some && ((n == part->n && are_of_one_kind(part->scene, some)) ||
+                      error_set(own, DUET_STATUS_BAD_INPUT,
+                                "%s: it has %llu objects here and %llu on rank 0, or others each "
+                                "time it is read",
+                                path, (unsigned long long)n, (unsigned long long)part->n));
+        ok = ok && (!is_first || begin_rows(part, first, end - first, own));
+        if (ok)
+            add_objects(part, some);
+        if (!is_first)
+            duet_scene_destroy(some);
+        at = to;
+    }
+    return ok;
+}
 
 // Rank 0 reads the scene. Where objects are made by `each`, it only counts them, and each rank
 // makes as many of them as the others.
@@ -247,51 +325,46 @@ static bool read_part(duet_cluster *c, const char *path, const duet_setting *set
                       uint32_t n_settings, bool whole, scene_part *part, duet_error *own)
 {
     uint64_t told[2] = {0}; // objects, and those that are not made
-    bool reads = c->ranks.self == 0;
+    bool ok = true, reads = c->ranks.self == 0;
     whole = whole || strcmp(path, "-") == 0; // which only rank 0 has
     *part = (scene_part){0};
     if (reads && whole)
         part->scene = duet_scene_load(path, settings, n_settings, own);
     else if (reads)
         part->scene = scene_load_deferred(path, settings, n_settings, &told[0], &told[1], own);
-    if (!ranks_agree(&c->ranks, !reads || part->scene, own))
-        return false;
-    if (reads && whole)
+    ok = !reads || part->scene;
+    if (ok && reads && whole)
         told[0] = part->scene->info.n;
+    if (ok && reads && told[1] == 0) {
+        ok = begin_rows(part, 0, told[0], own);
+        if (ok)
+            add_objects(part, part->scene);
+    }
+    if (!ranks_agree(&c->ranks, ok, own))
+        return false;
     ranks_tell(&c->ranks, told, sizeof told);
     part->n = told[0];
     if (told[1] == 0)
         return true;
-    uint64_t each = part->n / (uint64_t)c->ranks.n + 1, end;
-    part->first =
-        each * (uint64_t)c->ranks.self < part->n ? each * (uint64_t)c->ranks.self : part->n;
-    end = part->first + each < part->n ? part->first + each : part->n;
+    uint64_t each = part->n / (uint64_t)c->ranks.n + 1, first = each * (uint64_t)c->ranks.self;
+    first = first < part->n ? first : part->n;
     duet_scene_destroy(part->scene);
-    part->scene = scene_load_range(path, settings, n_settings, part->first, end, &told[0], own);
-    bool ok = part->scene && (told[0] == part->n ||
-                              error_set(own, DUET_STATUS_BAD_INPUT,
-                                        "%s: it has %llu objects here and %llu on rank 0", path,
-                                        (unsigned long long)told[0], (unsigned long long)part->n));
+    part->scene = NULL;
+    ok = read_range(part, path, settings, n_settings, first,
+                    part->n - first < each ? part->n : first + each, own);
     return ranks_agree(&c->ranks, ok, own);
 }
 
-static bool take_part(duet_cluster *c, const scene_part *part, duet_error *own)
+static bool take_part(duet_cluster *c, scene_part *part, duet_error *own)
 {
-    object_rows rows = {0};
-    bool known = !part->scene || check_shape(part->scene->info.shape, own);
-    if (!ranks_agree(&c->ranks, known, own) || !tell_scene(c, part->scene, part->n, own))
+    if (!tell_scene(c, part, own))
         return false;
     c->def.world = def_of_scene(c);
-    bool ok = open_worker(c, own);
-    const void *objects =
-        ok && part->scene ? duet_scene_get_objects(part->scene, object_form_kind(&c->homes.form))
-                          : NULL;
-    ok = ok && copy_rows(&rows, &c->homes.form, NULL, part->first, objects,
-                         part->scene ? part->scene->info.n : 0, own);
+    bool ok = open_workers(c, own);
+    ok = ok && (part->scene || object_rows_begin(&part->rows, &c->homes.form, 0, own));
     ok = ranks_agree(&c->ranks, ok, own);
     if (ok)
-        take(c, &rows);
-    object_rows_end(&rows);
+        take(c, &part->rows);
     c->has_scene = c->has_scene || ok;
     return ok;
 }
@@ -308,6 +381,7 @@ bool cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *s
         part.scene = NULL;
     }
     duet_scene_destroy(part.scene);
+    object_rows_end(&part.rows);
     return ok || error_set(err, own.status, "%s", own.text);
 }
 
@@ -317,7 +391,7 @@ bool duet_cluster_load_scene(duet_cluster *c, const char *path, const duet_setti
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    return agree(c, error_given(path, __func__, "path", &own), &own, err) &&
+    return agree_on(c, __func__, error_given(path, __func__, "path", &own), &own, err) &&
            cluster_load_scene(c, path, settings, n_settings, NULL, err);
 }
 
@@ -328,15 +402,26 @@ const duet_scene_info *duet_cluster_get_scene_info(const duet_cluster *c)
 
 // ---------------------------------------------------------------- a step
 
-static bool check_worker_result(const duet_cluster *c, const worker_found *found, duet_error *err)
+static bool check_worker_result(const seen *s, const worker_found *found, duet_error *err)
 {
     return !found->has_bad ||
            error_set(err, DUET_STATUS_BAD_OBJECT,
                      "object %llu is not a number, infinite, negative or without rotation",
-                     (unsigned long long)c->seen.rows.ids[found->first_bad]);
+                     (unsigned long long)s->rows.ids[found->first_bad]);
 }
 
-// Brings homes and ghosts to where they belong, and hands them to the worker.
+// Parts take turns in the places that there are workers for.
+static bool fill(duet_cluster *c, uint32_t part, duet_error *own)
+{
+    sight from = parts_sight(&c->parts, part);
+    worker *w = c->workers[part % 2];
+    if (c->parts.n > 1 || c->n_cuts_seen != c->homes.n_cuts)
+        w->move(w);
+    c->n_cuts_seen = c->homes.n_cuts;
+    return seen_fill(&c->seen[part % 2], &c->homes, &from, w, own);
+}
+
+// Brings homes and ghosts to where they belong, and hands the first to the workers.
 static bool settle(duet_cluster *c, duet_error *own)
 {
     uint64_t changed = c->changed;
@@ -349,21 +434,73 @@ static bool settle(duet_cluster *c, duet_error *own)
     ok = ok && ghosts_exchange(&c->homes, &c->ranks, &ghosts, own);
     if (ok) {
         c->n_ghosts = ghosts.n;
-        ok = ranks_agree(&c->ranks,
-                         seen_fill(&c->seen, &c->homes, &c->ranks, &ghosts, c->worker, own), own);
+        ok = parts_divide(&c->parts, &c->homes, &c->ranks, &ghosts, own);
+        for (int i = 0; ok && i < count_workers(c); ++i)
+            ok = fill(c, (uint32_t)i, own);
+        ok = ranks_agree(&c->ranks, ok, own);
     }
     parcels_end(&ghosts);
     c->changed = !ok;
     return ok;
 }
 
+// A worker that finds the pairs of a part.
+typedef struct search {
+    worker *worker;
+    const seen *seen;
+    worker_found found;
+    duet_error err;
+    bool ok;
+    bool is_apart; // on a thread of its own
+    pthread_t thread;
+} search;
+
 // Without homes there are no pairs of this rank's, and nothing is built.
+static void *run_search(void *arg)
+{
+    search *s = arg;
+    s->ok = s->seen->rows.n == s->seen->n_ghosts || s->worker->find(s->worker, &s->found, &s->err);
+    return NULL;
+}
+
+static void begin_search(search *s, worker *w, const seen *what, bool apart)
+{
+    *s = (search){.worker = w, .seen = what};
+    s->is_apart = apart && pthread_create(&s->thread, NULL, run_search, s) == 0;
+    if (!s->is_apart)
+        run_search(s);
+}
+
+static bool end_search(search *s, duet_error *own)
+{
+    if (s->is_apart)
+        pthread_join(s->thread, NULL);
+    s->is_apart = false;
+    if (!s->ok)
+        return error_set(own, s->err.status, "%s", s->err.text);
+    return check_worker_result(s->seen, &s->found, own);
+}
+
+// While a part is searched the next one is written, and the pairs of the one before are taken.
 static bool find_own(duet_cluster *c, duet_error *own)
 {
-    worker_found found = {0};
-    if (c->homes.rows.n > 0 && !c->worker->find(c->worker, &found, own))
-        return false;
-    return check_worker_result(c, &found, own) && own_pairs_take(&c->own, &c->seen, &found, own);
+    uint32_t n = c->parts.n;
+    search searches[2] = {{0}};
+    bool ok = true;
+    own_pairs_forget(&c->own);
+    for (uint32_t i = 0; ok && i <= n; ++i) {
+        search *now = &searches[i % 2], *before = &searches[(i + 1) % 2];
+        ok = i >= n || n == 1 || fill(c, i, own);
+        if (i > 0)
+            ok = end_search(before, ok ? own : NULL) && ok;
+        if (ok && i < n)
+            begin_search(now, c->workers[i % 2], &c->seen[i % 2], n > 1);
+        if (ok && i > 0)
+            ok = own_pairs_add(&c->own, before->seen, &before->found, own);
+        if (!ok)
+            end_search(now, NULL);
+    }
+    return ok;
 }
 
 // The first time one rank of a host builds kernels, which the others then find in the cache.
@@ -390,7 +527,7 @@ static void keep_times(duet_cluster *c, uint64_t begun_ns)
                                 .busy_ms = fmax(total_ms - wait_ms, 0),
                                 .wait_ms = wait_ms};
     snprintf(last->host, sizeof last->host, "%s", c->ranks.host_name);
-    snprintf(last->pair, sizeof last->pair, "%s", c->worker->name);
+    snprintf(last->pair, sizeof last->pair, "%s", c->workers[0]->name);
 }
 
 bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error *err)
@@ -398,7 +535,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    if (!agree(c, error_given(result, __func__, "result", &own), &own, err))
+    if (!agree_on(c, __func__, error_given(result, __func__, "result", &own), &own, err))
         return false;
     uint64_t begun_ns = clock_steady_ns();
     c->ranks.wait_ns = c->ranks.sent_bytes = 0;
@@ -417,7 +554,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
                                     .hash = sums[2],
                                     .total_ms = total_ms,
                                     .own_pairs = c->own.pairs,
-                                    .n_own_pairs = c->own.n};
+                                    .n_own_pairs = c->own.drops ? 0 : c->own.n};
     return true;
 }
 
@@ -426,7 +563,7 @@ bool duet_cluster_get_ranks(duet_cluster *c, duet_cluster_rank *rows, duet_error
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    if (!agree(c, error_given(rows, __func__, "ranks", &own), &own, err))
+    if (!agree_on(c, __func__, error_given(rows, __func__, "ranks", &own), &own, err))
         return false;
     ranks_gather(&c->ranks, &c->last, rows, (int)sizeof c->last);
     return true;
@@ -442,7 +579,7 @@ void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint6
     duet_error own = {0};
     bool ok = error_given(ids, __func__, "ids", &own) && error_given(n, __func__, "n", &own) &&
               check_kind(c, kind, &own);
-    if (!agree(c, ok, &own, err))
+    if (!agree_on(c, __func__, ok, &own, err))
         return NULL;
     if (!settle(c, &own)) {
         error_set(err, own.status, "%s", own.text);
@@ -459,12 +596,13 @@ bool duet_cluster_set_plan(duet_cluster *c, const duet_plan *plan, duet_error *e
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    bool ok =
-        error_given(plan, __func__, "plan", &own) && c->worker->set_plan(c->worker, plan, &own);
+    bool ok = error_given(plan, __func__, "plan", &own);
+    for (int i = 0; ok && i < count_workers(c); ++i)
+        ok = c->workers[i]->set_plan(c->workers[i], plan, &own);
     if (ok)
         c->def.world.plan = *plan;
     c->is_cold = true;
-    return agree(c, ok, &own, err);
+    return agree_on(c, __func__, ok, &own, err);
 }
 
 bool duet_cluster_set_level(duet_cluster *c, duet_level level, duet_error *err)
@@ -475,11 +613,12 @@ bool duet_cluster_set_level(duet_cluster *c, duet_level level, duet_error *err)
     bool ok =
         duet_level_get_info(level) ||
         error_set(&own, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level", (int)level);
-    ok = ok && c->worker->set_level(c->worker, level, &own);
+    for (int i = 0; ok && i < count_workers(c); ++i)
+        ok = c->workers[i]->set_level(c->workers[i], level, &own);
     if (ok)
         c->def.world.level = level;
     c->is_cold = true;
-    return agree(c, ok, &own, err);
+    return agree_on(c, __func__, ok, &own, err);
 }
 
 bool duet_cluster_load_profile(duet_cluster *c, const char *path, duet_profile *profile,
@@ -488,13 +627,13 @@ bool duet_cluster_load_profile(duet_cluster *c, const char *path, duet_profile *
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    if (!agree(c, error_given(profile, __func__, "profile", &own), &own, err))
+    if (!agree_on(c, __func__, error_given(profile, __func__, "profile", &own), &own, err))
         return false;
     if (!settle(c, &own))
         return error_set(err, own.status, "%s", own.text);
     *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT};
-    if (c->homes.rows.n > 0)
-        c->worker->load_profile(c->worker, path, profile, store_failed);
+    for (int i = 0; c->homes.rows.n > 0 && i < count_workers(c); ++i)
+        c->workers[i]->load_profile(c->workers[i], path, profile, store_failed);
     c->is_cold = true;
     return true;
 }

@@ -4,7 +4,7 @@
 #define CLUSTER_CLUSTER_H
 
 #include "cluster/duet_cluster.h"
-#include "cluster/found.h"
+#include "cluster/parts.h"
 
 struct duet_cluster {
     duet_cluster_def def;       // with this rank's pair
@@ -13,8 +13,10 @@ struct duet_cluster {
     parallel threads;
     cut cut;
     homes homes;
-    worker *worker;
-    seen seen;
+    parts parts;
+    worker *workers[2]; // one is filled while the other finds; the second is of several parts
+    seen seen[2];
+    uint64_t n_cuts_seen; // of the homes, when workers were filled
     own_pairs own;
     uint64_t n_ghosts;
     bool changed; // objects, since the worker got them

@@ -4,7 +4,8 @@
 //
 // All calls are collective: every rank makes the same calls in the same order. Each ends on
 // all ranks in the same way; where it fails on one, all return false with that rank's line,
-// which begins with the rank and its host. Only getters and destroy's argument NULL are a
+// which begins with the rank and its host. Where ranks make different calls, each of these fails
+// with BAD_ARGUMENT and the cluster is as before. Only getters and destroy's argument NULL are a
 // rank's own. One thread of a rank calls MPI.
 //
 // A global id is 64 bits. A rank's homes are the objects that it is responsible for; its
@@ -32,8 +33,11 @@ typedef struct duet_cluster_def {
                           // GPU, or of the CPU's units
     bool plain;           // no devices: pairs are found by the plain C reference
     double weight;        // of this rank: it gets this part of all ranks' sum. 1
-    double imbalance;     // the cut is made anew where a rank has this many times the objects
-                          // that are due to it; above 1
+    uint32_t parts;   // in which this rank's devices see its homes, one after the other: they need
+                      // memory for two of them. 1, up to 1024
+    bool drops_pairs; // own_pairs of a result stays empty: pairs are counted, and have a hash
+    double imbalance; // the cut is made anew where a rank has this many times the objects
+                      // that are due to it; above 1
     duet_compile_callback *on_compile; // of a pair that is taken where world.pair is NULL
     void *context;                     // handed to it
     int cookie;

@@ -9,22 +9,45 @@
 #include <stdlib.h>
 #include <string.h>
 
+// ---------------------------------------------------------------- ghosts
+
+static int by_id(const void *left, const void *right)
+{
+    const ghost_row *p = left, *q = right;
+    return (p->id > q->id) - (p->id < q->id);
+}
+
+void ghosts_sort(ghost_row *ghosts, uint64_t n)
+{
+    qsort(ghosts, n, sizeof *ghosts, by_id);
+}
+
+uint32_t ghost_key(const homes *h, const void *object, uint32_t home, uint32_t n_homes)
+{
+    reach e = reach_of(&h->form, object);
+    return owner_key(level_of(reach_widest(&e), h->widest), home, n_homes);
+}
+
+ghost_row *ghosts_read(const homes *h, const ranks *r, uint32_t n_parts, const parcels *messages,
+                       duet_error *err)
+{
+    const unsigned char *message = messages->rows;
+    ghost_row *ghosts = malloc((messages->n + 1) * sizeof *ghosts), *to = ghosts;
+    if (!ghosts) {
+        error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " ghosts: no memory", messages->n);
+        return NULL;
+    }
+    for (uint32_t q = 0; q < (uint32_t)r->n; ++q)
+        for (uint64_t i = 0; i < messages->counts[q]; ++i, message += messages->row_bytes, ++to) {
+            memcpy(&to->id, message, sizeof to->id);
+            to->object = message + sizeof to->id;
+            to->key = ghost_key(h, to->object, q * n_parts, (uint32_t)r->n * n_parts);
+        }
+    ghosts_sort(ghosts, messages->n);
+    return ghosts;
+}
+
 // ---------------------------------------------------------------- what is seen
-
-// The rank that sent each message is known by the message's place.
-static int sender(const parcels *ghosts, uint64_t place)
-{
-    int rank = 0;
-    while (place >= ghosts->counts[rank])
-        place -= ghosts->counts[rank++];
-    return rank;
-}
-
-static uint32_t key_of(const seen *s, const void *object, int rank)
-{
-    reach e = reach_of(&s->homes->form, object);
-    return owner_key(level_of(reach_widest(&e), s->homes->widest), rank, s->n_ranks);
-}
 
 static bool reserve(seen *s, uint64_t n, uint64_t n_ghosts, duet_error *err)
 {
@@ -48,23 +71,49 @@ static bool reserve(seen *s, uint64_t n, uint64_t n_ghosts, duet_error *err)
 typedef struct filling {
     seen *s;
     const homes *h;
-    const parcels *messages;
-    const arrival *arrivals;
+    const sight *from;
     duet_error errors[PARALLEL_MOST];
 } filling;
+
+static uint32_t row_at(const sight *from, uint64_t i)
+{
+    return from->rows ? from->rows[i] : (uint32_t)i;
+}
 
 // The first ghost whose id is not below that of a home.
 static uint64_t ghosts_before(const filling *f, uint64_t home)
 {
-    uint64_t first = 0, last = f->messages->n;
-    if (home >= f->h->rows.n)
+    uint64_t first = 0, last = f->from->n_ghosts;
+    if (home >= f->from->n)
         return last;
+    uint64_t id = f->h->rows.ids[row_at(f->from, home)];
     while (first < last) {
         uint64_t middle = first + (last - first) / 2;
-        if (f->arrivals[middle].id < f->h->rows.ids[home])
+        if (f->from->ghosts[middle].id < id)
             first = middle + 1;
         else
             last = middle;
+    }
+    return first;
+}
+
+// Homes up to the one whose id is not below that of the next ghost, `end` at most.
+static uint64_t add_homes(const filling *f, object_rows *to, uint64_t first, uint64_t end,
+                          const ghost_row *next)
+{
+    const object_rows *rows = &f->h->rows;
+    if (!f->from->rows) {
+        uint64_t run =
+            next ? object_rows_find(rows, (uint32_t)first, (uint32_t)end, next->id) : end;
+        object_rows_append(to, &f->h->form, rows->ids + first,
+                           object_row(rows, &f->h->form, (uint32_t)first), (uint32_t)(run - first));
+        return run;
+    }
+    for (; first < end; ++first) {
+        uint32_t row = f->from->rows[first];
+        if (next && rows->ids[row] >= next->id)
+            break;
+        object_rows_append(to, &f->h->form, &rows->ids[row], object_row(rows, &f->h->form, row), 1);
     }
     return first;
 }
@@ -73,60 +122,61 @@ static uint64_t ghosts_before(const filling *f, uint64_t home)
 static void fill_part(void *context, uint32_t part, uint64_t first, uint64_t end)
 {
     filling *f = context;
-    const object_form *form = &f->h->form;
-    uint64_t ghost = first == 0 ? 0 : ghosts_before(f, first);
-    uint64_t last_ghost = ghosts_before(f, end);
-    // A view of these rows alone, which begins where they do.
-    object_rows part_rows = {.ids = f->h->rows.ids + first,
-                             .objects = object_row(&f->h->rows, form, (uint32_t)first),
-                             .n = (uint32_t)(end - first)};
-    object_rows to = {.ids = f->s->rows.ids + first + ghost,
-                      .objects = object_row(&f->s->rows, form, (uint32_t)(first + ghost))};
-    if (!object_rows_merge(&to, form, &part_rows, NULL, 0, f->arrivals + ghost, last_ghost - ghost,
-                           &f->errors[part]))
-        return;
-    uint32_t at = 0;
-    for (uint64_t k = ghost; k < last_ghost; ++k) {
-        at = object_rows_find(&to, at, to.n, f->arrivals[k].id);
-        f->s->ghosts[k] = (seen_ghost){
-            (uint32_t)(first + ghost) + at,
-            key_of(f->s, f->arrivals[k].object, sender(f->messages, f->arrivals[k].place))};
+    seen *s = f->s;
+    uint64_t k = first == 0 ? 0 : ghosts_before(f, first), last = ghosts_before(f, end);
+    uint64_t at = first + k;
+    object_rows to = {.ids = s->rows.ids + at,
+                      .objects = object_row(&s->rows, &f->h->form, (uint32_t)at)};
+    for (;; ++k) {
+        const ghost_row *next = k < last ? &f->from->ghosts[k] : NULL;
+        uint64_t after = add_homes(f, &to, first, end, next);
+        bool is_double =
+            next && ((to.n > 0 && to.ids[to.n - 1] == next->id) ||
+                     (after < end && f->h->rows.ids[row_at(f->from, after)] == next->id));
+        if (is_double)
+            error_set(&f->errors[part], DUET_STATUS_BAD_ARGUMENT,
+                      "object %" PRIu64 " is there twice", next->id);
+        if (is_double || !next)
+            return;
+        first = after;
+        s->ghosts[k] = (seen_ghost){(uint32_t)at + to.n, next->key};
+        object_rows_append(&to, &f->h->form, &next->id, next->object, 1);
     }
 }
 
-bool seen_fill(seen *s, const homes *h, const ranks *r, const parcels *ghosts, worker *w,
-               duet_error *err)
+static bool fill_all(filling *f, duet_error *err)
 {
-    uint64_t n = h->rows.n + ghosts->n;
+    uint32_t parts = parallel_each(f->h->threads, f->from->n, fill_part, f);
+    for (uint32_t i = 0; i < parts; ++i)
+        if (f->errors[i].status != DUET_STATUS_OK)
+            return error_set(err, f->errors[i].status, "%s", f->errors[i].text);
+    return true;
+}
+
+bool seen_fill(seen *s, const homes *h, const sight *from, worker *w, duet_error *err)
+{
+    uint64_t n = from->n + from->n_ghosts;
     if (n > UINT32_MAX - 1)
         return error_set(err, DUET_STATUS_TOO_MANY,
                          "%u objects and %" PRIu64 " ghosts on one rank; expected more ranks",
-                         h->rows.n, ghosts->n);
+                         from->n, from->n_ghosts);
     filling *f = calloc(1, sizeof *f);
-    arrival *arrivals = arrivals_read(&h->form, ghosts->rows, ghosts->n, err);
     bool ok = f || error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects: no memory", n);
-    ok = ok && arrivals && reserve(s, n, ghosts->n, err);
+    ok = ok && reserve(s, n, from->n_ghosts, err);
     if (ok) {
+        *f = (filling){.s = s, .h = h, .from = from};
         s->homes = h;
-        s->self = r->self;
-        s->n_ranks = r->n;
+        s->home = from->home;
+        s->n_homes = from->n_homes;
         s->rows.objects = w->map(w, (uint32_t)n, err);
-        ok = s->rows.objects;
-    }
-    if (ok) {
-        *f = (filling){.s = s, .h = h, .messages = ghosts, .arrivals = arrivals};
-        uint32_t parts = parallel_each(h->threads, h->rows.n, fill_part, f);
-        for (uint32_t i = 0; ok && i < parts; ++i)
-            ok = f->errors[i].status == DUET_STATUS_OK ||
-                 error_set(err, f->errors[i].status, "%s", f->errors[i].text);
+        ok = s->rows.objects && fill_all(f, err);
     }
     if (ok) {
         s->rows.n = (uint32_t)n;
-        s->n_ghosts = ghosts->n;
+        s->n_ghosts = from->n_ghosts;
     }
     for (uint64_t k = 0; ok && k < s->n_ghosts; ++k)
         s->is_ghost[s->ghosts[k].place / 8] |= (uint8_t)(1u << s->ghosts[k].place % 8);
-    free(arrivals);
     free(f);
     return ok;
 }
@@ -173,7 +223,8 @@ static bool is_own(const seen *s, duet_pair pair)
     if (a == b)
         return !a;
     uint32_t home = a ? pair.b : pair.a, ghost = a ? pair.a : pair.b;
-    return key_of(s, object_row(&s->rows, &s->homes->form, home), s->self) < key_of_ghost(s, ghost);
+    const void *object = object_row(&s->rows, &s->homes->form, home);
+    return ghost_key(s->homes, object, s->home, s->n_homes) < key_of_ghost(s, ghost);
 }
 
 typedef struct taking {
@@ -193,60 +244,71 @@ static duet_pair pair_at(const worker_found *found, uint64_t i)
 static void count_part(void *context, uint32_t part, uint64_t first, uint64_t end)
 {
     taking *t = context;
-    uint64_t n = 0;
-    for (uint64_t i = first; i < end; ++i)
-        n += is_own(t->s, pair_at(t->found, i));
+    uint64_t n = 0, hash = 0;
+    for (uint64_t i = first; i < end; ++i) {
+        duet_pair p = pair_at(t->found, i);
+        if (!is_own(t->s, p))
+            continue;
+        ++n;
+        hash += pair64_hash((duet_pair64){t->s->rows.ids[p.a], t->s->rows.ids[p.b]});
+    }
     t->counts[part] = n;
+    t->hashes[part] = hash;
 }
 
 static void take_part(void *context, uint32_t part, uint64_t first, uint64_t end)
 {
     taking *t = context;
     duet_pair64 *to = t->pairs + t->counts[part];
-    uint64_t hash = 0;
     for (uint64_t i = first; i < end; ++i) {
         duet_pair p = pair_at(t->found, i);
-        if (!is_own(t->s, p))
-            continue;
-        *to = (duet_pair64){t->s->rows.ids[p.a], t->s->rows.ids[p.b]};
-        hash += pair64_hash(*to++);
+        if (is_own(t->s, p))
+            *to++ = (duet_pair64){t->s->rows.ids[p.a], t->s->rows.ids[p.b]};
     }
-    t->hashes[part] = hash;
 }
 
-bool own_pairs_take(own_pairs *own, const seen *s, const worker_found *found, duet_error *err)
+static bool reserve_pairs(own_pairs *own, uint64_t n, duet_error *err)
 {
-    uint64_t n = found->spans[0].n + found->spans[1].n;
+    if (n <= own->capacity)
+        return true;
+    uint64_t most = n + n / 16;
+    duet_pair64 *pairs = realloc(own->pairs, most * sizeof *pairs);
+    if (!pairs)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " pairs: no memory", n);
+    own->pairs = pairs;
+    own->capacity = most;
+    return true;
+}
+
+bool own_pairs_add(own_pairs *own, const seen *s, const worker_found *found, duet_error *err)
+{
+    uint64_t n = found->spans[0].n + found->spans[1].n, all = own->n;
     taking t = {.s = s, .found = found};
-    own->n = own->hash = 0;
     if (n == 0)
         return true;
     uint32_t parts = parallel_each(s->homes->threads, n, count_part, &t);
     for (uint32_t i = 0; i < parts; ++i) {
         uint64_t own_n = t.counts[i];
-        t.counts[i] = own->n;
-        own->n += own_n;
-    }
-    if (own->n > own->capacity) {
-        uint64_t most = own->n + own->n / 16;
-        free(own->pairs);
-        own->pairs = malloc(most * sizeof *own->pairs);
-        own->capacity = own->pairs ? most : 0;
-    }
-    if (own->n > own->capacity) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " pairs: no memory", own->n);
-        own_pairs_end(own);
-        return false;
-    }
-    t.pairs = own->pairs;
-    parallel_each(s->homes->threads, n, take_part, &t);
-    for (uint32_t i = 0; i < parts; ++i)
+        t.counts[i] = all;
+        all += own_n;
         own->hash += t.hashes[i];
+    }
+    if (!own->drops && !reserve_pairs(own, all, err))
+        return false;
+    t.pairs = own->pairs;
+    if (!own->drops)
+        parallel_each(s->homes->threads, n, take_part, &t);
+    own->n = all;
     return true;
+}
+
+void own_pairs_forget(own_pairs *own)
+{
+    own->n = own->hash = 0;
 }
 
 void own_pairs_end(own_pairs *own)
 {
     free(own->pairs);
-    *own = (own_pairs){0};
+    *own = (own_pairs){.drops = own->drops};
 }

@@ -7,10 +7,36 @@
 #include "cluster/homes.h"
 #include "cluster/worker.h"
 
+// An object that is at home elsewhere, and the key of that home.
+typedef struct ghost_row {
+    uint64_t id;
+    const void *object;
+    uint32_t key;
+} ghost_row;
+
+void ghosts_sort(ghost_row *ghosts, uint64_t n); // by ascending id
+
+// Those of the messages that each rank sent, sorted, to be freed; NULL with NO_MEMORY. A rank's
+// homes are in n_parts parts.
+ghost_row *ghosts_read(const homes *h, const ranks *r, uint32_t n_parts, const parcels *messages,
+                       duet_error *err);
+
+// The key of an object at that home, which is a rank, or a part of this one.
+uint32_t ghost_key(const homes *h, const void *object, uint32_t home, uint32_t n_homes);
+
+// Some of this rank's homes and the ghosts that they may touch.
+typedef struct sight {
+    const uint32_t *rows; // ascending; NULL: all
+    uint32_t n;
+    const ghost_row *ghosts; // by ascending id
+    uint64_t n_ghosts;
+    uint32_t home, n_homes; // as ghost_key has them
+} sight;
+
 // A ghost among what is seen.
 typedef struct seen_ghost {
     uint32_t place;
-    uint32_t key; // the owner's
+    uint32_t key;
 } seen_ghost;
 
 // By ascending id, so that the order of two objects, which may decide a float's last bit, is
@@ -22,24 +48,25 @@ typedef struct seen {
     uint64_t n_ghosts;
     uint64_t capacity, ghost_capacity; // for which there is memory
     const homes *homes;
-    int self, n_ranks;
+    uint32_t home, n_homes;
 } seen;
 
-// Writes the homes and n ghosts, those of each rank after those of the rank before, into the
-// worker's memory. Not collective.
-bool seen_fill(seen *s, const homes *h, const ranks *r, const parcels *ghosts, worker *w,
-               duet_error *err);
+// Writes the homes and ghosts into the worker's memory. Not collective.
+bool seen_fill(seen *s, const homes *h, const sight *from, worker *w, duet_error *err);
 void seen_end(seen *s);
 
 // This rank's own pairs.
 typedef struct own_pairs {
+    bool drops; // they are counted, and pairs stays NULL
     duet_pair64 *pairs;
     uint64_t n;
     uint64_t hash;
     uint64_t capacity; // of pairs, for which there is memory
 } own_pairs;
 
-bool own_pairs_take(own_pairs *own, const seen *s, const worker_found *found, duet_error *err);
+// Adds those of what was found.
+bool own_pairs_add(own_pairs *own, const seen *s, const worker_found *found, duet_error *err);
+void own_pairs_forget(own_pairs *own); // keeps the memory
 void own_pairs_end(own_pairs *own);
 
 // The pair hash of one pair: below 2^32 that of duet_pairs_hash.

@@ -80,7 +80,8 @@ static void search_part(void *context, uint32_t part, uint64_t first, uint64_t e
         reach e = reach_of(&h->form, object);
         int own_level = level_of(reach_widest(&e), h->widest);
         for (int k = 0; k < s->n_neighbours; ++k) {
-            int rank = s->neighbours[k], level = own_level - (rank > s->self);
+            int rank = s->neighbours[k],
+                level = owners_upto(own_level, (uint32_t)s->self, (uint32_t)rank);
             if (level >= 0 && reaches_meet(&s->all[rank].upto[level], &e))
                 s->failed[part] |= !add_visit(&s->parts[part], i, rank);
         }

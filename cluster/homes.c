@@ -32,7 +32,7 @@ typedef struct glance {
     uint64_t first_bad; // its id
     double widest;
     level_boxes boxes; // each of its level alone
-    uint32_t *leavers; // ascending; these may be leavers
+    uint32_t *leavers; // ascending
     uint64_t n_leavers;
     uint64_t capacity;
     bool failed; // no memory
@@ -86,7 +86,7 @@ static void look_at_part(void *context, uint32_t part, uint64_t first, uint64_t 
         reach_add(&g->boxes.upto[level_of(width, h->widest)], &e);
         double centre[3];
         object_centre(&h->form, object, centre);
-        if (h->is_cut && !cut_surely_keeps(l->c, centre))
+        if (h->is_cut && !cut_keeps(l->c, centre))
             note_leaver(g, i);
     }
 }
@@ -142,8 +142,7 @@ typedef struct leavers {
     uint64_t n;
 } leavers;
 
-static bool find_leavers(leavers *out, const look *l, const ranks *r, uint64_t *counts,
-                         duet_error *err)
+static bool find_leavers(leavers *out, const look *l, uint64_t *counts, duet_error *err)
 {
     uint64_t most = l->all.n_leavers + 1;
     out->list = malloc(most * sizeof *out->list);
@@ -158,8 +157,6 @@ static bool find_leavers(leavers *out, const look *l, const ranks *r, uint64_t *
             uint32_t i = g->leavers[k];
             object_centre(&l->h->form, object_row(&l->h->rows, &l->h->form, i), centre);
             int to = cut_home(l->c, centre);
-            if (to == r->self)
-                continue;
             out->list[out->n] = i;
             out->destinations[out->n++] = to;
             ++counts[to];
@@ -210,7 +207,7 @@ static bool move_leavers(const look *seen, homes *h, ranks *r, duet_error *err)
     bool ok = parcels_begin(&out, r, object_message_bytes(&h->form), err);
     if (ok && !places)
         ok = error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
-    ok = ok && find_leavers(&l, seen, r, out.counts, err) && parcels_reserve(&out, r, places, err);
+    ok = ok && find_leavers(&l, seen, out.counts, err) && parcels_reserve(&out, r, places, err);
     if (ok)
         write_leavers(h, &l, places, &out);
     ok = ranks_exchange(r, ok, &out, &in, err);
@@ -230,7 +227,7 @@ static double find_unevenness(const homes *h, ranks *r, const cut *c)
 {
     uint64_t n = h->rows.n;
     ranks_sum(r, &n, 1);
-    double due = (double)n * (double)c->parts[r->self];
+    double due = (double)n * c->due;
     double most = n > 0 && due > 0 ? h->rows.n / due : 1;
     ranks_greatest(r, &most, 1);
     return fmax(most, 1);
@@ -250,10 +247,10 @@ static bool keep_widest(homes *h, ranks *r, const look *l)
     return false;
 }
 
-static void join_levels(homes *h)
+void level_boxes_join(level_boxes *boxes)
 {
     for (int k = 1; k < LEVELS; ++k)
-        reach_add(&h->boxes.upto[k], &h->boxes.upto[k - 1]);
+        reach_add(&boxes->upto[k], &boxes->upto[k - 1]);
 }
 
 // A look tells who leaves. What has arrived where a new cut has it is looked at again.
@@ -268,6 +265,7 @@ static bool settle(look *l, homes *h, ranks *r, cut *c, double imbalance, duet_e
             if (!cut_make(c, r, &h->form, &h->rows, err))
                 return false;
             h->is_cut = is_new = true;
+            ++h->n_cuts;
             look_again(l);
         }
         if (!keep_widest(h, r, l))
@@ -297,7 +295,7 @@ bool homes_settle(homes *h, ranks *r, cut *c, double imbalance, duet_error *err)
     bool ok = l.parts || error_set(err, DUET_STATUS_NO_MEMORY, "a look at the homes: no memory");
     ok = ranks_agree(r, ok, err) && settle(&l, h, r, c, imbalance, err);
     if (ok)
-        join_levels(h);
+        level_boxes_join(&h->boxes);
     end_look(&l);
     return ok;
 }

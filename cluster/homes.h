@@ -12,6 +12,9 @@ typedef struct level_boxes {
     reach upto[LEVELS];
 } level_boxes;
 
+// Those of each level alone become those with all finer ones.
+void level_boxes_join(level_boxes *boxes);
+
 typedef struct homes {
     object_form form;
     object_rows rows;
@@ -19,6 +22,7 @@ typedef struct homes {
     level_boxes boxes; // around the homes, or more
     double widest;     // of all ranks' objects, or a little more
     double unevenness; // what the last cut left: the most objects for those that are due
+    uint64_t n_cuts;   // that were made
     bool is_cut;       // the objects are where the cut has them
     parallel *threads;
 } homes;

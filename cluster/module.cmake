@@ -1,5 +1,4 @@
-# The module cluster, the program duet-cluster and libduet_cluster.so, where MPI and Zoltan
-# are there. README.md says why they are apart from duet and libduet.so.
+# The module cluster, the program duet-cluster and libduet_cluster.so, where MPI is there. README.md says why they are apart from duet and libduet.so.
 set(DUET_HAS_CLUSTER OFF)
 set(duet_arrows "${duet_arrows}  cluster -> selection\n")
 if(DUET_CLUSTER STREQUAL "OFF" OR DUET_SANITIZE MATCHES "thread|fuzzer")
@@ -7,14 +6,12 @@ if(DUET_CLUSTER STREQUAL "OFF" OR DUET_SANITIZE MATCHES "thread|fuzzer")
 endif()
 
 find_package(MPI COMPONENTS C QUIET)
-find_path(ZOLTAN_INCLUDE zoltan.h PATH_SUFFIXES trilinos)
-find_library(ZOLTAN_LIBRARY NAMES trilinos_zoltan zoltan)
-if(NOT MPI_C_FOUND OR NOT ZOLTAN_INCLUDE OR NOT ZOLTAN_LIBRARY)
+if(NOT MPI_C_FOUND)
   if(DUET_CLUSTER STREQUAL "ON")
-    message(FATAL_ERROR "DUET_CLUSTER is ON, and MPI or Zoltan is missing; on Debian: apt install "
-      "libopenmpi-dev openmpi-bin libtrilinos-zoltan-dev")
+    message(FATAL_ERROR "DUET_CLUSTER is ON, and MPI is missing; on Debian: apt install "
+      "libopenmpi-dev openmpi-bin")
   endif()
-  message(STATUS "without duet-cluster: MPI or Zoltan is missing")
+  message(STATUS "without duet-cluster: MPI is missing")
   return()
 endif()
 set(DUET_HAS_CLUSTER ON)
@@ -24,8 +21,7 @@ set(objects "${duet_module_objects}")
 duet_module(cluster FOLDER cluster KNOWS selection LINKS MPI::MPI_C PUBLIC cluster/duet_cluster.h)
 set(duet_arrows "${arrows}")
 set(duet_module_objects "${objects}")
-target_include_directories(duet_cluster SYSTEM PRIVATE ${ZOLTAN_INCLUDE})
-set(duet_cluster_needs ${ZOLTAN_LIBRARY} MPI::MPI_C)
+set(duet_cluster_needs MPI::MPI_C)
 
 add_executable(duet-cluster cli/cluster/main.c $<TARGET_OBJECTS:duet_cli>
   $<TARGET_OBJECTS:duet_cluster> ${duet_objects})

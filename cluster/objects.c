@@ -119,6 +119,15 @@ bool reaches_meet(const reach *a, const reach *b)
     return true;
 }
 
+bool reach_holds(const reach *r, const double point[3], double width)
+{
+    double margin = 1.01 * width;
+    for (int k = 0; k < 3; ++k)
+        if (!(point[k] - margin > r->lower[k] && point[k] + margin < r->upper[k]))
+            return false;
+    return true;
+}
+
 void object_centre(const object_form *form, const void *object, double centre[3])
 {
     double corner[3] = {0, 0, 0};
@@ -226,10 +235,19 @@ arrival *arrivals_read(const object_form *form, const void *messages, uint64_t n
     for (uint64_t i = 0; i < n; ++i, message += object_message_bytes(form)) {
         memcpy(&arrivals[i].id, message, sizeof arrivals[i].id);
         arrivals[i].object = message + sizeof arrivals[i].id;
-        arrivals[i].place = i;
     }
     arrivals_sort(arrivals, n);
     return arrivals;
+}
+
+void object_rows_append(object_rows *to, const object_form *form, const uint64_t *ids,
+                        const void *objects, uint32_t n)
+{
+    if (n == 0)
+        return;
+    memcpy(to->ids + to->n, ids, (size_t)n * sizeof *ids);
+    memcpy(object_row(to, form, to->n), objects, (size_t)n * form->bytes);
+    to->n += n;
 }
 
 // False where the first of them has the id of the row before it.
@@ -237,12 +255,8 @@ static bool append(object_rows *to, const object_form *form, const uint64_t *ids
                    const void *objects, uint32_t n, duet_error *err)
 {
     uint32_t at = to->n;
-    if (n == 0)
-        return true;
-    memcpy(to->ids + at, ids, (size_t)n * sizeof *ids);
-    memcpy(object_row(to, form, at), objects, (size_t)n * form->bytes);
-    to->n += n;
-    return at == 0 || to->ids[at] != to->ids[at - 1] ||
+    object_rows_append(to, form, ids, objects, n);
+    return n == 0 || at == 0 || to->ids[at] != to->ids[at - 1] ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT, "object %" PRIu64 " is there twice",
                      to->ids[at]);
 }

@@ -28,6 +28,9 @@ extern const reach reach_none; // of nothing
 reach reach_of(const object_form *form, const void *object);
 void reach_add(reach *to, const reach *other);
 bool reaches_meet(const reach *a, const reach *b);
+// Whether an object around this point meets none whose centre lies outside, where none of the two
+// is wider than that.
+bool reach_holds(const reach *r, const double point[3], double width);
 double reach_widest(const reach *e);
 
 // The point that decides an object's home.
@@ -59,7 +62,6 @@ void object_write_message(const object_form *form, void *message, uint64_t id, c
 typedef struct arrival {
     uint64_t id;
     const void *object;
-    uint64_t place; // its row among the messages
 } arrival;
 
 void arrivals_sort(arrival *arrivals, uint64_t n); // by ascending id
@@ -69,6 +71,10 @@ arrival *arrivals_read(const object_form *form, const void *messages, uint64_t n
 
 // The first of rows [first, end) whose id is not below that one; end where there is none.
 uint32_t object_rows_find(const object_rows *rows, uint32_t first, uint32_t end, uint64_t id);
+
+// Adds n rows, for which there is space.
+void object_rows_append(object_rows *to, const object_form *form, const uint64_t *ids,
+                        const void *objects, uint32_t n);
 
 // The homes but the leavers, places that ascend, and n arrivals become *to, which has space for
 // them, by ascending id. False with BAD_ARGUMENT where an id is there twice.

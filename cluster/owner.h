@@ -23,10 +23,18 @@ static inline int level_of(double width, double widest)
     return below < LEVELS ? LEVELS - 1 - below : 0;
 }
 
-// A pair is found where the object with the lesser key is at home.
-static inline uint32_t owner_key(int level, int rank, int n_ranks)
+// A pair is found where the object with the lesser key is at home: on a rank, or in one of the
+// parts that a rank's homes are in.
+static inline uint32_t owner_key(int level, uint32_t home, uint32_t n_homes)
 {
-    return (uint32_t)level * (uint32_t)n_ranks + (uint32_t)rank;
+    return (uint32_t)level * n_homes + home;
+}
+
+// Of a place's objects these may be owners of pairs with an object of that level that is at home
+// elsewhere: those up to a level, or none below 0.
+static inline int owners_upto(int level, uint32_t home, uint32_t place)
+{
+    return place > home ? level - 1 : level;
 }
 
 #endif

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
 // All ranks write their pairs into one file at once. Rank 0 opens it under a temporary name and
 // puts it in its place; where any rank fails or is ended, it is removed.
+#define _POSIX_C_SOURCE 200809L
 #include "base/error.h"
 #include "base/npy.h"
 #include "base/output.h"
 #include "cluster/cluster.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 // ---------------------------------------------------------------- order
 
@@ -79,32 +82,40 @@ static bool open_file(output *o, const char *path, uint64_t pairs, told_file *to
     return ok;
 }
 
-static bool check(int code, const char *path, duet_error *err)
+static bool check(bool ok, const char *path, duet_error *err)
 {
-    char why[MPI_MAX_ERROR_STRING] = "";
-    int length = 0;
-    if (code == MPI_SUCCESS)
-        return true;
-    MPI_Error_string(code, why, &length);
-    return error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be written: %s", path, why);
+    return ok || error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be written: %s", path,
+                           errno ? strerror(errno) : "the disk is full");
 }
 
-// Every call here is made by all ranks, whatever came of the one before.
-static bool write_values(duet_cluster *c, const char *part, uint64_t at, const void *pairs,
-                         uint64_t n, const char *path, duet_error *err)
+static bool write_all(int file, uint64_t at, const void *bytes, size_t n)
 {
-    MPI_File file;
-    MPI_Datatype row;
-    int code = MPI_File_open(c->ranks.comm, part, MPI_MODE_WRONLY, MPI_INFO_NULL, &file);
-    if (!ranks_agree(&c->ranks, check(code, path, err), err))
-        return false;
-    MPI_Type_contiguous((int)sizeof(duet_pair64), MPI_BYTE, &row);
-    MPI_Type_commit(&row);
-    code = MPI_File_write_at_all(file, (MPI_Offset)at, pairs, (int)n, row, MPI_STATUS_IGNORE);
-    bool ok = check(code, path, err);
-    ok = check(MPI_File_close(&file), path, err) && ok;
-    MPI_Type_free(&row);
-    return ranks_agree(&c->ranks, ok, err);
+    const unsigned char *from = bytes;
+    while (n > 0) {
+        errno = 0;
+        ssize_t written = pwrite(file, from, n, (off_t)at);
+        if (written <= 0 && errno != EINTR)
+            return false;
+        size_t done = written > 0 ? (size_t)written : 0;
+        from += done;
+        at += done;
+        n -= done;
+    }
+    return true;
+}
+
+// Each rank writes its own range with plain calls: where the disk is full, MPI-IO may write less
+// than all and call it success.
+static bool write_values(const char *part, uint64_t at, const void *pairs, uint64_t n,
+                         const char *path, duet_error *err)
+{
+    int file = open(part, O_WRONLY | O_CLOEXEC);
+    if (file < 0)
+        return error_set(err, DUET_STATUS_IO_FAILED,
+                         "%s: cannot be written: %s; expected a folder that all hosts share", path,
+                         strerror(errno));
+    bool ok = check(write_all(file, at, pairs, n * sizeof(duet_pair64)), path, err);
+    return check(close(file) == 0, path, ok ? err : NULL) && ok;
 }
 
 static bool write_pairs(duet_cluster *c, const char *path, const void *pairs, uint64_t n,
@@ -118,12 +129,7 @@ static bool write_pairs(duet_cluster *c, const char *path, const void *pairs, ui
     bool opens = r->self == 0;
     ranks_sum(r, &all, 1);
     uint64_t before = ranks_sum_before(r, n);
-    bool ok =
-        n <= INT_MAX || error_set(err, DUET_STATUS_TOO_MANY,
-                                  "%" PRIu64 " pairs on one rank; %d are the most: more ranks "
-                                  "have fewer each",
-                                  n, INT_MAX);
-    ok = ok && (!opens || open_file(&o, path, all, &told, &part, err));
+    bool ok = !opens || open_file(&o, path, all, &told, &part, err);
     ok = ranks_agree(r, ok, err);
     char *name = NULL;
     int slot = -1;
@@ -138,8 +144,8 @@ static bool write_pairs(duet_cluster *c, const char *path, const void *pairs, ui
             memcpy(name, text_chars(&part), told.path_bytes);
         ranks_tell(r, name, told.path_bytes);
         slot = opens ? -1 : output_watch_part(name);
-        ok = write_values(c, name, told.values_at + before * sizeof(duet_pair64), pairs, n, path,
-                          err);
+        ok = write_values(name, told.values_at + before * sizeof(duet_pair64), pairs, n, path, err);
+        ok = ranks_agree(r, ok, err);
     }
     bool closed = !opens || output_close(&o, ok, ok ? err : NULL);
     ok = ok && ranks_agree(r, closed, err);
@@ -155,7 +161,12 @@ bool duet_cluster_save_pairs(duet_cluster *c, const char *path, bool sorted, due
         return false;
     duet_error own = {0};
     parcels in_order = {0};
-    bool ok = ranks_agree(&c->ranks, error_given(path, __func__, "path", &own), &own);
+    bool ok = error_given(path, __func__, "path", &own) &&
+              (!c->own.drops || error_set(&own, DUET_STATUS_BAD_ARGUMENT,
+                                          "%s: this cluster drops its pairs; expected a def "
+                                          "without drops_pairs",
+                                          path));
+    ok = ranks_agree_on(&c->ranks, __func__, ok, &own);
     ok = ok && (!sorted || sort_pairs(c, &in_order, &own));
     if (ok)
         ok = sorted ? write_pairs(c, path, in_order.rows, in_order.n, &own)

@@ -67,12 +67,9 @@ void ranks_end(ranks *r)
 
 // ---------------------------------------------------------------- all at once
 
-bool ranks_agree(ranks *r, bool ok, duet_error *err)
+// Every rank's err becomes that of the least rank that failed.
+static bool tell_failure(ranks *r, int failing, duet_error *err)
 {
-    int failing = ok ? r->n : r->self;
-    WAITING(r, MPI_Allreduce(MPI_IN_PLACE, &failing, 1, MPI_INT, MPI_MIN, r->comm));
-    if (failing == r->n)
-        return true;
     duet_error first = {0};
     if (failing == r->self && err)
         first = *err;
@@ -87,6 +84,33 @@ bool ranks_agree(ranks *r, bool ok, duet_error *err)
     if (err)
         *err = first;
     return false;
+}
+
+bool ranks_agree(ranks *r, bool ok, duet_error *err)
+{
+    return ranks_agree_on(r, "", ok, err);
+}
+
+// The names of two calls differ in their sums of squares.
+static int number_of(const char *call)
+{
+    int number = 0;
+    for (; *call; ++call)
+        number += *call * *call;
+    return number;
+}
+
+bool ranks_agree_on(ranks *r, const char *call, bool ok, duet_error *err)
+{
+    int least[] = {ok ? r->n : r->self, number_of(call), -number_of(call)};
+    WAITING(r, MPI_Allreduce(MPI_IN_PLACE, least, 3, MPI_INT, MPI_MIN, r->comm));
+    if (least[1] != -least[2])
+        return error_set(
+            err, DUET_STATUS_BAD_ARGUMENT,
+            "rank %d on %s: %s, and another rank makes another call; expected the same "
+            "calls in the same order on all ranks",
+            r->self, r->host_name, *call ? call : "in the middle of one");
+    return least[0] == r->n || tell_failure(r, least[0], err);
 }
 
 void ranks_wait(ranks *r)

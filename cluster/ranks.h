@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The ranks of an MPI job, and all that they say to each other: no other file but cut.c and
-// pairs_file.c calls MPI.
+// The ranks of an MPI job, and all that they say to each other: no other file calls MPI.
 //
 // A failure of one rank ends a phase on all of them. So every phase that can fail ends with
 // ranks_agree, and no rank talks to others between a failure and that.
@@ -34,6 +33,10 @@ void ranks_end(ranks *r); // nothing where it did not begin
 // Whether all ranks are well. Where not, every rank's err, unless NULL, becomes that of the
 // least rank that failed: "rank 2 on HOST: LINE".
 bool ranks_agree(ranks *r, bool ok, duet_error *err);
+
+// ranks_agree at the beginning of a call, which fails on every rank, each with a line of its own,
+// where the ranks make different ones.
+bool ranks_agree_on(ranks *r, const char *call, bool ok, duet_error *err);
 
 void ranks_wait(ranks *r); // until all are here
 void ranks_sum(ranks *r, uint64_t *values, int n);

@@ -19,6 +19,8 @@ struct worker {
     const char *name; // of its devices, "A,B"
     // Space for n objects, which are to be written before the next find.
     void *(*map)(worker *w, uint32_t n, duet_error *err);
+    // The objects lie elsewhere than those before: a grid that was fitted to these is of no use.
+    void (*move)(worker *w);
     bool (*find)(worker *w, worker_found *found, duet_error *err);
     bool (*set_level)(worker *w, duet_level level, duet_error *err);
     bool (*set_plan)(worker *w, const duet_plan *plan, duet_error *err);

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "cluster/objects.h"
+#include "runtime/broadphase/world.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,6 +21,11 @@ static void *map(worker *w, uint32_t n, duet_error *err)
 {
     pair_worker *p = (pair_worker *)w;
     return duet_world_map_objects(p->world, p->kind, n, err);
+}
+
+static void move(worker *w)
+{
+    ((pair_worker *)w)->world->fitted = false;
 }
 
 static bool find(worker *w, worker_found *found, duet_error *err)
@@ -72,6 +78,7 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
     own.has_world = false;
     own.keep_bad = true; // so that it is the cluster that names a bad object
     p->base = (worker){.map = map,
+                       .move = move,
                        .find = find,
                        .set_level = set_level,
                        .set_plan = set_plan,

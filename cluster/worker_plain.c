@@ -33,6 +33,11 @@ static void *map(worker *w, uint32_t n, duet_error *err)
     return objects;
 }
 
+static void move(worker *w)
+{
+    (void)w;
+}
+
 static bool find(worker *w, worker_found *found, duet_error *err)
 {
     plain_worker *p = (plain_worker *)w;
@@ -91,6 +96,7 @@ worker *worker_open_plain(const duet_world_def *def, duet_error *err)
     }
     p->base = (worker){.name = "plain",
                        .map = map,
+                       .move = move,
                        .find = find,
                        .set_level = set_level,
                        .set_plan = set_plan,

@@ -13,6 +13,7 @@
 
 #include <inttypes.h>
 #include <locale.h>
+#include <math.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdio.h>
@@ -26,7 +27,6 @@ typedef struct run_state {
     duet_scene *scene; // rank 0's
     int rank;
     int n_ranks;
-    bool keeps_pairs;
     duet_cluster_result result;
     double *total_ms; // [args.repeat], ascending at the end
     duet_cluster_rank *ranks;
@@ -44,7 +44,7 @@ static bool read_weight(const run_state *r, double *weight, duet_error *err)
     for (bool more = at; more; ++n) {
         char *end = NULL;
         double number = strtod(at, &end);
-        if (end == at || (*end && *end != ',') || !(number > 0))
+        if (end == at || (*end && *end != ',') || !(number > 0) || isinf(number))
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "--weights '%s': give numbers above 0, as 1,1,2", r->args->weights);
         *weight = n == r->rank ? number : *weight;
@@ -81,6 +81,8 @@ static bool open_cluster(run_state *r, duet_error *err)
     duet_cluster_def def = duet_default_cluster_def();
     def.pair = r->args->pair;
     def.plain = r->args->plain;
+    def.parts = (uint32_t)r->args->parts;
+    def.drops_pairs = !r->args->pairs_path;
     def.on_compile = inputs_show_compiling;
     if (!read_weight(r, &def.weight, err) ||
         !inputs_change_plan(&r->args->plan, &def.world.plan, err))

@@ -27,6 +27,8 @@ static const option options[] = {
     OPTION_COUNT("ranks", ranks, "R", "start so many ranks on this machine by mpirun", 1, 65536),
     OPTION_TEXT("weights", weights, "W,W",
                 "a number for each rank: its part of the objects, by their sum"),
+    OPTION_COUNT("parts", parts, "K", "of each rank's objects: its devices hold two at a time (1)",
+                 1, 1024),
     OPTION_TEXT("pair", pair, "A,B",
                 "each rank's two devices; without, its part of its machine's devices"),
     OPTION_FLAG("plain", plain, "use no devices but the plain C reference"),

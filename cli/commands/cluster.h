@@ -13,6 +13,7 @@ typedef struct cluster_arguments {
     const char *pair;
     const char *weights; // NULL: all ranks are alike
     const char *pairs_path;
+    uint64_t parts; // that each rank's objects are searched in
     uint64_t ranks; // to start; 0: this is one of those that there are
     uint64_t repeat;
     bool plain;
@@ -22,9 +23,9 @@ typedef struct cluster_arguments {
     bool json;
 } cluster_arguments;
 
-#define CLUSTER_ARGUMENTS_DEFAULT                                                  \
-    {                                                                              \
-        .scene = SCENE_OPTIONS_DEFAULT, .plan = PLAN_OPTIONS_DEFAULT, .repeat = 5, \
+#define CLUSTER_ARGUMENTS_DEFAULT                                                              \
+    {                                                                                          \
+        .scene = SCENE_OPTIONS_DEFAULT, .plan = PLAN_OPTIONS_DEFAULT, .parts = 1, .repeat = 5, \
     }
 
 extern const command_line cluster_line;

@@ -12,9 +12,11 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #ifdef __SANITIZE_ADDRESS__
@@ -123,6 +125,18 @@ static duet_pose some_pose(rng *r, double edge)
     return p;
 }
 
+// On a lattice, so that faces touch and cuts go through them; or huge.
+static void change_pose(duet_pose *p, bool on_lattice, float scale)
+{
+    for (int k = 0; k < 3; ++k) {
+        float centre = on_lattice ? rintf(p->centre[k]) : p->centre[k];
+        float half = on_lattice ? ceilf(2 * p->half_extents[k]) / 2 : p->half_extents[k];
+        p->centre[k] = scale * centre;
+        p->half_extents[k] = scale * half;
+        p->rotation[k] = on_lattice ? 0 : p->rotation[k];
+    }
+}
+
 static void make_crowd(crowd *c, rng *r, uint32_t i)
 {
     static const uint32_t counts[] = {MOST_OBJECTS, 200, 40, 5, 1, 0};
@@ -133,12 +147,15 @@ static void make_crowd(crowd *c, rng *r, uint32_t i)
     c->n = i % 5 == 4 ? counts[rng_below(r, 6)] : MOST_OBJECTS;
     double edge = i % 7 == 6 ? 0.0 : rng_between(r, 1, 8); // 0: all in one place
     for (uint32_t k = 0; k < c->n; ++k) {
-        duet_pose p = c->poses[k] = some_pose(r, edge);
+        duet_pose p = some_pose(r, edge);
+        change_pose(&p, i % 8 > 5, i % 11 == 10 && i % 3 != 1 ? 0x1p40f : 1);
+        c->poses[k] = p;
         duet_large_pose *large = &c->large[k];
         double far = k % 2 ? 1e7 : -1e7;
         double centre[3] = {(double)p.centre[0] + far, (double)p.centre[1], (double)p.centre[2]};
         *large = (duet_large_pose){.pose = p};
-        MUST(duet_large_pose_set(large, centre, 0.25f, NULL), "a large pose");
+        MUST(c->world.origin_edge == 0 || duet_large_pose_set(large, centre, 0.25f, NULL),
+             "a large pose");
         for (int d = 0; d < 3; ++d) {
             c->bounds[k].lower[d] = p.centre[d] - p.half_extents[d];
             c->bounds[k].upper[d] = p.centre[d] + p.half_extents[d];
@@ -150,6 +167,8 @@ static void make_crowd(crowd *c, rng *r, uint32_t i)
 
 // ---------------------------------------------------------------- clusters
 
+static uint32_t n_parts = 1; // of the clusters that are opened
+
 static duet_cluster *open_cluster(MPI_Comm *comm, const duet_world_def *world, double weight)
 {
     duet_error err = {0};
@@ -158,6 +177,7 @@ static duet_cluster *open_cluster(MPI_Comm *comm, const duet_world_def *world, d
     def.world = *world;
     def.plain = true;
     def.weight = weight;
+    def.parts = n_parts;
     duet_cluster *c = duet_cluster_create(&def, &err);
     MUST_OK(c, err);
     return c;
@@ -217,7 +237,9 @@ static void random_crowds_have_the_same_pairs(uint64_t seed)
             MPI_Comm comm = group_of(groups[g]);
             if (comm == MPI_COMM_NULL)
                 continue;
+            n_parts = 1 + (i + (uint32_t)(g + rank)) * 7 % 13 % 6; // they differ from rank to rank
             duet_cluster *cluster = open_cluster(&comm, &c.world, weight);
+            n_parts = 1;
             hand_over(cluster, &c, 0, (uint32_t)rng_seed(i).state);
             must_find(cluster, &c);
             must_find(cluster, &c); // nothing moved
@@ -336,7 +358,9 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
         comms[g] = group_of(groups[g]);
         if (comms[g] == MPI_COMM_NULL)
             continue;
+        n_parts = g == 2 ? 3 : 1;
         clusters[g] = open_cluster(&comms[g], &c.world, 1 + rank % 2);
+        n_parts = 1;
         hand_over(clusters[g], &c, 0, 7);
     }
     uint64_t left = 0;
@@ -404,7 +428,7 @@ static void ranks_get_objects_by_their_weights(void)
     MPI_Comm comm = group_of(3);
     if (comm == MPI_COMM_NULL)
         return;
-    static const double weights[] = {1, 1, 2};
+    static const double weights[] = {5e307, 5e307, 1e308}; // whose sum has no end
     static const uint64_t due[] = {75, 75, 150};
     duet_cluster *cluster = open_cluster(&comm, &c.world, weights[rank]);
     duet_cluster_rank rows[3];
@@ -592,6 +616,53 @@ static void a_failure_is_that_of_all_ranks(void)
     MPI_Comm_free(&comm);
 }
 
+static void calls_in_another_order_are_refused(void)
+{
+    MPI_Comm comm = group_of(3);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_world_def world = duet_default_world_def();
+    duet_cluster *c = open_cluster(&comm, &world, 1);
+    duet_cluster_rank rows[3];
+    duet_cluster_result result;
+    duet_error err = {0};
+    must_fail(rank == 1 ? duet_cluster_get_ranks(c, rows, &err)
+                        : duet_cluster_step(c, &result, &err),
+              &err, DUET_STATUS_BAD_ARGUMENT,
+              rank == 1 ? "duet_cluster_get_ranks, and another rank makes another call"
+                        : "duet_cluster_step, and another rank makes another call");
+    MUST(step(c).pairs == 0, "and all goes on");
+    duet_cluster_destroy(c);
+    MPI_Comm_free(&comm);
+}
+
+// One rank's disk is full: nothing appears, and all ranks know.
+static void a_disk_that_is_full_is_told_of(void)
+{
+    static crowd c;
+    rng r = rng_seed(11);
+    make_crowd(&c, &r, 3);
+    MPI_Comm comm = group_of(3);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
+    struct rlimit before, little = {.rlim_cur = 200};
+    duet_error err = {0};
+    hand_over(cluster, &c, 0, 3);
+    step(cluster);
+    MUST(getrlimit(RLIMIT_FSIZE, &before) == 0, "a limit");
+    little.rlim_max = before.rlim_max;
+    signal(SIGXFSZ, SIG_IGN);
+    MUST(rank != 2 || setrlimit(RLIMIT_FSIZE, &little) == 0, "a limit");
+    must_fail(duet_cluster_save_pairs(cluster, "cluster_full.npy", true, &err), &err,
+              DUET_STATUS_IO_FAILED, "rank 2 on ");
+    MUST(strstr(err.text, "cluster_full.npy: cannot be written: File too large"), err.text);
+    MUST(setrlimit(RLIMIT_FSIZE, &before) == 0, "a limit");
+    MUST(access("cluster_full.npy", F_OK) != 0, "no file appears");
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
 // Every call refuses NULL; what is not a cluster has no ranks.
 static void nothing_is_refused(void)
 {
@@ -648,6 +719,20 @@ static void nothing_is_refused(void)
     wrong.world.compact_transforms = false;
     wrong.world.shape = DUET_SHAPE_SPHERES;
     REFUSED(duet_cluster_create(&wrong, &err));
+    wrong.world.shape = DUET_SHAPE_POSES;
+    wrong.parts = rank == 0 ? 0 : 1;
+    REFUSED(duet_cluster_create(&wrong, &err));
+    wrong.parts = 1;
+    wrong.drops_pairs = true;
+    c = duet_cluster_create(&wrong, &err);
+    MUST(c, err.text);
+    duet_pose unit = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
+    id = (uint64_t)rank;
+    MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, &id, &unit, 1, &err), err);
+    result = step(c);
+    MUST(result.pairs == 1 && result.n_own_pairs == 0, "a pair that is counted and not kept");
+    REFUSED(duet_cluster_save_pairs(c, "p.npy", true, &err));
+    duet_cluster_destroy(c);
     MPI_Comm_free(&comm);
 #undef REFUSED
 }
@@ -681,6 +766,8 @@ int main(int argc, char **argv)
     levels_are_octaves_below_the_widest();
     nothing_is_refused();
     a_failure_is_that_of_all_ranks();
+    calls_in_another_order_are_refused();
+    a_disk_that_is_full_is_told_of();
     random_crowds_have_the_same_pairs(seed);
     scenes_have_the_same_pairs();
     objects_that_move_have_the_references_pairs(seed);

@@ -22,10 +22,11 @@ static void skip_without_mpi(void)
     }
 }
 
-static void assert_same_pairs(const char *scene, int ranks)
+static void assert_same_pairs(const char *scene, int ranks, int parts)
 {
     program one = program_run("run --repeat 1 --json %s", scene);
-    program all = program_run("cluster --ranks %d --repeat 1 --json %s", ranks, scene);
+    program all =
+        program_run("cluster --ranks %d --parts %d --repeat 1 --json %s", ranks, parts, scene);
     cJSON *expected = json_of_program(&one);
     cJSON *found = json_of_program(&all);
     assert_true(json_number(expected, "pairs") > 0);
@@ -40,8 +41,8 @@ static void ranks_with_devices_find_the_pairs_of_run(void **state)
 {
     (void)state;
     skip_without_mpi();
-    assert_same_pairs("paper -n 900 --set world=18", 2);
-    assert_same_pairs("paper2d -n 900 --set world=40", 3);
+    assert_same_pairs("paper -n 900 --set world=18", 2, 1);
+    assert_same_pairs("paper2d -n 900 --set world=40", 3, 4);
 }
 
 // Its pair, the sums of all ranks, and nothing of stdin lost.
@@ -136,6 +137,7 @@ static void a_failure_is_one_line(void **state)
         {"cluster --ranks 3 --pair abacus still -n 2", 1, ": no device 'abacus'; there is "},
         {"cluster --ranks 2 --plain --weights 1,1,1 still", 2, "3 numbers for 2 ranks"},
         {"cluster --ranks 2 --plain --weights 1,0 still", 2, "give numbers above 0"},
+        {"cluster --ranks 2 --plain --weights 1,inf still", 2, "give numbers above 0"},
         {"cluster --ranks 2 --plain --pairs no/such/p.npy still -n 3", 1,
          "p.npy: cannot be written"},
         {"cluster --pairs p.csv still", 2, "expected a file whose name ends in .npy"},
@@ -145,6 +147,7 @@ static void a_failure_is_one_line(void **state)
         {"cluster --level abacus still", 2, "--level 'abacus': the levels are"},
         {"cluster --ranks 0 still", 2, "--ranks '0': give a whole number"},
         {"cluster --ranks 2 --plain rounded -n 9", 2, "the cluster's shape is rounded boxes"},
+        {"cluster --parts 1025 still", 2, "--parts '1025': give a whole number"},
         {"cluster", 2, "SCENE|FILE is missing"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {

@@ -102,7 +102,7 @@ endforeach()
 # MPI is asked of those alone who ask for clusters.
 foreach(file ${prefix}/bin/duet ${pc_dir}/../libduet.so)
   run(ldd ${file})
-  if(out MATCHES "libmpi|zoltan")
+  if(out MATCHES "libmpi")
     message(FATAL_ERROR "${file} needs MPI:\n${out}")
   endif()
 endforeach()

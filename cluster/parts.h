@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// What a rank's devices see at one time: all of its homes and ghosts, or one part of several, so
+// that devices need memory for a part alone.
+//
+// Parts are to a rank what ranks are to the world: boxes of the rank's space, each with ghosts of
+// the other parts and of other ranks. So each pair is found in one part.
+#ifndef CLUSTER_PARTS_H
+#define CLUSTER_PARTS_H
+
+#include "cluster/found.h"
+
+typedef struct home_part {
+    level_boxes boxes; // around its objects, of each level and all finer ones
+    uint32_t *rows;    // of the homes, ascending
+    uint32_t n;
+    ghost_row *ghosts; // by ascending id
+    uint64_t n_ghosts, capacity;
+} home_part;
+
+typedef struct parts {
+    const homes *homes;
+    uint32_t rank, n_ranks;
+    uint32_t n;
+    home_part *list; // [n] where n > 1
+    bisection cut;   // of the homes
+    uint32_t *rows;
+    uint32_t capacity; // of rows
+    parcels messages;  // ghosts of other ranks
+    ghost_row *ghosts; // those, in all
+} parts;
+
+bool parts_begin(parts *p, uint32_t n, const ranks *r, duet_error *err);
+void parts_end(parts *p);
+
+// Divides homes, which must stay where they are, and the ghosts in messages, which are the parts'
+// from here on. Not collective.
+bool parts_divide(parts *p, const homes *h, const ranks *r, parcels *messages, duet_error *err);
+
+sight parts_sight(const parts *p, uint32_t part);
+
+#endif
