@@ -31,11 +31,10 @@
 // Where nothing turns one point says all.
 #define POINTS_OF(RESPONSE, TURNS, DIMS) ((RESPONSE) && !(TURNS) ? 1 : (DIMS) == 3 ? 4 : 2)
 
-// A word for each contact: its number of points, whether one of them touches or had an
-// impulse, and the axis that the normal lies along or, without points, that separates the
-// boxes (box_contact.clh).
+// A word for each contact: its number of points, and the axis that the normal lies along or,
+// without points, that separates the boxes (box_contact.clh). The bit between them means
+// nothing; older saved motions have it set.
 #define TOUCH_POINTS 7u
-#define TOUCH_MEETS 8u
 #define TOUCH_AXIS 4 // the least of its bits
 
 // ------------------------------------------------------------ constraints
