@@ -7,7 +7,7 @@ return {
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "ORIGIN", min = 0, max = 254, default = 0,
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
-    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "ANGULAR_VELOCITY", values = { 0, 1, 2 }, default = 0, about = "1: objects turn; 2: far in a step" },
     { "GRAVITY", values = { 0, 1, 2 }, default = 0, about = "1: uniform, 2: towards a point" },
     { "DRAG", values = { 0, 1 }, default = 0, about = "1: velocities decay" },
     { "FORCES", values = { 0, 1 }, default = 0, about = "1: commands push" },
@@ -20,9 +20,9 @@ return {
   args = {
     prepare_bodies = [[
       const real4 *velocities
-      const real4 *rotations           if ANGULAR_VELOCITY == 1
-      const real4 *angular_velocities  if ANGULAR_VELOCITY == 1
-      const float4 *inertias           if ANGULAR_VELOCITY == 1
+      const real4 *rotations           if ANGULAR_VELOCITY > 0
+      const real4 *angular_velocities  if ANGULAR_VELOCITY > 0
+      const float4 *inertias           if ANGULAR_VELOCITY > 0
       const uint *asleep               if SLEEP == 1
       uint woken                       if SLEEP == 1
       const uint *flags                if SLEEP == 1
@@ -43,8 +43,8 @@ return {
       uint n
       real4 *centres
       int4 *cells                if ORIGIN > 0
-      real4 *rotations           if ANGULAR_VELOCITY == 1
-      real4 *angular_velocities  if ANGULAR_VELOCITY == 1
+      real4 *rotations           if ANGULAR_VELOCITY > 0
+      real4 *angular_velocities  if ANGULAR_VELOCITY > 0
       const uint *asleep         if SLEEP == 1
       float *rests               if SLEEP == 1
       const float4 *halves       if SLEEP == 1

@@ -23,7 +23,7 @@ return {
       int4 base                if ORIGIN > 0
       const real4 *rotations   if ROTATED == 1
       const real4 *velocities          if CONTINUOUS + SKIN > 0
-      const real4 *angular_velocities  if SKIN == 1 and ANGULAR_VELOCITY == 1
+      const real4 *angular_velocities  if CONTINUOUS + SKIN > 0 and ANGULAR_VELOCITY == 1
       real dt                          if CONTINUOUS + SKIN > 0
       real skin                        if SKIN == 1
       const float4 *halves
@@ -36,8 +36,9 @@ return {
       const int4 *cells        if ORIGIN > 0
       int4 base                if ORIGIN > 0
       const real4 *rotations   if ROTATED == 1
-      const real4 *velocities  if CONTINUOUS == 1
-      real dt                  if CONTINUOUS == 1
+      const real4 *velocities          if CONTINUOUS == 1
+      const real4 *angular_velocities  if CONTINUOUS == 1 and ANGULAR_VELOCITY == 1
+      real dt                          if CONTINUOUS == 1
       const float4 *halves
       real aabb_margin
       uint n

@@ -5,7 +5,7 @@ return {
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
-    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "ANGULAR_VELOCITY", values = { 0, 1, 2 }, default = 0, about = "1: objects turn; 2: far in a step" },
     { "GYRO", values = { 0, 1 }, default = 0, about = "1: some have no isotropic inertia" },
     { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
     { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },

@@ -31,11 +31,10 @@
 // Where nothing turns one point says all.
 #define POINTS_OF(RESPONSE, TURNS, DIMS) ((RESPONSE) && !(TURNS) ? 1 : (DIMS) == 3 ? 4 : 2)
 
-// A word for each contact: its number of points, whether one of them touches or had an
-// impulse, and the axis that the normal lies along or, without points, that separates the
-// boxes (box_contact.clh).
+// A word for each contact: its number of points, and the axis that the normal lies along or,
+// without points, that separates the boxes (box_contact.clh). The bit between them means
+// nothing; older saved motions have it set.
 #define TOUCH_POINTS 7u
-#define TOUCH_MEETS 8u
 #define TOUCH_AXIS 4 // the least of its bits
 
 // ------------------------------------------------------------ constraints
@@ -79,9 +78,13 @@
 #define BODY_ANGULAR_VELOCITY 1   // where bodies turn; w: yy of the inverse inertia
 #define BODY_INERTIA 2            // where bodies turn: zz, xy, xz, yz
 #define BODY_DELTA_POSITION_OF(TURNS) ((TURNS) ? 3 : 1) // w: xx
-#define BODY_DELTA_ROTATION 4     // where bodies turn: a quaternion; 5 is spare
+#define BODY_DELTA_ROTATION 4     // where bodies turn: a quaternion
+#define BODY_ARC 5                // where they turn far in a step: the sum of all turns, as a vector; else spare
 #define BODY_WARM_IMPULSE_OF(TURNS) ((TURNS) ? 6 : 2)
 #define BODY_WARM_TORQUE 7        // where bodies turn; else 3 is spare
+
+// What has turned so far since the step began, squared and in radians, pushes as it lies then.
+#define FAR_TURNED 0.00390625f
 
 // A word a body, where bodies sleep: whether it sleeps, and whether it woke in this step.
 #define SLEEPS 1u

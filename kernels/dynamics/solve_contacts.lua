@@ -4,7 +4,7 @@ return {
   uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },
+    { "ANGULAR_VELOCITY", values = { 0, 1, 2 }, default = 0, about = "1: objects turn; 2: far in a step" },
     { "FRICTION", values = { 0, 1 }, default = 0, about = "1: contacts have friction" },
     { "CONTACT_RESPONSE", values = { 1 }, default = 1, about = "contacts push" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,

@@ -38,8 +38,8 @@ static const effect_row rows[] = {
      "match_contacts, build_manifolds, update_sleep, graph_colour, prepare_contacts, "
      "solve_contacts, integrate_positions, contact_events"},
     {DUET_EFFECT_CONTINUOUS, "continuous", DUET_EFFECT_CONTACT_RESPONSE,
-     "something that moves more than half its least half extent in a step", "swept",
-     "fat_aabbs, build_manifolds"},
+     "something that moves, or whose corners swing, more than half its least half extent in a step",
+     "swept", "fat_aabbs, build_manifolds, bodies, integrate_positions, solve_contacts"},
     {DUET_EFFECT_FILTER, "filter", DUET_EFFECT_CONTACT, "a group or mask that is not all", "filter",
      "contact_graph"},
     {DUET_EFFECT_SLEEP, "sleep", DUET_EFFECT_CONTACT_RESPONSE, "wants", "asleep",
@@ -76,15 +76,20 @@ static bool is_turned(const duet_pose *p, uint32_t dims)
            (dims == 3 && (p->rotation[0] != 0.0f || p->rotation[1] != 0.0f));
 }
 
-// How far a body moves in a step, in half extents of its least side.
+// How far a body moves in a step, or a corner of it outside of the ball within it, in half
+// extents of its least side.
 static double reach_of(const duet_pose *p, const duet_body *b, uint32_t dims, double dt)
 {
-    double speed = hypot(b->velocity[0], b->velocity[1]);
-    double least = fmin(p->half_extents[0], p->half_extents[1]);
+    const float *h = p->half_extents, *v = b->velocity, *w = b->angular_velocity;
+    double speed = hypot(v[0], v[1]), least = fmin(h[0], h[1]), arm = hypot(h[0], h[1]);
+    double turning = fabs(w[2]);
     if (dims == 3) {
-        speed = hypot(speed, b->velocity[2]);
-        least = fmin(least, p->half_extents[2]);
+        speed = hypot(speed, v[2]);
+        least = fmin(least, h[2]);
+        arm = hypot(arm, h[2]);
+        turning = hypot(hypot(w[0], w[1]), w[2]);
     }
+    speed += turning * (arm - least);
     return speed > 0.0 ? speed * dt / least : 0.0;
 }
 

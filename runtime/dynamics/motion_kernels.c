@@ -42,6 +42,20 @@ static int64_t order_of(duet_integrator integrator)
     return orders[integrator];
 }
 
+// Kernels that know no difference take what turns far as what turns.
+static int64_t turning_kind(const duet_motion *m)
+{
+    return !motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) ? 0
+           : motion_has(m, DUET_EFFECT_CONTINUOUS)      ? 2
+                                                        : 1;
+}
+
+static gen_setting setting_of(const gen_param *p, int64_t value)
+{
+    int64_t most = p->is_range ? p->most : p->values[p->n_values - 1];
+    return (gen_setting){p->name, value < most ? value : most};
+}
+
 // What the scene says of the parameters that the kernel's card has.
 static bool gather(duet_motion *m, const char *name, gen_setting settings[MOST_PARAMS], uint32_t *n,
                    duet_error *err)
@@ -55,7 +69,7 @@ static bool gather(duet_motion *m, const char *name, gen_setting settings[MOST_P
         {"ORIGIN", origin_bits >> 23},
         {"ORDER", order_of(m->def.integrator)},
         {"ROTATED", has(m, DUET_EFFECT_ROTATION)},
-        {"ANGULAR_VELOCITY", has(m, DUET_EFFECT_ANGULAR_VELOCITY)},
+        {"ANGULAR_VELOCITY", turning_kind(m)},
         {"GYRO", gyro},
         {"GRAVITY", gravity_kind(m)},
         {"DRAG", has(m, DUET_EFFECT_DRAG)},
@@ -77,9 +91,11 @@ static bool gather(duet_motion *m, const char *name, gen_setting settings[MOST_P
         return false;
     *n = 0;
     static_assert(sizeof choices / sizeof choices[0] <= MOST_PARAMS, "settings");
-    for (size_t i = 0; i < sizeof choices / sizeof choices[0]; ++i)
-        if (find_param(params, n_params, choices[i].name))
-            settings[(*n)++] = choices[i];
+    for (size_t i = 0; i < sizeof choices / sizeof choices[0]; ++i) {
+        const gen_param *p = find_param(params, n_params, choices[i].name);
+        if (p)
+            settings[(*n)++] = setting_of(p, choices[i].value);
+    }
     return true;
 }
 

@@ -6,6 +6,7 @@
 #include "support/test.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 // ---------------------------------------------------------------- time steps
 
@@ -104,6 +105,43 @@ static void a_small_house_of_cards_stands(void **state)
     mover_run(m, 300);
     assert_close(mover_greatest_speed(m), 0.0, 1e-3);
     assert_close(m->states[m->n - 1].centre[2], height, 0.01);
+    mover_free(m);
+}
+
+// A contact of bodies that sleep is as it was when they fell asleep, and stays so.
+static double deepest_contact(mover *m)
+{
+    duet_error err = {0};
+    duet_contact *contacts = NULL;
+    uint64_t n = 0;
+    double deepest = 0.0;
+    assert_ok(duet_motion_get_contacts(m->motion, &contacts, &n, &err), err);
+    assert_true(n > m->n);
+    for (uint64_t i = 0; i < n; ++i)
+        for (uint32_t k = 0; k < contacts[i].n; ++k)
+            deepest = fmax(deepest, -(double)contacts[i].points[k].separation);
+    free(contacts);
+    return deepest;
+}
+
+static void a_pile_does_not_fall_asleep_deep(void **state)
+{
+    (void)state;
+    double f[3];
+    figures("effects.md", "# boxes that fell and sleep, # s | no contact is deeper than # slops", 3,
+            f);
+    mover *m = mover_new(3);
+    const double slop = 0.0036; // nearly what it is by itself
+    m->def.wants = DUET_EFFECT_SLEEP;
+    m->def.slop = slop;
+    mover_add_pile(m, (uint32_t)f[0]);
+    mover_run(m, (uint32_t)(60 * f[1]));
+    assert_int_equal(m->last.contacts, 0); // all sleep
+    double deepest = deepest_contact(m);
+    print_message("%g slops\n", deepest / slop);
+    assert_true(deepest < f[2] * slop);
+    mover_run(m, 60);
+    assert_close(deepest_contact(m), deepest, 0.0);
     mover_free(m);
 }
 
@@ -230,6 +268,7 @@ int main(void)
         cmocka_unit_test(a_light_box_on_a_heavy_one_needs_nothing),
         cmocka_unit_test(a_small_pyramid_does_not_tremble),
         cmocka_unit_test(a_small_house_of_cards_stands),
+        cmocka_unit_test(a_pile_does_not_fall_asleep_deep),
         cmocka_unit_test(what_becomes_fast_is_held_where_that_is_asked_for),
         cmocka_unit_test(filters_hold_in_2d_and_in_doubles),
         cmocka_unit_test(impacts_bounce_from_a_speed_on),

@@ -37,7 +37,7 @@
 //   contacts [n] records (contact.clh)
 //   touches  [n] words
 //   bodies   [objects + 6][BODY]
-#line 12 "kernels/dynamics/build_manifolds.cl.in"
+#line 13 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline solid solid_at(float4 extents)
 {
@@ -45,13 +45,13 @@ static inline solid solid_at(float4 extents)
     s.axis[0] = (float4)(1, 0, 0, 0);
     s.axis[1] = (float4)(0, 1, 0, 0);
     s.axis[2] = (float4)(0, 0, 1, 0);
-#line 29 "kernels/dynamics/build_manifolds.cl.in"
+#line 30 "kernels/dynamics/build_manifolds.cl.in"
     s.halves[0] = extents.x;
     s.halves[1] = extents.y;
     s.halves[2] = extents.z;
     return s;
 }
-#line 180 "kernels/dynamics/build_manifolds.cl.in"
+#line 322 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void keep_deepest(manifold *m)
 {
@@ -68,9 +68,9 @@ typedef struct {
     __global const uint2 *links;
     uint objects;
     __global const real4 *centres;
-#line 199 "kernels/dynamics/build_manifolds.cl.in"
+#line 341 "kernels/dynamics/build_manifolds.cl.in"
     __global const float4 *halves;
-#line 217 "kernels/dynamics/build_manifolds.cl.in"
+#line 359 "kernels/dynamics/build_manifolds.cl.in"
     float margin;
     __global uint *touches;
     __global float *contacts;
@@ -78,42 +78,39 @@ typedef struct {
 
 static inline solid solid_of(const scene *s, uint id)
 {
-#line 227 "kernels/dynamics/build_manifolds.cl.in"
+#line 369 "kernels/dynamics/build_manifolds.cl.in"
     return solid_at(s->halves[id]);
-#line 229 "kernels/dynamics/build_manifolds.cl.in"
+#line 371 "kernels/dynamics/build_manifolds.cl.in"
 }
 
 static inline float4 way_of(const scene *s, uint2 link)
 {
-#line 236 "kernels/dynamics/build_manifolds.cl.in"
+#line 378 "kernels/dynamics/build_manifolds.cl.in"
     float4 d = convert_float4(s->centres[link.y] - s->centres[link.x]);
-#line 238 "kernels/dynamics/build_manifolds.cl.in"
+#line 380 "kernels/dynamics/build_manifolds.cl.in"
     d.w = 0.0f;
     return d;
 }
-#line 337 "kernels/dynamics/build_manifolds.cl.in"
+#line 561 "kernels/dynamics/build_manifolds.cl.in"
 
-// Writes the points into the record; extents: the owner's half extents. True where a
-// point touches, or had an impulse in the last step.
-static inline bool keep_points(const scene *s, uint i, uint2 link, float4 extents, float4 d, float at, float speed, manifold *m)
+// Writes the points into the record; extents: the owner's half extents.
+static inline void keep_points(const scene *s, uint i, uint2 link, float4 extents, float4 d, float at, float speed, manifold *m)
 {
     __global float *record = s->contacts + (size_t)i * RECORD;
-    bool touching = false;
-#line 353 "kernels/dynamics/build_manifolds.cl.in"
+#line 575 "kernels/dynamics/build_manifolds.cl.in"
     put_float4(record + AT_NORMAL, m->normal);
-#line 358 "kernels/dynamics/build_manifolds.cl.in"
+#line 580 "kernels/dynamics/build_manifolds.cl.in"
     for (int k = 0; k < m->n; ++k) {
         __global float *saved = record + HEAD + k * POINT_FLOATS;
         float4 anchor = m->point[k];
         put_float4(saved + OF_ANCHOR, anchor);
+#line 587 "kernels/dynamics/build_manifolds.cl.in"
         saved[OF_SEPARATION] = fma(-at, speed, anchor.w);
-        touching = touching || saved[OF_SEPARATION] <= 0.0f;
-#line 375 "kernels/dynamics/build_manifolds.cl.in"
+#line 599 "kernels/dynamics/build_manifolds.cl.in"
     }
-    return touching;
 }
 
-#line 424 "kernels/dynamics/build_manifolds.cl.in"
+#line 654 "kernels/dynamics/build_manifolds.cl.in"
 
 // axis: what separates those without points. The manifold is where they are after a time
 // `at`, at this speed along its normal.
@@ -121,49 +118,47 @@ static inline void keep(const scene *s, uint i, float4 extents, float4 d, float 
                         uint axis)
 {
     uint2 link = s->links[i];
-    uint old = s->touches[i];
-    bool touching = false;
     if (m->n > 0)
-        touching = keep_points(s, i, link, extents, d, at, speed, m);
-#line 439 "kernels/dynamics/build_manifolds.cl.in"
-    s->touches[i] = (uint)m->n | (touching ? TOUCH_MEETS : 0u) | (m->n > 0 ? m->axis : axis) << TOUCH_AXIS;
+        keep_points(s, i, link, extents, d, at, speed, m);
+#line 667 "kernels/dynamics/build_manifolds.cl.in"
+    s->touches[i] = (uint)m->n | (m->n > 0 ? m->axis : axis) << TOUCH_AXIS;
 }
-#line 463 "kernels/dynamics/build_manifolds.cl.in"
+#line 706 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void look_at_pair(const scene *s, uint i, uint2 link)
 {
     solid a = solid_of(s, link.x), b = solid_of(s, link.y);
     float4 d = way_of(s, link);
     uint axis = s->touches[i] >> TOUCH_AXIS;
+#line 713 "kernels/dynamics/build_manifolds.cl.in"
     float at = 0.0f, speed = 0.0f;
     manifold m;
-#line 472 "kernels/dynamics/build_manifolds.cl.in"
     touch_boxes(&a, &b, d, s->margin, &m, &axis);
-#line 486 "kernels/dynamics/build_manifolds.cl.in"
     keep(s, i, s->halves[link.x], d, at, speed, &m, axis);
+#line 736 "kernels/dynamics/build_manifolds.cl.in"
 }
-#line 544 "kernels/dynamics/build_manifolds.cl.in"
+#line 793 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 590 "kernels/dynamics/build_manifolds.cl.in"
+#line 839 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 594 "kernels/dynamics/build_manifolds.cl.in"
+#line 843 "kernels/dynamics/build_manifolds.cl.in"
 __kernel void build_manifolds(BUILD_MANIFOLDS_ARGS)
-#line 596 "kernels/dynamics/build_manifolds.cl.in"
+#line 845 "kernels/dynamics/build_manifolds.cl.in"
 {
     scene s = {links, n, centres,
-#line 601 "kernels/dynamics/build_manifolds.cl.in"
+#line 850 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 617 "kernels/dynamics/build_manifolds.cl.in"
+#line 866 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
-#line 627 "kernels/dynamics/build_manifolds.cl.in"
+#line 876 "kernels/dynamics/build_manifolds.cl.in"
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_contacts);
-#line 633 "kernels/dynamics/build_manifolds.cl.in"
+#line 882 "kernels/dynamics/build_manifolds.cl.in"
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-#line 650 "kernels/dynamics/build_manifolds.cl.in"
+#line 899 "kernels/dynamics/build_manifolds.cl.in"
         look_at_pair(&s, i, link);
-#line 660 "kernels/dynamics/build_manifolds.cl.in"
+#line 909 "kernels/dynamics/build_manifolds.cl.in"
     }
-#line 671 "kernels/dynamics/build_manifolds.cl.in"
+#line 920 "kernels/dynamics/build_manifolds.cl.in"
 }

@@ -47,20 +47,20 @@ static inline float_bounds bounds_of(real4 centre, real4 reach)
 }
 
 static inline float_bounds object_bounds(uint id, real margin, __global const real4 *centres,
-#line 32 "kernels/dynamics/fat_aabbs.cl.in"
+#line 35 "kernels/dynamics/fat_aabbs.cl.in"
                                          __global const float4 *halves)
 {
-#line 37 "kernels/dynamics/fat_aabbs.cl.in"
+#line 40 "kernels/dynamics/fat_aabbs.cl.in"
     real4 reach = convert_real4(halves[id]);
-#line 39 "kernels/dynamics/fat_aabbs.cl.in"
+#line 48 "kernels/dynamics/fat_aabbs.cl.in"
     real4 centre = centres[id];
-#line 45 "kernels/dynamics/fat_aabbs.cl.in"
+#line 54 "kernels/dynamics/fat_aabbs.cl.in"
     float_bounds b = bounds_of(centre, reach + margin);
-#line 52 "kernels/dynamics/fat_aabbs.cl.in"
+#line 61 "kernels/dynamics/fat_aabbs.cl.in"
     return b;
 }
 
-#line 79 "kernels/dynamics/fat_aabbs.cl.in"
+#line 88 "kernels/dynamics/fat_aabbs.cl.in"
 
 __kernel void compute_fat_aabbs(COMPUTE_FAT_AABBS_ARGS)
 {
@@ -68,9 +68,9 @@ __kernel void compute_fat_aabbs(COMPUTE_FAT_AABBS_ARGS)
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         float_bounds b = object_bounds(id, aabb_margin, centres,
-#line 95 "kernels/dynamics/fat_aabbs.cl.in"
+#line 107 "kernels/dynamics/fat_aabbs.cl.in"
                                        halves);
-#line 106 "kernels/dynamics/fat_aabbs.cl.in"
+#line 118 "kernels/dynamics/fat_aabbs.cl.in"
         vstore3(b.lower.xyz, 2 * (size_t)id, boxes);
         vstore3(b.upper.xyz, 2 * (size_t)id + 1, boxes);
     }
