@@ -4,6 +4,8 @@
 #include <math.h>
 
 static const double BEHIND = 1.07; // in times of the fastest
+static const double AHEAD = 1.01;  // what a value must gain: between equal ones noise would choose,
+                                   // and the next parameter's best may not suit them
 
 kernel_search kernel_search_begin(const kernel_space *space)
 {
@@ -71,6 +73,8 @@ void kernel_search_tell(kernel_search *s, const uint32_t *configs, const double 
     for (uint32_t i = 0; i < n; ++i)
         s->behind[s->param][s->space->configs[configs[i]][s->param]] =
             !(times[i] <= BEHIND * times[fastest]);
+    if (!(AHEAD * times[fastest] < times[0]))
+        fastest = 0;
     s->best = configs[fastest];
     s->best_ns = times[fastest];
     s->idle = 1;

@@ -299,6 +299,7 @@ static void what_cannot_be_mapped_is_refused_by_name(void **state)
     assert_null(duet_state_part_name((duet_state_part)9));
     map(plain, DUET_STATE_CENTRES, DUET_MAP_WRITE, 1, 0); // of no rows
     unmap(plain, DUET_STATE_CENTRES);
+    err = (duet_error){0};
     assert_ok(duet_motion_record(m, &err), err);
     refused(duet_motion_map_states(m, DUET_STATE_CENTRES, DUET_MAP_WRITE, 0, 1, &err), &err,
             DUET_STATUS_BAD_ARGUMENT, "what is written in place is not recorded");

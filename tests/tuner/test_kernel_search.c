@@ -248,6 +248,26 @@ static void a_search_comes_near_the_best_in_few_launches(void **state)
     }
 }
 
+// A hair's breadth is noise, and what was chosen by it may not suit the next parameter.
+static void a_value_is_left_only_for_one_that_gains(void **state)
+{
+    (void)state;
+    static const struct {
+        double other; // time of the other value
+        bool taken;
+    } cases[] = {{0.995, false}, {0.95, true}, {1.0, false}, {1.05, false}};
+    static const uint32_t two_values[PARAMS] = {2, 1, 1, 1};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        fake f = {0};
+        uint32_t configs[KERNEL_SPACE_VALUES];
+        fill_space(&f, two_values);
+        kernel_search s = kernel_search_begin(&f.space);
+        assert_int_equal(kernel_search_next(&s, configs), 2);
+        kernel_search_tell(&s, configs, (double[]){1.0, cases[i].other}, 2);
+        assert_int_equal(s.best == f.space.now, !cases[i].taken);
+    }
+}
+
 // Every other value takes longer: neither noise nor the best of many may hide it.
 static void what_is_slower_is_not_chosen(void **state)
 {
@@ -381,6 +401,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_search_comes_near_the_best_in_few_launches),
+        cmocka_unit_test(a_value_is_left_only_for_one_that_gains),
         cmocka_unit_test(what_is_slower_is_not_chosen),
         cmocka_unit_test(what_finds_other_pairs_or_does_not_build_is_not_chosen),
         cmocka_unit_test(kernels_that_do_not_build_at_all_are_said_with_their_reason),
