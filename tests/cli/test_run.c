@@ -204,7 +204,7 @@ static void bad_input_is_one_line_and_exit_1(void **state)
         const char *content;
         const char *says;
     } bad[] = {
-        {"0 0 0 1 1 1 1\n", DATA ":1"},       {"0 0 0 1 1 1\n0 0 nan 1 1 1\n", DATA ":2"},
+        {"0 0 0 1 1 1 1 1\n", DATA ":1"},     {"0 0 0 1 1 1\n0 0 nan 1 1 1\n", DATA ":2"},
         {"0 0 0 1 1 inf\n", DATA ":1"},       {"0 0 0 1 1 -1\n", DATA ":1"},
         {"0 0 0 1 1 1 0 0 0 0\n", DATA ":1"},
     };

@@ -40,7 +40,7 @@ static void the_documents_examples_are_read(void **state)
     duet_error err = {0};
     assert_ok(text_read_file(&document, path, &err), err);
     assert_int_equal(read_examples(document.chars, "csv"), 1);
-    assert_int_equal(read_examples(document.chars, "lua"), 5);
+    assert_int_equal(read_examples(document.chars, "lua"), 6);
     text_free(&document);
 }
 
