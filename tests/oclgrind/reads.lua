@@ -29,3 +29,8 @@ local query <close> = assert(pair:contact_query { dims = dims, share = 0 })
 local pairs_of = duet.pairs(39)
 for i = 0, 38 do pairs_of:set(i, i, i + 1) end
 tell(assert(query:run(poses, pairs_of)))
+
+local tree <close> = assert(pair:tree { dims = dims, share = 0 })
+assert(tree:set_motion(motion))
+local box_query <close> = assert(tree:box_query { level = "aabb" })
+tell(assert(box_query:run(poses)))
