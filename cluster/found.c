@@ -19,7 +19,8 @@ static int by_id(const void *left, const void *right)
 
 void ghosts_sort(ghost_row *ghosts, uint64_t n)
 {
-    qsort(ghosts, n, sizeof *ghosts, by_id);
+    if (n > 0)
+        qsort(ghosts, n, sizeof *ghosts, by_id);
 }
 
 uint32_t ghost_key(const homes *h, const void *object, uint32_t home, uint32_t n_homes)
