@@ -9,6 +9,7 @@
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 typedef struct text {
     char *chars; // NUL-terminated once something was added; NULL before
@@ -22,6 +23,9 @@ void text_add_bytes(text *t, const char *bytes, size_t n);
 const char *text_chars(const text *t); // never NULL
 bool text_ok(const text *t, duet_error *err);
 void text_free(text *t);
+
+// FNV-1a, by which a file of ours shows that it is whole.
+uint64_t text_checksum(const char *bytes, size_t n);
 
 // Reads a whole file, "-" for stdin; the bytes end with a NUL that length does not count.
 // false with NOT_FOUND or IO_FAILED, naming the path; the text is then empty.

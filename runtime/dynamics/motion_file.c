@@ -82,14 +82,6 @@ static header header_of(const duet_motion *m)
     return h;
 }
 
-static uint64_t sum_of(const char *bytes, size_t n)
-{
-    uint64_t sum = UINT64_C(0xcbf29ce484222325);
-    for (size_t i = 0; i < n; ++i)
-        sum = (sum ^ (unsigned char)bytes[i]) * UINT64_C(0x100000001b3);
-    return sum;
-}
-
 static motion_saved parts_of(const duet_motion *m, const header *h, const char *bytes,
                              const char *path)
 {
@@ -128,7 +120,7 @@ static bool add_buffer(duet_motion *m, motion_buffer which, text *file, duet_err
 
 static bool write_file(text *file, const char *path, duet_error *err)
 {
-    uint64_t sum = sum_of(file->chars, file->length);
+    uint64_t sum = text_checksum(file->chars, file->length);
     text_add_bytes(file, (const char *)&sum, sizeof sum);
     return text_ok(file, err) && text_write_file(path, file->chars, file->length, err);
 }
@@ -219,7 +211,7 @@ static bool check_file(const duet_motion *m, const text *file, const char *path,
     memcpy(&sum, file->chars + end, sizeof sum);
     if (has_commands(h) && whole < end)
         whole += motion_commands_size(file->chars + whole, end - whole, h->n);
-    return (end == whole && sum == sum_of(file->chars, end)) ||
+    return (end == whole && sum == text_checksum(file->chars, end)) ||
            error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion is cut short or damaged",
                      path);
 }
@@ -266,7 +258,7 @@ static bool renew(const duet_motion *m, text *file, const char *path, header *h,
             text_add_bytes(&renewed, at, bytes);
         at += bytes;
     }
-    uint64_t sum = text_ok(&renewed, err) ? sum_of(renewed.chars, renewed.length) : 0;
+    uint64_t sum = text_ok(&renewed, err) ? text_checksum(renewed.chars, renewed.length) : 0;
     text_add_bytes(&renewed, (const char *)&sum, sizeof sum);
     text_free(file);
     *file = renewed;

@@ -93,14 +93,6 @@ void recorded_to_def(const recorded_def *r, duet_motion_def *d)
     memcpy(d->upper, r->upper, sizeof r->upper);
 }
 
-uint64_t recording_sum(const char *bytes, size_t n)
-{
-    uint64_t sum = UINT64_C(0xcbf29ce484222325);
-    for (size_t i = 0; i < n; ++i)
-        sum = (sum ^ (unsigned char)bytes[i]) * UINT64_C(0x100000001b3);
-    return sum;
-}
-
 // ---------------------------------------------------------------- noting
 
 static void add(text *to, const void *bytes, size_t n)
@@ -234,7 +226,7 @@ bool duet_motion_save_recording(duet_motion *m, const char *path, duet_error *er
     add(&file, &head, sizeof head);
     add(&file, text_chars(records), records->length);
     add_steps(&file, m->recording->steps);
-    uint64_t sum = ok && text_ok(&file, err) ? recording_sum(file.chars, file.length) : 0;
+    uint64_t sum = ok && text_ok(&file, err) ? text_checksum(file.chars, file.length) : 0;
     add(&file, &sum, sizeof sum);
     ok = ok && text_ok(&file, err) && text_write_file(path, file.chars, file.length, err);
     text_free(&file);

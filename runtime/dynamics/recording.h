@@ -64,8 +64,6 @@ duet_body recorded_to_body(const recorded_body *body);
 recorded_def recorded_def_of(const duet_motion_def *def);
 void recorded_to_def(const recorded_def *from, duet_motion_def *def);
 
-uint64_t recording_sum(const char *bytes, size_t n);
-
 // What a motion holds while it is recorded.
 typedef struct motion_recording {
     recording_head head;

@@ -73,7 +73,7 @@ static bool read_replay(duet_replay *p, duet_error *err)
     p->at = sizeof p->head;
     p->end = p->file.length - sizeof sum;
     memcpy(&sum, p->file.chars + p->end, sizeof sum);
-    return sum == recording_sum(p->file.chars, p->end) ? count_records(p, err)
+    return sum == text_checksum(p->file.chars, p->end) ? count_records(p, err)
                                                        : damaged(p->path, err);
 }
 
