@@ -35,6 +35,16 @@ static const struct {
 
 enum { N_BENCHES = sizeof benches / sizeof benches[0] };
 
+duet_device_pair *bench_pair(const bench_options *options, duet_error *err)
+{
+    duet_device_pair_def def = duet_default_device_pair_def();
+    if (options->device_a) {
+        def.a = options->device_a;
+        def.b = options->device_b;
+    }
+    return duet_device_pair_create(&def, err);
+}
+
 duet_pose *bench_poses(uint32_t n, const bench_options *options, duet_error *err)
 {
     duet_pose *poses = paper_poses(n, options->seed);

@@ -38,6 +38,9 @@ bench_run bench_still;
 bench_run bench_strategies;
 bench_run bench_tune;
 
+// The device pair that was asked for, else the default one.
+duet_device_pair *bench_pair(const bench_options *options, duet_error *err);
+
 // The paper's scene with n objects; given back by free.
 duet_pose *bench_poses(uint32_t n, const bench_options *options, duet_error *err);
 

@@ -95,14 +95,9 @@ static bool measure(subject *s, duet_device_pair *pair, uint32_t runs, duet_erro
 bool bench_join(const bench_options *options, duet_error *err)
 {
     subject s = {.n = options->n ? options->n : 1000000};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    if (options->device_a) {
-        def.a = options->device_a;
-        def.b = options->device_b;
-    }
     s.asked = s.n / 100;
     duet_pose *poses = bench_poses(s.n + s.asked, options, err);
-    duet_device_pair *pair = poses ? duet_device_pair_create(&def, err) : NULL;
+    duet_device_pair *pair = poses ? bench_pair(options, err) : NULL;
     s.poses = poses;
     bool ok = pair && measure(&s, pair, options->runs, err);
     duet_device_pair_destroy(pair);

@@ -98,14 +98,9 @@ static bool measure(duet_query_wants wants, duet_device_pair *pair, const duet_p
 bool bench_rays(const bench_options *options, duet_error *err)
 {
     uint32_t n = options->n ? options->n : 1000000;
-    duet_device_pair_def def = duet_default_device_pair_def();
-    if (options->device_a) {
-        def.a = options->device_a;
-        def.b = options->device_b;
-    }
     duet_pose *poses = bench_poses(n, options, err);
     duet_ray *rays = poses ? random_rays(n, options->seed, poses) : NULL;
-    duet_device_pair *pair = rays ? duet_device_pair_create(&def, err) : NULL;
+    duet_device_pair *pair = rays ? bench_pair(options, err) : NULL;
     bool ok = pair || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u rays", n);
     if (ok)
         printf("%-8s %9s %9s %9s %9s %10s %8s\n", "wants", "tree ms", "CPU ms", "rays ms", "CPU ms",

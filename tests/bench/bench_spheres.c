@@ -83,14 +83,9 @@ static duet_sphere *spheres_of(duet_pose *poses, uint32_t n, duet_error *err)
 bool bench_spheres(const bench_options *options, duet_error *err)
 {
     uint32_t n = options->n ? options->n : 1000000;
-    duet_device_pair_def def = duet_default_device_pair_def();
-    if (options->device_a) {
-        def.a = options->device_a;
-        def.b = options->device_b;
-    }
     duet_pose *poses = bench_poses(n, options, err);
     duet_sphere *spheres = poses ? spheres_of(poses, n, err) : NULL;
-    duet_device_pair *pair = spheres ? duet_device_pair_create(&def, err) : NULL;
+    duet_device_pair *pair = spheres ? bench_pair(options, err) : NULL;
     subject subjects[SUBJECTS] = {
         {.name = "cubes", DUET_SHAPE_POSES, DUET_OBJECT_POSES, .objects = poses},
         {.name = "spheres", DUET_SHAPE_SPHERES, DUET_OBJECT_SPHERES, .objects = spheres}};
