@@ -7,7 +7,8 @@
 // reported by the device in whose keys, up to key_home_to, they would be: each
 // object by one.
 //
-//   objects  [n]  poses or bounds, or with APART transforms
+//   objects  [n]  poses or bounds, or with APART transforms; the first n_hashed
+//            have their keys
 //   sizes    [n + 1] (APART)
 //   names    [n]  their ids, where they are not all (PACKED)
 //   levels   [n_levels]
@@ -95,7 +96,7 @@ __kernel void hash(HASH_ARGS)
                  names,
 #endif
                  levels, n_levels, n_cells, key_from, key_home_to, key_to, counters};
-    uint first = get_global_id(0) * PER_ITEM;
+    uint first = n_hashed + get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint from = first; from < last; from += BATCH) {
         uint found[BATCH];

@@ -31,6 +31,7 @@ return {
       const float *objects
       const float *sizes     if APART > 0
       uint n
+      uint n_hashed
       const uint *names      if PACKED == 1
       constant grid_level *levels
       uint n_levels

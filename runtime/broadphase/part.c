@@ -181,8 +181,9 @@ static bool clear(part *p, uint32_t n_starts, duet_error *err)
 // Hashes the objects up to `to`, once they were sent.
 static bool hash_chunk(part *p, uint32_t from, uint32_t to, cl_event sent, duet_error *err)
 {
+    p->args.n_hashed = from;
     p->args.n = to;
-    return timeline_launch_after(&p->times, "hash", p->kernels.hash, from, to, sent, p, err);
+    return timeline_launch_after(&p->times, "hash", p->kernels.hash, to - from, sent, p, err);
 }
 
 // The only kernel that needs no more of the objects than have come so far.

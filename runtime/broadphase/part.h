@@ -76,6 +76,7 @@ enum { PART_CHOICES = 18 };
 // What kernels are told besides the part's buffers, by the names that their cards use.
 typedef struct part_args {
     cl_uint n, n_levels, n_cells;
+    cl_uint n_hashed;
     cl_uint key_from, key_home_to, key_to, key_end;
     cl_uint n_home_cells, n_own_cells;
     cl_uint n_counters, n_starts;

@@ -57,6 +57,7 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         VALUE(n_levels),
                                         VALUE(n_cells),
                                         VALUE(key_from),
+                                        VALUE(n_hashed),
                                         VALUE(key_home_to),
                                         VALUE(key_to),
                                         VALUE(key_end),

@@ -185,8 +185,7 @@ static bool make_ready(device *d, bool has_context, duet_error *err)
 {
     if (has_context && make_queue(&d->queue, d, err) && make_queue(&d->beside, d, err)) {
         d->built = program_pool_open();
-        d->copy = driver_copy_take(&d->info);
-        d->opened = true;
+        d->third_axis = driver_third_axis(&d->info);
         return true;
     }
     device_close(d);
@@ -297,8 +296,6 @@ void device_close(device *d)
         clReleaseDevice(d->id);
         device_object_gone();
     }
-    if (d->opened)
-        driver_copy_return(&d->info, d->copy);
     *d = (device){0};
 }
 

@@ -20,9 +20,8 @@ typedef struct device {
     cl_command_queue beside;  // the same, for what is sent while kernels run
     cl_command_queue callers; // whose context and device these are; NULL: our own
     duet_device_info info;
-    bool owns_part; // id is a part that we cut off, or the caller's that we hold
-    bool opened;    // has a copy
-    uint32_t copy;  // of its programs (runtime/opencl/driver.h)
+    bool owns_part;         // id is a part that we cut off, or the caller's that we hold
+    const char *third_axis; // NULL: groups lie along the first (runtime/opencl/driver.h)
     program_pool *built;
 } device;
 

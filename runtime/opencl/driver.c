@@ -1,14 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/opencl/driver.h"
 
-#include <pthread.h>
-#include <stdlib.h>
 #include <string.h>
-
-enum { MENDED_IN = 6, MOST_COPIES = 1024 };
-
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
-static bool taken[MOST_COPIES];
 
 static bool is_pocl(const duet_device_info *info)
 {
@@ -20,9 +13,22 @@ static bool is_oclgrind(const duet_device_info *info)
     return strcmp(info->platform, "Oclgrind") == 0;
 }
 
-static bool mixes_up_programs(const duet_device_info *info)
+// What the kernel's text says within its own expansion is OpenCL's own function.
+const char *driver_third_axis(const duet_device_info *info)
 {
-    return is_pocl(info) && strtol(info->driver, NULL, 10) < MENDED_IN;
+    return is_pocl(info) && info->kind == DUET_KIND_CPU
+               ? "#define get_group_id(axis) get_group_id(2)\n"
+                 "#define get_num_groups(axis) get_num_groups(2)\n"
+                 "#define get_global_id(axis) (get_group_id(2) * get_local_size(0) + "
+                 "get_local_id(0))\n"
+                 "#define get_global_size(axis) (get_num_groups(2) * get_local_size(0))\n"
+                 "#line 1\n"
+               : NULL;
+}
+
+static bool has_third_axis(const duet_device_info *info)
+{
+    return driver_third_axis(info);
 }
 
 bool driver_keeps_kernels(const duet_device_info *info)
@@ -51,7 +57,8 @@ const char *duet_device_info_get_quirk(const duet_device_info *info, uint32_t i)
         bool (*has)(const duet_device_info *info);
         const char *quirk;
     } known[] = {
-        {mixes_up_programs, "mixes up equal programs of two devices: each open device has its own"},
+        {has_third_axis,
+         "compiles a kernel for each range, and mixes them up before 6.0: all launches look alike"},
         {driver_keeps_kernels,
          "compiles twice when asked for binaries: what it built is left to its own cache"},
         {is_oclgrind, "breaks when two threads compile at once: programs are compiled one by one"},
@@ -62,27 +69,4 @@ const char *duet_device_info_get_quirk(const duet_device_info *info, uint32_t i)
         if (known[k].has(info) && i-- == 0)
             return known[k].quirk;
     return NULL;
-}
-
-// More devices than there are copies share the last one.
-uint32_t driver_copy_take(const duet_device_info *info)
-{
-    if (!mixes_up_programs(info))
-        return 0;
-    uint32_t copy = 0;
-    pthread_mutex_lock(&lock);
-    while (copy < MOST_COPIES - 1 && taken[copy])
-        ++copy;
-    taken[copy] = true;
-    pthread_mutex_unlock(&lock);
-    return copy;
-}
-
-void driver_copy_return(const duet_device_info *info, uint32_t copy)
-{
-    if (!mixes_up_programs(info))
-        return;
-    pthread_mutex_lock(&lock);
-    taken[copy] = false;
-    pthread_mutex_unlock(&lock);
 }

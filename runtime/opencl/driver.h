@@ -1,23 +1,21 @@
 // SPDX-License-Identifier: MIT
 // What is known of drivers that Duet works round.
 //
-// Copies of programs: PoCL before 6.0 keeps loaded kernels of all contexts in one list. When a
-// launch ends it looks its kernel up there by the program's hash and the group's size alone,
-// although entries also differ by the launch's width and offset. Two devices that launch one
-// program over different ranges at once then release each other's entries: the driver aborts, or
-// unloads a kernel that still runs. So no two open devices of such a driver have programs of one
-// hash: the second builds them with another definition. One device never has two launches under
-// way, because its queue runs them in order.
+// One width: PoCL compiles a kernel anew for launches of 65,535 work-items and more along an axis,
+// and for those that do not begin at 0. Before 6.0 it also mixes such kernels up: when a launch
+// ends it looks its kernel up by the program's hash and the group's size alone, so that two devices
+// that launch one program over different ranges at once release each other's kernels, and the
+// driver aborts, or unloads one that still runs. It does not count the third axis. So on its CPUs
+// our groups lie along the third axis, one behind the other, and every launch begins at 0: a kernel
+// is compiled once for each size of group, whatever the range, and shared by all devices.
 #ifndef RUNTIME_DRIVER_H
 #define RUNTIME_DRIVER_H
 
 #include "runtime/duet.h"
 
-// Which copy of all programs an opened device builds: the least that no other
-// open device has, 0 first; always 0 where the driver needs none. To be given
-// back when the device closes.
-uint32_t driver_copy_take(const duet_device_info *info);
-void driver_copy_return(const duet_device_info *info, uint32_t copy);
+// What stands before the text of each kernel where groups lie along the third axis: the functions
+// of OpenCL by which a kernel asks for its place along the first. NULL where they lie along it.
+const char *driver_third_axis(const duet_device_info *info);
 
 // Whether the driver keeps what it compiled itself and compiles all again when it is asked
 // for a binary, as PoCL does: 5.7 s of processor time instead of 3.2 for a first run, and

@@ -14,6 +14,9 @@
 
 enum { MAX_ENTRIES = 5, MOST_HELPERS = 3 };
 
+// Contraction is off in the kernels' text; nothing here may loosen it.
+static const char BUILD_OPTIONS[] = "-cl-std=CL1.2 -w";
+
 typedef struct program {
     struct program *next;
     char sha256[65];
@@ -32,7 +35,6 @@ struct program_set {
     gen *gen;
     program_builder builder;
     gen_limits limits;
-    char build_options[48];
     program *first;
 };
 
@@ -40,15 +42,6 @@ struct program_set {
 bool program_builder_keeps(const program_builder *b, const duet_device_info *info)
 {
     return b->cache_dir && !(b->is_default && driver_keeps_kernels(info));
-}
-
-// Contraction is off in the kernels' text; nothing here may loosen it.
-static void set_build_options(program_set *set)
-{
-    int n = snprintf(set->build_options, sizeof set->build_options, "-cl-std=CL1.2 -w");
-    if (set->device->copy > 0) // no kernel reads it
-        snprintf(set->build_options + n, sizeof set->build_options - (size_t)n, " -D DUET_COPY=%u",
-                 set->device->copy);
 }
 
 gen_limits program_limits(const duet_device_info *info)
@@ -74,7 +67,6 @@ program_set *program_set_open(const device *d, gen *g, const program_builder *bu
     if (builder)
         set->builder = *builder;
     set->limits = program_limits(&d->info);
-    set_build_options(set);
     return set;
 }
 
@@ -166,7 +158,7 @@ static bool build_declared(const program_set *set, program *p)
     const char *leave_out = driver_header_option(&set->device->info);
     const char *sources[] = {gen_built_ins(set->gen), p->text};
     char options[96];
-    snprintf(options, sizeof options, "%s %s", set->build_options, leave_out ? leave_out : "");
+    snprintf(options, sizeof options, "%s %s", BUILD_OPTIONS, leave_out ? leave_out : "");
     return leave_out && sources[0] && build_sources(set, p, 2, sources, options) == CL_SUCCESS;
 }
 
@@ -177,7 +169,7 @@ static bool build_source(const program_set *set, program *p, duet_error *err)
         return true;
     release_built(p);
     const char *source = p->text;
-    cl_int code = build_sources(set, p, 1, &source, set->build_options);
+    cl_int code = build_sources(set, p, 1, &source, BUILD_OPTIONS);
     if (!p->cl)
         return error_set_cl(err, code, "%s on %s", p->name, set->device->info.selector);
     return code == CL_SUCCESS || fail_with_log(set, p->cl, p->name, err);
@@ -194,7 +186,7 @@ static bool build_binary(const program_set *set, program *p, const text *binary)
     if (!cl)
         return false;
     if (status != CL_SUCCESS ||
-        clBuildProgram(cl, 1, &set->device->id, set->build_options, NULL, NULL) != CL_SUCCESS) {
+        clBuildProgram(cl, 1, &set->device->id, BUILD_OPTIONS, NULL, NULL) != CL_SUCCESS) {
         clReleaseProgram(cl);
         return false;
     }
@@ -210,7 +202,7 @@ static bool has_cache(const program_set *set)
 
 static void find_key(const program_set *set, const program *p, char key[65])
 {
-    cache_key(p->text, set->build_options, &set->device->info, key);
+    cache_key(p->text, BUILD_OPTIONS, &set->device->info, key);
 }
 
 static bool build_kept(const program_set *set, program *p)
@@ -379,27 +371,29 @@ bool program_set_build(program_set *set, duet_error *err)
     return ok;
 }
 
-// Takes the variant's text.
-static program *new_program(gen_variant *variant, duet_error *err)
+static program *new_program(const program_set *set, const gen_variant *variant, duet_error *err)
 {
-    program *p = calloc(1, sizeof *p);
+    const char *third_axis = set->device->third_axis;
+    text all = {0};
+    text_add(&all, "%s%s", third_axis ? third_axis : "", variant->text);
+    program *p = text_ok(&all, NULL) ? calloc(1, sizeof *p) : NULL;
     if (!p) {
         error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the program %s", variant->name);
+        text_free(&all);
         return NULL;
     }
     memcpy(p->sha256, variant->sha256, sizeof p->sha256);
     memcpy(p->name, variant->name, sizeof p->name);
-    p->text = variant->text;
-    variant->text = NULL;
+    p->text = all.chars;
     return p;
 }
 
-static program *find_or_add(program_set *set, gen_variant *variant, duet_error *err)
+static program *find_or_add(program_set *set, const gen_variant *variant, duet_error *err)
 {
     for (program *p = set->first; p; p = p->next)
         if (strcmp(p->sha256, variant->sha256) == 0)
             return p;
-    program *p = new_program(variant, err);
+    program *p = new_program(set, variant, err);
     if (p) {
         p->next = set->first;
         set->first = p;
@@ -467,7 +461,7 @@ bool program_set_check(program_set *set, const char *kernel_name, const gen_sett
     gen_variant variant = {0};
     if (!gen_make(set->gen, kernel_name, settings, n_settings, &set->limits, &variant, err))
         return false;
-    program *p = new_program(&variant, err);
+    program *p = new_program(set, &variant, err);
     bool ok = p && build_source(set, p, err);
     if (p)
         free_program(p);

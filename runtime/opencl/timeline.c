@@ -58,22 +58,24 @@ static bool set_args(const kernel *k, const void *values, const device *d, duet_
 bool timeline_launch(timeline *t, const char *stage, const kernel *k, uint64_t work,
                      const void *values, duet_error *err)
 {
-    return timeline_launch_after(t, stage, k, 0, work, NULL, values, err);
+    return timeline_launch_after(t, stage, k, work, NULL, values, err);
 }
 
-bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint64_t from,
-                           uint64_t to, cl_event after, const void *values, duet_error *err)
+bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint64_t work,
+                           cl_event after, const void *values, duet_error *err)
 {
-    if (from == to)
+    if (work == 0)
         return true;
     if (!set_args(k, values, t->device, err))
         return false;
     uint64_t per_group = (uint64_t)k->group * k->per_item;
-    size_t group = k->group;
-    size_t first = (size_t)(from / k->per_item);
-    size_t global = (size_t)((to - from + per_group - 1) / per_group) * group;
+    size_t n_groups = (size_t)((work + per_group - 1) / per_group);
+    const size_t group[3] = {k->group, 1, 1};
+    const size_t along_first[3] = {n_groups * k->group, 1, 1};
+    const size_t along_third[3] = {k->group, 1, n_groups};
     cl_event event = NULL;
-    cl_int code = clEnqueueNDRangeKernel(t->device->queue, k->cl, 1, &first, &global, &group,
+    cl_int code = clEnqueueNDRangeKernel(t->device->queue, k->cl, 3, NULL,
+                                         t->device->third_axis ? along_third : along_first, group,
                                          after ? 1 : 0, after ? &after : NULL, &event);
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "%s on %s: launch", k->name, t->device->info.selector);

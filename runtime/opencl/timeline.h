@@ -33,10 +33,9 @@ void timeline_begin(timeline *t, const device *d);
 bool timeline_launch(timeline *t, const char *stage, const kernel *k, uint64_t work,
                      const void *values, duet_error *err);
 
-// The same over [from, to) of them, once `after` is over (NULL: at once). from
-// is a multiple of what a group takes.
-bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint64_t from,
-                           uint64_t to, cl_event after, const void *values, duet_error *err);
+// The same once `after` is over (NULL: at once).
+bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint64_t work,
+                           cl_event after, const void *values, duet_error *err);
 
 // Sets words [from, to) of a buffer to a value.
 bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, size_t from,

@@ -9,6 +9,7 @@
 #include "base/rng.h"
 #include "runtime/duet.h"
 #include "runtime/opencl/device_pair.h"
+#include "runtime/opencl/driver.h"
 
 #include <dlfcn.h>
 #include <stdatomic.h>
@@ -42,6 +43,8 @@ static const struct {
 };
 
 static atomic_int left[CALLS]; // calls until one fails; below 0: none does
+static atomic_int wide; // launches of more than a group along the first two axes, or an offset
+static atomic_int launches;
 
 static bool fails(call c)
 {
@@ -60,6 +63,8 @@ cl_int clEnqueueNDRangeKernel(cl_command_queue q, cl_kernel k, cl_uint dims, con
                               const cl_event *wait, cl_event *event)
 {
     FIND_REAL(clEnqueueNDRangeKernel, LAUNCH);
+    atomic_fetch_add(&launches, 1);
+    atomic_fetch_add(&wide, dims < 3 || global[0] > local[0] || global[1] > 1 || offset);
     return fails(LAUNCH) ? calls[LAUNCH].code
                          : next(q, k, dims, offset, global, local, n, wait, event);
 }
@@ -296,6 +301,18 @@ static void a_test_of_pairs_survives_as_well(void **state)
     duet_pair_query_destroy(test);
 }
 
+// A kernel is then compiled once for all ranges (runtime/opencl/driver.h).
+static void every_launch_of_a_pocl_cpu_has_one_width(void **state)
+{
+    (void)state;
+    assert_true(atomic_load(&launches) > 0);
+    if (driver_third_axis(&devices->devices[0].info) &&
+        driver_third_axis(&devices->devices[1].info))
+        assert_int_equal(atomic_load(&wide), 0);
+    else
+        assert_true(atomic_load(&wide) > 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -303,6 +320,7 @@ int main(void)
         cmocka_unit_test(so_it_is_where_everything_is_copied),
         cmocka_unit_test(a_failing_first_step_is_told_and_the_next_one_is_right),
         cmocka_unit_test(a_test_of_pairs_survives_as_well),
+        cmocka_unit_test(every_launch_of_a_pocl_cpu_has_one_width),
     };
     return cmocka_run_group_tests(tests, open_devices, close_devices);
 }
