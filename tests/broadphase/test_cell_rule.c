@@ -230,7 +230,7 @@ static void check_magnitude(duet_world *world, duet_shape shape, uint32_t dims, 
              shape == DUET_SHAPE_BOUNDS ? "bounds" : "poses", exponent, kind_names[what]);
     for (size_t way = 0; way < N_WAYS; ++way) {
         bool its_turn = dims == 2 ? ways[way].in_2d : way % 2 == first_way;
-        if (its_turn && test_takes(way / 2, 3) && (shape == DUET_SHAPE_POSES || !ways[way].needs_boxes))
+        if (its_turn && test_takes(way / 2, 5) && (shape == DUET_SHAPE_POSES || !ways[way].needs_boxes))
             step(world, way, scene, hash, n_pairs);
     }
 }
@@ -333,7 +333,7 @@ static void thousands_of_boxes_an_ulp_wide_are_found_by_the_default_plan(void **
         uint64_t n_pairs;
         uint64_t hash = sweep(boxes, MANY, &n_pairs);
         for (size_t way = 0; way < N_WAYS; ++way)
-            if (!ways[way].needs_boxes && test_takes(way / 2, 3))
+            if (!ways[way].needs_boxes && test_takes(way / 2, 5))
                 step(world, way, "20 000 boxes", hash, n_pairs);
     }
     duet_world_destroy(world);

@@ -164,7 +164,7 @@ static void try_search(const char *search)
         for (int kind = 0; kind < 3; ++kind) {
             c.shape = kind < 2 ? DUET_SHAPE_POSES : DUET_SHAPE_BOUNDS;
             c.rotated = kind == 0;
-            if (test_takes(c.dims + (uint64_t)kind, 2))
+            if (test_takes(c.dims + (uint64_t)kind, 4))
                 try_crowds(search, &c, &r);
         }
     }
@@ -206,7 +206,7 @@ static void try_sizes(const char *search)
         for (int kind = 0; kind < 2; ++kind) {
             c.shape = kind ? DUET_SHAPE_BOUNDS : DUET_SHAPE_POSES;
             c.rotated = kind == 0;
-            if (test_takes(c.dims + (uint64_t)kind, 2))
+            if (test_takes(c.dims + (uint64_t)kind, 3))
                 try_crowds(search, &c, &r);
         }
     }

@@ -123,7 +123,7 @@ static void try_levels(duet_device_pair *pair, const crowd *c)
         for (size_t s = 0; s < sizeof searches / sizeof *searches; ++s) {
             if (level == DUET_LEVEL_AABB && strstr(searches[s], "FUSED="))
                 continue; // there is no test to fuse
-            if (!test_takes((uint64_t)l + s + c->dims + c->rotated, 3))
+            if (!test_takes((uint64_t)l + s + c->dims + c->rotated, 6))
                 continue;
             for (size_t k = 0; k < sizeof shares / sizeof *shares; ++k)
                 if (shares[k] < DUET_SHARE_ONE || s == (size_t)l)
