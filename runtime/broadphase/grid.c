@@ -312,6 +312,13 @@ static uint32_t cell_of(const grid_level *level, const grid_objects *objects, ui
     return grid_cell_along((float)point[axis], lower, per_cell, cells);
 }
 
+void grid_cell_of(uint32_t cell[3], const grid *g, const grid_objects *objects, uint32_t id)
+{
+    cell[2] = 0;
+    for (uint32_t k = 0; k < objects->dims; ++k)
+        cell[k] = cell_of(&g->levels[0], objects, id, k);
+}
+
 uint32_t grid_cell_row_of(const grid *g, const grid_objects *objects, uint32_t id)
 {
     const grid_level *level = &g->levels[0];

@@ -117,6 +117,9 @@ static inline uint32_t grid_cell_along(float at, float lower, float per_cell, cl
     return (uint32_t)(int32_t)(cell < last ? cell : last);
 }
 
+// An object's cell of the finest level, about as the kernels have it; z is 0 in 2D.
+void grid_cell_of(uint32_t cell[3], const grid *g, const grid_objects *objects, uint32_t id);
+
 // The row of an object, in a dense grid of one level.
 uint32_t grid_cell_row_of(const grid *g, const grid_objects *objects, uint32_t id);
 

@@ -66,6 +66,11 @@ static bool needs_fit(const duet_world *world)
            REFIT_FACTOR * n < world->fitted_n;
 }
 
+bool world_fit_grid(duet_world *world, duet_error *err)
+{
+    return !needs_fit(world) || fit_grid(world, err);
+}
+
 // Where pairs stay on a device that has memory of its own.
 static void choose_keepers(duet_world *world)
 {
@@ -347,7 +352,7 @@ static bool find_pairs(duet_world *world, duet_error *err)
     if (fits)
         forget_last_step(world);
     for (int fit = 0; !fits; ++fit) {
-        if (!budget_check(err) || (needs_fit(world) && !fit_grid(world, err)))
+        if (!budget_check(err) || !world_fit_grid(world, err))
             return false;
         bool placed = true;
         if (!run_parts(world, &placed, err))

@@ -77,6 +77,9 @@ void world_change_level(duet_world *world, duet_level level);
 // The next step lays its grid anew, whatever the last one found.
 void world_forget_grid(duet_world *world);
 
+// Fits a grid to the objects where the last one does not suit them.
+bool world_fit_grid(duet_world *world, duet_error *err);
+
 // The plan's mode, where it is open, for the grid that was fitted.
 void world_choose_mode(duet_world *world);
 
