@@ -16,6 +16,7 @@ static const member def_members[] = {
     MEMBER(member_float, duet_world_def, upper),
     MEMBER(member_bool, duet_world_def, separate_sizes),
     MEMBER(member_bool, duet_world_def, compact_transforms),
+    MEMBER(member_bool, duet_world_def, ordered),
     MEMBER(member_bool, duet_world_def, keep_bad),
     MEMBER(member_count, duet_world_def, max_pairs),
     MEMBER(member_accuracy, duet_world_def, accuracy),

@@ -70,6 +70,7 @@ typedef struct duet_world_def {
     float origin_edge;       // above 0: large poses, in origin cells of that edge, a power of two
     bool separate_sizes;     // objects are transforms, and their sizes are set by themselves
     bool compact_transforms; // these are compact; means separate_sizes too
+    bool ordered;            // promises that objects are kept in about duet_world_order's order
     bool keep_bad;           // leave bad objects out and count them, instead of BAD_OBJECT
     uint64_t max_pairs;      // TOO_MANY above it; 0: as memory allows
     int cookie;

@@ -7,6 +7,7 @@
 #include "runtime/broadphase/part.h"
 #include "runtime/broadphase/resident.h"
 #include "runtime/broadphase/slab.h"
+#include "runtime/broadphase/strays.h"
 #include "runtime/broadphase/workload_stats.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/thread_pool.h"
@@ -20,6 +21,7 @@ struct duet_world {
     part parts[2];       // A, B
     thread_pool *driver; // drives A while the caller's thread drives B
     pack pack;
+    strays strays;
     host_block objects; // [n] poses or bounds, or transforms
     resident resident;  // the objects, where a device has them; else empty
     uint32_t n;

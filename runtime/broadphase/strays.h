@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// What a device takes of the input where objects are kept in about the order of cells.
+//
+// The cut between the slabs is also one between objects: those before it are A's own stretch of
+// the input, the others B's. A device takes its own stretch, and of the other one the blocks that
+// hold an object of its slab: strays, and ghosts at the border. That is right in any order, and
+// little in a good one.
+#ifndef RUNTIME_STRAYS_H
+#define RUNTIME_STRAYS_H
+
+#include "runtime/broadphase/part.h"
+
+#include <stdatomic.h>
+
+// Objects that are taken together: whole work-items of every kernel that takes them.
+enum { STRAY_BLOCK = 1024 };
+
+struct strays {
+    bool *wanted; // [n_blocks] by the device whose own stretch it is not in
+    uint32_t capacity;
+    uint32_t n_blocks;
+    uint32_t cut; // B's first object
+    part_range ranges[2];
+    grid grid;
+    grid_objects objects;
+    uint64_t objects_version, grid_version;
+    atomic_uint begun, done; // blocks
+};
+
+void strays_close(strays *s);
+
+// Begins to look for the blocks that each device wants of these objects and slabs, unless they
+// are known.
+bool strays_begin(strays *s, const part_task *task, const part_range ranges[2], duet_error *err);
+
+// Looks at blocks, beside other threads that do, until all are known.
+void strays_look(void *s);
+
+// A device's own stretch; and of the other's those that it takes, once they are known.
+stretch strays_own(const strays *s, int side);
+stretches strays_of(const strays *s, int side);
+
+#endif
