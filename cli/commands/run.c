@@ -14,6 +14,8 @@
 #include "cli/report/run_report.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
+#include "runtime/narrowphase/origin.h"
+#include "runtime/scene/scene.h"
 #include "tuner/pair_list.h"
 
 #include <cjson/cJSON.h>
@@ -39,6 +41,7 @@ typedef struct arguments {
     bool resident;
     bool transforms;
     bool compact;
+    bool ordered;
     const char *pairs_path;
     bool check;
     bool json;
@@ -54,6 +57,7 @@ static const option options[] = {
     OPTION_FLAG("resident", resident, "leave the objects on the devices between the steps"),
     OPTION_FLAG("transforms", transforms, "send no sizes again, only centres and rotations"),
     OPTION_FLAG("compact", compact, "the same, with rotations rounded to 16 bits: 20 bytes a box"),
+    OPTION_FLAG("ordered", ordered, "put the objects into the order of their cells beforehand"),
     OPTION_COUNT("steps", steps, "K", "advance a scene that moves by K steps instead", 1,
                  1000000000),
     OPTION_TEXT("picture", picture, "F.png", "draw the last of the steps"),
@@ -78,7 +82,8 @@ static const option_rule rules[] = {
     {"missed", OPTION_EXCLUDES, "steps"},        {"false-rate", OPTION_EXCLUDES, "steps"},
     {"resident", OPTION_EXCLUDES, "transforms"}, {"compact", OPTION_EXCLUDES, "transforms"},
     {"compact", OPTION_EXCLUDES, "resident"},    {"compact", OPTION_EXCLUDES, "steps"},
-    {"compact", OPTION_EXCLUDES, "check"},       {0},
+    {"compact", OPTION_EXCLUDES, "check"},       {"ordered", OPTION_EXCLUDES, "steps"},
+    {0},
 };
 
 static const command_line line = {
@@ -118,13 +123,66 @@ static bool compare(const duet_scene *scene, duet_level level, const duet_pair *
     return true;
 }
 
-static bool use_pairs(const arguments *args, const duet_scene *scene, duet_level level,
-                      const duet_result *result, reference_check *check, duet_error *err)
+// The scene's objects as the world is given them.
+typedef struct given_objects {
+    const duet_scene *scene;
+    duet_scene *ordered; // NULL: in the scene's order
+    uint32_t *ids;       // in the scene, of the ordered ones
+} given_objects;
+
+static void free_given(given_objects *g)
+{
+    duet_scene_destroy(g->ordered);
+    duet_free(g->ids);
+}
+
+static bool put_in_order(given_objects *g, duet_world *world, duet_error *err)
+{
+    uint32_t n = 0;
+    const duet_scene_info *info = duet_scene_get_info(g->scene);
+    duet_object_kind kind = scene_kind(info);
+    size_t bytes = origin_row_bytes(info->shape, info->origin_edge);
+    if (!duet_world_set_scene(world, g->scene, err) || !duet_world_order(world, &g->ids, &n, err))
+        return false;
+    char *rows = malloc(n * bytes + 1);
+    if (!rows)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory to order %" PRIu32 " objects", n);
+    const char *from = duet_scene_get_objects(g->scene, kind);
+    for (uint32_t i = 0; i < n; ++i)
+        memcpy(rows + i * bytes, from + g->ids[i] * bytes, bytes);
+    g->ordered = duet_scene_create(kind, rows, n, info->dims, info->origin_edge, err);
+    free(rows);
+    g->scene = g->ordered;
+    return g->ordered;
+}
+
+// All pairs by the scene's own ids. The caller frees them.
+static duet_pair *list_pairs(const given_objects *g, const duet_result *result, duet_error *err)
+{
+    duet_pair *pairs = pair_list_sorted(result, err);
+    if (pairs && g->ids)
+        pair_list_rename(pairs, result->pairs, g->ids);
+    return pairs;
+}
+
+// The hash of what was found is that of the scene's own ids too.
+static bool rename_hash(const given_objects *g, timed *t, duet_error *err)
+{
+    duet_pair *pairs = g->ids ? list_pairs(g, &t->last, err) : NULL;
+    if (pairs)
+        t->hash = duet_pairs_hash(pairs, t->last.pairs);
+    free(pairs);
+    return pairs || !g->ids;
+}
+
+static bool use_pairs(const arguments *args, const duet_scene *scene, const given_objects *given,
+                      duet_level level, const duet_result *result, reference_check *check,
+                      duet_error *err)
 {
     check->asked = args->check;
     if (!args->check && !args->pairs_path)
         return true;
-    duet_pair *pairs = pair_list_sorted(result, err);
+    duet_pair *pairs = list_pairs(given, result, err);
     bool ok = pairs != NULL;
     if (ok && args->pairs_path)
         ok = write_pairs(args->pairs_path, pairs, result->pairs, err);
@@ -143,6 +201,7 @@ static duet_world *make_world(const arguments *args, const duet_scene *scene,
         return NULL;
     def.separate_sizes = args->transforms;
     def.compact_transforms = args->compact;
+    def.ordered = args->ordered;
     duet_world *world = duet_world_create(&def, err);
     bool idle_a = world && duet_device_pair_is_one(pair) && duet_world_get_plan(world)->share == 0;
     if (!idle_a || !args->plan.variants[0])
@@ -188,12 +247,16 @@ static bool run_world(const arguments *args, const duet_scene *scene, const duet
                     .timed = &t,
                     .resident = args->resident,
                     .transforms = args->transforms,
-                    .compact = args->compact};
-    bool ok = choose_plan(args, scene, world, &r, err);
+                    .compact = args->compact,
+                    .ordered = args->ordered};
+    given_objects given = {.scene = scene};
+    bool ok = choose_plan(args, scene, world, &r, err) &&
+              (!args->ordered || put_in_order(&given, world, err));
     duet_level level = duet_world_get_level(world);
     r.level = duet_level_get_info(level)->name;
-    ok = ok && timed_run(&t, world, scene, (uint32_t)args->repeat, sends(args), err);
-    ok = ok && use_pairs(args, scene, level, &t.last, &r.check, err);
+    ok = ok && timed_run(&t, world, given.scene, (uint32_t)args->repeat, sends(args), err);
+    ok = ok && rename_hash(&given, &t, err);
+    ok = ok && use_pairs(args, scene, &given, level, &t.last, &r.check, err);
     if (ok && args->json)
         ok = run_report_json(&r, err);
     else if (ok && !options_is_stdout(args->pairs_path))
@@ -202,6 +265,7 @@ static bool run_world(const arguments *args, const duet_scene *scene, const duet
         ok = error_set(err, DUET_STATUS_WRONG_RESULT, "%s: the pairs differ from the reference's",
                        r.scene->name);
     timed_free(&t);
+    free_given(&given);
     return ok && interrupt_check(err);
 }
 
