@@ -208,7 +208,6 @@ static bool take_stretch(part *p, const part_task *task, stretch s, bool has, du
     size_t bytes = grid_object_bytes(&task->objects);
     bool beside = !has && wants_chunks(p, task);
     uint32_t size = beside ? chunk_size(p, s.to - s.from) : s.to - s.from;
-    p->taken.list[p->taken.n++] = s;
     for (uint32_t from = s.from, to; from < s.to; from = to) {
         to = s.to - from > size ? from + size : s.to;
         const char *rows = (const char *)task->objects.array + from * bytes;
@@ -234,16 +233,15 @@ static bool has_stretches(const part *p, const part_task *task, const part_range
 static bool take_stretches(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
     bool has = has_stretches(p, task, range);
-    p->taken.n = 0;
+    stretch own = strays_own(task->strays, task->side);
     p->stretched.objects_version = 0;
-    bool ok = take_stretch(p, task, strays_own(task->strays, task->side), has, err) &&
-              timeline_flush(&p->times, err);
+    bool ok = take_stretch(p, task, own, has, err) && timeline_flush(&p->times, err);
     uint64_t begun = clock_steady_ns();
     strays_look(task->strays);
     timeline_add_host(&p->times, "strays", clock_ms_since(begun));
-    stretches more = strays_of(task->strays, task->side);
-    for (uint32_t i = 0; ok && i < more.n; ++i)
-        ok = take_stretch(p, task, more.list[i], has, err);
+    p->taken = strays_taken(task->strays, task->side);
+    for (uint32_t i = 0; ok && i < p->taken.n; ++i)
+        ok = i == p->taken.own || take_stretch(p, task, p->taken.list[i], has, err);
     p->args.n = task->objects.n;
     if (!ok || p->device->info.host_memory)
         return ok;
@@ -255,30 +253,24 @@ static bool take_stretches(part *p, const part_task *task, const part_range *ran
     return true;
 }
 
-static bool hash_objects(part *p, const part_task *task, const part_range *range, duet_error *err)
+// Objects that were not taken are nowhere.
+static bool pass_over_rest(part *p, uint32_t n, duet_error *err)
 {
-    if (!task->strays)
-        return run_hash(p, task, err);
-    bool counting = p->variant.sort == SORT_COUNTING; // else all keys are sorted
-    return (counting ||
-            timeline_fill(&p->times, "clear", &p->keys, UINT32_MAX, 0, task->objects.n, err)) &&
-           take_stretches(p, task, range, err);
-}
-
-// A kernel over the objects that were hashed.
-static bool launch_over_hashed(part *p, const part_task *task, const char *stage, const kernel *k,
-                               duet_error *err)
-{
-    if (!task->strays)
-        return timeline_launch(&p->times, stage, k, task->objects.n, p, err);
+    uint32_t from = 0;
     bool ok = true;
     for (uint32_t i = 0; ok && i < p->taken.n; ++i) {
         const stretch *s = &p->taken.list[i];
-        p->args.n = s->to;
-        ok = timeline_launch_after(&p->times, stage, k, s->from, s->to, NULL, p, err);
+        ok = timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, s->from, err);
+        from = s->to;
     }
-    p->args.n = task->objects.n;
-    return ok;
+    return ok && timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, n, err);
+}
+
+static bool hash_objects(part *p, const part_task *task, const part_range *range, duet_error *err)
+{
+    return task->strays ? take_stretches(p, task, range, err) &&
+                              pass_over_rest(p, task->objects.n, err)
+                        : run_hash(p, task, err);
 }
 
 // The keys count into starts, and the ranks tell them apart.
@@ -287,7 +279,7 @@ static bool counting_sort(part *p, const part_task *task, const part_range *rang
     return hash_objects(p, task, range, err) &&
            scan_run(&p->scan, &p->times, "sort", &p->starts, count_starts(range), err) &&
            (!p->kernels.from_ids ||
-            launch_over_hashed(p, task, "sort", p->kernels.scatter, err));
+            timeline_launch(&p->times, "sort", p->kernels.scatter, task->objects.n, p, err));
 }
 
 static bool find_starts(part *p, const part_task *task, const part_range *range, duet_error *err)
@@ -319,8 +311,6 @@ static bool place(part *p, const part_task *task, duet_error *err)
 {
     bool by_id = p->variant.search == SEARCH_PAPER;
     bool gathers = !by_id && p->kernels.from_ids && p->place_capacity < task->objects.n;
-    if (!by_id && !p->kernels.from_ids)
-        return launch_over_hashed(p, task, "reorder", p->kernels.place, err);
     return timeline_launch(&p->times, by_id ? "bounds" : "reorder", p->kernels.place,
                            gathers ? p->place_capacity : task->objects.n, p, err);
 }

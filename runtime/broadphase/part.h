@@ -19,8 +19,9 @@ typedef struct stretch {
 enum { STRETCHES = 18 };
 
 typedef struct stretches {
-    stretch list[STRETCHES];
+    stretch list[STRETCHES]; // ascending
     uint32_t n;
+    uint32_t own; // the one that is the part's own, in any order of the objects
 } stretches;
 
 typedef struct strays strays;
@@ -144,7 +145,7 @@ typedef struct part {
         uint32_t key_from, key_to;
         uint32_t n, n_homes;
     } packed;
-    stretches taken; // of the input in this step, the part's own first
+    stretches taken; // of the input in this step
     struct {
         uint64_t objects_version, grid_version; // of what was sent last; 0: nothing
         uint32_t key_from, key_to;

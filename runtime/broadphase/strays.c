@@ -105,24 +105,31 @@ stretch strays_own(const strays *s, int side)
     return side == 0 ? (stretch){0, s->cut} : (stretch){s->cut, s->objects.n};
 }
 
-// A gap is left out where that pays for a launch: a stretch of so much of the input.
-enum { LEAST_GAPS = STRETCHES - 2 };
+// A gap is left out where it pays for a launch: so large a part of the input.
+enum { GAPS = STRETCHES - 3 };
 
-static void add_block(stretches *all, const strays *s, uint32_t block, uint32_t least_gap)
+// With those up to it from the stretch `first` on, unless the gap is large.
+static void add_block(stretches *all, uint32_t first, const strays *s, uint32_t block)
 {
-    stretch *last = all->n > 0 ? &all->list[all->n - 1] : NULL;
-    if (!last || block * STRAY_BLOCK - last->to > least_gap)
+    stretch *last = all->n > first ? &all->list[all->n - 1] : NULL;
+    if (!last || block * STRAY_BLOCK - last->to > s->objects.n / GAPS)
         all->list[all->n++] = (stretch){block * STRAY_BLOCK, end_of(s, block)};
     else
         last->to = end_of(s, block);
 }
 
-stretches strays_of(const strays *s, int side)
+stretches strays_taken(const strays *s, int side)
 {
-    stretches all = {0};
-    uint32_t least_gap = s->objects.n / LEAST_GAPS;
+    stretches all = {.own = 0};
+    if (side == 0)
+        all.list[all.n++] = strays_own(s, side);
+    uint32_t first = all.n;
     for (uint32_t block = 0; block < s->n_blocks; ++block)
         if (side_of(s, block) != side && s->wanted[block])
-            add_block(&all, s, block, least_gap);
+            add_block(&all, first, s, block);
+    if (side == 1) {
+        all.own = all.n;
+        all.list[all.n++] = strays_own(s, side);
+    }
     return all;
 }

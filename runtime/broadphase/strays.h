@@ -36,8 +36,8 @@ bool strays_begin(strays *s, const part_task *task, const part_range ranges[2], 
 // Looks at blocks, beside other threads that do, until all are known.
 void strays_look(void *s);
 
-// A device's own stretch; and of the other's those that it takes, once they are known.
+// A device's own stretch; and once the blocks are known all that it takes.
 stretch strays_own(const strays *s, int side);
-stretches strays_of(const strays *s, int side);
+stretches strays_taken(const strays *s, int side);
 
 #endif
