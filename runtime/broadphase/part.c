@@ -237,7 +237,8 @@ static bool take_stretches(part *p, const part_task *task, const part_range *ran
     p->stretched.objects_version = 0;
     bool ok = take_stretch(p, task, own, has, err) && timeline_flush(&p->times, err);
     uint64_t begun = clock_steady_ns();
-    strays_look(task->strays);
+    strays_look(task->strays, task->side);
+    strays_await(task->strays, task->side);
     timeline_add_host(&p->times, "strays", clock_ms_since(begun));
     p->taken = strays_taken(task->strays, task->side);
     for (uint32_t i = 0; ok && i < p->taken.n; ++i)

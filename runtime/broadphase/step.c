@@ -176,12 +176,12 @@ static bool run_slabs(duet_world *world, job jobs[2], duet_error *err)
 {
     const part_range ranges[2] = {jobs[0].range, jobs[1].range};
     const bool packed[2] = {jobs[0].task.packed, jobs[1].task.packed};
-    if ((jobs[0].task.strays || jobs[1].task.strays) &&
-        !strays_begin(&world->strays, &jobs[1].task, ranges, err))
-        return false;
-    if (!pack_start(&world->pack, world->parts, &jobs[0].task, ranges, packed, err))
-        return false;
-    bool ok = run_own(world, jobs);
+    const bool stretched = jobs[0].task.strays || jobs[1].task.strays;
+    bool ok = stretched
+                  ? strays_begin(&world->strays, &jobs[1].task, ranges, err) &&
+                        pack_lend_threads(&world->pack, strays_look_for_both, &world->strays, err)
+                  : pack_start(&world->pack, world->parts, &jobs[0].task, ranges, packed, err);
+    ok = ok && run_own(world, jobs);
     pack_wait(&world->pack);
     return ok;
 }

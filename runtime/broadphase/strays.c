@@ -48,22 +48,22 @@ bool strays_begin(strays *s, const part_task *task, const part_range ranges[2], 
         return true;
     if (!reserve(s, n_blocks, err))
         return false;
-    s->n_blocks = n_blocks;
     s->cut = cut_of(ranges, n);
     s->objects_version = task->objects_version;
     s->grid_version = task->grid_version;
     memcpy(s->ranges, ranges, sizeof s->ranges);
     s->grid = task->grid;
     s->objects = task->objects;
-    atomic_store(&s->begun, 0);
-    atomic_store(&s->done, 0);
+    uint32_t cut_block = s->cut / STRAY_BLOCK + (s->cut % STRAY_BLOCK > 0);
+    for (int side = 0; side < 2; ++side) {
+        atomic_store(&s->looked[side].next, side == 0 ? cut_block : 0);
+        atomic_store(&s->looked[side].n_known, 0);
+        s->looked[side].from_block = side == 0 ? cut_block : 0;
+        s->looked[side].to_block = side == 0 ? n_blocks : cut_block;
+        if (ranges[side].key_from == ranges[side].key_to) // an empty slab
+            s->looked[side].to_block = s->looked[side].from_block;
+    }
     return true;
-}
-
-// The device whose own stretch has the block.
-static int side_of(const strays *s, uint32_t block)
-{
-    return block * STRAY_BLOCK >= s->cut;
 }
 
 static uint32_t end_of(const strays *s, uint32_t block)
@@ -72,29 +72,37 @@ static uint32_t end_of(const strays *s, uint32_t block)
     return block * STRAY_BLOCK + (left < STRAY_BLOCK ? left : STRAY_BLOCK);
 }
 
-static bool is_wanted(const strays *s, uint32_t block)
+static bool is_wanted(const strays *s, int side, uint32_t block)
 {
-    uint32_t rows[STRAY_BLOCK];
-    const part_range *other = &s->ranges[1 - side_of(s, block)];
+    const part_range *slab = &s->ranges[side];
     uint32_t along = (uint32_t)s->grid.levels[0].cells.s[0];
-    uint32_t from = other->key_from / along, n_rows = other->key_to / along - from;
-    uint32_t first = block * STRAY_BLOCK, n = end_of(s, block) - first;
-    uint32_t n_there = 0;
-    grid_find_cell_rows(rows, &s->grid, &s->objects, first, n);
-    for (uint32_t k = 0; k < n; ++k)
-        n_there += rows[k] - from < n_rows;
-    return n_there > 0;
+    uint32_t first = block * STRAY_BLOCK;
+    return grid_any_in_rows(&s->grid, &s->objects, first, end_of(s, block) - first,
+                            slab->key_from / along, slab->key_to / along);
 }
 
-void strays_look(void *looked_for)
+void strays_look(strays *s, int side)
 {
-    strays *s = looked_for;
-    uint32_t block;
-    while ((block = atomic_fetch_add_explicit(&s->begun, 1, memory_order_relaxed)) < s->n_blocks) {
-        s->wanted[block] = is_wanted(s, block);
-        atomic_fetch_add_explicit(&s->done, 1, memory_order_release);
+    uint32_t to = s->looked[side].to_block;
+    for (;;) {
+        uint32_t block = atomic_fetch_add_explicit(&s->looked[side].next, 1, memory_order_relaxed);
+        if (block >= to)
+            return;
+        s->wanted[block] = is_wanted(s, side, block);
+        atomic_fetch_add_explicit(&s->looked[side].n_known, 1, memory_order_release);
     }
-    while (atomic_load_explicit(&s->done, memory_order_acquire) < s->n_blocks)
+}
+
+void strays_look_for_both(void *looked_for)
+{
+    for (int side = 0; side < 2; ++side)
+        strays_look(looked_for, side);
+}
+
+void strays_await(const strays *s, int side)
+{
+    uint32_t n = s->looked[side].to_block - s->looked[side].from_block;
+    while (atomic_load_explicit(&s->looked[side].n_known, memory_order_acquire) < n)
         sched_yield();
 }
 
@@ -124,9 +132,9 @@ stretches strays_taken(const strays *s, int side)
     if (side == 0)
         all.list[all.n++] = strays_own(s, side);
     uint32_t first = all.n;
-    for (uint32_t block = 0; block < s->n_blocks; ++block)
-        if (side_of(s, block) != side && s->wanted[block])
-            add_block(&all, first, s, block);
+    for (uint32_t b = s->looked[side].from_block; b < s->looked[side].to_block; ++b)
+        if (s->wanted[b])
+            add_block(&all, first, s, b);
     if (side == 1) {
         all.own = all.n;
         all.list[all.n++] = strays_own(s, side);

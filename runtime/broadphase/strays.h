@@ -13,18 +13,21 @@
 #include <stdatomic.h>
 
 // Objects that are taken together: whole work-items of every kernel that takes them.
-enum { STRAY_BLOCK = 1024 };
+enum { STRAY_BLOCK = GRID_ROWS_AT_ONCE };
 
 struct strays {
     bool *wanted; // [n_blocks] by the device whose own stretch it is not in
     uint32_t capacity;
-    uint32_t n_blocks;
     uint32_t cut; // B's first object
     part_range ranges[2];
     grid grid;
     grid_objects objects;
     uint64_t objects_version, grid_version;
-    atomic_uint begun, done; // blocks
+    struct {
+        atomic_uint next;         // block to be looked at for the device
+        atomic_uint n_known;      // that were
+        uint32_t from_block, to_block; // the other device's own
+    } looked[2];
 };
 
 void strays_close(strays *s);
@@ -33,8 +36,12 @@ void strays_close(strays *s);
 // are known.
 bool strays_begin(strays *s, const part_task *task, const part_range ranges[2], duet_error *err);
 
-// Looks at blocks, beside other threads that do, until all are known.
-void strays_look(void *s);
+// Looks at blocks for one device, or for both, until all are taken; any thread may help.
+void strays_look(strays *s, int side);
+void strays_look_for_both(void *s);
+
+// Waits for those who help.
+void strays_await(const strays *s, int side);
 
 // A device's own stretch; and once the blocks are known all that it takes.
 stretch strays_own(const strays *s, int side);
