@@ -169,7 +169,7 @@ api.names = {
     c = "duet_default_plan" },
   { "duet.DevicePair:world", { "scene?: duet.Scene|table", "def?: table" }, "duet.World",
     "A world by a def { plan, dims, shape, level, accuracy, rotated, cell, cell_fixed, lower, upper, " ..
-    "separate_sizes, compact_transforms, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.",
+    "separate_sizes, compact_transforms, ordered, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.",
     fails = true, c = { "duet_world_create", "duet_scene_world_def" } },
   { "duet.DevicePair:tune", { "scene: duet.Scene", "def?: table" }, "duet.Tuning",
     "Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, " ..

@@ -74,15 +74,24 @@ static const option options[] = {
 
 // --steps advances a scene; without it one state is stepped again and again.
 static const option_rule rules[] = {
-    {"picture", OPTION_NEEDS, "steps"},          {"frames", OPTION_NEEDS, "steps"},
-    {"record", OPTION_NEEDS, "steps"},           {"replay", OPTION_NEEDS, "steps"},
-    {"repeat", OPTION_EXCLUDES, "steps"},        {"resident", OPTION_EXCLUDES, "steps"},
-    {"pairs", OPTION_EXCLUDES, "steps"},         {"transforms", OPTION_EXCLUDES, "steps"},
-    {"check", OPTION_EXCLUDES, "steps"},         {"level", OPTION_EXCLUDES, "steps"},
-    {"missed", OPTION_EXCLUDES, "steps"},        {"false-rate", OPTION_EXCLUDES, "steps"},
-    {"resident", OPTION_EXCLUDES, "transforms"}, {"compact", OPTION_EXCLUDES, "transforms"},
-    {"compact", OPTION_EXCLUDES, "resident"},    {"compact", OPTION_EXCLUDES, "steps"},
-    {"compact", OPTION_EXCLUDES, "check"},       {"ordered", OPTION_EXCLUDES, "steps"},
+    {"picture", OPTION_NEEDS, "steps"},
+    {"frames", OPTION_NEEDS, "steps"},
+    {"record", OPTION_NEEDS, "steps"},
+    {"replay", OPTION_NEEDS, "steps"},
+    {"repeat", OPTION_EXCLUDES, "steps"},
+    {"resident", OPTION_EXCLUDES, "steps"},
+    {"pairs", OPTION_EXCLUDES, "steps"},
+    {"transforms", OPTION_EXCLUDES, "steps"},
+    {"check", OPTION_EXCLUDES, "steps"},
+    {"level", OPTION_EXCLUDES, "steps"},
+    {"missed", OPTION_EXCLUDES, "steps"},
+    {"false-rate", OPTION_EXCLUDES, "steps"},
+    {"resident", OPTION_EXCLUDES, "transforms"},
+    {"compact", OPTION_EXCLUDES, "transforms"},
+    {"compact", OPTION_EXCLUDES, "resident"},
+    {"compact", OPTION_EXCLUDES, "steps"},
+    {"compact", OPTION_EXCLUDES, "check"},
+    {"ordered", OPTION_EXCLUDES, "steps"},
     {0},
 };
 

@@ -211,9 +211,9 @@ static bool take_stretch(part *p, const part_task *task, stretch s, bool has, du
     for (uint32_t from = s.from, to; from < s.to; from = to) {
         to = s.to - from > size ? from + size : s.to;
         const char *rows = (const char *)task->objects.array + from * bytes;
-        if (!has && !(beside ? timeline_write_beside : timeline_write_at)(
-                        &p->times, "send objects", &p->objects, from * bytes, rows,
-                        (to - from) * bytes, err))
+        if (!has && !(beside ? timeline_write_beside
+                             : timeline_write_at)(&p->times, "send objects", &p->objects,
+                                                  from * bytes, rows, (to - from) * bytes, err))
             return false;
         if (!hash_chunk(p, from, to, beside ? timeline_last_event(&p->times) : NULL, err))
             return false;
@@ -269,9 +269,9 @@ static bool pass_over_rest(part *p, uint32_t n, duet_error *err)
 
 static bool hash_objects(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
-    return task->strays ? take_stretches(p, task, range, err) &&
-                              pass_over_rest(p, task->objects.n, err)
-                        : run_hash(p, task, err);
+    return task->strays
+               ? take_stretches(p, task, range, err) && pass_over_rest(p, task->objects.n, err)
+               : run_hash(p, task, err);
 }
 
 // The keys count into starts, and the ranks tell them apart.

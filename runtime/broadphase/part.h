@@ -28,9 +28,9 @@ typedef struct strays strays;
 
 // What both parts are told about the objects.
 typedef struct part_task {
-    bool shared;   // the grid is for both parts
-    bool receives; // the grid comes from the other part
-    bool packed;   // the part is sent the objects of its slab, with their ids
+    bool shared;    // the grid is for both parts
+    bool receives;  // the grid comes from the other part
+    bool packed;    // the part is sent the objects of its slab, with their ids
     strays *strays; // the part takes its stretches of the input; NULL: all of it
     int side;       // that it is for
     bool rotated;

@@ -28,9 +28,8 @@ static bool reserve(strays *s, uint32_t n_blocks, duet_error *err)
     strays_close(s);
     s->wanted = malloc(n_blocks * sizeof *s->wanted);
     s->capacity = s->wanted ? n_blocks : 0;
-    return s->wanted ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to look for strays in %u blocks",
-                     n_blocks);
+    return s->wanted || error_set(err, DUET_STATUS_NO_MEMORY,
+                                  "no host memory to look for strays in %u blocks", n_blocks);
 }
 
 // Where A's slab ends among objects that are in order.

@@ -24,8 +24,8 @@ struct strays {
     grid_objects objects;
     uint64_t objects_version, grid_version;
     struct {
-        atomic_uint next;         // block to be looked at for the device
-        atomic_uint n_known;      // that were
+        atomic_uint next;              // block to be looked at for the device
+        atomic_uint n_known;           // that were
         uint32_t from_block, to_block; // the other device's own
     } looked[2];
 };

@@ -83,7 +83,7 @@ static void tell(const subject *s)
            series_least(&s->cpu), (unsigned long long)s->step.pairs);
     for (uint32_t i = 0; i < MOST_STAGES && s->least[i].name; ++i)
         if (s->least[i].ms >= 0.1)
-            printf("  %c %-12s %8.2f ms at least\n", "AB"[s->least[i].device], s->least[i].name,
+            printf("  %c %-12s %8.2f ms at least\n", "AB"[s->least[i].device], s -> least[i].name,
                    s->least[i].ms);
 }
 

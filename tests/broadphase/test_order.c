@@ -274,8 +274,9 @@ static void every_sort_takes_stretches(void **state)
 {
     (void)state;
     enum { N = 5003 };
-    static const char *const variants[] = {"simd sort=radix", "gpu", "gpu FROM_IDS=0", "gpu sort=radix",
-                                           "gpu send=chunks", "gpu send=packed", "paper"};
+    static const char *const variants[] = {
+        "simd sort=radix", "gpu",  "gpu FROM_IDS=0", "gpu sort=radix", "gpu send=chunks",
+        "gpu send=packed", "paper"};
     rng r = {test_seed()};
     for (int host = 0; host < 2; ++host)
         for (size_t v = 0; v < sizeof variants / sizeof *variants; ++v) {
