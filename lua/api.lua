@@ -172,7 +172,7 @@ api.names = {
     "separate_sizes, compact_transforms, ordered, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.",
     fails = true, c = { "duet_world_create", "duet_scene_world_def" } },
   { "duet.DevicePair:tune", { "scene: duet.Scene", "def?: table" }, "duet.Tuning",
-    "Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, " ..
+    "Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, ordered, " ..
     "strategy, strategy_lua, search, variants, modes, level (a name, or a list), accuracy, budget_seconds, budget_trials, repeats, seed, script, watch }; " ..
     "watch(progress) is called after each trial and stops the tuning with false. keep = false uses no store; " ..
     "keep = true lets applications load what a strategy other than the default one finds, too. " ..

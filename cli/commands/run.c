@@ -14,8 +14,6 @@
 #include "cli/report/run_report.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
-#include "runtime/narrowphase/origin.h"
-#include "runtime/scene/scene.h"
 #include "tuner/pair_list.h"
 
 #include <cjson/cJSON.h>
@@ -132,71 +130,34 @@ static bool compare(const duet_scene *scene, duet_level level, const duet_pair *
     return true;
 }
 
-// The scene's objects as the world is given them.
-typedef struct given_objects {
-    const duet_scene *scene;
-    duet_scene *ordered; // NULL: in the scene's order
-    uint32_t *ids;       // in the scene, of the ordered ones
-} given_objects;
-
-static void free_given(given_objects *g)
+// The pairs' ids are those that objects had before they were put in order.
+static bool find_own_hash(timed *t, const uint32_t *ids, duet_error *err)
 {
-    duet_scene_destroy(g->ordered);
-    duet_free(g->ids);
-}
-
-static bool put_in_order(given_objects *g, duet_world *world, duet_error *err)
-{
-    uint32_t n = 0;
-    const duet_scene_info *info = duet_scene_get_info(g->scene);
-    duet_object_kind kind = scene_kind(info);
-    size_t bytes = origin_row_bytes(info->shape, info->origin_edge);
-    if (!duet_world_set_scene(world, g->scene, err) || !duet_world_order(world, &g->ids, &n, err))
+    duet_pair *pairs = pair_list_sorted(&t->last, err);
+    if (!pairs)
         return false;
-    char *rows = malloc(n * bytes + 1);
-    if (!rows)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory to order %" PRIu32 " objects", n);
-    const char *from = duet_scene_get_objects(g->scene, kind);
-    for (uint32_t i = 0; i < n; ++i)
-        memcpy(rows + i * bytes, from + g->ids[i] * bytes, bytes);
-    g->ordered = duet_scene_create(kind, rows, n, info->dims, info->origin_edge, err);
-    free(rows);
-    g->scene = g->ordered;
-    return g->ordered;
-}
-
-// All pairs by the scene's own ids. The caller frees them.
-static duet_pair *list_pairs(const given_objects *g, const duet_result *result, duet_error *err)
-{
-    duet_pair *pairs = pair_list_sorted(result, err);
-    if (pairs && g->ids)
-        pair_list_rename(pairs, result->pairs, g->ids);
-    return pairs;
-}
-
-// The hash of what was found is that of the scene's own ids too.
-static bool rename_hash(const given_objects *g, timed *t, duet_error *err)
-{
-    duet_pair *pairs = g->ids ? list_pairs(g, &t->last, err) : NULL;
-    if (pairs)
-        t->hash = duet_pairs_hash(pairs, t->last.pairs);
+    pair_list_rename(pairs, t->last.pairs, ids);
+    t->hash = duet_pairs_hash(pairs, t->last.pairs);
     free(pairs);
-    return pairs || !g->ids;
+    return true;
 }
 
-static bool use_pairs(const arguments *args, const duet_scene *scene, const given_objects *given,
+// ids are what objects were called before they were put in order; NULL: they were not.
+static bool use_pairs(const arguments *args, const duet_scene *scene, const uint32_t *ids,
                       duet_level level, const duet_result *result, reference_check *check,
                       duet_error *err)
 {
     check->asked = args->check;
     if (!args->check && !args->pairs_path)
         return true;
-    duet_pair *pairs = list_pairs(given, result, err);
+    duet_pair *pairs = pair_list_sorted(result, err);
     bool ok = pairs != NULL;
-    if (ok && args->pairs_path)
-        ok = write_pairs(args->pairs_path, pairs, result->pairs, err);
     if (ok && args->check)
         ok = compare(scene, level, pairs, result->pairs, check, err);
+    if (ok && args->pairs_path && ids)
+        pair_list_rename(pairs, result->pairs, ids);
+    if (ok && args->pairs_path)
+        ok = write_pairs(args->pairs_path, pairs, result->pairs, err);
     free(pairs);
     return ok;
 }
@@ -246,8 +207,8 @@ static timed_sends sends(const arguments *args)
 }
 
 // The world is stepped, its pairs are used, and all of it is told.
-static bool run_world(const arguments *args, const duet_scene *scene, const duet_device_pair *pair,
-                      duet_world *world, duet_error *err)
+static bool run_world(const arguments *args, const duet_scene *scene, const uint32_t *ids,
+                      const duet_device_pair *pair, duet_world *world, duet_error *err)
 {
     timed t = {0};
     run_report r = {.scene = duet_scene_get_info(scene),
@@ -258,14 +219,12 @@ static bool run_world(const arguments *args, const duet_scene *scene, const duet
                     .transforms = args->transforms,
                     .compact = args->compact,
                     .ordered = args->ordered};
-    given_objects given = {.scene = scene};
-    bool ok = choose_plan(args, scene, world, &r, err) &&
-              (!args->ordered || put_in_order(&given, world, err));
+    bool ok = choose_plan(args, scene, world, &r, err);
     duet_level level = duet_world_get_level(world);
     r.level = duet_level_get_info(level)->name;
-    ok = ok && timed_run(&t, world, given.scene, (uint32_t)args->repeat, sends(args), err);
-    ok = ok && rename_hash(&given, &t, err);
-    ok = ok && use_pairs(args, scene, &given, level, &t.last, &r.check, err);
+    ok = ok && timed_run(&t, world, scene, (uint32_t)args->repeat, sends(args), err);
+    ok = ok && (!ids || find_own_hash(&t, ids, err));
+    ok = ok && use_pairs(args, scene, ids, level, &t.last, &r.check, err);
     if (ok && args->json)
         ok = run_report_json(&r, err);
     else if (ok && !options_is_stdout(args->pairs_path))
@@ -274,7 +233,6 @@ static bool run_world(const arguments *args, const duet_scene *scene, const duet
         ok = error_set(err, DUET_STATUS_WRONG_RESULT, "%s: the pairs differ from the reference's",
                        r.scene->name);
     timed_free(&t);
-    free_given(&given);
     return ok && interrupt_check(err);
 }
 
@@ -544,13 +502,16 @@ static bool run(void *given, char **operands, duet_error *err)
     duet_device_pair *pair = inputs_open_pair(args->pair, err);
     duet_scene *scene = pair ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
     bool moves = args->steps > 0;
-    duet_world *world = scene && !moves ? make_world(args, scene, pair, err) : NULL;
+    uint32_t *ids = NULL;
+    bool ready = scene && (!args->ordered || inputs_put_in_order(scene, pair, &ids, err));
+    duet_world *world = ready && !moves ? make_world(args, scene, pair, err) : NULL;
     bool ok = false;
-    if (scene && moves)
+    if (ready && moves)
         ok = run_motion(args, scene, pair, err);
     else
-        ok = world && run_world(args, scene, pair, world, err);
+        ok = world && run_world(args, scene, ids, pair, world, err);
     duet_world_destroy(world);
+    duet_free(ids);
     duet_scene_destroy(scene);
     duet_device_pair_destroy(pair);
     return ok;

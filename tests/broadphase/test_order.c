@@ -6,6 +6,7 @@
 
 #include "base/rng.h"
 #include "runtime/broadphase/world.h"
+#include "runtime/selection/profile_subject.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -163,7 +164,7 @@ static uint64_t reference_hash(uint32_t n, uint32_t dims)
     return hash;
 }
 
-static duet_world_def ordered_def(uint32_t dims, const char *text)
+static duet_world_def ordered_def(uint32_t dims, const char *kernels)
 {
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
@@ -171,8 +172,8 @@ static duet_world_def ordered_def(uint32_t dims, const char *text)
     def.ordered = true;
     def.plan.mode = DUET_MODE_SLAB;
     def.plan.share = DUET_SHARE_ONE / 2;
-    strcpy(def.plan.variant_a, text);
-    strcpy(def.plan.variant_b, text);
+    strcpy(def.plan.variant_a, kernels);
+    strcpy(def.plan.variant_b, kernels);
     return def;
 }
 
@@ -376,6 +377,42 @@ static void a_bad_object_is_named_wherever_it_strays(void **state)
     duet_world_destroy(world);
 }
 
+// ------------------------------------------------------------ profiles
+
+static void assert_is_called(duet_world *world, const char *effects)
+{
+    duet_error err = {0};
+    profile_subject p;
+    set_poses(world, CAPACITY);
+    assert_ok(profile_subject_read(world, &p, &err), err);
+    if (effects)
+        assert_string_equal(p.workload.effects, effects);
+    else
+        assert_null(p.workload.effects);
+}
+
+// A profile is of objects at random, in order, or in an order with strays.
+static void a_workload_tells_how_many_objects_stray(void **state)
+{
+    (void)state;
+    rng r = {test_seed()};
+    duet_world_def def = ordered_def(3, "simd");
+    duet_world *world = make_world(&def);
+    def.ordered = false;
+    duet_world *plain = make_world(&def);
+    fill_poses(&r, CAPACITY, 3);
+    assert_is_called(world, NULL);
+    put_in_order(world, CAPACITY);
+    assert_is_called(world, "ordered");
+    assert_is_called(plain, NULL);
+    for (int k = 0; k < CAPACITY / 8; ++k)
+        swap((uint32_t)rng_between(&r, 0, CAPACITY - 0.5),
+             (uint32_t)rng_between(&r, 0, CAPACITY - 0.5));
+    assert_is_called(world, "ordered strays");
+    duet_world_destroy(plain);
+    duet_world_destroy(world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -385,6 +422,7 @@ int main(void)
         cmocka_unit_test(every_sort_takes_stretches),
         cmocka_unit_test(giants_and_crowds_are_found),
         cmocka_unit_test(a_device_takes_its_own_half_and_the_blocks_with_strays),
+        cmocka_unit_test(a_workload_tells_how_many_objects_stray),
         cmocka_unit_test(a_bad_object_is_named_wherever_it_strays),
     };
     return cmocka_run_group_tests_name("order", tests, open_devices, close_devices);
