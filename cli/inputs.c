@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "cli/say.h"
+#include "runtime/scene/scene.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -117,6 +118,17 @@ duet_scene *inputs_load_scene(const char *path, const scene_options *options, du
         inputs_tell_empty(duet_scene_get_info(scene));
     inputs_free_settings(&settings);
     return scene;
+}
+
+bool inputs_put_in_order(duet_scene *scene, duet_device_pair *pair, uint32_t **ids, duet_error *err)
+{
+    uint32_t n = 0;
+    duet_world_def def = duet_scene_world_def(scene, pair);
+    duet_world *world = duet_world_create(&def, err);
+    bool ok = world && duet_world_set_scene(world, scene, err) &&
+              duet_world_order(world, ids, &n, err) && scene_reorder(scene, *ids, err);
+    duet_world_destroy(world);
+    return ok;
 }
 
 duet_scene *inputs_load_pairs(const char *path, duet_error *err)

@@ -109,6 +109,11 @@ void inputs_free_settings(scene_settings *s);
 void inputs_tell_empty(const duet_scene_info *info); // a line where there are no objects
 
 duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err);
+
+// Puts the scene's objects into the order of their cells. The caller frees *ids, what they were
+// called before, with duet_free.
+bool inputs_put_in_order(duet_scene *scene, duet_device_pair *pair, uint32_t **ids,
+                         duet_error *err);
 duet_scene *inputs_load_pairs(const char *path, duet_error *err);
 
 // duet_reference, with a line that tells how far it is.

@@ -169,10 +169,10 @@ api.names = {
     c = "duet_default_plan" },
   { "duet.DevicePair:world", { "scene?: duet.Scene|table", "def?: table" }, "duet.World",
     "A world by a def { plan, dims, shape, level, accuracy, rotated, cell, cell_fixed, lower, upper, " ..
-    "separate_sizes, compact_transforms, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.",
+    "separate_sizes, compact_transforms, ordered, keep_bad, max_pairs }; given a scene, with its objects and, where the def says nothing, its settings.",
     fails = true, c = { "duet_world_create", "duet_scene_world_def" } },
   { "duet.DevicePair:tune", { "scene: duet.Scene", "def?: table" }, "duet.Tuning",
-    "Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, " ..
+    "Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, ordered, " ..
     "strategy, strategy_lua, search, variants, modes, level (a name, or a list), accuracy, budget_seconds, budget_trials, repeats, seed, script, watch }; " ..
     "watch(progress) is called after each trial and stops the tuning with false. keep = false uses no store; " ..
     "keep = true lets applications load what a strategy other than the default one finds, too. " ..
@@ -264,6 +264,9 @@ api.names = {
   { "duet.World:map_sizes", { "n: integer" }, "duet.Sizes",
     "Their sizes, which are sent again only once they were mapped again.", fails = true,
     c = "duet_world_map_objects" },
+  { "duet.World:order", {}, "duet.Places",
+    "The objects' ids by cell: rows that are kept in about this order make steps faster.", fails = true,
+    c = "duet_world_order" },
   { "duet.World:plan", {}, "duet.Plan", "The plan of the next step.", c = "duet_world_get_plan" },
   { "duet.World:set_plan", { "plan: duet.Plan" }, "true", "What the table leaves out stays.",
     fails = true, c = "duet_world_set_plan" },

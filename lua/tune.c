@@ -83,6 +83,7 @@ typedef struct tune_def {
 static const member def_members[] = {
     OPTION(member_string, store),
     OPTION(member_keep, keep),
+    OPTION(member_bool, ordered),
     OPTION(member_bool, fresh),
     OPTION(member_string, strategy),
     OPTION(member_string, strategy_lua),

@@ -16,6 +16,7 @@ static const member def_members[] = {
     MEMBER(member_float, duet_world_def, upper),
     MEMBER(member_bool, duet_world_def, separate_sizes),
     MEMBER(member_bool, duet_world_def, compact_transforms),
+    MEMBER(member_bool, duet_world_def, ordered),
     MEMBER(member_bool, duet_world_def, keep_bad),
     MEMBER(member_count, duet_world_def, max_pairs),
     MEMBER(member_accuracy, duet_world_def, accuracy),
@@ -195,6 +196,18 @@ static int world_map_sizes(lua_State *L)
     return map_objects(L, DUET_OBJECT_SIZES, ARRAY_SIZES);
 }
 
+static int world_order(lua_State *L)
+{
+    duet_error err = {0};
+    uint32_t *order = NULL, n = 0;
+    world_box *box = world_check(L, 1);
+    array *a = array_push_empty(L, ARRAY_PLACES);
+    if (!duet_world_order(box->world, &order, &n, &err))
+        return class_push_failure(L, &err);
+    array_own(a, order, n);
+    return 1;
+}
+
 // ---------------------------------------------------------------- stepping
 
 static int world_plan(lua_State *L)
@@ -281,6 +294,7 @@ static const luaL_Reg methods[] = {{"close", world_close},
                                    {"map_transforms", world_map_transforms},
                                    {"map_compact_transforms", world_map_compact_transforms},
                                    {"map_sizes", world_map_sizes},
+                                   {"order", world_order},
                                    {"plan", world_plan},
                                    {"set_plan", world_set_plan},
                                    {"load_profile", world_load_profile_lua},

@@ -70,6 +70,7 @@ typedef struct duet_world_def {
     float origin_edge;       // above 0: large poses, in origin cells of that edge, a power of two
     bool separate_sizes;     // objects are transforms, and their sizes are set by themselves
     bool compact_transforms; // these are compact; means separate_sizes too
+    bool ordered;            // promises that objects are kept in about duet_world_order's order
     bool keep_bad;           // leave bad objects out and count them, instead of BAD_OBJECT
     uint64_t max_pairs;      // TOO_MANY above it; 0: as memory allows
     int cookie;
@@ -112,6 +113,13 @@ DUET_API const duet_plan *duet_world_get_plan(const duet_world *world);
 // From the next step on, and whatever profile is loaded later.
 DUET_API bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err);
 DUET_API duet_level duet_world_get_level(const duet_world *world); // certified for NULL
+
+// The order by cell: (*order)[i] is the id of the object that comes i-th in the world's grid, row
+// after row of cells; objects of one cell come by id. *n is the number of the world's objects.
+// The caller frees *order with duet_free, and may move its objects into this order now and then:
+// objects that are near each other in the world are then near each other in memory. Where sizes
+// are apart they must be there too.
+DUET_API bool duet_world_order(duet_world *world, uint32_t **order, uint32_t *n, duet_error *err);
 
 // ---------------------------------------------------------------- results
 

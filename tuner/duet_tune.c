@@ -168,6 +168,7 @@ static bool make_world(tuning_resources *h, duet_error *err)
         def.level = h->def.levels[0];
     def.has_accuracy = h->def.has_accuracy;
     def.accuracy = h->def.accuracy;
+    def.ordered = h->def.ordered;
     h->world = duet_world_create(&def, err);
     return h->world && duet_world_set_scene(h->world, h->def.scene, err);
 }

@@ -37,6 +37,7 @@ typedef struct duet_tune_def {
     const duet_scene *scene;
     const char *store; // profile file; NULL: the user's (DUET_PROFILE)
     duet_keep keep;
+    bool ordered;             // the scene's objects are in about duet_world_order's order
     bool fresh;               // measures again what is finished
     const char *strategy;     // "balance"; duet_strategy lists them
     const char *strategy_lua; // of "lua": text of a script that returns a function

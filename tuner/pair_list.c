@@ -29,6 +29,15 @@ duet_pair *pair_list_sorted(const duet_result *result, duet_error *err)
     return pairs;
 }
 
+void pair_list_rename(duet_pair *pairs, uint64_t n, const uint32_t *ids)
+{
+    for (uint64_t i = 0; i < n; ++i) {
+        uint32_t a = ids[pairs[i].a], b = ids[pairs[i].b];
+        pairs[i] = a < b ? (duet_pair){a, b} : (duet_pair){b, a};
+    }
+    qsort(pairs, n, sizeof *pairs, order);
+}
+
 void pair_list_compare(const duet_pair *found, uint64_t n_found, const duet_pair *truth,
                        uint64_t n_truth, pair_list_visit *visit, void *context)
 {

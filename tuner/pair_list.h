@@ -8,6 +8,9 @@
 // The caller frees it.
 duet_pair *pair_list_sorted(const duet_result *result, duet_error *err);
 
+// Gives the objects of an ascending list other ids, by their old ones; it is ascending again.
+void pair_list_rename(duet_pair *pairs, uint64_t n, const uint32_t *ids);
+
 // Told of each pair that is in one list only: missed where it is in the second.
 typedef void pair_list_visit(void *context, duet_pair pair, bool missed);
 

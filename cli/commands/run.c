@@ -39,6 +39,7 @@ typedef struct arguments {
     bool resident;
     bool transforms;
     bool compact;
+    bool ordered;
     const char *pairs_path;
     bool check;
     bool json;
@@ -54,6 +55,7 @@ static const option options[] = {
     OPTION_FLAG("resident", resident, "leave the objects on the devices between the steps"),
     OPTION_FLAG("transforms", transforms, "send no sizes again, only centres and rotations"),
     OPTION_FLAG("compact", compact, "the same, with rotations rounded to 16 bits: 20 bytes a box"),
+    OPTION_FLAG("ordered", ordered, "put the objects into the order of their cells beforehand"),
     OPTION_COUNT("steps", steps, "K", "advance a scene that moves by K steps instead", 1,
                  1000000000),
     OPTION_TEXT("picture", picture, "F.png", "draw the last of the steps"),
@@ -70,15 +72,25 @@ static const option options[] = {
 
 // --steps advances a scene; without it one state is stepped again and again.
 static const option_rule rules[] = {
-    {"picture", OPTION_NEEDS, "steps"},          {"frames", OPTION_NEEDS, "steps"},
-    {"record", OPTION_NEEDS, "steps"},           {"replay", OPTION_NEEDS, "steps"},
-    {"repeat", OPTION_EXCLUDES, "steps"},        {"resident", OPTION_EXCLUDES, "steps"},
-    {"pairs", OPTION_EXCLUDES, "steps"},         {"transforms", OPTION_EXCLUDES, "steps"},
-    {"check", OPTION_EXCLUDES, "steps"},         {"level", OPTION_EXCLUDES, "steps"},
-    {"missed", OPTION_EXCLUDES, "steps"},        {"false-rate", OPTION_EXCLUDES, "steps"},
-    {"resident", OPTION_EXCLUDES, "transforms"}, {"compact", OPTION_EXCLUDES, "transforms"},
-    {"compact", OPTION_EXCLUDES, "resident"},    {"compact", OPTION_EXCLUDES, "steps"},
-    {"compact", OPTION_EXCLUDES, "check"},       {0},
+    {"picture", OPTION_NEEDS, "steps"},
+    {"frames", OPTION_NEEDS, "steps"},
+    {"record", OPTION_NEEDS, "steps"},
+    {"replay", OPTION_NEEDS, "steps"},
+    {"repeat", OPTION_EXCLUDES, "steps"},
+    {"resident", OPTION_EXCLUDES, "steps"},
+    {"pairs", OPTION_EXCLUDES, "steps"},
+    {"transforms", OPTION_EXCLUDES, "steps"},
+    {"check", OPTION_EXCLUDES, "steps"},
+    {"level", OPTION_EXCLUDES, "steps"},
+    {"missed", OPTION_EXCLUDES, "steps"},
+    {"false-rate", OPTION_EXCLUDES, "steps"},
+    {"resident", OPTION_EXCLUDES, "transforms"},
+    {"compact", OPTION_EXCLUDES, "transforms"},
+    {"compact", OPTION_EXCLUDES, "resident"},
+    {"compact", OPTION_EXCLUDES, "steps"},
+    {"compact", OPTION_EXCLUDES, "check"},
+    {"ordered", OPTION_EXCLUDES, "steps"},
+    {0},
 };
 
 static const command_line line = {
@@ -118,18 +130,34 @@ static bool compare(const duet_scene *scene, duet_level level, const duet_pair *
     return true;
 }
 
-static bool use_pairs(const arguments *args, const duet_scene *scene, duet_level level,
-                      const duet_result *result, reference_check *check, duet_error *err)
+// The pairs' ids are those that objects had before they were put in order.
+static bool find_own_hash(timed *t, const uint32_t *ids, duet_error *err)
+{
+    duet_pair *pairs = pair_list_sorted(&t->last, err);
+    if (!pairs)
+        return false;
+    pair_list_rename(pairs, t->last.pairs, ids);
+    t->hash = duet_pairs_hash(pairs, t->last.pairs);
+    free(pairs);
+    return true;
+}
+
+// ids are what objects were called before they were put in order; NULL: they were not.
+static bool use_pairs(const arguments *args, const duet_scene *scene, const uint32_t *ids,
+                      duet_level level, const duet_result *result, reference_check *check,
+                      duet_error *err)
 {
     check->asked = args->check;
     if (!args->check && !args->pairs_path)
         return true;
     duet_pair *pairs = pair_list_sorted(result, err);
     bool ok = pairs != NULL;
-    if (ok && args->pairs_path)
-        ok = write_pairs(args->pairs_path, pairs, result->pairs, err);
     if (ok && args->check)
         ok = compare(scene, level, pairs, result->pairs, check, err);
+    if (ok && args->pairs_path && ids)
+        pair_list_rename(pairs, result->pairs, ids);
+    if (ok && args->pairs_path)
+        ok = write_pairs(args->pairs_path, pairs, result->pairs, err);
     free(pairs);
     return ok;
 }
@@ -143,6 +171,7 @@ static duet_world *make_world(const arguments *args, const duet_scene *scene,
         return NULL;
     def.separate_sizes = args->transforms;
     def.compact_transforms = args->compact;
+    def.ordered = args->ordered;
     duet_world *world = duet_world_create(&def, err);
     bool idle_a = world && duet_device_pair_is_one(pair) && duet_world_get_plan(world)->share == 0;
     if (!idle_a || !args->plan.variants[0])
@@ -178,8 +207,8 @@ static timed_sends sends(const arguments *args)
 }
 
 // The world is stepped, its pairs are used, and all of it is told.
-static bool run_world(const arguments *args, const duet_scene *scene, const duet_device_pair *pair,
-                      duet_world *world, duet_error *err)
+static bool run_world(const arguments *args, const duet_scene *scene, const uint32_t *ids,
+                      const duet_device_pair *pair, duet_world *world, duet_error *err)
 {
     timed t = {0};
     run_report r = {.scene = duet_scene_get_info(scene),
@@ -188,12 +217,14 @@ static bool run_world(const arguments *args, const duet_scene *scene, const duet
                     .timed = &t,
                     .resident = args->resident,
                     .transforms = args->transforms,
-                    .compact = args->compact};
+                    .compact = args->compact,
+                    .ordered = args->ordered};
     bool ok = choose_plan(args, scene, world, &r, err);
     duet_level level = duet_world_get_level(world);
     r.level = duet_level_get_info(level)->name;
     ok = ok && timed_run(&t, world, scene, (uint32_t)args->repeat, sends(args), err);
-    ok = ok && use_pairs(args, scene, level, &t.last, &r.check, err);
+    ok = ok && (!ids || find_own_hash(&t, ids, err));
+    ok = ok && use_pairs(args, scene, ids, level, &t.last, &r.check, err);
     if (ok && args->json)
         ok = run_report_json(&r, err);
     else if (ok && !options_is_stdout(args->pairs_path))
@@ -471,13 +502,16 @@ static bool run(void *given, char **operands, duet_error *err)
     duet_device_pair *pair = inputs_open_pair(args->pair, err);
     duet_scene *scene = pair ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
     bool moves = args->steps > 0;
-    duet_world *world = scene && !moves ? make_world(args, scene, pair, err) : NULL;
+    uint32_t *ids = NULL;
+    bool ready = scene && (!args->ordered || inputs_put_in_order(scene, pair, &ids, err));
+    duet_world *world = ready && !moves ? make_world(args, scene, pair, err) : NULL;
     bool ok = false;
-    if (scene && moves)
+    if (ready && moves)
         ok = run_motion(args, scene, pair, err);
     else
-        ok = world && run_world(args, scene, pair, world, err);
+        ok = world && run_world(args, scene, ids, pair, world, err);
     duet_world_destroy(world);
+    duet_free(ids);
     duet_scene_destroy(scene);
     duet_device_pair_destroy(pair);
     return ok;

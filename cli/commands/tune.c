@@ -30,6 +30,7 @@ typedef struct arguments {
     uint64_t budget_trials;
     uint64_t repeats;
     const char *store;
+    bool ordered;
     bool fresh;
     bool keep;
     bool json;
@@ -60,6 +61,7 @@ static const option options[] = {
                  UINT32_MAX),
     OPTION_COUNT("repeat", repeats, "K", "launches of a trial, after one to warm up (3)", 1, 32),
     OPTION_TEXT("profile", store, "FILE", "the profile file (DUET_PROFILE, or the user's own)"),
+    OPTION_FLAG("ordered", ordered, "put the objects into the order of their cells beforehand"),
     OPTION_FLAG("fresh", fresh, "measure again what was asked and finished before"),
     OPTION_FLAG("keep", keep, "applications load what a strategy other than balance found, too"),
     OPTION_FLAG("json", json, "print one JSON object"),
@@ -216,6 +218,7 @@ static duet_tune_def make_def(const arguments *args, const tune_config *config, 
 {
     duet_tune_def def = duet_default_tune_def();
     def.store = args->store;
+    def.ordered = args->ordered;
     def.fresh = args->fresh;
     def.keep = args->keep ? DUET_KEEP_ALWAYS : DUET_KEEP_DEFAULT;
     def.strategy = config->strategy ? config->strategy : def.strategy;
@@ -246,6 +249,14 @@ static duet_scene *load_scene(const arguments *args, const config_workload *w, d
     for (uint32_t i = 0; i < w->n_settings && scene.settings.n < OPTION_LIST_MOST; ++i)
         scene.settings.items[scene.settings.n++] = w->settings[i];
     return inputs_load_scene(w->scene, &scene, err);
+}
+
+static bool put_in_order(const duet_tune_def *def, duet_scene *scene, duet_error *err)
+{
+    uint32_t *ids = NULL;
+    bool ok = !def->ordered || inputs_put_in_order(scene, def->pair, &ids, err);
+    duet_free(ids);
+    return ok;
 }
 
 static bool tune_workload(duet_tune_def *def, const duet_scene *scene, tune_report *report,
@@ -279,7 +290,7 @@ static bool tune_workloads(const arguments *args, const tune_config *config, tun
         tune_report_expect(report, def.pair, config->n_workloads, config->budget_seconds);
     for (uint32_t i = 0; ok && i < config->n_workloads; ++i) {
         duet_scene *scene = load_scene(args, &config->workloads[i], err);
-        ok = scene && tune_workload(&def, scene, report, err);
+        ok = scene && put_in_order(&def, scene, err) && tune_workload(&def, scene, report, err);
         duet_scene_destroy(scene);
     }
     duet_device_pair_destroy(def.pair);

@@ -25,6 +25,7 @@ typedef struct run_report {
     const timed *timed;
     bool resident;
     bool transforms; // sizes were not sent again
+    bool ordered;    // objects were put into the order of their cells
     bool compact;    // nor were they, and rotations were rounded
     reference_check check;
 } run_report;

@@ -5,7 +5,9 @@
 #include "runtime/narrowphase/origin.h"
 #include "runtime/narrowphase/rounded.h"
 
+#include <assert.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -312,11 +314,83 @@ static uint32_t cell_of(const grid_level *level, const grid_objects *objects, ui
     return grid_cell_along((float)point[axis], lower, per_cell, cells);
 }
 
+void grid_cell_of(uint32_t cell[3], const grid *g, const grid_objects *objects, uint32_t id)
+{
+    cell[2] = 0;
+    for (uint32_t k = 0; k < objects->dims; ++k)
+        cell[k] = cell_of(&g->levels[0], objects, id, k);
+}
+
 uint32_t grid_cell_row_of(const grid *g, const grid_objects *objects, uint32_t id)
 {
     const grid_level *level = &g->levels[0];
     uint32_t z = objects->dims == 3 ? cell_of(level, objects, id, 2) : 0;
     return z * (uint32_t)level->cells.s[1] + cell_of(level, objects, id, 1);
+}
+
+static_assert(offsetof(duet_pose, centre) == 0 && offsetof(duet_bounds, lower) == 0 &&
+                  offsetof(duet_transform, centre) == 0 && offsetof(duet_sphere, centre) == 0 &&
+                  offsetof(duet_compact_transform, centre) == 0,
+              "a row begins with the point that decides its cell");
+
+static void find_cells_along(uint32_t *cells, const grid_level *level, const grid_objects *objects,
+                             uint32_t first, uint32_t n, uint32_t axis)
+{
+    size_t row = grid_object_bytes(objects);
+    const char *at = (const char *)objects->array + first * row + axis * sizeof(float);
+    float lower = level->lower.s[axis], per_cell = level->per_cell.s[axis];
+    cl_int along = level->cells.s[axis];
+    for (uint32_t k = 0; k < n; ++k)
+        cells[k] = grid_cell_along(*(const float *)(at + k * row), lower, per_cell, along);
+}
+
+void grid_find_cell_rows(uint32_t *rows, const grid *g, const grid_objects *objects, uint32_t first,
+                         uint32_t n)
+{
+    const grid_level *level = &g->levels[0];
+    uint32_t layers[GRID_ROWS_AT_ONCE];
+    find_cells_along(rows, level, objects, first, n, 1);
+    if (objects->dims == 2)
+        return;
+    find_cells_along(layers, level, objects, first, n, 2);
+    for (uint32_t k = 0; k < n; ++k)
+        rows[k] += layers[k] * (uint32_t)level->cells.s[1];
+}
+
+// By the last axis alone, which leaves out nearly all blocks of objects that are in order: may
+// be true of others. What is no number may lie anywhere.
+static bool any_may_be_in_rows(const grid *g, const grid_objects *objects, uint32_t first,
+                               uint32_t n, uint32_t row_from, uint32_t row_to)
+{
+    const grid_level *level = &g->levels[0];
+    uint32_t axis = objects->dims - 1;
+    uint32_t rows = axis == 2 ? (uint32_t)level->cells.s[1] : 1;
+    uint32_t from = row_from / rows, to = row_to / rows + (row_to % rows > 0);
+    // Border cells go on without end, and no cell is at or past NAN.
+    float lowest = from == 0 ? NAN : (float)from;
+    float end = to >= (uint32_t)level->cells.s[axis] ? NAN : (float)to;
+    float lower = level->lower.s[axis], per_cell = level->per_cell.s[axis];
+    size_t row = grid_object_bytes(objects);
+    const char *at = (const char *)objects->array + first * row + axis * sizeof(float);
+    uint32_t n_there = 0;
+    for (uint32_t k = 0; k < n; ++k) {
+        float cell = (*(const float *)(at + k * row) - lower) * per_cell;
+        n_there += !(cell < lowest) & !(cell >= end);
+    }
+    return n_there > 0;
+}
+
+bool grid_any_in_rows(const grid *g, const grid_objects *objects, uint32_t first, uint32_t n,
+                      uint32_t row_from, uint32_t row_to)
+{
+    uint32_t rows[GRID_ROWS_AT_ONCE];
+    uint32_t n_there = 0;
+    if (!any_may_be_in_rows(g, objects, first, n, row_from, row_to))
+        return false;
+    grid_find_cell_rows(rows, g, objects, first, n);
+    for (uint32_t k = 0; k < n; ++k)
+        n_there += rows[k] - row_from < row_to - row_from;
+    return n_there > 0;
 }
 
 // Bounds that end before they begin: bad ones, which no search takes.

@@ -117,7 +117,19 @@ static inline uint32_t grid_cell_along(float at, float lower, float per_cell, cl
     return (uint32_t)(int32_t)(cell < last ? cell : last);
 }
 
+// An object's cell of the finest level, about as the kernels have it; z is 0 in 2D.
+void grid_cell_of(uint32_t cell[3], const grid *g, const grid_objects *objects, uint32_t id);
+
 // The row of an object, in a dense grid of one level.
 uint32_t grid_cell_row_of(const grid *g, const grid_objects *objects, uint32_t id);
+
+// The same of n objects without an origin, at most GRID_ROWS_AT_ONCE, as fast as they are read.
+enum { GRID_ROWS_AT_ONCE = 1024 };
+void grid_find_cell_rows(uint32_t *rows, const grid *g, const grid_objects *objects, uint32_t first,
+                         uint32_t n);
+
+// Whether any of them lies in rows [row_from, row_to).
+bool grid_any_in_rows(const grid *g, const grid_objects *objects, uint32_t first, uint32_t n,
+                      uint32_t row_from, uint32_t row_to);
 
 #endif

@@ -3,6 +3,8 @@
 // finds their pairs and brings these to the host.
 #include "runtime/broadphase/part.h"
 
+#include "runtime/broadphase/strays.h"
+
 #include "base/clock.h"
 #include "base/error.h"
 #include "runtime/narrowphase/narrow.h"
@@ -31,7 +33,7 @@ void part_distrust(part *p)
 {
     timeline_clear(&p->times);
     p->objects_version = p->sizes_version = p->levels_version = 0;
-    p->packed.objects_version = 0;
+    p->packed.objects_version = p->stretched.objects_version = 0;
 }
 
 void part_forget(part *p)
@@ -82,6 +84,8 @@ static bool send_objects(part *p, const part_task *task, size_t bytes, duet_erro
 {
     p->packed.objects_version = 0;
     bool ok = buffer_hold(&p->objects, p->device, (void *)task->objects.array, bytes, err);
+    if (task->strays && !p->device->info.host_memory)
+        return ok; // its stretches are sent as they are hashed
     if (ok && p->objects_version != task->objects_version)
         ok = wants_chunks(p, task) ? send_chunks(p, task, err)
                                    : timeline_write(&p->times, "send objects", &p->objects,
@@ -198,10 +202,82 @@ static bool run_hash(part *p, const part_task *task, duet_error *err)
     return ok && hash_chunk(p, from, task->objects.n, NULL, err);
 }
 
+// Sends the part a stretch of the input, unless it has that already, and hashes it.
+static bool take_stretch(part *p, const part_task *task, stretch s, bool has, duet_error *err)
+{
+    size_t bytes = grid_object_bytes(&task->objects);
+    bool beside = !has && wants_chunks(p, task);
+    uint32_t size = beside ? chunk_size(p, s.to - s.from) : s.to - s.from;
+    for (uint32_t from = s.from, to; from < s.to; from = to) {
+        to = s.to - from > size ? from + size : s.to;
+        const char *rows = (const char *)task->objects.array + from * bytes;
+        if (!has && !(beside ? timeline_write_beside
+                             : timeline_write_at)(&p->times, "send objects", &p->objects,
+                                                  from * bytes, rows, (to - from) * bytes, err))
+            return false;
+        if (!hash_chunk(p, from, to, beside ? timeline_last_event(&p->times) : NULL, err))
+            return false;
+    }
+    return true;
+}
+
+static bool has_stretches(const part *p, const part_task *task, const part_range *range)
+{
+    return p->device->info.host_memory || p->objects_version == task->objects_version ||
+           (p->stretched.objects_version == task->objects_version &&
+            p->stretched.grid_version == task->grid_version &&
+            p->stretched.key_from == range->key_from && p->stretched.key_to == range->key_to);
+}
+
+// The host looks for strays while the part takes its own stretch.
+static bool take_stretches(part *p, const part_task *task, const part_range *range, duet_error *err)
+{
+    bool has = has_stretches(p, task, range);
+    stretch own = strays_own(task->strays, task->side);
+    p->stretched.objects_version = 0;
+    bool ok = take_stretch(p, task, own, has, err) && timeline_flush(&p->times, err);
+    uint64_t begun = clock_steady_ns();
+    strays_look(task->strays, task->side);
+    strays_await(task->strays, task->side);
+    timeline_add_host(&p->times, "strays", clock_ms_since(begun));
+    p->taken = strays_taken(task->strays, task->side);
+    for (uint32_t i = 0; ok && i < p->taken.n; ++i)
+        ok = i == p->taken.own || take_stretch(p, task, p->taken.list[i], has, err);
+    p->args.n = task->objects.n;
+    if (!ok || p->device->info.host_memory)
+        return ok;
+    p->objects_version = has ? p->objects_version : 0;
+    p->stretched.objects_version = task->objects_version;
+    p->stretched.grid_version = task->grid_version;
+    p->stretched.key_from = range->key_from;
+    p->stretched.key_to = range->key_to;
+    return true;
+}
+
+// Objects that were not taken are nowhere.
+static bool pass_over_rest(part *p, uint32_t n, duet_error *err)
+{
+    uint32_t from = 0;
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < p->taken.n; ++i) {
+        const stretch *s = &p->taken.list[i];
+        ok = timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, s->from, err);
+        from = s->to;
+    }
+    return ok && timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, n, err);
+}
+
+static bool hash_objects(part *p, const part_task *task, const part_range *range, duet_error *err)
+{
+    return task->strays
+               ? take_stretches(p, task, range, err) && pass_over_rest(p, task->objects.n, err)
+               : run_hash(p, task, err);
+}
+
 // The keys count into starts, and the ranks tell them apart.
 static bool counting_sort(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
-    return run_hash(p, task, err) &&
+    return hash_objects(p, task, range, err) &&
            scan_run(&p->scan, &p->times, "sort", &p->starts, count_starts(range), err) &&
            (!p->kernels.from_ids ||
             timeline_launch(&p->times, "sort", p->kernels.scatter, task->objects.n, p, err));
@@ -223,7 +299,7 @@ static bool radix_sort_keys(part *p, const part_task *task, const part_range *ra
                             duet_error *err)
 {
     const radix_lists lists = {&p->keys, &p->ids, &p->keys_spare, &p->ids_spare};
-    return run_hash(p, task, err) &&
+    return hash_objects(p, task, range, err) &&
            radix_sort_run(&p->radix, &p->times, "sort", &lists, task->objects.n,
                           task->grid.key_bits, err) &&
            find_starts(p, task, range, err);

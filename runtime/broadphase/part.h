@@ -11,11 +11,28 @@
 #include "runtime/broadphase/variant.h"
 #include "runtime/opencl/radix_sort.h"
 
+// Objects of the input that lie side by side, [from, to).
+typedef struct stretch {
+    uint32_t from, to;
+} stretch;
+
+enum { STRETCHES = 18 };
+
+typedef struct stretches {
+    stretch list[STRETCHES]; // ascending
+    uint32_t n;
+    uint32_t own; // the one that is the part's own, in any order of the objects
+} stretches;
+
+typedef struct strays strays;
+
 // What both parts are told about the objects.
 typedef struct part_task {
-    bool shared;   // the grid is for both parts
-    bool receives; // the grid comes from the other part
-    bool packed;   // the part is sent the objects of its slab, with their ids
+    bool shared;    // the grid is for both parts
+    bool receives;  // the grid comes from the other part
+    bool packed;    // the part is sent the objects of its slab, with their ids
+    strays *strays; // the part takes its stretches of the input; NULL: all of it
+    int side;       // that it is for
     bool rotated;
     duet_level level;         // of accuracy, for poses
     grid_objects objects;     // that the part is sent; the array has all of them
@@ -36,6 +53,7 @@ typedef struct part_task {
 typedef struct part_range {
     uint32_t key_from, home_to, key_to;
     uint32_t first, last;
+    uint32_t homes;                           // of a slab, when they were last counted
     uint32_t expected;                        // about how many objects its grid gets
     uint32_t expected_homes, expected_ghosts; // of a slab, likewise
 } part_range;
@@ -127,6 +145,11 @@ typedef struct part {
         uint32_t key_from, key_to;
         uint32_t n, n_homes;
     } packed;
+    stretches taken; // of the input in this step
+    struct {
+        uint64_t objects_version, grid_version; // of what was sent last; 0: nothing
+        uint32_t key_from, key_to;
+    } stretched;
     buffer levels;                // the grid's
     uint64_t levels_version;      // of what was sent last
     buffer keys, ids;             // of the objects; in cell order once sorted

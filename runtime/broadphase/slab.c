@@ -78,7 +78,8 @@ static part_range slab_of(const split *s, const part_task *task, uint32_t from, 
     if (from == to)
         return (part_range){0};
     uint32_t nx = (uint32_t)task->grid.levels[0].cells.s[0];
-    uint32_t homes = with_reserve(sum_rows(s, from, to), task->objects.n);
+    uint32_t counted = sum_rows(s, from, to);
+    uint32_t homes = with_reserve(counted, task->objects.n);
     uint32_t ghosts = with_reserve(sum_rows(s, to, ghost_to), task->objects.n);
     uint64_t both = (uint64_t)homes + ghosts;
     return (part_range){
@@ -87,6 +88,7 @@ static part_range slab_of(const split *s, const part_task *task, uint32_t from, 
         .key_to = ghost_to * nx,
         .last = UINT32_MAX,
         .expected = both < task->objects.n ? (uint32_t)both : task->objects.n,
+        .homes = counted,
         .expected_homes = homes,
         .expected_ghosts = ghosts,
     };
@@ -185,52 +187,6 @@ void pack_close(pack *p)
     }
 }
 
-// ---------------------------------------------------------------- rows of cells
-
-static float point_of_pose(const void *objects, uint32_t id, int axis)
-{
-    return ((const duet_pose *)objects)[id].centre[axis];
-}
-
-static float point_of_bounds(const void *objects, uint32_t id, int axis)
-{
-    return ((const duet_bounds *)objects)[id].lower[axis];
-}
-
-// The cells of n objects along one axis; what is called is inlined, so that a
-// block takes as long as reading it.
-static inline void find_cells(uint32_t *cells, float (*point_of)(const void *, uint32_t, int),
-                              const part_task *task, uint32_t first, uint32_t n, int axis)
-{
-    const grid_level *level = &task->grid.levels[0];
-    float lower = level->lower.s[axis];
-    float per_cell = level->per_cell.s[axis];
-    cl_int along = level->cells.s[axis];
-    for (uint32_t k = 0; k < n; ++k)
-        cells[k] =
-            grid_cell_along(point_of(task->objects.array, first + k, axis), lower, per_cell, along);
-}
-
-static void find_along(uint32_t *cells, const part_task *task, uint32_t first, uint32_t n, int axis)
-{
-    if (task->objects.shape == DUET_SHAPE_POSES)
-        find_cells(cells, point_of_pose, task, first, n, axis);
-    else
-        find_cells(cells, point_of_bounds, task, first, n, axis);
-}
-
-static void find_rows(uint32_t rows[BLOCK], const part_task *task, uint32_t first, uint32_t n)
-{
-    find_along(rows, task, first, n, 1);
-    if (task->objects.dims == 2)
-        return;
-    uint32_t layers[BLOCK];
-    uint32_t ny = (uint32_t)task->grid.levels[0].cells.s[1];
-    find_along(layers, task, first, n, 2);
-    for (uint32_t k = 0; k < n; ++k)
-        rows[k] += layers[k] * ny;
-}
-
 // ---------------------------------------------------------------- gathering
 
 // Objects of rows [from, to). Without a branch, for half of them are.
@@ -307,7 +263,7 @@ static void pack_block(pack *p, uint32_t block)
     uint16_t picked[BLOCK];
     uint32_t first = block * BLOCK;
     uint32_t n = p->task.objects.n - first < BLOCK ? p->task.objects.n - first : BLOCK;
-    find_rows(rows, &p->task, first, n);
+    grid_find_cell_rows(rows, &p->task.grid, &p->task.objects, first, n);
     for (int side = 0; side < 2; ++side) {
         pack_slab *slab = &p->slabs[side];
         if (!slab->wanted)
@@ -380,6 +336,16 @@ bool pack_pays(const part_task *task, const part_range ranges[2], int side, cons
            v->search == SEARCH_GPU && v->send == SEND_PACKED;
 }
 
+static bool start_threads(pack *p, void (*job)(void *), void *arg, duet_error *err)
+{
+    if (!p->threads)
+        p->threads = thread_pool_open(spare_threads(), err);
+    p->under_way = p->threads;
+    if (p->threads)
+        thread_pool_start(p->threads, job, arg);
+    return p->threads;
+}
+
 bool pack_start(pack *p, const part parts[2], const part_task *task, const part_range ranges[2],
                 const bool packed[2], duet_error *err)
 {
@@ -388,14 +354,12 @@ bool pack_start(pack *p, const part parts[2], const part_task *task, const part_
         wanted[side] = packed[side] && !has_slab(&parts[side], task, &ranges[side]);
     if (!begin_pack(p, task, ranges, wanted, parts[0].devices, err))
         return false;
-    if (!wanted[0] && !wanted[1])
-        return true;
-    if (!p->threads)
-        p->threads = thread_pool_open(spare_threads(), err);
-    p->under_way = p->threads;
-    if (p->threads)
-        thread_pool_start(p->threads, pack_blocks, p);
-    return p->threads;
+    return (!wanted[0] && !wanted[1]) || start_threads(p, pack_blocks, p, err);
+}
+
+bool pack_lend_threads(pack *p, void (*job)(void *), void *arg, duet_error *err)
+{
+    return spare_threads() == 1 || start_threads(p, job, arg, err);
 }
 
 void pack_wait(pack *p)
@@ -525,7 +489,7 @@ bool part_receive_slab(part *p, pack *from, int side, part_task *task, const par
     *placed = true;
     if (slab->wanted) {
         size_t capacity = (size_t)slab->homes.capacity + slab->ghosts.capacity;
-        p->objects_version = p->packed.objects_version = 0;
+        p->objects_version = p->packed.objects_version = p->stretched.objects_version = 0;
         if (!buffer_reserve(&p->objects, p->device, capacity * object_bytes(task->objects.shape),
                             err) ||
             !buffer_reserve(&p->names, p->device, capacity * sizeof(uint32_t), err) ||

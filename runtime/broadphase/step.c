@@ -66,6 +66,11 @@ static bool needs_fit(const duet_world *world)
            REFIT_FACTOR * n < world->fitted_n;
 }
 
+bool world_fit_grid(duet_world *world, duet_error *err)
+{
+    return !needs_fit(world) || fit_grid(world, err);
+}
+
 // Where pairs stay on a device that has memory of its own.
 static void choose_keepers(duet_world *world)
 {
@@ -171,9 +176,12 @@ static bool run_slabs(duet_world *world, job jobs[2], duet_error *err)
 {
     const part_range ranges[2] = {jobs[0].range, jobs[1].range};
     const bool packed[2] = {jobs[0].task.packed, jobs[1].task.packed};
-    if (!pack_start(&world->pack, world->parts, &jobs[0].task, ranges, packed, err))
-        return false;
-    bool ok = run_own(world, jobs);
+    const bool stretched = jobs[0].task.strays || jobs[1].task.strays;
+    bool ok = stretched
+                  ? strays_begin(&world->strays, &jobs[1].task, ranges, err) &&
+                        pack_lend_threads(&world->pack, strays_look_for_both, &world->strays, err)
+                  : pack_start(&world->pack, world->parts, &jobs[0].task, ranges, packed, err);
+    ok = ok && run_own(world, jobs);
     pack_wait(&world->pack);
     return ok;
 }
@@ -227,6 +235,14 @@ static bool needs_sight(const duet_world *world, const bool use[2])
     return needs;
 }
 
+// The paper's kernels take every object by its id, and cells of objects that are in origin cells
+// are rounded on the devices otherwise than on the host.
+static bool takes_stretches(const duet_world *world, int side)
+{
+    return world->def.ordered && !world->resident.on[side] && world->def.origin_edge == 0.0f &&
+           world->variants[side].search != SEARCH_PAPER;
+}
+
 // *placed is false where a slab had more objects than it had space for.
 static bool run_parts(duet_world *world, bool *placed, duet_error *err)
 {
@@ -246,7 +262,9 @@ static bool run_parts(duet_world *world, bool *placed, duet_error *err)
     job jobs[2];
     for (int side = 0; side < 2; ++side) {
         part_task own = describe_task(world, side);
-        own.packed = slabs && !own.resident &&
+        own.side = side;
+        own.strays = slabs && takes_stretches(world, side) ? &world->strays : NULL;
+        own.packed = slabs && !own.strays && !own.resident &&
                      pack_pays(&own, ranges, side, &world->parts[side], &world->variants[side]);
         jobs[side] = (job){.part = &world->parts[side],
                            .pack = &world->pack,
@@ -347,7 +365,7 @@ static bool find_pairs(duet_world *world, duet_error *err)
     if (fits)
         forget_last_step(world);
     for (int fit = 0; !fits; ++fit) {
-        if (!budget_check(err) || (needs_fit(world) && !fit_grid(world, err)))
+        if (!budget_check(err) || !world_fit_grid(world, err))
             return false;
         bool placed = true;
         if (!run_parts(world, &placed, err))

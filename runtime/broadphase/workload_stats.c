@@ -9,8 +9,13 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 enum { MOST_SAMPLED = 65536, SAMPLED_A_CELL = 16, MOST_CELLS = MOST_SAMPLED / SAMPLED_A_CELL };
+
+// Rows that are sorted to tell how many objects stray.
+enum { MOST_ROWS = 4096 };
 
 static inline void widen(float *lower, float *upper, float at)
 {
@@ -178,15 +183,18 @@ static raster coarsen(raster r, double most)
     return r;
 }
 
+static uint32_t cell_along(const raster *r, const double centre[3], int axis)
+{
+    double along = r->edge[axis] > 0 ? (centre[axis] - r->lower[axis]) / r->edge[axis] : 0;
+    uint32_t last = r->cells[axis] - 1;
+    return along > 0 ? (uint32_t)(along < last ? along : last) : 0;
+}
+
 static uint32_t cell_of(const raster *r, const double centre[3])
 {
     uint32_t cell = 0;
-    for (int k = 3; k-- > 0;) {
-        double along = r->edge[k] > 0 ? (centre[k] - r->lower[k]) / r->edge[k] : 0;
-        uint32_t last = r->cells[k] - 1;
-        cell *= r->cells[k];
-        cell += along > 0 ? (uint32_t)(along < last ? along : last) : 0;
-    }
+    for (int k = 3; k-- > 0;)
+        cell = cell * r->cells[k] + cell_along(r, centre, k);
     return cell;
 }
 
@@ -222,6 +230,39 @@ static double crowding(const duet_world *world, const raster *fine)
            (count_cells(fine) / coarse);
 }
 
+// The rows of a sample, in the order of the objects.
+static uint32_t sample_rows(double rows[MOST_ROWS], const duet_world *world, const raster *r)
+{
+    grid_objects objects = world_objects(world);
+    uint32_t stride = 1 + (world->n - 1) / MOST_ROWS;
+    uint32_t n = 0;
+    for (uint64_t id = 0; id < world->n; id += stride) {
+        double centre[3] = {0};
+        grid_centre_of(centre, &objects, (uint32_t)id);
+        rows[n++] = (double)cell_along(r, centre, 2) * r->cells[1] + cell_along(r, centre, 1);
+    }
+    return n;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double count_strays(const duet_world *world, const raster *r)
+{
+    double rows[MOST_ROWS], sorted[MOST_ROWS];
+    uint32_t n = sample_rows(rows, world, r);
+    memcpy(sorted, rows, n * sizeof *sorted);
+    qsort(sorted, n, sizeof *sorted, by_value);
+    double middle = sorted[n / 2];
+    uint32_t n_strays = 0;
+    for (uint32_t i = 0; i < n; ++i)
+        n_strays += i < n / 2 ? rows[i] > middle : rows[i] < middle;
+    return (double)n_strays / n;
+}
+
 void workload_stats_take(workload_stats *c, const duet_world *world)
 {
     *c = see_all(world);
@@ -244,5 +285,6 @@ workload_summary workload_summarise(const duet_world *world)
         .mean_occupancy = world->n / count_cells(&r),
         .crowding = c.crowding,
         .size_ratio = widest > narrowest ? widest / narrowest : 1,
+        .strays = def->ordered ? count_strays(world, &r) : 0,
     };
 }

@@ -26,6 +26,8 @@ typedef struct workload_summary {
     double mean_occupancy; // objects a cell
     double crowding;       // as above
     double size_ratio;     // the widest object by the narrowest
+    double strays; // of a world that is ordered: the part of its objects that would lie in the
+                   // other half, were rows of cells cut in two; 0.5 at random. Else 0
 } workload_summary;
 
 // Takes about as long as reading all objects once, unless statistics were taken

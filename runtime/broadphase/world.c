@@ -306,6 +306,7 @@ void duet_world_destroy(duet_world *world)
     host_block_release(&world->sizes);
     pack_close(&world->pack);
     split_free(&world->split);
+    strays_close(&world->strays);
     duet_device_pair_destroy(world->def.pair);
     free(world);
 }

@@ -7,6 +7,7 @@
 #include "runtime/broadphase/part.h"
 #include "runtime/broadphase/resident.h"
 #include "runtime/broadphase/slab.h"
+#include "runtime/broadphase/strays.h"
 #include "runtime/broadphase/workload_stats.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/thread_pool.h"
@@ -20,6 +21,7 @@ struct duet_world {
     part parts[2];       // A, B
     thread_pool *driver; // drives A while the caller's thread drives B
     pack pack;
+    strays strays;
     host_block objects; // [n] poses or bounds, or transforms
     resident resident;  // the objects, where a device has them; else empty
     uint32_t n;
@@ -76,6 +78,9 @@ void world_change_level(duet_world *world, duet_level level);
 
 // The next step lays its grid anew, whatever the last one found.
 void world_forget_grid(duet_world *world);
+
+// Fits a grid to the objects where the last one does not suit them.
+bool world_fit_grid(duet_world *world, duet_error *err);
 
 // The plan's mode, where it is open, for the grid that was fitted.
 void world_choose_mode(duet_world *world);

@@ -603,6 +603,29 @@ duet_scene *duet_scene_create(duet_object_kind kind, const void *objects, uint32
     return NULL;
 }
 
+static bool reorder(void *rows, size_t bytes, uint32_t n, const uint32_t *order, duet_error *err)
+{
+    if (!rows || n == 0)
+        return true;
+    char *old = malloc(n * bytes);
+    if (!old)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory to reorder %u objects", n);
+    memcpy(old, rows, n * bytes);
+    for (uint32_t i = 0; i < n; ++i)
+        memcpy((char *)rows + i * bytes, old + order[i] * bytes, bytes);
+    free(old);
+    return true;
+}
+
+bool scene_reorder(duet_scene *scene, const uint32_t *order, duet_error *err)
+{
+    const duet_scene_info *info = &scene->info;
+    return reorder(scene->objects, origin_row_bytes(info->shape, info->origin_edge), info->n, order,
+                   err) &&
+           reorder(scene->rounded, sizeof *scene->rounded, info->n, order, err) &&
+           reorder(scene->bodies, sizeof *scene->bodies, info->n, order, err);
+}
+
 void duet_scene_destroy(duet_scene *scene)
 {
     if (!scene)

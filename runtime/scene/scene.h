@@ -73,6 +73,9 @@ duet_scene *scene_load_deferred(const char *path, const duet_setting *settings, 
 // Passes over the next objects, at most n, up to one that is kept. Returns how many.
 uint64_t scene_pass_over(duet_scene *scene, uint64_t n);
 
+// Moves the objects: the i-th is then the one that was order[i].
+bool scene_reorder(duet_scene *scene, const uint32_t *order, duet_error *err);
+
 // Of which kind a scene's objects are.
 duet_object_kind scene_kind(const duet_scene_info *info);
 

@@ -117,6 +117,15 @@ static void ask_any_level(profile_subject *p, const duet_accuracy *accuracy)
         p->levels[p->n_levels] = duet_level_get_info((duet_level)p->n_levels)->name;
 }
 
+// With so few strays a slab is a range of the input, or still mostly that.
+static const double few_strays = 1.0 / 32, some_strays = 1.0 / 4;
+
+static const char *describe_order(const duet_world *world, double astray)
+{
+    bool keeps_order = world->def.ordered && astray < some_strays;
+    return !keeps_order ? NULL : astray < few_strays ? "ordered" : "ordered strays";
+}
+
 static profile_workload describe_workload(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
@@ -138,6 +147,7 @@ static profile_workload describe_workload(const duet_world *world)
         .size_ratio = s.size_ratio,
         .shape = shapes[def->shape],
         .rotated = turns && def->rotated,
+        .effects = describe_order(world, s.strays),
         .level = duet_level_get_info(def->level)->name,
     };
 }

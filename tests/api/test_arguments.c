@@ -343,6 +343,15 @@ static void plan_world(void)
     assert_int_equal(duet_world_get_level(NULL), DUET_LEVEL_CERTIFIED);
 }
 
+static void order_world(void)
+{
+    uint32_t *order = NULL, n_ordered = 0;
+    REFUSES(duet_world_order(NULL, &order, &n_ordered, e));
+    REFUSES(duet_world_order(world, NULL, &n_ordered, e));
+    REFUSES(duet_world_order(world, &order, NULL, e));
+    assert_null(order);
+}
+
 static void load_profile(void)
 {
     duet_profile profile;
@@ -811,6 +820,7 @@ static const struct {
     {"duet_world_map_objects", map_objects},
     {"duet_world_set_plan duet_world_get_plan duet_world_set_level duet_world_get_level",
      plan_world},
+    {"duet_world_order", order_world},
     {"duet_world_load_profile duet_world_explain_profile", load_profile},
     {"duet_world_step duet_world_step_begin duet_world_step_end", step_world},
     {"duet_device_pair_create_on_queues duet_world_set_objects_buffer duet_world_leave_pairs "

@@ -31,6 +31,7 @@ bench_run bench_join;
 bench_run bench_spheres;
 bench_run bench_limit;
 bench_run bench_lookup;
+bench_run bench_order;
 bench_run bench_rays;
 bench_run bench_share;
 bench_run bench_step;

@@ -157,6 +157,29 @@ static void the_pairs_file_holds_each_pair_once_ascending(void **state)
     cJSON_Delete(o);
 }
 
+static void objects_in_order_keep_the_ids_of_the_scene(void **state)
+{
+    (void)state;
+    static const char *const orders[] = {"", "--ordered --mode slab"};
+    text lines[2] = {{0}};
+    cJSON *o[2];
+    for (int i = 0; i < 2; ++i) {
+        duet_error err = {0};
+        char arguments[160];
+        snprintf(arguments, sizeof arguments,
+                 SCENE " --pairs test_run.csv --check --repeat 2 --share 0.5 %s", orders[i]);
+        o[i] = run_json(arguments);
+        assert_ok(text_read_file(&lines[i], "test_run.csv", &err), err);
+        assert_int_equal(cJSON_IsTrue(cJSON_GetObjectItem(o[i], "ordered")), i);
+    }
+    assert_string_equal(lines[0].chars, lines[1].chars);
+    assert_string_equal(json_string(o[0], "hash"), json_string(o[1], "hash"));
+    for (int i = 0; i < 2; ++i) {
+        text_free(&lines[i]);
+        cJSON_Delete(o[i]);
+    }
+}
+
 static void text_names_devices_stages_and_pairs(void **state)
 {
     (void)state;
@@ -289,6 +312,7 @@ int main(void)
         cmocka_unit_test(n_and_seed_choose_the_scene),
         cmocka_unit_test(any_number_of_objects_gives_the_references_pairs),
         cmocka_unit_test(the_pairs_file_holds_each_pair_once_ascending),
+        cmocka_unit_test(objects_in_order_keep_the_ids_of_the_scene),
         cmocka_unit_test(text_names_devices_stages_and_pairs),
         cmocka_unit_test(wrong_usage_is_one_line_and_exit_2),
         cmocka_unit_test(bad_input_is_one_line_and_exit_1),

@@ -196,6 +196,19 @@ holds("compact transforms have the pairs of their poses", function()
   equal(#assert(world:step()), 1)
 end)
 
+holds("objects in the order of their cells have the same pairs, by their new places", function()
+  local world <close> = assert(pair:world { ordered = true, plan = { share = 0.5, mode = "slab" } })
+  assert(world:set_poses { { three:get(2) }, { three:get(0) }, { three:get(1) } })
+  equal(table.concat({ assert(world:step()):pair(0) }, " "), "1 2")
+  local order = assert(world:order())
+  equal(#order, 3)
+  local sorted = duet.poses(3)
+  for place, id in order:each() do sorted:set(place, three:get((id + 2) % 3)) end
+  equal(order:get(2), 0) -- what is far away comes last
+  assert(world:set_poses(sorted))
+  equal(table.concat({ assert(world:step()):pair(0) }, " "), "0 1")
+end)
+
 holds("each gives every place once", function()
   local places = {}
   for place, x in three:each() do places[#places + 1] = place .. ":" .. x end

@@ -1,0 +1,429 @@
+// SPDX-License-Identifier: MIT
+// The order by cell, and worlds whose objects are kept in about that order.
+#include "support/test.h"
+
+#include "support/devices.h"
+
+#include "base/rng.h"
+#include "runtime/broadphase/world.h"
+#include "runtime/selection/profile_subject.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CAPACITY = 20000 };
+
+static duet_pose poses[CAPACITY];
+
+// ------------------------------------------------------------ scenes
+
+static duet_pose random_pose(rng *r, double edge)
+{
+    duet_pose pose = {{0}, {0.5f, 0.5f, 0.5f}, {0}};
+    for (int k = 0; k < 3; ++k)
+        pose.centre[k] = (float)rng_between(r, 0.0, edge);
+    for (int k = 0; k < 4; ++k)
+        pose.rotation[k] = (float)rng_normal(r);
+    return pose;
+}
+
+// Unit cubes, about as dense as in the paper.
+static void fill_poses(rng *r, uint32_t n, uint32_t dims)
+{
+    double edge = dims == 3 ? 2.0 * cbrt(n) : 2.0 * sqrt(n);
+    for (uint32_t i = 0; i < n; ++i)
+        poses[i] = random_pose(r, edge);
+}
+
+static duet_world *make_world(const duet_world_def *def)
+{
+    duet_error err = {0};
+    duet_world *world = duet_world_create(def, &err);
+    assert_ok(world != NULL, err);
+    return world;
+}
+
+static void set_poses(duet_world *world, uint32_t n)
+{
+    duet_error err = {0};
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, &err), err);
+}
+
+static uint32_t *order_of(duet_world *world, uint32_t n)
+{
+    duet_error err = {0};
+    uint32_t *order = NULL, n_ordered = 0;
+    assert_ok(duet_world_order(world, &order, &n_ordered, &err), err);
+    assert_int_equal(n_ordered, n);
+    return order;
+}
+
+// ------------------------------------------------------------ the order
+
+static void assert_is_permutation(const uint32_t *order, uint32_t n)
+{
+    uint8_t *seen = calloc(n + 1, 1);
+    for (uint32_t i = 0; i < n; ++i) {
+        assert_in_range(order[i], 0, n - 1);
+        assert_false(seen[order[i]]);
+        seen[order[i]] = 1;
+    }
+    free(seen);
+}
+
+static uint64_t key_of(const duet_world *world, uint32_t id)
+{
+    const grid_objects objects = world_objects(world);
+    const cl_int *cells = world->grid.levels[0].cells.s;
+    uint32_t cell[3];
+    grid_cell_of(cell, &world->grid, &objects, id);
+    return ((uint64_t)cell[2] * (uint32_t)cells[1] + cell[1]) * (uint32_t)cells[0] + cell[0];
+}
+
+static void assert_is_by_cell(duet_world *world, uint32_t n)
+{
+    uint32_t *order = order_of(world, n);
+    assert_is_permutation(order, n);
+    for (uint32_t i = 1; i < n; ++i) {
+        uint64_t before = key_of(world, order[i - 1]), key = key_of(world, order[i]);
+        assert_true(before < key || (before == key && order[i - 1] < order[i]));
+    }
+    duet_free(order);
+}
+
+static void the_order_is_a_permutation_by_cell_then_id(void **state)
+{
+    (void)state;
+    static const uint32_t numbers[] = {0, 1, 2, 5, 997, 6000};
+    rng r = {test_seed()};
+    for (uint32_t dims = 2; dims <= 3; ++dims)
+        for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
+            duet_world_def def = duet_default_world_def();
+            def.pair = devices;
+            def.dims = dims;
+            duet_world *world = make_world(&def);
+            fill_poses(&r, numbers[i], dims);
+            set_poses(world, numbers[i]);
+            assert_is_by_cell(world, numbers[i]);
+            duet_world_destroy(world);
+        }
+}
+
+// Mixed sizes have several levels, far crowds a hashed grid, and what is no number a cell too.
+static void any_grid_has_an_order(void **state)
+{
+    (void)state;
+    enum { N = 3000 };
+    rng r = {test_seed()};
+    fill_poses(&r, N, 3);
+    for (uint32_t i = 0; i < N; i += 100)
+        poses[i].half_extents[0] = 20.0f;
+    poses[7].centre[1] = NAN;
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    duet_world *world = make_world(&def);
+    set_poses(world, N);
+    assert_is_by_cell(world, N);
+    assert_true(world->grid.n_levels > 1);
+    duet_world_destroy(world);
+
+    for (uint32_t i = N / 2; i < N; ++i)
+        for (int k = 0; k < 3; ++k)
+            poses[i].centre[k] += 1e6f;
+    strcpy(def.plan.variant_a, "simd grid=hashed");
+    strcpy(def.plan.variant_b, "simd grid=hashed");
+    def.plan.mode = DUET_MODE_OWN;
+    world = make_world(&def);
+    set_poses(world, N);
+    uint32_t *order = order_of(world, N);
+    assert_int_equal(world->grid.kind, GRID_HASHED);
+    assert_is_permutation(order, N);
+    for (uint32_t i = 0; i < N; ++i)
+        assert_int_equal(order[i] >= N / 2, i >= N / 2);
+    duet_free(order);
+    duet_world_destroy(world);
+}
+
+// ------------------------------------------------------------ worlds that are kept in order
+
+static const uint32_t shares[] = {0, DUET_SHARE_ONE / 100, DUET_SHARE_ONE / 2, DUET_SHARE_ONE};
+enum { SHARES = sizeof shares / sizeof *shares };
+
+static uint64_t reference_hash(uint32_t n, uint32_t dims)
+{
+    duet_error err = {0};
+    duet_pair *pairs = NULL;
+    uint64_t n_pairs = 0;
+    duet_scene *scene = duet_scene_create(DUET_OBJECT_POSES, poses, n, dims, 0, &err);
+    assert_ok(scene != NULL, err);
+    assert_ok(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n_pairs, &err), err);
+    uint64_t hash = duet_pairs_hash(pairs, n_pairs);
+    duet_free(pairs);
+    duet_scene_destroy(scene);
+    return hash;
+}
+
+static duet_world_def ordered_def(uint32_t dims, const char *kernels)
+{
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    def.dims = dims;
+    def.ordered = true;
+    def.plan.mode = DUET_MODE_SLAB;
+    def.plan.share = DUET_SHARE_ONE / 2;
+    strcpy(def.plan.variant_a, kernels);
+    strcpy(def.plan.variant_b, kernels);
+    return def;
+}
+
+static void set_share(duet_world *world, uint32_t share)
+{
+    duet_error err = {0};
+    duet_plan plan = *duet_world_get_plan(world);
+    plan.share = share;
+    assert_ok(duet_world_set_plan(world, &plan, &err), err);
+}
+
+static void step(duet_world *world, duet_result *result)
+{
+    duet_error err = {0};
+    assert_ok(duet_world_step(world, result, &err), err);
+}
+
+static void put_in_order(duet_world *world, uint32_t n)
+{
+    set_poses(world, n);
+    uint32_t *order = order_of(world, n);
+    duet_pose *old = malloc(n * sizeof *old + 1);
+    memcpy(old, poses, n * sizeof *old);
+    for (uint32_t i = 0; i < n; ++i)
+        poses[i] = old[order[i]];
+    free(old);
+    duet_free(order);
+}
+
+static void swap(uint32_t a, uint32_t b)
+{
+    duet_pose kept = poses[a];
+    poses[a] = poses[b];
+    poses[b] = kept;
+}
+
+static void reverse(uint32_t n)
+{
+    for (uint32_t i = 0; i < n / 2; ++i)
+        swap(i, n - 1 - i);
+}
+
+// Some objects come to lie anywhere.
+static void stray(rng *r, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i += 700)
+        swap(i, (uint32_t)rng_between(r, 0, n - 0.5));
+}
+
+static void assert_finds_all(duet_world *world, uint32_t n)
+{
+    uint64_t truth = reference_hash(n, world->def.dims);
+    for (int s = 0; s < SHARES; ++s) {
+        duet_result result;
+        set_share(world, shares[s]);
+        set_poses(world, n);
+        step(world, &result);
+        assert_int_equal(duet_result_get_hash(&result), truth);
+        step(world, &result); // without new objects
+        assert_int_equal(duet_result_get_hash(&result), truth);
+    }
+}
+
+static void assert_finds_all_in_any_order(duet_world *world, rng *r, uint32_t n)
+{
+    assert_finds_all(world, n);
+    put_in_order(world, n);
+    assert_finds_all(world, n);
+    if (n > 0)
+        stray(r, n);
+    assert_finds_all(world, n);
+    reverse(n);
+    assert_finds_all(world, n);
+}
+
+// As if the devices had memory of their own, or worked on the host's.
+static void set_memory(bool host)
+{
+    devices->devices[0].info.host_memory = devices->devices[1].info.host_memory = host;
+}
+
+static void any_order_share_and_number_gives_the_reference_pairs(void **state)
+{
+    (void)state;
+    static const uint32_t numbers[] = {0, 1, 5, 1023, 5003};
+    rng r = {test_seed()};
+    for (uint32_t dims = 2; dims <= 3; ++dims) {
+        duet_world_def def = ordered_def(dims, "simd");
+        duet_world *world = make_world(&def);
+        for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
+            fill_poses(&r, numbers[i], dims);
+            assert_finds_all_in_any_order(world, &r, numbers[i]);
+        }
+        duet_world_destroy(world);
+    }
+}
+
+static void every_sort_takes_stretches(void **state)
+{
+    (void)state;
+    enum { N = 5003 };
+    static const char *const variants[] = {
+        "simd sort=radix", "gpu",  "gpu FROM_IDS=0", "gpu sort=radix", "gpu send=chunks",
+        "gpu send=packed", "paper"};
+    rng r = {test_seed()};
+    for (int host = 0; host < 2; ++host)
+        for (size_t v = 0; v < sizeof variants / sizeof *variants; ++v) {
+            duet_world_def def = ordered_def(3, variants[v]);
+            set_memory(host);
+            duet_world *world = make_world(&def);
+            fill_poses(&r, N, 3);
+            put_in_order(world, N);
+            stray(&r, N);
+            assert_finds_all(world, N);
+            duet_world_destroy(world);
+        }
+    set_memory(true);
+}
+
+// Giants make the cells wide, and a crowd makes one cell hold half of all.
+static void giants_and_crowds_are_found(void **state)
+{
+    (void)state;
+    enum { N = 3000 };
+    rng r = {test_seed()};
+    duet_world_def def = ordered_def(3, "simd");
+    duet_world *world = make_world(&def);
+    fill_poses(&r, N, 3);
+    for (uint32_t i = 0; i < N; i += 1000)
+        poses[i].half_extents[1] = 3.0f;
+    assert_finds_all_in_any_order(world, &r, N);
+    for (uint32_t i = 0; i < N; ++i)
+        for (int k = 0; k < 3; ++k)
+            poses[i].centre[k] = i % 10 == 0 ? 1.0f : 1000.0f * poses[i].centre[k];
+    assert_finds_all_in_any_order(world, &r, N);
+    duet_world_destroy(world);
+}
+
+static uint32_t count_taken(const part *p)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < p->taken.n; ++i)
+        n += p->taken.list[i].to - p->taken.list[i].from;
+    return n;
+}
+
+// Of objects in order a device takes its half and the ghosts at the border.
+static void a_device_takes_its_own_half_and_the_blocks_with_strays(void **state)
+{
+    (void)state;
+    enum { N = CAPACITY };
+    rng r = {test_seed()};
+    for (int host = 0; host < 2; ++host) {
+        duet_result result;
+        duet_world_def def = ordered_def(3, "simd");
+        set_memory(host);
+        duet_world *world = make_world(&def);
+        const part *a = &world->parts[0], *b = &world->parts[1];
+        fill_poses(&r, N, 3);
+        set_poses(world, N);
+        step(world, &result);
+        assert_int_equal(count_taken(a), N); // in no order
+        assert_int_equal(count_taken(b), N);
+        put_in_order(world, N);
+        set_poses(world, N);
+        step(world, &result);
+        assert_in_range(count_taken(a), N * 4 / 10, N * 7 / 10);
+        assert_in_range(count_taken(b), N * 4 / 10, N * 6 / 10);
+        swap(10, N - 10);
+        set_poses(world, N);
+        step(world, &result);
+        assert_in_range(count_taken(a), N * 4 / 10, N * 8 / 10);
+        assert_in_range(count_taken(b), N * 5 / 10, N * 7 / 10);
+        duet_world_destroy(world);
+    }
+    set_memory(true);
+}
+
+static void a_bad_object_is_named_wherever_it_strays(void **state)
+{
+    (void)state;
+    enum { N = 5003 };
+    rng r = {test_seed()};
+    duet_world_def def = ordered_def(3, "simd");
+    duet_world *world = make_world(&def);
+    fill_poses(&r, N, 3);
+    put_in_order(world, N);
+    poses[N - 1].centre[2] = NAN;
+    poses[N - 2].centre[0] = INFINITY;
+    poses[40].half_extents[0] = -1.0f;
+    for (int s = 0; s < SHARES; ++s) {
+        duet_error err = {0};
+        duet_result result;
+        set_share(world, shares[s]);
+        set_poses(world, N);
+        assert_false(duet_world_step(world, &result, &err));
+        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
+        assert_non_null(strstr(err.text, "object 40 "));
+        assert_non_null(strstr(err.text, "3 such objects"));
+    }
+    duet_world_destroy(world);
+}
+
+// ------------------------------------------------------------ profiles
+
+static void assert_is_called(duet_world *world, const char *effects)
+{
+    duet_error err = {0};
+    profile_subject p;
+    set_poses(world, CAPACITY);
+    assert_ok(profile_subject_read(world, &p, &err), err);
+    if (effects)
+        assert_string_equal(p.workload.effects, effects);
+    else
+        assert_null(p.workload.effects);
+}
+
+// A profile is of objects at random, in order, or in an order with strays.
+static void a_workload_tells_how_many_objects_stray(void **state)
+{
+    (void)state;
+    rng r = {test_seed()};
+    duet_world_def def = ordered_def(3, "simd");
+    duet_world *world = make_world(&def);
+    def.ordered = false;
+    duet_world *plain = make_world(&def);
+    fill_poses(&r, CAPACITY, 3);
+    assert_is_called(world, NULL);
+    put_in_order(world, CAPACITY);
+    assert_is_called(world, "ordered");
+    assert_is_called(plain, NULL);
+    for (int k = 0; k < CAPACITY / 8; ++k)
+        swap((uint32_t)rng_between(&r, 0, CAPACITY - 0.5),
+             (uint32_t)rng_between(&r, 0, CAPACITY - 0.5));
+    assert_is_called(world, "ordered strays");
+    duet_world_destroy(plain);
+    duet_world_destroy(world);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_order_is_a_permutation_by_cell_then_id),
+        cmocka_unit_test(any_grid_has_an_order),
+        cmocka_unit_test(any_order_share_and_number_gives_the_reference_pairs),
+        cmocka_unit_test(every_sort_takes_stretches),
+        cmocka_unit_test(giants_and_crowds_are_found),
+        cmocka_unit_test(a_device_takes_its_own_half_and_the_blocks_with_strays),
+        cmocka_unit_test(a_workload_tells_how_many_objects_stray),
+        cmocka_unit_test(a_bad_object_is_named_wherever_it_strays),
+    };
+    return cmocka_run_group_tests_name("order", tests, open_devices, close_devices);
+}
