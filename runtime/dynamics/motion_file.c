@@ -88,7 +88,7 @@ static motion_saved parts_of(const duet_motion *m, const header *h, const char *
     motion_saved s = {.path = path,
                       .n_contacts = h->n_contacts,
                       .has_graph = h->has_graph,
-                      .rows_stale = m->rows_stale,
+                      .rows_stale = motion_rows_are_stale(m),
                       .n_pairs = h->n_pairs};
     const char *at = bytes + sizeof *h;
     for (int i = 0; i < N_KEPT; ++i) {

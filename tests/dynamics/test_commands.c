@@ -2,6 +2,8 @@
 // Commands to a motion: what is set, pushed or aimed at, and bodies that come and go.
 #include "support/commands.h"
 
+#include "runtime/dynamics/motion.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -408,6 +410,82 @@ static void what_is_sent_to_sleep_in_flight_does_not_depend_on_the_skin(void **s
     assert_true(hashes[0] == hashes[1]);
 }
 
+// ------------------------------------------------------------ a search of some
+
+static bool has_stage(const mover *m, const char *name)
+{
+    for (uint32_t i = 0; i < m->last.n_stages; ++i)
+        if (strcmp(m->last.stages[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+// The first world searches all, the second where it can only some.
+static void assert_rests_alike(mover *twins[2], bool some)
+{
+    duet_contact *contacts[2];
+    uint64_t n[2];
+    twins[0]->motion->rows_stale = true;
+    for (int k = 0; k < 2; ++k) {
+        mover_run(twins[k], 1);
+        assert_true(has_stage(twins[k], "altered_pairs") == (some && k > 0));
+        assert_true(has_stage(twins[k], "pairs") == !(some && k > 0));
+        assert_done(duet_motion_get_contacts(twins[k]->motion, &contacts[k], &n[k], &err));
+    }
+    assert_true(mover_hash(twins[0]) == mover_hash(twins[1]));
+    assert_true(n[0] == n[1]);
+    for (uint64_t i = 0; i < n[0]; ++i)
+        assert_true(contacts[0][i].a == contacts[1][i].a && contacts[0][i].b == contacts[1][i].b &&
+                    contacts[0][i].n == contacts[1][i].n);
+    duet_free(contacts[0]);
+    duet_free(contacts[1]);
+}
+
+#define do_both(call)                            \
+    for (int k_ = 0; k_ < 2; ++k_) {             \
+        duet_motion *motion = twins[k_]->motion; \
+        assert_done(call);                       \
+    }
+
+static void only_what_commands_altered_is_searched_within_a_skin(void **state)
+{
+    (void)state;
+    enum { ROWS = 16, HIGH = 4, PEBBLES = 7 };
+    // The last one is wider than the table of the others.
+    duet_pose poses[PEBBLES + 1] = {
+        [PEBBLES] = {{20, 0, HIGH + 20.005f}, {20, 20, 20}, {0, 0, 0, 1}}};
+    for (int i = 0; i < PEBBLES; ++i) {
+        const duet_pose pebble = {{3 + 0.5f * (float)i, 9, 0.2f}, {.25f, .25f, .25f}, {0, 0, 0, 1}};
+        poses[i] = pebble;
+    }
+    const duet_body alone = {.group = 2, .mask = 1};
+    mover *twins[2];
+    for (int k = 0; k < 2; ++k) {
+        twins[k] = make_rows(ROWS, HIGH);
+        twins[k]->def.skin = 0.2;
+        twins[k]->def.wants |= DUET_EFFECT_FILTER;
+        mover_run(twins[k], 60);
+        assert_int_equal(n_asleep(twins[k]), ROWS * HIGH + 1);
+    }
+    do_both(duet_motion_remove_bodies(motion, one(2), &err));
+    assert_rests_alike(twins, true);
+    do_both(duet_motion_add_bodies(motion, poses, NULL, PEBBLES + 1, NULL, &err));
+    assert_rests_alike(twins, true);
+    do_both(duet_motion_disable_bodies(motion, one(10), &err));
+    assert_rests_alike(twins, true);
+    do_both(duet_motion_enable_bodies(motion, one(10), &err));
+    do_both(duet_motion_set_bodies(motion, one(10), DUET_BODY_FILTER, &alone, &err));
+    do_both(duet_motion_set_bodies(motion, one(13), DUET_BODY_FILTER, &alone, &err));
+    assert_rests_alike(twins, true);
+    do_both(duet_motion_remove_bodies(motion, one(0), &err)); // the floor, which all rest on
+    assert_rests_alike(twins, true);
+    const duet_body_list many = {.first = 5, .n = 12};
+    do_both(duet_motion_disable_bodies(motion, many, &err));
+    assert_rests_alike(twins, false);
+    mover_free(twins[0]);
+    mover_free(twins[1]);
+}
+
 // ------------------------------------------------------------ files
 
 static void a_file_of_the_last_version_still_loads(void **state)
@@ -506,6 +584,7 @@ int main(void)
         cmocka_unit_test(a_motion_can_begin_empty),
         cmocka_unit_test(a_floor_can_get_a_mass),
         cmocka_unit_test(what_is_sent_to_sleep_in_flight_does_not_depend_on_the_skin),
+        cmocka_unit_test(only_what_commands_altered_is_searched_within_a_skin),
         cmocka_unit_test(a_file_of_the_last_version_still_loads),
         cmocka_unit_test(what_commands_left_is_saved),
     };
