@@ -183,9 +183,8 @@ static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
 // What had left its bounds has new ones.
 static bool find_all_pairs(duet_motion *m, duet_error *err)
 {
-    return (!m->flags[FLAG_MOVED] ||
-            timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0, FLAG_MOVED,
-                          FLAG_MOVED + 1, err)) &&
+    return (!m->flags[FLAG_MOVED] || timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0,
+                                                   FLAG_MOVED, FLAG_MOVED + 1, err)) &&
            motion_compute_bounds(m, err) && find_pairs(m, err);
 }
 

@@ -385,6 +385,20 @@ static bool searched_some(const play *p)
     return some && !all;
 }
 
+// Players with an odd number make each step in two halves.
+static void advance_all(play *p)
+{
+    duet_error err = {0};
+    for (int k = 1; k < PLAYERS; k += 2)
+        assert_ok(duet_motion_advance_begin(p->movers[k]->motion, &err), err);
+    for (int k = 0; k < PLAYERS; ++k) {
+        mover *m = p->movers[k];
+        assert_ok(k % 2 ? duet_motion_advance_end(m->motion, &m->last, &err)
+                        : duet_motion_advance(m->motion, &m->last, &err),
+                  err);
+    }
+}
+
 // The state's hash at the end.
 static uint64_t play_once(world_kind kind, int n_steps, uint64_t seed)
 {
@@ -397,9 +411,7 @@ static uint64_t play_once(world_kind kind, int n_steps, uint64_t seed)
             save_and_load(&p);
         if (rng_below(&p.r, 24) == 0)
             remember_or_go_back(&p);
-        duet_error err = {0};
-        for (int k = 0; k < PLAYERS; ++k)
-            assert_ok(duet_motion_advance(p.movers[k]->motion, &p.movers[k]->last, &err), err);
+        advance_all(&p);
         p.n_searched_some += searched_some(&p);
         if (step % 5 == 0 || step + 1 == n_steps)
             assert_all_are_equal(&p, step);

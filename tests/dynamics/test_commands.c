@@ -486,6 +486,99 @@ static void only_what_commands_altered_is_searched_within_a_skin(void **state)
     mover_free(twins[1]);
 }
 
+// ------------------------------------------------------------ two halves
+
+// While a step is under way the motion is for those who ask what does not change in it.
+static void nothing_is_done_to_a_motion_between_the_halves_of_its_step(void **state)
+{
+    (void)state;
+    char path[64];
+    name_file(path);
+    mover *m = make_rows(4, 2), *twin = make_rows(4, 2);
+    mover_run(m, 1);
+    mover_run(twin, 1);
+    duet_motion *motion = m->motion;
+    const duet_pose pose = {{0, 5, 3}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
+    const duet_transform there = {{0, 5, 3}, {0, 0, 0, 1}};
+    const duet_force force = {0};
+    const duet_impulse impulse = {0};
+    const uint64_t data = 1;
+    const uint32_t place = 1;
+    duet_motion_def def = *duet_motion_get_def(motion);
+    duet_motion_result result;
+    duet_contact *contacts;
+    duet_energy energy;
+    duet_moved moved;
+    uint64_t n, ids[9];
+    assert_refused(duet_motion_advance_end(motion, &result, &err), "no step is under way");
+    assert_done(duet_motion_remove_bodies(motion, one(3), &err));
+    assert_done(duet_motion_remove_bodies(twin->motion, one(3), &err));
+    assert_done(duet_motion_record(motion, &err));
+    assert_done(duet_motion_advance_begin(motion, &err));
+#define BUSY(call)                                                                      \
+    do {                                                                                \
+        duet_error err = {0};                                                           \
+        assert_false(call);                                                             \
+        char *rest = strstr(err.text, ": a step of the motion is under way; expected"); \
+        if (!rest || strncmp(err.text, #call, (size_t)(rest - err.text)) != 0)          \
+            fail_msg("%s is told '%s'", #call, err.text);                               \
+    } while (0)
+    BUSY(duet_motion_advance(motion, &result, &err));
+    BUSY(duet_motion_advance_begin(motion, &err));
+    BUSY(duet_motion_add_bodies(motion, &pose, NULL, 1, NULL, &err));
+    BUSY(duet_motion_remove_bodies(motion, one(1), &err));
+    BUSY(duet_motion_enable_bodies(motion, one(1), &err));
+    BUSY(duet_motion_disable_bodies(motion, one(1), &err));
+    BUSY(duet_motion_wake_bodies(motion, one(1), &err));
+    BUSY(duet_motion_sleep_bodies(motion, one(1), &err));
+    BUSY(duet_motion_set_bodies(motion, one(1), DUET_BODY_VELOCITY, m->bodies, &err));
+    BUSY(duet_motion_set_poses(motion, one(1), &pose, &err));
+    BUSY(duet_motion_set_targets(motion, one(0), &there, &err));
+    BUSY(duet_motion_apply_forces(motion, one(1), &force, &err));
+    BUSY(duet_motion_apply_impulses(motion, one(1), &impulse, &err));
+    BUSY(duet_motion_set_def(motion, &def, &err));
+    BUSY(duet_motion_set_user_data(motion, one(1), &data, &err));
+    BUSY(duet_motion_get_user_data(motion, one(1), &n, &err));
+    BUSY(duet_motion_map_states(motion, DUET_STATE_CENTRES, DUET_MAP_READ, 0, 1, &err));
+    BUSY(duet_motion_unmap_states(motion, DUET_STATE_CENTRES, &err));
+    BUSY(duet_motion_get_states(motion, m->states, &err));
+    BUSY(duet_motion_get_states_of(motion, &place, 1, m->states, &err));
+    BUSY(duet_motion_get_moved(motion, &moved, &err));
+    BUSY(duet_motion_get_poses(motion, m->poses, &err));
+    BUSY(duet_motion_get_hash(motion, &n, &err));
+    BUSY(duet_motion_get_energy(motion, &energy, &err));
+    BUSY(duet_motion_get_contacts(motion, &contacts, &n, &err));
+    BUSY(duet_motion_save(motion, path, &err));
+    BUSY(duet_motion_load(motion, path, &err));
+    BUSY(duet_motion_record(motion, &err));
+    BUSY(duet_motion_save_recording(motion, path, &err));
+    assert_true(duet_motion_get_step(motion) == 1 && duet_motion_get_count(motion) == 9);
+    assert_done(duet_motion_get_ids(motion, 0, 9, ids, &err));
+    assert_true(ids[3] == DUET_NO_BODY && duet_motion_has_body(motion, 2));
+    assert_null(duet_motion_get_plan(motion));
+    assert_done(duet_motion_advance_end(motion, &result, &err));
+    mover_run(twin, 1);
+    assert_true(result.step == 2 && duet_motion_get_step(motion) == 2);
+    assert_true(mover_hash(m) == mover_hash(twin));
+    assert_done(duet_motion_advance_begin(motion, &err));
+    mover_free(m); // which waits
+    mover_free(twin);
+}
+
+static void a_step_that_fails_is_told_in_its_second_half(void **state)
+{
+    (void)state;
+    mover *m = make_rows(2, 1);
+    m->def.dt = 100;
+    m->bodies[1].velocity[0] = 3e38f;
+    mover_run(m, 0);
+    duet_motion_result result;
+    assert_done(duet_motion_advance_begin(m->motion, &err));
+    assert_refused(duet_motion_advance_end(m->motion, &result, &err), "is not a number");
+    assert_refused(duet_motion_advance_begin(m->motion, &err), "the motion failed in its step");
+    mover_free(m);
+}
+
 // ------------------------------------------------------------ files
 
 static void a_file_of_the_last_version_still_loads(void **state)
@@ -585,6 +678,8 @@ int main(void)
         cmocka_unit_test(a_floor_can_get_a_mass),
         cmocka_unit_test(what_is_sent_to_sleep_in_flight_does_not_depend_on_the_skin),
         cmocka_unit_test(only_what_commands_altered_is_searched_within_a_skin),
+        cmocka_unit_test(nothing_is_done_to_a_motion_between_the_halves_of_its_step),
+        cmocka_unit_test(a_step_that_fails_is_told_in_its_second_half),
         cmocka_unit_test(a_file_of_the_last_version_still_loads),
         cmocka_unit_test(what_commands_left_is_saved),
     };
