@@ -225,7 +225,7 @@ DUET_API bool duet_motion_get_energy(duet_motion *motion, duet_energy *energy, d
 
 // Where two objects touched in the last step.
 typedef struct duet_contact {
-    uint32_t a, b;   // a has a mass; b may be below a, or a wall as in duet_event
+    uint32_t a, b;   // a has a mass, or is a sensor; b may be below a, or a wall as in duet_event
     float normal[3]; // from a to b
     uint32_t n;      // points, 1 .. 4
     struct {
