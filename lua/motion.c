@@ -416,6 +416,28 @@ static int motion_advance(lua_State *L)
     return motion_advance_by(L, 1, advance_once, NULL);
 }
 
+// The script acts before the first half. Results of earlier steps are gone with it.
+static int motion_advance_begin(lua_State *L)
+{
+    duet_error err = {0};
+    run_script(L);
+    motion_box *box = check_box(L);
+    bool ok = duet_motion_advance_begin(box->motion, &err);
+    box->steps += ok;
+    return class_push_done(L, ok, &err);
+}
+
+static bool end_advance(void *by, duet_motion *motion, duet_motion_result *result, duet_error *err)
+{
+    (void)by;
+    return duet_motion_advance_end(motion, result, err);
+}
+
+static int motion_advance_end(lua_State *L)
+{
+    return motion_advance_by(L, 1, end_advance, NULL);
+}
+
 // ---------------------------------------------------------------- state
 
 static int motion_effects(lua_State *L)
@@ -608,6 +630,8 @@ static int motion_explain(lua_State *L)
 }
 
 static const luaL_Reg methods[] = {{"advance", motion_advance},
+                                   {"advance_begin", motion_advance_begin},
+                                   {"advance_end", motion_advance_end},
                                    {"effects", motion_effects},
                                    {"plan", motion_plan},
                                    {"read", motion_read},

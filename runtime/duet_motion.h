@@ -165,8 +165,17 @@ typedef struct duet_motion_result {
 // take an error are BAD_ARGUMENT.
 DUET_API bool duet_motion_advance(duet_motion *motion, duet_motion_result *result, duet_error *err);
 
+// A step in two halves: begin returns at once and a thread of Duet's own carries the step, while
+// the caller does other things; end waits for it, and is the step's result or failure. Between the
+// two duet_motion_destroy waits, duet_motion_get_plan is NULL, effects, count, step, def, ids and
+// duet_motion_has_body are those before the step, and all other calls that take the motion are
+// BAD_ARGUMENT: commands come before or after. The arrays of an earlier result are gone.
+DUET_API bool duet_motion_advance_begin(duet_motion *motion, duet_error *err);
+DUET_API bool duet_motion_advance_end(duet_motion *motion, duet_motion_result *result,
+                                      duet_error *err);
+
 DUET_API uint32_t duet_motion_get_effects(const duet_motion *motion); // bits of duet_effect
-// The plan of its steps, the motion's; NULL where it finds no pairs.
+// The plan of its steps, the motion's; NULL where it finds no pairs, or a step is under way.
 DUET_API const duet_plan *duet_motion_get_plan(const duet_motion *motion);
 DUET_API uint32_t duet_motion_get_count(const duet_motion *motion);
 DUET_API uint64_t duet_motion_get_step(const duet_motion *motion); // steps since the start
@@ -216,7 +225,7 @@ DUET_API bool duet_motion_get_energy(duet_motion *motion, duet_energy *energy, d
 
 // Where two objects touched in the last step.
 typedef struct duet_contact {
-    uint32_t a, b;   // a has a mass; b may be below a, or a wall as in duet_event
+    uint32_t a, b;   // a has a mass, or is a sensor; b may be below a, or a wall as in duet_event
     float normal[3]; // from a to b
     uint32_t n;      // points, 1 .. 4
     struct {

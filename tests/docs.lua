@@ -74,7 +74,8 @@ local function small(line)
   local command, scene = line:match("^(duet %a+) (%S+)")
   if scene == "why" then command, scene = line:match("^(duet profiles why) (%S+)") end
   local is_scene = scene and (scene:match("%.lua$") or shipped[scene]) and not command:match("lua$") and command ~= "duet scenes"
-  if is_scene and not line:match("%-n ") then line = line:gsub("^" .. command, command .. " -n " .. few) end
+  local is_bound = line:match("%-n ") or line:match("%-%-replay ")
+  if is_scene and not is_bound then line = line:gsub("^" .. command, command .. " -n " .. few) end
   return line
 end
 

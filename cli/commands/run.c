@@ -248,7 +248,6 @@ typedef struct moved {
     duet_motion *motion;
     duet_replay *replay; // NULL: no recorded commands
     duet_motion_result last;
-    duet_state *states;
     snapshot look;
     progress shown;
     uint64_t done;
@@ -284,16 +283,13 @@ static bool draw_frame(moved *r, duet_error *err)
     int n = snprintf(path, sizeof path, "%s/%05" PRIu64 ".png", r->args->frames, r->frames++);
     if (n < 0 || (size_t)n >= sizeof path)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "--frames: the folder's name is too long");
-    return duet_motion_get_states(r->motion, r->states, err) &&
-           snapshot_frame(&r->look, path, r->states, time, err);
+    return snapshot_frame(&r->look, path, r->motion, time, err);
 }
 
 static bool draw_picture(moved *r, duet_error *err)
 {
     double time = (double)r->done * r->def.dt;
-    return !r->args->picture ||
-           (duet_motion_get_states(r->motion, r->states, err) &&
-            snapshot_picture(&r->look, r->args->picture, r->states, time, err));
+    return !r->args->picture || snapshot_picture(&r->look, r->args->picture, r->motion, time, err);
 }
 
 static bool make_folder(const char *path, duet_error *err)
@@ -426,17 +422,11 @@ static bool tell_json(moved *r, uint64_t hash, duet_error *err)
 
 static bool open_motion(moved *r, duet_device_pair *pair, duet_error *err)
 {
-    const duet_scene_info *info = duet_scene_get_info(r->scene);
     r->def = duet_scene_motion_def(r->scene, pair);
     if (!inputs_change_plan(&r->args->plan, &r->def.plan, err))
         return false;
     r->motion = duet_motion_create_from_scene(&r->def, r->scene, NULL, err);
-    r->states = calloc((size_t)info->n + 1, sizeof *r->states);
-    if (r->motion && !r->states)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%u states: no memory", info->n);
-    if (!r->motion || !duet_motion_get_states(r->motion, r->states, err))
-        return false;
-    return snapshot_begin(&r->look, &r->def, r->scene, r->states, err);
+    return r->motion && snapshot_begin(&r->look, &r->def, r->scene, r->motion, err);
 }
 
 static bool open_replay(moved *r, duet_error *err)
@@ -490,7 +480,6 @@ static bool run_motion(const arguments *args, const duet_scene *scene, duet_devi
     snapshot_end(&r.look);
     duet_replay_destroy(r.replay);
     duet_motion_destroy(r.motion);
-    free(r.states);
     return ok;
 }
 

@@ -18,6 +18,55 @@ static const colour ground = {0.88, 0.88, 0.86, 1};
 static const colour massless = {0.72, 0.73, 0.74, 1};
 static const colour shot = {0.88, 0.10, 0.14, 1};
 
+// ---------------------------------------------------------------- what there is
+
+// A motion's bodies at a time, by place.
+typedef struct crowd {
+    uint32_t n;
+    duet_state *states;
+    duet_pose *poses; // for their sizes
+    uint64_t *ids;
+} crowd;
+
+static void forget(crowd *c)
+{
+    free(c->states);
+    free(c->poses);
+    free(c->ids);
+}
+
+static bool look_at(crowd *c, duet_motion *motion, duet_error *err)
+{
+    c->n = duet_motion_get_count(motion);
+    c->states = calloc((size_t)c->n + 1, sizeof *c->states);
+    c->poses = calloc((size_t)c->n + 1, sizeof *c->poses);
+    c->ids = calloc((size_t)c->n + 1, sizeof *c->ids);
+    if (!c->states || !c->poses || !c->ids)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", c->n);
+    return duet_motion_get_states(motion, c->states, err) &&
+           duet_motion_get_poses(motion, c->poses, err) &&
+           duet_motion_get_ids(motion, 0, c->n, c->ids, err);
+}
+
+static bool is_there(const crowd *c, uint32_t place)
+{
+    return c->ids[place] != DUET_NO_BODY;
+}
+
+// What commands brought was shot too.
+static bool was_shot(const snapshot *s, const crowd *c, uint32_t place)
+{
+    return c->ids[place] >= s->n || s->is_shot[place];
+}
+
+static uint32_t count(const crowd *c)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < c->n; ++i)
+        n += is_there(c, i);
+    return n;
+}
+
 // ---------------------------------------------------------------- what is seen
 
 static int by_number(const void *x, const void *y)
@@ -27,22 +76,21 @@ static int by_number(const void *x, const void *y)
 }
 
 // All objects along an axis but a few on either side, and but what was shot.
-static bool find_extent(const snapshot *s, const duet_state *states, uint32_t axis, double *lower,
+static bool find_extent(const snapshot *s, const crowd *c, uint32_t axis, double *lower,
                         double *upper, duet_error *err)
 {
-    const duet_pose *poses = duet_scene_get_objects(s->scene, DUET_OBJECT_POSES);
-    double *lowers = malloc(2 * ((size_t)s->n + 1) * sizeof *lowers);
+    double *lowers = malloc(2 * ((size_t)c->n + 1) * sizeof *lowers);
     if (!lowers)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", s->n);
-    double *uppers = lowers + s->n;
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", c->n);
+    double *uppers = lowers + c->n;
     uint32_t n = 0;
-    for (uint32_t i = 0; i < s->n; ++i) {
-        const float *h = poses[i].half_extents;
+    for (uint32_t i = 0; i < c->n; ++i) {
+        const float *h = c->poses[i].half_extents;
         double reach = fmax(h[0], fmax(h[1], s->def->dims == 3 ? h[2] : 0.0));
-        if (s->is_shot[i])
+        if (!is_there(c, i) || was_shot(s, c, i))
             continue;
-        lowers[n] = states[i].centre[axis] - reach;
-        uppers[n++] = states[i].centre[axis] + reach;
+        lowers[n] = c->states[i].centre[axis] - reach;
+        uppers[n++] = c->states[i].centre[axis] + reach;
     }
     qsort(lowers, n, sizeof *lowers, by_number);
     qsort(uppers, n, sizeof *uppers, by_number);
@@ -53,14 +101,14 @@ static bool find_extent(const snapshot *s, const duet_state *states, uint32_t ax
 }
 
 // Walls stay in view, but not the empty space below a high ceiling.
-static bool find_part(const snapshot *s, const duet_state *states, extent *part, duet_error *err)
+static bool find_part(const snapshot *s, const crowd *c, extent *part, duet_error *err)
 {
     const duet_motion_def *d = s->def;
     double *lower = part->lower;
     double *upper = part->upper;
     *part = (extent){0};
     for (uint32_t k = 0; k < d->dims; ++k) {
-        if (!find_extent(s, states, k, &lower[k], &upper[k], err))
+        if (!find_extent(s, c, k, &lower[k], &upper[k], err))
             return false;
         if (d->boundary == DUET_BOUNDARY_NONE)
             continue;
@@ -151,16 +199,22 @@ static void find_shot(snapshot *s, const duet_state *start)
 }
 
 bool snapshot_begin(snapshot *s, const duet_motion_def *def, const duet_scene *scene,
-                    const duet_state *start, duet_error *err)
+                    duet_motion *motion, duet_error *err)
 {
     *s = (snapshot){.def = def, .scene = scene, .n = duet_scene_get_info(scene)->n};
     s->colours = calloc((size_t)s->n + 1, sizeof *s->colours);
     s->is_shot = calloc((size_t)s->n + 1, sizeof *s->is_shot);
     if (!s->colours || !s->is_shot)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", s->n);
-    find_shot(s, start);
-    colour_objects(s, start);
-    return find_part(s, start, &s->part, err);
+    crowd start = {0};
+    bool ok = look_at(&start, motion, err);
+    if (ok) {
+        find_shot(s, start.states);
+        colour_objects(s, start.states);
+    }
+    ok = ok && find_part(s, &start, &s->part, err);
+    forget(&start);
+    return ok;
 }
 
 void snapshot_end(snapshot *s)
@@ -202,14 +256,15 @@ static void move_to(corners *box, const double centre[3], uint32_t dims)
             box->at[i][k] += centre[k];
 }
 
-static block block_of(const snapshot *s, const view *v, const duet_state *state, uint32_t id)
+static block block_of(const snapshot *s, const view *v, const crowd *c, uint32_t place)
 {
-    const duet_pose *poses = duet_scene_get_objects(s->scene, DUET_OBJECT_POSES);
-    duet_pose box = poses[id];
+    const duet_state *state = &c->states[place];
+    duet_pose box = c->poses[place];
     for (int k = 0; k < 4; ++k)
         box.rotation[k] = (float)state->rotation[k];
     memset(box.centre, 0, sizeof box.centre);
-    block b = {corners_of(&box, v->dims), INFINITY, s->colours[id]};
+    block b = {corners_of(&box, v->dims), INFINITY,
+               c->ids[place] < s->n ? s->colours[place] : shot};
     move_to(&b.corners, state->centre, v->dims);
     for (int i = 0; i < 8; ++i)
         b.nearness = fmin(b.nearness, view_nearness(v, b.corners.at[i]));
@@ -228,13 +283,15 @@ static bool is_near_picture(const view *v, const block *b)
 }
 
 static void draw_blocks(const snapshot *s, const view *v, canvas *c, block *blocks,
-                        const duet_state *states)
+                        const crowd *bodies)
 {
-    for (uint32_t i = 0; i < s->n; ++i)
-        blocks[i] = block_of(s, v, &states[i], i);
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < bodies->n; ++i)
+        if (is_there(bodies, i))
+            blocks[n++] = block_of(s, v, bodies, i);
     if (v->dims == 3)
-        qsort(blocks, s->n, sizeof *blocks, from_far_to_near);
-    for (uint32_t i = 0; i < s->n; ++i)
+        qsort(blocks, n, sizeof *blocks, from_far_to_near);
+    for (uint32_t i = 0; i < n; ++i)
         if (is_near_picture(v, &blocks[i]))
             view_box(v, c, &blocks[i].corners, &(box_ink){.fill = blocks[i].fill});
 }
@@ -264,45 +321,46 @@ static canvas *open_canvas(const char *path, duet_error *err)
     return NULL;
 }
 
-static bool has_shot(const snapshot *s)
+static bool has_shot(const snapshot *s, const crowd *c)
 {
-    for (uint32_t i = 0; i < s->n; ++i)
-        if (s->is_shot[i])
+    for (uint32_t i = 0; i < c->n; ++i)
+        if (is_there(c, i) && was_shot(s, c, i))
             return true;
     return false;
 }
 
-static void write_caption(const snapshot *s, const view *v, canvas *c, double time)
+static void write_caption(const snapshot *s, const view *v, canvas *c, const crowd *bodies,
+                          double time)
 {
     const double left = 24, words_px = 15;
     char words[256];
     snprintf(words, sizeof words, "%.80s: %s in %uD after %.3f s",
-             duet_scene_get_info(s->scene)->name, table_things(s->n, "box", "boxes").chars, v->dims,
-             time);
+             duet_scene_get_info(s->scene)->name, table_things(count(bodies), "box", "boxes").chars,
+             v->dims, time);
     canvas_words(c, (point){left, HEIGHT - 44}, words_px, canvas_ink, words);
     snprintf(words, sizeof words, "colour: how %s a box began%s",
              s->def->attraction == 0.0 ? "high" : "far from the centre",
-             has_shot(s) ? "; red: shot" : "");
+             has_shot(s, bodies) ? "; red: shot" : "");
     canvas_words(c, (point){left, HEIGHT - 20}, words_px, canvas_grey, words);
-    if (s->n > 0)
+    if (bodies->n > 0)
         view_scale_bar(v, c, (point){WIDTH - 330, HEIGHT - 25}, words_px, canvas_grey);
 }
 
-static bool draw(const snapshot *s, const char *path, const duet_state *states, const extent *part,
+static bool draw(const snapshot *s, const char *path, const crowd *bodies, const extent *part,
                  double time, duet_error *err)
 {
     static const point page[4] = {{0, 0}, {WIDTH, 0}, {WIDTH, HEIGHT}, {0, HEIGHT}};
     canvas *c = open_canvas(path, err);
     if (!c)
         return false;
-    block *blocks = calloc((size_t)s->n + 1, sizeof *blocks);
+    block *blocks = calloc((size_t)bodies->n + 1, sizeof *blocks);
     view v = view_fit(&aside, s->def->dims, part, (point){0.05 * WIDTH, 0.05 * HEIGHT},
                       (point){0.95 * WIDTH, HEIGHT - 76});
     canvas_polygon(c, page, 4, paper, paper);
     draw_ground(&v, c, s->def);
     if (blocks)
-        draw_blocks(s, &v, c, blocks, states);
-    write_caption(s, &v, c, time);
+        draw_blocks(s, &v, c, blocks, bodies);
+    write_caption(s, &v, c, bodies, time);
     if (!blocks)
         error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for a picture", path);
     bool ok = canvas_close(c, blocks, err);
@@ -310,15 +368,22 @@ static bool draw(const snapshot *s, const char *path, const duet_state *states, 
     return ok;
 }
 
-bool snapshot_frame(const snapshot *s, const char *path, const duet_state *states, double time,
+bool snapshot_frame(const snapshot *s, const char *path, duet_motion *motion, double time,
                     duet_error *err)
 {
-    return draw(s, path, states, &s->part, time, err);
+    crowd bodies = {0};
+    bool ok = look_at(&bodies, motion, err) && draw(s, path, &bodies, &s->part, time, err);
+    forget(&bodies);
+    return ok;
 }
 
-bool snapshot_picture(const snapshot *s, const char *path, const duet_state *states, double time,
+bool snapshot_picture(const snapshot *s, const char *path, duet_motion *motion, double time,
                       duet_error *err)
 {
     extent part;
-    return find_part(s, states, &part, err) && draw(s, path, states, &part, time, err);
+    crowd bodies = {0};
+    bool ok = look_at(&bodies, motion, err) && find_part(s, &bodies, &part, err) &&
+              draw(s, path, &bodies, &part, time, err);
+    forget(&bodies);
+    return ok;
 }

@@ -16,18 +16,19 @@ typedef struct snapshot {
 } snapshot;
 
 // How a scene is drawn follows from its start: colours say where an object then
-// was, which shows how they mix; what was shot is red, what has no mass grey.
+// was, which shows how they mix; what was shot, or brought by commands, is red, what has no
+// mass grey.
 // def and scene are borrowed.
 bool snapshot_begin(snapshot *s, const duet_motion_def *def, const duet_scene *scene,
-                    const duet_state *start, duet_error *err);
+                    duet_motion *motion, duet_error *err);
 void snapshot_end(snapshot *s);
 
 // One of many pictures, which all show the same part of space; or one by itself,
 // which shows where the objects are. The few outermost may lie outside. Words below say
 // what is seen, and at which time of the scene in seconds.
-bool snapshot_frame(const snapshot *s, const char *path, const duet_state *states, double time,
+bool snapshot_frame(const snapshot *s, const char *path, duet_motion *motion, double time,
                     duet_error *err);
-bool snapshot_picture(const snapshot *s, const char *path, const duet_state *states, double time,
+bool snapshot_picture(const snapshot *s, const char *path, duet_motion *motion, double time,
                       duet_error *err);
 
 #endif

@@ -10,7 +10,7 @@
 // ---------------------------------------------------------------- bounds
 
 // Separations up to the margin are contacts, so each object's bounds have half of it.
-static bool compute_fat_aabbs(duet_motion *m, duet_error *err)
+bool motion_compute_bounds(duet_motion *m, duet_error *err)
 {
     double skin = motion_has(m, DUET_EFFECT_SKIN) ? m->def.skin : 0.0;
     m->args.aabb_margin = motion_real(m, 0.5 * (m->margin + skin));
@@ -180,8 +180,30 @@ static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
     return motion_launch(m, "match_contacts", m->kernels.match_contacts, n_old, err);
 }
 
+// What had left its bounds has new ones.
+static bool find_all_pairs(duet_motion *m, duet_error *err)
+{
+    return (!m->flags[FLAG_MOVED] || timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0,
+                                                   FLAG_MOVED, FLAG_MOVED + 1, err)) &&
+           motion_compute_bounds(m, err) && find_pairs(m, err);
+}
+
+// Those of what commands altered, where the others' hold on; else all.
+static bool find_candidates(duet_motion *m, duet_error *err)
+{
+    bool some = !m->rows_stale && motion_rows_are_stale(m), found = false;
+    if (some && !motion_find_altered_pairs(m, &found, err))
+        return false;
+    m->rows_stale = false;
+    if (m->commands)
+        m->commands->n_altered = 0;
+    return found || find_all_pairs(m, err);
+}
+
 static bool build_graph(duet_motion *m, duet_error *err)
 {
+    if (!find_candidates(m, err))
+        return false;
     uint64_t most;
     uint32_t n_old = m->n_contacts;
     buffer *b = m->buffers;
@@ -191,17 +213,15 @@ static bool build_graph(duet_motion *m, duet_error *err)
     buffer_swap(&b[COLOUR_OF], &b[OLD_COLOURS]);
     m->rebuilt = true;
     m->has_graph = true;
-    m->rows_stale = false;
-    return compute_fat_aabbs(m, err) && find_pairs(m, err) && check_capacity(m, &most, err) &&
-           count_rows(m, err) && fill_rows(m, most, err) && fill_returns(m, err) &&
-           match_contacts(m, n_old, err);
+    return check_capacity(m, &most, err) && count_rows(m, err) && fill_rows(m, most, err) &&
+           fill_returns(m, err) && match_contacts(m, n_old, err);
 }
 
 bool motion_build_graph(duet_motion *m, duet_error *err)
 {
     m->rebuilt = false;
     bool holds = false;
-    bool skin = m->has_graph && !m->rows_stale && motion_has(m, DUET_EFFECT_SKIN);
+    bool skin = m->has_graph && !motion_rows_are_stale(m) && motion_has(m, DUET_EFFECT_SKIN);
     if (skin && !skin_holds(m, &holds, err))
         return false;
     return holds || build_graph(m, err);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_halves.h"
 #include "runtime/dynamics/motion_map.h"
 #include "runtime/dynamics/recording.h"
 
@@ -324,6 +325,7 @@ void duet_motion_destroy(duet_motion *m)
 {
     if (!m)
         return;
+    motion_end_half(m);
     timeline_clear(&m->times);
     motion_forget_maps(m);
     for (int i = 0; i < MOTION_BUFFERS; ++i)
@@ -346,7 +348,7 @@ void duet_motion_destroy(duet_motion *m)
 
 const duet_plan *duet_motion_get_plan(const duet_motion *m)
 {
-    return m && m->world ? duet_world_get_plan(m->world) : NULL;
+    return m && m->world && !motion_is_under_way(m) ? duet_world_get_plan(m->world) : NULL;
 }
 
 uint32_t duet_motion_get_effects(const duet_motion *m)
@@ -371,7 +373,7 @@ bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err)
 
 bool motion_is_steady(const duet_motion *m, const char *call, duet_error *err)
 {
-    return error_given(m, call, "motion", err) &&
+    return error_given(m, call, "motion", err) && motion_is_idle(m, call, err) &&
            (!m->broken ||
             error_set(err, DUET_STATUS_BAD_ARGUMENT,
                       "the motion failed in its step %llu; expected a saved one to be loaded, or a "

@@ -72,6 +72,14 @@ typedef enum motion_buffer {
     LAST_CENTRES, // as they were read last
     LAST_CELLS,
     LAST_ROTATIONS,
+    ALTERED, // bodies that commands altered, while their pairs are searched
+    NEW_BOXES,
+    IS_ALTERED,
+    ALTERED_HEADS,
+    ALTERED_ENTRIES_OF,
+    ALTERED_NEXTS,
+    ALTERED_WIDE_ONES,
+    ALTERED_COUNT_WORDS,
     MOTION_BUFFERS
 } motion_buffer;
 
@@ -89,6 +97,7 @@ typedef struct motion_kernels {
     kernel *solve_contacts, *apply_restitution;
     kernel *row_start;
     kernel *write_poses; // NULL until a tree asks for it
+    kernel *place_altered, *find_altered_pairs, *keep_pairs; // likewise, a command
 } motion_kernels;
 
 // What kernels are told besides the motion's buffers, by the names that their cards use.
@@ -122,6 +131,8 @@ typedef struct motion_args {
     buffer rows, last_rows; // of a state, by object
     buffer poses;           // a tree's
     cl_uint row_words, n_ids;
+    cl_uint n_altered, n_heads, pair_capacity;
+    cl_float per_edge;
 } motion_args;
 
 // How long the records of kernels/dynamics/records.h are, in floats; bodies in vectors
@@ -164,6 +175,7 @@ struct duet_motion {
     motion_commands *commands;   // NULL before the first
     motion_recording *recording; // NULL where nothing is recorded
     struct motion_map *maps;   // [parts of the state], likewise (motion_map.h)
+    struct motion_half *half;  // likewise (motion_halves.c)
     buffer buffers[MOTION_BUFFERS];
     duet_world *world; // of bounds; NULL without contact
     double margin;     // contacts are kept to that far apart
@@ -175,7 +187,7 @@ struct duet_motion {
     uint32_t n_blocks;
     uint64_t n_pairs;
     bool has_graph;
-    bool rows_stale;     // they are not of the bodies that there are
+    bool rows_stale;     // they are not of the bodies that there are, besides those that are altered
     bool bounds_checked; // since something moved, against the bounds that rows are made of
     bool list_stale;     // the list by colour is not that of the contacts
     bool recoloured;     // some contacts had another colour in the last step
@@ -204,8 +216,8 @@ duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
                            const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
                            duet_error *err);
 
-// Whether a public call has a motion whose state is that of a whole step, and of which nothing
-// is mapped; BAD_ARGUMENT where it has not. Steady: something may be mapped.
+// Whether a public call has a motion whose state is that of a whole step, none of which is under
+// way, and of which nothing is mapped; BAD_ARGUMENT where it has not. Steady: something may be mapped.
 bool motion_is_steady(const duet_motion *m, const char *call, duet_error *err);
 bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err);
 
@@ -249,10 +261,20 @@ bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint
 // Space for the n objects that there are, of which old_n had it; the others' state is 0.
 bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
 
+// The two halves of a step: what the devices do, and what the caller sees of it.
+bool motion_carry_step(duet_motion *m, double *ms, duet_error *err);
+bool motion_complete_step(duet_motion *m, bool carried, double ms, duet_motion_result *result,
+                          duet_error *err);
+
 // Where objects may touch: pairs to rows, rows to contacts, contacts to colours.
 bool motion_build_graph(duet_motion *m, duet_error *err);
+bool motion_compute_bounds(duet_motion *m, duet_error *err);
 bool motion_check_bounds(duet_motion *m, duet_error *err); // sets FLAG_MOVED
 bool motion_colour(duet_motion *m, duet_error *err);
+
+// The pairs of what commands altered, besides those that rows have of the others. *found is
+// false where all pairs are to be searched.
+bool motion_find_altered_pairs(duet_motion *m, bool *found, duet_error *err);
 
 extern const binding motion_bindings[]; // of a duet_motion
 

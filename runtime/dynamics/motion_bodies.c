@@ -139,7 +139,7 @@ static bool settle(duet_motion *m, const arrivals *a, uint64_t *ids, duet_error 
     motion_commands *c = m->commands;
     if (a->n == 0)
         return true;
-    m->rows_stale = true;
+    motion_alter_places(m, a->places, a->n);
     m->reading.begun = false;
     for (uint32_t i = 0; i < a->n; ++i) {
         uint32_t place = a->places[i];
@@ -183,7 +183,7 @@ static bool send_presence(duet_motion *m, const uint32_t *places, uint32_t n, du
 {
     if (n == 0)
         return true;
-    m->rows_stale = true;
+    motion_alter_places(m, places, n);
     m->reading.begun = false;
     return motion_send_places(m, places, n,
                               PART_SIZE | PART_VELOCITY | PART_ANGULAR_VELOCITY | PART_MASS, err) &&

@@ -164,11 +164,13 @@ static bool is_sensor(const duet_motion *m, uint32_t id)
     return id < m->n && m->bodies[id].sensor;
 }
 
-// Of two that move the first owns the contact; what does not move owns none. Sensors meet
-// no walls and no sensors.
+// Of two that have a mass the first owns the contact; what has none owns one only as a sensor,
+// with what has none either. Sensors meet no walls and no sensors.
 static bool can_meet(const duet_motion *m, uint32_t owner, uint32_t other)
 {
-    if (!moves(m, owner) || (is_sensor(m, owner) && (other >= m->n || is_sensor(m, other))))
+    if (is_sensor(m, owner) && (other >= m->n || is_sensor(m, other)))
+        return false;
+    if (!moves(m, owner) && (!is_sensor(m, owner) || moves(m, other)))
         return false;
     if (other >= m->n)
         return m->kernels.contact_graph_walls && other - m->n < 2 * m->def.dims;

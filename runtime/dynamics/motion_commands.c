@@ -182,7 +182,8 @@ static bool change_masses(duet_motion *m, const uint32_t *places, const duet_bod
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u places", m->n);
     for (uint32_t i = 0; i < n; ++i) {
         bool had = m->bodies[places[i]].mass > 0.0f, has = bodies[i].mass > 0.0f;
-        m->rows_stale |= had != has;
+        if (had != has)
+            motion_alter_places(m, &places[i], 1);
         gained[places[i]] |= has && !had;
         any |= has && !had;
     }
@@ -202,7 +203,7 @@ static bool set_fields(duet_motion *m, const uint32_t *places, const duet_body *
     if ((fields & DUET_BODY_MASS) && !change_masses(m, places, bodies, n, err))
         return false;
     if (fields & DUET_BODY_FILTER) {
-        m->rows_stale = true;
+        motion_alter_places(m, places, n);
         m->told.known = false; // events are told by groups
     }
     for (uint32_t i = 0; i < n; ++i)
@@ -441,7 +442,7 @@ static void empty_places(duet_motion *m)
 bool motion_end_commands(duet_motion *m, duet_error *err)
 {
     motion_commands *c = m->commands;
-    if (c->any_left && (!m->rows_stale || !motion_has(m, DUET_EFFECT_CONTACT)))
+    if (c->any_left && (!motion_rows_are_stale(m) || !motion_has(m, DUET_EFFECT_CONTACT)))
         empty_places(m);
     return (c->n_targets == 0 || motion_arrive(m, err)) && (!c->pushed || forget_forces(m, err));
 }

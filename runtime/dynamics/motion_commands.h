@@ -40,6 +40,8 @@ struct motion_commands {
     uint32_t first_empty; // none before it is empty
     uint32_t n_hidden;
     bool any_left;
+    uint32_t *altered; // places whose pairs rows lack or have too many of
+    uint32_t n_altered, altered_capacity;
     bool pushed; // some forces wait for the next step
     motion_target *targets;
     uint32_t n_targets;
@@ -52,6 +54,14 @@ void motion_forget_commands(motion_commands *commands);
 static inline bool motion_is_hidden(const duet_motion *m, uint32_t place)
 {
     return m->commands && m->commands->states[place] != PLACE_ENABLED;
+}
+
+// Rows are to be searched about these places, or as a whole where that is no more work.
+void motion_alter_places(duet_motion *m, const uint32_t *places, uint32_t n);
+
+static inline bool motion_rows_are_stale(const duet_motion *m)
+{
+    return m->rows_stale || (m->commands && m->commands->n_altered > 0);
 }
 
 // At rest, as far as bodies say; to be sent.

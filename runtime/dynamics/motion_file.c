@@ -3,6 +3,7 @@
 // the end tells a damaged file.
 #include "runtime/dynamics/motion_check.h"
 #include "runtime/dynamics/motion_file_commands.h"
+#include "runtime/dynamics/motion_halves.h"
 #include "runtime/dynamics/motion_map.h"
 #include "runtime/dynamics/recording.h"
 
@@ -88,7 +89,7 @@ static motion_saved parts_of(const duet_motion *m, const header *h, const char *
     motion_saved s = {.path = path,
                       .n_contacts = h->n_contacts,
                       .has_graph = h->has_graph,
-                      .rows_stale = m->rows_stale,
+                      .rows_stale = motion_rows_are_stale(m),
                       .n_pairs = h->n_pairs};
     const char *at = bytes + sizeof *h;
     for (int i = 0; i < N_KEPT; ++i) {
@@ -341,7 +342,7 @@ static bool replace_objects(duet_motion *m, const text *file, const char *path, 
 bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
 {
     if (!error_given(m, __func__, "motion", err) || !error_given(path, __func__, "path", err) ||
-        !motion_is_unmapped(m, __func__, err))
+        !motion_is_idle(m, __func__, err) || !motion_is_unmapped(m, __func__, err))
         return false;
     text file = {0};
     header h;

@@ -45,7 +45,7 @@ static saved_head head_of(const duet_motion *m)
                     .restitution_threshold = d->restitution_threshold,
                     .sleep_speed = d->sleep_speed,
                     .sleep_after = d->sleep_after,
-                    .rows_stale = m->rows_stale,
+                    .rows_stale = motion_rows_are_stale(m),
                     .n_targets = m->commands->n_targets,
                     .pushed = m->commands->pushed};
     memcpy(h.gravity, d->gravity, sizeof h.gravity);

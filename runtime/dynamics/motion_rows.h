@@ -15,6 +15,7 @@ typedef struct motion_rows {
     size_t size;
     bool doubles;
     char *bytes;
+    cl_command_queue mapped_by; // where the buffer's memory is mapped; else bytes are a copy
 } motion_rows;
 
 // Rows [first, last) of `words` words each, in double where the state's reals are.

@@ -179,17 +179,22 @@ static void fill_result(duet_motion *m, duet_motion_result *result)
     };
 }
 
-bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error *err)
+bool motion_carry_step(duet_motion *m, double *ms, duet_error *err)
 {
-    if (!motion_is_whole(m, __func__, err) || !error_given(result, __func__, "result", err) ||
-        !budget_check(err))
-        return false;
     uint64_t begun = clock_steady_ns();
     timeline_begin(&m->times, m->device);
     m->rebuilt = false;
-    bool ok = run_step(m, err) && (!m->commands || motion_end_commands(m, err));
-    m->broken = !ok;
-    if (!ok) {
+    bool ok = run_step(m, err);
+    *ms = clock_ms_since(begun);
+    return ok;
+}
+
+bool motion_complete_step(duet_motion *m, bool carried, double ms, duet_motion_result *result,
+                          duet_error *err)
+{
+    uint64_t begun = clock_steady_ns();
+    m->broken = !carried || (m->commands && !motion_end_commands(m, err));
+    if (m->broken) {
         timeline_clear(&m->times);
         motion_forget_recording(m);
         return false;
@@ -197,6 +202,16 @@ bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error 
     ++m->step;
     motion_note_step(m);
     fill_result(m, result);
-    result->total_ms = clock_ms_since(begun);
+    result->total_ms = ms + clock_ms_since(begun);
     return true;
+}
+
+bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error *err)
+{
+    double ms = 0.0;
+    if (!motion_is_whole(m, __func__, err) || !error_given(result, __func__, "result", err) ||
+        !budget_check(err))
+        return false;
+    bool carried = motion_carry_step(m, &ms, err);
+    return motion_complete_step(m, carried, ms, result, err);
 }

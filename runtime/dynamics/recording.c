@@ -219,6 +219,8 @@ bool duet_motion_save_recording(duet_motion *m, const char *path, duet_error *er
                          "%s: nothing is recorded; expected duet_motion_record before, and no load "
                          "or failed step since",
                          __func__);
+    if (!motion_is_whole(m, __func__, err))
+        return false;
     recording_head head = m->recording->head;
     const text *records = &m->recording->records;
     text file = {0};

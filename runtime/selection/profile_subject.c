@@ -8,6 +8,7 @@
 #include "runtime/broadphase/workload_stats.h"
 
 #include <sha256.h>
+#include <stdio.h>
 #include <string.h>
 
 // ---------------------------------------------------------------- devices
@@ -25,14 +26,23 @@ static const char *kind_name(duet_device_kind kind)
     return "accel";
 }
 
-// Units of the whole device, also where ours is a part of it.
+// The device itself, where ours is no part of it.
+static cl_device_id whole_of(const device *d)
+{
+    cl_device_id whole = d->id, parent = d->id;
+    while (parent) {
+        whole = parent;
+        parent = NULL;
+        clGetDeviceInfo(whole, CL_DEVICE_PARENT_DEVICE, sizeof parent, &parent, NULL);
+    }
+    return whole;
+}
+
 static uint32_t whole_units(const device *d)
 {
-    cl_device_id parent = NULL;
     cl_uint units = d->info.units;
-    clGetDeviceInfo(d->id, CL_DEVICE_PARENT_DEVICE, sizeof parent, &parent, NULL);
-    if (parent)
-        clGetDeviceInfo(parent, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
+    if (whole_of(d) != d->id)
+        clGetDeviceInfo(whole_of(d), CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
     return units;
 }
 
@@ -48,10 +58,27 @@ static bool find_part(const char *selector, char name[24])
     return true;
 }
 
-static profile_env describe_device(const device *d, char name[24])
+// Of a part that the caller cut off OpenCL tells how many units it has and not which: A's are
+// taken to be the first ones, and B's the next.
+static bool name_part(const device devices[2], int side, char name[24])
 {
+    const device *a = &devices[0], *d = &devices[side];
+    cl_device_id whole = whole_of(d);
+    if (!d->callers)
+        return find_part(d->info.selector, name);
+    if (whole == d->id)
+        return false;
+    bool beside = a->id != d->id && a->id != whole && whole_of(a) == whole;
+    uint32_t first = beside ? a->info.units : 0;
+    snprintf(name, 24, "%u-%u", first, first + d->info.units - 1);
+    return true;
+}
+
+static profile_env describe_device(const device devices[2], int side, char name[24])
+{
+    const device *d = &devices[side];
     const duet_device_info *info = &d->info;
-    bool is_part = find_part(info->selector, name);
+    bool is_part = name_part(devices, side, name);
     return (profile_env){
         .device = {.kind = kind_name(info->kind),
                    .vendor = info->vendor,
@@ -162,8 +189,8 @@ bool profile_subject_read(duet_world *world, profile_subject *p, duet_error *err
     if (!world_check_sizes(world, err))
         return false;
     const device *devices = world->def.pair->devices;
-    p->pair.a = describe_device(&devices[0], p->parts[0]);
-    p->pair.b = describe_device(&devices[1], p->parts[1]);
+    p->pair.a = describe_device(devices, 0, p->parts[0]);
+    p->pair.b = describe_device(devices, 1, p->parts[1]);
     if (!world_see_objects(world, err))
         return false;
     p->workload = describe_workload(world);

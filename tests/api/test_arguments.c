@@ -643,6 +643,12 @@ static void advance_motion(void)
     duet_motion_result moved;
     REFUSES(duet_motion_advance(NULL, &moved, e));
     REFUSES(duet_motion_advance(motion, NULL, e));
+    REFUSES(duet_motion_advance_begin(NULL, e));
+    REFUSES(duet_motion_advance_end(NULL, &moved, e));
+    REFUSES(duet_motion_advance_end(motion, &moved, e));
+    TAKES(duet_motion_advance_begin(motion, e));
+    REFUSES(duet_motion_advance_end(motion, NULL, e));
+    TAKES(duet_motion_advance_end(motion, &moved, e));
 }
 
 static void keep_motion(void)
@@ -857,7 +863,7 @@ static const struct {
      "duet_motion_get_effects duet_motion_get_count duet_motion_get_step duet_motion_get_plan "
      "duet_motion_get_poses",
      read_motion},
-    {"duet_motion_advance", advance_motion},
+    {"duet_motion_advance duet_motion_advance_begin duet_motion_advance_end", advance_motion},
     {"duet_motion_save duet_motion_load", keep_motion},
     {"duet_motion_explain", explain_motion},
     {"duet_motion_record duet_motion_save_recording duet_replay_create duet_replay_destroy "

@@ -9,6 +9,7 @@
 #include "runtime/selection/profile_subject.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -252,6 +253,44 @@ static void profiles_are_those_of_the_device(void **state)
     assert_string_equal(subjects[0].pair.a.device.name, subjects[1].pair.a.device.name);
     assert_int_equal(subjects[0].pair.a.device.units, subjects[1].pair.a.device.units);
     assert_null(subjects[0].pair.b.part);
+    duet_device_pair_destroy(named);
+    duet_device_pair_destroy(pair);
+}
+
+// Parts that the program cut off are described as those that Duet cuts off.
+static void profiles_are_those_of_the_parts(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    if (!own.cut)
+        skip();
+    char selectors[2 * sizeof((duet_device_info *)0)->selector];
+    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    const char *whole = duet_device_pair_get_info(pair, 0)->selector;
+    int length = (int)strcspn(whole, "[");
+    snprintf(selectors, sizeof selectors, "%.*s[0-0],%.*s[1-1]", length, whole, length, whole);
+    duet_device_pair *named = duet_device_pair_open(selectors, &err);
+    assert_ok(named, err);
+    duet_device_pair *pairs[] = {pair, named};
+    duet_world *worlds[2];
+    profile_subject subjects[2];
+    for (int i = 0; i < 2; ++i) {
+        worlds[i] = make_world(pairs[i], duet_default_world_def());
+        assert_ok(duet_world_set_objects(worlds[i], DUET_OBJECT_POSES, poses, N, &err), err);
+        assert_ok(profile_subject_read(worlds[i], &subjects[i], &err), err);
+    }
+    for (int side = 0; side < 2; ++side) {
+        const profile_env *ours = side ? &subjects[0].pair.b : &subjects[0].pair.a;
+        const profile_env *theirs = side ? &subjects[1].pair.b : &subjects[1].pair.a;
+        assert_string_equal(ours->part, side ? "1-1" : "0-0");
+        assert_string_equal(ours->part, theirs->part);
+        assert_string_equal(ours->device.name, theirs->device.name);
+        assert_string_equal(ours->driver, theirs->driver);
+        assert_int_equal(ours->part_units, theirs->part_units);
+        assert_int_equal(ours->device.units, theirs->device.units);
+        assert_int_equal(ours->device.max_group, theirs->device.max_group);
+        duet_world_destroy(worlds[side]);
+    }
     duet_device_pair_destroy(named);
     duet_device_pair_destroy(pair);
 }
@@ -829,6 +868,7 @@ int main(void)
         FACT(one_queue_is_a_pair_of_one),
         FACT(a_device_without_a_queue_is_opened_by_its_selector),
         FACT(profiles_are_those_of_the_device),
+        FACT(profiles_are_those_of_the_parts),
         FACT(objects_of_a_buffer_are_those_of_the_host),
         FACT(a_device_of_another_context_gets_them_through_the_host),
         FACT(devices_with_memory_of_their_own_find_the_same),

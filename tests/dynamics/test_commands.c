@@ -2,6 +2,8 @@
 // Commands to a motion: what is set, pushed or aimed at, and bodies that come and go.
 #include "support/commands.h"
 
+#include "runtime/dynamics/motion.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -408,6 +410,175 @@ static void what_is_sent_to_sleep_in_flight_does_not_depend_on_the_skin(void **s
     assert_true(hashes[0] == hashes[1]);
 }
 
+// ------------------------------------------------------------ a search of some
+
+static bool has_stage(const mover *m, const char *name)
+{
+    for (uint32_t i = 0; i < m->last.n_stages; ++i)
+        if (strcmp(m->last.stages[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+// The first world searches all, the second where it can only some.
+static void assert_rests_alike(mover *twins[2], bool some)
+{
+    duet_contact *contacts[2];
+    uint64_t n[2];
+    twins[0]->motion->rows_stale = true;
+    for (int k = 0; k < 2; ++k) {
+        mover_run(twins[k], 1);
+        assert_true(has_stage(twins[k], "altered_pairs") == (some && k > 0));
+        assert_true(has_stage(twins[k], "pairs") == !(some && k > 0));
+        assert_done(duet_motion_get_contacts(twins[k]->motion, &contacts[k], &n[k], &err));
+    }
+    assert_true(mover_hash(twins[0]) == mover_hash(twins[1]));
+    assert_true(n[0] == n[1]);
+    for (uint64_t i = 0; i < n[0]; ++i)
+        assert_true(contacts[0][i].a == contacts[1][i].a && contacts[0][i].b == contacts[1][i].b &&
+                    contacts[0][i].n == contacts[1][i].n);
+    duet_free(contacts[0]);
+    duet_free(contacts[1]);
+}
+
+#define do_both(call)                            \
+    for (int k_ = 0; k_ < 2; ++k_) {             \
+        duet_motion *motion = twins[k_]->motion; \
+        assert_done(call);                       \
+    }
+
+static void only_what_commands_altered_is_searched_within_a_skin(void **state)
+{
+    (void)state;
+    enum { ROWS = 16, HIGH = 4, PEBBLES = 7 };
+    // The last one is wider than the table of the others.
+    duet_pose poses[PEBBLES + 1] = {
+        [PEBBLES] = {{20, 0, HIGH + 20.005f}, {20, 20, 20}, {0, 0, 0, 1}}};
+    for (int i = 0; i < PEBBLES; ++i) {
+        const duet_pose pebble = {{3 + 0.5f * (float)i, 9, 0.2f}, {.25f, .25f, .25f}, {0, 0, 0, 1}};
+        poses[i] = pebble;
+    }
+    const duet_body alone = {.group = 2, .mask = 1};
+    mover *twins[2];
+    for (int k = 0; k < 2; ++k) {
+        twins[k] = make_rows(ROWS, HIGH);
+        twins[k]->def.skin = 0.2;
+        twins[k]->def.wants |= DUET_EFFECT_FILTER;
+        mover_run(twins[k], 60);
+        assert_int_equal(n_asleep(twins[k]), ROWS * HIGH + 1);
+    }
+    do_both(duet_motion_remove_bodies(motion, one(2), &err));
+    assert_rests_alike(twins, true);
+    do_both(duet_motion_add_bodies(motion, poses, NULL, PEBBLES + 1, NULL, &err));
+    assert_rests_alike(twins, true);
+    do_both(duet_motion_disable_bodies(motion, one(10), &err));
+    assert_rests_alike(twins, true);
+    do_both(duet_motion_enable_bodies(motion, one(10), &err));
+    do_both(duet_motion_set_bodies(motion, one(10), DUET_BODY_FILTER, &alone, &err));
+    do_both(duet_motion_set_bodies(motion, one(13), DUET_BODY_FILTER, &alone, &err));
+    assert_rests_alike(twins, true);
+    do_both(duet_motion_remove_bodies(motion, one(0), &err)); // the floor, which all rest on
+    assert_rests_alike(twins, true);
+    const duet_body_list many = {.first = 5, .n = 12};
+    do_both(duet_motion_disable_bodies(motion, many, &err));
+    assert_rests_alike(twins, false);
+    mover_free(twins[0]);
+    mover_free(twins[1]);
+}
+
+// ------------------------------------------------------------ two halves
+
+// While a step is under way the motion is for those who ask what does not change in it.
+static void nothing_is_done_to_a_motion_between_the_halves_of_its_step(void **state)
+{
+    (void)state;
+    char path[64];
+    name_file(path);
+    mover *m = make_rows(4, 2), *twin = make_rows(4, 2);
+    mover_run(m, 1);
+    mover_run(twin, 1);
+    duet_motion *motion = m->motion;
+    const duet_pose pose = {{0, 5, 3}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
+    const duet_transform there = {{0, 5, 3}, {0, 0, 0, 1}};
+    const duet_force force = {0};
+    const duet_impulse impulse = {0};
+    const uint64_t data = 1;
+    const uint32_t place = 1;
+    duet_motion_def def = *duet_motion_get_def(motion);
+    duet_motion_result result;
+    duet_contact *contacts;
+    duet_energy energy;
+    duet_moved moved;
+    uint64_t n, ids[9];
+    assert_refused(duet_motion_advance_end(motion, &result, &err), "no step is under way");
+    assert_done(duet_motion_remove_bodies(motion, one(3), &err));
+    assert_done(duet_motion_remove_bodies(twin->motion, one(3), &err));
+    assert_done(duet_motion_record(motion, &err));
+    assert_done(duet_motion_advance_begin(motion, &err));
+#define BUSY(call)                                                                      \
+    do {                                                                                \
+        duet_error err = {0};                                                           \
+        assert_false(call);                                                             \
+        char *rest = strstr(err.text, ": a step of the motion is under way; expected"); \
+        if (!rest || strncmp(err.text, #call, (size_t)(rest - err.text)) != 0)          \
+            fail_msg("%s is told '%s'", #call, err.text);                               \
+    } while (0)
+    BUSY(duet_motion_advance(motion, &result, &err));
+    BUSY(duet_motion_advance_begin(motion, &err));
+    BUSY(duet_motion_add_bodies(motion, &pose, NULL, 1, NULL, &err));
+    BUSY(duet_motion_remove_bodies(motion, one(1), &err));
+    BUSY(duet_motion_enable_bodies(motion, one(1), &err));
+    BUSY(duet_motion_disable_bodies(motion, one(1), &err));
+    BUSY(duet_motion_wake_bodies(motion, one(1), &err));
+    BUSY(duet_motion_sleep_bodies(motion, one(1), &err));
+    BUSY(duet_motion_set_bodies(motion, one(1), DUET_BODY_VELOCITY, m->bodies, &err));
+    BUSY(duet_motion_set_poses(motion, one(1), &pose, &err));
+    BUSY(duet_motion_set_targets(motion, one(0), &there, &err));
+    BUSY(duet_motion_apply_forces(motion, one(1), &force, &err));
+    BUSY(duet_motion_apply_impulses(motion, one(1), &impulse, &err));
+    BUSY(duet_motion_set_def(motion, &def, &err));
+    BUSY(duet_motion_set_user_data(motion, one(1), &data, &err));
+    BUSY(duet_motion_get_user_data(motion, one(1), &n, &err));
+    BUSY(duet_motion_map_states(motion, DUET_STATE_CENTRES, DUET_MAP_READ, 0, 1, &err));
+    BUSY(duet_motion_unmap_states(motion, DUET_STATE_CENTRES, &err));
+    BUSY(duet_motion_get_states(motion, m->states, &err));
+    BUSY(duet_motion_get_states_of(motion, &place, 1, m->states, &err));
+    BUSY(duet_motion_get_moved(motion, &moved, &err));
+    BUSY(duet_motion_get_poses(motion, m->poses, &err));
+    BUSY(duet_motion_get_hash(motion, &n, &err));
+    BUSY(duet_motion_get_energy(motion, &energy, &err));
+    BUSY(duet_motion_get_contacts(motion, &contacts, &n, &err));
+    BUSY(duet_motion_save(motion, path, &err));
+    BUSY(duet_motion_load(motion, path, &err));
+    BUSY(duet_motion_record(motion, &err));
+    BUSY(duet_motion_save_recording(motion, path, &err));
+    assert_true(duet_motion_get_step(motion) == 1 && duet_motion_get_count(motion) == 9);
+    assert_done(duet_motion_get_ids(motion, 0, 9, ids, &err));
+    assert_true(ids[3] == DUET_NO_BODY && duet_motion_has_body(motion, 2));
+    assert_null(duet_motion_get_plan(motion));
+    assert_done(duet_motion_advance_end(motion, &result, &err));
+    mover_run(twin, 1);
+    assert_true(result.step == 2 && duet_motion_get_step(motion) == 2);
+    assert_true(mover_hash(m) == mover_hash(twin));
+    assert_done(duet_motion_advance_begin(motion, &err));
+    mover_free(m); // which waits
+    mover_free(twin);
+}
+
+static void a_step_that_fails_is_told_in_its_second_half(void **state)
+{
+    (void)state;
+    mover *m = make_rows(2, 1);
+    m->def.dt = 100;
+    m->bodies[1].velocity[0] = 3e38f;
+    mover_run(m, 0);
+    duet_motion_result result;
+    assert_done(duet_motion_advance_begin(m->motion, &err));
+    assert_refused(duet_motion_advance_end(m->motion, &result, &err), "is not a number");
+    assert_refused(duet_motion_advance_begin(m->motion, &err), "the motion failed in its step");
+    mover_free(m);
+}
+
 // ------------------------------------------------------------ files
 
 static void a_file_of_the_last_version_still_loads(void **state)
@@ -506,6 +677,9 @@ int main(void)
         cmocka_unit_test(a_motion_can_begin_empty),
         cmocka_unit_test(a_floor_can_get_a_mass),
         cmocka_unit_test(what_is_sent_to_sleep_in_flight_does_not_depend_on_the_skin),
+        cmocka_unit_test(only_what_commands_altered_is_searched_within_a_skin),
+        cmocka_unit_test(nothing_is_done_to_a_motion_between_the_halves_of_its_step),
+        cmocka_unit_test(a_step_that_fails_is_told_in_its_second_half),
         cmocka_unit_test(a_file_of_the_last_version_still_loads),
         cmocka_unit_test(what_commands_left_is_saved),
     };

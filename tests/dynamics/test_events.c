@@ -428,6 +428,45 @@ static void a_sensor_sees_what_sleeps_and_does_not_wake_it(void **state)
     mover_free(m);
 }
 
+// What has no mass is seen as well: a lift that passes while all sleeps, and a floor.
+static void a_sensor_without_mass_sees_what_has_none(void **state)
+{
+    (void)state;
+    for (int skin = 0; skin < 2; ++skin) {
+        mover *m = make_cubes(false), *without = make_cubes(false);
+        m->def.skin = without->def.skin = 0.1 * skin;
+        for (int k = 0; k < 2; ++k) {
+            mover *one = k ? without : m;
+            uint32_t lift = mover_add(one, -8, 0, 3, 0.4, 0.4, 0.4);
+            one->bodies[lift].mass = 0;
+        }
+        uint32_t still = add_sensor(m, -5, 3, 0.3), low = add_sensor(m, -9, 0, 0.3);
+        uint32_t masked = add_sensor(m, 9, 0, 0.3);
+        m->bodies[0].group = 2;
+        m->bodies[masked].mask = 1;
+        m->def.wants |= DUET_EFFECT_FILTER;
+        mover_run(m, 1);
+        assert_int_equal(events_with(m, low).begins, 1);
+        mover_run(m, 119);
+        mover_run(without, 120);
+        assert_int_equal(events_with(m, low).stays, 1);
+        assert_int_equal(events_with(m, still).stays + events_with(m, masked).stays, 0);
+        assert_int_equal(m->last.n_stages, 0); // all sleeps
+        duet_error err = {0};
+        const duet_body goes = {.velocity = {2, 0, 0}};
+        const duet_body_list lift = {.first = 3, .n = 1};
+        assert_ok(duet_motion_set_bodies(m->motion, lift, DUET_BODY_VELOCITY, &goes, &err), err);
+        assert_ok(duet_motion_set_bodies(without->motion, lift, DUET_BODY_VELOCITY, &goes, &err),
+                  err);
+        counts c = run_sensor(m, still, 180);
+        mover_run(without, 180);
+        assert_true(c.begins == 1 && c.ends == 1 && c.stays > 30 && c.stays < 60);
+        assert_memory_equal(m->states, without->states, 4 * sizeof *m->states);
+        mover_free(m);
+        mover_free(without);
+    }
+}
+
 // Sensors fall through floors, walls and each other, and see what their masks allow.
 static void sensors_do_not_see_sensors_and_fall_through_all(void **state)
 {
@@ -488,6 +527,7 @@ int main(void)
         cmocka_unit_test(a_loaded_motion_tells_what_the_saved_one_does),
         cmocka_unit_test(what_falls_through_a_sensor_is_told_and_not_pushed),
         cmocka_unit_test(a_sensor_sees_what_sleeps_and_does_not_wake_it),
+        cmocka_unit_test(a_sensor_without_mass_sees_what_has_none),
         cmocka_unit_test(sensors_do_not_see_sensors_and_fall_through_all),
         cmocka_unit_test(a_sensor_that_came_by_a_command_is_saved),
     };

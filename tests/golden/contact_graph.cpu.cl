@@ -74,9 +74,10 @@ __kernel void contact_graph_pairs(CONTACT_GRAPH_PAIRS_ARGS)
             count_or_put(starts, others, a, b, fill);
         else if (moves_b)
             count_or_put(starts, others, b, a, fill);
+#line 48 "kernels/dynamics/contact_graph.cl.in"
     }
 }
-#line 68 "kernels/dynamics/contact_graph.cl.in"
+#line 74 "kernels/dynamics/contact_graph.cl.in"
 
 static inline void sink_down(__global uint *values, uint at, uint n)
 {
@@ -138,7 +139,7 @@ __kernel void contact_graph_reverse(CONTACT_GRAPH_REVERSE_ARGS)
             if (!fill) {
                 links[i] = (uint2)(row, other);
                 touches[i] = 0;
-#line 132 "kernels/dynamics/contact_graph.cl.in"
+#line 138 "kernels/dynamics/contact_graph.cl.in"
             }
             if (other < n && velocities[other].w > 0)
                 count_or_put(return_starts, returns, other, i, fill);

@@ -49,6 +49,29 @@ holds("a script acts between steps", function()
   equal(broken:step(), 0)
 end)
 
+holds("a step has two halves, and nothing goes between them", function()
+  local calls = 0
+  local def <const> = { gravity = { 0, 0, -10 }, wants = { "contact_response" } }
+  local motion <close> = assert(pair:motion(poses, bodies, {
+    gravity = def.gravity, wants = def.wants, script = function() calls = calls + 1 end,
+  }))
+  local whole <close> = assert(pair:motion(poses, bodies, def))
+  local before = assert(motion:advance())
+  assert(motion:advance_begin())
+  equal(calls, 2)
+  local function busy(call, ...) refused("BAD_ARGUMENT", "a step of the motion is under way", call, motion, ...) end
+  busy(motion.advance)
+  busy(motion.hash)
+  busy(motion.apply_impulses, 0, { 0, 0, 5, 0, 0, 0 })
+  raises("the motion went on", function() return before.step end)
+  equal(motion:plan(), nil)
+  equal(motion:step(), 1)
+  equal(assert(motion:advance_end()).step, 2)
+  refused("BAD_ARGUMENT", "no step is under way", motion.advance_end, motion)
+  for _ = 1, 2 do assert(whole:advance()) end
+  equal(motion:hash(), whole:hash())
+end)
+
 holds("recorded commands give the same hash", function()
   local path <const> = os.tmpname()
   local motion <close> = assert(pair:motion(poses, bodies, falling))

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+// Pairs of fat AABBs after commands altered some of the bodies: the altered ones go into a hash
+// table, by the cells that their boxes overlap, and each body looks into the cells of its own.
+// Pairs of bodies that were left alone are those of the rows.
+//
+//   altered    [n_altered] ids, each once
+//   boxes      [n][6]  of altered bodies the new ones, of the others those that rows are made of
+//   is_altered [n]
+//   heads      [n_heads]  the first entry of each list, and 1; 0: none
+//   entries    a cell, and w: the body there
+//   nexts      of each entry, as heads
+//   wide       altered bodies of too many cells for the table
+typedef struct {
+    float3 lower, upper;
+} aabb;
+
+static inline aabb aabb_at(__global const float *boxes, uint id)
+{
+    aabb box;
+    box.lower = vload3(2 * (size_t)id, boxes);
+    box.upper = vload3(2 * (size_t)id + 1, boxes);
+    return box;
+}
+
+// That of what is removed or disabled ends before it begins.
+static inline bool is_there(const aabb *box)
+{
+    return box->lower.x <= box->upper.x;
+}
+
+static inline bool do_overlap(const aabb *a, const aabb *b)
+{
+    return all(a->lower <= b->upper) && all(b->lower <= a->upper);
+}
+
+// Of a body: its cells, from the lower corner's up to the upper one's.
+typedef struct {
+    int3 from, to;
+} cell_range;
+
+static inline int3 cell_at(float3 corner, float per_edge)
+{
+    return convert_int3(clamp(floor(corner * per_edge), (float3)(-0x1p30f), (float3)(0x1p30f)));
+}
+
+static inline cell_range cells_of(const aabb *box, float per_edge)
+{
+    cell_range cells;
+    cells.from = cell_at(box->lower, per_edge);
+    cells.to = cell_at(box->upper, per_edge);
+    return cells;
+}
+
+static inline bool are_many(const cell_range *cells)
+{
+    float3 size = convert_float3(cells->to) - convert_float3(cells->from) + (float3)(1.0f);
+    return size.x * size.y * size.z > (float)ALTERED_CELLS;
+}
+
+static inline uint head_of(int3 cell, uint n_heads)
+{
+    uint k = (uint)cell.x * 0x9E3779B9u ^ (uint)cell.y * 0x85EBCA6Bu ^ (uint)cell.z * 0xC2B2AE35u;
+    k ^= k >> 15;
+    k *= 0x2C1B3C6Du;
+    return (k ^ k >> 13) & (n_heads - 1u);
+}
+
+__kernel void place_altered(PLACE_ALTERED_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n_altered);
+    for (uint i = first; i < last; ++i) {
+        uint id = altered[i];
+        aabb box = aabb_at(new_boxes, id);
+        vstore3(box.lower, 2 * (size_t)id, boxes);
+        vstore3(box.upper, 2 * (size_t)id + 1, boxes);
+        is_altered[id] = 1;
+        if (!is_there(&box))
+            continue;
+        cell_range cells = cells_of(&box, per_edge);
+        if (are_many(&cells)) {
+            wide[atomic_inc(altered_counts + ALTERED_WIDE)] = id;
+            continue;
+        }
+        for (int z = cells.from.z; z <= cells.to.z; ++z)
+            for (int y = cells.from.y; y <= cells.to.y; ++y)
+                for (int x = cells.from.x; x <= cells.to.x; ++x) {
+                    uint entry = atomic_inc(altered_counts + ALTERED_ENTRIES);
+                    entries[entry] = (int4)(x, y, z, (int)id);
+                    nexts[entry] = atomic_xchg(heads + head_of((int3)(x, y, z), n_heads), entry + 1);
+                }
+    }
+}
+
+// A body that looks for altered ones.
+typedef struct {
+    uint id;
+    aabb box;
+    bool is_altered;
+} seeker;
+
+// Two altered bodies are found by the one of the lower id.
+static inline bool do_meet(const seeker *s, uint other, const aabb *box)
+{
+    return other != s->id && !(s->is_altered && other < s->id) && do_overlap(&s->box, box);
+}
+
+static inline void put_pair(uint a, uint b, volatile __global uint *counts, uint capacity, __global uint2 *pairs)
+{
+    uint at = atomic_inc(counts + ALTERED_PAIRS);
+    if (at < capacity)
+        pairs[at] = (uint2)(a, b);
+}
+
+__kernel void find_altered_pairs(FIND_ALTERED_PAIRS_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n);
+    uint n_wide = altered_counts[ALTERED_WIDE];
+    for (uint id = first; id < last; ++id) {
+        seeker s;
+        s.id = id;
+        s.box = aabb_at(boxes, id);
+        s.is_altered = is_altered[id];
+        if (!is_there(&s.box))
+            continue;
+        for (uint k = 0; k < n_wide; ++k) {
+            aabb box = aabb_at(boxes, wide[k]);
+            if (do_meet(&s, wide[k], &box))
+                put_pair(id, wide[k], altered_counts, pair_capacity, found_pairs);
+        }
+        cell_range cells = cells_of(&s.box, per_edge);
+        if (are_many(&cells)) {
+            for (uint k = 0; k < n_altered; ++k) {
+                aabb box = aabb_at(boxes, altered[k]);
+                cell_range its = cells_of(&box, per_edge);
+                if (is_there(&box) && !are_many(&its) && do_meet(&s, altered[k], &box))
+                    put_pair(id, altered[k], altered_counts, pair_capacity, found_pairs);
+            }
+            continue;
+        }
+        for (int z = cells.from.z; z <= cells.to.z; ++z)
+            for (int y = cells.from.y; y <= cells.to.y; ++y)
+                for (int x = cells.from.x; x <= cells.to.x; ++x) {
+                    int3 cell = (int3)(x, y, z);
+                    for (uint at = heads[head_of(cell, n_heads)]; at > 0; at = nexts[at - 1]) {
+                        int4 entry = entries[at - 1];
+                        if (any(entry.xyz != cell))
+                            continue;
+                        aabb box = aabb_at(boxes, (uint)entry.w);
+                        // Of the cells that both overlap the first one finds them.
+                        int3 begin = max(cells.from, cell_at(box.lower, per_edge));
+                        if (all(begin == cell) && do_meet(&s, (uint)entry.w, &box))
+                            put_pair(id, (uint)entry.w, altered_counts, pair_capacity, found_pairs);
+                    }
+                }
+    }
+}
+
+static inline bool is_kept(uint2 link, __global const uint *is_altered, uint n)
+{
+    return link.y < n && !is_altered[link.x] && !is_altered[link.y];
+}
+
+__kernel void keep_pairs(KEEP_PAIRS_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM;
+    uint last = min(first + PER_ITEM, n_contacts);
+    uint kept = 0;
+    for (uint i = first; i < last; ++i)
+        kept += is_kept(links[i], is_altered, n);
+    if (kept == 0)
+        return;
+    uint at = atomic_add(altered_counts + ALTERED_PAIRS, kept);
+    for (uint i = first; i < last && at < pair_capacity; ++i)
+        if (is_kept(links[i], is_altered, n))
+            found_pairs[at++] = links[i];
+}

@@ -1,0 +1,53 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "pairs of the bodies that commands altered, and those of all others as they were",
+  uses = { "dynamics/altered.h" },
+  params = {
+    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
+      about = "work-items a group" },
+    { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
+      about = "bodies or contacts a work-item" },
+  },
+  args = {
+    place_altered = [[
+      const uint *altered
+      uint n_altered
+      const float *new_boxes
+      float *boxes
+      uint *is_altered
+      float per_edge
+      uint n_heads
+      volatile uint *heads
+      int4 *entries
+      uint *nexts
+      uint *wide
+      volatile uint *altered_counts
+    ]],
+    find_altered_pairs = [[
+      const uint *altered
+      uint n_altered
+      const float *boxes
+      const uint *is_altered
+      uint n
+      float per_edge
+      uint n_heads
+      const uint *heads
+      const int4 *entries
+      const uint *nexts
+      const uint *wide
+      volatile uint *altered_counts
+      uint pair_capacity
+      uint2 *found_pairs
+    ]],
+    keep_pairs = [[
+      const uint2 *links
+      uint n_contacts
+      const uint *is_altered
+      uint n
+      volatile uint *altered_counts
+      uint pair_capacity
+      uint2 *found_pairs
+    ]],
+  },
+  launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
+}

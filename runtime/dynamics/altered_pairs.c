@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+// Rows after commands that let bodies come, go or touch others than before. Within a skin the
+// pairs of all other bodies hold on; only those of the altered ones are searched.
+#include "base/error.h"
+#include "kernels/dynamics/altered.h"
+#include "runtime/dynamics/motion_commands.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// More altered bodies are searched with all others, whose grid costs less then.
+enum { LEAST_PART = 8 };
+
+// Pairs that an altered body may have; with more, all are searched.
+enum { PAIRS_OF_ONE = 64 };
+
+// ---------------------------------------------------------------- what is altered
+
+static bool reserve(motion_commands *c, uint64_t n)
+{
+    if (n <= c->altered_capacity)
+        return true;
+    uint32_t *altered = realloc(c->altered, 2 * n * sizeof *altered);
+    if (!altered)
+        return false;
+    c->altered = altered;
+    c->altered_capacity = (uint32_t)(2 * n);
+    return true;
+}
+
+void motion_alter_places(duet_motion *m, const uint32_t *places, uint32_t n)
+{
+    motion_commands *c = m->commands;
+    uint64_t all = (uint64_t)c->n_altered + n;
+    m->rows_stale = m->rows_stale || !m->has_graph || !motion_has(m, DUET_EFFECT_SKIN) ||
+                    all > m->n / LEAST_PART || !reserve(c, all);
+    for (uint32_t i = 0; i < n && !m->rows_stale; ++i)
+        c->altered[c->n_altered++] = places[i];
+}
+
+static int by_place(const void *a, const void *b)
+{
+    const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
+}
+
+static void list_once(motion_commands *c)
+{
+    uint32_t n = 0;
+    qsort(c->altered, c->n_altered, sizeof *c->altered, by_place);
+    for (uint32_t i = 0; i < c->n_altered; ++i)
+        if (n == 0 || c->altered[n - 1] != c->altered[i])
+            c->altered[n++] = c->altered[i];
+    c->n_altered = n;
+}
+
+// ---------------------------------------------------------------- the table
+
+// Twice as wide as what is altered, in the mean: few bodies overlap more than eight.
+static double edge_of(const duet_motion *m)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < m->commands->n_altered; ++i) {
+        const float *h = m->poses[m->commands->altered[i]].half_extents;
+        sum += fmax(fmax(h[0], h[1]), m->def.dims == 3 ? h[2] : 0.0f);
+    }
+    return 4.0 * sum / m->commands->n_altered + 2.0 * (m->margin + m->def.skin);
+}
+
+static uint32_t count_heads(uint32_t n_altered)
+{
+    uint32_t n = 1024;
+    while (n < 16 * (uint64_t)n_altered && n < 1u << 31)
+        n *= 2;
+    return n;
+}
+
+static void set_args(duet_motion *m)
+{
+    motion_args *args = &m->args;
+    args->n_altered = m->commands->n_altered;
+    args->n_heads = count_heads(args->n_altered);
+    args->per_edge = (float)fmin(1.0 / edge_of(m), 1e30);
+    args->pair_capacity = m->n_contacts + PAIRS_OF_ONE * args->n_altered;
+}
+
+static bool reserve_table(duet_motion *m, duet_error *err)
+{
+    const uint64_t word = sizeof(uint32_t), n = m->args.n_altered;
+    return motion_reserve(m, ALTERED, n, word, err) &&
+           motion_reserve(m, NEW_BOXES, m->n, 6 * word, err) &&
+           motion_reserve(m, IS_ALTERED, m->n, word, err) &&
+           motion_reserve(m, ALTERED_HEADS, m->args.n_heads, word, err) &&
+           motion_reserve(m, ALTERED_ENTRIES_OF, ALTERED_CELLS * n, sizeof(cl_int4), err) &&
+           motion_reserve(m, ALTERED_NEXTS, ALTERED_CELLS * n, word, err) &&
+           motion_reserve(m, ALTERED_WIDE_ONES, n, word, err) &&
+           motion_reserve(m, ALTERED_COUNT_WORDS, ALTERED_COUNTS, word, err) &&
+           motion_reserve(m, PAIRS, m->args.pair_capacity, 2 * word, err);
+}
+
+static bool send_altered(duet_motion *m, duet_error *err)
+{
+    const motion_commands *c = m->commands;
+    buffer *b = m->buffers;
+    timeline *t = &m->times;
+    return timeline_write_at(t, "altered_pairs", &b[ALTERED], 0, c->altered,
+                             c->n_altered * sizeof *c->altered, err) &&
+           timeline_fill(t, "altered_pairs", &b[IS_ALTERED], 0, 0, m->n, err) &&
+           timeline_fill(t, "altered_pairs", &b[ALTERED_HEADS], 0, 0, m->args.n_heads, err) &&
+           timeline_fill(t, "altered_pairs", &b[ALTERED_COUNT_WORDS], 0, 0, ALTERED_COUNTS, err);
+}
+
+// All bodies' new bounds, of which the altered ones' count.
+static bool compute_new_boxes(duet_motion *m, duet_error *err)
+{
+    buffer *b = m->buffers;
+    buffer_swap(&b[BOXES], &b[NEW_BOXES]);
+    bool ok = motion_compute_bounds(m, err);
+    buffer_swap(&b[BOXES], &b[NEW_BOXES]);
+    return ok;
+}
+
+static bool ask(duet_motion *m, duet_error *err)
+{
+    motion_kernels *k = &m->kernels;
+    const char *name = "altered_pairs";
+    return k->keep_pairs ||
+           (motion_ask(m, &k->place_altered, name, "place_altered", err) &&
+            motion_ask(m, &k->find_altered_pairs, name, "find_altered_pairs", err) &&
+            motion_ask(m, &k->keep_pairs, name, "keep_pairs", err) &&
+            program_set_build(m->programs, err));
+}
+
+static bool place_altered(duet_motion *m, duet_error *err)
+{
+    list_once(m->commands);
+    set_args(m);
+    return ask(m, err) && reserve_table(m, err) && send_altered(m, err) &&
+           compute_new_boxes(m, err) &&
+           motion_launch(m, "altered_pairs", m->kernels.place_altered, m->args.n_altered, err);
+}
+
+// ---------------------------------------------------------------- pairs
+
+static bool find_pairs(duet_motion *m, bool *found, duet_error *err)
+{
+    uint32_t counts[ALTERED_COUNTS];
+    bool ok = motion_launch(m, "altered_pairs", m->kernels.find_altered_pairs, m->n, err) &&
+              motion_launch(m, "altered_pairs", m->kernels.keep_pairs, m->n_contacts, err) &&
+              timeline_read(&m->times, "altered_pairs", &m->buffers[ALTERED_COUNT_WORDS], counts,
+                            sizeof counts, err);
+    *found = ok && counts[ALTERED_PAIRS] <= m->args.pair_capacity;
+    if (!*found)
+        return ok;
+    m->n_pairs = counts[ALTERED_PAIRS];
+    m->args.pairs = m->buffers[PAIRS];
+    return true;
+}
+
+bool motion_find_altered_pairs(duet_motion *m, bool *found, duet_error *err)
+{
+    *found = false;
+    if (!place_altered(m, err) || !motion_check_bounds(m, err) || !motion_read_flags(m, err))
+        return false;
+    return m->flags[FLAG_MOVED] || find_pairs(m, found, err);
+}
