@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "cli/draw/view.h"
 #include "cli/report/table.h"
+#include "runtime/scene/scene.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -20,6 +21,12 @@ static const colour shot = {0.88, 0.10, 0.14, 1};
 
 // ---------------------------------------------------------------- what is seen
 
+static duet_rounded_box body_of(const duet_scene *scene, uint32_t id)
+{
+    const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
+    return poses ? (duet_rounded_box){poses[id], 0} : scene_rounded_box(scene, id);
+}
+
 static int by_number(const void *x, const void *y)
 {
     double a = *(const double *)x, b = *(const double *)y;
@@ -30,15 +37,15 @@ static int by_number(const void *x, const void *y)
 static bool find_extent(const snapshot *s, const duet_state *states, uint32_t axis, double *lower,
                         double *upper, duet_error *err)
 {
-    const duet_pose *poses = duet_scene_get_objects(s->scene, DUET_OBJECT_POSES);
     double *lowers = malloc(2 * ((size_t)s->n + 1) * sizeof *lowers);
     if (!lowers)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", s->n);
     double *uppers = lowers + s->n;
     uint32_t n = 0;
     for (uint32_t i = 0; i < s->n; ++i) {
-        const float *h = poses[i].half_extents;
-        double reach = fmax(h[0], fmax(h[1], s->def->dims == 3 ? h[2] : 0.0));
+        const duet_rounded_box body = body_of(s->scene, i);
+        const float *h = body.pose.half_extents;
+        double reach = fmax(h[0], fmax(h[1], s->def->dims == 3 ? h[2] : 0.0)) + body.radius;
         if (s->is_shot[i])
             continue;
         lowers[n] = states[i].centre[axis] - reach;
@@ -126,24 +133,25 @@ static void colour_objects(snapshot *s, const duet_state *start)
 }
 
 // What calls for the effect `continuous`: more than half its least half extent a step.
-static bool moves_fast(const duet_motion_def *d, const duet_pose *p, const duet_state *s)
+static bool moves_fast(const duet_motion_def *d, const duet_rounded_box *body, const duet_state *s)
 {
+    const duet_pose *p = &body->pose;
     double speed = hypot(s->velocity[0], s->velocity[1]);
     double least = fmin(p->half_extents[0], p->half_extents[1]);
     if (d->dims == 3) {
         speed = hypot(speed, s->velocity[2]);
         least = fmin(least, p->half_extents[2]);
     }
-    return speed * d->dt > 0.5 * least;
+    return speed * d->dt > 0.5 * (least + body->radius);
 }
 
 // Where all are that fast, as on orbits, none was shot.
 static void find_shot(snapshot *s, const duet_state *start)
 {
-    const duet_pose *poses = duet_scene_get_objects(s->scene, DUET_OBJECT_POSES);
     uint32_t n = 0;
     for (uint32_t i = 0; i < s->n; ++i) {
-        s->is_shot[i] = moves_fast(s->def, &poses[i], &start[i]);
+        const duet_rounded_box body = body_of(s->scene, i);
+        s->is_shot[i] = moves_fast(s->def, &body, &start[i]);
         n += s->is_shot[i];
     }
     if (n > s->n / 2)
@@ -204,12 +212,13 @@ static void move_to(corners *box, const double centre[3], uint32_t dims)
 
 static block block_of(const snapshot *s, const view *v, const duet_state *state, uint32_t id)
 {
-    const duet_pose *poses = duet_scene_get_objects(s->scene, DUET_OBJECT_POSES);
-    duet_pose box = poses[id];
+    const duet_rounded_box body = body_of(s->scene, id);
+    duet_pose box = body.pose;
     for (int k = 0; k < 4; ++k)
         box.rotation[k] = (float)state->rotation[k];
     memset(box.centre, 0, sizeof box.centre);
     block b = {corners_of(&box, v->dims), INFINITY, s->colours[id]};
+    b.corners.radius = (double)body.radius;
     move_to(&b.corners, state->centre, v->dims);
     for (int i = 0; i < 8; ++i)
         b.nearness = fmin(b.nearness, view_nearness(v, b.corners.at[i]));

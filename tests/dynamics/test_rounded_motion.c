@@ -94,8 +94,8 @@ static void check_contact(const mover *m, const duet_contact *c, double margin)
         assert_between(m, c, deepest, 0.02);
 }
 
-static void assert_has_contact(const mover *m, const duet_contact *contacts, uint64_t n,
-                               uint32_t a, uint32_t b)
+static void assert_has_contact(const mover *m, const duet_contact *contacts, uint64_t n, uint32_t a,
+                               uint32_t b)
 {
     duet_rounded_box one = box_of(m, a), other = box_of(m, b);
     double separation = duet_rounded_boxes_separation(&one, &other, m->def.dims);
@@ -348,6 +348,186 @@ static void piles_come_to_rest(void **state)
     mover_free(m);
 }
 
+// ---------------------------------------------------------------- how they turn
+
+static double turning_energy(uint32_t dims, const double half[3], double radius, int axis)
+{
+    mover *m = mover_new(dims);
+    uint32_t id = add_round(m, 0, 0, 0, half, radius);
+    m->bodies[id].mass = 3.0f;
+    m->bodies[id].angular_velocity[axis] = 2.0f;
+    double turning = mover_energy(m).turning;
+    mover_free(m);
+    return turning / (0.5 * 2 * 2 * 3); // the inertia, a mass
+}
+
+// A ball, a disc; a capsule is a cylinder and a ball in two halves.
+static void inertias_are_the_closed_forms(void **state)
+{
+    (void)state;
+    const double r = 0.5, h = 0.7, pi = 3.14159265358979323846;
+    const double none[3] = {0, 0, 0}, capsule[3] = {h, 0, 0};
+    assert_close(turning_energy(3, none, r, 1), 0.4 * r * r, 1e-7);
+    assert_close(turning_energy(2, none, r, 2), 0.5 * r * r, 1e-7);
+    double rod = pi * r * r * 2 * h, ball = 4 * pi * r * r * r / 3, all = rod + ball;
+    double along = (rod * r * r / 2 + ball * 0.4 * r * r) / all;
+    double across =
+        (rod * (h * h / 3 + r * r / 4) + ball * (0.4 * r * r + h * h + 2 * h * 3 * r / 8)) / all;
+    assert_close(turning_energy(3, capsule, r, 0), along, 1e-6);
+    assert_close(turning_energy(3, capsule, r, 2), across, 1e-6);
+    // hardly round: as the box
+    assert_close(turning_energy(3, (double[3]){1, 0.5, 0.2}, 1e-6, 2), (1 + 0.25) / 3, 1e-5);
+    assert_close(turning_energy(2, (double[3]){1, 0.5, 0}, 1e-6, 2), (1 + 0.25) / 3, 1e-5);
+}
+
+// ---------------------------------------------------------------- with the rest
+
+static void hits_and_sensors_are_told(void **state)
+{
+    (void)state;
+    mover *m = on_a_floor(0.5);
+    m->def.hit_speed = 1;
+    uint32_t ball = add_ball(m, 0.3, 0, 1.5, 0.5), sensor = add_ball(m, 0.3, 0, 1, 0.2);
+    m->bodies[sensor].sensor = true;
+    m->bodies[sensor].mass = 0;
+    bool hit = false, sensed = false;
+    for (int i = 0; i < 60 && !hit; ++i) {
+        mover_run(m, 1);
+        for (uint64_t k = 0; k < m->last.n_events; ++k)
+            sensed |= m->last.events[k].b == sensor && m->last.events[k].begins;
+        if (m->last.n_hits == 0)
+            continue;
+        hit = true;
+        assert_int_equal(m->last.hits[0].b, ball);
+        assert_close(m->last.hits[0].normal[2], 1.0, 1e-6);
+        assert_close(m->last.hits[0].point[0], 0.3, 0.01);
+        assert_close(m->last.hits[0].point[2], 0.0, 0.05);
+        assert_close(m->last.hits[0].speed, sqrt(2 * 9.81), 0.2);
+    }
+    assert_true(hit && sensed);
+    mover_free(m);
+}
+
+static mover *two_on_a_floor(void)
+{
+    mover *m = on_a_floor(0.5);
+    m->def.wants |= DUET_EFFECT_FORCES;
+    add_ball(m, 0, 0, 2, 0.5);
+    add_round(m, 0.3, 0.2, 3.2, (double[3]){0.6, 0, 0}, 0.3);
+    return m;
+}
+
+static void advance(duet_motion *motion, uint32_t steps)
+{
+    duet_error err = {0};
+    duet_motion_result result;
+    for (uint32_t i = 0; i < steps; ++i)
+        assert_ok(duet_motion_advance(motion, &result, &err), err);
+}
+
+static void recordings_and_saved_motions_have_radii(void **state)
+{
+    (void)state;
+    static const char recording[] = "rounded.replay", saved[] = "rounded.motion";
+    duet_error err = {0};
+    uint64_t id, hash[2];
+    mover *m = two_on_a_floor(), *other = two_on_a_floor(), *third = two_on_a_floor();
+    mover_run(m, 0);
+    mover_run(other, 0);
+    mover_run(third, 0);
+    duet_pose pose = {
+        .centre = {0.1f, 0, 5}, .half_extents = {0.2f, 0.2f, 0}, .rotation = {0, 0, 0, 1}};
+    duet_body body = duet_default_body();
+    body.radius = 0.2f;
+    assert_ok(duet_motion_record(m->motion, &err), err);
+    assert_ok(duet_motion_add_bodies(m->motion, &pose, &body, 1, &id, &err), err);
+    advance(m->motion, 20);
+    body.radius = 0.4f;
+    const duet_body_list one = {.ids = &id, .n = 1};
+    assert_ok(duet_motion_set_bodies(m->motion, one, DUET_BODY_RADIUS, &body, &err), err);
+    advance(m->motion, 10);
+    assert_ok(duet_motion_save(m->motion, saved, &err), err);
+    advance(m->motion, 90);
+    assert_ok(duet_motion_save_recording(m->motion, recording, &err), err);
+    assert_ok(duet_motion_get_hash(m->motion, &hash[0], &err), err);
+
+    assert_ok(duet_motion_load(third->motion, saved, &err), err);
+    advance(third->motion, 90);
+    assert_ok(duet_motion_get_hash(third->motion, &hash[1], &err), err);
+    assert_true(hash[0] == hash[1]);
+
+    duet_replay *replay = duet_replay_create(recording, &err);
+    assert_ok(replay, err);
+    duet_motion_result result;
+    while (duet_replay_get_info(replay).steps_done < duet_replay_get_info(replay).steps)
+        assert_ok(duet_replay_advance(replay, other->motion, &result, &err), err);
+    assert_ok(duet_motion_get_hash(other->motion, &hash[1], &err), err);
+    assert_true(hash[0] == hash[1]);
+    duet_replay_destroy(replay);
+    mover_free(m);
+    mover_free(other);
+    mover_free(third);
+    unlink(recording);
+    unlink(saved);
+}
+
+static void radii_need_their_effect(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    mover *m = on_a_floor(0.5);
+    mover_add_rough_cube(m, 0, 0, 0.5);
+    mover_run(m, 0);
+    duet_pose pose = {.centre = {0, 0, 5}, .rotation = {0, 0, 0, 1}};
+    duet_body body = duet_default_body();
+    body.radius = 0.5f;
+    assert_false(duet_motion_add_bodies(m->motion, &pose, &body, 1, NULL, &err));
+    assert_non_null(strstr(err.text, "needs the effect radius; expected the motion's wants"));
+    body.radius = -1;
+    err = (duet_error){0};
+    assert_null(duet_motion_create(&m->def, &pose, &body, 1, &err));
+    assert_non_null(strstr(err.text, "the radius must be 0 or above"));
+    mover_free(m);
+}
+
+// Two devices, shares and modes; and a scene's objects instead of poses and bodies.
+static void any_plan_gives_the_same_bits(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    duet_rounded_box boxes[60];
+    rng r = rng_seed(test_seed());
+    mover *m = mover_new(3);
+    m->def.gravity[2] = -9.81;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
+    for (int i = 0; i < 60; ++i) {
+        draw_body(m, &r);
+        m->poses[i].centre[2] += i < 5 ? 0.0f : 0.2f * (float)i;
+        boxes[i] = box_of(m, (uint32_t)i);
+    }
+    m->bodies[0].mass = 0;
+    mover_run(m, 30);
+    uint64_t expected = mover_hash(m), hash;
+    static const duet_mode modes[] = {DUET_MODE_SHARED, DUET_MODE_OWN, DUET_MODE_SLAB};
+    for (int k = 0; k < 3; ++k) {
+        mover_restart(m);
+        m->def.plan.mode = modes[k];
+        m->def.plan.share = DUET_SHARE_ONE / 4 * (uint32_t)k;
+        mover_run(m, 30);
+        assert_true(mover_hash(m) == expected);
+    }
+    duet_scene *scene = duet_scene_create(DUET_OBJECT_ROUNDED_BOXES, boxes, 60, 3, 0, &err);
+    assert_ok(scene, err);
+    duet_motion *motion = duet_motion_create_from_scene(&m->def, scene, m->bodies, &err);
+    assert_ok(motion, err);
+    advance(motion, 30);
+    assert_ok(duet_motion_get_hash(motion, &hash, &err), err);
+    assert_true(hash == expected);
+    duet_motion_destroy(motion);
+    duet_scene_destroy(scene);
+    mover_free(m);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(points_are_between_the_surfaces),
     cmocka_unit_test(spheres_have_one_point_capsules_two_and_faces_four),
@@ -358,6 +538,11 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(elastic_spheres_exchange_momenta),
     cmocka_unit_test(fast_balls_meet_what_is_in_their_way),
     cmocka_unit_test(piles_come_to_rest),
+    cmocka_unit_test(inertias_are_the_closed_forms),
+    cmocka_unit_test(hits_and_sensors_are_told),
+    cmocka_unit_test(recordings_and_saved_motions_have_radii),
+    cmocka_unit_test(radii_need_their_effect),
+    cmocka_unit_test(any_plan_gives_the_same_bits),
 };
 
 int main(void)
