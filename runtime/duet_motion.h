@@ -198,8 +198,8 @@ DUET_API bool duet_motion_get_moved(duet_motion *motion, duet_moved *moved, duet
 DUET_API duet_state duet_state_between(const duet_state *from, const duet_state *to,
                                        double fraction);
 
-// Copies where all objects are to poses [n], of bodies with radii their cores, as a tree or a world takes them: in floats, to which
-// a state in double or in origin cells is rounded.
+// Copies where all objects are to poses [n], as a tree or a world takes them, of bodies with
+// radii the cores: in floats, to which a state in double or in origin cells is rounded.
 DUET_API bool duet_motion_get_poses(duet_motion *motion, duet_pose *poses, duet_error *err);
 
 // A sum over the state's bits, equal on all devices, at any share and in any

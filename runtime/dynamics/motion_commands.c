@@ -13,7 +13,8 @@
 #include <string.h>
 
 static const char *const field_names[] = {
-    "velocity", "angular_velocity", "mass", "restitution", "friction", "filter", "fixed_rotation", "radius"};
+    "velocity", "angular_velocity", "mass",           "restitution",
+    "friction", "filter",           "fixed_rotation", "radius"};
 
 enum { N_FIELDS = sizeof field_names / sizeof field_names[0] };
 
@@ -133,9 +134,9 @@ static void copy_fields(duet_body *to, const duet_body *from, uint32_t fields)
 
 static uint32_t parts_of(uint32_t fields)
 {
-    static const uint32_t parts[N_FIELDS] = {PART_VELOCITY, PART_ANGULAR_VELOCITY, PART_MASS,
-                                             PART_SURFACE,  PART_SURFACE,          PART_FILTER,
-                                             PART_MASS,     PART_SIZE};
+    static const uint32_t parts[N_FIELDS] = {
+        PART_VELOCITY, PART_ANGULAR_VELOCITY, PART_MASS, PART_SURFACE,
+        PART_SURFACE,  PART_FILTER,           PART_MASS, PART_SIZE};
     uint32_t all = 0;
     for (int i = 0; i < N_FIELDS; ++i)
         all |= fields & 1u << i ? parts[i] : 0;

@@ -41,7 +41,8 @@ static size_t size_of(const duet_replay *p, const recorded *r)
         return 0;
     if (is_def)
         return sizeof(recorded_def);
-    return r->n * ((recorded_has_ids(r->kind) ? sizeof(uint64_t) : 0) + recorded_row(r->kind, p->radii));
+    return r->n *
+           ((recorded_has_ids(r->kind) ? sizeof(uint64_t) : 0) + recorded_row(r->kind, p->radii));
 }
 
 static bool count_records(duet_replay *p, duet_error *err)
@@ -74,8 +75,7 @@ static bool read_replay(duet_replay *p, duet_error *err)
     uint64_t sum;
     if (!text_read_file(&p->file, p->path, err))
         return false;
-    if (p->file.length < sizeof p->head + sizeof sum ||
-        !knows_version(p))
+    if (p->file.length < sizeof p->head + sizeof sum || !knows_version(p))
         return error_set(err, DUET_STATUS_BAD_INPUT, "%s: not a recording of version 1 or 2",
                          p->path);
     memcpy(&p->head, p->file.chars, sizeof p->head);

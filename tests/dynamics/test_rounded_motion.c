@@ -317,6 +317,27 @@ static void fast_balls_meet_what_is_in_their_way(void **state)
     }
 }
 
+// Boxes, and capsules across each other.
+static void round_stacks_stand(void **state)
+{
+    (void)state;
+    for (int crossed = 0; crossed < 2; ++crossed) {
+        mover *m = on_a_floor(0.6);
+        const double box[3] = {0.4, 0.4, 0.4}, capsule[3] = {1, 0, 0};
+        for (int i = 0; i < 10; ++i) {
+            uint32_t id = add_round(m, 0, 0, 0.5 + i, crossed ? capsule : box, crossed ? 0.5 : 0.1);
+            m->bodies[id].friction = 0.6f;
+            if (crossed && i % 2)
+                mover_turn(m, id, 0, 0, 1, 1.5707963);
+        }
+        mover_run(m, 300);
+        assert_close(m->states[10].centre[2], 9.5, 0.03);
+        assert_close(m->states[10].centre[0], 0, 0.01);
+        assert_true(mover_greatest_speed(m) < 0.005);
+        mover_free(m);
+    }
+}
+
 static void piles_come_to_rest(void **state)
 {
     (void)state;
@@ -537,6 +558,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(bouncing_balls_come_back_to_their_height),
     cmocka_unit_test(elastic_spheres_exchange_momenta),
     cmocka_unit_test(fast_balls_meet_what_is_in_their_way),
+    cmocka_unit_test(round_stacks_stand),
     cmocka_unit_test(piles_come_to_rest),
     cmocka_unit_test(inertias_are_the_closed_forms),
     cmocka_unit_test(hits_and_sensors_are_told),
