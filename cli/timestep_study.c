@@ -301,7 +301,7 @@ bool timestep_study_applies(duet_device_pair *pair, const duet_scene *scene, boo
     const duet_scene_info *info = duet_scene_get_info(scene);
     *moves = false;
     // A trajectory is compared with one in double, which has no origin cells.
-    if (info->shape != DUET_SHAPE_POSES || info->n == 0 || info->origin_edge > 0)
+    if (info->shape == DUET_SHAPE_BOUNDS || info->n == 0 || info->origin_edge > 0)
         return true;
     duet_motion *m = duet_motion_create_from_scene(&def, scene, NULL, err);
     *moves = m && (duet_motion_get_effects(m) & DUET_EFFECT_MOTION) && def.dt > 0.0;

@@ -123,7 +123,7 @@ static void read_fallback(lua_State *L, gen_param *param)
 
 static void read_param(lua_State *L, card *c)
 {
-    static const char *const names[] = {"values", "min", "max", "default", "about", NULL};
+    static const char *const names[] = {"values", "min", "max", "default", "silent", "about", NULL};
     gen_param *param = &c->params[c->n_params];
     if (lua_type(L, -1) != LUA_TTABLE)
         field_raise(L, "params", "parameter %u is a %s, not a table", c->n_params + 1,
@@ -134,6 +134,7 @@ static void read_param(lua_State *L, card *c)
     read_values(L, param);
     read_range(L, param);
     read_fallback(L, param);
+    param->silent = field_boolean(L, -1, "silent", false);
     param->about = copy_string(L, field_string(L, -1, "about", ""));
 }
 

@@ -196,13 +196,18 @@ static bool fill_config(card *c, const gen_setting *settings, uint32_t n, const 
     return ok;
 }
 
+static bool is_said(const gen_param *param, const gen_setting *setting)
+{
+    return !param->silent || setting->value != 0;
+}
+
 // What varies, in the card's order; a range is the scene's and not named.
 static bool name_variant(const card *c, const gen_setting *config, gen_variant *v, duet_error *err)
 {
     text name = {0};
     text_add(&name, "%s", c->kernel);
     for (uint32_t i = 0; i < c->n_params; ++i)
-        if (c->params[i].n_values > 1)
+        if (c->params[i].n_values > 1 && is_said(&c->params[i], &config[i]))
             text_add(&name, ".%s%" PRId64, config[i].name, config[i].value);
     bool ok = text_ok(&name, err);
     if (ok && name.length >= sizeof v->name)
@@ -220,6 +225,8 @@ static void add_prelude(const card *c, const gen_setting *config, const gen_vari
     text_add(out, "// %s\n", v->name);
     for (uint32_t i = 0; i < c->n_params; ++i) {
         bool negative = config[i].value < 0;
+        if (!is_said(&c->params[i], &config[i]))
+            continue;
         text_add(out, negative ? "#define %s (%" PRId64 ")\n" : "#define %s %" PRId64 "\n",
                  config[i].name, config[i].value);
     }

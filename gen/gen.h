@@ -84,6 +84,7 @@ typedef struct gen_param {
     int64_t fallback;  // the value where none is set
     const int64_t *values;
     uint32_t n_values;
+    bool silent;         // at 0 it is neither in the text nor in the name
     bool is_range;       // any value from least to most may be set; values, if
     int64_t least, most; // there are some, are those that configs are made of
 } gen_param;

@@ -29,7 +29,7 @@ api.classes = {
   { "duet.Search", "A strategy that looks for the best share, asked and told by a script." },
   { "duet.Strategy", "A table: a way to search." },
   { "duet.Tuning", "A table: what a tuning found." },
-  { "duet.Bodies", "What objects are besides: rows of velocity xyz, angular velocity xyz, mass, restitution, friction, group, mask, fixed_rotation, sensor." },
+  { "duet.Bodies", "What objects are besides: rows of velocity xyz, angular velocity xyz, mass, restitution, friction, group, mask, radius, fixed_rotation, sensor." },
   { "duet.States", "Where objects are and how they move: rows of centre xyz, rotation xyzw, velocity xyz, angular velocity xyz." },
   { "duet.Contacts", "Where objects touch: rows of a, b, normal xyz, n, and four times anchor xyz, separation, normal impulse." },
   { "duet.PairQuery", "The narrow phase alone: tests pairs that the script brings." },

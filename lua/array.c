@@ -25,7 +25,7 @@ static const struct {
     [ARRAY_ROUNDED_BOXES] = {"fffffffffff", sizeof(duet_rounded_box)},
     [ARRAY_SPHERES] = {"ffff", sizeof(duet_sphere)},
     [ARRAY_PAIRS] = {"II", sizeof(duet_pair)},
-    [ARRAY_BODIES] = {"fffffffffIIBB", sizeof(duet_body)},
+    [ARRAY_BODIES] = {"fffffffffIIfBB", sizeof(duet_body)},
     [ARRAY_STATES] = {"ddddddddddddd", sizeof(duet_state)},
     [ARRAY_CONTACTS] = {"IIfffIffffffffffffffffffff", sizeof(duet_contact)},
     [ARRAY_ANSWERS] = {"C", sizeof(uint8_t)},
@@ -54,9 +54,9 @@ _Static_assert(offsetof(duet_sphere, radius) == 3 * 4, "a sphere is four floats"
 _Static_assert(offsetof(duet_transform, rotation[3]) == 6 * 4, "a transform is seven floats");
 _Static_assert(offsetof(duet_compact_transform, rotation[3]) == 3 * 4 + 3 * 2,
                "three floats and four short integers");
-_Static_assert(offsetof(duet_body, fixed_rotation) == 11 * 4 &&
-                   offsetof(duet_body, sensor) == 11 * 4 + 1,
-               "eleven numbers, then two of one byte");
+_Static_assert(offsetof(duet_body, fixed_rotation) == 12 * 4 &&
+                   offsetof(duet_body, sensor) == 12 * 4 + 1,
+               "twelve numbers, then two of one byte");
 _Static_assert(offsetof(duet_ray, t_max) == 6 * 4, "a ray is seven floats");
 _Static_assert(offsetof(duet_ray_hit, t) == 2 * 4, "all of four bytes");
 _Static_assert(offsetof(duet_point_hit, distance) == 2 * 4, "all of four bytes");
@@ -239,7 +239,7 @@ static void push_from_bytes(lua_State *L, int index, array_kind kind)
     array *a = array_push(L, kind, length / width);
     memcpy(a->rows, bytes, length);
     for (uint64_t i = 0; kind == ARRAY_BODIES && i < a->n; ++i)
-        for (int column = 11; column < width_of(a); ++column) { // any other byte is no bool
+        for (int column = 12; column < width_of(a); ++column) { // any other byte is no bool
             unsigned char *flag = column_at(a, i, column);
             *flag = *flag != 0;
         }

@@ -130,8 +130,8 @@ static motion_objects objects_of_scene(lua_State *L, const duet_scene *scene,
                         .poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES),
                         .bodies = duet_scene_get_bodies(scene),
                         .n = duet_scene_get_info(scene)->n};
-    luaL_argcheck(L, o.poses || o.n == 0, 2,
-                  "a scene of poses: bounds do not move, nor do objects with radii");
+    luaL_argcheck(L, duet_scene_get_info(scene)->shape != DUET_SHAPE_BOUNDS, 2,
+                  "a scene of poses: bounds do not move");
     return o;
 }
 

@@ -31,7 +31,8 @@ typedef enum duet_effect {
     DUET_EFFECT_EVENTS = 1u << 13,          // contacts that begin, stay and end, and hits
     DUET_EFFECT_FORCES = 1u << 14,          // commands push (duet_motion_commands.h)
     DUET_EFFECT_SENSORS = 1u << 15,         // bodies that touch without pushing
-    DUET_EFFECT_ALL = (1u << 16) - 1
+    DUET_EFFECT_RADIUS = 1u << 16,          // bodies have radii: spheres, capsules, rounded boxes
+    DUET_EFFECT_ALL = (1u << 17) - 1
 } duet_effect;
 
 DUET_API const char *duet_effect_name(uint32_t effect); // one bit: "rotation"; NULL for others
@@ -45,6 +46,7 @@ typedef struct duet_body {
     float friction;            // >= 0; a contact has the geometric mean of its two objects'
     uint32_t group;            // two objects can touch where each one's group has a bit
     uint32_t mask;             // of the other's mask
+    float radius;              // >= 0; the body is all that is so near to the pose's box
     bool fixed_rotation;       // never turned by others
     bool sensor;               // what touches it is told as events, and not pushed
 } duet_body;
@@ -116,7 +118,7 @@ DUET_API const duet_body *duet_scene_get_bodies(const duet_scene *scene);
 DUET_API duet_motion *duet_motion_create(const duet_motion_def *def, const duet_pose *poses,
                                          const duet_body *bodies, uint32_t n, duet_error *err);
 // The same of a scene's objects, in its origin cells where it has some. bodies
-// NULL: those that the scene gives.
+// NULL: those that the scene gives. Radii are the scene's.
 DUET_API duet_motion *duet_motion_create_from_scene(const duet_motion_def *def,
                                                     const duet_scene *scene,
                                                     const duet_body *bodies, duet_error *err);
@@ -205,8 +207,8 @@ DUET_API bool duet_motion_get_moved(duet_motion *motion, duet_moved *moved, duet
 DUET_API duet_state duet_state_between(const duet_state *from, const duet_state *to,
                                        double fraction);
 
-// Copies where all objects are to poses [n], as a tree or a world takes them: in floats, to which
-// a state in double or in origin cells is rounded.
+// Copies where all objects are to poses [n], as a tree or a world takes them, of bodies with
+// radii the cores: in floats, to which a state in double or in origin cells is rounded.
 DUET_API bool duet_motion_get_poses(duet_motion *motion, duet_pose *poses, duet_error *err);
 
 // A sum over the state's bits, equal on all devices, at any share and in any

@@ -65,7 +65,7 @@ typedef struct sketch {
 
     // What is drawn.
     uint32_t n;
-    duet_pose *boxes; // from far to near
+    duet_rounded_box *boxes; // from far to near
     bool *colliding;
     extent part;      // of the drawn boxes
     duet_pair *links; // pairs among them, by place in boxes
@@ -96,29 +96,43 @@ static void centre_of(const sketch *s, const duet_scene *scene, uint32_t id, dou
         centre[k] -= s->from[k];
 }
 
-static duet_pose box_of(const sketch *s, const duet_scene *scene, uint32_t id)
+static duet_rounded_box box_of(const sketch *s, const duet_scene *scene, uint32_t id)
 {
     grid_objects objects = objects_of(scene);
-    duet_pose box = {.rotation = {0, 0, 0, 1}};
+    duet_rounded_box box = {.pose.rotation = {0, 0, 0, 1}};
     double centre[3];
     if (s->info->shape == DUET_SHAPE_BOUNDS) {
         const duet_bounds *b = &((const duet_bounds *)objects.array)[id];
         for (int k = 0; k < 3; ++k)
-            box.half_extents[k] = 0.5F * b->upper[k] - 0.5F * b->lower[k];
+            box.pose.half_extents[k] = 0.5F * b->upper[k] - 0.5F * b->lower[k];
+    } else if (s->info->shape == DUET_SHAPE_POSES) {
+        box.pose = *origin_pose(objects.array, objects.origin, id);
     } else {
-        box = *origin_pose(objects.array, objects.origin, id);
+        box = scene_rounded_box(scene, id);
     }
     centre_of(s, scene, id, centre);
     for (int k = 0; k < 3; ++k)
-        box.centre[k] = (float)centre[k];
+        box.pose.centre[k] = (float)centre[k];
     return box;
 }
 
-static void add_box(extent *e, const duet_pose *box, uint32_t dims)
+static corners corners_of_box(const duet_rounded_box *box, uint32_t dims)
 {
-    corners all = corners_of(box, dims);
+    corners all = corners_of(&box->pose, dims);
+    all.radius = (double)box->radius;
+    return all;
+}
+
+static void add_box(extent *e, const duet_rounded_box *box, uint32_t dims)
+{
+    corners all = corners_of_box(box, dims);
     for (int i = 0; i < 8; ++i)
-        extent_add(e, all.at[i]);
+        for (int side = -1; side <= 1; side += 2) {
+            double out[3] = {0};
+            for (uint32_t k = 0; k < dims; ++k)
+                out[k] = all.at[i][k] + side * all.radius;
+            extent_add(e, out);
+        }
 }
 
 // ---------------------------------------------------------------- the whole scene
@@ -155,7 +169,7 @@ static bool look_at_all(sketch *s, const duet_scene *scene, duet_error *err)
     if (s->info->n > 0)
         origin_corner(s->from, objects_of(scene).array, s->info->origin_edge, 0);
     for (uint32_t id = 0; id < s->info->n; ++id) {
-        duet_pose box = box_of(s, scene, id);
+        duet_rounded_box box = box_of(s, scene, id);
         add_box(&s->whole, &box, s->info->dims);
     }
     if (s->info->has_world)
@@ -331,14 +345,14 @@ static void draw_cells(const view *v, canvas *c, const sketch *s)
 static void draw_boxes(const sketch *s, const view *v, canvas *c)
 {
     for (uint32_t i = 0; i < s->n; ++i) {
-        corners all = corners_of(&s->boxes[i], v->dims);
+        corners all = corners_of_box(&s->boxes[i], v->dims);
         view_box(v, c, &all, s->colliding[i] ? &collides : &alone);
     }
 }
 
 static point centre_on(const sketch *s, const view *v, uint32_t place)
 {
-    const float *from = s->boxes[place].centre;
+    const float *from = s->boxes[place].pose.centre;
     const double centre[3] = {from[0], from[1], s->info->dims == 3 ? from[2] : 0};
     return view_point(v, centre);
 }
@@ -440,15 +454,6 @@ static uint32_t most_boxes(const arguments *args, const duet_scene *scene)
     return duet_scene_get_info(scene)->dims == 2 ? BOXES_2D : BOXES_3D;
 }
 
-static bool can_be_drawn(const duet_scene *scene, duet_error *err)
-{
-    const duet_scene_info *info = duet_scene_get_info(scene);
-    return info->shape == DUET_SHAPE_POSES || info->shape == DUET_SHAPE_BOUNDS ||
-           error_set(err, DUET_STATUS_BAD_INPUT,
-                     "%s: its objects have radii, which no picture shows; expected boxes",
-                     info->name);
-}
-
 static bool run(void *given, char **operands, duet_error *err)
 {
     const arguments *args = given;
@@ -456,8 +461,7 @@ static bool run(void *given, char **operands, duet_error *err)
     double width = (double)args->width;
     canvas *c = canvas_open(args->out, width, width, err);
     duet_scene *scene = c ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
-    bool ok =
-        scene && can_be_drawn(scene, err) && sketch_make(&s, scene, most_boxes(args, scene), err);
+    bool ok = scene && sketch_make(&s, scene, most_boxes(args, scene), err);
     if (ok)
         sketch_draw(&s, c, width, width);
     ok = canvas_close(c, ok, err);

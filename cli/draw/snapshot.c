@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "cli/draw/view.h"
 #include "cli/report/table.h"
+#include "runtime/scene/scene.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -69,6 +70,18 @@ static uint32_t count(const crowd *c)
 
 // ---------------------------------------------------------------- what is seen
 
+static duet_rounded_box body_of(const duet_scene *scene, uint32_t id)
+{
+    const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
+    return poses ? (duet_rounded_box){poses[id], 0} : scene_rounded_box(scene, id);
+}
+
+// Of what a command brought the core alone is known.
+static double radius_of(const snapshot *s, const crowd *c, uint32_t place)
+{
+    return c->ids[place] < s->n ? body_of(s->scene, (uint32_t)c->ids[place]).radius : 0.0;
+}
+
 static int by_number(const void *x, const void *y)
 {
     double a = *(const double *)x, b = *(const double *)y;
@@ -86,7 +99,8 @@ static bool find_extent(const snapshot *s, const crowd *c, uint32_t axis, double
     uint32_t n = 0;
     for (uint32_t i = 0; i < c->n; ++i) {
         const float *h = c->poses[i].half_extents;
-        double reach = fmax(h[0], fmax(h[1], s->def->dims == 3 ? h[2] : 0.0));
+        double core = fmax(h[0], fmax(h[1], s->def->dims == 3 ? h[2] : 0.0));
+        double reach = core + radius_of(s, c, i);
         if (!is_there(c, i) || was_shot(s, c, i))
             continue;
         lowers[n] = c->states[i].centre[axis] - reach;
@@ -174,24 +188,25 @@ static void colour_objects(snapshot *s, const duet_state *start)
 }
 
 // What calls for the effect `continuous`: more than half its least half extent a step.
-static bool moves_fast(const duet_motion_def *d, const duet_pose *p, const duet_state *s)
+static bool moves_fast(const duet_motion_def *d, const duet_rounded_box *body, const duet_state *s)
 {
+    const duet_pose *p = &body->pose;
     double speed = hypot(s->velocity[0], s->velocity[1]);
     double least = fmin(p->half_extents[0], p->half_extents[1]);
     if (d->dims == 3) {
         speed = hypot(speed, s->velocity[2]);
         least = fmin(least, p->half_extents[2]);
     }
-    return speed * d->dt > 0.5 * least;
+    return speed * d->dt > 0.5 * (least + body->radius);
 }
 
 // Where all are that fast, as on orbits, none was shot.
 static void find_shot(snapshot *s, const duet_state *start)
 {
-    const duet_pose *poses = duet_scene_get_objects(s->scene, DUET_OBJECT_POSES);
     uint32_t n = 0;
     for (uint32_t i = 0; i < s->n; ++i) {
-        s->is_shot[i] = moves_fast(s->def, &poses[i], &start[i]);
+        const duet_rounded_box body = body_of(s->scene, i);
+        s->is_shot[i] = moves_fast(s->def, &body, &start[i]);
         n += s->is_shot[i];
     }
     if (n > s->n / 2)
@@ -265,6 +280,7 @@ static block block_of(const snapshot *s, const view *v, const crowd *c, uint32_t
     memset(box.centre, 0, sizeof box.centre);
     block b = {corners_of(&box, v->dims), INFINITY,
                c->ids[place] < s->n ? s->colours[place] : shot};
+    b.corners.radius = radius_of(s, c, place);
     move_to(&b.corners, state->centre, v->dims);
     for (int i = 0; i < 8; ++i)
         b.nearness = fmin(b.nearness, view_nearness(v, b.corners.at[i]));

@@ -103,15 +103,19 @@ corners corners_of(const duet_pose *box, uint32_t dims)
     return all;
 }
 
-// The four corners on one side of an axis, in the order of a walk about it.
+// The four corners on one side of an axis, a radius out, in the order of a walk about it.
 static void face(const view *v, const corners *all, int axis, int side, point walk[4])
 {
     int u = 1 << (axis + 1) % 3;
     int w = 1 << (axis + 2) % 3;
     int from = side << axis;
     const int order[4] = {from, from | u, from | u | w, from | w};
-    for (int i = 0; i < 4; ++i)
-        walk[i] = view_point(v, all->at[order[i]]);
+    for (int i = 0; i < 4; ++i) {
+        double at[3];
+        for (int k = 0; k < 3; ++k)
+            at[k] = all->at[order[i]][k] + (side ? 1 : -1) * all->radius * all->turn[k][axis];
+        walk[i] = view_point(v, at);
+    }
 }
 
 static colour shade(colour c, double light)
@@ -132,9 +136,45 @@ static void draw_faces(const view *v, canvas *c, const corners *all, const box_i
     }
 }
 
+// What a rounded box covers: the outline of its corners, a radius further out.
+static void draw_outline(const view *v, canvas *c, const corners *all, const box_ink *ink)
+{
+    enum { SIDES = 64 };
+    double unit = v->scale * (v->dims == 3 ? sqrt(dot(v->look->right, v->look->right)) : 1);
+    point walk[SIDES];
+    for (int i = 0; i < SIDES; ++i) {
+        double angle = 2 * 3.14159265358979323846 * i / SIDES, furthest = -INFINITY;
+        point way = {cos(angle), sin(angle)}, at = {0, 0};
+        for (int k = 0; k < (v->dims == 3 ? 8 : 4); ++k) {
+            point p = view_point(v, all->at[k]);
+            double far = p.x * way.x + p.y * way.y;
+            at = far > furthest ? p : at;
+            furthest = fmax(far, furthest);
+        }
+        walk[i] = (point){at.x + all->radius * unit * way.x, at.y + all->radius * unit * way.y};
+    }
+    canvas_polygon(c, walk, SIDES, ink->fill, ink->edge);
+}
+
+static void draw_rounded(const view *v, canvas *c, const corners *box, const box_ink *ink)
+{
+    if (v->dims == 2) {
+        draw_outline(v, c, box, ink);
+        return;
+    }
+    colour round = shade(ink->fill, v->look->dark + 0.5 * v->look->bright);
+    colour edge = ink->edge.alpha > 0 ? ink->edge : shade(ink->fill, v->look->dark);
+    draw_outline(v, c, box, &(box_ink){round, edge});
+    draw_faces(v, c, box, ink);
+}
+
 void view_box(const view *v, canvas *c, const corners *box, const box_ink *ink)
 {
     point walk[4];
+    if (box->radius > 0) {
+        draw_rounded(v, c, box, ink);
+        return;
+    }
     if (v->dims == 3) {
         draw_faces(v, c, box, ink);
         return;

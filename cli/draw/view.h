@@ -48,6 +48,7 @@ double view_nearness(const view *v, const double p[3]);
 typedef struct corners {
     double at[8][3];
     double turn[3][3];
+    double radius; // of a rounded box, whose core the corners are of
 } corners;
 
 corners corners_of(const duet_pose *box, uint32_t dims);
@@ -57,7 +58,8 @@ typedef struct box_ink {
     colour edge; // of alpha 0: none
 } box_ink;
 
-// Its outline filled, or in 3D the faces that are seen, shaded by direction.
+// Its outline filled, or in 3D the faces that are seen, shaded by direction; round edges are all
+// of one shade.
 void view_box(const view *v, canvas *c, const corners *box, const box_ink *ink);
 
 // A bar of 1, 2 or 5 times a power of ten units, its left end at the point, with its

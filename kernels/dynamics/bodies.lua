@@ -12,6 +12,7 @@ return {
     { "DRAG", values = { 0, 1 }, default = 0, about = "1: velocities decay" },
     { "FORCES", values = { 0, 1 }, default = 0, about = "1: commands push" },
     { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
+    { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
@@ -23,6 +24,7 @@ return {
       const real4 *rotations           if ANGULAR_VELOCITY > 0
       const real4 *angular_velocities  if ANGULAR_VELOCITY > 0
       const float4 *inertias           if ANGULAR_VELOCITY > 0
+      const float4 *halves             if ANGULAR_VELOCITY > 0 and ROUNDED == 1
       const uint *asleep               if SLEEP == 1
       uint woken                       if SLEEP == 1
       const uint *flags                if SLEEP == 1

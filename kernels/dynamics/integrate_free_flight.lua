@@ -15,6 +15,7 @@ return {
     { "FORCES", values = { 0, 1 }, default = 0, about = "1: commands push" },
     { "BOUNDARY", values = { 0, 1, 2 }, default = 0, about = "1: walls, 2: periodic" },
     { "ORDER", values = { 1, 2, 4 }, default = 1, about = "of the integrator" },
+    { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,

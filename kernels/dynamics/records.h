@@ -80,6 +80,9 @@
 #define BODY_DELTA_POSITION_OF(TURNS) ((TURNS) ? 3 : 1) // w: xx
 #define BODY_DELTA_ROTATION 4     // where bodies turn: a quaternion
 #define BODY_ARC 5                // where they turn far in a step: the sum of all turns, as a vector; else spare
+//@ if ROUNDED == 1 then
+// w of an arc is the radius, where bodies turn.
+//@ end
 #define BODY_WARM_IMPULSE_OF(TURNS) ((TURNS) ? 6 : 2)
 #define BODY_WARM_TORQUE 7        // where bodies turn; else 3 is spare
 

@@ -17,7 +17,7 @@ local ratios = { 1, 3, 10, 30, 100, 300, 1000, 3000, 10000, 30000, 100000 }
 local apart <const>, mask <const> = 3, 0xffffffff
 
 local function body(mass)
-  return { 0, 0, 0, 0, 0, 0, mass, 0, 0.6, mask, mask, false, false }
+  return { 0, 0, 0, 0, 0, 0, mass, 0, 0.6, mask, mask, 0, false, false }
 end
 
 -- The floor, then for each ratio a box of mass 1 and the heavy one on it.

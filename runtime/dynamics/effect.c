@@ -34,6 +34,8 @@ static const effect_row rows[] = {
     {DUET_EFFECT_ROTATION, "rotation", 0,
      "a rotation that is not the identity, with motion or contact; or angular_velocity",
      "rotations", "integrate_free_flight, fat_aabbs, build_manifolds"},
+    {DUET_EFFECT_RADIUS, "radius", 0, "a radius, with contact or walls", "touch_rounded",
+     "fat_aabbs, build_manifolds, bodies, solve_contacts, integrate_free_flight"},
     {DUET_EFFECT_FRICTION, "friction", DUET_EFFECT_CONTACT_RESPONSE, "a friction", "friction",
      "match_contacts, build_manifolds, update_sleep, graph_colour, prepare_contacts, "
      "solve_contacts, integrate_positions, contact_events"},
@@ -76,8 +78,8 @@ static bool is_turned(const duet_pose *p, uint32_t dims)
            (dims == 3 && (p->rotation[0] != 0.0f || p->rotation[1] != 0.0f));
 }
 
-// How far a body moves in a step, or a corner of it outside of the ball within it, in half
-// extents of its least side.
+// How far a body moves in a step, or a corner of it outside of the ball within it, in parts of
+// that ball's radius.
 static double reach_of(const duet_pose *p, const duet_body *b, uint32_t dims, double dt)
 {
     const float *h = p->half_extents, *v = b->velocity, *w = b->angular_velocity;
@@ -90,7 +92,7 @@ static double reach_of(const duet_pose *p, const duet_body *b, uint32_t dims, do
         turning = hypot(hypot(w[0], w[1]), w[2]);
     }
     speed += turning * (arm - least);
-    return speed > 0.0 ? speed * dt / least : 0.0;
+    return speed > 0.0 ? speed * dt / (least + b->radius) : 0.0;
 }
 
 static void add_object(effect_facts *f, const duet_pose *p, const duet_body *b, uint32_t dims,
@@ -107,6 +109,7 @@ static void add_object(effect_facts *f, const duet_pose *p, const duet_body *b, 
     f->elastic |= b->restitution > 0.0f;
     f->rough |= b->friction > 0.0f;
     f->sensing |= b->sensor;
+    f->round |= b->radius > 0.0f;
     f->filtered |= b->group != UINT32_MAX || b->mask != UINT32_MAX;
     f->reach = fmax(f->reach, reach_of(p, b, dims, dt));
 }
@@ -151,6 +154,8 @@ static bool is_called(uint32_t effect, const duet_motion_def *def, const effect_
         return f->turning || (pushes && f->turnable);
     case DUET_EFFECT_ROTATION:
         return (moves || (so_far & DUET_EFFECT_CONTACT)) && f->rotated;
+    case DUET_EFFECT_RADIUS:
+        return f->round && (so_far & (DUET_EFFECT_CONTACT | DUET_EFFECT_BOUNDARY));
     case DUET_EFFECT_FRICTION:
         return pushes && f->rough;
     case DUET_EFFECT_CONTINUOUS:

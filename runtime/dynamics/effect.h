@@ -17,6 +17,7 @@ typedef struct effect_facts {
     bool rough;    // some friction is not 0
     bool filtered; // some group or mask is not all
     bool sensing;  // some body is a sensor
+    bool round;    // some radius is not 0
     double reach;  // the most that something moves in a step, in its least half extents
 } effect_facts;
 

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "runtime/narrowphase/origin.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -175,6 +176,8 @@ const char *motion_body_fault(const duet_body *b)
         return "the mass must be 0, or from 1e-30 to 1e30";
     if (!is_between(b->restitution, 0.0, 1.0))
         return "the restitution must be from 0 to 1";
+    if (!is_between(b->radius, 0.0, FLT_MAX))
+        return "the radius must be 0 or above";
     return is_between(b->friction, 0.0, 1e6) ? NULL : "the friction must be from 0 to 1e6";
 }
 
@@ -203,7 +206,7 @@ static double mean_least_extent(const duet_motion *m)
         ++n;
         const float *h = m->poses[id].half_extents;
         double least = fmin(h[0], h[1]);
-        sum += 2.0 * (m->def.dims == 3 ? fmin(least, h[2]) : least);
+        sum += 2.0 * ((m->def.dims == 3 ? fmin(least, h[2]) : least) + m->bodies[id].radius);
     }
     return n > 0 ? sum / n : 0.0;
 }

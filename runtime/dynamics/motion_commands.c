@@ -13,7 +13,8 @@
 #include <string.h>
 
 static const char *const field_names[] = {
-    "velocity", "angular_velocity", "mass", "restitution", "friction", "filter", "fixed_rotation"};
+    "velocity", "angular_velocity", "mass",           "restitution",
+    "friction", "filter",           "fixed_rotation", "radius"};
 
 enum { N_FIELDS = sizeof field_names / sizeof field_names[0] };
 
@@ -66,6 +67,7 @@ static effect_facts joined(const duet_motion *m, const effect_facts *more)
     f.turnable |= more->turnable;
     f.uneven |= more->uneven;
     f.sensing |= more->sensing;
+    f.round |= more->round;
     f.elastic |= more->elastic;
     f.rough |= more->rough;
     f.filtered |= more->filtered;
@@ -126,13 +128,15 @@ static void copy_fields(duet_body *to, const duet_body *from, uint32_t fields)
     }
     if (fields & DUET_BODY_FIXED_ROTATION)
         to->fixed_rotation = from->fixed_rotation;
+    if (fields & DUET_BODY_RADIUS)
+        to->radius = from->radius;
 }
 
 static uint32_t parts_of(uint32_t fields)
 {
-    static const uint32_t parts[N_FIELDS] = {PART_VELOCITY, PART_ANGULAR_VELOCITY, PART_MASS,
-                                             PART_SURFACE,  PART_SURFACE,          PART_FILTER,
-                                             PART_MASS};
+    static const uint32_t parts[N_FIELDS] = {
+        PART_VELOCITY, PART_ANGULAR_VELOCITY, PART_MASS, PART_SURFACE,
+        PART_SURFACE,  PART_FILTER,           PART_MASS, PART_SIZE};
     uint32_t all = 0;
     for (int i = 0; i < N_FIELDS; ++i)
         all |= fields & 1u << i ? parts[i] : 0;

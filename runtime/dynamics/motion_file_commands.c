@@ -24,7 +24,8 @@ typedef struct saved_place {
     uint32_t group, mask, flags;
     uint32_t generation, state;
     uint64_t user_data;
-    int32_t cell[4];
+    int32_t cell[3];
+    float radius; // 0 in files from before there were radii
 } saved_place;
 
 static_assert(sizeof(saved_head) == 160 && sizeof(saved_place) == 120 &&
@@ -68,7 +69,8 @@ static saved_place place_of(const duet_motion *m, uint32_t place)
                          (b->fixed_rotation ? SAVED_FIXED : 0) | (b->sensor ? SAVED_SENSOR : 0),
                      .generation = m->commands->generations[place],
                      .state = m->commands->states[place],
-                     .user_data = m->commands->user_data[place]};
+                     .user_data = m->commands->user_data[place],
+                     .radius = b->radius};
     memcpy(s.velocity, b->velocity, sizeof s.velocity);
     memcpy(s.angular_velocity, b->angular_velocity, sizeof s.angular_velocity);
     if (m->cells)
@@ -169,6 +171,7 @@ static bool take_place(duet_motion *as, uint32_t place, const saved_place *s, co
                      .friction = s->friction,
                      .group = s->group,
                      .mask = s->mask,
+                     .radius = s->radius,
                      .fixed_rotation = s->flags & SAVED_FIXED,
                      .sensor = s->flags & SAVED_SENSOR};
     memcpy(b->velocity, s->velocity, sizeof b->velocity);

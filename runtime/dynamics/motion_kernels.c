@@ -81,6 +81,7 @@ static bool gather(duet_motion *m, const char *name, gen_setting settings[MOST_P
         {"FILTER", has(m, DUET_EFFECT_FILTER)},
         {"SLEEP", has(m, DUET_EFFECT_SLEEP)},
         {"SKIN", has(m, DUET_EFFECT_SKIN)},
+        {"ROUNDED", has(m, DUET_EFFECT_RADIUS)},
         {"SENSORS", has(m, DUET_EFFECT_SENSORS)},
         {"HITS", motion_tells_hits(m)},
     };

@@ -42,6 +42,11 @@ bool motion_copy_poses(duet_motion *m, duet_pose *poses, duet_error *err)
     return true;
 }
 
+bool motion_has_radii(const duet_motion *m)
+{
+    return m->facts.round;
+}
+
 uint32_t motion_count_hidden(const duet_motion *m)
 {
     return m->commands ? m->commands->n_hidden : 0;

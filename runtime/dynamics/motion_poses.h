@@ -6,6 +6,9 @@
 
 #include "runtime/dynamics/motion.h"
 
+// Whether some body has a radius, or had one; poses are the cores then.
+bool motion_has_radii(const duet_motion *m);
+
 // Whether B's state says all of it.
 bool motion_has_poses(const duet_motion *m);
 

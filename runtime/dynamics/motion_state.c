@@ -2,6 +2,7 @@
 // The state of a motion: onto B, back, and sums over it.
 #include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_rows.h"
+#include "runtime/dynamics/rounded_inertia.h"
 #include "runtime/dynamics/vector.h"
 
 #include "base/error.h"
@@ -95,12 +96,21 @@ static double inverse_of(double inertia)
     return inertia > 0.0 ? 1.0 / inertia : 0.0;
 }
 
-// Of a solid box; one without extent across an axis is never turned about it.
+// Of a solid body; one without extent across an axis is never turned about it.
 static entry inertia_of(const duet_motion *m, uint32_t id)
 {
     const float *h = m->poses[id].half_extents;
     const duet_body *b = &m->bodies[id];
     bool fixed = b->fixed_rotation || motion_is_hidden(m, id);
+    if (b->radius > 0.0f) {
+        double spread[3];
+        rounded_spread(h, b->radius, m->def.dims, spread);
+        double mass = fixed ? 0.0 : (double)b->mass;
+        bool solid = m->def.dims == 3;
+        return (entry){{solid ? inverse_of(mass * (spread[1] + spread[2])) : 0.0,
+                        solid ? inverse_of(mass * (spread[0] + spread[2])) : 0.0,
+                        inverse_of(mass * (spread[0] + spread[1]))}};
+    }
     double third = fixed ? 0.0 : (double)b->mass / 3.0;
     double xx = (double)h[0] * h[0], yy = (double)h[1] * h[1], zz = (double)h[2] * h[2];
     if (m->def.dims == 2)
@@ -116,7 +126,7 @@ static entry half_of(const duet_motion *m, uint32_t id)
     if (motion_is_hidden(m, id))
         return (entry){{hidden, hidden, m->def.dims == 3 ? hidden : 0.0}};
     const float *h = m->poses[id].half_extents;
-    return (entry){{h[0], h[1], m->def.dims == 3 ? h[2] : 0.0}};
+    return (entry){{h[0], h[1], m->def.dims == 3 ? h[2] : 0.0, m->bodies[id].radius}};
 }
 
 static entry restitution_of(const duet_motion *m, uint32_t id)

@@ -5,21 +5,28 @@
 #include "runtime/dynamics/motion_commands.h"
 
 #include <assert.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
 static_assert(sizeof(recording_head) == 48 && sizeof(recorded) == 16 &&
-                  sizeof(recorded_body) == 48 && sizeof(recorded_def) == 144,
+                  sizeof(recorded_body) == 52 && sizeof(recorded_def) == 144,
               "no byte of a file is left to chance");
 
 const char recording_magic[16] = "duet replay 1\n";
+const char recording_magic_radii[16] = "duet replay 2\n";
 
-size_t recorded_row(uint32_t kind)
+size_t recorded_body_size(bool radii)
 {
-    static const size_t sizes[RECORDED_KINDS] = {
-        [RECORDED_ADD] = sizeof(duet_pose) + sizeof(recorded_body),
+    return radii ? sizeof(recorded_body) : offsetof(recorded_body, radius);
+}
+
+size_t recorded_row(uint32_t kind, bool radii)
+{
+    const size_t sizes[RECORDED_KINDS] = {
+        [RECORDED_ADD] = sizeof(duet_pose) + recorded_body_size(radii),
         [RECORDED_USER_DATA] = sizeof(uint64_t),
-        [RECORDED_BODIES] = sizeof(recorded_body),
+        [RECORDED_BODIES] = recorded_body_size(radii),
         [RECORDED_POSES] = sizeof(duet_pose),
         [RECORDED_FORCES] = sizeof(duet_force),
         [RECORDED_IMPULSES] = sizeof(duet_impulse),
@@ -44,23 +51,27 @@ recorded_body recorded_body_of(const duet_body *b)
                        .friction = b->friction,
                        .group = b->group,
                        .mask = b->mask,
-                       .flags = (b->fixed_rotation ? FIXED : 0) | (b->sensor ? SENSOR : 0)};
+                       .flags = (b->fixed_rotation ? FIXED : 0) | (b->sensor ? SENSOR : 0),
+                       .radius = b->radius};
     memcpy(r.velocity, b->velocity, sizeof r.velocity);
     memcpy(r.angular_velocity, b->angular_velocity, sizeof r.angular_velocity);
     return r;
 }
 
-duet_body recorded_to_body(const recorded_body *r)
+duet_body recorded_to_body(const char *row, bool radii)
 {
-    duet_body b = {.mass = r->mass,
-                   .restitution = r->restitution,
-                   .friction = r->friction,
-                   .group = r->group,
-                   .mask = r->mask,
-                   .fixed_rotation = r->flags & FIXED,
-                   .sensor = r->flags & SENSOR};
-    memcpy(b.velocity, r->velocity, sizeof b.velocity);
-    memcpy(b.angular_velocity, r->angular_velocity, sizeof b.angular_velocity);
+    recorded_body r = {.radius = 0.0f};
+    memcpy(&r, row, recorded_body_size(radii));
+    duet_body b = {.mass = r.mass,
+                   .restitution = r.restitution,
+                   .friction = r.friction,
+                   .group = r.group,
+                   .mask = r.mask,
+                   .radius = r.radius,
+                   .fixed_rotation = r.flags & FIXED,
+                   .sensor = r.flags & SENSOR};
+    memcpy(b.velocity, r.velocity, sizeof b.velocity);
+    memcpy(b.angular_velocity, r.angular_velocity, sizeof b.angular_velocity);
     return b;
 }
 
@@ -135,6 +146,15 @@ static void add_ids(duet_motion *m, text *to, recorded_kind kind, const uint32_t
     }
 }
 
+static void add_bodies(const duet_motion *m, text *to, const duet_body *bodies, uint32_t n)
+{
+    size_t size = recorded_body_size(motion_has(m, DUET_EFFECT_RADIUS));
+    for (uint32_t i = 0; i < n; ++i) {
+        const recorded_body b = recorded_body_of(&bodies[i]);
+        add(to, &b, size);
+    }
+}
+
 void motion_note(duet_motion *m, recorded_kind kind, const uint32_t *places, uint32_t n,
                  const void *rows)
 {
@@ -142,7 +162,7 @@ void motion_note(duet_motion *m, recorded_kind kind, const uint32_t *places, uin
     if (!to)
         return;
     add_ids(m, to, kind, places, n);
-    add(to, rows, n * recorded_row(kind));
+    add(to, rows, n * recorded_row(kind, false)); // of no kind that has bodies
 }
 
 void motion_note_bodies(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t fields,
@@ -152,10 +172,7 @@ void motion_note_bodies(duet_motion *m, const uint32_t *places, uint32_t n, uint
     if (!to)
         return;
     add_ids(m, to, RECORDED_BODIES, places, n);
-    for (uint32_t i = 0; i < n; ++i) {
-        const recorded_body b = recorded_body_of(&bodies[i]);
-        add(to, &b, sizeof b);
-    }
+    add_bodies(m, to, bodies, n);
 }
 
 void motion_note_arrivals(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
@@ -165,10 +182,7 @@ void motion_note_arrivals(duet_motion *m, const duet_pose *poses, const duet_bod
     if (!to)
         return;
     add(to, poses, n * sizeof *poses);
-    for (uint32_t i = 0; i < n; ++i) {
-        const recorded_body b = recorded_body_of(&bodies[i]);
-        add(to, &b, sizeof b);
-    }
+    add_bodies(m, to, bodies, n);
 }
 
 void motion_note_def(duet_motion *m)
@@ -204,7 +218,9 @@ bool duet_motion_record(duet_motion *m, duet_error *err)
     if (!fresh)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a recording");
     fresh->head = (recording_head){.dims = m->def.dims, .n = m->n, .step = m->step, .hash = hash};
-    memcpy(fresh->head.magic, recording_magic, sizeof recording_magic);
+    bool radii = motion_has(m, DUET_EFFECT_RADIUS);
+    memcpy(fresh->head.magic, radii ? recording_magic_radii : recording_magic,
+           sizeof recording_magic);
     motion_forget_recording(m);
     m->recording = fresh;
     return true;

@@ -33,7 +33,8 @@ typedef struct recording_head {
     uint64_t end_hash;
 } recording_head;
 
-extern const char recording_magic[16];
+// Of motions whose bodies may have radii, and of the others: rows of bodies then have none.
+extern const char recording_magic_radii[16], recording_magic[16];
 
 // Begins each record; n ids and n rows of the kind's size follow, or a def.
 typedef struct recorded {
@@ -43,11 +44,14 @@ typedef struct recorded {
     uint32_t unused;
 } recorded;
 
-// A duet_body as it is written.
+// A duet_body as it is written, without its radius where the recording has none.
 typedef struct recorded_body {
     float velocity[3], angular_velocity[3], mass, restitution, friction;
     uint32_t group, mask, flags; // 1: fixed_rotation, 2: sensor
+    float radius;
 } recorded_body;
+
+size_t recorded_body_size(bool radii);
 
 // What of a def a command can change.
 typedef struct recorded_def {
@@ -56,11 +60,11 @@ typedef struct recorded_def {
 } recorded_def;
 
 // Bytes of a kind's row, and whether its records have ids.
-size_t recorded_row(uint32_t kind);
+size_t recorded_row(uint32_t kind, bool radii);
 bool recorded_has_ids(uint32_t kind);
 
 recorded_body recorded_body_of(const duet_body *body);
-duet_body recorded_to_body(const recorded_body *body);
+duet_body recorded_to_body(const char *row, bool radii);
 recorded_def recorded_def_of(const duet_motion_def *def);
 void recorded_to_def(const recorded_def *from, duet_motion_def *def);
 

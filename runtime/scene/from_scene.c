@@ -5,6 +5,8 @@
 #include "runtime/dynamics/motion.h"
 #include "runtime/scene/scene.h"
 
+#include <stdlib.h>
+
 duet_object_kind scene_kind(const duet_scene_info *info)
 {
     static const duet_object_kind of_shape[DUET_SHAPES] = {
@@ -34,6 +36,31 @@ bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error
     return duet_world_set_objects(world, kind, duet_scene_get_objects(scene, kind), info->n, err);
 }
 
+// A motion has cores as poses, and radii in its bodies.
+static duet_motion *create_rounded(const duet_motion_def *def, const duet_scene *scene,
+                                   const duet_body *own, duet_error *err)
+{
+    uint32_t n = duet_scene_get_info(scene)->n;
+    duet_pose *poses = malloc(((size_t)n + 1) * sizeof *poses);
+    duet_body *bodies = malloc(((size_t)n + 1) * sizeof *bodies);
+    duet_motion *m = NULL;
+    if (!poses || !bodies) {
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u objects that move", n);
+        goto done;
+    }
+    for (uint32_t i = 0; i < n; ++i) {
+        duet_rounded_box box = scene_rounded_box(scene, i);
+        poses[i] = box.pose;
+        bodies[i] = own ? own[i] : duet_default_body();
+        bodies[i].radius = box.radius;
+    }
+    m = motion_create(def, poses, NULL, bodies, n, err);
+done:
+    free(poses);
+    free(bodies);
+    return m;
+}
+
 duet_motion *duet_motion_create_from_scene(const duet_motion_def *def, const duet_scene *scene,
                                            const duet_body *bodies, duet_error *err)
 {
@@ -42,12 +69,8 @@ duet_motion *duet_motion_create_from_scene(const duet_motion_def *def, const due
     const duet_scene_info *info = duet_scene_get_info(scene);
     const duet_pose *poses = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
     const duet_body *own = bodies ? bodies : duet_scene_get_bodies(scene);
-    if (info->shape == DUET_SHAPE_ROUNDED_BOXES || info->shape == DUET_SHAPE_SPHERES) {
-        error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                  "%s: its objects have radii, which a motion does not know; expected boxes",
-                  info->name);
-        return NULL;
-    }
+    if (info->shape == DUET_SHAPE_ROUNDED_BOXES || info->shape == DUET_SHAPE_SPHERES)
+        return create_rounded(def, scene, own, err);
     if (!poses) {
         error_set(err, DUET_STATUS_BAD_ARGUMENT,
                   "%s: its objects are corners, which do not move; expected centres and half "

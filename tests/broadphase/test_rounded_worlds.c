@@ -291,8 +291,17 @@ static void what_knows_no_radii_says_so(void **state)
     duet_scene *made = duet_scene_create(DUET_OBJECT_SPHERES, spheres, 3, 3, 0, &err);
     assert_ok(made, err);
     duet_motion_def motion = duet_scene_motion_def(made, devices);
-    assert_null(duet_motion_create_from_scene(&motion, made, NULL, &err));
-    assert_non_null(strstr(err.text, "its objects have radii, which a motion does not know"));
+    motion.wants = DUET_EFFECT_CONTACT;
+    duet_motion *m = duet_motion_create_from_scene(&motion, made, NULL, &err);
+    assert_ok(m, err);
+    tree.shape = DUET_SHAPE_POSES;
+    duet_tree *of_bodies = duet_tree_create(&tree, &err);
+    assert_ok(of_bodies, err);
+    assert_false(duet_tree_set_motion(of_bodies, m, &err));
+    assert_string_equal(err.text, "the motion's bodies have radii, which queries do not know; "
+                                  "expected boxes");
+    duet_tree_destroy(of_bodies);
+    duet_motion_destroy(m);
     duet_scene_destroy(made);
 }
 

@@ -82,6 +82,22 @@ static void of_a_box_in_3d_three_faces_are_seen(void **state)
     text_free(&svg);
 }
 
+// A disc is a polygon of its fill; its bounds are those of the disc.
+static void what_has_a_radius_is_round(void **state)
+{
+    (void)state;
+    write_scene("0 0 0 0 0 1 0.5\n3 0 1 0.2 0 1 0.3\n");
+    text svg = draw(SVG, "");
+    assert_int_equal(count(&svg, alone), 2);
+    const char *path = strstr(svg.chars, alone);
+    assert_non_null(path);
+    int corners = 0;
+    for (const char *at = path; *at && *at != '>'; ++at)
+        corners += *at == 'L';
+    assert_true(corners >= 60);
+    text_free(&svg);
+}
+
 static void a_sample_has_as_many_boxes_as_asked(void **state)
 {
     (void)state;
@@ -146,8 +162,6 @@ static void what_cannot_be_drawn_is_one_line(void **state)
     program_assert_refused(&p, 2, "'scene.jpg': a picture's name ends with .svg or .png");
     p = program_run("picture no/such.lua -o %s", SVG);
     program_assert_refused(&p, 1, "no/such.lua");
-    p = program_run("picture spheres -n 9 -o scene.svg");
-    program_assert_refused(&p, 1, "spheres: its objects have radii, which no picture shows");
     p = program_run("picture %s -o no/such/folder.svg", SCENE);
     program_assert_refused(&p, 1, "no/such/folder.svg");
 }
@@ -166,6 +180,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(boxes_that_collide_are_filled_in_their_own_colour),
         cmocka_unit_test(of_a_box_in_3d_three_faces_are_seen),
+        cmocka_unit_test(what_has_a_radius_is_round),
         cmocka_unit_test(a_sample_has_as_many_boxes_as_asked),
         cmocka_unit_test(a_bar_shows_the_scale),
         cmocka_unit_test(a_png_has_the_asked_width),

@@ -119,6 +119,11 @@ static mover *make_scene_in(medium in, uint32_t set)
         if (set & DUET_EFFECT_ANGULAR_VELOCITY)
             b->angular_velocity[flat ? 2 : i % 3] = 0.5f + 0.1f * (float)i;
         b->friction = set & DUET_EFFECT_FRICTION ? 0.4f : 0.0f;
+        if (set & DUET_EFFECT_RADIUS) {
+            b->radius = i % 2 ? 0.1f : 0.5f; // a sphere
+            for (int k = 0; k < 3; ++k)
+                m->poses[id].half_extents[k] = 0.5f - b->radius;
+        }
         b->group = set & DUET_EFFECT_FILTER ? 1u << i % 2 : UINT32_MAX;
         b->mask = set & DUET_EFFECT_FILTER ? 1u << i % 3 : UINT32_MAX;
     }
@@ -167,6 +172,7 @@ static const uint32_t effects[] = {
     DUET_EFFECT_SKIN,
     DUET_EFFECT_EVENTS,
     DUET_EFFECT_SENSORS,
+    DUET_EFFECT_RADIUS,
 };
 
 enum { N_EFFECTS = sizeof effects / sizeof effects[0] };
@@ -177,7 +183,8 @@ static uint32_t with_needs(uint32_t set)
         DUET_EFFECT_FRICTION | DUET_EFFECT_CONTINUOUS | DUET_EFFECT_SLEEP;
     set |= set & DUET_EFFECT_SENSORS ? DUET_EFFECT_EVENTS : 0;
     const uint32_t needs_contact =
-        DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FILTER | DUET_EFFECT_SKIN | DUET_EFFECT_EVENTS;
+        DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FILTER | DUET_EFFECT_SKIN | DUET_EFFECT_EVENTS |
+        DUET_EFFECT_RADIUS;
     set |= set & needs_response ? DUET_EFFECT_CONTACT_RESPONSE : 0;
     return set | (set & needs_contact ? DUET_EFFECT_CONTACT : 0);
 }
@@ -289,6 +296,7 @@ static const struct {
     {"HITS", "events", "hits", NULL},
     {"FORCES", "forces", "forces", NULL},
     {"SENSORS", "sensors", "sensors", NULL},
+    {"ROUNDED", "radius", "touch_rounded", NULL},
     {"ROTATED", "rotation", "rotations", "ANGULAR_VELOCITY GYRO"},
 };
 

@@ -45,7 +45,7 @@ __kernel void prepare_bodies(PREPARE_BODIES_ARGS)
         bool wall = id >= n;
         body[BODY_VELOCITY] = wall ? (float4)(0.0f) : convert_float4(velocities[wall ? 0 : id]);
         body[BODY_DELTA_POSITION] = body[BODY_WARM_IMPULSE] = (float4)(0.0f);
-#line 57 "kernels/dynamics/bodies.cl.in"
+#line 59 "kernels/dynamics/bodies.cl.in"
     }
 }
 
@@ -61,28 +61,28 @@ __kernel void integrate_velocities(INTEGRATE_VELOCITIES_ARGS)
         float inverse_mass = velocity.w;
         if (!(inverse_mass > 0.0f))
             continue;
-#line 86 "kernels/dynamics/bodies.cl.in"
+#line 88 "kernels/dynamics/bodies.cl.in"
         body[BODY_VELOCITY].xyz = add_float(velocity, inverse_mass, body[BODY_WARM_IMPULSE]).xyz;
         body[BODY_WARM_IMPULSE] = (float4)(0.0f);
-#line 103 "kernels/dynamics/bodies.cl.in"
+#line 105 "kernels/dynamics/bodies.cl.in"
     }
 }
 
-#line 117 "kernels/dynamics/bodies.cl.in"
+#line 119 "kernels/dynamics/bodies.cl.in"
 __kernel void finalize_bodies(FINALIZE_BODIES_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         __global const float4 *body = bodies + (size_t)id * BODY;
-#line 132 "kernels/dynamics/bodies.cl.in"
+#line 134 "kernels/dynamics/bodies.cl.in"
         float4 velocity = body[BODY_VELOCITY];
         real4 centre = centres[id];
         centre.xyz += convert_real4(body[BODY_DELTA_POSITION]).xyz;
-#line 138 "kernels/dynamics/bodies.cl.in"
+#line 140 "kernels/dynamics/bodies.cl.in"
         centres[id] = centre;
         velocities[id].xyz = convert_real4(velocity).xyz;
         float fastest = dot_float(velocity, velocity);
-#line 153 "kernels/dynamics/bodies.cl.in"
+#line 160 "kernels/dynamics/bodies.cl.in"
     }
 }

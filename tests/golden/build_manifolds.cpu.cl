@@ -37,7 +37,7 @@
 //   contacts [n] records (contact.clh)
 //   touches  [n] words
 //   bodies   [objects + 6][BODY]
-#line 13 "kernels/dynamics/build_manifolds.cl.in"
+#line 15 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline solid solid_at(float4 extents)
 {
@@ -45,13 +45,14 @@ static inline solid solid_at(float4 extents)
     s.axis[0] = (float4)(1, 0, 0, 0);
     s.axis[1] = (float4)(0, 1, 0, 0);
     s.axis[2] = (float4)(0, 0, 1, 0);
-#line 30 "kernels/dynamics/build_manifolds.cl.in"
+#line 32 "kernels/dynamics/build_manifolds.cl.in"
     s.halves[0] = extents.x;
     s.halves[1] = extents.y;
     s.halves[2] = extents.z;
+#line 38 "kernels/dynamics/build_manifolds.cl.in"
     return s;
 }
-#line 322 "kernels/dynamics/build_manifolds.cl.in"
+#line 359 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void keep_deepest(manifold *m)
 {
@@ -68,9 +69,9 @@ typedef struct {
     __global const uint2 *links;
     uint objects;
     __global const real4 *centres;
-#line 341 "kernels/dynamics/build_manifolds.cl.in"
+#line 378 "kernels/dynamics/build_manifolds.cl.in"
     __global const float4 *halves;
-#line 359 "kernels/dynamics/build_manifolds.cl.in"
+#line 396 "kernels/dynamics/build_manifolds.cl.in"
     float margin;
     __global uint *touches;
     __global float *contacts;
@@ -78,39 +79,39 @@ typedef struct {
 
 static inline solid solid_of(const scene *s, uint id)
 {
-#line 369 "kernels/dynamics/build_manifolds.cl.in"
+#line 406 "kernels/dynamics/build_manifolds.cl.in"
     return solid_at(s->halves[id]);
-#line 371 "kernels/dynamics/build_manifolds.cl.in"
+#line 408 "kernels/dynamics/build_manifolds.cl.in"
 }
 
 static inline float4 way_of(const scene *s, uint2 link)
 {
-#line 378 "kernels/dynamics/build_manifolds.cl.in"
+#line 415 "kernels/dynamics/build_manifolds.cl.in"
     float4 d = convert_float4(s->centres[link.y] - s->centres[link.x]);
-#line 380 "kernels/dynamics/build_manifolds.cl.in"
+#line 417 "kernels/dynamics/build_manifolds.cl.in"
     d.w = 0.0f;
     return d;
 }
-#line 561 "kernels/dynamics/build_manifolds.cl.in"
+#line 609 "kernels/dynamics/build_manifolds.cl.in"
 
 // Writes the points into the record; extents: the owner's half extents.
 static inline void keep_points(const scene *s, uint i, uint2 link, float4 extents, float4 d, float at, float speed, manifold *m)
 {
     __global float *record = s->contacts + (size_t)i * RECORD;
-#line 575 "kernels/dynamics/build_manifolds.cl.in"
+#line 627 "kernels/dynamics/build_manifolds.cl.in"
     put_float4(record + AT_NORMAL, m->normal);
-#line 580 "kernels/dynamics/build_manifolds.cl.in"
+#line 632 "kernels/dynamics/build_manifolds.cl.in"
     for (int k = 0; k < m->n; ++k) {
         __global float *saved = record + HEAD + k * POINT_FLOATS;
         float4 anchor = m->point[k];
         put_float4(saved + OF_ANCHOR, anchor);
-#line 587 "kernels/dynamics/build_manifolds.cl.in"
+#line 639 "kernels/dynamics/build_manifolds.cl.in"
         saved[OF_SEPARATION] = fma(-at, speed, anchor.w);
-#line 599 "kernels/dynamics/build_manifolds.cl.in"
+#line 651 "kernels/dynamics/build_manifolds.cl.in"
     }
 }
 
-#line 654 "kernels/dynamics/build_manifolds.cl.in"
+#line 714 "kernels/dynamics/build_manifolds.cl.in"
 
 // axis: what separates those without points. The manifold is where they are after a time
 // `at`, at this speed along its normal.
@@ -120,45 +121,45 @@ static inline void keep(const scene *s, uint i, float4 extents, float4 d, float 
     uint2 link = s->links[i];
     if (m->n > 0)
         keep_points(s, i, link, extents, d, at, speed, m);
-#line 667 "kernels/dynamics/build_manifolds.cl.in"
+#line 727 "kernels/dynamics/build_manifolds.cl.in"
     s->touches[i] = (uint)m->n | (m->n > 0 ? m->axis : axis) << TOUCH_AXIS;
 }
-#line 706 "kernels/dynamics/build_manifolds.cl.in"
+#line 766 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void look_at_pair(const scene *s, uint i, uint2 link)
 {
     solid a = solid_of(s, link.x), b = solid_of(s, link.y);
     float4 d = way_of(s, link);
     uint axis = s->touches[i] >> TOUCH_AXIS;
-#line 713 "kernels/dynamics/build_manifolds.cl.in"
+#line 773 "kernels/dynamics/build_manifolds.cl.in"
     float at = 0.0f, speed = 0.0f;
     manifold m;
     touch_boxes(&a, &b, d, s->margin, &m, &axis);
     keep(s, i, s->halves[link.x], d, at, speed, &m, axis);
-#line 736 "kernels/dynamics/build_manifolds.cl.in"
+#line 796 "kernels/dynamics/build_manifolds.cl.in"
 }
-#line 793 "kernels/dynamics/build_manifolds.cl.in"
+#line 853 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 839 "kernels/dynamics/build_manifolds.cl.in"
+#line 899 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 843 "kernels/dynamics/build_manifolds.cl.in"
+#line 903 "kernels/dynamics/build_manifolds.cl.in"
 __kernel void build_manifolds(BUILD_MANIFOLDS_ARGS)
-#line 845 "kernels/dynamics/build_manifolds.cl.in"
+#line 905 "kernels/dynamics/build_manifolds.cl.in"
 {
     scene s = {links, n, centres,
-#line 850 "kernels/dynamics/build_manifolds.cl.in"
+#line 910 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 866 "kernels/dynamics/build_manifolds.cl.in"
+#line 926 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
-#line 876 "kernels/dynamics/build_manifolds.cl.in"
+#line 936 "kernels/dynamics/build_manifolds.cl.in"
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_contacts);
-#line 882 "kernels/dynamics/build_manifolds.cl.in"
+#line 942 "kernels/dynamics/build_manifolds.cl.in"
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-#line 899 "kernels/dynamics/build_manifolds.cl.in"
+#line 959 "kernels/dynamics/build_manifolds.cl.in"
         look_at_pair(&s, i, link);
-#line 909 "kernels/dynamics/build_manifolds.cl.in"
+#line 969 "kernels/dynamics/build_manifolds.cl.in"
     }
-#line 920 "kernels/dynamics/build_manifolds.cl.in"
+#line 980 "kernels/dynamics/build_manifolds.cl.in"
 }

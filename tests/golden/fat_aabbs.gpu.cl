@@ -52,15 +52,15 @@ static inline float_bounds object_bounds(uint id, real margin, __global const re
 {
 #line 40 "kernels/dynamics/fat_aabbs.cl.in"
     real4 reach = convert_real4(halves[id]);
-#line 48 "kernels/dynamics/fat_aabbs.cl.in"
+#line 51 "kernels/dynamics/fat_aabbs.cl.in"
     real4 centre = centres[id];
-#line 54 "kernels/dynamics/fat_aabbs.cl.in"
+#line 57 "kernels/dynamics/fat_aabbs.cl.in"
     float_bounds b = bounds_of(centre, reach + margin);
-#line 61 "kernels/dynamics/fat_aabbs.cl.in"
+#line 64 "kernels/dynamics/fat_aabbs.cl.in"
     return b;
 }
 
-#line 88 "kernels/dynamics/fat_aabbs.cl.in"
+#line 91 "kernels/dynamics/fat_aabbs.cl.in"
 
 __kernel void compute_fat_aabbs(COMPUTE_FAT_AABBS_ARGS)
 {
@@ -68,9 +68,9 @@ __kernel void compute_fat_aabbs(COMPUTE_FAT_AABBS_ARGS)
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
         float_bounds b = object_bounds(id, aabb_margin, centres,
-#line 107 "kernels/dynamics/fat_aabbs.cl.in"
+#line 110 "kernels/dynamics/fat_aabbs.cl.in"
                                        halves);
-#line 118 "kernels/dynamics/fat_aabbs.cl.in"
+#line 121 "kernels/dynamics/fat_aabbs.cl.in"
         vstore3(b.lower.xyz, 2 * (size_t)id, boxes);
         vstore3(b.upper.xyz, 2 * (size_t)id + 1, boxes);
     }

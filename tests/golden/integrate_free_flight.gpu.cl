@@ -86,9 +86,9 @@ __kernel void integrate_free_flight(INTEGRATE_FREE_FLIGHT_ARGS)
         }
 #line 247 "kernels/dynamics/integrate_free_flight.cl.in"
         arrive(&b);
-#line 273 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 276 "kernels/dynamics/integrate_free_flight.cl.in"
         centres[id] = b.centre;
         velocities[id] = b.velocity;
-#line 279 "kernels/dynamics/integrate_free_flight.cl.in"
+#line 282 "kernels/dynamics/integrate_free_flight.cl.in"
     }
 }

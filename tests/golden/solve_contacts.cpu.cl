@@ -38,7 +38,7 @@
 #line 1 "kernels/dynamics/constraint.clh"
 #line 1 "kernels/dynamics/solve_contacts.cl.in"
 // SPDX-License-Identifier: MIT
-#line 6 "kernels/dynamics/solve_contacts.cl.in"
+#line 8 "kernels/dynamics/solve_contacts.cl.in"
 // Solves the contacts of one colour. No two of them share a body that moves, so
 // their order does not matter and the result is the same on every device.
 //
@@ -65,7 +65,7 @@ typedef struct {
     mask impact; // asks for more
 } demand;
 
-#line 82 "kernels/dynamics/solve_contacts.cl.in"
+#line 95 "kernels/dynamics/solve_contacts.cl.in"
 // The separation after positions were integrated; the next substep begins with it.
 static inline real find_separation(const pair *p, __global float *point, vec anchor)
 {
@@ -115,7 +115,7 @@ static inline void press(pair *p, __global float *point, demand d, mask where)
     real speed = vec_dot(velocity_between(p, anchor), p->normal);
     add_impulse(p, point, anchor, fma(-get(point, BY_NORMAL_MASS) * d.weight, speed + d.speed, fma(-d.decay, old, old)), where);
 }
-#line 187 "kernels/dynamics/solve_contacts.cl.in"
+#line 200 "kernels/dynamics/solve_contacts.cl.in"
 
 // An impact is stopped once: the next substep begins with a load's part of the push.
 static inline void forget_impact(__global float *point, real load)
@@ -125,7 +125,7 @@ static inline void forget_impact(__global float *point, real load)
     if (!any_lane(over))
         return;
     put(point, BY_NORMAL_IMPULSE, select(push, load, over));
-#line 203 "kernels/dynamics/solve_contacts.cl.in"
+#line 216 "kernels/dynamics/solve_contacts.cl.in"
 }
 
 static inline void solve_slots(__global float *constraint, __global float4 *bodies, uint soft, float per_h,
@@ -133,12 +133,12 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
 {
     pair p;
     load_pair(&p, constraint, bodies);
-#line 218 "kernels/dynamics/solve_contacts.cl.in"
+#line 231 "kernels/dynamics/solve_contacts.cl.in"
     if (!soft) {
         load_turn(&p.a, bodies, p.owner);
         load_turn(&p.b, bodies, p.other);
     }
-#line 228 "kernels/dynamics/solve_contacts.cl.in"
+#line 241 "kernels/dynamics/solve_contacts.cl.in"
     demand demands[POINTS];
     mask stiff = p.n > 1u, struck = 0;
     for (int k = 0; k < p.most; ++k) {
@@ -146,7 +146,7 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
         stiff &= (demands[k].decay == 0.0f) | !has_point(&p, k);
         struck |= demands[k].impact & has_point(&p, k);
     }
-#line 239 "kernels/dynamics/solve_contacts.cl.in"
+#line 252 "kernels/dynamics/solve_contacts.cl.in"
     for (int turn = 0; turn < p.most; ++turn) { // to and fro, so that no side is favoured
         int k = soft ? turn : p.most - 1 - turn;
         press(&p, point_at(constraint, k), demands[k], has_point(&p, k));
@@ -280,7 +280,7 @@ static inline void restore_speeds(__global float *constraint, __global float4 *b
         wanted_speed[k] =
             speed_after(get(constraint, IN_SPEEDS + k), restitution, gain, -2.0f * pull.w * gain * fallen);
     }
-#line 379 "kernels/dynamics/solve_contacts.cl.in"
+#line 392 "kernels/dynamics/solve_contacts.cl.in"
     real pushes[POINTS] = {0};
     int turns = p.most > 1 ? RESTITUTION_ROUNDS : 1;
     for (int turn = 0; turn < turns; ++turn) {
@@ -291,7 +291,7 @@ static inline void restore_speeds(__global float *constraint, __global float4 *b
             real more = -get(point, BY_NORMAL_MASS) * (speed - wanted_speed[k]);
             mask asked = wanted[k] & ((p.n > 1u) | (mask)(turn == 0 ? -1 : 0));
             real push = select(pushes[k], fmax(pushes[k] + more, -get(point, BY_MAX_IMPULSE)), asked);
-#line 392 "kernels/dynamics/solve_contacts.cl.in"
+#line 405 "kernels/dynamics/solve_contacts.cl.in"
             apply_impulse(&p, anchor, vec_times(push - pushes[k], p.normal));
             pushes[k] = push;
         }

@@ -13,18 +13,19 @@ local poses = duet.poses {
 }
 local mask <const> = 0xffffffff
 local bodies = duet.bodies {
-  { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, false, false },
-  { 0, 0, 0, 0, 0, 0, 0, 0, 0.5, 1, mask, false, false },
+  { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, 0, false, false },
+  { 0, 0, 0, 0, 0, 0, 0, 0, 0.5, 1, mask, 0, false, false },
 }
 local falling <const> = { gravity = { 0, 0, -10 }, wants = { "contact_response", "events" }, hit_speed = 1 }
 
 holds("what is not said about a body is its default", function()
   local body = { duet.bodies(1):get(0) }
-  equal(#body, 13)
+  equal(#body, 14)
   equal(body[7], 1) -- mass
   equal(body[11], mask)
-  equal(body[12], false)
+  equal(body[12], 0) -- radius
   equal(body[13], false)
+  equal(body[14], false)
 end)
 
 holds("a script acts between steps", function()
@@ -214,9 +215,9 @@ holds("a motion refuses what makes no sense", function()
   raises("there is no effect 'magic'; duet.effects() lists them", pair.motion, pair, poses, nil, { wants = { "magic" } })
   raises("'sphere'; expected one of none, walls, periodic", pair.motion, pair, poses, nil, { boundary = "sphere" })
   raises("as many bodies as poses", pair.motion, pair, poses, duet.bodies(1))
-  raises("column 12: 1, not true or false", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, 1, false } })
-  raises("column 13: 1, not true or false", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, true, 1 } })
-  raises("column 10: -1, not a whole number", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, -1, mask, false, false } })
+  raises("column 13: 1, not true or false", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, 0, 1, false } })
+  raises("column 14: 1, not true or false", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, 0, true, 1 } })
+  raises("column 10: -1, not a whole number", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, -1, mask, 0, false, false } })
   refused("BAD_ARGUMENT", "substeps is 0", pair.motion, pair, poses, nil, { substeps = 0 })
   refused("BAD_OBJECT", "", pair.motion, pair, { 0, 0, 0, -1, 1, 1, 0, 0, 0, 1 })
 end)
