@@ -91,26 +91,26 @@ static inline float4 way_of(const scene *s, uint2 link)
     d.w = 0.0f;
     return d;
 }
-#line 561 "kernels/dynamics/build_manifolds.cl.in"
+#line 571 "kernels/dynamics/build_manifolds.cl.in"
 
 // Writes the points into the record; extents: the owner's half extents.
 static inline void keep_points(const scene *s, uint i, uint2 link, float4 extents, float4 d, float at, float speed, manifold *m)
 {
     __global float *record = s->contacts + (size_t)i * RECORD;
-#line 575 "kernels/dynamics/build_manifolds.cl.in"
+#line 585 "kernels/dynamics/build_manifolds.cl.in"
     put_float4(record + AT_NORMAL, m->normal);
-#line 580 "kernels/dynamics/build_manifolds.cl.in"
+#line 590 "kernels/dynamics/build_manifolds.cl.in"
     for (int k = 0; k < m->n; ++k) {
         __global float *saved = record + HEAD + k * POINT_FLOATS;
         float4 anchor = m->point[k];
         put_float4(saved + OF_ANCHOR, anchor);
-#line 587 "kernels/dynamics/build_manifolds.cl.in"
+#line 597 "kernels/dynamics/build_manifolds.cl.in"
         saved[OF_SEPARATION] = fma(-at, speed, anchor.w);
-#line 599 "kernels/dynamics/build_manifolds.cl.in"
+#line 609 "kernels/dynamics/build_manifolds.cl.in"
     }
 }
 
-#line 654 "kernels/dynamics/build_manifolds.cl.in"
+#line 668 "kernels/dynamics/build_manifolds.cl.in"
 
 // axis: what separates those without points. The manifold is where they are after a time
 // `at`, at this speed along its normal.
@@ -120,45 +120,46 @@ static inline void keep(const scene *s, uint i, float4 extents, float4 d, float 
     uint2 link = s->links[i];
     if (m->n > 0)
         keep_points(s, i, link, extents, d, at, speed, m);
-#line 667 "kernels/dynamics/build_manifolds.cl.in"
+#line 681 "kernels/dynamics/build_manifolds.cl.in"
     s->touches[i] = (uint)m->n | (m->n > 0 ? m->axis : axis) << TOUCH_AXIS;
+#line 685 "kernels/dynamics/build_manifolds.cl.in"
 }
-#line 706 "kernels/dynamics/build_manifolds.cl.in"
+#line 723 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void look_at_pair(const scene *s, uint i, uint2 link)
 {
     solid a = solid_of(s, link.x), b = solid_of(s, link.y);
     float4 d = way_of(s, link);
     uint axis = s->touches[i] >> TOUCH_AXIS;
-#line 713 "kernels/dynamics/build_manifolds.cl.in"
+#line 730 "kernels/dynamics/build_manifolds.cl.in"
     float at = 0.0f, speed = 0.0f;
     manifold m;
     touch_boxes(&a, &b, d, s->margin, &m, &axis);
     keep(s, i, s->halves[link.x], d, at, speed, &m, axis);
-#line 736 "kernels/dynamics/build_manifolds.cl.in"
+#line 753 "kernels/dynamics/build_manifolds.cl.in"
 }
-#line 793 "kernels/dynamics/build_manifolds.cl.in"
+#line 810 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 839 "kernels/dynamics/build_manifolds.cl.in"
+#line 856 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 843 "kernels/dynamics/build_manifolds.cl.in"
+#line 860 "kernels/dynamics/build_manifolds.cl.in"
 __kernel void build_manifolds(BUILD_MANIFOLDS_ARGS)
-#line 845 "kernels/dynamics/build_manifolds.cl.in"
+#line 862 "kernels/dynamics/build_manifolds.cl.in"
 {
     scene s = {links, n, centres,
-#line 850 "kernels/dynamics/build_manifolds.cl.in"
+#line 867 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 866 "kernels/dynamics/build_manifolds.cl.in"
+#line 883 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
-#line 876 "kernels/dynamics/build_manifolds.cl.in"
+#line 893 "kernels/dynamics/build_manifolds.cl.in"
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_contacts);
-#line 882 "kernels/dynamics/build_manifolds.cl.in"
+#line 899 "kernels/dynamics/build_manifolds.cl.in"
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-#line 899 "kernels/dynamics/build_manifolds.cl.in"
+#line 916 "kernels/dynamics/build_manifolds.cl.in"
         look_at_pair(&s, i, link);
-#line 909 "kernels/dynamics/build_manifolds.cl.in"
+#line 926 "kernels/dynamics/build_manifolds.cl.in"
     }
-#line 920 "kernels/dynamics/build_manifolds.cl.in"
+#line 937 "kernels/dynamics/build_manifolds.cl.in"
 }

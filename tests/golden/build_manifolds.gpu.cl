@@ -91,26 +91,26 @@ static inline float4 way_of(const scene *s, uint2 link)
     d.w = 0.0f;
     return d;
 }
-#line 561 "kernels/dynamics/build_manifolds.cl.in"
+#line 571 "kernels/dynamics/build_manifolds.cl.in"
 
 // Writes the points into the record; extents: the owner's half extents.
 static inline void keep_points(const scene *s, uint i, uint2 link, float4 extents, float4 d, float at, float speed, manifold *m)
 {
     __global float *record = s->contacts + (size_t)i * RECORD;
-#line 575 "kernels/dynamics/build_manifolds.cl.in"
+#line 585 "kernels/dynamics/build_manifolds.cl.in"
     put_float4(record + AT_NORMAL, m->normal);
-#line 580 "kernels/dynamics/build_manifolds.cl.in"
+#line 590 "kernels/dynamics/build_manifolds.cl.in"
     for (int k = 0; k < m->n; ++k) {
         __global float *saved = record + HEAD + k * POINT_FLOATS;
         float4 anchor = m->point[k];
         put_float4(saved + OF_ANCHOR, anchor);
-#line 587 "kernels/dynamics/build_manifolds.cl.in"
+#line 597 "kernels/dynamics/build_manifolds.cl.in"
         saved[OF_SEPARATION] = fma(-at, speed, anchor.w);
-#line 599 "kernels/dynamics/build_manifolds.cl.in"
+#line 609 "kernels/dynamics/build_manifolds.cl.in"
     }
 }
 
-#line 654 "kernels/dynamics/build_manifolds.cl.in"
+#line 668 "kernels/dynamics/build_manifolds.cl.in"
 
 // axis: what separates those without points. The manifold is where they are after a time
 // `at`, at this speed along its normal.
@@ -120,31 +120,32 @@ static inline void keep(const scene *s, uint i, float4 extents, float4 d, float 
     uint2 link = s->links[i];
     if (m->n > 0)
         keep_points(s, i, link, extents, d, at, speed, m);
-#line 667 "kernels/dynamics/build_manifolds.cl.in"
+#line 681 "kernels/dynamics/build_manifolds.cl.in"
     s->touches[i] = (uint)m->n | (m->n > 0 ? m->axis : axis) << TOUCH_AXIS;
+#line 685 "kernels/dynamics/build_manifolds.cl.in"
 }
-#line 706 "kernels/dynamics/build_manifolds.cl.in"
+#line 723 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void look_at_pair(const scene *s, uint i, uint2 link)
 {
     solid a = solid_of(s, link.x), b = solid_of(s, link.y);
     float4 d = way_of(s, link);
     uint axis = s->touches[i] >> TOUCH_AXIS;
-#line 713 "kernels/dynamics/build_manifolds.cl.in"
+#line 730 "kernels/dynamics/build_manifolds.cl.in"
     float at = 0.0f, speed = 0.0f;
     manifold m;
     touch_boxes(&a, &b, d, s->margin, &m, &axis);
     keep(s, i, s->halves[link.x], d, at, speed, &m, axis);
-#line 736 "kernels/dynamics/build_manifolds.cl.in"
+#line 753 "kernels/dynamics/build_manifolds.cl.in"
 }
-#line 793 "kernels/dynamics/build_manifolds.cl.in"
+#line 810 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 795 "kernels/dynamics/build_manifolds.cl.in"
+#line 812 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void look_at_one(const scene *s, uint i)
 {
     uint2 link = s->links[i];
-#line 809 "kernels/dynamics/build_manifolds.cl.in"
+#line 826 "kernels/dynamics/build_manifolds.cl.in"
     look_at_pair(s, i, link);
 }
 
@@ -160,7 +161,7 @@ static inline void look_at_group(const scene *s, uint n_contacts, __local uint *
         n_places[at] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint k = first + at; k < min(first + most, n_contacts); k += WG) {
-#line 828 "kernels/dynamics/build_manifolds.cl.in"
+#line 845 "kernels/dynamics/build_manifolds.cl.in"
         if (s->touches[k] & TOUCH_POINTS)
             places[atomic_inc(n_places)] = k;
         else
@@ -171,20 +172,20 @@ static inline void look_at_group(const scene *s, uint n_contacts, __local uint *
     for (uint k = at; k < all; k += WG)
         look_at_one(s, places[k < touched ? k : most - 1 - (k - touched)]);
 }
-#line 839 "kernels/dynamics/build_manifolds.cl.in"
+#line 856 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 841 "kernels/dynamics/build_manifolds.cl.in"
+#line 858 "kernels/dynamics/build_manifolds.cl.in"
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void build_manifolds(BUILD_MANIFOLDS_ARGS)
-#line 845 "kernels/dynamics/build_manifolds.cl.in"
+#line 862 "kernels/dynamics/build_manifolds.cl.in"
 {
     scene s = {links, n, centres,
-#line 850 "kernels/dynamics/build_manifolds.cl.in"
+#line 867 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 866 "kernels/dynamics/build_manifolds.cl.in"
+#line 883 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
-#line 872 "kernels/dynamics/build_manifolds.cl.in"
+#line 889 "kernels/dynamics/build_manifolds.cl.in"
     __local uint places[WG * PER_ITEM];
     __local uint n_places[2];
     look_at_group(&s, n_contacts, places, n_places);
-#line 920 "kernels/dynamics/build_manifolds.cl.in"
+#line 937 "kernels/dynamics/build_manifolds.cl.in"
 }
