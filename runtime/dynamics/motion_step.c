@@ -118,8 +118,8 @@ static bool respond(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
     bool pressed = m->flags[FLAG_PRESSED];
-    bool ok = motion_build_graph(m, err) && push_sleepers(m, pressed, err) && touch(m, err) && motion_colour(m, err) &&
-              for_colours(m, k->prepare_contacts, err);
+    bool ok = motion_build_graph(m, err) && push_sleepers(m, pressed, err) && touch(m, err) &&
+              motion_colour(m, err) && for_colours(m, k->prepare_contacts, err);
     for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
         ok = substep(m, err);
     ok = ok && (!m->facts.elastic || for_colours(m, k->apply_restitution, err));

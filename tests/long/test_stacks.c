@@ -74,8 +74,9 @@ static void a_great_pile_does_not_sleep_deep(void **state)
 {
     (void)state;
     double f[3];
-    figures("effects.md", "# boxes of `falling.lua`, # s | all sleep, and no contact is deeper than # slops",
-            3, f);
+    figures("effects.md",
+            "| # boxes of `falling.lua`, # s | all sleep, and no contact is deeper than # slops", 3,
+            f);
     assert_close(f[0], 20000, 0.0);
     const double slop = 0.003; // nearly what it is by itself
     const duet_setting n = {"n", "20000"};
