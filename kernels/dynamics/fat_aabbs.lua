@@ -12,6 +12,7 @@ return {
     { "CONTINUOUS", values = { 0, 1 }, default = 0, about = "1: fast bodies do not tunnel through thin ones" },
     { "SKIN", values = { 0, 1 }, default = 0, about = "1: the contact graph lasts until a body leaves its fat AABB" },
     { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
+    { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
@@ -27,6 +28,7 @@ return {
       const real4 *angular_velocities  if CONTINUOUS + SKIN > 0 and ANGULAR_VELOCITY == 1
       real dt                          if CONTINUOUS + SKIN > 0
       real skin                        if SKIN == 1
+      const uint *asleep               if SKIN == 1 and SLEEP == 1
       const float4 *halves
       real aabb_margin
       uint n

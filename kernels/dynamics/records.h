@@ -32,9 +32,9 @@
 #define POINTS_OF(RESPONSE, TURNS, DIMS) ((RESPONSE) && !(TURNS) ? 1 : (DIMS) == 3 ? 4 : 2)
 
 // A word for each contact: its number of points, and the axis that the normal lies along or,
-// without points, that separates the boxes (box_contact.clh). The bit between them means
-// nothing; older saved motions have it set.
+// without points, that separates the boxes (box_contact.clh).
 #define TOUCH_POINTS 7u
+#define TOUCH_DEEP 8u // where bodies sleep: some point is deeper than the margin
 #define TOUCH_AXIS 4 // the least of its bits
 
 // ------------------------------------------------------------ constraints
@@ -89,9 +89,14 @@
 // What has turned so far since the step began, squared and in radians, pushes as it lies then.
 #define FAR_TURNED 0.00390625f
 
-// A word a body, where bodies sleep: whether it sleeps, and whether it woke in this step.
+// A word a body, where bodies sleep: whether it sleeps, whether it woke in this step, and
+// whether it sleeps deep in others and is pushed out of them: for so many steps at most, in
+// so many rounds a step.
 #define SLEEPS 1u
 #define WOKE 2u
+#define PRESSED 4u
+#define PRESSED_STEPS 240
+#define PRESSED_ROUNDS 16
 
 // ------------------------------------------------------------ colours
 
@@ -112,6 +117,7 @@
 #define FLAG_FELL_ASLEEP 4 // something fell asleep or woke
 #define FLAG_AWAKE 5       // something neither sleeps nor stands still for ever
 #define FLAG_ROUNDS 6      // of the colouring that coloured something
-#define FLAGS 7
+#define FLAG_PRESSED 7     // something is to be pushed out of others in which it sleeps
+#define FLAGS 8
 
 #endif

@@ -45,7 +45,7 @@ static const effect_row rows[] = {
     {DUET_EFFECT_FILTER, "filter", DUET_EFFECT_CONTACT, "a group or mask that is not all", "filter",
      "contact_graph"},
     {DUET_EFFECT_SLEEP, "sleep", DUET_EFFECT_CONTACT_RESPONSE, "wants", "asleep",
-     "match_contacts, build_manifolds, update_sleep, bodies"},
+     "fat_aabbs, match_contacts, build_manifolds, update_sleep, bodies"},
     {DUET_EFFECT_SKIN, "skin", DUET_EFFECT_CONTACT, "a skin above 0", "check_fat_aabbs",
      "fat_aabbs"},
 };

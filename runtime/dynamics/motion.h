@@ -89,7 +89,7 @@ typedef struct motion_kernels {
     kernel *contact_graph_pairs, *contact_graph_walls, *contact_graph_sort, *contact_graph_reverse;
     kernel *match_contacts;
     kernel *build_manifolds;
-    kernel *update_sleep;
+    kernel *update_sleep, *push_sleepers, *move_sleepers;
     kernel *contact_events;
     kernel *prepare_bodies, *integrate_velocities, *integrate_positions, *finalize_bodies;
     kernel *graph_colour_mark, *graph_colour_choose, *graph_colour_take, *graph_colour_key;

@@ -118,7 +118,7 @@ static bool check_object(const duet_motion *m, const motion_saved *s, uint32_t i
         return bad_object(s, id, "its bounds are not finite or not rising", err);
     if (!has_rest(m, s, id))
         return bad_object(s, id, "its time at rest is not finite or below 0", err);
-    if (s->at[ASLEEP] && words_of(s, ASLEEP)[id] > (SLEEPS | WOKE))
+    if (s->at[ASLEEP] && words_of(s, ASLEEP)[id] > (SLEEPS | WOKE | PRESSED))
         return bad_object(s, id, "whether it sleeps is said by no such word", err);
     return true;
 }

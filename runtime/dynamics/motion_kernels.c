@@ -151,6 +151,8 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
         {&k->match_contacts, contact, "match_contacts", "match_contacts"},
         {&k->build_manifolds, contact, "build_manifolds", "build_manifolds"},
         {&k->update_sleep, motion_has(m, DUET_EFFECT_SLEEP), "update_sleep", "update_sleep"},
+        {&k->push_sleepers, motion_has(m, DUET_EFFECT_SLEEP), "update_sleep", "push_sleepers"},
+        {&k->move_sleepers, motion_has(m, DUET_EFFECT_SLEEP), "update_sleep", "move_sleepers"},
         {&k->contact_events, motion_has(m, DUET_EFFECT_EVENTS), "contact_events", "contact_events"},
         {&k->prepare_bodies, response, "bodies", "prepare_bodies"},
         {&k->integrate_velocities, response, "bodies", "integrate_velocities"},

@@ -104,11 +104,22 @@ static bool store_impulses(duet_motion *m, duet_error *err)
                           most_of(m, 0, COLOUR_OVERFLOW + 1), err);
 }
 
+// What slept deep in others when the last step ended.
+static bool push_sleepers(duet_motion *m, bool pressed, duet_error *err)
+{
+    const motion_kernels *k = &m->kernels;
+    bool ok = true;
+    for (m->args.round = 0; ok && pressed && m->args.round < PRESSED_ROUNDS; ++m->args.round)
+        ok = motion_launch(m, "sleep", k->push_sleepers, m->n, err);
+    return ok && (!pressed || motion_launch(m, "sleep", k->move_sleepers, m->n, err));
+}
+
 static bool respond(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
-    bool ok = motion_build_graph(m, err) && touch(m, err) && motion_colour(m, err) &&
-              for_colours(m, k->prepare_contacts, err);
+    bool pressed = m->flags[FLAG_PRESSED];
+    bool ok = motion_build_graph(m, err) && push_sleepers(m, pressed, err) && touch(m, err) &&
+              motion_colour(m, err) && for_colours(m, k->prepare_contacts, err);
     for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
         ok = substep(m, err);
     ok = ok && (!m->facts.elastic || for_colours(m, k->apply_restitution, err));

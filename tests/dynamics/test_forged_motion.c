@@ -259,7 +259,7 @@ static void what_a_step_would_believe_is_refused(void **state)
         {VELOCITIES, 3, one, "object 0: its mass"},
         {ROTATIONS, 7, 0x40000000, "object 1: its rotation is not of length 1"},
         {RESTS, 2, minus, "object 2: its time at rest"},
-        {ASLEEP, 3, 4, "object 3: whether it sleeps"},
+        {ASLEEP, 3, 8, "object 3: whether it sleeps"},
         {BOXES, 6, 0x7f800000, "object 1: its bounds"},
         {STARTS, 0, 1, "rows do not rise from 0"},
         {STARTS, 3, 1000000000, "rows do not rise from 0"},

@@ -108,7 +108,6 @@ static void a_small_house_of_cards_stands(void **state)
     mover_free(m);
 }
 
-// A contact of bodies that sleep is as it was when they fell asleep, and stays so.
 static double deepest_contact(mover *m)
 {
     duet_error err = {0};
@@ -116,7 +115,7 @@ static double deepest_contact(mover *m)
     uint64_t n = 0;
     double deepest = 0.0;
     assert_ok(duet_motion_get_contacts(m->motion, &contacts, &n, &err), err);
-    assert_true(n > m->n);
+    assert_true(n > 0);
     for (uint64_t i = 0; i < n; ++i)
         for (uint32_t k = 0; k < contacts[i].n; ++k)
             deepest = fmax(deepest, -(double)contacts[i].points[k].separation);
@@ -142,6 +141,58 @@ static void a_pile_does_not_fall_asleep_deep(void **state)
     assert_true(deepest < f[2] * slop);
     mover_run(m, 60);
     assert_close(deepest_contact(m), deepest, 0.0);
+    mover_free(m);
+}
+
+// Unit cubes in a row, each so deep in the next, that are put to sleep.
+static mover *make_sleeping_row(uint32_t n, double depth)
+{
+    mover *m = mover_new(3);
+    duet_error err = {0};
+    m->def.wants = DUET_EFFECT_SLEEP;
+    m->def.slop = 0.005;
+    for (uint32_t i = 0; i < n; ++i)
+        mover_add_cube(m, (i - 0.5 * (n - 1)) * (1.0 - depth), 0, 0, 1);
+    mover_run(m, 0);
+    assert_ok(duet_motion_sleep_bodies(m->motion, (duet_body_list){.n = n}, &err), err);
+    return m;
+}
+
+static void what_sleeps_deep_in_others_is_pushed_out(void **state)
+{
+    (void)state;
+    const double slops = 20;
+    mover *m = make_sleeping_row(4, slops * 0.005);
+    mover_run(m, 1);
+    assert_close(deepest_contact(m), slops * 0.005, 1e-5);
+    double middle = 0.0;
+    for (int step = 0; step < 90; ++step) {
+        mover_run(m, 1);
+        assert_true(mover_greatest_speed(m) == 0.0);
+    }
+    for (uint32_t i = 0; i < m->n; ++i)
+        middle += m->states[i].centre[0];
+    assert_close(middle, 0.0, 1e-5);
+    assert_true(deepest_contact(m) < 4 * 0.005);
+    assert_int_equal(m->last.n_stages, 0); // nothing is left to do
+    mover_free(m);
+}
+
+// One between two of mass 0 that leave it no space. It is pushed for as long as it is long.
+static void what_has_no_space_sleeps_all_the_same(void **state)
+{
+    (void)state;
+    mover *m = make_sleeping_row(3, 0.1);
+    mover_restart(m);
+    m->bodies[0].mass = m->bodies[2].mass = 0.0f;
+    mover_run(m, 0);
+    duet_error err = {0};
+    assert_ok(duet_motion_sleep_bodies(m->motion, (duet_body_list){.first = 1, .n = 1}, &err), err);
+    mover_run(m, 235);
+    assert_true(m->last.n_stages > 0);
+    mover_run(m, 15);
+    assert_int_equal(m->last.n_stages, 0);
+    assert_close(m->states[1].centre[0], 0.0, 1e-5);
     mover_free(m);
 }
 
@@ -269,6 +320,8 @@ int main(void)
         cmocka_unit_test(a_small_pyramid_does_not_tremble),
         cmocka_unit_test(a_small_house_of_cards_stands),
         cmocka_unit_test(a_pile_does_not_fall_asleep_deep),
+        cmocka_unit_test(what_sleeps_deep_in_others_is_pushed_out),
+        cmocka_unit_test(what_has_no_space_sleeps_all_the_same),
         cmocka_unit_test(what_becomes_fast_is_held_where_that_is_asked_for),
         cmocka_unit_test(filters_hold_in_2d_and_in_doubles),
         cmocka_unit_test(impacts_bounce_from_a_speed_on),

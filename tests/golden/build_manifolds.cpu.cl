@@ -92,26 +92,26 @@ static inline float4 way_of(const scene *s, uint2 link)
     d.w = 0.0f;
     return d;
 }
-#line 609 "kernels/dynamics/build_manifolds.cl.in"
+#line 619 "kernels/dynamics/build_manifolds.cl.in"
 
 // Writes the points into the record; extents: the owner's half extents.
 static inline void keep_points(const scene *s, uint i, uint2 link, float4 extents, float4 d, float at, float speed, manifold *m)
 {
     __global float *record = s->contacts + (size_t)i * RECORD;
-#line 627 "kernels/dynamics/build_manifolds.cl.in"
+#line 637 "kernels/dynamics/build_manifolds.cl.in"
     put_float4(record + AT_NORMAL, m->normal);
-#line 632 "kernels/dynamics/build_manifolds.cl.in"
+#line 642 "kernels/dynamics/build_manifolds.cl.in"
     for (int k = 0; k < m->n; ++k) {
         __global float *saved = record + HEAD + k * POINT_FLOATS;
         float4 anchor = m->point[k];
         put_float4(saved + OF_ANCHOR, anchor);
-#line 639 "kernels/dynamics/build_manifolds.cl.in"
+#line 649 "kernels/dynamics/build_manifolds.cl.in"
         saved[OF_SEPARATION] = fma(-at, speed, anchor.w);
-#line 651 "kernels/dynamics/build_manifolds.cl.in"
+#line 661 "kernels/dynamics/build_manifolds.cl.in"
     }
 }
 
-#line 714 "kernels/dynamics/build_manifolds.cl.in"
+#line 728 "kernels/dynamics/build_manifolds.cl.in"
 
 // axis: what separates those without points. The manifold is where they are after a time
 // `at`, at this speed along its normal.
@@ -121,45 +121,46 @@ static inline void keep(const scene *s, uint i, float4 extents, float4 d, float 
     uint2 link = s->links[i];
     if (m->n > 0)
         keep_points(s, i, link, extents, d, at, speed, m);
-#line 727 "kernels/dynamics/build_manifolds.cl.in"
+#line 741 "kernels/dynamics/build_manifolds.cl.in"
     s->touches[i] = (uint)m->n | (m->n > 0 ? m->axis : axis) << TOUCH_AXIS;
+#line 745 "kernels/dynamics/build_manifolds.cl.in"
 }
-#line 766 "kernels/dynamics/build_manifolds.cl.in"
+#line 783 "kernels/dynamics/build_manifolds.cl.in"
 
 static inline void look_at_pair(const scene *s, uint i, uint2 link)
 {
     solid a = solid_of(s, link.x), b = solid_of(s, link.y);
     float4 d = way_of(s, link);
     uint axis = s->touches[i] >> TOUCH_AXIS;
-#line 773 "kernels/dynamics/build_manifolds.cl.in"
+#line 790 "kernels/dynamics/build_manifolds.cl.in"
     float at = 0.0f, speed = 0.0f;
     manifold m;
     touch_boxes(&a, &b, d, s->margin, &m, &axis);
     keep(s, i, s->halves[link.x], d, at, speed, &m, axis);
-#line 796 "kernels/dynamics/build_manifolds.cl.in"
+#line 813 "kernels/dynamics/build_manifolds.cl.in"
 }
-#line 853 "kernels/dynamics/build_manifolds.cl.in"
+#line 870 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 899 "kernels/dynamics/build_manifolds.cl.in"
+#line 916 "kernels/dynamics/build_manifolds.cl.in"
 
-#line 903 "kernels/dynamics/build_manifolds.cl.in"
+#line 920 "kernels/dynamics/build_manifolds.cl.in"
 __kernel void build_manifolds(BUILD_MANIFOLDS_ARGS)
-#line 905 "kernels/dynamics/build_manifolds.cl.in"
+#line 922 "kernels/dynamics/build_manifolds.cl.in"
 {
     scene s = {links, n, centres,
-#line 910 "kernels/dynamics/build_manifolds.cl.in"
+#line 927 "kernels/dynamics/build_manifolds.cl.in"
                halves,
-#line 926 "kernels/dynamics/build_manifolds.cl.in"
+#line 943 "kernels/dynamics/build_manifolds.cl.in"
                margin, touches, contacts};
-#line 936 "kernels/dynamics/build_manifolds.cl.in"
+#line 953 "kernels/dynamics/build_manifolds.cl.in"
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_contacts);
-#line 942 "kernels/dynamics/build_manifolds.cl.in"
+#line 959 "kernels/dynamics/build_manifolds.cl.in"
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i];
-#line 959 "kernels/dynamics/build_manifolds.cl.in"
+#line 976 "kernels/dynamics/build_manifolds.cl.in"
         look_at_pair(&s, i, link);
-#line 969 "kernels/dynamics/build_manifolds.cl.in"
+#line 986 "kernels/dynamics/build_manifolds.cl.in"
     }
-#line 980 "kernels/dynamics/build_manifolds.cl.in"
+#line 997 "kernels/dynamics/build_manifolds.cl.in"
 }

@@ -1,4 +1,4 @@
-// fat_aabbs.DIMS2.DOUBLE0.ROTATED0.ANGULAR_VELOCITY0.CONTINUOUS0.SKIN0.WG1.PER_ITEM1024
+// fat_aabbs.DIMS2.DOUBLE0.ROTATED0.ANGULAR_VELOCITY0.CONTINUOUS0.SKIN0.SLEEP0.WG1.PER_ITEM1024
 #define DIMS 2
 #define DOUBLE 0
 #define ORIGIN 0
@@ -6,6 +6,7 @@
 #define ANGULAR_VELOCITY 0
 #define CONTINUOUS 0
 #define SKIN 0
+#define SLEEP 0
 #define WG 1
 #define PER_ITEM 1024
 #define CHECK_FAT_AABBS_ARGS \
@@ -70,7 +71,7 @@ __kernel void compute_fat_aabbs(COMPUTE_FAT_AABBS_ARGS)
         float_bounds b = object_bounds(id, aabb_margin, centres,
 #line 110 "kernels/dynamics/fat_aabbs.cl.in"
                                        halves);
-#line 121 "kernels/dynamics/fat_aabbs.cl.in"
+#line 127 "kernels/dynamics/fat_aabbs.cl.in"
         vstore3(b.lower.xyz, 2 * (size_t)id, boxes);
         vstore3(b.upper.xyz, 2 * (size_t)id + 1, boxes);
     }

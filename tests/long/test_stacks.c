@@ -5,6 +5,7 @@
 #include "support/test.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 static void tall_stacks_stand_for_a_minute(void **state)
 {
@@ -69,6 +70,41 @@ static void a_house_of_cards_stands(void **state)
     mover_free(m);
 }
 
+static void a_great_pile_does_not_sleep_deep(void **state)
+{
+    (void)state;
+    double f[3];
+    figures("effects.md",
+            "| # boxes of `falling.lua`, # s | all sleep, and no contact is deeper than # slops", 3,
+            f);
+    assert_close(f[0], 20000, 0.0);
+    const double slop = 0.003; // nearly what it is by itself
+    const duet_setting n = {"n", "20000"};
+    duet_error err = {0};
+    duet_scene *scene = duet_scene_load("falling", &n, 1, &err);
+    assert_ok(scene, err);
+    duet_motion_def def = duet_scene_motion_def(scene, mover_pair());
+    duet_motion *motion = duet_motion_create_from_scene(&def, scene, NULL, &err);
+    assert_ok(motion, err);
+    duet_motion_result last = {0};
+    for (int step = 0; step < 60 * f[1]; ++step)
+        assert_ok(duet_motion_advance(motion, &last, &err), err);
+    assert_int_equal(last.contacts, 0);
+    duet_contact *contacts = NULL;
+    uint64_t n_contacts = 0;
+    assert_ok(duet_motion_get_contacts(motion, &contacts, &n_contacts, &err), err);
+    assert_true(n_contacts > 2 * f[0]);
+    double deepest = 0.0;
+    for (uint64_t i = 0; i < n_contacts; ++i)
+        for (uint32_t k = 0; k < contacts[i].n; ++k)
+            deepest = fmax(deepest, -(double)contacts[i].points[k].separation);
+    print_message("%g slops\n", deepest / slop);
+    assert_true(deepest < f[2] * slop);
+    free(contacts);
+    duet_motion_destroy(motion);
+    duet_scene_destroy(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -77,6 +113,7 @@ int main(void)
         cmocka_unit_test(a_stack_stands_as_well_far_away),
         cmocka_unit_test(a_pyramid_does_not_tremble),
         cmocka_unit_test(a_house_of_cards_stands),
+        cmocka_unit_test(a_great_pile_does_not_sleep_deep),
     };
     return cmocka_run_group_tests(tests, mover_open_pair, mover_close_pair);
 }
