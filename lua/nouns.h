@@ -54,14 +54,15 @@ int tree_create_lua(lua_State *L);
 duet_tree *tree_check(lua_State *L, int index);
 array_kind tree_array_kind(lua_State *L, int index); // of its objects
 
-// The methods tree:ray_query, :box_query, :point_query, :sweep_query; with the tree's other methods.
+// The methods tree:ray_query, :box_query, :point_query, :sweep_query; with the tree's other
+// methods.
 int ray_query_create_lua(lua_State *L);
 int contact_query_create_lua(lua_State *L);
 int box_query_create_lua(lua_State *L);
 int point_query_create_lua(lua_State *L);
 int sweep_query_create_lua(lua_State *L);
 
-duet_motion *motion_check_lua(lua_State *L);         // the one at 1
+duet_motion *motion_check_lua(lua_State *L); // the one at 1
 duet_motion *motion_check_at(lua_State *L, int index);
 extern const luaL_Reg motion_command_methods[]; // lua/motion_commands.c
 uint64_t *motion_maps_lua(lua_State *L); // of the one at 1, by part: views of others no longer hold
@@ -83,6 +84,7 @@ void world_forget_views(world_box *box); // objects mapped before are not sent a
 
 // The methods world:load_profile, :explain_profile and :online; with the world's other methods.
 int world_load_profile_lua(lua_State *L);
+int tree_load_profile_lua(lua_State *L);
 int world_explain_profile_lua(lua_State *L);
 int world_online_lua(lua_State *L);
 

@@ -24,6 +24,8 @@ typedef struct arguments {
     const char *strategy;
     const char *strategy_path;
     const char *search;
+    const char *query;
+    uint64_t items;
     const char *variants;
     level_options level;
     double budget_seconds;
@@ -51,6 +53,12 @@ static const option options[] = {
         "kernels to choose from, with commas between them (auto,simd,auto sort=radix,paper)"),
     OPTION_TEXT("search", search, "WHAT",
                 "search parameters too: 'kernels' for those of all kernels, or one kernel's name"),
+    OPTION_TEXT("query", query, "WHAT",
+                "tune what a tree of the objects is asked instead of a step: 'rays closest', 'rays "
+                "any', 'rays every', the same of sweeps, boxes, 'boxes itself', points, 'points "
+                "nearest K'"),
+    OPTION_COUNT("items", items, "N", "rays, boxes ... of the query (as many as objects)", 1,
+                 UINT32_MAX),
     OPTION_TEXT("level", level.level, "LIST",
                 "of accuracy, or several to choose from (the scene's; all, where how much may be "
                 "wrong is given)"),
@@ -225,6 +233,8 @@ static duet_tune_def make_def(const arguments *args, const tune_config *config, 
     def.strategy_lua = config->strategy_lua;
     def.script = args->config ? text_chars(&config->text) : NULL;
     def.search = config->search;
+    def.query = args->query;
+    def.items = args->items;
     def.variants = config->variants;
     def.n_variants = config->n_variants;
     def.modes = config->modes;
@@ -264,11 +274,23 @@ static bool tune_workload(duet_tune_def *def, const duet_scene *scene, tune_repo
 {
     duet_tune_outcome outcome;
     def->scene = scene;
-    tune_report_workload(report, duet_scene_get_info(scene));
+    tune_report_workload(report, duet_scene_get_info(scene), def->query, def->items);
     if (!duet_tune_run(def, &outcome, err))
         return false;
     tune_report_add(report, &outcome);
     return true;
+}
+
+static bool check_query(const arguments *args, const duet_device_pair *pair, duet_error *err)
+{
+    if (args->items > 0 && !args->query)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "--items: give --query, whose items they are");
+    return !args->query || !duet_device_pair_is_one(pair) ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "--query: %s is one device and has no share to search; expected --pair with "
+                     "two, or halves",
+                     duet_device_pair_get_info(pair, 0)->selector);
 }
 
 static bool check_strategy(const arguments *args, const duet_device_pair *pair, duet_error *err)
@@ -285,7 +307,7 @@ static bool tune_workloads(const arguments *args, const tune_config *config, tun
 {
     duet_tune_def def = make_def(args, config, report);
     def.pair = inputs_open_pair(config->pair, err);
-    bool ok = def.pair && check_strategy(args, def.pair, err);
+    bool ok = def.pair && check_strategy(args, def.pair, err) && check_query(args, def.pair, err);
     if (ok)
         tune_report_expect(report, def.pair, config->n_workloads, config->budget_seconds);
     for (uint32_t i = 0; ok && i < config->n_workloads; ++i) {

@@ -67,7 +67,8 @@ static bool open(tree_query *q, duet_tree *tree, duet_level level, bool itself, 
                       .itself = itself};
     const gen_setting settings[] = {{"ACCURACY", poses ? level : DUET_LEVEL_CERTIFIED},
                                     {"ITSELF", itself}};
-    return tree_query_open(q, settings, 2, err);
+    return tree_query_open(q, &(query_name){.item = QUERY_BOXES, .itself = itself}, settings, 2,
+                           err);
 }
 
 duet_box_query *duet_box_query_create(const duet_box_query_def *def, duet_error *err)

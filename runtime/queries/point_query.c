@@ -74,7 +74,8 @@ duet_point_query *duet_point_query_create(const duet_point_query_def *def, duet_
                                 .item_words = sizeof(duet_point) / sizeof(float),
                                 .each = def->nearest};
     const gen_setting settings[] = {{"WANTS", query->asked.wants}};
-    if (tree_query_open(&query->asked, settings, 1, err))
+    const query_name name = {.item = QUERY_POINTS, .nearest = def->nearest};
+    if (tree_query_open(&query->asked, &name, settings, 1, err))
         return query;
     duet_point_query_destroy(query);
     return NULL;

@@ -81,7 +81,8 @@ duet_ray_query *duet_ray_query_create(const duet_ray_query_def *def, duet_error 
                                 .item_words = sizeof(duet_ray) / sizeof(float),
                                 .each = def->wants != DUET_QUERY_EVERY};
     const gen_setting settings[] = {{"WANTS", def->wants}};
-    if (tree_query_open(&query->asked, settings, 1, err))
+    const query_name name = {.item = QUERY_RAYS, .wants = def->wants};
+    if (tree_query_open(&query->asked, &name, settings, 1, err))
         return query;
     duet_ray_query_destroy(query);
     return NULL;

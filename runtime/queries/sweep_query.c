@@ -93,7 +93,8 @@ duet_sweep_query *duet_sweep_query_create(const duet_sweep_query_def *def, duet_
                                 .item_words = (uint32_t)(bytes / sizeof(float)),
                                 .each = def->wants != DUET_QUERY_EVERY};
     const gen_setting settings[] = {{"WANTS", def->wants}, {"SWEPT", 1}};
-    if (tree_query_open(&query->asked, settings, 2, err))
+    const query_name name = {.item = QUERY_SWEEPS, .wants = def->wants};
+    if (tree_query_open(&query->asked, &name, settings, 2, err))
         return query;
     duet_sweep_query_destroy(query);
     return NULL;

@@ -126,6 +126,37 @@ bool duet_tree_set_share(duet_tree *tree, uint32_t share, duet_error *err)
     if (!shared_work_check(share, err) || !open_sides(tree, share, err))
         return false;
     tree->def.share = share;
+    tree->n_tuned = 0;
+    return true;
+}
+
+static tuned_share *find_tuned(duet_tree *tree, const char *query)
+{
+    uint32_t i = 0;
+    while (i < tree->n_tuned && strcmp(tree->tuned[i].query, query) != 0)
+        ++i;
+    return &tree->tuned[i];
+}
+
+uint32_t tree_share_of(const duet_tree *tree, const char *query)
+{
+    const tuned_share *tuned = find_tuned((duet_tree *)tree, query);
+    return tuned < tree->tuned + tree->n_tuned ? tuned->share : tree->def.share;
+}
+
+bool tree_tune(duet_tree *tree, const query_name *query, uint32_t share, duet_error *err)
+{
+    tuned_share tuned = {.share = share};
+    query_name_write(query, tuned.query);
+    tuned_share *to = find_tuned(tree, tuned.query);
+    bool is_new = to == tree->tuned + tree->n_tuned;
+    if (is_new && tree->n_tuned == TREE_TUNED)
+        return error_set(err, DUET_STATUS_TOO_MANY, "a tree has shares for at most %d queries",
+                         TREE_TUNED);
+    if (!open_sides(tree, share, err))
+        return false;
+    *to = tuned;
+    tree->n_tuned += is_new;
     return true;
 }
 
@@ -243,10 +274,25 @@ bool tree_reserve_objects(duet_tree *tree, uint32_t n, duet_error *err)
     return true;
 }
 
+const duet_tree_def *tree_def(const duet_tree *tree)
+{
+    return &tree->def;
+}
+
+uint32_t tree_count(const duet_tree *tree)
+{
+    return tree->n;
+}
+
+duet_object_kind tree_kind(const duet_tree *tree)
+{
+    return tree->def.shape == DUET_SHAPE_POSES ? DUET_OBJECT_POSES : DUET_OBJECT_BOUNDS;
+}
+
 bool tree_takes(const duet_tree *tree, duet_object_kind kind, duet_error *err)
 {
     bool poses = tree->def.shape == DUET_SHAPE_POSES;
-    return kind == (poses ? DUET_OBJECT_POSES : DUET_OBJECT_BOUNDS) ||
+    return kind == tree_kind(tree) ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT, "objects of kind %d; the tree is of %s",
                      (int)kind, poses ? "poses" : "bounds");
 }

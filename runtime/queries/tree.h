@@ -5,6 +5,7 @@
 
 #include "runtime/opencl/thread_pool.h"
 #include "runtime/queries/box_tree.h"
+#include "runtime/queries/tree_share.h"
 
 #include <stdatomic.h>
 
@@ -19,6 +20,14 @@ typedef struct tree_side {
     duet_error err;
 } tree_side;
 
+enum { TREE_TUNED = 16 };
+
+// The share that a profile brought for queries of one name.
+typedef struct tuned_share {
+    char query[QUERY_NAME];
+    uint32_t share;
+} tuned_share;
+
 struct duet_tree {
     atomic_uint users; // the caller, and each query
     duet_tree_def def;
@@ -27,6 +36,8 @@ struct duet_tree {
     void *objects;       // [n] poses or bounds, by the def's shape; stale until they are fetched
     uint32_t n, n_hidden;
     bool fetched;
+    tuned_share tuned[TREE_TUNED];
+    uint32_t n_tuned;
 };
 
 void tree_hold(duet_tree *tree);

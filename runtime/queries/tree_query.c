@@ -85,10 +85,11 @@ static bool open_sides(tree_query *q, duet_error *err)
     return ok;
 }
 
-bool tree_query_open(tree_query *q, const gen_setting *settings, uint32_t n_settings,
-                     duet_error *err)
+bool tree_query_open(tree_query *q, const query_name *name, const gen_setting *settings,
+                     uint32_t n_settings, duet_error *err)
 {
     tree_hold(q->tree);
+    query_name_write(name, q->name);
     q->settings[0] = (gen_setting){"DIMS", q->tree->def.dims};
     q->settings[1] = (gen_setting){"SHAPE", q->tree->def.shape};
     for (uint32_t i = 0; i < n_settings; ++i)
@@ -440,7 +441,7 @@ bool tree_query_run(tree_query *q, const void *items, uint64_t n, query_result *
                          (unsigned long long)n, plural);
     if (!open_sides(q, err))
         return false;
-    uint64_t cut = n * q->tree->def.share / DUET_SHARE_ONE;
+    uint64_t cut = n * tree_share_of(q->tree, q->name) / DUET_SHARE_ONE;
     q->items = items;
     query_side *a = begin_side(q, 0, 0, cut), *b = begin_side(q, 1, cut, n);
     query_result found = {0};

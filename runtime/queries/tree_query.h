@@ -56,6 +56,7 @@ typedef struct query_side {
 typedef struct tree_query {
     const query_kind *kind;
     duet_tree *tree; // held
+    char name[QUERY_NAME];
     query_wants wants;
     uint32_t item_words;
     uint32_t each; // hits an item; 0 for QUERY_EVERY
@@ -82,8 +83,8 @@ bool tree_query_knows(duet_query_wants wants, duet_error *err);
 
 // Builds the kernel of q->kind with these settings and DIMS, SHAPE. kind, tree, wants, item_words
 // and each are set.
-bool tree_query_open(tree_query *q, const gen_setting *settings, uint32_t n_settings,
-                     duet_error *err);
+bool tree_query_open(tree_query *q, const query_name *name, const gen_setting *settings,
+                     uint32_t n_settings, duet_error *err);
 void tree_query_close(tree_query *q);
 
 // n items of 4 item_words bytes. BAD_OBJECT names the first that the kernel takes for none.
