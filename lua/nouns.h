@@ -22,13 +22,10 @@ void source_open_lua(lua_State *L);
 void profiles_open_lua(lua_State *L);
 void pair_query_open_lua(lua_State *L);
 void tree_open_lua(lua_State *L);
-void ray_query_open_lua(lua_State *L);
+void tree_query_open_lua(lua_State *L);
 void contact_query_open_lua(lua_State *L);
 void pair_delta_open_lua(lua_State *L);
 void replay_open_lua(lua_State *L);
-void box_query_open_lua(lua_State *L);
-void point_query_open_lua(lua_State *L);
-void sweep_query_open_lua(lua_State *L);
 
 extern const member_type member_plan; // a duet_plan as a table
 const char *shape_name(int shape);
@@ -54,13 +51,10 @@ int tree_create_lua(lua_State *L);
 duet_tree *tree_check(lua_State *L, int index);
 array_kind tree_array_kind(lua_State *L, int index); // of its objects
 
-// The methods tree:ray_query, :box_query, :point_query, :sweep_query; with the tree's other
-// methods.
-int ray_query_create_lua(lua_State *L);
+duet_object_kind tree_object_kind(array_kind kind);
+
+extern const luaL_Reg tree_query_methods[]; // lua/tree_query.c
 int contact_query_create_lua(lua_State *L);
-int box_query_create_lua(lua_State *L);
-int point_query_create_lua(lua_State *L);
-int sweep_query_create_lua(lua_State *L);
 
 duet_motion *motion_check_lua(lua_State *L); // the one at 1
 duet_motion *motion_check_at(lua_State *L, int index);

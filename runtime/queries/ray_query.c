@@ -43,7 +43,10 @@ static bool meets(const duet_tree *tree, const void *item, uint32_t *hit)
     if (tree->def.shape == DUET_SHAPE_BOUNDS)
         return meets_bounds(item, (const duet_bounds *)tree->objects + h->id, tree->def.dims,
                             &h->t);
-    return ray_meets(item, (const duet_pose *)tree->objects + h->id, tree->def.dims);
+    if (tree->def.shape == DUET_SHAPE_POSES)
+        return ray_meets(item, (const duet_pose *)tree->objects + h->id, tree->def.dims);
+    return ray_meets_rounded(item, (const duet_rounded_box *)tree->objects + h->id, tree->def.dims,
+                             &h->t);
 }
 
 static const query_kind kind = {

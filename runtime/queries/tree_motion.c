@@ -9,7 +9,7 @@ static bool check(const duet_tree *tree, const duet_motion *motion, duet_error *
 {
     if (tree->def.shape != DUET_SHAPE_POSES)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a motion's bodies are poses; the tree is of bounds");
+                         "a motion's bodies are poses; the tree is of %s", tree_shape_name(tree));
     return tree->def.dims == motion->def.dims ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT, "the motion has dims %u; the tree has %u",
                      motion->def.dims, tree->def.dims);

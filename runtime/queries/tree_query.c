@@ -91,7 +91,7 @@ bool tree_query_open(tree_query *q, const query_name *name, const gen_setting *s
     tree_hold(q->tree);
     query_name_write(name, q->name);
     q->settings[0] = (gen_setting){"DIMS", q->tree->def.dims};
-    q->settings[1] = (gen_setting){"SHAPE", q->tree->def.shape};
+    q->settings[1] = (gen_setting){"SHAPE", box_tree_shape(q->tree->def.shape)};
     for (uint32_t i = 0; i < n_settings; ++i)
         q->settings[2 + i] = settings[i];
     q->n_settings = 2 + n_settings;

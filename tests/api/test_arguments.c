@@ -441,7 +441,7 @@ static void fill_tree(void)
     def.dims = 4;
     REFUSES(duet_tree_create(&def, e));
     def.dims = 3;
-    def.shape = (duet_shape)2;
+    def.shape = (duet_shape)DUET_SHAPES;
     REFUSES(duet_tree_create(&def, e));
     REFUSES(duet_tree_set_objects(NULL, DUET_OBJECT_POSES, &pose, 1, e));
     REFUSES(duet_tree_set_objects(tree, DUET_OBJECT_POSES, NULL, 1, e));
