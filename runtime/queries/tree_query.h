@@ -31,10 +31,20 @@ typedef struct query_kind {
     bool finish_reads; // the tree's objects
 } query_kind;
 
+// In memory that the device reads and writes fast.
 typedef struct hit_list {
-    uint32_t *words;
+    host_block block;
     uint64_t n, capacity; // hits
 } hit_list;
+
+// A chunk on its way to a device with memory of its own, and back.
+typedef struct query_flow {
+    host_block items; // as they were sent
+    host_block told;  // counters, then the first open hits
+    uint64_t first;
+    cl_uint n;
+    cl_event read; // of the last of what it reads; the timeline's
+} query_flow;
 
 // One device's part of a run.
 typedef struct query_side {
@@ -49,6 +59,7 @@ typedef struct query_side {
     uint64_t first, last;
     hit_list found;
     hit_list open_hits;
+    query_flow flows[2]; // of two chunks that follow each other
     uint64_t undecided;
     double wall_ms;
 } query_side;
