@@ -15,11 +15,19 @@
 typedef struct draw {
     rng random;
     uint32_t dims;
-    const void *objects; // poses or bounds
-    bool poses;
+    const char *objects;
+    duet_shape shape;
+    size_t width; // bytes of an object
     uint32_t n_objects;
     double lower[3], upper[3];
 } draw;
+
+// All but bounds begin with their centre.
+static double middle_of(const draw *d, uint32_t i, uint32_t k)
+{
+    const float *row = (const float *)(d->objects + i * d->width);
+    return d->shape == DUET_SHAPE_BOUNDS ? 0.5 * row[k] + 0.5 * row[3 + k] : row[k];
+}
 
 static void measure_extent(draw *d)
 {
@@ -29,10 +37,7 @@ static void measure_extent(draw *d)
     }
     for (uint32_t i = 0; i < d->n_objects; ++i)
         for (uint32_t k = 0; k < d->dims; ++k) {
-            const duet_pose *pose = (const duet_pose *)d->objects + i;
-            const duet_bounds *bounds = (const duet_bounds *)d->objects + i;
-            double at =
-                d->poses ? pose->centre[k] : 0.5 * bounds->lower[k] + 0.5 * bounds->upper[k];
+            double at = middle_of(d, i, k);
             d->lower[k] = fmin(d->lower[k], at);
             d->upper[k] = fmax(d->upper[k], at);
         }
@@ -84,27 +89,21 @@ static void draw_box(draw *d, const query_name *name, void *item)
 {
     float at[3];
     uint32_t i = rng_below(&d->random, d->n_objects);
+    float *row = item;
     (void)name;
     draw_point(d, at);
-    if (d->poses) {
-        duet_pose *box = item;
-        *box = ((const duet_pose *)d->objects)[i];
-        memcpy(box->centre, at, sizeof at);
-        return;
-    }
-    duet_bounds *box = item;
-    *box = ((const duet_bounds *)d->objects)[i];
+    memcpy(row, d->objects + i * d->width, d->width);
     for (uint32_t k = 0; k < d->dims; ++k) {
-        float width = box->upper[k] - box->lower[k];
-        box->lower[k] = at[k];
-        box->upper[k] = at[k] + width;
+        if (d->shape == DUET_SHAPE_BOUNDS)
+            row[3 + k] = at[k] + (row[3 + k] - row[k]);
+        row[k] = at[k];
     }
 }
 
 static void draw_sweep(draw *d, const query_name *name, void *item)
 {
+    float *way = (float *)((char *)item + d->width);
     draw_box(d, name, item);
-    float *way = (float *)((char *)item + (d->poses ? sizeof(duet_pose) : sizeof(duet_bounds)));
     draw_direction(d, way);
     way[3] = draw_end(d, name->wants);
 }
@@ -115,9 +114,9 @@ static size_t item_bytes(const draw *d, query_item item)
     case QUERY_RAYS:
         return sizeof(duet_ray);
     case QUERY_SWEEPS:
-        return d->poses ? sizeof(duet_sweep) : sizeof(duet_bounds_sweep);
+        return d->width + 4 * sizeof(float);
     case QUERY_BOXES:
-        return d->poses ? sizeof(duet_pose) : sizeof(duet_bounds);
+        return d->width;
     case QUERY_POINTS:
         return sizeof(duet_point);
     }
@@ -181,12 +180,19 @@ static bool open_tree(measure_query *q, duet_device_pair *pair, const duet_scene
 bool measure_query_open(measure_query *q, duet_device_pair *pair, const duet_scene *scene,
                         const query_name *name, uint64_t n, uint64_t seed, duet_error *err)
 {
+    static const size_t widths[DUET_SHAPES] = {
+        [DUET_SHAPE_POSES] = sizeof(duet_pose),
+        [DUET_SHAPE_BOUNDS] = sizeof(duet_bounds),
+        [DUET_SHAPE_ROUNDED_BOXES] = sizeof(duet_rounded_box),
+        [DUET_SHAPE_SPHERES] = sizeof(duet_sphere),
+    };
     const duet_scene_info *info = duet_scene_get_info(scene);
     const void *objects = duet_scene_get_objects(scene, scene_kind(info));
     draw d = {.random = rng_seed(seed),
               .dims = info->dims,
               .objects = objects,
-              .poses = info->shape == DUET_SHAPE_POSES,
+              .shape = info->shape,
+              .width = widths[info->shape],
               .n_objects = info->n};
     *q = (measure_query){.name = *name, .n = name->itself ? info->n : n};
     if (q->n == 0 || q->n > UINT32_MAX || info->n == 0)

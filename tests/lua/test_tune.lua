@@ -131,6 +131,11 @@ holds("queries are tuned by their kind, and a tree takes what is known of them",
     assert(found, query)
   end
   equal(assert(tree:load_profile("rays closest", 200, store)).grade, "default")
+  local balls <close> = assert(duet.scene(duet.spheres { 0, 0, 0, 1, 2, 0, 0, 1, 4, 4, 4, 2, 1, 5, 2, 1 }))
+  for query, hits in pairs { ["points nearest 3"] = 3 * 60, ["rays any"] = 60 } do
+    local def = { keep = false, query = query, items = 60, repeats = 1, budget_trials = 43 }
+    equal(assert(pair:tune(balls, def)).true_pairs, hits)
+  end
   for _, ending in ipairs { "", "-wal", "-shm" } do os.remove(store .. ending) end
   refused("BAD_ARGUMENT", "query 'rays both'", tree.load_profile, tree, "rays both", 1)
   refused("BAD_ARGUMENT", "expected no variants", pair.tune, pair, scene, quick { query = "boxes" })
