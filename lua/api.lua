@@ -173,10 +173,11 @@ api.names = {
     fails = true, c = { "duet_world_create", "duet_scene_world_def" } },
   { "duet.DevicePair:tune", { "scene: duet.Scene", "def?: table" }, "duet.Tuning",
     "Chooses variants, mode and share for the scene and keeps them in a store. A def { store, keep, fresh, ordered, " ..
-    "strategy, strategy_lua, search, variants, modes, level (a name, or a list), accuracy, budget_seconds, budget_trials, repeats, seed, script, watch }; " ..
+    "strategy, strategy_lua, search, query, items, variants, modes, level (a name, or a list), accuracy, budget_seconds, budget_trials, repeats, seed, script, watch }; " ..
     "watch(progress) is called after each trial and stops the tuning with false. keep = false uses no store; " ..
     "keep = true lets applications load what a strategy other than the default one finds, too. " ..
-    "With search = \"kernels\", or a kernel's name, it searches the kernels' parameters too.",
+    "With search = \"kernels\", or a kernel's name, it searches the kernels' parameters too. " ..
+    "With query = \"rays closest\" it looks for the share of what a tree of the objects is asked, for so many items.",
     fails = true, c = "duet_tune_run" },
   { "duet.Tuning.plan", "duet.Plan", "to use" },
   { "duet.Tuning.best", "duet.Plan", "the best that shares the work; taken only where it is faster" },
@@ -348,16 +349,20 @@ api.names = {
   { "duet.PairQueryResult.device_ms", "number[]", "of A and of B" },
 
   { "duet.DevicePair:tree", { "def?: { shape?: string, share?: number, dims?: integer }" }, "duet.Tree",
-    "An empty tree; shape is poses or bounds, and A has the share of what its queries ask.",
+    "An empty tree; shape is that of a world, and A has the share of what its queries ask.",
     fails = true, c = "duet_tree_create" },
-  { "duet.Tree:set_objects", { "objects: duet.Poses|duet.Bounds|string|number[]|number[][]" }, "duet.Tree",
-    "The boxes from now on, poses or bounds as the tree's shape; they are copied.",
+  { "duet.Tree:set_objects", { "objects: duet.Poses|duet.Bounds|duet.RoundedBoxes|duet.Spheres|string|number[]|number[][]" }, "duet.Tree",
+    "The boxes from now on, as the tree's shape; they are copied.",
     fails = true, c = "duet_tree_set_objects" },
   { "duet.Tree:set_motion", { "motion: duet.Motion" }, "duet.Tree",
     "The boxes from now on are a motion's bodies where they are, by place; removed and disabled ones are left out.",
     fails = true, c = "duet_tree_set_motion" },
   { "duet.Tree:set_share", { "share: number" }, "duet.Tree", "A's part of what its queries ask from now on, 0 to 1.",
     fails = true, c = "duet_tree_set_share" },
+  { "duet.Tree:load_profile", { "query: string", "n: integer", "path?: string" }, "duet.Profile",
+    "Gives queries of a kind, as \"rays closest\", the share that a store of profiles knows for about n items; " ..
+    "profile.plan.share is theirs after the call.",
+    fails = true, c = "duet_tree_load_profile" },
   { "duet.Tree:close", {}, nil, "Gives the devices' memory back, once its queries are closed.",
     c = "duet_tree_destroy" },
   { "duet.NO_OBJECT", "integer", "the id where a query finds no box" },
@@ -376,7 +381,7 @@ api.names = {
   { "duet.Tree:box_query", { "def?: { level?: string }" }, "duet.BoxQuery",
     "Readies both devices to test boxes against the tree's, at a level.",
     fails = true, c = "duet_box_query_create" },
-  { "duet.BoxQuery:run", { "boxes: duet.Poses|duet.Bounds|string|number[]|number[][]" },
+  { "duet.BoxQuery:run", { "boxes: duet.Poses|duet.Bounds|duet.RoundedBoxes|duet.Spheres|string|number[]|number[][]" },
     "duet.BoxHits, duet.BoxQueryResult", "Which of the tree's boxes each collides with, by box and id.",
     fails = true, c = "duet_box_query_run" },
   { "duet.BoxQuery:run_itself", { "filters?: duet.Filters|string|integer[]|integer[][]" },
@@ -401,7 +406,7 @@ api.names = {
   { "duet.PointQueryResult.device_ms", "number[]", "of A and of B" },
 
   { "duet.Tree:sweep_query", { "def?: { wants?: string }" }, "duet.SweepQuery",
-    "Readies both devices for boxes that move; wants is closest, any or every.",
+    "Readies both devices for poses or bounds that move; wants is closest, any or every.",
     fails = true, c = "duet_sweep_query_create" },
   { "duet.SweepQuery:run", { "sweeps: duet.Sweeps|duet.BoundsSweeps|string|number[]|number[][]" },
     "duet.SweepHits, duet.SweepQueryResult",
@@ -617,6 +622,8 @@ api.names = {
   { "duet.StoredProfile.scene", "string", "empty: not known" },
   { "duet.StoredProfile.dims", "integer", "" },
   { "duet.StoredProfile.objects", "integer", "" },
+  { "duet.StoredProfile.query", "string", "\"rays closest\", asked of the objects; empty: of steps" },
+  { "duet.StoredProfile.items", "integer", "of the query" },
   { "duet.StoredProfile.a", "duet.StoredDevice", "" },
   { "duet.StoredProfile.b", "duet.StoredDevice", "" },
   { "duet.StoredProfile.share", "number", "A's part, 0 to 1" },

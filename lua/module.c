@@ -66,13 +66,10 @@ int luaopen_duet(lua_State *L)
     profiles_open_lua(L);
     pair_query_open_lua(L);
     tree_open_lua(L);
-    ray_query_open_lua(L);
+    tree_query_open_lua(L);
     contact_query_open_lua(L);
     pair_delta_open_lua(L);
     replay_open_lua(L);
-    box_query_open_lua(L);
-    point_query_open_lua(L);
-    sweep_query_open_lua(L);
     preload_carried(L);
     return 1;
 }

@@ -22,13 +22,10 @@ void source_open_lua(lua_State *L);
 void profiles_open_lua(lua_State *L);
 void pair_query_open_lua(lua_State *L);
 void tree_open_lua(lua_State *L);
-void ray_query_open_lua(lua_State *L);
+void tree_query_open_lua(lua_State *L);
 void contact_query_open_lua(lua_State *L);
 void pair_delta_open_lua(lua_State *L);
 void replay_open_lua(lua_State *L);
-void box_query_open_lua(lua_State *L);
-void point_query_open_lua(lua_State *L);
-void sweep_query_open_lua(lua_State *L);
 
 extern const member_type member_plan; // a duet_plan as a table
 const char *shape_name(int shape);
@@ -54,14 +51,12 @@ int tree_create_lua(lua_State *L);
 duet_tree *tree_check(lua_State *L, int index);
 array_kind tree_array_kind(lua_State *L, int index); // of its objects
 
-// The methods tree:ray_query, :box_query, :point_query, :sweep_query; with the tree's other methods.
-int ray_query_create_lua(lua_State *L);
-int contact_query_create_lua(lua_State *L);
-int box_query_create_lua(lua_State *L);
-int point_query_create_lua(lua_State *L);
-int sweep_query_create_lua(lua_State *L);
+duet_object_kind tree_object_kind(array_kind kind);
 
-duet_motion *motion_check_lua(lua_State *L);         // the one at 1
+extern const luaL_Reg tree_query_methods[]; // lua/tree_query.c
+int contact_query_create_lua(lua_State *L);
+
+duet_motion *motion_check_lua(lua_State *L); // the one at 1
 duet_motion *motion_check_at(lua_State *L, int index);
 extern const luaL_Reg motion_command_methods[]; // lua/motion_commands.c
 uint64_t *motion_maps_lua(lua_State *L); // of the one at 1, by part: views of others no longer hold
@@ -83,6 +78,7 @@ void world_forget_views(world_box *box); // objects mapped before are not sent a
 
 // The methods world:load_profile, :explain_profile and :online; with the world's other methods.
 int world_load_profile_lua(lua_State *L);
+int tree_load_profile_lua(lua_State *L);
 int world_explain_profile_lua(lua_State *L);
 int world_online_lua(lua_State *L);
 

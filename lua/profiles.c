@@ -26,6 +26,8 @@ static const member profile_members[] = {
     MEMBER(member_chars, duet_stored_profile, scene),
     MEMBER(member_count, duet_stored_profile, dims),
     MEMBER(member_count, duet_stored_profile, objects),
+    MEMBER(member_chars, duet_stored_profile, query),
+    MEMBER(member_count, duet_stored_profile, items),
     MEMBER(member_device, duet_stored_profile, a),
     MEMBER(member_device, duet_stored_profile, b),
     MEMBER(member_share, duet_stored_profile, share),
@@ -210,6 +212,22 @@ int world_load_profile_lua(lua_State *L)
     world_box *box = world_check(L, 1);
     const char *path = check_store(L, 2);
     if (!duet_world_load_profile(box->world, path, &profile, &err))
+        return class_push_failure(L, &err);
+    member_push_table(L, known_members, &profile);
+    return 1;
+}
+
+// tree:load_profile(query, n, path)
+int tree_load_profile_lua(lua_State *L)
+{
+    duet_error err = {0};
+    duet_profile profile;
+    duet_tree *tree = tree_check(L, 1);
+    const char *query = luaL_checkstring(L, 2);
+    lua_Integer n = luaL_checkinteger(L, 3);
+    luaL_argcheck(L, n > 0, 3, "a number of items above 0");
+    const char *path = check_store(L, 4);
+    if (!duet_tree_load_profile(tree, query, (uint64_t)n, path, &profile, &err))
         return class_push_failure(L, &err);
     member_push_table(L, known_members, &profile);
     return 1;

@@ -51,9 +51,27 @@ duet_tree *tree_check(lua_State *L, int index)
     return box_check(L, index)->tree;
 }
 
+static const struct {
+    array_kind array;
+    duet_object_kind objects;
+} kinds[DUET_SHAPES] = {
+    [DUET_SHAPE_POSES] = {ARRAY_POSES, DUET_OBJECT_POSES},
+    [DUET_SHAPE_BOUNDS] = {ARRAY_BOUNDS, DUET_OBJECT_BOUNDS},
+    [DUET_SHAPE_ROUNDED_BOXES] = {ARRAY_ROUNDED_BOXES, DUET_OBJECT_ROUNDED_BOXES},
+    [DUET_SHAPE_SPHERES] = {ARRAY_SPHERES, DUET_OBJECT_SPHERES},
+};
+
 array_kind tree_array_kind(lua_State *L, int index)
 {
-    return box_check(L, index)->shape == DUET_SHAPE_POSES ? ARRAY_POSES : ARRAY_BOUNDS;
+    return kinds[box_check(L, index)->shape].array;
+}
+
+duet_object_kind tree_object_kind(array_kind kind)
+{
+    int shape = 0;
+    while (kinds[shape].array != kind)
+        ++shape;
+    return kinds[shape].objects;
 }
 
 // tree:set_objects(poses or bounds) -> tree
@@ -62,7 +80,7 @@ static int tree_set_objects(lua_State *L)
     duet_error err = {0};
     tree_box *box = box_check(L, 1);
     const array *objects = array_check(L, 2, tree_array_kind(L, 1));
-    duet_object_kind kind = box->shape == DUET_SHAPE_POSES ? DUET_OBJECT_POSES : DUET_OBJECT_BOUNDS;
+    duet_object_kind kind = kinds[box->shape].objects;
     luaL_argcheck(L, objects->n <= UINT32_MAX, 2, "fewer than 2^32 rows");
     if (!duet_tree_set_objects(box->tree, kind, objects->rows, (uint32_t)objects->n, &err))
         return class_push_failure(L, &err);
@@ -105,12 +123,10 @@ static const luaL_Reg methods[] = {{"close", tree_close},
                                    {"set_objects", tree_set_objects},
                                    {"set_motion", tree_set_motion},
                                    {"set_share", tree_set_share},
-                                   {"ray_query", ray_query_create_lua},
-                                   {"box_query", box_query_create_lua},
-                                   {"point_query", point_query_create_lua},
-                                   {"sweep_query", sweep_query_create_lua},
+                                   {"load_profile", tree_load_profile_lua},
                                    {NULL, NULL}};
-static const lua_class tree_class = {.name = "duet.tree", .methods = methods};
+static const lua_class tree_class = {
+    .name = "duet.tree", .methods = methods, .more_methods = tree_query_methods};
 
 void tree_open_lua(lua_State *L)
 {

@@ -88,6 +88,8 @@ static const member def_members[] = {
     OPTION(member_string, strategy),
     OPTION(member_string, strategy_lua),
     OPTION(member_string, search),
+    OPTION(member_string, query),
+    OPTION(member_count, items),
     MEMBER(member_names, tune_def, variants),
     MEMBER(member_names, tune_def, modes),
     OPTION(member_double, budget_seconds),

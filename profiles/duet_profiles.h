@@ -30,6 +30,8 @@ typedef struct duet_stored_profile {
     char scene[256];    // empty: not known
     uint32_t dims;
     uint64_t objects;
+    char query[32]; // "rays closest", asked of the objects; empty: of steps
+    uint64_t items; // of the query
     duet_stored_device a;
     duet_stored_device b;
     uint32_t share; // A's part, out of 65536

@@ -53,22 +53,23 @@ SELECT (SELECT id FROM env WHERE key = ?1 ->> 'a'), (SELECT id FROM env WHERE ke
 
 --@workload fields
 type key family name dims n cells_x cells_y cells_z cell occ_mean occ_p99 size_ratio shape rotated
-effects level
+effects level query boxes
 
 --@workload out
 SELECT json_object('type', 'workload', 'key', key, 'family', family, 'name', name, 'dims', dims,
                    'n', n, 'cells_x', cells_x, 'cells_y', cells_y, 'cells_z', cells_z,
                    'cell', cell, 'occ_mean', occ_mean, 'occ_p99', occ_p99,
                    'size_ratio', size_ratio, 'shape', shape, 'rotated', rotated,
-                   'effects', effects, 'level', level)
+                   'effects', effects, 'level', level, 'query', query, 'boxes', boxes)
   FROM workload ORDER BY key
 
 --@workload in
 INSERT INTO workload (key, family, name, dims, n, cells_x, cells_y, cells_z, cell, occ_mean,
-                      occ_p99, size_ratio, shape, rotated, effects, level)
+                      occ_p99, size_ratio, shape, rotated, effects, level, query, boxes)
 SELECT ?1 ->> 'key', ?1 ->> 'family', ?1 ->> 'name', ?1 ->> 'dims', ?1 ->> 'n', ?1 ->> 'cells_x',
        ?1 ->> 'cells_y', ?1 ->> 'cells_z', ?1 ->> 'cell', ?1 ->> 'occ_mean', ?1 ->> 'occ_p99',
-       ?1 ->> 'size_ratio', ?1 ->> 'shape', ?1 ->> 'rotated', ?1 ->> 'effects', ?1 ->> 'level'
+       ?1 ->> 'size_ratio', ?1 ->> 'shape', ?1 ->> 'rotated', ?1 ->> 'effects', ?1 ->> 'level',
+       ?1 ->> 'query', coalesce(?1 ->> 'boxes', 0)
     ON CONFLICT DO NOTHING
 
 --@level_cost fields

@@ -117,6 +117,9 @@ const char *const migrate_upgrades[] = {
     "ALTER TABLE profile ADD COLUMN whole_gain_high REAL;"
     "UPDATE profile SET live = 0, dead_reason = '" PROFILE_UNFOUNDED "' "
     "WHERE live = 1 AND verdict = 'ambiguous';",
+    // 5: queries are workloads, too.
+    "ALTER TABLE workload ADD COLUMN query TEXT;"
+    "ALTER TABLE workload ADD COLUMN boxes INTEGER NOT NULL DEFAULT 0;",
     NULL,
 };
 

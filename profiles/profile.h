@@ -101,6 +101,8 @@ typedef struct profile_entry {
     const char *scene; // the workload's name; may be NULL
     int64_t dims;
     int64_t n;
+    const char *query; // "rays closest", of whose items n is; NULL: of steps
+    int64_t boxes;     // that are asked
     const char *family;
     profile_row row; // without session and trial_number
     int64_t created_ns;

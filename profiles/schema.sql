@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- The profile store, schema 4. Needs SQLite 3.37 for STRICT.
+-- The profile store, schema 5. Needs SQLite 3.37 for STRICT.
 -- Times end in _ns and are nanoseconds: INTEGER for moments since 1970 and for
 -- single launches, REAL for statistics. Shares are integers out of 65536.
 
@@ -41,7 +41,7 @@ CREATE TABLE pair (
   UNIQUE (env_a, env_b)
 ) STRICT;
 
--- A class of scenes.
+-- A class of scenes, or of what a tree is asked.
 CREATE TABLE workload (
   id         INTEGER PRIMARY KEY,
   key        TEXT NOT NULL UNIQUE,       -- sha256 of the fields below but the name
@@ -59,7 +59,9 @@ CREATE TABLE workload (
   shape      TEXT NOT NULL,
   rotated    INTEGER NOT NULL CHECK (rotated IN (0, 1)),
   effects    TEXT NOT NULL,              -- words, sorted
-  level      TEXT NOT NULL
+  level      TEXT NOT NULL,
+  query      TEXT,                       -- 'rays closest'; n are its items. NULL: steps of a world
+  boxes      INTEGER NOT NULL DEFAULT 0  -- in the tree that is asked; 0: there is none
 ) STRICT;
 CREATE INDEX workload_near ON workload (family, n);
 

@@ -205,24 +205,30 @@ static void add_words(text *t, const char *words)
     text_free(&copy);
 }
 
-static void add_kind(text *t, const profile_workload *w)
-{
-    text_add(t, "%uD %s%s, level %s, effects: ", w->dims, w->shape, w->rotated ? " rotated" : "",
-             w->level);
-    add_words(t, w->effects && *w->effects ? w->effects : "none");
-}
+enum { FINE = 4, COARSE = 1 }; // steps in an octave
 
-// To the nearest of `steps` in an octave, so that two draws seldom differ.
+// To the nearest step, so that two draws seldom differ.
 static double rounded(double x, int steps)
 {
     return x > 0 ? exp2(round(steps * log2(x)) / steps) : 0;
 }
 
+static void add_kind(text *t, const profile_workload *w)
+{
+    text_add(t, "%uD %s%s, level %s, effects: ", w->dims, w->shape, w->rotated ? " rotated" : "",
+             w->level);
+    add_words(t, w->effects && *w->effects ? w->effects : "none");
+    if (w->query)
+        text_add(t, ", query: %s of %.3g boxes", w->query, rounded((double)w->boxes, COARSE));
+}
+
 void profile_workload_text(const profile_workload *w, text *t)
 {
-    enum { FINE = 4, COARSE = 1 };
     add_kind(t, w);
-    text_add(t, "; n %" PRIu64 "; cells", w->n);
+    text_add(t, "; n %" PRIu64, w->n);
+    if (w->query)
+        return;
+    text_add(t, "; cells");
     for (uint32_t k = 0; k < w->dims; ++k)
         text_add(t, " %.3g", rounded(w->cells[k], FINE));
     text_add(t, " of %.3g; occupancy %.3g to %.3g; sizes 1:%.3g", rounded(w->cell, FINE),
@@ -233,7 +239,8 @@ void profile_workload_text(const profile_workload *w, text *t)
 void profile_workload_family(const profile_workload *w, text *t)
 {
     add_kind(t, w);
-    text_add(t, "; sizes 1:%.3g", rounded(w->size_ratio, 1));
+    if (!w->query)
+        text_add(t, "; sizes 1:%.3g", rounded(w->size_ratio, COARSE));
 }
 
 static bool check_fields(const profile_workload *w, duet_error *err)
@@ -242,7 +249,8 @@ static bool check_fields(const profile_workload *w, duet_error *err)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "a workload's dims are 2 or 3, not %u",
                          w->dims);
     if (w->n == 0 || w->n > INT64_MAX)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "a workload has at least one object");
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "a workload has at least one %s",
+                         w->query ? "item" : "object");
     if (!w->shape || !w->level)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "a workload needs a shape and a level");
     if (!(isfinite(w->cell) && isfinite(w->occ_mean) && isfinite(w->occ_p99)))
@@ -280,6 +288,8 @@ static const sql_column workload_columns[] = {
     SQL_COLUMN("rotated", profile_workload, rotated),
     SQL_COLUMN("effects", profile_workload, effects),
     SQL_COLUMN("level", profile_workload, level),
+    SQL_COLUMN("query", profile_workload, query),
+    SQL_COLUMN("boxes", profile_workload, boxes),
     {0},
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What a row is of: a pair of devices, with what drives them, and a workload, the
-// class of scenes that one profile serves.
+// class of scenes, or of queries, that one profile serves.
 //
 // A device is known by what it is and not by which specimen: two cards of one
 // model are one device. Strings are whole, never cut; NULL is unknown.
@@ -67,6 +67,9 @@ typedef struct profile_workload {
     bool rotated;        // some object has a rotation
     const char *effects; // words in any order, "gravity motion"; NULL: none
     const char *level;   // of accuracy, "certified"; "auto": any that meets the budget
+    const char *query;   // "rays closest": asked of a tree, and n are its items; NULL: steps of a
+                         // world. A query has no cells, occupancy and sizes
+    uint64_t boxes;      // in the tree
     const char *name;    // the scene's; told to people and not part of the key
 } profile_workload;
 

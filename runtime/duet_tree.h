@@ -50,6 +50,15 @@ DUET_API bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_er
 // its kernels and its tree, and keeps both up to date from then on. The hits are the same.
 DUET_API bool duet_tree_set_share(duet_tree *tree, uint32_t share, duet_error *err);
 
+// Gives the tree's queries of one kind the share that is known to be the best for about n items
+// against so many boxes. query is "rays closest", "rays any", "rays every", the same of "sweeps",
+// "boxes", "boxes itself", "points" or "points nearest K". They have it until duet_tree_set_share;
+// other queries keep theirs. Objects must be set, and the store is as in duet_world_load_profile:
+// path NULL is the user's and the system's, and on failure the share is as it was.
+// profile->plan.share is the share after the call.
+DUET_API bool duet_tree_load_profile(duet_tree *tree, const char *query, uint64_t n,
+                                     const char *path, duet_profile *profile, duet_error *err);
+
 // What a query along a line wants of each item.
 typedef enum duet_query_wants {
     DUET_QUERY_CLOSEST, // the hit with the least t, of several the one with the least id

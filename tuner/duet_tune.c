@@ -9,7 +9,7 @@
 #include "runtime/scene/scene.h"
 #include "runtime/selection/profile_subject.h"
 #include "tuner/level_costs.h"
-#include "tuner/measure.h"
+#include "tuner/measure_query.h"
 #include "tuner/pair_list.h"
 #include "tuner/record.h"
 #include "tuner/strategy.h"
@@ -108,6 +108,48 @@ static bool check_search(const char *what, duet_error *err)
     return ok;
 }
 
+// Each device has the whole tree and one way to walk down it.
+static const duet_mode query_modes[] = {DUET_MODE_OWN};
+static const char *const query_variants[] = {"auto"};
+
+// What is asked for in the def, or else by the scene.
+static duet_tune_def complete_def(const duet_tune_def *def)
+{
+    duet_tune_def whole = *def;
+    const duet_scene_info *scene = duet_scene_get_info(def->scene);
+    whole.repeats = def->repeats ? def->repeats : REPEATS;
+    if (def->query) {
+        whole.variants = query_variants;
+        whole.n_variants = sizeof query_variants / sizeof *query_variants;
+        whole.modes = query_modes;
+        whole.n_modes = sizeof query_modes / sizeof *query_modes;
+        return whole;
+    }
+    if (def->n_levels == 0 && !def->has_accuracy && scene->has_accuracy) {
+        whole.has_accuracy = true;
+        whole.accuracy = scene->accuracy;
+    }
+    return whole;
+}
+
+static bool check_query(const duet_tune_def *def, duet_error *err)
+{
+    query_name name;
+    if (!def->query)
+        return def->items == 0 ||
+               error_set(err, DUET_STATUS_BAD_ARGUMENT, "%llu items, but no query that has them",
+                         (unsigned long long)def->items);
+    if (def->search || def->n_variants > 0 || def->n_modes > 0 || def->n_levels > 0 ||
+        def->has_accuracy)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "a query has a share alone to be tuned; expected no %s with it",
+                         def->search           ? "search"
+                         : def->n_variants > 0 ? "variants"
+                         : def->n_modes > 0    ? "modes"
+                                               : "level or accuracy");
+    return query_name_read(def->query, &name, err);
+}
+
 static bool check_def(const duet_tune_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
@@ -124,13 +166,14 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
                          def->n_variants, RACE_RIVALS);
     if (!check_lists(def, err))
         return false;
+    duet_tune_def whole = complete_def(def);
     for (uint32_t i = 0; i < def->n_variants; ++i) {
         variant v;
         if (!variant_parse(&v, def->variants[i], duet_device_pair_get_info(def->pair, 0), err))
             return false;
     }
-    return check_levels(def, err) && check_strategy(def->strategy, err) && check_budget(def, err) &&
-           check_search(def->search, err);
+    return check_levels(def, err) && check_strategy(def->strategy, err) &&
+           check_search(def->search, err) && check_query(def, err) && check_budget(&whole, err);
 }
 
 // ---------------------------------------------------------------- a tuning
@@ -138,7 +181,8 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
 // Everything a tuning holds, given back in one place.
 typedef struct tuning_resources {
     duet_tune_def def;
-    duet_world *world;
+    duet_world *world; // NULL: a query is tuned
+    measure_query query;
     script *script;
     profile_subject subject;
     record record; // without a store where nothing is kept
@@ -146,6 +190,7 @@ typedef struct tuning_resources {
     char whole_name[80];          // of the device that A and B are parts of
     duet_device_pair *whole_pair; // that device, once it is raced
     duet_world *whole_world;
+    measure_query whole_query;
     measure_world whole;
     uint64_t hash; // of the right pairs
 } tuning_resources;
@@ -156,8 +201,19 @@ static void let_go(tuning_resources *h)
     trial_log_free(&h->state);
     script_close(h->script);
     duet_world_destroy(h->whole_world);
+    measure_query_close(&h->whole_query);
     duet_device_pair_destroy(h->whole_pair);
     duet_world_destroy(h->world);
+    measure_query_close(&h->query);
+}
+
+static bool open_query(const tuning_resources *h, duet_device_pair *pair, measure_query *query,
+                       duet_error *err)
+{
+    query_name name;
+    uint64_t n = h->def.items ? h->def.items : duet_scene_get_info(h->def.scene)->n;
+    return query_name_read(h->def.query, &name, err) &&
+           measure_query_open(query, pair, h->def.scene, &name, n, h->def.seed, err);
 }
 
 // The level is settled before anything is measured but levels.
@@ -181,31 +237,26 @@ static bool open_script(tuning_resources *h, duet_error *err)
     return h->script;
 }
 
-static bool describe_world(tuning_resources *h, duet_error *err)
+// What is tuned: a world, or a query.
+static bool make_subject(tuning_resources *h, duet_error *err)
 {
-    if (!profile_subject_read(h->world, &h->subject, err))
+    return h->def.query ? open_query(h, h->def.pair, &h->query, err) : make_world(h, err);
+}
+
+static bool describe_subject(tuning_resources *h, duet_error *err)
+{
+    const measure_query *q = &h->query;
+    if (!(h->def.query ? profile_subject_read_query(q->tree, &q->name, q->n, &h->subject, err)
+                       : profile_subject_read(h->world, &h->subject, err)))
         return false;
     h->subject.workload.name = duet_scene_get_info(h->def.scene)->name;
     return true;
 }
 
-// What is asked for in the def, or else by the scene.
-static duet_tune_def complete_def(const duet_tune_def *def)
-{
-    duet_tune_def whole = *def;
-    const duet_scene_info *scene = duet_scene_get_info(def->scene);
-    whole.repeats = def->repeats ? def->repeats : REPEATS;
-    if (def->n_levels == 0 && !def->has_accuracy && scene->has_accuracy) {
-        whole.has_accuracy = true;
-        whole.accuracy = scene->accuracy;
-    }
-    return whole;
-}
-
 static bool prepare(tuning_resources *h, const duet_tune_def *def, duet_error *err)
 {
     h->def = complete_def(def);
-    return make_world(h, err) && open_script(h, err) && describe_world(h, err) &&
+    return make_subject(h, err) && open_script(h, err) && describe_subject(h, err) &&
            (def->keep == DUET_KEEP_NOTHING || record_open(&h->record, def->store, err));
 }
 
@@ -287,12 +338,17 @@ static bool choose_level(tuning_resources *h, duet_error *err)
            duet_world_set_level(h->world, level, err);
 }
 
+static duet_level tuned_level(const tuning_resources *h)
+{
+    return h->world ? duet_world_get_level(h->world) : DUET_LEVEL_CERTIFIED;
+}
+
 // From here on the tuning is of one level.
 static bool settle_level(tuning_resources *h, duet_error *err)
 {
     if (h->def.has_accuracy && !choose_level(h, err))
         return false;
-    profile_subject_settle(&h->subject, duet_world_get_level(h->world));
+    profile_subject_settle(&h->subject, tuned_level(h));
     profile_request request = profile_subject_request(&h->subject);
     return !h->record.store || record_aim(&h->record, &request, err);
 }
@@ -351,7 +407,9 @@ static bool find_right_pairs(tuning_resources *h, duet_tune_outcome *outcome, du
 {
     duet_pair *pairs;
     uint64_t n;
-    duet_level level = duet_world_get_level(h->world);
+    duet_level level = tuned_level(h);
+    if (h->def.query)
+        return measure_query_right(&h->query, &h->hash, &outcome->true_pairs, err);
     if (!duet_reference(h->def.scene, level, &pairs, &n, err))
         return false;
     h->hash = duet_pairs_hash(pairs, n);
@@ -363,7 +421,7 @@ static bool find_right_pairs(tuning_resources *h, duet_tune_outcome *outcome, du
 }
 
 // The share of about one work-group.
-static uint32_t least_share(uint32_t n)
+static uint32_t least_share(uint64_t n)
 {
     uint64_t share = n ? (uint64_t)GROUP * DUET_SHARE_ONE / n : 1;
     return share < 1 ? 1 : share > DUET_SHARE_ONE / 32 ? DUET_SHARE_ONE / 32 : (uint32_t)share;
@@ -386,7 +444,7 @@ static bool find_whole(const duet_device_pair *pair, char selector[80])
     return a[n] && b[n] == '[' && strncmp(a, b, n) == 0;
 }
 
-// A world on all of the device, with the scene and the level that are tuned.
+// A world or a query on all of the device, with the scene and the level that are tuned.
 static bool open_whole(void *context, const char *kernels, measure_machine *machine,
                        duet_plan *plan)
 {
@@ -396,12 +454,16 @@ static bool open_whole(void *context, const char *kernels, measure_machine *mach
     h->whole_pair = duet_device_pair_create(&devices, NULL);
     if (!h->whole_pair)
         return false;
-    duet_world_def def = duet_scene_world_def(h->def.scene, h->whole_pair);
-    def.level = duet_world_get_level(h->world);
-    def.has_accuracy = false;
     *plan = (duet_plan){.share = 0, .mode = DUET_MODE_OWN};
     snprintf(plan->variant_a, sizeof plan->variant_a, "%s", kernels);
     snprintf(plan->variant_b, sizeof plan->variant_b, "%s", kernels);
+    if (h->def.query) {
+        *machine = measure_query_machine(&h->whole_query, h->hash);
+        return open_query(h, h->whole_pair, &h->whole_query, NULL);
+    }
+    duet_world_def def = duet_scene_world_def(h->def.scene, h->whole_pair);
+    def.level = duet_world_get_level(h->world);
+    def.has_accuracy = false;
     def.plan = *plan;
     h->whole_world = duet_world_create(&def, NULL);
     if (!h->whole_world || !duet_world_set_scene(h->whole_world, h->def.scene, NULL))
@@ -419,11 +481,20 @@ static bool read_kernels(void *context, const duet_plan *plan, int device, kerne
            kernel_spaces_read(world, device, spaces, n, err);
 }
 
+static duet_plan query_plan(void)
+{
+    duet_plan plan = {.mode = query_modes[0]};
+    snprintf(plan.variant_a, sizeof plan.variant_a, "%s", query_variants[0]);
+    snprintf(plan.variant_b, sizeof plan.variant_b, "%s", query_variants[0]);
+    return plan;
+}
+
 static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcome *outcome,
                 duet_error *err)
 {
     const duet_scene_info *info = duet_scene_get_info(h->def.scene);
     measure_world world = measured(h, h->world);
+    measure_query *query = &h->query;
     duet_tune_outcome right = {0};
     if (!find_right_pairs(h, &right, err))
         return false;
@@ -431,13 +502,14 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
                    near->grade == PROFILE_OTHER_DRIVER || near->grade == PROFILE_STALE;
     tune_task task = {
         .def = &h->def,
-        .machine = measure_world_machine(&world, h->hash),
+        .machine = h->def.query ? measure_query_machine(query, h->hash)
+                                : measure_world_machine(&world, h->hash),
         .kernels = {.context = h->world, .read = read_kernels},
-        .plan = *duet_world_get_plan(h->world),
+        .plan = h->def.query ? query_plan() : *duet_world_get_plan(h->world),
         .has_start = guessed,
         .start = near->plan.share,
         .script = h->script,
-        .least_share = least_share(info->n),
+        .least_share = least_share(h->def.query ? query->n : info->n),
     };
     task.one_device = duet_device_pair_is_one(h->def.pair);
     if (find_whole(h->def.pair, h->whole_name))
@@ -493,7 +565,7 @@ bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_er
         ok = run(&h, &found, outcome, err);
     if (ok) {
         outcome->objects = duet_scene_get_info(def->scene)->n;
-        outcome->level = duet_world_get_level(h.world);
+        outcome->level = tuned_level(&h);
     }
     let_go(&h);
     return ok;

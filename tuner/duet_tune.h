@@ -35,6 +35,9 @@ typedef enum duet_keep {
 typedef struct duet_tune_def {
     duet_device_pair *pair; // open for as long as the call takes, as the scene
     const duet_scene *scene;
+    const char *query; // a share for what a tree of the scene's objects is asked instead, as in
+                       // duet_tree_load_profile; NULL: for a step
+    uint64_t items;    // of the query, drawn among the objects by the seed; 0: as many as objects
     const char *store; // profile file; NULL: the user's (DUET_PROFILE)
     duet_keep keep;
     bool ordered;             // the scene's objects are in about duet_world_order's order
@@ -130,6 +133,10 @@ typedef struct duet_tune_outcome {
 // is replaced only by one that is founded at least as well (docs/store.md). NOT_FOUND
 // for an unknown strategy, or where no level is within the accuracy; WRONG_RESULT
 // where a plan of the default variant does not give the reference's pairs.
+//
+// With a query only the share is looked for, and raced in the same way. A query has no modes,
+// variants, levels and accuracy to choose from: BAD_ARGUMENT. step_ms is then the time of a run,
+// and true_pairs the number of hits, which are those of device B alone at every share.
 DUET_API bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_error *err);
 
 // ---------------------------------------------------------------- on line

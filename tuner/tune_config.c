@@ -65,6 +65,15 @@ static void read_settings(lua_State *L, int table, config_workload *w)
     qsort(w->settings, w->n_settings, sizeof w->settings[0], compare_strings);
 }
 
+static void read_query(lua_State *L, int table, config_workload *w)
+{
+    int64_t items = field_integer(L, table, "items", 0);
+    w->query = field_string(L, table, "query", NULL);
+    if (items < 0 || items > UINT32_MAX || (items > 0 && !w->query))
+        field_raise(L, "items", "items is a number of rays, boxes ... of a query");
+    w->items = (uint64_t)items;
+}
+
 static void add_workload(lua_State *L, tune_config *c, const config_workload *w, int64_t n)
 {
     if (c->n_workloads == CONFIG_WORKLOADS)
@@ -77,11 +86,12 @@ static void add_workload(lua_State *L, tune_config *c, const config_workload *w,
 
 static void read_workload(lua_State *L, int table, tune_config *c)
 {
-    static const char *const names[] = {"scene", "n", "set", NULL};
+    static const char *const names[] = {"scene", "n", "set", "query", "items", NULL};
     config_workload w = {0};
     field_only(L, table, "a workload", names);
     w.scene = find_scene(L, table);
     read_settings(L, table, &w);
+    read_query(L, table, &w);
     lua_getfield(L, table, "n");
     if (!lua_istable(L, -1)) {
         lua_pop(L, 1);

@@ -9,12 +9,14 @@
 
 enum { CONFIG_WORKLOADS = 256, CONFIG_SETTINGS = 16, CONFIG_VARIANTS = 32, CONFIG_MODES = 8 };
 
-// One scene at one size.
+// One scene at one size, or what a tree of it is asked.
 typedef struct config_workload {
     const char *scene;                     // a path, from the tune file's folder unless absolute
     int64_t n;                             // objects; -1: as the scene has them
     const char *settings[CONFIG_SETTINGS]; // "name=value"
     uint32_t n_settings;
+    const char *query; // of a tree of the objects, or NULL: steps
+    uint64_t items;    // of the query; 0: as many as objects
 } config_workload;
 
 typedef struct tune_config {

@@ -31,9 +31,14 @@ static table begin_rows(void)
 // Certified needs no word: nothing of it is wrong.
 static void add_workload(table *t, const profile_entry *e)
 {
+    const char *scene = e->scene && *e->scene ? e->scene : "-";
+    if (e->query) {
+        table_cell(t, "%s, %s: %s %s", scene, table_count((uint64_t)e->boxes).chars,
+                   table_count((uint64_t)e->n).chars, say_name(e->query).chars);
+        return;
+    }
     bool certified = strcmp(e->row.plan.level, "certified") == 0;
-    table_cell(t, "%s, %s%s%s", e->scene && *e->scene ? e->scene : "-",
-               table_count((uint64_t)e->n).chars, certified ? "" : ", ",
+    table_cell(t, "%s, %s%s%s", scene, table_count((uint64_t)e->n).chars, certified ? "" : ", ",
                certified ? "" : e->row.plan.level);
 }
 

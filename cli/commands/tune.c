@@ -24,6 +24,8 @@ typedef struct arguments {
     const char *strategy;
     const char *strategy_path;
     const char *search;
+    const char *query;
+    uint64_t items;
     const char *variants;
     level_options level;
     double budget_seconds;
@@ -51,6 +53,12 @@ static const option options[] = {
         "kernels to choose from, with commas between them (auto,simd,auto sort=radix,paper)"),
     OPTION_TEXT("search", search, "WHAT",
                 "search parameters too: 'kernels' for those of all kernels, or one kernel's name"),
+    OPTION_TEXT("query", query, "WHAT",
+                "tune what a tree of the objects is asked instead of a step: 'rays closest', 'rays "
+                "any', 'rays every', the same of sweeps, boxes, 'boxes itself', points, 'points "
+                "nearest K'"),
+    OPTION_COUNT("items", items, "N", "rays, boxes ... of the query (as many as objects)", 1,
+                 UINT32_MAX),
     OPTION_TEXT("level", level.level, "LIST",
                 "of accuracy, or several to choose from (the scene's; all, where how much may be "
                 "wrong is given)"),
@@ -166,7 +174,8 @@ static bool add_scene(const arguments *args, const char *path, tune_config *conf
         return false;
     config->n_workloads = n;
     for (uint32_t i = 0; i < n; ++i)
-        config->workloads[i] = (config_workload){.scene = path, .n = numbers[i]};
+        config->workloads[i] = (config_workload){
+            .scene = path, .n = numbers[i], .query = args->query, .items = args->items};
     return true;
 }
 
@@ -178,7 +187,11 @@ static bool check_operands(const arguments *args, const char *path, duet_error *
     if (args->config && args->numbers)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "--objects: with --config the file says how many");
-    return true;
+    if (args->config && args->query)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "--query: with --config the file says what is asked");
+    return args->items == 0 || args->query ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "--items: give --query, whose items they are");
 }
 
 // From the tune file, or for the one scene; then what options say.
@@ -259,16 +272,39 @@ static bool put_in_order(const duet_tune_def *def, duet_scene *scene, duet_error
     return ok;
 }
 
-static bool tune_workload(duet_tune_def *def, const duet_scene *scene, tune_report *report,
-                          duet_error *err)
+// What a tune file chooses from for steps is not for its queries.
+static void aim_at_query(duet_tune_def *def, const config_workload *w, bool from_file)
+{
+    def->query = w->query;
+    def->items = w->items;
+    if (!w->query || !from_file)
+        return;
+    def->search = NULL;
+    def->n_variants = def->n_modes = def->n_levels = 0;
+    def->has_accuracy = false;
+}
+
+static bool tune_workload(const duet_tune_def *tuning, const config_workload *w, bool from_file,
+                          const duet_scene *scene, tune_report *report, duet_error *err)
 {
     duet_tune_outcome outcome;
+    duet_tune_def with_query = *tuning, *def = &with_query;
     def->scene = scene;
-    tune_report_workload(report, duet_scene_get_info(scene));
+    aim_at_query(def, w, from_file);
+    tune_report_workload(report, duet_scene_get_info(scene), def->query, def->items);
     if (!duet_tune_run(def, &outcome, err))
         return false;
     tune_report_add(report, &outcome);
     return true;
+}
+
+static bool check_query(const config_workload *w, const duet_device_pair *pair, duet_error *err)
+{
+    return !w->query || !duet_device_pair_is_one(pair) ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "query '%s': %s is one device and has no share to search; expected --pair "
+                     "with two, or halves",
+                     w->query, duet_device_pair_get_info(pair, 0)->selector);
 }
 
 static bool check_strategy(const arguments *args, const duet_device_pair *pair, duet_error *err)
@@ -289,8 +325,10 @@ static bool tune_workloads(const arguments *args, const tune_config *config, tun
     if (ok)
         tune_report_expect(report, def.pair, config->n_workloads, config->budget_seconds);
     for (uint32_t i = 0; ok && i < config->n_workloads; ++i) {
-        duet_scene *scene = load_scene(args, &config->workloads[i], err);
-        ok = scene && put_in_order(&def, scene, err) && tune_workload(&def, scene, report, err);
+        const config_workload *w = &config->workloads[i];
+        duet_scene *scene = load_scene(args, w, err);
+        ok = scene && check_query(w, def.pair, err) && put_in_order(&def, scene, err) &&
+             tune_workload(&def, w, args->config, scene, report, err);
         duet_scene_destroy(scene);
     }
     duet_device_pair_destroy(def.pair);

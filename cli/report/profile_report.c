@@ -66,7 +66,11 @@ cJSON *profile_report_json(const profile_entry *e)
     cJSON_AddStringToObject(o, "scene", e->scene ? e->scene : "");
     cJSON_AddStringToObject(o, "family", e->family);
     cJSON_AddNumberToObject(o, "dims", (double)e->dims);
-    cJSON_AddNumberToObject(o, "objects", (double)e->n);
+    if (e->query) {
+        cJSON_AddStringToObject(o, "query", e->query);
+        cJSON_AddNumberToObject(o, "items", (double)e->n);
+    }
+    cJSON_AddNumberToObject(o, "objects", (double)(e->query ? e->boxes : e->n));
     add_device(o, "a", &e->a);
     add_device(o, "b", &e->b);
     add_plan(o, &e->row.plan);
@@ -242,7 +246,9 @@ void profile_report_text(const profile_entry *e)
         add_device_row(&t, "B", &e->b);
     table_words(&t, "workload", NULL);
     table_cell(&t, "%s, %s: %s", say_name(or_none(e->scene)).chars,
-               table_things((uint64_t)e->n, "object", "objects").chars, say_name(e->family).chars);
+               e->query ? table_things((uint64_t)e->n, "item", "items").chars
+                        : table_things((uint64_t)e->n, "object", "objects").chars,
+               say_name(e->family).chars);
     add_result(&t, e);
     add_search(&t, e);
     table_print(&t, stdout);

@@ -29,8 +29,11 @@ void tune_report_expect(tune_report *r, const duet_device_pair *pair, uint32_t n
     r->budget_seconds = budget_seconds;
 }
 
-void tune_report_workload(tune_report *r, const duet_scene_info *scene)
+void tune_report_workload(tune_report *r, const duet_scene_info *scene, const char *query,
+                          uint64_t items)
 {
+    r->query = query;
+    r->items = items ? items : scene->n;
     snprintf(r->name, sizeof r->name, "%.30s, %s", scene->name, table_count(scene->n).chars);
     ++r->number;
 }
@@ -124,6 +127,10 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o)
     cJSON *row = cJSON_CreateObject();
     cJSON_AddStringToObject(row, "workload", r->name);
     cJSON_AddNumberToObject(row, "objects", o->objects);
+    if (r->query) {
+        cJSON_AddStringToObject(row, "query", r->query);
+        cJSON_AddNumberToObject(row, "items", (double)r->items);
+    }
     cJSON_AddStringToObject(row, "level", duet_level_get_info(o->level)->name);
     cJSON_AddNumberToObject(row, "missed_rate", o->accuracy.missed);
     cJSON_AddNumberToObject(row, "false_rate", o->accuracy.false_rate);
@@ -260,9 +267,16 @@ static void print_use(const cJSON *row)
 // What the table has no column for.
 static void print_details(const cJSON *row)
 {
-    printf("\n%s, level %s, %.0f launches\n", say_name(json_string(row, "workload")).chars,
-           json_string(row, "level"), json_number(row, "launches"));
-    print_plan(row);
+    const char *query = json_string(row, "query");
+    printf("\n%s, ", say_name(json_string(row, "workload")).chars);
+    if (*query)
+        printf("%s %s", table_count((uint64_t)json_number(row, "items")).chars,
+               say_name(query).chars);
+    else
+        printf("level %s", json_string(row, "level"));
+    printf(", %.0f launches\n", json_number(row, "launches"));
+    if (!*query)
+        print_plan(row);
     if (!is_shared(row) && !json_true(row, "one_device"))
         printf("  %s\n",
                table_gain(share_of(row), json_number(row, "gain"), json_number(row, "gain_low"),
@@ -273,7 +287,8 @@ static void print_details(const cJSON *row)
                table_whole(json_string(row, "whole"), json_number(row, "whole_gain"),
                            json_number(row, "whole_gain_low"), json_number(row, "whole_gain_high"))
                    .chars);
-    print_accuracy(row);
+    if (!*query)
+        print_accuracy(row);
     print_use(row);
     if (json_true(row, "known"))
         printf("  known: the same was measured before; --fresh measures it again\n");

@@ -2,10 +2,10 @@
 return {
   about = "which objects of a tree other boxes collide with",
   uses = { "lanes.clh", "narrowphase/object.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh",
-    "narrowphase/answer.clh", "queries/tree.h", "queries/limits.clh", "queries/refused.clh", "queries/walk.clh" },
+    "narrowphase/rounded.clh", "narrowphase/answer.clh", "queries/tree.h", "queries/rounded_row.h", "queries/limits.clh", "queries/refused.clh", "queries/walk.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
+    { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0, about = "0 poses, 1 bounds, 2 rounded boxes" },
     { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
     { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
       about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
@@ -38,6 +38,7 @@ return {
     ]],
   },
   valid = function(p, limits)
+    if p.SHAPE == 3 then return false, "spheres come as rounded boxes" end
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
     return true
   end,

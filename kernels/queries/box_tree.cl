@@ -84,7 +84,11 @@ static inline real greatest_of(const real v[3])
 static inline real object_half(const object *o)
 {
 #if SHAPE == SHAPE_POSES
+//@ if SHAPE >= 2 then
+    return greatest_of(o->halves) + o->radius;
+//@ else
     return greatest_of(o->halves);
+//@ end
 #else
     real halves[3];
     for (int k = 0; k < 3; ++k)
@@ -176,6 +180,11 @@ __kernel void tree_leaves(TREE_LEAVES_ARGS)
         }
         for (int k = 0; k < 9; ++k)
             row[TREE_BOX_AXES + k] = axis[k / 3][k % 3];
+//@ if SHAPE >= 2 then
+        row[TREE_BOX_RADIUS] = o.radius;
+        for (int k = TREE_BOX_RADIUS + 1; k < TREE_BOX_ID; ++k)
+            row[k] = ALL(0.0f);
+//@ end
 #else
         for (int k = 0; k < 3; ++k) {
             row[k] = o.lower[k];

@@ -1,11 +1,11 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "a tree over boxes, for queries",
-  uses = { "lanes.clh", "narrowphase/object.clh", "queries/tree.h", "queries/limits.clh",
+  uses = { "lanes.clh", "narrowphase/object.clh", "queries/tree.h", "queries/rounded_row.h", "queries/limits.clh",
     "queries/refused.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
+    { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0, about = "0 poses, 1 bounds, 2 rounded boxes" },
     { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "boxes side by side in a work-item" },
@@ -52,5 +52,9 @@ return {
       uint n_slots
     ]],
   },
+  valid = function(p)
+    if p.SHAPE == 3 then return false, "spheres come as rounded boxes" end
+    return true
+  end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -20,6 +20,10 @@
 #define SLACK (64.0f * 0x1p-24f) // of a box's size, as seen from the point
 #define LEAST_SIZE 0x1p-70f
 #define GREATEST_SIZE 0x1p110f
+//@ if SHAPE >= 2 then
+#define LEAST_SQUARED 0x1p-50f // whose squares are floats
+#define GREATEST_SQUARED 0x1p60f
+//@ end
 
 struct walk {
     float point[3];
@@ -75,6 +79,11 @@ static inline mask meets_bounds(const walk *w, __global const float *node, real 
 // How far beyond the two faces across an edge the point is; below 0: inside.
 static inline float beyond_faces(const walk *w, __global const float *box, const float way[3], int k)
 {
+//@ if SHAPE >= 2 then
+    __global const float *axis = box + TREE_BOX_AXES + 3 * k;
+    return fabs(fma(axis[0], way[0], DIMS == 3 ? fma(axis[1], way[1], axis[2] * way[2]) : axis[1] * way[1])) -
+           box[3 + k];
+//@ else
 #if SHAPE // bounds
     return fmax(box[k] - w->point[k], w->point[k] - box[3 + k]);
 #elif DIMS == 3
@@ -84,7 +93,19 @@ static inline float beyond_faces(const walk *w, __global const float *box, const
     __global const float *axis = box + TREE_BOX_AXES + 3 * k;
     return fabs(fma(axis[0], way[0], axis[1] * way[1])) - box[3 + k];
 #endif
+//@ end
 }
+//@ if SHAPE >= 2 then
+
+// sqrt(x) within 4 ulp, for x in 2^-100 .. 2^100, or 0; a device's own root may be another.
+static inline float root_of(float x)
+{
+    float inverse = as_float(0x5F3759DFu - (as_uint(x) >> 1));
+    for (int step = 0; step < 4; ++step)
+        inverse *= fma(-0.5f * x * inverse, inverse, 1.5f);
+    return x * inverse;
+}
+//@ end
 
 #if WANTS == EVERY
 
@@ -101,6 +122,25 @@ static inline bool visit_box(walk *w, uint slot, float from)
 {
     __global const float *box = w->boxes + (size_t)slot * TREE_BOX_WORDS;
     bool open = false;
+//@ if SHAPE >= 2 then
+    float way[3], radius = box[TREE_BOX_RADIUS], size = radius, square = 0.0f;
+    for (int k = 0; k < DIMS; ++k) {
+        way[k] = w->point[k] - box[k];
+        size += fabs(way[k]) + box[3 + k];
+    }
+    float doubt = 2.0f * SLACK * size;
+    bool known = size >= LEAST_SQUARED && size <= GREATEST_SQUARED, inside = true;
+    for (int k = 0; k < DIMS; ++k) {
+        float beyond = beyond_faces(w, box, way, k);
+        inside = inside && beyond < -doubt;
+        beyond = fmax(beyond, 0.0f);
+        square = fma(beyond, beyond, square);
+    }
+    float near = radius - doubt, far = radius + doubt;
+    if (known && square > far * far)
+        return false;
+    open = !known || !(inside || (near > 0.0f && square < near * near));
+//@ else
 #if !SHAPE
     float way[3], size = 0.0f;
     for (int k = 0; k < DIMS; ++k) {
@@ -117,6 +157,7 @@ static inline bool visit_box(walk *w, uint slot, float from)
         open = open || beyond >= -doubt;
     }
 #endif
+//@ end
     uint id = as_uint(box[TREE_BOX_ID]);
     if (open)
         list_hit(add_row(w->open, w->open_capacity, w->counters + COUNT_OPEN, HIT_WORDS), w->number, id);
@@ -156,6 +197,10 @@ static inline bool visit_box(walk *w, uint slot, float from)
         float beyond = fmax(beyond_faces(w, box, way, k), 0.0f);
         square = fma(beyond, beyond, square);
     }
+//@ if SHAPE >= 2 then
+    float beyond_radius = fmax(root_of(square) - box[TREE_BOX_RADIUS], 0.0f);
+    square = beyond_radius * beyond_radius;
+//@ end
     square = fmax(square, from);
     bool is_kept = w->n < w->each || square < w->worst ||
                    (square == w->worst && id < w->hits[(size_t)(w->each - 1) * HIT_WORDS + 1]);

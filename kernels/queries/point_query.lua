@@ -1,10 +1,10 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "which boxes of a tree contain points, or are nearest to them",
-  uses = { "lanes.clh", "queries/tree.h", "queries/limits.clh", "queries/walk.clh" },
+  uses = { "lanes.clh", "queries/tree.h", "queries/rounded_row.h", "queries/limits.clh", "queries/walk.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
-    { "SHAPE", values = { 0, 1 }, default = 0, about = "0 poses, 1 bounds" },
+    { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0, about = "0 poses, 1 bounds, 2 rounded boxes" },
     { "WANTS", values = { 2, 3 }, default = 2, about = "2 those that contain the point, 3 the nearest ones" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "children of a node side by side" },
@@ -32,5 +32,9 @@ return {
       volatile uint *counters
     ]],
   },
+  valid = function(p)
+    if p.SHAPE == 3 then return false, "spheres come as rounded boxes" end
+    return true
+  end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
 }

@@ -50,6 +50,12 @@ static inline mask meets_bounds(const walk *w, __global const float *node, real 
 
 // ------------------------------------------------------------ a box
 
+//@ if SHAPE >= 2 then
+static inline uint meet_box(const walk *w, __global const float *box, float *t)
+{
+    return line_meets_rounded(&w->l, box, t);
+}
+//@ else
 #if SHAPE
 
 static inline uint meet_box(const walk *w, __global const float *box, float *t)
@@ -118,6 +124,7 @@ static inline uint meet_box(const walk *w, __global const float *box, float *t)
 }
 
 #endif
+//@ end
 
 // ------------------------------------------------------------ the walk
 

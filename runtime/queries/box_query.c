@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
-#include "runtime/narrowphase/narrow.h"
+#include "runtime/narrowphase/rounded.h"
 #include "runtime/queries/tree_query.h"
 
 #include <stdlib.h>
@@ -11,6 +11,7 @@ struct duet_box_query {
     tree_query asked;
     tree_query itself; // of the tree's objects; without kind until it is asked for
     duet_level level;
+    duet_rounded_box *spheres; // what was asked last, as the tree has them
 };
 
 _Static_assert(sizeof(duet_box_hit) == 2 * sizeof(uint32_t), "a hit is two words");
@@ -33,6 +34,20 @@ static const query_kind kind_of_poses = {
     .kernel = "box_query",
     .hit_words = 2,
     .meets = meets,
+};
+
+static bool meets_rounded(const duet_tree *tree, const void *item, uint32_t *hit)
+{
+    return rounded_decide(item, (const duet_rounded_box *)tree->objects + hit[1], tree->def.dims);
+}
+
+static const query_kind kind_of_rounded = {
+    .item = "box",
+    .items = "boxes",
+    .wrong = "not a number, infinite, negative, without rotation, or above 2^100",
+    .kernel = "box_query",
+    .hit_words = 2,
+    .meets = meets_rounded,
 };
 
 static const query_kind kind_of_bounds = {
@@ -58,16 +73,19 @@ static bool check_def(const duet_box_query_def *def, duet_error *err)
 
 static bool open(tree_query *q, duet_tree *tree, duet_level level, bool itself, duet_error *err)
 {
+    static const query_kind *const kinds[] = {[DUET_SHAPE_POSES] = &kind_of_poses,
+                                              [DUET_SHAPE_BOUNDS] = &kind_of_bounds,
+                                              [DUET_SHAPE_ROUNDED_BOXES] = &kind_of_rounded};
     bool poses = tree->def.shape == DUET_SHAPE_POSES;
-    size_t bytes = poses ? sizeof(duet_pose) : sizeof(duet_bounds);
-    *q = (tree_query){.kind = poses ? &kind_of_poses : &kind_of_bounds,
+    *q = (tree_query){.kind = kinds[box_tree_shape(tree->def.shape)],
                       .tree = tree,
                       .wants = QUERY_EVERY,
-                      .item_words = (uint32_t)(bytes / sizeof(float)),
+                      .item_words = (uint32_t)(box_tree_width(tree->def.shape) / sizeof(float)),
                       .itself = itself};
     const gen_setting settings[] = {{"ACCURACY", poses ? level : DUET_LEVEL_CERTIFIED},
                                     {"ITSELF", itself}};
-    return tree_query_open(q, settings, 2, err);
+    return tree_query_open(q, &(query_name){.item = QUERY_BOXES, .itself = itself}, settings, 2,
+                           err);
 }
 
 duet_box_query *duet_box_query_create(const duet_box_query_def *def, duet_error *err)
@@ -92,6 +110,8 @@ void duet_box_query_destroy(duet_box_query *query)
         tree_query_close(&query->itself);
     if (query)
         tree_query_close(&query->asked);
+    if (query)
+        free(query->spheres);
     free(query);
 }
 
@@ -104,13 +124,29 @@ static duet_box_query_result result_of(const query_result *found)
                                    .device_ms = {found->device_ms[0], found->device_ms[1]}};
 }
 
+// Spheres are rounded boxes to the tree.
+static bool take_spheres(duet_box_query *query, const void **boxes, uint64_t n, duet_error *err)
+{
+    const duet_tree *tree = query->asked.tree;
+    if (tree->def.shape != DUET_SHAPE_SPHERES || n == 0 || !*boxes)
+        return true;
+    void *spheres = n <= UINT32_MAX ? realloc(query->spheres, n * sizeof *query->spheres) : NULL;
+    if (!spheres)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %llu spheres",
+                         (unsigned long long)n);
+    query->spheres = spheres;
+    tree_copy_rows(tree, *boxes, n, spheres);
+    *boxes = spheres;
+    return true;
+}
+
 bool duet_box_query_run(duet_box_query *query, duet_object_kind kind, const void *boxes, uint64_t n,
                         duet_box_query_result *result, duet_error *err)
 {
     query_result found;
     if (!error_given(query, __func__, "query", err) ||
         !error_given(result, __func__, "result", err) ||
-        !tree_takes(query->asked.tree, kind, err) ||
+        !tree_takes(query->asked.tree, kind, err) || !take_spheres(query, &boxes, n, err) ||
         !tree_query_run(&query->asked, boxes, n, &found, err))
         return false;
     *result = result_of(&found);

@@ -22,9 +22,21 @@ static const binding tree_bindings[] = {BIND_BUFFER(box_tree, "objects", "float 
                                         BIND_VALUE(box_tree, "n_slots", n_slots),
                                         {0}};
 
+duet_shape box_tree_shape(duet_shape shape)
+{
+    return shape == DUET_SHAPE_SPHERES ? DUET_SHAPE_ROUNDED_BOXES : shape;
+}
+
+size_t box_tree_width(duet_shape shape)
+{
+    return shape == DUET_SHAPE_POSES    ? sizeof(duet_pose)
+           : shape == DUET_SHAPE_BOUNDS ? sizeof(duet_bounds)
+                                        : sizeof(duet_rounded_box);
+}
+
 static kernel *ask(box_tree *t, program_set *programs, const char *entry, duet_error *err)
 {
-    const gen_setting settings[] = {{"DIMS", t->dims}, {"SHAPE", t->shape}};
+    const gen_setting settings[] = {{"DIMS", t->dims}, {"SHAPE", box_tree_shape(t->shape)}};
     return program_set_kernel(programs, "box_tree", entry, settings, 2, tree_bindings, err);
 }
 
@@ -84,7 +96,9 @@ static bool reserve_lists(box_tree *t, uint32_t n, duet_error *err)
 
 static bool reserve(box_tree *t, uint32_t n_nodes, duet_error *err)
 {
-    uint32_t box_words = TREE_BOX_WORDS_OF(t->shape == DUET_SHAPE_BOUNDS);
+    uint32_t box_words = box_tree_shape(t->shape) == DUET_SHAPE_ROUNDED_BOXES
+                             ? TREE_ROUNDED_WORDS
+                             : TREE_BOX_WORDS_OF(t->shape == DUET_SHAPE_BOUNDS);
     size_t boxes = (size_t)t->slots * box_words * sizeof(cl_float);
     size_t nodes = (size_t)n_nodes * NODE_WORDS * sizeof(cl_float);
     return reserve_lists(t, t->n, err) && buffer_reserve(&t->boxes, t->device, boxes, err) &&
@@ -133,8 +147,8 @@ static bool check_objects(box_tree *t, timeline *times, uint32_t n_hidden, duet_
                      "object %u is not a number, infinite, %s, or above "
                      "2^100",
                      ~counters[BAD_LATEST],
-                     t->shape == DUET_SHAPE_POSES ? "negative, without rotation"
-                                                  : "with a lower corner above its upper one");
+                     t->shape == DUET_SHAPE_BOUNDS ? "with a lower corner above its upper one"
+                                                   : "negative, without rotation");
 }
 
 static bool make_levels(box_tree *t, timeline *times, const cl_uint *first, uint32_t n_nodes,
@@ -154,7 +168,7 @@ static bool make_levels(box_tree *t, timeline *times, const cl_uint *first, uint
 
 bool box_tree_hold(box_tree *t, const device *d, void *objects, uint32_t n, duet_error *err)
 {
-    size_t width = t->shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds);
+    size_t width = box_tree_width(t->shape);
     return n > 0 ? buffer_hold(&t->objects, d, objects, n * width, err)
                  : buffer_reserve(&t->objects, d, width, err);
 }

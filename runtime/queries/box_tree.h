@@ -3,6 +3,7 @@
 #ifndef RUNTIME_BOX_TREE_H
 #define RUNTIME_BOX_TREE_H
 
+#include "kernels/queries/rounded_row.h"
 #include "kernels/queries/tree.h"
 #include "runtime/opencl/radix_sort.h"
 
@@ -15,7 +16,7 @@ typedef struct box_tree {
     uint32_t dims;
     duet_shape shape;
 
-    buffer objects; // [n] poses or bounds
+    buffer objects; // [n] poses, bounds or rounded boxes
     buffer keys, ids, keys_spare, ids_spare;
     buffer items;  // whose order is sought
     buffer boxes;  // [slots][TREE_BOX_WORDS]
@@ -30,6 +31,10 @@ typedef struct box_tree {
 } box_tree;
 
 enum { TREE_MOST_BOXES = 1 << 30 };
+
+// As the tree has them: spheres are rounded boxes without a core.
+duet_shape box_tree_shape(duet_shape shape);
+size_t box_tree_width(duet_shape shape); // bytes of one
 
 // Asks for the kernels, to be built with the set. All that is handed over outlives the tree.
 bool box_tree_open(box_tree *t, const device *d, program_set *programs, uint32_t dims,

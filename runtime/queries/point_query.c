@@ -26,7 +26,10 @@ static bool meets(const duet_tree *tree, const void *item, uint32_t *hit)
 {
     duet_ray ray = {.t_max = 0};
     memcpy(ray.origin, item, sizeof ray.origin);
-    return ray_meets(&ray, (const duet_pose *)tree->objects + hit[1], tree->def.dims);
+    if (tree->def.shape == DUET_SHAPE_POSES)
+        return ray_meets(&ray, (const duet_pose *)tree->objects + hit[1], tree->def.dims);
+    return ray_meets_rounded(&ray, (const duet_rounded_box *)tree->objects + hit[1], tree->def.dims,
+                             &ray.t_max);
 }
 
 static void take_root(const duet_tree *tree, const void *item, uint32_t *hit)
@@ -74,7 +77,8 @@ duet_point_query *duet_point_query_create(const duet_point_query_def *def, duet_
                                 .item_words = sizeof(duet_point) / sizeof(float),
                                 .each = def->nearest};
     const gen_setting settings[] = {{"WANTS", query->asked.wants}};
-    if (tree_query_open(&query->asked, settings, 1, err))
+    const query_name name = {.item = QUERY_POINTS, .nearest = def->nearest};
+    if (tree_query_open(&query->asked, &name, settings, 1, err))
         return query;
     duet_point_query_destroy(query);
     return NULL;

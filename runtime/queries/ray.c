@@ -62,6 +62,8 @@ typedef struct numbers {
     mpz_t step[3];      // from there to its end; without an end, its direction
     mpz_t at[3], go[3]; // the two along the box's edges
     mpz_t reach[3];     // half extents, as long
+    mpz_t radius;       // and so
+    mpz_t from, per;    // a place on the way, from / per
     mpz_t left, right, term;
 } numbers;
 
@@ -71,7 +73,7 @@ typedef union pool {
 } pool;
 
 // Ways and half extents share a power of two with the step, unless that has no end.
-static void set_numbers(numbers *n, const duet_ray *ray, const duet_pose *box)
+static void set_numbers(numbers *n, const duet_ray *ray, const duet_pose *box, float radius)
 {
     bool ends = isfinite(ray->t_max);
     const float t_max = ends ? ray->t_max : 1;
@@ -80,8 +82,11 @@ static void set_numbers(numbers *n, const duet_ray *ray, const duet_pose *box)
     int power = exact_least_power(ray->origin, 3, ends ? t_power + v_power : 0);
     power = exact_least_power(box->centre, 3, power);
     power = exact_least_power(box->half_extents, 3, power);
+    power = exact_least_power(&radius, 1, power);
     exact_axes(n->axis, n->norm, n->q, box->rotation);
     exact_integer(n->right, t_max, t_power);
+    exact_integer(n->radius, radius, power);
+    mpz_mul(n->radius, n->radius, n->norm);
     for (int k = 0; k < 3; ++k) {
         exact_integer(n->way[k], ray->origin[k], power);
         exact_integer(n->left, box->centre[k], power);
@@ -141,7 +146,10 @@ static duet_ray flat_ray(const duet_ray *ray, uint32_t dims)
     return flat;
 }
 
-bool ray_meets_exactly(const duet_ray *ray, const duet_pose *box, uint32_t dims)
+typedef bool check(numbers *n, bool ends);
+
+static bool check_exactly(check *holds, const duet_ray *ray, const duet_pose *box, float radius,
+                          uint32_t dims)
 {
     duet_ray flat = flat_ray(ray, dims);
     duet_pose pose = narrow_flat(box, dims);
@@ -149,11 +157,16 @@ bool ray_meets_exactly(const duet_ray *ray, const duet_pose *box, uint32_t dims)
     size_t n = sizeof p.all / sizeof *p.all;
     for (size_t i = 0; i < n; ++i)
         mpz_init(p.all[i]);
-    set_numbers(&p.of, &flat, &pose);
-    bool separated = is_separated(&p.of, isfinite(ray->t_max));
+    set_numbers(&p.of, &flat, &pose, radius);
+    bool found = holds(&p.of, isfinite(ray->t_max));
     for (size_t i = 0; i < n; ++i)
         mpz_clear(p.all[i]);
-    return !separated;
+    return found;
+}
+
+bool ray_meets_exactly(const duet_ray *ray, const duet_pose *box, uint32_t dims)
+{
+    return !check_exactly(is_separated, ray, box, 0, dims);
 }
 
 bool ray_meets(const duet_ray *ray, const duet_pose *box, uint32_t dims)
@@ -162,4 +175,95 @@ bool ray_meets(const duet_ray *ray, const duet_pose *box, uint32_t dims)
     duet_pose pose = narrow_flat(box, dims);
     met found = meet_in_double(&flat, &pose, (int)dims);
     return found == OPEN ? ray_meets_exactly(ray, box, dims) : found == MET;
+}
+
+// ---------------------------------------------------------------- rounded boxes
+
+// Whether it is at from / per of the way.
+static bool is_near(numbers *n)
+{
+    mpz_set_ui(n->right, 0);
+    for (int k = 0; k < 3; ++k) {
+        mpz_mul(n->left, n->at[k], n->per);
+        mpz_addmul(n->left, n->go[k], n->from);
+        mpz_abs(n->left, n->left);
+        mpz_submul(n->left, n->reach[k], n->per);
+        if (mpz_sgn(n->left) > 0)
+            mpz_addmul(n->right, n->left, n->left);
+    }
+    mpz_mul(n->left, n->radius, n->per);
+    mpz_mul(n->left, n->left, n->left);
+    return mpz_cmp(n->right, n->left) <= 0;
+}
+
+// Where the distance from what is beyond some of the faces is least: sides[k] is -1 or 1, or 0 for
+// none of edge k's.
+static void set_least(numbers *n, const int sides[3])
+{
+    mpz_set_ui(n->from, 0);
+    mpz_set_ui(n->per, 0);
+    for (int k = 0; k < 3; ++k) {
+        if (sides[k] == 0)
+            continue;
+        (sides[k] > 0 ? mpz_sub : mpz_add)(n->left, n->at[k], n->reach[k]);
+        mpz_submul(n->from, n->left, n->go[k]);
+        mpz_addmul(n->per, n->go[k], n->go[k]);
+    }
+}
+
+// The square of the distance is convex along the way, and its least value is at an end, or where
+// that from some of the faces is least.
+static bool comes_near(numbers *n, bool ends)
+{
+    mpz_set_ui(n->per, 1);
+    for (unsigned end = 0; end <= ends; ++end) {
+        mpz_set_ui(n->from, end);
+        if (is_near(n))
+            return true;
+    }
+    for (int i = 0; i < 27; ++i) {
+        const int sides[3] = {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
+        set_least(n, sides);
+        bool is_on = mpz_sgn(n->per) > 0 && mpz_sgn(n->from) >= 0 &&
+                     (!ends || mpz_cmp(n->from, n->per) <= 0);
+        if (is_on && is_near(n))
+            return true;
+    }
+    return false;
+}
+
+// By Newton's method from before it, as kernels/queries/rounded_ray.clh.
+static double enter(const duet_ray *ray, const duet_pose *box, double radius, double from, int dims)
+{
+    enum { STEPS = 200 };
+    double axis[3][3], way[3] = {0}, direction[3] = {0}, t = from;
+    narrow_axes(axis, box->rotation);
+    for (int k = 0; k < dims; ++k) {
+        way[k] = (double)ray->origin[k] - box->centre[k];
+        direction[k] = ray->direction[k];
+    }
+    for (int step = 0; step < STEPS; ++step) {
+        double square = 0, growth = 0;
+        for (int k = 0; k < dims; ++k) {
+            double go = dot(axis[k], direction), p = dot(axis[k], way) + t * go;
+            double beyond = fmax(fabs(p) - box->half_extents[k], 0);
+            square += beyond * beyond;
+            growth += beyond * (p > 0 ? go : -go);
+        }
+        double next = t - (square - radius * radius) / (2 * growth);
+        if (!(square > radius * radius && growth < 0 && next > t))
+            break;
+        t = next;
+    }
+    return t;
+}
+
+bool ray_meets_rounded(const duet_ray *ray, const duet_rounded_box *box, uint32_t dims, float *t)
+{
+    if (!check_exactly(comes_near, ray, &box->pose, box->radius, dims))
+        return false;
+    duet_ray flat = flat_ray(ray, dims);
+    duet_pose pose = narrow_flat(&box->pose, dims);
+    *t = fmaxf(*t, fminf((float)enter(&flat, &pose, box->radius, *t, (int)dims), ray->t_max));
+    return true;
 }

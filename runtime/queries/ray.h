@@ -12,4 +12,8 @@ bool ray_meets(const duet_ray *ray, const duet_pose *box, uint32_t dims);
 // By integers alone.
 bool ray_meets_exactly(const duet_ray *ray, const duet_pose *box, uint32_t dims);
 
+// Whether it comes as near to the core as the radius, by integers alone. *t is then raised to
+// where it first is that near, as far as double tells.
+bool ray_meets_rounded(const duet_ray *ray, const duet_rounded_box *box, uint32_t dims, float *t);
+
 #endif

@@ -43,7 +43,10 @@ static bool meets(const duet_tree *tree, const void *item, uint32_t *hit)
     if (tree->def.shape == DUET_SHAPE_BOUNDS)
         return meets_bounds(item, (const duet_bounds *)tree->objects + h->id, tree->def.dims,
                             &h->t);
-    return ray_meets(item, (const duet_pose *)tree->objects + h->id, tree->def.dims);
+    if (tree->def.shape == DUET_SHAPE_POSES)
+        return ray_meets(item, (const duet_pose *)tree->objects + h->id, tree->def.dims);
+    return ray_meets_rounded(item, (const duet_rounded_box *)tree->objects + h->id, tree->def.dims,
+                             &h->t);
 }
 
 static const query_kind kind = {
@@ -81,7 +84,8 @@ duet_ray_query *duet_ray_query_create(const duet_ray_query_def *def, duet_error 
                                 .item_words = sizeof(duet_ray) / sizeof(float),
                                 .each = def->wants != DUET_QUERY_EVERY};
     const gen_setting settings[] = {{"WANTS", def->wants}};
-    if (tree_query_open(&query->asked, settings, 1, err))
+    const query_name name = {.item = QUERY_RAYS, .wants = def->wants};
+    if (tree_query_open(&query->asked, &name, settings, 1, err))
         return query;
     duet_ray_query_destroy(query);
     return NULL;

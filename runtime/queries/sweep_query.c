@@ -73,6 +73,10 @@ static bool check_def(const duet_sweep_query_def *def, duet_error *err)
                          "the query's def does not come from duet_default_sweep_query_def");
     if (!def->tree)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no tree");
+    if (box_tree_shape(def->tree->def.shape) == DUET_SHAPE_ROUNDED_BOXES)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "a sweep meets poses or bounds; the tree is of %s",
+                         tree_shape_name(def->tree));
     return tree_query_knows(def->wants, err);
 }
 
@@ -93,7 +97,8 @@ duet_sweep_query *duet_sweep_query_create(const duet_sweep_query_def *def, duet_
                                 .item_words = (uint32_t)(bytes / sizeof(float)),
                                 .each = def->wants != DUET_QUERY_EVERY};
     const gen_setting settings[] = {{"WANTS", def->wants}, {"SWEPT", 1}};
-    if (tree_query_open(&query->asked, settings, 2, err))
+    const query_name name = {.item = QUERY_SWEEPS, .wants = def->wants};
+    if (tree_query_open(&query->asked, &name, settings, 2, err))
         return query;
     duet_sweep_query_destroy(query);
     return NULL;

@@ -2,6 +2,7 @@
 #include "runtime/queries/tree.h"
 
 #include "base/error.h"
+#include "runtime/narrowphase/rounded.h"
 #include "runtime/opencl/shared_work.h"
 
 #include <stdlib.h>
@@ -25,12 +26,7 @@ static bool check_def(const duet_tree_def *def, duet_error *err)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the tree's def has no device pair");
     if (def->dims != 2 && def->dims != 3)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
-    if (def->shape == DUET_SHAPE_ROUNDED_BOXES || def->shape == DUET_SHAPE_SPHERES)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the tree's shape is %s, which queries do not know; expected poses or "
-                         "bounds",
-                         def->shape == DUET_SHAPE_SPHERES ? "spheres" : "rounded boxes");
-    if (def->shape != DUET_SHAPE_POSES && def->shape != DUET_SHAPE_BOUNDS)
+    if ((unsigned)def->shape >= DUET_SHAPES)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "shape is %d; expected a duet_shape",
                          (int)def->shape);
     return def->share == DUET_SHARE_DEFAULT || shared_work_check(def->share, err);
@@ -64,8 +60,7 @@ typedef struct building {
 
 static size_t objects_bytes(const duet_tree *tree)
 {
-    return tree->n *
-           (tree->def.shape == DUET_SHAPE_POSES ? sizeof(duet_pose) : sizeof(duet_bounds));
+    return tree->n * box_tree_width(tree->def.shape);
 }
 
 static bool send_objects(const duet_tree *tree, tree_side *s)
@@ -126,6 +121,37 @@ bool duet_tree_set_share(duet_tree *tree, uint32_t share, duet_error *err)
     if (!shared_work_check(share, err) || !open_sides(tree, share, err))
         return false;
     tree->def.share = share;
+    tree->n_tuned = 0;
+    return true;
+}
+
+static tuned_share *find_tuned(duet_tree *tree, const char *query)
+{
+    uint32_t i = 0;
+    while (i < tree->n_tuned && strcmp(tree->tuned[i].query, query) != 0)
+        ++i;
+    return &tree->tuned[i];
+}
+
+uint32_t tree_share_of(const duet_tree *tree, const char *query)
+{
+    const tuned_share *tuned = find_tuned((duet_tree *)tree, query);
+    return tuned < tree->tuned + tree->n_tuned ? tuned->share : tree->def.share;
+}
+
+bool tree_tune(duet_tree *tree, const query_name *query, uint32_t share, duet_error *err)
+{
+    tuned_share tuned = {.share = share};
+    query_name_write(query, tuned.query);
+    tuned_share *to = find_tuned(tree, tuned.query);
+    bool is_new = to == tree->tuned + tree->n_tuned;
+    if (is_new && tree->n_tuned == TREE_TUNED)
+        return error_set(err, DUET_STATUS_TOO_MANY, "a tree has shares for at most %d queries",
+                         TREE_TUNED);
+    if (!open_sides(tree, share, err))
+        return false;
+    *to = tuned;
+    tree->n_tuned += is_new;
     return true;
 }
 
@@ -243,12 +269,54 @@ bool tree_reserve_objects(duet_tree *tree, uint32_t n, duet_error *err)
     return true;
 }
 
+const duet_tree_def *tree_def(const duet_tree *tree)
+{
+    return &tree->def;
+}
+
+uint32_t tree_count(const duet_tree *tree)
+{
+    return tree->n;
+}
+
+typedef struct shape_row {
+    duet_object_kind kind;
+    const char *name;
+} shape_row;
+
+static const shape_row shape_rows[DUET_SHAPES] = {
+    [DUET_SHAPE_POSES] = {DUET_OBJECT_POSES, "poses"},
+    [DUET_SHAPE_BOUNDS] = {DUET_OBJECT_BOUNDS, "bounds"},
+    [DUET_SHAPE_ROUNDED_BOXES] = {DUET_OBJECT_ROUNDED_BOXES, "rounded boxes"},
+    [DUET_SHAPE_SPHERES] = {DUET_OBJECT_SPHERES, "spheres"},
+};
+
+duet_object_kind tree_kind(const duet_tree *tree)
+{
+    return shape_rows[tree->def.shape].kind;
+}
+
+const char *tree_shape_name(const duet_tree *tree)
+{
+    return shape_rows[tree->def.shape].name;
+}
+
 bool tree_takes(const duet_tree *tree, duet_object_kind kind, duet_error *err)
 {
-    bool poses = tree->def.shape == DUET_SHAPE_POSES;
-    return kind == (poses ? DUET_OBJECT_POSES : DUET_OBJECT_BOUNDS) ||
+    return kind == tree_kind(tree) ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT, "objects of kind %d; the tree is of %s",
-                     (int)kind, poses ? "poses" : "bounds");
+                     (int)kind, tree_shape_name(tree));
+}
+
+void tree_copy_rows(const duet_tree *tree, const void *objects, uint64_t n, void *rows)
+{
+    if (tree->def.shape != DUET_SHAPE_SPHERES) {
+        if (n > 0)
+            memcpy(rows, objects, (size_t)n * box_tree_width(tree->def.shape));
+        return;
+    }
+    for (uint64_t i = 0; i < n; ++i)
+        ((duet_rounded_box *)rows)[i] = rounded_of_sphere((const duet_sphere *)objects + i);
 }
 
 bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, const void *objects, uint32_t n,
@@ -262,7 +330,6 @@ bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, const void *o
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%u objects, but no memory with them", n);
     if (!tree_reserve_objects(tree, n, err))
         return false;
-    if (n > 0)
-        memcpy(tree->objects, objects, objects_bytes(tree));
+    tree_copy_rows(tree, objects, n, tree->objects);
     return tree_build(tree, 0, false, err);
 }

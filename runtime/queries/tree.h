@@ -5,6 +5,7 @@
 
 #include "runtime/opencl/thread_pool.h"
 #include "runtime/queries/box_tree.h"
+#include "runtime/queries/tree_share.h"
 
 #include <stdatomic.h>
 
@@ -19,17 +20,32 @@ typedef struct tree_side {
     duet_error err;
 } tree_side;
 
+enum { TREE_TUNED = 16 };
+
+// The share that a profile brought for queries of one name.
+typedef struct tuned_share {
+    char query[QUERY_NAME];
+    uint32_t share;
+} tuned_share;
+
 struct duet_tree {
     atomic_uint users; // the caller, and each query
     duet_tree_def def;
     tree_side sides[2];  // A, B
     thread_pool *driver; // drives A while the caller's thread drives B
-    void *objects;       // [n] poses or bounds, by the def's shape; stale until they are fetched
+    void *objects;       // [n] as box_tree_shape says; stale until they are fetched
     uint32_t n, n_hidden;
     bool fetched;
+    tuned_share tuned[TREE_TUNED];
+    uint32_t n_tuned;
 };
 
 void tree_hold(duet_tree *tree);
+
+const char *tree_shape_name(const duet_tree *tree); // "rounded boxes"
+
+// n objects of the tree's kind, as the tree has them.
+void tree_copy_rows(const duet_tree *tree, const void *objects, uint64_t n, void *rows);
 
 // BAD_ARGUMENT where objects of that kind are not of the tree's shape.
 bool tree_takes(const duet_tree *tree, duet_object_kind kind, duet_error *err);

@@ -9,11 +9,11 @@ static bool check(const duet_tree *tree, const duet_motion *motion, duet_error *
 {
     if (tree->def.shape != DUET_SHAPE_POSES)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a motion's bodies are poses; the tree is of bounds");
+                         "a motion's bodies are poses; the tree is of %s", tree_shape_name(tree));
     if (motion_has_radii(motion))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the motion's bodies have radii, which queries do not know; expected "
-                         "boxes");
+                         "the motion's bodies have radii, which a tree does not take from a "
+                         "motion; expected boxes");
     return tree->def.dims == motion->def.dims ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT, "the motion has dims %u; the tree has %u",
                      motion->def.dims, tree->def.dims);

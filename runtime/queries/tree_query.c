@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A takes the first share of the items and B the rest, at the same time; each has the whole
-// tree. What float leaves open the host decides, a chunk of items at a time.
+// tree. What float leaves open the host decides, a chunk of items at a time. While a device with
+// memory of its own traces a chunk, the host copies the next one for it and decides the one before.
 #include "runtime/queries/tree_query.h"
 
 #include "base/budget.h"
@@ -12,6 +13,10 @@
 
 // Some 30 MB of items: launches cost nothing beside it, and few devices lack it.
 enum { CHUNK = 1 << 20, LEAST_LIST = 1 << 14 };
+
+// Of items that are copied while others are traced; open hits that are read without being counted
+// first: a chunk seldom has as many.
+enum { FLOW_CHUNK = 1 << 18, FLOW_OPEN = 1 << 12 };
 
 // Fewer items are asked about sooner than sorted.
 enum { LEAST_SORTED = 1 << 13 };
@@ -58,8 +63,12 @@ static void close_side(query_side *s)
     buffer *const all[] = {&s->items, &s->filters, &s->hits, &s->open, &s->counters};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
         buffer_release(all[i]);
-    free(s->found.words);
-    free(s->open_hits.words);
+    for (int i = 0; i < 2; ++i) {
+        host_block_release(&s->flows[i].items);
+        host_block_release(&s->flows[i].told);
+    }
+    host_block_release(&s->found.block);
+    host_block_release(&s->open_hits.block);
     *s = (query_side){0};
 }
 
@@ -85,12 +94,13 @@ static bool open_sides(tree_query *q, duet_error *err)
     return ok;
 }
 
-bool tree_query_open(tree_query *q, const gen_setting *settings, uint32_t n_settings,
-                     duet_error *err)
+bool tree_query_open(tree_query *q, const query_name *name, const gen_setting *settings,
+                     uint32_t n_settings, duet_error *err)
 {
     tree_hold(q->tree);
+    query_name_write(name, q->name);
     q->settings[0] = (gen_setting){"DIMS", q->tree->def.dims};
-    q->settings[1] = (gen_setting){"SHAPE", q->tree->def.shape};
+    q->settings[1] = (gen_setting){"SHAPE", box_tree_shape(q->tree->def.shape)};
     for (uint32_t i = 0; i < n_settings; ++i)
         q->settings[2 + i] = settings[i];
     q->n_settings = 2 + n_settings;
@@ -101,7 +111,7 @@ void tree_query_close(tree_query *q)
 {
     close_side(&q->sides[0]);
     close_side(&q->sides[1]);
-    free(q->joined.words);
+    host_block_release(&q->joined.block);
     duet_tree_destroy(q->tree);
 }
 
@@ -114,20 +124,24 @@ static size_t hit_bytes(const tree_query *q)
 
 static uint32_t *hit_at(const tree_query *q, const hit_list *list, uint64_t i)
 {
-    return list->words + i * q->kind->hit_words;
+    return (uint32_t *)list->block.bytes + i * q->kind->hit_words;
 }
 
-static bool reserve_hits(const tree_query *q, hit_list *list, uint64_t more, duet_error *err)
+// d: the device that reads and writes them; NULL: none.
+static bool reserve_hits(const tree_query *q, hit_list *list, const device *d, uint64_t more,
+                         duet_error *err)
 {
+    host_block grown = {0};
     uint64_t wanted = list->n + more;
     if (wanted <= list->capacity)
         return true;
     uint64_t capacity = wanted + wanted / 4;
-    uint32_t *words = realloc(list->words, (size_t)capacity * hit_bytes(q));
-    if (!words)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %llu hits",
-                         (unsigned long long)wanted);
-    list->words = words;
+    if (!host_block_reserve(&grown, d, d ? 1 : 0, (size_t)capacity * hit_bytes(q), err))
+        return false;
+    if (list->n > 0)
+        memcpy(grown.bytes, list->block.bytes, (size_t)list->n * hit_bytes(q));
+    host_block_release(&list->block);
+    list->block = grown;
     list->capacity = capacity;
     return true;
 }
@@ -251,7 +265,8 @@ static uint64_t count_of(const cl_uint *words)
     return words[0] | (uint64_t)words[1] << 32;
 }
 
-static bool ask_once(query_side *s, cl_uint counters[QUERY_COUNTERS])
+// The kernel is on its way afterwards.
+static bool start_asking(query_side *s)
 {
     tree_side *t = s->tree;
     s->objects = t->boxes.objects;
@@ -263,9 +278,14 @@ static bool ask_once(query_side *s, cl_uint counters[QUERY_COUNTERS])
     s->hits_capacity = hits_in(s, &s->hits);
     s->open_capacity = hits_in(s, &s->open);
     return timeline_fill(&t->times, "clear", &s->counters, 0, 0, QUERY_COUNTERS, &t->err) &&
-           timeline_launch(&t->times, s->query->kind->kernel, s->kernel, s->n, s, &t->err) &&
-           timeline_read(&t->times, "fetch hits", &s->counters, counters,
-                         QUERY_COUNTERS * sizeof *counters, &t->err);
+           timeline_launch(&t->times, s->query->kind->kernel, s->kernel, s->n, s, &t->err);
+}
+
+static bool ask_once(query_side *s, cl_uint counters[QUERY_COUNTERS])
+{
+    tree_side *t = s->tree;
+    return start_asking(s) && timeline_read(&t->times, "fetch hits", &s->counters, counters,
+                                            QUERY_COUNTERS * sizeof *counters, &t->err);
 }
 
 // Hits that the device has written, by its counters.
@@ -324,40 +344,55 @@ static bool read_hits(query_side *s, buffer *from, uint32_t *to, uint64_t n)
                                    (size_t)n * hit_bytes(s->query), &s->tree->err);
 }
 
-static void finish_hits(query_side *s, uint64_t begin)
+static void finish_hits(query_side *s, uint64_t begin, uint64_t end)
 {
     const tree_query *q = s->query;
     if (!q->kind->finish || q->wants == QUERY_ANY)
         return;
-    for (uint64_t i = begin; i < s->found.n; ++i) {
+    for (uint64_t i = begin; i < end; ++i) {
         uint32_t *hit = hit_at(q, &s->found, i);
         if (hit[1] != DUET_NO_OBJECT)
             q->kind->finish(q->tree, item_at(q, hit[0]), hit);
     }
 }
 
-static bool fetch(query_side *s, const cl_uint counters[QUERY_COUNTERS])
+// Where the chunk's hits are: each item's have a place of their own, or they follow those before.
+static uint64_t hits_begin(const query_side *s)
+{
+    return s->each > 0 ? (s->first_item - s->first) * s->each : s->found.n;
+}
+
+// The chunk's n hits are there, and the open ones, in any order.
+static bool settle(query_side *s, uint64_t n, uint32_t *open, uint64_t n_open)
 {
     const tree_query *q = s->query;
-    uint64_t n = hits_found(s, counters), n_open = count_of(counters + COUNT_OPEN);
-    s->open_hits.n = 0;
-    if (!reserve_hits(q, &s->found, n + n_open, &s->tree->err) ||
-        !reserve_hits(q, &s->open_hits, n_open, &s->tree->err))
-        return false;
-    uint64_t begin = s->found.n;
+    uint64_t begin = hits_begin(s);
     uint32_t *hits = hit_at(q, &s->found, begin);
-    if (!read_hits(s, &s->hits, hits, n) || !read_hits(s, &s->open, s->open_hits.words, n_open))
-        return false;
-    s->found.n += n;
+    if (s->each == 0)
+        s->found.n += n;
     if ((n_open > 0 || (n > 0 && q->kind->finish_reads)) &&
         !tree_fetch_objects(q->tree, &s->tree->err))
         return false;
-    if (n_open > 0) // listed in any order
-        qsort(s->open_hits.words, (size_t)n_open, hit_bytes(q), comparison_of(q));
+    if (n_open > 0)
+        qsort(open, (size_t)n_open, hit_bytes(q), comparison_of(q));
     for (uint64_t i = 0; i < n_open; ++i)
-        take_open_hit(s, hits, hit_at(q, &s->open_hits, i));
-    finish_hits(s, begin);
+        take_open_hit(s, hits, open + i * q->kind->hit_words);
+    finish_hits(s, begin, s->each > 0 ? begin + n : s->found.n);
     return q->wants != QUERY_EVERY || sort_hits(s, s->found.n - begin);
+}
+
+static bool fetch(query_side *s, const cl_uint counters[QUERY_COUNTERS])
+{
+    const tree_query *q = s->query;
+    const device *d = s->tree->device;
+    uint64_t n = hits_found(s, counters), n_open = count_of(counters + COUNT_OPEN);
+    s->open_hits.n = 0;
+    if ((s->each == 0 && !reserve_hits(q, &s->found, d, n + n_open, &s->tree->err)) ||
+        !reserve_hits(q, &s->open_hits, d, n_open, &s->tree->err))
+        return false;
+    uint32_t *open = s->open_hits.block.bytes;
+    return read_hits(s, &s->hits, hit_at(q, &s->found, hits_begin(s)), n) &&
+           read_hits(s, &s->open, open, n_open) && settle(s, n, open, n_open);
 }
 
 static bool refuse_item(query_side *s, const cl_uint counters[QUERY_COUNTERS])
@@ -376,20 +411,110 @@ static bool run_chunk(query_side *s, uint64_t first, uint32_t n)
            (counters[BAD_LATEST] == 0 || refuse_item(s, counters)) && fetch(s, counters);
 }
 
+// ---------------------------------------------------------------- chunks that follow each other
+
+// While one is traced the next is copied, and the one before is settled.
+static bool flows(const query_side *s)
+{
+    return s->each > 0 && !s->tree->device->info.host_memory;
+}
+
+static bool reserve_flow(query_side *s, query_flow *f, uint32_t n)
+{
+    const device *d = s->tree->device;
+    duet_error *err = &s->tree->err;
+    size_t items = (size_t)n * s->query->item_words * sizeof(float);
+    size_t told = QUERY_COUNTERS * sizeof(cl_uint) + FLOW_OPEN * hit_bytes(s->query);
+    return host_block_reserve(&f->items, d, 1, items, err) &&
+           host_block_reserve(&f->told, d, 1, told, err) &&
+           buffer_reserve(&s->items, d, items, err) && reserve_list(s, &s->open, 0) &&
+           reserve_list(s, &s->hits, (uint64_t)n * s->each);
+}
+
+// Nothing is waited for.
+static bool start_flow(query_side *s, query_flow *f, uint64_t first, uint32_t n)
+{
+    const tree_query *q = s->query;
+    tree_side *t = s->tree;
+    size_t bytes = (size_t)n * q->item_words * sizeof(float);
+    if (!reserve_flow(s, f, n))
+        return false;
+    cl_uint *counters = f->told.bytes;
+    f->first = first;
+    f->n = s->n = n;
+    s->first_item = (cl_uint)first;
+    memcpy(f->items.bytes, item_at(q, first), bytes);
+    bool ok =
+        timeline_write_at(&t->times, "send items", &s->items, 0, f->items.bytes, bytes, &t->err) &&
+        order_items(s) && start_asking(s) &&
+        timeline_start_read(&t->times, "fetch hits", &s->counters, 0, counters,
+                            QUERY_COUNTERS * sizeof *counters, &t->err) &&
+        timeline_start_read(&t->times, "fetch hits", &s->open, 0, counters + QUERY_COUNTERS,
+                            FLOW_OPEN * hit_bytes(q), &t->err) &&
+        timeline_start_read(&t->times, "fetch hits", &s->hits, 0,
+                            hit_at(q, &s->found, hits_begin(s)), (size_t)n * s->each * hit_bytes(q),
+                            &t->err);
+    f->read = timeline_last_event(&t->times);
+    return ok;
+}
+
+static bool end_flow(query_side *s, query_flow *f)
+{
+    tree_side *t = s->tree;
+    cl_uint *counters = f->told.bytes;
+    s->first_item = (cl_uint)f->first;
+    s->n = f->n;
+    timeline_spin(&t->times, f->read);
+    if (!timeline_collect_to(&t->times, f->read, &t->err))
+        return false;
+    uint64_t n_open = count_of(counters + COUNT_OPEN);
+    if (counters[BAD_LATEST] != 0)
+        return refuse_item(s, counters);
+    return n_open > FLOW_OPEN
+               ? run_chunk(s, f->first, f->n)
+               : settle(s, (uint64_t)f->n * s->each, counters + QUERY_COUNTERS, n_open);
+}
+
+static bool run_flows(query_side *s, uint64_t chunk)
+{
+    query_flow *before = NULL, *now = s->flows;
+    for (uint64_t first = s->first; first < s->last; first += chunk) {
+        uint64_t left = s->last - first;
+        if (!budget_check(&s->tree->err) ||
+            !start_flow(s, now, first, (uint32_t)(left < chunk ? left : chunk)) ||
+            (before && !end_flow(s, before)))
+            return false;
+        before = now;
+        now = now == s->flows ? s->flows + 1 : s->flows;
+    }
+    return end_flow(s, before);
+}
+
+static bool run_chunks(query_side *s, uint64_t chunk)
+{
+    bool ok = true;
+    for (uint64_t first = s->first; ok && first < s->last; first += chunk) {
+        uint64_t left = s->last - first;
+        ok = budget_check(&s->tree->err) &&
+             run_chunk(s, first, (uint32_t)(left < chunk ? left : chunk));
+    }
+    return ok;
+}
+
 static void run_side(void *arg)
 {
     query_side *s = arg;
     tree_side *t = s->tree;
     uint64_t begun = clock_steady_ns();
-    uint64_t chunk = s->each > 1 ? CHUNK / s->each + 1 : CHUNK;
+    uint64_t items = flows(s) ? FLOW_CHUNK : CHUNK;
+    uint64_t chunk = s->each > 1 ? items / s->each + 1 : items;
+    uint64_t n_hits = (s->last - s->first) * s->each;
     timeline_begin(&t->times, t->device);
-    t->ok = !s->query->itself || send_filters(s);
-    for (uint64_t first = s->first; t->ok && first < s->last; first += chunk) {
-        uint64_t left = s->last - first;
-        t->ok =
-            budget_check(&t->err) && run_chunk(s, first, (uint32_t)(left < chunk ? left : chunk));
-    }
-    t->ok = t->ok && timeline_finish(&t->times, &t->err);
+    t->ok = (!s->query->itself || send_filters(s)) &&
+            reserve_hits(s->query, &s->found, t->device, n_hits, &t->err) &&
+            (flows(s) ? run_flows(s, chunk) : run_chunks(s, chunk));
+    s->found.n = s->each > 0 ? n_hits : s->found.n;
+    t->ok = timeline_finish(&t->times, &t->err) && t->ok; // nothing is read any more
     timeline_clear(&t->times);
     if (s->items.borrowed) // the caller may free it
         buffer_release(&s->items);
@@ -415,15 +540,15 @@ static bool join_hits(tree_query *q, query_result *result, duet_error *err)
     hit_list *a = &q->sides[0].found, *b = &q->sides[1].found, *to = &q->joined;
     result->n_hits = a->n + b->n;
     if (a->n == 0 || b->n == 0) {
-        result->hits = a->n ? a->words : b->words;
+        result->hits = a->n ? a->block.bytes : b->block.bytes;
         return true;
     }
     to->n = 0;
-    if (!reserve_hits(q, to, result->n_hits, err))
+    if (!reserve_hits(q, to, NULL, result->n_hits, err))
         return false;
-    memcpy(to->words, a->words, (size_t)a->n * hit_bytes(q));
-    memcpy(hit_at(q, to, a->n), b->words, (size_t)b->n * hit_bytes(q));
-    result->hits = to->words;
+    memcpy(to->block.bytes, a->block.bytes, (size_t)a->n * hit_bytes(q));
+    memcpy(hit_at(q, to, a->n), b->block.bytes, (size_t)b->n * hit_bytes(q));
+    result->hits = to->block.bytes;
     return true;
 }
 
@@ -440,7 +565,7 @@ bool tree_query_run(tree_query *q, const void *items, uint64_t n, query_result *
                          (unsigned long long)n, plural);
     if (!open_sides(q, err))
         return false;
-    uint64_t cut = n * q->tree->def.share / DUET_SHARE_ONE;
+    uint64_t cut = n * tree_share_of(q->tree, q->name) / DUET_SHARE_ONE;
     q->items = items;
     query_side *a = begin_side(q, 0, 0, cut), *b = begin_side(q, 1, cut, n);
     query_result found = {0};

@@ -31,10 +31,20 @@ typedef struct query_kind {
     bool finish_reads; // the tree's objects
 } query_kind;
 
+// In memory that the device reads and writes fast.
 typedef struct hit_list {
-    uint32_t *words;
+    host_block block;
     uint64_t n, capacity; // hits
 } hit_list;
+
+// A chunk on its way to a device with memory of its own, and back.
+typedef struct query_flow {
+    host_block items; // as they were sent
+    host_block told;  // counters, then the first open hits
+    uint64_t first;
+    cl_uint n;
+    cl_event read; // of the last of what it reads; the timeline's
+} query_flow;
 
 // One device's part of a run.
 typedef struct query_side {
@@ -49,6 +59,7 @@ typedef struct query_side {
     uint64_t first, last;
     hit_list found;
     hit_list open_hits;
+    query_flow flows[2]; // of two chunks that follow each other
     uint64_t undecided;
     double wall_ms;
 } query_side;
@@ -56,6 +67,7 @@ typedef struct query_side {
 typedef struct tree_query {
     const query_kind *kind;
     duet_tree *tree; // held
+    char name[QUERY_NAME];
     query_wants wants;
     uint32_t item_words;
     uint32_t each; // hits an item; 0 for QUERY_EVERY
@@ -82,8 +94,8 @@ bool tree_query_knows(duet_query_wants wants, duet_error *err);
 
 // Builds the kernel of q->kind with these settings and DIMS, SHAPE. kind, tree, wants, item_words
 // and each are set.
-bool tree_query_open(tree_query *q, const gen_setting *settings, uint32_t n_settings,
-                     duet_error *err);
+bool tree_query_open(tree_query *q, const query_name *name, const gen_setting *settings,
+                     uint32_t n_settings, duet_error *err);
 void tree_query_close(tree_query *q);
 
 // n items of 4 item_words bytes. BAD_OBJECT names the first that the kernel takes for none.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What an application does at its start: finds the plan that was measured for
-// such objects on such devices, and gives it to its world.
+// such objects, or such queries, on such devices, and gives it to its world or tree.
 #define _POSIX_C_SOURCE 200809L // strdup
 #include "runtime/selection/profile_subject.h"
 
@@ -34,23 +34,17 @@ static bool look(const char *path, const profile_request *request, profile_found
     return ok;
 }
 
-static bool use(duet_world *world, const profile_found *found, duet_profile *profile,
-                duet_error *err)
+// What was found is good enough to be used.
+static bool is_founded(const profile_found *found)
+{
+    return found->grade < PROFILE_STALE;
+}
+
+static void tell(const profile_found *found, duet_profile *profile)
 {
     profile->grade = (duet_grade)found->grade;
-    if (profile->grade >= DUET_GRADE_STALE)
-        return true;
-    duet_plan plan;
-    duet_level level;
-    if (!profile_subject_read_plan(&found->plan, &plan, err) ||
-        !profile_subject_read_level(found->plan.level, &level, err) ||
-        !duet_world_set_plan(world, &plan, err)) {
-        profile->grade = DUET_GRADE_DEFAULT;
-        return false;
-    }
-    world_change_level(world, level);
-    profile->plan = plan;
-    profile->level = level;
+    if (!is_founded(found))
+        return;
     profile->accuracy = (duet_accuracy){found->missed_rate, found->false_rate};
     profile->true_pairs = found->true_pairs > 0 ? (uint64_t)found->true_pairs : 0;
     profile->step_ms = found->median_ns * 1e-6;
@@ -59,6 +53,23 @@ static bool use(duet_world *world, const profile_found *found, duet_profile *pro
     profile->gain_high = found->gain_high;
     memcpy(profile->verdict, found->verdict, sizeof profile->verdict);
     profile->measured_s = found->created_ns / 1000000000;
+}
+
+static bool use(duet_world *world, const profile_found *found, duet_profile *profile,
+                duet_error *err)
+{
+    duet_plan plan;
+    duet_level level;
+    if (is_founded(found)) {
+        if (!profile_subject_read_plan(&found->plan, &plan, err) ||
+            !profile_subject_read_level(found->plan.level, &level, err) ||
+            !duet_world_set_plan(world, &plan, err))
+            return false;
+        world_change_level(world, level);
+        profile->plan = plan;
+        profile->level = level;
+    }
+    tell(found, profile);
     return true;
 }
 
@@ -77,6 +88,34 @@ bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *
     profile_request request = profile_subject_request(&asked);
     bool ok = look(path, &request, &found, NULL, err);
     return use(world, &found, profile, err) && ok;
+}
+
+bool duet_tree_load_profile(duet_tree *tree, const char *query, uint64_t n, const char *path,
+                            duet_profile *profile, duet_error *err)
+{
+    query_name name;
+    if (!error_given(tree, __func__, "tree", err) || !error_given(query, __func__, "query", err) ||
+        !error_given(profile, __func__, "profile", err) || !query_name_read(query, &name, err))
+        return false;
+    char canonical[QUERY_NAME];
+    query_name_write(&name, canonical);
+    *profile =
+        (duet_profile){.grade = DUET_GRADE_DEFAULT,
+                       .plan = {.share = tree_share_of(tree, canonical), .mode = DUET_MODE_OWN},
+                       .level = DUET_LEVEL_CERTIFIED};
+    profile_subject asked;
+    profile_found found;
+    if (!profile_subject_read_query(tree, &name, n, &asked, err))
+        return false;
+    profile_request request = profile_subject_request(&asked);
+    bool ok = look(path, &request, &found, NULL, err);
+    if (is_founded(&found)) {
+        if (!tree_tune(tree, &name, found.plan.share, err))
+            return false;
+        profile->plan.share = found.plan.share;
+    }
+    tell(&found, profile);
+    return ok;
 }
 
 bool duet_world_explain_profile(duet_world *world, const char *path, char **why, duet_error *err)

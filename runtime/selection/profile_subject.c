@@ -153,16 +153,17 @@ static const char *describe_order(const duet_world *world, double astray)
     return !keeps_order ? NULL : astray < few_strays ? "ordered" : "ordered strays";
 }
 
+static const char *const shapes[DUET_SHAPES] = {
+    [DUET_SHAPE_POSES] = "poses",
+    [DUET_SHAPE_BOUNDS] = "bounds",
+    [DUET_SHAPE_ROUNDED_BOXES] = "rounded boxes",
+    [DUET_SHAPE_SPHERES] = "spheres",
+};
+
 static profile_workload describe_workload(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
     workload_summary s = workload_summarise(world);
-    static const char *const shapes[DUET_SHAPES] = {
-        [DUET_SHAPE_POSES] = "poses",
-        [DUET_SHAPE_BOUNDS] = "bounds",
-        [DUET_SHAPE_ROUNDED_BOXES] = "rounded boxes",
-        [DUET_SHAPE_SPHERES] = "spheres",
-    };
     bool turns = def->shape == DUET_SHAPE_POSES || def->shape == DUET_SHAPE_ROUNDED_BOXES;
     return (profile_workload){
         .dims = def->dims,
@@ -179,6 +180,12 @@ static profile_workload describe_workload(const duet_world *world)
     };
 }
 
+static void describe_pair(profile_subject *p, const duet_device_pair *pair)
+{
+    p->pair.a = describe_device(pair->devices, 0, p->parts[0]);
+    p->pair.b = describe_device(pair->devices, 1, p->parts[1]);
+}
+
 bool profile_subject_read(duet_world *world, profile_subject *p, duet_error *err)
 {
     *p = (profile_subject){0};
@@ -188,9 +195,7 @@ bool profile_subject_read(duet_world *world, profile_subject *p, duet_error *err
             "a world without objects has no profile; expected objects to be set first");
     if (!world_check_sizes(world, err))
         return false;
-    const device *devices = world->def.pair->devices;
-    p->pair.a = describe_device(devices, 0, p->parts[0]);
-    p->pair.b = describe_device(devices, 1, p->parts[1]);
+    describe_pair(p, world->def.pair);
     if (!world_see_objects(world, err))
         return false;
     p->workload = describe_workload(world);
@@ -198,6 +203,28 @@ bool profile_subject_read(duet_world *world, profile_subject *p, duet_error *err
     if (world->def.has_accuracy)
         ask_any_level(p, &world->def.accuracy);
     return hash_kernels(world->def.pair->kernel_dir, p->kernels, err);
+}
+
+bool profile_subject_read_query(const duet_tree *tree, const query_name *query, uint64_t n,
+                                profile_subject *p, duet_error *err)
+{
+    const duet_tree_def *def = tree_def(tree);
+    *p = (profile_subject){0};
+    if (tree_count(tree) == 0 || n == 0)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "a query of no %s has no profile",
+                         n == 0 ? "items" : "boxes");
+    describe_pair(p, def->pair);
+    query_name_write(query, p->query);
+    p->workload = (profile_workload){
+        .dims = def->dims,
+        .n = n,
+        .size_ratio = 1,
+        .shape = shapes[def->shape],
+        .level = duet_level_get_info(DUET_LEVEL_CERTIFIED)->name,
+        .query = p->query,
+        .boxes = tree_count(tree),
+    };
+    return hash_kernels(def->pair->kernel_dir, p->kernels, err);
 }
 
 void profile_subject_settle(profile_subject *p, duet_level level)

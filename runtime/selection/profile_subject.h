@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: MIT
-// A world as the profile store knows it: its devices, its workload, its
-// kernels.
+// A world as the profile store knows it, or what a tree is asked: its devices, its workload,
+// its kernels.
 #ifndef RUNTIME_PROFILE_SUBJECT_H
 #define RUNTIME_PROFILE_SUBJECT_H
 
 #include "profiles/lookup.h"
 #include "runtime/duet.h"
+#include "runtime/queries/tree_share.h"
 
 typedef struct profile_subject {
     profile_pair pair; // its strings are the device pair's, or lie in parts
     profile_workload workload;
     char parts[2][24];               // "0-0" of a part of a CPU
+    char query[QUERY_NAME];          // the workload's
     char kernels[PROFILE_SHA];       // of all kernel text
     const char *levels[DUET_LEVELS]; // that may be within the accuracy asked for
     uint32_t n_levels;               // 0: the workload's own level is asked for
@@ -22,6 +24,10 @@ typedef struct profile_subject {
 
 // Looks at every object. BAD_ARGUMENT for a world without objects.
 bool profile_subject_read(duet_world *world, profile_subject *p, duet_error *err);
+
+// n items of that query, at level certified. BAD_ARGUMENT for a tree without objects, or no items.
+bool profile_subject_read_query(const duet_tree *tree, const query_name *query, uint64_t n,
+                                profile_subject *p, duet_error *err);
 
 // From here on it is the workload at that level, whatever was asked for.
 void profile_subject_settle(profile_subject *p, duet_level level);

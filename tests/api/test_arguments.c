@@ -441,7 +441,7 @@ static void fill_tree(void)
     def.dims = 4;
     REFUSES(duet_tree_create(&def, e));
     def.dims = 3;
-    def.shape = (duet_shape)2;
+    def.shape = (duet_shape)DUET_SHAPES;
     REFUSES(duet_tree_create(&def, e));
     REFUSES(duet_tree_set_objects(NULL, DUET_OBJECT_POSES, &pose, 1, e));
     REFUSES(duet_tree_set_objects(tree, DUET_OBJECT_POSES, NULL, 1, e));
@@ -451,6 +451,12 @@ static void fill_tree(void)
     REFUSES(duet_tree_set_share(NULL, 0, e));
     REFUSES(duet_tree_set_share(tree, DUET_SHARE_ONE + 1, e));
     TAKES(duet_tree_set_share(tree, 0, e));
+    duet_profile profile;
+    REFUSES(duet_tree_load_profile(NULL, "boxes", 1, NULL, &profile, e));
+    REFUSES(duet_tree_load_profile(tree, NULL, 1, NULL, &profile, e));
+    REFUSES(duet_tree_load_profile(tree, "boxes", 1, NULL, NULL, e));
+    REFUSES(duet_tree_load_profile(tree, "spheres", 1, NULL, &profile, e));
+    REFUSES(duet_tree_load_profile(tree, "boxes", 0, NULL, &profile, e));
     REFUSES(duet_tree_set_motion(NULL, motion, e));
     REFUSES(duet_tree_set_motion(tree, NULL, e));
     duet_tree_destroy(NULL);
@@ -746,6 +752,17 @@ static void tune(void)
     def.n_levels = 1;
     REFUSES(duet_tune_run(&def, &outcome, e));
     def.n_levels = 0;
+    def.items = 1;
+    REFUSES(duet_tune_run(&def, &outcome, e));
+    def.query = "rays both";
+    REFUSES(duet_tune_run(&def, &outcome, e));
+    def.query = "rays";
+    def.n_modes = 1;
+    def.modes = &(duet_mode){DUET_MODE_OWN};
+    REFUSES(duet_tune_run(&def, &outcome, e));
+    def.n_modes = 0;
+    def.items = 0;
+    def.query = NULL;
     def.strategy = NULL;
     REFUSES(duet_tune_run(&def, &outcome, e));
 }
@@ -836,7 +853,7 @@ static const struct {
     {"duet_motion_map_states duet_motion_unmap_states duet_state_part_name", map_motion},
     {"duet_pair_query_create duet_pair_query_destroy duet_pair_query_run", query_pairs},
     {"duet_tree_create duet_tree_destroy duet_tree_set_objects duet_tree_set_motion "
-     "duet_tree_set_share "
+     "duet_tree_set_share duet_tree_load_profile "
      "duet_default_tree_def "
      "duet_query_wants_name",
      fill_tree},

@@ -371,7 +371,8 @@ static void a_tune_file_sweeps_with_a_strategy_of_its_own(void **state)
     (void)state;
     test_write_file(CONFIG, "return {\n"
                             "  workloads = { { scene = '" SCENE
-                            "', n = { 500, 600 }, set = { seed = 3 } } },\n"
+                            "', n = { 500, 600 }, set = { seed = 3 } },\n"
+                            "    { scene = '" SCENE "', n = 500, query = 'boxes itself' } },\n"
                             "  variants = { 'auto' }, modes = { 'own' }, repeats = 1,\n"
                             "  budget = { trials = 43 },\n"
                             "  strategy = function(history)\n"
@@ -380,9 +381,11 @@ static void a_tune_file_sweeps_with_a_strategy_of_its_own(void **state)
                             "}\n");
     const cJSON *rows;
     cJSON *root = tune_json("--profile " STORE " --config " CONFIG, &rows);
-    assert_int_equal(cJSON_GetArraySize(rows), 2);
+    assert_int_equal(cJSON_GetArraySize(rows), 3);
     assert_int_equal(json_number(cJSON_GetArrayItem(rows, 0), "objects"), 500);
     assert_int_equal(json_number(cJSON_GetArrayItem(rows, 1), "objects"), 600);
+    assert_string_equal(json_string(cJSON_GetArrayItem(rows, 2), "query"), "boxes itself");
+    assert_int_equal(json_number(cJSON_GetArrayItem(rows, 2), "items"), 500);
     cJSON_Delete(root);
 }
 
@@ -402,6 +405,10 @@ static void what_is_wrong_on_the_command_line_is_one_line(void **state)
         {"tune " QUICK " no/such.lua", 1, "no/such.lua"},
         {"tune --profile " SCENE " " SCENE, 1, SCENE},
         {"tune " QUICK SCENE " --trials 12", 2, "a budget of 12 trials ends before a verdict"},
+        {"tune " SCENE " --items 9", 2, "--items: give --query"},
+        {"tune " SCENE " --query rays --pair cpu", 2, "is one device and has no share"},
+        {"tune " SCENE " --query 'rays both'", 2, "query 'rays both': expected 'rays closest'"},
+        {"tune --config " CONFIG " --query rays", 2, "with --config the file says"},
         {"tune " QUICK SCENE " --search abacus", 1, "search 'abacus': expected 'kernels' or"},
         {"tune " QUICK SCENE " --search cell_start", 1, "search 'cell_start': neither device"},
         {"tune " QUICK SCENE " --search kernels --budget 0", 2, "--budget '0'"},
@@ -435,6 +442,7 @@ static void what_is_wrong_in_a_tune_file_is_said_with_its_line(void **state)
         {"return {\n workloads = {{scene = 'a.lua'}},\n modes = {'both'} }", CONFIG ":3:"},
         {"return {\n workloads = {{scene = 'a.lua'}},\n budget = {minutes = 1} }", CONFIG ":3:"},
         {"return {\n workloads = {{scene = 'a.lua'}},\n objective = 'beauty' }", CONFIG ":3:"},
+        {"return {\n workloads = {{scene = 'a.lua', items = 3}} }", CONFIG ":2:"},
         {"return {\n workloads = {} }", CONFIG ":2:"},
         {"return {\n workloads = {{scene = 'a.lua'}},\n level = 'best' }", CONFIG ":3:"},
         {"return {\n workloads = {{scene = 'a.lua'}},\n level = {'sat6', 'gjk'} }", CONFIG ":3:"},

@@ -110,6 +110,37 @@ holds("a tuning that is kept is known the next time, and a world takes its plan"
   for _, ending in ipairs { "", "-wal", "-shm" } do os.remove(store .. ending) end
 end)
 
+holds("queries are tuned by their kind, and a tree takes what is known of them", function()
+  local store = os.tmpname()
+  os.remove(store)
+  local tree <close> = assert(pair:tree())
+  assert(tree:set_objects(scene:poses()))
+  for _, query in ipairs { "rays any", "boxes itself" } do
+    local def = { store = store, query = query, items = 200, repeats = 1, budget_trials = 60 }
+    local tuned = assert(pair:tune(scene, def))
+    local items = query == "boxes itself" and 300 or 200
+    equal(tuned.known, false)
+    equal(assert(pair:tune(scene, def)).known, true)
+    assert(tuned.true_pairs > 0)
+    local profile = assert(tree:load_profile(query, items, store))
+    equal(profile.grade, tuned.unused == "" and "exact" or "default")
+    if tuned.unused == "" then equal(profile.plan.share, tuned.plan.share) end
+    local kept = assert(duet.profiles(store, true))
+    local found = false
+    for _, one in ipairs(kept) do found = found or (one.query == query and one.items == items and one.objects == 300) end
+    assert(found, query)
+  end
+  equal(assert(tree:load_profile("rays closest", 200, store)).grade, "default")
+  local balls <close> = assert(duet.scene(duet.spheres { 0, 0, 0, 1, 2, 0, 0, 1, 4, 4, 4, 2, 1, 5, 2, 1 }))
+  for query, hits in pairs { ["points nearest 3"] = 3 * 60, ["rays any"] = 60 } do
+    local def = { keep = false, query = query, items = 60, repeats = 1, budget_trials = 43 }
+    equal(assert(pair:tune(balls, def)).true_pairs, hits)
+  end
+  for _, ending in ipairs { "", "-wal", "-shm" } do os.remove(store .. ending) end
+  refused("BAD_ARGUMENT", "query 'rays both'", tree.load_profile, tree, "rays both", 1)
+  refused("BAD_ARGUMENT", "expected no variants", pair.tune, pair, scene, quick { query = "boxes" })
+end)
+
 holds("an online share gives the same pairs, and outlives no world", function()
   local world <close> = assert(pair:world(scene, { plan = { share = 0.5 } }))
   local online <close> = assert(world:online { keep = false })

@@ -232,7 +232,7 @@ static void one_bad_line_refuses_the_file_and_is_named(void **state)
          "JSON object: terms"},
         {"\"terms\":null,\"rounds\"", "\"terms\":7,\"rounds\"", "JSON object: terms"},
         {"\"name\":\"", "\"name\":\"\xff", "not UTF-8"},
-        {"\"type\":\"store\",\"version\":4", "\"type\":\"store\",\"version\":5", "newer"},
+        {"\"type\":\"store\",\"version\":5", "\"type\":\"store\",\"version\":6", "newer"},
     };
     two_stores two = open_two();
     tune_one(two.s, 1000);

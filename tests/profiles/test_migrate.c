@@ -4,6 +4,7 @@
 
 #include "profiles/profile.h"
 #include "profiles/sql.h"
+#include "profiles/upkeep.h"
 #include "support/store.h"
 #include "tuner/trial_log.h"
 
@@ -223,6 +224,25 @@ static void a_plan_without_a_verdict_of_the_third_version_is_not_used(void **sta
     test_folder_remove(&folder);
 }
 
+// Their keys leave out what only queries have.
+static void what_the_fourth_version_stored_keeps_its_keys(void **state)
+{
+    (void)state;
+    test_folder folder = test_folder_make();
+    store *s = upgrade_from(4, &folder);
+    text report = {0};
+    duet_error err = {0};
+    uint32_t problems = 1;
+    assert_ok(profile_check(s, &report, &problems, &err), err);
+    assert_string_equal(report.chars ? report.chars : "", "");
+    assert_int_equal(problems, 0);
+    assert_int_equal(test_count(s, "workload WHERE query IS NULL AND boxes = 0"),
+                     test_count(s, "workload"));
+    text_free(&report);
+    store_close(s);
+    test_folder_remove(&folder);
+}
+
 // The first version kept no count of wrong pairs: only certified has none by
 // itself.
 static void what_the_first_version_stored_serves_no_accuracy_but_certified(void **state)
@@ -263,6 +283,7 @@ int main(void)
         cmocka_unit_test(an_upgraded_store_has_the_columns_of_a_fresh_one),
         cmocka_unit_test(what_the_second_version_stored_is_kept_under_its_new_names),
         cmocka_unit_test(a_plan_without_a_verdict_of_the_third_version_is_not_used),
+        cmocka_unit_test(what_the_fourth_version_stored_keeps_its_keys),
         cmocka_unit_test(what_the_first_version_stored_serves_no_accuracy_but_certified),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

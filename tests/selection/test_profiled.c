@@ -186,16 +186,14 @@ static void a_plan_survives_being_stored(void **state)
 
 // ------------------------------------------------------------ an application's start
 
-// Puts a profile for the world into the store, as a tuner would.
-static void put_for(const char *path, duet_world *world, const char *kernels)
+// Puts a profile into the store, as a tuner would.
+static void put_subject(const char *path, const profile_subject *p, const char *kernels)
 {
     duet_error err = {0};
-    profile_subject p;
-    assert_ok(profile_subject_read(world, &p, &err), err);
     store *s = store_open(path, STORE_WRITE, &err);
     assert_ok(s, err);
     profile_row row = {
-        .kernels = kernels ? kernels : p.kernels,
+        .kernels = kernels ? kernels : p->kernels,
         .objective = "time",
         .plan = test_plan(0.375),
         .median_ns = 2e6,
@@ -206,11 +204,19 @@ static void put_for(const char *path, duet_world *world, const char *kernels)
         .origin = "manual",
         .trial_number = -1,
     };
-    snprintf(row.plan.level, sizeof row.plan.level, "%s", p.workload.level);
-    assert_ok(profile_pair_put(s, &p.pair, &row.pair_id, &err), err);
-    assert_ok(profile_workload_put(s, &p.workload, &row.workload_id, &err), err);
+    snprintf(row.plan.level, sizeof row.plan.level, "%s", p->workload.level);
+    assert_ok(profile_pair_put(s, &p->pair, &row.pair_id, &err), err);
+    assert_ok(profile_workload_put(s, &p->workload, &row.workload_id, &err), err);
     assert_ok(profile_put(s, &row, NULL, "put again", NULL, &err), err);
     store_close(s);
+}
+
+static void put_for(const char *path, duet_world *world, const char *kernels)
+{
+    duet_error err = {0};
+    profile_subject p;
+    assert_ok(profile_subject_read(world, &p, &err), err);
+    put_subject(path, &p, kernels);
 }
 
 static void a_world_takes_its_profile_and_finds_the_same_pairs(void **state)
@@ -400,6 +406,111 @@ static void why_names_the_plan_and_run_uses_it(void **state)
     test_folder_remove(&folder);
 }
 
+// ------------------------------------------------------------ queries
+
+static duet_tree *make_tree(const fixture *f, duet_error *err)
+{
+    duet_tree_def def = duet_default_tree_def();
+    def.pair = f->pair;
+    def.share = 0;
+    duet_tree *tree = duet_tree_create(&def, err);
+    assert_ok(tree, *err);
+    assert_ok(duet_tree_set_objects(tree, DUET_OBJECT_POSES, f->poses, f->n, err), *err);
+    return tree;
+}
+
+static duet_grade load_query(duet_tree *tree, const char *query, uint64_t n, const char *path,
+                             uint32_t share)
+{
+    duet_error err = {0};
+    duet_profile profile;
+    assert_ok(duet_tree_load_profile(tree, query, n, path, &profile, &err), err);
+    assert_int_equal(profile.plan.share, share);
+    return profile.grade;
+}
+
+// Also for a tenth more items, and for boxes of the same octave.
+static void a_query_takes_its_profile_and_others_keep_their_share(void **state)
+{
+    (void)state;
+    enum { RAYS = 640, SHARE = 3 * DUET_SHARE_ONE / 8 };
+    test_folder folder = test_folder_make();
+    fixture f = make_world(1000, test_seed(), 0, "auto");
+    duet_error err = {0};
+    duet_tree *tree = make_tree(&f, &err);
+    profile_subject subject;
+    query_name name;
+    assert_ok(query_name_read("rays", &name, &err), err);
+    assert_ok(profile_subject_read_query(tree, &name, RAYS, &subject, &err), err);
+    assert_int_equal(load_query(tree, "rays closest", RAYS, folder.store, 0), DUET_GRADE_DEFAULT);
+    put_subject(folder.store, &subject, NULL);
+    assert_int_equal(load_query(tree, "rays closest", RAYS, folder.store, SHARE), DUET_GRADE_EXACT);
+    assert_int_equal(load_query(tree, "rays closest", RAYS + RAYS / 20, folder.store, SHARE),
+                     DUET_GRADE_INTERPOLATED);
+    assert_int_equal(load_query(tree, "rays closest", 10 * RAYS, folder.store, SHARE),
+                     DUET_GRADE_DEFAULT); // the share stays
+    assert_int_equal(load_query(tree, "rays any", RAYS, folder.store, 0), DUET_GRADE_DEFAULT);
+
+    duet_ray_query_def closest = duet_default_ray_query_def(), any = closest;
+    duet_ray_query_result result;
+    duet_ray rays[RAYS] = {0};
+    closest.tree = any.tree = tree;
+    any.wants = DUET_QUERY_ANY;
+    duet_ray_query *tuned = duet_ray_query_create(&closest, &err);
+    duet_ray_query *other = duet_ray_query_create(&any, &err);
+    assert_ok(tuned && other, err);
+    assert_ok(duet_ray_query_run(other, rays, RAYS, &result, &err), err);
+    assert_true(result.device_ms[0] == 0 && result.device_ms[1] > 0);
+    assert_ok(duet_ray_query_run(tuned, rays, RAYS, &result, &err), err);
+    assert_true(result.device_ms[0] > 0 && result.device_ms[1] > 0);
+    assert_ok(duet_tree_set_share(tree, 0, &err), err);
+    assert_ok(duet_ray_query_run(tuned, rays, RAYS, &result, &err), err);
+    assert_true(result.device_ms[0] == 0);
+
+    // What no race has spoken for, or was measured with other kernels, is not followed.
+    test_store_run(folder.store, "UPDATE profile SET kernels = 'other'");
+    assert_int_equal(load_query(tree, "rays closest", RAYS, folder.store, 0), DUET_GRADE_STALE);
+    assert_int_equal(duet_tree_set_objects(tree, DUET_OBJECT_POSES, f.poses, 4 * f.n / 10, &err),
+                     true);
+    assert_int_equal(load_query(tree, "rays closest", RAYS, folder.store, 0), DUET_GRADE_DEFAULT);
+    duet_ray_query_destroy(tuned);
+    duet_ray_query_destroy(other);
+    duet_tree_destroy(tree);
+    drop_world(&f);
+    test_folder_remove(&folder);
+}
+
+static void names_of_queries_are_read_as_they_are_written(void **state)
+{
+    (void)state;
+    static const char *const names[] = {
+        "rays closest", "rays any", "rays every",       "sweeps any",         "boxes",
+        "boxes itself", "points",   "points nearest 8", "points nearest 1024"};
+    static const char *const wrong[] = {"",
+                                        "ray",
+                                        "rays ",
+                                        "rays closest ",
+                                        "boxes 1",
+                                        "points nearest 0",
+                                        "points nearest 1025",
+                                        "points nearest 8x",
+                                        "points nearest",
+                                        "rays  any"};
+    query_name name;
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        duet_error err = {0};
+        char written[QUERY_NAME];
+        assert_ok(query_name_read(names[i], &name, &err), err);
+        query_name_write(&name, written);
+        assert_string_equal(written, names[i]);
+    }
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        duet_error err = {0};
+        if (query_name_read(wrong[i], &name, &err))
+            fail_msg("'%s' is no query", wrong[i]);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -412,6 +523,8 @@ int main(void)
         cmocka_unit_test(a_world_gets_no_less_than_it_asked_for),
         cmocka_unit_test(an_accuracy_that_cannot_be_is_refused),
         cmocka_unit_test(without_a_profile_the_plan_stays),
+        cmocka_unit_test(a_query_takes_its_profile_and_others_keep_their_share),
+        cmocka_unit_test(names_of_queries_are_read_as_they_are_written),
         cmocka_unit_test(why_names_the_plan_and_run_uses_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,494 @@
+// SPDX-License-Identifier: MIT
+// Boxes with a radius in a tree: rays, points and boxes against a sweep over all of them on the
+// host, and the exact answer about a ray against the least distance in long double.
+#include "support/test.h"
+
+#include "support/devices.h"
+#include "support/trees.h"
+
+#include "base/rng.h"
+#include "runtime/narrowphase/narrow.h"
+#include "runtime/narrowphase/rounded.h"
+#include "runtime/queries/ray.h"
+
+#include <float.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BOXES = 250, RAYS = 500, NEAREST = 5 };
+
+#define U 0x1p-24
+
+typedef struct world {
+    duet_rounded_box boxes[BOXES];
+    duet_sphere spheres[BOXES];
+    duet_ray rays[RAYS];
+    duet_point points[RAYS];
+} world;
+
+// Boxes, capsules and spheres; some upright on round numbers, some without a radius, or with one
+// that is too small for float to see.
+static duet_rounded_box draw_box(rng *r, uint32_t i)
+{
+    duet_rounded_box box = {.radius = (float)rng_between(r, 0.1, 0.6)};
+    for (int k = 0; k < 4; ++k) {
+        box.pose.rotation[k] = i % 4 == 0 ? k == 3 : (float)rng_normal(r);
+        if (k == 3)
+            break;
+        box.pose.centre[k] = (float)rng_between(r, -4, 4);
+        box.pose.half_extents[k] = i % 3 == 0 || (i % 3 == 1 && k > 0)
+                                       ? 0
+                                       : (float)rng_between(r, 0.05, i % 40 == 2 ? 4 : 0.6);
+        if (i % 4 == 0) {
+            box.pose.centre[k] = roundf(2 * box.pose.centre[k]) / 2;
+            box.pose.half_extents[k] = roundf(4 * box.pose.half_extents[k]) / 4;
+        }
+    }
+    if (i % 4 == 0)
+        box.radius = 0.25f;
+    if (i % 7 == 0)
+        box.radius = i % 14 == 0 ? 0 : 1e-7f;
+    return box;
+}
+
+// Every third ray goes along an axis between round numbers, so that it touches; some are short, and
+// some a point.
+static world *make_world(void)
+{
+    world *w = calloc(1, sizeof *w);
+    assert_non_null(w);
+    rng r = rng_seed(test_seed());
+    for (uint32_t i = 0; i < BOXES; ++i) {
+        w->boxes[i] = draw_box(&r, i);
+        memcpy(w->spheres[i].centre, w->boxes[i].pose.centre, sizeof w->spheres[i].centre);
+        w->spheres[i].radius = w->boxes[i].radius;
+    }
+    for (uint32_t i = 0; i < RAYS; ++i) {
+        duet_ray *ray = &w->rays[i];
+        double scale = exp2(rng_between(&r, -20, 20));
+        for (int k = 0; k < 3; ++k) {
+            double at = rng_between(&r, -6, 6);
+            ray->origin[k] = (float)(i % 3 == 0 ? round(at * 4) / 4 : at);
+            ray->direction[k] = i % 3 == 0 ? (float)(k == (int)(i / 3 % 3)) * (i % 2 ? 1 : -1)
+                                           : (float)(scale * rng_normal(&r));
+            w->points[i].at[k] = ray->origin[k];
+        }
+        ray->t_max = i % 5 == 0 ? INFINITY : (float)(rng_between(&r, 0, 8) / (i % 3 ? scale : 1));
+        if (i % 31 == 0)
+            memset(ray->direction, 0, sizeof ray->direction);
+    }
+    return w;
+}
+
+// All lengths times a power of two.
+static void scale_world(world *w, float scale)
+{
+    for (uint32_t i = 0; i < BOXES; ++i) {
+        w->boxes[i].radius *= scale;
+        for (int k = 0; k < 3; ++k) {
+            w->boxes[i].pose.centre[k] *= scale;
+            w->boxes[i].pose.half_extents[k] *= scale;
+        }
+    }
+    for (uint32_t i = 0; i < RAYS; ++i) {
+        w->rays[i].t_max *= scale;
+        for (int k = 0; k < 3; ++k)
+            w->rays[i].origin[k] *= scale;
+    }
+}
+
+static duet_tree *open_rounded(uint32_t dims, uint32_t share, duet_object_kind kind,
+                               const void *objects, uint32_t n)
+{
+    duet_error err = {0};
+    duet_tree_def def = duet_default_tree_def();
+    def.pair = devices;
+    def.share = share;
+    def.dims = dims;
+    def.shape = kind == DUET_OBJECT_SPHERES ? DUET_SHAPE_SPHERES : DUET_SHAPE_ROUNDED_BOXES;
+    duet_tree *tree = duet_tree_create(&def, &err);
+    assert_ok(tree, err);
+    assert_ok(duet_tree_set_objects(tree, kind, objects, n, &err), err);
+    return tree;
+}
+
+static duet_ray_query *open_rays(duet_tree *tree, duet_query_wants wants)
+{
+    duet_error err = {0};
+    duet_ray_query_def def = duet_default_ray_query_def();
+    def.tree = tree;
+    def.wants = wants;
+    duet_ray_query *query = duet_ray_query_create(&def, &err);
+    assert_ok(query, err);
+    return query;
+}
+
+static duet_point_query *open_points(duet_tree *tree, uint32_t nearest)
+{
+    duet_error err = {0};
+    duet_point_query_def def = duet_default_point_query_def();
+    def.tree = tree;
+    def.nearest = nearest;
+    duet_point_query *query = duet_point_query_create(&def, &err);
+    assert_ok(query, err);
+    return query;
+}
+
+// ---------------------------------------------------------------- long double
+
+typedef long double real;
+
+// From the core, at t of the ray.
+static real distance_at(const duet_ray *ray, const duet_rounded_box *box, uint32_t dims, real t)
+{
+    duet_pose pose = narrow_flat(&box->pose, dims);
+    const float *q = pose.rotation;
+    real x = q[0], y = q[1], z = q[2], s = q[3], n = x * x + y * y + z * z + s * s;
+    const real axis[3][3] = {
+        {(s * s + x * x - y * y - z * z) / n, 2 * (x * y + s * z) / n, 2 * (x * z - s * y) / n},
+        {2 * (x * y - s * z) / n, (s * s + y * y - x * x - z * z) / n, 2 * (y * z + s * x) / n},
+        {2 * (x * z + s * y) / n, 2 * (y * z - s * x) / n, (s * s + z * z - x * x - y * y) / n}};
+    real square = 0;
+    for (uint32_t i = 0; i < dims; ++i) {
+        real at = 0;
+        for (uint32_t k = 0; k < dims; ++k)
+            at += axis[i][k] * ((real)ray->origin[k] - pose.centre[k] + t * ray->direction[k]);
+        real beyond = fmaxl(fabsl(at) - pose.half_extents[i], 0);
+        square += beyond * beyond;
+    }
+    return sqrtl(square);
+}
+
+static real size_of(const duet_ray *ray, const duet_rounded_box *box, uint32_t dims)
+{
+    real size = box->radius;
+    for (uint32_t k = 0; k < dims; ++k)
+        size += fabsl((real)ray->origin[k] - box->pose.centre[k]) + box->pose.half_extents[k];
+    return size;
+}
+
+// By thirds, since the distance is convex.
+static real least_distance(const duet_ray *ray, const duet_rounded_box *box, uint32_t dims)
+{
+    real length = 0;
+    for (uint32_t k = 0; k < dims; ++k)
+        length += (real)ray->direction[k] * ray->direction[k];
+    if (length == 0)
+        return distance_at(ray, box, dims, 0);
+    real from = 0, to = fminl(ray->t_max, 4 * size_of(ray, box, dims) / sqrtl(length));
+    for (int step = 0; step < 200; ++step) {
+        real a = from + (to - from) / 3, b = to - (to - from) / 3;
+        if (distance_at(ray, box, dims, a) <= distance_at(ray, box, dims, b))
+            to = b;
+        else
+            from = a;
+    }
+    return fminl(distance_at(ray, box, dims, from), distance_at(ray, box, dims, to));
+}
+
+static void integers_agree_with_the_least_distance(void **state)
+{
+    (void)state;
+    world *w = make_world();
+    uint32_t near = 0, clear = 0;
+    for (uint32_t i = 0; i < RAYS; i += 3 + i % 2)
+        for (uint32_t id = i % 3; id < BOXES; id += 3) {
+            uint32_t dims = 2 + id % 2;
+            const duet_rounded_box *box = &w->boxes[id];
+            float t = 0;
+            bool is_met = ray_meets_rounded(&w->rays[i], box, dims, &t);
+            real over = least_distance(&w->rays[i], box, dims) - box->radius;
+            bool told = fabsl(over) > 1e-14L * size_of(&w->rays[i], box, dims);
+            if (told && is_met != (over < 0))
+                fail_msg("ray %u and box %u in %uD: %s, %.3Lg apart", i, id, dims,
+                         is_met ? "meets" : "misses", over);
+            near += is_met;
+            clear += told;
+        }
+    assert_true(near > 100 && clear > 1000);
+    free(w);
+}
+
+// ---------------------------------------------------------------- rays
+
+// By integers, unless a sphere around the box is far from the ray.
+static bool meets(const duet_ray *ray, const duet_rounded_box *box, uint32_t dims)
+{
+    real reach = box->radius, along = 0, length = 0, square = 0;
+    float t = 0;
+    for (uint32_t k = 0; k < dims; ++k) {
+        reach += box->pose.half_extents[k];
+        along += ray->direction[k] * ((real)box->pose.centre[k] - ray->origin[k]);
+        length += (real)ray->direction[k] * ray->direction[k];
+    }
+    real at = length > 0 ? fminl(fmaxl(along / length, 0), ray->t_max) : 0;
+    real size = size_of(ray, box, dims);
+    for (uint32_t k = 0; k < dims; ++k) {
+        real way = (real)ray->origin[k] + at * ray->direction[k] - box->pose.centre[k];
+        square += way * way;
+    }
+    return square <= 1.1L * reach * reach + 1e-9L * size * size &&
+           ray_meets_rounded(ray, box, dims, &t);
+}
+
+// Every hit is one of the host's, and lies where the ray comes as near as the radius.
+static void check_rays(const world *w, const duet_rounded_box *boxes, uint32_t dims,
+                       const duet_ray_query_result *found)
+{
+    uint64_t next = 0, expected = 0;
+    for (uint32_t i = 0; i < RAYS; ++i) {
+        bool hit[BOXES] = {false};
+        real last = 0;
+        for (; next < found->n_hits && found->hits[next].ray == i; ++next) {
+            const duet_ray_hit *h = &found->hits[next];
+            const duet_rounded_box *box = &boxes[h->id];
+            real size = size_of(&w->rays[i], box, dims);
+            real apart = distance_at(&w->rays[i], box, dims, h->t) - box->radius;
+            assert_true(h->t >= last && h->t <= w->rays[i].t_max && !hit[h->id]);
+            real begin = distance_at(&w->rays[i], box, dims, 0) - box->radius;
+            if (apart > 128 * U * size || (h->t > 0 && begin > 0 && apart < -128 * U * size) ||
+                (h->t > 0 && begin < -128 * U * size))
+                fail_msg("ray %u enters box %u at %g in %uD: %.3Lg u S from it, begin %.3Lg", i,
+                         h->id, (double)h->t, dims, apart / (real)(U * size), begin);
+            hit[h->id] = true;
+            last = h->t;
+        }
+        for (uint32_t id = 0; id < BOXES; ++id) {
+            bool is_met = meets(&w->rays[i], &boxes[id], dims);
+            if (is_met != hit[id])
+                fail_msg("ray %u and box %u in %uD: %d, expected %d", i, id, dims, hit[id], is_met);
+            expected += is_met;
+        }
+    }
+    assert_int_equal(next, found->n_hits);
+    assert_int_equal(expected, found->n_hits);
+    assert_true(expected > RAYS / 10);
+    assert_true(found->undecided < expected / 2);
+}
+
+static duet_ray_query_result cast(duet_ray_query *query, const world *w)
+{
+    duet_error err = {0};
+    duet_ray_query_result found;
+    assert_ok(duet_ray_query_run(query, w->rays, RAYS, &found, &err), err);
+    return found;
+}
+
+static void rays_in(const world *w, duet_tree *tree, const duet_rounded_box *boxes, uint32_t dims)
+{
+    duet_ray_query *every = open_rays(tree, DUET_QUERY_EVERY);
+    duet_ray_query *closest = open_rays(tree, DUET_QUERY_CLOSEST);
+    duet_ray_query_result all = cast(every, w), first = cast(closest, w);
+    check_rays(w, boxes, dims, &all);
+    uint64_t next = 0;
+    for (uint32_t i = 0; i < RAYS; ++i) {
+        bool is_met = next < all.n_hits && all.hits[next].ray == i;
+        assert_int_equal(first.hits[i].id, is_met ? all.hits[next].id : DUET_NO_OBJECT);
+        assert_true(!is_met || first.hits[i].t == all.hits[next].t);
+        while (next < all.n_hits && all.hits[next].ray == i)
+            ++next;
+    }
+    duet_ray_query_destroy(every);
+    duet_ray_query_destroy(closest);
+}
+
+static void rays_meet_what_the_host_says(void **state)
+{
+    (void)state;
+    world *w = make_world();
+    for (uint32_t dims = 2; dims <= 3; ++dims) {
+        duet_tree *tree =
+            open_rounded(dims, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+        rays_in(w, tree, w->boxes, dims);
+        duet_tree_destroy(tree);
+    }
+    free(w);
+}
+
+// Squares of such lengths are no floats.
+static void rays_of_any_scale_meet_as_many(void **state)
+{
+    (void)state;
+    const float scales[] = {0x1p75f, 0x1p-60f};
+    for (size_t i = 0; i < sizeof scales / sizeof *scales; ++i) {
+        world *w = make_world();
+        scale_world(w, scales[i]);
+        duet_tree *tree =
+            open_rounded(3, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+        rays_in(w, tree, w->boxes, 3);
+        duet_tree_destroy(tree);
+        free(w);
+    }
+}
+
+// ---------------------------------------------------------------- points
+
+static void check_nearest(const world *w, const duet_rounded_box *boxes, uint32_t dims,
+                          const duet_point_hit *hits, uint32_t i)
+{
+    const duet_ray ray = {.origin = {w->points[i].at[0], w->points[i].at[1], w->points[i].at[2]}};
+    real last = 0;
+    bool is_near[BOXES] = {false};
+    for (int k = 0; k < NEAREST; ++k) {
+        const duet_rounded_box *box = &boxes[hits[k].id];
+        real distance = fmaxl(distance_at(&ray, box, dims, 0) - box->radius, 0);
+        assert_true(hits[k].point == i && hits[k].distance >= last && !is_near[hits[k].id]);
+        if (fabsl(distance - hits[k].distance) > 128 * U * size_of(&ray, box, dims))
+            fail_msg("point %u is %.9Lg from box %u in %uD, not %.9g", i, distance, hits[k].id,
+                     dims, (double)hits[k].distance);
+        is_near[hits[k].id] = true;
+        last = hits[k].distance;
+    }
+    for (uint32_t id = 0; id < BOXES; ++id) {
+        real distance = fmaxl(distance_at(&ray, &boxes[id], dims, 0) - boxes[id].radius, 0);
+        assert_true(is_near[id] || distance >= last - 256 * U * size_of(&ray, &boxes[id], dims));
+    }
+}
+
+static void points_in(const world *w, duet_tree *tree, const duet_rounded_box *boxes, uint32_t dims)
+{
+    duet_error err = {0};
+    duet_point_query_result found;
+    duet_point_query *containing = open_points(tree, 0), *nearest = open_points(tree, NEAREST);
+    assert_ok(duet_point_query_run(containing, w->points, RAYS, &found, &err), err);
+    uint64_t next = 0;
+    for (uint32_t i = 0; i < RAYS; ++i)
+        for (uint32_t id = 0; id < BOXES; ++id) {
+            duet_ray ray = {.t_max = 0};
+            memcpy(ray.origin, w->points[i].at, sizeof ray.origin);
+            bool hit =
+                next < found.n_hits && found.hits[next].point == i && found.hits[next].id == id;
+            if (meets(&ray, &boxes[id], dims) != hit)
+                fail_msg("point %u and box %u in %uD: %d", i, id, dims, hit);
+            next += hit;
+        }
+    assert_true(next == found.n_hits && next > 20);
+    assert_ok(duet_point_query_run(nearest, w->points, RAYS, &found, &err), err);
+    for (uint32_t i = 0; i < RAYS; ++i)
+        check_nearest(w, boxes, dims, found.hits + (size_t)i * NEAREST, i);
+    duet_point_query_destroy(containing);
+    duet_point_query_destroy(nearest);
+}
+
+static void points_are_in_and_near_what_the_host_says(void **state)
+{
+    (void)state;
+    world *w = make_world();
+    for (uint32_t dims = 2; dims <= 3; ++dims) {
+        duet_tree *tree =
+            open_rounded(dims, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+        points_in(w, tree, w->boxes, dims);
+        duet_tree_destroy(tree);
+    }
+    free(w);
+}
+
+// ---------------------------------------------------------------- boxes
+
+static duet_box_query *open_boxes(duet_tree *tree)
+{
+    duet_error err = {0};
+    duet_box_query_def def = duet_default_box_query_def();
+    def.tree = tree;
+    duet_box_query *query = duet_box_query_create(&def, &err);
+    assert_ok(query, err);
+    return query;
+}
+
+// Half of the boxes are asked about, then all of them against each other.
+static void boxes_in(duet_tree *tree, duet_object_kind kind, const void *objects,
+                     const duet_rounded_box *boxes, uint32_t dims)
+{
+    duet_error err = {0};
+    duet_box_query_result found;
+    duet_box_query *query = open_boxes(tree);
+    for (int itself = 0; itself < 2; ++itself) {
+        uint32_t n = itself ? BOXES : BOXES / 2;
+        uint64_t next = 0;
+        assert_ok(itself ? duet_box_query_run_itself(query, NULL, 0, &found, &err)
+                         : duet_box_query_run(query, kind, objects, n, &found, &err),
+                  err);
+        for (uint32_t i = 0; i < n; ++i)
+            for (uint32_t id = itself ? i + 1 : 0; id < BOXES; ++id) {
+                bool hit =
+                    next < found.n_hits && found.hits[next].box == i && found.hits[next].id == id;
+                if (rounded_decide(&boxes[i], &boxes[id], dims) != hit)
+                    fail_msg("boxes %u and %u in %uD: %d", i, id, dims, hit);
+                next += hit;
+            }
+        assert_int_equal(next, found.n_hits);
+        assert_true(next > 5);
+    }
+    duet_box_query_destroy(query);
+}
+
+static void boxes_collide_as_a_worlds(void **state)
+{
+    (void)state;
+    world *w = make_world();
+    for (uint32_t dims = 2; dims <= 3; ++dims) {
+        duet_tree *tree =
+            open_rounded(dims, DUET_SHARE_ONE / 3, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+        boxes_in(tree, DUET_OBJECT_ROUNDED_BOXES, w->boxes, w->boxes, dims);
+        duet_tree_destroy(tree);
+    }
+    free(w);
+}
+
+// Spheres are rounded boxes without a core.
+static void spheres_are_asked_about_as_rounded_boxes(void **state)
+{
+    (void)state;
+    world *w = make_world();
+    duet_rounded_box rounded[BOXES];
+    for (uint32_t i = 0; i < BOXES; ++i)
+        rounded[i] = rounded_of_sphere(&w->spheres[i]);
+    duet_tree *tree = open_rounded(3, DUET_SHARE_ONE / 3, DUET_OBJECT_SPHERES, w->spheres, BOXES);
+    rays_in(w, tree, rounded, 3);
+    boxes_in(tree, DUET_OBJECT_SPHERES, w->spheres, rounded, 3);
+    duet_tree_destroy(tree);
+    free(w);
+}
+
+// ---------------------------------------------------------------- refusals
+
+static void what_is_no_rounded_box_is_refused(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    const duet_rounded_box good = {{{0}, {1, 1, 1}, {0, 0, 0, 1}}, 0.5f};
+    duet_rounded_box boxes[3] = {good, good, good};
+    duet_tree *tree = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, boxes, 3);
+    const float wrong[] = {-1, NAN, INFINITY, 0x1p101f};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        err = (duet_error){0};
+        boxes[1].radius = wrong[i];
+        assert_false(duet_tree_set_objects(tree, DUET_OBJECT_ROUNDED_BOXES, boxes, 3, &err));
+        assert_non_null(strstr(err.text, "object 1 "));
+    }
+    err = (duet_error){0};
+    assert_false(duet_tree_set_objects(tree, DUET_OBJECT_POSES, boxes, 3, &err));
+    assert_non_null(strstr(err.text, "the tree is of rounded boxes"));
+    err = (duet_error){0};
+    duet_sweep_query_def def = duet_default_sweep_query_def();
+    def.tree = tree;
+    assert_null(duet_sweep_query_create(&def, &err));
+    assert_string_equal(err.text, "a sweep meets poses or bounds; the tree is of rounded boxes");
+    duet_tree_destroy(tree);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(integers_agree_with_the_least_distance),
+        cmocka_unit_test(rays_meet_what_the_host_says),
+        cmocka_unit_test(rays_of_any_scale_meet_as_many),
+        cmocka_unit_test(points_are_in_and_near_what_the_host_says),
+        cmocka_unit_test(boxes_collide_as_a_worlds),
+        cmocka_unit_test(spheres_are_asked_about_as_rounded_boxes),
+        cmocka_unit_test(what_is_no_rounded_box_is_refused),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: MIT
+#include "tuner/measure_query.h"
+
+#include "base/error.h"
+#include "base/rng.h"
+#include "runtime/scene/scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---------------------------------------------------------------- items
+
+// What items are drawn among: the objects' extent.
+typedef struct draw {
+    rng random;
+    uint32_t dims;
+    const char *objects;
+    duet_shape shape;
+    size_t width; // bytes of an object
+    uint32_t n_objects;
+    double lower[3], upper[3];
+} draw;
+
+// All but bounds begin with their centre.
+static double middle_of(const draw *d, uint32_t i, uint32_t k)
+{
+    const float *row = (const float *)(d->objects + i * d->width);
+    return d->shape == DUET_SHAPE_BOUNDS ? 0.5 * row[k] + 0.5 * row[3 + k] : row[k];
+}
+
+static void measure_extent(draw *d)
+{
+    for (int k = 0; k < 3; ++k) {
+        d->lower[k] = INFINITY;
+        d->upper[k] = -INFINITY;
+    }
+    for (uint32_t i = 0; i < d->n_objects; ++i)
+        for (uint32_t k = 0; k < d->dims; ++k) {
+            double at = middle_of(d, i, k);
+            d->lower[k] = fmin(d->lower[k], at);
+            d->upper[k] = fmax(d->upper[k], at);
+        }
+}
+
+static void draw_point(draw *d, float at[3])
+{
+    for (uint32_t k = 0; k < 3; ++k)
+        at[k] = k < d->dims ? (float)rng_between(&d->random, d->lower[k], d->upper[k]) : 0;
+}
+
+// Of length 1.
+static void draw_direction(draw *d, float direction[3])
+{
+    double v[3] = {0}, length = 0;
+    for (uint32_t k = 0; k < d->dims; ++k) {
+        v[k] = rng_normal(&d->random);
+        length += v[k] * v[k];
+    }
+    for (int k = 0; k < 3; ++k)
+        direction[k] = (float)(v[k] / sqrt(length));
+}
+
+// An item that lists all it meets goes an eighth of the way through.
+static float draw_end(const draw *d, duet_query_wants wants)
+{
+    double widest = 0;
+    for (uint32_t k = 0; k < d->dims; ++k)
+        widest = fmax(widest, d->upper[k] - d->lower[k]);
+    return wants == DUET_QUERY_EVERY ? (float)(widest / 8) : INFINITY;
+}
+
+static void draw_ray(draw *d, const query_name *name, void *item)
+{
+    duet_ray *ray = item;
+    draw_point(d, ray->origin);
+    draw_direction(d, ray->direction);
+    ray->t_max = draw_end(d, name->wants);
+}
+
+static void draw_at(draw *d, const query_name *name, void *item)
+{
+    (void)name;
+    draw_point(d, ((duet_point *)item)->at);
+}
+
+// One of the objects, elsewhere.
+static void draw_box(draw *d, const query_name *name, void *item)
+{
+    float at[3];
+    uint32_t i = rng_below(&d->random, d->n_objects);
+    float *row = item;
+    (void)name;
+    draw_point(d, at);
+    memcpy(row, d->objects + i * d->width, d->width);
+    for (uint32_t k = 0; k < d->dims; ++k) {
+        if (d->shape == DUET_SHAPE_BOUNDS)
+            row[3 + k] = at[k] + (row[3 + k] - row[k]);
+        row[k] = at[k];
+    }
+}
+
+static void draw_sweep(draw *d, const query_name *name, void *item)
+{
+    float *way = (float *)((char *)item + d->width);
+    draw_box(d, name, item);
+    draw_direction(d, way);
+    way[3] = draw_end(d, name->wants);
+}
+
+static size_t item_bytes(const draw *d, query_item item)
+{
+    switch (item) {
+    case QUERY_RAYS:
+        return sizeof(duet_ray);
+    case QUERY_SWEEPS:
+        return d->width + 4 * sizeof(float);
+    case QUERY_BOXES:
+        return d->width;
+    case QUERY_POINTS:
+        return sizeof(duet_point);
+    }
+    return 0;
+}
+
+static bool draw_items(measure_query *q, draw *d, duet_error *err)
+{
+    static void (*const draws[])(draw *, const query_name *, void *) = {
+        [QUERY_RAYS] = draw_ray,
+        [QUERY_SWEEPS] = draw_sweep,
+        [QUERY_BOXES] = draw_box,
+        [QUERY_POINTS] = draw_at,
+    };
+    size_t bytes = item_bytes(d, q->name.item);
+    if (q->name.itself)
+        return true;
+    measure_extent(d);
+    q->items = calloc(q->n, bytes);
+    for (uint64_t i = 0; q->items && i < q->n; ++i)
+        draws[q->name.item](d, &q->name, (char *)q->items + i * bytes);
+    return q->items || error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %llu items",
+                                 (unsigned long long)q->n);
+}
+
+// ---------------------------------------------------------------- owner
+
+static bool open_query(measure_query *q, duet_error *err)
+{
+    duet_ray_query_def rays = duet_default_ray_query_def();
+    duet_sweep_query_def sweeps = duet_default_sweep_query_def();
+    duet_box_query_def boxes = duet_default_box_query_def();
+    duet_point_query_def points = duet_default_point_query_def();
+    rays.tree = sweeps.tree = boxes.tree = points.tree = q->tree;
+    rays.wants = sweeps.wants = q->name.wants;
+    points.nearest = q->name.nearest;
+    switch (q->name.item) {
+    case QUERY_RAYS:
+        return (q->rays = duet_ray_query_create(&rays, err));
+    case QUERY_SWEEPS:
+        return (q->sweeps = duet_sweep_query_create(&sweeps, err));
+    case QUERY_BOXES:
+        return (q->boxes = duet_box_query_create(&boxes, err));
+    case QUERY_POINTS:
+        return (q->points = duet_point_query_create(&points, err));
+    }
+    return false;
+}
+
+static bool open_tree(measure_query *q, duet_device_pair *pair, const duet_scene_info *info,
+                      const void *objects, duet_error *err)
+{
+    duet_tree_def def = duet_default_tree_def();
+    def.pair = pair;
+    def.dims = info->dims;
+    def.shape = info->shape;
+    q->tree = duet_tree_create(&def, err);
+    return q->tree && duet_tree_set_objects(q->tree, scene_kind(info), objects, info->n, err);
+}
+
+bool measure_query_open(measure_query *q, duet_device_pair *pair, const duet_scene *scene,
+                        const query_name *name, uint64_t n, uint64_t seed, duet_error *err)
+{
+    static const size_t widths[DUET_SHAPES] = {
+        [DUET_SHAPE_POSES] = sizeof(duet_pose),
+        [DUET_SHAPE_BOUNDS] = sizeof(duet_bounds),
+        [DUET_SHAPE_ROUNDED_BOXES] = sizeof(duet_rounded_box),
+        [DUET_SHAPE_SPHERES] = sizeof(duet_sphere),
+    };
+    const duet_scene_info *info = duet_scene_get_info(scene);
+    const void *objects = duet_scene_get_objects(scene, scene_kind(info));
+    draw d = {.random = rng_seed(seed),
+              .dims = info->dims,
+              .objects = objects,
+              .shape = info->shape,
+              .width = widths[info->shape],
+              .n_objects = info->n};
+    *q = (measure_query){.name = *name, .n = name->itself ? info->n : n};
+    if (q->n == 0 || q->n > UINT32_MAX || info->n == 0)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%llu items of a query of %u objects; expected 1 or more of both, and "
+                         "fewer than 2^32",
+                         (unsigned long long)q->n, info->n);
+    return open_tree(q, pair, info, objects, err) && draw_items(q, &d, err) && open_query(q, err);
+}
+
+void measure_query_close(measure_query *q)
+{
+    duet_ray_query_destroy(q->rays);
+    duet_sweep_query_destroy(q->sweeps);
+    duet_box_query_destroy(q->boxes);
+    duet_point_query_destroy(q->points);
+    duet_tree_destroy(q->tree);
+    free(q->items);
+    *q = (measure_query){0};
+}
+
+// ---------------------------------------------------------------- launches
+
+typedef struct answer {
+    const void *hits;
+    size_t bytes; // of all
+    uint64_t n;
+    double total_ms;
+    double device_ms[2];
+} answer;
+
+#define ANSWER(result)                                                                   \
+    (answer)                                                                             \
+    {                                                                                    \
+        (result).hits, (size_t)(result).n_hits * sizeof *(result).hits, (result).n_hits, \
+            (result).total_ms,                                                           \
+        {                                                                                \
+            (result).device_ms[0], (result).device_ms[1]                                 \
+        }                                                                                \
+    }
+
+static bool run_rays(measure_query *q, answer *a, duet_error *err)
+{
+    duet_ray_query_result result = {0};
+    bool ok = duet_ray_query_run(q->rays, q->items, q->n, &result, err);
+    *a = ANSWER(result);
+    return ok;
+}
+
+static bool run_sweeps(measure_query *q, duet_object_kind kind, answer *a, duet_error *err)
+{
+    duet_sweep_query_result result = {0};
+    bool ok = duet_sweep_query_run(q->sweeps, kind, q->items, q->n, &result, err);
+    *a = ANSWER(result);
+    return ok;
+}
+
+static bool run_boxes(measure_query *q, duet_object_kind kind, answer *a, duet_error *err)
+{
+    duet_box_query_result result = {0};
+    bool ok = q->name.itself ? duet_box_query_run_itself(q->boxes, NULL, 0, &result, err)
+                             : duet_box_query_run(q->boxes, kind, q->items, q->n, &result, err);
+    *a = ANSWER(result);
+    return ok;
+}
+
+static bool run_points(measure_query *q, answer *a, duet_error *err)
+{
+    duet_point_query_result result = {0};
+    bool ok = duet_point_query_run(q->points, q->items, q->n, &result, err);
+    *a = ANSWER(result);
+    return ok;
+}
+
+static bool ask(measure_query *q, uint32_t share, answer *a, duet_error *err)
+{
+    duet_object_kind kind = tree_kind(q->tree);
+    if (!duet_tree_set_share(q->tree, share, err))
+        return false;
+    switch (q->name.item) {
+    case QUERY_RAYS:
+        return run_rays(q, a, err);
+    case QUERY_SWEEPS:
+        return run_sweeps(q, kind, a, err);
+    case QUERY_BOXES:
+        return run_boxes(q, kind, a, err);
+    case QUERY_POINTS:
+        return run_points(q, a, err);
+    }
+    return false;
+}
+
+// They come in order.
+static uint64_t hash_of(const answer *a)
+{
+    const uint32_t *words = a->hits;
+    uint64_t hash = a->n;
+    for (size_t i = 0; i < a->bytes / sizeof *words; ++i)
+        hash = (hash ^ words[i]) * 0x9E3779B97F4A7C15u;
+    return hash;
+}
+
+static int64_t to_ns(double ms)
+{
+    return (int64_t)(ms * 1e6 + 0.5);
+}
+
+static bool launch_query(void *context, const duet_plan *plan, measure_launch *launch,
+                         duet_error *err)
+{
+    answer a;
+    if (!ask(context, plan->share, &a, err))
+        return false;
+    *launch = (measure_launch){.total_ns = to_ns(a.total_ms),
+                               .a_ns = to_ns(a.device_ms[0]),
+                               .b_ns = to_ns(a.device_ms[1]),
+                               .hash = hash_of(&a)};
+    return true;
+}
+
+measure_machine measure_query_machine(measure_query *q, uint64_t hash)
+{
+    return (measure_machine){.context = q, .launch = launch_query, .hash = hash};
+}
+
+bool measure_query_right(measure_query *q, uint64_t *hash, uint64_t *n_hits, duet_error *err)
+{
+    answer a;
+    if (!ask(q, 0, &a, err))
+        return false;
+    *hash = hash_of(&a);
+    *n_hits = a.n;
+    return true;
+}
