@@ -27,6 +27,9 @@ struct duet_cluster {
     duet_cluster_rank last; // of this rank
 };
 
+// duet_cluster_create; s, unless NULL, has to stay.
+duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, duet_error *err);
+
 // duet_cluster_load_scene. With `whole` rank 0 reads all of the scene and hands it over, to be
 // destroyed; the others get NULL.
 bool cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *settings,

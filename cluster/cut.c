@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 // With so many points a part is off by a few in a hundred at most.
-enum { LEAST_SAMPLE = 1 << 16, SAMPLE_A_RANK = 1 << 10 };
+enum { LEAST_SAMPLE = 1 << 16, SAMPLE_A_RANK = 1 << 13 };
 
 static bool share_weights(cut *c, ranks *r, double weight, duet_error *err)
 {
