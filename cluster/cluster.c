@@ -16,15 +16,14 @@
 
 enum { COOKIE = 0x0d0e7011, MOST_PARTS = 1024, OBJECTS_AT_ONCE = 1 << 20 };
 
+enum { WEIGHINGS = 2 }; // the time of a step is no straight line
+
 // ---------------------------------------------------------------- owner
 
 duet_cluster_def duet_default_cluster_def(void)
 {
-    return (duet_cluster_def){.world = duet_default_world_def(),
-                              .weight = 1,
-                              .parts = 1,
-                              .imbalance = 1.2,
-                              .cookie = COOKIE};
+    return (duet_cluster_def){
+        .world = duet_default_world_def(), .parts = 1, .imbalance = 1.2, .cookie = COOKIE};
 }
 
 static bool check_shape(duet_shape shape, duet_error *err)
@@ -653,6 +652,25 @@ bool duet_cluster_set_level(duet_cluster *c, duet_level level, duet_error *err)
     return agree_on(c, __func__, ok, &own, err);
 }
 
+static void load_profiles(duet_cluster *c, const char *path, duet_profile *profile,
+                          duet_error *store_failed)
+{
+    *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT};
+    for (int i = 0; c->homes.rows.n > 0 && i < count_workers(c); ++i)
+        c->workers[i]->load_profile(c->workers[i], path, profile, store_failed);
+}
+
+// By the times that the store knows for what each rank has now.
+static bool weigh_ranks(duet_cluster *c, const duet_profile *profile)
+{
+    double pace = profile->step_ms > 0 ? c->homes.rows.n / (c->parts.n * profile->step_ms) : 0;
+    if (c->def.weight > 0 || c->ranks.n == 1 || !cut_weigh(&c->cut, &c->ranks, pace))
+        return false;
+    c->homes.is_cut = false;
+    c->changed = true;
+    return true;
+}
+
 bool duet_cluster_load_profile(duet_cluster *c, const char *path, duet_profile *profile,
                                duet_error *store_failed, duet_error *err)
 {
@@ -661,9 +679,12 @@ bool duet_cluster_load_profile(duet_cluster *c, const char *path, duet_profile *
     duet_error own = {0};
     if (!settle_all(c, __func__, error_given(profile, __func__, "profile", &own), &own, err))
         return false;
-    *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT};
-    for (int i = 0; c->homes.rows.n > 0 && i < count_workers(c); ++i)
-        c->workers[i]->load_profile(c->workers[i], path, profile, store_failed);
+    load_profiles(c, path, profile, store_failed);
+    for (int round = 0; round < WEIGHINGS && weigh_ranks(c, profile); ++round) {
+        if (!settle_all(c, __func__, true, &own, err))
+            return false;
+        load_profiles(c, path, profile, store_failed);
+    }
     c->is_cold = true;
     return true;
 }

@@ -26,7 +26,7 @@ static const option options[] = {
     SCENE_OPTION_ROWS(scene),
     OPTION_COUNT("ranks", ranks, "R", "start so many ranks on this machine by mpirun", 1, 65536),
     OPTION_TEXT("weights", weights, "W,W",
-                "a number for each rank: its part of the objects, by their sum"),
+                "a number for each rank: its part of the objects (by its profile)"),
     OPTION_COUNT("parts", parts, "K", "of each rank's objects: its devices hold two at a time (1)",
                  1, 1024),
     OPTION_TEXT("pair", pair, "A,B",

@@ -448,6 +448,49 @@ static void ranks_get_objects_by_their_weights(void)
     MPI_Comm_free(&comm);
 }
 
+// What a store says of rank 0, and of others that are three times as quick, ghosts included.
+static duet_cluster *asked;
+
+static bool some_profile(worker *w, const char *path, duet_profile *profile, duet_error *err)
+{
+    double each = rank == 0 ? 0.3 : 0.1;
+    (void)w, (void)err;
+    *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT};
+    if (!path || rank > 0)
+        profile->step_ms = 1 + each * asked->homes.rows.n;
+    return true;
+}
+
+static void ranks_are_weighed_by_their_stored_times(void)
+{
+    static crowd c;
+    rng r = rng_seed(6);
+    make_crowd(&c, &r, 3);
+    MPI_Comm comm = group_of(3);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_cluster *cluster = asked = open_cluster(&comm, &c.world, 0);
+    duet_cluster_rank rows[3];
+    duet_profile profile;
+    duet_error err = {0};
+    cluster->workers[0]->load_profile = some_profile;
+    hand_over(cluster, &c, 0, 1);
+    MUST_OK(duet_cluster_load_profile(cluster, "not of rank 0", &profile, NULL, &err), err);
+    MUST(cluster->homes.rows.n > 97 && cluster->homes.rows.n < 103, "alike while one is not known");
+    MUST_OK(duet_cluster_load_profile(cluster, NULL, &profile, NULL, &err), err);
+    must_find(cluster, &c);
+    MUST_OK(duet_cluster_get_ranks(cluster, rows, &err), err);
+    double most_ms = 0, paces = 0;
+    for (int q = 0; q < 3; ++q) {
+        double ms = 1 + (q == 0 ? 0.3 : 0.1) * (double)rows[q].objects;
+        most_ms = fmax(most_ms, ms);
+        paces += (double)rows[q].objects / ms;
+    }
+    MUST(most_ms < 1.05 * MOST_OBJECTS / paces, "the first step takes what their paces sum to");
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
 // A giant as wide as the world touches objects of all ranks; it travels and they do not.
 static void only_giants_travel_far(void)
 {
@@ -609,10 +652,14 @@ static void a_failure_is_that_of_all_ranks(void)
     duet_cluster_def def = duet_default_cluster_def();
     def.comm = &comm;
     def.plain = true;
+    def.weight = rank == 2 ? -1 : 1;
+    err = (duet_error){0};
+    must_fail(duet_cluster_create(&def, &err), &err, DUET_STATUS_BAD_ARGUMENT,
+              "weight is -1; expected a number above 0");
     def.weight = rank == 2 ? 0 : 1;
     err = (duet_error){0};
     must_fail(duet_cluster_create(&def, &err), &err, DUET_STATUS_BAD_ARGUMENT,
-              "weight is 0; expected a number above 0");
+              "weight is 0 on 1 of 3 ranks; expected numbers above 0, or 0 on all");
     MPI_Comm_free(&comm);
 }
 
@@ -773,6 +820,7 @@ int main(int argc, char **argv)
     objects_that_move_have_the_references_pairs(seed);
     a_cut_that_became_uneven_is_made_anew();
     ranks_get_objects_by_their_weights();
+    ranks_are_weighed_by_their_stored_times();
     only_giants_travel_far();
     large_ids_have_one_hash();
     sorted_pairs_are_the_same_bytes();
