@@ -87,6 +87,7 @@ static bool open_workers(duet_cluster *c, duet_error *err)
         ok = c->workers[i];
     }
     c->homes.form = object_form_of(&c->def.world);
+    c->fitted = (reach){0};
     c->changed = c->is_cold = true;
     return ok;
 }
@@ -421,14 +422,28 @@ static bool check_worker_result(const seen *s, const worker_found *found, duet_e
                      (unsigned long long)s->rows.ids[found->first_bad]);
 }
 
+// Far enough for a grid of its own: by a quarter of the width that they take, on any side.
+static bool have_moved(const duet_cluster *c)
+{
+    const reach *now = &c->homes.boxes.upto[LEVELS - 1];
+    bool moved = false;
+    for (int k = 0; k < 3; ++k) {
+        double far = 0.25 * (c->fitted.upper[k] - c->fitted.lower[k]);
+        moved = moved || fabs(now->lower[k] - c->fitted.lower[k]) > far ||
+                fabs(now->upper[k] - c->fitted.upper[k]) > far;
+    }
+    return moved;
+}
+
 // Parts take turns in the places that there are workers for.
 static bool fill(duet_cluster *c, uint32_t part, duet_error *own)
 {
     sight from = parts_sight(&c->parts, part);
     worker *w = c->workers[part % 2];
-    if (c->parts.n > 1 || c->n_cuts_seen != c->homes.n_cuts)
+    if (c->parts.n > 1 || have_moved(c)) {
         w->move(w);
-    c->n_cuts_seen = c->homes.n_cuts;
+        c->fitted = c->homes.boxes.upto[LEVELS - 1];
+    }
     return seen_fill(&c->seen[part % 2], &c->homes, &from, w, own);
 }
 

@@ -16,7 +16,7 @@ struct duet_cluster {
     parts parts;
     worker *workers[2]; // one is filled while the other finds; the second is of several parts
     seen seen[2];
-    uint64_t n_cuts_seen; // of the homes, when workers were filled
+    reach fitted; // around the homes, when workers were last told that they moved
     own_pairs own;
     uint64_t n_ghosts;
     bool changed; // objects, since the worker got them

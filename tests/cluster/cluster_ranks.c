@@ -420,6 +420,46 @@ static void a_cut_that_became_uneven_is_made_anew(void)
     MPI_Comm_free(&comm);
 }
 
+static int n_moves;
+
+static void count_move(worker *w)
+{
+    (void)w;
+    ++n_moves;
+}
+
+// A rank's grid follows its objects once they have left where it lies, and not each step.
+static void grids_follow_objects_that_travel(void)
+{
+    static crowd c;
+    rng r = rng_seed(12);
+    make_crowd(&c, &r, 3);
+    MPI_Comm comm = group_of(1);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
+    cluster->workers[0]->move = count_move;
+    hand_over(cluster, &c, 0, 1);
+    step(cluster);
+    int before = n_moves;
+    MUST(before > 0, "what is new has moved");
+    reach box = cluster->homes.boxes.upto[LEVELS - 1];
+    float little = (float)((box.upper[0] - box.lower[0]) / 18);
+    for (int at = 1; at <= 12; ++at) {
+        duet_error err = {0};
+        const uint64_t *ids;
+        uint32_t n;
+        duet_pose *own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
+        MUST_OK(own, err);
+        for (uint32_t i = 0; i < n; ++i)
+            own[i].centre[0] += little;
+        step(cluster);
+        MUST(n_moves - before == at / 5, "past each quarter of the width");
+    }
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
 static void ranks_get_objects_by_their_weights(void)
 {
     static crowd c;
@@ -819,6 +859,7 @@ int main(int argc, char **argv)
     scenes_have_the_same_pairs();
     objects_that_move_have_the_references_pairs(seed);
     a_cut_that_became_uneven_is_made_anew();
+    grids_follow_objects_that_travel();
     ranks_get_objects_by_their_weights();
     ranks_are_weighed_by_their_stored_times();
     only_giants_travel_far();
