@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { COOKIE = 0x0d0e7011, MOST_PARTS = 1024, OBJECTS_AT_ONCE = 1 << 20 };
 
@@ -331,14 +332,24 @@ static bool read_range(scene_part *part, const char *path, const duet_setting *s
     return ok;
 }
 
-// Rank 0 reads the scene. Where objects are made by `each`, it only counts them, and each rank
-// makes as many of them as the others.
+// Stdin is rank 0's alone, and an array need not be on all hosts.
+static bool is_of_one_rank(duet_cluster *c, const char *path)
+{
+    size_t length = strlen(path);
+    bool is_array = length > 4 && strcmp(path + length - 4, ".npy") == 0;
+    uint64_t lacking = strcmp(path, "-") == 0 || (is_array && access(path, R_OK) != 0);
+    ranks_sum(&c->ranks, &lacking, 1);
+    return lacking > 0;
+}
+
+// Rank 0 reads the scene. Where objects are made by `each`, or are rows of an array, it only counts
+// them, and each rank makes or reads as many of them as the others.
 static bool read_part(duet_cluster *c, const char *path, const duet_setting *settings,
                       uint32_t n_settings, bool whole, scene_part *part, duet_error *own)
 {
     uint64_t told[2] = {0}; // objects, and those that are not made
     bool ok = true, reads = c->ranks.self == 0;
-    whole = whole || strcmp(path, "-") == 0; // which only rank 0 has
+    whole = is_of_one_rank(c, path) || whole;
     *part = (scene_part){0};
     if (reads && whole)
         part->scene = duet_scene_load(path, settings, n_settings, own);

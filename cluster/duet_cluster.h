@@ -53,8 +53,9 @@ DUET_API int duet_cluster_get_rank(const duet_cluster *cluster);       // from 0
 DUET_API int duet_cluster_get_rank_count(const duet_cluster *cluster); // 0 for NULL
 
 // Reads a scene as duet_scene_load does: rank 0 reads it, and the others need not have the file.
-// Only where objects are made by `each` every rank reads it, and makes its part of them. Dims,
-// shape, rotated, cell, origin_edge and level of all ranks' worlds become the scene's.
+// Only where objects are made by `each` every rank reads it, and makes its part of them; and where
+// all have the same .npy file, each reads its rows of it. Dims, shape, rotated, cell, origin_edge
+// and level of all ranks' worlds become the scene's.
 DUET_API bool duet_cluster_load_scene(duet_cluster *cluster, const char *path,
                                       const duet_setting *settings, uint32_t n_settings,
                                       duet_error *err);

@@ -122,12 +122,13 @@ bool cluster_job(unsigned long *rank, unsigned long *n_ranks)
 
 typedef struct beside {
     const char *name;
-    const char *lacks; // a Duet that was built without it
+    const char *lacking; // what to say where it is not there
 } beside;
 
-static const beside rank_program = {"duet-cluster", "MPI, or its package duet-cluster is not "
-                                                    "installed"};
-static const beside simulating_program = {"duet-simulate", "SimGrid"};
+static const beside rank_program = {
+    "duet-cluster",
+    "this Duet was built without MPI, or its package duet-cluster is not installed"};
+static const beside simulating_program = {"duet-simulate", "this Duet was built without SimGrid"};
 
 static bool find_beside(text *path, const beside *program, duet_error *err)
 {
@@ -141,8 +142,8 @@ static bool find_beside(text *path, const beside *program, duet_error *err)
     if (!text_ok(path, err))
         return false;
     return access(path->chars, X_OK) == 0 ||
-           error_set(err, DUET_STATUS_NOT_FOUND, "%s: %s; this Duet was built without %s",
-                     path->chars, strerror(errno), program->lacks);
+           error_set(err, DUET_STATUS_NOT_FOUND, "%s: %s; %s", path->chars, strerror(errno),
+                     program->lacking);
 }
 
 typedef struct launch {

@@ -6,6 +6,7 @@
 #include "support/store.h"
 #include "support/test.h"
 
+#include "base/npy.h"
 #include "base/text.h"
 #include "profiles/duet_profiles.h"
 
@@ -177,6 +178,32 @@ static void a_platform_that_is_none_is_one_line(void **state)
 
 // ---------------------------------------------------------------- what is told
 
+// Each rank reads its rows; with --check rank 0 reads all.
+static void an_array_is_read_in_parts(void **state)
+{
+    (void)state;
+    skip_without_mpi();
+    text file = {0};
+    duet_error err = {0};
+    npy_add_header(&file, NPY_FLOAT64, 100, 6);
+    for (int i = 0; i < 600; ++i) {
+        double at = (i / 6 * 37) % 100 * 0.3 + (i % 6 < 3 ? 0 : 1);
+        text_add_bytes(&file, (const char *)&at, sizeof at);
+    }
+    assert_ok(text_write_file("rows.npy", text_chars(&file), file.length, &err), err);
+    program one = program_run("cluster --plain --repeat 1 --check --json rows.npy");
+    program three = program_run("cluster --plain --repeat 1 --ranks 3 --json rows.npy");
+    cJSON *expected = json_of_program(&one), *found = json_of_program(&three);
+    assert_true(json_true(cJSON_GetObjectItem(expected, "check"), "right"));
+    assert_true(json_number(expected, "pairs") > 100);
+    assert_true(json_number(found, "objects") == 100);
+    assert_string_equal(json_string(found, "hash"), json_string(expected, "hash"));
+    cJSON_Delete(expected);
+    cJSON_Delete(found);
+    text_free(&file);
+    remove("rows.npy");
+}
+
 // Its pair, the sums of all ranks, and nothing of stdin lost.
 static void each_rank_has_its_row_and_its_part_of_the_devices(void **state)
 {
@@ -344,6 +371,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(simulated_ranks_find_the_pairs_of_run),
         cmocka_unit_test(a_forecast_takes_the_times_of_a_profile),
         cmocka_unit_test(a_platform_that_is_none_is_one_line),
+        cmocka_unit_test(an_array_is_read_in_parts),
         cmocka_unit_test(each_rank_has_its_row_and_its_part_of_the_devices),
         cmocka_unit_test(a_rank_that_is_bound_to_one_core_of_several_is_told_of),
         cmocka_unit_test(a_person_reads_a_table),
