@@ -129,6 +129,11 @@ static void a_forecast_takes_the_times_of_a_profile(void **state)
     assert_true(json_number(one, "total_ms") >= 4 * profile->step_ms * 0.999);
     assert_true(json_number(one, "total_ms") <= 4 * profile->step_ms + 1);
     assert_null(cJSON_GetObjectItem(one, "hash"));
+    char variables[160];
+    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
+    program p =
+        program_run_with(variables, "cluster --simulate " FABRIC " --ranks 2 --profile none still");
+    program_assert_refused(&p, 1, "--profile 'none': 0 profiles begin so");
     cJSON *two = forecast(folder.store, profile->uid, "--ranks 2 paper -n 4000 --set world=32");
     cJSON *many = forecast(folder.store, profile->uid,
                            "--ranks 2 --stands-for 1000 paper -n 4000 --set world=320");
@@ -165,7 +170,6 @@ static void a_platform_that_is_none_is_one_line(void **state)
         {FABRIC " still", 2, "--simulate does nothing without --ranks"},
         {FABRIC " --ranks 2 --pair cpu still", 2, "--simulate and --pair do not go together"},
         {FABRIC " --ranks 2 papr", 1, "rank 0 on host0: papr: no such file or scene"},
-        {FABRIC " --ranks 2 --profile abc still", 1, "no-profiles.db: there is no profile store"},
         {FABRIC " --ranks 2 --stands-for 9 still", 2, "--stands-for does nothing without "},
     };
     write_fabric();
