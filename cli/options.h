@@ -31,7 +31,7 @@ typedef struct option_list {
     uint32_t n;
 } option_list;
 
-typedef struct option {
+typedef struct command_option { // getopt.h has an option too
     const char *name;
     option_kind kind;
     size_t at;         // offset of its value in the arguments' struct

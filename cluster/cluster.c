@@ -3,7 +3,6 @@
 // is done by all or by none.
 #include "cluster/cluster.h"
 
-#include "base/clock.h"
 #include "base/error.h"
 #include "cluster/ghosts.h"
 #include "cluster/own_pair.h"
@@ -14,18 +13,18 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { COOKIE = 0x0d0e7011, MOST_PARTS = 1024, OBJECTS_AT_ONCE = 1 << 20 };
+
+enum { WEIGHINGS = 2 }; // the time of a step is no straight line
 
 // ---------------------------------------------------------------- owner
 
 duet_cluster_def duet_default_cluster_def(void)
 {
-    return (duet_cluster_def){.world = duet_default_world_def(),
-                              .weight = 1,
-                              .parts = 1,
-                              .imbalance = 1.2,
-                              .cookie = COOKIE};
+    return (duet_cluster_def){
+        .world = duet_default_world_def(), .parts = 1, .imbalance = 1.2, .cookie = COOKIE};
 }
 
 static bool check_shape(duet_shape shape, duet_error *err)
@@ -72,16 +71,24 @@ static void close_workers(duet_cluster *c)
     }
 }
 
+static worker *open_worker(const duet_cluster *c, duet_error *err)
+{
+    const simulation *s = c->ranks.simulation;
+    return s && s->object_seconds > 0 ? worker_open_simulated(&c->def.world, s, err)
+           : c->def.plain             ? worker_open_plain(&c->def.world, err)
+                                      : worker_open_pair(&c->def.world, err);
+}
+
 static bool open_workers(duet_cluster *c, duet_error *err)
 {
     bool ok = true;
     close_workers(c);
     for (int i = 0; ok && i < count_workers(c); ++i) {
-        c->workers[i] = c->def.plain ? worker_open_plain(&c->def.world, err)
-                                     : worker_open_pair(&c->def.world, err);
+        c->workers[i] = open_worker(c, err);
         ok = c->workers[i];
     }
     c->homes.form = object_form_of(&c->def.world);
+    c->fitted = (reach){0};
     c->changed = c->is_cold = true;
     return ok;
 }
@@ -97,6 +104,11 @@ static bool open_pair(duet_cluster *c, duet_error *err)
 
 duet_cluster *duet_cluster_create(const duet_cluster_def *def, duet_error *err)
 {
+    return cluster_create(def, NULL, err);
+}
+
+duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, duet_error *err)
+{
     if (!def || def->cookie != COOKIE) {
         error_set(err, DUET_STATUS_BAD_ARGUMENT,
                   "the def of a cluster begins with duet_default_cluster_def");
@@ -110,12 +122,12 @@ duet_cluster *duet_cluster_create(const duet_cluster_def *def, duet_error *err)
     }
     c->def = *def;
     c->own.drops = def->drops_pairs;
-    bool ok = ranks_begin(&c->ranks, def->comm, err);
+    bool ok = ranks_begin(&c->ranks, def->comm, s, err);
     if (ok) {
         c->homes.threads = &c->threads;
-        ok = parallel_begin(&c->threads, c->ranks.n_on_host, &own) && check_def(def, &own) &&
-             parts_begin(&c->parts, def->parts, &c->ranks, &own) && open_pair(c, &own) &&
-             open_workers(c, &own);
+        ok = ranks_reserve(&c->ranks, &own) && parallel_begin(&c->threads, c->ranks.n_here, &own) &&
+             check_def(def, &own) && parts_begin(&c->parts, def->parts, &c->ranks, &own) &&
+             open_pair(c, &own) && open_workers(c, &own);
         ok = ranks_agree(&c->ranks, ok, &own) && cut_begin(&c->cut, &c->ranks, def->weight, &own);
         if (!ok)
             error_set(err, own.status, "%s", own.text);
@@ -158,7 +170,8 @@ int duet_cluster_get_rank_count(const duet_cluster *c)
 // A call's failure on one rank, NULL arguments included, becomes that of all.
 static bool agree_on(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err)
 {
-    return ranks_agree_on(&c->ranks, call, ok, own) || error_set(err, own->status, "%s", own->text);
+    return ranks_agree_on(&c->ranks, call, ok, NULL, own) ||
+           error_set(err, own->status, "%s", own->text);
 }
 
 // ---------------------------------------------------------------- objects
@@ -319,14 +332,24 @@ static bool read_range(scene_part *part, const char *path, const duet_setting *s
     return ok;
 }
 
-// Rank 0 reads the scene. Where objects are made by `each`, it only counts them, and each rank
-// makes as many of them as the others.
+// Stdin is rank 0's alone, and an array need not be on all hosts.
+static bool is_of_one_rank(duet_cluster *c, const char *path)
+{
+    size_t length = strlen(path);
+    bool is_array = length > 4 && strcmp(path + length - 4, ".npy") == 0;
+    uint64_t lacking = strcmp(path, "-") == 0 || (is_array && access(path, R_OK) != 0);
+    ranks_sum(&c->ranks, &lacking, 1);
+    return lacking > 0;
+}
+
+// Rank 0 reads the scene. Where objects are made by `each`, or are rows of an array, it only counts
+// them, and each rank makes or reads as many of them as the others.
 static bool read_part(duet_cluster *c, const char *path, const duet_setting *settings,
                       uint32_t n_settings, bool whole, scene_part *part, duet_error *own)
 {
     uint64_t told[2] = {0}; // objects, and those that are not made
     bool ok = true, reads = c->ranks.self == 0;
-    whole = whole || strcmp(path, "-") == 0; // which only rank 0 has
+    whole = is_of_one_rank(c, path) || whole;
     *part = (scene_part){0};
     if (reads && whole)
         part->scene = duet_scene_load(path, settings, n_settings, own);
@@ -410,38 +433,69 @@ static bool check_worker_result(const seen *s, const worker_found *found, duet_e
                      (unsigned long long)s->rows.ids[found->first_bad]);
 }
 
+// Far enough for a grid of its own: by a quarter of the width that they take, on any side.
+static bool have_moved(const duet_cluster *c)
+{
+    const reach *now = &c->homes.boxes.upto[LEVELS - 1];
+    bool moved = false;
+    for (int k = 0; k < 3; ++k) {
+        double far = 0.25 * (c->fitted.upper[k] - c->fitted.lower[k]);
+        moved = moved || fabs(now->lower[k] - c->fitted.lower[k]) > far ||
+                fabs(now->upper[k] - c->fitted.upper[k]) > far;
+    }
+    return moved;
+}
+
 // Parts take turns in the places that there are workers for.
 static bool fill(duet_cluster *c, uint32_t part, duet_error *own)
 {
     sight from = parts_sight(&c->parts, part);
     worker *w = c->workers[part % 2];
-    if (c->parts.n > 1 || c->n_cuts_seen != c->homes.n_cuts)
+    if (c->parts.n > 1 || have_moved(c)) {
         w->move(w);
-    c->n_cuts_seen = c->homes.n_cuts;
+        c->fitted = c->homes.boxes.upto[LEVELS - 1];
+    }
     return seen_fill(&c->seen[part % 2], &c->homes, &from, w, own);
 }
 
-// Brings homes and ghosts to where they belong, and hands the first to the workers.
-static bool settle(duet_cluster *c, duet_error *own)
+// Brings homes and ghosts to where they belong, on all ranks or on none, and hands the first to
+// this rank's workers. What fails in that is of this rank alone, and *settled is then false.
+static bool settle(duet_cluster *c, bool *settled, duet_error *own)
 {
-    uint64_t changed = c->changed;
-    ranks_sum(&c->ranks, &changed, 1);
-    if (changed == 0)
-        return true;
     parcels ghosts = {0};
-    c->changed = true; // until all of it is done, on all ranks
     bool ok = homes_settle(&c->homes, &c->ranks, &c->cut, c->def.imbalance, own);
     ok = ok && ghosts_exchange(&c->homes, &c->ranks, &ghosts, own);
     if (ok) {
         c->n_ghosts = ghosts.n;
-        ok = parts_divide(&c->parts, &c->homes, &c->ranks, &ghosts, own);
-        for (int i = 0; ok && i < count_workers(c); ++i)
-            ok = fill(c, (uint32_t)i, own);
-        ok = ranks_agree(&c->ranks, ok, own);
+        *settled = parts_divide(&c->parts, &c->homes, &c->ranks, &ghosts, own);
+        for (int i = 0; *settled && i < count_workers(c); ++i)
+            *settled = fill(c, (uint32_t)i, own);
     }
     parcels_end(&ghosts);
-    c->changed = !ok;
     return ok;
+}
+
+// A call that needs all objects where they belong: begins it, and settles them.
+static bool begin_settled(duet_cluster *c, const char *call, bool ok, bool *settled,
+                          duet_error *own)
+{
+    tally t = {.sums = {c->changed}};
+    *settled = true;
+    if (!ranks_agree_on(&c->ranks, call, ok, &t, own))
+        return false;
+    if (t.sums[0] == 0)
+        return true;
+    c->changed = true; // until all of it is done, on all ranks
+    return settle(c, settled, own);
+}
+
+// On all ranks, or on none.
+static bool settle_all(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err)
+{
+    bool settled;
+    ok = begin_settled(c, call, ok, &settled, own) && ranks_agree(&c->ranks, settled, own);
+    c->changed = c->changed && !ok;
+    return ok || error_set(err, own->status, "%s", own->text);
 }
 
 // A worker that finds the pairs of a part.
@@ -494,7 +548,7 @@ static bool find_own(duet_cluster *c, duet_error *own)
         if (i > 0)
             ok = end_search(before, ok ? own : NULL) && ok;
         if (ok && i < n)
-            begin_search(now, c->workers[i % 2], &c->seen[i % 2], n > 1);
+            begin_search(now, c->workers[i % 2], &c->seen[i % 2], n > 1 && !c->ranks.simulation);
         if (ok && i > 0)
             ok = own_pairs_add(&c->own, before->seen, &before->found, own);
         if (!ok)
@@ -503,30 +557,38 @@ static bool find_own(duet_cluster *c, duet_error *own)
     return ok;
 }
 
-// The first time one rank of a host builds kernels, which the others then find in the cache.
-static bool find(duet_cluster *c, duet_error *own)
+// The first time one rank of a host builds kernels, which the others then find in the cache. t
+// becomes the sums that a result has.
+static bool find(duet_cluster *c, bool ok, tally *t, duet_error *own)
 {
     if (c->is_cold)
         ranks_await_turn(&c->ranks, c->homes.rows.n > 0);
-    bool ok = find_own(c, own);
+    ok = ok && find_own(c, own);
     if (c->is_cold)
         ranks_end_turn(&c->ranks);
     c->is_cold = false;
-    return ranks_agree(&c->ranks, ok, own);
+    *t = (tally){.sums = {ranks_stand_for(&c->ranks) * c->homes.rows.n, c->own.n, c->own.hash}};
+    return ranks_agree_and(&c->ranks, ok, t, own);
+}
+
+static double ms_since(uint64_t begun_ns)
+{
+    return (double)(ranks_now_ns() - begun_ns) * 1e-6;
 }
 
 static void keep_times(duet_cluster *c, uint64_t begun_ns)
 {
-    double total_ms = clock_ms_since(begun_ns);
+    double total_ms = ms_since(begun_ns);
     double wait_ms = (double)c->ranks.wait_ns * 1e-6;
+    uint64_t stands_for = ranks_stand_for(&c->ranks);
     duet_cluster_rank *last = &c->last;
-    *last = (duet_cluster_rank){.objects = c->homes.rows.n,
-                                .ghosts = c->n_ghosts,
+    *last = (duet_cluster_rank){.objects = stands_for * c->homes.rows.n,
+                                .ghosts = stands_for * c->n_ghosts,
                                 .pairs = c->own.n,
                                 .sent_bytes = c->ranks.sent_bytes,
                                 .busy_ms = fmax(total_ms - wait_ms, 0),
                                 .wait_ms = wait_ms};
-    snprintf(last->host, sizeof last->host, "%s", c->ranks.host_name);
+    snprintf(last->host, sizeof last->host, "%.63s", c->ranks.host_name);
     snprintf(last->pair, sizeof last->pair, "%s", c->workers[0]->name);
 }
 
@@ -535,23 +597,22 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    if (!agree_on(c, __func__, error_given(result, __func__, "result", &own), &own, err))
-        return false;
-    uint64_t begun_ns = clock_steady_ns();
+    tally t;
+    bool settled = true, ok = error_given(result, __func__, "result", &own);
+    uint64_t begun_ns = ranks_now_ns();
     c->ranks.wait_ns = c->ranks.sent_bytes = 0;
-    bool ok = settle(c, &own) && find(c, &own);
+    ok = begin_settled(c, __func__, ok, &settled, &own) && find(c, settled, &t, &own);
+    c->changed = c->changed && !ok;
     if (!ok) {
         own_pairs_end(&c->own);
         return error_set(err, own.status, "%s", own.text);
     }
-    uint64_t sums[] = {c->homes.rows.n, c->own.n, c->own.hash};
-    ranks_sum(&c->ranks, sums, 3);
     keep_times(c, begun_ns);
-    double total_ms = clock_ms_since(begun_ns);
+    double total_ms = ms_since(begun_ns);
     ranks_greatest(&c->ranks, &total_ms, 1);
-    *result = (duet_cluster_result){.objects = sums[0],
-                                    .pairs = sums[1],
-                                    .hash = sums[2],
+    *result = (duet_cluster_result){.objects = t.sums[0],
+                                    .pairs = t.sums[1],
+                                    .hash = t.sums[2],
                                     .total_ms = total_ms,
                                     .own_pairs = c->own.pairs,
                                     .n_own_pairs = c->own.drops ? 0 : c->own.n};
@@ -579,12 +640,8 @@ void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint6
     duet_error own = {0};
     bool ok = error_given(ids, __func__, "ids", &own) && error_given(n, __func__, "n", &own) &&
               check_kind(c, kind, &own);
-    if (!agree_on(c, __func__, ok, &own, err))
+    if (!settle_all(c, __func__, ok, &own, err))
         return NULL;
-    if (!settle(c, &own)) {
-        error_set(err, own.status, "%s", own.text);
-        return NULL;
-    }
     c->changed = true;
     *ids = c->homes.rows.ids;
     *n = c->homes.rows.n;
@@ -621,19 +678,39 @@ bool duet_cluster_set_level(duet_cluster *c, duet_level level, duet_error *err)
     return agree_on(c, __func__, ok, &own, err);
 }
 
+static void load_profiles(duet_cluster *c, const char *path, duet_profile *profile,
+                          duet_error *store_failed)
+{
+    *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT};
+    for (int i = 0; c->homes.rows.n > 0 && i < count_workers(c); ++i)
+        c->workers[i]->load_profile(c->workers[i], path, profile, store_failed);
+}
+
+// By the times that the store knows for what each rank has now.
+static bool weigh_ranks(duet_cluster *c, const duet_profile *profile)
+{
+    double pace = profile->step_ms > 0 ? c->homes.rows.n / (c->parts.n * profile->step_ms) : 0;
+    if (c->def.weight > 0 || c->ranks.n == 1 || !cut_weigh(&c->cut, &c->ranks, pace))
+        return false;
+    c->homes.is_cut = false;
+    c->changed = true;
+    return true;
+}
+
 bool duet_cluster_load_profile(duet_cluster *c, const char *path, duet_profile *profile,
                                duet_error *store_failed, duet_error *err)
 {
     if (!error_given(c, __func__, "cluster", err))
         return false;
     duet_error own = {0};
-    if (!agree_on(c, __func__, error_given(profile, __func__, "profile", &own), &own, err))
+    if (!settle_all(c, __func__, error_given(profile, __func__, "profile", &own), &own, err))
         return false;
-    if (!settle(c, &own))
-        return error_set(err, own.status, "%s", own.text);
-    *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT};
-    for (int i = 0; c->homes.rows.n > 0 && i < count_workers(c); ++i)
-        c->workers[i]->load_profile(c->workers[i], path, profile, store_failed);
+    load_profiles(c, path, profile, store_failed);
+    for (int round = 0; round < WEIGHINGS && weigh_ranks(c, profile); ++round) {
+        if (!settle_all(c, __func__, true, &own, err))
+            return false;
+        load_profiles(c, path, profile, store_failed);
+    }
     c->is_cold = true;
     return true;
 }

@@ -16,7 +16,7 @@ struct duet_cluster {
     parts parts;
     worker *workers[2]; // one is filled while the other finds; the second is of several parts
     seen seen[2];
-    uint64_t n_cuts_seen; // of the homes, when workers were filled
+    reach fitted; // around the homes, when workers were last told that they moved
     own_pairs own;
     uint64_t n_ghosts;
     bool changed; // objects, since the worker got them
@@ -26,6 +26,9 @@ struct duet_cluster {
     char *scene_name;
     duet_cluster_rank last; // of this rank
 };
+
+// duet_cluster_create; s, unless NULL, has to stay.
+duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, duet_error *err);
 
 // duet_cluster_load_scene. With `whole` rank 0 reads all of the scene and hands it over, to be
 // destroyed; the others get NULL.

@@ -7,25 +7,51 @@
 #include <stdlib.h>
 
 // With so many points a part is off by a few in a hundred at most.
-enum { LEAST_SAMPLE = 1 << 16, SAMPLE_A_RANK = 1 << 10 };
+enum { LEAST_SAMPLE = 1 << 16, SAMPLE_A_RANK = 1 << 13 };
 
-static bool share_weights(cut *c, ranks *r, double weight, duet_error *err)
+// Weights as numbers up to 1, which have a sum for several of 1e308 too.
+static void keep_weights(cut *c, const ranks *r)
 {
-    c->weights = malloc((size_t)r->n * sizeof *c->weights);
-    bool ok =
-        c->weights || error_set(err, DUET_STATUS_NO_MEMORY, "weights of %d ranks: no memory", r->n);
-    if (ok && !(isfinite(weight) && weight > 0))
-        ok = error_set(err, DUET_STATUS_BAD_ARGUMENT, "weight is %g; expected a number above 0",
-                       weight);
-    if (!ranks_agree(r, ok, err))
-        return false;
-    ranks_gather(r, &weight, c->weights, sizeof weight);
     double sum = 0, greatest = 0;
     for (int q = 0; q < r->n; ++q)
         greatest = fmax(greatest, c->weights[q]);
     for (int q = 0; q < r->n; ++q)
-        sum += c->weights[q] /= greatest; // which has an end for several of 1e308 too
+        sum += c->weights[q] /= greatest;
     c->due = c->weights[r->self] / sum;
+}
+
+static bool share_weights(cut *c, ranks *r, double weight, duet_error *err)
+{
+    int unknown = 0;
+    c->weights = malloc((size_t)r->n * sizeof *c->weights);
+    bool ok =
+        c->weights || error_set(err, DUET_STATUS_NO_MEMORY, "weights of %d ranks: no memory", r->n);
+    if (ok && !(isfinite(weight) && weight >= 0))
+        ok = error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                       "weight is %g; expected a number above 0, or 0 on all ranks", weight);
+    if (!ranks_agree(r, ok, err))
+        return false;
+    ranks_gather(r, &weight, c->weights, sizeof weight);
+    for (int q = 0; q < r->n; ++q)
+        unknown += c->weights[q] == 0;
+    if (unknown > 0 && unknown < r->n)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "weight is 0 on %d of %d ranks; expected numbers above 0, or 0 on all",
+                         unknown, r->n);
+    for (int q = 0; q < r->n; ++q)
+        c->weights[q] = unknown ? 1 : c->weights[q];
+    keep_weights(c, r);
+    return true;
+}
+
+bool cut_weigh(cut *c, ranks *r, double pace)
+{
+    double least = pace > 0 ? -pace : 0;
+    ranks_greatest(r, &least, 1);
+    if (!(least < 0))
+        return false;
+    ranks_gather(r, &pace, c->weights, sizeof pace);
+    keep_weights(c, r);
     return true;
 }
 

@@ -32,7 +32,8 @@ typedef struct duet_cluster_def {
                           // has them. NULL: DUET_PAIR, or else this rank's part of its host: a
                           // GPU, or of the CPU's units
     bool plain;           // no devices: pairs are found by the plain C reference
-    double weight;        // of this rank: it gets this part of all ranks' sum. 1
+    double weight;        // of this rank: it gets this part of all ranks' sum. 0, on all ranks:
+                          // what load_profile finds, and until then all are alike
     uint32_t parts;   // in which this rank's devices see its homes, one after the other: they need
                       // memory for two of them. 1, up to 1024
     bool drops_pairs; // own_pairs of a result stays empty: pairs are counted, and have a hash
@@ -52,8 +53,9 @@ DUET_API int duet_cluster_get_rank(const duet_cluster *cluster);       // from 0
 DUET_API int duet_cluster_get_rank_count(const duet_cluster *cluster); // 0 for NULL
 
 // Reads a scene as duet_scene_load does: rank 0 reads it, and the others need not have the file.
-// Only where objects are made by `each` every rank reads it, and makes its part of them. Dims,
-// shape, rotated, cell, origin_edge and level of all ranks' worlds become the scene's.
+// Only where objects are made by `each` every rank reads it, and makes its part of them; and where
+// all have the same .npy file, each reads its rows of it. Dims, shape, rotated, cell, origin_edge
+// and level of all ranks' worlds become the scene's.
 DUET_API bool duet_cluster_load_scene(duet_cluster *cluster, const char *path,
                                       const duet_setting *settings, uint32_t n_settings,
                                       duet_error *err);
@@ -76,8 +78,10 @@ DUET_API void *duet_cluster_map_homes(duet_cluster *cluster, duet_object_kind ki
 // Of this rank's devices; they may differ from rank to rank.
 DUET_API bool duet_cluster_set_plan(duet_cluster *cluster, const duet_plan *plan, duet_error *err);
 // Gives each rank the best plan known for its devices and its number of objects; profile is
-// this rank's. path is duet_world_load_profile's. A store that cannot be read is no failure:
-// the plan stays, and store_failed, which may be NULL, says why on that rank.
+// this rank's. Where weights are 0 and the time of a step is known for all ranks, each gets as many
+// objects as it does while the others do theirs. path is duet_world_load_profile's. A store that
+// cannot be read is no failure: the plan stays, and store_failed, which may be NULL, says why on
+// that rank.
 DUET_API bool duet_cluster_load_profile(duet_cluster *cluster, const char *path,
                                         duet_profile *profile, duet_error *store_failed,
                                         duet_error *err);

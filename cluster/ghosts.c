@@ -131,20 +131,14 @@ static bool write_visits(const visits *v, const ranks *r, const homes *h, parcel
 
 bool ghosts_exchange(const homes *h, ranks *r, parcels *in, duet_error *err)
 {
-    level_boxes *all = malloc((size_t)r->n * sizeof *all);
     visits v = {0};
     parcels out = {0};
-    bool ok = all || error_set(err, DUET_STATUS_NO_MEMORY, "boxes of %d ranks: no memory", r->n);
-    ok = ranks_agree(r, ok, err);
-    if (ok) {
-        ranks_gather(r, &h->boxes, all, sizeof h->boxes);
-        ok = find_visits(&v, all, r, h, err);
-        ok = parcels_begin(&out, r, object_message_bytes(&h->form), err) && ok;
-        ok = ok && write_visits(&v, r, h, &out, err);
-        ok = ranks_exchange(r, ok, &out, in, err);
-    }
+    ranks_gather(r, &h->boxes, h->all, sizeof h->boxes);
+    bool ok = find_visits(&v, h->all, r, h, err);
+    ok = parcels_begin(&out, r, object_message_bytes(&h->form), err) && ok;
+    ok = ok && write_visits(&v, r, h, &out, err);
+    ok = ranks_exchange(r, ok, &out, in, err);
     parcels_end(&out);
     free(v.list);
-    free(all);
     return ok;
 }

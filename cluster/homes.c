@@ -22,6 +22,8 @@ void homes_end(homes *h)
 {
     object_rows_end(&h->rows);
     object_rows_end(&h->spare);
+    free(h->all);
+    h->all = NULL;
 }
 
 // ---------------------------------------------------------------- a look at all
@@ -118,19 +120,34 @@ static void end_look(look *l)
     free(l->parts);
 }
 
-// The line is the same on all ranks, whichever holds the object.
-static bool check_objects(const look *l, ranks *r, duet_error *err)
+// What all ranks' looks say.
+typedef struct overview {
+    uint64_t objects, bad, leavers;
+    double widest;
+    double unevenness; // the most objects that a rank has for those that its weight makes due to it
+} overview;
+
+static bool look_over(overview *o, const look *l, bool ok, ranks *r, duet_error *err)
 {
-    uint64_t counts[2] = {l->h->rows.n, l->all.bad};
+    tally t = {.sums = {l->h->rows.n, l->all.bad, l->all.n_leavers},
+               .greatest = {l->all.widest, l->h->rows.n / l->c->due}};
+    if (!ranks_agree_and(r, ok, &t, err))
+        return false;
+    *o = (overview){t.sums[0], t.sums[1], t.sums[2], t.greatest[0], 1};
+    if (o->objects > 0)
+        o->unevenness = fmax(t.greatest[1] / (double)o->objects, 1);
+    return true;
+}
+
+// The line is the same on all ranks, whichever holds the object.
+static bool refuse_bad(const look *l, const overview *o, ranks *r, duet_error *err)
+{
     uint64_t first = l->all.first_bad;
-    ranks_sum(r, counts, 2);
-    if (counts[1] == 0)
-        return true;
     ranks_least(r, &first, 1);
     return error_set(err, DUET_STATUS_BAD_OBJECT,
                      "object %" PRIu64 " of %" PRIu64 " is not a number, infinite, negative or "
                      "without rotation (%" PRIu64 " such objects)",
-                     first, counts[0], counts[1]);
+                     first, o->objects, o->bad);
 }
 
 // ---------------------------------------------------------------- leavers
@@ -220,27 +237,12 @@ static bool move_leavers(const look *seen, homes *h, ranks *r, duet_error *err)
     return ok;
 }
 
-// ---------------------------------------------------------------- the cut
-
-// The most objects that a rank has for those that its weight makes due to it.
-static double find_unevenness(const homes *h, ranks *r, const cut *c)
-{
-    uint64_t n = h->rows.n;
-    ranks_sum(r, &n, 1);
-    double due = (double)n * c->due;
-    double most = n > 0 && due > 0 ? h->rows.n / due : 1;
-    ranks_greatest(r, &most, 1);
-    return fmax(most, 1);
-}
-
 // ---------------------------------------------------------------- settling
 
 // Levels are those of the widest object there was: until one is wider, or they are too fine by
 // far. The same on all ranks.
-static bool keep_widest(homes *h, ranks *r, const look *l)
+static bool keep_widest(homes *h, double widest)
 {
-    double widest = l->all.widest;
-    ranks_greatest(r, &widest, 1);
     if (widest <= h->widest && h->widest <= 4 * widest)
         return true;
     h->widest = widest;
@@ -253,39 +255,45 @@ void level_boxes_join(level_boxes *boxes)
         reach_add(&boxes->upto[k], &boxes->upto[k - 1]);
 }
 
-// A look tells who leaves. What has arrived where a new cut has it is looked at again.
-static bool settle(look *l, homes *h, ranks *r, cut *c, double imbalance, duet_error *err)
+// Whose level changed is looked at again, and who leaves goes. Where any did, o is of before.
+static bool move(look *l, overview *o, homes *h, ranks *r, duet_error *err)
 {
-    bool is_new = false;
-    look_again(l);
-    if (!check_objects(l, r, err))
+    if (!keep_widest(h, o->widest))
+        look_again(l);
+    h->boxes = l->all.boxes;
+    return o->leavers == 0 || move_leavers(l, h, r, err);
+}
+
+// A look tells who leaves. What has arrived where a new cut has it is looked at again, and whoever
+// has too much makes for a new cut.
+static bool settle(look *l, bool ok, homes *h, ranks *r, cut *c, double imbalance, duet_error *err)
+{
+    overview o;
+    if (ok)
+        look_again(l);
+    if (!look_over(&o, l, ok, r, err))
         return false;
-    for (;;) {
-        if (!h->is_cut) {
-            if (!cut_make(c, r, &h->form, &h->rows, err))
-                return false;
-            h->is_cut = is_new = true;
-            ++h->n_cuts;
-            look_again(l);
-        }
-        if (!keep_widest(h, r, l))
-            look_again(l);
-        h->boxes = l->all.boxes;
-        uint64_t leaving = l->all.n_leavers;
-        ranks_sum(r, &leaving, 1);
-        if (leaving > 0 && !move_leavers(l, h, r, err))
+    if (o.bad > 0)
+        return refuse_bad(l, &o, r, err);
+    if (h->is_cut) {
+        if (!move(l, &o, h, r, err) || (o.leavers > 0 && !look_over(&o, l, true, r, err)))
             return false;
-        double unevenness = find_unevenness(h, r, c);
-        if (is_new) {
-            h->unevenness = unevenness;
-            break;
-        }
-        if (unevenness <= imbalance * h->unevenness)
+        if (o.unevenness <= imbalance * h->unevenness)
             return true;
-        h->is_cut = false;
     }
+    h->is_cut = false;
+    if (!cut_make(c, r, &h->form, &h->rows, err))
+        return false;
+    h->is_cut = true;
+    ++h->n_cuts;
+    look_again(l);
+    if (!look_over(&o, l, true, r, err) || !move(l, &o, h, r, err))
+        return false;
     look_again(l);
     h->boxes = l->all.boxes;
+    if (!look_over(&o, l, true, r, err))
+        return false;
+    h->unevenness = o.unevenness;
     return true;
 }
 
@@ -293,7 +301,11 @@ bool homes_settle(homes *h, ranks *r, cut *c, double imbalance, duet_error *err)
 {
     look l = {.h = h, .c = c, .parts = calloc(PARALLEL_MOST, sizeof *l.parts)};
     bool ok = l.parts || error_set(err, DUET_STATUS_NO_MEMORY, "a look at the homes: no memory");
-    ok = ranks_agree(r, ok, err) && settle(&l, h, r, c, imbalance, err);
+    if (!h->all)
+        h->all = malloc((size_t)r->n * sizeof *h->all);
+    if (ok && !h->all)
+        ok = error_set(err, DUET_STATUS_NO_MEMORY, "boxes of %d ranks: no memory", r->n);
+    ok = settle(&l, ok, h, r, c, imbalance, err);
     if (ok)
         level_boxes_join(&h->boxes);
     end_look(&l);

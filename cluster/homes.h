@@ -20,6 +20,7 @@ typedef struct homes {
     object_rows rows;
     object_rows spare; // memory for the rows of the next step
     level_boxes boxes; // around the homes, or more
+    level_boxes *all;  // [n of ranks] of each, for the ghosts
     double widest;     // of all ranks' objects, or a little more
     double unevenness; // what the last cut left: the most objects for those that are due
     uint64_t n_cuts;   // that were made

@@ -18,12 +18,12 @@ set(DUET_HAS_CLUSTER ON)
 
 set(arrows "${duet_arrows}")
 set(objects "${duet_module_objects}")
-duet_module(cluster FOLDER cluster KNOWS selection LINKS MPI::MPI_C PUBLIC cluster/duet_cluster.h)
+duet_module(cluster FOLDER cluster WITHOUT cluster/simulated KNOWS selection LINKS MPI::MPI_C PUBLIC cluster/duet_cluster.h)
 set(duet_arrows "${arrows}")
 set(duet_module_objects "${objects}")
 set(duet_cluster_needs MPI::MPI_C)
 
-add_executable(duet-cluster cli/cluster/main.c $<TARGET_OBJECTS:duet_cli>
+add_executable(duet-cluster cli/cluster/main.c cli/cluster/rank.c $<TARGET_OBJECTS:duet_cli>
   $<TARGET_OBJECTS:duet_cluster> ${duet_objects})
 target_link_libraries(duet-cluster PRIVATE duet_cli duet_cluster duet_options ${duet_cluster_needs})
 add_dependencies(duet duet-cluster)

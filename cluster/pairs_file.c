@@ -166,7 +166,7 @@ bool duet_cluster_save_pairs(duet_cluster *c, const char *path, bool sorted, due
                                           "%s: this cluster drops its pairs; expected a def "
                                           "without drops_pairs",
                                           path));
-    ok = ranks_agree_on(&c->ranks, __func__, ok, &own);
+    ok = ranks_agree_on(&c->ranks, __func__, ok, NULL, &own);
     ok = ok && (!sorted || sort_pairs(c, &in_order, &own));
     if (ok)
         ok = sorted ? write_pairs(c, path, in_order.rows, in_order.n, &own)

@@ -1,25 +1,47 @@
 // SPDX-License-Identifier: MIT
-#define _POSIX_C_SOURCE 200809L
 #include "cluster/ranks.h"
 
-#include "base/clock.h"
 #include "base/error.h"
 
 #include <inttypes.h>
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-enum { TAG_ROWS = 1 };
+enum { TAG_ROWS = 1, TAG_BALLAST };
 
 // A statement in which this rank may have to wait.
-#define WAITING(r, statement)                          \
-    do {                                               \
-        uint64_t begun_ns_ = clock_steady_ns();        \
-        statement;                                     \
-        (r)->wait_ns += clock_steady_ns() - begun_ns_; \
+#define WAITING(r, statement)                       \
+    do {                                            \
+        uint64_t begun_ns_ = ranks_now_ns();        \
+        statement;                                  \
+        (r)->wait_ns += ranks_now_ns() - begun_ns_; \
     } while (0)
+
+// ---------------------------------------------------------------- what they agree on
+
+typedef struct agreement {
+    int failing;     // the least rank that does; all of them: none
+    int least, most; // numbers of the calls that they make
+    tally tally;
+} agreement;
+
+static void merge(void *from, void *into, int *n, MPI_Datatype *type)
+{
+    const agreement *a = from;
+    agreement *b = into;
+    (void)type;
+    for (int i = 0; i < *n; ++i, ++a, ++b) {
+        b->failing = a->failing < b->failing ? a->failing : b->failing;
+        b->least = a->least < b->least ? a->least : b->least;
+        b->most = a->most > b->most ? a->most : b->most;
+        for (int k = 0; k < 4; ++k)
+            b->tally.sums[k] += a->tally.sums[k];
+        for (int k = 0; k < 2; ++k)
+            b->tally.greatest[k] = fmax(a->tally.greatest[k], b->tally.greatest[k]);
+    }
+}
 
 // ---------------------------------------------------------------- begin and end
 
@@ -38,9 +60,10 @@ static bool begin_mpi(ranks *r, duet_error *err)
     return true;
 }
 
-bool ranks_begin(ranks *r, const MPI_Comm *comm, duet_error *err)
+bool ranks_begin(ranks *r, const MPI_Comm *comm, const simulation *s, duet_error *err)
 {
-    *r = (ranks){.comm = MPI_COMM_NULL, .host = MPI_COMM_NULL};
+    int length = 0;
+    *r = (ranks){.comm = MPI_COMM_NULL, .host = MPI_COMM_NULL, .simulation = s};
     if (!begin_mpi(r, err))
         return false;
     MPI_Comm_dup(comm ? *comm : MPI_COMM_WORLD, &r->comm);
@@ -49,20 +72,39 @@ bool ranks_begin(ranks *r, const MPI_Comm *comm, duet_error *err)
     MPI_Comm_split_type(r->comm, MPI_COMM_TYPE_SHARED, r->self, MPI_INFO_NULL, &r->host);
     MPI_Comm_rank(r->host, &r->self_on_host);
     MPI_Comm_size(r->host, &r->n_on_host);
-    if (gethostname(r->host_name, sizeof r->host_name - 1) != 0)
-        strcpy(r->host_name, "?");
+    MPI_Op_create(merge, true, &r->merge);
+    MPI_Type_contiguous((int)sizeof(agreement), MPI_BYTE, &r->agreement);
+    MPI_Type_commit(&r->agreement);
+    MPI_Get_processor_name(r->host_name, &length);
+    r->n_here = s ? r->n : r->n_on_host;
     return true;
+}
+
+bool ranks_reserve(ranks *r, duet_error *err)
+{
+    r->counts = calloc(2 * (size_t)r->n, sizeof *r->counts);
+    return r->counts || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
 }
 
 void ranks_end(ranks *r)
 {
-    if (r->host != MPI_COMM_NULL)
+    free(r->counts);
+    r->counts = NULL;
+    if (r->host != MPI_COMM_NULL) {
+        MPI_Type_free(&r->agreement);
+        MPI_Op_free(&r->merge);
         MPI_Comm_free(&r->host);
+    }
     if (r->comm != MPI_COMM_NULL)
         MPI_Comm_free(&r->comm);
     if (r->began_mpi)
         MPI_Finalize();
     r->began_mpi = false;
+}
+
+uint64_t ranks_now_ns(void)
+{
+    return (uint64_t)(MPI_Wtime() * 1e9);
 }
 
 // ---------------------------------------------------------------- all at once
@@ -88,7 +130,12 @@ static bool tell_failure(ranks *r, int failing, duet_error *err)
 
 bool ranks_agree(ranks *r, bool ok, duet_error *err)
 {
-    return ranks_agree_on(r, "", ok, err);
+    return ranks_agree_and(r, ok, NULL, err);
+}
+
+bool ranks_agree_and(ranks *r, bool ok, tally *t, duet_error *err)
+{
+    return ranks_agree_on(r, "", ok, t, err);
 }
 
 // The names of two calls differ in their sums of squares.
@@ -100,17 +147,22 @@ static int number_of(const char *call)
     return number;
 }
 
-bool ranks_agree_on(ranks *r, const char *call, bool ok, duet_error *err)
+bool ranks_agree_on(ranks *r, const char *call, bool ok, tally *t, duet_error *err)
 {
-    int least[] = {ok ? r->n : r->self, number_of(call), -number_of(call)};
-    WAITING(r, MPI_Allreduce(MPI_IN_PLACE, least, 3, MPI_INT, MPI_MIN, r->comm));
-    if (least[1] != -least[2])
+    agreement all = {.failing = ok ? r->n : r->self, .least = number_of(call)};
+    all.most = all.least;
+    if (t)
+        all.tally = *t;
+    WAITING(r, MPI_Allreduce(MPI_IN_PLACE, &all, 1, r->agreement, r->merge, r->comm));
+    if (all.least != all.most)
         return error_set(
             err, DUET_STATUS_BAD_ARGUMENT,
             "rank %d on %s: %s, and another rank makes another call; expected the same "
             "calls in the same order on all ranks",
             r->self, r->host_name, *call ? call : "in the middle of one");
-    return least[0] == r->n || tell_failure(r, least[0], err);
+    if (t)
+        *t = all.tally;
+    return all.failing == r->n || tell_failure(r, all.failing, err);
 }
 
 void ranks_wait(ranks *r)
@@ -210,6 +262,28 @@ bool parcels_reserve(parcels *p, const ranks *r, uint64_t *places, duet_error *e
                                 "%" PRIu64 " rows of %u bytes: no memory", n, p->row_bytes);
 }
 
+// Bytes of the objects that a rank's rows stand for and that are not there.
+static int ballast_bytes(const ranks *r, const parcels *p, int rank)
+{
+    uint64_t bytes = p->counts[rank] * p->row_bytes * (ranks_stand_for(r) - 1);
+    return rank == r->self ? 0 : bytes < INT_MAX ? (int)bytes : INT_MAX;
+}
+
+// Simulated messages are as long as if all objects were there.
+static int post_ballast(ranks *r, const parcels *out, const parcels *in, MPI_Request *requests)
+{
+    int n = 0;
+    for (int q = 0; ranks_stand_for(r) > 1 && q < r->n; ++q) {
+        void *bytes = r->simulation->ballast;
+        int received = ballast_bytes(r, in, q), sent = ballast_bytes(r, out, q);
+        if (received > 0)
+            MPI_Irecv(bytes, received, MPI_BYTE, q, TAG_BALLAST, r->comm, &requests[n++]);
+        if (sent > 0)
+            MPI_Isend(bytes, sent, MPI_BYTE, q, TAG_BALLAST, r->comm, &requests[n++]);
+    }
+    return n;
+}
+
 // A message to and from each rank that has rows, this one included.
 static void send_and_receive(ranks *r, const parcels *out, parcels *in, MPI_Request *requests)
 {
@@ -226,24 +300,38 @@ static void send_and_receive(ranks *r, const parcels *out, parcels *in, MPI_Requ
         if (out->counts[q] == 0)
             continue;
         MPI_Isend(from, (int)out->counts[q], row, q, TAG_ROWS, r->comm, &requests[n++]);
-        r->sent_bytes += q == r->self ? 0 : out->counts[q] * out->row_bytes;
+        r->sent_bytes += q == r->self ? 0 : out->counts[q] * out->row_bytes * ranks_stand_for(r);
     }
+    n += post_ballast(r, out, in, requests + n);
     MPI_Waitall(n, requests, MPI_STATUSES_IGNORE);
     MPI_Type_free(&row);
 }
 
+// A rank that cannot send, or not receive, tells so in its counts.
+static bool exchange_counts(ranks *r, bool ok, const parcels *out, parcels *in, duet_error *err)
+{
+    int failing = r->n;
+    uint64_t *told = r->counts + r->n;
+    for (int q = 0; q < r->n; ++q)
+        r->counts[q] = ok ? out->counts[q] : UINT64_MAX;
+    WAITING(r, MPI_Alltoall(r->counts, 1, MPI_UINT64_T, told, 1, MPI_UINT64_T, r->comm));
+    for (int q = r->n - 1; q >= 0; --q)
+        failing = told[q] == UINT64_MAX ? q : failing;
+    if (failing < r->n)
+        return tell_failure(r, failing, err);
+    memcpy(in->counts, told, (size_t)r->n * sizeof *r->counts);
+    return true;
+}
+
 bool ranks_exchange(ranks *r, bool ok, const parcels *out, parcels *in, duet_error *err)
 {
-    MPI_Request *requests = malloc(2 * (size_t)r->n * sizeof(MPI_Request));
+    MPI_Request *requests = malloc(4 * (size_t)r->n * sizeof(MPI_Request));
     *in = (parcels){0};
     if (ok && !requests)
         ok = error_set(err, DUET_STATUS_NO_MEMORY, "messages to %d ranks: no memory", r->n);
-    ok = ranks_agree(r, ok && parcels_begin(in, r, out->row_bytes, err), err);
-    if (ok) {
-        WAITING(r,
-                MPI_Alltoall(out->counts, 1, MPI_UINT64_T, in->counts, 1, MPI_UINT64_T, r->comm));
-        ok = ranks_agree(r, parcels_reserve(in, r, NULL, err), err);
-    }
+    ok = ok && parcels_begin(in, r, out->row_bytes, err);
+    ok = exchange_counts(r, ok, out, in, err) &&
+         ranks_agree(r, parcels_reserve(in, r, NULL, err), err);
     if (ok)
         WAITING(r, send_and_receive(r, out, in, requests));
     else

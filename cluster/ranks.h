@@ -12,31 +12,59 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+// What is otherwise where ranks are simulated.
+typedef struct simulation {
+    uint32_t stands_for;          // objects that each object stands for
+    double object_seconds;        // of a rank's devices; 0: the plain C reference, in no time
+    void (*pass)(double seconds); // of this rank alone
+    void *ballast;                // as much as any message that is left out; nobody reads it
+} simulation;
+
 typedef struct ranks {
     MPI_Comm comm; // a copy of the caller's
     MPI_Comm host; // the ranks of this host
+    MPI_Op merge;  // of what they agree on
+    MPI_Datatype agreement;
     int self;
     int n;
     int self_on_host; // from 0
     int n_on_host;
-    bool goes_first; // on this host, where the others wait
+    int n_here;                   // that share the processors of this one
+    const simulation *simulation; // NULL: they are real
+    bool goes_first;              // on this host, where the others wait
     bool began_mpi;
+    uint64_t *counts; // [2][n] that are told to each, and that each tells
     uint64_t wait_ns; // spent in the calls below
     uint64_t sent_bytes;
-    char host_name[64];
+    char host_name[MPI_MAX_PROCESSOR_NAME];
 } ranks;
 
 // comm NULL: all ranks of the job. False with BAD_ARGUMENT where MPI cannot be begun any more.
-bool ranks_begin(ranks *r, const MPI_Comm *comm, duet_error *err);
+bool ranks_begin(ranks *r, const MPI_Comm *comm, const simulation *s, duet_error *err);
+// Memory that all of it needs; not collective.
+bool ranks_reserve(ranks *r, duet_error *err);
 void ranks_end(ranks *r); // nothing where it did not begin
+
+// How long the job has run, for this rank.
+uint64_t ranks_now_ns(void);
 
 // Whether all ranks are well. Where not, every rank's err, unless NULL, becomes that of the
 // least rank that failed: "rank 2 on HOST: LINE".
 bool ranks_agree(ranks *r, bool ok, duet_error *err);
 
-// ranks_agree at the beginning of a call, which fails on every rank, each with a line of its own,
+// What ranks say beside whether they are well: the sums over all, and the greatest of all. One
+// message is as quick as another, so a phase has few of them.
+typedef struct tally {
+    uint64_t sums[4];
+    double greatest[2];
+} tally;
+
+// ranks_agree, in which t, unless NULL, becomes that of all ranks.
+bool ranks_agree_and(ranks *r, bool ok, tally *t, duet_error *err);
+
+// The same at the beginning of a call, which fails on every rank, each with a line of its own,
 // where the ranks make different ones.
-bool ranks_agree_on(ranks *r, const char *call, bool ok, duet_error *err);
+bool ranks_agree_on(ranks *r, const char *call, bool ok, tally *t, duet_error *err);
 
 void ranks_wait(ranks *r); // until all are here
 void ranks_sum(ranks *r, uint64_t *values, int n);
@@ -51,6 +79,11 @@ void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes);
 // Between the two calls nothing is said to other ranks.
 void ranks_await_turn(ranks *r, bool has_work);
 void ranks_end_turn(ranks *r);
+
+static inline uint32_t ranks_stand_for(const ranks *r)
+{
+    return r->simulation ? r->simulation->stands_for : 1;
+}
 
 // Rows of one size for each rank: those for rank 0 come first, counts[q] for rank q.
 typedef struct parcels {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What finds the pairs among the objects that a rank sees, homes and ghosts alike: its device
-// pair, or the plain C reference.
+// pair, or the plain C reference, or nothing but what its devices would take.
 #ifndef CLUSTER_WORKER_H
 #define CLUSTER_WORKER_H
 
@@ -30,5 +30,10 @@ struct worker {
 
 worker *worker_open_pair(const duet_world_def *def, duet_error *err);
 worker *worker_open_plain(const duet_world_def *def, duet_error *err);
+
+// Finds nothing, in the time that devices would take.
+struct simulation;
+worker *worker_open_simulated(const duet_world_def *def, const struct simulation *s,
+                              duet_error *err);
 
 #endif

@@ -8,7 +8,8 @@
 -- it built, `./hello`, is what that prints.
 -- A block that cannot be run in a test has a comment above it that says why:
 -- <!-- not run: it needs a GPU -->
--- Blocks with 'duet cluster' or mpirun are passed over where Duet was built without MPI.
+-- Blocks with 'duet cluster' or mpirun are passed over where Duet was built without MPI, and
+-- those with --simulate where it was built without SimGrid.
 -- The blocks of a tutorial build on each other. It begins with a comment,
 -- <!-- all blocks in one folder -->, and a block of C or Lua in it whose first line is
 -- a comment with a file's name, `// game.c`, becomes that file.
@@ -25,6 +26,7 @@ local examples = {
 }
 
 local has_cluster = io.open(program .. "-cluster") ~= nil
+local has_simulate = io.open(program .. "-simulate") ~= nil
 
 -- Every block of shell commands and every file in a document, with its line.
 local function blocks(path)
@@ -44,7 +46,9 @@ local function blocks(path)
       block.one_folder = one_folder
       local commands = table.concat(block.commands, "\n")
       local uses_mpi = commands:find("duet cluster", 1, true) or commands:find("duet_cluster", 1, true) or commands:find("mpirun", 1, true)
-      block.skipped = block.skipped or uses_mpi and not has_cluster
+      local simulates = commands:find("--simulate", 1, true)
+      if simulates then uses_mpi = false end
+      block.skipped = block.skipped or uses_mpi and not has_cluster or simulates and not has_simulate
       if block.name and one_folder or not block.is_text then found[#found + 1] = block end
       for _, command in ipairs(block.is_text and {} or block.commands) do
         cats = cats or (command:match("^cat ") or command:match("%./%w+$")) and block

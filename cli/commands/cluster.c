@@ -26,7 +26,7 @@ static const option options[] = {
     SCENE_OPTION_ROWS(scene),
     OPTION_COUNT("ranks", ranks, "R", "start so many ranks on this machine by mpirun", 1, 65536),
     OPTION_TEXT("weights", weights, "W,W",
-                "a number for each rank: its part of the objects, by their sum"),
+                "a number for each rank: its part of the objects (by its profile)"),
     OPTION_COUNT("parts", parts, "K", "of each rank's objects: its devices hold two at a time (1)",
                  1, 1024),
     OPTION_TEXT("pair", pair, "A,B",
@@ -41,15 +41,36 @@ static const option options[] = {
     OPTION_TEXT("pairs", pairs_path, "P.npy", "write the pairs, by all ranks into one file"),
     OPTION_FLAG("sorted", sorted, "write them ascending: the same bytes for any number of ranks"),
     OPTION_FLAG("check", check, "compare the pairs' number and hash with the plain C reference"),
+    OPTION_TEXT("simulate", simulate, "P.xml",
+                "simulate the ranks, with the plain C reference, on a platform of SimGrid's"),
+    OPTION_TEXT("profile", profile, "UID",
+                "find nothing, in the time that this profile of the store says"),
+    OPTION_COUNT("stands-for", stands_for, "K", "each object stands for K of a larger scene (1)", 1,
+                 1000000),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
 
 static const option_rule rules[] = {
-    {"sorted", OPTION_NEEDS, "pairs"},       {"plain", OPTION_EXCLUDES, "pair"},
-    {"plain", OPTION_EXCLUDES, "share"},     {"plain", OPTION_EXCLUDES, "mode"},
-    {"plain", OPTION_EXCLUDES, "variant"},   {"plain", OPTION_EXCLUDES, "variant-a"},
-    {"plain", OPTION_EXCLUDES, "variant-b"}, {0},
+    {"sorted", OPTION_NEEDS, "pairs"},
+    {"plain", OPTION_EXCLUDES, "pair"},
+    {"plain", OPTION_EXCLUDES, "share"},
+    {"plain", OPTION_EXCLUDES, "mode"},
+    {"plain", OPTION_EXCLUDES, "variant"},
+    {"plain", OPTION_EXCLUDES, "variant-a"},
+    {"plain", OPTION_EXCLUDES, "variant-b"},
+    {"simulate", OPTION_EXCLUDES, "pair"},
+    {"simulate", OPTION_EXCLUDES, "share"},
+    {"simulate", OPTION_EXCLUDES, "mode"},
+    {"simulate", OPTION_EXCLUDES, "variant"},
+    {"simulate", OPTION_EXCLUDES, "variant-a"},
+    {"simulate", OPTION_EXCLUDES, "variant-b"},
+    {"simulate", OPTION_NEEDS, "ranks"},
+    {"profile", OPTION_NEEDS, "simulate"},
+    {"profile", OPTION_EXCLUDES, "check"},
+    {"profile", OPTION_EXCLUDES, "pairs"},
+    {"stands-for", OPTION_NEEDS, "profile"},
+    {0},
 };
 
 static const char *refuse(const void *given, char **operands)
@@ -99,7 +120,17 @@ bool cluster_job(unsigned long *rank, unsigned long *n_ranks)
 
 // ---------------------------------------------------------------- becoming it
 
-static bool find_beside(text *path, duet_error *err)
+typedef struct beside {
+    const char *name;
+    const char *lacking; // what to say where it is not there
+} beside;
+
+static const beside rank_program = {
+    "duet-cluster",
+    "this Duet was built without MPI, or its package duet-cluster is not installed"};
+static const beside simulating_program = {"duet-simulate", "this Duet was built without SimGrid"};
+
+static bool find_beside(text *path, const beside *program, duet_error *err)
 {
     char own[4096];
     ssize_t n = readlink("/proc/self/exe", own, sizeof own - 1);
@@ -107,14 +138,12 @@ static bool find_beside(text *path, duet_error *err)
         return error_set(err, DUET_STATUS_IO_FAILED, "/proc/self/exe: %s", strerror(errno));
     own[n] = '\0';
     const char *slash = strrchr(own, '/');
-    text_add(path, "%.*s/duet-cluster", slash ? (int)(slash - own) : 0, own);
+    text_add(path, "%.*s/%s", slash ? (int)(slash - own) : 0, own, program->name);
     if (!text_ok(path, err))
         return false;
     return access(path->chars, X_OK) == 0 ||
-           error_set(err, DUET_STATUS_NOT_FOUND,
-                     "%s: %s; this Duet was built without MPI, or its package duet-cluster is not "
-                     "installed",
-                     path->chars, strerror(errno));
+           error_set(err, DUET_STATUS_NOT_FOUND, "%s: %s; %s", path->chars, strerror(errno),
+                     program->lacking);
 }
 
 typedef struct launch {
@@ -141,7 +170,7 @@ static char **make_argv(const launch *l, char *const *begin, duet_error *err)
 }
 
 // Comes back only where it fails.
-static bool become_rank(launch *l, char *program, duet_error *err)
+static bool become(launch *l, char *program, duet_error *err)
 {
     char *begin[] = {program, NULL};
     char **argv = make_argv(l, begin, err);
@@ -226,8 +255,9 @@ static bool start_ranks(launch *l, char *program, duet_error *err)
 static bool start(launch *l, duet_error *err)
 {
     text program = {0};
-    bool ok = find_beside(&program, err) &&
-              (l->args.ranks > 0 ? start_ranks : become_rank)(l, program.chars, err);
+    bool simulates = l->args.simulate;
+    bool ok = find_beside(&program, simulates ? &simulating_program : &rank_program, err) &&
+              (l->args.ranks > 0 && !simulates ? start_ranks : become)(l, program.chars, err);
     text_free(&program);
     return ok;
 }

@@ -13,8 +13,11 @@ typedef struct cluster_arguments {
     const char *pair;
     const char *weights; // NULL: all ranks are alike
     const char *pairs_path;
-    uint64_t parts; // that each rank's objects are searched in
-    uint64_t ranks; // to start; 0: this is one of those that there are
+    const char *simulate; // a platform; NULL: ranks are real
+    const char *profile;  // whose times simulated ranks take; NULL: they find pairs
+    uint64_t stands_for;  // objects that each object stands for
+    uint64_t parts;       // that each rank's objects are searched in
+    uint64_t ranks;       // to start; 0: this is one of those that there are
     uint64_t repeat;
     bool plain;
     bool resident;
@@ -26,6 +29,7 @@ typedef struct cluster_arguments {
 #define CLUSTER_ARGUMENTS_DEFAULT                                                              \
     {                                                                                          \
         .scene = SCENE_OPTIONS_DEFAULT, .plan = PLAN_OPTIONS_DEFAULT, .parts = 1, .repeat = 5, \
+        .stands_for = 1,                                                                       \
     }
 
 extern const command_line cluster_line;

@@ -11,9 +11,11 @@
 #include "runtime/scene/scene_row.h"
 #include "runtime/scene/shipped.h"
 
+#include <fcntl.h>
 #include <locale.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define STDIN_NAME "stdin"
@@ -343,6 +345,20 @@ static bool refuse_path(const char *path, const duet_error *why, duet_error *err
                      path);
 }
 
+// Of a .npy file only the rows that are kept are read, so it stays where it is.
+static bool open_rows(const char *path, scene_source *source)
+{
+    struct stat info;
+    int file = has_ending(path, ".npy") ? open(path, O_RDONLY | O_CLOEXEC) : -1;
+    if (file >= 0 && fstat(file, &info) == 0 && S_ISREG(info.st_mode)) {
+        *source = (scene_source){.name = path, .length = (size_t)info.st_size, .file = file};
+        return true;
+    }
+    if (file >= 0)
+        close(file);
+    return false;
+}
+
 // What the path means: a scene that comes with Duet by its name, also by its path in the
 // source tree where that is not; "-", which is stdin; or a file. The bytes of the last two
 // are in *file.
@@ -353,14 +369,16 @@ static bool open_source(const char *path, scene_source *source, text *file, duet
                           : access(path, F_OK) != 0    ? blob_find(path)
                                                        : NULL;
     if (carried) {
-        *source = (scene_source){carried->path, carried->bytes, carried->length};
+        *source = (scene_source){carried->path, carried->bytes, carried->length, -1};
         return true;
     }
+    if (open_rows(path, source))
+        return true;
     duet_error why = {0};
     if (!text_read_lines(file, path, &why))
         return refuse_path(path, &why, err);
     *source =
-        (scene_source){strcmp(path, "-") == 0 ? STDIN_NAME : path, text_chars(file), file->length};
+        (scene_source){strcmp(path, "-") == 0 ? STDIN_NAME : path, text_chars(file), file->length, -1};
     return true;
 }
 
@@ -401,10 +419,12 @@ static bool read_path(duet_scene *scene, const char *path, const duet_setting *s
                       uint32_t n_settings, duet_error *err)
 {
     text file = {0};
-    scene_source source;
+    scene_source source = {.file = -1};
     bool ok = open_source(path, &source, &file, err) && name_after_file(scene, source.name, err) &&
               read_source(scene, &source, settings, n_settings, err);
     text_free(&file);
+    if (source.file >= 0)
+        close(source.file);
     return ok;
 }
 

@@ -60,13 +60,13 @@ bool scene_set_origin(duet_scene *scene, double edge, duet_error *err);
 void scene_forget_centres(duet_scene *scene);
 
 // duet_scene_load that keeps the objects [first, end) of all that the scene has, whose number
-// it writes to *n. Objects that `each` makes are made only where they are kept; others are
-// read and passed over.
+// it writes to *n. Objects that `each` makes are made only where they are kept, and rows of a
+// .npy file are read only there; others are read and passed over.
 duet_scene *scene_load_range(const char *path, const duet_setting *settings, uint32_t n_settings,
                              uint64_t first, uint64_t end, uint64_t *n, duet_error *err);
 
-// duet_scene_load in which `each` makes only its first object: *deferred are left out of all
-// *n. Where there are any, parts of the scene are better read by their ranges.
+// duet_scene_load in which `each` makes only its first object, and of a .npy file no other is
+// read: *deferred are left out of all *n. Where there are any, parts of the scene are better read by their ranges.
 duet_scene *scene_load_deferred(const char *path, const duet_setting *settings, uint32_t n_settings,
                                 uint64_t *n, uint64_t *deferred, duet_error *err);
 
@@ -92,8 +92,9 @@ bool scene_set_name(duet_scene *scene, const char *name, size_t length, duet_err
 // What a scene is read from: a file, stdin, or what the library carries.
 typedef struct scene_source {
     const char *name;  // what messages call it: the path
-    const char *bytes; // followed by a NUL
+    const char *bytes; // followed by a NUL; NULL: they are in the file
     size_t length;
+    int file; // open, where bytes is NULL
 } scene_source;
 
 // Whether its first line that is no comment and no header begins with a number.

@@ -3,7 +3,9 @@
 //
 // A file is a magic, a version, a header that is a Python literal, and the
 // array. The sizes are checked against the file's length before anything is
-// taken from it, so that a wrong header never leads past the end.
+// taken from it, so that a wrong header never leads past the end. Of a large file only the
+// rows that a scene keeps are read.
+#define _POSIX_C_SOURCE 200809L // pread
 #include "runtime/scene/scene.h"
 
 #include "base/budget.h"
@@ -11,16 +13,22 @@
 #include "base/text.h"
 
 #include <ctype.h>
+#include <errno.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-// Rows between two looks at the budget.
-enum { ROWS_AT_ONCE = 1 << 14 };
+enum {
+    ROWS_AT_ONCE = 1 << 14, // between two looks at the budget
+    HEADER_MOST = 1 << 16   // bytes, as NumPy itself has it
+};
 
 typedef struct npy {
+    const scene_source *source;
     const char *path;
     const char *header; // the literal
     size_t header_length;
-    const unsigned char *data;
+    size_t data_at; // in the file
     size_t data_length;
     uint32_t item_bytes; // 4 or 8; 0: not read yet
     bool big_endian;
@@ -178,8 +186,29 @@ static uint64_t read_little(const unsigned char *bytes, size_t n)
     return value;
 }
 
-// Finds header and data. The header's length has two bytes in version 1 and
-// four in those after it.
+static bool fetch(const npy *file, uint64_t at, void *to, size_t n, duet_error *err)
+{
+    unsigned char *bytes = to;
+    if (file->source->bytes) {
+        memcpy(to, file->source->bytes + at, n);
+        return true;
+    }
+    while (n > 0) {
+        errno = 0;
+        ssize_t got = pread(file->source->file, bytes, n, (off_t)at);
+        if (got <= 0 && errno != EINTR)
+            return error_set(err, DUET_STATUS_IO_FAILED, "%s: %s", file->path,
+                             errno ? strerror(errno) : "became shorter while it was read");
+        size_t done = got > 0 ? (size_t)got : 0;
+        bytes += done;
+        at += done;
+        n -= done;
+    }
+    return true;
+}
+
+// Finds header and data, of which the first `length` bytes are there. The header's length has two
+// bytes in version 1 and four in those after it.
 static bool cut_parts(npy *file, const unsigned char *bytes, size_t length, duet_error *err)
 {
     if (length < 8 || memcmp(bytes, "\x93NUMPY", 6) != 0)
@@ -191,11 +220,13 @@ static bool cut_parts(npy *file, const unsigned char *bytes, size_t length, duet
                          version);
     size_t start = version == 1 ? 10 : 12;
     if (length < start || length - start < read_little(bytes + 8, start - 8))
-        return refuse(file, err, "ends within its header");
+        return refuse(file, err,
+                      length < file->source->length ? "has a header of more than 64 KiB"
+                                                    : "ends within its header");
     file->header = (const char *)bytes + start;
     file->header_length = read_little(bytes + 8, start - 8);
-    file->data = bytes + start + file->header_length;
-    file->data_length = length - start - file->header_length;
+    file->data_at = start + file->header_length;
+    file->data_length = file->source->length - file->data_at;
     return true;
 }
 
@@ -224,9 +255,8 @@ static bool check_size(const npy *file, const duet_scene *scene, duet_error *err
 
 // -------------------------------------------------------------------- data
 
-static double read_item(const npy *file, uint64_t index)
+static double read_item(const npy *file, const unsigned char *item)
 {
-    const unsigned char *item = file->data + index * file->item_bytes;
     uint64_t bits = 0;
     for (uint32_t i = 0; i < file->item_bytes; ++i)
         bits = bits << 8 | item[file->big_endian ? i : file->item_bytes - 1 - i];
@@ -241,32 +271,82 @@ static double read_item(const npy *file, uint64_t index)
     return value;
 }
 
+// Some rows, as they lie in the file: each whole, or each column of them.
+static bool fetch_rows(const npy *file, uint64_t first, uint64_t n, unsigned char *to,
+                       duet_error *err)
+{
+    uint64_t columns = file->shape[1], item = file->item_bytes;
+    if (!file->fortran_order)
+        return fetch(file, file->data_at + first * columns * item, to, n * columns * item, err);
+    bool ok = true;
+    for (uint64_t k = 0; ok && k < columns; ++k)
+        ok = fetch(file, file->data_at + (k * file->shape[0] + first) * item, to + k * n * item,
+                   n * item, err);
+    return ok;
+}
+
+static bool add_rows(duet_scene *scene, const npy *file, uint64_t n, const unsigned char *rows,
+                     duet_error *err)
+{
+    uint64_t columns = file->shape[1];
+    bool ok = true;
+    for (uint64_t i = 0; ok && i < n; ++i) {
+        double row[SCENE_MAX_NUMBERS];
+        for (uint64_t k = 0; k < columns; ++k) {
+            uint64_t item = file->fortran_order ? k * n + i : i * columns + k;
+            row[k] = read_item(file, rows + item * file->item_bytes);
+        }
+        ok = scene_add_row(scene, row, (scene_place){.path = file->path}, err);
+    }
+    return ok;
+}
+
+// Rows, from `first` on, that are of interest at once; 0 at the end. Those that are not kept are
+// passed over.
+static uint64_t next_rows(duet_scene *scene, uint64_t *first, uint64_t end)
+{
+    for (uint64_t passed = 1; scene->per_row == 1 && passed > 0; *first += passed)
+        passed = scene_pass_over(scene, end - *first);
+    uint64_t n = end - *first < ROWS_AT_ONCE ? end - *first : ROWS_AT_ONCE;
+    if (scene->per_row == 1 && n > scene->end - scene->n_read)
+        n = scene->end - scene->n_read;
+    if (!scene->defers || n == 0)
+        return n;
+    if (*first == 0)
+        return 1;
+    scene->n_deferred = end - *first;
+    scene->n_read += scene->n_deferred;
+    return 0;
+}
+
 static bool add_objects(duet_scene *scene, const npy *file, duet_error *err)
 {
     uint64_t n = file->shape[0];
-    uint64_t columns = file->shape[1];
-    uint64_t kept = scene->end - scene->first;
-    scene_place place = {.path = file->path};
+    uint64_t kept = scene->defers ? 1 : scene->end - scene->first;
     kept = n * scene->per_row < kept ? n * scene->per_row : kept;
-    bool ok =
-        scene_set_columns(scene, (uint32_t)columns, place, err) && scene_reserve(scene, kept, err);
-    for (uint64_t i = 0; ok && i < n; ++i) {
-        double row[SCENE_MAX_NUMBERS];
-        for (uint64_t k = 0; k < columns; ++k)
-            row[k] = read_item(file, file->fortran_order ? k * n + i : i * columns + k);
-        ok = scene_add_row(scene, row, place, err);
-        if (i % ROWS_AT_ONCE == 0) {
-            budget_tell(i, n);
-            ok = ok && budget_check(err);
-        }
+    unsigned char *rows = malloc((size_t)ROWS_AT_ONCE * file->shape[1] * file->item_bytes);
+    bool ok = rows || error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", file->path);
+    ok = ok &&
+         scene_set_columns(scene, (uint32_t)file->shape[1], (scene_place){.path = file->path}, err);
+    ok = ok && scene_reserve(scene, kept, err);
+    uint64_t at = 0;
+    for (uint64_t some; ok && (some = next_rows(scene, &at, n)) > 0; at += some) {
+        budget_tell(at, n);
+        ok = budget_check(err) && fetch_rows(file, at, some, rows, err) &&
+             add_rows(scene, file, some, rows, err);
     }
+    free(rows);
     return ok;
 }
 
 bool scene_read_npy(duet_scene *scene, const scene_source *source, duet_error *err)
 {
-    npy file = {.path = source->name};
-    return cut_parts(&file, (const unsigned char *)source->bytes, source->length, err) &&
-           read_header(&file, err) && check_size(&file, scene, err) &&
-           add_objects(scene, &file, err);
+    npy file = {.source = source, .path = source->name};
+    size_t length = source->length < HEADER_MOST ? source->length : HEADER_MOST;
+    unsigned char *begin = malloc(length + 1);
+    bool ok = begin || error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", file.path);
+    ok = ok && fetch(&file, 0, begin, length, err) && cut_parts(&file, begin, length, err) &&
+         read_header(&file, err) && check_size(&file, scene, err) && add_objects(scene, &file, err);
+    free(begin);
+    return ok;
 }

@@ -4,6 +4,7 @@
 
 #include "base/rng.h"
 #include "base/text.h"
+#include "runtime/scene/scene.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -96,6 +97,49 @@ static void every_version_type_and_order_gives_the_same_objects(void **state)
                 duet_scene_destroy(scene);
                 text_free(&t);
             }
+}
+
+// Row by row, and column by column; more rows than are read at once.
+static void a_range_is_that_part_of_the_whole(void **state)
+{
+    (void)state;
+    enum { ROWS = 40000, COLUMNS = 6 };
+    static const uint64_t ranges[][2] = {{0, ROWS},     {0, 1},        {0, 0}, {16383, 16386},
+                                         {30000, ROWS}, {39999, ROWS}, {7, 7}, {5, UINT64_MAX}};
+    double *many = calloc((size_t)ROWS * COLUMNS, sizeof *many);
+    assert_non_null(many);
+    for (int i = 0; i < ROWS * COLUMNS; ++i)
+        many[i] = i % COLUMNS < 3 ? i / COLUMNS : i / COLUMNS + i % COLUMNS;
+    for (int fortran = 0; fortran < 2; ++fortran) {
+        duet_error err = {0};
+        uint64_t n = 0, deferred = 0;
+        text t = npy_of(1, "<f8", fortran, many, ROWS, COLUMNS);
+        assert_ok(text_write_file(FILE_NAME, t.chars, t.length, &err), err);
+        for (size_t k = 0; k < sizeof ranges / sizeof *ranges; ++k) {
+            uint64_t end = ranges[k][1] < ROWS ? ranges[k][1] : ROWS;
+            duet_scene *scene =
+                scene_load_range(FILE_NAME, NULL, 0, ranges[k][0], ranges[k][1], &n, &err);
+            assert_ok(scene, err);
+            const duet_bounds *bounds = duet_scene_get_objects(scene, DUET_OBJECT_BOUNDS);
+            assert_int_equal(n, ROWS);
+            assert_int_equal(duet_scene_get_info(scene)->n, end - ranges[k][0]);
+            for (uint64_t i = 0; i < end - ranges[k][0]; ++i) {
+                float at = (float)(ranges[k][0] + i);
+                assert_true(bounds[i].lower[0] == at && bounds[i].lower[2] == at);
+                assert_true(bounds[i].upper[0] == at + 3 && bounds[i].upper[2] == at + 5);
+            }
+            duet_scene_destroy(scene);
+        }
+        duet_scene *first = scene_load_deferred(FILE_NAME, NULL, 0, &n, &deferred, &err);
+        assert_ok(first, err);
+        assert_int_equal(duet_scene_get_info(first)->n, 1);
+        assert_int_equal(n, ROWS);
+        assert_int_equal(deferred, ROWS - 1);
+        duet_scene_destroy(first);
+        text_free(&t);
+        remove(FILE_NAME);
+    }
+    free(many);
 }
 
 static void the_second_number_of_the_shape_says_what_a_row_is(void **state)
@@ -256,6 +300,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_version_type_and_order_gives_the_same_objects),
+        cmocka_unit_test(a_range_is_that_part_of_the_whole),
         cmocka_unit_test(the_second_number_of_the_shape_says_what_a_row_is),
         cmocka_unit_test(a_double_that_no_float_holds_is_refused),
         cmocka_unit_test(a_bad_object_is_refused_by_its_id),

@@ -420,6 +420,46 @@ static void a_cut_that_became_uneven_is_made_anew(void)
     MPI_Comm_free(&comm);
 }
 
+static int n_moves;
+
+static void count_move(worker *w)
+{
+    (void)w;
+    ++n_moves;
+}
+
+// A rank's grid follows its objects once they have left where it lies, and not each step.
+static void grids_follow_objects_that_travel(void)
+{
+    static crowd c;
+    rng r = rng_seed(12);
+    make_crowd(&c, &r, 3);
+    MPI_Comm comm = group_of(1);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
+    cluster->workers[0]->move = count_move;
+    hand_over(cluster, &c, 0, 1);
+    step(cluster);
+    int before = n_moves;
+    MUST(before > 0, "what is new has moved");
+    reach box = cluster->homes.boxes.upto[LEVELS - 1];
+    float little = (float)((box.upper[0] - box.lower[0]) / 18);
+    for (int at = 1; at <= 12; ++at) {
+        duet_error err = {0};
+        const uint64_t *ids;
+        uint32_t n;
+        duet_pose *own = duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
+        MUST_OK(own, err);
+        for (uint32_t i = 0; i < n; ++i)
+            own[i].centre[0] += little;
+        step(cluster);
+        MUST(n_moves - before == at / 5, "past each quarter of the width");
+    }
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
 static void ranks_get_objects_by_their_weights(void)
 {
     static crowd c;
@@ -444,6 +484,49 @@ static void ranks_get_objects_by_their_weights(void)
         pairs += rows[q].pairs;
     }
     MUST(objects == result.objects && pairs == result.pairs, "each is counted once");
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
+// What a store says of rank 0, and of others that are three times as quick, ghosts included.
+static duet_cluster *asked;
+
+static bool some_profile(worker *w, const char *path, duet_profile *profile, duet_error *err)
+{
+    double each = rank == 0 ? 0.3 : 0.1;
+    (void)w, (void)err;
+    *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT};
+    if (!path || rank > 0)
+        profile->step_ms = 1 + each * asked->homes.rows.n;
+    return true;
+}
+
+static void ranks_are_weighed_by_their_stored_times(void)
+{
+    static crowd c;
+    rng r = rng_seed(6);
+    make_crowd(&c, &r, 3);
+    MPI_Comm comm = group_of(3);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_cluster *cluster = asked = open_cluster(&comm, &c.world, 0);
+    duet_cluster_rank rows[3];
+    duet_profile profile;
+    duet_error err = {0};
+    cluster->workers[0]->load_profile = some_profile;
+    hand_over(cluster, &c, 0, 1);
+    MUST_OK(duet_cluster_load_profile(cluster, "not of rank 0", &profile, NULL, &err), err);
+    MUST(cluster->homes.rows.n > 97 && cluster->homes.rows.n < 103, "alike while one is not known");
+    MUST_OK(duet_cluster_load_profile(cluster, NULL, &profile, NULL, &err), err);
+    must_find(cluster, &c);
+    MUST_OK(duet_cluster_get_ranks(cluster, rows, &err), err);
+    double most_ms = 0, paces = 0;
+    for (int q = 0; q < 3; ++q) {
+        double ms = 1 + (q == 0 ? 0.3 : 0.1) * (double)rows[q].objects;
+        most_ms = fmax(most_ms, ms);
+        paces += (double)rows[q].objects / ms;
+    }
+    MUST(most_ms < 1.05 * MOST_OBJECTS / paces, "the first step takes what their paces sum to");
     duet_cluster_destroy(cluster);
     MPI_Comm_free(&comm);
 }
@@ -609,10 +692,14 @@ static void a_failure_is_that_of_all_ranks(void)
     duet_cluster_def def = duet_default_cluster_def();
     def.comm = &comm;
     def.plain = true;
+    def.weight = rank == 2 ? -1 : 1;
+    err = (duet_error){0};
+    must_fail(duet_cluster_create(&def, &err), &err, DUET_STATUS_BAD_ARGUMENT,
+              "weight is -1; expected a number above 0");
     def.weight = rank == 2 ? 0 : 1;
     err = (duet_error){0};
     must_fail(duet_cluster_create(&def, &err), &err, DUET_STATUS_BAD_ARGUMENT,
-              "weight is 0; expected a number above 0");
+              "weight is 0 on 1 of 3 ranks; expected numbers above 0, or 0 on all");
     MPI_Comm_free(&comm);
 }
 
@@ -772,7 +859,9 @@ int main(int argc, char **argv)
     scenes_have_the_same_pairs();
     objects_that_move_have_the_references_pairs(seed);
     a_cut_that_became_uneven_is_made_anew();
+    grids_follow_objects_that_travel();
     ranks_get_objects_by_their_weights();
+    ranks_are_weighed_by_their_stored_times();
     only_giants_travel_far();
     large_ids_have_one_hash();
     sorted_pairs_are_the_same_bytes();

@@ -1,25 +1,36 @@
 // SPDX-License-Identifier: MIT
 // duet cluster as a person runs it; cluster_ranks.c has what must hold for its ranks. Skipped
-// where Duet was built without MPI.
+// where Duet was built without MPI or, of simulated ranks, without SimGrid. --all: more of these.
 #define _POSIX_C_SOURCE 200809L
 #include "support/json.h"
+#include "support/store.h"
 #include "support/test.h"
 
+#include "base/npy.h"
 #include "base/text.h"
+#include "profiles/duet_profiles.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-static void skip_without_mpi(void)
+static bool asks_all;
+
+static void skip_without(const char *name, const char *what)
 {
     char path[4096];
-    snprintf(path, sizeof path, "%s-cluster", getenv("DUET_PROGRAM"));
+    const char *duet = getenv("DUET_PROGRAM");
+    snprintf(path, sizeof path, "%.*s%s", (int)(strrchr(duet, '/') + 1 - duet), duet, name);
     if (access(path, X_OK) != 0) {
-        print_message("%s: Duet was built without MPI\n", path);
+        print_message("%s: Duet was built without %s\n", path, what);
         skip();
     }
+}
+
+static void skip_without_mpi(void)
+{
+    skip_without("duet-cluster", "MPI");
 }
 
 static void assert_same_pairs(const char *scene, int ranks, int parts)
@@ -43,6 +54,158 @@ static void ranks_with_devices_find_the_pairs_of_run(void **state)
     skip_without_mpi();
     assert_same_pairs("paper -n 900 --set world=18", 2, 1);
     assert_same_pairs("paper2d -n 900 --set world=40", 3, 4);
+}
+
+// ---------------------------------------------------------------- simulated ranks
+
+#define FABRIC "fabric.xml"
+
+static void write_fabric(void)
+{
+    duet_error err = {0};
+    static const char file[] =
+        "<?xml version='1.0'?>"
+        "<!DOCTYPE platform SYSTEM \"https://simgrid.org/simgrid.dtd\">"
+        "<platform version='4.1'><config><prop id='network/model' value='CM02'/></config>"
+        "<zone id='all' routing='Full'><cluster id='hosts' prefix='host' suffix='' "
+        "radical='0-63' speed='1Gf' bw='1GBps' lat='10us'/></zone></platform>";
+    assert_ok(text_write_file(FABRIC, file, sizeof file - 1, &err), err);
+}
+
+static void simulated_ranks_find_the_pairs_of_run(void **state)
+{
+    (void)state;
+    skip_without("duet-simulate", "SimGrid");
+    static const char *const scenes[] = {"paper -n 900 --set world=18", "clustered -n 900",
+                                         "mixed -n 900", "paper -n 5 --set world=1",
+                                         "paper -n 0 2>/dev/null"};
+    write_fabric();
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; ++i)
+        for (int ranks = 64; ranks <= (asks_all ? 256 : 64); ranks *= 4) {
+            program one = program_run("cluster --plain --repeat 1 --check --json %s", scenes[i]);
+            program simulated = program_run("cluster --simulate " FABRIC " --ranks %d --repeat 1 "
+                                            "--json %s",
+                                            ranks, scenes[i]);
+            cJSON *expected = json_of_program(&one), *found = json_of_program(&simulated);
+            json_array(found, "ranks", ranks);
+            assert_true(json_true(cJSON_GetObjectItem(expected, "check"), "right"));
+            assert_string_equal(json_string(found, "hash"), json_string(expected, "hash"));
+            assert_true(json_number(found, "pairs") == json_number(expected, "pairs"));
+            assert_true(json_number(found, "total_ms") > 0.01 && // what one message takes
+                        json_number(found, "total_ms") < 1000);
+            cJSON_Delete(expected);
+            cJSON_Delete(found);
+        }
+    remove(FABRIC);
+}
+
+static cJSON *forecast(const char *path, const char *uid, const char *arguments)
+{
+    char variables[160];
+    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", path);
+    program p = program_run_with(
+        variables, "cluster --simulate " FABRIC " --profile %.8s --json %s", uid, arguments);
+    return json_of_program(&p);
+}
+
+// One object that stands for K travels as K would, and takes a device as long.
+static void a_forecast_takes_the_times_of_a_profile(void **state)
+{
+    (void)state;
+    skip_without("duet-simulate", "SimGrid");
+    test_folder folder = test_folder_make();
+    duet_error err = {0};
+    store *s = test_store_open(folder.store, STORE_WRITE);
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(1000);
+    test_tune(s, &pair, &workload);
+    store_close(s);
+    duet_profile_list *list = duet_profile_list_create(folder.store, false, &err);
+    assert_ok(list, err);
+    const duet_stored_profile *profile = duet_profile_list_get_profile(list, 0);
+    write_fabric();
+
+    cJSON *one = forecast(folder.store, profile->uid, "--ranks 1 paper -n 4000");
+    assert_true(json_number(one, "total_ms") >= 4 * profile->step_ms * 0.999);
+    assert_true(json_number(one, "total_ms") <= 4 * profile->step_ms + 1);
+    assert_null(cJSON_GetObjectItem(one, "hash"));
+    char variables[160];
+    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
+    program p =
+        program_run_with(variables, "cluster --simulate " FABRIC " --ranks 2 --profile none still");
+    program_assert_refused(&p, 1, "--profile 'none': 0 profiles begin so");
+    cJSON *two = forecast(folder.store, profile->uid, "--ranks 2 paper -n 4000 --set world=32");
+    cJSON *many = forecast(folder.store, profile->uid,
+                           "--ranks 2 --stands-for 1000 paper -n 4000 --set world=320");
+    assert_true(json_number(two, "efficiency") < 1);
+    assert_true(json_number(many, "objects") == 4e6);
+    assert_true(json_number(many, "total_ms") > 2000 * profile->step_ms);
+    double bytes = 0; // at 1 GB/s
+    for (int i = 0; i < 2; ++i) {
+        double sent =
+            json_number(cJSON_GetArrayItem(cJSON_GetObjectItem(many, "ranks"), i), "sent_bytes");
+        bytes = sent > bytes ? sent : bytes;
+    }
+    assert_true(bytes > 0);
+    assert_true(json_number(many, "total_ms") > 2000 * profile->step_ms + bytes * 1e-6 * 0.99);
+    cJSON_Delete(one);
+    cJSON_Delete(two);
+    cJSON_Delete(many);
+    duet_profile_list_destroy(list);
+    test_folder_remove(&folder);
+    remove(FABRIC);
+}
+
+static void a_platform_that_is_none_is_one_line(void **state)
+{
+    (void)state;
+    skip_without("duet-simulate", "SimGrid");
+    static const struct {
+        const char *arguments;
+        int exit_code;
+        const char *says;
+    } wrong[] = {
+        {"no.xml --ranks 2 still", 1, "no.xml: No such file or directory"},
+        {"/dev/null --ranks 2 still", 1, "/dev/null: no platform of SimGrid: "},
+        {FABRIC " still", 2, "--simulate does nothing without --ranks"},
+        {FABRIC " --ranks 2 --pair cpu still", 2, "--simulate and --pair do not go together"},
+        {FABRIC " --ranks 2 papr", 1, "rank 0 on host0: papr: no such file or scene"},
+        {FABRIC " --ranks 2 --stands-for 9 still", 2, "--stands-for does nothing without "},
+    };
+    write_fabric();
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        program p = program_run("cluster --simulate %s", wrong[i].arguments);
+        program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
+    }
+    remove(FABRIC);
+}
+
+// ---------------------------------------------------------------- what is told
+
+// Each rank reads its rows; with --check rank 0 reads all.
+static void an_array_is_read_in_parts(void **state)
+{
+    (void)state;
+    skip_without_mpi();
+    text file = {0};
+    duet_error err = {0};
+    npy_add_header(&file, NPY_FLOAT64, 100, 6);
+    for (int i = 0; i < 600; ++i) {
+        double at = (i / 6 * 37) % 100 * 0.3 + (i % 6 < 3 ? 0 : 1);
+        text_add_bytes(&file, (const char *)&at, sizeof at);
+    }
+    assert_ok(text_write_file("rows.npy", text_chars(&file), file.length, &err), err);
+    program one = program_run("cluster --plain --repeat 1 --check --json rows.npy");
+    program three = program_run("cluster --plain --repeat 1 --ranks 3 --json rows.npy");
+    cJSON *expected = json_of_program(&one), *found = json_of_program(&three);
+    assert_true(json_true(cJSON_GetObjectItem(expected, "check"), "right"));
+    assert_true(json_number(expected, "pairs") > 100);
+    assert_true(json_number(found, "objects") == 100);
+    assert_string_equal(json_string(found, "hash"), json_string(expected, "hash"));
+    cJSON_Delete(expected);
+    cJSON_Delete(found);
+    text_free(&file);
+    remove("rows.npy");
 }
 
 // Its pair, the sums of all ranks, and nothing of stdin lost.
@@ -204,10 +367,15 @@ static void a_rank_that_is_killed_ends_the_job_and_leaves_no_file(void **state)
     assert_int_equal(system("ls killed.npy* >/dev/null 2>&1") == 0, 0);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    asks_all = argc > 1 && strcmp(argv[1], "--all") == 0;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ranks_with_devices_find_the_pairs_of_run),
+        cmocka_unit_test(simulated_ranks_find_the_pairs_of_run),
+        cmocka_unit_test(a_forecast_takes_the_times_of_a_profile),
+        cmocka_unit_test(a_platform_that_is_none_is_one_line),
+        cmocka_unit_test(an_array_is_read_in_parts),
         cmocka_unit_test(each_rank_has_its_row_and_its_part_of_the_devices),
         cmocka_unit_test(a_rank_that_is_bound_to_one_core_of_several_is_told_of),
         cmocka_unit_test(a_person_reads_a_table),

@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: MIT
+#define _GNU_SOURCE // CPU_COUNT
+#include "cli/cluster/rank.h"
+
+#include "base/error.h"
+#include "cli/report/json.h"
+#include "cli/report/run_report.h"
+#include "cli/report/table.h"
+#include "cli/say.h"
+#include "cluster/cluster.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <sched.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// A run on this rank.
+typedef struct run_state {
+    const cluster_arguments *args;
+    const simulation *simulation;
+    duet_cluster *cluster;
+    duet_scene *scene; // rank 0's
+    int rank;
+    int n_ranks;
+    duet_cluster_result result;
+    double *total_ms; // [args.repeat], ascending at the end
+    duet_cluster_rank *ranks;
+    reference_check check;
+} run_state;
+
+// ---------------------------------------------------------------- the work
+
+// "1,1,2.5": the number for this rank.
+static bool read_weight(const run_state *r, double *weight, duet_error *err)
+{
+    const char *at = r->args->weights;
+    int n = 0;
+    for (bool more = at; more; ++n) {
+        char *end = NULL;
+        double number = strtod(at, &end);
+        if (end == at || (*end && *end != ',') || !(number > 0) || isinf(number))
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "--weights '%s': give numbers above 0, as 1,1,2", r->args->weights);
+        *weight = n == r->rank ? number : *weight;
+        more = *end == ',';
+        at = end + 1;
+    }
+    return n == 0 || n == r->n_ranks ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "--weights '%s': %d numbers for %d ranks",
+                     r->args->weights, n, r->n_ranks);
+}
+
+// A CPU device has a thread for each of its cores, and a launcher may have put all of them on
+// one.
+static void tell_binding(const run_state *r)
+{
+    const duet_device_pair *pair = r->cluster->def.world.pair;
+    cpu_set_t allowed;
+    uint32_t units = 0;
+    for (int i = duet_device_pair_is_one(pair); pair && i < 2; ++i) {
+        const duet_device_info *info = duet_device_pair_get_info(pair, i);
+        units += info->kind == DUET_KIND_CPU ? info->units : 0;
+    }
+    if (r->rank > 0 || sched_getaffinity(0, sizeof allowed, &allowed) != 0 ||
+        (uint32_t)CPU_COUNT(&allowed) >= units)
+        return;
+    fprintf(stderr,
+            "duet: rank 0 may use %d of the %u cores of its devices; expected 'mpirun --bind-to "
+            "none'\n",
+            CPU_COUNT(&allowed), units);
+}
+
+static bool open_cluster(run_state *r, duet_error *err)
+{
+    duet_cluster_def def = duet_default_cluster_def();
+    def.pair = r->args->pair;
+    def.plain = r->args->plain || r->simulation;
+    def.parts = (uint32_t)r->args->parts;
+    def.drops_pairs = !r->args->pairs_path;
+    def.on_compile = inputs_show_compiling;
+    if (!read_weight(r, &def.weight, err) ||
+        !inputs_change_plan(&r->args->plan, &def.world.plan, err))
+        return false;
+    r->cluster = cluster_create(&def, r->simulation, err);
+    if (r->cluster)
+        tell_binding(r);
+    return r->cluster;
+}
+
+static bool read_scene(run_state *r, const char *path, duet_error *err)
+{
+    char what[64];
+    scene_settings settings;
+    snprintf(what, sizeof what, "reading %.50s", strcmp(path, "-") == 0 ? "stdin" : path);
+    progress p = progress_begin(what, 0);
+    if (r->rank == 0)
+        progress_follow(&p);
+    bool ok = inputs_make_settings(&settings, &r->args->scene, err);
+    ok = ranks_agree(&r->cluster->ranks, ok, err) &&
+         cluster_load_scene(r->cluster, path, settings.list, settings.n,
+                            r->args->check ? &r->scene : NULL, err);
+    progress_end(&p);
+    inputs_free_settings(&settings);
+    return ok;
+}
+
+static bool load(run_state *r, const char *path, duet_error *err)
+{
+    if (!read_scene(r, path, err))
+        return false;
+    if (r->rank == 0)
+        inputs_tell_empty(duet_cluster_get_scene_info(r->cluster));
+    duet_level level;
+    if (!r->args->level)
+        return true;
+    return inputs_read_level(r->args->level, &level, err) &&
+           duet_cluster_set_level(r->cluster, level, err);
+}
+
+// As duet run: a plan that was given is kept, else each rank gets what was measured.
+static bool choose_plan(run_state *r, duet_error *err)
+{
+    duet_profile profile;
+    duet_error failure = {0};
+    if (inputs_plan_given(&r->args->plan) || r->cluster->def.plain)
+        return true;
+    if (!duet_cluster_load_profile(r->cluster, NULL, &profile, &failure, err))
+        return false;
+    if (failure.status != DUET_STATUS_OK && r->rank == 0)
+        say_failed(&failure);
+    return true;
+}
+
+static bool step(run_state *r, duet_error *err)
+{
+    const uint64_t *ids;
+    uint32_t n;
+    uint64_t hash = r->result.hash;
+    bool first = r->result.total_ms == 0;
+    duet_object_kind kind = object_form_kind(&r->cluster->homes.form);
+    if (!first && !r->args->resident && !duet_cluster_map_homes(r->cluster, kind, &ids, &n, err))
+        return false;
+    return duet_cluster_step(r->cluster, &r->result, err) &&
+           (first || hash == r->result.hash ||
+            error_set(err, DUET_STATUS_WRONG_RESULT, "a step found other pairs than the first"));
+}
+
+static int ascending(const void *left, const void *right)
+{
+    double p = *(const double *)left, q = *(const double *)right;
+    return (p > q) - (p < q);
+}
+
+static bool run_steps(run_state *r, duet_error *err)
+{
+    uint64_t repeat = r->args->repeat;
+    r->total_ms = calloc(repeat, sizeof *r->total_ms);
+    r->ranks = calloc((size_t)r->n_ranks, sizeof *r->ranks);
+    bool ok = r->total_ms && r->ranks;
+    if (!ok)
+        error_set(err, DUET_STATUS_NO_MEMORY, "the times of %" PRIu64 " steps: no memory", repeat);
+    ok = ranks_agree(&r->cluster->ranks, ok, err) && step(r, err);
+    progress p = progress_begin("step", repeat);
+    for (uint64_t i = 0; ok && i < repeat; ++i) {
+        ok = step(r, err);
+        r->total_ms[i] = r->result.total_ms;
+        if (r->rank == 0)
+            progress_show(&p, i + 1);
+    }
+    progress_end(&p);
+    if (ok)
+        qsort(r->total_ms, repeat, sizeof *r->total_ms, ascending);
+    return ok && duet_cluster_get_ranks(r->cluster, r->ranks, err);
+}
+
+// Rank 0 has the scene. Pairs are not gathered: their number and hash are enough.
+static bool check(run_state *r, duet_error *err)
+{
+    bool ok = true;
+    if (!r->args->check)
+        return true;
+    if (r->rank == 0) {
+        duet_pair *expected = NULL;
+        uint64_t n = 0;
+        ok = inputs_find_reference(r->scene, r->cluster->def.world.level, &expected, &n, err);
+        r->check = (reference_check){.asked = true, .reference = n};
+        r->check.missing = n > r->result.pairs ? n - r->result.pairs : 0;
+        r->check.extra = n < r->result.pairs ? r->result.pairs - n : 0;
+        if (ok && n == r->result.pairs && duet_pairs_hash(expected, n) != r->result.hash)
+            r->check.missing = r->check.extra = 1;
+        duet_free(expected);
+    }
+    return ranks_agree(&r->cluster->ranks, ok, err);
+}
+
+// ---------------------------------------------------------------- what is told
+
+// Pairs are not searched: times alone are of interest.
+static bool is_forecast(const run_state *r)
+{
+    return r->simulation && r->simulation->object_seconds > 0;
+}
+
+// Of weak scaling: by the time of a rank that is alone with its part of the objects.
+static double efficiency(const run_state *r)
+{
+    double objects = (double)r->result.objects / r->n_ranks;
+    double alone_ms = 1e3 * r->simulation->object_seconds * objects;
+    return alone_ms / r->total_ms[(r->args->repeat - 1) / 2];
+}
+
+static void print_text(const run_state *r)
+{
+    const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
+    const duet_cluster_result *result = &r->result;
+    run_report_scene(info);
+    printf("%s\n\n", table_things((uint64_t)r->n_ranks, "rank", "ranks").chars);
+    table t = table_begin("rllrrrrr");
+    table_words(&t, "rank", "host", "devices", "objects", "ghosts", "pairs", "busy ms", "wait ms",
+                NULL);
+    for (int i = 0; i < r->n_ranks; ++i) {
+        const duet_cluster_rank *rank = &r->ranks[i];
+        table_cell(&t, "%d", i);
+        table_words(&t, rank->host, rank->pair, table_count(rank->objects).chars,
+                    table_count(rank->ghosts).chars, table_count(rank->pairs).chars, NULL);
+        table_cell(&t, "%.3f", rank->busy_ms);
+        table_cell(&t, "%.3f", rank->wait_ms);
+    }
+    table_print(&t, stdout);
+    uint64_t n = r->args->repeat;
+    double median = r->total_ms[(n - 1) / 2];
+    printf("\n");
+    t = table_begin("lrl");
+    if (!is_forecast(r)) {
+        table_words(&t, "pairs", table_count(result->pairs).chars, NULL);
+        table_cell(&t, "collide, at level %s; hash %016" PRIx64,
+                   duet_level_get_info(r->cluster->def.world.level)->name, result->hash);
+    }
+    table_cell(&t, r->simulation ? "simulated time" : "time");
+    table_cell(&t, "%.3f ms", median);
+    table_cell(&t, "median of %" PRIu64 ", %.3f to %.3f; %.3g million boxes a second", n,
+               r->total_ms[0], r->total_ms[n - 1],
+               median > 0 ? (double)result->objects / median * 1e-3 : 0.0);
+    if (is_forecast(r)) {
+        table_cell(&t, "efficiency");
+        table_cell(&t, "%.3f", efficiency(r));
+        table_cell(&t, "what devices take for one rank's objects alone, by that");
+    }
+    table_print(&t, stdout);
+    if (r->check.asked)
+        run_report_check(&r->check);
+}
+
+static cJSON *rank_json(const run_state *r, int i)
+{
+    const duet_cluster_rank *rank = &r->ranks[i];
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddNumberToObject(o, "rank", i);
+    cJSON_AddStringToObject(o, "host", rank->host);
+    cJSON_AddStringToObject(o, "pair", rank->pair);
+    cJSON_AddNumberToObject(o, "objects", (double)rank->objects);
+    cJSON_AddNumberToObject(o, "ghosts", (double)rank->ghosts);
+    cJSON_AddNumberToObject(o, "pairs", (double)rank->pairs);
+    cJSON_AddNumberToObject(o, "busy_ms", rank->busy_ms);
+    cJSON_AddNumberToObject(o, "wait_ms", rank->wait_ms);
+    cJSON_AddNumberToObject(o, "sent_bytes", (double)rank->sent_bytes);
+    return o;
+}
+
+static bool print_json(const run_state *r, duet_error *err)
+{
+    const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
+    uint64_t n = r->args->repeat;
+    char hash[17];
+    snprintf(hash, sizeof hash, "%016" PRIx64, r->result.hash);
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "scene", info->name);
+    cJSON_AddNumberToObject(o, "dims", info->dims);
+    cJSON_AddNumberToObject(o, "objects", (double)r->result.objects);
+    if (!is_forecast(r)) {
+        cJSON_AddNumberToObject(o, "pairs", (double)r->result.pairs);
+        cJSON_AddStringToObject(o, "hash", hash);
+    }
+    cJSON_AddStringToObject(o, "level", duet_level_get_info(r->cluster->def.world.level)->name);
+    cJSON_AddBoolToObject(o, "resident", r->args->resident);
+    cJSON_AddNumberToObject(o, "repeat", (double)n);
+    cJSON_AddNumberToObject(o, "total_ms", r->total_ms[(n - 1) / 2]);
+    cJSON_AddNumberToObject(o, "least_ms", r->total_ms[0]);
+    cJSON_AddNumberToObject(o, "most_ms", r->total_ms[n - 1]);
+    if (r->simulation)
+        cJSON_AddStringToObject(o, "platform", r->args->simulate);
+    if (is_forecast(r))
+        cJSON_AddNumberToObject(o, "efficiency", efficiency(r));
+    cJSON *rows = cJSON_AddArrayToObject(o, "ranks");
+    for (int i = 0; i < r->n_ranks; ++i)
+        cJSON_AddItemToArray(rows, rank_json(r, i));
+    if (r->check.asked)
+        run_report_add_check(o, &r->check);
+    return say_json(o, err);
+}
+
+static bool tell(const run_state *r, duet_error *err)
+{
+    if (r->rank > 0)
+        return true;
+    if (!r->args->json)
+        print_text(r);
+    else if (!print_json(r, err))
+        return false;
+    return reference_check_is_right(&r->check) ||
+           error_set(err, DUET_STATUS_WRONG_RESULT, "%s: the pairs differ from the reference's",
+                     duet_cluster_get_scene_info(r->cluster)->name);
+}
+
+// ---------------------------------------------------------------- all of it
+
+static bool run_all(run_state *r, const char *path, duet_error *err)
+{
+    bool ok = open_cluster(r, err) && load(r, path, err) && choose_plan(r, err) &&
+              run_steps(r, err) && check(r, err);
+    if (ok && r->args->pairs_path)
+        ok = duet_cluster_save_pairs(r->cluster, r->args->pairs_path, r->args->sorted, err);
+    return ok && ranks_agree(&r->cluster->ranks, tell(r, err), err);
+}
+
+bool rank_run(const cluster_arguments *args, const char *scene, const simulation *s,
+              duet_error *err)
+{
+    run_state r = {.args = args, .simulation = s};
+    MPI_Comm_rank(MPI_COMM_WORLD, &r.rank);
+    MPI_Comm_size(MPI_COMM_WORLD, &r.n_ranks);
+    bool ok = run_all(&r, scene, err);
+    duet_cluster_destroy(r.cluster);
+    duet_scene_destroy(r.scene);
+    free(r.total_ms);
+    free(r.ranks);
+    return ok;
+}

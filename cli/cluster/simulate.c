@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// The program duet-simulate: `duet cluster --simulate`, all of its ranks in one process.
+#include "base/error.h"
+#include "cli/cluster/rank.h"
+#include "cli/interrupt.h"
+#include "cli/say.h"
+#include "cluster/simulated/smpi.h"
+#include "profiles/duet_profiles.h"
+
+#include <limits.h>
+#include <locale.h>
+#include <string.h>
+
+typedef struct simulated_job {
+    cluster_arguments args; // first: the table of options fills it
+    const char *scene;
+    simulation simulation;
+    bool failed;
+    duet_error err; // of rank 0, which is that of all
+} simulated_job;
+
+// ---------------------------------------------------------------- times
+
+static const duet_stored_profile *find_profile(const duet_profile_list *list, const char *uid,
+                                               duet_error *err)
+{
+    const duet_stored_profile *found = NULL;
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < duet_profile_list_get_count(list); ++i) {
+        const duet_stored_profile *p = duet_profile_list_get_profile(list, i);
+        if (strncmp(p->uid, uid, strlen(uid)) != 0)
+            continue;
+        found = p;
+        ++n;
+    }
+    if (n != 1)
+        error_set(err, DUET_STATUS_NOT_FOUND,
+                  "--profile '%s': %u profiles begin so; expected the first digits of one, as "
+                  "'duet profiles' shows them",
+                  uid, n);
+    return n == 1 ? found : NULL;
+}
+
+// A step's time by the objects of the profile.
+static bool read_times(simulated_job *job, duet_error *err)
+{
+    job->simulation = (simulation){.pass = smpi_pass, .stands_for = (uint32_t)job->args.stands_for};
+    if (!job->args.profile)
+        return true;
+    duet_profile_list *list = duet_profile_list_create(NULL, true, err);
+    const duet_stored_profile *p = list ? find_profile(list, job->args.profile, err) : NULL;
+    if (p)
+        job->simulation.object_seconds = p->step_ms * 1e-3 / (double)p->objects;
+    duet_profile_list_destroy(list);
+    return p;
+}
+
+// ---------------------------------------------------------------- the program
+
+static void run_rank(void *context)
+{
+    simulated_job *job = context;
+    duet_error err = {0};
+    int rank = 0;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    if (rank == 0 && job->simulation.stands_for > 1)
+        job->simulation.ballast = smpi_ballast(INT_MAX);
+    bool ok = rank_run(&job->args, job->scene, &job->simulation, &err);
+    if (ok || rank > 0)
+        return;
+    job->failed = true;
+    job->err = err;
+}
+
+static bool run(void *given, char **operands, duet_error *err)
+{
+    simulated_job *job = given;
+    job->scene = operands[0];
+    if (!read_times(job, err) ||
+        !smpi_run(job->args.simulate, (int)job->args.ranks, run_rank, job, err))
+        return false;
+    if (job->failed)
+        *err = job->err;
+    return !job->failed;
+}
+
+int main(int argc, char **argv)
+{
+    simulated_job job = {.args = CLUSTER_ARGUMENTS_DEFAULT};
+    setlocale(LC_CTYPE, "");
+    interrupt_watch();
+    interrupt_at_once();
+    int status = options_run(&cluster_line, argc, argv, &job, run);
+    return status == EXIT_OK && !say_finish() ? EXIT_FAILED : status;
+}

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+#define _GNU_SOURCE // memfd_create, strverscmp
+#include "cluster/simulated/smpi.h"
+
+#include "base/error.h"
+
+#include <errno.h>
+#include <mpi.h>
+#include <simgrid/actor.h>
+#include <simgrid/engine.h>
+#include <simgrid/host.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <xbt/config.h>
+#include <xbt/log.h>
+
+static void (*rank_body)(void *context);
+static void *rank_context;
+
+static void run_rank(int argc, char **argv)
+{
+    MPI_Init(&argc, &argv);
+    rank_body(rank_context);
+    MPI_Finalize();
+}
+
+// The times of messages are the platform's; no processor time of this machine is added.
+static void begin_simgrid(const char *platform)
+{
+    char name[] = "duet", *argv[] = {name, NULL};
+    int argc = 1;
+    xbt_log_control_set("root.thres:error");
+    xbt_log_control_set("root.fmt:%m%n");
+    simgrid_init(&argc, argv);
+    smpi_init_options();
+    sg_cfg_set_string("smpi/privatization", "no");
+    sg_cfg_set_boolean("smpi/simulate-computation", "no");
+    sg_cfg_set_string("smpi/host-speed", "1Gf");
+    sg_cfg_set_string("smpi/coll-selector", "ompi");
+    sg_cfg_set_string("smpi/shared-malloc", "global");
+    SMPI_init();
+    simgrid_load_platform(platform);
+}
+
+// ---------------------------------------------------------------- whether it is sound
+
+// SimGrid ends a process that reads a wrong platform, and says why on stderr.
+_Noreturn static void try_platform(const char *platform, int told)
+{
+    dup2(told, STDERR_FILENO);
+    begin_simgrid(platform);
+    _exit(sg_host_count() > 0 ? 0 : 1);
+}
+
+static void read_reason(int from, char *reason, size_t size)
+{
+    FILE *lines = fdopen(from, "r");
+    if (!lines || !fgets(reason, (int)size, lines))
+        snprintf(reason, size, "it has no hosts");
+    reason[strcspn(reason, "\n")] = '\0';
+    if (lines)
+        fclose(lines);
+}
+
+static bool check_platform(const char *platform, duet_error *err)
+{
+    int told[2], status = 0;
+    char reason[256] = "";
+    if (access(platform, R_OK) != 0)
+        return error_set(err, DUET_STATUS_NOT_FOUND, "%s: %s", platform, strerror(errno));
+    if (pipe(told) != 0)
+        return error_set(err, DUET_STATUS_IO_FAILED, "a pipe: %s", strerror(errno));
+    pid_t child = fork();
+    if (child == 0)
+        try_platform(platform, told[1]);
+    close(told[1]);
+    bool ran = child > 0 && waitpid(child, &status, 0) == child;
+    read_reason(told[0], reason, sizeof reason);
+    return (ran && status == 0) || error_set(err, DUET_STATUS_BAD_INPUT,
+                                             "%s: no platform of SimGrid: %s", platform, reason);
+}
+
+// ---------------------------------------------------------------- ranks
+
+static int by_name(const void *left, const void *right)
+{
+    return strverscmp(sg_host_get_name(*(const sg_host_t *)left),
+                      sg_host_get_name(*(const sg_host_t *)right));
+}
+
+// SimGrid takes ranks from a file alone.
+static bool deploy(int n, duet_error *err)
+{
+    char path[64];
+    int file = memfd_create("ranks", MFD_CLOEXEC);
+    FILE *lines = file >= 0 ? fdopen(file, "w") : NULL;
+    if (!lines)
+        return error_set(err, DUET_STATUS_IO_FAILED, "the list of %d ranks: %s", n,
+                         strerror(errno));
+    sg_host_t *hosts = sg_host_list();
+    size_t n_hosts = sg_host_count();
+    qsort(hosts, n_hosts, sizeof(sg_host_t), by_name);
+    fputs("<!DOCTYPE platform SYSTEM \"https://simgrid.org/simgrid.dtd\">\n"
+          "<platform version=\"4.1\">\n",
+          lines);
+    for (int i = 0; i < n; ++i)
+        fprintf(lines,
+                "<actor host=\"%s\" function=\"duet\"><prop id=\"instance_id\" value=\"duet\"/>"
+                "<prop id=\"rank\" value=\"%d\"/></actor>\n",
+                sg_host_get_name(hosts[(size_t)i % n_hosts]), i);
+    fputs("</platform>\n", lines);
+    fflush(lines);
+    snprintf(path, sizeof path, "/proc/self/fd/%d", file);
+    simgrid_load_deployment(path);
+    fclose(lines);
+    free(hosts);
+    return true;
+}
+
+bool smpi_run(const char *platform, int n, void (*body)(void *context), void *context,
+              duet_error *err)
+{
+    if (!check_platform(platform, err))
+        return false;
+    rank_body = body;
+    rank_context = context;
+    begin_simgrid(platform);
+    SMPI_app_instance_register("duet", run_rank, n);
+    if (!deploy(n, err))
+        return false;
+    simgrid_run();
+    SMPI_finalize();
+    return true;
+}
+
+void smpi_pass(double seconds)
+{
+    sg_actor_sleep_for(seconds);
+}
+
+void *smpi_ballast(uint64_t bytes)
+{
+    return SMPI_SHARED_MALLOC(bytes);
+}
