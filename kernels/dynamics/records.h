@@ -95,8 +95,8 @@
 #define SLEEPS 1u
 #define WOKE 2u
 #define PRESSED 4u
-#define PRESSED_STEPS 240
-#define PRESSED_ROUNDS 16
+#define PRESSED_STEPS 480
+#define PRESSED_ROUNDS 4
 
 // ------------------------------------------------------------ colours
 

@@ -137,7 +137,7 @@ static void scenes_are_known_by_name(void **state)
         assert_int_equal(strncmp(shown.out, "-- SPDX", 7), 0);
         program_free(&shown);
     }
-    assert_int_equal(n, 12);
+    assert_int_equal(n, 13);
     program_free(&list);
     program p = program_run("run papr");
     program_assert_refused(&p, 1, "papr: no such file or scene; did you mean 'paper'?");

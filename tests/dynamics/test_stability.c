@@ -188,7 +188,7 @@ static void what_has_no_space_sleeps_all_the_same(void **state)
     mover_run(m, 0);
     duet_error err = {0};
     assert_ok(duet_motion_sleep_bodies(m->motion, (duet_body_list){.first = 1, .n = 1}, &err), err);
-    mover_run(m, 235);
+    mover_run(m, 475);
     assert_true(m->last.n_stages > 0);
     mover_run(m, 15);
     assert_int_equal(m->last.n_stages, 0);
