@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#define _GNU_SOURCE // sched_getaffinity
+#define _POSIX_C_SOURCE 200809L
 #include "runtime/broadphase/slab.h"
 
 #include "base/clock.h"
@@ -124,14 +124,6 @@ enum { MOST_THREADS = 30 };
 
 // Packing must keep one object in so many from a device.
 enum { LEAST_LEFT_OUT = 16 };
-
-// Threads that this machine has to spare, besides the two that drive the devices.
-static uint32_t spare_threads(void)
-{
-    cpu_set_t cpus;
-    int n = sched_getaffinity(0, sizeof cpus, &cpus) == 0 ? CPU_COUNT(&cpus) : 1;
-    return n <= 3 ? 1 : n - 2 < MOST_THREADS ? (uint32_t)n - 2 : MOST_THREADS;
-}
 
 static size_t object_bytes(duet_shape shape)
 {
@@ -339,7 +331,7 @@ bool pack_pays(const part_task *task, const part_range ranges[2], int side, cons
 static bool start_threads(pack *p, void (*job)(void *), void *arg, duet_error *err)
 {
     if (!p->threads)
-        p->threads = thread_pool_open(spare_threads(), err);
+        p->threads = thread_pool_open(thread_pool_spare(MOST_THREADS), err);
     p->under_way = p->threads;
     if (p->threads)
         thread_pool_start(p->threads, job, arg);
@@ -359,7 +351,7 @@ bool pack_start(pack *p, const part parts[2], const part_task *task, const part_
 
 bool pack_lend_threads(pack *p, void (*job)(void *), void *arg, duet_error *err)
 {
-    return spare_threads() == 1 || start_threads(p, job, arg, err);
+    return thread_pool_spare(MOST_THREADS) == 1 || start_threads(p, job, arg, err);
 }
 
 void pack_wait(pack *p)

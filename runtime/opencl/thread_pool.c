@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE // sched_getaffinity
 #include "runtime/opencl/thread_pool.h"
 
 #include "base/error.h"
 
 #include <pthread.h>
+#include <sched.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 
 struct thread_pool {
@@ -39,6 +41,14 @@ static void *work(void *arg)
     }
     pthread_mutex_unlock(&c->lock);
     return NULL;
+}
+
+uint32_t thread_pool_spare(uint32_t most)
+{
+    cpu_set_t cpus;
+    int n = sched_getaffinity(0, sizeof cpus, &cpus) == 0 ? CPU_COUNT(&cpus) : 1;
+    uint32_t spare = n <= 3 ? 1 : (uint32_t)n - 2;
+    return spare < most ? spare : most;
 }
 
 thread_pool *thread_pool_open(uint32_t n_threads, duet_error *err)
@@ -106,5 +116,32 @@ void thread_pool_run_both(thread_pool *c, void (*job)(void *), void *a, void *b)
     if (b)
         job(b);
     if (a && b)
+        thread_pool_wait(c);
+}
+
+typedef struct sharing {
+    thread_pool_some *some;
+    void *arg;
+    uint64_t n, piece;
+    _Atomic uint64_t taken;
+} sharing;
+
+static void do_pieces(void *arg)
+{
+    sharing *s = arg;
+    uint64_t at;
+    while ((at = atomic_fetch_add(&s->taken, s->piece)) < s->n)
+        s->some(s->arg, at, s->n - at < s->piece ? s->n : at + s->piece);
+}
+
+void thread_pool_share(thread_pool *c, thread_pool_some *some, void *arg, uint64_t n,
+                       uint64_t piece)
+{
+    sharing s = {.some = some, .arg = arg, .n = n, .piece = piece};
+    bool shared = c && n > piece;
+    if (shared)
+        thread_pool_start(c, do_pieces, &s);
+    do_pieces(&s);
+    if (shared)
         thread_pool_wait(c);
 }

@@ -59,7 +59,10 @@ typedef struct query_side {
     uint64_t first, last;
     hit_list found;
     hit_list open_hits;
-    query_flow flows[2]; // of two chunks that follow each other
+    query_flow flows[2];  // of two chunks that follow each other
+    query_flow *now;      // whose items are copied
+    uint64_t n_finished;  // hits before those that are being finished
+    thread_pool *helpers; // copy items and finish hits; NULL: one thread does
     uint64_t undecided;
     double wall_ms;
 } query_side;

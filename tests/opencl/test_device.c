@@ -8,9 +8,11 @@
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/driver.h"
 #include "runtime/opencl/program.h"
+#include "runtime/opencl/thread_pool.h"
 #include "runtime/opencl/timeline.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -451,6 +453,34 @@ static void two_devices_launch_one_program_over_any_ranges_at_once(void **state)
     gen_close(g);
 }
 
+// ------------------------------------------------------------ threads
+
+enum { SHARED_THINGS = 100001 };
+
+static void count_things(void *arg, uint64_t first, uint64_t last)
+{
+    for (uint64_t i = first; i < last; ++i)
+        atomic_fetch_add((atomic_uchar *)arg + i, 1);
+}
+
+static void what_threads_share_is_done_once_each(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    static atomic_uchar done[SHARED_THINGS + 1];
+    thread_pool *pool = thread_pool_open(3, &err);
+    assert_ok(pool != NULL, err);
+    for (uint64_t piece = 1; piece < 1000000; piece *= 10)
+        thread_pool_share(pool, count_things, done, SHARED_THINGS, piece);
+    thread_pool_share(NULL, count_things, done, SHARED_THINGS, 7);
+    thread_pool_share(pool, count_things, done, 0, 7);
+    for (int i = 0; i < SHARED_THINGS; ++i)
+        assert_int_equal(done[i], 7);
+    assert_int_equal(done[SHARED_THINGS], 0);
+    thread_pool_close(pool);
+    assert_true(thread_pool_spare(1) == 1 && thread_pool_spare(30) >= 1);
+}
+
 static void compile_declared(const device *d, gen *g, const char *name, uint64_t index)
 {
     enum { MOST_PARAMS = 64 };
@@ -517,6 +547,7 @@ int main(void)
         FACT(folders_come_from_the_environment_and_are_copied),
         FACT(launches_of_pocls_cpus_lie_along_the_third_axis),
         FACT(two_devices_launch_one_program_over_any_ranges_at_once),
+        FACT(what_threads_share_is_done_once_each),
         FACT(every_built_in_function_that_a_kernel_calls_is_declared),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

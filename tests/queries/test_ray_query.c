@@ -680,7 +680,7 @@ static void lists_grow(void **state)
 static void chunks_that_follow_each_other_lose_nothing(void **state)
 {
     (void)state;
-    enum { FLOW = 1 << 18, N = 2 * FLOW + 5000, CUBES = 27 };
+    enum { FLOW = 1 << 19, N = 2 * FLOW + 5000, CUBES = 27 };
     duet_pose cubes[CUBES];
     duet_ray *rays = calloc(N, sizeof *rays);
     duet_ray_hit *expected = calloc(N, sizeof *expected);
@@ -713,7 +713,7 @@ static void chunks_that_follow_each_other_lose_nothing(void **state)
             duet_ray_query_result found;
             rays[FLOW + 7].t_max = NAN;
             assert_false(duet_ray_query_run(query, rays, N, &found, &err));
-            assert_non_null(strstr(err.text, "ray 262151:"));
+            assert_non_null(strstr(err.text, "ray 524295:"));
         }
         duet_ray_query_destroy(query);
         duet_tree_destroy(tree);
