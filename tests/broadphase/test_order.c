@@ -249,10 +249,16 @@ static void assert_finds_all_in_any_order(duet_world *world, rng *r, uint32_t n)
     assert_finds_all(world, n);
 }
 
-// As if the devices had memory of their own, or worked on the host's.
+// As if the devices had memory of their own; host: as it is.
 static void set_memory(bool host)
 {
-    devices->devices[0].info.host_memory = devices->devices[1].info.host_memory = host;
+    static bool is_known, of_host[2];
+    for (int side = 0; side < 2; ++side) {
+        bool *told = &devices->devices[side].info.host_memory;
+        of_host[side] = is_known ? of_host[side] : *told;
+        *told = host && of_host[side];
+    }
+    is_known = true;
 }
 
 static void any_order_share_and_number_gives_the_reference_pairs(void **state)
