@@ -34,3 +34,15 @@ local tree <close> = assert(pair:tree { dims = dims, share = 0 })
 assert(tree:set_motion(motion))
 local box_query <close> = assert(tree:box_query { level = "aabb" })
 tell(assert(box_query:run(poses)))
+
+-- What sleeps deep in others is pushed out, and within a skin only what commands altered is searched.
+for i = 0, 39 do poses:set(i, up[1] * i * 0.9, up[2] * i * 0.9, up[3] * i * 0.9, 0.5, 0.5, 0.5, 0, 0, 0, 1) end
+local row <close> = assert(pair:motion(poses, nil, { dims = dims, wants = { "contact_response", "sleep" }, plan = { share = 0 },
+  skin = 0.3 }))
+local all = {}
+for i = 0, 39 do all[i + 1] = i end
+assert(row:sleep_bodies(all))
+for _ = 1, 3 do assert(row:advance()) end
+assert(row:remove_bodies { 20 })
+assert(row:advance())
+tell(assert(row:read_of { 0, 19, 39 }))
