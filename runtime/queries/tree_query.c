@@ -345,12 +345,20 @@ static bool read_hits(query_side *s, buffer *from, uint32_t *to, uint64_t n)
                                    (size_t)n * hit_bytes(s->query), &s->tree->err);
 }
 
+// Rows that threads share: hits of a query, or items and where they go.
+typedef struct shared_rows {
+    const tree_query *query;
+    uint32_t *hits;
+    const char *from;
+    char *to;
+} shared_rows;
+
 static void finish_some(void *arg, uint64_t first, uint64_t last)
 {
-    const query_side *s = arg;
-    const tree_query *q = s->query;
+    const shared_rows *rows = arg;
+    const tree_query *q = rows->query;
     for (uint64_t i = first; i < last; ++i) {
-        uint32_t *hit = hit_at(q, &s->found, s->n_finished + i);
+        uint32_t *hit = rows->hits + i * q->kind->hit_words;
         if (hit[1] != DUET_NO_OBJECT)
             q->kind->finish(q->tree, item_at(q, hit[0]), hit);
     }
@@ -359,9 +367,9 @@ static void finish_some(void *arg, uint64_t first, uint64_t last)
 static void finish_hits(query_side *s, uint64_t begin, uint64_t end)
 {
     const tree_query *q = s->query;
-    s->n_finished = begin;
+    shared_rows rows = {.query = q, .hits = hit_at(q, &s->found, begin)};
     if (q->kind->finish && q->wants != QUERY_ANY)
-        thread_pool_share(s->helpers, finish_some, s, end - begin, PIECE);
+        thread_pool_share(s->helpers, finish_some, &rows, end - begin, PIECE);
 }
 
 // Where the chunk's hits are: each item's have a place of their own, or they follow those before.
@@ -441,10 +449,9 @@ static bool reserve_flow(query_side *s, query_flow *f, uint32_t n)
 
 static void copy_some(void *arg, uint64_t first, uint64_t last)
 {
-    const query_side *s = arg;
-    size_t bytes = s->query->item_words * sizeof(float);
-    memcpy((char *)s->now->items.bytes + first * bytes, item_at(s->query, s->now->first + first),
-           (size_t)(last - first) * bytes);
+    const shared_rows *rows = arg;
+    size_t bytes = rows->query->item_words * sizeof(float);
+    memcpy(rows->to + first * bytes, rows->from + first * bytes, (size_t)(last - first) * bytes);
 }
 
 // Nothing is waited for.
@@ -459,8 +466,8 @@ static bool start_flow(query_side *s, query_flow *f, uint64_t first, uint32_t n)
     f->first = first;
     f->n = s->n = n;
     s->first_item = (cl_uint)first;
-    s->now = f;
-    thread_pool_share(s->helpers, copy_some, s, n, PIECE);
+    shared_rows rows = {.query = q, .from = (const char *)item_at(q, first), .to = f->items.bytes};
+    thread_pool_share(s->helpers, copy_some, &rows, n, PIECE);
     bool ok =
         timeline_write_at(&t->times, "send items", &s->items, 0, f->items.bytes, bytes, &t->err) &&
         order_items(s) && start_asking(s) &&

@@ -60,8 +60,6 @@ typedef struct query_side {
     hit_list found;
     hit_list open_hits;
     query_flow flows[2];  // of two chunks that follow each other
-    query_flow *now;      // whose items are copied
-    uint64_t n_finished;  // hits before those that are being finished
     thread_pool *helpers; // copy items and finish hits; NULL: one thread does
     uint64_t undecided;
     double wall_ms;
