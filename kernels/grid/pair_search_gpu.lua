@@ -21,6 +21,8 @@ return {
     { "JOINED", values = { 0, 1 }, default = function(limits) return limits.cpu and 0 or 1 end,
       about = "1: one loop over all ranges around a cell" },
     { "IDS", values = { 0, 1 }, default = 0, about = "what a pair names: 0 places in cell order, 1 ids" },
+    { "GUARDED", min = 0, max = 1, default = 0, silent = true,
+      about = "1: nothing is searched in a grid that got more objects than it has space for" },
     { "CELLS_X", min = 0, max = 65536, default = 0, about = "cells along x that are compiled in; 0: read" },
     { "CELLS_Y", min = 0, max = 65536, default = 0, about = "along y" },
     { "CELLS_Z", min = 0, max = 65536, default = 0, about = "along z" },
@@ -40,6 +42,8 @@ return {
       uint n_cells
       uint key_from
       uint n_home_cells
+      uint n_own_cells         if GUARDED == 1
+      uint place_capacity      if GUARDED == 1
       uint first
       uint last
       uint2 *found

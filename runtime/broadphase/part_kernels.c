@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What a device's part is made of: its buffers, its kernels and what these are told.
-#include "runtime/broadphase/part.h"
+#include "runtime/broadphase/strays.h"
 
 #include "base/error.h"
 #include "runtime/narrowphase/level.h"
@@ -20,7 +20,7 @@ static const size_t buffers[] = {
     offsetof(part, ids_spare), offsetof(part, starts),    offsetof(part, bounds),
     offsetof(part, boxes),     offsetof(part, counters),  offsetof(part, candidates),
     offsetof(part, pairs),     offsetof(part, undecided), offsetof(part, levels),
-    offsetof(part, gathered)};
+    offsetof(part, gathered),  offsetof(part, marks)};
 
 #define BUFFER(name, type, member) BIND_BUFFER(part, name, type, member)
 #define VALUE(name) BIND_VALUE(part, #name, args.name)
@@ -51,6 +51,8 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         BUFFER("pairs", "uint2 *", pairs),
                                         BUFFER("undecided", "uint2 *", undecided),
                                         BUFFER("counters", "uint *", counters),
+                                        BUFFER("marks", "uint *", marks),
+                                        BIND_VALUE(part, "stamp", stamp),
                                         BIND_VALUE(part, "n_keys", args.n),
                                         BIND_VALUE(part, "place_capacity", place_capacity),
                                         VALUE(n),
@@ -59,6 +61,8 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         VALUE(key_from),
                                         VALUE(n_hashed),
                                         VALUE(key_home_to),
+                                        VALUE(marked_from),
+                                        VALUE(marked_to),
                                         VALUE(key_to),
                                         VALUE(key_end),
                                         VALUE(n_home_cells),
@@ -110,6 +114,7 @@ void part_close(part *p)
     host_block_release(&p->fetched);
     host_block_release(&p->news);
     host_block_release(&p->sent);
+    host_block_release(&p->marks_seen);
     program_set_close(p->programs);
     gen_close(p->gen);
     *p = (part){0};
@@ -275,6 +280,9 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {"CELLS_Y", cells.s[1], false},
         {"CELLS_Z", cells.s[2], false},
         {"PACKED", task->packed, false},
+        {"STRAYS", task->strays ? STRAY_BLOCK : 0, false},
+        {"STRETCH", task->strays && counting, false},
+        {"GUARDED", task->slab, false},
         {"FROM_IDS", 1, counting && !task->shared},
         {"FUSED", tested && p->variant.fused, tested},
     };
@@ -304,6 +312,8 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
     }
     p->kernels.from_ids = search != SEARCH_GPU || kernel_param(p->kernels.place, "FROM_IDS") == 1;
     p->kernels.packed = task->packed;
+    p->kernels.stretched = task->strays;
+    p->kernels.guarded = task->slab && search != SEARCH_PAPER;
     p->kernels.listed = !tested;
     p->kernels.fused = kernel_param(p->kernels.candidates, "FUSED") == 1;
     // Fused rows leave to narrow what their buffers cannot hold, lanes nothing.

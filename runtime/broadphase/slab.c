@@ -328,13 +328,13 @@ bool pack_pays(const part_task *task, const part_range ranges[2], int side, cons
            v->search == SEARCH_GPU && v->send == SEND_PACKED;
 }
 
-static bool start_threads(pack *p, void (*job)(void *), void *arg, duet_error *err)
+static bool start_threads(pack *p, duet_error *err)
 {
     if (!p->threads)
         p->threads = thread_pool_open(thread_pool_spare(MOST_THREADS), err);
     p->under_way = p->threads;
     if (p->threads)
-        thread_pool_start(p->threads, job, arg);
+        thread_pool_start(p->threads, pack_blocks, p);
     return p->threads;
 }
 
@@ -346,12 +346,7 @@ bool pack_start(pack *p, const part parts[2], const part_task *task, const part_
         wanted[side] = packed[side] && !has_slab(&parts[side], task, &ranges[side]);
     if (!begin_pack(p, task, ranges, wanted, parts[0].devices, err))
         return false;
-    return (!wanted[0] && !wanted[1]) || start_threads(p, pack_blocks, p, err);
-}
-
-bool pack_lend_threads(pack *p, void (*job)(void *), void *arg, duet_error *err)
-{
-    return thread_pool_spare(MOST_THREADS) == 1 || start_threads(p, job, arg, err);
+    return (!wanted[0] && !wanted[1]) || start_threads(p, err);
 }
 
 void pack_wait(pack *p)

@@ -85,10 +85,6 @@ bool pack_start(pack *p, const part parts[2], const part_task *task, const part_
                 const bool packed[2], duet_error *err);
 void pack_wait(pack *p);
 
-// Threads that a machine with cores to spare gives to other work of the host beside a step's,
-// where nothing is packed: job(arg) in each of them. pack_wait waits for it.
-bool pack_lend_threads(pack *p, void (*job)(void *), void *arg, duet_error *err);
-
 // Lets those who wait go, whatever they had to write.
 void pack_abandon(pack *p);
 
