@@ -32,6 +32,7 @@ typedef struct part_task {
     bool receives;  // the grid comes from the other part
     bool slab;      // the part's grid has some of the cells, and space for about their objects
     bool packed;    // the part is sent the objects of its slab, with their ids
+    bool ordered;   // the objects are in about the order of their cells
     strays *strays; // the part takes its stretches of the input; NULL: all of it
     int side;       // that it is for
     bool rotated;

@@ -260,6 +260,8 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
     bool turned = poses && task->rotated && task->objects.shape != DUET_SHAPE_SPHERES;
     duet_level level = level_of(task);
     bool tested = poses && level != DUET_LEVEL_AABB;
+    // Objects that are in order go to places side by side; a slab's are not all looked at.
+    bool to_places = counting && !task->shared && task->ordered && !task->strays;
     cl_int4 cells = compiled_cells(p, task);
     uint32_t origin_bits;
     memcpy(&origin_bits, &task->objects.origin, sizeof origin_bits);
@@ -283,7 +285,7 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {"STRAYS", task->strays ? STRAY_BLOCK : 0, false},
         {"STRETCH", task->strays && counting, false},
         {"GUARDED", task->slab, false},
-        {"FROM_IDS", 1, counting && !task->shared},
+        {"FROM_IDS", !to_places, counting && !task->shared},
         {"FUSED", tested && p->variant.fused, tested},
     };
     const struct {

@@ -85,6 +85,7 @@ static part_task describe_task(const duet_world *world, int side)
     return (part_task){
         .shared = world->def.plan.mode == DUET_MODE_SHARED,
         .rotated = world->def.rotated,
+        .ordered = world->def.ordered,
         .level = world->def.level,
         .objects = world_objects(world),
         .resident = r->on[side] ? &r->objects : NULL,
