@@ -865,8 +865,8 @@ static bool fetch(part *p, const part_task *task, duet_error *err)
 // Where the device works on host memory, the marks are there already.
 static bool see_marks(part *p, duet_error *err)
 {
-    return !p->marks.host ||
-           timeline_read(&p->times, "fetch marks", &p->marks, p->marks.host, p->marks.bytes, err);
+    return !p->marks.host || timeline_start_read(&p->times, "fetch marks", &p->marks, 0,
+                                                 p->marks.host, p->marks.bytes, err);
 }
 
 bool part_search(part *p, const part_task *task, const part_range *range, bool *placed,

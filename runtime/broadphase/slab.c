@@ -94,17 +94,28 @@ static part_range slab_of(const split *s, const part_task *task, uint32_t from, 
     };
 }
 
-bool split_cut(split *s, const part_task *task, uint32_t share, part_range ranges[2],
-               duet_error *err)
+static void cut_rows(const split *s, const part_task *task, uint32_t share, part_range ranges[2])
 {
-    if (s->stale && !count_objects(s, task, err))
-        return false;
     uint32_t cut = find_cut(s, task, share);
     uint32_t layer = task->objects.dims == 3 ? (uint32_t)task->grid.levels[0].cells.s[1] : 0;
     uint64_t ahead = (uint64_t)cut + layer + 1;
     uint32_t ghost_to = ahead < s->n_rows ? (uint32_t)ahead : s->n_rows;
     ranges[0] = slab_of(s, task, 0, cut, ghost_to);
     ranges[1] = slab_of(s, task, cut, s->n_rows, s->n_rows);
+}
+
+bool split_cut(split *s, const part_task *task, uint32_t share, part_range ranges[2],
+               duet_error *err)
+{
+    if (s->stale && !count_objects(s, task, err))
+        return false;
+    if (!s->last.known || s->last.share != share || s->last.n != task->objects.n) {
+        cut_rows(s, task, share, s->last.ranges);
+        s->last.known = true;
+        s->last.share = share;
+        s->last.n = task->objects.n;
+    }
+    memcpy(ranges, s->last.ranges, sizeof s->last.ranges);
     return true;
 }
 

@@ -359,6 +359,92 @@ static void a_device_takes_its_own_half_and_the_blocks_with_strays(void **state)
     set_memory(true);
 }
 
+// Objects that drift over the cut are in blocks that nobody guessed: the step finds that out.
+static void objects_that_move_are_found_in_every_step(void **state)
+{
+    (void)state;
+    enum { N = 6000, STEPS = 8 };
+    rng r = {test_seed()};
+    for (int host = 0; host < 2; ++host) {
+        duet_world_def def = ordered_def(3, "simd");
+        set_memory(host);
+        duet_world *world = make_world(&def);
+        fill_poses(&r, N, 3);
+        put_in_order(world, N);
+        for (int i = 0; i < STEPS; ++i) {
+            duet_result result;
+            set_poses(world, N);
+            step(world, &result);
+            assert_int_equal(duet_result_get_hash(&result), reference_hash(N, 3));
+            for (uint32_t id = 0; id < N; ++id)
+                for (int k = 0; k < 3; ++k)
+                    poses[id].centre[k] += (float)rng_between(&r, -0.5, 0.5);
+            if (i == STEPS / 2)
+                reverse(N);
+        }
+        duet_world_destroy(world);
+    }
+    set_memory(true);
+}
+
+// ------------------------------------------------------------ guesses
+
+enum { BLOCKS = 100, OWN = BLOCKS / 2 };
+
+// Slabs of 100 blocks in order, cut in the middle, with 3 blocks of ghosts.
+static void begin_strays(strays *s, bool expected_new)
+{
+    duet_error err = {0};
+    const part_task task = {.objects = {.n = BLOCKS * STRAY_BLOCK}, .grid_version = 1};
+    const part_range ranges[2] = {
+        {.key_to = 530, .home_to = 500, .homes = OWN * STRAY_BLOCK, .expected_ghosts = 3000},
+        {.key_from = 500, .key_to = 1000, .home_to = 1000}};
+    const uint64_t before = s->version;
+    assert_ok(strays_begin(s, &task, ranges, &err), err);
+    assert_int_equal(s->version != before, expected_new);
+}
+
+static uint32_t taken_from_other(const strays *s, int side)
+{
+    stretches all = strays_taken(s, side);
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < all.n; ++i)
+        n += i == all.own ? 0 : all.list[i].to - all.list[i].from;
+    return n / STRAY_BLOCK;
+}
+
+static bool guesses(strays *s, const uint32_t *blocks, uint32_t n)
+{
+    static uint32_t marked[2][BLOCKS];
+    static uint32_t stamp;
+    const stray_marks marks[2] = {{marked[0], ++stamp}, {marked[1], stamp}};
+    for (uint32_t i = 0; i < n; ++i)
+        marked[blocks[i] < OWN ? 0 : 1][blocks[i]] = stamp;
+    return strays_guessed_all(s, marks);
+}
+
+static void a_guess_follows_what_was_wanted(void **state)
+{
+    (void)state;
+    static const uint32_t ghosts[] = {50, 51, 52}, far[] = {50, 51, 52, 70},
+                          back[] = {50, 51, 70, 10};
+    strays s = {0};
+    begin_strays(&s, true);
+    assert_int_equal(taken_from_other(&s, 0), 3); // in order the first guess is right
+    assert_int_equal(taken_from_other(&s, 1), 0);
+    assert_true(guesses(&s, ghosts, 3));
+    begin_strays(&s, false);
+    assert_false(guesses(&s, far, 4));
+    assert_int_equal(taken_from_other(&s, 0), 4); // exactly, or with the gap, which is long
+    assert_true(guesses(&s, far, 4));
+    assert_false(guesses(&s, back, 4)); // a layer of three more on both sides
+    assert_int_equal(taken_from_other(&s, 0), 5 + 7);
+    assert_int_equal(taken_from_other(&s, 1), 7);
+    assert_true(guesses(&s, ghosts, 2)); // less than was guessed
+    assert_true(taken_from_other(&s, 0) <= 5 && taken_from_other(&s, 1) == 0);
+    strays_close(&s);
+}
+
 static void a_bad_object_is_named_wherever_it_strays(void **state)
 {
     (void)state;
@@ -429,6 +515,8 @@ int main(void)
         cmocka_unit_test(every_sort_takes_stretches),
         cmocka_unit_test(giants_and_crowds_are_found),
         cmocka_unit_test(a_device_takes_its_own_half_and_the_blocks_with_strays),
+        cmocka_unit_test(objects_that_move_are_found_in_every_step),
+        cmocka_unit_test(a_guess_follows_what_was_wanted),
         cmocka_unit_test(a_workload_tells_how_many_objects_stray),
         cmocka_unit_test(a_bad_object_is_named_wherever_it_strays),
     };
