@@ -376,7 +376,7 @@ static place_bytes bytes_of_places(const part *p, const part_task *task, size_t 
         return (place_bytes){.bounds = COLUMN(n) * columns * sizeof(float),
                              .boxes = poses ? COLUMN(n) * words * sizeof(float) : 0};
     }
-    bool boxes = poses && p->variant.search == SEARCH_GPU;
+    bool boxes = poses && p->variant.search == SEARCH_GPU && !p->kernels.unboxed;
     return (place_bytes){.bounds = n * BOUNDS_QUADS_OF(has_origin) * sizeof(cl_float4),
                          .boxes = boxes ? n * BOX_QUADS_OF(has_origin) * sizeof(cl_float4) : 0};
 }

@@ -79,6 +79,7 @@ typedef struct part_kernels {
     kernel *gather; // NULL where the host sees objects that are to be decided
     bool fused;     // candidates are tested where they are found
     bool listed;    // what overlaps is a pair, without a test
+    bool unboxed;   // boxes are read by id, where the objects are
     bool from_ids;  // objects reach cell order by their sorted ids
     bool packed;    // objects have names
     bool stretched; // some objects are taken, and what the other device wants of them is marked
@@ -93,7 +94,7 @@ typedef struct part_choice {
     bool open;
 } part_choice;
 
-enum { PART_CHOICES = 21 };
+enum { PART_CHOICES = 22 };
 
 // What kernels are told besides the part's buffers, by the names that their cards use.
 typedef struct part_args {

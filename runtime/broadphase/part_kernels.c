@@ -235,6 +235,13 @@ static cl_int4 compiled_cells(const part *p, const part_task *task)
     return fixed ? task->grid.levels[0].cells : (cl_int4){{0}};
 }
 
+// Boxes that are in order are near each other where they are.
+static bool leaves_boxes(const part_task *task)
+{
+    return task->ordered && task->objects.shape == DUET_SHAPE_POSES && !task->objects.sizes &&
+           task->objects.origin == 0.0f && !task->packed;
+}
+
 bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err)
 {
     static const struct {
@@ -262,6 +269,7 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
     bool tested = poses && level != DUET_LEVEL_AABB;
     // Objects that are in order go to places side by side; a slab's are not all looked at.
     bool to_places = counting && !task->shared && task->ordered && !task->strays;
+    bool unboxed = search == SEARCH_GPU && leaves_boxes(task);
     cl_int4 cells = compiled_cells(p, task);
     uint32_t origin_bits;
     memcpy(&origin_bits, &task->objects.origin, sizeof origin_bits);
@@ -272,7 +280,8 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {"APART", task->objects.sizes ? 1 + task->objects.compact : 0, false},
         {"ROTATED", turned, false},
         {"RANK", counting, false},
-        {"SORTED", searches[search].in_cell_order, false},
+        {"SORTED", searches[search].in_cell_order && !unboxed, false},
+        {"UNBOXED", unboxed, false},
         {"IDS", !tested, false},
         {"ACCURACY", level, false},
         {"GRID", task->grid.kind, false},
@@ -313,6 +322,7 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
             return false;
     }
     p->kernels.from_ids = search != SEARCH_GPU || kernel_param(p->kernels.place, "FROM_IDS") == 1;
+    p->kernels.unboxed = unboxed;
     p->kernels.packed = task->packed;
     p->kernels.stretched = task->strays;
     p->kernels.guarded = task->slab && search != SEARCH_PAPER;
