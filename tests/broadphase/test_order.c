@@ -282,8 +282,8 @@ static void every_sort_takes_stretches(void **state)
     (void)state;
     enum { N = 5003 };
     static const char *const variants[] = {
-        "simd sort=radix", "gpu",  "gpu FROM_IDS=0", "gpu sort=radix", "gpu send=chunks",
-        "gpu send=packed", "paper"};
+        "simd sort=radix", "gpu",         "gpu FROM_IDS=0", "gpu sort=radix", "gpu send=chunks",
+        "gpu send=packed", "gpu FUSED=1", "paper"};
     rng r = {test_seed()};
     for (int host = 0; host < 2; ++host)
         for (size_t v = 0; v < sizeof variants / sizeof *variants; ++v) {
@@ -297,6 +297,30 @@ static void every_sort_takes_stretches(void **state)
             duet_world_destroy(world);
         }
     set_memory(true);
+}
+
+// They go straight to their places there, and boxes are read where they are: of one size and of
+// several, in a dense grid and in a hashed one.
+static void whole_grids_of_ordered_objects_are_right(void **state)
+{
+    (void)state;
+    enum { N = 3000 };
+    static const char *const variants[] = {"gpu FUSED=1", "gpu grid=hashed"};
+    rng r = {test_seed()};
+    for (size_t v = 0; v < sizeof variants / sizeof *variants; ++v) {
+        duet_world_def def = ordered_def(3, variants[v]);
+        def.plan.mode = DUET_MODE_OWN;
+        duet_world *world = make_world(&def);
+        fill_poses(&r, N, 3);
+        assert_finds_all_in_any_order(world, &r, N);
+        for (uint32_t i = 0; i < N; i += 100)
+            poses[i].half_extents[0] = 20.0f;
+        set_poses(world, N);
+        world_forget_grid(world);
+        assert_finds_all(world, N);
+        assert_true(world->grid.n_levels > 1);
+        duet_world_destroy(world);
+    }
 }
 
 // Giants make the cells wide, and a crowd makes one cell hold half of all.
@@ -513,6 +537,7 @@ int main(void)
         cmocka_unit_test(any_grid_has_an_order),
         cmocka_unit_test(any_order_share_and_number_gives_the_reference_pairs),
         cmocka_unit_test(every_sort_takes_stretches),
+        cmocka_unit_test(whole_grids_of_ordered_objects_are_right),
         cmocka_unit_test(giants_and_crowds_are_found),
         cmocka_unit_test(a_device_takes_its_own_half_and_the_blocks_with_strays),
         cmocka_unit_test(objects_that_move_are_found_in_every_step),
