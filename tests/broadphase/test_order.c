@@ -44,9 +44,26 @@ static duet_world *make_world(const duet_world_def *def)
     return world;
 }
 
+static void set_large_poses(duet_world *world, uint32_t n)
+{
+    static duet_large_pose large[CAPACITY];
+    duet_error err = {0};
+    for (uint32_t i = 0; i < n; ++i) {
+        const float *at = poses[i].centre;
+        const double centre[3] = {at[0], at[1], at[2]};
+        large[i] = (duet_large_pose){.pose = poses[i]};
+        assert_ok(duet_large_pose_set(&large[i], centre, world->def.origin_edge, &err), err);
+    }
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_LARGE_POSES, large, n, &err), err);
+}
+
 static void set_poses(duet_world *world, uint32_t n)
 {
     duet_error err = {0};
+    if (world->def.origin_edge > 0.0f) {
+        set_large_poses(world, n);
+        return;
+    }
     assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, &err), err);
 }
 
@@ -342,6 +359,24 @@ static void giants_and_crowds_are_found(void **state)
     duet_world_destroy(world);
 }
 
+// The devices alone compute cells of objects in origin cells, and mark strays by them.
+static void objects_in_origin_cells_are_found_in_any_order(void **state)
+{
+    (void)state;
+    enum { N = 3000 };
+    rng r = {test_seed()};
+    duet_world_def def = ordered_def(3, "simd");
+    def.origin_edge = 4.0f;
+    duet_world *world = make_world(&def);
+    fill_poses(&r, N, 3);
+    for (uint32_t i = 0; i < N; ++i)
+        for (int k = 0; k < 3; ++k) // so that a cell and an offset are the same number
+            poses[i].centre[k] = rintf(poses[i].centre[k] * 1024.0f) / 1024.0f;
+    assert_finds_all_in_any_order(world, &r, N);
+    assert_in_range(world->parts[0].taken.n, 1, STRETCHES);
+    duet_world_destroy(world);
+}
+
 static uint32_t count_taken(const part *p)
 {
     uint32_t n = 0;
@@ -539,6 +574,7 @@ int main(void)
         cmocka_unit_test(every_sort_takes_stretches),
         cmocka_unit_test(whole_grids_of_ordered_objects_are_right),
         cmocka_unit_test(giants_and_crowds_are_found),
+        cmocka_unit_test(objects_in_origin_cells_are_found_in_any_order),
         cmocka_unit_test(a_device_takes_its_own_half_and_the_blocks_with_strays),
         cmocka_unit_test(objects_that_move_are_found_in_every_step),
         cmocka_unit_test(a_guess_follows_what_was_wanted),
