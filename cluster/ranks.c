@@ -165,6 +165,12 @@ bool ranks_agree_on(ranks *r, const char *call, bool ok, tally *t, duet_error *e
     return all.failing == r->n || tell_failure(r, all.failing, err);
 }
 
+void ranks_await_end(ranks *r, const char *call)
+{
+    while (r->comm != MPI_COMM_NULL && !ranks_agree_on(r, call, true, NULL, NULL))
+        continue;
+}
+
 void ranks_wait(ranks *r)
 {
     WAITING(r, MPI_Barrier(r->comm));

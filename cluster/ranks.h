@@ -66,6 +66,10 @@ bool ranks_agree_and(ranks *r, bool ok, tally *t, duet_error *err);
 // where the ranks make different ones.
 bool ranks_agree_on(ranks *r, const char *call, bool ok, tally *t, duet_error *err);
 
+// Until all ranks are here; those that make another call meanwhile are refused it. Nothing
+// where ranks did not begin.
+void ranks_await_end(ranks *r, const char *call);
+
 void ranks_wait(ranks *r); // until all are here
 void ranks_sum(ranks *r, uint64_t *values, int n);
 void ranks_least(ranks *r, uint64_t *values, int n);

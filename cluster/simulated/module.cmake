@@ -24,7 +24,7 @@ target_compile_definitions(simgrid INTERFACE _DEFAULT_SOURCE) # useconds_t, whic
 
 set(arrows "${duet_arrows}")
 set(objects "${duet_module_objects}")
-duet_module(simulated FOLDER cluster KNOWS selection LINKS simgrid PUBLIC cluster/duet_cluster.h)
+duet_module(simulated FOLDER cluster KNOWS selection LINKS simgrid)
 set(duet_arrows "${arrows}")
 set(duet_module_objects "${objects}")
 

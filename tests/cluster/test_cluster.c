@@ -312,6 +312,7 @@ static void a_failure_is_one_line(void **state)
         {"cluster --ranks 2 --plain rounded -n 9", 2, "the cluster's shape is rounded boxes"},
         {"cluster --parts 1025 still", 2, "--parts '1025': give a whole number"},
         {"cluster", 2, "SCENE|FILE is missing"},
+        {"lua -e 'duet.cluster()'", 1, "duet.cluster needs 'duet lua --trust'"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         program p = program_run("%s", wrong[i].arguments);
