@@ -79,6 +79,11 @@ uint64_t ranks_sum_before(ranks *r, uint64_t value); // over the ranks below thi
 void ranks_gather(ranks *r, const void *own, void *all, int bytes);
 void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes);
 
+// How long `n` bytes take from rank 0 to rank `to`, one way: the median of several, on rank 0
+// alone. Between two moments of which nobody else uses the network.
+double ranks_ping_ns(ranks *r, int to, void *bytes, int n);
+void ranks_library(char name[MPI_MAX_LIBRARY_VERSION_STRING]); // with its version
+
 // The first rank of each host for which `has_work` holds goes first; the others wait for it.
 // Between the two calls nothing is said to other ranks.
 void ranks_await_turn(ranks *r, bool has_work);

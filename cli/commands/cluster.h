@@ -23,6 +23,7 @@ typedef struct cluster_arguments {
     bool resident;
     bool sorted;
     bool check;
+    bool keep;
     bool json;
 } cluster_arguments;
 
