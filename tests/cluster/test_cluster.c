@@ -357,6 +357,7 @@ static void a_failure_is_one_line(void **state)
          "p.npy: cannot be written"},
         {"cluster --pairs p.csv still", 2, "expected a file whose name ends in .npy"},
         {"cluster --sorted still", 2, "--sorted does nothing without --pairs"},
+        {"cluster --hosts one still", 2, "--hosts does nothing without --ranks"},
         {"cluster --plain --mode own still", 2, "--plain and --mode do not go together"},
         {"cluster --mode abacus still", 2, "--mode 'abacus': the modes are"},
         {"cluster --level abacus still", 2, "--level 'abacus': the levels are"},
