@@ -35,6 +35,7 @@ put_up() {
     ip -n "$tag-$name" link set lo up || return
   done
   # What mpirun calls in the place of ssh: HOST COMMAND...
+  # shellcheck disable=SC2016
   printf '%s\n' '#!/bin/sh' 'host=$1' 'shift' \
     "exec ip netns exec $tag-\$host unshare --uts sh -c \"hostname \$host; \$*\"" >"$work/enter"
   chmod +x "$work/enter"
@@ -46,7 +47,7 @@ if ! command -v ip >/dev/null || ! put_up >/dev/null 2>"$work/says"; then
   exit 77
 fi
 export OMPI_MCA_plm_rsh_agent=$work/enter
-scene="paper -n 2000 --set world=25 --plain"
+scene=(paper -n 2000 --set world=25 --plain)
 
 fail() {
   echo "$1"
@@ -55,11 +56,11 @@ fail() {
 }
 
 cluster() { # ARGUMENTS: from machine one
-  timeout -k 1 60 "$work/enter" one "$duet cluster --ranks 4 --hosts one,two,three,four $scene $*"
+  timeout -k 1 60 "$work/enter" one "$duet cluster --ranks 4 --hosts one,two,three,four ${scene[*]} $*"
 }
 
 pairs_are_those_of_one_machine() {
-  $duet cluster $scene --repeat 1 --pairs "$work/one.npy" --sorted >"$work/out" 2>"$work/err"
+  $duet cluster "${scene[@]}" --repeat 1 --pairs "$work/one.npy" --sorted >"$work/out" 2>"$work/err"
   cluster --repeat 1 --pairs "$work/four.npy" --sorted --json >"$work/out" 2>"$work/err" ||
     fail "four machines fail"
   cmp "$work/one.npy" "$work/four.npy" || fail "other pairs"
