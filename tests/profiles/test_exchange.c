@@ -3,7 +3,6 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "profiles/cluster_run.h"
 #include "profiles/exchange.h"
 #include "profiles/profile.h"
 #include "profiles/sql.h"
@@ -88,31 +87,6 @@ static void cost_one(store *s)
         err);
 }
 
-static void run_cluster(store *s)
-{
-    duet_error err = {0};
-    char uid[PROFILE_ID];
-    const profile_fabric fabric = {.mpi = "Some MPI 1.0",
-                                   .place = TEST_KERNELS,
-                                   .hosts = 2,
-                                   .ranks = 2,
-                                   .latency_ns = 1500,
-                                   .byte_ns = 0.125,
-                                   .times = "{\"8\":1500,\"64\":1600}"};
-    const profile_cluster_run run = {.scene = "grains",
-                                     .dims = 3,
-                                     .n = 77,
-                                     .level = "certified",
-                                     .parts = 1,
-                                     .steps = 5,
-                                     .median_ns = 2e6,
-                                     .low_ns = 1e6,
-                                     .high_ns = 3e6};
-    const profile_cluster_rank ranks[] = {{"a:0,b:0", 40, 3, 9, 120, 1.5e6, 5e5},
-                                          {"a:1,b:1", 37, 4, 8, 160, 1e6, 1e6}};
-    assert_ok(cluster_run_put(s, &fabric, &run, ranks, uid, &err), err);
-}
-
 static void what_went_out_comes_in_as_it_was(void **state)
 {
     (void)state;
@@ -120,7 +94,7 @@ static void what_went_out_comes_in_as_it_was(void **state)
     tune_one(two.s, 1000);
     tune_one(two.s, 2000);
     cost_one(two.s);
-    run_cluster(two.s);
+    test_run_cluster(two.s);
     duet_error err = {0};
     char *lines = lines_of(two.s);
     profile_import_counts counts;
@@ -275,7 +249,7 @@ static void one_bad_line_refuses_the_file_and_is_named(void **state)
     };
     two_stores two = open_two();
     tune_one(two.s, 1000);
-    run_cluster(two.s);
+    test_run_cluster(two.s);
     for (size_t i = 0; i < sizeof spoilt / sizeof spoilt[0]; ++i) {
         char *lines = lines_of(two.s);
         int line = line_of(lines, spoilt[i].from);
@@ -302,7 +276,7 @@ static void a_poisoned_store_is_told_of_and_still_goes_out(void **state)
     (void)state;
     two_stores two = open_two();
     tune_one(two.s, 1000);
-    run_cluster(two.s);
+    test_run_cluster(two.s);
     duet_error err = {0};
     text report = {0};
     uint32_t problems = 0;
@@ -353,7 +327,7 @@ static void spoilt_bytes_never_break_the_store(void **state)
     (void)state;
     two_stores two = open_two();
     tune_one(two.s, 1000);
-    run_cluster(two.s);
+    test_run_cluster(two.s);
     rng r = rng_seed(test_seed());
     int refused = 0;
     for (int round = 0; round < 150; ++round) {
@@ -500,7 +474,7 @@ static void a_check_finds_what_was_tampered_with(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         two_stores two = open_two();
         tune_one(two.s, 1000);
-        run_cluster(two.s);
+        test_run_cluster(two.s);
         text report = {0};
         uint32_t problems = 0;
         duet_error err = {0};
