@@ -151,7 +151,8 @@ static bool find_pairs(duet_motion *m, bool *found, duet_error *err)
 bool motion_find_altered_pairs(duet_motion *m, bool *found, duet_error *err)
 {
     *found = false;
-    if (!place_altered(m, err) || !motion_check_bounds(m, err) || !motion_read_flags(m, err))
+    if (!place_altered(m, err) ||
+        (!m->bounds_checked && (!motion_check_bounds(m, err) || !motion_read_flags(m, err))))
         return false;
     return m->flags[FLAG_MOVED] || find_pairs(m, found, err);
 }
