@@ -71,9 +71,7 @@ __kernel void place_altered(PLACE_ALTERED_ARGS)
     uint last = min(first + PER_ITEM, n_altered);
     for (uint i = first; i < last; ++i) {
         uint id = altered[i];
-        aabb box = aabb_at(new_boxes, id);
-        vstore3(box.lower, 2 * (size_t)id, boxes);
-        vstore3(box.upper, 2 * (size_t)id + 1, boxes);
+        aabb box = aabb_at(boxes, id);
         is_altered[id] = 1;
         if (!is_there(&box))
             continue;

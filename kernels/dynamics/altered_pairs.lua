@@ -12,8 +12,7 @@ return {
     place_altered = [[
       const uint *altered
       uint n_altered
-      const float *new_boxes
-      float *boxes
+      const float *boxes
       uint *is_altered
       float per_edge
       uint n_heads

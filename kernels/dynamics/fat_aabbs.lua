@@ -12,6 +12,7 @@ return {
     { "CONTINUOUS", values = { 0, 1 }, default = 0, about = "1: fast bodies do not tunnel through thin ones" },
     { "SKIN", values = { 0, 1 }, default = 0, about = "1: the contact graph lasts until a body leaves its fat AABB" },
     { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
+    { "ALTERED", values = { 0, 1 }, default = 0, silent = true, about = "1: of the bodies that commands altered" },
     { "SLEEP", values = { 0, 1 }, default = 0, about = "1: bodies at rest are left out" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
@@ -31,7 +32,9 @@ return {
       const uint *asleep               if SKIN == 1 and SLEEP == 1
       const float4 *halves
       real aabb_margin
-      uint n
+      const uint *altered              if ALTERED == 1
+      uint n_altered                   if ALTERED == 1
+      uint n                           if ALTERED == 0
       float *boxes
     ]],
     check_fat_aabbs = [[
@@ -51,6 +54,7 @@ return {
   },
   valid = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
+    if p.ALTERED == 1 and p.SKIN == 0 then return false, "without a skin all are computed" end
     if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
     return true
   end,

@@ -77,15 +77,15 @@ static inline float farthest(const walk *w)
     return INFINITY;
 }
 
-static inline mask meets_bounds(const walk *w, __global const float *node, real *from)
+static inline row_mask meets_bounds(const walk *w, __global const float *node, row *from)
 {
-    mask beside = (mask)(0);
+    row_mask beside = (row_mask)(0);
 #pragma unroll
     for (int k = 0; k < DIMS; ++k) {
-        real lower = load_lanes(node + k * TREE_WIDTH), upper = load_lanes(node + (3 + k) * TREE_WIDTH);
-        beside |= (lower > (real)(w->upper[k])) | (upper < (real)(w->lower[k]));
+        row lower = load_row(node + k * TREE_WIDTH), upper = load_row(node + (3 + k) * TREE_WIDTH);
+        beside |= (lower > (row)(w->upper[k])) | (upper < (row)(w->lower[k]));
     }
-    *from = (real)(0.0f);
+    *from = (row)(0.0f);
     return !beside;
 }
 

@@ -231,7 +231,7 @@ __kernel void item_keys(ITEM_KEYS_ARGS)
 #else
             point[i] = vload8(0, begin[i]);
 #endif
-        spread(curve_place(point, &c), key);
+        spread(curve_place(point, &c) >> (DIMS * BITS - ITEM_BITS), key);
         for (uint k = 0; k < LANES && from + k < n; ++k)
             keys[from + k] = key[k];
     }

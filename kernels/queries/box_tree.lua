@@ -9,6 +9,8 @@ return {
     { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "boxes side by side in a work-item" },
+    { "ITEM_BITS", values = { 16, 24 }, default = function(limits) return limits.cpu and 24 or 16 end,
+      about = "bits of an item's place along the curve, by which items are sorted" },
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,

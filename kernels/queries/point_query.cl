@@ -60,19 +60,19 @@ static inline float farthest(const walk *w)
 
 // The square of the distance to bounds; 0 where they hold the point, for a difference has
 // the right sign.
-static inline mask meets_bounds(const walk *w, __global const float *node, real *from)
+static inline row_mask meets_bounds(const walk *w, __global const float *node, row *from)
 {
-    real square = (real)(0.0f);
-    mask beside = (mask)(0);
+    row square = (row)(0.0f);
+    row_mask beside = (row_mask)(0);
 #pragma unroll
     for (int k = 0; k < DIMS; ++k) {
-        real lower = load_lanes(node + k * TREE_WIDTH), upper = load_lanes(node + (3 + k) * TREE_WIDTH);
-        real point = (real)(w->point[k]);
-        real beyond = fmax(fmax(lower - point, point - upper), (real)(0.0f));
+        row lower = load_row(node + k * TREE_WIDTH), upper = load_row(node + (3 + k) * TREE_WIDTH);
+        row point = (row)(w->point[k]);
+        row beyond = fmax(fmax(lower - point, point - upper), (row)(0.0f));
         square = fma(beyond, beyond, square);
         beside |= WANTS == EVERY ? (lower > point) | (upper < point) : lower > upper; // no box here
     }
-    *from = WANTS == EVERY ? (real)(0.0f) : square;
+    *from = WANTS == EVERY ? (row)(0.0f) : square;
     return !beside;
 }
 

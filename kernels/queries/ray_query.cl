@@ -43,7 +43,7 @@ struct walk {
     volatile __global uint *counters;
 };
 
-static inline mask meets_bounds(const walk *w, __global const float *node, real *from)
+static inline row_mask meets_bounds(const walk *w, __global const float *node, row *from)
 {
     return line_meets_nodes(&w->l, node, from);
 }
@@ -72,7 +72,7 @@ static inline uint meet_box(const walk *w, __global const float *box, float *t)
 
 #else
 
-static inline float along(__global const float *axis, const float v[3])
+static inline float along(const float *axis, const float v[3])
 {
 #if DIMS == 3
     return fma(axis[0], v[0], fma(axis[1], v[1], axis[2] * v[2]));
@@ -83,10 +83,13 @@ static inline float along(__global const float *axis, const float v[3])
 
 // Where the ray is between the two faces of each edge, widened and narrowed by what
 // float may be wrong by. `t` is at least that of the box's bounds.
-static inline uint meet_box(const walk *w, __global const float *box, float *t)
+static inline uint meet_box(const walk *w, __global const float *row_of_box, float *t)
 {
     const line *r = &w->l;
-    float way[3], size = 0.0f;
+    float box[TREE_BOX_WORDS], way[3], size = 0.0f;
+#pragma unroll
+    for (int k = 0; k < TREE_BOX_WORDS / 4; ++k)
+        vstore4(((__global const float4 *)row_of_box)[k], k, box);
 #pragma unroll
     for (int k = 0; k < DIMS; ++k) {
         way[k] = r->lower[k] - box[k];

@@ -88,7 +88,6 @@ static bool reserve_table(duet_motion *m, duet_error *err)
 {
     const uint64_t word = sizeof(uint32_t), n = m->args.n_altered;
     return motion_reserve(m, ALTERED, n, word, err) &&
-           motion_reserve(m, NEW_BOXES, m->n, 6 * word, err) &&
            motion_reserve(m, IS_ALTERED, m->n, word, err) &&
            motion_reserve(m, ALTERED_HEADS, m->args.n_heads, word, err) &&
            motion_reserve(m, ALTERED_ENTRIES_OF, ALTERED_CELLS * n, sizeof(cl_int4), err) &&
@@ -110,22 +109,14 @@ static bool send_altered(duet_motion *m, duet_error *err)
            timeline_fill(t, "altered_pairs", &b[ALTERED_COUNT_WORDS], 0, 0, ALTERED_COUNTS, err);
 }
 
-// All bodies' new bounds, of which the altered ones' count.
-static bool compute_new_boxes(duet_motion *m, duet_error *err)
-{
-    buffer *b = m->buffers;
-    buffer_swap(&b[BOXES], &b[NEW_BOXES]);
-    bool ok = motion_compute_bounds(m, err);
-    buffer_swap(&b[BOXES], &b[NEW_BOXES]);
-    return ok;
-}
-
 static bool ask(duet_motion *m, duet_error *err)
 {
     motion_kernels *k = &m->kernels;
     const char *name = "altered_pairs";
     return k->keep_pairs ||
-           (motion_ask(m, &k->place_altered, name, "place_altered", err) &&
+           (motion_ask_altered(m, &k->compute_altered_aabbs, "fat_aabbs", "compute_fat_aabbs",
+                               err) &&
+            motion_ask(m, &k->place_altered, name, "place_altered", err) &&
             motion_ask(m, &k->find_altered_pairs, name, "find_altered_pairs", err) &&
             motion_ask(m, &k->keep_pairs, name, "keep_pairs", err) &&
             program_set_build(m->programs, err));
@@ -136,7 +127,7 @@ static bool place_altered(duet_motion *m, duet_error *err)
     list_once(m->commands);
     set_args(m);
     return ask(m, err) && reserve_table(m, err) && send_altered(m, err) &&
-           compute_new_boxes(m, err) &&
+           motion_compute_bounds(m, m->kernels.compute_altered_aabbs, m->args.n_altered, err) &&
            motion_launch(m, "altered_pairs", m->kernels.place_altered, m->args.n_altered, err);
 }
 
@@ -160,7 +151,8 @@ static bool find_pairs(duet_motion *m, bool *found, duet_error *err)
 bool motion_find_altered_pairs(duet_motion *m, bool *found, duet_error *err)
 {
     *found = false;
-    if (!place_altered(m, err) || !motion_check_bounds(m, err) || !motion_read_flags(m, err))
+    if (!place_altered(m, err) ||
+        (!m->bounds_checked && (!motion_check_bounds(m, err) || !motion_read_flags(m, err))))
         return false;
     return m->flags[FLAG_MOVED] || find_pairs(m, found, err);
 }

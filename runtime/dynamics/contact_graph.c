@@ -10,11 +10,11 @@
 // ---------------------------------------------------------------- bounds
 
 // Separations up to the margin are contacts, so each object's bounds have half of it.
-bool motion_compute_bounds(duet_motion *m, duet_error *err)
+bool motion_compute_bounds(duet_motion *m, const kernel *k, uint32_t n, duet_error *err)
 {
     double skin = motion_has(m, DUET_EFFECT_SKIN) ? m->def.skin : 0.0;
     m->args.aabb_margin = motion_real(m, 0.5 * (m->margin + skin));
-    return motion_launch(m, "grid", m->kernels.compute_fat_aabbs, m->n, err);
+    return motion_launch(m, "grid", k, n, err);
 }
 
 bool motion_check_bounds(duet_motion *m, duet_error *err)
@@ -185,7 +185,7 @@ static bool find_all_pairs(duet_motion *m, duet_error *err)
 {
     return (!m->flags[FLAG_MOVED] || timeline_fill(&m->times, "clear", &m->buffers[FLAG_WORDS], 0,
                                                    FLAG_MOVED, FLAG_MOVED + 1, err)) &&
-           motion_compute_bounds(m, err) && find_pairs(m, err);
+           motion_compute_bounds(m, m->kernels.compute_fat_aabbs, m->n, err) && find_pairs(m, err);
 }
 
 // Those of what commands altered, where the others' hold on; else all.

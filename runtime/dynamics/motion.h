@@ -73,7 +73,6 @@ typedef enum motion_buffer {
     LAST_CELLS,
     LAST_ROTATIONS,
     ALTERED, // bodies that commands altered, while their pairs are searched
-    NEW_BOXES,
     IS_ALTERED,
     ALTERED_HEADS,
     ALTERED_ENTRIES_OF,
@@ -97,7 +96,8 @@ typedef struct motion_kernels {
     kernel *solve_contacts, *apply_restitution;
     kernel *row_start;
     kernel *write_poses; // NULL until a tree asks for it
-    kernel *place_altered, *find_altered_pairs, *keep_pairs; // likewise, a command
+    // likewise, a command
+    kernel *compute_altered_aabbs, *place_altered, *find_altered_pairs, *keep_pairs;
 } motion_kernels;
 
 // What kernels are told besides the motion's buffers, by the names that their cards use.
@@ -174,8 +174,8 @@ struct duet_motion {
     timeline times;
     motion_commands *commands;   // NULL before the first
     motion_recording *recording; // NULL where nothing is recorded
-    struct motion_map *maps;   // [parts of the state], likewise (motion_map.h)
-    struct motion_half *half;  // likewise (motion_halves.c)
+    struct motion_map *maps;     // [parts of the state], likewise (motion_map.h)
+    struct motion_half *half;    // likewise (motion_halves.c)
     buffer buffers[MOTION_BUFFERS];
     duet_world *world; // of bounds; NULL without contact
     double margin;     // contacts are kept to that far apart
@@ -187,7 +187,7 @@ struct duet_motion {
     uint32_t n_blocks;
     uint64_t n_pairs;
     bool has_graph;
-    bool rows_stale;     // they are not of the bodies that there are, besides those that are altered
+    bool rows_stale; // they are not of the bodies that there are, besides those that are altered
     bool bounds_checked; // since something moved, against the bounds that rows are made of
     bool list_stale;     // the list by colour is not that of the contacts
     bool recoloured;     // some contacts had another colour in the last step
@@ -217,12 +217,16 @@ duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
                            duet_error *err);
 
 // Whether a public call has a motion whose state is that of a whole step, none of which is under
-// way, and of which nothing is mapped; BAD_ARGUMENT where it has not. Steady: something may be mapped.
+// way, and of which nothing is mapped; BAD_ARGUMENT where it has not. Steady: something may be
+// mapped.
 bool motion_is_steady(const duet_motion *m, const char *call, duet_error *err);
 bool motion_is_whole(const duet_motion *m, const char *call, duet_error *err);
 
 // A kernel with what the scene says of its parameters, once it is built.
 bool motion_ask(duet_motion *m, kernel **at, const char *name, const char *entry, duet_error *err);
+// The same for bodies that commands altered, instead of all.
+bool motion_ask_altered(duet_motion *m, kernel **at, const char *name, const char *entry,
+                        duet_error *err);
 
 // What is wrong with a pose, a body or a def; a def's fault is told by err.
 const char *motion_pose_fault(const duet_pose *pose, uint32_t dims);
@@ -268,7 +272,8 @@ bool motion_complete_step(duet_motion *m, bool carried, double ms, duet_motion_r
 
 // Where objects may touch: pairs to rows, rows to contacts, contacts to colours.
 bool motion_build_graph(duet_motion *m, duet_error *err);
-bool motion_compute_bounds(duet_motion *m, duet_error *err);
+// By the kernel of all n bodies, or of the n altered ones.
+bool motion_compute_bounds(duet_motion *m, const kernel *k, uint32_t n, duet_error *err);
 bool motion_check_bounds(duet_motion *m, duet_error *err); // sets FLAG_MOVED
 bool motion_colour(duet_motion *m, duet_error *err);
 

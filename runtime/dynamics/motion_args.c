@@ -57,7 +57,6 @@ const binding motion_bindings[] = {
     BIND_BUFFER(duet_motion, "poses", "float *", args.poses),
     BUFFER(PAIRS, "found_pairs", "uint2 *"),
     BUFFER(ALTERED, "altered", "uint *"),
-    BUFFER(NEW_BOXES, "new_boxes", "float *"),
     BUFFER(IS_ALTERED, "is_altered", "uint *"),
     BUFFER(ALTERED_HEADS, "heads", "uint *"),
     BUFFER(ALTERED_ENTRIES_OF, "entries", "int4 *"),

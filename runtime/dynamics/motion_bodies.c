@@ -154,7 +154,7 @@ static bool settle(duet_motion *m, const arrivals *a, uint64_t *ids, duet_error 
     }
     c->first_empty = a->places[a->n - 1] + 1;
     return motion_send_places(m, a->places, a->n, PART_ALL, err) &&
-           motion_wake_places(m, a->places, a->n, err);
+           motion_wake_still(m, a->places, a->n, err);
 }
 
 bool duet_motion_add_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
@@ -187,7 +187,7 @@ static bool send_presence(duet_motion *m, const uint32_t *places, uint32_t n, du
     m->reading.begun = false;
     return motion_send_places(m, places, n,
                               PART_SIZE | PART_VELOCITY | PART_ANGULAR_VELOCITY | PART_MASS, err) &&
-           motion_wake_places(m, places, n, err);
+           motion_wake_still(m, places, n, err);
 }
 
 static void leave(duet_motion *m, uint32_t place)

@@ -85,6 +85,8 @@ uint32_t *motion_places_of(duet_motion *m, duet_body_list list, bool enabled, co
 
 // Bodies that were changed are awake, and those that they touch will be.
 bool motion_wake_places(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err);
+// The same of bodies that are where they were, or altered: the others' bounds hold as they did.
+bool motion_wake_still(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err);
 bool motion_wake_all(duet_motion *m, duet_error *err);
 
 // Forgets the targets of some places, whose bodies then stand still.

@@ -57,8 +57,8 @@ static gen_setting setting_of(const gen_param *p, int64_t value)
 }
 
 // What the scene says of the parameters that the kernel's card has.
-static bool gather(duet_motion *m, const char *name, gen_setting settings[MOST_PARAMS], uint32_t *n,
-                   duet_error *err)
+static bool gather(duet_motion *m, const char *name, bool altered,
+                   gen_setting settings[MOST_PARAMS], uint32_t *n, duet_error *err)
 {
     int64_t gyro = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) && m->facts.uneven;
     uint32_t origin_bits;
@@ -84,6 +84,7 @@ static bool gather(duet_motion *m, const char *name, gen_setting settings[MOST_P
         {"ROUNDED", has(m, DUET_EFFECT_RADIUS)},
         {"SENSORS", has(m, DUET_EFFECT_SENSORS)},
         {"HITS", motion_tells_hits(m)},
+        {"ALTERED", altered},
     };
     const gen_param *params = NULL;
     uint32_t n_params = 0;
@@ -100,14 +101,26 @@ static bool gather(duet_motion *m, const char *name, gen_setting settings[MOST_P
     return true;
 }
 
-bool motion_ask(duet_motion *m, kernel **at, const char *name, const char *entry, duet_error *err)
+static bool ask(duet_motion *m, kernel **at, const char *name, const char *entry, bool altered,
+                duet_error *err)
 {
     gen_setting settings[MOST_PARAMS];
     uint32_t n = 0;
-    if (!gather(m, name, settings, &n, err))
+    if (!gather(m, name, altered, settings, &n, err))
         return false;
     *at = program_set_kernel(m->programs, name, entry, settings, n, motion_bindings, err);
     return *at;
+}
+
+bool motion_ask(duet_motion *m, kernel **at, const char *name, const char *entry, duet_error *err)
+{
+    return ask(m, at, name, entry, false, err);
+}
+
+bool motion_ask_altered(duet_motion *m, kernel **at, const char *name, const char *entry,
+                        duet_error *err)
+{
+    return ask(m, at, name, entry, true, err);
 }
 
 static motion_layout lay_out(const duet_motion *m)

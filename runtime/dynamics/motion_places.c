@@ -208,14 +208,20 @@ static bool mark(duet_motion *m, const uint32_t *places, uint32_t n, bool sleeps
 {
     if (n == 0)
         return true;
-    m->at_rest = m->bounds_checked = false;
+    m->at_rest = false;
     return !motion_has(m, DUET_EFFECT_SLEEP) ||
            (mark_rests(m, places, n, sleeps, err) && mark_awake(m, places, n, err));
 }
 
-bool motion_wake_places(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
+bool motion_wake_still(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
 {
     return mark(m, places, n, false, err);
+}
+
+bool motion_wake_places(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err)
+{
+    m->bounds_checked = m->bounds_checked && n == 0;
+    return motion_wake_still(m, places, n, err);
 }
 
 bool motion_wake_all(duet_motion *m, duet_error *err)

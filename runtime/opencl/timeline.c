@@ -133,19 +133,42 @@ bool timeline_write_at(timeline *t, const char *stage, buffer *b, size_t at, con
     return keep_event(t, stage, true, event, err);
 }
 
-bool timeline_write_beside(timeline *t, const char *stage, buffer *b, size_t at, const void *from,
-                           size_t bytes, duet_error *err)
+// Of a command on the queue beside, which begins at once.
+static bool keep_beside(timeline *t, const char *stage, cl_event event, cl_int code,
+                        const char *doing, size_t bytes, duet_error *err)
 {
-    cl_event event = NULL;
-    cl_int code =
-        clEnqueueWriteBuffer(t->device->beside, b->mem, CL_FALSE, at, bytes, from, 0, NULL, &event);
     if (code == CL_SUCCESS)
         code = clFlush(t->device->beside);
     t->beside = true;
     if (event && !keep_event(t, stage, true, event, err))
         return false;
     return code == CL_SUCCESS ||
-           error_set_cl(err, code, "%s: sending %zu bytes", t->device->info.selector, bytes);
+           error_set_cl(err, code, "%s: %s %zu bytes", t->device->info.selector, doing, bytes);
+}
+
+bool timeline_write_beside(timeline *t, const char *stage, buffer *b, size_t at, const void *from,
+                           size_t bytes, duet_error *err)
+{
+    cl_event event = NULL;
+    cl_int code =
+        clEnqueueWriteBuffer(t->device->beside, b->mem, CL_FALSE, at, bytes, from, 0, NULL, &event);
+    return keep_beside(t, stage, event, code, "sending", bytes, err);
+}
+
+bool timeline_read_beside(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
+                          cl_event after, duet_error *err)
+{
+    cl_event event = NULL;
+    cl_int code = clEnqueueReadBuffer(t->device->beside, b->mem, CL_FALSE, 0, bytes, to,
+                                      after ? 1 : 0, after ? &after : NULL, &event);
+    return keep_beside(t, stage, event, code, "fetching", bytes, err);
+}
+
+bool timeline_follow(timeline *t, cl_event beside, duet_error *err)
+{
+    cl_int code = clEnqueueBarrierWithWaitList(t->device->queue, 1, &beside, NULL);
+    return code == CL_SUCCESS ||
+           error_set_cl(err, code, "%s: waiting for what was sent", t->device->info.selector);
 }
 
 static bool enqueue_read(timeline *t, const char *stage, buffer *b, size_t at, void *to,

@@ -59,6 +59,13 @@ bool timeline_read_at(timeline *t, const char *stage, buffer *b, size_t at, void
 bool timeline_write_beside(timeline *t, const char *stage, buffer *b, size_t at, const void *from,
                            size_t bytes, duet_error *err);
 
+// Reads from byte 0 on beside the kernels, once `after` is over (NULL: at once), without waiting.
+bool timeline_read_beside(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
+                          cl_event after, duet_error *err);
+
+// Kernels that are launched from now on wait for what was sent beside them.
+bool timeline_follow(timeline *t, cl_event beside, duet_error *err);
+
 // Reads from byte `at` without waiting: the bytes are there once a later read has
 // waited, or the timeline has finished.
 bool timeline_start_read(timeline *t, const char *stage, buffer *b, size_t at, void *to,

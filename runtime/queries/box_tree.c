@@ -108,10 +108,10 @@ static bool reserve(box_tree *t, uint32_t n_nodes, duet_error *err)
            buffer_reserve(&t->counters, t->device, QUERY_COUNTERS * sizeof(cl_uint), err);
 }
 
-static bool sort_keys(box_tree *t, timeline *times, uint32_t n, duet_error *err)
+static bool sort_keys(box_tree *t, timeline *times, uint32_t n, uint32_t bits, duet_error *err)
 {
     const radix_lists lists = {&t->keys, &t->ids, &t->keys_spare, &t->ids_spare};
-    return radix_sort_run(&t->radix, times, "sort", &lists, n, 32, err);
+    return radix_sort_run(&t->radix, times, "sort", &lists, n, bits, err);
 }
 
 // Of a sample.
@@ -129,7 +129,8 @@ static bool measure(box_tree *t, timeline *times, duet_error *err)
 static bool sort_boxes(box_tree *t, timeline *times, duet_error *err)
 {
     return timeline_fill(times, "clear", &t->counters, 0, 0, QUERY_COUNTERS, err) &&
-           timeline_launch(times, "keys", t->key, t->n, t, err) && sort_keys(t, times, t->n, err);
+           timeline_launch(times, "keys", t->key, t->n, t, err) &&
+           sort_keys(t, times, t->n, 32, err);
 }
 
 static bool check_objects(box_tree *t, timeline *times, uint32_t n_hidden, duet_error *err)
@@ -201,5 +202,5 @@ bool box_tree_order(box_tree *t, timeline *times, const buffer *items, uint32_t 
     t->item_words = item_words;
     t->n_listed = n;
     return reserve_lists(t, n, err) && timeline_launch(times, "keys", t->item_key, n, t, err) &&
-           sort_keys(t, times, n, err);
+           sort_keys(t, times, n, (uint32_t)kernel_param(t->item_key, "ITEM_BITS"), err);
 }

@@ -14,9 +14,16 @@
 // Some 30 MB of items: launches cost nothing beside it, and few devices lack it.
 enum { CHUNK = 1 << 20, LEAST_LIST = 1 << 14 };
 
-// Of items that are copied while others are traced; open hits that are read without being counted
-// first: a chunk seldom has as many. One thread copies 8 GB/s, a third of what the bus takes.
-enum { FLOW_CHUNK = 1 << 19, FLOW_OPEN = 1 << 12, HELPERS = 3, PIECE = 1 << 14 };
+// Items that are copied while others are traced are a quarter of all, between these: a launch and
+// the first copy shall both cost little. Open hits are read without being counted first: a chunk
+// seldom has as many. One thread copies 8 GB/s, a third of what the bus takes.
+enum {
+    LEAST_FLOW = 1 << 18,
+    MOST_FLOW = 1 << 20,
+    FLOW_OPEN = 1 << 12,
+    HELPERS = 3,
+    PIECE = 1 << 14
+};
 
 // Fewer items are asked about sooner than sorted.
 enum { LEAST_SORTED = 1 << 13 };
@@ -58,15 +65,22 @@ bool tree_query_knows(duet_query_wants wants, duet_error *err)
 
 // ---------------------------------------------------------------- owner
 
+static void close_flow(query_flow *f)
+{
+    host_block_release(&f->staged);
+    host_block_release(&f->told);
+    buffer *const all[] = {&f->items, &f->hits, &f->open, &f->counters};
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
+        buffer_release(all[i]);
+}
+
 static void close_side(query_side *s)
 {
     buffer *const all[] = {&s->items, &s->filters, &s->hits, &s->open, &s->counters};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
         buffer_release(all[i]);
-    for (int i = 0; i < 2; ++i) {
-        host_block_release(&s->flows[i].items);
-        host_block_release(&s->flows[i].told);
-    }
+    close_flow(&s->flows[0]);
+    close_flow(&s->flows[1]);
     thread_pool_close(s->helpers);
     host_block_release(&s->found.block);
     host_block_release(&s->open_hits.block);
@@ -429,22 +443,53 @@ static bool run_chunk(query_side *s, uint64_t first, uint32_t n)
 
 // ---------------------------------------------------------------- chunks that follow each other
 
-// While one is traced the next is copied, and the one before is settled.
+// While one is traced the next is copied and sent, and the one before is fetched and settled.
 static bool flows(const query_side *s)
 {
     return s->each > 0 && !s->tree->device->info.host_memory;
 }
 
-static bool reserve_flow(query_side *s, query_flow *f, uint32_t n)
+static uint64_t flow_items(const query_side *s)
+{
+    uint64_t quarter = (s->last - s->first) / 4 + 1;
+    return quarter < LEAST_FLOW ? LEAST_FLOW : quarter > MOST_FLOW ? MOST_FLOW : quarter;
+}
+
+// What is reserved and launched is the flow's, until they are swapped back.
+static void swap_buffers(query_side *s, query_flow *f)
+{
+    buffer_swap(&s->items, &f->items);
+    buffer_swap(&s->hits, &f->hits);
+    buffer_swap(&s->open, &f->open);
+    buffer_swap(&s->counters, &f->counters);
+}
+
+static void show(query_side *s, const query_flow *f)
+{
+    s->first_item = (cl_uint)f->first;
+    s->n = f->n;
+}
+
+static size_t item_bytes(const query_side *s, uint64_t n)
+{
+    return (size_t)n * s->query->item_words * sizeof(float);
+}
+
+static size_t flow_hit_bytes(const query_side *s, const query_flow *f)
+{
+    return (size_t)f->n * s->each * hit_bytes(s->query);
+}
+
+static bool reserve_flow(query_side *s, query_flow *f)
 {
     const device *d = s->tree->device;
     duet_error *err = &s->tree->err;
-    size_t items = (size_t)n * s->query->item_words * sizeof(float);
     size_t told = QUERY_COUNTERS * sizeof(cl_uint) + FLOW_OPEN * hit_bytes(s->query);
-    return host_block_reserve(&f->items, d, 1, items, err) &&
+    return host_block_reserve(&f->staged, d, 1, item_bytes(s, f->n), err) &&
            host_block_reserve(&f->told, d, 1, told, err) &&
-           buffer_reserve(&s->items, d, items, err) && reserve_list(s, &s->open, 0) &&
-           reserve_list(s, &s->hits, (uint64_t)n * s->each);
+           buffer_reserve(&f->items, d, item_bytes(s, f->n), err) &&
+           buffer_reserve(&f->counters, d, QUERY_COUNTERS * sizeof(cl_uint), err) &&
+           reserve_list(s, &f->open, 0) && reserve_list(s, &f->hits, (uint64_t)f->n * s->each);
 }
 
 static void copy_some(void *arg, uint64_t first, uint64_t last)
@@ -454,31 +499,48 @@ static void copy_some(void *arg, uint64_t first, uint64_t last)
     memcpy(rows->to + first * bytes, rows->from + first * bytes, (size_t)(last - first) * bytes);
 }
 
-// Nothing is waited for.
-static bool start_flow(query_side *s, query_flow *f, uint64_t first, uint32_t n)
+// Nothing is waited for, here and in the next two.
+static bool send_flow(query_side *s, query_flow *f, uint64_t first, uint32_t n)
 {
     const tree_query *q = s->query;
     tree_side *t = s->tree;
-    size_t bytes = (size_t)n * q->item_words * sizeof(float);
-    if (!reserve_flow(s, f, n))
-        return false;
-    cl_uint *counters = f->told.bytes;
     f->first = first;
-    f->n = s->n = n;
-    s->first_item = (cl_uint)first;
-    shared_rows rows = {.query = q, .from = (const char *)item_at(q, first), .to = f->items.bytes};
+    f->n = n;
+    if (!reserve_flow(s, f))
+        return false;
+    shared_rows rows = {.query = q, .from = (const char *)item_at(q, first), .to = f->staged.bytes};
     thread_pool_share(s->helpers, copy_some, &rows, n, PIECE);
-    bool ok =
-        timeline_write_at(&t->times, "send items", &s->items, 0, f->items.bytes, bytes, &t->err) &&
-        order_items(s) && start_asking(s) &&
-        timeline_start_read(&t->times, "fetch hits", &s->counters, 0, counters,
-                            QUERY_COUNTERS * sizeof *counters, &t->err) &&
-        timeline_start_read(&t->times, "fetch hits", &s->open, 0, counters + QUERY_COUNTERS,
-                            FLOW_OPEN * hit_bytes(q), &t->err) &&
-        timeline_start_read(&t->times, "fetch hits", &s->hits, 0,
-                            hit_at(q, &s->found, hits_begin(s)), (size_t)n * s->each * hit_bytes(q),
-                            &t->err);
-    f->read = timeline_last_event(&t->times);
+    bool ok = timeline_write_beside(&t->times, "send items", &f->items, 0, f->staged.bytes,
+                                    item_bytes(s, n), &t->err);
+    f->over = timeline_last_event(&t->times);
+    return ok;
+}
+
+static bool ask_flow(query_side *s, query_flow *f)
+{
+    tree_side *t = s->tree;
+    show(s, f);
+    swap_buffers(s, f);
+    bool ok = timeline_follow(&t->times, f->over, &t->err) && order_items(s) && start_asking(s) &&
+              timeline_flush(&t->times, &t->err);
+    swap_buffers(s, f);
+    f->over = timeline_last_event(&t->times);
+    return ok;
+}
+
+static bool fetch_flow(query_side *s, query_flow *f)
+{
+    const tree_query *q = s->query;
+    tree_side *t = s->tree;
+    cl_uint *counters = f->told.bytes;
+    void *hits = hit_at(q, &s->found, (f->first - s->first) * s->each);
+    bool ok = timeline_read_beside(&t->times, "fetch hits", &f->counters, counters,
+                                   QUERY_COUNTERS * sizeof *counters, f->over, &t->err) &&
+              timeline_read_beside(&t->times, "fetch hits", &f->open, counters + QUERY_COUNTERS,
+                                   FLOW_OPEN * hit_bytes(q), NULL, &t->err) &&
+              timeline_read_beside(&t->times, "fetch hits", &f->hits, hits, flow_hit_bytes(s, f),
+                                   NULL, &t->err);
+    f->over = timeline_last_event(&t->times);
     return ok;
 }
 
@@ -486,10 +548,9 @@ static bool end_flow(query_side *s, query_flow *f)
 {
     tree_side *t = s->tree;
     cl_uint *counters = f->told.bytes;
-    s->first_item = (cl_uint)f->first;
-    s->n = f->n;
-    timeline_spin(&t->times, f->read);
-    if (!timeline_collect_to(&t->times, f->read, &t->err))
+    show(s, f);
+    timeline_spin(&t->times, f->over);
+    if (!timeline_collect_to(&t->times, f->over, &t->err))
         return false;
     uint64_t n_open = count_of(counters + COUNT_OPEN);
     if (counters[BAD_LATEST] != 0)
@@ -499,6 +560,7 @@ static bool end_flow(query_side *s, query_flow *f)
                : settle(s, (uint64_t)f->n * s->each, counters + QUERY_COUNTERS, n_open);
 }
 
+// The events of a flow that is ended come before those of what is asked after it.
 static bool run_flows(query_side *s, uint64_t chunk)
 {
     query_flow *before = NULL, *now = s->flows;
@@ -507,13 +569,14 @@ static bool run_flows(query_side *s, uint64_t chunk)
     for (uint64_t first = s->first; first < s->last; first += chunk) {
         uint64_t left = s->last - first;
         if (!budget_check(&s->tree->err) ||
-            !start_flow(s, now, first, (uint32_t)(left < chunk ? left : chunk)) ||
+            !send_flow(s, now, first, (uint32_t)(left < chunk ? left : chunk)) ||
+            (before && !fetch_flow(s, before)) || !ask_flow(s, now) ||
             (before && !end_flow(s, before)))
             return false;
         before = now;
         now = now == s->flows ? s->flows + 1 : s->flows;
     }
-    return end_flow(s, before);
+    return fetch_flow(s, before) && end_flow(s, before);
 }
 
 static bool run_chunks(query_side *s, uint64_t chunk)
@@ -532,7 +595,7 @@ static void run_side(void *arg)
     query_side *s = arg;
     tree_side *t = s->tree;
     uint64_t begun = clock_steady_ns();
-    uint64_t items = flows(s) ? FLOW_CHUNK : CHUNK;
+    uint64_t items = flows(s) ? flow_items(s) : CHUNK;
     uint64_t chunk = s->each > 1 ? items / s->each + 1 : items;
     uint64_t n_hits = (s->last - s->first) * s->each;
     timeline_begin(&t->times, t->device);

@@ -39,11 +39,12 @@ typedef struct hit_list {
 
 // A chunk on its way to a device with memory of its own, and back.
 typedef struct query_flow {
-    host_block items; // as they were sent
-    host_block told;  // counters, then the first open hits
+    host_block staged; // items, to be sent
+    host_block told;   // counters, then the first open hits
+    buffer items, hits, open, counters;
     uint64_t first;
     cl_uint n;
-    cl_event read; // of the last of what it reads; the timeline's
+    cl_event over; // of what it did last; the timeline's
 } query_flow;
 
 // One device's part of a run.

@@ -23,6 +23,8 @@ static const struct {
 #ifdef BENCH_AVX2
     {"limit", bench_limit, "the AVX2 program alone, stage by stage"},
 #endif
+    {"commands", bench_commands,
+     "bodies that come and go before each step, and the same only woken"},
     {"generate", bench_generate, "the text of each kernel, and its number of configs"},
     {"lookup", bench_lookup, "opening the profile store and looking up, with --n profiles in it"},
     {"join", bench_join, "a hundredth of the paper's scene against all of it, and a step of both"},

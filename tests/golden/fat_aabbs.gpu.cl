@@ -63,15 +63,18 @@ static inline float_bounds object_bounds(uint id, real margin, __global const re
 
 #line 91 "kernels/dynamics/fat_aabbs.cl.in"
 
+#line 95 "kernels/dynamics/fat_aabbs.cl.in"
 __kernel void compute_fat_aabbs(COMPUTE_FAT_AABBS_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
+#line 103 "kernels/dynamics/fat_aabbs.cl.in"
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id) {
+#line 106 "kernels/dynamics/fat_aabbs.cl.in"
         float_bounds b = object_bounds(id, aabb_margin, centres,
-#line 110 "kernels/dynamics/fat_aabbs.cl.in"
+#line 119 "kernels/dynamics/fat_aabbs.cl.in"
                                        halves);
-#line 127 "kernels/dynamics/fat_aabbs.cl.in"
+#line 136 "kernels/dynamics/fat_aabbs.cl.in"
         vstore3(b.lower.xyz, 2 * (size_t)id, boxes);
         vstore3(b.upper.xyz, 2 * (size_t)id + 1, boxes);
     }

@@ -675,29 +675,37 @@ static void lists_grow(void **state)
     free(rays);
 }
 
-// On devices with memory of their own, as the CPU's parts are told here to be, chunks follow each
-// other. In the second of them float leaves more open than is read along with it.
+static void set_kinds(const duet_device_info infos[2], bool own)
+{
+    for (int side = 0; side < 2; ++side) {
+        devices->devices[side].info = infos[side];
+        devices->devices[side].info.host_memory = infos[side].host_memory && !own;
+        devices->devices[side].info.kind = own ? DUET_KIND_GPU : infos[side].kind;
+    }
+}
+
+// On GPUs with memory of their own, as the CPU's parts are told here to be, chunks follow each
+// other, and a ray goes its own way. In B's second chunk float leaves more open than is read along
+// with it.
 static void chunks_that_follow_each_other_lose_nothing(void **state)
 {
     (void)state;
-    enum { FLOW = 1 << 19, N = 2 * FLOW + 5000, CUBES = 27 };
+    enum { FLOW = 1 << 18, N = 2 * FLOW + 5000, CUBES = 27 };
     duet_pose cubes[CUBES];
     duet_ray *rays = calloc(N, sizeof *rays);
     duet_ray_hit *expected = calloc(N, sizeof *expected);
-    const bool host[2] = {devices->devices[0].info.host_memory,
-                          devices->devices[1].info.host_memory};
+    const duet_device_info infos[2] = {devices->devices[0].info, devices->devices[1].info};
     rng r = rng_seed(test_seed());
     for (int i = 0; i < CUBES; ++i)
         cubes[i] = (duet_pose){
             {2.0f * (i % 3), 2.0f * (i / 3 % 3), 2.0f * (i / 9)}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
     for (int i = 0; i < N; ++i) {
-        bool touches = i % (i / FLOW == 1 ? 16 : 512) == 0;
+        bool touches = i % (i / FLOW == 1 ? 32 : 512) == 0;
         rays[i] = (duet_ray){
             {-9, touches ? 0.5f : between(&r, -1, 5), between(&r, -1, 5)}, {1, 0, 0}, INFINITY};
     }
     for (int own = 0; own < 2; ++own) {
-        for (int side = 0; side < 2; ++side)
-            devices->devices[side].info.host_memory = host[side] && !own;
+        set_kinds(infos, own);
         duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 8, cubes, CUBES);
         duet_ray_query *query = open_query(tree, DUET_QUERY_CLOSEST);
         for (int run = 0; run < 1 + own; ++run) { // with lists that were used before, too
@@ -713,15 +721,32 @@ static void chunks_that_follow_each_other_lose_nothing(void **state)
             duet_ray_query_result found;
             rays[FLOW + 7].t_max = NAN;
             assert_false(duet_ray_query_run(query, rays, N, &found, &err));
-            assert_non_null(strstr(err.text, "ray 524295:"));
+            assert_non_null(strstr(err.text, "ray 262151:"));
         }
         duet_ray_query_destroy(query);
         duet_tree_destroy(tree);
     }
-    for (int side = 0; side < 2; ++side)
-        devices->devices[side].info.host_memory = host[side];
+    set_kinds(infos, false);
     free(rays);
     free(expected);
+}
+
+static void a_gpu_walks_to_the_same_hits(void **state)
+{
+    (void)state;
+    world *w = make_world(3);
+    const duet_device_info infos[2] = {devices->devices[0].info, devices->devices[1].info};
+    duet_ray_query *on_cpu = open_alone(DUET_QUERY_CLOSEST, 3, 0, w->boxes, BOXES);
+    duet_ray_query_result expected = cast(on_cpu, w->rays, RAYS);
+    set_kinds(infos, true);
+    duet_ray_query *on_gpu = open_alone(DUET_QUERY_CLOSEST, 3, 0, w->boxes, BOXES);
+    duet_ray_query_result found = cast(on_gpu, w->rays, RAYS);
+    assert_memory_equal(found.hits, expected.hits, RAYS * sizeof *found.hits);
+    assert_int_equal(found.undecided, expected.undecided);
+    duet_ray_query_destroy(on_gpu);
+    set_kinds(infos, false);
+    duet_ray_query_destroy(on_cpu);
+    free(w);
 }
 
 static void no_boxes_and_no_rays_are_no_error(void **state)
@@ -786,6 +811,7 @@ int main(void)
         cmocka_unit_test(touching_counts),
         cmocka_unit_test(lists_grow),
         cmocka_unit_test(chunks_that_follow_each_other_lose_nothing),
+        cmocka_unit_test(a_gpu_walks_to_the_same_hits),
         cmocka_unit_test(no_boxes_and_no_rays_are_no_error),
         cmocka_unit_test(what_is_no_ray_or_box_is_refused_by_its_number),
     };
