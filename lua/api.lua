@@ -355,7 +355,8 @@ api.names = {
     "The boxes from now on, as the tree's shape; they are copied.",
     fails = true, c = "duet_tree_set_objects" },
   { "duet.Tree:set_motion", { "motion: duet.Motion" }, "duet.Tree",
-    "The boxes from now on are a motion's bodies where they are, by place; removed and disabled ones are left out.",
+    "The boxes from now on are a motion's bodies where they are, by place; removed and disabled ones are left out. " ..
+    "Bodies with radii need a tree of rounded boxes.",
     fails = true, c = "duet_tree_set_motion" },
   { "duet.Tree:set_share", { "share: number" }, "duet.Tree", "A's part of what its queries ask from now on, 0 to 1.",
     fails = true, c = "duet_tree_set_share" },
