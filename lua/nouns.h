@@ -49,6 +49,7 @@ int pair_query_create_lua(lua_State *L);
 int tree_create_lua(lua_State *L);
 
 duet_tree *tree_check(lua_State *L, int index);
+array_kind shape_array_kind(duet_shape shape);
 array_kind tree_array_kind(lua_State *L, int index); // of its objects
 
 duet_object_kind tree_object_kind(array_kind kind);

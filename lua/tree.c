@@ -61,9 +61,14 @@ static const struct {
     [DUET_SHAPE_SPHERES] = {ARRAY_SPHERES, DUET_OBJECT_SPHERES},
 };
 
+array_kind shape_array_kind(duet_shape shape)
+{
+    return kinds[shape].array;
+}
+
 array_kind tree_array_kind(lua_State *L, int index)
 {
-    return kinds[box_check(L, index)->shape].array;
+    return shape_array_kind(box_check(L, index)->shape);
 }
 
 duet_object_kind tree_object_kind(array_kind kind)

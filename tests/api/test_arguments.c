@@ -493,15 +493,21 @@ static void find_contacts(void)
     def.share = DUET_SHARE_ONE + 1;
     REFUSES(duet_contact_query_create(&def, e));
     def.share = 0;
+    def.shape = DUET_SHAPE_BOUNDS;
+    REFUSES(duet_contact_query_create(&def, e));
+    def.shape = DUET_SHAPES;
+    REFUSES(duet_contact_query_create(&def, e));
+    def.shape = DUET_SHAPE_POSES;
     def.margin = -1;
     REFUSES(duet_contact_query_create(&def, e));
-    REFUSES(duet_contact_query_run(NULL, two, 2, one, &found, e));
-    REFUSES(duet_contact_query_run(touching, NULL, 2, one, &found, e));
-    REFUSES(duet_contact_query_run(touching, two, 2, NULL, &found, e));
-    REFUSES(duet_contact_query_run(touching, two, 2, lost, &found, e));
-    REFUSES(duet_contact_query_run(touching, two, 1, one, &found, e));
-    REFUSES(duet_contact_query_run(touching, two, 2, one, NULL, e));
-    TAKES(duet_contact_query_run(touching, NULL, 0, none, &found, e));
+    REFUSES(duet_contact_query_run(NULL, DUET_OBJECT_POSES, two, 2, one, &found, e));
+    REFUSES(duet_contact_query_run(touching, DUET_OBJECT_POSES, NULL, 2, one, &found, e));
+    REFUSES(duet_contact_query_run(touching, DUET_OBJECT_POSES, two, 2, NULL, &found, e));
+    REFUSES(duet_contact_query_run(touching, DUET_OBJECT_POSES, two, 2, lost, &found, e));
+    REFUSES(duet_contact_query_run(touching, DUET_OBJECT_POSES, two, 1, one, &found, e));
+    REFUSES(duet_contact_query_run(touching, DUET_OBJECT_POSES, two, 2, one, NULL, e));
+    REFUSES(duet_contact_query_run(touching, DUET_OBJECT_SPHERES, two, 2, one, &found, e));
+    TAKES(duet_contact_query_run(touching, DUET_OBJECT_POSES, NULL, 0, none, &found, e));
     duet_contact_query_destroy(NULL);
 }
 
