@@ -479,6 +479,8 @@ api.names = {
     c = "duet_motion_get_states" },
   { "duet.Motion:poses", {}, "duet.Poses", "A copy of where all objects are, as a tree or a world takes them.",
     fails = true, c = "duet_motion_get_poses" },
+  { "duet.Motion:rounded_boxes", {}, "duet.RoundedBoxes", "The same with the bodies' radii.", fails = true,
+    c = "duet_motion_get_rounded_boxes" },
   { "duet.Motion:hash", {}, "string", "A sum over the state's bits, the same at any share.", fails = true,
     c = "duet_motion_get_hash" },
   { "duet.Motion:energy", {}, "duet.Energy", "Energies and momenta.", fails = true, c = "duet_motion_get_energy" },

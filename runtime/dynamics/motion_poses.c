@@ -43,16 +43,29 @@ static void add_radii(const duet_motion *m, void *rows)
     }
 }
 
+bool duet_motion_get_rounded_boxes(duet_motion *m, duet_rounded_box *boxes, duet_error *err)
+{
+    if (!motion_is_whole(m, __func__, err) ||
+        (m->n > 0 && !error_given(boxes, __func__, "boxes", err)))
+        return false;
+    void *rows = boxes;
+    if (!duet_motion_get_poses(m, rows, err))
+        return false;
+    add_radii(m, rows);
+    return true;
+}
+
 bool motion_copy_poses(duet_motion *m, bool radii, void *rows, duet_error *err)
 {
-    duet_pose *poses = rows;
-    if (!duet_motion_get_poses(m, poses, err))
+    size_t width = radii ? sizeof(duet_rounded_box) : sizeof(duet_pose);
+    if (!(radii ? duet_motion_get_rounded_boxes(m, rows, err)
+                : duet_motion_get_poses(m, rows, err)))
         return false;
-    for (uint32_t id = 0; id < m->n; ++id)
+    for (uint32_t id = 0; id < m->n; ++id) {
+        duet_pose *pose = (void *)((char *)rows + id * width);
         if (motion_is_hidden(m, id))
-            poses[id].half_extents[0] = -1;
-    if (radii)
-        add_radii(m, rows);
+            pose->half_extents[0] = -1;
+    }
     return true;
 }
 
