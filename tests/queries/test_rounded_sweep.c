@@ -497,6 +497,48 @@ static void boxes_without_radii_have_the_hits_of_poses(void **state)
     free(w);
 }
 
+static void scale_box(duet_rounded_box *box, float scale)
+{
+    box->radius *= scale;
+    for (int k = 0; k < 3; ++k) {
+        box->pose.centre[k] *= scale;
+        box->pose.half_extents[k] *= scale;
+    }
+}
+
+// Squares of such lengths are no floats.
+static void lengths_of_any_scale_have_the_same_hits(void **state)
+{
+    (void)state;
+    const float scales[] = {1, 0x1p75f, 0x1p-60f};
+    duet_sweep_hit *first = NULL;
+    uint64_t n = 0;
+    for (int i = 0; i < 3; ++i) {
+        world *w = make_world();
+        for (uint32_t id = 0; id < BOXES; ++id)
+            scale_box(&w->boxes[id], scales[i]);
+        for (uint32_t s = 0; s < SWEEPS; ++s) {
+            scale_box(&w->sweeps[s].box, scales[i]);
+            for (int k = 0; k < 3; ++k)
+                w->sweeps[s].direction[k] *= scales[i];
+        }
+        duet_tree *tree = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+        duet_sweep_query *query = open_query(tree, DUET_QUERY_EVERY);
+        duet_sweep_query_result found = ask(query, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
+        if (i == 0) {
+            n = found.n_hits;
+            first = malloc((size_t)n * sizeof *first);
+            memcpy(first, found.hits, (size_t)n * sizeof *first);
+        }
+        assert_int_equal(found.n_hits, n);
+        assert_memory_equal(found.hits, first, (size_t)n * sizeof *first);
+        duet_sweep_query_destroy(query);
+        duet_tree_destroy(tree);
+        free(w);
+    }
+    free(first);
+}
+
 static void spheres_move_as_rounded_boxes(void **state)
 {
     (void)state;
@@ -566,6 +608,7 @@ int main(void)
         cmocka_unit_test(closed_forms_hold_on_devices),
         cmocka_unit_test(closest_and_any_are_of_every_hit),
         cmocka_unit_test(boxes_without_radii_have_the_hits_of_poses),
+        cmocka_unit_test(lengths_of_any_scale_have_the_same_hits),
         cmocka_unit_test(spheres_move_as_rounded_boxes),
         cmocka_unit_test(what_is_no_sweep_of_the_shape_is_refused),
     };
