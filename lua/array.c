@@ -40,6 +40,8 @@ static const struct {
     [ARRAY_POINT_HITS] = {"IIf", sizeof(duet_point_hit)},
     [ARRAY_SWEEPS] = {"ffffffffffffff", sizeof(duet_sweep)},
     [ARRAY_BOUNDS_SWEEPS] = {"ffffffffff", sizeof(duet_bounds_sweep)},
+    [ARRAY_ROUNDED_SWEEPS] = {"fffffffffffffff", sizeof(duet_rounded_sweep)},
+    [ARRAY_SPHERE_SWEEPS] = {"ffffffff", sizeof(duet_sphere_sweep)},
     [ARRAY_SWEEP_HITS] = {"IIffff", sizeof(duet_sweep_hit)},
     [ARRAY_IDS] = {"Q", sizeof(uint64_t)},
     [ARRAY_FORCES] = {"ffffff", sizeof(duet_force)},
@@ -63,6 +65,8 @@ _Static_assert(offsetof(duet_ray_hit, t) == 2 * 4, "all of four bytes");
 _Static_assert(offsetof(duet_point_hit, distance) == 2 * 4, "all of four bytes");
 _Static_assert(offsetof(duet_sweep, t_max) == 13 * 4, "a sweep is fourteen floats");
 _Static_assert(offsetof(duet_bounds_sweep, t_max) == 9 * 4, "or ten");
+_Static_assert(offsetof(duet_rounded_sweep, t_max) == 14 * 4, "or fifteen");
+_Static_assert(offsetof(duet_sphere_sweep, t_max) == 7 * 4, "or eight");
 _Static_assert(offsetof(duet_sweep_hit, normal[2]) == 5 * 4, "all of four bytes");
 _Static_assert(offsetof(duet_state, angular_velocity[2]) == 12 * 8, "a state is thirteen doubles");
 _Static_assert(offsetof(duet_contact, points[3].normal_impulse) == 25 * 4, "all of four bytes");
@@ -164,13 +168,12 @@ static void take_column(lua_State *L, const array *a, uint64_t i, int column)
 {
     switch (layouts[a->kind].columns[column]) {
     case 'I':
-        *(uint32_t *)column_at(a, i, column) =
-            (uint32_t)take_whole(L, a, i, column, 0, UINT32_MAX, "a whole number from 0 to 2^32 - 1");
+        *(uint32_t *)column_at(a, i, column) = (uint32_t)take_whole(
+            L, a, i, column, 0, UINT32_MAX, "a whole number from 0 to 2^32 - 1");
         break;
     case 'h':
-        *(int16_t *)column_at(a, i, column) =
-            (int16_t)take_whole(L, a, i, column, INT16_MIN, INT16_MAX,
-                                "a whole number from -32768 to 32767");
+        *(int16_t *)column_at(a, i, column) = (int16_t)take_whole(
+            L, a, i, column, INT16_MIN, INT16_MAX, "a whole number from -32768 to 32767");
         break;
     case 'Q':
         *(uint64_t *)column_at(a, i, column) =
@@ -560,6 +563,8 @@ static const lua_class classes[] = {
     [ARRAY_POINT_HITS] = {.name = "duet.point_hits", .methods = methods, .metas = metas},
     [ARRAY_SWEEPS] = {.name = "duet.sweeps", .methods = methods, .metas = metas},
     [ARRAY_BOUNDS_SWEEPS] = {.name = "duet.bounds_sweeps", .methods = methods, .metas = metas},
+    [ARRAY_ROUNDED_SWEEPS] = {.name = "duet.rounded_sweeps", .methods = methods, .metas = metas},
+    [ARRAY_SPHERE_SWEEPS] = {.name = "duet.sphere_sweeps", .methods = methods, .metas = metas},
     [ARRAY_SWEEP_HITS] = {.name = "duet.sweep_hits", .methods = methods, .metas = metas},
     [ARRAY_FORCES] = {.name = "duet.forces", .methods = methods, .metas = metas},
     [ARRAY_IMPULSES] = {.name = "duet.impulses", .methods = methods, .metas = metas},

@@ -61,9 +61,14 @@ static const struct {
     [DUET_SHAPE_SPHERES] = {ARRAY_SPHERES, DUET_OBJECT_SPHERES},
 };
 
-array_kind tree_array_kind(lua_State *L, int index)
+array_kind shape_array_kind(duet_shape shape)
 {
-    return kinds[box_check(L, index)->shape].array;
+    return kinds[shape].array;
+}
+
+duet_shape tree_shape(lua_State *L, int index)
+{
+    return box_check(L, index)->shape;
 }
 
 duet_object_kind tree_object_kind(array_kind kind)
@@ -79,7 +84,7 @@ static int tree_set_objects(lua_State *L)
 {
     duet_error err = {0};
     tree_box *box = box_check(L, 1);
-    const array *objects = array_check(L, 2, tree_array_kind(L, 1));
+    const array *objects = array_check(L, 2, shape_array_kind(box->shape));
     duet_object_kind kind = kinds[box->shape].objects;
     luaL_argcheck(L, objects->n <= UINT32_MAX, 2, "fewer than 2^32 rows");
     if (!duet_tree_set_objects(box->tree, kind, objects->rows, (uint32_t)objects->n, &err))

@@ -27,9 +27,13 @@
 
 struct walk {
     line l;
+//@ if SHAPE >= 2 and SWEPT == 1 then
+    mover m;
+//@ else
 #if SWEPT && !SHAPE
     mover m;
 #endif
+//@ end
     __global const float *boxes;
     uint number;
     float best; // CLOSEST: t and id of the nearest hit so far
@@ -53,7 +57,11 @@ static inline row_mask meets_bounds(const walk *w, __global const float *node, r
 //@ if SHAPE >= 2 then
 static inline uint meet_box(const walk *w, __global const float *box, float *t)
 {
+//@ if SWEPT == 1 then
+    return mover_meets(&w->m, &w->l, box, t);
+//@ else
     return line_meets_rounded(&w->l, box, t);
+//@ end
 }
 //@ else
 #if SHAPE
@@ -182,9 +190,13 @@ static inline bool load_item(walk *w, __global const float *row)
         lower[k] = FIRST_LANE(b.lower[k]);
         upper[k] = FIRST_LANE(b.upper[k]);
     }
+//@ if SHAPE >= 2 and SWEPT == 1 then
+    set_mover(&w->m, &o);
+//@ else
 #if !SHAPE
     set_mover(&w->m, &o);
 #endif
+//@ end
     if (refused[0])
         return false;
 #else

@@ -36,7 +36,6 @@ return {
   },
   valid = function(p)
     if p.SHAPE == 3 then return false, "spheres come as rounded boxes" end
-    if p.SHAPE == 2 and p.SWEPT == 1 then return false, "boxes with a radius are not swept" end
     return true
   end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,
