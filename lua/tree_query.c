@@ -50,7 +50,8 @@ typedef struct query_kind {
     const char *noun;        // "a ray query", in messages
     const member *members;   // of query_def
     array_kind takes, gives; // takes of a tree of poses; the tree's kind for ARRAY_KINDS
-    array_kind of_bounds;    // takes of any other
+    array_kind of_bounds;    // takes of any other, but
+    array_kind of_large;     // of one in origin cells
     size_t hit_bytes;
     void *(*create)(duet_tree *tree, const query_def *def, duet_error *err);
     bool (*run)(void *query, const array *items, answer *found, duet_error *err);
@@ -79,6 +80,8 @@ static void *create_rays(duet_tree *tree, const query_def *given, duet_error *er
 
 static bool run_rays(void *query, const array *items, answer *found, duet_error *err)
 {
+    if (items->kind == ARRAY_LARGE_RAYS)
+        return duet_ray_query_run_large(query, items->rows, items->n, &found->rays, err);
     return duet_ray_query_run(query, items->rows, items->n, &found->rays, err);
 }
 
@@ -135,6 +138,8 @@ static void *create_points(duet_tree *tree, const query_def *given, duet_error *
 
 static bool run_points(void *query, const array *items, answer *found, duet_error *err)
 {
+    if (items->kind == ARRAY_LARGE_POINTS)
+        return duet_point_query_run_large(query, items->rows, items->n, &found->points, err);
     return duet_point_query_run(query, items->rows, items->n, &found->points, err);
 }
 
@@ -153,6 +158,7 @@ static const query_kind rays = {{.name = "duet.ray_query", .methods = methods},
                                 ARRAY_RAYS,
                                 ARRAY_HITS,
                                 ARRAY_RAYS,
+                                ARRAY_LARGE_RAYS,
                                 sizeof(duet_ray_hit),
                                 create_rays,
                                 run_rays,
@@ -163,6 +169,7 @@ static const query_kind sweeps = {{.name = "duet.sweep_query", .methods = method
                                   ARRAY_SWEEPS,
                                   ARRAY_SWEEP_HITS,
                                   ARRAY_BOUNDS_SWEEPS,
+                                  ARRAY_SWEEPS,
                                   sizeof(duet_sweep_hit),
                                   create_sweeps,
                                   run_sweeps,
@@ -172,6 +179,7 @@ static const query_kind boxes = {{.name = "duet.box_query", .methods = box_metho
                                  level_members,
                                  ARRAY_KINDS,
                                  ARRAY_BOX_HITS,
+                                 ARRAY_KINDS,
                                  ARRAY_KINDS,
                                  sizeof(duet_box_hit),
                                  create_boxes,
@@ -183,6 +191,7 @@ static const query_kind points = {{.name = "duet.point_query", .methods = method
                                   ARRAY_POINTS,
                                   ARRAY_POINT_HITS,
                                   ARRAY_POINTS,
+                                  ARRAY_LARGE_POINTS,
                                   sizeof(duet_point_hit),
                                   create_points,
                                   run_points,
@@ -212,7 +221,9 @@ static query_box *check(lua_State *L)
 static array_kind takes_of(lua_State *L, const query_kind *kind)
 {
     array_kind objects = tree_array_kind(L, 1);
-    array_kind takes = objects == ARRAY_POSES ? kind->takes : kind->of_bounds;
+    array_kind takes = objects == ARRAY_POSES         ? kind->takes
+                       : objects == ARRAY_LARGE_POSES ? kind->of_large
+                                                      : kind->of_bounds;
     return takes == ARRAY_KINDS ? objects : takes;
 }
 

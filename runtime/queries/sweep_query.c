@@ -77,6 +77,9 @@ static bool check_def(const duet_sweep_query_def *def, duet_error *err)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "a sweep meets poses or bounds; the tree is of %s",
                          tree_shape_name(def->tree));
+    if (def->tree->def.origin_edge > 0.0f)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "a sweep does not meet boxes in origin cells; expected a tree without");
     return tree_query_knows(def->wants, err);
 }
 
