@@ -100,7 +100,9 @@ static void *create_sweeps(duet_tree *tree, const query_def *given, duet_error *
 
 static bool run_sweeps(void *query, const array *items, answer *found, duet_error *err)
 {
-    duet_object_kind kind = items->kind == ARRAY_SWEEPS ? DUET_OBJECT_POSES : DUET_OBJECT_BOUNDS;
+    duet_object_kind kind = items->kind == ARRAY_SWEEPS         ? DUET_OBJECT_POSES
+                            : items->kind == ARRAY_LARGE_SWEEPS ? DUET_OBJECT_LARGE_POSES
+                                                                : DUET_OBJECT_BOUNDS;
     return duet_sweep_query_run(query, kind, items->rows, items->n, &found->sweeps, err);
 }
 
@@ -169,7 +171,7 @@ static const query_kind sweeps = {{.name = "duet.sweep_query", .methods = method
                                   ARRAY_SWEEPS,
                                   ARRAY_SWEEP_HITS,
                                   ARRAY_BOUNDS_SWEEPS,
-                                  ARRAY_SWEEPS,
+                                  ARRAY_LARGE_SWEEPS,
                                   sizeof(duet_sweep_hit),
                                   create_sweeps,
                                   run_sweeps,

@@ -3,7 +3,7 @@
 //
 //   items    [n][ITEM_WORDS] rays: origin xyz, direction xyz, t_max; boxes that move: a pose
 //            or bounds, by SHAPE, as the tree's objects, direction xyz, t_max
-//            in origin cells a ray's cell follows its t_max, and a box is a large pose
+//            in origin cells a ray's cell follows its t_max, and a box's its pose
 //   order    [n] of items, by where they begin; in_order 1: as they come
 //   boxes, nodes    of the tree
 //   levels   [n_levels] first node of each level, the lowest first
@@ -22,7 +22,7 @@
 
 //@ if ORIGIN > 0 then
 #define ITEM_WORDS (SWEPT ? OBJECT_WIDTH + 4 : 10)
-#define LINE_WORD (SWEPT ? OBJECT_WIDTH : 3)
+#define LINE_WORD (SWEPT ? OBJECT_WIDTH - 1 : 3)
 //@ else
 #define ITEM_WORDS (SWEPT ? OBJECT_WIDTH + 4 : 7)
 //@ end
@@ -76,7 +76,11 @@ static inline uint meet_box(const walk *w, __global const float *box, float *t)
 
 static inline uint meet_box(const walk *w, __global const float *box, float *t)
 {
+//@ if ORIGIN > 0 then
+    return mover_meets(&w->m, &w->item, &w->l, box, t);
+//@ else
     return mover_meets(&w->m, &w->l, box, t);
+//@ end
 }
 
 #else

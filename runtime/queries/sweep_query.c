@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
+#include "runtime/queries/far_rows.h"
 #include "runtime/queries/sweep.h"
 #include "runtime/queries/tree_query.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum { COOKIE = 0x0d0e700e };
 
@@ -13,6 +15,7 @@ struct duet_sweep_query {
 
 _Static_assert(sizeof(duet_sweep) == 14 * sizeof(float), "a sweep is a pose and four floats");
 _Static_assert(sizeof(duet_bounds_sweep) == 10 * sizeof(float), "and so with bounds");
+_Static_assert(sizeof(duet_large_sweep) == 18 * sizeof(float), "and so with a large pose");
 _Static_assert(sizeof(duet_sweep_hit) == 6 * sizeof(uint32_t), "a hit is six words");
 
 duet_sweep_query_def duet_default_sweep_query_def(void)
@@ -43,6 +46,46 @@ static void enter_bounds(const duet_tree *tree, const void *item, uint32_t *hit)
     const duet_bounds *box = (const duet_bounds *)tree->objects + h->id;
     h->t = sweep_enter_bounds(item, box, tree->def.dims, h->normal);
 }
+
+static duet_sweep near_sweep(const duet_large_sweep *large)
+{
+    duet_sweep sweep = {.box = large->box, .t_max = large->t_max};
+    memcpy(sweep.direction, large->direction, sizeof sweep.direction);
+    return sweep;
+}
+
+static bool meets_far(const duet_tree *tree, const void *item, uint32_t *hit)
+{
+    const duet_large_sweep *large = item;
+    const duet_large_pose *box = (const duet_large_pose *)tree->objects + hit[1];
+    const duet_sweep sweep = near_sweep(large);
+    double shift[3];
+    far_shift(shift, box, large->cell, tree->def.origin_edge);
+    return sweep_meets_apart(&sweep, &box->pose, shift, tree->def.dims);
+}
+
+static void enter_far(const duet_tree *tree, const void *item, uint32_t *hit)
+{
+    const duet_large_sweep *large = item;
+    duet_sweep_hit *h = (duet_sweep_hit *)hit;
+    const duet_large_pose *box = (const duet_large_pose *)tree->objects + h->id;
+    const duet_sweep sweep = near_sweep(large);
+    double shift[3];
+    far_shift(shift, box, large->cell, tree->def.origin_edge);
+    h->t = sweep_enter_apart(&sweep, &box->pose, shift, tree->def.dims, h->normal);
+}
+
+static const query_kind far_kind = {
+    .item = "sweep",
+    .items = "sweeps",
+    .wrong = "no box, beyond 2^30 origin cells, a number that is none or above 2^100, a direction "
+             "below 2^-100, or a t_max below 0",
+    .kernel = "ray_query",
+    .hit_words = 6,
+    .meets = meets_far,
+    .finish = enter_far,
+    .finish_reads = true,
+};
 
 static const query_kind kinds[] = {
     [DUET_SHAPE_POSES] = {.item = "sweep",
@@ -77,9 +120,6 @@ static bool check_def(const duet_sweep_query_def *def, duet_error *err)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "a sweep meets poses or bounds; the tree is of %s",
                          tree_shape_name(def->tree));
-    if (def->tree->def.origin_edge > 0.0f)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a sweep does not meet boxes in origin cells; expected a tree without");
     return tree_query_knows(def->wants, err);
 }
 
@@ -93,11 +133,15 @@ duet_sweep_query *duet_sweep_query_create(const duet_sweep_query_def *def, duet_
         return NULL;
     }
     duet_shape shape = def->tree->def.shape;
-    size_t bytes = shape == DUET_SHAPE_POSES ? sizeof(duet_sweep) : sizeof(duet_bounds_sweep);
-    query->asked = (tree_query){.kind = &kinds[shape],
+    bool far = def->tree->def.origin_edge > 0.0f;
+    size_t bytes = far                         ? sizeof(duet_large_sweep)
+                   : shape == DUET_SHAPE_POSES ? sizeof(duet_sweep)
+                                               : sizeof(duet_bounds_sweep);
+    query->asked = (tree_query){.kind = far ? &far_kind : &kinds[shape],
                                 .tree = def->tree,
                                 .wants = (query_wants)def->wants,
                                 .item_words = (uint32_t)(bytes / sizeof(float)),
+                                .item_cell = FAR_POSE_CELL,
                                 .each = def->wants != DUET_QUERY_EVERY};
     const gen_setting settings[] = {{"WANTS", def->wants}, {"SWEPT", 1}};
     const query_name name = {.item = QUERY_SWEEPS, .wants = def->wants};

@@ -9,6 +9,7 @@
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/queries/ray.h"
+#include "runtime/queries/sweep.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -87,6 +88,7 @@ typedef struct scene {
     duet_large_pose large_boxes[BOXES + 1], large_asked[ASKED];
     duet_large_ray large_rays[ASKED];
     duet_large_point large_points[ASKED];
+    duet_large_sweep large_sweeps[ASKED]; // of the boxes asked about, along the rays
 } scene;
 
 static scene *make_scene(uint32_t dims)
@@ -113,6 +115,9 @@ static void move_scene(scene *s, const int32_t by[3])
     for (uint32_t i = 0; i < ASKED; ++i) {
         s->large_asked[i] = (duet_large_pose){s->asked[i], {by[0], by[1], by[2]}, 0};
         s->large_rays[i] = (duet_large_ray){s->rays[i], {by[0], by[1], by[2]}};
+        s->large_sweeps[i] = (duet_large_sweep){.box = s->asked[i], .t_max = s->rays[i].t_max};
+        memcpy(s->large_sweeps[i].cell, by, sizeof s->large_sweeps[i].cell);
+        memcpy(s->large_sweeps[i].direction, s->rays[i].direction, sizeof s->rays[i].direction);
         s->large_points[i] = (duet_large_point){s->points[i], {by[0], by[1], by[2]}};
     }
     s->large_boxes[BOXES] = (duet_large_pose){s->boxes[0], {by[0] - 1000000000, by[1], 1 << 29}, 0};
@@ -174,6 +179,21 @@ static void ask_points(const scene *s, duet_tree *tree, int nearest, answer *fou
               err);
     keep(found, result.hits, result.n_hits, sizeof *result.hits);
     duet_point_query_destroy(query);
+}
+
+static void ask_sweeps(const scene *s, duet_tree *tree, int wants, answer *found)
+{
+    duet_error err = {0};
+    duet_sweep_query_result result;
+    duet_sweep_query_def def = duet_default_sweep_query_def();
+    def.tree = tree;
+    def.wants = (duet_query_wants)wants;
+    duet_sweep_query *query = duet_sweep_query_create(&def, &err);
+    assert_ok(query && duet_sweep_query_run(query, DUET_OBJECT_LARGE_POSES, s->large_sweeps, ASKED,
+                                            &result, &err),
+              err);
+    keep(found, result.hits, result.n_hits, sizeof *result.hits);
+    duet_sweep_query_destroy(query);
 }
 
 // level: or -1, the tree against itself.
@@ -436,6 +456,35 @@ static void boxes_meet_where_integers_say_so(void **state)
     free(s);
 }
 
+// And t and the normal are those of the same sweep near 0.
+static void sweeps_meet_what_integers_say(void **state)
+{
+    (void)state;
+    scene *s = make_scene(3);
+    answer found = ask_everywhere(s, ask_sweeps, DUET_QUERY_EVERY, 3);
+    const duet_sweep_hit *hits = found.hits;
+    bool *met = calloc(BOXES, sizeof *met);
+    uint64_t at = 0;
+    for (uint32_t i = 0; i < ASKED; ++i) {
+        duet_sweep sweep = {.box = s->asked[i], .t_max = s->rays[i].t_max};
+        memcpy(sweep.direction, s->rays[i].direction, sizeof sweep.direction);
+        memset(met, 0, BOXES * sizeof *met);
+        for (; at < found.n && hits[at].sweep == i; ++at) {
+            float normal[3], t = sweep_enter(&sweep, &s->boxes[hits[at].id], 3, normal);
+            assert_true(hits[at].t == t);
+            assert_memory_equal(hits[at].normal, normal, sizeof normal);
+            met[hits[at].id] = true;
+        }
+        for (uint32_t k = i % 4; k < BOXES; k += 4) // integers take long
+            assert_int_equal(met[k], sweep_meets_exactly(&sweep, &s->boxes[k], 3));
+    }
+    assert_int_equal(at, found.n);
+    assert_true(found.n > ASKED);
+    free(met);
+    free(found.hits);
+    free(s);
+}
+
 static void cheaper_levels_answer_alike_everywhere(void **state)
 {
     (void)state;
@@ -602,6 +651,7 @@ int main(void)
         cmocka_unit_test(points_lie_in_the_boxes_that_integers_say),
         cmocka_unit_test(the_nearest_are_those_of_a_sweep),
         cmocka_unit_test(boxes_meet_where_integers_say_so),
+        cmocka_unit_test(sweeps_meet_what_integers_say),
         cmocka_unit_test(cheaper_levels_answer_alike_everywhere),
         cmocka_unit_test(many_are_answered_as_few),
         cmocka_unit_test(bodies_of_a_motion_are_seen_where_they_are),
