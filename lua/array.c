@@ -183,7 +183,7 @@ static void take_column(lua_State *L, const array *a, uint64_t i, int column)
         break;
     case 'Q':
         *(uint64_t *)column_at(a, i, column) =
-            (uint64_t)take_whole(L, a, i, column, 0, LUA_MAXINTEGER, "a whole number from 0");
+            (uint64_t)take_whole(L, a, i, column, LUA_MININTEGER, LUA_MAXINTEGER, "a whole number");
         break;
     case 'C':
         *(uint8_t *)column_at(a, i, column) =
