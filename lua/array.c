@@ -43,6 +43,8 @@ static const struct {
     [ARRAY_SWEEPS] = {"ffffffffffffff", sizeof(duet_sweep)},
     [ARRAY_BOUNDS_SWEEPS] = {"ffffffffff", sizeof(duet_bounds_sweep)},
     [ARRAY_LARGE_SWEEPS] = {"ffffffffffiiiffff", sizeof(duet_large_sweep)},
+    [ARRAY_ROUNDED_SWEEPS] = {"fffffffffffffff", sizeof(duet_rounded_sweep)},
+    [ARRAY_SPHERE_SWEEPS] = {"ffffffff", sizeof(duet_sphere_sweep)},
     [ARRAY_SWEEP_HITS] = {"IIffff", sizeof(duet_sweep_hit)},
     [ARRAY_IDS] = {"Q", sizeof(uint64_t)},
     [ARRAY_FORCES] = {"ffffff", sizeof(duet_force)},
@@ -69,6 +71,8 @@ _Static_assert(offsetof(duet_point_hit, distance) == 2 * 4, "all of four bytes")
 _Static_assert(offsetof(duet_sweep, t_max) == 13 * 4, "a sweep is fourteen floats");
 _Static_assert(offsetof(duet_bounds_sweep, t_max) == 9 * 4, "or ten");
 _Static_assert(offsetof(duet_large_sweep, t_max) == 16 * 4, "or seventeen with a cell");
+_Static_assert(offsetof(duet_rounded_sweep, t_max) == 14 * 4, "or fifteen");
+_Static_assert(offsetof(duet_sphere_sweep, t_max) == 7 * 4, "or eight");
 _Static_assert(offsetof(duet_sweep_hit, normal[2]) == 5 * 4, "all of four bytes");
 _Static_assert(offsetof(duet_state, angular_velocity[2]) == 12 * 8, "a state is thirteen doubles");
 _Static_assert(offsetof(duet_contact, points[3].normal_impulse) == 25 * 4, "all of four bytes");
@@ -577,6 +581,8 @@ static const lua_class classes[] = {
     [ARRAY_SWEEPS] = {.name = "duet.sweeps", .methods = methods, .metas = metas},
     [ARRAY_BOUNDS_SWEEPS] = {.name = "duet.bounds_sweeps", .methods = methods, .metas = metas},
     [ARRAY_LARGE_SWEEPS] = {.name = "duet.large_sweeps", .methods = methods, .metas = metas},
+    [ARRAY_ROUNDED_SWEEPS] = {.name = "duet.rounded_sweeps", .methods = methods, .metas = metas},
+    [ARRAY_SPHERE_SWEEPS] = {.name = "duet.sphere_sweeps", .methods = methods, .metas = metas},
     [ARRAY_SWEEP_HITS] = {.name = "duet.sweep_hits", .methods = methods, .metas = metas},
     [ARRAY_FORCES] = {.name = "duet.forces", .methods = methods, .metas = metas},
     [ARRAY_IMPULSES] = {.name = "duet.impulses", .methods = methods, .metas = metas},

@@ -6,6 +6,7 @@
 
 typedef struct query_box {
     duet_contact_query *query;
+    duet_shape shape;
 } query_box;
 
 static const lua_class query_class;
@@ -13,6 +14,7 @@ static const lua_class query_class;
 static const member def_members[] = {
     MEMBER(member_share, duet_contact_query_def, share),
     MEMBER(member_count, duet_contact_query_def, dims),
+    MEMBER_ENUM(duet_contact_query_def, shape, shape_name),
     MEMBER(member_float, duet_contact_query_def, margin),
     {0},
 };
@@ -35,22 +37,25 @@ int contact_query_create_lua(lua_State *L)
     query_box *box = class_push(L, &query_class, sizeof *box);
     lua_pushvalue(L, 1);
     lua_setiuservalue(L, -2, 1);
+    box->shape = def.shape;
     box->query = duet_contact_query_create(&def, &err);
     return box->query ? 1 : class_push_failure(L, &err);
 }
 
-// query:run(poses, pairs) -> contacts, result
+// query:run(objects, pairs) -> contacts, result
 static int query_run(lua_State *L)
 {
     duet_error err = {0};
     duet_contact_query_result result = {0};
     query_box *box = luaL_checkudata(L, 1, query_class.name);
     luaL_argcheck(L, box->query, 1, "the query is closed");
-    const array *poses = array_check(L, 2, ARRAY_POSES);
+    array_kind kind = shape_array_kind(box->shape);
+    const array *objects = array_check(L, 2, kind);
     const array *pairs = array_check(L, 3, ARRAY_PAIRS);
-    luaL_argcheck(L, poses->n <= UINT32_MAX, 2, "fewer than 2^32 rows");
+    luaL_argcheck(L, objects->n <= UINT32_MAX, 2, "fewer than 2^32 rows");
     const duet_span spans[2] = {{pairs->rows, pairs->n}, {NULL, 0}};
-    if (!duet_contact_query_run(box->query, poses->rows, (uint32_t)poses->n, spans, &result, &err))
+    if (!duet_contact_query_run(box->query, tree_object_kind(kind), objects->rows,
+                                (uint32_t)objects->n, spans, &result, &err))
         return class_push_failure(L, &err);
     array *contacts = array_push(L, ARRAY_CONTACTS, result.n_contacts);
     if (result.n_contacts > 0)

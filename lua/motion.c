@@ -560,6 +560,15 @@ static int motion_poses(lua_State *L)
     return duet_motion_get_poses(motion, poses->rows, &err) ? 1 : class_push_failure(L, &err);
 }
 
+static int motion_rounded_boxes(lua_State *L)
+{
+    duet_error err = {0};
+    duet_motion *motion = motion_check_lua(L);
+    array *boxes = array_push(L, ARRAY_ROUNDED_BOXES, duet_motion_get_count(motion));
+    return duet_motion_get_rounded_boxes(motion, boxes->rows, &err) ? 1
+                                                                    : class_push_failure(L, &err);
+}
+
 static int motion_contacts(lua_State *L)
 {
     duet_error err = {0};
@@ -638,6 +647,7 @@ static const luaL_Reg methods[] = {{"advance", motion_advance},
                                    {"read_of", motion_read_of},
                                    {"moved", motion_moved},
                                    {"poses", motion_poses},
+                                   {"rounded_boxes", motion_rounded_boxes},
                                    {"hash", motion_hash},
                                    {"energy", motion_energy},
                                    {"contacts", motion_contacts},

@@ -11,7 +11,7 @@ const char *query_wants_name(int wants)
 
 typedef struct tree_box {
     duet_tree *tree;
-    duet_object_kind kind;
+    int shape; // or TREE_LARGE_POSES
 } tree_box;
 
 static const lua_class tree_class;
@@ -24,17 +24,6 @@ static const member def_members[] = {
     {0},
 };
 
-static duet_object_kind object_kind_of(const duet_tree_def *def)
-{
-    static const duet_object_kind of_shape[DUET_SHAPES] = {
-        [DUET_SHAPE_POSES] = DUET_OBJECT_POSES,
-        [DUET_SHAPE_BOUNDS] = DUET_OBJECT_BOUNDS,
-        [DUET_SHAPE_ROUNDED_BOXES] = DUET_OBJECT_ROUNDED_BOXES,
-        [DUET_SHAPE_SPHERES] = DUET_OBJECT_SPHERES,
-    };
-    return def->origin_edge > 0 ? DUET_OBJECT_LARGE_POSES : of_shape[def->shape];
-}
-
 // device_pair:tree(def)
 int tree_create_lua(lua_State *L)
 {
@@ -46,7 +35,7 @@ int tree_create_lua(lua_State *L)
     tree_box *box = class_push(L, &tree_class, sizeof *box);
     lua_pushvalue(L, 1);
     lua_setiuservalue(L, -2, 1);
-    box->kind = object_kind_of(&def);
+    box->shape = def.origin_edge > 0 ? TREE_LARGE_POSES : (int)def.shape;
     box->tree = duet_tree_create(&def, &err);
     return box->tree ? 1 : class_push_failure(L, &err);
 }
@@ -66,21 +55,22 @@ duet_tree *tree_check(lua_State *L, int index)
 static const struct {
     array_kind array;
     duet_object_kind objects;
-} kinds[] = {
-    {ARRAY_POSES, DUET_OBJECT_POSES},
-    {ARRAY_BOUNDS, DUET_OBJECT_BOUNDS},
-    {ARRAY_LARGE_POSES, DUET_OBJECT_LARGE_POSES},
-    {ARRAY_ROUNDED_BOXES, DUET_OBJECT_ROUNDED_BOXES},
-    {ARRAY_SPHERES, DUET_OBJECT_SPHERES},
+} kinds[DUET_SHAPES + 1] = {
+    [DUET_SHAPE_POSES] = {ARRAY_POSES, DUET_OBJECT_POSES},
+    [DUET_SHAPE_BOUNDS] = {ARRAY_BOUNDS, DUET_OBJECT_BOUNDS},
+    [DUET_SHAPE_ROUNDED_BOXES] = {ARRAY_ROUNDED_BOXES, DUET_OBJECT_ROUNDED_BOXES},
+    [DUET_SHAPE_SPHERES] = {ARRAY_SPHERES, DUET_OBJECT_SPHERES},
+    [TREE_LARGE_POSES] = {ARRAY_LARGE_POSES, DUET_OBJECT_LARGE_POSES},
 };
 
-array_kind tree_array_kind(lua_State *L, int index)
+array_kind shape_array_kind(duet_shape shape)
 {
-    duet_object_kind kind = box_check(L, index)->kind;
-    int i = 0;
-    while (kinds[i].objects != kind)
-        ++i;
-    return kinds[i].array;
+    return kinds[shape].array;
+}
+
+int tree_shape(lua_State *L, int index)
+{
+    return box_check(L, index)->shape;
 }
 
 duet_object_kind tree_object_kind(array_kind kind)
@@ -96,9 +86,10 @@ static int tree_set_objects(lua_State *L)
 {
     duet_error err = {0};
     tree_box *box = box_check(L, 1);
-    const array *objects = array_check(L, 2, tree_array_kind(L, 1));
+    const array *objects = array_check(L, 2, kinds[box->shape].array);
+    duet_object_kind kind = kinds[box->shape].objects;
     luaL_argcheck(L, objects->n <= UINT32_MAX, 2, "fewer than 2^32 rows");
-    if (!duet_tree_set_objects(box->tree, box->kind, objects->rows, (uint32_t)objects->n, &err))
+    if (!duet_tree_set_objects(box->tree, kind, objects->rows, (uint32_t)objects->n, &err))
         return class_push_failure(L, &err);
     lua_settop(L, 1);
     return 1;

@@ -47,11 +47,10 @@ typedef struct query_def {
 
 typedef struct query_kind {
     lua_class class;
-    const char *noun;        // "a ray query", in messages
-    const member *members;   // of query_def
-    array_kind takes, gives; // takes of a tree of poses; the tree's kind for ARRAY_KINDS
-    array_kind of_bounds;    // takes of any other, but
-    array_kind of_large;     // of one in origin cells
+    const char *noun;                  // "a ray query", in messages
+    const member *members;             // of query_def
+    array_kind takes[DUET_SHAPES + 1]; // by the tree's shape
+    array_kind gives;
     size_t hit_bytes;
     void *(*create)(duet_tree *tree, const query_def *def, duet_error *err);
     bool (*run)(void *query, const array *items, answer *found, duet_error *err);
@@ -100,9 +99,11 @@ static void *create_sweeps(duet_tree *tree, const query_def *given, duet_error *
 
 static bool run_sweeps(void *query, const array *items, answer *found, duet_error *err)
 {
-    duet_object_kind kind = items->kind == ARRAY_SWEEPS         ? DUET_OBJECT_POSES
-                            : items->kind == ARRAY_LARGE_SWEEPS ? DUET_OBJECT_LARGE_POSES
-                                                                : DUET_OBJECT_BOUNDS;
+    duet_object_kind kind = items->kind == ARRAY_SWEEPS           ? DUET_OBJECT_POSES
+                            : items->kind == ARRAY_BOUNDS_SWEEPS  ? DUET_OBJECT_BOUNDS
+                            : items->kind == ARRAY_ROUNDED_SWEEPS ? DUET_OBJECT_ROUNDED_BOXES
+                            : items->kind == ARRAY_LARGE_SWEEPS   ? DUET_OBJECT_LARGE_POSES
+                                                                  : DUET_OBJECT_SPHERES;
     return duet_sweep_query_run(query, kind, items->rows, items->n, &found->sweeps, err);
 }
 
@@ -157,10 +158,8 @@ static const luaL_Reg methods[3], box_methods[4];
 static const query_kind rays = {{.name = "duet.ray_query", .methods = methods},
                                 "a ray query",
                                 wants_members,
-                                ARRAY_RAYS,
+                                {ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_LARGE_RAYS},
                                 ARRAY_HITS,
-                                ARRAY_RAYS,
-                                ARRAY_LARGE_RAYS,
                                 sizeof(duet_ray_hit),
                                 create_rays,
                                 run_rays,
@@ -168,10 +167,12 @@ static const query_kind rays = {{.name = "duet.ray_query", .methods = methods},
 static const query_kind sweeps = {{.name = "duet.sweep_query", .methods = methods},
                                   "a sweep query",
                                   wants_members,
-                                  ARRAY_SWEEPS,
+                                  {[DUET_SHAPE_POSES] = ARRAY_SWEEPS,
+                                   [DUET_SHAPE_BOUNDS] = ARRAY_BOUNDS_SWEEPS,
+                                   [DUET_SHAPE_ROUNDED_BOXES] = ARRAY_ROUNDED_SWEEPS,
+                                   [DUET_SHAPE_SPHERES] = ARRAY_SPHERE_SWEEPS,
+                                   [TREE_LARGE_POSES] = ARRAY_LARGE_SWEEPS},
                                   ARRAY_SWEEP_HITS,
-                                  ARRAY_BOUNDS_SWEEPS,
-                                  ARRAY_LARGE_SWEEPS,
                                   sizeof(duet_sweep_hit),
                                   create_sweeps,
                                   run_sweeps,
@@ -179,25 +180,26 @@ static const query_kind sweeps = {{.name = "duet.sweep_query", .methods = method
 static const query_kind boxes = {{.name = "duet.box_query", .methods = box_methods},
                                  "a box query",
                                  level_members,
-                                 ARRAY_KINDS,
+                                 {[DUET_SHAPE_POSES] = ARRAY_POSES,
+                                  [DUET_SHAPE_BOUNDS] = ARRAY_BOUNDS,
+                                  [DUET_SHAPE_ROUNDED_BOXES] = ARRAY_ROUNDED_BOXES,
+                                  [DUET_SHAPE_SPHERES] = ARRAY_SPHERES,
+                                  [TREE_LARGE_POSES] = ARRAY_LARGE_POSES},
                                  ARRAY_BOX_HITS,
-                                 ARRAY_KINDS,
-                                 ARRAY_KINDS,
                                  sizeof(duet_box_hit),
                                  create_boxes,
                                  run_boxes,
                                  destroy_boxes};
-static const query_kind points = {{.name = "duet.point_query", .methods = methods},
-                                  "a point query",
-                                  nearest_members,
-                                  ARRAY_POINTS,
-                                  ARRAY_POINT_HITS,
-                                  ARRAY_POINTS,
-                                  ARRAY_LARGE_POINTS,
-                                  sizeof(duet_point_hit),
-                                  create_points,
-                                  run_points,
-                                  destroy_points};
+static const query_kind points = {
+    {.name = "duet.point_query", .methods = methods},
+    "a point query",
+    nearest_members,
+    {ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_LARGE_POINTS},
+    ARRAY_POINT_HITS,
+    sizeof(duet_point_hit),
+    create_points,
+    run_points,
+    destroy_points};
 static const query_kind *const kinds[] = {&rays, &boxes, &points, &sweeps};
 
 enum { N_KINDS = sizeof kinds / sizeof *kinds };
@@ -220,15 +222,6 @@ static query_box *check(lua_State *L)
     return box;
 }
 
-static array_kind takes_of(lua_State *L, const query_kind *kind)
-{
-    array_kind objects = tree_array_kind(L, 1);
-    array_kind takes = objects == ARRAY_POSES         ? kind->takes
-                       : objects == ARRAY_LARGE_POSES ? kind->of_large
-                                                      : kind->of_bounds;
-    return takes == ARRAY_KINDS ? objects : takes;
-}
-
 // tree:ray_query(def) and the others
 static int create(lua_State *L, const query_kind *kind)
 {
@@ -241,7 +234,7 @@ static int create(lua_State *L, const query_kind *kind)
     lua_pushvalue(L, 1);
     lua_setiuservalue(L, -2, 1);
     box->kind = kind;
-    box->takes = takes_of(L, kind);
+    box->takes = kind->takes[tree_shape(L, 1)];
     box->query = kind->create(tree, &def, &err);
     return box->query ? 1 : class_push_failure(L, &err);
 }

@@ -17,11 +17,12 @@ typedef struct duet_contact_query_def {
     uint32_t share;         // A's part of the pairs, out of DUET_SHARE_ONE; 0: B alone;
                             // DUET_SHARE_DEFAULT: that of the pair's default plan
     uint32_t dims;          // 2 or 3
+    duet_shape shape;       // of the objects: poses, rounded boxes or spheres
     float margin;           // points are kept up to that separation
     int cookie;
 } duet_contact_query_def;
 
-DUET_API duet_contact_query_def duet_default_contact_query_def(void); // 3D, margin 0
+DUET_API duet_contact_query_def duet_default_contact_query_def(void); // 3D poses, margin 0
 
 typedef struct duet_contact_query_result {
     const duet_contact *contacts; // [n_contacts] the query's, until its next call
@@ -36,20 +37,22 @@ DUET_API duet_contact_query *duet_contact_query_create(const duet_contact_query_
                                                        duet_error *err);
 DUET_API void duet_contact_query_destroy(duet_contact_query *query);
 
-// Finds where the pairs of both spans, those of a duet_result say, touch among n boxes.
+// Finds where the pairs of both spans, those of a duet_result say, touch among n objects. kind is
+// that of the def's shape.
 //
 // The normal points from a to b, and each anchor from a's centre to halfway between the two
 // surfaces. A pair that collides has 1 to 4 points. One that is apart by less than the margin
-// has those where faces or edges are opposite each other, and any other has none, and normal 0.
+// has those where faces or edges are opposite each other, or, where one of the two has a radius,
+// at least one; any other has none, and normal 0.
 // docs/accuracy.md, "Contacts", bounds the errors. A contact depends on its two boxes alone: it is
 // the same on every device and at every share, and (b, a) has the points of (a, b). Nothing has an
 // impulse.
 //
 // BAD_ARGUMENT names the first pair that is not of two objects, BAD_OBJECT the first with
 // an object that is NaN, infinite, negative or without rotation.
-DUET_API bool duet_contact_query_run(duet_contact_query *query, const duet_pose *poses, uint32_t n,
-                                     const duet_span spans[2], duet_contact_query_result *result,
-                                     duet_error *err);
+DUET_API bool duet_contact_query_run(duet_contact_query *query, duet_object_kind kind,
+                                     const void *objects, uint32_t n, const duet_span spans[2],
+                                     duet_contact_query_result *result, duet_error *err);
 
 #ifdef __cplusplus
 }

@@ -211,6 +211,10 @@ DUET_API duet_state duet_state_between(const duet_state *from, const duet_state 
 // radii the cores: in floats, to which a state in double or in origin cells is rounded.
 DUET_API bool duet_motion_get_poses(duet_motion *motion, duet_pose *poses, duet_error *err);
 
+// The same with the bodies' radii.
+DUET_API bool duet_motion_get_rounded_boxes(duet_motion *motion, duet_rounded_box *boxes,
+                                            duet_error *err);
+
 // A sum over the state's bits, equal on all devices, at any share and in any
 // split mode.
 DUET_API bool duet_motion_get_hash(duet_motion *motion, uint64_t *hash, duet_error *err);

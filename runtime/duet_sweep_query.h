@@ -32,6 +32,18 @@ typedef struct duet_bounds_sweep {
     float t_max;
 } duet_bounds_sweep;
 
+typedef struct duet_rounded_sweep {
+    duet_rounded_box box;
+    float direction[3];
+    float t_max;
+} duet_rounded_sweep;
+
+typedef struct duet_sphere_sweep {
+    duet_sphere sphere;
+    float direction[3];
+    float t_max;
+} duet_sphere_sweep;
+
 // Of the error of t docs/accuracy.md, "Swept boxes".
 typedef struct duet_sweep_hit {
     uint32_t sweep;
@@ -64,10 +76,10 @@ DUET_API duet_sweep_query *duet_sweep_query_create(const duet_sweep_query_def *d
 DUET_API void duet_sweep_query_destroy(duet_sweep_query *query);
 
 // Moves n boxes, fewer than 2^32: duet_sweep for the kind POSES, duet_bounds_sweep for BOUNDS,
-// duet_large_sweep for LARGE_POSES, as the tree's objects. Which objects they meet is exact,
-// touching included, and the same on every device and at every share. BAD_OBJECT names the first
-// that is not valid: no box, a number above 2^100, a direction that is below 2^-100 and not 0, or a
-// t_max below 0.
+// duet_rounded_sweep for ROUNDED_BOXES, duet_sphere_sweep for SPHERES, duet_large_sweep for
+// LARGE_POSES, as the tree's objects. Which objects they meet is exact, touching included, and the
+// same on every device and at every share. BAD_OBJECT names the first that is not valid: no box, a
+// number above 2^100, a direction that is below 2^-100 and not 0, or a t_max below 0.
 DUET_API bool duet_sweep_query_run(duet_sweep_query *query, duet_object_kind kind,
                                    const void *sweeps, uint64_t n, duet_sweep_query_result *result,
                                    duet_error *err);

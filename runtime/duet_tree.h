@@ -42,10 +42,10 @@ DUET_API bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, cons
 
 // The objects from now on are a motion's bodies where they are, as duet_motion_get_poses says, and
 // their ids are their places (docs/commands.md, "Ids"); those that were removed or are disabled
-// are left out. Where B keeps the motion's sizes, as for contacts, the poses stay on B, unless A
-// has a share. The motion goes on as before. BAD_ARGUMENT for a tree of bounds or
-// of other dims, BAD_OBJECT where a body is at no finite place or above 2^100; the tree is
-// empty then.
+// are left out. A tree of rounded boxes has their radii, too; one of poses takes no motion whose
+// bodies have or had radii. Where B keeps the motion's sizes, as for contacts, the boxes stay on B,
+// unless A has a share. The motion goes on as before. BAD_ARGUMENT for a tree of another shape or of
+// other dims, BAD_OBJECT where a body is at no finite place or above 2^100; the tree is empty then.
 DUET_API bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err);
 
 // Its queries divide what they are asked so from now on. A device that gets its first share builds

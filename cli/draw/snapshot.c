@@ -25,14 +25,14 @@ static const colour shot = {0.88, 0.10, 0.14, 1};
 typedef struct crowd {
     uint32_t n;
     duet_state *states;
-    duet_pose *poses; // for their sizes
+    duet_rounded_box *boxes; // for their sizes
     uint64_t *ids;
 } crowd;
 
 static void forget(crowd *c)
 {
     free(c->states);
-    free(c->poses);
+    free(c->boxes);
     free(c->ids);
 }
 
@@ -40,12 +40,12 @@ static bool look_at(crowd *c, duet_motion *motion, duet_error *err)
 {
     c->n = duet_motion_get_count(motion);
     c->states = calloc((size_t)c->n + 1, sizeof *c->states);
-    c->poses = calloc((size_t)c->n + 1, sizeof *c->poses);
+    c->boxes = calloc((size_t)c->n + 1, sizeof *c->boxes);
     c->ids = calloc((size_t)c->n + 1, sizeof *c->ids);
-    if (!c->states || !c->poses || !c->ids)
+    if (!c->states || !c->boxes || !c->ids)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", c->n);
     return duet_motion_get_states(motion, c->states, err) &&
-           duet_motion_get_poses(motion, c->poses, err) &&
+           duet_motion_get_rounded_boxes(motion, c->boxes, err) &&
            duet_motion_get_ids(motion, 0, c->n, c->ids, err);
 }
 
@@ -76,12 +76,6 @@ static duet_rounded_box body_of(const duet_scene *scene, uint32_t id)
     return poses ? (duet_rounded_box){poses[id], 0} : scene_rounded_box(scene, id);
 }
 
-// Of what a command brought the core alone is known.
-static double radius_of(const snapshot *s, const crowd *c, uint32_t place)
-{
-    return c->ids[place] < s->n ? body_of(s->scene, (uint32_t)c->ids[place]).radius : 0.0;
-}
-
 static int by_number(const void *x, const void *y)
 {
     double a = *(const double *)x, b = *(const double *)y;
@@ -98,9 +92,9 @@ static bool find_extent(const snapshot *s, const crowd *c, uint32_t axis, double
     double *uppers = lowers + c->n;
     uint32_t n = 0;
     for (uint32_t i = 0; i < c->n; ++i) {
-        const float *h = c->poses[i].half_extents;
+        const float *h = c->boxes[i].pose.half_extents;
         double core = fmax(h[0], fmax(h[1], s->def->dims == 3 ? h[2] : 0.0));
-        double reach = core + radius_of(s, c, i);
+        double reach = core + c->boxes[i].radius;
         if (!is_there(c, i) || was_shot(s, c, i))
             continue;
         lowers[n] = c->states[i].centre[axis] - reach;
@@ -274,13 +268,13 @@ static void move_to(corners *box, const double centre[3], uint32_t dims)
 static block block_of(const snapshot *s, const view *v, const crowd *c, uint32_t place)
 {
     const duet_state *state = &c->states[place];
-    duet_pose box = c->poses[place];
+    duet_pose box = c->boxes[place].pose;
     for (int k = 0; k < 4; ++k)
         box.rotation[k] = (float)state->rotation[k];
     memset(box.centre, 0, sizeof box.centre);
     block b = {corners_of(&box, v->dims), INFINITY,
                c->ids[place] < s->n ? s->colours[place] : shot};
-    b.corners.radius = radius_of(s, c, place);
+    b.corners.radius = c->boxes[place].radius;
     move_to(&b.corners, state->centre, v->dims);
     for (int i = 0; i < 8; ++i)
         b.nearness = fmin(b.nearness, view_nearness(v, b.corners.at[i]));

@@ -4,7 +4,7 @@
 // Which of a pair's boxes comes first decides between axes that are equally good, so the
 // one with the lower id does, and (a, b) and (b, a) have the same points.
 //
-//   poses    [objects][10]
+//   objects  [objects] poses, rounded boxes or spheres (narrowphase/object.clh)
 //   pairs    [n][2] ids
 //   contacts [n][WORDS] a, b, normal xyz, points, and four times anchor xyz, separation, 0
 #define WORDS 26
@@ -23,6 +23,7 @@ typedef struct {
     solid a[LANES], b[LANES];
     float4 d[LANES];
     float slack[LANES];
+    float most[LANES]; // how far cores may be apart that touch
 } pairs_at;
 
 static inline void put_lanes(real numbers, float to[LANES])
@@ -41,6 +42,12 @@ static inline void set_solids(solid to[LANES], real axis[3][3], const object *o)
         for (int k = 0; k < 3; ++k)
             put_lanes(axis[i][k], turned[i][k]);
     }
+//@ if ROUNDED == 1 then
+    float radii[LANES];
+    put_lanes(o->radius, radii);
+    for (int lane = 0; lane < LANES; ++lane)
+        to[lane].radius = radii[lane];
+//@ end
     for (int lane = 0; lane < LANES; ++lane)
         for (int i = 0; i < 3; ++i) {
             to[lane].axis[i] = (float4)(turned[i][0][lane], turned[i][1][lane], turned[i][2][lane], 0.0f);
@@ -53,6 +60,9 @@ static inline real slack_of(const object *a, const object *b, const real d[3])
     real size = fabs(d[0]) + fabs(d[1]) + fabs(d[2]);
     for (int k = 0; k < 3; ++k)
         size += a->halves[k] + b->halves[k];
+//@ if ROUNDED == 1 then
+    size += a->radius + b->radius;
+//@ end
     return SLACK * size;
 }
 
@@ -129,6 +139,69 @@ static inline bool touch(const solid *a, const solid *b, float4 d, best_axis bes
     return m->n > 0;
 }
 
+//@ if ROUNDED == 1 then
+
+#if DIMS == 3
+#define FLAT 0x1p-6f // squared sine
+
+// a b - c d, of which nothing cancels that counts.
+static inline float difference(float a, float b, float c, float d)
+{
+    float less = c * d;
+    return fma(a, b, -less) + fma(-c, d, less);
+}
+
+static inline float4 cross_exactly(float4 a, float4 b)
+{
+    return (float4)(difference(a.y, b.z, a.z, b.y), difference(a.z, b.x, a.x, b.z), difference(a.x, b.y, a.y, b.x),
+                    0.0f);
+}
+
+// Where edges cross that are nearly parallel, which find_nearest leaves out or finds roughly. Without
+// these a pair could collide and have no point.
+static inline void offer_flat_crossings(nearest_points *best, const solid *a, const solid *b, float4 d)
+{
+    for (int k = 0; k < 9; ++k) {
+        int i = k / 3, j = k % 3;
+        float4 across = cross_exactly(a->axis[i], b->axis[j]);
+        float length2 = dot_float(across, across);
+        if (a->halves[i] == 0.0f || b->halves[j] == 0.0f || length2 > FLAT || length2 < 1e-13f)
+            continue;
+        float4 outward = dot_float(across, d) < 0.0f ? -across : across;
+        float4 of_a[4], of_b[4];
+        int n_a = edges_facing(a, i, outward, length2, of_a), n_b = edges_facing(b, j, -outward, length2, of_b);
+        across *= inverse_float(length2);
+        for (int e = 0; e < n_a * n_b; ++e) {
+            float4 on_a = of_a[e % n_a], on_b = d + of_b[e / n_a];
+            float at_a = dot_float(cross_exactly(on_b - on_a, b->axis[j]), across);
+            float at_b = dot_float(cross_exactly(on_b - on_a, a->axis[i]), across);
+            offer_points(best, add_float(on_a, clamp(at_a, -a->halves[i], a->halves[i]), a->axis[i]),
+                         add_float(on_b, clamp(at_b, -b->halves[j], b->halves[j]), b->axis[j]));
+        }
+    }
+}
+#endif
+
+// As touch, where one of the two has a radius. best, face: of the cores, up to both radii more.
+static inline void touch_surfaces(const solid *a, const solid *b, float4 d, best_axis best, best_axis face, float margin,
+                                  float slack, manifold *m)
+{
+    float reach = margin + slack, most = reach + (a->radius + b->radius);
+    nearest_points p = {(float4)(0.0f), d, 0.0f};
+    m->n = 0;
+    if (best.separation > most)
+        return;
+    if (best.separation > 0.0f) {
+        p = find_nearest(a, b, d);
+#if DIMS == 3
+        offer_flat_crossings(&p, a, b, d);
+#endif
+    }
+    if (p.square <= most * most)
+        touch_cores(a, b, d, &p, best, face, lead_of(margin) + slack, reach, m);
+}
+//@ end
+
 // ------------------------------------------------------------ axes
 
 #if LANES == 8 && DIMS == 3
@@ -197,6 +270,12 @@ static inline void find_points(const pairs_at *p, int k, best_axis best, best_ax
 {
     const solid *a = &p->a[k], *b = &p->b[k];
     float slack = p->slack[k];
+//@ if ROUNDED == 1 then
+    if (are_round(a, b)) {
+        touch_surfaces(a, b, p->d[k], best, face, margin, slack, m);
+        return;
+    }
+//@ end
     if (touch(a, b, p->d[k], best, face, margin, slack, m) || margin == 0.0f)
         return;
     // With a margin some pairs that meet have no points, where they do without.
@@ -226,7 +305,7 @@ static inline void put_contact(manifold *m, float4 d, bool flipped, __global uin
 }
 
 // Pairs from `from` on, LANES of them or as many as there are up to n.
-static inline void look_at(__global const float *poses, __global const uint *pairs, uint from, uint n, float margin,
+static inline void look_at(__global const float *objects, __global const uint *pairs, uint from, uint n, float margin,
                            __global uint *contacts)
 {
     uint firsts[LANES], seconds[LANES], bad[LANES];
@@ -235,7 +314,7 @@ static inline void look_at(__global const float *poses, __global const uint *pai
         firsts[k] = min(ids[0], ids[1]);
         seconds[k] = max(ids[0], ids[1]);
     }
-    object one = object_at(poses, firsts), other = object_at(poses, seconds);
+    object one = object_at(objects, firsts), other = object_at(objects, seconds);
     spread(as_word(object_is_bad(&one) | object_is_bad(&other)), bad);
     real axis_a[3][3], axis_b[3][3], d[3];
     set_axes(axis_a, one.rotation);
@@ -248,13 +327,19 @@ static inline void look_at(__global const float *poses, __global const uint *pai
     set_solids(p.a, axis_a, &one);
     set_solids(p.b, axis_b, &other);
     put_lanes(slack, p.slack);
+//@ if ROUNDED == 1 then
+    real most = margin + slack + (one.radius + other.radius);
+//@ else
+    real most = margin + slack;
+//@ end
+    put_lanes(most, p.most);
     for (int k = 0; k < 3; ++k)
         put_lanes(d[k], ways[k]);
     best_axis bests[LANES], faces[LANES];
 #if LANES == 8 && DIMS == 3
     solid_lanes a = lanes_of(&one, axis_a), b = lanes_of(&other, axis_b);
     best_lanes face, best =
-        find_each(&a, &b, (vec_lanes){d[0], d[1], d[2]}, lead_of(margin) + slack, margin + slack, &face);
+        find_each(&a, &b, (vec_lanes){d[0], d[1], d[2]}, lead_of(margin) + slack, most, &face);
     put_bests(&best, bests);
     put_bests(&face, faces);
 #endif
@@ -263,7 +348,7 @@ static inline void look_at(__global const float *poses, __global const uint *pai
         __global uint *row = contacts + (size_t)(from + k) * WORDS;
         p.d[k] = (float4)(ways[0][k], ways[1][k], ways[2][k], 0.0f);
 #if LANES == 1 || DIMS == 2
-        bests[k] = find_axis(&p.a[k], &p.b[k], p.d[k], lead_of(margin) + p.slack[k], margin + p.slack[k], &faces[k]);
+        bests[k] = find_axis(&p.a[k], &p.b[k], p.d[k], lead_of(margin) + p.slack[k], p.most[k], &faces[k]);
 #endif
         manifold m;
         m.n = 0;
@@ -282,5 +367,5 @@ __kernel void contact_query(CONTACT_QUERY_ARGS)
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint i = first; i < last; i += LANES)
-        look_at(poses, pairs, i, last, margin, contacts);
+        look_at(objects, pairs, i, last, margin, contacts);
 }

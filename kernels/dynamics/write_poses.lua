@@ -5,6 +5,7 @@ return {
   params = {
     { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
     { "ROTATED", values = { 0, 1 }, default = 0, about = "1: orientation matters" },
+    { "ROUNDED", values = { 0, 1 }, default = 0, silent = true, about = "1: boxes have radii" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 1024 }, default = function(limits) return limits.cpu and 1024 or 1 end,
@@ -16,6 +17,7 @@ return {
       const real4 *rotations   if ROTATED == 1
       const float4 *halves
       uint n
+      uint row_words           if ROUNDED == 1
       float *poses
     ]],
   },

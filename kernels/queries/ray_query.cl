@@ -36,9 +36,13 @@ struct walk {
 //@ if ORIGIN > 0 then
     far_item item;
 //@ end
+//@ if SHAPE >= 2 and SWEPT == 1 then
+    mover m;
+//@ else
 #if SWEPT && !SHAPE
     mover m;
 #endif
+//@ end
     __global const float *boxes;
     uint number;
     float best; // CLOSEST: t and id of the nearest hit so far
@@ -62,7 +66,11 @@ static inline mask meets_bounds(const walk *w, __global const float *node, real 
 //@ if SHAPE >= 2 then
 static inline uint meet_box(const walk *w, __global const float *box, float *t)
 {
+//@ if SWEPT == 1 then
+    return mover_meets(&w->m, &w->l, box, t);
+//@ else
     return line_meets_rounded(&w->l, box, t);
+//@ end
 }
 //@ else
 #if SHAPE
@@ -227,9 +235,13 @@ static inline bool load_item(walk *w, __global const float *row)
         upper[k] = FIRST_LANE(b.upper[k]);
     }
 //@ end
+//@ if SHAPE >= 2 and SWEPT == 1 then
+    set_mover(&w->m, &o);
+//@ else
 #if !SHAPE
     set_mover(&w->m, &o);
 #endif
+//@ end
     if (refused[0])
         return false;
 #else

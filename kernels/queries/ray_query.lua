@@ -39,7 +39,6 @@ return {
   valid = function(p)
     if p.SHAPE == 3 then return false, "spheres come as rounded boxes" end
     if p.ORIGIN > 0 and p.SHAPE > 0 then return false, "origin cells are for poses" end
-    if p.SHAPE == 2 and p.SWEPT == 1 then return false, "boxes with a radius are not swept" end
     return true
   end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,

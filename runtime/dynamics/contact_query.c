@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Contacts of pairs that a world found or the caller brings.
 //
-// Each device gets all boxes, and its pairs a chunk at a time.
+// Each device gets all objects, and its pairs a chunk at a time.
 #include "base/budget.h"
 #include "base/clock.h"
 #include "base/error.h"
-#include "runtime/narrowphase/narrow.h"
+#include "runtime/narrowphase/rounded.h"
 #include "runtime/opencl/shared_work.h"
 
 #include <assert.h>
@@ -27,19 +27,20 @@ static_assert(offsetof(duet_contact, points) == 6 * sizeof(uint32_t), "points fo
 typedef struct side {
     work_side work;
     kernel *kernel;
-    buffer poses, pairs, contacts;
+    buffer objects, pairs, contacts;
     cl_uint n; // of the pairs that were launched last
     cl_float margin;
     uint32_t dims;
+    duet_shape shape;
 
-    const duet_pose *all_poses;
-    uint32_t n_poses;
+    const void *all_objects;
+    uint32_t n_objects;
     const duet_span *spans;
     duet_contact *found; // of all pairs
     uint64_t touching;
 } side;
 
-static const binding side_bindings[] = {BIND_BUFFER(side, "poses", "float *", poses),
+static const binding side_bindings[] = {BIND_BUFFER(side, "objects", "float *", objects),
                                         BIND_BUFFER(side, "pairs", "uint *", pairs),
                                         BIND_BUFFER(side, "contacts", "uint *", contacts),
                                         BIND_VALUE(side, "n", n),
@@ -58,6 +59,31 @@ duet_contact_query_def duet_default_contact_query_def(void)
     return (duet_contact_query_def){.share = DUET_SHARE_DEFAULT, .dims = 3, .cookie = COOKIE};
 }
 
+// ---------------------------------------------------------------- objects
+
+typedef struct shape_row {
+    duet_object_kind kind;
+    size_t width; // in bytes; 0: has no contacts
+    const char *name;
+} shape_row;
+
+static const shape_row shape_rows[DUET_SHAPES] = {
+    [DUET_SHAPE_POSES] = {DUET_OBJECT_POSES, sizeof(duet_pose), "poses"},
+    [DUET_SHAPE_ROUNDED_BOXES] = {DUET_OBJECT_ROUNDED_BOXES, sizeof(duet_rounded_box),
+                                  "rounded boxes"},
+    [DUET_SHAPE_SPHERES] = {DUET_OBJECT_SPHERES, sizeof(duet_sphere), "spheres"},
+};
+
+static bool is_sound(const side *s, uint32_t id)
+{
+    const void *at = (const char *)s->all_objects + id * shape_rows[s->shape].width;
+    if (s->shape == DUET_SHAPE_POSES)
+        return narrow_is_box(at, s->dims);
+    duet_rounded_box box =
+        s->shape == DUET_SHAPE_SPHERES ? rounded_of_sphere(at) : *(const duet_rounded_box *)at;
+    return rounded_is_sound(&box, s->dims);
+}
+
 // ---------------------------------------------------------------- owner
 
 static bool check_def(const duet_contact_query_def *def, duet_error *err)
@@ -69,6 +95,10 @@ static bool check_def(const duet_contact_query_def *def, duet_error *err)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no device pair");
     if (def->dims != 2 && def->dims != 3)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
+    if ((unsigned)def->shape >= DUET_SHAPES || shape_rows[def->shape].width == 0)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "shape is %d; contacts are those of poses, rounded boxes or spheres",
+                         (int)def->shape);
     if (!(def->margin >= 0.0f) || !isfinite(def->margin))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "margin is %g; expected 0 or a length above it", (double)def->margin);
@@ -77,12 +107,14 @@ static bool check_def(const duet_contact_query_def *def, duet_error *err)
 
 static bool open_side(side *s, const duet_contact_query_def *def, duet_error *err)
 {
-    const gen_setting settings[] = {{"DIMS", def->dims}};
+    const gen_setting settings[] = {
+        {"DIMS", def->dims}, {"SHAPE", def->shape}, {"ROUNDED", def->shape != DUET_SHAPE_POSES}};
     s->dims = def->dims;
+    s->shape = def->shape;
     s->margin = def->margin;
     if (!s->work.device)
         return true;
-    s->kernel = program_set_kernel(s->work.programs, "contact_query", "contact_query", settings, 1,
+    s->kernel = program_set_kernel(s->work.programs, "contact_query", "contact_query", settings, 3,
                                    side_bindings, err);
     return s->kernel && program_set_build(s->work.programs, err);
 }
@@ -113,7 +145,7 @@ void duet_contact_query_destroy(duet_contact_query *query)
     if (!query)
         return;
     for (int which = 0; which < 2; ++which) {
-        buffer_release(&query->sides[which].poses);
+        buffer_release(&query->sides[which].objects);
         buffer_release(&query->sides[which].pairs);
         buffer_release(&query->sides[which].contacts);
     }
@@ -145,10 +177,9 @@ static bool ask_device(side *s, const duet_pair *pairs, uint64_t first, uint32_t
 static bool refuse(side *s, uint64_t i)
 {
     const duet_contact *c = &s->found[i];
-    bool first_is_box = narrow_is_box(&s->all_poses[c->a], s->dims);
     return error_set(&s->work.err, DUET_STATUS_BAD_OBJECT,
                      "object %u of %u is not a number, infinite, negative or without rotation",
-                     first_is_box ? c->b : c->a, s->n_poses);
+                     is_sound(s, c->a) ? c->b : c->a, s->n_objects);
 }
 
 static bool look_at_chunk(side *s, const duet_pair *pairs, uint64_t first, uint32_t n)
@@ -181,7 +212,7 @@ static bool look_at_span(side *s, const duet_span *span, uint64_t before)
 // The caller may free what was wrapped.
 static void give_back(side *s)
 {
-    buffer *const all[] = {&s->poses, &s->pairs, &s->contacts};
+    buffer *const all[] = {&s->objects, &s->pairs, &s->contacts};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
         if (all[i]->borrowed)
             buffer_release(all[i]);
@@ -190,7 +221,8 @@ static void give_back(side *s)
 static bool look_at_part(work_side *w)
 {
     side *s = (side *)w;
-    return send(s, &s->poses, "send objects", s->all_poses, s->n_poses * sizeof *s->all_poses) &&
+    size_t bytes = s->n_objects * shape_rows[s->shape].width;
+    return send(s, &s->objects, "send objects", s->all_objects, bytes) &&
            look_at_span(s, &s->spans[0], 0) && look_at_span(s, &s->spans[1], s->spans[0].n);
 }
 
@@ -206,13 +238,12 @@ static bool check_pairs(const duet_span *span, uint32_t n, uint64_t before, duet
     return true;
 }
 
-static bool check_rows(const duet_pose *poses, const duet_span spans[2], uint32_t n,
-                       duet_error *err)
+static bool check_rows(const void *objects, const duet_span spans[2], uint32_t n, duet_error *err)
 {
     for (int k = 0; k < 2; ++k)
-        if (spans[k].n > 0 && (!spans[k].pairs || !poses))
+        if (spans[k].n > 0 && (!spans[k].pairs || !objects))
             return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%llu pairs, but no %s",
-                             (unsigned long long)spans[k].n, poses ? "rows of them" : "poses");
+                             (unsigned long long)spans[k].n, objects ? "rows of them" : "objects");
     return check_pairs(&spans[0], n, 0, err) && check_pairs(&spans[1], n, spans[0].n, err);
 }
 
@@ -231,8 +262,16 @@ static bool reserve_contacts(duet_contact_query *query, uint64_t n, duet_error *
     return true;
 }
 
-bool duet_contact_query_run(duet_contact_query *query, const duet_pose *poses, uint32_t n,
-                            const duet_span spans[2], duet_contact_query_result *result,
+static bool check_kind(const duet_contact_query *query, duet_object_kind kind, duet_error *err)
+{
+    const shape_row *row = &shape_rows[query->sides[0].shape];
+    return kind == row->kind ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "objects of kind %d; the query is of %s",
+                     (int)kind, row->name);
+}
+
+bool duet_contact_query_run(duet_contact_query *query, duet_object_kind kind, const void *objects,
+                            uint32_t n, const duet_span spans[2], duet_contact_query_result *result,
                             duet_error *err)
 {
     if (!error_given(query, __func__, "query", err) ||
@@ -241,13 +280,14 @@ bool duet_contact_query_run(duet_contact_query *query, const duet_pose *poses, u
         return false;
     uint64_t begun = clock_steady_ns();
     uint64_t n_pairs = spans[0].n + spans[1].n;
-    if (!check_rows(poses, spans, n, err) || !reserve_contacts(query, n_pairs, err))
+    if (!check_kind(query, kind, err) || !check_rows(objects, spans, n, err) ||
+        !reserve_contacts(query, n_pairs, err))
         return false;
     side *a = &query->sides[0], *b = &query->sides[1];
     for (int which = 0; which < 2; ++which) {
         side *s = &query->sides[which];
-        s->all_poses = poses;
-        s->n_poses = n;
+        s->all_objects = objects;
+        s->n_objects = n;
         s->spans = spans;
         s->found = query->contacts;
         s->touching = 0;

@@ -33,13 +33,40 @@ bool duet_motion_get_poses(duet_motion *m, duet_pose *poses, duet_error *err)
     return ok;
 }
 
-bool motion_copy_poses(duet_motion *m, duet_pose *poses, duet_error *err)
+// Poses become rounded boxes where they lie, the last first.
+static void add_radii(const duet_motion *m, void *rows)
 {
-    if (!duet_motion_get_poses(m, poses, err))
+    const duet_pose *poses = rows;
+    duet_rounded_box *boxes = rows;
+    for (uint32_t id = m->n; id-- > 0;) {
+        duet_pose pose = poses[id];
+        boxes[id] = (duet_rounded_box){pose, m->bodies[id].radius};
+    }
+}
+
+bool duet_motion_get_rounded_boxes(duet_motion *m, duet_rounded_box *boxes, duet_error *err)
+{
+    if (!motion_is_whole(m, __func__, err) ||
+        (m->n > 0 && !error_given(boxes, __func__, "boxes", err)))
         return false;
-    for (uint32_t id = 0; id < m->n; ++id)
+    void *rows = boxes;
+    if (!duet_motion_get_poses(m, rows, err))
+        return false;
+    add_radii(m, rows);
+    return true;
+}
+
+bool motion_copy_poses(duet_motion *m, bool radii, void *rows, duet_error *err)
+{
+    size_t width = radii ? sizeof(duet_rounded_box) : sizeof(duet_pose);
+    if (!(radii ? duet_motion_get_rounded_boxes(m, rows, err)
+                : duet_motion_get_poses(m, rows, err)))
+        return false;
+    for (uint32_t id = 0; id < m->n; ++id) {
+        duet_pose *pose = (void *)((char *)rows + id * width);
         if (motion_is_hidden(m, id))
-            poses[id].half_extents[0] = -1;
+            pose->half_extents[0] = -1;
+    }
     return true;
 }
 
@@ -74,15 +101,17 @@ uint32_t motion_count_hidden(const duet_motion *m)
 
 // ---------------------------------------------------------------- on B
 
-bool motion_has_poses(const duet_motion *m)
+bool motion_has_poses(const duet_motion *m, bool radii)
 {
-    return motion_words(m, HALVES) > 0 && !m->cells;
+    return motion_words(m, HALVES) > 0 && !m->cells &&
+           (!radii || motion_has(m, DUET_EFFECT_RADIUS));
 }
 
-bool motion_write_poses(duet_motion *m, const buffer *poses, duet_error *err)
+bool motion_write_poses(duet_motion *m, bool radii, const buffer *rows, duet_error *err)
 {
     kernel **write = &m->kernels.write_poses;
-    m->args.poses = *poses;
+    m->args.poses = *rows;
+    m->args.row_words = (radii ? sizeof(duet_rounded_box) : sizeof(duet_pose)) / sizeof(cl_float);
     return (*write || (motion_ask(m, write, "write_poses", "write_poses", err) &&
                        program_set_build(m->programs, err))) &&
            motion_launch(m, "fetch", *write, m->n, err) && timeline_finish(&m->times, err);

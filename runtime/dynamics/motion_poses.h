@@ -9,14 +9,14 @@
 // Whether some body has a radius, or had one; poses are the cores then.
 bool motion_has_radii(const duet_motion *m);
 
-// Whether B's state says all of it.
-bool motion_has_poses(const duet_motion *m);
+// Whether B's state says all of it, with radii or without.
+bool motion_has_poses(const duet_motion *m, bool radii);
 
-// Puts them into poses [n] in B's memory.
-bool motion_write_poses(duet_motion *m, const buffer *poses, duet_error *err);
+// Puts them into rows [n] in B's memory: poses, or with radii rounded boxes.
+bool motion_write_poses(duet_motion *m, bool radii, const buffer *rows, duet_error *err);
 
 // The same by way of the host, of any motion.
-bool motion_copy_poses(duet_motion *m, duet_pose *poses, duet_error *err);
+bool motion_copy_poses(duet_motion *m, bool radii, void *rows, duet_error *err);
 
 // The same of a motion in origin cells, as they are there.
 bool motion_copy_large_poses(duet_motion *m, duet_large_pose *poses, duet_error *err);

@@ -3,6 +3,7 @@
 
 #include <limits.h>
 #include <math.h>
+#include <stdbool.h>
 
 int exact_least_power(const float *values, int n, int so_far)
 {
@@ -74,4 +75,25 @@ void exact_dot(mpz_t out, mpz_t u[3], mpz_t v[3])
     mpz_mul(out, u[0], v[0]);
     mpz_addmul(out, u[1], v[1]);
     mpz_addmul(out, u[2], v[2]);
+}
+
+int exact_step(mpz_t out[3], const float direction[3], float t_max, int power)
+{
+    bool ends = isfinite(t_max);
+    int t_power = exact_least_power(&t_max, ends, 0);
+    int v_power = exact_least_power(direction, 3, 0);
+    if (ends && t_power + v_power < power)
+        power = t_power + v_power;
+    mpz_t last;
+    mpz_init(last);
+    exact_integer(last, ends ? t_max : 1, t_power);
+    for (int k = 0; k < 3; ++k) {
+        exact_integer(out[k], direction[k], v_power);
+        if (!ends)
+            continue;
+        mpz_mul(out[k], out[k], last);
+        mpz_mul_2exp(out[k], out[k], (mp_bitcnt_t)(t_power + v_power - power));
+    }
+    mpz_clear(last);
+    return power;
 }

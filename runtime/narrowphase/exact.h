@@ -18,4 +18,8 @@ void exact_axes(mpz_t axis[3][3], mpz_t norm, mpz_t q[4], const float rotation[4
 
 void exact_dot(mpz_t out, mpz_t u[3], mpz_t v[3]);
 
+// The way from t = 0 to t_max by direction, in units of 2^p; without an end the direction, in any
+// unit. Returns p, which is power or less.
+int exact_step(mpz_t out[3], const float direction[3], float t_max, int power);
+
 #endif

@@ -234,7 +234,7 @@ typedef struct numbers {
     mpz_t q[4], norm_a, norm_b, norms;
     mpz_t axis_a[3][3], axis_b[3][3];
     mpz_t half_a[3], half_b[3];
-    mpz_t way[3], step[3]; // from b to a; from there to a's end, without an end its direction
+    mpz_t way[3], step[3]; // from b to a; then exact_step's
     mpz_t axis[3];         // that is tried
     mpz_t at, end, reach, part, term;
 } numbers;
@@ -256,25 +256,6 @@ static void pool_close(pool *p)
         mpz_clear(p->all[i]);
 }
 
-// In units of 2^power, which lengths share with it unless it has no end.
-static int set_step(numbers *n, const float direction[3], float t_max, int power)
-{
-    bool ends = isfinite(t_max);
-    const float last = ends ? t_max : 1;
-    int t_power = exact_least_power(&last, 1, 0), v_power = exact_least_power(direction, 3, 0);
-    if (ends && t_power + v_power < power)
-        power = t_power + v_power;
-    exact_integer(n->term, last, t_power);
-    for (int k = 0; k < 3; ++k) {
-        exact_integer(n->step[k], direction[k], v_power);
-        if (!ends)
-            continue;
-        mpz_mul(n->step[k], n->step[k], n->term);
-        mpz_mul_2exp(n->step[k], n->step[k], (mp_bitcnt_t)(t_power + v_power - power));
-    }
-    return power;
-}
-
 static void set_numbers(numbers *n, const duet_sweep *sweep, const duet_pose *box,
                         const double shift[3])
 {
@@ -283,7 +264,7 @@ static void set_numbers(numbers *n, const duet_sweep *sweep, const duet_pose *bo
     power = exact_least_power(box->centre, 3, power);
     power = exact_least_power(box->half_extents, 3, power);
     power = exact_least_power_of_doubles(shift, 3, power);
-    power = set_step(n, sweep->direction, sweep->t_max, power);
+    power = exact_step(n->step, sweep->direction, sweep->t_max, power);
     exact_axes(n->axis_a, n->norm_a, n->q, sweep->box.rotation);
     exact_axes(n->axis_b, n->norm_b, n->q, box->rotation);
     mpz_mul(n->norms, n->norm_a, n->norm_b);
@@ -305,7 +286,7 @@ static void set_bounds_numbers(numbers *n, const duet_bounds_sweep *sweep, const
     power = exact_least_power(sweep->bounds.upper, 3, power);
     power = exact_least_power(box->lower, 3, power);
     power = exact_least_power(box->upper, 3, power);
-    power = set_step(n, sweep->direction, sweep->t_max, power);
+    power = exact_step(n->step, sweep->direction, sweep->t_max, power);
     mpz_set_ui(n->norm_a, 1);
     mpz_set_ui(n->norm_b, 1);
     mpz_set_ui(n->norms, 1);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
+#include "runtime/narrowphase/rounded.h"
 #include "runtime/queries/far_rows.h"
+#include "runtime/queries/rounded_sweep.h"
 #include "runtime/queries/sweep.h"
 #include "runtime/queries/tree_query.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,11 +14,13 @@ enum { COOKIE = 0x0d0e700e };
 
 struct duet_sweep_query {
     tree_query asked;
+    duet_rounded_sweep *spheres; // what was asked last, as the kernel has them
 };
 
 _Static_assert(sizeof(duet_sweep) == 14 * sizeof(float), "a sweep is a pose and four floats");
 _Static_assert(sizeof(duet_bounds_sweep) == 10 * sizeof(float), "and so with bounds");
 _Static_assert(sizeof(duet_large_sweep) == 18 * sizeof(float), "and so with a large pose");
+_Static_assert(sizeof(duet_rounded_sweep) == 15 * sizeof(float), "with rounded boxes");
 _Static_assert(sizeof(duet_sweep_hit) == 6 * sizeof(uint32_t), "a hit is six words");
 
 duet_sweep_query_def duet_default_sweep_query_def(void)
@@ -87,6 +92,24 @@ static const query_kind far_kind = {
     .finish_reads = true,
 };
 
+// A grazing one is left open before float knows where it touches.
+static bool meets_rounded(const duet_tree *tree, const void *item, uint32_t *hit)
+{
+    duet_sweep_hit *h = (duet_sweep_hit *)hit;
+    const duet_rounded_box *box = (const duet_rounded_box *)tree->objects + h->id;
+    if (!rounded_sweep_meets(item, box, tree->def.dims))
+        return false;
+    h->t = fmaxf(h->t, rounded_sweep_enter(item, box, tree->def.dims, h->normal));
+    return true;
+}
+
+static void enter_rounded(const duet_tree *tree, const void *item, uint32_t *hit)
+{
+    duet_sweep_hit *h = (duet_sweep_hit *)hit;
+    const duet_rounded_box *box = (const duet_rounded_box *)tree->objects + h->id;
+    h->t = rounded_sweep_enter(item, box, tree->def.dims, h->normal);
+}
+
 static const query_kind kinds[] = {
     [DUET_SHAPE_POSES] = {.item = "sweep",
                           .items = "sweeps",
@@ -107,6 +130,16 @@ static const query_kind kinds[] = {
                            .meets = meets_bounds,
                            .finish = enter_bounds,
                            .finish_reads = true},
+    [DUET_SHAPE_ROUNDED_BOXES] = {.item = "sweep",
+                                  .items = "sweeps",
+                                  .wrong = "no box, a radius below 0, a number that is none or "
+                                           "above 2^100, a direction below 2^-100, or a t_max "
+                                           "below 0",
+                                  .kernel = "ray_query",
+                                  .hit_words = 6,
+                                  .meets = meets_rounded,
+                                  .finish = enter_rounded,
+                                  .finish_reads = true},
 };
 
 static bool check_def(const duet_sweep_query_def *def, duet_error *err)
@@ -116,10 +149,6 @@ static bool check_def(const duet_sweep_query_def *def, duet_error *err)
                          "the query's def does not come from duet_default_sweep_query_def");
     if (!def->tree)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no tree");
-    if (box_tree_shape(def->tree->def.shape) == DUET_SHAPE_ROUNDED_BOXES)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a sweep meets poses or bounds; the tree is of %s",
-                         tree_shape_name(def->tree));
     return tree_query_knows(def->wants, err);
 }
 
@@ -132,11 +161,9 @@ duet_sweep_query *duet_sweep_query_create(const duet_sweep_query_def *def, duet_
         error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
         return NULL;
     }
-    duet_shape shape = def->tree->def.shape;
+    duet_shape shape = box_tree_shape(def->tree->def.shape);
     bool far = def->tree->def.origin_edge > 0.0f;
-    size_t bytes = far                         ? sizeof(duet_large_sweep)
-                   : shape == DUET_SHAPE_POSES ? sizeof(duet_sweep)
-                                               : sizeof(duet_bounds_sweep);
+    size_t bytes = tree_row_bytes(def->tree) + 4 * sizeof(float); // and a direction and t_max
     query->asked = (tree_query){.kind = far ? &far_kind : &kinds[shape],
                                 .tree = def->tree,
                                 .wants = (query_wants)def->wants,
@@ -155,7 +182,29 @@ void duet_sweep_query_destroy(duet_sweep_query *query)
 {
     if (query)
         tree_query_close(&query->asked);
+    if (query)
+        free(query->spheres);
     free(query);
+}
+
+// Spheres are rounded boxes to the tree.
+static bool take_spheres(duet_sweep_query *query, const void **sweeps, uint64_t n, duet_error *err)
+{
+    const duet_sphere_sweep *given = *sweeps;
+    if (query->asked.tree->def.shape != DUET_SHAPE_SPHERES || n == 0 || !given)
+        return true;
+    void *spheres = n <= UINT32_MAX ? realloc(query->spheres, n * sizeof *query->spheres) : NULL;
+    if (!spheres)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %llu spheres",
+                         (unsigned long long)n);
+    query->spheres = spheres;
+    for (uint64_t i = 0; i < n; ++i) {
+        query->spheres[i] = (duet_rounded_sweep){.box = rounded_of_sphere(&given[i].sphere),
+                                                 .t_max = given[i].t_max};
+        memcpy(query->spheres[i].direction, given[i].direction, sizeof given[i].direction);
+    }
+    *sweeps = spheres;
+    return true;
 }
 
 bool duet_sweep_query_run(duet_sweep_query *query, duet_object_kind kind, const void *sweeps,
@@ -164,7 +213,7 @@ bool duet_sweep_query_run(duet_sweep_query *query, duet_object_kind kind, const 
     query_result found;
     if (!error_given(query, __func__, "query", err) ||
         !error_given(result, __func__, "result", err) ||
-        !tree_takes(query->asked.tree, kind, err) ||
+        !tree_takes(query->asked.tree, kind, err) || !take_spheres(query, &sweeps, n, err) ||
         !tree_query_run(&query->asked, sweeps, n, &found, err))
         return false;
     *result = (duet_sweep_query_result){.hits = (const duet_sweep_hit *)found.hits,

@@ -7,13 +7,14 @@
 
 static bool check(const duet_tree *tree, const duet_motion *motion, duet_error *err)
 {
-    if (tree->def.shape != DUET_SHAPE_POSES)
+    if (tree->def.shape != DUET_SHAPE_POSES && tree->def.shape != DUET_SHAPE_ROUNDED_BOXES)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a motion's bodies are poses; the tree is of %s", tree_shape_name(tree));
-    if (motion_has_radii(motion))
+                         "a motion's bodies are poses or rounded boxes; the tree is of %s",
+                         tree_shape_name(tree));
+    if (tree->def.shape == DUET_SHAPE_POSES && motion_has_radii(motion))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the motion's bodies have radii, which a tree does not take from a "
-                         "motion; expected boxes");
+                         "the motion's bodies have radii; the tree is of poses, expected one of "
+                         "rounded boxes");
     if (tree->def.origin_edge > 0.0f && tree->def.origin_edge != motion->def.origin_edge)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the motion has the origin_edge %g; the tree has %g",
@@ -24,17 +25,17 @@ static bool check(const duet_tree *tree, const duet_motion *motion, duet_error *
 }
 
 // Where they are as B has them, or by way of the host.
-static bool write_on_b(duet_tree *tree, duet_motion *motion, duet_error *err)
+static bool write_on_b(duet_tree *tree, duet_motion *motion, bool radii, duet_error *err)
 {
     tree_side *b = &tree->sides[1];
     return box_tree_hold(&b->boxes, motion->device, tree->objects, tree->n, err) &&
-           motion_write_poses(motion, &b->boxes.objects, err);
+           motion_write_poses(motion, radii, &b->boxes.objects, err);
 }
 
-static bool copy_to_host(duet_tree *tree, duet_motion *motion, duet_error *err)
+static bool copy_to_host(duet_tree *tree, duet_motion *motion, bool radii, duet_error *err)
 {
     if (!(tree->def.origin_edge > 0.0f))
-        return motion_copy_poses(motion, tree->objects, err);
+        return motion_copy_poses(motion, radii, tree->objects, err);
     if (!motion_copy_large_poses(motion, tree->objects, err))
         return false;
     tree_find_middle(tree);
@@ -46,10 +47,12 @@ bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err)
     if (!error_given(tree, __func__, "tree", err) || !motion_is_whole(motion, __func__, err) ||
         !check(tree, motion, err))
         return false;
-    bool on_b = motion->n > 0 && motion_has_poses(motion) && motion->def.pair == tree->def.pair;
+    bool radii = tree->def.shape == DUET_SHAPE_ROUNDED_BOXES;
+    bool on_b =
+        motion->n > 0 && motion_has_poses(motion, radii) && motion->def.pair == tree->def.pair;
     if (!tree_reserve_objects(tree, motion->n, err))
         return false;
-    if (!(on_b ? write_on_b(tree, motion, err) : copy_to_host(tree, motion, err))) {
+    if (!(on_b ? write_on_b(tree, motion, radii, err) : copy_to_host(tree, motion, radii, err))) {
         tree_clear(tree);
         return false;
     }

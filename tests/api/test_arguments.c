@@ -497,15 +497,21 @@ static void find_contacts(void)
     def.share = DUET_SHARE_ONE + 1;
     REFUSES(duet_contact_query_create(&def, e));
     def.share = 0;
+    def.shape = DUET_SHAPE_BOUNDS;
+    REFUSES(duet_contact_query_create(&def, e));
+    def.shape = DUET_SHAPES;
+    REFUSES(duet_contact_query_create(&def, e));
+    def.shape = DUET_SHAPE_POSES;
     def.margin = -1;
     REFUSES(duet_contact_query_create(&def, e));
-    REFUSES(duet_contact_query_run(NULL, two, 2, one, &found, e));
-    REFUSES(duet_contact_query_run(touching, NULL, 2, one, &found, e));
-    REFUSES(duet_contact_query_run(touching, two, 2, NULL, &found, e));
-    REFUSES(duet_contact_query_run(touching, two, 2, lost, &found, e));
-    REFUSES(duet_contact_query_run(touching, two, 1, one, &found, e));
-    REFUSES(duet_contact_query_run(touching, two, 2, one, NULL, e));
-    TAKES(duet_contact_query_run(touching, NULL, 0, none, &found, e));
+    REFUSES(duet_contact_query_run(NULL, DUET_OBJECT_POSES, two, 2, one, &found, e));
+    REFUSES(duet_contact_query_run(touching, DUET_OBJECT_POSES, NULL, 2, one, &found, e));
+    REFUSES(duet_contact_query_run(touching, DUET_OBJECT_POSES, two, 2, NULL, &found, e));
+    REFUSES(duet_contact_query_run(touching, DUET_OBJECT_POSES, two, 2, lost, &found, e));
+    REFUSES(duet_contact_query_run(touching, DUET_OBJECT_POSES, two, 1, one, &found, e));
+    REFUSES(duet_contact_query_run(touching, DUET_OBJECT_POSES, two, 2, one, NULL, e));
+    REFUSES(duet_contact_query_run(touching, DUET_OBJECT_SPHERES, two, 2, one, &found, e));
+    TAKES(duet_contact_query_run(touching, DUET_OBJECT_POSES, NULL, 0, none, &found, e));
     duet_contact_query_destroy(NULL);
 }
 
@@ -631,6 +637,7 @@ static void create_motion(void)
 
 static void read_motion(void)
 {
+    duet_rounded_box round;
     duet_state states[2];
     duet_energy energy;
     duet_contact *contacts;
@@ -639,6 +646,8 @@ static void read_motion(void)
     REFUSES(duet_motion_get_states(motion, NULL, e));
     REFUSES(duet_motion_get_poses(NULL, &pose, e));
     REFUSES(duet_motion_get_poses(motion, NULL, e));
+    REFUSES(duet_motion_get_rounded_boxes(NULL, &round, e));
+    REFUSES(duet_motion_get_rounded_boxes(motion, NULL, e));
     REFUSES(duet_motion_get_hash(NULL, &hash, e));
     REFUSES(duet_motion_get_hash(motion, NULL, e));
     REFUSES(duet_motion_get_energy(NULL, &energy, e));
@@ -888,7 +897,7 @@ static const struct {
     {"duet_motion_create duet_motion_create_from_scene duet_motion_destroy", create_motion},
     {"duet_motion_get_states duet_motion_get_hash duet_motion_get_energy duet_motion_get_contacts "
      "duet_motion_get_effects duet_motion_get_count duet_motion_get_step duet_motion_get_plan "
-     "duet_motion_get_poses",
+     "duet_motion_get_poses duet_motion_get_rounded_boxes",
      read_motion},
     {"duet_motion_advance duet_motion_advance_begin duet_motion_advance_end", advance_motion},
     {"duet_motion_save duet_motion_load", keep_motion},

@@ -294,8 +294,8 @@ static void what_knows_no_radii_says_so(void **state)
     duet_tree *of_bodies = duet_tree_create(&tree, &err);
     assert_ok(of_bodies, err);
     assert_false(duet_tree_set_motion(of_bodies, m, &err));
-    assert_string_equal(err.text, "the motion's bodies have radii, which a tree does not take from "
-                                  "a motion; expected boxes");
+    assert_string_equal(err.text, "the motion's bodies have radii; the tree is of poses, expected "
+                                  "one of rounded boxes");
     duet_tree_destroy(of_bodies);
     duet_motion_destroy(m);
     duet_scene_destroy(made);

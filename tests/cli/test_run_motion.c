@@ -16,6 +16,8 @@
 #define PICTURE "test_run_motion.png"
 #define FULL "test_run_motion.full.png"
 #define FRAMES "test_run_motion.frames"
+#define BALL "test_run_motion.ball.lua"
+#define SCRIPT "test_run_motion.script.lua"
 #define RECORDING "test_run_motion.replay"
 
 // A pile that falls, and a bullet.
@@ -48,6 +50,8 @@ static int remove_files(void **state)
     remove(FRAMES);
     remove(PICTURE);
     remove(RECORDING);
+    remove(BALL);
+    remove(SCRIPT);
     remove(SCENE);
     return 0;
 }
@@ -173,6 +177,52 @@ static void a_recording_gives_the_same_hash_with_another_plan(void **state)
     program_assert_refused(&p, 2, "--replay");
 }
 
+// A scene of one ball at rest, and a recording in which another one comes, with the given radius.
+static text draw_one_that_comes(double radius)
+{
+    static const char scene[] =
+        "add { centre = { 0, 0, 0 }, half_extents = { 0, 0, 0 }, radius = 1 }\n"
+        "return { dims = 3, wants = { 'contact_response' } }\n";
+    static const char script[] =
+        "local duet = require 'duet'\n"
+        "local pair <close> = assert(duet.device_pair())\n"
+        "local scene <close> = assert(duet.scene '" BALL "')\n"
+        "local motion <close> = assert(pair:motion(scene))\n"
+        "assert(motion:record())\n"
+        "assert(motion:add_bodies({ { 1.8, 0, 0, 0.1, 0.1, 0.1, 0, 0, 0, 1 } },\n"
+        "  { { 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xffffffff, 0xffffffff, %g, false, false } }))\n"
+        "assert(motion:advance())\n"
+        "assert(motion:save_recording '" RECORDING "')\n";
+    duet_error err = {0};
+    char given[sizeof script + 16];
+    int n = snprintf(given, sizeof given, script, radius);
+    assert_ok(text_write_file(BALL, scene, strlen(scene), &err), err);
+    assert_ok(text_write_file(SCRIPT, given, (size_t)n, &err), err);
+    program p = program_run("lua --trust " SCRIPT);
+    if (p.exit_code != 0)
+        fail_msg("lua: %s", p.err);
+    program_free(&p);
+    p = program_run("run --steps 1 --replay " RECORDING " --picture " PICTURE " " BALL);
+    if (p.exit_code != 0)
+        fail_msg("run --replay: %s", p.err);
+    program_free(&p);
+    text png = {0};
+    assert_ok(text_read_file(&png, PICTURE, &err), err);
+    return png;
+}
+
+// Nothing else differs.
+static void what_commands_bring_is_drawn_with_its_radius(void **state)
+{
+    (void)state;
+    text sharp = draw_one_that_comes(0.0), round = draw_one_that_comes(0.5);
+    assert_true(sharp.length > 100 && round.length > 100);
+    assert_false(sharp.length == round.length &&
+                 memcmp(sharp.chars, round.chars, sharp.length) == 0);
+    text_free(&sharp);
+    text_free(&round);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -181,6 +231,7 @@ int main(void)
         cmocka_unit_test(what_cannot_be_drawn_is_refused_before_the_steps),
         cmocka_unit_test(what_is_of_a_scene_at_rest_is_refused_with_steps),
         cmocka_unit_test(a_recording_gives_the_same_hash_with_another_plan),
+        cmocka_unit_test(what_commands_bring_is_drawn_with_its_radius),
         cmocka_unit_test(a_full_disk_is_told_of),
     };
     return cmocka_run_group_tests(tests, make_scene, remove_files);

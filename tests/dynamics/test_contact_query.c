@@ -32,7 +32,8 @@ static duet_contact_query_result run(duet_contact_query *query, const duet_pose 
     duet_error err = {0};
     const duet_span spans[2] = {{pairs, n_pairs / 3}, {pairs + n_pairs / 3, n_pairs - n_pairs / 3}};
     duet_contact_query_result result;
-    assert_ok(duet_contact_query_run(query, poses, n, spans, &result, &err), err);
+    assert_ok(duet_contact_query_run(query, DUET_OBJECT_POSES, poses, n, spans, &result, &err),
+              err);
     assert_int_equal(result.n_contacts, n_pairs);
     return result;
 }
@@ -471,7 +472,9 @@ static void the_pairs_of_a_world_have_points(void **state)
     assert_true(result.spans[0].n > 0 && result.spans[1].n > 0);
     duet_contact_query *query = open_query(3, DUET_SHARE_DEFAULT, 0);
     duet_contact_query_result found;
-    assert_ok(duet_contact_query_run(query, poses, BOXES, result.spans, &found, &err), err);
+    assert_ok(
+        duet_contact_query_run(query, DUET_OBJECT_POSES, poses, BOXES, result.spans, &found, &err),
+        err);
     assert_int_equal(found.n_contacts, result.pairs);
     assert_int_equal(found.touching, result.pairs);
     for (uint64_t i = 0; i < result.pairs; ++i) {
@@ -546,7 +549,7 @@ static void assert_refused(const duet_pose *poses, uint32_t n, duet_pair pair, d
     duet_contact_query_result result;
     const duet_span spans[2] = {{&(duet_pair){0, 1}, 1}, {&pair, 1}};
     duet_contact_query *query = open_query(3, 0, 0);
-    assert_false(duet_contact_query_run(query, poses, n, spans, &result, &err));
+    assert_false(duet_contact_query_run(query, DUET_OBJECT_POSES, poses, n, spans, &result, &err));
     assert_int_equal(err.status, status);
     assert_string_equal(err.text, says);
     run(query, poses, 2, &(duet_pair){0, 1}, 1); // and goes on

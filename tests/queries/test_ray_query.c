@@ -590,7 +590,8 @@ static void a_motion_that_no_tree_takes_is_refused(void **state)
     duet_tree *bounds = open_bounds_tree(3, 0, NULL, 0), *flat = open_tree(2, 0, NULL, 0);
     duet_tree *tree = open_tree(3, 0, &far[0], 1);
     assert_false(duet_tree_set_motion(bounds, motion, &err));
-    assert_string_equal(err.text, "a motion's bodies are poses; the tree is of bounds");
+    assert_string_equal(err.text,
+                        "a motion's bodies are poses or rounded boxes; the tree is of bounds");
     err = (duet_error){0};
     assert_false(duet_tree_set_motion(flat, motion, &err));
     assert_string_equal(err.text, "the motion has dims 3; the tree has 2");

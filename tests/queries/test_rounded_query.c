@@ -452,6 +452,129 @@ static void spheres_are_asked_about_as_rounded_boxes(void **state)
     free(w);
 }
 
+// ---------------------------------------------------------------- a motion's bodies
+
+static duet_motion *open_motion(const world *w, uint32_t wants, bool doubles)
+{
+    duet_error err = {0};
+    duet_motion_def def = duet_default_motion_def();
+    duet_pose *poses = calloc(BOXES, sizeof *poses);
+    duet_body *bodies = calloc(BOXES, sizeof *bodies);
+    for (uint32_t i = 0; i < BOXES; ++i) {
+        poses[i] = w->boxes[i].pose;
+        bodies[i] = duet_default_body();
+        bodies[i].radius = w->boxes[i].radius;
+        bodies[i].velocity[i % 3] = 1.0f / 8;
+    }
+    def.pair = devices;
+    def.doubles = doubles;
+    def.wants = wants;
+    duet_motion *motion = duet_motion_create(&def, poses, bodies, BOXES, &err);
+    assert_ok(motion, err);
+    free(poses);
+    free(bodies);
+    return motion;
+}
+
+// One gets another radius, one leaves, one is disabled, and one comes.
+static void change_bodies(duet_motion *motion, duet_rounded_box boxes[BOXES + 1])
+{
+    duet_error err = {0};
+    duet_body wide = duet_default_body(), come = duet_default_body();
+    uint64_t id = 0;
+    const duet_body_list removed = {.first = 5, .n = 1}, disabled = {.first = 6, .n = 1};
+    wide.radius = 1.5f;
+    come.radius = 2;
+    boxes[4].radius = wide.radius;
+    boxes[BOXES] = (duet_rounded_box){{{1, 1, 1}, {0}, {0, 0, 0, 1}}, come.radius};
+    assert_ok(duet_motion_set_bodies(motion, (duet_body_list){.first = 4, .n = 1}, DUET_BODY_RADIUS,
+                                     &wide, &err),
+              err);
+    assert_ok(duet_motion_remove_bodies(motion, removed, &err), err);
+    assert_ok(duet_motion_disable_bodies(motion, disabled, &err), err);
+    assert_ok(duet_motion_add_bodies(motion, &boxes[BOXES].pose, &come, 1, &id, &err), err);
+    assert_int_equal(id, BOXES);
+}
+
+static void assert_same_rays(const world *w, duet_tree *tree, duet_tree *by_hand)
+{
+    duet_ray_query *asked = open_rays(tree, DUET_QUERY_EVERY);
+    duet_ray_query *known = open_rays(by_hand, DUET_QUERY_EVERY);
+    duet_ray_query_result found = cast(asked, w), expected = cast(known, w);
+    assert_true(expected.n_hits > RAYS / 10);
+    assert_int_equal(found.n_hits, expected.n_hits);
+    assert_memory_equal(found.hits, expected.hits, expected.n_hits * sizeof *expected.hits);
+    duet_ray_query_destroy(asked);
+    duet_ray_query_destroy(known);
+}
+
+// By hand: the poses that the motion tells, with the radii that it was given; what is left out is
+// where no ray goes.
+static void ask_bodies(const world *w, duet_motion *motion)
+{
+    duet_error err = {0};
+    duet_motion_result result;
+    duet_rounded_box boxes[BOXES + 1];
+    duet_pose poses[BOXES + 1];
+    duet_tree *trees[2], *by_hand = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, NULL, 0);
+    for (uint32_t i = 0; i < 2; ++i) // B alone, and both
+        trees[i] = open_rounded(3, DUET_SHARE_ONE / 3 * i, DUET_OBJECT_ROUNDED_BOXES, NULL, 0);
+    memcpy(boxes, w->boxes, sizeof w->boxes);
+    for (int step = 0; step < 3; ++step) {
+        if (step == 2)
+            change_bodies(motion, boxes);
+        uint32_t n = duet_motion_get_count(motion);
+        assert_ok(duet_motion_get_poses(motion, poses, &err), err);
+        for (uint32_t i = 0; i < n; ++i)
+            boxes[i].pose = poses[i];
+        if (step == 2)
+            boxes[5] = boxes[6] = (duet_rounded_box){{{1000, 1000, 1000}, {0}, {0, 0, 0, 1}}, 0};
+        assert_ok(duet_tree_set_objects(by_hand, DUET_OBJECT_ROUNDED_BOXES, boxes, n, &err), err);
+        for (int i = 0; i < 2; ++i) {
+            assert_ok(duet_tree_set_motion(trees[i], motion, &err), err);
+            assert_same_rays(w, trees[i], by_hand);
+        }
+        assert_ok(duet_motion_advance(motion, &result, &err), err);
+    }
+    duet_tree_destroy(trees[0]);
+    duet_tree_destroy(trees[1]);
+    duet_tree_destroy(by_hand);
+    duet_motion_destroy(motion);
+}
+
+static void a_tree_of_a_motion_has_its_radii(void **state)
+{
+    (void)state;
+    world *w = make_world();
+    ask_bodies(w, open_motion(w, DUET_EFFECT_CONTACT, false));
+    ask_bodies(w, open_motion(w, DUET_EFFECT_CONTACT, true));
+    ask_bodies(w, open_motion(w, 0, false)); // by way of the host
+    free(w);
+}
+
+// Poses are rounded boxes without a radius.
+static void a_tree_of_rounded_boxes_takes_bodies_without_radii(void **state)
+{
+    (void)state;
+    duet_error err = {0};
+    world *w = make_world();
+    for (uint32_t i = 0; i < BOXES; ++i)
+        w->boxes[i].radius = 0;
+    duet_motion *motion = open_motion(w, DUET_EFFECT_CONTACT, false);
+    duet_pose poses[BOXES];
+    assert_ok(duet_motion_get_poses(motion, poses, &err), err);
+    for (uint32_t i = 0; i < BOXES; ++i)
+        w->boxes[i].pose = poses[i];
+    duet_tree *by_hand = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+    duet_tree *tree = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, NULL, 0);
+    assert_ok(duet_tree_set_motion(tree, motion, &err), err);
+    assert_same_rays(w, tree, by_hand);
+    duet_tree_destroy(by_hand);
+    duet_tree_destroy(tree);
+    duet_motion_destroy(motion);
+    free(w);
+}
+
 // ---------------------------------------------------------------- refusals
 
 static void what_is_no_rounded_box_is_refused(void **state)
@@ -471,11 +594,6 @@ static void what_is_no_rounded_box_is_refused(void **state)
     err = (duet_error){0};
     assert_false(duet_tree_set_objects(tree, DUET_OBJECT_POSES, boxes, 3, &err));
     assert_non_null(strstr(err.text, "the tree is of rounded boxes"));
-    err = (duet_error){0};
-    duet_sweep_query_def def = duet_default_sweep_query_def();
-    def.tree = tree;
-    assert_null(duet_sweep_query_create(&def, &err));
-    assert_string_equal(err.text, "a sweep meets poses or bounds; the tree is of rounded boxes");
     duet_tree_destroy(tree);
 }
 
@@ -488,6 +606,8 @@ int main(void)
         cmocka_unit_test(points_are_in_and_near_what_the_host_says),
         cmocka_unit_test(boxes_collide_as_a_worlds),
         cmocka_unit_test(spheres_are_asked_about_as_rounded_boxes),
+        cmocka_unit_test(a_tree_of_a_motion_has_its_radii),
+        cmocka_unit_test(a_tree_of_rounded_boxes_takes_bodies_without_radii),
         cmocka_unit_test(what_is_no_rounded_box_is_refused),
     };
     return cmocka_run_group_tests(tests, open_devices, close_devices);

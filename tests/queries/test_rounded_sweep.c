@@ -1,0 +1,573 @@
+// SPDX-License-Identifier: MIT
+// Rounded boxes that move: integers against closed forms, and against the least distance by a
+// search in time; every hit against integers, and where it is against the reference's separation.
+#include "support/test.h"
+
+#include "support/devices.h"
+#include "support/trees.h"
+
+#include "base/rng.h"
+#include "runtime/narrowphase/rounded.h"
+#include "runtime/queries/rounded_sweep.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BOXES = 160, SWEEPS = 240 };
+
+typedef struct world {
+    duet_rounded_box boxes[BOXES];
+    duet_rounded_sweep sweeps[SWEEPS];
+} world;
+
+// Boxes, capsules and spheres; some upright on round numbers, some without a radius, or with one
+// that is too small for float to see.
+static duet_rounded_box draw_box(rng *r, uint32_t i)
+{
+    duet_rounded_box box = {.radius = i % 9 == 0 ? 0 : (float)rng_between(r, 0.05, 0.5)};
+    for (int k = 0; k < 4; ++k) {
+        box.pose.rotation[k] = i % 4 == 0 ? k == 3 : (float)rng_normal(r);
+        if (k == 3)
+            break;
+        bool flat = i % 3 == 0 || (i % 3 == 1 && k > 0);
+        box.pose.centre[k] = (float)rng_between(r, -4, 4);
+        box.pose.half_extents[k] = flat ? 0 : (float)rng_between(r, 0.05, 0.6);
+        if (i % 4 == 0) {
+            box.pose.centre[k] = roundf(2 * box.pose.centre[k]) / 2;
+            box.pose.half_extents[k] = roundf(4 * box.pose.half_extents[k]) / 4;
+        }
+    }
+    if (i % 4 == 0)
+        box.radius = 0.25f;
+    if (i % 23 == 0)
+        box.radius = 1e-8f;
+    return box;
+}
+
+static world *make_world(void)
+{
+    world *w = calloc(1, sizeof *w);
+    assert_non_null(w);
+    rng r = rng_seed(test_seed());
+    for (uint32_t i = 0; i < BOXES; ++i)
+        w->boxes[i] = draw_box(&r, i);
+    for (uint32_t i = 0; i < SWEEPS; ++i) {
+        duet_rounded_sweep *s = &w->sweeps[i];
+        s->box = draw_box(&r, 5 * i + i / 4);
+        for (int k = 0; k < 3; ++k)
+            s->direction[k] = i % 4 == 0 ? (k == (int)(i / 4 % 4)) : (float)rng_between(&r, -3, 3);
+        s->t_max = i % 7 == 0 ? INFINITY : i % 4 == 0 ? (float)rng_below(&r, 4) : 1;
+        if (i % 4 == 0 && i % 3 == 0)
+            memcpy(s->box.pose.rotation, (float[4]){0, 0, 0, 1}, sizeof s->box.pose.rotation);
+    }
+    return w;
+}
+
+// ---------------------------------------------------------------- truth of the truth
+
+static double separation_at(const duet_rounded_sweep *s, const duet_rounded_box *box, double t,
+                            uint32_t dims)
+{
+    duet_rounded_box moved = s->box;
+    for (int k = 0; k < 3; ++k)
+        moved.pose.centre[k] = (float)(s->box.pose.centre[k] + t * s->direction[k]);
+    return duet_rounded_boxes_separation(&moved, box, dims);
+}
+
+// By thirds, since the distance is convex; once the two overlap it no longer counts.
+static double least_separation(const duet_rounded_sweep *s, const duet_rounded_box *box,
+                               uint32_t dims)
+{
+    double from = 0, to = s->t_max, length = 0, least = INFINITY;
+    for (uint32_t k = 0; k < dims; ++k)
+        length += (double)s->direction[k] * s->direction[k];
+    to = length > 0 ? fmin(to, 40 / sqrt(length)) : 0;
+    for (int step = 0; step < 60 && least > 0; ++step) {
+        double a = from + (to - from) / 3, b = to - (to - from) / 3;
+        double at_a = separation_at(s, box, a, dims), at_b = separation_at(s, box, b, dims);
+        least = fmin(least, fmin(at_a, at_b));
+        if (at_a <= at_b)
+            to = b;
+        else
+            from = a;
+    }
+    return fmin(least, fmin(separation_at(s, box, from, dims), separation_at(s, box, to, dims)));
+}
+
+static void integers_agree_with_a_search_in_time(void **state)
+{
+    (void)state;
+    world *w = make_world();
+    uint32_t met = 0, told = 0;
+    for (uint32_t i = 0; i < SWEEPS; ++i)
+        for (uint32_t id = i % 40; id < BOXES; id += 40) {
+            uint32_t dims = 2 + (i + id) % 2;
+            const duet_rounded_sweep *s = &w->sweeps[i];
+            bool is_met = rounded_sweep_meets_exactly(s, &w->boxes[id], dims);
+            double least = least_separation(s, &w->boxes[id], dims);
+            assert_int_equal(rounded_sweep_meets(s, &w->boxes[id], dims), is_met);
+            if (fabs(least) > 2e-5 && is_met != (least < 0))
+                fail_msg("sweep %u and box %u in %uD: %s, %.3g apart", i, id, dims,
+                         is_met ? "meets" : "misses", least);
+            met += is_met;
+            told += fabs(least) > 2e-5;
+        }
+    assert_true(met > SWEEPS / 8 && told > SWEEPS);
+    free(w);
+}
+
+static duet_rounded_box round_at(double x, double y, double z, double hx, double hy, double hz,
+                                 double radius)
+{
+    return (duet_rounded_box){
+        {{(float)x, (float)y, (float)z}, {(float)hx, (float)hy, (float)hz}, {0, 0, 0, 1}},
+        (float)radius};
+}
+
+typedef struct known {
+    const char *name;
+    duet_rounded_box moving;
+    float direction[3], t_max;
+    duet_rounded_box still;
+    float t; // of the first touch; < 0: none
+    float normal[3];
+} known;
+
+// Each one touches, exactly; with a radius an ulp smaller it does not where `grazes`.
+static const struct {
+    known k;
+    bool grazes;
+} closed[] = {
+    // Spheres: head on, at an angle of 3 4 5, and past each other.
+    {{"sphere to sphere",
+      {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 1},
+      {1, 0, 0},
+      INFINITY,
+      {{{10, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2},
+      7,
+      {-1, 0, 0}},
+     false},
+    {{"sphere aside",
+      {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2},
+      {0.5f, 0, 0},
+      INFINITY,
+      {{{10, 4, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 3},
+      14,
+      {-0.6f, -0.8f, 0}},
+     false},
+    {{"sphere past",
+      {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2},
+      {0.5f, 0, 0},
+      INFINITY,
+      {{{10, 5, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 3},
+      20,
+      {0, -1, 0}},
+     true},
+    {{"sphere past a lattice way",
+      {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 1},
+      {4, 3, 0},
+      8,
+      {{{15, 15, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2},
+      4.2f,
+      {0.6f, -0.8f, 0}},
+     true},
+    // Spheres and a box's face, edge (3 4 5) and corner (1 2 2).
+    {{"sphere to face",
+      {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 1},
+      {0, 0, 2},
+      3,
+      {{{0.5f, 0.25f, 8}, {1, 1, 1}, {0, 0, 0, 1}}, 0},
+      3,
+      {0, 0, -1}},
+     true},
+    {{"sphere along a face",
+      {{{-9, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 1},
+      {1, 0, 0},
+      INFINITY,
+      {{{0, 0, 3}, {1, 1, 1.5f}, {0, 0, 0, 1}}, 0.5f},
+      8,
+      {0, 0, -1}},
+     true},
+    {{"sphere to edge",
+      {{{-9, 4, 0.5f}, {0, 0, 0}, {0, 0, 0, 1}}, 4},
+      {1, 0, 0},
+      INFINITY,
+      {{{1, -1, 0}, {1, 1, 1}, {0, 0, 0, 1}}, 1},
+      6,
+      {-0.6f, 0.8f, 0}},
+     false},
+    {{"sphere to corner",
+      {{{-9, 2, 2}, {0, 0, 0}, {0, 0, 0, 1}}, 2},
+      {2, 0, 0},
+      INFINITY,
+      {{{1, -1, -1}, {1, 1, 1}, {0, 0, 0, 1}}, 1},
+      4,
+      {-1.0f / 3, 2.0f / 3, 2.0f / 3}},
+     false},
+    {{"sphere past a corner",
+      {{{-9, 3, 4}, {0, 0, 0}, {0, 0, 0, 1}}, 4},
+      {1, 0, 0},
+      INFINITY,
+      {{{0, -1, -1}, {0, 1, 1}, {0, 0, 0, 1}}, 1},
+      9,
+      {0, 0.6f, 0.8f}},
+     true},
+    // Capsules: across each other, side by side, end to end, and one that passes.
+    {{"capsules across",
+      {{{0, 0, 0}, {3, 0, 0}, {0, 0, 0, 1}}, 0.5f},
+      {0, 1, 0},
+      INFINITY,
+      {{{1, 6, 2}, {0, 0, 3}, {0, 0, 0, 1}}, 0.25f},
+      5.25f,
+      {0, -1, 0}},
+     false},
+    {{"capsules past",
+      {{{0, 0, 0}, {3, 0, 0}, {0, 0, 0, 1}}, 0.5f},
+      {0, 1, 0},
+      INFINITY,
+      {{{0, 6, 0.75f}, {3, 0, 0}, {0, 0, 0, 1}}, 0.25f},
+      6,
+      {0, 0, -1}},
+     true},
+    {{"capsules in line",
+      {{{0, 0, 0}, {2, 0, 0}, {0, 0, 0, 1}}, 0.5f},
+      {1, 0, 0},
+      10,
+      {{{10, 0, 0}, {2, 0, 0}, {0, 0, 0, 1}}, 0.5f},
+      5,
+      {-1, 0, 0}},
+     false},
+    {{"capsule ends as it touches",
+      {{{0, 0, 0}, {2, 0, 0}, {0, 0, 0, 1}}, 0.5f},
+      {1, 0, 0},
+      5,
+      {{{10, 0, 0}, {2, 0, 0}, {0, 0, 0, 1}}, 0.5f},
+      5,
+      {-1, 0, 0}},
+     true},
+    // A cube turned about x by 3 4 5 (2 1 as quaternion), whose edge leads; radius against radius.
+    {{"turned cube",
+      {{{0, 0, 0}, {1, 5, 5}, {1, 0, 0, 2}}, 0.5f},
+      {0, 0, 1},
+      INFINITY,
+      {{{0, 0, 20}, {4, 4, 1}, {0, 0, 0, 1}}, 0.5f},
+      11,
+      {0, 0, -1}},
+     false},
+    {{"begins as it touches",
+      {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2},
+      {-1, 0, 0},
+      1,
+      {{{3, 4, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 3},
+      0,
+      {0, 0, 0}},
+     true},
+    {{"stays where it touches",
+      {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2},
+      {0, 0, 0},
+      INFINITY,
+      {{{3, 4, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 3},
+      0,
+      {0, 0, 0}},
+     true},
+};
+
+enum { CLOSED = sizeof closed / sizeof *closed };
+
+static duet_rounded_sweep sweep_of(const known *k)
+{
+    return (duet_rounded_sweep){
+        k->moving, {k->direction[0], k->direction[1], k->direction[2]}, k->t_max};
+}
+
+static void touching_is_meeting_and_an_ulp_less_is_not(void **state)
+{
+    (void)state;
+    for (int i = 0; i < CLOSED; ++i) {
+        const known *k = &closed[i].k;
+        duet_rounded_sweep s = sweep_of(k);
+        float normal[3], t = rounded_sweep_enter(&s, &k->still, 3, normal);
+        if (!rounded_sweep_meets_exactly(&s, &k->still, 3) ||
+            !rounded_sweep_meets(&s, &k->still, 3))
+            fail_msg("%s: misses", k->name);
+        if (fabsf(t - k->t) > 4e-6f * (1 + k->t))
+            fail_msg("%s: touches at %.9g, expected %.9g", k->name, (double)t, (double)k->t);
+        for (int n = 0; n < 3 && !closed[i].grazes; ++n)
+            if (fabsf(normal[n] - k->normal[n]) > 1e-6f)
+                fail_msg("%s: normal %g %g %g", k->name, (double)normal[0], (double)normal[1],
+                         (double)normal[2]);
+        s.box.radius = nextafterf(s.box.radius, 0);
+        bool less = rounded_sweep_meets_exactly(&s, &k->still, 3);
+        if (less == closed[i].grazes || rounded_sweep_meets(&s, &k->still, 3) != less)
+            fail_msg("%s: with a radius an ulp less it %s", k->name, less ? "meets" : "misses");
+    }
+}
+
+// ---------------------------------------------------------------- hits
+
+static duet_tree *open_rounded(uint32_t dims, uint32_t share, duet_object_kind kind,
+                               const void *objects, uint32_t n)
+{
+    duet_error err = {0};
+    duet_tree_def def = duet_default_tree_def();
+    def.pair = devices;
+    def.share = share;
+    def.dims = dims;
+    def.shape = kind == DUET_OBJECT_SPHERES ? DUET_SHAPE_SPHERES : DUET_SHAPE_ROUNDED_BOXES;
+    duet_tree *tree = duet_tree_create(&def, &err);
+    assert_ok(tree, err);
+    assert_ok(duet_tree_set_objects(tree, kind, objects, n, &err), err);
+    return tree;
+}
+
+static duet_sweep_query *open_query(duet_tree *tree, duet_query_wants wants)
+{
+    duet_error err = {0};
+    duet_sweep_query_def def = duet_default_sweep_query_def();
+    def.tree = tree;
+    def.wants = wants;
+    duet_sweep_query *query = duet_sweep_query_create(&def, &err);
+    assert_ok(query, err);
+    return query;
+}
+
+static duet_sweep_query_result ask(duet_sweep_query *query, duet_object_kind kind,
+                                   const void *sweeps, uint64_t n)
+{
+    duet_error err = {0};
+    duet_sweep_query_result result;
+    assert_ok(duet_sweep_query_run(query, kind, sweeps, n, &result, &err), err);
+    return result;
+}
+
+// Of docs/accuracy.md, and what rounding a centre adds that moved.
+static double error_of(const duet_rounded_sweep *s, const duet_rounded_box *box)
+{
+    double size = (double)s->box.radius + box->radius, far = 0;
+    for (int k = 0; k < 3; ++k) {
+        size += fabs((double)s->box.pose.centre[k] - box->pose.centre[k]) +
+                s->box.pose.half_extents[k] + box->pose.half_extents[k];
+        far += fabs(s->box.pose.centre[k]);
+    }
+    return 0x1p-22 * size + 0x1p-24 * (far + 2 * size);
+}
+
+// They touch at t, not before, and the normal points from one to the other.
+static void check_hit(const duet_rounded_sweep *s, const duet_rounded_box *box,
+                      const duet_sweep_hit *hit, uint32_t dims)
+{
+    double error = error_of(s, box), length = 0, toward = 0;
+    double at = separation_at(s, box, hit->t, dims);
+    assert_true(hit->t >= 0 && hit->t <= s->t_max);
+    if (at > error || (hit->t > 0 && at < -error))
+        fail_msg("sweep %u, box %u: at t %.9g they are %.3g apart, expected 0 within %.3g",
+                 hit->sweep, hit->id, (double)hit->t, at, error);
+    for (int k = 0; k < 3; ++k) {
+        length += (double)hit->normal[k] * hit->normal[k];
+        toward += (double)hit->normal[k] * s->direction[k];
+    }
+    assert_true(hit->t == 0 || (fabs(length - 1) < 1e-6 && toward < 1e-5));
+    for (int i = 1; i < 8; ++i)
+        assert_true(hit->t == 0 || separation_at(s, box, hit->t * i / 8, dims) > -error);
+}
+
+static void every_hit_in(uint32_t dims, uint32_t share)
+{
+    world *w = make_world();
+    duet_tree *tree = open_rounded(dims, share, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+    duet_sweep_query *query = open_query(tree, DUET_QUERY_EVERY);
+    duet_sweep_query_result found = ask(query, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
+    uint64_t at = 0;
+    for (uint32_t i = 0; i < SWEEPS; ++i) {
+        bool met[BOXES] = {false};
+        float last = 0;
+        for (; at < found.n_hits && found.hits[at].sweep == i; ++at) {
+            const duet_sweep_hit *hit = &found.hits[at];
+            assert_true(hit->id < BOXES && !met[hit->id] && hit->t >= last);
+            met[hit->id] = true;
+            last = hit->t;
+            check_hit(&w->sweeps[i], &w->boxes[hit->id], hit, dims);
+        }
+        for (uint32_t id = 0; id < BOXES; ++id)
+            if (met[id] != rounded_sweep_meets(&w->sweeps[i], &w->boxes[id], dims))
+                fail_msg("sweep %u, box %u in %uD: %d is wrong", i, id, dims, met[id]);
+    }
+    assert_true(at == found.n_hits && at > SWEEPS / 4);
+    print_message("%uD: %" PRIu64 " hits, %" PRIu64 " undecided\n", dims, found.n_hits,
+                  found.undecided);
+    assert_true(4 * found.undecided < found.n_hits);
+    duet_sweep_query_destroy(query);
+    duet_tree_destroy(tree);
+    free(w);
+}
+
+static void every_hit_is_found_and_no_other(void **state)
+{
+    (void)state;
+    every_hit_in(3, DUET_SHARE_ONE / 3);
+    every_hit_in(2, DUET_SHARE_ONE);
+}
+
+// What only just touches is none of float's business.
+static void closed_forms_hold_on_devices(void **state)
+{
+    (void)state;
+    for (int i = 0; i < CLOSED; ++i) {
+        const known *k = &closed[i].k;
+        duet_tree *tree = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, &k->still, 1);
+        duet_sweep_query *query = open_query(tree, DUET_QUERY_EVERY);
+        duet_rounded_sweep sweeps[2] = {sweep_of(k), sweep_of(k)};
+        sweeps[1].box.radius = nextafterf(sweeps[1].box.radius, 0);
+        duet_sweep_query_result found = ask(query, DUET_OBJECT_ROUNDED_BOXES, sweeps, 2);
+        assert_int_equal(found.n_hits, closed[i].grazes ? 1 : 2);
+        assert_true(fabsf(found.hits[0].t - k->t) <= 4e-6f * (1 + k->t));
+        duet_sweep_query_destroy(query);
+        duet_tree_destroy(tree);
+    }
+}
+
+// The closest is one of all, and none is closer by more than float is wrong by.
+static void closest_and_any_are_of_every_hit(void **state)
+{
+    (void)state;
+    world *w = make_world();
+    duet_tree *tree =
+        open_rounded(3, DUET_SHARE_ONE / 2, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+    duet_tree *other = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+    duet_sweep_query *queries[4] = {
+        open_query(tree, DUET_QUERY_EVERY), open_query(tree, DUET_QUERY_CLOSEST),
+        open_query(other, DUET_QUERY_CLOSEST), open_query(tree, DUET_QUERY_ANY)};
+    duet_sweep_query_result found[4];
+    for (int i = 0; i < 4; ++i)
+        found[i] = ask(queries[i], DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
+    assert_int_equal(found[1].n_hits, SWEEPS);
+    assert_memory_equal(found[1].hits, found[2].hits, SWEEPS * sizeof *found[2].hits);
+    uint64_t at = 0, n_same = 0, n_hit = 0;
+    for (uint32_t i = 0; i < SWEEPS; ++i) {
+        const duet_sweep_hit *first = &found[0].hits[at], *hit = &found[1].hits[i];
+        bool hits = at < found[0].n_hits && first->sweep == i, listed = false;
+        assert_int_equal(found[3].hits[i].id, hits ? 0 : DUET_NO_OBJECT);
+        assert_int_equal(hit->id == DUET_NO_OBJECT, !hits);
+        n_hit += hits;
+        n_same += hits && first->id == hit->id;
+        float least = hits ? first->t : 0;
+        for (; at < found[0].n_hits && found[0].hits[at].sweep == i; ++at)
+            listed = listed || memcmp(&found[0].hits[at], hit, sizeof *hit) == 0;
+        assert_int_equal(listed, hits);
+        assert_true(!hits || hit->t <= least + 0.05f); // of ways of some units a unit of t
+    }
+    assert_true(n_same * 50 >= n_hit * 49);
+    for (int i = 0; i < 4; ++i)
+        duet_sweep_query_destroy(queries[i]);
+    duet_tree_destroy(tree);
+    duet_tree_destroy(other);
+    free(w);
+}
+
+static void boxes_without_radii_have_the_hits_of_poses(void **state)
+{
+    (void)state;
+    world *w = make_world();
+    duet_pose poses[BOXES];
+    duet_sweep sweeps[SWEEPS];
+    for (uint32_t i = 0; i < BOXES; ++i) {
+        w->boxes[i].radius = 0;
+        poses[i] = w->boxes[i].pose;
+    }
+    for (uint32_t i = 0; i < SWEEPS; ++i) {
+        duet_rounded_sweep *s = &w->sweeps[i];
+        s->box.radius = 0;
+        sweeps[i] = (duet_sweep){.box = s->box.pose, .t_max = s->t_max};
+        memcpy(sweeps[i].direction, s->direction, sizeof s->direction);
+    }
+    duet_tree *rounded = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+    duet_tree *plain = open_tree(3, 0, poses, BOXES);
+    duet_sweep_query *one = open_query(rounded, DUET_QUERY_EVERY);
+    duet_sweep_query *other = open_query(plain, DUET_QUERY_EVERY);
+    duet_sweep_query_result a = ask(one, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
+    duet_sweep_query_result b = ask(other, DUET_OBJECT_POSES, sweeps, SWEEPS);
+    assert_true(a.n_hits == b.n_hits && a.n_hits > SWEEPS / 8);
+    assert_memory_equal(a.hits, b.hits, a.n_hits * sizeof *a.hits);
+    duet_sweep_query_destroy(one);
+    duet_sweep_query_destroy(other);
+    duet_tree_destroy(rounded);
+    duet_tree_destroy(plain);
+    free(w);
+}
+
+static void spheres_move_as_rounded_boxes(void **state)
+{
+    (void)state;
+    world *w = make_world();
+    duet_sphere spheres[BOXES];
+    duet_sphere_sweep sweeps[SWEEPS];
+    for (uint32_t i = 0; i < BOXES; ++i) {
+        memcpy(spheres[i].centre, w->boxes[i].pose.centre, sizeof spheres[i].centre);
+        spheres[i].radius = w->boxes[i].radius;
+        w->boxes[i] = rounded_of_sphere(&spheres[i]);
+    }
+    for (uint32_t i = 0; i < SWEEPS; ++i) {
+        duet_rounded_sweep *s = &w->sweeps[i];
+        sweeps[i] = (duet_sphere_sweep){.sphere.radius = s->box.radius, .t_max = s->t_max};
+        memcpy(sweeps[i].sphere.centre, s->box.pose.centre, sizeof sweeps[i].sphere.centre);
+        memcpy(sweeps[i].direction, s->direction, sizeof s->direction);
+        s->box = rounded_of_sphere(&sweeps[i].sphere);
+    }
+    duet_tree *rounded = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+    duet_tree *round = open_rounded(3, DUET_SHARE_ONE / 3, DUET_OBJECT_SPHERES, spheres, BOXES);
+    duet_sweep_query *one = open_query(rounded, DUET_QUERY_EVERY);
+    duet_sweep_query *other = open_query(round, DUET_QUERY_EVERY);
+    duet_sweep_query_result a = ask(one, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
+    duet_sweep_query_result b = ask(other, DUET_OBJECT_SPHERES, sweeps, SWEEPS);
+    assert_true(a.n_hits == b.n_hits && a.n_hits > SWEEPS / 8);
+    assert_memory_equal(a.hits, b.hits, a.n_hits * sizeof *a.hits);
+    duet_sweep_query_destroy(one);
+    duet_sweep_query_destroy(other);
+    duet_tree_destroy(rounded);
+    duet_tree_destroy(round);
+    free(w);
+}
+
+// ---------------------------------------------------------------- refusals
+
+static void what_is_no_sweep_of_the_shape_is_refused(void **state)
+{
+    (void)state;
+    const duet_rounded_box box = round_at(0, 0, 0, 1, 1, 1, 1);
+    duet_rounded_sweep sweeps[2] = {{box, {1, 0, 0}, 1}, {box, {1, 0, 0}, 1}};
+    duet_tree *tree = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, &box, 1);
+    duet_sweep_query *query = open_query(tree, DUET_QUERY_EVERY);
+    duet_sweep_query_result found;
+    const float wrong[] = {-1, NAN, INFINITY, 0x1p101f};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        duet_error err = {0};
+        sweeps[1].box.radius = wrong[i];
+        assert_false(
+            duet_sweep_query_run(query, DUET_OBJECT_ROUNDED_BOXES, sweeps, 2, &found, &err));
+        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
+        if (!strstr(err.text, "sweep 1: "))
+            fail_msg("%s", err.text);
+    }
+    duet_error err = {0};
+    assert_false(duet_sweep_query_run(query, DUET_OBJECT_POSES, sweeps, 2, &found, &err));
+    assert_non_null(strstr(err.text, "the tree is of rounded boxes"));
+    duet_sweep_query_destroy(query);
+    duet_tree_destroy(tree);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(touching_is_meeting_and_an_ulp_less_is_not),
+        cmocka_unit_test(integers_agree_with_a_search_in_time),
+        cmocka_unit_test(every_hit_is_found_and_no_other),
+        cmocka_unit_test(closed_forms_hold_on_devices),
+        cmocka_unit_test(closest_and_any_are_of_every_hit),
+        cmocka_unit_test(boxes_without_radii_have_the_hits_of_poses),
+        cmocka_unit_test(spheres_move_as_rounded_boxes),
+        cmocka_unit_test(what_is_no_sweep_of_the_shape_is_refused),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}
