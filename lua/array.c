@@ -12,7 +12,7 @@
 static const lua_class classes[ARRAY_KINDS];
 
 // A row is a C struct; columns has a letter for each of its members in order:
-// f float, d double, I uint32_t, Q uint64_t, h int16_t, C uint8_t, B bool.
+// f float, d double, i int32_t, I uint32_t, Q uint64_t, h int16_t, C uint8_t, B bool.
 static const struct {
     const char *columns;
     size_t bytes;
@@ -24,6 +24,7 @@ static const struct {
     [ARRAY_SIZES] = {"fff", sizeof(duet_size)},
     [ARRAY_ROUNDED_BOXES] = {"fffffffffff", sizeof(duet_rounded_box)},
     [ARRAY_SPHERES] = {"ffff", sizeof(duet_sphere)},
+    [ARRAY_LARGE_POSES] = {"ffffffffffiii", sizeof(duet_large_pose)},
     [ARRAY_PAIRS] = {"II", sizeof(duet_pair)},
     [ARRAY_PAIRS64] = {"QQ", 2 * sizeof(uint64_t)},
     [ARRAY_BODIES] = {"fffffffffIIfBB", sizeof(duet_body)},
@@ -32,14 +33,17 @@ static const struct {
     [ARRAY_ANSWERS] = {"C", sizeof(uint8_t)},
     [ARRAY_SEPARATIONS] = {"d", sizeof(double)},
     [ARRAY_RAYS] = {"fffffff", sizeof(duet_ray)},
+    [ARRAY_LARGE_RAYS] = {"fffffffiii", sizeof(duet_large_ray)},
     [ARRAY_HITS] = {"IIf", sizeof(duet_ray_hit)},
     [ARRAY_PLACES] = {"I", sizeof(uint32_t)},
     [ARRAY_BOX_HITS] = {"II", sizeof(duet_box_hit)},
     [ARRAY_FILTERS] = {"II", sizeof(duet_filter)},
     [ARRAY_POINTS] = {"fff", sizeof(duet_point)},
+    [ARRAY_LARGE_POINTS] = {"fffiii", sizeof(duet_large_point)},
     [ARRAY_POINT_HITS] = {"IIf", sizeof(duet_point_hit)},
     [ARRAY_SWEEPS] = {"ffffffffffffff", sizeof(duet_sweep)},
     [ARRAY_BOUNDS_SWEEPS] = {"ffffffffff", sizeof(duet_bounds_sweep)},
+    [ARRAY_LARGE_SWEEPS] = {"ffffffffffiiiffff", sizeof(duet_large_sweep)},
     [ARRAY_ROUNDED_SWEEPS] = {"fffffffffffffff", sizeof(duet_rounded_sweep)},
     [ARRAY_SPHERE_SWEEPS] = {"ffffffff", sizeof(duet_sphere_sweep)},
     [ARRAY_SWEEP_HITS] = {"IIffff", sizeof(duet_sweep_hit)},
@@ -61,10 +65,13 @@ _Static_assert(offsetof(duet_body, fixed_rotation) == 12 * 4 &&
                    offsetof(duet_body, sensor) == 12 * 4 + 1,
                "twelve numbers, then two of one byte");
 _Static_assert(offsetof(duet_ray, t_max) == 6 * 4, "a ray is seven floats");
+_Static_assert(offsetof(duet_large_ray, cell[2]) == 9 * 4, "and its cell three more");
+_Static_assert(offsetof(duet_large_pose, cell[2]) == 12 * 4, "a pose, then a cell");
 _Static_assert(offsetof(duet_ray_hit, t) == 2 * 4, "all of four bytes");
 _Static_assert(offsetof(duet_point_hit, distance) == 2 * 4, "all of four bytes");
 _Static_assert(offsetof(duet_sweep, t_max) == 13 * 4, "a sweep is fourteen floats");
 _Static_assert(offsetof(duet_bounds_sweep, t_max) == 9 * 4, "or ten");
+_Static_assert(offsetof(duet_large_sweep, t_max) == 16 * 4, "or seventeen with a cell");
 _Static_assert(offsetof(duet_rounded_sweep, t_max) == 14 * 4, "or fifteen");
 _Static_assert(offsetof(duet_sphere_sweep, t_max) == 7 * 4, "or eight");
 _Static_assert(offsetof(duet_sweep_hit, normal[2]) == 5 * 4, "all of four bytes");
@@ -167,6 +174,10 @@ static void take_number(lua_State *L, const array *a, uint64_t i, int column, bo
 static void take_column(lua_State *L, const array *a, uint64_t i, int column)
 {
     switch (layouts[a->kind].columns[column]) {
+    case 'i':
+        *(int32_t *)column_at(a, i, column) =
+            (int32_t)take_whole(L, a, i, column, INT32_MIN, INT32_MAX, "a whole number of 32 bits");
+        break;
     case 'I':
         *(uint32_t *)column_at(a, i, column) = (uint32_t)take_whole(
             L, a, i, column, 0, UINT32_MAX, "a whole number from 0 to 2^32 - 1");
@@ -177,7 +188,7 @@ static void take_column(lua_State *L, const array *a, uint64_t i, int column)
         break;
     case 'Q':
         *(uint64_t *)column_at(a, i, column) =
-            (uint64_t)take_whole(L, a, i, column, 0, LUA_MAXINTEGER, "a whole number from 0");
+            (uint64_t)take_whole(L, a, i, column, LUA_MININTEGER, LUA_MAXINTEGER, "a whole number");
         break;
     case 'C':
         *(uint8_t *)column_at(a, i, column) =
@@ -272,6 +283,8 @@ static void push_blank(lua_State *L, array_kind kind, lua_Integer n)
     array *a = array_push(L, kind, (uint64_t)n);
     for (uint64_t i = 0; kind == ARRAY_POSES && i < a->n; ++i)
         ((duet_pose *)a->rows)[i].rotation[3] = 1;
+    for (uint64_t i = 0; kind == ARRAY_LARGE_POSES && i < a->n; ++i)
+        ((duet_large_pose *)a->rows)[i].pose.rotation[3] = 1;
     for (uint64_t i = 0; kind == ARRAY_TRANSFORMS && i < a->n; ++i)
         ((duet_transform *)a->rows)[i].rotation[3] = 1;
     for (uint64_t i = 0; kind == ARRAY_COMPACT_TRANSFORMS && i < a->n; ++i)
@@ -346,6 +359,9 @@ static void push_column(lua_State *L, const array *a, uint64_t i, int column)
 {
     const void *at = column_at(a, i, column);
     switch (layouts[a->kind].columns[column]) {
+    case 'i':
+        lua_pushinteger(L, *(const int32_t *)at);
+        break;
     case 'I':
         lua_pushinteger(L, *(const uint32_t *)at);
         break;
@@ -546,6 +562,7 @@ static const lua_class classes[] = {
                              .methods = rounded_boxes_methods,
                              .metas = metas},
     [ARRAY_SPHERES] = {.name = "duet.spheres", .methods = methods, .metas = metas},
+    [ARRAY_LARGE_POSES] = {.name = "duet.large_poses", .methods = methods, .metas = metas},
     [ARRAY_PAIRS] = {.name = "duet.pairs", .methods = pairs_methods, .metas = metas},
     [ARRAY_PAIRS64] = {.name = "duet.pairs64", .methods = methods, .metas = metas},
     [ARRAY_BODIES] = {.name = "duet.bodies", .methods = methods, .metas = metas},
@@ -554,15 +571,18 @@ static const lua_class classes[] = {
     [ARRAY_ANSWERS] = {.name = "duet.answers", .methods = methods, .metas = metas},
     [ARRAY_SEPARATIONS] = {.name = "duet.separations", .methods = methods, .metas = metas},
     [ARRAY_RAYS] = {.name = "duet.rays", .methods = methods, .metas = metas},
+    [ARRAY_LARGE_RAYS] = {.name = "duet.large_rays", .methods = methods, .metas = metas},
     [ARRAY_HITS] = {.name = "duet.hits", .methods = methods, .metas = metas},
     [ARRAY_PLACES] = {.name = "duet.places", .methods = methods, .metas = metas},
     [ARRAY_IDS] = {.name = "duet.ids", .methods = methods, .metas = metas},
     [ARRAY_FILTERS] = {.name = "duet.filters", .methods = methods, .metas = metas},
     [ARRAY_BOX_HITS] = {.name = "duet.box_hits", .methods = methods, .metas = metas},
     [ARRAY_POINTS] = {.name = "duet.points", .methods = methods, .metas = metas},
+    [ARRAY_LARGE_POINTS] = {.name = "duet.large_points", .methods = methods, .metas = metas},
     [ARRAY_POINT_HITS] = {.name = "duet.point_hits", .methods = methods, .metas = metas},
     [ARRAY_SWEEPS] = {.name = "duet.sweeps", .methods = methods, .metas = metas},
     [ARRAY_BOUNDS_SWEEPS] = {.name = "duet.bounds_sweeps", .methods = methods, .metas = metas},
+    [ARRAY_LARGE_SWEEPS] = {.name = "duet.large_sweeps", .methods = methods, .metas = metas},
     [ARRAY_ROUNDED_SWEEPS] = {.name = "duet.rounded_sweeps", .methods = methods, .metas = metas},
     [ARRAY_SPHERE_SWEEPS] = {.name = "duet.sphere_sweeps", .methods = methods, .metas = metas},
     [ARRAY_SWEEP_HITS] = {.name = "duet.sweep_hits", .methods = methods, .metas = metas},

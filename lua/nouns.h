@@ -50,7 +50,8 @@ int pair_query_create_lua(lua_State *L);
 int tree_create_lua(lua_State *L);
 
 duet_tree *tree_check(lua_State *L, int index);
-duet_shape tree_shape(lua_State *L, int index); // of its objects
+enum { TREE_LARGE_POSES = DUET_SHAPES };
+int tree_shape(lua_State *L, int index); // of its objects, a duet_shape, or TREE_LARGE_POSES
 
 array_kind shape_array_kind(duet_shape shape);
 duet_object_kind tree_object_kind(array_kind kind);

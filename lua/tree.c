@@ -11,7 +11,7 @@ const char *query_wants_name(int wants)
 
 typedef struct tree_box {
     duet_tree *tree;
-    duet_shape shape;
+    int shape; // or TREE_LARGE_POSES
 } tree_box;
 
 static const lua_class tree_class;
@@ -20,6 +20,7 @@ static const member def_members[] = {
     MEMBER(member_share, duet_tree_def, share),
     MEMBER(member_count, duet_tree_def, dims),
     MEMBER_ENUM(duet_tree_def, shape, shape_name),
+    MEMBER(member_float, duet_tree_def, origin_edge),
     {0},
 };
 
@@ -34,7 +35,7 @@ int tree_create_lua(lua_State *L)
     tree_box *box = class_push(L, &tree_class, sizeof *box);
     lua_pushvalue(L, 1);
     lua_setiuservalue(L, -2, 1);
-    box->shape = def.shape;
+    box->shape = def.origin_edge > 0 ? TREE_LARGE_POSES : (int)def.shape;
     box->tree = duet_tree_create(&def, &err);
     return box->tree ? 1 : class_push_failure(L, &err);
 }
@@ -54,11 +55,12 @@ duet_tree *tree_check(lua_State *L, int index)
 static const struct {
     array_kind array;
     duet_object_kind objects;
-} kinds[DUET_SHAPES] = {
+} kinds[DUET_SHAPES + 1] = {
     [DUET_SHAPE_POSES] = {ARRAY_POSES, DUET_OBJECT_POSES},
     [DUET_SHAPE_BOUNDS] = {ARRAY_BOUNDS, DUET_OBJECT_BOUNDS},
     [DUET_SHAPE_ROUNDED_BOXES] = {ARRAY_ROUNDED_BOXES, DUET_OBJECT_ROUNDED_BOXES},
     [DUET_SHAPE_SPHERES] = {ARRAY_SPHERES, DUET_OBJECT_SPHERES},
+    [TREE_LARGE_POSES] = {ARRAY_LARGE_POSES, DUET_OBJECT_LARGE_POSES},
 };
 
 array_kind shape_array_kind(duet_shape shape)
@@ -66,17 +68,17 @@ array_kind shape_array_kind(duet_shape shape)
     return kinds[shape].array;
 }
 
-duet_shape tree_shape(lua_State *L, int index)
+int tree_shape(lua_State *L, int index)
 {
     return box_check(L, index)->shape;
 }
 
 duet_object_kind tree_object_kind(array_kind kind)
 {
-    int shape = 0;
-    while (kinds[shape].array != kind)
-        ++shape;
-    return kinds[shape].objects;
+    int i = 0;
+    while (kinds[i].array != kind)
+        ++i;
+    return kinds[i].objects;
 }
 
 // tree:set_objects(poses or bounds) -> tree
@@ -84,7 +86,7 @@ static int tree_set_objects(lua_State *L)
 {
     duet_error err = {0};
     tree_box *box = box_check(L, 1);
-    const array *objects = array_check(L, 2, shape_array_kind(box->shape));
+    const array *objects = array_check(L, 2, kinds[box->shape].array);
     duet_object_kind kind = kinds[box->shape].objects;
     luaL_argcheck(L, objects->n <= UINT32_MAX, 2, "fewer than 2^32 rows");
     if (!duet_tree_set_objects(box->tree, kind, objects->rows, (uint32_t)objects->n, &err))

@@ -47,9 +47,9 @@ typedef struct query_def {
 
 typedef struct query_kind {
     lua_class class;
-    const char *noun;              // "a ray query", in messages
-    const member *members;         // of query_def
-    array_kind takes[DUET_SHAPES]; // by the tree's shape
+    const char *noun;                  // "a ray query", in messages
+    const member *members;             // of query_def
+    array_kind takes[DUET_SHAPES + 1]; // by the tree's shape
     array_kind gives;
     size_t hit_bytes;
     void *(*create)(duet_tree *tree, const query_def *def, duet_error *err);
@@ -79,6 +79,8 @@ static void *create_rays(duet_tree *tree, const query_def *given, duet_error *er
 
 static bool run_rays(void *query, const array *items, answer *found, duet_error *err)
 {
+    if (items->kind == ARRAY_LARGE_RAYS)
+        return duet_ray_query_run_large(query, items->rows, items->n, &found->rays, err);
     return duet_ray_query_run(query, items->rows, items->n, &found->rays, err);
 }
 
@@ -100,6 +102,7 @@ static bool run_sweeps(void *query, const array *items, answer *found, duet_erro
     duet_object_kind kind = items->kind == ARRAY_SWEEPS           ? DUET_OBJECT_POSES
                             : items->kind == ARRAY_BOUNDS_SWEEPS  ? DUET_OBJECT_BOUNDS
                             : items->kind == ARRAY_ROUNDED_SWEEPS ? DUET_OBJECT_ROUNDED_BOXES
+                            : items->kind == ARRAY_LARGE_SWEEPS   ? DUET_OBJECT_LARGE_POSES
                                                                   : DUET_OBJECT_SPHERES;
     return duet_sweep_query_run(query, kind, items->rows, items->n, &found->sweeps, err);
 }
@@ -138,6 +141,8 @@ static void *create_points(duet_tree *tree, const query_def *given, duet_error *
 
 static bool run_points(void *query, const array *items, answer *found, duet_error *err)
 {
+    if (items->kind == ARRAY_LARGE_POINTS)
+        return duet_point_query_run_large(query, items->rows, items->n, &found->points, err);
     return duet_point_query_run(query, items->rows, items->n, &found->points, err);
 }
 
@@ -153,7 +158,7 @@ static const luaL_Reg methods[3], box_methods[4];
 static const query_kind rays = {{.name = "duet.ray_query", .methods = methods},
                                 "a ray query",
                                 wants_members,
-                                {ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS},
+                                {ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_LARGE_RAYS},
                                 ARRAY_HITS,
                                 sizeof(duet_ray_hit),
                                 create_rays,
@@ -165,7 +170,8 @@ static const query_kind sweeps = {{.name = "duet.sweep_query", .methods = method
                                   {[DUET_SHAPE_POSES] = ARRAY_SWEEPS,
                                    [DUET_SHAPE_BOUNDS] = ARRAY_BOUNDS_SWEEPS,
                                    [DUET_SHAPE_ROUNDED_BOXES] = ARRAY_ROUNDED_SWEEPS,
-                                   [DUET_SHAPE_SPHERES] = ARRAY_SPHERE_SWEEPS},
+                                   [DUET_SHAPE_SPHERES] = ARRAY_SPHERE_SWEEPS,
+                                   [TREE_LARGE_POSES] = ARRAY_LARGE_SWEEPS},
                                   ARRAY_SWEEP_HITS,
                                   sizeof(duet_sweep_hit),
                                   create_sweeps,
@@ -177,21 +183,23 @@ static const query_kind boxes = {{.name = "duet.box_query", .methods = box_metho
                                  {[DUET_SHAPE_POSES] = ARRAY_POSES,
                                   [DUET_SHAPE_BOUNDS] = ARRAY_BOUNDS,
                                   [DUET_SHAPE_ROUNDED_BOXES] = ARRAY_ROUNDED_BOXES,
-                                  [DUET_SHAPE_SPHERES] = ARRAY_SPHERES},
+                                  [DUET_SHAPE_SPHERES] = ARRAY_SPHERES,
+                                  [TREE_LARGE_POSES] = ARRAY_LARGE_POSES},
                                  ARRAY_BOX_HITS,
                                  sizeof(duet_box_hit),
                                  create_boxes,
                                  run_boxes,
                                  destroy_boxes};
-static const query_kind points = {{.name = "duet.point_query", .methods = methods},
-                                  "a point query",
-                                  nearest_members,
-                                  {ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS},
-                                  ARRAY_POINT_HITS,
-                                  sizeof(duet_point_hit),
-                                  create_points,
-                                  run_points,
-                                  destroy_points};
+static const query_kind points = {
+    {.name = "duet.point_query", .methods = methods},
+    "a point query",
+    nearest_members,
+    {ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_LARGE_POINTS},
+    ARRAY_POINT_HITS,
+    sizeof(duet_point_hit),
+    create_points,
+    run_points,
+    destroy_points};
 static const query_kind *const kinds[] = {&rays, &boxes, &points, &sweeps};
 
 enum { N_KINDS = sizeof kinds / sizeof *kinds };

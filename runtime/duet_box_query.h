@@ -36,8 +36,8 @@ typedef struct duet_box_query_result {
 DUET_API duet_box_query *duet_box_query_create(const duet_box_query_def *def, duet_error *err);
 DUET_API void duet_box_query_destroy(duet_box_query *query);
 
-// Tests n boxes, fewer than 2^32, against all objects. kind is POSES or BOUNDS, as the tree's
-// shape. An answer about two poses is that of a pair query at the level; the hits are the same
+// Tests n boxes, fewer than 2^32, against all objects. kind is that of the tree's
+// objects. An answer about two poses is that of a pair query at the level; the hits are the same
 // on every device and at every share. BAD_OBJECT names the first box that is none or
 // has a number above 2^100.
 DUET_API bool duet_box_query_run(duet_box_query *query, duet_object_kind kind, const void *boxes,

@@ -13,6 +13,12 @@ typedef struct duet_point {
     float at[3]; // in 2D z is not read
 } duet_point;
 
+// A point far from 0: at cell * edge + point.at, as a duet_large_pose.
+typedef struct duet_large_point {
+    duet_point point;
+    int32_t cell[3];
+} duet_large_point;
+
 // distance: to the box, 0 inside. Of its error docs/accuracy.md, "Points".
 typedef struct duet_point_hit {
     uint32_t point;
@@ -52,6 +58,11 @@ DUET_API void duet_point_query_destroy(duet_point_query *query);
 // point that is not a number or above 2^100.
 DUET_API bool duet_point_query_run(duet_point_query *query, const duet_point *points, uint64_t n,
                                    duet_point_query_result *result, duet_error *err);
+
+// The same for a tree in origin cells. A point is at the nearest 2^-24 of a cell's edge.
+DUET_API bool duet_point_query_run_large(duet_point_query *query, const duet_large_point *points,
+                                         uint64_t n, duet_point_query_result *result,
+                                         duet_error *err);
 
 #ifdef __cplusplus
 }

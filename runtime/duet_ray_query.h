@@ -20,6 +20,12 @@ typedef struct duet_ray {
     float t_max; // INFINITY: without end
 } duet_ray;
 
+// A ray far from 0: it begins at cell * edge + ray.origin, as a duet_large_pose.
+typedef struct duet_large_ray {
+    duet_ray ray;
+    int32_t cell[3];
+} duet_large_ray;
+
 // t: where the ray enters the box, 0 where it begins inside. Of the error of t
 // docs/accuracy.md, "Rays".
 typedef struct duet_ray_hit {
@@ -56,6 +62,10 @@ DUET_API void duet_ray_query_destroy(duet_ray_query *query);
 // 2^-100, or a t_max below 0.
 DUET_API bool duet_ray_query_run(duet_ray_query *query, const duet_ray *rays, uint64_t n,
                                  duet_ray_query_result *result, duet_error *err);
+
+// The same for a tree in origin cells. A ray begins at the nearest 2^-24 of a cell's edge.
+DUET_API bool duet_ray_query_run_large(duet_ray_query *query, const duet_large_ray *rays,
+                                       uint64_t n, duet_ray_query_result *result, duet_error *err);
 
 #ifdef __cplusplus
 }

@@ -17,6 +17,15 @@ typedef struct duet_sweep {
     float t_max; // INFINITY: without end
 } duet_sweep;
 
+// A sweep far from 0: its box begins at cell * edge + box.centre, as a duet_large_pose.
+typedef struct duet_large_sweep {
+    duet_pose box;
+    int32_t cell[3];
+    float direction[3];
+    float t_max;
+    int32_t unused;
+} duet_large_sweep;
+
 typedef struct duet_bounds_sweep {
     duet_bounds bounds;
     float direction[3];
@@ -67,10 +76,10 @@ DUET_API duet_sweep_query *duet_sweep_query_create(const duet_sweep_query_def *d
 DUET_API void duet_sweep_query_destroy(duet_sweep_query *query);
 
 // Moves n boxes, fewer than 2^32: duet_sweep for the kind POSES, duet_bounds_sweep for BOUNDS,
-// duet_rounded_sweep for ROUNDED_BOXES, duet_sphere_sweep for SPHERES, as the tree's shape. Which
-// objects they meet is exact, touching included, and the same on every device and at every share.
-// BAD_OBJECT names the first that is not valid: no box, a number above 2^100, a direction that is
-// below 2^-100 and not 0, or a t_max below 0.
+// duet_rounded_sweep for ROUNDED_BOXES, duet_sphere_sweep for SPHERES, duet_large_sweep for
+// LARGE_POSES, as the tree's objects. Which objects they meet is exact, touching included, and the
+// same on every device and at every share. BAD_OBJECT names the first that is not valid: no box, a
+// number above 2^100, a direction that is below 2^-100 and not 0, or a t_max below 0.
 DUET_API bool duet_sweep_query_run(duet_sweep_query *query, duet_object_kind kind,
                                    const void *sweeps, uint64_t n, duet_sweep_query_result *result,
                                    duet_error *err);

@@ -23,6 +23,8 @@ typedef struct duet_tree_def {
                             // DUET_SHARE_DEFAULT: that of the pair's default plan
     uint32_t dims;          // 2 or 3
     duet_shape shape;       // of its objects
+    float origin_edge;      // above 0: large poses, in origin cells of that edge, a power of two up
+                            // to 2^69; what it is asked has cells, too
     int cookie;
 } duet_tree_def;
 
@@ -32,9 +34,9 @@ DUET_API duet_tree_def duet_default_tree_def(void); // poses in 3D, the default 
 DUET_API duet_tree *duet_tree_create(const duet_tree_def *def, duet_error *err);
 DUET_API void duet_tree_destroy(duet_tree *tree); // its queries may outlive it
 
-// The objects from now on, n of them, at most 2^30; they are copied. kind is POSES or
-// BOUNDS, as the tree's shape. BAD_OBJECT names the first that is none or has a number above
-// 2^100; the tree is empty then.
+// The objects from now on, n of them, at most 2^30; they are copied. kind is that of
+// the tree's shape, or LARGE_POSES where it has an origin_edge. BAD_OBJECT names the first that is
+// none, has a number above 2^100 or is beyond 2^30 origin cells; the tree is empty then.
 DUET_API bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, const void *objects,
                                     uint32_t n, duet_error *err);
 

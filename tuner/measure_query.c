@@ -3,6 +3,8 @@
 
 #include "base/error.h"
 #include "base/rng.h"
+#include "runtime/narrowphase/origin.h"
+#include "runtime/queries/far_rows.h"
 #include "runtime/scene/scene.h"
 
 #include <math.h>
@@ -17,6 +19,7 @@ typedef struct draw {
     uint32_t dims;
     const char *objects;
     duet_shape shape;
+    float edge;   // of origin cells, or 0
     size_t width; // bytes of an object
     uint32_t n_objects;
     double lower[3], upper[3];
@@ -26,7 +29,9 @@ typedef struct draw {
 static double middle_of(const draw *d, uint32_t i, uint32_t k)
 {
     const float *row = (const float *)(d->objects + i * d->width);
-    return d->shape == DUET_SHAPE_BOUNDS ? 0.5 * row[k] + 0.5 * row[3 + k] : row[k];
+    double corner[3];
+    origin_corner(corner, d->objects, d->edge, i);
+    return d->shape == DUET_SHAPE_BOUNDS ? 0.5 * row[k] + 0.5 * row[3 + k] : corner[k] + row[k];
 }
 
 static void measure_extent(draw *d)
@@ -43,10 +48,20 @@ static void measure_extent(draw *d)
         }
 }
 
-static void draw_point(draw *d, float at[3])
+// cell is written in origin cells only.
+static void draw_point(draw *d, float at[3], int32_t cell[3])
 {
-    for (uint32_t k = 0; k < 3; ++k)
-        at[k] = k < d->dims ? (float)rng_between(&d->random, d->lower[k], d->upper[k]) : 0;
+    duet_large_pose large = {0};
+    double place[3];
+    for (uint32_t k = 0; k < 3; ++k) {
+        place[k] = k < d->dims ? rng_between(&d->random, d->lower[k], d->upper[k]) : 0;
+        at[k] = (float)place[k];
+    }
+    if (d->edge == 0)
+        return;
+    origin_place(&large, place, d->edge);
+    memcpy(at, large.pose.centre, sizeof large.pose.centre);
+    memcpy(cell, large.cell, sizeof large.cell);
 }
 
 // Of length 1.
@@ -72,27 +87,31 @@ static float draw_end(const draw *d, duet_query_wants wants)
 
 static void draw_ray(draw *d, const query_name *name, void *item)
 {
-    duet_ray *ray = item;
-    draw_point(d, ray->origin);
-    draw_direction(d, ray->direction);
-    ray->t_max = draw_end(d, name->wants);
+    duet_large_ray *large = item; // of which the first part is a ray
+    draw_point(d, large->ray.origin, large->cell);
+    draw_direction(d, large->ray.direction);
+    large->ray.t_max = draw_end(d, name->wants);
 }
 
 static void draw_at(draw *d, const query_name *name, void *item)
 {
     (void)name;
-    draw_point(d, ((duet_point *)item)->at);
+    duet_large_point *large = item;
+    draw_point(d, large->point.at, large->cell);
 }
 
 // One of the objects, elsewhere.
 static void draw_box(draw *d, const query_name *name, void *item)
 {
     float at[3];
+    int32_t cell[3];
     uint32_t i = rng_below(&d->random, d->n_objects);
     float *row = item;
     (void)name;
-    draw_point(d, at);
+    draw_point(d, at, cell);
     memcpy(row, d->objects + i * d->width, d->width);
+    if (d->edge > 0)
+        memcpy(row + FAR_POSE_CELL, cell, sizeof cell);
     for (uint32_t k = 0; k < d->dims; ++k) {
         if (d->shape == DUET_SHAPE_BOUNDS)
             row[3 + k] = at[k] + (row[3 + k] - row[k]);
@@ -102,7 +121,8 @@ static void draw_box(draw *d, const query_name *name, void *item)
 
 static void draw_sweep(draw *d, const query_name *name, void *item)
 {
-    float *way = (float *)((char *)item + d->width);
+    float *way =
+        d->edge > 0 ? ((duet_large_sweep *)item)->direction : (float *)((char *)item + d->width);
     draw_box(d, name, item);
     draw_direction(d, way);
     way[3] = draw_end(d, name->wants);
@@ -112,13 +132,13 @@ static size_t item_bytes(const draw *d, query_item item)
 {
     switch (item) {
     case QUERY_RAYS:
-        return sizeof(duet_ray);
+        return d->edge > 0 ? sizeof(duet_large_ray) : sizeof(duet_ray);
     case QUERY_SWEEPS:
-        return d->width + 4 * sizeof(float);
+        return d->edge > 0 ? sizeof(duet_large_sweep) : d->width + 4 * sizeof(float);
     case QUERY_BOXES:
         return d->width;
     case QUERY_POINTS:
-        return sizeof(duet_point);
+        return d->edge > 0 ? sizeof(duet_large_point) : sizeof(duet_point);
     }
     return 0;
 }
@@ -173,6 +193,7 @@ static bool open_tree(measure_query *q, duet_device_pair *pair, const duet_scene
     def.pair = pair;
     def.dims = info->dims;
     def.shape = info->shape;
+    def.origin_edge = info->origin_edge;
     q->tree = duet_tree_create(&def, err);
     return q->tree && duet_tree_set_objects(q->tree, scene_kind(info), objects, info->n, err);
 }
@@ -180,19 +201,14 @@ static bool open_tree(measure_query *q, duet_device_pair *pair, const duet_scene
 bool measure_query_open(measure_query *q, duet_device_pair *pair, const duet_scene *scene,
                         const query_name *name, uint64_t n, uint64_t seed, duet_error *err)
 {
-    static const size_t widths[DUET_SHAPES] = {
-        [DUET_SHAPE_POSES] = sizeof(duet_pose),
-        [DUET_SHAPE_BOUNDS] = sizeof(duet_bounds),
-        [DUET_SHAPE_ROUNDED_BOXES] = sizeof(duet_rounded_box),
-        [DUET_SHAPE_SPHERES] = sizeof(duet_sphere),
-    };
     const duet_scene_info *info = duet_scene_get_info(scene);
     const void *objects = duet_scene_get_objects(scene, scene_kind(info));
     draw d = {.random = rng_seed(seed),
               .dims = info->dims,
               .objects = objects,
               .shape = info->shape,
-              .width = widths[info->shape],
+              .edge = info->origin_edge,
+              .width = origin_row_bytes(info->shape, info->origin_edge),
               .n_objects = info->n};
     *q = (measure_query){.name = *name, .n = name->itself ? info->n : n};
     if (q->n == 0 || q->n > UINT32_MAX || info->n == 0)
@@ -237,7 +253,9 @@ typedef struct answer {
 static bool run_rays(measure_query *q, answer *a, duet_error *err)
 {
     duet_ray_query_result result = {0};
-    bool ok = duet_ray_query_run(q->rays, q->items, q->n, &result, err);
+    bool ok = tree_kind(q->tree) == DUET_OBJECT_LARGE_POSES
+                  ? duet_ray_query_run_large(q->rays, q->items, q->n, &result, err)
+                  : duet_ray_query_run(q->rays, q->items, q->n, &result, err);
     *a = ANSWER(result);
     return ok;
 }
@@ -262,7 +280,9 @@ static bool run_boxes(measure_query *q, duet_object_kind kind, answer *a, duet_e
 static bool run_points(measure_query *q, answer *a, duet_error *err)
 {
     duet_point_query_result result = {0};
-    bool ok = duet_point_query_run(q->points, q->items, q->n, &result, err);
+    bool ok = tree_kind(q->tree) == DUET_OBJECT_LARGE_POSES
+                  ? duet_point_query_run_large(q->points, q->items, q->n, &result, err)
+                  : duet_point_query_run(q->points, q->items, q->n, &result, err);
     *a = ANSWER(result);
     return ok;
 }

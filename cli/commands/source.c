@@ -9,6 +9,7 @@
 #include "cli/interrupt.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
+#include "runtime/narrowphase/origin.h"
 #include "runtime/opencl/program.h"
 
 #include <cjson/cJSON.h>
@@ -112,13 +113,11 @@ static bool add_scene(gen *g, const char *name, const gen_limits *limits, const 
     if (!scene)
         return false;
     const duet_scene_info *info = duet_scene_get_info(scene);
-    uint32_t origin_bits;
-    memcpy(&origin_bits, &info->origin_edge, sizeof origin_bits);
     const gen_setting decided[] = {
         {"DIMS", info->dims},
         {"SHAPE", info->shape},
         {"ROTATED", info->shape != DUET_SHAPE_BOUNDS && info->rotated},
-        {"ORIGIN", origin_bits >> 23},
+        {"ORIGIN", origin_setting(info->origin_edge)},
     };
     for (size_t i = 0; i < sizeof decided / sizeof decided[0]; ++i)
         if (has_param(params, n, decided[i].name))

@@ -112,7 +112,11 @@ static inline void load_items(__global const float *items, const uint places[LAN
                               float upper[3][LANES], uint refused[LANES])
 {
     object o = object_at(items, places);
+//@ if ORIGIN > 0 then
+    bounds b = far_bounds(&o);
+//@ else
     bounds b = object_bounds(&o);
+//@ end
     spread(as_word(is_refused(&o)), refused);
     for (int k = 0; k < DIMS; ++k) {
 #if LANES == 1

@@ -2,10 +2,12 @@
 return {
   about = "which objects of a tree other boxes collide with",
   uses = { "lanes.clh", "narrowphase/object.clh", "narrowphase/sat.clh", "narrowphase/sat_double.clh",
-    "narrowphase/rounded.clh", "narrowphase/answer.clh", "queries/tree.h", "queries/rounded_row.h", "queries/limits.clh", "queries/refused.clh", "queries/walk.clh" },
+    "narrowphase/rounded.clh", "narrowphase/answer.clh", "queries/tree.h", "queries/rounded_row.h", "queries/far_row.h", "queries/limits.clh", "queries/refused.clh", "queries/far.clh", "queries/walk.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0, about = "0 poses, 1 bounds, 2 rounded boxes" },
+    { "ORIGIN", min = 0, max = 254, default = 0, silent = true,
+      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
     { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
       about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
@@ -39,6 +41,7 @@ return {
   },
   valid = function(p, limits)
     if p.SHAPE == 3 then return false, "spheres come as rounded boxes" end
+    if p.ORIGIN > 0 and p.SHAPE > 0 then return false, "origin cells are for poses" end
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
     return true
   end,

@@ -119,7 +119,11 @@ __kernel void tree_extent(TREE_EXTENT_ARGS)
         object o = object_at(objects, ids);
         mask refused = is_refused(&o);
         real point[3];
+//@ if ORIGIN > 0 then
+        far_point(&o, point);
+//@ else
         object_point(&o, point);
+//@ end
         for (int i = 0; i < EXTENT_WORDS; ++i) {
             word at = rising(i < 3 ? point[i] : i < 6 ? -point[i - 3] : object_half(&o));
             greatest[i] = max(greatest[i], select(at, (word)(0), as_word(refused)));
@@ -143,7 +147,11 @@ __kernel void tree_keys(TREE_KEYS_ARGS)
             ids[k] = min(from + k, n - 1);
         object o = object_at(objects, ids);
         real point[3];
+//@ if ORIGIN > 0 then
+        far_point(&o, point);
+//@ else
         object_point(&o, point);
+//@ end
         word place = curve_place(point, &c);
         spread(size_class(&o, c.widest) << (DIMS * BITS) | place, key);
         spread(as_word(is_refused(&o)), refused);
@@ -169,7 +177,11 @@ __kernel void tree_leaves(TREE_LEAVES_ARGS)
         }
         object o = object_at(objects, names);
         mask refused = is_refused(&o);
+//@ if ORIGIN > 0 then
+        bounds b = far_bounds(&o);
+//@ else
         bounds b = object_bounds(&o);
+//@ end
         real row[TREE_BOX_WORDS];
 #if SHAPE == SHAPE_POSES
         real axis[3][3];
@@ -184,6 +196,15 @@ __kernel void tree_leaves(TREE_LEAVES_ARGS)
         row[TREE_BOX_RADIUS] = o.radius;
         for (int k = TREE_BOX_RADIUS + 1; k < TREE_BOX_ID; ++k)
             row[k] = ALL(0.0f);
+//@ elseif ORIGIN > 0 then
+        real reach[3];
+        set_reach(reach, &o);
+        for (int k = TREE_BOX_CELL; k < TREE_BOX_ID; ++k)
+            row[k] = ALL(0.0f);
+        for (int k = 0; k < DIMS; ++k) {
+            row[TREE_BOX_CELL + k] = as_real(o.cell[k]);
+            row[TREE_BOX_REACH + k] = reach[k];
+        }
 //@ end
 #else
         for (int k = 0; k < 3; ++k) {
@@ -231,6 +252,18 @@ __kernel void item_keys(ITEM_KEYS_ARGS)
 #else
             point[i] = vload8(0, begin[i]);
 #endif
+//@ if ORIGIN > 0 then
+        int cell[3][LANES];
+        for (uint k = 0; k < LANES; ++k)
+            for (int i = 0; i < 3; ++i)
+                cell[i][k] = as_int(items[((size_t)first_item + min(from + k, n - 1)) * item_words + item_cell + i]);
+        for (int i = 0; i < 3; ++i)
+#if LANES == 1
+            point[i] = far_along(cell[i][0], point[i]);
+#else
+            point[i] = far_along(vload8(0, cell[i]), point[i]);
+#endif
+//@ end
         spread(curve_place(point, &c) >> (DIMS * BITS - ITEM_BITS), key);
         for (uint k = 0; k < LANES && from + k < n; ++k)
             keys[from + k] = key[k];

@@ -12,7 +12,11 @@
 //
 // What is found does not depend on the tree: a box is never nearer than its bounds, nor these
 // than wider ones, for each operation on the way is monotone.
+//@ if ORIGIN > 0 then
+#define POINT_WORDS 6 // then the cell
+//@ else
 #define POINT_WORDS 3
+//@ end
 #define EVERY 2
 #define NEAREST 3
 #define HIT_WORDS 3
@@ -27,6 +31,10 @@
 
 struct walk {
     float point[3];
+//@ if ORIGIN > 0 then
+    far_item item;
+    float lower[3], upper[3]; // around the point, from the tree's middle
+//@ end
     __global const float *boxes;
     uint number;
     __global uint *hits;
@@ -67,11 +75,20 @@ static inline row_mask meets_bounds(const walk *w, __global const float *node, r
 #pragma unroll
     for (int k = 0; k < DIMS; ++k) {
         row lower = load_row(node + k * TREE_WIDTH), upper = load_row(node + (3 + k) * TREE_WIDTH);
+//@ if ORIGIN > 0 then
+        row from_point = (row)(w->lower[k]), to_point = (row)(w->upper[k]);
+        row beyond = fmax(fmax(lower - to_point, from_point - upper), (row)(0.0f));
+        square = fma(beyond, beyond, square);
+        beside |= WANTS == EVERY ? (lower > to_point) | (upper < from_point) : lower > upper; // no box here
+    }
+    square *= 1.0f - NODE_SLACK;
+//@ else
         row point = (row)(w->point[k]);
         row beyond = fmax(fmax(lower - point, point - upper), (row)(0.0f));
         square = fma(beyond, beyond, square);
         beside |= WANTS == EVERY ? (lower > point) | (upper < point) : lower > upper; // no box here
     }
+//@ end
     *from = WANTS == EVERY ? (row)(0.0f) : square;
     return !beside;
 }
@@ -125,7 +142,11 @@ static inline bool visit_box(walk *w, uint slot, float from)
 //@ if SHAPE >= 2 then
     float way[3], radius = box[TREE_BOX_RADIUS], size = radius, square = 0.0f;
     for (int k = 0; k < DIMS; ++k) {
+//@ if ORIGIN > 0 then
+        way[k] = far_way(&w->item, box, k);
+//@ else
         way[k] = w->point[k] - box[k];
+//@ end
         size += fabs(way[k]) + box[3 + k];
     }
     float doubt = 2.0f * SLACK * size;
@@ -144,7 +165,11 @@ static inline bool visit_box(walk *w, uint slot, float from)
 #if !SHAPE
     float way[3], size = 0.0f;
     for (int k = 0; k < DIMS; ++k) {
+//@ if ORIGIN > 0 then
+        way[k] = far_way(&w->item, box, k);
+//@ else
         way[k] = w->point[k] - box[k];
+//@ end
         size += fabs(way[k]) + box[3 + k];
     }
     float doubt = SLACK * size;
@@ -191,8 +216,18 @@ static inline bool visit_box(walk *w, uint slot, float from)
     __global const float *box = w->boxes + (size_t)slot * TREE_BOX_WORDS;
     uint id = as_uint(box[TREE_BOX_ID]);
     float way[3], square = 0.0f;
+//@ if ORIGIN > 0 then
+    from = 0.0f;
+    for (int k = 0; k < DIMS; ++k) {
+        way[k] = far_way(&w->item, box, k);
+        float beyond = fmax(fabs(way[k]) - box[TREE_BOX_REACH + k], 0.0f);
+        from = fma(beyond, beyond, from);
+    }
+    from *= 1.0f - OWN_SLACK;
+//@ else
     for (int k = 0; k < DIMS; ++k)
         way[k] = w->point[k] - box[k];
+//@ end
     for (int k = 0; k < DIMS; ++k) {
         float beyond = fmax(beyond_faces(w, box, way, k), 0.0f);
         square = fma(beyond, beyond, square);
@@ -223,6 +258,14 @@ __kernel void point_query(POINT_QUERY_ARGS)
             atomic_max(counters + BAD_LATEST, ~at);
             continue;
         }
+//@ if ORIGIN > 0 then
+        for (int k = 0; k < 3; ++k) {
+            w.item.offset[k] = k < DIMS ? w.point[k] : 0.0f;
+            w.item.cell[k] = k < DIMS ? as_int(items[(size_t)at * POINT_WORDS + 3 + k]) : 0;
+            w.item.reach[k] = 0.0f;
+        }
+        far_item_bounds(&w.item, w.lower, w.upper);
+//@ end
         w.boxes = boxes;
         w.number = first_item + at;
         w.counters = counters;

@@ -1,10 +1,12 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "which boxes of a tree contain points, or are nearest to them",
-  uses = { "lanes.clh", "queries/tree.h", "queries/rounded_row.h", "queries/limits.clh", "queries/walk.clh" },
+  uses = { "lanes.clh", "queries/tree.h", "queries/rounded_row.h", "queries/far_row.h", "queries/limits.clh", "queries/far.clh", "queries/walk.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0, about = "0 poses, 1 bounds, 2 rounded boxes" },
+    { "ORIGIN", min = 0, max = 254, default = 0, silent = true,
+      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "WANTS", values = { 2, 3 }, default = 2, about = "2 those that contain the point, 3 the nearest ones" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "children of a node side by side" },
@@ -34,6 +36,7 @@ return {
   },
   valid = function(p)
     if p.SHAPE == 3 then return false, "spheres come as rounded boxes" end
+    if p.ORIGIN > 0 and p.SHAPE > 0 then return false, "origin cells are for poses" end
     return true
   end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,

@@ -3,6 +3,7 @@
 //
 //   items    [n][ITEM_WORDS] rays: origin xyz, direction xyz, t_max; boxes that move: a pose
 //            or bounds, by SHAPE, as the tree's objects, direction xyz, t_max
+//            in origin cells a ray's cell follows its t_max, and a box's its pose
 //   order    [n] of items, by where they begin; in_order 1: as they come
 //   boxes, nodes    of the tree
 //   levels   [n_levels] first node of each level, the lowest first
@@ -19,7 +20,12 @@
 #define ANY 1
 #define EVERY 2
 
+//@ if ORIGIN > 0 then
+#define ITEM_WORDS (SWEPT ? OBJECT_WIDTH + 4 : 10)
+#define LINE_WORD (SWEPT ? OBJECT_WIDTH - 1 : 3)
+//@ else
 #define ITEM_WORDS (SWEPT ? OBJECT_WIDTH + 4 : 7)
+//@ end
 #define HIT_WORDS (SWEPT ? 6 : 3)
 
 #define SLACK (64.0f * 0x1p-24f) // of a box's size, as seen from the ray's origin
@@ -27,6 +33,9 @@
 
 struct walk {
     line l;
+//@ if ORIGIN > 0 then
+    far_item item;
+//@ end
 //@ if SHAPE >= 2 and SWEPT == 1 then
     mover m;
 //@ else
@@ -75,7 +84,11 @@ static inline uint meet_box(const walk *w, __global const float *box, float *t)
 
 static inline uint meet_box(const walk *w, __global const float *box, float *t)
 {
+//@ if ORIGIN > 0 then
+    return mover_meets(&w->m, &w->item, &w->l, box, t);
+//@ else
     return mover_meets(&w->m, &w->l, box, t);
+//@ end
 }
 
 #else
@@ -100,7 +113,11 @@ static inline uint meet_box(const walk *w, __global const float *row_of_box, flo
         vstore4(((__global const float4 *)row_of_box)[k], k, box);
 #pragma unroll
     for (int k = 0; k < DIMS; ++k) {
+//@ if ORIGIN > 0 then
+        way[k] = far_way(&w->item, box, k);
+//@ else
         way[k] = r->lower[k] - box[k];
+//@ end
         size += fabs(way[k]) + box[3 + k];
     }
     if (!(size >= LEAST_SIZE && size <= GREATEST_SIZE))
@@ -137,6 +154,23 @@ static inline uint meet_box(const walk *w, __global const float *row_of_box, flo
 #endif
 //@ end
 
+//@ if ORIGIN > 0 then
+// Where the line enters the box's own bounds, or before.
+static inline float enter_own_bounds(const walk *w, __global const float *box)
+{
+    float enter = 0.0f;
+    for (int k = 0; k < DIMS; ++k) {
+        float inverse = w->l.inverse[k];
+        if (!(fabs(inverse) > 0.0f))
+            continue;
+        float way = far_way(&w->item, box, k), reach = w->item.reach[k] + box[TREE_BOX_REACH + k];
+        float in = inverse > 0.0f ? -way - reach : reach - way;
+        enter = fmax(enter, in * (inverse * (1.0f - OWN_SLACK)));
+    }
+    return fmin(enter, w->l.t_max);
+}
+
+//@ end
 // ------------------------------------------------------------ the walk
 
 static inline float farthest(const walk *w)
@@ -158,7 +192,11 @@ static inline void list_hit(const walk *w, __global uint *row, uint id, float t)
 static inline bool visit_box(walk *w, uint slot, float from)
 {
     __global const float *box = w->boxes + (size_t)slot * TREE_BOX_WORDS;
+//@ if ORIGIN > 0 then
+    float t = enter_own_bounds(w, box);
+//@ else
     float t = from;
+//@ end
     uint id = as_uint(box[TREE_BOX_ID]);
     uint found = meet_box(w, box, &t);
     bool needless = WANTS == CLOSEST && (t > w->best || (t == w->best && id > w->id));
@@ -186,10 +224,20 @@ static inline bool load_item(walk *w, __global const float *row)
     bounds b = object_bounds(&o);
     uint refused[LANES];
     spread(as_word(is_refused(&o)), refused);
+//@ if ORIGIN > 0 then
+    real reach[3];
+    set_reach(reach, &o);
+    for (int k = 0; k < 3; ++k) {
+        w->item.offset[k] = FIRST_LANE(o.centre[k]);
+        w->item.cell[k] = FIRST_LANE(o.cell[k]);
+        w->item.reach[k] = k < DIMS ? FIRST_LANE(reach[k]) : 0.0f;
+    }
+//@ else
     for (int k = 0; k < 3; ++k) {
         lower[k] = FIRST_LANE(b.lower[k]);
         upper[k] = FIRST_LANE(b.upper[k]);
     }
+//@ end
 //@ if SHAPE >= 2 and SWEPT == 1 then
     set_mover(&w->m, &o);
 //@ else
@@ -203,12 +251,27 @@ static inline bool load_item(walk *w, __global const float *row)
     for (int k = 0; k < DIMS; ++k)
         if (!(fabs(row[k]) <= MOST_COORDINATE))
             return false;
+//@ if ORIGIN > 0 then
+    for (int k = 0; k < 3; ++k) {
+        w->item.offset[k] = k < DIMS ? row[k] : 0.0f;
+        w->item.cell[k] = k < DIMS ? as_int(row[7 + k]) : 0;
+        w->item.reach[k] = 0.0f;
+    }
+//@ else
     for (int k = 0; k < 3; ++k)
         lower[k] = upper[k] = row[k];
+//@ end
 #endif
+//@ if ORIGIN > 0 then
+    far_item_bounds(&w->item, lower, upper);
+    if (line_is_bad(row + LINE_WORD))
+        return false;
+    set_line(&w->l, lower, upper, row + LINE_WORD);
+//@ else
     if (line_is_bad(row + ITEM_WORDS - 4))
         return false;
     set_line(&w->l, lower, upper, row + ITEM_WORDS - 4);
+//@ end
     return true;
 }
 

@@ -1,11 +1,13 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "which boxes rays meet, or boxes that move",
-  uses = { "lanes.clh", "narrowphase/object.clh", "queries/tree.h", "queries/rounded_row.h", "queries/limits.clh",
-    "queries/refused.clh", "queries/walk.clh", "queries/line.clh", "queries/sweep.clh", "queries/rounded_ray.clh" },
+  uses = { "lanes.clh", "narrowphase/object.clh", "queries/tree.h", "queries/rounded_row.h", "queries/far_row.h", "queries/limits.clh",
+    "queries/refused.clh", "queries/far.clh", "queries/walk.clh", "queries/line.clh", "queries/sweep.clh", "queries/rounded_ray.clh" },
   params = {
     { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
     { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0, about = "0 poses, 1 bounds, 2 rounded boxes" },
+    { "ORIGIN", min = 0, max = 254, default = 0, silent = true,
+      about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },
     { "SWEPT", values = { 0, 1 }, default = 0, about = "0 rays, 1 boxes that move along them" },
     { "WANTS", values = { 0, 1, 2 }, default = 0, about = "0 the closest hit, 1 whether there is any, 2 every hit" },
@@ -36,6 +38,7 @@ return {
   },
   valid = function(p)
     if p.SHAPE == 3 then return false, "spheres come as rounded boxes" end
+    if p.ORIGIN > 0 and p.SHAPE > 0 then return false, "origin cells are for poses" end
     return true
   end,
   launch = function(p) return { group = p.WG, per_item = p.PER_ITEM } end,

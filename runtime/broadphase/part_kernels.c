@@ -271,12 +271,10 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
     bool to_places = counting && !task->shared && task->ordered && !task->strays;
     bool unboxed = search == SEARCH_GPU && leaves_boxes(task);
     cl_int4 cells = compiled_cells(p, task);
-    uint32_t origin_bits;
-    memcpy(&origin_bits, &task->objects.origin, sizeof origin_bits);
     const part_choice choices[PART_CHOICES] = {
         {"DIMS", task->objects.dims, false},
         {"SHAPE", task->objects.shape, false},
-        {"ORIGIN", origin_bits >> 23, false},
+        {"ORIGIN", origin_setting(task->objects.origin), false},
         {"APART", task->objects.sizes ? 1 + task->objects.compact : 0, false},
         {"ROTATED", turned, false},
         {"RANK", counting, false},

@@ -243,6 +243,9 @@ bool motion_reset(duet_motion *m, duet_error *err);
 // The rotation and the angular velocity that an object was given.
 void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state);
 
+// All states of a motion in origin cells, their centres offsets in these [n].
+bool motion_get_offsets(duet_motion *m, duet_state *states, cl_int4 *cells, duet_error *err);
+
 // 32-bit words of state that an object has in a buffer; 0: not by object, or
 // not called for.
 uint32_t motion_words(const duet_motion *m, motion_buffer which);

@@ -3,6 +3,7 @@
 #include "runtime/dynamics/motion.h"
 
 #include "base/error.h"
+#include "runtime/narrowphase/origin.h"
 
 #include <assert.h>
 #include <string.h>
@@ -61,12 +62,10 @@ static bool gather(duet_motion *m, const char *name, bool altered,
                    gen_setting settings[MOST_PARAMS], uint32_t *n, duet_error *err)
 {
     int64_t gyro = motion_has(m, DUET_EFFECT_ANGULAR_VELOCITY) && m->facts.uneven;
-    uint32_t origin_bits;
-    memcpy(&origin_bits, &m->def.origin_edge, sizeof origin_bits);
     const gen_setting choices[] = {
         {"DIMS", m->def.dims},
         {"DOUBLE", m->def.doubles},
-        {"ORIGIN", origin_bits >> 23},
+        {"ORIGIN", origin_setting(m->def.origin_edge)},
         {"ORDER", order_of(m->def.integrator)},
         {"ROTATED", has(m, DUET_EFFECT_ROTATION)},
         {"ANGULAR_VELOCITY", turning_kind(m)},

@@ -6,6 +6,7 @@
 #include "runtime/dynamics/motion_commands.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static duet_pose pose_of(const duet_motion *m, uint32_t id, const duet_state *state)
 {
@@ -67,6 +68,25 @@ bool motion_copy_poses(duet_motion *m, bool radii, void *rows, duet_error *err)
             pose->half_extents[0] = -1;
     }
     return true;
+}
+
+bool motion_copy_large_poses(duet_motion *m, duet_large_pose *poses, duet_error *err)
+{
+    duet_state *states = calloc((size_t)m->n + 1, sizeof *states);
+    cl_int4 *cells = calloc((size_t)m->n + 1, sizeof *cells);
+    bool ok = states && cells;
+    if (!ok)
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
+    ok = ok && (m->n == 0 || motion_get_offsets(m, states, cells, err));
+    for (uint32_t id = 0; ok && id < m->n; ++id) {
+        poses[id] = (duet_large_pose){.pose = pose_of(m, id, &states[id])};
+        memcpy(poses[id].cell, &cells[id], sizeof poses[id].cell);
+        if (motion_is_hidden(m, id))
+            poses[id].pose.half_extents[0] = -1;
+    }
+    free(states);
+    free(cells);
+    return ok;
 }
 
 bool motion_has_radii(const duet_motion *m)

@@ -18,6 +18,9 @@ bool motion_write_poses(duet_motion *m, bool radii, const buffer *rows, duet_err
 // The same by way of the host, of any motion.
 bool motion_copy_poses(duet_motion *m, bool radii, void *rows, duet_error *err);
 
+// The same of a motion in origin cells, as they are there.
+bool motion_copy_large_poses(duet_motion *m, duet_large_pose *poses, duet_error *err);
+
 uint32_t motion_count_hidden(const duet_motion *m);
 
 #endif

@@ -403,11 +403,9 @@ static bool check_finite(const duet_motion *m, const duet_state *states, duet_er
     return true;
 }
 
-bool duet_motion_get_states(duet_motion *m, duet_state *states, duet_error *err)
+// With offsets for centres.
+static bool fetch_states(duet_motion *m, duet_state *states, duet_error *err)
 {
-    if (!motion_is_whole(m, __func__, err) ||
-        (m->n > 0 && !error_given(states, __func__, "states", err)))
-        return false;
     static const struct {
         motion_buffer which;
         entry (*given)(const duet_motion *, uint32_t);
@@ -430,8 +428,23 @@ bool duet_motion_get_states(duet_motion *m, duet_state *states, duet_error *err)
                    parts[i].numbers * sizeof(double));
     }
     free(entries);
-    ok = ok && (!m->cells || add_cells(m, states, err));
-    return ok && timeline_finish(&m->times, err) && check_finite(m, states, err);
+    return ok;
+}
+
+bool duet_motion_get_states(duet_motion *m, duet_state *states, duet_error *err)
+{
+    return motion_is_whole(m, __func__, err) &&
+           (m->n == 0 || error_given(states, __func__, "states", err)) &&
+           fetch_states(m, states, err) && (!m->cells || add_cells(m, states, err)) &&
+           timeline_finish(&m->times, err) && check_finite(m, states, err);
+}
+
+bool motion_get_offsets(duet_motion *m, duet_state *states, cl_int4 *cells, duet_error *err)
+{
+    return fetch_states(m, states, err) &&
+           timeline_read(&m->times, "fetch", &m->buffers[CELLS], cells, m->n * sizeof *cells,
+                         err) &&
+           timeline_finish(&m->times, err) && check_finite(m, states, err);
 }
 
 // ---------------------------------------------------------------- sums

@@ -16,6 +16,17 @@ int exact_least_power(const float *values, int n, int so_far)
     return so_far;
 }
 
+int exact_least_power_of_doubles(const double *values, int n, int so_far)
+{
+    for (int i = 0; i < n; ++i) {
+        int power;
+        frexp(values[i], &power);
+        if (values[i] != 0 && power - 53 < so_far)
+            so_far = power - 53;
+    }
+    return so_far;
+}
+
 void exact_integer(mpz_t out, double value, int power)
 {
     mpz_set_d(out, ldexp(value, -power));

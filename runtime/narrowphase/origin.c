@@ -5,6 +5,7 @@
 #include "runtime/narrowphase/narrow.h"
 
 #include <math.h>
+#include <string.h>
 
 #define QUANTA 0x1p24 // of an edge
 #define MOST_CELLS 0x1p30
@@ -15,39 +16,51 @@ bool origin_is_edge(float edge)
     return edge == 0.0f || (frexpf(edge, &exponent) == 0.5f && exponent >= -99 && exponent <= 101);
 }
 
+uint32_t origin_setting(float edge)
+{
+    uint32_t bits;
+    memcpy(&bits, &edge, sizeof bits);
+    return bits >> 23;
+}
+
 static double to_quanta(double length, float edge)
 {
     return rint(length * (QUANTA / (double)edge));
 }
 
 // The cell that counts from `cell` on, and the offset in it.
-static bool put(duet_large_pose *large, int k, int32_t cell, double quanta, float edge)
+static bool put(float *offset, int32_t *in, int32_t cell, double quanta, float edge)
 {
     double cells = floor(quanta / QUANTA);
     double sum = cells + cell;
     if (!(fabs(sum) < MOST_CELLS)) {
-        large->pose.centre[k] = NAN;
-        large->cell[k] = 0;
+        *offset = NAN;
+        *in = 0;
         return false;
     }
-    large->pose.centre[k] = (float)((quanta - cells * QUANTA) * (edge / QUANTA));
-    large->cell[k] = (int32_t)sum;
+    *offset = (float)((quanta - cells * QUANTA) * (edge / QUANTA));
+    *in = (int32_t)sum;
     return true;
+}
+
+bool origin_settle_at(float offset[3], int32_t cell[3], float edge)
+{
+    bool ok = true;
+    for (int k = 0; k < 3; ++k)
+        ok &= put(&offset[k], &cell[k], cell[k], to_quanta(offset[k], edge), edge);
+    return ok;
 }
 
 bool origin_settle(duet_large_pose *large, float edge)
 {
-    bool ok = true;
-    for (int k = 0; k < 3; ++k)
-        ok &= put(large, k, large->cell[k], to_quanta(large->pose.centre[k], edge), edge);
-    return ok;
+    return origin_settle_at(large->pose.centre, large->cell, edge);
 }
 
 bool origin_place(duet_large_pose *large, const double centre[3], float edge)
 {
     bool ok = true;
     for (int k = 0; k < 3; ++k)
-        ok &= put(large, k, 0, to_quanta(centre[k], edge), edge);
+        ok &= put(&large->pose.centre[k], &large->cell[k], 0, to_quanta(centre[k], edge), edge);
     return ok;
 }
 

@@ -13,9 +13,13 @@
 // 0, for none, or a power of two from 2^-100 to 2^100.
 bool origin_is_edge(float edge);
 
+// The value of the kernels' ORIGIN: the exponent's bits of the edge, or 0.
+uint32_t origin_setting(float edge);
+
 // Brings each offset into its cell. False, and a centre that is not a number,
 // where that is beyond 2^30 cells.
 bool origin_settle(duet_large_pose *large, float edge);
+bool origin_settle_at(float offset[3], int32_t cell[3], float edge);
 
 // The nearest position to a centre; false as above.
 bool origin_place(duet_large_pose *large, const double centre[3], float edge);

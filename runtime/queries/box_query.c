@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
+#include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/rounded.h"
+#include "runtime/queries/far_rows.h"
 #include "runtime/queries/tree_query.h"
 
 #include <stdlib.h>
@@ -34,6 +36,24 @@ static const query_kind kind_of_poses = {
     .kernel = "box_query",
     .hit_words = 2,
     .meets = meets,
+};
+
+static bool meets_far(const duet_tree *tree, const void *item, uint32_t *hit)
+{
+    const duet_large_pose *box = item;
+    const duet_large_pose *object = (const duet_large_pose *)tree->objects + hit[1];
+    double shift[3];
+    far_shift(shift, object, box->cell, tree->def.origin_edge);
+    return narrow_decide_apart(&object->pose, &box->pose, shift, tree->def.dims);
+}
+
+static const query_kind kind_of_far_poses = {
+    .item = "box",
+    .items = "boxes",
+    .wrong = "not a number, infinite, negative, without rotation, or beyond 2^30 origin cells",
+    .kernel = "box_query",
+    .hit_words = 2,
+    .meets = meets_far,
 };
 
 static bool meets_rounded(const duet_tree *tree, const void *item, uint32_t *hit)
@@ -77,10 +97,12 @@ static bool open(tree_query *q, duet_tree *tree, duet_level level, bool itself, 
                                               [DUET_SHAPE_BOUNDS] = &kind_of_bounds,
                                               [DUET_SHAPE_ROUNDED_BOXES] = &kind_of_rounded};
     bool poses = tree->def.shape == DUET_SHAPE_POSES;
-    *q = (tree_query){.kind = kinds[box_tree_shape(tree->def.shape)],
+    bool far = tree->def.origin_edge > 0.0f;
+    *q = (tree_query){.kind = far ? &kind_of_far_poses : kinds[box_tree_shape(tree->def.shape)],
                       .tree = tree,
                       .wants = QUERY_EVERY,
-                      .item_words = (uint32_t)(box_tree_width(tree->def.shape) / sizeof(float)),
+                      .item_words = (uint32_t)(tree_row_bytes(tree) / sizeof(float)),
+                      .item_cell = FAR_POSE_CELL,
                       .itself = itself};
     const gen_setting settings[] = {{"ACCURACY", poses ? level : DUET_LEVEL_CERTIFIED},
                                     {"ITSELF", itself}};

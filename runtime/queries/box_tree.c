@@ -2,6 +2,7 @@
 #include "runtime/queries/box_tree.h"
 
 #include "base/error.h"
+#include "runtime/narrowphase/origin.h"
 
 static const binding tree_bindings[] = {BIND_BUFFER(box_tree, "objects", "float *", objects),
                                         BIND_BUFFER(box_tree, "items", "float *", items),
@@ -15,6 +16,7 @@ static const binding tree_bindings[] = {BIND_BUFFER(box_tree, "objects", "float 
                                         BIND_VALUE(box_tree, "step", step),
                                         BIND_VALUE(box_tree, "first_item", first_item),
                                         BIND_VALUE(box_tree, "item_words", item_words),
+                                        BIND_VALUE(box_tree, "item_cell", item_cell),
                                         BIND_VALUE(box_tree, "slots", slots),
                                         BIND_VALUE(box_tree, "below", below),
                                         BIND_VALUE(box_tree, "n_below", n_below),
@@ -27,23 +29,23 @@ duet_shape box_tree_shape(duet_shape shape)
     return shape == DUET_SHAPE_SPHERES ? DUET_SHAPE_ROUNDED_BOXES : shape;
 }
 
-size_t box_tree_width(duet_shape shape)
+size_t box_tree_width(duet_shape shape, float origin)
 {
-    return shape == DUET_SHAPE_POSES    ? sizeof(duet_pose)
-           : shape == DUET_SHAPE_BOUNDS ? sizeof(duet_bounds)
-                                        : sizeof(duet_rounded_box);
+    return origin_row_bytes(box_tree_shape(shape), origin);
 }
 
 static kernel *ask(box_tree *t, program_set *programs, const char *entry, duet_error *err)
 {
-    const gen_setting settings[] = {{"DIMS", t->dims}, {"SHAPE", box_tree_shape(t->shape)}};
-    return program_set_kernel(programs, "box_tree", entry, settings, 2, tree_bindings, err);
+    const gen_setting settings[] = {{"DIMS", t->dims},
+                                    {"SHAPE", box_tree_shape(t->shape)},
+                                    {"ORIGIN", origin_setting(t->origin)}};
+    return program_set_kernel(programs, "box_tree", entry, settings, 3, tree_bindings, err);
 }
 
 bool box_tree_open(box_tree *t, const device *d, program_set *programs, uint32_t dims,
-                   duet_shape shape, duet_error *err)
+                   duet_shape shape, float origin, duet_error *err)
 {
-    *t = (box_tree){.device = d, .dims = dims, .shape = shape};
+    *t = (box_tree){.device = d, .dims = dims, .shape = shape, .origin = origin};
     t->measure = ask(t, programs, "tree_extent", err);
     t->key = t->measure ? ask(t, programs, "tree_keys", err) : NULL;
     t->leaves = t->key ? ask(t, programs, "tree_leaves", err) : NULL;
@@ -96,9 +98,9 @@ static bool reserve_lists(box_tree *t, uint32_t n, duet_error *err)
 
 static bool reserve(box_tree *t, uint32_t n_nodes, duet_error *err)
 {
-    uint32_t box_words = box_tree_shape(t->shape) == DUET_SHAPE_ROUNDED_BOXES
-                             ? TREE_ROUNDED_WORDS
-                             : TREE_BOX_WORDS_OF(t->shape == DUET_SHAPE_BOUNDS);
+    uint32_t box_words = box_tree_shape(t->shape) == DUET_SHAPE_ROUNDED_BOXES ? TREE_ROUNDED_WORDS
+                         : t->origin > 0.0f                                   ? TREE_FAR_WORDS
+                                            : TREE_BOX_WORDS_OF(t->shape == DUET_SHAPE_BOUNDS);
     size_t boxes = (size_t)t->slots * box_words * sizeof(cl_float);
     size_t nodes = (size_t)n_nodes * NODE_WORDS * sizeof(cl_float);
     return reserve_lists(t, t->n, err) && buffer_reserve(&t->boxes, t->device, boxes, err) &&
@@ -149,7 +151,8 @@ static bool check_objects(box_tree *t, timeline *times, uint32_t n_hidden, duet_
                      "2^100",
                      ~counters[BAD_LATEST],
                      t->shape == DUET_SHAPE_BOUNDS ? "with a lower corner above its upper one"
-                                                   : "negative, without rotation");
+                     : t->origin > 0.0f ? "negative, without rotation, 2^30 origin cells from 0"
+                                        : "negative, without rotation");
 }
 
 static bool make_levels(box_tree *t, timeline *times, const cl_uint *first, uint32_t n_nodes,
@@ -169,7 +172,7 @@ static bool make_levels(box_tree *t, timeline *times, const cl_uint *first, uint
 
 bool box_tree_hold(box_tree *t, const device *d, void *objects, uint32_t n, duet_error *err)
 {
-    size_t width = box_tree_width(t->shape);
+    size_t width = box_tree_width(t->shape, t->origin);
     return n > 0 ? buffer_hold(&t->objects, d, objects, n * width, err)
                  : buffer_reserve(&t->objects, d, width, err);
 }
@@ -195,11 +198,12 @@ void box_tree_forget_objects(box_tree *t)
 }
 
 bool box_tree_order(box_tree *t, timeline *times, const buffer *items, uint32_t item_words,
-                    uint32_t first, uint32_t n, duet_error *err)
+                    uint32_t item_cell, uint32_t first, uint32_t n, duet_error *err)
 {
     t->items = *items;
     t->first_item = first;
     t->item_words = item_words;
+    t->item_cell = item_cell;
     t->n_listed = n;
     return reserve_lists(t, n, err) && timeline_launch(times, "keys", t->item_key, n, t, err) &&
            sort_keys(t, times, n, (uint32_t)kernel_param(t->item_key, "ITEM_BITS"), err);

@@ -3,6 +3,7 @@
 #ifndef RUNTIME_BOX_TREE_H
 #define RUNTIME_BOX_TREE_H
 
+#include "kernels/queries/far_row.h"
 #include "kernels/queries/rounded_row.h"
 #include "kernels/queries/tree.h"
 #include "runtime/opencl/radix_sort.h"
@@ -15,6 +16,7 @@ typedef struct box_tree {
 
     uint32_t dims;
     duet_shape shape;
+    float origin; // the edge of origin cells, or 0
 
     buffer objects; // [n] poses, bounds or rounded boxes
     buffer keys, ids, keys_spare, ids_spare;
@@ -25,7 +27,7 @@ typedef struct box_tree {
     buffer extent; // [EXTENT_WORDS]
     buffer counters;
     cl_uint n, slots, n_levels; // of an empty tree 0
-    cl_uint first_item, item_words;
+    cl_uint first_item, item_words, item_cell;
     cl_uint n_listed, step;              // of what is measured or gets keys: boxes or items
     cl_uint below, n_below, at, n_slots; // of the level that is made
 } box_tree;
@@ -34,11 +36,11 @@ enum { TREE_MOST_BOXES = 1 << 30 };
 
 // As the tree has them: spheres are rounded boxes without a core.
 duet_shape box_tree_shape(duet_shape shape);
-size_t box_tree_width(duet_shape shape); // bytes of one
+size_t box_tree_width(duet_shape shape, float origin); // bytes of one
 
 // Asks for the kernels, to be built with the set. All that is handed over outlives the tree.
 bool box_tree_open(box_tree *t, const device *d, program_set *programs, uint32_t dims,
-                   duet_shape shape, duet_error *err);
+                   duet_shape shape, float origin, duet_error *err);
 void box_tree_close(box_tree *t);
 
 // Memory for n objects: what the host has, which outlives the tree, or as much of the device's.
@@ -52,9 +54,9 @@ bool box_tree_build(box_tree *t, timeline *times, uint32_t n, uint32_t n_hidden,
 // No longer reads what it was made of, which may move then.
 void box_tree_forget_objects(box_tree *t);
 
-// Sorts n rows of so many words, from row `first` on, by the point that each begins with; their
-// numbers, which count from there, are in ids then.
+// Sorts n rows of so many words, from row `first` on, by the point that each begins with, in
+// origin cells with the cell at that word; their numbers, which count from there, are in ids then.
 bool box_tree_order(box_tree *t, timeline *times, const buffer *items, uint32_t item_words,
-                    uint32_t first, uint32_t n, duet_error *err);
+                    uint32_t item_cell, uint32_t first, uint32_t n, duet_error *err);
 
 #endif

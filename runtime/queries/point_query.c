@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
+#include "runtime/queries/far_rows.h"
 #include "runtime/queries/ray.h"
 #include "runtime/queries/tree_query.h"
 
@@ -14,6 +15,7 @@ struct duet_point_query {
 };
 
 _Static_assert(sizeof(duet_point) == 3 * sizeof(float), "a point is three floats");
+_Static_assert(sizeof(duet_large_point) == 6 * sizeof(float), "and with its cell six words");
 _Static_assert(sizeof(duet_point_hit) == 3 * sizeof(uint32_t), "a hit is three words");
 
 duet_point_query_def duet_default_point_query_def(void)
@@ -26,6 +28,12 @@ static bool meets(const duet_tree *tree, const void *item, uint32_t *hit)
 {
     duet_ray ray = {.t_max = 0};
     memcpy(ray.origin, item, sizeof ray.origin);
+    if (tree->def.origin_edge > 0.0f) {
+        const duet_large_pose *box = (const duet_large_pose *)tree->objects + hit[1];
+        double shift[3];
+        far_shift(shift, box, ((const duet_large_point *)item)->cell, tree->def.origin_edge);
+        return ray_meets_apart(&ray, &box->pose, shift, tree->def.dims);
+    }
     if (tree->def.shape == DUET_SHAPE_POSES)
         return ray_meets(&ray, (const duet_pose *)tree->objects + hit[1], tree->def.dims);
     return ray_meets_rounded(&ray, (const duet_rounded_box *)tree->objects + hit[1], tree->def.dims,
@@ -42,7 +50,7 @@ static void take_root(const duet_tree *tree, const void *item, uint32_t *hit)
 static const query_kind kind = {
     .item = "point",
     .items = "points",
-    .wrong = "not a number or above 2^100",
+    .wrong = "not a number, above 2^100, or beyond 2^30 origin cells",
     .kernel = "point_query",
     .hit_words = 3,
     .meets = meets,
@@ -71,10 +79,13 @@ duet_point_query *duet_point_query_create(const duet_point_query_def *def, duet_
         error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
         return NULL;
     }
+    bool far = def->tree->def.origin_edge > 0.0f;
+    size_t bytes = far ? sizeof(duet_large_point) : sizeof(duet_point);
     query->asked = (tree_query){.kind = &kind,
                                 .tree = def->tree,
                                 .wants = def->nearest > 0 ? QUERY_NEAREST : QUERY_EVERY,
-                                .item_words = sizeof(duet_point) / sizeof(float),
+                                .item_words = (uint32_t)(bytes / sizeof(float)),
+                                .item_cell = sizeof(duet_point) / sizeof(float),
                                 .each = def->nearest};
     const gen_setting settings[] = {{"WANTS", query->asked.wants}};
     const query_name name = {.item = QUERY_POINTS, .nearest = def->nearest};
@@ -91,12 +102,12 @@ void duet_point_query_destroy(duet_point_query *query)
     free(query);
 }
 
-bool duet_point_query_run(duet_point_query *query, const duet_point *points, uint64_t n,
-                          duet_point_query_result *result, duet_error *err)
+static bool run(duet_point_query *query, const void *points, uint64_t n, bool far, const char *call,
+                duet_point_query_result *result, duet_error *err)
 {
     query_result found;
-    if (!error_given(query, __func__, "query", err) ||
-        !error_given(result, __func__, "result", err) ||
+    if (!error_given(query, call, "query", err) || !error_given(result, call, "result", err) ||
+        !tree_query_is_far(&query->asked, far, err) ||
         !tree_query_run(&query->asked, points, n, &found, err))
         return false;
     *result = (duet_point_query_result){.hits = (const duet_point_hit *)found.hits,
@@ -105,4 +116,16 @@ bool duet_point_query_run(duet_point_query *query, const duet_point *points, uin
                                         .total_ms = found.total_ms,
                                         .device_ms = {found.device_ms[0], found.device_ms[1]}};
     return true;
+}
+
+bool duet_point_query_run(duet_point_query *query, const duet_point *points, uint64_t n,
+                          duet_point_query_result *result, duet_error *err)
+{
+    return run(query, points, n, false, __func__, result, err);
+}
+
+bool duet_point_query_run_large(duet_point_query *query, const duet_large_point *points, uint64_t n,
+                                duet_point_query_result *result, duet_error *err)
+{
+    return run(query, points, n, true, __func__, result, err);
 }

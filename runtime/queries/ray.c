@@ -19,13 +19,15 @@ static double dot(const double u[3], const double v[3])
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
-static met meet_in_double(const duet_ray *ray, const duet_pose *box, int dims)
+// The difference of two offsets in origin cells is exact, so way is rounded once.
+static met meet_in_double(const duet_ray *ray, const duet_pose *box, const double shift[3],
+                          int dims)
 {
     double axis[3][3], way[3] = {0}, direction[3] = {0};
     double size = 0, length = 0;
     narrow_axes(axis, box->rotation);
     for (int k = 0; k < dims; ++k) {
-        way[k] = (double)ray->origin[k] - box->centre[k];
+        way[k] = (double)ray->origin[k] - box->centre[k] + shift[k];
         direction[k] = ray->direction[k];
         size += fabs(way[k]) + box->half_extents[k];
         length = fmax(length, fabs(direction[k]));
@@ -73,7 +75,8 @@ typedef union pool {
 } pool;
 
 // Ways and half extents share a power of two with the step, unless that has no end.
-static void set_numbers(numbers *n, const duet_ray *ray, const duet_pose *box, float radius)
+static void set_numbers(numbers *n, const duet_ray *ray, const duet_pose *box,
+                        const double shift[3], float radius)
 {
     bool ends = isfinite(ray->t_max);
     const float t_max = ends ? ray->t_max : 1;
@@ -83,6 +86,7 @@ static void set_numbers(numbers *n, const duet_ray *ray, const duet_pose *box, f
     power = exact_least_power(box->centre, 3, power);
     power = exact_least_power(box->half_extents, 3, power);
     power = exact_least_power(&radius, 1, power);
+    power = exact_least_power_of_doubles(shift, 3, power);
     exact_axes(n->axis, n->norm, n->q, box->rotation);
     exact_integer(n->right, t_max, t_power);
     exact_integer(n->radius, radius, power);
@@ -91,6 +95,8 @@ static void set_numbers(numbers *n, const duet_ray *ray, const duet_pose *box, f
         exact_integer(n->way[k], ray->origin[k], power);
         exact_integer(n->left, box->centre[k], power);
         mpz_sub(n->way[k], n->way[k], n->left);
+        exact_integer(n->left, shift[k], power);
+        mpz_add(n->way[k], n->way[k], n->left);
         exact_integer(n->step[k], ray->direction[k], v_power);
         if (ends) {
             mpz_mul(n->step[k], n->step[k], n->right);
@@ -148,8 +154,8 @@ static duet_ray flat_ray(const duet_ray *ray, uint32_t dims)
 
 typedef bool check(numbers *n, bool ends);
 
-static bool check_exactly(check *holds, const duet_ray *ray, const duet_pose *box, float radius,
-                          uint32_t dims)
+static bool check_exactly(check *holds, const duet_ray *ray, const duet_pose *box,
+                          const double shift[3], float radius, uint32_t dims)
 {
     duet_ray flat = flat_ray(ray, dims);
     duet_pose pose = narrow_flat(box, dims);
@@ -157,7 +163,8 @@ static bool check_exactly(check *holds, const duet_ray *ray, const duet_pose *bo
     size_t n = sizeof p.all / sizeof *p.all;
     for (size_t i = 0; i < n; ++i)
         mpz_init(p.all[i]);
-    set_numbers(&p.of, &flat, &pose, radius);
+    const double flat_shift[3] = {shift[0], shift[1], dims == 3 ? shift[2] : 0};
+    set_numbers(&p.of, &flat, &pose, flat_shift, radius);
     bool found = holds(&p.of, isfinite(ray->t_max));
     for (size_t i = 0; i < n; ++i)
         mpz_clear(p.all[i]);
@@ -166,15 +173,21 @@ static bool check_exactly(check *holds, const duet_ray *ray, const duet_pose *bo
 
 bool ray_meets_exactly(const duet_ray *ray, const duet_pose *box, uint32_t dims)
 {
-    return !check_exactly(is_separated, ray, box, 0, dims);
+    return !check_exactly(is_separated, ray, box, narrow_here, 0, dims);
+}
+
+bool ray_meets_apart(const duet_ray *ray, const duet_pose *box, const double shift[3],
+                     uint32_t dims)
+{
+    duet_ray flat = flat_ray(ray, dims);
+    duet_pose pose = narrow_flat(box, dims);
+    met found = meet_in_double(&flat, &pose, shift, (int)dims);
+    return found == OPEN ? !check_exactly(is_separated, ray, box, shift, 0, dims) : found == MET;
 }
 
 bool ray_meets(const duet_ray *ray, const duet_pose *box, uint32_t dims)
 {
-    duet_ray flat = flat_ray(ray, dims);
-    duet_pose pose = narrow_flat(box, dims);
-    met found = meet_in_double(&flat, &pose, (int)dims);
-    return found == OPEN ? ray_meets_exactly(ray, box, dims) : found == MET;
+    return ray_meets_apart(ray, box, narrow_here, dims);
 }
 
 // ---------------------------------------------------------------- rounded boxes
@@ -260,7 +273,7 @@ static double enter(const duet_ray *ray, const duet_pose *box, double radius, do
 
 bool ray_meets_rounded(const duet_ray *ray, const duet_rounded_box *box, uint32_t dims, float *t)
 {
-    if (!check_exactly(comes_near, ray, &box->pose, box->radius, dims))
+    if (!check_exactly(comes_near, ray, &box->pose, narrow_here, box->radius, dims))
         return false;
     duet_ray flat = flat_ray(ray, dims);
     duet_pose pose = narrow_flat(&box->pose, dims);

@@ -9,6 +9,10 @@
 // with an error bound, then in exact integers. Both are valid.
 bool ray_meets(const duet_ray *ray, const duet_pose *box, uint32_t dims);
 
+// The same where the ray lies `shift` further than it says, as between origin cells.
+bool ray_meets_apart(const duet_ray *ray, const duet_pose *box, const double shift[3],
+                     uint32_t dims);
+
 // By integers alone.
 bool ray_meets_exactly(const duet_ray *ray, const duet_pose *box, uint32_t dims);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
+#include "runtime/queries/far_rows.h"
 #include "runtime/queries/ray.h"
 #include "runtime/queries/sweep.h"
 #include "runtime/queries/tree_query.h"
@@ -15,6 +16,7 @@ struct duet_ray_query {
 };
 
 _Static_assert(sizeof(duet_ray) == 7 * sizeof(float), "a ray is seven floats");
+_Static_assert(sizeof(duet_large_ray) == 10 * sizeof(float), "and with its cell ten words");
 _Static_assert(sizeof(duet_ray_hit) == 3 * sizeof(uint32_t), "a hit is three words");
 
 duet_ray_query_def duet_default_ray_query_def(void)
@@ -49,6 +51,25 @@ static bool meets(const duet_tree *tree, const void *item, uint32_t *hit)
                              &h->t);
 }
 
+static bool meets_far(const duet_tree *tree, const void *item, uint32_t *hit)
+{
+    const duet_large_ray *ray = item;
+    const duet_large_pose *box = (const duet_large_pose *)tree->objects + hit[1];
+    double shift[3];
+    far_shift(shift, box, ray->cell, tree->def.origin_edge);
+    return ray_meets_apart(&ray->ray, &box->pose, shift, tree->def.dims);
+}
+
+static const query_kind far_kind = {
+    .item = "ray",
+    .items = "rays",
+    .wrong = "not a number, an origin beyond 2^30 origin cells, a direction above 2^100 or below "
+             "2^-100, or a t_max below 0",
+    .kernel = "ray_query",
+    .hit_words = 3,
+    .meets = meets_far,
+};
+
 static const query_kind kind = {
     .item = "ray",
     .items = "rays",
@@ -78,10 +99,13 @@ duet_ray_query *duet_ray_query_create(const duet_ray_query_def *def, duet_error 
         error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
         return NULL;
     }
-    query->asked = (tree_query){.kind = &kind,
+    bool far = def->tree->def.origin_edge > 0.0f;
+    size_t bytes = far ? sizeof(duet_large_ray) : sizeof(duet_ray);
+    query->asked = (tree_query){.kind = far ? &far_kind : &kind,
                                 .tree = def->tree,
                                 .wants = (query_wants)def->wants,
-                                .item_words = sizeof(duet_ray) / sizeof(float),
+                                .item_words = (uint32_t)(bytes / sizeof(float)),
+                                .item_cell = sizeof(duet_ray) / sizeof(float),
                                 .each = def->wants != DUET_QUERY_EVERY};
     const gen_setting settings[] = {{"WANTS", def->wants}};
     const query_name name = {.item = QUERY_RAYS, .wants = def->wants};
@@ -98,12 +122,12 @@ void duet_ray_query_destroy(duet_ray_query *query)
     free(query);
 }
 
-bool duet_ray_query_run(duet_ray_query *query, const duet_ray *rays, uint64_t n,
-                        duet_ray_query_result *result, duet_error *err)
+static bool run(duet_ray_query *query, const void *rays, uint64_t n, bool far, const char *call,
+                duet_ray_query_result *result, duet_error *err)
 {
     query_result found;
-    if (!error_given(query, __func__, "query", err) ||
-        !error_given(result, __func__, "result", err) ||
+    if (!error_given(query, call, "query", err) || !error_given(result, call, "result", err) ||
+        !tree_query_is_far(&query->asked, far, err) ||
         !tree_query_run(&query->asked, rays, n, &found, err))
         return false;
     *result = (duet_ray_query_result){.hits = (const duet_ray_hit *)found.hits,
@@ -112,4 +136,16 @@ bool duet_ray_query_run(duet_ray_query *query, const duet_ray *rays, uint64_t n,
                                       .total_ms = found.total_ms,
                                       .device_ms = {found.device_ms[0], found.device_ms[1]}};
     return true;
+}
+
+bool duet_ray_query_run(duet_ray_query *query, const duet_ray *rays, uint64_t n,
+                        duet_ray_query_result *result, duet_error *err)
+{
+    return run(query, rays, n, false, __func__, result, err);
+}
+
+bool duet_ray_query_run_large(duet_ray_query *query, const duet_large_ray *rays, uint64_t n,
+                              duet_ray_query_result *result, duet_error *err)
+{
+    return run(query, rays, n, true, __func__, result, err);
 }

@@ -92,14 +92,15 @@ static double tilt_of(const frame *f, int i, int j)
     return fabs(f->c[i][(j + 1) % 3]) + fabs(f->c[i][(j + 2) % 3]);
 }
 
-static frame frame_of(const duet_sweep *sweep, const duet_pose *box, passage *p)
+static frame frame_of(const duet_sweep *sweep, const duet_pose *box, const double shift[3],
+                      passage *p)
 {
     frame f;
     double way[3], direction[3], size = 0, tilt = 0, widest_a = 0, widest_b = 0;
     narrow_axes(f.axis_a, sweep->box.rotation);
     narrow_axes(f.axis_b, box->rotation);
     for (int k = 0; k < 3; ++k) {
-        way[k] = (double)sweep->box.centre[k] - box->centre[k];
+        way[k] = (double)sweep->box.centre[k] - box->centre[k] + shift[k];
         direction[k] = sweep->direction[k];
         f.a[k] = sweep->box.half_extents[k];
         f.b[k] = box->half_extents[k];
@@ -174,10 +175,11 @@ static duet_sweep flat_sweep(const duet_sweep *sweep, uint32_t dims)
     return flat;
 }
 
-static met meet_in_double(const duet_sweep *sweep, const duet_pose *box, int dims)
+static met meet_in_double(const duet_sweep *sweep, const duet_pose *box, const double shift[3],
+                          int dims)
 {
     passage p = {0};
-    frame f = frame_of(sweep, box, &p);
+    frame f = frame_of(sweep, box, shift, &p);
     bool known = !p.surely[0].open;
     if (!may_meet(&p, &f, dims) && known)
         return MISSED;
@@ -193,16 +195,23 @@ static float report(const passage *p, float t_max, float normal[3])
     return t;
 }
 
-float sweep_enter(const duet_sweep *sweep, const duet_pose *box, uint32_t dims, float normal[3])
+float sweep_enter_apart(const duet_sweep *sweep, const duet_pose *box, const double shift[3],
+                        uint32_t dims, float normal[3])
 {
     duet_sweep flat = flat_sweep(sweep, dims);
     duet_pose pose = narrow_flat(box, dims);
+    const double flat_shift[3] = {shift[0], shift[1], dims == 3 ? shift[2] : 0};
     passage p = {0};
-    frame f = frame_of(&flat, &pose, &p);
+    frame f = frame_of(&flat, &pose, flat_shift, &p);
     may_meet(&p, &f, (int)dims);
-    if (p.enter > 0 && p.apart <= p.doubt && narrow_decide(&sweep->box, box, dims))
+    if (p.enter > 0 && p.apart <= p.doubt && narrow_decide_apart(box, &sweep->box, shift, dims))
         p.enter = 0;
     return report(&p, sweep->t_max, normal);
+}
+
+float sweep_enter(const duet_sweep *sweep, const duet_pose *box, uint32_t dims, float normal[3])
+{
+    return sweep_enter_apart(sweep, box, narrow_here, dims, normal);
 }
 
 float sweep_enter_bounds(const duet_bounds_sweep *sweep, const duet_bounds *box, uint32_t dims,
@@ -247,12 +256,14 @@ static void pool_close(pool *p)
         mpz_clear(p->all[i]);
 }
 
-static void set_numbers(numbers *n, const duet_sweep *sweep, const duet_pose *box)
+static void set_numbers(numbers *n, const duet_sweep *sweep, const duet_pose *box,
+                        const double shift[3])
 {
     int power = exact_least_power(sweep->box.centre, 3, 0);
     power = exact_least_power(sweep->box.half_extents, 3, power);
     power = exact_least_power(box->centre, 3, power);
     power = exact_least_power(box->half_extents, 3, power);
+    power = exact_least_power_of_doubles(shift, 3, power);
     power = exact_step(n->step, sweep->direction, sweep->t_max, power);
     exact_axes(n->axis_a, n->norm_a, n->q, sweep->box.rotation);
     exact_axes(n->axis_b, n->norm_b, n->q, box->rotation);
@@ -263,6 +274,8 @@ static void set_numbers(numbers *n, const duet_sweep *sweep, const duet_pose *bo
         exact_integer(n->way[k], sweep->box.centre[k], power);
         exact_integer(n->term, box->centre[k], power);
         mpz_sub(n->way[k], n->way[k], n->term);
+        exact_integer(n->term, shift[k], power);
+        mpz_add(n->way[k], n->way[k], n->term);
     }
 }
 
@@ -360,16 +373,22 @@ static bool any_axis_separates(numbers *n, bool ends)
     return false;
 }
 
+// They are flat.
+static bool meet_in_integers(const duet_sweep *sweep, const duet_pose *box, const double shift[3])
+{
+    pool p;
+    pool_open(&p);
+    set_numbers(&p.of, sweep, box, shift);
+    bool separated = any_axis_separates(&p.of, isfinite(sweep->t_max));
+    pool_close(&p);
+    return !separated;
+}
+
 bool sweep_meets_exactly(const duet_sweep *sweep, const duet_pose *box, uint32_t dims)
 {
     duet_sweep flat = flat_sweep(sweep, dims);
     duet_pose pose = narrow_flat(box, dims);
-    pool p;
-    pool_open(&p);
-    set_numbers(&p.of, &flat, &pose);
-    bool separated = any_axis_separates(&p.of, isfinite(sweep->t_max));
-    pool_close(&p);
-    return !separated;
+    return meet_in_integers(&flat, &pose, narrow_here);
 }
 
 bool sweep_meets_bounds(const duet_bounds_sweep *sweep, const duet_bounds *box, uint32_t dims)
@@ -387,10 +406,17 @@ bool sweep_meets_bounds(const duet_bounds_sweep *sweep, const duet_bounds *box, 
     return !separated;
 }
 
-bool sweep_meets(const duet_sweep *sweep, const duet_pose *box, uint32_t dims)
+bool sweep_meets_apart(const duet_sweep *sweep, const duet_pose *box, const double shift[3],
+                       uint32_t dims)
 {
     duet_sweep flat = flat_sweep(sweep, dims);
     duet_pose pose = narrow_flat(box, dims);
-    met found = meet_in_double(&flat, &pose, (int)dims);
-    return found == OPEN ? sweep_meets_exactly(sweep, box, dims) : found == MET;
+    const double flat_shift[3] = {shift[0], shift[1], dims == 3 ? shift[2] : 0};
+    met found = meet_in_double(&flat, &pose, flat_shift, (int)dims);
+    return found == OPEN ? meet_in_integers(&flat, &pose, flat_shift) : found == MET;
+}
+
+bool sweep_meets(const duet_sweep *sweep, const duet_pose *box, uint32_t dims)
+{
+    return sweep_meets_apart(sweep, box, narrow_here, dims);
 }

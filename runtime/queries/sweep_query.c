@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
 #include "runtime/narrowphase/rounded.h"
+#include "runtime/queries/far_rows.h"
 #include "runtime/queries/rounded_sweep.h"
 #include "runtime/queries/sweep.h"
 #include "runtime/queries/tree_query.h"
@@ -18,6 +19,7 @@ struct duet_sweep_query {
 
 _Static_assert(sizeof(duet_sweep) == 14 * sizeof(float), "a sweep is a pose and four floats");
 _Static_assert(sizeof(duet_bounds_sweep) == 10 * sizeof(float), "and so with bounds");
+_Static_assert(sizeof(duet_large_sweep) == 18 * sizeof(float), "and so with a large pose");
 _Static_assert(sizeof(duet_rounded_sweep) == 15 * sizeof(float), "with rounded boxes");
 _Static_assert(sizeof(duet_sweep_hit) == 6 * sizeof(uint32_t), "a hit is six words");
 
@@ -49,6 +51,46 @@ static void enter_bounds(const duet_tree *tree, const void *item, uint32_t *hit)
     const duet_bounds *box = (const duet_bounds *)tree->objects + h->id;
     h->t = sweep_enter_bounds(item, box, tree->def.dims, h->normal);
 }
+
+static duet_sweep near_sweep(const duet_large_sweep *large)
+{
+    duet_sweep sweep = {.box = large->box, .t_max = large->t_max};
+    memcpy(sweep.direction, large->direction, sizeof sweep.direction);
+    return sweep;
+}
+
+static bool meets_far(const duet_tree *tree, const void *item, uint32_t *hit)
+{
+    const duet_large_sweep *large = item;
+    const duet_large_pose *box = (const duet_large_pose *)tree->objects + hit[1];
+    const duet_sweep sweep = near_sweep(large);
+    double shift[3];
+    far_shift(shift, box, large->cell, tree->def.origin_edge);
+    return sweep_meets_apart(&sweep, &box->pose, shift, tree->def.dims);
+}
+
+static void enter_far(const duet_tree *tree, const void *item, uint32_t *hit)
+{
+    const duet_large_sweep *large = item;
+    duet_sweep_hit *h = (duet_sweep_hit *)hit;
+    const duet_large_pose *box = (const duet_large_pose *)tree->objects + h->id;
+    const duet_sweep sweep = near_sweep(large);
+    double shift[3];
+    far_shift(shift, box, large->cell, tree->def.origin_edge);
+    h->t = sweep_enter_apart(&sweep, &box->pose, shift, tree->def.dims, h->normal);
+}
+
+static const query_kind far_kind = {
+    .item = "sweep",
+    .items = "sweeps",
+    .wrong = "no box, beyond 2^30 origin cells, a number that is none or above 2^100, a direction "
+             "below 2^-100, or a t_max below 0",
+    .kernel = "ray_query",
+    .hit_words = 6,
+    .meets = meets_far,
+    .finish = enter_far,
+    .finish_reads = true,
+};
 
 // A grazing one is left open before float knows where it touches.
 static bool meets_rounded(const duet_tree *tree, const void *item, uint32_t *hit)
@@ -120,11 +162,13 @@ duet_sweep_query *duet_sweep_query_create(const duet_sweep_query_def *def, duet_
         return NULL;
     }
     duet_shape shape = box_tree_shape(def->tree->def.shape);
-    size_t bytes = box_tree_width(shape) + 4 * sizeof(float); // and a direction and t_max
-    query->asked = (tree_query){.kind = &kinds[shape],
+    bool far = def->tree->def.origin_edge > 0.0f;
+    size_t bytes = tree_row_bytes(def->tree) + 4 * sizeof(float); // and a direction and t_max
+    query->asked = (tree_query){.kind = far ? &far_kind : &kinds[shape],
                                 .tree = def->tree,
                                 .wants = (query_wants)def->wants,
                                 .item_words = (uint32_t)(bytes / sizeof(float)),
+                                .item_cell = FAR_POSE_CELL,
                                 .each = def->wants != DUET_QUERY_EVERY};
     const gen_setting settings[] = {{"WANTS", def->wants}, {"SWEPT", 1}};
     const query_name name = {.item = QUERY_SWEEPS, .wants = def->wants};

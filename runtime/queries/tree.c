@@ -2,8 +2,10 @@
 #include "runtime/queries/tree.h"
 
 #include "base/error.h"
+#include "runtime/narrowphase/origin.h"
 #include "runtime/narrowphase/rounded.h"
 #include "runtime/opencl/shared_work.h"
+#include "runtime/queries/far_rows.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +19,18 @@ duet_tree_def duet_default_tree_def(void)
 
 // ---------------------------------------------------------------- owner
 
+// Two cells are up to 2^31 edges apart, and a float holds less than 2^100 without care.
+static bool check_origin(const duet_tree_def *def, duet_error *err)
+{
+    if (!origin_is_edge(def->origin_edge) || def->origin_edge > 0x1p69f)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "origin_edge is %g; expected 0, or a power of two from 2^-100 to 2^69",
+                         (double)def->origin_edge);
+    return def->origin_edge == 0.0f || def->shape == DUET_SHAPE_POSES ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "origin cells are for poses; expected an origin_edge of 0 for another shape");
+}
+
 static bool check_def(const duet_tree_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
@@ -29,7 +43,8 @@ static bool check_def(const duet_tree_def *def, duet_error *err)
     if ((unsigned)def->shape >= DUET_SHAPES)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "shape is %d; expected a duet_shape",
                          (int)def->shape);
-    return def->share == DUET_SHARE_DEFAULT || shared_work_check(def->share, err);
+    return check_origin(def, err) &&
+           (def->share == DUET_SHARE_DEFAULT || shared_work_check(def->share, err));
 }
 
 static void close_side(tree_side *s)
@@ -47,7 +62,8 @@ static bool open_side(tree_side *s, const duet_tree_def *def, int which, duet_er
     s->gen = gen_open(def->pair->kernel_dir, err);
     s->programs = s->gen ? program_set_open(s->device, s->gen, &def->pair->builder, err) : NULL;
     return s->programs &&
-           box_tree_open(&s->boxes, s->device, s->programs, def->dims, def->shape, err) &&
+           box_tree_open(&s->boxes, s->device, s->programs, def->dims, def->shape, def->origin_edge,
+                         err) &&
            program_set_build(s->programs, err);
 }
 
@@ -58,9 +74,14 @@ typedef struct building {
     bool sent; // the side has the objects
 } building;
 
+size_t tree_row_bytes(const duet_tree *tree)
+{
+    return box_tree_width(tree->def.shape, tree->def.origin_edge);
+}
+
 static size_t objects_bytes(const duet_tree *tree)
 {
-    return tree->n * box_tree_width(tree->def.shape);
+    return tree->n * tree_row_bytes(tree);
 }
 
 static bool send_objects(const duet_tree *tree, tree_side *s)
@@ -293,12 +314,13 @@ static const shape_row shape_rows[DUET_SHAPES] = {
 
 duet_object_kind tree_kind(const duet_tree *tree)
 {
-    return shape_rows[tree->def.shape].kind;
+    return tree->def.origin_edge > 0.0f ? DUET_OBJECT_LARGE_POSES
+                                        : shape_rows[tree->def.shape].kind;
 }
 
 const char *tree_shape_name(const duet_tree *tree)
 {
-    return shape_rows[tree->def.shape].name;
+    return tree->def.origin_edge > 0.0f ? "large poses" : shape_rows[tree->def.shape].name;
 }
 
 bool tree_takes(const duet_tree *tree, duet_object_kind kind, duet_error *err)
@@ -308,11 +330,23 @@ bool tree_takes(const duet_tree *tree, duet_object_kind kind, duet_error *err)
                      (int)kind, tree_shape_name(tree));
 }
 
+void tree_find_middle(duet_tree *tree)
+{
+    const far_rows far = {tree->objects, tree->n, FAR_POSE_WORDS, FAR_POSE_CELL};
+    if (!(tree->def.origin_edge > 0.0f))
+        return;
+    far_rows_middle(&far, tree->middle);
+    far_rows_count_from(&far, tree->middle);
+}
+
 void tree_copy_rows(const duet_tree *tree, const void *objects, uint64_t n, void *rows)
 {
     if (tree->def.shape != DUET_SHAPE_SPHERES) {
         if (n > 0)
-            memcpy(rows, objects, (size_t)n * box_tree_width(tree->def.shape));
+            memcpy(rows, objects, (size_t)n * tree_row_bytes(tree));
+        if (tree->def.origin_edge > 0.0f)
+            far_rows_settle(&(far_rows){rows, n, FAR_POSE_WORDS, FAR_POSE_CELL},
+                            tree->def.origin_edge);
         return;
     }
     for (uint64_t i = 0; i < n; ++i)
@@ -331,5 +365,6 @@ bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, const void *o
     if (!tree_reserve_objects(tree, n, err))
         return false;
     tree_copy_rows(tree, objects, n, tree->objects);
+    tree_find_middle(tree);
     return tree_build(tree, 0, false, err);
 }

@@ -35,6 +35,7 @@ struct duet_tree {
     thread_pool *driver; // drives A while the caller's thread drives B
     void *objects;       // [n] as box_tree_shape says; stale until they are fetched
     uint32_t n, n_hidden;
+    int32_t middle[3]; // the cell that its cells and its items' count from
     bool fetched;
     tuned_share tuned[TREE_TUNED];
     uint32_t n_tuned;
@@ -44,8 +45,12 @@ void tree_hold(duet_tree *tree);
 
 const char *tree_shape_name(const duet_tree *tree); // "rounded boxes"
 
-// n objects of the tree's kind, as the tree has them.
+// n objects of the tree's kind, as the tree has them; in origin cells settled, but from 0.
 void tree_copy_rows(const duet_tree *tree, const void *objects, uint64_t n, void *rows);
+size_t tree_row_bytes(const duet_tree *tree); // of one
+
+// The objects' cells count from their middle from now on, which all are that the host has.
+void tree_find_middle(duet_tree *tree);
 
 // BAD_ARGUMENT where objects of that kind are not of the tree's shape.
 bool tree_takes(const duet_tree *tree, duet_object_kind kind, duet_error *err);

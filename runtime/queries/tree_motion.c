@@ -15,6 +15,10 @@ static bool check(const duet_tree *tree, const duet_motion *motion, duet_error *
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "the motion's bodies have radii; the tree is of poses, expected one of "
                          "rounded boxes");
+    if (tree->def.origin_edge > 0.0f && tree->def.origin_edge != motion->def.origin_edge)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the motion has the origin_edge %g; the tree has %g",
+                         (double)motion->def.origin_edge, (double)tree->def.origin_edge);
     return tree->def.dims == motion->def.dims ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT, "the motion has dims %u; the tree has %u",
                      motion->def.dims, tree->def.dims);
@@ -28,6 +32,16 @@ static bool write_on_b(duet_tree *tree, duet_motion *motion, bool radii, duet_er
            motion_write_poses(motion, radii, &b->boxes.objects, err);
 }
 
+static bool copy_to_host(duet_tree *tree, duet_motion *motion, bool radii, duet_error *err)
+{
+    if (!(tree->def.origin_edge > 0.0f))
+        return motion_copy_poses(motion, radii, tree->objects, err);
+    if (!motion_copy_large_poses(motion, tree->objects, err))
+        return false;
+    tree_find_middle(tree);
+    return true;
+}
+
 bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err)
 {
     if (!error_given(tree, __func__, "tree", err) || !motion_is_whole(motion, __func__, err) ||
@@ -38,8 +52,7 @@ bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err)
         motion->n > 0 && motion_has_poses(motion, radii) && motion->def.pair == tree->def.pair;
     if (!tree_reserve_objects(tree, motion->n, err))
         return false;
-    if (!(on_b ? write_on_b(tree, motion, radii, err)
-               : motion_copy_poses(motion, radii, tree->objects, err))) {
+    if (!(on_b ? write_on_b(tree, motion, radii, err) : copy_to_host(tree, motion, radii, err))) {
         tree_clear(tree);
         return false;
     }

@@ -7,6 +7,8 @@
 #include "base/budget.h"
 #include "base/clock.h"
 #include "base/error.h"
+#include "runtime/narrowphase/origin.h"
+#include "runtime/queries/far_rows.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -116,9 +118,10 @@ bool tree_query_open(tree_query *q, const query_name *name, const gen_setting *s
     query_name_write(name, q->name);
     q->settings[0] = (gen_setting){"DIMS", q->tree->def.dims};
     q->settings[1] = (gen_setting){"SHAPE", box_tree_shape(q->tree->def.shape)};
+    q->settings[2] = (gen_setting){"ORIGIN", origin_setting(q->tree->def.origin_edge)};
     for (uint32_t i = 0; i < n_settings; ++i)
-        q->settings[2 + i] = settings[i];
-    q->n_settings = 2 + n_settings;
+        q->settings[3 + i] = settings[i];
+    q->n_settings = 3 + n_settings;
     return open_sides(q, err);
 }
 
@@ -127,6 +130,7 @@ void tree_query_close(tree_query *q)
     close_side(&q->sides[0]);
     close_side(&q->sides[1]);
     host_block_release(&q->joined.block);
+    free(q->far_items);
     duet_tree_destroy(q->tree);
 }
 
@@ -270,9 +274,9 @@ static bool order_items(query_side *s)
     box_tree *t = &s->tree->boxes;
     bool itself = s->query->itself;
     s->in_order = s->n < LEAST_SORTED;
-    return s->in_order ||
-           box_tree_order(t, &s->tree->times, itself ? &t->objects : &s->items,
-                          s->query->item_words, itself ? s->first_item : 0, s->n, &s->tree->err);
+    return s->in_order || box_tree_order(t, &s->tree->times, itself ? &t->objects : &s->items,
+                                         s->query->item_words, s->query->item_cell,
+                                         itself ? s->first_item : 0, s->n, &s->tree->err);
 }
 
 static uint64_t count_of(const cl_uint *words)
@@ -641,6 +645,36 @@ static bool join_hits(tree_query *q, query_result *result, duet_error *err)
     return true;
 }
 
+bool tree_query_is_far(const tree_query *q, bool far, duet_error *err)
+{
+    bool is_far = q->tree->def.origin_edge > 0.0f;
+    if (is_far == far)
+        return true;
+    return far ? error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                           "%s with origin cells; the tree's origin_edge is 0", q->kind->items)
+               : error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                           "%s without origin cells; the tree's origin_edge is %g", q->kind->items,
+                           (double)q->tree->def.origin_edge);
+}
+
+// The tree's objects count from its middle already.
+static bool take_items(tree_query *q, const void *items, uint64_t n, duet_error *err)
+{
+    size_t bytes = (size_t)n * q->item_words * sizeof(float);
+    q->items = items;
+    if (!(q->tree->def.origin_edge > 0.0f) || q->itself || n == 0)
+        return true;
+    void *copies = realloc(q->far_items, bytes);
+    if (!copies)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %llu %s",
+                         (unsigned long long)n, q->kind->items);
+    q->items = q->far_items = memcpy(copies, items, bytes);
+    const far_rows far = {copies, n, q->item_words, q->item_cell};
+    far_rows_settle(&far, q->tree->def.origin_edge);
+    far_rows_count_from(&far, q->tree->middle);
+    return true;
+}
+
 bool tree_query_run(tree_query *q, const void *items, uint64_t n, query_result *result,
                     duet_error *err)
 {
@@ -652,10 +686,9 @@ bool tree_query_run(tree_query *q, const void *items, uint64_t n, query_result *
     if (n > UINT32_MAX)
         return error_set(err, DUET_STATUS_TOO_MANY, "%llu %s; expected fewer than 2^32",
                          (unsigned long long)n, plural);
-    if (!open_sides(q, err))
+    if (!open_sides(q, err) || !take_items(q, items, n, err))
         return false;
     uint64_t cut = n * tree_share_of(q->tree, q->name) / DUET_SHARE_ONE;
-    q->items = items;
     query_side *a = begin_side(q, 0, 0, cut), *b = begin_side(q, 1, cut, n);
     query_result found = {0};
     if (!tree_run(q->tree, run_side, a, b, err) || !join_hits(q, &found, err))

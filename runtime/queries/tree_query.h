@@ -7,7 +7,7 @@
 
 #include "runtime/queries/tree.h"
 
-enum { QUERY_SETTINGS = 4 };
+enum { QUERY_SETTINGS = 5 };
 
 typedef enum query_wants {
     QUERY_CLOSEST = DUET_QUERY_CLOSEST,
@@ -72,12 +72,14 @@ typedef struct tree_query {
     char name[QUERY_NAME];
     query_wants wants;
     uint32_t item_words;
-    uint32_t each; // hits an item; 0 for QUERY_EVERY
-    bool itself;   // its items are the tree's objects
+    uint32_t item_cell; // in origin cells: the word of an item's cell
+    uint32_t each;      // hits an item; 0 for QUERY_EVERY
+    bool itself;        // its items are the tree's objects
     gen_setting settings[QUERY_SETTINGS];
     uint32_t n_settings;
     query_side sides[2];
     const char *items;          // of the run
+    void *far_items;            // in origin cells: as the tree has them
     const duet_filter *filters; // of the objects, where these are the items; NULL: all touch
     hit_list joined;
 } tree_query;
@@ -94,11 +96,14 @@ typedef struct query_result {
 // BAD_ARGUMENT for no duet_query_wants.
 bool tree_query_knows(duet_query_wants wants, duet_error *err);
 
-// Builds the kernel of q->kind with these settings and DIMS, SHAPE. kind, tree, wants, item_words
-// and each are set.
+// Builds the kernel of q->kind with these settings and DIMS, SHAPE, ORIGIN. kind, tree, wants,
+// item_words and each are set.
 bool tree_query_open(tree_query *q, const query_name *name, const gen_setting *settings,
                      uint32_t n_settings, duet_error *err);
 void tree_query_close(tree_query *q);
+
+// BAD_ARGUMENT unless the tree is in origin cells, or with far false is not.
+bool tree_query_is_far(const tree_query *q, bool far, duet_error *err);
 
 // n items of 4 item_words bytes. BAD_OBJECT names the first that the kernel takes for none.
 bool tree_query_run(tree_query *q, const void *items, uint64_t n, query_result *result,

@@ -477,6 +477,10 @@ static void cast_rays(void)
     REFUSES(duet_ray_query_run(rays, NULL, 1, &found, e));
     REFUSES(duet_ray_query_run(rays, &ray, 1, NULL, e));
     TAKES(duet_ray_query_run(rays, NULL, 0, &found, e));
+    const duet_large_ray large = {ray, {0}};
+    REFUSES(duet_ray_query_run_large(NULL, &large, 1, &found, e));
+    REFUSES(duet_ray_query_run_large(rays, &large, 1, &found, e)); // the tree has no origin cells
+    REFUSES(duet_ray_query_run_large(rays, &large, 1, NULL, e));
     duet_ray_query_destroy(NULL);
 }
 
@@ -577,6 +581,10 @@ static void ask_about_points(void)
     REFUSES(duet_point_query_run(points, NULL, 1, &found, e));
     REFUSES(duet_point_query_run(points, &point, 1, NULL, e));
     TAKES(duet_point_query_run(points, &point, 1, &found, e));
+    const duet_large_point large = {point, {0}};
+    REFUSES(duet_point_query_run_large(NULL, &large, 1, &found, e));
+    REFUSES(duet_point_query_run_large(points, &large, 1, &found, e)); // no origin cells
+    REFUSES(duet_point_query_run_large(points, &large, 1, NULL, e));
     duet_point_query_destroy(NULL);
 }
 
@@ -867,6 +875,7 @@ static const struct {
      "duet_query_wants_name",
      fill_tree},
     {"duet_ray_query_create duet_ray_query_destroy duet_ray_query_run "
+     "duet_ray_query_run_large "
      "duet_default_ray_query_def",
      cast_rays},
     {"duet_contact_query_create duet_contact_query_destroy duet_contact_query_run "
@@ -878,6 +887,7 @@ static const struct {
      "duet_default_box_query_def",
      join_boxes},
     {"duet_point_query_create duet_point_query_destroy duet_point_query_run "
+     "duet_point_query_run_large "
      "duet_default_point_query_def",
      ask_about_points},
     {"duet_sweep_query_create duet_sweep_query_destroy duet_sweep_query_run "

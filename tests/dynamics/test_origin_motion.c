@@ -104,6 +104,47 @@ static void a_flight_far_away_is_the_one_at_0(void **state)
     }
 }
 
+// Balls, capsules and rounded boxes that fall on each other, over many cells.
+static mover *round_pile_at(uint32_t dims, const double at[3])
+{
+    mover *m = stack_at(dims, 0, at);
+    m->bodies[0].radius = 0.25f;
+    m->poses[0].half_extents[0] = 60; // a ball that rolls away stays on it
+    m->poses[0].half_extents[1] = dims == 3 ? 60 : 0.5f;
+    for (int i = 0; i < 12; ++i) {
+        double half = 0.3 * (i % 3), z = 1.2 * i + 1.1, x = 0.1 * (i % 4);
+        uint32_t id = mover_add(m, x, dims == 2 ? z : 0.05 * i, dims == 2 ? 0 : z, half,
+                                i % 3 == 2 ? 0.2 : 0, i % 3 == 2 ? 0.3 : 0);
+        m->bodies[id].radius = 0.25f + 0.05f * (float)(i % 2);
+        m->bodies[id].friction = 0.5f;
+    }
+    return m;
+}
+
+static void round_bodies_far_away_fall_as_those_at_0(void **state)
+{
+    (void)state;
+    for (uint32_t dims = 2; dims <= 3; ++dims) {
+        const double here[3] = {0}, at[3] = {far[0], far[1], dims == 3 ? far[2] : 0};
+        mover *near = round_pile_at(dims, here), *m = round_pile_at(dims, at);
+        mover *plain = round_pile_at(dims, here);
+        plain->def.origin_edge = 0;
+        mover_run(near, 150);
+        mover_run(m, 150);
+        mover_run(plain, 30);
+        assert_alike(near, m);
+        mover_restart(near);
+        mover_run(near, 30);
+        for (uint32_t i = 1; i < near->n; ++i) {
+            assert_close(near->states[i].centre[dims - 1], plain->states[i].centre[dims - 1], 1e-3);
+            assert_true(m->states[i].centre[dims - 1] > at[dims - 1] + 0.25 + 0.2); // on the floor
+        }
+        mover_free(plain);
+        mover_free(near);
+        mover_free(m);
+    }
+}
+
 // Without a rotation, an angular velocity or a drag the way is known.
 static void a_fall_far_away_follows_its_parabola(void **state)
 {
@@ -194,6 +235,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_stack_far_away_ends_as_the_one_at_0),
         cmocka_unit_test(a_flight_far_away_is_the_one_at_0),
+        cmocka_unit_test(round_bodies_far_away_fall_as_those_at_0),
         cmocka_unit_test(a_fall_far_away_follows_its_parabola),
         cmocka_unit_test(a_loaded_motion_is_in_the_saved_one_s_cells),
         cmocka_unit_test(a_motion_says_what_origin_cells_do_not_go_with),

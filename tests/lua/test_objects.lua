@@ -130,6 +130,26 @@ holds("bounds and 2D work too", function()
   equal(flat:bounds():get(0), 0)
 end)
 
+holds("boxes in origin cells are asked about far away", function()
+  local far <const> = 1000000000
+  local tree <close> = assert(pair:tree { origin_edge = 0.5 })
+  local boxes = duet.large_poses { { 0.25, 0, 0, 0.5, 0.5, 0.5, 0, 0, 0, 1, far, -far, 7 } }
+  equal(select(11, boxes:get(0)), far)
+  assert(tree:set_objects(boxes))
+  local rays <close> = assert(tree:ray_query())
+  local _, id, t = assert(rays:run { { 0, 0, 0, 1, 0, 0, 9, far - 4, -far, 7 } }):get(0)
+  equal(id, 0)
+  equal(t, 1.75)
+  local points <close> = assert(tree:point_query { nearest = 1 })
+  equal(select(3, assert(points:run { { 0, 0, 0, far, -far + 3, 7 } }):get(0)), 1)
+  local sweeps <close> = assert(tree:sweep_query())
+  equal(select(3, assert(sweeps:run { { 0, 0, 0, 0.25, 0.25, 0.25, 0, 0, 0, 1, far - 4, -far, 7, 1, 0, 0, 9 } }):get(0)), 1.5)
+  local joined <close> = assert(tree:box_query())
+  equal(#assert(joined:run { { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1, far, -far, 8 }, { 0, 0, 0, 1, 1, 1, 0, 0, 0, 1, far, far, 8 } }), 1)
+  assert(not pcall(rays.run, rays, duet.rays { { 0, 0, 0, 1, 0, 0, 9 } }))
+  refused("BAD_ARGUMENT", "origin cells are for poses", pair.tree, pair, { shape = "spheres", origin_edge = 1 })
+end)
+
 holds("rounded boxes and spheres", function()
   local capsule = { 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0.5 }
   local box = { 0, 2, 0, 1, 1, 1, 0, 0, 0, 1, 0.5 } -- touches it

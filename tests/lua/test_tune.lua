@@ -136,6 +136,16 @@ holds("queries are tuned by their kind, and a tree takes what is known of them",
     local def = { keep = false, query = query, items = 60, repeats = 1, budget_trials = 43 }
     equal(assert(pair:tune(balls, def)).true_pairs, hits)
   end
+  local path <const> = os.tmpname() .. ".csv"
+  local file <close> = assert(io.open(path, "w"))
+  for i = 1, 20 do file:write(("%.2f,5,%d,0.5,0.5,0.5,0,0,0,1\n"):format(1e8 + i * 0.25, -2e8)) end
+  file:close()
+  local far <close> = assert(duet.scene(path, { origin = "cell" }))
+  os.remove(path)
+  for query, hits in pairs { ["points nearest 3"] = 3 * 60, ["boxes itself"] = 19 + 18 + 17 + 16 } do
+    local def = { keep = false, query = query, items = 60, repeats = 1, budget_trials = 43 }
+    equal(assert(pair:tune(far, def)).true_pairs, hits)
+  end
   for _, ending in ipairs { "", "-wal", "-shm" } do os.remove(store .. ending) end
   refused("BAD_ARGUMENT", "query 'rays both'", tree.load_profile, tree, "rays both", 1)
   refused("BAD_ARGUMENT", "expected no variants", pair.tune, pair, scene, quick { query = "boxes" })
