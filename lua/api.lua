@@ -611,7 +611,7 @@ api.names = {
   { "duet.MotionResult:hits", {},
     "fun(): integer, integer, number, number, number, number, number, number, number, number",
     "for a, b, x, y, z, nx, ny, nz, speed, impulse in result:hits() do" },
-  { "duet.MotionResult:stages", {}, "duet.Stage[]", "Where the time went, by effect." },
+  { "duet.MotionResult:stages", {}, "duet.Stage[]", "Where the time went, by effect; on a GPU in the last timed step, one in 16." },
   { "duet.MotionResult:close", {}, nil, "Forgets the motion." },
   { "duet.MotionResult.step", "integer", "steps since the start" },
   { "duet.MotionResult.time", "number", "step * dt" },

@@ -158,7 +158,7 @@ typedef struct duet_motion_result {
     const duet_hit_event *hits; // likewise
     uint64_t n_hits;
     double total_ms;
-    const duet_stage *stages; // named by effect
+    const duet_stage *stages; // named by effect; on a GPU of the last timed step, one in 16
     uint32_t n_stages;
 } duet_motion_result;
 

@@ -11,7 +11,7 @@ return {
       about = "contacts side by side in a work-item" },
     { "BLOCK", values = { 8, 32 }, default = function(limits) return limits.cpu and 8 or 32 end,
       about = "contacts that are neighbours in memory" },
-    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 64 end,
+    { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 128 end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1, 256 }, default = function(limits) return limits.cpu and 256 or 1 end,
       about = "contacts a work-item" },

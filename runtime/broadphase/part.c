@@ -38,7 +38,10 @@ void part_distrust(part *p)
 
 void part_forget(part *p)
 {
-    timeline_begin(&p->times, p->device);
+    if (p->untimed)
+        timeline_begin_untimed(&p->times, p->device);
+    else
+        timeline_begin(&p->times, p->device);
     p->span = (duet_span){0};
     p->n_candidates = p->n_undecided = 0;
     p->runs = 0;

@@ -137,6 +137,7 @@ typedef struct part {
     scan scan;
     radix_sort radix;
     timeline times;
+    bool untimed; // steps have no times of stages
 
     buffer objects;
     uint64_t objects_version; // of what was sent last

@@ -63,6 +63,7 @@ static bool search_on_both(duet_motion *m, duet_result *result, duet_error *err)
 static bool search_on_b(duet_motion *m, duet_result *result, duet_error *err)
 {
     const buffer *pairs = NULL;
+    m->world->parts[1].untimed = m->times.untimed;
     bool ok = world_step_resident(m->world, &m->buffers[BOXES], m->n, result, &pairs, err);
     m->args.pairs = *pairs;
     return ok;

@@ -13,6 +13,8 @@
 
 #include <string.h>
 
+enum { TIMED_EVERY = 16 }; // steps, of those of a device with memory of its own
+
 // ---------------------------------------------------------------- response
 
 // woken: only of what woke in this step, where anything did.
@@ -186,14 +188,23 @@ static void fill_result(duet_motion *m, duet_motion_result *result)
         .hits = m->told.hits,
         .n_hits = m->told.n_hits,
         .stages = m->times.stages,
-        .n_stages = (uint32_t)m->times.n_stages,
+        .n_stages = m->times.n_launches > 0 ? (uint32_t)m->times.n_stages : 0,
     };
+}
+
+// Asking for times costs a GPU's driver more than many a kernel takes.
+static bool is_timed(const duet_motion *m)
+{
+    return m->device->info.host_memory || m->times.n_stages == 0 || m->step % TIMED_EVERY == 0;
 }
 
 bool motion_carry_step(duet_motion *m, double *ms, duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
-    timeline_begin(&m->times, m->device);
+    if (is_timed(m))
+        timeline_begin(&m->times, m->device);
+    else
+        timeline_begin_untimed(&m->times, m->device);
     m->rebuilt = false;
     bool ok = run_step(m, err);
     *ms = clock_ms_since(begun);

@@ -7,13 +7,20 @@
 #include <sched.h>
 #include <string.h>
 
-void timeline_begin(timeline *t, const device *d)
+void timeline_begin_untimed(timeline *t, const device *d)
 {
     timeline_clear(t);
     t->device = d;
-    t->n_stages = 0;
+    t->untimed = true;
     t->n_launches = t->n_waits = 0;
     t->first_begin = t->last_end = 0;
+}
+
+void timeline_begin(timeline *t, const device *d)
+{
+    timeline_begin_untimed(t, d);
+    t->untimed = false;
+    t->n_stages = 0;
 }
 
 static int stage_index(timeline *t, const char *name, bool transfer)
@@ -41,10 +48,17 @@ static bool keep_event(timeline *t, const char *stage, bool transfer, cl_event e
         release_event(event);
         return false;
     }
-    t->events[t->n_events].stage = stage_index(t, stage, transfer);
+    t->events[t->n_events].stage = t->untimed ? 0 : stage_index(t, stage, transfer);
     t->events[t->n_events].event = event;
     ++t->n_events;
     return true;
+}
+
+// Of a launch or a fill, whose event is NULL where nobody asks for it.
+static bool keep_command(timeline *t, const char *stage, cl_event event, duet_error *err)
+{
+    t->unheard = true;
+    return !event || keep_event(t, stage, false, event, err);
 }
 
 static bool set_args(const kernel *k, const void *values, const device *d, duet_error *err)
@@ -74,13 +88,13 @@ bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint
     const size_t along_first[3] = {n_groups * k->group, 1, 1};
     const size_t along_third[3] = {k->group, 1, n_groups};
     cl_event event = NULL;
-    cl_int code = clEnqueueNDRangeKernel(t->device->queue, k->cl, 3, NULL,
-                                         t->device->third_axis ? along_third : along_first, group,
-                                         after ? 1 : 0, after ? &after : NULL, &event);
+    cl_int code = clEnqueueNDRangeKernel(
+        t->device->queue, k->cl, 3, NULL, t->device->third_axis ? along_third : along_first, group,
+        after ? 1 : 0, after ? &after : NULL, t->untimed ? NULL : &event);
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "%s on %s: launch", k->name, t->device->info.selector);
     ++t->n_launches;
-    return keep_event(t, stage, false, event, err);
+    return keep_command(t, stage, event, err);
 }
 
 bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, size_t from,
@@ -91,10 +105,10 @@ bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, si
     cl_event event = NULL;
     cl_int code =
         clEnqueueFillBuffer(t->device->queue, b->mem, &value, sizeof value, from * sizeof value,
-                            (to - from) * sizeof value, 0, NULL, &event);
+                            (to - from) * sizeof value, 0, NULL, t->untimed ? NULL : &event);
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "%s: filling a buffer", t->device->info.selector);
-    return keep_event(t, stage, false, event, err);
+    return keep_command(t, stage, event, err);
 }
 
 // Hands wrapped host memory from one side to the other without moving it. A wait here costs a
@@ -184,6 +198,7 @@ static bool enqueue_read(timeline *t, const char *stage, buffer *b, size_t at, v
         clEnqueueReadBuffer(t->device->queue, b->mem, wait, at, bytes, to, 0, NULL, &event);
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "%s: fetching %zu bytes", t->device->info.selector, bytes);
+    t->unheard = t->unheard && !wait;
     return keep_event(t, stage, true, event, err);
 }
 
@@ -274,7 +289,7 @@ static cl_int collect(timeline *t, int n)
         cl_int state = state_of(t, event);
         if (state < 0)
             code = state;
-        else
+        else if (!t->untimed)
             add_event(t, &t->stages[t->events[i].stage], event);
         release_event(event);
     }
@@ -297,10 +312,23 @@ bool timeline_collect_to(timeline *t, cl_event last, duet_error *err)
     return n == t->n_events || ran_well(t, collect(t, n + 1), err);
 }
 
+// What has no event of its own is over when a marker behind it is.
+static cl_int mark_end(timeline *t, duet_error *err)
+{
+    cl_event event = NULL;
+    cl_int code = clEnqueueMarkerWithWaitList(t->device->queue, 0, NULL, &event);
+    if (code == CL_SUCCESS)
+        keep_event(t, "end", true, event, err);
+    return code;
+}
+
 bool timeline_finish(timeline *t, duet_error *err)
 {
     cl_int code = CL_SUCCESS;
-    if (t->n_events > 0 && !t->device->info.host_memory) {
+    if (t->untimed && t->unheard && t->n_events < TIMELINE_EVENTS)
+        code = mark_end(t, err);
+    t->unheard = false;
+    if (code == CL_SUCCESS && t->n_events > 0 && !t->device->info.host_memory) {
         code = clFlush(t->device->queue);
         if (code == CL_SUCCESS)
             timeline_spin(t, timeline_last_event(t));
@@ -315,7 +343,8 @@ bool timeline_finish(timeline *t, duet_error *err)
 
 void timeline_add_host(timeline *t, const char *stage, double ms)
 {
-    t->stages[stage_index(t, stage, false)].ms += ms;
+    if (!t->untimed)
+        t->stages[stage_index(t, stage, false)].ms += ms;
 }
 
 void timeline_clear(timeline *t)

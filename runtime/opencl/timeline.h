@@ -17,6 +17,8 @@ typedef struct timeline {
     int n_events;
     duet_stage stages[TIMELINE_STAGES]; // in order of first appearance
     int n_stages;
+    bool untimed;         // commands on the device's memory have no events
+    bool unheard;         // some of those may be under way
     uint32_t n_launches;  // of kernels
     uint32_t n_waits;     // reads that the host waited for
     cl_ulong first_begin; // of the kernels, on the device's clock; 0: none ran
@@ -27,6 +29,10 @@ typedef struct timeline {
 
 // Forgets the last step. side is 0 for A, 1 for B.
 void timeline_begin(timeline *t, const device *d);
+
+// The same without times: stages stay those of the last step that had them. Launches and
+// fills have no events then, which were measured to cost NVIDIA's driver 7 microseconds each.
+void timeline_begin_untimed(timeline *t, const device *d);
 
 // Sends a kernel over `work` objects, pairs or values; none for work = 0. values: the
 // struct with its arguments, of the kind that its bindings describe.

@@ -127,9 +127,11 @@ static inline void prepare_lanes(__global float *constraint, const source *from,
 #line 125 "kernels/dynamics/prepare_contacts.cl.in"
     pair p;
     load_pair(&p, constraint, bodies);
+    load_warm_impulses(&p, bodies);
     for (int k = 0; k < p.most; ++k)
         weigh(&p, constraint, k);
-    store_warm_impulses(&p, constraint, bodies);
+    points all = take_points(constraint, p.n);
+    store_warm_impulses(&p, &all, bodies);
 }
 
 #if LANES > 1
@@ -158,7 +160,7 @@ static inline void ask_for_bodies(const source *from, __global const uint *list,
 __kernel void prepare_contacts(PREPARE_CONTACTS_ARGS)
 {
     source from = {links, touches, contacts, restitutions,
-#line 161 "kernels/dynamics/prepare_contacts.cl.in"
+#line 163 "kernels/dynamics/prepare_contacts.cl.in"
                    n};
     for (uint colour = from_colour; colour < to_colour; ++colour) {
         uint4 where = SPAN_OF(colour);
@@ -187,7 +189,7 @@ static inline void store_contact(__global float *constraint, __global float *rec
         __global float *saved = record + HEAD + p * POINT_FLOATS;
         saved[OF_NORMAL_IMPULSE] = point[BY_NORMAL_IMPULSE * BLOCK];
         saved[OF_MAX_IMPULSE] = point[BY_MAX_IMPULSE * BLOCK];
-#line 193 "kernels/dynamics/prepare_contacts.cl.in"
+#line 195 "kernels/dynamics/prepare_contacts.cl.in"
     }
 }
 

@@ -1,11 +1,11 @@
-// solve_contacts.DIMS3.ANGULAR_VELOCITY0.FRICTION0.LANES1.BLOCK32.WG64.PER_ITEM1
+// solve_contacts.DIMS3.ANGULAR_VELOCITY0.FRICTION0.LANES1.BLOCK32.WG128.PER_ITEM1
 #define DIMS 3
 #define ANGULAR_VELOCITY 0
 #define FRICTION 0
 #define CONTACT_RESPONSE 1
 #define LANES 1
 #define BLOCK 32
-#define WG 64
+#define WG 128
 #define PER_ITEM 1
 #define APPLY_RESTITUTION_ARGS \
     __global const uint4 *restrict spans, \
@@ -67,28 +67,28 @@ typedef struct {
 
 #line 95 "kernels/dynamics/solve_contacts.cl.in"
 // The separation after positions were integrated; the next substep begins with it.
-static inline real find_separation(const pair *p, __global float *point, vec anchor)
+static inline real find_separation(const pair *p, point one, vec anchor)
 {
     vec way = vec_less(way_of(&p->b, vec_less(anchor, p->apart)), way_of(&p->a, anchor));
-    real separation = get(point, BY_SEPARATION) + vec_dot(way, p->normal);
-    put(point, BY_CURRENT, separation);
+    real separation = get_of(one, BY_SEPARATION) + vec_dot(way, p->normal);
+    put_of(one, BY_CURRENT, separation);
     return separation;
 }
 
-static inline demand demand_of(const pair *p, __global float *point, uint soft, float per_h, float4 spring,
+static inline demand demand_of(const pair *p, point one, uint soft, float per_h, float4 spring,
                                float4 hard_spring, float kick)
 {
-    vec anchor = get_vec(point, BY_ANCHOR);
-    real mass = get(point, BY_NORMAL_MASS), push = get(point, BY_NORMAL_IMPULSE);
+    vec anchor = get_vec_of(one, BY_ANCHOR);
+    real mass = get_of(one, BY_NORMAL_MASS), push = get_of(one, BY_NORMAL_IMPULSE);
     demand d;
-    d.load = soft ? fma(mass, (real)(kick), push + push) : get(point, BY_LOAD);
+    d.load = soft ? fma(mass, (real)(kick), push + push) : get_of(one, BY_LOAD);
     d.impact = fma(-mass, vec_dot(velocity_between(p, anchor), p->normal), push) > d.load;
-    real separation = soft ? get(point, BY_CURRENT) : find_separation(p, point, anchor);
+    real separation = soft ? get_of(one, BY_CURRENT) : find_separation(p, one, anchor);
     d.speed = select((real)(0.0f), separation * per_h, separation > 0.0f);
     d.weight = 1.0f;
     d.decay = 0.0f;
     if (soft) {
-        put(point, BY_LOAD, d.load);
+        put_of(one, BY_LOAD, d.load);
         mask pressed = separation <= 0.0f;
         mask hard = !(p->b.inverse_mass > 0.0f) | !(p->a.inverse_mass > 0.0f);
         real rate = select((real)(spring.x), (real)(hard_spring.x), hard);
@@ -99,32 +99,32 @@ static inline demand demand_of(const pair *p, __global float *point, uint soft, 
     return d;
 }
 
-static inline void add_impulse(pair *p, __global float *point, vec anchor, real push, mask where)
+static inline void add_impulse(pair *p, point one, vec anchor, real push, mask where)
 {
-    real old = get(point, BY_NORMAL_IMPULSE);
+    real old = get_of(one, BY_NORMAL_IMPULSE);
     push = select(old, fmax(push, 0.0f), where);
-    put(point, BY_NORMAL_IMPULSE, push);
-    put(point, BY_MAX_IMPULSE, fmax(get(point, BY_MAX_IMPULSE), push));
+    put_of(one, BY_NORMAL_IMPULSE, push);
+    put_of(one, BY_MAX_IMPULSE, fmax(get_of(one, BY_MAX_IMPULSE), push));
     apply_impulse(p, anchor, vec_times(push - old, p->normal));
 }
 
-static inline void press(pair *p, __global float *point, demand d, mask where)
+static inline void press(pair *p, point one, demand d, mask where)
 {
-    vec anchor = get_vec(point, BY_ANCHOR);
-    real old = get(point, BY_NORMAL_IMPULSE);
+    vec anchor = get_vec_of(one, BY_ANCHOR);
+    real old = get_of(one, BY_NORMAL_IMPULSE);
     real speed = vec_dot(velocity_between(p, anchor), p->normal);
-    add_impulse(p, point, anchor, fma(-get(point, BY_NORMAL_MASS) * d.weight, speed + d.speed, fma(-d.decay, old, old)), where);
+    add_impulse(p, one, anchor, fma(-get_of(one, BY_NORMAL_MASS) * d.weight, speed + d.speed, fma(-d.decay, old, old)), where);
 }
 #line 200 "kernels/dynamics/solve_contacts.cl.in"
 
 // An impact is stopped once: the next substep begins with a load's part of the push.
-static inline void forget_impact(__global float *point, real load)
+static inline void forget_impact(point one, real load)
 {
-    real push = get(point, BY_NORMAL_IMPULSE);
+    real push = get_of(one, BY_NORMAL_IMPULSE);
     mask over = push > load;
     if (!any_lane(over))
         return;
-    put(point, BY_NORMAL_IMPULSE, select(push, load, over));
+    put_of(one, BY_NORMAL_IMPULSE, select(push, load, over));
 #line 216 "kernels/dynamics/solve_contacts.cl.in"
 }
 
@@ -133,41 +133,38 @@ static inline void solve_slots(__global float *constraint, __global float4 *bodi
 {
     pair p;
     load_pair(&p, constraint, bodies);
-#line 231 "kernels/dynamics/solve_contacts.cl.in"
+    points all = take_points(constraint, p.n);
+    if (!soft)
+        load_warm_impulses(&p, bodies);
+#line 234 "kernels/dynamics/solve_contacts.cl.in"
     if (!soft) {
         load_turn(&p.a, bodies, p.owner);
         load_turn(&p.b, bodies, p.other);
     }
-#line 241 "kernels/dynamics/solve_contacts.cl.in"
+#line 244 "kernels/dynamics/solve_contacts.cl.in"
     demand demands[POINTS];
     mask stiff = p.n > 1u, struck = 0;
-    for (int k = 0; k < p.most; ++k) {
-        demands[k] = demand_of(&p, point_at(constraint, k), soft, per_h, spring, hard_spring, kick);
+    EACH_POINT(k, p.most) {
+        demands[k] = demand_of(&p, point_of(&all, k), soft, per_h, spring, hard_spring, kick);
         stiff &= (demands[k].decay == 0.0f) | !has_point(&p, k);
         struck |= demands[k].impact & has_point(&p, k);
     }
-#line 252 "kernels/dynamics/solve_contacts.cl.in"
-    for (int turn = 0; turn < p.most; ++turn) { // to and fro, so that no side is favoured
-        int k = soft ? turn : p.most - 1 - turn;
-        press(&p, point_at(constraint, k), demands[k], has_point(&p, k));
-    }
-    for (int k = 0; k < p.most && !soft; ++k)
-        forget_impact(point_at(constraint, k), demands[k].load);
+#line 255 "kernels/dynamics/solve_contacts.cl.in"
+    EACH_IN_TURN(k, !soft, p.most)
+        press(&p, point_of(&all, k), demands[k], has_point(&p, k));
+    if (!soft)
+        EACH_POINT(k, p.most)
+            forget_impact(point_of(&all, k), demands[k].load);
+#line 263 "kernels/dynamics/solve_contacts.cl.in"
+    keep_fields(&all, constraint, p.most, BY_CURRENT, FRICTION ? BY_TANGENT_MASS : BY_FIELDS);
+#line 265 "kernels/dynamics/solve_contacts.cl.in"
     keep_velocity(bodies, p.owner, &p.a);
     keep_velocity(bodies, p.other, &p.b);
     if (!soft)
-        store_warm_impulses(&p, constraint, bodies);
+        store_warm_impulses(&p, &all, bodies);
 }
 
-#if LANES == 1
-
-// What comes after a field that is written would be asked for only then.
-static inline void ask_for_fields(__global const float *constraint)
-{
-    for (int field = 0; field < IN_SPEEDS; ++field)
-        ask_for(constraint + field * BLOCK);
-}
-#else
+#if LANES > 1
 #define BLOCKS_AHEAD 4
 
 // Blocks come from memory once a pass and are asked for in time, as many points
@@ -210,10 +207,15 @@ __kernel void solve_contacts(SOLVE_CONTACTS_ARGS)
                               most_points(points_of(constraint_at(blocks, first_slot + k * apart))));
             if (next < to)
                 ask_for_bodies(constraint_at(blocks, first_slot + next * apart), bodies, soft);
-#else
-            ask_for_fields(constraint_at(blocks, first_slot + k * apart));
-#endif
             solve_slots(constraint_at(blocks, first_slot + k * apart), bodies, soft, per_h, spring, hard_spring, kick);
+#else
+            // A text for each pass, in which the points' order is known and registers hold them.
+            __global float *constraint = constraint_at(blocks, first_slot + k * apart);
+            if (soft)
+                solve_slots(constraint, bodies, 1, per_h, spring, hard_spring, kick);
+            else
+                solve_slots(constraint, bodies, 0, per_h, spring, hard_spring, kick);
+#endif
         }
         END_COLOUR;
     }
@@ -280,7 +282,7 @@ static inline void restore_speeds(__global float *constraint, __global float4 *b
         wanted_speed[k] =
             speed_after(get(constraint, IN_SPEEDS + k), restitution, gain, -2.0f * pull.w * gain * fallen);
     }
-#line 392 "kernels/dynamics/solve_contacts.cl.in"
+#line 396 "kernels/dynamics/solve_contacts.cl.in"
     real pushes[POINTS] = {0};
     int turns = p.most > 1 ? RESTITUTION_ROUNDS : 1;
     for (int turn = 0; turn < turns; ++turn) {
@@ -291,7 +293,7 @@ static inline void restore_speeds(__global float *constraint, __global float4 *b
             real more = -get(point, BY_NORMAL_MASS) * (speed - wanted_speed[k]);
             mask asked = wanted[k] & ((p.n > 1u) | (mask)(turn == 0 ? -1 : 0));
             real push = select(pushes[k], fmax(pushes[k] + more, -get(point, BY_MAX_IMPULSE)), asked);
-#line 405 "kernels/dynamics/solve_contacts.cl.in"
+#line 409 "kernels/dynamics/solve_contacts.cl.in"
             apply_impulse(&p, anchor, vec_times(push - pushes[k], p.normal));
             pushes[k] = push;
         }

@@ -453,6 +453,36 @@ static void two_devices_launch_one_program_over_any_ranges_at_once(void **state)
     gen_close(g);
 }
 
+// Stages stay those of the step that had times, and no command has an event.
+static void what_is_not_timed_is_done_all_the_same(void **state)
+{
+    (void)state;
+    clearing c = {0};
+    gen *g = gen_open(NULL, &c.err);
+    assert_ok(g != NULL, c.err);
+    open_clearing(&c, g, cuttable_cpu()->selector);
+    timeline times = {0};
+    timeline_begin(&times, &c.d);
+    assert_ok(timeline_fill(&times, "fill", &c.args.starts, 7, 0, 1001, &c.err), c.err);
+    assert_ok(timeline_finish(&times, &c.err), c.err);
+    const duet_stage filled = times.stages[0];
+    timeline_begin_untimed(&times, &c.d);
+    c.args.n_starts = 1000;
+    assert_ok(timeline_launch(&times, "clear", c.k, 1000, &c.args, &c.err), c.err);
+    assert_int_equal(times.n_launches, 1);
+    assert_int_equal(times.n_events, 0);
+    assert_ok(timeline_finish(&times, &c.err), c.err);
+    cl_uint words[1001] = {0};
+    assert_ok(timeline_read(&times, "read", &c.args.starts, words, sizeof words, &c.err), c.err);
+    for (int k = 0; k < 1001; ++k)
+        assert_int_equal(words[k], k < 1000 ? 0 : 7);
+    assert_ok(timeline_finish(&times, &c.err), c.err);
+    assert_int_equal(times.n_stages, 1);
+    assert_memory_equal(&times.stages[0], &filled, sizeof filled);
+    close_clearing(&c);
+    gen_close(g);
+}
+
 // ------------------------------------------------------------ threads
 
 enum { SHARED_THINGS = 100001 };
@@ -547,6 +577,7 @@ int main(void)
         FACT(folders_come_from_the_environment_and_are_copied),
         FACT(launches_of_pocls_cpus_lie_along_the_third_axis),
         FACT(two_devices_launch_one_program_over_any_ranges_at_once),
+        FACT(what_is_not_timed_is_done_all_the_same),
         FACT(what_threads_share_is_done_once_each),
         FACT(every_built_in_function_that_a_kernel_calls_is_declared),
     };
