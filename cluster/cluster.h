@@ -19,8 +19,9 @@ struct duet_cluster {
     reach fitted; // around the homes, when workers were last told that they moved
     own_pairs own;
     uint64_t n_ghosts;
-    bool changed; // objects, since the worker got them
-    bool is_cold; // kernels may have to be built
+    bool in_place; // no rank has parts, and homes may lie in a worker's memory
+    bool changed;  // objects, since the worker got them
+    bool is_cold;  // kernels may have to be built
     bool has_scene;
     duet_scene_info scene;
     char *scene_name;

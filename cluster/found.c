@@ -56,11 +56,10 @@ static bool reserve(seen *s, uint64_t n, uint64_t n_ghosts, duet_error *err)
         seen_end(s);
         s->capacity = n + n / 16;
         s->ghost_capacity = n_ghosts + n_ghosts / 4;
-        s->rows.ids = malloc((s->capacity + 1) * sizeof *s->rows.ids);
         s->is_ghost = malloc(s->capacity / 8 + 1);
         s->ghosts = malloc((s->ghost_capacity + 1) * sizeof *s->ghosts);
     }
-    if (!s->rows.ids || !s->is_ghost || !s->ghosts) {
+    if (!s->is_ghost || !s->ghosts) {
         seen_end(s);
         return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects and ghosts: no memory",
                          n);
@@ -68,6 +67,54 @@ static bool reserve(seen *s, uint64_t n, uint64_t n_ghosts, duet_error *err)
     memset(s->is_ghost, 0, n / 8 + 1);
     return true;
 }
+
+static bool reserve_ids(seen *s, duet_error *err)
+{
+    if (!s->own_ids)
+        s->own_ids = malloc((s->capacity + 1) * sizeof *s->own_ids);
+    s->rows.ids = s->own_ids;
+    return s->own_ids || error_set(err, DUET_STATUS_NO_MEMORY,
+                                   "the ids of %" PRIu64 " objects: no memory", s->capacity);
+}
+
+// ---------------------------------------------------------------- in any order
+
+// Both are found without a rounding that depends on it.
+bool seen_in_any_order(duet_level level)
+{
+    return level == DUET_LEVEL_CERTIFIED || level == DUET_LEVEL_AABB;
+}
+
+static void add_ghost(seen *s, uint32_t place, uint32_t key)
+{
+    s->ghosts[s->n_ghosts++] = (seen_ghost){place, key};
+    s->is_ghost[place / 8] |= (uint8_t)(1u << place % 8);
+}
+
+bool seen_append(seen *s, homes *h, const ranks *r, const parcels *ghosts, duet_error *err)
+{
+    uint32_t place = h->rows.n, n_ranks = (uint32_t)r->n;
+    if (!homes_write_behind(h, ghosts, err) ||
+        !reserve(s, place + ghosts->n, h->n_gone + ghosts->n, err))
+        return false;
+    s->homes = h;
+    s->home = (uint32_t)r->self;
+    s->n_homes = n_ranks;
+    s->rows = (object_rows){.ids = h->rows.ids, .objects = h->rows.objects};
+    s->rows.n = place + (uint32_t)ghosts->n;
+    s->n_ghosts = 0;
+    for (uint32_t i = 0; i < h->n_gone; ++i) {
+        const gone_row *g = &h->gone[i];
+        const void *object = object_row(&h->rows, &h->form, g->row);
+        add_ghost(s, g->row, ghost_key(h, object, (uint32_t)g->to, n_ranks));
+    }
+    for (uint32_t q = 0; q < n_ranks; ++q)
+        for (uint64_t i = 0; i < ghosts->counts[q]; ++i, ++place)
+            add_ghost(s, place, ghost_key(h, object_row(&h->rows, &h->form, place), q, n_ranks));
+    return true;
+}
+
+// ---------------------------------------------------------------- by ascending id
 
 typedef struct filling {
     seen *s;
@@ -163,7 +210,7 @@ bool seen_fill(seen *s, const homes *h, const sight *from, worker *w, duet_error
                          from->n, from->n_ghosts);
     filling *f = calloc(1, sizeof *f);
     bool ok = f || error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects: no memory", n);
-    ok = ok && reserve(s, n, from->n_ghosts, err);
+    ok = ok && reserve(s, n, from->n_ghosts, err) && reserve_ids(s, err);
     if (ok) {
         *f = (filling){.s = s, .h = h, .from = from};
         s->homes = h;
@@ -184,7 +231,7 @@ bool seen_fill(seen *s, const homes *h, const sight *from, worker *w, duet_error
 
 void seen_end(seen *s)
 {
-    free(s->rows.ids);
+    free(s->own_ids);
     free(s->is_ghost);
     free(s->ghosts);
     *s = (seen){0};
@@ -242,6 +289,13 @@ static duet_pair pair_at(const worker_found *found, uint64_t i)
                                  : found->spans[1].pairs[i - found->spans[0].n];
 }
 
+// By the ids of its objects.
+static duet_pair64 pair_of(const seen *s, duet_pair p)
+{
+    uint64_t a = s->rows.ids[p.a], b = s->rows.ids[p.b];
+    return a < b ? (duet_pair64){a, b} : (duet_pair64){b, a};
+}
+
 static void count_part(void *context, uint32_t part, uint64_t first, uint64_t end)
 {
     taking *t = context;
@@ -251,7 +305,7 @@ static void count_part(void *context, uint32_t part, uint64_t first, uint64_t en
         if (!is_own(t->s, p))
             continue;
         ++n;
-        hash += pair64_hash((duet_pair64){t->s->rows.ids[p.a], t->s->rows.ids[p.b]});
+        hash += pair64_hash(pair_of(t->s, p));
     }
     t->counts[part] = n;
     t->hashes[part] = hash;
@@ -264,7 +318,7 @@ static void take_part(void *context, uint32_t part, uint64_t first, uint64_t end
     for (uint64_t i = first; i < end; ++i) {
         duet_pair p = pair_at(t->found, i);
         if (is_own(t->s, p))
-            *to++ = (duet_pair64){t->s->rows.ids[p.a], t->s->rows.ids[p.b]};
+            *to++ = pair_of(t->s, p);
     }
 }
 

@@ -40,9 +40,11 @@ typedef struct seen_ghost {
 } seen_ghost;
 
 // By ascending id, so that the order of two objects, which may decide a float's last bit, is
-// that of one world with all objects.
+// that of one world with all objects. Where it decides nothing, homes that lie in the worker's
+// memory are seen there, and ghosts behind them.
 typedef struct seen {
     object_rows rows;   // whose objects are the worker's memory
+    uint64_t *own_ids;  // NULL: rows' are the homes'
     uint8_t *is_ghost;  // a bit each
     seen_ghost *ghosts; // ascending
     uint64_t n_ghosts;
@@ -51,9 +53,21 @@ typedef struct seen {
     uint32_t home, n_homes;
 } seen;
 
+// Whether the order of two objects decides nothing.
+bool seen_in_any_order(duet_level level);
+
+// Adds the ghosts in the messages behind homes that lie in the worker's memory. Not collective.
+bool seen_append(seen *s, homes *h, const ranks *r, const parcels *ghosts, duet_error *err);
+
 // Writes the homes and ghosts into the worker's memory. Not collective.
 bool seen_fill(seen *s, const homes *h, const sight *from, worker *w, duet_error *err);
 void seen_end(seen *s);
+
+// How many homes are there.
+static inline uint64_t seen_homes(const seen *s)
+{
+    return s->rows.n - s->n_ghosts;
+}
 
 // This rank's own pairs.
 typedef struct own_pairs {

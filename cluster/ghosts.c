@@ -71,7 +71,8 @@ static void search_part(void *context, uint32_t part, uint64_t first, uint64_t e
 {
     search *s = context;
     const homes *h = s->h;
-    for (uint32_t i = (uint32_t)first; i < end; ++i) {
+    for (uint64_t at = first; at < end; ++at) {
+        uint32_t i = h->border.rows[at];
         const void *object = object_row(&h->rows, &h->form, i);
         double centre[3];
         object_centre(&h->form, object, centre);
@@ -82,7 +83,8 @@ static void search_part(void *context, uint32_t part, uint64_t first, uint64_t e
         for (int k = 0; k < s->n_neighbours; ++k) {
             int rank = s->neighbours[k],
                 level = owners_upto(own_level, (uint32_t)s->self, (uint32_t)rank);
-            if (level >= 0 && reaches_meet(&s->all[rank].upto[level], &e))
+            if (level >= 0 && !homes_came_from(h, i, rank) &&
+                reaches_meet(&s->all[rank].upto[level], &e))
                 s->failed[part] |= !add_visit(&s->parts[part], i, rank);
         }
     }
@@ -98,7 +100,7 @@ static bool find_visits(visits *v, const level_boxes *all, const ranks *r, const
         *s = (search){.h = h, .all = all, .self = r->self, .neighbours = neighbours};
         s->n_neighbours = find_neighbours(all, r, neighbours);
         if (s->n_neighbours > 0)
-            parallel_each(h->threads, h->rows.n, search_part, s);
+            parallel_each(h->threads, h->border.n, search_part, s);
     }
     for (int part = 0; s && part < PARALLEL_MOST; ++part) {
         ok = ok && !s->failed[part];
@@ -129,12 +131,12 @@ static bool write_visits(const visits *v, const ranks *r, const homes *h, parcel
     return ok;
 }
 
-bool ghosts_exchange(const homes *h, ranks *r, parcels *in, duet_error *err)
+bool ghosts_exchange(const homes *h, ranks *r, bool ok, parcels *in, duet_error *err)
 {
     visits v = {0};
     parcels out = {0};
     ranks_gather(r, &h->boxes, h->all, sizeof h->boxes);
-    bool ok = find_visits(&v, h->all, r, h, err);
+    ok = ok && find_visits(&v, h->all, r, h, err);
     ok = parcels_begin(&out, r, object_message_bytes(&h->form), err) && ok;
     ok = ok && write_visits(&v, r, h, &out, err);
     ok = ranks_exchange(r, ok, &out, in, err);

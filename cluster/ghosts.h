@@ -6,7 +6,7 @@
 
 #include "cluster/homes.h"
 
-// The messages that arrive become *in. Collective.
-bool ghosts_exchange(const homes *h, ranks *r, parcels *in, duet_error *err);
+// The messages that arrive become *in. Collective; ok: whether this rank is well.
+bool ghosts_exchange(const homes *h, ranks *r, bool ok, parcels *in, duet_error *err);
 
 #endif
