@@ -414,6 +414,11 @@ const duet_scene_info *duet_cluster_get_scene_info(const duet_cluster *c)
 
 // ---------------------------------------------------------------- a step
 
+static double ms_since(uint64_t begun_ns)
+{
+    return (double)(ranks_now_ns() - begun_ns) * 1e-6;
+}
+
 static bool check_worker_result(const seen *s, const worker_found *found, duet_error *err)
 {
     return !found->has_bad ||
@@ -475,7 +480,10 @@ static bool settle(duet_cluster *c, bool *settled, duet_error *own)
     parcels ghosts = {0};
     bool in_place = c->in_place && seen_in_any_order(c->def.world.level);
     *settled = in_place || !c->homes.holder || homes_move_out(&c->homes, own);
+    uint64_t begun_ns = ranks_now_ns(), n_cuts = c->homes.n_cuts;
     bool ok = homes_settle(&c->homes, &c->ranks, &c->cut, c->def.imbalance, settled, own);
+    if (c->homes.n_cuts > n_cuts)
+        balance_begin(&c->balance, ms_since(begun_ns));
     ok = ok && ghosts_exchange(&c->homes, &c->ranks, *settled, &ghosts, own);
     if (ok) {
         c->n_ghosts = ghosts.n + c->homes.n_gone;
@@ -582,9 +590,15 @@ static bool find(duet_cluster *c, bool ok, tally *t, duet_error *own)
     return ranks_agree_and(&c->ranks, ok, t, own);
 }
 
-static double ms_since(uint64_t begun_ns)
+// Where weights are not given they follow from the steps. One that cut, or that may have built
+// kernels, is no measure of others.
+static void balance_ranks(duet_cluster *c, bool is_typical)
 {
-    return (double)(ranks_now_ns() - begun_ns) * 1e-6;
+    if (is_typical && c->def.weight == 0 &&
+        balance_note(&c->balance, &c->ranks, &c->cut, c->last.busy_ms, homes_count(&c->homes))) {
+        c->homes.is_cut = false;
+        c->changed = true;
+    }
 }
 
 static void keep_times(duet_cluster *c, uint64_t begun_ns)
@@ -610,7 +624,8 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     duet_error own = {0};
     tally t;
     bool settled = true, ok = error_given(result, __func__, "result", &own);
-    uint64_t begun_ns = ranks_now_ns();
+    bool was_cold = c->is_cold;
+    uint64_t begun_ns = ranks_now_ns(), n_cuts = c->homes.n_cuts;
     c->ranks.wait_ns = c->ranks.sent_bytes = 0;
     ok = begin_settled(c, __func__, ok, &settled, &own) && find(c, settled, &t, &own);
     c->changed = c->changed && !ok;
@@ -621,6 +636,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     keep_times(c, begun_ns);
     double total_ms = ms_since(begun_ns);
     ranks_greatest(&c->ranks, &total_ms, 1);
+    balance_ranks(c, !was_cold && c->homes.n_cuts == n_cuts);
     *result = (duet_cluster_result){.objects = t.sums[0],
                                     .pairs = t.sums[1],
                                     .hash = t.sums[2],

@@ -3,6 +3,7 @@
 #ifndef CLUSTER_CLUSTER_H
 #define CLUSTER_CLUSTER_H
 
+#include "cluster/balance.h"
 #include "cluster/duet_cluster.h"
 #include "cluster/parts.h"
 
@@ -13,6 +14,7 @@ struct duet_cluster {
     parallel threads;
     cut cut;
     homes homes;
+    balance balance;
     parts parts;
     worker *workers[2]; // one is filled while the other finds; the second is of several parts
     seen seen[2];

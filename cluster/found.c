@@ -85,32 +85,52 @@ bool seen_in_any_order(duet_level level)
     return level == DUET_LEVEL_CERTIFIED || level == DUET_LEVEL_AABB;
 }
 
-static void add_ghost(seen *s, uint32_t place, uint32_t key)
+typedef struct marking {
+    seen *s;
+    const homes *h;
+    uint32_t rank, n_ranks;
+    uint64_t before; // ghosts of ranks below
+} marking;
+
+static void mark_ghost(const marking *m, uint64_t ghost, uint32_t place, uint32_t rank)
 {
-    s->ghosts[s->n_ghosts++] = (seen_ghost){place, key};
-    s->is_ghost[place / 8] |= (uint8_t)(1u << place % 8);
+    const void *object = object_row(&m->h->rows, &m->h->form, place);
+    m->s->ghosts[ghost] = (seen_ghost){place, ghost_key(m->h, object, rank, m->n_ranks)};
+}
+
+static void mark_part(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    const marking *m = context;
+    (void)part;
+    for (uint64_t i = m->before + first; i < m->before + end; ++i)
+        mark_ghost(m, m->h->n_gone + i, m->h->rows.n + (uint32_t)i, m->rank);
+}
+
+static void mark_ghosts(marking *m, const homes *h, const parcels *ghosts)
+{
+    for (uint32_t i = 0; i < h->n_gone; ++i)
+        mark_ghost(m, i, h->gone[i].row, (uint32_t)h->gone[i].to);
+    for (m->rank = 0; m->rank < m->n_ranks; m->before += ghosts->counts[m->rank++])
+        parallel_each(h->threads, ghosts->counts[m->rank], mark_part, m);
+    m->s->n_ghosts = h->n_gone + ghosts->n;
+    for (uint64_t i = 0; i < m->s->n_ghosts; ++i) {
+        uint32_t place = m->s->ghosts[i].place;
+        m->s->is_ghost[place / 8] |= (uint8_t)(1u << place % 8);
+    }
 }
 
 bool seen_append(seen *s, homes *h, const ranks *r, const parcels *ghosts, duet_error *err)
 {
-    uint32_t place = h->rows.n, n_ranks = (uint32_t)r->n;
+    marking m = {.s = s, .h = h, .n_ranks = (uint32_t)r->n};
     if (!homes_write_behind(h, ghosts, err) ||
-        !reserve(s, place + ghosts->n, h->n_gone + ghosts->n, err))
+        !reserve(s, h->rows.n + ghosts->n, h->n_gone + ghosts->n, err))
         return false;
     s->homes = h;
     s->home = (uint32_t)r->self;
-    s->n_homes = n_ranks;
+    s->n_homes = m.n_ranks;
     s->rows = (object_rows){.ids = h->rows.ids, .objects = h->rows.objects};
-    s->rows.n = place + (uint32_t)ghosts->n;
-    s->n_ghosts = 0;
-    for (uint32_t i = 0; i < h->n_gone; ++i) {
-        const gone_row *g = &h->gone[i];
-        const void *object = object_row(&h->rows, &h->form, g->row);
-        add_ghost(s, g->row, ghost_key(h, object, (uint32_t)g->to, n_ranks));
-    }
-    for (uint32_t q = 0; q < n_ranks; ++q)
-        for (uint64_t i = 0; i < ghosts->counts[q]; ++i, ++place)
-            add_ghost(s, place, ghost_key(h, object_row(&h->rows, &h->form, place), q, n_ranks));
+    s->rows.n = h->rows.n + (uint32_t)ghosts->n;
+    mark_ghosts(&m, h, ghosts);
     return true;
 }
 

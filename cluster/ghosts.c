@@ -13,6 +13,7 @@
 typedef struct visit {
     uint32_t home;
     int rank;
+    uint64_t to; // row of what is sent
 } visit;
 
 typedef struct visits {
@@ -31,7 +32,7 @@ static bool add_visit(visits *v, uint32_t home, int rank)
         v->list = list;
         v->capacity = capacity;
     }
-    v->list[v->n++] = (visit){home, rank};
+    v->list[v->n++] = (visit){.home = home, .rank = rank};
     return true;
 }
 
@@ -113,20 +114,38 @@ static bool find_visits(visits *v, const level_boxes *all, const ranks *r, const
     return ok || error_set(err, DUET_STATUS_NO_MEMORY, "ghosts: no memory");
 }
 
+typedef struct writing {
+    const homes *h;
+    const visits *v;
+    parcels *out;
+} writing;
+
+static void write_part(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    const writing *w = context;
+    const homes *h = w->h;
+    unsigned char *messages = w->out->rows;
+    (void)part;
+    for (uint64_t i = first; i < end; ++i) {
+        const visit *v = &w->v->list[i];
+        object_write_message(&h->form, messages + v->to * w->out->row_bytes, h->rows.ids[v->home],
+                             object_row(&h->rows, &h->form, v->home));
+    }
+}
+
 static bool write_visits(const visits *v, const ranks *r, const homes *h, parcels *out,
                          duet_error *err)
 {
+    writing w = {h, v, out};
     uint64_t *places = calloc((size_t)r->n, sizeof *places);
     bool ok = places || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
     for (uint64_t i = 0; ok && i < v->n; ++i)
         ++out->counts[v->list[i].rank];
     ok = ok && parcels_reserve(out, r, places, err);
-    unsigned char *messages = out->rows;
-    for (uint64_t i = 0; ok && i < v->n; ++i) {
-        uint32_t home = v->list[i].home;
-        object_write_message(&h->form, messages + places[v->list[i].rank]++ * out->row_bytes,
-                             h->rows.ids[home], object_row(&h->rows, &h->form, home));
-    }
+    for (uint64_t i = 0; ok && i < v->n; ++i)
+        v->list[i].to = places[v->list[i].rank]++;
+    if (ok)
+        parallel_each(h->threads, v->n, write_part, &w);
     free(places);
     return ok;
 }

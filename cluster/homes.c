@@ -67,6 +67,8 @@ uint32_t homes_open(homes *h)
 typedef struct copying {
     const object_form *form;
     const object_rows *from;
+    const uint32_t *order; // NULL: as they are
+    uint64_t *ids;
     unsigned char *to;
 } copying;
 
@@ -74,23 +76,37 @@ static void copy_part(void *context, uint32_t part, uint64_t first, uint64_t end
 {
     const copying *c = context;
     (void)part;
-    if (first < end)
-        memcpy(c->to + first * c->form->bytes, object_row(c->from, c->form, (uint32_t)first),
-               (end - first) * c->form->bytes);
+    for (uint64_t i = first; i < end; ++i) {
+        uint32_t row = c->order ? c->order[i] : (uint32_t)i;
+        c->ids[i] = c->from->ids[row];
+        memcpy(c->to + i * c->form->bytes, object_row(c->from, c->form, row), c->form->bytes);
+    }
 }
 
 bool homes_move_in(homes *h, worker *w, duet_error *err)
 {
+    uint32_t *order = NULL, n = h->rows.n;
     copying c = {.form = &h->form, .from = &h->rows};
-    c.to = w->extend(w, h->rows.n, 0, err);
-    if (!c.to)
+    c.to = w->extend(w, n, 0, err);
+    if (!c.to || !object_rows_reserve(&h->spare, &h->form, n, err))
         return false;
-    parallel_each(h->threads, h->rows.n, copy_part, &c);
-    free(h->rows.objects);
+    c.ids = h->spare.ids;
+    parallel_each(h->threads, n, copy_part, &c);
+    if (w->order && !w->order(w, &order, err))
+        return false;
+    if (order) {
+        c.order = order;
+        parallel_each(h->threads, n, copy_part, &c);
+        c.to = w->map(w, n, err);
+        duet_free(order);
+    }
+    free(h->spare.objects);
+    object_rows_end(&h->rows);
+    h->rows = h->spare;
     h->rows.objects = c.to;
+    h->spare = (object_rows){0};
     h->holder = w;
-    object_rows_end(&h->spare);
-    return true;
+    return c.to;
 }
 
 bool homes_move_out(homes *h, duet_error *err)
@@ -124,17 +140,32 @@ static bool extend(homes *h, uint64_t n, duet_error *err)
     return objects;
 }
 
-bool homes_write_behind(homes *h, const parcels *messages, duet_error *err)
+typedef struct writing {
+    homes *h;
+    const parcels *messages;
+} writing;
+
+static void write_part(void *context, uint32_t part, uint64_t first, uint64_t end)
 {
-    const unsigned char *message = messages->rows;
-    if (!extend(h, (uint64_t)h->rows.n + messages->n, err))
-        return false;
-    for (uint64_t i = 0; i < messages->n; ++i, message += messages->row_bytes) {
+    const writing *w = context;
+    homes *h = w->h;
+    const unsigned char *message =
+        (const unsigned char *)w->messages->rows + first * w->messages->row_bytes;
+    (void)part;
+    for (uint64_t i = first; i < end; ++i, message += w->messages->row_bytes) {
         uint32_t row = h->rows.n + (uint32_t)i;
         memcpy(&h->rows.ids[row], message, sizeof h->rows.ids[row]);
         memcpy(object_row(&h->rows, &h->form, row), message + sizeof h->rows.ids[row],
                h->form.bytes);
     }
+}
+
+bool homes_write_behind(homes *h, const parcels *messages, duet_error *err)
+{
+    writing w = {h, messages};
+    if (!extend(h, (uint64_t)h->rows.n + messages->n, err))
+        return false;
+    parallel_each(h->threads, messages->n, write_part, &w);
     return true;
 }
 
@@ -412,13 +443,8 @@ void level_boxes_join(level_boxes *boxes)
         reach_add(&boxes->upto[k], &boxes->upto[k - 1]);
 }
 
-static bool no_border(uint64_t n, duet_error *err)
-{
-    return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects at the border: no memory", n);
-}
-
 // What the last look says of the homes that others may touch.
-static bool keep_border(homes *h, const look *l, duet_error *err)
+static void keep_border(homes *h, const look *l)
 {
     uint64_t n = l->all.border.n;
     h->boxes = l->all.boxes;
@@ -435,38 +461,38 @@ static bool keep_border(homes *h, const look *l, duet_error *err)
             memcpy(h->border.rows + h->border.n, of->rows, of->n * sizeof *of->rows);
         h->border.n += of->n;
     }
-    return !h->border.failed || no_border(n, err);
 }
 
-// Who leaves goes, and whose level changed is looked at again. Where any left, o is of before.
+static bool has_border(const homes *h, duet_error *err)
+{
+    return !h->border.failed ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects at the border: no memory",
+                     h->border.n);
+}
+
+// Whose level changed is looked at again, and who leaves goes. Where any did, o is of before.
 static bool move(look *l, overview *o, homes *h, ranks *r, duet_error *err)
 {
     if (!keep_widest(h, o->widest))
         look_again(l);
-    if (o->leavers == 0)
-        return true;
-    if (h->holder)
-        return move_leavers(l, keep_border(h, l, err), h, r, err);
-    if (!move_leavers(l, true, h, r, err))
+    keep_border(h, l);
+    if (o->leavers > 0 && !move_leavers(l, has_border(h, err), h, r, err))
         return false;
-    look_again(l);
+    if (o->leavers > 0 && !h->holder) { // rows have changed places
+        look_again(l);
+        keep_border(h, l);
+    }
     return true;
 }
 
-// Homes are where the cut has them; where rows changed, their border is known.
-static bool end_settling(const look *l, const overview *o, homes *h, duet_error *err)
-{
-    if (!h->holder || o->leavers == 0)
-        return keep_border(h, l, err);
-    return !h->border.failed || no_border(h->border.n, err);
-}
-
+// Of what lies in the holder's memory, too, all may leave.
 static bool cut_anew(look *l, homes *h, ranks *r, cut *c, duet_error *err)
 {
     overview o;
     h->is_cut = false;
-    if (h->holder && !ranks_agree(r, homes_move_out(h, err), err))
-        return false;
+    if (h->holder)
+        homes_open(h);
+    memset(h->arrived, 0, ((size_t)r->n + 1) * sizeof *h->arrived);
     if (!cut_make(c, r, &h->form, &h->rows, err))
         return false;
     h->is_cut = true;
@@ -490,17 +516,12 @@ static bool settle(look *l, bool *ok, homes *h, ranks *r, cut *c, double imbalan
         return false;
     if (o.bad > 0)
         return refuse_bad(l, &o, r, err);
-    uint64_t n_leavers = o.leavers;
-    if (h->is_cut &&
-        (!move(l, &o, h, r, err) || (n_leavers > 0 && !look_over(&o, l, true, r, err))))
+    bool leave = o.leavers > 0;
+    if (h->is_cut && (!move(l, &o, h, r, err) || (leave && !look_over(&o, l, true, r, err))))
         return false;
-    o.leavers = n_leavers;
-    if (!h->is_cut || o.unevenness > imbalance * h->unevenness) {
-        if (!cut_anew(l, h, r, c, err))
-            return false;
-        o.leavers = 0;
-    }
-    *ok = end_settling(l, &o, h, err);
+    if ((!h->is_cut || o.unevenness > imbalance * h->unevenness) && !cut_anew(l, h, r, c, err))
+        return false;
+    *ok = has_border(h, err);
     return true;
 }
 

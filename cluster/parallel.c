@@ -5,9 +5,8 @@
 #include "runtime/opencl/thread_pool.h"
 
 #include <sched.h>
-#include <stdatomic.h>
 
-enum { LEAST = 1 << 14 }; // of objects, below which starting a thread costs more than it brings
+enum { LEAST = 1 << 12 }; // of objects, below which starting a thread costs more than it brings
 
 bool parallel_begin(parallel *p, int n_on_host, duet_error *err)
 {
@@ -18,7 +17,7 @@ bool parallel_begin(parallel *p, int n_on_host, duet_error *err)
                          : threads > PARALLEL_MOST ? PARALLEL_MOST
                                                    : (uint32_t)threads};
     if (p->n > 1)
-        p->pool = thread_pool_open(p->n, err);
+        p->pool = thread_pool_open(p->n - 1, err);
     return p->n == 1 || p->pool;
 }
 
@@ -33,26 +32,23 @@ typedef struct loop {
     void *context;
     uint64_t n;
     uint32_t n_parts;
-    atomic_uint next;
 } loop;
 
-static void run_part(void *arg)
+static void run_parts(void *arg, uint64_t first, uint64_t last)
 {
-    loop *l = arg;
-    uint32_t part = atomic_fetch_add(&l->next, 1);
-    l->body(l->context, part, l->n / l->n_parts * part,
-            part + 1 == l->n_parts ? l->n : l->n / l->n_parts * (part + 1));
+    const loop *l = arg;
+    uint64_t each = l->n / l->n_parts;
+    for (uint64_t part = first; part < last; ++part)
+        l->body(l->context, (uint32_t)part, each * part,
+                part + 1 == l->n_parts ? l->n : each * (part + 1));
 }
 
+// More parts than threads, so that one that starts late or is slow takes fewer.
 uint32_t parallel_each(parallel *p, uint64_t n, parallel_body *body, void *context)
 {
     loop l = {.body = body, .context = context, .n = n, .n_parts = 1};
-    if (!p->pool || n < LEAST) {
-        run_part(&l);
-        return 1;
-    }
-    l.n_parts = p->n;
-    thread_pool_start(p->pool, run_part, &l);
-    thread_pool_wait(p->pool);
+    if (p->pool && n >= LEAST)
+        l.n_parts = PARALLEL_MOST;
+    thread_pool_share(p->pool, run_parts, &l, l.n_parts, 1);
     return l.n_parts;
 }

@@ -11,8 +11,8 @@
 enum { PARALLEL_MOST = 64 }; // parts of a loop
 
 typedef struct parallel {
-    struct thread_pool *pool; // NULL: the caller's thread alone
-    uint32_t n;               // threads
+    struct thread_pool *pool; // besides the caller's thread; NULL: that alone
+    uint32_t n;               // threads with that
 } parallel;
 
 // Threads for one of n_on_host ranks: its part of the processors that the process may use.

@@ -25,6 +25,9 @@ struct worker {
     void (*begin)(worker *w, uint32_t n);
     // Space for n objects, of which the first `kept` stay; the others are to be written.
     void *(*extend)(worker *w, uint32_t n, uint32_t kept, duet_error *err);
+    // Of the objects that were mapped and written, the order in which they are best kept: which
+    // comes i-th, to be freed with duet_free. NULL, or *order NULL: any.
+    bool (*order)(worker *w, uint32_t **order, duet_error *err);
     // The objects lie elsewhere than those before: a grid that was fitted to these is of no use.
     void (*move)(worker *w);
     bool (*find)(worker *w, worker_found *found, duet_error *err);

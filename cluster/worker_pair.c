@@ -58,6 +58,13 @@ static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
     return objects ? objects : grow(p, n, kept, err);
 }
 
+// Pairs are then of objects that lie near each other.
+static bool order(worker *w, uint32_t **order_of, duet_error *err)
+{
+    uint32_t n = 0;
+    return duet_world_order(((pair_worker *)w)->world, order_of, &n, err);
+}
+
 static void move(worker *w)
 {
     ((pair_worker *)w)->world->fitted = false;
@@ -115,6 +122,7 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
     p->base = (worker){.map = map,
                        .begin = begin,
                        .extend = extend,
+                       .order = order,
                        .move = move,
                        .find = find,
                        .set_level = set_level,

@@ -3,6 +3,7 @@
 // each a cluster of its own, and what these find is compared with the plain C reference.
 //
 // Every rank runs this; a fact that does not hold on one ends the job with a line.
+#define _DEFAULT_SOURCE // usleep
 #include "cluster/cluster.h"
 
 #include "base/error.h"
@@ -534,6 +535,75 @@ static void ranks_are_weighed_by_their_stored_times(void)
     MPI_Comm_free(&comm);
 }
 
+// Of three ranks the first takes three times as long for each of its objects: it gets fewer, once
+// that has cost more than a cut, and pairs stay as they are.
+static bool (*find_pairs)(worker *w, worker_found *found, duet_error *err);
+
+static bool find_slowly(worker *w, worker_found *found, duet_error *err)
+{
+    uint32_t n = homes_count(&asked->homes);
+    usleep((rank == 0 ? 30 : 10) * n);
+    return find_pairs(w, found, err);
+}
+
+static void ranks_that_prove_slow_get_fewer_objects(void)
+{
+    static crowd c;
+    rng r = rng_seed(6);
+    make_crowd(&c, &r, 3);
+    MPI_Comm comm = group_of(3);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_cluster *cluster = asked = open_cluster(&comm, &c.world, 0);
+    find_pairs = cluster->workers[0]->find;
+    cluster->workers[0]->find = find_slowly;
+    hand_over(cluster, &c, 0, 1);
+    must_find(cluster, &c);
+    uint64_t first_n = homes_count(&cluster->homes);
+    MPI_Bcast(&first_n, 1, MPI_UINT64_T, 0, comm);
+    MUST(first_n > 97 && first_n < 103, "alike at first");
+    uint64_t n = first_n;
+    int at = 0;
+    while (n > 60 && ++at < 500) {
+        must_find(cluster, &c);
+        n = homes_count(&cluster->homes);
+        MPI_Bcast(&n, 1, MPI_UINT64_T, 0, comm);
+    }
+    MUST(n <= 60, "3 : 1 : 1 in pace is 43 of 300 objects");
+    must_find(cluster, &c);
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
+// Small differences are no reason for a cut, nor are steps that were slow once; and weights that
+// were given stay.
+static void a_cut_must_pay(void)
+{
+    MPI_Comm comm = group_of(2);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_error err = {0};
+    ranks of_two;
+    cut c;
+    MUST_OK(ranks_begin(&of_two, &comm, NULL, &err) && ranks_reserve(&of_two, &err), err);
+    MUST_OK(cut_begin(&c, &of_two, 0, &err), err);
+    balance b;
+    balance_begin(&b, rank == 0 ? 50 : 100);
+    for (int at = 0; at < 800; ++at)
+        MUST(!balance_note(&b, &of_two, &c, rank == 0 ? 9.2 : 10, 1000), "4 in a hundred");
+    for (int at = 0; at < 800; ++at)
+        MUST(!balance_note(&b, &of_two, &c, rank == 0 && at % 8 ? 1000 : 10, 1000), "accidents");
+    int steps = 1;
+    while (!balance_note(&b, &of_two, &c, rank == 0 ? 10 : 30, 1000) && steps < 1000)
+        ++steps;
+    MUST(steps == 32,
+         "10 ms are lost a step, and a cut takes 100: the first 8 steps past 3 of them");
+    MUST(fabs(c.due - (rank == 0 ? 0.75 : 0.25)) < 1e-9, "by their paces");
+    cut_end(&c);
+    ranks_end(&of_two);
+    MPI_Comm_free(&comm);
+}
+
 // A giant as wide as the world touches objects of all ranks; it travels and they do not.
 static void only_giants_travel_far(void)
 {
@@ -865,6 +935,8 @@ int main(int argc, char **argv)
     grids_follow_objects_that_travel();
     ranks_get_objects_by_their_weights();
     ranks_are_weighed_by_their_stored_times();
+    ranks_that_prove_slow_get_fewer_objects();
+    a_cut_must_pay();
     only_giants_travel_far();
     large_ids_have_one_hash();
     sorted_pairs_are_the_same_bytes();
