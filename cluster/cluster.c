@@ -627,6 +627,8 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     bool was_cold = c->is_cold;
     uint64_t begun_ns = ranks_now_ns(), n_cuts = c->homes.n_cuts;
     c->ranks.wait_ns = c->ranks.sent_bytes = 0;
+    parallel_be_keen(&c->threads,
+                     c->workers[0]->spares_host && c->workers[0]->spares_host(c->workers[0]));
     ok = begin_settled(c, __func__, ok, &settled, &own) && find(c, settled, &t, &own);
     c->changed = c->changed && !ok;
     if (!ok) {

@@ -263,7 +263,7 @@ uint64_t pair64_hash(duet_pair64 pair)
 {
     uint64_t low = (pair.a << 32) | (pair.b & UINT32_MAX);
     uint64_t high = (pair.a >> 32 << 32) | (pair.b >> 32);
-    return pair_hash(low ^ pair_hash(high));
+    return pair_hash(high ? low ^ pair_hash(high) : low); // that of 0 is 0
 }
 
 static bool is_ghost(const seen *s, uint32_t place)

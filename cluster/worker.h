@@ -31,6 +31,8 @@ struct worker {
     // The objects lie elsewhere than those before: a grid that was fitted to these is of no use.
     void (*move)(worker *w);
     bool (*find)(worker *w, worker_found *found, duet_error *err);
+    // Whether it leaves the host's processors to others; NULL: not.
+    bool (*spares_host)(const worker *w);
     bool (*set_level)(worker *w, duet_level level, duet_error *err);
     bool (*set_plan)(worker *w, const duet_plan *plan, duet_error *err);
     bool (*load_profile)(worker *w, const char *path, duet_profile *profile, duet_error *err);

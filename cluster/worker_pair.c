@@ -80,6 +80,15 @@ static bool find(worker *w, worker_found *found, duet_error *err)
     return true;
 }
 
+static bool spares_host(const worker *w)
+{
+    const duet_world *world = ((const pair_worker *)w)->world;
+    const device *devices = world->def.pair->devices;
+    uint32_t share = world->def.plan.share;
+    return !(share > 0 && devices[0].info.host_memory) &&
+           !(share < DUET_SHARE_ONE && devices[1].info.host_memory);
+}
+
 static bool set_level(worker *w, duet_level level, duet_error *err)
 {
     return duet_world_set_level(((pair_worker *)w)->world, level, err);
@@ -125,6 +134,7 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
                        .order = order,
                        .move = move,
                        .find = find,
+                       .spares_host = spares_host,
                        .set_level = set_level,
                        .set_plan = set_plan,
                        .load_profile = load_profile,

@@ -15,10 +15,8 @@ struct thread_pool {
     pthread_cond_t done;  // by all
     void (*job)(void *);
     void *arg;
-    uint64_t n_jobs;  // given so far
-    uint32_t n_begun; // threads that have taken the last one
-    uint32_t n_busy;  // that have not finished it
-    bool withdrawn;   // nobody takes it any more
+    uint64_t n_jobs; // given so far
+    uint32_t n_busy; // threads that have not finished the last one
     bool closing;
     uint32_t n_threads;
     pthread_t threads[];
@@ -34,10 +32,7 @@ static void *work(void *arg)
             pthread_cond_wait(&c->given, &c->lock);
             continue;
         }
-        n_done = c->n_jobs;
-        if (c->withdrawn)
-            continue;
-        ++c->n_begun;
+        ++n_done;
         pthread_mutex_unlock(&c->lock);
         c->job(c->arg);
         pthread_mutex_lock(&c->lock);
@@ -99,8 +94,6 @@ void thread_pool_start(thread_pool *c, void (*job)(void *), void *arg)
     c->job = job;
     c->arg = arg;
     c->n_busy = c->n_threads;
-    c->n_begun = 0;
-    c->withdrawn = false;
     ++c->n_jobs;
     pthread_cond_broadcast(&c->given);
     pthread_mutex_unlock(&c->lock);
@@ -109,17 +102,6 @@ void thread_pool_start(thread_pool *c, void (*job)(void *), void *arg)
 void thread_pool_wait(thread_pool *c)
 {
     pthread_mutex_lock(&c->lock);
-    while (c->n_busy > 0)
-        pthread_cond_wait(&c->done, &c->lock);
-    pthread_mutex_unlock(&c->lock);
-}
-
-// Not for threads that have not yet woken: there is nothing left for them to do.
-static void end_sharing(thread_pool *c)
-{
-    pthread_mutex_lock(&c->lock);
-    c->withdrawn = true;
-    c->n_busy -= c->n_threads - c->n_begun;
     while (c->n_busy > 0)
         pthread_cond_wait(&c->done, &c->lock);
     pthread_mutex_unlock(&c->lock);
@@ -161,5 +143,5 @@ void thread_pool_share(thread_pool *c, thread_pool_some *some, void *arg, uint64
         thread_pool_start(c, do_pieces, &s);
     do_pieces(&s);
     if (shared)
-        end_sharing(c);
+        thread_pool_wait(c);
 }
