@@ -4,7 +4,6 @@
 #include "cluster/cluster.h"
 
 #include "base/error.h"
-#include "cluster/ghosts.h"
 #include "cluster/own_pair.h"
 #include "runtime/scene/scene.h"
 
@@ -155,6 +154,7 @@ void duet_cluster_destroy(duet_cluster *c)
         seen_end(&c->seen[i]);
     parts_end(&c->parts);
     homes_end(&c->homes);
+    ghosts_end(&c->ghosts);
     cut_end(&c->cut);
     parallel_end(&c->threads);
     ranks_end(&c->ranks);
@@ -457,39 +457,37 @@ static bool fill(duet_cluster *c, uint32_t part, duet_error *own)
     return seen_fill(&c->seen[part % 2], &c->homes, &from, w, own);
 }
 
-static bool fill_by_ids(duet_cluster *c, parcels *ghosts, duet_error *own)
+static bool fill_by_ids(duet_cluster *c, duet_error *own)
 {
-    bool ok = parts_divide(&c->parts, &c->homes, &c->ranks, ghosts, own);
+    bool ok = parts_divide(&c->parts, &c->homes, &c->ranks, &c->ghosts.in, own);
     for (int i = 0; ok && i < count_workers(c); ++i)
         ok = fill(c, (uint32_t)i, own);
     return ok;
 }
 
 // Homes are where their worker has them.
-static bool fill_in_place(duet_cluster *c, const parcels *ghosts, duet_error *own)
+static bool fill_in_place(duet_cluster *c, duet_error *own)
 {
     follow(c, c->workers[0]);
     return (c->homes.holder || homes_move_in(&c->homes, c->workers[0], own)) &&
-           seen_append(&c->seen[0], &c->homes, &c->ranks, ghosts, own);
+           seen_append(&c->seen[0], &c->homes, &c->ranks, &c->ghosts.in, own);
 }
 
 // Brings homes and ghosts to where they belong, on all ranks or on none, and hands the first to
 // this rank's workers. What fails in that is of this rank alone, and *settled is then false.
 static bool settle(duet_cluster *c, bool *settled, duet_error *own)
 {
-    parcels ghosts = {0};
     bool in_place = c->in_place && seen_in_any_order(c->def.world.level);
     *settled = in_place || !c->homes.holder || homes_move_out(&c->homes, own);
     uint64_t begun_ns = ranks_now_ns(), n_cuts = c->homes.n_cuts;
     bool ok = homes_settle(&c->homes, &c->ranks, &c->cut, c->def.imbalance, settled, own);
     if (c->homes.n_cuts > n_cuts)
         balance_begin(&c->balance, ms_since(begun_ns));
-    ok = ok && ghosts_exchange(&c->homes, &c->ranks, *settled, &ghosts, own);
+    ok = ok && ghosts_exchange(&c->ghosts, &c->homes, &c->ranks, *settled, own);
     if (ok) {
-        c->n_ghosts = ghosts.n + c->homes.n_gone;
-        *settled = in_place ? fill_in_place(c, &ghosts, own) : fill_by_ids(c, &ghosts, own);
+        c->n_ghosts = c->ghosts.in.n + c->homes.n_gone;
+        *settled = in_place ? fill_in_place(c, own) : fill_by_ids(c, own);
     }
-    parcels_end(&ghosts);
     return ok;
 }
 

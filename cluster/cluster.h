@@ -5,6 +5,7 @@
 
 #include "cluster/balance.h"
 #include "cluster/duet_cluster.h"
+#include "cluster/ghosts.h"
 #include "cluster/parts.h"
 
 struct duet_cluster {
@@ -15,6 +16,7 @@ struct duet_cluster {
     cut cut;
     homes homes;
     balance balance;
+    ghosts ghosts;
     parts parts;
     worker *workers[2]; // one is filled while the other finds; the second is of several parts
     seen seen[2];

@@ -266,7 +266,7 @@ uint64_t pair64_hash(duet_pair64 pair)
     return pair_hash(high ? low ^ pair_hash(high) : low); // that of 0 is 0
 }
 
-static bool is_ghost(const seen *s, uint32_t place)
+static inline bool is_ghost(const seen *s, uint32_t place)
 {
     return s->is_ghost[place / 8] >> place % 8 & 1;
 }

@@ -9,6 +9,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+// What one thread sees.
+typedef struct glance {
+    uint64_t bad;
+    uint64_t first_bad; // its id
+    double widest;
+    level_boxes boxes; // of homes that are not deep inside, each of its level alone
+    skim deep;         // the others
+    row_list leavers;  // ascending, as is
+    row_list border;
+} glance;
+
 // ---------------------------------------------------------------- rows
 
 // What a worker holds is its own.
@@ -36,11 +47,17 @@ void homes_end(homes *h)
 {
     let_go(h);
     object_rows_end(&h->spare);
+    for (int i = 0; h->glances && i < PARALLEL_MOST; ++i) {
+        free(h->glances[i].leavers.rows);
+        free(h->glances[i].border.rows);
+    }
+    free(h->glances);
     free(h->all);
     free(h->arrived);
     free(h->border.rows);
     h->all = NULL;
     h->arrived = NULL;
+    h->glances = NULL;
     h->border = (row_list){0};
 }
 
@@ -171,17 +188,6 @@ bool homes_write_behind(homes *h, const parcels *messages, duet_error *err)
 
 // ---------------------------------------------------------------- a look at all
 
-// What one thread sees.
-typedef struct glance {
-    uint64_t bad;
-    uint64_t first_bad; // its id
-    double widest;
-    level_boxes boxes; // of homes that are not deep inside, each of its level alone
-    skim deep;         // the others
-    row_list leavers;  // ascending, as is
-    row_list border;
-} glance;
-
 typedef struct look {
     homes *h;
     const cut *c;
@@ -275,15 +281,6 @@ static void look_again(look *l)
     forget(&l->all);
     for (uint32_t i = 0; i < n; ++i)
         add_glance(&l->all, &l->parts[i]);
-}
-
-static void end_look(look *l)
-{
-    for (int i = 0; l->parts && i < PARALLEL_MOST; ++i) {
-        free(l->parts[i].leavers.rows);
-        free(l->parts[i].border.rows);
-    }
-    free(l->parts);
 }
 
 // What all ranks' looks say.
@@ -568,15 +565,17 @@ static bool reserve(homes *h, const ranks *r, duet_error *err)
 
 bool homes_settle(homes *h, ranks *r, cut *c, double imbalance, bool *settled, duet_error *err)
 {
-    look l = {.h = h, .c = c, .parts = calloc(PARALLEL_MOST, sizeof *l.parts)};
-    if (!l.parts)
+    look l = {.h = h, .c = c};
+    if (!h->glances)
+        h->glances = calloc(PARALLEL_MOST, sizeof *h->glances);
+    if (!h->glances)
         *settled = error_set(err, DUET_STATUS_NO_MEMORY, "a look at the homes: no memory");
+    l.parts = h->glances;
     *settled = *settled && reserve(h, r, err) && begin(h, err);
     bool ok = settle(&l, settled, h, r, c, imbalance, err);
     if (ok) {
         level_boxes_join(&h->boxes);
         h->around = around(h, &l);
     }
-    end_look(&l);
     return ok;
 }

@@ -51,6 +51,7 @@ typedef struct homes {
     uint64_t n_cuts;   // that were made
     bool is_cut;       // the objects are where the cut has them
     parallel *threads;
+    struct glance *glances; // [PARALLEL_MOST] of the last look, whose memory the next one uses
 } homes;
 
 // Takes these objects, of which it owns the memory from here on, wherever they lie.
