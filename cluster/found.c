@@ -3,7 +3,6 @@
 
 #include "base/error.h"
 #include "cluster/owner.h"
-#include "runtime/broadphase/pair_hash.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -259,13 +258,6 @@ void seen_end(seen *s)
 
 // ---------------------------------------------------------------- pairs
 
-uint64_t pair64_hash(duet_pair64 pair)
-{
-    uint64_t low = (pair.a << 32) | (pair.b & UINT32_MAX);
-    uint64_t high = (pair.a >> 32 << 32) | (pair.b >> 32);
-    return pair_hash(high ? low ^ pair_hash(high) : low); // that of 0 is 0
-}
-
 static inline bool is_ghost(const seen *s, uint32_t place)
 {
     return s->is_ghost[place / 8] >> place % 8 & 1;
@@ -284,15 +276,20 @@ static uint32_t key_of_ghost(const seen *s, uint32_t place)
     return s->ghosts[first].key;
 }
 
-// The object with the lesser key is at home. Two homes need no keys, and two ghosts have none.
-static bool is_own(const seen *s, duet_pair pair)
+// The object with the lesser key is at home. Two ghosts have no home.
+static bool owns_with_ghost(const seen *s, duet_pair pair)
 {
     bool a = is_ghost(s, pair.a), b = is_ghost(s, pair.b);
-    if (a == b)
-        return !a;
+    if (a && b)
+        return false;
     uint32_t home = a ? pair.b : pair.a, ghost = a ? pair.a : pair.b;
     const void *object = object_row(&s->rows, &s->homes->form, home);
     return ghost_key(s->homes, object, s->home, s->n_homes) < key_of_ghost(s, ghost);
+}
+
+static inline bool is_own(const seen *s, duet_pair pair)
+{
+    return !(is_ghost(s, pair.a) | is_ghost(s, pair.b)) || owns_with_ghost(s, pair);
 }
 
 typedef struct taking {
@@ -303,14 +300,14 @@ typedef struct taking {
     uint64_t hashes[PARALLEL_MOST];
 } taking;
 
-static duet_pair pair_at(const worker_found *found, uint64_t i)
+static inline duet_pair pair_at(const worker_found *found, uint64_t i)
 {
     return i < found->spans[0].n ? found->spans[0].pairs[i]
                                  : found->spans[1].pairs[i - found->spans[0].n];
 }
 
 // By the ids of its objects.
-static duet_pair64 pair_of(const seen *s, duet_pair p)
+static inline duet_pair64 pair_of(const seen *s, duet_pair p)
 {
     uint64_t a = s->rows.ids[p.a], b = s->rows.ids[p.b];
     return a < b ? (duet_pair64){a, b} : (duet_pair64){b, a};

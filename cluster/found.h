@@ -6,6 +6,7 @@
 #include "cluster/duet_cluster.h"
 #include "cluster/homes.h"
 #include "cluster/worker.h"
+#include "runtime/broadphase/pair_hash.h"
 
 // An object that is at home elsewhere, and the key of that home.
 typedef struct ghost_row {
@@ -84,6 +85,11 @@ void own_pairs_forget(own_pairs *own); // keeps the memory
 void own_pairs_end(own_pairs *own);
 
 // The pair hash of one pair: below 2^32 that of duet_pairs_hash.
-uint64_t pair64_hash(duet_pair64 pair);
+static inline uint64_t pair64_hash(duet_pair64 pair)
+{
+    uint64_t low = (pair.a << 32) | (pair.b & UINT32_MAX);
+    uint64_t high = (pair.a >> 32 << 32) | (pair.b >> 32);
+    return pair_hash(high ? low ^ pair_hash(high) : low); // that of 0 is 0
+}
 
 #endif

@@ -171,30 +171,63 @@ bool object_is_sound(const object_form *form, const void *object)
 
 const skim skim_none = {{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}, 0};
 
-// Without a branch but the one that ends it, so that it takes about as long as reading the rows.
+// The nearest floats not below a number, and not above it.
+static float above(float rounded, double number)
+{
+    return (double)rounded < number ? nextafterf(rounded, INFINITY) : rounded;
+}
+
+static float below(float rounded, double number)
+{
+    return (double)rounded > number ? nextafterf(rounded, -INFINITY) : rounded;
+}
+
+enum { SIDE_BY_SIDE = 4 }; // numbers that a compiler takes together
+
+// A pose is ten numbers: its centre and a half extent, three half extents and one of the rotation,
+// the rotation. Without a branch but the one that ends it, so that it takes little longer than
+// reading the rows.
 static uint32_t skim_poses(const duet_pose *poses, uint32_t dims, uint32_t first, uint32_t end,
                            const reach *inside, skim *to)
 {
-    reach all = to->centres;
-    double most = to->square, in_3d = dims == 3;
-    for (; first < end; ++first) {
-        const duet_pose *p = &poses[first];
-        double at[3] = {(double)p->centre[0], (double)p->centre[1], in_3d * (double)p->centre[2]};
-        double x = (double)p->half_extents[0], y = (double)p->half_extents[1];
-        double z = in_3d * (double)p->half_extents[2];
-        bool deep = is_plainly_sound(p);
-        for (int k = 0; k < 3; ++k)
-            deep &= (at[k] > inside->lower[k]) & (at[k] < inside->upper[k]);
-        if (!deep)
-            break;
-        for (int k = 0; k < 3; ++k) {
-            all.lower[k] = lesser(at[k], all.lower[k]);
-            all.upper[k] = greater(at[k], all.upper[k]);
-        }
-        most = greater(x * x + y * y + z * z, most);
+    float lower[SIDE_BY_SIDE], upper[SIDE_BY_SIDE], least[SIDE_BY_SIDE], most[SIDE_BY_SIDE];
+    double square = to->square, in_3d = dims == 3;
+    for (int k = 0; k < SIDE_BY_SIDE; ++k) {
+        bool along = (uint32_t)k < dims;
+        lower[k] = along ? above((float)inside->lower[k], inside->lower[k]) : -INFINITY;
+        upper[k] = along ? below((float)inside->upper[k], inside->upper[k]) : INFINITY;
+        least[k] = INFINITY;
+        most[k] = -INFINITY;
     }
-    *to = (skim){all, most};
-    return first;
+    uint32_t i = first;
+    for (; i < end; ++i) {
+        float centre[SIDE_BY_SIDE], half[SIDE_BY_SIDE], turn[SIDE_BY_SIDE];
+        memcpy(centre, poses[i].centre, sizeof centre);
+        memcpy(half, poses[i].half_extents, sizeof half);
+        memcpy(turn, poses[i].rotation, sizeof turn);
+        int odd = 0;
+        for (int k = 0; k < SIDE_BY_SIDE; ++k) {
+            float zero = 0.0f * (centre[k] + half[k] + turn[k]);
+            odd |= !(zero == 0.0f) | !(centre[k] > lower[k]) | !(centre[k] < upper[k]);
+        }
+        odd |= !(half[0] >= 0.0f) | !(half[1] >= 0.0f) | !(half[2] >= 0.0f);
+        odd |= (turn[2] == 0.0f) & (turn[3] == 0.0f);
+        if (odd)
+            break;
+        for (int k = 0; k < SIDE_BY_SIDE; ++k) {
+            least[k] = centre[k] < least[k] ? centre[k] : least[k];
+            most[k] = centre[k] > most[k] ? centre[k] : most[k];
+        }
+        double x = (double)half[0], y = (double)half[1], z = in_3d * (double)half[2];
+        square = greater(x * x + y * y + z * z, square);
+    }
+    for (uint32_t k = 0; k < 3; ++k) {
+        bool along = k < dims;
+        to->centres.lower[k] = lesser(along ? (double)least[k] : 0, to->centres.lower[k]);
+        to->centres.upper[k] = greater(along ? (double)most[k] : 0, to->centres.upper[k]);
+    }
+    to->square = square;
+    return i;
 }
 
 static uint32_t skim_bounds(const duet_bounds *bounds, uint32_t dims, uint32_t first, uint32_t end,
