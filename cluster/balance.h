@@ -13,10 +13,11 @@ typedef struct balance {
     uint32_t steps;  // since the ranks were last compared
     double least_ms; // that this rank was busy in one of them
     double lost_ms;  // since the last cut: by the slowest rank, beyond the mean of all
-    double cut_ms;   // that the last cut took
+    double cut_ms;   // that the last cut took; 0: not known
 } balance;
 
-// After a cut that took so long on this rank: what was noted before counts no more.
+// After a cut that took so long on this rank, or 0 where it says nothing of others: what was noted
+// before counts no more.
 void balance_begin(balance *b, double cut_ms);
 
 // Notes a step without a cut, in which this rank was busy with its n homes for so long. True where

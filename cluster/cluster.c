@@ -479,10 +479,11 @@ static bool settle(duet_cluster *c, bool *settled, duet_error *own)
 {
     bool in_place = c->in_place && seen_in_any_order(c->def.world.level);
     *settled = in_place || !c->homes.holder || homes_move_out(&c->homes, own);
+    bool are_new = c->homes.widest == 0; // and all of them travel
     uint64_t begun_ns = ranks_now_ns(), n_cuts = c->homes.n_cuts;
     bool ok = homes_settle(&c->homes, &c->ranks, &c->cut, c->def.imbalance, settled, own);
     if (c->homes.n_cuts > n_cuts)
-        balance_begin(&c->balance, ms_since(begun_ns));
+        balance_begin(&c->balance, are_new ? 0 : ms_since(begun_ns));
     ok = ok && ghosts_exchange(&c->ghosts, &c->homes, &c->ranks, *settled, own);
     if (ok) {
         c->n_ghosts = c->ghosts.in.n + c->homes.n_gone;
