@@ -912,6 +912,72 @@ static void levels_are_octaves_below_the_widest(void)
     }
 }
 
+// ---------------------------------------------------------------- places
+
+// Halves without points too have boxes that hold what is theirs and nothing else.
+static void a_part_is_its_box(void)
+{
+    rng r = rng_seed(14);
+    for (int round = 0; round < 200; ++round) {
+        uint32_t n = 1 + rng_below(&r, 9);
+        uint64_t n_points = rng_below(&r, 20);
+        duet_error err = {0};
+        bisection b;
+        bisection_point points[20] = {{{0}, 0}}, copy[20];
+        MUST_OK(bisection_begin(&b, n, &err), err);
+        for (uint64_t i = 0; i < n_points; ++i) {
+            points[i].weight = 1;
+            for (int k = 0; k < 3; ++k)
+                points[i].at[k] = rng_below(&r, 3);
+        }
+        memcpy(copy, points, sizeof copy);
+        bisection_cut(&b, NULL, copy, n_points);
+        for (uint64_t i = 0; i < n_points; ++i)
+            for (uint32_t part = 0; part < n; ++part) {
+                double lower[3], upper[3];
+                bool inside = true;
+                bisection_box(&b, part, lower, upper);
+                for (int k = 0; k < 3; ++k)
+                    inside &= points[i].at[k] >= lower[k] && points[i].at[k] < upper[k];
+                MUST(inside == (bisection_part(&b, points[i].at) == part), "its box");
+            }
+        bisection_end(&b);
+    }
+}
+
+// What is passed over is sound and lies inside, and none is wider than is said.
+static void what_is_skimmed_is_deep_inside(void)
+{
+    static crowd c;
+    rng r = rng_seed(15);
+    const reach inside = {{-2.5, -2.25, -3}, {2.5, 3, 2.7}};
+    uint32_t skimmed = 0;
+    for (uint32_t i = 0; i < 12; ++i) {
+        make_crowd(&c, &r, i);
+        object_form form = object_form_of(&c.world);
+        if (form.origin == 0 && form.shape == DUET_SHAPE_POSES && c.n > 9)
+            c.poses[7].rotation[1] = NAN;
+        const object_rows rows = {.objects = (void *)(uintptr_t)objects_of(&c), .n = c.n};
+        for (uint32_t first = 0, end; first < c.n; first = end + 1) {
+            skim s = skim_none;
+            end = object_rows_skim(&rows, &form, first, c.n, &inside, &s);
+            MUST(end >= first && end <= c.n, "a row");
+            for (uint32_t k = first; k < end; ++k, ++skimmed) {
+                double at[3];
+                reach e = reach_of(&form, object_row(&rows, &form, k));
+                object_centre(&form, object_row(&rows, &form, k), at);
+                MUST(object_is_sound(&form, object_row(&rows, &form, k)), "sound");
+                for (int d = 0; d < 3; ++d)
+                    MUST(at[d] > inside.lower[d] && at[d] < inside.upper[d] &&
+                             at[d] >= s.centres.lower[d] && at[d] <= s.centres.upper[d],
+                         "inside");
+                MUST(reach_widest(&e) <= skim_widest(&s, &form), "no wider");
+            }
+        }
+    }
+    MUST(skimmed > 200, "some were");
+}
+
 int main(int argc, char **argv)
 {
     const char *given = getenv("DUET_TEST_SEED");
@@ -924,6 +990,8 @@ int main(int argc, char **argv)
     if (rank == 0)
         printf("DUET_TEST_SEED=%" PRIu64 "\n", seed);
     levels_are_octaves_below_the_widest();
+    a_part_is_its_box();
+    what_is_skimmed_is_deep_inside();
     nothing_is_refused();
     a_failure_is_that_of_all_ranks();
     calls_in_another_order_are_refused();
