@@ -147,6 +147,7 @@ void duet_cluster_destroy(duet_cluster *c)
 {
     if (!c)
         return;
+    ranks_await_end(&c->ranks, __func__);
     close_workers(c);
     duet_device_pair_destroy(c->own_pair);
     own_pairs_end(&c->own);

@@ -5,8 +5,8 @@
 // All calls are collective: every rank makes the same calls in the same order. Each ends on
 // all ranks in the same way; where it fails on one, all return false with that rank's line,
 // which begins with the rank and its host. Where ranks make different calls, each of these fails
-// with BAD_ARGUMENT and the cluster is as before. Only getters and destroy's argument NULL are a
-// rank's own. One thread of a rank calls MPI.
+// with BAD_ARGUMENT and the cluster is as before; only destroy waits until all ranks destroy it.
+// Getters and destroy's argument NULL are a rank's own. One thread of a rank calls MPI.
 //
 // A global id is 64 bits. A rank's homes are the objects that it is responsible for; its
 // ghosts are objects of others that its homes may touch. Which rank is an object's home

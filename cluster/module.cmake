@@ -18,12 +18,12 @@ set(DUET_HAS_CLUSTER ON)
 
 set(arrows "${duet_arrows}")
 set(objects "${duet_module_objects}")
-duet_module(cluster FOLDER cluster WITHOUT cluster/simulated KNOWS selection LINKS MPI::MPI_C PUBLIC cluster/duet_cluster.h)
+duet_module(cluster FOLDER cluster WITHOUT cluster/simulated KNOWS selection LINKS MPI::MPI_C)
 set(duet_arrows "${arrows}")
 set(duet_module_objects "${objects}")
 set(duet_cluster_needs MPI::MPI_C)
 
-add_executable(duet-cluster cli/cluster/main.c cli/cluster/rank.c $<TARGET_OBJECTS:duet_cli>
+add_executable(duet-cluster cli/cluster/main.c cli/cluster/keep.c cli/cluster/rank.c $<TARGET_OBJECTS:duet_cli>
   $<TARGET_OBJECTS:duet_cluster> ${duet_objects})
 target_link_libraries(duet-cluster PRIVATE duet_cli duet_cluster duet_options ${duet_cluster_needs})
 add_dependencies(duet duet-cluster)
@@ -31,5 +31,7 @@ add_dependencies(duet duet-cluster)
 add_library(duet_cluster_shared SHARED $<TARGET_OBJECTS:duet_cluster> ${duet_objects})
 set_target_properties(duet_cluster_shared PROPERTIES OUTPUT_NAME duet_cluster EXPORT_NAME cluster
   VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
+# An application, or a Lua that loads it, may have a copy of Duet besides.
+target_link_options(duet_cluster_shared PRIVATE -Wl,-Bsymbolic)
 target_link_libraries(duet_cluster_shared PRIVATE ${duet_needs} ${duet_cluster_needs}
   $<BUILD_INTERFACE:duet_options>)

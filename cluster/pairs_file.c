@@ -68,24 +68,29 @@ typedef struct told_file {
     uint64_t path_bytes;
 } told_file;
 
+static bool check(bool ok, const char *path, duet_error *err)
+{
+    return ok || error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be written: %s", path,
+                           errno ? strerror(errno) : "the disk is full");
+}
+
+// The file has its whole size before any rank opens it: where it grows, a client of a network file
+// system may write a page that it shares with another's range as a whole, with zeros there.
 static bool open_file(output *o, const char *path, uint64_t pairs, told_file *told, text *part,
                       duet_error *err)
 {
     text header = {0};
     npy_add_header(&header, NPY_UINT64, pairs, 2);
     bool ok = text_ok(&header, err) && output_open(o, path, err) && output_part_path(o, part, err);
+    uint64_t bytes = header.length + pairs * sizeof(duet_pair64);
+    errno = 0;
+    ok = ok && check(ftruncate(fileno(o->stream), (off_t)bytes) == 0, path, err);
     if (ok && (fwrite(header.chars, 1, header.length, o->stream) != header.length ||
                fflush(o->stream) != 0))
         ok = error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be written", path);
     *told = (told_file){header.length, part->length + 1};
     text_free(&header);
     return ok;
-}
-
-static bool check(bool ok, const char *path, duet_error *err)
-{
-    return ok || error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be written: %s", path,
-                           errno ? strerror(errno) : "the disk is full");
 }
 
 static bool write_all(int file, uint64_t at, const void *bytes, size_t n)
@@ -104,8 +109,9 @@ static bool write_all(int file, uint64_t at, const void *bytes, size_t n)
     return true;
 }
 
-// Each rank writes its own range with plain calls: where the disk is full, MPI-IO may write less
-// than all and call it success.
+// Each rank writes its own range with plain calls. MPI-IO would gather small pieces to large ones,
+// but a rank has one piece; and where the disk is full it may write less than all and call it
+// success.
 static bool write_values(const char *part, uint64_t at, const void *pairs, uint64_t n,
                          const char *path, duet_error *err)
 {

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TAG_ROWS = 1, TAG_BALLAST };
+enum { TAG_ROWS = 1, TAG_BALLAST, TAG_PING };
 
 // A statement in which this rank may have to wait.
 #define WAITING(r, statement)                       \
@@ -165,6 +165,12 @@ bool ranks_agree_on(ranks *r, const char *call, bool ok, tally *t, duet_error *e
     return all.failing == r->n || tell_failure(r, all.failing, err);
 }
 
+void ranks_await_end(ranks *r, const char *call)
+{
+    while (r->comm != MPI_COMM_NULL && !ranks_agree_on(r, call, true, NULL, NULL))
+        continue;
+}
+
 void ranks_wait(ranks *r)
 {
     WAITING(r, MPI_Barrier(r->comm));
@@ -206,6 +212,47 @@ void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes)
         at += now;
         bytes -= (uint64_t)now;
     }
+}
+
+// ---------------------------------------------------------------- the network
+
+enum { PINGS = 11, WARM_PINGS = 3 };
+
+static int ascending(const void *left, const void *right)
+{
+    double p = *(const double *)left, q = *(const double *)right;
+    return (p > q) - (p < q);
+}
+
+double ranks_ping_ns(ranks *r, int to, void *bytes, int n)
+{
+    double taken[PINGS];
+    bool plays = r->self == 0 || r->self == to;
+    int other = r->self == 0 ? to : 0;
+    MPI_Barrier(r->comm);
+    for (int i = -WARM_PINGS; plays && i < PINGS; ++i) {
+        uint64_t begun_ns = ranks_now_ns();
+        if (r->self == 0)
+            MPI_Send(bytes, n, MPI_BYTE, other, TAG_PING, r->comm);
+        MPI_Recv(bytes, n, MPI_BYTE, other, TAG_PING, r->comm, MPI_STATUS_IGNORE);
+        if (r->self != 0)
+            MPI_Send(bytes, n, MPI_BYTE, other, TAG_PING, r->comm);
+        if (i >= 0)
+            taken[i] = (double)(ranks_now_ns() - begun_ns) / 2;
+    }
+    MPI_Barrier(r->comm);
+    if (!plays)
+        return 0;
+    qsort(taken, PINGS, sizeof *taken, ascending);
+    return taken[PINGS / 2];
+}
+
+// Its first line, without its build.
+void ranks_library(char name[MPI_MAX_LIBRARY_VERSION_STRING])
+{
+    int length = 0;
+    MPI_Get_library_version(name, &length);
+    name[strcspn(name, ",\n\t")] = '\0';
 }
 
 // ---------------------------------------------------------------- one before the others

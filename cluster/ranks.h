@@ -66,6 +66,10 @@ bool ranks_agree_and(ranks *r, bool ok, tally *t, duet_error *err);
 // where the ranks make different ones.
 bool ranks_agree_on(ranks *r, const char *call, bool ok, tally *t, duet_error *err);
 
+// Until all ranks are here; those that make another call meanwhile are refused it. Nothing
+// where ranks did not begin.
+void ranks_await_end(ranks *r, const char *call);
+
 void ranks_wait(ranks *r); // until all are here
 void ranks_sum(ranks *r, uint64_t *values, int n);
 void ranks_least(ranks *r, uint64_t *values, int n);
@@ -74,6 +78,11 @@ uint64_t ranks_sum_before(ranks *r, uint64_t value); // over the ranks below thi
 // all is [n of ranks][bytes].
 void ranks_gather(ranks *r, const void *own, void *all, int bytes);
 void ranks_tell(ranks *r, void *of_rank_0, uint64_t bytes);
+
+// How long `n` bytes take from rank 0 to rank `to`, one way: the median of several, on rank 0
+// alone. Between two moments of which nobody else uses the network.
+double ranks_ping_ns(ranks *r, int to, void *bytes, int n);
+void ranks_library(char name[MPI_MAX_LIBRARY_VERSION_STRING]); // with its version
 
 // The first rank of each host for which `has_work` holds goes first; the others wait for it.
 // Between the two calls nothing is said to other ranks.

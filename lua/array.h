@@ -19,6 +19,7 @@ typedef enum array_kind {
     ARRAY_ROUNDED_BOXES,
     ARRAY_SPHERES,
     ARRAY_PAIRS,
+    ARRAY_PAIRS64,
     ARRAY_BODIES,
     ARRAY_STATES,
     ARRAY_CONTACTS,

@@ -70,6 +70,7 @@ int luaopen_duet(lua_State *L)
     contact_query_open_lua(L);
     pair_delta_open_lua(L);
     replay_open_lua(L);
+    cluster_open_lua(L);
     preload_carried(L);
     return 1;
 }

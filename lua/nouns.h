@@ -26,6 +26,7 @@ void tree_query_open_lua(lua_State *L);
 void contact_query_open_lua(lua_State *L);
 void pair_delta_open_lua(lua_State *L);
 void replay_open_lua(lua_State *L);
+void cluster_open_lua(lua_State *L);
 
 extern const member_type member_plan; // a duet_plan as a table
 const char *shape_name(int shape);
@@ -83,6 +84,12 @@ int world_explain_profile_lua(lua_State *L);
 int world_online_lua(lua_State *L);
 
 duet_scene *scene_check(lua_State *L, int index);
+// { n = 1000, rotated = false } -> names and values as text, kept by a table
+// that is left on the stack.
+const duet_setting *scene_read_settings(lua_State *L, int index, uint32_t *n);
+void scene_push_info(lua_State *L, const duet_scene_info *info); // as a table
+
+void profile_push_known(lua_State *L, const duet_profile *profile); // as a table
 
 // Pushes a list of tables, one a stage.
 void stages_push(lua_State *L, const duet_stage *stages, uint32_t n);

@@ -205,6 +205,11 @@ static const member known_members[] = {
     MEMBER(member_int, duet_profile, measured_s),   {0},
 };
 
+void profile_push_known(lua_State *L, const duet_profile *profile)
+{
+    member_push_table(L, known_members, profile);
+}
+
 int world_load_profile_lua(lua_State *L)
 {
     duet_error err = {0};
@@ -213,7 +218,7 @@ int world_load_profile_lua(lua_State *L)
     const char *path = check_store(L, 2);
     if (!duet_world_load_profile(box->world, path, &profile, &err))
         return class_push_failure(L, &err);
-    member_push_table(L, known_members, &profile);
+    profile_push_known(L, &profile);
     return 1;
 }
 
@@ -229,7 +234,7 @@ int tree_load_profile_lua(lua_State *L)
     const char *path = check_store(L, 4);
     if (!duet_tree_load_profile(tree, query, (uint64_t)n, path, &profile, &err))
         return class_push_failure(L, &err);
-    member_push_table(L, known_members, &profile);
+    profile_push_known(L, &profile);
     return 1;
 }
 

@@ -55,11 +55,14 @@ static const void *info_of(lua_State *L)
     return duet_scene_get_info(scene_check(L, 1));
 }
 
+void scene_push_info(lua_State *L, const duet_scene_info *info)
+{
+    member_push_table(L, info_members, info);
+}
+
 // ---------------------------------------------------------------- making
 
-// { n = 1000, rotated = false } -> names and values as text, kept by a table
-// that is left on the stack.
-static const duet_setting *read_settings(lua_State *L, int index, uint32_t *n)
+const duet_setting *scene_read_settings(lua_State *L, int index, uint32_t *n)
 {
     *n = 0;
     if (lua_isnoneornil(L, index))
@@ -99,7 +102,7 @@ static int scene_load(lua_State *L)
     duet_error err = {0};
     uint32_t n = 0;
     const char *path = luaL_checkstring(L, 1);
-    const duet_setting *settings = read_settings(L, 2, &n);
+    const duet_setting *settings = scene_read_settings(L, 2, &n);
     policy_check_read(L, path);
     scene_box *box = class_push(L, &scene_class, sizeof *box);
     box->scene = duet_scene_load(path, settings, n, &err);

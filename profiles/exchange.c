@@ -39,6 +39,8 @@ static const line_type types[] = {
     {"session", NULL, false, false, {"options", "search_state"}},
     {"trial", NULL, false, true, {"terms"}},
     {"profile", NULL, false, false, {"terms"}},
+    {"fabric", NULL, true, false, {"times"}},
+    {"cluster_run", NULL, false, true, {NULL}},
 };
 
 enum { N_TYPES = sizeof types / sizeof types[0] };
@@ -200,7 +202,7 @@ static bool find_type(const import *in, const char *line, const line_type **type
         else if (!*type)
             ok = bad_line(in, err,
                           "its type is not one of store, device, env, pair, workload, level_cost, "
-                          "script, session, trial, profile: ",
+                          "script, session, trial, profile, fabric, cluster_run: ",
                           name);
     }
     return sql_close(&q) && ok;

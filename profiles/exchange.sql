@@ -252,3 +252,46 @@ SELECT ?1 ->> 'uid', place.pair_id, place.workload_id, ?1 ->> 'kernels', ?1 ->> 
                iif(own.there, 'the store had one of its own', ?1 ->> 'dead_reason')))
   FROM place, own, unfounded WHERE true
     ON CONFLICT DO NOTHING
+
+--@fabric fields
+type key mpi place hosts ranks latency_ns byte_ns times measured_ns
+
+--@fabric out
+SELECT json_object('type', 'fabric', 'key', key, 'mpi', mpi, 'place', place, 'hosts', hosts,
+                   'ranks', ranks, 'latency_ns', latency_ns, 'byte_ns', byte_ns,
+                   'times', CASE WHEN json_valid(times) THEN CASE json_type(times) WHEN 'object' THEN json(times)
+                                    END END, 'measured_ns', measured_ns)
+  FROM fabric ORDER BY key
+
+--@fabric in
+INSERT INTO fabric (key, mpi, place, hosts, ranks, latency_ns, byte_ns, times, measured_ns)
+SELECT ?1 ->> 'key', ?1 ->> 'mpi', ?1 ->> 'place', ?1 ->> 'hosts', ?1 ->> 'ranks',
+       ?1 ->> 'latency_ns', ?1 ->> 'byte_ns', ?1 ->> 'times', ?1 ->> 'measured_ns'
+    ON CONFLICT DO NOTHING
+
+--@cluster_run fields
+type uid fabric scene dims n level parts resident steps median_ns low_ns high_ns created_ns ranks
+
+--@cluster_run out
+SELECT json_object('type', 'cluster_run', 'uid', uid, 'fabric', fabric.key, 'scene', scene,
+                   'dims', dims, 'n', n, 'level', level, 'parts', parts, 'resident', resident,
+                   'steps', steps, 'median_ns', median_ns, 'low_ns', low_ns, 'high_ns', high_ns,
+                   'created_ns', created_ns,
+                   'ranks', (SELECT json_group_array(json_array(number, devices, n, ghosts, pairs,
+                                                                sent_bytes, busy_ns, wait_ns))
+                               FROM cluster_rank WHERE run_id = r.id))
+  FROM cluster_run r JOIN fabric ON fabric.id = fabric_id ORDER BY created_ns, uid
+
+--@cluster_run in
+INSERT INTO cluster_run (uid, fabric_id, scene, dims, n, level, parts, resident, steps, median_ns,
+                         low_ns, high_ns, created_ns)
+SELECT ?1 ->> 'uid', (SELECT id FROM fabric WHERE key = ?1 ->> 'fabric'), ?1 ->> 'scene',
+       ?1 ->> 'dims', ?1 ->> 'n', ?1 ->> 'level', ?1 ->> 'parts', ?1 ->> 'resident',
+       ?1 ->> 'steps', ?1 ->> 'median_ns', ?1 ->> 'low_ns', ?1 ->> 'high_ns', ?1 ->> 'created_ns'
+    ON CONFLICT DO NOTHING
+
+--@cluster_run parts
+INSERT INTO cluster_rank (run_id, number, devices, n, ghosts, pairs, sent_bytes, busy_ns, wait_ns)
+SELECT ?2, value ->> 0, value ->> 1, value ->> 2, value ->> 3, value ->> 4, value ->> 5,
+       value ->> 6, value ->> 7
+  FROM json_each(?1, '$.ranks')

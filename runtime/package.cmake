@@ -84,7 +84,7 @@ endif()
 
 set(opencl_driver "pocl-opencl-icd | opencl-icd")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "${opencl_driver}, gnuplot-nox")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "libduet-dev, lua-duet")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "libduet-dev, lua-duet, duet-cluster")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS "${opencl_driver}")
 file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/triggers "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_BINARY_DIR}/triggers)

@@ -3,11 +3,13 @@
 #include "cli/cluster/rank.h"
 
 #include "base/error.h"
+#include "cli/cluster/keep.h"
 #include "cli/report/json.h"
 #include "cli/report/run_report.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "cluster/cluster.h"
+#include "profiles/cluster_run.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -314,6 +316,23 @@ static bool tell(const run_state *r, duet_error *err)
                      duet_cluster_get_scene_info(r->cluster)->name);
 }
 
+static bool keep(const run_state *r, duet_error *err)
+{
+    const duet_scene_info *info = duet_cluster_get_scene_info(r->cluster);
+    uint64_t n = r->args->repeat;
+    profile_cluster_run run = {.scene = info->name,
+                               .dims = info->dims,
+                               .n = r->result.objects,
+                               .level = duet_level_get_info(r->cluster->def.world.level)->name,
+                               .parts = (uint32_t)r->args->parts,
+                               .resident = r->args->resident,
+                               .steps = n,
+                               .median_ns = r->total_ms[(n - 1) / 2] * 1e6,
+                               .low_ns = r->total_ms[0] * 1e6,
+                               .high_ns = r->total_ms[n - 1] * 1e6};
+    return !r->args->keep || keep_run(r->cluster, &run, r->ranks, err);
+}
+
 // ---------------------------------------------------------------- all of it
 
 static bool run_all(run_state *r, const char *path, duet_error *err)
@@ -322,7 +341,7 @@ static bool run_all(run_state *r, const char *path, duet_error *err)
               run_steps(r, err) && check(r, err);
     if (ok && r->args->pairs_path)
         ok = duet_cluster_save_pairs(r->cluster, r->args->pairs_path, r->args->sorted, err);
-    return ok && ranks_agree(&r->cluster->ranks, tell(r, err), err);
+    return ok && ranks_agree(&r->cluster->ranks, tell(r, err), err) && keep(r, err);
 }
 
 bool rank_run(const cluster_arguments *args, const char *scene, const simulation *s,

@@ -25,6 +25,8 @@ typedef cluster_arguments arguments;
 static const option options[] = {
     SCENE_OPTION_ROWS(scene),
     OPTION_COUNT("ranks", ranks, "R", "start so many ranks on this machine by mpirun", 1, 65536),
+    OPTION_TEXT("hosts", hosts, "H,H",
+                "deal them out to these machines, which ssh reaches (this one)"),
     OPTION_TEXT("weights", weights, "W,W",
                 "a number for each rank: its part of the objects (by its profile)"),
     OPTION_COUNT("parts", parts, "K", "of each rank's objects: its devices hold two at a time (1)",
@@ -41,6 +43,7 @@ static const option options[] = {
     OPTION_TEXT("pairs", pairs_path, "P.npy", "write the pairs, by all ranks into one file"),
     OPTION_FLAG("sorted", sorted, "write them ascending: the same bytes for any number of ranks"),
     OPTION_FLAG("check", check, "compare the pairs' number and hash with the plain C reference"),
+    OPTION_FLAG("keep", keep, "keep what the ranks and their network did in the profile store"),
     OPTION_TEXT("simulate", simulate, "P.xml",
                 "simulate the ranks, with the plain C reference, on a platform of SimGrid's"),
     OPTION_TEXT("profile", profile, "UID",
@@ -52,25 +55,17 @@ static const option options[] = {
 };
 
 static const option_rule rules[] = {
-    {"sorted", OPTION_NEEDS, "pairs"},
-    {"plain", OPTION_EXCLUDES, "pair"},
-    {"plain", OPTION_EXCLUDES, "share"},
-    {"plain", OPTION_EXCLUDES, "mode"},
-    {"plain", OPTION_EXCLUDES, "variant"},
-    {"plain", OPTION_EXCLUDES, "variant-a"},
-    {"plain", OPTION_EXCLUDES, "variant-b"},
-    {"simulate", OPTION_EXCLUDES, "pair"},
-    {"simulate", OPTION_EXCLUDES, "share"},
-    {"simulate", OPTION_EXCLUDES, "mode"},
-    {"simulate", OPTION_EXCLUDES, "variant"},
-    {"simulate", OPTION_EXCLUDES, "variant-a"},
-    {"simulate", OPTION_EXCLUDES, "variant-b"},
-    {"simulate", OPTION_NEEDS, "ranks"},
-    {"profile", OPTION_NEEDS, "simulate"},
-    {"profile", OPTION_EXCLUDES, "check"},
-    {"profile", OPTION_EXCLUDES, "pairs"},
-    {"stands-for", OPTION_NEEDS, "profile"},
-    {0},
+    {"hosts", OPTION_NEEDS, "ranks"},           {"sorted", OPTION_NEEDS, "pairs"},
+    {"plain", OPTION_EXCLUDES, "pair"},         {"plain", OPTION_EXCLUDES, "share"},
+    {"plain", OPTION_EXCLUDES, "mode"},         {"plain", OPTION_EXCLUDES, "variant"},
+    {"plain", OPTION_EXCLUDES, "variant-a"},    {"plain", OPTION_EXCLUDES, "variant-b"},
+    {"simulate", OPTION_EXCLUDES, "pair"},      {"simulate", OPTION_EXCLUDES, "share"},
+    {"simulate", OPTION_EXCLUDES, "mode"},      {"simulate", OPTION_EXCLUDES, "variant"},
+    {"simulate", OPTION_EXCLUDES, "variant-a"}, {"simulate", OPTION_EXCLUDES, "variant-b"},
+    {"simulate", OPTION_EXCLUDES, "hosts"},     {"simulate", OPTION_EXCLUDES, "keep"},
+    {"simulate", OPTION_NEEDS, "ranks"},        {"profile", OPTION_NEEDS, "simulate"},
+    {"profile", OPTION_EXCLUDES, "check"},      {"profile", OPTION_EXCLUDES, "pairs"},
+    {"stands-for", OPTION_NEEDS, "profile"},    {0},
 };
 
 static const char *refuse(const void *given, char **operands)
@@ -156,8 +151,11 @@ typedef struct launch {
 // The command line behind `begin`, which ends with NULL.
 static char **make_argv(const launch *l, char *const *begin, duet_error *err)
 {
-    char **argv = calloc((size_t)l->argc + 8, sizeof *argv);
     int n = 0;
+    while (begin[n])
+        ++n;
+    char **argv = calloc((size_t)(n + l->argc), sizeof *argv);
+    n = 0;
     if (!argv) {
         error_set(err, DUET_STATUS_NO_MEMORY, "the command line: no memory");
         return NULL;
@@ -197,6 +195,10 @@ static void prepare_mpirun(void)
     // Else mpirun lists OpenCL's devices, and a loader that it calls for that cuts
     // OCL_ICD_FILENAMES in the environment, which the ranks inherit, after its first driver.
     setenv("HWLOC_COMPONENTS", "-opencl", 0);
+    // A machine that is out of reach is missed within 3 s, and not within minutes.
+    setenv("OMPI_MCA_oob_tcp_keepalive_time", "1", 0);
+    setenv("OMPI_MCA_oob_tcp_keepalive_intvl", "1", 0);
+    setenv("OMPI_MCA_oob_tcp_keepalive_probes", "2", 0);
     setenv(CLUSTER_STARTED, isatty(STDERR_FILENO) ? "terminal" : "pipe", 1);
 }
 
@@ -218,23 +220,27 @@ static bool explain(launch *l, int status, duet_error *err)
     int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     if (interrupt_asked())
         return interrupt_check(err);
-    if (code > 128)
+    if (code > 128 && code - 128 <= SIGRTMAX)
         return error_set(err, DUET_STATUS_IO_FAILED,
                          "a rank was ended by signal %d (%s), and with it the job", code - 128,
                          strsignal(code - 128));
     l->status = code == 0 ? EXIT_OK : code - CLUSTER_TOLD;
     return code == 0 || l->status == EXIT_FAILED || l->status == EXIT_WRONG ||
            error_set(err, DUET_STATUS_IO_FAILED,
-                     "mpirun ended with status %d; 'mpirun -np %llu duet cluster' says why", code,
+                     "mpirun ended with status %d%s; 'mpirun -np %llu duet cluster' says why", code,
+                     l->args.hosts ? ", a machine may be out of reach" : "",
                      (unsigned long long)l->args.ranks);
 }
 
 static bool start_ranks(launch *l, char *program, duet_error *err)
 {
     char mpirun[] = "mpirun", flag[] = "-n", ranks[24];
-    char *begin[] = {mpirun, flag, ranks, program, NULL};
+    char host[] = "--host", map[] = "--map-by", node[] = "node", send[] = "-x";
+    char started[] = CLUSTER_STARTED, *hosts = (char *)l->args.hosts;
+    char *here[] = {mpirun, flag, ranks, program, NULL};
+    char *there[] = {mpirun, flag, ranks, host, hosts, map, node, send, started, program, NULL};
     snprintf(ranks, sizeof ranks, "%llu", (unsigned long long)l->args.ranks);
-    char **argv = make_argv(l, begin, err);
+    char **argv = make_argv(l, hosts ? there : here, err);
     if (!argv)
         return false;
     prepare_mpirun();

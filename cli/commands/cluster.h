@@ -12,6 +12,7 @@ typedef struct cluster_arguments {
     const char *level;
     const char *pair;
     const char *weights; // NULL: all ranks are alike
+    const char *hosts;   // to start ranks on; NULL: this machine
     const char *pairs_path;
     const char *simulate; // a platform; NULL: ranks are real
     const char *profile;  // whose times simulated ranks take; NULL: they find pairs
@@ -23,6 +24,7 @@ typedef struct cluster_arguments {
     bool resident;
     bool sorted;
     bool check;
+    bool keep;
     bool json;
 } cluster_arguments;
 

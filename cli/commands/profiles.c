@@ -8,6 +8,7 @@
 #include "cli/options.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
+#include "profiles/cluster_run.h"
 #include "profiles/exchange.h"
 #include "profiles/profile.h"
 #include "profiles/upkeep.h"
@@ -51,7 +52,9 @@ static const option list_options[] = {
 static const command_line list_line = {
     .name = "profiles list",
     .operands = "",
-    .about = "Lists the profiles of the store by device pair and size.",
+    .about =
+        "Lists the profiles of the store by device pair and size, and the runs of 'duet cluster\n"
+        "--keep'.",
     .options = list_options,
 };
 
@@ -75,7 +78,8 @@ static const command_line show_line = {
     .least_operands = 1,
     .most_operands = 1,
     .about = "Shows a profile, named by the first digits that 'duet profiles list' prints, with\n"
-             "the session it comes from and all its trials.",
+             "the session it comes from and all its trials; or a run of a cluster, with its ranks\n"
+             "and the network between them.",
     .options = show_options,
 };
 
@@ -123,7 +127,9 @@ static const command_line forget_line = {
     .operands = "PROFILE",
     .least_operands = 1,
     .most_operands = 1,
-    .about = "Removes a profile. What was measured for it stays, and no other takes its place.",
+    .about =
+        "Removes a profile, or a run of a cluster. What was measured for a profile stays, and no\n"
+        "other takes its place.",
     .options = uid_options,
 };
 
@@ -138,7 +144,16 @@ static bool use(store *s, const arguments *args, char **operands, duet_error *er
 
 static bool forget(store *s, const arguments *args, char **operands, duet_error *err)
 {
+    char run[PROFILE_ID];
     (void)args;
+    if (!cluster_run_find(s, operands[0], run, err))
+        return false;
+    if (*run) {
+        if (!cluster_run_forget(s, run, err))
+            return false;
+        printf("%s is forgotten\n", operands[0]);
+        return true;
+    }
     if (!profile_forget(s, operands[0], err))
         return false;
     printf("%s is forgotten; 'duet tune' measures again\n", operands[0]);

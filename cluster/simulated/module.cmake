@@ -24,11 +24,11 @@ target_compile_definitions(simgrid INTERFACE _DEFAULT_SOURCE) # useconds_t, whic
 
 set(arrows "${duet_arrows}")
 set(objects "${duet_module_objects}")
-duet_module(simulated FOLDER cluster KNOWS selection LINKS simgrid PUBLIC cluster/duet_cluster.h)
+duet_module(simulated FOLDER cluster KNOWS selection LINKS simgrid)
 set(duet_arrows "${arrows}")
 set(duet_module_objects "${objects}")
 
-add_executable(duet-simulate cli/cluster/simulate.c cli/cluster/rank.c
+add_executable(duet-simulate cli/cluster/simulate.c cli/cluster/keep.c cli/cluster/rank.c
   $<TARGET_OBJECTS:duet_cli> $<TARGET_OBJECTS:duet_simulated> ${duet_objects})
 target_link_libraries(duet-simulate PRIVATE duet_cli duet_simulated duet_options)
 add_dependencies(duet duet-simulate)

@@ -15,6 +15,9 @@
 //   keys     [n]  NOWHERE for an object that is bad or elsewhere
 //   counts   [key_to - key_from] zeroed before; objects a cell (RANK)
 //   ranks    [n]  (RANK)
+//@ if STRAYS > 0 then
+//   marks    [n / STRAYS]  the stamp where a block has a key from marked_from to marked_to
+//@ end
 //
 // BATCH keys are known before the first is counted, so that a CPU can ask for
 // all their counts at once: they lie all over the grid. What is not in the grid
@@ -28,6 +31,11 @@ typedef struct {
     uint n_levels;
     uint n_cells;
     uint key_from, key_home_to, key_to;
+//@ if STRAYS > 0 then
+    uint marked_from, marked_to;
+    uint stamp;
+    volatile __global uint *marks;
+//@ end
     volatile __global uint *counters;
 } hashing;
 
@@ -57,6 +65,10 @@ static inline word keys_of(const hashing *h, uint id, uint last)
     object o = object_at(h->objects, ids);
     word key = object_key(&o, h->levels, h->n_levels, h->n_cells);
     mask bad = object_is_bad(&o);
+//@ if STRAYS > 0 then
+    if (any_lane((key >= (word)(h->marked_from)) & (key < (word)(h->marked_to))))
+        h->marks[ids[0] / STRAYS] = h->stamp; // whoever writes, writes the same
+//@ end
     mask before = key < (word)(h->key_from);
     if (any_lane(bad))
         report_bad(h, bad & ~before & (key < (word)(h->key_home_to)), ids, last - id);
@@ -95,7 +107,11 @@ __kernel void hash(HASH_ARGS)
 #if PACKED
                  names,
 #endif
-                 levels, n_levels, n_cells, key_from, key_home_to, key_to, counters};
+                 levels, n_levels, n_cells, key_from, key_home_to, key_to,
+//@ if STRAYS > 0 then
+                 marked_from, marked_to, stamp, marks,
+//@ end
+                 counters};
     uint first = n_hashed + get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     for (uint from = first; from < last; from += BATCH) {

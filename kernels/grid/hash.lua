@@ -14,6 +14,8 @@ return {
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "RANK", values = { 0, 1 }, default = 1, about = "count objects a cell, for the counting sort" },
     { "PACKED", values = { 0, 1 }, default = 0, about = "1: objects of one slab, with their ids" },
+    { "STRAYS", min = 0, max = 65536, default = 0, silent = true,
+      about = "objects in each block that is marked where the other device wants any of it" },
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "objects side by side in a work-item" },
     { "BATCH", values = { 1, 8, 64 }, default = function(limits) return limits.cpu and 64 or 1 end,
@@ -42,6 +44,10 @@ return {
       uint *keys
       volatile uint *counts  if RANK == 1
       uint *ranks            if RANK == 1
+      uint marked_from       if STRAYS > 0
+      uint marked_to         if STRAYS > 0
+      uint stamp             if STRAYS > 0
+      volatile uint *marks   if STRAYS > 0
       volatile uint *counters
     ]],
   },

@@ -16,11 +16,13 @@ return {
       about = "large-world positions: the exponent bits of the origin cells' edge; 0: none" },
     { "ACCURACY", values = { 0, 1, 2, 3, 4, 5 }, default = 0,
       about = "0 certified, 1 bounds, 2 spheres, 3 faces' axes, 4 all axes in float, 5 in double" },
-    { "SORTED", values = { 1 }, default = 1, about = "boxes are read in cell order" },
+    { "SORTED", values = { 1 }, min = 0, max = 1, default = 1, about = "where a box is read: 0 by id, 1 in cell order" },
     { "FUSED", values = { 0, 1 }, default = 0, about = "1: candidates are tested where they are found" },
     { "JOINED", values = { 0, 1 }, default = function(limits) return limits.cpu and 0 or 1 end,
       about = "1: one loop over all ranges around a cell" },
     { "IDS", values = { 0, 1 }, default = 0, about = "what a pair names: 0 places in cell order, 1 ids" },
+    { "GUARDED", min = 0, max = 1, default = 0, silent = true,
+      about = "1: nothing is searched in a grid that got more objects than it has space for" },
     { "CELLS_X", min = 0, max = 65536, default = 0, about = "cells along x that are compiled in; 0: read" },
     { "CELLS_Y", min = 0, max = 65536, default = 0, about = "along y" },
     { "CELLS_Z", min = 0, max = 65536, default = 0, about = "along z" },
@@ -33,13 +35,16 @@ return {
   args = {
     pair_search_gpu = [[
       const float4 *bounds
-      const float4 *boxes      if SHAPE ~= 1
+      const float4 *boxes      if SHAPE ~= 1 and SORTED == 1
+      const float *objects     if SORTED == 0
       const uint *starts
       constant grid_level *levels
       uint n_levels
       uint n_cells
       uint key_from
       uint n_home_cells
+      uint n_own_cells         if GUARDED == 1
+      uint place_capacity      if GUARDED == 1
       uint first
       uint last
       uint2 *found
@@ -57,6 +62,7 @@ return {
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
     if p.SHAPE == 3 and p.ROTATED == 1 then return false, "spheres have no rotation" end
     if p.SHAPE >= 2 and p.ORIGIN > 0 then return false, "what has a radius is not in origin cells" end
+    if p.SORTED == 0 and (p.SHAPE ~= 0 or p.ORIGIN > 0) then return false, "only poses from 0 are read by id" end
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
     if (p.CELLS_X == 0) ~= (p.CELLS_Y == 0) or (p.CELLS_X == 0) ~= (p.CELLS_Z == 0) then return false, "CELLS_X, CELLS_Y and CELLS_Z go together" end
     if p.CELLS_X > 0 and (p.GRID == 1 or p.LEVELS == 1) then return false, "CELLS_X is for dense grids of one size" end

@@ -23,9 +23,11 @@ typedef struct {
     __constant const grid_level *levels;
     uint n_levels;
     __global float4 *bounds;
+//@ if UNBOXED == 0 then
 #if SHAPE == SHAPE_POSES
     __global float4 *boxes;
 #endif
+//@ end
     volatile __global uint *counters;
 } order;
 
@@ -36,6 +38,7 @@ static inline void put(const order *to, size_t place, const object *o, uint id)
     check_extent(o, to->levels, to->n_levels, to->counters);
     to->bounds[BOUNDS_QUADS * place] = (float4)(b.lower[0], b.lower[1], b.lower[2], as_float(id));
     to->bounds[BOUNDS_QUADS * place + 1] = (float4)(b.upper[0], b.upper[1], b.upper[2], as_float(level));
+//@ if UNBOXED == 0 then
 #if SHAPE == SHAPE_POSES
     to->boxes[BOX_QUADS * place] = (float4)(o->centre[0], o->centre[1], o->centre[2], as_float(id));
 //@ if SHAPE >= 2 then
@@ -45,6 +48,7 @@ static inline void put(const order *to, size_t place, const object *o, uint id)
 //@ end
     to->boxes[BOX_QUADS * place + 2] = (float4)(o->rotation[0], o->rotation[1], o->rotation[2], o->rotation[3]);
 #endif
+//@ end
 #if ORIGIN
     float4 cell = as_float4((int4)(o->cell[0], o->cell[1], o->cell[2], 0));
     to->bounds[BOUNDS_QUADS * place + 2] = cell;
@@ -60,11 +64,15 @@ static inline void put(const order *to, size_t place, const object *o, uint id)
 
 __kernel void reorder(REORDER_ARGS)
 {
+//@ if UNBOXED == 1 then
+    order to = {levels, n_levels, sorted_bounds, counters};
+//@ else
 #if SHAPE == SHAPE_POSES
     order to = {levels, n_levels, sorted_bounds, sorted_boxes, counters};
 #else
     order to = {levels, n_levels, sorted_bounds, counters};
 #endif
+//@ end
 #if APART
     object_rows rows = {objects, sizes};
 #else

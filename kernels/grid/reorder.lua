@@ -14,6 +14,7 @@ return {
     { "LEVELS", values = { 0, 1 }, default = 0, about = "1: cells of several sizes" },
     { "FROM_IDS", values = { 0, 1 }, default = 1, about = "1: gathers by sorted ids, 0: scatters by cell and rank" },
     { "PACKED", values = { 0, 1 }, default = 0, about = "1: objects of one slab, with their ids" },
+    { "UNBOXED", min = 0, max = 1, default = 0, silent = true, about = "1: boxes are read by id, and only bounds are moved" },
     { "LANES", values = { 1 }, default = 1, about = "objects side by side in a work-item" },
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 256 end,
       about = "work-items a group" },
@@ -37,7 +38,7 @@ return {
       constant grid_level *levels
       uint n_levels
       float4 *sorted_bounds
-      float4 *sorted_boxes  if SHAPE ~= 1
+      float4 *sorted_boxes  if SHAPE ~= 1 and UNBOXED == 0
       volatile uint *counters
     ]],
   },

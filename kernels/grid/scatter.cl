@@ -8,6 +8,9 @@
 __kernel void scatter(SCATTER_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
+//@ if STRETCH == 1 then
+    first += n_hashed;
+//@ end
     uint last = min(first + PER_ITEM, n);
     for (uint id = first; id < last; ++id)
         if (keys[id] != NOWHERE)

@@ -53,6 +53,27 @@ static inline uint group_sum(uint value, __local uint *shared_sums)
     return total;
 }
 
+// Replaces a work-item's values by their exclusive sums; `running` is that of all before. In a
+// group four at a time, so that neighbours write whole sectors.
+static inline void put_sums(__global uint *values, uint first, uint n, uint running)
+{
+    uint last = min(first + PER_ITEM, n), i = first;
+//@ if WG > 1 then
+    for (; i + 4 <= last; i += 4) {
+        __global uint4 *four = (__global uint4 *)(values + i);
+        uint4 of = *four;
+        uint4 before = (uint4)(0, of.x, of.x + of.y, of.x + of.y + of.z) + running;
+        running = before.w + of.w;
+        *four = before;
+    }
+//@ end
+    for (; i < last; ++i) {
+        uint value = values[i];
+        values[i] = running;
+        running += value;
+    }
+}
+
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void
 scan_sums(SCAN_SUMS_ARGS)
 {
@@ -99,10 +120,5 @@ scan_blocks(SCAN_BLOCKS_ARGS)
     uint total;
     uint running = before_block(sums, use_tops, shared_sums);
     running += group_scan(sum_of(values, first, n), shared_sums, &total);
-    uint last = min(first + PER_ITEM, n);
-    for (uint i = first; i < last; ++i) {
-        uint value = values[i];
-        values[i] = running;
-        running += value;
-    }
+    put_sums(values, first, n, running);
 }

@@ -357,42 +357,6 @@ void grid_find_cell_rows(uint32_t *rows, const grid *g, const grid_objects *obje
         rows[k] += layers[k] * (uint32_t)level->cells.s[1];
 }
 
-// By the last axis alone, which leaves out nearly all blocks of objects that are in order: may
-// be true of others. What is no number may lie anywhere.
-static bool any_may_be_in_rows(const grid *g, const grid_objects *objects, uint32_t first,
-                               uint32_t n, uint32_t row_from, uint32_t row_to)
-{
-    const grid_level *level = &g->levels[0];
-    uint32_t axis = objects->dims - 1;
-    uint32_t rows = axis == 2 ? (uint32_t)level->cells.s[1] : 1;
-    uint32_t from = row_from / rows, to = row_to / rows + (row_to % rows > 0);
-    // Border cells go on without end, and no cell is at or past NAN.
-    float lowest = from == 0 ? NAN : (float)from;
-    float end = to >= (uint32_t)level->cells.s[axis] ? NAN : (float)to;
-    float lower = level->lower.s[axis], per_cell = level->per_cell.s[axis];
-    size_t row = grid_object_bytes(objects);
-    const char *at = (const char *)objects->array + first * row + axis * sizeof(float);
-    uint32_t n_there = 0;
-    for (uint32_t k = 0; k < n; ++k) {
-        float cell = (*(const float *)(at + k * row) - lower) * per_cell;
-        n_there += !(cell < lowest) & !(cell >= end);
-    }
-    return n_there > 0;
-}
-
-bool grid_any_in_rows(const grid *g, const grid_objects *objects, uint32_t first, uint32_t n,
-                      uint32_t row_from, uint32_t row_to)
-{
-    uint32_t rows[GRID_ROWS_AT_ONCE];
-    uint32_t n_there = 0;
-    if (!any_may_be_in_rows(g, objects, first, n, row_from, row_to))
-        return false;
-    grid_find_cell_rows(rows, g, objects, first, n);
-    for (uint32_t k = 0; k < n; ++k)
-        n_there += rows[k] - row_from < row_to - row_from;
-    return n_there > 0;
-}
-
 // Bounds that end before they begin: bad ones, which no search takes.
 static bool is_left_out(const grid_objects *objects, uint32_t id)
 {

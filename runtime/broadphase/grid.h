@@ -128,8 +128,4 @@ enum { GRID_ROWS_AT_ONCE = 1024 };
 void grid_find_cell_rows(uint32_t *rows, const grid *g, const grid_objects *objects, uint32_t first,
                          uint32_t n);
 
-// Whether any of them lies in rows [row_from, row_to).
-bool grid_any_in_rows(const grid *g, const grid_objects *objects, uint32_t first, uint32_t n,
-                      uint32_t row_from, uint32_t row_to);
-
 #endif

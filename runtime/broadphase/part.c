@@ -86,7 +86,7 @@ static bool send_objects(part *p, const part_task *task, size_t bytes, duet_erro
     p->packed.objects_version = 0;
     bool ok = buffer_hold(&p->objects, p->device, (void *)task->objects.array, bytes, err);
     if (task->strays && !p->device->info.host_memory)
-        return ok; // its stretches are sent as they are hashed
+        return ok; // part_build_grid sends its stretches
     uint32_t ahead = p->n_chunks > 0 ? p->chunks[p->n_chunks - 1].to : 0;
     if (ok && p->objects_version != task->objects_version)
         ok = ahead > 0 || wants_chunks(p, task)
@@ -227,56 +227,75 @@ static bool run_hash(part *p, const part_task *task, duet_error *err)
     return ok && hash_chunk(p, from, task->objects.n, NULL, err);
 }
 
-// Sends the part a stretch of the input, unless it has that already, and hashes it.
-static bool take_stretch(part *p, const part_task *task, stretch s, bool has, duet_error *err)
+static bool send_stretch(part *p, const part_task *task, stretch s, duet_error *err)
 {
     size_t bytes = grid_object_bytes(&task->objects);
-    bool beside = !has && wants_chunks(p, task);
-    uint32_t size = beside ? chunk_size(p, s.to - s.from) : s.to - s.from;
-    for (uint32_t from = s.from, to; from < s.to; from = to) {
-        to = s.to - from > size ? from + size : s.to;
-        const char *rows = (const char *)task->objects.array + from * bytes;
-        if (!has && !(beside ? timeline_write_beside
-                             : timeline_write_at)(&p->times, "send objects", &p->objects,
-                                                  from * bytes, rows, (to - from) * bytes, err))
-            return false;
-        if (!hash_chunk(p, from, to, beside ? timeline_last_event(&p->times) : NULL, err))
-            return false;
+    const char *rows = (const char *)task->objects.array + s.from * bytes;
+    return timeline_write_at(&p->times, "send objects", &p->objects, s.from * bytes, rows,
+                             (s.to - s.from) * bytes, err);
+}
+
+// Sends the part what it takes of the input and does not have: its own stretch first.
+static bool send_stretches(part *p, const part_task *task, duet_error *err)
+{
+    const strays *s = task->strays;
+    bool all = p->device->info.host_memory || p->objects_version == task->objects_version;
+    bool own = p->stretched.objects_version == task->objects_version && p->stretched.cut == s->cut;
+    bool others = own && p->stretched.strays_version == s->version;
+    p->taken = strays_taken(s, task->side);
+    if (all)
+        return true;
+    p->objects_version = p->stretched.objects_version = 0;
+    bool ok = own || send_stretch(p, task, strays_own(s, task->side), err);
+    for (uint32_t i = 0; ok && !others && i < p->taken.n; ++i)
+        ok = i == p->taken.own || send_stretch(p, task, p->taken.list[i], err);
+    if (ok) {
+        p->stretched.objects_version = task->objects_version;
+        p->stretched.strays_version = s->version;
+        p->stretched.cut = s->cut;
     }
-    return true;
+    return ok;
 }
 
-static bool has_stretches(const part *p, const part_task *task, const part_range *range)
+// Marks of steps before are other stamps.
+static bool reserve_marks(part *p, uint32_t n, duet_error *err)
 {
-    return p->device->info.host_memory || p->objects_version == task->objects_version ||
-           (p->stretched.objects_version == task->objects_version &&
-            p->stretched.grid_version == task->grid_version &&
-            p->stretched.key_from == range->key_from && p->stretched.key_to == range->key_to);
+    size_t words = n / STRAY_BLOCK + 1;
+    cl_mem before = p->marks.mem;
+    ++p->stamp;
+    return buffer_reserve(&p->marks, p->device, words * sizeof(uint32_t), err) &&
+           (p->marks.mem == before || timeline_fill(&p->times, "clear", &p->marks, 0, 0,
+                                                    p->marks.bytes / sizeof(uint32_t), err));
 }
 
-// The host looks for strays while the part takes its own stretch.
-static bool take_stretches(part *p, const part_task *task, const part_range *range, duet_error *err)
+stray_marks part_marks(const part *p)
 {
-    bool has = has_stretches(p, task, range);
+    return (stray_marks){p->marks.host ? p->marks.host : p->marks_seen.bytes, p->stamp};
+}
+
+// On their way where the device has memory of its own; else part_search brings them.
+static bool ask_for_marks(part *p, duet_error *err)
+{
+    return p->device->info.host_memory ||
+           (host_block_reserve(&p->marks_seen, p->device, 1, p->marks.bytes, err) &&
+            timeline_start_read(&p->times, "fetch marks", &p->marks, 0, p->marks_seen.bytes,
+                                p->marks.bytes, err));
+}
+
+// Of its own stretch alone the part marks what the other one wants.
+static bool hash_stretches(part *p, const part_task *task, duet_error *err)
+{
+    const part_range *other = strays_wanted_by_other(task->strays, task->side);
     stretch own = strays_own(task->strays, task->side);
-    p->stretched.objects_version = 0;
-    bool ok = take_stretch(p, task, own, has, err) && timeline_flush(&p->times, err);
-    uint64_t begun = clock_steady_ns();
-    strays_look(task->strays, task->side);
-    strays_await(task->strays, task->side);
-    timeline_add_host(&p->times, "strays", clock_ms_since(begun));
-    p->taken = strays_taken(task->strays, task->side);
+    p->args.marked_from = other->key_from;
+    p->args.marked_to = other->key_to;
+    bool ok = hash_chunk(p, own.from, own.to, NULL, err) && ask_for_marks(p, err);
+    p->args.marked_from = p->args.marked_to = 0;
     for (uint32_t i = 0; ok && i < p->taken.n; ++i)
-        ok = i == p->taken.own || take_stretch(p, task, p->taken.list[i], has, err);
+        ok = i == p->taken.own ||
+             hash_chunk(p, p->taken.list[i].from, p->taken.list[i].to, NULL, err);
     p->args.n = task->objects.n;
-    if (!ok || p->device->info.host_memory)
-        return ok;
-    p->objects_version = has ? p->objects_version : 0;
-    p->stretched.objects_version = task->objects_version;
-    p->stretched.grid_version = task->grid_version;
-    p->stretched.key_from = range->key_from;
-    p->stretched.key_to = range->key_to;
-    return true;
+    return ok;
 }
 
 // Objects that were not taken are nowhere.
@@ -292,20 +311,36 @@ static bool pass_over_rest(part *p, uint32_t n, duet_error *err)
     return ok && timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, n, err);
 }
 
-static bool hash_objects(part *p, const part_task *task, const part_range *range, duet_error *err)
+// all: kernels follow that look at every object's key.
+static bool hash_objects(part *p, const part_task *task, bool all, duet_error *err)
 {
     return task->strays
-               ? take_stretches(p, task, range, err) && pass_over_rest(p, task->objects.n, err)
+               ? hash_stretches(p, task, err) && (!all || pass_over_rest(p, task->objects.n, err))
                : run_hash(p, task, err);
+}
+
+// Gives each object that was taken its place.
+static bool scatter(part *p, const part_task *task, duet_error *err)
+{
+    const stretches all = {.list = {{0, task->objects.n}}, .n = 1};
+    const stretches *taken = task->strays ? &p->taken : &all;
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < taken->n; ++i) {
+        const stretch *s = &taken->list[i];
+        p->args.n_hashed = s->from;
+        p->args.n = s->to;
+        ok = timeline_launch(&p->times, "sort", p->kernels.scatter, s->to - s->from, p, err);
+    }
+    p->args.n = task->objects.n;
+    return ok;
 }
 
 // The keys count into starts, and the ranks tell them apart.
 static bool counting_sort(part *p, const part_task *task, const part_range *range, duet_error *err)
 {
-    return hash_objects(p, task, range, err) &&
+    return hash_objects(p, task, !p->kernels.from_ids, err) &&
            scan_run(&p->scan, &p->times, "sort", &p->starts, count_starts(range), err) &&
-           (!p->kernels.from_ids ||
-            timeline_launch(&p->times, "sort", p->kernels.scatter, task->objects.n, p, err));
+           (!p->kernels.from_ids || scatter(p, task, err));
 }
 
 static bool find_starts(part *p, const part_task *task, const part_range *range, duet_error *err)
@@ -324,7 +359,7 @@ static bool radix_sort_keys(part *p, const part_task *task, const part_range *ra
                             duet_error *err)
 {
     const radix_lists lists = {&p->keys, &p->ids, &p->keys_spare, &p->ids_spare};
-    return hash_objects(p, task, range, err) &&
+    return hash_objects(p, task, true, err) &&
            radix_sort_run(&p->radix, &p->times, "sort", &lists, task->objects.n,
                           task->grid.key_bits, err) &&
            find_starts(p, task, range, err);
@@ -366,7 +401,7 @@ static place_bytes bytes_of_places(const part *p, const part_task *task, size_t 
         return (place_bytes){.bounds = COLUMN(n) * columns * sizeof(float),
                              .boxes = poses ? COLUMN(n) * words * sizeof(float) : 0};
     }
-    bool boxes = poses && p->variant.search == SEARCH_GPU;
+    bool boxes = poses && p->variant.search == SEARCH_GPU && !p->kernels.unboxed;
     return (place_bytes){.bounds = n * BOUNDS_QUADS_OF(has_origin) * sizeof(cl_float4),
                          .boxes = boxes ? n * BOX_QUADS_OF(has_origin) * sizeof(cl_float4) : 0};
 }
@@ -396,9 +431,13 @@ bool part_build_grid(part *p, const part_task *task, const part_range *range, du
 {
     bool counting = p->variant.sort == SORT_COUNTING;
     set_args(p, task, range);
-    if (!reserve_grid(p, task, range, err) || !clear(p, counting ? count_starts(range) : 0, err))
+    bool ok = reserve_grid(p, task, range, err) &&
+              (!task->strays ||
+               (send_stretches(p, task, err) && reserve_marks(p, task->objects.n, err))) &&
+              clear(p, counting ? count_starts(range) : 0, err);
+    if (!ok)
         return false;
-    bool ok = counting ? counting_sort(p, task, range, err) : radix_sort_keys(p, task, range, err);
+    ok = counting ? counting_sort(p, task, range, err) : radix_sort_keys(p, task, range, err);
     return ok && place(p, task, err);
 }
 
@@ -664,13 +703,13 @@ static bool reserve_first(part *p, const part_task *task, uint32_t objects, duet
 }
 
 // A grid with space for fewer objects than there are may get more than it holds, and
-// its starts then point past its end. The SIMD search checks that itself and finds
+// its starts then point past its end. A search that is guarded checks that itself and finds
 // nothing, so the host need not wait between grid and search.
 static bool check_placed(part *p, const part_task *task, const part_range *range, bool *placed,
                          duet_error *err)
 {
     *placed = true;
-    if (range->expected >= task->objects.n || p->variant.search == SEARCH_SIMD)
+    if (range->expected >= task->objects.n || p->kernels.guarded)
         return true;
     bool ok = read_counters(p, err);
     *placed = p->found.placed <= range->expected;
@@ -848,6 +887,13 @@ static bool fetch(part *p, const part_task *task, duet_error *err)
     return ok;
 }
 
+// Where the device works on host memory, the marks are there already.
+static bool see_marks(part *p, duet_error *err)
+{
+    return !p->marks.host || timeline_start_read(&p->times, "fetch marks", &p->marks, 0,
+                                                 p->marks.host, p->marks.bytes, err);
+}
+
 bool part_search(part *p, const part_task *task, const part_range *range, bool *placed,
                  duet_error *err)
 {
@@ -867,5 +913,5 @@ bool part_search(part *p, const part_task *task, const part_range *range, bool *
     if (!ok || !*placed)
         return ok;
     p->n_candidates = p->kernels.listed ? p->found.pairs : p->found.candidates + p->found.tested;
-    return fetch(p, task, err);
+    return (!task->strays || see_marks(p, err)) && fetch(p, task, err);
 }

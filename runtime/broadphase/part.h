@@ -30,7 +30,9 @@ typedef struct strays strays;
 typedef struct part_task {
     bool shared;    // the grid is for both parts
     bool receives;  // the grid comes from the other part
+    bool slab;      // the part's grid has some of the cells, and space for about their objects
     bool packed;    // the part is sent the objects of its slab, with their ids
+    bool ordered;   // the objects are in about the order of their cells
     strays *strays; // the part takes its stretches of the input; NULL: all of it
     int side;       // that it is for
     bool rotated;
@@ -77,8 +79,11 @@ typedef struct part_kernels {
     kernel *gather; // NULL where the host sees objects that are to be decided
     bool fused;     // candidates are tested where they are found
     bool listed;    // what overlaps is a pair, without a test
+    bool unboxed;   // boxes are read by id, where the objects are
     bool from_ids;  // objects reach cell order by their sorted ids
     bool packed;    // objects have names
+    bool stretched; // some objects are taken, and what the other device wants of them is marked
+    bool guarded;   // the search finds nothing where the grid got more than it has space for
 } part_kernels;
 
 // What the scene and the stage decide of the kernels. A choice that is open may be set
@@ -89,7 +94,7 @@ typedef struct part_choice {
     bool open;
 } part_choice;
 
-enum { PART_CHOICES = 18 };
+enum { PART_CHOICES = 22 };
 
 // What kernels are told besides the part's buffers, by the names that their cards use.
 typedef struct part_args {
@@ -101,6 +106,7 @@ typedef struct part_args {
     cl_uint first, last;
     cl_uint found_capacity, candidate_capacity, pair_capacity, undecided_capacity;
     cl_uint row_words, n_ids; // gathered
+    cl_uint marked_from, marked_to;
     cl_int4 cells;
     buffer objects;
     buffer found; // pairs, or candidates where they are tested later
@@ -148,9 +154,13 @@ typedef struct part {
     } packed;
     stretches taken; // of the input in this step
     struct {
-        uint64_t objects_version, grid_version; // of what was sent last; 0: nothing
-        uint32_t key_from, key_to;
+        uint64_t objects_version; // of what was sent last; 0: nothing
+        uint64_t strays_version;  // of the stretches that are not the part's own
+        uint32_t cut;
     } stretched;
+    buffer marks;                 // [n / STRAY_BLOCK] blocks that the other part wants
+    host_block marks_seen;        // where the device has memory of its own
+    cl_uint stamp;                // of the last step's marks
     buffer levels;                // the grid's
     uint64_t levels_version;      // of what was sent last
     buffer keys, ids;             // of the objects; in cell order once sorted
@@ -210,6 +220,10 @@ bool part_build_grid(part *p, const part_task *task, const part_range *range, du
 bool part_send_grid(part *from, part *to, const part_task *task, duet_error *err);
 bool part_receive_grid(part *to, part *from, const part_task *task, const part_range *range,
                        duet_error *err);
+
+// What the part marked, once a step is over.
+typedef struct stray_marks stray_marks;
+stray_marks part_marks(const part *p);
 
 // Finds the pairs of the range's objects with those that come after them in
 // cell order, and brings them to the host. *placed is false where the grid had

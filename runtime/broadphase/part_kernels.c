@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What a device's part is made of: its buffers, its kernels and what these are told.
-#include "runtime/broadphase/part.h"
+#include "runtime/broadphase/strays.h"
 
 #include "base/error.h"
 #include "runtime/narrowphase/level.h"
@@ -20,7 +20,7 @@ static const size_t buffers[] = {
     offsetof(part, ids_spare), offsetof(part, starts),    offsetof(part, bounds),
     offsetof(part, boxes),     offsetof(part, counters),  offsetof(part, candidates),
     offsetof(part, pairs),     offsetof(part, undecided), offsetof(part, levels),
-    offsetof(part, gathered)};
+    offsetof(part, gathered),  offsetof(part, marks)};
 
 #define BUFFER(name, type, member) BIND_BUFFER(part, name, type, member)
 #define VALUE(name) BIND_VALUE(part, #name, args.name)
@@ -51,6 +51,8 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         BUFFER("pairs", "uint2 *", pairs),
                                         BUFFER("undecided", "uint2 *", undecided),
                                         BUFFER("counters", "uint *", counters),
+                                        BUFFER("marks", "uint *", marks),
+                                        BIND_VALUE(part, "stamp", stamp),
                                         BIND_VALUE(part, "n_keys", args.n),
                                         BIND_VALUE(part, "place_capacity", place_capacity),
                                         VALUE(n),
@@ -59,6 +61,8 @@ static const binding part_bindings[] = {BUFFER("objects", "float *", args.object
                                         VALUE(key_from),
                                         VALUE(n_hashed),
                                         VALUE(key_home_to),
+                                        VALUE(marked_from),
+                                        VALUE(marked_to),
                                         VALUE(key_to),
                                         VALUE(key_end),
                                         VALUE(n_home_cells),
@@ -110,6 +114,7 @@ void part_close(part *p)
     host_block_release(&p->fetched);
     host_block_release(&p->news);
     host_block_release(&p->sent);
+    host_block_release(&p->marks_seen);
     program_set_close(p->programs);
     gen_close(p->gen);
     *p = (part){0};
@@ -230,6 +235,13 @@ static cl_int4 compiled_cells(const part *p, const part_task *task)
     return fixed ? task->grid.levels[0].cells : (cl_int4){{0}};
 }
 
+// Boxes that are in order are near each other where they are.
+static bool leaves_boxes(const part_task *task)
+{
+    return task->ordered && task->objects.shape == DUET_SHAPE_POSES && !task->objects.sizes &&
+           task->objects.origin == 0.0f && !task->packed;
+}
+
 bool part_prepare(part *p, const variant *asked, const part_task *task, duet_error *err)
 {
     static const struct {
@@ -255,6 +267,9 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
     bool turned = poses && task->rotated && task->objects.shape != DUET_SHAPE_SPHERES;
     duet_level level = level_of(task);
     bool tested = poses && level != DUET_LEVEL_AABB;
+    // Objects that are in order go to places side by side; a slab's are not all looked at.
+    bool to_places = counting && !task->shared && task->ordered && !task->strays;
+    bool unboxed = search == SEARCH_GPU && leaves_boxes(task);
     cl_int4 cells = compiled_cells(p, task);
     uint32_t origin_bits;
     memcpy(&origin_bits, &task->objects.origin, sizeof origin_bits);
@@ -265,7 +280,8 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {"APART", task->objects.sizes ? 1 + task->objects.compact : 0, false},
         {"ROTATED", turned, false},
         {"RANK", counting, false},
-        {"SORTED", searches[search].in_cell_order, false},
+        {"SORTED", searches[search].in_cell_order && !unboxed, false},
+        {"UNBOXED", unboxed, false},
         {"IDS", !tested, false},
         {"ACCURACY", level, false},
         {"GRID", task->grid.kind, false},
@@ -275,7 +291,10 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
         {"CELLS_Y", cells.s[1], false},
         {"CELLS_Z", cells.s[2], false},
         {"PACKED", task->packed, false},
-        {"FROM_IDS", 1, counting && !task->shared},
+        {"STRAYS", task->strays ? STRAY_BLOCK : 0, false},
+        {"STRETCH", task->strays && counting, false},
+        {"GUARDED", task->slab, false},
+        {"FROM_IDS", !to_places, counting && !task->shared},
         {"FUSED", tested && p->variant.fused, tested},
     };
     const struct {
@@ -303,7 +322,10 @@ bool part_prepare(part *p, const variant *asked, const part_task *task, duet_err
             return false;
     }
     p->kernels.from_ids = search != SEARCH_GPU || kernel_param(p->kernels.place, "FROM_IDS") == 1;
+    p->kernels.unboxed = unboxed;
     p->kernels.packed = task->packed;
+    p->kernels.stretched = task->strays;
+    p->kernels.guarded = task->slab && search != SEARCH_PAPER;
     p->kernels.listed = !tested;
     p->kernels.fused = kernel_param(p->kernels.candidates, "FUSED") == 1;
     // Fused rows leave to narrow what their buffers cannot hold, lanes nothing.

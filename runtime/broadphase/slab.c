@@ -94,17 +94,28 @@ static part_range slab_of(const split *s, const part_task *task, uint32_t from, 
     };
 }
 
-bool split_cut(split *s, const part_task *task, uint32_t share, part_range ranges[2],
-               duet_error *err)
+static void cut_rows(const split *s, const part_task *task, uint32_t share, part_range ranges[2])
 {
-    if (s->stale && !count_objects(s, task, err))
-        return false;
     uint32_t cut = find_cut(s, task, share);
     uint32_t layer = task->objects.dims == 3 ? (uint32_t)task->grid.levels[0].cells.s[1] : 0;
     uint64_t ahead = (uint64_t)cut + layer + 1;
     uint32_t ghost_to = ahead < s->n_rows ? (uint32_t)ahead : s->n_rows;
     ranges[0] = slab_of(s, task, 0, cut, ghost_to);
     ranges[1] = slab_of(s, task, cut, s->n_rows, s->n_rows);
+}
+
+bool split_cut(split *s, const part_task *task, uint32_t share, part_range ranges[2],
+               duet_error *err)
+{
+    if (s->stale && !count_objects(s, task, err))
+        return false;
+    if (!s->last.known || s->last.share != share || s->last.n != task->objects.n) {
+        cut_rows(s, task, share, s->last.ranges);
+        s->last.known = true;
+        s->last.share = share;
+        s->last.n = task->objects.n;
+    }
+    memcpy(ranges, s->last.ranges, sizeof s->last.ranges);
     return true;
 }
 
@@ -328,13 +339,13 @@ bool pack_pays(const part_task *task, const part_range ranges[2], int side, cons
            v->search == SEARCH_GPU && v->send == SEND_PACKED;
 }
 
-static bool start_threads(pack *p, void (*job)(void *), void *arg, duet_error *err)
+static bool start_threads(pack *p, duet_error *err)
 {
     if (!p->threads)
         p->threads = thread_pool_open(thread_pool_spare(MOST_THREADS), err);
     p->under_way = p->threads;
     if (p->threads)
-        thread_pool_start(p->threads, job, arg);
+        thread_pool_start(p->threads, pack_blocks, p);
     return p->threads;
 }
 
@@ -346,12 +357,7 @@ bool pack_start(pack *p, const part parts[2], const part_task *task, const part_
         wanted[side] = packed[side] && !has_slab(&parts[side], task, &ranges[side]);
     if (!begin_pack(p, task, ranges, wanted, parts[0].devices, err))
         return false;
-    return (!wanted[0] && !wanted[1]) || start_threads(p, pack_blocks, p, err);
-}
-
-bool pack_lend_threads(pack *p, void (*job)(void *), void *arg, duet_error *err)
-{
-    return thread_pool_spare(MOST_THREADS) == 1 || start_threads(p, job, arg, err);
+    return (!wanted[0] && !wanted[1]) || start_threads(p, err);
 }
 
 void pack_wait(pack *p)

@@ -18,6 +18,11 @@ typedef struct split {
     uint32_t *cell_rows; // [n_rows] objects in each row of cells
     uint32_t n_rows;
     bool stale; // the objects are to be counted again
+    struct {
+        bool known;
+        uint32_t share, n;
+        part_range ranges[2];
+    } last; // where it was cut last: adding up the rows takes as long as a tenth of a GPU's step
 } split;
 
 void split_free(split *s);
@@ -84,10 +89,6 @@ bool pack_pays(const part_task *task, const part_range ranges[2], int side, cons
 bool pack_start(pack *p, const part parts[2], const part_task *task, const part_range ranges[2],
                 const bool packed[2], duet_error *err);
 void pack_wait(pack *p);
-
-// Threads that a machine with cores to spare gives to other work of the host beside a step's,
-// where nothing is packed: job(arg) in each of them. pack_wait waits for it.
-bool pack_lend_threads(pack *p, void (*job)(void *), void *arg, duet_error *err);
 
 // Lets those who wait go, whatever they had to write.
 void pack_abandon(pack *p);

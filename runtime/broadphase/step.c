@@ -85,6 +85,7 @@ static part_task describe_task(const duet_world *world, int side)
     return (part_task){
         .shared = world->def.plan.mode == DUET_MODE_SHARED,
         .rotated = world->def.rotated,
+        .ordered = world->def.ordered,
         .level = world->def.level,
         .objects = world_objects(world),
         .resident = r->on[side] ? &r->objects : NULL,
@@ -172,34 +173,14 @@ static bool run_shared(duet_world *world, job jobs[2])
 
 // An object's slab is known only once its row of cells is, so that each device's part of the
 // objects is packed by all threads that there are.
-static bool run_slabs(duet_world *world, job jobs[2], duet_error *err)
+static bool run_packed(duet_world *world, job jobs[2], duet_error *err)
 {
     const part_range ranges[2] = {jobs[0].range, jobs[1].range};
     const bool packed[2] = {jobs[0].task.packed, jobs[1].task.packed};
-    const bool stretched = jobs[0].task.strays || jobs[1].task.strays;
-    bool ok = stretched
-                  ? strays_begin(&world->strays, &jobs[1].task, ranges, err) &&
-                        pack_lend_threads(&world->pack, strays_look_for_both, &world->strays, err)
-                  : pack_start(&world->pack, world->parts, &jobs[0].task, ranges, packed, err);
-    ok = ok && run_own(world, jobs);
+    bool ok = pack_start(&world->pack, world->parts, &jobs[0].task, ranges, packed, err) &&
+              run_own(world, jobs);
     pack_wait(&world->pack);
     return ok;
-}
-
-static bool prepare(duet_world *world, const job jobs[2], const bool use[2], duet_error *err)
-{
-    for (int side = 0; side < 2; ++side) {
-        const part_task *task = &jobs[side].task;
-        part *p = &world->parts[side];
-        bool as_before =
-            p->kernels.packed == task->packed && (p->kernels.gather || !part_gathers(p, task));
-        if (!use[side] || (world->prepared[side] && as_before))
-            continue;
-        world->prepared[side] = part_prepare(p, &world->variants[side], task, err);
-        if (!world->prepared[side])
-            return false;
-    }
-    return true;
 }
 
 static void forget_last_step(duet_world *world)
@@ -209,33 +190,39 @@ static void forget_last_step(duet_world *world)
             part_forget(&world->parts[side]);
 }
 
-// ---------------------------------------------------------------- before a step
-
-// A device that is sent all objects, into memory of its own, by kernels that are there.
-static bool can_send_ahead(const duet_world *world, int side)
+static bool strays_were_missed(duet_world *world, const job jobs[2])
 {
-    uint32_t share = world->def.plan.share;
-    return world->prepared[side] && world->def.plan.mode == DUET_MODE_OWN &&
-           !world->parts[side].device->info.host_memory && !world->def.separate_sizes &&
-           (side == 0 ? share > 0 : share < DUET_SHARE_ONE);
+    const stray_marks marks[2] = {part_marks(jobs[0].part), part_marks(jobs[1].part)};
+    return jobs[0].placed && jobs[1].placed && !strays_guessed_all(&world->strays, marks);
 }
 
-void world_send_ahead(duet_world *world, uint32_t n)
+// Once strays were missed they are known, and no second guess misses any.
+static bool run_stretched(duet_world *world, job jobs[2], duet_error *err)
 {
-    for (int side = 0; side < 2 && n > 0 && !world->resident.objects.mem; ++side) {
-        part_task task = describe_task(world, side);
-        task.objects.n = n;
-        if (can_send_ahead(world, side) &&
-            !part_send_ahead(&world->parts[side], &task, world->objects.size, NULL))
-            part_distrust(&world->parts[side]);
+    const part_range ranges[2] = {jobs[0].range, jobs[1].range};
+    if (!strays_begin(&world->strays, &jobs[1].task, ranges, err) || !run_own(world, jobs))
+        return false;
+    if (!strays_were_missed(world, jobs))
+        return true;
+    forget_last_step(world);
+    return run_own(world, jobs);
+}
+
+static bool prepare(duet_world *world, const job jobs[2], const bool use[2], duet_error *err)
+{
+    for (int side = 0; side < 2; ++side) {
+        const part_task *task = &jobs[side].task;
+        part *p = &world->parts[side];
+        bool as_before = p->kernels.packed == task->packed &&
+                         p->kernels.stretched == (task->strays != NULL) &&
+                         (p->kernels.gather || !part_gathers(p, task));
+        if (!use[side] || (world->prepared[side] && as_before))
+            continue;
+        world->prepared[side] = part_prepare(p, &world->variants[side], task, err);
+        if (!world->prepared[side])
+            return false;
     }
-}
-
-void world_stop_ahead(duet_world *world)
-{
-    for (int side = 0; side < 2; ++side)
-        if (world->parts[side].ahead_version > 0)
-            part_distrust(&world->parts[side]);
+    return true;
 }
 
 // Which objects each part searches around: parts of one sorted order, or slabs.
@@ -265,12 +252,14 @@ static bool needs_sight(const duet_world *world, const bool use[2])
     return needs;
 }
 
-// The paper's kernels take every object by its id, and cells of objects that are in origin cells
-// are rounded on the devices otherwise than on the host.
-static bool takes_stretches(const duet_world *world, int side)
+// The paper's kernels take every object by its id. Each device marks what the other one wants, so
+// that both take stretches or none does.
+static bool takes_stretches(const duet_world *world)
 {
-    return world->def.ordered && !world->resident.on[side] && world->def.origin_edge == 0.0f &&
-           world->variants[side].search != SEARCH_PAPER;
+    bool takes = world->def.ordered && world->def.plan.mode == DUET_MODE_SLAB;
+    for (int side = 0; side < 2; ++side)
+        takes &= !world->resident.on[side] && world->variants[side].search != SEARCH_PAPER;
+    return takes;
 }
 
 // *placed is false where a slab had more objects than it had space for.
@@ -289,11 +278,13 @@ static bool run_parts(duet_world *world, bool *placed, duet_error *err)
                          shared || ranges[1].first < ranges[1].last};
     if (needs_sight(world, use) && !world_see_objects(world, err))
         return false;
+    const bool stretched = takes_stretches(world);
     job jobs[2];
     for (int side = 0; side < 2; ++side) {
         part_task own = describe_task(world, side);
         own.side = side;
-        own.strays = slabs && takes_stretches(world, side) ? &world->strays : NULL;
+        own.slab = slabs;
+        own.strays = stretched ? &world->strays : NULL;
         own.packed = slabs && !own.strays && !own.resident &&
                      pack_pays(&own, ranges, side, &world->parts[side], &world->variants[side]);
         jobs[side] = (job){.part = &world->parts[side],
@@ -305,7 +296,9 @@ static bool run_parts(duet_world *world, bool *placed, duet_error *err)
     }
     if (!prepare(world, jobs, use, err))
         return false;
-    bool ok = shared ? run_shared(world, jobs) : run_slabs(world, jobs, err);
+    bool ok = shared      ? run_shared(world, jobs)
+              : stretched ? run_stretched(world, jobs, err)
+                          : run_packed(world, jobs, err);
     for (int side = 0; side < 2 && !ok; ++side) {
         part_distrust(&world->parts[side]);
         if (jobs[side].err.status != DUET_STATUS_OK && err && err->status == DUET_STATUS_OK)
@@ -313,6 +306,35 @@ static bool run_parts(duet_world *world, bool *placed, duet_error *err)
     }
     *placed = jobs[0].placed && jobs[1].placed;
     return ok;
+}
+
+// ---------------------------------------------------------------- before a step
+
+// A device that is sent all objects, into memory of its own, by kernels that are there.
+static bool can_send_ahead(const duet_world *world, int side)
+{
+    uint32_t share = world->def.plan.share;
+    return world->prepared[side] && world->def.plan.mode == DUET_MODE_OWN &&
+           !world->parts[side].device->info.host_memory && !world->def.separate_sizes &&
+           (side == 0 ? share > 0 : share < DUET_SHARE_ONE);
+}
+
+void world_send_ahead(duet_world *world, uint32_t n)
+{
+    for (int side = 0; side < 2 && n > 0 && !world->resident.objects.mem; ++side) {
+        part_task task = describe_task(world, side);
+        task.objects.n = n;
+        if (can_send_ahead(world, side) &&
+            !part_send_ahead(&world->parts[side], &task, world->objects.size, NULL))
+            part_distrust(&world->parts[side]);
+    }
+}
+
+void world_stop_ahead(duet_world *world)
+{
+    for (int side = 0; side < 2; ++side)
+        if (world->parts[side].ahead_version > 0)
+            part_distrust(&world->parts[side]);
 }
 
 // ---------------------------------------------------------------- result

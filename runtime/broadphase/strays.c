@@ -3,113 +3,133 @@
 
 #include "base/error.h"
 
-#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
 
 void strays_close(strays *s)
 {
-    free(s->wanted);
+    free(s->guessed);
     *s = (strays){0};
 }
 
-// ---------------------------------------------------------------- looking at blocks
+static uint32_t blocks_of(uint32_t n)
+{
+    return n / STRAY_BLOCK + (n % STRAY_BLOCK > 0);
+}
+
+// ---------------------------------------------------------------- guessing
 
 static bool is_known(const strays *s, const part_task *task, const part_range ranges[2])
 {
-    return s->objects_version == task->objects_version && s->grid_version == task->grid_version &&
+    return s->guessed && s->n == task->objects.n && s->grid_version == task->grid_version &&
            memcmp(s->ranges, ranges, sizeof s->ranges) == 0;
 }
 
 static bool reserve(strays *s, uint32_t n_blocks, duet_error *err)
 {
-    if (n_blocks <= s->capacity)
+    if (s->guessed && n_blocks <= s->capacity)
         return true;
-    strays_close(s);
-    s->wanted = malloc(n_blocks * sizeof *s->wanted);
-    s->capacity = s->wanted ? n_blocks : 0;
-    return s->wanted || error_set(err, DUET_STATUS_NO_MEMORY,
-                                  "no host memory to look for strays in %u blocks", n_blocks);
+    free(s->guessed);
+    s->guessed = malloc(n_blocks * sizeof *s->guessed + 1);
+    s->capacity = s->guessed ? n_blocks : 0;
+    return s->guessed || error_set(err, DUET_STATUS_NO_MEMORY,
+                                   "no host memory to look for strays in %u blocks", n_blocks);
 }
 
-// Where A's slab ends among objects that are in order.
+static bool is_empty(const part_range *slab)
+{
+    return slab->key_from == slab->key_to;
+}
+
+// Where A's slab ends among objects that are in order. Beside an empty slab the other device
+// has all of them.
 static uint32_t cut_of(const part_range ranges[2], uint32_t n)
 {
     uint64_t cut = ((uint64_t)ranges[0].homes + STRAY_BLOCK / 2) / STRAY_BLOCK * STRAY_BLOCK;
+    if (is_empty(&ranges[0]) || is_empty(&ranges[1]))
+        return is_empty(&ranges[0]) ? 0 : n;
     return cut < n ? (uint32_t)cut : n;
+}
+
+// A wants its ghosts, and each the objects that the cut, rounded to blocks, gave to the other.
+static void guess_border(strays *s)
+{
+    const part_range *a = &s->ranges[0];
+    uint64_t ghosts_to = (uint64_t)a->homes + a->expected_ghosts;
+    bool both = !is_empty(a) && !is_empty(&s->ranges[1]);
+    for (uint32_t b = 0; b < blocks_of(s->n); ++b) {
+        uint64_t from = (uint64_t)b * STRAY_BLOCK;
+        s->guessed[b] = both && (from < s->cut ? from + STRAY_BLOCK > a->homes : from < ghosts_to);
+    }
 }
 
 bool strays_begin(strays *s, const part_task *task, const part_range ranges[2], duet_error *err)
 {
-    uint32_t n = task->objects.n;
-    uint32_t n_blocks = n / STRAY_BLOCK + (n % STRAY_BLOCK > 0);
     if (is_known(s, task, ranges))
         return true;
-    if (!reserve(s, n_blocks, err))
+    if (!reserve(s, blocks_of(task->objects.n), err))
         return false;
-    s->cut = cut_of(ranges, n);
-    s->objects_version = task->objects_version;
+    s->n = task->objects.n;
+    s->cut = cut_of(ranges, s->n);
     s->grid_version = task->grid_version;
     memcpy(s->ranges, ranges, sizeof s->ranges);
-    s->grid = task->grid;
-    s->objects = task->objects;
-    uint32_t cut_block = s->cut / STRAY_BLOCK + (s->cut % STRAY_BLOCK > 0);
-    for (int side = 0; side < 2; ++side) {
-        atomic_store(&s->looked[side].next, side == 0 ? cut_block : 0);
-        atomic_store(&s->looked[side].n_known, 0);
-        s->looked[side].from_block = side == 0 ? cut_block : 0;
-        s->looked[side].to_block = side == 0 ? n_blocks : cut_block;
-        if (ranges[side].key_from == ranges[side].key_to) // an empty slab
-            s->looked[side].to_block = s->looked[side].from_block;
-    }
+    s->margin = 0;
+    ++s->version;
+    guess_border(s);
     return true;
 }
 
-static uint32_t end_of(const strays *s, uint32_t block)
+static bool is_wanted(const strays *s, const stray_marks marks[2], uint32_t block)
 {
-    uint32_t left = s->objects.n - block * STRAY_BLOCK;
-    return block * STRAY_BLOCK + (left < STRAY_BLOCK ? left : STRAY_BLOCK);
+    const stray_marks *m = &marks[block * STRAY_BLOCK < s->cut ? 0 : 1];
+    return m->blocks[block] == m->stamp;
 }
 
-static bool is_wanted(const strays *s, int side, uint32_t block)
+// Of blocks [from, to), one device's own.
+static void take_wanted(strays *s, const stray_marks marks[2], uint32_t from, uint32_t to)
 {
-    const part_range *slab = &s->ranges[side];
-    uint32_t along = (uint32_t)s->grid.levels[0].cells.s[0];
-    uint32_t first = block * STRAY_BLOCK;
-    return grid_any_in_rows(&s->grid, &s->objects, first, end_of(s, block) - first,
-                            slab->key_from / along, slab->key_to / along);
-}
-
-void strays_look(strays *s, int side)
-{
-    uint32_t to = s->looked[side].to_block;
-    for (;;) {
-        uint32_t block = atomic_fetch_add_explicit(&s->looked[side].next, 1, memory_order_relaxed);
-        if (block >= to)
-            return;
-        s->wanted[block] = is_wanted(s, side, block);
-        atomic_fetch_add_explicit(&s->looked[side].n_known, 1, memory_order_release);
+    memset(s->guessed + from, false, (to - from) * sizeof *s->guessed);
+    for (uint32_t b = from; b < to; ++b) {
+        if (!is_wanted(s, marks, b))
+            continue;
+        uint32_t first = b - from > s->margin ? b - s->margin : from;
+        uint32_t last = to - b > s->margin ? b + s->margin : to - 1;
+        memset(s->guessed + first, true, (last - first + 1) * sizeof *s->guessed);
     }
 }
 
-void strays_look_for_both(void *looked_for)
+// Objects that move reach the next blocks: once the guess was better than the first and misses
+// again, it has a layer of cells more than was wanted. Far more than that is not kept.
+bool strays_guessed_all(strays *s, const stray_marks marks[2])
 {
-    for (int side = 0; side < 2; ++side)
-        strays_look(looked_for, side);
-}
-
-void strays_await(const strays *s, int side)
-{
-    uint32_t n = s->looked[side].to_block - s->looked[side].from_block;
-    while (atomic_load_explicit(&s->looked[side].n_known, memory_order_acquire) < n)
-        sched_yield();
+    uint32_t n_blocks = blocks_of(s->n);
+    uint32_t layer = blocks_of(s->ranges[0].expected_ghosts);
+    uint32_t n_missed = 0, n_wanted = 0, n_guessed = 0;
+    for (uint32_t b = 0; b < n_blocks; ++b) {
+        bool wanted = is_wanted(s, marks, b);
+        n_missed += wanted && !s->guessed[b];
+        n_wanted += wanted;
+        n_guessed += s->guessed[b];
+    }
+    if (n_missed > 0 || n_guessed > 2 * (n_wanted + layer)) {
+        take_wanted(s, marks, 0, blocks_of(s->cut));
+        take_wanted(s, marks, blocks_of(s->cut), n_blocks);
+        s->margin = layer;
+        ++s->version;
+    }
+    return n_missed == 0;
 }
 
 // ---------------------------------------------------------------- stretches
 
 stretch strays_own(const strays *s, int side)
 {
-    return side == 0 ? (stretch){0, s->cut} : (stretch){s->cut, s->objects.n};
+    return side == 0 ? (stretch){0, s->cut} : (stretch){s->cut, s->n};
+}
+
+const part_range *strays_wanted_by_other(const strays *s, int side)
+{
+    return &s->ranges[1 - side];
 }
 
 // A gap is left out where it pays for a launch: so large a part of the input.
@@ -118,25 +138,30 @@ enum { GAPS = STRETCHES - 3 };
 // With those up to it from the stretch `first` on, unless the gap is large.
 static void add_block(stretches *all, uint32_t first, const strays *s, uint32_t block)
 {
+    uint32_t from = block * STRAY_BLOCK;
+    uint32_t to = s->n - from < STRAY_BLOCK ? s->n : from + STRAY_BLOCK;
     stretch *last = all->n > first ? &all->list[all->n - 1] : NULL;
-    if (!last || block * STRAY_BLOCK - last->to > s->objects.n / GAPS)
-        all->list[all->n++] = (stretch){block * STRAY_BLOCK, end_of(s, block)};
+    if (!last || from - last->to > s->n / GAPS)
+        all->list[all->n++] = (stretch){from, to};
     else
-        last->to = end_of(s, block);
+        last->to = to;
 }
 
 stretches strays_taken(const strays *s, int side)
 {
+    stretch own = strays_own(s, side);
     stretches all = {.own = 0};
     if (side == 0)
-        all.list[all.n++] = strays_own(s, side);
+        all.list[all.n++] = own;
     uint32_t first = all.n;
-    for (uint32_t b = s->looked[side].from_block; b < s->looked[side].to_block; ++b)
-        if (s->wanted[b])
+    uint32_t from = side == 0 ? blocks_of(own.to) : 0;
+    uint32_t to = side == 0 ? blocks_of(s->n) : blocks_of(own.from);
+    for (uint32_t b = from; b < to; ++b)
+        if (s->guessed[b])
             add_block(&all, first, s, b);
     if (side == 1) {
         all.own = all.n;
-        all.list[all.n++] = strays_own(s, side);
+        all.list[all.n++] = own;
     }
     return all;
 }

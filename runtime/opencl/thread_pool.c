@@ -2,6 +2,7 @@
 #define _GNU_SOURCE // sched_getaffinity
 #include "runtime/opencl/thread_pool.h"
 
+#include "base/clock.h"
 #include "base/error.h"
 
 #include <pthread.h>
@@ -107,6 +108,25 @@ void thread_pool_wait(thread_pool *c)
     pthread_mutex_unlock(&c->lock);
 }
 
+static bool is_busy(thread_pool *c)
+{
+    pthread_mutex_lock(&c->lock);
+    bool busy = c->n_busy > 0;
+    pthread_mutex_unlock(&c->lock);
+    return busy;
+}
+
+// Waking from thread_pool_wait can take 15 microseconds and more.
+enum { SOON_NS = 50000 };
+
+// For a thread that should be done about now.
+static void wait_awake(thread_pool *c)
+{
+    for (uint64_t begun = clock_steady_ns(); is_busy(c) && clock_steady_ns() - begun < SOON_NS;)
+        sched_yield();
+    thread_pool_wait(c);
+}
+
 void thread_pool_run_both(thread_pool *c, void (*job)(void *), void *a, void *b)
 {
     if (a && b)
@@ -116,7 +136,7 @@ void thread_pool_run_both(thread_pool *c, void (*job)(void *), void *a, void *b)
     if (b)
         job(b);
     if (a && b)
-        thread_pool_wait(c);
+        wait_awake(c);
 }
 
 typedef struct sharing {

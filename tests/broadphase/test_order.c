@@ -44,9 +44,26 @@ static duet_world *make_world(const duet_world_def *def)
     return world;
 }
 
+static void set_large_poses(duet_world *world, uint32_t n)
+{
+    static duet_large_pose large[CAPACITY];
+    duet_error err = {0};
+    for (uint32_t i = 0; i < n; ++i) {
+        const float *at = poses[i].centre;
+        const double centre[3] = {at[0], at[1], at[2]};
+        large[i] = (duet_large_pose){.pose = poses[i]};
+        assert_ok(duet_large_pose_set(&large[i], centre, world->def.origin_edge, &err), err);
+    }
+    assert_ok(duet_world_set_objects(world, DUET_OBJECT_LARGE_POSES, large, n, &err), err);
+}
+
 static void set_poses(duet_world *world, uint32_t n)
 {
     duet_error err = {0};
+    if (world->def.origin_edge > 0.0f) {
+        set_large_poses(world, n);
+        return;
+    }
     assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, &err), err);
 }
 
@@ -282,8 +299,8 @@ static void every_sort_takes_stretches(void **state)
     (void)state;
     enum { N = 5003 };
     static const char *const variants[] = {
-        "simd sort=radix", "gpu",  "gpu FROM_IDS=0", "gpu sort=radix", "gpu send=chunks",
-        "gpu send=packed", "paper"};
+        "simd sort=radix", "gpu",         "gpu FROM_IDS=0", "gpu sort=radix", "gpu send=chunks",
+        "gpu send=packed", "gpu FUSED=1", "paper"};
     rng r = {test_seed()};
     for (int host = 0; host < 2; ++host)
         for (size_t v = 0; v < sizeof variants / sizeof *variants; ++v) {
@@ -297,6 +314,30 @@ static void every_sort_takes_stretches(void **state)
             duet_world_destroy(world);
         }
     set_memory(true);
+}
+
+// They go straight to their places there, and boxes are read where they are: of one size and of
+// several, in a dense grid and in a hashed one.
+static void whole_grids_of_ordered_objects_are_right(void **state)
+{
+    (void)state;
+    enum { N = 3000 };
+    static const char *const variants[] = {"gpu FUSED=1", "gpu grid=hashed"};
+    rng r = {test_seed()};
+    for (size_t v = 0; v < sizeof variants / sizeof *variants; ++v) {
+        duet_world_def def = ordered_def(3, variants[v]);
+        def.plan.mode = DUET_MODE_OWN;
+        duet_world *world = make_world(&def);
+        fill_poses(&r, N, 3);
+        assert_finds_all_in_any_order(world, &r, N);
+        for (uint32_t i = 0; i < N; i += 100)
+            poses[i].half_extents[0] = 20.0f;
+        set_poses(world, N);
+        world_forget_grid(world);
+        assert_finds_all(world, N);
+        assert_true(world->grid.n_levels > 1);
+        duet_world_destroy(world);
+    }
 }
 
 // Giants make the cells wide, and a crowd makes one cell hold half of all.
@@ -315,6 +356,24 @@ static void giants_and_crowds_are_found(void **state)
         for (int k = 0; k < 3; ++k)
             poses[i].centre[k] = i % 10 == 0 ? 1.0f : 1000.0f * poses[i].centre[k];
     assert_finds_all_in_any_order(world, &r, N);
+    duet_world_destroy(world);
+}
+
+// The devices alone compute cells of objects in origin cells, and mark strays by them.
+static void objects_in_origin_cells_are_found_in_any_order(void **state)
+{
+    (void)state;
+    enum { N = 3000 };
+    rng r = {test_seed()};
+    duet_world_def def = ordered_def(3, "simd");
+    def.origin_edge = 4.0f;
+    duet_world *world = make_world(&def);
+    fill_poses(&r, N, 3);
+    for (uint32_t i = 0; i < N; ++i)
+        for (int k = 0; k < 3; ++k) // so that a cell and an offset are the same number
+            poses[i].centre[k] = rintf(poses[i].centre[k] * 1024.0f) / 1024.0f;
+    assert_finds_all_in_any_order(world, &r, N);
+    assert_in_range(world->parts[0].taken.n, 1, STRETCHES);
     duet_world_destroy(world);
 }
 
@@ -345,6 +404,7 @@ static void a_device_takes_its_own_half_and_the_blocks_with_strays(void **state)
         assert_int_equal(count_taken(b), N);
         put_in_order(world, N);
         set_poses(world, N);
+        step(world, &result); // as much as before, for that was wanted
         step(world, &result);
         assert_in_range(count_taken(a), N * 4 / 10, N * 7 / 10);
         assert_in_range(count_taken(b), N * 4 / 10, N * 6 / 10);
@@ -356,6 +416,92 @@ static void a_device_takes_its_own_half_and_the_blocks_with_strays(void **state)
         duet_world_destroy(world);
     }
     set_memory(true);
+}
+
+// Objects that drift over the cut are in blocks that nobody guessed: the step finds that out.
+static void objects_that_move_are_found_in_every_step(void **state)
+{
+    (void)state;
+    enum { N = 6000, STEPS = 8 };
+    rng r = {test_seed()};
+    for (int host = 0; host < 2; ++host) {
+        duet_world_def def = ordered_def(3, "simd");
+        set_memory(host);
+        duet_world *world = make_world(&def);
+        fill_poses(&r, N, 3);
+        put_in_order(world, N);
+        for (int i = 0; i < STEPS; ++i) {
+            duet_result result;
+            set_poses(world, N);
+            step(world, &result);
+            assert_int_equal(duet_result_get_hash(&result), reference_hash(N, 3));
+            for (uint32_t id = 0; id < N; ++id)
+                for (int k = 0; k < 3; ++k)
+                    poses[id].centre[k] += (float)rng_between(&r, -0.5, 0.5);
+            if (i == STEPS / 2)
+                reverse(N);
+        }
+        duet_world_destroy(world);
+    }
+    set_memory(true);
+}
+
+// ------------------------------------------------------------ guesses
+
+enum { BLOCKS = 100, OWN = BLOCKS / 2 };
+
+// Slabs of 100 blocks in order, cut in the middle, with 3 blocks of ghosts.
+static void begin_strays(strays *s, bool expected_new)
+{
+    duet_error err = {0};
+    const part_task task = {.objects = {.n = BLOCKS * STRAY_BLOCK}, .grid_version = 1};
+    const part_range ranges[2] = {
+        {.key_to = 530, .home_to = 500, .homes = OWN * STRAY_BLOCK, .expected_ghosts = 3000},
+        {.key_from = 500, .key_to = 1000, .home_to = 1000}};
+    const uint64_t before = s->version;
+    assert_ok(strays_begin(s, &task, ranges, &err), err);
+    assert_int_equal(s->version != before, expected_new);
+}
+
+static uint32_t taken_from_other(const strays *s, int side)
+{
+    stretches all = strays_taken(s, side);
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < all.n; ++i)
+        n += i == all.own ? 0 : all.list[i].to - all.list[i].from;
+    return n / STRAY_BLOCK;
+}
+
+static bool guesses(strays *s, const uint32_t *blocks, uint32_t n)
+{
+    static uint32_t marked[2][BLOCKS];
+    static uint32_t stamp;
+    const stray_marks marks[2] = {{marked[0], ++stamp}, {marked[1], stamp}};
+    for (uint32_t i = 0; i < n; ++i)
+        marked[blocks[i] < OWN ? 0 : 1][blocks[i]] = stamp;
+    return strays_guessed_all(s, marks);
+}
+
+static void a_guess_follows_what_was_wanted(void **state)
+{
+    (void)state;
+    static const uint32_t ghosts[] = {50, 51, 52}, far[] = {50, 51, 52, 70},
+                          back[] = {50, 51, 70, 10};
+    strays s = {0};
+    begin_strays(&s, true);
+    assert_int_equal(taken_from_other(&s, 0), 3); // in order the first guess is right
+    assert_int_equal(taken_from_other(&s, 1), 0);
+    assert_true(guesses(&s, ghosts, 3));
+    begin_strays(&s, false);
+    assert_false(guesses(&s, far, 4));
+    assert_int_equal(taken_from_other(&s, 0), 4); // exactly, or with the gap, which is long
+    assert_true(guesses(&s, far, 4));
+    assert_false(guesses(&s, back, 4)); // a layer of three more on both sides
+    assert_int_equal(taken_from_other(&s, 0), 5 + 7);
+    assert_int_equal(taken_from_other(&s, 1), 7);
+    assert_true(guesses(&s, ghosts, 2)); // less than was guessed
+    assert_true(taken_from_other(&s, 0) <= 5 && taken_from_other(&s, 1) == 0);
+    strays_close(&s);
 }
 
 static void a_bad_object_is_named_wherever_it_strays(void **state)
@@ -426,8 +572,12 @@ int main(void)
         cmocka_unit_test(any_grid_has_an_order),
         cmocka_unit_test(any_order_share_and_number_gives_the_reference_pairs),
         cmocka_unit_test(every_sort_takes_stretches),
+        cmocka_unit_test(whole_grids_of_ordered_objects_are_right),
         cmocka_unit_test(giants_and_crowds_are_found),
+        cmocka_unit_test(objects_in_origin_cells_are_found_in_any_order),
         cmocka_unit_test(a_device_takes_its_own_half_and_the_blocks_with_strays),
+        cmocka_unit_test(objects_that_move_are_found_in_every_step),
+        cmocka_unit_test(a_guess_follows_what_was_wanted),
         cmocka_unit_test(a_workload_tells_how_many_objects_stray),
         cmocka_unit_test(a_bad_object_is_named_wherever_it_strays),
     };

@@ -365,7 +365,7 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
         hand_over(clusters[g], &c, 0, 7);
     }
     uint64_t left = 0, merged = 0;
-    for (uint32_t at = 0; at < 50; ++at) {
+    for (uint32_t at = 0; at < 200; ++at) {
         for (uint32_t id = 0; id < c.n; ++id)
             move(&c.poses[id], id, at);
         find_expected(&c);
@@ -393,6 +393,48 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
         duet_cluster_destroy(clusters[g]);
         if (comms[g] != MPI_COMM_NULL)
             MPI_Comm_free(&comms[g]);
+    }
+}
+
+// Any planes at all, the same on all ranks of the group.
+static void deal_homes_anew(duet_cluster *cluster, MPI_Comm comm, rng *r)
+{
+    bisection *b = &cluster->cut.parts;
+    for (uint32_t i = 1; i < b->n; ++i)
+        b->planes[i] = (bisection_plane){rng_between(r, -8, 8), rng_below(r, 3)};
+    MPI_Bcast(b->planes, (int)(b->n * sizeof *b->planes), MPI_BYTE, 0, comm);
+    bisection_box(b, (uint32_t)duet_cluster_get_rank(cluster), cluster->cut.lower,
+                  cluster->cut.upper);
+}
+
+// Whose an object is never reaches a result: all homes change at random before each step.
+static void homes_that_are_dealt_anew_change_nothing(uint64_t seed)
+{
+    static crowd c;
+    rng r = rng_seed(seed + 1);
+    make_crowd(&c, &r, 3);
+    for (int g = 1; g < N_GROUPS; ++g) {
+        MPI_Comm comm = group_of(groups[g]);
+        if (comm == MPI_COMM_NULL)
+            continue;
+        duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
+        uint64_t least = UINT64_MAX, most = 0;
+        cluster->def.imbalance = 1e9; // the cut stays as it is made here
+        hand_over(cluster, &c, 0, 5);
+        must_find(cluster, &c);
+        for (int at = 0; at < 40; ++at) {
+            duet_error err = {0};
+            const uint64_t *ids;
+            uint32_t n;
+            MUST_OK(duet_cluster_map_homes(cluster, DUET_OBJECT_POSES, &ids, &n, &err), err);
+            least = n < least ? n : least;
+            most = n > most ? n : most;
+            deal_homes_anew(cluster, comm, &r);
+            must_find(cluster, &c);
+        }
+        MUST(most > least + 50, "homes went to and fro");
+        duet_cluster_destroy(cluster);
+        MPI_Comm_free(&comm);
     }
 }
 
@@ -737,12 +779,13 @@ static void a_failure_is_that_of_all_ranks(void)
     MUST(!duet_cluster_set_objects(c, DUET_OBJECT_POSES, ids, two, 2, NULL), "without an error");
 
     // On two ranks bad objects: all name the lesser.
-    uint64_t own[] = {(uint64_t)(100 - 10 * rank), (uint64_t)rank};
+    uint64_t own[] = {((uint64_t)1 << 40) + (uint64_t)(100 - 10 * rank), (uint64_t)rank};
     two[0].centre[1] = rank == 0 ? 0.0f : NAN;
     err = (duet_error){0};
     MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, own, two, 2, &err), err);
     must_fail(duet_cluster_step(c, &result, &err), &err, DUET_STATUS_BAD_OBJECT,
-              "object 80 of 6 is not a number, infinite, negative or without rotation (2 such");
+              "object 1099511627856 of 6 is not a number, infinite, negative or without rotation "
+              "(2 such");
     err = (duet_error){0};
     two[0] = pose;
     MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, own, two, 2, &err), err);
@@ -999,6 +1042,7 @@ int main(int argc, char **argv)
     random_crowds_have_the_same_pairs(seed);
     scenes_have_the_same_pairs();
     objects_that_move_have_the_references_pairs(seed);
+    homes_that_are_dealt_anew_change_nothing(seed);
     a_cut_that_became_uneven_is_made_anew();
     grids_follow_objects_that_travel();
     ranks_get_objects_by_their_weights();

@@ -169,6 +169,7 @@ static void a_platform_that_is_none_is_one_line(void **state)
         {"/dev/null --ranks 2 still", 1, "/dev/null: no platform of SimGrid: "},
         {FABRIC " still", 2, "--simulate does nothing without --ranks"},
         {FABRIC " --ranks 2 --pair cpu still", 2, "--simulate and --pair do not go together"},
+        {FABRIC " --ranks 2 --keep still", 2, "--simulate and --keep do not go together"},
         {FABRIC " --ranks 2 papr", 1, "rank 0 on host0: papr: no such file or scene"},
         {FABRIC " --ranks 2 --stands-for 9 still", 2, "--stands-for does nothing without "},
     };
@@ -285,6 +286,57 @@ static void the_file_of_pairs_is_that_of_one_rank(void **state)
     text_free(&files[1]);
 }
 
+// Nothing is kept unless asked for.
+static void what_is_kept_of_a_run_is_listed_and_forgotten(void **state)
+{
+    (void)state;
+    skip_without_mpi();
+    test_folder folder = test_folder_make();
+    char variables[160];
+    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
+    program p = program_run_with(variables, "cluster --ranks 3 --plain --repeat 1 planes -n 60");
+    assert_int_equal(p.exit_code, 0);
+    assert_int_equal(access(folder.store, F_OK), -1);
+    program_free(&p);
+    p = program_run_with(variables, "cluster --ranks 3 --plain --repeat 2 --keep planes -n 60");
+    assert_int_equal(p.exit_code, 0);
+    assert_non_null(strstr(p.err, "duet: kept as "));
+    program_free(&p);
+
+    p = program_run_with(variables, "profiles list --json");
+    cJSON *list = json_of_program(&p);
+    const cJSON *run = cJSON_GetArrayItem(json_array(list, "cluster_runs", 1), 0);
+    const cJSON *fabric = cJSON_GetObjectItem(run, "fabric");
+    assert_string_equal(json_string(run, "scene"), "planes");
+    assert_true(json_number(run, "objects") == 60 && json_number(run, "steps") == 2);
+    assert_true(json_number(run, "efficiency") > 0 && json_number(run, "efficiency") < 1);
+    assert_true(json_number(fabric, "ranks") == 3 && json_number(fabric, "hosts") == 1);
+    assert_true(json_number(fabric, "latency_us") > 0 && json_number(fabric, "mb_per_s") > 0);
+    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(fabric, "times_ns")), 7);
+    char uid[9];
+    snprintf(uid, sizeof uid, "%s", json_string(run, "uid"));
+    cJSON_Delete(list);
+
+    p = program_run_with(variables, "profiles show %s", uid);
+    assert_int_equal(p.exit_code, 0);
+    assert_non_null(strstr(p.out, "3 ranks on 1 host: "));
+    assert_non_null(strstr(p.out, "   2  plain"));
+    program_free(&p);
+    p = program_run_with(variables, "profiles show %s --json", uid);
+    cJSON *shown = json_of_program(&p);
+    json_array(shown, "ranks", 3);
+    cJSON_Delete(shown);
+    p = program_run_with(variables, "profiles forget %s", uid);
+    assert_int_equal(p.exit_code, 0);
+    program_free(&p);
+    p = program_run_with(variables, "profiles show %s", uid);
+    program_assert_refused(&p, 1, "no profile begins with '");
+
+    p = program_run_with("DUET_PROFILE=/dev/null", "cluster --plain --keep still -n 3 >/dev/null");
+    program_assert_refused(&p, 1, "/dev/null: is a device or a pipe; a profile store is a file");
+    test_folder_remove(&folder);
+}
+
 static void a_failure_is_one_line(void **state)
 {
     (void)state;
@@ -305,6 +357,7 @@ static void a_failure_is_one_line(void **state)
          "p.npy: cannot be written"},
         {"cluster --pairs p.csv still", 2, "expected a file whose name ends in .npy"},
         {"cluster --sorted still", 2, "--sorted does nothing without --pairs"},
+        {"cluster --hosts one still", 2, "--hosts does nothing without --ranks"},
         {"cluster --plain --mode own still", 2, "--plain and --mode do not go together"},
         {"cluster --mode abacus still", 2, "--mode 'abacus': the modes are"},
         {"cluster --level abacus still", 2, "--level 'abacus': the levels are"},
@@ -312,6 +365,7 @@ static void a_failure_is_one_line(void **state)
         {"cluster --ranks 2 --plain rounded -n 9", 2, "the cluster's shape is rounded boxes"},
         {"cluster --parts 1025 still", 2, "--parts '1025': give a whole number"},
         {"cluster", 2, "SCENE|FILE is missing"},
+        {"lua -e 'duet.cluster()'", 1, "duet.cluster needs 'duet lua --trust'"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         program p = program_run("%s", wrong[i].arguments);
@@ -380,6 +434,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_rank_that_is_bound_to_one_core_of_several_is_told_of),
         cmocka_unit_test(a_person_reads_a_table),
         cmocka_unit_test(the_file_of_pairs_is_that_of_one_rank),
+        cmocka_unit_test(what_is_kept_of_a_run_is_listed_and_forgotten),
         cmocka_unit_test(a_failure_is_one_line),
         cmocka_unit_test(run_is_refused_in_a_job),
         cmocka_unit_test(a_rank_that_is_killed_ends_the_job_and_leaves_no_file),

@@ -29,6 +29,7 @@ foreach(case
     "paper.lua --set world=9 --pair pocl:0,oclgrind:0 --share 0.3 --mode shared --set rotated=false"
     "paper.lua --set world=9 --pair oclgrind:0,pocl:0 --share 0.6 --mode shared"
     "paper.lua --set world=9 --pair oclgrind:0,pocl:0 --share 0.5 --mode slab"
+    "paper.lua --set world=9 --pair pocl:0,oclgrind:0 --share 0.5 --mode slab --ordered"
     "paper.lua --set world=9 --pair pocl:0,oclgrind:0 --share 0.5 --mode shared --variant paper"
     "paper2d.lua --set world=9 --pair pocl:0,oclgrind:0 --share 0.5"
     "paper2d.lua --set world=9 --pair oclgrind:0,pocl:0 --share 0.5 --variant paper"

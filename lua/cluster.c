@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: MIT
+// duet.cluster: objects divided among the ranks of an MPI job. Every rank runs the script.
+//
+// Closing is collective, so no collector may do it at a time of its own: the registry holds every
+// cluster until it is closed, or until the state is, which closes the last one first.
+#include "lua/cluster_library.h"
+#include "lua/nouns.h"
+#include "lua/policy.h"
+
+#include <stddef.h>
+
+typedef struct cluster_box {
+    const cluster_library *calls;
+    duet_cluster *cluster;
+    int64_t rank, rank_count;
+    duet_object_kind kind; // of its objects
+    uint64_t maps;         // views of homes hold until the next call
+    uint64_t steps;        // those of pairs until the next step, or other objects
+} cluster_box;
+
+static const lua_class cluster_class;
+
+#define WORLD_MEMBER(type_, member)                                                            \
+    {                                                                                          \
+        .name = #member, .type = &(type_), .offset = offsetof(duet_cluster_def, world.member), \
+        .size = sizeof((duet_world_def *)0)->member                                            \
+    }
+#define WORLD_ENUM(member, name_of_)                                                               \
+    {                                                                                              \
+        .name = #member, .type = &member_enum, .offset = offsetof(duet_cluster_def, world.member), \
+        .size = sizeof((duet_world_def *)0)->member, .name_of = (name_of_)                         \
+    }
+
+static const member def_members[] = {
+    MEMBER(member_string, duet_cluster_def, pair),
+    MEMBER(member_bool, duet_cluster_def, plain),
+    MEMBER(member_double, duet_cluster_def, weight),
+    MEMBER(member_count, duet_cluster_def, parts),
+    MEMBER(member_bool, duet_cluster_def, drops_pairs),
+    MEMBER(member_double, duet_cluster_def, imbalance),
+    WORLD_MEMBER(member_plan, plan),
+    WORLD_MEMBER(member_count, dims),
+    WORLD_ENUM(shape, shape_name),
+    WORLD_ENUM(level, level_name),
+    WORLD_MEMBER(member_bool, rotated),
+    WORLD_MEMBER(member_float, cell),
+    WORLD_MEMBER(member_bool, cell_fixed),
+    WORLD_MEMBER(member_count, max_pairs),
+    {0},
+};
+
+static const member box_members[] = {
+    MEMBER(member_int, cluster_box, rank),
+    MEMBER(member_int, cluster_box, rank_count),
+    {0},
+};
+
+static const member rank_members[] = {
+    MEMBER(member_chars, duet_cluster_rank, host),
+    MEMBER(member_chars, duet_cluster_rank, pair),
+    MEMBER(member_count, duet_cluster_rank, objects),
+    MEMBER(member_count, duet_cluster_rank, ghosts),
+    MEMBER(member_count, duet_cluster_rank, pairs),
+    MEMBER(member_count, duet_cluster_rank, sent_bytes),
+    MEMBER(member_double, duet_cluster_rank, busy_ms),
+    MEMBER(member_double, duet_cluster_rank, wait_ms),
+    {0},
+};
+
+static const member result_members[] = {
+    MEMBER(member_count, duet_cluster_result, objects),
+    MEMBER(member_count, duet_cluster_result, pairs),
+    MEMBER(member_double, duet_cluster_result, total_ms),
+    {0},
+};
+
+static cluster_box *check(lua_State *L)
+{
+    cluster_box *box = luaL_checkudata(L, 1, cluster_class.name);
+    luaL_argcheck(L, box->cluster, 1, "the cluster is closed");
+    ++box->maps;
+    return box;
+}
+
+static const void *struct_of(lua_State *L)
+{
+    const cluster_box *box = luaL_checkudata(L, 1, cluster_class.name);
+    luaL_argcheck(L, box->cluster, 1, "the cluster is closed");
+    return box;
+}
+
+// ---------------------------------------------------------------- making
+
+// In the registry: the clusters that are open.
+static const char open_key = 0;
+
+static void hold(lua_State *L, bool held)
+{
+    lua_rawgetp(L, LUA_REGISTRYINDEX, &open_key);
+    lua_pushvalue(L, -2);
+    lua_pushboolean(L, held);
+    if (!held) {
+        lua_pop(L, 1);
+        lua_pushnil(L);
+    }
+    lua_rawset(L, -3);
+    lua_pop(L, 1);
+}
+
+// Leaves its userdata on the stack.
+static bool push_cluster(lua_State *L, const cluster_library *calls, const duet_cluster_def *def,
+                         duet_error *err)
+{
+    cluster_box *box = class_push(L, &cluster_class, sizeof *box);
+    *box = (cluster_box){.calls = calls, .kind = (duet_object_kind)def->world.shape};
+    hold(L, true);
+    box->cluster = calls->create(def, err);
+    box->rank = calls->get_rank(box->cluster);
+    box->rank_count = calls->get_rank_count(box->cluster);
+    if (!box->cluster)
+        hold(L, false);
+    return box->cluster;
+}
+
+// A process begins MPI once. An empty cluster holds it for those that come one after the other,
+// and is the last to be closed.
+static bool begin_mpi(lua_State *L, const cluster_library *calls, duet_error *err)
+{
+    if (lua_rawgetp(L, LUA_REGISTRYINDEX, &open_key) == LUA_TTABLE) {
+        lua_pop(L, 1);
+        return true;
+    }
+    lua_pop(L, 1);
+    lua_newtable(L);
+    lua_rawsetp(L, LUA_REGISTRYINDEX, &open_key);
+    duet_cluster_def none = calls->default_def();
+    none.plain = true;
+    bool ok = push_cluster(L, calls, &none, err);
+    lua_pop(L, 1);
+    if (!ok) {
+        lua_pushnil(L);
+        lua_rawsetp(L, LUA_REGISTRYINDEX, &open_key);
+    }
+    return ok;
+}
+
+// duet.cluster(def)
+static int create(lua_State *L)
+{
+    duet_error err = {0};
+    policy_check_trusted(L, "duet.cluster");
+    const cluster_library *calls = cluster_library_load(&err);
+    if (!calls)
+        return class_push_failure(L, &err);
+    lua_settop(L, 1);
+    duet_cluster_def def = calls->default_def();
+    member_read_table(L, 1, "a cluster", def_members, &def);
+    if (!begin_mpi(L, calls, &err) || !push_cluster(L, calls, &def, &err))
+        return class_push_failure(L, &err);
+    return 1;
+}
+
+static int cluster_close(lua_State *L)
+{
+    cluster_box *box = luaL_checkudata(L, 1, cluster_class.name);
+    if (!box->cluster)
+        return 0;
+    box->calls->destroy(box->cluster);
+    box->cluster = NULL;
+    ++box->maps;
+    ++box->steps;
+    lua_settop(L, 1);
+    hold(L, false);
+    return 0;
+}
+
+// ---------------------------------------------------------------- objects
+
+static array_kind rows_of(const cluster_box *box)
+{
+    return box->kind == DUET_OBJECT_BOUNDS ? ARRAY_BOUNDS : ARRAY_POSES;
+}
+
+static int cluster_load_scene(lua_State *L)
+{
+    duet_error err = {0};
+    uint32_t n = 0;
+    cluster_box *box = check(L);
+    const char *path = luaL_checkstring(L, 2);
+    const duet_setting *settings = scene_read_settings(L, 3, &n);
+    ++box->steps;
+    if (!box->calls->load_scene(box->cluster, path, settings, n, &err))
+        return class_push_failure(L, &err);
+    const duet_scene_info *info = box->calls->get_scene_info(box->cluster);
+    box->kind = info->origin_edge > 0 ? DUET_OBJECT_LARGE_POSES : (duet_object_kind)info->shape;
+    scene_push_info(L, info);
+    return 1;
+}
+
+static int cluster_scene(lua_State *L)
+{
+    cluster_box *box = check(L);
+    const duet_scene_info *info = box->calls->get_scene_info(box->cluster);
+    if (info)
+        scene_push_info(L, info);
+    else
+        lua_pushnil(L);
+    return 1;
+}
+
+// cluster:set_objects(ids, rows)
+static int cluster_set_objects(lua_State *L)
+{
+    duet_error err = {0};
+    cluster_box *box = check(L);
+    lua_settop(L, 3);
+    const array *ids = array_check(L, 2, ARRAY_IDS);
+    const array *rows = array_check(L, 3, rows_of(box));
+    luaL_argcheck(L, ids->n == rows->n, 3, "as many objects as there are ids");
+    luaL_argcheck(L, ids->n < UINT32_MAX, 2, "more than 2^32 - 2 objects");
+    ++box->steps;
+    bool ok = box->calls->set_objects(
+        box->cluster, box->kind == DUET_OBJECT_BOUNDS ? DUET_OBJECT_BOUNDS : DUET_OBJECT_POSES,
+        ids->rows, rows->rows, (uint32_t)ids->n, &err);
+    return class_push_done(L, ok, &err);
+}
+
+// cluster:map_homes() -> rows, ids
+static int cluster_map_homes(lua_State *L)
+{
+    duet_error err = {0};
+    const uint64_t *ids = NULL;
+    uint32_t n = 0;
+    cluster_box *box = check(L);
+    duet_object_kind kind =
+        box->kind == DUET_OBJECT_BOUNDS ? DUET_OBJECT_BOUNDS : DUET_OBJECT_POSES;
+    void *homes = box->calls->map_homes(box->cluster, kind, &ids, &n, &err);
+    if (!homes)
+        return class_push_failure(L, &err);
+    array_push_view(L, rows_of(box), homes, n, 1, &box->maps);
+    array *names = array_push_view(L, ARRAY_IDS, (void *)ids, n, 1, &box->maps);
+    names->fixed = true;
+    return 2;
+}
+
+// ---------------------------------------------------------------- stepping
+
+static int cluster_set_plan(lua_State *L)
+{
+    duet_error err = {0};
+    static const member argument = {.name = "plan"};
+    cluster_box *box = check(L);
+    duet_plan plan = duet_default_plan(NULL);
+    lua_settop(L, 2);
+    member_plan.read(L, &argument, &plan);
+    return class_push_done(L, box->calls->set_plan(box->cluster, &plan, &err), &err);
+}
+
+static int cluster_set_level(lua_State *L)
+{
+    duet_error err = {0};
+    cluster_box *box = check(L);
+    duet_level level = level_check(L, 2);
+    return class_push_done(L, box->calls->set_level(box->cluster, level, &err), &err);
+}
+
+// cluster:load_profile(path) -> profile, and the line of a store that cannot be read
+static int cluster_load_profile(lua_State *L)
+{
+    duet_error err = {0}, store_failed = {0};
+    duet_profile profile;
+    cluster_box *box = check(L);
+    const char *path = luaL_optstring(L, 2, NULL);
+    if (!box->calls->load_profile(box->cluster, path, &profile, &store_failed, &err))
+        return class_push_failure(L, &err);
+    profile_push_known(L, &profile);
+    if (store_failed.status == DUET_STATUS_OK)
+        return 1;
+    lua_pushstring(L, store_failed.text);
+    return 2;
+}
+
+static int cluster_step(lua_State *L)
+{
+    duet_error err = {0};
+    duet_cluster_result result = {0};
+    cluster_box *box = check(L);
+    ++box->steps;
+    if (!box->calls->step(box->cluster, &result, &err))
+        return class_push_failure(L, &err);
+    member_push_table(L, result_members, &result);
+    array_push_hash(L, result.hash);
+    lua_setfield(L, -2, "hash");
+    array *own = array_push_view(L, ARRAY_PAIRS64, (void *)result.own_pairs, result.n_own_pairs, 1,
+                                 &box->steps);
+    own->fixed = true;
+    lua_setfield(L, -2, "own_pairs");
+    return 1;
+}
+
+static int cluster_ranks(lua_State *L)
+{
+    duet_error err = {0};
+    cluster_box *box = check(L);
+    duet_cluster_rank *ranks = lua_newuserdatauv(L, (size_t)box->rank_count * sizeof *ranks, 0);
+    if (!box->calls->get_ranks(box->cluster, ranks, &err))
+        return class_push_failure(L, &err);
+    lua_createtable(L, (int)box->rank_count, 0);
+    for (int64_t i = 0; i < box->rank_count; ++i) {
+        member_push_table(L, rank_members, &ranks[i]);
+        lua_rawseti(L, -2, i + 1);
+    }
+    return 1;
+}
+
+// cluster:save_pairs(path, sorted)
+static int cluster_save_pairs(lua_State *L)
+{
+    duet_error err = {0};
+    cluster_box *box = check(L);
+    const char *path = luaL_checkstring(L, 2);
+    bool ok = box->calls->save_pairs(box->cluster, path, lua_toboolean(L, 3), &err);
+    return class_push_done(L, ok, &err);
+}
+
+static const luaL_Reg methods[] = {{"close", cluster_close},
+                                   {"load_scene", cluster_load_scene},
+                                   {"scene", cluster_scene},
+                                   {"set_objects", cluster_set_objects},
+                                   {"map_homes", cluster_map_homes},
+                                   {"set_plan", cluster_set_plan},
+                                   {"set_level", cluster_set_level},
+                                   {"load_profile", cluster_load_profile},
+                                   {"step", cluster_step},
+                                   {"ranks", cluster_ranks},
+                                   {"save_pairs", cluster_save_pairs},
+                                   {NULL, NULL}};
+static const lua_class cluster_class = {
+    .name = "duet.cluster", .methods = methods, .members = box_members, .struct_of = struct_of};
+
+void cluster_open_lua(lua_State *L)
+{
+    static const luaL_Reg functions[] = {{"cluster", create}, {NULL, NULL}};
+    class_open(L, &cluster_class);
+    luaL_setfuncs(L, functions, 0);
+}

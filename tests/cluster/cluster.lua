@@ -1,0 +1,154 @@
+-- SPDX-License-Identifier: MIT
+-- Clusters as a script has them: every rank of an MPI job runs this, and each compares what all
+-- of them find with the plain C reference.
+local duet = require "duet"
+local facts = require "facts"
+
+local n <const> = 200
+local seed = tonumber(os.getenv "DUET_TEST_SEED") or 20261122
+math.randomseed(seed)
+
+-- Where an object is at a step is known by its number alone; now and then it goes far.
+local starts = {}
+for i = 1, n do
+  starts[i] = { math.random() * 6, math.random() * 6, math.random() * 6,
+    0.1 + math.random() / 2, 0.1 + math.random() / 2, 0.1 + math.random() / 2 }
+end
+local function pose(i, step)
+  local s, far = starts[i], (i + step) % 17 == 0 and 9 or 0
+  local turn = i * 0.7 + step * 0.1
+  return s[1] + 0.3 * math.sin(step + i) + far, s[2] + 0.2 * math.cos(step * i), s[3],
+    s[4], s[5], s[6], 0, 0, math.sin(turn), math.cos(turn)
+end
+
+local function expected(step)
+  local rows = {}
+  for i = 1, n do rows[i] = { pose(i, step) } end
+  local scene <close> = assert(duet.scene(duet.poses(rows)))
+  return assert(scene:reference())
+end
+
+-- Hands each rank every other object, or third ...: none is where it belongs.
+local function fill(cluster, first_id)
+  local ids, rows = {}, {}
+  for i = 1 + cluster.rank, n, cluster.rank_count do
+    ids[#ids + 1], rows[#rows + 1] = first_id + i - 1, { pose(i, 0) }
+  end
+  return assert(cluster:set_objects(duet.ids(ids), #rows > 0 and rows or duet.poses(0)))
+end
+
+facts.holds("objects that the script moves have the reference's pairs at each step", function()
+  local cluster <close> = assert(duet.cluster { plain = true })
+  fill(cluster, 0)
+  for step = 0, 49 do
+    local homes, ids = assert(cluster:map_homes())
+    for place, id in ids:each() do homes:set(place, pose(id + 1, step)) end
+    local result, pairs <close> = assert(cluster:step()), expected(step)
+    assert(#pairs > 20)
+    facts.equal(result.objects, n)
+    facts.equal(result.pairs, #pairs)
+    facts.equal(result.hash, pairs:hash())
+  end
+end)
+
+facts.holds("clusters come one after the other, and ids have 64 bits", function()
+  local cluster <close> = assert(duet.cluster { plain = true, parts = 2 })
+  fill(cluster, 1 << 40)
+  local result = assert(cluster:step())
+  local known, found = {}, 0
+  local pairs <close> = expected(0)
+  for _, a, b in pairs:each() do known[a << 32 | b] = true end
+  for _, a, b in result.own_pairs:each() do
+    found = found + 1
+    assert(known[(a - (1 << 40)) << 32 | (b - (1 << 40))])
+  end
+  local ranks, all = assert(cluster:ranks()), 0
+  facts.equal(#ranks, cluster.rank_count)
+  facts.equal(found, ranks[cluster.rank + 1].pairs)
+  for _, rank in ipairs(ranks) do all = all + rank.pairs end
+  facts.equal(all, #pairs)
+end)
+
+facts.holds("devices of a cluster and of the script find the same pairs", function()
+  local settings = { n = 300, world = 12 }
+  local cluster <close> = assert(duet.cluster())
+  facts.equal(cluster:scene(), nil)
+  facts.equal(assert(cluster:load_scene("paper", settings)).n, 300)
+  assert(cluster:load_profile(os.tmpname() .. ".none"))
+  assert(cluster:set_plan { share = 0.5 })
+  assert(cluster:set_level "double")
+  local pair <close> = assert(duet.device_pair())
+  local scene <close> = assert(duet.scene("paper", settings))
+  local world <close> = assert(pair:world(scene))
+  local one = assert(world:step())
+  assert(#one > 50)
+  facts.equal(assert(cluster:step()).hash, one:hash())
+end)
+
+facts.holds("the file of pairs is that of the reference", function()
+  local cluster <close> = assert(duet.cluster { plain = true })
+  fill(cluster, 0)
+  local path = "cluster_lua_" .. cluster.rank_count .. ".npy"
+  assert(cluster:step())
+  assert(cluster:save_pairs(path, true))
+  local pairs <close> = expected(0)
+  local rows = {}
+  for _, a, b in pairs:each() do rows[#rows + 1] = { a, b } end
+  table.sort(rows, function(p, q) return p[1] < q[1] or p[1] == q[1] and p[2] < q[2] end)
+  facts.equal(facts.read_file(path):sub(129), duet.pairs64(rows):bytes())
+  assert(cluster:step()) -- on all, before the file goes
+  if cluster.rank == 0 then os.remove(path) end
+end)
+
+facts.holds("views hold until the next call, and nothing is taken that is none", function()
+  local cluster <close> = assert(duet.cluster { plain = true })
+  fill(cluster, 0)
+  local homes, ids = assert(cluster:map_homes())
+  facts.raises("cannot be changed", ids.set, ids, 0, 7)
+  local first = assert(cluster:step())
+  facts.raises("its owner has given back", homes.get, homes, 0)
+  assert(cluster:step())
+  facts.raises("its owner has given back", first.own_pairs.bytes, first.own_pairs)
+  local last = assert(cluster:step())
+  fill(cluster, 0)
+  facts.raises("its owner has given back", last.own_pairs.bytes, last.own_pairs)
+  facts.raises("has no field 'plane'", duet.cluster, { plane = true })
+  facts.raises("'pair'", duet.cluster, { pair = {} })
+  facts.raises("as many objects as there are ids", cluster.set_objects, cluster, { 1 }, duet.poses(2))
+  facts.refused("BAD_ARGUMENT", "parts is 0", duet.cluster, { plain = true, parts = 0 })
+  facts.refused("NOT_FOUND", "papr: no such file or scene", cluster.load_scene, cluster, "papr")
+  local closed = assert(duet.cluster { plain = true })
+  closed:close()
+  closed:close()
+  facts.raises("the cluster is closed", closed.step, closed)
+end)
+
+facts.holds("a rank that fails alone ends the others' calls, and none waits for it", function()
+  local ok, message = pcall(function()
+    local cluster <close> = assert(duet.cluster { plain = true })
+    fill(cluster, 0)
+    if cluster.rank == cluster.rank_count - 1 then error "of its own" end
+    while true do assert(cluster:step()) end
+  end)
+  assert(not ok)
+  assert(message:find "of its own" or message:find "another rank makes another call", message)
+end)
+
+facts.holds("what is there is what lua/api.lua lists", function()
+  local cluster <close> = assert(duet.cluster { plain = true })
+  assert(cluster:load_scene("paper", { n = 20 }))
+  local objects = {
+    Cluster = cluster, ClusterResult = assert(cluster:step()), ClusterRank = assert(cluster:ranks())[1],
+  }
+  local names = {}
+  for _, row in ipairs(dofile(facts.root .. "/lua/api.lua").names) do
+    local class, field = row[1]:match "^duet%.(%u%w*)%.([%w_]+)$"
+    names[(class or "") .. "." .. (field or "")] = true
+    if objects[class] then assert(objects[class][field] ~= nil, row[1]) end
+  end
+  for class, object in pairs(objects) do
+    for field in pairs(class == "Cluster" and {} or object) do assert(names[class .. "." .. field], field) end
+  end
+end)
+
+facts.finish()

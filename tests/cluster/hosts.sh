@@ -1,0 +1,111 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Four machines that are network namespaces of this one, on a switch that is a fifth: a cluster
+# finds one machine's pairs, and ends in one line where a rank is killed or a cable is pulled.
+# Skipped (77) where that is not permitted.
+#
+#   hosts.sh DUET [--all]    with --all a cable is pulled, too, which takes some seconds to be noticed
+set -euo pipefail
+duet=$1
+tag=duet-$$
+names=(one two three four)
+work=$(mktemp -d)
+
+pull_down() {
+  for name in "${names[@]}" switch; do
+    ip netns pids "$tag-$name" 2>/dev/null | xargs -r kill -9 2>/dev/null || true
+    ip netns del "$tag-$name" 2>/dev/null || true
+  done
+  rm -rf "$work"
+}
+trap pull_down EXIT
+
+put_up() {
+  ip netns add "$tag-switch" || return
+  ip -n "$tag-switch" link add name lan type bridge || return
+  ip -n "$tag-switch" link set lan up || return
+  local n=0
+  for name in "${names[@]}"; do
+    n=$((n + 1))
+    ip netns add "$tag-$name" || return
+    ip link add name eth0 netns "$tag-$name" type veth peer name "$name" netns "$tag-switch" || return
+    ip -n "$tag-switch" link set "$name" master lan up || return
+    ip -n "$tag-$name" addr add "10.77.0.$n/24" dev eth0 || return
+    ip -n "$tag-$name" link set eth0 up || return
+    ip -n "$tag-$name" link set lo up || return
+  done
+  # What mpirun calls in the place of ssh: HOST COMMAND...
+  # shellcheck disable=SC2016
+  printf '%s\n' '#!/bin/sh' 'host=$1' 'shift' \
+    "exec ip netns exec $tag-\$host unshare --uts sh -c \"hostname \$host; \$*\"" >"$work/enter"
+  chmod +x "$work/enter"
+  "$work/enter" two true
+}
+
+if ! command -v ip >/dev/null || ! put_up >/dev/null 2>"$work/says"; then
+  echo "skipped: network namespaces need root, iproute2 and CAP_NET_ADMIN; $(head -n 1 "$work/says")"
+  exit 77
+fi
+export OMPI_MCA_plm_rsh_agent=$work/enter
+scene=(paper -n 2000 --set world=25 --plain)
+
+fail() {
+  echo "$1"
+  cat "$work/out" "$work/err"
+  exit 1
+}
+
+cluster() { # ARGUMENTS: from machine one
+  timeout -k 1 60 "$work/enter" one "$duet cluster --ranks 4 --hosts one,two,three,four ${scene[*]} $*"
+}
+
+pairs_are_those_of_one_machine() {
+  $duet cluster "${scene[@]}" --repeat 1 --pairs "$work/one.npy" --sorted >"$work/out" 2>"$work/err"
+  cluster --repeat 1 --pairs "$work/four.npy" --sorted --json >"$work/out" 2>"$work/err" ||
+    fail "four machines fail"
+  cmp "$work/one.npy" "$work/four.npy" || fail "other pairs"
+  for name in "${names[@]}"; do
+    grep -q "\"host\":.*\"$name\"" "$work/out" || fail "no rank on $name"
+  done
+}
+
+rank_on_three() {
+  for pid in $(ip netns pids "$tag-three"); do
+    if [ "$(cat "/proc/$pid/comm" 2>/dev/null)" = duet-cluster ]; then echo "$pid"; fi
+  done
+}
+
+# A job that would go on for long ends by itself once ACTION is done to machine three.
+ends_in_one_line() { # ACTION WORDS
+  rm -f "$work"/cut.npy*
+  (
+    for _ in $(seq 200); do
+      [ -z "$(rank_on_three)" ] || break
+      sleep 0.05
+    done
+    sleep 0.5
+    $1
+  ) &
+  local code=0
+  cluster --repeat 100000 --pairs "$work/cut.npy" >"$work/out" 2>"$work/err" || code=$?
+  wait
+  sed -i '/plm:rsh: Warning: setpgid/d' "$work/err" # a race of Open MPI with its own child
+  [ "$code" = 1 ] || fail "exit status $code"
+  [ "$(wc -l <"$work/err")" = 1 ] || fail "not one line"
+  grep -q "$2" "$work/err" || fail "other words than '$2'"
+  [ ! -s "$work/out" ] || fail "something on stdout"
+  ! ls "$work"/cut.npy* >"$work/out" 2>/dev/null || fail "a file is left"
+}
+
+kill_a_rank() {
+  kill -9 "$(rank_on_three)"
+}
+
+pull_the_cable() {
+  ip -n "$tag-switch" link set three down
+}
+
+pairs_are_those_of_one_machine
+ends_in_one_line kill_a_rank 'a rank was ended by signal 9 (Killed), and with it the job'
+[ "${2:-}" != --all ] || ends_in_one_line pull_the_cable 'a machine may be out of reach'
+echo "four machines find the pairs of one, and none outlives another"
