@@ -118,7 +118,11 @@ void bisection_box(const bisection *b, uint32_t part, double lower[3], double up
     while (end - first > 1) {
         uint32_t middle = first + (end - first) / 2;
         const bisection_plane *plane = &b->planes[middle];
+        double *low = &lower[plane->axis], *high = &upper[plane->axis];
         *(part < middle ? &end : &first) = middle;
-        (part < middle ? upper : lower)[plane->axis] = plane->at;
+        if (part < middle) // a half without points is cut where it has none
+            *high = fmin(*high, plane->at);
+        else
+            *low = fmax(*low, plane->at);
     }
 }

@@ -4,7 +4,6 @@
 #include "cluster/cluster.h"
 
 #include "base/error.h"
-#include "cluster/ghosts.h"
 #include "cluster/own_pair.h"
 #include "runtime/scene/scene.h"
 
@@ -81,7 +80,9 @@ static worker *open_worker(const duet_cluster *c, duet_error *err)
 
 static bool open_workers(duet_cluster *c, duet_error *err)
 {
+    object_rows none = {0};
     bool ok = true;
+    homes_take(&c->homes, &none);
     close_workers(c);
     for (int i = 0; ok && i < count_workers(c); ++i) {
         c->workers[i] = open_worker(c, err);
@@ -128,7 +129,10 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
         ok = ranks_reserve(&c->ranks, &own) && parallel_begin(&c->threads, c->ranks.n_here, &own) &&
              check_def(def, &own) && parts_begin(&c->parts, def->parts, &c->ranks, &own) &&
              open_pair(c, &own) && open_workers(c, &own);
-        ok = ranks_agree(&c->ranks, ok, &own) && cut_begin(&c->cut, &c->ranks, def->weight, &own);
+        tally t = {.sums = {def->parts > 1}};
+        ok = ranks_agree_and(&c->ranks, ok, &t, &own) &&
+             cut_begin(&c->cut, &c->ranks, def->weight, &own);
+        c->in_place = t.sums[0] == 0;
         if (!ok)
             error_set(err, own.status, "%s", own.text);
     }
@@ -151,6 +155,7 @@ void duet_cluster_destroy(duet_cluster *c)
         seen_end(&c->seen[i]);
     parts_end(&c->parts);
     homes_end(&c->homes);
+    ghosts_end(&c->ghosts);
     cut_end(&c->cut);
     parallel_end(&c->threads);
     ranks_end(&c->ranks);
@@ -184,22 +189,6 @@ static void take(duet_cluster *c, object_rows *rows)
     c->changed = true;
 }
 
-static bool copy_rows(object_rows *rows, const object_form *form, const uint64_t *ids,
-                      const void *objects, uint32_t n, duet_error *err)
-{
-    const object_rows none = {0};
-    arrival *arrivals = malloc(((size_t)n + 1) * sizeof *arrivals);
-    bool ok = arrivals || error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", n);
-    for (uint32_t i = 0; ok && i < n; ++i)
-        arrivals[i] = (arrival){ids[i], (const char *)objects + (size_t)i * form->bytes};
-    if (ok)
-        arrivals_sort(arrivals, n);
-    ok = ok && object_rows_begin(rows, form, n, err);
-    ok = ok && object_rows_merge(rows, form, &none, NULL, 0, arrivals, n, err);
-    free(arrivals);
-    return ok;
-}
-
 static bool check_kind(const duet_cluster *c, duet_object_kind kind, duet_error *err)
 {
     duet_object_kind right = object_form_kind(&c->homes.form);
@@ -219,7 +208,7 @@ bool duet_cluster_set_objects(duet_cluster *c, duet_object_kind kind, const uint
     bool ok = check_kind(c, kind, &own);
     ok = ok && (n == 0 || (error_given(ids, __func__, "ids", &own) &&
                            error_given(objects, __func__, "objects", &own)));
-    ok = ok && copy_rows(&rows, &c->homes.form, ids, objects, n, &own);
+    ok = ok && object_rows_copy(&rows, &c->homes.form, ids, objects, n, &own);
     ok = agree_on(c, __func__, ok, &own, err);
     if (ok)
         take(c, &rows);
@@ -426,6 +415,11 @@ const duet_scene_info *duet_cluster_get_scene_info(const duet_cluster *c)
 
 // ---------------------------------------------------------------- a step
 
+static double ms_since(uint64_t begun_ns)
+{
+    return (double)(ranks_now_ns() - begun_ns) * 1e-6;
+}
+
 static bool check_worker_result(const seen *s, const worker_found *found, duet_error *err)
 {
     return !found->has_bad ||
@@ -437,7 +431,7 @@ static bool check_worker_result(const seen *s, const worker_found *found, duet_e
 // Far enough for a grid of its own: by a quarter of the width that they take, on any side.
 static bool have_moved(const duet_cluster *c)
 {
-    const reach *now = &c->homes.boxes.upto[LEVELS - 1];
+    const reach *now = &c->homes.around;
     bool moved = false;
     for (int k = 0; k < 3; ++k) {
         double far = 0.25 * (c->fitted.upper[k] - c->fitted.lower[k]);
@@ -447,32 +441,55 @@ static bool have_moved(const duet_cluster *c)
     return moved;
 }
 
+static void follow(duet_cluster *c, worker *w)
+{
+    if (c->parts.n > 1 || have_moved(c)) {
+        w->move(w);
+        c->fitted = c->homes.around;
+    }
+}
+
 // Parts take turns in the places that there are workers for.
 static bool fill(duet_cluster *c, uint32_t part, duet_error *own)
 {
     sight from = parts_sight(&c->parts, part);
     worker *w = c->workers[part % 2];
-    if (c->parts.n > 1 || have_moved(c)) {
-        w->move(w);
-        c->fitted = c->homes.boxes.upto[LEVELS - 1];
-    }
+    follow(c, w);
     return seen_fill(&c->seen[part % 2], &c->homes, &from, w, own);
+}
+
+static bool fill_by_ids(duet_cluster *c, duet_error *own)
+{
+    bool ok = parts_divide(&c->parts, &c->homes, &c->ranks, &c->ghosts.in, own);
+    for (int i = 0; ok && i < count_workers(c); ++i)
+        ok = fill(c, (uint32_t)i, own);
+    return ok;
+}
+
+// Homes are where their worker has them.
+static bool fill_in_place(duet_cluster *c, duet_error *own)
+{
+    follow(c, c->workers[0]);
+    return (c->homes.holder || homes_move_in(&c->homes, c->workers[0], own)) &&
+           seen_append(&c->seen[0], &c->homes, &c->ranks, &c->ghosts.in, own);
 }
 
 // Brings homes and ghosts to where they belong, on all ranks or on none, and hands the first to
 // this rank's workers. What fails in that is of this rank alone, and *settled is then false.
 static bool settle(duet_cluster *c, bool *settled, duet_error *own)
 {
-    parcels ghosts = {0};
-    bool ok = homes_settle(&c->homes, &c->ranks, &c->cut, c->def.imbalance, own);
-    ok = ok && ghosts_exchange(&c->homes, &c->ranks, &ghosts, own);
+    bool in_place = c->in_place && seen_in_any_order(c->def.world.level);
+    *settled = in_place || !c->homes.holder || homes_move_out(&c->homes, own);
+    bool are_new = c->homes.widest == 0; // and all of them travel
+    uint64_t begun_ns = ranks_now_ns(), n_cuts = c->homes.n_cuts;
+    bool ok = homes_settle(&c->homes, &c->ranks, &c->cut, c->def.imbalance, settled, own);
+    if (c->homes.n_cuts > n_cuts)
+        balance_begin(&c->balance, are_new ? 0 : ms_since(begun_ns));
+    ok = ok && ghosts_exchange(&c->ghosts, &c->homes, &c->ranks, *settled, own);
     if (ok) {
-        c->n_ghosts = ghosts.n;
-        *settled = parts_divide(&c->parts, &c->homes, &c->ranks, &ghosts, own);
-        for (int i = 0; *settled && i < count_workers(c); ++i)
-            *settled = fill(c, (uint32_t)i, own);
+        c->n_ghosts = c->ghosts.in.n + c->homes.n_gone;
+        *settled = in_place ? fill_in_place(c, own) : fill_by_ids(c, own);
     }
-    parcels_end(&ghosts);
     return ok;
 }
 
@@ -514,7 +531,7 @@ typedef struct search {
 static void *run_search(void *arg)
 {
     search *s = arg;
-    s->ok = s->seen->rows.n == s->seen->n_ghosts || s->worker->find(s->worker, &s->found, &s->err);
+    s->ok = seen_homes(s->seen) == 0 || s->worker->find(s->worker, &s->found, &s->err);
     return NULL;
 }
 
@@ -563,18 +580,25 @@ static bool find_own(duet_cluster *c, duet_error *own)
 static bool find(duet_cluster *c, bool ok, tally *t, duet_error *own)
 {
     if (c->is_cold)
-        ranks_await_turn(&c->ranks, c->homes.rows.n > 0);
+        ranks_await_turn(&c->ranks, homes_count(&c->homes) > 0);
     ok = ok && find_own(c, own);
     if (c->is_cold)
         ranks_end_turn(&c->ranks);
     c->is_cold = false;
-    *t = (tally){.sums = {ranks_stand_for(&c->ranks) * c->homes.rows.n, c->own.n, c->own.hash}};
+    *t = (tally){
+        .sums = {ranks_stand_for(&c->ranks) * homes_count(&c->homes), c->own.n, c->own.hash}};
     return ranks_agree_and(&c->ranks, ok, t, own);
 }
 
-static double ms_since(uint64_t begun_ns)
+// Where weights are not given they follow from the steps. One that cut, or that may have built
+// kernels, is no measure of others.
+static void balance_ranks(duet_cluster *c, bool is_typical)
 {
-    return (double)(ranks_now_ns() - begun_ns) * 1e-6;
+    if (is_typical && c->def.weight == 0 &&
+        balance_note(&c->balance, &c->ranks, &c->cut, c->last.busy_ms, homes_count(&c->homes))) {
+        c->homes.is_cut = false;
+        c->changed = true;
+    }
 }
 
 static void keep_times(duet_cluster *c, uint64_t begun_ns)
@@ -583,7 +607,7 @@ static void keep_times(duet_cluster *c, uint64_t begun_ns)
     double wait_ms = (double)c->ranks.wait_ns * 1e-6;
     uint64_t stands_for = ranks_stand_for(&c->ranks);
     duet_cluster_rank *last = &c->last;
-    *last = (duet_cluster_rank){.objects = stands_for * c->homes.rows.n,
+    *last = (duet_cluster_rank){.objects = stands_for * homes_count(&c->homes),
                                 .ghosts = stands_for * c->n_ghosts,
                                 .pairs = c->own.n,
                                 .sent_bytes = c->ranks.sent_bytes,
@@ -600,8 +624,11 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     duet_error own = {0};
     tally t;
     bool settled = true, ok = error_given(result, __func__, "result", &own);
-    uint64_t begun_ns = ranks_now_ns();
+    bool was_cold = c->is_cold;
+    uint64_t begun_ns = ranks_now_ns(), n_cuts = c->homes.n_cuts;
     c->ranks.wait_ns = c->ranks.sent_bytes = 0;
+    parallel_be_keen(&c->threads,
+                     c->workers[0]->spares_host && c->workers[0]->spares_host(c->workers[0]));
     ok = begin_settled(c, __func__, ok, &settled, &own) && find(c, settled, &t, &own);
     c->changed = c->changed && !ok;
     if (!ok) {
@@ -611,6 +638,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     keep_times(c, begun_ns);
     double total_ms = ms_since(begun_ns);
     ranks_greatest(&c->ranks, &total_ms, 1);
+    balance_ranks(c, !was_cold && c->homes.n_cuts == n_cuts);
     *result = (duet_cluster_result){.objects = t.sums[0],
                                     .pairs = t.sums[1],
                                     .hash = t.sums[2],
@@ -644,8 +672,8 @@ void *duet_cluster_map_homes(duet_cluster *c, duet_object_kind kind, const uint6
     if (!settle_all(c, __func__, ok, &own, err))
         return NULL;
     c->changed = true;
+    *n = homes_open(&c->homes);
     *ids = c->homes.rows.ids;
-    *n = c->homes.rows.n;
     return c->homes.rows.objects;
 }
 
@@ -673,8 +701,10 @@ bool duet_cluster_set_level(duet_cluster *c, duet_level level, duet_error *err)
         error_set(&own, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level", (int)level);
     for (int i = 0; ok && i < count_workers(c); ++i)
         ok = c->workers[i]->set_level(c->workers[i], level, &own);
-    if (ok)
+    if (ok) {
+        c->changed |= seen_in_any_order(level) != seen_in_any_order(c->def.world.level);
         c->def.world.level = level;
+    }
     c->is_cold = true;
     return agree_on(c, __func__, ok, &own, err);
 }
@@ -683,14 +713,15 @@ static void load_profiles(duet_cluster *c, const char *path, duet_profile *profi
                           duet_error *store_failed)
 {
     *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT};
-    for (int i = 0; c->homes.rows.n > 0 && i < count_workers(c); ++i)
+    for (int i = 0; homes_count(&c->homes) > 0 && i < count_workers(c); ++i)
         c->workers[i]->load_profile(c->workers[i], path, profile, store_failed);
 }
 
 // By the times that the store knows for what each rank has now.
 static bool weigh_ranks(duet_cluster *c, const duet_profile *profile)
 {
-    double pace = profile->step_ms > 0 ? c->homes.rows.n / (c->parts.n * profile->step_ms) : 0;
+    double pace =
+        profile->step_ms > 0 ? homes_count(&c->homes) / (c->parts.n * profile->step_ms) : 0;
     if (c->def.weight > 0 || c->ranks.n == 1 || !cut_weigh(&c->cut, &c->ranks, pace))
         return false;
     c->homes.is_cut = false;

@@ -3,7 +3,9 @@
 #ifndef CLUSTER_CLUSTER_H
 #define CLUSTER_CLUSTER_H
 
+#include "cluster/balance.h"
 #include "cluster/duet_cluster.h"
+#include "cluster/ghosts.h"
 #include "cluster/parts.h"
 
 struct duet_cluster {
@@ -13,14 +15,17 @@ struct duet_cluster {
     parallel threads;
     cut cut;
     homes homes;
+    balance balance;
+    ghosts ghosts;
     parts parts;
     worker *workers[2]; // one is filled while the other finds; the second is of several parts
     seen seen[2];
     reach fitted; // around the homes, when workers were last told that they moved
     own_pairs own;
     uint64_t n_ghosts;
-    bool changed; // objects, since the worker got them
-    bool is_cold; // kernels may have to be built
+    bool in_place; // no rank has parts, and homes may lie in a worker's memory
+    bool changed;  // objects, since the worker got them
+    bool is_cold;  // kernels may have to be built
     bool has_scene;
     duet_scene_info scene;
     char *scene_name;

@@ -33,7 +33,8 @@ typedef struct duet_cluster_def {
                           // GPU, or of the CPU's units
     bool plain;           // no devices: pairs are found by the plain C reference
     double weight;        // of this rank: it gets this part of all ranks' sum. 0, on all ranks:
-                          // what load_profile finds, and until then all are alike
+                          // what load_profile finds, and until then all are alike; then the
+                          // times that steps take, where these are so unequal that a cut pays
     uint32_t parts;   // in which this rank's devices see its homes, one after the other: they need
                       // memory for two of them. 1, up to 1024
     bool drops_pairs; // own_pairs of a result stays empty: pairs are counted, and have a hash
@@ -69,9 +70,10 @@ DUET_API bool duet_cluster_set_objects(duet_cluster *cluster, duet_object_kind k
                                        const uint64_t *ids, const void *objects, uint32_t n,
                                        duet_error *err);
 
-// This rank's homes, to be written in place, and their ids, ascending. Valid until the next
-// call but a getter. Objects that leave their rank's part of the world change homes in the
-// next step.
+// This rank's homes, to be written in place, and their ids, in no order: which object a row is
+// may change with each step. Valid until the next call but a getter. Where no rank has parts and
+// the level is certified or aabb this is memory that the devices read without a copy. Objects that
+// leave their rank's part of the world change homes in the next step.
 DUET_API void *duet_cluster_map_homes(duet_cluster *cluster, duet_object_kind kind,
                                       const uint64_t **ids, uint32_t *n, duet_error *err);
 

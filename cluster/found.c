@@ -3,7 +3,6 @@
 
 #include "base/error.h"
 #include "cluster/owner.h"
-#include "runtime/broadphase/pair_hash.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -56,11 +55,10 @@ static bool reserve(seen *s, uint64_t n, uint64_t n_ghosts, duet_error *err)
         seen_end(s);
         s->capacity = n + n / 16;
         s->ghost_capacity = n_ghosts + n_ghosts / 4;
-        s->rows.ids = malloc((s->capacity + 1) * sizeof *s->rows.ids);
         s->is_ghost = malloc(s->capacity / 8 + 1);
         s->ghosts = malloc((s->ghost_capacity + 1) * sizeof *s->ghosts);
     }
-    if (!s->rows.ids || !s->is_ghost || !s->ghosts) {
+    if (!s->is_ghost || !s->ghosts) {
         seen_end(s);
         return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects and ghosts: no memory",
                          n);
@@ -68,6 +66,74 @@ static bool reserve(seen *s, uint64_t n, uint64_t n_ghosts, duet_error *err)
     memset(s->is_ghost, 0, n / 8 + 1);
     return true;
 }
+
+static bool reserve_ids(seen *s, duet_error *err)
+{
+    if (!s->own_ids)
+        s->own_ids = malloc((s->capacity + 1) * sizeof *s->own_ids);
+    s->rows.ids = s->own_ids;
+    return s->own_ids || error_set(err, DUET_STATUS_NO_MEMORY,
+                                   "the ids of %" PRIu64 " objects: no memory", s->capacity);
+}
+
+// ---------------------------------------------------------------- in any order
+
+// Both are found without a rounding that depends on it.
+bool seen_in_any_order(duet_level level)
+{
+    return level == DUET_LEVEL_CERTIFIED || level == DUET_LEVEL_AABB;
+}
+
+typedef struct marking {
+    seen *s;
+    const homes *h;
+    uint32_t rank, n_ranks;
+    uint64_t before; // ghosts of ranks below
+} marking;
+
+static void mark_ghost(const marking *m, uint64_t ghost, uint32_t place, uint32_t rank)
+{
+    const void *object = object_row(&m->h->rows, &m->h->form, place);
+    m->s->ghosts[ghost] = (seen_ghost){place, ghost_key(m->h, object, rank, m->n_ranks)};
+}
+
+static void mark_part(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    const marking *m = context;
+    (void)part;
+    for (uint64_t i = m->before + first; i < m->before + end; ++i)
+        mark_ghost(m, m->h->n_gone + i, m->h->rows.n + (uint32_t)i, m->rank);
+}
+
+static void mark_ghosts(marking *m, const homes *h, const parcels *ghosts)
+{
+    for (uint32_t i = 0; i < h->n_gone; ++i)
+        mark_ghost(m, i, h->gone[i].row, (uint32_t)h->gone[i].to);
+    for (m->rank = 0; m->rank < m->n_ranks; m->before += ghosts->counts[m->rank++])
+        parallel_each(h->threads, ghosts->counts[m->rank], mark_part, m);
+    m->s->n_ghosts = h->n_gone + ghosts->n;
+    for (uint64_t i = 0; i < m->s->n_ghosts; ++i) {
+        uint32_t place = m->s->ghosts[i].place;
+        m->s->is_ghost[place / 8] |= (uint8_t)(1u << place % 8);
+    }
+}
+
+bool seen_append(seen *s, homes *h, const ranks *r, const parcels *ghosts, duet_error *err)
+{
+    marking m = {.s = s, .h = h, .n_ranks = (uint32_t)r->n};
+    if (!homes_write_behind(h, ghosts, err) ||
+        !reserve(s, h->rows.n + ghosts->n, h->n_gone + ghosts->n, err))
+        return false;
+    s->homes = h;
+    s->home = (uint32_t)r->self;
+    s->n_homes = m.n_ranks;
+    s->rows = (object_rows){.ids = h->rows.ids, .objects = h->rows.objects};
+    s->rows.n = h->rows.n + (uint32_t)ghosts->n;
+    mark_ghosts(&m, h, ghosts);
+    return true;
+}
+
+// ---------------------------------------------------------------- by ascending id
 
 typedef struct filling {
     seen *s;
@@ -163,7 +229,7 @@ bool seen_fill(seen *s, const homes *h, const sight *from, worker *w, duet_error
                          from->n, from->n_ghosts);
     filling *f = calloc(1, sizeof *f);
     bool ok = f || error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects: no memory", n);
-    ok = ok && reserve(s, n, from->n_ghosts, err);
+    ok = ok && reserve(s, n, from->n_ghosts, err) && reserve_ids(s, err);
     if (ok) {
         *f = (filling){.s = s, .h = h, .from = from};
         s->homes = h;
@@ -184,7 +250,7 @@ bool seen_fill(seen *s, const homes *h, const sight *from, worker *w, duet_error
 
 void seen_end(seen *s)
 {
-    free(s->rows.ids);
+    free(s->own_ids);
     free(s->is_ghost);
     free(s->ghosts);
     *s = (seen){0};
@@ -192,14 +258,7 @@ void seen_end(seen *s)
 
 // ---------------------------------------------------------------- pairs
 
-uint64_t pair64_hash(duet_pair64 pair)
-{
-    uint64_t low = (pair.a << 32) | (pair.b & UINT32_MAX);
-    uint64_t high = (pair.a >> 32 << 32) | (pair.b >> 32);
-    return pair_hash(low ^ pair_hash(high));
-}
-
-static bool is_ghost(const seen *s, uint32_t place)
+static inline bool is_ghost(const seen *s, uint32_t place)
 {
     return s->is_ghost[place / 8] >> place % 8 & 1;
 }
@@ -217,15 +276,20 @@ static uint32_t key_of_ghost(const seen *s, uint32_t place)
     return s->ghosts[first].key;
 }
 
-// The object with the lesser key is at home. Two homes need no keys, and two ghosts have none.
-static bool is_own(const seen *s, duet_pair pair)
+// The object with the lesser key is at home. Two ghosts have no home.
+static bool owns_with_ghost(const seen *s, duet_pair pair)
 {
     bool a = is_ghost(s, pair.a), b = is_ghost(s, pair.b);
-    if (a == b)
-        return !a;
+    if (a && b)
+        return false;
     uint32_t home = a ? pair.b : pair.a, ghost = a ? pair.a : pair.b;
     const void *object = object_row(&s->rows, &s->homes->form, home);
     return ghost_key(s->homes, object, s->home, s->n_homes) < key_of_ghost(s, ghost);
+}
+
+static inline bool is_own(const seen *s, duet_pair pair)
+{
+    return !(is_ghost(s, pair.a) | is_ghost(s, pair.b)) || owns_with_ghost(s, pair);
 }
 
 typedef struct taking {
@@ -236,10 +300,17 @@ typedef struct taking {
     uint64_t hashes[PARALLEL_MOST];
 } taking;
 
-static duet_pair pair_at(const worker_found *found, uint64_t i)
+static inline duet_pair pair_at(const worker_found *found, uint64_t i)
 {
     return i < found->spans[0].n ? found->spans[0].pairs[i]
                                  : found->spans[1].pairs[i - found->spans[0].n];
+}
+
+// By the ids of its objects.
+static inline duet_pair64 pair_of(const seen *s, duet_pair p)
+{
+    uint64_t a = s->rows.ids[p.a], b = s->rows.ids[p.b];
+    return a < b ? (duet_pair64){a, b} : (duet_pair64){b, a};
 }
 
 static void count_part(void *context, uint32_t part, uint64_t first, uint64_t end)
@@ -251,7 +322,7 @@ static void count_part(void *context, uint32_t part, uint64_t first, uint64_t en
         if (!is_own(t->s, p))
             continue;
         ++n;
-        hash += pair64_hash((duet_pair64){t->s->rows.ids[p.a], t->s->rows.ids[p.b]});
+        hash += pair64_hash(pair_of(t->s, p));
     }
     t->counts[part] = n;
     t->hashes[part] = hash;
@@ -264,7 +335,7 @@ static void take_part(void *context, uint32_t part, uint64_t first, uint64_t end
     for (uint64_t i = first; i < end; ++i) {
         duet_pair p = pair_at(t->found, i);
         if (is_own(t->s, p))
-            *to++ = (duet_pair64){t->s->rows.ids[p.a], t->s->rows.ids[p.b]};
+            *to++ = pair_of(t->s, p);
     }
 }
 

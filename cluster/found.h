@@ -6,6 +6,7 @@
 #include "cluster/duet_cluster.h"
 #include "cluster/homes.h"
 #include "cluster/worker.h"
+#include "runtime/broadphase/pair_hash.h"
 
 // An object that is at home elsewhere, and the key of that home.
 typedef struct ghost_row {
@@ -40,9 +41,11 @@ typedef struct seen_ghost {
 } seen_ghost;
 
 // By ascending id, so that the order of two objects, which may decide a float's last bit, is
-// that of one world with all objects.
+// that of one world with all objects. Where it decides nothing, homes that lie in the worker's
+// memory are seen there, and ghosts behind them.
 typedef struct seen {
     object_rows rows;   // whose objects are the worker's memory
+    uint64_t *own_ids;  // NULL: rows' are the homes'
     uint8_t *is_ghost;  // a bit each
     seen_ghost *ghosts; // ascending
     uint64_t n_ghosts;
@@ -51,9 +54,21 @@ typedef struct seen {
     uint32_t home, n_homes;
 } seen;
 
+// Whether the order of two objects decides nothing.
+bool seen_in_any_order(duet_level level);
+
+// Adds the ghosts in the messages behind homes that lie in the worker's memory. Not collective.
+bool seen_append(seen *s, homes *h, const ranks *r, const parcels *ghosts, duet_error *err);
+
 // Writes the homes and ghosts into the worker's memory. Not collective.
 bool seen_fill(seen *s, const homes *h, const sight *from, worker *w, duet_error *err);
 void seen_end(seen *s);
+
+// How many homes are there.
+static inline uint64_t seen_homes(const seen *s)
+{
+    return s->rows.n - s->n_ghosts;
+}
 
 // This rank's own pairs.
 typedef struct own_pairs {
@@ -70,6 +85,11 @@ void own_pairs_forget(own_pairs *own); // keeps the memory
 void own_pairs_end(own_pairs *own);
 
 // The pair hash of one pair: below 2^32 that of duet_pairs_hash.
-uint64_t pair64_hash(duet_pair64 pair);
+static inline uint64_t pair64_hash(duet_pair64 pair)
+{
+    uint64_t low = (pair.a << 32) | (pair.b & UINT32_MAX);
+    uint64_t high = (pair.a >> 32 << 32) | (pair.b >> 32);
+    return pair_hash(high ? low ^ pair_hash(high) : low); // that of 0 is 0
+}
 
 #endif

@@ -8,18 +8,7 @@
 #include "cluster/owner.h"
 
 #include <stdlib.h>
-
-// A home that is a ghost elsewhere.
-typedef struct visit {
-    uint32_t home;
-    int rank;
-} visit;
-
-typedef struct visits {
-    visit *list;
-    uint64_t n;
-    uint64_t capacity;
-} visits;
+#include <string.h>
 
 static bool add_visit(visits *v, uint32_t home, int rank)
 {
@@ -31,7 +20,7 @@ static bool add_visit(visits *v, uint32_t home, int rank)
         v->list = list;
         v->capacity = capacity;
     }
-    v->list[v->n++] = (visit){home, rank};
+    v->list[v->n++] = (visit){.home = home, .rank = rank};
     return true;
 }
 
@@ -51,7 +40,7 @@ typedef struct search {
     int self;
     int *neighbours;
     int n_neighbours;
-    visits parts[PARALLEL_MOST];
+    visits *parts; // [PARALLEL_MOST]
     bool failed[PARALLEL_MOST];
 } search;
 
@@ -71,7 +60,8 @@ static void search_part(void *context, uint32_t part, uint64_t first, uint64_t e
 {
     search *s = context;
     const homes *h = s->h;
-    for (uint32_t i = (uint32_t)first; i < end; ++i) {
+    for (uint64_t at = first; at < end; ++at) {
+        uint32_t i = h->border.rows[at];
         const void *object = object_row(&h->rows, &h->form, i);
         double centre[3];
         object_centre(&h->form, object, centre);
@@ -82,63 +72,105 @@ static void search_part(void *context, uint32_t part, uint64_t first, uint64_t e
         for (int k = 0; k < s->n_neighbours; ++k) {
             int rank = s->neighbours[k],
                 level = owners_upto(own_level, (uint32_t)s->self, (uint32_t)rank);
-            if (level >= 0 && reaches_meet(&s->all[rank].upto[level], &e))
+            if (level >= 0 && !homes_came_from(h, i, rank) &&
+                reaches_meet(&s->all[rank].upto[level], &e))
                 s->failed[part] |= !add_visit(&s->parts[part], i, rank);
         }
     }
 }
 
-static bool find_visits(visits *v, const level_boxes *all, const ranks *r, const homes *h,
-                        duet_error *err)
+// Those that all parts of the search have found.
+static bool gather(visits *all, const search *s)
 {
-    search *s = calloc(1, sizeof *s);
-    int *neighbours = malloc((size_t)r->n * sizeof *neighbours);
-    bool ok = s && neighbours;
-    if (ok) {
-        *s = (search){.h = h, .all = all, .self = r->self, .neighbours = neighbours};
-        s->n_neighbours = find_neighbours(all, r, neighbours);
-        if (s->n_neighbours > 0)
-            parallel_each(h->threads, h->rows.n, search_part, s);
+    uint64_t n = 0;
+    for (int part = 0; part < PARALLEL_MOST; ++part) {
+        if (s->failed[part])
+            return false;
+        n += s->parts[part].n;
     }
-    for (int part = 0; s && part < PARALLEL_MOST; ++part) {
-        ok = ok && !s->failed[part];
-        for (uint64_t k = 0; ok && k < s->parts[part].n; ++k)
-            ok = add_visit(v, s->parts[part].list[k].home, s->parts[part].list[k].rank);
-        free(s->parts[part].list);
+    if (n > all->capacity) {
+        visit *list = realloc(all->list, n * sizeof *list);
+        if (!list)
+            return false;
+        *all = (visits){.list = list, .capacity = n};
     }
-    free(neighbours);
-    free(s);
+    all->n = 0;
+    for (int part = 0; part < PARALLEL_MOST; ++part) {
+        const visits *from = &s->parts[part];
+        if (from->n > 0)
+            memcpy(all->list + all->n, from->list, from->n * sizeof *from->list);
+        all->n += from->n;
+    }
+    return true;
+}
+
+static bool find_visits(ghosts *g, const ranks *r, const homes *h, duet_error *err)
+{
+    search s = {.h = h, .all = h->all, .self = r->self, .parts = g->parts};
+    s.neighbours = malloc((size_t)r->n * sizeof *s.neighbours);
+    bool ok = s.neighbours;
+    for (int part = 0; part < PARALLEL_MOST; ++part)
+        g->parts[part].n = 0;
+    if (ok)
+        s.n_neighbours = find_neighbours(h->all, r, s.neighbours);
+    if (s.n_neighbours > 0)
+        parallel_each(h->threads, h->border.n, search_part, &s);
+    ok = ok && gather(&g->found, &s);
+    free(s.neighbours);
     return ok || error_set(err, DUET_STATUS_NO_MEMORY, "ghosts: no memory");
+}
+
+typedef struct writing {
+    const homes *h;
+    const visits *v;
+    parcels *out;
+} writing;
+
+static void write_part(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    const writing *w = context;
+    const homes *h = w->h;
+    unsigned char *messages = w->out->rows;
+    (void)part;
+    for (uint64_t i = first; i < end; ++i) {
+        const visit *v = &w->v->list[i];
+        object_write_message(&h->form, messages + v->to * w->out->row_bytes, h->rows.ids[v->home],
+                             object_row(&h->rows, &h->form, v->home));
+    }
 }
 
 static bool write_visits(const visits *v, const ranks *r, const homes *h, parcels *out,
                          duet_error *err)
 {
+    writing w = {h, v, out};
     uint64_t *places = calloc((size_t)r->n, sizeof *places);
     bool ok = places || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
     for (uint64_t i = 0; ok && i < v->n; ++i)
         ++out->counts[v->list[i].rank];
     ok = ok && parcels_reserve(out, r, places, err);
-    unsigned char *messages = out->rows;
-    for (uint64_t i = 0; ok && i < v->n; ++i) {
-        uint32_t home = v->list[i].home;
-        object_write_message(&h->form, messages + places[v->list[i].rank]++ * out->row_bytes,
-                             h->rows.ids[home], object_row(&h->rows, &h->form, home));
-    }
+    for (uint64_t i = 0; ok && i < v->n; ++i)
+        v->list[i].to = places[v->list[i].rank]++;
+    if (ok)
+        parallel_each(h->threads, v->n, write_part, &w);
     free(places);
     return ok;
 }
 
-bool ghosts_exchange(const homes *h, ranks *r, parcels *in, duet_error *err)
+bool ghosts_exchange(ghosts *g, const homes *h, ranks *r, bool ok, duet_error *err)
 {
-    visits v = {0};
-    parcels out = {0};
     ranks_gather(r, &h->boxes, h->all, sizeof h->boxes);
-    bool ok = find_visits(&v, h->all, r, h, err);
-    ok = parcels_begin(&out, r, object_message_bytes(&h->form), err) && ok;
-    ok = ok && write_visits(&v, r, h, &out, err);
-    ok = ranks_exchange(r, ok, &out, in, err);
-    parcels_end(&out);
-    free(v.list);
-    return ok;
+    ok = ok && find_visits(g, r, h, err);
+    ok = parcels_begin(&g->out, r, object_message_bytes(&h->form), err) && ok;
+    ok = ok && write_visits(&g->found, r, h, &g->out, err);
+    return ranks_exchange(r, ok, &g->out, &g->in, err);
+}
+
+void ghosts_end(ghosts *g)
+{
+    for (int part = 0; part < PARALLEL_MOST; ++part)
+        free(g->parts[part].list);
+    free(g->found.list);
+    parcels_end(&g->out);
+    parcels_end(&g->in);
+    *g = (ghosts){0};
 }

@@ -6,7 +6,29 @@
 
 #include "cluster/homes.h"
 
-// The messages that arrive become *in. Collective.
-bool ghosts_exchange(const homes *h, ranks *r, parcels *in, duet_error *err);
+// A home that is a ghost elsewhere.
+typedef struct visit {
+    uint32_t home;
+    int rank;
+    uint64_t to; // row of what is sent
+} visit;
+
+typedef struct visits {
+    visit *list;
+    uint64_t n;
+    uint64_t capacity;
+} visits;
+
+// Those of the last exchange, whose memory the next one uses.
+typedef struct ghosts {
+    parcels in; // messages of other ranks
+    parcels out;
+    visits found;
+    visits parts[PARALLEL_MOST];
+} ghosts;
+
+// The messages that arrive become g->in. Collective; ok: whether this rank is well.
+bool ghosts_exchange(ghosts *g, const homes *h, ranks *r, bool ok, duet_error *err);
+void ghosts_end(ghosts *g);
 
 #endif

@@ -9,9 +9,34 @@
 #include <stdlib.h>
 #include <string.h>
 
+// What one thread sees.
+typedef struct glance {
+    uint64_t bad;
+    uint64_t first_bad; // its id
+    double widest;
+    level_boxes boxes; // of homes that are not deep inside, each of its level alone
+    skim deep;         // the others
+    row_list leavers;  // ascending, as is
+    row_list border;
+} glance;
+
+// ---------------------------------------------------------------- rows
+
+// What a worker holds is its own.
+static void let_go(homes *h)
+{
+    if (h->holder)
+        h->rows.objects = NULL;
+    object_rows_end(&h->rows);
+    free(h->gone);
+    h->gone = NULL;
+    h->holder = NULL;
+    h->n_gone = 0;
+}
+
 void homes_take(homes *h, object_rows *rows)
 {
-    object_rows_end(&h->rows);
+    let_go(h);
     h->rows = *rows;
     h->widest = 0;
     h->is_cut = false;
@@ -20,54 +45,201 @@ void homes_take(homes *h, object_rows *rows)
 
 void homes_end(homes *h)
 {
-    object_rows_end(&h->rows);
+    let_go(h);
     object_rows_end(&h->spare);
+    for (int i = 0; h->glances && i < PARALLEL_MOST; ++i) {
+        free(h->glances[i].leavers.rows);
+        free(h->glances[i].border.rows);
+    }
+    free(h->glances);
     free(h->all);
+    free(h->arrived);
+    free(h->border.rows);
     h->all = NULL;
+    h->arrived = NULL;
+    h->glances = NULL;
+    h->border = (row_list){0};
+}
+
+void homes_tidy(homes *h)
+{
+    while (h->n_gone > 0) {
+        uint32_t hole = h->gone[--h->n_gone].row, last = --h->rows.n;
+        if (hole == last)
+            continue;
+        h->rows.ids[hole] = h->rows.ids[last];
+        memcpy(object_row(&h->rows, &h->form, hole), object_row(&h->rows, &h->form, last),
+               h->form.bytes);
+    }
+}
+
+uint32_t homes_open(homes *h)
+{
+    homes_tidy(h);
+    if (h->holder)
+        h->rows.objects = h->holder->map(h->holder, h->rows.n, NULL);
+    return h->rows.n;
+}
+
+typedef struct copying {
+    const object_form *form;
+    const object_rows *from;
+    const uint32_t *order; // NULL: as they are
+    uint64_t *ids;
+    unsigned char *to;
+} copying;
+
+static void copy_part(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    const copying *c = context;
+    (void)part;
+    for (uint64_t i = first; i < end; ++i) {
+        uint32_t row = c->order ? c->order[i] : (uint32_t)i;
+        c->ids[i] = c->from->ids[row];
+        memcpy(c->to + i * c->form->bytes, object_row(c->from, c->form, row), c->form->bytes);
+    }
+}
+
+bool homes_move_in(homes *h, worker *w, duet_error *err)
+{
+    uint32_t *order = NULL, n = h->rows.n;
+    copying c = {.form = &h->form, .from = &h->rows};
+    c.to = w->extend(w, n, 0, err);
+    if (!c.to || !object_rows_reserve(&h->spare, &h->form, n, err))
+        return false;
+    c.ids = h->spare.ids;
+    parallel_each(h->threads, n, copy_part, &c);
+    if (w->order && !w->order(w, &order, err))
+        return false;
+    if (order) {
+        c.order = order;
+        parallel_each(h->threads, n, copy_part, &c);
+        c.to = w->map(w, n, err);
+        duet_free(order);
+    }
+    free(h->spare.objects);
+    object_rows_end(&h->rows);
+    h->rows = h->spare;
+    h->rows.objects = c.to;
+    h->spare = (object_rows){0};
+    h->holder = w;
+    return c.to;
+}
+
+bool homes_move_out(homes *h, duet_error *err)
+{
+    object_rows own = {0};
+    homes_tidy(h);
+    if (!object_rows_copy(&own, &h->form, h->rows.ids, h->rows.objects, h->rows.n, err))
+        return false;
+    let_go(h);
+    h->rows = own;
+    return true;
+}
+
+// Space for n rows in the holder's memory, which keeps those that there are.
+static bool extend(homes *h, uint64_t n, duet_error *err)
+{
+    if (n > UINT32_MAX - 2)
+        return error_set(err, DUET_STATUS_TOO_MANY,
+                         "%" PRIu64 " objects and ghosts on one rank; expected more ranks", n);
+    if (n > h->rows.capacity) {
+        uint64_t capacity = n + n / 16;
+        uint64_t *ids = realloc(h->rows.ids, (capacity + 1) * sizeof *ids);
+        if (!ids)
+            return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects: no memory", n);
+        h->rows.ids = ids;
+        h->rows.capacity = capacity;
+    }
+    void *objects = h->holder->extend(h->holder, (uint32_t)n, h->rows.n, err);
+    if (objects)
+        h->rows.objects = objects;
+    return objects;
+}
+
+typedef struct writing {
+    homes *h;
+    const parcels *messages;
+} writing;
+
+static void write_part(void *context, uint32_t part, uint64_t first, uint64_t end)
+{
+    const writing *w = context;
+    homes *h = w->h;
+    const unsigned char *message =
+        (const unsigned char *)w->messages->rows + first * w->messages->row_bytes;
+    (void)part;
+    for (uint64_t i = first; i < end; ++i, message += w->messages->row_bytes) {
+        uint32_t row = h->rows.n + (uint32_t)i;
+        memcpy(&h->rows.ids[row], message, sizeof h->rows.ids[row]);
+        memcpy(object_row(&h->rows, &h->form, row), message + sizeof h->rows.ids[row],
+               h->form.bytes);
+    }
+}
+
+bool homes_write_behind(homes *h, const parcels *messages, duet_error *err)
+{
+    writing w = {h, messages};
+    if (!extend(h, (uint64_t)h->rows.n + messages->n, err))
+        return false;
+    parallel_each(h->threads, messages->n, write_part, &w);
+    return true;
 }
 
 // ---------------------------------------------------------------- a look at all
 
-// What one thread sees.
-typedef struct glance {
-    uint64_t bad;
-    uint64_t first_bad; // its id
-    double widest;
-    level_boxes boxes; // each of its level alone
-    uint32_t *leavers; // ascending
-    uint64_t n_leavers;
-    uint64_t capacity;
-    bool failed; // no memory
-} glance;
-
 typedef struct look {
-    const homes *h;
+    homes *h;
     const cut *c;
+    reach inside;  // where homes lie so deep in this rank's part that they touch no others
     glance *parts; // [PARALLEL_MOST]
-    glance all;    // without leavers
+    glance all;    // whose lists only count
 } look;
 
 static void forget(glance *g)
 {
-    *g = (glance){.first_bad = UINT64_MAX};
+    row_list leavers = g->leavers, border = g->border;
+    *g = (glance){.first_bad = UINT64_MAX, .deep = skim_none};
+    g->leavers = (row_list){.rows = leavers.rows, .capacity = leavers.capacity};
+    g->border = (row_list){.rows = border.rows, .capacity = border.capacity};
     for (int l = 0; l < LEVELS; ++l)
         g->boxes.upto[l] = reach_none;
 }
 
-static void note_leaver(glance *g, uint32_t i)
+static void add_row(row_list *l, uint32_t row)
 {
-    if (g->failed || g->n_leavers == g->capacity) {
-        uint64_t capacity = g->capacity ? 2 * g->capacity : 256;
-        uint32_t *leavers = realloc(g->leavers, capacity * sizeof *leavers);
-        g->failed = !leavers;
-        if (!leavers) {
-            ++g->n_leavers; // so that all ranks know that there is one
-            return;
-        }
-        g->leavers = leavers;
-        g->capacity = capacity;
+    if (!l->failed && l->n == l->capacity) {
+        uint64_t capacity = l->capacity ? 2 * l->capacity : 256;
+        uint32_t *rows = realloc(l->rows, capacity * sizeof *rows);
+        l->failed = !rows;
+        l->rows = rows ? rows : l->rows;
+        l->capacity = rows ? capacity : l->capacity;
     }
-    g->leavers[g->n_leavers++] = i;
+    if (!l->failed)
+        l->rows[l->n] = row;
+    ++l->n; // so that all ranks know that there is one
+}
+
+static void look_closely(const look *l, glance *g, uint32_t i)
+{
+    const homes *h = l->h;
+    const void *object = object_row(&h->rows, &h->form, i);
+    if (!object_is_sound(&h->form, object)) {
+        g->first_bad = g->first_bad < h->rows.ids[i] ? g->first_bad : h->rows.ids[i];
+        ++g->bad;
+        return;
+    }
+    reach e = reach_of(&h->form, object);
+    double width = reach_widest(&e);
+    double centre[3];
+    g->widest = fmax(g->widest, width);
+    object_centre(&h->form, object, centre);
+    if (h->is_cut && !cut_keeps(l->c, centre)) {
+        add_row(&g->leavers, i);
+        return;
+    }
+    reach_add(&g->boxes.upto[level_of(width, h->widest)], &e);
+    add_row(&g->border, i);
 }
 
 static void look_at_part(void *context, uint32_t part, uint64_t first, uint64_t end)
@@ -75,49 +247,40 @@ static void look_at_part(void *context, uint32_t part, uint64_t first, uint64_t 
     look *l = context;
     const homes *h = l->h;
     glance *g = &l->parts[part];
-    for (uint32_t i = (uint32_t)first; i < end; ++i) {
-        const void *object = object_row(&h->rows, &h->form, i);
-        if (!object_is_sound(&h->form, object)) {
-            g->first_bad = g->bad == 0 ? h->rows.ids[i] : g->first_bad;
-            ++g->bad;
-            continue;
-        }
-        reach e = reach_of(&h->form, object);
-        double width = reach_widest(&e);
-        g->widest = fmax(g->widest, width);
-        reach_add(&g->boxes.upto[level_of(width, h->widest)], &e);
-        double centre[3];
-        object_centre(&h->form, object, centre);
-        if (h->is_cut && !cut_keeps(l->c, centre))
-            note_leaver(g, i);
-    }
+    uint32_t i = (uint32_t)first, to = (uint32_t)end;
+    while ((i = object_rows_skim(&h->rows, &h->form, i, to, &l->inside, &g->deep)) < to)
+        look_closely(l, g, i++);
+    g->widest = fmax(g->widest, skim_widest(&g->deep, &h->form));
+}
+
+static void add_glance(glance *to, const glance *g)
+{
+    to->bad += g->bad;
+    to->first_bad = to->first_bad < g->first_bad ? to->first_bad : g->first_bad;
+    to->widest = fmax(to->widest, g->widest);
+    to->leavers.n += g->leavers.n;
+    to->leavers.failed |= g->leavers.failed;
+    to->border.n += g->border.n;
+    to->border.failed |= g->border.failed;
+    reach_add(&to->deep.centres, &g->deep.centres);
+    for (int k = 0; k < LEVELS; ++k)
+        reach_add(&to->boxes.upto[k], &g->boxes.upto[k]);
 }
 
 static void look_again(look *l)
 {
-    for (int i = 0; i < PARALLEL_MOST; ++i) {
-        free(l->parts[i].leavers);
+    homes *h = l->h;
+    for (int i = 0; i < PARALLEL_MOST; ++i)
         forget(&l->parts[i]);
+    l->inside = reach_none;
+    for (int k = 0; k < 3 && h->is_cut && h->widest > 0; ++k) {
+        l->inside.lower[k] = l->c->lower[k] + 1.01 * h->widest;
+        l->inside.upper[k] = l->c->upper[k] - 1.01 * h->widest;
     }
-    uint32_t n = parallel_each(l->h->threads, l->h->rows.n, look_at_part, l);
+    uint32_t n = parallel_each(h->threads, h->rows.n, look_at_part, l);
     forget(&l->all);
-    for (uint32_t i = 0; i < n; ++i) {
-        const glance *g = &l->parts[i];
-        l->all.bad += g->bad;
-        l->all.first_bad = l->all.first_bad < g->first_bad ? l->all.first_bad : g->first_bad;
-        l->all.widest = fmax(l->all.widest, g->widest);
-        l->all.n_leavers += g->n_leavers;
-        l->all.failed |= g->failed;
-        for (int k = 0; k < LEVELS; ++k)
-            reach_add(&l->all.boxes.upto[k], &g->boxes.upto[k]);
-    }
-}
-
-static void end_look(look *l)
-{
-    for (int i = 0; l->parts && i < PARALLEL_MOST; ++i)
-        free(l->parts[i].leavers);
-    free(l->parts);
+    for (uint32_t i = 0; i < n; ++i)
+        add_glance(&l->all, &l->parts[i]);
 }
 
 // What all ranks' looks say.
@@ -129,8 +292,9 @@ typedef struct overview {
 
 static bool look_over(overview *o, const look *l, bool ok, ranks *r, duet_error *err)
 {
-    tally t = {.sums = {l->h->rows.n, l->all.bad, l->all.n_leavers},
-               .greatest = {l->all.widest, l->h->rows.n / l->c->due}};
+    uint32_t n = homes_count(l->h);
+    tally t = {.sums = {n, l->all.bad, l->all.leavers.n},
+               .greatest = {l->all.widest, n / l->c->due}};
     if (!ranks_agree_and(r, ok, &t, err))
         return false;
     *o = (overview){t.sums[0], t.sums[1], t.sums[2], t.greatest[0], 1};
@@ -161,17 +325,17 @@ typedef struct leavers {
 
 static bool find_leavers(leavers *out, const look *l, uint64_t *counts, duet_error *err)
 {
-    uint64_t most = l->all.n_leavers + 1;
+    uint64_t most = l->all.leavers.n + 1;
     out->list = malloc(most * sizeof *out->list);
     out->destinations = malloc(most * sizeof *out->destinations);
-    if (!out->list || !out->destinations || l->all.failed)
+    if (!out->list || !out->destinations || l->all.leavers.failed)
         return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects that leave: no memory",
                          most);
     for (int part = 0; part < PARALLEL_MOST; ++part) {
-        const glance *g = &l->parts[part];
-        for (uint64_t k = 0; k < g->n_leavers; ++k) {
+        const row_list *rows = &l->parts[part].leavers;
+        for (uint64_t k = 0; k < rows->n; ++k) {
             double centre[3];
-            uint32_t i = g->leavers[k];
+            uint32_t i = rows->rows[k];
             object_centre(&l->h->form, object_row(&l->h->rows, &l->h->form, i), centre);
             int to = cut_home(l->c, centre);
             out->list[out->n] = i;
@@ -190,16 +354,8 @@ static void write_leavers(const homes *h, const leavers *l, uint64_t *places, pa
                              h->rows.ids[l->list[k]], object_row(&h->rows, &h->form, l->list[k]));
 }
 
-static void add_arrivals(homes *h, const arrival *arrivals, uint64_t n)
-{
-    for (uint64_t i = 0; i < n; ++i) {
-        reach e = reach_of(&h->form, arrivals[i].object);
-        reach_add(&h->boxes.upto[level_of(reach_widest(&e), h->widest)], &e);
-    }
-}
-
 // The homes that leave are let go of once all ranks have taken what came to them.
-static bool take_arrivals(homes *h, ranks *r, const leavers *l, const parcels *in, duet_error *err)
+static bool merge_arrivals(homes *h, ranks *r, const leavers *l, const parcels *in, duet_error *err)
 {
     arrival *arrivals = arrivals_read(&h->form, in->rows, in->n, err);
     bool ok = arrivals && object_rows_reserve(&h->spare, &h->form, h->rows.n - l->n + in->n, err);
@@ -208,7 +364,6 @@ static bool take_arrivals(homes *h, ranks *r, const leavers *l, const parcels *i
     ok = ranks_agree(r, ok, err);
     if (ok) {
         object_rows before = h->rows;
-        add_arrivals(h, arrivals, in->n);
         h->rows = h->spare;
         h->spare = before;
     }
@@ -216,19 +371,49 @@ static bool take_arrivals(homes *h, ranks *r, const leavers *l, const parcels *i
     return ok;
 }
 
-static bool move_leavers(const look *seen, homes *h, ranks *r, duet_error *err)
+// What comes is near the border, as what leaves is.
+static void add_arrival(homes *h, uint32_t row)
+{
+    reach e = reach_of(&h->form, object_row(&h->rows, &h->form, row));
+    reach_add(&h->boxes.upto[level_of(reach_widest(&e), h->widest)], &e);
+    add_row(&h->border, row);
+}
+
+// In the holder's memory.
+static bool append_arrivals(homes *h, ranks *r, const leavers *l, const parcels *in,
+                            duet_error *err)
+{
+    gone_row *gone = realloc(h->gone, (l->n + 1) * sizeof *gone);
+    bool ok = gone || error_set(err, DUET_STATUS_NO_MEMORY,
+                                "%" PRIu64 " objects that leave: no memory", l->n);
+    h->gone = gone ? gone : h->gone;
+    ok = ok && homes_write_behind(h, in, err);
+    if (!ranks_agree(r, ok, err))
+        return false;
+    for (uint64_t i = 0; i < l->n; ++i)
+        gone[i] = (gone_row){l->list[i], l->destinations[i]};
+    h->n_gone = (uint32_t)l->n;
+    h->arrived[0] = h->rows.n;
+    for (int q = 0; q < r->n; ++q)
+        h->arrived[q + 1] = h->arrived[q] + in->counts[q];
+    for (uint64_t i = 0; i < in->n; ++i)
+        add_arrival(h, h->rows.n++);
+    return true;
+}
+
+static bool move_leavers(const look *seen, bool ok, homes *h, ranks *r, duet_error *err)
 {
     uint64_t *places = calloc((size_t)r->n, sizeof *places);
     leavers l = {0};
     parcels out = {0}, in = {0};
-    bool ok = parcels_begin(&out, r, object_message_bytes(&h->form), err);
+    ok = parcels_begin(&out, r, object_message_bytes(&h->form), err) && ok;
     if (ok && !places)
         ok = error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
     ok = ok && find_leavers(&l, seen, out.counts, err) && parcels_reserve(&out, r, places, err);
     if (ok)
         write_leavers(h, &l, places, &out);
     ok = ranks_exchange(r, ok, &out, &in, err);
-    ok = ok && take_arrivals(h, r, &l, &in, err);
+    ok = ok && (h->holder ? append_arrivals : merge_arrivals)(h, r, &l, &in, err);
     parcels_end(&in);
     parcels_end(&out);
     free(places);
@@ -255,59 +440,142 @@ void level_boxes_join(level_boxes *boxes)
         reach_add(&boxes->upto[k], &boxes->upto[k - 1]);
 }
 
+// What the last look says of the homes that others may touch.
+static void keep_border(homes *h, const look *l)
+{
+    uint64_t n = l->all.border.n;
+    h->boxes = l->all.boxes;
+    h->border.n = 0;
+    if (n > h->border.capacity) {
+        uint32_t *rows = realloc(h->border.rows, n * sizeof *rows);
+        h->border.rows = rows ? rows : h->border.rows;
+        h->border.capacity = rows ? n : h->border.capacity;
+    }
+    h->border.failed = n > h->border.capacity || l->all.border.failed;
+    for (int i = 0; !h->border.failed && i < PARALLEL_MOST; ++i) {
+        const row_list *of = &l->parts[i].border;
+        if (of->n > 0)
+            memcpy(h->border.rows + h->border.n, of->rows, of->n * sizeof *of->rows);
+        h->border.n += of->n;
+    }
+}
+
+static bool has_border(const homes *h, duet_error *err)
+{
+    return !h->border.failed ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects at the border: no memory",
+                     h->border.n);
+}
+
 // Whose level changed is looked at again, and who leaves goes. Where any did, o is of before.
 static bool move(look *l, overview *o, homes *h, ranks *r, duet_error *err)
 {
     if (!keep_widest(h, o->widest))
         look_again(l);
-    h->boxes = l->all.boxes;
-    return o->leavers == 0 || move_leavers(l, h, r, err);
+    keep_border(h, l);
+    if (o->leavers > 0 && !move_leavers(l, has_border(h, err), h, r, err))
+        return false;
+    if (o->leavers > 0 && !h->holder) { // rows have changed places
+        look_again(l);
+        keep_border(h, l);
+    }
+    return true;
 }
 
-// A look tells who leaves. What has arrived where a new cut has it is looked at again, and whoever
-// has too much makes for a new cut.
-static bool settle(look *l, bool ok, homes *h, ranks *r, cut *c, double imbalance, duet_error *err)
+// Of what lies in the holder's memory, too, all may leave.
+static bool cut_anew(look *l, homes *h, ranks *r, cut *c, duet_error *err)
 {
     overview o;
-    if (ok)
-        look_again(l);
-    if (!look_over(&o, l, ok, r, err))
-        return false;
-    if (o.bad > 0)
-        return refuse_bad(l, &o, r, err);
-    if (h->is_cut) {
-        if (!move(l, &o, h, r, err) || (o.leavers > 0 && !look_over(&o, l, true, r, err)))
-            return false;
-        if (o.unevenness <= imbalance * h->unevenness)
-            return true;
-    }
     h->is_cut = false;
+    if (h->holder)
+        homes_open(h);
+    memset(h->arrived, 0, ((size_t)r->n + 1) * sizeof *h->arrived);
     if (!cut_make(c, r, &h->form, &h->rows, err))
         return false;
     h->is_cut = true;
     ++h->n_cuts;
     look_again(l);
-    if (!look_over(&o, l, true, r, err) || !move(l, &o, h, r, err))
-        return false;
-    look_again(l);
-    h->boxes = l->all.boxes;
-    if (!look_over(&o, l, true, r, err))
+    if (!look_over(&o, l, true, r, err) || !move(l, &o, h, r, err) ||
+        !look_over(&o, l, true, r, err))
         return false;
     h->unevenness = o.unevenness;
     return true;
 }
 
-bool homes_settle(homes *h, ranks *r, cut *c, double imbalance, duet_error *err)
+// A look tells who leaves. Whoever has too much then makes for a new cut. *ok is false where
+// something failed on this rank alone.
+static bool settle(look *l, bool *ok, homes *h, ranks *r, cut *c, double imbalance, duet_error *err)
 {
-    look l = {.h = h, .c = c, .parts = calloc(PARALLEL_MOST, sizeof *l.parts)};
-    bool ok = l.parts || error_set(err, DUET_STATUS_NO_MEMORY, "a look at the homes: no memory");
+    overview o;
+    if (*ok)
+        look_again(l);
+    if (!look_over(&o, l, *ok, r, err))
+        return false;
+    if (o.bad > 0)
+        return refuse_bad(l, &o, r, err);
+    bool leave = o.leavers > 0;
+    if (h->is_cut && (!move(l, &o, h, r, err) || (leave && !look_over(&o, l, true, r, err))))
+        return false;
+    if ((!h->is_cut || o.unevenness > imbalance * h->unevenness) && !cut_anew(l, h, r, c, err))
+        return false;
+    *ok = has_border(h, err);
+    return true;
+}
+
+static reach around(const homes *h, const look *l)
+{
+    reach all = h->boxes.upto[LEVELS - 1];
+    const reach *deep = &l->all.deep.centres;
+    if (deep->lower[0] > deep->upper[0])
+        return all;
+    reach_add(&all, deep);
+    for (int k = 0; k < 3; ++k) {
+        all.lower[k] = fmin(all.lower[k], deep->lower[k] - 0.5 * h->widest);
+        all.upper[k] = fmax(all.upper[k], deep->upper[k] + 0.5 * h->widest);
+    }
+    return all;
+}
+
+// What lies in the holder's memory may be on its way to devices while it is looked at.
+static bool begin(homes *h, duet_error *err)
+{
+    homes_tidy(h);
+    if (!h->holder)
+        return true;
+    void *objects = h->holder->map(h->holder, h->rows.n, err);
+    if (objects) {
+        h->rows.objects = objects;
+        if (h->is_cut)
+            h->holder->begin(h->holder, h->rows.n);
+    }
+    return objects;
+}
+
+static bool reserve(homes *h, const ranks *r, duet_error *err)
+{
     if (!h->all)
         h->all = malloc((size_t)r->n * sizeof *h->all);
-    if (ok && !h->all)
-        ok = error_set(err, DUET_STATUS_NO_MEMORY, "boxes of %d ranks: no memory", r->n);
-    ok = settle(&l, ok, h, r, c, imbalance, err);
-    if (ok)
+    if (!h->arrived)
+        h->arrived = malloc(((size_t)r->n + 1) * sizeof *h->arrived);
+    if (!h->all || !h->arrived)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "boxes of %d ranks: no memory", r->n);
+    memset(h->arrived, 0, ((size_t)r->n + 1) * sizeof *h->arrived);
+    return true;
+}
+
+bool homes_settle(homes *h, ranks *r, cut *c, double imbalance, bool *settled, duet_error *err)
+{
+    look l = {.h = h, .c = c};
+    if (!h->glances)
+        h->glances = calloc(PARALLEL_MOST, sizeof *h->glances);
+    if (!h->glances)
+        *settled = error_set(err, DUET_STATUS_NO_MEMORY, "a look at the homes: no memory");
+    l.parts = h->glances;
+    *settled = *settled && reserve(h, r, err) && begin(h, err);
+    bool ok = settle(&l, settled, h, r, c, imbalance, err);
+    if (ok) {
         level_boxes_join(&h->boxes);
-    end_look(&l);
+        h->around = around(h, &l);
+    }
     return ok;
 }

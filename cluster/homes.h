@@ -6,6 +6,7 @@
 #include "cluster/cut.h"
 #include "cluster/owner.h"
 #include "cluster/parallel.h"
+#include "cluster/worker.h"
 
 // Around the objects of each level and of all finer ones.
 typedef struct level_boxes {
@@ -15,25 +16,76 @@ typedef struct level_boxes {
 // Those of each level alone become those with all finer ones.
 void level_boxes_join(level_boxes *boxes);
 
+// A row whose object has left for another rank.
+typedef struct gone_row {
+    uint32_t row;
+    int to;
+} gone_row;
+
+// Places in the rows, as many as there are.
+typedef struct row_list {
+    uint32_t *rows;
+    uint64_t n;
+    uint64_t capacity;
+    bool failed; // no memory; n counts on
+} row_list;
+
+// Homes lie by ascending id in memory of their own, or, in no order, in that of the worker that
+// searches them, where the application writes them and devices read them without a copy. There
+// what arrives is added behind the others, and what leaves stays where it is, a ghost like any
+// other, until homes_tidy.
 typedef struct homes {
     object_form form;
     object_rows rows;
     object_rows spare; // memory for the rows of the next step
-    level_boxes boxes; // around the homes, or more
+    worker *holder;    // whose memory rows.objects is; NULL: their own
+    gone_row *gone;    // ascending
+    uint32_t n_gone;
+    uint64_t *arrived; // [n of ranks + 1] the rows that came from rank q: those from arrived[q] on
+    row_list border;   // of homes that may touch another rank's
+    level_boxes boxes; // around those
+    reach around;      // all homes, or a little more
     level_boxes *all;  // [n of ranks] of each, for the ghosts
     double widest;     // of all ranks' objects, or a little more
     double unevenness; // what the last cut left: the most objects for those that are due
     uint64_t n_cuts;   // that were made
     bool is_cut;       // the objects are where the cut has them
     parallel *threads;
+    struct glance *glances; // [PARALLEL_MOST] of the last look, whose memory the next one uses
 } homes;
 
 // Takes these objects, of which it owns the memory from here on, wherever they lie.
 void homes_take(homes *h, object_rows *rows);
 void homes_end(homes *h);
 
+// How many there are: the rows without those that are gone.
+static inline uint32_t homes_count(const homes *h)
+{
+    return h->rows.n - h->n_gone;
+}
+
+// Closes the gaps that others left, with the last rows.
+void homes_tidy(homes *h);
+
+// Ready to be written: returns how many they are, without gaps.
+uint32_t homes_open(homes *h);
+
+// Homes come to lie in a worker's memory, or leave it again.
+bool homes_move_in(homes *h, worker *w, duet_error *err);
+bool homes_move_out(homes *h, duet_error *err);
+
+// Whether a row came from that rank when homes were settled last: that rank has it already.
+static inline bool homes_came_from(const homes *h, uint32_t row, int rank)
+{
+    return h->holder && row >= h->arrived[rank] && row < h->arrived[rank + 1];
+}
+
+// Writes the objects of messages behind the rows, in the holder's memory.
+bool homes_write_behind(homes *h, const parcels *messages, duet_error *err);
+
 // Checks the objects, brings each to its rank, cuts the world where that was not done or where
 // a rank has `imbalance` times what the last cut left it, and finds their boxes. Collective.
-bool homes_settle(homes *h, ranks *r, cut *c, double imbalance, duet_error *err);
+// *settled: whether this rank is well; false too where it fails alone at the end.
+bool homes_settle(homes *h, ranks *r, cut *c, double imbalance, bool *settled, duet_error *err);
 
 #endif

@@ -167,6 +167,116 @@ bool object_is_sound(const object_form *form, const void *object)
     return true;
 }
 
+// ---------------------------------------------------------------- many at a glance
+
+const skim skim_none = {{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}, 0};
+
+// The nearest floats not below a number, and not above it.
+static float above(float rounded, double number)
+{
+    return (double)rounded < number ? nextafterf(rounded, INFINITY) : rounded;
+}
+
+static float below(float rounded, double number)
+{
+    return (double)rounded > number ? nextafterf(rounded, -INFINITY) : rounded;
+}
+
+enum { SIDE_BY_SIDE = 4 }; // numbers that a compiler takes together
+
+// A pose is ten numbers: its centre and a half extent, three half extents and one of the rotation,
+// the rotation. Without a branch but the one that ends it, so that it takes little longer than
+// reading the rows.
+static uint32_t skim_poses(const duet_pose *poses, uint32_t dims, uint32_t first, uint32_t end,
+                           const reach *inside, skim *to)
+{
+    float lower[SIDE_BY_SIDE], upper[SIDE_BY_SIDE], least[SIDE_BY_SIDE], most[SIDE_BY_SIDE];
+    double square = to->square, in_3d = dims == 3;
+    for (int k = 0; k < SIDE_BY_SIDE; ++k) {
+        bool along = (uint32_t)k < dims;
+        lower[k] = along ? above((float)inside->lower[k], inside->lower[k]) : -INFINITY;
+        upper[k] = along ? below((float)inside->upper[k], inside->upper[k]) : INFINITY;
+        least[k] = INFINITY;
+        most[k] = -INFINITY;
+    }
+    uint32_t i = first;
+    for (; i < end; ++i) {
+        float centre[SIDE_BY_SIDE], half[SIDE_BY_SIDE], turn[SIDE_BY_SIDE];
+        memcpy(centre, poses[i].centre, sizeof centre);
+        memcpy(half, poses[i].half_extents, sizeof half);
+        memcpy(turn, poses[i].rotation, sizeof turn);
+        int odd = 0;
+        for (int k = 0; k < SIDE_BY_SIDE; ++k) {
+            float zero = 0.0f * (centre[k] + half[k] + turn[k]);
+            odd |= !(zero == 0.0f) | !(centre[k] > lower[k]) | !(centre[k] < upper[k]);
+        }
+        odd |= !(half[0] >= 0.0f) | !(half[1] >= 0.0f) | !(half[2] >= 0.0f);
+        odd |= (turn[2] == 0.0f) & (turn[3] == 0.0f);
+        if (odd)
+            break;
+        for (int k = 0; k < SIDE_BY_SIDE; ++k) {
+            least[k] = centre[k] < least[k] ? centre[k] : least[k];
+            most[k] = centre[k] > most[k] ? centre[k] : most[k];
+        }
+        double x = (double)half[0], y = (double)half[1], z = in_3d * (double)half[2];
+        square = greater(x * x + y * y + z * z, square);
+    }
+    for (uint32_t k = 0; k < 3; ++k) {
+        bool along = k < dims;
+        to->centres.lower[k] = lesser(along ? (double)least[k] : 0, to->centres.lower[k]);
+        to->centres.upper[k] = greater(along ? (double)most[k] : 0, to->centres.upper[k]);
+    }
+    to->square = square;
+    return i;
+}
+
+static uint32_t skim_bounds(const duet_bounds *bounds, uint32_t dims, uint32_t first, uint32_t end,
+                            const reach *inside, skim *to)
+{
+    const object_form form = {.dims = dims, .shape = DUET_SHAPE_BOUNDS};
+    for (; first < end; ++first) {
+        double at[3], most = to->square;
+        object_centre(&form, &bounds[first], at);
+        bool deep = object_is_sound(&form, &bounds[first]);
+        for (int k = 0; k < 3; ++k)
+            deep &= (at[k] > inside->lower[k]) & (at[k] < inside->upper[k]);
+        if (!deep)
+            break;
+        for (uint32_t k = 0; k < dims; ++k) {
+            double half = 0.5 * ((double)bounds[first].upper[k] - (double)bounds[first].lower[k]);
+            most = greater(half * half, most);
+        }
+        for (int k = 0; k < 3; ++k) {
+            to->centres.lower[k] = lesser(at[k], to->centres.lower[k]);
+            to->centres.upper[k] = greater(at[k], to->centres.upper[k]);
+        }
+        to->square = most;
+    }
+    return first;
+}
+
+uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint32_t first,
+                          uint32_t end, const reach *inside, skim *s)
+{
+    if (form->shape == DUET_SHAPE_BOUNDS)
+        return skim_bounds((const duet_bounds *)(const void *)rows->objects, form->dims, first, end,
+                           inside, s);
+    if (form->origin > 0.0f)
+        return first;
+    return skim_poses((const duet_pose *)(const void *)rows->objects, form->dims, first, end,
+                      inside, s);
+}
+
+double skim_widest(const skim *s, const object_form *form)
+{
+    double far = 0, half = sqrt(s->square);
+    if (s->centres.lower[0] > s->centres.upper[0])
+        return 0;
+    for (int k = 0; k < 3 && form->shape == DUET_SHAPE_POSES; ++k)
+        far = greater(far, greater(fabs(s->centres.lower[k]), fabs(s->centres.upper[k])));
+    return 2 * (1 + 0x1p-20) * (half * (1 + SIZE_SLACK) + FLOAT_SLACK * far);
+}
+
 // ---------------------------------------------------------------- rows
 
 bool object_rows_reserve(object_rows *rows, const object_form *form, uint64_t n, duet_error *err)
@@ -298,5 +408,21 @@ bool object_rows_merge(object_rows *to, const object_form *form, const object_ro
             ++next;
         }
     }
+    return ok;
+}
+
+bool object_rows_copy(object_rows *rows, const object_form *form, const uint64_t *ids,
+                      const void *objects, uint32_t n, duet_error *err)
+{
+    const object_rows none = {0};
+    arrival *arrivals = malloc(((size_t)n + 1) * sizeof *arrivals);
+    bool ok = arrivals || error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", n);
+    for (uint32_t i = 0; ok && i < n; ++i)
+        arrivals[i] = (arrival){ids[i], (const char *)objects + (size_t)i * form->bytes};
+    if (ok)
+        arrivals_sort(arrivals, n);
+    ok = ok && object_rows_begin(rows, form, n, err);
+    ok = ok && object_rows_merge(rows, form, &none, NULL, 0, arrivals, n, err);
+    free(arrivals);
     return ok;
 }

@@ -5,6 +5,8 @@
 
 #include "runtime/duet.h"
 
+typedef struct object_rows object_rows;
+
 // What every rank's objects have in common.
 typedef struct object_form {
     uint32_t dims;
@@ -33,17 +35,32 @@ bool reaches_meet(const reach *a, const reach *b);
 bool reach_holds(const reach *r, const double point[3], double width);
 double reach_widest(const reach *e);
 
+// What is known of rows that lie deep inside of a place, seen together.
+typedef struct skim {
+    reach centres;
+    double square; // of the greatest half extent along any axis, however they are turned
+} skim;
+
+extern const skim skim_none;
+
+// Adds the rows from `first` on whose centre lies inside of that, and returns the first of which
+// that cannot be told at a glance, or which is not sound; `end` where there is none.
+uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint32_t first,
+                          uint32_t end, const reach *inside, skim *s);
+// No less than the width of any of them, nor than that of their reaches.
+double skim_widest(const skim *s, const object_form *form);
+
 // The point that decides an object's home.
 void object_centre(const object_form *form, const void *object, double centre[3]);
 bool object_is_sound(const object_form *form, const void *object);
 
 // Objects in one array and their ids in another, by ascending id.
-typedef struct object_rows {
+struct object_rows {
     uint64_t *ids;
     unsigned char *objects; // [n][form.bytes]
     uint32_t n;
     uint64_t capacity; // rows for which there is memory
-} object_rows;
+};
 
 // Space for n rows, of which it says that they are n; what it held is lost where it grows.
 bool object_rows_reserve(object_rows *rows, const object_form *form, uint64_t n, duet_error *err);
@@ -71,6 +88,10 @@ arrival *arrivals_read(const object_form *form, const void *messages, uint64_t n
 
 // The first of rows [first, end) whose id is not below that one; end where there is none.
 uint32_t object_rows_find(const object_rows *rows, uint32_t first, uint32_t end, uint64_t id);
+
+// n rows become *rows, by ascending id; false with BAD_ARGUMENT where one is there twice.
+bool object_rows_copy(object_rows *rows, const object_form *form, const uint64_t *ids,
+                      const void *objects, uint32_t n, duet_error *err);
 
 // Adds n rows, for which there is space.
 void object_rows_append(object_rows *to, const object_form *form, const uint64_t *ids,

@@ -1,13 +1,137 @@
 // SPDX-License-Identifier: MIT
-#define _GNU_SOURCE
+#define _GNU_SOURCE // sched_getaffinity
 #include "cluster/parallel.h"
 
-#include "runtime/opencl/thread_pool.h"
+#include "base/clock.h"
+#include "base/error.h"
 
+#include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
+#include <stdlib.h>
 
-enum { LEAST = 1 << 14 }; // of objects, below which starting a thread costs more than it brings
+// Objects below which waking a thread costs more than it brings; how long a keen one looks for a
+// loop, which is longer than the devices of a step take; and how often before others may run.
+enum { LEAST = 1 << 12, KEEN_MS = 30, LOOKS = 1 << 10 };
+
+typedef struct loop {
+    parallel_body *body;
+    void *context;
+    uint64_t n;
+    uint32_t n_parts;
+    atomic_uint next; // part
+} loop;
+
+typedef struct team team;
+
+struct team {
+    pthread_mutex_t lock;
+    pthread_cond_t given; // a loop, or closing; for sleepers
+    atomic_uint sleepers;
+    _Atomic uint64_t n_loops;   // given so far
+    _Atomic(struct loop *) now; // NULL: none that may still be joined
+    atomic_uint inside;         // threads that may have joined it
+    atomic_bool keen, closing;
+    uint32_t n_threads;
+    pthread_t threads[];
+};
+
+// More parts than threads, so that one that is late or slow takes fewer.
+static void run_parts(loop *l)
+{
+    uint64_t each = l->n / l->n_parts;
+    uint32_t part;
+    while ((part = atomic_fetch_add(&l->next, 1)) < l->n_parts)
+        l->body(l->context, part, each * part, part + 1 == l->n_parts ? l->n : each * (part + 1));
+}
+
+// ---------------------------------------------------------------- threads
+
+static bool has_news(team *t, uint64_t seen)
+{
+    return atomic_load(&t->n_loops) != seen || atomic_load(&t->closing);
+}
+
+static void look_out(team *t, uint64_t seen)
+{
+    uint64_t begun = clock_steady_ns();
+    while (atomic_load(&t->keen) && clock_ms_since(begun) < KEEN_MS) {
+        for (int i = 0; i < LOOKS; ++i)
+            if (has_news(t, seen))
+                return;
+        sched_yield();
+    }
+}
+
+// Who gives a loop sees a sleeper, or the sleeper sees the loop.
+static void sleep_until_news(team *t, uint64_t seen)
+{
+    pthread_mutex_lock(&t->lock);
+    atomic_fetch_add(&t->sleepers, 1);
+    while (!has_news(t, seen))
+        pthread_cond_wait(&t->given, &t->lock);
+    atomic_fetch_sub(&t->sleepers, 1);
+    pthread_mutex_unlock(&t->lock);
+}
+
+static void wake(team *t)
+{
+    if (atomic_load(&t->sleepers) == 0)
+        return;
+    pthread_mutex_lock(&t->lock);
+    pthread_cond_broadcast(&t->given);
+    pthread_mutex_unlock(&t->lock);
+}
+
+static void *work(void *arg)
+{
+    team *t = arg;
+    for (uint64_t seen = 0; !atomic_load(&t->closing); seen = atomic_load(&t->n_loops)) {
+        atomic_fetch_add(&t->inside, 1);
+        loop *now = atomic_load(&t->now);
+        if (now)
+            run_parts(now);
+        atomic_fetch_sub(&t->inside, 1);
+        if (!has_news(t, seen))
+            look_out(t, seen);
+        if (!has_news(t, seen))
+            sleep_until_news(t, seen);
+    }
+    return NULL;
+}
+
+static void close_team(team *t)
+{
+    if (!t)
+        return;
+    atomic_store(&t->closing, true);
+    wake(t);
+    for (uint32_t i = 0; i < t->n_threads; ++i)
+        pthread_join(t->threads[i], NULL);
+    pthread_cond_destroy(&t->given);
+    pthread_mutex_destroy(&t->lock);
+    free(t);
+}
+
+static team *open_team(uint32_t n, duet_error *err)
+{
+    team *t = calloc(1, sizeof *t + n * sizeof t->threads[0]);
+    if (!t) {
+        error_set(err, DUET_STATUS_NO_MEMORY, "%u threads: no memory", n);
+        return NULL;
+    }
+    pthread_mutex_init(&t->lock, NULL);
+    pthread_cond_init(&t->given, NULL);
+    while (t->n_threads < n && pthread_create(&t->threads[t->n_threads], NULL, work, t) == 0)
+        ++t->n_threads;
+    if (t->n_threads == n)
+        return t;
+    error_set(err, DUET_STATUS_NO_MEMORY, "the system gives %u of %u threads", t->n_threads, n);
+    close_team(t);
+    return NULL;
+}
+
+// ---------------------------------------------------------------- loops
 
 bool parallel_begin(parallel *p, int n_on_host, duet_error *err)
 {
@@ -18,41 +142,37 @@ bool parallel_begin(parallel *p, int n_on_host, duet_error *err)
                          : threads > PARALLEL_MOST ? PARALLEL_MOST
                                                    : (uint32_t)threads};
     if (p->n > 1)
-        p->pool = thread_pool_open(p->n, err);
-    return p->n == 1 || p->pool;
+        p->team = open_team(p->n - 1, err);
+    return p->n == 1 || p->team;
 }
 
 void parallel_end(parallel *p)
 {
-    thread_pool_close(p->pool);
+    close_team(p->team);
     *p = (parallel){0};
 }
 
-typedef struct loop {
-    parallel_body *body;
-    void *context;
-    uint64_t n;
-    uint32_t n_parts;
-    atomic_uint next;
-} loop;
-
-static void run_part(void *arg)
+void parallel_be_keen(parallel *p, bool keen)
 {
-    loop *l = arg;
-    uint32_t part = atomic_fetch_add(&l->next, 1);
-    l->body(l->context, part, l->n / l->n_parts * part,
-            part + 1 == l->n_parts ? l->n : l->n / l->n_parts * (part + 1));
+    if (p->team)
+        atomic_store(&p->team->keen, keen);
 }
 
 uint32_t parallel_each(parallel *p, uint64_t n, parallel_body *body, void *context)
 {
     loop l = {.body = body, .context = context, .n = n, .n_parts = 1};
-    if (!p->pool || n < LEAST) {
-        run_part(&l);
-        return 1;
+    team *t = n >= LEAST ? p->team : NULL;
+    if (t) {
+        l.n_parts = PARALLEL_MOST;
+        atomic_store(&t->now, &l);
+        atomic_fetch_add(&t->n_loops, 1);
+        wake(t);
     }
-    l.n_parts = p->n;
-    thread_pool_start(p->pool, run_part, &l);
-    thread_pool_wait(p->pool);
+    run_parts(&l);
+    if (t) {
+        atomic_store(&t->now, NULL);
+        while (atomic_load(&t->inside) > 0)
+            sched_yield();
+    }
     return l.n_parts;
 }

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Loops over many objects, by all threads that a rank has.
+//
+// A loop takes about a millisecond, and so does waking as many threads as a GPU's host has. So a
+// loop does not wait for threads that are late, and threads that are keen look for the next loop
+// for a while before they sleep.
 #ifndef CLUSTER_PARALLEL_H
 #define CLUSTER_PARALLEL_H
 
@@ -11,13 +15,16 @@
 enum { PARALLEL_MOST = 64 }; // parts of a loop
 
 typedef struct parallel {
-    struct thread_pool *pool; // NULL: the caller's thread alone
-    uint32_t n;               // threads
+    struct team *team; // besides the caller's thread; NULL: that alone
+    uint32_t n;        // threads with that
 } parallel;
 
 // Threads for one of n_on_host ranks: its part of the processors that the process may use.
 bool parallel_begin(parallel *p, int n_on_host, duet_error *err);
 void parallel_end(parallel *p);
+
+// Whether they look for loops rather than sleep: only where nothing else needs the processors.
+void parallel_be_keen(parallel *p, bool keen);
 
 // Calls body for each part [first, end) of [0, n), several at the same time. Parts are
 // numbered from 0 in ascending order. Returns how many there were, at most PARALLEL_MOST.

@@ -277,7 +277,12 @@ void ranks_end_turn(ranks *r)
 
 bool parcels_begin(parcels *p, const ranks *r, uint32_t row_bytes, duet_error *err)
 {
-    *p = (parcels){.counts = calloc((size_t)r->n, sizeof *p->counts), .row_bytes = row_bytes};
+    if (!p->counts)
+        p->counts = malloc((size_t)r->n * sizeof *p->counts);
+    if (p->counts)
+        memset(p->counts, 0, (size_t)r->n * sizeof *p->counts);
+    p->n = 0;
+    p->row_bytes = row_bytes;
     return p->counts ||
            error_set(err, DUET_STATUS_NO_MEMORY, "counts for %d ranks: no memory", r->n);
 }
@@ -302,9 +307,13 @@ bool parcels_reserve(parcels *p, const ranks *r, uint64_t *places, duet_error *e
             places[q] = n;
         n += p->counts[q];
     }
-    free(p->rows);
-    p->n = n;
-    p->rows = malloc((n > 0 ? n : 1) * p->row_bytes);
+    uint64_t bytes = (n > 0 ? n : 1) * p->row_bytes;
+    if (!p->rows || bytes > p->bytes) {
+        free(p->rows);
+        p->rows = malloc(bytes + bytes / 8);
+        p->bytes = p->rows ? bytes + bytes / 8 : 0;
+    }
+    p->n = p->rows ? n : 0;
     return p->rows || error_set(err, DUET_STATUS_NO_MEMORY,
                                 "%" PRIu64 " rows of %u bytes: no memory", n, p->row_bytes);
 }
@@ -373,7 +382,6 @@ static bool exchange_counts(ranks *r, bool ok, const parcels *out, parcels *in, 
 bool ranks_exchange(ranks *r, bool ok, const parcels *out, parcels *in, duet_error *err)
 {
     MPI_Request *requests = malloc(4 * (size_t)r->n * sizeof(MPI_Request));
-    *in = (parcels){0};
     if (ok && !requests)
         ok = error_set(err, DUET_STATUS_NO_MEMORY, "messages to %d ranks: no memory", r->n);
     ok = ok && parcels_begin(in, r, out->row_bytes, err);

@@ -100,8 +100,10 @@ typedef struct parcels {
     uint64_t *counts; // [n of ranks]
     uint64_t n;       // of all rows
     uint32_t row_bytes;
+    uint64_t bytes; // for which rows has memory: that of the last time is used again
 } parcels;
 
+// No rows, whatever there was.
 bool parcels_begin(parcels *p, const ranks *r, uint32_t row_bytes, duet_error *err);
 void parcels_end(parcels *p);
 // Space for the rows that counts says; places[q], unless NULL, becomes the first of rank q's.

@@ -17,11 +17,22 @@ typedef struct worker_found {
 
 struct worker {
     const char *name; // of its devices, "A,B"
-    // Space for n objects, which are to be written before the next find.
+    // Space for n objects, which are to be written before the next find. Where there were as many
+    // before they are still there.
     void *(*map)(worker *w, uint32_t n, duet_error *err);
+    // The first n that were mapped are written and stay so: they may be on their way to the
+    // devices while others are written behind them.
+    void (*begin)(worker *w, uint32_t n);
+    // Space for n objects, of which the first `kept` stay; the others are to be written.
+    void *(*extend)(worker *w, uint32_t n, uint32_t kept, duet_error *err);
+    // Of the objects that were mapped and written, the order in which they are best kept: which
+    // comes i-th, to be freed with duet_free. NULL, or *order NULL: any.
+    bool (*order)(worker *w, uint32_t **order, duet_error *err);
     // The objects lie elsewhere than those before: a grid that was fitted to these is of no use.
     void (*move)(worker *w);
     bool (*find)(worker *w, worker_found *found, duet_error *err);
+    // Whether it leaves the host's processors to others; NULL: not.
+    bool (*spares_host)(const worker *w);
     bool (*set_level)(worker *w, duet_level level, duet_error *err);
     bool (*set_plan)(worker *w, const duet_plan *plan, duet_error *err);
     bool (*load_profile)(worker *w, const char *path, duet_profile *profile, duet_error *err);

@@ -9,18 +9,60 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct pair_worker {
     worker base;
     duet_world *world;
     duet_object_kind kind;
+    uint32_t bytes; // of an object
     char name[132];
 } pair_worker;
 
 static void *map(worker *w, uint32_t n, duet_error *err)
 {
     pair_worker *p = (pair_worker *)w;
+    world_stop_ahead(p->world);
     return duet_world_map_objects(p->world, p->kind, n, err);
+}
+
+static void begin(worker *w, uint32_t n)
+{
+    world_send_ahead(((pair_worker *)w)->world, n);
+}
+
+// Into more memory, with some to spare.
+static void *grow(pair_worker *p, uint32_t n, uint32_t kept, duet_error *err)
+{
+    size_t bytes = (size_t)kept * p->bytes;
+    uint64_t wanted = (uint64_t)n + n / 16;
+    uint32_t most = wanted < UINT32_MAX - 2 ? (uint32_t)wanted : n;
+    void *copy = malloc(bytes + 1);
+    if (!copy) {
+        error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", kept);
+        return NULL;
+    }
+    if (bytes > 0)
+        memcpy(copy, p->world->objects.bytes, bytes);
+    void *objects = map(&p->base, most, err) ? map(&p->base, n, err) : NULL;
+    if (objects && bytes > 0)
+        memcpy(objects, copy, bytes);
+    free(copy);
+    return objects;
+}
+
+static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
+{
+    pair_worker *p = (pair_worker *)w;
+    void *objects = kept > 0 ? world_extend_objects(p->world, p->kind, n) : NULL;
+    return objects ? objects : grow(p, n, kept, err);
+}
+
+// Pairs are then of objects that lie near each other.
+static bool order(worker *w, uint32_t **order_of, duet_error *err)
+{
+    uint32_t n = 0;
+    return duet_world_order(((pair_worker *)w)->world, order_of, &n, err);
 }
 
 static void move(worker *w)
@@ -36,6 +78,15 @@ static bool find(worker *w, worker_found *found, duet_error *err)
         return false;
     *found = (worker_found){{result.spans[0], result.spans[1]}, result.bad > 0, result.first_bad};
     return true;
+}
+
+static bool spares_host(const worker *w)
+{
+    const duet_world *world = ((const pair_worker *)w)->world;
+    const device *devices = world->def.pair->devices;
+    uint32_t share = world->def.plan.share;
+    return !(share > 0 && devices[0].info.host_memory) &&
+           !(share < DUET_SHARE_ONE && devices[1].info.host_memory);
 }
 
 static bool set_level(worker *w, duet_level level, duet_error *err)
@@ -78,13 +129,18 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
     own.has_world = false;
     own.keep_bad = true; // so that it is the cluster that names a bad object
     p->base = (worker){.map = map,
+                       .begin = begin,
+                       .extend = extend,
+                       .order = order,
                        .move = move,
                        .find = find,
+                       .spares_host = spares_host,
                        .set_level = set_level,
                        .set_plan = set_plan,
                        .load_profile = load_profile,
                        .close = close_pair};
     p->kind = object_form_kind(&form);
+    p->bytes = form.bytes;
     p->world = duet_world_create(&own, err);
     if (!p->world) {
         free(p);

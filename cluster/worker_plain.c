@@ -33,6 +33,17 @@ static void *map(worker *w, uint32_t n, duet_error *err)
     return objects;
 }
 
+static void begin(worker *w, uint32_t n)
+{
+    (void)w, (void)n;
+}
+
+static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
+{
+    (void)kept;
+    return map(w, n, err);
+}
+
 static void move(worker *w)
 {
     (void)w;
@@ -96,6 +107,8 @@ worker *worker_open_plain(const duet_world_def *def, duet_error *err)
     }
     p->base = (worker){.name = "plain",
                        .map = map,
+                       .begin = begin,
+                       .extend = extend,
                        .move = move,
                        .find = find,
                        .set_level = set_level,

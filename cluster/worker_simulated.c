@@ -19,12 +19,25 @@ typedef struct simulated_worker {
 static void *map(worker *w, uint32_t n, duet_error *err)
 {
     simulated_worker *p = (simulated_worker *)w;
-    free(p->objects);
-    p->n = n;
-    p->objects = malloc(((size_t)n + 1) * p->form.bytes);
-    if (!p->objects)
+    void *objects = realloc(p->objects, ((size_t)n + 1) * p->form.bytes);
+    if (!objects) {
         error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", n);
-    return p->objects;
+        return NULL;
+    }
+    p->n = n;
+    p->objects = objects;
+    return objects;
+}
+
+static void begin(worker *w, uint32_t n)
+{
+    (void)w, (void)n;
+}
+
+static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
+{
+    (void)kept;
+    return map(w, n, err);
 }
 
 static void move(worker *w)
@@ -76,6 +89,8 @@ worker *worker_open_simulated(const duet_world_def *def, const simulation *s, du
     }
     p->base = (worker){.name = "simulated",
                        .map = map,
+                       .begin = begin,
+                       .extend = extend,
                        .move = move,
                        .find = find,
                        .set_level = set_level,

@@ -32,7 +32,7 @@ part_found part_found_of(const uint32_t counts[COUNTERS])
 void part_distrust(part *p)
 {
     timeline_clear(&p->times);
-    p->objects_version = p->sizes_version = p->levels_version = 0;
+    p->objects_version = p->sizes_version = p->levels_version = p->ahead_version = 0;
     p->packed.objects_version = p->stretched.objects_version = 0;
 }
 
@@ -42,6 +42,7 @@ void part_forget(part *p)
         timeline_begin_untimed(&p->times, p->device);
     else
         timeline_begin(&p->times, p->device);
+    p->ahead_version = 0;
     p->span = (duet_span){0};
     p->n_candidates = p->n_undecided = 0;
     p->runs = 0;
@@ -61,12 +62,12 @@ static uint32_t chunk_size(const part *p, uint32_t n)
     return size < n ? (uint32_t)size : n;
 }
 
-// All chunks are on their way at once, beside the kernels.
-static bool send_chunks(part *p, const part_task *task, duet_error *err)
+// All chunks of those from `from` on are on their way at once, beside the kernels.
+static bool send_chunks(part *p, const part_task *task, uint32_t from, duet_error *err)
 {
     size_t bytes = grid_object_bytes(&task->objects);
-    uint32_t size = chunk_size(p, task->objects.n);
-    for (uint32_t from = 0; from < task->objects.n; from = p->chunks[p->n_chunks - 1].to) {
+    uint32_t size = chunk_size(p, task->objects.n - from);
+    for (; from < task->objects.n; from = p->chunks[p->n_chunks - 1].to) {
         uint32_t n = task->objects.n - from < size ? task->objects.n - from : size;
         if (!timeline_write_beside(&p->times, "send objects", &p->objects, from * bytes,
                                    (const char *)task->objects.array + from * bytes, n * bytes,
@@ -89,10 +90,12 @@ static bool send_objects(part *p, const part_task *task, size_t bytes, duet_erro
     bool ok = buffer_hold(&p->objects, p->device, (void *)task->objects.array, bytes, err);
     if (task->strays && !p->device->info.host_memory)
         return ok; // part_build_grid sends its stretches
+    uint32_t ahead = p->n_chunks > 0 ? p->chunks[p->n_chunks - 1].to : 0;
     if (ok && p->objects_version != task->objects_version)
-        ok = wants_chunks(p, task) ? send_chunks(p, task, err)
-                                   : timeline_write(&p->times, "send objects", &p->objects,
-                                                    task->objects.array, bytes, err);
+        ok = ahead > 0 || wants_chunks(p, task)
+                 ? send_chunks(p, task, ahead, err)
+                 : timeline_write(&p->times, "send objects", &p->objects, task->objects.array,
+                                  bytes, err);
     p->objects_version = ok ? task->objects_version : 0;
     return ok;
 }
@@ -118,10 +121,32 @@ static bool send_levels(part *p, const part_task *task, duet_error *err)
     return ok;
 }
 
+bool part_send_ahead(part *p, const part_task *task, size_t bytes, duet_error *err)
+{
+    part_forget(p);
+    p->n_chunks = 0;
+    p->objects_version = p->packed.objects_version = p->stretched.objects_version = 0;
+    if (!buffer_reserve(&p->objects, p->device, bytes, err) || !send_chunks(p, task, 0, err))
+        return false;
+    p->ahead_version = task->objects_version;
+    return true;
+}
+
+// What was sent ahead is of use where all objects are sent, to where it is.
+static void take_ahead(part *p, const part_task *task, size_t bytes)
+{
+    bool takes = p->ahead_version == task->objects_version && !task->packed && !task->strays &&
+                 !task->resident && p->objects.bytes >= bytes;
+    if (p->ahead_version > 0 && !takes)
+        timeline_clear(&p->times);
+    p->n_chunks = takes ? p->n_chunks : 0;
+    p->ahead_version = 0;
+}
+
 bool part_begin(part *p, const part_task *task, duet_error *err)
 {
     size_t bytes = task->objects.n * grid_object_bytes(&task->objects);
-    p->n_chunks = 0;
+    take_ahead(p, task, bytes);
     if (bytes == 0)
         return true;
     return (task->packed || task->resident || send_objects(p, task, bytes, err)) &&

@@ -144,9 +144,10 @@ typedef struct part {
     buffer sizes;             // where the objects are transforms
     uint64_t sizes_version;   // of what was sent last
     uint32_t least_chunk;     // objects
-    part_chunk chunks[PART_CHUNKS];
-    uint32_t n_chunks; // under way; 0 where the objects are there
-    buffer names;      // of packed objects: their ids
+    part_chunk chunks[2 * PART_CHUNKS];
+    uint32_t n_chunks;      // under way; 0 where the objects are there
+    uint64_t ahead_version; // of the objects whose first chunks are sent before the step; 0: none
+    buffer names;           // of packed objects: their ids
     struct {
         uint64_t objects_version, grid_version; // of what was sent last; 0: nothing
         uint32_t key_from, key_to;
@@ -201,7 +202,11 @@ bool part_gathers(const part *p, const part_task *task);
 // arrived, so the next step sends all of it again.
 void part_distrust(part *p);
 
-// Forgets what the last step found, counted and took.
+// Begins to send the task's objects before a step that has these and perhaps more; there is
+// space for `bytes` of them all. Only for a device with memory of its own.
+bool part_send_ahead(part *p, const part_task *task, size_t bytes, duet_error *err);
+
+// Forgets what the last step found, counted and took, and what was sent ahead of one.
 void part_forget(part *p);
 
 // Starts a step: hands the objects over, unless they are packed, and the grid's

@@ -186,7 +186,8 @@ static bool run_packed(duet_world *world, job jobs[2], duet_error *err)
 static void forget_last_step(duet_world *world)
 {
     for (int side = 0; side < 2; ++side)
-        part_forget(&world->parts[side]);
+        if (world->parts[side].ahead_version != world->objects_version || world->n == 0)
+            part_forget(&world->parts[side]);
 }
 
 static bool strays_were_missed(duet_world *world, const job jobs[2])
@@ -305,6 +306,35 @@ static bool run_parts(duet_world *world, bool *placed, duet_error *err)
     }
     *placed = jobs[0].placed && jobs[1].placed;
     return ok;
+}
+
+// ---------------------------------------------------------------- before a step
+
+// A device that is sent all objects, into memory of its own, by kernels that are there.
+static bool can_send_ahead(const duet_world *world, int side)
+{
+    uint32_t share = world->def.plan.share;
+    return world->prepared[side] && world->def.plan.mode == DUET_MODE_OWN &&
+           !world->parts[side].device->info.host_memory && !world->def.separate_sizes &&
+           (side == 0 ? share > 0 : share < DUET_SHARE_ONE);
+}
+
+void world_send_ahead(duet_world *world, uint32_t n)
+{
+    for (int side = 0; side < 2 && n > 0 && !world->resident.objects.mem; ++side) {
+        part_task task = describe_task(world, side);
+        task.objects.n = n;
+        if (can_send_ahead(world, side) &&
+            !part_send_ahead(&world->parts[side], &task, world->objects.size, NULL))
+            part_distrust(&world->parts[side]);
+    }
+}
+
+void world_stop_ahead(duet_world *world)
+{
+    for (int side = 0; side < 2; ++side)
+        if (world->parts[side].ahead_version > 0)
+            part_distrust(&world->parts[side]);
 }
 
 // ---------------------------------------------------------------- result

@@ -446,6 +446,14 @@ void *duet_world_map_objects(duet_world *world, duet_object_kind kind, uint32_t 
     return world->objects.bytes;
 }
 
+void *world_extend_objects(duet_world *world, duet_object_kind kind, uint32_t n)
+{
+    if (n * kinds[kind].bytes > world->objects.size)
+        return NULL;
+    world->n = n;
+    return world->objects.bytes;
+}
+
 bool world_check_sizes(const duet_world *world, duet_error *err)
 {
     return !world->def.separate_sizes || world->n_sizes == world->n ||

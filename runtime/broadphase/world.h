@@ -70,6 +70,16 @@ typedef struct world_kind {
 bool world_can_have(const duet_world *world, duet_object_kind kind, uint32_t n, const char *call,
                     world_kind *what, duet_error *err);
 
+// Begins to send the first n objects of those that were mapped, where that can be, while the
+// caller writes others behind them; the next step is of all of these. Until then the first n stay
+// as they are. What fails is sent again in the step.
+void world_send_ahead(duet_world *world, uint32_t n);
+void world_stop_ahead(duet_world *world); // waits for it, and forgets it
+
+// From now on the world has n of the objects that were mapped and those that were written behind
+// them; NULL where there is no space for so many.
+void *world_extend_objects(duet_world *world, duet_object_kind kind, uint32_t n);
+
 // One user more, until it destroys the world.
 void world_hold(duet_world *world);
 

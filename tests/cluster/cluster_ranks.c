@@ -3,6 +3,7 @@
 // each a cluster of its own, and what these find is compared with the plain C reference.
 //
 // Every rank runs this; a fact that does not hold on one ends the job with a line.
+#define _DEFAULT_SOURCE // usleep
 #include "cluster/cluster.h"
 
 #include "base/error.h"
@@ -363,7 +364,7 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
         n_parts = 1;
         hand_over(clusters[g], &c, 0, 7);
     }
-    uint64_t left = 0;
+    uint64_t left = 0, merged = 0;
     for (uint32_t at = 0; at < 200; ++at) {
         for (uint32_t id = 0; id < c.n; ++id)
             move(&c.poses[id], id, at);
@@ -380,12 +381,14 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
                 move(&own[i], ids[i], at);
             uint64_t first = n > 0 ? ids[0] : 0;
             must_find(clusters[g], &c);
-            left +=
-                n > 0 && clusters[g]->homes.rows.n > 0 && clusters[g]->homes.rows.ids[0] != first;
+            left += clusters[g]->homes.n_gone;
+            merged += n > 0 && !clusters[g]->homes.holder && homes_count(&clusters[g]->homes) > 0 &&
+                      clusters[g]->homes.rows.ids[0] != first;
         }
     }
     MPI_Allreduce(MPI_IN_PLACE, &left, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
-    MUST(left > 0, "objects changed ranks");
+    MPI_Allreduce(MPI_IN_PLACE, &merged, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
+    MUST(left > 100 && merged > 0, "objects changed ranks, in place and by ascending id");
     for (int g = 1; g < N_GROUPS; ++g) {
         duet_cluster_destroy(clusters[g]);
         if (comms[g] != MPI_COMM_NULL)
@@ -485,7 +488,7 @@ static void grids_follow_objects_that_travel(void)
     step(cluster);
     int before = n_moves;
     MUST(before > 0, "what is new has moved");
-    reach box = cluster->homes.boxes.upto[LEVELS - 1];
+    reach box = cluster->homes.around;
     float little = (float)((box.upper[0] - box.lower[0]) / 18);
     for (int at = 1; at <= 12; ++at) {
         duet_error err = {0};
@@ -539,7 +542,7 @@ static bool some_profile(worker *w, const char *path, duet_profile *profile, due
     (void)w, (void)err;
     *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT};
     if (!path || rank > 0)
-        profile->step_ms = 1 + each * asked->homes.rows.n;
+        profile->step_ms = 1 + each * homes_count(&asked->homes);
     return true;
 }
 
@@ -558,7 +561,8 @@ static void ranks_are_weighed_by_their_stored_times(void)
     cluster->workers[0]->load_profile = some_profile;
     hand_over(cluster, &c, 0, 1);
     MUST_OK(duet_cluster_load_profile(cluster, "not of rank 0", &profile, NULL, &err), err);
-    MUST(cluster->homes.rows.n > 97 && cluster->homes.rows.n < 103, "alike while one is not known");
+    MUST(homes_count(&cluster->homes) > 97 && homes_count(&cluster->homes) < 103,
+         "alike while one is not known");
     MUST_OK(duet_cluster_load_profile(cluster, NULL, &profile, NULL, &err), err);
     must_find(cluster, &c);
     MUST_OK(duet_cluster_get_ranks(cluster, rows, &err), err);
@@ -570,6 +574,75 @@ static void ranks_are_weighed_by_their_stored_times(void)
     }
     MUST(most_ms < 1.05 * MOST_OBJECTS / paces, "the first step takes what their paces sum to");
     duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
+// Of three ranks the first takes three times as long for each of its objects: it gets fewer, once
+// that has cost more than a cut, and pairs stay as they are.
+static bool (*find_pairs)(worker *w, worker_found *found, duet_error *err);
+
+static bool find_slowly(worker *w, worker_found *found, duet_error *err)
+{
+    uint32_t n = homes_count(&asked->homes);
+    usleep((rank == 0 ? 30 : 10) * n);
+    return find_pairs(w, found, err);
+}
+
+static void ranks_that_prove_slow_get_fewer_objects(void)
+{
+    static crowd c;
+    rng r = rng_seed(6);
+    make_crowd(&c, &r, 3);
+    MPI_Comm comm = group_of(3);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_cluster *cluster = asked = open_cluster(&comm, &c.world, 0);
+    find_pairs = cluster->workers[0]->find;
+    cluster->workers[0]->find = find_slowly;
+    hand_over(cluster, &c, 0, 1);
+    must_find(cluster, &c);
+    uint64_t first_n = homes_count(&cluster->homes);
+    MPI_Bcast(&first_n, 1, MPI_UINT64_T, 0, comm);
+    MUST(first_n > 97 && first_n < 103, "alike at first");
+    uint64_t n = first_n;
+    int at = 0;
+    while (n > 60 && ++at < 500) {
+        must_find(cluster, &c);
+        n = homes_count(&cluster->homes);
+        MPI_Bcast(&n, 1, MPI_UINT64_T, 0, comm);
+    }
+    MUST(n <= 60, "3 : 1 : 1 in pace is 43 of 300 objects");
+    must_find(cluster, &c);
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
+
+// Small differences are no reason for a cut, nor are steps that were slow once; and weights that
+// were given stay.
+static void a_cut_must_pay(void)
+{
+    MPI_Comm comm = group_of(2);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_error err = {0};
+    ranks of_two;
+    cut c;
+    MUST_OK(ranks_begin(&of_two, &comm, NULL, &err) && ranks_reserve(&of_two, &err), err);
+    MUST_OK(cut_begin(&c, &of_two, 0, &err), err);
+    balance b;
+    balance_begin(&b, rank == 0 ? 50 : 100);
+    for (int at = 0; at < 800; ++at)
+        MUST(!balance_note(&b, &of_two, &c, rank == 0 ? 9.2 : 10, 1000), "4 in a hundred");
+    for (int at = 0; at < 800; ++at)
+        MUST(!balance_note(&b, &of_two, &c, rank == 0 && at % 8 ? 1000 : 10, 1000), "accidents");
+    int steps = 1;
+    while (!balance_note(&b, &of_two, &c, rank == 0 ? 10 : 30, 1000) && steps < 1000)
+        ++steps;
+    MUST(steps == 32,
+         "10 ms are lost a step, and a cut takes 100: the first 8 steps past 3 of them");
+    MUST(fabs(c.due - (rank == 0 ? 0.75 : 0.25)) < 1e-9, "by their paces");
+    cut_end(&c);
+    ranks_end(&of_two);
     MPI_Comm_free(&comm);
 }
 
@@ -882,6 +955,72 @@ static void levels_are_octaves_below_the_widest(void)
     }
 }
 
+// ---------------------------------------------------------------- places
+
+// Halves without points too have boxes that hold what is theirs and nothing else.
+static void a_part_is_its_box(void)
+{
+    rng r = rng_seed(14);
+    for (int round = 0; round < 200; ++round) {
+        uint32_t n = 1 + rng_below(&r, 9);
+        uint64_t n_points = rng_below(&r, 20);
+        duet_error err = {0};
+        bisection b;
+        bisection_point points[20] = {{{0}, 0}}, copy[20];
+        MUST_OK(bisection_begin(&b, n, &err), err);
+        for (uint64_t i = 0; i < n_points; ++i) {
+            points[i].weight = 1;
+            for (int k = 0; k < 3; ++k)
+                points[i].at[k] = rng_below(&r, 3);
+        }
+        memcpy(copy, points, sizeof copy);
+        bisection_cut(&b, NULL, copy, n_points);
+        for (uint64_t i = 0; i < n_points; ++i)
+            for (uint32_t part = 0; part < n; ++part) {
+                double lower[3], upper[3];
+                bool inside = true;
+                bisection_box(&b, part, lower, upper);
+                for (int k = 0; k < 3; ++k)
+                    inside &= points[i].at[k] >= lower[k] && points[i].at[k] < upper[k];
+                MUST(inside == (bisection_part(&b, points[i].at) == part), "its box");
+            }
+        bisection_end(&b);
+    }
+}
+
+// What is passed over is sound and lies inside, and none is wider than is said.
+static void what_is_skimmed_is_deep_inside(void)
+{
+    static crowd c;
+    rng r = rng_seed(15);
+    const reach inside = {{-2.5, -2.25, -3}, {2.5, 3, 2.7}};
+    uint32_t skimmed = 0;
+    for (uint32_t i = 0; i < 12; ++i) {
+        make_crowd(&c, &r, i);
+        object_form form = object_form_of(&c.world);
+        if (form.origin == 0 && form.shape == DUET_SHAPE_POSES && c.n > 9)
+            c.poses[7].rotation[1] = NAN;
+        const object_rows rows = {.objects = (void *)(uintptr_t)objects_of(&c), .n = c.n};
+        for (uint32_t first = 0, end; first < c.n; first = end + 1) {
+            skim s = skim_none;
+            end = object_rows_skim(&rows, &form, first, c.n, &inside, &s);
+            MUST(end >= first && end <= c.n, "a row");
+            for (uint32_t k = first; k < end; ++k, ++skimmed) {
+                double at[3];
+                reach e = reach_of(&form, object_row(&rows, &form, k));
+                object_centre(&form, object_row(&rows, &form, k), at);
+                MUST(object_is_sound(&form, object_row(&rows, &form, k)), "sound");
+                for (int d = 0; d < 3; ++d)
+                    MUST(at[d] > inside.lower[d] && at[d] < inside.upper[d] &&
+                             at[d] >= s.centres.lower[d] && at[d] <= s.centres.upper[d],
+                         "inside");
+                MUST(reach_widest(&e) <= skim_widest(&s, &form), "no wider");
+            }
+        }
+    }
+    MUST(skimmed > 200, "some were");
+}
+
 int main(int argc, char **argv)
 {
     const char *given = getenv("DUET_TEST_SEED");
@@ -894,6 +1033,8 @@ int main(int argc, char **argv)
     if (rank == 0)
         printf("DUET_TEST_SEED=%" PRIu64 "\n", seed);
     levels_are_octaves_below_the_widest();
+    a_part_is_its_box();
+    what_is_skimmed_is_deep_inside();
     nothing_is_refused();
     a_failure_is_that_of_all_ranks();
     calls_in_another_order_are_refused();
@@ -906,6 +1047,8 @@ int main(int argc, char **argv)
     grids_follow_objects_that_travel();
     ranks_get_objects_by_their_weights();
     ranks_are_weighed_by_their_stored_times();
+    ranks_that_prove_slow_get_fewer_objects();
+    a_cut_must_pay();
     only_giants_travel_far();
     large_ids_have_one_hash();
     sorted_pairs_are_the_same_bytes();
