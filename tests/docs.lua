@@ -16,7 +16,7 @@
 
 local program, root, folder = table.unpack(arg, 1, 3)
 local few = "400"
-local trials = "65" -- the fewest from which a tuning has a verdict
+local trials = "80" -- few more than the fewest from which a tuning has a verdict
 
 -- Files that the documents speak of.
 local examples = {
