@@ -16,6 +16,7 @@
 
 local program, root, folder = table.unpack(arg, 1, 3)
 local few = "400"
+local trials = "80" -- few more than the fewest from which a tuning has a verdict
 
 -- Files that the documents speak of.
 local examples = {
@@ -72,9 +73,11 @@ for name in assert(io.popen(("'%s' scenes"):format(program))):lines() do shipped
 -- The same command, done in a moment.
 local function small(line)
   line = line:gsub("(%-n )[%w,.]+", "%1" .. few)
+  line = line:gsub("(%-%-items )%w+", "%1" .. few)
   line = line:gsub("(%-%-sizes )[%d,]+", "%1" .. few)
   line = line:gsub("%-%-pair [^ ]+", "")
-  line = line:gsub("^duet bench", "duet bench --quick --repeat 2")
+  line = line:gsub("^duet bench", "duet bench --quick --repeat 2" .. (line:match("%-%-scene ") and "" or " --scene planes"))
+  if not line:match("%-%-trials ") and not line:match("%-%-config ") then line = line:gsub("^duet tune", "%0 --trials " .. trials) end
   local command, scene = line:match("^(duet %a+) (%S+)")
   if scene == "why" then command, scene = line:match("^(duet profiles why) (%S+)") end
   local is_scene = scene and (scene:match("%.lua$") or shipped[scene]) and not command:match("lua$") and command ~= "duet scenes"

@@ -190,8 +190,8 @@ static void dims_that_are_no_power_of_two_lose_nothing(void **state)
     (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of(2);
-    scatter(15000, &r, 0, 220, 0.5);
-    assert_true(agreement_check(&def, poses, 15000) > 0);
+    scatter(5000, &r, 0, 127, 0.5);
+    assert_true(agreement_check(&def, poses, 5000) > 0);
 }
 
 static void a_world_of_more_cells_than_32_bits_count_is_no_trouble(void **state)
@@ -231,7 +231,7 @@ static void all_objects_in_one_place_make_all_pairs(void **state)
     (void)state;
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of(3);
-    const uint32_t counts[] = {257, 1025};
+    const uint32_t counts[] = {257, 513};
     for (size_t i = 0; i < 2; ++i) {
         scatter(counts[i], &r, 0, 1e-3, 0.5);
         uint64_t all = (uint64_t)counts[i] * (counts[i] - 1) / 2;
@@ -540,6 +540,8 @@ static void crowds_of_hard_pairs_are_decided_as_the_reference_does(void **state)
     rng r = rng_seed(test_seed());
     for (const hard_class *c = hard_classes; c->name; ++c)
         for (uint32_t dims = 2; dims <= 3; ++dims) {
+            if (!test_takes((uint64_t)(c - hard_classes) + dims, 2))
+                continue;
             for (uint32_t i = 0; i < 60; i += 2) {
                 hard_pair pair = c->make(&r, dims);
                 poses[i] = pair.a;

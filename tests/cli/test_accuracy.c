@@ -17,10 +17,10 @@
 #define TABLE "test_accuracy.csv"
 
 static const char scene_text[] =
-    "local p = parameters { n = 3000, seed = 1 }\n"
+    "local p = parameters { n = 1500, seed = 1 }\n"
     "local random = random(p.seed)\n"
     "for _ = 1, p.n do\n"
-    "  local x, y, z = random.uniform(0, 12), random.uniform(0, 12), random.uniform(0, 12)\n"
+    "  local x, y, z = random.uniform(0, 9.5), random.uniform(0, 9.5), random.uniform(0, 9.5)\n"
     "  add(x, y, z, 0.5, 0.5, 0.5, random.quaternion())\n"
     "end\n"
     "return { dims = 3 }\n";

@@ -60,7 +60,7 @@ static void a_workload_is_tuned_once_and_known_ever_after(void **state)
 {
     (void)state;
     const cJSON *rows;
-    cJSON *first = tune_json(QUICK SCENE " -n 1000,2000", &rows);
+    cJSON *first = tune_json(QUICK FEW SCENE " -n 1000,2000", &rows);
     assert_int_equal(cJSON_GetArraySize(rows), 2);
     const cJSON *row = cJSON_GetArrayItem(rows, 1);
     assert_int_equal(json_number(row, "objects"), 2000);
@@ -70,20 +70,21 @@ static void a_workload_is_tuned_once_and_known_ever_after(void **state)
     assert_false(json_true(row, "known") || json_true(row, "resumed"));
     double share = json_number(row, "share");
     cJSON_Delete(first);
-    cJSON *second = tune_json(QUICK SCENE " -n 2000", &rows);
+    cJSON *second = tune_json(QUICK FEW SCENE " -n 2000", &rows);
     row = cJSON_GetArrayItem(rows, 0);
     assert_true(json_true(row, "known"));
     assert_int_equal(json_number(row, "launches"), 0);
     assert_true(json_number(row, "share") == share);
     cJSON_Delete(second);
-    cJSON *fresh = tune_json(QUICK SCENE " -n 2000 --fresh", &rows);
+    cJSON *fresh = tune_json(QUICK FEW SCENE " -n 2000 --fresh", &rows);
     row = cJSON_GetArrayItem(rows, 0);
     assert_true(json_number(row, "launches") > 0);
     program p = program_run("profiles forget --profile " STORE " %s", json_string(row, "uid"));
     assert_int_equal(p.exit_code, 0);
     program_free(&p);
     cJSON_Delete(fresh);
-    cJSON *forgotten = tune_json(QUICK SCENE " -n 2000", &rows); // the one before is none either
+    cJSON *forgotten =
+        tune_json(QUICK FEW SCENE " -n 2000", &rows); // the one before is none either
     assert_false(json_true(cJSON_GetArrayItem(rows, 0), "known"));
     cJSON_Delete(forgotten);
 }
@@ -273,27 +274,27 @@ static void a_stopped_tuning_is_taken_up_again(void **state)
     for (int i = 0; i < STOPS || count_trials() == 0; ++i, after *= 1.3) {
         text command = {0};
         text_add(&command,
-                 "timeout -s %s %g '%s' tune " QUICK "--repeat 32 " SCENE " >/dev/null 2>&1",
+                 "timeout -s %s %g '%s' tune " QUICK FEW "--repeat 32 " SCENE " >/dev/null 2>&1",
                  signals[i % STOPS], after, duet);
         int status = system(text_chars(&command));
         (void)status; // stopped, or finished before on a fast machine
         text_free(&command);
     }
     const cJSON *rows;
-    cJSON *root = tune_json(QUICK "--repeat 32 " SCENE, &rows);
+    cJSON *root = tune_json(QUICK FEW "--repeat 32 " SCENE, &rows);
     assert_true(json_true(cJSON_GetArrayItem(rows, 0), "resumed") ||
                 json_true(cJSON_GetArrayItem(rows, 0), "known"));
     cJSON_Delete(root);
 }
 
 // A loop of tunings in a shell ends with the first, as its user meant; nothing is stored
-// of what was not measured.
+// of what was not measured. Tests that run in the background may have the signal ignored.
 static void ctrl_c_ends_a_loop_of_tunings(void **state)
 {
     (void)state;
     text command = {0};
     text_add(&command,
-             "setsid --wait bash -c '(sleep 1; kill -INT 0) & "
+             "setsid --wait env --default-signal=INT bash -c '(sleep 1; kill -INT 0) & "
              "for i in 1 2 3; do \"%s\" tune " QUICK "--repeat 32 -n 300000 lua/scenes/paper.lua "
              ">/dev/null 2>>%s; echo $i >>%s; done' 2>/dev/null",
              getenv("DUET_PROGRAM"), STRATEGY, CONFIG);
@@ -328,8 +329,8 @@ static void a_budget_of_trials_is_kept(void **state)
 static void kernels_are_searched_once_and_runs_follow(void **state)
 {
     (void)state;
-    static const char search[] = "--variants simd --trials 80 --repeat 1 --profile " STORE
-                                 " --search pair_search_simd " SCENE;
+    static const char search[] =
+        "--variants simd --trials 80 --repeat 1 --profile " STORE " --search pair_search_simd " SCENE;
     const cJSON *rows;
     cJSON *root = tune_json("--variants simd --trials 66 --profile " STORE " " SCENE, &rows);
     assert_int_equal(cJSON_GetArraySize(

@@ -36,6 +36,8 @@ static void a_stack_comes_to_rest(void **state)
 {
     (void)state;
     for (int doubles = 0; doubles < 2; ++doubles) {
+        if (!test_takes((uint64_t)doubles, 2))
+            continue;
         mover *m = mover_new(3);
         m->def.doubles = doubles;
         m->def.substeps = 4;
@@ -188,6 +190,8 @@ static void bullets_do_not_pass_a_wall(void **state)
     for (int i = 0; i < 2; ++i)
         for (int j = 0; j < 2; ++j)
             for (int turned = 0; turned < 2; ++turned) {
+                if (!test_takes((uint64_t)(i + j + turned), 2))
+                    continue;
                 flight shot = shoot(speeds[i], times[j], 0, turned * 0.5);
                 if (!(shot.furthest < 10.0) || !(shot.back < f[4] * speeds[i]))
                     fail_msg("at %g m/s and dt %g the bullet comes to %g, and back at %g",
@@ -369,6 +373,8 @@ static void an_elastic_bounce_keeps_its_height(void **state)
     } cases[] = {{2, 4}, {2, 1}, {2, 8}, {0.7, 4}, {5.3, 4}, {11, 2}};
     double most = figure("effects.md", "a bounce takes or gives less than # % of its height");
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        if (!test_takes(i, 3))
+            continue;
         double n, loss = loss_of_a_bounce(cases[i].drop, cases[i].substeps, &n);
         print_message("%g m, %u substeps, %.0f bounces: %.5f of the height lost each time\n",
                       cases[i].drop, cases[i].substeps, n, loss);
@@ -709,8 +715,9 @@ static void a_pile_stays_between_its_walls_and_rests(void **state)
     mover_free(m);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    test_begin(argc, argv);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(stacks_stand),
         cmocka_unit_test(stacks_stand_far_away_in_doubles),

@@ -24,7 +24,7 @@ static duet_pose even[N], mixed[N]; // of one size, of many
 static char saved[64], scratch[80];
 static uint64_t moved_right; // hash of the motion after its steps
 static uint32_t n_points;
-static uint32_t n_wanted = 2; // points of each scenario and way; 0: all
+static uint32_t n_wanted = 1; // points of each scenario and way; 0: all
 static const char *only = ""; // scenarios whose name begins so
 
 // What lives from its making to its end while calls fail. At the end of a life in which

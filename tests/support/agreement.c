@@ -36,7 +36,8 @@ static const struct {
     {DUET_MODE_SLAB, "paper"},
 };
 
-// Each way is tried with one of these and with halves.
+// Each way is tried with one of these and with halves. A sample is every third way, and
+// has all of them.
 static const uint32_t shares[] = {0, 1, DUET_SHARE_ONE};
 
 typedef struct check {
@@ -122,13 +123,13 @@ static void step(check *c, duet_world *world, const duet_plan *plan)
 static void step_all_plans(check *c, duet_world *world)
 {
     for (size_t w = 0; w < sizeof ways / sizeof *ways; ++w)
-        for (int halves = 0; test_takes(w, 2) && halves < 2; ++halves) {
+        for (int halves = 0; test_takes(w, 3) && halves < 2; ++halves) {
             if (c->def->shape == DUET_SHAPE_BOUNDS && strstr(ways[w].variant, "FUSED"))
                 continue; // bounds need no test
             if (c->def->origin_edge > 0 && strcmp(ways[w].variant, "paper") == 0)
                 continue; // which knows no origin cells
             duet_plan plan = {.mode = ways[w].mode};
-            plan.share = halves ? DUET_SHARE_ONE / 2 : shares[w % 3];
+            plan.share = halves ? DUET_SHARE_ONE / 2 : shares[w / 3 % 3];
             bool alike = plan.mode == DUET_MODE_SHARED || plan.share == DUET_SHARE_ONE;
             strcpy(plan.variant_a, alike ? ways[w].variant : "gpu");
             strcpy(plan.variant_b, ways[w].variant);

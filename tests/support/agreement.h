@@ -7,7 +7,7 @@
 #include "runtime/duet.h"
 
 // Steps n objects (poses or bounds, as def->shape says, or placed poses, as
-// def->origin_edge does) under plans of all modes, searches, sorts and grids (every other one, by
+// def->origin_edge does) under plans of all modes, searches, sorts and grids (every third one, by
 // the seed), with shares from nothing to all, and fails with the first pair that differs, or where the candidates or the pairs
 // left undecided are not those of the specification in C (runtime/narrowphase/sat_frame.h).
 // Returns the number of pairs.
