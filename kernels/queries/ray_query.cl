@@ -114,7 +114,7 @@ static inline uint meet_box(const walk *w, __global const float *row_of_box, flo
 #pragma unroll
     for (int k = 0; k < DIMS; ++k) {
 //@ if ORIGIN > 0 then
-        way[k] = far_way(&w->item, box, k);
+        way[k] = far_way(&w->item, row_of_box, k);
 //@ else
         way[k] = r->lower[k] - box[k];
 //@ end
