@@ -530,6 +530,35 @@ static void many_are_answered_as_few(void **state)
     free(s);
 }
 
+static void a_gpu_gives_the_same_answers(void **state)
+{
+    (void)state;
+    const struct {
+        ask *kind;
+        int what;
+    } asks[] = {{ask_rays, DUET_QUERY_CLOSEST},
+                {ask_points, 3},
+                {ask_sweeps, DUET_QUERY_CLOSEST},
+                {ask_boxes, DUET_LEVEL_CERTIFIED}};
+    scene *s = make_scene(3);
+    answer found[2];
+    move_scene(s, there);
+    for (size_t i = 0; i < sizeof asks / sizeof *asks; ++i) {
+        for (int gpu = 0; gpu < 2; ++gpu) {
+            devices_seem_gpus(gpu);
+            duet_tree *tree = open_far_tree(3, 0, s->large_boxes, BOXES);
+            asks[i].kind(s, tree, asks[i].what, &found[gpu]);
+            duet_tree_destroy(tree);
+        }
+        devices_seem_gpus(false);
+        assert_true(found[0].n > 0);
+        same_answers(&found[0], &found[1]);
+        free(found[0].hits);
+        free(found[1].hits);
+    }
+    free(s);
+}
+
 // Bodies fall alike near 0 and far away, and rays see them alike.
 static void bodies_of_a_motion_are_seen_where_they_are(void **state)
 {
@@ -654,6 +683,7 @@ int main(void)
         cmocka_unit_test(sweeps_meet_what_integers_say),
         cmocka_unit_test(cheaper_levels_answer_alike_everywhere),
         cmocka_unit_test(many_are_answered_as_few),
+        cmocka_unit_test(a_gpu_gives_the_same_answers),
         cmocka_unit_test(bodies_of_a_motion_are_seen_where_they_are),
         cmocka_unit_test(a_motion_with_other_cells_is_refused),
         cmocka_unit_test(what_has_no_cells_is_refused_by_name),

@@ -676,15 +676,6 @@ static void lists_grow(void **state)
     free(rays);
 }
 
-static void set_kinds(const duet_device_info infos[2], bool own)
-{
-    for (int side = 0; side < 2; ++side) {
-        devices->devices[side].info = infos[side];
-        devices->devices[side].info.host_memory = infos[side].host_memory && !own;
-        devices->devices[side].info.kind = own ? DUET_KIND_GPU : infos[side].kind;
-    }
-}
-
 // On GPUs with memory of their own, as the CPU's parts are told here to be, chunks follow each
 // other, and a ray goes its own way. In B's second chunk float leaves more open than is read along
 // with it.
@@ -695,7 +686,6 @@ static void chunks_that_follow_each_other_lose_nothing(void **state)
     duet_pose cubes[CUBES];
     duet_ray *rays = calloc(N, sizeof *rays);
     duet_ray_hit *expected = calloc(N, sizeof *expected);
-    const duet_device_info infos[2] = {devices->devices[0].info, devices->devices[1].info};
     rng r = rng_seed(test_seed());
     for (int i = 0; i < CUBES; ++i)
         cubes[i] = (duet_pose){
@@ -706,7 +696,7 @@ static void chunks_that_follow_each_other_lose_nothing(void **state)
             {-9, touches ? 0.5f : between(&r, -1, 5), between(&r, -1, 5)}, {1, 0, 0}, INFINITY};
     }
     for (int own = 0; own < 2; ++own) {
-        set_kinds(infos, own);
+        devices_seem_gpus(own);
         duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 8, cubes, CUBES);
         duet_ray_query *query = open_query(tree, DUET_QUERY_CLOSEST);
         for (int run = 0; run < 1 + own; ++run) { // with lists that were used before, too
@@ -727,7 +717,7 @@ static void chunks_that_follow_each_other_lose_nothing(void **state)
         duet_ray_query_destroy(query);
         duet_tree_destroy(tree);
     }
-    set_kinds(infos, false);
+    devices_seem_gpus(false);
     free(rays);
     free(expected);
 }
@@ -736,16 +726,15 @@ static void a_gpu_walks_to_the_same_hits(void **state)
 {
     (void)state;
     world *w = make_world(3);
-    const duet_device_info infos[2] = {devices->devices[0].info, devices->devices[1].info};
     duet_ray_query *on_cpu = open_alone(DUET_QUERY_CLOSEST, 3, 0, w->boxes, BOXES);
     duet_ray_query_result expected = cast(on_cpu, w->rays, RAYS);
-    set_kinds(infos, true);
+    devices_seem_gpus(true);
     duet_ray_query *on_gpu = open_alone(DUET_QUERY_CLOSEST, 3, 0, w->boxes, BOXES);
     duet_ray_query_result found = cast(on_gpu, w->rays, RAYS);
     assert_memory_equal(found.hits, expected.hits, RAYS * sizeof *found.hits);
     assert_int_equal(found.undecided, expected.undecided);
     duet_ray_query_destroy(on_gpu);
-    set_kinds(infos, false);
+    devices_seem_gpus(false);
     duet_ray_query_destroy(on_cpu);
     free(w);
 }

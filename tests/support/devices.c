@@ -4,6 +4,7 @@
 #include "support/test.h"
 
 #include "runtime/opencl/device.h"
+#include "runtime/opencl/device_pair.h"
 
 duet_device_pair *devices;
 
@@ -23,4 +24,19 @@ int close_devices(void **state)
     duet_device_pair_destroy(devices);
     assert_int_equal(device_live_objects(), 0);
     return 0;
+}
+
+void devices_seem_gpus(bool seem)
+{
+    static duet_device_info own[2];
+    for (int side = 0; side < 2; ++side) {
+        duet_device_info *info = &devices->devices[side].info;
+        if (seem && info->kind != DUET_KIND_GPU) {
+            own[side] = *info;
+            info->kind = DUET_KIND_GPU;
+            info->host_memory = false;
+        } else if (!seem && own[side].name[0]) {
+            *info = own[side];
+        }
+    }
 }

@@ -11,4 +11,8 @@ extern duet_device_pair *devices;
 int open_devices(void **state);
 int close_devices(void **state);
 
+// What is made from now on is made as for GPUs with memory of their own, or again as for what
+// the devices are.
+void devices_seem_gpus(bool seem);
+
 #endif
