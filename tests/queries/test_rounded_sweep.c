@@ -408,6 +408,9 @@ static void every_hit_is_found_and_no_other(void **state)
     (void)state;
     every_hit_in(3, DUET_SHARE_ONE / 3);
     every_hit_in(2, DUET_SHARE_ONE);
+    devices_seem_gpus(true);
+    every_hit_in(3, 0);
+    devices_seem_gpus(false);
 }
 
 // What only just touches is none of float's business.
