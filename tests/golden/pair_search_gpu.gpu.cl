@@ -145,7 +145,7 @@ static inline void test_pair(const tester *to, uint2 candidate, volatile __globa
     uint id_a, id_b;
     box a = box_at(to->boxes, candidate.x, &id_a);
     box b = box_at(to->boxes, candidate.y, &id_b);
-    verdicts v = verdict(&a, &b);
+    decided v = answer(&a, &b);
     if (v.colliding) {
         to->colliding[atomic_inc(to->n_colliding)] = ordered(id_a, id_b);
     } else if (!v.separated) {
