@@ -457,10 +457,11 @@ static void two_devices_launch_one_program_over_any_ranges_at_once(void **state)
 static void what_is_not_timed_is_done_all_the_same(void **state)
 {
     (void)state;
+    const duet_device_info *cpu = cuttable_cpu();
     clearing c = {0};
     gen *g = gen_open(NULL, &c.err);
     assert_ok(g != NULL, c.err);
-    open_clearing(&c, g, cuttable_cpu()->selector);
+    open_clearing(&c, g, cpu->selector);
     timeline times = {0};
     timeline_begin(&times, &c.d);
     assert_ok(timeline_fill(&times, "fill", &c.args.starts, 7, 0, 1001, &c.err), c.err);
