@@ -264,11 +264,11 @@ static bool send_stretches(part *p, const part_task *task, duet_error *err)
 static bool reserve_marks(part *p, uint32_t n, duet_error *err)
 {
     size_t words = n / STRAY_BLOCK + 1;
-    cl_mem before = p->marks.mem;
+    size_t before = p->marks.bytes;
     ++p->stamp;
     return buffer_reserve(&p->marks, p->device, words * sizeof(uint32_t), err) &&
-           (p->marks.mem == before || timeline_fill(&p->times, "clear", &p->marks, 0, 0,
-                                                    p->marks.bytes / sizeof(uint32_t), err));
+           (p->marks.bytes == before || timeline_fill(&p->times, "clear", &p->marks, 0, 0,
+                                                      p->marks.bytes / sizeof(uint32_t), err));
 }
 
 stray_marks part_marks(const part *p)

@@ -85,17 +85,20 @@ static bool is_wanted(const strays *s, const stray_marks marks[2], uint32_t bloc
     return m->blocks[block] == m->stamp;
 }
 
-// Of blocks [from, to), one device's own.
-static void take_wanted(strays *s, const stray_marks marks[2], uint32_t from, uint32_t to)
+// Of blocks [from, to), one device's own: those within the margin of one that is wanted. Returns
+// whether the guess was another one.
+static bool take_wanted(strays *s, const stray_marks marks[2], uint32_t from, uint32_t to)
 {
-    memset(s->guessed + from, false, (to - from) * sizeof *s->guessed);
+    bool changed = false;
+    uint32_t wanted = from; // the first that is, not too far before b
     for (uint32_t b = from; b < to; ++b) {
-        if (!is_wanted(s, marks, b))
-            continue;
-        uint32_t first = b - from > s->margin ? b - s->margin : from;
-        uint32_t last = to - b > s->margin ? b + s->margin : to - 1;
-        memset(s->guessed + first, true, (last - first + 1) * sizeof *s->guessed);
+        while (wanted < to && (wanted + s->margin < b || !is_wanted(s, marks, wanted)))
+            ++wanted;
+        bool takes = wanted < to && wanted <= b + s->margin;
+        changed |= s->guessed[b] != takes;
+        s->guessed[b] = takes;
     }
+    return changed;
 }
 
 // Objects that move reach the next blocks: once the guess was better than the first and misses
@@ -112,10 +115,10 @@ bool strays_guessed_all(strays *s, const stray_marks marks[2])
         n_guessed += s->guessed[b];
     }
     if (n_missed > 0 || n_guessed > 2 * (n_wanted + layer)) {
-        take_wanted(s, marks, 0, blocks_of(s->cut));
-        take_wanted(s, marks, blocks_of(s->cut), n_blocks);
+        bool changed = take_wanted(s, marks, 0, blocks_of(s->cut));
+        changed |= take_wanted(s, marks, blocks_of(s->cut), n_blocks);
         s->margin = layer;
-        ++s->version;
+        s->version += changed;
     }
     return n_missed == 0;
 }

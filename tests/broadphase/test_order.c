@@ -504,6 +504,23 @@ static void a_guess_follows_what_was_wanted(void **state)
     strays_close(&s);
 }
 
+// Blocks far apart have more around them than is wanted, and keep it: a new version is sent again.
+static void the_same_guess_is_no_new_one(void **state)
+{
+    (void)state;
+    static const uint32_t ghosts[] = {50, 51, 52}, apart[] = {60, 75, 90}, moved[] = {61, 76, 91};
+    strays s = {0};
+    begin_strays(&s, true);
+    assert_true(guesses(&s, ghosts, 3));
+    assert_false(guesses(&s, apart, 3));
+    assert_false(guesses(&s, moved, 3));
+    const uint64_t version = s.version;
+    for (int i = 0; i < 3; ++i)
+        assert_true(guesses(&s, moved, 3));
+    assert_int_equal(s.version, version);
+    strays_close(&s);
+}
+
 static void a_bad_object_is_named_wherever_it_strays(void **state)
 {
     (void)state;
@@ -578,6 +595,7 @@ int main(void)
         cmocka_unit_test(a_device_takes_its_own_half_and_the_blocks_with_strays),
         cmocka_unit_test(objects_that_move_are_found_in_every_step),
         cmocka_unit_test(a_guess_follows_what_was_wanted),
+        cmocka_unit_test(the_same_guess_is_no_new_one),
         cmocka_unit_test(a_workload_tells_how_many_objects_stray),
         cmocka_unit_test(a_bad_object_is_named_wherever_it_strays),
     };

@@ -80,10 +80,13 @@ static void assert_idle(void)
 
 // ------------------------------------------------------------ worlds
 
+static void live_as_ordered_world(const scenario *s, lost_way way, uint32_t k);
+
 static duet_world *open_world(const scenario *s, duet_error *err)
 {
     duet_world_def def = duet_default_world_def();
     def.pair = pair;
+    def.ordered = s->live == live_as_ordered_world;
     def.plan.mode = s->mode;
     def.plan.share = s->share * (DUET_SHARE_ONE / 4);
     snprintf(def.plan.variant_a, sizeof def.plan.variant_a, "%s", s->variant);
@@ -126,6 +129,12 @@ static void live_as_world(const scenario *s, lost_way way, uint32_t k)
 {
     lost_begin(way, k);
     use_new_world(s, way);
+}
+
+// The world is told that its objects are in order, and they are not: the first step runs twice.
+static void live_as_ordered_world(const scenario *s, lost_way way, uint32_t k)
+{
+    live_as_world(s, way, k);
 }
 
 // B alone has whole objects in the place of packed ones, and wants other kernels.
@@ -322,6 +331,8 @@ static void nothing_crashes_hangs_or_leaks(void **state)
         {"shared dense, copied", live_as_world, shared, "gpu", even, 2, true, 0, of_even},
         {"own dense, copied", live_as_world, own, "gpu send=chunks", even, 2, true, 0, of_even},
         {"slab dense, packed", live_as_world, slab, "gpu send=packed", even, 2, true, 0, of_even},
+        {"slab ordered", live_as_ordered_world, slab, "simd", even, 2, false, 0, of_even},
+        {"slab ordered, copied", live_as_ordered_world, slab, "gpu", even, 2, true, 0, of_even},
         {"shared levelled, copied", live_as_world, shared, "auto", mixed, 1, true, 0, of_mixed},
         {"own levelled", live_as_world, own, "gpu", mixed, 2, false, 0, of_mixed},
         {"shared hashed", live_as_world, shared, "simd grid=hashed", even, 2, false, 0, of_even},
