@@ -249,12 +249,14 @@ static bool comes_near(numbers *n, bool ends)
 static double enter(const duet_ray *ray, const duet_pose *box, double radius, double from, int dims)
 {
     enum { STEPS = 200 };
-    double axis[3][3], way[3] = {0}, direction[3] = {0}, t = from;
+    double axis[3][3], way[3] = {0}, direction[3] = {0}, t = from, size = radius;
     narrow_axes(axis, box->rotation);
     for (int k = 0; k < dims; ++k) {
         way[k] = (double)ray->origin[k] - box->centre[k];
         direction[k] = ray->direction[k];
+        size += fabs(way[k]) + box->half_extents[k];
     }
+    double surely = radius + SLACK * size; // further, so that a step is none of rounding's
     for (int step = 0; step < STEPS; ++step) {
         double square = 0, growth = 0;
         for (int k = 0; k < dims; ++k) {
@@ -264,7 +266,7 @@ static double enter(const duet_ray *ray, const duet_pose *box, double radius, do
             growth += beyond * (p > 0 ? go : -go);
         }
         double next = t - (square - radius * radius) / (2 * growth);
-        if (!(square > radius * radius && growth < 0 && next > t))
+        if (!(square > surely * surely && growth < 0 && next > t))
             break;
         t = next;
     }

@@ -285,11 +285,15 @@ float rounded_sweep_enter(const duet_rounded_sweep *sweep, const duet_rounded_bo
     chase c = chase_of(&flat, &other);
     double t = 0;
     // Radii that are lost beside the boxes change no t, but leave a gap without direction.
-    if (c.reach <= 0x1p-26 * c.size && sweep_meets(&alone, &other.pose, dims))
+    double seen = 0x1p-26 * c.size;
+    if (c.reach <= seen && sweep_meets(&alone, &other.pose, dims))
         return sweep_enter(&alone, &other.pose, dims, normal);
-    gap g = gap_at(&c, 0);
-    if (!(g.apart <= c.reach + c.doubt && rounded_decide(&flat.box, &other, dims)))
-        approach(&c, c.reach, &t, &g);
+    gap g = gap_at(&c, 0), last;
+    if (!(g.apart <= c.reach + c.doubt && rounded_decide(&flat.box, &other, dims))) {
+        approach(&c, fmax(c.reach, seen), &t, &g);
+        if (c.reach < seen)
+            approach(&c, c.reach, &t, &last);
+    }
     return report(t, &g, sweep->t_max, normal);
 }
 

@@ -307,6 +307,51 @@ static void rays_meet_what_the_host_says(void **state)
     free(w);
 }
 
+// A ray that begins in a sphere, nearer to its surface than float sees, and goes along it: whether
+// it comes nearer or goes away is rounding.
+static void rays_that_begin_at_a_surface_meet_it(void **state)
+{
+    (void)state;
+    const duet_rounded_box spheres[] = {
+        {{{-0x1.122f76p-1f, 0x1.14ea64p-1f, 0x1.b295c4p-3f},
+          {0, 0, 0},
+          {0x1.ddd4e4p+0f, 0x1.493692p-1f, 0x1.a8c094p-3f, 0x1.e362dcp+0f}},
+         5},
+        {{{-0x1.8c3708p-1f, 0x1.daa66p-2f, 0x1.70bedp-4f},
+          {0, 0, 0},
+          {0x1.82029ap-10f, 0x1.78ac02p-1f, 0x1.ec191ep-2f, 0x1.85d938p-2f}},
+         5},
+        {{{0x1.2bfb84p-4f, -0x1.4aac1ep-1f, -0x1.bde034p-2f},
+          {0, 0, 0},
+          {0x1.42718cp-2f, -0x1.7f9ed6p+0f, -0x1.d1439p-3f, -0x1.a277e2p-1f}},
+         5},
+    };
+    const duet_ray rays[] = {
+        {{0x1.445ad4p+0f, 0x1.95ecacp+0f, -0x1.1550b2p+2f},
+         {0x1.a8adfap-1f, 0x1.7ef544p-2f, 0x1.a8dcf2p-2f},
+         2},
+        {{0x1.c434dcp+0f, -0x1.282f3ep-1f, 0x1.11320ap+2f},
+         {0x1.3623ep-1f, -0x1.34e9ecp-1f, -0x1.0992ccp-1f},
+         2},
+        {{0x1.9a43b4p+0f, -0x1.4fe5c8p+2f, -0x1.a6a6p+0f},
+         {-0x1.2a819ap-1f, 0x1.54597ap-6f, -0x1.9fd7aap-1f},
+         2},
+    };
+    for (uint32_t i = 0; i < 3; ++i) {
+        duet_error err = {0};
+        duet_ray_query_result found;
+        duet_tree *tree = open_rounded(3, 0, DUET_OBJECT_ROUNDED_BOXES, &spheres[i], 1);
+        duet_ray_query *query = open_rays(tree, DUET_QUERY_EVERY);
+        assert_true(distance_at(&rays[i], &spheres[i], 3, 0) < 5);
+        assert_ok(duet_ray_query_run(query, &rays[i], 1, &found, &err), err);
+        if (found.n_hits != 1)
+            fail_msg("ray %u misses the sphere in which it begins", i);
+        assert_true(distance_at(&rays[i], &spheres[i], 3, found.hits[0].t) < 5.0001L);
+        duet_ray_query_destroy(query);
+        duet_tree_destroy(tree);
+    }
+}
+
 // Squares of such lengths are no floats.
 static void rays_of_any_scale_meet_as_many(void **state)
 {
@@ -602,6 +647,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(integers_agree_with_the_least_distance),
         cmocka_unit_test(rays_meet_what_the_host_says),
+        cmocka_unit_test(rays_that_begin_at_a_surface_meet_it),
         cmocka_unit_test(rays_of_any_scale_meet_as_many),
         cmocka_unit_test(points_are_in_and_near_what_the_host_says),
         cmocka_unit_test(boxes_collide_as_a_worlds),

@@ -305,6 +305,40 @@ static void touching_is_meeting_and_an_ulp_less_is_not(void **state)
     }
 }
 
+// Cores that miss each other by less than double sees, and radii that are no greater.
+static void radii_that_vanish_leave_a_normal(void **state)
+{
+    (void)state;
+    const known cases[] = {
+        {"edges that end at one height",
+         {{{3, -1, -0x1p-149f}, {0, 0, 1e6f}, {0, 0, 1, 1}}, 0x1p-149f},
+         {-1, 1, 0},
+         INFINITY,
+         {{{0x1p-140f, -1e-6f, 1e6f}, {1e6f, 0, 0}, {0, 0, 1, 1}}, 0x1p-140f},
+         3,
+         {1, 0, 0}},
+        {"a point beside a long box",
+         {{{-0x1p20f, 1, 0}, {0x1p20f, 0, 1}, {0, 0, 0, 1}}, 0x1p-64f},
+         {0, -1, 0},
+         1,
+         {{{0x1p-149f, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 0},
+         1,
+         {0, 1, 0}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        float normal[3];
+        duet_rounded_sweep s = sweep_of(&cases[i]);
+        assert_true(rounded_sweep_meets_exactly(&s, &cases[i].still, 3));
+        float t = rounded_sweep_enter(&s, &cases[i].still, 3, normal);
+        double along = 0;
+        for (int k = 0; k < 3; ++k)
+            along += (double)normal[k] * cases[i].normal[k];
+        if (!(fabsf(t - cases[i].t) <= 0.25f && fabs(along - 1) < 1e-6))
+            fail_msg("%s: t %g, normal %g %g %g", cases[i].name, (double)t, (double)normal[0],
+                     (double)normal[1], (double)normal[2]);
+    }
+}
+
 // ---------------------------------------------------------------- hits
 
 static duet_tree *open_rounded(uint32_t dims, uint32_t share, duet_object_kind kind,
@@ -607,6 +641,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(touching_is_meeting_and_an_ulp_less_is_not),
         cmocka_unit_test(integers_agree_with_a_search_in_time),
+        cmocka_unit_test(radii_that_vanish_leave_a_normal),
         cmocka_unit_test(every_hit_is_found_and_no_other),
         cmocka_unit_test(closed_forms_hold_on_devices),
         cmocka_unit_test(closest_and_any_are_of_every_hit),
